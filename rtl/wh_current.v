@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_current: the mean current of a tick from the sum of its ADC words.
+//
+//   current = round((sum of samples_i words - zero) * gain)
+//
+// zero is the sum that stands for 0 A, measured with the bridge off; gain holds the amperes of an ADC
+// step and the division by the number of samples. Rounding is to the nearest word, halves away from
+// zero, and the result saturates.
+// The product is made by a multiplier shared with other blocks (wh_multiply_shared): request_o stays
+// until grant_i, factor_o and gain_i are the operands, done_i says that product_i is the product.
+// Formats: below. Latency: 6 clocks from the last valid_i to valid_o, and one more for each clock
+// without grant. first_i begins a new sum whatever came before. Reset: no sum is under way.
+
+`default_nettype none
+`include "wh_formats.vh"
+
+module wh_current (
+    input  wire                                    clk,
+    input  wire                                    rst,
+
+    input  wire                                    valid_i,    // strobe
+    input  wire                                    first_i,    // with valid_i: first of a tick
+    input  wire signed [`WH_SAMPLE_W-1:0]          sample_i,   // s16, +-2^15 is full scale
+
+    input  wire [8:0]                              samples_i,  // words in a sum, 1...256
+    input  wire signed [`WH_SUM_W-1:0]             zero_i,     // s24, the sum at 0 A
+
+    output wire                                    request_o,
+    input  wire                                    grant_i,
+    output wire signed [`WH_DATA_W-1:0]            factor_o,   // s31q0, sum - zero
+    input  wire                                    done_i,
+    input  wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_i,  // s58q35 A
+
+    output reg                                     valid_o,    // strobe
+    output reg  signed [`WH_DATA_W-1:0]            current_o   // s31q24 A, +-64 A
+);
+
+    localparam integer DIFFERENCE_W = `WH_SUM_W + 1;
+    localparam integer PRODUCT_W    = DIFFERENCE_W + `WH_COEF_W;  // as far as product_i is used
+    localparam integer SHIFT        = `WH_GAIN_Q - `WH_CURRENT_Q;
+    localparam integer ROUND_W      = PRODUCT_W - SHIFT + 1;
+
+    generate
+        if (`WH_DATA_W < DIFFERENCE_W) begin : illegal
+            wh_illegal_WH_DATA_W_must_hold_a_tick_sum_WH_SUM_W_plus_1 stop ();
+        end
+    endgenerate
+
+    // The sum begins at -zero, so that the difference is there with the last word. 256 words of 16
+    // bits and the zero: 25 bits hold it.
+    reg signed [DIFFERENCE_W-1:0] sum_q;
+    reg        [8:0]              count_q;    // words in sum_q
+    reg                           request_q;
+
+    wire signed [DIFFERENCE_W-1:0] zero   = {zero_i[`WH_SUM_W-1], zero_i};
+    wire signed [DIFFERENCE_W-1:0] base   = first_i ? ~zero : sum_q;
+    wire signed [DIFFERENCE_W-1:0] sample =
+        {{DIFFERENCE_W-`WH_SAMPLE_W{sample_i[`WH_SAMPLE_W-1]}}, sample_i};
+    wire        [8:0]              count  = first_i ? 9'd1 : count_q + 9'd1;
+
+    always @(posedge clk) begin
+        if (valid_i) begin
+            // -zero is ~zero + 1.
+            sum_q <= base + sample + $signed({{DIFFERENCE_W-1{1'b0}}, first_i});
+        end
+    end
+
+    always @(posedge clk) begin
+        if (rst) begin
+            count_q   <= 9'd0;
+            request_q <= 1'b0;
+        end else if (valid_i) begin
+            count_q   <= count;
+            request_q <= (count == samples_i);
+        end else if (grant_i) begin
+            request_q <= 1'b0;
+        end
+    end
+
+    assign request_o = request_q;
+    assign factor_o  = {{`WH_DATA_W-DIFFERENCE_W{sum_q[DIFFERENCE_W-1]}}, sum_q};
+
+    // 25 x 27 bits: above the product there is nothing but its sign.
+    wire unused = &{1'b0, product_i[`WH_DATA_W+`WH_COEF_W-1:PRODUCT_W]};
+
+    // Rounded in one clock, saturated in the next.
+    wire signed [ROUND_W-1:0]    rounded;
+    reg  signed [ROUND_W-1:0]    rounded_q;
+    reg                          rounded_valid_q;
+    wire signed [`WH_DATA_W-1:0] saturated;
+
+    wh_round #(
+        .IN_W    (PRODUCT_W),
+        .SHIFT   (SHIFT)
+    ) round (
+        .value_i ($signed(product_i[PRODUCT_W-1:0])),
+        .value_o (rounded)
+    );
+
+    wh_saturate #(
+        .IN_W    (ROUND_W),
+        .OUT_W   (`WH_DATA_W)
+    ) saturate (
+        .value_i (rounded_q),
+        .value_o (saturated)
+    );
+
+    always @(posedge clk) begin
+        rounded_q <= rounded;
+        if (rst) begin
+            rounded_valid_q <= 1'b0;
+            valid_o         <= 1'b0;
+            current_o       <= {`WH_DATA_W{1'b0}};
+        end else begin
+            rounded_valid_q <= done_i;
+            valid_o         <= rounded_valid_q;
+            if (rounded_valid_q) begin
+                current_o <= saturated;
+            end
+        end
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_formats: every word length and binary point of the design, in one place.
+//
+// A word s<W>q<Q> is a two's complement integer of W bits; value = raw / 2^Q in the SI unit named.
+// Python reads this file (sim/wavehaptics/formats.py), so the RTL and the integer model can't drift
+// apart. A width guarded by `ifndef may be set from the tool's command line.
+
+`ifndef WH_FORMATS_VH
+`define WH_FORMATS_VH
+
+// Data words: current, voltage and waves share one width, so that one multiplier serves them.
+`ifndef WH_DATA_W
+`define WH_DATA_W 31
+`endif
+`define WH_CURRENT_Q (`WH_DATA_W - 7)  // A,   full scale +-64 A
+`define WH_VOLTAGE_Q (`WH_DATA_W - 8)  // V,   full scale +-128 V
+`define WH_WAVE_Q    (`WH_DATA_W - 8)  // √W,  full scale +-128 √W
+
+// Coefficients: s, eta and a share one width, for the same reason.
+`ifndef WH_COEF_W
+`define WH_COEF_W 27
+`endif
+`define WH_ROOT_Q    (`WH_COEF_W - 5)  // s = √(2R̂) in √Ω, full scale +-16, so R̂ < 128 Ω
+`define WH_ETA_Q     (`WH_COEF_W - 2)  // η, full scale +-2, used in [-1, 1]
+`define WH_A_Q       (`WH_COEF_W - 2)  // a, full scale +-2, used in (0, 1]
+
+// Guard bits below the wave's last place in the state f of the λ filter. A step smaller than one
+// guarded place is lost, so f stops short of its goal by at most 2^-(WH_WAVE_Q + guard) / a:
+// 5 µ√W at the smallest a of the design, 5e-5 (λ = 100 rad/s at T = 0.5 µs).
+`ifndef WH_STATE_GUARD
+`define WH_STATE_GUARD 9
+`endif
+`define WH_STATE_W   (`WH_DATA_W + `WH_STATE_GUARD)
+
+// Bits of the low limb when a product is split. 15 bits and a sign fit a 16-bit signed multiplier
+// of the iCE40 and an 18-bit one of the ECP5, without a mixed-sign product.
+`define WH_LIMB_W 15
+
+// Current sensing.
+`define WH_SAMPLE_W 16  // ADC word, signed, left-justified: full scale is +-2^15 at any resolution
+`define WH_SUM_W    24  // sum of a tick's samples, up to 256 of them
+`define WH_GAIN_Q   35  // A per unit of the sum, in a coefficient word, < 1.95 mA
+
+// Position and walls, in counts of the encoder.
+`define WH_COUNT_W 32
+
+// Drive: half width of the bridge's pulse in clocks.
+`define WH_DUTY_Q   16  // clocks per volt in a coefficient word, and the fraction of the half width
+`define WH_TICK_W   16  // counts of clocks
+
+`endif

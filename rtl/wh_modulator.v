@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_modulator: makes a voltage into half pulse widths in whole clocks, with error feedback.
+//
+//   duty     = truncate(voltage * clocks_per_volt),  clocks_per_volt = half_clocks / (2 Vbus)
+//   total    = duty + residual
+//   width    = round(total), clipped to +- half_clocks / 2 (rounded down)
+//   residual = total - width, or 0 if the width was clipped
+//
+// once a half, so what the clock is too coarse for in one half is made good in the next ones: the sum
+// of the widths stays within half a clock of the sum of the duties. What a clipped half could not
+// give is not owed to later ones, or it would wind up. Everything is odd in the voltage.
+//
+// A voltage becomes the pending duty; take_i, 2 clocks before the tick's last update_i, makes it that
+// of the tick to come. width_o belongs to the half that begins after update_i, and is ready 3 clocks
+// after the update_i before, so a half has at least 4 clocks.
+// The product is made by a multiplier shared with other blocks (wh_multiply_shared), as in
+// wh_current; voltage_i holds from valid_i until grant_i.
+//
+// Formats: below; duty and total hold the whole product, and can't overflow. Latency: 4 clocks
+// from valid_i to where take_i finds the duty, and one more for each clock without grant.
+// Reset: duty, residual and width 0.
+
+`default_nettype none
+`include "wh_formats.vh"
+
+module wh_modulator (
+    input  wire                                    clk,
+    input  wire                                    rst,
+
+    input  wire                                    valid_i,            // strobe
+    input  wire signed [`WH_DATA_W-1:0]            voltage_i,          // s31q23 V, +-128 V
+
+    input  wire signed [`WH_COEF_W-1:0]            clocks_per_volt_i,  // s27q16 clocks/V, 0...1023
+    input  wire        [`WH_TICK_W-1:0]            half_clocks_i,      // clocks in a half, 4...
+
+    output wire                                    request_o,
+    input  wire                                    grant_i,
+    output wire signed [`WH_DATA_W-1:0]            factor_o,           // s31q23 V
+    output wire signed [`WH_COEF_W-1:0]            coefficient_o,      // s27q16 clocks/V
+    input  wire                                    done_i,
+    input  wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_i,          // s58q39 clocks
+
+    input  wire                                    take_i,             // strobe, tick_o - 2 clocks
+    input  wire                                    update_i,           // strobe, last clock of a half
+    output reg  signed [`WH_TICK_W-1:0]            width_o             // s16, clocks
+);
+
+    localparam integer PRODUCT_W = `WH_DATA_W + `WH_COEF_W;
+    localparam integer FRACTION  = `WH_DUTY_Q;
+    localparam integer DUTY_W    = PRODUCT_W - `WH_VOLTAGE_Q;   // s35q16
+    localparam integer TOTAL_W   = DUTY_W + 1;                  // s36q16
+    localparam integer ROUND_W   = TOTAL_W - FRACTION + 1;      // s21
+
+    generate
+        if (ROUND_W < `WH_TICK_W + 1) begin : illegal
+            wh_illegal_WH_DATA_W_or_WH_COEF_W_too_small_for_a_pulse_width stop ();
+        end
+    endgenerate
+
+    reg waiting_q;
+
+    always @(posedge clk) begin
+        if (rst || grant_i) begin
+            waiting_q <= 1'b0;
+        end else if (valid_i) begin
+            waiting_q <= 1'b1;
+        end
+    end
+
+    assign request_o     = valid_i || waiting_q;
+    assign factor_o      = voltage_i;
+    assign coefficient_o = clocks_per_volt_i;
+
+    reg  signed [DUTY_W-1:0] pending_q;  // s35q16 clocks
+    reg  signed [DUTY_W-1:0] active_q;   // s35q16 clocks
+    wire signed [DUTY_W-1:0] next_duty = take_i ? pending_q : active_q;
+    wire signed [DUTY_W-1:0] duty;
+
+    wh_truncate #(
+        .IN_W    (PRODUCT_W),
+        .SHIFT   (`WH_VOLTAGE_Q)
+    ) truncate (
+        .value_i (product_i),
+        .value_o (duty)
+    );
+
+    always @(posedge clk) begin
+        if (rst) begin
+            pending_q <= {DUTY_W{1'b0}};
+            active_q  <= {DUTY_W{1'b0}};
+        end else begin
+            if (done_i) begin
+                pending_q <= duty;
+            end
+            active_q <= next_duty;
+        end
+    end
+
+    // The next half's total and width follow every change of the duty and of the residual.
+    reg  signed [FRACTION:0]  residual_q;  // s17q16, +-1/2
+    reg  signed [TOTAL_W-1:0] total_q;     // s36q16 clocks
+
+    always @(posedge clk) begin
+        if (rst) begin
+            total_q <= {TOTAL_W{1'b0}};
+        end else begin
+            total_q <= {next_duty[DUTY_W-1], next_duty}
+                       + {{TOTAL_W-FRACTION-1{residual_q[FRACTION]}}, residual_q};
+        end
+    end
+
+    wire signed [ROUND_W-1:0] rounded;
+
+    wh_round #(
+        .IN_W    (TOTAL_W),
+        .SHIFT   (FRACTION)
+    ) round (
+        .value_i (total_q),
+        .value_o (rounded)
+    );
+
+    // Half of an odd half_clocks_i is rounded down.
+    wire signed [`WH_TICK_W-1:0] limit      = $signed({1'b0, half_clocks_i[`WH_TICK_W-1:1]});
+    wire signed [ROUND_W-1:0]    limit_long = {{ROUND_W-`WH_TICK_W{1'b0}}, limit};
+    wire                         over       = rounded > limit_long;
+    wire                         under      = rounded < -limit_long;
+    wire                         unused     = &{1'b0, half_clocks_i[0]};
+
+    // Rounding up takes a whole clock from the fraction: its sign is the carry.
+    wire carry = rounded[0] ^ total_q[FRACTION];
+
+    reg signed [FRACTION:0] next_residual_q;
+
+    always @(posedge clk) begin
+        if (rst) begin
+            width_o         <= {`WH_TICK_W{1'b0}};
+            next_residual_q <= {FRACTION+1{1'b0}};
+            residual_q      <= {FRACTION+1{1'b0}};
+        end else begin
+            width_o         <= over ? limit
+                                    : (under ? -limit : $signed(rounded[`WH_TICK_W-1:0]));
+            next_residual_q <= (over || under) ? {FRACTION+1{1'b0}}
+                                               : $signed({carry, total_q[FRACTION-1:0]});
+            if (update_i) begin
+                residual_q <= next_residual_q;
+            end
+        end
+    end
+
+endmodule
+
+`default_nettype wire

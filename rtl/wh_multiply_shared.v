@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_multiply_shared: one pipelined multiplier for several users.
+//
+//   product_o = data_i[n] * coef_i[n] of the user that was granted 3 clocks ago
+//
+// A user holds request_i[n] and its operands until grant_o[n]; the lowest user that asks is granted
+// in the same clock. done_o[n] says that product_o is this user's.
+// A user that asks once in USERS clocks or less often waits USERS - 1 clocks at most.
+// Formats: whatever the users agree on; the product has every bit. Latency: 3 clocks from grant_o to
+// done_o. Reset: products under way are forgotten.
+
+`default_nettype none
+`include "wh_formats.vh"
+
+module wh_multiply_shared #(
+    parameter integer USERS = 2  // 1...
+) (
+    input  wire                                    clk,
+    input  wire                                    rst,
+
+    input  wire [USERS-1:0]                        request_i,
+    input  wire [USERS*`WH_DATA_W-1:0]             data_i,     // user 0 lowest
+    input  wire [USERS*`WH_COEF_W-1:0]             coef_i,     // user 0 lowest
+    output wire [USERS-1:0]                        grant_o,
+
+    output wire [USERS-1:0]                        done_o,     // strobe
+    output wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_o
+);
+
+    localparam integer LATENCY = 3;  // of wh_multiply
+
+    generate
+        if (USERS < 1) begin : illegal
+            wh_illegal_parameter_multiply_shared_users_must_be_1_or_more stop ();
+        end
+    endgenerate
+
+    // The lowest bit that is set.
+    assign grant_o = request_i & ~(request_i - {{USERS-1{1'b0}}, 1'b1});
+
+    reg [`WH_DATA_W-1:0] data;
+    reg [`WH_COEF_W-1:0] coef;
+
+    integer n;
+
+    always @* begin
+        data = {`WH_DATA_W{1'b0}};
+        coef = {`WH_COEF_W{1'b0}};
+        for (n = 0; n < USERS; n = n + 1) begin
+            data = data | (data_i[n*`WH_DATA_W +: `WH_DATA_W] & {`WH_DATA_W{grant_o[n]}});
+            coef = coef | (coef_i[n*`WH_COEF_W +: `WH_COEF_W] & {`WH_COEF_W{grant_o[n]}});
+        end
+    end
+
+    wh_multiply multiply (
+        .clk       (clk),
+        .data_i    ($signed(data)),
+        .coef_i    ($signed(coef)),
+        .product_o (product_o)
+    );
+
+    reg [LATENCY*USERS-1:0] owner_q;
+
+    always @(posedge clk) begin
+        if (rst) begin
+            owner_q <= {LATENCY*USERS{1'b0}};
+        end else begin
+            owner_q <= {owner_q[(LATENCY-1)*USERS-1:0], grant_o};
+        end
+    end
+
+    assign done_o = owner_q[LATENCY*USERS-1 -: USERS];
+
+endmodule
+
+`default_nettype wire

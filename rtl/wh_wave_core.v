@@ -1,0 +1,394 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_wave_core: one step of the wave controller for each of N ports, one port after the other.
+//
+//   v  = u_n - s i_n            u_n: what was applied in the measured tick, from the delay line
+//   f += a (η W{v} - f)         D(s) = η λ/(s + λ) W(s), in contact or in free space by η
+//   f  = clamp(f, ±u_max)       u_max: the drive's limit over s
+//   e  = s u                    u: f, or one of its predecessors out of the delay line
+//
+// sim/wavehaptics/golden.py says the same with integers, and this module equals it bit for bit.
+// Rounding is toward zero everywhere, sums saturate. f has WH_STATE_GUARD bits below a wave's last.
+//
+// extra_ticks_i is the age, in steps, of the u that was applied in the measured tick, seen from the
+// newest u that is in the line when the step starts. hold_ticks_i is the age of the u that this
+// step puts out, seen from the one that it computes: 0 puts that one out at once.
+//
+// Latency: 23 clocks a port, so valid_o comes 23 N clocks after start_i. The next start_i may come
+// together with valid_o. A start_i while busy is ignored, and overrun_o tells of it until reset.
+// All other inputs are held from start_i until valid_o; a port's are read during its own turn. The
+// outputs hold from valid_o to the next start_i.
+// Reset: f = 0, the delay line reads as 0 until it has been filled, outputs 0, a step in progress
+// is dropped.
+
+`default_nettype none
+`include "wh_formats.vh"
+
+module wh_wave_core #(
+    parameter integer N          = 1,  // ports, 1...
+    parameter integer DELAY_LOG2 = 2   // the delay line keeps 2^DELAY_LOG2 steps, 1...
+) (
+    input wire clk,
+    input wire rst,
+
+    input  wire start_i,
+    output wire busy_o,
+    output reg  valid_o,
+    output reg  overrun_o,
+
+    input wire signed [N*`WH_DATA_W-1:0] current_i,      // s31q24 A, ±64 A: the tick's mean i_n
+    input wire signed [N*`WH_COEF_W-1:0] eta_i,          // s27q25 η, used in [-1, 1]
+    input wire signed [N*`WH_COEF_W-1:0] root_i,         // s27q22 √Ω, ±16: s = √(2R̂)
+    input wire signed [N*`WH_COEF_W-1:0] a_i,            // s27q25 a, used in (0, 1]
+    input wire signed [N*`WH_DATA_W-1:0] u_max_i,        // s31q23 √W, 0...128 √W
+    input wire        [DELAY_LOG2-1:0]   extra_ticks_i,
+    input wire        [DELAY_LOG2-1:0]   hold_ticks_i,
+
+    output reg signed [N*`WH_DATA_W-1:0] voltage_o,      // s31q23 V, ±128 V: e to be applied
+    output reg signed [N*`WH_DATA_W-1:0] u_o,            // s31q23 √W, ±128 √W: u_n, measured tick
+    output reg signed [N*`WH_DATA_W-1:0] v_o,            // s31q23 √W, ±128 √W: v_n, measured tick
+    output reg        [N-1:0]            saturated_o     // f was outside ±u_max in this step
+);
+
+    // ---- Word lengths. A product keeps all its bits; each is then brought to its sum's place.
+    localparam integer DATA_W    = `WH_DATA_W;
+    localparam integer COEF_W    = `WH_COEF_W;
+    localparam integer GUARD     = `WH_STATE_GUARD;
+    localparam integer STATE_W   = `WH_STATE_W;
+    localparam integer PRODUCT_W = DATA_W + COEF_W;
+
+    localparam integer SI_SHIFT   = `WH_ROOT_Q + `WH_CURRENT_Q - `WH_WAVE_Q;
+    localparam integer ETA_SHIFT  = `WH_ETA_Q;
+    localparam integer A_SHIFT    = `WH_A_Q - GUARD;
+    localparam integer SU_SHIFT   = `WH_ROOT_Q + `WH_WAVE_Q - `WH_VOLTAGE_Q;
+    localparam integer SI_W       = PRODUCT_W - SI_SHIFT;
+    localparam integer ETA_V_W    = PRODUCT_W - ETA_SHIFT;
+    localparam integer STEP_W     = PRODUCT_W - A_SHIFT;
+    localparam integer SU_W       = PRODUCT_W - SU_SHIFT;
+
+    localparam integer V_SUM_W = 1 + ((SI_W > DATA_W) ? SI_W : DATA_W);
+    localparam integer ERROR_W = STATE_W + 1;
+    localparam integer F_SUM_W = 1 + ((STEP_W > STATE_W) ? STEP_W : STATE_W);
+
+    localparam integer LENGTH = 1 << DELAY_LOG2;
+    localparam integer PORT_W = (N > 1) ? $clog2(N) : 1;
+    localparam integer LINE_W = (N > 1) ? PORT_W + DELAY_LOG2 : DELAY_LOG2;
+    localparam integer LAST   = N - 1;
+
+    generate
+        if (N < 1 || DELAY_LOG2 < 1) begin : illegal_parameter
+            wh_illegal_parameter_wave_core_n_or_delay_log2 stop ();
+        end
+        if (GUARD < 1 || A_SHIFT < 1 || SI_SHIFT < 1 || SU_SHIFT < 1) begin : illegal_format
+            wh_illegal_parameter_wave_core_formats stop ();
+        end
+    endgenerate
+
+    // ---- The table of steps, in clocks since the start of a port's turn. A product comes PRODUCT
+    // clocks after its factors were given, and is rounded and registered for the clock after. What
+    // stands between two steps is a pipeline that runs all the time: only these clocks matter.
+    localparam [4:0] PRODUCT    = 5'd3;
+    localparam [4:0] GIVE_SI    = 5'd0;                         // s and i_n
+    localparam [4:0] TAKE_U_N   = GIVE_SI + 5'd1;               // u_n comes out of the delay line
+    localparam [4:0] TAKE_V     = GIVE_SI + PRODUCT + 5'd1;     // v = u_n - s i_n
+    localparam [4:0] GIVE_ETA_V = TAKE_V + 5'd1;                // η and W{v}
+    localparam [4:0] GIVE_A     = GIVE_ETA_V + PRODUCT + 5'd3;  // a and η W{v} - f
+    localparam [4:0] TAKE_F     = GIVE_A + PRODUCT + 5'd2;      // f + a (η W{v} - f), clamped
+    localparam [4:0] TAKE_U     = TAKE_F + 5'd1;                // into the delay line, and out of it
+    localparam [4:0] GIVE_SU    = TAKE_U + 5'd1;                // s and u
+    localparam [4:0] TAKE_E     = GIVE_SU + PRODUCT + 5'd1;     // e = s u: the turn's last clock
+
+    reg              busy_q;
+    reg [4:0]        clock_q;
+    reg [PORT_W-1:0] port_q;
+
+    // The strobe's own clock is the first of the first turn.
+    wire running   = busy_q || start_i;
+    wire last_port = (port_q == LAST[PORT_W-1:0]);
+    wire step_ends = (clock_q == TAKE_E) && last_port;
+
+    assign busy_o = busy_q;
+
+    always @(posedge clk) begin
+        if (rst) begin
+            busy_q    <= 1'b0;
+            clock_q   <= 5'd0;
+            port_q    <= {PORT_W{1'b0}};
+            valid_o   <= 1'b0;
+            overrun_o <= 1'b0;
+        end else begin
+            valid_o <= step_ends;
+            if (busy_q && start_i) begin
+                overrun_o <= 1'b1;
+            end
+            if (running) begin
+                busy_q  <= !step_ends;
+                clock_q <= (clock_q == TAKE_E) ? 5'd0 : clock_q + 1'b1;
+                if (clock_q == TAKE_E) begin
+                    port_q <= last_port ? {PORT_W{1'b0}} : port_q + 1'b1;
+                end
+            end
+        end
+    end
+
+    // ---- What belongs to the port whose turn it is.
+    wire signed [DATA_W-1:0]  current = $signed(current_i[port_q*DATA_W +: DATA_W]);
+    wire signed [COEF_W-1:0]  eta     = $signed(eta_i[port_q*COEF_W +: COEF_W]);
+    wire signed [COEF_W-1:0]  root    = $signed(root_i[port_q*COEF_W +: COEF_W]);
+    wire signed [COEF_W-1:0]  a       = $signed(a_i[port_q*COEF_W +: COEF_W]);
+    wire signed [DATA_W-1:0]  u_max   = $signed(u_max_i[port_q*DATA_W +: DATA_W]);
+    wire signed [DATA_W-1:0]  u_n     = $signed(u_o[port_q*DATA_W +: DATA_W]);
+    wire signed [DATA_W-1:0]  v_n     = $signed(v_o[port_q*DATA_W +: DATA_W]);
+    wire signed [STATE_W-1:0] f       = f_q[port_q];
+
+    // ---- The multiplier, given what is due.
+    wire signed [DATA_W-1:0]    shaped;
+    reg  signed [DATA_W-1:0]    error_q;
+    reg  signed [DATA_W-1:0]    u_held_q;
+    reg  signed [DATA_W-1:0]    data;
+    reg  signed [COEF_W-1:0]    coef;
+    wire signed [PRODUCT_W-1:0] product;
+
+    always @* begin
+        case (clock_q)
+            GIVE_ETA_V: begin
+                data = shaped;
+                coef = eta;
+            end
+            GIVE_A: begin
+                data = error_q;
+                coef = a;
+            end
+            GIVE_SU: begin
+                data = u_held_q;
+                coef = root;
+            end
+            default: begin  // GIVE_SI
+                data = current;
+                coef = root;
+            end
+        endcase
+    end
+
+    wh_multiply multiply (
+        .clk       (clk),
+        .data_i    (data),
+        .coef_i    (coef),
+        .product_o (product)
+    );
+
+    // ---- v = u_n - s i_n
+    wire signed [SI_W-1:0]   si;
+    reg  signed [SI_W-1:0]   si_q;
+    wire signed [DATA_W-1:0] v;
+
+    wh_truncate #(
+        .IN_W    (PRODUCT_W),
+        .SHIFT   (SI_SHIFT)
+    ) truncate_si (
+        .value_i (product),
+        .value_o (si)
+    );
+
+    wh_saturate #(
+        .IN_W    (V_SUM_W),
+        .OUT_W   (DATA_W)
+    ) saturate_v (
+        .value_i ($signed({{(V_SUM_W - DATA_W){u_n[DATA_W-1]}}, u_n})
+                - $signed({{(V_SUM_W - SI_W){si_q[SI_W-1]}}, si_q})),
+        .value_o (v)
+    );
+
+    // ---- The error of f: η W{v} - f
+    wire signed [ETA_V_W-1:0]       eta_v;
+    reg  signed [ETA_V_W-1:0]       eta_v_q;
+    wire signed [DATA_W-1:0]        goal;
+    reg  signed [ERROR_W-1:0]       guarded_error_q;
+    wire signed [ERROR_W-GUARD-1:0] wide_error;
+    wire signed [DATA_W-1:0]        error;
+
+    wh_shaper shaper (
+        .value_i (v_n),
+        .value_o (shaped)
+    );
+
+    wh_truncate #(
+        .IN_W    (PRODUCT_W),
+        .SHIFT   (ETA_SHIFT)
+    ) truncate_eta_v (
+        .value_i (product),
+        .value_o (eta_v)
+    );
+
+    wh_saturate #(
+        .IN_W    (ETA_V_W),
+        .OUT_W   (DATA_W)
+    ) saturate_goal (
+        .value_i (eta_v_q),
+        .value_o (goal)
+    );
+
+    wh_truncate #(
+        .IN_W    (ERROR_W),
+        .SHIFT   (GUARD)
+    ) truncate_error (
+        .value_i (guarded_error_q),
+        .value_o (wide_error)
+    );
+
+    wh_saturate #(
+        .IN_W    (ERROR_W - GUARD),
+        .OUT_W   (DATA_W)
+    ) saturate_error (
+        .value_i (wide_error),
+        .value_o (error)
+    );
+
+    // ---- D(s): f + a (η W{v} - f), clamped to ±u_max
+    wire signed [STEP_W-1:0]  step;
+    reg  signed [STEP_W-1:0]  step_q;
+    reg  signed [F_SUM_W-1:0] f_sum_q;
+    reg  signed [STATE_W-1:0] f_clamped;
+    wire signed [DATA_W-1:0]  u;
+
+    wh_truncate #(
+        .IN_W    (PRODUCT_W),
+        .SHIFT   (A_SHIFT)
+    ) truncate_step (
+        .value_i (product),
+        .value_o (step)
+    );
+
+    wire signed [STATE_W-1:0] limit      = $signed({u_max, {GUARD{1'b0}}});
+    wire signed [F_SUM_W-1:0] limit_wide =
+        $signed({{(F_SUM_W - STATE_W){limit[STATE_W-1]}}, limit});
+    wire over  = f_sum_q > limit_wide;
+    wire under = f_sum_q < -limit_wide;
+
+    always @* begin
+        if (over || u_max[DATA_W-1]) begin  // as golden.py has it for a limit below 0, too
+            f_clamped = limit;
+        end else if (under) begin
+            f_clamped = -limit;
+        end else begin
+            f_clamped = $signed(f_sum_q[STATE_W-1:0]);
+        end
+    end
+
+    wh_truncate #(
+        .IN_W    (STATE_W),
+        .SHIFT   (GUARD)
+    ) truncate_u (
+        .value_i (f),
+        .value_o (u)
+    );
+
+    // ---- e = s u
+    wire signed [SU_W-1:0]   su;
+    reg  signed [SU_W-1:0]   su_q;
+    wire signed [DATA_W-1:0] e;
+
+    wh_truncate #(
+        .IN_W    (PRODUCT_W),
+        .SHIFT   (SU_SHIFT)
+    ) truncate_su (
+        .value_i (product),
+        .value_o (su)
+    );
+
+    wh_saturate #(
+        .IN_W    (SU_W),
+        .OUT_W   (DATA_W)
+    ) saturate_e (
+        .value_i (su_q),
+        .value_o (e)
+    );
+
+    // The pipeline between the multiplier and the state.
+    always @(posedge clk) begin
+        si_q            <= si;
+        eta_v_q         <= eta_v;
+        guarded_error_q <= $signed({goal[DATA_W-1], goal, {GUARD{1'b0}}})
+                         - $signed({f[STATE_W-1], f});
+        error_q         <= error;
+        step_q          <= step;
+        f_sum_q         <= $signed({{(F_SUM_W - STATE_W){f[STATE_W-1]}}, f})
+                         + $signed({{(F_SUM_W - STEP_W){step_q[STEP_W-1]}}, step_q});
+        su_q            <= su;
+    end
+
+    // ---- The delay line of u: one memory for all ports, a write and a read port. It is read at the
+    // first clock of a turn for u_n, and at all others for the u that this step will put out.
+    reg  signed [DATA_W-1:0]     line [0:N*LENGTH-1];
+    reg  signed [DATA_W-1:0]     line_q;
+    reg         [DELAY_LOG2-1:0] head_q;    // place of the newest u of each port
+    reg         [DELAY_LOG2:0]   filled_q;  // steps since reset, up to LENGTH
+
+    wire [DELAY_LOG2-1:0] new_head  = head_q + 1'b1;
+    wire [DELAY_LOG2-1:0] read_slot = (clock_q == GIVE_SI) ? head_q - extra_ticks_i
+                                                           : new_head - hold_ticks_i;
+    wire [LINE_W-1:0]     write_place;
+    wire [LINE_W-1:0]     read_place;
+
+    generate
+        if (N > 1) begin : many_ports
+            assign write_place = {port_q, new_head};
+            assign read_place  = {port_q, read_slot};
+        end else begin : one_port
+            assign write_place = new_head;
+            assign read_place  = read_slot;
+        end
+    endgenerate
+
+    wire u_n_is_there  = {1'b0, extra_ticks_i} < filled_q;
+    wire held_is_there = {1'b0, hold_ticks_i} <= filled_q;
+    wire hold_is_none  = (hold_ticks_i == {DELAY_LOG2{1'b0}});
+
+    always @(posedge clk) begin
+        line_q <= line[read_place];
+        if (clock_q == TAKE_U) begin
+            line[write_place] <= u;
+            u_held_q          <= hold_is_none ? u : held_is_there ? line_q : {DATA_W{1'b0}};
+        end
+    end
+
+    always @(posedge clk) begin
+        if (rst) begin
+            head_q   <= {DELAY_LOG2{1'b0}};
+            filled_q <= {(DELAY_LOG2 + 1){1'b0}};
+        end else if (step_ends) begin
+            head_q   <= new_head;
+            filled_q <= filled_q[DELAY_LOG2] ? filled_q : filled_q + 1'b1;
+        end
+    end
+
+    // ---- State and results.
+    reg signed [STATE_W-1:0] f_q [0:N-1];
+    integer n;
+
+    always @(posedge clk) begin
+        if (rst) begin
+            voltage_o   <= {(N * DATA_W){1'b0}};
+            u_o         <= {(N * DATA_W){1'b0}};
+            v_o         <= {(N * DATA_W){1'b0}};
+            saturated_o <= {N{1'b0}};
+            for (n = 0; n < N; n = n + 1) begin
+                f_q[n] <= {STATE_W{1'b0}};
+            end
+        end else begin
+            case (clock_q)
+                TAKE_U_N: u_o[port_q*DATA_W +: DATA_W] <= u_n_is_there ? line_q : {DATA_W{1'b0}};
+                TAKE_V:   v_o[port_q*DATA_W +: DATA_W] <= v;
+                TAKE_F: begin
+                    f_q[port_q]         <= f_clamped;
+                    saturated_o[port_q] <= over || under;
+                end
+                TAKE_E:   voltage_o[port_q*DATA_W +: DATA_W] <= e;
+                default: ;
+            endcase
+        end
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,43 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# Resolves the package lists of pyproject.toml for every Python and platform at once, and pins each
+# package with its hashes. What is pinned already stays, unless `--upgrade` is given.
+set -eu
+
+uv=$(command -v .venv/bin/uv || command -v uv || true)
+if [ -z "$uv" ]; then
+    .venv/bin/python -m venv build/uv
+    build/uv/bin/python -m pip --disable-pip-version-check install --quiet uv
+    uv=build/uv/bin/uv
+fi
+
+compile() { # compile LOCK ARGUMENT... : the package list on stdin or among the arguments
+    lock=$1
+    shift
+    mkdir -p build
+    if [ -e "$lock" ]; then cp "$lock" "build/$lock"; fi
+    "$uv" pip compile --quiet --universal --generate-hashes --python-version 3.10 --no-annotate \
+        --no-emit-index-url --no-emit-find-links --custom-compile-command 'make lock' \
+        --output-file "build/$lock" "$@"
+    {
+        echo '# SPDX-License-Identifier: Apache-2.0'
+        grep -v SPDX-License-Identifier "build/$lock"
+    } >"build/$lock.tagged"
+    mv "build/$lock.tagged" "$lock"
+    rm "build/$lock"
+    echo "$lock: $(grep -c == "$lock") pins"
+}
+
+compile requirements.lock pyproject.toml --extra test "$@"
+
+# The synthesis tools alone, at versions that agree with the lock above.
+.venv/bin/python - <<'EOF' >build/synth.in
+try:
+    import tomllib
+except ModuleNotFoundError:
+    import tomli as tomllib
+with open("pyproject.toml", "rb") as file:
+    print(*tomllib.load(file)["project"]["optional-dependencies"]["synth"], sep="\n")
+EOF
+compile requirements-synth.lock build/synth.in --constraints requirements.lock "$@"

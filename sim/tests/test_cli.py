@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line: what it runs, what it refuses in one line, and how it ends."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from wavehaptics import cli
+from wavehaptics.scene import SceneError, shipped_scenes
+
+SCENE = """\
+[scene]
+name = "bench"
+duration_s = 1e-3
+[motor]
+preset = "re25-118743"
+[controller]
+tick_hz = 1e4
+lambda = 1e3
+"""
+TIMEOUT_S = 60
+
+
+@pytest.fixture(autouse=True)
+def in_own_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bench.toml").write_text(SCENE)
+
+
+@pytest.fixture
+def runs(monkeypatch):
+    """Calls of a stand-in for the simulation, which takes seconds to import."""
+    calls = []
+
+    def run_scene(scene, controller, out, progress):
+        calls.append((scene, controller, out))
+        progress(0.5)
+        assert out.is_dir()
+        if scene.scene.name == "refused":
+            raise SceneError("refused: this controller can't; take another")
+        if scene.scene.name == "interrupted":
+            raise KeyboardInterrupt
+        if scene.scene.name == "full":
+            raise OSError(28, "No space left on device", str(out))
+        return {"scene": scene.scene.name, "peak_torque": 0.0212345, "hold_error": None, "ticks": 7}
+
+    module = ModuleType("wavehaptics.run")
+    module.run_scene = run_scene
+    monkeypatch.setitem(sys.modules, "wavehaptics.run", module)
+    return calls
+
+
+def call(capsys, monkeypatch, *arguments: str) -> tuple[int, str, str]:
+    """Exit status, stdout and stderr of the command, run in this process."""
+    monkeypatch.setattr(sys, "argv", ["wavehaptics", *arguments])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    captured = capsys.readouterr()
+    return ended.value.code, captured.out, captured.err
+
+
+def call_process(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """The command as a user starts it."""
+    return subprocess.run(
+        [sys.executable, "-m", "wavehaptics", *arguments],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        timeout=TIMEOUT_S,
+        check=False,
+    )
+
+
+def assert_refused(status: int, out: str, err: str, fragment: str) -> None:
+    assert status == 2
+    assert out == ""
+    assert re.fullmatch(r"wavehaptics: [^\n]+\n", err)
+    assert fragment in err
+
+
+def test_run_with_defaults(capsys, monkeypatch, runs):
+    status, out, err = call(capsys, monkeypatch, "run", "bench.toml")
+    assert (status, err) == (0, "")
+    ((scene, controller, folder),) = runs
+    assert scene.scene.name == "bench"
+    assert controller == "golden"
+    assert folder == Path("build/runs/bench-golden")
+    assert re.search(r"^peak_torque +0.02123  N·m$", out, re.MULTILINE)
+    assert re.search(r"^ticks +7$", out, re.MULTILINE)
+    assert "hold_error" not in out
+    assert out.endswith(f"results in {folder}\n")
+
+
+@pytest.mark.parametrize("controller", cli.CONTROLLERS)
+def test_run_with_options(capsys, monkeypatch, runs, controller):
+    status, _, err = call(
+        capsys,
+        monkeypatch,
+        *("run", "paper_taps", "--controller", controller, "--out", "deep/down"),
+        *("--set", "controller.tick_hz=200e3", "--set", "motor.preset=re40-148877"),
+    )
+    assert (status, err) == (0, "")
+    ((scene, name, folder),) = runs
+    assert scene.scene.name == "paper_taps"
+    assert scene.controller.tick_hz == 200e3
+    assert scene.motor.preset == "re40-148877"
+    assert (name, folder) == (controller, Path("deep/down"))
+
+
+def test_progress_on_a_terminal_only(capsys, monkeypatch, runs):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setenv("TERM", "xterm")
+    status, out, err = call(capsys, monkeypatch, "run", "bench.toml")
+    assert status == 0
+    assert "bench on golden" in err
+    assert "bench on golden" not in out
+
+
+@pytest.mark.parametrize(
+    ("name", "status", "fragment"),
+    [
+        ("refused", 2, "wavehaptics: refused: this controller can't; take another"),
+        ("full", 2, "No space left on device"),
+        ("interrupted", 130, "wavehaptics: interrupted"),
+    ],
+)
+def test_runs_that_end_early(capsys, monkeypatch, runs, name, status, fragment):
+    ended, out, err = call(capsys, monkeypatch, "run", "bench.toml", "--set", f"scene.name={name}")
+    assert (ended, out) == (status, "")
+    assert fragment in err
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fragment"),
+    [
+        ((), "Missing command"),
+        (("rum",), "No such command"),
+        (("run",), "Missing argument 'SCENE'"),
+        (("run", "bench.toml", "--speed", "1"), "No such option"),
+        (("run", "bench.toml", "more"), "unexpected extra argument"),
+        (("run", "bench.toml", "--set"), "requires an argument"),
+        (("run", "bench.toml", "--controller", "Gold"), "did you mean golden? the controllers are"),
+        (("run", "bench.toml", "--controller", ""), "analog, golden, core, pins"),
+        (("run", "bench.toml", "--out", "bench.toml"), "--out bench.toml: can't be written"),
+        (("run", "bench.toml", "--out", "bench.toml/x"), "can't be written"),
+        (("run", "bench.toml", "--out", "x" * 300), "can't be written"),
+        (("run", "bench.toml", "--set", "controller.tick_hz=0"), "--set controller.tick_hz=0: "),
+        (("run", "none.toml"), "none.toml: no such file"),
+        (("run", ""), "is a directory"),
+        (("check", "."), "is a directory"),
+        (("check", "paper_tap"), "did you mean paper_taps?"),
+        (("check", "bench.toml", "--set", "motor.L_h=0.24 mH"), "write 0.24e-3"),
+        (("check", "bench.toml", "--set", "motor.\udcff=1"), "is not UTF-8"),
+    ],
+)
+def test_refused(capsys, monkeypatch, runs, arguments, fragment):
+    assert_refused(*call(capsys, monkeypatch, *arguments), fragment)
+    assert runs == []
+
+
+def test_out_without_permission(capsys, monkeypatch, runs, tmp_path):
+    folder = tmp_path / "locked"
+    folder.mkdir(mode=0o500)
+    if os.access(folder, os.W_OK):
+        pytest.skip("root writes everywhere")
+    assert_refused(*call(capsys, monkeypatch, "run", "bench.toml", "--out", str(folder)), "denied")
+
+
+def test_check(capsys, monkeypatch):
+    assert call(capsys, monkeypatch, "check", "bench.toml") == (0, "bench.toml: ok\n", "")
+
+
+def test_scenes(capsys, monkeypatch):
+    status, out, _ = call(capsys, monkeypatch, "scenes")
+    assert status == 0
+    assert [line.split()[0] for line in out.splitlines()] == list(shipped_scenes())
+    assert all(len(line.split()) > 3 for line in out.splitlines())
+
+
+def test_help(capsys, monkeypatch):
+    status, out, _ = call(capsys, monkeypatch, "run", "--help")
+    assert status == 0
+    assert "TABLE.KEY=VALUE" in out
+
+
+@pytest.mark.parametrize(
+    ("scene", "status", "fragment"),
+    [
+        (SCENE, 0, ""),
+        (SCENE + "eta_free = 2\n", 2, "bad.toml:9: controller.eta_free = 2 is out of range"),
+        (SCENE + "eta_free = \n", 2, "bad.toml:9: not valid TOML"),
+        (SCENE + "[thermal]\n", 2, "bad.toml:9: [thermal]"),
+    ],
+)
+def test_status_of_the_process(scene, status, fragment):
+    Path("bad.toml").write_text(scene)
+    ended = call_process("check", "bad.toml")
+    assert ended.returncode == status
+    if status:
+        assert_refused(ended.returncode, ended.stdout, ended.stderr, fragment)
+
+
+def test_bad_scene_is_refused_before_anything_slow_is_imported():
+    started = time.monotonic()
+    ended = call_process("run", "bench.toml", "--set", "motor.L_h=-1")
+    assert time.monotonic() - started < 5  # 0.3 s on an idle machine; numba alone takes longer
+    assert_refused(ended.returncode, ended.stdout, ended.stderr, "motor.L_h = -1")
+    slow = "import sys, wavehaptics.cli; print([m for m in sys.modules if m in {'numba', 'scipy'}])"
+    imported = subprocess.run(
+        [sys.executable, "-c", slow], capture_output=True, text=True, timeout=TIMEOUT_S, check=True
+    )
+    assert imported.stdout == "[]\n"
+
+
+def test_plain_ascii_streams():
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    ended = subprocess.run(
+        [sys.executable, "-m", "wavehaptics", "check", "bench.toml", "--set", "motor.R_ohm=Ω"],
+        capture_output=True,
+        timeout=TIMEOUT_S,
+        check=False,
+        env=environment,
+    )
+    assert ended.returncode == 2
+    assert ended.stderr.startswith(b"wavehaptics: --set motor.R_ohm=")

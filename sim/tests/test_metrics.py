@@ -1,0 +1,520 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Metrics of synthetic runs whose stiffness, bounce, energy and offsets are known."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from wavehaptics.metrics import LEAST_TICKS, Metrics, write_metrics
+from wavehaptics.scene import Scene
+from wavehaptics.trace import Column
+
+TICK_S = 1e-4
+COUNTS = 10_000
+CELL = 2.0 * math.pi / COUNTS
+K = 1.9
+WALLS = ((-1.0, -0.5), (0.5, 1.0))
+# A rotor comes to the upper wall through its lower edge, to the lower wall through its upper one.
+SIDES = [pytest.param(0.5, 1.0, id="at x_min"), pytest.param(-0.5, -1.0, id="at x_max")]
+
+NAMES = {
+    *("scene", "controller", "hand", "duration_s", "wall_clock_s", "ticks", "clock_cycles"),
+    *("k_l", "stiffness", "stiffness_zero_rad", "contact_edge_rad", "stiffness_predicted"),
+    *("tip_stiffness", "peak_torque", "peak_current_a", "current_ripple_a"),
+    *("torque_nrmse_vs_analog", "free_space_torque_rms", "energy_out_max_j"),
+    *("hold_offset_rad", "hold_error", "hold_ripple_rms", "restitution", "saturated_fraction"),
+}
+
+
+def scene_of(path: str | None = "taps", ticks: int = 1000, **tables) -> Scene:
+    hand = {"path": path, "amplitude_rad": 1.0}
+    if path == "impact":
+        hand["speed_rad_s"] = 1.0
+    else:
+        hand["stiffness"] = 1.0
+        if path != "press":
+            hand["frequency_hz"] = 1.0
+    data = {
+        "scene": {"name": "synthetic", "duration_s": ticks * TICK_S},
+        "motor": {"preset": "re25-118743"},
+        "encoder": {"counts_per_rev": COUNTS},
+        "controller": {"tick_hz": 1.0 / TICK_S, "lambda": 1e4},
+        "hand": hand,
+    } | tables
+    return Scene.model_validate({name: table for name, table in data.items() if table is not None})
+
+
+def rows_of(depth: np.ndarray, push: np.ndarray, edge: float, side: float) -> np.ndarray:
+    """Rows of a rotor ``depth`` beyond ``edge``, in contact where that is above zero.
+
+    ``push`` is the torque out of the wall; ``side`` = +1 for a lower edge.
+    """
+    rows = np.zeros((len(depth), len(Column)))
+    rows[:, Column.T] = (np.arange(len(depth)) + 0.5) * TICK_S
+    rows[:, Column.X] = edge + side * depth
+    rows[:, Column.OMEGA] = side * np.gradient(depth, TICK_S)
+    rows[:, Column.TORQUE] = -side * push
+    rows[:, Column.I] = rows[:, Column.TORQUE] / 0.0234
+    rows[:, Column.CONTACT] = depth > 0.0
+    return rows
+
+
+def taps(ticks: int = 1000, deep: float = 12e-3, turns: float = 2.0) -> np.ndarray:
+    """Depth of a rotor that dips into the wall and comes out again."""
+    return -deep * np.cos(2.0 * np.pi * turns * np.arange(ticks) / ticks)
+
+
+def result_of(
+    rows: np.ndarray,
+    scene: Scene | None = None,
+    reference: np.ndarray | None = None,
+    size: int | None = None,
+    predicted: float | None = K,
+) -> dict:
+    scene = scene_of(ticks=len(rows)) if scene is None else scene
+    metrics = Metrics(
+        scene, TICK_S, controller="golden", stiffness_predicted=predicted, walls=WALLS
+    )
+    for start in range(0, len(rows), size or len(rows)):
+        part = slice(start, start + (size or len(rows)))
+        metrics.update(rows[part], None if reference is None else reference[part])
+    return metrics.result()
+
+
+def spring(depth: np.ndarray, k: float = K) -> np.ndarray:
+    return np.where(depth > 0.0, k * depth, 0.0)
+
+
+# Stiffness
+
+
+@pytest.mark.parametrize(("edge", "side"), SIDES)
+def test_stiffness_is_that_of_the_spring(edge, side):
+    depth = taps()
+    result = result_of(rows_of(depth, spring(depth), edge, side))
+    assert result["stiffness"] == pytest.approx(K, rel=1e-9)
+    assert result["stiffness_zero_rad"] == pytest.approx(edge, abs=1e-12)
+    assert result["contact_edge_rad"] == edge
+    assert result["peak_torque"] == pytest.approx(K * 12e-3, rel=1e-9)
+    assert result["stiffness_predicted"] == K
+    assert result["k_l"] == pytest.approx(2.2815)
+
+
+@pytest.mark.parametrize(("edge", "side"), SIDES)
+def test_a_spring_that_starts_late_is_fitted_from_the_edge_on(edge, side):
+    depth = taps()
+    lag = 2e-3
+    push = np.where(depth > lag, K * (depth - lag), 0.0)
+    rows = rows_of(depth, push, edge, side)
+    result = result_of(rows)
+    first = np.flatnonzero(depth > 0.0)
+    first = first[: int(np.argmax(np.diff(first) > 1)) + 1]
+    end = first[0] + int(np.argmax(push[first] >= 0.9 * push[first].max())) + 1
+    slope, zero = np.polyfit(
+        rows[first[0] : end, Column.X], -rows[first[0] : end, Column.TORQUE], 1
+    )
+    assert result["stiffness"] == pytest.approx(slope, rel=1e-9)
+    assert result["stiffness_zero_rad"] == pytest.approx(-zero / slope, abs=1e-9)
+    assert result["stiffness"] < 0.99 * K
+
+
+def test_the_fit_ends_at_90_percent_of_the_peak():
+    depth = taps(20_000)
+    knee, deepest = 7.2e-3, 12e-3  # beyond the knee the wall is soft, up to 1/0.9 of its torque
+    soft = K * knee * (1.0 + (1.0 / 0.9 - 1.0) * (depth - knee) / (deepest - knee))
+    result = result_of(rows_of(depth, np.where(depth > knee, soft, spring(depth)), 0.5, 1.0))
+    assert result["stiffness"] == pytest.approx(K, rel=1e-4)
+
+
+@pytest.mark.parametrize(("edge", "side"), SIDES)
+def test_the_fit_ends_where_the_voltage_saturates(edge, side):
+    depth = taps()
+    push = np.minimum(spring(depth), 0.3 * K * 12e-3)
+    rows = rows_of(depth, push, edge, side)
+    rows[:, Column.SATURATED] = push >= 0.3 * K * 12e-3
+    result = result_of(rows)
+    assert result["stiffness"] == pytest.approx(K, rel=1e-9)
+    assert result["saturated_fraction"] == pytest.approx(rows[:, Column.SATURATED].mean())
+
+
+def test_saturated_from_the_first_tick_on_there_is_no_stiffness():
+    depth = taps()
+    rows = rows_of(depth, spring(depth), 0.5, 1.0)
+    rows[:, Column.SATURATED] = 1.0
+    result = result_of(rows)
+    assert result["stiffness"] is None
+    assert result["tip_stiffness"] is None
+    assert result["saturated_fraction"] == 1.0
+
+
+def test_only_the_first_contact_and_its_compression_are_fitted():
+    depth = taps()
+    push = spring(depth)
+    push[depth.argmax() + 1 : 500] *= 0.5  # the way out
+    push[500:] *= 3.0  # the second contact
+    result = result_of(rows_of(depth, push, 0.5, 1.0))
+    assert result["stiffness"] == pytest.approx(K, rel=1e-9)
+    assert result["peak_torque"] == pytest.approx(3.0 * K * 12e-3, rel=1e-4)
+
+
+def test_noise_and_ripple_average_out():
+    rng = np.random.default_rng(3)
+    depth = taps(20_000)
+    push = spring(depth) + 0.01 * K * 12e-3 * rng.normal(size=len(depth))
+    result = result_of(rows_of(depth, push, -0.5, -1.0))
+    assert result["stiffness"] == pytest.approx(K, rel=2e-3)
+
+
+def test_chatter_at_the_edge_is_not_the_first_contact():
+    depth, wild = taps(), np.full(1000, -1e-3)
+    wild[100:103] = 20.0 * CELL  # shorter than LEAST_TICKS
+    wild[200:260] = 0.9 * CELL * np.hanning(60)  # not a cell deep
+    wild[300:400:2] = 2.0 * CELL  # on one tick, off the next
+    assert LEAST_TICKS == 4
+    both = np.concatenate([wild, depth])
+    push = np.concatenate([np.where(wild > 0.0, 7.0 * wild + 1e-3, 0.0), spring(depth)])
+    result = result_of(rows_of(both, push, 0.5, 1.0))
+    assert result["stiffness"] == pytest.approx(K, rel=1e-9)
+    only = result_of(rows_of(wild, np.where(wild > 0.0, 7.0 * wild, 0.0), 0.5, 1.0))
+    assert only["stiffness"] is None
+    assert only["contact_edge_rad"] is None
+
+
+def test_without_an_encoder_a_shallow_contact_counts():
+    depth = taps(deep=0.3 * CELL)
+    rows = rows_of(depth, spring(depth), 0.5, 1.0)
+    assert result_of(rows)["stiffness"] is None
+    ideal = result_of(rows, scene_of(encoder=None))
+    assert ideal["stiffness"] == pytest.approx(K, rel=1e-6)
+
+
+def test_a_contact_under_way_at_the_start_counts_only_without_another():
+    inside = 12e-3 * (1.0 - np.cos(2.0 * np.pi * np.arange(400) / 400)) / 2.0 + 1e-4
+    rows = rows_of(inside, 0.5 * K * inside, 0.5, 1.0)
+    alone = result_of(rows)
+    assert alone["stiffness"] == pytest.approx(0.5 * K, rel=1e-9)
+    assert alone["contact_edge_rad"] == 0.5
+    depth = np.concatenate([inside, taps()])
+    push = np.concatenate([0.5 * K * inside, spring(taps())])
+    assert result_of(rows_of(depth, push, 0.5, 1.0))["stiffness"] == pytest.approx(K, rel=1e-9)
+
+
+@pytest.mark.parametrize(("edge", "side"), SIDES)
+def test_a_wall_that_grows_while_held_does_not_move_the_fit(edge, side):
+    entry = 12e-3 * np.linspace(-0.2, 1.0, 600)
+    ring = 12e-3 * (0.8 + 0.2 * np.cos(np.linspace(0.0, 60.0, 20_000)))
+    depth = np.concatenate([entry, ring])
+    push = spring(depth)
+    push[600:] += np.linspace(0.0, 5.0 * K * 12e-3, 20_000)
+    result = result_of(rows_of(depth, push, edge, side))
+    assert result["stiffness"] == pytest.approx(K, rel=0.02)
+
+
+def test_more_heights_than_the_ring_holds():
+    depth = 1e-6 * 1.0002 ** np.arange(60_000) - 1.0005e-6  # to 0.16 rad, 16,000 a factor of 24
+    rows = rows_of(depth, spring(depth), 0.5, 1.0)
+    assert result_of(rows)["stiffness"] == pytest.approx(K, rel=1e-6)
+
+
+def test_the_tick_of_entry_may_lie_outside_the_wall_on_average():
+    depth = taps()
+    rows = rows_of(depth, spring(depth), -0.5, -1.0)
+    first = int(np.argmax(depth > 0.0))
+    rows[first - 1, Column.CONTACT] = 1.0
+    result = result_of(rows)
+    assert result["contact_edge_rad"] == -0.5
+    assert result["stiffness"] == pytest.approx(K, rel=1e-3)
+
+
+def test_tip_stiffness_with_a_transmission():
+    depth = taps()
+    scene = scene_of(transmission={"ratio": 8.0, "lever_m": 0.14})
+    result = result_of(rows_of(depth, spring(depth), 0.5, 1.0), scene)
+    assert result["tip_stiffness"] == pytest.approx(K * (8.0 / 0.14) ** 2, rel=1e-9)
+
+
+# Hold
+
+
+def press(edge: float, side: float, moved: float, ripple: float, ticks: int = 5000) -> np.ndarray:
+    """A hold 12 mrad deep at a wall that has moved by ``moved`` rad inwards."""
+    depth = np.minimum(np.linspace(-1e-3, 0.1, ticks), 12e-3)
+    push = spring(depth)
+    held = depth == 12e-3
+    push[held] -= K * moved
+    push[held] += ripple * math.sqrt(2.0) * np.cos(np.pi / 5.0 * np.arange(held.sum()))
+    return rows_of(depth, push, edge, side)
+
+
+@pytest.mark.parametrize(("edge", "side"), SIDES)
+@pytest.mark.parametrize("moved", [0.0, 3e-4, -3e-4])
+def test_hold_tells_how_far_the_wall_has_moved(edge, side, moved):
+    rows = press(edge, side, moved, ripple=2e-5)
+    result = result_of(rows, scene_of("press", len(rows)))
+    assert result["hold_offset_rad"] == pytest.approx(side * moved, abs=1e-12)
+    assert result["hold_error"] == pytest.approx(moved / 12e-3, abs=1e-10)
+    assert result["hold_ripple_rms"] == pytest.approx(2e-5, rel=1e-9)
+
+
+def test_a_drift_counts_as_ripple():
+    rows = press(0.5, 1.0, 0.0, 0.0)
+    rows[-500:, Column.TORQUE] += np.linspace(-1e-3, 1e-3, 500)
+    result = result_of(rows, scene_of("press", len(rows)))
+    assert result["hold_ripple_rms"] == pytest.approx(1e-3 / math.sqrt(3.0), rel=5e-3)
+    assert result["hold_offset_rad"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_hold_is_over_the_last_tenth():
+    rows = press(0.5, 1.0, 0.0, 0.0)
+    rows[:-500, Column.TORQUE] *= 1.1
+    result = result_of(rows, scene_of("press", len(rows)))
+    assert result["hold_offset_rad"] == pytest.approx(0.0, abs=1e-12)
+    rows[-501:, Column.TORQUE] *= 1.1
+    result = result_of(rows, scene_of("press", len(rows)))
+    assert result["hold_error"] == pytest.approx(-0.1, abs=1e-9)
+
+
+def test_a_lost_wall_is_no_hold():
+    rows = press(0.5, 1.0, 0.0, 0.0)
+    rows[-7, Column.CONTACT] = 0.0
+    result = result_of(rows, scene_of("press", len(rows)))
+    assert [result[f"hold_{name}"] for name in ("offset_rad", "error", "ripple_rms")] == [None] * 3
+
+
+def test_only_a_press_holds_and_only_against_a_known_spring():
+    rows = press(0.5, 1.0, 0.0, 0.0)
+    for scene, predicted in (
+        (scene_of("taps", len(rows)), K),
+        (scene_of("press", len(rows)), None),
+        (scene_of("press", len(rows)), 0.0),
+        (scene_of("press", 2 * len(rows)), K),  # the run has not come to its last tenth
+    ):
+        result = result_of(rows, scene, predicted=predicted)
+        assert result["hold_offset_rad"] is None
+        assert result["hold_ripple_rms"] is None
+
+
+# Bounce
+
+
+def impact(edge: float, side: float, speed_in: float, speed_out: float) -> np.ndarray:
+    """400 ticks towards the wall, 20 in it and 400 away; ``speed_out`` is positive inwards."""
+    speed = np.concatenate(
+        [
+            np.full(400, speed_in),
+            np.linspace(speed_in, speed_out, 22)[1:-1],
+            np.full(400, speed_out),
+        ]
+    )
+    depth = np.cumsum(speed) * TICK_S
+    depth -= depth[399] + 1e-9
+    rows = rows_of(depth, np.zeros_like(depth), edge, side)
+    rows[:, Column.CONTACT] = 0.0
+    rows[400:420, Column.CONTACT] = 1.0
+    rows[:, Column.OMEGA] = side * speed
+    return rows
+
+
+@pytest.mark.parametrize(("edge", "side"), SIDES)
+@pytest.mark.parametrize("restitution", [0.5, 0.97, 1.18])
+@pytest.mark.parametrize("speed", [0.01, 1.0, 30.0])  # the slowest does not enter a second cell
+def test_restitution(edge, side, restitution, speed):
+    rows = impact(edge, side, speed, -restitution * speed)
+    result = result_of(rows, scene_of("impact", len(rows)))
+    assert result["restitution"] == pytest.approx(restitution, rel=1e-12)
+
+
+def test_restitution_is_that_of_the_first_contact():
+    first, second = impact(0.5, 1.0, 3.0, -2.4), impact(0.5, 1.0, 2.0, -4.0)
+    rows = np.concatenate([first, second])
+    result = result_of(rows, scene_of("impact", len(rows)))
+    assert result["restitution"] == pytest.approx(0.8, rel=1e-12)
+
+
+def test_chatter_on_the_way_in_is_no_bounce():
+    rows = impact(0.5, 1.0, 3.0, -2.4)
+    rows[399, Column.CONTACT] = 1.0
+    rows[401:403, Column.CONTACT] = 0.0
+    result = result_of(rows, scene_of("impact", len(rows)))
+    assert result["restitution"] == pytest.approx(2.4 / rows[402, Column.OMEGA], rel=1e-12)
+
+
+def test_a_rotor_that_goes_through_stays_or_starts_inside_has_no_restitution():
+    through = impact(0.5, 1.0, 3.0, 1.0)
+    back_later = np.concatenate([through, impact(-0.5, -1.0, 3.0, -2.0)])
+    started = impact(0.5, 1.0, 3.0, -2.4)[405:]
+    for rows in (through, back_later, impact(0.5, 1.0, 3.0, -2.4)[:415], started):
+        assert result_of(rows, scene_of("impact", len(rows)))["restitution"] is None
+
+
+def test_only_an_impact_has_a_restitution():
+    rows = impact(0.5, 1.0, 3.0, -2.4)
+    assert result_of(rows, scene_of("taps", len(rows)))["restitution"] is None
+
+
+# Sums over the run
+
+
+def test_energy_is_the_most_ever_given_out():
+    rows = np.zeros((6, len(Column)))
+    rows[:, Column.ENERGY_OUT] = [-1.0, 3.0, -5.0, 4.0, 2.5, -9.0]
+    assert result_of(rows)["energy_out_max_j"] == pytest.approx(3.5)
+    rows[:, Column.ENERGY_OUT] = [-1.0, 0.5, 0.25, -3.0, 2.0, 1.0]
+    assert result_of(rows)["energy_out_max_j"] == 0.0
+
+
+def test_peaks_ripple_and_free_torque():
+    rng = np.random.default_rng(5)
+    rows = np.zeros((4001, len(Column)))
+    rows[:, Column.TORQUE] = rng.normal(size=4001)
+    rows[:, Column.I] = rng.normal(size=4001)
+    rows[:, Column.RIPPLE] = rng.lognormal(-3.0, 1.0, 4001)
+    rows[:, Column.X] = 0.6
+    rows[1000:2000, Column.CONTACT] = 1.0
+    result = result_of(rows)
+    free = np.delete(rows[:, Column.TORQUE], slice(1000, 2000))
+    assert result["free_space_torque_rms"] == pytest.approx(np.sqrt(np.mean(free**2)), rel=1e-12)
+    assert result["peak_torque"] == np.abs(rows[:, Column.TORQUE]).max()
+    assert result["peak_current_a"] == np.abs(rows[:, Column.I]).max()
+    assert result["current_ripple_a"] == pytest.approx(np.median(rows[:, Column.RIPPLE]), rel=1e-3)
+
+
+@pytest.mark.parametrize("ripple", [0.0, 0.1, 1e-20, 1e6])
+def test_a_constant_ripple_is_told_exactly(ripple):
+    rows = np.zeros((1001, len(Column)))
+    rows[:, Column.RIPPLE] = ripple
+    assert result_of(rows)["current_ripple_a"] == pytest.approx(ripple, rel=1e-12)
+
+
+def test_always_in_contact_there_is_no_free_space():
+    rows = np.zeros((10, len(Column)))
+    rows[:, Column.X], rows[:, Column.CONTACT] = 0.6, 1.0
+    assert result_of(rows)["free_space_torque_rms"] is None
+
+
+def test_torque_error_is_over_the_peak_of_the_reference():
+    rows, reference = np.zeros((2, 1000, len(Column)))
+    reference[:, Column.TORQUE] = 0.02 * np.sin(np.arange(1000.0))
+    rows[:, Column.TORQUE] = reference[:, Column.TORQUE] + 1e-4 * (-1.0) ** np.arange(1000)
+    peak = np.abs(reference[:, Column.TORQUE]).max()
+    result = result_of(rows, reference=reference)
+    assert result["torque_nrmse_vs_analog"] == pytest.approx(1e-4 / peak, rel=1e-12)
+    assert result_of(rows, reference=rows)["torque_nrmse_vs_analog"] == 0.0
+    assert result_of(rows)["torque_nrmse_vs_analog"] is None
+    still = np.zeros_like(rows)
+    assert result_of(rows, reference=still)["torque_nrmse_vs_analog"] is None
+
+
+# The whole
+
+
+def everything(path: str) -> tuple[np.ndarray, np.ndarray]:
+    """A run that has a bit of all, with noise, and its reference."""
+    rng = np.random.default_rng(11)
+    depth = np.concatenate([taps(1500), np.linspace(-12e-3, 14e-3, 300), np.full(700, 14e-3)])
+    rows = rows_of(depth, spring(depth), 0.5, 1.0)
+    reference = rows.copy()
+    rows += 1e-4 * np.abs(rows) * rng.normal(size=rows.shape)
+    rows[:, Column.CONTACT] = depth > 0.0
+    rows[rng.integers(0, 2500, 40), Column.CONTACT] = 0.0
+    rows[-260:, Column.CONTACT] = 1.0
+    rows[:, Column.SATURATED] = rng.random(2500) < 0.001
+    rows[:, Column.ENERGY_OUT] = rng.normal(size=2500)
+    rows[:, Column.RIPPLE] = rng.random(2500)
+    if path == "impact":
+        rows[:, Column.CONTACT] = depth > 0.0
+    return rows, reference
+
+
+@pytest.mark.parametrize("path", ["taps", "press", "impact"])
+def test_the_chunks_do_not_matter(path):
+    rows, reference = everything(path)
+    scene = scene_of(path, len(rows))
+    whole = result_of(rows, scene, reference)
+    assert whole["stiffness"] is not None
+    assert (whole["hold_error"] is not None) == (path == "press")
+    assert (whole["restitution"] is not None) == (path == "impact")
+    for size in (1, 2, 7, 250, 999, 2499):
+        assert result_of(rows, scene, reference, size) == whole
+
+
+def test_all_names_are_there_and_json_takes_them(tmp_path):
+    rows, reference = everything("press")
+    metrics = Metrics(
+        scene_of("press", 2500, transmission={"ratio": 8.0, "lever_m": 0.14}),
+        TICK_S,
+        controller="core",
+        stiffness_predicted=np.float64(K),
+        walls=[(np.float64(0.5), np.float64(1.0))],
+    )
+    metrics.update(rows, reference)
+    result = metrics.result(wall_clock_s=1.25, clock_cycles=240_000)
+    assert set(result) == NAMES
+    assert [name for name, value in result.items() if value is None] == ["restitution"]
+    path = write_metrics(result, tmp_path / "out")
+    assert path == tmp_path / "out" / "metrics.json"
+    assert [p.name for p in path.parent.iterdir()] == ["metrics.json"]
+    assert json.loads(path.read_text(encoding="utf-8")) == result
+    assert result["scene"] == "synthetic"
+    assert result["controller"] == "core"
+    assert result["ticks"] == 2500
+    assert result["duration_s"] == pytest.approx(0.25)
+    assert result["wall_clock_s"] == 1.25
+    assert result["clock_cycles"] == 240_000
+    with pytest.raises(ValueError, match="JSON compliant"):
+        write_metrics({"stiffness": math.nan}, tmp_path)
+
+
+def test_what_a_scene_does_not_define_is_none():
+    scene = scene_of(None, hand=None, encoder=None)
+    metrics = Metrics(scene, TICK_S, controller="analog")
+    nothing = metrics.result()
+    given = {"scene", "controller", "duration_s", "ticks", "k_l"}
+    assert {name for name, value in nothing.items() if value is not None} == given
+    assert set(nothing) == NAMES
+    metrics.update(np.zeros((100, len(Column))))
+    result = metrics.result()
+    zero = {"peak_torque", "peak_current_a", "current_ripple_a", "free_space_torque_rms"}
+    zero |= {"energy_out_max_j", "saturated_fraction"}
+    assert {name for name, value in result.items() if value is not None} == given | zero
+    assert all(result[name] == 0.0 for name in zero)
+    json.dumps(result, allow_nan=False)
+
+
+def test_asking_for_the_result_does_not_disturb_the_run():
+    rows, reference = everything("press")
+    scene = scene_of("press", len(rows))
+    metrics = Metrics(scene, TICK_S, controller="golden", stiffness_predicted=K, walls=WALLS)
+    for start in range(0, len(rows), 100):
+        metrics.update(rows[start : start + 100], reference[start : start + 100])
+        json.dumps(metrics.result(), allow_nan=False)
+    assert metrics.result() == result_of(rows, scene, reference)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize(
+    "column",
+    [Column.X, Column.OMEGA, Column.I, Column.TORQUE, Column.ENERGY_OUT, Column.RIPPLE],
+)
+def test_a_run_that_has_left_the_finite_numbers_is_refused(bad, column):
+    rows = np.zeros((10, len(Column)))
+    rows[:, Column.T] = np.arange(10.0)
+    rows[7, column] = bad
+    with pytest.raises(FloatingPointError, match="t = 7 s"):
+        result_of(rows)
+
+
+def test_what_does_not_fit_is_refused():
+    rows = np.zeros((10, len(Column)))
+    metrics = Metrics(scene_of(), TICK_S, controller="golden")
+    with pytest.raises(ValueError, match="rows must be"):
+        metrics.update(rows[:, 1:])
+    with pytest.raises(ValueError, match="reference rows are"):
+        metrics.update(rows, rows[1:])
+    metrics.update(rows, rows)
+    with pytest.raises(ValueError, match="every chunk or with none"):
+        metrics.update(rows)
+    rows[:, Column.CONTACT] = 1.0
+    with pytest.raises(ValueError, match="no walls"):
+        metrics.update(rows, rows)

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``wavehaptics``.
+
+What is wrong with the input is told in one line on stderr, ``wavehaptics: ...``, with exit status
+2; an interrupted run ends with 130. What takes seconds to import is imported only once the scene is
+known to be right.
+"""
+
+from __future__ import annotations
+
+import difflib
+import io
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from wavehaptics.scene import SceneError, find_scene, load_scene, shipped_scenes
+
+CONTROLLERS = {
+    "analog": "the paper's circuit in continuous time: the reference",
+    "golden": "the wave core as integers in Python, bit for bit the RTL",
+    "core": "the wave core's RTL, numbers in and numbers out, averaged drive",
+    "pins": "the whole RTL at its pins: ADC bits, encoder edges, gate signals",
+}
+"""Controllers that a scene can run on, and what each is."""
+
+DEFAULT_CONTROLLER = "golden"
+
+RUNS_DIR = Path("build/runs")
+"""Where results go without ``--out``, below the current directory."""
+
+METRIC_UNITS = {
+    "duration_s": "s",
+    "wall_clock_s": "s",
+    "k_l": "N·m/rad",
+    "stiffness": "N·m/rad",
+    "stiffness_predicted": "N·m/rad",
+    "peak_torque": "N·m",
+    "free_space_torque_rms": "N·m",
+    "energy_out_max_j": "J",
+    "hold_offset_rad": "rad",
+    "hold_ripple_rms": "N·m",
+}
+"""Units of the metrics that have one."""
+
+USAGE_STATUS = 2
+INTERRUPTED_STATUS = 130
+
+# Base of all errors in the use of the command; typer gives it no public name.
+_UsageError = typer.BadParameter.__base__
+
+
+class CommandError(ValueError):
+    """An option that is refused. The message is one line."""
+
+
+app = typer.Typer(
+    help="Run wave haptics scenes: a motor, a hand, a wall and a controller of your choice.",
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+SceneArgument = Annotated[
+    str, typer.Argument(metavar="SCENE", help="Path of a scene, or the name of a shipped one.")
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Replace or add a key; repeatable."),
+]
+
+
+@app.command()
+def run(
+    scene: SceneArgument,
+    controller: Annotated[
+        str, typer.Option(metavar="NAME", help=f"One of {', '.join(CONTROLLERS)}.")
+    ] = DEFAULT_CONTROLLER,
+    overrides: SetOption = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help=f"Folder for the results; {RUNS_DIR}/<scene name>-<controller> by default.",
+        ),
+    ] = None,
+) -> None:
+    """Simulate SCENE and write trace.npz, metrics.json and pictures."""
+    if controller not in CONTROLLERS:
+        near = difflib.get_close_matches(controller, CONTROLLERS, n=1)
+        meant = f"did you mean {near[0]}? " if near else ""
+        known = ", ".join(CONTROLLERS)
+        raise CommandError(
+            f"--controller {controller}: unknown; {meant}the controllers are {known}"
+        )
+    loaded = load_scene(find_scene(scene), overrides or ())
+    folder = RUNS_DIR / f"{loaded.scene.name}-{controller}" if out is None else out
+    _make_folder(folder)
+
+    from wavehaptics.run import run_scene
+
+    with _progress(f"{loaded.scene.name} on {controller}") as progress:
+        metrics = run_scene(loaded, controller, folder, progress)
+    print(_table(metrics))
+    print(f"results in {folder}")
+
+
+@app.command()
+def check(scene: SceneArgument, overrides: SetOption = None) -> None:
+    """Check SCENE without running it."""
+    path = find_scene(scene)
+    load_scene(path, overrides or ())
+    print(f"{path}: ok")
+
+
+@app.command()
+def scenes() -> None:
+    """List the shipped scenes."""
+    shipped = shipped_scenes()
+    width = max(map(len, shipped), default=0)
+    for name, path in shipped.items():
+        print(f"{name:<{width}}  {_first_comment(path)}")
+
+
+def _first_comment(path: Path) -> str:
+    """What a scene says of itself: its first line of comment below the license."""
+    comments = (line for line in path.read_text(encoding="utf-8").splitlines() if line[:1] == "#")
+    return next((line.lstrip("# ") for line in comments if "SPDX" not in line), "")
+
+
+def _make_folder(folder: Path) -> None:
+    """Make ``folder`` and try to write there, so that no long run ends in a refusal."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        if isinstance(error, FileExistsError):
+            reason = "is a file"
+        raise CommandError(
+            f"--out {folder}: can't be written: {reason}; name a folder that can"
+        ) from None
+
+
+@contextmanager
+def _progress(title: str) -> Iterator[Callable[[float], None]]:
+    """A function that takes the part done, 0 to 1, and shows it if stderr is a terminal."""
+    if not sys.stderr.isatty():
+        yield lambda part: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=1.0)
+        yield lambda part: bar.update(task, completed=part)
+
+
+def _table(metrics: Mapping[str, Any]) -> str:
+    """Metrics that the scene defines, a line each: name, value, unit."""
+    rows = [(name, _value(value)) for name, value in metrics.items() if value is not None]
+    names = max((len(name) for name, _ in rows), default=0)
+    values = max((len(value) for _, value in rows), default=0)
+    lines = (f"{n:<{names}}  {v:>{values}}  {METRIC_UNITS.get(n, '')}".rstrip() for n, v in rows)
+    return "\n".join(lines)
+
+
+def _value(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def main() -> None:
+    """Run the command line and exit with its status."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        status = app(prog_name="wavehaptics", standalone_mode=False)
+    except (KeyboardInterrupt, typer.Abort):
+        status = INTERRUPTED_STATUS
+    except BrokenPipeError:  # the reader of our output has left
+        sys.stdout = None
+        status = 1
+    except (SceneError, CommandError) as error:
+        status = _refuse(str(error))
+    except _UsageError as error:
+        problem = " ".join(error.format_message().split()).rstrip(".")
+        status = _refuse(f"{problem}; wavehaptics --help shows the use")
+    except (OSError, MemoryError) as error:
+        status = _refuse(str(error) or "out of memory")
+    if status == INTERRUPTED_STATUS:
+        print("wavehaptics: interrupted", file=sys.stderr)
+    sys.exit(status or 0)
+
+
+def _refuse(problem: str) -> int:
+    print(f"wavehaptics: {problem}", file=sys.stderr)
+    return USAGE_STATUS

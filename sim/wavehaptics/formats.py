@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Word lengths and binary points, read from ``rtl/wh_formats.vh``: none is typed twice."""
+
+from __future__ import annotations
+
+import ast
+import operator
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+RTL_DIR = Path(__file__).resolve().parents[2] / "rtl"
+HEADER = RTL_DIR / "wh_formats.vh"
+
+_DEFINE = re.compile(r"^\s*`define\s+WH_(\w+)\s+([^/\n]+?)\s*(?://.*)?$", re.MULTILINE)
+_OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul}
+
+
+def _evaluate(node: ast.expr) -> int:
+    if isinstance(node, ast.Constant) and isinstance(node.value, int):
+        return node.value
+    if isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
+        return _OPERATORS[type(node.op)](_evaluate(node.left), _evaluate(node.right))
+    raise ValueError(f"{HEADER}: only sums and products of integers are understood")
+
+
+def read_header(path: Path = HEADER) -> dict[str, int]:
+    """Macros ``WH_<name>`` of the header as ``{name: integer}``, in the order of the file."""
+    values: dict[str, int] = {}
+    for name, text in _DEFINE.findall(path.read_text(encoding="utf-8")):
+        for known, value in values.items():
+            text = re.sub(rf"`WH_{known}\b", str(value), text)
+        values[name] = _evaluate(ast.parse(text.strip(), mode="eval").body)
+    return values
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """A signed fixed-point format s<width>q<fraction>: value = raw / 2**fraction."""
+
+    width: int
+    fraction: int
+
+    @property
+    def raw_max(self) -> int:
+        return (1 << (self.width - 1)) - 1
+
+    @property
+    def raw_min(self) -> int:
+        return -(1 << (self.width - 1))
+
+    @property
+    def step(self) -> float:
+        """Value of the last place, in the word's unit."""
+        return 2.0**-self.fraction
+
+    @property
+    def largest(self) -> float:
+        """Largest positive value, in the word's unit."""
+        return self.raw_max * self.step
+
+    def to_raw(self, value: float) -> int:
+        """Nearest word to ``value``; ``OverflowError`` where the format can't hold it."""
+        raw = round(value * 2.0**self.fraction)
+        if not self.raw_min <= raw <= self.raw_max:
+            raise OverflowError(f"{value:g} is outside ±{self.largest:g}")
+        return raw
+
+    def to_value(self, raw: int) -> float:
+        """Value of a word, in its unit."""
+        return raw * self.step
+
+
+HEADER_VALUES = read_header()
+
+DATA_W = HEADER_VALUES["DATA_W"]
+COEF_W = HEADER_VALUES["COEF_W"]
+STATE_GUARD = HEADER_VALUES["STATE_GUARD"]
+COUNT_W = HEADER_VALUES["COUNT_W"]
+SAMPLE_W = HEADER_VALUES["SAMPLE_W"]
+SUM_W = HEADER_VALUES["SUM_W"]
+TICK_W = HEADER_VALUES["TICK_W"]
+
+CURRENT = Fixed(DATA_W, HEADER_VALUES["CURRENT_Q"])
+"""Current, A."""
+VOLTAGE = Fixed(DATA_W, HEADER_VALUES["VOLTAGE_Q"])
+"""Voltage, V."""
+WAVE = Fixed(DATA_W, HEADER_VALUES["WAVE_Q"])
+"""Waves u and v, √W."""
+ROOT = Fixed(COEF_W, HEADER_VALUES["ROOT_Q"])
+"""s = √(2R̂), √Ω."""
+ETA = Fixed(COEF_W, HEADER_VALUES["ETA_Q"])
+"""η, no unit."""
+A = Fixed(COEF_W, HEADER_VALUES["A_Q"])
+"""The λ filter's coefficient a, no unit."""
+GAIN = Fixed(COEF_W, HEADER_VALUES["GAIN_Q"])
+"""Amperes per unit of a tick's sum of ADC words."""
+DUTY = Fixed(COEF_W, HEADER_VALUES["DUTY_Q"])
+"""Clocks of half pulse width per volt."""

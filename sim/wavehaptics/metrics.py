@@ -1,0 +1,557 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The numbers of a run, gathered tick by tick at full rate in memory that does not grow.
+
+:class:`Metrics` takes the chunks of a simulation in order and gives the same result, bit for bit,
+however the run is cut into chunks. A metric that the scene does not define is None, JSON ``null``.
+
+**Contacts.** A contact lasts while :attr:`Column.CONTACT` is set. Its edge x_w is found as the
+controller finds it: the nearer edge of the wall that holds the position in the first tick, the
+lower one if both are as near. Walls are taken not to touch each other. *Depth* is the way from x_w
+inwards, *push* the torque outwards, so that both sides of a wall read the same.
+
+**The first contact** is the first that *counts*: at least ``LEAST_TICKS`` long and at least one
+encoder cell deep (``IDEAL_DEPTH_RAD`` without an encoder), so that chatter on the edge is passed
+over. A bare rotor (path ``impact``) has no chatter to fear and may hit softly: there the depth does
+not matter. A contact under way in the run's first tick has no way in; it is used only if no other
+one counts.
+
+**Its compression** runs from its first tick until the depth has fallen back from its greatest by
+more than a tenth, and by more than a cell. So the ringing of a press ends it at the first stroke,
+and a wall that grows or creeps through a long hold does not move its peak.
+
+``stiffness`` is the slope of the least-squares line of −TORQUE over X, each tick alike, from the
+first tick of the compression to the first in which the push reaches 90 % of the compression's peak
+(found to 0.01 %), or to the last before the voltage saturates, whichever comes first. The lag of
+the controller's filter at the start is in it. None with fewer than three ticks.
+``stiffness_zero_rad`` is the x where that line crosses zero torque, ``contact_edge_rad`` the x_w of
+the first contact.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numba
+import numpy as np
+
+from wavehaptics import physics
+from wavehaptics.trace import Column
+
+if TYPE_CHECKING:
+    from wavehaptics.scene import Scene
+
+LEAST_TICKS = 4
+"""A shorter contact is chatter."""
+IDEAL_DEPTH_RAD = 1e-5
+"""Takes the encoder cell's place where the scene has no encoder: 23 µN·m on the paper's motor."""
+PEAK_PART = 0.9
+"""The fit ends where the push first reaches this part of its peak."""
+_FALL_BACK = 0.1
+_LEVEL_STEP = 1e-4
+_LEVELS = 2048
+assert (1.0 + _LEVEL_STEP) ** _LEVELS > 1.0 / PEAK_PART, "the ring must reach back to 90 %"
+
+# The ripple's median comes from a histogram of 2^-10 relative steps from 2^-50 A to 2^14 A: the
+# top bits of a double are its exponent and the first of its fraction, and grow with its value.
+_BIN_SHIFT = 52 - 10
+_BIN_BASE = (1023 - 50) << 10
+_BINS = 64 << 10
+
+_X = int(Column.X)
+_OMEGA = int(Column.OMEGA)
+_I = int(Column.I)
+_TORQUE = int(Column.TORQUE)
+_CONTACT = int(Column.CONTACT)
+_SATURATED = int(Column.SATURATED)
+_ENERGY_OUT = int(Column.ENERGY_OUT)
+_RIPPLE = int(Column.RIPPLE)
+
+_FRESH, _INITIAL, _NONE = 0, 1, -1
+_PENDING, _KNOWN, _REFUSED = 0, 1, 2
+
+_RUN = np.dtype(
+    [
+        # of the scene
+        ("hold_start", "i8"),  # tick; past every run where the scene has no hold
+        ("impact", "i8"),
+        ("cell", "f8"),
+        ("compliance", "f8"),  # 1/K of the design spring
+        # sums over the run
+        ("ticks", "i8"),
+        ("saturated", "i8"),
+        ("unfit", "f8"),  # 0 while every number is finite, then NaN
+        ("torque_peak", "f8"),
+        ("current_peak", "f8"),
+        ("energy", "f8"),
+        ("energy_peak", "f8"),
+        ("free_ticks", "i8"),
+        ("free_square", "f8"),
+        ("error_square", "f8"),
+        ("reference_peak", "f8"),
+        # the contact under way
+        ("in_contact", "i8"),
+        ("contacts", "i8"),
+        ("length", "i8"),
+        ("edge", "f8"),
+        ("side", "f8"),
+        ("omega_in", "f8"),
+        ("omega_last", "f8"),
+        # which fit it feeds, and whether the fresh one is settled
+        ("fit", "i8"),
+        ("settled", "i8"),
+        # bounce
+        ("bounce", "i8"),
+        ("restitution", "f8"),
+        # the last tenth of a hold
+        ("hold_ticks", "i8"),
+        ("hold_contact", "i8"),
+        ("hold_offset", "f8"),
+        ("hold_depth", "f8"),
+        ("hold_first", "f8"),
+        ("hold_sum", "f8"),
+        ("hold_square", "f8"),
+    ],
+    align=True,
+)
+
+_FIT = np.dtype(
+    [
+        ("edge", "f8"),
+        ("side", "f8"),
+        ("length", "i8"),
+        ("deepest", "f8"),
+        ("peak", "f8"),
+        ("over", "i8"),  # the compression has ended
+        ("closed", "i8"),  # the voltage has saturated: no more ticks into the sums
+        ("level", "f8"),
+        ("levels", "i8"),
+        ("n", "i8"),
+        ("x", "f8"),  # sums over the ticks of the depth's and the torque's products
+        ("f", "f8"),
+        ("xx", "f8"),
+        ("xf", "f8"),
+    ],
+    align=True,
+)
+_LEVEL_FIELDS = 6  # level n x f xx xf
+
+
+@numba.njit(cache=True)
+def _find_edge(walls: np.ndarray, x: float) -> tuple[float, float]:
+    """Edge through which a rotor that is at ``x`` in its first tick of contact came in.
+
+    Returns (x_w, side), side = +1 for a lower edge and −1 for an upper one.
+    """
+    for n in range(walls.shape[0]):
+        if walls[n, 0] <= x < walls[n, 1]:
+            if x - walls[n, 0] <= walls[n, 1] - x:
+                return walls[n, 0], 1.0
+            return walls[n, 1], -1.0
+    # The tick's mean position may still lie outside.
+    edge, side, nearest = x, 1.0, np.inf
+    for n in range(walls.shape[0]):
+        for end in range(2):
+            if abs(x - walls[n, end]) < nearest:
+                nearest = abs(x - walls[n, end])
+                edge, side = walls[n, end], 1.0 - 2.0 * end
+    return edge, side
+
+
+@numba.njit(cache=True)
+def _counts(fit: Any, cell: float, impact: int) -> bool:
+    return fit["length"] >= LEAST_TICKS and (impact != 0 or fit["deepest"] >= cell)
+
+
+@numba.njit(cache=True)
+def _compress(
+    fit: Any, ring: np.ndarray, x: float, torque: float, saturated: bool, cell: float
+) -> None:
+    """One tick of the contact that ``fit`` follows.
+
+    The end of the fit, 90 % of the peak, is known only when the peak is. So the sums up to each new
+    height of the push are kept in a ring, a 10⁻⁴ of the height apart, which reaches back to 1/1.22
+    of the peak.
+    """
+    fit.length += 1
+    depth = fit.side * (x - fit.edge)
+    push = -fit.side * torque
+    fit.deepest = max(fit.deepest, depth)
+    if fit.over:
+        return
+    if fit.deepest - depth > max(_FALL_BACK * fit.deepest, cell):
+        fit.over = 1
+        return
+    fit.peak = max(fit.peak, push)
+    if saturated:
+        fit.closed = 1
+    if fit.closed:
+        return
+    # Both about the edge and outwards, which leaves the slope as it is.
+    fit.n += 1
+    fit.x += depth
+    fit.f += push
+    fit.xx += depth * depth
+    fit.xf += depth * push
+    if push > fit.level * (1.0 + _LEVEL_STEP):
+        fit.level = push
+        at = fit.levels % _LEVELS
+        fit.levels += 1
+        ring[at, 0] = push
+        ring[at, 1] = fit.n
+        ring[at, 2] = fit.x
+        ring[at, 3] = fit.f
+        ring[at, 4] = fit.xx
+        ring[at, 5] = fit.xf
+
+
+@numba.njit(cache=True)
+def _enter(run: Any, fits: np.ndarray, walls: np.ndarray, x: float) -> None:
+    """First tick of a contact."""
+    run.in_contact = 1
+    run.contacts += 1
+    run.length = 0
+    run.edge, run.side = _find_edge(walls, x)
+    run.omega_in = run.omega_last
+    if run.ticks == 0:
+        run.fit = _INITIAL
+        run.bounce = _REFUSED  # no speed of entry
+    elif not run.settled:
+        run.fit = _FRESH
+    else:
+        return
+    fit = fits[run.fit]
+    fit.edge = run.edge
+    fit.side = run.side
+    fit.length = 0
+    fit.deepest = 0.0
+    fit.peak = 0.0
+    fit.over = 0
+    fit.closed = 0
+    fit.level = 0.0
+    fit.levels = 0
+    fit.n = 0
+    fit.x = 0.0
+    fit.f = 0.0
+    fit.xx = 0.0
+    fit.xf = 0.0
+
+
+@numba.njit(cache=True)
+def _leave(run: Any, fits: np.ndarray, omega: float) -> None:
+    """First tick out of contact, in which the mean speed is ``omega``."""
+    run.in_contact = 0
+    if run.fit == _FRESH and _counts(fits[_FRESH], run.cell, run.impact):
+        run.settled = 1
+    run.fit = _NONE
+    if run.bounce == _PENDING:
+        if run.side * omega < 0.0 and run.omega_in != 0.0:
+            run.bounce = _KNOWN
+            run.restitution = abs(omega / run.omega_in)
+        elif run.length >= LEAST_TICKS:
+            run.bounce = _REFUSED  # it went through
+
+
+@numba.njit(cache=True)
+def _gather(
+    runs: np.ndarray,
+    fits: np.ndarray,
+    rings: np.ndarray,
+    bin_counts: np.ndarray,
+    bin_sums: np.ndarray,
+    walls: np.ndarray,
+    rows: np.ndarray,
+    bits: np.ndarray,
+    reference: np.ndarray,
+) -> None:
+    """Take a chunk of rows; ``bits`` are the same numbers as int64, ``reference`` may be empty."""
+    run = runs[0]
+    compared = reference.shape[0] == rows.shape[0]
+    for n in range(rows.shape[0]):
+        x = rows[n, _X]
+        omega = rows[n, _OMEGA]
+        torque = rows[n, _TORQUE]
+        ripple = rows[n, _RIPPLE]
+        contact = rows[n, _CONTACT] != 0.0
+        saturated = rows[n, _SATURATED] != 0.0
+
+        energy = run.energy + rows[n, _ENERGY_OUT]
+        run.energy = energy
+        run.energy_peak = max(run.energy_peak, energy)
+        run.torque_peak = max(run.torque_peak, abs(torque))
+        run.current_peak = max(run.current_peak, abs(rows[n, _I]))
+        run.saturated += saturated
+        run.unfit += 0.0 * (x + omega + torque + ripple + rows[n, _I] + energy)
+
+        at = min(max((bits[n, _RIPPLE] >> _BIN_SHIFT) - _BIN_BASE, 0), _BINS - 1)
+        bin_counts[at] += 1
+        bin_sums[at] += ripple
+
+        if compared:
+            run.error_square += (torque - reference[n, _TORQUE]) ** 2
+            run.reference_peak = max(run.reference_peak, abs(reference[n, _TORQUE]))
+
+        if contact:
+            if not run.in_contact:
+                _enter(run, fits, walls, x)
+            run.length += 1
+            if run.fit >= 0:
+                _compress(fits[run.fit], rings[run.fit], x, torque, saturated, run.cell)
+        else:
+            if run.in_contact:
+                _leave(run, fits, omega)
+            run.free_ticks += 1
+            run.free_square += torque * torque
+        run.omega_last = omega
+
+        if run.ticks >= run.hold_start:
+            if run.hold_ticks == 0:
+                run.hold_first = torque
+            run.hold_ticks += 1
+            run.hold_contact += contact
+            run.hold_offset += torque * run.compliance + x - run.edge
+            run.hold_depth += x - run.edge
+            # About the first value: the mean is far larger than the ripple.
+            run.hold_sum += torque - run.hold_first
+            run.hold_square += (torque - run.hold_first) ** 2
+        run.ticks += 1
+
+
+class Metrics:
+    """Gathers the metrics of one run of ``scene`` on ``controller``, chunk by chunk.
+
+    ``tick_s`` is T in s. ``stiffness_predicted`` is the K of the design spring in N·m/rad, computed
+    with the coefficients as the controller holds them; None where the controller has none, and then
+    the metrics of a hold are None too. ``walls`` are the intervals (x_min, x_max) in rad as the
+    encoder quantises them.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        tick_s: float,
+        *,
+        controller: str,
+        stiffness_predicted: float | None = None,
+        walls: Sequence[tuple[float, float]] = (),
+    ) -> None:
+        self._scene = scene
+        self._tick_s = tick_s
+        self._controller = controller
+        self._predicted = stiffness_predicted
+        self._walls = np.array(walls, dtype=np.float64).reshape(-1, 2)
+        self._has_reference: bool | None = None
+        self._runs = np.zeros(1, dtype=_RUN)
+        self._fits = np.zeros(2, dtype=_FIT)
+        self._rings = np.zeros((2, _LEVELS, _LEVEL_FIELDS))
+        self._bin_counts = np.zeros(_BINS, dtype=np.int64)
+        self._bin_sums = np.zeros(_BINS)
+        self._nothing = np.zeros((0, len(Column)))
+
+        path = None if scene.hand is None else scene.hand.path
+        ticks = round(scene.scene.duration_s / tick_s)
+        run = self._runs[0]
+        run["fit"] = _NONE
+        run["impact"] = path == "impact"
+        run["bounce"] = _PENDING if path == "impact" else _REFUSED
+        run["cell"] = (
+            IDEAL_DEPTH_RAD
+            if scene.encoder is None
+            else 2.0 * math.pi / scene.encoder.counts_per_rev
+        )
+        run["compliance"] = 1.0 / stiffness_predicted if stiffness_predicted else 0.0
+        holds = path == "press" and bool(stiffness_predicted)
+        run["hold_start"] = ticks - ticks // 10 if holds else np.iinfo(np.int64).max
+
+    def update(self, rows: np.ndarray, reference_rows: np.ndarray | None = None) -> None:
+        """Take the next ticks: ``rows`` float64 (n, len(Column)), in order.
+
+        ``reference_rows``, of the same shape, are those of the analog circuit in the same ticks;
+        they come with every chunk or with none, else ``ValueError``. ``FloatingPointError`` if a
+        number is not finite.
+        """
+        if rows.ndim != 2 or rows.shape[1] != len(Column):
+            raise ValueError(f"rows must be (ticks, {len(Column)}), not {rows.shape}")
+        if reference_rows is not None and reference_rows.shape != rows.shape:
+            raise ValueError(f"reference rows are {reference_rows.shape}, rows {rows.shape}")
+        if self._has_reference not in (None, reference_rows is not None):
+            raise ValueError("reference rows must come with every chunk or with none")
+        self._has_reference = reference_rows is not None
+        reference = self._nothing if reference_rows is None else reference_rows
+        rows = np.ascontiguousarray(rows, dtype=np.float64)
+        _gather(
+            self._runs,
+            self._fits,
+            self._rings,
+            self._bin_counts,
+            self._bin_sums,
+            self._walls,
+            rows,
+            rows.view(np.int64),
+            np.ascontiguousarray(reference, dtype=np.float64),
+        )
+        run = self._runs[0]
+        if run["unfit"] != 0.0:
+            bad = rows[~np.isfinite(rows).all(axis=1), Column.T]
+            where = f" at t = {bad[0]:.9g} s" if bad.size else ""
+            raise FloatingPointError(f"the simulation has left the finite numbers{where}")
+        if run["contacts"] and not self._walls.size:
+            raise ValueError("rows in contact, but no walls were given")
+
+    def _first_contact(self) -> int | None:
+        run = self._runs[0]
+        for slot in (_FRESH, _INITIAL):
+            if _counts.py_func(self._fits[slot], run["cell"], run["impact"]):
+                return slot
+        return None
+
+    def _line(self, slot: int) -> tuple[float | None, float | None]:
+        """Slope of −F over x and the x of its zero, of the contact in ``slot``."""
+        fit = self._fits[slot]
+        levels = int(fit["levels"])
+        order = np.arange(max(0, levels - _LEVELS), levels) % _LEVELS
+        ring = self._rings[slot, order]
+        end = int(np.searchsorted(ring[:, 0], PEAK_PART * fit["peak"]))
+        if end < len(ring):
+            n, x, f, xx, xf = ring[end, 1:]
+        else:  # the voltage saturated before
+            n, x, f, xx, xf = (float(fit[name]) for name in ("n", "x", "f", "xx", "xf"))
+        if n < 3:
+            return None, None
+        variance = xx - x * x / n
+        slope = (xf - x * f / n) / variance if variance > 0.0 else 0.0
+        if slope == 0.0:
+            return None, None
+        return slope, fit["edge"] + fit["side"] * (x - f / slope) / n
+
+    def _ripple_median(self) -> float | None:
+        total = int(self._bin_counts.sum())
+        if total == 0:
+            return None
+        middle = np.searchsorted(
+            np.cumsum(self._bin_counts), [(total - 1) // 2, total // 2], side="right"
+        )
+        return float(np.mean(self._bin_sums[middle] / self._bin_counts[middle]))
+
+    def _hold(self) -> tuple[float | None, float | None, float | None]:
+        """Offset in rad, offset over depth, and RMS of the torque about its mean."""
+        run = self._runs[0]
+        n = int(run["hold_ticks"])
+        if n == 0 or run["hold_contact"] < n:
+            return None, None, None
+        offset, depth = run["hold_offset"] / n, run["hold_depth"] / n
+        square = run["hold_square"] / n - (run["hold_sum"] / n) ** 2
+        return offset, offset / depth if depth else None, math.sqrt(max(square, 0.0))
+
+    def result(
+        self, *, wall_clock_s: float | None = None, clock_cycles: int | None = None
+    ) -> dict[str, Any]:
+        """All metrics by name, SI units, plain Python numbers, text or None.
+
+        ``wall_clock_s`` is the time that the run took, ``clock_cycles`` the clocks simulated (None
+        for a controller without a clock). May be called at any time; the run can go on.
+
+        ============================  ==========================================================
+        ``scene``, ``controller``     names
+        ``hand``                      path of the scene's hand
+        ``duration_s``                simulated time
+        ``wall_clock_s``              as given
+        ``ticks``
+        ``clock_cycles``              as given
+        ``k_l``                       K_L of the motor, N·m/rad
+        ``stiffness``                 measured, N·m/rad: see the head of the module
+        ``stiffness_zero_rad``        where the fitted line crosses zero torque
+        ``contact_edge_rad``          x_w of the first contact
+        ``stiffness_predicted``       as given, N·m/rad
+        ``tip_stiffness``             ``stiffness`` · (ratio/lever)², N/m, with a transmission
+        ``peak_torque``               largest magnitude in the run, N·m
+        ``peak_current_a``            largest magnitude of a tick's mean in the run
+        ``current_ripple_a``          median over the ticks of the ripple, peak to peak
+        ``torque_nrmse_vs_analog``    RMS of the difference over the reference's largest magnitude
+        ``free_space_torque_rms``     over all ticks out of contact, N·m
+        ``energy_out_max_j``          the most that the running sum of ENERGY_OUT has reached; 0 if
+                                      it never rose above zero
+        ``hold_offset_rad``           mean of F/K + x − x_w with the design spring's K: how far the
+                                      wall has moved, towards larger x if above zero
+        ``hold_error``                that over the mean of x − x_w
+        ``hold_ripple_rms``           RMS of the torque about its mean, N·m; a drift counts
+        ``restitution``               mean speed in the first tick after the first contact over that
+                                      in the last tick before it
+        ``saturated_fraction``        of all ticks
+        ============================  ==========================================================
+
+        The three of a hold need the path ``press`` and contact in every one of the last tenth of
+        the scene's ticks. ``restitution`` needs the path ``impact``, an entry after the first tick
+        and a rotor that came back: it is None where the rotor went through the wall or stayed in
+        it. A contact shorter than ``LEAST_TICKS`` that did not turn the rotor round is passed over.
+        """
+        scene, run = self._scene, self._runs[0]
+        ticks = int(run["ticks"])
+        slot = self._first_contact()
+        slope, zero = (None, None) if slot is None else self._line(slot)
+        tip = None
+        if slope is not None and scene.transmission is not None:
+            tip = slope * (scene.transmission.ratio / scene.transmission.lever_m) ** 2
+        error = None
+        if self._has_reference and run["reference_peak"] > 0.0:
+            error = math.sqrt(run["error_square"] / ticks) / run["reference_peak"]
+        free = None
+        if run["free_ticks"]:
+            free = math.sqrt(run["free_square"] / run["free_ticks"])
+        offset, offset_part, ripple = self._hold()
+        metrics: dict[str, Any] = {
+            "scene": scene.scene.name,
+            "controller": self._controller,
+            "hand": None if scene.hand is None else scene.hand.path,
+            "duration_s": ticks * self._tick_s,
+            "wall_clock_s": wall_clock_s,
+            "ticks": ticks,
+            "clock_cycles": clock_cycles,
+            "k_l": physics.k_l(scene.motor.k_t, scene.motor.L_h),
+            "stiffness": slope,
+            "stiffness_zero_rad": zero,
+            "contact_edge_rad": None if slot is None else self._fits[slot]["edge"],
+            "stiffness_predicted": self._predicted,
+            "tip_stiffness": tip,
+            "peak_torque": run["torque_peak"] if ticks else None,
+            "peak_current_a": run["current_peak"] if ticks else None,
+            "current_ripple_a": self._ripple_median(),
+            "torque_nrmse_vs_analog": error,
+            "free_space_torque_rms": free,
+            "energy_out_max_j": run["energy_peak"] if ticks else None,
+            "hold_offset_rad": offset,
+            "hold_error": offset_part,
+            "hold_ripple_rms": ripple,
+            "restitution": run["restitution"] if run["bounce"] == _KNOWN else None,
+            "saturated_fraction": run["saturated"] / ticks if ticks else None,
+        }
+        return {name: _plain(value) for name, value in metrics.items()}
+
+
+def _plain(value: Any) -> Any:
+    """``value`` as JSON knows it: numpy numbers become Python's, what is not finite None."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def write_metrics(metrics: dict[str, Any], path: Path | str) -> Path:
+    """Write ``metrics`` as JSON, whole or not at all, to ``path`` or into that directory.
+
+    Returns the file's path, ``metrics.json`` in a directory; ``ValueError`` on NaN.
+    """
+    path = Path(path)
+    path = path if path.suffix == ".json" else path / "metrics.json"
+    text = json.dumps(metrics, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+    return path

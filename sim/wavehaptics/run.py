@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One run of a scene: simulation → trace → metrics → picture."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from wavehaptics import physics
+from wavehaptics.analog import AnalogSimulation
+from wavehaptics.metrics import Metrics, write_metrics
+from wavehaptics.pins import PinsSimulation
+from wavehaptics.sampled import SampledSimulation
+from wavehaptics.scene import Scene
+from wavehaptics.settings import Settings
+from wavehaptics.trace import Column, TraceWriter, Word
+
+CHUNK_TICKS = 1 << 15
+"""Ticks at a time: long enough that Python costs nothing, short enough for the caches."""
+
+
+class Simulation(Protocol):
+    """A scene on one controller, advanced tick by tick."""
+
+    settings: Settings
+    tick_s: float
+
+    @property
+    def clock_cycles(self) -> int | None:
+        """Clocks of the RTL so far, where there is one."""
+
+    def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
+        """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
+
+
+CONTROLLERS: dict[str, Callable[[Scene], Simulation]] = {
+    "analog": AnalogSimulation,
+    "golden": lambda scene: SampledSimulation(scene, rtl=False),
+    "core": lambda scene: SampledSimulation(scene, rtl=True),
+    "pins": PinsSimulation,
+}
+"""The fidelity ladder (design §3) by name."""
+
+
+def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
+    """K of the design spring for contact (design §1.1, fact 2), N·m/rad.
+
+    The lag of the controller acts on R̂, its own estimate; the analog circuit has τ = 1/λ.
+    """
+    set_ = simulation.settings
+    analog = isinstance(simulation, AnalogSimulation)
+    tau = 1.0 / scene.controller.lambda_ if analog else set_.tau
+    motor = scene.motor
+    g = -scene.controller.eta_contact
+    if g <= -1.0:
+        return 0.0
+    return physics.stiffness(motor.k_t, motor.L_h, set_.r_hat, tau, g)
+
+
+def run_scene(
+    scene: Scene, controller: str, out: Path, progress: Callable[[float], None] | None = None
+) -> dict[str, Any]:
+    """Run a scene on a controller; write ``trace.npz`` and ``metrics.json`` into ``out``.
+
+    The analog circuit runs beside it, on the same ticks, as the reference. ``progress`` is called
+    with the part done, 0 to 1. Returns the metrics; ``wall_clock_s`` is the time that the
+    controller and its motor took, without compiling, the reference and the files.
+    """
+    simulation = CONTROLLERS[controller](scene)
+    set_, tick_s = simulation.settings, simulation.tick_s
+    ticks = max(1, round(scene.scene.duration_s / tick_s))
+    reference = None
+    if controller != "analog":
+        reference = AnalogSimulation(scene, tick_s, set_.cell_rad)
+    edges = zip(set_.wall_min * set_.cell_rad, set_.wall_max * set_.cell_rad, strict=True)
+    metrics = Metrics(
+        scene, tick_s, controller=controller, walls=list(edges),
+        stiffness_predicted=stiffness_predicted(scene, simulation),
+    )  # fmt: skip
+    trace = TraceWriter(out, tick_s, scene.scene.trace_hz, ticks=ticks)
+    rows = np.zeros((min(ticks, CHUNK_TICKS), len(Column)))
+    reference_rows = np.zeros_like(rows)
+    words = np.zeros((len(rows), len(Word)), dtype=np.int64)
+    # The first call compiles, or loads what an earlier run compiled: no ticks, but all the types.
+    simulation.advance(rows[:0], words[:0])
+    wall_clock_s = 0.0
+    for first in range(0, ticks, CHUNK_TICKS):
+        part = slice(0, min(CHUNK_TICKS, ticks - first))
+        began = time.perf_counter()
+        simulation.advance(rows[part], words[part])
+        wall_clock_s += time.perf_counter() - began
+        if reference is not None:
+            reference.advance(reference_rows[part])
+        metrics.update(rows[part], None if reference is None else reference_rows[part])
+        trace.write(rows[part], None if controller == "analog" else words[part])
+        if progress is not None:
+            progress((first + part.stop) / ticks)
+    trace.save()
+    result = metrics.result(wall_clock_s=wall_clock_s, clock_cycles=simulation.clock_cycles)
+    write_metrics(result, out)
+    return result

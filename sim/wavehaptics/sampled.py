@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The controllers ``golden`` and ``core``: the wave core with the motor, a step a tick.
+
+The drive is averaged: it holds e_n for a tick. One loop serves both, and only the step differs:
+the integer model, or the Verilated RTL behind its C interface.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from wavehaptics import formats, golden, verilated
+from wavehaptics.native_call import call2
+from wavehaptics.plant import TIME, C, I, P, Plant, X, load_words, plant_step
+from wavehaptics.scene import Scene
+from wavehaptics.sensor import NOISE_SEED, Sensor, current_word
+from wavehaptics.settings import Settings, settings
+from wavehaptics.trace import Column, Word
+
+CORE_DELAY_LOG2 = 10
+"""Delay line of the simulated core: up to 2**10 - 1 ticks of extra latency."""
+
+CORE_CLOCK_BUDGET = 24
+"""Clocks a tick that the wave core may take (design §2)."""
+
+_VOLT = formats.VOLTAGE.step
+_ROOT_WATT = formats.WAVE.step
+_ETA = formats.ETA.step
+
+# Places in the loop's integer parameters.
+_ROOT, _A, _U_MAX, _EXTRA, _ETA_CONTACT, _ETA_FREE, _SUBSTEPS, _POINT, _MODEL, _STEP = range(10)
+# Places in the loop's float parameters.
+_DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE = range(5)
+# Places in the integers that the loop keeps.
+_VOLTAGE_WORD, _CLOCKS = range(2)
+
+
+@numba.njit(cache=True)
+def _advance(
+    rows, words, state, kept, core, line, contact, wall_min, wall_max, ints, floats, load, matrix,
+    sensor, rng, buffer,
+):  # fmt: skip
+    """Fill ``rows`` and ``words``; False when the RTL never answered."""
+    dt, cell, k_t = floats[_DT], floats[_CELL], floats[_K_T]
+    substeps, extra = ints[_SUBSTEPS], ints[_EXTRA]
+    tick = dt * substeps
+    for n in range(rows.shape[0]):
+        e_a = kept[_VOLTAGE_WORD] * _VOLT * floats[_DRIVE_GAIN]
+        x_before, i_before = state[X], state[I]
+        hand_before, t_before = state[P] + state[C], state[TIME]
+        charge = 0.0
+        square = 0.0
+        low, high = i_before, i_before
+        for _ in range(substeps):
+            part, part_square = plant_step(state, matrix, dt, e_a, load)
+            charge += part
+            square += part_square
+            low, high = min(low, state[I]), max(high, state[I])
+        mean = charge / tick
+        current = current_word(state[I] if ints[_POINT] else mean, sensor, rng)
+        position = int(np.floor(state[X] / cell))
+        touching, _ = golden.contact_step(contact, position, wall_min, wall_max)
+        eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
+        if ints[_MODEL] == 0:
+            e_next, u_n, v_n = golden.wave_core_step(
+                core, line, current, eta, ints[_ROOT], ints[_A], ints[_U_MAX], extra, extra
+            )
+        else:
+            buffer[0], buffer[1] = current, eta
+            clocks = call2(ints[_STEP], ints[_MODEL], buffer.ctypes.data)
+            if clocks < 0:
+                return False
+            kept[_CLOCKS] += clocks
+            e_next, u_n, v_n = buffer[0], buffer[1], buffer[2]
+        row = rows[n]
+        row[Column.T] = t_before + 0.5 * tick
+        row[Column.X] = 0.5 * (x_before + state[X])
+        row[Column.OMEGA] = (state[X] - x_before) / tick
+        row[Column.I] = mean
+        row[Column.E_A] = e_a
+        row[Column.TORQUE] = k_t * mean
+        row[Column.ETA] = eta * _ETA
+        row[Column.U] = u_n * _ROOT_WATT
+        row[Column.V] = v_n * _ROOT_WATT
+        row[Column.X_HAND] = 0.5 * (hand_before + state[P] + state[C])
+        row[Column.CONTACT] = 1.0 if touching else 0.0
+        row[Column.SATURATED] = 1.0 if abs(u_n) >= ints[_U_MAX] else 0.0
+        row[Column.ENERGY_OUT] = e_a * charge - floats[_RESISTANCE] * square
+        row[Column.RIPPLE] = high - low
+        words[n, Word.I] = current
+        words[n, Word.U] = u_n
+        words[n, Word.V] = v_n
+        words[n, Word.E] = e_next
+        kept[_VOLTAGE_WORD] = e_next
+    return True
+
+
+class SampledSimulation:
+    """A scene on the wave core, tick by tick, with an averaged drive.
+
+    ``rtl`` takes the Verilated core instead of the integer model. ``point_sampling`` gives the
+    sensor the current at the tick's end instead of the mean: only to show what that breaks
+    (design §1.1, fact 1).
+    """
+
+    def __init__(self, scene: Scene, *, rtl: bool, point_sampling: bool = False) -> None:
+        self.settings: Settings = settings(scene)
+        self.tick_s = self.settings.tick_s
+        plant = Plant.of_scene(scene)
+        set_ = self.settings
+        substeps = plant.substeps(self.tick_s)
+        dt = self.tick_s / substeps
+        gain = 1.0 + (scene.drive.gain_error if scene.drive else 0.0)
+        self._library = None
+        self._model = 0
+        step = 0
+        if rtl:
+            self._library, self._model, step = _load_core(set_)
+        self._state = plant.start.copy()
+        self._kept = np.zeros(2, dtype=np.int64)
+        self._core = golden.new_state()
+        self._line = golden.new_line(set_.extra_ticks)
+        self._contact = np.array([-1, 0], dtype=np.int64)
+        self._ints = np.array(
+            [set_.root, set_.a, set_.u_max, set_.extra_ticks, set_.eta_contact, set_.eta_free,
+             substeps, point_sampling, self._model, step],
+            dtype=np.int64,
+        )  # fmt: skip
+        self._floats = np.array([dt, set_.cell_rad, gain, plant.k_t, plant.resistance])
+        self._load = load_words(plant)
+        self._matrix = plant.transition(dt)
+        self._sensor = Sensor.of_scene(scene).constants()
+        self._rng = np.random.default_rng(NOISE_SEED)
+        self._buffer = np.zeros(4, dtype=np.int64)
+
+    @property
+    def clock_cycles(self) -> int | None:
+        """Clocks of the RTL so far; None on the integer model, which has no clock."""
+        return int(self._kept[_CLOCKS]) if self._model else None
+
+    def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
+        """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
+        done = _advance(
+            rows, words, self._state, self._kept, self._core, self._line, self._contact,
+            self.settings.wall_min, self.settings.wall_max, self._ints, self._floats, self._load,
+            self._matrix, self._sensor, self._rng, self._buffer,
+        )  # fmt: skip
+        if not done:
+            raise RuntimeError("the wave core's RTL never raised valid_o")
+
+    def __del__(self) -> None:
+        if getattr(self, "_model", 0):
+            self._library.wh_core_delete(self._model)
+
+
+def _load_core(set_: Settings):
+    design = verilated.Design(
+        "wh_wave_core", "core_shim.cpp", {"N": 1, "DELAY_LOG2": CORE_DELAY_LOG2}
+    )
+    library = verilated.load(design)
+    verilated.declare_constructor(library.wh_core_new, integers=5)
+    verilated.declare_destructor(library.wh_core_delete)
+    model = library.wh_core_new(set_.root, set_.a, set_.u_max, set_.extra_ticks, set_.extra_ticks)
+    return library, model, verilated.address(library.wh_core_step)

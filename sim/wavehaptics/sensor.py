@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The current sensor: amplifier, ADC and the word that the controller makes of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from wavehaptics import formats
+from wavehaptics.scene import Scene
+
+_CURRENT_SCALE = 2.0**formats.CURRENT.fraction
+_CURRENT_MAX = formats.CURRENT.raw_max
+_GAIN_SHIFT = formats.GAIN.fraction - formats.CURRENT.fraction
+_SAMPLE_HALF = 1 << (formats.SAMPLE_W - 1)
+
+NOISE_SEED = 20_260_101
+"""Seed of the ADC's noise: the same scene gives the same noise on every controller and run."""
+
+IDEAL, BITS, FULL_SCALE, NOISE, OFFSET, GAIN = range(6)
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """A current sensor; ``ideal`` passes the current on in the controller's own word length.
+
+    ``bits`` and ``full_scale_a`` (± that current) describe the ADC, ``noise_a`` (RMS) and
+    ``offset_a`` the amplifier before it, all in A.
+    """
+
+    ideal: bool
+    bits: int = formats.SAMPLE_W
+    full_scale_a: float = 1.0
+    noise_a: float = 0.0
+    offset_a: float = 0.0
+
+    @classmethod
+    def of_scene(cls, scene: Scene) -> Sensor:
+        """The scene's sensor; without ``[adc]`` an ideal one."""
+        if scene.adc is None:
+            return cls(ideal=True)
+        adc = scene.adc
+        return cls(False, adc.bits, adc.full_scale_a, adc.noise_a, adc.offset_a)
+
+    def gain_word(self, samples: int) -> int:
+        """Word of A per unit of the sum of ``samples`` left-justified ADC words."""
+        return formats.GAIN.to_raw(self.full_scale_a / (_SAMPLE_HALF * samples))
+
+    def constants(self) -> np.ndarray:
+        """For :func:`sample_code` and :func:`current_word`: float64 (6,)."""
+        gain = 0 if self.ideal else self.gain_word(1)
+        return np.array(
+            [self.ideal, self.bits, self.full_scale_a, self.noise_a, self.offset_a, gain], float
+        )
+
+
+@numba.njit(cache=True, inline="always")
+def sample_code(current, sensor, rng):
+    """The ADC's signed code of a current in A; mid-scale is 0 A, codes end at full scale."""
+    if sensor[NOISE] > 0.0:
+        current += sensor[NOISE] * rng.standard_normal()
+    half = 1 << (int(sensor[BITS]) - 1)
+    code = round((current + sensor[OFFSET]) / sensor[FULL_SCALE] * half)
+    return min(max(int(code), -half), half - 1)
+
+
+@numba.njit(cache=True)
+def scale_sum(total, gain):
+    """Current word of a tick's sum of ADC words (sum minus zero): ``rtl/wh_current.v``.
+
+    The product is rounded to the nearest word, halves away from zero: this is a sensor, where
+    rounding toward zero would be an offset.
+    """
+    product = total * gain
+    half = 1 << (_GAIN_SHIFT - 1)
+    magnitude = (abs(product) + half) >> _GAIN_SHIFT
+    return min(magnitude, _CURRENT_MAX) if product >= 0 else -min(magnitude, _CURRENT_MAX + 1)
+
+
+@numba.njit(cache=True, inline="always")
+def current_word(current, sensor, rng):
+    """Word that the wave core gets for a tick's mean current in A."""
+    if sensor[IDEAL] != 0.0:
+        word = round(current * _CURRENT_SCALE)
+        return int(min(max(word, -_CURRENT_MAX - 1), _CURRENT_MAX))
+    code = sample_code(current, sensor, rng) << (formats.SAMPLE_W - int(sensor[BITS]))
+    return scale_sum(code, int(sensor[GAIN]))
