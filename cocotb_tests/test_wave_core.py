@@ -6,17 +6,24 @@ from __future__ import annotations
 import pytest
 from simulators import simulate
 
+# Verilator runs the long stream; a word that Icarus sees otherwise (X, races) shows in a short one.
+TICKS = {"icarus": 10_000, "verilator": 80_000}
+TICKS_OF_A_VARIANT = 4_000
 
-@pytest.mark.parametrize(
-    ("ports", "delay_log2", "ticks"), [(1, 2, 40_000), (3, 1, 8_000), (1, 10, 8_000), (2, 3, 8_000)]
-)
-def test_wave_core(simulator: str, ports: int, delay_log2: int, ticks: int) -> None:
-    parameters = {"N": ports, "DELAY_LOG2": delay_log2, "TICKS": ticks}
+
+def test_wave_core(simulator: str) -> None:
+    parameters = {"N": 1, "DELAY_LOG2": 2, "TICKS": TICKS[simulator]}
     simulate(simulator, "bench_wave_core", "tb_wave_core", parameters)
 
 
-@pytest.mark.parametrize(("data_w", "coef_w", "guard"), [(18, 18, 9), (24, 18, 9), (16, 12, 4)])
+@pytest.mark.parametrize(("ports", "delay_log2"), [(3, 1), (1, 10)])
+def test_wave_core_ports(simulator: str, ports: int, delay_log2: int) -> None:
+    parameters = {"N": ports, "DELAY_LOG2": delay_log2, "TICKS": TICKS_OF_A_VARIANT}
+    simulate(simulator, "bench_wave_core", "tb_wave_core", parameters)
+
+
+@pytest.mark.parametrize(("data_w", "coef_w", "guard"), [(18, 18, 9), (16, 12, 4)])
 def test_wave_core_widths(simulator: str, data_w: int, coef_w: int, guard: int) -> None:
-    parameters = {"N": 1, "DELAY_LOG2": 2, "TICKS": 8_000}
+    parameters = {"N": 1, "DELAY_LOG2": 2, "TICKS": TICKS_OF_A_VARIANT}
     defines = {"WH_DATA_W": data_w, "WH_COEF_W": coef_w, "WH_STATE_GUARD": guard}
     simulate(simulator, "bench_wave_core", "tb_wave_core", parameters, defines)

@@ -3,7 +3,7 @@
 // wh_carrier: the clock of everything: carrier halves, ticks and the instants of the samples.
 //
 //   half  = half_clocks_i clocks,  phase 0 ... half_clocks_i - 1
-//   tick  = tick_halves_i halves = samples_i * sample_clocks_i clocks
+//   tick  = tick_halves_i halves, samples_i * sample_clocks_i clocks or longer
 //   sample n of a tick: sample_clocks_i / 2 - sample_lead_i + n * sample_clocks_i after its start
 //
 // half_o is the half's parity, which picks the zero vector of wh_pwm; it goes on through the ticks.

@@ -15,7 +15,7 @@
 // Latency: the gates show the carrier's phase after 2 clocks, dead time aside, and CS_n falls 1 clock
 // after the sample's phase: sample_lead_i = -1 samples in the pulse's middle. The last sample of a
 // tick reaches the gates with the next tick that ends
-//     1 + (2k - 1) sclk_half_clocks_i + 12 + 23 N + 2 (N - 1) clocks,  k = lead_bits_i + data_bits_i
+//     1 + (2k - 1) sclk_half_clocks_i + 12 + 24 N + 2 (N - 1) clocks,  k = lead_bits_i + data_bits_i
 // after its sample instant or later (latency_clocks in sim/wavehaptics/pins_timing.py).
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
 
@@ -240,9 +240,9 @@ module wh_controller #(
                 .rst       (rst),
                 .valid_i   (adc_valid),
                 .first_i   (converting_first_q),
-                .sample_i  ($signed(adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W])),
+                .sample_i  (adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]),
                 .samples_i (samples_i),
-                .zero_i    ($signed(zero_i[n*`WH_SUM_W +: `WH_SUM_W])),
+                .zero_i    (zero_i[n*`WH_SUM_W +: `WH_SUM_W]),
                 .request_o (multiply_request[n]),
                 .grant_i   (multiply_grant[n]),
                 .factor_o  (multiply_data[n*DATA_W +: DATA_W]),
@@ -283,13 +283,13 @@ module wh_controller #(
             ) contact (
                 .clk           (clk),
                 .rst           (rst),
-                .position_i    ($signed(position_o[n*`WH_COUNT_W +: `WH_COUNT_W])),
+                .position_i    (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
                 .hold_i        (core_start || core_busy),
                 .wall_min_i    (wall_min_i[n*WALLS*`WH_COUNT_W +: WALLS*`WH_COUNT_W]),
                 .wall_max_i    (wall_max_i[n*WALLS*`WH_COUNT_W +: WALLS*`WH_COUNT_W]),
                 .wall_enable_i (wall_enable_i[n*WALLS +: WALLS]),
-                .eta_contact_i ($signed(eta_contact_i[n*COEF_W +: COEF_W])),
-                .eta_free_i    ($signed(eta_free_i[n*COEF_W +: COEF_W])),
+                .eta_contact_i (eta_contact_i[n*COEF_W +: COEF_W]),
+                .eta_free_i    (eta_free_i[n*COEF_W +: COEF_W]),
                 .contact_o     (contact_o[n]),
                 .wall_o        (wall),
                 .depth_o       (depth),
@@ -304,8 +304,8 @@ module wh_controller #(
                 .clk               (clk),
                 .rst               (drive_rst),
                 .valid_i           (core_valid_o),
-                .voltage_i         ($signed(voltage_o[n*DATA_W +: DATA_W])),
-                .clocks_per_volt_i ($signed(clocks_per_volt_i[n*COEF_W +: COEF_W])),
+                .voltage_i         (voltage_o[n*DATA_W +: DATA_W]),
+                .clocks_per_volt_i (clocks_per_volt_i[n*COEF_W +: COEF_W]),
                 .half_clocks_i     (half_clocks_i),
                 .request_o         (multiply_request[N+n]),
                 .grant_i           (multiply_grant[N+n]),

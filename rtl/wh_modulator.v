@@ -75,14 +75,16 @@ module wh_modulator (
     reg  signed [DUTY_W-1:0] pending_q;  // s35q16 clocks
     reg  signed [DUTY_W-1:0] active_q;   // s35q16 clocks
     wire signed [DUTY_W-1:0] next_duty = take_i ? pending_q : active_q;
-    wire signed [DUTY_W-1:0] duty;
+    wire signed [DUTY_W-1:0] duty_floor;
+    wire                     duty_up;
 
     wh_truncate #(
         .IN_W    (PRODUCT_W),
         .SHIFT   (`WH_VOLTAGE_Q)
     ) truncate (
         .value_i (product_i),
-        .value_o (duty)
+        .floor_o (duty_floor),
+        .up_o    (duty_up)
     );
 
     always @(posedge clk) begin
@@ -91,7 +93,7 @@ module wh_modulator (
             active_q  <= {DUTY_W{1'b0}};
         end else begin
             if (done_i) begin
-                pending_q <= duty;
+                pending_q <= duty_floor + $signed({{DUTY_W-1{1'b0}}, duty_up});
             end
             active_q <= next_duty;
         end

@@ -55,8 +55,8 @@ module wh_multiply_shared #(
 
     wh_multiply multiply (
         .clk       (clk),
-        .data_i    ($signed(data)),
-        .coef_i    ($signed(coef)),
+        .data_i    (data),
+        .coef_i    (coef),
         .product_o (product_o)
     );
 

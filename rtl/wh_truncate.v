@@ -2,10 +2,12 @@
 //
 // wh_truncate: drops low bits, rounding toward zero.
 //
-//   value_o = value_i / 2^SHIFT without its fraction
+//   value_i / 2^SHIFT without its fraction = floor_o + up_o
 //
 // The magnitude can only shrink, so a rounding step can take energy out of the waves and never put
-// any in. No word overflows: -2^(IN_W-1) is divided exactly.
+// any in. floor_o is rounded down, and up_o is 1 where a negative value lost something; whatever
+// sum takes the value can take up_o as its carry, at no cost. floor_o + up_o fits where floor_o
+// does, because up_o is 1 only with a negative floor_o.
 // Formats: s<IN_W>q<q> -> s<OUT_W>q<q - SHIFT>. Combinational; no reset.
 
 `default_nettype none
@@ -16,7 +18,8 @@ module wh_truncate #(
     parameter integer OUT_W = IN_W - SHIFT  // follows from the others
 ) (
     input  wire signed [IN_W-1:0]  value_i,
-    output wire signed [OUT_W-1:0] value_o
+    output wire signed [OUT_W-1:0] floor_o,
+    output wire                    up_o
 );
 
     generate
@@ -25,11 +28,8 @@ module wh_truncate #(
         end
     endgenerate
 
-    // The slice rounds down; a negative value that loses something goes one up again, to 0 at most.
-    wire lost = |value_i[SHIFT-1:0];
-    wire up   = value_i[IN_W-1] && lost;
-
-    assign value_o = $signed(value_i[IN_W-1:SHIFT]) + $signed({{(OUT_W - 1){1'b0}}, up});
+    assign floor_o = $signed(value_i[IN_W-1:SHIFT]);
+    assign up_o    = value_i[IN_W-1] && |value_i[SHIFT-1:0];
 
 endmodule
 

@@ -14,7 +14,7 @@
 // newest u that is in the line when the step starts. hold_ticks_i is the age of the u that this
 // step puts out, seen from the one that it computes: 0 puts that one out at once.
 //
-// Latency: 23 clocks a port, so valid_o comes 23 N clocks after start_i. The next start_i may come
+// Latency: 24 clocks a port, so valid_o comes 24 N clocks after start_i. The next start_i may come
 // together with valid_o. A start_i while busy is ignored, and overrun_o tells of it until reset.
 // All other inputs are held from start_i until valid_o; a port's are read during its own turn. The
 // outputs hold from valid_o to the next start_i.
@@ -68,7 +68,7 @@ module wh_wave_core #(
 
     localparam integer V_SUM_W = 1 + ((SI_W > DATA_W) ? SI_W : DATA_W);
     localparam integer ERROR_W = STATE_W + 1;
-    localparam integer F_SUM_W = 1 + ((STEP_W > STATE_W) ? STEP_W : STATE_W);
+    localparam integer F_SUM_W = 2 + ((STEP_W > STATE_W) ? STEP_W : STATE_W);
 
     localparam integer LENGTH = 1 << DELAY_LOG2;
     localparam integer PORT_W = (N > 1) ? $clog2(N) : 1;
@@ -85,34 +85,34 @@ module wh_wave_core #(
     endgenerate
 
     // ---- The table of steps, in clocks since the start of a port's turn. A product comes PRODUCT
-    // clocks after its factors were given, and is rounded and registered for the clock after. What
+    // clocks after its factors were given, and is cut and registered for the clock after. What
     // stands between two steps is a pipeline that runs all the time: only these clocks matter.
-    localparam [4:0] PRODUCT    = 5'd3;
-    localparam [4:0] GIVE_SI    = 5'd0;                         // s and i_n
-    localparam [4:0] TAKE_U_N   = GIVE_SI + 5'd1;               // u_n comes out of the delay line
-    localparam [4:0] TAKE_V     = GIVE_SI + PRODUCT + 5'd1;     // v = u_n - s i_n
-    localparam [4:0] GIVE_ETA_V = TAKE_V + 5'd1;                // η and W{v}
-    localparam [4:0] GIVE_A     = GIVE_ETA_V + PRODUCT + 5'd3;  // a and η W{v} - f
-    localparam [4:0] TAKE_F     = GIVE_A + PRODUCT + 5'd2;      // f + a (η W{v} - f), clamped
-    localparam [4:0] TAKE_U     = TAKE_F + 5'd1;                // into the delay line, and out of it
-    localparam [4:0] GIVE_SU    = TAKE_U + 5'd1;                // s and u
-    localparam [4:0] TAKE_E     = GIVE_SU + PRODUCT + 5'd1;     // e = s u: the turn's last clock
+    localparam integer PRODUCT    = 3;
+    localparam integer GIVE_SI    = 0;                         // s and i_n; u_n is looked up
+    localparam integer TAKE_U_N   = GIVE_SI + 1;               // u_n comes out of the delay line
+    localparam integer GIVE_ETA_V = GIVE_SI + PRODUCT + 2;     // η and W{v}, v = u_n - s i_n
+    localparam integer GIVE_A     = GIVE_ETA_V + PRODUCT + 3;  // a and η W{v} - f
+    localparam integer TAKE_SUM   = GIVE_A + PRODUCT + 1;      // f + a (η W{v} - f)
+    localparam integer TAKE_F     = TAKE_SUM + 2;              // the sum, clamped
+    localparam integer TAKE_U     = TAKE_F + 1;                // into the delay line, and out of it
+    localparam integer GIVE_SU    = TAKE_U + 1;                // s and u
+    localparam integer TAKE_E     = GIVE_SU + PRODUCT + 1;     // e = s u: the turn's last clock
 
+    reg [TAKE_E:0]   at_q;  // at_q[n]: this is clock n of a turn; waits at 0
     reg              busy_q;
-    reg [4:0]        clock_q;
     reg [PORT_W-1:0] port_q;
 
     // The strobe's own clock is the first of the first turn.
     wire running   = busy_q || start_i;
     wire last_port = (port_q == LAST[PORT_W-1:0]);
-    wire step_ends = (clock_q == TAKE_E) && last_port;
+    wire step_ends = at_q[TAKE_E] && last_port;
 
     assign busy_o = busy_q;
 
     always @(posedge clk) begin
         if (rst) begin
+            at_q      <= {{TAKE_E{1'b0}}, 1'b1};
             busy_q    <= 1'b0;
-            clock_q   <= 5'd0;
             port_q    <= {PORT_W{1'b0}};
             valid_o   <= 1'b0;
             overrun_o <= 1'b0;
@@ -122,11 +122,11 @@ module wh_wave_core #(
                 overrun_o <= 1'b1;
             end
             if (running) begin
-                busy_q  <= !step_ends;
-                clock_q <= (clock_q == TAKE_E) ? 5'd0 : clock_q + 1'b1;
-                if (clock_q == TAKE_E) begin
-                    port_q <= last_port ? {PORT_W{1'b0}} : port_q + 1'b1;
-                end
+                busy_q <= !step_ends;
+                at_q   <= {at_q[TAKE_E-1:0], at_q[TAKE_E]};
+            end
+            if (at_q[TAKE_E]) begin
+                port_q <= last_port ? {PORT_W{1'b0}} : port_q + 1'b1;
             end
         end
     end
@@ -138,36 +138,30 @@ module wh_wave_core #(
     wire signed [COEF_W-1:0]  a       = $signed(a_i[port_q*COEF_W +: COEF_W]);
     wire signed [DATA_W-1:0]  u_max   = $signed(u_max_i[port_q*DATA_W +: DATA_W]);
     wire signed [DATA_W-1:0]  u_n     = $signed(u_o[port_q*DATA_W +: DATA_W]);
-    wire signed [DATA_W-1:0]  v_n     = $signed(v_o[port_q*DATA_W +: DATA_W]);
     wire signed [STATE_W-1:0] f       = f_q[port_q];
 
     // ---- The multiplier, given what is due.
     wire signed [DATA_W-1:0]    shaped;
-    reg  signed [DATA_W-1:0]    error_q;
+    wire signed [DATA_W-1:0]    error;
     reg  signed [DATA_W-1:0]    u_held_q;
     reg  signed [DATA_W-1:0]    data;
     reg  signed [COEF_W-1:0]    coef;
     wire signed [PRODUCT_W-1:0] product;
 
     always @* begin
-        case (clock_q)
-            GIVE_ETA_V: begin
-                data = shaped;
-                coef = eta;
-            end
-            GIVE_A: begin
-                data = error_q;
-                coef = a;
-            end
-            GIVE_SU: begin
-                data = u_held_q;
-                coef = root;
-            end
-            default: begin  // GIVE_SI
-                data = current;
-                coef = root;
-            end
-        endcase
+        if (at_q[GIVE_ETA_V]) begin
+            data = shaped;
+            coef = eta;
+        end else if (at_q[GIVE_A]) begin
+            data = error;
+            coef = a;
+        end else if (at_q[GIVE_SU]) begin
+            data = u_held_q;
+            coef = root;
+        end else begin  // GIVE_SI
+            data = current;
+            coef = root;
+        end
     end
 
     wh_multiply multiply (
@@ -177,78 +171,116 @@ module wh_wave_core #(
         .product_o (product)
     );
 
+    // ---- What wh_truncate leaves to be added is taken as a carry: a place below the last makes
+    // room for it, (2 x + 1) + (2 y + up) = 2 (x + y + up) + ..., and is dropped again.
+
     // ---- v = u_n - s i_n
-    wire signed [SI_W-1:0]   si;
-    reg  signed [SI_W-1:0]   si_q;
-    wire signed [DATA_W-1:0] v;
+    wire signed [SI_W-1:0]    si_floor;
+    wire                      si_up;
+    reg  signed [SI_W-1:0]    si_floor_q;
+    reg                       si_up_q;
+    wire signed [V_SUM_W:0]   v_sum;
+    reg  signed [V_SUM_W-1:0] v_sum_q;
+    wire signed [DATA_W-1:0]  v;
 
     wh_truncate #(
         .IN_W    (PRODUCT_W),
         .SHIFT   (SI_SHIFT)
     ) truncate_si (
         .value_i (product),
-        .value_o (si)
+        .floor_o (si_floor),
+        .up_o    (si_up)
     );
+
+    assign v_sum = $signed({{(V_SUM_W - DATA_W){u_n[DATA_W-1]}}, u_n, 1'b0})
+                 - $signed({{(V_SUM_W - SI_W){si_floor_q[SI_W-1]}}, si_floor_q, si_up_q});
 
     wh_saturate #(
         .IN_W    (V_SUM_W),
         .OUT_W   (DATA_W)
     ) saturate_v (
-        .value_i ($signed({{(V_SUM_W - DATA_W){u_n[DATA_W-1]}}, u_n})
-                - $signed({{(V_SUM_W - SI_W){si_q[SI_W-1]}}, si_q})),
+        .value_i (v_sum_q),
         .value_o (v)
     );
 
-    // ---- The error of f: η W{v} - f
-    wire signed [ETA_V_W-1:0]       eta_v;
-    reg  signed [ETA_V_W-1:0]       eta_v_q;
-    wire signed [DATA_W-1:0]        goal;
-    reg  signed [ERROR_W-1:0]       guarded_error_q;
-    wire signed [ERROR_W-GUARD-1:0] wide_error;
-    wire signed [DATA_W-1:0]        error;
-
     wh_shaper shaper (
-        .value_i (v_n),
+        .value_i (v),
         .value_o (shaped)
     );
+
+    always @(posedge clk) begin
+        si_floor_q <= si_floor;
+        si_up_q    <= si_up;
+        v_sum_q    <= $signed(v_sum[V_SUM_W:1]);
+    end
+
+    // ---- The goal η W{v}, and how far f is from it. The goal is limited before up is added, while
+    // the sign is at hand: up belongs to a negative value only, and can't bring it out of the word.
+    wire signed [ETA_V_W-1:0]       eta_v_floor;
+    wire                            eta_v_up;
+    wire signed [DATA_W:0]          goal_limited;
+    reg  signed [DATA_W-1:0]        goal_floor_q;
+    reg                             goal_up_q;
+    wire signed [DATA_W-1:0]        goal;
+    reg  signed [ERROR_W-1:0]       guarded_error_q;
+    wire signed [ERROR_W-GUARD-1:0] error_floor;
+    wire                            error_up;
+    reg  signed [ERROR_W-GUARD-1:0] wide_error_q;
 
     wh_truncate #(
         .IN_W    (PRODUCT_W),
         .SHIFT   (ETA_SHIFT)
     ) truncate_eta_v (
         .value_i (product),
-        .value_o (eta_v)
+        .floor_o (eta_v_floor),
+        .up_o    (eta_v_up)
     );
 
     wh_saturate #(
-        .IN_W    (ETA_V_W),
-        .OUT_W   (DATA_W)
+        .IN_W    (ETA_V_W + 1),
+        .OUT_W   (DATA_W + 1)
     ) saturate_goal (
-        .value_i (eta_v_q),
-        .value_o (goal)
+        .value_i ($signed({eta_v_floor, eta_v_up})),
+        .value_o (goal_limited)
     );
+
+    assign goal = goal_floor_q + $signed({{(DATA_W - 1){1'b0}}, goal_up_q});
 
     wh_truncate #(
         .IN_W    (ERROR_W),
         .SHIFT   (GUARD)
     ) truncate_error (
         .value_i (guarded_error_q),
-        .value_o (wide_error)
+        .floor_o (error_floor),
+        .up_o    (error_up)
     );
 
     wh_saturate #(
         .IN_W    (ERROR_W - GUARD),
         .OUT_W   (DATA_W)
     ) saturate_error (
-        .value_i (wide_error),
+        .value_i (wide_error_q),
         .value_o (error)
     );
 
+    always @(posedge clk) begin
+        goal_floor_q    <= $signed(goal_limited[DATA_W:1]);
+        goal_up_q       <= goal_limited[DATA_W] && goal_limited[0];
+        guarded_error_q <= $signed({goal[DATA_W-1], goal, {GUARD{1'b0}}})
+                         - $signed({f[STATE_W-1], f});
+        wide_error_q    <= error_floor + $signed({{(ERROR_W - GUARD - 1){1'b0}}, error_up});
+    end
+
     // ---- D(s): f + a (η W{v} - f), clamped to ±u_max
-    wire signed [STEP_W-1:0]  step;
-    reg  signed [STEP_W-1:0]  step_q;
+    wire signed [STEP_W-1:0]  step_floor;
+    wire                      step_up;
+    reg  signed [STEP_W-1:0]  step_floor_q;
+    reg                       step_up_q;
+    wire signed [F_SUM_W:0]   f_sum;
     reg  signed [F_SUM_W-1:0] f_sum_q;
     reg  signed [STATE_W-1:0] f_clamped;
+    wire signed [DATA_W-1:0]  u_floor;
+    wire                      u_up;
     wire signed [DATA_W-1:0]  u;
 
     wh_truncate #(
@@ -256,19 +288,26 @@ module wh_wave_core #(
         .SHIFT   (A_SHIFT)
     ) truncate_step (
         .value_i (product),
-        .value_o (step)
+        .floor_o (step_floor),
+        .up_o    (step_up)
     );
+
+    assign f_sum = $signed({{(F_SUM_W - STATE_W){f[STATE_W-1]}}, f, 1'b1})
+                 + $signed({{(F_SUM_W - STEP_W){step_floor_q[STEP_W-1]}}, step_floor_q, step_up_q});
 
     wire signed [STATE_W-1:0] limit      = $signed({u_max, {GUARD{1'b0}}});
     wire signed [F_SUM_W-1:0] limit_wide =
         $signed({{(F_SUM_W - STATE_W){limit[STATE_W-1]}}, limit});
-    wire over  = f_sum_q > limit_wide;
-    wire under = f_sum_q < -limit_wide;
+
+    // f_sum < -limit is asked without the cost of a negation.
+    wire signed [F_SUM_W-1:0] above_low = f_sum_q + limit_wide;
+    reg                       over_q;
+    reg                       under_q;
 
     always @* begin
-        if (over || u_max[DATA_W-1]) begin  // as golden.py has it for a limit below 0, too
+        if (over_q || u_max[DATA_W-1]) begin  // as golden.py has it for a limit below 0, too
             f_clamped = limit;
-        end else if (under) begin
+        end else if (under_q) begin
             f_clamped = -limit;
         end else begin
             f_clamped = $signed(f_sum_q[STATE_W-1:0]);
@@ -280,12 +319,28 @@ module wh_wave_core #(
         .SHIFT   (GUARD)
     ) truncate_u (
         .value_i (f),
-        .value_o (u)
+        .floor_o (u_floor),
+        .up_o    (u_up)
     );
 
-    // ---- e = s u
-    wire signed [SU_W-1:0]   su;
-    reg  signed [SU_W-1:0]   su_q;
+    assign u = u_floor + $signed({{(DATA_W - 1){1'b0}}, u_up});
+
+    always @(posedge clk) begin
+        step_floor_q <= step_floor;
+        step_up_q    <= step_up;
+        over_q       <= f_sum_q > limit_wide;
+        under_q      <= above_low[F_SUM_W-1];
+        if (at_q[TAKE_SUM]) begin
+            f_sum_q <= $signed(f_sum[F_SUM_W:1]);
+        end
+    end
+
+    // ---- e = s u, limited in the same way as the goal
+    wire signed [SU_W-1:0]   su_floor;
+    wire                     su_up;
+    wire signed [DATA_W:0]   e_limited;
+    reg  signed [DATA_W-1:0] e_floor_q;
+    reg                      e_up_q;
     wire signed [DATA_W-1:0] e;
 
     wh_truncate #(
@@ -293,29 +348,26 @@ module wh_wave_core #(
         .SHIFT   (SU_SHIFT)
     ) truncate_su (
         .value_i (product),
-        .value_o (su)
+        .floor_o (su_floor),
+        .up_o    (su_up)
     );
 
     wh_saturate #(
-        .IN_W    (SU_W),
-        .OUT_W   (DATA_W)
+        .IN_W    (SU_W + 1),
+        .OUT_W   (DATA_W + 1)
     ) saturate_e (
-        .value_i (su_q),
-        .value_o (e)
+        .value_i ($signed({su_floor, su_up})),
+        .value_o (e_limited)
     );
 
-    // The pipeline between the multiplier and the state.
+    assign e = e_floor_q + $signed({{(DATA_W - 1){1'b0}}, e_up_q});
+
     always @(posedge clk) begin
-        si_q            <= si;
-        eta_v_q         <= eta_v;
-        guarded_error_q <= $signed({goal[DATA_W-1], goal, {GUARD{1'b0}}})
-                         - $signed({f[STATE_W-1], f});
-        error_q         <= error;
-        step_q          <= step;
-        f_sum_q         <= $signed({{(F_SUM_W - STATE_W){f[STATE_W-1]}}, f})
-                         + $signed({{(F_SUM_W - STEP_W){step_q[STEP_W-1]}}, step_q});
-        su_q            <= su;
+        e_floor_q <= $signed(e_limited[DATA_W:1]);
+        e_up_q    <= e_limited[DATA_W] && e_limited[0];
     end
+
+    wire unused = &{1'b0, v_sum[0], f_sum[0], above_low[F_SUM_W-2:0]};
 
     // ---- The delay line of u: one memory for all ports, a write and a read port. It is read at the
     // first clock of a turn for u_n, and at all others for the u that this step will put out.
@@ -325,7 +377,7 @@ module wh_wave_core #(
     reg         [DELAY_LOG2:0]   filled_q;  // steps since reset, up to LENGTH
 
     wire [DELAY_LOG2-1:0] new_head  = head_q + 1'b1;
-    wire [DELAY_LOG2-1:0] read_slot = (clock_q == GIVE_SI) ? head_q - extra_ticks_i
+    wire [DELAY_LOG2-1:0] read_slot = at_q[GIVE_SI] ? head_q - extra_ticks_i
                                                            : new_head - hold_ticks_i;
     wire [LINE_W-1:0]     write_place;
     wire [LINE_W-1:0]     read_place;
@@ -346,7 +398,7 @@ module wh_wave_core #(
 
     always @(posedge clk) begin
         line_q <= line[read_place];
-        if (clock_q == TAKE_U) begin
+        if (at_q[TAKE_U]) begin
             line[write_place] <= u;
             u_held_q          <= hold_is_none ? u : held_is_there ? line_q : {DATA_W{1'b0}};
         end
@@ -368,24 +420,27 @@ module wh_wave_core #(
 
     always @(posedge clk) begin
         if (rst) begin
-            voltage_o   <= {(N * DATA_W){1'b0}};
-            u_o         <= {(N * DATA_W){1'b0}};
-            v_o         <= {(N * DATA_W){1'b0}};
-            saturated_o <= {N{1'b0}};
+            voltage_o   <= 0;
+            u_o         <= 0;
+            v_o         <= 0;
+            saturated_o <= 0;
             for (n = 0; n < N; n = n + 1) begin
                 f_q[n] <= {STATE_W{1'b0}};
             end
         end else begin
-            case (clock_q)
-                TAKE_U_N: u_o[port_q*DATA_W +: DATA_W] <= u_n_is_there ? line_q : {DATA_W{1'b0}};
-                TAKE_V:   v_o[port_q*DATA_W +: DATA_W] <= v;
-                TAKE_F: begin
-                    f_q[port_q]         <= f_clamped;
-                    saturated_o[port_q] <= over || under;
-                end
-                TAKE_E:   voltage_o[port_q*DATA_W +: DATA_W] <= e;
-                default: ;
-            endcase
+            if (at_q[TAKE_U_N]) begin
+                u_o[port_q*DATA_W +: DATA_W] <= u_n_is_there ? line_q : {DATA_W{1'b0}};
+            end
+            if (at_q[GIVE_ETA_V]) begin
+                v_o[port_q*DATA_W +: DATA_W] <= v;
+            end
+            if (at_q[TAKE_F]) begin
+                f_q[port_q]         <= f_clamped;
+                saturated_o[port_q] <= over_q || under_q;
+            end
+            if (at_q[TAKE_E]) begin
+                voltage_o[port_q*DATA_W +: DATA_W] <= e;
+            end
         end
     end
 

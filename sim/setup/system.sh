@@ -27,13 +27,30 @@ need g++ g++
 need make make
 need perl perl
 need iverilog iverilog
+version=$("$python" -c 'import sys; print("python%d.%d" % sys.version_info[:2])')
 # A bare Debian has the venv module without ensurepip. The package's name carries the version, but
 # for the distribution's own Python.
 if ! "$python" -c 'import venv, ensurepip' 2>/dev/null; then
-    version=$("$python" -c 'import sys; print("python%d.%d" % sys.version_info[:2])')
     own=$(readlink -f /usr/bin/python3 2>/dev/null || true)
-    if [ "${own##*/}" = "$version" ]; then version=python3; fi
-    missing="$missing $version-venv"
+    if [ "${own##*/}" = "$version" ]; then
+        missing="$missing python3-venv"
+    else
+        missing="$missing $version-venv"
+    fi
+fi
+# A simulator loads Python as a shared library, for cocotb; Debian's interpreter does without it.
+if ! "$python" -c '
+import ctypes, os, sysconfig
+directory, version = sysconfig.get_config_vars("LIBDIR", "py_version_short")
+ctypes.CDLL(os.path.join(directory, f"libpython{version}.so.1.0"))' 2>/dev/null; then
+    case $("$python" -c 'import sys; print(sys.base_prefix)') in
+    /usr) missing="$missing lib$version" ;;
+    *)
+        echo "$python was built without its shared library lib$version.so, which cocotb needs:" \
+            "name another with make PYTHON=/path/to/python3"
+        exit 2
+        ;;
+    esac
 fi
 missing=${missing# }
 if [ -z "$missing" ]; then exit 0; fi
@@ -52,8 +69,8 @@ if [ "$action" = check ]; then
     if [ -z "$command" ]; then
         echo "missing on this system, and there is no apt-get to install it: $missing"
     elif [ "$as_root" = none ]; then
-        echo "system packages are missing that only root may install." \
-            "Type \`sudo apt-get install -y $missing\` first."
+        echo "system packages are missing that only root may install:" \
+            "type \`sudo apt-get install -y $missing\` first"
     fi
     exit 0
 fi

@@ -115,7 +115,7 @@ def test_free_space_adds_the_predicted_inertia(make_scene):
 @pytest.mark.parametrize("extra_ticks", [0, 2])
 @pytest.mark.parametrize("tick_hz", SIX_RATES_HZ)
 def test_port_never_gives_energy_with_the_mean_current(make_scene, tick_hz, extra_ticks):
-    """Fact 1, at six rates from 1 µs to 2 ms, with the stiffest filter and η switching all along."""
+    """Fact 1, at six rates from 1 µs to 2 ms, with the stiffest filter and η always switching."""
     scene = make_scene(
         *SWITCHING,
         f"controller.tick_hz={tick_hz}",

@@ -211,6 +211,62 @@ def test_a_wall_that_grows_while_held_does_not_move_the_fit(edge, side):
     assert result["stiffness"] == pytest.approx(K, rel=0.02)
 
 
+def fitted_afterwards(rows: np.ndarray, edge: float, side: float) -> float:
+    """The definition of ``stiffness`` applied to a whole run that is one contact."""
+    depth, push = side * (rows[:, Column.X] - edge), -side * rows[:, Column.TORQUE]
+    peak = push[: depth.argmax() + 1].max()
+    end = int(np.argmax(push >= 0.9 * peak)) + 1
+    if rows[:end, Column.SATURATED].any():
+        end = int(rows[:, Column.SATURATED].argmax())
+    return np.polyfit(rows[:end, Column.X], -rows[:end, Column.TORQUE], 1)[0]
+
+
+@pytest.mark.parametrize(("edge", "side"), SIDES)
+@pytest.mark.parametrize("seed", range(30))
+def test_ringing_growing_saturating_contacts_are_fitted_as_defined(edge, side, seed):
+    # Coarse steps, so that every new height of the push is far more than 10⁻⁴ above the last.
+    rng = np.random.default_rng(seed)
+    n = np.arange(60)
+    depth = 1e-3 + 0.2e-3 * n * rng.random() + 2e-3 * rng.random() * np.sin(n * rng.random()) ** 2
+    push = K * depth + 2e-3 * rng.random() * np.sin(n * rng.random()) + 1e-3 * rng.normal(size=60)
+    depth += 1e-4 * rng.normal(size=60)
+    push += n * 1e-3 * rng.normal()
+    rows = rows_of(depth, push, edge, side)
+    if seed % 3 == 0:
+        rows[rng.integers(3, 60), Column.SATURATED] = 1.0
+    free = rows_of(np.full(5, -1e-3), np.zeros(5), edge, side)
+    result = result_of(np.concatenate([free, rows]))
+    if result["stiffness"] is None:
+        pushes = push[: depth.argmax() + 1]
+        assert pushes.max() <= 0.0 or int(np.argmax(pushes >= 0.9 * pushes.max())) < 2
+    else:
+        assert result["stiffness"] == pytest.approx(fitted_afterwards(rows, edge, side), rel=1e-6)
+
+
+@pytest.mark.parametrize("later", [12e-3, 12.1e-3])
+@pytest.mark.parametrize("grows", [30_000, 31_500, 33_000, 34_500])  # to four places of the ring
+def test_a_push_that_grew_past_the_ring_counts_once_the_rotor_goes_deeper(later, grows):
+    # Fine steps up while the rotor is not at its deepest; at the end it goes deeper, or does not.
+    depth = np.concatenate(
+        [np.linspace(-1e-3, 12e-3, 2000), np.full(grows, 11e-3), [later] * 10, np.full(9, -1e-3)]
+    )
+    push = spring(depth)
+    push[2000:-9] = K * 12e-3 * np.exp(3.7e-5 * np.arange(grows + 10))
+    rows = rows_of(depth, push, 0.5, 1.0)
+    result = result_of(rows)
+    if later == 12e-3:
+        assert result["stiffness"] == pytest.approx(K, rel=1e-9)
+    else:
+        expected = fitted_afterwards(rows[int(np.argmax(depth > 0.0)) : -9], 0.5, 1.0)
+        assert result["stiffness"] == pytest.approx(expected, rel=1e-3)
+        assert expected > 2.0 * K
+
+
+def test_a_wall_that_only_pulls_has_no_stiffness():
+    depth = taps()
+    assert result_of(rows_of(depth, -spring(depth), 0.5, 1.0))["stiffness"] is None
+
+
 def test_more_heights_than_the_ring_holds():
     depth = 1e-6 * 1.0002 ** np.arange(60_000) - 1.0005e-6  # to 0.16 rad, 16,000 a factor of 24
     rows = rows_of(depth, spring(depth), 0.5, 1.0)

@@ -28,7 +28,8 @@ void set_count(Port &port, int index, int64_t value) {
     port[index] = static_cast<uint32_t>(value);
 }
 
-// Order of the parameters in the array that wh_pins_new takes; sim/wavehaptics/pins.py fills it.
+// Order of the parameters in the array that wh_pins_new takes: that of controller_ports in
+// sim/wavehaptics/pins.py.
 enum Parameter {
     kHalfClocks, kTickHalves, kSampleClocks, kSamples, kSampleLead,
     kSclkHalfClocks, kFrameBits, kLeadBits, kDataBits, kQuietClocks,

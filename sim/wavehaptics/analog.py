@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The controller ``analog``: the paper's circuit in continuous time, the reference of all others.
 
-``v = u − s·i``, ``df/dt = λ(η v − f)``, ``u`` is f within the voltage limit, ``e_a = s·u``. With the
-motor this is linear as long as neither η nor the limit changes, so a step is one product with a
+``v = u − s·i``, ``df/dt = λ(η v − f)``, ``u`` is f within the voltage limit, ``e_a = s·u``. With
+the motor this is linear as long as neither η nor the limit changes, so a step is one product with a
 matrix exponential; the instant at which one of them does change is found by bisection.
 """
 

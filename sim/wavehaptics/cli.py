@@ -40,7 +40,12 @@ METRIC_UNITS = {
     "k_l": "N·m/rad",
     "stiffness": "N·m/rad",
     "stiffness_predicted": "N·m/rad",
+    "stiffness_zero_rad": "rad",
+    "contact_edge_rad": "rad",
+    "tip_stiffness": "N/m",
     "peak_torque": "N·m",
+    "peak_current_a": "A",
+    "current_ripple_a": "A",
     "free_space_torque_rms": "N·m",
     "energy_out_max_j": "J",
     "hold_offset_rad": "rad",
@@ -110,6 +115,40 @@ def run(
 
 
 @app.command()
+def demo(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
+        "build/demo"
+    ),
+) -> None:
+    """Run the paper's experiment with the whole RTL, and draw its figures."""
+    _make_folder(out)
+
+    from rich.console import Console
+
+    from wavehaptics.demo import demo_table, run_demo
+
+    with _stages() as progress:
+        results = run_demo(out, progress)
+    Console().print(demo_table(results))
+    print(f"pictures: {out / 'fig10.png'} and {out / 'fig11.png'}")
+    print(f"metrics:  {out / 'metrics.json'}")
+
+
+@app.command()
+def speed(scene: SceneArgument = "paper_taps", overrides: SetOption = None) -> None:
+    """Run SCENE on every controller, and tell how fast and how exact each is."""
+    loaded = load_scene(find_scene(scene), overrides or ())
+
+    from rich.console import Console
+
+    from wavehaptics.speed import measure_speed, speed_table
+
+    with _stages() as progress:
+        results = measure_speed(loaded, progress)
+    Console().print(speed_table(results))
+
+
+@app.command()
 def check(scene: SceneArgument, overrides: SetOption = None) -> None:
     """Check SCENE without running it."""
     path = find_scene(scene)
@@ -150,15 +189,31 @@ def _make_folder(folder: Path) -> None:
 @contextmanager
 def _progress(title: str) -> Iterator[Callable[[float], None]]:
     """A function that takes the part done, 0 to 1, and shows it if stderr is a terminal."""
+    with _stages() as show:
+        yield lambda part: show(title, part)
+
+
+@contextmanager
+def _stages() -> Iterator[Callable[[str, float], None]]:
+    """A function that takes what is being done and its part done, 0 to 1, and shows them.
+
+    Bars on stderr if that is a terminal, else nothing.
+    """
     if not sys.stderr.isatty():
-        yield lambda part: None
+        yield lambda stage, part: None
         return
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title, total=1.0)
-        yield lambda part: bar.update(task, completed=part)
+    tasks = {}
+    with Progress(console=Console(stderr=True), transient=True) as bars:
+
+        def show(stage: str, part: float) -> None:
+            if stage not in tasks:
+                tasks[stage] = bars.add_task(stage, total=1.0)
+            bars.update(tasks[stage], completed=part)
+
+        yield show
 
 
 def _table(metrics: Mapping[str, Any]) -> str:

@@ -15,9 +15,8 @@ over. A bare rotor (path ``impact``) has no chatter to fear and may hit softly: 
 not matter. A contact under way in the run's first tick has no way in; it is used only if no other
 one counts.
 
-**Its compression** runs from its first tick until the depth has fallen back from its greatest by
-more than a tenth, and by more than a cell. So the ringing of a press ends it at the first stroke,
-and a wall that grows or creeps through a long hold does not move its peak.
+**Its compression** runs from its first tick to its deepest, so that a wall which grows while it is
+held, and pushes the rotor out, does not count with its later torque.
 
 ``stiffness`` is the slope of the least-squares line of −TORQUE over X, each tick alike, from the
 first tick of the compression to the first in which the push reaches 90 % of the compression's peak
@@ -51,7 +50,6 @@ IDEAL_DEPTH_RAD = 1e-5
 """Takes the encoder cell's place where the scene has no encoder: 23 µN·m on the paper's motor."""
 PEAK_PART = 0.9
 """The fit ends where the push first reaches this part of its peak."""
-_FALL_BACK = 0.1
 _LEVEL_STEP = 1e-4
 _LEVELS = 2048
 assert (1.0 + _LEVEL_STEP) ** _LEVELS > 1.0 / PEAK_PART, "the ring must reach back to 90 %"
@@ -125,11 +123,13 @@ _FIT = np.dtype(
         ("side", "f8"),
         ("length", "i8"),
         ("deepest", "f8"),
-        ("peak", "f8"),
-        ("over", "i8"),  # the compression has ended
+        ("push_peak", "f8"),
+        ("peak", "f8"),  # of the compression: up to the deepest tick so far
         ("closed", "i8"),  # the voltage has saturated: no more ticks into the sums
         ("level", "f8"),
         ("levels", "i8"),
+        ("end", "i8"),  # the first level at 90 % of the peak, or the next one to come
+        ("aside", "i8"),  # which level is in the ring's last row, -1 for none
         ("n", "i8"),
         ("x", "f8"),  # sums over the ticks of the depth's and the torque's products
         ("f", "f8"),
@@ -174,39 +174,42 @@ def _compress(
     """One tick of the contact that ``fit`` follows.
 
     The end of the fit, 90 % of the peak, is known only when the peak is. So the sums up to each new
-    height of the push are kept in a ring, a 10⁻⁴ of the height apart, which reaches back to 1/1.22
-    of the peak.
+    height of the push are kept in a ring, 10⁻⁴ of the height apart, which reaches back to 1/1.22 of
+    the newest; those that end the fit for the peak so far are set aside in its last row.
     """
     fit.length += 1
     depth = fit.side * (x - fit.edge)
     push = -fit.side * torque
-    fit.deepest = max(fit.deepest, depth)
-    if fit.over:
-        return
-    if fit.deepest - depth > max(_FALL_BACK * fit.deepest, cell):
-        fit.over = 1
-        return
-    fit.peak = max(fit.peak, push)
+    fit.push_peak = max(fit.push_peak, push)
     if saturated:
         fit.closed = 1
-    if fit.closed:
-        return
-    # Both about the edge and outwards, which leaves the slope as it is.
-    fit.n += 1
-    fit.x += depth
-    fit.f += push
-    fit.xx += depth * depth
-    fit.xf += depth * push
-    if push > fit.level * (1.0 + _LEVEL_STEP):
-        fit.level = push
-        at = fit.levels % _LEVELS
-        fit.levels += 1
-        ring[at, 0] = push
-        ring[at, 1] = fit.n
-        ring[at, 2] = fit.x
-        ring[at, 3] = fit.f
-        ring[at, 4] = fit.xx
-        ring[at, 5] = fit.xf
+    if not fit.closed:
+        # Both about the edge and outwards, which leaves the slope as it is.
+        fit.n += 1
+        fit.x += depth
+        fit.f += push
+        fit.xx += depth * depth
+        fit.xf += depth * push
+        if push > fit.level * (1.0 + _LEVEL_STEP):
+            fit.level = push
+            at = fit.levels % _LEVELS
+            fit.levels += 1
+            ring[at, 0] = push
+            ring[at, 1] = fit.n
+            ring[at, 2] = fit.x
+            ring[at, 3] = fit.f
+            ring[at, 4] = fit.xx
+            ring[at, 5] = fit.xf
+    if depth > fit.deepest:
+        fit.deepest = depth
+        fit.peak = fit.push_peak
+        end = max(fit.end, fit.levels - _LEVELS)
+        while end < fit.levels and ring[end % _LEVELS, 0] < PEAK_PART * fit.peak:
+            end += 1
+        if end < fit.levels and end != fit.aside:
+            ring[_LEVELS] = ring[end % _LEVELS]
+            fit.aside = end
+        fit.end = end
 
 
 @numba.njit(cache=True)
@@ -229,11 +232,13 @@ def _enter(run: Any, fits: np.ndarray, walls: np.ndarray, x: float) -> None:
     fit.side = run.side
     fit.length = 0
     fit.deepest = 0.0
+    fit.push_peak = 0.0
     fit.peak = 0.0
-    fit.over = 0
     fit.closed = 0
     fit.level = 0.0
     fit.levels = 0
+    fit.end = 0
+    fit.aside = -1
     fit.n = 0
     fit.x = 0.0
     fit.f = 0.0
@@ -347,7 +352,7 @@ class Metrics:
         self._has_reference: bool | None = None
         self._runs = np.zeros(1, dtype=_RUN)
         self._fits = np.zeros(2, dtype=_FIT)
-        self._rings = np.zeros((2, _LEVELS, _LEVEL_FIELDS))
+        self._rings = np.zeros((2, _LEVELS + 1, _LEVEL_FIELDS))
         self._bin_counts = np.zeros(_BINS, dtype=np.int64)
         self._bin_sums = np.zeros(_BINS)
         self._nothing = np.zeros((0, len(Column)))
@@ -412,12 +417,10 @@ class Metrics:
     def _line(self, slot: int) -> tuple[float | None, float | None]:
         """Slope of −F over x and the x of its zero, of the contact in ``slot``."""
         fit = self._fits[slot]
-        levels = int(fit["levels"])
-        order = np.arange(max(0, levels - _LEVELS), levels) % _LEVELS
-        ring = self._rings[slot, order]
-        end = int(np.searchsorted(ring[:, 0], PEAK_PART * fit["peak"]))
-        if end < len(ring):
-            n, x, f, xx, xf = ring[end, 1:]
+        if fit["peak"] <= 0.0:
+            return None, None
+        if fit["end"] == fit["aside"]:
+            n, x, f, xx, xf = self._rings[slot, _LEVELS, 1:]
         else:  # the voltage saturated before
             n, x, f, xx, xf = (float(fit[name]) for name in ("n", "x", "f", "xx", "xf"))
         if n < 3:
@@ -507,7 +510,7 @@ class Metrics:
             "scene": scene.scene.name,
             "controller": self._controller,
             "hand": None if scene.hand is None else scene.hand.path,
-            "duration_s": ticks * self._tick_s,
+            "duration_s": round(ticks * self._tick_s, 12),  # 0.1, not 0.09999999999999999
             "wall_clock_s": wall_clock_s,
             "ticks": ticks,
             "clock_cycles": clock_cycles,

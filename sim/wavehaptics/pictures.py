@@ -122,11 +122,6 @@ def _shade_contact(axes: Sequence[Axes], scale: float, trace: Trace) -> None:
         _bars(ax, spans, 1.0, color="#EFEFEF", zorder=0, **label)
 
 
-def _has_hand(metrics: Mapping[str, Any]) -> bool:
-    """Whether a hand moves the rotor: on the path ``impact`` it is bare."""
-    return metrics.get("hand") not in (None, "impact")
-
-
 def _end_time_axis(figure: Figure, axes: Sequence[Axes], trace: Trace, scale: float) -> None:
     first, last = trace["t"][0], trace["t"][-1]
     first = 0.0 if 0.0 < first < 0.01 * last else first  # the first row is half a tick late
@@ -161,8 +156,30 @@ _REFERENCE_STYLE = {"color": _ORANGE, "lw": 3.2}
 _HAND_STYLE = {"color": _GREEN, "lw": 1.1, "ls": "--"}
 
 
+def _draw_hand(ax: Axes, scale: float, trace: Trace, metrics: Mapping[str, Any]) -> None:
+    """The hand over the positions in ``ax``; on the path ``impact`` the rotor is bare.
+
+    A soft hand goes much farther than the rotor, so it may take no more than the rotor's own height
+    above and below it.
+    """
+    if metrics.get("hand") in (None, "impact"):
+        return
+    low, high = ax.get_ylim()
+    _strip(ax, scale, trace, 1e3 * trace["x_hand"], label="hand", **_HAND_STYLE)
+    lowest, highest = ax.get_ylim()
+    ax.set_ylim(max(lowest, 2.0 * low - high), min(highest, 2.0 * high - low))
+
+
 def _number(value: float | None, unit: str, factor: float = 1.0, digits: int = 4) -> str:
     return "–" if value is None else f"{value * factor:.{digits}g} {unit}".rstrip()
+
+
+def _prefix(largest: float) -> tuple[float, str]:
+    """Factor and SI prefix that bring ``largest`` to 1 or above, of milli, micro and nano."""
+    for factor, prefix in ((1e3, "m"), (1e6, "µ")):
+        if largest * factor >= 1.0:
+            return factor, prefix
+    return 1e9, "n"
 
 
 def _power(value: float) -> str:
@@ -205,13 +222,7 @@ def time_plot(
             _strip(ax, scale, reference, factor * reference[key], **_REFERENCE_STYLE, **behind)
         label = {"label": name} if key == "x" else {}
         _strip(ax, scale, run, factor * run[key], **label)
-    if _has_hand(metrics):
-        low, high = axes[0].get_ylim()
-        _strip(axes[0], scale, run, 1e3 * run["x_hand"], label="hand", **_HAND_STYLE)
-        span = high - low
-        axes[0].set_ylim(
-            max(axes[0].get_ylim()[0], low - span), min(axes[0].get_ylim()[1], high + span)
-        )
+    _draw_hand(axes[0], scale, run, metrics)
     _wall_lines(axes[0], metrics, walls, run["x"])
     axes[0].set_ylabel("Position $x$, mrad")
     axes[1].set_ylabel("Torque $F$, mN·m")
@@ -355,21 +366,22 @@ def run_picture(
     scale, time_label = _time_scale(trace)
     _shade_contact(axes, scale, trace)
     _strip(axes[0], scale, trace, 1e3 * trace["x"], label="x")
-    if _has_hand(metrics):
-        _strip(axes[0], scale, trace, 1e3 * trace["x_hand"], label="hand", **_HAND_STYLE)
+    _draw_hand(axes[0], scale, trace, metrics)
     _wall_lines(axes[0], metrics, walls, trace["x"])
     _strip(axes[1], scale, trace, 1e3 * trace["torque"])
     _strip(axes[2], scale, trace, trace["v"], label="v, from the motor", color=_ORANGE, lw=2.4)
     _strip(axes[2], scale, trace, trace["u"], label="u, to the motor")
     _strip(axes[3], scale, trace, trace["eta"], drawstyle="steps-mid")
-    _strip(axes[4], scale, trace, 1e3 * trace["energy_out"])
+    energy = trace["energy_out"]
+    factor, prefix = _prefix(float(np.abs(energy).max()))
+    _strip(axes[4], scale, trace, factor * energy)
     limited = _spans(trace, "saturated", scale)
     if limited:
         _bars(axes[1], limited, 0.04, color=_RED, label="voltage at its limit")
         _legend(axes[1])
     for ax, label in zip(
         axes,
-        ("Position $x$, mrad", "Torque $F$, mN·m", "Waves, √W", "η", "Energy out, mJ"),
+        ("Position $x$, mrad", "Torque $F$, mN·m", "Waves, √W", "η", f"Energy out, {prefix}J"),
         strict=True,
     ):
         ax.set_ylabel(label)

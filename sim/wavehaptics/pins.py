@@ -16,6 +16,8 @@ import numba
 import numpy as np
 
 from wavehaptics import formats, verilated
+from wavehaptics.bridge import bridge_voltage
+from wavehaptics.hand import hand_path
 from wavehaptics.native_call import call2
 from wavehaptics.pins_timing import CENTRED_LEAD, GATE_CLOCKS, latency_clocks
 from wavehaptics.plant import OMEGA, TIME, C, I, P, Plant, X, load_words, plant_step
@@ -116,9 +118,10 @@ def timing(scene: Scene, frame_bits: int) -> Timing:
         halves = max(1, round(2 * pwm_hz / tick_hz))
         if abs(halves * tick_hz / (2 * pwm_hz) - 1) > 0.01 or tick_clocks % halves:
             raise SceneError(
-                f"{scene.scene.name}: drive.pwm_hz = {pwm_hz:g} Hz doesn't fit controller.tick_hz = "
-                f"{control.tick_hz:g} Hz on `pins`; twice pwm_hz must be a multiple of tick_hz "
-                f"that divides its {tick_clocks} clocks, or be slower than tick_hz"
+                f"{scene.scene.name}: drive.pwm_hz = {pwm_hz:g} Hz doesn't fit "
+                f"controller.tick_hz = {control.tick_hz:g} Hz on `pins`; "
+                "twice pwm_hz must be slower than tick_hz, or a multiple of it that divides its "
+                f"{tick_clocks} clocks"
             )
         half_clocks = tick_clocks // halves
     limit = (1 << formats.TICK_W) - 1
@@ -141,26 +144,14 @@ def timing(scene: Scene, frame_bits: int) -> Timing:
     natural = (last_sample + latency) // tick_clocks
     if control.extra_ticks < natural:
         raise SceneError(
-            f"{scene.scene.name}: controller.extra_ticks = {control.extra_ticks} is less than `pins` "
-            f"needs: {latency} clocks from sample to duty are {natural} ticks of {tick_clocks} "
-            f"clocks; set extra_ticks = {natural} or more"
+            f"{scene.scene.name}: controller.extra_ticks = {control.extra_ticks} is less than "
+            f"`pins` needs: {latency} clocks from sample to duty are {natural} ticks of "
+            f"{tick_clocks} clocks; set extra_ticks = {natural} or more"
         )
     return Timing(
         clock_hz, half_clocks, tick_clocks // half_clocks, sample_clocks, samples,
         control.extra_ticks - natural, latency,
     )  # fmt: skip
-
-
-@numba.njit(cache=True, inline="always")
-def _bridge_voltage(pins, current, bus):
-    """Voltage of the bridge at the motor, V; a leg with both gates off follows the current."""
-    high_a = pins & 1
-    if pins & 3 == 0:
-        high_a = 1 if current < 0.0 else 0
-    high_b = (pins >> 2) & 1
-    if pins & 12 == 0:
-        high_b = 1 if current > 0.0 else 0
-    return bus * (high_a - high_b)
 
 
 @numba.njit(cache=True)
@@ -170,7 +161,7 @@ def _catch_up(state, kept, sums, tables, floats, ints, load):
     while clocks > 0:
         part = min(clocks, ints[_SUBSTEP_CLOCKS])
         before = state[I]
-        e = floats[_GAIN] * _bridge_voltage(kept[_PINS], before, floats[_BUS])
+        e = floats[_GAIN] * bridge_voltage(kept[_PINS], before, floats[_BUS])
         step_s = part * floats[_DT]
         if kept[_PINS] & 15 == 0 and before == 0.0:
             # Nothing drives the winding and the diodes block: the voltage is the back-EMF.
@@ -293,34 +284,74 @@ def _advance(
     return True
 
 
+@dataclass(frozen=True)
+class Ports:
+    """What the ports of ``rtl/wh_controller.v`` are given for a scene.
+
+    ``words`` are the settings by the name of their port, without ``_i``; ``walls`` are (min, max)
+    in counts from where the rotor starts. All are raw words.
+    """
+
+    timing: Timing
+    settings: Settings
+    sensor: Sensor
+    start_count: int
+    words: dict[str, int]
+    walls: list[tuple[int, int]]
+
+
+def controller_ports(scene: Scene) -> Ports:
+    """Settings of the whole RTL for a scene; :class:`SceneError` where it can't do it."""
+    sensor = Sensor.of_scene(scene)
+    if sensor.ideal:
+        sensor = _fine_sensor(scene)
+    frame_bits = LEAD_BITS + sensor.bits
+    cell_rad = None if scene.encoder else 2 * math.pi / FINE_COUNTS_PER_REV
+    time = timing(scene, frame_bits)
+    bus_v = bus_voltage(scene)
+    set_ = settings(scene, time.tick_s, cell_rad, bus_v)
+    start_count = math.floor(hand_path(scene).x0 / set_.cell_rad)
+    dead_s = scene.drive.dead_time_s if scene.drive else 0.0
+    words = {
+        "half_clocks": time.half_clocks,
+        "tick_halves": time.tick_halves,
+        "sample_clocks": time.sample_clocks,
+        "samples": time.samples,
+        "sample_lead": CENTRED_LEAD,
+        "sclk_half_clocks": SCLK_HALF_CLOCKS,
+        "frame_bits": frame_bits,
+        "lead_bits": LEAD_BITS,
+        "data_bits": sensor.bits,
+        "quiet_clocks": QUIET_CLOCKS,
+        "zero": 0,
+        "gain": sensor.gain_word(time.samples),
+        "filter_clocks": FILTER_CLOCKS,
+        "eta_contact": set_.eta_contact,
+        "eta_free": set_.eta_free,
+        "root": set_.root,
+        "a": set_.a,
+        "u_max": set_.u_max,
+        "extra_ticks": set_.extra_ticks,
+        "hold_ticks": time.hold_ticks,
+        "clocks_per_volt": formats.DUTY.to_raw(time.half_clocks / (2 * bus_v)),
+        "dead_clocks": round(dead_s * time.clock_hz),
+    }
+    return Ports(time, set_, sensor, start_count, words, _port_walls(set_, start_count))
+
+
 class PinsSimulation:
     """A scene on the whole RTL, with the ADC's bits, the encoder's edges and a switching bridge."""
 
     def __init__(self, scene: Scene) -> None:
-        sensor = Sensor.of_scene(scene)
-        if sensor.ideal:
-            sensor = _fine_sensor(scene)
-        frame_bits = LEAD_BITS + sensor.bits
-        cell_rad = None if scene.encoder else 2 * math.pi / FINE_COUNTS_PER_REV
-        self.timing = timing(scene, frame_bits)
-        self.tick_s = self.timing.tick_s
-        self.settings: Settings = settings(scene, self.tick_s, cell_rad, bus_voltage(scene))
+        ports = controller_ports(scene)
+        set_, time, sensor = ports.settings, ports.timing, ports.sensor
+        self.settings: Settings = set_
+        self.tick_s = time.tick_s
         plant = Plant.of_scene(scene)
-        set_, time = self.settings, self.timing
-        bus_v = bus_voltage(scene)
         dt = 1.0 / time.clock_hz
-        start_count = math.floor(plant.start[X] / set_.cell_rad)
-        dead_s = scene.drive.dead_time_s if scene.drive else 0.0
         gain_error = scene.drive.gain_error if scene.drive else 0.0
-        walls = _port_walls(scene, set_, start_count)
-        parameters = [
-            time.half_clocks, time.tick_halves, time.sample_clocks, time.samples, CENTRED_LEAD,
-            SCLK_HALF_CLOCKS, frame_bits, LEAD_BITS, sensor.bits, QUIET_CLOCKS,
-            0, sensor.gain_word(time.samples), FILTER_CLOCKS, set_.eta_contact, set_.eta_free,
-            set_.root, set_.a, set_.u_max, set_.extra_ticks, time.hold_ticks,
-            formats.DUTY.to_raw(time.half_clocks / (2 * bus_v)), round(dead_s / dt),
-            len(walls), *(edge for wall in walls for edge in wall),
-        ]  # fmt: skip
+        walls = ports.walls
+        parameters = [*ports.words.values(), len(walls), *(edge for wall in walls for edge in wall)]
         design = verilated.Design(
             "wh_controller",
             "pins_shim.cpp",
@@ -334,7 +365,7 @@ class PinsSimulation:
         self._state = plant.start.copy()
         self._tables = np.stack([plant.transition(n * dt) for n in range(_STEPS + 1)])
         self._kept = np.zeros(_FAULTS + 1, dtype=np.int64)
-        self._kept[_COUNT] = start_count
+        self._kept[_COUNT] = ports.start_count
         self._kept[_TICK_START] = -1
         self._kept[_PINS] = 1 << _CS_N | 1 << _SCLK
         self._sums = np.zeros(_T0 + 1)
@@ -349,7 +380,7 @@ class PinsSimulation:
             dtype=np.int64,
         )  # fmt: skip
         self._floats = np.array(
-            [dt, set_.cell_rad, bus_v, 1.0 + gain_error, plant.k_t, plant.resistance,
+            [dt, set_.cell_rad, bus_voltage(scene), 1.0 + gain_error, plant.k_t, plant.resistance,
              scene.controller.eta_contact, scene.controller.eta_free]
         )  # fmt: skip
         self._load = load_words(plant)
@@ -389,7 +420,7 @@ def _fine_sensor(scene: Scene) -> Sensor:
     return Sensor(ideal=False, full_scale_a=min(largest, 0.99 * formats.CURRENT.largest))
 
 
-def _port_walls(scene: Scene, set_: Settings, start_count: int) -> list[tuple[int, int]]:
+def _port_walls(set_: Settings, start_count: int) -> list[tuple[int, int]]:
     """Walls in the RTL's own counts, which begin at 0 where the rotor starts."""
     low, high = -(1 << (formats.COUNT_W - 1)), (1 << (formats.COUNT_W - 1)) - 1
     walls = []

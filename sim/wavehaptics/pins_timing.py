@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-CORE_CLOCKS = 23
+CORE_CLOCKS = 24
 """Clocks that one port's step takes in ``wh_wave_core``."""
 
 GATE_CLOCKS = 2

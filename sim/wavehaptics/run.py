@@ -13,6 +13,7 @@ import numpy as np
 from wavehaptics import physics
 from wavehaptics.analog import AnalogSimulation
 from wavehaptics.metrics import Metrics, write_metrics
+from wavehaptics.pictures import run_picture
 from wavehaptics.pins import PinsSimulation
 from wavehaptics.sampled import SampledSimulation
 from wavehaptics.scene import Scene
@@ -64,9 +65,9 @@ def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
 def run_scene(
     scene: Scene, controller: str, out: Path, progress: Callable[[float], None] | None = None
 ) -> dict[str, Any]:
-    """Run a scene on a controller; write ``trace.npz`` and ``metrics.json`` into ``out``.
+    """Run a scene on a controller, and write ``trace.npz``, ``metrics.json`` and ``run.png``.
 
-    The analog circuit runs beside it, on the same ticks, as the reference. ``progress`` is called
+    The files go into ``out``. The analog circuit runs beside it, on the same ticks, as the reference. ``progress`` is called
     with the part done, 0 to 1. Returns the metrics; ``wall_clock_s`` is the time that the
     controller and its motor took, without compiling, the reference and the files.
     """
@@ -102,4 +103,5 @@ def run_scene(
     trace.save()
     result = metrics.result(wall_clock_s=wall_clock_s, clock_cycles=simulation.clock_cycles)
     write_metrics(result, out)
+    run_picture(trace.arrays(), result, out / "run.png", scene.controller.walls)
     return result

@@ -36,7 +36,7 @@ _DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE = range(5)
 _VOLTAGE_WORD, _CLOCKS = range(2)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance(
     rows, words, state, kept, core, line, contact, wall_min, wall_max, ints, floats, load, matrix,
     sensor, rng, buffer,

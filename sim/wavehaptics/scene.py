@@ -21,11 +21,11 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
-    ModelWrapValidatorHandler,
     ValidationError,
     model_validator,
 )
 from pydantic.fields import FieldInfo
+from pydantic.functional_validators import ModelWrapValidatorHandler
 from pydantic_core import PydanticCustomError
 
 from wavehaptics import formats
@@ -40,9 +40,6 @@ LARGEST_FILE = 1 << 20
 
 USUAL_BUSES_V = (12.0, 24.0, 48.0)
 """Bus voltages, V, from which a drive's default is taken."""
-
-USUAL_CLOCK_HZ = 48e6
-"""Clock of the boards, Hz, to which the default clock is nearest."""
 
 # What the words of the RTL can hold, in whole units.
 _R_HAT_MAX_OHM = math.floor(formats.ROOT.largest**2 / 2)
@@ -280,7 +277,7 @@ class Drive(_Table):
         "V",
         "Bus voltage of the bridge",
         None,
-        default_text="smallest of 12, 24, 48 not below `limit_v`; none without `limit_v`",
+        default_text="smallest of 12, 24, 48 not below `limit_v`; 12 on `pins` without `limit_v`",
         ge=0.1,
         le=_VOLTAGE_MAX_V,
     )
@@ -296,7 +293,7 @@ class Drive(_Table):
         "Hz",
         "PWM carrier of `pins`",
         None,
-        default_text="half of `tick_hz`: a tick is half a carrier period",
+        default_text="chosen by `pins` to fit the tick",
         ge=100,
         le=1e7,
     )
@@ -395,7 +392,7 @@ class Controller(_Table):
         "Hz",
         "Clock of `pins`, a whole multiple of `tick_hz`",
         None,
-        default_text="the multiple of `tick_hz` nearest to 48e6",
+        default_text="the multiple of `tick_hz` nearest to 48e6, of at least 48",
         ge=1e6,
         le=1e9,
     )
@@ -414,26 +411,21 @@ class Controller(_Table):
         range_text="none yet",
     )
 
-    @model_validator(mode="wrap")
-    @classmethod
-    def _resolve(cls, data: Any, handler: ModelWrapValidatorHandler[Controller]) -> Controller:
-        controller = handler(data)
-        _check_walls(controller.walls)
-        tick_hz, clock_hz = controller.tick_hz, controller.clock_hz
-        if clock_hz is None:
-            return controller.model_copy(
-                update={"clock_hz": tick_hz * max(1, round(USUAL_CLOCK_HZ / tick_hz))}
-            )
-        clocks = clock_hz / tick_hz
-        if round(clocks) < 1 or not math.isclose(clocks, round(clocks), rel_tol=1e-9):
-            nearest = tick_hz * max(1, round(clocks))
-            _broken_rule(
-                f"controller.clock_hz = {_number(clock_hz)} is no whole multiple of tick_hz = "
-                f"{_number(tick_hz)}; the nearest is {_number(nearest)}",
-                "clock_hz",
-                "tick_hz",
-            )
-        return controller
+    @model_validator(mode="after")
+    def _check(self) -> Controller:
+        _check_walls(self.walls)
+        if self.clock_hz is not None:
+            clocks = self.clock_hz / self.tick_hz
+            whole = max(1, round(clocks))
+            if not math.isclose(clocks, whole, rel_tol=1e-9):
+                _broken_rule(
+                    f"controller.clock_hz = {_number(self.clock_hz)} is no whole multiple of "
+                    f"tick_hz = {_number(self.tick_hz)}; the nearest is "
+                    f"{_number(whole * self.tick_hz)}",
+                    "clock_hz",
+                    "tick_hz",
+                )
+        return self
 
 
 def _check_walls(walls: tuple[tuple[float, float], ...]) -> None:
@@ -457,7 +449,7 @@ def _check_walls(walls: tuple[tuple[float, float], ...]) -> None:
 class Scene(_Table):
     """A whole scene; a table that the file does not have is ``None`` and is not simulated.
 
-    ``controller.r_hat`` and ``controller.clock_hz`` are never ``None``: defaults are filled in.
+    ``controller.r_hat`` is never ``None``: its default is filled in.
     ``drive.bus_v`` is ``None`` only if ``drive.limit_v`` is, which then means no limit.
     """
 

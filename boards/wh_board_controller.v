@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_board_controller: wh_controller with a board's constants, and the switch that lets it run.
+//
+// The constants are those of wh_board_settings.vh, made from the board's scene.
+//
+// The gates go on when start_i rises while stop_i is low, and go off when stop_i is high, at a fault
+// of the encoder, when a tick is too short for its work, and in reset. They stay off until start_i
+// rises again; after a fault, until reset. start_i and stop_i are asynchronous, and believed once
+// they have been still for SETTLE_CLOCKS; off needs no patience.
+// Reset: gates off, not running.
+
+`default_nettype none
+`include "wh_formats.vh"
+`include "wh_board_settings.vh"
+
+module wh_board_controller #(
+    parameter integer SETTLE_LOG2 = 16  // start_i must be still for 2^SETTLE_LOG2 clocks
+) (
+    input  wire                  clk,
+    input  wire                  rst,
+
+    input  wire                  start_i,      // asynchronous
+    input  wire                  stop_i,       // asynchronous
+
+    output wire                  adc_cs_n_o,
+    output wire                  adc_sclk_o,
+    input  wire [`WH_BOARD_N-1:0] adc_sdata_i,
+    input  wire [`WH_BOARD_N-1:0] enc_a_i,     // asynchronous
+    input  wire [`WH_BOARD_N-1:0] enc_b_i,     // asynchronous
+    output wire [`WH_BOARD_N-1:0] gate_ah_o,
+    output wire [`WH_BOARD_N-1:0] gate_al_o,
+    output wire [`WH_BOARD_N-1:0] gate_bh_o,
+    output wire [`WH_BOARD_N-1:0] gate_bl_o,
+
+    output wire                  running_o,
+    output wire                  contact_o,    // any motor is in a wall
+    output wire                  fault_o       // until reset
+);
+
+    localparam integer N = `WH_BOARD_N;
+
+    // ---- The switch.
+
+    wire start;
+    wire stop;
+
+    wh_synchroniser #(
+        .WIDTH   (2)
+    ) synchroniser (
+        .clk     (clk),
+        .level_i ({start_i, stop_i}),
+        .level_o ({start, stop})
+    );
+
+    // Pressed is a level that has lasted: it may be the press that goes on through reset, which is
+    // no rise.
+    reg [SETTLE_LOG2-1:0] settle_q;
+    reg                   pressed_q;
+    reg                   running_q;
+    reg                   fault_q;
+
+    wire settled = (settle_q == {SETTLE_LOG2{1'b1}});
+
+    wire [N-1:0] encoder_fault;
+    wire         overrun;
+
+    always @(posedge clk) begin
+        if (rst) begin
+            settle_q  <= {SETTLE_LOG2{1'b0}};
+            pressed_q <= 1'b1;
+            running_q <= 1'b0;
+            fault_q   <= 1'b0;
+        end else begin
+            fault_q <= fault_q || (|encoder_fault) || overrun;
+            if (start == pressed_q) begin
+                settle_q <= {SETTLE_LOG2{1'b0}};
+            end else begin
+                settle_q <= settle_q + 1'b1;
+                if (settled) begin
+                    pressed_q <= start;
+                end
+            end
+            if (stop || fault_q) begin
+                running_q <= 1'b0;
+            end else if (settled && start && !pressed_q) begin
+                running_q <= 1'b1;
+            end
+        end
+    end
+
+    assign running_o = running_q;
+    assign fault_o   = fault_q;
+
+    // ---- The controller.
+
+    wire [N-1:0]             contact;
+    wire                     tick;
+    wire                     core_valid;
+    wire [N*`WH_DATA_W-1:0]  voltage;
+    wire [N*`WH_DATA_W-1:0]  u;
+    wire [N*`WH_DATA_W-1:0]  v;
+    wire [N*`WH_DATA_W-1:0]  current;
+    wire [N*`WH_COUNT_W-1:0] position;
+    wire [N-1:0]             saturated;
+
+    // For a host, which this top doesn't have.
+    wire unused = &{1'b0, tick, core_valid, voltage, u, v, current, position, saturated};
+
+    assign contact_o = |contact;
+
+    wh_controller #(
+        .N                  (N),
+        .WALLS              (`WH_BOARD_WALLS),
+        .DELAY_LOG2         (`WH_BOARD_DELAY_LOG2)
+    ) controller (
+        .clk                (clk),
+        .rst                (rst),
+        .enable_i           (running_q),
+        .adc_cs_n_o         (adc_cs_n_o),
+        .adc_sclk_o         (adc_sclk_o),
+        .adc_sdata_i        (adc_sdata_i),
+        .enc_a_i            (enc_a_i),
+        .enc_b_i            (enc_b_i),
+        .gate_ah_o          (gate_ah_o),
+        .gate_al_o          (gate_al_o),
+        .gate_bh_o          (gate_bh_o),
+        .gate_bl_o          (gate_bl_o),
+        .half_clocks_i      (`WH_BOARD_HALF_CLOCKS),
+        .tick_halves_i      (`WH_BOARD_TICK_HALVES),
+        .sample_clocks_i    (`WH_BOARD_SAMPLE_CLOCKS),
+        .samples_i          (`WH_BOARD_SAMPLES),
+        .sample_lead_i      (`WH_BOARD_SAMPLE_LEAD),
+        .sclk_half_clocks_i (`WH_BOARD_SCLK_HALF_CLOCKS),
+        .frame_bits_i       (`WH_BOARD_FRAME_BITS),
+        .lead_bits_i        (`WH_BOARD_LEAD_BITS),
+        .data_bits_i        (`WH_BOARD_DATA_BITS),
+        .quiet_clocks_i     (`WH_BOARD_QUIET_CLOCKS),
+        .zero_i             (`WH_BOARD_ZERO),
+        .gain_i             (`WH_BOARD_GAIN),
+        .filter_clocks_i    (`WH_BOARD_FILTER_CLOCKS),
+        .wall_min_i         (`WH_BOARD_WALL_MIN),
+        .wall_max_i         (`WH_BOARD_WALL_MAX),
+        .wall_enable_i      (`WH_BOARD_WALL_ENABLE),
+        .eta_contact_i      (`WH_BOARD_ETA_CONTACT),
+        .eta_free_i         (`WH_BOARD_ETA_FREE),
+        .root_i             (`WH_BOARD_ROOT),
+        .a_i                (`WH_BOARD_A),
+        .u_max_i            (`WH_BOARD_U_MAX),
+        .extra_ticks_i      (`WH_BOARD_EXTRA_TICKS),
+        .hold_ticks_i       (`WH_BOARD_HOLD_TICKS),
+        .clocks_per_volt_i  (`WH_BOARD_CLOCKS_PER_VOLT),
+        .dead_clocks_i      (`WH_BOARD_DEAD_CLOCKS),
+        .tick_o             (tick),
+        .core_valid_o       (core_valid),
+        .voltage_o          (voltage),
+        .u_o                (u),
+        .v_o                (v),
+        .current_o          (current),
+        .position_o         (position),
+        .contact_o          (contact),
+        .saturated_o        (saturated),
+        .encoder_fault_o    (encoder_fault),
+        .overrun_o          (overrun)
+    );
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,585 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bench of ``rtl/wh_controller.v`` at its pins, open loop.
+
+ADC parts and encoders are wired to the pins and the gates are read in every clock. The words that
+the controller shows are compared with the integer models, and so are the pulses at the gates.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import random
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import cocotb
+import numpy as np
+from adc_part import AD7276, AdcPart
+from bench import Bench, pack, random_source, unpack
+from simulators import parameters
+from tb_modulator import Model as Modulator
+from tb_modulator import duty_of
+from tb_quadrature import levels
+from wavehaptics import formats, golden
+from wavehaptics.pins_timing import CENTRED_LEAD, GATE_CLOCKS, HOLD_CLOCKS, latency_clocks
+from wavehaptics.sensor import scale_sum
+
+N = parameters().get("N", 1)
+WALLS = parameters().get("WALLS", 4)
+DELAY_LOG2 = parameters().get("DELAY_LOG2", 2)
+
+PERIOD_NS = 1e3 / 48
+PINS_NS = 2.0
+PART = AD7276
+MID_CODE = 1 << (PART.data_bits - 1)
+BUS_V = 24.0
+MOTOR_OHM = 2.18
+FULL_SCALE_A = 8.0
+
+GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
+
+# A tick long enough for the steps of N ports, and for the encoder to settle between two of them.
+TICK_CLOCKS = 48 if N == 1 else 96
+
+
+@dataclass
+class PortSettings:
+    """One port's words."""
+
+    root: int = formats.ROOT.to_raw(math.sqrt(2 * MOTOR_OHM))
+    a: int = formats.A.to_raw(1.0)
+    u_max: int = formats.WAVE.to_raw(20.0 / math.sqrt(2 * MOTOR_OHM))
+    eta_contact: int = formats.ETA.to_raw(-1.0)
+    eta_free: int = formats.ETA.to_raw(1.0)
+    zero: int = 0
+    gain_a: float = FULL_SCALE_A
+    walls: tuple[tuple[int, int], ...] = ((1000, 2000),) * WALLS
+    clocks_per_volt: float | None = None
+
+
+@dataclass
+class Settings:
+    """The controller's settings; the defaults are a 48 MHz clock with an AD7276."""
+
+    half_clocks: int = TICK_CLOCKS
+    tick_halves: int = 1
+    samples: int = 1
+    lead: int = CENTRED_LEAD
+    sclk_half: int = 1
+    quiet: int = 2
+    extra_ticks: int = 1
+    hold_ticks: int = 0
+    dead_clocks: int = 0
+    part: object = PART
+    ports: list[PortSettings] = field(default_factory=lambda: [PortSettings() for _ in range(N)])
+
+    @property
+    def tick_clocks(self) -> int:
+        return self.half_clocks * self.tick_halves
+
+    @property
+    def sample_at(self) -> int:
+        """Clock of the tick's last sample strobe, from the tick's first clock."""
+        sample_clocks = self.tick_clocks // self.samples
+        return (self.samples - 1) * sample_clocks + sample_clocks // 2 - self.lead
+
+    @property
+    def latency(self) -> int:
+        bits = self.part.lead_bits + self.part.data_bits
+        return latency_clocks(self.sclk_half, bits, N)
+
+    def gain(self, port: int) -> int:
+        return formats.GAIN.to_raw(self.ports[port].gain_a / ((1 << 15) * self.samples))
+
+    def clocks_per_volt(self, port: int) -> int:
+        return formats.DUTY.to_raw(self.half_clocks / (2 * BUS_V))
+
+    def inputs(self) -> dict[str, int]:
+        """The controller's inputs, as words."""
+
+        def each(words: Callable[[int], int], width: int) -> int:
+            return pack((words(n) for n in range(N)), width)
+
+        ports = self.ports
+        edges = [wall for port in ports for wall in port.walls]
+        return {
+            "half_clocks_i": self.half_clocks,
+            "tick_halves_i": self.tick_halves,
+            "sample_clocks_i": self.tick_clocks // self.samples,
+            "samples_i": self.samples,
+            "sample_lead_i": self.lead,
+            "sclk_half_clocks_i": self.sclk_half,
+            "frame_bits_i": self.part.frame_falls,
+            "lead_bits_i": self.part.lead_bits,
+            "data_bits_i": self.part.data_bits,
+            "quiet_clocks_i": self.quiet,
+            "zero_i": each(lambda n: ports[n].zero, formats.SUM_W),
+            "gain_i": each(self.gain, formats.COEF_W),
+            "filter_clocks_i": 2,
+            "wall_min_i": pack((wall[0] for wall in edges), formats.COUNT_W),
+            "wall_max_i": pack((wall[1] for wall in edges), formats.COUNT_W),
+            "wall_enable_i": (1 << (N * WALLS)) - 1,
+            "eta_contact_i": each(lambda n: ports[n].eta_contact, formats.COEF_W),
+            "eta_free_i": each(lambda n: ports[n].eta_free, formats.COEF_W),
+            "root_i": each(lambda n: ports[n].root, formats.COEF_W),
+            "a_i": each(lambda n: ports[n].a, formats.COEF_W),
+            "u_max_i": each(lambda n: ports[n].u_max, formats.DATA_W),
+            "extra_ticks_i": self.extra_ticks,
+            "hold_ticks_i": self.hold_ticks,
+            "clocks_per_volt_i": each(self.clocks_per_volt, formats.COEF_W),
+            "dead_clocks_i": self.dead_clocks,
+        }
+
+
+@dataclass
+class Step:
+    """What the controller showed with core_valid_o: a list of N for each word."""
+
+    clock: int
+    current: list[int]
+    u: list[int]
+    v: list[int]
+    voltage: list[int]
+    contact: list[int]
+    saturated: list[int]
+    position: list[int]
+
+
+class GateWatch:
+    """Interlock and dead time of one leg, in every clock."""
+
+    def __init__(self, dead_clocks: int) -> None:
+        self.dead_clocks = dead_clocks
+        self.on = (0, 0)
+        self._off_clocks = [1 << 20, 1 << 20]
+        self.turned_on = 0
+
+    def clock(self, high: int, low: int) -> None:
+        assert not (high and low)
+        for gate, level in enumerate((high, low)):
+            if level and not self.on[gate]:
+                assert self._off_clocks[1 - gate] >= self.dead_clocks
+                self.turned_on += 1
+            self._off_clocks[gate] = 0 if level else self._off_clocks[gate] + 1
+        self.on = (high, low)
+
+
+class ControllerBench(Bench):
+    """Parts on the pins, a log of what the pins did, and what must hold in any clock."""
+
+    def __init__(self, dut: object) -> None:
+        super().__init__(dut)
+        self.settings: Settings
+        self.codes = [MID_CODE] * N
+        self.position = [0] * N
+
+    async def begin(self, settings: Settings, enable: int = 1) -> None:
+        """Reset with ``settings``; logs begin anew."""
+        self.settings = settings
+        self.parts = [AdcPart(settings.part, lambda n=n: self.codes[n]) for n in range(N)]
+        self.position = [0] * N
+        self.ticks: list[int] = []
+        """Clocks with tick_o, counted from the first after reset."""
+        self.conversions: list[tuple[int, list[int]]] = []
+        """Clock of each conversion's sample strobe, and the codes held."""
+        self.steps: list[Step] = []
+        self.bridge: list[list[int]] = []
+        """For each clock the voltage of each port's bridge, in parts of the bus."""
+        self.watches = [GateWatch(settings.dead_clocks) for _ in range(2 * N)]
+        self.disabled = True
+        self._cs_n = 1
+        await self.start(enable_i=enable, adc_sdata_i=0, enc_a_i=0, enc_b_i=0, **settings.inputs())
+        self.clocks = 0
+        self.disabled = not enable
+
+    async def clock(self, enable: int = 1, rst: int = 0) -> Step | None:
+        """One clock; the step of the wave core if it shows one."""
+        edge = self.clocks * PERIOD_NS
+        sdata = a = b = 0
+        for n in range(N):
+            sdata |= self.parts[n].sdata(edge - PINS_NS) << n
+            level_a, level_b = levels(self.position[n])
+            a |= level_a << n
+            b |= level_b << n
+        await self.step(adc_sdata_i=sdata, enc_a_i=a, enc_b_i=b, enable_i=enable, rst=rst)
+        self._adc_pins(edge + PINS_NS)
+        self._gate_pins(off=bool(rst or not enable))
+        clock = len(self.bridge) - 1
+        if self.word("tick_o"):
+            self.ticks.append(clock)
+        if not self.word("core_valid_o"):
+            return None
+        shown = Step(
+            clock,
+            *(
+                unpack(self.word(name), formats.DATA_W, N)
+                for name in ("current_o", "u_o", "v_o", "voltage_o")
+            ),
+            [(self.word("contact_o") >> n) & 1 for n in range(N)],
+            [(self.word("saturated_o") >> n) & 1 for n in range(N)],
+            unpack(self.word("position_o"), formats.COUNT_W, N),
+        )
+        self.steps.append(shown)
+        return shown
+
+    def _adc_pins(self, now: float) -> None:
+        cs_n, sclk = self.word("adc_cs_n_o"), self.word("adc_sclk_o")
+        for part in self.parts:
+            part.pins(now, cs_n, sclk)
+        if self._cs_n and not cs_n:
+            strobe = len(self.bridge) - HOLD_CLOCKS
+            self.conversions.append((strobe, [part.held for part in self.parts]))
+        self._cs_n = cs_n
+
+    def _gate_pins(self, off: bool) -> None:
+        gates = [self.word(name) for name in GATES]
+        if off:
+            assert gates == [0, 0, 0, 0]
+        row = []
+        for n in range(N):
+            ah, al, bh, bl = ((gate >> n) & 1 for gate in gates)
+            self.watches[2 * n].clock(ah, al)
+            self.watches[2 * n + 1].clock(bh, bl)
+            row.append((ah & bl) - (al & bh))
+        self.bridge.append(row)
+
+    async def run(self, clocks: int) -> None:
+        for _ in range(clocks):
+            await self.clock()
+
+    # ---- What the words and pulses must be.
+
+    def currents(self) -> list[tuple[int, list[int]]]:
+        """Per tick: clock of its last sample strobe, and the N current words."""
+        samples = self.settings.samples
+        shift = formats.SAMPLE_W - self.settings.part.data_bits
+        result = []
+        for last in range(samples - 1, len(self.conversions), samples):
+            group = self.conversions[last - samples + 1 : last + 1]
+            words = []
+            for n in range(N):
+                total = sum((codes[n] - MID_CODE) << shift for _, codes in group)
+                words.append(
+                    scale_sum.py_func(total - self.settings.ports[n].zero, self.settings.gain(n))
+                )
+            result.append((group[-1][0], words))
+        return result
+
+    def check_steps(self) -> None:
+        """Every step's words equal the integer model, fed with the ADC's codes and η."""
+        settings = self.settings
+        expected = self.currents()
+        assert len(self.steps) >= len(expected) - 2
+        for n in range(N):
+            port = settings.ports[n]
+            state, line = golden.new_state(), golden.new_line(settings.extra_ticks)
+            for step, (_, words) in zip(self.steps, expected, strict=False):
+                assert step.current[n] == words[n]
+                eta = port.eta_contact if step.contact[n] else port.eta_free
+                e, u, v = golden.wave_core_step.py_func(
+                    state, line, words[n], eta, port.root, port.a, port.u_max,
+                    settings.extra_ticks, settings.hold_ticks,
+                )  # fmt: skip
+                assert (step.voltage[n], step.u[n], step.v[n]) == (e, u, v)
+                limit = port.u_max << formats.STATE_GUARD
+                if abs(int(state[golden.STATE_F])) < limit:
+                    assert not step.saturated[n]
+
+    def check_pulses(self) -> int:
+        """Each half's pulse at the gates is the model's, in its place; number of pulses."""
+        settings = self.settings
+        strobes = [strobe for strobe, _ in self.currents()]
+        halves = range(
+            0, len(self.bridge) - settings.half_clocks - GATE_CLOCKS, settings.half_clocks
+        )
+        pulses = 0
+        for n in range(N):
+            # The formula is for the last port; the ports before it are served before it.
+            latency = settings.latency - (N - 1 - n)
+            duties = [
+                (strobe + latency, duty_of(step.voltage[n], settings.clocks_per_volt(n)))
+                for strobe, step in zip(strobes, self.steps, strict=False)
+            ]
+            modulator, duty = Modulator(settings.half_clocks), 0
+            for start in halves:
+                if start % settings.tick_clocks == 0:
+                    due = [duty for ready, duty in duties if ready <= start - 1]
+                    duty = due[-1] if due else 0
+                width = modulator.width(duty) if start else 0
+                first = start + GATE_CLOCKS
+                shown = [row[n] for row in self.bridge[first : first + settings.half_clocks]]
+                assert sum(shown) == 2 * width, (n, start, width)
+                assert shown == shown[::-1]
+                assert set(shown) <= {0, 1 if width > 0 else -1}
+                pulses += width != 0
+        return pulses
+
+
+def random_port(rng: random.Random) -> PortSettings:
+    """A port with its own words, and walls in reach of a short walk."""
+    ohm = rng.uniform(0.5, 10.0)
+    walls = []
+    for _ in range(WALLS):
+        low = rng.randint(-6, 4)
+        walls.append((low, low + rng.randint(0, 6)))
+    return PortSettings(
+        root=formats.ROOT.to_raw(math.sqrt(2 * ohm)),
+        a=formats.A.to_raw(rng.choice((1.0, rng.uniform(0.001, 1.0)))),
+        u_max=formats.WAVE.to_raw(rng.uniform(0.3, 1.1) * BUS_V / math.sqrt(2 * ohm)),
+        eta_contact=formats.ETA.to_raw(rng.choice((-1.0, -0.9))),
+        eta_free=formats.ETA.to_raw(rng.choice((1.0, 0.5))),
+        zero=rng.randint(-3000, 3000),
+        gain_a=rng.uniform(0.5, 15.0),
+        walls=tuple(walls),
+    )
+
+
+def random_settings(rng: random.Random) -> Settings:
+    half_clocks, tick_halves, samples = rng.choice(
+        [
+            (TICK_CLOCKS, 1, 1),
+            (TICK_CLOCKS // 2, 2, 1),
+            (TICK_CLOCKS, 2, 2),
+            (TICK_CLOCKS + 3, 3, 3),
+        ]
+    )
+    latency = math.ceil((Settings().latency + TICK_CLOCKS) / TICK_CLOCKS)
+    extra = rng.randint(0, (1 << DELAY_LOG2) - 1)
+    return Settings(
+        half_clocks=half_clocks,
+        tick_halves=tick_halves,
+        samples=samples,
+        lead=rng.randint(-6, 6),
+        extra_ticks=extra,
+        hold_ticks=rng.randint(0, min(extra, max(0, extra - latency + 1))),
+        ports=[random_port(rng) for _ in range(N)],
+    )
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def open_loop_equals_the_models(dut: object) -> None:
+    """Random currents and encoders through walls: currents, waves, voltages, contact, pulses."""
+    bench = ControllerBench(dut)
+    rng = random_source("open loop")
+    pulses = contacts = moves = saturated = 0
+    for _ in range(6):
+        await bench.begin(random_settings(rng))
+        contact_states = [np.array([-1, 0]) for _ in range(N)]
+        while len(bench.steps) < 40:
+            shown = await bench.clock()
+            assert len(bench.ticks) < 60
+            if len(bench.bridge) % 31 == 0:
+                bench.codes = [random_code(rng) for _ in range(N)]
+            if shown is None:
+                continue
+            # The encoders have been still since the last step: the walls have been looked at.
+            assert shown.position == bench.position
+            for n in range(N):
+                walls = np.array(bench.settings.ports[n].walls)
+                state, position = contact_states[n], bench.position[n]
+                contact, _ = golden.contact_step.py_func(state, position, walls[:, 0], walls[:, 1])
+                assert shown.contact[n] == contact
+                contacts += contact
+                saturated += shown.saturated[n]
+                move = rng.choice((-1, 0, 1))
+                bench.position[n] += move
+                moves += move != 0
+        bench.check_steps()
+        pulses += bench.check_pulses()
+        assert not bench.word("overrun_o")
+        assert not bench.word("encoder_fault_o")
+    assert pulses > 150
+    assert contacts > 30
+    assert moves > 100
+    assert saturated > 10
+
+
+def random_code(rng: random.Random) -> int:
+    top = (1 << PART.data_bits) - 1
+    return rng.choice((0, top, MID_CODE, rng.randint(0, top), rng.randint(0, top)))
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def contact_at_any_time(dut: object) -> None:
+    """A wall that is met while the core is at work changes the next step, not half of this one."""
+    bench = ControllerBench(dut)
+    rng = random_source("any time")
+    changes = 0
+    for _ in range(3):
+        await bench.begin(random_settings(rng))
+        next_move = 0
+        while len(bench.steps) < 50:
+            await bench.clock()
+            assert len(bench.ticks) < 70
+            next_move -= 1
+            if next_move < 0:
+                next_move = rng.randint(3, 20)
+                bench.position = [at + rng.choice((-1, 1)) for at in bench.position]
+                bench.codes = [random_code(rng) for _ in range(N)]
+        bench.check_steps()
+        for before, after in pairwise(bench.steps):
+            changes += before.contact != after.contact
+    assert changes > 10
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def latency_is_the_formula(dut: object) -> None:
+    """The tick from which a sample's voltage is driven, with the sample moved clock by clock."""
+    bench = ControllerBench(dut)
+    longer = dataclasses.replace(PART, lead_bits=4, frame_falls=16)
+    for part, sclk_half in ((PART, 1), (longer, 1), (PART, 2)):
+        seen = set()
+        latency = Settings(part=part, sclk_half=sclk_half).latency
+        # A tick for which the boundary is near the middle of the leads that are tried.
+        tick_clocks = TICK_CLOCKS + (16 * (sclk_half - 1) if N == 1 else 0)
+        tick_clocks = max(tick_clocks, 2 * sclk_half * part.frame_falls + 3)
+        for lead in boundary_leads(tick_clocks, latency):
+            settings = Settings(half_clocks=tick_clocks, part=part, sclk_half=sclk_half, lead=lead)
+            expected = max(
+                0, math.ceil((latency - (tick_clocks - settings.sample_at) + 1) / tick_clocks)
+            )
+            bench.codes = [MID_CODE] * N
+            await bench.begin(settings)
+            await bench.run(3 * tick_clocks)
+            before = len(bench.conversions)
+            # From the next conversion on there is current.
+            bench.codes = [MID_CODE + 400] * N
+            await bench.run(5 * tick_clocks)
+            strobe = bench.conversions[before][0]
+            first = next(n for n, row in enumerate(bench.bridge) if all(row))
+            driven_tick = (first - GATE_CLOCKS) // tick_clocks
+            assert driven_tick - strobe // tick_clocks - 1 == expected, (part.name, lead)
+            bench.check_pulses()
+            seen.add(expected)
+        # Both sides of the boundary: the formula is right to the clock.
+        assert len(seen) == 2
+
+
+def boundary_leads(tick_clocks: int, latency: int) -> list[int]:
+    """Leads around the one at which the voltage just makes an earlier tick."""
+    middle = tick_clocks // 2
+    for at in range(tick_clocks):
+        if (at + latency + 1) % tick_clocks == 0:
+            return [lead for lead in range(middle - at - 2, middle - at + 3)
+                    if 0 <= middle - lead < tick_clocks]  # fmt: skip
+    raise AssertionError("every latency ends a tick for some sample instant")
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def signs(dut: object) -> None:
+    """In contact a positive current is answered by a positive voltage: A high while B is low."""
+    bench = ControllerBench(dut)
+    for current_sign in (1, -1):
+        for in_wall in (False, True):
+            port = PortSettings(walls=((-1, 5),) * WALLS if in_wall else ((7, 9),) * WALLS)
+            bench.codes = [MID_CODE + 300 * current_sign] * N
+            await bench.begin(Settings(ports=[port] * N))
+            await bench.run(6 * TICK_CLOCKS)
+            sign = current_sign if in_wall else -current_sign
+            shown = bench.steps[0]
+            for n in range(N):
+                assert shown.contact[n] == in_wall
+                assert (shown.current[n] > 0) == (current_sign > 0)
+                assert (shown.voltage[n] > 0) == (sign > 0)
+                first = next(row[n] for row in bench.bridge if row[n])
+                assert first == sign
+            assert bench.check_pulses() > 0
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def enable(dut: object) -> None:
+    """Disabled: gates off at once, waves at rest, currents and positions go on."""
+    bench = ControllerBench(dut)
+    rng = random_source("enable")
+    ports = [PortSettings(walls=((-1, 5),) * WALLS) for _ in range(N)]
+    await bench.begin(Settings(ports=ports, dead_clocks=2))
+    bench.codes = [MID_CODE + 300] * N
+    for _ in range(6):
+        await bench.run(3 * TICK_CLOCKS + rng.randint(0, TICK_CLOCKS))
+        assert any(any(row) for row in bench.bridge[-2 * TICK_CLOCKS :])
+        steps, conversions = len(bench.steps), len(bench.conversions)
+        for _ in range(rng.randint(1, 3) * TICK_CLOCKS):
+            # GateWatch and the bench see to it that no gate goes on.
+            await bench.clock(enable=0)
+        assert len(bench.steps) == steps
+        assert len(bench.conversions) > conversions
+        current = unpack(bench.word("current_o"), formats.DATA_W, N)
+        assert current == [scale_sum.py_func(300 << 4, bench.settings.gain(n)) for n in range(N)]
+        enabled = len(bench.bridge)
+        while len(bench.steps) == steps:
+            await bench.clock()
+        # Nothing of the voltage before is left.
+        assert not any(any(row) for row in bench.bridge[enabled:])
+        # The waves start from rest: the first step's u_n is 0.
+        assert bench.steps[-1].u == [0] * N
+    assert not bench.word("overrun_o")
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def reset_in_contact(dut: object) -> None:
+    """Everything is off and at rest in the next clock, and the same run follows again."""
+    bench = ControllerBench(dut)
+    walls = ((3, 30),) * WALLS
+    runs = []
+    for clocks in (8 * TICK_CLOCKS, 8 * TICK_CLOCKS + 7, 9 * TICK_CLOCKS - 2):
+        bench.codes = [MID_CODE + 200] * N
+        await bench.begin(Settings(ports=[PortSettings(walls=walls)] * N, dead_clocks=1))
+        for position in range(1, 6):
+            bench.position = [position] * N
+            await bench.run(12)
+        await bench.run(clocks)
+        assert bench.word("contact_o") == (1 << N) - 1
+        runs.append(bench.steps[4])
+        await bench.clock(rst=1)
+        assert bench.word("adc_cs_n_o") == 1
+        assert bench.word("contact_o") == 0
+        for name in ("position_o", "current_o", "voltage_o", "u_o", "v_o"):
+            assert bench.word(name) == 0
+    assert runs[1:] == runs[:1] * 2
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def gates_in_any_state(dut: object) -> None:
+    """Random dead times, currents, enables and resets: a leg always has its dead time."""
+    bench = ControllerBench(dut)
+    rng = random_source("gates")
+    turned_on = 0
+    for dead_clocks in (0, 1, 5, 30):
+        ports = [PortSettings(walls=((-1, 5),) * WALLS) for _ in range(N)]
+        settings = Settings(ports=ports, dead_clocks=dead_clocks)
+        await bench.begin(settings)
+        for _ in range(25):
+            bench.codes = [random_code(rng) for _ in range(N)]
+            await bench.run(rng.randint(1, TICK_CLOCKS))
+            if rng.random() < 0.3:
+                for _ in range(rng.choice((1, 2, 40))):
+                    await bench.clock(enable=0)
+            if rng.random() < 0.1:
+                for part in bench.parts:
+                    part.pins(bench.clocks * PERIOD_NS, 1, 1)
+                await bench.clock(rst=1)
+        turned_on += min(watch.turned_on for watch in bench.watches)
+    assert turned_on > 30
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def faults_show(dut: object) -> None:
+    """A tick too short for the frame or for the core latches overrun_o; so does an illegal move."""
+    bench = ControllerBench(dut)
+    bench.codes = [MID_CODE] * N
+    frame = 2 * PART.frame_falls + 2
+    short = 22 * N if N > 1 else frame - 2
+    await bench.begin(Settings(half_clocks=short, quiet=4))
+    await bench.run(6 * short + 60 * N)
+    assert bench.word("overrun_o") == 1
+    await bench.begin(Settings())
+    await bench.run(4 * TICK_CLOCKS)
+    assert (bench.word("overrun_o"), bench.word("encoder_fault_o")) == (0, 0)
+    bench.position[N - 1] += 2
+    await bench.run(20)
+    assert bench.word("encoder_fault_o") == 1 << (N - 1)
+    assert bench.word("position_o") == 0
+    await bench.begin(Settings())
+    assert (bench.word("overrun_o"), bench.word("encoder_fault_o")) == (0, 0)

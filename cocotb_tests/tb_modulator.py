@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bench of ``rtl/wh_modulator.v``: the widths of every half against integers."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass, field
+
+import cocotb
+from bench import Bench, random_source
+from wavehaptics import formats
+
+FRACTION = formats.DUTY.fraction
+STEP = 1 << FRACTION
+MULTIPLY_CLOCKS = 3
+LATENCY = 4
+"""Clocks from the voltage to where take_i finds its duty, if the multiplier is free."""
+
+
+@dataclass
+class Model:
+    """One half after another: duty plus what is owed, rounded, and what stays owed."""
+
+    half_clocks: int
+    residual: int = 0
+    clipped: int = 0
+
+    def width(self, duty: int) -> int:
+        """Width of a half with the duty in 1/65536 clock; the rest is carried over."""
+        total = duty + self.residual
+        magnitude = (abs(total) + STEP // 2) >> FRACTION
+        width = magnitude if total >= 0 else -magnitude
+        limit = self.half_clocks // 2
+        if abs(width) > limit:
+            self.residual = 0
+            self.clipped += 1
+            return limit if width > 0 else -limit
+        self.residual = total - width * STEP
+        return width
+
+
+def duty_of(voltage: int, clocks_per_volt: int) -> int:
+    """Voltage word times clocks per volt, toward zero, in 1/65536 clock."""
+    magnitude = abs(voltage * clocks_per_volt) >> formats.VOLTAGE.fraction
+    return magnitude if voltage * clocks_per_volt >= 0 else -magnitude
+
+
+@dataclass
+class Tick:
+    """What happens in a tick: a voltage at a clock, or none, and how long the grant takes."""
+
+    voltage: int | None = None
+    at: int = 0
+    grant_after: int = 0
+
+
+@dataclass
+class Shown:
+    """Widths at each half's end, for the half after it, and the duties that they came from."""
+
+    widths: list[int] = field(default_factory=list)
+    duties: list[int] = field(default_factory=list)
+    clipped: int = 0
+
+
+class ModulatorBench(Bench):
+    """Plays carrier, wave core and multiplier; checks every half's width."""
+
+    async def run(
+        self, half_clocks: int, tick_halves: int, clocks_per_volt: int, ticks: list[Tick]
+    ) -> Shown:
+        await self.start(
+            valid_i=0, voltage_i=0, clocks_per_volt_i=clocks_per_volt, half_clocks_i=half_clocks,
+            grant_i=0, done_i=0, product_i=0, take_i=0, update_i=0,
+        )  # fmt: skip
+        model, shown = Model(half_clocks), Shown()
+        pending = active = 0
+        tick_clocks = half_clocks * tick_halves
+        wait = -1
+        in_work: list[tuple[int, int]] = []
+        clock = 0
+        for tick in ticks:
+            for in_tick in range(tick_clocks):
+                clock += 1
+                valid = tick.voltage is not None and in_tick == tick.at
+                if valid:
+                    self.drive(voltage_i=tick.voltage)
+                    wait = tick.grant_after
+                grant = wait == 0
+                done = bool(in_work) and in_work[0][0] == clock
+                take = in_tick == tick_clocks - 3
+                update = in_tick % half_clocks == half_clocks - 1
+                product = in_work[0][1] if done else 0x2AAAAAAAAAAAAAA
+                await self.settle(
+                    valid_i=int(valid), grant_i=int(grant), done_i=int(done),
+                    product_i=product, take_i=int(take), update_i=int(update),
+                )  # fmt: skip
+                assert self.word("request_o") == int(wait >= 0)
+                if grant:
+                    assert self.signed("factor_o") == tick.voltage
+                    assert self.signed("coefficient_o") == clocks_per_volt
+                    in_work.append((clock + MULTIPLY_CLOCKS, tick.voltage * clocks_per_volt))
+                wait -= 1 if wait >= 0 else 0
+                if take:
+                    active = pending
+                if update:
+                    expected = model.width(active)
+                    width = self.signed("width_o")
+                    assert width == expected, (in_tick, width, expected)
+                    shown.widths.append(width)
+                    shown.duties.append(active)
+                await self.step()
+                # A product shows as the pending duty one clock later.
+                if done:
+                    pending = duty_of(1, in_work.pop(0)[1])
+        shown.clipped = model.clipped
+        return shown
+
+
+def every_tick(voltages: list[int], at: int = 0) -> list[Tick]:
+    return [Tick(voltage, at) for voltage in voltages]
+
+
+def clocks_per_volt(half_clocks: int, bus_v: float) -> int:
+    return formats.DUTY.to_raw(half_clocks / (2 * bus_v))
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def mean_is_kept(dut: object) -> None:
+    """Duties far below a clock: the sum of the widths stays within half a clock of the duties'."""
+    bench = ModulatorBench(dut)
+    for fraction in (1, 333, STEP // 2, STEP // 2 + 1, STEP - 1):
+        for sign in (1, -1):
+            # With one clock a volt, the duty in 1/65536 clock is the voltage in 1/65536 V.
+            voltage = sign * (3 * STEP + fraction) << (formats.VOLTAGE.fraction - FRACTION)
+            shown = await bench.run(24, 1, STEP, every_tick([voltage] * 80, at=4))
+            error = 0
+            for width, duty in zip(shown.widths, shown.duties, strict=True):
+                error += duty - width * STEP
+                assert abs(error) <= STEP // 2
+            assert set(shown.widths[1:]) <= {0, sign * 3, sign * 4}
+            assert shown.clipped == 0
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def random_voltages(dut: object) -> None:
+    """Random voltages, halves a tick, late grants and silent ticks: widths equal the model's."""
+    bench = ModulatorBench(dut)
+    rng = random_source("voltages")
+    widths, clipped = set(), 0
+    for _ in range(12):
+        half_clocks, tick_halves = rng.choice((4, 5, 24, 37, 48)), rng.choice((1, 2, 3))
+        gain = clocks_per_volt(half_clocks, rng.choice((12.0, 24.0, 48.0)))
+        ticks = [random_tick(rng, half_clocks * tick_halves) for _ in range(60)]
+        shown = await bench.run(half_clocks, tick_halves, gain, ticks)
+        error = 0
+        if not shown.clipped:
+            for width, duty in zip(shown.widths, shown.duties, strict=True):
+                error += duty - width * STEP
+                assert abs(error) <= STEP // 2
+        widths |= set(shown.widths)
+        clipped += shown.clipped
+    assert len(widths) > 20
+    assert clipped > 20
+
+
+def random_tick(rng: random.Random, tick_clocks: int) -> Tick:
+    # A voltage comes when the one before is done with the multiplier, as ticks have it.
+    latest = tick_clocks - 1 - LATENCY - 3
+    if rng.random() < 0.1 or latest < 0:
+        return Tick()
+    voltage = rng.randint(formats.VOLTAGE.raw_min, formats.VOLTAGE.raw_max)
+    return Tick(voltage >> rng.choice((0, 3, 4, 6, 12)), rng.randint(0, latest), rng.randint(0, 3))
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def odd_in_the_voltage(dut: object) -> None:
+    """The negated voltages give the negated widths, exact halves included."""
+    bench = ModulatorBench(dut)
+    rng = random_source("signs")
+    voltages = [rng.randint(0, 1 << 27) for _ in range(60)]
+    voltages += [(1 << formats.VOLTAGE.fraction) // 2 * n for n in range(9)]
+    gain = STEP
+    shown = await bench.run(24, 2, gain, every_tick(voltages))
+    mirror = await bench.run(24, 2, gain, every_tick([-voltage for voltage in voltages]))
+    assert mirror.widths == [-width for width in shown.widths]
+    assert any(shown.widths)
+    # A duty that lacks half a last place to half a clock is cut to less, so its width is 0.
+    voltage = STEP // 2 - 1 << (formats.VOLTAGE.fraction - FRACTION)
+    voltage += 1 << (formats.VOLTAGE.fraction - FRACTION - 1)
+    for sign in (1, -1):
+        assert (await bench.run(24, 1, gain, [Tick(sign * voltage)])).widths == [0]
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def clips_and_forgets(dut: object) -> None:
+    """Beyond the half a width is clipped at once, both signs, and nothing is owed afterwards."""
+    bench = ModulatorBench(dut)
+    low, high = formats.VOLTAGE.raw_min, formats.VOLTAGE.raw_max
+    for half_clocks in (24, 25):
+        gain = clocks_per_volt(half_clocks, 12.0)
+        voltages = [low, low, 0, 0, high, high, high, 0, 0, low, high, 0, 0]
+        shown = await bench.run(half_clocks, 1, gain, every_tick(voltages, at=2))
+        limit = half_clocks // 2
+        signs = [-1, -1, 0, 0, 1, 1, 1, 0, 0, -1, 1, 0, 0]
+        assert shown.widths == [sign * limit for sign in signs]
+    # The largest gain and the largest voltage: the product fits.
+    shown = await bench.run(48, 1, formats.DUTY.raw_max, every_tick([low, high, low, low]))
+    assert shown.widths == [-24, 24, -24, -24]
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def latency(dut: object) -> None:
+    """A voltage LATENCY clocks before take_i makes the next tick, one a clock later doesn't."""
+    bench = ModulatorBench(dut)
+    half_clocks, tick_halves = 24, 2
+    take = half_clocks * tick_halves - 3
+    for at, expected in ((take - LATENCY, [0, 5, 5, 5]), (take - LATENCY + 1, [0, 0, 0, 5])):
+        volts = 5 << formats.VOLTAGE.fraction
+        ticks = [Tick(volts, at), Tick()]
+        assert (await bench.run(half_clocks, tick_halves, STEP, ticks)).widths == expected
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def reset_clears(dut: object) -> None:
+    """A reset in mid-stream leaves no width, no duty and nothing owed."""
+    bench = ModulatorBench(dut)
+    await bench.run(24, 1, STEP, every_tick([(7 << formats.VOLTAGE.fraction) + 12345] * 5))
+    await bench.step(rst=1, update_i=0)
+    assert bench.signed("width_o") == 0
+    shown = await bench.run(24, 1, STEP, [Tick()] * 4)
+    assert shown.widths == [0] * 4

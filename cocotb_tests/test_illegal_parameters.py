@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a block can't be built for stops its build, and the message says which parameter it is."""
+
+import pytest
+from simulators import SimulationError, simulate
+
+
+@pytest.mark.parametrize(
+    ("toplevel", "parameters", "defines", "message"),
+    [
+        ("wh_controller", {"N": 9}, {}, "controller_n_must_be_1_to_8"),
+        ("wh_contact", {"WALLS": 17}, {}, "contact_walls_must_be_1_to_16"),
+        ("wh_adc_serial", {"LINES": 0}, {}, "adc_serial_lines_must_be_1_or_more"),
+        ("wh_synchroniser", {"WIDTH": 0}, {}, "synchroniser_width"),
+        ("wh_round", {"IN_W": 8, "SHIFT": 1}, {}, "round_shift"),
+        ("wh_multiply_shared", {"USERS": 0}, {}, "users_must_be_1_or_more"),
+        ("wh_current", {}, {"WH_DATA_W": 24}, "WH_DATA_W_must_hold_a_tick_sum"),
+        ("wh_modulator", {}, {"WH_COEF_W": 20}, "too_small_for_a_pulse_width"),
+    ],
+)
+def test_build_stops(
+    simulator: str,
+    toplevel: str,
+    parameters: dict[str, int],
+    defines: dict[str, int],
+    message: str,
+) -> None:
+    with pytest.raises(SimulationError, match=f"wh_illegal_[^ ]*{message}"):
+        simulate(simulator, toplevel, "tb_none", parameters, defines)

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whole runs: the fidelity ladder on the shipped scenes, against the design's numbers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from wavehaptics.run import run_scene
+from wavehaptics.scene import SceneError, find_scene, load_scene, shipped_scenes
+from wavehaptics.trace import load_trace
+
+WALL_SCENES = ("paper_taps", "stiffest", "press_hold", "impact", "phantom")
+PINS_DURATION_S = {
+    # Up to the deepest point of the first contact, which is all that the stiffness is taken from.
+    "paper_taps": 0.26,
+    "stiffest": 0.26,
+    "press_hold": 0.1,
+    "impact": 0.01,
+    "phantom": 0.26,
+}
+
+
+def load(name: str, *settings: str):
+    return load_scene(find_scene(name), settings)
+
+
+@pytest.mark.parametrize("name", sorted(shipped_scenes()))
+def test_core_and_golden_are_the_same_integers(name, tmp_path):
+    """Every word of every tick, over the whole of every shipped scene."""
+    scene = load(name)
+    traces = {}
+    for controller in ("golden", "core"):
+        metrics = run_scene(scene, controller, tmp_path / controller)
+        traces[controller] = load_trace(tmp_path / controller)
+        assert metrics["ticks"] == round(scene.scene.duration_s * scene.controller.tick_hz)
+    assert traces["core"].keys() == traces["golden"].keys()
+    assert {"i_word", "u_word", "v_word", "e_word"} <= traces["core"].keys()
+    for key, values in traces["golden"].items():
+        np.testing.assert_array_equal(traces["core"][key], values, err_msg=key)
+    assert np.unique(traces["core"]["u_word"]).size > 100
+
+
+def test_torque_error_against_analog_on_the_papers_taps(tmp_path):
+    """Design §4: core ≤ 5e-4 and pins ≤ 5e-3 of the peak, over all three contacts."""
+    scene = load("paper_taps")
+    core = run_scene(scene, "core", tmp_path / "core")
+    assert core["torque_nrmse_vs_analog"] <= 5e-4
+    assert core["peak_torque"] == pytest.approx(0.021, rel=0.02)
+    pins = run_scene(scene, "pins", tmp_path / "pins")
+    assert pins["torque_nrmse_vs_analog"] <= 5e-3
+    assert pins["clock_cycles"] == pytest.approx(48 * pins["ticks"], rel=1e-4)
+
+
+@pytest.mark.parametrize("controller", ["analog", "golden", "core", "pins"])
+@pytest.mark.parametrize("name", WALL_SCENES)
+def test_stiffness_is_the_predicted_one(name, controller, tmp_path):
+    """Design §4: within 1 % on every rung, for every shipped wall."""
+    settings = [f"scene.duration_s={PINS_DURATION_S[name]}"] if controller == "pins" else []
+    metrics = run_scene(load(name, *settings), controller, tmp_path)
+    assert metrics["stiffness"] == pytest.approx(metrics["stiffness_predicted"], rel=0.01)
+    if name in ("stiffest", "impact") and controller != "analog":
+        assert metrics["stiffness"] >= 0.98 * metrics["k_l"]
+
+
+def test_metrics_file_and_trace_have_what_the_design_names(tmp_path):
+    metrics = run_scene(load("paper_taps", "scene.duration_s=0.2"), "golden", tmp_path)
+    assert json.loads((tmp_path / "metrics.json").read_text()) == metrics
+    names = (
+        "scene controller duration_s wall_clock_s ticks clock_cycles k_l stiffness "
+        "stiffness_predicted peak_torque torque_nrmse_vs_analog free_space_torque_rms "
+        "energy_out_max_j hold_offset_rad hold_error hold_ripple_rms restitution saturated_fraction"
+    )
+    assert set(names.split()) <= metrics.keys()
+    trace = load_trace(tmp_path)
+    assert set("t x omega i e_a torque eta u v x_hand".split()) <= trace.keys()
+    assert (tmp_path / "run.png").stat().st_size > 10_000
+    assert metrics["hold_error"] is None
+    assert metrics["restitution"] is None
+    rows = round(0.2 * 20e3)
+    assert all(values.shape == (rows,) for values in trace.values())
+
+
+def test_a_mistimed_sample_is_seen_in_the_stiffness(monkeypatch, tmp_path):
+    """The check of `pins` can fail: sampling a quarter tick off the middle changes what is felt."""
+    import wavehaptics.pins as pins
+
+    monkeypatch.setattr(pins, "CENTRED_LEAD", pins.CENTRED_LEAD + 12)
+    metrics = run_scene(load("paper_taps", "scene.duration_s=0.26"), "pins", tmp_path)
+    assert metrics["stiffness"] != pytest.approx(metrics["stiffness_predicted"], rel=0.01)
+
+
+def test_pins_uses_the_scenes_adc_dead_time_and_carrier(tmp_path):
+    """Each is really in the loop: with it the run differs, and the wall still stands."""
+    base = ("scene.duration_s=0.26",)
+    plain = run_scene(load("paper_taps", *base), "pins", tmp_path / "plain")
+    for setting in (
+        ("adc.bits=10", "adc.full_scale_a=2.5"),
+        ("drive.dead_time_s=42e-9",),
+        ("drive.pwm_hz=100e3",),
+    ):
+        other = run_scene(load("paper_taps", *base, *setting), "pins", tmp_path / "other")
+        assert other["stiffness"] != plain["stiffness"]
+        assert other["stiffness"] == pytest.approx(plain["stiffness"], rel=0.3)
+    assert other["ticks"] == round(0.26 * 200e3), "a slow carrier sets the pace"
+
+
+@pytest.mark.parametrize(
+    ("settings", "fragments"),
+    [
+        (("controller.extra_ticks=0",), ("controller.extra_ticks = 0", "extra_ticks = 1 or more")),
+        (("drive.pwm_hz=700e3",), ("drive.pwm_hz", "multiple of tick_hz")),
+        (("controller.clock_hz=1e9", "controller.tick_hz=1e4"), ("clock_hz",)),
+    ],
+)
+def test_pins_refuses_what_hardware_cannot_do(settings, fragments, tmp_path):
+    with pytest.raises(SceneError) as refusal:
+        run_scene(load("paper_taps", *settings), "pins", tmp_path)
+    message = str(refusal.value)
+    assert "\n" not in message
+    for fragment in fragments:
+        assert fragment in message
+
+
+@pytest.mark.parametrize("tick_hz", [10e3, 100e3, 250e3, 2e6])
+def test_pins_at_other_rates(tick_hz, tmp_path: Path):
+    """The predicted stiffness is met at any tick, with carrier and ADC laid out for it."""
+    scene = load("stiffest", f"controller.tick_hz={tick_hz}", "controller.lambda=1e9",
+                 "scene.duration_s=0.2")  # fmt: skip
+    metrics = run_scene(scene, "pins", tmp_path)
+    assert metrics["stiffness"] == pytest.approx(metrics["stiffness_predicted"], rel=0.02)

