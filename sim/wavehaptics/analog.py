@@ -8,8 +8,6 @@ matrix exponential; the instant at which one of them does change is found by bis
 
 from __future__ import annotations
 
-import math
-
 import numba
 import numpy as np
 from scipy.linalg import expm
@@ -45,8 +43,8 @@ SIZE = PLANT_SIZE + 1
 FREE, CONTACT, LIMITED = range(3)
 """Matrices of the three linear circuits: free space, contact, f held at the limit."""
 
-_BISECTIONS = 50
-_TAYLOR_TERMS = 40
+HALVINGS = 24
+"""The steps at hand are the regular one and its halves, quarters, ... down to 2⁻²⁴ of it."""
 _MODE_CHANGES = 8
 
 # Places in the loop's float parameters.
@@ -123,55 +121,36 @@ def _product(matrix, z, out):
 
 
 @numba.njit(cache=True)
-def _exponential(matrix, z, dt, out):
-    """``out = expm(matrix·dt) z`` by its Taylor series; dt is at most a regular step."""
-    term = z.copy()
-    scratch = np.empty_like(z)
-    out[:] = z
-    for n in range(1, _TAYLOR_TERMS):
-        _product(matrix, term, scratch)
-        largest = 0.0
-        for k in range(z.shape[0]):
-            term[k] = scratch[k] * dt / n
-            out[k] += term[k]
-            largest = max(largest, abs(term[k]) / (abs(out[k]) + 1e-30))
-        if largest < 1e-17:
-            break
+def _part(z, kept, floats, wall_min, wall_max, steps):
+    """Advance z by one regular step, through every change of circuit in it.
 
-
-@numba.njit(cache=True)
-def _part(z, kept, dt, floats, wall_min, wall_max, circuits, steps):
-    """Advance z by dt, through every change of circuit in it."""
+    Time is counted in the finest of the tabulated steps. Ever smaller ones are taken while the next
+    would leave the circuit that holds, until the finest does: there the circuit changes.
+    """
     trial = np.empty_like(z)
-    left = dt
-    for change in range(_MODE_CHANGES):
-        if not _consistent(z, kept, floats, wall_min, wall_max):
-            _switch(z, kept, floats, wall_min, wall_max)
-        circuit = _circuit(kept)
-        if left == dt:
-            _product(steps[circuit], z, trial)
-        else:
-            _exponential(circuits[circuit], z, left, trial)
-        if change == _MODE_CHANGES - 1 or _consistent(trial, kept, floats, wall_min, wall_max):
-            break
-        low, high = 0.0, left
-        for _ in range(_BISECTIONS):
-            middle = 0.5 * (low + high)
-            _exponential(circuits[circuit], z, middle, trial)
-            if _consistent(trial, kept, floats, wall_min, wall_max):
-                low = middle
-            else:
-                high = middle
-        _exponential(circuits[circuit], z, high, trial)
+    left = 1 << HALVINGS
+    order = HALVINGS
+    changes = 0
+    _switch(z, kept, floats, wall_min, wall_max)
+    while left > 0:
+        while 1 << order > left:
+            order -= 1
+        _product(steps[_circuit(kept), order], z, trial)
+        free = changes < _MODE_CHANGES
+        stays = not free or _consistent(trial, kept, floats, wall_min, wall_max)
+        if not stays and order > 0:
+            order -= 1
+            continue
         z[:] = trial
-        left -= high
-        if left <= 0.0:
-            return
-    z[:] = trial
+        left -= 1 << order
+        if not stays:
+            _switch(z, kept, floats, wall_min, wall_max)
+            changes += 1
+            order = HALVINGS
 
 
 @numba.njit(cache=True)
-def _advance(rows, z, kept, wall_min, wall_max, floats, substeps, load, circuits, steps):
+def _advance(rows, z, kept, wall_min, wall_max, floats, substeps, load, steps):
     dt = floats[_DT]
     tick = dt * substeps
     for n in range(rows.shape[0]):
@@ -184,7 +163,7 @@ def _advance(rows, z, kept, wall_min, wall_max, floats, substeps, load, circuits
             z[TAU] = tau
             z[Q] = 0.0
             z[QF] = 0.0
-            _part(z, kept, dt, floats, wall_min, wall_max, circuits, steps)
+            _part(z, kept, floats, wall_min, wall_max, steps)
             settle_friction(z, omega, x, tau, load)
             kept[_TIME] += dt
             end_ramp(z, kept[_TIME], load)
@@ -232,12 +211,13 @@ class AnalogSimulation:
         plant = Plant.of_scene(scene)
         s = physics.root(set_.r_hat)
         gain = 1.0 + (scene.drive.gain_error if scene.drive else 0.0)
-        fastest = max(2.0 * control.lambda_, plant.resistance / plant.inductance)
-        self._substeps = max(plant.substeps(self.tick_s), math.ceil(self.tick_s * fastest / 0.5))
+        self._substeps = plant.substeps(self.tick_s)
         dt = self.tick_s / self._substeps
         etas = (control.eta_free, control.eta_contact)
-        self._circuits = circuit_matrices(plant, control.lambda_, s, gain, etas)
-        self._steps = np.stack([expm(matrix * dt) for matrix in self._circuits])
+        circuits = circuit_matrices(plant, control.lambda_, s, gain, etas)
+        self._steps = np.array(
+            [[expm(a * dt * 2.0 ** (n - HALVINGS)) for n in range(HALVINGS + 1)] for a in circuits]
+        )
         self._z = np.zeros(SIZE)
         self._z[: C + 2] = plant.start[: C + 2]
         self._kept = np.zeros(3)
@@ -254,5 +234,5 @@ class AnalogSimulation:
         del words
         _advance(
             rows, self._z, self._kept, self._wall_min, self._wall_max, self._floats,
-            self._substeps, self._load, self._circuits, self._steps,
+            self._substeps, self._load, self._steps,
         )  # fmt: skip
