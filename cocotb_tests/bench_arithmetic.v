@@ -2,8 +2,8 @@
 //
 // bench_arithmetic: every word of small formats through the arithmetic modules.
 //
-// Raised go_i runs all pairs of a W-bit and a W-bit word, one a clock, and done_o follows; a word of
-// answers a pair is then in products.hex. The modules without a clock have value_i for all of them.
+// Raised go_i runs all pairs of two W-bit words, one a clock, and done_o follows; a word of answers
+// a pair is then in products.hex. The modules without a clock have value_i for all of them.
 
 `default_nettype none
 `timescale 1ns / 1ps

@@ -2,9 +2,10 @@
 //
 // bench_wave_core: drives wh_wave_core with a stream of ticks at the simulator's own speed.
 //
-// tb_wave_core.py writes stimulus.hex (a word a tick), raises go_i, and waits for done_o; the answers
-// are then in response.hex. Each tick is a step, with some clocks of pause before it; on request it
-// begins with a reset, has another start_i while the core is busy, or is cut short by a reset.
+// tb_wave_core.py writes stimulus.hex (a word a tick), raises go_i, and waits for done_o; the
+// answers are then in response.hex. Each tick is a step, with some clocks of pause before it; on
+// request it begins with a reset, has another start_i while the core is busy, or is cut short by a
+// reset.
 // The inputs change in the middle of a clock, so a pause of 0 starts together with valid_o.
 
 `default_nettype none

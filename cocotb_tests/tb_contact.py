@@ -89,7 +89,7 @@ async def random_walks(dut: object) -> None:
     rng = random_source("walks")
     resets = 0
     for span in (4, 12, 60):
-        for _ in range(10):
+        for _ in range(5):
             walls = random_walls(rng, span)
             position = rng.randint(-span, span)
             await bench.begin(walls, position)
@@ -99,9 +99,9 @@ async def random_walks(dut: object) -> None:
                 if rng.random() < 0.03:
                     resets += bench.shown()[0]
                     await bench.begin(walls, position)
-    assert bench.contacts > 100
-    assert bench.entries > 20
-    assert resets > 1
+    assert bench.contacts > 50
+    assert bench.entries > 10
+    assert resets > 0
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")

@@ -56,7 +56,6 @@ class PortSettings:
     zero: int = 0
     gain_a: float = FULL_SCALE_A
     walls: tuple[tuple[int, int], ...] = ((1000, 2000),) * WALLS
-    clocks_per_volt: float | None = None
 
 
 @dataclass

@@ -133,7 +133,7 @@ async def mean_is_kept(dut: object) -> None:
         for sign in (1, -1):
             # With one clock a volt, the duty in 1/65536 clock is the voltage in 1/65536 V.
             voltage = sign * (3 * STEP + fraction) << (formats.VOLTAGE.fraction - FRACTION)
-            shown = await bench.run(24, 1, STEP, every_tick([voltage] * 80, at=4))
+            shown = await bench.run(24, 1, STEP, every_tick([voltage] * 50, at=4))
             error = 0
             for width, duty in zip(shown.widths, shown.duties, strict=True):
                 error += duty - width * STEP
@@ -148,7 +148,7 @@ async def random_voltages(dut: object) -> None:
     bench = ModulatorBench(dut)
     rng = random_source("voltages")
     widths, clipped = set(), 0
-    for _ in range(12):
+    for _ in range(8):
         half_clocks, tick_halves = rng.choice((4, 5, 24, 37, 48)), rng.choice((1, 2, 3))
         gain = clocks_per_volt(half_clocks, rng.choice((12.0, 24.0, 48.0)))
         ticks = [random_tick(rng, half_clocks * tick_halves) for _ in range(60)]

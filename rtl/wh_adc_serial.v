@@ -13,13 +13,13 @@
 // SCLK's last rise, and quiet_clocks_i or more pass before it may fall again.
 // All converters share CS_n and SCLK, so they sample at the same instant.
 //
-// AD7476A: lead 4, data 12, frame 16; AD7276: lead 2, data 12, frame 14. Their limits in seconds are
-// the user's: SCLK's rate, CS_n to SCLK (sclk_half_clocks_i), quiet time and least CS_n high.
+// AD7476A: lead 4, data 12, frame 16; AD7276: lead 2, data 12, frame 14. Their limits in seconds
+// are the user's: SCLK's rate, CS_n to SCLK (sclk_half_clocks_i), quiet time and least CS_n high.
 //
-// Formats: sample s16, full scale +-2^15 at any resolution. Latency: 1 + (2k - 1) sclk_half_clocks_i
-// from start_i to valid_o, k = lead_bits_i + data_bits_i. sample_o is where the bits are put down: it
-// holds from valid_o until the next frame's data. Reset: CS_n and SCLK high at once; if that cuts a
-// frame short, the part may take the next one to recover.
+// Formats: sample s16, full scale +-2^15 at any resolution. Latency: 1 + (2k - 1)
+// sclk_half_clocks_i from start_i to valid_o, k = lead_bits_i + data_bits_i. sample_o is where the
+// bits are put down: it holds from valid_o until the next frame's data. Reset: CS_n and SCLK high
+// at once; if that cuts a frame short, the part may take the next one to recover.
 
 `default_nettype none
 `include "wh_formats.vh"

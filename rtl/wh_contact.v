@@ -11,8 +11,8 @@
 // contact, and x_w moves with it.
 // The walls are looked at in turn, one a clock, all of a round at one position, so that one pair of
 // subtractors serves every wall.
-// Formats: s32, counts; depth saturates. Latency: WALLS + 2 clocks from the position that a round is
-// made for; a round begins every WALLS clocks. Reset: free space.
+// Formats: s32, counts; depth saturates. Latency: WALLS + 2 clocks from the position that a round
+// is made for; a round begins every WALLS clocks. Reset: free space.
 
 `default_nettype none
 `include "wh_formats.vh"

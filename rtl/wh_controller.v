@@ -9,14 +9,16 @@
 // leg A high while leg B is low; a positive position is where a positive current turns the rotor.
 //
 // enable_i = 0 keeps the gates off and the wave core and the pulse width in reset; the ADC, the
-// currents and the positions run on, so that zero_i can be measured. enable_i is synchronous to clk.
+// currents and the positions run on, so that zero_i can be measured. enable_i is synchronous to
+// clk.
 // The settings, other than the walls, may change only in reset.
 //
-// Latency: the gates show the carrier's phase after 2 clocks, dead time aside, and CS_n falls 1 clock
-// after the sample's phase: sample_lead_i = -1 samples in the pulse's middle. The last sample of a
-// tick reaches the gates with the next tick that ends
-//     1 + (2k - 1) sclk_half_clocks_i + 12 + 24 N + 2 (N - 1) clocks,  k = lead_bits_i + data_bits_i
-// after its sample instant or later (latency_clocks in sim/wavehaptics/pins_timing.py).
+// Latency: the gates show the carrier's phase after 2 clocks, dead time aside, and CS_n falls 1
+// clock after the sample's phase: sample_lead_i = -1 samples in the pulse's middle. The last sample
+// of a tick reaches the gates with the next tick that ends
+//     1 + (2k - 1) sclk_half_clocks_i + 12 + 24 N + 2 (N - 1) clocks
+// after its sample strobe or later, k = lead_bits_i + data_bits_i (latency_clocks in
+// sim/wavehaptics/pins_timing.py).
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
 
 `default_nettype none
@@ -199,10 +201,10 @@ module wh_controller #(
 
     // ---- Wave core. The currents of a tick come in turn, so the last port's starts it.
 
-    wire                  core_start = current_valid[N-1];
-    wire                  core_busy;
-    wire                  core_overrun;
-    wire [N*`WH_COEF_W-1:0] eta;
+    wire                core_start = current_valid[N-1];
+    wire                core_busy;
+    wire                core_overrun;
+    wire [N*COEF_W-1:0] eta;
 
     wh_wave_core #(
         .N             (N),

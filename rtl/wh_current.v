@@ -4,11 +4,12 @@
 //
 //   current = round((sum of samples_i words - zero) * gain)
 //
-// zero is the sum that stands for 0 A, measured with the bridge off; gain holds the amperes of an ADC
-// step and the division by the number of samples. Rounding is to the nearest word, halves away from
-// zero, and the result saturates.
-// The product is made by a multiplier shared with other blocks (wh_multiply_shared): request_o stays
-// until grant_i, factor_o and gain_i are the operands, done_i says that product_i is the product.
+// zero is the sum that stands for 0 A, measured with the bridge off; gain holds the amperes of an
+// ADC step and the division by the number of samples. Rounding is to the nearest word, halves away
+// from zero, and the result saturates.
+// The product is made by a multiplier shared with other blocks (wh_multiply_shared): request_o
+// stays until grant_i, factor_o and gain_i are the operands, done_i says that product_i is the
+// product.
 // Formats: below. Latency: 6 clocks from the last valid_i to valid_o, and one more for each clock
 // without grant. first_i begins a new sum whatever came before. Reset: no sum is under way.
 

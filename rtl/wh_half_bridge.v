@@ -5,9 +5,9 @@
 //   leg 1: high_o on, low_o off      leg 0: high_o off, low_o on
 //
 // A gate goes off in the clock edge that sees the leg change, and the other goes on dead_clocks_i
-// later: both are off for dead_clocks_i clocks. A leg that changes again in its dead time starts the
-// dead time anew. With dead_clocks_i = 0 one edge turns one gate off and the other on.
-// The gates come straight from flip-flops, so they have no glitches.
+// later: both are off for dead_clocks_i clocks. A leg that changes again in its dead time starts
+// the dead time anew. With dead_clocks_i = 0 one edge turns one gate off and the other on. The
+// gates come straight from flip-flops, so they have no glitches.
 // Latency: 1 clock to off, 1 + dead_clocks_i to on. Reset or enable_i low: both off at the next
 // clock edge; after it the dead time passes before a gate goes on.
 

@@ -7,13 +7,13 @@
 //   width    = round(total), clipped to +- half_clocks / 2 (rounded down)
 //   residual = total - width, or 0 if the width was clipped
 //
-// once a half, so what the clock is too coarse for in one half is made good in the next ones: the sum
-// of the widths stays within half a clock of the sum of the duties. What a clipped half could not
-// give is not owed to later ones, or it would wind up. Everything is odd in the voltage.
+// once a half, so what the clock is too coarse for in one half is made good in the next ones: the
+// sum of the widths stays within half a clock of the sum of the duties. What a clipped half could
+// not give is not owed to later ones, or it would wind up. Everything is odd in the voltage.
 //
-// A voltage becomes the pending duty; take_i, 2 clocks before the tick's last update_i, makes it that
-// of the tick to come. width_o belongs to the half that begins after update_i, and is ready 3 clocks
-// after the update_i before, so a half has at least 4 clocks.
+// A voltage becomes the pending duty; take_i, 2 clocks before the tick's last update_i, makes it
+// that of the tick to come. width_o belongs to the half that begins after update_i, and is ready 3
+// clocks after the update_i before, so a half has at least 4 clocks.
 // The product is made by a multiplier shared with other blocks (wh_multiply_shared), as in
 // wh_current; voltage_i holds from valid_i until grant_i.
 //
@@ -42,7 +42,7 @@ module wh_modulator (
     input  wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_i,          // s58q39 clocks
 
     input  wire                                    take_i,             // strobe, tick_o - 2 clocks
-    input  wire                                    update_i,           // strobe, last clock of a half
+    input  wire                                    update_i,           // strobe, end of a half
     output reg  signed [`WH_TICK_W-1:0]            width_o             // s16, clocks
 );
 

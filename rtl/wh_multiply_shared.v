@@ -7,8 +7,8 @@
 // A user holds request_i[n] and its operands until grant_o[n]; the lowest user that asks is granted
 // in the same clock. done_o[n] says that product_o is this user's.
 // A user that asks once in USERS clocks or less often waits USERS - 1 clocks at most.
-// Formats: whatever the users agree on; the product has every bit. Latency: 3 clocks from grant_o to
-// done_o. Reset: products under way are forgotten.
+// Formats: whatever the users agree on; the product has every bit. Latency: 3 clocks from grant_o
+// to done_o. Reset: products under way are forgotten.
 
 `default_nettype none
 `include "wh_formats.vh"

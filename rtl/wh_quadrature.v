@@ -9,8 +9,8 @@
 // the other, and each again after filter_clocks_i + 1 clocks: two counts in that time.
 // If A and B change in the same clock, the direction is not known: the move is not counted but
 // latched (fault_o) and tallied (faults_o).
-// Formats: position s32, counts, wraps at +-2^31. Latency: 2 clocks of synchroniser, filter_clocks_i
-// of filter and 1 of counting from a pin to position_o.
+// Formats: position s32, counts, wraps at +-2^31. Latency: 2 clocks of synchroniser,
+// filter_clocks_i of filter and 1 of counting from a pin to position_o.
 // Reset: position 0, no fault. For SETTLE_CLOCKS after it the lines are followed without counting,
 // so the levels that the encoder rests at are no move.
 
@@ -57,7 +57,8 @@ module wh_quadrature (
         end
     end
 
-    // A believed level gives way at the last of filter_clocks_i samples in a row that contradict it.
+    // A believed level gives way at the last of filter_clocks_i samples in a row that contradict
+    // it.
     wire [1:0] level;
 
     genvar n;

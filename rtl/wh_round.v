@@ -4,8 +4,8 @@
 //
 //   value_o = sign(value_i) * floor(|value_i| / 2^SHIFT + 1/2)
 //
-// For sensors and for the pulse width, where rounding toward zero would be an offset or a dead zone;
-// the wave path has wh_truncate. Odd in value_i, so both signs are treated alike.
+// For sensors and for the pulse width, where rounding toward zero would be an offset or a dead
+// zone; the wave path has wh_truncate. Odd in value_i, so both signs are treated alike.
 // Formats: s<IN_W>q<q> -> s<OUT_W>q<q - SHIFT>; the rounding can carry, so one bit is gained.
 // Combinational; no reset.
 

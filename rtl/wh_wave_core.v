@@ -171,8 +171,9 @@ module wh_wave_core #(
         .product_o (product)
     );
 
-    // ---- What wh_truncate leaves to be added is taken as a carry: a place below the last makes
-    // room for it, (2 x + 1) + (2 y + up) = 2 (x + y + up) + ..., and is dropped again.
+    // ---- wh_truncate's up goes in as a sum's carry, from a place below the last that is dropped
+    // again: floor(((2 x + 1) + (2 y + up)) / 2) = x + y + up,
+    // floor((2 x - (2 y + up)) / 2) = x - y - up.
 
     // ---- v = u_n - s i_n
     wire signed [SI_W-1:0]    si_floor;
@@ -369,8 +370,8 @@ module wh_wave_core #(
 
     wire unused = &{1'b0, v_sum[0], f_sum[0], above_low[F_SUM_W-2:0]};
 
-    // ---- The delay line of u: one memory for all ports, a write and a read port. It is read at the
-    // first clock of a turn for u_n, and at all others for the u that this step will put out.
+    // ---- The delay line of u: one memory for all ports, a write and a read port. It is read at
+    // the first clock of a turn for u_n, and at all others for the u that this step will put out.
     reg  signed [DATA_W-1:0]     line [0:N*LENGTH-1];
     reg  signed [DATA_W-1:0]     line_q;
     reg         [DELAY_LOG2-1:0] head_q;    // place of the newest u of each port

@@ -75,7 +75,7 @@ def test_metrics_file_and_trace_have_what_the_design_names(tmp_path):
     )
     assert set(names.split()) <= metrics.keys()
     trace = load_trace(tmp_path)
-    assert set("t x omega i e_a torque eta u v x_hand".split()) <= trace.keys()
+    assert {"t", "x", "omega", "i", "e_a", "torque", "eta", "u", "v", "x_hand"} <= trace.keys()
     assert (tmp_path / "run.png").stat().st_size > 10_000
     assert metrics["hold_error"] is None
     assert metrics["restitution"] is None

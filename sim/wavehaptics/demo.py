@@ -14,9 +14,6 @@ from wavehaptics.run import run_scene
 from wavehaptics.scene import Scene, find_scene, load_scene
 from wavehaptics.trace import load_trace
 
-PAPER_STIFFNESS = 1.9
-"""Stiffness that the paper's prototype measured, N·m/rad."""
-
 RUNS = (
     ("analog", "paper_taps", "analog"),
     ("pins", "paper_taps", ""),
@@ -58,7 +55,7 @@ def demo_table(results: list[dict[str, Any]]) -> Table:
     rows: list[tuple[str, Callable[[dict[str, Any]], str]]] = [
         ("K measured, N·m/rad", lambda m: f"{m['stiffness']:.4f}"),
         ("K predicted, N·m/rad", lambda m: f"{m['stiffness_predicted']:.4f}"),
-        ("the paper's prototype, N·m/rad", lambda m: f"{PAPER_STIFFNESS:.1f}"),
+        ("the paper's prototype, N·m/rad", lambda m: f"{pictures.PAPER_MEASURED:.1f}"),
         ("K_L = k_T²/L, N·m/rad", lambda m: f"{m['k_l']:.4f}"),
         ("K measured over K_L", lambda m: f"{m['stiffness'] / m['k_l']:.3f}"),
         ("peak torque, N·m", lambda m: f"{m['peak_torque']:.4f}"),

@@ -18,6 +18,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from scipy.ndimage import uniform_filter1d
 
 Trace = Mapping[str, np.ndarray]
 Walls = Sequence[tuple[float, float]]
@@ -30,6 +31,8 @@ PAPER_MEASURED = 1.9
 # Okabe and Ito's colours, told apart by colour-blind readers too.
 _BLACK, _ORANGE, _GREEN = "#000000", "#E69F00", "#009E73"
 _BLUE, _RED, _PINK, _GREY = "#0072B2", "#D55E00", "#CC79A7", "#7F7F7F"
+_PALE_BLUE = "#BFDDF0"
+_SMOOTHING_S = 5e-3
 
 _WIDTH_IN, _DPI, _COLUMNS = 10.0, 160, 1600
 _PATH_POINTS = 20_000
@@ -198,6 +201,18 @@ def _path(x: np.ndarray, y: np.ndarray, points: int = _PATH_POINTS) -> np.ndarra
     return np.flatnonzero(np.diff(np.floor(way * (points / (way[-1] or 1.0))), prepend=-1.0))
 
 
+def _same_ticks(run: Trace, reference: Trace) -> bool:
+    """Whether two traces have their rows at the same times, to a tenth of the first tick."""
+    t, other = run["t"], reference["t"]
+    return t.shape == other.shape and np.allclose(t, other, rtol=0.0, atol=0.2 * abs(other[0]))
+
+
+def _smoothed(trace: Trace, y: np.ndarray) -> np.ndarray:
+    """Moving average of ``y`` over :data:`_SMOOTHING_S`."""
+    step_s = (trace["t"][-1] - trace["t"][0]) / max(1, len(y) - 1)
+    return uniform_filter1d(y, max(1, min(len(y), round(_SMOOTHING_S / step_s))), mode="nearest")
+
+
 def time_plot(
     run: Trace,
     reference: Trace | None,
@@ -210,7 +225,7 @@ def time_plot(
     The analog ``reference`` lies as a broad line behind the run; below it their difference in
     torque gets a strip of its own, as it would not be seen. ``walls`` in rad. Returns ``path``.
     """
-    compared = reference is not None and np.array_equal(run["t"], reference["t"])
+    compared = reference is not None and _same_ticks(run, reference)
     ratios = [1.2, 1.0, 1.0, 0.7] if compared else [1.2, 1.0, 1.0]
     figure, axes = _figure(8.2 if compared else 7.0, len(ratios), ratios)
     scale, time_label = _time_scale(run)
@@ -221,6 +236,13 @@ def time_plot(
             behind = {"label": "analog"} if key == "x" else {}
             _strip(ax, scale, reference, factor * reference[key], **_REFERENCE_STYLE, **behind)
         label = {"label": name} if key == "x" else {}
+        if key == "e_a" and name == "pins":
+            # The pulses come in whole clocks, so single ticks jump by the step of one.
+            _strip(ax, scale, run, run[key], color=_PALE_BLUE, lw=0.5, label="single ticks")
+            label = {"label": f"mean over {1e3 * _SMOOTHING_S:g} ms"}
+            _strip(ax, scale, run, _smoothed(run, run[key]), **label)
+            _legend(ax)
+            continue
         _strip(ax, scale, run, factor * run[key], **label)
     _draw_hand(axes[0], scale, run, metrics)
     _wall_lines(axes[0], metrics, walls, run["x"])

@@ -67,9 +67,10 @@ def run_scene(
 ) -> dict[str, Any]:
     """Run a scene on a controller, and write ``trace.npz``, ``metrics.json`` and ``run.png``.
 
-    The files go into ``out``. The analog circuit runs beside it, on the same ticks, as the reference. ``progress`` is called
-    with the part done, 0 to 1. Returns the metrics; ``wall_clock_s`` is the time that the
-    controller and its motor took, without compiling, the reference and the files.
+    The files go into ``out``. The analog circuit runs beside it, on the same ticks, as the
+    reference. ``progress`` is called with the part done, 0 to 1. Returns the metrics;
+    ``wall_clock_s`` is the time that the controller and its motor took, without compiling, the
+    reference and the files.
     """
     simulation = CONTROLLERS[controller](scene)
     set_, tick_s = simulation.settings, simulation.tick_s

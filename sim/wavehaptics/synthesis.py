@@ -43,7 +43,7 @@ class Design:
     """What is to be built. Paths are from ``root``, in which the tools run.
 
     ``clock_hz`` is the clock behind the PLL, or the input's own where there is no PLL; the placer
-    is asked for SPARE more. ``multipliers`` are multiplier blocks to be used where there are any.
+    is asked for SPARE more. ``defines`` are macros, ``parameters`` those of the top.
     """
 
     name: str
@@ -59,11 +59,10 @@ class Design:
     input_hz: float
     clock_hz: float
     seed: int
+    motors: int = 1
+    tick_hz: float = 0.0
     defines: tuple[tuple[str, int], ...] = ()
-
-    @property
-    def has_dsp(self) -> bool:
-        return self.family == "ecp5" or self.device in ("up5k", "u4k")
+    parameters: tuple[tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -72,6 +71,8 @@ class Result:
 
     board: str
     device: str
+    motors: int
+    tick_mhz: float
     logic_cells: int
     logic_cells_available: int
     lut: int
@@ -113,7 +114,14 @@ def board_design(board: Board, out: Path) -> Design:
         input_hz=board.fpga.input_hz,
         clock_hz=board.clock_hz,
         seed=board.fpga.seed,
+        motors=board.fpga.motors,
+        tick_hz=board.scene.controller.tick_hz,
     )
+
+
+def bitstream_path(board: Board) -> Path:
+    """Where a board's bitstream goes, from the root."""
+    return OUT / board.name / f"{board.name}{BITSTREAM_SUFFIX[board.fpga.family]}"
 
 
 def build_board(board: Board, tools: Toolchain, say: Callable[[str], None] = print) -> Result:
@@ -172,11 +180,10 @@ def _build(design: Design, out: Path, tools: Toolchain, say: Callable[[str], Non
     log = folder / f"{packer}.log"
     if tools.run(packer, arguments, design.root, log):
         raise SynthesisError(f"{design.name}: {packer} failed: {_last_line(log)}")
-    result = _result(design, netlist, report, reached_hz, dsp_hz, tools, versions)
     size = (design.root / bitstream).stat().st_size
     if size == 0:
         raise SynthesisError(f"{design.name}: {packer} wrote an empty bitstream")
-    return Result(**{**result, "bitstream_bytes": size})
+    return _result(design, netlist, report, reached_hz, dsp_hz, size, tools.name, versions)
 
 
 # ---- Yosys.
@@ -204,15 +211,23 @@ _YOSYS_FAULTS: tuple[tuple[str, str], ...] = (
 )
 
 
+_CELL_LIBRARIES = {
+    "ice40": "+/ice40/cells_sim.v",
+    "ecp5": "+/ecp5/cells_sim.v +/ecp5/cells_bb.v",
+}
+
+
 def yosys_script(design: Design, netlist: Path) -> str:
     """Commands that make a netlist of a design, and stop where it contradicts itself."""
     defines = "".join(f" -D{name}={value}" for name, value in design.defines)
     includes = "".join(f" -I{path}" for path in design.includes)
+    parameters = "".join(f" -chparam {name} {value}" for name, value in design.parameters)
     sources = " ".join(map(str, design.sources))
     return "; ".join(
         (
+            f"read_verilog -lib {_CELL_LIBRARIES[design.family]}",
             f"read_verilog{defines}{includes} {sources}",
-            f"hierarchy -check -top {design.top}",
+            f"hierarchy -check -top {design.top}{parameters}",
             "proc",
             # Before logic is mapped, so that the names are those of the source.
             "check -assert",
@@ -339,7 +354,7 @@ def _check_multipliers(
     """Clock in Hz that the paths through multiplier blocks allow, None where there are none."""
     try:
         multipliers.check_registers(netlist)
-        reached_hz = multipliers.reached_hz(delays) if design.family == "ice40" else None
+        reached_hz = multipliers.reached_hz(netlist, delays) if design.family == "ice40" else None
     except multipliers.MultiplierError as error:
         raise SynthesisError(f"{design.name}: {error}") from None
     if reached_hz is not None and reached_hz < (1 + SPARE) * design.clock_hz:
@@ -447,33 +462,37 @@ def _result(
     report: dict[str, Any],
     reached_hz: float,
     dsp_hz: float | None,
-    tools: Toolchain,
+    bitstream_bytes: int,
+    toolchain: str,
     versions: dict[str, str],
-) -> dict[str, Any]:
+) -> Result:
     used = report["utilization"]
     logic, dsp, ram = (used.get(name, {"used": 0, "available": 0}) for name in _CELLS[design.family])
     counts = cell_counts(design.family, (cell["type"] for cell in netlist["cells"].values()))
     slowest_hz = min(reached_hz, dsp_hz or reached_hz)
-    return {
-        "board": design.name,
-        "device": design.device,
-        "logic_cells": logic["used"],
-        "logic_cells_available": logic["available"],
-        "lut": counts["lut"],
-        "ff": counts["ff"],
-        "dsp": dsp["used"],
-        "dsp_available": dsp["available"],
-        "block_ram": ram["used"],
-        "block_ram_available": ram["available"],
-        "clock_mhz": design.clock_hz / 1e6,
-        "reached_mhz": round(reached_hz / 1e6, 2),
-        "dsp_path_mhz": None if dsp_hz is None else round(dsp_hz / 1e6, 2),
-        "slack_ns": round(1e9 / design.clock_hz - 1e9 / slowest_hz, 2),
-        "spare": round(slowest_hz / design.clock_hz - 1, 3),
-        "seed": design.seed,
-        "toolchain": tools.name,
-        "tools": versions,
-    }
+    return Result(
+        board=design.name,
+        device=design.device,
+        motors=design.motors,
+        tick_mhz=design.tick_hz / 1e6,
+        logic_cells=logic["used"],
+        logic_cells_available=logic["available"],
+        lut=counts["lut"],
+        ff=counts["ff"],
+        dsp=dsp["used"],
+        dsp_available=dsp["available"],
+        block_ram=ram["used"],
+        block_ram_available=ram["available"],
+        clock_mhz=design.clock_hz / 1e6,
+        reached_mhz=round(reached_hz / 1e6, 2),
+        dsp_path_mhz=None if dsp_hz is None else round(dsp_hz / 1e6, 2),
+        slack_ns=round(1e9 / design.clock_hz - 1e9 / slowest_hz, 2),
+        spare=round(slowest_hz / design.clock_hz - 1, 3),
+        seed=design.seed,
+        bitstream_bytes=bitstream_bytes,
+        toolchain=toolchain,
+        tools=versions,
+    )
 
 
 def summary_line(result: Result) -> str:

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands for the boards: ``python -m wavehaptics.bitstreams --help``; the Makefile calls them."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import shutil
+import subprocess
+import sys
+from typing import Annotated, NoReturn
+
+import typer
+
+from wavehaptics import numbers, resources, synthesis
+from wavehaptics.boards import ROOT, BoardError, board_names, load_board
+from wavehaptics.scene import SceneError
+from wavehaptics.synthesis import SynthesisError
+from wavehaptics.toolchain import ToolError, Toolchain
+
+app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, help=__doc__)
+
+BoardArgument = Annotated[str, typer.Argument(metavar="BOARD", help="A folder of boards/.")]
+DeviceOption = Annotated[
+    str | None, typer.Option(help="The FPGA that is fitted, where a board comes with several.")
+]
+
+_ERRORS = (BoardError, SceneError, SynthesisError, ToolError, numbers.NumbersError)
+
+
+def _fail(error: Exception) -> NoReturn:
+    typer.echo(f"synthesis: {error}", err=True)
+    raise typer.Exit(1)
+
+
+@app.command()
+def bitstream(board: BoardArgument, device: DeviceOption = None) -> None:
+    """Make the bitstream of a board."""
+    try:
+        result = synthesis.build_board(load_board(board, device or None), Toolchain.of_environment())
+    except _ERRORS as error:
+        _fail(error)
+    typer.echo(synthesis.summary_line(result))
+    typer.echo(str(synthesis.bitstream_path(load_board(board, device or None))))
+
+
+@app.command()
+def synth() -> None:
+    """Make the bitstreams of all boards, and build/synth/summary.json."""
+    results = []
+    try:
+        for name in board_names():
+            results.append(synthesis.build_board(load_board(name), Toolchain.of_environment()))
+            typer.echo(synthesis.summary_line(results[-1]))
+        typer.echo(str(synthesis.write_summary(results).relative_to(ROOT)))
+    except _ERRORS as error:
+        _fail(error)
+
+
+@app.command()
+def prog(board: BoardArgument, device: DeviceOption = None) -> None:
+    """Load a board's bitstream with the board's own programmer."""
+    try:
+        chosen = load_board(board, device or None)
+    except _ERRORS as error:
+        _fail(error)
+    path = synthesis.bitstream_path(chosen)
+    if not (ROOT / path).is_file():
+        _fail(SynthesisError(f"{path} is not there; run `make bitstream BOARD={board}`"))
+    command = [word.replace("{bitstream}", str(path)) for word in chosen.fpga.program]
+    if shutil.which(command[0]) is None:
+        _fail(ToolError(f"{command[0]} is not on PATH; install it, or run another programmer"))
+    typer.echo(shlex.join(command))
+    sys.exit(subprocess.run(command, cwd=ROOT, check=False).returncode)
+
+
+@app.command("resources")
+def count_resources() -> None:
+    """Count what each block and option costs, into build/synth/resources.json."""
+    try:
+        rows = resources.measure(Toolchain.of_environment())
+    except _ERRORS as error:
+        _fail(error)
+    path = ROOT / synthesis.OUT / "resources.json"
+    path.write_text(json.dumps(rows, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    typer.echo(str(path.relative_to(ROOT)))
+
+
+@app.command("numbers")
+def write_numbers() -> None:
+    """Keep the numbers of the last synthesis, and write them into the README pages."""
+    try:
+        numbers.keep()
+        for path in numbers.write():
+            typer.echo(f"{path}: numbers written")
+    except _ERRORS as error:
+        _fail(error)
+
+
+if __name__ == "__main__":
+    app()
