@@ -38,7 +38,7 @@ class Setting:
             "remaining_o": self.half_clocks - 1 - phase,
             "half_o": half % 2,
             "update_o": int(phase == self.half_clocks - 1),
-            "take_o": int(in_tick == self.tick_clocks - 3),
+            "take_o": int(in_tick == self.tick_clocks - 5),
             "tick_o": int(in_tick == self.tick_clocks - 1),
             "sample_o": int(sample),
         } | ({"sample_first_o": int(after == 0)} if sample else {})
@@ -76,8 +76,8 @@ async def settings(dut: object) -> None:
         Setting(48, 1, 1, 0),
         Setting(48, 1, 1, -1),
         Setting(48, 1, 1, 24),
-        Setting(4, 1, 1, 1),
-        Setting(5, 3, 1, -7),
+        Setting(6, 1, 1, 1),
+        Setting(7, 3, 1, -7),
         Setting(24, 3, 3, -2),
         Setting(60, 2, 4, 10),
         Setting(7, 8, 2, 2),
@@ -92,7 +92,7 @@ async def random_settings(dut: object) -> None:
     bench = CarrierBench(dut)
     rng = random_source("settings")
     for _ in range(20):
-        half_clocks, tick_halves = rng.randint(4, 70), rng.randint(1, 6)
+        half_clocks, tick_halves = rng.randint(6, 70), rng.randint(1, 6)
         clocks = half_clocks * tick_halves
         samples = rng.choice([n for n in range(1, clocks // 2 + 1) if clocks % n == 0])
         sample_clocks = clocks // samples

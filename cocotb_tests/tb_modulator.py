@@ -88,7 +88,7 @@ class ModulatorBench(Bench):
                     wait = tick.grant_after
                 grant = wait == 0
                 done = bool(in_work) and in_work[0][0] == clock
-                take = in_tick == tick_clocks - 3
+                take = in_tick == tick_clocks - 5
                 update = in_tick % half_clocks == half_clocks - 1
                 product = in_work[0][1] if done else 0x2AAAAAAAAAAAAAA
                 await self.settle(
@@ -149,7 +149,7 @@ async def random_voltages(dut: object) -> None:
     rng = random_source("voltages")
     widths, clipped = set(), 0
     for _ in range(8):
-        half_clocks, tick_halves = rng.choice((4, 5, 24, 37, 48)), rng.choice((1, 2, 3))
+        half_clocks, tick_halves = rng.choice((6, 7, 24, 37, 48)), rng.choice((1, 2, 3))
         gain = clocks_per_volt(half_clocks, rng.choice((12.0, 24.0, 48.0)))
         ticks = [random_tick(rng, half_clocks * tick_halves) for _ in range(60)]
         shown = await bench.run(half_clocks, tick_halves, gain, ticks)
@@ -214,7 +214,7 @@ async def latency(dut: object) -> None:
     """A voltage LATENCY clocks before take_i makes the next tick, one a clock later doesn't."""
     bench = ModulatorBench(dut)
     half_clocks, tick_halves = 24, 2
-    take = half_clocks * tick_halves - 3
+    take = half_clocks * tick_halves - 5
     for at, expected in ((take - LATENCY, [0, 5, 5, 5]), (take - LATENCY + 1, [0, 0, 0, 5])):
         volts = 5 << formats.VOLTAGE.fraction
         ticks = [Tick(volts, at), Tick()]

@@ -19,7 +19,7 @@ module wh_carrier (
     input  wire                        clk,
     input  wire                        rst,
 
-    input  wire        [`WH_TICK_W-1:0] half_clocks_i,    // clocks in a carrier half, 4...
+    input  wire        [`WH_TICK_W-1:0] half_clocks_i,    // clocks in a carrier half, 6...
     input  wire        [`WH_TICK_W-1:0] tick_halves_i,    // halves in a tick, 1...
     input  wire        [`WH_TICK_W-1:0] sample_clocks_i,  // clocks from sample to sample, 2...
     input  wire        [8:0]            samples_i,        // samples in a tick, 1...256
@@ -30,7 +30,7 @@ module wh_carrier (
     output wire        [`WH_TICK_W-1:0] remaining_o,      // half_clocks_i - 1 - phase_o
     output wire                         half_o,           // parity of the half
     output wire                         update_o,         // strobe, last clock of a half
-    output wire                         take_o,           // strobe, 2 clocks before tick_o
+    output wire                         take_o,           // strobe, 4 clocks before tick_o
     output wire                         tick_o,           // strobe, last clock of a tick
 
     output wire                         sample_o,         // strobe, start of a conversion
@@ -38,7 +38,7 @@ module wh_carrier (
 );
 
     localparam [`WH_TICK_W-1:0] ONE = {{`WH_TICK_W-1{1'b0}}, 1'b1};
-    localparam [`WH_TICK_W-1:0] TWO = {{`WH_TICK_W-2{1'b0}}, 2'd2};
+    localparam [`WH_TICK_W-1:0] FIVE = {{`WH_TICK_W-3{1'b0}}, 3'd5};
 
     reg                  running_q;
     reg [`WH_TICK_W-1:0] phase_q;
@@ -46,17 +46,20 @@ module wh_carrier (
     reg                  half_q;
     reg [`WH_TICK_W-1:0] halves_left_q;  // after this one
 
+    reg                  take_q;
+
     wire last_half = (halves_left_q == {`WH_TICK_W{1'b0}});
 
     assign phase_o     = phase_q;
     assign remaining_o = remaining_q;
     assign half_o      = half_q;
     assign update_o    = running_q && (remaining_q == {`WH_TICK_W{1'b0}});
-    assign take_o      = running_q && last_half && (remaining_q == TWO);
+    assign take_o      = take_q;
     assign tick_o      = update_o && last_half;
 
     always @(posedge clk) begin
         running_q <= !rst;
+        take_q    <= running_q && last_half && (remaining_q == FIVE);
         if (!running_q || update_o) begin
             phase_q     <= {`WH_TICK_W{1'b0}};
             remaining_q <= half_clocks_i - ONE;

@@ -16,7 +16,7 @@
 // Latency: the gates show the carrier's phase after 2 clocks, dead time aside, and CS_n falls 1
 // clock after the sample's phase: sample_lead_i = -1 samples in the pulse's middle. The last sample
 // of a tick reaches the gates with the next tick that ends
-//     1 + (2k - 1) sclk_half_clocks_i + 12 + 24 N + 2 (N - 1) clocks
+//     1 + (2k - 1) sclk_half_clocks_i + 14 + 24 N + 2 (N - 1) clocks
 // after its sample strobe or later, k = lead_bits_i + data_bits_i (latency_clocks in
 // sim/wavehaptics/pins_timing.py).
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.

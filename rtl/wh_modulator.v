@@ -11,9 +11,9 @@
 // sum of the widths stays within half a clock of the sum of the duties. What a clipped half could
 // not give is not owed to later ones, or it would wind up. Everything is odd in the voltage.
 //
-// A voltage becomes the pending duty; take_i, 2 clocks before the tick's last update_i, makes it
-// that of the tick to come. width_o belongs to the half that begins after update_i, and is ready 3
-// clocks after the update_i before, so a half has at least 4 clocks.
+// A voltage becomes the pending duty; take_i, 4 clocks before the tick's last update_i, makes it
+// that of the tick to come. width_o belongs to the half that begins after update_i, and is ready 4
+// clocks after the update_i before.
 // The product is made by a multiplier shared with other blocks (wh_multiply_shared), as in
 // wh_current; voltage_i holds from valid_i until grant_i.
 //
@@ -32,7 +32,7 @@ module wh_modulator (
     input  wire signed [`WH_DATA_W-1:0]            voltage_i,          // s31q23 V, +-128 V
 
     input  wire signed [`WH_COEF_W-1:0]            clocks_per_volt_i,  // s27q16 clocks/V, 0...1023
-    input  wire        [`WH_TICK_W-1:0]            half_clocks_i,      // clocks in a half, 4...
+    input  wire        [`WH_TICK_W-1:0]            half_clocks_i,      // clocks in a half, 6...
 
     output wire                                    request_o,
     input  wire                                    grant_i,
@@ -41,7 +41,7 @@ module wh_modulator (
     input  wire                                    done_i,
     input  wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_i,          // s58q39 clocks
 
-    input  wire                                    take_i,             // strobe, tick_o - 2 clocks
+    input  wire                                    take_i,             // strobe, tick_o - 4 clocks
     input  wire                                    update_i,           // strobe, end of a half
     output reg  signed [`WH_TICK_W-1:0]            width_o             // s16, clocks
 );
@@ -72,9 +72,11 @@ module wh_modulator (
     assign factor_o      = voltage_i;
     assign coefficient_o = clocks_per_volt_i;
 
+    // A duty is a floor and what wh_truncate leaves to be added, which the total takes as its carry.
     reg  signed [DUTY_W-1:0] pending_q;  // s35q16 clocks
+    reg                      pending_up_q;
     reg  signed [DUTY_W-1:0] active_q;   // s35q16 clocks
-    wire signed [DUTY_W-1:0] next_duty = take_i ? pending_q : active_q;
+    reg                      active_up_q;
     wire signed [DUTY_W-1:0] duty_floor;
     wire                     duty_up;
 
@@ -89,28 +91,38 @@ module wh_modulator (
 
     always @(posedge clk) begin
         if (rst) begin
-            pending_q <= {DUTY_W{1'b0}};
-            active_q  <= {DUTY_W{1'b0}};
+            pending_q    <= {DUTY_W{1'b0}};
+            pending_up_q <= 1'b0;
+            active_q     <= {DUTY_W{1'b0}};
+            active_up_q  <= 1'b0;
         end else begin
             if (done_i) begin
-                pending_q <= duty_floor + $signed({{DUTY_W-1{1'b0}}, duty_up});
+                pending_q    <= duty_floor;
+                pending_up_q <= duty_up;
             end
-            active_q <= next_duty;
+            if (take_i) begin
+                active_q    <= pending_q;
+                active_up_q <= pending_up_q;
+            end
         end
     end
 
     // The next half's total and width follow every change of the duty and of the residual.
     reg  signed [FRACTION:0]  residual_q;  // s17q16, +-1/2
     reg  signed [TOTAL_W-1:0] total_q;     // s36q16 clocks
+    wire signed [TOTAL_W:0]   sum = $signed({active_q[DUTY_W-1], active_q, 1'b1})
+                                    + $signed({{TOTAL_W-FRACTION-1{residual_q[FRACTION]}},
+                                               residual_q, active_up_q});
 
     always @(posedge clk) begin
         if (rst) begin
             total_q <= {TOTAL_W{1'b0}};
         end else begin
-            total_q <= {next_duty[DUTY_W-1], next_duty}
-                       + {{TOTAL_W-FRACTION-1{residual_q[FRACTION]}}, residual_q};
+            total_q <= $signed(sum[TOTAL_W:1]);
         end
     end
+
+    wire unused_carry = &{1'b0, sum[0]};
 
     wire signed [ROUND_W-1:0] rounded;
 
@@ -122,15 +134,21 @@ module wh_modulator (
         .value_o (rounded)
     );
 
+    // Rounding up takes a whole clock from the fraction: its sign is the carry.
+    reg signed [ROUND_W-1:0] rounded_q;
+    reg signed [FRACTION:0]  rest_q;     // s17q16, +-1/2
+
+    always @(posedge clk) begin
+        rounded_q <= rounded;
+        rest_q    <= $signed({rounded[0] ^ total_q[FRACTION], total_q[FRACTION-1:0]});
+    end
+
     // Half of an odd half_clocks_i is rounded down.
     wire signed [`WH_TICK_W-1:0] limit      = $signed({1'b0, half_clocks_i[`WH_TICK_W-1:1]});
     wire signed [ROUND_W-1:0]    limit_long = {{ROUND_W-`WH_TICK_W{1'b0}}, limit};
-    wire                         over       = rounded > limit_long;
-    wire                         under      = rounded < -limit_long;
+    wire                         over       = rounded_q > limit_long;
+    wire                         under      = rounded_q < -limit_long;
     wire                         unused     = &{1'b0, half_clocks_i[0]};
-
-    // Rounding up takes a whole clock from the fraction: its sign is the carry.
-    wire carry = rounded[0] ^ total_q[FRACTION];
 
     reg signed [FRACTION:0] next_residual_q;
 
@@ -141,9 +159,8 @@ module wh_modulator (
             residual_q      <= {FRACTION+1{1'b0}};
         end else begin
             width_o         <= over ? limit
-                                    : (under ? -limit : $signed(rounded[`WH_TICK_W-1:0]));
-            next_residual_q <= (over || under) ? {FRACTION+1{1'b0}}
-                                               : $signed({carry, total_q[FRACTION-1:0]});
+                                    : (under ? -limit : $signed(rounded_q[`WH_TICK_W-1:0]));
+            next_residual_q <= (over || under) ? {FRACTION+1{1'b0}} : rest_q;
             if (update_i) begin
                 residual_q <= next_residual_q;
             end

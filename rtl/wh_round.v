@@ -26,15 +26,15 @@ module wh_round #(
         end
     endgenerate
 
-    // Half a place is added and the sum rounded down; an exact half below zero goes down as it is.
-    wire negative   = value_i[IN_W-1];
-    wire half       = value_i[SHIFT-1];
-    wire exact_half = ~|value_i[SHIFT-2:0];
-    wire up         = half && !(negative && exact_half);
+    // One adder: half a place is added, less one last place below zero so that an exact half goes
+    // away from zero there too. The place in front of the last makes the carry of that last place.
+    wire                   negative = value_i[IN_W-1];
+    wire signed [IN_W+1:0] sum      = $signed({negative, value_i, 1'b1})
+                                      + $signed({{IN_W+2-SHIFT{1'b0}}, {SHIFT-1{1'b1}}, !negative});
 
-    wire signed [OUT_W-1:0] floor = {negative, value_i[IN_W-1:SHIFT]};
+    assign value_o = sum[IN_W+1:SHIFT+1];
 
-    assign value_o = floor + $signed({{OUT_W-1{1'b0}}, up});
+    wire unused = &{1'b0, sum[SHIFT:0]};
 
 endmodule
 

@@ -324,11 +324,16 @@ module wh_wave_core #(
         .up_o    (u_up)
     );
 
-    assign u = u_floor + $signed({{(DATA_W - 1){1'b0}}, u_up});
+    // What wh_truncate finds of f, found a clock before: its OR and the sum are too long for one.
+    reg  u_up_q;
+    wire unused_up = &{1'b0, u_up};
+
+    assign u = u_floor + $signed({{(DATA_W - 1){1'b0}}, u_up_q});
 
     always @(posedge clk) begin
         step_floor_q <= step_floor;
         step_up_q    <= step_up;
+        u_up_q       <= f_clamped[STATE_W-1] && (|f_clamped[GUARD-1:0]);
         over_q       <= f_sum_q > limit_wide;
         under_q      <= above_low[F_SUM_W-1];
         if (at_q[TAKE_SUM]) begin

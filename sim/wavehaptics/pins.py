@@ -41,8 +41,10 @@ SLOW_HALF_CLOCKS = 96
 FINE_COUNTS_PER_REV = 65_536
 """Encoder where the scene has none: A and B must come from somewhere."""
 
+MOST_SAMPLES = 16
+"""Samples in a tick. Their sum is scaled by a word of 27 bits, which more would make too coarse."""
+
 SCLK_HALF_CLOCKS = 1
-LEAD_BITS = 1
 QUIET_CLOCKS = 2
 FILTER_CLOCKS = 2
 DELAY_LOG2 = 10
@@ -56,7 +58,7 @@ _PENDING = 8
 _AH, _AL, _BH, _BL, _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING = range(9)
 
 # Places in the loop's integer parameters.
-_MODEL, _CLOCK, _WORDS, _TICK_CLOCKS, _DATA_BITS, _U_MAX, _SUBSTEP_CLOCKS = range(7)
+_MODEL, _CLOCK, _WORDS, _TICK_CLOCKS, _LEAD_BITS, _DATA_BITS, _U_MAX, _SUBSTEP_CLOCKS = range(8)
 # Places in the loop's float parameters.
 _DT, _CELL, _BUS, _GAIN, _K_T, _RESISTANCE, _ETA_CONTACT, _ETA_FREE = range(8)
 # Places in the integers that the loop keeps.
@@ -130,18 +132,29 @@ def timing(scene: Scene, frame_bits: int) -> Timing:
             f"{scene.scene.name}: a tick of {tick_clocks} clocks is longer than `pins` can count; "
             f"take controller.clock_hz <= {limit * tick_hz:g}"
         )
-    sample_clocks = half_clocks
-    if sample_clocks < frame_clocks:
-        sample_clocks = next(
-            (d for d in range(frame_clocks, tick_clocks + 1) if tick_clocks % d == 0), tick_clocks
-        )
-    samples = tick_clocks // sample_clocks
-    if samples > 256:
-        samples = next(n for n in range(256, 0, -1) if tick_clocks % n == 0)
-        sample_clocks = tick_clocks // samples
     latency = latency_clocks(SCLK_HALF_CLOCKS, frame_bits, 1)
-    last_sample = (samples - 1) * sample_clocks + sample_clocks // 2 - CENTRED_LEAD
-    natural = (last_sample + latency) // tick_clocks
+
+    def natural_ticks(samples: int) -> int:
+        """Whole ticks from a tick's end until the voltage made of its samples can be driven."""
+        sample_clocks = tick_clocks // samples
+        last_sample = tick_clocks - sample_clocks + sample_clocks // 2 - CENTRED_LEAD
+        return (last_sample + latency) // tick_clocks
+
+    # As many samples as the ADC can make and the scene's latency allows, but each in the middle of
+    # as many whole pulses as any other, or several within the only one.
+    parts = tick_clocks if tick_clocks == half_clocks else tick_clocks // half_clocks
+    samples = next(
+        n
+        for n in range(MOST_SAMPLES, 0, -1)
+        if n == 1
+        or (
+            parts % n == 0
+            and tick_clocks // n >= frame_clocks
+            and natural_ticks(n) <= control.extra_ticks
+        )
+    )
+    sample_clocks = tick_clocks // samples
+    natural = natural_ticks(samples)
     if control.extra_ticks < natural:
         raise SceneError(
             f"{scene.scene.name}: controller.extra_ticks = {control.extra_ticks} is less than "
@@ -250,7 +263,7 @@ def _advance(
                     _catch_up(state, kept, sums, tables, floats, ints, load)
                     code = sample_code(state[I], sensor, rng) + (1 << (data_bits - 1))
                     # Bit 63 is on the wire; the first lead zero comes with the fall of CS.
-                    kept[_SHIFT] = code << (64 - LEAD_BITS - data_bits)
+                    kept[_SHIFT] = code << (64 - ints[_LEAD_BITS] - data_bits)
             elif not pins & 1 << _SCLK:
                 kept[_SHIFT] <<= 1
         if pins & 1 << _CORE_VALID:
@@ -305,7 +318,7 @@ def controller_ports(scene: Scene) -> Ports:
     sensor = Sensor.of_scene(scene)
     if sensor.ideal:
         sensor = _fine_sensor(scene)
-    frame_bits = LEAD_BITS + sensor.bits
+    frame_bits = sensor.lead_bits + sensor.bits
     cell_rad = None if scene.encoder else 2 * math.pi / FINE_COUNTS_PER_REV
     time = timing(scene, frame_bits)
     bus_v = bus_voltage(scene)
@@ -320,7 +333,7 @@ def controller_ports(scene: Scene) -> Ports:
         "sample_lead": CENTRED_LEAD,
         "sclk_half_clocks": SCLK_HALF_CLOCKS,
         "frame_bits": frame_bits,
-        "lead_bits": LEAD_BITS,
+        "lead_bits": sensor.lead_bits,
         "data_bits": sensor.bits,
         "quiet_clocks": QUIET_CLOCKS,
         "zero": 0,
@@ -376,7 +389,7 @@ class PinsSimulation:
         self._ints = np.array(
             [self._model, verilated.address(self._library.wh_pins_clock),
              verilated.address(self._library.wh_pins_words), time.tick_clocks,
-             sensor.bits, set_.u_max, longest],
+             sensor.lead_bits, sensor.bits, set_.u_max, longest],
             dtype=np.int64,
         )  # fmt: skip
         self._floats = np.array(
@@ -417,7 +430,9 @@ def _fine_sensor(scene: Scene) -> Sensor:
     """The finest ADC that the reader takes, for a scene without one: 16 bits."""
     set_ = settings(scene)
     largest = 2 * min(set_.limit_v, bus_voltage(scene)) / min(scene.motor.R_ohm, set_.r_hat)
-    return Sensor(ideal=False, full_scale_a=min(largest, 0.99 * formats.CURRENT.largest))
+    return Sensor(
+        ideal=False, lead_bits=0, full_scale_a=min(largest, 0.99 * formats.CURRENT.largest)
+    )
 
 
 def _port_walls(set_: Settings, start_count: int) -> list[tuple[int, int]]:

@@ -16,7 +16,7 @@ CENTRED_LEAD = HOLD_CLOCKS - GATE_CLOCKS
 """``sample_lead_i`` with which the ADC holds its input in the exact middle of the gates' pulse."""
 
 _CURRENT_CLOCKS = 6
-_DUTY_CLOCKS = 6
+_DUTY_CLOCKS = 8
 
 
 def latency_clocks(sclk_half_clocks: int, frame_bits: int, ports: int = 1) -> int:

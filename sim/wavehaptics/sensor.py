@@ -27,7 +27,8 @@ class Sensor:
     """A current sensor; ``ideal`` passes the current on in the controller's own word length.
 
     ``bits`` and ``full_scale_a`` (± that current) describe the ADC, ``noise_a`` (RMS) and
-    ``offset_a`` the amplifier before it, all in A.
+    ``offset_a`` the amplifier before it, all in A. ``lead_bits`` zeros come before
+    the data, two as from an AD7276.
     """
 
     ideal: bool
@@ -35,6 +36,7 @@ class Sensor:
     full_scale_a: float = 1.0
     noise_a: float = 0.0
     offset_a: float = 0.0
+    lead_bits: int = 2
 
     @classmethod
     def of_scene(cls, scene: Scene) -> Sensor:
