@@ -35,6 +35,9 @@ CLOCK_HZ = 48e6
 MIN_TICK_CLOCKS = 48
 """Clocks of the shortest tick: an ADC frame of 16 bits at half the clock and its quiet time."""
 
+MOST_TICK_CLOCKS = 48_000
+"""Clocks of the longest tick unless the scene names a clock; the RTL counts 16 bits."""
+
 SLOW_HALF_CLOCKS = 96
 """Longest carrier half period chosen when the scene names no ``pwm_hz``."""
 
@@ -109,7 +112,8 @@ def timing(scene: Scene, frame_bits: int) -> Timing:
         tick_hz = 2 * pwm_hz
     clock_hz = control.clock_hz
     if clock_hz is None:
-        clock_hz = tick_hz * max(MIN_TICK_CLOCKS, round(CLOCK_HZ / tick_hz))
+        clocks = min(max(MIN_TICK_CLOCKS, round(CLOCK_HZ / tick_hz)), MOST_TICK_CLOCKS)
+        clock_hz = tick_hz * clocks
     tick_clocks = round(clock_hz / tick_hz)
     frame_clocks = 2 * SCLK_HALF_CLOCKS * (frame_bits + 1) + QUIET_CLOCKS
     if pwm_hz is None:
@@ -174,13 +178,18 @@ def _catch_up(state, kept, sums, tables, floats, ints, load):
     while clocks > 0:
         part = min(clocks, ints[_SUBSTEP_CLOCKS])
         before = state[I]
-        e = floats[_GAIN] * bridge_voltage(kept[_PINS], before, floats[_BUS])
         step_s = part * floats[_DT]
-        if kept[_PINS] & 15 == 0 and before == 0.0:
-            # Nothing drives the winding and the diodes block: the voltage is the back-EMF.
+        floating = kept[_PINS] & 3 == 0 or kept[_PINS] & 12 == 0
+        if floating and before == 0.0:
+            # The diodes of the open leg block: no current, and the voltage is the back-EMF.
             e = floats[_K_T] * state[OMEGA]
+        else:
+            e = floats[_GAIN] * bridge_voltage(kept[_PINS], before, floats[_BUS])
         charge, square = plant_step(state, tables[part], step_s, e, load)
-        if kept[_PINS] & 15 == 0 and before * state[I] <= 0.0:
+        if floating and before * state[I] <= 0.0:
+            # The current ran out within the step and stays at zero: a triangle is left of it.
+            if before != 0.0:
+                charge = 0.5 * before * step_s * before / (before - state[I])
             state[I] = 0.0
         sums[_CHARGE] += charge
         sums[_SQUARE] += square
