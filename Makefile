@@ -35,7 +35,7 @@ endif
 .PHONY: help setup setup-synth system lock demo test lint clean distclean
 
 help: ## print this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 setup: $(READY) ## install what is missing: system packages, .venv with the pinned packages
 	@echo "set up: $$(.venv/bin/python --version) in .venv"
@@ -88,6 +88,8 @@ lint: $(READY) ## check the RTL at several sizes and word lengths, and the Pytho
 	done; [ $$failed = 0 ] && echo "lint: $(words $(LINT_CASES)) configurations of the RTL are clean"
 	@.venv/bin/ruff check
 	@.venv/bin/ruff format --check
+
+include boards/boards.mk
 
 clean: ## remove what was built
 	rm -rf build

@@ -16,13 +16,17 @@ from wavehaptics import numbers, resources, synthesis
 from wavehaptics.boards import ROOT, BoardError, board_names, load_board
 from wavehaptics.scene import SceneError
 from wavehaptics.synthesis import SynthesisError
-from wavehaptics.toolchain import ToolError, Toolchain
+from wavehaptics.toolchain import Toolchain, ToolError
 
 app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, help=__doc__)
 
 BoardArgument = Annotated[str, typer.Argument(metavar="BOARD", help="A folder of boards/.")]
 DeviceOption = Annotated[
     str | None, typer.Option(help="The FPGA that is fitted, where a board comes with several.")
+]
+
+SeedOption = Annotated[
+    int | None, typer.Option(help="Seed of the placer, in place of the board's own.")
 ]
 
 _ERRORS = (BoardError, SceneError, SynthesisError, ToolError, numbers.NumbersError)
@@ -34,14 +38,15 @@ def _fail(error: Exception) -> NoReturn:
 
 
 @app.command()
-def bitstream(board: BoardArgument, device: DeviceOption = None) -> None:
+def bitstream(board: BoardArgument, device: DeviceOption = None, seed: SeedOption = None) -> None:
     """Make the bitstream of a board."""
     try:
-        result = synthesis.build_board(load_board(board, device or None), Toolchain.of_environment())
+        chosen = load_board(board, device or None)
+        result = synthesis.build_board(chosen, Toolchain.of_environment(), seed)
     except _ERRORS as error:
         _fail(error)
     typer.echo(synthesis.summary_line(result))
-    typer.echo(str(synthesis.bitstream_path(load_board(board, device or None))))
+    typer.echo(str(synthesis.bitstream_path(chosen)))
 
 
 @app.command()

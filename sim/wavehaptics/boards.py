@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Boards: a folder under ``boards/`` and a file under ``constraints/`` each.
 
-``boards/<name>/fpga.toml`` says what the board is, ``board.toml`` is the scene that its bitstream is
-made for, ``<name>.v`` is its top, and ``constraints/<name>.pcf`` or ``.lpf`` has its pins.
+``boards/<name>/fpga.toml`` says what the board is, ``board.toml`` is the scene that its bitstream
+is made for, ``<name>.v`` is its top, and ``constraints/<name>.pcf`` or ``.lpf`` has its pins.
 ``boards/README.md`` tells how to add one.
 """
 
@@ -103,5 +103,3 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
     if device not in fpga.devices:
         raise BoardError(f"{name} has no device {device!r}; take one of {', '.join(fpga.devices)}")
     return Board(name, root, fpga, device, load_scene(path.with_name("board.toml")))
-
-

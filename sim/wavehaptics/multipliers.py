@@ -3,15 +3,14 @@
 
 nextpnr-ice40 takes the pins of an SB_MAC16 for those of a register: out 0.1 ns after the clock, set
 up in 0.1 ns. In truth a multiplier stands between them, with registers at its operands, in its
-middle (where Yosys puts the register behind a product), at its output, or nowhere. Here the vendor's
-figures take the place of the 0.1 ns, on the delays that nextpnr wrote for everything else.
+middle (where Yosys puts the register behind a product), at its output, or nowhere. Here the
+vendor's figures take the place of the 0.1 ns, on the delays that nextpnr wrote for everything else.
 """
 
 from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any

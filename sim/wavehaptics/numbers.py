@@ -141,15 +141,16 @@ def _resources(
 
     def render(numbers: dict[str, Any]) -> str:
         rows: dict[str, dict[str, Any]] = {}
-        for row in numbers["resources"]:
+        for row in numbers.get("resources", ()):
             if row["table"] == table:
                 rows.setdefault(name(row), {})[row["device"]] = row
         speed = any(r["reached_mhz"] for devices in rows.values() for r in devices.values())
-        head = [first, *(f"{label}: LUT / FF / DSP" for label in _DEVICE_NAMES.values())]
+        present = [name for name in _DEVICE_NAMES if any(name in on for on in rows.values())]
+        head = [first, *(f"{_DEVICE_NAMES[name]}: LUT / FF / DSP" for name in present)]
         lines = []
         for label, devices in rows.items():
             cells = []
-            for device in _DEVICE_NAMES:
+            for device in present:
                 row = devices[device]
                 cell = f"{row['lut']} / {row['ff']} / {row['dsp']}"
                 cells.append(f"{cell}, {row['reached_mhz']:.0f} MHz" if speed else cell)

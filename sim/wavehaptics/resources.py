@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,7 +11,6 @@ from typing import Any
 
 from wavehaptics import synthesis
 from wavehaptics.boards import ROOT
-from wavehaptics.formats import HEADER_VALUES
 from wavehaptics.synthesis import SynthesisError
 from wavehaptics.toolchain import Toolchain
 
@@ -40,6 +38,7 @@ class Case:
     block: str
     parameters: Mapping[str, int] = field(default_factory=dict)
     defines: Mapping[str, int] = field(default_factory=dict)
+    devices: tuple[str, ...] = tuple(DEVICES)
 
     @property
     def option(self) -> str:
@@ -55,17 +54,17 @@ def cases() -> Iterator[Case]:
     for block in BLOCKS:
         yield Case("blocks", block)
     for ports in range(1, 9):
-        yield Case("ports", "wh_controller", {"N": ports})
-    for walls in (1, 4, 16):
-        yield Case("options", "wh_controller", {"WALLS": walls})
-    for delay_log2 in (1, 2, 6, 10):
-        yield Case("options", "wh_controller", {"DELAY_LOG2": delay_log2})
+        yield Case("ports", "wh_controller", {"N": ports}, devices=("25k",))
+    for walls in (1, 16):
+        yield Case("options", "wh_controller", {"WALLS": walls}, devices=("25k",))
+    for delay_log2 in (1, 6, 10):
+        yield Case("options", "wh_controller", {"DELAY_LOG2": delay_log2}, devices=("25k",))
     for data_w, coef_w in _WIDTHS:
         yield Case("widths", "wh_wave_core", {}, {"WH_DATA_W": data_w, "WH_COEF_W": coef_w})
 
 
 def measure(tools: Toolchain, say: Callable[[str], None] = print) -> list[dict[str, Any]]:
-    """Count every case on every device; wave cores of each word length are placed as well.
+    """Count every case on its devices; wave cores of each word length are placed as well.
 
     A row has ``table block option device lut ff dsp block_ram`` and ``reached_mhz``, which is
     ``None`` where nothing was placed.
@@ -73,7 +72,7 @@ def measure(tools: Toolchain, say: Callable[[str], None] = print) -> list[dict[s
     (ROOT / OUT).mkdir(parents=True, exist_ok=True)
     rows = []
     for case in cases():
-        for device in DEVICES:
+        for device in case.devices:
             row = _count(case, device, tools)
             rows.append(row)
             fast = "" if row["reached_mhz"] is None else f", {row['reached_mhz']} MHz"
@@ -171,10 +170,3 @@ module bench (input wire clk, input wire rst, input wire load, input wire d, out
     assign q = out_q[{outs - 1}];
 endmodule
 """
-
-
-def default_widths() -> tuple[int, int]:
-    """Word lengths of the design: data and coefficients."""
-    return HEADER_VALUES["DATA_W"], HEADER_VALUES["COEF_W"]
-
-

@@ -14,7 +14,7 @@ import re
 import shutil
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -124,13 +124,19 @@ def bitstream_path(board: Board) -> Path:
     return OUT / board.name / f"{board.name}{BITSTREAM_SUFFIX[board.fpga.family]}"
 
 
-def build_board(board: Board, tools: Toolchain, say: Callable[[str], None] = print) -> Result:
-    """Make a board's bitstream; :class:`SynthesisError`, ``SceneError`` or ``ToolError``."""
+def build_board(
+    board: Board, tools: Toolchain, seed: int | None = None, say: Callable[[str], None] = print
+) -> Result:
+    """Make a board's bitstream; :class:`SynthesisError`, ``SceneError`` or ``ToolError``.
+
+    ``seed`` takes the place of the board's own.
+    """
     out = OUT / board.name
     folder = board.root / out
     _clear(folder)
     _write(folder / "wh_board_settings.vh", board.header())
-    return build(board_design(board, out), out, tools, say)
+    design = board_design(board, out)
+    return build(design if seed is None else replace(design, seed=seed), out, tools, say)
 
 
 def build(
@@ -348,9 +354,7 @@ def _check_pins(design: Design, netlist: dict[str, Any]) -> None:
         )
 
 
-def _check_multipliers(
-    design: Design, netlist: dict[str, Any], delays: Path
-) -> float | None:
+def _check_multipliers(design: Design, netlist: dict[str, Any], delays: Path) -> float | None:
     """Clock in Hz that the paths through multiplier blocks allow, None where there are none."""
     try:
         multipliers.check_registers(netlist)
@@ -385,7 +389,9 @@ def place(
         "--report", str(report),
     ]  # fmt: skip
     if design.family == "ice40":
-        arguments += ["--pcf", str(design.constraints), "--asc", str(placed), "--sdf", str(delays)]
+        # router1, the default, never comes to an end with some seeds.
+        arguments += ["--router", "router2", "--pcf", str(design.constraints)]
+        arguments += ["--asc", str(placed), "--sdf", str(delays)]
     else:
         arguments += ["--lpf", str(design.constraints), "--textcfg", str(placed)]
         arguments += ["--speed", str(design.speed)]
@@ -467,7 +473,9 @@ def _result(
     versions: dict[str, str],
 ) -> Result:
     used = report["utilization"]
-    logic, dsp, ram = (used.get(name, {"used": 0, "available": 0}) for name in _CELLS[design.family])
+    logic, dsp, ram = (
+        used.get(name, {"used": 0, "available": 0}) for name in _CELLS[design.family]
+    )
     counts = cell_counts(design.family, (cell["type"] for cell in netlist["cells"].values()))
     slowest_hz = min(reached_hz, dsp_hz or reached_hz)
     return Result(

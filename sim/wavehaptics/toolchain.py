@@ -17,11 +17,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 TOOLCHAINS = ("wheel", "native")
+TIMEOUT_S = 400
+"""Longest run of a tool, s: nextpnr's router may chase the same wires for ever."""
+
 _PREFIX = {"wheel": "yowasp-", "native": ""}
 
 
 class ToolError(RuntimeError):
-    """A tool is missing. The message is one line."""
+    """A tool is missing, or doesn't come to an end. The message is one line."""
 
 
 @dataclass(frozen=True)
@@ -53,11 +56,15 @@ class Toolchain:
     def run(self, tool: str, arguments: list[str], cwd: Path, log: Path) -> int:
         """Exit status of ``tool`` run in ``cwd``; all that it says is written to ``log``."""
         with log.open("wb") as output:
-            done = subprocess.run(
-                [self.program(tool), *arguments],
-                cwd=cwd, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
-                check=False,
-            )  # fmt: skip
+            try:
+                done = subprocess.run(
+                    [self.program(tool), *arguments],
+                    cwd=cwd, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
+                    check=False, timeout=TIMEOUT_S,
+                )  # fmt: skip
+            except subprocess.TimeoutExpired:
+                cure = "; take another seed" if tool.startswith("nextpnr") else ""
+                raise ToolError(f"{tool} doesn't end in {TIMEOUT_S} s, see {log}{cure}") from None
         return done.returncode
 
     def version(self, tool: str) -> str:

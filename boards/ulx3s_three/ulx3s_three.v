@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// ulx3s_three: three motors on a ULX3S (ECP5): pads, PLL and reset.
+//
+// The clock is 80 MHz, 25 MHz / 5 * 16, from a VCO at 640 MHz. README.md has the wiring.
+// Reset: until the PLL has been locked for 2^16 clocks.
+
+`default_nettype none
+`include "wh_board_settings.vh"
+
+module ulx3s_three (
+    input  wire       clk_25mhz,
+
+    output wire       adc_cs_n,
+    output wire       adc_sclk,
+    input  wire [2:0] adc_sdata,
+    input  wire [2:0] enc_a,
+    input  wire [2:0] enc_b,
+    output wire [2:0] gate_ah,
+    output wire [2:0] gate_al,
+    output wire [2:0] gate_bh,
+    output wire [2:0] gate_bl,
+
+    input  wire       button_start,
+    input  wire       stop,          // open, so high, is stop
+    output wire       led_running,
+    output wire       led_contact,
+    output wire       led_fault
+);
+
+    wire clk;
+    wire locked;
+
+    (* FREQUENCY_PIN_CLKI = "25", FREQUENCY_PIN_CLKOP = "80", ICP_CURRENT = "12",
+       LPF_RESISTOR = "8", MFG_ENABLE_FILTEROPAMP = "1", MFG_GMCREF_SEL = "2" *)
+    EHXPLLL #(
+        .PLLRST_ENA       ("DISABLED"),
+        .INTFB_WAKE       ("DISABLED"),
+        .STDBY_ENABLE     ("DISABLED"),
+        .DPHASE_SOURCE    ("DISABLED"),
+        .OUTDIVIDER_MUXA  ("DIVA"),
+        .OUTDIVIDER_MUXB  ("DIVB"),
+        .OUTDIVIDER_MUXC  ("DIVC"),
+        .OUTDIVIDER_MUXD  ("DIVD"),
+        .CLKI_DIV         (5),
+        .CLKFB_DIV        (16),
+        .CLKOP_DIV        (8),
+        .CLKOP_ENABLE     ("ENABLED"),
+        .CLKOP_CPHASE     (3),
+        .CLKOP_FPHASE     (0),
+        .FEEDBK_PATH      ("CLKOP")
+    ) pll (
+        .RST              (1'b0),
+        .STDBY            (1'b0),
+        .CLKI             (clk_25mhz),
+        .CLKOP            (clk),
+        .CLKFB            (clk),
+        .CLKINTFB         (),
+        .PHASESEL0        (1'b0),
+        .PHASESEL1        (1'b0),
+        .PHASEDIR         (1'b1),
+        .PHASESTEP        (1'b1),
+        .PHASELOADREG     (1'b1),
+        .PLLWAKESYNC      (1'b0),
+        .ENCLKOP          (1'b0),
+        .LOCK             (locked)
+    );
+
+    wire rst;
+
+    wh_board_reset board_reset (
+        .clk      (clk),
+        .locked_i (locked),
+        .rst_o    (rst)
+    );
+
+    wh_board_controller board_controller (
+        .clk         (clk),
+        .rst         (rst),
+        .start_i     (button_start),
+        .stop_i      (stop),
+        .adc_cs_n_o  (adc_cs_n),
+        .adc_sclk_o  (adc_sclk),
+        .adc_sdata_i (adc_sdata),
+        .enc_a_i     (enc_a),
+        .enc_b_i     (enc_b),
+        .gate_ah_o   (gate_ah),
+        .gate_al_o   (gate_al),
+        .gate_bh_o   (gate_bh),
+        .gate_bl_o   (gate_bl),
+        .running_o   (led_running),
+        .contact_o   (led_contact),
+        .fault_o     (led_fault)
+    );
+
+endmodule
+
+`default_nettype wire

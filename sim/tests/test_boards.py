@@ -1,0 +1,331 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The boards: their words, each fault that must fail a build, and the numbers that are shown."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from wavehaptics import multipliers, numbers, synthesis
+from wavehaptics.boards import ROOT, BoardError, board_names, load_board
+from wavehaptics.pins_timing import CORE_CLOCKS, latency_clocks
+from wavehaptics.scene import SceneError, load_scene
+from wavehaptics.synthesis import Design, SynthesisError, build
+from wavehaptics.toolchain import Toolchain, ToolError
+from wavehaptics.words import ADC_PARTS, WIDTHS, board_words, verilog_header
+
+LUT_TOLERANCE = 0.03
+
+GOOD = """\
+module top (input wire clk, input wire a, input wire b, output reg q);
+    reg x;
+    always @(posedge clk) x <= a ^ b;
+    always @(posedge clk) q <= !x;
+endmodule
+"""
+PINS = {"clk": "35", "a": "4", "b": "2", "q": "47"}
+
+
+@pytest.fixture(scope="module")
+def tools() -> Toolchain:
+    return Toolchain.of_environment()
+
+
+def make(
+    tmp_path: Path, tools: Toolchain, verilog: str = GOOD, pins: dict[str, str] | None = None,
+    extra_pins: str = "", clock_hz: float = 12e6,
+) -> synthesis.Result:  # fmt: skip
+    """Build a small design for the UP5K in ``tmp_path``."""
+    (tmp_path / "top.v").write_text(verilog)
+    lines = [f"set_io {name} {pin}" for name, pin in (PINS if pins is None else pins).items()]
+    (tmp_path / "top.pcf").write_text("\n".join(lines) + "\n" + extra_pins)
+    (tmp_path / "out").mkdir(exist_ok=True)
+    design = Design(
+        name="small", top="top", root=tmp_path, sources=(Path("top.v"),), includes=(),
+        constraints=Path("top.pcf"), family="ice40", device="up5k", package="sg48", speed=None,
+        input_hz=clock_hz, clock_hz=clock_hz, seed=1,
+    )  # fmt: skip
+    return build(design, Path("out"), tools, say=lambda _: None)
+
+
+def refusal(tmp_path: Path, tools: Toolchain, *arguments: object, **options: object) -> str:
+    """The one line with which a build fails, having left nothing but logs."""
+    with pytest.raises(SynthesisError) as failure:
+        make(tmp_path, tools, *arguments, **options)
+    assert {path.suffix for path in (tmp_path / "out").iterdir()} <= {".log"}
+    message = str(failure.value)
+    assert "\n" not in message
+    return message
+
+
+def test_a_good_design_is_built(tmp_path, tools):
+    result = make(tmp_path, tools)
+    assert (tmp_path / "out" / "small.bin").stat().st_size == result.bitstream_bytes > 0
+    assert result.reached_mhz > 13.2
+    assert result.slack_ns > 0
+
+
+def test_lost_multiplier(tmp_path, tools):
+    verilog = """\
+module top (input wire clk, input wire a, input wire b, output wire q);
+    reg signed [15:0] x, y;
+    reg signed [31:0] p, p2;
+    reg signed [39:0] s;
+    always @(posedge clk) begin
+        x <= {x[14:0], a}; y <= {y[14:0], b}; p <= x * y; p2 <= p; s <= s + p2;
+    end
+    assign q = ^s;
+endmodule
+"""
+    message = refusal(tmp_path, tools, verilog)
+    assert re.fullmatch(
+        r"small: Yosys lost a multiplier \(Driver-driver conflict at p2\); .*", message
+    )
+
+
+def test_latch(tmp_path, tools):
+    verilog = GOOD.replace("always @(posedge clk) q <=", "always @* if (a) q =")
+    assert re.match(r"small: top\.q is a latch; ", refusal(tmp_path, tools, verilog))
+
+
+def test_multiply_driven_net(tmp_path, tools):
+    verilog = GOOD.replace("endmodule", "    always @(posedge clk) if (b) q <= 1'b0;\nendmodule")
+    assert re.match(r"small: top\.q is driven more than once", refusal(tmp_path, tools, verilog))
+
+
+def test_undriven_net(tmp_path, tools):
+    verilog = GOOD.replace("a ^ b", "a ^ b ^ nobody").replace("    reg", "    wire nobody; reg")
+    assert "top.nobody is used, but nothing drives it" in refusal(tmp_path, tools, verilog)
+
+
+def test_any_warning(tmp_path, tools):
+    verilog = GOOD.replace("    reg x", "    reg x = undeclared")
+    assert re.match(r"small: yosys", refusal(tmp_path, tools, verilog))
+
+
+def test_unconstrained_pin(tmp_path, tools):
+    pins = {name: pin for name, pin in PINS.items() if name != "b"}
+    assert "pin b is unconstrained; give it a line in top.pcf" in refusal(
+        tmp_path, tools, pins=pins
+    )
+
+
+def test_pin_that_is_none(tmp_path, tools):
+    message = refusal(tmp_path, tools, pins={**PINS, "c": "45"})
+    assert message == "top.pcf: c is no pin of the top top; delete the line"
+
+
+def test_clock_among_the_pins(tmp_path, tools):
+    message = refusal(tmp_path, tools, extra_pins="set_frequency clk 1\n")
+    assert message.startswith("top.pcf:5: sets a clock")
+
+
+def test_missed_timing(tmp_path, tools):
+    verilog = """\
+module top (input wire clk, input wire a, input wire b, output reg q);
+    reg [63:0] x, y;
+    always @(posedge clk) begin
+        x <= {x[62:0], a}; y <= {y[62:0], b}; q <= (x + y) >> 63;
+    end
+endmodule
+"""
+    message = refusal(tmp_path, tools, verilog, clock_hz=40e6)
+    assert re.match(
+        r"small: timing missed: the clock reaches \d+\.\d\d MHz, and 44\.00 MHz", message
+    )
+
+
+def test_multiplier_without_registers(tmp_path, tools):
+    verilog = """\
+module top (input wire clk, input wire a, input wire b, output wire q);
+    reg signed [15:0] x, y;
+    reg s;
+    always @(posedge clk) begin x <= {x[14:0], a}; y <= {y[14:0], b}; s <= ^(x * y); end
+    assign q = s;
+endmodule
+"""
+    assert "the product of the multiplier" in refusal(tmp_path, tools, verilog)
+
+
+def test_clock_that_is_not_the_scenes(tmp_path, tools):
+    board = load_board("icebreaker")
+    design = synthesis.board_design(board, synthesis.OUT / "icebreaker")
+    pll = {"type": "SB_PLL40_PAD", "parameters": {"DIVR": "0", "DIVF": "111111", "DIVQ": "100"}}
+    assert synthesis.pll_ratio(pll)[0] * 12 == 48
+    with pytest.raises(
+        SynthesisError, match=r"clock is 48 MHz, but controller\.clock_hz .* 30 MHz"
+    ):
+        synthesis._check_pll(design, {"cells": {"pll": pll}})
+    pll["parameters"]["DIVF"] = "1111"
+    with pytest.raises(SynthesisError, match=r"VCO runs at 192 MHz"):
+        synthesis._check_pll(design, {"cells": {"pll": pll}})
+
+
+def test_tool_that_is_missing(monkeypatch):
+    monkeypatch.setenv("PATH", "/nowhere")
+    monkeypatch.setenv("TOOLCHAIN", "native")
+    with pytest.raises(ToolError, match="yosys is not there; install it"):
+        Toolchain.of_environment().program("yosys")
+    monkeypatch.setenv("TOOLCHAIN", "other")
+    with pytest.raises(ToolError, match="`wheel` or `native`, not `other`"):
+        Toolchain.of_environment()
+
+
+def test_multiplier_paths_count_the_block(tmp_path):
+    """One path each way, by hand: clock to operand, and product to register."""
+    cell = {"type": "SB_MAC16", "parameters": {"PIPELINE_16x16_MULT_REG1": "1", "A_REG": "0"}}
+    sdf = tmp_path / "delays.sdf"
+    sdf.write_text(
+        '(CELLTYPE "top") (INSTANCE )\n'
+        "(INTERCONNECT before/O mul_DSP/A_3 (2000:2000:2000) (2000:2000:2000))\n"
+        "(INTERCONNECT mul_DSP/O_5 after/I0 (4000:4000:4000) (4000:4000:4000))\n"
+        '(CELLTYPE "ICESTORM_LC") (INSTANCE before)\n'
+        "(IOPATH (posedge CLK) O (1000:1000:1000) (1000:1000:1000))\n"
+        '(CELLTYPE "ICESTORM_DSP") (INSTANCE mul_DSP)\n'
+        "(IOPATH CLK O_5 (100:100:100) (100:100:100))\n"
+        "(SETUPHOLD (posedge A_3) (posedge CLK) (100:100:100) (0:0:0))\n"
+        '(CELLTYPE "ICESTORM_LC") (INSTANCE after)\n'
+        "(SETUPHOLD (posedge I0) (posedge CLK) (500:500:500) (0:0:0))\n"
+    )
+    reached_hz = multipliers.reached_hz({"cells": {"mul": cell}}, sdf)
+    assert reached_hz == pytest.approx(1e9 / max(1.0 + 2.0 + 5.96, 5.46 + 4.0 + 0.5))
+
+
+# ---- The words in a bitstream.
+
+
+@pytest.mark.parametrize("name", board_names())
+def test_words(name):
+    """What the bitstream holds is what the controller `pins` runs on, but for the ADC's frame."""
+    board = load_board(name)
+    words, part = board.words(), ADC_PARTS[board.fpga.adc]
+    time, ports = words.ports.timing, words.ports
+    for key in set(WIDTHS) - {"frame_bits", "lead_bits", "quiet_clocks", "hold_ticks"}:
+        assert words.words[key] == ports.words[key], key
+    assert words.words["lead_bits"] + words.words["data_bits"] <= part.frame_bits
+    assert time.clock_hz / time.tick_clocks == board.scene.controller.tick_hz >= 1e6
+    assert CORE_CLOCKS * words.motors <= time.tick_clocks
+    # The voltage takes the scene's latency, in whole ticks.
+    ready = (
+        time.sample_clocks // 2
+        - words.words["sample_lead"]
+        + latency_clocks(1, part.lead_bits + part.data_bits, words.motors)
+    )
+    ticks = ready // time.tick_clocks + words.words["hold_ticks"]
+    assert ticks == board.scene.controller.extra_ticks < 1 << words.delay_log2
+
+
+def test_ulx3s_has_two_megahertz():
+    assert load_board("ulx3s").scene.controller.tick_hz >= 2e6
+
+
+@pytest.mark.parametrize("name", board_names())
+def test_header_has_every_setting(name):
+    text = load_board(name).header()
+    top = (ROOT / "boards" / "wh_board_controller.v").read_text()
+    defined = set(re.findall(r"`define (WH_BOARD_\w+)", text))
+    assert set(re.findall(r"`(WH_BOARD_\w+)", top)) == defined
+    for ports in re.findall(r"\.(\w+)_i +\(`WH_BOARD_(\w+)\)", top):
+        assert ports[0].upper() == ports[1]
+
+
+def test_header_keeps_signs_and_order():
+    words = load_board("ulx3s_three").words()
+    words.words["sample_lead"] = -2
+    text = verilog_header(words, "somewhere")
+    assert "`define WH_BOARD_SAMPLE_LEAD {8'hfe}" in text
+    assert len(re.search(r"WH_BOARD_GAIN \{(.*)\}", text)[1].split(",")) == 3
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("controller.clock_hz=100e6", "SCLK of 50 MHz; the board's ADC takes 48 MHz"),
+        ("adc.bits=10", "the board's ADC has 12 bits"),
+        ("controller.extra_ticks=0", "extra_ticks"),
+    ],
+)
+def test_refused_scenes(override, message):
+    scene = load_scene(ROOT / "boards" / "ulx3s" / "board.toml", [override])
+    with pytest.raises(SceneError, match=message):
+        board_words(scene, ADC_PARTS["AD7276"])
+
+
+def test_too_many_motors_for_a_tick():
+    scene = load_scene(ROOT / "boards" / "ulx3s" / "board.toml", ["controller.extra_ticks=3"])
+    with pytest.raises(SceneError, match=r"shorter than the \d+ that 2 motors need"):
+        board_words(scene, ADC_PARTS["AD7276"], motors=2)
+
+
+def test_slow_adc():
+    scene = load_scene(ROOT / "boards" / "icebreaker" / "board.toml", ["controller.clock_hz=30e6"])
+    with pytest.raises(SceneError, match=r"needs \d+ clocks from sample to sample"):
+        board_words(scene, ADC_PARTS["AD7476A"])
+
+
+def test_boards_that_are_not_there():
+    with pytest.raises(BoardError, match="there is no board 'none'; take one of"):
+        load_board("none")
+    with pytest.raises(BoardError, match="ulx3s has no device '99k'; take one of 25k"):
+        load_board("ulx3s", "99k")
+    assert load_board("ulx3s", "85k").device == "85k"
+
+
+@pytest.mark.parametrize("name", board_names())
+def test_page_has_every_pin(name):
+    """A board's page names the place of each pin of its constraints, but for the oscillator's."""
+    board = load_board(name)
+    text = (ROOT / board.constraints).read_text()
+    page = (ROOT / board.folder / "README.md").read_text()
+    places = re.findall(r'^(?:set_io |LOCATE COMP ")(\S+?)"?(?: SITE)? +"?(\w+)', text, re.M)
+    assert len(places) >= 13
+    for pin, place in places:
+        assert pin.startswith("clk_") or re.search(rf"\b{place}\b", page), f"{pin} at {place}"
+
+
+# ---- The numbers.
+
+
+def test_pages_show_the_kept_numbers():
+    assert numbers.stale_pages() == [], "run `make numbers`"
+
+
+def test_stale_page_is_noticed(tmp_path):
+    (tmp_path / "boards").mkdir()
+    (tmp_path / numbers.KEPT).write_bytes((ROOT / numbers.KEPT).read_bytes())
+    page = tmp_path / "README.md"
+    page.write_text("before\n<!-- begin boards -->\n<!-- end boards -->\nafter\n")
+    assert numbers.stale_pages(tmp_path) == [Path("README.md")]
+    assert numbers.write(tmp_path) == [Path("README.md")]
+    assert numbers.stale_pages(tmp_path) == []
+    page.write_text(page.read_text().replace("| `ulx3s` |", "| `ulx4s` |"))
+    assert numbers.stale_pages(tmp_path) == [Path("README.md")]
+    page.write_text("<!-- begin boards -->\n")
+    with pytest.raises(numbers.NumbersError, match="has no <!-- end boards -->"):
+        numbers.write(tmp_path)
+
+
+def kept(name: str) -> dict[str, object]:
+    boards = json.loads((ROOT / numbers.KEPT).read_bytes())["boards"]
+    return next(board for board in boards if board["board"] == name)
+
+
+def test_kept_numbers_keep_the_promises():
+    for name in board_names():
+        board = kept(name)
+        assert board["spare"] >= synthesis.SPARE
+        assert board["tick_mhz"] >= (2 if name == "ulx3s" else 1)
+    assert kept("icebreaker")["logic_cells"] <= 0.5 * kept("icebreaker")["logic_cells_available"]
+
+
+@pytest.mark.parametrize("name", ["icebreaker", "ulx3s"])
+def test_fresh_synthesis_is_what_the_pages_say(name, tools):
+    """Exactly in multipliers and memories, nearly in logic; the clock is met or the build fails."""
+    result, shown = synthesis.build_board(load_board(name), tools, say=print), kept(name)
+    assert (ROOT / synthesis.bitstream_path(load_board(name))).stat().st_size > 0
+    assert (result.dsp, result.block_ram) == (shown["dsp"], shown["block_ram"])
+    for key in ("logic_cells", "lut", "ff"):
+        assert getattr(result, key) == pytest.approx(shown[key], rel=LUT_TOLERANCE), key
+    assert result.clock_mhz == shown["clock_mhz"]
