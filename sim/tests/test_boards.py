@@ -209,7 +209,8 @@ def test_words(name):
     assert CORE_CLOCKS * words.motors <= time.tick_clocks
     # The voltage takes the scene's latency, in whole ticks.
     ready = (
-        time.sample_clocks // 2
+        (time.samples - 1) * time.sample_clocks
+        + time.sample_clocks // 2
         - words.words["sample_lead"]
         + latency_clocks(1, part.lead_bits + part.data_bits, words.motors)
     )
