@@ -30,7 +30,6 @@ from xml.etree import ElementTree
 
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
-from wavehaptics.verilated import verilator_environment
 
 TESTS_DIR = Path(__file__).resolve().parent
 RTL_DIR = TESTS_DIR.parent / "rtl"
@@ -57,6 +56,9 @@ class SimulationError(AssertionError):
 @contextlib.contextmanager
 def _toolchain() -> Iterator[None]:
     """Environment in which the Verilator in use is found and works, and builds fast."""
+    # Not at the top: a bench that reads other word lengths has to import its own model first.
+    from wavehaptics.verilated import verilator_environment
+
     before = dict(os.environ)
     program, environment = verilator_environment()
     os.environ["PATH"] = f"{Path(program).parent}{os.pathsep}{before.get('PATH', '')}"
