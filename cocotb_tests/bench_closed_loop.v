@@ -2,7 +2,7 @@
 //
 // bench_closed_loop: wh_controller with a clock, settings to write to, and the ADC's shift register.
 //
-// The test sets code when CS_n falls; the bits go out as an AD7276-like part sends them: a first
+// The test loads shift when CS_n falls; the bits go out as an AD7276-like part sends them: a first
 // lead bit with the fall of CS_n, the next bit after each fall of SCLK.
 
 `timescale 1ns / 1ps
@@ -51,7 +51,6 @@ module bench_closed_loop #(
 
     reg         enc_a = 1'b0;
     reg         enc_b = 1'b0;
-    reg  [15:0] code = 16'd0;   // straight binary, left-justified
     reg  [31:0] shift = 32'd0;  // highest bit on the wire
 
     wire        cs_n;
@@ -59,7 +58,6 @@ module bench_closed_loop #(
     wire [3:0]  gates;          // BL BH AL AH
 
     always @(negedge sclk) shift <= shift << 1;
-    always @(code) shift = {16'd0, code} << (16 - lead_bits);
 
     wire                   tick;
     wire                   core_valid;

@@ -132,7 +132,6 @@ class ClosedLoop:
             bits = self.ports.sensor.bits
             code = sensor.sample_code(self.motor.state[I], self.adc, self.rng) + (1 << (bits - 1))
             await Timer(1, "ns")
-            # The register of the bench loads when the word changes; the same word again must too.
             self.dut.shift.value = code << (32 - self.ports.words["lead_bits"] - bits)
 
     async def _measure(self) -> None:

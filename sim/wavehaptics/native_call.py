@@ -12,26 +12,16 @@ from numba import types
 from numba.extending import intrinsic
 
 
-def _caller(arguments: int):
-    @intrinsic
-    def call(typing_context, address, *values):
-        del typing_context
-        signature = types.int64(types.int64, types.UniTuple(types.int64, arguments))
+@intrinsic
+def call2(typing_context, address, first, second):
+    """``call2(address, a, b)``: the C function ``int64_t f(int64_t, int64_t)`` at that address."""
+    del typing_context, address, first, second
+    signature = types.int64(types.int64, types.int64, types.int64)
 
-        def codegen(context, builder, signature, values):
-            del context, signature
-            word = ir.IntType(64)
-            function = ir.FunctionType(word, [word] * arguments)
-            pointer = builder.inttoptr(values[0], function.as_pointer())
-            unpacked = [builder.extract_value(values[1], n) for n in range(arguments)]
-            return builder.call(pointer, unpacked)
+    def codegen(context, builder, signature, values):
+        del context, signature
+        word = ir.IntType(64)
+        pointer = builder.inttoptr(values[0], ir.FunctionType(word, [word, word]).as_pointer())
+        return builder.call(pointer, values[1:])
 
-        return signature, codegen
-
-    return call
-
-
-call2 = _caller(2)
-"""``call2(address, a, b)``: the C function ``int64_t f(int64_t, int64_t)`` at that address."""
-call4 = _caller(4)
-"""``call4(address, a, b, c, d)``: likewise with four arguments."""
+    return signature, codegen

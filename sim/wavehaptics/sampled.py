@@ -21,9 +21,6 @@ from wavehaptics.trace import Column, Word
 CORE_DELAY_LOG2 = 10
 """Delay line of the simulated core: up to 2**10 - 1 ticks of extra latency."""
 
-CORE_CLOCK_BUDGET = 24
-"""Clocks a tick that the wave core may take (design §2)."""
-
 _VOLT = formats.VOLTAGE.step
 _ROOT_WATT = formats.WAVE.step
 _ETA = formats.ETA.step
