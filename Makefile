@@ -12,6 +12,9 @@ $(error TOOLCHAIN is `wheel` or `native`, not `$(TOOLCHAIN)`)
 endif
 export TOOLCHAIN
 
+# With TOOLCHAIN=native, these goals do without a Verilator.
+SIMULATES := $(if $(filter-out bitstream synth seeds prog resources numbers,$(MAKECMDGOALS)),yes,no)
+
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 
@@ -20,6 +23,7 @@ export TOOLCHAIN
 # A finished .venv names its place: one that came with a moved or copied tree isn't used.
 READY := .venv/.ready
 READY_SYNTH := .venv/.ready-synth
+READY_BENCH := .venv-bench/.ready
 ifneq ($(shell cat $(READY) 2>/dev/null),$(CURDIR))
 .PHONY: $(READY)
 endif
@@ -32,7 +36,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo test lint clean distclean
+.PHONY: help setup setup-synth system lock demo adcs report bench test lint clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -45,15 +49,23 @@ setup-synth: $(READY_SYNTH) ## add the synthesis and proof tools to .venv
 
 # The two halves of one question: may we go on, and if so, what is to be installed?
 system:
-	@$(eval problem := $(shell TOOLCHAIN=$(TOOLCHAIN) sh sim/setup/system.sh check $(PYTHON)))
+	@$(eval problem := $(shell TOOLCHAIN=$(TOOLCHAIN) SIMULATES=$(SIMULATES) sh sim/setup/system.sh check $(PYTHON)))
 	@$(if $(problem),$(error $(problem)))
-	@sh sim/setup/system.sh install $(PYTHON)
+	@SIMULATES=$(SIMULATES) sh sim/setup/system.sh install $(PYTHON)
 
 $(READY): requirements.lock pyproject.toml $(wildcard sim/setup/*.sh) | system
 	@sh sim/setup/environment.sh $(PYTHON) requirements.lock
 
 $(READY_SYNTH): requirements-synth.lock $(READY)
 	@sh sim/setup/environment.sh $(PYTHON) requirements.lock requirements-synth.lock
+	@touch $@
+
+# Other motor simulators, in an environment of their own: they pull in a lot.
+$(READY_BENCH): requirements-bench.lock $(READY)
+	@rm -rf .venv-bench
+	@.venv/bin/python -m venv .venv-bench
+	@.venv-bench/bin/python -m pip --disable-pip-version-check --no-input install --quiet --retries 5 \
+	    --require-hashes --only-binary :all: -r requirements-bench.lock </dev/null
 	@touch $@
 
 lock: $(READY) ## pin the package lists of pyproject.toml again (UPGRADE=1: at newer versions)
@@ -64,17 +76,47 @@ lock: $(READY) ## pin the package lists of pyproject.toml again (UPGRADE=1: at n
 demo: $(READY) ## simulate the demonstration scenes and draw them into build/demo
 	@$(WITH_TOOLS) .venv/bin/wavehaptics demo --out build/demo
 
+report: $(READY) ## measure everything and write build/report/index.html (QUICK=1: coarser, 3 minutes)
+	@$(WITH_TOOLS) .venv/bin/wavehaptics report $(if $(QUICK),--quick) --out build/report
+
+adcs: $(READY) ## run the paper's taps with every ADC, and write their numbers into the README pages
+	@$(WITH_TOOLS) .venv/bin/wavehaptics adcs --out build/adcs
+	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
+
+bench: $(READY) $(READY_BENCH) ## measure speeds and what was tried for them into build/bench (QUICK=1)
+	@$(WITH_TOOLS) .venv/bin/wavehaptics bench $(if $(QUICK),--quick) --out build/bench
+
 test: lint ## lint, then every test of the model, the RTL and the loop
 	@$(WITH_TOOLS) .venv/bin/python -m pytest -n $(JOBS)
 
 # Every module at its defaults, and the tops at other sizes and word lengths: TOP,ARGUMENT,...
 LINT_CASES := \
     $(basename $(notdir $(wildcard rtl/*.v))) \
+    wh_shaper,-GSECTIONS=2 \
+    wh_shaper,-GN=3,-GSECTIONS=2 \
     wh_wave_core,-GN=3 \
+    wh_wave_core,-GSHAPER=1 \
+    wh_wave_core,-GN=3,-GSHAPER=2,-DWH_DATA_W=24,-DWH_COEF_W=18 \
+    wh_wave_core,-GN=3,-GANCHOR=1 \
     wh_wave_core,-GN=1,-GDELAY_LOG2=10 \
     wh_wave_core,-GN=3,-DWH_DATA_W=24,-DWH_COEF_W=18 \
     wh_wave_core,-GN=1,-DWH_DATA_W=18,-DWH_COEF_W=18 \
+    wh_adc_serial,-GLINES=3 \
+    wh_adc_max11125,-GLINES=8,-GFIRST_CHANNEL=8 \
     wh_controller,-GN=3 \
+    wh_controller,-GN=3,-GANCHOR=1 \
+    wh_sinc3,-GLINES=2,-GOSR=20,-GTRIP_OSR=2 \
+    wh_sinc3,-GOSR=40,-GTRIP_OSR=32 \
+    wh_sinc3,-GOSR=256,-GCAPTURE_RISE=1 \
+    wh_controller,-GN=3,-GADC=2,-GOSR=20 \
+    wh_controller,-GN=3,-GGUARD=1,-GDEAD_TIME=0 \
+    wh_guard,-GN=3 \
+    wh_controller,-GN=1,-GADC=1 \
+    wh_controller,-GN=3,-GSENSE=1 \
+    wh_zero,-GLOG2_TICKS=16 \
+    wh_controller,-GN=3,-GADC=1 \
+    wh_controller,-GN=3,-GSHAPER=2 \
+    wh_controller,-GN=3,-GHOST=1 \
     wh_controller,-GN=1,-GWALLS=1,-GDELAY_LOG2=1 \
     wh_controller,-GN=3,-GWALLS=16,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_controller,-GN=1,-GDELAY_LOG2=10,-DWH_DATA_W=31,-DWH_COEF_W=31
@@ -95,4 +137,4 @@ clean: ## remove what was built
 	rm -rf build
 
 distclean: clean ## remove .venv as well
-	rm -rf .venv
+	rm -rf .venv .venv-bench

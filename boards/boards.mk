@@ -6,24 +6,32 @@
 BOARD ?= icebreaker
 # The FPGA that is fitted, where a board comes with several: DEVICE=85k
 DEVICE ?=
+# How many seeds `make seeds` tries.
+SEEDS ?= 8
+
+# The user's own tools need no packages of synthesis tools.
+SYNTH_TOOLS = $(if $(filter wheel,$(TOOLCHAIN)),$(READY_SYNTH),$(READY))
 
 BITSTREAMS = $(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams
 
-.PHONY: bitstream synth prog resources numbers
+.PHONY: bitstream synth seeds prog resources numbers
 
-bitstream: $(READY_SYNTH) ## make the bitstream of BOARD=icebreaker, hx8k, ulx3s, ...
+bitstream: $(SYNTH_TOOLS) ## make the bitstream of BOARD=icebreaker, hx8k, ulx3s, ...
 	@$(BITSTREAMS) bitstream "$(BOARD)" --device "$(DEVICE)"
 
-synth: $(READY_SYNTH) ## make all bitstreams and build/synth/summary.json
+synth: $(SYNTH_TOOLS) ## make all bitstreams and build/synth/summary.json
 	@$(BITSTREAMS) synth
+
+seeds: $(SYNTH_TOOLS) ## try SEEDS= seeds of the placer for BOARD=, and say which meet its clock
+	@$(BITSTREAMS) seeds "$(BOARD)" --device "$(DEVICE)" --count "$(SEEDS)"
 
 prog: $(READY) ## load the bitstream of BOARD= with the board's own programmer
 	@$(BITSTREAMS) prog "$(BOARD)" --device "$(DEVICE)"
 
-resources: $(READY_SYNTH) ## count what each block and option costs, a quarter of an hour
+resources: $(SYNTH_TOOLS) ## count what each block and option costs, a quarter of an hour
 	@$(BITSTREAMS) resources
 
-numbers: $(READY) ## write the last synthesis' numbers into boards/summary.json and the README pages
+numbers: $(READY) ## write the numbers of the last synthesis, report and bench into the README pages
 	@$(BITSTREAMS) numbers
 
 # The boards' tests synthesise, and simulate netlists.

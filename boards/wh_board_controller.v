@@ -7,11 +7,15 @@
 // The gates go on when start_i rises while stop_i is low, and go off when stop_i is high, at a fault
 // of the encoder, when a tick is too short for its work, and in reset. They stay off until start_i
 // rises again; after a fault, until reset. start_i and stop_i are asynchronous, and believed once
-// they have been still for SETTLE_CLOCKS; off needs no patience.
-// Reset: gates off, not running.
+// they have been still for 2^SETTLE_LOG2 clocks; off needs no patience.
+//
+// alive_o changes at each tick while the gates are on, and is low otherwise. Without a clock the
+// gates stay as they are and it stands still: a charge pump behind it lets go of the bridge.
+// Reset: gates off, not running, alive_o low.
 
 `default_nettype none
 `include "wh_formats.vh"
+`include "wh_faults.vh"
 `include "wh_board_settings.vh"
 
 module wh_board_controller #(
@@ -33,6 +37,7 @@ module wh_board_controller #(
     output wire [`WH_BOARD_N-1:0] gate_bh_o,
     output wire [`WH_BOARD_N-1:0] gate_bl_o,
 
+    output wire                  alive_o,
     output wire                  running_o,
     output wire                  contact_o,    // any motor is in a wall
     output wire                  fault_o       // until reset
@@ -92,10 +97,20 @@ module wh_board_controller #(
     assign running_o = running_q;
     assign fault_o   = fault_q;
 
+    wire tick;
+    reg  alive_q;
+
+    always @(posedge clk) begin
+        alive_q <= !rst && running_q && (alive_q ^ tick);
+    end
+
+    assign alive_o = alive_q;
+
     // ---- The controller.
 
     wire [N-1:0]             contact;
-    wire                     tick;
+    wire                     adc_din;
+    wire                     adc_ready;
     wire                     core_valid;
     wire [N*`WH_DATA_W-1:0]  voltage;
     wire [N*`WH_DATA_W-1:0]  u;
@@ -103,11 +118,27 @@ module wh_board_controller #(
     wire [N*`WH_DATA_W-1:0]  current;
     wire [N*`WH_COUNT_W-1:0] position;
     wire [N-1:0]             saturated;
+    wire [N-1:0]             overcurrent;
+    wire [N-1:0]             adc_range;
+    wire [N-1:0]             adc_stuck;
+    wire [N-1:0]             zero_fault;
+    wire [N-1:0]             zero_busy;
+    wire [`WH_FAULTS-1:0]    faults;
+    wire                     bridges_on;
 
     // For a host, which this top doesn't have.
-    wire unused = &{1'b0, tick, core_valid, voltage, u, v, current, position, saturated};
+    wire unused = &{1'b0, adc_din, adc_ready, core_valid, voltage, u, v, current, position,
+                    saturated, overcurrent, adc_range, adc_stuck, zero_fault, zero_busy, faults,
+                    bridges_on};
 
     assign contact_o = |contact;
+
+    wire [N-1:0]             host_strobe;
+    wire [N*8-1:0]           host_sequence;
+    wire [N*`WH_DATA_W-1:0]  host_v;
+    wire [N-1:0]             host_active;
+
+    wire unused_host = &{1'b0, host_strobe, host_sequence, host_v, host_active};
 
     wh_controller #(
         .N                  (N),
@@ -119,6 +150,7 @@ module wh_board_controller #(
         .enable_i           (running_q),
         .adc_cs_n_o         (adc_cs_n_o),
         .adc_sclk_o         (adc_sclk_o),
+        .adc_din_o          (adc_din),
         .adc_sdata_i        (adc_sdata_i),
         .enc_a_i            (enc_a_i),
         .enc_b_i            (enc_b_i),
@@ -131,12 +163,23 @@ module wh_board_controller #(
         .sample_clocks_i    (`WH_BOARD_SAMPLE_CLOCKS),
         .samples_i          (`WH_BOARD_SAMPLES),
         .sample_lead_i      (`WH_BOARD_SAMPLE_LEAD),
+        .sample_late_i      (`WH_BOARD_SAMPLE_LATE),
         .sclk_half_clocks_i (`WH_BOARD_SCLK_HALF_CLOCKS),
         .frame_bits_i       (`WH_BOARD_FRAME_BITS),
         .lead_bits_i        (`WH_BOARD_LEAD_BITS),
         .data_bits_i        (`WH_BOARD_DATA_BITS),
         .quiet_clocks_i     (`WH_BOARD_QUIET_CLOCKS),
+        .setup_clocks_i     (`WH_BOARD_SETUP_CLOCKS),
+        .hold_clocks_i      (`WH_BOARD_HOLD_CLOCKS),
+        .calibrate_bits_i   (`WH_BOARD_CALIBRATE_BITS),
+        .sclk_idle_i        (`WH_BOARD_SCLK_IDLE),
+        .read_trailing_i    (`WH_BOARD_READ_TRAILING),
+        .trip_i             (`WH_BOARD_TRIP),
         .zero_i             (`WH_BOARD_ZERO),
+        .range_i            (16'hffff),
+        .stuck_words_i      (16'd0),
+        .zero_start_i       (1'b0),
+        .zero_limit_i       ({`WH_SUM_W-1{1'b0}}),
         .gain_i             (`WH_BOARD_GAIN),
         .filter_clocks_i    (`WH_BOARD_FILTER_CLOCKS),
         .wall_min_i         (`WH_BOARD_WALL_MIN),
@@ -144,13 +187,40 @@ module wh_board_controller #(
         .wall_enable_i      (`WH_BOARD_WALL_ENABLE),
         .eta_contact_i      (`WH_BOARD_ETA_CONTACT),
         .eta_free_i         (`WH_BOARD_ETA_FREE),
+        .host_period_log2_i (4'd0),
+        .host_timeout_i     (8'd0),
+        .host_strobe_i      ({N{1'b0}}),
+        .host_sequence_i    ({N*8{1'b0}}),
+        .host_u_i           ({N*`WH_DATA_W{1'b0}}),
+        .host_strobe_o      (host_strobe),
+        .host_sequence_o    (host_sequence),
+        .host_v_o           (host_v),
+        .host_active_o      (host_active),
+        .edge_hysteresis_i  ({N{1'b0}}),
+        .shape_words_i      ({N*(9*`WH_SHAPE_W+3*`WH_SHAPE_LOSS_W){1'b0}}),
+        .wall_shaped_i      ({N*`WH_BOARD_WALLS{1'b0}}),
         .root_i             (`WH_BOARD_ROOT),
         .a_i                (`WH_BOARD_A),
         .u_max_i            (`WH_BOARD_U_MAX),
+        .anchor_words_i     ({N*`WH_ANCHOR_W{1'b0}}),
         .extra_ticks_i      (`WH_BOARD_EXTRA_TICKS),
         .hold_ticks_i       (`WH_BOARD_HOLD_TICKS),
         .clocks_per_volt_i  (`WH_BOARD_CLOCKS_PER_VOLT),
         .dead_clocks_i      (`WH_BOARD_DEAD_CLOCKS),
+        .guard_i            ({`WH_GUARD_W{1'b0}}),
+        .clear_i            (1'b0),
+        .stop_i             (1'b0),
+        .driver_fault_i     ({N{1'b0}}),
+        .host_alive_i       (1'b0),
+        .bus_i              (16'd0),
+        .anchor_fault_i     ({N{1'b0}}),
+        .faults_o           (faults),
+        .running_o          (bridges_on),
+        .adc_ready_o        (adc_ready),
+        .compensate_i       (`WH_BOARD_COMPENSATE),
+        .side_current_i     (`WH_BOARD_SIDE_CURRENT),
+        .settle_ticks_i     (`WH_BOARD_SETTLE_TICKS),
+        .second_order_i     (`WH_BOARD_SECOND_ORDER),
         .tick_o             (tick),
         .core_valid_o       (core_valid),
         .voltage_o          (voltage),
@@ -159,7 +229,14 @@ module wh_board_controller #(
         .current_o          (current),
         .position_o         (position),
         .contact_o          (contact),
+        .root_o             (),
+        .anchor_fault_o     (),
         .saturated_o        (saturated),
+        .adc_range_o        (adc_range),
+        .adc_stuck_o        (adc_stuck),
+        .zero_fault_o       (zero_fault),
+        .zero_busy_o        (zero_busy),
+        .overcurrent_o      (overcurrent),
         .encoder_fault_o    (encoder_fault),
         .overrun_o          (overrun)
     );

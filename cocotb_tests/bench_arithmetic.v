@@ -2,8 +2,9 @@
 //
 // bench_arithmetic: every word of small formats through the arithmetic modules.
 //
-// Raised go_i runs all pairs of two W-bit words, one a clock, and done_o follows; a word of answers
-// a pair is then in products.hex. The modules without a clock have value_i for all of them.
+// Raised go_i runs all pairs of two W-bit words, and done_o follows; a word of answers a pair is then
+// in products.hex. Another pair comes after each, which isn't to be taken: the product must stay for
+// a second clock, or held_o falls. The modules without a clock have value_i for all of them.
 
 `default_nettype none
 `timescale 1ns / 1ps
@@ -14,6 +15,7 @@ module bench_arithmetic #(
 ) (
     input  wire               go_i,
     output reg                done_o,
+    output reg                held_o,
 
     input  wire [W-1:0]       value_i,
     output wire [(W-1)*W-1:0] truncated_o,  // field n: SHIFT = n + 1, sign-extended to W bits
@@ -55,6 +57,7 @@ module bench_arithmetic #(
     // Four, two and two partial products, and one: W > LIMB_W + 1 >= SHORT_W.
     localparam integer SHORT_W = LIMB_W + 1;
 
+    reg                         take = 1'b0;
     reg  [2*W-1:0]              pair = {2 * W{1'b0}};
     wire signed [W-1:0]         data = $signed(pair[W-1:0]);
     wire signed [W-1:0]         coef = $signed(pair[2*W-1:W]);
@@ -66,30 +69,37 @@ module bench_arithmetic #(
     wire signed [2*SHORT_W-1:0] short_short;
 
     wh_multiply #(.DATA_W(W), .COEF_W(W), .LIMB_W(LIMB_W)) multiply_long_long (
-        .clk(clk), .data_i(data), .coef_i(coef), .product_o(long_long)
+        .clk(clk), .take_i(take), .data_i(data), .coef_i(coef), .product_o(long_long)
     );
     wh_multiply #(.DATA_W(W), .COEF_W(SHORT_W), .LIMB_W(LIMB_W)) multiply_long_short (
-        .clk(clk), .data_i(data), .coef_i(short_coef), .product_o(long_short)
+        .clk(clk), .take_i(take), .data_i(data), .coef_i(short_coef), .product_o(long_short)
     );
     wh_multiply #(.DATA_W(SHORT_W), .COEF_W(W), .LIMB_W(LIMB_W)) multiply_short_long (
-        .clk(clk), .data_i(short_data), .coef_i(coef), .product_o(short_long)
+        .clk(clk), .take_i(take), .data_i(short_data), .coef_i(coef), .product_o(short_long)
     );
     wh_multiply #(.DATA_W(SHORT_W), .COEF_W(SHORT_W), .LIMB_W(LIMB_W)) multiply_short_short (
-        .clk(clk), .data_i(short_data), .coef_i(short_coef), .product_o(short_short)
+        .clk(clk), .take_i(take), .data_i(short_data), .coef_i(short_coef), .product_o(short_short)
     );
 
     localparam integer LATENCY = 3;
 
-    reg [4*W+4*SHORT_W-1:0] products [0:(1<<(2*W))-1];
-    integer                 clocks;
+    wire [4*W+4*SHORT_W-1:0] answers = {short_short, short_long, long_short, long_long};
+    reg  [4*W+4*SHORT_W-1:0] products [0:(1<<(2*W))-1];
+    integer                  clocks;
 
     initial begin
         done_o = 1'b0;
+        held_o = 1'b1;
         wait (go_i);
-        for (clocks = 0; clocks < (1 << (2 * W)) + LATENCY; clocks = clocks + 1) begin
-            pair = clocks[2*W-1:0];
-            if (clocks >= LATENCY) begin
-                products[clocks-LATENCY] = {short_short, short_long, long_short, long_long};
+        for (clocks = 0; clocks < (2 << (2 * W)) + LATENCY; clocks = clocks + 1) begin
+            take = clocks[0];
+            pair = clocks[2*W:1] ^ {2 * W{take}};
+            if (clocks >= LATENCY && clocks[0] == 1'b1) begin
+                products[(clocks-LATENCY)/2] = answers;
+            end
+            if (clocks > LATENCY && clocks[0] == 1'b0 && products[(clocks-LATENCY-1)/2] !== answers)
+            begin
+                held_o = 1'b0;
             end
             @(negedge clk);
         end

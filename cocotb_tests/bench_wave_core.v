@@ -15,6 +15,8 @@
 module bench_wave_core #(
     parameter integer N          = 1,
     parameter integer DELAY_LOG2 = 2,
+    parameter integer ANCHOR     = 1,
+    parameter integer SHAPER     = 0,
     parameter integer TICKS      = 1024  // room in the memories
 ) (
     input  wire        go_i,
@@ -25,7 +27,10 @@ module bench_wave_core #(
     localparam integer DATA_N = N * `WH_DATA_W;
     localparam integer COEF_N = N * `WH_COEF_W;
     // In stimulus.hex's words, from the top: reset, abort, poke, clock, pause; the core's inputs.
-    localparam integer STIMULUS_W = 3 + 8 + 8 + 2 * DELAY_LOG2 + 2 * DATA_N + 3 * COEF_N;
+    localparam integer SHAPE_N = N * ((SHAPER > 0) ? SHAPER : 1)
+                                 * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W);
+    localparam integer STIMULUS_W = 3 + 8 + 8 + 2 * DELAY_LOG2 + 2 * N + SHAPE_N
+                                    + 3 * DATA_N + 3 * COEF_N;
     // In response.hex's words, from the top: faults, clocks, overrun; the core's outputs.
     localparam integer RESPONSE_W = 8 + 16 + 1 + N + 3 * DATA_N;
 
@@ -45,6 +50,9 @@ module bench_wave_core #(
     reg [DELAY_LOG2-1:0] extra_ticks = {DELAY_LOG2{1'b0}};
     reg [DELAY_LOG2-1:0] hold_ticks = {DELAY_LOG2{1'b0}};
     reg [DATA_N-1:0] current = {DATA_N{1'b0}};
+    reg [DATA_N-1:0] anchor = {DATA_N{1'b0}};
+    reg [2*N-1:0]    mode = {2*N{1'b0}};
+    reg [SHAPE_N-1:0] shape = {SHAPE_N{1'b0}};
     reg [DATA_N-1:0] u_max = {DATA_N{1'b0}};
     reg [COEF_N-1:0] eta = {COEF_N{1'b0}};
     reg [COEF_N-1:0] root = {COEF_N{1'b0}};
@@ -60,7 +68,9 @@ module bench_wave_core #(
 
     wh_wave_core #(
         .N             (N),
-        .DELAY_LOG2    (DELAY_LOG2)
+        .DELAY_LOG2    (DELAY_LOG2),
+        .ANCHOR        (ANCHOR),
+        .SHAPER        (SHAPER)
     ) core (
         .clk           (clk),
         .rst           (rst),
@@ -70,6 +80,9 @@ module bench_wave_core #(
         .overrun_o     (overrun),
         .current_i     (current),
         .eta_i         (eta),
+        .anchor_i      (anchor),
+        .shape_mode_i  (mode),
+        .shape_words_i (shape),
         .root_i        (root),
         .a_i           (a),
         .u_max_i       (u_max),
@@ -94,7 +107,7 @@ module bench_wave_core #(
         rst = 1'b0;
         for (tick = 0; tick < ticks_i; tick = tick + 1) begin
             {reset_first, abort, poke, at, pause,
-             extra_ticks, hold_ticks, u_max, a, root, eta, current} = stimulus[tick];
+             extra_ticks, hold_ticks, mode, shape, u_max, a, root, anchor, eta, current} = stimulus[tick];
             faults = 8'd0;
             if (reset_first) begin
                 rst = 1'b1;

@@ -8,10 +8,10 @@ A test file of pytest stays this short, and runs on each simulator (fixture ``si
     def test_quadrature(simulator):
         simulate(simulator, "wh_quadrature", "tb_quadrature")
 
-The top level is ``rtl/<toplevel>.v``, or ``cocotb_tests/<toplevel>.v`` for a bench around it that
-holds the clock; the modules below it are found in ``rtl`` by their names. In the test module,
-``parameters`` and ``defines`` are the environment's ``WH_PARAMETERS`` and ``WH_DEFINES`` (JSON),
-read by :func:`parameters` and :func:`defines`.
+The top level is ``rtl/<toplevel>.v``, ``boards/<toplevel>.v``, or ``cocotb_tests/<toplevel>.v`` for
+a bench around it that holds the clock; the modules below it are found in ``rtl`` by their names. In
+the test module, ``parameters`` and ``defines`` are the environment's ``WH_PARAMETERS`` and
+``WH_DEFINES`` (JSON), read by :func:`parameters` and :func:`defines`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import re
 import shutil
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -33,6 +33,7 @@ from cocotb_tools.runner import get_runner
 
 TESTS_DIR = Path(__file__).resolve().parent
 RTL_DIR = TESTS_DIR.parent / "rtl"
+BOARDS_DIR = TESTS_DIR.parent / "boards"
 BUILD_DIR = TESTS_DIR.parent / "build" / "cocotb"
 
 SIMULATORS = ("icarus", "verilator")
@@ -41,6 +42,16 @@ _BUILD_ARGS = {
     "icarus": ["-y", str(RTL_DIR), "-Wall", "-Wno-timescale"],
     "verilator": ["-y", str(RTL_DIR), "--timing", "-O3"],
 }
+
+# For files that a tool made: not written for lint, and a test that could see each of their many
+# wires takes minutes to compile.
+_MADE_ARGS = {
+    "icarus": [],
+    "verilator": [
+        "-Wno-lint", "-Wno-style", "-Wno-SPECIFYIGN", "-Wno-fatal", "--no-public-flat-rw",
+    ],
+}  # fmt: skip
+_SHOW_TOP = '`verilator_config\npublic_flat_rw -module "{toplevel}" -var "*"\n'
 
 
 # Verilator's runtime is most of a build's time: it is compiled once, without optimisation, and its
@@ -96,10 +107,10 @@ def _share_objects(source: Path, target: Path) -> None:
 
 
 def _source(toplevel: str) -> Path:
-    for directory in (RTL_DIR, TESTS_DIR):
+    for directory in (RTL_DIR, TESTS_DIR, BOARDS_DIR):
         if (directory / f"{toplevel}.v").exists():
             return directory / f"{toplevel}.v"
-    raise SimulationError(f"no {toplevel}.v in {RTL_DIR} or {TESTS_DIR}")
+    raise SimulationError(f"no {toplevel}.v in {RTL_DIR}, {TESTS_DIR} or {BOARDS_DIR}")
 
 
 def _build_name(toplevel: str, test_module: str, *options: Mapping[str, object] | None) -> str:
@@ -114,13 +125,18 @@ def simulate(
     parameters: Mapping[str, int] | None = None,
     defines: Mapping[str, int] | None = None,
     name: str | None = None,
+    sources: Sequence[Path] = (),
+    includes: Sequence[Path] = (),
 ) -> None:
     """Build ``toplevel`` on ``simulator`` and run every cocotb test of ``test_module`` on it.
 
     ``parameters`` are the top level's Verilog parameters, ``defines`` macros (for instance
     ``{"WH_DATA_W": 18}``). ``name`` is the folder in ``build/cocotb``, by default made of all the
     arguments: calls that may run at the same time must differ in it. The folder holds ``build.log``
-    and ``test.log``. Raises :class:`SimulationError` unless tests ran and all of them passed.
+    and ``test.log``. Modules of the files ``sources`` take the place of those of ``rtl`` with the
+    same name; these files aren't linted, and the test then sees the top level's own signals only.
+    ``includes`` are folders of headers besides ``rtl``. Raises :class:`SimulationError` unless
+    tests ran and all of them passed.
     """
     __tracebackhide__ = True  # the message says all there is to say
     name = name or _build_name(toplevel, test_module, parameters, defines)
@@ -134,6 +150,13 @@ def simulate(
         "PYTHONPATH": str(TESTS_DIR),
     }
     results.unlink(missing_ok=True)
+    arguments, files = [*_BUILD_ARGS[simulator]], [_source(toplevel), *sources]
+    if sources:
+        arguments += _MADE_ARGS[simulator]
+        if simulator == "verilator":
+            shown = work / "show_top.vlt"
+            shown.write_text(_SHOW_TOP.format(toplevel=toplevel))
+            files.insert(0, shown)
     with _toolchain():
         os.environ.update(environment)
         if str(TESTS_DIR) not in sys.path:  # the runner hands sys.path on to the simulator
@@ -143,11 +166,11 @@ def simulate(
             _share_objects(_runtime_dir(), work)
         try:
             runner.build(
-                sources=[_source(toplevel)],
-                includes=[RTL_DIR],
+                sources=files,
+                includes=[RTL_DIR, *includes],
                 defines=dict(defines or {}),
                 parameters=dict(parameters or {}),
-                build_args=_BUILD_ARGS[simulator],
+                build_args=arguments,
                 hdl_toplevel=toplevel,
                 always=True,
                 build_dir=work,

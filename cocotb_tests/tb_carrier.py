@@ -18,6 +18,7 @@ class Setting:
     samples: int
     lead: int
     spare: int = 0
+    late: int = 0
 
     @property
     def tick_clocks(self) -> int:
@@ -31,7 +32,8 @@ class Setting:
         """Outputs in the given clock after reset."""
         half, phase = divmod(clock, self.half_clocks)
         in_tick = clock % self.tick_clocks
-        after = in_tick - (self.sample_clocks // 2 - self.lead)
+        late = self.late * (clock // self.tick_clocks % 2)
+        after = in_tick - (self.sample_clocks // 2 - self.lead + late)
         sample = 0 <= after < self.samples * self.sample_clocks and after % self.sample_clocks == 0
         return {
             "phase_o": phase,
@@ -55,6 +57,7 @@ class CarrierBench(Bench):
             sample_clocks_i=setting.sample_clocks,
             samples_i=setting.samples,
             sample_lead_i=setting.lead,
+            sample_late_i=setting.late,
         )
         for strobe in ("update_o", "take_o", "tick_o", "sample_o"):
             assert self.word(strobe) == 0
@@ -82,6 +85,8 @@ async def settings(dut: object) -> None:
         Setting(60, 2, 4, 10),
         Setting(7, 8, 2, 2),
         Setting(50, 2, 3, 4, spare=40),
+        Setting(48, 1, 1, -3, late=1),
+        Setting(24, 3, 3, -2, late=1),
     ):
         seen = await bench.run(setting, 4 * setting.tick_clocks)
         assert seen == 4 * setting.samples
@@ -97,7 +102,9 @@ async def random_settings(dut: object) -> None:
         samples = rng.choice([n for n in range(1, clocks // 2 + 1) if clocks % n == 0])
         sample_clocks = clocks // samples
         lead = rng.randint(sample_clocks // 2 - sample_clocks + 1, sample_clocks // 2)
-        setting = Setting(half_clocks, tick_halves, samples, max(-128, min(lead, 127)))
+        late = int(lead > sample_clocks // 2 - sample_clocks + 1 and rng.random() < 0.5)
+        lead = max(-128, min(lead, 127))
+        setting = Setting(half_clocks, tick_halves, samples, lead, late=late)
         await bench.run(setting, 2 * clocks + rng.randint(0, clocks))
 
 

@@ -156,7 +156,7 @@ class ClosedLoop:
         current = dut.current.value.to_signed()
         eta = set_.eta_contact if int(dut.contact.value) else set_.eta_free
         expected = golden.wave_core_step(
-            self._core, self._line, current, eta, set_.root, set_.a, set_.u_max,
+            self._core, self._line, current, eta, 0, set_.root, set_.a, set_.u_max,
             set_.extra_ticks, self.ports.timing.hold_ticks,
         )  # fmt: skip
         got = tuple(getattr(dut, name).value.to_signed() for name in ("voltage", "u", "v"))

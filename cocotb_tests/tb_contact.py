@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import random
+from itertools import product
 
 import cocotb
 import numpy as np
@@ -28,6 +29,8 @@ class ContactBench(Bench):
     def __init__(self, dut: object) -> None:
         super().__init__(dut)
         self.walls: list[Wall] = []
+        self.hysteresis = False
+        self.lingered = 0
         self.state = np.array([-1, 0])
         self.contacts = 0
         self.entries = 0
@@ -44,8 +47,9 @@ class ContactBench(Bench):
     async def begin(self, walls: list[Wall], position: int = 0) -> None:
         self.drive_walls(walls)
         await self.start(
-            position_i=position, hold_i=0, eta_contact_i=ETA_CONTACT, eta_free_i=ETA_FREE
-        )
+            position_i=position, hold_i=0, eta_contact_i=ETA_CONTACT, eta_free_i=ETA_FREE,
+            hysteresis_i=self.hysteresis,
+        )  # fmt: skip
         self.state[:] = (-1, 0)
         assert (self.word("contact_o"), self.signed("eta_o")) == (0, ETA_FREE)
 
@@ -54,7 +58,9 @@ class ContactBench(Bench):
         low = np.array([wall[0] for wall in self.walls])
         high = np.array([wall[1] if wall[2] else wall[0] for wall in self.walls])
         before = self.state[0]
-        contact, depth = contact_step.py_func(self.state, position, low, high)
+        contact, depth = contact_step.py_func(self.state, position, low, high, self.hysteresis)
+        inside = [a <= position < b for a, b in zip(low, high, strict=True)]
+        self.lingered += contact and not any(inside)
         self.contacts += contact
         self.entries += bool(contact and self.state[0] != before)
         return bool(contact), int(np.clip(depth, LOWEST, HIGHEST))
@@ -88,7 +94,7 @@ async def random_walks(dut: object) -> None:
     bench = ContactBench(dut)
     rng = random_source("walks")
     resets = 0
-    for span in (4, 12, 60):
+    for span, bench.hysteresis in product((4, 12, 60), (False, True)):
         for _ in range(5):
             walls = random_walls(rng, span)
             position = rng.randint(-span, span)
@@ -102,6 +108,7 @@ async def random_walks(dut: object) -> None:
     assert bench.contacts > 50
     assert bench.entries > 10
     assert resets > 0
+    assert bench.lingered > 10
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
@@ -120,6 +127,20 @@ async def enters_through_either_edge(dut: object) -> None:
         assert bench.shown() == (True, position - 21)
     await bench.move(9)
     assert bench.shown() == (False, 0)
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def leaves_one_count_later_with_hysteresis(dut: object) -> None:
+    """At either edge, for as long as it rests there; the way in is as without."""
+    bench = ContactBench(dut)
+    bench.hysteresis = True
+    await bench.begin([(10, 21, True)] * WALLS, 9)
+    for position, contact in ((9, False), (10, True), (9, True), (9, True), (10, True), (9, True),
+                              (8, False), (9, False), (22, False), (21, False), (20, True),
+                              (21, True), (22, False)):  # fmt: skip
+        await bench.move(position)
+        assert bench.shown()[0] == contact, position
+    assert bench.lingered == 4
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")

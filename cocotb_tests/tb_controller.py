@@ -16,24 +16,34 @@ from itertools import pairwise
 
 import cocotb
 import numpy as np
-from adc_part import AD7276, AdcPart
+from adc_part import AdcPart
 from bench import Bench, pack, random_source, unpack
 from simulators import parameters
 from tb_modulator import Model as Modulator
-from tb_modulator import duty_of
 from tb_quadrature import levels
 from wavehaptics import formats, golden
+from wavehaptics.adc_parts import KINDS, PARTS, Frame, Part, frame
+from wavehaptics.modulator import duty_of
 from wavehaptics.pins_timing import CENTRED_LEAD, GATE_CLOCKS, HOLD_CLOCKS, latency_clocks
 from wavehaptics.sensor import scale_sum
 
 N = parameters().get("N", 1)
 WALLS = parameters().get("WALLS", 4)
 DELAY_LOG2 = parameters().get("DELAY_LOG2", 2)
+SENSE = parameters().get("SENSE", 0)
+KIND = KINDS[parameters().get("ADC", 0)]
+SHAPER = parameters().get("SHAPER", 0)
+"""Sections of W; no wall of these tests is shaped, so that they only take their clocks."""
+HOST_INPUTS = (
+    "host_period_log2_i", "host_timeout_i", "host_strobe_i", "host_sequence_i", "host_u_i",
+)  # fmt: skip
 
-PERIOD_NS = 1e3 / 48
+CLOCK_HZ = 96e6 if KIND == "command" else 48e6
+PERIOD_NS = 1e9 / CLOCK_HZ
 PINS_NS = 2.0
-PART = AD7276
-MID_CODE = 1 << (PART.data_bits - 1)
+PART = PARTS["MAX11125" if KIND == "command" else "AD7276"]
+PART_FRAME = frame(PART, CLOCK_HZ)
+MID_CODE = 1 << (PART.bits - 1)
 BUS_V = 24.0
 MOTOR_OHM = 2.18
 FULL_SCALE_A = 8.0
@@ -41,7 +51,7 @@ FULL_SCALE_A = 8.0
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 
 # A tick long enough for the steps of N ports, and for the encoder to settle between two of them.
-TICK_CLOCKS = 48 if N == 1 else 96
+TICK_CLOCKS = 48 if N == 1 and KIND == "serial" else 96
 
 
 @dataclass
@@ -60,18 +70,21 @@ class PortSettings:
 
 @dataclass
 class Settings:
-    """The controller's settings; the defaults are a 48 MHz clock with an AD7276."""
+    """The controller's settings; the defaults are those of PART."""
 
     half_clocks: int = TICK_CLOCKS
     tick_halves: int = 1
     samples: int = 1
     lead: int = CENTRED_LEAD
-    sclk_half: int = 1
-    quiet: int = 2
     extra_ticks: int = 1
     hold_ticks: int = 0
     dead_clocks: int = 0
-    part: object = PART
+    trip: int = 0xFFFF
+    range_word: int = 0xFFFF
+    stuck_words: int = 0
+    zero_limit: int = 0
+    part: Part = PART
+    frame: Frame = PART_FRAME
     ports: list[PortSettings] = field(default_factory=lambda: [PortSettings() for _ in range(N)])
 
     @property
@@ -86,8 +99,7 @@ class Settings:
 
     @property
     def latency(self) -> int:
-        bits = self.part.lead_bits + self.part.data_bits
-        return latency_clocks(self.sclk_half, bits, N)
+        return latency_clocks(self.frame.conversion_clocks, N, SHAPER)
 
     def gain(self, port: int) -> int:
         return formats.GAIN.to_raw(self.ports[port].gain_a / ((1 << 15) * self.samples))
@@ -109,26 +121,38 @@ class Settings:
             "sample_clocks_i": self.tick_clocks // self.samples,
             "samples_i": self.samples,
             "sample_lead_i": self.lead,
-            "sclk_half_clocks_i": self.sclk_half,
-            "frame_bits_i": self.part.frame_falls,
-            "lead_bits_i": self.part.lead_bits,
-            "data_bits_i": self.part.data_bits,
-            "quiet_clocks_i": self.quiet,
+            **{f"{name}_i": word for name, word in self.frame.words().items()},
+            "sample_late_i": 0,
+            "trip_i": self.trip,
+            "range_i": self.range_word,
+            "stuck_words_i": self.stuck_words,
+            "zero_start_i": 0,
+            "zero_limit_i": self.zero_limit,
             "zero_i": each(lambda n: ports[n].zero, formats.SUM_W),
             "gain_i": each(self.gain, formats.COEF_W),
             "filter_clocks_i": 2,
             "wall_min_i": pack((wall[0] for wall in edges), formats.COUNT_W),
             "wall_max_i": pack((wall[1] for wall in edges), formats.COUNT_W),
             "wall_enable_i": (1 << (N * WALLS)) - 1,
+            "edge_hysteresis_i": 0,
+            **dict.fromkeys(HOST_INPUTS, 0),
+            "shape_words_i": 0,
+            "wall_shaped_i": 0,
             "eta_contact_i": each(lambda n: ports[n].eta_contact, formats.COEF_W),
             "eta_free_i": each(lambda n: ports[n].eta_free, formats.COEF_W),
             "root_i": each(lambda n: ports[n].root, formats.COEF_W),
             "a_i": each(lambda n: ports[n].a, formats.COEF_W),
+            "anchor_words_i": 0,
             "u_max_i": each(lambda n: ports[n].u_max, formats.DATA_W),
             "extra_ticks_i": self.extra_ticks,
             "hold_ticks_i": self.hold_ticks,
             "clocks_per_volt_i": each(self.clocks_per_volt, formats.COEF_W),
             "dead_clocks_i": self.dead_clocks,
+            "compensate_i": 0,
+            "side_current_i": 0,
+            "settle_ticks_i": 0,
+            "second_order_i": 0,
+            "clear_i": 0,
         }
 
 
@@ -177,7 +201,10 @@ class ControllerBench(Bench):
     async def begin(self, settings: Settings, enable: int = 1) -> None:
         """Reset with ``settings``; logs begin anew."""
         self.settings = settings
-        self.parts = [AdcPart(settings.part, lambda n=n: self.codes[n]) for n in range(N)]
+        self.parts = [
+            AdcPart(settings.part, lambda channel=0, n=n: self.codes[n]) for n in range(N)
+        ]
+        self._age = 0
         self.position = [0] * N
         self.ticks: list[int] = []
         """Clocks with tick_o, counted from the first after reset."""
@@ -190,12 +217,23 @@ class ControllerBench(Bench):
         self.disabled = True
         self._cs_n = 1
         await self.start(enable_i=enable, adc_sdata_i=0, enc_a_i=0, enc_b_i=0, **settings.inputs())
+        # The ticks begin when the ADC has been set up.
+        while not self.word("adc_ready_o"):
+            self._age += 1
+            await self.step()
+            self._adc_pins(self._age * PERIOD_NS + PINS_NS)
+            assert self._age < 1000
+        self.conversions.clear()
         self.clocks = 0
         self.disabled = not enable
 
     async def clock(self, enable: int = 1, rst: int = 0) -> Step | None:
         """One clock; the step of the wave core if it shows one."""
-        edge = self.clocks * PERIOD_NS
+        self._age += 1
+        edge = self._age * PERIOD_NS
+        if rst:
+            for part in self.parts:
+                part.cut_off()
         sdata = a = b = 0
         for n in range(N):
             sdata |= self.parts[n].sdata(edge - PINS_NS) << n
@@ -225,8 +263,9 @@ class ControllerBench(Bench):
 
     def _adc_pins(self, now: float) -> None:
         cs_n, sclk = self.word("adc_cs_n_o"), self.word("adc_sclk_o")
+        din = self.word("adc_din_o")
         for part in self.parts:
-            part.pins(now, cs_n, sclk)
+            part.pins(now, cs_n, sclk, din)
         if self._cs_n and not cs_n:
             strobe = len(self.bridge) - HOLD_CLOCKS
             self.conversions.append((strobe, [part.held for part in self.parts]))
@@ -251,26 +290,28 @@ class ControllerBench(Bench):
     # ---- What the words and pulses must be.
 
     def currents(self) -> list[tuple[int, list[int]]]:
-        """Per tick: clock of its last sample strobe, and the N current words."""
-        samples = self.settings.samples
-        shift = formats.SAMPLE_W - self.settings.part.data_bits
+        """Per tick: clock of the strobe that brings its last word, and the N current words."""
+        settings = self.settings
+        samples = settings.samples
+        shift, middle = formats.SAMPLE_W - settings.part.bits, 1 << (settings.part.bits - 1)
         result = []
         for last in range(samples - 1, len(self.conversions), samples):
             group = self.conversions[last - samples + 1 : last + 1]
             words = []
             for n in range(N):
-                total = sum((codes[n] - MID_CODE) << shift for _, codes in group)
+                total = sum((codes[n] - middle) << shift for _, codes in group)
                 words.append(
                     scale_sum.py_func(total - self.settings.ports[n].zero, self.settings.gain(n))
                 )
-            result.append((group[-1][0], words))
+            late = settings.frame.pipeline * (settings.tick_clocks // samples)
+            result.append((group[-1][0] + late, words))
         return result
 
     def check_steps(self) -> None:
         """Every step's words equal the integer model, fed with the ADC's codes and η."""
         settings = self.settings
         expected = self.currents()
-        assert len(self.steps) >= len(expected) - 2
+        assert len(self.steps) >= len(expected) - 2 - settings.frame.pipeline
         for n in range(N):
             port = settings.ports[n]
             state, line = golden.new_state(), golden.new_line(settings.extra_ticks)
@@ -278,13 +319,11 @@ class ControllerBench(Bench):
                 assert step.current[n] == words[n]
                 eta = port.eta_contact if step.contact[n] else port.eta_free
                 e, u, v = golden.wave_core_step.py_func(
-                    state, line, words[n], eta, port.root, port.a, port.u_max,
+                    state, line, words[n], eta, 0, port.root, port.a, port.u_max,
                     settings.extra_ticks, settings.hold_ticks,
                 )  # fmt: skip
                 assert (step.voltage[n], step.u[n], step.v[n]) == (e, u, v)
-                limit = port.u_max << formats.STATE_GUARD
-                if abs(int(state[golden.STATE_F])) < limit:
-                    assert not step.saturated[n]
+                assert step.saturated[n] == state[golden.STATE_SATURATED]
 
     def check_pulses(self) -> int:
         """Each half's pulse at the gates is the model's, in its place; number of pulses."""
@@ -298,7 +337,7 @@ class ControllerBench(Bench):
             # The formula is for the last port; the ports before it are served before it.
             latency = settings.latency - (N - 1 - n)
             duties = [
-                (strobe + latency, duty_of(step.voltage[n], settings.clocks_per_volt(n)))
+                (strobe + latency, duty_of.py_func(step.voltage[n], settings.clocks_per_volt(n)))
                 for strobe, step in zip(strobes, self.steps, strict=False)
             ]
             modulator, duty = Modulator(settings.half_clocks), 0
@@ -396,7 +435,7 @@ async def open_loop_equals_the_models(dut: object) -> None:
 
 
 def random_code(rng: random.Random) -> int:
-    top = (1 << PART.data_bits) - 1
+    top = (1 << PART.bits) - 1
     return rng.choice((0, top, MID_CODE, rng.randint(0, top), rng.randint(0, top)))
 
 
@@ -427,26 +466,34 @@ async def contact_at_any_time(dut: object) -> None:
 async def latency_is_the_formula(dut: object) -> None:
     """The tick from which a sample's voltage is driven, with the sample moved clock by clock."""
     bench = ControllerBench(dut)
-    longer = dataclasses.replace(PART, lead_bits=4, frame_falls=16)
-    for part, sclk_half in ((PART, 1), (longer, 1), (PART, 2)):
+    if KIND == "command":
+        cases = [(PART, PART_FRAME)]
+    else:
+        slow = dataclasses.replace(PART_FRAME, sclk_half_clocks=2)
+        names = ["AD7276", "AD7476A"] if N > 1 else ["AD7276", "AD7476A", "ADS7042", "ADS7056"]
+        cases = [(PARTS[name], frame(PARTS[name], CLOCK_HZ)) for name in names]
+        cases.append((PART, slow))
+    for part, made in cases:
         seen = set()
-        latency = Settings(part=part, sclk_half=sclk_half).latency
+        latency = Settings(part=part, frame=made).latency
         # A tick for which the boundary is near the middle of the leads that are tried.
-        tick_clocks = TICK_CLOCKS + (16 * (sclk_half - 1) if N == 1 else 0)
-        tick_clocks = max(tick_clocks, 2 * sclk_half * part.frame_falls + 3)
+        tick_clocks = max(TICK_CLOCKS, N * made.cycle_clocks + 1)
+        if not boundary_leads(tick_clocks, latency)[1:]:
+            tick_clocks += 16
         for lead in boundary_leads(tick_clocks, latency):
-            settings = Settings(half_clocks=tick_clocks, part=part, sclk_half=sclk_half, lead=lead)
+            settings = Settings(half_clocks=tick_clocks, part=part, frame=made, lead=lead)
             expected = max(
                 0, math.ceil((latency - (tick_clocks - settings.sample_at) + 1) / tick_clocks)
             )
-            bench.codes = [MID_CODE] * N
+            middle = 1 << (part.bits - 1)
+            bench.codes = [middle] * N
             await bench.begin(settings)
             await bench.run(3 * tick_clocks)
             before = len(bench.conversions)
             # From the next conversion on there is current.
-            bench.codes = [MID_CODE + 400] * N
+            bench.codes = [middle + 400] * N
             await bench.run(5 * tick_clocks)
-            strobe = bench.conversions[before][0]
+            strobe = bench.conversions[before][0] + made.pipeline * tick_clocks
             first = next(n for n, row in enumerate(bench.bridge) if all(row))
             driven_tick = (first - GATE_CLOCKS) // tick_clocks
             assert driven_tick - strobe // tick_clocks - 1 == expected, (part.name, lead)
@@ -556,8 +603,6 @@ async def gates_in_any_state(dut: object) -> None:
                 for _ in range(rng.choice((1, 2, 40))):
                     await bench.clock(enable=0)
             if rng.random() < 0.1:
-                for part in bench.parts:
-                    part.pins(bench.clocks * PERIOD_NS, 1, 1)
                 await bench.clock(rst=1)
         turned_on += min(watch.turned_on for watch in bench.watches)
     assert turned_on > 30
@@ -568,9 +613,8 @@ async def faults_show(dut: object) -> None:
     """A tick too short for the frame or for the core latches overrun_o; so does an illegal move."""
     bench = ControllerBench(dut)
     bench.codes = [MID_CODE] * N
-    frame = 2 * PART.frame_falls + 2
-    short = 22 * N if N > 1 else frame - 2
-    await bench.begin(Settings(half_clocks=short, quiet=4))
+    short = 22 * N if N > 1 else PART_FRAME.cycle_clocks - 2
+    await bench.begin(Settings(half_clocks=short))
     await bench.run(6 * short + 60 * N)
     assert bench.word("overrun_o") == 1
     await bench.begin(Settings())
@@ -582,3 +626,91 @@ async def faults_show(dut: object) -> None:
     assert bench.word("position_o") == 0
     await bench.begin(Settings())
     assert (bench.word("overrun_o"), bench.word("encoder_fault_o")) == (0, 0)
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms", skip=not SENSE)
+async def sense_flags(dut: object) -> None:
+    """Words at the end of the scale, words that never change and a word beyond the trip."""
+    bench = ControllerBench(dut)
+    rng = random_source("sense")
+    top = (1 << PART.bits) - 1
+    settings = Settings(trip=1 << 14, stuck_words=6, range_word=(1 << 15) - (1 << (16 - PART.bits)))
+    bench.codes = [MID_CODE] * N
+    await bench.begin(settings)
+
+    async def show(code: int, ticks: int) -> list[tuple[int, int, int]]:
+        seen = []
+        bench.codes[N - 1] = code
+        for _ in range(ticks):
+            await bench.run(TICK_CLOCKS)
+            for n in range(N - 1):
+                bench.codes[n] = MID_CODE + rng.randint(1, 5) * (-1) ** rng.randint(0, 1)
+            names = ("adc_range_o", "adc_stuck_o", "overcurrent_o")
+            seen.append(tuple(bench.word(name) >> (N - 1) & 1 for name in names))
+            assert all(bench.word(name) & ((1 << (N - 1)) - 1) == 0 for name in names[:1])
+        return seen
+
+    await show(MID_CODE + 1, 2 + settings.frame.pipeline)
+    for code, flags in (
+        (top, (1, 0, 1)),
+        (0, (1, 0, 1)),
+        (MID_CODE + top // 3, (0, 0, 1)),
+        (MID_CODE - 3, (0, 0, 0)),
+    ):
+        seen = await show(code, 3 + settings.frame.pipeline)
+        assert seen[-1] == flags, code
+    assert (await show(MID_CODE - 3, 8))[-1] == (0, 1, 0)
+    assert (await show(MID_CODE - 2, 3 + settings.frame.pipeline))[-1] == (0, 0, 0)
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms", skip=not SENSE)
+async def measured_zero(dut: object) -> None:
+    """With the bridge off the sensor's offset is found, and is no current any more."""
+    bench = ControllerBench(dut)
+    offset = 37
+    samples = 1 if KIND == "command" else 2
+    settings = Settings(
+        half_clocks=samples * TICK_CLOCKS, samples=samples, zero_limit=(40 << 4) * samples
+    )
+    ticks = 1 << parameters().get("ZERO_LOG2", 10)
+
+    async def measure() -> None:
+        bench.drive(zero_start_i=1)
+        await bench.clock(enable=0)
+        bench.drive(zero_start_i=0)
+        waited = 0
+        while bench.word("zero_busy_o"):
+            await bench.clock(enable=0)
+            waited += 1
+            assert waited < (ticks + 3) * settings.tick_clocks
+
+    bench.codes = [MID_CODE + offset] * N
+    await bench.begin(settings, enable=0)
+    for _ in range(4 * settings.tick_clocks):
+        await bench.clock(enable=0)
+    assert all(word > 0 for word in unpack(bench.word("current_o"), formats.DATA_W, N))
+    await measure()
+    assert bench.word("zero_fault_o") == 0
+    for _ in range(4 * settings.tick_clocks):
+        await bench.clock(enable=0)
+    assert unpack(bench.word("current_o"), formats.DATA_W, N) == [0] * N
+    # A sensor that is too far off is told, and its zero isn't taken.
+    bench.codes = [MID_CODE + offset + 10] * N
+    await measure()
+    assert bench.word("zero_fault_o") == (1 << N) - 1
+    for _ in range(4 * settings.tick_clocks):
+        await bench.clock(enable=0)
+    words = unpack(bench.word("current_o"), formats.DATA_W, N)
+    shift = formats.SAMPLE_W - PART.bits
+    expected = [scale_sum.py_func((10 << shift) * samples, settings.gain(n)) for n in range(N)]
+    assert words == expected
+    # A bridge that goes on in the middle: no zero.
+    bench.codes = [MID_CODE + offset] * N
+    await measure()
+    assert bench.word("zero_fault_o") == 0
+    bench.drive(zero_start_i=1)
+    await bench.clock(enable=0)
+    bench.drive(zero_start_i=0)
+    await bench.run(3)
+    assert bench.word("zero_fault_o") == (1 << N) - 1
+    assert bench.word("zero_busy_o") == 0

@@ -5,44 +5,36 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass, field
+from itertools import accumulate
 
 import cocotb
 from bench import Bench, random_source
 from wavehaptics import formats
+from wavehaptics.modulator import duty_of, half_width, new_modulator
 
 FRACTION = formats.DUTY.fraction
 STEP = 1 << FRACTION
+EXTRA_SHIFT = FRACTION - formats.EXTRA.fraction
 MULTIPLY_CLOCKS = 3
 LATENCY = 4
 """Clocks from the voltage to where take_i finds its duty, if the multiplier is free."""
 
 
-@dataclass
 class Model:
-    """One half after another: duty plus what is owed, rounded, and what stays owed."""
+    """One half after another; counts those that were clipped."""
 
-    half_clocks: int
-    residual: int = 0
-    clipped: int = 0
+    def __init__(self, half_clocks: int, second_order: bool = False) -> None:
+        self.half_clocks, self.second_order = half_clocks, second_order
+        self.clipped = 0
+        self._state = new_modulator()
 
-    def width(self, duty: int) -> int:
+    def width(self, duty: int, extra: int = 0) -> int:
         """Width of a half with the duty in 1/65536 clock; the rest is carried over."""
-        total = duty + self.residual
-        magnitude = (abs(total) + STEP // 2) >> FRACTION
-        width = magnitude if total >= 0 else -magnitude
-        limit = self.half_clocks // 2
-        if abs(width) > limit:
-            self.residual = 0
-            self.clipped += 1
-            return limit if width > 0 else -limit
-        self.residual = total - width * STEP
+        rest, older = (int(word) for word in self._state)
+        total = duty + (extra << EXTRA_SHIFT) + (2 * rest - older if self.second_order else rest)
+        width = half_width.py_func(self._state, duty, extra, self.half_clocks, self.second_order)
+        self.clipped += abs(total - width * STEP) > STEP // 2
         return width
-
-
-def duty_of(voltage: int, clocks_per_volt: int) -> int:
-    """Voltage word times clocks per volt, toward zero, in 1/65536 clock."""
-    magnitude = abs(voltage * clocks_per_volt) >> formats.VOLTAGE.fraction
-    return magnitude if voltage * clocks_per_volt >= 0 else -magnitude
 
 
 @dataclass
@@ -52,6 +44,7 @@ class Tick:
     voltage: int | None = None
     at: int = 0
     grant_after: int = 0
+    extra: int | None = None
 
 
 @dataclass
@@ -67,19 +60,24 @@ class ModulatorBench(Bench):
     """Plays carrier, wave core and multiplier; checks every half's width."""
 
     async def run(
-        self, half_clocks: int, tick_halves: int, clocks_per_volt: int, ticks: list[Tick]
-    ) -> Shown:
+        self, half_clocks: int, tick_halves: int, clocks_per_volt: int, ticks: list[Tick],
+        second_order: bool = False,
+    ) -> Shown:  # fmt: skip
         await self.start(
             valid_i=0, voltage_i=0, clocks_per_volt_i=clocks_per_volt, half_clocks_i=half_clocks,
             grant_i=0, done_i=0, product_i=0, take_i=0, update_i=0,
+            second_order_i=int(second_order), extra_i=0,
         )  # fmt: skip
-        model, shown = Model(half_clocks), Shown()
-        pending = active = 0
+        model, shown = Model(half_clocks, second_order), Shown()
+        pending = active = extra = 0
         tick_clocks = half_clocks * tick_halves
         wait = -1
         in_work: list[tuple[int, int]] = []
         clock = 0
         for tick in ticks:
+            if tick.extra is not None:
+                extra = tick.extra
+                self.drive(extra_i=extra)
             for in_tick in range(tick_clocks):
                 clock += 1
                 valid = tick.voltage is not None and in_tick == tick.at
@@ -104,15 +102,15 @@ class ModulatorBench(Bench):
                 if take:
                     active = pending
                 if update:
-                    expected = model.width(active)
+                    expected = model.width(active, extra)
                     width = self.signed("width_o")
                     assert width == expected, (in_tick, width, expected)
                     shown.widths.append(width)
-                    shown.duties.append(active)
+                    shown.duties.append(active + (extra << EXTRA_SHIFT))
                 await self.step()
                 # A product shows as the pending duty one clock later.
                 if done:
-                    pending = duty_of(1, in_work.pop(0)[1])
+                    pending = duty_of.py_func(1, in_work.pop(0)[1])
         shown.clipped = model.clipped
         return shown
 
@@ -152,12 +150,13 @@ async def random_voltages(dut: object) -> None:
         half_clocks, tick_halves = rng.choice((6, 7, 24, 37, 48)), rng.choice((1, 2, 3))
         gain = clocks_per_volt(half_clocks, rng.choice((12.0, 24.0, 48.0)))
         ticks = [random_tick(rng, half_clocks * tick_halves) for _ in range(60)]
-        shown = await bench.run(half_clocks, tick_halves, gain, ticks)
+        second_order = rng.random() < 0.5
+        shown = await bench.run(half_clocks, tick_halves, gain, ticks, second_order)
         error = 0
         if not shown.clipped:
             for width, duty in zip(shown.widths, shown.duties, strict=True):
                 error += duty - width * STEP
-                assert abs(error) <= STEP // 2
+                assert abs(error) <= (STEP if second_order else STEP // 2)
         widths |= set(shown.widths)
         clipped += shown.clipped
     assert len(widths) > 20
@@ -167,10 +166,29 @@ async def random_voltages(dut: object) -> None:
 def random_tick(rng: random.Random, tick_clocks: int) -> Tick:
     # A voltage comes when the one before is done with the multiplier, as ticks have it.
     latest = tick_clocks - 1 - LATENCY - 3
+    extra = rng.choice((None, 0, rng.randint(-(1 << 15), 1 << 15) >> rng.choice((0, 5, 9))))
     if rng.random() < 0.1 or latest < 0:
-        return Tick()
+        return Tick(extra=extra)
     voltage = rng.randint(formats.VOLTAGE.raw_min, formats.VOLTAGE.raw_max)
-    return Tick(voltage >> rng.choice((0, 3, 4, 6, 12)), rng.randint(0, latest), rng.randint(0, 3))
+    shift = rng.choice((0, 3, 4, 6, 12))
+    return Tick(voltage >> shift, rng.randint(0, latest), rng.randint(0, 3), extra)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def order_of_the_feedback(dut: object) -> None:
+    """A constant duty: the error's sum, or with order 2 the sum of its sums, stays bounded."""
+    bench = ModulatorBench(dut)
+    voltage = (3 * STEP + 12345) << (formats.VOLTAGE.fraction - FRACTION)
+    patterns = []
+    for second_order in (False, True):
+        shown = await bench.run(24, 1, STEP, every_tick([voltage] * 200), second_order)
+        errors = [d - w * STEP for w, d in zip(shown.widths, shown.duties, strict=True)]
+        once = list(accumulate(errors))
+        twice = list(accumulate(once))
+        assert max(map(abs, once)) <= (STEP if second_order else STEP // 2)
+        assert (max(map(abs, twice)) <= STEP // 2) == second_order
+        patterns.append(shown.widths)
+    assert patterns[0] != patterns[1]
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

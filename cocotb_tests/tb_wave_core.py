@@ -17,10 +17,12 @@ import numpy as np
 from cocotb.triggers import First, RisingEdge, Timer
 from simulators import RTL_DIR, defines, parameters
 
-CLOCKS_A_PORT = 24
 TICKS = parameters()["TICKS"]
 PORTS = parameters()["N"]
 DELAY_LOG2 = parameters()["DELAY_LOG2"]
+ANCHOR = parameters().get("ANCHOR", 1)
+SHAPER = parameters().get("SHAPER", 0)
+CLOCKS_A_PORT = 24 + 5 * SHAPER
 AGE_MAX = (1 << DELAY_LOG2) - 1
 
 
@@ -58,6 +60,10 @@ class Stream:
 
     current: np.ndarray
     eta: np.ndarray
+    anchor: np.ndarray
+    mode: np.ndarray
+    shape: np.ndarray
+    """Words of W: int64, shape (ticks, ports, max(SHAPER, 1), SECTION_WORDS)."""
     root: np.ndarray
     a: np.ndarray
     u_max: np.ndarray
@@ -77,10 +83,17 @@ class Stream:
         """A word a tick, in the bench's layout."""
         fields = [(getattr(self, name).astype(bool), 1) for name in ("reset", "abort", "poke")]
         fields += [(self.at, 8), (self.pause, 8), (self.extra, DELAY_LOG2), (self.hold, DELAY_LOG2)]
+        fields += [(self.mode[:, port], 2) for port in reversed(range(PORTS))]
+        widths = [FORMATS.SHAPE.width] * GOLDEN.LOSS1 + [FORMATS.SHAPE_LOSS_W] * 3
+        for port in reversed(range(PORTS)):
+            for section in reversed(range(self.shape.shape[2])):
+                words = self.shape[:, port, section]
+                fields += [(words[:, n], widths[n]) for n in reversed(range(len(widths)))]
         for words, width in (
             (self.u_max, FORMATS.DATA_W),
             (self.a, FORMATS.COEF_W),
             (self.root, FORMATS.COEF_W),
+            (self.anchor, FORMATS.DATA_W),
             (self.eta, FORMATS.COEF_W),
             (self.current, FORMATS.DATA_W),
         ):
@@ -138,14 +151,17 @@ def expected(stream: Stream) -> Answers:
     """The integer model's answers to a stream."""
     answers = Answers.empty(stream.ticks)
     answers.clocks[:] = np.where(stream.abort, stream.at, CLOCKS_A_PORT * PORTS)
-    unlimited = 1 << (FORMATS.DATA_W + 10)
 
-    def fresh() -> list[tuple[np.ndarray, np.ndarray]]:
-        return [(GOLDEN.new_state(), np.zeros(AGE_MAX + 1, dtype=np.int64)) for _ in range(PORTS)]
+    def fresh() -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        line = np.zeros(AGE_MAX + 1, dtype=np.int64)
+        return [
+            (GOLDEN.new_state(), line.copy(), GOLDEN.new_shaper_state(SHAPER)) for _ in range(PORTS)
+        ]
 
     memories = fresh()
     overrun = False
-    inputs = np.stack([stream.current, stream.eta, stream.root, stream.a], axis=-1).tolist()
+    anchor = stream.anchor if ANCHOR else np.zeros_like(stream.anchor)
+    inputs = np.stack([stream.current, stream.eta, anchor, stream.root, stream.a], axis=-1).tolist()
     limits, ages = stream.u_max.tolist(), np.stack([stream.extra, stream.hold], axis=-1).tolist()
     for tick in range(stream.ticks):
         if stream.reset[tick] or stream.abort[tick]:
@@ -154,15 +170,14 @@ def expected(stream: Stream) -> Answers:
             continue
         overrun |= bool(stream.poke[tick])
         answers.overrun[tick] = overrun
-        for port, (state, line) in enumerate(memories):
-            u_max, before = limits[tick][port], (state.copy(), line.copy())
-            words = GOLDEN.wave_core_step(state, line, *inputs[tick][port], u_max, *ages[tick])
+        for port, (state, line, shaper) in enumerate(memories):
+            u_max = limits[tick][port]
+            words = GOLDEN.shaped_core_step(
+                state, line, stream.shape[tick, port, :SHAPER], shaper, stream.mode[tick, port],
+                *inputs[tick][port], u_max, *ages[tick],
+            )  # fmt: skip
             answers.voltage[tick, port], answers.u[tick, port], answers.v[tick, port] = words
-            limit = u_max << FORMATS.STATE_GUARD
-            if not -limit < state[GOLDEN.STATE_F] < limit:  # then f may have been outside
-                GOLDEN.wave_core_step(*before, *inputs[tick][port], unlimited, *ages[tick])
-                f = before[0][GOLDEN.STATE_F]
-                answers.saturated[tick, port] = not -limit <= f <= limit
+            answers.saturated[tick, port] = state[GOLDEN.STATE_SATURATED]
     return answers
 
 
@@ -198,6 +213,25 @@ class Bench:
             )
             checked += got.size
         assert checked == stream.ticks * (3 + 4 * PORTS) > 0
+
+
+def shaper_words(rng: np.random.Generator, ticks: int) -> np.ndarray:
+    """Words of W: any, corners, or like real ones of low corner frequencies, at times constant."""
+    shape = (ticks if rng.random() < 0.3 else 1, PORTS, max(SHAPER, 1), GOLDEN.SECTION_WORDS)
+    format_ = FORMATS.SHAPE
+    kind = rng.integers(3)
+    if kind == 0:
+        words = rng.integers(format_.raw_min, format_.raw_max, shape, endpoint=True)
+    elif kind == 1:
+        corners = [format_.raw_min, -1, 0, 1, 1 << format_.fraction, format_.raw_max]
+        words = rng.choice(np.array(corners, dtype=np.int64), shape)
+    else:
+        small = 1 << int(rng.integers(1, format_.fraction))
+        words = rng.integers(-small, small, shape)
+        words[..., GOLDEN.D] = rng.integers(-1 << format_.fraction, 1 << format_.fraction)
+    largest = 1 << int(rng.integers(0, FORMATS.SHAPE_LOSS_W, endpoint=True))
+    words[..., GOLDEN.LOSS1 :] = rng.integers(0, largest, (*shape[:3], 3))
+    return np.broadcast_to(words, (ticks, *shape[1:]))
 
 
 def random_stream(seed: int) -> Stream:
@@ -238,6 +272,7 @@ def random_stream(seed: int) -> Stream:
             between(-eta_one, eta_one),
             among(-eta_one, eta_one),
         ],
+        "anchor": [corners, between(data.raw_min, data.raw_max), small(data), among(0)],
         "root": [
             coefficient_corners,
             between(eta_format.raw_min, eta_format.raw_max),
@@ -270,6 +305,9 @@ def random_stream(seed: int) -> Stream:
         for name in ("extra", "hold"):
             ages = rng.integers(0, AGE_MAX, ticks, endpoint=True)
             part[name] = ages if rng.random() < 0.3 else np.full(ticks, ages[0])
+        modes = rng.integers(0, 3, (ticks, PORTS))
+        part["mode"] = modes if rng.random() < 0.2 else np.full((ticks, PORTS), modes[0])
+        part["shape"] = shaper_words(rng, ticks)
         part["pause"] = np.where(rng.random(ticks) < 0.1, rng.integers(0, 40, ticks), 0)
         part["at"] = rng.integers(1, CLOCKS_A_PORT * PORTS, ticks)
         part["poke"] = rng.random(ticks) < 0.02
@@ -295,6 +333,7 @@ async def equals_the_integer_model(dut) -> None:
     for values in (answers.v, answers.voltage):
         assert values.max() == FORMATS.WAVE.raw_max
         assert values.min() == FORMATS.WAVE.raw_min
+    assert SHAPER == 0 or set(np.unique(stream.mode)) == {0, 1, 2}
     assert stream.abort.any()
     assert stream.reset.any()
     assert answers.overrun.any()

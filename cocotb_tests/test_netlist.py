@@ -7,38 +7,42 @@ said in ``tb_netlist_mult18x18d.v``.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import pytest
-import simulators
 from simulators import simulate
 from wavehaptics.netlists import DEVICES, netlist
 from wavehaptics.toolchain import Toolchain
 
 TICKS = 3_000
 
-# The libraries' cells aren't written for lint.
-QUIET = ("-Wno-lint", "-Wno-style", "-Wno-SPECIFYIGN", "-Wno-fatal")
 
-
-@pytest.fixture
-def in_place(monkeypatch: pytest.MonkeyPatch):
-    """Put the netlist of a block in the place of its RTL."""
-
-    def put(block: str, device: str, parameters: dict[str, int]) -> None:
-        made = netlist(block, device, parameters, Toolchain.of_environment())
-        defines = [f"-D{name}={value}" for name, value in made.defines.items()]
-        usual = simulators._BUILD_ARGS["verilator"]
-        arguments = [*map(str, made.sources), *defines, *QUIET, *usual]
-        monkeypatch.setitem(simulators._BUILD_ARGS, "verilator", arguments)
-
-    return put
+def simulate_netlist(
+    block: str,
+    block_parameters: dict[str, int],
+    device: str,
+    bench: str,
+    test_module: str,
+    parameters: Mapping[str, int] | None = None,
+) -> None:
+    """Run ``test_module`` on ``bench`` with the netlist of ``block`` in the place of its RTL."""
+    made = netlist(block, device, block_parameters, Toolchain.of_environment())
+    simulate(
+        "verilator", bench, test_module, parameters,
+        name=f"netlist-{block}-{device}", sources=made,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("device", DEVICES)
-def test_wave_core(in_place, device: str) -> None:
+def test_wave_core(device: str) -> None:
     """Word for word the integer model, over corners, resets and overruns."""
-    parameters = {"N": 1, "DELAY_LOG2": 2}
-    in_place("wh_wave_core", device, parameters)
-    name = f"netlist-wave_core-{device}"
-    simulate(
-        "verilator", "bench_wave_core", "tb_wave_core", {**parameters, "TICKS": TICKS}, name=name
-    )
+    parameters = {"N": 1, "DELAY_LOG2": 2, "ANCHOR": 1, "SHAPER": 0}
+    bench = {**parameters, "TICKS": TICKS}
+    simulate_netlist("wh_wave_core", parameters, device, "bench_wave_core", "tb_wave_core", bench)
+
+
+@pytest.mark.parametrize("device", DEVICES)
+def test_closed_loop(device: str) -> None:
+    """The whole design taps the stiffest wall once, at its pins."""
+    parameters = {"N": 1, "WALLS": 4, "DELAY_LOG2": 2}
+    simulate_netlist("wh_controller", parameters, device, "bench_closed_loop", "tb_closed_loop")

@@ -16,9 +16,25 @@ def test_wave_core(simulator: str) -> None:
     simulate(simulator, "bench_wave_core", "tb_wave_core", parameters)
 
 
+@pytest.mark.parametrize(("sections", "ports"), [(1, 1), (2, 1), (2, 3)])
+def test_wave_core_with_a_shaper(simulator: str, sections: int, ports: int) -> None:
+    if simulator == "icarus" and (sections, ports) != (2, 1):
+        pytest.skip("one size is enough to see what a slow simulator sees otherwise")
+    ticks = {"icarus": 2_000, "verilator": 8_000 if ports == 1 else 2_500}[simulator]
+    parameters = {"N": ports, "DELAY_LOG2": 2, "SHAPER": sections, "TICKS": ticks}
+    simulate(simulator, "bench_wave_core", "tb_wave_core", parameters)
+
+
 @pytest.mark.parametrize(("ports", "delay_log2"), [(3, 1), (1, 10)])
 def test_wave_core_ports(simulator: str, ports: int, delay_log2: int) -> None:
-    parameters = {"N": ports, "DELAY_LOG2": delay_log2, "TICKS": TICKS_OF_A_VARIANT}
+    # A long delay line is filled late: the stream is longer, so that it goes everywhere as well.
+    ticks = TICKS_OF_A_VARIANT * (3 if delay_log2 > 4 else 1)
+    parameters = {"N": ports, "DELAY_LOG2": delay_log2, "TICKS": ticks}
+    simulate(simulator, "bench_wave_core", "tb_wave_core", parameters)
+
+
+def test_wave_core_without_anchor(simulator: str) -> None:
+    parameters = {"N": 1, "DELAY_LOG2": 2, "ANCHOR": 0, "TICKS": TICKS_OF_A_VARIANT}
     simulate(simulator, "bench_wave_core", "tb_wave_core", parameters)
 
 

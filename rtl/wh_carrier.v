@@ -8,7 +8,8 @@
 //
 // half_o is the half's parity, which picks the zero vector of wh_pwm; it goes on through the ticks.
 // The lead is negative where the samples have to wait, say for the gates' registers, for dead time
-// or for the bridge. The settings may change only in reset.
+// or for the bridge. With sample_late_i the samples of every odd tick come a clock later: half a
+// clock in the mean. The settings may change only in reset.
 // Outputs are decoded from registers. Latency: phase 0 of a tick is the first clock after reset.
 // Reset: before that clock; no strobes.
 
@@ -25,6 +26,7 @@ module wh_carrier (
     input  wire        [8:0]            samples_i,        // samples in a tick, 1...256
     input  wire signed [7:0]            sample_lead_i,    // clocks that samples come early; first
                                                           // sample in 0...sample_clocks_i - 1
+    input  wire                        sample_late_i,     // a clock later in odd ticks
 
     output wire        [`WH_TICK_W-1:0] phase_o,          // clocks since the half's start
     output wire        [`WH_TICK_W-1:0] remaining_o,      // half_clocks_i - 1 - phase_o
@@ -80,11 +82,22 @@ module wh_carrier (
     reg [8:0]            left_q;    // samples of this tick still to come
     reg                  first_q;
 
+    reg                   odd_q;     // this tick's parity
+
     wire [`WH_TICK_W-1:0] first_wait = (sample_clocks_i >> 1)
-                                       - {{`WH_TICK_W-8{sample_lead_i[7]}}, sample_lead_i};
+                                       - {{`WH_TICK_W-8{sample_lead_i[7]}}, sample_lead_i}
+                                       + {{`WH_TICK_W-1{1'b0}}, sample_late_i && running_q && !odd_q};
 
     assign sample_o       = running_q && (wait_q == {`WH_TICK_W{1'b0}}) && (left_q != 9'd0);
     assign sample_first_o = first_q;
+
+    always @(posedge clk) begin
+        if (!running_q) begin
+            odd_q <= 1'b0;
+        end else if (tick_o) begin
+            odd_q <= !odd_q;
+        end
+    end
 
     always @(posedge clk) begin
         if (!running_q || tick_o) begin

@@ -6,6 +6,9 @@
 //   depth     = position - x_w,  x_w the edge through which the rotor came in
 //   eta       = eta_contact in a wall, eta_free outside
 //
+// With hysteresis_i a wall that has been entered is not left in the first count outside, only in the
+// next, unless another wall holds the position: a finger that rests on the edge does not chatter.
+//
 // A rotor that is found inside a wall came in through the nearer edge, through wall_min if both are
 // as near; the edge stays until the rotor leaves the wall. An edge may be moved under a rotor in
 // contact, and x_w moves with it.
@@ -30,6 +33,7 @@ module wh_contact #(
     input  wire [WALLS*`WH_COUNT_W-1:0]  wall_min_i,     // s32 each, counts; wall 0 lowest
     input  wire [WALLS*`WH_COUNT_W-1:0]  wall_max_i,     // s32 each, counts
     input  wire [WALLS-1:0]              wall_enable_i,
+    input  wire                          hysteresis_i,
     input  wire signed [`WH_COEF_W-1:0]  eta_contact_i,  // s27q25, +-2, used in [-1, 1]
     input  wire signed [`WH_COEF_W-1:0]  eta_free_i,     // s27q25, +-2, used in [-1, 1]
 
@@ -108,6 +112,17 @@ module wh_contact #(
     wire                         side  = stays ? side_q : (from_min_q > from_max_q);
     wire signed [DISTANCE_W-1:0] depth = side ? -from_max_q : from_min_q;
 
+    // One count outside the wall that has been entered: kept if no wall holds the position.
+    reg                          linger_q;      // an earlier wall of this round would be kept
+    reg  signed [DISTANCE_W-1:0] linger_depth_q;
+
+    wire lingers_here  = hysteresis_i && stays && enable_q
+                         && ((from_min_q == {DISTANCE_W{1'b1}})
+                             || (from_max_q == {DISTANCE_W{1'b0}}));
+    wire lingered      = linger_q && !first;
+    wire lingers       = lingered || lingers_here;
+    wire signed [DISTANCE_W-1:0] linger_depth = lingered ? linger_depth_q : depth;
+
     wire                         now       = earlier || holds;
     wire        [WALL_W-1:0]     now_wall  = earlier ? found_wall_q : wall_q;
     wire                         now_side  = earlier ? found_side_q : side;
@@ -119,7 +134,7 @@ module wh_contact #(
         .IN_W    (DISTANCE_W),
         .OUT_W   (`WH_COUNT_W)
     ) saturate (
-        .value_i (now_depth),
+        .value_i (now ? now_depth : linger_depth),
         .value_o (depth_word)
     );
 
@@ -128,6 +143,8 @@ module wh_contact #(
         found_side_q  <= now_side;
         found_depth_q <= now_depth;
         found_q       <= now && valid_q;
+        linger_q       <= lingers && valid_q;
+        linger_depth_q <= linger_depth;
         if (rst) begin
             contact_o <= 1'b0;
             wall_o    <= {WALL_W{1'b0}};
@@ -135,9 +152,9 @@ module wh_contact #(
             depth_o   <= {`WH_COUNT_W{1'b0}};
             eta_o     <= eta_free_i;
         end else if (valid_q && last && !hold_i) begin
-            contact_o <= now;
-            depth_o   <= now ? depth_word : {`WH_COUNT_W{1'b0}};
-            eta_o     <= now ? eta_contact_i : eta_free_i;
+            contact_o <= now || lingers;
+            depth_o   <= (now || lingers) ? depth_word : {`WH_COUNT_W{1'b0}};
+            eta_o     <= (now || lingers) ? eta_contact_i : eta_free_i;
             if (now) begin
                 wall_o <= now_wall;
                 side_q <= now_side;

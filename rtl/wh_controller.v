@@ -14,20 +14,35 @@
 // The settings, other than the walls, may change only in reset.
 //
 // Latency: the gates show the carrier's phase after 2 clocks, dead time aside, and CS_n falls 1
-// clock after the sample's phase: sample_lead_i = -1 samples in the pulse's middle. The last sample
+// clock after the sample's phase: sample_lead_i = -1 samples in the pulse's middle, and half the
+// dead time less samples in the middle of what dead time makes of the pulse. The last sample
 // of a tick reaches the gates with the next tick that ends
-//     1 + (2k - 1) sclk_half_clocks_i + 14 + 24 N + 2 (N - 1) clocks
-// after its sample strobe or later, k = lead_bits_i + data_bits_i (latency_clocks in
+//     conversion + 14 + (24 + 5 SHAPER) N + 2 (N - 1) clocks
+// after its sample strobe or later, conversion being the reader's own latency (latency_clocks in
 // sim/wavehaptics/pins_timing.py).
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
 
 `default_nettype none
 `include "wh_formats.vh"
+`include "wh_faults.vh"
 
 module wh_controller #(
     parameter integer N          = 1,  // motors, 1...8
     parameter integer WALLS      = 4,  // walls of each, 1...16
-    parameter integer DELAY_LOG2 = 2   // the delay line keeps 2^DELAY_LOG2 steps, 1...
+    parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
+    parameter integer ADC        = 0,  // reader: 0 wh_adc_serial, 1 wh_adc_max11125, 2 wh_sinc3
+    parameter integer OSR        = 32, // ADC = 2: bits a word, 4...256
+    parameter integer CAPTURE_RISE = 0, // ADC = 2: take bits as the clock rises, not as it falls
+    parameter integer TRIP_OSR   = 8,  // ADC = 2: half the bits of the fast path, 2, 4, 8, 16, 32
+    parameter integer SENSE      = 0,  // 1: sense checks and a measured zero (wh_sense_check, wh_zero)
+    parameter integer ZERO_LOG2  = 10, // SENSE = 1: ticks of a zero, 2^ZERO_LOG2; 2...16
+    parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
+    parameter integer DEAD_TIME  = 1,  // 1: dead time can be compensated
+    parameter integer HOST       = 0,  // 1: a computer can have the environment (wh_host_link)
+    parameter integer ANCHOR     = 0,  // 1: the encoder holds the walls (wh_anchor)
+    parameter integer GUARD      = 0,  // 1: wh_guard watches; 0: its inputs mean nothing
+    parameter integer SHAPE_BITS = N * ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
+                                   * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W)
 ) (
     input  wire                         clk,
     input  wire                         rst,
@@ -36,7 +51,8 @@ module wh_controller #(
     // Pins.
     output wire                         adc_cs_n_o,
     output wire                         adc_sclk_o,
-    input  wire [N-1:0]                 adc_sdata_i,
+    output wire                         adc_din_o,           // ADC = 1: commands
+    input  wire [N-1:0]                 adc_sdata_i,         // ADC = 1: bit 0, from one part
     input  wire [N-1:0]                 enc_a_i,             // asynchronous
     input  wire [N-1:0]                 enc_b_i,             // asynchronous
     output wire [N-1:0]                 gate_ah_o,
@@ -50,16 +66,30 @@ module wh_controller #(
     input  wire [`WH_TICK_W-1:0]        sample_clocks_i,     // clocks from sample to sample
     input  wire [8:0]                   samples_i,           // samples in a tick, 1...256
     input  wire signed [7:0]            sample_lead_i,       // clocks that samples come early
+    input  wire                         sample_late_i,       // a clock later in odd ticks
 
-    // ADC frame (wh_adc_serial).
+    // ADC frame (wh_adc_serial; sim/wavehaptics/adc_parts.py has the parts' words).
     input  wire [7:0]                   sclk_half_clocks_i,  // half a period of SCLK, clocks
-    input  wire [5:0]                   frame_bits_i,        // falls of SCLK
+    input  wire [5:0]                   frame_bits_i,        // pulses of SCLK
     input  wire [5:0]                   lead_bits_i,         // zeros
     input  wire [4:0]                   data_bits_i,         // data bits, 1...16
     input  wire [7:0]                   quiet_clocks_i,      // CS_n high, clocks
+    input  wire [7:0]                   setup_clocks_i,      // CS_n to the first pulse, clocks
+    input  wire [7:0]                   hold_clocks_i,       // last pulse to CS_n, clocks
+    input  wire [5:0]                   calibrate_bits_i,    // pulses of the first frame; 0: none
+    input  wire                         sclk_idle_i,         // SCLK between frames
+    input  wire                         read_trailing_i,     // read at the end of a pulse
+
+    // Fast path of the current: the last word, or with ADC = 2 a filter of its own.
+    input  wire [15:0]                  trip_i,              // of 2^15, full scale; more: never
 
     // Current (wh_current).
     input  wire [N*`WH_SUM_W-1:0]       zero_i,              // s24, a tick's sum at 0 A
+    // With SENSE = 1: the checks, and a zero measured on command that takes the place of zero_i.
+    input  wire [15:0]                  range_i,             // of 2^15, end of the scale
+    input  wire [15:0]                  stuck_words_i,       // words that are never all the same
+    input  wire                         zero_start_i,        // strobe, while enable_i = 0
+    input  wire [`WH_SUM_W-2:0]         zero_limit_i,        // largest permitted |zero|
     input  wire [N*`WH_COEF_W-1:0]      gain_i,              // s27q35 A per unit of the sum
 
     // Position and contact (wh_quadrature, wh_contact).
@@ -67,21 +97,55 @@ module wh_controller #(
     input  wire [N*WALLS*`WH_COUNT_W-1:0] wall_min_i,        // s32, counts
     input  wire [N*WALLS*`WH_COUNT_W-1:0] wall_max_i,        // s32, counts
     input  wire [N*WALLS-1:0]           wall_enable_i,
+    input  wire [N-1:0]                 edge_hysteresis_i,   // walls are left one count later
     input  wire [N*`WH_COEF_W-1:0]      eta_contact_i,       // s27q25, in [-1, 1]
     input  wire [N*`WH_COEF_W-1:0]      eta_free_i,          // s27q25, in [-1, 1]
+
+    // W (wh_shaper): its words, port 0 lowest, and the walls that feel so; in others it stands still.
+    input  wire [SHAPE_BITS-1:0]        shape_words_i,
+    input  wire [N*WALLS-1:0]           wall_shaped_i,
+
+    // A computer's environment, HOST = 1 (wh_host_link).
+    input  wire [3:0]                   host_period_log2_i,  // ticks of a period, 2^this
+    input  wire [7:0]                   host_timeout_i,      // periods
+    input  wire [N-1:0]                 host_strobe_i,       // an answer
+    input  wire [N*8-1:0]               host_sequence_i,     // of the packet that it answers
+    input  wire [N*`WH_DATA_W-1:0]      host_u_i,            // s31q23 √W
+    output wire [N-1:0]                 host_strobe_o,       // a packet
+    output wire [N*8-1:0]               host_sequence_o,
+    output wire [N*`WH_DATA_W-1:0]      host_v_o,            // s31q23 √W, mean of v
+    output wire [N-1:0]                 host_active_o,       // the answers are in force
 
     // Wave core (wh_wave_core).
     input  wire [N*`WH_COEF_W-1:0]      root_i,              // s27q22 √Ω, +-16: √(2R̂)
     input  wire [N*`WH_COEF_W-1:0]      a_i,                 // s27q25, in (0, 1]
     input  wire [N*`WH_DATA_W-1:0]      u_max_i,             // s31q23 √W, 0...128 √W
+    input  wire [N*`WH_ANCHOR_W-1:0]    anchor_words_i,      // wh_anchor's, which has its own root_i
+                                                             // and u_max_i
     input  wire [DELAY_LOG2-1:0]        extra_ticks_i,       // ticks
     input  wire [DELAY_LOG2-1:0]        hold_ticks_i,        // ticks
 
-    // Drive (wh_modulator, wh_half_bridge).
+    // Drive (wh_modulator, wh_dead_time, wh_half_bridge).
     input  wire [N*`WH_COEF_W-1:0]      clocks_per_volt_i,   // s27q16 clocks/V
     input  wire [7:0]                   dead_clocks_i,       // clocks
+    input  wire                         compensate_i,        // the dead time
+    input  wire [N*`WH_DATA_W-1:0]      side_current_i,      // s31q24 A, 0...: where it has a side
+    input  wire [7:0]                   settle_ticks_i,      // ticks between its changes of side
+    input  wire                         second_order_i,      // error feedback of order 2
+
+    // Guard (wh_guard; wh_faults.vh has the fields and the faults).
+    input  wire [`WH_GUARD_W-1:0]       guard_i,             // its settings
+    input  wire                         clear_i,             // strobe: forget what is over
+    input  wire                         stop_i,              // pin, asynchronous
+    input  wire [N-1:0]                 driver_fault_i,      // pins, asynchronous
+    input  wire                         host_alive_i,        // strobe
+    input  wire [15:0]                  bus_i,               // u16q9 V
+    input  wire [N-1:0]                 anchor_fault_i,
+    output wire [`WH_FAULTS-1:0]        faults_o,            // latched
+    output wire                         running_o,           // the bridges are on
 
     // What it sees and does.
+    output wire                         adc_ready_o,         // the ADC is set up: ticks go on
     output wire                         tick_o,              // strobe, last clock of a tick
     output wire                         core_valid_o,        // strobe, the words below are new
     output wire [N*`WH_DATA_W-1:0]      voltage_o,           // s31q23 V, +-128 V: e to be applied
@@ -90,7 +154,15 @@ module wh_controller #(
     output wire [N*`WH_DATA_W-1:0]      current_o,           // s31q24 A, +-64 A: i_n
     output wire [N*`WH_COUNT_W-1:0]     position_o,          // s32, counts
     output wire [N-1:0]                 contact_o,
+    output wire [N*`WH_COEF_W-1:0]      root_o,              // s27q22 √Ω: s in contact
+    output wire [N-1:0]                 anchor_fault_o,      // the encoder doesn't follow the motor;
+                                                             // until rst or enable_i = 0
     output wire [N-1:0]                 saturated_o,         // the voltage limit was at work
+    output wire [N-1:0]                 adc_range_o,         // last word at the end of the scale
+    output wire [N-1:0]                 adc_stuck_o,         // last stuck_words_i words the same
+    output wire [N-1:0]                 zero_fault_o,        // no permitted zero was found
+    output wire [N-1:0]                 zero_busy_o,         // a zero is being measured
+    output wire [N-1:0]                 overcurrent_o,       // trip_i is reached, as long as it is
     output wire [N-1:0]                 encoder_fault_o,     // illegal move seen; until rst
     output wire                         overrun_o            // a tick is too short for its work;
                                                              // until rst (core: or enable_i = 0)
@@ -98,18 +170,35 @@ module wh_controller #(
 
     localparam integer DATA_W = `WH_DATA_W;
     localparam integer COEF_W = `WH_COEF_W;
-    localparam integer USERS  = 2 * N;
+    localparam integer USERS  = (ANCHOR != 0) ? 3 * N : 2 * N;
     localparam integer WALL_W = (WALLS < 2) ? 1 : $clog2(WALLS);
 
     generate
         if (N < 1 || N > 8) begin : illegal
             wh_illegal_parameter_controller_n_must_be_1_to_8 stop ();
         end
+        if (ADC < 0 || ADC > 2) begin : illegal_adc
+            wh_illegal_parameter_controller_adc_must_be_0_to_2 stop ();
+        end
+        if (ANCHOR != 0 && ANCHOR != 1) begin : illegal_anchor
+            wh_illegal_parameter_controller_anchor_must_be_0_or_1 stop ();
+        end
+        if (GUARD != 0 && GUARD != 1) begin : illegal_guard
+            wh_illegal_parameter_controller_guard_must_be_0_or_1 stop ();
+        end
+        if (DEAD_TIME != 0 && DEAD_TIME != 1) begin : illegal_dead_time
+            wh_illegal_parameter_controller_dead_time_must_be_0_or_1 stop ();
+        end
     endgenerate
 
-    wire drive_rst = rst || !enable_i;
+    wire off;
+    wire damp;
+    wire run       = enable_i && !off;
+    wire drive_rst = rst || !run;
 
-    // ---- Carrier.
+    assign running_o = run;
+
+    // ---- Carrier. The ticks begin when the ADC is ready.
 
     wire [`WH_TICK_W-1:0] phase;
     wire [`WH_TICK_W-1:0] remaining;
@@ -121,12 +210,13 @@ module wh_controller #(
 
     wh_carrier carrier (
         .clk             (clk),
-        .rst             (rst),
+        .rst             (rst || !adc_ready_o),
         .half_clocks_i   (half_clocks_i),
         .tick_halves_i   (tick_halves_i),
         .sample_clocks_i (sample_clocks_i),
         .samples_i       (samples_i),
         .sample_lead_i   (sample_lead_i),
+        .sample_late_i   (sample_late_i),
         .phase_o         (phase),
         .remaining_o     (remaining),
         .half_o          (half),
@@ -139,45 +229,114 @@ module wh_controller #(
 
     // ---- Current.
 
-    wire                      adc_busy;
     wire                      adc_valid;
+    wire                      adc_first;
     wire [N*`WH_SAMPLE_W-1:0] adc_sample;
     wire                      adc_overrun;
 
-    wh_adc_serial #(
-        .LINES              (N)
-    ) adc_serial (
-        .clk                (clk),
-        .rst                (rst),
-        .adc_cs_n_o         (adc_cs_n_o),
-        .adc_sclk_o         (adc_sclk_o),
-        .adc_sdata_i        (adc_sdata_i),
-        .sclk_half_clocks_i (sclk_half_clocks_i),
-        .frame_bits_i       (frame_bits_i),
-        .lead_bits_i        (lead_bits_i),
-        .data_bits_i        (data_bits_i),
-        .quiet_clocks_i     (quiet_clocks_i),
-        .start_i            (sample),
-        .busy_o             (adc_busy),
-        .valid_o            (adc_valid),
-        .sample_o           (adc_sample),
-        .overrun_o          (adc_overrun)
-    );
+    generate
+        if (ADC == 0) begin : serial
+            wire busy;
+            wire lead_edge;
+            wire unused = &{1'b0, busy, lead_edge};
 
-    // Whether the conversion that is under way is its tick's first.
-    reg converting_first_q;
+            assign adc_din_o = 1'b0;
 
-    always @(posedge clk) begin
-        if (rst) begin
-            converting_first_q <= 1'b0;
-        end else if (sample && !adc_busy) begin
-            converting_first_q <= sample_first;
+            wh_adc_serial #(
+                .LINES              (N)
+            ) adc (
+                .clk                (clk),
+                .rst                (rst),
+                .adc_cs_n_o         (adc_cs_n_o),
+                .adc_sclk_o         (adc_sclk_o),
+                .adc_sdata_i        (adc_sdata_i),
+                .sclk_half_clocks_i (sclk_half_clocks_i),
+                .frame_bits_i       (frame_bits_i),
+                .lead_bits_i        (lead_bits_i),
+                .data_bits_i        (data_bits_i),
+                .quiet_clocks_i     (quiet_clocks_i),
+                .setup_clocks_i     (setup_clocks_i),
+                .hold_clocks_i      (hold_clocks_i),
+                .calibrate_bits_i   (calibrate_bits_i),
+                .sclk_idle_i        (sclk_idle_i),
+                .read_trailing_i    (read_trailing_i),
+                .start_i            (sample),
+                .first_i            (sample_first),
+                .ready_o            (adc_ready_o),
+                .busy_o             (busy),
+                .lead_edge_o        (lead_edge),
+                .valid_o            (adc_valid),
+                .first_o            (adc_first),
+                .sample_o           (adc_sample),
+                .overrun_o          (adc_overrun)
+            );
+        end else if (ADC == 1) begin : command
+            wire busy;
+            wire unused = &{1'b0, busy, adc_sdata_i, calibrate_bits_i};
+
+            wh_adc_max11125 #(
+                .LINES              (N)
+            ) adc (
+                .clk                (clk),
+                .rst                (rst),
+                .adc_cs_n_o         (adc_cs_n_o),
+                .adc_sclk_o         (adc_sclk_o),
+                .adc_din_o          (adc_din_o),
+                .adc_sdata_i        (adc_sdata_i[0]),
+                .sclk_half_clocks_i (sclk_half_clocks_i),
+                .frame_bits_i       (frame_bits_i),
+                .lead_bits_i        (lead_bits_i),
+                .data_bits_i        (data_bits_i),
+                .quiet_clocks_i     (quiet_clocks_i),
+                .setup_clocks_i     (setup_clocks_i),
+                .hold_clocks_i      (hold_clocks_i),
+                .sclk_idle_i        (sclk_idle_i),
+                .read_trailing_i    (read_trailing_i),
+                .start_i            (sample),
+                .first_i            (sample_first),
+                .ready_o            (adc_ready_o),
+                .busy_o             (busy),
+                .valid_o            (adc_valid),
+                .first_o            (adc_first),
+                .sample_o           (adc_sample),
+                .overrun_o          (adc_overrun)
+            );
+        end else begin : sigma_delta
+            wire unused = &{1'b0, frame_bits_i, lead_bits_i, data_bits_i, quiet_clocks_i,
+                            setup_clocks_i, hold_clocks_i, calibrate_bits_i, sclk_idle_i,
+                            read_trailing_i};
+
+            assign adc_cs_n_o = 1'b1;
+            assign adc_din_o  = 1'b0;
+
+            wh_sinc3 #(
+                .LINES              (N),
+                .OSR                (OSR),
+                .CAPTURE_RISE       (CAPTURE_RISE),
+                .TRIP_OSR           (TRIP_OSR)
+            ) adc (
+                .clk                (clk),
+                .rst                (rst),
+                .adc_sclk_o         (adc_sclk_o),
+                .adc_sdata_i        (adc_sdata_i),
+                .sclk_half_clocks_i (sclk_half_clocks_i),
+                .trip_i             (trip_i),
+                .start_i            (sample),
+                .first_i            (sample_first),
+                .ready_o            (adc_ready_o),
+                .valid_o            (adc_valid),
+                .first_o            (adc_first),
+                .sample_o           (adc_sample),
+                .trip_o             (overcurrent_o),
+                .overrun_o          (adc_overrun)
+            );
         end
-    end
+    endgenerate
 
     wire [N-1:0] current_valid;
 
-    // ---- One multiplier for the currents (users 0...N-1) and the voltages (N...2N-1).
+    // ---- One multiplier for the currents (users 0...N-1), the voltages (N...2N-1) and the anchors
+    // (2N...3N-1), which come last: theirs is the time in which the core is busy.
 
     wire        [USERS-1:0]         multiply_request;
     wire        [USERS*DATA_W-1:0]  multiply_data;
@@ -204,11 +363,20 @@ module wh_controller #(
     wire                core_start = current_valid[N-1];
     wire                core_busy;
     wire                core_overrun;
-    wire [N*COEF_W-1:0] eta;
+    wire [N*COEF_W-1:0] eta;          // of contact, or 0 while a host has the environment
+    wire [N*DATA_W-1:0] wave;         // the anchor's
+    wire [N*DATA_W-1:0] outside;      // what joins the core's goal
+    wire [N*COEF_W-1:0] root;
+    wire [N*DATA_W-1:0] u_max;
+    wire [N-1:0]        anchor_overrun;
+    wire [2*N-1:0]      shape_mode;
+    wire [N*DATA_W-1:0] host_u;
 
     wh_wave_core #(
         .N             (N),
-        .DELAY_LOG2    (DELAY_LOG2)
+        .DELAY_LOG2    (DELAY_LOG2),
+        .ANCHOR        ((ANCHOR != 0 || HOST != 0) ? 1 : 0),
+        .SHAPER        (SHAPER)
     ) wave_core (
         .clk           (clk),
         .rst           (drive_rst),
@@ -218,9 +386,12 @@ module wh_controller #(
         .overrun_o     (core_overrun),
         .current_i     (current_o),
         .eta_i         (eta),
-        .root_i        (root_i),
+        .anchor_i      (outside),
+        .shape_mode_i  (shape_mode),
+        .shape_words_i (shape_words_i),
+        .root_i        (root),
         .a_i           (a_i),
-        .u_max_i       (u_max_i),
+        .u_max_i       (u_max),
         .extra_ticks_i (extra_ticks_i),
         .hold_ticks_i  (hold_ticks_i),
         .voltage_o     (voltage_o),
@@ -229,7 +400,87 @@ module wh_controller #(
         .saturated_o   (saturated_o)
     );
 
-    assign overrun_o = adc_overrun || core_overrun;
+    assign overrun_o = adc_overrun || core_overrun || (|anchor_overrun);
+
+    // ---- Guard. An illegal word is one that no block has a meaning for.
+
+    wire [N-1:0] moved;
+    reg          setting_q;
+    reg          setting;
+    integer      m;
+
+    always @* begin
+        setting = half_clocks_i < 6 || tick_halves_i == 0 || sample_clocks_i < 2
+                  || samples_i == 0 || samples_i > 256;
+        for (m = 0; m < N; m = m + 1) begin
+            setting = setting || illegal_part(a_i[m*COEF_W +: COEF_W])
+                      || a_i[m*COEF_W + COEF_W-1] || a_i[m*COEF_W +: COEF_W] == 0
+                      || illegal_part(eta_contact_i[m*COEF_W +: COEF_W])
+                      || illegal_part(eta_free_i[m*COEF_W +: COEF_W])
+                      || root_i[m*COEF_W + COEF_W-1] || root_i[m*COEF_W +: COEF_W] == 0
+                      || clocks_per_volt_i[m*COEF_W + COEF_W-1]
+                      || clocks_per_volt_i[m*COEF_W +: COEF_W] == 0
+                      || gain_i[m*COEF_W + COEF_W-1] || gain_i[m*COEF_W +: COEF_W] == 0
+                      || u_max_i[m*DATA_W + DATA_W-1];
+        end
+    end
+
+    // Whether a word of full scale +-2 is outside [-1, 1].
+    function illegal_part;
+        input [COEF_W-1:0] word;
+        begin
+            illegal_part = word[COEF_W-1] ? !word[COEF_W-2]
+                                          : word[COEF_W-2] && |word[COEF_W-3:0];
+        end
+    endfunction
+
+    always @(posedge clk) begin
+        setting_q <= !rst && setting;
+    end
+
+    generate
+        if (GUARD != 0) begin : guarded
+            wh_guard #(
+                .N              (N)
+            ) guard (
+                .clk            (clk),
+                .rst            (rst),
+                .settings_i     (guard_i),
+                .clear_i        (clear_i),
+                .running_i      (run),
+                .stop_i         (stop_i),
+                .driver_i       (driver_fault_i),
+                .host_alive_i   (host_alive_i),
+                .bus_i          (bus_i),
+                .sample_valid_i (adc_valid),
+                .sample_i       (adc_sample),
+                .range_i        (adc_range_o),
+                .stuck_i        (adc_stuck_o),
+                .zero_i         (zero_fault_o),
+                .trip_i         (overcurrent_o),
+                .encoder_i      (encoder_fault_o),
+                .moved_i        (moved),
+                .anchor_i       (anchor_fault_i | anchor_fault_o),
+                .setting_i      (setting_q),
+                .overrun_i      (overrun_o),
+                .tick_i         (tick_o),
+                .valid_i        (current_valid[N-1]),
+                .current_i      (current_o),
+                .u_i            (u_o),
+                .v_i            (v_o),
+                .faults_o       (faults_o),
+                .off_o          (off),
+                .damp_o         (damp)
+            );
+        end else begin : unguarded
+            wire unused_guard = &{1'b0, guard_i, stop_i, driver_fault_i, host_alive_i, bus_i,
+                                  anchor_fault_i, setting_q, moved};
+
+            assign faults_o = {`WH_FAULTS{1'b0}};
+            assign off      = 1'b0;
+            assign damp     = 1'b0;
+        end
+    endgenerate
 
     // ---- What each motor has of its own.
 
@@ -237,14 +488,62 @@ module wh_controller #(
     generate
         for (n = 0; n < N; n = n + 1) begin : port
 
+            wire signed [`WH_SUM_W-1:0] zero;
+
+            if (SENSE != 0) begin : sense
+                wire                        zero_done;
+                wire                        measured;
+                wire signed [`WH_SUM_W-1:0] measured_zero;
+                wire                        unused = &{1'b0, zero_done};
+
+                assign zero = measured ? measured_zero : zero_i[n*`WH_SUM_W +: `WH_SUM_W];
+
+                wh_sense_check sense_check (
+                    .clk           (clk),
+                    .rst           (rst),
+                    .valid_i       (adc_valid),
+                    .sample_i      (adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]),
+                    .range_i       (range_i),
+                    .stuck_words_i (stuck_words_i),
+                    .range_o       (adc_range_o[n]),
+                    .stuck_o       (adc_stuck_o[n])
+                );
+
+                wh_zero #(
+                    .LOG2_TICKS    (ZERO_LOG2)
+                ) measure_zero (
+                    .clk           (clk),
+                    .rst           (rst),
+                    .valid_i       (adc_valid),
+                    .first_i       (adc_first),
+                    .sample_i      (adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]),
+                    .start_i       (zero_start_i),
+                    .bridge_off_i  (!enable_i),
+                    .limit_i       (zero_limit_i),
+                    .busy_o        (zero_busy_o[n]),
+                    .done_o        (zero_done),
+                    .measured_o    (measured),
+                    .zero_o        (measured_zero),
+                    .fault_o       (zero_fault_o[n])
+                );
+            end else begin : plain
+                wire unused = &{1'b0, range_i, stuck_words_i, zero_start_i, zero_limit_i};
+
+                assign zero            = zero_i[n*`WH_SUM_W +: `WH_SUM_W];
+                assign adc_range_o[n]  = 1'b0;
+                assign adc_stuck_o[n]  = 1'b0;
+                assign zero_fault_o[n] = 1'b0;
+                assign zero_busy_o[n]  = 1'b0;
+            end
+
             wh_current current (
                 .clk       (clk),
                 .rst       (rst),
                 .valid_i   (adc_valid),
-                .first_i   (converting_first_q),
+                .first_i   (adc_first),
                 .sample_i  (adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]),
                 .samples_i (samples_i),
-                .zero_i    (zero_i[n*`WH_SUM_W +: `WH_SUM_W]),
+                .zero_i    (zero),
                 .request_o (multiply_request[n]),
                 .grant_i   (multiply_grant[n]),
                 .factor_o  (multiply_data[n*DATA_W +: DATA_W]),
@@ -254,9 +553,19 @@ module wh_controller #(
                 .current_o (current_o[n*DATA_W +: DATA_W])
             );
 
+            if (ADC != 2) begin : trip
+                wh_trip trip (
+                    .clk      (clk),
+                    .rst      (rst),
+                    .valid_i  (adc_valid),
+                    .sample_i (adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]),
+                    .trip_i   (trip_i),
+                    .trip_o   (overcurrent_o[n])
+                );
+            end
+
             assign multiply_coef[n*COEF_W +: COEF_W] = gain_i[n*COEF_W +: COEF_W];
 
-            wire       moved;
             wire       direction;
             wire [7:0] faults;
 
@@ -266,9 +575,9 @@ module wh_controller #(
                 .a_i             (enc_a_i[n]),
                 .b_i             (enc_b_i[n]),
                 .filter_clocks_i (filter_clocks_i),
-                .clear_i         (1'b0),
+                .clear_i         (clear_i),
                 .position_o      (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
-                .moved_o         (moved),
+                .moved_o         (moved[n]),
                 .direction_o     (direction),
                 .fault_o         (encoder_fault_o[n]),
                 .faults_o        (faults)
@@ -276,9 +585,13 @@ module wh_controller #(
 
             wire        [WALL_W-1:0]      wall;
             wire signed [`WH_COUNT_W-1:0] depth;
+            wire                          in_wall;
+            wire        [COEF_W-1:0]      eta_wall;
 
             // For a host's registers, which this module doesn't have.
-            wire unused = &{1'b0, moved, direction, faults, wall, depth};
+            wire unused = &{1'b0, direction, faults, wall, depth};
+
+            wire signed [COEF_W-1:0]      contact_eta;
 
             wh_contact #(
                 .WALLS         (WALLS)
@@ -290,17 +603,133 @@ module wh_controller #(
                 .wall_min_i    (wall_min_i[n*WALLS*`WH_COUNT_W +: WALLS*`WH_COUNT_W]),
                 .wall_max_i    (wall_max_i[n*WALLS*`WH_COUNT_W +: WALLS*`WH_COUNT_W]),
                 .wall_enable_i (wall_enable_i[n*WALLS +: WALLS]),
+                .hysteresis_i  (edge_hysteresis_i[n]),
                 .eta_contact_i (eta_contact_i[n*COEF_W +: COEF_W]),
                 .eta_free_i    (eta_free_i[n*COEF_W +: COEF_W]),
-                .contact_o     (contact_o[n]),
+                .contact_o     (in_wall),
                 .wall_o        (wall),
                 .depth_o       (depth),
-                .eta_o         (eta[n*COEF_W +: COEF_W])
+                .eta_o         (eta_wall)
             );
 
-            wire signed [`WH_TICK_W-1:0] width;
-            wire                         leg_a;
-            wire                         leg_b;
+            if (ANCHOR != 0) begin : anchored
+                wire              busy;
+                wire              pulled;
+                wire [DATA_W-1:0] anchor_wave;
+
+                wh_anchor anchor (
+                    .clk           (clk),
+                    .rst           (drive_rst),
+                    .start_i       (core_start),
+                    .update_i      (core_valid_o),
+                    .busy_o        (busy),
+                    .overrun_o     (anchor_overrun[n]),
+                    .position_i    (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
+                    .contact_i     (in_wall),
+                    .depth_i       (depth),
+                    .current_i     (current_o[n*DATA_W +: DATA_W]),
+                    .saturated_i   (saturated_o[n]),
+                    .words_i       (anchor_words_i[n*`WH_ANCHOR_W +: `WH_ANCHOR_W]),
+                    .request_o     (multiply_request[2*N+n]),
+                    .factor_o      (multiply_data[(2*N+n)*DATA_W +: DATA_W]),
+                    .coefficient_o (multiply_coef[(2*N+n)*COEF_W +: COEF_W]),
+                    .grant_i       (multiply_grant[2*N+n]),
+                    .done_i        (multiply_done[2*N+n]),
+                    .product_i     (product),
+                    .wave_o        (anchor_wave),
+                    .root_o        (root[n*COEF_W +: COEF_W]),
+                    .limit_o       (u_max[n*DATA_W +: DATA_W]),
+                    .pulled_o      (pulled),
+                    .tracked_o     (root_o[n*COEF_W +: COEF_W]),
+                    .fault_o       (anchor_fault_o[n])
+                );
+
+                assign contact_o[n] = in_wall && !pulled;
+                assign contact_eta  = contact_o[n] ? $signed(eta_wall)
+                                                   : $signed(eta_free_i[n*COEF_W +: COEF_W]);
+                assign wave[n*DATA_W +: DATA_W] = contact_o[n] ? anchor_wave : {DATA_W{1'b0}};
+
+                wire unused_settings = &{1'b0, busy, root_i[n*COEF_W +: COEF_W],
+                                         u_max_i[n*DATA_W +: DATA_W]};
+            end else begin : held_by_nothing
+                assign contact_o[n]             = in_wall;
+                assign contact_eta              = $signed(eta_wall);
+                assign wave[n*DATA_W +: DATA_W] = {DATA_W{1'b0}};
+                assign root[n*COEF_W +: COEF_W]   = root_i[n*COEF_W +: COEF_W];
+                assign root_o[n*COEF_W +: COEF_W] = root_i[n*COEF_W +: COEF_W];
+                assign u_max[n*DATA_W +: DATA_W]  = u_max_i[n*DATA_W +: DATA_W];
+                assign anchor_overrun[n]        = 1'b0;
+                assign anchor_fault_o[n]        = 1'b0;
+
+                wire unused_words = &{1'b0, anchor_words_i[n*`WH_ANCHOR_W +: `WH_ANCHOR_W]};
+            end
+
+            wire [WALLS-1:0] wall_shaped = wall_shaped_i[n*WALLS +: WALLS];
+
+            // While a host has the environment v is the host's, and W may not keep a part of it.
+            assign shape_mode[2*n +: 2] = (!contact_o[n] || host_active_o[n]) ? 2'd0
+                                        : wall_shaped[wall]                   ? 2'd2 : 2'd1;
+            assign outside[n*DATA_W +: DATA_W] = damp             ? {DATA_W{1'b0}}
+                                               : host_active_o[n] ? host_u[n*DATA_W +: DATA_W]
+                                                                  : wave[n*DATA_W +: DATA_W];
+            assign eta[n*COEF_W +: COEF_W] = (host_active_o[n] || damp) ? {COEF_W{1'b0}}
+                                                                         : contact_eta;
+
+            if (HOST == 1) begin : hosted
+                wire signed [DATA_W-1:0] goal;
+
+                wh_host_link host_link (
+                    .clk           (clk),
+                    .rst           (drive_rst || damp),
+                    .period_log2_i (host_period_log2_i),
+                    .timeout_i     (host_timeout_i),
+                    .valid_i       (core_valid_o),
+                    .v_i           (v_o[n*DATA_W +: DATA_W]),
+                    .active_o      (host_active_o[n]),
+                    .u_o           (goal),
+                    .strobe_o      (host_strobe_o[n]),
+                    .sequence_o    (host_sequence_o[n*8 +: 8]),
+                    .v_mean_o      (host_v_o[n*DATA_W +: DATA_W]),
+                    .strobe_i      (host_strobe_i[n]),
+                    .sequence_i    (host_sequence_i[n*8 +: 8]),
+                    .u_i           (host_u_i[n*DATA_W +: DATA_W])
+                );
+
+                assign host_u[n*DATA_W +: DATA_W] = goal;
+            end else begin : alone
+                wire unused_host = &{1'b0, host_period_log2_i, host_timeout_i, host_strobe_i[n],
+                                     host_sequence_i[n*8 +: 8], host_u_i[n*DATA_W +: DATA_W]};
+
+                assign host_u[n*DATA_W +: DATA_W]   = {DATA_W{1'b0}};
+                assign host_active_o[n]             = 1'b0;
+                assign host_strobe_o[n]             = 1'b0;
+                assign host_sequence_o[n*8 +: 8]    = 8'd0;
+                assign host_v_o[n*DATA_W +: DATA_W] = {DATA_W{1'b0}};
+            end
+
+            wire signed [`WH_TICK_W-1:0]  width;
+            wire signed [`WH_EXTRA_W-1:0] extra;
+            wire                          leg_a;
+            wire                          leg_b;
+
+            if (DEAD_TIME != 0) begin : compensated
+                wh_dead_time dead_time (
+                    .clk            (clk),
+                    .rst            (drive_rst),
+                    .compensate_i   (compensate_i),
+                    .dead_clocks_i  (dead_clocks_i),
+                    .threshold_i    (side_current_i[n*DATA_W +: DATA_W]),
+                    .settle_ticks_i (settle_ticks_i),
+                    .valid_i        (current_valid[n]),
+                    .current_i      (current_o[n*DATA_W +: DATA_W]),
+                    .extra_o        (extra)
+                );
+            end else begin : as_it_is
+                wire unused_dead = &{1'b0, compensate_i, side_current_i[n*DATA_W +: DATA_W],
+                                     settle_ticks_i};
+
+                assign extra = {`WH_EXTRA_W{1'b0}};
+            end
 
             wh_modulator modulator (
                 .clk               (clk),
@@ -309,6 +738,8 @@ module wh_controller #(
                 .voltage_i         (voltage_o[n*DATA_W +: DATA_W]),
                 .clocks_per_volt_i (clocks_per_volt_i[n*COEF_W +: COEF_W]),
                 .half_clocks_i     (half_clocks_i),
+                .second_order_i    (second_order_i),
+                .extra_i           (extra),
                 .request_o         (multiply_request[N+n]),
                 .grant_i           (multiply_grant[N+n]),
                 .factor_o          (multiply_data[(N+n)*DATA_W +: DATA_W]),
@@ -335,7 +766,7 @@ module wh_controller #(
             wh_half_bridge leg_a_bridge (
                 .clk           (clk),
                 .rst           (rst),
-                .enable_i      (enable_i),
+                .enable_i      (run),
                 .leg_i         (leg_a),
                 .dead_clocks_i (dead_clocks_i),
                 .high_o        (gate_ah_o[n]),
@@ -345,7 +776,7 @@ module wh_controller #(
             wh_half_bridge leg_b_bridge (
                 .clk           (clk),
                 .rst           (rst),
-                .enable_i      (enable_i),
+                .enable_i      (run),
                 .leg_i         (leg_b),
                 .dead_clocks_i (dead_clocks_i),
                 .high_o        (gate_bh_o[n]),

@@ -33,9 +33,33 @@
 `endif
 `define WH_STATE_W   (`WH_DATA_W + `WH_STATE_GUARD)
 
+// The shaper W. A coefficient is a place of a contractive matrix, less 1 on its diagonal. A state
+// has WH_SHAPE_HEADROOM bits above a wave's full scale, as a filter of corner frequency p keeps
+// √(2/(p T)) times its input, and its guard bits below the word that is multiplied.
+`ifndef WH_SHAPE_W
+`define WH_SHAPE_W 31
+`endif
+`define WH_SHAPE_Q        (`WH_SHAPE_W - 2)  // +-2
+`ifndef WH_SHAPE_HEADROOM
+`define WH_SHAPE_HEADROOM 4
+`endif
+`define WH_SHAPE_LOSS_W   12                 // last places that a rounding takes, at most
+
 // Bits of the low limb when a product is split. 15 bits and a sign fit a 16-bit signed multiplier
 // of the iCE40 and an 18-bit one of the ECP5, without a mixed-sign product.
 `define WH_LIMB_W 15
+
+// The anchor. s is summed up with bits to spare below its last place: an error of one current place
+// in one tick at the smallest gain still counts.
+`define WH_CELL_CURRENT_Q (`WH_COEF_W - 2)  // A, half a cell's current, full scale +-2
+`define WH_PULL_Q    (`WH_COEF_W - 7)  // √Ω, 2ρ/s, full scale +-64
+`define WH_TRACK_Q   (`WH_COEF_W + 5)  // √Ω/A a tick, γT/s, full scale +-1/64
+`define WH_ROOT_GUARD 20
+`define WH_ROOT_SUM_Q (`WH_ROOT_Q + `WH_ROOT_GUARD)
+`define WH_ROOT_SUM_W (`WH_COEF_W + `WH_ROOT_GUARD)
+
+`define WH_ANCHOR_TICK_W 20  // counts of ticks
+`define WH_ANCHOR_W (9 * `WH_COEF_W + 5 * `WH_DATA_W + 2 * `WH_ANCHOR_TICK_W + 2)  // settings
 
 // Current sensing.
 `define WH_SAMPLE_W 16  // ADC word, signed, left-justified: full scale is +-2^15 at any resolution
@@ -47,6 +71,8 @@
 
 // Drive: half width of the bridge's pulse in clocks.
 `define WH_DUTY_Q   16  // clocks per volt in a coefficient word, and the fraction of the half width
+`define WH_EXTRA_Q  8   // fraction of what dead time takes from the half width
+`define WH_EXTRA_W  17  // at most 160 clocks: 5/8 of the longest dead time
 `define WH_TICK_W   16  // counts of clocks
 
 `endif

@@ -2,24 +2,28 @@
 //
 // wh_modulator: makes a voltage into half pulse widths in whole clocks, with error feedback.
 //
-//   duty     = truncate(voltage * clocks_per_volt),  clocks_per_volt = half_clocks / (2 Vbus)
-//   total    = duty + residual
-//   width    = round(total), clipped to +- half_clocks / 2 (rounded down)
-//   residual = total - width, or 0 if the width was clipped
+//   duty  = truncate(voltage * clocks_per_volt),  clocks_per_volt = half_clocks / (2 Vbus)
+//   total = duty + extra + owed
+//   width = round(total), clipped to +- half_clocks / 2 (rounded down)
+//   rest  = total - width, or 0 if the width was clipped
+//   owed  = rest                         order 1: the width's error is shaped by 1 - z^-1
+//         = 2 rest - rest of the half before        order 2: by (1 - z^-1)^2
 //
 // once a half, so what the clock is too coarse for in one half is made good in the next ones: the
-// sum of the widths stays within half a clock of the sum of the duties. What a clipped half could
-// not give is not owed to later ones, or it would wind up. Everything is odd in the voltage.
+// sum of the widths stays within half a clock of the sum of the duties, or, with order 2, within
+// one. What a clipped half could not give is not owed to later ones, or it would wind up.
+// Everything is odd in the voltage. extra is what the bridge takes away (wh_dead_time): it is used
+// from the next half on.
 //
 // A voltage becomes the pending duty; take_i, 4 clocks before the tick's last update_i, makes it
-// that of the tick to come. width_o belongs to the half that begins after update_i, and is ready 4
+// that of the tick to come. width_o belongs to the half that begins after update_i, and is ready 5
 // clocks after the update_i before.
 // The product is made by a multiplier shared with other blocks (wh_multiply_shared), as in
 // wh_current; voltage_i holds from valid_i until grant_i.
 //
 // Formats: below; duty and total hold the whole product, and can't overflow. Latency: 4 clocks
 // from valid_i to where take_i finds the duty, and one more for each clock without grant.
-// Reset: duty, residual and width 0.
+// Reset: duty, rests and width 0.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -33,6 +37,8 @@ module wh_modulator (
 
     input  wire signed [`WH_COEF_W-1:0]            clocks_per_volt_i,  // s27q16 clocks/V, 0...1023
     input  wire        [`WH_TICK_W-1:0]            half_clocks_i,      // clocks in a half, 6...
+    input  wire                                    second_order_i,     // 1: order 2
+    input  wire signed [`WH_EXTRA_W-1:0]           extra_i,            // s17q8 clocks
 
     output wire                                    request_o,
     input  wire                                    grant_i,
@@ -49,6 +55,7 @@ module wh_modulator (
     localparam integer PRODUCT_W = `WH_DATA_W + `WH_COEF_W;
     localparam integer FRACTION  = `WH_DUTY_Q;
     localparam integer DUTY_W    = PRODUCT_W - `WH_VOLTAGE_Q;   // s35q16
+    localparam integer OWED_W    = `WH_EXTRA_W + FRACTION - `WH_EXTRA_Q + 1;  // s26q16
     localparam integer TOTAL_W   = DUTY_W + 1;                  // s36q16
     localparam integer ROUND_W   = TOTAL_W - FRACTION + 1;      // s21
 
@@ -107,17 +114,26 @@ module wh_modulator (
         end
     end
 
-    // The next half's total and width follow every change of the duty and of the residual.
-    reg  signed [FRACTION:0]  residual_q;  // s17q16, +-1/2
-    reg  signed [TOTAL_W-1:0] total_q;     // s36q16 clocks
-    wire signed [TOTAL_W:0]   sum = $signed({active_q[DUTY_W-1], active_q, 1'b1})
-                                    + $signed({{TOTAL_W-FRACTION-1{residual_q[FRACTION]}},
-                                               residual_q, active_up_q});
+    // The next half's total and width follow every change of the duty, of the rests and of extra.
+    // With order 2, rests_q is 2 rest - rest before, and +-3/2 at most.
+    reg  signed [FRACTION+1:0] rests_q;     // s18q16
+    reg  signed [FRACTION:0]   older_q;    // s17q16, rest of the half before
+    reg  signed [OWED_W-1:0]   owed_q;      // s26q16
+    reg  signed [TOTAL_W-1:0]  total_q;     // s36q16 clocks
+    wire signed [OWED_W-1:0]   extra_long = $signed({extra_i[`WH_EXTRA_W-1], extra_i,
+                                                     {FRACTION-`WH_EXTRA_Q{1'b0}}});
+    wire signed [OWED_W-1:0]   rests_long = $signed({{OWED_W-FRACTION-2{rests_q[FRACTION+1]}},
+                                                     rests_q});
+    wire signed [TOTAL_W:0]    sum = $signed({active_q[DUTY_W-1], active_q, 1'b1})
+                                     + $signed({{TOTAL_W-OWED_W{owed_q[OWED_W-1]}},
+                                                owed_q, active_up_q});
 
     always @(posedge clk) begin
         if (rst) begin
+            owed_q  <= {OWED_W{1'b0}};
             total_q <= {TOTAL_W{1'b0}};
         end else begin
+            owed_q  <= rests_long + extra_long;
             total_q <= $signed(sum[TOTAL_W:1]);
         end
     end
@@ -150,19 +166,23 @@ module wh_modulator (
     wire                         under      = rounded_q < -limit_long;
     wire                         unused     = &{1'b0, half_clocks_i[0]};
 
-    reg signed [FRACTION:0] next_residual_q;
+    reg  signed [FRACTION:0]   next_rest_q;
+    wire signed [FRACTION+1:0] rest   = $signed({next_rest_q[FRACTION], next_rest_q});
+    wire signed [FRACTION+1:0] older = $signed({older_q[FRACTION], older_q});
 
     always @(posedge clk) begin
         if (rst) begin
-            width_o         <= {`WH_TICK_W{1'b0}};
-            next_residual_q <= {FRACTION+1{1'b0}};
-            residual_q      <= {FRACTION+1{1'b0}};
+            width_o     <= {`WH_TICK_W{1'b0}};
+            next_rest_q <= {FRACTION+1{1'b0}};
+            rests_q     <= {FRACTION+2{1'b0}};
+            older_q    <= {FRACTION+1{1'b0}};
         end else begin
-            width_o         <= over ? limit
-                                    : (under ? -limit : $signed(rounded_q[`WH_TICK_W-1:0]));
-            next_residual_q <= (over || under) ? {FRACTION+1{1'b0}} : rest_q;
+            width_o     <= over ? limit
+                                : (under ? -limit : $signed(rounded_q[`WH_TICK_W-1:0]));
+            next_rest_q <= (over || under) ? {FRACTION+1{1'b0}} : rest_q;
             if (update_i) begin
-                residual_q <= next_residual_q;
+                rests_q  <= second_order_i ? (rest <<< 1) - older : rest;
+                older_q <= next_rest_q;
             end
         end
     end

@@ -2,7 +2,11 @@
 //
 // wh_multiply: signed multiplier, one product a clock, out of multipliers that every FPGA has.
 //
-//   product_o = data_i * coef_i,   3 clocks later
+//   product_o = data_i * coef_i,   3 clocks later, if take_i is 1 in the clock after them
+//
+// While take_i is 0 the product stays. A user that needs no such patience holds it at 1 while there
+// is work: the iCE40's multiplier has a register with an enable at its output, and one without in
+// its middle, before a last sum. Yosys takes the former where there is an enable, which saves 3 ns.
 //
 // A word longer than LIMB_W + 1 bits is split as word = high * 2^LIMB_W + low, with low >= 0 made
 // signed by a leading zero, so that each partial product is signed times signed:
@@ -24,6 +28,7 @@ module wh_multiply #(
 ) (
     input wire clk,
 
+    input  wire                            take_i,    // the last clock's operands count
     input  wire signed [DATA_W-1:0]        data_i,
     input  wire signed [COEF_W-1:0]        coef_i,
     output reg  signed [DATA_W+COEF_W-1:0] product_o
@@ -67,10 +72,12 @@ module wh_multiply #(
                 ch_q <= $signed(coef_i[COEF_W-1:LIMB_W]);
                 cl_q <= $signed({1'b0, coef_i[LIMB_W-1:0]});
 
-                dh_ch_q <= dh_q * ch_q;
-                dh_cl_q <= dh_q * cl_q;
-                dl_ch_q <= dl_q * ch_q;
-                dl_cl_q <= dl_q * cl_q;
+                if (take_i) begin
+                    dh_ch_q <= dh_q * ch_q;
+                    dh_cl_q <= dh_q * cl_q;
+                    dl_ch_q <= dl_q * ch_q;
+                    dl_cl_q <= dl_q * cl_q;
+                end
 
                 // In this order no sum is of two products alone: Yosys' ice40_dsp would take the
                 // registers of both for one multiplier, and lose the other.
@@ -107,8 +114,10 @@ module wh_multiply #(
                 low_q   <= $signed({1'b0, long_word[LIMB_W-1:0]});
                 short_q <= short_word;
 
-                high_short_q <= high_q * short_q;
-                low_short_q  <= low_q * short_q;
+                if (take_i) begin
+                    high_short_q <= high_q * short_q;
+                    low_short_q  <= low_q * short_q;
+                end
 
                 product_o <= $signed({high_short_q, {LIMB_W{1'b0}}})
                            + $signed({{(HIGH_W - 1){low_short_q[LIMB_W+SHORT_W]}}, low_short_q});
@@ -121,8 +130,10 @@ module wh_multiply #(
             always @(posedge clk) begin
                 data_q      <= data_i;
                 coef_q      <= coef_i;
-                data_coef_q <= data_q * coef_q;
                 product_o   <= data_coef_q;
+                if (take_i) begin
+                    data_coef_q <= data_q * coef_q;
+                end
             end
         end
     endgenerate

@@ -53,14 +53,15 @@ module wh_multiply_shared #(
         end
     end
 
+    reg [LATENCY*USERS-1:0] owner_q;
+
     wh_multiply multiply (
         .clk       (clk),
+        .take_i    (|owner_q[USERS-1:0]),
         .data_i    (data),
         .coef_i    (coef),
         .product_o (product_o)
     );
-
-    reg [LATENCY*USERS-1:0] owner_q;
 
     always @(posedge clk) begin
         if (rst) begin

@@ -3,7 +3,8 @@
 // wh_wave_core: one step of the wave controller for each of N ports, one port after the other.
 //
 //   v  = u_n - s i_n            u_n: what was applied in the measured tick, from the delay line
-//   f += a (η W{v} - f)         D(s) = η λ/(s + λ) W(s), in contact or in free space by η
+//   f += a (η W{v} + x - f)     D(s) = η λ/(s + λ) W(s), in contact or in free space by η; x is a
+//                               wave from outside (ANCHOR = 1), a series voltage of s x / 2
 //   f  = clamp(f, ±u_max)       u_max: the drive's limit over s
 //   e  = s u                    u: f, or one of its predecessors out of the delay line
 //
@@ -14,7 +15,7 @@
 // newest u that is in the line when the step starts. hold_ticks_i is the age of the u that this
 // step puts out, seen from the one that it computes: 0 puts that one out at once.
 //
-// Latency: 24 clocks a port, so valid_o comes 24 N clocks after start_i. The next start_i may come
+// Latency: 24 clocks a port, and 5 for each section of W; valid_o comes so many times N after start_i. The next start_i may come
 // together with valid_o. A start_i while busy is ignored, and overrun_o tells of it until reset.
 // All other inputs are held from start_i until valid_o; a port's are read during its own turn. The
 // outputs hold from valid_o to the next start_i.
@@ -26,7 +27,11 @@
 
 module wh_wave_core #(
     parameter integer N          = 1,  // ports, 1...
-    parameter integer DELAY_LOG2 = 2   // the delay line keeps 2^DELAY_LOG2 steps, 1...
+    parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
+    parameter integer ANCHOR     = 0,  // 1: anchor_i is added to the goal, 0: it is not looked at
+    parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
+    parameter integer SHAPE_BITS = N * ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
+                                   * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W)
 ) (
     input wire clk,
     input wire rst,
@@ -38,6 +43,9 @@ module wh_wave_core #(
 
     input wire signed [N*`WH_DATA_W-1:0] current_i,      // s31q24 A, ±64 A: the tick's mean i_n
     input wire signed [N*`WH_COEF_W-1:0] eta_i,          // s27q25 η, used in [-1, 1]
+    input wire signed [N*`WH_DATA_W-1:0] anchor_i,       // s31q23 √W, ±128 √W: x
+    input wire        [2*N-1:0]          shape_mode_i,   // as wh_shaper has it
+    input wire        [SHAPE_BITS-1:0]   shape_words_i,  // as wh_shaper has it, port 0 lowest
     input wire signed [N*`WH_COEF_W-1:0] root_i,         // s27q22 √Ω, ±16: s = √(2R̂)
     input wire signed [N*`WH_COEF_W-1:0] a_i,            // s27q25 a, used in (0, 1]
     input wire signed [N*`WH_DATA_W-1:0] u_max_i,        // s31q23 √W, 0...128 √W
@@ -67,7 +75,7 @@ module wh_wave_core #(
     localparam integer SU_W       = PRODUCT_W - SU_SHIFT;
 
     localparam integer V_SUM_W = 1 + ((SI_W > DATA_W) ? SI_W : DATA_W);
-    localparam integer ERROR_W = STATE_W + 1;
+    localparam integer ERROR_W = STATE_W + 1 + ANCHOR;
     localparam integer F_SUM_W = 2 + ((STEP_W > STATE_W) ? STEP_W : STATE_W);
 
     localparam integer LENGTH = 1 << DELAY_LOG2;
@@ -76,8 +84,9 @@ module wh_wave_core #(
     localparam integer LAST   = N - 1;
 
     generate
-        if (N < 1 || DELAY_LOG2 < 1) begin : illegal_parameter
-            wh_illegal_parameter_wave_core_n_or_delay_log2 stop ();
+        if (N < 1 || DELAY_LOG2 < 1 || ANCHOR < 0 || ANCHOR > 1
+            || SHAPER < 0 || SHAPER > 2) begin : illegal_parameter
+            wh_illegal_parameter_wave_core_n_delay_log2_anchor_or_shaper stop ();
         end
         if (GUARD < 1 || A_SHIFT < 1 || SI_SHIFT < 1 || SU_SHIFT < 1) begin : illegal_format
             wh_illegal_parameter_wave_core_formats stop ();
@@ -90,7 +99,8 @@ module wh_wave_core #(
     localparam integer PRODUCT    = 3;
     localparam integer GIVE_SI    = 0;                         // s and i_n; u_n is looked up
     localparam integer TAKE_U_N   = GIVE_SI + 1;               // u_n comes out of the delay line
-    localparam integer GIVE_ETA_V = GIVE_SI + PRODUCT + 2;     // η and W{v}, v = u_n - s i_n
+    localparam integer TAKE_V     = GIVE_SI + PRODUCT + 2;     // v = u_n - s i_n
+    localparam integer GIVE_ETA_V = TAKE_V + 5 * SHAPER;       // η and W{v}
     localparam integer GIVE_A     = GIVE_ETA_V + PRODUCT + 3;  // a and η W{v} - f
     localparam integer TAKE_SUM   = GIVE_A + PRODUCT + 1;      // f + a (η W{v} - f)
     localparam integer TAKE_F     = TAKE_SUM + 2;              // the sum, clamped
@@ -164,12 +174,67 @@ module wh_wave_core #(
         end
     end
 
-    wh_multiply multiply (
-        .clk       (clk),
-        .data_i    (data),
-        .coef_i    (coef),
-        .product_o (product)
-    );
+    // ---- W{v}, in the clocks that the multiplier has to spare. Its coefficients are longer.
+    generate
+        if (SHAPER > 0) begin : shaped_wave
+            localparam integer LONG_W = (`WH_SHAPE_W > COEF_W) ? `WH_SHAPE_W : COEF_W;
+
+            wire                             give;
+            wire signed [DATA_W-1:0]         shape_data;
+            wire signed [`WH_SHAPE_W-1:0]    shape_coef;
+            wire signed [LONG_W-1:0]         long_coef;
+            wire signed [DATA_W+LONG_W-1:0]  long_product;
+
+            assign long_coef = give ? $signed({{(LONG_W - `WH_SHAPE_W + 1){shape_coef[`WH_SHAPE_W-1]}},
+                                               shape_coef[`WH_SHAPE_W-2:0]})
+                                    : $signed({{(LONG_W - COEF_W + 1){coef[COEF_W-1]}},
+                                               coef[COEF_W-2:0]});
+
+            wh_multiply #(
+                .COEF_W    (LONG_W)
+            ) multiply (
+                .clk       (clk),
+                .take_i    (busy_q),
+                .data_i    (give ? shape_data : data),
+                .coef_i    (long_coef),
+                .product_o (long_product)
+            );
+
+            // A product of a short coefficient has as many signs more as that is short of.
+            assign product = $signed(long_product[PRODUCT_W-1:0]);
+
+            wh_shaper #(
+                .N         (N),
+                .SECTIONS  (SHAPER),
+                .PRODUCT_W (DATA_W + LONG_W)
+            ) shaper (
+                .clk       (clk),
+                .rst       (rst),
+                .turn_i    (running && at_q[GIVE_SI]),
+                .port_i    (port_q),
+                .mode_i    (shape_mode_i),
+                .words_i   (shape_words_i),
+                .value_i   (v),
+                .value_o   (shaped),
+                .give_o    (give),
+                .data_o    (shape_data),
+                .coef_o    (shape_coef),
+                .product_i (long_product)
+            );
+        end else begin : plain_wave
+            wire unused_shape = &{1'b0, shape_mode_i, shape_words_i};
+
+            assign shaped = v;
+
+            wh_multiply multiply (
+                .clk       (clk),
+                .take_i    (busy_q),
+                .data_i    (data),
+                .coef_i    (coef),
+                .product_o (product)
+            );
+        end
+    endgenerate
 
     // ---- wh_truncate's up goes in as a sum's carry, from a place below the last that is dropped
     // again: floor(((2 x + 1) + (2 y + up)) / 2) = x + y + up,
@@ -204,18 +269,13 @@ module wh_wave_core #(
         .value_o (v)
     );
 
-    wh_shaper shaper (
-        .value_i (v),
-        .value_o (shaped)
-    );
-
     always @(posedge clk) begin
         si_floor_q <= si_floor;
         si_up_q    <= si_up;
         v_sum_q    <= $signed(v_sum[V_SUM_W:1]);
     end
 
-    // ---- The goal η W{v}, and how far f is from it. The goal is limited before up is added, while
+    // ---- The goal η W{v} + x, and how far f is from it. The goal is limited before up is added, while
     // the sign is at hand: up belongs to a negative value only, and can't bring it out of the word.
     wire signed [ETA_V_W-1:0]       eta_v_floor;
     wire                            eta_v_up;
@@ -247,6 +307,27 @@ module wh_wave_core #(
 
     assign goal = goal_floor_q + $signed({{(DATA_W - 1){1'b0}}, goal_up_q});
 
+    // f - x, which stands long before the goal does.
+    wire signed [ERROR_W-1:0] base;
+
+    generate
+        if (ANCHOR == 1) begin : anchored
+            wire signed [DATA_W-1:0] anchor = $signed(anchor_i[port_q*DATA_W +: DATA_W]);
+            reg signed [ERROR_W-1:0] base_q;
+
+            always @(posedge clk) begin
+                base_q <= $signed({{2{f[STATE_W-1]}}, f})
+                        - $signed({{2{anchor[DATA_W-1]}}, anchor, {GUARD{1'b0}}});
+            end
+
+            assign base = base_q;
+        end else begin : plain
+            wire unused_anchor = &{1'b0, anchor_i};
+
+            assign base = $signed({f[STATE_W-1], f});
+        end
+    endgenerate
+
     wh_truncate #(
         .IN_W    (ERROR_W),
         .SHIFT   (GUARD)
@@ -267,8 +348,7 @@ module wh_wave_core #(
     always @(posedge clk) begin
         goal_floor_q    <= $signed(goal_limited[DATA_W:1]);
         goal_up_q       <= goal_limited[DATA_W] && goal_limited[0];
-        guarded_error_q <= $signed({goal[DATA_W-1], goal, {GUARD{1'b0}}})
-                         - $signed({f[STATE_W-1], f});
+        guarded_error_q <= $signed({{(1 + ANCHOR){goal[DATA_W-1]}}, goal, {GUARD{1'b0}}}) - base;
         wide_error_q    <= error_floor + $signed({{(ERROR_W - GUARD - 1){1'b0}}, error_up});
     end
 
@@ -437,7 +517,7 @@ module wh_wave_core #(
             if (at_q[TAKE_U_N]) begin
                 u_o[port_q*DATA_W +: DATA_W] <= u_n_is_there ? line_q : {DATA_W{1'b0}};
             end
-            if (at_q[GIVE_ETA_V]) begin
+            if (at_q[TAKE_V]) begin
                 v_o[port_q*DATA_W +: DATA_W] <= v;
             end
             if (at_q[TAKE_F]) begin

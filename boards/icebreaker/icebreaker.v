@@ -20,6 +20,7 @@ module icebreaker (
     output wire gate_al,
     output wire gate_bh,
     output wire gate_bl,
+    output wire alive,
 
     input  wire button_start_n,
     input  wire stop,            // open, so high, is stop
@@ -83,6 +84,7 @@ module icebreaker (
         .gate_al_o   (gate_al),
         .gate_bh_o   (gate_bh),
         .gate_bl_o   (gate_bl),
+        .alive_o     (alive),
         .running_o   (running),
         .contact_o   (contact),
         .fault_o     (fault)

@@ -20,6 +20,7 @@ module ulx3s_three (
     output wire [2:0] gate_al,
     output wire [2:0] gate_bh,
     output wire [2:0] gate_bl,
+    output wire       alive,
 
     input  wire       button_start,
     input  wire       stop,          // open, so high, is stop
@@ -31,39 +32,14 @@ module ulx3s_three (
     wire clk;
     wire locked;
 
-    (* FREQUENCY_PIN_CLKI = "25", FREQUENCY_PIN_CLKOP = "80", ICP_CURRENT = "12",
-       LPF_RESISTOR = "8", MFG_ENABLE_FILTEROPAMP = "1", MFG_GMCREF_SEL = "2" *)
-    EHXPLLL #(
-        .PLLRST_ENA       ("DISABLED"),
-        .INTFB_WAKE       ("DISABLED"),
-        .STDBY_ENABLE     ("DISABLED"),
-        .DPHASE_SOURCE    ("DISABLED"),
-        .OUTDIVIDER_MUXA  ("DIVA"),
-        .OUTDIVIDER_MUXB  ("DIVB"),
-        .OUTDIVIDER_MUXC  ("DIVC"),
-        .OUTDIVIDER_MUXD  ("DIVD"),
-        .CLKI_DIV         (5),
-        .CLKFB_DIV        (16),
-        .CLKOP_DIV        (8),
-        .CLKOP_ENABLE     ("ENABLED"),
-        .CLKOP_CPHASE     (3),
-        .CLKOP_FPHASE     (0),
-        .FEEDBK_PATH      ("CLKOP")
+    wh_board_pll_ecp5 #(
+        .CLKI_DIV  (5),
+        .CLKFB_DIV (16),
+        .CLKOP_DIV (8)
     ) pll (
-        .RST              (1'b0),
-        .STDBY            (1'b0),
-        .CLKI             (clk_25mhz),
-        .CLKOP            (clk),
-        .CLKFB            (clk),
-        .CLKINTFB         (),
-        .PHASESEL0        (1'b0),
-        .PHASESEL1        (1'b0),
-        .PHASEDIR         (1'b1),
-        .PHASESTEP        (1'b1),
-        .PHASELOADREG     (1'b1),
-        .PLLWAKESYNC      (1'b0),
-        .ENCLKOP          (1'b0),
-        .LOCK             (locked)
+        .clk_i     (clk_25mhz),
+        .clk_o     (clk),
+        .locked_o  (locked)
     );
 
     wire rst;
@@ -88,6 +64,7 @@ module ulx3s_three (
         .gate_al_o   (gate_al),
         .gate_bh_o   (gate_bh),
         .gate_bl_o   (gate_bl),
+        .alive_o     (alive),
         .running_o   (led_running),
         .contact_o   (led_contact),
         .fault_o     (led_fault)

@@ -29,15 +29,18 @@ compile() { # compile LOCK ARGUMENT... : the package list on stdin or among the 
     echo "$lock: $(grep -c == "$lock") pins"
 }
 
-compile requirements.lock pyproject.toml --extra test "$@"
+compile requirements.lock pyproject.toml --extra test --extra report "$@"
 
-# The synthesis tools alone, at versions that agree with the lock above.
-.venv/bin/python - <<'EOF' >build/synth.in
+# The synthesis tools and the other simulators, each alone, at versions that agree with the lock above.
+for group in synth bench; do
+    .venv/bin/python - "$group" <<'EOF' >"build/$group.in"
+import sys
 try:
     import tomllib
 except ModuleNotFoundError:
     import tomli as tomllib
 with open("pyproject.toml", "rb") as file:
-    print(*tomllib.load(file)["project"]["optional-dependencies"]["synth"], sep="\n")
+    print(*tomllib.load(file)["project"]["optional-dependencies"][sys.argv[1]], sep="\n")
 EOF
-compile requirements-synth.lock build/synth.in --constraints requirements.lock "$@"
+    compile "requirements-$group.lock" "build/$group.in" --constraints requirements.lock "$@"
+done

@@ -12,7 +12,7 @@ python=$(sh sim/setup/python.sh "$2" 2>&1) || {
     exit 2
 }
 
-if [ "${TOOLCHAIN:-wheel}" = native ] && ! verilator --version 2>/dev/null |
+if [ "${TOOLCHAIN:-wheel}" = native ] && [ "${SIMULATES:-yes}" = yes ] && ! verilator --version 2>/dev/null |
     awk '{ ok = $2 >= 5.036 } END { exit !ok }'; then
     echo "TOOLCHAIN=native needs Verilator 5.036 or newer on PATH and finds" \
         "$(verilator --version 2>/dev/null || echo none)"

@@ -5,16 +5,20 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
-from wavehaptics import multipliers, numbers, synthesis
+from typer.testing import CliRunner
+from wavehaptics import bitstreams, multipliers, numbers, synthesis
+from wavehaptics.adc_parts import PARTS, frame
 from wavehaptics.boards import ROOT, BoardError, board_names, load_board
 from wavehaptics.pins_timing import CORE_CLOCKS, latency_clocks
 from wavehaptics.scene import SceneError, load_scene
 from wavehaptics.synthesis import Design, SynthesisError, build
 from wavehaptics.toolchain import Toolchain, ToolError
-from wavehaptics.words import ADC_PARTS, WIDTHS, board_words, verilog_header
+from wavehaptics.words import WIDTHS, board_words, verilog_header
 
 LUT_TOLERANCE = 0.03
 
@@ -35,7 +39,7 @@ def tools() -> Toolchain:
 
 def make(
     tmp_path: Path, tools: Toolchain, verilog: str = GOOD, pins: dict[str, str] | None = None,
-    extra_pins: str = "", clock_hz: float = 12e6,
+    extra_pins: str = "", clock_hz: float = 12e6, say: Callable[[str], None] = print,
 ) -> synthesis.Result:  # fmt: skip
     """Build a small design for the UP5K in ``tmp_path``."""
     (tmp_path / "top.v").write_text(verilog)
@@ -45,9 +49,9 @@ def make(
     design = Design(
         name="small", top="top", root=tmp_path, sources=(Path("top.v"),), includes=(),
         constraints=Path("top.pcf"), family="ice40", device="up5k", package="sg48", speed=None,
-        input_hz=clock_hz, clock_hz=clock_hz, seed=1,
+        input_hz=clock_hz, clock_hz=clock_hz, seeds=(1, 2),
     )  # fmt: skip
-    return build(design, Path("out"), tools, say=lambda _: None)
+    return build(design, Path("out"), tools, say)
 
 
 def refusal(tmp_path: Path, tools: Toolchain, *arguments: object, **options: object) -> str:
@@ -132,9 +136,25 @@ module top (input wire clk, input wire a, input wire b, output reg q);
 endmodule
 """
     message = refusal(tmp_path, tools, verilog, clock_hz=40e6)
-    assert re.match(
-        r"small: timing missed: the clock reaches \d+\.\d\d MHz, and 44\.00 MHz", message
+    assert re.fullmatch(
+        r"small: timing missed: the clock reaches \d+\.\d\d MHz, and 44\.00 MHz are needed "
+        r"\(40 MHz and 10% to spare\); that is seed [12], the best of 2",
+        message,
     )
+
+
+def test_next_seed_is_tried(tmp_path, tools, monkeypatch):
+    """A seed that misses the clock gives way to the next, and the result names the one it has."""
+    judge, said = synthesis._reached_hz, []
+
+    def first_too_slow(design, report):
+        monkeypatch.setattr(synthesis, "_reached_hz", judge)
+        raise synthesis._missed(design, 1e6)
+
+    monkeypatch.setattr(synthesis, "_reached_hz", first_too_slow)
+    result = make(tmp_path, tools, say=said.append)
+    assert result.seed == 2
+    assert "small: seed 1 reaches 1.00 MHz: too slow" in said
 
 
 def test_multiplier_without_registers(tmp_path, tools):
@@ -173,6 +193,33 @@ def test_tool_that_is_missing(monkeypatch):
         Toolchain.of_environment()
 
 
+@pytest.mark.parametrize(
+    ("tool", "says", "version", "refused"),
+    [
+        ("yosys", "Yosys 0.23 (git sha1 7ce5011c24b)", "0.23", "0.70 or newer"),
+        ("yosys", "Yosys 0.70+12 (git sha1 28ba3cb92, g++ 13.2)", "0.70+12", None),
+        ("nextpnr-ice40", "nextpnr-ice40 -- Next (Version 0.4-1+b1)", "0.4-1+b1", "0.11 or newer"),
+        ("nextpnr-ecp5", '"nextpnr-ecp5" -- Next (Version nextpnr-0.11.1)', "0.11.1", None),
+        ("nextpnr-ecp5", "nextpnr-ecp5 -- Next (Version 5d1f3e2a)", "unknown", None),
+    ],
+)
+def test_native_tools_have_an_age(tmp_path, monkeypatch, tool, says, version, refused):
+    """The version that the programs themselves print, Debian's among them."""
+    stand_in = tmp_path / tool
+    stand_in.write_text(f"#!/bin/sh\necho '{says}'\n")
+    stand_in.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    native = Toolchain("native")
+    assert native.version(tool) == version
+    if refused is None:
+        assert native.check_age(tool) == version
+    else:
+        with pytest.raises(ToolError) as failure:
+            native.check_age(tool)
+        assert str(failure.value).startswith(f"{tool} is version {version}, too old: {refused}")
+        assert "\n" not in str(failure.value)
+
+
 def test_multiplier_paths_count_the_block(tmp_path):
     """One path each way, by hand: clock to operand, and product to register."""
     cell = {"type": "SB_MAC16", "parameters": {"PIPELINE_16x16_MULT_REG1": "1", "A_REG": "0"}}
@@ -200,11 +247,12 @@ def test_multiplier_paths_count_the_block(tmp_path):
 def test_words(name):
     """What the bitstream holds is what the controller `pins` runs on, but for the ADC's frame."""
     board = load_board(name)
-    words, part = board.words(), ADC_PARTS[board.fpga.adc]
+    words, part = board.words(), PARTS[board.fpga.adc]
     time, ports = words.ports.timing, words.ports
-    for key in set(WIDTHS) - {"frame_bits", "lead_bits", "quiet_clocks", "hold_ticks"}:
+    for key in set(WIDTHS) - {"hold_ticks"}:
         assert words.words[key] == ports.words[key], key
-    assert words.words["lead_bits"] + words.words["data_bits"] <= part.frame_bits
+    assert time.frame == frame(part, time.clock_hz)
+    assert time.frame.cycle_clocks <= time.sample_clocks
     assert time.clock_hz / time.tick_clocks == board.scene.controller.tick_hz >= 1e6
     assert CORE_CLOCKS * words.motors <= time.tick_clocks
     # The voltage takes the scene's latency, in whole ticks.
@@ -212,7 +260,7 @@ def test_words(name):
         (time.samples - 1) * time.sample_clocks
         + time.sample_clocks // 2
         - words.words["sample_lead"]
-        + latency_clocks(1, part.lead_bits + part.data_bits, words.motors)
+        + latency_clocks(time.frame.conversion_clocks, words.motors)
     )
     ticks = ready // time.tick_clocks + words.words["hold_ticks"]
     assert ticks == board.scene.controller.extra_ticks < 1 << words.delay_log2
@@ -243,7 +291,8 @@ def test_header_keeps_signs_and_order():
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("controller.clock_hz=100e6", "SCLK of 50 MHz; the board's ADC takes 48 MHz"),
+        ("controller.clock_hz=100e6", "needs 57 clocks of 1e\\+08 Hz from sample to sample"),
+        ("adc.part=ADS7042", "the board's ADC is an AD7276"),
         ("adc.bits=10", "the board's ADC has 12 bits"),
         ("controller.extra_ticks=0", "extra_ticks"),
     ],
@@ -251,19 +300,19 @@ def test_header_keeps_signs_and_order():
 def test_refused_scenes(override, message):
     scene = load_scene(ROOT / "boards" / "ulx3s" / "board.toml", [override])
     with pytest.raises(SceneError, match=message):
-        board_words(scene, ADC_PARTS["AD7276"])
+        board_words(scene, PARTS["AD7276"])
 
 
 def test_too_many_motors_for_a_tick():
     scene = load_scene(ROOT / "boards" / "ulx3s" / "board.toml", ["controller.extra_ticks=3"])
     with pytest.raises(SceneError, match=r"shorter than the \d+ that 2 motors need"):
-        board_words(scene, ADC_PARTS["AD7276"], motors=2)
+        board_words(scene, PARTS["AD7276"], motors=2)
 
 
 def test_slow_adc():
     scene = load_scene(ROOT / "boards" / "icebreaker" / "board.toml", ["controller.clock_hz=30e6"])
-    with pytest.raises(SceneError, match=r"needs \d+ clocks from sample to sample"):
-        board_words(scene, ADC_PARTS["AD7476A"])
+    with pytest.raises(SceneError, match=r"needs \d+ clocks of 3e\+07 Hz from sample to sample"):
+        board_words(scene, PARTS["AD7476A"])
 
 
 def test_boards_that_are_not_there():
@@ -284,6 +333,61 @@ def test_page_has_every_pin(name):
     assert len(places) >= 13
     for pin, place in places:
         assert pin.startswith("clk_") or re.search(rf"\b{place}\b", page), f"{pin} at {place}"
+
+
+# ---- The programmers.
+
+PROGRAMMERS = {
+    "colorlight_i5": [
+        "openFPGALoader", "-b", "colorlight-i5", "build/synth/colorlight_i5/colorlight_i5.bit",
+    ],
+    "hx8k": ["iceprog", "build/synth/hx8k/hx8k.bin"],
+    "icebreaker": ["iceprog", "build/synth/icebreaker/icebreaker.bin"],
+    "ulx3s": ["fujprog", "build/synth/ulx3s/ulx3s.bit"],
+    "ulx3s_three": ["fujprog", "build/synth/ulx3s_three/ulx3s_three.bit"],
+}  # fmt: skip
+
+
+def prog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, board: str, made: bool) -> Any:
+    """``prog`` of a board, its bitstream ``made`` or not, in a repository that holds no more."""
+    monkeypatch.setattr(bitstreams, "ROOT", tmp_path)
+    monkeypatch.setenv("PATH", str(tmp_path / "bin"))
+    if made:
+        bitstream = tmp_path / PROGRAMMERS[board][-1]
+        bitstream.parent.mkdir(parents=True)
+        bitstream.write_bytes(b"bits")
+    return CliRunner().invoke(bitstreams.app, ["prog", board])
+
+
+@pytest.mark.parametrize("board", board_names())
+def test_programmer_is_called(tmp_path, monkeypatch, board):
+    """The board's own programmer gets the bitstream, and its exit status is handed on."""
+    called = tmp_path / "called"
+    stand_in = tmp_path / "bin" / PROGRAMMERS[board][0]
+    stand_in.parent.mkdir()
+    stand_in.write_text(
+        f'#!/bin/sh\necho "$0" "$@" > {called}\nfor last; do :; done\ntest -s "$last" && exit 3\n'
+    )
+    stand_in.chmod(0o755)
+    result = prog(tmp_path, monkeypatch, board, made=True)
+    assert result.exit_code == 3
+    assert called.read_text().split() == [str(stand_in), *PROGRAMMERS[board][1:]]
+
+
+def test_programmer_that_is_missing(tmp_path, monkeypatch):
+    result = prog(tmp_path, monkeypatch, "ulx3s", made=True)
+    assert result.exit_code == 2
+    assert result.stderr == (
+        "synthesis: fujprog is not on PATH; install it, or run another programmer\n"
+    )
+
+
+def test_programmer_without_a_bitstream(tmp_path, monkeypatch):
+    result = prog(tmp_path, monkeypatch, "ulx3s", made=False)
+    assert result.exit_code == 2
+    assert result.stderr == (
+        "synthesis: build/synth/ulx3s/ulx3s.bit is not there; run `make bitstream BOARD=ulx3s`\n"
+    )
 
 
 # ---- The numbers.

@@ -148,7 +148,7 @@ def test_runs_that_end_early(capsys, monkeypatch, runs, name, status, fragment):
         (("run", "bench.toml", "more"), "unexpected extra argument"),
         (("run", "bench.toml", "--set"), "requires an argument"),
         (("run", "bench.toml", "--controller", "Gold"), "did you mean golden? the controllers are"),
-        (("run", "bench.toml", "--controller", ""), "analog, golden, core, pins"),
+        (("run", "bench.toml", "--controller", ""), "analog, golden, core, pins, encoder"),
         (("run", "bench.toml", "--out", "bench.toml"), "--out bench.toml: can't be written"),
         (("run", "bench.toml", "--out", "bench.toml/x"), "can't be written"),
         (("run", "bench.toml", "--out", "x" * 300), "can't be written"),
@@ -197,7 +197,7 @@ def test_help(capsys, monkeypatch):
         (SCENE, 0, ""),
         (SCENE + "eta_free = 2\n", 2, "bad.toml:9: controller.eta_free = 2 is out of range"),
         (SCENE + "eta_free = \n", 2, "bad.toml:9: not valid TOML"),
-        (SCENE + "[thermal]\n", 2, "bad.toml:9: [thermal]"),
+        (SCENE + "[thermal]\nrth = 1\n", 2, "bad.toml:10: unknown key thermal.rth"),
     ],
 )
 def test_status_of_the_process(scene, status, fragment):

@@ -71,7 +71,7 @@ def test_every_word_stays_in_its_format_with_the_right_sign(
 ) -> None:
     f = data.draw(st.integers(-u_max << GUARD, u_max << GUARD), label="f")
     state, line = state_with(f, newest)
-    e, u_n, v_n = golden.wave_core_step(state, line, current, eta, root, a, u_max, extra, hold)
+    e, u_n, v_n = golden.wave_core_step(state, line, current, eta, 0, root, a, u_max, extra, hold)
     for word in (e, u_n, v_n, *line.tolist()):
         assert WAVE.raw_min <= word <= WAVE.raw_max
     assert u_n == newest
@@ -93,7 +93,7 @@ def test_f_never_exceeds_what_it_was_and_what_it_follows(
     """|f'| <= max(|f|, |η v|) and |η v| <= |v|: no word can raise the amplitude of the waves."""
     f = data.draw(st.integers(-u_max << GUARD, u_max << GUARD), label="f")
     state, line = state_with(f, newest)
-    _, _, v_n = golden.wave_core_step(state, line, current, eta, root, a, u_max, 0, 0)
+    _, _, v_n = golden.wave_core_step(state, line, current, eta, 0, root, a, u_max, 0, 0)
     goal = goal_of(eta, v_n)
     assert abs(goal) <= abs(v_n)
     after = int(state[golden.STATE_F])
@@ -108,7 +108,7 @@ def test_f_never_exceeds_what_it_was_and_what_it_follows(
 def test_a_of_one_is_exact(current, eta, root, before, newest) -> None:
     """With a = 1 and no bits in the guard, u is η v, if the way there fits a word."""
     state, line = state_with(before << GUARD, newest)
-    _, _, v_n = golden.wave_core_step(state, line, current, eta, root, A_ONE, U_MAX, 0, 0)
+    _, _, v_n = golden.wave_core_step(state, line, current, eta, 0, root, A_ONE, U_MAX, 0, 0)
     goal = goal_of(eta, v_n)
     if WAVE.raw_min <= goal - before <= WAVE.raw_max:
         assert state[golden.STATE_F] == max(goal, -U_MAX) << GUARD
@@ -119,7 +119,7 @@ def test_a_of_one_is_exact(current, eta, root, before, newest) -> None:
 @unhurried
 def test_a_limit_of_zero_is_silence(f, current, eta, root, a) -> None:
     state, line = state_with(f, 0)
-    e, _, _ = golden.wave_core_step(state, line, current, eta, root, a, 0, 0, 0)
+    e, _, _ = golden.wave_core_step(state, line, current, eta, 0, root, a, 0, 0, 0)
     assert e == 0
     assert state[golden.STATE_F] == 0
 
@@ -129,7 +129,7 @@ def test_a_limit_of_zero_is_silence(f, current, eta, root, a) -> None:
 def test_zero_stays_zero(eta: int, a: int) -> None:
     state, line = golden.new_state(), golden.new_line(2)
     for _ in range(1000):
-        words = golden.wave_core_step(state, line, 0, eta, ROOT_PAPER, a, U_MAX, 2, 1)
+        words = golden.wave_core_step(state, line, 0, eta, 0, ROOT_PAPER, a, U_MAX, 2, 1)
         assert words == (0, 0, 0)
     assert state[golden.STATE_F] == 0
 
@@ -143,10 +143,10 @@ def test_without_current_the_waves_only_decay(eta: int, a: int, extra: int) -> N
     state, line = golden.new_state(), golden.new_line(extra)
     for _ in range(20):
         current = int(rng.integers(formats.CURRENT.raw_min, formats.CURRENT.raw_max))
-        golden.wave_core_step(state, line, current, eta, ROOT_PAPER, a, U_MAX, extra, 0)
+        golden.wave_core_step(state, line, current, eta, 0, ROOT_PAPER, a, U_MAX, extra, 0)
     largest = math.inf
     for _ in range(5000):
-        golden.wave_core_step(state, line, 0, eta, ROOT_PAPER, a, U_MAX, extra, 0)
+        golden.wave_core_step(state, line, 0, eta, 0, ROOT_PAPER, a, U_MAX, extra, 0)
         now = max(abs(int(state[golden.STATE_F])), int(np.abs(line).max()) << GUARD)
         assert now <= largest
         largest = now
@@ -166,7 +166,7 @@ def test_delay_line(inputs: list[int], extra: int, hold: int) -> None:
     for current in inputs:
         want_u = aged(extra)
         e, u_n, _ = golden.wave_core_step(
-            state, line, current, -ETA_ONE, ROOT_PAPER, A_ONE // 3, U_MAX, extra, hold
+            state, line, current, -ETA_ONE, 0, ROOT_PAPER, A_ONE // 3, U_MAX, extra, hold
         )
         computed.append(int(golden.truncate(int(state[golden.STATE_F]), GUARD)))
         assert u_n == want_u
@@ -203,7 +203,7 @@ def test_against_floating_point(eta: float, a: float, extra: int) -> None:
     for i in current:
         word = formats.CURRENT.to_raw(i)
         e, u_n, v_n = golden.wave_core_step(
-            state, line, word, eta_word, ROOT_PAPER, a_word, U_MAX, extra, 0
+            state, line, word, eta_word, 0, ROOT_PAPER, a_word, U_MAX, extra, 0
         )
         u_float = applied[-1 - extra]
         v_float = u_float - s * formats.CURRENT.to_value(word)

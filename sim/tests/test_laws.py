@@ -162,3 +162,17 @@ def test_matched_lambda_is_independent_of_the_latency(make_scene):
         error = np.sqrt(np.mean((torque - analog) ** 2)) / np.abs(analog).max()
         assert np.abs(analog).max() > 0.01
         assert error < 5e-4 * max(1, extra_ticks)
+
+
+def test_power_is_the_difference_of_the_waves(make_scene):
+    """e·i = ½u² − ½v² with e = e_a − R i, tick by tick, as the integer model has its words."""
+    scene = make_scene(*INSIDE, "controller.walls=[[-1, 0]]")
+    rows = simulate(SampledSimulation(scene, rtl=False), 0.2)
+    e_a, i, u, v = rows[:, (Column.E_A, Column.I, Column.U, Column.V)].T
+    power = (e_a - scene.motor.R_ohm * i) * i
+    assert np.abs(power).max() > 1e-4
+    assert np.count_nonzero(np.diff(rows[:, Column.ETA])) > 0
+    # Each wave is off by a place or two at most, and so its square by that times the wave.
+    place = 2 * formats.WAVE.step * (np.abs(u).max() + np.abs(v).max())
+    np.testing.assert_allclose(power, 0.5 * u**2 - 0.5 * v**2, rtol=0, atol=place)
+    assert place < 0.01 * np.abs(power).max()

@@ -69,7 +69,7 @@ def test_smallest_scene_and_its_defaults(tmp_path):
     assert scene.scene.duration_s == 1.0
     assert scene.scene.trace_hz is None
     assert scene.motor.model_dump(exclude={"preset"}) == PRESETS["re25-118743"]._asdict()
-    absent = ("friction", "hand", "encoder", "adc", "drive", "thermal", "transmission")
+    absent = ("friction", "hand", "encoder", "adc", "drive", "thermal", "transmission", "shaper")
     assert all(getattr(scene, table) is None for table in absent)
     controller = scene.controller
     assert (controller.tick_hz, controller.lambda_, controller.extra_ticks) == (1e6, 1e4, 1)
@@ -86,7 +86,12 @@ def test_every_key_is_read(tmp_path):
         hand = {path = "sine", amplitude_rad = 1, frequency_hz = 2, stiffness = 3, damping = 4}
         encoder = {counts_per_rev = 4096}
         adc = {bits = 12, full_scale_a = 5, noise_a = 1e-3, offset_a = -2e-3}
-        drive = {bus_v = 24, limit_v = 12, pwm_hz = 1e5, dead_time_s = 1e-7, gain_error = 0.05}
+        drive.bus_v = 24
+        drive.limit_v = 12
+        drive.pwm_hz = 1e5
+        drive.dead_time_s = 1e-7
+        drive.compensate = false
+        drive.gain_error = 0.05
         transmission.ratio = 8
         transmission.lever_m = 0.14
         [controller]
@@ -251,7 +256,15 @@ def test_refused_in_motor(tmp_path, lines, line, fragments):
         ("[encoder]\ncounts_per_rev = 4.5", 1, ["whole number, not 4.5; use a multiple of 4"]),
         ("[adc]\nbits = 7\nfull_scale_a = 2", 1, ["adc.bits = 7", "8 to 16 bits"]),
         ("[adc]\nbits = 17\nfull_scale_a = 2", 1, ["adc.bits = 17", "8 to 16 bits"]),
-        ("[adc]\nbits = 12", 0, ["adc.full_scale_a is missing; give 0.001 to 63 A"]),
+        ("[adc]\nfull_scale_a = 2", 0, ["adc.bits is missing; give 8 to 16 bits"]),
+        ('[adc]\npart = "AD7476"', 1, ['adc.part "AD7476" is unknown; did you mean "AD7476A"?']),
+        ("[adc]\npart = 7276", 1, ["adc.part must be a string in quotes, not 7276"]),
+        (
+            '[adc]\npart = "ADS7056"\nbits = 12',
+            2,
+            ['adc.bits = 12 contradicts adc.part = "ADS7056", which has 14; leave bits out'],
+        ),
+        ("[adc]\nbits = 12\noffset_a = 12", 2, ["leaves the range of ±11.0092 A"]),
         ("[adc]\nbits = 12\nfull_scale_a = 64", 2, ["0.001 to 63 A"]),
         ("[adc]\nbits = 12\nfull_scale_a = 2\noffset_a = -2", 3, ["leaves the range of ±2 A"]),
         # drive
@@ -297,13 +310,15 @@ def test_refused_in_motor(tmp_path, lines, line, fragments):
         ("walls = 1", 0, ["controller.walls must hold pairs"]),
         ("walls = [[0, inf]]", 0, ["walls[0][1] must be a finite number"]),
         ("walls = [[0, 1001]]", 0, ["walls[0][1] = 1001 is out of range"]),
-        # not simulated yet
-        ("[thermal]", 0, ["[thermal]", "not simulated yet; leave it out"]),
-        ("[thermal]\nr_th = 14", 0, ["[thermal]", "not simulated yet"]),
-        ("anchor_ohm = 0.3", 0, ["controller.anchor_ohm", "not simulated yet", "or give 0"]),
-        ("release_ohm = 5", 0, ["controller.release_ohm", "not simulated yet"]),
-        ("track_gain = 20", 0, ["controller.track_gain", "not simulated yet"]),
-        ('shaper = "notch"', 0, ["controller.shaper", "not simulated yet; leave it out"]),
+        # thermal
+        ("[thermal]\nrth = 14", 1, ["unknown key thermal.rth", "rth_"]),
+        ("[thermal]\ntau_winding_s = 0", 1, ["thermal.tau_winding_s = 0", "0.5 to 1e6 s"]),
+        # anchor
+        ("anchor_ohm = -1", 0, ["controller.anchor_ohm = -1", "0 to 1000 Ω"]),
+        ("track_limit = 1.0", 0, ["controller.track_limit = 1.0", "0 to 0.9"]),
+        ("anchor_ohm = 1\neta_contact = -0.5", 1, ["eta_contact = -0.5 is no spring"]),
+        ('anchor_auto = true\n[shaper]\nfeel = "spring"\nstiffness = 1', 1, ["no [shaper]"]),
+        ('shaper = "notch"', 0, ["controller.shaper", "[controller] takes"]),
         ("anchor_ohm = false", 0, ["controller.anchor_ohm must be a number in Ω, not false"]),
         # order of the file
         ("eta_free = 2\n[motr]\n[drive]\nbus_v = 0", 0, ["controller.eta_free"]),
@@ -446,10 +461,9 @@ def test_overrides(tmp_path):
         (".x=1", "is not table.key"),
         ("=1", "it must be table.key=value"),
         ("", "it must be table.key=value"),
-        ("adc.bits=12", "adc.full_scale_a is missing"),
+        ("adc.full_scale_a=2", "adc.bits is missing"),
         ("hand.path=taps", "hand.amplitude_rad is missing"),
-        ("thermal.x=1", "not simulated yet"),
-        ("controller.anchor_ohm=1", "not simulated yet"),
+        ("thermal.x=1", "unknown key thermal.x"),
         ("motor.preset=re25", '"re25" is unknown'),
     ],
 )
@@ -467,12 +481,23 @@ def test_override_repairs_what_the_file_has_wrong(tmp_path):
 def test_shipped_scenes():
     shipped = shipped_scenes()
     assert set(shipped) == {
+        "bounce",
+        "damped",
+        "detents",
+        "encoder_wall",
         "free_space",
+        "held_wall",
         "impact",
+        "mass",
         "paper_taps",
         "phantom",
         "press_hold",
+        "resonance",
+        "soft_layer",
+        "spring_damper",
         "stiffest",
+        "two_walls",
+        "warm_winding",
     }
     for name, path in shipped.items():
         assert load_scene(path).scene.name == name
@@ -621,3 +646,15 @@ def test_random_documents_are_taken_or_refused_in_words(fuzz_folder, tables, ove
     parse(text.encode())  # the generator makes valid TOML
     settings_ = [f"{table}.{key}={value}" for table, key, value in overrides]
     _loads_or_refuses(fuzz_folder, text.encode(), *settings_)
+
+
+def test_adc_part(tmp_path):
+    """A part brings its bits; without a full scale there is room for twice the largest current."""
+    path = tmp_path / "scene.toml"
+    path.write_text(BASE)
+    adc = load_scene(path, ["adc.part=ADS7056", "drive.limit_v=2.18"]).adc
+    assert (adc.part, adc.bits) == ("ADS7056", 14)
+    assert adc.full_scale_a == pytest.approx(2.0)
+    adc = load_scene(path, ["adc.part=AD7278", "adc.bits=8", "adc.full_scale_a=3.0"]).adc
+    assert (adc.bits, adc.full_scale_a) == (8, 3.0)
+    assert load_scene(path, ["adc.bits=10"]).adc.part is None

@@ -5,6 +5,8 @@
 #include <cstdint>
 
 #include "Vwh_controller.h"
+#include "anchor_words.h"
+#include "shape_words.h"
 #include "verilated.h"
 
 namespace {
@@ -12,6 +14,7 @@ namespace {
 struct Controller {
     VerilatedContext context;
     Vwh_controller top{&context};
+    int64_t packets = 0;
 };
 
 int64_t signed_word(uint64_t raw) {
@@ -28,19 +31,38 @@ void set_count(Port &port, int index, int64_t value) {
     port[index] = static_cast<uint32_t>(value);
 }
 
+constexpr int kMostSetupClocks = 1 << 20;
+
+void clock(Vwh_controller &top) {
+    top.clk = 1;
+    top.eval();
+    top.clk = 0;
+    top.eval();
+}
+
+// Bit 0 ADC data, bit 1 encoder A, bit 2 encoder B.
+void set_inputs(Vwh_controller &top, int64_t inputs) {
+    top.adc_sdata_i = inputs & 1;
+    top.enc_a_i = (inputs >> 1) & 1;
+    top.enc_b_i = (inputs >> 2) & 1;
+}
+
 // Order of the parameters in the array that wh_pins_new takes: that of controller_ports in
 // sim/wavehaptics/pins.py.
 enum Parameter {
-    kHalfClocks, kTickHalves, kSampleClocks, kSamples, kSampleLead,
+    kHalfClocks, kTickHalves, kSampleClocks, kSamples, kSampleLead, kSampleLate,
     kSclkHalfClocks, kFrameBits, kLeadBits, kDataBits, kQuietClocks,
+    kSetupClocks, kHoldClocks, kCalibrateBits, kSclkIdle, kReadTrailing, kTrip,
     kZero, kGain, kFilterClocks, kEtaContact, kEtaFree, kRoot, kA, kUMax,
-    kExtraTicks, kHoldTicks, kClocksPerVolt, kDeadClocks, kWalls, kWallEdges
+    kExtraTicks, kHoldTicks, kClocksPerVolt, kDeadClocks, kCompensate, kSideCurrent, kSettleTicks,
+    kSecondOrder, kInputs, kWalls, kWallEdges
 };
 
 }  // namespace
 
 extern "C" {
 
+// A controller just before its first tick, or null if its ADC never gets ready.
 void *wh_pins_new(const int64_t *p) {
     Controller *controller = new Controller;
     auto &top = controller->top;
@@ -49,11 +71,18 @@ void *wh_pins_new(const int64_t *p) {
     top.sample_clocks_i = p[kSampleClocks];
     top.samples_i = p[kSamples];
     top.sample_lead_i = p[kSampleLead];
+    top.sample_late_i = p[kSampleLate];
     top.sclk_half_clocks_i = p[kSclkHalfClocks];
     top.frame_bits_i = p[kFrameBits];
     top.lead_bits_i = p[kLeadBits];
     top.data_bits_i = p[kDataBits];
     top.quiet_clocks_i = p[kQuietClocks];
+    top.setup_clocks_i = p[kSetupClocks];
+    top.hold_clocks_i = p[kHoldClocks];
+    top.calibrate_bits_i = p[kCalibrateBits];
+    top.sclk_idle_i = p[kSclkIdle];
+    top.read_trailing_i = p[kReadTrailing];
+    top.trip_i = p[kTrip];
     top.zero_i = p[kZero] & mask(WH_SUM_W);
     top.gain_i = p[kGain] & mask(WH_COEF_W);
     top.filter_clocks_i = p[kFilterClocks];
@@ -66,36 +95,83 @@ void *wh_pins_new(const int64_t *p) {
     top.hold_ticks_i = p[kHoldTicks];
     top.clocks_per_volt_i = p[kClocksPerVolt] & mask(WH_COEF_W);
     top.dead_clocks_i = p[kDeadClocks];
+    top.compensate_i = p[kCompensate];
+    top.side_current_i = p[kSideCurrent] & mask(WH_DATA_W);
+    top.settle_ticks_i = p[kSettleTicks];
+    top.second_order_i = p[kSecondOrder];
     for (int n = 0; n < p[kWalls]; ++n) {
         set_count(top.wall_min_i, n, p[kWallEdges + 2 * n]);
         set_count(top.wall_max_i, n, p[kWallEdges + 2 * n + 1]);
     }
     top.wall_enable_i = mask(static_cast<int>(p[kWalls]));
+    set_anchor_words(top.anchor_words_i, p + kWallEdges + 2 * p[kWalls]);
+    set_inputs(top, p[kInputs]);
     top.rst = 1;
     top.enable_i = 0;
-    for (int n = 0; n < 4; ++n) {
-        top.clk = 1;
-        top.eval();
-        top.clk = 0;
-        top.eval();
-    }
+    for (int n = 0; n < 4; ++n) clock(top);
     top.rst = 0;
     top.enable_i = 1;
+    // The frames that set an ADC up bring no words, so it needs no answers yet; a modulator's filter
+    // settles on as many ones as zeros, 0 A.
+    bool sclk = top.adc_sclk_o;
+    for (int n = 0; !top.adc_ready_o; ++n) {
+        if (n == kMostSetupClocks) {
+            delete controller;
+            return nullptr;
+        }
+        if (top.adc_sclk_o && !sclk) top.adc_sdata_i = !top.adc_sdata_i;
+        sclk = top.adc_sclk_o;
+        clock(top);
+    }
     return controller;
+}
+
+// Words of W, of every section in turn, as golden.py orders them, the walls that feel so, and
+// whether walls are left one count later.
+void wh_pins_shape(void *model, const int64_t *words, int64_t count, int64_t walls,
+                   int64_t hysteresis) {
+    auto &top = static_cast<Controller *>(model)->top;
+    set_shape_words(top.shape_words_i, words, count);
+    top.wall_shaped_i = walls;
+    top.edge_hysteresis_i = hysteresis;
+}
+
+// The link to a host, HOST = 1: periods of 2^log2 ticks, silence after so many of them.
+void wh_pins_host(void *model, int64_t log2, int64_t timeout) {
+    auto &top = static_cast<Controller *>(model)->top;
+    top.host_period_log2_i = log2;
+    top.host_timeout_i = timeout;
+}
+
+// An answer to packet `sequence`, for the next clock.
+void wh_pins_answer(void *model, int64_t sequence, int64_t u) {
+    auto &top = static_cast<Controller *>(model)->top;
+    top.host_strobe_i = 1;
+    top.host_sequence_i = sequence;
+    top.host_u_i = u & mask(WH_DATA_W);
+}
+
+// The newest packet into words[0..2]: packets so far, number, mean of v; words[3]: active.
+void wh_pins_packet(void *model, int64_t *words) {
+    auto *controller = static_cast<Controller *>(model);
+    words[0] = controller->packets;
+    words[1] = controller->top.host_sequence_o;
+    words[2] = signed_word(controller->top.host_v_o);
+    words[3] = controller->top.host_active_o;
 }
 
 void wh_pins_delete(void *model) { delete static_cast<Controller *>(model); }
 
-// One clock. Inputs: bit 0 ADC data, bit 1 encoder A, bit 2 encoder B. Returns, as they stand after
-// the edge: bits 0-3 gates AH AL BH BL, 4 CS_n, 5 SCLK, 6 tick, 7 core valid, 8 contact,
-// 9 overrun, 10 encoder fault.
+// One clock with these inputs (set_inputs). Returns, as they stand after the edge: bits 0-3 gates
+// AH AL BH BL, 4 CS_n, 5 SCLK, 6 tick, 7 core valid, 8 contact, 9 overrun, 10 encoder fault.
 int64_t wh_pins_clock(int64_t model, int64_t inputs) {
-    auto &top = reinterpret_cast<Controller *>(model)->top;
-    top.adc_sdata_i = inputs & 1;
-    top.enc_a_i = (inputs >> 1) & 1;
-    top.enc_b_i = (inputs >> 2) & 1;
+    auto *controller = reinterpret_cast<Controller *>(model);
+    auto &top = controller->top;
+    set_inputs(top, inputs);
     top.clk = 1;
     top.eval();
+    controller->packets += top.host_strobe_o;
+    top.host_strobe_i = 0;
     const int64_t out = top.gate_ah_o | top.gate_al_o << 1 | top.gate_bh_o << 2 |
                         top.gate_bl_o << 3 | top.adc_cs_n_o << 4 | top.adc_sclk_o << 5 |
                         top.tick_o << 6 | top.core_valid_o << 7 | top.contact_o << 8 |
@@ -105,7 +181,8 @@ int64_t wh_pins_clock(int64_t model, int64_t inputs) {
     return out;
 }
 
-// The words of the newest step into words[0..3]: i, u_n, v_n, e.
+// The words of the newest step into words[0..6]: i, u_n, v_n, e, s in contact, whether the voltage
+// limit acted, and whether the encoder is lost.
 int64_t wh_pins_words(int64_t model, int64_t words_address) {
     auto &top = reinterpret_cast<Controller *>(model)->top;
     int64_t *words = reinterpret_cast<int64_t *>(words_address);
@@ -113,6 +190,9 @@ int64_t wh_pins_words(int64_t model, int64_t words_address) {
     words[1] = signed_word(top.u_o);
     words[2] = signed_word(top.v_o);
     words[3] = signed_word(top.voltage_o);
+    words[4] = top.root_o;
+    words[5] = top.saturated_o;
+    words[6] = top.anchor_fault_o;
     return 0;
 }
 

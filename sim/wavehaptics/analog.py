@@ -32,6 +32,8 @@ from wavehaptics.plant import (
 from wavehaptics.plant import SIZE as PLANT_SIZE
 from wavehaptics.scene import Scene
 from wavehaptics.settings import settings
+from wavehaptics.shaper import refuse_shaper
+from wavehaptics.thermal import Winding
 from wavehaptics.trace import Column
 
 F = E
@@ -205,19 +207,18 @@ class AnalogSimulation:
         self, scene: Scene, tick_s: float | None = None, cell_rad: float | None = None
     ) -> None:
         control = scene.controller
+        refuse_shaper(scene, "analog")
         set_ = settings(scene, tick_s, cell_rad)
         self.settings = set_
         self.tick_s = set_.tick_s
-        plant = Plant.of_scene(scene)
+        self.winding = Winding(scene, self.tick_s)
+        self._plant = plant = self.winding.warmed(Plant.of_scene(scene))
         s = physics.root(set_.r_hat)
         gain = 1.0 + (scene.drive.gain_error if scene.drive else 0.0)
         self._substeps = plant.substeps(self.tick_s)
-        dt = self.tick_s / self._substeps
-        etas = (control.eta_free, control.eta_contact)
-        circuits = circuit_matrices(plant, control.lambda_, s, gain, etas)
-        self._steps = np.array(
-            [[expm(a * dt * 2.0 ** (n - HALVINGS)) for n in range(HALVINGS + 1)] for a in circuits]
-        )
+        dt = self._dt = self.tick_s / self._substeps
+        self._circuit = (control.lambda_, s, gain, (control.eta_free, control.eta_contact))
+        self._steps = self._transitions(plant)
         self._z = np.zeros(SIZE)
         self._z[: C + 2] = plant.start[: C + 2]
         self._kept = np.zeros(3)
@@ -229,9 +230,22 @@ class AnalogSimulation:
         self._wall_min = set_.wall_min * set_.cell_rad
         self._wall_max = set_.wall_max * set_.cell_rad
 
+    def _transitions(self, plant: Plant) -> np.ndarray:
+        circuits = circuit_matrices(plant, *self._circuit)
+        parts = [self._dt * 2.0 ** (n - HALVINGS) for n in range(HALVINGS + 1)]
+        return np.array([[expm(a * part) for part in parts] for a in circuits])
+
     def advance(self, rows: np.ndarray, words: np.ndarray | None = None) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column); it has no words."""
         del words
+        for part in self.winding.pieces(len(rows)):
+            self._advance(rows[part])
+            if self.winding.heat(rows[part]):
+                plant = self.winding.warmed(self._plant)
+                self._steps = self._transitions(plant)
+                self._floats[_RESISTANCE] = plant.resistance
+
+    def _advance(self, rows: np.ndarray) -> None:
         _advance(
             rows, self._z, self._kept, self._wall_min, self._wall_max, self._floats,
             self._substeps, self._load, self._steps,

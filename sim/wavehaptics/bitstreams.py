@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 import shutil
 import subprocess
@@ -26,15 +25,16 @@ DeviceOption = Annotated[
 ]
 
 SeedOption = Annotated[
-    int | None, typer.Option(help="Seed of the placer, in place of the board's own.")
+    int | None, typer.Option(help="Seed of the placer, in place of the board's own ones.")
 ]
 
 _ERRORS = (BoardError, SceneError, SynthesisError, ToolError, numbers.NumbersError)
 
 
 def _fail(error: Exception) -> NoReturn:
+    """One line, and 1 where a design fails, 2 where something else must be put right first."""
     typer.echo(f"synthesis: {error}", err=True)
-    raise typer.Exit(1)
+    raise typer.Exit(1 if isinstance(error, SynthesisError) else 2)
 
 
 @app.command()
@@ -63,6 +63,24 @@ def synth() -> None:
 
 
 @app.command()
+def seeds(
+    board: BoardArgument,
+    device: DeviceOption = None,
+    count: Annotated[int, typer.Option(min=1, help="Seeds to try, from 1.")] = 8,
+) -> None:
+    """Place a board with several seeds, and say which meet its clock."""
+    try:
+        chosen = load_board(board, device or None)
+        found = synthesis.survey_seeds(
+            chosen, Toolchain.of_environment(), range(1, count + 1), typer.echo
+        )
+    except _ERRORS as error:
+        _fail(error)
+    good = [seed for spare, seed in found if spare >= synthesis.SPARE]
+    typer.echo(f"for {chosen.folder}/fpga.toml, the best first: seeds = {good}")
+
+
+@app.command()
 def prog(board: BoardArgument, device: DeviceOption = None) -> None:
     """Load a board's bitstream with the board's own programmer."""
     try:
@@ -71,7 +89,7 @@ def prog(board: BoardArgument, device: DeviceOption = None) -> None:
         _fail(error)
     path = synthesis.bitstream_path(chosen)
     if not (ROOT / path).is_file():
-        _fail(SynthesisError(f"{path} is not there; run `make bitstream BOARD={board}`"))
+        _fail(BoardError(f"{path} is not there; run `make bitstream BOARD={board}`"))
     command = [word.replace("{bitstream}", str(path)) for word in chosen.fpga.program]
     if shutil.which(command[0]) is None:
         _fail(ToolError(f"{command[0]} is not on PATH; install it, or run another programmer"))
@@ -83,12 +101,10 @@ def prog(board: BoardArgument, device: DeviceOption = None) -> None:
 def count_resources() -> None:
     """Count what each block and option costs, into build/synth/resources.json."""
     try:
-        rows = resources.measure(Toolchain.of_environment())
+        path = resources.measure(Toolchain.of_environment(), typer.echo)
     except _ERRORS as error:
         _fail(error)
-    path = ROOT / synthesis.OUT / "resources.json"
-    path.write_text(json.dumps(rows, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    typer.echo(str(path.relative_to(ROOT)))
+    typer.echo(str(path))
 
 
 @app.command("numbers")

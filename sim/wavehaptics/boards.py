@@ -14,9 +14,10 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from wavehaptics.adc_parts import PARTS
 from wavehaptics.scene import Scene, load_scene
 from wavehaptics.toml_source import TomlError, parse
-from wavehaptics.words import ADC_PARTS, BoardWords, board_words, verilog_header
+from wavehaptics.words import BoardWords, board_words, verilog_header
 
 ROOT = Path(__file__).resolve().parents[2]
 """The repository."""
@@ -40,7 +41,7 @@ class Fpga(BaseModel):
     input_hz: float = Field(gt=0)
     adc: str
     motors: int = Field(1, ge=1, le=8)
-    seed: int
+    seeds: list[int] = Field(min_length=1)
     program: list[str] = Field(min_length=1)
 
 
@@ -70,7 +71,7 @@ class Board:
 
     def words(self) -> BoardWords:
         """Words of the controller's settings; :class:`SceneError` where the board can't do them."""
-        return board_words(self.scene, ADC_PARTS[self.fpga.adc], self.fpga.motors)
+        return board_words(self.scene, PARTS[self.fpga.adc], self.fpga.motors)
 
     def header(self) -> str:
         """Text of the ``wh_board_settings.vh`` that the board's top includes."""
@@ -97,8 +98,8 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
         first = error.errors()[0]
         key = ".".join(str(part) for part in first["loc"])
         raise BoardError(f"{path}: {key}: {first['msg']}") from None
-    if fpga.adc not in ADC_PARTS:
-        raise BoardError(f"{path}: adc = {fpga.adc!r} is not known; {', '.join(ADC_PARTS)} are")
+    if fpga.adc not in PARTS:
+        raise BoardError(f"{path}: adc = {fpga.adc!r} is not known; {', '.join(PARTS)} are")
     device = device or fpga.devices[0]
     if device not in fpga.devices:
         raise BoardError(f"{name} has no device {device!r}; take one of {', '.join(fpga.devices)}")

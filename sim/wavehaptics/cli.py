@@ -26,6 +26,7 @@ CONTROLLERS = {
     "golden": "the wave core as integers in Python, bit for bit the RTL",
     "core": "the wave core's RTL, numbers in and numbers out, averaged drive",
     "pins": "the whole RTL at its pins: ADC bits, encoder edges, gate signals",
+    "encoder": "the usual way beside it: sampled encoder, virtual spring, current amplifier",
 }
 """Controllers that a scene can run on, and what each is."""
 
@@ -146,6 +147,127 @@ def speed(scene: SceneArgument = "paper_taps", overrides: SetOption = None) -> N
     with _stages() as progress:
         results = measure_speed(loaded, progress)
     Console().print(speed_table(results))
+
+
+@app.command()
+def impedance(
+    scene: SceneArgument,
+    controller: Annotated[str, typer.Option(metavar="NAME", help="golden or core.")] = "golden",
+    overrides: SetOption = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help=f"Folder; {RUNS_DIR}/<scene name>-impedance by default."),
+    ] = None,
+) -> None:
+    """Sweep a hand over contact in SCENE: what it feels like against what was designed."""
+    if controller not in ("golden", "core"):
+        raise CommandError(f"--controller {controller}: has no sweep; take golden or core")
+    loaded = load_scene(find_scene(scene), overrides or ())
+    folder = RUNS_DIR / f"{loaded.scene.name}-impedance" if out is None else out
+    _make_folder(folder)
+
+    from wavehaptics.impedance import measure
+    from wavehaptics.impedance_picture import write
+
+    with _progress(f"{loaded.scene.name}, impedance on {controller}") as progress:
+        found = write(loaded, measure(loaded, rtl=controller == "core", progress=progress), folder)
+    print(_table({key: found[key] for key in ("scene", "error_max", "energy_out_max_j")}))
+    print(f"results in {folder}")
+
+
+@app.command()
+def shaper(scene: SceneArgument, overrides: SetOption = None) -> None:
+    """Design W for what SCENE's [shaper] wishes, prove it passive and say what will be felt."""
+    loaded = load_scene(find_scene(scene), overrides or ())
+    if loaded.shaper is None:
+        raise CommandError(
+            f"{loaded.scene.name}: the scene wishes for nothing; give it a [shaper], or "
+            "--set shaper.feel=spring --set shaper.stiffness=0.5"
+        )
+
+    from wavehaptics.settings import settings
+    from wavehaptics.shaper import fragment
+
+    print(fragment(loaded, settings(loaded)), end="")
+
+
+@app.command()
+def report(
+    quick: Annotated[bool, typer.Option("--quick", help="Coarser grids: 3 minutes.")] = False,
+    cluster: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="A dask scheduler; local processes without one."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Local processes; one a core by default.")
+    ] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
+        "build/report"
+    ),
+) -> None:
+    """Measure speed against error, hard cases and the usual way, and write a page about it.
+
+    An interrupted report goes on where it stopped when it is started again.
+    """
+    _make_folder(out)
+
+    from wavehaptics.report.build import make_report
+    from wavehaptics.sweeps import SweepError
+
+    try:
+        with _stages() as progress:
+            page = make_report(out, quick, cluster=cluster, workers=workers, progress=progress)
+    except SweepError as error:
+        raise CommandError(str(error)) from None
+    print(f"report: {page}")
+
+
+@app.command()
+def adcs(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for adcs.json.")] = Path(
+        "build/adcs"
+    ),
+    scene: Annotated[
+        str, typer.Option(metavar="SCENE", help="What runs with each.")
+    ] = "paper_taps",
+    overrides: SetOption = None,
+) -> None:
+    """Run SCENE on pins with every ADC: times, stiffness and torque error; some ten minutes."""
+    settings = tuple(overrides or ())
+    path = find_scene("paper_taps")
+    load_scene(path, settings)
+    _make_folder(out)
+
+    from rich.console import Console
+
+    from wavehaptics.adcs import adc_table, compare
+
+    with _stages() as progress:
+        found = compare(path, settings, out / "adcs.json", progress)
+    Console().print(adc_table(found))
+    print(f"numbers: {out / 'adcs.json'}")
+
+
+@app.command()
+def bench(
+    quick: Annotated[bool, typer.Option("--quick", help="Only what is shipped.")] = False,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
+        "build/bench"
+    ),
+) -> None:
+    """Measure how fast the simulation is, what was tried to speed it up, and others beside it."""
+    _make_folder(out)
+
+    from rich.console import Console
+
+    from wavehaptics.bench.measure import bench as measure_all
+    from wavehaptics.bench.measure import tables
+
+    with _stages() as progress:
+        summary = measure_all(out, quick, progress)
+    for table in tables(summary):
+        Console().print(table)
+    print(f"summary: {out / 'summary.json'}")
 
 
 @app.command()

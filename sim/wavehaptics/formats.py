@@ -1,11 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Word lengths and binary points, read from ``rtl/wh_formats.vh``: none is typed twice."""
+"""Word lengths and binary points, read from ``rtl/wh_formats.vh``: none is typed twice.
+
+The widths that the header lets a tool set can be set here by environment variables of the same
+names, ``WH_DATA_W=24``. What numba has compiled for other widths must not be taken then, so
+``NUMBA_CACHE_DIR`` has to name a folder of their own as well.
+"""
 
 from __future__ import annotations
 
 import ast
 import operator
+import os
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +20,7 @@ RTL_DIR = Path(__file__).resolve().parents[2] / "rtl"
 HEADER = RTL_DIR / "wh_formats.vh"
 
 _DEFINE = re.compile(r"^\s*`define\s+WH_(\w+)\s+([^/\n]+?)\s*(?://.*)?$", re.MULTILINE)
+_GUARDED = re.compile(r"^\s*`ifndef\s+WH_(\w+)", re.MULTILINE)
 _OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul}
 
 
@@ -24,10 +32,26 @@ def _evaluate(node: ast.expr) -> int:
     raise ValueError(f"{HEADER}: only sums and products of integers are understood")
 
 
-def read_header(path: Path = HEADER) -> dict[str, int]:
-    """Macros ``WH_<name>`` of the header as ``{name: integer}``, in the order of the file."""
+def settable_macros(header: str) -> list[str]:
+    """Macros, without ``WH_``, that a header defines only where they are not set yet."""
+    guarded = _GUARDED.findall(header)
+    return [name for name, _ in _DEFINE.findall(header) if name in guarded]
+
+
+def read_header(path: Path = HEADER, environment: Mapping[str, str] = os.environ) -> dict[str, int]:
+    """Macros ``WH_<name>`` of the header as ``{name: integer}``, in the order of the file.
+
+    Macros guarded by ```ifndef`` may be set in ``environment``; ``ValueError`` without a cache of
+    their own.
+    """
     values: dict[str, int] = {}
-    for name, text in _DEFINE.findall(path.read_text(encoding="utf-8")):
+    header = path.read_text(encoding="utf-8")
+    settable = settable_macros(header)
+    for name, text in _DEFINE.findall(header):
+        if name in settable and f"WH_{name}" in environment:
+            if "NUMBA_CACHE_DIR" not in environment:
+                raise ValueError(f"WH_{name} is set, so NUMBA_CACHE_DIR has to be set as well")
+            text = environment[f"WH_{name}"]
         for known, value in values.items():
             text = re.sub(rf"`WH_{known}\b", str(value), text)
         values[name] = _evaluate(ast.parse(text.strip(), mode="eval").body)
@@ -73,6 +97,9 @@ class Fixed:
 
 HEADER_VALUES = read_header()
 
+SETTABLE = tuple(settable_macros(HEADER.read_text(encoding="utf-8")))
+"""Macros that the tools take from their command line, and Python from the environment."""
+
 DATA_W = HEADER_VALUES["DATA_W"]
 COEF_W = HEADER_VALUES["COEF_W"]
 STATE_GUARD = HEADER_VALUES["STATE_GUARD"]
@@ -80,6 +107,9 @@ COUNT_W = HEADER_VALUES["COUNT_W"]
 SAMPLE_W = HEADER_VALUES["SAMPLE_W"]
 SUM_W = HEADER_VALUES["SUM_W"]
 TICK_W = HEADER_VALUES["TICK_W"]
+ANCHOR_TICK_W = HEADER_VALUES["ANCHOR_TICK_W"]
+ANCHOR_W = HEADER_VALUES["ANCHOR_W"]
+ROOT_SUM_Q = HEADER_VALUES["ROOT_SUM_Q"]
 
 CURRENT = Fixed(DATA_W, HEADER_VALUES["CURRENT_Q"])
 """Current, A."""
@@ -93,7 +123,21 @@ ETA = Fixed(COEF_W, HEADER_VALUES["ETA_Q"])
 """η, no unit."""
 A = Fixed(COEF_W, HEADER_VALUES["A_Q"])
 """The λ filter's coefficient a, no unit."""
+CELL_CURRENT = Fixed(COEF_W, HEADER_VALUES["CELL_CURRENT_Q"])
+"""Current of half an encoder cell on the design spring, A."""
+PULL = Fixed(COEF_W, HEADER_VALUES["PULL_Q"])
+"""Gain of the anchor, 2ρ/s, √Ω."""
+TRACK = Fixed(COEF_W, HEADER_VALUES["TRACK_Q"])
+"""What an ampere of error changes s by in a tick, √Ω/A."""
 GAIN = Fixed(COEF_W, HEADER_VALUES["GAIN_Q"])
 """Amperes per unit of a tick's sum of ADC words."""
 DUTY = Fixed(COEF_W, HEADER_VALUES["DUTY_Q"])
 """Clocks of half pulse width per volt."""
+SHAPE = Fixed(HEADER_VALUES["SHAPE_W"], HEADER_VALUES["SHAPE_Q"])
+"""Coefficient of the shaper W, no unit."""
+SHAPE_HEADROOM = HEADER_VALUES["SHAPE_HEADROOM"]
+SHAPE_LOSS_W = HEADER_VALUES["SHAPE_LOSS_W"]
+SHAPE_STATE = Fixed(DATA_W + STATE_GUARD, WAVE.fraction - SHAPE_HEADROOM + STATE_GUARD)
+"""State of the shaper W, √W."""
+EXTRA = Fixed(HEADER_VALUES["EXTRA_W"], HEADER_VALUES["EXTRA_Q"])
+"""Clocks by which dead time shortens the half pulse width."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 from wavehaptics.boards import ROOT
@@ -22,19 +21,13 @@ DEVICES = {"up5k": "ice40", "hx8k": "ice40", "25k": "ecp5"}
 _ECP5_CELLS = ("LUT2", "LUT4", "PFUMX", "L6MUX21", "TRELLIS_FF", "TRELLIS_DPR16X4", "CCU2C")
 
 
-@dataclass(frozen=True)
-class Netlist:
-    """Files to simulate in place of ``rtl/<block>.v``, and what they want defined."""
+def netlist(
+    block: str, device: str, parameters: dict[str, int], tools: Toolchain
+) -> tuple[Path, ...]:
+    """Synthesise ``block`` for a device; files to simulate in the place of ``rtl/<block>.v``.
 
-    sources: tuple[Path, ...]
-    defines: dict[str, int]
-
-
-def netlist(block: str, device: str, parameters: dict[str, int], tools: Toolchain) -> Netlist:
-    """Synthesise ``block`` for a device; its netlist keeps the block's name and parameters.
-
-    The parameters can't be changed any more: a bench that sets others gets an error of elaboration.
-    :class:`SynthesisError` as in a board's build.
+    The netlist keeps the block's name and parameters. These can't be changed any more: a bench that
+    sets others gets an error of elaboration. :class:`SynthesisError` as in a board's build.
     """
     family = DEVICES[device]
     name = "-".join([block, device, *(f"{key}{value}" for key, value in parameters.items())])
@@ -53,7 +46,7 @@ def netlist(block: str, device: str, parameters: dict[str, int], tools: Toolchai
         speed=None,
         input_hz=1.0,
         clock_hz=1.0,
-        seed=0,
+        seeds=(0,),
         parameters=tuple(parameters.items()),
     )
     made = OUT / name / "netlist.json"
@@ -67,8 +60,7 @@ def netlist(block: str, device: str, parameters: dict[str, int], tools: Toolchai
     wrapper = folder / f"{block}.v"
     directions = {port: (p["direction"], len(p["bits"])) for port, p in ports.items()}
     wrapper.write_text(_wrapper(block, inner, directions, parameters), encoding="utf-8")
-    cells, defines = _cells(family, device, folder, tools)
-    return Netlist((wrapper, ROOT / verilog, *cells), defines)
+    return (wrapper, ROOT / verilog, *_cells(family, device, folder, tools))
 
 
 def _wrapper(
@@ -90,15 +82,15 @@ def _wrapper(
     )
 
 
-def _cells(
-    family: str, device: str, folder: Path, tools: Toolchain
-) -> tuple[tuple[Path, ...], dict[str, int]]:
-    """Models of a family's cells, and the macros that they need."""
-    share = tools.share()
+def _cells(family: str, device: str, folder: Path, tools: Toolchain) -> tuple[Path, ...]:
+    """Models of a family's cells."""
+    share, path = tools.share(), folder / "cells.v"
     if family == "ice40":
-        kind = "ICE40_U" if device == "up5k" else "ICE40_HX"
-        path = share / "ice40" / "cells_sim.v"
-        return (path,), {"NO_ICE40_DEFAULT_ASSIGNMENTS": 1, kind: 1}
+        macros = ("NO_ICE40_DEFAULT_ASSIGNMENTS", "ICE40_U" if device == "up5k" else "ICE40_HX")
+        library = (share / "ice40" / "cells_sim.v").read_text(encoding="utf-8")
+        defines = "".join(f"`define {macro} 1\n" for macro in macros)
+        path.write_text(defines + library, encoding="utf-8")
+        return (path,)
     library = "".join(
         (share / "ecp5" / name).read_text(encoding="utf-8")
         for name in ("common_sim.vh", "ccu2c_sim.vh")
@@ -109,6 +101,5 @@ def _cells(
         if found is None:
             raise SynthesisError(f"Yosys' library of the ECP5 has no {cell}")
         modules.append(re.sub(r"^\s*specify\b.*?\bendspecify\b", "", found[0], flags=re.M | re.S))
-    path = folder / "cells.v"
     path.write_text("\n\n".join(modules) + "\n", encoding="utf-8")
-    return (path, ROOT / "cocotb_tests" / "tb_netlist_mult18x18d.v"), {}
+    return (path, ROOT / "cocotb_tests" / "tb_netlist_mult18x18d.v")

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The numbers of the synthesis in the README pages, between markers that a command fills.
+"""The numbers in the README pages, between markers that a command fills.
 
-``boards/summary.json`` keeps what the last synthesis came to. The text between
+``boards/summary.json`` keeps what the last synthesis came to, ``sim/docs/measured.json`` what the
+last report and the last bench found. The text between
 ``<!-- begin NAME -->`` and ``<!-- end NAME -->`` of a page is made from it; a test fails where the
 two differ, and another where a fresh synthesis comes to something else.
 """
@@ -11,19 +12,27 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from wavehaptics.boards import ROOT
+from wavehaptics.report import readme
 
 KEPT = Path("boards", "summary.json")
 """The numbers that the pages show, from the root."""
+
+MEASURED = Path("sim", "docs", "measured.json")
+"""The numbers of the report and the bench that the pages show, from the root."""
 
 PAGES = (Path("README.md"), Path("boards", "README.md"))
 """Pages that may hold markers, from the root."""
 
 _SUMMARY = Path("build", "synth", "summary.json")
 _RESOURCES = Path("build", "synth", "resources.json")
+_ADCS = Path("build", "adcs", "adcs.json")
+_REPORT = Path("build", "report")
+_BENCH = Path("build", "bench", "summary.json")
 _MARKED = re.compile(r"(<!-- begin (\S+) -->\n)(.*?)(<!-- end \2 -->)", re.DOTALL)
 _DEVICE_NAMES = {"up5k": "iCE40 UP5K", "hx8k": "iCE40 HX8K", "25k": "ECP5-25F"}
 
@@ -39,10 +48,30 @@ def keep(root: Path = ROOT) -> None:
         kept["boards"] = json.loads((root / _SUMMARY).read_bytes())["boards"]
     if (root / _RESOURCES).exists():
         kept["resources"] = json.loads((root / _RESOURCES).read_bytes())
-    if not kept:
+    if (root / _ADCS).exists():
+        kept["adcs"] = json.loads((root / _ADCS).read_bytes())
+    measured = _last_measured(root)
+    if not kept and not measured:
         raise NumbersError("there are no numbers yet; run `make synth`")
-    text = json.dumps(kept, indent=1, ensure_ascii=False)
-    (root / KEPT).write_text(text + "\n", encoding="utf-8")
+    for path, numbers in ((KEPT, kept), (MEASURED, measured)):
+        if numbers:
+            text = json.dumps(numbers, indent=1, ensure_ascii=False)
+            (root / path).parent.mkdir(parents=True, exist_ok=True)
+            (root / path).write_text(text + "\n", encoding="utf-8")
+    for name in readme.PICTURES:
+        if (root / _REPORT / name).exists():
+            (root / MEASURED.parent / name).write_bytes((root / _REPORT / name).read_bytes())
+
+
+def _last_measured(root: Path) -> dict[str, Any]:
+    """What is kept of the report and the bench, with what the last of each found."""
+    measured = json.loads((root / MEASURED).read_bytes()) if (root / MEASURED).exists() else {}
+    report = root / _REPORT / "report.json"
+    if report.exists():
+        measured["report"] = readme.of_report(json.loads(report.read_bytes()))
+    if (root / _BENCH).exists():
+        measured["bench"] = readme.of_bench(json.loads((root / _BENCH).read_bytes()))
+    return measured
 
 
 def write(root: Path = ROOT) -> list[Path]:
@@ -90,9 +119,12 @@ def filled(text: str, numbers: dict[str, Any], page: str) -> str:
 
 def _read(root: Path) -> dict[str, Any]:
     try:
-        return json.loads((root / KEPT).read_bytes())
+        numbers = json.loads((root / KEPT).read_bytes())
     except FileNotFoundError:
         raise NumbersError(f"{KEPT} is not there; run `make synth numbers`") from None
+    if (root / MEASURED).exists():
+        numbers |= json.loads((root / MEASURED).read_bytes())
+    return numbers
 
 
 # ---- The tables.
@@ -134,39 +166,105 @@ def _reached(board: dict[str, Any]) -> float:
     return min(board["reached_mhz"], board["dsp_path_mhz"] or board["reached_mhz"])
 
 
+_COUNTS = ("lut", "ff", "dsp")
+
+
+def _plain(row: dict[str, Any], first: dict[str, Any]) -> str:
+    return " / ".join(str(row[count]) for count in _COUNTS)
+
+
+def _with_clock(row: dict[str, Any], first: dict[str, Any]) -> str:
+    return f"{_plain(row, first)}, {row['reached_mhz']:.0f} MHz"
+
+
+def _more(row: dict[str, Any], first: dict[str, Any]) -> str:
+    """What a row takes more than the first, which is shown as it is."""
+    if row is first:
+        return _plain(row, first)
+    return " / ".join(f"{row[count] - first[count]:+d}" for count in _COUNTS)
+
+
 def _resources(
-    table: str, first: str, name: Callable[[dict[str, Any]], str]
+    table: str,
+    first: str,
+    name: Callable[[dict[str, Any]], str],
+    cell: Callable[[dict[str, Any], dict[str, Any]], str] = _plain,
 ) -> Callable[[dict[str, Any]], str]:
-    """A row for each block or option, LUT / FF / DSP on each device."""
+    """A row for each block or option; ``cell`` writes what a device needs for it."""
 
     def render(numbers: dict[str, Any]) -> str:
         rows: dict[str, dict[str, Any]] = {}
         for row in numbers.get("resources", ()):
             if row["table"] == table:
                 rows.setdefault(name(row), {})[row["device"]] = row
-        speed = any(r["reached_mhz"] for devices in rows.values() for r in devices.values())
         present = [name for name in _DEVICE_NAMES if any(name in on for on in rows.values())]
         head = [first, *(f"{_DEVICE_NAMES[name]}: LUT / FF / DSP" for name in present)]
-        lines = []
-        for label, devices in rows.items():
-            cells = []
-            for device in present:
-                row = devices[device]
-                cell = f"{row['lut']} / {row['ff']} / {row['dsp']}"
-                cells.append(f"{cell}, {row['reached_mhz']:.0f} MHz" if speed else cell)
-            lines.append((label, *cells))
+        top = next(iter(rows.values()), {})
+        lines = [
+            (label, *(cell(devices[device], top[device]) for device in present))
+            for label, devices in rows.items()
+        ]
         return _table(head, lines)
 
     return render
 
 
+def _adcs(numbers: dict[str, Any]) -> str:
+    """What each converter is worth: times, the stiffness that is felt, the torque's error."""
+    head = ("ADC", "Bits", "Clock, SCLK", "kS/s at most", "Sample to last bit", "Last bit to duty",
+            "Sample to gate edge", "k", "τ, measured of set", "τ at a = 1",
+            "Torque error", "Energy out")  # fmt: skip
+    rows = []
+    for row in numbers.get("adcs", {}).get("parts", ()):
+        rows.append(
+            (
+                row["part"],
+                row["bits"],
+                f"{row['clock_mhz']:g}, {row['sclk_mhz']:.3g} MHz",
+                f"{row['rate_hz'] / 1e3:.0f}",
+                f"{row['conversion_ns']:.0f} ns",
+                f"{row['digital_ns']:.0f} ns",
+                f"{row['gate_ns']:.0f} ns",
+                row["extra_ticks"],
+                _measured(row["tau_us"], row["tau_set_us"]),
+                _measured(row["stiff_tau_us"], row["stiff_tau_set_us"]),
+                f"{row['torque_error']:.1e}",
+                f"{row['energy_out_max_j']:.0e} J",
+            )
+        )
+    return _table(head, rows)
+
+
+def _measured(found: float | None, wanted: float) -> str:
+    return "no wall" if found is None else f"{found:.1f} of {wanted:.0f} µs"
+
+
+def _energies(numbers: dict[str, Any]) -> str:
+    """Most net energy that the port gave out, by how the current is taken."""
+    head = ("Tick", "`golden`, mean", "`golden`, point", "`pins`, one sample", "`pins`, several")
+    rows = []
+    for row in numbers.get("adcs", {}).get("energies", ()):
+        rows.append(
+            (
+                f"{1e6 * row['tick_s']:g} µs",
+                *(f"{row[name]:.1e} J" for name in ("mean_j", "point_j", "one_j")),
+                f"{row['several_j']:.1e} J ({row['samples']})",
+            )
+        )
+    return _table(head, rows)
+
+
 TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "boards": _boards,
+    "adcs": _adcs,
+    "energies": _energies,
     "block-resources": _resources("blocks", "Block", lambda row: f"`{row['block']}`"),
     "port-resources": _resources("ports", "Motors", lambda row: row["option"].split()[-1]),
-    "option-resources": _resources("options", "`wh_controller` with", lambda row: row["option"]),
-    "width-resources": _resources(
-        "widths", "`wh_wave_core`, data × coefficient", lambda row: row["option"]
+    "option-resources": _resources(
+        "options", "`wh_controller` with", lambda row: row["option"], _more
     ),
-}
+    "width-resources": _resources(
+        "widths", "`wh_wave_core`, data × coefficient", lambda row: row["option"], _with_clock
+    ),
+} | {name: partial(render, table=_table) for name, render in readme.TABLES.items()}
 """What stands between the markers of each name."""

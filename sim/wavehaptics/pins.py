@@ -10,20 +10,33 @@ from __future__ import annotations
 
 import ctypes
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numba
 import numpy as np
 
-from wavehaptics import formats, verilated
+from wavehaptics import formats, sigma_delta, verilated
+from wavehaptics.adc_parts import (
+    KINDS,
+    MODULATORS,
+    PARTS,
+    Frame,
+    PartError,
+    frame,
+    modulator_frame,
+    plain_frame,
+)
 from wavehaptics.bridge import bridge_voltage
 from wavehaptics.hand import hand_path
 from wavehaptics.native_call import call2
 from wavehaptics.pins_timing import CENTRED_LEAD, GATE_CLOCKS, latency_clocks
 from wavehaptics.plant import OMEGA, TIME, C, I, P, Plant, X, load_words, plant_step
 from wavehaptics.scene import Scene, SceneError
-from wavehaptics.sensor import NOISE_SEED, Sensor, sample_code
+from wavehaptics.sensor import FULL_SCALE, NOISE, NOISE_SEED, OFFSET, Sensor, sample_code
 from wavehaptics.settings import Settings, settings
+from wavehaptics.sigma_delta import next_bit
+from wavehaptics.thermal import Winding
 from wavehaptics.trace import Column, Word
 
 DEFAULT_BUS_V = 12.0
@@ -31,6 +44,15 @@ DEFAULT_BUS_V = 12.0
 
 CLOCK_HZ = 48e6
 """Clock of the simulated board unless the scene names another."""
+
+NEVER_TRIP = 0xFFFF
+"""Threshold of the fast path of the current that no word reaches."""
+
+WORD_NOISE = 0.55
+"""Noise power of a word of a third-order sinc filter, in that of a bit over OSR: Σh²·OSR."""
+
+FASTEST_CLOCK_HZ = 100e6
+"""A part that needs a faster clock than the usual one gets it, up to this."""
 
 MIN_TICK_CLOCKS = 48
 """Clocks of the shortest tick: an ADC frame of 16 bits at half the clock and its quiet time."""
@@ -47,9 +69,10 @@ FINE_COUNTS_PER_REV = 65_536
 MOST_SAMPLES = 16
 """Samples in a tick. Their sum is scaled by a word of 27 bits, which more would make too coarse."""
 
-SCLK_HALF_CLOCKS = 1
-QUIET_CLOCKS = 2
 FILTER_CLOCKS = 2
+MOST_DEAD_CLOCKS = 255
+SETTLE_TICKS = 5
+"""Ticks between two changes of side of the dead-time compensation, besides the scene's latency."""
 DELAY_LOG2 = 10
 MIN_WALLS = 4
 
@@ -61,15 +84,22 @@ _PENDING = 8
 _AH, _AL, _BH, _BL, _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING = range(9)
 
 # Places in the loop's integer parameters.
-_MODEL, _CLOCK, _WORDS, _TICK_CLOCKS, _LEAD_BITS, _DATA_BITS, _U_MAX, _SUBSTEP_CLOCKS = range(8)
+(
+    _MODEL, _CLOCK, _WORDS, _TICK_CLOCKS, _CODE_SHIFT, _DATA_BITS, _U_MAX, _SUBSTEP_CLOCKS,
+    _LAUNCH_LEVEL, _PIPELINE, _OSR, _ANCHORED,
+) = range(12)  # fmt: skip
 # Places in the loop's float parameters.
 _DT, _CELL, _BUS, _GAIN, _K_T, _RESISTANCE, _ETA_CONTACT, _ETA_FREE = range(8)
 # Places in the integers that the loop keeps.
 (
-    _NOW, _ADVANCED, _PINS, _SHIFT, _COUNT, _EDGE, _CLOSED, _EMITTED, _TICK_START, _FAULTS,
-) = range(10)  # fmt: skip
+    _NOW, _ADVANCED, _PINS, _SHIFT, _HELD, _COUNT, _EDGE, _CLOSED, _EMITTED, _TICK_START, _FAULTS,
+) = range(11)  # fmt: skip
 # Places in the sums of the tick that is running.
 _CHARGE, _SQUARE, _WORK, _VOLT_SECONDS, _LOW, _HIGH, _X0, _HAND0, _T0 = range(9)
+
+
+FrameAt = Callable[[float, int], Frame]
+"""An ADC's frame for a clock in Hz and the clocks of a tick."""
 
 
 @dataclass(frozen=True)
@@ -81,8 +111,10 @@ class Timing:
     tick_halves: int
     sample_clocks: int
     samples: int
+    extra_ticks: int
     hold_ticks: int
     latency_clocks: int
+    frame: Frame
 
     @property
     def tick_clocks(self) -> int:
@@ -98,30 +130,97 @@ def _whole_part(total: int, longest: int) -> int:
     return next(d for d in range(min(total, longest), 0, -1) if total % d == 0)
 
 
-def timing(scene: Scene, frame_bits: int) -> Timing:
-    """Lay the scene's tick and carrier on a clock.
+def scene_frame(scene: Scene) -> FrameAt:
+    """The ADC's frame on a clock, for the scene's ADC or the finest one that the reader takes."""
+    if scene.adc is None:
+        return lambda clock_hz, _: plain_frame(0, formats.SAMPLE_W)
+    part, bits = scene.adc.part, scene.adc.bits
+    if part is None:
+        return lambda clock_hz, _: plain_frame(2, bits)
+    if part in MODULATORS:
+        return lambda clock_hz, clocks: modulator_frame(MODULATORS[part], clock_hz, clocks)
+    return lambda clock_hz, _: frame(PARTS[part], clock_hz)
+
+
+def natural_ticks(
+    tick_clocks: int, samples: int, lead: int, frame: Frame, ports: int = 1, sections: int = 0
+) -> int:
+    """Whole ticks from a tick's end until the voltage made of its samples can be driven."""
+    sample_clocks = tick_clocks // samples
+    last_sample = tick_clocks - sample_clocks + sample_clocks // 2 - lead
+    word_strobe = last_sample + frame.pipeline * sample_clocks
+    return (word_strobe + latency_clocks(frame.conversion_clocks, ports, sections)) // tick_clocks
+
+
+def _sample_lead(made: Frame, pulse_delay: int) -> int:
+    """Clocks that the ADC's starts come early, for pulses that are ``pulse_delay`` clocks late.
+
+    A code is held in the middle of the gates' pulse. A modulator's word is of three intervals
+    between starts, and its middle one and a half before the start: here is what is left of that
+    when the delay of the bits is taken off (``rtl/wh_sinc3.v``; a bit is decided with the clock's
+    rise, taken with its fall, and goes through two registers), in whole periods of its clock.
+    """
+    if not made.osr:
+        return CENTRED_LEAD - pulse_delay
+    periods = round(1 + (1 + GATE_CLOCKS + pulse_delay) / made.bit_clocks)
+    return made.cycle_clocks // 2 - periods * made.bit_clocks
+
+
+def _soonest(tick_clocks: int, made: Frame, lead: int, sections: int) -> int:
+    """Fewest ticks of latency that the ADC allows."""
+    samples = tick_clocks // made.cycle_clocks if made.osr else 1
+    return natural_ticks(tick_clocks, samples, lead, made, 1, sections)
+
+
+def _tick_clocks(scene: Scene, tick_hz: float, halves: int, frame_at: FrameAt) -> tuple[int, Frame]:
+    """Clocks of a tick, and the ADC's frame on that clock."""
+    named = scene.controller.clock_hz
+    if named is not None:
+        clocks = round(named / tick_hz)
+        return clocks, frame_at(clocks * tick_hz, clocks)
+    usual = min(max(MIN_TICK_CLOCKS, round(CLOCK_HZ / tick_hz)), MOST_TICK_CLOCKS)
+    found = None
+    clocks = usual
+    while clocks == usual or clocks * tick_hz <= FASTEST_CLOCK_HZ:
+        try:
+            made = frame_at(clocks * tick_hz, clocks)
+        except PartError:
+            made = None
+        if made is not None and made.cycle_clocks <= clocks and clocks % halves == 0:
+            if not made.osr:
+                return clocks, made
+            # A modulator: the more bits a tick, the better.
+            if found is None or clocks // made.bit_clocks > found[0] // found[1].bit_clocks:
+                found = clocks, made
+        if clocks - usual > MOST_TICK_CLOCKS // 40:
+            break
+        clocks += 1
+    return found or (usual, frame_at(usual * tick_hz, usual))
+
+
+def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) -> Timing:
+    """Lay the scene's tick and carrier on a clock, for an ADC with the frame ``frame_at(clock)``.
 
     A carrier slower than half the tick rate sets the pace: the tick is then its half period, and
     the current is the mean of the samples that fit in. :class:`SceneError` where the carrier can't
-    be had or the scene's latency is shorter than the hardware's.
+    be had, the ADC is too slow or the scene's latency is shorter than the hardware's.
     """
     control, drive = scene.controller, scene.drive
     tick_hz = control.tick_hz
     pwm_hz = drive.pwm_hz if drive else None
     if pwm_hz is not None and 2 * pwm_hz < tick_hz:
         tick_hz = 2 * pwm_hz
-    clock_hz = control.clock_hz
-    if clock_hz is None:
-        clocks = min(max(MIN_TICK_CLOCKS, round(CLOCK_HZ / tick_hz)), MOST_TICK_CLOCKS)
-        clock_hz = tick_hz * clocks
-    tick_clocks = round(clock_hz / tick_hz)
-    frame_clocks = 2 * SCLK_HALF_CLOCKS * (frame_bits + 1) + QUIET_CLOCKS
+    halves = 1 if pwm_hz is None else max(1, round(2 * pwm_hz / tick_hz))
+    try:
+        tick_clocks, made = _tick_clocks(scene, tick_hz, halves, frame_at)
+    except PartError as error:
+        raise SceneError(f"{scene.scene.name}: adc.part: {error}; take another clock_hz") from None
+    clock_hz = control.clock_hz if control.clock_hz is not None else tick_hz * tick_clocks
     if pwm_hz is None:
         half_clocks = _whole_part(tick_clocks, max(SLOW_HALF_CLOCKS, MIN_TICK_CLOCKS))
         if half_clocks < MIN_TICK_CLOCKS:
             half_clocks = tick_clocks
     else:
-        halves = max(1, round(2 * pwm_hz / tick_hz))
         if abs(halves * tick_hz / (2 * pwm_hz) - 1) > 0.01 or tick_clocks % halves:
             raise SceneError(
                 f"{scene.scene.name}: drive.pwm_hz = {pwm_hz:g} Hz doesn't fit "
@@ -136,38 +235,51 @@ def timing(scene: Scene, frame_bits: int) -> Timing:
             f"{scene.scene.name}: a tick of {tick_clocks} clocks is longer than `pins` can count; "
             f"take controller.clock_hz <= {limit * tick_hz:g}"
         )
-    latency = latency_clocks(SCLK_HALF_CLOCKS, frame_bits, 1)
+    if scene.adc is not None and made.cycle_clocks > tick_clocks:
+        name = scene.adc.part or "the ADC"
+        raise SceneError(
+            f"{scene.scene.name}: {name} needs {made.cycle_clocks} clocks of {clock_hz:g} Hz from "
+            f"sample to sample, and controller.tick_hz leaves {tick_clocks}; lower it or take "
+            "another clock_hz"
+        )
+    sections = scene.shaper.sections if scene.shaper else 0
 
-    def natural_ticks(samples: int) -> int:
-        """Whole ticks from a tick's end until the voltage made of its samples can be driven."""
-        sample_clocks = tick_clocks // samples
-        last_sample = tick_clocks - sample_clocks + sample_clocks // 2 - CENTRED_LEAD
-        return (last_sample + latency) // tick_clocks
-
-    # As many samples as the ADC can make and the scene's latency allows, but each in the middle of
-    # as many whole pulses as any other, or several within the only one.
+    # The scene's latency, or without one in it, as much as is needed.
+    lead = _sample_lead(made, (_dead_clocks(scene, clock_hz) + 1) // 2)
+    extra = control.extra_ticks
+    if "extra_ticks" not in control.model_fields_set:
+        extra = max(extra, _soonest(tick_clocks, made, lead, sections))
+    # As many samples as the ADC can make and the latency allows, but each in the middle of
+    # as many whole pulses as any other, or several within the only one. A modulator has its own
+    # number, of words that follow each other.
     parts = tick_clocks if tick_clocks == half_clocks else tick_clocks // half_clocks
     samples = next(
         n
-        for n in range(MOST_SAMPLES, 0, -1)
+        for n in range(most_samples, 0, -1)
         if n == 1
         or (
-            parts % n == 0
-            and tick_clocks // n >= frame_clocks
-            and natural_ticks(n) <= control.extra_ticks
+            not made.osr
+            and (
+                parts % n == 0
+                and tick_clocks // n >= made.cycle_clocks
+                and natural_ticks(tick_clocks, n, lead, made, 1, sections) <= extra
+            )
         )
     )
-    sample_clocks = tick_clocks // samples
-    natural = natural_ticks(samples)
-    if control.extra_ticks < natural:
+    if made.osr:
+        samples = tick_clocks // made.cycle_clocks
+    natural = natural_ticks(tick_clocks, samples, lead, made, 1, sections)
+    latency = latency_clocks(made.conversion_clocks, 1, sections)
+    if extra < natural:
+        late = " and a sample" if made.pipeline else ""
         raise SceneError(
-            f"{scene.scene.name}: controller.extra_ticks = {control.extra_ticks} is less than "
-            f"`pins` needs: {latency} clocks from sample to duty are {natural} ticks of "
+            f"{scene.scene.name}: controller.extra_ticks = {extra} is less than "
+            f"`pins` needs: {latency} clocks{late} from sample to duty are {natural} ticks of "
             f"{tick_clocks} clocks; set extra_ticks = {natural} or more"
         )
     return Timing(
-        clock_hz, half_clocks, tick_clocks // half_clocks, sample_clocks, samples,
-        control.extra_ticks - natural, latency,
+        clock_hz, half_clocks, tick_clocks // half_clocks, tick_clocks // samples, samples,
+        extra, extra - natural, latency, made,
     )  # fmt: skip
 
 
@@ -221,6 +333,14 @@ def _next_edge(state, kept, cell, dt):
     kept[_EDGE] = kept[_NOW] + wait
 
 
+@numba.njit(cache=True, inline="always")
+def _encoder_levels(count):
+    """A and B at their places in the inputs: Gray code, A leads B when the count rises."""
+    quarter = count & 3
+    a = 1 if quarter == 1 or quarter == 2 else 0
+    return a << 1 | (quarter >> 1) << 2
+
+
 @numba.njit(cache=True)
 def _close_tick(state, kept, sums, pending, floats, ints):
     """Keep the row of the tick that ends now until its waves are known."""
@@ -243,9 +363,17 @@ def _close_tick(state, kept, sums, pending, floats, ints):
     sums[_X0], sums[_HAND0], sums[_T0] = state[X], hand, state[TIME]
 
 
+@numba.njit(cache=True, inline="always")
+def _level(current, sensor, osr, rng):
+    """Input of a modulator in parts of its full scale; the noise of a bit makes that of a word."""
+    if sensor[NOISE] > 0.0:
+        current += sensor[NOISE] * np.sqrt(osr / WORD_NOISE) * rng.standard_normal()
+    return (current + sensor[OFFSET]) / sensor[FULL_SCALE]
+
+
 @numba.njit(cache=True)
 def _advance(
-    rows, words, state, kept, sums, pending, tables, ints, floats, load, sensor, rng, buffer
+    rows, words, state, kept, sums, pending, tables, ints, floats, load, sensor, rng, buffer, bits
 ):
     """Clock the RTL until ``rows`` are filled; False if its core falls silent."""
     done = 0
@@ -255,10 +383,7 @@ def _advance(
     while done < rows.shape[0]:
         if kept[_NOW] >= kept[_EDGE]:
             _next_edge(state, kept, cell, dt)
-        # Gray code of the count's last two bits, A leading B when the count rises.
-        quarter = kept[_COUNT] & 3
-        a = 1 if quarter == 1 or quarter == 2 else 0
-        inputs = ((kept[_SHIFT] >> 63) & 1) | a << 1 | (quarter >> 1) << 2
+        inputs = ((kept[_SHIFT] >> 63) & 1) | _encoder_levels(kept[_COUNT])
         pins = call2(ints[_CLOCK], ints[_MODEL], inputs)
         old = kept[_PINS]
         changed = old ^ pins
@@ -266,14 +391,20 @@ def _advance(
             _catch_up(state, kept, sums, tables, floats, ints, load)
             _next_edge(state, kept, cell, dt)
         kept[_PINS] = pins
-        if changed & (1 << _CS_N | 1 << _SCLK):
+        if ints[_OSR]:
+            if changed & pins & 1 << _SCLK:
+                _catch_up(state, kept, sums, tables, floats, ints, load)
+                kept[_SHIFT] = next_bit(bits, _level(state[I], sensor, ints[_OSR], rng)) << 63
+        elif changed & (1 << _CS_N | 1 << _SCLK):
             if changed & 1 << _CS_N:
                 if not pins & 1 << _CS_N:
                     _catch_up(state, kept, sums, tables, floats, ints, load)
                     code = sample_code(state[I], sensor, rng) + (1 << (data_bits - 1))
-                    # Bit 63 is on the wire; the first lead zero comes with the fall of CS.
-                    kept[_SHIFT] = code << (64 - ints[_LEAD_BITS] - data_bits)
-            elif not pins & 1 << _SCLK:
+                    # Bit 63 is on the wire; a late part puts out the code that it held before.
+                    shown = kept[_HELD] if ints[_PIPELINE] else code
+                    kept[_SHIFT] = shown << ints[_CODE_SHIFT]
+                    kept[_HELD] = code
+            elif (pins >> _SCLK) & 1 == ints[_LAUNCH_LEVEL]:
                 kept[_SHIFT] <<= 1
         if pins & 1 << _CORE_VALID:
             call2(ints[_WORDS], ints[_MODEL], buffer.ctypes.data)
@@ -283,7 +414,8 @@ def _advance(
             row[Column.U] = buffer[1] * _WAVE
             row[Column.V] = buffer[2] * _WAVE
             row[Column.CONTACT] = touching
-            row[Column.SATURATED] = 1.0 if abs(buffer[1]) >= ints[_U_MAX] else 0.0
+            limited = buffer[5] if ints[_ANCHORED] else abs(buffer[1]) >= ints[_U_MAX]
+            row[Column.SATURATED] = 1.0 if limited else 0.0
             rows[done] = row
             words[done, Word.I] = buffer[0]
             words[done, Word.U] = buffer[1]
@@ -322,31 +454,38 @@ class Ports:
     walls: list[tuple[int, int]]
 
 
-def controller_ports(scene: Scene) -> Ports:
-    """Settings of the whole RTL for a scene; :class:`SceneError` where it can't do it."""
+def controller_ports(
+    scene: Scene, frame_at: FrameAt | None = None, most_samples: int = MOST_SAMPLES
+) -> Ports:
+    """Settings of the whole RTL for a scene; :class:`SceneError` where it can't do it.
+
+    ``frame_at`` takes the place of the scene's ADC, for a board that has its own.
+    """
     sensor = Sensor.of_scene(scene)
     if sensor.ideal:
         sensor = _fine_sensor(scene)
-    frame_bits = sensor.lead_bits + sensor.bits
     cell_rad = None if scene.encoder else 2 * math.pi / FINE_COUNTS_PER_REV
-    time = timing(scene, frame_bits)
+    time = timing(scene, frame_at or scene_frame(scene), most_samples)
     bus_v = bus_voltage(scene)
-    set_ = settings(scene, time.tick_s, cell_rad, bus_v)
+    controller = scene.controller.model_copy(update={"extra_ticks": time.extra_ticks})
+    scene = scene.model_copy(update={"controller": controller})
+    dead = _dead_time_words(scene, time, bus_v)
+    # What the pulse is longer by, the voltage can't have.
+    lost = dead["dead_clocks"] / time.half_clocks if dead["compensate"] else 0.0
+    set_ = settings(scene, time.tick_s, cell_rad, bus_v * (1.0 - lost))
     start_count = math.floor(hand_path(scene).x0 / set_.cell_rad)
-    dead_s = scene.drive.dead_time_s if scene.drive else 0.0
     words = {
         "half_clocks": time.half_clocks,
         "tick_halves": time.tick_halves,
         "sample_clocks": time.sample_clocks,
         "samples": time.samples,
-        "sample_lead": CENTRED_LEAD,
-        "sclk_half_clocks": SCLK_HALF_CLOCKS,
-        "frame_bits": frame_bits,
-        "lead_bits": sensor.lead_bits,
-        "data_bits": sensor.bits,
-        "quiet_clocks": QUIET_CLOCKS,
+        # Dead time delays the pulse by half of itself.
+        "sample_lead": _sample_lead(time.frame, dead["dead_clocks"] // 2),
+        "sample_late": 0 if time.frame.osr else dead["dead_clocks"] % 2,
+        **time.frame.words(),
+        "trip": NEVER_TRIP,
         "zero": 0,
-        "gain": sensor.gain_word(time.samples),
+        "gain": sensor.gain_word(time.samples * time.frame.unity),
         "filter_clocks": FILTER_CLOCKS,
         "eta_contact": set_.eta_contact,
         "eta_free": set_.eta_free,
@@ -356,49 +495,109 @@ def controller_ports(scene: Scene) -> Ports:
         "extra_ticks": set_.extra_ticks,
         "hold_ticks": time.hold_ticks,
         "clocks_per_volt": formats.DUTY.to_raw(time.half_clocks / (2 * bus_v)),
-        "dead_clocks": round(dead_s * time.clock_hz),
+        **dead,
+        "second_order": 0,
     }
     return Ports(time, set_, sensor, start_count, words, _port_walls(set_, start_count))
 
 
-class PinsSimulation:
-    """A scene on the whole RTL, with the ADC's bits, the encoder's edges and a switching bridge."""
+def _dead_clocks(scene: Scene, clock_hz: float) -> int:
+    """Dead time of the scene's drive in clocks; :class:`SceneError` where they are too many."""
+    clocks = round(scene.drive.dead_time_s * clock_hz) if scene.drive else 0
+    if clocks > MOST_DEAD_CLOCKS:
+        raise SceneError(
+            f"{scene.scene.name}: drive.dead_time_s = {scene.drive.dead_time_s:g} s is {clocks} "
+            f"clocks of `pins`, which counts {MOST_DEAD_CLOCKS}; "
+            f"take controller.clock_hz <= {MOST_DEAD_CLOCKS / scene.drive.dead_time_s:g}"
+        )
+    return clocks
 
-    def __init__(self, scene: Scene) -> None:
-        ports = controller_ports(scene)
+
+def _dead_time_words(scene: Scene, time: Timing, bus_v: float) -> dict[str, int]:
+    """Words of the dead time and of its compensation, ``rtl/wh_dead_time.v``."""
+    clocks = _dead_clocks(scene, time.clock_hz)
+    # Half the current that one dead time's voltage changes.
+    side_a = 0.5 * bus_v * clocks / time.clock_hz / scene.motor.L_h
+    return {
+        "dead_clocks": clocks,
+        "compensate": int(clocks > 0 and scene.drive.compensate),
+        "side_current": formats.CURRENT.to_raw(min(side_a, 0.5 * formats.CURRENT.largest)),
+        "settle_ticks": min(255, scene.controller.extra_ticks + SETTLE_TICKS),
+    }
+
+
+class PinsSimulation:
+    """A scene on the whole RTL, with the ADC's bits, the encoder's edges and a switching bridge.
+
+    ``most_samples`` limits the samples in a tick: 1 is point sampling in its middle.
+    """
+
+    SHIM = "pins_shim.cpp"
+    PREFIX = "wh_pins"
+    """What the shim's functions begin with."""
+
+    def __init__(
+        self, scene: Scene, *, host: bool = False, most_samples: int = MOST_SAMPLES
+    ) -> None:
+        ports = controller_ports(scene, most_samples=most_samples)
+        self.timing = ports.timing
         set_, time, sensor = ports.settings, ports.timing, ports.sensor
         self.settings: Settings = set_
+        self.sensor = sensor
         self.tick_s = time.tick_s
-        plant = Plant.of_scene(scene)
-        dt = 1.0 / time.clock_hz
+        self.winding = Winding(scene, self.tick_s)
+        self._plant = plant = self.winding.warmed(Plant.of_scene(scene))
+        self._dt = dt = 1.0 / time.clock_hz
         gain_error = scene.drive.gain_error if scene.drive else 0.0
         walls = ports.walls
-        parameters = [*ports.words.values(), len(walls), *(edge for wall in walls for edge in wall)]
+        parameters = [
+            *ports.words.values(), _encoder_levels.py_func(ports.start_count),
+            len(walls), *(edge for wall in walls for edge in wall),
+            *verilated.anchor_words(set_.anchor),
+        ]  # fmt: skip
         design = verilated.Design(
             "wh_controller",
-            "pins_shim.cpp",
-            {"N": 1, "WALLS": max(MIN_WALLS, len(walls)), "DELAY_LOG2": DELAY_LOG2},
+            self.SHIM,
+            {
+                "N": 1,
+                "WALLS": max(MIN_WALLS, len(walls)),
+                "DELAY_LOG2": DELAY_LOG2,
+                "ADC": KINDS.index(time.frame.kind),
+                "ANCHOR": int(set_.anchored),
+                "SHAPER": len(set_.shaper.words),
+                **({"OSR": time.frame.osr} if time.frame.osr else {}),
+                **({"HOST": 1} if host else {}),
+                **self._parameters(),
+            },
         )
         self._library = verilated.load(design)
-        verilated.declare_destructor(self._library.wh_pins_delete)
-        self._library.wh_pins_new.argtypes = [ctypes.POINTER(ctypes.c_int64)]
-        self._library.wh_pins_new.restype = ctypes.c_void_p
-        self._model = self._library.wh_pins_new((ctypes.c_int64 * len(parameters))(*parameters))
+        verilated.declare_destructor(self._function("delete"))
+        self._model = self._new_model(parameters)
+        if not self._model:
+            raise RuntimeError("the controller's RTL never got its ADC ready")
+        shaped = sum(1 << n for n, wall in enumerate(set_.shaped.tolist()) if wall)
+        verilated.set_shaper(
+            self._function("shape"), self._model, set_.shaper.words, shaped,
+            int(set_.edge_hysteresis),
+        )  # fmt: skip
         self._state = plant.start.copy()
-        self._tables = np.stack([plant.transition(n * dt) for n in range(_STEPS + 1)])
+        self._tables = self._transitions(plant)
         self._kept = np.zeros(_FAULTS + 1, dtype=np.int64)
         self._kept[_COUNT] = ports.start_count
         self._kept[_TICK_START] = -1
-        self._kept[_PINS] = 1 << _CS_N | 1 << _SCLK
+        self._kept[_PINS] = 1 << _CS_N | time.frame.sclk_idle << _SCLK
+        self._kept[_HELD] = 1 << (sensor.bits - 1)
         self._sums = np.zeros(_T0 + 1)
         self._sums[_X0] = self._state[X]
         self._sums[_HAND0] = self._state[P] + self._state[C]
         self._pending = np.zeros((_PENDING, len(Column)))
+        code_shift, launch_level = _wire(scene, time.frame)
         longest = min(_STEPS, max(1, math.floor(time.clock_hz * plant.longest_step_s)))
         self._ints = np.array(
-            [self._model, verilated.address(self._library.wh_pins_clock),
-             verilated.address(self._library.wh_pins_words), time.tick_clocks,
-             sensor.lead_bits, sensor.bits, set_.u_max, longest],
+            [self._model, verilated.address(self._function("clock")),
+             verilated.address(self._function("words")), time.tick_clocks,
+             code_shift, sensor.bits, set_.u_max, longest, launch_level, time.frame.pipeline,
+             time.frame.osr, set_.anchored],
             dtype=np.int64,
         )  # fmt: skip
         self._floats = np.array(
@@ -408,25 +607,76 @@ class PinsSimulation:
         self._load = load_words(plant)
         self._sensor = sensor.constants()
         self._rng = np.random.default_rng(NOISE_SEED)
-        self._buffer = np.zeros(4, dtype=np.int64)
+        self._buffer = np.zeros(7, dtype=np.int64)
+        self._buffer[4] = set_.root
+        self._bits = sigma_delta.new_state()
+
+    def connect_host(self, period_log2: int, timeout: int) -> None:
+        """Say how long a period of the link to a host is, and how many may pass in silence."""
+        self._library.wh_pins_host.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]
+        self._library.wh_pins_answer.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]
+        self._library.wh_pins_packet.argtypes = [ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64)]
+        self._library.wh_pins_host(self._model, period_log2, timeout)
+
+    def host_answer(self, sequence: int, u: int) -> None:
+        """The host's answer u to packet ``sequence``, in the coming clock."""
+        self._library.wh_pins_answer(self._model, sequence, u)
+
+    def host_packet(self) -> tuple[int, int, int, int]:
+        """(packets so far, number and mean v of the newest, whether the host is in force)."""
+        words = (ctypes.c_int64 * 4)()
+        self._library.wh_pins_packet(self._model, words)
+        return tuple(words)
 
     @property
     def clock_cycles(self) -> int:
         """Clocks of the RTL so far."""
         return int(self._kept[_NOW])
 
+    @property
+    def r_hat(self) -> float:
+        """The controller's estimate of R in contact, as it is now, Ω."""
+        return formats.ROOT.to_value(int(self._buffer[4])) ** 2 / 2.0
+
+    @property
+    def encoder_lost(self) -> bool:
+        """Whether the anchor has found that the encoder doesn't follow the motor."""
+        return bool(self._buffer[6])
+
+    def _transitions(self, plant: Plant) -> np.ndarray:
+        return np.stack([plant.transition(n * self._dt) for n in range(_STEPS + 1)])
+
+    def _function(self, name: str) -> ctypes._CFuncPtr:
+        return getattr(self._library, f"{self.PREFIX}_{name}")
+
+    def _parameters(self) -> dict[str, int]:
+        """Parameters of the RTL besides the scene's."""
+        return {}
+
+    def _new_model(self, parameters: list[int]) -> int | None:
+        return verilated.new_model(self._library.wh_pins_new, parameters)
+
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
+        for part in self.winding.pieces(len(rows)):
+            self._advance(rows[part], words[part])
+            if self.winding.heat(rows[part]):
+                plant = self.winding.warmed(self._plant)
+                self._tables = self._transitions(plant)
+                self._floats[_RESISTANCE] = plant.resistance
+
+    def _advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         done = _advance(
             rows, words, self._state, self._kept, self._sums, self._pending, self._tables,
             self._ints, self._floats, self._load, self._sensor, self._rng, self._buffer,
+            self._bits,
         )  # fmt: skip
         if not done:
             raise RuntimeError("the controller's RTL stopped answering")
 
     def __del__(self) -> None:
         if getattr(self, "_model", None):
-            self._library.wh_pins_delete(self._model)
+            self._function("delete")(self._model)
 
 
 def bus_voltage(scene: Scene) -> float:
@@ -435,13 +685,20 @@ def bus_voltage(scene: Scene) -> float:
     return DEFAULT_BUS_V if drive is None or drive.bus_v is None else drive.bus_v
 
 
+def _wire(scene: Scene, frame: Frame) -> tuple[int, int]:
+    """Place of the code on the simulated ADC's wire, and the level of SCLK that launches a bit."""
+    part = PARTS.get(scene.adc.part or "") if scene.adc is not None else None
+    late = part is not None and part.launch_late
+    trailing = part is not None and part.launch_trailing
+    bits = frame.lead_bits + frame.data_bits + late
+    return 64 - bits, frame.sclk_idle if trailing else 1 - frame.sclk_idle
+
+
 def _fine_sensor(scene: Scene) -> Sensor:
     """The finest ADC that the reader takes, for a scene without one: 16 bits."""
     set_ = settings(scene)
     largest = 2 * min(set_.limit_v, bus_voltage(scene)) / min(scene.motor.R_ohm, set_.r_hat)
-    return Sensor(
-        ideal=False, lead_bits=0, full_scale_a=min(largest, 0.99 * formats.CURRENT.largest)
-    )
+    return Sensor(ideal=False, full_scale_a=min(largest, 0.99 * formats.CURRENT.largest))
 
 
 def _port_walls(set_: Settings, start_count: int) -> list[tuple[int, int]]:

@@ -6,6 +6,9 @@ from __future__ import annotations
 CORE_CLOCKS = 24
 """Clocks that one port's step takes in ``wh_wave_core``."""
 
+SECTION_CLOCKS = 5
+"""Clocks that each section of W adds to it."""
+
 GATE_CLOCKS = 2
 """Clocks from the carrier's phase to the gates, dead time aside: ``wh_pwm``, ``wh_half_bridge``."""
 
@@ -19,19 +22,19 @@ _CURRENT_CLOCKS = 6
 _DUTY_CLOCKS = 8
 
 
-def latency_clocks(sclk_half_clocks: int, frame_bits: int, ports: int = 1) -> int:
+def latency_clocks(conversion_clocks: int, ports: int = 1, sections: int = 0) -> int:
     """Clocks from a sample strobe to the soonest tick strobe after which its voltage is driven.
 
-    The conversion's last data bit is taken as the frame's last (``lead_bits + data_bits``): that is
-    bit k read at fall k of SCLK, 1 + (2k − 1) half periods after the strobe. Then come the mean
-    current, the wave core's step for each port, and the duty; currents and duties of several ports
-    pass one multiplier in turn. The strobe meant is the carrier's for the tick's last sample.
+    ``conversion_clocks`` are the ADC reader's from the strobe to the word
+    (:attr:`wavehaptics.adc_parts.Frame.conversion_clocks`). Then come the mean current, the wave
+    core's step for each port, and the duty; currents and duties of several ports pass one
+    multiplier in turn. ``sections`` are those of W, SHAPER. The strobe meant is the carrier's that
+    brings the tick's last word.
     """
-    frame = 1 + (2 * frame_bits - 1) * sclk_half_clocks
     in_turn = ports - 1
     return (
-        frame
+        conversion_clocks
         + _CURRENT_CLOCKS + in_turn
-        + CORE_CLOCKS * ports
+        + (CORE_CLOCKS + SECTION_CLOCKS * sections) * ports
         + _DUTY_CLOCKS + in_turn
     )  # fmt: skip

@@ -12,6 +12,8 @@ import numpy as np
 
 from wavehaptics import physics
 from wavehaptics.analog import AnalogSimulation
+from wavehaptics.encoder import EncoderSimulation
+from wavehaptics.estimate import Estimate
 from wavehaptics.metrics import Metrics, write_metrics
 from wavehaptics.pictures import run_picture
 from wavehaptics.pins import PinsSimulation
@@ -43,15 +45,22 @@ CONTROLLERS: dict[str, Callable[[Scene], Simulation]] = {
     "golden": lambda scene: SampledSimulation(scene, rtl=False),
     "core": lambda scene: SampledSimulation(scene, rtl=True),
     "pins": PinsSimulation,
+    "encoder": EncoderSimulation,
 }
 """The fidelity ladder (design §3) by name."""
+
+WITHOUT_WORDS = ("analog", "encoder")
+"""Controllers that compute in real numbers."""
 
 
 def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
     """K of the design spring for contact (design §1.1, fact 2), N·m/rad.
 
-    The lag of the controller acts on R̂, its own estimate; the analog circuit has τ = 1/λ.
+    The lag of the controller acts on R̂, its own estimate; the analog circuit has τ = 1/λ. The
+    encoder's servo should render the spring that it computes.
     """
+    if isinstance(simulation, EncoderSimulation):
+        return simulation.stiffness
     set_ = simulation.settings
     analog = isinstance(simulation, AnalogSimulation)
     tau = 1.0 / scene.controller.lambda_ if analog else set_.tau
@@ -59,37 +68,56 @@ def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
     g = -scene.controller.eta_contact
     if g <= -1.0:
         return 0.0
+    wish = set_.shaper.wish
+    if wish is not None:
+        return wish.spring * wish.front / (wish.spring + wish.front)
     return physics.stiffness(motor.k_t, motor.L_h, set_.r_hat, tau, g)
 
 
-def run_scene(
-    scene: Scene, controller: str, out: Path, progress: Callable[[float], None] | None = None
+def measure(
+    scene: Scene,
+    controller: str,
+    trace: TraceWriter | None = None,
+    progress: Callable[[float], None] | None = None,
+    simulation: Simulation | None = None,
 ) -> dict[str, Any]:
-    """Run a scene on a controller, and write ``trace.npz``, ``metrics.json`` and ``run.png``.
+    """Metrics of a scene on a controller; nothing is written but into ``trace``, if there is one.
 
-    The files go into ``out``. The analog circuit runs beside it, on the same ticks, as the
-    reference. ``progress`` is called with the part done, 0 to 1. Returns the metrics;
-    ``wall_clock_s`` is the time that the controller and its motor took, without compiling, the
-    reference and the files.
+    ``simulation`` is the controller's, where it isn't the one that the scene makes by itself.
+
+    The analog circuit runs beside it, on the same ticks, as the reference. ``progress`` is called
+    with the part done, 0 to 1. ``wall_clock_s`` is the time that the controller and its motor took,
+    without compiling, the reference and the files.
     """
-    simulation = CONTROLLERS[controller](scene)
+    simulation = simulation or CONTROLLERS[controller](scene)
+    return _measure(scene, controller, simulation, trace, progress)
+
+
+def _measure(
+    scene: Scene,
+    controller: str,
+    simulation: Simulation,
+    trace: TraceWriter | None,
+    progress: Callable[[float], None] | None,
+) -> dict[str, Any]:
     set_, tick_s = simulation.settings, simulation.tick_s
-    ticks = max(1, round(scene.scene.duration_s / tick_s))
+    ticks = _ticks(scene, tick_s)
     reference = None
-    if controller != "analog":
+    # The analog circuit has no W: it would be another environment.
+    if controller != "analog" and scene.shaper is None:
         reference = AnalogSimulation(scene, tick_s, set_.cell_rad)
     edges = zip(set_.wall_min * set_.cell_rad, set_.wall_max * set_.cell_rad, strict=True)
     metrics = Metrics(
         scene, tick_s, controller=controller, walls=list(edges),
         stiffness_predicted=stiffness_predicted(scene, simulation),
     )  # fmt: skip
-    trace = TraceWriter(out, tick_s, scene.scene.trace_hz, ticks=ticks)
     rows = np.zeros((min(ticks, CHUNK_TICKS), len(Column)))
     reference_rows = np.zeros_like(rows)
     words = np.zeros((len(rows), len(Word)), dtype=np.int64)
     # The first call compiles, or loads what an earlier run compiled: no ticks, but all the types.
     simulation.advance(rows[:0], words[:0])
     wall_clock_s = 0.0
+    estimate = Estimate(scene, ticks)
     for first in range(0, ticks, CHUNK_TICKS):
         part = slice(0, min(CHUNK_TICKS, ticks - first))
         began = time.perf_counter()
@@ -98,11 +126,31 @@ def run_scene(
         if reference is not None:
             reference.advance(reference_rows[part])
         metrics.update(rows[part], None if reference is None else reference_rows[part])
-        trace.write(rows[part], None if controller == "analog" else words[part])
+        estimate.update(simulation, first + part.stop)
+        if trace is not None:
+            trace.write(rows[part], None if controller in WITHOUT_WORDS else words[part])
         if progress is not None:
             progress((first + part.stop) / ticks)
-    trace.save()
     result = metrics.result(wall_clock_s=wall_clock_s, clock_cycles=simulation.clock_cycles)
+    return result | estimate.result()
+
+
+def _ticks(scene: Scene, tick_s: float) -> int:
+    return max(1, round(scene.scene.duration_s / tick_s))
+
+
+def run_scene(
+    scene: Scene, controller: str, out: Path, progress: Callable[[float], None] | None = None
+) -> dict[str, Any]:
+    """Run a scene as :func:`measure`, and write ``trace.npz``, ``metrics.json`` and ``run.png``.
+
+    The files go into ``out``. Returns the metrics.
+    """
+    simulation = CONTROLLERS[controller](scene)
+    tick_s = simulation.tick_s
+    trace = TraceWriter(out, tick_s, scene.scene.trace_hz, ticks=_ticks(scene, tick_s))
+    result = _measure(scene, controller, simulation, trace, progress)
+    trace.save()
     write_metrics(result, out)
     run_picture(trace.arrays(), result, out / "run.png", scene.controller.walls)
     return result

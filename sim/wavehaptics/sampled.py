@@ -7,15 +7,18 @@ the integer model, or the Verilated RTL behind its C interface.
 
 from __future__ import annotations
 
+import math
+
 import numba
 import numpy as np
 
-from wavehaptics import formats, golden, verilated
+from wavehaptics import anchor, formats, golden, verilated
 from wavehaptics.native_call import call2
 from wavehaptics.plant import TIME, C, I, P, Plant, X, load_words, plant_step
 from wavehaptics.scene import Scene
 from wavehaptics.sensor import NOISE_SEED, Sensor, current_word
 from wavehaptics.settings import Settings, settings
+from wavehaptics.thermal import Winding
 from wavehaptics.trace import Column, Word
 
 CORE_DELAY_LOG2 = 10
@@ -24,21 +27,37 @@ CORE_DELAY_LOG2 = 10
 _VOLT = formats.VOLTAGE.step
 _ROOT_WATT = formats.WAVE.step
 _ETA = formats.ETA.step
+_ROOT_SHIFT = formats.ROOT_SUM_Q - formats.ROOT.fraction
 
 # Places in the loop's integer parameters.
-_ROOT, _A, _U_MAX, _EXTRA, _ETA_CONTACT, _ETA_FREE, _SUBSTEPS, _POINT, _MODEL, _STEP = range(10)
+(
+    _A,
+    _EXTRA,
+    _ETA_CONTACT,
+    _ETA_FREE,
+    _SUBSTEPS,
+    _POINT,
+    _MODEL,
+    _STEP,
+    _HYSTERESIS,
+    _ANCHORED,
+) = range(10)
 # Places in the loop's float parameters.
 _DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE = range(5)
 # Places in the integers that the loop keeps.
-_VOLTAGE_WORD, _CLOCKS = range(2)
+_VOLTAGE_WORD, _CLOCKS, _START = range(3)
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance(
-    rows, words, state, kept, core, line, contact, wall_min, wall_max, ints, floats, load, matrix,
-    sensor, rng, buffer,
+    rows, words, state, kept, core, line, contact, anchored, held, wall_min, wall_max, shaper, ints,
+    floats, load, matrix, sensor, rng, buffer,
 ):  # fmt: skip
-    """Fill ``rows`` and ``words``; False when the RTL never answered."""
+    """Fill ``rows`` and ``words``; False when the RTL never answered.
+
+    ``shaper`` holds the words of W, its states and which walls it is for.
+    """
+    shaper_words, shaper_states, shaped = shaper
     dt, cell, k_t = floats[_DT], floats[_CELL], floats[_K_T]
     substeps, extra = ints[_SUBSTEPS], ints[_EXTRA]
     tick = dt * substeps
@@ -57,19 +76,46 @@ def _advance(
         mean = charge / tick
         current = current_word(state[I] if ints[_POINT] else mean, sensor, rng)
         position = int(np.floor(state[X] / cell))
-        touching, _ = golden.contact_step(contact, position, wall_min, wall_max)
+        touching, depth = golden.contact_step(
+            contact, position, wall_min, wall_max, ints[_HYSTERESIS] != 0
+        )
+        touching = touching and held[anchor.PULLED] == 0
         eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
+        wave = held[anchor.WAVE] if touching else 0
+        root, u_max = held[anchor.ROOT], held[anchor.LIMIT]
+        mode = golden.shaper_mode(contact[0], shaped)
         if ints[_MODEL] == 0:
-            e_next, u_n, v_n = golden.wave_core_step(
-                core, line, current, eta, ints[_ROOT], ints[_A], ints[_U_MAX], extra, extra
-            )
+            saturated = core[golden.STATE_SATURATED]
+            if shaper_words.shape[0] == 0:
+                e_next, u_n, v_n = golden.wave_core_step(
+                    core, line, current, eta, wave, root, ints[_A], u_max, extra, extra
+                )
+            else:
+                e_next, u_n, v_n = golden.shaped_core_step(
+                    core, line, shaper_words, shaper_states, mode, current, eta, wave, root,
+                    ints[_A], u_max, extra, extra,
+                )  # fmt: skip
+            if ints[_ANCHORED]:
+                anchor.anchor_step(
+                    held,
+                    anchored,
+                    position - kept[_START],
+                    contact[0] >= 0,
+                    depth,
+                    current,
+                    saturated,
+                )
         else:
-            buffer[0], buffer[1] = current, eta
+            buffer[0], buffer[1] = current, contact[0] >= 0
+            buffer[2], buffer[3], buffer[4] = position - kept[_START], depth, mode
             clocks = call2(ints[_STEP], ints[_MODEL], buffer.ctypes.data)
             if clocks < 0:
                 return False
             kept[_CLOCKS] += clocks
             e_next, u_n, v_n = buffer[0], buffer[1], buffer[2]
+            held[anchor.PULLED], held[anchor.ROOT] = buffer[3], buffer[4]
+            held[anchor.LIMIT], held[anchor.FAULT] = buffer[5], buffer[6]
+            held[anchor.ROOT_SUM] = buffer[7] << _ROOT_SHIFT
         row = rows[n]
         row[Column.T] = t_before + 0.5 * tick
         row[Column.X] = 0.5 * (x_before + state[X])
@@ -82,7 +128,7 @@ def _advance(
         row[Column.V] = v_n * _ROOT_WATT
         row[Column.X_HAND] = 0.5 * (hand_before + state[P] + state[C])
         row[Column.CONTACT] = 1.0 if touching else 0.0
-        row[Column.SATURATED] = 1.0 if abs(u_n) >= ints[_U_MAX] else 0.0
+        row[Column.SATURATED] = 1.0 if abs(u_n) >= u_max else 0.0
         row[Column.ENERGY_OUT] = e_a * charge - floats[_RESISTANCE] * square
         row[Column.RIPPLE] = high - low
         words[n, Word.I] = current
@@ -104,7 +150,8 @@ class SampledSimulation:
     def __init__(self, scene: Scene, *, rtl: bool, point_sampling: bool = False) -> None:
         self.settings: Settings = settings(scene)
         self.tick_s = self.settings.tick_s
-        plant = Plant.of_scene(scene)
+        self.winding = Winding(scene, self.tick_s)
+        self._plant = plant = self.winding.warmed(Plant.of_scene(scene))
         set_ = self.settings
         substeps = plant.substeps(self.tick_s)
         dt = self.tick_s / substeps
@@ -115,33 +162,58 @@ class SampledSimulation:
         if rtl:
             self._library, self._model, step = _load_core(set_)
         self._state = plant.start.copy()
-        self._kept = np.zeros(2, dtype=np.int64)
+        self._kept = np.zeros(3, dtype=np.int64)
+        self._kept[_START] = math.floor(plant.start[X] / set_.cell_rad)
         self._core = golden.new_state()
         self._line = golden.new_line(set_.extra_ticks)
+        self._shaper = (
+            set_.shaper.words, golden.new_shaper_state(len(set_.shaper.words)), set_.shaped
+        )  # fmt: skip
         self._contact = np.array([-1, 0], dtype=np.int64)
+        self._held = anchor.new_state(set_.anchor)
         self._ints = np.array(
-            [set_.root, set_.a, set_.u_max, set_.extra_ticks, set_.eta_contact, set_.eta_free,
-             substeps, point_sampling, self._model, step],
+            [set_.a, set_.extra_ticks, set_.eta_contact, set_.eta_free, substeps, point_sampling,
+             self._model, step, set_.edge_hysteresis, set_.anchored],
             dtype=np.int64,
         )  # fmt: skip
         self._floats = np.array([dt, set_.cell_rad, gain, plant.k_t, plant.resistance])
         self._load = load_words(plant)
+        self._dt = dt
         self._matrix = plant.transition(dt)
         self._sensor = Sensor.of_scene(scene).constants()
         self._rng = np.random.default_rng(NOISE_SEED)
-        self._buffer = np.zeros(4, dtype=np.int64)
+        self._buffer = np.zeros(8, dtype=np.int64)
 
     @property
     def clock_cycles(self) -> int | None:
         """Clocks of the RTL so far; None on the integer model, which has no clock."""
         return int(self._kept[_CLOCKS]) if self._model else None
 
+    @property
+    def r_hat(self) -> float:
+        """The controller's estimate of R in contact, as it is now, Ω."""
+        return formats.ROOT.to_value(int(self._held[anchor.ROOT_SUM]) >> _ROOT_SHIFT) ** 2 / 2.0
+
+    @property
+    def encoder_lost(self) -> bool:
+        """Whether the anchor has found that the encoder doesn't follow the motor."""
+        return bool(self._held[anchor.FAULT])
+
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
+        for part in self.winding.pieces(len(rows)):
+            self._advance(rows[part], words[part])
+            if self.winding.heat(rows[part]):
+                plant = self.winding.warmed(self._plant)
+                self._matrix = plant.transition(self._dt)
+                self._floats[_RESISTANCE] = plant.resistance
+
+    def _advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         done = _advance(
             rows, words, self._state, self._kept, self._core, self._line, self._contact,
-            self.settings.wall_min, self.settings.wall_max, self._ints, self._floats, self._load,
-            self._matrix, self._sensor, self._rng, self._buffer,
+            self.settings.anchor, self._held, self.settings.wall_min, self.settings.wall_max,
+            self._shaper, self._ints, self._floats, self._load, self._matrix, self._sensor,
+            self._rng, self._buffer,
         )  # fmt: skip
         if not done:
             raise RuntimeError("the wave core's RTL never raised valid_o")
@@ -153,10 +225,20 @@ class SampledSimulation:
 
 def _load_core(set_: Settings):
     design = verilated.Design(
-        "wh_wave_core", "core_shim.cpp", {"N": 1, "DELAY_LOG2": CORE_DELAY_LOG2}
+        "wh_core_port",
+        "core_shim.cpp",
+        {
+            "DELAY_LOG2": CORE_DELAY_LOG2,
+            "ANCHOR": int(set_.anchored),
+            "SHAPER": len(set_.shaper.words),
+        },
     )
     library = verilated.load(design)
-    verilated.declare_constructor(library.wh_core_new, integers=5)
     verilated.declare_destructor(library.wh_core_delete)
-    model = library.wh_core_new(set_.root, set_.a, set_.u_max, set_.extra_ticks, set_.extra_ticks)
+    words = [
+        set_.root, set_.a, set_.u_max, set_.extra_ticks, set_.extra_ticks, set_.eta_contact,
+        set_.eta_free, *verilated.anchor_words(set_.anchor),
+    ]  # fmt: skip
+    model = verilated.new_model(library.wh_core_new, words)
+    verilated.set_shaper(library.wh_core_shape, model, set_.shaper.words)
     return library, model, verilated.address(library.wh_core_step)

@@ -29,6 +29,7 @@ from pydantic.functional_validators import ModelWrapValidatorHandler
 from pydantic_core import PydanticCustomError
 
 from wavehaptics import formats
+from wavehaptics.adc_parts import ALL_BITS
 from wavehaptics.motors import PRESETS
 from wavehaptics.toml_source import KeyPath, TomlError, dotted, parse, parse_value
 
@@ -63,13 +64,7 @@ class NotSimulated(NamedTuple):
     """The value that means "without it", and is taken; ``None`` where only leaving it out does."""
 
 
-NOT_SIMULATED = (
-    NotSimulated(("thermal",), "warming of the winding"),
-    NotSimulated(("controller", "anchor_ohm"), "the anchor", off=0.0),
-    NotSimulated(("controller", "release_ohm"), "the release", off=0.0),
-    NotSimulated(("controller", "track_gain"), "tracking of R̂", off=0.0),
-    NotSimulated(("controller", "shaper"), "the wave-domain filter W"),
-)
+NOT_SIMULATED: tuple[NotSimulated, ...] = ()
 """All that the format has and this version does not simulate; take an entry out to lift it."""
 
 
@@ -245,9 +240,21 @@ class Encoder(_Table):
 class Adc(_Table):
     """The converter of the current; without this table the sensor is ideal."""
 
-    bits: int = _key("bits", "Resolution", ge=8, le=16)
-    full_scale_a: float = _key(
-        "A", "Largest current either way: the range is ± this", ge=1e-3, le=_CURRENT_MAX_A
+    part: str | None = _key(
+        "–",
+        "Converter by name: its resolution everywhere, its frame at the pins",
+        None,
+        default_text="none: two zeros and the bits, at half the clock",
+        range_text=", ".join(f"`{name}`" for name in ALL_BITS),
+    )
+    bits: int = _key("bits", "Resolution", default_text="of the part", ge=8, le=16)
+    full_scale_a: float | None = _key(
+        "A",
+        "Largest current either way: the range is ± this",
+        None,
+        default_text="twice what the voltage limit drives through R",
+        ge=1e-3,
+        le=_CURRENT_MAX_A,
     )
     noise_a: float = _key("A", "Noise of a sample, RMS", 0.0, ge=0, le=_CURRENT_MAX_A)
     offset_a: float = _key(
@@ -258,16 +265,38 @@ class Adc(_Table):
         le=_CURRENT_MAX_A,
     )
 
-    @model_validator(mode="after")
-    def _check(self) -> Adc:
-        if abs(self.offset_a) >= self.full_scale_a:
+    @model_validator(mode="before")
+    @classmethod
+    def _resolve_part(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or not isinstance(data.get("part"), str):
+            return data
+        name = data["part"]
+        if name not in ALL_BITS:
+            _broken_rule(f"adc.part {_unknown_choice(name, ALL_BITS)}", "part")
+        bits = ALL_BITS[name]
+        if data.get("bits", bits) != bits:
+            _broken_rule(
+                f"adc.bits = {_shown(data['bits'])} contradicts adc.part = {_shown(name)}, which "
+                f"has {bits}; leave bits out",
+                "bits",
+                "part",
+            )
+        return {**data, "bits": bits}
+
+    def resolved(self, motor: Motor, drive: Drive | None) -> Adc:
+        """With the full scale filled in: room for twice the largest current that can last."""
+        limit_v = drive.limit_v if drive and drive.limit_v else USUAL_BUSES_V[0]
+        full_scale_a = self.full_scale_a
+        if full_scale_a is None:
+            full_scale_a = min(2 * limit_v / motor.R_ohm, _CURRENT_MAX_A)
+        if abs(self.offset_a) >= full_scale_a:
             _broken_rule(
                 f"adc.offset_a = {_number(self.offset_a)} leaves the range of "
-                f"±{self.full_scale_a:g} A; it must be smaller than full_scale_a",
-                "offset_a",
-                "full_scale_a",
+                f"±{full_scale_a:g} A; it must be smaller than full_scale_a",
+                ("adc", "offset_a"),
+                ("adc", "full_scale_a"),
             )
-        return self
+        return self.model_copy(update={"full_scale_a": full_scale_a})
 
 
 class Drive(_Table):
@@ -299,6 +328,13 @@ class Drive(_Table):
     )
     dead_time_s: float = _key(
         "s", "Dead time of a half bridge, below half a carrier period", 0.0, ge=0, le=1e-3
+    )
+    compensate: bool = _key(
+        "–",
+        "Whether `pins` makes good what the dead time takes",
+        True,
+        default_text="true",
+        range_text="true, false",
     )
     gain_error: float = _key(
         "–", "The motor gets (1 + this) times the voltage asked for", 0.0, ge=-0.9, le=1
@@ -338,7 +374,26 @@ class Drive(_Table):
 
 
 class Thermal(_Table):
-    """Warming of the winding; without this table R is constant."""
+    """Warming of the winding; without this table R is constant. Defaults are the RE 25's."""
+
+    rth_winding: float = _key("K/W", "Thermal resistance, winding to housing", 3.1, ge=1e-3, le=1e4)
+    rth_housing: float = _key(
+        "K/W", "Thermal resistance, housing to ambient", 14.0, ge=1e-3, le=1e4
+    )
+    tau_winding_s: float = _key("s", "Time constant of the winding", 12.0, ge=0.5, le=1e6)
+    tau_housing_s: float = _key("s", "Time constant of the housing", 612.0, ge=0.5, le=1e7)
+    alpha_per_k: float = _key(
+        "1/K", "Temperature coefficient of the winding, copper's", 0.0039, ge=0, le=0.01
+    )
+    ambient_c: float = _key("°C", "Temperature around the motor", 25.0, ge=-50, le=150)
+    start_c: float | None = _key(
+        "°C",
+        "Temperature of winding and housing at the start; `R_ohm` holds at 25",
+        None,
+        default_text="`ambient_c`",
+        ge=-50,
+        le=200,
+    )
 
 
 class Transmission(_Table):
@@ -348,13 +403,133 @@ class Transmission(_Table):
     lever_m: float = _key("m", "Length of the arm", ge=1e-4, le=100)
 
 
+class Servo(_Table):
+    """The encoder's servo on the controller `encoder`; the wave controllers don't look at it."""
+
+    rate_hz: float = _key(
+        "Hz", "Rate of the servo; `tick_hz` is a whole multiple of it", 1e3, ge=10, le=4e6
+    )
+    stiffness: float | None = _key(
+        "N·m/rad",
+        "Virtual spring K of the walls",
+        None,
+        default_text="that of the analog wave wall",
+        ge=1e-6,
+        le=1e6,
+    )
+    damping: float = _key("N·m·s/rad", "Virtual damper B inside a wall", 0.0, ge=0, le=1000)
+    amplifier_hz: float = _key(
+        "Hz", "Bandwidth of the PI current amplifier, at most a tenth of `tick_hz`", 2e3,
+        ge=1, le=4e5,
+    )  # fmt: skip
+    delay_s: float = _key(
+        "s", "Time from sample to command, rounded to whole ticks", 0.0, ge=0, le=1
+    )
+
+
 def _as_tuples(value: Any) -> Any:
     if isinstance(value, list):
         return tuple(tuple(pair) if isinstance(pair, list) else pair for pair in value)
     return value
 
 
+Index = Annotated[int, Field(ge=0, le=999)]
+"""Place of a wall in ``controller.walls``."""
+
 _Edge = Annotated[float, Field(ge=-1000, le=1000)]
+
+
+Feel = Literal["spring", "layer", "mass", "resonance"]
+
+# Keys that each feel needs, and those that it may have besides.
+_FEEL_NEEDS: dict[str, tuple[str, ...]] = {
+    "spring": ("stiffness",),
+    "layer": ("stiffness",),
+    "mass": ("mass_kgm2",),
+    "resonance": ("stiffness", "mass_kgm2"),
+}
+MOST_SECTIONS = 2
+"""Biquads of a shaper."""
+
+_Coefficient = Annotated[float, Field(ge=-1e6, le=1e6)]
+
+
+class Shaper(_Table):
+    """What contact feels like, as a wave-domain filter W; without this table W is 1."""
+
+    feel: Feel | None = _key(
+        "–",
+        "What is wished, see below",
+        None,
+        default_text="none",
+        range_text=", ".join(f"`{name}`" for name in _FEEL_NEEDS),
+    )
+    stiffness: float | None = _key(
+        "N·m/rad", "Spring of the feel", None, default_text="none", ge=1e-9, le=1e6
+    )
+    damping: float = _key("N·m·s/rad", "Damper of the feel", 0.0, ge=0, le=1000)
+    mass_kgm2: float | None = _key(
+        "kg·m²", "Inertia of the feel", None, default_text="none", ge=1e-12, le=1
+    )
+    sos: Annotated[tuple[tuple[_Coefficient, ...], ...] | None, BeforeValidator(_as_tuples)] = _key(
+        "–",
+        "Biquads of your own in z, in place of a feel",
+        None,
+        default_text="none",
+        range_text="one or two rows `[b0, b1, b2, a0, a1, a2]`",
+    )
+    walls: Annotated[tuple[Index, ...] | None, BeforeValidator(_as_tuples)] = _key(
+        "–",
+        "Walls that feel so, by their place in `controller.walls` from 0; others are rigid",
+        None,
+        default_text="all",
+        range_text="places in `controller.walls`",
+    )
+
+    @property
+    def sections(self) -> int:
+        """Biquads that it takes."""
+        return 1 if self.sos is None else len(self.sos)
+
+    @model_validator(mode="after")
+    def _check(self) -> Shaper:
+        if self.sos is not None:
+            given = self.model_fields_set & {"feel", "stiffness", "damping", "mass_kgm2"}
+            if given:
+                _broken_rule(
+                    f"shaper.{min(given)} makes no sense beside sos; give one of the two",
+                    min(given),
+                    "sos",
+                )
+            if not 1 <= len(self.sos) <= MOST_SECTIONS or any(len(row) != 6 for row in self.sos):
+                _broken_rule(
+                    "shaper.sos must hold one or two rows of six numbers; "
+                    "write sos = [[b0, b1, b2, a0, a1, a2]]",
+                    "sos",
+                )
+            return self
+        if self.feel is None:
+            _broken_rule(
+                f"[shaper] has neither feel nor sos; write feel = one of {', '.join(_FEEL_NEEDS)}",
+                (),
+            )
+        needs = _FEEL_NEEDS[self.feel]
+        shown = f'feel = "{self.feel}"'
+        for key in needs:
+            if getattr(self, key) is None:
+                unit = field_texts(type(self), key).unit
+                _broken_rule(
+                    f"shaper.{key} is missing, {shown} needs it; give it in {unit}", "feel"
+                )
+        for key in ("stiffness", "mass_kgm2"):
+            if key in self.model_fields_set and key not in needs:
+                _broken_rule(
+                    f"shaper.{key} makes no sense: {shown} does not use it; "
+                    f"it takes {', '.join((*needs, 'damping'))}",
+                    key,
+                    "feel",
+                )
+        return self
 
 
 class Controller(_Table):
@@ -362,7 +537,12 @@ class Controller(_Table):
 
     tick_hz: float = _key("Hz", "Control rate 1/T", ge=10, le=4e6)
     extra_ticks: int = _key(
-        "ticks", "Whole ticks of latency k beyond the soonest possible", 1, ge=0, le=1000
+        "ticks",
+        "Whole ticks of latency k beyond the soonest possible",
+        1,
+        default_text="1; on `pins` as many as it needs",
+        ge=0,
+        le=1000,
     )
     lambda_: float = _key(
         "rad/s",
@@ -380,11 +560,26 @@ class Controller(_Table):
         default_text="no wall",
         range_text="pairs with x_min < x_max, each -1000 to 1000",
     )
+    edge_hysteresis: bool = _key(
+        "–",
+        "A wall is left one encoder cell late, so that a resting finger does not chatter",
+        False,
+        default_text="false",
+        range_text="`true` or `false`",
+    )
     r_hat: float | None = _key(
         "Ω",
         "The controller's estimate R̂ of the resistance",
         None,
         default_text="R of the motor",
+        ge=1e-3,
+        le=_R_HAT_MAX_OHM,
+    )
+    r_hat_free: float | None = _key(
+        "Ω",
+        "R̂ out of contact with an anchor; above R, free space rings",
+        None,
+        default_text="0.65 `r_hat`",
         ge=1e-3,
         le=_R_HAT_MAX_OHM,
     )
@@ -396,24 +591,88 @@ class Controller(_Table):
         ge=1e6,
         le=1e9,
     )
-    anchor_ohm: float = _key("Ω", "Anchor ρ; not simulated yet, only 0", 0.0, ge=0, le=1000)
-    release_ohm: float = _key(
-        "Ω", "Anchor ρ on release; not simulated yet, only 0", 0.0, ge=0, le=1000
-    )
-    track_gain: float = _key(
-        "Ω/(A·s)", "Gain γ of R̂ tracking; not simulated yet, only 0", 0.0, ge=0, le=1e6
-    )
-    shaper: str | None = _key(
+    anchor_auto: bool = _key(
         "–",
-        "Wave-domain filter W; not simulated yet",
-        None,
-        default_text="none: W = 1",
-        range_text="none yet",
+        "Choose the four values below that the scene does not give, from the motor's data",
+        False,
+        default_text="`false`",
+        range_text="`true`, `false`",
     )
+    anchor_ohm: float | None = _key(
+        "Ω",
+        "Anchor ρ: holds a wall where the encoder says it is; 0 is none",
+        None,
+        default_text="0",
+        ge=0,
+        le=1000,
+    )
+    release_ohm: float | None = _key(
+        "Ω",
+        "ρ while the rotor moves and the force errs to its side; 0 is no such rule",
+        None,
+        default_text="0",
+        ge=0,
+        le=1000,
+    )
+    surface_ohm: float | None = _key(
+        "Ω",
+        "Series resistance within the first two cells of a wall, with a `release_ohm`",
+        None,
+        default_text="0.2 `r_hat`",
+        ge=0,
+        le=1000,
+    )
+    track_gain: float | None = _key(
+        "Ω/(A·s)",
+        "Gain γ with which R̂ follows the winding; 0 is none",
+        None,
+        default_text="0",
+        ge=0,
+        le=1e6,
+    )
+    track_limit: float | None = _key(
+        "–",
+        "R̂ stays within (1 ± this) `r_hat`",
+        None,
+        default_text="0.5",
+        ge=0,
+        le=0.9,
+    )
+    dead_zone_cells: float = _key(
+        "cells",
+        "Error of the current that the anchor leaves alone, as encoder cells of depth",
+        0.5,
+        ge=0,
+        le=100,
+    )
+    push_only: bool | None = _key(
+        "–",
+        "A contact ends where the torque would pull",
+        None,
+        default_text="`true` with an anchor",
+        range_text="`true`, `false`",
+    )
+
+    @property
+    def anchored(self) -> bool:
+        """Whether the encoder has a say in the wall's force."""
+        return bool(
+            self.anchor_auto
+            or self.anchor_ohm
+            or self.release_ohm
+            or self.track_gain
+            or self.push_only
+        )
 
     @model_validator(mode="after")
     def _check(self) -> Controller:
         _check_walls(self.walls)
+        if self.anchored and self.eta_contact != -1.0:
+            _broken_rule(
+                f"controller.eta_contact = {_number(self.eta_contact)} is no spring that an anchor "
+                "could hold; it must be -1, or take the anchor out",
+                "eta_contact",
+            )
         if self.clock_hz is not None:
             clocks = self.clock_hz / self.tick_hz
             whole = max(1, round(clocks))
@@ -449,7 +708,7 @@ def _check_walls(walls: tuple[tuple[float, float], ...]) -> None:
 class Scene(_Table):
     """A whole scene; a table that the file does not have is ``None`` and is not simulated.
 
-    ``controller.r_hat`` is never ``None``: its default is filled in.
+    ``controller.r_hat`` and ``adc.full_scale_a`` are never ``None``: defaults are filled in.
     ``drive.bus_v`` is ``None`` only if ``drive.limit_v`` is, which then means no limit.
     """
 
@@ -462,7 +721,9 @@ class Scene(_Table):
     drive: Drive | None = None
     thermal: Thermal | None = None
     transmission: Transmission | None = None
+    servo: Servo | None = None
     controller: Controller
+    shaper: Shaper | None = None
 
     @model_validator(mode="wrap")
     @classmethod
@@ -476,6 +737,26 @@ class Scene(_Table):
                 ("scene", "duration_s"),
                 ("controller", "tick_hz"),
             )
+        if scene.shaper is not None and scene.controller.anchored:
+            _broken_rule(
+                "controller has an anchor, which needs a rigid wall: no [shaper]; "
+                "take one of the two out",
+                ("shaper",),
+                ("controller",),
+            )
+        if scene.shaper is not None and scene.shaper.walls:
+            walls = len(scene.controller.walls)
+            for n, wall in enumerate(scene.shaper.walls):
+                if wall >= walls:
+                    _broken_rule(
+                        f"shaper.walls[{n}] = {wall} is no wall: controller.walls has {walls}; "
+                        "walls count from 0",
+                        ("shaper", "walls", n),
+                        ("controller", "walls"),
+                    )
+        if scene.adc is not None:
+            adc = scene.adc.resolved(scene.motor, scene.drive)
+            scene = scene.model_copy(update={"adc": adc})
         if scene.controller.r_hat is not None:
             return scene
         controller = scene.controller.model_copy(update={"r_hat": scene.motor.R_ohm})
@@ -492,7 +773,9 @@ TABLES: dict[str, type[_Table]] = {
     "drive": Drive,
     "thermal": Thermal,
     "transmission": Transmission,
+    "servo": Servo,
     "controller": Controller,
+    "shaper": Shaper,
 }
 """Model of each table, in the order of the format's description."""
 
@@ -662,7 +945,7 @@ def _wrong_value(kind: str, path: KeyPath, value: Any) -> str:
     assert texts is not None
     shown, wanted = _shown(value), _wanted(texts)
     unit = "" if texts.unit == "–" else f" in {texts.unit}"
-    if texts.key == "walls" and len(path) <= 3:
+    if path[:2] == ("controller", "walls") and len(path) <= 3:
         return f"{name} must hold pairs of numbers{unit}; write walls = [[x_min, x_max]]"
     if kind == "literal_error" and isinstance(value, str):
         return f"{name} {_unknown_choice(value, _HAND_NEEDS)}"

@@ -27,8 +27,7 @@ class Sensor:
     """A current sensor; ``ideal`` passes the current on in the controller's own word length.
 
     ``bits`` and ``full_scale_a`` (± that current) describe the ADC, ``noise_a`` (RMS) and
-    ``offset_a`` the amplifier before it, all in A. ``lead_bits`` zeros come before
-    the data, two as from an AD7276.
+    ``offset_a`` the amplifier before it, all in A.
     """
 
     ideal: bool
@@ -36,7 +35,6 @@ class Sensor:
     full_scale_a: float = 1.0
     noise_a: float = 0.0
     offset_a: float = 0.0
-    lead_bits: int = 2
 
     @classmethod
     def of_scene(cls, scene: Scene) -> Sensor:
@@ -46,8 +44,11 @@ class Sensor:
         adc = scene.adc
         return cls(False, adc.bits, adc.full_scale_a, adc.noise_a, adc.offset_a)
 
-    def gain_word(self, samples: int) -> int:
-        """Word of A per unit of the sum of ``samples`` left-justified ADC words."""
+    def gain_word(self, samples: float) -> int:
+        """Word of A per unit of the sum of ``samples`` left-justified ADC words.
+
+        Words whose full scale isn't 2¹⁵ count for less than one each.
+        """
         return formats.GAIN.to_raw(self.full_scale_a / (_SAMPLE_HALF * samples))
 
     def constants(self) -> np.ndarray:

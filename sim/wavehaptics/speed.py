@@ -3,31 +3,21 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 from rich.table import Table
 
-from wavehaptics.run import CONTROLLERS, run_scene
+from wavehaptics.run import CONTROLLERS, measure
 from wavehaptics.scene import Scene
 
 
 def measure_speed(scene: Scene, progress: Callable[[str, float], None]) -> list[dict[str, Any]]:
-    """Metrics of one run of the scene on each controller; the files of the runs are not kept."""
-    results = []
-    for controller in CONTROLLERS:
-        with tempfile.TemporaryDirectory() as folder:
-            results.append(
-                run_scene(
-                    scene,
-                    controller,
-                    Path(folder),
-                    lambda part, name=controller: progress(name, part),
-                )
-            )
-    return results
+    """Metrics of one run of the scene on each controller."""
+    return [
+        measure(scene, name, progress=lambda part, name=name: progress(name, part))
+        for name in CONTROLLERS
+    ]
 
 
 def speed_table(results: list[dict[str, Any]]) -> Table:

@@ -2,7 +2,7 @@
 """From Verilog to a bitstream: Yosys, nextpnr, icepack or ecppack, and everything that must hold.
 
 A build either leaves a bitstream that meets its clock with room to spare, or an error of one line,
-its logs and nothing else. ``python -m wavehaptics.synthesis --help`` tells the commands.
+its logs and nothing else. ``python -m wavehaptics.bitstreams --help`` tells the commands.
 """
 
 from __future__ import annotations
@@ -38,12 +38,21 @@ class SynthesisError(RuntimeError):
     """A build that failed, in one line."""
 
 
+class TimingMissed(SynthesisError):
+    """A placement that is too slow; ``reached_hz`` is what it came to."""
+
+    def __init__(self, message: str, reached_hz: float) -> None:
+        super().__init__(message)
+        self.reached_hz = reached_hz
+
+
 @dataclass(frozen=True)
 class Design:
     """What is to be built. Paths are from ``root``, in which the tools run.
 
     ``clock_hz`` is the clock behind the PLL, or the input's own where there is no PLL; the placer
-    is asked for SPARE more. ``defines`` are macros, ``parameters`` those of the top.
+    is asked for SPARE more, with one of ``seeds`` after the other until it gets there. ``defines``
+    are macros, ``parameters`` those of the top.
     """
 
     name: str
@@ -58,7 +67,7 @@ class Design:
     speed: int | None
     input_hz: float
     clock_hz: float
-    seed: int
+    seeds: tuple[int, ...]
     motors: int = 1
     tick_hz: float = 0.0
     defines: tuple[tuple[str, int], ...] = ()
@@ -113,7 +122,7 @@ def board_design(board: Board, out: Path) -> Design:
         speed=board.fpga.speed,
         input_hz=board.fpga.input_hz,
         clock_hz=board.clock_hz,
-        seed=board.fpga.seed,
+        seeds=tuple(board.fpga.seeds),
         motors=board.fpga.motors,
         tick_hz=board.scene.controller.tick_hz,
     )
@@ -129,14 +138,14 @@ def build_board(
 ) -> Result:
     """Make a board's bitstream; :class:`SynthesisError`, ``SceneError`` or ``ToolError``.
 
-    ``seed`` takes the place of the board's own.
+    ``seed`` takes the place of the board's own ones.
     """
     out = OUT / board.name
     folder = board.root / out
     _clear(folder)
     _write(folder / "wh_board_settings.vh", board.header())
     design = board_design(board, out)
-    return build(design if seed is None else replace(design, seed=seed), out, tools, say)
+    return build(design if seed is None else replace(design, seeds=(seed,)), out, tools, say)
 
 
 def build(
@@ -160,27 +169,14 @@ def build(
 def _build(design: Design, out: Path, tools: Toolchain, say: Callable[[str], None]) -> Result:
     folder = design.root / out
     placer, packer = PLACERS[design.family], PACKERS[design.family]
-    versions = {tool: tools.version(tool) for tool in ("yosys", placer)}
+    versions = {tool: tools.check_age(tool) for tool in ("yosys", placer)}
     named = ", ".join(f"{tool} {version}" for tool, version in versions.items())
     say(f"{design.name}: {named} ({tools.name})")
-    _check_constraints(design)
-
-    netlist_path = out / f"{design.name}.json"
-    synthesise(design, netlist_path, tools, folder / "yosys.log")
-    netlist = json.loads((design.root / netlist_path).read_bytes())["modules"][design.top]
-    _check_pll(design, netlist)
-    _check_pins(design, netlist)
-
-    placed_path = out / f"{design.name}{_PLACED_SUFFIX[design.family]}"
-    report_path = out / "report.json"
-    delays_path = out / "delays.sdf"
-    place(design, netlist_path, placed_path, report_path, delays_path, tools, folder)
-    report = json.loads((design.root / report_path).read_bytes())
-    reached_hz = _reached_hz(design, report)
-    dsp_hz = _check_multipliers(design, netlist, folder / "delays.sdf")
+    netlist = _checked_netlist(design, out, tools)
+    placed = _first_that_meets(design, netlist, out, tools, say)
 
     bitstream = out / f"{design.name}{BITSTREAM_SUFFIX[design.family]}"
-    arguments = [str(placed_path), str(bitstream)]
+    arguments = [str(_placed_path(design, out)), str(bitstream)]
     if design.family == "ecp5":
         arguments[:0] = ["--compress"]
     log = folder / f"{packer}.log"
@@ -189,7 +185,107 @@ def _build(design: Design, out: Path, tools: Toolchain, say: Callable[[str], Non
     size = (design.root / bitstream).stat().st_size
     if size == 0:
         raise SynthesisError(f"{design.name}: {packer} wrote an empty bitstream")
-    return _result(design, netlist, report, reached_hz, dsp_hz, size, tools.name, versions)
+    return _result(design, netlist, placed, size, tools.name, versions)
+
+
+def _netlist_path(design: Design, out: Path) -> Path:
+    return out / f"{design.name}.json"
+
+
+def _placed_path(design: Design, out: Path) -> Path:
+    return out / f"{design.name}{_PLACED_SUFFIX[design.family]}"
+
+
+def _checked_netlist(design: Design, out: Path, tools: Toolchain) -> dict[str, Any]:
+    """The top of the design's netlist, which holds what can be said before it is placed."""
+    _check_constraints(design)
+    path = _netlist_path(design, out)
+    synthesise(design, path, tools, design.root / out / "yosys.log")
+    netlist = json.loads((design.root / path).read_bytes())["modules"][design.top]
+    _check_pll(design, netlist)
+    _check_pins(design, netlist)
+    try:
+        multipliers.check_registers(netlist)
+    except multipliers.MultiplierError as error:
+        raise SynthesisError(f"{design.name}: {error}") from None
+    return netlist
+
+
+@dataclass(frozen=True)
+class Placed:
+    """What a seed came to; ``dsp_hz`` is the clock that paths through multiplier blocks allow."""
+
+    seed: int
+    report: dict[str, Any]
+    reached_hz: float
+    dsp_hz: float | None
+
+    @property
+    def slowest_hz(self) -> float:
+        return min(self.reached_hz, self.dsp_hz or self.reached_hz)
+
+
+def _place_seed(
+    design: Design, netlist: dict[str, Any], out: Path, tools: Toolchain, seed: int
+) -> Placed:
+    """Place and route with ``seed``; :class:`TimingMissed` where that is too slow."""
+    report_path, delays_path = out / "report.json", out / "delays.sdf"
+    place(
+        design, seed, _netlist_path(design, out), _placed_path(design, out),
+        report_path, delays_path, tools, design.root / out,
+    )  # fmt: skip
+    report = json.loads((design.root / report_path).read_bytes())
+    reached_hz = _reached_hz(design, report)
+    dsp_hz = _dsp_hz(design, netlist, design.root / delays_path)
+    return Placed(seed, report, reached_hz, dsp_hz)
+
+
+def _first_that_meets(
+    design: Design, netlist: dict[str, Any], out: Path, tools: Toolchain, say: Callable[[str], None]
+) -> Placed:
+    """The first of the design's seeds that meets its clock; :class:`TimingMissed` if none does."""
+    missed: dict[int, TimingMissed] = {}
+    for seed in design.seeds:
+        try:
+            return _place_seed(design, netlist, out, tools, seed)
+        except TimingMissed as error:
+            missed[seed] = error
+            say(f"{design.name}: seed {seed} reaches {error.reached_hz / 1e6:.2f} MHz: too slow")
+    best = max(missed, key=lambda seed: missed[seed].reached_hz)
+    if len(missed) == 1:
+        raise missed[best]
+    raise TimingMissed(
+        f"{missed[best]}; that is seed {best}, the best of {len(missed)}", missed[best].reached_hz
+    )
+
+
+def survey_seeds(
+    board: Board, tools: Toolchain, seeds: Iterable[int], say: Callable[[str], None] = print
+) -> list[tuple[float, int]]:
+    """(part of the clock to spare, seed) of each of ``seeds``, the best first.
+
+    It works in a folder of its own beside the board's, whose bitstream stays.
+    """
+    out = OUT / f"{board.name}-seeds"
+    folder = board.root / out
+    _clear(folder)
+    try:
+        _write(folder / "wh_board_settings.vh", board.header())
+        design = board_design(board, out)
+        netlist = _checked_netlist(design, out, tools)
+        found = []
+        for seed in seeds:
+            try:
+                reached_hz = _place_seed(design, netlist, out, tools, seed).slowest_hz
+            except TimingMissed as error:
+                reached_hz = error.reached_hz
+            found.append((reached_hz / design.clock_hz - 1, seed))
+            say(
+                f"{board.name}: seed {seed} reaches {reached_hz / 1e6:.2f} MHz, {found[-1][0]:+.1%}"
+            )
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    return sorted(found, key=lambda pair: (-pair[0], pair[1]))
 
 
 # ---- Yosys.
@@ -232,7 +328,8 @@ def yosys_script(design: Design, netlist: Path) -> str:
     return "; ".join(
         (
             f"read_verilog -lib {_CELL_LIBRARIES[design.family]}",
-            f"read_verilog{defines}{includes} {sources}",
+            # Deferred, so that only the modules which the top needs are looked at.
+            f"read_verilog -defer{defines}{includes} {sources}",
             f"hierarchy -check -top {design.top}{parameters}",
             "proc",
             # Before logic is mapped, so that the names are those of the source.
@@ -354,19 +451,16 @@ def _check_pins(design: Design, netlist: dict[str, Any]) -> None:
         )
 
 
-def _check_multipliers(design: Design, netlist: dict[str, Any], delays: Path) -> float | None:
+def _dsp_hz(design: Design, netlist: dict[str, Any], delays: Path) -> float | None:
     """Clock in Hz that the paths through multiplier blocks allow, None where there are none."""
+    if design.family != "ice40":
+        return None
     try:
-        multipliers.check_registers(netlist)
-        reached_hz = multipliers.reached_hz(netlist, delays) if design.family == "ice40" else None
+        reached_hz = multipliers.reached_hz(netlist, delays)
     except multipliers.MultiplierError as error:
         raise SynthesisError(f"{design.name}: {error}") from None
     if reached_hz is not None and reached_hz < (1 + SPARE) * design.clock_hz:
-        raise SynthesisError(
-            f"{design.name}: timing missed: the paths through the multiplier blocks reach "
-            f"{reached_hz / 1e6:.2f} MHz, and {(1 + SPARE) * design.clock_hz / 1e6:.2f} MHz are "
-            f"needed ({design.clock_hz / 1e6:g} MHz and {SPARE:.0%} to spare)"
-        )
+        raise _missed(design, reached_hz, "the paths through the multiplier blocks reach")
     return reached_hz
 
 
@@ -375,6 +469,7 @@ def _check_multipliers(design: Design, netlist: dict[str, Any], delays: Path) ->
 
 def place(
     design: Design,
+    seed: int,
     netlist: Path,
     placed: Path,
     report: Path,
@@ -385,7 +480,7 @@ def place(
     """Place and route; :class:`SynthesisError` at any error or warning."""
     arguments = [
         f"--{design.device}", "--package", design.package, "--json", str(netlist),
-        "--seed", str(design.seed), "--freq", f"{(1 + SPARE) * design.clock_hz / 1e6:.6f}",
+        "--seed", str(seed), "--freq", f"{(1 + SPARE) * design.clock_hz / 1e6:.6f}",
         "--report", str(report),
     ]  # fmt: skip
     if design.family == "ice40":
@@ -409,19 +504,20 @@ def place(
             )
         clock = re.match(r"Max frequency for clock\s+'([^']+)':\s+([\d.]+) MHz \(FAIL", problem)
         if clock:
-            _missed(design, float(clock[2]) * 1e6)
+            raise _missed(design, float(clock[2]) * 1e6)
     if errors or status:
         raise SynthesisError(f"{design.name}: nextpnr: {(errors or [_last_line(log)])[0]}")
     if problems:
         raise SynthesisError(f"{design.name}: nextpnr warns: {problems[0][1]}")
 
 
-def _missed(design: Design, reached_hz: float) -> None:
+def _missed(design: Design, reached_hz: float, what: str = "the clock reaches") -> TimingMissed:
     needed = (1 + SPARE) * design.clock_hz / 1e6
-    raise SynthesisError(
-        f"{design.name}: timing missed: the clock reaches {reached_hz / 1e6:.2f} MHz, and "
-        f"{needed:.2f} MHz are needed ({design.clock_hz / 1e6:g} MHz and {SPARE:.0%} to spare)"
+    message = (
+        f"{design.name}: timing missed: {what} {reached_hz / 1e6:.2f} MHz, and {needed:.2f} MHz "
+        f"are needed ({design.clock_hz / 1e6:g} MHz and {SPARE:.0%} to spare)"
     )
+    return TimingMissed(message, reached_hz)
 
 
 def _reached_hz(design: Design, report: dict[str, Any]) -> float:
@@ -431,7 +527,7 @@ def _reached_hz(design: Design, report: dict[str, Any]) -> float:
         raise SynthesisError(f"{design.name}: nextpnr timed no clock")
     reached_hz = min(clock["achieved"] for clock in clocks.values()) * 1e6
     if reached_hz < (1 + SPARE) * design.clock_hz:
-        _missed(design, reached_hz)
+        raise _missed(design, reached_hz)
     return reached_hz
 
 
@@ -465,19 +561,16 @@ def cell_counts(family: str, cells: Iterable[str]) -> dict[str, int]:
 def _result(
     design: Design,
     netlist: dict[str, Any],
-    report: dict[str, Any],
-    reached_hz: float,
-    dsp_hz: float | None,
+    placed: Placed,
     bitstream_bytes: int,
     toolchain: str,
     versions: dict[str, str],
 ) -> Result:
-    used = report["utilization"]
+    used = placed.report["utilization"]
     logic, dsp, ram = (
         used.get(name, {"used": 0, "available": 0}) for name in _CELLS[design.family]
     )
     counts = cell_counts(design.family, (cell["type"] for cell in netlist["cells"].values()))
-    slowest_hz = min(reached_hz, dsp_hz or reached_hz)
     return Result(
         board=design.name,
         device=design.device,
@@ -492,11 +585,11 @@ def _result(
         block_ram=ram["used"],
         block_ram_available=ram["available"],
         clock_mhz=design.clock_hz / 1e6,
-        reached_mhz=round(reached_hz / 1e6, 2),
-        dsp_path_mhz=None if dsp_hz is None else round(dsp_hz / 1e6, 2),
-        slack_ns=round(1e9 / design.clock_hz - 1e9 / slowest_hz, 2),
-        spare=round(slowest_hz / design.clock_hz - 1, 3),
-        seed=design.seed,
+        reached_mhz=round(placed.reached_hz / 1e6, 2),
+        dsp_path_mhz=None if placed.dsp_hz is None else round(placed.dsp_hz / 1e6, 2),
+        slack_ns=round(1e9 / design.clock_hz - 1e9 / placed.slowest_hz, 2),
+        spare=round(placed.slowest_hz / design.clock_hz - 1, 3),
+        seed=placed.seed,
         bitstream_bytes=bitstream_bytes,
         toolchain=toolchain,
         tools=versions,

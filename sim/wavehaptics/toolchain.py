@@ -22,6 +22,9 @@ TIMEOUT_S = 400
 
 _PREFIX = {"wheel": "yowasp-", "native": ""}
 
+OLDEST = {"yosys": (0, 70), "nextpnr-ice40": (0, 11), "nextpnr-ecp5": (0, 11)}
+"""Versions that the boards are known to be built by. With nextpnr-ice40 0.4 routing never ended."""
+
 
 class ToolError(RuntimeError):
     """A tool is missing, or doesn't come to an end. The message is one line."""
@@ -74,8 +77,20 @@ class Toolchain:
             text=True, check=False,
         )  # fmt: skip
         text = done.stdout + done.stderr
-        found = re.search(r"(?:Yosys |nextpnr-)(\d[\w.+-]*)", text)
+        found = re.search(r"(?:Yosys |\(Version (?:nextpnr-)?|nextpnr-)(\d+\.\d[\w.+-]*)", text)
         return found[1] if found else "unknown"
+
+    def check_age(self, tool: str) -> str:
+        """Version of ``tool``; :class:`ToolError` where that is older than OLDEST."""
+        version = self.version(tool)
+        numbers = tuple(int(number) for number in re.findall(r"\d+", version)[:2])
+        if numbers and numbers < OLDEST[tool]:
+            oldest = ".".join(map(str, OLDEST[tool]))
+            raise ToolError(
+                f"{tool} is version {version}, too old: {oldest} or newer is needed; "
+                "update it, or leave TOOLCHAIN=native out for the pinned one"
+            )
+        return version
 
     def share(self) -> Path:
         """Yosys' folder of cell libraries; :class:`ToolError` where it can't be found."""
@@ -85,7 +100,8 @@ class Toolchain:
             if not found:
                 raise ToolError(f"no cell libraries beside {program}; run `make setup-synth`")
             return found[0]
-        done = subprocess.run(
-            [self.program("yosys-config"), "--datdir"], capture_output=True, text=True, check=True
-        )
-        return Path(done.stdout.strip())
+        # Not by yosys-config, which Debian leaves out.
+        program = Path(self.program("yosys")).resolve()
+        if not (program.parents[1] / "share" / "yosys").is_dir():
+            raise ToolError(f"no cell libraries beside {program}; install Yosys as a whole")
+        return program.parents[1] / "share" / "yosys"

@@ -10,16 +10,19 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from wavehaptics import formats
+import numpy as np
+
+from wavehaptics import anchor, formats
 
 ROOT_DIR = formats.RTL_DIR.parent
 SHIM_DIR = ROOT_DIR / "sim" / "verilated"
 BUILD_DIR = ROOT_DIR / "build" / "verilated"
 
-CXX_FLAGS = (
+DEFAULT_CXX_FLAGS = (
     "-O3",
     "-march=native",
     "-std=c++20",
@@ -29,6 +32,11 @@ CXX_FLAGS = (
     # static thread-local storage it is not used up by several libraries in one process.
     *(("-mtls-dialect=gnu2",) if os.uname().machine == "x86_64" else ()),
 )
+DEFAULT_VERILATOR_FLAGS = ("-O3", "--x-assign", "fast", "--x-initial", "fast", "--noassert")
+
+# Other flags for a process that is to be measured with them.
+CXX_FLAGS = tuple(os.environ.get("WH_CXX_FLAGS", "").split()) or DEFAULT_CXX_FLAGS
+VERILATOR_FLAGS = tuple(os.environ.get("WH_VERILATOR_FLAGS", "").split()) or DEFAULT_VERILATOR_FLAGS
 
 
 class BuildError(RuntimeError):
@@ -66,12 +74,26 @@ def verilator_environment() -> tuple[str, dict[str, str]]:
     return str(directory / "verilator"), environment
 
 
+def _link_flags() -> list[str]:
+    """What the linker needs of the compiler's flags: a profile is written by the program itself."""
+    return [flag for flag in CXX_FLAGS if flag.startswith(("-fprofile", "-flto"))]
+
+
 def _digest(design: Design, program: str) -> str:
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
-    digest = hashlib.sha256(repr((design, CXX_FLAGS, version.stdout)).encode())
-    for path in [*sorted(formats.RTL_DIR.glob("*.v*")), SHIM_DIR / design.shim]:
+    what = (design, CXX_FLAGS, VERILATOR_FLAGS, formats.HEADER_VALUES, version.stdout)
+    digest = hashlib.sha256(repr(what).encode())
+    shims = sorted(path for path in SHIM_DIR.iterdir() if path.suffix in (".h", ".v", ".cpp"))
+    for path in [*sorted(formats.RTL_DIR.glob("*.v*")), *shims]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]
+
+
+def _source(top: str) -> Path:
+    """File of a top level: of the RTL, or of the simulation around it."""
+    return next(
+        path for path in (formats.RTL_DIR / f"{top}.v", SHIM_DIR / f"{top}.v") if path.exists()
+    )
 
 
 def build(design: Design) -> Path:
@@ -82,17 +104,17 @@ def build(design: Design) -> Path:
         return target
     BUILD_DIR.mkdir(parents=True, exist_ok=True)
     work = Path(tempfile.mkdtemp(prefix=f"{design.top}-", dir=BUILD_DIR))
-    widths = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in ("DATA_W", "COEF_W")]
-    counts = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in ("SUM_W", "COUNT_W")]
+    names = ("DATA_W", "COEF_W", "SUM_W", "COUNT_W", "SHAPE_W", "SHAPE_LOSS_W", "ANCHOR_W")
+    widths = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in names]
+    chosen = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in formats.SETTABLE]
     command = [
-        program, "--cc", "--exe", "--build", "-O3", "--x-assign", "fast", "--x-initial", "fast",
-        "--noassert",
-        "-CFLAGS", " ".join([*CXX_FLAGS, *widths, *counts]),
-        "-LDFLAGS", "-shared -Wl,-Bsymbolic",
+        program, *chosen, "--cc", "--exe", "--build", *VERILATOR_FLAGS,
+        "-CFLAGS", " ".join([*CXX_FLAGS, *widths]),
+        "-LDFLAGS", " ".join(["-shared -Wl,-Bsymbolic", *_link_flags()]),
         "-I" + str(formats.RTL_DIR), "--top-module", design.top,
         *(f"-G{name}={value}" for name, value in sorted(design.parameters.items())),
         "--Mdir", str(work / "obj"), "-o", str(work / "model.so"),
-        str(SHIM_DIR / design.shim), str(formats.RTL_DIR / f"{design.top}.v"),
+        str(SHIM_DIR / design.shim), str(_source(design.top)),
     ]  # fmt: skip
     log = target.with_suffix(".log")
     with log.open("w") as out:
@@ -115,10 +137,27 @@ def address(function: ctypes._CFuncPtr) -> int:
     return ctypes.cast(function, ctypes.c_void_p).value
 
 
-def declare_constructor(function: ctypes._CFuncPtr, integers: int) -> None:
-    """Say that a library's function takes so many 64-bit integers and returns a model."""
-    function.argtypes = [ctypes.c_int64] * integers
+def new_model(function: ctypes._CFuncPtr, words: Sequence[int]) -> int:
+    """A model of the library, made by the function with the words of its settings."""
+    function.argtypes = [ctypes.POINTER(ctypes.c_int64)]
     function.restype = ctypes.c_void_p
+    return function((ctypes.c_int64 * len(words))(*map(int, words)))
+
+
+def set_shaper(function: ctypes._CFuncPtr, model: int, words: np.ndarray, *more: int) -> None:
+    """Hand a model the words of W, int64 (sections, SECTION_WORDS), and what else it takes."""
+    flat = words.reshape(-1).tolist()
+    function.argtypes = [
+        ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64), *[ctypes.c_int64] * (1 + len(more)),
+    ]  # fmt: skip
+    function.restype = None
+    function(model, (ctypes.c_int64 * max(1, len(flat)))(*flat), len(flat), *more)
+
+
+def anchor_words(settings: np.ndarray) -> list[int]:
+    """A model's words of the anchor: its settings in parts of 32 bits, the lowest first."""
+    word = anchor.packed(settings)
+    return [word >> place & 0xFFFFFFFF for place in range(0, formats.ANCHOR_W, 32)]
 
 
 def declare_destructor(function: ctypes._CFuncPtr) -> None:

@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bench of ``rtl/wh_guard.v``: the latch against its equation, each cause at its limits."""
+
+from __future__ import annotations
+
+import cocotb
+from bench import Bench, pack, random_source
+from simulators import parameters
+from wavehaptics import formats
+from wavehaptics.guard import DAMPABLE, HEAT_SQUARES, Fault
+from wavehaptics.guard import pack as settings
+
+N = parameters().get("N", 1)
+LAST = N - 1
+TOP = (1 << 16) - 1
+LEVELS = 0b11  # a pin that is high is a fault
+
+# Limits that nothing reaches, but for the faults of the test.
+CALM = {
+    "LEVELS": LEVELS, "CURRENT": TOP, "RANGE": TOP, "STUCK": TOP, "ZERO": TOP, "ZERO_TICKS": TOP,
+    "LOST": TOP, "LOST_TICKS": TOP, "HOST": (1 << 24) - 1, "BUS_MIN": 0, "BUS_MAX": TOP,
+    "HEAT_TICKS": 1, "HEAT": (1 << 32) - 1,
+}  # fmt: skip
+
+# Causes that are levels: the input, its value at fault, and clocks until the fault shows.
+LEVEL_CAUSES = {
+    Fault.ADC_STUCK: ("stuck_i", 1 << LAST, 1),
+    Fault.ADC_RANGE: ("range_i", 1 << LAST, 1),
+    Fault.ZERO: ("zero_i", 1 << LAST, 1),
+    Fault.TRIP: ("trip_i", 1 << LAST, 1),
+    Fault.ENCODER: ("encoder_i", 1 << LAST, 1),
+    Fault.DRIVER: ("driver_i", 1 << LAST, 3),
+    Fault.STOP: ("stop_i", 1, 3),
+    Fault.SETTING: ("setting_i", 1, 1),
+    Fault.OVERRUN: ("overrun_i", 1, 1),
+    Fault.ANCHOR: ("anchor_i", 1 << LAST, 1),
+}
+
+
+class GuardBench(Bench):
+    """Plays everything around the guard; a word is the last motor's."""
+
+    async def begin(self, mask: int = TOP, damp: int = 0, **limits: int) -> None:
+        fields = {**CALM, "MASK": mask, "DAMP": damp, **limits}
+        await self.start(
+            settings_i=settings(fields), clear_i=0, running_i=1, stop_i=0, driver_i=0,
+            host_alive_i=0, bus_i=100, sample_valid_i=0, sample_i=0, trip_i=0, encoder_i=0,
+            range_i=0, stuck_i=0, zero_i=0,
+            moved_i=0, anchor_i=0, setting_i=0, overrun_i=0, tick_i=0, valid_i=0, current_i=0,
+            u_i=0, v_i=0,
+        )  # fmt: skip
+        await self.step(3)
+        assert self.faults() == (0, 0, 0)
+
+    def faults(self) -> tuple[int, int, int]:
+        return self.word("faults_o"), self.word("off_o"), self.word("damp_o")
+
+    async def clear(self) -> None:
+        await self.step(clear_i=1)
+        await self.step(clear_i=0)
+
+    async def sample(self, word: int) -> int:
+        """A sample, and two clocks for its judgement; the faults."""
+        others = [self.clocks % 1000] * LAST  # converters with noise
+        await self.step(sample_valid_i=1, sample_i=pack([*others, word], formats.SAMPLE_W))
+        await self.step(1, sample_valid_i=0)
+        await self.step(1)
+        return self.word("faults_o")
+
+    async def tick(self, current: int = 0, u: int = 0, v: int = 0, moved: int = 0) -> int:
+        """A tick of 24 clocks with words of 16 bits, the highest of the data words; the faults."""
+        shift = formats.DATA_W - 16
+        words = {
+            name: pack([0] * LAST + [word << shift], formats.DATA_W)
+            for name, word in (("current_i", current), ("u_i", u), ("v_i", v))
+        }
+        await self.step(tick_i=1, valid_i=1, moved_i=moved << LAST, **words)
+        await self.step(23, tick_i=0, valid_i=0, moved_i=0)
+        return self.word("faults_o")
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def latches_until_cleared(dut: object) -> None:
+    """Each level: its bit and no other, after its clocks; it stays; clear forgets what is over."""
+    bench = GuardBench(dut)
+    for fault, (name, value, clocks) in LEVEL_CAUSES.items():
+        await bench.begin()
+        bench.drive(**{name: value})
+        for _ in range(clocks - 1):
+            await bench.step()
+            assert bench.faults() == (0, 0, 0)
+        await bench.step()
+        assert bench.faults() == (1 << fault, 1, 0)
+        await bench.clear()
+        assert bench.word("faults_o") == 1 << fault, "what is still the case stays"
+        await bench.step(5, **{name: 0})
+        assert bench.faults() == (1 << fault, 1, 0)
+        await bench.clear()
+        assert bench.faults() == (0, 0, 0)
+        # Left out by the mask, it is none; reset forgets, too.
+        await bench.begin(mask=TOP & ~(1 << fault))
+        await bench.step(4, **{name: value})
+        assert bench.faults() == (0, 0, 0)
+        await bench.begin()
+        await bench.step(4, **{name: value})
+        await bench.step(1, rst=1)
+        assert bench.faults() == (0, 0, 0)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def off_or_damp(dut: object) -> None:
+    """Random causes, masks and wishes: the equation, and damping only where it is allowed."""
+    bench = GuardBench(dut)
+    rng = random_source("off or damp")
+    direct = [fault for fault, (_, _, clocks) in LEVEL_CAUSES.items() if clocks == 1]
+    seen = set()
+    for _ in range(40):
+        mask, damp = rng.randint(0, TOP), rng.choice((0, TOP, DAMPABLE, rng.randint(0, TOP)))
+        await bench.begin(mask=mask, damp=damp)
+        latched = 0
+        for _ in range(30):
+            on = [fault for fault in direct if rng.random() < 0.05]
+            clear = int(rng.random() < 0.2)
+            inputs = {LEVEL_CAUSES[f][0]: LEVEL_CAUSES[f][1] if f in on else 0 for f in direct}
+            await bench.step(clear_i=clear, **inputs)
+            latched = (0 if clear else latched) | sum(1 << fault for fault in on) & mask
+            off = int(latched & ~(damp & DAMPABLE) != 0)
+            assert bench.faults() == (latched, off, int(latched != 0 and not off))
+            seen.add(bench.faults()[1:])
+    assert seen == {(0, 0), (1, 0), (0, 1)}
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def limits_of_samples(dut: object) -> None:
+    """Samples just within and just beyond, both signs and the most negative; a stuck converter."""
+    bench = GuardBench(dut)
+    for fault, limit in ((Fault.CURRENT, "CURRENT"), (Fault.ADC_RANGE, "RANGE")):
+        for sign in (1, -1):
+            await bench.begin(**{limit: 20_000})
+            assert await bench.sample(sign * 20_000) == 0
+            assert await bench.sample(sign * 20_001) == 1 << fault
+        await bench.begin(**{limit: 32_767})
+        assert await bench.sample(32_767) == 0
+        assert await bench.sample(-32_768) == 1 << fault
+    await bench.begin(STUCK=5)
+    for word in (1, 1, 1, 1, 2, 7, 7, 7, 7):
+        assert await bench.sample(word) == 0
+    assert await bench.sample(7) == 1 << Fault.ADC_STUCK
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def limits_of_the_rest(dut: object) -> None:
+    """The bus, the host, and the current of a bridge that is off."""
+    bench = GuardBench(dut)
+    await bench.begin(BUS_MIN=100, BUS_MAX=200)
+    for bus, fault in ((200, 0), (201, 1 << Fault.BUS_HIGH), (99, 1 << Fault.BUS_LOW)):
+        await bench.step(2, bus_i=bus)
+        await bench.step(2, bus_i=100)
+        assert bench.word("faults_o") == fault
+        await bench.clear()
+    await bench.begin(HOST=7)
+    for _ in range(3):
+        for _ in range(6):
+            assert await bench.tick() == 0
+        await bench.step(host_alive_i=1)
+        bench.drive(host_alive_i=0)
+    for _ in range(6):
+        assert await bench.tick() == 0
+    assert await bench.tick() == 1 << Fault.HOST
+    for sign in (1, -1):
+        await bench.begin(ZERO=50, ZERO_TICKS=4)
+        assert await bench.tick(sign * 3000) == 0, "the bridge is on"
+        bench.drive(running_i=0)
+        for _ in range(3):
+            assert await bench.tick(sign * 3000) == 0, "the current is still dying away"
+        assert await bench.tick(sign * 50) == 0
+        assert await bench.tick(sign * 51) == 1 << Fault.ZERO
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def heat(dut: object) -> None:
+    """The winding's heat is the integer model's, with the fault where it passes the limit."""
+    bench = GuardBench(dut)
+    rng = random_source("heat")
+    currents = [rng.choice((0, 500, -3000, -32_768, 32_767)) for _ in range(60)]
+    sums, total = [], 0
+    for current in currents:
+        total += current * current - total // HEAT_SQUARES
+        sums.append(total // HEAT_SQUARES)
+    for at in (10, 40, 59):
+        await bench.begin(HEAT=sums[at] - 1 if sums[at] else 0)
+        first = next(n for n, heat in enumerate(sums) if heat > max(0, sums[at] - 1))
+        for n, current in enumerate(currents):
+            assert await bench.tick(current) == (n >= first) << Fault.HEAT, n
+    await bench.begin(HEAT_TICKS=3, HEAT=0)
+    shown = [await bench.tick(300 if n % 3 else 0) for n in range(30)]
+    assert not any(shown), "one square in three ticks, all of them of 0 A"
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def encoder_that_stands_still(dut: object) -> None:
+    """u + v over its limit for long enough, either way; counts, a stop or a calm motor reset it."""
+    bench = GuardBench(dut)
+    for sign in (1, -1):
+        await bench.begin(LOST=100, LOST_TICKS=50)
+        ticks = 0
+        while not await bench.tick(u=sign * 300, v=sign * 300):
+            ticks += 1
+            assert ticks < 200
+        # A sixth of 256 ticks' mean, and then fifty.
+        assert 50 < ticks < 110
+        assert bench.word("faults_o") == 1 << Fault.LOST
+    for words, running, moves in (((300, 300), 1, 1), ((300, -300), 1, 0), ((300, 300), 0, 0)):
+        await bench.begin(LOST=100, LOST_TICKS=50)
+        bench.drive(running_i=running)
+        for n in range(300):
+            assert not await bench.tick(u=words[0], v=words[1], moved=moves * (n % 40 == 0))

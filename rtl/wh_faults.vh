@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_faults: the faults by their bits in the status word, and the fields of the guard's settings.
+// Python reads this file (sim/wavehaptics/guard.py).
+
+`ifndef WH_FAULTS_VH
+`define WH_FAULTS_VH
+
+`define WH_FAULTS            16
+`define WH_FAULT_CURRENT     0   // a sample beyond the limit
+`define WH_FAULT_TRIP        1   // the trip of the current's fast path
+`define WH_FAULT_ADC_STUCK   2   // the ADC says the same all the time
+`define WH_FAULT_ADC_RANGE   3   // a sample at the end of the ADC's range
+`define WH_FAULT_ZERO        4   // current with the bridge off
+`define WH_FAULT_ENCODER     5   // an illegal move
+`define WH_FAULT_LOST        6   // voltage and current say motion, the encoder doesn't
+`define WH_FAULT_HOST        7   // no sign of the host
+`define WH_FAULT_DRIVER      8   // the driver's fault pin
+`define WH_FAULT_STOP        9   // emergency stop
+`define WH_FAULT_BUS_LOW     10
+`define WH_FAULT_BUS_HIGH    11
+`define WH_FAULT_HEAT        12  // the winding's losses over its time constant
+`define WH_FAULT_SETTING     13  // a parameter that means nothing
+`define WH_FAULT_OVERRUN     14  // a tick too short for its work
+`define WH_FAULT_ANCHOR      15  // the position doesn't agree with the wall's force
+
+// Faults after which the current can still be trusted: these alone may end in damping.
+`define WH_FAULTS_DAMPABLE   16'h80e0
+
+// Fields of the settings, as high:low.
+`define WH_GUARD_W           250
+`define WH_GUARD_MASK        15:0     // the faults that count
+`define WH_GUARD_DAMP        31:16    // of these, those that damp instead of switching off
+`define WH_GUARD_LEVELS      33:32    // level of a stop (low bit) and of a driver's fault
+`define WH_GUARD_CURRENT     49:34    // u16, magnitude of a sample
+`define WH_GUARD_RANGE       65:50    // u16, magnitude of a sample
+`define WH_GUARD_STUCK       81:66    // u16 samples
+`define WH_GUARD_ZERO        97:82    // u16q9 A
+`define WH_GUARD_ZERO_TICKS  113:98   // u16 ticks after the bridge went off
+`define WH_GUARD_LOST        129:114  // u16q8 √W, of u + v
+`define WH_GUARD_LOST_TICKS  145:130  // u16 ticks
+`define WH_GUARD_HOST        169:146  // u24 ticks
+`define WH_GUARD_BUS_MIN     185:170  // u16q9 V
+`define WH_GUARD_BUS_MAX     201:186  // u16q9 V
+`define WH_GUARD_HEAT_TICKS  217:202  // u16 ticks from one square to the next
+`define WH_GUARD_HEAT        249:218  // u32q18 A²
+
+`define WH_GUARD_CURRENT_Q   9        // of currents and of the bus voltage
+`define WH_GUARD_WAVE_Q      8
+`define WH_GUARD_HEAT_LOG2   16       // time constant: 2^this squares
+
+`endif

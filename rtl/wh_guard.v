@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_guard: latches every fault, and stops the bridges until it is cleared by command.
+//
+//   faults = (faults, unless clear_i) or (causes and mask)
+//   off    = any fault that is not to damp;  damp = faults, but none for off
+//
+// clear_i leaves what is still the case. A fault damps if its bit of DAMP says so and the current
+// can be trusted all the same (WH_FAULTS_DAMPABLE in wh_faults.vh, which names the bits and the
+// settings' fields). off_o takes the gates off one clock after the fault is latched; damp_o makes
+// η = 0 everywhere: a damper k_T² / R, with nothing stored once f has died away.
+//
+// Causes, each for any motor:
+//   CURRENT, ADC_RANGE   |sample| > limit, each sample by itself
+//   ADC_STUCK            so many samples in a row are one word; real ones have noise
+//   ZERO                 |current| > limit while the bridge has been off for so many ticks
+//   LOST                 |u + v| = 2 |e - R̂ i| / s > limit, as a mean of about 256 ticks, with one
+//                        sign, in so many more ticks than not, and no count: the back-EMF turns,
+//                        the encoder doesn't
+//   HOST                 so many ticks without host_alive_i
+//   BUS_LOW, BUS_HIGH    bus_i outside its limits
+//   HEAT                 h > limit, h += (i² - h) / 2^16 every so many ticks: a winding of the
+//                        time constant 2^16 squares
+//   SETTING              an illegal word, found outside (setting_i)
+//   the rest             inputs; stop_i and driver_i pass synchronisers here
+//
+// Formats: in wh_faults.vh and below. Latency: a cause that is a level is latched in the next clock
+// (pins: 2 clocks later), and one clock after it off_o has switched the gates off (wh_half_bridge).
+// What is measured is judged in the clock after its word: a sample, a tick's current, or, for HEAT,
+// 18 clocks after it.
+// Reset: no fault, all counts and the heat 0.
+
+`default_nettype none
+`include "wh_formats.vh"
+`include "wh_faults.vh"
+
+module wh_guard #(
+    parameter integer N = 1  // motors, 1...8
+) (
+    input  wire                       clk,
+    input  wire                       rst,
+
+    input  wire [`WH_GUARD_W-1:0]     settings_i,      // wh_faults.vh
+    input  wire                       clear_i,         // strobe
+    input  wire                       running_i,       // the bridges are on
+
+    input  wire                       stop_i,          // pin, asynchronous
+    input  wire [N-1:0]               driver_i,        // pins, asynchronous
+    input  wire                       host_alive_i,    // strobe
+    input  wire [15:0]                bus_i,           // u16q9 V
+
+    input  wire                       sample_valid_i,  // strobe
+    input  wire [N*`WH_SAMPLE_W-1:0]  sample_i,        // s16
+    input  wire [N-1:0]               range_i,         // these three found outside
+    input  wire [N-1:0]               stuck_i,
+    input  wire [N-1:0]               zero_i,
+    input  wire [N-1:0]               trip_i,
+    input  wire [N-1:0]               encoder_i,       // illegal move
+    input  wire [N-1:0]               moved_i,         // a count
+    input  wire [N-1:0]               anchor_i,
+    input  wire                       setting_i,       // illegal word
+    input  wire                       overrun_i,
+
+    input  wire                       tick_i,          // strobe
+    input  wire                       valid_i,         // strobe: current_i, u_i, v_i are a tick's
+    input  wire [N*`WH_DATA_W-1:0]    current_i,       // s31q24 A
+    input  wire [N*`WH_DATA_W-1:0]    u_i,             // s31q23 √W
+    input  wire [N*`WH_DATA_W-1:0]    v_i,             // s31q23 √W
+
+    output reg  [`WH_FAULTS-1:0]      faults_o,
+    output wire                       off_o,
+    output wire                       damp_o
+);
+
+    localparam integer DATA_W    = `WH_DATA_W;
+    localparam integer MEAN_LOG2 = 8;  // of u + v
+
+    generate
+        if (N < 1 || N > 8) begin : illegal
+            wh_illegal_parameter_guard_n_must_be_1_to_8 stop ();
+        end
+    endgenerate
+
+    // ---- Pins.
+
+    wire         stop;
+    wire [N-1:0] driver;
+    wire [1:0]   levels = settings_i[`WH_GUARD_LEVELS];
+
+    wh_synchroniser #(
+        .WIDTH   (N + 1)
+    ) synchroniser (
+        .clk     (clk),
+        .level_i ({driver_i, stop_i}),
+        .level_o ({driver, stop})
+    );
+
+    // ---- The host, in ticks.
+
+    reg  [23:0] silent_q;
+    wire        silent = silent_q >= settings_i[`WH_GUARD_HOST];
+
+    always @(posedge clk) begin
+        if (rst || host_alive_i) begin
+            silent_q <= 24'd0;
+        end else if (tick_i && !silent) begin
+            silent_q <= silent_q + 24'd1;
+        end
+    end
+
+    // ---- Ticks since the bridge went off.
+
+    reg  [15:0] rest_q;
+    wire        rested = rest_q >= settings_i[`WH_GUARD_ZERO_TICKS];
+
+    always @(posedge clk) begin
+        if (rst || running_i) begin
+            rest_q <= 16'd0;
+        end else if (tick_i && !rested) begin
+            rest_q <= rest_q + 16'd1;
+        end
+    end
+
+    // ---- Ticks from one square to the next.
+
+    reg  [15:0] pace_q;
+    wire        square = valid_i && pace_q == 16'd0;
+
+    always @(posedge clk) begin
+        if (rst) begin
+            pace_q <= 16'd0;
+        end else if (valid_i) begin
+            pace_q <= square ? settings_i[`WH_GUARD_HEAT_TICKS] - 16'd1 : pace_q - 16'd1;
+        end
+    end
+
+    // ---- Each motor's.
+
+    wire [N-1:0] current_cause;
+    wire [N-1:0] range_cause;
+    wire [N-1:0] stuck_cause;
+    wire [N-1:0] zero_cause;
+    wire [N-1:0] lost_cause;
+    wire [N-1:0] heat_cause;
+
+    genvar n;
+    generate
+        for (n = 0; n < N; n = n + 1) begin : motor
+
+            // Samples.
+            wire signed [`WH_SAMPLE_W-1:0] sample = sample_i[n*`WH_SAMPLE_W +: `WH_SAMPLE_W];
+            reg         [`WH_SAMPLE_W-1:0] sample_size_q;
+            reg         [`WH_SAMPLE_W-1:0] last_q;
+            reg         [15:0]             same_q;
+            reg                            sampled_q;
+
+            always @(posedge clk) begin
+                if (rst) begin
+                    sampled_q     <= 1'b0;
+                    sample_size_q <= {`WH_SAMPLE_W{1'b0}};
+                    last_q        <= {`WH_SAMPLE_W{1'b0}};
+                    same_q        <= 16'd0;
+                end else begin
+                    sampled_q <= sample_valid_i;
+                    if (sample_valid_i) begin
+                        sample_size_q <= sample[`WH_SAMPLE_W-1] ? -sample : sample;
+                        last_q        <= sample;
+                        if (sample != last_q) begin
+                            same_q <= 16'd1;
+                        end else if (same_q != 16'hffff) begin
+                            same_q <= same_q + 16'd1;
+                        end
+                    end
+                end
+            end
+
+            assign current_cause[n] = sampled_q && sample_size_q > settings_i[`WH_GUARD_CURRENT];
+            assign range_cause[n]   = sampled_q && sample_size_q > settings_i[`WH_GUARD_RANGE];
+            assign stuck_cause[n]   = sampled_q && same_q >= settings_i[`WH_GUARD_STUCK];
+
+            // Current, in its 16 highest bits: u16q9 A.
+            wire signed [15:0] current = $signed(current_i[n*DATA_W + DATA_W - 1 -: 16]);
+            reg         [15:0] current_size_q;
+            reg                measured_q;
+            wire               unused_current = &{1'b0, current_i[n*DATA_W +: DATA_W - 16]};
+
+            always @(posedge clk) begin
+                measured_q     <= !rst && valid_i;
+                current_size_q <= current[15] ? -current : current;
+            end
+
+            assign zero_cause[n] = measured_q && rested && !running_i
+                                   && current_size_q > settings_i[`WH_GUARD_ZERO];
+
+            // u + v against the counts.
+            wire signed [15:0] u_high = $signed(u_i[n*DATA_W + DATA_W - 1 -: 16]);
+            wire signed [15:0] v_high = $signed(v_i[n*DATA_W + DATA_W - 1 -: 16]);
+            wire               unused_waves = &{1'b0, u_i[n*DATA_W +: DATA_W - 16],
+                                                v_i[n*DATA_W +: DATA_W - 16]};
+            reg  signed [16+MEAN_LOG2:0] turning_q;  // sum that forgets 2^-MEAN_LOG2 a tick
+            reg                negative_q;
+            reg         [15:0] still_q;   // ticks of turning, less those of not
+            wire signed [16:0] limit    = $signed({1'b0, settings_i[`WH_GUARD_LOST]});
+            wire signed [16:0] turning  = $signed(turning_q[16+MEAN_LOG2:MEAN_LOG2]);
+            wire               forward  = turning > limit;
+            wire               backward = turning < -limit;
+
+            always @(posedge clk) begin
+                if (rst || !running_i) begin
+                    turning_q <= {17+MEAN_LOG2{1'b0}};
+                end else if (measured_q) begin
+                    turning_q <= turning_q
+                                 + $signed({{MEAN_LOG2+1{u_high[15]}}, u_high})
+                                 + $signed({{MEAN_LOG2+1{v_high[15]}}, v_high})
+                                 - $signed({{MEAN_LOG2{turning[16]}}, turning});
+                end
+                if (rst || !running_i || moved_i[n]) begin
+                    still_q    <= 16'd0;
+                    negative_q <= 1'b0;
+                end else if (measured_q) begin
+                    if (still_q == 16'd0) begin
+                        negative_q <= backward;
+                    end
+                    if (negative_q ? backward : forward) begin
+                        still_q <= (still_q == 16'hffff) ? still_q : still_q + 16'd1;
+                    end else begin
+                        still_q <= (still_q == 16'd0) ? still_q : still_q - 16'd1;
+                    end
+                end
+            end
+
+            assign lost_cause[n] = still_q >= settings_i[`WH_GUARD_LOST_TICKS]
+                                   && still_q != 16'd0;
+
+            // i², a bit a clock, and the winding's heat.
+            reg  [31:0] square_q;
+            reg  [31:0] addend_q;
+            reg  [15:0] factor_q;
+            reg  [4:0]  step_q;    // 17...1 at work
+            reg  [31+`WH_GUARD_HEAT_LOG2:0] heat_q;  // u48q34 A² with the time constant's factor
+
+            wire [31:0] heat = heat_q[31+`WH_GUARD_HEAT_LOG2:`WH_GUARD_HEAT_LOG2];
+
+            always @(posedge clk) begin
+                if (rst) begin
+                    step_q <= 5'd0;
+                    heat_q <= {32+`WH_GUARD_HEAT_LOG2{1'b0}};
+                end else if (square) begin
+                    step_q <= 5'd18;
+                end else if (step_q != 5'd0) begin
+                    step_q <= step_q - 5'd1;
+                    if (step_q == 5'd1) begin
+                        heat_q <= heat_q + {{`WH_GUARD_HEAT_LOG2{1'b0}}, square_q}
+                                  - {{`WH_GUARD_HEAT_LOG2{1'b0}}, heat};
+                    end
+                end
+                if (step_q == 5'd18) begin
+                    square_q <= 32'd0;
+                    addend_q <= {16'd0, current_size_q};
+                    factor_q <= current_size_q;
+                end else begin
+                    square_q <= factor_q[0] ? square_q + addend_q : square_q;
+                    addend_q <= addend_q << 1;
+                    factor_q <= factor_q >> 1;
+                end
+            end
+
+            assign heat_cause[n] = heat > settings_i[`WH_GUARD_HEAT];
+        end
+    endgenerate
+
+    // ---- The latch.
+
+    wire [`WH_FAULTS-1:0] causes;
+
+    assign causes[`WH_FAULT_CURRENT]   = |current_cause;
+    assign causes[`WH_FAULT_TRIP]      = |trip_i;
+    assign causes[`WH_FAULT_ADC_STUCK] = |stuck_cause || |stuck_i;
+    assign causes[`WH_FAULT_ADC_RANGE] = |range_cause || |range_i;
+    assign causes[`WH_FAULT_ZERO]      = |zero_cause || |zero_i;
+    assign causes[`WH_FAULT_ENCODER]   = |encoder_i;
+    assign causes[`WH_FAULT_LOST]      = |lost_cause;
+    assign causes[`WH_FAULT_HOST]      = silent;
+    assign causes[`WH_FAULT_DRIVER]    = |(driver ~^ {N{levels[1]}});
+    assign causes[`WH_FAULT_STOP]      = stop == levels[0];
+    assign causes[`WH_FAULT_BUS_LOW]   = bus_i < settings_i[`WH_GUARD_BUS_MIN];
+    assign causes[`WH_FAULT_BUS_HIGH]  = bus_i > settings_i[`WH_GUARD_BUS_MAX];
+    assign causes[`WH_FAULT_HEAT]      = |heat_cause;
+    assign causes[`WH_FAULT_SETTING]   = setting_i;
+    assign causes[`WH_FAULT_OVERRUN]   = overrun_i;
+    assign causes[`WH_FAULT_ANCHOR]    = |anchor_i;
+
+    always @(posedge clk) begin
+        if (rst) begin
+            faults_o <= {`WH_FAULTS{1'b0}};
+        end else begin
+            faults_o <= (clear_i ? {`WH_FAULTS{1'b0}} : faults_o)
+                        | (causes & settings_i[`WH_GUARD_MASK]);
+        end
+    end
+
+    assign off_o  = |(faults_o & ~(settings_i[`WH_GUARD_DAMP] & `WH_FAULTS_DAMPABLE));
+    assign damp_o = |faults_o && !off_o;
+
+endmodule
+
+`default_nettype wire

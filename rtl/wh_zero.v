@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_zero: measures the sum of a tick's words that stands for 0 A, with the bridge off.
+//
+//   zero = round(sum of all words of 2^LOG2_TICKS ticks / 2^LOG2_TICKS)
+//
+// start_i begins with the next tick's first word. If bridge_off_i falls before the last word has
+// come, nothing is measured, and fault_o rises; so it does where |zero| is above limit_i, which is
+// a sensor that has drifted or a bridge that isn't off. zero_o is the last zero that was permitted,
+// and measured_o tells that there is one.
+//
+// Formats: words s16, zero s24 as wh_current takes it, rounded to the nearest, halves away from
+// zero. Latency: done_o comes 2 clocks after the first word of the tick that follows.
+// Reset: no zero, no fault.
+
+`default_nettype none
+`include "wh_formats.vh"
+
+module wh_zero #(
+    parameter integer LOG2_TICKS = 10  // 2...16
+) (
+    input  wire                           clk,
+    input  wire                           rst,
+
+    input  wire                           valid_i,       // strobe
+    input  wire                           first_i,       // with valid_i: first of a tick
+    input  wire signed [`WH_SAMPLE_W-1:0] sample_i,      // s16
+
+    input  wire                           start_i,       // strobe
+    input  wire                           bridge_off_i,
+    input  wire [`WH_SUM_W-2:0]           limit_i,       // largest permitted |zero|
+
+    output reg                            busy_o,
+    output reg                            done_o,        // strobe: zero_o or fault_o is new
+    output reg                            measured_o,
+    output reg  signed [`WH_SUM_W-1:0]    zero_o,        // s24
+    output reg                            fault_o        // until a start that ends well
+);
+
+    localparam integer TOTAL_W = `WH_SUM_W + LOG2_TICKS;
+    localparam [LOG2_TICKS-1:0] LAST = {LOG2_TICKS{1'b1}};
+
+    generate
+        if (LOG2_TICKS < 2 || LOG2_TICKS > 16) begin : illegal
+            wh_illegal_parameter_zero_log2_ticks_must_be_2_to_16 stop ();
+        end
+    endgenerate
+
+    reg                           running_q;  // a tick of the measurement has begun
+    reg                           closing_q;
+    reg signed [TOTAL_W-1:0]      total_q;
+    reg        [LOG2_TICKS-1:0]   ticks_q;    // whole ticks in total_q
+
+    wire signed [TOTAL_W-1:0] sample = {{TOTAL_W-`WH_SAMPLE_W{sample_i[`WH_SAMPLE_W-1]}}, sample_i};
+    wire                      begins = valid_i && first_i && !running_q;
+    wire                      ends   = valid_i && first_i && running_q && (ticks_q == LAST);
+
+    // 2^LOG2_TICKS sums of 24 bits: the quotient has 24 bits, and one for the rounding.
+    wire signed [`WH_SUM_W:0]   mean;
+    wire        [`WH_SUM_W:0]   size = mean[`WH_SUM_W] ? -mean : mean;
+    wire                        good = (size <= {2'b00, limit_i});
+
+    wh_round #(
+        .IN_W    (TOTAL_W),
+        .SHIFT   (LOG2_TICKS)
+    ) round (
+        .value_i (total_q),
+        .value_o (mean)
+    );
+
+    always @(posedge clk) begin
+        done_o    <= 1'b0;
+        closing_q <= 1'b0;
+        if (rst) begin
+            busy_o     <= 1'b0;
+            running_q  <= 1'b0;
+            measured_o <= 1'b0;
+            zero_o     <= {`WH_SUM_W{1'b0}};
+            fault_o    <= 1'b0;
+            total_q    <= {TOTAL_W{1'b0}};
+            ticks_q    <= {LOG2_TICKS{1'b0}};
+        end else if (start_i) begin
+            busy_o     <= 1'b1;
+            running_q  <= 1'b0;
+        end else if (busy_o && !bridge_off_i) begin
+            busy_o     <= 1'b0;
+            done_o     <= 1'b1;
+            fault_o    <= 1'b1;
+        end else if (closing_q) begin
+            busy_o     <= 1'b0;
+            done_o     <= 1'b1;
+            fault_o    <= !good;
+            if (good) begin
+                zero_o     <= mean[`WH_SUM_W-1:0];
+                measured_o <= 1'b1;
+            end
+        end else if (busy_o && valid_i) begin
+            if (begins) begin
+                running_q <= 1'b1;
+                total_q   <= sample;
+                ticks_q   <= {LOG2_TICKS{1'b0}};
+            end else if (ends) begin
+                closing_q <= 1'b1;
+            end else if (running_q) begin
+                total_q   <= total_q + sample;
+                ticks_q   <= ticks_q + {{LOG2_TICKS-1{1'b0}}, first_i};
+            end
+        end
+    end
+
+endmodule
+
+`default_nettype wire

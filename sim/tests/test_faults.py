@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The guard in the running closed loop: every fault, what it does, and how it is got rid of."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from wavehaptics import formats
+from wavehaptics.boards import ROOT
+from wavehaptics.fault_table import CASES, KEPT, PAGE, filled, guarded, measure, scene
+from wavehaptics.guard import DAMPABLE, Fault, GuardedPins, Injection, Limits, mask
+from wavehaptics.trace import Column, Word
+
+KEPT_ROWS = {row["fault"]: row for row in json.loads((ROOT / KEPT).read_text("utf-8"))}
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.fault.name)
+def test_fault_switches_the_gates_off(case):
+    """In the time that the table says, with its own bit and no other; and the table is this."""
+    row = measure(case)
+    assert row["faults"] == 1 << case.fault
+    assert 0 < row["clocks"] <= case.most_clocks
+    assert row == KEPT_ROWS[case.fault.name]
+
+
+def test_every_fault_has_its_row():
+    assert [case.fault for case in CASES] == sorted(Fault)
+    page = (ROOT / PAGE).read_text("utf-8")
+    assert filled(page, list(KEPT_ROWS.values())) == page
+
+
+def case_of(fault: Fault):
+    return next(case for case in CASES if case.fault == fault)
+
+
+def test_a_fault_stays_until_it_is_over_and_cleared():
+    pins = guarded(case_of(Fault.STOP))
+
+    def state(kind: Injection, value: int):
+        pins.inject(kind, value)
+        pins.elapse(20)
+        report = pins.report()
+        return report.faults, report.running
+
+    stop = 1 << Fault.STOP
+    assert state(Injection.STOP, 0) == (stop, False)
+    assert state(Injection.CLEAR, 1) == (stop, False), "still pressed"
+    assert state(Injection.CLEAR, 0) == (stop, False)
+    assert state(Injection.STOP, 1) == (stop, False), "not yet cleared"
+    assert state(Injection.CLEAR, 1) == (0, True)
+
+
+def test_watching_everything_raises_no_alarm():
+    """A whole impact, with noise: contact, rebound and free flight, and nothing is the matter."""
+    pins = GuardedPins(scene(), Limits(watched=tuple(Fault)))
+    assert pins.run(8_000)
+    report = pins.report()
+    assert (report.faults, report.running) == (0, True)
+
+
+def test_damping_keeps_the_gates_and_stores_nothing():
+    """After the host has fallen silent η is 0: the voltage dies away, and the motor only brakes."""
+    limits = Limits(watched=(Fault.HOST,), damp=(Fault.HOST,), host_s=50e-6)
+    pins = GuardedPins(scene(free=True), limits)
+    assert pins.run(300)
+    pins.inject(Injection.HOST_SILENT)
+    rows, words = np.zeros((3000, len(Column))), np.zeros((3000, len(Word)), dtype=np.int64)
+    pins.advance(rows, words)
+    report = pins.report()
+    assert (report.faults, report.running, report.off) == (1 << Fault.HOST, True, -1)
+    volts = words[200:, Word.E] * formats.VOLTAGE.step
+    assert np.abs(volts).max() < 1e-6
+    # e_a = 0 leaves the winding's own damper, B = k_T²/R.
+    motor = scene().motor
+    rate = motor.k_t**2 / (motor.R_ohm * motor.J_kgm2)
+    omega = rows[500:, Column.OMEGA]
+    time = rows[500:, Column.T]
+    slope = np.polyfit(time, np.log(omega), 1)[0]
+    assert slope == pytest.approx(-rate, rel=0.05)
+
+
+@pytest.mark.parametrize("fault", [fault for fault in Fault if not DAMPABLE >> fault & 1])
+def test_no_damping_where_the_current_cannot_be_trusted(fault):
+    case = case_of(fault)
+    measured = measure(case._replace(limits={**case.limits, "damp": tuple(Fault)}))
+    assert measured["faults"] == mask([fault])
+    assert measured["clocks"] is not None

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every passive setting, switched at random for 10⁷ ticks with the motor and a hand in the loop."""
+
+from __future__ import annotations
+
+import itertools
+
+import numba
+import numpy as np
+import pytest
+from wavehaptics import formats, golden, host_link, physics
+from wavehaptics.normalised import quantise, realise
+from wavehaptics.plant import OMEGA, Plant, load_words, plant_step
+from wavehaptics.reflection import Wish, reflection
+from wavehaptics.sensor import Sensor, current_word
+from wavehaptics.settings import settings
+
+SEED = 20
+TICKS = 5_000_000
+LOCAL_CLEAR, LOCAL_HOLD, LOCAL_SHAPE, HOST = range(4)
+R_OHM = 2.18
+VOLT = formats.VOLTAGE.step
+ONE = 1 << formats.ETA.fraction
+HAND = ("hand.path=sine", "hand.amplitude_rad=0.2", "hand.frequency_hz=9", "hand.stiffness=2",
+        "hand.damping=1e-3")  # fmt: skip
+
+
+def wishes(motor, cheat: float = 1.0) -> np.ndarray:
+    """Words of two sections of many feels: int64 (feels, 2, SECTION_WORDS)."""
+    sections = []
+    damper = physics.b_r(motor.k_t, motor.R_ohm)
+    for mass, damping, spring in itertools.product((0.0, 1e-6, 1e-4), (0.0, 3e-4), (0.05, 5.0)):
+        for tick_s in (1e-6, 1e-4):
+            wish = Wish(mass, damping, spring, 2.26)
+            words = quantise(realise(*reflection(wish, damper), tick_s))
+            words[golden.B1 : golden.LOSS1] = words[golden.B1 : golden.LOSS1] * cheat
+            sections.append(words)
+    return np.array([[a, b] for a, b in itertools.pairwise(sections)])
+
+
+@numba.njit(cache=True, error_model="numpy")
+def switched(ticks, seed, words, ints, state, core, line, link, load, matrix, dt, sensor, rng):
+    """(most and last net energy out of the port in J, ticks of each mode, fastest the rotor was).
+
+    Every 1 to 400 ticks another setting is drawn: η, W in force, held or empty, its words, or a
+    host, which answers in good time or late, twice, or with as much as fits into a word.
+    """
+    np.random.seed(seed)
+    root, a, u_max, extra = ints
+    states = np.zeros((2, 2), dtype=np.int64)
+    modes = np.zeros(4)
+    left, mode, eta, feel = 0, 0, 0, 0
+    voltage, v_n, packet, number = 0, 0, 0, 0
+    energy, most, fastest = 0.0, -1.0, 0.0
+    for _ in range(ticks):
+        if left == 0:
+            left = np.random.randint(1, 400)
+            mode = np.random.randint(0, 4)
+            eta = np.random.randint(-ONE, ONE + 1)
+            if np.random.random() < 0.6:
+                eta = ONE if np.random.random() < 0.5 else -ONE
+            feel = np.random.randint(0, words.shape[0])
+        left -= 1
+        e_a = voltage * VOLT
+        charge, square = plant_step(state, matrix, dt, e_a, load)
+        energy += e_a * charge - R_OHM * square
+        most = max(most, energy)
+        current = current_word(charge / dt, sensor, rng)
+        if mode == HOST and np.random.random() < 0.02:
+            u = packet
+            if np.random.random() < 0.3:
+                u = int((np.random.random() - 0.5) * 2.0**30)
+            host_link.answer(link, number - np.random.randint(0, 3), u)
+        # The host's goal is in force where the link is active; else what is set here.
+        active = link[host_link.ACTIVE] == 1
+        shape = golden.CLEAR if active else min(mode, golden.SHAPE)
+        voltage, _, v_n = golden.shaped_core_step(
+            core, line, words[feel], states, shape, current, 0 if active else eta,
+            link[host_link.U] if active else 0, root, a, u_max, extra, extra,
+        )  # fmt: skip
+        modes[HOST if active else min(mode, LOCAL_SHAPE)] += 1
+        sent, sequence, mean = host_link.tick(link, v_n, 5, 3)
+        if sent:
+            number, packet = sequence, mean
+        fastest = max(fastest, abs(state[OMEGA]))
+    return most, energy, modes, fastest
+
+
+def run(make_scene, lambda_: str, seed: int, cheat: float = 1.0, ticks: int = TICKS):
+    scene = make_scene(*HAND, f"controller.lambda={lambda_}")
+    assert scene.motor.R_ohm == R_OHM
+    set_ = settings(scene)
+    plant = Plant.of_scene(scene)
+    dt = set_.tick_s
+    assert plant.substeps(dt) == 1
+    ints = (set_.root, set_.a, set_.u_max, set_.extra_ticks)
+    return switched(
+        ticks, seed, wishes(scene.motor, cheat), ints, plant.start.copy(), golden.new_state(),
+        golden.new_line(set_.extra_ticks), host_link.new_state(), load_words(plant),
+        plant.transition(dt), dt, Sensor.of_scene(scene).constants(),
+        np.random.default_rng(seed),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("lambda_", ["1e9", "3e4"])
+def test_nothing_passive_switched_at_random_gives_out_energy(make_scene, lambda_):
+    """η, W in force, held and emptied, its words, hosts good and bad: never a joule out."""
+    most, last, modes, fastest = run(make_scene, lambda_, SEED)
+    assert most <= 0.0
+    assert last < -1e-2
+    assert fastest > 1.0
+    assert (modes > TICKS / 50).all(), modes
+
+
+def test_a_filter_that_is_not_contractive_is_seen(make_scene):
+    """The check can fail: W's gains a tenth too large, and energy comes out."""
+    most, _, _, _ = run(make_scene, "1e9", SEED, cheat=1.1, ticks=TICKS // 5)
+    assert most > 1e-6

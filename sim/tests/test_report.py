@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The report's claims, on its sections' own JSON from small grids, and the page made of it."""
+
+from __future__ import annotations
+
+import json
+import re
+from html.parser import HTMLParser
+from typing import Any
+
+import pytest
+from wavehaptics.report import (
+    anchoring,
+    blocks,
+    build,
+    converters,
+    energies,
+    hard_cases,
+    integrators,
+    ladder,
+    latency,
+    old_way,
+    page,
+    paper,
+    parts,
+    rates,
+    spectrum,
+    widths,
+)
+
+
+def collect(section: Any, keep) -> dict[str, Any]:
+    """The JSON of a section whose quick tasks are those that ``keep`` takes."""
+    tasks = [task for task in section.tasks(True) if keep(task)]
+    results = [task.function(**task.arguments) for task in tasks]
+    return json.loads(json.dumps(section.gather(tasks, results), allow_nan=False))
+
+
+def settings_of(task: Any) -> str:
+    return " ".join(task.arguments.get("settings", ()))
+
+
+@pytest.mark.parametrize("case", hard_cases.CASES)
+def test_hard_case_is_as_expected(case):
+    outcome = hard_cases.check(case)
+    assert outcome["ok"], (outcome["found"], outcome["numbers"])
+    assert outcome["numbers"]
+
+
+def test_hard_cases_of_blocks_have_their_benches():
+    assert len(hard_cases.bench_cases()) == len(hard_cases.BY_BENCH)
+
+
+def test_equations_have_their_tests():
+    rows = paper.equations()
+    assert any("twice what (14) prints" in row["statement"] for row in rows)
+    assert all(row["tests"] for row in rows)
+
+
+def test_the_way_out_differs_only_after_saturation():
+    within = paper.way_in_and_out(0.024, 2.1)
+    limited = paper.way_in_and_out(0.036, 2.1)
+    far = paper.way_in_and_out(0.036, 12.0)
+    assert within["saturated"] == far["saturated"] == 0
+    assert within["work_ratio"] == pytest.approx(1, abs=2e-3)
+    assert far["work_ratio"] == pytest.approx(1, abs=2e-3)
+    assert limited["saturated"] > 0.1
+    assert limited["work_ratio"] < 0.5
+    assert limited["slope_out"] == pytest.approx(limited["slope_in"], rel=2e-3)
+    assert limited["zero_rad"] > 5e-3 > 1e-3 > far["zero_rad"]
+
+
+def test_rates(tmp_path):
+    data = collect(rates, lambda t: t.arguments["controller"] == "golden"
+                   and re.search("tick_hz=(10000|100000|1000000).0 ", settings_of(t)))  # fmt: skip
+    slow, middle, fast = data["points"]
+    assert (slow["tick_hz"], fast["tick_hz"]) == pytest.approx((1e4, 1e6))
+    assert fast["torque_error"] < middle["torque_error"] < slow["torque_error"]
+    assert fast["torque_error"] < 5e-4
+    assert max(p["prediction_error"] for p in data["points"]) < 0.02
+    assert slow["stiffness_error"] > 0.1 > 1e-3 > fast["stiffness_error"]
+    assert rates.show(data, tmp_path)
+
+
+def test_latency_softens_and_does_no_more(tmp_path):
+    data = collect(latency, lambda t: t.arguments["extra_ticks"] in (1, 100, 1000))
+    points = data["points"]
+    assert all(p["error"] < 1e-2 and p["stable"] for p in points)
+    assert all(p["energy_out_max_j"] <= 0 for p in points)
+    assert points[0]["stiffness"] > points[1]["stiffness"] > points[2]["stiffness"]
+    assert latency.show(data, tmp_path)
+
+
+def test_longer_words_are_better(tmp_path):
+    data = collect(widths, lambda t: (t.arguments["name"], t.arguments["bits"]) in
+                   {("DATA_W", 16), ("DATA_W", 24), ("STATE_GUARD", 1)})  # fmt: skip
+    short, longer, unguarded = (p["torque_error"] for p in data["points"])
+    assert short > 0.05
+    assert longer < 0.01 > unguarded
+    assert widths.show(data, tmp_path)
+
+
+def test_more_bits_are_better(tmp_path):
+    data = collect(converters, lambda t: re.search(r"adc.bits=(8|16)$", settings_of(t)))
+    coarse, fine = data["adc"]
+    assert fine["torque_error"] < 0.01 < 0.02 < coarse["torque_error"]
+    assert converters.show(data, tmp_path)
+
+
+def test_the_exact_table_is_exact(tmp_path):
+    data = collect(integrators, lambda t: t.arguments["method"] not in integrators.SOLVERS)
+    error = {(p["method"], round(p["step_s"] * 1e7)): p["error"] for p in data["points"]}
+    assert error.pop(("exact", 100)) < 1e-12
+    assert min(value for (method, _), value in error.items() if method == "Euler") > 1e-5
+    assert error["RK4", 100] < 1e-6 < error["Euler", 5]
+    assert error["Euler", 100] / error["Euler", 5] == pytest.approx(20, rel=0.2)
+    assert integrators.show(data, tmp_path)
+
+
+def test_cheapest_model_is_cheaper_and_good_enough():
+    models = parts.cheapest("impact", ["scene.duration_s=0.02"])
+    data = parts.gather([None, type("T", (), {"arguments": {"scene": "impact"}})], [[], models])
+    scene = data["scenes"]["impact"]
+    best = next(m for m in models if m["model"] == scene["recommended"])
+    assert best["model"] != "pins"
+    assert best["error"] < parts.NEEDED
+    assert best["cost_s_per_s"] < 0.5 * models[0]["cost_s_per_s"]
+
+
+def test_ladder(tmp_path):
+    data = collect(ladder, lambda t: t.arguments["controller"] in ("golden", "core"))
+    golden, core = data["points"]
+    assert golden["torque_error"] == core["torque_error"] < 5e-4
+    assert golden["simulated_s_per_s"] > core["simulated_s_per_s"]
+    assert ladder.show(data, tmp_path)
+
+
+def test_the_usual_way():
+    """The wave wall over the encoder's wall at a 1 kHz servo: the paper has 7500/1100 = 6.8."""
+    encoder = old_way.limit("encoder", ["servo.rate_hz=1e3"])
+    wave = old_way.limit("golden", ["controller.tick_hz=1e6", "controller.lambda=1e9"])
+    assert wave["capped"]
+    assert wave["stiffness"] * old_way.TIP == pytest.approx(7500, rel=0.01)
+    assert wave["stiffness"] / encoder["stiffness"] >= 7500 / 1100
+    firm = old_way.limit("encoder", ["servo.rate_hz=1e3", "hand.damping=1.53e-3"])
+    assert firm["stiffness"] > encoder["stiffness"] * 5
+
+
+def test_every_number_of_the_usual_way_has_its_curve():
+    tasks = old_way.tasks(True)
+    fake = [{"stiffness": 1.0 + n, "capped": False, "bound_sampling": 1.0,
+             "bound_quantisation": 1.0} for n in range(len(tasks))]  # fmt: skip
+    data = old_way.gather(tasks, fake)
+    assert sum(len(points) for points in data["curves"].values()) == len(tasks)
+    assert {row["motor"] for row in data["ratios"]} == set(old_way.MOTORS)
+
+
+class _Links(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+
+
+def test_the_page_needs_no_network(tmp_path):
+    picture = tmp_path / "p.png"
+    picture.write_bytes(b"\x89PNG not really")
+    content = [
+        blocks.Text("1 < 2 & 3"),
+        blocks.Picture(picture, "a <caption>"),
+        blocks.Table("t", ("name", "x"), [("one", 1.5), ("two", "–")]),
+    ]
+    text = page.render("Title", ["lead"], [("a", "A", content), ("b", "B", [])], "foot")
+    parser = _Links()
+    parser.feed(text)
+    sources = [a.get("src") or a.get("href") or "" for _, a in parser.tags]
+    sources = [source for source in sources if source]
+    assert len(sources) == 3
+    assert all(source.startswith(("data:image/png;base64,", "#")) for source in sources)
+    assert "1 &lt; 2 &amp; 3" in text
+    assert "http" not in text
+
+
+def test_sections_have_their_parts():
+    names = [build.name_of(section) for section in build.SECTIONS]
+    assert len(set(names)) == len(names)
+    assert set(build.TIMED) <= set(build.SECTIONS)
+    for section in build.SECTIONS:
+        assert section.TITLE
+        quick, full = section.tasks(True), section.tasks(False)
+        assert 0 < len(quick) <= len(full)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(None, "–"), (0, "0"), (0.5, "0.5"), (-1.5e-7, "−1.5·10⁻⁷"), (123456, "1.2·10⁵")],
+)
+def test_numbers_as_text(value, text):
+    assert blocks.number(value) == text
+
+
+def test_the_mean_gives_no_energy_and_a_sample_does(tmp_path):
+    data = collect(energies, lambda t: t.arguments["tick_hz"] in (500.0, 10e3))
+    given = {(p["tick_hz"], p["point"]): p["energy_out_max_j"] for p in data["points"]}
+    assert given[500.0, False] == given[10e3, False] == 0
+    assert given[500.0, True] > 1e-5
+    assert energies.show(data, tmp_path)
+
+
+def test_error_feedback_clears_the_band(tmp_path):
+    """Design §2: steps of 24 to 100 a period still give 12 bits and more below 5 kHz."""
+    data = collect(spectrum, lambda t: True)
+    rounded, first, second = (found["bits_in_band"] for found in data["orders"])
+    assert rounded < 8
+    assert first > 12
+    assert second > first + 2
+    assert spectrum.show(data, tmp_path)
+
+
+def test_the_anchor_holds_and_the_release_does_not_throw(tmp_path):
+    def few(task) -> bool:
+        at = task.arguments
+        if "cure" in at:
+            return at["stiffness"] < 5
+        return at["part"] in (0.9, 1.1) and at.get("speed", 30.0) == 30.0
+
+    data = collect(anchoring, few)
+    for point in data["holds"]:
+        held = point["hold_error"] is not None and abs(point["hold_error"]) < anchoring.HELD
+        assert held is point["cured"], point
+    thrown = {(p["part"], p["cured"]): p["restitution"] for p in data["bounces"]}
+    assert thrown[1.1, False] > 1.5
+    assert max(thrown[0.9, True], thrown[1.1, True]) <= 1.0
+    for point in data["corners"]:
+        if point["cure"] == "with":
+            assert abs(point["cells"]) < 1.1, point
+        if point["cure"] == "without":
+            assert point["cells"] is None or abs(point["cells"]) > 10, point
+    assert anchoring.show(data, tmp_path)
