@@ -117,6 +117,9 @@ LINT_CASES := \
     wh_controller,-GN=3,-GADC=1 \
     wh_controller,-GN=3,-GSHAPER=2 \
     wh_controller,-GN=3,-GHOST=1 \
+    wh_controller,-GN=3,-GEARLY=1 \
+    wh_controller,-GANCHOR=1,-GEARLY=1,-GADC=1 \
+    wh_early,-DWH_COEF_W=31 \
     wh_controller,-GN=1,-GWALLS=1,-GDELAY_LOG2=1 \
     wh_controller,-GN=3,-GWALLS=16,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_controller,-GN=1,-GDELAY_LOG2=10,-DWH_DATA_W=31,-DWH_COEF_W=31

@@ -143,7 +143,8 @@ module wh_board_controller #(
     wh_controller #(
         .N                  (N),
         .WALLS              (`WH_BOARD_WALLS),
-        .DELAY_LOG2         (`WH_BOARD_DELAY_LOG2)
+        .DELAY_LOG2         (`WH_BOARD_DELAY_LOG2),
+        .EARLY              (`WH_BOARD_EARLY)
     ) controller (
         .clk                (clk),
         .rst                (rst),

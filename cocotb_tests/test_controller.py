@@ -6,16 +6,23 @@ from simulators import simulate
 
 
 @pytest.mark.parametrize(
-    ("ports", "walls", "delay_log2", "adc", "shaper", "sense"),
-    [(1, 4, 2, 0, 0, 0), (3, 1, 1, 0, 0, 1), (1, 4, 2, 1, 0, 1), (1, 4, 2, 0, 2, 0)],
+    ("ports", "walls", "delay_log2", "adc", "shaper", "sense", "early"),
+    [
+        (1, 4, 2, 0, 0, 0, 0),
+        (3, 1, 1, 0, 0, 1, 0),
+        (1, 4, 2, 1, 0, 1, 0),
+        (1, 4, 2, 0, 2, 0, 0),
+        (3, 1, 1, 0, 0, 0, 1),
+    ],
 )
 def test_controller(
-    simulator: str, ports: int, walls: int, delay_log2: int, adc: int, shaper: int, sense: int
-) -> None:
-    if shaper and simulator == "icarus":
-        pytest.skip("the clocks of W are the same everywhere")
+    simulator: str, ports: int, walls: int, delay_log2: int, adc: int, shaper: int, sense: int,
+    early: int,
+) -> None:  # fmt: skip
+    if (shaper or early) and simulator == "icarus":
+        pytest.skip("the clocks of W and of the early duty are the same everywhere")
     parameters = {
         "N": ports, "WALLS": walls, "DELAY_LOG2": delay_log2, "ADC": adc, "SHAPER": shaper,
-        "SENSE": sense, "ZERO_LOG2": 3,
+        "SENSE": sense, "ZERO_LOG2": 3, "EARLY": early,
     }  # fmt: skip
     simulate(simulator, "wh_controller", "tb_controller", parameters)

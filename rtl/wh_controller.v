@@ -20,6 +20,7 @@
 //     conversion + 14 + (24 + 5 SHAPER) N + 2 (N - 1) clocks
 // after its sample strobe or later, conversion being the reader's own latency (latency_clocks in
 // sim/wavehaptics/pins_timing.py).
+// With EARLY = 1 it is conversion + 10 clocks, for a tick of conversion + 31 clocks or more.
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
 
 `default_nettype none
@@ -38,6 +39,7 @@ module wh_controller #(
     parameter integer ZERO_LOG2  = 10, // SENSE = 1: ticks of a zero, 2^ZERO_LOG2; 2...16
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
     parameter integer DEAD_TIME  = 1,  // 1: dead time can be compensated
+    parameter integer EARLY      = 0,  // 1: wh_early makes the duty; SHAPER and hold_ticks_i are 0
     parameter integer HOST       = 0,  // 1: a computer can have the environment (wh_host_link)
     parameter integer ANCHOR     = 0,  // 1: the encoder holds the walls (wh_anchor)
     parameter integer GUARD      = 0,  // 1: wh_guard watches; 0: its inputs mean nothing
@@ -182,6 +184,9 @@ module wh_controller #(
         end
         if (ANCHOR != 0 && ANCHOR != 1) begin : illegal_anchor
             wh_illegal_parameter_controller_anchor_must_be_0_or_1 stop ();
+        end
+        if ((EARLY != 0 && EARLY != 1) || (EARLY == 1 && SHAPER != 0)) begin : illegal_early
+            wh_illegal_parameter_controller_early_must_be_0_or_1_and_0_with_a_shaper stop ();
         end
         if (GUARD != 0 && GUARD != 1) begin : illegal_guard
             wh_illegal_parameter_controller_guard_must_be_0_or_1 stop ();
@@ -371,12 +376,16 @@ module wh_controller #(
     wire [N-1:0]        anchor_overrun;
     wire [2*N-1:0]      shape_mode;
     wire [N*DATA_W-1:0] host_u;
+    wire [N*DATA_W-1:0] newest_u;
+    wire [N*DATA_W-1:0] next_u;
+    wire [N-1:0]        early_overrun;
 
     wh_wave_core #(
         .N             (N),
         .DELAY_LOG2    (DELAY_LOG2),
         .ANCHOR        ((ANCHOR != 0 || HOST != 0) ? 1 : 0),
-        .SHAPER        (SHAPER)
+        .SHAPER        (SHAPER),
+        .AHEAD         (EARLY)
     ) wave_core (
         .clk           (clk),
         .rst           (drive_rst),
@@ -397,10 +406,12 @@ module wh_controller #(
         .voltage_o     (voltage_o),
         .u_o           (u_o),
         .v_o           (v_o),
-        .saturated_o   (saturated_o)
+        .saturated_o   (saturated_o),
+        .newest_u_o    (newest_u),
+        .next_u_o      (next_u)
     );
 
-    assign overrun_o = adc_overrun || core_overrun || (|anchor_overrun);
+    assign overrun_o = adc_overrun || core_overrun || (|anchor_overrun) || (|early_overrun);
 
     // ---- Guard. An illegal word is one that no block has a meaning for.
 
@@ -592,6 +603,7 @@ module wh_controller #(
             wire unused = &{1'b0, direction, faults, wall, depth};
 
             wire signed [COEF_W-1:0]      contact_eta;
+            wire                          anchor_busy;
 
             wh_contact #(
                 .WALLS         (WALLS)
@@ -613,7 +625,6 @@ module wh_controller #(
             );
 
             if (ANCHOR != 0) begin : anchored
-                wire              busy;
                 wire              pulled;
                 wire [DATA_W-1:0] anchor_wave;
 
@@ -622,7 +633,7 @@ module wh_controller #(
                     .rst           (drive_rst),
                     .start_i       (core_start),
                     .update_i      (core_valid_o),
-                    .busy_o        (busy),
+                    .busy_o        (anchor_busy),
                     .overrun_o     (anchor_overrun[n]),
                     .position_i    (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
                     .contact_i     (in_wall),
@@ -649,7 +660,7 @@ module wh_controller #(
                                                    : $signed(eta_free_i[n*COEF_W +: COEF_W]);
                 assign wave[n*DATA_W +: DATA_W] = contact_o[n] ? anchor_wave : {DATA_W{1'b0}};
 
-                wire unused_settings = &{1'b0, busy, root_i[n*COEF_W +: COEF_W],
+                wire unused_settings = &{1'b0, root_i[n*COEF_W +: COEF_W],
                                          u_max_i[n*DATA_W +: DATA_W]};
             end else begin : held_by_nothing
                 assign contact_o[n]             = in_wall;
@@ -658,6 +669,7 @@ module wh_controller #(
                 assign root[n*COEF_W +: COEF_W]   = root_i[n*COEF_W +: COEF_W];
                 assign root_o[n*COEF_W +: COEF_W] = root_i[n*COEF_W +: COEF_W];
                 assign u_max[n*DATA_W +: DATA_W]  = u_max_i[n*DATA_W +: DATA_W];
+                assign anchor_busy              = 1'b0;
                 assign anchor_overrun[n]        = 1'b0;
                 assign anchor_fault_o[n]        = 1'b0;
 
@@ -669,11 +681,53 @@ module wh_controller #(
             // While a host has the environment v is the host's, and W may not keep a part of it.
             assign shape_mode[2*n +: 2] = (!contact_o[n] || host_active_o[n]) ? 2'd0
                                         : wall_shaped[wall]                   ? 2'd2 : 2'd1;
-            assign outside[n*DATA_W +: DATA_W] = damp             ? {DATA_W{1'b0}}
-                                               : host_active_o[n] ? host_u[n*DATA_W +: DATA_W]
-                                                                  : wave[n*DATA_W +: DATA_W];
-            assign eta[n*COEF_W +: COEF_W] = (host_active_o[n] || damp) ? {COEF_W{1'b0}}
-                                                                         : contact_eta;
+
+            wire [DATA_W-1:0] present_outside = damp             ? {DATA_W{1'b0}}
+                                              : host_active_o[n] ? host_u[n*DATA_W +: DATA_W]
+                                                                 : wave[n*DATA_W +: DATA_W];
+            wire [COEF_W-1:0] present_eta     = (host_active_o[n] || damp) ? {COEF_W{1'b0}}
+                                                                           : contact_eta;
+
+            // ---- A duty that doesn't wait for the core. What it is made with, the core uses too.
+            wire                                   early_valid;
+            wire [DATA_W+COEF_W-`WH_VOLTAGE_Q-1:0] early_duty;
+
+            if (EARLY == 1) begin : early
+                wh_early early (
+                    .clk               (clk),
+                    .rst               (drive_rst),
+                    .frame_i           (sample),
+                    .word_valid_i      (adc_valid),
+                    .word_first_i      (adc_first),
+                    .samples_i         (samples_i),
+                    .busy_i            (core_start || core_busy || anchor_busy),
+                    .f_i               (newest_u[n*DATA_W +: DATA_W]),
+                    .u_n_i             (next_u[n*DATA_W +: DATA_W]),
+                    .u_max_i           (u_max[n*DATA_W +: DATA_W]),
+                    .root_i            (root[n*COEF_W +: COEF_W]),
+                    .a_i               (a_i[n*COEF_W +: COEF_W]),
+                    .gain_i            (gain_i[n*COEF_W +: COEF_W]),
+                    .clocks_per_volt_i (clocks_per_volt_i[n*COEF_W +: COEF_W]),
+                    .eta_i             (present_eta),
+                    .wave_i            (present_outside),
+                    .eta_o             (eta[n*COEF_W +: COEF_W]),
+                    .wave_o            (outside[n*DATA_W +: DATA_W]),
+                    .sum_valid_i       (multiply_request[n]),
+                    .sum_i             (multiply_data[n*DATA_W +: DATA_W]),
+                    .duty_valid_o      (early_valid),
+                    .duty_o            (early_duty),
+                    .overrun_o         (early_overrun[n])
+                );
+            end else begin : in_turn
+                wire unused_early = &{1'b0, anchor_busy, newest_u[n*DATA_W +: DATA_W],
+                                      next_u[n*DATA_W +: DATA_W]};
+
+                assign outside[n*DATA_W +: DATA_W] = present_outside;
+                assign eta[n*COEF_W +: COEF_W]     = present_eta;
+                assign early_valid                 = 1'b0;
+                assign early_duty                  = {DATA_W+COEF_W-`WH_VOLTAGE_Q{1'b0}};
+                assign early_overrun[n]            = 1'b0;
+            end
 
             if (HOST == 1) begin : hosted
                 wire signed [DATA_W-1:0] goal;
@@ -731,7 +785,9 @@ module wh_controller #(
                 assign extra = {`WH_EXTRA_W{1'b0}};
             end
 
-            wh_modulator modulator (
+            wh_modulator #(
+                .EARLY             (EARLY)
+            ) modulator (
                 .clk               (clk),
                 .rst               (drive_rst),
                 .valid_i           (core_valid_o),
@@ -746,6 +802,8 @@ module wh_controller #(
                 .coefficient_o     (multiply_coef[(N+n)*COEF_W +: COEF_W]),
                 .done_i            (multiply_done[N+n]),
                 .product_i         (product),
+                .early_valid_i     (early_valid),
+                .early_i           (early_duty),
                 .take_i            (take),
                 .update_i          (update),
                 .width_o           (width)

@@ -30,6 +30,7 @@ module wh_wave_core #(
     parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
     parameter integer ANCHOR     = 0,  // 1: anchor_i is added to the goal, 0: it is not looked at
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
+    parameter integer AHEAD      = 0,  // 1: newest_u_o and next_u_o are there, 0: they are 0
     parameter integer SHAPE_BITS = N * ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
                                    * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W)
 ) (
@@ -55,7 +56,12 @@ module wh_wave_core #(
     output reg signed [N*`WH_DATA_W-1:0] voltage_o,      // s31q23 V, ±128 V: e to be applied
     output reg signed [N*`WH_DATA_W-1:0] u_o,            // s31q23 √W, ±128 √W: u_n, measured tick
     output reg signed [N*`WH_DATA_W-1:0] v_o,            // s31q23 √W, ±128 √W: v_n, measured tick
-    output reg        [N-1:0]            saturated_o     // f was outside ±u_max in this step
+    output reg        [N-1:0]            saturated_o,    // f was outside ±u_max in this step
+
+    // For who works ahead (wh_early), s31q23 √W: the u that this step computed, which is f without
+    // its guard bits, and u_n of the step to come.
+    output wire       [N*`WH_DATA_W-1:0] newest_u_o,
+    output wire       [N*`WH_DATA_W-1:0] next_u_o
 );
 
     // ---- Word lengths. A product keeps all its bits; each is then brought to its sum's place.
@@ -85,8 +91,8 @@ module wh_wave_core #(
 
     generate
         if (N < 1 || DELAY_LOG2 < 1 || ANCHOR < 0 || ANCHOR > 1
-            || SHAPER < 0 || SHAPER > 2) begin : illegal_parameter
-            wh_illegal_parameter_wave_core_n_delay_log2_anchor_or_shaper stop ();
+            || SHAPER < 0 || SHAPER > 2 || AHEAD < 0 || AHEAD > 1) begin : illegal_parameter
+            wh_illegal_parameter_wave_core_n_delay_log2_anchor_shaper_or_ahead stop ();
         end
         if (GUARD < 1 || A_SHIFT < 1 || SI_SHIFT < 1 || SU_SHIFT < 1) begin : illegal_format
             wh_illegal_parameter_wave_core_formats stop ();
@@ -463,8 +469,10 @@ module wh_wave_core #(
     reg         [DELAY_LOG2:0]   filled_q;  // steps since reset, up to LENGTH
 
     wire [DELAY_LOG2-1:0] new_head  = head_q + 1'b1;
-    wire [DELAY_LOG2-1:0] read_slot = at_q[GIVE_SI] ? head_q - extra_ticks_i
-                                                           : new_head - hold_ticks_i;
+    wire [DELAY_LOG2-1:0] read_slot =
+        at_q[GIVE_SI]                      ? head_q - extra_ticks_i
+        : (AHEAD == 1 && at_q[TAKE_E - 1]) ? new_head - extra_ticks_i
+                                           : new_head - hold_ticks_i;
     wire [LINE_W-1:0]     write_place;
     wire [LINE_W-1:0]     read_place;
 
@@ -499,6 +507,35 @@ module wh_wave_core #(
             filled_q <= filled_q[DELAY_LOG2] ? filled_q : filled_q + 1'b1;
         end
     end
+
+    // ---- What the step to come begins with.
+    generate
+        if (AHEAD == 1) begin : ahead
+            reg [N*DATA_W-1:0] newest_u_q;
+            reg [N*DATA_W-1:0] next_u_q;
+
+            always @(posedge clk) begin
+                if (rst) begin
+                    newest_u_q <= 0;
+                    next_u_q   <= 0;
+                end else begin
+                    if (at_q[TAKE_U]) begin
+                        newest_u_q[port_q*DATA_W +: DATA_W] <= u;
+                    end
+                    if (at_q[TAKE_E]) begin
+                        next_u_q[port_q*DATA_W +: DATA_W] <=
+                            ({1'b0, extra_ticks_i} <= filled_q) ? line_q : {DATA_W{1'b0}};
+                    end
+                end
+            end
+
+            assign newest_u_o = newest_u_q;
+            assign next_u_o   = next_u_q;
+        end else begin : not_ahead
+            assign newest_u_o = {N*DATA_W{1'b0}};
+            assign next_u_o   = {N*DATA_W{1'b0}};
+        end
+    endgenerate
 
     // ---- State and results.
     reg signed [STATE_W-1:0] f_q [0:N-1];

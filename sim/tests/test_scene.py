@@ -318,6 +318,7 @@ def test_refused_in_motor(tmp_path, lines, line, fragments):
         ("track_limit = 1.0", 0, ["controller.track_limit = 1.0", "0 to 0.9"]),
         ("anchor_ohm = 1\neta_contact = -0.5", 1, ["eta_contact = -0.5 is no spring"]),
         ('anchor_auto = true\n[shaper]\nfeel = "spring"\nstiffness = 1', 1, ["no [shaper]"]),
+        ('early_duty = true\n[shaper]\nfeel = "spring"\nstiffness = 1', 1, ["no [shaper]"]),
         ('shaper = "notch"', 0, ["controller.shaper", "[controller] takes"]),
         ("anchor_ohm = false", 0, ["controller.anchor_ohm must be a number in Ω, not false"]),
         # order of the file

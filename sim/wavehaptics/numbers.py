@@ -16,6 +16,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from wavehaptics.adcs import named_rows
 from wavehaptics.boards import ROOT
 from wavehaptics.report import readme
 
@@ -215,10 +216,10 @@ def _adcs(numbers: dict[str, Any]) -> str:
             "Sample to gate edge", "k", "τ, measured of set", "τ at a = 1",
             "Torque error", "Energy out")  # fmt: skip
     rows = []
-    for row in numbers.get("adcs", {}).get("parts", ()):
+    for name, row in named_rows(numbers.get("adcs", {})):
         rows.append(
             (
-                row["part"],
+                name,
                 row["bits"],
                 f"{row['clock_mhz']:g}, {row['sclk_mhz']:.3g} MHz",
                 f"{row['rate_hz'] / 1e3:.0f}",

@@ -28,9 +28,16 @@ from wavehaptics.adc_parts import (
     plain_frame,
 )
 from wavehaptics.bridge import bridge_voltage
+from wavehaptics.early import slope_fits
 from wavehaptics.hand import hand_path
 from wavehaptics.native_call import call2
-from wavehaptics.pins_timing import CENTRED_LEAD, GATE_CLOCKS, latency_clocks
+from wavehaptics.pins_timing import (
+    CENTRED_LEAD,
+    EARLY_PREPARE_CLOCKS,
+    GATE_CLOCKS,
+    early_tick_clocks,
+    latency_clocks,
+)
 from wavehaptics.plant import OMEGA, TIME, C, I, P, Plant, X, load_words, plant_step
 from wavehaptics.scene import Scene, SceneError
 from wavehaptics.sensor import FULL_SCALE, NOISE, NOISE_SEED, OFFSET, Sensor, sample_code
@@ -104,7 +111,10 @@ FrameAt = Callable[[float, int], Frame]
 
 @dataclass(frozen=True)
 class Timing:
-    """How ticks, carrier and ADC are laid on the clock; see ``rtl/wh_carrier.v``."""
+    """How ticks, carrier and ADC are laid on the clock; see ``rtl/wh_carrier.v``.
+
+    ``early`` is whether ``rtl/wh_early.v`` makes the duty.
+    """
 
     clock_hz: float
     half_clocks: int
@@ -115,6 +125,7 @@ class Timing:
     hold_ticks: int
     latency_clocks: int
     frame: Frame
+    early: bool
 
     @property
     def tick_clocks(self) -> int:
@@ -143,13 +154,15 @@ def scene_frame(scene: Scene) -> FrameAt:
 
 
 def natural_ticks(
-    tick_clocks: int, samples: int, lead: int, frame: Frame, ports: int = 1, sections: int = 0
-) -> int:
+    tick_clocks: int, samples: int, lead: int, frame: Frame, ports: int = 1, sections: int = 0,
+    early: bool = False,
+) -> int:  # fmt: skip
     """Whole ticks from a tick's end until the voltage made of its samples can be driven."""
     sample_clocks = tick_clocks // samples
     last_sample = tick_clocks - sample_clocks + sample_clocks // 2 - lead
     word_strobe = last_sample + frame.pipeline * sample_clocks
-    return (word_strobe + latency_clocks(frame.conversion_clocks, ports, sections)) // tick_clocks
+    latency = latency_clocks(frame.conversion_clocks, ports, sections, early)
+    return (word_strobe + latency) // tick_clocks
 
 
 def _sample_lead(made: Frame, pulse_delay: int) -> int:
@@ -166,10 +179,26 @@ def _sample_lead(made: Frame, pulse_delay: int) -> int:
     return made.cycle_clocks // 2 - periods * made.bit_clocks
 
 
-def _soonest(tick_clocks: int, made: Frame, lead: int, sections: int) -> int:
+def _soonest(tick_clocks: int, made: Frame, lead: int, sections: int, early: bool) -> int:
     """Fewest ticks of latency that the ADC allows."""
     samples = tick_clocks // made.cycle_clocks if made.osr else 1
-    return natural_ticks(tick_clocks, samples, lead, made, 1, sections)
+    return natural_ticks(tick_clocks, samples, lead, made, 1, sections, early)
+
+
+def _check_early(scene: Scene, tick_clocks: int, made: Frame) -> None:
+    """:class:`SceneError` where ``rtl/wh_early.v`` has no time for its words."""
+    place = f"{scene.scene.name}: controller.early_duty"
+    if made.conversion_clocks < EARLY_PREPARE_CLOCKS:
+        raise SceneError(
+            f"{place}: the ADC's word is there {made.conversion_clocks} clocks after its frame's "
+            f"start, sooner than the {EARLY_PREPARE_CLOCKS} that are needed; take another adc.part"
+        )
+    needed = early_tick_clocks(1, scene.controller.anchored)
+    if tick_clocks < needed:
+        raise SceneError(
+            f"{place}: a tick of {tick_clocks} clocks is shorter than the {needed} that are "
+            "needed; lower controller.tick_hz or take a faster clock_hz"
+        )
 
 
 def _tick_clocks(scene: Scene, tick_hz: float, halves: int, frame_at: FrameAt) -> tuple[int, Frame]:
@@ -247,8 +276,14 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
     # The scene's latency, or without one in it, as much as is needed.
     lead = _sample_lead(made, (_dead_clocks(scene, clock_hz) + 1) // 2)
     extra = control.extra_ticks
+    early = control.early_duty
+    if early:
+        _check_early(scene, tick_clocks, made)
+    soonest = _soonest(tick_clocks, made, lead, sections, early)
     if "extra_ticks" not in control.model_fields_set:
-        extra = max(extra, _soonest(tick_clocks, made, lead, sections))
+        extra = soonest if early else max(extra, soonest)
+    # A voltage that has to wait is made in turn.
+    early = early and extra <= soonest
     # As many samples as the ADC can make and the latency allows, but each in the middle of
     # as many whole pulses as any other, or several within the only one. A modulator has its own
     # number, of words that follow each other.
@@ -262,14 +297,14 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             and (
                 parts % n == 0
                 and tick_clocks // n >= made.cycle_clocks
-                and natural_ticks(tick_clocks, n, lead, made, 1, sections) <= extra
+                and natural_ticks(tick_clocks, n, lead, made, 1, sections, early) <= extra
             )
         )
     )
     if made.osr:
         samples = tick_clocks // made.cycle_clocks
-    natural = natural_ticks(tick_clocks, samples, lead, made, 1, sections)
-    latency = latency_clocks(made.conversion_clocks, 1, sections)
+    natural = natural_ticks(tick_clocks, samples, lead, made, 1, sections, early)
+    latency = latency_clocks(made.conversion_clocks, 1, sections, early)
     if extra < natural:
         late = " and a sample" if made.pipeline else ""
         raise SceneError(
@@ -279,7 +314,7 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
         )
     return Timing(
         clock_hz, half_clocks, tick_clocks // half_clocks, tick_clocks // samples, samples,
-        extra, extra - natural, latency, made,
+        extra, extra - natural, latency, made, early,
     )  # fmt: skip
 
 
@@ -498,6 +533,11 @@ def controller_ports(
         **dead,
         "second_order": 0,
     }
+    if time.early and not slope_fits(words["root"], words["gain"], words["clocks_per_volt"]):
+        raise SceneError(
+            f"{scene.scene.name}: controller.early_duty: a step of the ADC is worth too many "
+            "clocks of the pulse; take a shorter tick or leave early_duty out"
+        )
     return Ports(time, set_, sensor, start_count, words, _port_walls(set_, start_count))
 
 
@@ -565,6 +605,7 @@ class PinsSimulation:
                 "ADC": KINDS.index(time.frame.kind),
                 "ANCHOR": int(set_.anchored),
                 "SHAPER": len(set_.shaper.words),
+                **({"EARLY": 1} if time.early else {}),
                 **({"OSR": time.frame.osr} if time.frame.osr else {}),
                 **({"HOST": 1} if host else {}),
                 **self._parameters(),

@@ -18,19 +18,29 @@ HOLD_CLOCKS = 1
 CENTRED_LEAD = HOLD_CLOCKS - GATE_CLOCKS
 """``sample_lead_i`` with which the ADC holds its input in the exact middle of the gates' pulse."""
 
+EARLY_CLOCKS = 10
+"""Clocks from the tick's last word to the duty's tick with ``wh_early``, for every port."""
+
+EARLY_PREPARE_CLOCKS = 16
+"""Clocks before the sum that ``wh_early`` needs the frame's start and the end of the last step."""
+
 _CURRENT_CLOCKS = 6
 _DUTY_CLOCKS = 8
 
 
-def latency_clocks(conversion_clocks: int, ports: int = 1, sections: int = 0) -> int:
+def latency_clocks(
+    conversion_clocks: int, ports: int = 1, sections: int = 0, early: bool = False
+) -> int:
     """Clocks from a sample strobe to the soonest tick strobe after which its voltage is driven.
 
     ``conversion_clocks`` are the ADC reader's from the strobe to the word
     (:attr:`wavehaptics.adc_parts.Frame.conversion_clocks`). Then come the mean current, the wave
     core's step for each port, and the duty; currents and duties of several ports pass one
     multiplier in turn. ``sections`` are those of W, SHAPER. The strobe meant is the carrier's that
-    brings the tick's last word.
+    brings the tick's last word. ``early`` is ``wh_controller``'s EARLY.
     """
+    if early:
+        return conversion_clocks + EARLY_CLOCKS
     in_turn = ports - 1
     return (
         conversion_clocks
@@ -38,3 +48,13 @@ def latency_clocks(conversion_clocks: int, ports: int = 1, sections: int = 0) ->
         + (CORE_CLOCKS + SECTION_CLOCKS * sections) * ports
         + _DUTY_CLOCKS + in_turn
     )  # fmt: skip
+
+
+def early_tick_clocks(ports: int = 1, anchored: bool = False) -> int:
+    """Clocks of the shortest tick with EARLY: the last step and then the words of this one.
+
+    An anchor may still be at work when the core is done: its four products and those of the others
+    pass one multiplier.
+    """
+    anchor = 8 * ports if anchored else 0
+    return _CURRENT_CLOCKS + ports - 1 + CORE_CLOCKS * ports + anchor + EARLY_PREPARE_CLOCKS

@@ -591,6 +591,13 @@ class Controller(_Table):
         ge=1e6,
         le=1e9,
     )
+    early_duty: bool = _key(
+        "–",
+        "`pins` makes the duty 10 clocks after the last ADC bit, for one tick of latency less",
+        False,
+        default_text="false",
+        range_text="`true` or `false`",
+    )
     anchor_auto: bool = _key(
         "–",
         "Choose the four values below that the scene does not give, from the motor's data",
@@ -743,6 +750,12 @@ class Scene(_Table):
                 "take one of the two out",
                 ("shaper",),
                 ("controller",),
+            )
+        if scene.shaper is not None and scene.controller.early_duty:
+            _broken_rule(
+                "controller.early_duty has no time for W: no [shaper]; take one of the two out",
+                ("shaper",),
+                ("controller", "early_duty"),
             )
         if scene.shaper is not None and scene.shaper.walls:
             walls = len(scene.controller.walls)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from wavehaptics import formats
 from wavehaptics.adc_parts import Part, frame
 from wavehaptics.pins import Ports, controller_ports, natural_ticks
-from wavehaptics.pins_timing import CORE_CLOCKS
+from wavehaptics.pins_timing import CORE_CLOCKS, early_tick_clocks
 from wavehaptics.scene import Scene, SceneError
 
 WIDTHS = {
@@ -104,7 +104,9 @@ def _at(scene: Scene) -> str:
 def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
     """Ticks that a voltage waits, so that the latency is the scene's ``extra_ticks``."""
     laid, lead = ports.timing, ports.words["sample_lead"] - ports.words["sample_late"]
-    natural = natural_ticks(laid.tick_clocks, laid.samples, lead, laid.frame, motors)
+    natural = natural_ticks(
+        laid.tick_clocks, laid.samples, lead, laid.frame, motors, early=laid.early
+    )
     extra = ports.settings.extra_ticks
     if extra < natural:
         raise SceneError(
@@ -112,10 +114,11 @@ def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
             f"is ready {natural} ticks of {laid.tick_clocks} clocks late; set extra_ticks = "
             f"{natural} or more"
         )
-    if CORE_CLOCKS * motors > laid.tick_clocks:
+    needed = early_tick_clocks(motors) if laid.early else CORE_CLOCKS * motors
+    if needed > laid.tick_clocks:
         raise SceneError(
             f"{_at(scene)}a tick of {laid.tick_clocks} clocks is shorter than the "
-            f"{CORE_CLOCKS * motors} that {motors} motors need; lower controller.tick_hz"
+            f"{needed} that {motors} motors need; lower controller.tick_hz"
         )
     return extra - natural
 
@@ -140,6 +143,7 @@ def verilog_header(board: BoardWords, source: str) -> str:
         f"`define WH_BOARD_N {board.motors}",
         f"`define WH_BOARD_WALLS {len(board.walls)}",
         f"`define WH_BOARD_DELAY_LOG2 {board.delay_log2}",
+        f"`define WH_BOARD_EARLY {int(board.ports.timing.early)}",
         "",
     ]
     for name, width in WIDTHS.items():
