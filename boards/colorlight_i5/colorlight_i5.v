@@ -2,7 +2,7 @@
 //
 // colorlight_i5: the wave controller on a Colorlight i5 (ECP5): pads, PLL and reset.
 //
-// The clock is 80 MHz, 25 MHz / 5 * 16, from a VCO at 640 MHz. README.md has the wiring.
+// The clock is 90 MHz, 25 MHz / 5 * 18, from a VCO at 540 MHz. README.md has the wiring.
 // Reset: until the PLL has been locked for 2^16 clocks.
 
 `default_nettype none
@@ -33,8 +33,8 @@ module colorlight_i5 (
 
     wh_board_pll_ecp5 #(
         .CLKI_DIV  (5),
-        .CLKFB_DIV (16),
-        .CLKOP_DIV (8)
+        .CLKFB_DIV (18),
+        .CLKOP_DIV (6)
     ) pll (
         .clk_i     (clk_25mhz),
         .clk_o     (clk),
