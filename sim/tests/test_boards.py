@@ -260,7 +260,7 @@ def test_words(name):
         (time.samples - 1) * time.sample_clocks
         + time.sample_clocks // 2
         - words.words["sample_lead"]
-        + latency_clocks(time.frame.conversion_clocks, words.motors)
+        + latency_clocks(time.frame.conversion_clocks, words.motors, early=time.early)
     )
     ticks = ready // time.tick_clocks + words.words["hold_ticks"]
     assert ticks == board.scene.controller.extra_ticks < 1 << words.delay_log2
