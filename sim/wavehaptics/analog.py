@@ -143,7 +143,8 @@ def _part(z, kept, floats, wall_min, wall_max, steps):
         if not stays and order > 0:
             order -= 1
             continue
-        z[:] = trial
+        for n in range(z.shape[0]):  # `z[:] =` would compile messages about shapes, for seconds
+            z[n] = trial[n]
         left -= 1 << order
         if not stays:
             _switch(z, kept, floats, wall_min, wall_max)
@@ -212,7 +213,7 @@ class AnalogSimulation:
         self.settings = set_
         self.tick_s = set_.tick_s
         self.winding = Winding(scene, self.tick_s)
-        self._plant = plant = self.winding.warmed(Plant.of_scene(scene))
+        plant = self.winding.plant
         s = physics.root(set_.r_hat)
         gain = 1.0 + (scene.drive.gain_error if scene.drive else 0.0)
         self._substeps = plant.substeps(self.tick_s)
@@ -238,12 +239,11 @@ class AnalogSimulation:
     def advance(self, rows: np.ndarray, words: np.ndarray | None = None) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column); it has no words."""
         del words
-        for part in self.winding.pieces(len(rows)):
-            self._advance(rows[part])
-            if self.winding.heat(rows[part]):
-                plant = self.winding.warmed(self._plant)
-                self._steps = self._transitions(plant)
-                self._floats[_RESISTANCE] = plant.resistance
+        self.winding.advance(rows, lambda part: self._advance(rows[part]), self._warm)
+
+    def _warm(self, plant: Plant) -> None:
+        self._steps = self._transitions(plant)
+        self._floats[_RESISTANCE] = plant.resistance
 
     def _advance(self, rows: np.ndarray) -> None:
         _advance(

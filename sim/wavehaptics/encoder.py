@@ -119,7 +119,7 @@ class EncoderSimulation:
         servo_ticks = _whole_ticks(scene, servo)
         delay_ticks = round(servo.delay_s / self.tick_s)
         self.winding = Winding(scene, self.tick_s)
-        self._plant = plant = self.winding.warmed(Plant.of_scene(scene))
+        plant = self.winding.plant
         substeps = plant.substeps(self.tick_s)
         dt = self.tick_s / substeps
         omega_c = 2 * math.pi * servo.amplifier_hz
@@ -141,12 +141,11 @@ class EncoderSimulation:
     def advance(self, rows: np.ndarray, words: np.ndarray | None = None) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column); it has no words."""
         del words
-        for part in self.winding.pieces(len(rows)):
-            self._advance(rows[part])
-            if self.winding.heat(rows[part]):
-                plant = self.winding.warmed(self._plant)
-                self._matrix = plant.transition(self._dt)
-                self._floats[_RESISTANCE] = plant.resistance
+        self.winding.advance(rows, lambda part: self._advance(rows[part]), self._warm)
+
+    def _warm(self, plant: Plant) -> None:
+        self._matrix = plant.transition(self._dt)
+        self._floats[_RESISTANCE] = plant.resistance
 
     def _advance(self, rows: np.ndarray) -> None:
         _advance(

@@ -2,8 +2,7 @@
 """Word lengths and binary points, read from ``rtl/wh_formats.vh``: none is typed twice.
 
 The widths that the header lets a tool set can be set here by environment variables of the same
-names, ``WH_DATA_W=24``. What numba has compiled for other widths must not be taken then, so
-``NUMBA_CACHE_DIR`` has to name a folder of their own as well.
+names, ``WH_DATA_W=24``; what numba compiles for them has a cache of its own (see ``__init__.py``).
 """
 
 from __future__ import annotations
@@ -41,16 +40,13 @@ def settable_macros(header: str) -> list[str]:
 def read_header(path: Path = HEADER, environment: Mapping[str, str] = os.environ) -> dict[str, int]:
     """Macros ``WH_<name>`` of the header as ``{name: integer}``, in the order of the file.
 
-    Macros guarded by ```ifndef`` may be set in ``environment``; ``ValueError`` without a cache of
-    their own.
+    Macros guarded by ```ifndef`` may be set in ``environment``.
     """
     values: dict[str, int] = {}
     header = path.read_text(encoding="utf-8")
     settable = settable_macros(header)
     for name, text in _DEFINE.findall(header):
         if name in settable and f"WH_{name}" in environment:
-            if "NUMBA_CACHE_DIR" not in environment:
-                raise ValueError(f"WH_{name} is set, so NUMBA_CACHE_DIR has to be set as well")
             text = environment[f"WH_{name}"]
         for known, value in values.items():
             text = re.sub(rf"`WH_{known}\b", str(value), text)

@@ -586,7 +586,7 @@ class PinsSimulation:
         self.sensor = sensor
         self.tick_s = time.tick_s
         self.winding = Winding(scene, self.tick_s)
-        self._plant = plant = self.winding.warmed(Plant.of_scene(scene))
+        plant = self.winding.plant
         self._dt = dt = 1.0 / time.clock_hz
         gain_error = scene.drive.gain_error if scene.drive else 0.0
         walls = ports.walls
@@ -699,12 +699,11 @@ class PinsSimulation:
 
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
-        for part in self.winding.pieces(len(rows)):
-            self._advance(rows[part], words[part])
-            if self.winding.heat(rows[part]):
-                plant = self.winding.warmed(self._plant)
-                self._tables = self._transitions(plant)
-                self._floats[_RESISTANCE] = plant.resistance
+        self.winding.advance(rows, lambda part: self._advance(rows[part], words[part]), self._warm)
+
+    def _warm(self, plant: Plant) -> None:
+        self._tables = self._transitions(plant)
+        self._floats[_RESISTANCE] = plant.resistance
 
     def _advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         done = _advance(

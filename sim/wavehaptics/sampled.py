@@ -151,7 +151,7 @@ class SampledSimulation:
         self.settings: Settings = settings(scene)
         self.tick_s = self.settings.tick_s
         self.winding = Winding(scene, self.tick_s)
-        self._plant = plant = self.winding.warmed(Plant.of_scene(scene))
+        plant = self.winding.plant
         set_ = self.settings
         substeps = plant.substeps(self.tick_s)
         dt = self.tick_s / substeps
@@ -201,12 +201,11 @@ class SampledSimulation:
 
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
-        for part in self.winding.pieces(len(rows)):
-            self._advance(rows[part], words[part])
-            if self.winding.heat(rows[part]):
-                plant = self.winding.warmed(self._plant)
-                self._matrix = plant.transition(self._dt)
-                self._floats[_RESISTANCE] = plant.resistance
+        self.winding.advance(rows, lambda part: self._advance(rows[part], words[part]), self._warm)
+
+    def _warm(self, plant: Plant) -> None:
+        self._matrix = plant.transition(self._dt)
+        self._floats[_RESISTANCE] = plant.resistance
 
     def _advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         done = _advance(

@@ -82,6 +82,11 @@ def _key(
     return Field(default, description=meaning, json_schema_extra=texts, **options)
 
 
+def _left_open(unit: str, meaning: str, default_text: str, most: float) -> Any:
+    """A key from 0 to ``most`` that is None where the scene leaves it to the program."""
+    return _key(unit, meaning, None, default_text=default_text, ge=0, le=most)
+
+
 def _broken_rule(problem: str, *keys: str | KeyPath) -> NoReturn:
     """Refuse values that are right one by one but don't go together.
 
@@ -605,46 +610,22 @@ class Controller(_Table):
         default_text="`false`",
         range_text="`true`, `false`",
     )
-    anchor_ohm: float | None = _key(
-        "Ω",
-        "Anchor ρ: holds a wall where the encoder says it is; 0 is none",
-        None,
-        default_text="0",
-        ge=0,
-        le=1000,
+    anchor_ohm: float | None = _left_open(
+        "Ω", "Anchor ρ: holds a wall where the encoder says it is; 0 is none", "0", 1000
     )
-    release_ohm: float | None = _key(
-        "Ω",
-        "ρ while the rotor moves and the force errs to its side; 0 is no such rule",
-        None,
-        default_text="0",
-        ge=0,
-        le=1000,
+    release_ohm: float | None = _left_open(
+        "Ω", "ρ while the rotor moves and the force errs to its side; 0 is no such rule", "0", 1000
     )
-    surface_ohm: float | None = _key(
+    surface_ohm: float | None = _left_open(
         "Ω",
         "Series resistance within the first two cells of a wall, with a `release_ohm`",
-        None,
-        default_text="0.2 `r_hat`",
-        ge=0,
-        le=1000,
+        "0.2 `r_hat`",
+        1000,
     )
-    track_gain: float | None = _key(
-        "Ω/(A·s)",
-        "Gain γ with which R̂ follows the winding; 0 is none",
-        None,
-        default_text="0",
-        ge=0,
-        le=1e6,
+    track_gain: float | None = _left_open(
+        "Ω/(A·s)", "Gain γ with which R̂ follows the winding; 0 is none", "0", 1e6
     )
-    track_limit: float | None = _key(
-        "–",
-        "R̂ stays within (1 ± this) `r_hat`",
-        None,
-        default_text="0.5",
-        ge=0,
-        le=0.9,
-    )
+    track_limit: float | None = _left_open("–", "R̂ stays within (1 ± this) `r_hat`", "0.5", 0.9)
     dead_zone_cells: float = _key(
         "cells",
         "Error of the current that the anchor leaves alone, as encoder cells of depth",

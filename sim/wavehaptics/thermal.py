@@ -12,7 +12,7 @@ solution is exact; the winding is slow enough (seconds) for an update every PIEC
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -30,13 +30,13 @@ PIECE_S = 0.05
 
 
 class Winding:
-    """Temperature and resistance of one scene's winding.
+    """Temperature and resistance of one scene's winding, and the plant that it belongs to.
 
     Without a ``[thermal]`` table the resistance is the motor's for good.
     """
 
     def __init__(self, scene: Scene, tick_s: float) -> None:
-        self._cold = scene.motor.R_ohm
+        self._plant = Plant.of_scene(scene)
         self._tick_s = tick_s
         self._thermal = thermal = scene.thermal
         self._piece_ticks = max(1, math.floor(PIECE_S / tick_s))
@@ -56,17 +56,38 @@ class Winding:
     @property
     def resistance(self) -> float:
         """R of the winding as it is now, Ω."""
+        cold = self._plant.resistance
         if self._thermal is None:
-            return self._cold
-        return self._cold * (1.0 + self._thermal.alpha_per_k * (self.temperature - REFERENCE_C))
+            return cold
+        return cold * (1.0 + self._thermal.alpha_per_k * (self.temperature - REFERENCE_C))
 
     @property
     def temperature(self) -> float:
         """θ_w, °C; without a ``[thermal]`` table that at which R holds."""
         return REFERENCE_C if self._thermal is None else float(self._theta[0])
 
-    def pieces(self, ticks: int) -> Iterator[slice]:
-        """``ticks`` in parts in which R is taken as constant."""
+    @property
+    def plant(self) -> Plant:
+        """The scene's plant with the winding as it is now."""
+        return replace(self._plant, resistance=self.resistance)
+
+    def advance(
+        self,
+        rows: np.ndarray,
+        simulate: Callable[[slice], None],
+        warm: Callable[[Plant], None],
+    ) -> None:
+        """Let the ticks of ``rows`` pass, in parts in which R is taken as constant.
+
+        ``simulate`` fills a part of the rows, and ``warm`` takes the plant that holds from there
+        on, where it has changed.
+        """
+        for part in self._pieces(len(rows)):
+            simulate(part)
+            if self.heat(rows[part]):
+                warm(self.plant)
+
+    def _pieces(self, ticks: int) -> Iterator[slice]:
         longest = max(1, ticks) if self._thermal is None else self._piece_ticks
         for first in range(0, max(1, ticks), longest):
             yield slice(first, min(first + longest, ticks))
@@ -83,7 +104,3 @@ class Winding:
         self._theta[3] = self.resistance * float(np.mean(current * current))
         self._theta = expm(self._matrix * (len(rows) * self._tick_s)) @ self._theta
         return True
-
-    def warmed(self, plant: Plant) -> Plant:
-        """``plant`` with the winding as it is now."""
-        return replace(plant, resistance=self.resistance)
