@@ -7,6 +7,7 @@ import json
 import os
 import subprocess
 import sys
+from contextlib import contextmanager
 
 import pytest
 from rich.console import Console
@@ -15,11 +16,52 @@ from wavehaptics.bench import measure, once
 
 
 @pytest.mark.parametrize("controller", ["golden", "encoder"])
-def test_speed_of_a_controller(controller):
-    found = once.whole(controller, 2, 0.2)
-    assert found["ticks_per_s"] == pytest.approx(1e6 * found["simulated_s_per_s"])
-    assert found["simulated_s_per_s"] > 0.1
-    assert found["cycles_per_s"] is None
+def test_a_controller_is_measured_as_often_as_is_asked(controller):
+    known, measure_once = once.whole(controller, 0.1)
+    assert (known["ticks"], known["duration_s"]) == (100_000, 0.1)
+    assert known["clock_cycles"] is None
+    for seconds in (measure_once(), measure_once()):
+        assert 0 < seconds["cpu_s"] < 1
+        assert seconds["wall_s"] > 0
+
+
+class _Fake:
+    """A runner whose measurements are given; it keeps in which order they were asked for."""
+
+    order: list[str] = []  # noqa: RUF012
+
+    def __init__(self, name: str, seconds: list[float], known: dict | None = None) -> None:
+        self.name, self.seconds, self.known = name, iter(seconds), known
+
+    def once(self):
+        self.order.append(self.name)
+        second = next(self.seconds)
+        return {"cpu_s": second, "wall_s": 2 * second}
+
+
+def test_a_gain_is_the_median_of_neighbours(monkeypatch):
+    """A machine that slows down to a third while it measures doesn't change a ratio of two."""
+    _Fake.order = []
+    slowing = [1.0, 2.0, 3.0]
+    base = _Fake("A", slowing)
+    other = _Fake("B", [0.5 * s for s in slowing], {"clock_cycles": 100})
+
+    @contextmanager
+    def runner(*_):
+        yield other
+
+    monkeypatch.setattr(measure, "_runner", runner)
+    found = measure._gain(base, measure.Tried("faster"), 3)
+    assert _Fake.order == list("ABABAB")
+    assert found == {"cycles_per_s": 100.0, "gain": 2.0, "gain_least": 2.0, "gain_most": 2.0}
+
+
+def test_a_process_measures_each_time_that_it_is_asked():
+    with measure._runner("encoder") as runner:
+        ((first, second),) = measure._by_turns([runner], 2)
+    assert runner.known["ticks"] == round(1e6 * once.DURATIONS_S["encoder"])
+    assert first["cpu_s"] > 0 < second["cpu_s"]
+    assert runner.process.returncode == 0
 
 
 def test_many_clocks_in_a_call_are_as_many_calls():
@@ -50,19 +92,20 @@ def test_flags_come_from_the_environment():
 
 
 def test_what_fails_is_told_and_does_not_end_the_bench():
-    found = measure._once("pins", 1, measure.Tried("nonsense", ("--no-such-flag",)))
-    assert "failed" in found
-    assert "status" in found["failed"]
+    nonsense = measure.Tried("nonsense", ("--no-such-flag",))
+    with pytest.raises(measure.MeasurementError, match="status"), measure._runner("pins", nonsense):
+        pass
 
 
 def test_tables_of_a_summary():
     speed = {"simulated_s_per_s": 0.15, "ticks_per_s": 1.5e5, "cycles_per_s": None,
-             "torque_error": 1e-3}  # fmt: skip
+             "times_pins": 40.0, "torque_error": 1e-3}  # fmt: skip
     summary = {
         "controllers": {"golden": speed},
         "tried": [
-            {"what": "as shipped", "cycles_per_s": 7e6, "gain": 1.0, "failed": None},
-            {"what": "worse", "cycles_per_s": None, "gain": None, "failed": "it broke"},
+            {"what": "as shipped", "cycles_per_s": 7e6, "gain": 1.0, "gain_least": 0.97,
+             "gain_most": 1.02, "failed": None},
+            {"what": "worse", "cycles_per_s": None, "failed": "it broke"},
         ],
         "others": [
             {"name": "x", "version": "1", "what": "y", "steps_per_s": 3e3,
@@ -73,5 +116,5 @@ def test_tables_of_a_summary():
     for table in measure.tables(json.loads(json.dumps(summary))):
         console.print(table)
     text = console.export_text()
-    for part in ("golden", "0.15", "it broke", "7.0·10⁶", "1.0·10⁻⁹"):
+    for part in ("golden", "0.15", "it broke", "7.0·10⁶", "1.00 (0.97–1.02)", "1.0·10⁻⁹"):
         assert part in text

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One measurement in a process of its own, as the flags of the environment say.
+"""One thing to measure, in a process of its own, as the flags of the environment say.
 
-``python -m wavehaptics.bench.once WHAT REPEATS [WORK]`` prints one line of JSON. WHAT is a
+``python -m wavehaptics.bench.once WHAT [WORK]`` builds and compiles what WHAT needs and prints a
+line of JSON; then it measures once for each line that it reads, and prints what it found. WHAT is a
 controller, ``short`` for a short run of ``pins``, or ``alone`` for the Verilated RTL without its
-motor. WORK is a folder to build in, for
-a profile, whose files are named after the folder.
+motor. WORK is a folder to build in, for a profile, whose files are named after the folder.
+
+Seconds are the processor's (``cpu_s``) and the clock's (``wall_s``).
 """
 
 from __future__ import annotations
@@ -12,22 +14,26 @@ from __future__ import annotations
 import json
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numba
+import numpy as np
 
 from wavehaptics import verilated
 from wavehaptics.native_call import call2
 from wavehaptics.pins import PinsSimulation
-from wavehaptics.run import measure
+from wavehaptics.run import CHUNK_TICKS, CONTROLLERS, measure
 from wavehaptics.scene import find_scene, load_scene
+from wavehaptics.trace import Column, Word
 
 SCENE = "paper_taps"
-DURATIONS_S = {"analog": 0.3, "golden": 1.5, "core": 0.2, "pins": 0.2, "encoder": 0.5}
-SHORT_S = 0.03
-"""Enough for a comparison of speeds, but too short for an error."""
+DURATIONS_S = {"analog": 0.5, "golden": 2.0, "core": 0.2, "pins": 0.1, "encoder": 2.0}
+SHORT_S = 0.05
 CLOCKS = 2_000_000
+
+Measurement = Callable[[], dict[str, Any]]
 
 
 class BenchPins(PinsSimulation):
@@ -44,8 +50,21 @@ def _each(function, model, clocks):
     return out
 
 
-def alone(repeats: int) -> dict[str, Any]:
-    """Clocks a second of the RTL without a motor, a call for each clock and many in a call."""
+class _Watch:
+    """Seconds since it was made."""
+
+    def __init__(self) -> None:
+        self._wall, self._cpu = time.perf_counter(), time.process_time()
+
+    def seconds(self) -> dict[str, float]:
+        return {
+            "wall_s": time.perf_counter() - self._wall,
+            "cpu_s": time.process_time() - self._cpu,
+        }
+
+
+def alone() -> tuple[dict[str, Any], Measurement]:
+    """Seconds of many clocks of the RTL without a motor: a call for each, and all in one call."""
     simulation = BenchPins(load_scene(find_scene(SCENE)))
     library, model = simulation._library, simulation._model
     for name in ("wh_bench_clocks", "wh_bench_quiet"):
@@ -53,49 +72,59 @@ def alone(repeats: int) -> dict[str, Any]:
         getattr(library, name).restype = verilated.ctypes.c_int64
     each = verilated.address(library.wh_pins_clock)
     _each(each, model, 1)
-    best = {"each": 0.0, "packed": 0.0}
-    for _ in range(repeats):
-        began = time.perf_counter()
-        _each(each, model, CLOCKS)
-        best["each"] = max(best["each"], CLOCKS / (time.perf_counter() - began))
-        began = time.perf_counter()
-        library.wh_bench_clocks(model, 0, CLOCKS)
-        best["packed"] = max(best["packed"], CLOCKS / (time.perf_counter() - began))
     changes = library.wh_bench_quiet(model, 0, CLOCKS)
-    return {
-        "cycles_per_s_a_call_each": best["each"],
-        "cycles_per_s_many_a_call": best["packed"],
-        "clocks_that_change_a_pin": changes / CLOCKS,
-    }
+
+    def once() -> dict[str, Any]:
+        assert simulation  # it owns the model
+        watch = _Watch()
+        _each(each, model, CLOCKS)
+        seconds = {"each": watch.seconds()}
+        watch = _Watch()
+        library.wh_bench_clocks(model, 0, CLOCKS)
+        return {**seconds, "packed": watch.seconds()}
+
+    return {"clocks": CLOCKS, "clocks_that_change_a_pin": changes / CLOCKS}, once
 
 
-def whole(controller: str, repeats: int, duration_s: float) -> dict[str, Any]:
-    """Speed of the paper's taps on a controller, its motor in the loop; the best of some runs."""
+def whole(controller: str, duration_s: float) -> tuple[dict[str, Any], Measurement]:
+    """The paper's taps on a controller, its motor in the loop: error first, then seconds."""
     scene = load_scene(find_scene(SCENE), [f"scene.duration_s={duration_s}"])
-    runs = [measure(scene, controller) for _ in range(repeats)]
-    best = min(runs, key=lambda m: m["wall_clock_s"])
-    seconds, cycles = best["wall_clock_s"], best["clock_cycles"]
-    return {
-        "ticks_per_s": best["ticks"] / seconds,
-        "cycles_per_s": None if cycles is None else cycles / seconds,
-        "simulated_s_per_s": best["duration_s"] / seconds,
-        "torque_error": best["torque_nrmse_vs_analog"],
+    metrics = measure(scene, controller)
+    ticks = metrics["ticks"]
+    rows = np.zeros((min(ticks, CHUNK_TICKS), len(Column)))
+    words = np.zeros((len(rows), len(Word)), dtype=np.int64)
+
+    def once() -> dict[str, Any]:
+        simulation = CONTROLLERS[controller](scene)
+        watch = _Watch()
+        for first in range(0, ticks, CHUNK_TICKS):
+            part = slice(0, min(CHUNK_TICKS, ticks - first))
+            simulation.advance(rows[part], words[part])
+        return watch.seconds()
+
+    known = {
+        "ticks": ticks,
+        "clock_cycles": metrics["clock_cycles"],
+        "duration_s": metrics["duration_s"],
+        "torque_error": metrics["torque_nrmse_vs_analog"],
     }
+    return known, once
 
 
-def main(what: str, repeats: str, work: str = "") -> None:
-    """Measure and print."""
+def main(what: str, work: str = "") -> None:
+    """Get ready, and measure as often as is asked for."""
     if work:
         Path(work).mkdir(parents=True)
         verilated.tempfile.mkdtemp = lambda **_: work
-    count = int(repeats)
     if what == "alone":
-        found = alone(count)
+        known, once = alone()
     elif what == "short":
-        found = whole("pins", count, SHORT_S)
+        known, once = whole("pins", SHORT_S)
     else:
-        found = whole(what, count, DURATIONS_S[what])
-    print(json.dumps(found))
+        known, once = whole(what, DURATIONS_S[what])
+    print(json.dumps(known), flush=True)
+    for _ in sys.stdin:
+        print(json.dumps(once()), flush=True)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from wavehaptics.bench.measure import gain
 from wavehaptics.report.blocks import number, percent
 
 PICTURES = ("old_way_limits.png", "old_way_hand.png")
@@ -82,7 +83,7 @@ def _others(numbers: dict[str, Any], table: Callable[..., str]) -> str:
 def _tried(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     head = ("tried with `pins`", "clock cycles per s", "times as fast")
     rows = [
-        (row["what"], number(row["cycles_per_s"]), row["failed"] or number(row["gain"]))
+        (row["what"], number(row["cycles_per_s"], 2), gain(row))
         for row in numbers["bench"]["tried"]
     ]
     return table(head, rows)
