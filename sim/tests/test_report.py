@@ -9,9 +9,11 @@ from html.parser import HTMLParser
 from typing import Any
 
 import pytest
+from wavehaptics import physics, pictures, stability
 from wavehaptics.report import (
     anchoring,
     blocks,
+    broken_inputs,
     build,
     converters,
     energies,
@@ -47,8 +49,12 @@ def test_hard_case_is_as_expected(case):
     assert outcome["numbers"]
 
 
-def test_hard_cases_of_blocks_have_their_benches():
-    assert len(hard_cases.bench_cases()) == len(hard_cases.BY_BENCH)
+def test_hard_cases_have_their_tests():
+    assert len(hard_cases.tested_cases()) == len(hard_cases.BY_TEST)
+
+
+def test_glitches_that_are_not_filtered_would_be_felt():
+    assert broken_inputs.glitches(broken_inputs.GLITCH_CLOCKS + 1) > 1e-5
 
 
 def test_equations_have_their_tests():
@@ -114,7 +120,21 @@ def test_the_exact_table_is_exact(tmp_path):
     assert min(value for (method, _), value in error.items() if method == "Euler") > 1e-5
     assert error["RK4", 100] < 1e-6 < error["Euler", 5]
     assert error["Euler", 100] / error["Euler", 5] == pytest.approx(20, rel=0.2)
+    cost = {(p["method"], round(p["step_s"] * 1e7)): p["cost_s_per_s"] for p in data["points"]}
+    assert cost["exact", 100] < 0.5 * cost["RK4", 5]
     assert integrators.show(data, tmp_path)
+
+
+def test_pwm_steps_cost_little(tmp_path):
+    """Error feedback: a quarter of the steps at a faster carrier leaves the torque within 1 %."""
+    data = collect(converters, lambda t: t.arguments["controller"] == "pins"
+                   and "clock_hz=48000000.0" in settings_of(t))  # fmt: skip
+    pwm = sorted(data["pwm"], key=lambda p: p["steps"])
+    assert pwm[-1]["steps"] == 4 * pwm[0]["steps"]
+    assert max(p["torque_error"] for p in pwm) < 0.01
+    ripples = [p["ripple_a"] for p in pwm]
+    assert ripples == sorted(ripples), "a slower carrier has more ripple"
+    assert converters.show(data, tmp_path)
 
 
 def test_cheapest_model_is_cheaper_and_good_enough():
@@ -127,12 +147,52 @@ def test_cheapest_model_is_cheaper_and_good_enough():
     assert best["cost_s_per_s"] < 0.5 * models[0]["cost_s_per_s"]
 
 
+def test_parts_that_a_scene_needs_and_parts_that_it_does_not(tmp_path):
+    """Part by part on the paper's taps, shorter than in the report, but with a contact."""
+    models = parts.on_and_off("paper_taps", [*parts.WHOLE, "scene.duration_s=0.2"])
+    error = {m["model"]: m["error"] for m in models}
+    assert error["golden, every part"] < parts.NEEDED
+    alone = {part: error[f"golden without {part}"] for part in parts.PARTS}
+    assert alone["hand"] > 3 * max(value for part, value in alone.items() if part != "hand")
+    assert alone["adc"] > parts.NEEDED
+    assert alone["friction"] > 2 * error["golden, every part"]
+    # The wall's edge is one of the encoder's, and the voltage stays below its limit.
+    assert alone["encoder"] == alone["drive"] == error["golden, every part"]
+    cost = {m["model"]: m["cost_s_per_s"] for m in models}
+    assert cost["golden, every part"] < 0.2 * cost["pins, every part"]
+    scenes = {"paper_taps": {"models": models, "recommended": "golden, every part"}}
+    assert parts.show({"whole": models, "scenes": scenes}, tmp_path)
+
+
 def test_ladder(tmp_path):
-    data = collect(ladder, lambda t: t.arguments["controller"] in ("golden", "core"))
-    golden, core = data["points"]
-    assert golden["torque_error"] == core["torque_error"] < 5e-4
-    assert golden["simulated_s_per_s"] > core["simulated_s_per_s"]
+    data = collect(ladder, lambda t: True)
+    rungs = {p["controller"]: p for p in data["points"]}
+    assert list(rungs) == list(ladder.WAVE_RUNGS)
+    assert rungs["golden"]["torque_error"] == rungs["core"]["torque_error"] < 5e-4
+    assert rungs["core"]["torque_error"] < rungs["pins"]["torque_error"] < 5e-3
+    assert max(p["stiffness_error"] for p in data["points"]) < 0.01
+    speeds = [rungs[name]["simulated_s_per_s"] for name in ("golden", "core", "pins")]
+    assert speeds == sorted(speeds, reverse=True)
     assert ladder.show(data, tmp_path)
+
+
+def test_the_papers_experiment(tmp_path):
+    """K of both, and that the paper's prototype lies above them and (14) as printed below."""
+    ways = [way for way in paper.tasks(True) if way.function is paper.way_in_and_out]
+    runs = [paper.experiment(controller, 0.3) for controller in ("analog", "pins")]
+    fake = dict.fromkeys(
+        ("saturated", "work_ratio", "slope_in", "slope_out", "zero_rad"), 0.5
+    ) | {"x": [0.0, 1e-3], "push": [0.0, 1e-3]}  # fmt: skip
+    ways = [task.arguments | fake for task in ways]
+    data = json.loads(json.dumps(paper.gather([], [*runs, *ways]), allow_nan=False))
+    analog, pins = (data[name]["metrics"] for name in ("analog", "pins"))
+    assert pins["stiffness"] == pytest.approx(pins["stiffness_predicted"], rel=0.01)
+    assert analog["stiffness"] == pytest.approx(analog["stiffness_predicted"], rel=2e-3)
+    assert pins["torque_nrmse_vs_analog"] < 5e-3
+    filter_k = physics.filter_stiffness(23.4e-3, 2.18, 1e4)
+    printed = 1 / (1 / pins["k_l"] + 2 / filter_k)
+    assert printed < 0.8 * analog["stiffness"] < analog["stiffness"] < pictures.PAPER_MEASURED
+    assert paper.show(data, tmp_path)
 
 
 def test_the_usual_way():
@@ -144,6 +204,57 @@ def test_the_usual_way():
     assert wave["stiffness"] / encoder["stiffness"] >= 7500 / 1100
     firm = old_way.limit("encoder", ["servo.rate_hz=1e3", "hand.damping=1.53e-3"])
     assert firm["stiffness"] > encoder["stiffness"] * 5
+
+
+def usual(curve: str, *settings: str) -> dict[str, Any]:
+    """The point of a curve of the report whose task has these settings."""
+    found = [task for name, task in old_way._grid(False) if name == curve
+             and {*settings} <= {*task.arguments["settings"]}]  # fmt: skip
+    assert len(found) == 1, (curve, settings)
+    return old_way.limit(**found[0].arguments)
+
+
+def test_the_encoders_wall_needs_the_hand_and_the_wave_wall_does_not():
+    """A firm grip carries a 1 kHz servo beyond K_L, a light finger to a tenth of it and less."""
+    light, firm = (f"hand.damping={old_way.HAND_DAMPING[n]}" for n in (0, -1))
+    k_l = physics.k_l(43.8e-3, 0.83e-3)
+    assert usual("hand", light)["stiffness"] < 0.1 * k_l
+    assert usual("hand", firm)["stiffness"] > k_l
+    for hand in (light, firm):
+        wave = usual("hand wave", hand)
+        assert wave["capped"]
+        assert wave["stiffness"] > 0.98 * k_l
+
+
+def test_delay_softens_both_loops():
+    """To a fifth and less in a millisecond; the wave wall does not swing even at ten of them."""
+    torque = [usual("delay", f"servo.delay_s={d}")["stiffness"] for d in (0.0, 0.2e-3, 1e-3)]
+    waves = [usual("delay wave", f"controller.extra_ticks={k}") for k in (0, 20, 100)]
+    assert all(wave["capped"] for wave in waves)
+    for first, second, third in (torque, [wave["stiffness"] for wave in waves]):
+        assert first > second > third
+        assert first > 4 * third
+    late = ("controller.tick_hz=1e5", "controller.lambda=1e9", "controller.extra_ticks=1000")
+    scene = old_way.load(old_way.SCENE, list(late))
+    earlier, later = stability.swings(scene, "golden")
+    assert max(earlier, later) < 0.2 * stability.cell_rad(scene)
+
+
+def test_at_equal_rates_the_encoders_wall_can_be_the_stiffer():
+    """With a fast amplifier at 100 kHz it goes beyond K_L, which is the wave wall's most."""
+    k_l = physics.k_l(43.8e-3, 0.83e-3)
+    rate = "servo.rate_hz=100000.0"
+    fast = usual("rate fast", rate)["stiffness"]
+    assert fast > usual("rate", rate)["stiffness"] > k_l
+    assert usual("wave rate 0", "controller.tick_hz=100000.0")["stiffness"] < k_l
+
+
+def test_a_virtual_damper_helps_until_nothing_does():
+    none, some, more = (
+        usual("z 1000", f"servo.damping={b}")["stiffness"] for b in (0.0, 8e-5, old_way.DAMPERS[-1])
+    )
+    assert some > 1.2 * none
+    assert more is None
 
 
 def test_every_number_of_the_usual_way_has_its_curve():

@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kHostClocks = 64;   // between two signs of the host
 constexpr int kMostFrame = 1024;  // clocks of a conversion that the ADC can repeat
+constexpr int kGlitchClocks = 97;  // from one glitch of the encoder's lines to the next
 
 struct Guarded {
     Controller *controller = nullptr;
@@ -21,6 +22,9 @@ struct Guarded {
     int adc_level = -1;  // the data line, stuck
     int64_t encoder_flips = 0;
     int64_t encoder_holds = -1;
+    int64_t glitch = 0;       // clocks that a glitch lasts
+    int64_t adc_flip = -1;    // clock of a frame from which on one bit is inverted
+    int64_t reset_clocks = 0; // clocks that the reset still lasts
     int in_frame = 0;
     bool frame[kMostFrame] = {};
 };
@@ -30,7 +34,8 @@ constexpr int64_t kEncoderPins = 6;
 // Kinds of wh_guarded_inject, in the order of Injection in sim/wavehaptics/guard.py.
 enum class Injection {
     kStop, kDriver, kBus, kTrip, kAnchor, kHostSilent, kAdcRepeats, kAdcLevel, kEncoderFlips,
-    kEncoderHolds, kRootWord, kSclkHalf, kEnable, kClear, kOutside
+    kEncoderHolds, kRootWord, kSclkHalf, kEnable, kClear, kOutside, kEncoderGlitches, kAdcFlip,
+    kReset
 };
 
 }  // namespace
@@ -84,7 +89,18 @@ int64_t wh_guarded_clock(int64_t model, int64_t inputs) {
         bit = inputs & 1;
     }
     if (guarded->adc_level >= 0) inputs = (inputs & ~int64_t{1}) | guarded->adc_level;
+    if (guarded->adc_flip >= 0) {
+        const int64_t into = guarded->in_frame - guarded->adc_flip;
+        const int64_t bit_clocks = 2 * top.sclk_half_clocks_i;
+        if (into >= 0 && into < bit_clocks) inputs ^= 1;
+        if (into == bit_clocks - 1) guarded->adc_flip = -1;
+    }
     if (guarded->encoder_holds >= 0) inputs = (inputs & ~kEncoderPins) | guarded->encoder_holds;
+    if (guarded->clocks % kGlitchClocks < guarded->glitch) {
+        inputs ^= guarded->clocks / kGlitchClocks % 2 ? 4 : 2;  // A and B by turns
+    }
+    top.rst = guarded->reset_clocks > 0;
+    if (top.rst) --guarded->reset_clocks;
     const int64_t out = wh_pins_clock(reinterpret_cast<int64_t>(guarded->controller),
                                       inputs ^ guarded->encoder_flips);
     ++guarded->clocks;
@@ -117,6 +133,9 @@ void wh_guarded_inject(void *model, int64_t kind, int64_t value) {
         case Injection::kSclkHalf: top.sclk_half_clocks_i = value; break;
         case Injection::kEnable: top.enable_i = value; break;
         case Injection::kClear: top.clear_i = value; break;
+        case Injection::kEncoderGlitches: guarded->glitch = value; break;
+        case Injection::kAdcFlip: guarded->adc_flip = value; break;
+        case Injection::kReset: guarded->reset_clocks = value; break;
         default: break;  // kOutside: the cause is in the motor or its sensor
     }
 }

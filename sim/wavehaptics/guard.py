@@ -128,7 +128,7 @@ def settings(limits: Limits, simulation: PinsSimulation) -> int:
 Injection = IntEnum(
     "Injection",
     "STOP DRIVER BUS TRIP ANCHOR HOST_SILENT ADC_REPEATS ADC_LEVEL ENCODER_FLIPS ENCODER_HOLDS "
-    "ROOT_WORD SCLK_HALF ENABLE CLEAR OUTSIDE",
+    "ROOT_WORD SCLK_HALF ENABLE CLEAR OUTSIDE ENCODER_GLITCHES ADC_FLIP RESET",
     start=0,
 )
 """What can be done to the controller's inputs, in the order of guarded_pins_shim.cpp."""

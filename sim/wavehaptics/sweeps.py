@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 WORKER_DEATHS = 5
 """Workers that may die over one task before it is taken for the cause."""
 
+PATIENCE_S = 600
+"""How long an answer from this machine's processes may take: others may keep the machine busy."""
+
 _PACKAGE = Path(__file__).resolve().parent
 _SOURCES = (
     (_PACKAGE, "**/*.py"),
@@ -125,6 +128,8 @@ def _client(address: str | None, workers: int) -> Iterator[Client]:
     quiet = {
         "distributed.scheduler.allowed-failures": WORKER_DEATHS,
         "distributed.admin.large-graph-warning-threshold": "1GB",
+        # A compiled loop lets no heartbeat through, however long it takes.
+        "distributed.scheduler.worker-ttl": None,
     }
     with dask.config.set(quiet):
         if address is None:
@@ -133,7 +138,7 @@ def _client(address: str | None, workers: int) -> Iterator[Client]:
                     n_workers=workers, threads_per_worker=1, dashboard_address="localhost:0",
                     memory_limit=0, silence_logs="CRITICAL",
                 ) as local,
-                Client(local) as client,
+                Client(local, timeout=PATIENCE_S) as client,
             ):  # fmt: skip
                 yield client
             return

@@ -73,6 +73,8 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
             right, [p["steps"] for p in data["pwm"]], [p[key] for p in data["pwm"]], n, name
         )
     right.set_xscale("log", base=2)
+    steps = sorted({p["steps"] for p in data["pwm"]})
+    right.set_xticks(steps, [f"{n:g}" for n in steps])
     for ax in (left, right):
         ax.set_yscale("log")
         ax.axhline(0.01, color=figures.GREY, lw=0.8, ls=":")

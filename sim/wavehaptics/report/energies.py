@@ -20,7 +20,7 @@ from wavehaptics.trace import Column
 TITLE = "Why the mean of the current?"
 
 RATES_HZ = (500.0, 1e3, 2e3, 5e3, 1e4, 2e4, 1e5, 1e6)
-QUICK_RATES_HZ = (500.0, 2e3, 1e4, 1e5)
+QUICK_RATES_HZ = (500.0, 1e3, 2e3, 1e4, 1e5)
 
 
 def at_rate(tick_hz: float, point: bool) -> dict[str, Any]:
@@ -55,7 +55,7 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
         figures.curve(ax, periods, [1e6 * p["energy_out_max_j"] for p in points], n, name)
     ax.set_xscale("log")
     ax.set_yscale("symlog", linthresh=0.01)
-    ax.set_ylim(bottom=-0.005)
+    ax.set_ylim(-0.005, 3e6 * max(1e-8, *(p["energy_out_max_j"] for p in data["points"])))
     figures.label(ax, "tick, µs", "energy given out, µJ")
     figures.legend(ax)
     path = figures.save(figure, folder / "energies.png")

@@ -2,7 +2,8 @@
 """The hard cases: what is expected of each, and what was found.
 
 Each case is a function that measures and returns its numbers, what was found in words, and whether
-that is what was expected. Cases of single blocks of the RTL are shown by the blocks' own tests.
+that is what was expected; those with a broken input are in :mod:`wavehaptics.report.broken_inputs`.
+What a test of the project shows by itself is named beside them.
 """
 
 from __future__ import annotations
@@ -17,8 +18,15 @@ import numpy as np
 
 from wavehaptics import formats, golden, physics
 from wavehaptics.boards import ROOT
-from wavehaptics.plant import Plant, X, load_words, plant_step
+from wavehaptics.report.anchoring import CURES, HELD
 from wavehaptics.report.blocks import Block, Table, Text, number, percent
+from wavehaptics.report.broken_inputs import (
+    adc_bit_flipped,
+    adc_stuck,
+    encoder_glitches,
+    reset_in_contact,
+)
+from wavehaptics.report.outcome import Outcome
 from wavehaptics.report.runs import load
 from wavehaptics.run import CONTROLLERS, measure
 from wavehaptics.scene import Scene
@@ -45,22 +53,9 @@ LAMBDAS = (1e2, 1e3, 1e4, 1e5, 1e9)
 RATES_HZ = (2e6, 1e6, 1e5, 1e4, 1e3, 500.0)
 LATENCIES = (0, 1, 10, 100, 1000)
 R_HAT_PARTS = (0.5, 0.8, 0.95, 1.05, 1.2, 1.5)
+HELD_PARTS = (0.7, 0.9, 1.1, 1.3)
+"""R̂ over R from which the anchor has to bring a wall back."""
 ZERO_TICKS = 100_000_000
-
-
-CURES = ("controller.anchor_ohm=0.3", "controller.release_ohm=5.0", "controller.track_gain=20")
-"""Anchor, release and tracking as the design has them."""
-
-_CURRENT_SCALE = 2.0**formats.CURRENT.fraction
-_VOLT = formats.VOLTAGE.step
-
-
-class Outcome(NamedTuple):
-    """What a case came to."""
-
-    numbers: dict[str, Any]
-    found: str
-    ok: bool
 
 
 def _rows(scene: Scene) -> np.ndarray:
@@ -149,14 +144,15 @@ def wrong_resistance() -> Outcome:
 
 
 def wrong_resistance_anchored() -> Outcome:
-    """A second's press with anchor, release and tracking; ρ is 0.3 Ω, 14 % of R."""
+    """A second's press with anchor, release and tracking, chosen for the motor by themselves."""
     moved = {}
-    for part in (0.5, 0.9, 1.1, 1.5):
+    for part in (0.5, *HELD_PARTS, 1.5):
         settings_ = [f"controller.r_hat={part * 2.18}", *CURES]
         moved[f"{part:g}"] = measure(load("press_hold", settings_), "golden")["hold_error"]
-    held = [name for name, error in moved.items() if error is not None and abs(error) < 0.1]
+    held = [name for name, error in moved.items() if error is not None and abs(error) < HELD]
     text = "moved by " + ", ".join(f"{percent(e)} at {name} R" for name, e in moved.items())
-    return Outcome({"moved_over_depth": moved}, text, {"0.9", "1.1"} <= set(held))
+    ok = {f"{part:g}" for part in HELD_PARTS} <= set(held)
+    return Outcome({"moved_over_depth": moved}, text, ok)
 
 
 def small_r_and_l() -> Outcome:
@@ -280,76 +276,6 @@ def zero_input() -> Outcome:
     return Outcome({"last_output_tick": last}, text, ok)
 
 
-STUCK, FLIPPED = 1, 2
-
-
-@numba.njit(cache=True)
-def _press(
-    torque, state, core, line, matrix, dt, load, words, wall_min, wall_max, cell, k_t, fault, at,
-    value,
-):  # fmt: skip
-    """Torque of each tick with an ADC that fails at tick ``at``: stuck, or with a bit flipped."""
-    volts = 0.0
-    contact = np.array([-1, 0])
-    for n in range(torque.shape[0]):
-        charge, _ = plant_step(state, matrix, dt, volts, load)
-        word = int(np.rint(charge / dt * _CURRENT_SCALE))
-        if fault == STUCK and n >= at:
-            word = value
-        if fault == FLIPPED and n == at:
-            word ^= value
-        position = int(np.floor(state[X] / cell))
-        touching, _ = golden.contact_step(contact, position, wall_min, wall_max)
-        eta = words[3] if touching else words[4]
-        e, _, _ = golden.wave_core_step(
-            core, line, word, eta, 0, words[0], words[1], words[2], 1, 1
-        )
-        volts = e * _VOLT
-        torque[n] = k_t * charge / dt
-
-
-def _faulty_press(fault: int, value: int) -> tuple[np.ndarray, Scene]:
-    """Torque of 0.2 s of a press on the stiffest wall, whose ADC fails at 0.1 s."""
-    scene = load("press_hold", ["scene.duration_s=0.2"])
-    plant, set_ = Plant.of_scene(scene), settings(scene)
-    torque = np.zeros(round(0.2 / set_.tick_s))
-    words = np.array([set_.root, set_.a, set_.u_max, set_.eta_contact, set_.eta_free])
-    _press(
-        torque, plant.start.copy(), golden.new_state(), golden.new_line(1),
-        plant.transition(set_.tick_s), set_.tick_s, load_words(plant), words, set_.wall_min,
-        set_.wall_max, set_.cell_rad, plant.k_t, fault, len(torque) // 2, value,
-    )  # fmt: skip
-    return torque, scene
-
-
-def adc_stuck() -> Outcome:
-    """Stuck at half of the full scale: without a guard, the drive's limit is all that holds."""
-    torque, scene = _faulty_press(STUCK, formats.CURRENT.to_raw(1.25))
-    bound = scene.motor.k_t * scene.drive.limit_v / scene.motor.R_ohm
-    peak = float(np.abs(torque).max())
-    text = f"{number(1e3 * peak)} mN·m at most; the limit of the drive allows {number(1e3 * bound)}"
-    return Outcome({"peak_nm": peak, "bound_nm": bound}, text, peak <= 1.001 * bound)
-
-
-def adc_bit_flipped() -> Outcome:
-    """One bit of one sample, 0.3 A: a flux of 2R̂·ΔI·T, which moves the wall and no more."""
-    flip_a = 0.3125
-    faulty, scene = _faulty_press(FLIPPED, formats.CURRENT.to_raw(flip_a))
-    whole, _ = _faulty_press(0, 0)
-    difference = np.abs(faulty - whole)
-    at = len(whole) // 2
-    peak, later = float(difference.max()), float(difference[at + 50_000 :].max())
-    set_, motor = settings(scene), scene.motor
-    l_eff = physics.l_eff(motor.L_h, set_.r_hat, set_.tau)
-    bound = motor.k_t * 2 * set_.r_hat * flip_a * set_.tick_s / l_eff
-    text = (
-        f"{number(1e6 * peak)} µN·m at most and {number(1e6 * later)} µN·m 50 ms later (bound "
-        f"{number(1e6 * bound)}), of {number(1e3 * np.abs(whole).max())} mN·m pressed with"
-    )
-    ok = difference[:at].max() == 0 and 0 < peak <= bound and later <= peak
-    return Outcome({"peak_nm": peak, "later_nm": later, "bound_nm": bound}, text, bool(ok))
-
-
 class Case(NamedTuple):
     """A hard case, what is expected, and the function that measures it."""
 
@@ -369,7 +295,8 @@ CASES = {
              "the force falls (R̂ < R) or grows (R̂ > R) with L_eff/|R − R̂|, within 10 %",
              wrong_resistance),
         Case("R̂ from 0.5 R to 1.5 R, with anchor",
-             "held within a tenth of the depth where ρ > |R − R̂|, which is 0.9 to 1.1 R",
+             f"held within {percent(HELD)} of the depth from {min(HELD_PARTS):g} to "
+             f"{max(HELD_PARTS):g} R",
              wrong_resistance_anchored),
         Case("R = 0.05 Ω and L = 10 µH", "stiffness within 1 %, no energy out", small_r_and_l),
         Case("rotor inertia ÷ 10, no friction, no hand",
@@ -382,33 +309,42 @@ CASES = {
         Case("every input at its most negative word", "saturated outputs, no wrap",
              most_negative_words),
         Case("zero input for 10⁸ ticks", "no output, no limit cycle", zero_input),
-        Case("ADC stuck", "torque below k_T·limit/R", adc_stuck),
-        Case("ADC, one bit flipped",
-             "the torque changes by no more than k_T·2R̂·ΔI·T/L_eff, and does not grow",
+        Case("ADC stuck in mid-contact, without the guard", "torque below k_T·limit/R", adc_stuck),
+        Case("ADC, one bit of one sample flipped in mid-contact",
+             "the torque changes by no more than k_T·(2R̂·ΔI·T/L_eff + a step of the ADC)",
              adc_bit_flipped),
+        Case("A/B glitches through a contact, a clock long, half a million a second",
+             "filtered: the torque is the same to the last bit", encoder_glitches),
+        Case("reset of 20 µs in mid-contact",
+             "no current after 30 µs; then a new impact: torque within 1 % of ω·√(K·J) at most, "
+             "comes back √(1 + J_free/J) times as fast at most", reset_in_contact),
     )
 }  # fmt: skip
 """By the name of their function."""
 
-BY_BENCH = (
+BY_TEST = (
     ("every input at its most negative word, RTL", "the words of the integer model",
-     "tb_wave_core.py", "equals_the_integer_model"),
-    ("A/B illegal", "counted as a fault, position unharmed", "tb_quadrature.py",
+     "cocotb_tests/tb_wave_core.py", "equals_the_integer_model"),
+    ("A/B illegal", "counted as a fault, position unharmed", "cocotb_tests/tb_quadrature.py",
      "illegal_moves_are_tallied"),
-    ("A/B glitches", "not counted", "tb_quadrature.py", "glitches_are_not_counted"),
-    ("chatter on one encoder edge, RTL", "no drift", "tb_quadrature.py", "chatter_on_one_edge"),
-    ("reset in mid-contact", "gates off at once, then as from the start", "tb_controller.py",
-     "reset_in_contact"),
-    ("gates in any state", "never both switches of a leg", "tb_controller.py",
+    ("A/B illegal in the closed loop, and every other fault of the guard",
+     "gates off within the clocks of rtl/faults.md", "sim/tests/test_faults.py",
+     "test_fault_switches_the_gates_off"),
+    ("A/B glitches", "not counted", "cocotb_tests/tb_quadrature.py", "glitches_are_not_counted"),
+    ("chatter on one encoder edge, RTL", "no drift", "cocotb_tests/tb_quadrature.py",
+     "chatter_on_one_edge"),
+    ("reset in mid-contact, RTL", "gates off at once, then as from the start",
+     "cocotb_tests/tb_controller.py", "reset_in_contact"),
+    ("gates in any state", "never both switches of a leg", "cocotb_tests/tb_controller.py",
      "gates_in_any_state"),
-    ("ADC stuck, RTL", "told after as many like words as are set", "tb_sense_check.py",
-     "long_runs"),
+    ("ADC stuck, RTL", "told after as many like words as are set",
+     "cocotb_tests/tb_sense_check.py", "long_runs"),
     ("clock lost", "the pin that changes every tick stands still, which a watchdog outside sees",
-     "tb_board_controller.py", "stop_is_at_once_and_lasts"),
-    ("any words from a host", "no more energy paid out than came in", "tb_host_link.py",
-     "never_pays_out_more_than_came_in"),
+     "cocotb_tests/tb_board_controller.py", "stop_is_at_once_and_lasts"),
+    ("any words from a host", "no more energy paid out than came in",
+     "cocotb_tests/tb_host_link.py", "never_pays_out_more_than_came_in"),
 )  # fmt: skip
-"""Cases of the RTL's blocks: name, expected, bench and its test in ``cocotb_tests``."""
+"""Cases that a test of the project shows by itself: name, expected, file and test."""
 
 
 def check(case: str) -> dict[str, Any]:
@@ -422,20 +358,19 @@ def tasks(quick: bool) -> list[Task]:
     return [Task(check, {"case": name}) for name in CASES]
 
 
-def bench_cases() -> list[dict[str, str]]:
-    """The cases of the RTL's blocks; ``KeyError`` if a bench has no such test."""
+def tested_cases() -> list[dict[str, str]]:
+    """The cases of :data:`BY_TEST`; ``KeyError`` if a file has no such test."""
     rows = []
-    for name, expected, bench, test in BY_BENCH:
-        text = (ROOT / "cocotb_tests" / bench).read_text(encoding="utf-8")
-        if f"async def {test}(" not in text:
-            raise KeyError(f"{bench} has no test {test}")
-        rows.append({"name": name, "expected": expected, "bench": bench, "test": test})
+    for name, expected, file, test in BY_TEST:
+        if f"def {test}(" not in (ROOT / file).read_text(encoding="utf-8"):
+            raise KeyError(f"{file} has no test {test}")
+        rows.append({"name": name, "expected": expected, "file": file, "test": test})
     return rows
 
 
 def gather(tasks: list[Task], results: list[Any]) -> dict[str, Any]:
     del tasks
-    return {"cases": results, "benches": bench_cases()}
+    return {"cases": results, "tested": tested_cases()}
 
 
 def show(data: dict[str, Any], folder: Path) -> list[Block]:
@@ -444,7 +379,7 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
         (CASES[c["case"]].name, CASES[c["case"]].expected, c["found"], "yes" if c["ok"] else "NO")
         for c in data["cases"]
     ]
-    benches = [(b["name"], b["expected"], f"{b['test']} in {b['bench']}") for b in data["benches"]]
+    tested = [(t["name"], t["expected"], f"{t['test']} in {t['file']}") for t in data["tested"]]
     return [
         Text(
             "What breaks controllers elsewhere, tried on this one. “Energy given out” is the most "
@@ -453,8 +388,8 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
         ),
         Table("Expected and found", ("case", "expected", "found", "as expected"), rows),
         Table(
-            "Cases of single blocks, shown by the blocks' own benches in Icarus and Verilator",
+            "Cases that the project's tests show, each by itself",
             ("case", "expected", "shown by"),
-            benches,
+            tested,
         ),
     ]

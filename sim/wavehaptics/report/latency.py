@@ -56,6 +56,8 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
     figures.curve(ax, k, [p["stiffness"] / p["k_l"] for p in points], 0, "measured", ls="")
     ax.set_xscale("symlog", linthresh=1)
     ax.set_yscale("log")
+    for formatter in (ax.yaxis.set_major_formatter, ax.yaxis.set_minor_formatter):
+        formatter("{x:g}")
     figures.label(ax, "extra latency k, ticks of 1 µs", "stiffness over $K_L$")
     figures.legend(ax)
     path = figures.save(figure, folder / "latency.png")

@@ -22,6 +22,8 @@ TITLE = "The usual way beside it: encoder and current amplifier"
 SCENE = "encoder_wall"
 TIP = (8.0 / 0.14) ** 2
 """N/m at the Phantom's tip for 1 N·m/rad at its rotor."""
+K_L = physics.k_l(43.8e-3, 0.83e-3)
+"""The Phantom's motor's, N·m/rad."""
 PAPER_TIP = (7500.0, 1100.0)
 """The paper's stiffnesses at the Phantom's tip, N/m: wave wall in theory, encoder's wall."""
 
@@ -33,8 +35,8 @@ HAND_DAMPING = tuple(1.53e-6 * 10 ** (n / 2) for n in range(8))
 QUICK_HAND_DAMPING = HAND_DAMPING[::2]
 DELAYS_S = (0.0, 0.2e-3, 0.5e-3, 1e-3, 2e-3, 5e-3, 10e-3)
 QUICK_DELAYS_S = (0.0, 1e-3, 10e-3)
-DAMPERS = (0.0, *(2e-5 * 2**n for n in range(7)))
-QUICK_DAMPERS = (0.0, 5e-5, 1e-4, 2e-4)
+DAMPERS = (0.0, *(2e-5 * 2 ** (n / 2) for n in range(9)))
+QUICK_DAMPERS = (DAMPERS[0], *DAMPERS[3::2])
 MOTORS = ("re25-phantom", "re25-118743")
 COULOMB_NM = 5e-4
 VISCOUS = 1e-5
@@ -196,12 +198,13 @@ def _draw(curves: dict[str, Any], folder: Path) -> list[Path]:
     figures.curve(left, *xy("wave rate"), 2, "wave wall, k = 1")
     figures.curve(left, *xy("rate", "bound_sampling"), 7, "2b/T", marker="", ls="--", lw=1)
     left.axhline(PAPER_TIP[1] / TIP, color=figures.GREY, lw=1, ls=":", label="1100 N/m at the tip")
+    left.axhline(K_L, color=figures.GREEN, lw=1, ls=":", label="K_L")
     figures.label(left, "rate of servo or wave controller, Hz", "largest stable K, N·m/rad",
                   "over the rate")  # fmt: skip
     figures.curve(right, *xy("counts"), 0, "stable")
     figures.curve(right, *xy("counts rest"), 1, "comes to rest")
     figures.curve(right, *xy("counts", "bound_quantisation"), 7, "2f_c/Δ", marker="", ls="--", lw=1)
-    figures.label(right, "encoder, counts a revolution", "",
+    figures.label(right, "encoder, counts a revolution", "largest stable K, N·m/rad",
                   f"over the counts: 1 kHz, friction {1e3 * COULOMB_NM:g} mN·m")  # fmt: skip
     for ax in (left, right):
         ax.set_xscale("log")
@@ -223,7 +226,7 @@ def _draw(curves: dict[str, Any], folder: Path) -> list[Path]:
     figures.curve(right, [1e3 * d for d in delay], encoder, 0, "torque loop (encoder, 10 kHz)")
     delay, wave = xy("delay wave")
     figures.curve(right, [1e3 * d for d in delay], wave, 2, "wave loop (100 kHz)")
-    figures.label(right, "delay in the loop, ms", "", "over the delay")
+    figures.label(right, "delay in the loop, ms", "largest stable K, N·m/rad", "over the delay")
     for ax, scale in ((left, "log"), (right, "linear")):
         ax.set_xscale(scale)
         ax.set_yscale("log")
@@ -253,8 +256,13 @@ def _draw(curves: dict[str, Any], folder: Path) -> list[Path]:
     for n, hz in enumerate((1000, 10_000)):
         b, k = xy(f"z {hz}")
         figures.curve(right, [1e3 * value for value in b], k, n, f"{hz / 1e3:g} kHz")
+    none = [1e3 * value for value, limit_ in zip(b, k, strict=True) if limit_ is None]
+    right.plot(none, [0.03] * len(none), "x", color=figures.BLACK, label="none is stable",
+               transform=right.get_xaxis_transform())  # fmt: skip
     figures.label(right, "virtual damper B, mN·m·s/rad", "largest stable K, N·m/rad", "Z-width")
     right.set_yscale("log")
+    right.yaxis.set_major_formatter("{x:g}")
+    right.yaxis.set_minor_formatter("{x:g}")
     figures.legend(right)
     paths.append(figures.save(figure, folder / "old_way_maps.png"))
     return paths
@@ -270,7 +278,6 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
         for p, w in zip(curves["hand"], curves["hand wave"], strict=True)
         if p["stiffness"] and w["stiffness"] / p["stiffness"] >= ratio
     ]
-    k_l = physics.k_l(43.8e-3, 0.83e-3)
     return [
         Text(
             "The paper's Fig. 1 is how haptic walls are made today: a servo reads an encoder, "
@@ -284,7 +291,7 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
         Text(
             f"With a 1 kHz servo of {4000} counts the encoder's wall reaches "
             f"{first['encoder'] * TIP:.0f} N/m at the Phantom's tip, the wave wall "
-            f"{first['wave'] * TIP:.0f} N/m (K_L alone: {k_l * TIP:.0f}): {first['ratio']:.1f} "
+            f"{first['wave'] * TIP:.0f} N/m (K_L alone: {K_L * TIP:.0f}): {first['ratio']:.1f} "
             f"times as much. The paper has {PAPER_TIP[0]:.0f} over {PAPER_TIP[1]:.0f} N/m, "
             f"{ratio:.1f} times."
         ),
@@ -300,13 +307,14 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
             limits,
             "Left: the encoder's limit follows 2b/T of the damping in its loop until the "
             "amplifier's lag takes over; the wave wall nears K_L. Right: with Coulomb friction the "
-            "rotor comes to rest up to 2f_c/Δ and beyond, until sampling sets the limit; below "
-            "that, a buzz of two counts is not called unstable.",
+            "rotor comes to rest up to 2f_c/Δ and beyond, until sampling sets the limit. “Stable” "
+            "forgives a buzz of two counts, but also asks that a tap is not thrown back; “comes to "
+            "rest” is asked of a press alone.",
         ),
         Text(
             "What holds an encoder's wall is damping, and most of it is the hand's: a firm grip "
-            "carries even a 1 kHz servo to K_L, a finger that hardly holds on to a tenth of it. "
-            "The wave wall needs none, because it is passive by itself. "
+            "carries even a 1 kHz servo to K_L, a finger that hardly holds on to a small part "
+            "of it. The wave wall needs none, because it is passive by itself. "
             + (
                 f"The ratio is {ratio:.1f} or more for hands of up to {max(crossing):.2g} N·s/m "
                 "among those tried."
@@ -314,7 +322,10 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
                 else "The paper's ratio was not reached with any of the hands tried."
             )
             + " Delay divides the torque loop's stable stiffness and the wave loop's stiffness "
-            "alike; but the wave loop stays stable at all of them, whatever the hand."
+            "alike; but the wave loop does not swing at any of them, whatever the hand. (After "
+            "some milliseconds it gives a tap back so late that the rotor is moved more than 1.5 "
+            "times as fast as by the ideal spring, so that only a part of its stiffness passes "
+            "that test.)"
         ),
         Text(
             "At equal rates the wave wall is not the stiffer one: with a damping hand, a fast "
@@ -326,6 +337,6 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
         Picture(
             maps,
             "Left: the encoder's largest stable stiffness over servo rate and counts. Right: the "
-            "virtual damper helps up to a point, then the counts' noise in the velocity spoils it.",
+            "virtual damper helps, until the counts' noise in the velocity leaves no wall stable.",
         ),
     ]

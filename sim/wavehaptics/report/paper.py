@@ -135,9 +135,9 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
     for ax, limit in zip(axes, LIMITS_V, strict=True):
         for n, way in enumerate(w for w in data["ways"] if w["limit_v"] == limit):
             ax.plot(np.multiply(1e3, way["x"]), np.multiply(1e3, way["push"]),
-                    color=figures.COLOURS[n], lw=1.4,
+                    color=figures.COLOURS[n], lw=6 - 1.6 * n,  # those below stay to be seen
                     label=f"hand {1e3 * way['push_rad']:g} mrad beyond the wall")  # fmt: skip
-        figures.label(ax, "x, mrad", "−torque, mN·m", f"limit {limit:g} V")
+        figures.label(ax, "position x, mrad", "−torque, mN·m", f"limit {limit:g} V")
         figures.legend(ax)
     loops = figures.save(figure, folder / "asymmetry.png")
     motor = load("paper_taps", []).motor
@@ -193,7 +193,7 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
         Table(
             "Why the way out differs from the way in",
             ("limit, V", "hand, mrad", "part of the contact at the limit", "work out over work in",
-             "slope in", "slope out", "torque gone at, mrad"),
+             "slope in, N·m/rad", "slope out, N·m/rad", "torque gone at, mrad"),
             [
                 (number(w["limit_v"]), number(1e3 * w["push_rad"]), percent(w["saturated"]),
                  number(w["work_ratio"]), number(w["slope_in"]), number(w["slope_out"]),

@@ -75,6 +75,7 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
     for ax in (left, right):
         ax.set_xscale("log")
         ax.set_yscale("log")
+        ax.margins(x=0.12)
         ax.axhline(0.01, color=figures.GREY, lw=0.8, ls=":")
     figures.label(left, "control rate, Hz", "error against the analog circuit", "error over rate")
     figures.label(right, "seconds per simulated second", "", "error over cost")

@@ -81,7 +81,7 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
     ax.axvline(data["band_hz"], color=figures.GREY, lw=0.8, ls=":")
     ax.set_xscale("log")
     ax.set_yscale("log")
-    figures.label(ax, "Hz", "error of a line, over full scale")
+    figures.label(ax, "frequency, Hz", "error of a line, over full scale")
     figures.legend(ax)
     path = figures.save(figure, folder / "spectrum.png")
     rows = [
