@@ -8,12 +8,14 @@
 //   u_max = base - slope s              the tangent of limit/s
 //
 // dz is a dead zone of half a cell: inside it the inductor knows better than the encoder, and only a
-// 256th of the error counts, so that what drifts within a cell dies out. While the rotor moves, up to its second turn in a contact, ρ is
-// release_gain where the force errs to the side of the motion, without dead zone on the way out, and
-// an eighth of it where it errs to the other; inside the dead zone of the first two cells, where the encoder can't tell a rotor
-// that turns from one at rest, the current is damped by surface_gain. A contact ends where the
-// torque would pull, until the rotor moves in again. An error that stays large, or an s that stays
-// at its limit, means that the encoder doesn't follow the motor: fault_o, and the plain wave wall.
+// 256th of the error counts, so that what drifts within a cell dies out. While the rotor moves, up to
+// its second turn in a contact, ρ is release_gain where the force errs to the side of the motion, on
+// the way out without dead zone and with a 16th of the current on top, and an eighth of it where it
+// errs to the other. Inside the dead zone the encoder can't tell whether the rotor has turned: there
+// the current of a moving rotor is damped by surface_gain, in the first cell that of a resting one as
+// well, so that no R̂ can make it grow unseen. A contact ends where the torque would pull, until the
+// rotor moves in again. An error that stays large, or an s that stays at its limit, means that the
+// encoder doesn't follow the motor: fault_o, and the plain wave wall.
 // Out of contact s is root_free.
 //
 // sim/wavehaptics/anchor.py says the same with integers, and this module equals it bit for bit.
@@ -75,6 +77,7 @@ module wh_anchor (
     localparam integer SLOPE_SHIFT = `WH_ROOT_Q;
     localparam integer INNER_SHIFT = 8;
     localparam integer MOVING_SHIFT = 3;
+    localparam integer OUTWARD_SHIFT = 4;
     localparam [TICK_W:0] FAR_TICKS = 8;
 
     localparam integer CELL_W  = PRODUCT_W - CELL_SHIFT;
@@ -274,6 +277,33 @@ module wh_anchor (
         .value_o (damping)
     );
 
+    // i* - i_n - i_n/16
+    wire signed [DATA_W-OUTWARD_SHIFT-1:0] part_floor;
+    wire                                   part_up;
+    wire signed [DATA_W-1:0]               outward;
+
+    wh_truncate #(
+        .IN_W    (DATA_W),
+        .SHIFT   (OUTWARD_SHIFT)
+    ) truncate_outward (
+        .value_i (current_q),
+        .floor_o (part_floor),
+        .up_o    (part_up)
+    );
+
+    wire signed [DATA_W:0] wide_outward =
+        $signed({error_q[DATA_W-1], error_q})
+        - $signed({{(OUTWARD_SHIFT + 1){part_floor[DATA_W-OUTWARD_SHIFT-1]}}, part_floor})
+        - $signed({{DATA_W{1'b0}}, part_up});
+
+    wh_saturate #(
+        .IN_W    (DATA_W + 1),
+        .OUT_W   (DATA_W)
+    ) saturate_outward (
+        .value_i (wide_outward),
+        .value_o (outward)
+    );
+
     // ---- Which error counts, and how much.
     wire moving = (|release_gain) && motion_q < release_ticks && !reversals_q[1];
     wire going_out = (negative_q == low_side_q);
@@ -417,11 +447,11 @@ module wh_anchor (
                 word_q <= pull_q;
                 gain_q <= moving ? release_gain >>> MOVING_SHIFT : anchor_gain;
                 if (moving && going_out && excess) begin
-                    word_q <= error_q;
+                    word_q <= outward;
                     gain_q <= release_gain;
-                end else if (moving && !going_out && !excess && (past_zone || !first_cell)) begin
+                end else if (moving && !going_out && !excess && past_zone) begin
                     gain_q <= release_gain;
-                end else if (moving && !past_zone && surface) begin
+                end else if ((moving || first_cell) && (|release_gain) && !past_zone) begin
                     word_q <= damping;
                     gain_q <= surface_gain;
                 end

@@ -32,7 +32,7 @@ _COUNT_MASK = (1 << formats.COUNT_W) - 1
     DEAD_ZONE,  # s31q24 A: the error that is left alone, usually half a cell's
     ANCHOR_GAIN,  # s27q20 √Ω: 2ρ/s
     RELEASE_GAIN,  # s27q20 √Ω: 2ρ/s while the force errs to the side of the motion; 0: no such rule
-    SURFACE_GAIN,  # s27q20 √Ω: 2ρ/s in series with the first cells
+    SURFACE_GAIN,  # s27q20 √Ω: 2ρ/s in series with a moving rotor, and within the first cell
     TRACK_GAIN,  # s27q32 √Ω/A: γT/s; 0 turns the tracking off
     ROOT_FREE,  # s27q22 √Ω: s out of contact
     LIMIT_FREE,  # s31q23 √W: u_max out of contact
@@ -77,10 +77,14 @@ assert sum(WIDTHS) == formats.ANCHOR_W
 """Places in an anchor's state."""
 
 SURFACE_CELLS = 2
-"""Cells at the wall's edge in which the encoder can't tell a rotor that turns from one at rest."""
+"""Cells at the wall's edge in which the tracking rests: half a cell is too much of their depth."""
 
 MOVING_SHIFT = 3
 """In motion the anchor is 2^-3 of the release, where the force errs to the other side."""
+
+OUTWARD_SHIFT = 4
+"""On the way out 2^-4 of the current counts as well: where the force has just come down to i*, an R̂
+that is too high must not hold it there."""
 
 FAR_TICKS = 8
 """A tick with an error beyond LOST_CURRENT counts as so many towards LOST_TICKS."""
@@ -168,11 +172,11 @@ def anchor_step(
     word = pull
     gain = settings[RELEASE_GAIN] >> MOVING_SHIFT if moving else settings[ANCHOR_GAIN]
     if moving and state[DIRECTION] != side and excess:
-        word = error
+        word = saturate(error - truncate(current, OUTWARD_SHIFT))
         gain = settings[RELEASE_GAIN]
-    elif moving and state[DIRECTION] == side and not excess and (beyond != 0 or cell != 0):
+    elif moving and state[DIRECTION] == side and not excess and beyond != 0:
         gain = settings[RELEASE_GAIN]
-    elif moving and beyond == 0 and cell < SURFACE_CELLS:
+    elif beyond == 0 and (moving or cell == 0) and settings[RELEASE_GAIN] != 0:
         word = saturate(-current)
         gain = settings[SURFACE_GAIN]
 

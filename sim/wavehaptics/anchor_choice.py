@@ -38,8 +38,10 @@ def choose_anchor(
       motion an eighth of the release stands in its place.
     * ``ρ_release = 7 R̂``: a rotor that comes back in the time π·√(J/K) leaves the force no
       time; the energy that it may gain is what passes in ``L_eff/ρ_release``.
-    * ``ρ_surface = 0.2 R̂``: within the first cells the encoder says nothing; a series resistance
-      larger than ``|R − R̂|`` makes up for R̂.
+    * ``ρ_surface = 0.2 R̂``: between two edges the encoder can't tell a rotor that turns from one
+      that goes on. An R̂ above R would let the force grow meanwhile, and the more of that, the
+      longer the bounce lasts beside L_eff/R; a series resistance larger than ``|R − R̂|``, here
+      10 % of R̂ and 5 % of the drive's gain, lets it fall instead.
     * ``R̂_free = 0.65 R̂`` out of contact: there η = 1 drives the current to zero whatever R̂ is, but
       an R̂ above R makes the loop ring up; a lower one costs nothing but its share of the inertia
       ``k_T² τ/(2 R̂)``.

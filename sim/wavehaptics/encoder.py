@@ -18,7 +18,7 @@ import numpy as np
 
 from wavehaptics import golden, physics
 from wavehaptics.plant import TIME, C, I, P, Plant, X, load_words, plant_step
-from wavehaptics.scene import Scene, SceneError, Servo
+from wavehaptics.scene import Scene, SceneError, Servo, encoder_end
 from wavehaptics.settings import Settings, settings
 from wavehaptics.shaper import refuse_shaper
 from wavehaptics.thermal import Winding
@@ -32,7 +32,8 @@ _SUBSTEPS, _SERVO_TICKS, _DELAY_TICKS = range(3)
 # Places in the loop's float parameters.
 (
     _DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE, _STIFFNESS, _DAMPING, _RATE, _KP, _KI, _LIMIT,
-) = range(11)  # fmt: skip
+    _ENCODER_END,
+) = range(12)  # fmt: skip
 # Places in the numbers that the loop keeps: voltage, the PI's integral (V), the servo's command (A)
 # and whether it touches, its last count, ticks so far.
 _VOLTAGE, _INTEGRAL, _COMMAND, _TOUCHING, _COUNT, _TICKS = range(6)
@@ -70,7 +71,9 @@ def _advance(rows, state, kept, line, contact, wall_min, wall_max, ints, floats,
             low, high = min(low, state[I]), max(high, state[I])
         ticks = int(kept[_TICKS])
         if ticks % ints[_SERVO_TICKS] == 0:
-            position = int(np.floor(state[X] / floats[_CELL]))
+            position = int(kept[_COUNT])
+            if state[TIME] < floats[_ENCODER_END]:
+                position = int(np.floor(state[X] / floats[_CELL]))
             touching, depth = golden.contact_step(contact, position, wall_min, wall_max)
             last = position if ticks == 0 else int(kept[_COUNT])
             torque = servo_torque(position, last, depth, touching, floats)
@@ -125,6 +128,7 @@ class EncoderSimulation:
         omega_c = 2 * math.pi * servo.amplifier_hz
         self._state = plant.start.copy()
         self._kept = np.zeros(_TICKS + 1)
+        self._kept[_COUNT] = math.floor(plant.start[X] / self.settings.cell_rad)
         self._line = np.zeros(delay_ticks + 1)
         self._contact = np.array([-1, 0], dtype=np.int64)
         self._ints = np.array([substeps, servo_ticks, delay_ticks], dtype=np.int64)
@@ -132,7 +136,7 @@ class EncoderSimulation:
             [dt, self.settings.cell_rad, 1.0 + (scene.drive.gain_error if scene.drive else 0.0),
              plant.k_t, plant.resistance, self.stiffness, servo.damping,
              1.0 / (servo_ticks * self.tick_s), omega_c * plant.inductance,
-             omega_c * plant.resistance, self.settings.limit_v]
+             omega_c * plant.resistance, self.settings.limit_v, encoder_end(scene)]
         )  # fmt: skip
         self._load = load_words(plant)
         self._dt = dt

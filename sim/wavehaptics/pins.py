@@ -39,7 +39,7 @@ from wavehaptics.pins_timing import (
     latency_clocks,
 )
 from wavehaptics.plant import OMEGA, TIME, C, I, P, Plant, X, load_words, plant_step
-from wavehaptics.scene import Scene, SceneError
+from wavehaptics.scene import Scene, SceneError, encoder_end
 from wavehaptics.sensor import FULL_SCALE, NOISE, NOISE_SEED, OFFSET, Sensor, sample_code
 from wavehaptics.settings import Settings, settings
 from wavehaptics.sigma_delta import next_bit
@@ -96,7 +96,7 @@ _AH, _AL, _BH, _BL, _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING = range(9)
     _LAUNCH_LEVEL, _PIPELINE, _OSR, _ANCHORED,
 ) = range(12)  # fmt: skip
 # Places in the loop's float parameters.
-_DT, _CELL, _BUS, _GAIN, _K_T, _RESISTANCE, _ETA_CONTACT, _ETA_FREE = range(8)
+_DT, _CELL, _BUS, _GAIN, _K_T, _RESISTANCE, _ETA_CONTACT, _ETA_FREE, _ENCODER_END = range(9)
 # Places in the integers that the loop keeps.
 (
     _NOW, _ADVANCED, _PINS, _SHIFT, _HELD, _COUNT, _EDGE, _CLOSED, _EMITTED, _TICK_START, _FAULTS,
@@ -349,12 +349,15 @@ def _catch_up(state, kept, sums, tables, floats, ints, load):
 
 
 @numba.njit(cache=True)
-def _next_edge(state, kept, cell, dt):
-    """Set the count, and the clock at which it is to be looked at again.
+def _next_edge(state, kept, cell, dt, end_s):
+    """Set the count, until ``end_s``, and the clock at which it is to be looked at again.
 
     The rotor is taken to keep its speed until then, for at most 32 clocks; it can't change by more
     than 1e-8 rad in that time.
     """
+    if kept[_NOW] * dt >= end_s:
+        kept[_EDGE] = 1 << 62
+        return
     ahead = (kept[_NOW] - kept[_ADVANCED]) * dt
     x = state[X] + state[OMEGA] * ahead
     kept[_COUNT] = int(np.floor(x / cell))
@@ -412,19 +415,19 @@ def _advance(
 ):
     """Clock the RTL until ``rows`` are filled; False if its core falls silent."""
     done = 0
-    dt, cell = floats[_DT], floats[_CELL]
+    dt, cell, end_s = floats[_DT], floats[_CELL], floats[_ENCODER_END]
     data_bits = ints[_DATA_BITS]
     silent = 0
     while done < rows.shape[0]:
         if kept[_NOW] >= kept[_EDGE]:
-            _next_edge(state, kept, cell, dt)
+            _next_edge(state, kept, cell, dt, end_s)
         inputs = ((kept[_SHIFT] >> 63) & 1) | _encoder_levels(kept[_COUNT])
         pins = call2(ints[_CLOCK], ints[_MODEL], inputs)
         old = kept[_PINS]
         changed = old ^ pins
         if changed & 15:
             _catch_up(state, kept, sums, tables, floats, ints, load)
-            _next_edge(state, kept, cell, dt)
+            _next_edge(state, kept, cell, dt, end_s)
         kept[_PINS] = pins
         if ints[_OSR]:
             if changed & pins & 1 << _SCLK:
@@ -643,7 +646,7 @@ class PinsSimulation:
         )  # fmt: skip
         self._floats = np.array(
             [dt, set_.cell_rad, bus_voltage(scene), 1.0 + gain_error, plant.k_t, plant.resistance,
-             scene.controller.eta_contact, scene.controller.eta_free]
+             scene.controller.eta_contact, scene.controller.eta_free, encoder_end(scene)]
         )  # fmt: skip
         self._load = load_words(plant)
         self._sensor = sensor.constants()

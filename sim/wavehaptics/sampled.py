@@ -15,7 +15,7 @@ import numpy as np
 from wavehaptics import anchor, formats, golden, verilated
 from wavehaptics.native_call import call2
 from wavehaptics.plant import TIME, C, I, P, Plant, X, load_words, plant_step
-from wavehaptics.scene import Scene
+from wavehaptics.scene import Scene, encoder_end
 from wavehaptics.sensor import NOISE_SEED, Sensor, current_word
 from wavehaptics.settings import Settings, settings
 from wavehaptics.thermal import Winding
@@ -43,9 +43,9 @@ _ROOT_SHIFT = formats.ROOT_SUM_Q - formats.ROOT.fraction
     _ANCHORED,
 ) = range(10)
 # Places in the loop's float parameters.
-_DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE = range(5)
+_DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE, _ENCODER_END = range(6)
 # Places in the integers that the loop keeps.
-_VOLTAGE_WORD, _CLOCKS, _START = range(3)
+_VOLTAGE_WORD, _CLOCKS, _START, _POSITION = range(4)
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "arcp"})
@@ -75,7 +75,9 @@ def _advance(
             low, high = min(low, state[I]), max(high, state[I])
         mean = charge / tick
         current = current_word(state[I] if ints[_POINT] else mean, sensor, rng)
-        position = int(np.floor(state[X] / cell))
+        if state[TIME] < floats[_ENCODER_END]:
+            kept[_POSITION] = int(np.floor(state[X] / cell))
+        position = kept[_POSITION]
         touching, depth = golden.contact_step(
             contact, position, wall_min, wall_max, ints[_HYSTERESIS] != 0
         )
@@ -162,8 +164,8 @@ class SampledSimulation:
         if rtl:
             self._library, self._model, step = _load_core(set_)
         self._state = plant.start.copy()
-        self._kept = np.zeros(3, dtype=np.int64)
-        self._kept[_START] = math.floor(plant.start[X] / set_.cell_rad)
+        self._kept = np.zeros(4, dtype=np.int64)
+        self._kept[_START] = self._kept[_POSITION] = math.floor(plant.start[X] / set_.cell_rad)
         self._core = golden.new_state()
         self._line = golden.new_line(set_.extra_ticks)
         self._shaper = (
@@ -176,7 +178,9 @@ class SampledSimulation:
              self._model, step, set_.edge_hysteresis, set_.anchored],
             dtype=np.int64,
         )  # fmt: skip
-        self._floats = np.array([dt, set_.cell_rad, gain, plant.k_t, plant.resistance])
+        self._floats = np.array(
+            [dt, set_.cell_rad, gain, plant.k_t, plant.resistance, encoder_end(scene)]
+        )
         self._load = load_words(plant)
         self._dt = dt
         self._matrix = plant.transition(dt)

@@ -240,6 +240,14 @@ class Encoder(_Table):
         le=4_000_000,
         multiple_of=4,
     )
+    stops_at_s: float | None = _key(
+        "s",
+        "Time from which A and B stand still, as if the cable had come off",
+        None,
+        default_text="never",
+        ge=0,
+        le=1e6,
+    )
 
 
 class Adc(_Table):
@@ -618,7 +626,8 @@ class Controller(_Table):
     )
     surface_ohm: float | None = _left_open(
         "Ω",
-        "Series resistance within the first two cells of a wall, with a `release_ohm`",
+        "Series resistance within the dead zone while the rotor moves, and in a wall's first cell, "
+        "with a `release_ohm`",
         "0.2 `r_hat`",
         1000,
     )
@@ -1099,6 +1108,12 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
         raise SceneError(min(placed, key=lambda p: p[:2])[2])
     assert scene is not None
     return scene
+
+
+def encoder_end(scene: Scene) -> float:
+    """Time from which a scene's encoder stands still, s; infinite where it goes on."""
+    stops = scene.encoder.stops_at_s if scene.encoder else None
+    return math.inf if stops is None else stops
 
 
 def shipped_scenes() -> dict[str, Path]:
