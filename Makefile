@@ -113,6 +113,9 @@ LINT_CASES := \
     wh_guard,-GN=3 \
     wh_controller,-GN=1,-GADC=1 \
     wh_controller,-GN=3,-GSENSE=1 \
+    wh_pwm,-GMODES=1 \
+    wh_modulator,-GMIN_PULSE=1 \
+    wh_controller,-GN=3,-GMODES=1,-GMIN_PULSE=1 \
     wh_zero,-GLOG2_TICKS=16 \
     wh_controller,-GN=3,-GADC=1 \
     wh_controller,-GN=3,-GSHAPER=2 \

@@ -144,6 +144,8 @@ module wh_board_controller #(
         .N                  (N),
         .WALLS              (`WH_BOARD_WALLS),
         .DELAY_LOG2         (`WH_BOARD_DELAY_LOG2),
+        .MODES              (`WH_BOARD_MODES),
+        .MIN_PULSE          (`WH_BOARD_SHORTEST),
         .EARLY              (`WH_BOARD_EARLY)
     ) controller (
         .clk                (clk),
@@ -206,6 +208,8 @@ module wh_board_controller #(
         .anchor_words_i     ({N*`WH_ANCHOR_W{1'b0}}),
         .extra_ticks_i      (`WH_BOARD_EXTRA_TICKS),
         .hold_ticks_i       (`WH_BOARD_HOLD_TICKS),
+        .mode_i             (`WH_BOARD_MODE),
+        .min_pulse_i        (`WH_BOARD_MIN_PULSE),
         .clocks_per_volt_i  (`WH_BOARD_CLOCKS_PER_VOLT),
         .dead_clocks_i      (`WH_BOARD_DEAD_CLOCKS),
         .guard_i            ({`WH_GUARD_W{1'b0}}),

@@ -23,8 +23,9 @@ from tb_modulator import Model as Modulator
 from tb_quadrature import levels
 from wavehaptics import formats, golden
 from wavehaptics.adc_parts import KINDS, PARTS, Frame, Part, frame
+from wavehaptics.bridge import HALF_BRIDGE, LOCKED, MODE_WORDS, SIGN_MAGNITUDE, UNIPOLAR
 from wavehaptics.early import prepare
-from wavehaptics.modulator import duty_of
+from wavehaptics.modulator import duty_of, width_bounds
 from wavehaptics.pins_timing import CENTRED_LEAD, GATE_CLOCKS, HOLD_CLOCKS, latency_clocks
 from wavehaptics.sensor import scale_sum
 
@@ -32,6 +33,8 @@ N = parameters().get("N", 1)
 WALLS = parameters().get("WALLS", 4)
 DELAY_LOG2 = parameters().get("DELAY_LOG2", 2)
 SENSE = parameters().get("SENSE", 0)
+MODES = parameters().get("MODES", 0)
+MIN_PULSE = parameters().get("MIN_PULSE", 0)
 KIND = KINDS[parameters().get("ADC", 0)]
 EARLY = parameters().get("EARLY", 0)
 SHAPER = parameters().get("SHAPER", 0)
@@ -84,6 +87,8 @@ class Settings:
     lead: int = CENTRED_LEAD
     extra_ticks: int = 1
     hold_ticks: int = 0
+    mode: str = UNIPOLAR
+    min_pulse: int = 0
     dead_clocks: int = 0
     trip: int = 0xFFFF
     range_word: int = 0xFFFF
@@ -152,6 +157,8 @@ class Settings:
             "u_max_i": each(lambda n: ports[n].u_max, formats.DATA_W),
             "extra_ticks_i": self.extra_ticks,
             "hold_ticks_i": self.hold_ticks,
+            "mode_i": MODE_WORDS[self.mode],
+            "min_pulse_i": self.min_pulse,
             "clocks_per_volt_i": each(self.clocks_per_volt, formats.COEF_W),
             "dead_clocks_i": self.dead_clocks,
             "compensate_i": 0,
@@ -177,20 +184,28 @@ class Step:
 
 
 class GateWatch:
-    """Interlock and dead time of one leg, in every clock."""
+    """Interlock, dead time and shortest pulse of one leg, in every clock."""
 
-    def __init__(self, dead_clocks: int) -> None:
-        self.dead_clocks = dead_clocks
+    def __init__(self, dead_clocks: int, min_pulse: int = 0) -> None:
+        self.dead_clocks, self.min_pulse = dead_clocks, min_pulse
         self.on = (0, 0)
         self._off_clocks = [1 << 20, 1 << 20]
+        self._on_clocks = [0, 0]
+        self._pulses = [0, 0]
         self.turned_on = 0
 
-    def clock(self, high: int, low: int) -> None:
+    def clock(self, high: int, low: int, forced_off: bool = False) -> None:
         assert not (high and low)
         for gate, level in enumerate((high, low)):
             if level and not self.on[gate]:
                 assert self._off_clocks[1 - gate] >= self.dead_clocks
                 self.turned_on += 1
+            if self.on[gate] and not level and not forced_off:
+                # The first one begins anywhere in a pulse.
+                self._pulses[gate] += 1
+                if self._pulses[gate] > 1:
+                    assert self._on_clocks[gate] >= self.min_pulse - self.dead_clocks
+            self._on_clocks[gate] = self._on_clocks[gate] + 1 if level else 0
             self._off_clocks[gate] = 0 if level else self._off_clocks[gate] + 1
         self.on = (high, low)
 
@@ -219,7 +234,7 @@ class ControllerBench(Bench):
         self.steps: list[Step] = []
         self.bridge: list[list[int]] = []
         """For each clock the voltage of each port's bridge, in parts of the bus."""
-        self.watches = [GateWatch(settings.dead_clocks) for _ in range(2 * N)]
+        self.watches = [GateWatch(settings.dead_clocks, settings.min_pulse) for _ in range(2 * N)]
         self.disabled = True
         self._cs_n = 1
         await self.start(enable_i=enable, adc_sdata_i=0, enc_a_i=0, enc_b_i=0, **settings.inputs())
@@ -284,9 +299,13 @@ class ControllerBench(Bench):
         row = []
         for n in range(N):
             ah, al, bh, bl = ((gate >> n) & 1 for gate in gates)
-            self.watches[2 * n].clock(ah, al)
-            self.watches[2 * n + 1].clock(bh, bl)
-            row.append((ah & bl) - (al & bh))
+            self.watches[2 * n].clock(ah, al, off)
+            self.watches[2 * n + 1].clock(bh, bl, off)
+            if self.settings.mode == HALF_BRIDGE:
+                assert (bh, bl) == (0, 0)
+                row.append(ah - al)
+            else:
+                row.append((ah & bl) - (al & bh))
         self.bridge.append(row)
 
     async def run(self, clocks: int) -> None:
@@ -357,12 +376,16 @@ class ControllerBench(Bench):
                 assert step.saturated[n] == state[golden.STATE_SATURATED]
 
     def check_pulses(self) -> int:
-        """Each half's pulse at the gates is the model's, in its place; number of pulses."""
+        """Each pulse at the gates is the model's, in its place; number of pulses.
+
+        There is one in each half, or in each period.
+        """
         settings = self.settings
         strobes = [strobe for strobe, _ in self.currents()]
-        halves = range(
-            0, len(self.bridge) - settings.half_clocks - GATE_CLOCKS, settings.half_clocks
-        )
+        unipolar = settings.mode == UNIPOLAR
+        centred = settings.mode in (LOCKED, HALF_BRIDGE)
+        pulse_clocks = settings.half_clocks * (1 if unipolar else 2)
+        starts = range(0, len(self.bridge) - pulse_clocks - GATE_CLOCKS, pulse_clocks)
         pulses = 0
         for n in range(N):
             # The formula is for the last port; the ports before it are served before it.
@@ -376,17 +399,20 @@ class ControllerBench(Bench):
                 ]
             )
             duties = [(strobe + latency, duty) for strobe, duty in zip(strobes, made, strict=False)]
-            modulator, duty = Modulator(settings.half_clocks), 0
-            for start in halves:
+            least, spare = width_bounds(settings.mode, settings.min_pulse)
+            modulator, duty = Modulator(settings.half_clocks, False, least, spare), 0
+            for start in starts:
                 if start % settings.tick_clocks == 0:
                     due = [duty for ready, duty in duties if ready <= start - 1]
                     duty = due[-1] if due else 0
                 width = modulator.width(duty) if start else 0
                 first = start + GATE_CLOCKS
-                shown = [row[n] for row in self.bridge[first : first + settings.half_clocks]]
-                assert sum(shown) == 2 * width, (n, start, width)
+                shown = [row[n] for row in self.bridge[first : first + pulse_clocks]]
+                assert sum(shown) == (2 if unipolar else 4) * width, (n, start, width)
+                if centred and settings.half_clocks % 2:
+                    shown.pop()
                 assert shown == shown[::-1]
-                assert set(shown) <= {0, 1 if width > 0 else -1}
+                assert set(shown) <= ({-1, 1} if centred else {0, 1 if width > 0 else -1})
                 pulses += width != 0
         return pulses
 
@@ -419,6 +445,11 @@ def random_settings(rng: random.Random) -> Settings:
             (TICK_CLOCKS + 3, 3, 3),
         ]
     )
+    mode = rng.choice(tuple(MODE_WORDS)) if MODES else UNIPOLAR
+    if mode != UNIPOLAR:
+        half_clocks, tick_halves, samples = rng.choice(
+            [(TICK_CLOCKS // 2, 2, 1), (TICK_CLOCKS // 2 + 1, 2, 1), (TICK_CLOCKS, 4, 2)]
+        )
     latency = math.ceil((Settings().latency + TICK_CLOCKS) / TICK_CLOCKS)
     extra = rng.randint(0, (1 << DELAY_LOG2) - 1)
     return Settings(
@@ -426,6 +457,8 @@ def random_settings(rng: random.Random) -> Settings:
         tick_halves=tick_halves,
         samples=samples,
         lead=rng.randint(-6, 6),
+        mode=mode,
+        min_pulse=rng.choice((0, 3, 6)) if MIN_PULSE else 0,
         extra_ticks=extra,
         hold_ticks=0 if EARLY else rng.randint(0, min(extra, max(0, extra - latency + 1))),
         ports=[random_port(rng) for _ in range(N)],
@@ -630,9 +663,15 @@ async def gates_in_any_state(dut: object) -> None:
     bench = ControllerBench(dut)
     rng = random_source("gates")
     turned_on = 0
-    for dead_clocks in (0, 1, 5, 30):
+    cases = [(dead_clocks, UNIPOLAR) for dead_clocks in (0, 1, 5, 30)]
+    if MODES:
+        cases += [(5, mode) for mode in (LOCKED, SIGN_MAGNITUDE, HALF_BRIDGE)]
+    for dead_clocks, mode in cases:
         ports = [PortSettings(walls=((-1, 5),) * WALLS) for _ in range(N)]
-        settings = Settings(ports=ports, dead_clocks=dead_clocks)
+        settings = Settings(
+            ports=ports, dead_clocks=dead_clocks, mode=mode, half_clocks=TICK_CLOCKS // 2,
+            tick_halves=2,
+        )  # fmt: skip
         await bench.begin(settings)
         for _ in range(25):
             bench.codes = [random_code(rng) for _ in range(N)]
@@ -642,7 +681,7 @@ async def gates_in_any_state(dut: object) -> None:
                     await bench.clock(enable=0)
             if rng.random() < 0.1:
                 await bench.clock(rst=1)
-        turned_on += min(watch.turned_on for watch in bench.watches)
+        turned_on += min(watch.turned_on for watch in bench.watches[:: 1 + (mode == HALF_BRIDGE)])
     assert turned_on > 30
 
 

@@ -9,6 +9,7 @@ from itertools import accumulate
 
 import cocotb
 from bench import Bench, random_source
+from simulators import parameters
 from wavehaptics import formats
 from wavehaptics.modulator import duty_of, half_width, new_modulator
 
@@ -16,6 +17,7 @@ FRACTION = formats.DUTY.fraction
 STEP = 1 << FRACTION
 EXTRA_SHIFT = FRACTION - formats.EXTRA.fraction
 MULTIPLY_CLOCKS = 3
+MIN_PULSE = parameters().get("MIN_PULSE", 0)
 LATENCY = 4
 """Clocks from the voltage to where take_i finds its duty, if the multiplier is free."""
 
@@ -23,8 +25,11 @@ LATENCY = 4
 class Model:
     """One half after another; counts those that were clipped."""
 
-    def __init__(self, half_clocks: int, second_order: bool = False) -> None:
+    def __init__(
+        self, half_clocks: int, second_order: bool = False, least: int = 0, spare: int = 0
+    ) -> None:
         self.half_clocks, self.second_order = half_clocks, second_order
+        self.least, self.spare = least, spare
         self.clipped = 0
         self._state = new_modulator()
 
@@ -32,8 +37,10 @@ class Model:
         """Width of a half with the duty in 1/65536 clock; the rest is carried over."""
         rest, older = (int(word) for word in self._state)
         total = duty + (extra << EXTRA_SHIFT) + (2 * rest - older if self.second_order else rest)
-        width = half_width.py_func(self._state, duty, extra, self.half_clocks, self.second_order)
-        self.clipped += abs(total - width * STEP) > STEP // 2
+        width = half_width.py_func(
+            self._state, duty, extra, self.half_clocks, self.second_order, self.least, self.spare
+        )
+        self.clipped += abs(total - width * STEP) > (self.least + 1) * STEP // 2
         return width
 
 
@@ -61,14 +68,16 @@ class ModulatorBench(Bench):
 
     async def run(
         self, half_clocks: int, tick_halves: int, clocks_per_volt: int, ticks: list[Tick],
-        second_order: bool = False,
+        second_order: bool = False, least: int = 0, spare: int = 0,
     ) -> Shown:  # fmt: skip
         await self.start(
             valid_i=0, voltage_i=0, clocks_per_volt_i=clocks_per_volt, half_clocks_i=half_clocks,
             grant_i=0, done_i=0, product_i=0, take_i=0, update_i=0, early_valid_i=0, early_i=0,
-            second_order_i=int(second_order), extra_i=0,
+            second_order_i=int(second_order), extra_i=0, least_i=least, spare_i=spare,
         )  # fmt: skip
-        model, shown = Model(half_clocks, second_order), Shown()
+        if not MIN_PULSE:
+            least = spare = 0
+        model, shown = Model(half_clocks, second_order, least, spare), Shown()
         pending = active = extra = 0
         tick_clocks = half_clocks * tick_halves
         wait = -1
@@ -172,6 +181,45 @@ def random_tick(rng: random.Random, tick_clocks: int) -> Tick:
     voltage = rng.randint(formats.VOLTAGE.raw_min, formats.VOLTAGE.raw_max)
     shift = rng.choice((0, 3, 4, 6, 12))
     return Tick(voltage >> shift, rng.randint(0, latest), rng.randint(0, 3), extra)
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def no_pulse_is_too_short(dut: object) -> None:
+    """Random voltages and shortest widths: none between, the mean kept; off without MIN_PULSE."""
+    bench = ModulatorBench(dut)
+    rng = random_source("shortest")
+    short = stretched = 0
+    for least, spare, half_clocks, count in (
+        (2, 0, 24, 60), (7, 4, 40, 60), (5, 3, 49, 60), (255, 128, 1100, 6),
+    ):  # fmt: skip
+        for second_order in (False, True):
+            limit = half_clocks // 2 - spare
+            top = min(127 * STEP, rng.choice((least * STEP // 3, 2 * least * STEP)))
+            # One clock a volt, as above; a tick is a half.
+            voltages = [
+                rng.randint(-top, top) << (formats.VOLTAGE.fraction - FRACTION)
+                for _ in range(count)
+            ]
+            voltages += [formats.VOLTAGE.raw_max, formats.VOLTAGE.raw_min]
+            ticks = [
+                Tick(voltage, extra=rng.randint(-1, 1) * rng.randint(0, 1 << 10))
+                for voltage in voltages
+            ]
+            shown = await bench.run(half_clocks, 1, STEP, ticks, second_order, least, spare)
+            sizes = {abs(width) for width in shown.widths}
+            if not MIN_PULSE:
+                short += any(0 < size < least for size in sizes)
+                continue
+            assert not any(0 < size < least for size in sizes)
+            assert max(sizes) <= limit
+            stretched += least in sizes
+            error, bound = 0, (least + 1) * STEP // 2
+            for width, duty in zip(shown.widths, shown.duties, strict=True):
+                if abs(width) == limit:
+                    break
+                error += duty - width * STEP
+                assert abs(error) <= bound * (2 if second_order else 1)
+    assert (stretched if MIN_PULSE else short) >= 4
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

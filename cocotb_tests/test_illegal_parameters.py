@@ -9,6 +9,8 @@ from simulators import SimulationError, simulate
     ("toplevel", "parameters", "defines", "message"),
     [
         ("wh_controller", {"N": 9}, {}, "controller_n_must_be_1_to_8"),
+        ("wh_modulator", {"MIN_PULSE": 2}, {}, "modulator_min_pulse_must_be_0_or_1"),
+        ("wh_pwm", {"MODES": 2}, {}, "pwm_modes_must_be_0_or_1"),
         ("wh_contact", {"WALLS": 17}, {}, "contact_walls_must_be_1_to_16"),
         ("wh_adc_serial", {"LINES": 0}, {}, "adc_serial_lines_must_be_1_or_more"),
         ("wh_adc_max11125", {"LINES": 9}, {}, "adc_max11125_lines_must_be_1_to_8"),

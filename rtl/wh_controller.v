@@ -40,6 +40,8 @@ module wh_controller #(
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
     parameter integer DEAD_TIME  = 1,  // 1: dead time can be compensated
     parameter integer EARLY      = 0,  // 1: wh_early makes the duty; SHAPER and hold_ticks_i are 0
+    parameter integer MODES      = 0,  // 1: mode_i chooses the bridge's pattern; 0: unipolar
+    parameter integer MIN_PULSE  = 0,  // 1: min_pulse_i counts; 0: pulses may be of one clock
     parameter integer HOST       = 0,  // 1: a computer can have the environment (wh_host_link)
     parameter integer ANCHOR     = 0,  // 1: the encoder holds the walls (wh_anchor)
     parameter integer GUARD      = 0,  // 1: wh_guard watches; 0: its inputs mean nothing
@@ -127,7 +129,10 @@ module wh_controller #(
     input  wire [DELAY_LOG2-1:0]        extra_ticks_i,       // ticks
     input  wire [DELAY_LOG2-1:0]        hold_ticks_i,        // ticks
 
-    // Drive (wh_modulator, wh_dead_time, wh_half_bridge).
+    // Drive (wh_modulator, wh_dead_time, wh_pwm, wh_half_bridge).
+    input  wire [`WH_MODE_W-1:0]        mode_i,              // WH_MODE_...; but for unipolar,
+                                                             // tick_halves_i is even
+    input  wire [7:0]                   min_pulse_i,         // clocks that a leg stays, or more
     input  wire [N*`WH_COEF_W-1:0]      clocks_per_volt_i,   // s27q16 clocks/V
     input  wire [7:0]                   dead_clocks_i,       // clocks
     input  wire                         compensate_i,        // the dead time
@@ -413,6 +418,28 @@ module wh_controller #(
 
     assign overrun_o = adc_overrun || core_overrun || (|anchor_overrun) || (|early_overrun);
 
+    // ---- The bridge's pattern.
+
+    wire half_bridge;
+    wire whole;        // one width for both halves of a period
+
+    generate
+        if (MODES != 0) begin : modes
+            assign half_bridge = (mode_i == `WH_MODE_HALF_BRIDGE);
+            assign whole       = (mode_i != `WH_MODE_UNIPOLAR);
+        end else begin : unipolar
+            assign half_bridge = 1'b0;
+            assign whole       = 1'b0;
+        end
+    endgenerate
+
+    // Widths that keep every leg where it is for min_pulse_i. Unipolar: a pulse of one width where
+    // the sign changes, two of them less than the half otherwise. Sign-magnitude: twice the width
+    // where the sign changes. In the others a pulse is short only near the end of the scale.
+    wire [7:0] spare = (min_pulse_i >> 1) + {7'd0, min_pulse_i[0]};
+    wire [7:0] least = !whole                              ? min_pulse_i
+                     : (mode_i == `WH_MODE_SIGN_MAGNITUDE) ? spare : 8'd0;
+
     // ---- Guard. An illegal word is one that no block has a meaning for.
 
     wire [N-1:0] moved;
@@ -422,7 +449,8 @@ module wh_controller #(
 
     always @* begin
         setting = half_clocks_i < 6 || tick_halves_i == 0 || sample_clocks_i < 2
-                  || samples_i == 0 || samples_i > 256;
+                  || samples_i == 0 || samples_i > 256
+                  || (whole && tick_halves_i[0]);
         for (m = 0; m < N; m = m + 1) begin
             setting = setting || illegal_part(a_i[m*COEF_W +: COEF_W])
                       || a_i[m*COEF_W + COEF_W-1] || a_i[m*COEF_W +: COEF_W] == 0
@@ -786,7 +814,8 @@ module wh_controller #(
             end
 
             wh_modulator #(
-                .EARLY             (EARLY)
+                .EARLY             (EARLY),
+                .MIN_PULSE         (MIN_PULSE)
             ) modulator (
                 .clk               (clk),
                 .rst               (drive_rst),
@@ -796,6 +825,8 @@ module wh_controller #(
                 .half_clocks_i     (half_clocks_i),
                 .second_order_i    (second_order_i),
                 .extra_i           (extra),
+                .least_i           (least),
+                .spare_i           (spare),
                 .request_o         (multiply_request[N+n]),
                 .grant_i           (multiply_grant[N+n]),
                 .factor_o          (multiply_data[(N+n)*DATA_W +: DATA_W]),
@@ -805,20 +836,24 @@ module wh_controller #(
                 .early_valid_i     (early_valid),
                 .early_i           (early_duty),
                 .take_i            (take),
-                .update_i          (update),
+                .update_i          (update && (half || !whole)),
                 .width_o           (width)
             );
 
-            wh_pwm pwm (
-                .clk         (clk),
-                .rst         (drive_rst),
-                .phase_i     (phase),
-                .remaining_i (remaining),
-                .half_i      (half),
-                .update_i    (update),
-                .width_i     (width),
-                .leg_a_o     (leg_a),
-                .leg_b_o     (leg_b)
+            wh_pwm #(
+                .MODES         (MODES)
+            ) pwm (
+                .clk           (clk),
+                .rst           (drive_rst),
+                .mode_i        (mode_i),
+                .half_clocks_i (half_clocks_i),
+                .phase_i       (phase),
+                .remaining_i   (remaining),
+                .half_i        (half),
+                .update_i      (update),
+                .width_i       (width),
+                .leg_a_o       (leg_a),
+                .leg_b_o       (leg_b)
             );
 
             wh_half_bridge leg_a_bridge (
@@ -834,7 +869,7 @@ module wh_controller #(
             wh_half_bridge leg_b_bridge (
                 .clk           (clk),
                 .rst           (rst),
-                .enable_i      (run),
+                .enable_i      (run && !half_bridge),
                 .leg_i         (leg_b),
                 .dead_clocks_i (dead_clocks_i),
                 .high_o        (gate_bh_o[n]),

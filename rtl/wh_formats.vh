@@ -74,5 +74,10 @@
 `define WH_EXTRA_Q  8   // fraction of what dead time takes from the half width
 `define WH_EXTRA_W  17  // at most 160 clocks: 5/8 of the longest dead time
 `define WH_TICK_W   16  // counts of clocks
+`define WH_MODE_W   2   // the bridge's switching pattern (wh_pwm)
+`define WH_MODE_UNIPOLAR       0
+`define WH_MODE_LOCKED         1
+`define WH_MODE_SIGN_MAGNITUDE 2
+`define WH_MODE_HALF_BRIDGE    3
 
 `endif

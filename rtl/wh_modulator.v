@@ -4,7 +4,7 @@
 //
 //   duty  = truncate(voltage * clocks_per_volt),  clocks_per_volt = half_clocks / (2 Vbus)
 //   total = duty + extra + owed
-//   width = round(total), clipped to +- half_clocks / 2 (rounded down)
+//   width = round(total), clipped to +- limit,    limit = half_clocks / 2 (rounded down) - spare
 //   rest  = total - width, or 0 if the width was clipped
 //   owed  = rest                         order 1: the width's error is shaped by 1 - z^-1
 //         = 2 rest - rest of the half before        order 2: by (1 - z^-1)^2
@@ -12,7 +12,9 @@
 // once a half, so what the clock is too coarse for in one half is made good in the next ones: the
 // sum of the widths stays within half a clock of the sum of the duties, or, with order 2, within
 // one. What a clipped half could not give is not owed to later ones, or it would wind up.
-// Everything is odd in the voltage. extra is what the bridge takes away (wh_dead_time): it is used
+// Everything is odd in the voltage. With MIN_PULSE = 1 a width below least_i is none, or least_i where
+// that is nearer, and what it is off by is owed like any rest; spare_i keeps the pulses on the other
+// side of the half from getting too short. extra is what the bridge takes away (wh_dead_time): it is used
 // from the next half on.
 //
 // A voltage becomes the pending duty, or with EARLY = 1 what wh_early has made of it; take_i, 4 clocks before the tick's last update_i, makes it
@@ -29,7 +31,8 @@
 `include "wh_formats.vh"
 
 module wh_modulator #(
-    parameter integer EARLY = 0  // 1: the duty comes from wh_early, and a voltage makes none
+    parameter integer EARLY     = 0,  // 1: the duty comes from wh_early, and a voltage makes none
+    parameter integer MIN_PULSE = 0   // 1: least_i and spare_i count; 0: both are 0
 ) (
     input  wire                                    clk,
     input  wire                                    rst,
@@ -41,6 +44,8 @@ module wh_modulator #(
     input  wire        [`WH_TICK_W-1:0]            half_clocks_i,      // clocks in a half, 6...
     input  wire                                    second_order_i,     // 1: order 2
     input  wire signed [`WH_EXTRA_W-1:0]           extra_i,            // s17q8 clocks
+    input  wire        [7:0]                       least_i,            // clocks, width that isn't 0
+    input  wire        [7:0]                       spare_i,            // clocks, below half_clocks / 2
 
     output wire                                    request_o,
     input  wire                                    grant_i,
@@ -53,20 +58,26 @@ module wh_modulator #(
     input  wire signed [`WH_DATA_W+`WH_COEF_W-`WH_VOLTAGE_Q-1:0] early_i,  // s35q16 clocks
 
     input  wire                                    take_i,             // strobe, tick_o - 4 clocks
-    input  wire                                    update_i,           // strobe, end of a half
+    input  wire                                    update_i,           // strobe, end of a half, or
+                                                                       // of a period (wh_pwm)
     output reg  signed [`WH_TICK_W-1:0]            width_o             // s16, clocks
 );
 
     localparam integer PRODUCT_W = `WH_DATA_W + `WH_COEF_W;
     localparam integer FRACTION  = `WH_DUTY_Q;
     localparam integer DUTY_W    = PRODUCT_W - `WH_VOLTAGE_Q;   // s35q16
-    localparam integer OWED_W    = `WH_EXTRA_W + FRACTION - `WH_EXTRA_Q + 1;  // s26q16
+    localparam integer REST_W    = FRACTION + ((MIN_PULSE != 0) ? 9 : 1);     // s17q16
+    localparam integer OWED_W    = `WH_EXTRA_W + FRACTION - `WH_EXTRA_Q
+                                   + ((MIN_PULSE != 0) ? 2 : 1);              // s26q16
     localparam integer TOTAL_W   = DUTY_W + 1;                  // s36q16
     localparam integer ROUND_W   = TOTAL_W - FRACTION + 1;      // s21
 
     generate
         if (ROUND_W < `WH_TICK_W + 1) begin : illegal
             wh_illegal_WH_DATA_W_or_WH_COEF_W_too_small_for_a_pulse_width stop ();
+        end
+        if (MIN_PULSE != 0 && MIN_PULSE != 1) begin : illegal_min_pulse
+            wh_illegal_parameter_modulator_min_pulse_must_be_0_or_1 stop ();
         end
     endgenerate
 
@@ -140,15 +151,16 @@ module wh_modulator #(
     end
 
     // The next half's total and width follow every change of the duty, of the rests and of extra.
-    // With order 2, rests_q is 2 rest - rest before, and +-3/2 at most.
-    reg  signed [FRACTION+1:0] rests_q;     // s18q16
-    reg  signed [FRACTION:0]   older_q;    // s17q16, rest of the half before
+    // With order 2, rests_q is 2 rest - rest before, and +-3/2 at most; three times half of least_i
+    // and 3/2 with MIN_PULSE.
+    reg  signed [REST_W:0]     rests_q;     // s18q16
+    reg  signed [REST_W-1:0]   older_q;    // s17q16, rest of the half before
     reg  signed [OWED_W-1:0]   owed_q;      // s26q16
     reg  signed [TOTAL_W-1:0]  total_q;     // s36q16 clocks
-    wire signed [OWED_W-1:0]   extra_long = $signed({extra_i[`WH_EXTRA_W-1], extra_i,
+    localparam integer         EXTRA_SIGN_W = OWED_W - `WH_EXTRA_W - FRACTION + `WH_EXTRA_Q;
+    wire signed [OWED_W-1:0]   extra_long = $signed({{EXTRA_SIGN_W{extra_i[`WH_EXTRA_W-1]}}, extra_i,
                                                      {FRACTION-`WH_EXTRA_Q{1'b0}}});
-    wire signed [OWED_W-1:0]   rests_long = $signed({{OWED_W-FRACTION-2{rests_q[FRACTION+1]}},
-                                                     rests_q});
+    wire signed [OWED_W-1:0]   rests_long = $signed({{OWED_W-REST_W-1{rests_q[REST_W]}}, rests_q});
     wire signed [TOTAL_W:0]    sum = $signed({active_q[DUTY_W-1], active_q, 1'b1})
                                      + $signed({{TOTAL_W-OWED_W{owed_q[OWED_W-1]}},
                                                 owed_q, active_up_q});
@@ -184,29 +196,62 @@ module wh_modulator #(
         rest_q    <= $signed({rounded[0] ^ total_q[FRACTION], total_q[FRACTION-1:0]});
     end
 
+    // What is too short becomes 0 or least_i.
+    wire signed [ROUND_W-1:0] chosen;
+    wire signed [REST_W-1:0]  rest_long = $signed({{REST_W-FRACTION{rest_q[FRACTION]}},
+                                                   rest_q[FRACTION-1:0]});
+    wire signed [REST_W-1:0]  left;       // total - chosen
+    wire        [7:0]         spare;
+
+    generate
+        if (MIN_PULSE != 0) begin : minimum
+            wire                      negative = rounded_q[ROUND_W-1];
+            wire signed [ROUND_W-1:0] size     = negative ? -rounded_q : rounded_q;
+            wire signed [ROUND_W-1:0] least    = $signed({{ROUND_W-8{1'b0}}, least_i});
+            wire                      short    = size < least;
+            wire signed [ROUND_W-1:0] instead  = ((size <<< 1) < least) ? {ROUND_W{1'b0}}
+                                               : negative              ? -least : least;
+            wire signed [ROUND_W-1:0] off      = rounded_q - instead;
+            wire                      unused_off = &{1'b0, off[ROUND_W-1:REST_W-FRACTION]};
+
+            assign chosen = short ? instead : rounded_q;
+            assign left   = short ? rest_long
+                                    + $signed({off[REST_W-FRACTION-1:0], {FRACTION{1'b0}}})
+                                  : rest_long;
+            assign spare  = spare_i;
+        end else begin : any_pulse
+            wire unused_minimum = &{1'b0, least_i, spare_i};
+
+            assign chosen = rounded_q;
+            assign left   = rest_long;
+            assign spare  = 8'd0;
+        end
+    endgenerate
+
     // Half of an odd half_clocks_i is rounded down.
-    wire signed [`WH_TICK_W-1:0] limit      = $signed({1'b0, half_clocks_i[`WH_TICK_W-1:1]});
+    wire signed [`WH_TICK_W-1:0] limit      = $signed({1'b0, half_clocks_i[`WH_TICK_W-1:1]})
+                                              - $signed({{`WH_TICK_W-8{1'b0}}, spare});
     wire signed [ROUND_W-1:0]    limit_long = {{ROUND_W-`WH_TICK_W{1'b0}}, limit};
-    wire                         over       = rounded_q > limit_long;
-    wire                         under      = rounded_q < -limit_long;
+    wire                         over       = chosen > limit_long;
+    wire                         under      = chosen < -limit_long;
     wire                         unused     = &{1'b0, half_clocks_i[0]};
 
-    reg  signed [FRACTION:0]   next_rest_q;
-    wire signed [FRACTION+1:0] rest   = $signed({next_rest_q[FRACTION], next_rest_q});
-    wire signed [FRACTION+1:0] older = $signed({older_q[FRACTION], older_q});
+    reg  signed [REST_W-1:0] next_rest_q;
+    wire signed [REST_W:0]   rest  = $signed({next_rest_q[REST_W-1], next_rest_q});
+    wire signed [REST_W:0]   older = $signed({older_q[REST_W-1], older_q});
 
     always @(posedge clk) begin
         if (rst) begin
             width_o     <= {`WH_TICK_W{1'b0}};
-            next_rest_q <= {FRACTION+1{1'b0}};
-            rests_q     <= {FRACTION+2{1'b0}};
-            older_q    <= {FRACTION+1{1'b0}};
+            next_rest_q <= {REST_W{1'b0}};
+            rests_q     <= {REST_W+1{1'b0}};
+            older_q     <= {REST_W{1'b0}};
         end else begin
             width_o     <= over ? limit
-                                : (under ? -limit : $signed(rounded_q[`WH_TICK_W-1:0]));
-            next_rest_q <= (over || under) ? {FRACTION+1{1'b0}} : rest_q;
+                                : (under ? -limit : $signed(chosen[`WH_TICK_W-1:0]));
+            next_rest_q <= (over || under) ? {REST_W{1'b0}} : left;
             if (update_i) begin
-                rests_q  <= second_order_i ? (rest <<< 1) - older : rest;
+                rests_q <= second_order_i ? (rest <<< 1) - older : rest;
                 older_q <= next_rest_q;
             end
         end

@@ -54,8 +54,8 @@ enum Parameter {
     kSclkHalfClocks, kFrameBits, kLeadBits, kDataBits, kQuietClocks,
     kSetupClocks, kHoldClocks, kCalibrateBits, kSclkIdle, kReadTrailing, kTrip,
     kZero, kGain, kFilterClocks, kEtaContact, kEtaFree, kRoot, kA, kUMax,
-    kExtraTicks, kHoldTicks, kClocksPerVolt, kDeadClocks, kCompensate, kSideCurrent, kSettleTicks,
-    kSecondOrder, kInputs, kWalls, kWallEdges
+    kExtraTicks, kHoldTicks, kMode, kMinPulse, kClocksPerVolt, kDeadClocks, kCompensate,
+    kSideCurrent, kSettleTicks, kSecondOrder, kInputs, kWalls, kWallEdges
 };
 
 }  // namespace
@@ -93,6 +93,8 @@ void *wh_pins_new(const int64_t *p) {
     top.u_max_i = p[kUMax] & mask(WH_DATA_W);
     top.extra_ticks_i = p[kExtraTicks];
     top.hold_ticks_i = p[kHoldTicks];
+    top.mode_i = p[kMode];
+    top.min_pulse_i = p[kMinPulse];
     top.clocks_per_volt_i = p[kClocksPerVolt] & mask(WH_COEF_W);
     top.dead_clocks_i = p[kDeadClocks];
     top.compensate_i = p[kCompensate];

@@ -10,6 +10,7 @@ import numba
 import numpy as np
 
 from wavehaptics import formats
+from wavehaptics.bridge import SIGN_MAGNITUDE, UNIPOLAR
 
 _FRACTION = formats.DUTY.fraction
 _ONE = 1 << _FRACTION
@@ -41,23 +42,43 @@ def duty_of(voltage: int, clocks_per_volt: int) -> int:
 
 
 @numba.njit(cache=True)
-def half_width(state, duty: int, extra: int, half_clocks: int, second_order: bool) -> int:
+def half_width(
+    state,
+    duty: int,
+    extra: int,
+    half_clocks: int,
+    second_order: bool,
+    least: int = 0,
+    spare: int = 0,
+) -> int:
     """Half width in clocks of the coming half, for a ``duty`` in 2⁻¹⁶ and ``extra`` in 2⁻⁸ clocks.
 
     What the whole clocks leave over is owed to the next halves; what a clipped half can't give is
-    not.
+    not. A width below ``least`` clocks is 0 or ``least``; the largest is ``spare`` clocks less than
+    half of ``half_clocks``.
     """
     owed = 2 * state[REST] - state[OLDER] if second_order else state[REST]
     total = duty + (extra << _EXTRA_SHIFT) + owed
     magnitude = (abs(total) + _ONE // 2) >> _FRACTION
+    if magnitude < least:
+        magnitude = 0 if 2 * magnitude < least else least
     width = magnitude if total >= 0 else -magnitude
-    limit = half_clocks // 2
+    limit = half_clocks // 2 - spare
     state[OLDER] = state[REST]
     if abs(width) > limit:
         state[REST] = 0
         return limit if width > 0 else -limit
     state[REST] = total - width * _ONE
     return width
+
+
+def width_bounds(mode: str, min_pulse: int) -> tuple[int, int]:
+    """``least`` and ``spare`` of :func:`half_width` for legs that stay ``min_pulse`` clocks.
+
+    As ``rtl/wh_controller.v`` makes them for a mode of :mod:`wavehaptics.bridge`.
+    """
+    spare = (min_pulse + 1) // 2
+    return {UNIPOLAR: min_pulse, SIGN_MAGNITUDE: spare}.get(mode, 0), spare
 
 
 @numba.njit(cache=True)

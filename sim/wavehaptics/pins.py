@@ -27,9 +27,17 @@ from wavehaptics.adc_parts import (
     modulator_frame,
     plain_frame,
 )
-from wavehaptics.bridge import bridge_voltage
+from wavehaptics.bridge import (
+    HALF_BRIDGE,
+    LOCKED,
+    MODE_WORDS,
+    UNIPOLAR,
+    bridge_voltage,
+    half_bridge_voltage,
+)
 from wavehaptics.early import slope_fits
 from wavehaptics.hand import hand_path
+from wavehaptics.modulator import width_bounds
 from wavehaptics.native_call import call2
 from wavehaptics.pins_timing import (
     CENTRED_LEAD,
@@ -78,6 +86,7 @@ MOST_SAMPLES = 16
 
 FILTER_CLOCKS = 2
 MOST_DEAD_CLOCKS = 255
+MOST_MIN_PULSE = 255
 SETTLE_TICKS = 5
 """Ticks between two changes of side of the dead-time compensation, besides the scene's latency."""
 DELAY_LOG2 = 10
@@ -93,8 +102,8 @@ _AH, _AL, _BH, _BL, _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING = range(9)
 # Places in the loop's integer parameters.
 (
     _MODEL, _CLOCK, _WORDS, _TICK_CLOCKS, _CODE_SHIFT, _DATA_BITS, _U_MAX, _SUBSTEP_CLOCKS,
-    _LAUNCH_LEVEL, _PIPELINE, _OSR, _ANCHORED,
-) = range(12)  # fmt: skip
+    _LAUNCH_LEVEL, _PIPELINE, _OSR, _ANCHORED, _HALF_BRIDGE,
+) = range(13)  # fmt: skip
 # Places in the loop's float parameters.
 _DT, _CELL, _BUS, _GAIN, _K_T, _RESISTANCE, _ETA_CONTACT, _ETA_FREE, _ENCODER_END = range(9)
 # Places in the integers that the loop keeps.
@@ -134,6 +143,16 @@ class Timing:
     @property
     def tick_s(self) -> float:
         return self.tick_clocks / self.clock_hz
+
+
+def _mode(scene: Scene) -> str:
+    """How the scene's bridge switches."""
+    return scene.drive.mode if scene.drive else UNIPOLAR
+
+
+def _pulse_halves(scene: Scene) -> int:
+    """Carrier halves that one pulse takes, which a tick has a whole number of: ``wh_pwm``."""
+    return 1 if _mode(scene) == UNIPOLAR else 2
 
 
 def _whole_part(total: int, longest: int) -> int:
@@ -237,27 +256,39 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
     control, drive = scene.controller, scene.drive
     tick_hz = control.tick_hz
     pwm_hz = drive.pwm_hz if drive else None
-    if pwm_hz is not None and 2 * pwm_hz < tick_hz:
-        tick_hz = 2 * pwm_hz
-    halves = 1 if pwm_hz is None else max(1, round(2 * pwm_hz / tick_hz))
+    pulse_halves = _pulse_halves(scene)
+    pulse_hz = None if pwm_hz is None else 2 * pwm_hz / pulse_halves
+    if pulse_hz is not None and pulse_hz < tick_hz:
+        tick_hz = pulse_hz
+    pulses = 1 if pulse_hz is None else max(1, round(pulse_hz / tick_hz))
+    halves = pulses * pulse_halves
     try:
         tick_clocks, made = _tick_clocks(scene, tick_hz, halves, frame_at)
     except PartError as error:
         raise SceneError(f"{scene.scene.name}: adc.part: {error}; take another clock_hz") from None
     clock_hz = control.clock_hz if control.clock_hz is not None else tick_hz * tick_clocks
     if pwm_hz is None:
-        half_clocks = _whole_part(tick_clocks, max(SLOW_HALF_CLOCKS, MIN_TICK_CLOCKS))
-        if half_clocks < MIN_TICK_CLOCKS:
-            half_clocks = tick_clocks
+        if tick_clocks % pulse_halves:
+            raise SceneError(
+                f"{scene.scene.name}: drive.mode = {drive.mode} needs an even number of clocks in "
+                f"a tick, not {tick_clocks}; take another controller.clock_hz"
+            )
+        pulse_clocks = pulse_halves * _whole_part(
+            tick_clocks // pulse_halves, SLOW_HALF_CLOCKS // pulse_halves
+        )
+        if pulse_clocks < MIN_TICK_CLOCKS:
+            pulse_clocks = tick_clocks
     else:
-        if abs(halves * tick_hz / (2 * pwm_hz) - 1) > 0.01 or tick_clocks % halves:
+        if abs(pulses * tick_hz / pulse_hz - 1) > 0.01 or tick_clocks % halves:
+            twice = "twice pwm_hz" if pulse_halves == 1 else f"with mode = {drive.mode} pwm_hz"
             raise SceneError(
                 f"{scene.scene.name}: drive.pwm_hz = {pwm_hz:g} Hz doesn't fit "
                 f"controller.tick_hz = {control.tick_hz:g} Hz on `pins`; "
-                "twice pwm_hz must be slower than tick_hz, or a multiple of it that divides its "
-                f"{tick_clocks} clocks"
+                f"{twice} must be slower than tick_hz, or a multiple of it that divides its "
+                f"{tick_clocks} clocks{'' if pulse_halves == 1 else ', in two halves each'}"
             )
-        half_clocks = tick_clocks // halves
+        pulse_clocks = tick_clocks // pulses
+    half_clocks = pulse_clocks // pulse_halves
     limit = (1 << formats.TICK_W) - 1
     if tick_clocks > limit:
         raise SceneError(
@@ -274,7 +305,7 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
     sections = scene.shaper.sections if scene.shaper else 0
 
     # The scene's latency, or without one in it, as much as is needed.
-    lead = _sample_lead(made, (_dead_clocks(scene, clock_hz) + 1) // 2)
+    lead = _sample_lead(made, (_pulse_delay(scene, clock_hz, half_clocks) + 1) // 2)
     extra = control.extra_ticks
     early = control.early_duty
     if early:
@@ -287,7 +318,7 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
     # As many samples as the ADC can make and the latency allows, but each in the middle of
     # as many whole pulses as any other, or several within the only one. A modulator has its own
     # number, of words that follow each other.
-    parts = tick_clocks if tick_clocks == half_clocks else tick_clocks // half_clocks
+    parts = tick_clocks if tick_clocks == pulse_clocks else tick_clocks // pulse_clocks
     samples = next(
         n
         for n in range(most_samples, 0, -1)
@@ -326,10 +357,13 @@ def _catch_up(state, kept, sums, tables, floats, ints, load):
         part = min(clocks, ints[_SUBSTEP_CLOCKS])
         before = state[I]
         step_s = part * floats[_DT]
-        floating = kept[_PINS] & 3 == 0 or kept[_PINS] & 12 == 0
+        half_bridge = ints[_HALF_BRIDGE]
+        floating = kept[_PINS] & 3 == 0 or (kept[_PINS] & 12 == 0 and not half_bridge)
         if floating and before == 0.0:
             # The diodes of the open leg block: no current, and the voltage is the back-EMF.
             e = floats[_K_T] * state[OMEGA]
+        elif half_bridge:
+            e = floats[_GAIN] * half_bridge_voltage(kept[_PINS], before, floats[_BUS])
         else:
             e = floats[_GAIN] * bridge_voltage(kept[_PINS], before, floats[_BUS])
         charge, square = plant_step(state, tables[part], step_s, e, load)
@@ -508,18 +542,21 @@ def controller_ports(
     controller = scene.controller.model_copy(update={"extra_ticks": time.extra_ticks})
     scene = scene.model_copy(update={"controller": controller})
     dead = _dead_time_words(scene, time, bus_v)
-    # What the pulse is longer by, the voltage can't have.
-    lost = dead["dead_clocks"] / time.half_clocks if dead["compensate"] else 0.0
-    set_ = settings(scene, time.tick_s, cell_rad, bus_v * (1.0 - lost))
+    delay = _pulse_delay(scene, time.clock_hz, time.half_clocks)
+    reach_v = bus_v * (scene.drive.reach if scene.drive else 1.0)
+    shortest = _min_pulse(scene, time)
+    # What the pulse is longer by and what a leg's shortest pulse takes, the voltage can't have.
+    _, spare = width_bounds(_mode(scene), shortest)
+    lost = (dead["dead_clocks"] if dead["compensate"] else 0) + 2 * spare
+    set_ = settings(scene, time.tick_s, cell_rad, reach_v * (1.0 - lost / time.half_clocks))
     start_count = math.floor(hand_path(scene).x0 / set_.cell_rad)
     words = {
         "half_clocks": time.half_clocks,
         "tick_halves": time.tick_halves,
         "sample_clocks": time.sample_clocks,
         "samples": time.samples,
-        # Dead time delays the pulse by half of itself.
-        "sample_lead": _sample_lead(time.frame, dead["dead_clocks"] // 2),
-        "sample_late": 0 if time.frame.osr else dead["dead_clocks"] % 2,
+        "sample_lead": _sample_lead(time.frame, delay // 2),
+        "sample_late": 0 if time.frame.osr else delay % 2,
         **time.frame.words(),
         "trip": NEVER_TRIP,
         "zero": 0,
@@ -532,7 +569,9 @@ def controller_ports(
         "u_max": set_.u_max,
         "extra_ticks": set_.extra_ticks,
         "hold_ticks": time.hold_ticks,
-        "clocks_per_volt": formats.DUTY.to_raw(time.half_clocks / (2 * bus_v)),
+        "mode": MODE_WORDS[_mode(scene)],
+        "min_pulse": shortest,
+        "clocks_per_volt": formats.DUTY.to_raw(time.half_clocks / (2 * reach_v)),
         **dead,
         "second_order": 0,
     }
@@ -556,17 +595,58 @@ def _dead_clocks(scene: Scene, clock_hz: float) -> int:
     return clocks
 
 
+def _min_pulse(scene: Scene, time: Timing) -> int:
+    """Clocks that a leg stays, so that its gate is on for the scene's time after the dead time."""
+    if not scene.drive or not scene.drive.min_pulse_s:
+        return 0
+    # A part in 1e9 of a clock is the floats'.
+    clocks = math.ceil(scene.drive.min_pulse_s * time.clock_hz - 1e-9)
+    clocks += _dead_clocks(scene, time.clock_hz)
+    most = min(MOST_MIN_PULSE, time.half_clocks // 4)
+    if clocks > most:
+        raise SceneError(
+            f"{scene.scene.name}: drive.min_pulse_s = {scene.drive.min_pulse_s:g} s and the dead "
+            f"time are {clocks} clocks of `pins`, of which a carrier half of {time.half_clocks} "
+            f"has room for {most}; take a slower drive.pwm_hz or a shorter min_pulse_s"
+        )
+    return clocks
+
+
+def _pulse_delay(scene: Scene, clock_hz: float, half_clocks: int) -> int:
+    """How late the pulse's middle is, in half clocks.
+
+    Dead time delays it by half of itself. Where half the half is on at 0 V, an odd clock makes the
+    end of a period the longer one (``rtl/wh_pwm.v``).
+    """
+    odd = half_clocks % 2 if _mode(scene) in (LOCKED, HALF_BRIDGE) else 0
+    return _dead_clocks(scene, clock_hz) - odd
+
+
 def _dead_time_words(scene: Scene, time: Timing, bus_v: float) -> dict[str, int]:
     """Words of the dead time and of its compensation, ``rtl/wh_dead_time.v``."""
     clocks = _dead_clocks(scene, time.clock_hz)
+    compensate = clocks > 0 and scene.drive.compensate
+    if compensate and _mode(scene) != UNIPOLAR:
+        raise SceneError(
+            f"{scene.scene.name}: drive.compensate: what dead time takes depends on the ripple in "
+            f"the mode {scene.drive.mode}, and can't be made good; set drive.compensate = false or "
+            "take drive.mode = unipolar"
+        )
     # Half the current that one dead time's voltage changes.
     side_a = 0.5 * bus_v * clocks / time.clock_hz / scene.motor.L_h
     return {
         "dead_clocks": clocks,
-        "compensate": int(clocks > 0 and scene.drive.compensate),
+        "compensate": int(compensate),
         "side_current": formats.CURRENT.to_raw(min(side_a, 0.5 * formats.CURRENT.largest)),
         "settle_ticks": min(255, scene.controller.extra_ticks + SETTLE_TICKS),
     }
+
+
+def _bridge_parameters(words: dict[str, int]) -> dict[str, int]:
+    """Both in one build of the RTL, which takes longer than the run."""
+    if words["mode"] == MODE_WORDS[UNIPOLAR] and not words["min_pulse"]:
+        return {}
+    return {"MODES": 1, "MIN_PULSE": 1}
 
 
 class PinsSimulation:
@@ -608,6 +688,7 @@ class PinsSimulation:
                 "ADC": KINDS.index(time.frame.kind),
                 "ANCHOR": int(set_.anchored),
                 "SHAPER": len(set_.shaper.words),
+                **_bridge_parameters(ports.words),
                 **({"EARLY": 1} if time.early else {}),
                 **({"OSR": time.frame.osr} if time.frame.osr else {}),
                 **({"HOST": 1} if host else {}),
@@ -641,7 +722,7 @@ class PinsSimulation:
             [self._model, verilated.address(self._function("clock")),
              verilated.address(self._function("words")), time.tick_clocks,
              code_shift, sensor.bits, set_.u_max, longest, launch_level, time.frame.pipeline,
-             time.frame.osr, set_.anchored],
+             time.frame.osr, set_.anchored, _mode(scene) == HALF_BRIDGE],
             dtype=np.int64,
         )  # fmt: skip
         self._floats = np.array(

@@ -30,6 +30,7 @@ from pydantic_core import PydanticCustomError
 
 from wavehaptics import formats
 from wavehaptics.adc_parts import ALL_BITS
+from wavehaptics.bridge import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
 from wavehaptics.motors import PRESETS
 from wavehaptics.toml_source import KeyPath, TomlError, dotted, parse, parse_value
 
@@ -312,22 +313,32 @@ class Adc(_Table):
         return self.model_copy(update={"full_scale_a": full_scale_a})
 
 
+Mode = Literal["unipolar", "locked-anti-phase", "sign-magnitude", "half-bridge"]
+
+
 class Drive(_Table):
     """The bridge; without this table every voltage is reached, exactly."""
 
+    mode: Mode = _key(
+        "–",
+        "How the bridge of `pins` switches, see below",
+        UNIPOLAR,
+        default_text="`unipolar`",
+        range_text=", ".join(f"`{name}`" for name in MODE_WORDS),
+    )
     bus_v: float | None = _key(
         "V",
         "Bus voltage of the bridge",
         None,
-        default_text="smallest of 12, 24, 48 not below `limit_v`; 12 on `pins` without `limit_v`",
+        default_text="smallest of 12, 24, 48 to reach `limit_v`; 12 on `pins` without `limit_v`",
         ge=0.1,
         le=_VOLTAGE_MAX_V,
     )
     limit_v: float | None = _key(
         "V",
-        "Largest voltage either way, not above the bus",
+        "Largest voltage either way, not above the bus; of a half bridge, half the bus",
         None,
-        default_text="`bus_v` where given, else no limit",
+        default_text="what the bus reaches where `bus_v` is given, else no limit",
         ge=1e-3,
         le=_VOLTAGE_MAX_V,
     )
@@ -349,30 +360,39 @@ class Drive(_Table):
         default_text="true",
         range_text="true, false",
     )
+    min_pulse_s: float = _key(
+        "s", "Time that a gate of `pins` stays on at least; 0: any", 0.0, ge=0, le=1e-3
+    )
     gain_error: float = _key(
         "–", "The motor gets (1 + this) times the voltage asked for", 0.0, ge=-0.9, le=1
     )
+
+    @property
+    def reach(self) -> float:
+        """Largest voltage at the motor, in parts of the bus."""
+        return 0.5 if self.mode == HALF_BRIDGE else 1.0
 
     @model_validator(mode="wrap")
     @classmethod
     def _resolve(cls, data: Any, handler: ModelWrapValidatorHandler[Drive]) -> Drive:
         drive = handler(data)
-        bus_v, limit_v = drive.bus_v, drive.limit_v
+        bus_v, limit_v, reach = drive.bus_v, drive.limit_v, drive.reach
         if limit_v is None:
-            limit_v = bus_v
+            limit_v = None if bus_v is None else bus_v * reach
         elif bus_v is None:
-            bus_v = next((usual for usual in USUAL_BUSES_V if usual >= limit_v), None)
+            bus_v = next((usual for usual in USUAL_BUSES_V if usual * reach >= limit_v), None)
             if bus_v is None:
-                largest = USUAL_BUSES_V[-1]
+                largest = USUAL_BUSES_V[-1] * reach
                 _broken_rule(
                     f"drive.bus_v is missing and limit_v = {_number(limit_v)} is above "
-                    f"{largest:g} V, the largest default; give bus_v",
+                    f"{largest:g} V, the most with the largest default; give bus_v",
                     "limit_v",
                 )
-        elif limit_v > bus_v:
+        elif limit_v > bus_v * reach:
+            of = "" if reach == 1.0 else f"what a {drive.mode} has of "
             _broken_rule(
-                f"drive.limit_v = {_number(limit_v)} is above bus_v = {_number(bus_v)}; "
-                f"it may be at most {bus_v:g} V",
+                f"drive.limit_v = {_number(limit_v)} is above {of}bus_v = {_number(bus_v)}; "
+                f"it may be at most {bus_v * reach:g} V",
                 "limit_v",
                 "bus_v",
             )

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from wavehaptics import formats
 from wavehaptics.adc_parts import Part, frame
+from wavehaptics.bridge import MODE_WORDS, UNIPOLAR
 from wavehaptics.pins import Ports, controller_ports, natural_ticks
 from wavehaptics.pins_timing import CORE_CLOCKS, early_tick_clocks
 from wavehaptics.scene import Scene, SceneError
@@ -43,6 +44,8 @@ WIDTHS = {
     "u_max": formats.DATA_W,
     "extra_ticks": None,
     "hold_ticks": None,
+    "mode": formats.MODE_W,
+    "min_pulse": 8,
     "clocks_per_volt": formats.COEF_W,
     "dead_clocks": 8,
     "compensate": 1,
@@ -142,6 +145,8 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "",
         f"`define WH_BOARD_N {board.motors}",
         f"`define WH_BOARD_WALLS {len(board.walls)}",
+        f"`define WH_BOARD_MODES {int(board.words['mode'] != MODE_WORDS[UNIPOLAR])}",
+        f"`define WH_BOARD_SHORTEST {int(board.words['min_pulse'] > 0)}",
         f"`define WH_BOARD_DELAY_LOG2 {board.delay_log2}",
         f"`define WH_BOARD_EARLY {int(board.ports.timing.early)}",
         "",
