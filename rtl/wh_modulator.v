@@ -12,14 +12,14 @@
 // once a half, so what the clock is too coarse for in one half is made good in the next ones: the
 // sum of the widths stays within half a clock of the sum of the duties, or, with order 2, within
 // one. What a clipped half could not give is not owed to later ones, or it would wind up.
-// Everything is odd in the voltage. With MIN_PULSE = 1 a width below least_i is none, or least_i where
+// Everything is odd in the voltage. With MIN_PULSE = 1 a width below least_i is 0, or least_i where
 // that is nearer, and what it is off by is owed like any rest; spare_i keeps the pulses on the other
-// side of the half from getting too short. extra is what the bridge takes away (wh_dead_time): it is used
-// from the next half on.
+// side of the half from getting too short. extra is what the bridge takes away (wh_dead_time): it is
+// used from the next half on.
 //
-// A voltage becomes the pending duty, or with EARLY = 1 what wh_early has made of it; take_i, 4 clocks before the tick's last update_i, makes it
-// that of the tick to come. width_o belongs to the half that begins after update_i, and is ready 5
-// clocks after the update_i before.
+// A voltage becomes the pending duty, or with EARLY = 1 what wh_early has made of it; take_i, 4 clocks
+// before the tick's last update_i, makes it that of the tick to come. width_o belongs to the half
+// that begins after update_i, and is ready 5 clocks after the update_i before.
 // The product is made by a multiplier shared with other blocks (wh_multiply_shared), as in
 // wh_current; voltage_i holds from valid_i until grant_i.
 //
