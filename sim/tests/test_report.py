@@ -158,8 +158,6 @@ def test_parts_that_a_scene_needs_and_parts_that_it_does_not(tmp_path):
     assert alone["friction"] > 2 * error["golden, every part"]
     # The wall's edge is one of the encoder's, and the voltage stays below its limit.
     assert alone["encoder"] == alone["drive"] == error["golden, every part"]
-    cost = {m["model"]: m["cost_s_per_s"] for m in models}
-    assert cost["golden, every part"] < 0.2 * cost["pins, every part"]
     scenes = {"paper_taps": {"models": models, "recommended": "golden, every part"}}
     assert parts.show({"whole": models, "scenes": scenes}, tmp_path)
 
@@ -171,8 +169,8 @@ def test_ladder(tmp_path):
     assert rungs["golden"]["torque_error"] == rungs["core"]["torque_error"] < 5e-4
     assert rungs["core"]["torque_error"] < rungs["pins"]["torque_error"] < 5e-3
     assert max(p["stiffness_error"] for p in data["points"]) < 0.01
-    speeds = [rungs[name]["simulated_s_per_s"] for name in ("golden", "core", "pins")]
-    assert speeds == sorted(speeds, reverse=True)
+    assert all(p["simulated_s_per_s"] > 0 for p in data["points"])
+    assert [name for name, p in rungs.items() if p["cycles_per_s"]] == ["core", "pins"]
     assert ladder.show(data, tmp_path)
 
 
