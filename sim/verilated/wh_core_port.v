@@ -57,6 +57,10 @@ module wh_core_port #(
     wire signed [DATA_W-1:0] wave;
     wire                     touching = contact_i && !pulled_o;
 
+    wire [DATA_W-1:0] newest_u;
+    wire [DATA_W-1:0] next_u;
+    wire              unused_ahead = &{1'b0, newest_u, next_u};
+
     wh_wave_core #(
         .N             (1),
         .DELAY_LOG2    (DELAY_LOG2),
@@ -82,7 +86,9 @@ module wh_core_port #(
         .voltage_o     (voltage_o),
         .u_o           (u_o),
         .v_o           (v_o),
-        .saturated_o   (saturated)
+        .saturated_o   (saturated),
+        .newest_u_o    (newest_u),
+        .next_u_o      (next_u)
     );
 
     generate
