@@ -91,7 +91,9 @@ module bench_wave_core #(
         .voltage_o     (voltage),
         .u_o           (u),
         .v_o           (v),
-        .saturated_o   (saturated)
+        .saturated_o   (saturated),
+        .newest_u_o    (),
+        .next_u_o      ()
     );
 
     integer    tick;
