@@ -23,7 +23,7 @@ from tb_modulator import Model as Modulator
 from tb_quadrature import levels
 from wavehaptics import formats, golden
 from wavehaptics.adc_parts import KINDS, PARTS, Frame, Part, frame
-from wavehaptics.bridge import HALF_BRIDGE, LOCKED, MODE_WORDS, SIGN_MAGNITUDE, UNIPOLAR
+from wavehaptics.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, SIGN_MAGNITUDE, UNIPOLAR
 from wavehaptics.early import prepare
 from wavehaptics.modulator import duty_of, width_bounds
 from wavehaptics.pins_timing import CENTRED_LEAD, GATE_CLOCKS, HOLD_CLOCKS, latency_clocks

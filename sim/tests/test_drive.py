@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from wavehaptics import formats
-from wavehaptics.bridge import MODE_WORDS, UNIPOLAR
+from wavehaptics.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.pins import controller_ports
 from wavehaptics.run import run_scene
 from wavehaptics.scene import SCENES_DIR, SceneError, load_scene

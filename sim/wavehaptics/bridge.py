@@ -5,21 +5,6 @@ from __future__ import annotations
 
 import numba
 
-from wavehaptics import formats
-
-UNIPOLAR = "unipolar"
-LOCKED = "locked-anti-phase"
-SIGN_MAGNITUDE = "sign-magnitude"
-HALF_BRIDGE = "half-bridge"
-
-MODE_WORDS = {
-    UNIPOLAR: formats.HEADER_VALUES["MODE_UNIPOLAR"],
-    LOCKED: formats.HEADER_VALUES["MODE_LOCKED"],
-    SIGN_MAGNITUDE: formats.HEADER_VALUES["MODE_SIGN_MAGNITUDE"],
-    HALF_BRIDGE: formats.HEADER_VALUES["MODE_HALF_BRIDGE"],
-}
-"""Switching patterns by their names in a scene, and their words (``rtl/wh_pwm.v``)."""
-
 GATE_AH, GATE_AL, GATE_BH, GATE_BL = 1, 2, 4, 8
 """Bits of the gates of legs A and B, high and low side."""
 GATES = GATE_AH | GATE_AL | GATE_BH | GATE_BL

@@ -10,7 +10,7 @@ import numba
 import numpy as np
 
 from wavehaptics import formats
-from wavehaptics.bridge import SIGN_MAGNITUDE, UNIPOLAR
+from wavehaptics.bridge_modes import SIGN_MAGNITUDE, UNIPOLAR
 
 _FRACTION = formats.DUTY.fraction
 _ONE = 1 << _FRACTION

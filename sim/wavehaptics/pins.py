@@ -27,14 +27,8 @@ from wavehaptics.adc_parts import (
     modulator_frame,
     plain_frame,
 )
-from wavehaptics.bridge import (
-    HALF_BRIDGE,
-    LOCKED,
-    MODE_WORDS,
-    UNIPOLAR,
-    bridge_voltage,
-    half_bridge_voltage,
-)
+from wavehaptics.bridge import bridge_voltage, half_bridge_voltage
+from wavehaptics.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, UNIPOLAR
 from wavehaptics.early import slope_fits
 from wavehaptics.hand import hand_path
 from wavehaptics.modulator import width_bounds

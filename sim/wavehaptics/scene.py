@@ -30,7 +30,7 @@ from pydantic_core import PydanticCustomError
 
 from wavehaptics import formats
 from wavehaptics.adc_parts import ALL_BITS
-from wavehaptics.bridge import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
+from wavehaptics.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
 from wavehaptics.motors import PRESETS
 from wavehaptics.toml_source import KeyPath, TomlError, dotted, parse, parse_value
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from wavehaptics import formats
 from wavehaptics.adc_parts import Part, frame
-from wavehaptics.bridge import MODE_WORDS, UNIPOLAR
+from wavehaptics.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.pins import Ports, controller_ports, natural_ticks
 from wavehaptics.pins_timing import CORE_CLOCKS, early_tick_clocks
 from wavehaptics.scene import Scene, SceneError
