@@ -80,17 +80,18 @@ def measure(
     trace: TraceWriter | None = None,
     progress: Callable[[float], None] | None = None,
     simulation: Simulation | None = None,
+    compare: bool = True,
 ) -> dict[str, Any]:
     """Metrics of a scene on a controller; nothing is written but into ``trace``, if there is one.
 
     ``simulation`` is the controller's, where it isn't the one that the scene makes by itself.
 
-    The analog circuit runs beside it, on the same ticks, as the reference. ``progress`` is called
-    with the part done, 0 to 1. ``wall_clock_s`` is the time that the controller and its motor took,
-    without compiling, the reference and the files.
+    The analog circuit runs beside it, on the same ticks, as the reference, unless ``compare`` is
+    false. ``progress`` is called with the part done, 0 to 1. ``wall_clock_s`` is the time that the
+    controller and its motor took, without compiling, the reference and the files.
     """
     simulation = simulation or CONTROLLERS[controller](scene)
-    return _measure(scene, controller, simulation, trace, progress)
+    return _measure(scene, controller, simulation, trace, progress, compare)
 
 
 def _measure(
@@ -99,12 +100,13 @@ def _measure(
     simulation: Simulation,
     trace: TraceWriter | None,
     progress: Callable[[float], None] | None,
+    compare: bool = True,
 ) -> dict[str, Any]:
     set_, tick_s = simulation.settings, simulation.tick_s
     ticks = _ticks(scene, tick_s)
     reference = None
     # The analog circuit has no W: it would be another environment.
-    if controller != "analog" and scene.shaper is None:
+    if compare and controller != "analog" and scene.shaper is None:
         reference = AnalogSimulation(scene, tick_s, set_.cell_rad)
     edges = zip(set_.wall_min * set_.cell_rad, set_.wall_max * set_.cell_rad, strict=True)
     metrics = Metrics(
