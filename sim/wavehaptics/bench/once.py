@@ -29,7 +29,8 @@ from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.trace import Column, Word
 
 SCENE = "paper_taps"
-DURATIONS_S = {"analog": 0.5, "golden": 2.0, "core": 0.2, "pins": 0.1, "encoder": 2.0}
+DURATIONS_S = {"analog": 0.5, "golden": 2.0, "core": 0.2, "pins": 0.2, "encoder": 2.0}
+"""Long enough to press into the wall, or the error would be that of no torque."""
 SHORT_S = 0.05
 CLOCKS = 2_000_000
 
