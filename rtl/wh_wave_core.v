@@ -15,8 +15,9 @@
 // newest u that is in the line when the step starts. hold_ticks_i is the age of the u that this
 // step puts out, seen from the one that it computes: 0 puts that one out at once.
 //
-// Latency: 24 clocks a port, and 5 for each section of W; valid_o comes so many times N after start_i. The next start_i may come
-// together with valid_o. A start_i while busy is ignored, and overrun_o tells of it until reset.
+// Latency: 24 clocks a port, and 5 for each section of W; valid_o comes so many times N after
+// start_i. The next start_i may come together with valid_o. A start_i while busy is ignored, and
+// overrun_o tells of it until reset.
 // All other inputs are held from start_i until valid_o; a port's are read during its own turn. The
 // outputs hold from valid_o to the next start_i.
 // Reset: f = 0, the delay line reads as 0 until it has been filled, outputs 0, a step in progress
