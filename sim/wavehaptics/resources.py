@@ -40,8 +40,12 @@ OPTIONS: tuple[Mapping[str, int], ...] = (
     {"SHAPER": 1},
     {"SHAPER": 2},
     {"DEAD_TIME": 0},
+    {"EARLY": 1},
+    {"MODES": 1},
+    {"MIN_PULSE": 1},
     {"ANCHOR": 1},
     {"HOST": 1},
+    {"GUARD": 1},
 )
 """Parameters of ``wh_controller``, a line of the table each; the first line is the defaults."""
 
