@@ -18,17 +18,16 @@ from typing import Any
 
 import numpy as np
 
-from wavehaptics.boards import ROOT
 from wavehaptics.metrics import write_metrics
 from wavehaptics.motors import PRESETS
 from wavehaptics.report import figures
+from wavehaptics.report.anchoring import R_OHM, bounce_map
 from wavehaptics.report.readme import HOLDING_PICTURES
-from wavehaptics.report.runs import load
+from wavehaptics.report.runs import STORE, load
 from wavehaptics.run import CONTROLLERS, measure, stiffness_predicted
 from wavehaptics.sweeps import Task, sweep
 from wavehaptics.trace import TraceWriter, load_trace
 
-STORE = ROOT / "build" / "sweeps"
 SIGNS = tuple(itertools.product((1, -1), repeat=3))
 """Signs of the errors of R̂ (10 %), gain (5 %) and zero (2 mA); the shipped scene has the first."""
 CORE_SIGNS = ((1, 1, 1), (-1, -1, -1))
@@ -37,19 +36,19 @@ PINS_S = 2.0
 PARTS = (0.9, 0.95, 1.0, 1.05, 1.1)
 GAINS = (-0.05, 0.0, 0.05)
 SPEEDS = (1.0, 3.0, 10.0, 30.0)
+OFF = "controller.anchor_auto=false"
 CURES = {
     "with the anchor": (),
     "without the release rule": ("controller.release_ohm=0",),
-    "without the anchor": ("controller.anchor_auto=false",),
+    "without the anchor": (OFF,),
 }
-OFF = "controller.anchor_auto=false"
 
 
 def hold(controller: str, signs: list[int], settings: list[str]) -> dict[str, Any]:
     """Metrics of ``held_wall`` with errors of these signs."""
     r_hat, gain, zero = signs
     scene = load("held_wall", [
-        f"controller.r_hat={2.18 * (1 + 0.1 * r_hat)}", f"drive.gain_error={0.05 * gain}",
+        f"controller.r_hat={R_OHM * (1 + 0.1 * r_hat)}", f"drive.gain_error={0.05 * gain}",
         f"adc.offset_a={2e-3 * zero}", *settings,
     ])  # fmt: skip
     metrics = measure(scene, controller, compare=False)
@@ -174,15 +173,7 @@ def _draw_bounces(runs: list[dict[str, Any]], path: Path) -> None:
     figure, axes = figures.panels(len(runs), 3.2)
     image = None
     for ax, run in zip(axes, runs, strict=True):
-        grid = np.full((len(SPEEDS), len(PARTS)), np.nan)
-        for row, column in np.ndindex(grid.shape):
-            backs = [
-                p["restitution"] for p in run["points"]
-                if (p["speed"], p["part"]) == (SPEEDS[row], PARTS[column])
-                and p["restitution"] is not None
-            ]  # fmt: skip
-            grid[row, column] = max(backs, default=np.nan)
-        image = figures.value_map(ax, grid, SPEEDS, PARTS)
+        image = bounce_map(ax, run["points"])
         figures.label(ax, "R̂ over R", "speed of the hit, rad/s", run["cure"])
     figure.colorbar(image, ax=axes, shrink=0.85, label="speed out over speed in")
     figures.save(figure, path)

@@ -116,13 +116,15 @@ def gather(tasks: list[Task], results: list[Any]) -> dict[str, Any]:
     }
 
 
-def _map(ax: Any, points: list[dict[str, Any]]) -> Any:
+def bounce_map(ax: Any, points: list[dict[str, Any]]) -> Any:
+    """Map of the largest ``restitution`` at each ``speed`` and ``part`` of ``points``."""
     speeds = sorted({p["speed"] for p in points})
     parts = sorted({p["part"] for p in points})
     grid = np.full((len(speeds), len(parts)), np.nan)
     for p in points:
         if p["restitution"] is not None:
-            grid[speeds.index(p["speed"]), parts.index(p["part"])] = p["restitution"]
+            place = speeds.index(p["speed"]), parts.index(p["part"])
+            grid[place] = np.fmax(grid[place], p["restitution"])
     return figures.value_map(ax, grid, speeds, parts)
 
 
@@ -145,7 +147,7 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
 
     figure, axes = figures.panels(2, 3.4)
     for ax, cured in zip(axes, (False, True), strict=True):
-        image = _map(ax, [p for p in data["bounces"] if p["cured"] == cured])
+        image = bounce_map(ax, [p for p in data["bounces"] if p["cured"] == cured])
         title = "with anchor, release and tracking" if cured else "without"
         figures.label(ax, "R̂ over R", "speed of the hit, rad/s", title)
     figure.colorbar(image, ax=axes, shrink=0.85, label="speed out over speed in")

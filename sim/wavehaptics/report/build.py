@@ -12,7 +12,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from wavehaptics.boards import ROOT
 from wavehaptics.metrics import write_metrics
 from wavehaptics.report import (
     anchoring,
@@ -30,6 +29,7 @@ from wavehaptics.report import (
     widths,
 )
 from wavehaptics.report.page import render
+from wavehaptics.report.runs import STORE
 from wavehaptics.sweeps import sweep
 
 SECTIONS: tuple[ModuleType, ...] = (
@@ -51,9 +51,6 @@ SECTIONS: tuple[ModuleType, ...] = (
 
 TIMED: tuple[ModuleType, ...] = (rates, converters, ladder, parts, integrators)
 """Sections that compare times: nothing else runs beside their tasks."""
-
-STORE = ROOT / "build" / "sweeps"
-"""Where finished tasks are kept, so that an interrupted report goes on."""
 
 TITLE = "Wave haptics on an FPGA: speed against error, hard cases, and the usual way beside it"
 

@@ -5,9 +5,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from wavehaptics.boards import ROOT
 from wavehaptics.run import measure
 from wavehaptics.scene import Scene, find_scene, load_scene
 from wavehaptics.sweeps import Task
+
+STORE = ROOT / "build" / "sweeps"
+"""Where finished tasks are kept, so that an interrupted report goes on."""
 
 FIRST_CONTACT_S = 0.26
 """Up to the deepest point of the first contact of the paper's taps: enough for a stiffness."""
