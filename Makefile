@@ -120,6 +120,10 @@ LINT_CASES := \
     wh_pwm,-GMODES=1 \
     wh_modulator,-GMIN_PULSE=1 \
     wh_controller,-GN=3,-GMODES=1,-GMIN_PULSE=1 \
+    wh_bus_scale,-GN=3 \
+    wh_bus_scale,-DWH_DATA_W=28,-DWH_COEF_W=24 \
+    wh_controller,-GN=3,-GBUS=1,-GMODES=1 \
+    wh_controller,-GANCHOR=1,-GEARLY=1,-GBUS=1,-GGUARD=1 \
     wh_zero,-GLOG2_TICKS=16 \
     wh_controller,-GN=3,-GADC=1 \
     wh_controller,-GN=3,-GSHAPER=2 \

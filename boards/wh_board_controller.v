@@ -211,6 +211,7 @@ module wh_board_controller #(
         .mode_i             (`WH_BOARD_MODE),
         .min_pulse_i        (`WH_BOARD_MIN_PULSE),
         .clocks_per_volt_i  (`WH_BOARD_CLOCKS_PER_VOLT),
+        .bus_share_i        (`WH_BOARD_BUS_SHARE),
         .dead_clocks_i      (`WH_BOARD_DEAD_CLOCKS),
         .guard_i            ({`WH_GUARD_W{1'b0}}),
         .clear_i            (1'b0),

@@ -56,6 +56,7 @@ module bench_closed_loop #(
     reg  [`WH_MODE_W-1:0]        mode = 0;
     reg  [7:0]                   min_pulse = 0;
     reg  [`WH_COEF_W-1:0]        clocks_per_volt = 0;
+    reg  [`WH_COEF_W-1:0]        bus_share = 0;
     reg  [7:0]                   dead_clocks = 0;
     reg                          compensate = 1'b0;
     reg  [`WH_DATA_W-1:0]        side_current = 0;
@@ -110,7 +111,7 @@ module bench_closed_loop #(
         .root_i(root), .a_i(a), .u_max_i(u_max), .anchor_words_i({`WH_ANCHOR_W{1'b0}}),
         .extra_ticks_i(extra_ticks), .hold_ticks_i(hold_ticks),
         .mode_i(mode), .min_pulse_i(min_pulse), .clocks_per_volt_i(clocks_per_volt),
-        .dead_clocks_i(dead_clocks), .compensate_i(compensate), .side_current_i(side_current),
+        .bus_share_i(bus_share), .dead_clocks_i(dead_clocks), .compensate_i(compensate), .side_current_i(side_current),
         .settle_ticks_i(settle_ticks), .second_order_i(second_order),
         .guard_i(0), .clear_i(1'b0), .stop_i(1'b0), .driver_fault_i(1'b0), .host_alive_i(1'b0),
         .bus_i(16'd0), .anchor_fault_i(1'b0), .faults_o(), .running_o(),

@@ -21,7 +21,7 @@ from bench import Bench, pack, random_source, unpack
 from simulators import parameters
 from tb_modulator import Model as Modulator
 from tb_quadrature import levels
-from wavehaptics import formats, golden
+from wavehaptics import bus_scale, formats, golden
 from wavehaptics.adc_parts import KINDS, PARTS, Frame, Part, frame
 from wavehaptics.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, SIGN_MAGNITUDE, UNIPOLAR
 from wavehaptics.early import prepare
@@ -35,6 +35,7 @@ DELAY_LOG2 = parameters().get("DELAY_LOG2", 2)
 SENSE = parameters().get("SENSE", 0)
 MODES = parameters().get("MODES", 0)
 MIN_PULSE = parameters().get("MIN_PULSE", 0)
+BUS = parameters().get("BUS", 0)
 KIND = KINDS[parameters().get("ADC", 0)]
 EARLY = parameters().get("EARLY", 0)
 SHAPER = parameters().get("SHAPER", 0)
@@ -50,6 +51,8 @@ PART = PARTS["MAX11125" if KIND == "command" else "AD7276"]
 PART_FRAME = frame(PART, CLOCK_HZ)
 MID_CODE = 1 << (PART.bits - 1)
 BUS_V = 24.0
+BUS_FOR_LIMIT_V = 20.0
+"""Bus that u_max takes, BUS = 1."""
 MOTOR_OHM = 2.18
 FULL_SCALE_A = 8.0
 
@@ -94,6 +97,8 @@ class Settings:
     range_word: int = 0xFFFF
     stuck_words: int = 0
     zero_limit: int = 0
+    bus: int = bus_scale.bus_word(BUS_V)
+    bus_share: int = bus_scale.bus_share_word(BUS_FOR_LIMIT_V, 1.0)
     part: Part = PART
     frame: Frame = PART_FRAME
     ports: list[PortSettings] = field(default_factory=lambda: [PortSettings() for _ in range(N)])
@@ -116,7 +121,16 @@ class Settings:
         return formats.GAIN.to_raw(self.ports[port].gain_a / ((1 << 15) * self.samples))
 
     def clocks_per_volt(self, port: int) -> int:
+        if BUS:
+            half_bridge = self.mode == HALF_BRIDGE
+            return bus_scale.clocks_per_volt(self.half_clocks, self.bus, half_bridge)
         return formats.DUTY.to_raw(self.half_clocks / (2 * BUS_V))
+
+    def u_max(self, port: int) -> int:
+        u_max = self.ports[port].u_max
+        if BUS:
+            return bus_scale.limited(u_max, bus_scale.share(self.bus, self.bus_share))
+        return u_max
 
     def inputs(self) -> dict[str, int]:
         """The controller's inputs, as words."""
@@ -160,6 +174,8 @@ class Settings:
             "mode_i": MODE_WORDS[self.mode],
             "min_pulse_i": self.min_pulse,
             "clocks_per_volt_i": each(self.clocks_per_volt, formats.COEF_W),
+            "bus_i": self.bus,
+            "bus_share_i": self.bus_share,
             "dead_clocks_i": self.dead_clocks,
             "compensate_i": 0,
             "side_current_i": 0,
@@ -345,14 +361,14 @@ class ControllerBench(Bench):
             eta = port.eta_contact if step.contact[n] else port.eta_free
             assert step.u[n] == waves[-1 - settings.extra_ticks]
             ready = prepare(
-                waves[-1], step.u[n], port.u_max, port.root, port.a, settings.gain(n),
+                waves[-1], step.u[n], settings.u_max(n), port.root, port.a, settings.gain(n),
                 settings.clocks_per_volt(n), eta, 0,
             )  # fmt: skip
             duties.append(ready.duty(sums[n]))
             goal = golden.saturate.py_func(golden.truncate.py_func(eta * step.v[n], _ETA_Q))
             error = golden.truncate.py_func((goal << _GUARD) - f, _GUARD)
             f += golden.truncate.py_func(port.a * golden.saturate.py_func(error), _A_SHIFT)
-            limit = port.u_max << _GUARD
+            limit = settings.u_max(n) << _GUARD
             f = min(max(f, -limit), limit)
             waves.append(golden.truncate.py_func(f, _GUARD))
         return duties
@@ -369,7 +385,7 @@ class ControllerBench(Bench):
                 assert step.current[n] == words[n]
                 eta = port.eta_contact if step.contact[n] else port.eta_free
                 e, u, v = golden.wave_core_step.py_func(
-                    state, line, words[n], eta, 0, port.root, port.a, port.u_max,
+                    state, line, words[n], eta, 0, port.root, port.a, settings.u_max(n),
                     settings.extra_ticks, settings.hold_ticks,
                 )  # fmt: skip
                 assert (step.voltage[n], step.u[n], step.v[n]) == (e, u, v)
@@ -500,6 +516,33 @@ async def open_loop_equals_the_models(dut: object) -> None:
     assert pulses > 150
     assert contacts > 30
     assert moves > 100
+    assert saturated > 10
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms", skip=not BUS)
+async def the_measured_bus_scales_the_pulse_and_the_limit(dut: object) -> None:
+    """Each bus gives the same volts with another pulse, and bounds u by what it reaches."""
+    bench = ControllerBench(dut)
+    rng = random_source("bus")
+    saturated = pulses = 0
+    for bus_v in (5.0, 15.0, 40.0):
+        settings = random_settings(rng)
+        for port in settings.ports:
+            port.zero = 0
+        bench.codes = [MID_CODE] * N
+        await bench.begin(settings)
+        # Without a current there is nothing to scale until the bus is known.
+        settings.bus = bus_scale.bus_word(bus_v)
+        bench.drive(bus_i=settings.bus)
+        await bench.run(140)
+        for _ in range(60):
+            bench.codes = [random_code(rng) for _ in range(N)]
+            shown = [await bench.clock() for _ in range(settings.tick_clocks)]
+            saturated += sum(sum(step.saturated) for step in shown if step)
+        bench.check_steps()
+        pulses += bench.check_pulses()
+        assert not bench.word("overrun_o")
+    assert pulses > 150
     assert saturated > 10
 
 

@@ -9,6 +9,9 @@ from simulators import SimulationError, simulate
     ("toplevel", "parameters", "defines", "message"),
     [
         ("wh_controller", {"N": 9}, {}, "controller_n_must_be_1_to_8"),
+        ("wh_controller", {"BUS": 2}, {}, "controller_bus_must_be_0_or_1"),
+        ("wh_bus_scale", {"N": 0}, {}, "bus_scale_n_must_be_1_to_8"),
+        ("wh_bus_scale", {}, {"WH_COEF_W": 18}, "WH_COEF_W_too_small_for_a_bus"),
         ("wh_modulator", {"MIN_PULSE": 2}, {}, "modulator_min_pulse_must_be_0_or_1"),
         ("wh_pwm", {"MODES": 2}, {}, "pwm_modes_must_be_0_or_1"),
         ("wh_contact", {"WALLS": 17}, {}, "contact_walls_must_be_1_to_16"),

@@ -42,6 +42,7 @@ module wh_controller #(
     parameter integer EARLY      = 0,  // 1: wh_early makes the duty; SHAPER and hold_ticks_i are 0
     parameter integer MODES      = 0,  // 1: mode_i chooses the bridge's pattern; 0: unipolar
     parameter integer MIN_PULSE  = 0,  // 1: min_pulse_i counts; 0: pulses may be of one clock
+    parameter integer BUS        = 0,  // 1: bus_i scales the drive; 0: clocks_per_volt_i does
     parameter integer HOST       = 0,  // 1: a computer can have the environment (wh_host_link)
     parameter integer ANCHOR     = 0,  // 1: the encoder holds the walls (wh_anchor)
     parameter integer GUARD      = 0,  // 1: wh_guard watches; 0: its inputs mean nothing
@@ -133,12 +134,15 @@ module wh_controller #(
     input  wire [`WH_MODE_W-1:0]        mode_i,              // WH_MODE_...; but for unipolar,
                                                              // tick_halves_i is even
     input  wire [7:0]                   min_pulse_i,         // clocks that a leg stays, or more
-    input  wire [N*`WH_COEF_W-1:0]      clocks_per_volt_i,   // s27q16 clocks/V
+    input  wire [N*`WH_COEF_W-1:0]      clocks_per_volt_i,   // s27q16 clocks/V; BUS = 1: at first
+    input  wire [`WH_COEF_W-1:0]        bus_share_i,         // s27q24 1/V, BUS = 1 (wh_bus_scale)
     input  wire [7:0]                   dead_clocks_i,       // clocks
     input  wire                         compensate_i,        // the dead time
     input  wire [N*`WH_DATA_W-1:0]      side_current_i,      // s31q24 A, 0...: where it has a side
     input  wire [7:0]                   settle_ticks_i,      // ticks between its changes of side
     input  wire                         second_order_i,      // error feedback of order 2
+
+    input  wire [`WH_BUS_W-1:0]         bus_i,               // u16q9 V, for the guard as well
 
     // Guard (wh_guard; wh_faults.vh has the fields and the faults).
     input  wire [`WH_GUARD_W-1:0]       guard_i,             // its settings
@@ -146,7 +150,6 @@ module wh_controller #(
     input  wire                         stop_i,              // pin, asynchronous
     input  wire [N-1:0]                 driver_fault_i,      // pins, asynchronous
     input  wire                         host_alive_i,        // strobe
-    input  wire [15:0]                  bus_i,               // u16q9 V
     input  wire [N-1:0]                 anchor_fault_i,
     output wire [`WH_FAULTS-1:0]        faults_o,            // latched
     output wire                         running_o,           // the bridges are on
@@ -192,6 +195,9 @@ module wh_controller #(
         end
         if ((EARLY != 0 && EARLY != 1) || (EARLY == 1 && SHAPER != 0)) begin : illegal_early
             wh_illegal_parameter_controller_early_must_be_0_or_1_and_0_with_a_shaper stop ();
+        end
+        if (BUS != 0 && BUS != 1) begin : illegal_bus
+            wh_illegal_parameter_controller_bus_must_be_0_or_1 stop ();
         end
         if (GUARD != 0 && GUARD != 1) begin : illegal_guard
             wh_illegal_parameter_controller_guard_must_be_0_or_1 stop ();
@@ -377,7 +383,11 @@ module wh_controller #(
     wire [N*DATA_W-1:0] wave;         // the anchor's
     wire [N*DATA_W-1:0] outside;      // what joins the core's goal
     wire [N*COEF_W-1:0] root;
-    wire [N*DATA_W-1:0] u_max;
+    wire [N*DATA_W-1:0] u_max_set;    // of the settings or the anchor
+    wire [N*DATA_W-1:0] u_max;        // and what the bus leaves of it
+    wire [N*COEF_W-1:0] clocks_per_volt;
+    wire [N-1:0]        u_max_fresh;
+    wire [N-1:0]        u_max_late;
     wire [N-1:0]        anchor_overrun;
     wire [2*N-1:0]      shape_mode;
     wire [N*DATA_W-1:0] host_u;
@@ -430,6 +440,35 @@ module wh_controller #(
         end else begin : unipolar
             assign half_bridge = 1'b0;
             assign whole       = 1'b0;
+        end
+    endgenerate
+
+    // ---- What the measured bus changes.
+
+    generate
+        if (BUS == 1) begin : measured_bus
+            wh_bus_scale #(
+                .N                 (N)
+            ) bus_scale (
+                .clk               (clk),
+                .rst               (rst),
+                .half_clocks_i     (half_clocks_i),
+                .half_bridge_i     (half_bridge),
+                .bus_i             (bus_i),
+                .bus_share_i       (bus_share_i),
+                .clocks_per_volt_i (clocks_per_volt_i),
+                .clocks_per_volt_o (clocks_per_volt),
+                .fresh_i           (u_max_fresh),
+                .u_max_i           (u_max_set),
+                .u_max_o           (u_max),
+                .busy_o            (u_max_late)
+            );
+        end else begin : known_bus
+            wire unused_bus = &{1'b0, bus_i, bus_share_i, u_max_fresh};
+
+            assign clocks_per_volt = clocks_per_volt_i;
+            assign u_max           = u_max_set;
+            assign u_max_late      = {N{1'b0}};
         end
     endgenerate
 
@@ -677,7 +716,7 @@ module wh_controller #(
                     .product_i     (product),
                     .wave_o        (anchor_wave),
                     .root_o        (root[n*COEF_W +: COEF_W]),
-                    .limit_o       (u_max[n*DATA_W +: DATA_W]),
+                    .limit_o       (u_max_set[n*DATA_W +: DATA_W]),
                     .pulled_o      (pulled),
                     .tracked_o     (root_o[n*COEF_W +: COEF_W]),
                     .fault_o       (anchor_fault_o[n])
@@ -688,6 +727,15 @@ module wh_controller #(
                                                    : $signed(eta_free_i[n*COEF_W +: COEF_W]);
                 assign wave[n*DATA_W +: DATA_W] = contact_o[n] ? anchor_wave : {DATA_W{1'b0}};
 
+                // The anchor's words are new when it has come to rest.
+                reg anchor_busy_q;
+
+                always @(posedge clk) begin
+                    anchor_busy_q <= anchor_busy && !drive_rst;
+                end
+
+                assign u_max_fresh[n] = anchor_busy_q && !anchor_busy;
+
                 wire unused_settings = &{1'b0, root_i[n*COEF_W +: COEF_W],
                                          u_max_i[n*DATA_W +: DATA_W]};
             end else begin : held_by_nothing
@@ -696,7 +744,8 @@ module wh_controller #(
                 assign wave[n*DATA_W +: DATA_W] = {DATA_W{1'b0}};
                 assign root[n*COEF_W +: COEF_W]   = root_i[n*COEF_W +: COEF_W];
                 assign root_o[n*COEF_W +: COEF_W] = root_i[n*COEF_W +: COEF_W];
-                assign u_max[n*DATA_W +: DATA_W]  = u_max_i[n*DATA_W +: DATA_W];
+                assign u_max_set[n*DATA_W +: DATA_W] = u_max_i[n*DATA_W +: DATA_W];
+                assign u_max_fresh[n]           = 1'b0;
                 assign anchor_busy              = 1'b0;
                 assign anchor_overrun[n]        = 1'b0;
                 assign anchor_fault_o[n]        = 1'b0;
@@ -728,14 +777,14 @@ module wh_controller #(
                     .word_valid_i      (adc_valid),
                     .word_first_i      (adc_first),
                     .samples_i         (samples_i),
-                    .busy_i            (core_start || core_busy || anchor_busy),
+                    .busy_i            (core_start || core_busy || anchor_busy || u_max_late[n]),
                     .f_i               (newest_u[n*DATA_W +: DATA_W]),
                     .u_n_i             (next_u[n*DATA_W +: DATA_W]),
                     .u_max_i           (u_max[n*DATA_W +: DATA_W]),
                     .root_i            (root[n*COEF_W +: COEF_W]),
                     .a_i               (a_i[n*COEF_W +: COEF_W]),
                     .gain_i            (gain_i[n*COEF_W +: COEF_W]),
-                    .clocks_per_volt_i (clocks_per_volt_i[n*COEF_W +: COEF_W]),
+                    .clocks_per_volt_i (clocks_per_volt[n*COEF_W +: COEF_W]),
                     .eta_i             (present_eta),
                     .wave_i            (present_outside),
                     .eta_o             (eta[n*COEF_W +: COEF_W]),
@@ -747,8 +796,8 @@ module wh_controller #(
                     .overrun_o         (early_overrun[n])
                 );
             end else begin : in_turn
-                wire unused_early = &{1'b0, anchor_busy, newest_u[n*DATA_W +: DATA_W],
-                                      next_u[n*DATA_W +: DATA_W]};
+                wire unused_early = &{1'b0, anchor_busy, u_max_late[n],
+                                      newest_u[n*DATA_W +: DATA_W], next_u[n*DATA_W +: DATA_W]};
 
                 assign outside[n*DATA_W +: DATA_W] = present_outside;
                 assign eta[n*COEF_W +: COEF_W]     = present_eta;
@@ -821,7 +870,7 @@ module wh_controller #(
                 .rst               (drive_rst),
                 .valid_i           (core_valid_o),
                 .voltage_i         (voltage_o[n*DATA_W +: DATA_W]),
-                .clocks_per_volt_i (clocks_per_volt_i[n*COEF_W +: COEF_W]),
+                .clocks_per_volt_i (clocks_per_volt[n*COEF_W +: COEF_W]),
                 .half_clocks_i     (half_clocks_i),
                 .second_order_i    (second_order_i),
                 .extra_i           (extra),

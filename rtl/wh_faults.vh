@@ -45,7 +45,7 @@
 `define WH_GUARD_HEAT_TICKS  217:202  // u16 ticks from one square to the next
 `define WH_GUARD_HEAT        249:218  // u32q18 A²
 
-`define WH_GUARD_CURRENT_Q   9        // of currents and of the bus voltage
+`define WH_GUARD_CURRENT_Q   9        // of currents; the bus has WH_BUS_Q
 `define WH_GUARD_WAVE_Q      8
 `define WH_GUARD_HEAT_LOG2   16       // time constant: 2^this squares
 

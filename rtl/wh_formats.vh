@@ -71,6 +71,9 @@
 
 // Drive: half width of the bridge's pulse in clocks.
 `define WH_DUTY_Q   16  // clocks per volt in a coefficient word, and the fraction of the half width
+`define WH_BUS_W    16  // a measured bus, without sign
+`define WH_BUS_Q    9   // V, < 128 V
+`define WH_BUS_SHARE_Q (`WH_COEF_W - 3)  // 1/V, inverse of the bus that the limit takes, < 4
 `define WH_EXTRA_Q  8   // fraction of what dead time takes from the half width
 `define WH_EXTRA_W  17  // at most 160 clocks: 5/8 of the longest dead time
 `define WH_TICK_W   16  // counts of clocks

@@ -47,7 +47,7 @@ module wh_guard #(
     input  wire                       stop_i,          // pin, asynchronous
     input  wire [N-1:0]               driver_i,        // pins, asynchronous
     input  wire                       host_alive_i,    // strobe
-    input  wire [15:0]                bus_i,           // u16q9 V
+    input  wire [`WH_BUS_W-1:0]       bus_i,           // u16q9 V
 
     input  wire                       sample_valid_i,  // strobe
     input  wire [N*`WH_SAMPLE_W-1:0]  sample_i,        // s16

@@ -71,6 +71,12 @@ void wh_guarded_shape(void *model, const int64_t *words, int64_t count, int64_t 
     wh_pins_shape(static_cast<Guarded *>(model)->controller, words, count, walls, hysteresis);
 }
 
+// Also what the guard takes for the bus.
+int64_t wh_guarded_bus(int64_t model, int64_t word) {
+    auto *controller = reinterpret_cast<Guarded *>(model)->controller;
+    return wh_pins_bus(reinterpret_cast<int64_t>(controller), word);
+}
+
 int64_t wh_guarded_words(int64_t model, int64_t words_address) {
     auto *controller = reinterpret_cast<Guarded *>(model)->controller;
     return wh_pins_words(reinterpret_cast<int64_t>(controller), words_address);

@@ -54,8 +54,9 @@ enum Parameter {
     kSclkHalfClocks, kFrameBits, kLeadBits, kDataBits, kQuietClocks,
     kSetupClocks, kHoldClocks, kCalibrateBits, kSclkIdle, kReadTrailing, kTrip,
     kZero, kGain, kFilterClocks, kEtaContact, kEtaFree, kRoot, kA, kUMax,
-    kExtraTicks, kHoldTicks, kMode, kMinPulse, kClocksPerVolt, kDeadClocks, kCompensate,
-    kSideCurrent, kSettleTicks, kSecondOrder, kInputs, kWalls, kWallEdges
+    kExtraTicks, kHoldTicks, kMode, kMinPulse, kClocksPerVolt, kBusShare, kDeadClocks,
+    kCompensate, kSideCurrent, kSettleTicks, kSecondOrder, kBus, kInputs, kWalls,
+    kWallEdges
 };
 
 }  // namespace
@@ -96,11 +97,13 @@ void *wh_pins_new(const int64_t *p) {
     top.mode_i = p[kMode];
     top.min_pulse_i = p[kMinPulse];
     top.clocks_per_volt_i = p[kClocksPerVolt] & mask(WH_COEF_W);
+    top.bus_share_i = p[kBusShare] & mask(WH_COEF_W);
     top.dead_clocks_i = p[kDeadClocks];
     top.compensate_i = p[kCompensate];
     top.side_current_i = p[kSideCurrent] & mask(WH_DATA_W);
     top.settle_ticks_i = p[kSettleTicks];
     top.second_order_i = p[kSecondOrder];
+    top.bus_i = p[kBus];
     for (int n = 0; n < p[kWalls]; ++n) {
         set_count(top.wall_min_i, n, p[kWallEdges + 2 * n]);
         set_count(top.wall_max_i, n, p[kWallEdges + 2 * n + 1]);
@@ -160,6 +163,12 @@ void wh_pins_packet(void *model, int64_t *words) {
     words[1] = controller->top.host_sequence_o;
     words[2] = signed_word(controller->top.host_v_o);
     words[3] = controller->top.host_active_o;
+}
+
+// The measured bus, BUS = 1, from the next clock on.
+int64_t wh_pins_bus(int64_t model, int64_t word) {
+    reinterpret_cast<Controller *>(model)->top.bus_i = word;
+    return 0;
 }
 
 void wh_pins_delete(void *model) { delete static_cast<Controller *>(model); }

@@ -215,7 +215,7 @@ class AnalogSimulation:
         self.winding = Winding(scene, self.tick_s)
         plant = self.winding.plant
         s = physics.root(set_.r_hat)
-        gain = 1.0 + (scene.drive.gain_error if scene.drive else 0.0)
+        gain = scene.drive.gain if scene.drive else 1.0
         self._substeps = plant.substeps(self.tick_s)
         dt = self._dt = self.tick_s / self._substeps
         self._circuit = (control.lambda_, s, gain, (control.eta_free, control.eta_contact))

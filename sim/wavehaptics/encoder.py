@@ -133,7 +133,7 @@ class EncoderSimulation:
         self._contact = np.array([-1, 0], dtype=np.int64)
         self._ints = np.array([substeps, servo_ticks, delay_ticks], dtype=np.int64)
         self._floats = np.array(
-            [dt, self.settings.cell_rad, 1.0 + (scene.drive.gain_error if scene.drive else 0.0),
+            [dt, self.settings.cell_rad, scene.drive.gain if scene.drive else 1.0,
              plant.k_t, plant.resistance, self.stiffness, servo.damping,
              1.0 / (servo_ticks * self.tick_s), omega_c * plant.inductance,
              omega_c * plant.resistance, self.settings.limit_v, encoder_end(scene)]

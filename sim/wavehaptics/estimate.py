@@ -16,7 +16,7 @@ class Estimate:
 
     def __init__(self, scene: Scene, ticks: int) -> None:
         self._wanted = scene.controller.anchored or scene.thermal is not None
-        self._gain = 1.0 + (scene.drive.gain_error if scene.drive else 0.0)
+        self._gain = scene.drive.gain if scene.drive else 1.0
         self._late = ticks - ticks // 10
         self._last: tuple[float, float, float, bool] | None = None
         self._worst = 0.0
@@ -42,8 +42,8 @@ class Estimate:
         ``r_hat``         the estimate at the end, Ω
         ``r``             the winding's resistance at the end, Ω
         ``winding_c``     its temperature at the end, °C
-        ``r_hat_error``   largest magnitude of (1 + gain_error)·R̂/R − 1 in the last tenth: an error
-                          of the drive's gain acts as one of R̂
+        ``r_hat_error``   largest magnitude of gain·R̂/R − 1 in the last tenth: an error of the
+                          drive's gain acts as one of R̂
         ``encoder_lost``  1 if the anchor has found that the encoder doesn't follow the motor
         ================  ======================================================================
         """

@@ -130,6 +130,11 @@ GAIN = Fixed(COEF_W, HEADER_VALUES["GAIN_Q"])
 """Amperes per unit of a tick's sum of ADC words."""
 DUTY = Fixed(COEF_W, HEADER_VALUES["DUTY_Q"])
 """Clocks of half pulse width per volt."""
+BUS_W = HEADER_VALUES["BUS_W"]
+BUS_Q = HEADER_VALUES["BUS_Q"]
+"""Fraction bits of the measured bus, an unsigned word of BUS_W bits, V."""
+BUS_SHARE = Fixed(COEF_W, HEADER_VALUES["BUS_SHARE_Q"])
+"""Inverse of the bus that a voltage limit takes, 1/V."""
 SHAPE = Fixed(HEADER_VALUES["SHAPE_W"], HEADER_VALUES["SHAPE_Q"])
 """Coefficient of the shaper W, no unit."""
 SHAPE_HEADROOM = HEADER_VALUES["SHAPE_HEADROOM"]

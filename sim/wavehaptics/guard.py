@@ -117,8 +117,8 @@ def settings(limits: Limits, simulation: PinsSimulation) -> int:
             "LOST": round(2 * limits.lost_v / s * 2**WAVE_Q),
             "LOST_TICKS": ticks(limits.lost_s),
             "HOST": ticks(limits.host_s),
-            "BUS_MIN": round(limits.bus_min_v * 2**CURRENT_Q),
-            "BUS_MAX": round(limits.bus_max_v * 2**CURRENT_Q),
+            "BUS_MIN": round(limits.bus_min_v * 2**formats.BUS_Q),
+            "BUS_MAX": round(limits.bus_max_v * 2**formats.BUS_Q),
             "HEAT_TICKS": ticks(limits.winding_s / HEAT_SQUARES),
             "HEAT": round(limits.rms_a**2 * 2**HEAT_Q),
         }
@@ -174,7 +174,7 @@ class GuardedPins(PinsSimulation):
         ]  # fmt: skip
         levels = self._limits.stop_level | self._limits.driver_level << 1
         array = (ctypes.c_int64 * len(parameters))(*parameters)
-        return new(array, words, count, levels, round(self._bus_v * 2**CURRENT_Q))
+        return new(array, words, count, levels, round(self._bus_v * 2**formats.BUS_Q))
 
     def inject(self, kind: Injection, value: int = 1) -> None:
         """Do something to the inputs from the next clock on, and keep its clock as the cause's."""

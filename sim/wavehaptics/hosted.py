@@ -179,7 +179,7 @@ class HostedSimulation:
              substeps, period_log2, timeout],
             dtype=np.int64,
         )  # fmt: skip
-        gain = 1.0 + (scene.drive.gain_error if scene.drive else 0.0)
+        gain = scene.drive.gain if scene.drive else 1.0
         self._floats = (dt, set_.cell_rad, plant.k_t, plant.resistance, gain)
         self._plant = (load_words(plant), plant.transition(dt))
         self._sensor = (Sensor.of_scene(scene).constants(), np.random.default_rng(NOISE_SEED))

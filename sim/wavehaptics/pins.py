@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from wavehaptics import formats, sigma_delta, verilated
+from wavehaptics import bus_scale, formats, sigma_delta, verilated
 from wavehaptics.adc_parts import (
     KINDS,
     MODULATORS,
@@ -41,7 +41,7 @@ from wavehaptics.pins_timing import (
     latency_clocks,
 )
 from wavehaptics.plant import OMEGA, TIME, C, I, P, Plant, X, load_words, plant_step
-from wavehaptics.scene import Scene, SceneError, encoder_end
+from wavehaptics.scene import Drive, Scene, SceneError, encoder_end
 from wavehaptics.sensor import FULL_SCALE, NOISE, NOISE_SEED, OFFSET, Sensor, sample_code
 from wavehaptics.settings import Settings, settings
 from wavehaptics.sigma_delta import next_bit
@@ -88,6 +88,7 @@ MIN_WALLS = 4
 
 _STEPS = 128
 _WAVE = formats.WAVE.step
+_BUS_SCALE = 2.0**formats.BUS_Q
 _PENDING = 8
 
 # Bits of the pins, as sim/verilated/pins_shim.cpp packs them.
@@ -96,10 +97,13 @@ _AH, _AL, _BH, _BL, _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING = range(9)
 # Places in the loop's integer parameters.
 (
     _MODEL, _CLOCK, _WORDS, _TICK_CLOCKS, _CODE_SHIFT, _DATA_BITS, _U_MAX, _SUBSTEP_CLOCKS,
-    _LAUNCH_LEVEL, _PIPELINE, _OSR, _ANCHORED, _HALF_BRIDGE,
-) = range(13)  # fmt: skip
+    _LAUNCH_LEVEL, _PIPELINE, _OSR, _ANCHORED, _HALF_BRIDGE, _SET_BUS,
+) = range(14)  # fmt: skip
 # Places in the loop's float parameters.
-_DT, _CELL, _BUS, _GAIN, _K_T, _RESISTANCE, _ETA_CONTACT, _ETA_FREE, _ENCODER_END = range(9)
+(
+    _DT, _CELL, _BUS, _GAIN, _K_T, _RESISTANCE, _ETA_CONTACT, _ETA_FREE, _ENCODER_END, _RIPPLE,
+    _RIPPLE_RAD_S,
+) = range(11)  # fmt: skip
 # Places in the integers that the loop keeps.
 (
     _NOW, _ADVANCED, _PINS, _SHIFT, _HELD, _COUNT, _EDGE, _CLOSED, _EMITTED, _TICK_START, _FAULTS,
@@ -207,6 +211,8 @@ def _check_early(scene: Scene, tick_clocks: int, made: Frame) -> None:
             f"start, sooner than the {EARLY_PREPARE_CLOCKS} that are needed; take another adc.part"
         )
     needed = early_tick_clocks(1, scene.controller.anchored)
+    if scene.controller.anchored and scene.drive and scene.drive.bus_measured:
+        needed += bus_scale.PRODUCT_CLOCKS
     if tick_clocks < needed:
         raise SceneError(
             f"{place}: a tick of {tick_clocks} clocks is shorter than the {needed} that are "
@@ -343,6 +349,14 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
     )  # fmt: skip
 
 
+@numba.njit(cache=True, inline="always")
+def _bus_at(time, floats):
+    """The true bus, V."""
+    if floats[_RIPPLE] == 0.0:
+        return floats[_BUS]
+    return floats[_BUS] + floats[_RIPPLE] * np.sin(floats[_RIPPLE_RAD_S] * time)
+
+
 @numba.njit(cache=True)
 def _catch_up(state, kept, sums, tables, floats, ints, load):
     """Advance the motor to the present clock."""
@@ -357,9 +371,11 @@ def _catch_up(state, kept, sums, tables, floats, ints, load):
             # The diodes of the open leg block: no current, and the voltage is the back-EMF.
             e = floats[_K_T] * state[OMEGA]
         elif half_bridge:
-            e = floats[_GAIN] * half_bridge_voltage(kept[_PINS], before, floats[_BUS])
+            bus = _bus_at(state[TIME] + 0.5 * step_s, floats)
+            e = floats[_GAIN] * half_bridge_voltage(kept[_PINS], before, bus)
         else:
-            e = floats[_GAIN] * bridge_voltage(kept[_PINS], before, floats[_BUS])
+            bus = _bus_at(state[TIME] + 0.5 * step_s, floats)
+            e = floats[_GAIN] * bridge_voltage(kept[_PINS], before, bus)
         charge, square = plant_step(state, tables[part], step_s, e, load)
         if floating and before * state[I] <= 0.0:
             # The current ran out within the step and stays at zero: a triangle is left of it.
@@ -480,7 +496,8 @@ def _advance(
             row[Column.U] = buffer[1] * _WAVE
             row[Column.V] = buffer[2] * _WAVE
             row[Column.CONTACT] = touching
-            limited = buffer[5] if ints[_ANCHORED] else abs(buffer[1]) >= ints[_U_MAX]
+            told = ints[_ANCHORED] or ints[_SET_BUS]
+            limited = buffer[5] if told else abs(buffer[1]) >= ints[_U_MAX]
             row[Column.SATURATED] = 1.0 if limited else 0.0
             rows[done] = row
             words[done, Word.I] = buffer[0]
@@ -498,6 +515,9 @@ def _advance(
         if kept[_NOW] == kept[_TICK_START]:
             _catch_up(state, kept, sums, tables, floats, ints, load)
             _close_tick(state, kept, sums, pending, floats, ints)
+            if ints[_SET_BUS]:
+                word = int(np.round(_bus_at(state[TIME], floats) * _BUS_SCALE))
+                call2(ints[_SET_BUS], ints[_MODEL], word)
             silent += 1
             if silent > _PENDING - 2:
                 return False
@@ -566,10 +586,18 @@ def controller_ports(
         "mode": MODE_WORDS[_mode(scene)],
         "min_pulse": shortest,
         "clocks_per_volt": formats.DUTY.to_raw(time.half_clocks / (2 * reach_v)),
+        "bus_share": bus_scale.bus_share_word(
+            set_.limit_v, reach_v / bus_v * (1.0 - lost / time.half_clocks)
+        ),
         **dead,
         "second_order": 0,
     }
-    if time.early and not slope_fits(words["root"], words["gain"], words["clocks_per_volt"]):
+    largest = words["clocks_per_volt"]
+    if scene.drive and scene.drive.bus_measured:
+        lowest = bus_scale.bus_word(scene.drive.true_bus_v - scene.drive.bus_ripple_v)
+        half_bridge = _mode(scene) == HALF_BRIDGE
+        largest = bus_scale.clocks_per_volt(time.half_clocks, lowest, half_bridge)
+    if time.early and not slope_fits(words["root"], words["gain"], largest):
         raise SceneError(
             f"{scene.scene.name}: controller.early_duty: a step of the ADC is worth too many "
             "clocks of the pulse; take a shorter tick or leave early_duty out"
@@ -665,10 +693,12 @@ class PinsSimulation:
         self.winding = Winding(scene, self.tick_s)
         plant = self.winding.plant
         self._dt = dt = 1.0 / time.clock_hz
-        gain_error = scene.drive.gain_error if scene.drive else 0.0
+        drive = scene.drive or Drive()
+        true_bus_v = drive.true_bus_v or bus_voltage(scene)
         walls = ports.walls
         parameters = [
-            *ports.words.values(), _encoder_levels.py_func(ports.start_count),
+            *ports.words.values(), bus_scale.bus_word(true_bus_v),
+            _encoder_levels.py_func(ports.start_count),
             len(walls), *(edge for wall in walls for edge in wall),
             *verilated.anchor_words(set_.anchor),
         ]  # fmt: skip
@@ -685,6 +715,7 @@ class PinsSimulation:
                 **_bridge_parameters(ports.words),
                 **({"EARLY": 1} if time.early else {}),
                 **({"OSR": time.frame.osr} if time.frame.osr else {}),
+                **({"BUS": 1} if drive.bus_measured else {}),
                 **({"HOST": 1} if host else {}),
                 **self._parameters(),
             },
@@ -716,12 +747,15 @@ class PinsSimulation:
             [self._model, verilated.address(self._function("clock")),
              verilated.address(self._function("words")), time.tick_clocks,
              code_shift, sensor.bits, set_.u_max, longest, launch_level, time.frame.pipeline,
-             time.frame.osr, set_.anchored, _mode(scene) == HALF_BRIDGE],
+             time.frame.osr, set_.anchored, _mode(scene) == HALF_BRIDGE,
+             verilated.address(self._function("bus")) if drive.bus_measured else 0],
             dtype=np.int64,
         )  # fmt: skip
         self._floats = np.array(
-            [dt, set_.cell_rad, bus_voltage(scene), 1.0 + gain_error, plant.k_t, plant.resistance,
-             scene.controller.eta_contact, scene.controller.eta_free, encoder_end(scene)]
+            [dt, set_.cell_rad, true_bus_v, 1.0 + drive.gain_error, plant.k_t,
+             plant.resistance, scene.controller.eta_contact, scene.controller.eta_free,
+             encoder_end(scene), drive.bus_ripple_v,
+             2 * math.pi * (drive.bus_ripple_hz or 0.0)]
         )  # fmt: skip
         self._load = load_words(plant)
         self._sensor = sensor.constants()

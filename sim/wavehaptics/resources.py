@@ -43,6 +43,7 @@ OPTIONS: tuple[Mapping[str, int], ...] = (
     {"EARLY": 1},
     {"MODES": 1},
     {"MIN_PULSE": 1},
+    {"BUS": 1},
     {"ANCHOR": 1},
     {"HOST": 1},
     {"GUARD": 1},

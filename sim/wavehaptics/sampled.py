@@ -157,7 +157,7 @@ class SampledSimulation:
         set_ = self.settings
         substeps = plant.substeps(self.tick_s)
         dt = self.tick_s / substeps
-        gain = 1.0 + (scene.drive.gain_error if scene.drive else 0.0)
+        gain = scene.drive.gain if scene.drive else 1.0
         self._library = None
         self._model = 0
         step = 0

@@ -366,6 +366,44 @@ class Drive(_Table):
     gain_error: float = _key(
         "–", "The motor gets (1 + this) times the voltage asked for", 0.0, ge=-0.9, le=1
     )
+    bus_actual_v: float | None = _key(
+        "V",
+        "What the bus really is; the controller takes it for `bus_v` unless it measures it",
+        None,
+        default_text="`bus_v`",
+        ge=0.1,
+        le=_VOLTAGE_MAX_V,
+    )
+    bus_ripple_v: float = _key(
+        "V", "Amplitude of a sine on the bus of `pins`", 0.0, ge=0, le=_VOLTAGE_MAX_V
+    )
+    bus_ripple_hz: float | None = _key(
+        "Hz", "Its frequency, which it needs", None, default_text="none", ge=1e-3, le=1e5
+    )
+    bus_measured: bool = _key(
+        "–",
+        "Whether the controller measures the bus, and scales its pulses and its limit by it",
+        False,
+        default_text="false",
+        range_text="true, false",
+    )
+
+    @property
+    def true_bus_v(self) -> float | None:
+        """The bus as it is, without ripple, V; None where the scene has none."""
+        return self.bus_v if self.bus_actual_v is None else self.bus_actual_v
+
+    @property
+    def gain(self) -> float:
+        """Voltage at the motor over the voltage asked for, within the limit."""
+        unmeasured = self.bus_v is not None and not self.bus_measured
+        return (1.0 + self.gain_error) * (self.true_bus_v / self.bus_v if unmeasured else 1.0)
+
+    @property
+    def reached_v(self) -> float:
+        """Largest voltage that a controller can ask for which knows its bus, V."""
+        measured = self.bus_measured and self.bus_v is not None
+        return self.true_bus_v * self.reach if measured else math.inf
 
     @property
     def reach(self) -> float:
@@ -403,7 +441,31 @@ class Drive(_Table):
                 "dead_time_s",
                 "pwm_hz",
             )
+        drive._check_bus(bus_v)
         return drive.model_copy(update={"bus_v": bus_v, "limit_v": limit_v})
+
+    def _check_bus(self, bus_v: float | None) -> None:
+        """Refuse a true bus that can't be, for the resolved ``bus_v``."""
+        if bus_v is None:
+            for key in ("bus_actual_v", "bus_ripple_v", "bus_ripple_hz", "bus_measured"):
+                if getattr(self, key):
+                    _broken_rule(f"drive.{key} needs to know the bus; give bus_v", key)
+            return
+        if self.bus_ripple_v and self.bus_ripple_hz is None:
+            _broken_rule("drive.bus_ripple_v has no frequency; give bus_ripple_hz", "bus_ripple_v")
+        if self.bus_ripple_hz is not None and not self.bus_ripple_v:
+            _broken_rule("drive.bus_ripple_hz has no amplitude; give bus_ripple_v", "bus_ripple_hz")
+        name = "bus_v" if self.bus_actual_v is None else "bus_actual_v"
+        actual_v = bus_v if self.bus_actual_v is None else self.bus_actual_v
+        room_v = min(actual_v, _VOLTAGE_MAX_V - actual_v)
+        if self.bus_ripple_v and self.bus_ripple_v >= room_v:
+            _broken_rule(
+                f"drive.bus_ripple_v = {_number(self.bus_ripple_v)} on {name} = "
+                f"{_number(actual_v)} leaves 0 to {_VOLTAGE_MAX_V} V; it must be below "
+                f"{_number(room_v)}",
+                "bus_ripple_v",
+                name,
+            )
 
 
 class Thermal(_Table):

@@ -91,12 +91,13 @@ def settings(
     scene: Scene,
     tick_s: float | None = None,
     cell_rad: float | None = None,
-    limit_v: float = formats.VOLTAGE.largest,
+    limit_v: float | None = None,
 ) -> Settings:
     """Controller settings of a scene.
 
     ``tick_s`` and ``cell_rad`` take the place of the scene's tick and of its encoder's cell where a
-    controller has its own; ``limit_v`` bounds the voltage besides the scene's own limit.
+    controller has its own; ``limit_v`` bounds the voltage besides the scene's own limit; by default
+    that is what a measured bus reaches.
     :class:`SceneError` where the words can't hold a value.
     """
     control = scene.controller
@@ -114,6 +115,9 @@ def settings(
             f"{tick_s:g} s gives a below the last place {formats.A.step:.1e}; "
             "take a larger lambda or a slower tick"
         )
+    if limit_v is None:
+        limit_v = scene.drive.reached_v if scene.drive else math.inf
+    limit_v = min(limit_v, formats.VOLTAGE.largest)
     if scene.drive is not None and scene.drive.limit_v is not None:
         limit_v = min(limit_v, scene.drive.limit_v)
     u_max = _wave_limit(limit_v, r_hat)

@@ -47,6 +47,7 @@ WIDTHS = {
     "mode": formats.MODE_W,
     "min_pulse": 8,
     "clocks_per_volt": formats.COEF_W,
+    "bus_share": formats.COEF_W,
     "dead_clocks": 8,
     "compensate": 1,
     "side_current": formats.DATA_W,

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A bus that isn't what the scene says: what it does, and what measuring it makes good."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from wavehaptics import bus_scale, formats
+from wavehaptics.analog import AnalogSimulation
+from wavehaptics.bridge_modes import MODE_WORDS, UNIPOLAR
+from wavehaptics.pins import PinsSimulation, controller_ports
+from wavehaptics.run import measure, run_scene
+from wavehaptics.scene import SCENES_DIR, SceneError, find_scene, load_scene
+from wavehaptics.settings import settings
+
+PAPER_TAPS = SCENES_DIR / "paper_taps.toml"
+LOW = ("drive.bus_v=12", "drive.bus_actual_v=9.5")
+RIPPLE = ("drive.bus_ripple_v=0.5", "drive.bus_ripple_hz=100")
+MEASURED = ("drive.bus_measured=true",)
+TAP = ("scene.duration_s=0.5",)
+
+# Both signs in one run: a wall on either side of a hand that swings.
+SWING = (
+    "hand.path=sine",
+    "hand.frequency_hz=20",
+    "controller.walls=[[-1.0, -0.002], [0.002, 1.0]]",
+    "scene.duration_s=0.05",
+)
+# More than 12 V would be needed.
+HARD = (
+    *SWING,
+    "hand.stiffness=20",
+    "hand.amplitude_rad=0.2",
+    "drive.limit_v=12",
+    "adc.bits=12",
+    "adc.full_scale_a=12",
+    "scene.trace_hz=1e6",
+)
+
+
+def load(*settings: str, name: str = "paper_taps"):
+    return load_scene(find_scene(name), settings)
+
+
+def test_a_measured_bus_leaves_the_wall_as_it_is():
+    """Torque, stiffness and energy are those on the 12 V that the scene has."""
+    true = measure(load("drive.bus_v=12", *TAP), "pins")
+    found = measure(load(*LOW, *RIPPLE, *MEASURED, *TAP), "pins")
+    assert found["torque_nrmse_vs_analog"] <= 5e-3
+    assert found["torque_nrmse_vs_analog"] <= 2 * true["torque_nrmse_vs_analog"]
+    assert found["stiffness"] == pytest.approx(found["stiffness_predicted"], rel=0.01)
+    assert found["energy_out_max_j"] < 1e-8
+
+
+def test_without_it_the_wall_is_lost():
+    """A fifth of the voltage less is a fifth of R̂ less: the force dies away within a tap."""
+    found = measure(load(*LOW, *RIPPLE, *TAP), "pins")
+    assert found["stiffness"] < 0.2 * found["stiffness_predicted"]
+    assert found["peak_torque"] < 0.05 * 0.021
+
+
+@pytest.mark.parametrize("ripple", [(), RIPPLE])
+def test_what_the_bus_cannot_reach_is_not_taken_for_applied(ripple, tmp_path):
+    """6 V where the limit is 12: the mean voltage of every few ticks is s u, and nothing comes out.
+
+    A tick alone differs by what the error feedback owes, half a clock of the pulse: 0.25 V.
+    """
+    scene = load("drive.bus_v=12", "drive.bus_actual_v=6", *ripple, *MEASURED, *HARD)
+    found = run_scene(scene, "pins", tmp_path)
+    trace = np.load(tmp_path / "trace.npz")
+    s = math.sqrt(2 * scene.motor.R_ohm)
+    owed = np.convolve(trace["e_a"] - s * trace["u"], np.full(16, 1 / 16), "valid")
+    assert np.abs(owed).max() < 0.03
+    top = 6.0 + (0.5 if ripple else 0.0)
+    assert top - 0.01 < s * np.abs(trace["u"]).max() <= top
+    assert found["saturated_fraction"] > 0.3
+    assert trace["torque"].min() < -0.05
+    assert trace["torque"].max() > 0.05
+    assert found["energy_out_max_j"] < 1e-8
+
+
+def test_a_limit_that_is_not_shrunk_is_seen(tmp_path, monkeypatch):
+    """The check above can fail."""
+    monkeypatch.setattr(bus_scale, "bus_share_word", lambda *_: formats.BUS_SHARE.raw_max)
+    scene = load("drive.bus_v=12", "drive.bus_actual_v=6", *MEASURED, *HARD)
+    run_scene(scene, "pins", tmp_path)
+    trace = np.load(tmp_path / "trace.npz")
+    owed = trace["e_a"] - math.sqrt(2 * scene.motor.R_ohm) * trace["u"]
+    assert np.abs(np.convolve(owed, np.full(16, 1 / 16), "valid")).max() > 0.3
+
+
+@pytest.mark.parametrize("mode", [mode for mode in MODE_WORDS if mode != UNIPOLAR])
+def test_every_mode_is_scaled(mode):
+    scene = load(
+        *LOW, *RIPPLE, *MEASURED, *SWING, f"drive.mode={mode}", "controller.clock_hz=100e6"
+    )
+    found = measure(scene, "pins")
+    assert found["torque_nrmse_vs_analog"] < 5e-3
+    assert found["stiffness"] == pytest.approx(found["stiffness_predicted"], rel=0.01)
+
+
+def test_the_early_duty_is_scaled_as_well():
+    """Pulses made ahead, and a limit that the bus can't reach."""
+    early = ("controller.early_duty=true", "controller.clock_hz=80e6", "adc.part=AD7276")
+    found = measure(load(*LOW, *RIPPLE, *MEASURED, *SWING, *early), "pins")
+    assert found["torque_nrmse_vs_analog"] < 5e-3
+    hard = load("drive.bus_v=12", "drive.bus_actual_v=6", *MEASURED, *HARD, *early)
+    found = measure(hard, "pins")
+    assert found["saturated_fraction"] > 0.3
+    assert found["energy_out_max_j"] < 1e-8
+
+
+def test_an_anchor_holds_on_a_measured_bus():
+    """Its limit, which follows s, is scaled from tick to tick."""
+    scene = load(
+        *LOW, *RIPPLE, *MEASURED, "drive.limit_v=12", "scene.duration_s=0.5", name="held_wall"
+    )
+    assert scene.controller.anchored
+    found = measure(scene, "pins")
+    cell_rad = 2 * math.pi / scene.encoder.counts_per_rev
+    assert abs(found["hold_offset_rad"]) <= 0.5 * cell_rad
+    assert found["hold_ripple_rms"] <= 50e-6
+
+
+def test_the_word_of_the_limit():
+    """Half of the bus that the limit takes leaves half of u_max."""
+    scene = load(*LOW, *MEASURED, "drive.limit_v=8")
+    words = controller_ports(scene).words
+    whole = 1 << bus_scale.SHARE_Q
+    for bus_v, part in ((12.0, 1.0), (8.1, 1.0), (4.0, 0.5), (1.0, 0.125), (0.0, 0.0)):
+        found = bus_scale.share(bus_scale.bus_word(bus_v), words["bus_share"])
+        assert found == pytest.approx(part * whole, rel=1e-4)
+    # What the compensation of the dead time takes, the bus has to have besides.
+    dead = controller_ports(load(*LOW, *MEASURED, "drive.limit_v=8", "drive.dead_time_s=50e-9"))
+    lost = dead.words["dead_clocks"] / dead.timing.half_clocks
+    assert dead.words["bus_share"] == pytest.approx(words["bus_share"] * (1 - lost), rel=1e-6)
+
+
+def test_without_a_bridge_a_bus_is_a_gain_or_a_limit():
+    unmeasured, measured = load(*LOW, *TAP), load(*LOW, *MEASURED, *TAP)
+    assert unmeasured.drive.gain == pytest.approx(9.5 / 12)
+    assert measured.drive.gain == 1.0
+    both = load(*LOW, "drive.gain_error=0.1")
+    assert both.drive.gain == pytest.approx(1.1 * 9.5 / 12)
+    reach = ("drive.limit_v=11",)
+    assert settings(load(*LOW, *reach)).limit_v == 11.0
+    assert settings(load(*LOW, *reach, *MEASURED)).limit_v == 9.5
+    half = ("drive.mode=half-bridge", "drive.limit_v=5.5")
+    assert settings(load(*LOW, *half, *MEASURED)).limit_v == 4.75
+    assert AnalogSimulation(load(*LOW, *reach, *MEASURED)).settings.limit_v == 9.5
+    # On pins the RTL does it.
+    assert PinsSimulation(load(*LOW, *reach, *MEASURED)).settings.limit_v == 11.0
+    plain = measure(load("drive.gain_error=0.05", *TAP), "golden")
+    found = measure(load("drive.bus_v=10", "drive.bus_actual_v=10.5", *TAP), "golden")
+    assert found["stiffness"] == pytest.approx(plain["stiffness"], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        (("bus_actual_v=9",), "bus_actual_v needs to know the bus; give bus_v"),
+        (("bus_measured=true",), "bus_measured needs to know the bus; give bus_v"),
+        (("bus_v=12", "bus_ripple_v=1"), "bus_ripple_v has no frequency; give bus_ripple_hz"),
+        (("bus_v=12", "bus_ripple_hz=1"), "bus_ripple_hz has no amplitude; give bus_ripple_v"),
+        (
+            ("bus_v=12", "bus_actual_v=2", "bus_ripple_v=2", "bus_ripple_hz=1"),
+            "bus_ripple_v = 2 on bus_actual_v = 2 leaves 0 to 127 V; it must be below 2",
+        ),
+        (
+            ("bus_v=120", "bus_ripple_v=8", "bus_ripple_hz=1"),
+            "bus_ripple_v = 8 on bus_v = 120 leaves 0 to 127 V; it must be below 7",
+        ),
+        (("bus_v=12", "bus_actual_v=0"), "bus_actual_v = 0 is out of range"),
+    ],
+)
+def test_a_bus_that_cannot_be_is_refused(tmp_path, keys, message):
+    scene = tmp_path / "no_drive.toml"
+    scene.write_text(PAPER_TAPS.read_text().replace("limit_v = 2.1", ""))
+    with pytest.raises(SceneError, match=r"^--set drive\.[^\n]*$") as refused:
+        load_scene(scene, [f"drive.{key}" for key in keys])
+    assert message in str(refused.value)
