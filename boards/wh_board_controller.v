@@ -5,9 +5,10 @@
 // The constants are those of wh_board_settings.vh, made from the board's scene.
 //
 // The gates go on when start_i rises while stop_i is low, and go off when stop_i is high, at a fault
-// of the encoder, when a tick is too short for its work, and in reset. They stay off until start_i
-// rises again; after a fault, until reset. start_i and stop_i are asynchronous, and believed once
-// they have been still for 2^SETTLE_LOG2 clocks; off needs no patience.
+// of the encoder, when a tick is too short for its work, at what the guard finds where the board has
+// one, and in reset. They stay off until start_i rises again; after a fault, until reset. start_i and
+// stop_i are asynchronous, and believed once they have been still for 2^SETTLE_LOG2 clocks; off needs
+// no patience. What the guard finds before that time is over, as long as an ADC wakes up, is forgotten.
 //
 // alive_o changes at each tick while the gates are on, and is low otherwise. Without a clock the
 // gates stay as they are and it stands still: a charge pump behind it lets go of the bridge.
@@ -69,6 +70,8 @@ module wh_board_controller #(
 
     wire [N-1:0] encoder_fault;
     wire         overrun;
+    wire         guarded_fault;
+    reg          awake_q;        // start_i has been believed once
 
     always @(posedge clk) begin
         if (rst) begin
@@ -76,8 +79,10 @@ module wh_board_controller #(
             pressed_q <= 1'b1;
             running_q <= 1'b0;
             fault_q   <= 1'b0;
+            awake_q   <= 1'b0;
         end else begin
-            fault_q <= fault_q || (|encoder_fault) || overrun;
+            fault_q <= fault_q || (|encoder_fault) || overrun || (guarded_fault && awake_q);
+            awake_q <= awake_q || settled;
             if (start == pressed_q) begin
                 settle_q <= {SETTLE_LOG2{1'b0}};
             end else begin
@@ -128,8 +133,9 @@ module wh_board_controller #(
 
     // For a host, which this top doesn't have.
     wire unused = &{1'b0, adc_din, adc_ready, core_valid, voltage, u, v, current, position,
-                    saturated, overcurrent, adc_range, adc_stuck, zero_fault, zero_busy, faults,
-                    bridges_on};
+                    saturated, overcurrent, adc_range, adc_stuck, zero_fault, zero_busy, bridges_on};
+
+    assign guarded_fault = |faults;
 
     assign contact_o = |contact;
 
@@ -146,7 +152,8 @@ module wh_board_controller #(
         .DELAY_LOG2         (`WH_BOARD_DELAY_LOG2),
         .MODES              (`WH_BOARD_MODES),
         .MIN_PULSE          (`WH_BOARD_SHORTEST),
-        .EARLY              (`WH_BOARD_EARLY)
+        .EARLY              (`WH_BOARD_EARLY),
+        .GUARD              (`WH_BOARD_GUARDED)
     ) controller (
         .clk                (clk),
         .rst                (rst),
@@ -213,8 +220,8 @@ module wh_board_controller #(
         .clocks_per_volt_i  (`WH_BOARD_CLOCKS_PER_VOLT),
         .bus_share_i        (`WH_BOARD_BUS_SHARE),
         .dead_clocks_i      (`WH_BOARD_DEAD_CLOCKS),
-        .guard_i            ({`WH_GUARD_W{1'b0}}),
-        .clear_i            (1'b0),
+        .guard_i            (`WH_BOARD_GUARD),
+        .clear_i            (`WH_BOARD_GUARDED != 0 && !awake_q),
         .stop_i             (1'b0),
         .driver_fault_i     ({N{1'b0}}),
         .host_alive_i       (1'b0),

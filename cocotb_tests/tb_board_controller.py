@@ -3,13 +3,25 @@
 
 from __future__ import annotations
 
+import os
+
 import cocotb
+from adc_part import AdcPart
 from bench import Bench
 from simulators import parameters
+from wavehaptics.adc_parts import PARTS
 from wavehaptics.boards import load_board
+from wavehaptics.guard import CURRENT_OF_SCALE, STUCK_S
 
 SETTLE = 1 << parameters()["SETTLE_LOG2"]
-TICK = load_board("ulx3s").words().ports.timing.tick_clocks
+BOARD = load_board(os.environ["WH_BOARD"])
+GUARDED = BOARD.fpga.guard
+TICK = BOARD.words().ports.timing.tick_clocks
+PART = PARTS[BOARD.fpga.adc]
+PERIOD_NS = 1e9 / BOARD.clock_hz
+PINS_NS = 2.0
+MIDDLE = 1 << (PART.bits - 1)
+TOP = 2 * MIDDLE - 1
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 SYNCHRONISER = 3  # clocks until an input is seen, and one to act on it
 
@@ -17,8 +29,31 @@ SYNCHRONISER = 3  # clocks until an input is seen, and one to act on it
 class Board(Bench):
     """The board's controller, out of reset with nothing pressed and the stop switch closed."""
 
+    def __init__(self, dut: object) -> None:
+        super().__init__(dut)
+        self.code, self.noise = MIDDLE, 1
+        """What the ADC says, and how much it changes from one frame to the next."""
+        self._frames = 0
+        self._adc = AdcPart(PART, self._convert)
+
+    def _convert(self) -> int:
+        self._frames += 1
+        return min(TOP, self.code + self.noise * (self._frames % 2))
+
+    async def step(self, clocks: int = 1, **inputs: int) -> None:
+        """As of any bench, with the ADC at its pins."""
+        self.drive(**inputs)
+        for _ in range(clocks):
+            edge = (self.clocks + 1) * PERIOD_NS
+            self.drive(adc_sdata_i=self._adc.sdata(edge - PINS_NS))
+            await super().step()
+            if self.word("rst"):
+                self._adc.cut_off()
+            cs_n, sclk = self.word("adc_cs_n_o"), self.word("adc_sclk_o")
+            self._adc.pins(edge + PINS_NS, cs_n, sclk)
+
     async def begin(self, **inputs: int) -> None:
-        quiet = {"start_i": 0, "stop_i": 0, "adc_sdata_i": 0, "enc_a_i": 0, "enc_b_i": 0}
+        quiet = {"start_i": 0, "stop_i": 0, "enc_a_i": 0, "enc_b_i": 0}
         await self.start(**{**quiet, **inputs})
 
     async def watch(self, clocks: int) -> tuple[int, int, set[int]]:
@@ -118,6 +153,94 @@ async def a_fault_lasts_until_reset(dut):
     assert not board.word("fault_o")
     await board.press()
     await board.expect_running()
+
+
+async def expect_fault_until_reset(board: Board, clocks: int) -> None:
+    """The guard sees what has been done to the board within some clocks, and that lasts."""
+    waited = 0
+    while not board.word("fault_o"):
+        await board.step()
+        waited += 1
+        assert waited <= clocks
+    # The gates were off two clocks before the board's own fault.
+    assert not any(board.word(gate) for gate in GATES)
+    await board.expect_off()
+    board.code, board.noise = MIDDLE, 1
+    await board.press()
+    await board.expect_off()
+    await board.step(3, rst=1)
+    await board.step(1, rst=0)
+    assert not board.word("fault_o")
+    await board.press()
+    await board.expect_running()
+    assert not board.word("fault_o")
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms", skip=not GUARDED)
+async def too_large_a_current_takes_the_gates_off(dut):
+    """Within the ADC's scale, and at either end of it."""
+    for code in (MIDDLE + round(1.02 * CURRENT_OF_SCALE * MIDDLE), 0, TOP):
+        board = Board(dut)
+        await board.begin()
+        await board.press()
+        await board.expect_running()
+        board.code = code
+        await expect_fault_until_reset(board, 2 * TICK + 8)
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms", skip=not GUARDED)
+async def a_large_current_below_the_limit_does_not(dut):
+    board = Board(dut)
+    await board.begin()
+    await board.press()
+    await board.expect_running()
+    board.code = MIDDLE + round(0.98 * CURRENT_OF_SCALE * MIDDLE)
+    await board.expect_running()
+    assert not board.word("fault_o")
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms", skip=not GUARDED)
+async def an_adc_that_stands_still_takes_the_gates_off(dut):
+    board = Board(dut)
+    await board.begin()
+    await board.press()
+    await board.expect_running()
+    board.noise = 0
+    samples = round(STUCK_S * BOARD.clock_hz / TICK)
+    await board.step((samples - 4) * TICK)
+    assert not board.word("fault_o")
+    assert board.word("running_o")
+    await expect_fault_until_reset(board, 8 * TICK)
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms", skip=not GUARDED)
+async def what_an_adc_says_as_it_wakes_up_is_forgotten(dut):
+    board = Board(dut)
+    board.code = 0
+    await board.begin()
+    await board.step(SETTLE // 2)
+    board.code = MIDDLE
+    await board.step(SETTLE + 8)
+    assert not board.word("fault_o")
+    await board.press()
+    await board.expect_running()
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def a_fault_at_rest_keeps_the_gates_off(dut):
+    """A board without a guard doesn't see it, and runs."""
+    board = Board(dut)
+    await board.begin()
+    await board.step(SETTLE + 8)
+    board.code = 0
+    await board.step(3 * TICK)
+    assert board.word("fault_o") == GUARDED
+    board.code = MIDDLE
+    await board.press()
+    if GUARDED:
+        await board.expect_off()
+    else:
+        await board.expect_running()
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The switch that all boards share, with the settings of the ULX3S."""
+"""The switch that all boards share, with a board's settings: one with a guard and one without."""
 
+import pytest
 from simulators import BUILD_DIR, simulate
 from wavehaptics.boards import load_board
 
 
-def test_board_controller(simulator):
-    folder = BUILD_DIR / f"board_settings-{simulator}"
+@pytest.mark.parametrize("name", ["ulx3s", "hx8k"])
+def test_board_controller(simulator, name, monkeypatch):
+    folder = BUILD_DIR / f"board_settings-{name}-{simulator}"
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "wh_board_settings.vh").write_text(load_board("ulx3s").header())
+    (folder / "wh_board_settings.vh").write_text(load_board(name).header())
+    monkeypatch.setenv("WH_BOARD", name)
     simulate(
-        simulator, "wh_board_controller", "tb_board_controller", {"SETTLE_LOG2": 4},
-        includes=[folder],
+        simulator, "wh_board_controller", "tb_board_controller", {"SETTLE_LOG2": 6},
+        name=f"tb_board_controller-{name}", includes=[folder],
     )  # fmt: skip

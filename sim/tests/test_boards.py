@@ -9,15 +9,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 from wavehaptics import bitstreams, multipliers, numbers, synthesis
 from wavehaptics.adc_parts import PARTS, frame
-from wavehaptics.boards import ROOT, BoardError, board_names, load_board
+from wavehaptics.boards import ROOT, Board, BoardError, board_names, load_board
+from wavehaptics.guard import FIELDS, Fault, GuardedPins, board_limits, mask
 from wavehaptics.pins_timing import CORE_CLOCKS, latency_clocks
 from wavehaptics.scene import SceneError, load_scene
 from wavehaptics.synthesis import Design, SynthesisError, build
 from wavehaptics.toolchain import Toolchain, ToolError
+from wavehaptics.trace import Column, Word
 from wavehaptics.words import WIDTHS, board_words, verilog_header
 
 LUT_TOLERANCE = 0.03
@@ -264,6 +267,53 @@ def test_words(name):
     )
     ticks = ready // time.tick_clocks + words.words["hold_ticks"]
     assert ticks == board.scene.controller.extra_ticks < 1 << words.delay_log2
+
+
+GUARDED = [name for name in board_names() if load_board(name).fpga.guard]
+
+
+def test_the_guard_is_on_where_there_is_room():
+    assert [n for n in board_names() if load_board(n).fpga.family == "ecp5"] == GUARDED
+    for name in board_names():
+        assert (load_board(name).words().guard is None) == (name not in GUARDED)
+
+
+def test_the_guards_limits_are_the_boards():
+    """Its word has the scene's sensor, tick and motor; what the board can't know is left out."""
+    board = load_board("ulx3s")
+    word = board.words().guard
+
+    def field(name: str) -> int:
+        low, width = FIELDS[name]
+        return (word >> low) & ((1 << width) - 1)
+
+    left_out = (Fault.TRIP, Fault.HOST, Fault.DRIVER, Fault.STOP, Fault.BUS_LOW, Fault.BUS_HIGH,
+                Fault.ANCHOR)  # fmt: skip
+    assert field("MASK") == mask(set(Fault) - set(left_out))
+    assert field("DAMP") == 0
+    assert field("CURRENT") == round(0.9 * 2**15)
+    assert field("STUCK") == 2000  # 1 ms at 2 MHz
+    assert field("ZERO_TICKS") == 4000
+    # 100 K over 17.1 K/W and the hot winding's 3.03 Ω.
+    assert field("HEAT") / 2**18 == pytest.approx(100 / (17.1 * 2.18 * 1.39), rel=1e-4)
+    half = Board(board.name, board.root, board.fpga, board.device,
+                 load_scene(ROOT / board.folder / "board.toml", ["motor.R_ohm=4.36"]))  # fmt: skip
+    assert (half.words().guard >> FIELDS["HEAT"][0]) / 2**18 == pytest.approx(
+        field("HEAT") / 2**19, rel=1e-4
+    )
+
+
+@pytest.mark.parametrize("name", GUARDED)
+def test_the_guard_lets_the_boards_own_scene_be(name):
+    """Free space and the way into the wall, with half a step of noise: no fault."""
+    board = load_board(name)
+    scene = load_scene(ROOT / board.folder / "board.toml", ["adc.noise_a=0.6e-3"])
+    pins = GuardedPins(scene, board_limits(scene, board.words().ports))
+    rows = np.zeros((round(0.25 / pins.tick_s), len(Column)))
+    pins.advance(rows, np.zeros((len(rows), len(Word)), dtype=np.int64))
+    assert rows[:, Column.CONTACT].any()
+    assert np.abs(rows[:, Column.TORQUE]).max() > 0.01
+    assert pins.report().faults == 0
 
 
 def test_ulx3s_has_two_megahertz():

@@ -41,6 +41,7 @@ class Fpga(BaseModel):
     input_hz: float = Field(gt=0)
     adc: str
     motors: int = Field(1, ge=1, le=8)
+    guard: bool = False
     seeds: list[int] = Field(min_length=1)
     program: list[str] = Field(min_length=1)
 
@@ -71,7 +72,9 @@ class Board:
 
     def words(self) -> BoardWords:
         """Words of the controller's settings; :class:`SceneError` where the board can't do them."""
-        return board_words(self.scene, PARTS[self.fpga.adc], self.fpga.motors)
+        return board_words(
+            self.scene, PARTS[self.fpga.adc], self.fpga.motors, guarded=self.fpga.guard
+        )
 
     def header(self) -> str:
         """Text of the ``wh_board_settings.vh`` that the board's top includes."""

@@ -7,6 +7,7 @@ Bits and fields are read from ``rtl/wh_faults.vh``.
 from __future__ import annotations
 
 import ctypes
+import math
 import re
 from collections.abc import Iterable, Mapping
 from enum import IntEnum
@@ -16,8 +17,10 @@ import numpy as np
 
 from wavehaptics import formats
 from wavehaptics.formats import RTL_DIR
-from wavehaptics.pins import PinsSimulation, controller_ports
-from wavehaptics.scene import Scene
+from wavehaptics.pins import PinsSimulation, Ports, controller_ports
+from wavehaptics.scene import Scene, Thermal
+from wavehaptics.sensor import Sensor
+from wavehaptics.thermal import REFERENCE_C
 from wavehaptics.trace import Column, Word
 
 _HEADER = (RTL_DIR / "wh_faults.vh").read_text(encoding="utf-8")
@@ -93,9 +96,47 @@ class Limits(NamedTuple):
     """Levels of the pins that are a fault; 0: so is a wire that is off, with a pull-down."""
 
 
-def settings(limits: Limits, simulation: PinsSimulation) -> int:
-    """The guard's word for a simulation's tick, ADC and R̂."""
-    tick_s, sensor = simulation.tick_s, simulation.sensor
+BOARD_FAULTS = (
+    Fault.CURRENT, Fault.ADC_STUCK, Fault.ADC_RANGE, Fault.ZERO, Fault.ENCODER, Fault.LOST,
+    Fault.HEAT, Fault.SETTING, Fault.OVERRUN,
+)  # fmt: skip
+"""What a board watches: it has no host, no driver's fault pin, no measured bus and no anchor, and a
+stop of its own."""
+
+CURRENT_OF_SCALE = 0.9
+"""Current limit of a board, in parts of its ADC's scale."""
+
+STUCK_S = 1e-3
+"""Time in which a board's ADC says something else."""
+
+LOST_OF_R = 0.5
+"""A winding that is so much warmer, or R̂ so much off, isn't taken for a rotor that turns."""
+
+WINDING_MOST_C = 125.0
+"""Temperature of a winding that lasts, as Maxon's data sheets have it."""
+
+
+def board_limits(scene: Scene, ports: Ports) -> Limits:
+    """What the guard of a board allows, from its scene and the controller's settings for it.
+
+    The winding is that of ``[thermal]``, or of its defaults.
+    """
+    thermal = scene.thermal or Thermal()
+    rise_c = WINDING_MOST_C - thermal.ambient_c
+    hot_ohm = scene.motor.R_ohm * (1.0 + thermal.alpha_per_k * (WINDING_MOST_C - REFERENCE_C))
+    rms_a = math.sqrt(rise_c / (hot_ohm * (thermal.rth_winding + thermal.rth_housing)))
+    return Limits(
+        watched=BOARD_FAULTS,
+        current_a=CURRENT_OF_SCALE * ports.sensor.full_scale_a,
+        stuck_samples=round(STUCK_S / ports.timing.tick_s) * ports.timing.samples,
+        lost_v=LOST_OF_R * scene.motor.R_ohm * rms_a,
+        rms_a=rms_a,
+        winding_s=thermal.tau_winding_s,
+    )
+
+
+def settings(limits: Limits, tick_s: float, sensor: Sensor, s: float) -> int:
+    """The guard's word for a controller's tick, ADC and s = √(2R̂)."""
     full = 1 << (formats.SAMPLE_W - 1)
 
     def ticks(seconds: float) -> int:
@@ -103,7 +144,6 @@ def settings(limits: Limits, simulation: PinsSimulation) -> int:
 
     # The highest code of a coarse ADC is a step below the sample's full scale.
     top = full - (1 << (formats.SAMPLE_W - sensor.bits))
-    s = simulation.settings.s
     return pack(
         {
             "MASK": mask(limits.watched),
@@ -159,7 +199,7 @@ class GuardedPins(PinsSimulation):
         return {"GUARD": 1}
 
     def _new_model(self, parameters: list[int]) -> int | None:
-        word = settings(self._limits, self)
+        word = settings(self._limits, self.tick_s, self.sensor, self.settings.s)
         count = (WIDTH + 31) // 32
         words = (ctypes.c_uint32 * count)(*(word >> 32 * n & 0xFFFFFFFF for n in range(count)))
         new = self._library.wh_guarded_new

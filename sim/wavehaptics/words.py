@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from wavehaptics import formats
+from wavehaptics import formats, guard
 from wavehaptics.adc_parts import Part, frame
 from wavehaptics.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.pins import Ports, controller_ports, natural_ticks
@@ -79,6 +79,8 @@ class BoardWords:
     words: dict[str, int]
     motors: int
     delay_log2: int
+    guard: int | None
+    """The guard's word; None for a board without one."""
 
     @property
     def walls(self) -> list[tuple[int, int]]:
@@ -86,7 +88,7 @@ class BoardWords:
         return self.ports.walls or [(0, 0)]
 
 
-def board_words(scene: Scene, part: Part, motors: int = 1) -> BoardWords:
+def board_words(scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False) -> BoardWords:
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
 
     :class:`SceneError` where the scene's ADC isn't the part, or its clock or tick doesn't suit it.
@@ -98,7 +100,12 @@ def board_words(scene: Scene, part: Part, motors: int = 1) -> BoardWords:
     ports = controller_ports(scene, lambda clock_hz, _: frame(part, clock_hz))
     words = dict(ports.words, hold_ticks=_hold_ticks(scene, ports, motors))
     delay_log2 = max(1, words["extra_ticks"].bit_length())
-    return BoardWords(ports, words, motors, delay_log2)
+    return BoardWords(ports, words, motors, delay_log2, _guard(scene, ports) if guarded else None)
+
+
+def _guard(scene: Scene, ports: Ports) -> int:
+    limits = guard.board_limits(scene, ports)
+    return guard.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)
 
 
 def _at(scene: Scene) -> str:
@@ -150,6 +157,8 @@ def verilog_header(board: BoardWords, source: str) -> str:
         f"`define WH_BOARD_SHORTEST {int(board.words['min_pulse'] > 0)}",
         f"`define WH_BOARD_DELAY_LOG2 {board.delay_log2}",
         f"`define WH_BOARD_EARLY {int(board.ports.timing.early)}",
+        f"`define WH_BOARD_GUARDED {int(board.guard is not None)}",
+        f"`define WH_BOARD_GUARD {_literal(board.guard or 0, guard.WIDTH)}",
         "",
     ]
     for name, width in WIDTHS.items():
