@@ -19,6 +19,7 @@ PAPER_TAPS = SCENES_DIR / "paper_taps.toml"
 LOW = ("drive.bus_v=12", "drive.bus_actual_v=9.5")
 RIPPLE = ("drive.bus_ripple_v=0.5", "drive.bus_ripple_hz=100")
 MEASURED = ("drive.bus_measured=true",)
+EARLY = ("controller.early_duty=true", "controller.clock_hz=80e6", "adc.part=AD7276")
 TAP = ("scene.duration_s=0.5",)
 
 # Both signs in one run: a wall on either side of a hand that swings.
@@ -103,20 +104,21 @@ def test_every_mode_is_scaled(mode):
 
 def test_the_early_duty_is_scaled_as_well():
     """Pulses made ahead, and a limit that the bus can't reach."""
-    early = ("controller.early_duty=true", "controller.clock_hz=80e6", "adc.part=AD7276")
-    found = measure(load(*LOW, *RIPPLE, *MEASURED, *SWING, *early), "pins")
+    found = measure(load(*LOW, *RIPPLE, *MEASURED, *SWING, *EARLY), "pins")
     assert found["torque_nrmse_vs_analog"] < 5e-3
-    hard = load("drive.bus_v=12", "drive.bus_actual_v=6", *MEASURED, *HARD, *early)
+    hard = load("drive.bus_v=12", "drive.bus_actual_v=6", *MEASURED, *HARD, *EARLY)
     found = measure(hard, "pins")
     assert found["saturated_fraction"] > 0.3
     assert found["energy_out_max_j"] < 1e-8
 
 
-def test_an_anchor_holds_on_a_measured_bus():
+@pytest.mark.parametrize("early", [(), (*EARLY, "controller.extra_ticks=0")])
+def test_an_anchor_holds_on_a_measured_bus(early):
     """Its limit, which follows s, is scaled from tick to tick."""
     scene = load(
-        *LOW, *RIPPLE, *MEASURED, "drive.limit_v=12", "scene.duration_s=0.5", name="held_wall"
-    )
+        *LOW, *RIPPLE, *MEASURED, *early, "drive.limit_v=12", "scene.duration_s=0.8",
+        name="held_wall",
+    )  # fmt: skip
     assert scene.controller.anchored
     found = measure(scene, "pins")
     cell_rad = 2 * math.pi / scene.encoder.counts_per_rev
