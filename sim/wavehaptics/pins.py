@@ -693,7 +693,7 @@ class PinsSimulation:
         self.winding = Winding(scene, self.tick_s)
         plant = self.winding.plant
         self._dt = dt = 1.0 / time.clock_hz
-        drive = scene.drive or Drive()
+        drive = scene.drive or Drive.model_validate({})
         true_bus_v = drive.true_bus_v or bus_voltage(scene)
         walls = ports.walls
         parameters = [
