@@ -130,7 +130,8 @@ class ClosedLoop:
             await ReadOnly()
             self.motor.advance(self._now())
             bits = self.ports.sensor.bits
-            code = sensor.sample_code(self.motor.state[I], self.adc, self.rng) + (1 << (bits - 1))
+            noise = self.rng.standard_normal()
+            code = sensor.sample_code(self.motor.state[I], self.adc, noise) + (1 << (bits - 1))
             await Timer(1, "ns")
             self.dut.shift.value = code << (32 - self.ports.words["lead_bits"] - bits)
 

@@ -39,7 +39,7 @@ def wishes(motor, cheat: float = 1.0) -> np.ndarray:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def switched(ticks, seed, words, ints, state, core, line, link, load, matrix, dt, sensor, rng):
+def switched(ticks, seed, words, ints, state, core, line, link, load, matrix, dt, sensor, noise):
     """(most and last net energy out of the port in J, ticks of each mode, fastest the rotor was).
 
     Every 1 to 400 ticks another setting is drawn: η, W in force, held or empty, its words, or a
@@ -52,7 +52,7 @@ def switched(ticks, seed, words, ints, state, core, line, link, load, matrix, dt
     left, mode, eta, feel = 0, 0, 0, 0
     voltage, v_n, packet, number = 0, 0, 0, 0
     energy, most, fastest = 0.0, -1.0, 0.0
-    for _ in range(ticks):
+    for n in range(ticks):
         if left == 0:
             left = np.random.randint(1, 400)
             mode = np.random.randint(0, 4)
@@ -65,7 +65,7 @@ def switched(ticks, seed, words, ints, state, core, line, link, load, matrix, dt
         charge, square = plant_step(state, matrix, dt, e_a, load)
         energy += e_a * charge - R_OHM * square
         most = max(most, energy)
-        current = current_word(charge / dt, sensor, rng)
+        current = current_word(charge / dt, sensor, noise[n])
         if mode == HOST and np.random.random() < 0.02:
             u = packet
             if np.random.random() < 0.3:
@@ -98,7 +98,7 @@ def run(make_scene, lambda_: str, seed: int, cheat: float = 1.0, ticks: int = TI
         ticks, seed, wishes(scene.motor, cheat), ints, plant.start.copy(), golden.new_state(),
         golden.new_line(set_.extra_ticks), host_link.new_state(), load_words(plant),
         plant.transition(dt), dt, Sensor.of_scene(scene).constants(),
-        np.random.default_rng(seed),
+        np.random.default_rng(seed).standard_normal(ticks),
     )  # fmt: skip
 
 

@@ -8,11 +8,11 @@ matrix exponential; the instant at which one of them does change is found by bis
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from scipy.linalg import expm
 
 from wavehaptics import formats, physics
+from wavehaptics.compiled import compiled
 from wavehaptics.plant import (
     OMEGA,
     TAU,
@@ -70,7 +70,7 @@ def circuit_matrices(plant: Plant, lambda_: float, s: float, gain: float, etas) 
     return matrices
 
 
-@numba.njit(cache=True)
+@compiled()
 def _inside(x, wall_min, wall_max):
     for n in range(wall_min.shape[0]):
         if wall_min[n] <= x < wall_max[n]:
@@ -78,14 +78,14 @@ def _inside(x, wall_min, wall_max):
     return False
 
 
-@numba.njit(cache=True)
+@compiled()
 def _outward(z, kept, floats):
     """How far the filter's goal η·v lies beyond the limit that holds f, √W."""
     eta = floats[_ETA_CONTACT] if kept[_TOUCHING] else floats[_ETA_FREE]
     return kept[_SIDE] * (eta * (z[F] - floats[_S] * z[I]) - z[F])
 
 
-@numba.njit(cache=True)
+@compiled()
 def _consistent(z, kept, floats, wall_min, wall_max):
     """Whether the state still belongs to the circuit that it is advanced with."""
     if _inside(z[X], wall_min, wall_max) != (kept[_TOUCHING] != 0.0):
@@ -95,7 +95,7 @@ def _consistent(z, kept, floats, wall_min, wall_max):
     return _outward(z, kept, floats) >= 0.0
 
 
-@numba.njit(cache=True)
+@compiled()
 def _switch(z, kept, floats, wall_min, wall_max):
     """Choose the circuit that the state belongs to."""
     kept[_TOUCHING] = 1.0 if _inside(z[X], wall_min, wall_max) else 0.0
@@ -106,14 +106,14 @@ def _switch(z, kept, floats, wall_min, wall_max):
         kept[_SIDE] = 0.0
 
 
-@numba.njit(cache=True)
+@compiled()
 def _circuit(kept):
     if kept[_SIDE] != 0.0:
         return LIMITED
     return CONTACT if kept[_TOUCHING] else FREE
 
 
-@numba.njit(cache=True)
+@compiled()
 def _product(matrix, z, out):
     for row in range(z.shape[0]):
         total = 0.0
@@ -122,14 +122,14 @@ def _product(matrix, z, out):
         out[row] = total
 
 
-@numba.njit(cache=True)
-def _part(z, kept, floats, wall_min, wall_max, steps):
+@compiled()
+def _part(z, trial, kept, floats, wall_min, wall_max, steps):
     """Advance z by one regular step, through every change of circuit in it.
 
     Time is counted in the finest of the tabulated steps. Ever smaller ones are taken while the next
-    would leave the circuit that holds, until the finest does: there the circuit changes.
+    would leave the circuit that holds, until the finest does: there the circuit changes. ``trial``
+    is room for a state.
     """
-    trial = np.empty_like(z)
     left = 1 << HALVINGS
     order = HALVINGS
     changes = 0
@@ -152,8 +152,8 @@ def _part(z, kept, floats, wall_min, wall_max, steps):
             order = HALVINGS
 
 
-@numba.njit(cache=True)
-def _advance(rows, z, kept, wall_min, wall_max, floats, substeps, load, steps):
+@compiled()
+def _advance(rows, z, trial, kept, wall_min, wall_max, floats, substeps, load, steps):
     dt = floats[_DT]
     tick = dt * substeps
     for n in range(rows.shape[0]):
@@ -166,7 +166,7 @@ def _advance(rows, z, kept, wall_min, wall_max, floats, substeps, load, steps):
             z[TAU] = tau
             z[Q] = 0.0
             z[QF] = 0.0
-            _part(z, kept, floats, wall_min, wall_max, steps)
+            _part(z, trial, kept, floats, wall_min, wall_max, steps)
             settle_friction(z, omega, x, tau, load)
             kept[_TIME] += dt
             end_ramp(z, kept[_TIME], load)
@@ -247,6 +247,6 @@ class AnalogSimulation:
 
     def _advance(self, rows: np.ndarray) -> None:
         _advance(
-            rows, self._z, self._kept, self._wall_min, self._wall_max, self._floats,
-            self._substeps, self._load, self._steps,
+            rows, self._z, np.empty_like(self._z), self._kept, self._wall_min, self._wall_max,
+            self._floats, self._substeps, self._load, self._steps,
         )  # fmt: skip

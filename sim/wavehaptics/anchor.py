@@ -12,10 +12,10 @@ act in the next.
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from wavehaptics import formats
+from wavehaptics.compiled import compiled
 from wavehaptics.golden import saturate, truncate
 
 _ISTAR_SHIFT = formats.CELL_CURRENT.fraction - formats.CURRENT.fraction
@@ -112,13 +112,13 @@ def new_state(settings: np.ndarray) -> np.ndarray:
     return state
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def dead_zone(error: int, half: int) -> int:
     """``error`` less the dead zone ``±half``."""
     return error - half if error > half else error + half if error < -half else 0
 
 
-@numba.njit(cache=True)
+@compiled()
 def anchor_step(
     state: np.ndarray,
     settings: np.ndarray,

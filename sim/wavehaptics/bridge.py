@@ -3,14 +3,14 @@
 
 from __future__ import annotations
 
-import numba
+from wavehaptics.compiled import compiled
 
 GATE_AH, GATE_AL, GATE_BH, GATE_BL = 1, 2, 4, 8
 """Bits of the gates of legs A and B, high and low side."""
 GATES = GATE_AH | GATE_AL | GATE_BH | GATE_BL
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def bridge_voltage(gates: int, current: float, bus_v: float) -> float:
     """Voltage of leg A over leg B, V, for the bits ``gates`` and the motor's ``current`` in A.
 
@@ -27,7 +27,7 @@ def bridge_voltage(gates: int, current: float, bus_v: float) -> float:
     return bus_v * (high_a - high_b)
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def half_bridge_voltage(gates: int, current: float, bus_v: float) -> float:
     """Voltage of leg A over the middle of the bus, V; the motor lies between the two."""
     high_a = gates & 1

@@ -13,10 +13,10 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
 from wavehaptics import golden, physics
+from wavehaptics.compiled import compiled
 from wavehaptics.plant import TIME, C, I, P, Plant, X, load_words, plant_step
 from wavehaptics.scene import Scene, SceneError, Servo, encoder_end
 from wavehaptics.settings import Settings, settings
@@ -39,7 +39,7 @@ _SUBSTEPS, _SERVO_TICKS, _DELAY_TICKS = range(3)
 _VOLTAGE, _INTEGRAL, _COMMAND, _TOUCHING, _COUNT, _TICKS = range(6)
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def servo_torque(position, last, depth, touching, floats):
     """Torque that the servo asks for, N·m, from its counts at this sample and the one before.
 
@@ -54,7 +54,7 @@ def servo_torque(position, last, depth, touching, floats):
     return -floats[_STIFFNESS] * depth * floats[_CELL] - floats[_DAMPING] * omega
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "arcp"})
+@compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance(rows, state, kept, line, contact, wall_min, wall_max, ints, floats, load, matrix):
     dt = floats[_DT]
     substeps = ints[_SUBSTEPS]

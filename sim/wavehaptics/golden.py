@@ -7,10 +7,10 @@ numba; ``.py_func`` of each runs as ordinary Python.
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from wavehaptics import formats
+from wavehaptics.compiled import compiled
 
 _DATA_MAX = (1 << (formats.DATA_W - 1)) - 1
 _DATA_MIN = -(1 << (formats.DATA_W - 1))
@@ -51,19 +51,19 @@ def new_line(extra_ticks: int) -> np.ndarray:
     return np.zeros(1 << max(1, extra_ticks.bit_length()), dtype=np.int64)
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def truncate(value: int, bits: int) -> int:
     """``value / 2**bits`` rounded toward zero: a rounding step that can only lose magnitude."""
     return value >> bits if value >= 0 else -((-value) >> bits)
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def saturate(value: int) -> int:
     """``value`` limited to a data word."""
     return min(max(value, _DATA_MIN), _DATA_MAX)
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def line_read(line: np.ndarray, state: np.ndarray, age: int) -> int:
     """The u that was computed ``age`` steps before the newest; 0 before the first."""
     if age >= state[STATE_FILLED]:
@@ -76,7 +76,7 @@ def new_shaper_state(sections: int) -> np.ndarray:
     return np.zeros((sections, 2), dtype=np.int64)
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def toward_zero(value: int, loss: int) -> int:
     """A floor brought nearer to zero by ``loss``, past which the exact value may lie; never past 0.
 
@@ -85,7 +85,7 @@ def toward_zero(value: int, loss: int) -> int:
     return max(value - loss, 0) if value >= 0 else min(value + loss + 1, 0)
 
 
-@numba.njit(cache=True)
+@compiled()
 def shaper_section(words: np.ndarray, x: np.ndarray, v: int) -> int:
     """One tick of one section of W (:mod:`wavehaptics.normalised`): ``[x', y] = M [x, v]``.
 
@@ -108,7 +108,7 @@ def shaper_section(words: np.ndarray, x: np.ndarray, v: int) -> int:
     return y
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def shaper_mode(wall: int, shaped: np.ndarray) -> int:
     """SHAPE in a wall of those ``shaped``, bool (walls,); HOLD in another; CLEAR outside (-1).
 
@@ -119,7 +119,7 @@ def shaper_mode(wall: int, shaped: np.ndarray) -> int:
     return SHAPE if shaped[wall] else HOLD
 
 
-@numba.njit(cache=True)
+@compiled()
 def shaper_step(words: np.ndarray, states: np.ndarray, mode: int, v: int) -> int:
     """W{v} through every section; ``words`` int64 (sections, SECTION_WORDS).
 
@@ -133,14 +133,14 @@ def shaper_step(words: np.ndarray, states: np.ndarray, mode: int, v: int) -> int
     return v
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def _incoming(state, line, current, root, extra_ticks):
     """The waves of the measured tick: u_n, and v_n = u_n − s·i_n."""
     u_n = line_read(line, state, extra_ticks)
     return u_n, saturate(u_n - truncate(root * current, _SI_SHIFT))
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def _outgoing(state, line, shaped, eta, anchor, root, a, u_max, hold_ticks):
     """The λ filter from W{v_n} on: e to be applied."""
     goal = saturate(truncate(eta * shaped, _ETA_Q))
@@ -157,7 +157,7 @@ def _outgoing(state, line, shaped, eta, anchor, root, a, u_max, hold_ticks):
     return saturate(truncate(root * line_read(line, state, hold_ticks), _SU_SHIFT))
 
 
-@numba.njit(cache=True)
+@compiled()
 def shaped_core_step(
     state: np.ndarray,
     line: np.ndarray,
@@ -188,7 +188,7 @@ def shaped_core_step(
     return _outgoing(state, line, shaped, eta, anchor, root, a, u_max, hold_ticks), u_n, v_n
 
 
-@numba.njit(cache=True)
+@compiled()
 def wave_core_step(
     state: np.ndarray,
     line: np.ndarray,
@@ -206,7 +206,7 @@ def wave_core_step(
     return _outgoing(state, line, v_n, eta, anchor, root, a, u_max, hold_ticks), u_n, v_n
 
 
-@numba.njit(cache=True)
+@compiled()
 def contact_step(
     state: np.ndarray,
     position: int,

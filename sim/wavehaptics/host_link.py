@@ -16,10 +16,10 @@ the port has its own environment again, which sees its own v and owes the budget
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from wavehaptics import formats
+from wavehaptics.compiled import compiled
 from wavehaptics.golden import truncate
 
 SEQUENCES = 256
@@ -42,7 +42,7 @@ def new_state() -> np.ndarray:
     return state
 
 
-@numba.njit(cache=True)
+@compiled()
 def answer(state: np.ndarray, sequence: int, u: int) -> bool:
     """An answer of the host arrives, to packet ``sequence``; whether it counts.
 
@@ -57,7 +57,7 @@ def answer(state: np.ndarray, sequence: int, u: int) -> bool:
     return True
 
 
-@numba.njit(cache=True)
+@compiled()
 def tick(state: np.ndarray, v: int, period_log2: int, timeout: int) -> tuple[bool, int, int]:
     """One tick with its wave v; returns (a packet goes out, its number, its v̄)."""
     state[SUM] += v

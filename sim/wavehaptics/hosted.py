@@ -13,16 +13,16 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
-import numba
 import numpy as np
 
 from wavehaptics import formats, golden, host_link, physics
+from wavehaptics.compiled import compiled
 from wavehaptics.normalised import realise
 from wavehaptics.pins import PinsSimulation
 from wavehaptics.plant import TIME, C, P, Plant, X, load_words, plant_step
 from wavehaptics.reflection import Wish, reflection
 from wavehaptics.scene import Scene
-from wavehaptics.sensor import NOISE_SEED, Sensor, current_word
+from wavehaptics.sensor import NOISE_SEED, Sensor, current_word, draw_noise, noise_at
 from wavehaptics.settings import Settings, settings
 from wavehaptics.trace import Column, Word
 
@@ -101,10 +101,10 @@ class Line:
     seed: int = 20
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "arcp"})
+@compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _period(
     rows, state, voltage, core, line, link, contact, wall_min, wall_max, ints, dt, cell, k_t,
-    resistance, gain, load, matrix, sensor, rng,
+    resistance, gain, load, matrix, sensor, noise,
 ):  # fmt: skip
     """A period of the link into ``rows``; returns the voltage's word, the packet's number, v̄."""
     substeps, extra = ints[_SUBSTEPS], ints[_EXTRA]
@@ -119,7 +119,7 @@ def _period(
             charge += part
             square += part_square
         mean = charge / tick
-        current = current_word(mean, sensor, rng)
+        current = current_word(mean, sensor, noise_at(noise, n))
         position = int(np.floor(state[X] / cell))
         touching, _ = golden.contact_step(contact, position, wall_min, wall_max)
         eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
@@ -182,7 +182,8 @@ class HostedSimulation:
         gain = scene.drive.gain if scene.drive else 1.0
         self._floats = (dt, set_.cell_rad, plant.k_t, plant.resistance, gain)
         self._plant = (load_words(plant), plant.transition(dt))
-        self._sensor = (Sensor.of_scene(scene).constants(), np.random.default_rng(NOISE_SEED))
+        self._sensor = Sensor.of_scene(scene).constants()
+        self._rng = np.random.default_rng(NOISE_SEED)
 
     def advance(self, periods: int) -> np.ndarray:
         """Rows (Column) of the coming ``periods`` periods."""
@@ -193,7 +194,8 @@ class HostedSimulation:
                 host_link.answer(self.link, sequence, u)
             self._voltage, sequence, mean = _period(
                 part, self._state, self._voltage, *self._memory, *self._walls, self._ints,
-                *self._floats, *self._plant, *self._sensor,
+                *self._floats, *self._plant, self._sensor,
+                draw_noise(self._rng, self._sensor, len(part)),
             )  # fmt: skip
             self._line_end.ask(self.environment, sequence, mean)
         return rows

@@ -6,11 +6,11 @@ Compiled by numba; ``.py_func`` of each runs as ordinary Python.
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from wavehaptics import formats
 from wavehaptics.bridge_modes import SIGN_MAGNITUDE, UNIPOLAR
+from wavehaptics.compiled import compiled
 
 _FRACTION = formats.DUTY.fraction
 _ONE = 1 << _FRACTION
@@ -33,7 +33,7 @@ def new_dead_time() -> np.ndarray:
     return np.zeros(3, dtype=np.int64)
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def duty_of(voltage: int, clocks_per_volt: int) -> int:
     """Duty of a voltage word, in 2⁻¹⁶ clocks of half width; rounded toward zero."""
     product = voltage * clocks_per_volt
@@ -41,7 +41,7 @@ def duty_of(voltage: int, clocks_per_volt: int) -> int:
     return magnitude if product >= 0 else -magnitude
 
 
-@numba.njit(cache=True)
+@compiled()
 def half_width(
     state,
     duty: int,
@@ -81,7 +81,7 @@ def width_bounds(mode: str, min_pulse: int) -> tuple[int, int]:
     return {UNIPOLAR: min_pulse, SIGN_MAGNITUDE: spare}.get(mode, 0), spare
 
 
-@numba.njit(cache=True)
+@compiled()
 def dead_time_extra(
     state, current: int, dead_clocks: int, threshold: int, settle_ticks: int
 ) -> int:

@@ -29,6 +29,7 @@ from wavehaptics.adc_parts import (
 )
 from wavehaptics.bridge import bridge_voltage, half_bridge_voltage
 from wavehaptics.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, UNIPOLAR
+from wavehaptics.compiled import compiled
 from wavehaptics.early import slope_fits
 from wavehaptics.hand import hand_path
 from wavehaptics.modulator import width_bounds
@@ -349,7 +350,7 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
     )  # fmt: skip
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def _bus_at(time, floats):
     """The true bus, V."""
     if floats[_RIPPLE] == 0.0:
@@ -357,7 +358,7 @@ def _bus_at(time, floats):
     return floats[_BUS] + floats[_RIPPLE] * np.sin(floats[_RIPPLE_RAD_S] * time)
 
 
-@numba.njit(cache=True)
+@compiled()
 def _catch_up(state, kept, sums, tables, floats, ints, load):
     """Advance the motor to the present clock."""
     clocks = kept[_NOW] - kept[_ADVANCED]
@@ -392,7 +393,7 @@ def _catch_up(state, kept, sums, tables, floats, ints, load):
     kept[_ADVANCED] = kept[_NOW]
 
 
-@numba.njit(cache=True)
+@compiled()
 def _next_edge(state, kept, cell, dt, end_s):
     """Set the count, until ``end_s``, and the clock at which it is to be looked at again.
 
@@ -415,7 +416,7 @@ def _next_edge(state, kept, cell, dt, end_s):
     kept[_EDGE] = kept[_NOW] + wait
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def _encoder_levels(count):
     """A and B at their places in the inputs: Gray code, A leads B when the count rises."""
     quarter = count & 3
@@ -423,7 +424,7 @@ def _encoder_levels(count):
     return a << 1 | (quarter >> 1) << 2
 
 
-@numba.njit(cache=True)
+@compiled()
 def _close_tick(state, kept, sums, pending, floats, ints):
     """Keep the row of the tick that ends now until its waves are known."""
     tick = ints[_TICK_CLOCKS] * floats[_DT]
@@ -453,7 +454,7 @@ def _level(current, sensor, osr, rng):
     return (current + sensor[OFFSET]) / sensor[FULL_SCALE]
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True)  # which draws from a generator
 def _advance(
     rows, words, state, kept, sums, pending, tables, ints, floats, load, sensor, rng, buffer, bits
 ):
@@ -481,7 +482,8 @@ def _advance(
             if changed & 1 << _CS_N:
                 if not pins & 1 << _CS_N:
                     _catch_up(state, kept, sums, tables, floats, ints, load)
-                    code = sample_code(state[I], sensor, rng) + (1 << (data_bits - 1))
+                    noise = rng.standard_normal() if sensor[NOISE] > 0.0 else 0.0
+                    code = sample_code(state[I], sensor, noise) + (1 << (data_bits - 1))
                     # Bit 63 is on the wire; a late part puts out the code that it held before.
                     shown = kept[_HELD] if ints[_PIPELINE] else code
                     kept[_SHIFT] = shown << ints[_CODE_SHIFT]

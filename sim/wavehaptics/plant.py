@@ -12,10 +12,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from scipy.linalg import expm
 
+from wavehaptics.compiled import compiled
 from wavehaptics.hand import hand_path
 from wavehaptics.scene import Scene
 
@@ -118,7 +118,7 @@ COULOMB, K_T, HAND_K, HAND_B, HAND_OMEGA, RAMP_END = range(6)
 """Places in the constants that a step needs besides its matrix: :func:`load_words`."""
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def friction_torque(state, load):
     """Coulomb torque τ_c of the coming step, N·m: against the motion, or what holds the rotor."""
     coulomb = load[COULOMB]
@@ -136,7 +136,7 @@ def friction_torque(state, load):
     return min(max(drive, -coulomb), coulomb)
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def settle_friction(state, omega, x, tau, load):
     """Stop the rotor where friction stops it; ``omega``, ``x`` and ``tau`` are the step's first."""
     if load[COULOMB] == 0.0:
@@ -148,7 +148,7 @@ def settle_friction(state, omega, x, tau, load):
         state[OMEGA] = 0.0
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def end_ramp(state, time, load):
     """Stop the hand at the end of its ramp."""
     if time >= load[RAMP_END] and state[R] != 0.0:
@@ -156,7 +156,7 @@ def end_ramp(state, time, load):
         state[R] = 0.0
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def linear_step(state, m, e, tau):
     """Advance the state by the step that ``m`` was made for; returns ∫i dt over it, A·s."""
     i, omega, x = state[I], state[OMEGA], state[X]
@@ -181,7 +181,7 @@ def linear_step(state, m, e, tau):
     )  # fmt: skip
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def plant_step(state, m, step_s, e, load):
     """One step of ``step_s`` (the step of ``m``) at the voltage ``e``; updates ``state``.
 
@@ -197,7 +197,7 @@ def plant_step(state, m, step_s, e, load):
     return charge, square_integral(i, state[I], charge, step_s)
 
 
-@numba.njit(cache=True, inline="always")
+@compiled(inline="always")
 def square_integral(first, last, area, step_s):
     """∫y² dt of the parabola with the given ends and the given ∫y dt."""
     mean = area / step_s

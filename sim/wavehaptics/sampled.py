@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
 from wavehaptics import anchor, formats, golden, verilated
+from wavehaptics.compiled import compiled
 from wavehaptics.native_call import call2
 from wavehaptics.plant import TIME, C, I, P, Plant, X, load_words, plant_step
 from wavehaptics.scene import Scene, encoder_end
-from wavehaptics.sensor import NOISE_SEED, Sensor, current_word
+from wavehaptics.sensor import NOISE_SEED, Sensor, current_word, draw_noise, noise_at
 from wavehaptics.settings import Settings, settings
 from wavehaptics.thermal import Winding
 from wavehaptics.trace import Column, Word
@@ -48,10 +48,10 @@ _DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE, _ENCODER_END = range(6)
 _VOLTAGE_WORD, _CLOCKS, _START, _POSITION = range(4)
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "arcp"})
+@compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance(
     rows, words, state, kept, core, line, contact, anchored, held, wall_min, wall_max, shaper, ints,
-    floats, load, matrix, sensor, rng, buffer,
+    floats, load, matrix, sensor, noise, buffer,
 ):  # fmt: skip
     """Fill ``rows`` and ``words``; False when the RTL never answered.
 
@@ -74,7 +74,8 @@ def _advance(
             square += part_square
             low, high = min(low, state[I]), max(high, state[I])
         mean = charge / tick
-        current = current_word(state[I] if ints[_POINT] else mean, sensor, rng)
+        sensed = state[I] if ints[_POINT] else mean
+        current = current_word(sensed, sensor, noise_at(noise, n))
         if state[TIME] < floats[_ENCODER_END]:
             kept[_POSITION] = int(np.floor(state[X] / cell))
         position = kept[_POSITION]
@@ -216,7 +217,7 @@ class SampledSimulation:
             rows, words, self._state, self._kept, self._core, self._line, self._contact,
             self.settings.anchor, self._held, self.settings.wall_min, self.settings.wall_max,
             self._shaper, self._ints, self._floats, self._load, self._matrix, self._sensor,
-            self._rng, self._buffer,
+            draw_noise(self._rng, self._sensor, len(rows)), self._buffer,
         )  # fmt: skip
         if not done:
             raise RuntimeError("the wave core's RTL never raised valid_o")

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 
 from wavehaptics import formats
+from wavehaptics.compiled import compiled
 from wavehaptics.scene import Scene
 
 _CURRENT_SCALE = 2.0**formats.CURRENT.fraction
@@ -59,17 +59,27 @@ class Sensor:
         )
 
 
-@numba.njit(cache=True, inline="always")
-def sample_code(current, sensor, rng):
+def draw_noise(rng: np.random.Generator, sensor: np.ndarray, count: int) -> np.ndarray:
+    """Noise of ``count`` samples in units of ``noise_a``: (count,), or (0,) without noise."""
+    return rng.standard_normal(count if sensor[NOISE] > 0.0 else 0)
+
+
+@compiled(inline="always")
+def noise_at(noise, n):
+    """The noise of sample ``n`` of :func:`draw_noise`."""
+    return noise[n] if noise.shape[0] else 0.0
+
+
+@compiled(inline="always")
+def sample_code(current, sensor, noise):
     """The ADC's signed code of a current in A; mid-scale is 0 A, codes end at full scale."""
-    if sensor[NOISE] > 0.0:
-        current += sensor[NOISE] * rng.standard_normal()
+    current += sensor[NOISE] * noise
     half = 1 << (int(sensor[BITS]) - 1)
     code = round((current + sensor[OFFSET]) / sensor[FULL_SCALE] * half)
     return min(max(int(code), -half), half - 1)
 
 
-@numba.njit(cache=True)
+@compiled()
 def scale_sum(total, gain):
     """Current word of a tick's sum of ADC words (sum minus zero): ``rtl/wh_current.v``.
 
@@ -82,11 +92,11 @@ def scale_sum(total, gain):
     return min(magnitude, _CURRENT_MAX) if product >= 0 else -min(magnitude, _CURRENT_MAX + 1)
 
 
-@numba.njit(cache=True, inline="always")
-def current_word(current, sensor, rng):
+@compiled(inline="always")
+def current_word(current, sensor, noise):
     """Word that the wave core gets for a tick's mean current in A."""
     if sensor[IDEAL] != 0.0:
         word = round(current * _CURRENT_SCALE)
         return int(min(max(word, -_CURRENT_MAX - 1), _CURRENT_MAX))
-    code = sample_code(current, sensor, rng) << (formats.SAMPLE_W - int(sensor[BITS]))
+    code = sample_code(current, sensor, noise) << (formats.SAMPLE_W - int(sensor[BITS]))
     return scale_sum(code, int(sensor[GAIN]))

@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
+
+from wavehaptics.compiled import compiled
 
 CLIPPED_RUN = 128
 """Bits after which an overdriven modulator shows the other level once, to prove that it lives
@@ -19,7 +20,7 @@ def new_state() -> np.ndarray:
     return np.array([0.0, 0.0, -1.0, 0.0])
 
 
-@numba.njit(cache=True)
+@compiled()
 def next_bit(state: np.ndarray, level: float) -> int:
     """The bit for an input of ``level`` full scales: ones by (1 + level)/2, ±1 is where it clips.
 
