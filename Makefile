@@ -133,14 +133,16 @@ LINT_CASES := \
     wh_early,-DWH_COEF_W=31 \
     wh_controller,-GN=1,-GWALLS=1,-GDELAY_LOG2=1 \
     wh_controller,-GN=3,-GWALLS=16,-DWH_DATA_W=28,-DWH_COEF_W=24 \
-    wh_controller,-GN=1,-GDELAY_LOG2=10,-DWH_DATA_W=31,-DWH_COEF_W=31
+    wh_controller,-GN=1,-GDELAY_LOG2=10,-DWH_DATA_W=31,-DWH_COEF_W=31 \
+    wh_board_clock_watch \
+    wh_board_clock_watch,-GGATES=1,-GBEAT_LOG2=16,-GPATIENCE_LOG2=2
 
-LINT := verilator --lint-only -Wall --default-language 1364-2005 -Irtl
+LINT := verilator --lint-only -Wall --default-language 1364-2005 -Irtl -Iboards
 
 lint: $(READY) ## check the RTL at several sizes and word lengths, and the Python code
 	@$(WITH_TOOLS) failed=0; for case in $(LINT_CASES); do \
 	    set -- $$(echo "$$case" | tr , ' '); top=$$1; shift; \
-	    $(LINT) "$$@" --top-module "$$top" "rtl/$$top.v" || { echo "lint: $$case"; failed=1; }; \
+	    $(LINT) "$$@" --top-module "$$top" "$$top.v" || { echo "lint: $$case"; failed=1; }; \
 	done; [ $$failed = 0 ] && echo "lint: $(words $(LINT_CASES)) configurations of the RTL are clean"
 	@.venv/bin/ruff check
 	@.venv/bin/ruff format --check

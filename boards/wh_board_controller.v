@@ -5,13 +5,16 @@
 // The constants are those of wh_board_settings.vh, made from the board's scene.
 //
 // The gates go on when start_i rises while stop_i is low, and go off when stop_i is high, at a fault
-// of the encoder, when a tick is too short for its work, at what the guard finds where the board has
-// one, and in reset. They stay off until start_i rises again; after a fault, until reset. start_i and
-// stop_i are asynchronous, and believed once they have been still for 2^SETTLE_LOG2 clocks; off needs
-// no patience. What the guard finds before that time is over, as long as an ADC wakes up, is forgotten.
+// of the encoder, when a tick is too short for its work, at what the guard finds where the board
+// has one, when the clock was lost, and in reset. They stay off until start_i rises again; after a
+// fault, until reset. start_i and stop_i are asynchronous, and believed once they have been still
+// for 2^SETTLE_LOG2 clocks; off needs no patience. What the guard finds before that time is over, as
+// long as an ADC wakes up, is forgotten.
 //
-// alive_o changes at each tick while the gates are on, and is low otherwise. Without a clock the
-// gates stay as they are and it stands still: a charge pump behind it lets go of the bridge.
+// Without a clock the gates stay as they are. clock_lost_i is what wh_board_clock_watch found, which
+// takes them off the pads; 0 where the board has none. alive_o changes at each tick while the gates
+// are on, and is low otherwise; it stands still without a clock, and a charge pump behind it lets
+// go of the bridge.
 // Reset: gates off, not running, alive_o low.
 
 `default_nettype none
@@ -27,6 +30,7 @@ module wh_board_controller #(
 
     input  wire                  start_i,      // asynchronous
     input  wire                  stop_i,       // asynchronous
+    input  wire                  clock_lost_i, // asynchronous
 
     output wire                  adc_cs_n_o,
     output wire                  adc_sclk_o,
@@ -50,13 +54,14 @@ module wh_board_controller #(
 
     wire start;
     wire stop;
+    wire clock_lost;
 
     wh_synchroniser #(
-        .WIDTH   (2)
+        .WIDTH   (3)
     ) synchroniser (
         .clk     (clk),
-        .level_i ({start_i, stop_i}),
-        .level_o ({start, stop})
+        .level_i ({start_i, stop_i, clock_lost_i}),
+        .level_o ({start, stop, clock_lost})
     );
 
     // Pressed is a level that has lasted: it may be the press that goes on through reset, which is
@@ -81,7 +86,8 @@ module wh_board_controller #(
             fault_q   <= 1'b0;
             awake_q   <= 1'b0;
         end else begin
-            fault_q <= fault_q || (|encoder_fault) || overrun || (guarded_fault && awake_q);
+            fault_q <= fault_q || (|encoder_fault) || overrun || (guarded_fault && awake_q)
+                       || clock_lost;
             awake_q <= awake_q || settled;
             if (start == pressed_q) begin
                 settle_q <= {SETTLE_LOG2{1'b0}};

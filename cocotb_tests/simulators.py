@@ -9,9 +9,9 @@ A test file of pytest stays this short, and runs on each simulator (fixture ``si
         simulate(simulator, "wh_quadrature", "tb_quadrature")
 
 The top level is ``rtl/<toplevel>.v``, ``boards/<toplevel>.v``, or ``cocotb_tests/<toplevel>.v`` for
-a bench around it that holds the clock; the modules below it are found in ``rtl`` by their names. In
-the test module, ``parameters`` and ``defines`` are the environment's ``WH_PARAMETERS`` and
-``WH_DEFINES`` (JSON), read by :func:`parameters` and :func:`defines`.
+a bench around it that holds the clock; the modules below it are found in ``rtl`` and ``boards`` by
+their names. In the test module, ``parameters`` and ``defines`` are the environment's
+``WH_PARAMETERS`` and ``WH_DEFINES`` (JSON), read by :func:`parameters` and :func:`defines`.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ BUILD_DIR = TESTS_DIR.parent / "build" / "cocotb"
 SIMULATORS = ("icarus", "verilator")
 
 _BUILD_ARGS = {
-    "icarus": ["-y", str(RTL_DIR), "-Wall", "-Wno-timescale"],
-    "verilator": ["-y", str(RTL_DIR), "--timing", "-O3"],
+    "icarus": ["-y", str(RTL_DIR), "-y", str(BOARDS_DIR), "-Wall", "-Wno-timescale"],
+    "verilator": ["-y", str(RTL_DIR), "-y", str(BOARDS_DIR), "--timing", "-O3"],
 }
 
 # For files that a tool made: not written for lint, and a test that could see each of their many

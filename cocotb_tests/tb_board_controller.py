@@ -53,7 +53,7 @@ class Board(Bench):
             self._adc.pins(edge + PINS_NS, cs_n, sclk)
 
     async def begin(self, **inputs: int) -> None:
-        quiet = {"start_i": 0, "stop_i": 0, "enc_a_i": 0, "enc_b_i": 0}
+        quiet = {"start_i": 0, "stop_i": 0, "clock_lost_i": 0, "enc_a_i": 0, "enc_b_i": 0}
         await self.start(**{**quiet, **inputs})
 
     async def watch(self, clocks: int) -> tuple[int, int, set[int]]:
@@ -153,6 +153,22 @@ async def a_fault_lasts_until_reset(dut):
     assert not board.word("fault_o")
     await board.press()
     await board.expect_running()
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_lost_clock_is_a_fault_until_reset(dut):
+    """Told as wh_board_clock_watch does, for as long as it likes."""
+    board = Board(dut)
+    for clocks in (1, TICK):
+        await board.begin()
+        await board.press()
+        await board.expect_running()
+        await board.step(clocks, clock_lost_i=1)
+        await board.step(SYNCHRONISER, clock_lost_i=0)
+        assert board.word("fault_o")
+        await board.expect_off()
+        await board.press()
+        await board.expect_off()
 
 
 async def expect_fault_until_reset(board: Board, clocks: int) -> None:

@@ -71,23 +71,24 @@ module icebreaker (
     wire unused = &{1'b0, contact};
 
     wh_board_controller board_controller (
-        .clk         (clk),
-        .rst         (rst),
-        .start_i     (!start_n_in),
-        .stop_i      (stop_in),
-        .adc_cs_n_o  (adc_cs_n),
-        .adc_sclk_o  (adc_sclk),
-        .adc_sdata_i (adc_sdata),
-        .enc_a_i     (enc_a),
-        .enc_b_i     (enc_b),
-        .gate_ah_o   (gate_ah),
-        .gate_al_o   (gate_al),
-        .gate_bh_o   (gate_bh),
-        .gate_bl_o   (gate_bl),
-        .alive_o     (alive),
-        .running_o   (running),
-        .contact_o   (contact),
-        .fault_o     (fault)
+        .clk          (clk),
+        .rst          (rst),
+        .start_i      (!start_n_in),
+        .stop_i       (stop_in),
+        .clock_lost_i (1'b0),
+        .adc_cs_n_o   (adc_cs_n),
+        .adc_sclk_o   (adc_sclk),
+        .adc_sdata_i  (adc_sdata),
+        .enc_a_i      (enc_a),
+        .enc_b_i      (enc_b),
+        .gate_ah_o    (gate_ah),
+        .gate_al_o    (gate_al),
+        .gate_bh_o    (gate_bh),
+        .gate_bl_o    (gate_bl),
+        .alive_o      (alive),
+        .running_o    (running),
+        .contact_o    (contact),
+        .fault_o      (fault)
     );
 
     assign led_running_n = !running;

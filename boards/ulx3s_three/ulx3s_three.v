@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// ulx3s_three: three motors on a ULX3S (ECP5): pads, PLL and reset.
+// ulx3s_three: three motors on a ULX3S (ECP5): pads, PLL, oscillator and reset.
 //
 // The clock is 80 MHz, 25 MHz / 5 * 16, from a VCO at 640 MHz. README.md has the wiring.
 // Reset: until the PLL has been locked for 2^16 clocks.
@@ -50,24 +50,51 @@ module ulx3s_three (
         .rst_o    (rst)
     );
 
+    wire watch_clk;
+    wire clock_lost;
+
+    // 19.4 MHz.
+    wh_board_oscillator_ecp5 #(
+        .DIV   (16)
+    ) oscillator (
+        .clk_o (watch_clk)
+    );
+
+    wire [2:0] bridge_ah;
+    wire [2:0] bridge_al;
+    wire [2:0] bridge_bh;
+    wire [2:0] bridge_bl;
+
+    wh_board_clock_watch #(
+        .GATES     (12)
+    ) clock_watch (
+        .clk       (clk),
+        .rst       (rst),
+        .watch_clk (watch_clk),
+        .gates_i   ({bridge_ah, bridge_al, bridge_bh, bridge_bl}),
+        .gates_o   ({gate_ah, gate_al, gate_bh, gate_bl}),
+        .lost_o    (clock_lost)
+    );
+
     wh_board_controller board_controller (
-        .clk         (clk),
-        .rst         (rst),
-        .start_i     (button_start),
-        .stop_i      (stop),
-        .adc_cs_n_o  (adc_cs_n),
-        .adc_sclk_o  (adc_sclk),
-        .adc_sdata_i (adc_sdata),
-        .enc_a_i     (enc_a),
-        .enc_b_i     (enc_b),
-        .gate_ah_o   (gate_ah),
-        .gate_al_o   (gate_al),
-        .gate_bh_o   (gate_bh),
-        .gate_bl_o   (gate_bl),
-        .alive_o     (alive),
-        .running_o   (led_running),
-        .contact_o   (led_contact),
-        .fault_o     (led_fault)
+        .clk          (clk),
+        .rst          (rst),
+        .start_i      (button_start),
+        .stop_i       (stop),
+        .clock_lost_i (clock_lost),
+        .adc_cs_n_o   (adc_cs_n),
+        .adc_sclk_o   (adc_sclk),
+        .adc_sdata_i  (adc_sdata),
+        .enc_a_i      (enc_a),
+        .enc_b_i      (enc_b),
+        .gate_ah_o    (bridge_ah),
+        .gate_al_o    (bridge_al),
+        .gate_bh_o    (bridge_bh),
+        .gate_bl_o    (bridge_bl),
+        .alive_o      (alive),
+        .running_o    (led_running),
+        .contact_o    (led_contact),
+        .fault_o      (led_fault)
     );
 
 endmodule

@@ -150,7 +150,7 @@ def test_next_seed_is_tried(tmp_path, tools, monkeypatch):
     """A seed that misses the clock gives way to the next, and the result names the one it has."""
     judge, said = synthesis._reached_hz, []
 
-    def first_too_slow(design, report):
+    def first_too_slow(design, *_):
         monkeypatch.setattr(synthesis, "_reached_hz", judge)
         raise synthesis._missed(design, 1e6)
 
@@ -184,6 +184,65 @@ def test_clock_that_is_not_the_scenes(tmp_path, tools):
     pll["parameters"]["DIVF"] = "1111"
     with pytest.raises(SynthesisError, match=r"VCO runs at 192 MHz"):
         synthesis._check_pll(design, {"cells": {"pll": pll}})
+
+
+TWO_CLOCKS = """\
+module top (input wire clk, input wire a, input wire b, output reg q);
+    wire own;
+    reg w, x, y, z;
+    OSCG #(.DIV (2)) oscillator (.OSC (own));
+    always @(posedge clk) {x, w} <= {w, a ^ b};
+    always @(posedge own) {z, y} <= {y, x};
+    always @(posedge clk) q <= z;
+endmodule
+"""
+
+
+def two_clocks(tmp_path: Path, clock_hz: float) -> Design:
+    """A small design for the ECP5 with a clock and, at 155 MHz, its own oscillator."""
+    (tmp_path / "top.v").write_text(TWO_CLOCKS)
+    sites = {"clk": "G2", "a": "A9", "b": "B10", "q": "A6"}
+    (tmp_path / "top.lpf").write_text(
+        "".join(f'LOCATE COMP "{pin}" SITE "{site}";\n' for pin, site in sites.items())
+    )
+    (tmp_path / "out").mkdir()
+    return Design(
+        name="two", top="top", root=tmp_path, sources=(Path("top.v"),), includes=(),
+        constraints=Path("top.lpf"), family="ecp5", device="25k", package="CABGA381", speed=6,
+        input_hz=clock_hz, clock_hz=clock_hz, seeds=(1,),
+    )  # fmt: skip
+
+
+def test_oscillators_clock_is_timed(tmp_path, tools):
+    result = build(two_clocks(tmp_path, 12e6), Path("out"), tools)
+    assert result.watch_mhz == 155
+    assert result.watch_reached_mhz > 1.1 * 1.3 * 155
+    assert result.clock_mhz == 12
+    assert result.reached_mhz > 13.2
+
+
+def test_each_clock_is_judged_by_its_own_rate(tmp_path):
+    design = two_clocks(tmp_path, 80e6)
+    own = {"type": "OSCG", "parameters": {"DIV": "10000"}, "connections": {"OSC": [7]}}
+    netlist = {
+        "cells": {"oscillator": own},
+        "netnames": {"clk": {"bits": [2]}, "watch": {"bits": [7]}, "top.watch": {"bits": [7]}},
+    }
+
+    def reached(**mhz: float) -> tuple[float, float | None]:
+        fmax = {f"$glbnet${name}": {"achieved": rate} for name, rate in mhz.items()}
+        return synthesis._reached_hz(design, netlist, {"fmax": fmax})
+
+    assert reached(clk=90, watch=30) == (90e6, 30e6)
+    with pytest.raises(SynthesisError, match=r"the clock reaches 80\.00 MHz, and 88\.00 MHz"):
+        reached(clk=80, watch=300)
+    # 310 MHz / 16, 30 % faster, and 10 % to spare.
+    with pytest.raises(SynthesisError, match=r"oscillator's clock reaches 27\.00 MHz, and 27\.71"):
+        reached(clk=90, watch=27)
+    with pytest.raises(SynthesisError, match="nextpnr didn't time the oscillator's clock"):
+        reached(clk=90)
+    with pytest.raises(SynthesisError, match="nextpnr timed no clock"):
+        reached(watch=30)
 
 
 def test_tool_that_is_missing(monkeypatch):
@@ -467,10 +526,34 @@ def kept(name: str) -> dict[str, object]:
     return next(board for board in boards if board["board"] == name)
 
 
+@pytest.mark.parametrize("name", board_names())
+def test_the_watch_fits_both_clocks(name):
+    """ECP5 boards have one, and the beat suits it wherever its oscillator is in its tolerance."""
+    board, shown = load_board(name), kept(name)
+    top = (ROOT / board.folder / f"{name}.v").read_text()
+    watched = board.fpga.family == "ecp5"
+    assert ("wh_board_clock_watch" in top) == watched == (shown["watch_mhz"] is not None)
+    if not watched:
+        return
+    hz = synthesis.OSCILLATOR_HZ / int(re.search(r"\.DIV +\((\d+)\)", top)[1])
+    assert shown["watch_mhz"] == pytest.approx(hz / 1e6, abs=0.01)
+    verilog = (ROOT / "boards" / "wh_board_clock_watch.v").read_text()
+    beat, patience = (
+        2 ** int(re.search(rf"parameter integer {parameter}_LOG2 += (\d+)", verilog)[1])
+        for parameter in ("BEAT", "PATIENCE")
+    )
+    for off in (-synthesis.OSCILLATOR_TOLERANCE, 0, synthesis.OSCILLATOR_TOLERANCE):
+        watch_clocks = beat / board.clock_hz * hz * (1 + off)
+        assert 2 < watch_clocks < (patience - 2) / 2, "twice as far from an alarm as need be"
+
+
 def test_kept_numbers_keep_the_promises():
     for name in board_names():
         board = kept(name)
         assert board["spare"] >= synthesis.SPARE
+        if board["watch_mhz"] is not None:
+            fastest = (1 + synthesis.OSCILLATOR_TOLERANCE) * board["watch_mhz"]
+            assert board["watch_reached_mhz"] >= (1 + synthesis.SPARE) * fastest
         assert board["tick_mhz"] >= (2 if name == "ulx3s" else 1)
     assert kept("icebreaker")["logic_cells"] <= 0.5 * kept("icebreaker")["logic_cells_available"]
 
@@ -481,6 +564,7 @@ def test_fresh_synthesis_is_what_the_pages_say(name, tools):
     result, shown = synthesis.build_board(load_board(name), tools, say=print), kept(name)
     assert (ROOT / synthesis.bitstream_path(load_board(name))).stat().st_size > 0
     assert (result.dsp, result.block_ram) == (shown["dsp"], shown["block_ram"])
+    assert result.watch_mhz == shown["watch_mhz"]
     for key in ("logic_cells", "lut", "ff"):
         assert getattr(result, key) == pytest.approx(shown[key], rel=LUT_TOLERANCE), key
     assert result.clock_mhz == shown["clock_mhz"]

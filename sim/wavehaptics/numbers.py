@@ -145,7 +145,7 @@ def _table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
 
 def _boards(numbers: dict[str, Any]) -> str:
     head = ("Board", "FPGA", "Clock", "Tick", "Logic cells", "FF", "DSP", "Block RAM",
-            "Reached", "To spare", "Bitstream")  # fmt: skip
+            "Reached", "To spare", "Watch's clock, reached", "Bitstream")  # fmt: skip
     rows = []
     for board in numbers["boards"]:
         part = board["logic_cells"] / board["logic_cells_available"]
@@ -162,6 +162,9 @@ def _boards(numbers: dict[str, Any]) -> str:
                 f"{board['block_ram']} of {board['block_ram_available']}",
                 f"{_reached(board):.1f} MHz",
                 f"{board['spare']:.0%}",
+                f"{board['watch_mhz']:.1f} MHz, {board['watch_reached_mhz']:.0f} MHz"
+                if board["watch_mhz"]
+                else "–",
                 f"{board['bitstream_bytes'] / 1000:.0f} kB",
             )
         )

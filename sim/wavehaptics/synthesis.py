@@ -28,6 +28,12 @@ OUT = Path("build", "synth")
 SPARE = 0.10
 """Part of the clock that a design must have to spare."""
 
+OSCILLATOR_HZ = 310e6
+"""Rate of the ECP5's own oscillator before its divider."""
+
+OSCILLATOR_TOLERANCE = 0.30
+"""Part of its rate by which that oscillator may be off."""
+
 PLACERS = {"ice40": "nextpnr-ice40", "ecp5": "nextpnr-ecp5"}
 PACKERS = {"ice40": "icepack", "ecp5": "ecppack"}
 BITSTREAM_SUFFIX = {"ice40": ".bin", "ecp5": ".bit"}
@@ -76,7 +82,10 @@ class Design:
 
 @dataclass(frozen=True)
 class Result:
-    """What came out: counts of cells, clocks in MHz, bytes of the bitstream."""
+    """What came out: counts of cells, clocks in MHz, bytes of the bitstream.
+
+    ``watch_mhz`` is the nominal rate of the FPGA's own oscillator, None where it isn't used.
+    """
 
     board: str
     device: str
@@ -93,6 +102,8 @@ class Result:
     clock_mhz: float
     reached_mhz: float
     dsp_path_mhz: float | None
+    watch_mhz: float | None
+    watch_reached_mhz: float | None
     slack_ns: float
     spare: float
     seed: int
@@ -213,11 +224,15 @@ def _checked_netlist(design: Design, out: Path, tools: Toolchain) -> dict[str, A
 
 @dataclass(frozen=True)
 class Placed:
-    """What a seed came to; ``dsp_hz`` is the clock that paths through multiplier blocks allow."""
+    """What a seed came to; ``dsp_hz`` is the clock that paths through multiplier blocks allow.
+
+    ``watch_hz`` is what the logic on the FPGA's own oscillator reaches, None without one.
+    """
 
     seed: int
     report: dict[str, Any]
     reached_hz: float
+    watch_hz: float | None
     dsp_hz: float | None
 
     @property
@@ -235,9 +250,9 @@ def _place_seed(
         report_path, delays_path, tools, design.root / out,
     )  # fmt: skip
     report = json.loads((design.root / report_path).read_bytes())
-    reached_hz = _reached_hz(design, report)
+    reached_hz, watch_hz = _reached_hz(design, netlist, report)
     dsp_hz = _dsp_hz(design, netlist, design.root / delays_path)
-    return Placed(seed, report, reached_hz, dsp_hz)
+    return Placed(seed, report, reached_hz, watch_hz, dsp_hz)
 
 
 def _first_that_meets(
@@ -415,6 +430,24 @@ def _check_pll(design: Design, netlist: dict[str, Any]) -> None:
         )
 
 
+@dataclass(frozen=True)
+class Oscillator:
+    """The FPGA's own oscillator in a netlist: its nominal rate, and the names of its net."""
+
+    hz: float
+    nets: frozenset[str]
+
+
+def oscillator(netlist: dict[str, Any]) -> Oscillator | None:
+    """The oscillator that a netlist uses, None where it uses none."""
+    for cell in netlist["cells"].values():
+        if cell["type"] == "OSCG":
+            (bit,) = cell["connections"]["OSC"]
+            nets = (name for name, net in netlist["netnames"].items() if bit in net["bits"])
+            return Oscillator(OSCILLATOR_HZ / _parameter(cell, "DIV", 128), frozenset(nets))
+    return None
+
+
 _PIN_LINE = {
     "ice40": re.compile(r"^\s*set_io\s+(?:-\S+\s+(?:\d+\s+)?)*(\S+)\s+\S+", re.MULTILINE),
     "ecp5": re.compile(r'^\s*LOCATE\s+COMP\s+"([^"]+)"', re.MULTILINE),
@@ -511,24 +544,48 @@ def place(
         raise SynthesisError(f"{design.name}: nextpnr warns: {problems[0][1]}")
 
 
-def _missed(design: Design, reached_hz: float, what: str = "the clock reaches") -> TimingMissed:
-    needed = (1 + SPARE) * design.clock_hz / 1e6
+def _missed(
+    design: Design,
+    reached_hz: float,
+    what: str = "the clock reaches",
+    clock_hz: float | None = None,
+) -> TimingMissed:
+    clock_hz = clock_hz or design.clock_hz
+    needed = (1 + SPARE) * clock_hz / 1e6
     message = (
         f"{design.name}: timing missed: {what} {reached_hz / 1e6:.2f} MHz, and {needed:.2f} MHz "
-        f"are needed ({design.clock_hz / 1e6:g} MHz and {SPARE:.0%} to spare)"
+        f"are needed ({clock_hz / 1e6:g} MHz and {SPARE:.0%} to spare)"
     )
     return TimingMissed(message, reached_hz)
 
 
-def _reached_hz(design: Design, report: dict[str, Any]) -> float:
-    """The slowest clock's rate in nextpnr's report, after it was judged again."""
-    clocks = report["fmax"]
+def _reached_hz(
+    design: Design, netlist: dict[str, Any], report: dict[str, Any]
+) -> tuple[float, float | None]:
+    """Rates of the clock and of what the FPGA's own oscillator drives, each judged by its own.
+
+    nextpnr asks of the oscillator's clock no more than its nominal rate; here it is the fastest
+    that it may have. Of several other clocks the slowest counts.
+    """
+    clocks = {
+        name.removeprefix("$glbnet$"): clock["achieved"] * 1e6
+        for name, clock in report["fmax"].items()
+    }
+    watch_hz, own = None, oscillator(netlist)
+    if own:
+        timed = own.nets & clocks.keys()
+        if not timed:
+            raise SynthesisError(f"{design.name}: nextpnr didn't time the oscillator's clock")
+        watch_hz = clocks.pop(timed.pop())
+        fastest_hz = (1 + OSCILLATOR_TOLERANCE) * own.hz
+        if watch_hz < (1 + SPARE) * fastest_hz:
+            raise _missed(design, watch_hz, "the oscillator's clock reaches", fastest_hz)
     if not clocks:
         raise SynthesisError(f"{design.name}: nextpnr timed no clock")
-    reached_hz = min(clock["achieved"] for clock in clocks.values()) * 1e6
+    reached_hz = min(clocks.values())
     if reached_hz < (1 + SPARE) * design.clock_hz:
         raise _missed(design, reached_hz)
-    return reached_hz
+    return reached_hz, watch_hz
 
 
 # ---- The result.
@@ -571,6 +628,7 @@ def _result(
         used.get(name, {"used": 0, "available": 0}) for name in _CELLS[design.family]
     )
     counts = cell_counts(design.family, (cell["type"] for cell in netlist["cells"].values()))
+    own = oscillator(netlist)
     return Result(
         board=design.name,
         device=design.device,
@@ -587,6 +645,8 @@ def _result(
         clock_mhz=design.clock_hz / 1e6,
         reached_mhz=round(placed.reached_hz / 1e6, 2),
         dsp_path_mhz=None if placed.dsp_hz is None else round(placed.dsp_hz / 1e6, 2),
+        watch_mhz=None if own is None else round(own.hz / 1e6, 2),
+        watch_reached_mhz=None if placed.watch_hz is None else round(placed.watch_hz / 1e6, 2),
         slack_ns=round(1e9 / design.clock_hz - 1e9 / placed.slowest_hz, 2),
         spare=round(placed.slowest_hz / design.clock_hz - 1, 3),
         seed=placed.seed,
@@ -599,11 +659,16 @@ def _result(
 def summary_line(result: Result) -> str:
     """A result in one line for a terminal."""
     part = result.logic_cells / result.logic_cells_available
+    watch = (
+        f"the watch's {result.watch_mhz:g} MHz, {result.watch_reached_mhz:g} MHz reached; "
+        if result.watch_mhz
+        else ""
+    )
     return (
         f"{result.board}: {result.device}, {result.logic_cells} logic cells ({part:.0%}), "
         f"{result.ff} FF, {result.dsp} DSP, {result.block_ram} block RAM; "
         f"{result.clock_mhz:g} MHz asked, {result.reached_mhz:g} MHz reached "
-        f"({result.spare:+.0%}, slack {result.slack_ns:g} ns); seed {result.seed}; "
+        f"({result.spare:+.0%}, slack {result.slack_ns:g} ns); {watch}seed {result.seed}; "
         f"{result.bitstream_bytes} bytes"
     )
 
