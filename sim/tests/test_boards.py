@@ -521,6 +521,16 @@ def test_stale_page_is_noticed(tmp_path):
         numbers.write(tmp_path)
 
 
+def test_numbers_of_another_version_are_refused(tmp_path):
+    """They would lack what the pages show; what is kept stays as it was."""
+    summary = tmp_path / synthesis.OUT / "summary.json"
+    summary.parent.mkdir(parents=True)
+    summary.write_text('{"boards": [{"board": "ulx3s", "spare": 0.3}]}')
+    with pytest.raises(numbers.NumbersError, match=r"summary\.json is that of another version"):
+        numbers.keep(tmp_path)
+    assert not (tmp_path / numbers.KEPT).exists()
+
+
 def kept(name: str) -> dict[str, object]:
     boards = json.loads((ROOT / numbers.KEPT).read_bytes())["boards"]
     return next(board for board in boards if board["board"] == name)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterable
+from dataclasses import fields
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from typing import Any
 from wavehaptics.adcs import named_rows
 from wavehaptics.boards import ROOT
 from wavehaptics.report import readme
+from wavehaptics.synthesis import Result
 
 KEPT = Path("boards", "summary.json")
 """The numbers that the pages show, from the root."""
@@ -48,6 +50,9 @@ def keep(root: Path = ROOT) -> None:
     kept = json.loads((root / KEPT).read_bytes()) if (root / KEPT).exists() else {}
     if (root / _SUMMARY).exists():
         kept["boards"] = json.loads((root / _SUMMARY).read_bytes())["boards"]
+        expected = {field.name for field in fields(Result)}
+        if any(set(board) != expected for board in kept["boards"]):
+            raise NumbersError(f"{_SUMMARY} is that of another version; run `make synth`")
     if (root / _RESOURCES).exists():
         kept["resources"] = json.loads((root / _RESOURCES).read_bytes())
     if (root / _ADCS).exists():
