@@ -83,7 +83,7 @@ adcs: $(READY) ## run the paper's taps with every ADC, and write their numbers i
 	@$(WITH_TOOLS) .venv/bin/wavehaptics adcs --out build/adcs
 	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
 
-holding: $(READY) ## hold a wall for a minute under every disturbance, with the README's numbers (10 minutes)
+holding: $(READY) ## hold a wall for a minute under every disturbance, with the README's numbers (20 minutes)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics holding --out build/holding
 	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
 

@@ -13,6 +13,7 @@ from wavehaptics import anchor, formats
 STEP_CLOCKS = 24
 LOWEST, HIGHEST = -(1 << (formats.COUNT_W - 1)), (1 << (formats.COUNT_W - 1)) - 1
 DATA, COEF = formats.CURRENT, formats.ROOT
+ROOT_SHIFT = formats.ROOT_SUM_Q - formats.ROOT.fraction
 
 
 class AnchorBench(Bench):
@@ -41,8 +42,7 @@ class AnchorBench(Bench):
         places = (anchor.WAVE, anchor.ROOT, anchor.LIMIT, anchor.PULLED, anchor.FAULT)
         want = dict(zip(got, (int(self.state[place]) for place in places), strict=True))
         assert got == want, f"step {self.steps}"
-        shift = formats.ROOT_SUM_Q - formats.ROOT.fraction
-        assert self.signed("tracked_o") == self.state[anchor.ROOT_SUM] >> shift
+        assert self.signed("tracked_o") == self.state[anchor.ROOT_SUM] >> ROOT_SHIFT
 
     async def tick(
         self, rng: random.Random, position: int, contact: int, depth: int, current: int,
@@ -106,7 +106,7 @@ def random_settings(rng: random.Random) -> np.ndarray:
     words[anchor.ENABLE] = rng.random() < 0.9
     words[anchor.PUSH_ONLY] = rng.random() < 0.7
     for place in (anchor.HALF_CELL, anchor.ANCHOR_GAIN, anchor.RELEASE_GAIN, anchor.SURFACE_GAIN,
-                  anchor.TRACK_GAIN):  # fmt: skip
+                  anchor.TRACK_GAIN, anchor.LOST_ROOT, anchor.WARM_ROOT):  # fmt: skip
         words[place] = rng.choice((0, coef_max, magnitude(rng, COEF.width - 1)))
     for place in (anchor.DEAD_ZONE, anchor.LIMIT_FREE, anchor.LIMIT_BASE, anchor.LIMIT_SLOPE,
                   anchor.LOST_CURRENT):  # fmt: skip
@@ -144,25 +144,31 @@ async def random_motion(dut: object) -> None:
     }  # fmt: skip
 
 
+def hold_settings(track: float) -> np.ndarray:
+    """An ordinary anchor, whose s starts at 2 √Ω and moves by ``track`` √Ω/A a tick."""
+    words = np.zeros(anchor.SETTINGS, dtype=np.int64)
+    words[anchor.ENABLE] = 1
+    words[anchor.HALF_CELL] = formats.CELL_CURRENT.to_raw(0.03)
+    words[anchor.DEAD_ZONE] = formats.CURRENT.to_raw(0.03)
+    words[anchor.ANCHOR_GAIN] = formats.PULL.to_raw(1.9)
+    words[anchor.TRACK_GAIN] = formats.TRACK.to_raw(track)
+    for place, root in ((anchor.ROOT_MIN, 1.8), (anchor.ROOT_START, 2.0),
+                        (anchor.ROOT_MAX, 2.2), (anchor.ROOT_FREE, 1.6)):  # fmt: skip
+        words[place] = formats.ROOT.to_raw(root)
+    words[anchor.LIMIT_BASE] = words[anchor.LIMIT_FREE] = formats.WAVE.to_raw(5.0)
+    words[anchor.LOST_CURRENT] = formats.CURRENT.to_raw(1.0)
+    words[anchor.LOST_TICKS] = 100
+    words[anchor.RELEASE_TICKS] = 5
+    return words
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_hold_with_an_error_of_r(dut: object) -> None:
     """An ordinary hold: the error beyond the dead zone moves s, slowly and to the right side."""
     bench = AnchorBench(dut)
     rng = random_source("hold")
     for side in (1, -1):
-        words = np.zeros(anchor.SETTINGS, dtype=np.int64)
-        words[anchor.ENABLE] = 1
-        words[anchor.HALF_CELL] = formats.CELL_CURRENT.to_raw(0.03)
-        words[anchor.DEAD_ZONE] = formats.CURRENT.to_raw(0.03)
-        words[anchor.ANCHOR_GAIN] = formats.PULL.to_raw(1.9)
-        words[anchor.TRACK_GAIN] = formats.TRACK.to_raw(1e-5)
-        for place, root in ((anchor.ROOT_MIN, 1.8), (anchor.ROOT_START, 2.0),
-                            (anchor.ROOT_MAX, 2.2), (anchor.ROOT_FREE, 1.6)):  # fmt: skip
-            words[place] = formats.ROOT.to_raw(root)
-        words[anchor.LIMIT_BASE] = words[anchor.LIMIT_FREE] = formats.WAVE.to_raw(5.0)
-        words[anchor.LOST_CURRENT] = formats.CURRENT.to_raw(1.0)
-        words[anchor.LOST_TICKS] = 100
-        words[anchor.RELEASE_TICKS] = 5
+        words = hold_settings(1e-5)
         await bench.begin(words)
         depth = 10 if side > 0 else -11
         weak = -side * formats.CURRENT.to_raw(0.5)  # i* is 0.63 A
@@ -173,6 +179,55 @@ async def a_hold_with_an_error_of_r(dut: object) -> None:
         assert abs(formats.ROOT.to_value(gained) / expected - 1) < 0.01
         assert bench.state[anchor.WAVE] * side < 0
         assert bench.signed("root_o") == words[anchor.ROOT_START] + gained
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_rotor_that_moves_unseen(dut: object) -> None:
+    """Once s has settled, an error goes on with edges and ends in a fault without; s goes back."""
+    bench = AnchorBench(dut)
+    rng = random_source("unseen")
+    words = hold_settings(1e-3)
+    words[anchor.LOST_ROOT] = formats.ROOT.to_raw(0.01)
+    await bench.begin(words)
+    right, weak = (formats.CURRENT.to_raw(-current) for current in (0.63, 0.5))
+    for n in range(300):  # a rotor that goes to and fro between two cells
+        depth = 10 + n // 8 % 2
+        await bench.tick(rng, depth, 1, depth, weak)
+    assert not bench.word("fault_o")
+    assert bench.signed("tracked_o") - words[anchor.ROOT_START] > 2 * words[anchor.LOST_ROOT]
+    for _ in range(30):
+        await bench.tick(rng, 10, 1, 10, right)
+    assert bench.state[anchor.QUIET] >= words[anchor.LOST_TICKS] >> anchor.SETTLED_SHIFT
+    known = bench.state[anchor.KNOWN]
+    gone = (bench.state[anchor.ROOT_SUM] - known) / 2**formats.ROOT_SUM_Q
+    ticks = 0
+    while not bench.word("fault_o"):
+        await bench.tick(rng, 10, 1, 10, weak)
+        ticks += 1
+        assert ticks < 200
+    # The current is 0.1 A beyond the dead zone, and 1/256 of the error counts within; a change is
+    # judged in the tick after.
+    assert abs(ticks - 1.5 - (0.01 - gone) / (1e-3 * (0.1 + 0.13 / 256))) < 1
+    assert bench.signed("tracked_o") == known >> ROOT_SHIFT
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def an_s_that_never_settles(dut: object) -> None:
+    """A rotor that swings unseen: a fault after 2^3 LOST_TICKS, and s as at the start."""
+    bench = AnchorBench(dut)
+    rng = random_source("unsettled")
+    words = hold_settings(1.5e-2)
+    words[anchor.LOST_ROOT] = formats.ROOT.to_raw(0.01)
+    words[anchor.LOST_TICKS] = 16
+    await bench.begin(words)
+    ticks = 0
+    while not bench.word("fault_o"):
+        current = -0.5 if ticks // 6 % 2 else -0.76
+        await bench.tick(rng, 10, 1, 10, formats.CURRENT.to_raw(current))
+        ticks += 1
+        assert ticks < 200
+    assert ticks == 1 + (16 << anchor.UNSETTLED_SHIFT)
+    assert bench.signed("tracked_o") == words[anchor.ROOT_START]
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")

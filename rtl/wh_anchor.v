@@ -4,7 +4,7 @@
 //
 //   i*    = -(k_T/L_eff) (x - x_w)      current of the design spring, x in the middle of its cell
 //   x     = (2 ρ/s) (dz(i* - i_n) + (i* - i_n)/256)      the wave that joins the core's goal
-//   s    += -side (γ T/s) (...)         the same error, in contact from the third cell on
+//   s    += -side (γ T/s) (...)         the same error, in contact; in the first two cells only down
 //   u_max = base - slope s              the tangent of limit/s
 //
 // dz is a dead zone of half a cell: inside it the inductor knows better than the encoder, and only a
@@ -79,6 +79,11 @@ module wh_anchor (
     localparam integer MOVING_SHIFT = 3;
     localparam integer OUTWARD_SHIFT = 4;
     localparam [TICK_W:0] FAR_TICKS = 8;
+    localparam integer SETTLED_SHIFT = 2;
+    localparam integer CHANGED_SHIFT = 2;
+    localparam integer UNSETTLED_SHIFT = 3;
+    localparam integer WARM_SHIFT = `WH_ROOT_SUM_Q - `WH_WARM_Q;
+    localparam integer STIRRED_W = TICK_W + UNSETTLED_SHIFT;
 
     localparam integer CELL_W  = PRODUCT_W - CELL_SHIFT;
     localparam integer PULL_W  = PRODUCT_W - PULL_SHIFT;
@@ -106,8 +111,10 @@ module wh_anchor (
     wire                     push_only;      // 1: a contact ends where it pulls
     wire signed [DATA_W-1:0] lost_current;   // s31q24 A, ±64 A, used from 0 on
     wire [TICK_W-1:0]        lost_ticks;     // ticks, 1...
+    wire signed [COEF_W-1:0] lost_root;      // s27q22 √Ω, ±16, used from 0 on; 0: no such rule
+    wire signed [COEF_W-1:0] warm_root;      // s27q38 √Ω, ±2^-12, used from 0 on
 
-    assign {lost_ticks, lost_current, push_only, release_ticks, limit_slope, limit_base, root_max,
+    assign {warm_root, lost_root, lost_ticks, lost_current, push_only, release_ticks, limit_slope, limit_base, root_max,
             root_min, root_start, limit_free, root_free, track_gain, surface_gain, release_gain,
             anchor_gain, dead_zone, half_cell, enable} = words_i;
 
@@ -175,11 +182,18 @@ module wh_anchor (
     reg                      too_high_q;
     reg signed [SUM_W-1:0]   sum_q;       // s48q42 √Ω: s
     reg [TICK_W:0]           lost_q;
+    reg signed [SUM_W-1:0]   known_q;     // s48q42 √Ω: s as the winding alone can have made it
+    reg signed [SUM_W:0]     change_q;    // s49q42 √Ω: s - known
+    reg                      strange_q;   // the change is no winding's
+    reg                      changed_q;   // the change is a part of that
+    reg signed [SUM_W-1:0]   warmer_q;    // s48q42 √Ω: known after a tick of warming
+    reg [TICK_W-1:0]         quiet_q;     // ticks in which s has stayed near known
+    reg [STIRRED_W-1:0]      stirred_q;   // ticks without an edge in which s has not settled
+    reg                      moves_q;     // an edge in this tick
 
     wire low_side_q = !depth_q[COUNT_W-1];  // the wall lies above its edge
-    wire [COUNT_W-1:0] cell_index = low_side_q ? depth_q : ~depth_q;
-    wire first_cell = (cell_index == {COUNT_W{1'b0}});
-    wire surface    = (cell_index[COUNT_W-1:1] == {(COUNT_W - 1){1'b0}});
+    wire surface    = (depth_q[COUNT_W-1:1] == {(COUNT_W - 1){depth_q[COUNT_W-1]}});  // two cells
+    wire first_cell = surface && (depth_q[0] == depth_q[COUNT_W-1]);
 
     // 2 depth + 1, limited to a data word.
     wire signed [DATA_W-1:0] twice_depth;
@@ -366,11 +380,34 @@ module wh_anchor (
     wire signed [NEXT_W-1:0] sum_wide   = $signed({{(NEXT_W - SUM_W){sum_q[SUM_W-1]}}, sum_q});
     wire signed [SUM_W-1:0]  low        = $signed({root_min, {GUARD{1'b0}}});
     wire signed [SUM_W-1:0]  high       = $signed({root_max, {GUARD{1'b0}}});
-    wire                     tracks     = on && !surface && !saturated_q;
+    wire                     tracks     = on && (!surface || excess) && !saturated_q;
     wire                     pinned     = too_low_q || too_high_q;
     wire                     suspect    = on && !saturated_q && (pinned || far_q);
     wire [TICK_W:0]          lost       = lost_q + (far_q ? FAR_TICKS : {{TICK_W{1'b0}}, 1'b1});
-    wire                     loses      = suspect && lost >= {1'b0, lost_ticks};
+    wire                     loses      = (suspect && lost >= {1'b0, lost_ticks})
+                                          || unseen || unsettled;
+
+    // ---- A rotor that moves unseen. known, s and what is made of them stand still until SETTLE.
+    wire signed [SUM_W:0]      strange    = $signed({lost_root[COEF_W-1], lost_root, {GUARD{1'b0}}});
+    wire signed [SUM_W:0]      part       = strange >>> CHANGED_SHIFT;
+    wire signed [SUM_W:0]      warm       = $signed({{(SUM_W + 1 - COEF_W - WARM_SHIFT){warm_root[COEF_W-1]}},
+                                                     warm_root, {WARM_SHIFT{1'b0}}});
+    wire signed [SUM_W:0]      warming    = (change_q > warm)  ? warm
+                                          : (change_q < -warm) ? -warm : change_q;
+    wire                       unused_warming = &{1'b0, warming[SUM_W]};
+    wire                       settled    = quiet_q >= (lost_ticks >> SETTLED_SHIFT);
+    wire                       watched    = tracks && !moves_q && lost_root > 0;
+    wire                       unseen     = watched && settled && strange_q;
+    wire [STIRRED_W-1:0]       stirred    = stirred_q + 1'b1;
+    wire                       unsettled  = watched && !settled
+                                            && stirred >= {lost_ticks, {UNSETTLED_SHIFT{1'b0}}};
+
+    always @(posedge clk) begin
+        change_q  <= $signed({sum_q[SUM_W-1], sum_q}) - $signed({known_q[SUM_W-1], known_q});
+        strange_q <= change_q > strange || change_q < -strange;
+        changed_q <= change_q > part || change_q < -part;
+        warmer_q  <= known_q + $signed(warming[SUM_W-1:0]);
+    end
 
     // ---- u_max
     wire signed [LIMIT_W-1:0] limit_wide =
@@ -451,7 +488,7 @@ module wh_anchor (
                     gain_q <= release_gain;
                 end else if (moving && !going_out && !excess && past_zone) begin
                     gain_q <= release_gain;
-                end else if ((moving || first_cell) && (|release_gain) && !past_zone) begin
+                end else if ((moving || first_cell || (surface && excess)) && (|release_gain) && !past_zone) begin
                     word_q <= damping;
                     gain_q <= surface_gain;
                 end
@@ -483,6 +520,10 @@ module wh_anchor (
             inward_q    <= 1'b0;
             sum_q       <= $signed({root_start, {GUARD{1'b0}}});
             lost_q      <= {(TICK_W + 1){1'b0}};
+            known_q     <= $signed({root_start, {GUARD{1'b0}}});
+            quiet_q     <= {TICK_W{1'b0}};
+            stirred_q   <= {STIRRED_W{1'b0}};
+            moves_q     <= 1'b0;
             fault_q     <= 1'b0;
             wave_o      <= {DATA_W{1'b0}};
             root_o      <= root_free;
@@ -502,6 +543,7 @@ module wh_anchor (
                     current_q   <= current_i;
                     depth_q     <= depth_i;
                     saturated_q <= saturated_i;
+                    moves_q     <= moves;
                     inward_q    <= moves && (negative != !depth_i[COUNT_W-1]);
                     if (moves) begin
                         negative_q <= negative;
@@ -529,11 +571,28 @@ module wh_anchor (
                 WAIT_TRACK: step_q <= track_done ? STEP : WAIT_TRACK;
                 SETTLE: begin
                     step_q  <= GIVE_LIMIT;
-                    sum_q   <= loses      ? $signed({root_start, {GUARD{1'b0}}})
+                    sum_q   <= loses      ? (settled ? known_q : $signed({root_start, {GUARD{1'b0}}}))
                              : too_high_q ? high
                              : too_low_q  ? low : $signed(next_q[SUM_W-1:0]);
                     lost_q  <= suspect ? lost : {(TICK_W + 1){1'b0}};
                     fault_q <= fault_q || loses;
+                    if (!held || (suspect && !settled)) begin
+                        quiet_q <= {TICK_W{1'b0}};
+                    end else if (tracks && !settled) begin
+                        if (changed_q) begin
+                            quiet_q <= {TICK_W{1'b0}};
+                            known_q <= sum_q;
+                        end else if (motion_q >= release_ticks) begin
+                            quiet_q <= quiet_q + 1'b1;
+                        end
+                    end else if (tracks) begin
+                        known_q <= moves_q ? sum_q : warmer_q;
+                    end
+                    if (moves_q || settled || !held) begin
+                        stirred_q <= {STIRRED_W{1'b0}};
+                    end else if (watched) begin
+                        stirred_q <= stirred;
+                    end
                 end
                 GIVE_LIMIT: step_q <= grant_i ? WAIT_LIMIT : GIVE_LIMIT;
                 WAIT_LIMIT: step_q <= limit_done ? DONE : WAIT_LIMIT;

@@ -79,16 +79,16 @@ def test_a_wall_pressed_from_both_sides_in_turn():
 @pytest.mark.parametrize(
     ("name", "sets", "wander"),
     [
-        # Three cells to and fro: the encoder says too little there, and R̂ rests.
+        # Three cells to and fro: the encoder says too little there, and R̂ may only fall.
         (
             "chatter",
             ("hand.path='sine'", f"hand.amplitude_rad={1.5 * CELL_RAD}", "hand.frequency_hz=40",
              "hand.stiffness=2", "hand.damping=2e-3"),
-            0.0,
+            0.01,
         ),
         ("free", ("hand.path='free'", "hand.frequency_hz=5", "hand.amplitude_rad=0.1"), 0.0),
-        # The press needs 1.4 V: R̂ moves only while the limit does not act, on the way in.
-        ("saturated", ("drive.limit_v=1.0",), 0.05),
+        # The press needs 1.4 V: R̂ moves only while the limit does not act, and then to R.
+        ("saturated", ("drive.limit_v=1.0",), 0.14),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )  # fmt: skip
@@ -96,7 +96,8 @@ def test_r_hat_rests_where_it_can_learn_nothing(name, sets, wander):
     loaded = scene("held_wall", *sets)
     simulation = SampledSimulation(loaded, rtl=False)
     rows = rows_of(simulation, 300_000)
-    assert abs(simulation.r_hat / loaded.controller.r_hat - 1) <= wander + 1e-6
+    # It is 15 % too high.
+    assert 1 - wander - 1e-6 <= simulation.r_hat / loaded.controller.r_hat <= 1 + 1e-6
     assert not simulation.encoder_lost
     contacts = np.count_nonzero(np.diff(rows[:, Column.CONTACT]))
     if name == "chatter":
@@ -114,6 +115,59 @@ def test_an_encoder_that_stops_in_a_hold_leaves_the_wall_as_it_is():
     before, after = torque[380_000:400_000].mean(), torque[700_000:].mean()
     assert before < -0.01
     assert after == pytest.approx(before, rel=0.05)
+
+
+def swung(hz: float, stop_at: float, *sets: str) -> tuple[Scene, float]:
+    """A hand that swings through the wall; its encoder stops in the second contact."""
+    stops_s = (1 + 0.5 * stop_at) / hz
+    return scene(
+        "held_wall", "hand.path='sine'", "hand.amplitude_rad=0.15", f"hand.frequency_hz={hz}",
+        f"encoder.stops_at_s={stops_s}", *sets,
+    ), stops_s  # fmt: skip
+
+
+def found_lost(simulation: SampledSimulation, time_s: float) -> float | None:
+    """After how much of the coming ``time_s`` the encoder is found to be lost, s."""
+    for n in range(round(time_s / 1e-3)):
+        rows_of(simulation, 1000)
+        if simulation.encoder_lost:
+            return (n + 1) * 1e-3
+    return None
+
+
+@pytest.mark.parametrize(
+    ("hz", "stop_at", "within_s"),
+    [(1, 0.5, 0.25), (1, 0.65, 0.1), (2, 0.5, 0.1), (2, 0.65, 0.1), (4, 0.5, 0.9), (8, 0.5, 0.9)],
+)
+def test_an_encoder_that_stops_under_a_moving_hand_is_noticed(hz, stop_at, within_s):
+    """The tracking takes the back-EMF for a change of R, but no winding changes as fast."""
+    loaded, stops_s = swung(hz, stop_at)
+    simulation = SampledSimulation(loaded, rtl=False)
+    assert found_lost(simulation, stops_s) is None
+    r_hat = simulation.r_hat
+    assert found_lost(simulation, within_s) is not None
+    if within_s < 0.5:
+        # R̂ had settled: it is what it was but for what passed as warming, 5 % a second.
+        assert simulation.r_hat == pytest.approx(r_hat, rel=0.005 + 0.05 * within_s)
+
+
+def test_without_its_rule_the_moving_hand_deceives():
+    loaded, stops_s = swung(2, 0.5, "controller.lost_limit=0")
+    assert found_lost(SampledSimulation(loaded, rtl=False), stops_s + 0.25) is None
+
+
+@pytest.mark.parametrize("offset_a", [-4e-3, 4e-3])
+@pytest.mark.parametrize(("hz", "amplitude"), [(0.5, 0.1), (2, 0.3), (10, 0.1)])
+def test_a_moving_hand_with_a_true_encoder_is_no_fault(hz, amplitude, offset_a):
+    """An offset makes R̂ another one at each depth, and nothing is told."""
+    simulation = SampledSimulation(
+        scene(
+            "held_wall", "hand.path='sine'", f"hand.amplitude_rad={amplitude}",
+            f"hand.frequency_hz={hz}", f"adc.offset_a={offset_a}",
+        ),
+        rtl=False,
+    )  # fmt: skip
+    assert found_lost(simulation, 1.5) is None
 
 
 def test_a_stopped_encoder_is_told_nothing_more():

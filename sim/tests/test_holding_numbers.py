@@ -29,10 +29,9 @@ def test_kept_holds_are_within_the_targets(kept):
         assert abs(row["r_hat_error"]) <= 0.02
         assert not row["encoder_lost"]
         by_name[row["controller"], tuple(row["signs"])] = row
-    assert {signs for name, signs in by_name if name == "golden"} == set(holding.SIGNS)
-    assert all(by_name["golden", signs]["duration_s"] >= 60 for signs in holding.SIGNS)
-    for signs in holding.CORE_SIGNS:
+    for signs in holding.SIGNS:
         core, golden = by_name["core", signs], by_name["golden", signs]
+        assert core["duration_s"] >= 60
         assert core | {"controller": "golden"} == golden
     assert by_name["pins", holding.SIGNS[0]]["duration_s"] >= 2
 
@@ -42,6 +41,9 @@ def test_kept_winding_is_followed(kept):
         assert row["duration_s"] >= 60
         assert row["r"] > 1.2 * 2.18
         assert abs(row["r_hat_error"]) <= 0.02
+        assert not row["encoder_lost"]
+    core, golden = kept["warm"]
+    assert core | {"controller": "golden"} == golden
 
 
 def test_kept_bounces_throw_nobody(kept):

@@ -315,6 +315,7 @@ def test_refused_in_motor(tmp_path, lines, line, fragments):
         ("[thermal]\ntau_winding_s = 0", 1, ["thermal.tau_winding_s = 0", "0.5 to 1e6 s"]),
         # anchor
         ("anchor_ohm = -1", 0, ["controller.anchor_ohm = -1", "0 to 1000 Ω"]),
+        ("lost_limit = 1.0", 0, ["controller.lost_limit = 1.0", "0 to 0.9"]),
         ("track_limit = 1.0", 0, ["controller.track_limit = 1.0", "0 to 0.9"]),
         ("anchor_ohm = 1\neta_contact = -0.5", 1, ["eta_contact = -0.5 is no spring"]),
         ('anchor_auto = true\n[shaper]\nfeel = "spring"\nstiffness = 1', 1, ["no [shaper]"]),

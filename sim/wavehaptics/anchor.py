@@ -8,6 +8,11 @@ as a wave, a series voltage ``ρ·dz(i* − i_n)``, and into the estimate of the
 ``dR̂/dt = γ·dz(i* − i_n)·sign(i*)`` (design §1.2). What is tracked is ``s = √(2R̂)`` itself:
 ``dR̂ = s ds``, so ``ds/dt = (γ/s)·dz(…)·sign(i*)`` needs no square root. The words found in a tick
 act in the next.
+
+A rotor that moves at ω while its encoder stands looks like a winding of another resistance,
+``R̂ i = R i + k_T ω``, and the tracking would follow. A winding can't change as fast: once s has
+settled, a change beyond LOST_ROOT without an edge, over what WARM_ROOT lets pass as warming, means
+that the encoder is lost; so does an s that never settles. What was known before the change stays.
 """
 
 from __future__ import annotations
@@ -23,6 +28,7 @@ _PULL_SHIFT = formats.PULL.fraction + formats.CURRENT.fraction - formats.WAVE.fr
 _TRACK_SHIFT = formats.TRACK.fraction + formats.CURRENT.fraction - formats.ROOT_SUM_Q
 _ROOT_SHIFT = formats.ROOT_SUM_Q - formats.ROOT.fraction
 _SLOPE_SHIFT = formats.ROOT.fraction
+_WARM_SHIFT = formats.ROOT_SUM_Q - formats.WARM.fraction
 _HALF_TURN = 1 << (formats.COUNT_W - 1)
 _COUNT_MASK = (1 << formats.COUNT_W) - 1
 
@@ -32,7 +38,7 @@ _COUNT_MASK = (1 << formats.COUNT_W) - 1
     DEAD_ZONE,  # s31q24 A: the error that is left alone, usually half a cell's
     ANCHOR_GAIN,  # s27q20 √Ω: 2ρ/s
     RELEASE_GAIN,  # s27q20 √Ω: 2ρ/s while the force errs to the side of the motion; 0: no such rule
-    SURFACE_GAIN,  # s27q20 √Ω: 2ρ/s in series with a moving rotor, and within the first cell
+    SURFACE_GAIN,  # s27q20 √Ω: 2ρ/s in series with a moving rotor, and at the surface
     TRACK_GAIN,  # s27q32 √Ω/A: γT/s; 0 turns the tracking off
     ROOT_FREE,  # s27q22 √Ω: s out of contact
     LIMIT_FREE,  # s31q23 √W: u_max out of contact
@@ -45,16 +51,18 @@ _COUNT_MASK = (1 << formats.COUNT_W) - 1
     PUSH_ONLY,  # 1: the contact ends where the torque would pull
     LOST_CURRENT,  # s31q24 A: error beyond the dead zone that no true encoder leaves for long
     LOST_TICKS,  # ticks that R̂ may be at its limit until the encoder counts as lost
-) = range(18)
+    LOST_ROOT,  # s27q22 √Ω: change of s in a hold that no winding makes; 0: any may be
+    WARM_ROOT,  # s27q38 √Ω: largest change of s in a tick that is a winding's warming
+) = range(20)
 """Places in an anchor's settings."""
-SETTINGS = 18
+SETTINGS = 20
 
 _COEF = formats.COEF_W
 _DATA = formats.DATA_W
 _TICKS = formats.ANCHOR_TICK_W
 WIDTHS = (
     1, _COEF, _DATA, _COEF, _COEF, _COEF, _COEF, _COEF, _DATA, _COEF, _COEF, _COEF, _DATA, _DATA,
-    _TICKS, 1, _DATA, _TICKS,
+    _TICKS, 1, _DATA, _TICKS, _COEF, _COEF,
 )  # fmt: skip
 """Bits of each setting in the RTL's word of all, the first one lowest."""
 assert len(WIDTHS) == SETTINGS
@@ -73,11 +81,15 @@ assert sum(WIDTHS) == formats.ANCHOR_W
     WAVE,  # s31q23 √W: what the wave core's goal gets in the next tick
     ROOT,  # s27q22 √Ω: s of the next tick
     LIMIT,  # s31q23 √W: u_max of the next tick
-) = range(12)
+    KNOWN,  # s48q42 √Ω: s as the winding alone can have made it since the last edge
+    QUIET,  # ticks in which s has stayed near KNOWN, until it counts as settled
+    STIRRED,  # ticks without an edge in which s has not settled
+) = range(15)
 """Places in an anchor's state."""
 
 SURFACE_CELLS = 2
-"""Cells at the wall's edge in which the tracking rests: half a cell is too much of their depth."""
+"""Cells at the wall's edge: half a cell is so much of their depth that the tracking may only lower
+R̂ there, which can't give energy."""
 
 MOVING_SHIFT = 3
 """In motion the anchor is 2^-3 of the release, where the force errs to the other side."""
@@ -85,6 +97,13 @@ MOVING_SHIFT = 3
 OUTWARD_SHIFT = 4
 """On the way out 2^-4 of the current counts as well: where the force has just come down to i*, an R̂
 that is too high must not hold it there."""
+
+SETTLED_SHIFT = 2
+CHANGED_SHIFT = 2
+"""s has settled when it has moved by less than 2^-2 of LOST_ROOT in 2^-2 of LOST_TICKS."""
+
+UNSETTLED_SHIFT = 3
+"""The longest that s may take to settle without an edge is 2^3 LOST_TICKS."""
 
 FAR_TICKS = 8
 """A tick with an error beyond LOST_CURRENT counts as so many towards LOST_TICKS."""
@@ -102,9 +121,10 @@ def packed(settings: np.ndarray) -> int:
 
 
 def new_state(settings: np.ndarray) -> np.ndarray:
-    """State of one port after reset: int64, shape (12,)."""
-    state = np.zeros(12, dtype=np.int64)
+    """State of one port after reset: int64, shape (15,)."""
+    state = np.zeros(15, dtype=np.int64)
     state[ROOT_SUM] = settings[ROOT_START] << _ROOT_SHIFT
+    state[KNOWN] = state[ROOT_SUM]
     state[DIRECTION] = 1
     state[MOTION] = settings[RELEASE_TICKS]
     state[ROOT] = settings[ROOT_FREE]
@@ -176,7 +196,11 @@ def anchor_step(
         gain = settings[RELEASE_GAIN]
     elif moving and state[DIRECTION] == side and not excess and beyond != 0:
         gain = settings[RELEASE_GAIN]
-    elif beyond == 0 and (moving or cell == 0) and settings[RELEASE_GAIN] != 0:
+    elif (
+        beyond == 0
+        and (moving or cell == 0 or (cell < SURFACE_CELLS and excess))
+        and settings[RELEASE_GAIN] != 0
+    ):
         word = saturate(-current)
         gain = settings[SURFACE_GAIN]
 
@@ -184,8 +208,10 @@ def anchor_step(
     on = held and settings[ENABLE] and not state[FAULT]
     state[WAVE] = saturate(truncate(gain * word, _PULL_SHIFT)) if on else 0
 
-    root_sum = state[ROOT_SUM]
-    if on and cell >= SURFACE_CELLS and not saturated:
+    before, known = state[ROOT_SUM], state[KNOWN]
+    root_sum = before
+    tracks = on and not saturated and (cell >= SURFACE_CELLS or excess)
+    if tracks:
         root_sum -= side * truncate(settings[TRACK_GAIN] * pull, _TRACK_SHIFT)
     low = settings[ROOT_MIN] << _ROOT_SHIFT
     high = settings[ROOT_MAX] << _ROOT_SHIFT
@@ -193,13 +219,38 @@ def anchor_step(
     root_sum = min(max(root_sum, low), high)
 
     far = abs(beyond) > settings[LOST_CURRENT]
-    if on and not saturated and (pinned or far):
-        state[LOST] += FAR_TICKS if far else 1
-        if state[LOST] >= settings[LOST_TICKS]:
-            state[FAULT] = 1
-            root_sum = settings[ROOT_START] << _ROOT_SHIFT
-    else:
-        state[LOST] = 0
+    suspect = on and not saturated and (pinned or far)
+    state[LOST] = state[LOST] + (FAR_TICKS if far else 1) if suspect else 0
+
+    change = before - known
+    strange = settings[LOST_ROOT] << _ROOT_SHIFT
+    settled = state[QUIET] >= settings[LOST_TICKS] >> SETTLED_SHIFT
+    watched = tracks and moved == 0 and strange > 0
+    unseen = watched and settled and abs(change) > strange
+    if not held or (suspect and not settled):
+        state[QUIET] = 0
+    elif tracks and not settled:
+        if abs(change) > strange >> CHANGED_SHIFT:
+            state[QUIET] = 0
+            state[KNOWN] = before
+        elif state[MOTION] >= settings[RELEASE_TICKS]:
+            state[QUIET] += 1
+    elif tracks and moved != 0:
+        state[KNOWN] = before
+    elif tracks:
+        warm = settings[WARM_ROOT] << _WARM_SHIFT
+        state[KNOWN] += min(max(change, -warm), warm)
+    if moved != 0 or settled or not held:
+        state[STIRRED] = 0
+    elif watched:
+        state[STIRRED] += 1
+    unsettled = (
+        watched and not settled and state[STIRRED] >= settings[LOST_TICKS] << UNSETTLED_SHIFT
+    )
+
+    if unseen or unsettled or (suspect and state[LOST] >= settings[LOST_TICKS]):
+        state[FAULT] = 1
+        root_sum = known if settled else settings[ROOT_START] << _ROOT_SHIFT
     state[ROOT_SUM] = root_sum
     # u_max follows s along the tangent of limit/s at the start, which lies below it everywhere.
     root = root_sum >> _ROOT_SHIFT

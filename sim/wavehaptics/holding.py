@@ -30,7 +30,7 @@ from wavehaptics.trace import TraceWriter, load_trace
 
 SIGNS = tuple(itertools.product((1, -1), repeat=3))
 """Signs of the errors of R̂ (10 %), gain (5 %) and zero (2 mA); the shipped scene has the first."""
-CORE_SIGNS = ((1, 1, 1), (-1, -1, -1))
+BOTH = ("core", "golden")
 PINS_S = 2.0
 
 PARTS = (0.9, 0.95, 1.0, 1.05, 1.1)
@@ -106,11 +106,10 @@ def _tasks() -> dict[str, list[Task]]:
         return Task(hold, arguments)
 
     return {
-        "holds": [held("core", signs) for signs in CORE_SIGNS]
-        + [held("golden", signs) for signs in SIGNS]
+        "holds": [held(controller, signs) for controller in BOTH for signs in SIGNS]
         + [held("pins", SIGNS[0], f"scene.duration_s={PINS_S}")]
         + [held("golden", SIGNS[0], OFF, "scene.duration_s=1")],
-        "warm": [Task(warm, {"controller": "golden"})],
+        "warm": [Task(warm, {"controller": controller}) for controller in BOTH],
         "bounces": [
             Task(bounces, {"preset": preset, "cure": cure})
             for preset in PRESETS

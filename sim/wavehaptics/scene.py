@@ -717,6 +717,13 @@ class Controller(_Table):
         "Ω/(A·s)", "Gain γ with which R̂ follows the winding; 0 is none", "0", 1e6
     )
     track_limit: float | None = _left_open("–", "R̂ stays within (1 ± this) `r_hat`", "0.5", 0.9)
+    lost_limit: float | None = _left_open(
+        "–",
+        "Part of R̂ that it may suddenly change by in a hold without an edge of the encoder; more, "
+        "and the encoder counts as lost. 0 is no such rule",
+        "0.005",
+        0.9,
+    )
     dead_zone_cells: float = _key(
         "cells",
         "Error of the current that the anchor leaves alone, as encoder cells of depth",

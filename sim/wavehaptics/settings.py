@@ -36,6 +36,12 @@ LOST_S = 0.1
 error of the current larger than LOST_PART of the reference current."""
 LOST_PART = 0.5
 
+WARMING_PER_S = 0.05
+"""How fast R may rise or fall with the winding's temperature, in parts of itself a second."""
+
+LOST_LIMIT = 0.005
+"""Default of ``controller.lost_limit``."""
+
 TRACK_LIMIT = 0.5
 """Default of ``controller.track_limit``."""
 
@@ -230,6 +236,11 @@ def _anchor_words(
     )
     words[anchor.LOST_TICKS] = _ticks(LOST_S, tick_s)
     if span:
+        # dR/R = 2 ds/s
+        lost = LOST_LIMIT if control.lost_limit is None else control.lost_limit
+        words[anchor.LOST_ROOT] = word(formats.ROOT, s * lost / 2, "lost_limit")
+        warming = min(s * WARMING_PER_S / 2 * tick_s, formats.WARM.largest)
+        words[anchor.WARM_ROOT] = word(formats.WARM, warming, "tick_hz")
         # u_max follows s along the tangent of limit/s, as far as the slope's word goes.
         slope = min(u_max * formats.WAVE.step / s, formats.WAVE.largest)
         words[anchor.LIMIT_SLOPE] = math.floor(slope / formats.WAVE.step)

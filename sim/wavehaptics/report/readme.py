@@ -115,6 +115,8 @@ def _holds(numbers: dict[str, Any], table: Callable[..., str]) -> str:
             "ripple, µN·m", "R̂ off, gain included")  # fmt: skip
     rows = []
     for row in numbers["holding"]["holds"]:
+        if row["controller"] == "golden" and row["cured"]:
+            continue  # as on `core`, to the last digit
         r_hat, gain, zero = (_SIGN[sign] for sign in row["signs"])
         moved = row["hold_offset_rad"]
         lost = not row["cured"]
@@ -138,6 +140,7 @@ def _warm(numbers: dict[str, Any], table: Callable[..., str]) -> str:
         (f"`{row['controller']}`", number(row["duration_s"]), number(row["winding_c"]),
          number(row["r"]), percent(row["r_hat_error"]), percent(row["hold_error"]))
         for row in numbers["holding"]["warm"]
+        if row["controller"] != "golden"
     ]  # fmt: skip
     return table(head, rows)
 
