@@ -195,7 +195,7 @@ def _corner_rows(corners: list[dict[str, Any]]) -> list[tuple[str, ...]]:
         place = (p["disturbance"], p["counts"], p["bits"], p["stiffness"])
         text = "lost"
         if p["cells"] is not None:
-            text = f"{number(p['cells'], 2)} / {number(1e6 * p['ripple'], 2)}"
+            text = f"{number(p['cells'], 2)} / {1e6 * p['ripple']:.0f}"
         told = ", encoder lost" if p["encoder_lost"] else ""
         places.setdefault(place, {})[p["cure"]] = text + told
     return [
