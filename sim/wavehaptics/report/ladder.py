@@ -53,8 +53,12 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
         points = [p for p in data["points"] if p["scene"] == scene and p["torque_error"]]
         speed = [p["simulated_s_per_s"] for p in points]
         figures.curve(ax, speed, [p["torque_error"] for p in points], n, scene, ls="")
-        for p in points:
-            figures.note(ax, p["controller"], (p["simulated_s_per_s"], p["torque_error"]))
+    for controller in dict.fromkeys(p["controller"] for p in data["points"]):
+        # One note over each controller's points, which lie close to each other.
+        points = [p for p in data["points"] if p["controller"] == controller]
+        top = max(points, key=lambda p: p["torque_error"] or 0.0)
+        if top["torque_error"]:
+            figures.note(ax, controller, (top["simulated_s_per_s"], top["torque_error"]))
     ax.set_xscale("log")
     ax.set_yscale("log")
     figures.label(ax, "simulated seconds per second", "torque error against analog")
