@@ -134,6 +134,7 @@ LINT_CASES := \
     wh_controller,-GN=1,-GWALLS=1,-GDELAY_LOG2=1 \
     wh_controller,-GN=3,-GWALLS=16,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_controller,-GN=1,-GDELAY_LOG2=10,-DWH_DATA_W=31,-DWH_COEF_W=31 \
+    wh_board_reset \
     wh_board_clock_watch \
     wh_board_clock_watch,-GGATES=1,-GBEAT_LOG2=16,-GPATIENCE_LOG2=2
 

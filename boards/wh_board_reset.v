@@ -26,8 +26,13 @@ module wh_board_reset #(
         .level_o (locked)
     );
 
-    reg [HOLD_LOG2-1:0] held_q = {HOLD_LOG2{1'b0}};
-    reg                 run_q  = 1'b0;
+    reg [HOLD_LOG2-1:0] held_q;
+    reg                 run_q;
+
+    initial begin
+        held_q = {HOLD_LOG2{1'b0}};
+        run_q  = 1'b0;
+    end
 
     always @(posedge clk) begin
         if (!locked) begin
