@@ -101,8 +101,7 @@ def _others(numbers: dict[str, Any], table: Callable[..., str]) -> str:
 def _tried(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     head = ("tried with `pins`", "clock cycles per s", "times as fast")
     rows = [
-        (row["what"], number(row["cycles_per_s"]), gain(row))
-        for row in numbers["bench"]["tried"]
+        (row["what"], number(row["cycles_per_s"]), gain(row)) for row in numbers["bench"]["tried"]
     ]
     return table(head, rows)
 
