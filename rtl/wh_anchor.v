@@ -114,9 +114,9 @@ module wh_anchor (
     wire signed [COEF_W-1:0] lost_root;      // s27q22 √Ω, ±16, used from 0 on; 0: no such rule
     wire signed [COEF_W-1:0] warm_root;      // s27q38 √Ω, ±2^-12, used from 0 on
 
-    assign {warm_root, lost_root, lost_ticks, lost_current, push_only, release_ticks, limit_slope, limit_base, root_max,
-            root_min, root_start, limit_free, root_free, track_gain, surface_gain, release_gain,
-            anchor_gain, dead_zone, half_cell, enable} = words_i;
+    assign {warm_root, lost_root, lost_ticks, lost_current, push_only, release_ticks, limit_slope,
+            limit_base, root_max, root_min, root_start, limit_free, root_free, track_gain,
+            surface_gain, release_gain, anchor_gain, dead_zone, half_cell, enable} = words_i;
 
     generate
         if (CELL_SHIFT < 1 || PULL_SHIFT < 1 || TRACK_SHIFT < 1 || INNER_SHIFT >= DATA_W)
@@ -390,8 +390,9 @@ module wh_anchor (
     // ---- A rotor that moves unseen. known, s and what is made of them stand still until SETTLE.
     wire signed [SUM_W:0]      strange    = $signed({lost_root[COEF_W-1], lost_root, {GUARD{1'b0}}});
     wire signed [SUM_W:0]      part       = strange >>> CHANGED_SHIFT;
-    wire signed [SUM_W:0]      warm       = $signed({{(SUM_W + 1 - COEF_W - WARM_SHIFT){warm_root[COEF_W-1]}},
-                                                     warm_root, {WARM_SHIFT{1'b0}}});
+    wire signed [SUM_W:0]      warm       =
+        $signed({{(SUM_W + 1 - COEF_W - WARM_SHIFT){warm_root[COEF_W-1]}},
+                 warm_root, {WARM_SHIFT{1'b0}}});
     wire signed [SUM_W:0]      warming    = (change_q > warm)  ? warm
                                           : (change_q < -warm) ? -warm : change_q;
     wire                       unused_warming = &{1'b0, warming[SUM_W]};
@@ -488,7 +489,8 @@ module wh_anchor (
                     gain_q <= release_gain;
                 end else if (moving && !going_out && !excess && past_zone) begin
                     gain_q <= release_gain;
-                end else if ((moving || first_cell || (surface && excess)) && (|release_gain) && !past_zone) begin
+                end else if ((moving || first_cell || (surface && excess)) && (|release_gain)
+                             && !past_zone) begin
                     word_q <= damping;
                     gain_q <= surface_gain;
                 end
