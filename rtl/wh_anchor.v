@@ -4,25 +4,31 @@
 //
 //   i*    = -(k_T/L_eff) (x - x_w)      current of the design spring, x in the middle of its cell
 //   x     = (2 ρ/s) (dz(i* - i_n) + (i* - i_n)/256)      the wave that joins the core's goal
-//   s    += -side (γ T/s) (...)         the same error, in contact; in the first two cells only down
+//   s    += -side (γ T/s) (...)         the same error in contact; only down in the first two cells
 //   u_max = base - slope s              the tangent of limit/s
 //
-// dz is a dead zone of half a cell: inside it the inductor knows better than the encoder, and only a
-// 256th of the error counts, so that what drifts within a cell dies out. While the rotor moves, up to
-// its second turn in a contact, ρ is release_gain where the force errs to the side of the motion, on
-// the way out without dead zone and with a 16th of the current on top, and an eighth of it where it
-// errs to the other. Inside the dead zone the encoder can't tell whether the rotor has turned: there
-// the current of a moving rotor is damped by surface_gain, in the first cell that of a resting one as
-// well, so that no R̂ can make it grow unseen. A contact ends where the torque would pull, until the
-// rotor moves in again. An error that stays large, or an s that stays at its limit, means that the
-// encoder doesn't follow the motor: fault_o, and the plain wave wall.
+// dz is a dead zone of half a cell: inside it the inductor knows better than the encoder, and only
+// a 256th of the error counts, so that what drifts within a cell dies out. While the rotor moves,
+// up to its second turn in a contact, ρ is release_gain where the force errs to the side of the
+// motion, on the way out without dead zone and with a 16th of the current on top, and an eighth of
+// it where it errs to the other. Inside the dead zone the encoder can't tell whether the rotor has
+// turned: there the current of a moving rotor is damped by surface_gain, in the first cell that of
+// a resting one as well, and in the second where it is above i*, so that no R̂ can make it grow
+// unseen. A contact ends where the torque would pull, until the rotor moves in again.
+//
+// An error that stays large, or an s that stays at its limit, means that the encoder doesn't follow
+// the motor: fault_o, and the plain wave wall. So does a rotor that moves while its encoder stands,
+// which looks like another R: once s has settled, a change beyond lost_root without an edge, over
+// what warm_root lets pass as a winding's warming; s goes back to what was known before. So does an
+// s that never settles; it goes back to root_start.
+//
 // Out of contact s is root_free.
 //
 // sim/wavehaptics/anchor.py says the same with integers, and this module equals it bit for bit.
 // Products come from a multiplier that others use as well (wh_multiply_shared), four in a step:
 // the half cell's current, the anchor's wave, the tracking, and u_max.
-// Formats: at the ports. Latency: 24 clocks from start_i and those that the multiplier makes it wait;
-// the outputs take the step's words over at update_i, or at the step's end if that comes later.
+// Formats: at the ports. Latency: 24 clocks from start_i and those that the multiplier makes it
+// wait; the outputs take the step's words over at update_i, or at the step's end if that is later.
 // A start_i while busy is ignored. Reset: s = root_start, free space, no fault.
 
 `default_nettype none
@@ -376,7 +382,8 @@ module wh_anchor (
         .up_o    (track_up)
     );
 
-    wire signed [NEXT_W-1:0] track_wide = $signed({{(NEXT_W - TRACK_W){track_q[TRACK_W-1]}}, track_q});
+    wire signed [NEXT_W-1:0] track_wide = $signed({{(NEXT_W - TRACK_W){track_q[TRACK_W-1]}},
+                                                   track_q});
     wire signed [NEXT_W-1:0] sum_wide   = $signed({{(NEXT_W - SUM_W){sum_q[SUM_W-1]}}, sum_q});
     wire signed [SUM_W-1:0]  low        = $signed({root_min, {GUARD{1'b0}}});
     wire signed [SUM_W-1:0]  high       = $signed({root_max, {GUARD{1'b0}}});
@@ -388,7 +395,8 @@ module wh_anchor (
                                           || unseen || unsettled;
 
     // ---- A rotor that moves unseen. known, s and what is made of them stand still until SETTLE.
-    wire signed [SUM_W:0]      strange    = $signed({lost_root[COEF_W-1], lost_root, {GUARD{1'b0}}});
+    wire signed [SUM_W:0]      strange    =
+        $signed({lost_root[COEF_W-1], lost_root, {GUARD{1'b0}}});
     wire signed [SUM_W:0]      part       = strange >>> CHANGED_SHIFT;
     wire signed [SUM_W:0]      warm       =
         $signed({{(SUM_W + 1 - COEF_W - WARM_SHIFT){warm_root[COEF_W-1]}},
@@ -413,7 +421,8 @@ module wh_anchor (
     // ---- u_max
     wire signed [LIMIT_W-1:0] limit_wide =
         $signed({{(LIMIT_W - DATA_W){limit_base[DATA_W-1]}}, limit_base})
-        - $signed({{(LIMIT_W - DROP_W){product_i[PRODUCT_W-1]}}, product_i[PRODUCT_W-1:SLOPE_SHIFT]});
+        - $signed({{(LIMIT_W - DROP_W){product_i[PRODUCT_W-1]}},
+                   product_i[PRODUCT_W-1:SLOPE_SHIFT]});
     wire signed [DATA_W-1:0]  limit;
     reg  signed [DATA_W-1:0]  limit_q;
 
@@ -573,7 +582,8 @@ module wh_anchor (
                 WAIT_TRACK: step_q <= track_done ? STEP : WAIT_TRACK;
                 SETTLE: begin
                     step_q  <= GIVE_LIMIT;
-                    sum_q   <= loses      ? (settled ? known_q : $signed({root_start, {GUARD{1'b0}}}))
+                    sum_q   <= loses && settled ? known_q
+                             : loses      ? $signed({root_start, {GUARD{1'b0}}})
                              : too_high_q ? high
                              : too_low_q  ? low : $signed(next_q[SUM_W-1:0]);
                     lost_q  <= suspect ? lost : {(TICK_W + 1){1'b0}};
