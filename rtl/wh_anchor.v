@@ -186,13 +186,13 @@ module wh_anchor (
     reg signed [NEXT_W-1:0]  next_q;
     reg                      too_low_q;
     reg                      too_high_q;
-    reg signed [SUM_W-1:0]   sum_q;       // s48q42 √Ω: s
+    reg signed [SUM_W-1:0]   sum_q;       // s47q42 √Ω: s
     reg [TICK_W:0]           lost_q;
-    reg signed [SUM_W-1:0]   known_q;     // s48q42 √Ω: s as the winding alone can have made it
-    reg signed [SUM_W:0]     change_q;    // s49q42 √Ω: s - known
+    reg signed [SUM_W-1:0]   known_q;     // s47q42 √Ω: s as the winding alone can have made it
+    reg signed [SUM_W:0]     change_q;    // s48q42 √Ω: s - known
     reg                      strange_q;   // the change is no winding's
     reg                      changed_q;   // the change is a part of that
-    reg signed [SUM_W-1:0]   warmer_q;    // s48q42 √Ω: known after a tick of warming
+    reg signed [SUM_W-1:0]   warmer_q;    // s47q42 √Ω: known after a tick of warming
     reg [TICK_W-1:0]         quiet_q;     // ticks in which s has stayed near known
     reg [STIRRED_W-1:0]      stirred_q;   // ticks without an edge in which s has not settled
     reg                      moves_q;     // an edge in this tick

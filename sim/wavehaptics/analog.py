@@ -30,7 +30,7 @@ from wavehaptics.plant import (
     square_integral,
 )
 from wavehaptics.plant import SIZE as PLANT_SIZE
-from wavehaptics.scene import Scene
+from wavehaptics.scene import Scene, drive_gain
 from wavehaptics.settings import settings
 from wavehaptics.shaper import refuse_shaper
 from wavehaptics.thermal import Winding
@@ -215,7 +215,7 @@ class AnalogSimulation:
         self.winding = Winding(scene, self.tick_s)
         plant = self.winding.plant
         s = physics.root(set_.r_hat)
-        gain = scene.drive.gain if scene.drive else 1.0
+        gain = drive_gain(scene)
         self._substeps = plant.substeps(self.tick_s)
         dt = self._dt = self.tick_s / self._substeps
         self._circuit = (control.lambda_, s, gain, (control.eta_free, control.eta_contact))

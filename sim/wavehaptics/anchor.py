@@ -69,7 +69,7 @@ assert len(WIDTHS) == SETTINGS
 assert sum(WIDTHS) == formats.ANCHOR_W
 
 (
-    ROOT_SUM,  # s48q43 √Ω: s, with bits to spare for the smallest step of the tracking
+    ROOT_SUM,  # s47q42 √Ω: s, with bits to spare for the smallest step of the tracking
     POSITION,  # counts, of the tick before
     DIRECTION,  # +1 or −1: of the last edge
     MOTION,  # ticks since the last edge, up to RELEASE_TICKS
@@ -81,7 +81,7 @@ assert sum(WIDTHS) == formats.ANCHOR_W
     WAVE,  # s31q23 √W: what the wave core's goal gets in the next tick
     ROOT,  # s27q22 √Ω: s of the next tick
     LIMIT,  # s31q23 √W: u_max of the next tick
-    KNOWN,  # s48q42 √Ω: s as the winding alone can have made it since the last edge
+    KNOWN,  # s47q42 √Ω: s as the winding alone can have made it since the last edge
     QUIET,  # ticks in which s has stayed near KNOWN, until it counts as settled
     STIRRED,  # ticks without an edge in which s has not settled
 ) = range(15)

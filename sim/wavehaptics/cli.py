@@ -259,7 +259,7 @@ def holding(
 ) -> None:
     """Hold a wall for a minute under every disturbance, warm the winding, bounce the rotor.
 
-    Some ten minutes; an interrupted run goes on where it stopped when it is started again.
+    Some twenty minutes; an interrupted run goes on where it stopped when it is started again.
     """
     _make_folder(out)
 

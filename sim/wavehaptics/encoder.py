@@ -18,7 +18,7 @@ import numpy as np
 from wavehaptics import golden, physics
 from wavehaptics.compiled import compiled
 from wavehaptics.plant import TIME, C, I, P, Plant, X, load_words, plant_step
-from wavehaptics.scene import Scene, SceneError, Servo, encoder_end
+from wavehaptics.scene import Scene, SceneError, Servo, drive_gain, encoder_end
 from wavehaptics.settings import Settings, settings
 from wavehaptics.shaper import refuse_shaper
 from wavehaptics.thermal import Winding
@@ -133,7 +133,7 @@ class EncoderSimulation:
         self._contact = np.array([-1, 0], dtype=np.int64)
         self._ints = np.array([substeps, servo_ticks, delay_ticks], dtype=np.int64)
         self._floats = np.array(
-            [dt, self.settings.cell_rad, scene.drive.gain if scene.drive else 1.0,
+            [dt, self.settings.cell_rad, drive_gain(scene),
              plant.k_t, plant.resistance, self.stiffness, servo.damping,
              1.0 / (servo_ticks * self.tick_s), omega_c * plant.inductance,
              omega_c * plant.resistance, self.settings.limit_v, encoder_end(scene)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from wavehaptics.scene import Scene
+from wavehaptics.scene import Scene, drive_gain
 
 
 class Estimate:
@@ -16,7 +16,7 @@ class Estimate:
 
     def __init__(self, scene: Scene, ticks: int) -> None:
         self._wanted = scene.controller.anchored or scene.thermal is not None
-        self._gain = scene.drive.gain if scene.drive else 1.0
+        self._gain = drive_gain(scene)
         self._late = ticks - ticks // 10
         self._last: tuple[float, float, float, bool] | None = None
         self._worst = 0.0

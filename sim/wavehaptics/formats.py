@@ -125,8 +125,9 @@ CELL_CURRENT = Fixed(COEF_W, HEADER_VALUES["CELL_CURRENT_Q"])
 PULL = Fixed(COEF_W, HEADER_VALUES["PULL_Q"])
 """Gain of the anchor, 2ρ/s, √Ω."""
 TRACK = Fixed(COEF_W, HEADER_VALUES["TRACK_Q"])
-WARM = Fixed(COEF_W, HEADER_VALUES["WARM_Q"])
 """What an ampere of error changes s by in a tick, √Ω/A."""
+WARM = Fixed(COEF_W, HEADER_VALUES["WARM_Q"])
+"""What a winding's warming changes s by in a tick, √Ω."""
 GAIN = Fixed(COEF_W, HEADER_VALUES["GAIN_Q"])
 """Amperes per unit of a tick's sum of ADC words."""
 DUTY = Fixed(COEF_W, HEADER_VALUES["DUTY_Q"])

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wavehaptics import formats
+from wavehaptics.bus_scale import bus_word
 from wavehaptics.formats import RTL_DIR
 from wavehaptics.pins import PinsSimulation, Ports, controller_ports
 from wavehaptics.scene import Scene, Thermal
@@ -214,7 +215,7 @@ class GuardedPins(PinsSimulation):
         ]  # fmt: skip
         levels = self._limits.stop_level | self._limits.driver_level << 1
         array = (ctypes.c_int64 * len(parameters))(*parameters)
-        return new(array, words, count, levels, round(self._bus_v * 2**formats.BUS_Q))
+        return new(array, words, count, levels, bus_word(self._bus_v))
 
     def inject(self, kind: Injection, value: int = 1) -> None:
         """Do something to the inputs from the next clock on, and keep its clock as the cause's."""

@@ -21,7 +21,7 @@ from wavehaptics.normalised import realise
 from wavehaptics.pins import PinsSimulation
 from wavehaptics.plant import TIME, C, P, Plant, X, load_words, plant_step
 from wavehaptics.reflection import Wish, reflection
-from wavehaptics.scene import Scene
+from wavehaptics.scene import Scene, drive_gain
 from wavehaptics.sensor import NOISE_SEED, Sensor, current_word, draw_noise, noise_at
 from wavehaptics.settings import Settings, settings
 from wavehaptics.trace import Column, Word
@@ -179,7 +179,7 @@ class HostedSimulation:
              substeps, period_log2, timeout],
             dtype=np.int64,
         )  # fmt: skip
-        gain = scene.drive.gain if scene.drive else 1.0
+        gain = drive_gain(scene)
         self._floats = (dt, set_.cell_rad, plant.k_t, plant.resistance, gain)
         self._plant = (load_words(plant), plant.transition(dt))
         self._sensor = Sensor.of_scene(scene).constants()

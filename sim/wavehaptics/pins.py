@@ -371,12 +371,12 @@ def _catch_up(state, kept, sums, tables, floats, ints, load):
         if floating and before == 0.0:
             # The diodes of the open leg block: no current, and the voltage is the back-EMF.
             e = floats[_K_T] * state[OMEGA]
-        elif half_bridge:
-            bus = _bus_at(state[TIME] + 0.5 * step_s, floats)
-            e = floats[_GAIN] * half_bridge_voltage(kept[_PINS], before, bus)
         else:
             bus = _bus_at(state[TIME] + 0.5 * step_s, floats)
-            e = floats[_GAIN] * bridge_voltage(kept[_PINS], before, bus)
+            if half_bridge:
+                e = floats[_GAIN] * half_bridge_voltage(kept[_PINS], before, bus)
+            else:
+                e = floats[_GAIN] * bridge_voltage(kept[_PINS], before, bus)
         charge, square = plant_step(state, tables[part], step_s, e, load)
         if floating and before * state[I] <= 0.0:
             # The current ran out within the step and stays at zero: a triangle is left of it.

@@ -15,7 +15,7 @@ from wavehaptics import anchor, formats, golden, verilated
 from wavehaptics.compiled import compiled
 from wavehaptics.native_call import call2
 from wavehaptics.plant import TIME, C, I, P, Plant, X, load_words, plant_step
-from wavehaptics.scene import Scene, encoder_end
+from wavehaptics.scene import Scene, drive_gain, encoder_end
 from wavehaptics.sensor import NOISE_SEED, Sensor, current_word, draw_noise, noise_at
 from wavehaptics.settings import Settings, settings
 from wavehaptics.thermal import Winding
@@ -158,7 +158,7 @@ class SampledSimulation:
         set_ = self.settings
         substeps = plant.substeps(self.tick_s)
         dt = self.tick_s / substeps
-        gain = scene.drive.gain if scene.drive else 1.0
+        gain = drive_gain(scene)
         self._library = None
         self._model = 0
         step = 0

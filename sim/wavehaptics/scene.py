@@ -1199,6 +1199,11 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     return scene
 
 
+def drive_gain(scene: Scene) -> float:
+    """Voltage at the motor over the voltage asked for, within the limit; 1 without a drive."""
+    return scene.drive.gain if scene.drive else 1.0
+
+
 def encoder_end(scene: Scene) -> float:
     """Time from which a scene's encoder stands still, s; infinite where it goes on."""
     stops = scene.encoder.stops_at_s if scene.encoder else None
