@@ -36,7 +36,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo adcs holding report bench test lint clean distclean
+.PHONY: help setup setup-synth system lock demo adcs report bench test lint clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -83,10 +83,6 @@ adcs: $(READY) ## run the paper's taps with every ADC, and write their numbers i
 	@$(WITH_TOOLS) .venv/bin/wavehaptics adcs --out build/adcs
 	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
 
-holding: $(READY) ## hold a wall for a minute under every disturbance, with the README's numbers (20 minutes)
-	@$(WITH_TOOLS) .venv/bin/wavehaptics holding --out build/holding
-	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
-
 bench: $(READY) $(READY_BENCH) ## measure speeds and what was tried for them into build/bench (QUICK=1)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics bench $(if $(QUICK),--quick) --out build/bench
 
@@ -101,14 +97,13 @@ LINT_CASES := \
     wh_wave_core,-GN=3 \
     wh_wave_core,-GSHAPER=1 \
     wh_wave_core,-GN=3,-GSHAPER=2,-DWH_DATA_W=24,-DWH_COEF_W=18 \
-    wh_wave_core,-GN=3,-GANCHOR=1 \
+    wh_wave_core,-GN=3,-GOUTSIDE=1 \
     wh_wave_core,-GN=1,-GDELAY_LOG2=10 \
     wh_wave_core,-GN=3,-DWH_DATA_W=24,-DWH_COEF_W=18 \
     wh_wave_core,-GN=1,-DWH_DATA_W=18,-DWH_COEF_W=18 \
     wh_adc_serial,-GLINES=3 \
     wh_adc_max11125,-GLINES=8,-GFIRST_CHANNEL=8 \
     wh_controller,-GN=3 \
-    wh_controller,-GN=3,-GANCHOR=1 \
     wh_sinc3,-GLINES=2,-GOSR=20,-GTRIP_OSR=2 \
     wh_sinc3,-GOSR=40,-GTRIP_OSR=32 \
     wh_sinc3,-GOSR=256,-GCAPTURE_RISE=1 \
@@ -123,13 +118,13 @@ LINT_CASES := \
     wh_bus_scale,-GN=3 \
     wh_bus_scale,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_controller,-GN=3,-GBUS=1,-GMODES=1 \
-    wh_controller,-GANCHOR=1,-GEARLY=1,-GBUS=1,-GGUARD=1 \
+    wh_controller,-GEARLY=1,-GBUS=1,-GGUARD=1 \
     wh_zero,-GLOG2_TICKS=16 \
     wh_controller,-GN=3,-GADC=1 \
     wh_controller,-GN=3,-GSHAPER=2 \
     wh_controller,-GN=3,-GHOST=1 \
     wh_controller,-GN=3,-GEARLY=1 \
-    wh_controller,-GANCHOR=1,-GEARLY=1,-GADC=1 \
+    wh_controller,-GEARLY=1,-GADC=1 \
     wh_early,-DWH_COEF_W=31 \
     wh_controller,-GN=1,-GWALLS=1,-GDELAY_LOG2=1 \
     wh_controller,-GN=3,-GWALLS=16,-DWH_DATA_W=28,-DWH_COEF_W=24 \

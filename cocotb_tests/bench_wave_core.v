@@ -15,7 +15,7 @@
 module bench_wave_core #(
     parameter integer N          = 1,
     parameter integer DELAY_LOG2 = 2,
-    parameter integer ANCHOR     = 1,
+    parameter integer OUTSIDE    = 1,
     parameter integer SHAPER     = 0,
     parameter integer TICKS      = 1024  // room in the memories
 ) (
@@ -50,7 +50,7 @@ module bench_wave_core #(
     reg [DELAY_LOG2-1:0] extra_ticks = {DELAY_LOG2{1'b0}};
     reg [DELAY_LOG2-1:0] hold_ticks = {DELAY_LOG2{1'b0}};
     reg [DATA_N-1:0] current = {DATA_N{1'b0}};
-    reg [DATA_N-1:0] anchor = {DATA_N{1'b0}};
+    reg [DATA_N-1:0] outside = {DATA_N{1'b0}};
     reg [2*N-1:0]    mode = {2*N{1'b0}};
     reg [SHAPE_N-1:0] shape = {SHAPE_N{1'b0}};
     reg [DATA_N-1:0] u_max = {DATA_N{1'b0}};
@@ -69,7 +69,7 @@ module bench_wave_core #(
     wh_wave_core #(
         .N             (N),
         .DELAY_LOG2    (DELAY_LOG2),
-        .ANCHOR        (ANCHOR),
+        .OUTSIDE       (OUTSIDE),
         .SHAPER        (SHAPER)
     ) core (
         .clk           (clk),
@@ -80,7 +80,7 @@ module bench_wave_core #(
         .overrun_o     (overrun),
         .current_i     (current),
         .eta_i         (eta),
-        .anchor_i      (anchor),
+        .outside_i     (outside),
         .shape_mode_i  (mode),
         .shape_words_i (shape),
         .root_i        (root),
@@ -109,7 +109,7 @@ module bench_wave_core #(
         rst = 1'b0;
         for (tick = 0; tick < ticks_i; tick = tick + 1) begin
             {reset_first, abort, poke, at, pause,
-             extra_ticks, hold_ticks, mode, shape, u_max, a, root, anchor, eta, current} = stimulus[tick];
+             extra_ticks, hold_ticks, mode, shape, u_max, a, root, outside, eta, current} = stimulus[tick];
             faults = 8'd0;
             if (reset_first) begin
                 rst = 1'b1;

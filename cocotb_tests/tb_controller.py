@@ -167,7 +167,6 @@ class Settings:
             "eta_free_i": each(lambda n: ports[n].eta_free, formats.COEF_W),
             "root_i": each(lambda n: ports[n].root, formats.COEF_W),
             "a_i": each(lambda n: ports[n].a, formats.COEF_W),
-            "anchor_words_i": 0,
             "u_max_i": each(lambda n: ports[n].u_max, formats.DATA_W),
             "extra_ticks_i": self.extra_ticks,
             "hold_ticks_i": self.hold_ticks,

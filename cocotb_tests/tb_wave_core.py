@@ -20,7 +20,7 @@ from simulators import RTL_DIR, defines, parameters
 TICKS = parameters()["TICKS"]
 PORTS = parameters()["N"]
 DELAY_LOG2 = parameters()["DELAY_LOG2"]
-ANCHOR = parameters().get("ANCHOR", 1)
+OUTSIDE = parameters().get("OUTSIDE", 1)
 SHAPER = parameters().get("SHAPER", 0)
 CLOCKS_A_PORT = 24 + 5 * SHAPER
 AGE_MAX = (1 << DELAY_LOG2) - 1
@@ -60,7 +60,7 @@ class Stream:
 
     current: np.ndarray
     eta: np.ndarray
-    anchor: np.ndarray
+    outside: np.ndarray
     mode: np.ndarray
     shape: np.ndarray
     """Words of W: int64, shape (ticks, ports, max(SHAPER, 1), SECTION_WORDS)."""
@@ -93,7 +93,7 @@ class Stream:
             (self.u_max, FORMATS.DATA_W),
             (self.a, FORMATS.COEF_W),
             (self.root, FORMATS.COEF_W),
-            (self.anchor, FORMATS.DATA_W),
+            (self.outside, FORMATS.DATA_W),
             (self.eta, FORMATS.COEF_W),
             (self.current, FORMATS.DATA_W),
         ):
@@ -160,8 +160,9 @@ def expected(stream: Stream) -> Answers:
 
     memories = fresh()
     overrun = False
-    anchor = stream.anchor if ANCHOR else np.zeros_like(stream.anchor)
-    inputs = np.stack([stream.current, stream.eta, anchor, stream.root, stream.a], axis=-1).tolist()
+    outside = stream.outside if OUTSIDE else np.zeros_like(stream.outside)
+    words = [stream.current, stream.eta, outside, stream.root, stream.a]
+    inputs = np.stack(words, axis=-1).tolist()
     limits, ages = stream.u_max.tolist(), np.stack([stream.extra, stream.hold], axis=-1).tolist()
     for tick in range(stream.ticks):
         if stream.reset[tick] or stream.abort[tick]:
@@ -272,7 +273,7 @@ def random_stream(seed: int) -> Stream:
             between(-eta_one, eta_one),
             among(-eta_one, eta_one),
         ],
-        "anchor": [corners, between(data.raw_min, data.raw_max), small(data), among(0)],
+        "outside": [corners, between(data.raw_min, data.raw_max), small(data), among(0)],
         "root": [
             coefficient_corners,
             between(eta_format.raw_min, eta_format.raw_max),

@@ -33,8 +33,8 @@ def test_wave_core_ports(simulator: str, ports: int, delay_log2: int) -> None:
     simulate(simulator, "bench_wave_core", "tb_wave_core", parameters)
 
 
-def test_wave_core_without_anchor(simulator: str) -> None:
-    parameters = {"N": 1, "DELAY_LOG2": 2, "ANCHOR": 0, "TICKS": TICKS_OF_A_VARIANT}
+def test_wave_core_without_a_wave_from_outside(simulator: str) -> None:
+    parameters = {"N": 1, "DELAY_LOG2": 2, "OUTSIDE": 0, "TICKS": TICKS_OF_A_VARIANT}
     simulate(simulator, "bench_wave_core", "tb_wave_core", parameters)
 
 

@@ -16,8 +16,7 @@
 // Formats: at the ports; share has WH_BUS_SHARE_Q + WH_BUS_Q - WH_BUS_W fraction bits, 17 as things
 // stand.
 // Latency: a change of bus_i counts after at most 86 clocks in clocks_per_volt_o, and 37 later in
-// u_max_o. A change of u_max_i counts at once while share is 1, else 19 clocks after fresh_i, and
-// busy_o until then.
+// u_max_o. A change of u_max_i counts at once while share is 1, else after at most 37 clocks.
 // Reset: clocks_per_volt_o = clocks_per_volt_i, share = 1; both hold until the first quotient.
 
 `default_nettype none
@@ -37,10 +36,8 @@ module wh_bus_scale #(
     input  wire [N*`WH_COEF_W-1:0] clocks_per_volt_i,  // s27q16 clocks/V, for reset
     output reg  [N*`WH_COEF_W-1:0] clocks_per_volt_o,  // s27q16 clocks/V
 
-    input  wire [N-1:0]            fresh_i,            // strobe: u_max_i has another value
     input  wire [N*`WH_DATA_W-1:0] u_max_i,            // s31q23 √W, 0...
-    output wire [N*`WH_DATA_W-1:0] u_max_o,            // s31q23 √W
-    output wire [N-1:0]            busy_o              // u_max_o is still the former u_max_i's
+    output wire [N*`WH_DATA_W-1:0] u_max_o             // s31q23 √W
 );
 
     localparam integer COEF_W  = `WH_COEF_W;
@@ -134,7 +131,6 @@ module wh_bus_scale #(
             reg  [SHARE_Q-1:0] bits_q;     // share's, to come
             reg                one_q;      // share is 1, of the product under way
             reg                pass_q;     // the same of the last product
-            reg                late_q;
             reg  [SIZE_W-1:0]  sum_q;
             reg  [SIZE_W-1:0]  result_q;
             wire [SIZE_W:0]    sum   = {1'b0, sum_q}
@@ -147,10 +143,8 @@ module wh_bus_scale #(
                     count_q <= 5'd0;
                     one_q   <= 1'b1;
                     pass_q  <= 1'b1;
-                    late_q  <= 1'b0;
                 end else begin
-                    late_q  <= fresh_i[g] || (late_q && !ready);
-                    count_q <= (ready || fresh_i[g]) ? 5'd0 : count_q + 5'd1;
+                    count_q <= ready ? 5'd0 : count_q + 5'd1;
                     if (count_q == 5'd0) begin
                         one_q <= whole_q;
                     end
@@ -172,7 +166,6 @@ module wh_bus_scale #(
 
             assign u_max_o[g*DATA_W +: DATA_W] = pass_q ? u_max_i[g*DATA_W +: DATA_W]
                                                         : {1'b0, result_q};
-            assign busy_o[g] = !pass_q && (fresh_i[g] || late_q);
         end
     endgenerate
 

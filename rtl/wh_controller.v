@@ -44,7 +44,6 @@ module wh_controller #(
     parameter integer MIN_PULSE  = 0,  // 1: min_pulse_i counts; 0: pulses may be of one clock
     parameter integer BUS        = 0,  // 1: bus_i scales the drive; 0: clocks_per_volt_i does
     parameter integer HOST       = 0,  // 1: a computer can have the environment (wh_host_link)
-    parameter integer ANCHOR     = 0,  // 1: the encoder holds the walls (wh_anchor)
     parameter integer GUARD      = 0,  // 1: wh_guard watches; 0: its inputs mean nothing
     parameter integer SHAPE_BITS = N * ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
                                    * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W)
@@ -125,8 +124,6 @@ module wh_controller #(
     input  wire [N*`WH_COEF_W-1:0]      root_i,              // s27q22 √Ω, +-16: √(2R̂)
     input  wire [N*`WH_COEF_W-1:0]      a_i,                 // s27q25, in (0, 1]
     input  wire [N*`WH_DATA_W-1:0]      u_max_i,             // s31q23 √W, 0...128 √W
-    input  wire [N*`WH_ANCHOR_W-1:0]    anchor_words_i,      // wh_anchor's, which has its own root_i
-                                                             // and u_max_i
     input  wire [DELAY_LOG2-1:0]        extra_ticks_i,       // ticks
     input  wire [DELAY_LOG2-1:0]        hold_ticks_i,        // ticks
 
@@ -164,9 +161,6 @@ module wh_controller #(
     output wire [N*`WH_DATA_W-1:0]      current_o,           // s31q24 A, +-64 A: i_n
     output wire [N*`WH_COUNT_W-1:0]     position_o,          // s32, counts
     output wire [N-1:0]                 contact_o,
-    output wire [N*`WH_COEF_W-1:0]      root_o,              // s27q22 √Ω: s in contact
-    output wire [N-1:0]                 anchor_fault_o,      // the encoder doesn't follow the motor;
-                                                             // until rst or enable_i = 0
     output wire [N-1:0]                 saturated_o,         // the voltage limit was at work
     output wire [N-1:0]                 adc_range_o,         // last word at the end of the scale
     output wire [N-1:0]                 adc_stuck_o,         // last stuck_words_i words the same
@@ -180,7 +174,7 @@ module wh_controller #(
 
     localparam integer DATA_W = `WH_DATA_W;
     localparam integer COEF_W = `WH_COEF_W;
-    localparam integer USERS  = (ANCHOR != 0) ? 3 * N : 2 * N;
+    localparam integer USERS  = 2 * N;
     localparam integer WALL_W = (WALLS < 2) ? 1 : $clog2(WALLS);
 
     generate
@@ -189,9 +183,6 @@ module wh_controller #(
         end
         if (ADC < 0 || ADC > 2) begin : illegal_adc
             wh_illegal_parameter_controller_adc_must_be_0_to_2 stop ();
-        end
-        if (ANCHOR != 0 && ANCHOR != 1) begin : illegal_anchor
-            wh_illegal_parameter_controller_anchor_must_be_0_or_1 stop ();
         end
         if ((EARLY != 0 && EARLY != 1) || (EARLY == 1 && SHAPER != 0)) begin : illegal_early
             wh_illegal_parameter_controller_early_must_be_0_or_1_and_0_with_a_shaper stop ();
@@ -351,8 +342,7 @@ module wh_controller #(
 
     wire [N-1:0] current_valid;
 
-    // ---- One multiplier for the currents (users 0...N-1), the voltages (N...2N-1) and the anchors
-    // (2N...3N-1), which come last: theirs is the time in which the core is busy.
+    // ---- One multiplier for the currents (users 0...N-1) and the voltages (N...2N-1).
 
     wire        [USERS-1:0]         multiply_request;
     wire        [USERS*DATA_W-1:0]  multiply_data;
@@ -380,15 +370,9 @@ module wh_controller #(
     wire                core_busy;
     wire                core_overrun;
     wire [N*COEF_W-1:0] eta;          // of contact, or 0 while a host has the environment
-    wire [N*DATA_W-1:0] wave;         // the anchor's
-    wire [N*DATA_W-1:0] outside;      // what joins the core's goal
-    wire [N*COEF_W-1:0] root;
-    wire [N*DATA_W-1:0] u_max_set;    // of the settings or the anchor
-    wire [N*DATA_W-1:0] u_max;        // and what the bus leaves of it
+    wire [N*DATA_W-1:0] outside;      // a host's goal
+    wire [N*DATA_W-1:0] u_max;        // what the bus leaves of u_max_i
     wire [N*COEF_W-1:0] clocks_per_volt;
-    wire [N-1:0]        u_max_fresh;
-    wire [N-1:0]        u_max_late;
-    wire [N-1:0]        anchor_overrun;
     wire [2*N-1:0]      shape_mode;
     wire [N*DATA_W-1:0] host_u;
     wire [N*DATA_W-1:0] newest_u;
@@ -398,7 +382,7 @@ module wh_controller #(
     wh_wave_core #(
         .N             (N),
         .DELAY_LOG2    (DELAY_LOG2),
-        .ANCHOR        ((ANCHOR != 0 || HOST != 0) ? 1 : 0),
+        .OUTSIDE       (HOST),
         .SHAPER        (SHAPER),
         .AHEAD         (EARLY)
     ) wave_core (
@@ -410,10 +394,10 @@ module wh_controller #(
         .overrun_o     (core_overrun),
         .current_i     (current_o),
         .eta_i         (eta),
-        .anchor_i      (outside),
+        .outside_i     (outside),
         .shape_mode_i  (shape_mode),
         .shape_words_i (shape_words_i),
-        .root_i        (root),
+        .root_i        (root_i),
         .a_i           (a_i),
         .u_max_i       (u_max),
         .extra_ticks_i (extra_ticks_i),
@@ -426,7 +410,7 @@ module wh_controller #(
         .next_u_o      (next_u)
     );
 
-    assign overrun_o = adc_overrun || core_overrun || (|anchor_overrun) || (|early_overrun);
+    assign overrun_o = adc_overrun || core_overrun || (|early_overrun);
 
     // ---- The bridge's pattern.
 
@@ -458,17 +442,14 @@ module wh_controller #(
                 .bus_share_i       (bus_share_i),
                 .clocks_per_volt_i (clocks_per_volt_i),
                 .clocks_per_volt_o (clocks_per_volt),
-                .fresh_i           (u_max_fresh),
-                .u_max_i           (u_max_set),
-                .u_max_o           (u_max),
-                .busy_o            (u_max_late)
+                .u_max_i           (u_max_i),
+                .u_max_o           (u_max)
             );
         end else begin : known_bus
-            wire unused_bus = &{1'b0, bus_i, bus_share_i, u_max_fresh};
+            wire unused_bus = &{1'b0, bus_i, bus_share_i};
 
             assign clocks_per_volt = clocks_per_volt_i;
-            assign u_max           = u_max_set;
-            assign u_max_late      = {N{1'b0}};
+            assign u_max           = u_max_i;
         end
     endgenerate
 
@@ -482,6 +463,7 @@ module wh_controller #(
     // ---- Guard. An illegal word is one that no block has a meaning for.
 
     wire [N-1:0] moved;
+    wire [N-1:0] anchor_fault;
     reg          setting_q;
     reg          setting;
     integer      m;
@@ -538,7 +520,7 @@ module wh_controller #(
                 .trip_i         (overcurrent_o),
                 .encoder_i      (encoder_fault_o),
                 .moved_i        (moved),
-                .anchor_i       (anchor_fault_i | anchor_fault_o),
+                .anchor_i       (anchor_fault_i | anchor_fault),
                 .setting_i      (setting_q),
                 .overrun_i      (overrun_o),
                 .tick_i         (tick_o),
@@ -552,7 +534,7 @@ module wh_controller #(
             );
         end else begin : unguarded
             wire unused_guard = &{1'b0, guard_i, stop_i, driver_fault_i, host_alive_i, bus_i,
-                                  anchor_fault_i, setting_q, moved};
+                                  anchor_fault_i, anchor_fault, setting_q, moved};
 
             assign faults_o = {`WH_FAULTS{1'b0}};
             assign off      = 1'b0;
@@ -663,14 +645,10 @@ module wh_controller #(
 
             wire        [WALL_W-1:0]      wall;
             wire signed [`WH_COUNT_W-1:0] depth;
-            wire                          in_wall;
-            wire        [COEF_W-1:0]      eta_wall;
+            wire signed [COEF_W-1:0]      contact_eta;
 
             // For a host's registers, which this module doesn't have.
             wire unused = &{1'b0, direction, faults, wall, depth};
-
-            wire signed [COEF_W-1:0]      contact_eta;
-            wire                          anchor_busy;
 
             wh_contact #(
                 .WALLS         (WALLS)
@@ -685,73 +663,16 @@ module wh_controller #(
                 .hysteresis_i  (edge_hysteresis_i[n]),
                 .eta_contact_i (eta_contact_i[n*COEF_W +: COEF_W]),
                 .eta_free_i    (eta_free_i[n*COEF_W +: COEF_W]),
-                .contact_o     (in_wall),
+                .contact_o     (contact_o[n]),
                 .wall_o        (wall),
                 .depth_o       (depth),
-                .eta_o         (eta_wall)
+                .eta_o         (contact_eta)
             );
 
-            if (ANCHOR != 0) begin : anchored
-                wire              pulled;
-                wire [DATA_W-1:0] anchor_wave;
-
-                wh_anchor anchor (
-                    .clk           (clk),
-                    .rst           (drive_rst),
-                    .start_i       (core_start),
-                    .update_i      (core_valid_o),
-                    .busy_o        (anchor_busy),
-                    .overrun_o     (anchor_overrun[n]),
-                    .position_i    (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
-                    .contact_i     (in_wall),
-                    .depth_i       (depth),
-                    .current_i     (current_o[n*DATA_W +: DATA_W]),
-                    .saturated_i   (saturated_o[n]),
-                    .words_i       (anchor_words_i[n*`WH_ANCHOR_W +: `WH_ANCHOR_W]),
-                    .request_o     (multiply_request[2*N+n]),
-                    .factor_o      (multiply_data[(2*N+n)*DATA_W +: DATA_W]),
-                    .coefficient_o (multiply_coef[(2*N+n)*COEF_W +: COEF_W]),
-                    .grant_i       (multiply_grant[2*N+n]),
-                    .done_i        (multiply_done[2*N+n]),
-                    .product_i     (product),
-                    .wave_o        (anchor_wave),
-                    .root_o        (root[n*COEF_W +: COEF_W]),
-                    .limit_o       (u_max_set[n*DATA_W +: DATA_W]),
-                    .pulled_o      (pulled),
-                    .tracked_o     (root_o[n*COEF_W +: COEF_W]),
-                    .fault_o       (anchor_fault_o[n])
-                );
-
-                assign contact_o[n] = in_wall && !pulled;
-                assign contact_eta  = contact_o[n] ? $signed(eta_wall)
-                                                   : $signed(eta_free_i[n*COEF_W +: COEF_W]);
-                assign wave[n*DATA_W +: DATA_W] = contact_o[n] ? anchor_wave : {DATA_W{1'b0}};
-
-                // The anchor's words are new when it has come to rest.
-                reg anchor_busy_q;
-
-                always @(posedge clk) begin
-                    anchor_busy_q <= anchor_busy && !drive_rst;
-                end
-
-                assign u_max_fresh[n] = anchor_busy_q && !anchor_busy;
-
-                wire unused_settings = &{1'b0, root_i[n*COEF_W +: COEF_W],
-                                         u_max_i[n*DATA_W +: DATA_W]};
-            end else begin : held_by_nothing
-                assign contact_o[n]             = in_wall;
-                assign contact_eta              = $signed(eta_wall);
-                assign wave[n*DATA_W +: DATA_W] = {DATA_W{1'b0}};
-                assign root[n*COEF_W +: COEF_W]   = root_i[n*COEF_W +: COEF_W];
-                assign root_o[n*COEF_W +: COEF_W] = root_i[n*COEF_W +: COEF_W];
-                assign u_max_set[n*DATA_W +: DATA_W] = u_max_i[n*DATA_W +: DATA_W];
-                assign u_max_fresh[n]           = 1'b0;
-                assign anchor_busy              = 1'b0;
-                assign anchor_overrun[n]        = 1'b0;
-                assign anchor_fault_o[n]        = 1'b0;
-
-                wire unused_words = &{1'b0, anchor_words_i[n*`WH_ANCHOR_W +: `WH_ANCHOR_W]};
-            end
+            // The port anchor's place. It will take this port's waves, its current and its counts, give
+            // the voltage that is added to voltage_o before the modulator, and say here that waves
+            // and counts don't agree.
+            assign anchor_fault[n] = 1'b0;
 
             wire [WALLS-1:0] wall_shaped = wall_shaped_i[n*WALLS +: WALLS];
 
@@ -759,9 +680,8 @@ module wh_controller #(
             assign shape_mode[2*n +: 2] = (!contact_o[n] || host_active_o[n]) ? 2'd0
                                         : wall_shaped[wall]                   ? 2'd2 : 2'd1;
 
-            wire [DATA_W-1:0] present_outside = damp             ? {DATA_W{1'b0}}
-                                              : host_active_o[n] ? host_u[n*DATA_W +: DATA_W]
-                                                                 : wave[n*DATA_W +: DATA_W];
+            wire [DATA_W-1:0] present_outside = (host_active_o[n] && !damp)
+                                              ? host_u[n*DATA_W +: DATA_W] : {DATA_W{1'b0}};
             wire [COEF_W-1:0] present_eta     = (host_active_o[n] || damp) ? {COEF_W{1'b0}}
                                                                            : contact_eta;
 
@@ -777,11 +697,11 @@ module wh_controller #(
                     .word_valid_i      (adc_valid),
                     .word_first_i      (adc_first),
                     .samples_i         (samples_i),
-                    .busy_i            (core_start || core_busy || anchor_busy || u_max_late[n]),
+                    .busy_i            (core_start || core_busy),
                     .f_i               (newest_u[n*DATA_W +: DATA_W]),
                     .u_n_i             (next_u[n*DATA_W +: DATA_W]),
                     .u_max_i           (u_max[n*DATA_W +: DATA_W]),
-                    .root_i            (root[n*COEF_W +: COEF_W]),
+                    .root_i            (root_i[n*COEF_W +: COEF_W]),
                     .a_i               (a_i[n*COEF_W +: COEF_W]),
                     .gain_i            (gain_i[n*COEF_W +: COEF_W]),
                     .clocks_per_volt_i (clocks_per_volt[n*COEF_W +: COEF_W]),
@@ -796,8 +716,7 @@ module wh_controller #(
                     .overrun_o         (early_overrun[n])
                 );
             end else begin : in_turn
-                wire unused_early = &{1'b0, anchor_busy, u_max_late[n],
-                                      newest_u[n*DATA_W +: DATA_W], next_u[n*DATA_W +: DATA_W]};
+                wire unused_early = &{1'b0, newest_u[n*DATA_W +: DATA_W], next_u[n*DATA_W +: DATA_W]};
 
                 assign outside[n*DATA_W +: DATA_W] = present_outside;
                 assign eta[n*COEF_W +: COEF_W]     = present_eta;

@@ -22,7 +22,7 @@
 `define WH_FAULT_HEAT        12  // the winding's losses over its time constant
 `define WH_FAULT_SETTING     13  // a parameter that means nothing
 `define WH_FAULT_OVERRUN     14  // a tick too short for its work
-`define WH_FAULT_ANCHOR      15  // the position doesn't agree with the wall's force
+`define WH_FAULT_ANCHOR      15  // waves and counts don't agree on where the rotor is
 
 // Faults after which the current can still be trusted: these alone may end in damping.
 `define WH_FAULTS_DAMPABLE   16'h80e0

@@ -49,19 +49,6 @@
 // of the iCE40 and an 18-bit one of the ECP5, without a mixed-sign product.
 `define WH_LIMB_W 15
 
-// The anchor. s is summed up with bits to spare below its last place: an error of one current place
-// in one tick at the smallest gain still counts.
-`define WH_CELL_CURRENT_Q (`WH_COEF_W - 2)  // A, half a cell's current, full scale +-2
-`define WH_PULL_Q    (`WH_COEF_W - 7)  // √Ω, 2ρ/s, full scale +-64
-`define WH_TRACK_Q   (`WH_COEF_W + 5)  // √Ω/A a tick, γT/s, full scale +-1/64
-`define WH_WARM_Q    (`WH_COEF_W + 11) // √Ω a tick, a winding's warming, full scale +-2^-12
-`define WH_ROOT_GUARD 20
-`define WH_ROOT_SUM_Q (`WH_ROOT_Q + `WH_ROOT_GUARD)
-`define WH_ROOT_SUM_W (`WH_COEF_W + `WH_ROOT_GUARD)
-
-`define WH_ANCHOR_TICK_W 20  // counts of ticks
-`define WH_ANCHOR_W (11 * `WH_COEF_W + 5 * `WH_DATA_W + 2 * `WH_ANCHOR_TICK_W + 2)  // settings
-
 // Current sensing.
 `define WH_SAMPLE_W 16  // ADC word, signed, left-justified: full scale is +-2^15 at any resolution
 `define WH_SUM_W    24  // sum of a tick's samples, up to 256 of them

@@ -4,7 +4,7 @@
 //
 //   v  = u_n - s i_n            u_n: what was applied in the measured tick, from the delay line
 //   f += a (η W{v} + x - f)     D(s) = η λ/(s + λ) W(s), in contact or in free space by η; x is a
-//                               wave from outside (ANCHOR = 1), a series voltage of s x / 2
+//                               wave from outside (OUTSIDE = 1): a host's goal
 //   f  = clamp(f, ±u_max)       u_max: the drive's limit over s
 //   e  = s u                    u: f, or one of its predecessors out of the delay line
 //
@@ -29,7 +29,7 @@
 module wh_wave_core #(
     parameter integer N          = 1,  // ports, 1...
     parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
-    parameter integer ANCHOR     = 0,  // 1: anchor_i is added to the goal, 0: it is not looked at
+    parameter integer OUTSIDE    = 0,  // 1: outside_i is added to the goal, 0: it is not looked at
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
     parameter integer AHEAD      = 0,  // 1: newest_u_o and next_u_o are there, 0: they are 0
     parameter integer SHAPE_BITS = N * ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
@@ -45,7 +45,7 @@ module wh_wave_core #(
 
     input wire signed [N*`WH_DATA_W-1:0] current_i,      // s31q24 A, ±64 A: the tick's mean i_n
     input wire signed [N*`WH_COEF_W-1:0] eta_i,          // s27q25 η, used in [-1, 1]
-    input wire signed [N*`WH_DATA_W-1:0] anchor_i,       // s31q23 √W, ±128 √W: x
+    input wire signed [N*`WH_DATA_W-1:0] outside_i,      // s31q23 √W, ±128 √W: x
     input wire        [2*N-1:0]          shape_mode_i,   // as wh_shaper has it
     input wire        [SHAPE_BITS-1:0]   shape_words_i,  // as wh_shaper has it, port 0 lowest
     input wire signed [N*`WH_COEF_W-1:0] root_i,         // s27q22 √Ω, ±16: s = √(2R̂)
@@ -82,7 +82,7 @@ module wh_wave_core #(
     localparam integer SU_W       = PRODUCT_W - SU_SHIFT;
 
     localparam integer V_SUM_W = 1 + ((SI_W > DATA_W) ? SI_W : DATA_W);
-    localparam integer ERROR_W = STATE_W + 1 + ANCHOR;
+    localparam integer ERROR_W = STATE_W + 1 + OUTSIDE;
     localparam integer F_SUM_W = 2 + ((STEP_W > STATE_W) ? STEP_W : STATE_W);
 
     localparam integer LENGTH = 1 << DELAY_LOG2;
@@ -91,9 +91,9 @@ module wh_wave_core #(
     localparam integer LAST   = N - 1;
 
     generate
-        if (N < 1 || DELAY_LOG2 < 1 || ANCHOR < 0 || ANCHOR > 1
+        if (N < 1 || DELAY_LOG2 < 1 || OUTSIDE < 0 || OUTSIDE > 1
             || SHAPER < 0 || SHAPER > 2 || AHEAD < 0 || AHEAD > 1) begin : illegal_parameter
-            wh_illegal_parameter_wave_core_n_delay_log2_anchor_shaper_or_ahead stop ();
+            wh_illegal_parameter_wave_core_n_delay_log2_outside_shaper_or_ahead stop ();
         end
         if (GUARD < 1 || A_SHIFT < 1 || SI_SHIFT < 1 || SU_SHIFT < 1) begin : illegal_format
             wh_illegal_parameter_wave_core_formats stop ();
@@ -318,18 +318,18 @@ module wh_wave_core #(
     wire signed [ERROR_W-1:0] base;
 
     generate
-        if (ANCHOR == 1) begin : anchored
-            wire signed [DATA_W-1:0] anchor = $signed(anchor_i[port_q*DATA_W +: DATA_W]);
+        if (OUTSIDE == 1) begin : added
+            wire signed [DATA_W-1:0] outside = $signed(outside_i[port_q*DATA_W +: DATA_W]);
             reg signed [ERROR_W-1:0] base_q;
 
             always @(posedge clk) begin
                 base_q <= $signed({{2{f[STATE_W-1]}}, f})
-                        - $signed({{2{anchor[DATA_W-1]}}, anchor, {GUARD{1'b0}}});
+                        - $signed({{2{outside[DATA_W-1]}}, outside, {GUARD{1'b0}}});
             end
 
             assign base = base_q;
         end else begin : plain
-            wire unused_anchor = &{1'b0, anchor_i};
+            wire unused_outside = &{1'b0, outside_i};
 
             assign base = $signed({f[STATE_W-1], f});
         end
@@ -355,7 +355,7 @@ module wh_wave_core #(
     always @(posedge clk) begin
         goal_floor_q    <= $signed(goal_limited[DATA_W:1]);
         goal_up_q       <= goal_limited[DATA_W] && goal_limited[0];
-        guarded_error_q <= $signed({{(1 + ANCHOR){goal[DATA_W-1]}}, goal, {GUARD{1'b0}}}) - base;
+        guarded_error_q <= $signed({{(1 + OUTSIDE){goal[DATA_W-1]}}, goal, {GUARD{1'b0}}}) - base;
         wide_error_q    <= error_floor + $signed({{(ERROR_W - GUARD - 1){1'b0}}, error_up});
     end
 

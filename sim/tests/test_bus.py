@@ -112,20 +112,6 @@ def test_the_early_duty_is_scaled_as_well():
     assert found["energy_out_max_j"] < 1e-8
 
 
-@pytest.mark.parametrize("early", [(), (*EARLY, "controller.extra_ticks=0")])
-def test_an_anchor_holds_on_a_measured_bus(early):
-    """Its limit, which follows s, is scaled from tick to tick."""
-    scene = load(
-        *LOW, *RIPPLE, *MEASURED, *early, "drive.limit_v=12", "scene.duration_s=0.8",
-        name="held_wall",
-    )  # fmt: skip
-    assert scene.controller.anchored
-    found = measure(scene, "pins")
-    cell_rad = 2 * math.pi / scene.encoder.counts_per_rev
-    assert abs(found["hold_offset_rad"]) <= 0.5 * cell_rad
-    assert found["hold_ripple_rms"] <= 50e-6
-
-
 def test_the_word_of_the_limit():
     """Half of the bus that the limit takes leaves half of u_max."""
     scene = load(*LOW, *MEASURED, "drive.limit_v=8")

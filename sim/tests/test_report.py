@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 from wavehaptics import physics, pictures, stability
 from wavehaptics.report import (
-    anchoring,
     blocks,
     broken_inputs,
     build,
@@ -326,25 +325,3 @@ def test_error_feedback_clears_the_band(tmp_path):
     assert first > 12
     assert second > first + 2
     assert spectrum.show(data, tmp_path)
-
-
-def test_the_anchor_holds_and_the_release_does_not_throw(tmp_path):
-    def few(task) -> bool:
-        at = task.arguments
-        if "cure" in at:
-            return at["stiffness"] < 5
-        return at["part"] in (0.9, 1.1) and at.get("speed", 30.0) == 30.0
-
-    data = collect(anchoring, few)
-    for point in data["holds"]:
-        held = point["hold_error"] is not None and abs(point["hold_error"]) < anchoring.HELD
-        assert held is point["cured"], point
-    thrown = {(p["part"], p["cured"]): p["restitution"] for p in data["bounces"]}
-    assert thrown[1.1, False] > 1.5
-    assert max(thrown[0.9, True], thrown[1.1, True]) <= 1.0
-    for point in data["corners"]:
-        if point["cure"] == "with":
-            assert abs(point["cells"]) < 1.1, point
-        if point["cure"] == "without":
-            assert point["cells"] is None or abs(point["cells"]) > 10, point
-    assert anchoring.show(data, tmp_path)

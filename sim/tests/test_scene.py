@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from wavehaptics.motors import PRESETS
 from wavehaptics.scene import (
+    GONE,
     NOT_SIMULATED,
     SCENES_DIR,
     TABLES,
@@ -103,9 +104,7 @@ def test_every_key_is_read(tmp_path):
         walls = [[1, 2], [-2.0, -1.0]]
         r_hat = 2.9
         clock_hz = 50e6
-        anchor_ohm = 0
-        release_ohm = 0.0
-        track_gain = 0
+        anchor_auto = false
     """
     scene = load_text(tmp_path, text)
     assert scene.motor.R_ohm == 3.0
@@ -314,14 +313,11 @@ def test_refused_in_motor(tmp_path, lines, line, fragments):
         ("[thermal]\nrth = 14", 1, ["unknown key thermal.rth", "rth_"]),
         ("[thermal]\ntau_winding_s = 0", 1, ["thermal.tau_winding_s = 0", "0.5 to 1e6 s"]),
         # anchor
-        ("anchor_ohm = -1", 0, ["controller.anchor_ohm = -1", "0 to 1000 Ω"]),
-        ("lost_limit = 1.0", 0, ["controller.lost_limit = 1.0", "0 to 0.9"]),
-        ("track_limit = 1.0", 0, ["controller.track_limit = 1.0", "0 to 0.9"]),
-        ("anchor_ohm = 1\neta_contact = -0.5", 1, ["eta_contact = -0.5 is no spring"]),
-        ('anchor_auto = true\n[shaper]\nfeel = "spring"\nstiffness = 1', 1, ["no [shaper]"]),
+        ("anchor_auto = true", 0, ["anchor_auto: the port anchor is not simulated yet", "false"]),
+        ("anchor_auto = 0", 0, ["controller.anchor_auto = 0", "`true`, `false`"]),
+        ("anchor_ohm = 4", 0, ["anchor_ohm: the port anchor is not simulated yet; leave it out"]),
         ('early_duty = true\n[shaper]\nfeel = "spring"\nstiffness = 1', 1, ["no [shaper]"]),
         ('shaper = "notch"', 0, ["controller.shaper", "[controller] takes"]),
-        ("anchor_ohm = false", 0, ["controller.anchor_ohm must be a number in Ω, not false"]),
         # order of the file
         ("eta_free = 2\n[motr]\n[drive]\nbus_v = 0", 0, ["controller.eta_free"]),
         ("[motr]\n[drive]\nbus_v = 0", 0, ["unknown table [motr]"]),
@@ -544,6 +540,18 @@ def _described() -> dict[str, list[tuple[str, ...]]]:
         else:
             in_keys = False
     return described
+
+
+@pytest.mark.parametrize("path", GONE, ids=".".join)
+def test_a_key_that_is_gone_names_what_took_its_place(tmp_path, path):
+    table, key = path
+    told = f"{table}.{key} is gone: {GONE[path]}"
+    assert refusal(tmp_path, f"{BASE}{key} = 0.5\n") == f"bench.toml:{AFTER_BASE}: {told}"
+    override = f"{table}.{key}=true"
+    assert refusal(tmp_path, BASE, override) == f"--set {override}: {told}"
+    (instead,) = re.findall(r"; use (\w+)", GONE[path])
+    assert key not in TABLES[table].model_fields
+    assert instead in TABLES[table].model_fields
 
 
 def test_description_has_every_key_with_its_unit_default_range_and_meaning():

@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "Vwh_controller.h"
-#include "anchor_words.h"
 #include "shape_words.h"
 #include "verilated.h"
 
@@ -109,7 +108,6 @@ void *wh_pins_new(const int64_t *p) {
         set_count(top.wall_max_i, n, p[kWallEdges + 2 * n + 1]);
     }
     top.wall_enable_i = mask(static_cast<int>(p[kWalls]));
-    set_anchor_words(top.anchor_words_i, p + kWallEdges + 2 * p[kWalls]);
     set_inputs(top, p[kInputs]);
     top.rst = 1;
     top.enable_i = 0;
@@ -192,8 +190,7 @@ int64_t wh_pins_clock(int64_t model, int64_t inputs) {
     return out;
 }
 
-// The words of the newest step into words[0..6]: i, u_n, v_n, e, s in contact, whether the voltage
-// limit acted, and whether the encoder is lost.
+// The words of the newest step into words[0..4]: i, u_n, v_n, e, whether the voltage limit acted.
 int64_t wh_pins_words(int64_t model, int64_t words_address) {
     auto &top = reinterpret_cast<Controller *>(model)->top;
     int64_t *words = reinterpret_cast<int64_t *>(words_address);
@@ -201,9 +198,7 @@ int64_t wh_pins_words(int64_t model, int64_t words_address) {
     words[1] = signed_word(top.u_o);
     words[2] = signed_word(top.v_o);
     words[3] = signed_word(top.voltage_o);
-    words[4] = top.root_o;
-    words[5] = top.saturated_o;
-    words[6] = top.anchor_fault_o;
+    words[4] = top.saturated_o;
     return 0;
 }
 

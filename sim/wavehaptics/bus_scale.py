@@ -10,9 +10,6 @@ from wavehaptics import formats
 SHARE_Q = formats.BUS_SHARE.fraction + formats.BUS_Q - formats.BUS_W
 """Fraction bits of the share of u_max that a bus leaves."""
 
-PRODUCT_CLOCKS = SHARE_Q + 2
-"""Clocks from another u_max until what the bus leaves of it is there."""
-
 
 def bus_word(bus_v: float) -> int:
     """Word of a measured bus in V, the nearest."""

@@ -104,9 +104,6 @@ SAMPLE_W = HEADER_VALUES["SAMPLE_W"]
 SUM_W = HEADER_VALUES["SUM_W"]
 TICK_W = HEADER_VALUES["TICK_W"]
 MODE_W = HEADER_VALUES["MODE_W"]
-ANCHOR_TICK_W = HEADER_VALUES["ANCHOR_TICK_W"]
-ANCHOR_W = HEADER_VALUES["ANCHOR_W"]
-ROOT_SUM_Q = HEADER_VALUES["ROOT_SUM_Q"]
 
 CURRENT = Fixed(DATA_W, HEADER_VALUES["CURRENT_Q"])
 """Current, A."""
@@ -120,14 +117,6 @@ ETA = Fixed(COEF_W, HEADER_VALUES["ETA_Q"])
 """η, no unit."""
 A = Fixed(COEF_W, HEADER_VALUES["A_Q"])
 """The λ filter's coefficient a, no unit."""
-CELL_CURRENT = Fixed(COEF_W, HEADER_VALUES["CELL_CURRENT_Q"])
-"""Current of half an encoder cell on the design spring, A."""
-PULL = Fixed(COEF_W, HEADER_VALUES["PULL_Q"])
-"""Gain of the anchor, 2ρ/s, √Ω."""
-TRACK = Fixed(COEF_W, HEADER_VALUES["TRACK_Q"])
-"""What an ampere of error changes s by in a tick, √Ω/A."""
-WARM = Fixed(COEF_W, HEADER_VALUES["WARM_Q"])
-"""What a winding's warming changes s by in a tick, √Ω."""
 GAIN = Fixed(COEF_W, HEADER_VALUES["GAIN_Q"])
 """Amperes per unit of a tick's sum of ADC words."""
 DUTY = Fixed(COEF_W, HEADER_VALUES["DUTY_Q"])

@@ -141,11 +141,11 @@ def _incoming(state, line, current, root, extra_ticks):
 
 
 @compiled(inline="always")
-def _outgoing(state, line, shaped, eta, anchor, root, a, u_max, hold_ticks):
+def _outgoing(state, line, shaped, eta, outside, root, a, u_max, hold_ticks):
     """The λ filter from W{v_n} on: e to be applied."""
     goal = saturate(truncate(eta * shaped, _ETA_Q))
     f = state[STATE_F]
-    error = saturate(truncate(((goal + anchor) << _GUARD) - f, _GUARD))
+    error = saturate(truncate(((goal + outside) << _GUARD) - f, _GUARD))
     unlimited = f + truncate(a * error, _A_SHIFT)
     limit = u_max << _GUARD
     f = min(max(unlimited, -limit), limit)
@@ -166,7 +166,7 @@ def shaped_core_step(
     mode: int,
     current: int,
     eta: int,
-    anchor: int,
+    outside: int,
     root: int,
     a: int,
     u_max: int,
@@ -176,8 +176,8 @@ def shaped_core_step(
     """One tick of one port (design equations of §1.1; the paper's wave transform and D(s)).
 
     ``shaper``, ``shaper_states`` and ``mode`` are those of :func:`shaper_step`,
-    ``current`` is the tick's mean i_n, ``anchor`` a wave that is added to the goal η·v (0: none),
-    ``root`` is s, ``u_max`` the voltage limit over s,
+    ``current`` is the tick's mean i_n, ``outside`` a wave that is added to the goal η·v, a host's
+    (0: none), ``root`` is s, ``u_max`` the voltage limit over s,
     ``extra_ticks`` the age of the u that was applied in the measured tick and ``hold_ticks`` the
     age of the u to be applied next; both are smaller than the line's length. All are raw words of
     :mod:`wavehaptics.formats`. Returns the words (e, u_n, v_n): the voltage to apply, and the
@@ -185,7 +185,7 @@ def shaped_core_step(
     """
     u_n, v_n = _incoming(state, line, current, root, extra_ticks)
     shaped = shaper_step(shaper, shaper_states, mode, v_n)
-    return _outgoing(state, line, shaped, eta, anchor, root, a, u_max, hold_ticks), u_n, v_n
+    return _outgoing(state, line, shaped, eta, outside, root, a, u_max, hold_ticks), u_n, v_n
 
 
 @compiled()
@@ -194,7 +194,7 @@ def wave_core_step(
     line: np.ndarray,
     current: int,
     eta: int,
-    anchor: int,
+    outside: int,
     root: int,
     a: int,
     u_max: int,
@@ -203,7 +203,7 @@ def wave_core_step(
 ) -> tuple[int, int, int]:
     """:func:`shaped_core_step` of a core without a shaper, W = 1."""
     u_n, v_n = _incoming(state, line, current, root, extra_ticks)
-    return _outgoing(state, line, v_n, eta, anchor, root, a, u_max, hold_ticks), u_n, v_n
+    return _outgoing(state, line, v_n, eta, outside, root, a, u_max, hold_ticks), u_n, v_n
 
 
 @compiled()

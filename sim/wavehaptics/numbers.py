@@ -36,7 +36,6 @@ _RESOURCES = Path("build", "synth", "resources.json")
 _ADCS = Path("build", "adcs", "adcs.json")
 _REPORT = Path("build", "report")
 _BENCH = Path("build", "bench", "summary.json")
-_HOLDING = Path("build", "holding")
 _MARKED = re.compile(r"(<!-- begin (\S+) -->\n)(.*?)(<!-- end \2 -->)", re.DOTALL)
 _DEVICE_NAMES = {"up5k": "iCE40 UP5K", "hx8k": "iCE40 HX8K", "25k": "ECP5-25F"}
 
@@ -65,10 +64,9 @@ def keep(root: Path = ROOT) -> None:
             text = json.dumps(numbers, indent=1, ensure_ascii=False)
             (root / path).parent.mkdir(parents=True, exist_ok=True)
             (root / path).write_text(text + "\n", encoding="utf-8")
-    for folder, names in ((_REPORT, readme.PICTURES), (_HOLDING, readme.HOLDING_PICTURES)):
-        for name in names:
-            if (root / folder / name).exists():
-                (root / MEASURED.parent / name).write_bytes((root / folder / name).read_bytes())
+    for name in readme.PICTURES:
+        if (root / _REPORT / name).exists():
+            (root / MEASURED.parent / name).write_bytes((root / _REPORT / name).read_bytes())
 
 
 def _last_measured(root: Path) -> dict[str, Any]:
@@ -79,9 +77,6 @@ def _last_measured(root: Path) -> dict[str, Any]:
         measured["report"] = readme.of_report(json.loads(report.read_bytes()))
     if (root / _BENCH).exists():
         measured["bench"] = readme.of_bench(json.loads((root / _BENCH).read_bytes()))
-    held = root / _HOLDING / "holding.json"
-    if held.exists():
-        measured["holding"] = readme.of_holding(json.loads(held.read_bytes()))
     return measured
 
 

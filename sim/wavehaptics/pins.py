@@ -98,8 +98,8 @@ _AH, _AL, _BH, _BL, _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING = range(9)
 # Places in the loop's integer parameters.
 (
     _MODEL, _CLOCK, _WORDS, _TICK_CLOCKS, _CODE_SHIFT, _DATA_BITS, _U_MAX, _SUBSTEP_CLOCKS,
-    _LAUNCH_LEVEL, _PIPELINE, _OSR, _ANCHORED, _HALF_BRIDGE, _SET_BUS,
-) = range(14)  # fmt: skip
+    _LAUNCH_LEVEL, _PIPELINE, _OSR, _HALF_BRIDGE, _SET_BUS,
+) = range(13)  # fmt: skip
 # Places in the loop's float parameters.
 (
     _DT, _CELL, _BUS, _GAIN, _K_T, _RESISTANCE, _ETA_CONTACT, _ETA_FREE, _ENCODER_END, _RIPPLE,
@@ -211,9 +211,7 @@ def _check_early(scene: Scene, tick_clocks: int, made: Frame) -> None:
             f"{place}: the ADC's word is there {made.conversion_clocks} clocks after its frame's "
             f"start, sooner than the {EARLY_PREPARE_CLOCKS} that are needed; take another adc.part"
         )
-    needed = early_tick_clocks(1, scene.controller.anchored)
-    if scene.controller.anchored and scene.drive and scene.drive.bus_measured:
-        needed += bus_scale.PRODUCT_CLOCKS
+    needed = early_tick_clocks()
     if tick_clocks < needed:
         raise SceneError(
             f"{place}: a tick of {tick_clocks} clocks is shorter than the {needed} that are "
@@ -498,8 +496,7 @@ def _advance(
             row[Column.U] = buffer[1] * _WAVE
             row[Column.V] = buffer[2] * _WAVE
             row[Column.CONTACT] = touching
-            told = ints[_ANCHORED] or ints[_SET_BUS]
-            limited = buffer[5] if told else abs(buffer[1]) >= ints[_U_MAX]
+            limited = buffer[4] if ints[_SET_BUS] else abs(buffer[1]) >= ints[_U_MAX]
             row[Column.SATURATED] = 1.0 if limited else 0.0
             rows[done] = row
             words[done, Word.I] = buffer[0]
@@ -702,7 +699,6 @@ class PinsSimulation:
             *ports.words.values(), bus_scale.bus_word(true_bus_v),
             _encoder_levels.py_func(ports.start_count),
             len(walls), *(edge for wall in walls for edge in wall),
-            *verilated.anchor_words(set_.anchor),
         ]  # fmt: skip
         design = verilated.Design(
             "wh_controller",
@@ -712,7 +708,6 @@ class PinsSimulation:
                 "WALLS": max(MIN_WALLS, len(walls)),
                 "DELAY_LOG2": DELAY_LOG2,
                 "ADC": KINDS.index(time.frame.kind),
-                "ANCHOR": int(set_.anchored),
                 "SHAPER": len(set_.shaper.words),
                 **_bridge_parameters(ports.words),
                 **({"EARLY": 1} if time.early else {}),
@@ -749,7 +744,7 @@ class PinsSimulation:
             [self._model, verilated.address(self._function("clock")),
              verilated.address(self._function("words")), time.tick_clocks,
              code_shift, sensor.bits, set_.u_max, longest, launch_level, time.frame.pipeline,
-             time.frame.osr, set_.anchored, _mode(scene) == HALF_BRIDGE,
+             time.frame.osr, _mode(scene) == HALF_BRIDGE,
              verilated.address(self._function("bus")) if drive.bus_measured else 0],
             dtype=np.int64,
         )  # fmt: skip
@@ -762,8 +757,7 @@ class PinsSimulation:
         self._load = load_words(plant)
         self._sensor = sensor.constants()
         self._rng = np.random.default_rng(NOISE_SEED)
-        self._buffer = np.zeros(7, dtype=np.int64)
-        self._buffer[4] = set_.root
+        self._buffer = np.zeros(5, dtype=np.int64)
         self._bits = sigma_delta.new_state()
 
     def connect_host(self, period_log2: int, timeout: int) -> None:
@@ -787,16 +781,6 @@ class PinsSimulation:
     def clock_cycles(self) -> int:
         """Clocks of the RTL so far."""
         return int(self._kept[_NOW])
-
-    @property
-    def r_hat(self) -> float:
-        """The controller's estimate of R in contact, as it is now, Ω."""
-        return formats.ROOT.to_value(int(self._buffer[4])) ** 2 / 2.0
-
-    @property
-    def encoder_lost(self) -> bool:
-        """Whether the anchor has found that the encoder doesn't follow the motor."""
-        return bool(self._buffer[6])
 
     def _transitions(self, plant: Plant) -> np.ndarray:
         return np.stack([plant.transition(n * self._dt) for n in range(_STEPS + 1)])

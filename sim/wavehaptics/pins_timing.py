@@ -50,11 +50,6 @@ def latency_clocks(
     )  # fmt: skip
 
 
-def early_tick_clocks(ports: int = 1, anchored: bool = False) -> int:
-    """Clocks of the shortest tick with EARLY: the last step and then the words of this one.
-
-    An anchor may still be at work when the core is done: its four products and those of the others
-    pass one multiplier.
-    """
-    anchor = 8 * ports if anchored else 0
-    return _CURRENT_CLOCKS + ports - 1 + CORE_CLOCKS * ports + anchor + EARLY_PREPARE_CLOCKS
+def early_tick_clocks(ports: int = 1) -> int:
+    """Clocks of the shortest tick with EARLY: the last step and then the words of this one."""
+    return _CURRENT_CLOCKS + ports - 1 + CORE_CLOCKS * ports + EARLY_PREPARE_CLOCKS

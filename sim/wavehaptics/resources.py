@@ -44,7 +44,6 @@ OPTIONS: tuple[Mapping[str, int], ...] = (
     {"MODES": 1},
     {"MIN_PULSE": 1},
     {"BUS": 1},
-    {"ANCHOR": 1},
     {"HOST": 1},
     {"GUARD": 1},
 )

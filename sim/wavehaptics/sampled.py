@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from wavehaptics import anchor, formats, golden, verilated
+from wavehaptics import formats, golden, verilated
 from wavehaptics.compiled import compiled
 from wavehaptics.native_call import call2
 from wavehaptics.plant import TIME, C, I, P, Plant, X, load_words, plant_step
@@ -27,7 +27,6 @@ CORE_DELAY_LOG2 = 10
 _VOLT = formats.VOLTAGE.step
 _ROOT_WATT = formats.WAVE.step
 _ETA = formats.ETA.step
-_ROOT_SHIFT = formats.ROOT_SUM_Q - formats.ROOT.fraction
 
 # Places in the loop's integer parameters.
 (
@@ -40,18 +39,19 @@ _ROOT_SHIFT = formats.ROOT_SUM_Q - formats.ROOT.fraction
     _MODEL,
     _STEP,
     _HYSTERESIS,
-    _ANCHORED,
-) = range(10)
+    _ROOT,
+    _U_MAX,
+) = range(11)
 # Places in the loop's float parameters.
 _DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE, _ENCODER_END = range(6)
 # Places in the integers that the loop keeps.
-_VOLTAGE_WORD, _CLOCKS, _START, _POSITION = range(4)
+_VOLTAGE_WORD, _CLOCKS, _POSITION = range(3)
 
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance(
-    rows, words, state, kept, core, line, contact, anchored, held, wall_min, wall_max, shaper, ints,
-    floats, load, matrix, sensor, noise, buffer,
+    rows, words, state, kept, core, line, contact, wall_min, wall_max, shaper, ints, floats, load,
+    matrix, sensor, noise, buffer,
 ):  # fmt: skip
     """Fill ``rows`` and ``words``; False when the RTL never answered.
 
@@ -60,6 +60,7 @@ def _advance(
     shaper_words, shaper_states, shaped = shaper
     dt, cell, k_t = floats[_DT], floats[_CELL], floats[_K_T]
     substeps, extra = ints[_SUBSTEPS], ints[_EXTRA]
+    root, u_max = ints[_ROOT], ints[_U_MAX]
     tick = dt * substeps
     for n in range(rows.shape[0]):
         e_a = kept[_VOLTAGE_WORD] * _VOLT * floats[_DRIVE_GAIN]
@@ -79,46 +80,28 @@ def _advance(
         if state[TIME] < floats[_ENCODER_END]:
             kept[_POSITION] = int(np.floor(state[X] / cell))
         position = kept[_POSITION]
-        touching, depth = golden.contact_step(
+        touching, _ = golden.contact_step(
             contact, position, wall_min, wall_max, ints[_HYSTERESIS] != 0
         )
-        touching = touching and held[anchor.PULLED] == 0
         eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
-        wave = held[anchor.WAVE] if touching else 0
-        root, u_max = held[anchor.ROOT], held[anchor.LIMIT]
         mode = golden.shaper_mode(contact[0], shaped)
         if ints[_MODEL] == 0:
-            saturated = core[golden.STATE_SATURATED]
             if shaper_words.shape[0] == 0:
                 e_next, u_n, v_n = golden.wave_core_step(
-                    core, line, current, eta, wave, root, ints[_A], u_max, extra, extra
+                    core, line, current, eta, 0, root, ints[_A], u_max, extra, extra
                 )
             else:
                 e_next, u_n, v_n = golden.shaped_core_step(
-                    core, line, shaper_words, shaper_states, mode, current, eta, wave, root,
+                    core, line, shaper_words, shaper_states, mode, current, eta, 0, root,
                     ints[_A], u_max, extra, extra,
                 )  # fmt: skip
-            if ints[_ANCHORED]:
-                anchor.anchor_step(
-                    held,
-                    anchored,
-                    position - kept[_START],
-                    contact[0] >= 0,
-                    depth,
-                    current,
-                    saturated,
-                )
         else:
-            buffer[0], buffer[1] = current, contact[0] >= 0
-            buffer[2], buffer[3], buffer[4] = position - kept[_START], depth, mode
+            buffer[0], buffer[1], buffer[2] = current, touching, mode
             clocks = call2(ints[_STEP], ints[_MODEL], buffer.ctypes.data)
             if clocks < 0:
                 return False
             kept[_CLOCKS] += clocks
             e_next, u_n, v_n = buffer[0], buffer[1], buffer[2]
-            held[anchor.PULLED], held[anchor.ROOT] = buffer[3], buffer[4]
-            held[anchor.LIMIT], held[anchor.FAULT] = buffer[5], buffer[6]
-            held[anchor.ROOT_SUM] = buffer[7] << _ROOT_SHIFT
         row = rows[n]
         row[Column.T] = t_before + 0.5 * tick
         row[Column.X] = 0.5 * (x_before + state[X])
@@ -165,18 +148,17 @@ class SampledSimulation:
         if rtl:
             self._library, self._model, step = _load_core(set_)
         self._state = plant.start.copy()
-        self._kept = np.zeros(4, dtype=np.int64)
-        self._kept[_START] = self._kept[_POSITION] = math.floor(plant.start[X] / set_.cell_rad)
+        self._kept = np.zeros(3, dtype=np.int64)
+        self._kept[_POSITION] = math.floor(plant.start[X] / set_.cell_rad)
         self._core = golden.new_state()
         self._line = golden.new_line(set_.extra_ticks)
         self._shaper = (
             set_.shaper.words, golden.new_shaper_state(len(set_.shaper.words)), set_.shaped
         )  # fmt: skip
         self._contact = np.array([-1, 0], dtype=np.int64)
-        self._held = anchor.new_state(set_.anchor)
         self._ints = np.array(
             [set_.a, set_.extra_ticks, set_.eta_contact, set_.eta_free, substeps, point_sampling,
-             self._model, step, set_.edge_hysteresis, set_.anchored],
+             self._model, step, set_.edge_hysteresis, set_.root, set_.u_max],
             dtype=np.int64,
         )  # fmt: skip
         self._floats = np.array(
@@ -187,22 +169,12 @@ class SampledSimulation:
         self._matrix = plant.transition(dt)
         self._sensor = Sensor.of_scene(scene).constants()
         self._rng = np.random.default_rng(NOISE_SEED)
-        self._buffer = np.zeros(8, dtype=np.int64)
+        self._buffer = np.zeros(3, dtype=np.int64)
 
     @property
     def clock_cycles(self) -> int | None:
         """Clocks of the RTL so far; None on the integer model, which has no clock."""
         return int(self._kept[_CLOCKS]) if self._model else None
-
-    @property
-    def r_hat(self) -> float:
-        """The controller's estimate of R in contact, as it is now, Ω."""
-        return formats.ROOT.to_value(int(self._held[anchor.ROOT_SUM]) >> _ROOT_SHIFT) ** 2 / 2.0
-
-    @property
-    def encoder_lost(self) -> bool:
-        """Whether the anchor has found that the encoder doesn't follow the motor."""
-        return bool(self._held[anchor.FAULT])
 
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
@@ -215,8 +187,8 @@ class SampledSimulation:
     def _advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         done = _advance(
             rows, words, self._state, self._kept, self._core, self._line, self._contact,
-            self.settings.anchor, self._held, self.settings.wall_min, self.settings.wall_max,
-            self._shaper, self._ints, self._floats, self._load, self._matrix, self._sensor,
+            self.settings.wall_min, self.settings.wall_max, self._shaper, self._ints,
+            self._floats, self._load, self._matrix, self._sensor,
             draw_noise(self._rng, self._sensor, len(rows)), self._buffer,
         )  # fmt: skip
         if not done:
@@ -233,7 +205,6 @@ def _load_core(set_: Settings):
         "core_shim.cpp",
         {
             "DELAY_LOG2": CORE_DELAY_LOG2,
-            "ANCHOR": int(set_.anchored),
             "SHAPER": len(set_.shaper.words),
         },
     )
@@ -241,7 +212,7 @@ def _load_core(set_: Settings):
     verilated.declare_destructor(library.wh_core_delete)
     words = [
         set_.root, set_.a, set_.u_max, set_.extra_ticks, set_.extra_ticks, set_.eta_contact,
-        set_.eta_free, *verilated.anchor_words(set_.anchor),
+        set_.eta_free,
     ]  # fmt: skip
     model = verilated.new_model(library.wh_core_new, words)
     verilated.set_shaper(library.wh_core_shape, model, set_.shaper.words)

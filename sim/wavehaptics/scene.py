@@ -61,12 +61,37 @@ class NotSimulated(NamedTuple):
 
     path: KeyPath
     what: str
-    off: float | None = None
+    off: float | bool | None = None
     """The value that means "without it", and is taken; ``None`` where only leaving it out does."""
 
 
-NOT_SIMULATED: tuple[NotSimulated, ...] = ()
+NOT_SIMULATED: tuple[NotSimulated, ...] = (
+    NotSimulated(("controller", "anchor_auto"), "the port anchor", off=False),
+    NotSimulated(("controller", "anchor_ohm"), "the port anchor"),
+)
 """All that the format has and this version does not simulate; take an entry out to lift it."""
+
+GONE: dict[KeyPath, str] = {
+    ("controller", "release_ohm"): (
+        "the port anchor needs no rule for the way out; use anchor_auto = true"
+    ),
+    ("controller", "surface_ohm"): (
+        "the port anchor needs no rule for a wall's first cells; use anchor_auto = true"
+    ),
+    ("controller", "track_gain"): "the port anchor needs no tracking; use anchor_auto = true",
+    ("controller", "track_limit"): (
+        "the port anchor needs no tracking, so no limit of it; use anchor_auto = true"
+    ),
+    ("controller", "lost_limit"): (
+        "the port anchor checks the encoder by itself; use anchor_auto = true"
+    ),
+    ("controller", "dead_zone_cells"): (
+        "the port anchor's dead zone is always half a cell; use anchor_auto = true"
+    ),
+    ("controller", "push_only"): "a wall of the port anchor only pushes; use anchor_auto = true",
+    ("controller", "r_hat_free"): "one R̂ serves contact and free space; use r_hat",
+}
+"""Keys that the format had once, and what has taken their place."""
 
 
 def _key(
@@ -81,11 +106,6 @@ def _key(
     """A key of a table: its unit, meaning and default, and bounds as pydantic names them."""
     texts = {"unit": unit, "default": default_text, "range": range_text}
     return Field(default, description=meaning, json_schema_extra=texts, **options)
-
-
-def _left_open(unit: str, meaning: str, default_text: str, most: float) -> Any:
-    """A key from 0 to ``most`` that is None where the scene leaves it to the program."""
-    return _key(unit, meaning, None, default_text=default_text, ge=0, le=most)
 
 
 def _broken_rule(problem: str, *keys: str | KeyPath) -> NoReturn:
@@ -670,14 +690,6 @@ class Controller(_Table):
         ge=1e-3,
         le=_R_HAT_MAX_OHM,
     )
-    r_hat_free: float | None = _key(
-        "Ω",
-        "R̂ out of contact with an anchor; above R, free space rings",
-        None,
-        default_text="0.65 `r_hat`",
-        ge=1e-3,
-        le=_R_HAT_MAX_OHM,
-    )
     clock_hz: float | None = _key(
         "Hz",
         "Clock of `pins`, a whole multiple of `tick_hz`",
@@ -695,70 +707,23 @@ class Controller(_Table):
     )
     anchor_auto: bool = _key(
         "–",
-        "Choose the four values below that the scene does not give, from the motor's data",
+        "The port anchor, which holds walls by the encoder, with what suits the motor's data",
         False,
         default_text="`false`",
         range_text="`true`, `false`",
     )
-    anchor_ohm: float | None = _left_open(
-        "Ω", "Anchor ρ: holds a wall where the encoder says it is; 0 is none", "0", 1000
-    )
-    release_ohm: float | None = _left_open(
-        "Ω", "ρ while the rotor moves and the force errs to its side; 0 is no such rule", "0", 1000
-    )
-    surface_ohm: float | None = _left_open(
+    anchor_ohm: float | None = _key(
         "Ω",
-        "Series resistance within the dead zone while the rotor moves, and in a wall's first cell, "
-        "with a `release_ohm`",
-        "0.2 `r_hat`",
-        1000,
-    )
-    track_gain: float | None = _left_open(
-        "Ω/(A·s)", "Gain γ with which R̂ follows the winding; 0 is none", "0", 1e6
-    )
-    track_limit: float | None = _left_open("–", "R̂ stays within (1 ± this) `r_hat`", "0.5", 0.9)
-    lost_limit: float | None = _left_open(
-        "–",
-        "Part of R̂ that it may suddenly change by in a hold without an edge of the encoder; more, "
-        "and the encoder counts as lost. 0 is no such rule",
-        "0.005",
-        0.9,
-    )
-    dead_zone_cells: float = _key(
-        "cells",
-        "Error of the current that the anchor leaves alone, as encoder cells of depth",
-        0.5,
-        ge=0,
-        le=100,
-    )
-    push_only: bool | None = _key(
-        "–",
-        "A contact ends where the torque would pull",
+        "The port anchor's ρ",
         None,
-        default_text="`true` with an anchor",
-        range_text="`true`, `false`",
+        default_text="what `anchor_auto` takes",
+        ge=0,
+        le=1000,
     )
-
-    @property
-    def anchored(self) -> bool:
-        """Whether the encoder has a say in the wall's force."""
-        return bool(
-            self.anchor_auto
-            or self.anchor_ohm
-            or self.release_ohm
-            or self.track_gain
-            or self.push_only
-        )
 
     @model_validator(mode="after")
     def _check(self) -> Controller:
         _check_walls(self.walls)
-        if self.anchored and self.eta_contact != -1.0:
-            _broken_rule(
-                f"controller.eta_contact = {_number(self.eta_contact)} is no spring that an anchor "
-                "could hold; it must be -1, or take the anchor out",
-                "eta_contact",
-            )
         if self.clock_hz is not None:
             clocks = self.clock_hz / self.tick_hz
             whole = max(1, round(clocks))
@@ -822,13 +787,6 @@ class Scene(_Table):
                 f"it must be at least {_number(tick_s)} s",
                 ("scene", "duration_s"),
                 ("controller", "tick_hz"),
-            )
-        if scene.shaper is not None and scene.controller.anchored:
-            _broken_rule(
-                "controller has an anchor, which needs a rigid wall: no [shaper]; "
-                "take one of the two out",
-                ("shaper",),
-                ("controller",),
             )
         if scene.shaper is not None and scene.controller.early_duty:
             _broken_rule(
@@ -992,6 +950,8 @@ def _keys_of(table: type[_Table]) -> list[str]:
 
 def _unknown(path: KeyPath, value: Any) -> str:
     """Message for a table or key that the format does not have."""
+    if path in GONE:
+        return f"{dotted(path)} is gone: {GONE[path]}"
     name = str(path[-1])
     homes = [f"[{table}]" for table, model in TABLES.items() if name in _keys_of(model)]
     if len(path) == 1:
@@ -1075,7 +1035,9 @@ def _refusals(data: dict[str, Any]) -> tuple[Scene | None, list[_Refusal]]:
         if value is None or (part.off is not None and value == part.off):
             continue
         name = f"[{part.path[0]}]" if len(part.path) == 1 else dotted(part.path)
-        way_out = "leave it out" if part.off is None else f"leave it out or give {part.off:g}"
+        way_out = "leave it out"
+        if part.off is not None:
+            way_out += f" or give {_shown(part.off)}"
         found.append(_Refusal(f"{name}: {part.what} is not simulated yet; {way_out}", [part.path]))
     scene = None
     try:

@@ -14,7 +14,6 @@ from typing import Any
 
 from wavehaptics.metrics import write_metrics
 from wavehaptics.report import (
-    anchoring,
     converters,
     energies,
     hard_cases,
@@ -35,7 +34,6 @@ from wavehaptics.sweeps import sweep
 SECTIONS: tuple[ModuleType, ...] = (
     paper,
     old_way,
-    anchoring,
     hard_cases,
     rates,
     latency,

@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -60,21 +58,6 @@ def legend(ax: Axes, **options) -> None:
     """A legend inside the axes, where there is most room."""
     if ax.get_legend_handles_labels()[0]:
         ax.legend(frameon=False, fontsize=9, **options)
-
-
-def value_map(ax: Axes, grid: np.ndarray, rows: Sequence[float], columns: Sequence[float]) -> Any:
-    """Values about 1 as colours and numbers, shape (rows, columns); the image, for a colour bar."""
-    image = ax.imshow(grid, origin="lower", aspect="auto", cmap="RdBu_r", vmin=0, vmax=2)
-    for row, column in np.ndindex(grid.shape):
-        value = grid[row, column]
-        text = "–" if np.isnan(value) else f"{value:.2f}"
-        pale = np.isnan(value) or 0.4 < value < 1.6
-        ax.text(column, row, text, ha="center", va="center", fontsize=8,
-                color="black" if pale else "white")  # fmt: skip
-    ax.set_xticks(range(len(columns)), [f"{column:g}" for column in columns])
-    ax.set_yticks(range(len(rows)), [f"{row:g}" for row in rows])
-    ax.grid(False)
-    return image
 
 
 def save(figure: Figure, path: Path) -> Path:

@@ -18,7 +18,6 @@ import numpy as np
 
 from wavehaptics import formats, golden, physics
 from wavehaptics.boards import ROOT
-from wavehaptics.report.anchoring import CURES, HELD
 from wavehaptics.report.blocks import Block, Table, Text, number, percent
 from wavehaptics.report.broken_inputs import (
     adc_bit_flipped,
@@ -53,8 +52,6 @@ LAMBDAS = (1e2, 1e3, 1e4, 1e5, 1e9)
 RATES_HZ = (2e6, 1e6, 1e5, 1e4, 1e3, 500.0)
 LATENCIES = (0, 1, 10, 100, 1000)
 R_HAT_PARTS = (0.5, 0.8, 0.95, 1.05, 1.2, 1.5)
-HELD_PARTS = (0.7, 0.9, 1.1, 1.3)
-"""R̂ over R from which the anchor has to bring a wall back."""
 ZERO_TICKS = 100_000_000
 
 
@@ -141,18 +138,6 @@ def wrong_resistance() -> Outcome:
     )  # fmt: skip
     found = {"rates": numbers, "worst": worst, "free_space_torque_rms": rings}
     return Outcome(found, text, worst < 0.1)
-
-
-def wrong_resistance_anchored() -> Outcome:
-    """A second's press with anchor, release and tracking, chosen for the motor by themselves."""
-    moved = {}
-    for part in (0.5, *HELD_PARTS, 1.5):
-        settings_ = [f"controller.r_hat={part * 2.18}", *CURES]
-        moved[f"{part:g}"] = measure(load("press_hold", settings_), "golden")["hold_error"]
-    held = [name for name, error in moved.items() if error is not None and abs(error) < HELD]
-    text = "moved by " + ", ".join(f"{percent(e)} at {name} R" for name, e in moved.items())
-    ok = {f"{part:g}" for part in HELD_PARTS} <= set(held)
-    return Outcome({"moved_over_depth": moved}, text, ok)
 
 
 def small_r_and_l() -> Outcome:
@@ -291,13 +276,9 @@ CASES = {
              any_lambda),
         Case("T from 0.5 µs to 2 ms", "no energy out; stiffness within 1 % up to 200 µs", any_rate),
         Case("k from 0 to 1000 ticks", "stiffness within 1 %, no energy out", any_latency),
-        Case("R̂ from 0.5 R to 1.5 R, without anchor",
+        Case("R̂ from 0.5 R to 1.5 R",
              "the force falls (R̂ < R) or grows (R̂ > R) with L_eff/|R − R̂|, within 10 %",
              wrong_resistance),
-        Case("R̂ from 0.5 R to 1.5 R, with anchor",
-             f"held within {percent(HELD)} of the depth from {min(HELD_PARTS):g} to "
-             f"{max(HELD_PARTS):g} R",
-             wrong_resistance_anchored),
         Case("R = 0.05 Ω and L = 10 µH", "stiffness within 1 %, no energy out", small_r_and_l),
         Case("rotor inertia ÷ 10, no friction, no hand",
              "comes back 0.95 to √(1 + J_free/J) times as fast: free space has inertia too",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the README shows of report, bench and holding: a few numbers, pictures and tables."""
+"""What the README shows of report and bench: a few numbers, pictures and tables."""
 
 from __future__ import annotations
 
@@ -11,9 +11,6 @@ from wavehaptics.report.blocks import number, percent
 
 PICTURES = ("old_way_limits.png", "old_way_hand.png")
 """Pictures of the report that the README shows, below ``sim/docs``."""
-
-HOLDING_PICTURES = ("held_wall.png", "bounce_map.png")
-"""Pictures of ``wavehaptics holding`` that the README shows, below ``sim/docs``."""
 
 
 def of_report(report: dict[str, Any]) -> dict[str, Any]:
@@ -42,21 +39,6 @@ def of_bench(summary: dict[str, Any]) -> dict[str, Any]:
     """The bench's numbers that the README quotes."""
     kept = ("machine", "compiler", "verilator", "controllers", "rtl_alone", "tried", "others")
     return {key: summary[key] for key in kept}
-
-
-def of_holding(found: dict[str, Any]) -> dict[str, Any]:
-    """The numbers that the README quotes: without the courses, of each bounce map the largest."""
-    worst = []
-    for run in found["bounces"]:
-        backs = [p["restitution"] for p in run["points"] if p["restitution"] is not None]
-        exact = [
-            p["restitution"] for p in run["points"]
-            if (p["speed"], p["part"], p["gain"]) == (10.0, 1.0, 0.0)
-        ]  # fmt: skip
-        worst.append(
-            {"preset": run["preset"], "cure": run["cure"], "largest": max(backs), "exact": exact[0]}
-        )
-    return {"holds": found["holds"], "warm": found["warm"], "bounces": worst}
 
 
 def _usual_way(numbers: dict[str, Any], table: Callable[..., str]) -> str:
@@ -106,61 +88,11 @@ def _tried(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     return table(head, rows)
 
 
-_SIGN = {1: "+", -1: "−"}
-
-
-def _holds(numbers: dict[str, Any], table: Callable[..., str]) -> str:
-    head = ("R̂, gain, zero off by", "controller", "s", "wall moved, cells", "of the depth",
-            "ripple, µN·m", "R̂ off, gain included")  # fmt: skip
-    rows = []
-    for row in numbers["holding"]["holds"]:
-        if row["controller"] == "golden" and row["cured"]:
-            continue  # as on `core`, to the last digit
-        r_hat, gain, zero = (_SIGN[sign] for sign in row["signs"])
-        moved = row["hold_offset_rad"]
-        lost = not row["cured"]
-        rows.append(
-            (
-                f"{r_hat}10 %, {gain}5 %, {zero}2 mA" + (", no anchor" if lost else ""),
-                f"`{row['controller']}`",
-                number(row["duration_s"]),
-                "lost" if moved is None or lost else number(moved / row["cell_rad"], 2),
-                "–" if moved is None or lost else percent(row["hold_error"]),
-                "–" if moved is None or lost else number(1e6 * row["hold_ripple_rms"], 2),
-                percent(row["r_hat_error"]),
-            )
-        )
-    return table(head, rows)
-
-
-def _warm(numbers: dict[str, Any], table: Callable[..., str]) -> str:
-    head = ("`warm_winding`", "s", "winding, °C", "R, Ω", "R̂ off", "wall moved, of the depth")
-    rows = [
-        (f"`{row['controller']}`", number(row["duration_s"]), number(row["winding_c"]),
-         number(row["r"]), percent(row["r_hat_error"]), percent(row["hold_error"]))
-        for row in numbers["holding"]["warm"]
-        if row["controller"] != "golden"
-    ]  # fmt: skip
-    return table(head, rows)
-
-
-def _bounces(numbers: dict[str, Any], table: Callable[..., str]) -> str:
-    head = ("motor", "", "largest speed out over speed in", "at 10 rad/s, nothing wrong")
-    rows = [
-        (f"`{row['preset']}`", row["cure"], number(row["largest"], 3), number(row["exact"], 3))
-        for row in numbers["holding"]["bounces"]
-    ]
-    return table(head, rows)
-
-
 TABLES = {
     "usual-way": _usual_way,
     "needs": _needs,
     "speed": _speed,
     "others": _others,
     "tried": _tried,
-    "holds": _holds,
-    "warm": _warm,
-    "bounces": _bounces,
 }
 """Tables of Markdown by marker, made with the given function of head and rows."""
