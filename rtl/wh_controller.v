@@ -147,7 +147,7 @@ module wh_controller #(
     input  wire                         stop_i,              // pin, asynchronous
     input  wire [N-1:0]                 driver_fault_i,      // pins, asynchronous
     input  wire                         host_alive_i,        // strobe
-    input  wire [N-1:0]                 anchor_fault_i,
+    input  wire [N-1:0]                 anchor_fault_i,      // as what the port anchor finds itself
     output wire [`WH_FAULTS-1:0]        faults_o,            // latched
     output wire                         running_o,           // the bridges are on
 
@@ -463,7 +463,7 @@ module wh_controller #(
     // ---- Guard. An illegal word is one that no block has a meaning for.
 
     wire [N-1:0] moved;
-    wire [N-1:0] anchor_fault;
+    wire [N-1:0] anchor_fault;  // the port anchor's
     reg          setting_q;
     reg          setting;
     integer      m;

@@ -57,7 +57,7 @@ module wh_guard #(
     input  wire [N-1:0]               trip_i,
     input  wire [N-1:0]               encoder_i,       // illegal move
     input  wire [N-1:0]               moved_i,         // a count
-    input  wire [N-1:0]               anchor_i,
+    input  wire [N-1:0]               anchor_i,        // waves and counts don't agree
     input  wire                       setting_i,       // illegal word
     input  wire                       overrun_i,
 
