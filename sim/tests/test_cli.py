@@ -158,6 +158,10 @@ def test_runs_that_end_early(capsys, monkeypatch, runs, name, status, fragment):
         (("check", "."), "is a directory"),
         (("check", "paper_tap"), "did you mean paper_taps?"),
         (("check", "bench.toml", "--set", "motor.L_h=0.24 mH"), "write 0.24e-3"),
+        (
+            ("check", "bench.toml", "--set", "controller.track_gain=1"),
+            "track_gain is gone: the port",
+        ),
         (("check", "bench.toml", "--set", "motor.\udcff=1"), "is not UTF-8"),
     ],
 )
