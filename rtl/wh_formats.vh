@@ -49,6 +49,20 @@
 // of the iCE40 and an 18-bit one of the ECP5, without a mixed-sign product.
 `define WH_LIMB_W 15
 
+// The port anchor: long words for what it sums up, cells, V or A; a factor is a long word's upper
+// DATA_W bits.
+`define WH_LONG_GUARD 17
+`define WH_LONG_W      (`WH_DATA_W + `WH_LONG_GUARD)
+`define WH_LONG_Q      (`WH_DATA_W + 2)   // cells, V or A, full scale +-2^14
+`define WH_FLUX_Q      (`WH_COEF_W - 5)   // cells a √W and tick, full scale +-16
+`define WH_CELLS_Q     (`WH_COEF_W - 15)  // cells an A, full scale +-2^14
+`define WH_PULL_Q      (`WH_COEF_W - 7)   // V a cell, full scale +-64
+`define WH_LEARN_Q     (`WH_COEF_W + 2)   // V a cell, or A a V, and tick, full scale +-1/8
+`define WH_REST_W      16                 // ticks
+`define WH_REST_UNIT_W 5                  // multiples of them
+`define WH_MOVE_W      12                 // counts that the rotor may move in a tick
+`define WH_ANCHOR_W (7 * `WH_COEF_W + 3 * `WH_DATA_W + `WH_REST_W + `WH_REST_UNIT_W + 1)  // settings
+
 // Current sensing.
 `define WH_SAMPLE_W 16  // ADC word, signed, left-justified: full scale is +-2^15 at any resolution
 `define WH_SUM_W    24  // sum of a tick's samples, up to 256 of them

@@ -32,6 +32,7 @@ module wh_wave_core #(
     parameter integer OUTSIDE    = 0,  // 1: outside_i is added to the goal, 0: it is not looked at
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
     parameter integer AHEAD      = 0,  // 1: newest_u_o and next_u_o are there, 0: they are 0
+    parameter integer WITHHELD   = 0,  // 1: withheld_o is there, 0: it is 0
     parameter integer SHAPE_BITS = N * ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
                                    * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W)
 ) (
@@ -58,6 +59,8 @@ module wh_wave_core #(
     output reg signed [N*`WH_DATA_W-1:0] u_o,            // s31q23 √W, ±128 √W: u_n, measured tick
     output reg signed [N*`WH_DATA_W-1:0] v_o,            // s31q23 √W, ±128 √W: v_n, measured tick
     output reg        [N-1:0]            saturated_o,    // f was outside ±u_max in this step
+    output wire       [N*`WH_DATA_W-1:0] withheld_o,     // s31q23 √W: by how much
+    output wire       [N-1:0]            waves_o,        // strobe: u_o and v_o are this step's
 
     // For who works ahead (wh_early), s31q23 √W: the u that this step computed, which is f without
     // its guard bits, and u_n of the step to come.
@@ -92,8 +95,9 @@ module wh_wave_core #(
 
     generate
         if (N < 1 || DELAY_LOG2 < 1 || OUTSIDE < 0 || OUTSIDE > 1
-            || SHAPER < 0 || SHAPER > 2 || AHEAD < 0 || AHEAD > 1) begin : illegal_parameter
-            wh_illegal_parameter_wave_core_n_delay_log2_outside_shaper_or_ahead stop ();
+            || SHAPER < 0 || SHAPER > 2 || AHEAD < 0 || AHEAD > 1
+            || WITHHELD < 0 || WITHHELD > 1) begin : illegal_parameter
+            wh_illegal_parameter_wave_core_n_delay_log2_outside_shaper_ahead_or_withheld stop ();
         end
         if (GUARD < 1 || A_SHIFT < 1 || SI_SHIFT < 1 || SU_SHIFT < 1) begin : illegal_format
             wh_illegal_parameter_wave_core_formats stop ();
@@ -508,6 +512,57 @@ module wh_wave_core #(
             filled_q <= filled_q[DELAY_LOG2] ? filled_q : filled_q + 1'b1;
         end
     end
+
+    // ---- What the limit takes from f: (f_sum - f)/2^GUARD, rounded down.
+    generate
+        if (WITHHELD == 1) begin : withholding
+            localparam integer WITHHELD_W = F_SUM_W - GUARD;
+
+            reg  signed [F_SUM_W-1:0]    past_low_q;
+            reg  signed [F_SUM_W-1:0]    past_high_q;
+            reg         [N*DATA_W-1:0]   withheld_q;
+            wire signed [WITHHELD_W-1:0] past =
+                over_q ? $signed(past_high_q[F_SUM_W-1:GUARD]) : $signed(past_low_q[F_SUM_W-1:GUARD]);
+            wire signed [DATA_W-1:0]     withheld;
+
+            wh_saturate #(
+                .IN_W    (WITHHELD_W),
+                .OUT_W   (DATA_W)
+            ) saturate_withheld (
+                .value_i (past),
+                .value_o (withheld)
+            );
+
+            always @(posedge clk) begin
+                past_low_q  <= above_low;
+                past_high_q <= f_sum_q - limit_wide;
+                if (rst) begin
+                    withheld_q <= 0;
+                end else if (at_q[TAKE_F]) begin
+                    withheld_q[port_q*DATA_W +: DATA_W] <=
+                        (over_q || under_q) ? withheld : {DATA_W{1'b0}};
+                end
+            end
+
+            wire unused_low = &{1'b0, past_low_q[GUARD-1:0], past_high_q[GUARD-1:0]};
+
+            assign withheld_o = withheld_q;
+        end else begin : not_withholding
+            assign withheld_o = {N*DATA_W{1'b0}};
+        end
+    endgenerate
+
+    // ---- When the waves of a port are there.
+    reg [N-1:0] waves_q;
+
+    always @(posedge clk) begin
+        waves_q <= {N{1'b0}};
+        if (!rst && at_q[TAKE_V]) begin
+            waves_q[port_q] <= 1'b1;
+        end
+    end
+
+    assign waves_o = waves_q;
 
     // ---- What the step to come begins with.
     generate

@@ -134,3 +134,19 @@ SHAPE_STATE = Fixed(DATA_W + STATE_GUARD, WAVE.fraction - SHAPE_HEADROOM + STATE
 """State of the shaper W, √W."""
 EXTRA = Fixed(HEADER_VALUES["EXTRA_W"], HEADER_VALUES["EXTRA_Q"])
 """Clocks by which dead time shortens the half pulse width."""
+LONG = Fixed(HEADER_VALUES["LONG_W"], HEADER_VALUES["LONG_Q"])
+"""What the port anchor sums up: cells, V or A."""
+LONG_GUARD = HEADER_VALUES["LONG_GUARD"]
+"""Low bits of a long word that its factor is without."""
+FLUX = Fixed(COEF_W, HEADER_VALUES["FLUX_Q"])
+"""Cells that a wave of 1 √W moves the flux of the port in a tick."""
+CELLS = Fixed(COEF_W, HEADER_VALUES["CELLS_Q"])
+"""Cells of the flux L̂·i, per A."""
+PULL = Fixed(COEF_W, HEADER_VALUES["PULL_Q"])
+"""Correction of the port anchor, V per cell."""
+LEARN = Fixed(COEF_W, HEADER_VALUES["LEARN_Q"])
+"""What the port anchor learns in a tick, V per cell, or A per V."""
+REST_W = HEADER_VALUES["REST_W"]
+REST_UNIT_W = HEADER_VALUES["REST_UNIT_W"]
+MOVE_W = HEADER_VALUES["MOVE_W"]
+ANCHOR_W = HEADER_VALUES["ANCHOR_W"]

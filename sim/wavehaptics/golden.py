@@ -25,9 +25,9 @@ _SHAPE_X_MAX, _SHAPE_X_MIN = _DATA_MAX << _GUARD, _DATA_MIN << _GUARD
 _HALF = 1 << (_GUARD - 1)
 _SU_SHIFT = formats.ROOT.fraction + formats.WAVE.fraction - formats.VOLTAGE.fraction
 
-STATE_F, STATE_HEAD, STATE_FILLED, STATE_SATURATED = range(4)
+STATE_F, STATE_HEAD, STATE_FILLED, STATE_SATURATED, STATE_WITHHELD = range(5)
 """Places in a core's state: the λ filter's f, the newest place of the delay line, its fill, and
-whether f was beyond ±u_max in the newest step."""
+whether f was beyond ±u_max in the newest step, and by how much, s31q23 √W rounded down."""
 
 CLEAR, HOLD, SHAPE = range(3)
 """What the shaper does with a wave: nothing and its states are 0; nothing and they stay; W."""
@@ -42,8 +42,8 @@ NO_SHAPER = np.zeros((0, SECTION_WORDS), dtype=np.int64)
 
 
 def new_state() -> np.ndarray:
-    """State of one port after reset: int64, shape (4,)."""
-    return np.zeros(4, dtype=np.int64)
+    """State of one port after reset: int64, shape (5,)."""
+    return np.zeros(5, dtype=np.int64)
 
 
 def new_line(extra_ticks: int) -> np.ndarray:
@@ -150,6 +150,7 @@ def _outgoing(state, line, shaped, eta, outside, root, a, u_max, hold_ticks):
     limit = u_max << _GUARD
     f = min(max(unlimited, -limit), limit)
     state[STATE_F] = f
+    state[STATE_WITHHELD] = saturate((unlimited - f) >> _GUARD)
     state[STATE_SATURATED] = 0 if -limit <= unlimited <= limit else 1
     state[STATE_HEAD] = (state[STATE_HEAD] + 1) & (line.shape[0] - 1)
     line[state[STATE_HEAD]] = truncate(f, _GUARD)
