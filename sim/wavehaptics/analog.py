@@ -4,15 +4,32 @@
 ``v = u − s·i``, ``df/dt = λ(η v − f)``, ``u`` is f within the voltage limit, ``e_a = s·u``. With
 the motor this is linear as long as neither η nor the limit changes, so a step is one product with a
 matrix exponential; the instant at which one of them does change is found by bisection.
+
+The motor is the scene's, so that a wall is lost here too where a real motor loses it; encoder and
+current sensor are ideal. What isn't linear is a constant voltage w over each step, as in
+:mod:`wavehaptics.motor`: the circuit goes through the step once with the last w and, with what that
+tells, again with the right one.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from scipy.linalg import expm
 
 from wavehaptics import formats, physics
 from wavehaptics.compiled import compiled
+from wavehaptics.motor import (
+    MEMORY,
+    SERIES_OHM,
+    VOLTAGE,
+    keep_step,
+    load_torque,
+    series_ohm,
+    series_voltage,
+    warming_square,
+)
 from wavehaptics.plant import (
     OMEGA,
     TAU,
@@ -30,9 +47,11 @@ from wavehaptics.plant import (
     square_integral,
 )
 from wavehaptics.plant import SIZE as PLANT_SIZE
+from wavehaptics.real import MOTOR, SUPPLY, real_parts, warm_real
 from wavehaptics.scene import Scene, drive_gain
 from wavehaptics.settings import settings
 from wavehaptics.shaper import refuse_shaper
+from wavehaptics.supply import SAG_OHM, STEP_PART, STEP_S, sag_in_series, supply_part
 from wavehaptics.thermal import Winding
 from wavehaptics.trace import Column
 
@@ -41,6 +60,8 @@ F = E
 QF = PLANT_SIZE
 """∫f dt, for the mean voltage."""
 SIZE = PLANT_SIZE + 1
+W = SIZE
+"""The voltage in series with a winding that isn't linear; a linear one does without that place."""
 
 FREE, CONTACT, LIMITED = range(3)
 """Matrices of the three linear circuits: free space, contact, f held at the limit."""
@@ -48,6 +69,10 @@ FREE, CONTACT, LIMITED = range(3)
 HALVINGS = 24
 """The steps at hand are the regular one and its halves, quarters, ... down to 2⁻²⁴ of it."""
 _MODE_CHANGES = 8
+
+ROUNDS = 6
+"""Times that a step is tried at most; without a change of circuit in it, the second is right."""
+TOLERANCE_V = 1e-9
 
 # Places in the loop's float parameters.
 _DT, _CELL, _S, _GAIN, _K_T, _RESISTANCE, _U_MAX, _ETA_CONTACT, _ETA_FREE = range(9)
@@ -58,9 +83,13 @@ _TOUCHING, _SIDE, _TIME = range(3)
 def circuit_matrices(plant: Plant, lambda_: float, s: float, gain: float, etas) -> np.ndarray:
     """A of ``z' = A z`` for the circuits FREE, CONTACT and LIMITED: (3, SIZE, SIZE).
 
-    ``etas`` holds η of free space and of contact, ``gain`` is what the drive gives for 1 V.
+    ``etas`` holds η of free space and of contact, ``gain`` is what the drive gives for 1 V. The
+    place W is there only where the plant's motor isn't linear.
     """
-    matrices = np.zeros((3, SIZE, SIZE))
+    size = SIZE + 1 if plant.real else SIZE
+    matrices = np.zeros((3, size, size))
+    if plant.real:
+        matrices[:, I, W] = -1.0 / plant.inductance
     matrices[:, :PLANT_SIZE, :PLANT_SIZE] = plant.matrix()
     matrices[:, I, F] *= gain * s
     matrices[:, QF, F] = 1.0
@@ -153,26 +182,76 @@ def _part(z, trial, kept, floats, wall_min, wall_max, steps):
 
 
 @compiled()
-def _advance(rows, z, trial, kept, wall_min, wall_max, floats, substeps, load, steps):
+def _real_part(z, trial, before, kept, floats, wall_min, wall_max, ohm, steps, parts):
+    """:func:`_part` of a motor that isn't linear; returns w. ``before`` is room for a state."""
+    dt = floats[_DT]
+    touching, side = kept[_TOUCHING], kept[_SIDE]
+    for n in range(z.shape[0]):
+        before[n] = z[n]
+    w = parts[MEMORY][VOLTAGE]
+    for attempt in range(ROUNDS):
+        z[W] = w
+        _part(z, trial, kept, floats, wall_min, wall_max, steps)
+        table = steps[_circuit(kept), HALVINGS]
+        g, g_last = -table[Q, W] / dt, -table[I, W]
+        right = series_voltage(
+            z[Q] / dt + g * w, g, before[I], z[I] + g_last * w, g_last, dt, ohm, parts
+        )
+        if abs(right - w) <= TOLERANCE_V or attempt == ROUNDS - 1:
+            break
+        w = right
+        for n in range(z.shape[0]):
+            z[n] = before[n]
+        kept[_TOUCHING], kept[_SIDE] = touching, side
+    return w
+
+
+@compiled()
+def _advance(rows, z, trial, before, kept, wall_min, wall_max, floats, substeps, load, steps, real):
     dt = floats[_DT]
     tick = dt * substeps
     for n in range(rows.shape[0]):
         x_before, hand_before, t_before = z[X], z[P] + z[C], kept[_TIME]
-        charge, wave, square, work = 0.0, 0.0, 0.0, 0.0
+        charge, wave, square, work, lost = 0.0, 0.0, 0.0, 0.0, 0.0
         low, high = z[I], z[I]
         for _ in range(substeps):
             i, omega, x, f = z[I], z[OMEGA], z[X], z[F]
-            tau = friction_torque(z, load)
-            z[TAU] = tau
             z[Q] = 0.0
             z[QF] = 0.0
-            _part(z, trial, kept, floats, wall_min, wall_max, steps)
+            sag, ohm = 0.0, 0.0
+            if real is None:
+                tau = friction_torque(z, load)
+                z[TAU] = tau
+                _part(z, trial, kept, floats, wall_min, wall_max, steps)
+            else:
+                parts = real[MOTOR]
+                if real[SUPPLY][SAG_OHM] != 0.0:
+                    e = floats[_GAIN] * floats[_S] * f
+                    sag = sag_in_series(e, supply_part(kept[_TIME], real[SUPPLY]), real[SUPPLY])
+                    parts[MEMORY][SERIES_OHM] = sag
+                if parts[MEMORY].shape[0] == 0:
+                    tau = friction_torque(z, load)
+                    z[TAU] = tau
+                    _part(z, trial, kept, floats, wall_min, wall_max, steps)
+                else:
+                    torque = load_torque(z, dt, parts)
+                    ohm = series_ohm(x + 0.5 * dt * omega, kept[_TIME] + 0.5 * dt, parts)
+                    tau = friction_torque(z, load, torque)
+                    z[TAU] = tau + torque
+                    w = _real_part(
+                        z, trial, before, kept, floats, wall_min, wall_max, ohm, steps, parts
+                    )
+                    keep_step(w, i, z[Q] / dt, omega, z[OMEGA], dt, parts)
             settle_friction(z, omega, x, tau, load)
             kept[_TIME] += dt
             end_ramp(z, kept[_TIME], load)
             charge += z[Q]
             wave += z[QF]
-            square += square_integral(i, z[I], z[Q], dt)
+            part_square = square_integral(i, z[I], z[Q], dt)
+            if real is not None and real[MOTOR][MEMORY].shape[0] != 0:
+                part_square = warming_square(part_square, z[Q], dt, ohm, real[MOTOR])
+                lost += sag * z[Q]
+            square += part_square
             # ∫f i dt of two straight lines with the given means and ends.
             work += z[QF] * z[Q] / dt + dt * (z[F] - f) * (z[I] - i) / 12.0
             low, high = min(low, z[I]), max(high, z[I])
@@ -183,7 +262,7 @@ def _advance(rows, z, trial, kept, wall_min, wall_max, floats, substeps, load, s
         row[Column.X] = 0.5 * (x_before + z[X])
         row[Column.OMEGA] = (z[X] - x_before) / tick
         row[Column.I] = mean
-        row[Column.E_A] = floats[_GAIN] * floats[_S] * u
+        row[Column.E_A] = floats[_GAIN] * floats[_S] * u - lost / tick
         row[Column.TORQUE] = floats[_K_T] * mean
         row[Column.ETA] = floats[_ETA_CONTACT] if kept[_TOUCHING] else floats[_ETA_FREE]
         row[Column.U] = u
@@ -198,8 +277,8 @@ def _advance(rows, z, trial, kept, wall_min, wall_max, floats, substeps, load, s
 class AnalogSimulation:
     """A scene on the paper's analog circuit; its rows stand on the tick grid of ``tick_s``.
 
-    It has the scene's R̂, walls (as the encoder's cells have them) and drive, an ideal sensor, no
-    latency, and the scene's λ whatever the tick.
+    It has the scene's motor, R̂, walls (as the encoder's cells have them) and drive, an ideal sensor
+    and encoder, no latency, and the scene's λ whatever the tick.
     """
 
     clock_cycles: int | None = None
@@ -218,9 +297,12 @@ class AnalogSimulation:
         gain = drive_gain(scene)
         self._substeps = plant.substeps(self.tick_s)
         dt = self._dt = self.tick_s / self._substeps
+        self._stepped = False
         self._circuit = (control.lambda_, s, gain, (control.eta_free, control.eta_contact))
+        self._plant = plant
         self._steps = self._transitions(plant)
-        self._z = np.zeros(SIZE)
+        self._z = np.zeros(self._steps.shape[-1])
+        self._real = real_parts(scene, plant, set_.cell_rad, [dt])
         self._z[: C + 2] = plant.start[: C + 2]
         self._kept = np.zeros(3)
         self._floats = np.array(
@@ -242,11 +324,36 @@ class AnalogSimulation:
         self.winding.advance(rows, lambda part: self._advance(rows[part]), self._warm)
 
     def _warm(self, plant: Plant) -> None:
+        self._plant = plant
         self._steps = self._transitions(plant)
         self._floats[_RESISTANCE] = plant.resistance
+        warm_real(self._real, plant)
 
     def _advance(self, rows: np.ndarray) -> None:
+        before = self._ticks_to_step(len(rows))
+        self._run(rows[:before])
+        if before < len(rows):
+            self._step_bus()
+            self._run(rows[before:])
+
+    def _ticks_to_step(self, ticks: int) -> int:
+        """Ticks before the first after a step of the bus, at most ``ticks``."""
+        if self._real is None or self._stepped or not np.isfinite(self._real[SUPPLY][STEP_S]):
+            return ticks
+        left_s = self._real[SUPPLY][STEP_S] - self._kept[_TIME]
+        return min(ticks, max(0, math.ceil(left_s / self.tick_s - 1e-6)))
+
+    def _step_bus(self) -> None:
+        lambda_, s, gain, etas = self._circuit
+        gain *= self._real[SUPPLY][STEP_PART]
+        self._circuit = (lambda_, s, gain, etas)
+        self._floats[_GAIN] = gain
+        self._steps = self._transitions(self._plant)
+        self._stepped = True
+
+    def _run(self, rows: np.ndarray) -> None:
         _advance(
-            rows, self._z, np.empty_like(self._z), self._kept, self._wall_min, self._wall_max,
-            self._floats, self._substeps, self._load, self._steps,
+            rows, self._z, np.empty_like(self._z), np.empty_like(self._z), self._kept,
+            self._wall_min, self._wall_max, self._floats, self._substeps, self._load, self._steps,
+            self._real,
         )  # fmt: skip

@@ -4,7 +4,8 @@
 It is what the paper's Fig. 1 shows, and what people use today: a servo reads the encoder at its own
 rate, asks for the torque ``−K·(x − x_w) − B·ω`` inside a wall and for none outside, and after a
 delay an analog PI amplifier makes the current of it. Its zero cancels the winding's pole, so that
-without back-EMF the current follows like a low-pass filter of the stated bandwidth. The amplifier
+without back-EMF the current follows like a low-pass filter of the stated bandwidth. It measures the
+current without error, takes L for the controller's L̂, and the servo k_T for k̂_T. The amplifier
 is stepped with the scene's tick, which therefore has to be far shorter than its response; the servo
 period and the delay are whole ticks.
 """
@@ -17,7 +18,9 @@ import numpy as np
 
 from wavehaptics import golden, physics
 from wavehaptics.compiled import compiled
+from wavehaptics.motor import motor_step
 from wavehaptics.plant import TIME, C, I, P, Plant, X, load_words, plant_step
+from wavehaptics.real import MOTOR, counted, real_parts, supplied, warm_real
 from wavehaptics.scene import Scene, SceneError, Servo, drive_gain, encoder_end
 from wavehaptics.settings import Settings, settings
 from wavehaptics.shaper import refuse_shaper
@@ -32,8 +35,8 @@ _SUBSTEPS, _SERVO_TICKS, _DELAY_TICKS = range(3)
 # Places in the loop's float parameters.
 (
     _DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE, _STIFFNESS, _DAMPING, _RATE, _KP, _KI, _LIMIT,
-    _ENCODER_END,
-) = range(12)  # fmt: skip
+    _ENCODER_END, _K_T_HAT,
+) = range(13)  # fmt: skip
 # Places in the numbers that the loop keeps: voltage, the PI's integral (V), the servo's command (A)
 # and whether it touches, its last count, ticks so far.
 _VOLTAGE, _INTEGRAL, _COMMAND, _TOUCHING, _COUNT, _TICKS = range(6)
@@ -55,29 +58,41 @@ def servo_torque(position, last, depth, touching, floats):
 
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
-def _advance(rows, state, kept, line, contact, wall_min, wall_max, ints, floats, load, matrix):
+def _advance(
+    rows, state, kept, line, contact, wall_min, wall_max, ints, floats, load, matrix, real
+):
     dt = floats[_DT]
     substeps = ints[_SUBSTEPS]
     tick = dt * substeps
     for n in range(rows.shape[0]):
         e_a = kept[_VOLTAGE] * floats[_DRIVE_GAIN]
+        sag = 0.0
+        if real is not None:
+            e_a, sag = supplied(e_a, state[TIME], real)
         x_before, hand_before, t_before = state[X], state[P] + state[C], state[TIME]
         charge, square = 0.0, 0.0
         low, high = state[I], state[I]
         for _ in range(substeps):
-            part, part_square = plant_step(state, matrix, dt, e_a, load)
+            if real is None:
+                part, part_square = plant_step(state, matrix, dt, e_a, load)
+            else:
+                part, part_square = motor_step(state, matrix, dt, e_a, load, real[MOTOR])
             charge += part
             square += part_square
             low, high = min(low, state[I]), max(high, state[I])
         ticks = int(kept[_TICKS])
         if ticks % ints[_SERVO_TICKS] == 0:
             position = int(kept[_COUNT])
-            if state[TIME] < floats[_ENCODER_END]:
+            if real is not None:
+                position = counted(
+                    position, state[X], state[TIME], floats[_CELL], floats[_ENCODER_END], real
+                )
+            elif state[TIME] < floats[_ENCODER_END]:
                 position = int(np.floor(state[X] / floats[_CELL]))
             touching, depth = golden.contact_step(contact, position, wall_min, wall_max)
             last = position if ticks == 0 else int(kept[_COUNT])
             torque = servo_torque(position, last, depth, touching, floats)
-            kept[_COMMAND] = torque / floats[_K_T]
+            kept[_COMMAND] = torque / floats[_K_T_HAT]
             kept[_TOUCHING] = 1.0 if touching else 0.0
             kept[_COUNT] = position
         line[ticks % line.shape[0]] = kept[_COMMAND]
@@ -93,7 +108,7 @@ def _advance(rows, state, kept, line, contact, wall_min, wall_max, ints, floats,
         row[Column.X] = 0.5 * (x_before + state[X])
         row[Column.OMEGA] = (state[X] - x_before) / tick
         row[Column.I] = charge / tick
-        row[Column.E_A] = e_a
+        row[Column.E_A] = e_a - sag * row[Column.I]
         row[Column.TORQUE] = floats[_K_T] * charge / tick
         row[Column.ETA] = row[Column.U] = row[Column.V] = 0.0
         row[Column.X_HAND] = 0.5 * (hand_before + state[P] + state[C])
@@ -135,12 +150,14 @@ class EncoderSimulation:
         self._floats = np.array(
             [dt, self.settings.cell_rad, drive_gain(scene),
              plant.k_t, plant.resistance, self.stiffness, servo.damping,
-             1.0 / (servo_ticks * self.tick_s), omega_c * plant.inductance,
-             omega_c * plant.resistance, self.settings.limit_v, encoder_end(scene)]
+             1.0 / (servo_ticks * self.tick_s), omega_c * scene.controller.l_hat,
+             omega_c * plant.resistance, self.settings.limit_v, encoder_end(scene),
+             scene.controller.k_t_hat]
         )  # fmt: skip
         self._load = load_words(plant)
         self._dt = dt
         self._matrix = plant.transition(dt)
+        self._real = real_parts(scene, plant, self.settings.cell_rad, [dt])
 
     def advance(self, rows: np.ndarray, words: np.ndarray | None = None) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column); it has no words."""
@@ -150,11 +167,13 @@ class EncoderSimulation:
     def _warm(self, plant: Plant) -> None:
         self._matrix = plant.transition(self._dt)
         self._floats[_RESISTANCE] = plant.resistance
+        warm_real(self._real, plant)
 
     def _advance(self, rows: np.ndarray) -> None:
         _advance(
             rows, self._state, self._kept, self._line, self._contact, self.settings.wall_min,
             self.settings.wall_max, self._ints, self._floats, self._load, self._matrix,
+            self._real,
         )  # fmt: skip
 
 

@@ -17,12 +17,31 @@ import numpy as np
 
 from wavehaptics import formats, golden, host_link, physics
 from wavehaptics.compiled import compiled
+from wavehaptics.motor import motor_step
 from wavehaptics.normalised import realise
 from wavehaptics.pins import PinsSimulation
-from wavehaptics.plant import TIME, C, P, Plant, X, load_words, plant_step
+from wavehaptics.plant import TIME, C, I, P, Plant, X, load_words, plant_step
+from wavehaptics.real import (
+    AMPLIFIED,
+    LAG,
+    LAG_TABLE,
+    MOTOR,
+    amplified,
+    counted,
+    real_parts,
+    supplied,
+)
 from wavehaptics.reflection import Wish, reflection
-from wavehaptics.scene import Scene, drive_gain
-from wavehaptics.sensor import NOISE_SEED, Sensor, current_word, draw_noise, noise_at
+from wavehaptics.scene import Scene, drive_gain, encoder_end
+from wavehaptics.sensor import (
+    LAG_RATE,
+    NOISE_SEED,
+    Sensor,
+    current_word,
+    draw_noise,
+    lagged,
+    noise_at,
+)
 from wavehaptics.settings import Settings, settings
 from wavehaptics.trace import Column, Word
 
@@ -103,8 +122,8 @@ class Line:
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _period(
-    rows, state, voltage, core, line, link, contact, wall_min, wall_max, ints, dt, cell, k_t,
-    resistance, gain, load, matrix, sensor, noise,
+    rows, state, voltage, core, line, link, contact, wall_min, wall_max, ints, kept, dt, cell, k_t,
+    resistance, gain, encoder_end_s, load, matrix, real, sensor, noise,
 ):  # fmt: skip
     """A period of the link into ``rows``; returns the voltage's word, the packet's number, v̄."""
     substeps, extra = ints[_SUBSTEPS], ints[_EXTRA]
@@ -112,15 +131,34 @@ def _period(
     sequence, mean_v = 0, 0
     for n in range(rows.shape[0]):
         e_a = voltage * _VOLT * gain
+        sag = 0.0
+        if real is not None:
+            e_a, sag = supplied(e_a, state[TIME], real)
         x_before, hand_before, t_before = state[X], state[P] + state[C], state[TIME]
         charge, square = 0.0, 0.0
+        lag_before = 0.0 if real is None else real[LAG][AMPLIFIED]
         for _ in range(substeps):
-            part, part_square = plant_step(state, matrix, dt, e_a, load)
+            i_start = state[I]
+            if real is None:
+                part, part_square = plant_step(state, matrix, dt, e_a, load)
+            else:
+                part, part_square = motor_step(state, matrix, dt, e_a, load, real[MOTOR])
+                if sensor[LAG_RATE] != 0.0:
+                    real[LAG][AMPLIFIED] = lagged(
+                        real[LAG][AMPLIFIED], i_start, state[I], part / dt, real[LAG_TABLE][0]
+                    )
             charge += part
             square += part_square
         mean = charge / tick
-        current = current_word(mean, sensor, noise_at(noise, n))
-        position = int(np.floor(state[X] / cell))
+        sensed = mean
+        if real is not None:
+            sensed = amplified(mean, 0, lag_before, tick, e_a, state[TIME], sensor, real)
+        current = current_word(sensed, sensor, noise_at(noise, n))
+        if real is not None:
+            kept[0] = counted(kept[0], state[X], state[TIME], cell, encoder_end_s, real)
+        elif state[TIME] < encoder_end_s:
+            kept[0] = int(np.floor(state[X] / cell))
+        position = kept[0]
         touching, _ = golden.contact_step(contact, position, wall_min, wall_max)
         eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
         active = link[host_link.ACTIVE]
@@ -137,7 +175,7 @@ def _period(
         row[Column.X] = 0.5 * (x_before + state[X])
         row[Column.OMEGA] = (state[X] - x_before) / tick
         row[Column.I] = mean
-        row[Column.E_A] = e_a
+        row[Column.E_A] = e_a - sag * mean
         row[Column.TORQUE] = k_t * mean
         row[Column.ETA] = 0.0 if active else eta * _ETA
         row[Column.U] = u_n * _WAVE
@@ -180,8 +218,14 @@ class HostedSimulation:
             dtype=np.int64,
         )  # fmt: skip
         gain = drive_gain(scene)
-        self._floats = (dt, set_.cell_rad, plant.k_t, plant.resistance, gain)
-        self._plant = (load_words(plant), plant.transition(dt))
+        start = math.floor(plant.start[X] / set_.cell_rad)
+        self._count = np.array([start], dtype=np.int64)
+        self._floats = (
+            dt, set_.cell_rad, plant.k_t, plant.resistance, gain, encoder_end(scene)
+        )  # fmt: skip
+        self._plant = (
+            load_words(plant), plant.transition(dt), real_parts(scene, plant, set_.cell_rad, [dt])
+        )  # fmt: skip
         self._sensor = Sensor.of_scene(scene).constants()
         self._rng = np.random.default_rng(NOISE_SEED)
 
@@ -194,7 +238,7 @@ class HostedSimulation:
                 host_link.answer(self.link, sequence, u)
             self._voltage, sequence, mean = _period(
                 part, self._state, self._voltage, *self._memory, *self._walls, self._ints,
-                *self._floats, *self._plant, self._sensor,
+                self._count, *self._floats, *self._plant, self._sensor,
                 draw_noise(self._rng, self._sensor, len(part)),
             )  # fmt: skip
             self._line_end.ask(self.environment, sequence, mean)

@@ -497,7 +497,7 @@ class Metrics:
         slot = self._first_contact()
         slope, zero = (None, None) if slot is None else self._line(slot)
         tip = None
-        if slope is not None and scene.transmission is not None:
+        if slope is not None and scene.transmission is not None and scene.transmission.ratio:
             tip = slope * (scene.transmission.ratio / scene.transmission.lever_m) ** 2
         error = None
         if self._has_reference and run["reference_peak"] > 0.0:

@@ -32,7 +32,9 @@ from wavehaptics.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, UNIPOLAR
 from wavehaptics.compiled import compiled
 from wavehaptics.early import slope_fits
 from wavehaptics.hand import hand_path
+from wavehaptics.lines import FAULTY, cell_of, edge_place, line_count
 from wavehaptics.modulator import width_bounds
+from wavehaptics.motor import MEMORY, SERIES_OHM, motor_step
 from wavehaptics.native_call import call2
 from wavehaptics.pins_timing import (
     CENTRED_LEAD,
@@ -42,10 +44,34 @@ from wavehaptics.pins_timing import (
     latency_clocks,
 )
 from wavehaptics.plant import OMEGA, TIME, C, I, P, Plant, X, load_words, plant_step
+from wavehaptics.real import (
+    AMPLIFIED,
+    DRAWN,
+    LAG,
+    LAG_TABLE,
+    LINE_MEMORY,
+    LINES,
+    MOTOR,
+    SUPPLY,
+    VOLTS,
+    real_parts,
+    warm_real,
+)
 from wavehaptics.scene import Drive, Scene, SceneError, encoder_end
-from wavehaptics.sensor import FULL_SCALE, NOISE, NOISE_SEED, OFFSET, Sensor, sample_code
+from wavehaptics.sensor import (
+    FULL_SCALE,
+    LAG_RATE,
+    NOISE,
+    NOISE_SEED,
+    OFFSET,
+    Sensor,
+    disturbed,
+    lagged,
+    sample_code,
+)
 from wavehaptics.settings import Settings, settings
 from wavehaptics.sigma_delta import next_bit
+from wavehaptics.supply import BUS_V, SAG_OHM, STEP_PART, STEP_S
 from wavehaptics.thermal import Winding
 from wavehaptics.trace import Column, Word
 
@@ -357,7 +383,53 @@ def _bus_at(time, floats):
 
 
 @compiled()
-def _catch_up(state, kept, sums, tables, floats, ints, load):
+def _true_bus(time, floats, real):
+    """The bus without a load, V."""
+    bus = _bus_at(time, floats)
+    if real is not None:
+        supply = real[SUPPLY]
+        if time >= supply[STEP_S]:
+            bus += (supply[STEP_PART] - 1.0) * supply[BUS_V]
+    return bus
+
+
+@compiled()
+def _sensed(state, sensor, real):
+    """The current as the ADC gets it, A, but for noise and offset."""
+    current = state[I]
+    if real is not None:
+        if sensor[LAG_RATE] != 0.0:
+            current = real[LAG][AMPLIFIED]
+        current = disturbed(current, real[LAG][VOLTS], state[TIME], sensor)
+    return current
+
+
+@compiled()
+def _step(state, table, step_s, clocks, e, share, load, sensor, real):
+    """One step at ``e`` V, ``share`` of the bus; ∫i dt and ∫i² dt, and Ω that the supply adds."""
+    if real is None:
+        charge, square = plant_step(state, table, step_s, e, load)
+        return charge, square, 0.0
+    else:
+        series = 0.0
+        if real[SUPPLY][SAG_OHM] != 0.0:
+            series = real[SUPPLY][SAG_OHM] * share * share
+            real[MOTOR][MEMORY][SERIES_OHM] = series
+        first = state[I]
+        charge, square = motor_step(state, table, step_s, e, load, real[MOTOR])
+        memory = real[LAG]
+        memory[DRAWN] += share * charge
+        if share != 0.0:
+            memory[VOLTS] = e
+        if sensor[LAG_RATE] != 0.0:
+            memory[AMPLIFIED] = lagged(
+                memory[AMPLIFIED], first, state[I], charge / step_s, real[LAG_TABLE][clocks]
+            )
+        return charge, square, series
+
+
+@compiled()
+def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
     """Advance the motor to the present clock."""
     clocks = kept[_NOW] - kept[_ADVANCED]
     while clocks > 0:
@@ -366,16 +438,21 @@ def _catch_up(state, kept, sums, tables, floats, ints, load):
         step_s = part * floats[_DT]
         half_bridge = ints[_HALF_BRIDGE]
         floating = kept[_PINS] & 3 == 0 or (kept[_PINS] & 12 == 0 and not half_bridge)
+        share = 0.0
         if floating and before == 0.0:
             # The diodes of the open leg block: no current, and the voltage is the back-EMF.
             e = floats[_K_T] * state[OMEGA]
         else:
-            bus = _bus_at(state[TIME] + 0.5 * step_s, floats)
+            bus = _true_bus(state[TIME] + 0.5 * step_s, floats, real)
             if half_bridge:
                 e = floats[_GAIN] * half_bridge_voltage(kept[_PINS], before, bus)
             else:
                 e = floats[_GAIN] * bridge_voltage(kept[_PINS], before, bus)
-        charge, square = plant_step(state, tables[part], step_s, e, load)
+            if real is not None:
+                share = e / (floats[_GAIN] * bus)
+        charge, square, series = _step(
+            state, tables[part], step_s, part, e, share, load, sensor, real
+        )
         if floating and before * state[I] <= 0.0:
             # The current ran out within the step and stays at zero: a triangle is left of it.
             if before != 0.0:
@@ -384,7 +461,7 @@ def _catch_up(state, kept, sums, tables, floats, ints, load):
         sums[_CHARGE] += charge
         sums[_SQUARE] += square
         sums[_WORK] += e * charge
-        sums[_VOLT_SECONDS] += e * step_s
+        sums[_VOLT_SECONDS] += e * step_s - series * charge
         sums[_LOW] = min(sums[_LOW], state[I])
         sums[_HIGH] = max(sums[_HIGH], state[I])
         clocks -= part
@@ -392,7 +469,7 @@ def _catch_up(state, kept, sums, tables, floats, ints, load):
 
 
 @compiled()
-def _next_edge(state, kept, cell, dt, end_s):
+def _next_edge(state, kept, cell, dt, end_s, real):
     """Set the count, until ``end_s``, and the clock at which it is to be looked at again.
 
     The rotor is taken to keep its speed until then, for at most 32 clocks; it can't change by more
@@ -403,11 +480,18 @@ def _next_edge(state, kept, cell, dt, end_s):
         return
     ahead = (kept[_NOW] - kept[_ADVANCED]) * dt
     x = state[X] + state[OMEGA] * ahead
-    kept[_COUNT] = int(np.floor(x / cell))
+    below = int(np.floor(x / cell))
+    kept[_COUNT] = below
+    if real is not None and real[LINES][FAULTY] != 0.0:
+        below = cell_of(x, cell, real[LINES])
+        time = kept[_NOW] * dt
+        kept[_COUNT] = line_count(x, time, cell, real[LINES], real[LINE_MEMORY])
     speed = state[OMEGA]
     wait = 32
     if speed != 0.0:
-        edge = (kept[_COUNT] + (1 if speed > 0.0 else 0)) * cell
+        edge = (below + (1 if speed > 0.0 else 0)) * cell
+        if real is not None:
+            edge = edge_place(below + (1 if speed > 0.0 else 0), real[LINES]) * cell
         until = (edge - x) / (speed * dt)
         if until < wait:
             wait = max(1, int(np.ceil(until)))
@@ -454,8 +538,9 @@ def _level(current, sensor, osr, rng):
 
 @numba.njit(cache=True)  # which draws from a generator
 def _advance(
-    rows, words, state, kept, sums, pending, tables, ints, floats, load, sensor, rng, buffer, bits
-):
+    rows, words, state, kept, sums, pending, tables, ints, floats, load, sensor, rng, buffer, bits,
+    real,
+):  # fmt: skip
     """Clock the RTL until ``rows`` are filled; False if its core falls silent."""
     done = 0
     dt, cell, end_s = floats[_DT], floats[_CELL], floats[_ENCODER_END]
@@ -463,25 +548,27 @@ def _advance(
     silent = 0
     while done < rows.shape[0]:
         if kept[_NOW] >= kept[_EDGE]:
-            _next_edge(state, kept, cell, dt, end_s)
+            _next_edge(state, kept, cell, dt, end_s, real)
         inputs = ((kept[_SHIFT] >> 63) & 1) | _encoder_levels(kept[_COUNT])
         pins = call2(ints[_CLOCK], ints[_MODEL], inputs)
         old = kept[_PINS]
         changed = old ^ pins
         if changed & 15:
-            _catch_up(state, kept, sums, tables, floats, ints, load)
-            _next_edge(state, kept, cell, dt, end_s)
+            _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
+            _next_edge(state, kept, cell, dt, end_s, real)
         kept[_PINS] = pins
         if ints[_OSR]:
             if changed & pins & 1 << _SCLK:
-                _catch_up(state, kept, sums, tables, floats, ints, load)
-                kept[_SHIFT] = next_bit(bits, _level(state[I], sensor, ints[_OSR], rng)) << 63
+                _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
+                level = _level(_sensed(state, sensor, real), sensor, ints[_OSR], rng)
+                kept[_SHIFT] = next_bit(bits, level) << 63
         elif changed & (1 << _CS_N | 1 << _SCLK):
             if changed & 1 << _CS_N:
                 if not pins & 1 << _CS_N:
-                    _catch_up(state, kept, sums, tables, floats, ints, load)
+                    _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
                     noise = rng.standard_normal() if sensor[NOISE] > 0.0 else 0.0
-                    code = sample_code(state[I], sensor, noise) + (1 << (data_bits - 1))
+                    current = _sensed(state, sensor, real)
+                    code = sample_code(current, sensor, noise) + (1 << (data_bits - 1))
                     # Bit 63 is on the wire; a late part puts out the code that it held before.
                     shown = kept[_HELD] if ints[_PIPELINE] else code
                     kept[_SHIFT] = shown << ints[_CODE_SHIFT]
@@ -512,11 +599,17 @@ def _advance(
             kept[_TICK_START] = kept[_NOW] + 1 + GATE_CLOCKS
         kept[_NOW] += 1
         if kept[_NOW] == kept[_TICK_START]:
-            _catch_up(state, kept, sums, tables, floats, ints, load)
+            _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
             _close_tick(state, kept, sums, pending, floats, ints)
             if ints[_SET_BUS]:
-                word = int(np.round(_bus_at(state[TIME], floats) * _BUS_SCALE))
+                bus = _true_bus(state[TIME], floats, real)
+                if real is not None:
+                    drawn = real[LAG][DRAWN] / (ints[_TICK_CLOCKS] * dt)
+                    bus = max(0.0, bus - real[SUPPLY][SAG_OHM] * drawn)
+                word = int(np.round(bus * _BUS_SCALE))
                 call2(ints[_SET_BUS], ints[_MODEL], word)
+            if real is not None:
+                real[LAG][DRAWN] = 0.0
             silent += 1
             if silent > _PENDING - 2:
                 return False
@@ -654,7 +747,7 @@ def _dead_time_words(scene: Scene, time: Timing, bus_v: float) -> dict[str, int]
             "take drive.mode = unipolar"
         )
     # Half the current that one dead time's voltage changes.
-    side_a = 0.5 * bus_v * clocks / time.clock_hz / scene.motor.L_h
+    side_a = 0.5 * bus_v * clocks / time.clock_hz / scene.controller.l_hat
     return {
         "dead_clocks": clocks,
         "compensate": int(compensate),
@@ -755,6 +848,8 @@ class PinsSimulation:
              2 * math.pi * (drive.bus_ripple_hz or 0.0)]
         )  # fmt: skip
         self._load = load_words(plant)
+        steps_s = [n * dt for n in range(_STEPS + 1)]
+        self._real = real_parts(scene, plant, set_.cell_rad, steps_s, switching=True)
         self._sensor = sensor.constants()
         self._rng = np.random.default_rng(NOISE_SEED)
         self._buffer = np.zeros(5, dtype=np.int64)
@@ -802,12 +897,13 @@ class PinsSimulation:
     def _warm(self, plant: Plant) -> None:
         self._tables = self._transitions(plant)
         self._floats[_RESISTANCE] = plant.resistance
+        warm_real(self._real, plant)
 
     def _advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         done = _advance(
             rows, words, self._state, self._kept, self._sums, self._pending, self._tables,
             self._ints, self._floats, self._load, self._sensor, self._rng, self._buffer,
-            self._bits,
+            self._bits, self._real,
         )  # fmt: skip
         if not done:
             raise RuntimeError("the controller's RTL stopped answering")

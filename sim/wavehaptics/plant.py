@@ -5,6 +5,7 @@
 hand's torque ``F_H = K_h (x − x_h) + B_h (ω − dx_h/dt)``. For a constant voltage and a constant
 Coulomb torque τ_c this is linear, the hand's path included, so a step of any length is one product
 with a tabulated matrix exponential. Only Coulomb friction has to be looked at between steps.
+What else a scene says of a real motor is in :mod:`wavehaptics.motor`, which steps it.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from scipy.linalg import expm
 
 from wavehaptics.compiled import compiled
 from wavehaptics.hand import hand_path
-from wavehaptics.scene import Scene
+from wavehaptics.scene import Brushes, Cogging, Scene, Transmission, Winding
 
 I, OMEGA, X, P, R, C, S, E, TAU = range(9)  # noqa: E741
 """Places of the augmented state: motor, hand (see :mod:`wavehaptics.hand`), voltage, friction."""
@@ -31,6 +32,15 @@ TIME = 7
 
 FRICTION_STEP_S = 20e-6
 """Longest step with Coulomb friction: its sign is held over a step."""
+
+PART_OF_SLOPE = 0.5
+"""Longest step with brushes or eddy currents, in parts of L over their steepest resistance."""
+PART_OF_SATURATION = 0.25
+"""Longest step where L falls, in parts of that of the full L."""
+PARTS_OF_NOISE = 8
+"""Steps within the correlation time of the brushes' noise, at least."""
+PART_OF_CABLE = 0.05
+"""Longest step in parts of the time constants of the rotor on its cable and of its cogging."""
 
 
 @dataclass(frozen=True)
@@ -49,30 +59,60 @@ class Plant:
     ramp_end_s: float
     start: np.ndarray
     """State at t = 0, shape (STATE_SIZE,)."""
+    brushes: Brushes | None = None
+    winding: Winding | None = None
+    cogging: Cogging | None = None
+    cable: Transmission | None = None
+    """Transmission with a cable; the hand's spring and damper are then behind it."""
+    cable_hand_stiffness: float = 0.0
+    cable_hand_damping: float = 0.0
+    sag_ohm: float = 0.0
 
     @classmethod
     def of_scene(cls, scene: Scene) -> Plant:
-        """Plant of a scene; what the scene doesn't mention is zero."""
+        """Plant of a scene; what the scene doesn't mention is zero.
+
+        ``inductance`` is what lies in series: without the part that eddy currents bypass.
+        """
         path = hand_path(scene)
-        friction, hand = scene.friction, scene.hand
+        friction, hand, winding = scene.friction, scene.hand, scene.winding
+        bypassed = winding.eddy_part if winding and winding.eddy_ohm is not None else 0.0
         start = np.zeros(STATE_SIZE)
         start[OMEGA], start[X] = path.v0, path.x0
         held = hand is not None and hand.path != "impact"
         if held:
             start[P : S + 1] = path.start
+        cable = scene.transmission
+        if cable is not None and cable.cable_stiffness is None:
+            cable = None
+        stiffness, damping = (hand.stiffness, hand.damping) if held else (0.0, 0.0)
+        direct = cable is None
         return cls(
             resistance=scene.motor.R_ohm,
-            inductance=scene.motor.L_h,
+            inductance=scene.motor.L_h * (1.0 - bypassed),
             k_t=scene.motor.k_t,
             inertia=scene.motor.J_kgm2,
             coulomb=friction.coulomb_nm if friction else 0.0,
             viscous=friction.viscous if friction else 0.0,
-            hand_stiffness=hand.stiffness if held else 0.0,
-            hand_damping=hand.damping if held else 0.0,
+            hand_stiffness=stiffness if direct else 0.0,
+            hand_damping=damping if direct else 0.0,
             hand_omega=path.omega,
             ramp_end_s=path.ramp_end_s if held else math.inf,
             start=start,
+            brushes=scene.brushes,
+            winding=winding,
+            cogging=scene.cogging,
+            cable=cable,
+            cable_hand_stiffness=0.0 if direct else stiffness,
+            cable_hand_damping=0.0 if direct else damping,
+            sag_ohm=scene.drive.sag_ohm if scene.drive else 0.0,
         )
+
+    @property
+    def real(self) -> bool:
+        """Whether there is anything that the matrix exponential alone can't step."""
+        parts = (self.brushes, self.winding, self.cogging, self.cable)
+        return self.sag_ohm > 0.0 or any(part is not None for part in parts)
 
     def matrix(self) -> np.ndarray:
         """A of ``z' = A z`` for the augmented state z, shape (SIZE, SIZE)."""
@@ -107,7 +147,32 @@ class Plant:
         constant leaves an error below 1e-7 of it.
         """
         longest = 0.1 * self.inductance / self.resistance
-        return min(longest, FRICTION_STEP_S) if self.coulomb > 0 else longest
+        if self.coulomb > 0:
+            longest = min(longest, FRICTION_STEP_S)
+        return min(longest, self._longest_real_step_s) if self.real else longest
+
+    @property
+    def _longest_real_step_s(self) -> float:
+        """Longest step for what isn't linear, s."""
+        brushes, winding, cable = self.brushes, self.winding, self.cable
+        slope, longest = self.resistance + self.sag_ohm, math.inf
+        if brushes is not None:
+            slope += brushes.drop_v / brushes.knee_a
+            if brushes.contact_noise:
+                longest = brushes.noise_s / PARTS_OF_NOISE
+        if winding is not None and winding.eddy_ohm is not None:
+            slope += winding.eddy_ohm
+        longest = min(longest, PART_OF_SLOPE * self.inductance / slope)
+        if winding is not None and winding.saturation_a is not None:
+            longest *= PART_OF_SATURATION
+        spring, damper = 0.0, 0.0
+        if cable is not None:
+            spring, damper = cable.cable_stiffness, cable.cable_damping
+        if self.cogging is not None:
+            spring += self.cogging.torque_nm * self.cogging.per_rev
+        if spring:
+            longest = min(longest, PART_OF_CABLE * math.sqrt(self.inertia / spring))
+        return min(longest, PART_OF_CABLE * self.inertia / damper) if damper else longest
 
     def substeps(self, step_s: float) -> int:
         """Into how many equal parts a step of ``step_s`` is cut for :attr:`longest_step_s`."""
@@ -119,8 +184,11 @@ COULOMB, K_T, HAND_K, HAND_B, HAND_OMEGA, RAMP_END = range(6)
 
 
 @compiled(inline="always")
-def friction_torque(state, load):
-    """Coulomb torque τ_c of the coming step, N·m: against the motion, or what holds the rotor."""
+def friction_torque(state, load, besides=0.0):
+    """Coulomb torque τ_c of the coming step, N·m: against the motion, or what holds the rotor.
+
+    ``besides`` is what else acts against the rotor, N·m.
+    """
     coulomb = load[COULOMB]
     if coulomb == 0.0:
         return 0.0
@@ -132,6 +200,7 @@ def friction_torque(state, load):
         load[K_T] * state[I]
         - load[HAND_K] * (state[X] - state[P] - state[C])
         + load[HAND_B] * (state[R] - load[HAND_OMEGA] * state[S])
+        - besides
     )
     return min(max(drive, -coulomb), coulomb)
 

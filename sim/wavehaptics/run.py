@@ -56,11 +56,13 @@ WITHOUT_WORDS = ("analog", "encoder")
 def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
     """K of the design spring for contact (design §1.1, fact 2), N·m/rad.
 
-    The lag of the controller acts on R̂, its own estimate; the analog circuit has τ = 1/λ. The
-    encoder's servo should render the spring that it computes.
+    The lag of the controller acts on R̂, its own estimate; the analog circuit has τ = 1/λ. Inductor
+    and torque are the motor's own, whatever the controller takes them for: what W makes of a wish
+    for a motor of k̂_T is ``(k_T/k̂_T)²`` of it, behind the motor's spring. The encoder's servo
+    should render the spring that it computes, with a current made for k̂_T.
     """
     if isinstance(simulation, EncoderSimulation):
-        return simulation.stiffness
+        return simulation.stiffness * (scene.motor.k_t / scene.controller.k_t_hat)
     set_ = simulation.settings
     analog = isinstance(simulation, AnalogSimulation)
     tau = 1.0 / scene.controller.lambda_ if analog else set_.tau
@@ -70,7 +72,9 @@ def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
         return 0.0
     wish = set_.shaper.wish
     if wish is not None:
-        return wish.spring * wish.front / (wish.spring + wish.front)
+        spring = wish.spring * (motor.k_t / scene.controller.k_t_hat) ** 2
+        front = physics.stiffness(motor.k_t, motor.L_h, set_.r_hat, tau)
+        return spring * front / (spring + front)
     return physics.stiffness(motor.k_t, motor.L_h, set_.r_hat, tau, g)
 
 

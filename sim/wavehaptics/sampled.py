@@ -13,10 +13,30 @@ import numpy as np
 
 from wavehaptics import formats, golden, verilated
 from wavehaptics.compiled import compiled
+from wavehaptics.motor import motor_step
 from wavehaptics.native_call import call2
 from wavehaptics.plant import TIME, C, I, P, Plant, X, load_words, plant_step
+from wavehaptics.real import (
+    AMPLIFIED,
+    LAG,
+    LAG_TABLE,
+    MOTOR,
+    amplified,
+    counted,
+    real_parts,
+    supplied,
+    warm_real,
+)
 from wavehaptics.scene import Scene, drive_gain, encoder_end
-from wavehaptics.sensor import NOISE_SEED, Sensor, current_word, draw_noise, noise_at
+from wavehaptics.sensor import (
+    LAG_RATE,
+    NOISE_SEED,
+    Sensor,
+    current_word,
+    draw_noise,
+    lagged,
+    noise_at,
+)
 from wavehaptics.settings import Settings, settings
 from wavehaptics.thermal import Winding
 from wavehaptics.trace import Column, Word
@@ -51,11 +71,12 @@ _VOLTAGE_WORD, _CLOCKS, _POSITION = range(3)
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance(
     rows, words, state, kept, core, line, contact, wall_min, wall_max, shaper, ints, floats, load,
-    matrix, sensor, noise, buffer,
+    matrix, real, sensor, noise, buffer,
 ):  # fmt: skip
     """Fill ``rows`` and ``words``; False when the RTL never answered.
 
-    ``shaper`` holds the words of W, its states and which walls it is for.
+    ``shaper`` holds the words of W, its states and which walls it is for, and ``real`` what
+    :mod:`wavehaptics.real` says.
     """
     shaper_words, shaper_states, shaped = shaper
     dt, cell, k_t = floats[_DT], floats[_CELL], floats[_K_T]
@@ -64,20 +85,40 @@ def _advance(
     tick = dt * substeps
     for n in range(rows.shape[0]):
         e_a = kept[_VOLTAGE_WORD] * _VOLT * floats[_DRIVE_GAIN]
+        sag = 0.0
+        if real is not None:
+            e_a, sag = supplied(e_a, state[TIME], real)
         x_before, i_before = state[X], state[I]
         hand_before, t_before = state[P] + state[C], state[TIME]
         charge = 0.0
         square = 0.0
         low, high = i_before, i_before
+        lag_before = 0.0 if real is None else real[LAG][AMPLIFIED]
         for _ in range(substeps):
-            part, part_square = plant_step(state, matrix, dt, e_a, load)
+            i_start = state[I]
+            if real is None:
+                part, part_square = plant_step(state, matrix, dt, e_a, load)
+            else:
+                part, part_square = motor_step(state, matrix, dt, e_a, load, real[MOTOR])
+                if sensor[LAG_RATE] != 0.0:
+                    real[LAG][AMPLIFIED] = lagged(
+                        real[LAG][AMPLIFIED], i_start, state[I], part / dt, real[LAG_TABLE][0]
+                    )
             charge += part
             square += part_square
             low, high = min(low, state[I]), max(high, state[I])
         mean = charge / tick
         sensed = state[I] if ints[_POINT] else mean
+        if real is not None:
+            sensed = amplified(
+                sensed, ints[_POINT], lag_before, tick, e_a, state[TIME], sensor, real
+            )
         current = current_word(sensed, sensor, noise_at(noise, n))
-        if state[TIME] < floats[_ENCODER_END]:
+        if real is not None:
+            kept[_POSITION] = counted(
+                kept[_POSITION], state[X], state[TIME], cell, floats[_ENCODER_END], real
+            )
+        elif state[TIME] < floats[_ENCODER_END]:
             kept[_POSITION] = int(np.floor(state[X] / cell))
         position = kept[_POSITION]
         touching, _ = golden.contact_step(
@@ -107,7 +148,7 @@ def _advance(
         row[Column.X] = 0.5 * (x_before + state[X])
         row[Column.OMEGA] = (state[X] - x_before) / tick
         row[Column.I] = mean
-        row[Column.E_A] = e_a
+        row[Column.E_A] = e_a - sag * mean
         row[Column.TORQUE] = k_t * mean
         row[Column.ETA] = eta * _ETA
         row[Column.U] = u_n * _ROOT_WATT
@@ -167,6 +208,7 @@ class SampledSimulation:
         self._load = load_words(plant)
         self._dt = dt
         self._matrix = plant.transition(dt)
+        self._real = real_parts(scene, plant, set_.cell_rad, [dt])
         self._sensor = Sensor.of_scene(scene).constants()
         self._rng = np.random.default_rng(NOISE_SEED)
         self._buffer = np.zeros(3, dtype=np.int64)
@@ -183,12 +225,13 @@ class SampledSimulation:
     def _warm(self, plant: Plant) -> None:
         self._matrix = plant.transition(self._dt)
         self._floats[_RESISTANCE] = plant.resistance
+        warm_real(self._real, plant)
 
     def _advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         done = _advance(
             rows, words, self._state, self._kept, self._core, self._line, self._contact,
             self.settings.wall_min, self.settings.wall_max, self._shaper, self._ints,
-            self._floats, self._load, self._matrix, self._sensor,
+            self._floats, self._load, self._matrix, self._real, self._sensor,
             draw_noise(self._rng, self._sensor, len(rows)), self._buffer,
         )  # fmt: skip
         if not done:

@@ -185,6 +185,84 @@ class Friction(_Table):
     viscous: float = _key("N·m·s/rad", "Viscous friction", 0.0, ge=0, le=100)
 
 
+class Brushes(_Table):
+    """The brushes; without this table they are part of R."""
+
+    drop_v: float = _key(
+        "V", "Voltage drop V_b: V_b·tanh(i/`knee_a`) in series with the winding", 0.0, ge=0, le=10
+    )
+    knee_a: float = _key("A", "Current at which the drop bends", 5e-3, ge=1e-4, le=10)
+    contact_noise: float = _key("–", "Noise of the contact, RMS, part of R", 0.0, ge=0, le=0.5)
+    noise_s: float = _key("s", "Correlation time of that noise", 1e-3, ge=1e-5, le=10)
+    segments: int = _key(
+        "bars", "Bars of the commutator; `ripple` and `step` need it", 0,
+        default_text="none", ge=1, le=1000,
+    )  # fmt: skip
+    ripple: float = _key(
+        "–", "Part of R by which it swings with the angle: ripple·cos(segments·x)", 0.0,
+        ge=-0.5, le=0.5,
+    )  # fmt: skip
+    step: float = _key(
+        "–", "Part of R by which every other bar has more, with sharp edges", 0.0,
+        ge=-0.5, le=0.5,
+    )  # fmt: skip
+    step_at_rad: float = _key(
+        "rad", "An edge of the bars: above it R has the `step`, up to the next", 0.0,
+        ge=-1000, le=1000,
+    )  # fmt: skip
+
+    @model_validator(mode="after")
+    def _check(self) -> Brushes:
+        for key in ("ripple", "step"):
+            if getattr(self, key) and not self.segments:
+                _broken_rule(
+                    f"brushes.{key} needs to know the bars of the commutator; give segments", key
+                )
+        for key, needed in (("knee_a", "drop_v"), ("noise_s", "contact_noise"),
+                            ("step_at_rad", "step")):  # fmt: skip
+            if key in self.model_fields_set and needed not in self.model_fields_set:
+                _broken_rule(f"brushes.{key} does nothing without {needed}; give {needed}", key)
+        return self
+
+
+class Winding(_Table):
+    """What the winding's iron does; without this table L is L at any frequency and current."""
+
+    eddy_ohm: float | None = _key(
+        "Ω",
+        "Resistance in parallel to `eddy_part` of L: eddy currents",
+        None,
+        default_text="none",
+        ge=0.01,
+        le=1e5,
+    )
+    eddy_part: float | None = _key(
+        "–", "That part of L, which `eddy_ohm` needs", None, default_text="none", ge=1e-3, le=0.95
+    )
+    saturation_a: float | None = _key(
+        "A",
+        "Current at which the incremental L is half: L/(1 + (i/this)²)",
+        None,
+        default_text="never",
+        ge=1e-2,
+        le=1000,
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Winding:
+        for key, other in (("eddy_ohm", "eddy_part"), ("eddy_part", "eddy_ohm")):
+            if getattr(self, key) is not None and getattr(self, other) is None:
+                _broken_rule(f"winding.{key} does nothing without {other}; give {other}", key)
+        return self
+
+
+class Cogging(_Table):
+    """Torque of the iron on the rotor; without this table there is none."""
+
+    torque_nm: float = _key("N·m", "Amplitude: −torque_nm·sin(per_rev·x)", ge=0, le=100)
+    per_rev: int = _key("–", "Periods a revolution", ge=1, le=1000)
+
+
 HandPath = Literal["taps", "press", "free", "sine", "impact"]
 
 _HAND_NEEDS: dict[str, tuple[str, ...]] = {
@@ -269,6 +347,40 @@ class Encoder(_Table):
         ge=0,
         le=1e6,
     )
+    uneven: float = _key(
+        "–",
+        "Part of a cell by which an edge is displaced at most, the same in each revolution",
+        0.0,
+        ge=0,
+        le=0.45,
+    )
+    reverses_at_s: float | None = _key(
+        "s",
+        "Time from which it counts backwards, as if A and B were swapped",
+        None,
+        default_text="never",
+        ge=0,
+        le=1e6,
+    )
+    skips_per_rev: int = _key(
+        "edges",
+        "Edges of a revolution that are lost, evenly spaced, at most a quarter of all",
+        0,
+        ge=0,
+        le=1_000_000,
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Encoder:
+        if 4 * self.skips_per_rev > self.counts_per_rev:
+            _broken_rule(
+                f"encoder.skips_per_rev = {self.skips_per_rev} is more than a quarter of "
+                f"counts_per_rev = {self.counts_per_rev}; it may be at most "
+                f"{self.counts_per_rev // 4}",
+                "skips_per_rev",
+                "counts_per_rev",
+            )
+        return self
 
 
 class Adc(_Table):
@@ -298,6 +410,24 @@ class Adc(_Table):
         ge=-_CURRENT_MAX_A,
         le=_CURRENT_MAX_A,
     )
+    bandwidth_hz: float | None = _key(
+        "Hz",
+        "Bandwidth of the sense amplifier, a first-order lag",
+        None,
+        default_text="no lag",
+        ge=100,
+        le=1e9,
+    )
+    common_mode_a: float = _key(
+        "A",
+        "Error of the sensor by the sign of the motor's voltage",
+        0.0,
+        ge=-_CURRENT_MAX_A,
+        le=_CURRENT_MAX_A,
+    )
+    drift_a_per_s: float = _key(
+        "A/s", "How fast the constant error grows", 0.0, ge=-_CURRENT_MAX_A, le=_CURRENT_MAX_A
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -317,7 +447,7 @@ class Adc(_Table):
             )
         return {**data, "bits": bits}
 
-    def resolved(self, motor: Motor, drive: Drive | None) -> Adc:
+    def resolved(self, motor: Motor, drive: Drive | None, duration_s: float) -> Adc:
         """With the full scale filled in: room for twice the largest current that can last."""
         limit_v = drive.limit_v if drive and drive.limit_v else USUAL_BUSES_V[0]
         full_scale_a = self.full_scale_a
@@ -329,6 +459,15 @@ class Adc(_Table):
                 f"±{full_scale_a:g} A; it must be smaller than full_scale_a",
                 ("adc", "offset_a"),
                 ("adc", "full_scale_a"),
+            )
+        drifted = self.offset_a + self.drift_a_per_s * duration_s
+        if abs(drifted) >= full_scale_a:
+            _broken_rule(
+                f"adc.drift_a_per_s = {_number(self.drift_a_per_s)} leaves the range of "
+                f"±{full_scale_a:g} A in {duration_s:g} s; it must be slower",
+                ("adc", "drift_a_per_s"),
+                ("adc", "full_scale_a"),
+                ("scene", "duration_s"),
             )
         return self.model_copy(update={"full_scale_a": full_scale_a})
 
@@ -408,6 +547,20 @@ class Drive(_Table):
         range_text="true, false",
     )
 
+    step_v: float = _key(
+        "V",
+        "What the bus changes by at `step_s`",
+        0.0,
+        ge=-_VOLTAGE_MAX_V,
+        le=_VOLTAGE_MAX_V,
+    )
+    step_s: float | None = _key(
+        "s", "Time of that step, which it needs", None, default_text="none", ge=0, le=1e6
+    )
+    sag_ohm: float = _key(
+        "Ω", "What the bus falls by for an ampere that the bridge draws", 0.0, ge=0, le=100
+    )
+
     @property
     def true_bus_v(self) -> float | None:
         """The bus as it is, without ripple, V; None where the scene has none."""
@@ -423,7 +576,7 @@ class Drive(_Table):
     def reached_v(self) -> float:
         """Largest voltage that a controller can ask for which knows its bus, V."""
         measured = self.bus_measured and self.bus_v is not None
-        return self.true_bus_v * self.reach if measured else math.inf
+        return (self.true_bus_v + min(0.0, self.step_v)) * self.reach if measured else math.inf
 
     @property
     def reach(self) -> float:
@@ -467,7 +620,9 @@ class Drive(_Table):
     def _check_bus(self, bus_v: float | None) -> None:
         """Refuse a true bus that can't be, for the resolved ``bus_v``."""
         if bus_v is None:
-            for key in ("bus_actual_v", "bus_ripple_v", "bus_ripple_hz", "bus_measured"):
+            for key in (
+                "bus_actual_v", "bus_ripple_v", "bus_ripple_hz", "bus_measured", "step_v", "sag_ohm"
+            ):  # fmt: skip
                 if getattr(self, key):
                     _broken_rule(f"drive.{key} needs to know the bus; give bus_v", key)
             return
@@ -484,6 +639,20 @@ class Drive(_Table):
                 f"{_number(actual_v)} leaves 0 to {_VOLTAGE_MAX_V} V; it must be below "
                 f"{_number(room_v)}",
                 "bus_ripple_v",
+                name,
+            )
+        if self.step_v and self.step_s is None:
+            _broken_rule("drive.step_v has no time; give step_s", "step_v")
+        if self.step_s is not None and "step_v" not in self.model_fields_set:
+            _broken_rule("drive.step_s has nothing to change; give step_v", "step_s")
+        after_v = actual_v + self.step_v
+        if not self.bus_ripple_v < after_v <= _VOLTAGE_MAX_V - self.bus_ripple_v:
+            _broken_rule(
+                f"drive.step_v = {_number(self.step_v)} takes {name} = {_number(actual_v)} out of "
+                f"0 to {_VOLTAGE_MAX_V} V; it must be above "
+                f"{_number(self.bus_ripple_v - actual_v)} and at most "
+                f"{_number(_VOLTAGE_MAX_V - self.bus_ripple_v - actual_v)}",
+                "step_v",
                 name,
             )
 
@@ -512,10 +681,41 @@ class Thermal(_Table):
 
 
 class Transmission(_Table):
-    """From the rotor to the tip of an arm; adds the tip's stiffness, the rotor's stays the same."""
+    """From the rotor to the hand and to the tip of an arm; the rotor's stiffness stays the same."""
 
-    ratio: float = _key("–", "Turns of the rotor for one of the arm", ge=1e-3, le=1e4)
-    lever_m: float = _key("m", "Length of the arm", ge=1e-4, le=100)
+    ratio: float | None = _key(
+        "–", "Turns of the rotor for one of the arm", None, default_text="none", ge=1e-3, le=1e4
+    )
+    lever_m: float | None = _key(
+        "m", "Length of the arm, which goes with `ratio`", None, default_text="none",
+        ge=1e-4, le=100,
+    )  # fmt: skip
+    cable_stiffness: float | None = _key(
+        "N·m/rad",
+        "Spring of the cable between rotor and hand",
+        None,
+        default_text="a rigid cable",
+        ge=1e-6,
+        le=1e6,
+    )
+    cable_damping: float = _key("N·m·s/rad", "Damper of the cable", 0.0, ge=0, le=1000)
+    backlash_rad: float = _key(
+        "rad", "Play of the cable from one side to the other", 0.0, ge=0, le=1000
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Transmission:
+        for key, other in (("ratio", "lever_m"), ("lever_m", "ratio")):
+            if getattr(self, key) is not None and getattr(self, other) is None:
+                _broken_rule(f"transmission.{key} does nothing without {other}; give {other}", key)
+        for key in ("cable_damping", "backlash_rad"):
+            if getattr(self, key) and self.cable_stiffness is None:
+                _broken_rule(f"transmission.{key} needs a cable; give cable_stiffness", key)
+        if self.ratio is None and self.cable_stiffness is None:
+            _broken_rule(
+                "[transmission] holds nothing; give ratio and lever_m, or cable_stiffness", ()
+            )
+        return self
 
 
 class Servo(_Table):
@@ -690,6 +890,22 @@ class Controller(_Table):
         ge=1e-3,
         le=_R_HAT_MAX_OHM,
     )
+    l_hat: float | None = _key(
+        "H",
+        "The controller's estimate L̂ of the inductance",
+        None,
+        default_text="L of the motor",
+        ge=1e-6,
+        le=1,
+    )
+    k_t_hat: float | None = _key(
+        "N·m/A",
+        "The controller's estimate k̂_T of the torque constant",
+        None,
+        default_text="k_T of the motor",
+        ge=1e-4,
+        le=10,
+    )
     clock_hz: float | None = _key(
         "Hz",
         "Clock of `pins`, a whole multiple of `tick_hz`",
@@ -759,13 +975,17 @@ def _check_walls(walls: tuple[tuple[float, float], ...]) -> None:
 class Scene(_Table):
     """A whole scene; a table that the file does not have is ``None`` and is not simulated.
 
-    ``controller.r_hat`` and ``adc.full_scale_a`` are never ``None``: defaults are filled in.
+    ``controller.r_hat``, ``l_hat``, ``k_t_hat`` and ``adc.full_scale_a`` are never ``None``:
+    defaults are filled in.
     ``drive.bus_v`` is ``None`` only if ``drive.limit_v`` is, which then means no limit.
     """
 
     scene: SceneTable
     motor: Motor
     friction: Friction | None = None
+    brushes: Brushes | None = None
+    winding: Winding | None = None
+    cogging: Cogging | None = None
     hand: Hand | None = None
     encoder: Encoder | None = None
     adc: Adc | None = None
@@ -805,18 +1025,31 @@ class Scene(_Table):
                         ("controller", "walls"),
                     )
         if scene.adc is not None:
-            adc = scene.adc.resolved(scene.motor, scene.drive)
+            adc = scene.adc.resolved(scene.motor, scene.drive, scene.scene.duration_s)
             scene = scene.model_copy(update={"adc": adc})
-        if scene.controller.r_hat is not None:
+        cable = scene.transmission is not None and scene.transmission.cable_stiffness is not None
+        if cable and (scene.hand is None or scene.hand.path == "impact"):
+            _broken_rule(
+                "transmission.cable_stiffness has no hand at its other end; "
+                "give [hand] with a path that has a spring",
+                ("transmission", "cable_stiffness"),
+                ("hand",),
+            )
+        motor, controller = scene.motor, scene.controller
+        known = {"r_hat": motor.R_ohm, "l_hat": motor.L_h, "k_t_hat": motor.k_t}
+        missing = {key: value for key, value in known.items() if getattr(controller, key) is None}
+        if not missing:
             return scene
-        controller = scene.controller.model_copy(update={"r_hat": scene.motor.R_ohm})
-        return scene.model_copy(update={"controller": controller})
+        return scene.model_copy(update={"controller": controller.model_copy(update=missing)})
 
 
 TABLES: dict[str, type[_Table]] = {
     "scene": SceneTable,
     "motor": Motor,
     "friction": Friction,
+    "brushes": Brushes,
+    "winding": Winding,
+    "cogging": Cogging,
     "hand": Hand,
     "encoder": Encoder,
     "adc": Adc,

@@ -12,6 +12,7 @@ from wavehaptics import formats, physics
 from wavehaptics.reflection import WishError
 from wavehaptics.scene import Scene, SceneError
 from wavehaptics.shaper import Shaper, design
+from wavehaptics.supply import reached_v
 
 IDEAL_CELL_RAD = 2.0**-30
 """Cell of the position where a scene has no encoder, rad: fine enough to count as ideal."""
@@ -85,7 +86,7 @@ def settings(
             "take a larger lambda or a slower tick"
         )
     if limit_v is None:
-        limit_v = scene.drive.reached_v if scene.drive else math.inf
+        limit_v = reached_v(scene)
     limit_v = min(limit_v, formats.VOLTAGE.largest)
     if scene.drive is not None and scene.drive.limit_v is not None:
         limit_v = min(limit_v, scene.drive.limit_v)

@@ -45,6 +45,7 @@ def refuse_shaper(scene: Scene, controller: str) -> None:
 def design(scene: Scene, tick_s: float, tau_s: float, r_hat: float) -> Shaper:
     """W of the scene at a tick, with the delay τ and R̂ of the controller that runs it.
 
+    It is made for the motor that the controller believes in: R̂, L̂ and k̂_T.
     :class:`wavehaptics.reflection.WishError` where it can't be had or would give energy out.
     """
     table = scene.shaper
@@ -54,14 +55,14 @@ def design(scene: Scene, tick_s: float, tau_s: float, r_hat: float) -> Shaper:
         # A row stands for itself at any tick: 2 s is the one of from_sos.
         sections = [quantise(realise(*from_sos(np.array(row)), 2.0)) for row in table.sos]
         return Shaper(np.array(sections, dtype=np.int64))
-    motor = scene.motor
-    front = front_stiffness(motor.k_t, motor.L_h, r_hat, tau_s)
+    k_t, inductance = scene.controller.k_t_hat, scene.controller.l_hat
+    front = front_stiffness(k_t, inductance, r_hat, tau_s)
     mass, damping, spring = table.mass_kgm2 or 0.0, table.damping, table.stiffness or 0.0
     if table.feel in ("spring", "resonance"):
         spring = spring_behind(spring, front)
     if table.feel == "mass":
         # What the delay adds to free space is there already (design §1.1, fact 2).
-        mass -= physics.free_space_inertia(motor.k_t, r_hat, tau_s)
+        mass -= physics.free_space_inertia(k_t, r_hat, tau_s)
         if mass <= 0.0:
             raise WishError(
                 f"shaper.mass_kgm2 = {table.mass_kgm2:.6g} is less than the delay adds by itself, "
@@ -69,7 +70,7 @@ def design(scene: Scene, tick_s: float, tau_s: float, r_hat: float) -> Shaper:
             )
     wish = Wish(table.mass_kgm2 or 0.0, damping, spring, front)
     behind = Wish(mass, damping, spring, front)
-    top, bottom = reflection(behind, physics.b_r(motor.k_t, r_hat))
+    top, bottom = reflection(behind, physics.b_r(k_t, r_hat))
     return Shaper(quantise(realise(top, bottom, tick_s))[None], wish)
 
 
