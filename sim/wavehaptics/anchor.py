@@ -17,10 +17,10 @@ waves don't see:
 - ``|c|`` is limited by ``c_0 + |e_id|/4`` and by what the waves leave of the drive; an error of the
   flux that this can't hold means that waves and encoder don't follow the same motor.
 
-The edge with which a contact begins tells x exactly, and sets χ to a quarter of a cell. What a limit
-withholds from the waves in contact, w, is added to the flux, ``χ −= g_w·w``: so the wall stands
-where it was when the limit has done its work. In free space the current is zero but for the sensor's
-offset, which c then shows: ``offset −= g_z·c`` while the rotor rests.
+The edge with which a contact begins tells x exactly, and sets χ to a quarter of a cell. What a
+limit withholds from the waves in contact, w, is added to the flux, ``χ −= g_w·w``: so the wall
+stands where it was when the limit has done its work. In free space the current is zero but for the
+sensor's offset, which c then shows: ``offset −= g_z·c`` while the rotor rests.
 
 Words found in a tick act in the next.
 """
@@ -97,8 +97,8 @@ _TURN = (1 << (formats.LONG.width - formats.LONG.fraction)) - 1
 _MOVE = 1 << (formats.MOVE_W - 1)
 _NEAR_SHIFT = formats.CURRENT.fraction + formats.CELLS.fraction - formats.LONG.fraction
 _FAR_SHIFT = formats.WAVE.fraction + formats.FLUX.fraction - formats.LONG.fraction
-assert _NEAR_SHIFT == formats.PULL.fraction - _GUARD
-assert _FAR_SHIFT == formats.LEARN.fraction - _GUARD
+assert formats.PULL.fraction - _GUARD == _NEAR_SHIFT
+assert formats.LEARN.fraction - _GUARD == _FAR_SHIFT
 _VOLT_SHIFT = formats.LONG.fraction - formats.VOLTAGE.fraction
 _AMPERE_SHIFT = formats.LONG.fraction - formats.CURRENT.fraction
 _LONG_TOP = 1 << (formats.LONG.width - 1)
