@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// C interface to the Verilated wave core (wh_core_port.v): numbers in and out.
+// C interface to the Verilated wave core with its anchor (wh_core_port.v): numbers in and out.
 
 #include <cstdint>
 
 #include "Vwh_core_port.h"
+#include "anchor_words.h"
 #include "shape_words.h"
 #include "verilated.h"
 
@@ -36,7 +37,8 @@ constexpr uint64_t mask(int width) { return (uint64_t{1} << width) - 1; }
 
 extern "C" {
 
-// p: root, a, u_max, extra_ticks, hold_ticks, eta in contact, eta in free space.
+// p: root, a, u_max, extra_ticks, hold_ticks, eta in contact, eta in free space, and the anchor's
+// settings.
 void *wh_core_new(const int64_t *p) {
     Core *core = new Core;
     core->top.root_i = p[0] & mask(WH_COEF_W);
@@ -46,6 +48,7 @@ void *wh_core_new(const int64_t *p) {
     core->top.hold_ticks_i = p[4];
     core->top.eta_contact_i = p[5] & mask(WH_COEF_W);
     core->top.eta_free_i = p[6] & mask(WH_COEF_W);
+    set_anchor_words(core->top.anchor_words_i, p + 7);
     core->top.start_i = 0;
     core->top.rst = 1;
     clock(core);
@@ -61,14 +64,16 @@ void wh_core_shape(void *model, const int64_t *words, int64_t count) {
     set_shape_words(static_cast<Core *>(model)->top.shape_words_i, words, count);
 }
 
-// One tick. words: current, contact, the shaper's mode; on return e, u_n, v_n. Returns the clocks
-// from start to valid, or -1 when the core never answered.
+// One tick. words: current, contact, the shaper's mode, position; on return e, u_n, v_n, and of the
+// anchor c, offset, flux, lag and fault. Returns the clocks from start to the end of both, or -1 when
+// that never came.
 int64_t wh_core_step(int64_t model, int64_t words_address) {
     Core *core = reinterpret_cast<Core *>(model);
     int64_t *words = reinterpret_cast<int64_t *>(words_address);
     core->top.current_i = words[0] & mask(WH_DATA_W);
     core->top.contact_i = words[1] != 0;
     core->top.shape_mode_i = words[2];
+    core->top.position_i = words[3];
     core->top.start_i = 1;
     clock(core);
     core->top.start_i = 0;
@@ -80,6 +85,11 @@ int64_t wh_core_step(int64_t model, int64_t words_address) {
     words[0] = signed_word(core->top.voltage_o);
     words[1] = signed_word(core->top.u_o);
     words[2] = signed_word(core->top.v_o);
+    words[3] = signed_word(core->top.next_o);
+    words[4] = signed_word(core->top.offset_o);
+    words[5] = signed_word(core->top.flux_o);
+    words[6] = signed_word(core->top.lag_o);
+    words[7] = core->top.fault_o;
     return clocks;
 }
 

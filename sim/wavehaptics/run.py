@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -56,26 +57,31 @@ WITHOUT_WORDS = ("analog", "encoder")
 def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
     """K of the design spring for contact (design §1.1, fact 2), N·m/rad.
 
-    The lag of the controller acts on R̂, its own estimate; the analog circuit has τ = 1/λ. Inductor
-    and torque are the motor's own, whatever the controller takes them for: what W makes of a wish
-    for a motor of k̂_T is ``(k_T/k̂_T)²`` of it, behind the motor's spring. The encoder's servo
-    should render the spring that it computes, with a current made for k̂_T.
+    The lag of the controller acts on R̂, its own estimate; the analog circuit has τ = 1/λ. A port
+    anchor renders the spring that the controller believes in, ``k_T k̂_T/L̂_eff``, as its flux is of
+    L̂ and k̂_T and its current the motor's. Without one inductor and torque are the motor's own: what
+    W makes of a wish for a motor of k̂_T is ``(k_T/k̂_T)²`` of it, behind the motor's spring. The
+    encoder's servo should render the spring that it computes, with a current made for k̂_T.
     """
     if isinstance(simulation, EncoderSimulation):
         return simulation.stiffness * (scene.motor.k_t / scene.controller.k_t_hat)
     set_ = simulation.settings
     analog = isinstance(simulation, AnalogSimulation)
     tau = 1.0 / scene.controller.lambda_ if analog else set_.tau
-    motor = scene.motor
+    k_t, inductance, k_t_hat = scene.motor.k_t, scene.motor.L_h, scene.controller.k_t_hat
+    wished = (k_t / k_t_hat) ** 2
+    if set_.anchored and not analog:
+        wished = k_t / k_t_hat
+        k_t, inductance = math.sqrt(k_t * k_t_hat), scene.controller.l_hat
     g = -scene.controller.eta_contact
     if g <= -1.0:
         return 0.0
     wish = set_.shaper.wish
     if wish is not None:
-        spring = wish.spring * (motor.k_t / scene.controller.k_t_hat) ** 2
-        front = physics.stiffness(motor.k_t, motor.L_h, set_.r_hat, tau)
+        spring = wish.spring * wished
+        front = physics.stiffness(k_t, inductance, set_.r_hat, tau)
         return spring * front / (spring + front)
-    return physics.stiffness(motor.k_t, motor.L_h, set_.r_hat, tau, g)
+    return physics.stiffness(k_t, inductance, set_.r_hat, tau, g)
 
 
 def measure(

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from wavehaptics import formats, golden, verilated
+from wavehaptics import anchor, formats, golden, verilated
 from wavehaptics.compiled import compiled
 from wavehaptics.motor import motor_step
 from wavehaptics.native_call import call2
@@ -47,6 +47,9 @@ CORE_DELAY_LOG2 = 10
 _VOLT = formats.VOLTAGE.step
 _ROOT_WATT = formats.WAVE.step
 _ETA = formats.ETA.step
+_LONG_GUARD = formats.LONG_GUARD
+_SEEN_CELLS = formats.LONG.step * 2.0**_LONG_GUARD
+_FOLLOWER_TICKS = 1 << anchor.FOLLOWER_SHIFT
 
 # Places in the loop's integer parameters.
 (
@@ -65,18 +68,18 @@ _ETA = formats.ETA.step
 # Places in the loop's float parameters.
 _DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE, _ENCODER_END = range(6)
 # Places in the integers that the loop keeps.
-_VOLTAGE_WORD, _CLOCKS, _POSITION = range(3)
+_VOLTAGE_WORD, _CLOCKS, _POSITION, _WAVE_VOLTAGE, _CORRECTION = range(5)
 
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance(
-    rows, words, state, kept, core, line, contact, wall_min, wall_max, shaper, ints, floats, load,
-    matrix, real, sensor, noise, buffer,
+    rows, words, state, kept, core, line, contact, wall_min, wall_max, shaper, anchored, ints,
+    floats, load, matrix, real, sensor, noise, buffer,
 ):  # fmt: skip
     """Fill ``rows`` and ``words``; False when the RTL never answered.
 
-    ``shaper`` holds the words of W, its states and which walls it is for, and ``real`` what
-    :mod:`wavehaptics.real` says.
+    ``shaper`` holds the words of W, its states and which walls it is for, ``anchored`` the words
+    and the state of a port anchor or None, and ``real`` what :mod:`wavehaptics.real` says.
     """
     shaper_words, shaper_states, shaped = shaper
     dt, cell, k_t = floats[_DT], floats[_CELL], floats[_K_T]
@@ -125,8 +128,16 @@ def _advance(
             contact, position, wall_min, wall_max, ints[_HYSTERESIS] != 0
         )
         eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
+        raw = current
+        if anchored is not None:
+            held = anchored[1]
+            current = golden.saturate(current - held[anchor.OFFSET])
+            if held[anchor.FAULT] != 0:
+                eta = 0
         mode = golden.shaper_mode(contact[0], shaped)
+        correction = 0
         if ints[_MODEL] == 0:
+            withheld, saturated = core[golden.STATE_WITHHELD], core[golden.STATE_SATURATED] != 0
             if shaper_words.shape[0] == 0:
                 e_next, u_n, v_n = golden.wave_core_step(
                     core, line, current, eta, 0, root, ints[_A], u_max, extra, extra
@@ -136,13 +147,32 @@ def _advance(
                     core, line, shaper_words, shaper_states, mode, current, eta, 0, root,
                     ints[_A], u_max, extra, extra,
                 )  # fmt: skip
+            if anchored is not None:
+                held = anchored[1]
+                correction = held[anchor.CORRECTION]
+                anchor.anchor_step(
+                    held, anchored[0], position, touching, current, u_n, v_n, withheld,
+                    kept[_WAVE_VOLTAGE], saturated,
+                )  # fmt: skip
+                kept[_WAVE_VOLTAGE] = e_next
+                e_next = golden.saturate(e_next + correction)
         else:
-            buffer[0], buffer[1], buffer[2] = current, touching, mode
+            buffer[0], buffer[1], buffer[2] = raw, touching, mode
+            buffer[3] = position
             clocks = call2(ints[_STEP], ints[_MODEL], buffer.ctypes.data)
             if clocks < 0:
                 return False
             kept[_CLOCKS] += clocks
             e_next, u_n, v_n = buffer[0], buffer[1], buffer[2]
+            if anchored is not None:
+                held = anchored[1]
+                correction = held[anchor.CORRECTION]
+                held[anchor.CORRECTION], held[anchor.OFFSET] = buffer[3], buffer[4]
+                held[anchor.CHI], held[anchor.LAG] = (
+                    buffer[5] << _LONG_GUARD,
+                    buffer[6] << _LONG_GUARD,
+                )
+                held[anchor.FAULT] = buffer[7]
         row = rows[n]
         row[Column.T] = t_before + 0.5 * tick
         row[Column.X] = 0.5 * (x_before + state[X])
@@ -158,6 +188,16 @@ def _advance(
         row[Column.SATURATED] = 1.0 if abs(u_n) >= u_max else 0.0
         row[Column.ENERGY_OUT] = e_a * charge - floats[_RESISTANCE] * square
         row[Column.RIPPLE] = high - low
+        if anchored is not None:
+            held = anchored[1]
+            row[Column.CORRECTION] = kept[_CORRECTION] * _VOLT
+            kept[_CORRECTION] = correction
+            chi = (held[anchor.CHI] >> _LONG_GUARD) * _SEEN_CELLS
+            lag = (held[anchor.LAG] >> _LONG_GUARD) * _SEEN_CELLS
+            row[Column.FLUX] = chi
+            row[Column.X_HAT] = (position + 0.5 - chi) * cell
+            row[Column.OMEGA_HAT] = lag * cell / (_FOLLOWER_TICKS * tick)
+            row[Column.FAULT] = held[anchor.FAULT]
         words[n, Word.I] = current
         words[n, Word.U] = u_n
         words[n, Word.V] = v_n
@@ -189,7 +229,7 @@ class SampledSimulation:
         if rtl:
             self._library, self._model, step = _load_core(set_)
         self._state = plant.start.copy()
-        self._kept = np.zeros(3, dtype=np.int64)
+        self._kept = np.zeros(5, dtype=np.int64)
         self._kept[_POSITION] = math.floor(plant.start[X] / set_.cell_rad)
         self._core = golden.new_state()
         self._line = golden.new_line(set_.extra_ticks)
@@ -211,7 +251,8 @@ class SampledSimulation:
         self._real = real_parts(scene, plant, set_.cell_rad, [dt])
         self._sensor = Sensor.of_scene(scene).constants()
         self._rng = np.random.default_rng(NOISE_SEED)
-        self._buffer = np.zeros(3, dtype=np.int64)
+        self._buffer = np.zeros(8, dtype=np.int64)
+        self._anchored = (set_.anchor, anchor.new_state()) if set_.anchored else None
 
     @property
     def clock_cycles(self) -> int | None:
@@ -230,8 +271,8 @@ class SampledSimulation:
     def _advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         done = _advance(
             rows, words, self._state, self._kept, self._core, self._line, self._contact,
-            self.settings.wall_min, self.settings.wall_max, self._shaper, self._ints,
-            self._floats, self._load, self._matrix, self._real, self._sensor,
+            self.settings.wall_min, self.settings.wall_max, self._shaper, self._anchored,
+            self._ints, self._floats, self._load, self._matrix, self._real, self._sensor,
             draw_noise(self._rng, self._sensor, len(rows)), self._buffer,
         )  # fmt: skip
         if not done:
@@ -249,13 +290,14 @@ def _load_core(set_: Settings):
         {
             "DELAY_LOG2": CORE_DELAY_LOG2,
             "SHAPER": len(set_.shaper.words),
+            "ANCHOR": int(set_.anchored),
         },
     )
     library = verilated.load(design)
     verilated.declare_destructor(library.wh_core_delete)
     words = [
         set_.root, set_.a, set_.u_max, set_.extra_ticks, set_.extra_ticks, set_.eta_contact,
-        set_.eta_free,
+        set_.eta_free, *verilated.anchor_words(set_.anchor),
     ]  # fmt: skip
     model = verilated.new_model(library.wh_core_new, words)
     verilated.set_shaper(library.wh_core_shape, model, set_.shaper.words)

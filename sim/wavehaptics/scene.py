@@ -65,10 +65,7 @@ class NotSimulated(NamedTuple):
     """The value that means "without it", and is taken; ``None`` where only leaving it out does."""
 
 
-NOT_SIMULATED: tuple[NotSimulated, ...] = (
-    NotSimulated(("controller", "anchor_auto"), "the port anchor", off=False),
-    NotSimulated(("controller", "anchor_ohm"), "the port anchor"),
-)
+NOT_SIMULATED: tuple[NotSimulated, ...] = ()
 """All that the format has and this version does not simulate; take an entry out to lift it."""
 
 GONE: dict[KeyPath, str] = {
@@ -930,16 +927,61 @@ class Controller(_Table):
     )
     anchor_ohm: float | None = _key(
         "Ω",
-        "The port anchor's ρ",
+        "Resistance ρ with which the port anchor pulls waves and encoder together; given, there is "
+        "an anchor",
         None,
-        default_text="what `anchor_auto` takes",
+        default_text="4 `r_hat`, less at a slow tick",
+        ge=1e-3,
+        le=1000,
+    )
+    anchor_ohm_per_s: float | None = _key(
+        "Ω/s",
+        "How fast the port anchor learns a voltage that stays, γ",
+        None,
+        default_text="22.5 ρ",
+        ge=0,
+        le=1e6,
+    )
+    swing_ohm: float | None = _key(
+        "Ω",
+        "Resistance that the port anchor has for swings within a cell, in contact and at rest",
+        None,
+        default_text="ρ/2",
         ge=0,
         le=1000,
     )
+    anchor_limit_v: float | None = _key(
+        "V",
+        "Largest correction of the port anchor where the waves ask for no voltage; it grows by a "
+        "quarter of theirs",
+        None,
+        default_text="0.8, or a third of the drive's limit",
+        ge=0,
+        le=127,
+    )
+    r_hat_part: float = _key(
+        "–",
+        "Part of `r_hat` that the waves of a port with an anchor are made for",
+        0.9,
+        default_text="0.9",
+        ge=0.1,
+        le=1.5,
+    )
+
+    @property
+    def anchored(self) -> bool:
+        """Whether there is a port anchor."""
+        return self.anchor_auto or self.anchor_ohm is not None
 
     @model_validator(mode="after")
     def _check(self) -> Controller:
         _check_walls(self.walls)
+        if not self.anchored:
+            for key in ("anchor_ohm_per_s", "swing_ohm", "anchor_limit_v", "r_hat_part"):
+                if key in self.model_fields_set:
+                    _broken_rule(
+                        f"controller.{key} belongs to a port anchor; add anchor_auto = true", key
+                    )
         if self.clock_hz is not None:
             clocks = self.clock_hz / self.tick_hz
             whole = max(1, round(clocks))

@@ -32,6 +32,11 @@ class Column(IntEnum):
     SATURATED = 11  # 1 where the voltage limit acted in the tick's step
     ENERGY_OUT = 12  # J, ∫(e_a − R i) i dt over the tick: given out by the controller's port
     RIPPLE = 13  # A, peak to peak within the tick
+    CORRECTION = 14  # V, c of the port anchor in the tick's voltage; 0 without one
+    X_HAT = 15  # rad, where the port anchor takes the rotor to be at the tick's end
+    OMEGA_HAT = 16  # rad/s, how fast, as a mean of some 256 ticks
+    FLUX = 17  # cells, χ of the port anchor
+    FAULT = 18  # 1 once the port anchor has found that waves and encoder don't agree
 
 
 class Word(IntEnum):

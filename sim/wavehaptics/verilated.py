@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wavehaptics import formats
+from wavehaptics import anchor, formats
 
 ROOT_DIR = formats.RTL_DIR.parent
 SHIM_DIR = ROOT_DIR / "sim" / "verilated"
@@ -104,7 +104,7 @@ def build(design: Design) -> Path:
         return target
     BUILD_DIR.mkdir(parents=True, exist_ok=True)
     work = Path(tempfile.mkdtemp(prefix=f"{design.top}-", dir=BUILD_DIR))
-    names = ("DATA_W", "COEF_W", "SUM_W", "COUNT_W", "SHAPE_W", "SHAPE_LOSS_W")
+    names = ("DATA_W", "COEF_W", "SUM_W", "COUNT_W", "SHAPE_W", "SHAPE_LOSS_W", "ANCHOR_W")
     widths = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in names]
     chosen = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in formats.SETTABLE]
     command = [
@@ -152,6 +152,12 @@ def set_shaper(function: ctypes._CFuncPtr, model: int, words: np.ndarray, *more:
     ]  # fmt: skip
     function.restype = None
     function(model, (ctypes.c_int64 * max(1, len(flat)))(*flat), len(flat), *more)
+
+
+def anchor_words(settings: np.ndarray) -> list[int]:
+    """A model's words of the anchor: its settings in parts of 32 bits, the lowest first."""
+    word = anchor.packed(settings)
+    return [word >> place & 0xFFFFFFFF for place in range(0, formats.ANCHOR_W, 32)]
 
 
 def declare_destructor(function: ctypes._CFuncPtr) -> None:

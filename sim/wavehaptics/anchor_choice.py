@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What ``controller.anchor_auto`` chooses, and why; SI values.
+
+Everything is in proportion to the motor's own numbers, so that one choice serves all:
+
+- **ρ = 4 R̂.** It pulls an error of the flux back with the rate ρ/L. The larger, the less a voltage
+  moves the wall, by ``V/ρ·L/(k_T Δ)`` cells, and the shorter the lag with which a wrong L̂ or k̂_T
+  is made good: that lag is negative damping, 1 % of the speed in a bounce at L̂ −10 % and 2 R̂.
+  Beyond a fraction of the tick rate the loop swings by itself, so a slow tick takes less.
+- **γ = 22.5 ρ a second**: what stays is learned within 44 ms, a dozen periods of a motor on its
+  wall. While the rotor moves it learns an eighth as fast, or what it learns on the way in pushes on
+  the way out.
+- **For swings ρ/2.** A bar of the commutator of 4 % less R, just where the rotor rests, feeds a
+  swing of 1.3 mN·m; with this it is a tenth of that. It counts only while the rotor rests, or it
+  would take from a bounce.
+- **R̂ at 0.9 of the winding's**: too little only damps, too much swings.
+- **c_0 = 0.8 V**: brushes of 0.5 V and a rest of dead time; what grows with the current, a wrong R̂
+  and a wrong gain, is in the quarter of the waves' voltage that is added.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+ANCHOR_OF_R = 4.0
+"""ρ over R̂."""
+MOST_OF_TICK = 0.15
+"""Largest ρ·T/L̂: the correction acts two ticks late."""
+LEARN_PER_S = 22.5
+"""γ over ρ."""
+SWING_OF_ANCHOR = 0.5
+"""Resistance for swings over ρ."""
+LIMIT_V = 0.8
+LIMIT_PART = 1.0 / 3.0
+"""Largest c_0: this, or that part of the drive's limit."""
+REST_OF_SWING = 0.4
+"""Shortest time between two edges the same way of a rotor at rest, times its ω on the wall."""
+SLOW_RAD_S = 1.0
+"""Speed below which the sensor's offset is tracked, rad/s."""
+ZERO_PER_S = 200.0
+"""Rate with which the offset follows c/R̂: a rotor that it pushes must not get faster than that."""
+STRANGE_CELLS = 2.5
+"""Error of the flux beyond the limit of c, in cells, that no motor makes."""
+
+
+class AnchorChoice(NamedTuple):
+    """Values of a port anchor, SI."""
+
+    ohm: float
+    ohm_per_s: float
+    swing_ohm: float
+    limit_v: float
+    rest_s: float
+    """Two edges the same way within this: the rotor moves."""
+
+
+def choose_anchor(
+    r_hat: float, l_hat: float, k_t_hat: float, inertia: float, tick_s: float, drive_v: float
+) -> AnchorChoice:
+    """The values for a motor as the controller knows it; ``inertia`` in kg·m², ``drive_v`` in V.
+
+    ``r_hat`` is the winding's, not the port's.
+    """
+    ohm = min(ANCHOR_OF_R * r_hat, MOST_OF_TICK * l_hat / tick_s)
+    return AnchorChoice(
+        ohm=ohm,
+        ohm_per_s=LEARN_PER_S * ohm,
+        swing_ohm=SWING_OF_ANCHOR * ohm,
+        limit_v=min(LIMIT_V, LIMIT_PART * drive_v),
+        rest_s=REST_OF_SWING * math.sqrt(inertia * l_hat) / k_t_hat,
+    )
