@@ -27,6 +27,7 @@ from wavehaptics.adc_parts import (
     modulator_frame,
     plain_frame,
 )
+from wavehaptics.anchor import FOLLOWER_TICKS, SEEN_CELLS
 from wavehaptics.bridge import bridge_voltage, half_bridge_voltage
 from wavehaptics.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, UNIPOLAR
 from wavehaptics.compiled import compiled
@@ -115,6 +116,7 @@ MIN_WALLS = 4
 
 _STEPS = 128
 _WAVE = formats.WAVE.step
+_VOLT = formats.VOLTAGE.step
 _BUS_SCALE = 2.0**formats.BUS_Q
 _PENDING = 8
 
@@ -124,8 +126,8 @@ _AH, _AL, _BH, _BL, _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING = range(9)
 # Places in the loop's integer parameters.
 (
     _MODEL, _CLOCK, _WORDS, _TICK_CLOCKS, _CODE_SHIFT, _DATA_BITS, _U_MAX, _SUBSTEP_CLOCKS,
-    _LAUNCH_LEVEL, _PIPELINE, _OSR, _HALF_BRIDGE, _SET_BUS,
-) = range(13)  # fmt: skip
+    _LAUNCH_LEVEL, _PIPELINE, _OSR, _HALF_BRIDGE, _SET_BUS, _ANCHORED, _START_COUNT,
+) = range(15)  # fmt: skip
 # Places in the loop's float parameters.
 (
     _DT, _CELL, _BUS, _GAIN, _K_T, _RESISTANCE, _ETA_CONTACT, _ETA_FREE, _ENCODER_END, _RIPPLE,
@@ -134,7 +136,8 @@ _AH, _AL, _BH, _BL, _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING = range(9)
 # Places in the integers that the loop keeps.
 (
     _NOW, _ADVANCED, _PINS, _SHIFT, _HELD, _COUNT, _EDGE, _CLOSED, _EMITTED, _TICK_START, _FAULTS,
-) = range(11)  # fmt: skip
+    _CORRECTION,
+) = range(12)  # fmt: skip
 # Places in the sums of the tick that is running.
 _CHARGE, _SQUARE, _WORK, _VOLT_SECONDS, _LOW, _HIGH, _X0, _HAND0, _T0 = range(9)
 
@@ -585,6 +588,18 @@ def _advance(
             row[Column.CONTACT] = touching
             limited = buffer[4] if ints[_SET_BUS] else abs(buffer[1]) >= ints[_U_MAX]
             row[Column.SATURATED] = 1.0 if limited else 0.0
+            if ints[_ANCHORED]:
+                # The voltage of the measured tick was made in the step before.
+                row[Column.CORRECTION] = kept[_CORRECTION] * _VOLT
+                kept[_CORRECTION] = buffer[5]
+                chi = buffer[6] * SEEN_CELLS
+                row[Column.FLUX] = chi
+                row[Column.X_HAT] = (ints[_START_COUNT] + buffer[9] + 0.5 - chi) * cell
+                lag = buffer[7] * SEEN_CELLS * cell
+                row[Column.OMEGA_HAT] = lag / (FOLLOWER_TICKS * ints[_TICK_CLOCKS] * dt)
+                row[Column.FAULT] = buffer[8]
+                if buffer[8]:
+                    row[Column.ETA] = 0.0
             rows[done] = row
             words[done, Word.I] = buffer[0]
             words[done, Word.U] = buffer[1]
@@ -792,6 +807,7 @@ class PinsSimulation:
             *ports.words.values(), bus_scale.bus_word(true_bus_v),
             _encoder_levels.py_func(ports.start_count),
             len(walls), *(edge for wall in walls for edge in wall),
+            *verilated.anchor_words(set_.anchor),
         ]  # fmt: skip
         design = verilated.Design(
             "wh_controller",
@@ -807,6 +823,7 @@ class PinsSimulation:
                 **({"OSR": time.frame.osr} if time.frame.osr else {}),
                 **({"BUS": 1} if drive.bus_measured else {}),
                 **({"HOST": 1} if host else {}),
+                **({"ANCHOR": 1} if set_.anchored else {}),
                 **self._parameters(),
             },
         )
@@ -822,7 +839,7 @@ class PinsSimulation:
         )  # fmt: skip
         self._state = plant.start.copy()
         self._tables = self._transitions(plant)
-        self._kept = np.zeros(_FAULTS + 1, dtype=np.int64)
+        self._kept = np.zeros(_CORRECTION + 1, dtype=np.int64)
         self._kept[_COUNT] = ports.start_count
         self._kept[_TICK_START] = -1
         self._kept[_PINS] = 1 << _CS_N | time.frame.sclk_idle << _SCLK
@@ -838,7 +855,8 @@ class PinsSimulation:
              verilated.address(self._function("words")), time.tick_clocks,
              code_shift, sensor.bits, set_.u_max, longest, launch_level, time.frame.pipeline,
              time.frame.osr, _mode(scene) == HALF_BRIDGE,
-             verilated.address(self._function("bus")) if drive.bus_measured else 0],
+             verilated.address(self._function("bus")) if drive.bus_measured else 0,
+             set_.anchored, ports.start_count],
             dtype=np.int64,
         )  # fmt: skip
         self._floats = np.array(
@@ -852,7 +870,7 @@ class PinsSimulation:
         self._real = real_parts(scene, plant, set_.cell_rad, steps_s, switching=True)
         self._sensor = sensor.constants()
         self._rng = np.random.default_rng(NOISE_SEED)
-        self._buffer = np.zeros(5, dtype=np.int64)
+        self._buffer = np.zeros(10, dtype=np.int64)
         self._bits = sigma_delta.new_state()
 
     def connect_host(self, period_log2: int, timeout: int) -> None:
