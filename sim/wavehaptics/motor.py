@@ -7,10 +7,11 @@ the step's middle, and w at the step's mean current,
 
     w = V_b tanh(ī/knee) + ρ ī + v_eddy(ī) + (change of the missing flux)/step,   ī = ī₀ − g w
 
-with ī₀ the mean without w and g from the same table as the exact step. One unknown, solved by
-Newton's method. It is of second order, and at the mean current it takes exactly the energy w·ī, so
-that brushes only ever brake. :attr:`wavehaptics.plant.Plant.longest_step_s` keeps g times the
-brushes' slope below a quarter, where Newton's method can't fail.
+with ī₀ the mean without w and g from the same table as the exact step. One unknown, of which the
+difference of both sides only ever grows: Newton's method, kept between two places of which one is
+too low and one too high, finds it. It is of second order in the step, and at the mean current it
+takes exactly the energy w·ī, so that brushes only ever brake. For the accuracy
+:attr:`wavehaptics.plant.Plant.longest_step_s` keeps g times the brushes' slope below a quarter.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ VOLTAGE, SERIES_OHM, EDDY_CURRENT, CABLE_END, ACCELERATION, RESISTANCE = range(6
 """Places in the memory of a motor: w of the last step; Ω in series, which the supply sets; i_e; y
 of the cable; dω/dt of the last step; R."""
 
-NEWTON_STEPS = 20
+NEWTON_STEPS = 40
 TOLERANCE_V = 1e-7
 """Newton's last step; as its error squares itself from step to step, w is far better than this."""
 
@@ -98,6 +99,7 @@ def series_voltage(mean, g, first, last, g_last, step_s, ohm, parts):
         share, inductance = eddy_share(memory[EDDY_CURRENT], first, step_s, iron)
         eddy_ohm = share * inductance / step_s
     w, drop = memory[VOLTAGE], 0.0
+    low, high = -np.inf, np.inf
     for _ in range(NEWTON_STEPS):
         current = mean - g * w
         drop, slope = brush_drop(current, brushes)
@@ -107,9 +109,16 @@ def series_voltage(mean, g, first, last, g_last, step_s, ohm, parts):
             flux, inductance = missing_flux(last - g_last * w, iron)
             voltage += (flux - flux_before) / step_s
             slope += g_last * inductance / step_s
-        change = (w - voltage) / slope
-        w -= change
-        if abs(change) <= TOLERANCE_V:
+        error = w - voltage
+        if error > 0.0:
+            high = w
+        else:
+            low = w
+        before = w
+        w -= error / slope
+        if w < low or w > high:
+            w = 0.5 * (low + high)
+        if abs(w - before) <= TOLERANCE_V:
             break
     return w, drop
 
