@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from wavehaptics import formats, physics
+from wavehaptics.hosted import HostedSimulation, Line
 from wavehaptics.lines import cell_of, edge_place, line_count, line_words, new_lines
 from wavehaptics.pins import PinsSimulation
 from wavehaptics.run import CONTROLLERS, measure
@@ -83,6 +84,23 @@ def test_a_held_rotor_gets_what_the_brushes_leave(make_scene, controller):
     # Nothing comes out behind the brushes but what the rotor takes, which is next to nothing.
     late = rows[-1000:, Column.ENERGY_OUT].sum()
     assert abs(late) < 0.01 * abs(e * i) * 1e-3
+
+
+def test_a_hosted_port_has_the_same_motor(make_scene):
+    """A silent host leaves the port on its own: brushes below their knee, a reversed encoder."""
+    more = make_scene(*PRESS, "motor.R_ohm=2.23", "controller.r_hat=2.18")
+    brushes = make_scene(*PRESS, "brushes.drop_v=1.0", "brushes.knee_a=20", "controller.r_hat=2.18")
+    expected, got = (
+        HostedSimulation(scene, None, 4, Line()).advance(1000) for scene in (more, brushes)
+    )
+    assert np.abs(expected[:, Column.TORQUE]).max() > 5e-4
+    assert off(got[:, Column.TORQUE], expected[:, Column.TORQUE]) < 2e-3
+    lines = ("encoder.counts_per_rev=10000", "encoder.reverses_at_s=0")
+    rows = HostedSimulation(make_scene(*PRESS, *lines), None, 4, Line()).advance(1000)
+    assert rows[-1, Column.X] > 0.0
+    assert (rows[:, Column.ETA] == 1.0).all()
+    plain = HostedSimulation(make_scene(*PRESS, lines[0]), None, 4, Line()).advance(1000)
+    assert (plain[:, Column.ETA] == -1.0).any()
 
 
 # --- Supply ---------------------------------------------------------------------------------------
