@@ -155,8 +155,8 @@ module wh_anchor (
     wire slow  = (units_q >= slow_units);
 
     // ---- The steps: what is added to what, and where the sum goes. Sums with a product wait for it.
-    localparam [4:0] DRIVE = 0, LEFT = 1, HOLD = 2, ADD_U = 3, ADD_V = 4, ADD_OWED = 5,
-                     CURRENT = 6, SWING = 7, MEAN = 8, ZERO = 9, BASE = 10, EDGE = 11, FLUX = 12,
+    localparam [4:0] DRIVE = 0, LEFT = 1, HOLD = 2, ZERO = 3, ADD_U = 4, ADD_V = 5, ADD_OWED = 6,
+                     CURRENT = 7, SWING = 8, MEAN = 9, BASE = 10, EDGE = 11, FLUX = 12,
                      INNER = 13, PULL = 14, REACH = 15, LIMIT = 16, COMPARE = 17, LEARN = 18,
                      CORRECT = 19, DAMP = 20, CLIP = 21, STRANGE = 22, CHOOSE = 23,
                      PLACE = 24, X_HAT = 25, LAG = 26, FOLLOW = 27;
@@ -171,8 +171,7 @@ module wh_anchor (
     reg       busy_q;
     reg       first_q;    // no step has been made: the memory's state reads as 0
 
-    wire consumes = (step_q >= ADD_U && step_q <= CURRENT) || step_q == ZERO
-                    || (step_q >= LEARN && step_q <= DAMP);
+    wire consumes = (step_q >= ZERO && step_q <= CURRENT) || (step_q >= LEARN && step_q <= DAMP);
     wire advances = busy_q && (!consumes || done_i);
     wire ends     = advances && step_q == LAST;
 
@@ -223,6 +222,14 @@ module wh_anchor (
                 writes   = 1'b1;
                 write_to = M_LEFT;
             end
+            ZERO: begin
+                a_from   = A_MEMORY;
+                b_from   = (!contact_q && slow) ? B_FAR : B_NONE;
+                minus    = 1'b1;
+                fresh    = 1'b1;
+                writes   = 1'b1;
+                write_to = M_ZERO;
+            end
             ADD_U: begin
                 a_from = A_MEMORY;
                 b_from = B_FAR;
@@ -259,14 +266,6 @@ module wh_anchor (
                 fresh    = 1'b1;
                 writes   = 1'b1;
                 write_to = M_MEAN;
-            end
-            ZERO: begin
-                a_from   = A_MEMORY;
-                b_from   = (!contact_q && slow) ? B_FAR : B_NONE;
-                minus    = 1'b1;
-                fresh    = 1'b1;
-                writes   = 1'b1;
-                write_to = M_ZERO;
             end
             BASE: begin  // reads the current where a contact begins, the flux otherwise
                 b_from = B_MEMORY;
@@ -364,10 +363,10 @@ module wh_anchor (
 
     // What comes from outside.
     wire signed [LONG_W-1:0] voltage = $signed({{(LONG_W - DATA_W){e_back}}, voltage_q});
+    wire signed [DATA_W-1:0] limit   =
+        (step_q == DRIVE) ? drive : (step_q == STRANGE) ? strange : reach;
     wire signed [LONG_W-1:0] setting =
-        $signed({{(LONG_W - DATA_W - VOLT_SHIFT){1'b0}},
-                 (step_q == DRIVE) ? drive : (step_q == STRANGE) ? strange : reach,
-                 {VOLT_SHIFT{1'b0}}});
+        $signed({{(LONG_W - DATA_W - VOLT_SHIFT){limit[DATA_W-1]}}, limit, {VOLT_SHIFT{1'b0}}});
 
     always @* begin
         case (step_q)
@@ -406,11 +405,11 @@ module wh_anchor (
     // The word that the step after this one reads. What a step writes, the one after it can't read.
     always @* begin
         case (step_q)
-            HOLD:    read_next = M_FLUX;
+            HOLD:    read_next = M_ZERO;
+            ZERO:    read_next = M_FLUX;
             CURRENT: read_next = M_MEAN;
             SWING:   read_next = M_MEAN;
-            MEAN:    read_next = M_ZERO;
-            ZERO:    read_next = begins_q ? M_CURRENT : M_FLUX;
+            MEAN:    read_next = begins_q ? M_CURRENT : M_FLUX;
             EDGE:    read_next = M_CURRENT;
             LIMIT:   read_next = M_LEFT;
             COMPARE: read_next = M_LEARNED;
@@ -430,18 +429,18 @@ module wh_anchor (
         end
     end
 
-    // ---- The products, in the order in which they are asked for: each when its factor is there, and
-    // not so early that it could come before its step.
-    localparam [3:0] G_U = 0, G_V = 1, G_OWED = 2, G_CURRENT = 3, G_ZERO = 4, G_LEARN = 5,
+    // ---- The products, in the order in which they are asked for, in two runs. A run's products come
+    // one after the other and its steps follow each other, so that none comes before its step: the
+    // first step stands as many clocks after its factor as a product takes, or more. The steps before
+    // the first run take no product, so none that was asked for before a reset can be taken for another.
+    localparam [3:0] G_ZERO = 0, G_U = 1, G_V = 2, G_OWED = 3, G_CURRENT = 4, G_LEARN = 5,
                      G_PULL = 6, G_DAMP = 7, G_DONE = 8;
 
     reg        [3:0]        give_q;
     reg signed [DATA_W-1:0] pull_q;   // s31q16 cells: p
     reg signed [DATA_W-1:0] swing_q;  // s31q16 cells
 
-    assign request_o = busy_q && ((give_q <= G_CURRENT)
-                                  || (give_q == G_ZERO && step_q >= CURRENT)
-                                  || (give_q < G_DONE && step_q >= REACH));
+    assign request_o = busy_q && (give_q <= G_CURRENT || (give_q < G_DONE && step_q >= REACH));
 
     always @* begin
         case (give_q)
@@ -497,7 +496,7 @@ module wh_anchor (
             step_q       <= DRIVE;
             busy_q       <= 1'b0;
             first_q      <= 1'b1;
-            give_q       <= G_U;
+            give_q       <= G_ZERO;
             overrun_o    <= 1'b0;
             clipped_q    <= 1'b0;
             fault_o      <= 1'b0;
@@ -513,7 +512,7 @@ module wh_anchor (
             if (waves_i && (!busy_q || ends)) begin
                 busy_q       <= 1'b1;
                 step_q       <= DRIVE;
-                give_q       <= G_U;
+                give_q       <= G_ZERO;
                 correction_o <= next_q;
             end else begin
                 if (ends) begin
@@ -528,7 +527,7 @@ module wh_anchor (
             end
             if (advances) begin
                 case (step_q)
-                    BASE:    offset_o  <= $signed(sum_q[AMP_SHIFT +: DATA_W]);
+                    ADD_U:   offset_o  <= $signed(sum_q[AMP_SHIFT +: DATA_W]);
                     INNER:   flux_o    <= $signed(sum_q[LONG_W-1:CUT]);
                     STRANGE: clipped_q <= past;
                     CHOOSE:  fault_o   <= fault_o || (enable && clipped_q && past);
