@@ -15,8 +15,8 @@ from wavehaptics import anchor, formats
 # Clocks since waves_i of a step whose multiplier never makes it wait; with it, since the last of
 # its products was granted.
 STEP_CLOCKS = 30
-FROM_LAST_GRANT = 7
-START_FROM_LAST_GRANT = 4  # from here on the next tick may start
+FROM_LAST_GRANT = 8
+START_FROM_LAST_GRANT = 5  # from here on the next tick may start
 GRANTS = ("c", "current_i", "withheld_i", "u_i", "v_i", "learn", "pull", "damp")
 
 COUNT = formats.Fixed(formats.COUNT_W, 0)
