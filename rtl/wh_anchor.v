@@ -194,6 +194,9 @@ module wh_anchor (
     // ---- The words of a step.
     localparam [1:0] B_NEAR = 0, B_FAR = 1, B_INPUT = 2;
 
+    // No word is read for a sum in the clock in which it is written, so that it doesn't matter what a
+    // block RAM would give then: else Yosys adds logic that knows.
+    (* no_rw_check *)
     reg signed [LONG_W-1:0] memory [0:15];
     reg signed [LONG_W-1:0] read_q;
     reg signed [LONG_W-1:0] sum_q;
