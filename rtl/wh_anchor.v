@@ -111,6 +111,7 @@ module wh_anchor (
     reg        [PLACE_W-1:0] position_q;
     reg signed [MOVE_W-1:0]  moved_q;
     reg                      started_q;   // there was a tick before
+    reg                      start_q;     // moved_q is a new tick's: its rest is counted in this clock
     reg                      contact_q;
     reg                      begins_q;    // the contact
     reg                      back_q;      // direction of the last edge
@@ -120,32 +121,38 @@ module wh_anchor (
 
     wire signed [MOVE_W-1:0] moved    =
         started_q ? $signed(position_i[MOVE_W-1:0] - position_q[MOVE_W-1:0]) : {MOVE_W{1'b0}};
-    wire                     moves    = |moved;
-    wire                     back     = moved[MOVE_W-1];
-    wire                     one      = back ? (&moved) : (moved[MOVE_W-1:1] == 0);
+    wire                     moves    = |moved_q;
+    wire                     back     = moved_q[MOVE_W-1];
+    wire                     one      = back ? (&moved_q) : (moved_q[MOVE_W-1:1] == 0);
     wire                     same_way = moves && (back == back_q || !one);
     wire                     unit     = ({1'b0, ticks_q} + 1'b1 >= {1'b0, rest_ticks});
 
     always @(posedge clk) begin
         if (rst) begin
             started_q <= 1'b0;
+            start_q   <= 1'b0;
             contact_q <= 1'b0;
             begins_q  <= 1'b0;
             back_q    <= 1'b0;
             ticks_q   <= {REST_W{1'b0}};
             units_q   <= {UNIT_W{1'b1}};
             phase_q   <= 5'd0;
-        end else if (start_i) begin
-            started_q <= 1'b1;
-            contact_q <= contact_i;
-            begins_q  <= contact_i && !contact_q;
-            back_q    <= moves ? back : back_q;
-            phase_q   <= phase_q + 5'd1;
-            ticks_q   <= (same_way || unit) ? {REST_W{1'b0}} : ticks_q + 1'b1;
-            if (same_way) begin
-                units_q <= {UNIT_W{1'b0}};
-            end else if (unit && !(&units_q)) begin
-                units_q <= units_q + 1'b1;
+        end else begin
+            start_q <= start_i;
+            if (start_i) begin
+                started_q <= 1'b1;
+                contact_q <= contact_i;
+                begins_q  <= contact_i && !contact_q;
+                phase_q   <= phase_q + 5'd1;
+            end
+            if (start_q) begin
+                back_q  <= moves ? back : back_q;
+                ticks_q <= (same_way || unit) ? {REST_W{1'b0}} : ticks_q + 1'b1;
+                if (same_way) begin
+                    units_q <= {UNIT_W{1'b0}};
+                end else if (unit && !(&units_q)) begin
+                    units_q <= units_q + 1'b1;
+                end
             end
         end
         if (start_i) begin
@@ -189,6 +196,9 @@ module wh_anchor (
     // ---- The words of a step.
     localparam [1:0] B_NEAR = 0, B_FAR = 1, B_INPUT = 2;
 
+    // No word is read for a sum in the clock in which it is written, so that it doesn't matter what a
+    // block RAM would give then: else Yosys adds logic that knows.
+    (* no_rw_check *)
     reg signed [LONG_W-1:0] memory [0:15];
     reg signed [LONG_W-1:0] read_q;
     reg signed [LONG_W-1:0] sum_q;
