@@ -21,7 +21,7 @@ CENTRED_LEAD = HOLD_CLOCKS - GATE_CLOCKS
 EARLY_CLOCKS = 10
 """Clocks from the tick's last word to the duty's tick with ``wh_early``, for every port."""
 
-EARLY_PREPARE_CLOCKS = 16
+EARLY_PREPARE_CLOCKS = 18
 """Clocks before the sum that ``wh_early`` needs the frame's start and the end of the last step."""
 
 _CURRENT_CLOCKS = 6
