@@ -20,7 +20,8 @@
 //     conversion + 14 + (24 + 5 SHAPER) N + 2 (N - 1) clocks
 // after its sample strobe or later, conversion being the reader's own latency (latency_clocks in
 // sim/wavehaptics/pins_timing.py).
-// With EARLY = 1 it is conversion + 10 clocks, for a tick of conversion + 31 clocks or more.
+// With EARLY = 1 it is conversion + 10 clocks, for a conversion of 18 clocks or more and a tick of
+// 23 + 25 N or more; with ANCHOR = 1 as well 34 + 25 N (early_tick_clocks).
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
 
 `default_nettype none

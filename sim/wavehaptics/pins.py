@@ -240,11 +240,12 @@ def _check_early(scene: Scene, tick_clocks: int, made: Frame) -> None:
             f"{place}: the ADC's word is there {made.conversion_clocks} clocks after its frame's "
             f"start, sooner than the {EARLY_PREPARE_CLOCKS} that are needed; take another adc.part"
         )
-    needed = early_tick_clocks()
+    needed = early_tick_clocks(anchored=scene.controller.anchored)
     if tick_clocks < needed:
+        with_anchor = " with a port anchor" if scene.controller.anchored else ""
         raise SceneError(
             f"{place}: a tick of {tick_clocks} clocks is shorter than the {needed} that are "
-            "needed; lower controller.tick_hz or take a faster clock_hz"
+            f"needed{with_anchor}; lower controller.tick_hz or take a faster clock_hz"
         )
 
 
