@@ -795,6 +795,8 @@ class PinsSimulation:
         ports = controller_ports(scene, most_samples=most_samples)
         self.timing = ports.timing
         set_, time, sensor = ports.settings, ports.timing, ports.sensor
+        if host:
+            set_ = set_.for_a_host()
         self.settings: Settings = set_
         self.sensor = sensor
         self.tick_s = time.tick_s
@@ -890,6 +892,11 @@ class PinsSimulation:
         words = (ctypes.c_int64 * 4)()
         self._library.wh_pins_packet(self._model, words)
         return tuple(words)
+
+    @property
+    def faults(self) -> int:
+        """What was seen: bit 0 a tick too short for its work, bit 1 an encoder's illegal move."""
+        return int(self._kept[_FAULTS])
 
     @property
     def clock_cycles(self) -> int:

@@ -64,4 +64,5 @@ def early_tick_clocks(ports: int = 1, anchored: bool = False) -> int:
     step = CORE_CLOCKS * ports
     if anchored:
         step += WAVES_CLOCKS + ANCHOR_CLOCKS - CORE_CLOCKS
-    return _CURRENT_CLOCKS + ports - 1 + step + EARLY_PREPARE_CLOCKS
+    # The sum is there a clock after the word.
+    return _CURRENT_CLOCKS - 1 + ports - 1 + step + EARLY_PREPARE_CLOCKS
