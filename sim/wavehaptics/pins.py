@@ -35,7 +35,7 @@ from wavehaptics.early import slope_fits
 from wavehaptics.hand import hand_path
 from wavehaptics.lines import FAULTY, cell_of, edge_place, line_count
 from wavehaptics.modulator import width_bounds
-from wavehaptics.motor import MEMORY, SERIES_OHM, motor_step
+from wavehaptics.motor import motor_step
 from wavehaptics.native_call import call2
 from wavehaptics.pins_timing import (
     CENTRED_LEAD,
@@ -52,6 +52,7 @@ from wavehaptics.real import (
     LAG_TABLE,
     LINE_MEMORY,
     LINES,
+    LOAD,
     MOTOR,
     SUPPLY,
     VOLTS,
@@ -388,12 +389,13 @@ def _bus_at(time, floats):
 
 @compiled()
 def _true_bus(time, floats, real):
-    """The bus without a load, V."""
+    """The bus, V. It sags by the last tick's load: between two ticks its capacitors hold it."""
     bus = _bus_at(time, floats)
     if real is not None:
         supply = real[SUPPLY]
         if time >= supply[STEP_S]:
             bus += (supply[STEP_PART] - 1.0) * supply[BUS_V]
+        bus = max(0.0, bus - supply[SAG_OHM] * real[LAG][LOAD])
     return bus
 
 
@@ -409,27 +411,22 @@ def _sensed(state, sensor, real):
 
 
 @compiled()
-def _step(state, table, step_s, clocks, e, share, load, sensor, real):
-    """One step at ``e`` V, ``share`` of the bus; ∫i dt and ∫i² dt, and Ω that the supply adds."""
+def _step(state, table, step_s, clocks, e, legs, load, sensor, real):
+    """One step at ``e`` V, which is ``legs`` times the bus; ∫i dt and ∫i² dt."""
     if real is None:
-        charge, square = plant_step(state, table, step_s, e, load)
-        return charge, square, 0.0
+        return plant_step(state, table, step_s, e, load)
     else:
-        series = 0.0
-        if real[SUPPLY][SAG_OHM] != 0.0:
-            series = real[SUPPLY][SAG_OHM] * share * share
-            real[MOTOR][MEMORY][SERIES_OHM] = series
         first = state[I]
         charge, square = motor_step(state, table, step_s, e, load, real[MOTOR])
         memory = real[LAG]
-        memory[DRAWN] += share * charge
-        if share != 0.0:
+        memory[DRAWN] += legs * charge
+        if legs != 0.0:
             memory[VOLTS] = e
         if sensor[LAG_RATE] != 0.0:
             memory[AMPLIFIED] = lagged(
                 memory[AMPLIFIED], first, state[I], charge / step_s, real[LAG_TABLE][clocks]
             )
-        return charge, square, series
+        return charge, square
 
 
 @compiled()
@@ -442,7 +439,7 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
         step_s = part * floats[_DT]
         half_bridge = ints[_HALF_BRIDGE]
         floating = kept[_PINS] & 3 == 0 or (kept[_PINS] & 12 == 0 and not half_bridge)
-        share = 0.0
+        legs = 0.0
         if floating and before == 0.0:
             # The diodes of the open leg block: no current, and the voltage is the back-EMF.
             e = floats[_K_T] * state[OMEGA]
@@ -452,11 +449,9 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
                 e = floats[_GAIN] * half_bridge_voltage(kept[_PINS], before, bus)
             else:
                 e = floats[_GAIN] * bridge_voltage(kept[_PINS], before, bus)
-            if real is not None:
-                share = e / (floats[_GAIN] * bus)
-        charge, square, series = _step(
-            state, tables[part], step_s, part, e, share, load, sensor, real
-        )
+            if real is not None and bus > 0.0:
+                legs = e / (floats[_GAIN] * bus)
+        charge, square = _step(state, tables[part], step_s, part, e, legs, load, sensor, real)
         if floating and before * state[I] <= 0.0:
             # The current ran out within the step and stays at zero: a triangle is left of it.
             if before != 0.0:
@@ -465,7 +460,7 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
         sums[_CHARGE] += charge
         sums[_SQUARE] += square
         sums[_WORK] += e * charge
-        sums[_VOLT_SECONDS] += e * step_s - series * charge
+        sums[_VOLT_SECONDS] += e * step_s
         sums[_LOW] = min(sums[_LOW], state[I])
         sums[_HIGH] = max(sums[_HIGH], state[I])
         clocks -= part
@@ -617,15 +612,12 @@ def _advance(
         if kept[_NOW] == kept[_TICK_START]:
             _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
             _close_tick(state, kept, sums, pending, floats, ints)
-            if ints[_SET_BUS]:
-                bus = _true_bus(state[TIME], floats, real)
-                if real is not None:
-                    drawn = real[LAG][DRAWN] / (ints[_TICK_CLOCKS] * dt)
-                    bus = max(0.0, bus - real[SUPPLY][SAG_OHM] * drawn)
-                word = int(np.round(bus * _BUS_SCALE))
-                call2(ints[_SET_BUS], ints[_MODEL], word)
             if real is not None:
+                real[LAG][LOAD] = real[LAG][DRAWN] / (ints[_TICK_CLOCKS] * dt)
                 real[LAG][DRAWN] = 0.0
+            if ints[_SET_BUS]:
+                word = int(np.round(_true_bus(state[TIME], floats, real) * _BUS_SCALE))
+                call2(ints[_SET_BUS], ints[_MODEL], word)
             silent += 1
             if silent > _PENDING - 2:
                 return False
