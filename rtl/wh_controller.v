@@ -44,6 +44,7 @@ module wh_controller #(
     parameter integer MIN_PULSE  = 0,  // 1: min_pulse_i counts; 0: pulses may be of one clock
     parameter integer BUS        = 0,  // 1: bus_i scales the drive; 0: clocks_per_volt_i does
     parameter integer HOST       = 0,  // 1: a computer can have the environment (wh_host_link)
+    parameter integer ANCHOR     = 0,  // 1: the port anchor holds what a port feels like (wh_anchor)
     parameter integer GUARD      = 0,  // 1: wh_guard watches; 0: its inputs mean nothing
     parameter integer SHAPE_BITS = N * ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
                                    * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W)
@@ -124,6 +125,7 @@ module wh_controller #(
     input  wire [N*`WH_COEF_W-1:0]      root_i,              // s27q22 √Ω, +-16: √(2R̂)
     input  wire [N*`WH_COEF_W-1:0]      a_i,                 // s27q25, in (0, 1]
     input  wire [N*`WH_DATA_W-1:0]      u_max_i,             // s31q23 √W, 0...128 √W
+    input  wire [N*`WH_ANCHOR_W-1:0]    anchor_words_i,      // wh_anchor's settings
     input  wire [DELAY_LOG2-1:0]        extra_ticks_i,       // ticks
     input  wire [DELAY_LOG2-1:0]        hold_ticks_i,        // ticks
 
@@ -156,6 +158,12 @@ module wh_controller #(
     output wire                         tick_o,              // strobe, last clock of a tick
     output wire                         core_valid_o,        // strobe, the words below are new
     output wire [N*`WH_DATA_W-1:0]      voltage_o,           // s31q23 V, +-128 V: e to be applied
+    output wire [N*`WH_DATA_W-1:0]      correction_o,        // s31q23 V: the anchor's part of it
+    output wire [N*`WH_DATA_W-1:0]      offset_o,            // s31q24 A: what it takes off the current
+    output wire [N*`WH_DATA_W-1:0]      flux_o,              // s31q16 cells: x̂ = x + 1/2 - this
+    output wire [N*`WH_DATA_W-1:0]      lag_o,               // s31q16 cells: ω̂ over 256 ticks
+    output wire [N-1:0]                 anchor_fault_o,      // waves and encoder don't agree; until rst
+                                                             // or enable_i = 0
     output wire [N*`WH_DATA_W-1:0]      u_o,                 // s31q23 √W: u_n, measured tick
     output wire [N*`WH_DATA_W-1:0]      v_o,                 // s31q23 √W: v_n, measured tick
     output wire [N*`WH_DATA_W-1:0]      current_o,           // s31q24 A, +-64 A: i_n
@@ -174,7 +182,7 @@ module wh_controller #(
 
     localparam integer DATA_W = `WH_DATA_W;
     localparam integer COEF_W = `WH_COEF_W;
-    localparam integer USERS  = 2 * N;
+    localparam integer USERS  = (ANCHOR != 0) ? 3 * N : 2 * N;
     localparam integer WALL_W = (WALLS < 2) ? 1 : $clog2(WALLS);
 
     generate
@@ -186,6 +194,9 @@ module wh_controller #(
         end
         if ((EARLY != 0 && EARLY != 1) || (EARLY == 1 && SHAPER != 0)) begin : illegal_early
             wh_illegal_parameter_controller_early_must_be_0_or_1_and_0_with_a_shaper stop ();
+        end
+        if (ANCHOR != 0 && ANCHOR != 1) begin : illegal_anchor
+            wh_illegal_parameter_controller_anchor_must_be_0_or_1 stop ();
         end
         if (BUS != 0 && BUS != 1) begin : illegal_bus
             wh_illegal_parameter_controller_bus_must_be_0_or_1 stop ();
@@ -342,7 +353,8 @@ module wh_controller #(
 
     wire [N-1:0] current_valid;
 
-    // ---- One multiplier for the currents (users 0...N-1) and the voltages (N...2N-1).
+    // ---- One multiplier for the currents (users 0...N-1), the voltages (N...2N-1) and the anchors
+    // (2N...3N-1), which have the most time.
 
     wire        [USERS-1:0]         multiply_request;
     wire        [USERS*DATA_W-1:0]  multiply_data;
@@ -369,6 +381,10 @@ module wh_controller #(
     wire                core_start = current_valid[N-1];
     wire                core_busy;
     wire                core_overrun;
+    wire [N*DATA_W-1:0] wave_voltage; // e_id
+    wire [N*DATA_W-1:0] withheld;
+    wire [N-1:0]        waves;
+    wire [N-1:0]        anchor_overrun;
     wire [N*COEF_W-1:0] eta;          // of contact, or 0 while a host has the environment
     wire [N*DATA_W-1:0] outside;      // a host's goal
     wire [N*DATA_W-1:0] u_max;        // what the bus leaves of u_max_i
@@ -384,7 +400,8 @@ module wh_controller #(
         .DELAY_LOG2    (DELAY_LOG2),
         .OUTSIDE       (HOST),
         .SHAPER        (SHAPER),
-        .AHEAD         (EARLY)
+        .AHEAD         (EARLY),
+        .WITHHELD      (ANCHOR)
     ) wave_core (
         .clk           (clk),
         .rst           (drive_rst),
@@ -402,15 +419,17 @@ module wh_controller #(
         .u_max_i       (u_max),
         .extra_ticks_i (extra_ticks_i),
         .hold_ticks_i  (hold_ticks_i),
-        .voltage_o     (voltage_o),
+        .voltage_o     (wave_voltage),
         .u_o           (u_o),
         .v_o           (v_o),
         .saturated_o   (saturated_o),
+        .withheld_o    (withheld),
+        .waves_o       (waves),
         .newest_u_o    (newest_u),
         .next_u_o      (next_u)
     );
 
-    assign overrun_o = adc_overrun || core_overrun || (|early_overrun);
+    assign overrun_o = adc_overrun || core_overrun || (|anchor_overrun) || (|early_overrun);
 
     // ---- The bridge's pattern.
 
@@ -463,7 +482,6 @@ module wh_controller #(
     // ---- Guard. An illegal word is one that no block has a meaning for.
 
     wire [N-1:0] moved;
-    wire [N-1:0] anchor_fault;  // the port anchor's
     reg          setting_q;
     reg          setting;
     integer      m;
@@ -520,7 +538,7 @@ module wh_controller #(
                 .trip_i         (overcurrent_o),
                 .encoder_i      (encoder_fault_o),
                 .moved_i        (moved),
-                .anchor_i       (anchor_fault_i | anchor_fault),
+                .anchor_i       (anchor_fault_i | anchor_fault_o),
                 .setting_i      (setting_q),
                 .overrun_i      (overrun_o),
                 .tick_i         (tick_o),
@@ -534,7 +552,7 @@ module wh_controller #(
             );
         end else begin : unguarded
             wire unused_guard = &{1'b0, guard_i, stop_i, driver_fault_i, host_alive_i, bus_i,
-                                  anchor_fault_i, anchor_fault, setting_q, moved};
+                                  anchor_fault_i, setting_q, moved};
 
             assign faults_o = {`WH_FAULTS{1'b0}};
             assign off      = 1'b0;
@@ -609,6 +627,7 @@ module wh_controller #(
                 .factor_o  (multiply_data[n*DATA_W +: DATA_W]),
                 .done_i    (multiply_done[n]),
                 .product_i (product),
+                .offset_i  (offset_o[n*DATA_W +: DATA_W]),
                 .valid_o   (current_valid[n]),
                 .current_o (current_o[n*DATA_W +: DATA_W])
             );
@@ -669,10 +688,69 @@ module wh_controller #(
                 .eta_o         (contact_eta)
             );
 
-            // The port anchor's place. It will take this port's waves, its current and its counts, give
-            // the voltage that is added to voltage_o before the modulator, and say here that waves
-            // and counts don't agree.
-            assign anchor_fault[n] = 1'b0;
+            wire              anchor_busy;
+            wire [DATA_W-1:0] next_correction;
+
+            if (ANCHOR != 0) begin : anchored
+                wire signed [DATA_W:0] wide_voltage =
+                    $signed({wave_voltage[n*DATA_W + DATA_W-1], wave_voltage[n*DATA_W +: DATA_W]})
+                    + $signed({correction_o[n*DATA_W + DATA_W-1], correction_o[n*DATA_W +: DATA_W]});
+                wire signed [DATA_W-1:0] voltage;
+
+                wh_saturate #(
+                    .IN_W    (DATA_W + 1),
+                    .OUT_W   (DATA_W)
+                ) saturate_voltage (
+                    .value_i (wide_voltage),
+                    .value_o (voltage)
+                );
+
+                assign voltage_o[n*DATA_W +: DATA_W] = voltage;
+
+                // A host's environment counts as contact: its current may be what it likes.
+                wh_anchor anchor (
+                    .clk           (clk),
+                    .rst           (drive_rst || damp),
+                    .start_i       (core_start),
+                    .position_i    (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
+                    .contact_i     (contact_o[n] || host_active_o[n]),
+                    .waves_i       (waves[n]),
+                    .current_i     (current_o[n*DATA_W +: DATA_W]),
+                    .u_i           (u_o[n*DATA_W +: DATA_W]),
+                    .v_i           (v_o[n*DATA_W +: DATA_W]),
+                    .withheld_i    (withheld[n*DATA_W +: DATA_W]),
+                    .voltage_i     (wave_voltage[n*DATA_W +: DATA_W]),
+                    .saturated_i   (saturated_o[n]),
+                    .busy_o        (anchor_busy),
+                    .overrun_o     (anchor_overrun[n]),
+                    .words_i       (anchor_words_i[n*`WH_ANCHOR_W +: `WH_ANCHOR_W]),
+                    .request_o     (multiply_request[2*N+n]),
+                    .factor_o      (multiply_data[(2*N+n)*DATA_W +: DATA_W]),
+                    .coefficient_o (multiply_coef[(2*N+n)*COEF_W +: COEF_W]),
+                    .grant_i       (multiply_grant[2*N+n]),
+                    .done_i        (multiply_done[2*N+n]),
+                    .product_i     (product),
+                    .correction_o  (correction_o[n*DATA_W +: DATA_W]),
+                    .next_o        (next_correction),
+                    .offset_o      (offset_o[n*DATA_W +: DATA_W]),
+                    .flux_o        (flux_o[n*DATA_W +: DATA_W]),
+                    .lag_o         (lag_o[n*DATA_W +: DATA_W]),
+                    .fault_o       (anchor_fault_o[n])
+                );
+            end else begin : by_its_waves_alone
+                wire unused_anchor = &{1'b0, waves[n], withheld[n*DATA_W +: DATA_W],
+                                       anchor_words_i[n*`WH_ANCHOR_W +: `WH_ANCHOR_W]};
+
+                assign voltage_o[n*DATA_W +: DATA_W]    = wave_voltage[n*DATA_W +: DATA_W];
+                assign correction_o[n*DATA_W +: DATA_W] = {DATA_W{1'b0}};
+                assign offset_o[n*DATA_W +: DATA_W]     = {DATA_W{1'b0}};
+                assign flux_o[n*DATA_W +: DATA_W]       = {DATA_W{1'b0}};
+                assign lag_o[n*DATA_W +: DATA_W]        = {DATA_W{1'b0}};
+                assign next_correction                  = {DATA_W{1'b0}};
+                assign anchor_busy                      = 1'b0;
+                assign anchor_overrun[n]                = 1'b0;
+                assign anchor_fault_o[n]                = 1'b0;
+            end
 
             wire [WALLS-1:0] wall_shaped = wall_shaped_i[n*WALLS +: WALLS];
 
@@ -680,10 +758,12 @@ module wh_controller #(
             assign shape_mode[2*n +: 2] = (!contact_o[n] || host_active_o[n]) ? 2'd0
                                         : wall_shaped[wall]                   ? 2'd2 : 2'd1;
 
-            wire [DATA_W-1:0] present_outside = (host_active_o[n] && !damp)
+            // An anchor that has lost the rotor leaves a port that only damps.
+            wire              damps           = damp || anchor_fault_o[n];
+            wire [DATA_W-1:0] present_outside = (host_active_o[n] && !damps)
                                               ? host_u[n*DATA_W +: DATA_W] : {DATA_W{1'b0}};
-            wire [COEF_W-1:0] present_eta     = (host_active_o[n] || damp) ? {COEF_W{1'b0}}
-                                                                           : contact_eta;
+            wire [COEF_W-1:0] present_eta     = (host_active_o[n] || damps) ? {COEF_W{1'b0}}
+                                                                            : contact_eta;
 
             // ---- A duty that doesn't wait for the core. What it is made with, the core uses too.
             wire                                   early_valid;
@@ -697,7 +777,7 @@ module wh_controller #(
                     .word_valid_i      (adc_valid),
                     .word_first_i      (adc_first),
                     .samples_i         (samples_i),
-                    .busy_i            (core_start || core_busy),
+                    .busy_i            (core_start || core_busy || anchor_busy),
                     .f_i               (newest_u[n*DATA_W +: DATA_W]),
                     .u_n_i             (next_u[n*DATA_W +: DATA_W]),
                     .u_max_i           (u_max[n*DATA_W +: DATA_W]),
@@ -707,6 +787,8 @@ module wh_controller #(
                     .clocks_per_volt_i (clocks_per_volt[n*COEF_W +: COEF_W]),
                     .eta_i             (present_eta),
                     .wave_i            (present_outside),
+                    .offset_i          (offset_o[n*DATA_W +: DATA_W]),
+                    .correction_i      (next_correction),
                     .eta_o             (eta[n*COEF_W +: COEF_W]),
                     .wave_o            (outside[n*DATA_W +: DATA_W]),
                     .sum_valid_i       (multiply_request[n]),
@@ -716,7 +798,8 @@ module wh_controller #(
                     .overrun_o         (early_overrun[n])
                 );
             end else begin : in_turn
-                wire unused_early = &{1'b0, newest_u[n*DATA_W +: DATA_W], next_u[n*DATA_W +: DATA_W]};
+                wire unused_early = &{1'b0, newest_u[n*DATA_W +: DATA_W], next_u[n*DATA_W +: DATA_W],
+                                      anchor_busy, next_correction};
 
                 assign outside[n*DATA_W +: DATA_W] = present_outside;
                 assign eta[n*COEF_W +: COEF_W]     = present_eta;

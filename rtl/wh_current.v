@@ -2,11 +2,11 @@
 //
 // wh_current: the mean current of a tick from the sum of its ADC words.
 //
-//   current = round((sum of samples_i words - zero) * gain)
+//   current = round((sum of samples_i words - zero) * gain) - offset
 //
 // zero is the sum that stands for 0 A, measured with the bridge off; gain holds the amperes of an
 // ADC step and the division by the number of samples. Rounding is to the nearest word, halves away
-// from zero, and the result saturates.
+// from zero, and the result saturates. offset is what the port anchor finds besides zero.
 // The product is made by a multiplier shared with other blocks (wh_multiply_shared): request_o
 // stays until grant_i, factor_o and gain_i are the operands, done_i says that product_i is the
 // product.
@@ -33,6 +33,8 @@ module wh_current (
     input  wire                                    done_i,
     input  wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_i,  // s58q35 A
 
+    input  wire signed [`WH_DATA_W-1:0]            offset_i,   // s31q24 A, taken off
+
     output reg                                     valid_o,    // strobe
     output reg  signed [`WH_DATA_W-1:0]            current_o   // s31q24 A, +-64 A
 );
@@ -41,6 +43,7 @@ module wh_current (
     localparam integer PRODUCT_W    = DIFFERENCE_W + `WH_COEF_W;  // as far as product_i is used
     localparam integer SHIFT        = `WH_GAIN_Q - `WH_CURRENT_Q;
     localparam integer ROUND_W      = PRODUCT_W - SHIFT + 1;
+    localparam integer LESS_W       = 1 + ((ROUND_W > `WH_DATA_W) ? ROUND_W : `WH_DATA_W);
 
     generate
         if (`WH_DATA_W < DIFFERENCE_W) begin : illegal
@@ -85,7 +88,7 @@ module wh_current (
     // 25 x 27 bits: above the product there is nothing but its sign.
     wire unused = &{1'b0, product_i[`WH_DATA_W+`WH_COEF_W-1:PRODUCT_W]};
 
-    // Rounded in one clock, saturated in the next.
+    // Rounded in one clock, in the next less the offset and saturated.
     wire signed [ROUND_W-1:0]    rounded;
     reg  signed [ROUND_W-1:0]    rounded_q;
     reg                          rounded_valid_q;
@@ -99,11 +102,15 @@ module wh_current (
         .value_o (rounded)
     );
 
+    wire signed [LESS_W-1:0] less =
+        $signed({{(LESS_W - ROUND_W){rounded_q[ROUND_W-1]}}, rounded_q})
+        - $signed({{(LESS_W - `WH_DATA_W){offset_i[`WH_DATA_W-1]}}, offset_i});
+
     wh_saturate #(
-        .IN_W    (ROUND_W),
+        .IN_W    (LESS_W),
         .OUT_W   (`WH_DATA_W)
     ) saturate (
-        .value_i (rounded_q),
+        .value_i (less),
         .value_o (saturated)
     );
 

@@ -52,6 +52,10 @@ module wh_early (
     output reg  signed [`WH_COEF_W-1:0] eta_o,
     output reg  signed [`WH_DATA_W-1:0] wave_o,
 
+    // Of the port anchor: taken off the current, and added to e behind its limit.
+    input  wire signed [`WH_DATA_W-1:0] offset_i,           // s31q24 A
+    input  wire signed [`WH_DATA_W-1:0] correction_i,       // s31q23 V: c
+
     input  wire                         sum_valid_i,        // its first clock counts
     input  wire signed [`WH_DATA_W-1:0] sum_i,              // s31q0: the tick's sum - zero
 

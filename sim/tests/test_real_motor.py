@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from wavehaptics.brushes import NOISE_POINTS, PARTS_OF_NOISE_S, noise_course
-from wavehaptics.motor import MEMORY, SERIES_OHM, motor_parts, motor_step
+from wavehaptics.motor import MEMORY, SERIES_OHM, motor_parts, motor_step, warm_parts
 from wavehaptics.plant import OMEGA, I, Plant, X, load_words
 
 TICK_S = 1e-6
@@ -329,3 +330,30 @@ def test_steps_are_short_enough_for_what_is_there(make_scene):
     )
     noisy = make_scene("brushes.contact_noise=0.03", "brushes.noise_s=1e-5")
     assert Plant.of_scene(noisy).longest_step_s <= 1.25e-6
+
+
+def test_a_warm_winding_takes_its_brushes_along(make_scene):
+    """Parts of R are of R as it is, and a µs more of it is what they say."""
+    parts_of = ("brushes.segments=11", "brushes.ripple=0.1", "motor.J_kgm2=1.0")
+    plant = Plant.of_scene(make_scene(*parts_of))
+    parts = motor_parts(plant)
+    warm = replace(plant, resistance=2 * R)
+    warm_parts(parts, warm)
+    for got, expected in zip(parts, motor_parts(warm), strict=True):
+        np.testing.assert_array_equal(got, expected)
+    i = run(warm, [1.0] * 3000)[-1, 0]
+    assert i == pytest.approx(1.0 / (2 * R * 1.1), rel=1e-4)
+
+
+def test_a_step_far_too_long_is_still_stable(make_scene):
+    """20 kΩ of slope at steps of 20 µs, where plain Newton steps would go to and fro."""
+    plant = Plant.of_scene(
+        make_scene("brushes.drop_v=2", "brushes.knee_a=1e-4", "motor.J_kgm2=1.0")
+    )
+    state, matrix, step_s = plant.start.copy(), plant.transition(20e-6), 20e-6
+    load, parts = load_words(plant), motor_parts(plant)
+    for n, e in enumerate([5.0] * 100 + [-5.0] * 100 + [1.0] * 100):
+        motor_step(state, matrix, step_s, e, load, parts)
+        if n % 100 == 99:
+            expected = 0.0 if e == 1.0 else math.copysign(3.0 / R, e)
+            assert state[I] == pytest.approx(expected, abs=1e-3)

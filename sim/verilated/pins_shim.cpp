@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "Vwh_controller.h"
+#include "anchor_words.h"
 #include "shape_words.h"
 #include "verilated.h"
 
@@ -108,6 +109,7 @@ void *wh_pins_new(const int64_t *p) {
         set_count(top.wall_max_i, n, p[kWallEdges + 2 * n + 1]);
     }
     top.wall_enable_i = mask(static_cast<int>(p[kWalls]));
+    set_anchor_words(top.anchor_words_i, p + kWallEdges + 2 * p[kWalls]);
     set_inputs(top, p[kInputs]);
     top.rst = 1;
     top.enable_i = 0;
@@ -190,7 +192,8 @@ int64_t wh_pins_clock(int64_t model, int64_t inputs) {
     return out;
 }
 
-// The words of the newest step into words[0..4]: i, u_n, v_n, e, whether the voltage limit acted.
+// The words of the newest step into words[0..9]: i, u_n, v_n, e, whether the voltage limit acted, and
+// of the port anchor c, χ, ω̂'s lag, its fault, and the position.
 int64_t wh_pins_words(int64_t model, int64_t words_address) {
     auto &top = reinterpret_cast<Controller *>(model)->top;
     int64_t *words = reinterpret_cast<int64_t *>(words_address);
@@ -199,6 +202,11 @@ int64_t wh_pins_words(int64_t model, int64_t words_address) {
     words[2] = signed_word(top.v_o);
     words[3] = signed_word(top.voltage_o);
     words[4] = top.saturated_o;
+    words[5] = signed_word(top.correction_o);
+    words[6] = signed_word(top.flux_o);
+    words[7] = signed_word(top.lag_o);
+    words[8] = top.anchor_fault_o;
+    words[9] = static_cast<int32_t>(top.position_o);
     return 0;
 }
 

@@ -183,18 +183,21 @@ def _part(z, trial, kept, floats, wall_min, wall_max, steps):
 
 @compiled()
 def _real_part(z, trial, before, kept, floats, wall_min, wall_max, ohm, steps, parts):
-    """:func:`_part` of a motor that isn't linear; returns w. ``before`` is room for a state."""
+    """:func:`_part` of a motor that isn't linear; returns w and the brushes' part of it.
+
+    ``before`` is room for a state.
+    """
     dt = floats[_DT]
     touching, side = kept[_TOUCHING], kept[_SIDE]
     for n in range(z.shape[0]):
         before[n] = z[n]
-    w = parts[MEMORY][VOLTAGE]
+    w, drop = parts[MEMORY][VOLTAGE], 0.0
     for attempt in range(ROUNDS):
         z[W] = w
         _part(z, trial, kept, floats, wall_min, wall_max, steps)
         table = steps[_circuit(kept), HALVINGS]
         g, g_last = -table[Q, W] / dt, -table[I, W]
-        right = series_voltage(
+        right, drop = series_voltage(
             z[Q] / dt + g * w, g, before[I], z[I] + g_last * w, g_last, dt, ohm, parts
         )
         if abs(right - w) <= TOLERANCE_V or attempt == ROUNDS - 1:
@@ -203,7 +206,7 @@ def _real_part(z, trial, before, kept, floats, wall_min, wall_max, ohm, steps, p
         for n in range(z.shape[0]):
             z[n] = before[n]
         kept[_TOUCHING], kept[_SIDE] = touching, side
-    return w
+    return w, drop
 
 
 @compiled()
@@ -218,7 +221,7 @@ def _advance(rows, z, trial, before, kept, wall_min, wall_max, floats, substeps,
             i, omega, x, f = z[I], z[OMEGA], z[X], z[F]
             z[Q] = 0.0
             z[QF] = 0.0
-            sag, ohm = 0.0, 0.0
+            sag, ohm, drop = 0.0, 0.0, 0.0
             if real is None:
                 tau = friction_torque(z, load)
                 z[TAU] = tau
@@ -238,7 +241,7 @@ def _advance(rows, z, trial, before, kept, wall_min, wall_max, floats, substeps,
                     ohm = series_ohm(x + 0.5 * dt * omega, kept[_TIME] + 0.5 * dt, parts)
                     tau = friction_torque(z, load, torque)
                     z[TAU] = tau + torque
-                    w = _real_part(
+                    w, drop = _real_part(
                         z, trial, before, kept, floats, wall_min, wall_max, ohm, steps, parts
                     )
                     keep_step(w, i, z[Q] / dt, omega, z[OMEGA], dt, parts)
@@ -249,7 +252,7 @@ def _advance(rows, z, trial, before, kept, wall_min, wall_max, floats, substeps,
             wave += z[QF]
             part_square = square_integral(i, z[I], z[Q], dt)
             if real is not None and real[MOTOR][MEMORY].shape[0] != 0:
-                part_square = warming_square(part_square, z[Q], dt, ohm, real[MOTOR])
+                part_square = warming_square(part_square, z[Q], drop, ohm, real[MOTOR])
                 lost += sag * z[Q]
             square += part_square
             # ∫f i dt of two straight lines with the given means and ends.

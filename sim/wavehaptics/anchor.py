@@ -90,6 +90,9 @@ STILL_UNITS = 16
 """Units of REST_TICKS until it counts as still, and c_I learns in every tick."""
 FOLLOWER_SHIFT = 8
 """x̂'s slow copy takes 2^-8 of its distance in each tick."""
+FOLLOWER_TICKS = 1 << FOLLOWER_SHIFT
+SEEN_CELLS = formats.LONG.step * 2.0**formats.LONG_GUARD
+"""Cells of the last place of the RTL's ``flux_o`` and ``lag_o``, χ and x̂ less its slow copy."""
 
 _GUARD = formats.LONG_GUARD
 _CELL = 1 << formats.LONG.fraction

@@ -7,10 +7,11 @@ the step's middle, and w at the step's mean current,
 
     w = V_b tanh(ī/knee) + ρ ī + v_eddy(ī) + (change of the missing flux)/step,   ī = ī₀ − g w
 
-with ī₀ the mean without w and g from the same table as the exact step. One unknown, solved by
-Newton's method. It is of second order, and at the mean current it takes exactly the energy w·ī, so
-that brushes only ever brake. :attr:`wavehaptics.plant.Plant.longest_step_s` keeps g times the
-brushes' slope below a quarter, where Newton's method can't fail.
+with ī₀ the mean without w and g from the same table as the exact step. One unknown, of which the
+difference of both sides only ever grows: Newton's method, kept between two places of which one is
+too low and one too high, finds it. It is of second order in the step, and at the mean current it
+takes exactly the energy w·ī, so that brushes only ever brake. For the accuracy
+:attr:`wavehaptics.plant.Plant.longest_step_s` keeps g times the brushes' slope below a quarter.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ VOLTAGE, SERIES_OHM, EDDY_CURRENT, CABLE_END, ACCELERATION, RESISTANCE = range(6
 """Places in the memory of a motor: w of the last step; Ω in series, which the supply sets; i_e; y
 of the cable; dω/dt of the last step; R."""
 
-NEWTON_STEPS = 20
+NEWTON_STEPS = 40
 TOLERANCE_V = 1e-7
 """Newton's last step; as its error squares itself from step to step, w is far better than this."""
 
@@ -83,11 +84,11 @@ def warm_parts(parts: tuple[np.ndarray, ...], plant: Plant) -> None:
         parts[MEMORY][RESISTANCE] = plant.resistance
 
 
-@compiled()
+@compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def series_voltage(mean, g, first, last, g_last, step_s, ohm, parts):
-    """w of a step: the voltage in series with the linear winding, V.
+    """w of a step, the voltage in series with the linear winding, and the brushes' part of it, V.
 
-    Without it the current would have the ``mean``, and go from ``first`` to ``last``; a volt of it
+    Without w the current would have the ``mean``, and go from ``first`` to ``last``; a volt of it
     takes ``g`` and ``g_last`` off. ``ohm`` is what lies in series besides R.
     """
     brushes, iron, memory = parts[BRUSHES], parts[IRON], parts[MEMORY]
@@ -97,21 +98,29 @@ def series_voltage(mean, g, first, last, g_last, step_s, ohm, parts):
     if iron[EDDY_OHM] != 0.0:
         share, inductance = eddy_share(memory[EDDY_CURRENT], first, step_s, iron)
         eddy_ohm = share * inductance / step_s
-    w = memory[VOLTAGE]
+    w, drop = memory[VOLTAGE], 0.0
+    low, high = -np.inf, np.inf
     for _ in range(NEWTON_STEPS):
         current = mean - g * w
-        voltage, slope = brush_drop(current, brushes)
-        voltage += ohm * current + eddy_ohm * (current - memory[EDDY_CURRENT])
+        drop, slope = brush_drop(current, brushes)
+        voltage = drop + ohm * current + eddy_ohm * (current - memory[EDDY_CURRENT])
         slope = 1.0 + g * (slope + ohm + eddy_ohm)
         if iron[SATURATION] != 0.0:
             flux, inductance = missing_flux(last - g_last * w, iron)
             voltage += (flux - flux_before) / step_s
             slope += g_last * inductance / step_s
-        change = (w - voltage) / slope
-        w -= change
-        if abs(change) <= TOLERANCE_V:
+        error = w - voltage
+        if error > 0.0:
+            high = w
+        else:
+            low = w
+        before = w
+        w -= error / slope
+        if w < low or w > high:
+            w = 0.5 * (low + high)
+        if abs(w - before) <= TOLERANCE_V:
             break
-    return w
+    return w, drop
 
 
 @compiled(inline="always")
@@ -145,9 +154,8 @@ def keep_step(w, first, mean, omega_before, omega, step_s, parts):
 
 
 @compiled(inline="always")
-def warming_square(square, charge, step_s, ohm, parts):
+def warming_square(square, charge, drop, ohm, parts):
     """∫i² dt for which R alone would warm as much as R, ``ohm`` and the brushes do, A²·s."""
-    drop, _ = brush_drop(charge / step_s, parts[BRUSHES])
     return square + (ohm * square + drop * charge) / parts[MEMORY][RESISTANCE]
 
 
@@ -159,7 +167,9 @@ def real_step(state, m, step_s, e, load, parts):
     ohm = series_ohm(x + 0.5 * step_s * omega, state[TIME] + 0.5 * step_s, parts)
     tau = friction_torque(state, load, torque)
     charge = linear_step(state, m, e, tau + torque)
-    w = series_voltage(charge / step_s, m[3, 7] / step_s, i, state[I], m[0, 7], step_s, ohm, parts)
+    w, drop = series_voltage(
+        charge / step_s, m[3, 7] / step_s, i, state[I], m[0, 7], step_s, ohm, parts
+    )
     charge -= m[3, 7] * w
     state[I] -= m[0, 7] * w
     state[OMEGA] -= m[1, 7] * w
@@ -170,7 +180,7 @@ def real_step(state, m, step_s, e, load, parts):
     state[TIME] += step_s
     end_ramp(state, state[TIME], load)
     square = square_integral(i, state[I], charge, step_s)
-    return charge, warming_square(square, charge, step_s, ohm, parts)
+    return charge, warming_square(square, charge, drop, ohm, parts)
 
 
 @compiled(inline="always")

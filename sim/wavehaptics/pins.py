@@ -27,6 +27,7 @@ from wavehaptics.adc_parts import (
     modulator_frame,
     plain_frame,
 )
+from wavehaptics.anchor import FOLLOWER_TICKS, SEEN_CELLS
 from wavehaptics.bridge import bridge_voltage, half_bridge_voltage
 from wavehaptics.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, UNIPOLAR
 from wavehaptics.compiled import compiled
@@ -34,7 +35,7 @@ from wavehaptics.early import slope_fits
 from wavehaptics.hand import hand_path
 from wavehaptics.lines import FAULTY, cell_of, edge_place, line_count
 from wavehaptics.modulator import width_bounds
-from wavehaptics.motor import MEMORY, SERIES_OHM, motor_step
+from wavehaptics.motor import motor_step
 from wavehaptics.native_call import call2
 from wavehaptics.pins_timing import (
     CENTRED_LEAD,
@@ -51,6 +52,7 @@ from wavehaptics.real import (
     LAG_TABLE,
     LINE_MEMORY,
     LINES,
+    LOAD,
     MOTOR,
     SUPPLY,
     VOLTS,
@@ -115,6 +117,7 @@ MIN_WALLS = 4
 
 _STEPS = 128
 _WAVE = formats.WAVE.step
+_VOLT = formats.VOLTAGE.step
 _BUS_SCALE = 2.0**formats.BUS_Q
 _PENDING = 8
 
@@ -124,8 +127,8 @@ _AH, _AL, _BH, _BL, _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING = range(9)
 # Places in the loop's integer parameters.
 (
     _MODEL, _CLOCK, _WORDS, _TICK_CLOCKS, _CODE_SHIFT, _DATA_BITS, _U_MAX, _SUBSTEP_CLOCKS,
-    _LAUNCH_LEVEL, _PIPELINE, _OSR, _HALF_BRIDGE, _SET_BUS,
-) = range(13)  # fmt: skip
+    _LAUNCH_LEVEL, _PIPELINE, _OSR, _HALF_BRIDGE, _SET_BUS, _ANCHORED, _START_COUNT,
+) = range(15)  # fmt: skip
 # Places in the loop's float parameters.
 (
     _DT, _CELL, _BUS, _GAIN, _K_T, _RESISTANCE, _ETA_CONTACT, _ETA_FREE, _ENCODER_END, _RIPPLE,
@@ -134,7 +137,8 @@ _AH, _AL, _BH, _BL, _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING = range(9)
 # Places in the integers that the loop keeps.
 (
     _NOW, _ADVANCED, _PINS, _SHIFT, _HELD, _COUNT, _EDGE, _CLOSED, _EMITTED, _TICK_START, _FAULTS,
-) = range(11)  # fmt: skip
+    _CORRECTION,
+) = range(12)  # fmt: skip
 # Places in the sums of the tick that is running.
 _CHARGE, _SQUARE, _WORK, _VOLT_SECONDS, _LOW, _HIGH, _X0, _HAND0, _T0 = range(9)
 
@@ -384,12 +388,13 @@ def _bus_at(time, floats):
 
 @compiled()
 def _true_bus(time, floats, real):
-    """The bus without a load, V."""
+    """The bus, V. It sags by the last tick's load: between two ticks its capacitors hold it."""
     bus = _bus_at(time, floats)
     if real is not None:
         supply = real[SUPPLY]
         if time >= supply[STEP_S]:
             bus += (supply[STEP_PART] - 1.0) * supply[BUS_V]
+        bus = max(0.0, bus - supply[SAG_OHM] * real[LAG][LOAD])
     return bus
 
 
@@ -405,27 +410,22 @@ def _sensed(state, sensor, real):
 
 
 @compiled()
-def _step(state, table, step_s, clocks, e, share, load, sensor, real):
-    """One step at ``e`` V, ``share`` of the bus; ∫i dt and ∫i² dt, and Ω that the supply adds."""
+def _step(state, table, step_s, clocks, e, legs, load, sensor, real):
+    """One step at ``e`` V, which is ``legs`` times the bus; ∫i dt and ∫i² dt."""
     if real is None:
-        charge, square = plant_step(state, table, step_s, e, load)
-        return charge, square, 0.0
+        return plant_step(state, table, step_s, e, load)
     else:
-        series = 0.0
-        if real[SUPPLY][SAG_OHM] != 0.0:
-            series = real[SUPPLY][SAG_OHM] * share * share
-            real[MOTOR][MEMORY][SERIES_OHM] = series
         first = state[I]
         charge, square = motor_step(state, table, step_s, e, load, real[MOTOR])
         memory = real[LAG]
-        memory[DRAWN] += share * charge
-        if share != 0.0:
+        memory[DRAWN] += legs * charge
+        if legs != 0.0:
             memory[VOLTS] = e
         if sensor[LAG_RATE] != 0.0:
             memory[AMPLIFIED] = lagged(
                 memory[AMPLIFIED], first, state[I], charge / step_s, real[LAG_TABLE][clocks]
             )
-        return charge, square, series
+        return charge, square
 
 
 @compiled()
@@ -438,7 +438,7 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
         step_s = part * floats[_DT]
         half_bridge = ints[_HALF_BRIDGE]
         floating = kept[_PINS] & 3 == 0 or (kept[_PINS] & 12 == 0 and not half_bridge)
-        share = 0.0
+        legs = 0.0
         if floating and before == 0.0:
             # The diodes of the open leg block: no current, and the voltage is the back-EMF.
             e = floats[_K_T] * state[OMEGA]
@@ -448,11 +448,9 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
                 e = floats[_GAIN] * half_bridge_voltage(kept[_PINS], before, bus)
             else:
                 e = floats[_GAIN] * bridge_voltage(kept[_PINS], before, bus)
-            if real is not None:
-                share = e / (floats[_GAIN] * bus)
-        charge, square, series = _step(
-            state, tables[part], step_s, part, e, share, load, sensor, real
-        )
+            if real is not None and bus > 0.0:
+                legs = e / (floats[_GAIN] * bus)
+        charge, square = _step(state, tables[part], step_s, part, e, legs, load, sensor, real)
         if floating and before * state[I] <= 0.0:
             # The current ran out within the step and stays at zero: a triangle is left of it.
             if before != 0.0:
@@ -461,7 +459,7 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
         sums[_CHARGE] += charge
         sums[_SQUARE] += square
         sums[_WORK] += e * charge
-        sums[_VOLT_SECONDS] += e * step_s - series * charge
+        sums[_VOLT_SECONDS] += e * step_s
         sums[_LOW] = min(sums[_LOW], state[I])
         sums[_HIGH] = max(sums[_HIGH], state[I])
         clocks -= part
@@ -585,6 +583,18 @@ def _advance(
             row[Column.CONTACT] = touching
             limited = buffer[4] if ints[_SET_BUS] else abs(buffer[1]) >= ints[_U_MAX]
             row[Column.SATURATED] = 1.0 if limited else 0.0
+            if ints[_ANCHORED]:
+                # The voltage of the measured tick was made in the step before.
+                row[Column.CORRECTION] = kept[_CORRECTION] * _VOLT
+                kept[_CORRECTION] = buffer[5]
+                chi = buffer[6] * SEEN_CELLS
+                row[Column.FLUX] = chi
+                row[Column.X_HAT] = (ints[_START_COUNT] + buffer[9] + 0.5 - chi) * cell
+                lag = buffer[7] * SEEN_CELLS * cell
+                row[Column.OMEGA_HAT] = lag / (FOLLOWER_TICKS * ints[_TICK_CLOCKS] * dt)
+                row[Column.FAULT] = buffer[8]
+                if buffer[8]:
+                    row[Column.ETA] = 0.0
             rows[done] = row
             words[done, Word.I] = buffer[0]
             words[done, Word.U] = buffer[1]
@@ -601,15 +611,12 @@ def _advance(
         if kept[_NOW] == kept[_TICK_START]:
             _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
             _close_tick(state, kept, sums, pending, floats, ints)
-            if ints[_SET_BUS]:
-                bus = _true_bus(state[TIME], floats, real)
-                if real is not None:
-                    drawn = real[LAG][DRAWN] / (ints[_TICK_CLOCKS] * dt)
-                    bus = max(0.0, bus - real[SUPPLY][SAG_OHM] * drawn)
-                word = int(np.round(bus * _BUS_SCALE))
-                call2(ints[_SET_BUS], ints[_MODEL], word)
             if real is not None:
+                real[LAG][LOAD] = real[LAG][DRAWN] / (ints[_TICK_CLOCKS] * dt)
                 real[LAG][DRAWN] = 0.0
+            if ints[_SET_BUS]:
+                word = int(np.round(_true_bus(state[TIME], floats, real) * _BUS_SCALE))
+                call2(ints[_SET_BUS], ints[_MODEL], word)
             silent += 1
             if silent > _PENDING - 2:
                 return False
@@ -792,6 +799,7 @@ class PinsSimulation:
             *ports.words.values(), bus_scale.bus_word(true_bus_v),
             _encoder_levels.py_func(ports.start_count),
             len(walls), *(edge for wall in walls for edge in wall),
+            *verilated.anchor_words(set_.anchor),
         ]  # fmt: skip
         design = verilated.Design(
             "wh_controller",
@@ -807,6 +815,7 @@ class PinsSimulation:
                 **({"OSR": time.frame.osr} if time.frame.osr else {}),
                 **({"BUS": 1} if drive.bus_measured else {}),
                 **({"HOST": 1} if host else {}),
+                **({"ANCHOR": 1} if set_.anchored else {}),
                 **self._parameters(),
             },
         )
@@ -822,7 +831,7 @@ class PinsSimulation:
         )  # fmt: skip
         self._state = plant.start.copy()
         self._tables = self._transitions(plant)
-        self._kept = np.zeros(_FAULTS + 1, dtype=np.int64)
+        self._kept = np.zeros(_CORRECTION + 1, dtype=np.int64)
         self._kept[_COUNT] = ports.start_count
         self._kept[_TICK_START] = -1
         self._kept[_PINS] = 1 << _CS_N | time.frame.sclk_idle << _SCLK
@@ -838,7 +847,8 @@ class PinsSimulation:
              verilated.address(self._function("words")), time.tick_clocks,
              code_shift, sensor.bits, set_.u_max, longest, launch_level, time.frame.pipeline,
              time.frame.osr, _mode(scene) == HALF_BRIDGE,
-             verilated.address(self._function("bus")) if drive.bus_measured else 0],
+             verilated.address(self._function("bus")) if drive.bus_measured else 0,
+             set_.anchored, ports.start_count],
             dtype=np.int64,
         )  # fmt: skip
         self._floats = np.array(
@@ -852,7 +862,7 @@ class PinsSimulation:
         self._real = real_parts(scene, plant, set_.cell_rad, steps_s, switching=True)
         self._sensor = sensor.constants()
         self._rng = np.random.default_rng(NOISE_SEED)
-        self._buffer = np.zeros(5, dtype=np.int64)
+        self._buffer = np.zeros(10, dtype=np.int64)
         self._bits = sigma_delta.new_state()
 
     def connect_host(self, period_log2: int, timeout: int) -> None:

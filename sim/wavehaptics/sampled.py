@@ -48,8 +48,6 @@ _VOLT = formats.VOLTAGE.step
 _ROOT_WATT = formats.WAVE.step
 _ETA = formats.ETA.step
 _LONG_GUARD = formats.LONG_GUARD
-_SEEN_CELLS = formats.LONG.step * 2.0**_LONG_GUARD
-_FOLLOWER_TICKS = 1 << anchor.FOLLOWER_SHIFT
 
 # Places in the loop's integer parameters.
 (
@@ -192,11 +190,11 @@ def _advance(
             held = anchored[1]
             row[Column.CORRECTION] = kept[_CORRECTION] * _VOLT
             kept[_CORRECTION] = correction
-            chi = (held[anchor.CHI] >> _LONG_GUARD) * _SEEN_CELLS
-            lag = (held[anchor.LAG] >> _LONG_GUARD) * _SEEN_CELLS
+            chi = (held[anchor.CHI] >> _LONG_GUARD) * anchor.SEEN_CELLS
+            lag = (held[anchor.LAG] >> _LONG_GUARD) * anchor.SEEN_CELLS
             row[Column.FLUX] = chi
             row[Column.X_HAT] = (position + 0.5 - chi) * cell
-            row[Column.OMEGA_HAT] = lag * cell / (_FOLLOWER_TICKS * tick)
+            row[Column.OMEGA_HAT] = lag * cell / (anchor.FOLLOWER_TICKS * tick)
             row[Column.FAULT] = held[anchor.FAULT]
         words[n, Word.I] = current
         words[n, Word.U] = u_n

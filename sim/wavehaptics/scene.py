@@ -188,7 +188,7 @@ class Brushes(_Table):
     drop_v: float = _key(
         "V", "Voltage drop V_b: V_b·tanh(i/`knee_a`) in series with the winding", 0.0, ge=0, le=10
     )
-    knee_a: float = _key("A", "Current at which the drop bends", 5e-3, ge=1e-4, le=10)
+    knee_a: float = _key("A", "Current at which the drop bends", 5e-3, ge=1e-4, le=100)
     contact_noise: float = _key("–", "Noise of the contact, RMS, part of R", 0.0, ge=0, le=0.5)
     noise_s: float = _key("s", "Correlation time of that noise", 1e-3, ge=1e-5, le=10)
     segments: int = _key(

@@ -30,7 +30,7 @@ class Column(IntEnum):
     X_HAND = 9  # rad, middle of the tick
     CONTACT = 10  # 1 in contact, else 0
     SATURATED = 11  # 1 where the voltage limit acted in the tick's step
-    ENERGY_OUT = 12  # J, ∫(e_a − R i) i dt over the tick: given out by the controller's port
+    ENERGY_OUT = 12  # J, ∫(e_a − R i − drop) i dt over the tick, R as it is: given out by the port
     RIPPLE = 13  # A, peak to peak within the tick
     CORRECTION = 14  # V, c of the port anchor in the tick's voltage; 0 without one
     X_HAT = 15  # rad, where the port anchor takes the rotor to be at the tick's end
