@@ -17,6 +17,7 @@ module bench_wave_core #(
     parameter integer DELAY_LOG2 = 2,
     parameter integer OUTSIDE    = 1,
     parameter integer SHAPER     = 0,
+    parameter integer WITHHELD   = 0,
     parameter integer TICKS      = 1024  // room in the memories
 ) (
     input  wire        go_i,
@@ -32,7 +33,11 @@ module bench_wave_core #(
     localparam integer STIMULUS_W = 3 + 8 + 8 + 2 * DELAY_LOG2 + 2 * N + SHAPE_N
                                     + 3 * DATA_N + 3 * COEF_N;
     // In response.hex's words, from the top: faults, clocks, overrun; the core's outputs.
-    localparam integer RESPONSE_W = 8 + 16 + 1 + N + 3 * DATA_N;
+    localparam integer RESPONSE_W = 8 + 16 + 1 + N + 4 * DATA_N;
+
+    // Clocks of a port's turn, and from its first one until its waves are there.
+    localparam integer TURN  = 24 + 5 * SHAPER;
+    localparam integer WAVES = 6;
 
     reg [STIMULUS_W-1:0] stimulus [0:TICKS-1];
     reg [RESPONSE_W-1:0] response [0:TICKS-1];
@@ -65,12 +70,15 @@ module bench_wave_core #(
     wire [DATA_N-1:0] u;
     wire [DATA_N-1:0] v;
     wire [N-1:0]      saturated;
+    wire [DATA_N-1:0] withheld;
+    wire [N-1:0]      waves;
 
     wh_wave_core #(
         .N             (N),
         .DELAY_LOG2    (DELAY_LOG2),
         .OUTSIDE       (OUTSIDE),
-        .SHAPER        (SHAPER)
+        .SHAPER        (SHAPER),
+        .WITHHELD      (WITHHELD)
     ) core (
         .clk           (clk),
         .rst           (rst),
@@ -92,14 +100,21 @@ module bench_wave_core #(
         .u_o           (u),
         .v_o           (v),
         .saturated_o   (saturated),
+        .withheld_o    (withheld),
+        .waves_o       (waves),
         .newest_u_o    (),
         .next_u_o      ()
     );
 
     integer    tick;
     reg [15:0] clocks;
-    reg [7:0]  faults;  // valid or busy where they should not be, or not where they should
+    reg [7:0]  faults;  // valid, busy or waves where they should not be, or not where they should
     reg        going;
+    integer    port;
+
+    // The waves of each port when their strobe came.
+    reg [DATA_N-1:0] strobed_u;
+    reg [DATA_N-1:0] strobed_v;
 
     initial begin
         done_o = 1'b0;
@@ -115,11 +130,11 @@ module bench_wave_core #(
                 rst = 1'b1;
                 @(negedge clk);
                 rst = 1'b0;
-                if (valid !== 1'b0 || busy !== 1'b0) faults = faults + 8'd1;
+                if (valid !== 1'b0 || busy !== 1'b0 || waves !== {N{1'b0}}) faults = faults + 8'd1;
             end
             repeat ({24'd0, pause}) begin
                 @(negedge clk);
-                if (valid !== 1'b0 || busy !== 1'b0) faults = faults + 8'd1;
+                if (valid !== 1'b0 || busy !== 1'b0 || waves !== {N{1'b0}}) faults = faults + 8'd1;
             end
             start  = 1'b1;
             clocks = 16'd0;
@@ -128,16 +143,24 @@ module bench_wave_core #(
                 @(negedge clk);
                 clocks = clocks + 16'd1;
                 start  = poke && clocks == {8'd0, at};
+                for (port = 0; port < N; port = port + 1) begin
+                    if (waves[port] !== ({16'd0, clocks} == port * TURN + WAVES)) faults = faults + 8'd1;
+                    if (waves[port]) begin
+                        strobed_u[port*`WH_DATA_W +: `WH_DATA_W] = u[port*`WH_DATA_W +: `WH_DATA_W];
+                        strobed_v[port*`WH_DATA_W +: `WH_DATA_W] = v[port*`WH_DATA_W +: `WH_DATA_W];
+                    end
+                end
                 if (abort && clocks == {8'd0, at}) begin
                     rst = 1'b1;
                     @(negedge clk);
                     rst = 1'b0;
-                    if (valid !== 1'b0) faults = faults + 8'd1;
+                    if (valid !== 1'b0 || waves !== {N{1'b0}}) faults = faults + 8'd1;
                 end
                 if (busy !== !(valid || (abort && clocks == {8'd0, at}))) faults = faults + 8'd1;
                 going = busy === 1'b1 && clocks != 16'hFFFF;
             end
-            response[tick] = {faults, clocks, overrun, saturated, v, u, voltage};
+            if (!abort && {strobed_u, strobed_v} !== {u, v}) faults = faults + 8'd1;
+            response[tick] = {faults, clocks, overrun, saturated, withheld, v, u, voltage};
         end
         $writememh("response.hex", response);
         done_o = 1'b1;

@@ -22,6 +22,7 @@ PORTS = parameters()["N"]
 DELAY_LOG2 = parameters()["DELAY_LOG2"]
 OUTSIDE = parameters().get("OUTSIDE", 1)
 SHAPER = parameters().get("SHAPER", 0)
+WITHHELD = parameters().get("WITHHELD", 0)
 CLOCKS_A_PORT = 24 + 5 * SHAPER
 AGE_MAX = (1 << DELAY_LOG2) - 1
 
@@ -115,6 +116,7 @@ class Answers:
     voltage: np.ndarray
     u: np.ndarray
     v: np.ndarray
+    withheld: np.ndarray
     saturated: np.ndarray
     overrun: np.ndarray
     clocks: np.ndarray
@@ -122,7 +124,7 @@ class Answers:
 
     @classmethod
     def empty(cls, ticks: int) -> Answers:
-        several = [np.zeros((ticks, PORTS), dtype=np.int64) for _ in range(4)]
+        several = [np.zeros((ticks, PORTS), dtype=np.int64) for _ in range(5)]
         return cls(*several, *(np.zeros(ticks, dtype=np.int64) for _ in range(3)))
 
     @classmethod
@@ -136,7 +138,7 @@ class Answers:
             words = [word >> width for word in words]
             return values - (values >> (width - 1) << width) if signed else values
 
-        for values in (self.voltage, self.u, self.v):
+        for values in (self.voltage, self.u, self.v, self.withheld):
             for port in range(PORTS):
                 values[:, port] = take(FORMATS.DATA_W, signed=True)
         for port in range(PORTS):
@@ -179,6 +181,8 @@ def expected(stream: Stream) -> Answers:
             )  # fmt: skip
             answers.voltage[tick, port], answers.u[tick, port], answers.v[tick, port] = words
             answers.saturated[tick, port] = state[GOLDEN.STATE_SATURATED]
+            if WITHHELD:
+                answers.withheld[tick, port] = state[GOLDEN.STATE_WITHHELD]
     return answers
 
 
@@ -205,7 +209,7 @@ class Bench:
         """Every word equal to the model's; names the first tick that is not."""
         model = expected(stream)
         checked = 0
-        for name in ("faults", "clocks", "overrun", "u", "v", "voltage", "saturated"):
+        for name in ("faults", "clocks", "overrun", "u", "v", "voltage", "withheld", "saturated"):
             got, want = getattr(answers, name), getattr(model, name)
             wrong = np.flatnonzero((got != want).reshape(stream.ticks, -1).any(axis=1))
             assert wrong.size == 0, (
@@ -213,7 +217,7 @@ class Bench:
                 f"and {wrong.size - 1} more are wrong"
             )
             checked += got.size
-        assert checked == stream.ticks * (3 + 4 * PORTS) > 0
+        assert checked == stream.ticks * (3 + 5 * PORTS) > 0
 
 
 def shaper_words(rng: np.random.Generator, ticks: int) -> np.ndarray:
@@ -334,6 +338,10 @@ async def equals_the_integer_model(dut) -> None:
     for values in (answers.v, answers.voltage):
         assert values.max() == FORMATS.WAVE.raw_max
         assert values.min() == FORMATS.WAVE.raw_min
+    if WITHHELD:
+        assert answers.withheld.max() == FORMATS.WAVE.raw_max
+        assert answers.withheld.min() == FORMATS.WAVE.raw_min
+        assert np.isin((-1, 1), answers.withheld).all()
     assert SHAPER == 0 or set(np.unique(stream.mode)) == {0, 1, 2}
     assert stream.abort.any()
     assert stream.reset.any()

@@ -15,11 +15,13 @@
 // encoder don't follow the same motor: fault_o, and c = 0.
 //
 // sim/wavehaptics/anchor.py says the same with integers, and this module equals it bit for bit.
-// One adder works through the steps below, a step a clock, with its state in a memory; the products
-// come from a multiplier that others use as well (wh_multiply_shared), eight in a step.
+// One adder works through the steps below, one in a clock, with its state in a memory; the products
+// come from a multiplier that others use as well (wh_multiply_shared), eight in a tick.
 // Formats: long words s48q33, cells, V or A; factors are their upper bits, s31q16.
-// Latency: 28 clocks from waves_i, and those that the multiplier makes it wait. c of one step is
-// correction_o from the next waves_i on. A waves_i while busy is ignored and shows as overrun_o.
+// Latency: 30 clocks from waves_i, and those that the multiplier makes it wait. c of one tick is
+// correction_o from the next waves_i on, two clocks later. The next waves_i may come in the last of the
+// 30, the next start_i in the last four. A waves_i before is ignored and a start_i before spoils
+// what is under way; both show as overrun_o.
 // Reset: χ, c_I, mean, offset and c are 0, at rest, no contact, no fault; of any length, at any clock.
 
 `default_nettype none
@@ -154,311 +156,335 @@ module wh_anchor (
     wire still = units_q[UNIT_W-1];
     wire slow  = (units_q >= slow_units);
 
-    // ---- The steps: what is added to what, and where the sum goes. Sums with a product wait for it.
-    localparam [4:0] DRIVE = 0, LEFT = 1, HOLD = 2, ADD_U = 3, ADD_V = 4, ADD_OWED = 5,
-                     CURRENT = 6, SWING = 7, MEAN = 8, ZERO = 9, BASE = 10, EDGE = 11, FLUX = 12,
-                     INNER = 13, PULL = 14, REACH = 15, LIMIT = 16, COMPARE = 17, LEARN = 18,
-                     CORRECT = 19, DAMP = 20, CLIP = 21, STRANGE = 22, CHOOSE = 23,
-                     PLACE = 24, X_HAT = 25, LAG = 26, FOLLOW = 27;
-    localparam [4:0] LAST = FOLLOW;
+    // ---- The steps: what is added to what, and where the sum goes. A step's words are fetched in one
+    // clock (step_q), where the sums with a product wait for it, and added in the next (adds_q).
+    // REACH is fetched while there is nothing to do.
+    localparam [4:0] REACH = 0, LIMIT = 1, DRIVE = 2, LEFT = 3, COMPARE = 4,
+                     TAKE_ZERO = 5, ZERO = 6, CURRENT = 7, SWING = 8, MEAN = 9,
+                     BASE = 10, ADD_OWED = 11, ADD_U = 12, ADD_V = 13, EDGE = 14, FLUX = 15,
+                     INNER = 16, OUTER = 17, PLACE = 18, X_HAT = 19, LAG = 20, FOLLOW = 21,
+                     TAKE_LEARNED = 22, LEARN = 23, CORRECT = 24, DAMP = 25,
+                     WANTED = 26, CLIP = 27, STRANGE = 28, CHOOSE = 29;
 
     // The memory's words.
     localparam [3:0] M_FLUX = 0, M_LEARNED = 1, M_MEAN = 2, M_ZERO = 3, M_FOLLOWER = 4,
-                     M_LEFT = 8, M_LIMIT = 9, M_CURRENT = 10, M_SWING = 11, M_WANTED = 12,
-                     M_CHI = 13;
+                     M_LEFT = 8, M_LIMIT = 9, M_CURRENT = 10, M_WANTED = 12, M_CHI = 13;
 
     reg [4:0] step_q;
+    reg [4:0] adds_q;
+    reg       go_q;       // adds_q is to be done
     reg       busy_q;
     reg       first_q;    // no step has been made: the memory's state reads as 0
 
-    wire consumes = (step_q >= ADD_U && step_q <= CURRENT) || step_q == ZERO
-                    || (step_q >= LEARN && step_q <= DAMP);
-    wire advances = busy_q && (!consumes || done_i);
-    wire ends     = advances && step_q == LAST;
+    wire waits   = (step_q == ZERO || step_q == CURRENT || step_q == ADD_OWED || step_q == ADD_U
+                    || step_q == ADD_V || step_q == LEARN || step_q == CORRECT || step_q == DAMP);
+    wire ends    = go_q && adds_q == CHOOSE;
+    wire accepts = waves_i && (!busy_q || ends);
+    wire fetches = (step_q == REACH) ? accepts : (!waits || done_i);
 
     assign busy_o = busy_q;
 
-    // ---- The adder.
-    localparam [1:0] A_NONE = 0, A_SUM = 1, A_MEMORY = 2;
-    localparam [2:0] B_NONE = 0, B_MEMORY = 1, B_SUM = 2, B_NEAR = 3, B_FAR = 4, B_INPUT = 5;
+    // ---- The words of a step.
+    localparam [1:0] B_NEAR = 0, B_FAR = 1, B_INPUT = 2;
 
     reg signed [LONG_W-1:0] memory [0:15];
     reg signed [LONG_W-1:0] read_q;
     reg signed [LONG_W-1:0] sum_q;
+    reg signed [LONG_W-1:0] b_q;
     reg signed [DATA_W-1:0] voltage_q;
     reg                     saturated_q;
     reg signed [LONG_W-1:0] given;
-    reg        [1:0]        a_from;
-    reg        [2:0]        b_from;
-    reg                     minus;
-    reg                     fresh;      // what is read is 0 in the first step
-    reg                     writes;
+    reg        [3:0]        read_from;
+    reg        [3:0]        write_to_q;
     reg        [3:0]        write_to;
-    reg        [3:0]        read_next;  // for the step after this one
+    reg                     writes_q, writes;
+    reg                     sum_too_q, sum_too;      // a: the sum, or
+    reg                     inner_q, inner;          // its 256th, or 0
+    reg                     memory_too_q, memory_too;  // b: what was read, or b_q
+    reg                     fresh;                   // what is read is 0 in the first step
+    reg        [1:0]        b_from;
+    reg                     b_none;
+    reg                     minus_q, minus;
+    reg                     halves_q;                // b: the dead zone's half, if χ is outside
     reg                     over_left_q;
-    reg                     out_q;      // χ is outside the dead zone
     reg                     clipped_q;
-    reg                     negative_q; // the correction that is wanted
+    reg                     negative_q;              // the correction that is wanted
 
-    wire signed [LONG_W-1:0] read   = (fresh && first_q) ? {LONG_W{1'b0}} : read_q;
-    wire                     e_back = voltage_q[DATA_W-1];
-    wire                     above  = !sum_q[LONG_W-1] && (|sum_q[LONG_W-2:LONG_Q-1]);
-    wire                     below  = sum_q[LONG_W-1] && !(&sum_q[LONG_W-2:LONG_Q-1]);
-    wire                     learns = (still || phase_q[2:0] == 3'd0) && !clipped_q && !saturated_q;
-    wire                     past   = (sum_q[LONG_W-1] == negative_q);
+    wire e_back = voltage_q[DATA_W-1];
+    wire back_sum = sum_q[LONG_W-1];
+    wire out    = back_sum ? !(&sum_q[LONG_W-2:LONG_Q-1]) : (|sum_q[LONG_W-2:LONG_Q-1]);
+    wire learns = (still || phase_q[2:0] == 3'd0) && !clipped_q && !saturated_q;
+    wire past   = (back_sum == negative_q);
 
     always @* begin
-        a_from   = A_NONE;
-        b_from   = B_NONE;
-        minus    = 1'b0;
-        fresh    = 1'b0;
-        writes   = 1'b0;
-        write_to = M_FLUX;
+        sum_too    = 1'b0;
+        inner      = 1'b0;
+        memory_too = 1'b0;
+        fresh      = 1'b0;
+        b_from     = B_INPUT;
+        b_none     = 1'b1;
+        minus      = 1'b0;
+        read_from  = M_FOLLOWER;
+        writes     = 1'b0;
+        write_to   = M_FLUX;
         case (step_q)
-            DRIVE: b_from = B_INPUT;
-            LEFT: begin
-                a_from   = A_SUM;
-                b_from   = B_INPUT;
-                minus    = !e_back;
-                writes   = 1'b1;
-                write_to = M_LEFT;
-            end
-            ADD_U: begin
-                a_from = A_MEMORY;
-                b_from = B_FAR;
-                minus  = 1'b1;
-                fresh  = 1'b1;
-            end
-            ADD_V: begin
-                a_from = A_SUM;
-                b_from = B_FAR;
-                minus  = 1'b1;
-            end
-            ADD_OWED: begin
-                a_from = A_SUM;
-                b_from = contact_q ? B_FAR : B_NONE;
-                minus  = 1'b1;
-                writes = 1'b1;
-            end
-            CURRENT: begin
-                b_from   = B_NEAR;
-                writes   = 1'b1;
-                write_to = M_CURRENT;
-            end
-            SWING: begin
-                a_from   = A_SUM;
-                b_from   = B_MEMORY;
-                minus    = 1'b1;
-                fresh    = 1'b1;
-                writes   = 1'b1;
-                write_to = M_SWING;
-            end
-            MEAN: begin
-                a_from   = A_MEMORY;
-                b_from   = (phase_q == 5'd0) ? B_SUM : B_NONE;
-                fresh    = 1'b1;
-                writes   = 1'b1;
-                write_to = M_MEAN;
-            end
-            ZERO: begin
-                a_from   = A_MEMORY;
-                b_from   = (!contact_q && slow) ? B_FAR : B_NONE;
-                minus    = 1'b1;
-                fresh    = 1'b1;
-                writes   = 1'b1;
-                write_to = M_ZERO;
-            end
-            BASE: begin  // reads the current where a contact begins, the flux otherwise
-                b_from = B_MEMORY;
-                minus  = begins_q;
-            end
-            EDGE: begin
-                a_from = A_SUM;
-                b_from = B_INPUT;
-                writes = 1'b1;
-            end
-            FLUX: begin
-                a_from   = A_SUM;
-                b_from   = B_MEMORY;
-                writes   = 1'b1;
-                write_to = M_CHI;
-            end
-            INNER: begin
-                a_from = (above || below) ? A_SUM : A_NONE;
-                b_from = B_SUM;
-            end
-            PULL: begin
-                a_from = A_SUM;
-                b_from = out_q ? B_INPUT : B_NONE;
-                minus  = !negative_q;
-            end
-            REACH: b_from = B_INPUT;
+            REACH: b_none = 1'b0;
             LIMIT: begin
-                a_from   = A_SUM;
-                b_from   = B_INPUT;
+                sum_too  = 1'b1;
+                b_none   = 1'b0;
                 minus    = e_back;
                 writes   = 1'b1;
                 write_to = M_LIMIT;
             end
+            DRIVE: b_none = 1'b0;
+            LEFT: begin
+                sum_too  = 1'b1;
+                b_none   = 1'b0;
+                minus    = !e_back;
+                writes   = 1'b1;
+                write_to = M_LEFT;
+            end
             COMPARE: begin
-                a_from = A_SUM;
-                b_from = B_MEMORY;
-                minus  = 1'b1;
+                sum_too    = 1'b1;
+                memory_too = 1'b1;
+                read_from  = M_LIMIT;
+                minus      = 1'b1;
+            end
+            TAKE_ZERO: begin
+                memory_too = 1'b1;
+                fresh      = 1'b1;
+                read_from  = M_ZERO;
+            end
+            ZERO: begin
+                sum_too  = 1'b1;
+                b_from   = B_FAR;
+                b_none   = contact_q || !slow;
+                minus    = 1'b1;
+                writes   = 1'b1;
+                write_to = M_ZERO;
+            end
+            CURRENT: begin
+                b_from   = B_NEAR;
+                b_none   = 1'b0;
+                writes   = 1'b1;
+                write_to = M_CURRENT;
+            end
+            SWING: begin
+                sum_too    = 1'b1;
+                memory_too = 1'b1;
+                fresh      = 1'b1;
+                read_from  = M_MEAN;
+                minus      = 1'b1;
+            end
+            MEAN: begin
+                inner      = (phase_q == 5'd0);
+                memory_too = 1'b1;
+                fresh      = 1'b1;
+                read_from  = M_MEAN;
+                writes     = 1'b1;
+                write_to   = M_MEAN;
+            end
+            BASE: begin
+                memory_too = 1'b1;
+                fresh      = !begins_q;
+                read_from  = begins_q ? M_CURRENT : M_FLUX;
+                minus      = begins_q;
+            end
+            ADD_OWED: begin
+                sum_too = 1'b1;
+                b_from  = B_FAR;
+                b_none  = begins_q || !contact_q;
+                minus   = 1'b1;
+            end
+            ADD_U, ADD_V: begin
+                sum_too = 1'b1;
+                b_from  = B_FAR;
+                b_none  = begins_q;
+                minus   = 1'b1;
+            end
+            EDGE: begin
+                sum_too = 1'b1;
+                b_none  = 1'b0;
+                writes  = 1'b1;
+            end
+            FLUX: begin
+                sum_too    = 1'b1;
+                memory_too = 1'b1;
+                read_from  = M_CURRENT;
+                writes     = 1'b1;
+                write_to   = M_CHI;
+            end
+            INNER: inner = 1'b1;
+            OUTER: begin
+                sum_too    = 1'b1;
+                memory_too = out;
+                read_from  = M_CHI;
+            end
+            PLACE: b_none = 1'b0;
+            X_HAT: begin
+                sum_too    = 1'b1;
+                memory_too = 1'b1;
+                read_from  = M_CHI;
+                minus      = 1'b1;
+            end
+            LAG: begin
+                sum_too    = 1'b1;
+                memory_too = 1'b1;
+                fresh      = 1'b1;
+                minus      = 1'b1;
+            end
+            FOLLOW: begin
+                inner      = 1'b1;
+                memory_too = 1'b1;
+                fresh      = 1'b1;
+                writes     = 1'b1;
+                write_to   = M_FOLLOWER;
+            end
+            TAKE_LEARNED: begin
+                memory_too = 1'b1;
+                fresh      = 1'b1;
+                read_from  = M_LEARNED;
             end
             LEARN: begin
-                a_from   = A_MEMORY;
-                b_from   = learns ? B_FAR : B_NONE;
+                sum_too  = 1'b1;
+                b_from   = B_FAR;
+                b_none   = !learns;
                 minus    = 1'b1;
-                fresh    = 1'b1;
                 writes   = 1'b1;
                 write_to = M_LEARNED;
             end
             CORRECT: begin
-                a_from = A_SUM;
-                b_from = B_NEAR;
-                minus  = 1'b1;
+                sum_too = 1'b1;
+                b_from  = B_NEAR;
+                b_none  = 1'b0;
+                minus   = 1'b1;
             end
             DAMP: begin
-                a_from   = A_SUM;
-                b_from   = (contact_q && rests) ? B_NEAR : B_NONE;
+                sum_too  = 1'b1;
+                b_from   = B_NEAR;
+                b_none   = !contact_q || !rests;
                 minus    = 1'b1;
                 writes   = 1'b1;
                 write_to = M_WANTED;
             end
+            WANTED: sum_too = 1'b1;
             CLIP: begin
-                a_from = A_SUM;
-                b_from = B_MEMORY;
-                minus  = !sum_q[LONG_W-1];
+                sum_too    = 1'b1;
+                memory_too = 1'b1;
+                read_from  = over_left_q ? M_LEFT : M_LIMIT;
+                minus      = !back_sum;
             end
             STRANGE: begin
-                a_from = A_SUM;
-                b_from = B_INPUT;
-                minus  = !negative_q;
+                sum_too = 1'b1;
+                b_none  = 1'b0;
+                minus   = !negative_q;
             end
             CHOOSE: begin
-                b_from = B_MEMORY;
-                minus  = clipped_q && negative_q;
+                memory_too = 1'b1;
+                read_from  = !past ? M_WANTED : over_left_q ? M_LEFT : M_LIMIT;
+                minus      = past && negative_q;
             end
-            PLACE: b_from = B_INPUT;
-            X_HAT: begin
-                a_from = A_SUM;
-                b_from = B_MEMORY;
-                minus  = 1'b1;
-            end
-            LAG: begin
-                a_from = A_SUM;
-                b_from = B_MEMORY;
-                minus  = 1'b1;
-                fresh  = 1'b1;
-            end
-            FOLLOW: begin
-                a_from   = A_MEMORY;
-                b_from   = B_SUM;
-                fresh    = 1'b1;
-                writes   = 1'b1;
-                write_to = M_FOLLOWER;
-            end
-            default: a_from = A_SUM;  // HOLD
+            default: b_none = 1'b1;
         endcase
     end
 
     // What comes from outside.
-    wire signed [LONG_W-1:0] voltage = $signed({{(LONG_W - DATA_W){e_back}}, voltage_q});
-    wire signed [LONG_W-1:0] setting =
-        $signed({{(LONG_W - DATA_W - VOLT_SHIFT){1'b0}},
-                 (step_q == DRIVE) ? drive : (step_q == STRANGE) ? strange : reach,
-                 {VOLT_SHIFT{1'b0}}});
+    wire signed [DATA_W-1:0] setting =
+        (step_q == DRIVE) ? drive : (step_q == STRANGE) ? strange : reach;
 
     always @* begin
         case (step_q)
-            LEFT:    given = voltage <<< VOLT_SHIFT;
-            LIMIT:   given = voltage <<< (VOLT_SHIFT - 2);
+            LIMIT:   given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT + 2){e_back}}, voltage_q,
+                                      {(VOLT_SHIFT - 2){1'b0}}});
+            LEFT:    given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT){e_back}}, voltage_q,
+                                      {VOLT_SHIFT{1'b0}}});
             EDGE:    given = !begins_q ? $signed({{(LONG_W - LONG_Q - MOVE_W){moved_q[MOVE_W-1]}},
                                                   moved_q, {LONG_Q{1'b0}}})
                            : $signed({{(LONG_W - LONG_Q + 1){moved_q[MOVE_W-1]}}, |moved_q,
                                       {(LONG_Q - 2){1'b0}}});
-            PULL:    given = $signed({{(LONG_W - LONG_Q){1'b0}}, 1'b1, {(LONG_Q - 1){1'b0}}});
             PLACE:   given = $signed({position_q, {LONG_Q{1'b0}}});
-            default: given = setting;
-        endcase
-    end
-
-    reg  signed [LONG_W-1:0] b;
-    wire signed [LONG_W-1:0] a = (a_from == A_SUM)    ? sum_q
-                               : (a_from == A_MEMORY) ? read : {LONG_W{1'b0}};
-
-    always @* begin
-        case (b_from)
-            B_MEMORY: b = read;
-            B_SUM:    b = sum_q >>> INNER_SHIFT;
-            B_NEAR:   b = $signed(product_i[NEAR_SHIFT +: LONG_W]);
-            B_FAR:    b = $signed({{(LONG_W - DATA_W - COEF_W + FAR_SHIFT){product_i[DATA_W+COEF_W-1]}},
-                                   product_i[DATA_W+COEF_W-1:FAR_SHIFT]});
-            B_INPUT:  b = given;
-            default:  b = {LONG_W{1'b0}};
-        endcase
-    end
-
-    wire unused = &{1'b0, product_i[NEAR_SHIFT-1:0], position_i[`WH_COUNT_W-1:PLACE_W]};
-
-    wire signed [LONG_W-1:0] sum = a + (b ^ {LONG_W{minus}}) + $signed({{(LONG_W - 1){1'b0}}, minus});
-
-    // The word that the step after this one reads. What a step writes, the one after it can't read.
-    always @* begin
-        case (step_q)
-            HOLD:    read_next = M_FLUX;
-            CURRENT: read_next = M_MEAN;
-            SWING:   read_next = M_MEAN;
-            MEAN:    read_next = M_ZERO;
-            ZERO:    read_next = begins_q ? M_CURRENT : M_FLUX;
-            EDGE:    read_next = M_CURRENT;
-            LIMIT:   read_next = M_LEFT;
-            COMPARE: read_next = M_LEARNED;
-            DAMP:    read_next = over_left_q ? M_LEFT : M_LIMIT;
-            STRANGE: read_next = !past ? M_WANTED : over_left_q ? M_LEFT : M_LIMIT;
-            PLACE:   read_next = M_CHI;
-            default: read_next = M_FOLLOWER;
+            default: given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT){setting[DATA_W-1]}}, setting,
+                                      {VOLT_SHIFT{1'b0}}});
         endcase
     end
 
     always @(posedge clk) begin
-        if (advances && writes) begin
-            memory[write_to] <= sum;
+        if (b_none) begin
+            b_q <= {LONG_W{1'b0}};
+        end else begin
+            case (b_from)
+                B_NEAR:  b_q <= $signed(product_i[NEAR_SHIFT +: LONG_W]);
+                B_FAR:   b_q <= $signed({{(LONG_W - DATA_W - COEF_W + FAR_SHIFT)
+                                              {product_i[DATA_W+COEF_W-1]}},
+                                         product_i[DATA_W+COEF_W-1:FAR_SHIFT]});
+                default: b_q <= given;
+            endcase
         end
-        if (advances) begin
-            read_q <= memory[read_next];
+        read_q       <= memory[read_from];
+        adds_q       <= step_q;
+        sum_too_q    <= sum_too;
+        inner_q      <= inner;
+        memory_too_q <= memory_too && !(fresh && first_q);
+        minus_q      <= minus;
+        halves_q     <= (step_q == INNER);
+        writes_q     <= writes;
+        write_to_q   <= write_to;
+    end
+
+    wire unused = &{1'b0, product_i[NEAR_SHIFT-1:0], position_i[`WH_COUNT_W-1:PLACE_W]};
+
+    // ---- The adder. What a step writes, the one after it can't read. Half a cell toward zero is one
+    // or minus one at its place.
+    localparam integer HALF_Q = LONG_Q - 1;
+
+    wire                     half = halves_q && out;
+    wire signed [LONG_W-1:0] toward_zero =
+        $signed({{(LONG_W - HALF_Q - 1){half && !back_sum}}, half, {HALF_Q{1'b0}}});
+    wire signed [LONG_W-1:0] part = sum_q >>> INNER_SHIFT;
+    wire signed [LONG_W-1:0] a    = ({LONG_W{sum_too_q}} & sum_q) | ({LONG_W{inner_q}} & part);
+    wire signed [LONG_W-1:0] b    =
+        toward_zero | ((b_q | ({LONG_W{memory_too_q}} & read_q)) ^ {LONG_W{minus_q}});
+    wire signed [LONG_W-1:0] sum  = a + b + $signed({{(LONG_W - 1){1'b0}}, minus_q});
+
+    always @(posedge clk) begin
+        if (go_q) begin
+            sum_q <= sum;
+        end
+        if (go_q && writes_q) begin
+            memory[write_to_q] <= sum;
         end
     end
 
-    // ---- The products, in the order in which they are asked for: each when its factor is there, and
-    // not so early that it could come before its step.
-    localparam [3:0] G_U = 0, G_V = 1, G_OWED = 2, G_CURRENT = 3, G_ZERO = 4, G_LEARN = 5,
+    // ---- The products, in the order in which they are asked for, in three runs. A run's products
+    // come one after the other, as its steps do, and so that none comes before its step: the first
+    // step is as many clocks from where they are asked for as a product takes, or more. No step before
+    // the first run takes a product, so none that was asked for before a reset is taken for another.
+    localparam [3:0] G_ZERO = 0, G_CURRENT = 1, G_OWED = 2, G_U = 3, G_V = 4, G_LEARN = 5,
                      G_PULL = 6, G_DAMP = 7, G_DONE = 8;
 
     reg        [3:0]        give_q;
     reg signed [DATA_W-1:0] pull_q;   // s31q16 cells: p
     reg signed [DATA_W-1:0] swing_q;  // s31q16 cells
 
-    assign request_o = busy_q && ((give_q <= G_CURRENT)
-                                  || (give_q == G_ZERO && step_q >= CURRENT)
-                                  || (give_q < G_DONE && step_q >= REACH));
+    assign request_o = (step_q >= LEFT && give_q <= G_CURRENT) || (step_q >= SWING && give_q <= G_V)
+                       || (step_q >= LAG && give_q < G_DONE);
 
     always @* begin
         case (give_q)
+            G_ZERO:    factor_o = correction_o;
+            G_CURRENT: factor_o = current_i;
+            G_OWED:    factor_o = withheld_i;
             G_U:       factor_o = u_i;
             G_V:       factor_o = v_i;
-            G_OWED:    factor_o = withheld_i;
-            G_CURRENT: factor_o = current_i;
-            G_ZERO:    factor_o = correction_o;
             G_DAMP:    factor_o = swing_q;
             default:   factor_o = pull_q;
         endcase
         case (give_q)
+            G_ZERO:    coefficient_o = zero_gain;
+            G_CURRENT: coefficient_o = cells_gain;
+            G_OWED:    coefficient_o = owed_gain;
             G_U,
             G_V:       coefficient_o = flux_gain;
-            G_OWED:    coefficient_o = owed_gain;
-            G_CURRENT: coefficient_o = cells_gain;
-            G_ZERO:    coefficient_o = zero_gain;
             G_LEARN:   coefficient_o = learn_gain;
             G_PULL:    coefficient_o = pull_gain;
             default:   coefficient_o = damp_gain;
@@ -467,37 +493,34 @@ module wh_anchor (
 
     // ---- What has a meaning within a step only.
     always @(posedge clk) begin
-        if (waves_i && (!busy_q || ends)) begin
+        if (accepts) begin
             voltage_q   <= voltage_i;
             saturated_q <= saturated_i;
         end
-        if (advances) begin
-            sum_q <= sum;
-            case (step_q)
-                SWING: swing_q <= $signed(sum[LONG_W-1:CUT]);
-                INNER: begin
-                    out_q      <= above || below;
-                    negative_q <= sum_q[LONG_W-1];
-                end
-                PULL:  pull_q      <= $signed(sum[LONG_W-1:CUT]);
-                LEARN: over_left_q <= !sum_q[LONG_W-1];
-                CLIP:  negative_q  <= sum_q[LONG_W-1];
+        if (go_q) begin
+            case (adds_q)
+                TAKE_ZERO: over_left_q <= back_sum;
+                MEAN:      swing_q <= $signed(sum_q[LONG_W-1:CUT]);
+                PLACE:     pull_q <= $signed(sum_q[LONG_W-1:CUT]);
+                WANTED:    negative_q <= back_sum;
                 default: ;
             endcase
         end
     end
 
     // ---- Steps and results.
-    reg signed [DATA_W-1:0] next_q;
+    reg  signed [DATA_W-1:0] next_q;
+    wire                     lost = enable && (fault_o || (clipped_q && past));
 
     assign next_o = next_q;
 
     always @(posedge clk) begin
         if (rst) begin
-            step_q       <= DRIVE;
+            step_q       <= REACH;
+            go_q         <= 1'b0;
             busy_q       <= 1'b0;
             first_q      <= 1'b1;
-            give_q       <= G_U;
+            give_q       <= G_ZERO;
             overrun_o    <= 1'b0;
             clipped_q    <= 1'b0;
             fault_o      <= 1'b0;
@@ -507,35 +530,35 @@ module wh_anchor (
             flux_o       <= {DATA_W{1'b0}};
             lag_o        <= {DATA_W{1'b0}};
         end else begin
-            if (waves_i && busy_q && !ends) begin
+            if ((waves_i && !accepts) || (start_i && step_q != REACH && step_q <= DAMP)) begin
                 overrun_o <= 1'b1;
             end
-            if (waves_i && (!busy_q || ends)) begin
-                busy_q       <= 1'b1;
-                step_q       <= DRIVE;
-                give_q       <= G_U;
-                correction_o <= next_q;
+            go_q <= fetches;
+            if (fetches) begin
+                step_q <= (step_q == CHOOSE) ? REACH : step_q + 5'd1;
+            end
+            if (accepts) begin
+                busy_q <= 1'b1;
+                give_q <= G_ZERO;
             end else begin
                 if (ends) begin
                     busy_q <= 1'b0;
-                end
-                if (advances) begin
-                    step_q <= step_q + 5'd1;
                 end
                 if (request_o && grant_i) begin
                     give_q <= give_q + 4'd1;
                 end
             end
-            if (advances) begin
-                case (step_q)
-                    BASE:    offset_o  <= $signed(sum_q[AMP_SHIFT +: DATA_W]);
+            if (go_q) begin
+                case (adds_q)
+                    REACH:   correction_o <= next_q;
+                    CURRENT: offset_o  <= $signed(sum_q[AMP_SHIFT +: DATA_W]);
                     INNER:   flux_o    <= $signed(sum_q[LONG_W-1:CUT]);
+                    FOLLOW:  lag_o     <= $signed(sum_q[LONG_W-1:CUT]);
                     STRANGE: clipped_q <= past;
-                    CHOOSE:  fault_o   <= fault_o || (enable && clipped_q && past);
-                    PLACE:   next_q    <= (enable && !fault_o) ? $signed(sum_q[VOLT_SHIFT +: DATA_W])
-                                                               : {DATA_W{1'b0}};
-                    FOLLOW: begin
-                        lag_o   <= $signed(sum_q[LONG_W-1:CUT]);
+                    CHOOSE: begin
+                        fault_o <= lost;
+                        next_q  <= (enable && !lost) ? $signed(sum[VOLT_SHIFT +: DATA_W])
+                                                     : {DATA_W{1'b0}};
                         first_q <= 1'b0;
                     end
                     default: ;

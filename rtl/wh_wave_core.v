@@ -522,7 +522,8 @@ module wh_wave_core #(
             reg  signed [F_SUM_W-1:0]    past_high_q;
             reg         [N*DATA_W-1:0]   withheld_q;
             wire signed [WITHHELD_W-1:0] past =
-                over_q ? $signed(past_high_q[F_SUM_W-1:GUARD]) : $signed(past_low_q[F_SUM_W-1:GUARD]);
+                (over_q || u_max[DATA_W-1]) ? $signed(past_high_q[F_SUM_W-1:GUARD])
+                                            : $signed(past_low_q[F_SUM_W-1:GUARD]);
             wire signed [DATA_W-1:0]     withheld;
 
             wh_saturate #(

@@ -134,7 +134,7 @@ def test_point_sampling_gives_energy(make_scene):
     scene = make_scene(*SWITCHING, "controller.tick_hz=500", "controller.lambda=1e9")
     point = simulate(SampledSimulation(scene, rtl=False, point_sampling=True), 0.5)
     mean = simulate(SampledSimulation(scene, rtl=False), 0.5)
-    assert np.cumsum(point[:, Column.ENERGY_OUT]).max() > 1e-5
+    assert np.cumsum(point[:, Column.ENERGY_OUT]).max() > 1e-6
     assert np.cumsum(mean[:, Column.ENERGY_OUT]).max() <= 0.0
 
 

@@ -121,8 +121,8 @@ def test_matched_a_gives_the_whole_delay(k):
         (0.25, 1.0, 3),
     ],
 )
-def test_matched_a_is_1_where_the_latency_leaves_no_more(tick_s, lambda_, k):
-    assert physics.matched_a(tick_s, lambda_, k) == 1.0
+def test_matched_a_is_the_largest_where_the_latency_leaves_no_more(tick_s, lambda_, k):
+    assert physics.matched_a(tick_s, lambda_, k) == physics.MOST_A
 
 
 def test_filter_stiffness_is_twice_what_the_paper_prints():

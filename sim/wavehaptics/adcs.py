@@ -169,7 +169,7 @@ def adc_table(found: dict[str, Any]) -> Table:
     """The parts' numbers for a terminal."""
     table = Table(title=f"{found['scene']} on pins")
     table.add_column("ADC")
-    for heading in ("sample to gate, ns", "τ, µs", "τ at a = 1, µs", "torque error"):
+    for heading in ("sample to gate, ns", "τ, µs", "τ at a = 0.99, µs", "torque error"):
         table.add_column(heading, justify="right")
     for name, row in named_rows(found):
         table.add_row(

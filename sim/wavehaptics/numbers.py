@@ -221,7 +221,7 @@ def _resources(
 def _adcs(numbers: dict[str, Any]) -> str:
     """What each converter is worth: times, the stiffness that is felt, the torque's error."""
     head = ("ADC", "Bits", "Clock, SCLK", "kS/s at most", "Sample to last bit", "Last bit to duty",
-            "Sample to gate edge", "k", "τ, measured of set", "τ at a = 1",
+            "Sample to gate edge", "k", "τ, measured of set", "τ at a = 0.99",
             "Torque error", "Energy out")  # fmt: skip
     rows = []
     for name, row in named_rows(numbers.get("adcs", {})):

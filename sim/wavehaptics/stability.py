@@ -125,7 +125,7 @@ def with_stiffness(scene: Scene, controller: str, stiffness: float) -> Scene:
 
 
 def stiffest_wave_wall(scene: Scene) -> float:
-    """K of the wave wall with a = 1, N·m/rad: nothing stiffer can be asked of it."""
+    """K of the wave wall with the largest a, N·m/rad: nothing stiffer can be asked of it."""
     motor, control = scene.motor, scene.controller
     tau = physics.tau(1.0 / control.tick_hz, 1.0, control.extra_ticks)
     return physics.stiffness(motor.k_t, motor.L_h, motor.R_ohm, tau)

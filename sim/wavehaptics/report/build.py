@@ -112,7 +112,7 @@ def draw(report: dict[str, Any], out: Path) -> Path:
         "ADC bits, encoder edges and gate signals on a switching bridge. Stiffnesses and torques "
         "are the rotor's unless a tip is named. T is the digital controller's tick, k its latency "
         "in whole ticks beyond the soonest possible, and a the coefficient of its λ filter: with "
-        "a = 1 the wall is the stiffest.",
+        "a = 0.99 the wall is the stiffest.",
     )
     footer = (
         f"Made from scenes by `make report` ({form}) in {report['seconds']:g} s on "

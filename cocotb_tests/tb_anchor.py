@@ -1,0 +1,410 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bench of ``rtl/wh_anchor.v``: equal to :func:`wavehaptics.anchor.anchor_step`, word for word."""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass
+
+import cocotb
+import numpy as np
+from bench import Bench, random_source
+from wavehaptics import anchor, formats
+
+# Clocks since waves_i of a step whose multiplier never makes it wait; with it, since the last of
+# its products was granted.
+STEP_CLOCKS = 30
+FROM_LAST_GRANT = 8
+START_FROM_LAST_GRANT = 5  # from here on the next tick may start
+GRANTS = ("c", "current_i", "withheld_i", "u_i", "v_i", "learn", "pull", "damp")
+
+COUNT = formats.Fixed(formats.COUNT_W, 0)
+DATA, COEF = formats.CURRENT, formats.ROOT
+GAINS = range(anchor.FLUX_GAIN, anchor.ZERO_GAIN + 1)
+LIMITS = range(anchor.REACH, anchor.STRANGE + 1)
+
+
+@dataclass
+class Tick:
+    """What the anchor gets in a tick, raw words."""
+
+    position: int = 0
+    contact: int = 0
+    current: int = 0
+    u: int = 0
+    v: int = 0
+    withheld: int = 0
+    voltage: int = 0
+    saturated: int = 0
+
+
+class AnchorBench(Bench):
+    """Steps the anchor, and compares every word with the model's.
+
+    A word is only held as long as the anchor's header asks for; then it is noise.
+    """
+
+    def __init__(self, dut: object, rng: random.Random) -> None:
+        super().__init__(dut)
+        self.rng = rng
+        self.settings = np.zeros(anchor.SETTINGS, dtype=np.int64)
+        self.state = anchor.new_state()
+        self.correction = 0
+        self.overrun = 0
+        self.started = False
+        self.steps = 0
+        self.seen: set[str] = set()
+
+    def noise(self, width: int = formats.DATA_W) -> int:
+        return self.rng.getrandbits(width)
+
+    async def power_up(self) -> None:
+        await self.start(
+            rst_multiplier=1, start_i=0, position_i=0, contact_i=0, waves_i=0, current_i=0, u_i=0,
+            v_i=0, withheld_i=0, voltage_i=0, saturated_i=0, words_i=0, other_i=0, other_data_i=0,
+            other_coef_i=0,
+        )  # fmt: skip
+        self.drive(rst_multiplier=0)
+
+    async def begin(self, settings: np.ndarray, clocks: int = 1, *, products: bool = False) -> None:
+        """Reset with settings, after which nothing of before matters.
+
+        With ``products``, those that the anchor asked for before still come. Strobes in reset are
+        not for it.
+        """
+        self.settings = settings
+        self.state = anchor.new_state()
+        self.correction = self.overrun = 0
+        self.started = False
+        self.drive(rst=1, rst_multiplier=not products, words_i=anchor.packed(settings))
+        for _ in range(clocks):
+            await self.step(
+                waves_i=self.rng.random() < 0.3, start_i=self.rng.random() < 0.3,
+                position_i=self.noise(), contact_i=self.noise(1), other_i=self.noise(1),
+            )  # fmt: skip
+        self.drive(rst=0, rst_multiplier=0, start_i=0, waves_i=0, other_i=0)
+        assert not self.word("busy_o")
+        self.check()
+
+    def check(self) -> None:
+        state = self.state
+        want = {
+            "correction": self.correction,
+            "next": state[anchor.CORRECTION],
+            "offset": state[anchor.OFFSET],
+            "flux": state[anchor.CHI] >> formats.LONG_GUARD,
+            "lag": state[anchor.LAG] >> formats.LONG_GUARD,
+        }
+        got = {name: self.signed(f"{name}_o") for name in want}
+        for name, value in want.items():
+            assert got[name] == value, f"{name} of step {self.steps}"
+        assert self.word("fault_o") == state[anchor.FAULT], f"step {self.steps}"
+        assert self.word("overrun_o") == self.overrun, f"step {self.steps}"
+
+    async def begin_tick(self, tick: Tick, gap: int) -> None:
+        """The start of a tick; the waves' words come ``gap`` clocks later."""
+        self.started = True
+        self.drive(start_i=1, position_i=tick.position, contact_i=tick.contact)
+        if gap:
+            await self.step()
+            self.drive(start_i=0, position_i=self.noise(), contact_i=self.noise(1))
+            await self.step(gap - 1)
+
+    async def give_waves(self, tick: Tick, gap: int) -> None:
+        if not self.started:
+            await self.begin_tick(tick, gap)
+        self.drive(
+            waves_i=1, current_i=tick.current, u_i=tick.u, v_i=tick.v, withheld_i=tick.withheld,
+            voltage_i=tick.voltage, saturated_i=tick.saturated,
+        )  # fmt: skip
+        await self.step()
+        self.drive(start_i=0, waves_i=0, voltage_i=self.noise(), saturated_i=self.noise(1))
+        self.started = False
+        assert self.word("busy_o")
+        self.check()
+        self.correction = int(self.state[anchor.CORRECTION])
+
+    async def tick(
+        self, tick: Tick, *, gap: int = 7, crowd: float = 0.0, following: Tick | None = None,
+        ahead: int = 0, poke: int = 0,
+    ) -> None:  # fmt: skip
+        """One step of the anchor, with its tick's start if that has not been given yet.
+
+        The waves come ``gap`` clocks after the start. Another user has the multiplier in a share
+        ``crowd`` of all clocks. The start of the tick ``following`` comes so early that, with
+        ``ahead`` 0...3, the step has so many clocks to go; its waves then come in the last. At
+        clock ``poke`` there is another waves_i.
+        """
+        await self.give_waves(tick, gap)
+        before = self.state.copy()
+        anchor.anchor_step(
+            self.state, self.settings, tick.position, bool(tick.contact), tick.current, tick.u,
+            tick.v, tick.withheld, tick.voltage, bool(tick.saturated),
+        )  # fmt: skip
+        self.steps += 1
+        self._note(tick, before)
+        clock, grants, last = 1, 0, 0
+        while self.word("busy_o"):
+            assert clock < 400, "the anchor doesn't come to an end"
+            other = self.rng.random() < crowd
+            granted = GRANTS[grants] if self.word("request_o") and not other else ""
+            if granted:
+                grants, last = grants + 1, clock
+            to_go = last + FROM_LAST_GRANT - clock if grants == len(GRANTS) else STEP_CLOCKS
+            self.drive(
+                other_i=other, other_data_i=self.noise(), other_coef_i=self.noise(),
+                waves_i=clock == poke, start_i=0,
+            )  # fmt: skip
+            self.overrun |= clock == poke
+            if following and to_go == ahead:
+                await self.begin_tick(following, 0)
+            if following and to_go == 0:
+                return
+            await self.step()
+            clock += 1
+            if granted.endswith("_i"):
+                self.drive(**{granted: self.noise()})
+            if following and to_go == ahead:
+                self.drive(start_i=0, position_i=self.noise(), contact_i=self.noise(1))
+        assert grants == len(GRANTS)
+        assert clock == last + FROM_LAST_GRANT + 1
+        assert crowd or clock == STEP_CLOCKS + 1
+        self.drive(waves_i=0, other_i=0)
+        self.check()
+
+    async def ticks(self, ticks: list[Tick]) -> None:
+        """Ticks at random distances, the next one's start often before the end of a step."""
+        following = None
+        for place, tick in enumerate(ticks):
+            early = place + 1 < len(ticks) and self.rng.random() < 0.5
+            following = ticks[place + 1] if early else None
+            await self.tick(
+                tick,
+                gap=self.rng.choice((0, 1, 7, 7, self.rng.randint(1, 20))),
+                crowd=self.rng.choice((0.0, 0.0, 0.3, 0.7, 0.9)),
+                following=following,
+                ahead=self.rng.randint(0, FROM_LAST_GRANT - START_FROM_LAST_GRANT),
+            )
+            if not early:
+                await self.step(self.rng.choice((0, 0, 1, 5)))
+
+    def _note(self, tick: Tick, before: np.ndarray) -> None:
+        state, words = self.state, self.settings
+        gone = {place: int(state[place] - before[place]) for place in range(anchor.STATES)}
+        half = 1 << (formats.LONG.fraction - 1)
+        begins = tick.contact and not before[anchor.TOUCHING]
+        moved = gone[anchor.POSITION] if before[anchor.STARTED] else 0
+        strange = words[anchor.ENABLE] and state[anchor.CLIPPED] and not state[anchor.FAULT]
+        e = abs(tick.voltage)
+        by_drive = words[anchor.DRIVE] - e < words[anchor.REACH] + e // 4
+        self.seen |= {
+            name
+            for name, happened in {
+                "begins up": begins and moved > 0,
+                "begins down": begins and moved < 0,
+                "begins unmoved": begins and moved == 0,
+                "correction": state[anchor.CORRECTION] != 0,
+                "disabled": not words[anchor.ENABLE],
+                "outside above": state[anchor.CHI] >= half,
+                "outside below": state[anchor.CHI] < -half,
+                "inside": -half <= state[anchor.CHI] < half,
+                "clipped above": state[anchor.CLIPPED] and state[anchor.CORRECTION] > 0,
+                "clipped below": state[anchor.CLIPPED] and state[anchor.CORRECTION] < 0,
+                "not clipped": not state[anchor.CLIPPED] and state[anchor.CORRECTION],
+                "clipped by the drive": strange and by_drive,
+                "clipped by the reach": strange and not by_drive,
+                "fault": gone[anchor.FAULT],
+                "mean": gone[anchor.MEAN],
+                "offset": gone[anchor.OFFSET],
+                "learned at rest": gone[anchor.LEARNED] and state[anchor.PHASE] & 7,
+                "learned on the move": gone[anchor.LEARNED] and state[anchor.UNITS] < 16,
+                "one unit of rest": state[anchor.UNITS] == 1 and tick.contact,
+                "withheld": tick.withheld and tick.contact,
+            }.items()
+            if happened
+        }
+
+
+EVERYTHING = frozenset(
+    (
+        "begins up", "begins down", "begins unmoved", "correction", "disabled", "outside above",
+        "outside below", "inside", "clipped above", "clipped below", "not clipped",
+        "clipped by the drive", "clipped by the reach", "fault", "mean", "offset",
+        "learned at rest", "learned on the move", "one unit of rest", "withheld",
+    )
+)  # fmt: skip
+
+
+def any_word(rng: random.Random, format_: formats.Fixed) -> int:
+    """A corner, or any word; all magnitudes alike."""
+    if rng.random() < 0.25:
+        return rng.choice((format_.raw_min, format_.raw_max, 0, 1, -1))
+    return rng.getrandbits(rng.randint(1, format_.width - 1)) * rng.choice((-1, 1))
+
+
+def random_settings(rng: random.Random) -> np.ndarray:
+    """Any words, or gains so small and limits so wide that little is clipped."""
+    words = np.zeros(anchor.SETTINGS, dtype=np.int64)
+    words[anchor.ENABLE] = rng.random() < 0.85
+    calm = rng.random() < 0.5
+    for place in GAINS:
+        words[place] = any_word(rng, COEF)
+        if calm and place in (anchor.PULL_GAIN, anchor.DAMP_GAIN):
+            words[place] >>= 8
+    for place in LIMITS:
+        words[place] = DATA.raw_max if calm else any_word(rng, DATA)
+    words[anchor.REST_TICKS] = rng.choice((0, 1, 1, 2, 5, (1 << formats.REST_W) - 1))
+    words[anchor.SLOW_UNITS] = rng.choice((0, 1, 2, 16, 31))
+    return words
+
+
+def random_ticks(rng: random.Random, count: int) -> list[Tick]:
+    """Walks and jumps in and out of contact, with any words as currents, waves and voltages."""
+    ticks = []
+    position = any_word(rng, COUNT)
+    contact, loud = 0, rng.random()
+    for _ in range(count):
+        move = rng.choice((0, 0, 0, 0, 0, 0, 1, 1, -1, -1, 2, -2, 5, any_word(rng, COUNT)))
+        position = (position + move - COUNT.raw_min) % (1 << COUNT.width) + COUNT.raw_min
+        contact ^= rng.random() < 0.2
+        tick = Tick(position, contact, saturated=rng.random() < 0.1)
+        if rng.random() < loud:
+            tick.current, tick.u, tick.v, tick.withheld, tick.voltage = (
+                any_word(rng, DATA) for _ in range(5)
+            )
+        ticks.append(tick)
+    return ticks
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def any_words(dut: object) -> None:
+    """Corners and any words of settings and inputs, at any distances, with resets in between."""
+    rng = random_source("any words")
+    bench = AnchorBench(dut, rng)
+    await bench.power_up()
+    for _ in range(50):
+        await bench.begin(random_settings(rng), products=rng.random() < 0.5)
+        await bench.ticks(random_ticks(rng, 70))
+    assert bench.steps == 50 * 70
+    assert bench.seen == EVERYTHING, EVERYTHING - bench.seen
+
+
+R_OHM, L_H, KT_NM_A, COUNTS, TICK_S = 2.18, 0.24e-3, 0.0234, 10_000, 1e-6
+CELL_VS = KT_NM_A * 2 * math.pi / COUNTS
+ROOT = math.sqrt(2 * 0.9 * R_OHM)
+
+
+def motor_settings() -> np.ndarray:
+    """The anchor of a small motor (RE 25, 1 MHz)."""
+    words = np.zeros(anchor.SETTINGS, dtype=np.int64)
+    flux = ROOT * TICK_S / (2 * CELL_VS)
+    words[anchor.ENABLE] = 1
+    words[anchor.FLUX_GAIN] = formats.FLUX.to_raw(flux)
+    words[anchor.OWED_GAIN] = formats.FLUX.to_raw(flux / 0.99)
+    words[anchor.CELLS_GAIN] = formats.CELLS.to_raw(L_H / CELL_VS)
+    words[anchor.PULL_GAIN] = formats.PULL.to_raw(4 * CELL_VS / L_H)
+    words[anchor.DAMP_GAIN] = formats.PULL.to_raw(2 * CELL_VS / L_H)
+    words[anchor.LEARN_GAIN] = formats.LEARN.to_raw(100 * TICK_S * CELL_VS / L_H)
+    words[anchor.ZERO_GAIN] = formats.LEARN.to_raw(2000 * TICK_S / R_OHM)
+    words[anchor.REACH] = formats.VOLTAGE.to_raw(1.0)
+    words[anchor.DRIVE] = formats.VOLTAGE.to_raw(6.0)
+    words[anchor.STRANGE] = formats.VOLTAGE.to_raw(0.8)
+    words[anchor.REST_TICKS] = 6
+    words[anchor.SLOW_UNITS] = 20
+    return words
+
+
+class Motor:
+    """A winding, and a rotor that somebody turns, between averaged words."""
+
+    def __init__(self, rng: random.Random) -> None:
+        self.rng = rng
+        self.current = self.cells = 0.0
+        self.before = 0.0  # e_id of the tick before
+
+    def tick(self, e: float, correction: float, speed: float, brush: float, contact: int) -> Tick:
+        """The tick in which ``e`` is worked out; ``speed`` in cells a tick, ``brush`` in V."""
+        v_back = speed * CELL_VS / TICK_S
+        drop = self.before + correction - R_OHM * self.current - v_back - brush
+        mean = self.current + drop * TICK_S / L_H / 2
+        self.current += drop * TICK_S / L_H
+        self.cells += speed
+        seen = formats.CURRENT.to_raw(mean + self.rng.gauss(0, 2e-3))
+        u = self.before / ROOT
+        tick = Tick(
+            math.floor(self.cells), contact, seen, formats.WAVE.to_raw(u),
+            formats.WAVE.to_raw(u - ROOT * formats.CURRENT.to_value(seen)),
+            voltage=formats.VOLTAGE.to_raw(self.before),
+        )  # fmt: skip
+        self.before = e
+        return tick
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+@cocotb.parametrize(side=(1, -1))
+async def a_motor(dut: object, side: int) -> None:
+    """A hold with a brush, a spin, a hold beyond the voltage limit, free space; then a lost rotor.
+
+    The words are those of a motor, and stay so.
+    """
+    rng = random_source("motor")
+    bench = AnchorBench(dut, rng)
+    await bench.power_up()
+    await bench.begin(motor_settings())
+    motor = Motor(rng)
+    corrections = []
+    for n in range(1400):
+        contact = n < 500 or 600 <= n < 1000
+        e = side * (3.0 * min(1.0, n / 300) if contact else 0.1)
+        speed = side * (0.05 if n < 20 or 500 <= n < 600 else 0.0)
+        speed += 2 * side if n >= 1350 else 0.0
+        tick = motor.tick(e, formats.VOLTAGE.to_value(bench.correction), speed, 0.3 * side, contact)
+        if 700 <= n < 800:
+            tick.withheld, tick.saturated = formats.WAVE.to_raw(0.01 * side), 1
+        await bench.tick(tick, crowd=rng.choice((0.0, 0.2)))
+        corrections.append(formats.VOLTAGE.to_value(bench.correction))
+        if n < 1000:
+            assert abs(bench.state[anchor.CHI]) < 20 << formats.LONG.fraction
+    assert max(map(abs, corrections)) > 0.1
+    assert bench.seen >= {"learned at rest", "learned on the move", "inside", "mean", "offset"}
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_reset_at_any_clock(dut: object) -> None:
+    """After a reset of any length it is as after power-up, also if its products still come."""
+    rng = random_source("reset")
+    bench = AnchorBench(dut, rng)
+    await bench.power_up()
+    for clocks in (1, 2, 3, 4, 7):
+        for clock in range(STEP_CLOCKS + 4):
+            for products in (False, True):
+                settings = random_settings(rng)
+                ticks = random_ticks(rng, 4)
+                await bench.begin(settings)
+                for tick in ticks[: rng.randint(0, 2)]:
+                    await bench.tick(tick)
+                await bench.give_waves(ticks[2], 1)
+                for _ in range(clock):
+                    await bench.step(other_i=rng.random() < rng.choice((0.0, 0.5)))
+                if rng.random() < 0.5:
+                    settings = random_settings(rng)
+                await bench.begin(settings, clocks, products=products)
+                for tick in ticks[2:]:
+                    await bench.tick(tick, gap=rng.choice((0, 1, 7)))
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def waves_while_busy(dut: object) -> None:
+    """They are told and otherwise ignored at every clock; at a step's last they begin the next."""
+    rng = random_source("busy")
+    bench = AnchorBench(dut, rng)
+    await bench.power_up()
+    for clock in range(1, STEP_CLOCKS):
+        await bench.begin(random_settings(rng))
+        await bench.tick(random_ticks(rng, 1)[0])
+        assert not bench.word("overrun_o")
+        await bench.tick(random_ticks(rng, 1)[0], poke=clock)
+        assert bench.word("overrun_o")
+        await bench.tick(random_ticks(rng, 1)[0])
+        assert bench.word("overrun_o")
