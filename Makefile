@@ -83,8 +83,8 @@ adcs: $(READY) ## run the paper's taps with every ADC, and write their numbers i
 	@$(WITH_TOOLS) .venv/bin/wavehaptics adcs --out build/adcs
 	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
 
-holding: $(READY) ## hold, tap and bounce with everything wrong, with the README's numbers (20 minutes)
-	@$(WITH_TOOLS) .venv/bin/wavehaptics holding --out build/holding
+holding: $(READY) ## hold, tap and bounce with everything wrong, with the README's numbers (20 minutes; QUICK=1)
+	@$(WITH_TOOLS) .venv/bin/wavehaptics holding $(if $(QUICK),--quick) --out build/holding
 	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
 
 bench: $(READY) $(READY_BENCH) ## measure speeds and what was tried for them into build/bench (QUICK=1)

@@ -250,6 +250,9 @@ def adcs(
 
 @app.command()
 def holding(
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Holds of seconds, few random motors: 5 minutes.")
+    ] = False,
     workers: Annotated[
         int | None, typer.Option(metavar="N", min=1, help="Processes; one a core by default.")
     ] = None,
@@ -268,7 +271,7 @@ def holding(
 
     try:
         with _stages() as progress:
-            collect(out, workers, progress)
+            collect(out, workers, progress, quick)
     except SweepError as error:
         raise CommandError(str(error)) from None
     print(f"numbers: {out / 'holding.json'}")

@@ -18,27 +18,31 @@ from wavehaptics.metrics import write_metrics
 from wavehaptics.report.runs import STORE
 from wavehaptics.sweeps import Task, sweep
 
-MOTORS = 200
+MOTORS, QUICK_MOTORS = 200, 24
 """Random motors; their seeds are 0 up to this."""
 
 
-def tasks() -> dict[str, list[Task]]:
+def tasks(quick: bool = False) -> dict[str, list[Task]]:
     """All tasks by the name of their group."""
+    motors_asked = QUICK_MOTORS if quick else MOTORS
     return (
-        cases.tasks()
+        cases.tasks(quick)
         | lost.tasks()
         | {
-            "motors": [Task(motors.random_motor, {"seed": seed}) for seed in range(MOTORS)],
+            "motors": [Task(motors.random_motor, {"seed": seed}) for seed in range(motors_asked)],
             "courses": pictures.tasks(),
         }
     )
 
 
 def collect(
-    out: Path, workers: int | None, progress: Callable[[str, float], None]
+    out: Path,
+    workers: int | None,
+    progress: Callable[[str, float], None],
+    quick: bool = False,
 ) -> dict[str, Any]:
     """Run everything; ``holding.json`` and the pictures into ``out``. Goes on where it stopped."""
-    groups = tasks()
+    groups = tasks(quick)
     # The longest first, so that they don't end alone.
     order = sorted(groups, key=lambda name: name not in ("holds", "motors"))
     flat = [task for name in order for task in groups[name]]

@@ -87,7 +87,7 @@ NOISY = {
     for name, settings in itertools.islice(EVERYTHING.items(), 2)
 }
 
-SHORT_S, LONG_S = 3.0, 60.0
+SHORT_S, LONG_S, QUICK_S = 3.0, 60.0, 5.0
 LONG = ("nothing", "everything, ++++", "everything, −−−−")
 """What is held for a minute."""
 
@@ -245,8 +245,9 @@ def overload(limit: str, firmness: str, wrong: str) -> dict[str, Any]:
 # ---- All of them.
 
 
-def tasks() -> dict[str, list[Task]]:
-    """Tasks by the name of their group."""
+def tasks(quick: bool = False) -> dict[str, list[Task]]:
+    """Tasks by the name of their group; ``quick`` holds for seconds, not for a minute."""
+    long_s, short_s = (QUICK_S, 1.0) if quick else (LONG_S, SHORT_S)
 
     def held(name: str, settings: tuple[str, ...], controller: str, duration_s: float) -> Task:
         all_settings = [*NOTHING, *settings, f"scene.duration_s={duration_s:g}"]
@@ -255,11 +256,11 @@ def tasks() -> dict[str, list[Task]]:
     many = ALONE | EVERYTHING | NOISY
     return {
         "holds": [
-            held(name, many[name], controller, LONG_S)
+            held(name, many[name], controller, long_s)
             for controller in ("core", "golden")
             for name in LONG
         ]
-        + [held(name, settings, "golden", SHORT_S) for name, settings in many.items()],
+        + [held(name, settings, "golden", short_s) for name, settings in many.items()],
         "plain": [held(name, (*settings, PLAIN), "golden", 1.0) for name, settings in many.items()],
         "bars": [
             Task(bar, {"part": part, "place": place, "damping": damping})

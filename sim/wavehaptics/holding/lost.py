@@ -76,8 +76,9 @@ def in_contact(kind: str, speed: float, moment: float, brush: bool) -> dict[str,
     amplitude = force / stiffness + 0.0063
     frequency = min(speed / (2 * math.pi * amplitude), 60.0)
     settings = [
-        *NOTHING, "hand.path=taps", f"hand.amplitude_rad={amplitude}", f"hand.stiffness={stiffness}",
-        f"hand.frequency_hz={frequency}", f"scene.duration_s={1.0 / frequency}",
+        *NOTHING, "hand.path=taps", f"hand.amplitude_rad={amplitude}",
+        f"hand.stiffness={stiffness}", f"hand.frequency_hz={frequency}",
+        f"scene.duration_s={1.0 / frequency}",
         *(BRUSHES if brush else ()),
     ]  # fmt: skip
     lost_s = (0.25 + 0.5 * moment) / frequency

@@ -22,6 +22,10 @@ KEPT = ("hold_offset_rad", "hold_error", "hold_ripple_rms", "restitution", "ener
         "omega_hat_error_rms")  # fmt: skip
 
 
+AT_LIMIT = 0.97
+"""Part of the voltage limit from which on it counts as at work."""
+
+
 class Means:
     """Means over parts of a run, ``part_s`` long each, in place of a trace."""
 
@@ -140,7 +144,9 @@ def overload(settings: list[str], after_s: float = 0.05) -> dict[str, Any]:
     metrics, rows = run(loaded, part_s=100e-6)
     touching, moved, _ = deviations(rows, loaded)
     times = rows[touching, Column.T]
-    limited = rows[:, Column.SATURATED] > 0.0
+    # The waves may stay below their limit while c has no more room.
+    limit_v = loaded.drive.limit_v * (1.0 + loaded.drive.gain_error)
+    limited = np.abs(rows[:, Column.E_A]) > AT_LIMIT * limit_v
     cell = cell_of(loaded)
     found = {key: metrics[key] for key in KEPT}
     found |= {"limited_s": float(np.count_nonzero(limited) * 100e-6), "moved_cells": None}
