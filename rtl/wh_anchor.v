@@ -171,9 +171,10 @@ module wh_anchor (
     localparam [4:0] DRIVE = 0, LEFT = 1, REACH = 2, LIMIT = 3, COMPARE = 4,
                      TAKE_ZERO = 5, ZERO = 6, CURRENT = 7, SWING = 8, MEAN = 9,
                      BASE = 10, ADD_OWED = 11, ADD_U = 12, ADD_V = 13, EDGE = 14, FLUX = 15,
-                     INNER = 16, OUTER = 17, PLACE = 18, X_HAT = 19, LAG = 20, FOLLOW = 21,
-                     TAKE_LEARNED = 22, LEARN = 23, CORRECT = 24, DAMP = 25,
-                     WANTED = 26, CLIP = 27, STRANGE = 28, CHOOSE = 29;
+                     INNER = 16, OUTER = 17, HALF = 18,
+                     PLACE = 19, X_HAT = 20, LAG = 21, FOLLOW = 22,
+                     TAKE_LEARNED = 23, LEARN = 24, CORRECT = 25, DAMP = 26,
+                     CLIP = 27, STRANGE = 28, CHOOSE = 29;
 
     // The memory's words.
     localparam [3:0] M_FLUX = 0, M_LEARNED = 1, M_MEAN = 2, M_ZERO = 3, M_FOLLOWER = 4,
@@ -217,10 +218,11 @@ module wh_anchor (
     reg        [1:0]        b_from;
     reg                     b_none;
     reg                     minus_q, minus;
-    reg                     halves_q;                // b: the dead zone's half, if χ is outside
+    reg                     to_zero_q;               // minus if the sum isn't
     reg                     over_left_q;
+    reg                     out_q;                   // χ is outside the dead zone
     reg                     clipped_q;
-    reg                     negative_q;              // the correction that is wanted
+    reg                     negative_q;              // χ, or the correction that is wanted
 
     wire e_back = voltage_q[DATA_W-1];
     wire back_sum = sum_q[LONG_W-1];
@@ -332,6 +334,11 @@ module wh_anchor (
                 memory_too = out;
                 read_from  = M_CHI;
             end
+            HALF: begin
+                sum_too = 1'b1;
+                b_none  = !out_q;
+                minus   = !negative_q;
+            end
             PLACE: b_none = 1'b0;
             X_HAT: begin
                 sum_too    = 1'b1;
@@ -379,17 +386,15 @@ module wh_anchor (
                 writes   = 1'b1;
                 write_to = M_WANTED;
             end
-            WANTED: sum_too = 1'b1;
             CLIP: begin
                 sum_too    = 1'b1;
                 memory_too = 1'b1;
                 read_from  = over_left_q ? M_LEFT : M_LIMIT;
-                minus      = !back_sum;
             end
             STRANGE: begin
                 sum_too = 1'b1;
                 b_none  = 1'b0;
-                minus   = !negative_q;
+                minus   = !back_sum;
             end
             CHOOSE: begin
                 memory_too = 1'b1;
@@ -415,6 +420,7 @@ module wh_anchor (
                                                   moved_q, {LONG_Q{1'b0}}})
                            : $signed({{(LONG_W - LONG_Q + 1){moved_q[MOVE_W-1]}}, |moved_q,
                                       {(LONG_Q - 2){1'b0}}});
+            HALF:    given = $signed({{(LONG_W - LONG_Q){1'b0}}, 1'b1, {(LONG_Q - 1){1'b0}}});
             PLACE:   given = $signed({position_q, {LONG_Q{1'b0}}});
             default: given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT){setting[DATA_W-1]}}, setting,
                                       {VOLT_SHIFT{1'b0}}});
@@ -439,25 +445,29 @@ module wh_anchor (
         inner_q      <= inner;
         memory_too_q <= memory_too && !(fresh && first_q);
         minus_q      <= minus;
-        halves_q     <= (step_q == INNER);
+        to_zero_q    <= (step_q == CLIP);
         writes_q     <= writes;
         write_to_q   <= write_to;
     end
 
-    wire unused = &{1'b0, product_i[NEAR_SHIFT-1:0], position_i[`WH_COUNT_W-1:PLACE_W]};
+    // ---- The adder. What a step writes, the one after it can't read. Its upper part is worked out with
+    // and without the lower one's carry, which chooses: a carry through all places is most of a clock.
+    localparam integer LOW_W  = 20;  // less than half: the choice takes its time, too
+    localparam integer HIGH_W = LONG_W - LOW_W;
 
-    // ---- The adder. What a step writes, the one after it can't read. Half a cell toward zero is one
-    // or minus one at its place.
-    localparam integer HALF_Q = LONG_Q - 1;
-
-    wire                     half = halves_q && out;
-    wire signed [LONG_W-1:0] toward_zero =
-        $signed({{(LONG_W - HALF_Q - 1){half && !back_sum}}, half, {HALF_Q{1'b0}}});
+    wire                     takes_off = to_zero_q ? !back_sum : minus_q;
     wire signed [LONG_W-1:0] part = sum_q >>> INNER_SHIFT;
     wire signed [LONG_W-1:0] a    = ({LONG_W{sum_too_q}} & sum_q) | ({LONG_W{inner_q}} & part);
     wire signed [LONG_W-1:0] b    =
-        toward_zero | ((b_q | ({LONG_W{memory_too_q}} & read_q)) ^ {LONG_W{minus_q}});
-    wire signed [LONG_W-1:0] sum  = a + b + $signed({{(LONG_W - 1){1'b0}}, minus_q});
+        (b_q | ({LONG_W{memory_too_q}} & read_q)) ^ {LONG_W{takes_off}};
+    wire        [LOW_W:0]    low  = {1'b0, a[LOW_W-1:0]} + {1'b0, b[LOW_W-1:0]}
+                                  + {{LOW_W{1'b0}}, takes_off};
+    wire        [HIGH_W-1:0] high = a[LONG_W-1:LOW_W] + b[LONG_W-1:LOW_W];
+    wire        [HIGH_W:0]   next = {a[LONG_W-1:LOW_W], 1'b1} + {b[LONG_W-1:LOW_W], 1'b1};
+    wire signed [LONG_W-1:0] sum  =
+        $signed({low[LOW_W] ? next[HIGH_W:1] : high, low[LOW_W-1:0]});
+
+    wire unused = &{1'b0, next[0], product_i[NEAR_SHIFT-1:0], position_i[`WH_COUNT_W-1:PLACE_W]};
 
     always @(posedge clk) begin
         if (go_q) begin
@@ -518,8 +528,12 @@ module wh_anchor (
                     swing_q <= $signed(sum_q[LONG_W-1:CUT]);
                     small_q <= (&sum_q[LONG_W-1:LONG_Q+SWING_W]) || !(|sum_q[LONG_W-1:LONG_Q+SWING_W]);
                 end
+                INNER: begin
+                    out_q      <= out;
+                    negative_q <= back_sum;
+                end
                 PLACE:     pull_q <= $signed(sum_q[LONG_W-1:CUT]);
-                WANTED:    negative_q <= back_sum;
+                CLIP:      negative_q <= back_sum;
                 default: ;
             endcase
         end
