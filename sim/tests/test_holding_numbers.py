@@ -17,7 +17,7 @@ def kept():
 
 
 def test_kept_holds_are_held_and_lost_without_the_anchor(kept):
-    """No fault, no lost wall, `core` as `golden`; what can be seen without contact noise is 60 µN·m."""
+    """No fault, no lost wall, `core` as `golden`; 60 µN·m but for contact noise."""
     twins: dict[tuple[str, float], list[dict]] = {}
     for row in kept["holds"]:
         assert row["anchor_fault_s"] is None
