@@ -129,6 +129,10 @@ LINT_CASES := \
     wh_controller,-GN=3,-GHOST=1 \
     wh_controller,-GN=3,-GEARLY=1 \
     wh_controller,-GEARLY=1,-GADC=1 \
+    wh_controller,-GANCHOR=1 \
+    wh_controller,-GN=3,-GANCHOR=1,-GHOST=1 \
+    wh_controller,-GANCHOR=1,-GSHAPER=2 \
+    wh_controller,-GANCHOR=1,-GEARLY=1,-GGUARD=1,-GBUS=1 \
     wh_early,-DWH_COEF_W=31 \
     wh_controller,-GN=1,-GWALLS=1,-GDELAY_LOG2=1 \
     wh_controller,-GN=3,-GWALLS=16,-DWH_DATA_W=28,-DWH_COEF_W=24 \

@@ -152,6 +152,15 @@ module wh_board_controller #(
 
     wire unused_host = &{1'b0, host_strobe, host_sequence, host_v, host_active};
 
+    // Of the port anchor, which this top doesn't have.
+    wire [N*`WH_DATA_W-1:0]  correction;
+    wire [N*`WH_DATA_W-1:0]  offset;
+    wire [N*`WH_DATA_W-1:0]  flux;
+    wire [N*`WH_DATA_W-1:0]  lag;
+    wire [N-1:0]             anchor_fault;
+
+    wire unused_anchor = &{1'b0, correction, offset, flux, lag, anchor_fault};
+
     wh_controller #(
         .N                  (N),
         .WALLS              (`WH_BOARD_WALLS),
@@ -159,6 +168,7 @@ module wh_board_controller #(
         .MODES              (`WH_BOARD_MODES),
         .MIN_PULSE          (`WH_BOARD_SHORTEST),
         .EARLY              (`WH_BOARD_EARLY),
+        .ANCHOR             (0),
         .GUARD              (`WH_BOARD_GUARDED)
     ) controller (
         .clk                (clk),
@@ -218,6 +228,7 @@ module wh_board_controller #(
         .root_i             (`WH_BOARD_ROOT),
         .a_i                (`WH_BOARD_A),
         .u_max_i            (`WH_BOARD_U_MAX),
+        .anchor_words_i     ({N*`WH_ANCHOR_W{1'b0}}),
         .extra_ticks_i      (`WH_BOARD_EXTRA_TICKS),
         .hold_ticks_i       (`WH_BOARD_HOLD_TICKS),
         .mode_i             (`WH_BOARD_MODE),
@@ -242,6 +253,11 @@ module wh_board_controller #(
         .tick_o             (tick),
         .core_valid_o       (core_valid),
         .voltage_o          (voltage),
+        .correction_o       (correction),
+        .offset_o           (offset),
+        .flux_o             (flux),
+        .lag_o              (lag),
+        .anchor_fault_o     (anchor_fault),
         .u_o                (u),
         .v_o                (v),
         .current_o          (current),

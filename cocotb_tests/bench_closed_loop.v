@@ -108,7 +108,7 @@ module bench_closed_loop #(
         .zero_i(zero), .gain_i(gain), .filter_clocks_i(filter_clocks),
         .wall_min_i(wall_min), .wall_max_i(wall_max), .wall_enable_i(wall_enable),
         .eta_contact_i(eta_contact), .eta_free_i(eta_free),
-        .root_i(root), .a_i(a), .u_max_i(u_max),
+        .root_i(root), .a_i(a), .u_max_i(u_max), .anchor_words_i({`WH_ANCHOR_W{1'b0}}),
         .extra_ticks_i(extra_ticks), .hold_ticks_i(hold_ticks),
         .mode_i(mode), .min_pulse_i(min_pulse), .clocks_per_volt_i(clocks_per_volt),
         .bus_share_i(bus_share), .dead_clocks_i(dead_clocks), .compensate_i(compensate), .side_current_i(side_current),
@@ -117,6 +117,7 @@ module bench_closed_loop #(
         .bus_i(16'd0), .anchor_fault_i(1'b0), .faults_o(), .running_o(),
         .adc_ready_o(), .tick_o(tick), .core_valid_o(core_valid), .voltage_o(voltage), .u_o(u), .v_o(v),
         .current_o(current), .position_o(position), .contact_o(contact),
+        .correction_o(), .offset_o(), .flux_o(), .lag_o(), .anchor_fault_o(),
         .saturated_o(saturated), .overcurrent_o(), .adc_range_o(),
         .adc_stuck_o(), .zero_fault_o(), .zero_busy_o(), .encoder_fault_o(encoder_fault), .overrun_o(overrun)
     );

@@ -4,12 +4,16 @@
 from __future__ import annotations
 
 import math
+import os
 import random
 from dataclasses import dataclass
 
 import cocotb
 import numpy as np
 from bench import Bench, random_source
+
+os.environ["NUMBA_DISABLE_JIT"] = "1"  # compiling would take longer than it saves
+
 from wavehaptics import anchor, formats
 
 # Clocks since waves_i of a step whose multiplier never makes it wait; with it, since the last of

@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import random
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -21,12 +22,21 @@ from bench import Bench, pack, random_source, unpack
 from simulators import parameters
 from tb_modulator import Model as Modulator
 from tb_quadrature import levels
-from wavehaptics import bus_scale, formats, golden
+from wavehaptics import anchor, bus_scale, formats, golden
 from wavehaptics.adc_parts import KINDS, PARTS, Frame, Part, frame
 from wavehaptics.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, SIGN_MAGNITUDE, UNIPOLAR
 from wavehaptics.early import prepare
 from wavehaptics.modulator import duty_of, width_bounds
-from wavehaptics.pins_timing import CENTRED_LEAD, GATE_CLOCKS, HOLD_CLOCKS, latency_clocks
+from wavehaptics.pins_timing import (
+    CENTRED_LEAD,
+    CORE_CLOCKS,
+    GATE_CLOCKS,
+    HOLD_CLOCKS,
+    SECTION_CLOCKS,
+    WAVES_CLOCKS,
+    early_tick_clocks,
+    latency_clocks,
+)
 from wavehaptics.sensor import scale_sum
 
 N = parameters().get("N", 1)
@@ -38,6 +48,7 @@ MIN_PULSE = parameters().get("MIN_PULSE", 0)
 BUS = parameters().get("BUS", 0)
 KIND = KINDS[parameters().get("ADC", 0)]
 EARLY = parameters().get("EARLY", 0)
+ANCHOR = parameters().get("ANCHOR", 0)
 SHAPER = parameters().get("SHAPER", 0)
 """Sections of W; no wall of these tests is shaped, so that they only take their clocks."""
 HOST_INPUTS = (
@@ -60,10 +71,16 @@ _ETA_Q = formats.ETA.fraction
 _GUARD = formats.STATE_GUARD
 _A_SHIFT = formats.A.fraction - _GUARD
 
+_GUARDED = formats.LONG_GUARD
+_STEP_CLOCKS = CORE_CLOCKS + SECTION_CLOCKS * SHAPER
+ANCHOR_WORDS = ("position_o", "offset_o", "flux_o", "lag_o", "anchor_fault_o")
+
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 
 # A tick long enough for the steps of N ports, and for the encoder to settle between two of them.
 TICK_CLOCKS = 160 if N > 1 and EARLY else 48 if N == 1 and KIND == "serial" and not EARLY else 96
+if ANCHOR and N > 1 and not EARLY:
+    TICK_CLOCKS = CORE_CLOCKS * N + 12
 
 
 @dataclass
@@ -78,6 +95,9 @@ class PortSettings:
     zero: int = 0
     gain_a: float = FULL_SCALE_A
     walls: tuple[tuple[int, int], ...] = ((1000, 2000),) * WALLS
+    anchor: np.ndarray = field(
+        default_factory=lambda: np.zeros(anchor.SETTINGS, dtype=np.int64), compare=False
+    )
 
 
 @dataclass
@@ -168,6 +188,7 @@ class Settings:
             "root_i": each(lambda n: ports[n].root, formats.COEF_W),
             "a_i": each(lambda n: ports[n].a, formats.COEF_W),
             "u_max_i": each(lambda n: ports[n].u_max, formats.DATA_W),
+            "anchor_words_i": each(lambda n: anchor.packed(ports[n].anchor), formats.ANCHOR_W),
             "extra_ticks_i": self.extra_ticks,
             "hold_ticks_i": self.hold_ticks,
             "mode_i": MODE_WORDS[self.mode],
@@ -196,6 +217,27 @@ class Step:
     contact: list[int]
     saturated: list[int]
     position: list[int]
+    correction: list[int]
+    before: list[tuple[int, int, int, int, int]]
+    """Of each port: its position as the step starts, and what its anchor has made of the step
+    before, as its own step starts: offset, flux, lag and fault."""
+
+
+@dataclass
+class Made:
+    """What one port's models make of a step."""
+
+    current: int
+    eta: int
+    voltage: int
+    u: int
+    v: int
+    saturated: int
+    correction: int
+    offset: int
+    flux: int
+    lag: int
+    fault: int
 
 
 class GateWatch:
@@ -249,6 +291,8 @@ class ControllerBench(Bench):
         self.steps: list[Step] = []
         self.bridge: list[list[int]] = []
         """For each clock the voltage of each port's bridge, in parts of the bus."""
+        self.recent: deque[tuple[int, ...]] = deque(maxlen=_STEP_CLOCKS * N + 1)
+        """The anchors' words of the last clocks, the newest last."""
         self.watches = [GateWatch(settings.dead_clocks, settings.min_pulse) for _ in range(2 * N)]
         self.disabled = True
         self._cs_n = 1
@@ -280,6 +324,8 @@ class ControllerBench(Bench):
         self._adc_pins(edge + PINS_NS)
         self._gate_pins(off=bool(rst or not enable))
         clock = len(self.bridge) - 1
+        if ANCHOR:
+            self.recent.append(tuple(self.word(name) for name in ANCHOR_WORDS))
         if self.word("tick_o"):
             self.ticks.append(clock)
         if not self.word("core_valid_o"):
@@ -293,9 +339,18 @@ class ControllerBench(Bench):
             [(self.word("contact_o") >> n) & 1 for n in range(N)],
             [(self.word("saturated_o") >> n) & 1 for n in range(N)],
             unpack(self.word("position_o"), formats.COUNT_W, N),
+            unpack(self.word("correction_o"), formats.DATA_W, N),
+            [self._before(n) for n in range(N)] if ANCHOR else [],
         )
         self.steps.append(shown)
         return shown
+
+    def _before(self, n: int) -> tuple[int, int, int, int, int]:
+        """``Step.before`` of one port."""
+        position = unpack(self.recent[0][0], formats.COUNT_W, N)[n]
+        words = self.recent[_STEP_CLOCKS * n + WAVES_CLOCKS]
+        offset, flux, lag = (unpack(word, formats.DATA_W, N)[n] for word in words[1:4])
+        return position, offset, flux, lag, words[4] >> n & 1
 
     def _adc_pins(self, now: float) -> None:
         cs_n, sclk = self.word("adc_cs_n_o"), self.word("adc_sclk_o")
@@ -356,12 +411,12 @@ class ControllerBench(Bench):
         """The duty that ``wh_early`` makes of each step, from the state before it."""
         settings, port = self.settings, self.settings.ports[n]
         f, waves, duties = 0, [0] * (settings.extra_ticks + 1), []
-        for step, (_, sums) in zip(self.steps, self.sums(), strict=False):
-            eta = port.eta_contact if step.contact[n] else port.eta_free
+        for step, made, (_, sums) in zip(self.steps, self.made(n), self.sums(), strict=False):
+            eta = made.eta
             assert step.u[n] == waves[-1 - settings.extra_ticks]
             ready = prepare(
                 waves[-1], step.u[n], settings.u_max(n), port.root, port.a, settings.gain(n),
-                settings.clocks_per_volt(n), eta, 0,
+                settings.clocks_per_volt(n), eta, 0, made.offset, made.correction,
             )  # fmt: skip
             duties.append(ready.duty(sums[n]))
             goal = golden.saturate.py_func(golden.truncate.py_func(eta * step.v[n], _ETA_Q))
@@ -372,23 +427,49 @@ class ControllerBench(Bench):
             waves.append(golden.truncate.py_func(f, _GUARD))
         return duties
 
-    def check_steps(self) -> None:
-        """Every step's words equal the integer model, fed with the ADC's codes and η."""
-        settings = self.settings
-        expected = self.currents()
-        assert len(self.steps) >= len(expected) - 2 - settings.frame.pipeline
-        for n in range(N):
-            port = settings.ports[n]
-            state, line = golden.new_state(), golden.new_line(settings.extra_ticks)
-            for step, (_, words) in zip(self.steps, expected, strict=False):
-                assert step.current[n] == words[n]
-                eta = port.eta_contact if step.contact[n] else port.eta_free
-                e, u, v = golden.wave_core_step.py_func(
-                    state, line, words[n], eta, 0, port.root, port.a, settings.u_max(n),
-                    settings.extra_ticks, settings.hold_ticks,
+    def made(self, n: int) -> list[Made]:
+        """Each step of one port as the integer models have it, from the ADC's codes and contact."""
+        settings, port = self.settings, self.settings.ports[n]
+        state, line = golden.new_state(), golden.new_line(settings.extra_ticks)
+        held, e, result = anchor.new_state(), 0, []
+        for step, (_, words) in zip(self.steps, self.currents(), strict=False):
+            offset, correction = int(held[anchor.OFFSET]), int(held[anchor.CORRECTION])
+            seen = [int(held[place]) >> _GUARDED for place in (anchor.CHI, anchor.LAG)]
+            fault = int(held[anchor.FAULT])
+            current = golden.saturate.py_func(words[n] - offset)
+            eta = 0 if fault else port.eta_contact if step.contact[n] else port.eta_free
+            withheld, saturated = int(state[golden.STATE_WITHHELD]), state[golden.STATE_SATURATED]
+            e_before = e
+            e, u, v = golden.wave_core_step.py_func(
+                state, line, current, eta, 0, port.root, port.a, settings.u_max(n),
+                settings.extra_ticks, settings.hold_ticks,
+            )  # fmt: skip
+            e, u, v = int(e), int(u), int(v)
+            if ANCHOR:
+                anchor.anchor_step(
+                    held, port.anchor, step.before[n][0], bool(step.contact[n]), current, u, v,
+                    withheld, e_before, bool(saturated),
                 )  # fmt: skip
-                assert (step.voltage[n], step.u[n], step.v[n]) == (e, u, v)
-                assert step.saturated[n] == state[golden.STATE_SATURATED]
+            voltage = golden.saturate.py_func(e + correction)
+            saturated = int(state[golden.STATE_SATURATED])
+            result.append(
+                Made(current, eta, voltage, u, v, saturated, correction, offset, *seen, fault)
+            )
+        return result
+
+    def check_steps(self) -> None:
+        """Every step's words equal the integer models, fed with the ADC's codes and contact."""
+        expected = len(self.currents())
+        assert len(self.steps) >= expected - 2 - self.settings.frame.pipeline
+        for n in range(N):
+            for step, made in zip(self.steps, self.made(n), strict=False):
+                assert step.current[n] == made.current
+                shown = (step.voltage[n], step.u[n], step.v[n])
+                assert shown == (made.voltage, made.u, made.v)
+                assert step.saturated[n] == made.saturated
+                assert step.correction[n] == made.correction
+                if ANCHOR:
+                    assert step.before[n][1:] == (made.offset, made.flux, made.lag, made.fault)
 
     def check_pulses(self) -> int:
         """Each pulse at the gates is the model's, in its place; number of pulses.
@@ -448,7 +529,30 @@ def random_port(rng: random.Random) -> PortSettings:
         zero=rng.randint(-3000, 3000),
         gain_a=rng.uniform(0.5, 15.0),
         walls=tuple(walls),
+        anchor=random_anchor(rng, ohm),
     )
+
+
+def random_anchor(rng: random.Random, ohm: float) -> np.ndarray:
+    """Words with which some dozen ticks show an anchor's every side; zeros without one."""
+    words = np.zeros(anchor.SETTINGS, dtype=np.int64)
+    if not ANCHOR:
+        return words
+    limit_v = rng.uniform(0.3, 1.1) * BUS_V
+    words[anchor.ENABLE] = rng.random() < 0.9
+    words[anchor.FLUX_GAIN] = formats.FLUX.to_raw(10.0 ** rng.uniform(-4.0, -1.0))
+    words[anchor.OWED_GAIN] = rng.choice((0, words[anchor.FLUX_GAIN]))
+    words[anchor.CELLS_GAIN] = formats.CELLS.to_raw(rng.uniform(0.02, 2.0))
+    words[anchor.PULL_GAIN] = formats.PULL.to_raw(rng.uniform(0.1, 3.0))
+    words[anchor.DAMP_GAIN] = formats.PULL.to_raw(rng.uniform(0.0, 1.0))
+    words[anchor.LEARN_GAIN] = formats.LEARN.to_raw(10.0 ** rng.uniform(-3.0, -1.0))
+    words[anchor.ZERO_GAIN] = formats.FLUX.to_raw(10.0 ** rng.uniform(-3.0, -1.0) / ohm)
+    words[anchor.REACH] = formats.VOLTAGE.to_raw(rng.uniform(0.1, 2.0))
+    words[anchor.DRIVE] = formats.VOLTAGE.to_raw(limit_v)
+    words[anchor.STRANGE] = formats.VOLTAGE.to_raw(rng.choice((5.0, 100.0)))
+    words[anchor.REST_TICKS] = rng.randint(1, 4)
+    words[anchor.SLOW_UNITS] = rng.randint(0, 4)
+    return words
 
 
 def random_settings(rng: random.Random) -> Settings:
@@ -485,8 +589,8 @@ async def open_loop_equals_the_models(dut: object) -> None:
     """Random currents and encoders through walls: currents, waves, voltages, contact, pulses."""
     bench = ControllerBench(dut)
     rng = random_source("open loop")
-    pulses = contacts = moves = saturated = 0
-    for _ in range(6):
+    pulses = contacts = moves = saturated = corrected = tracked = strange = 0
+    for _ in range(12 if ANCHOR else 6):
         await bench.begin(random_settings(rng))
         contact_states = [np.array([-1, 0]) for _ in range(N)]
         while len(bench.steps) < 40:
@@ -505,6 +609,10 @@ async def open_loop_equals_the_models(dut: object) -> None:
                 assert shown.contact[n] == contact
                 contacts += contact
                 saturated += shown.saturated[n]
+                corrected += shown.correction[n] != 0
+                if ANCHOR:
+                    tracked += shown.before[n][1] != 0
+                    strange += shown.before[n][4]
                 move = rng.choice((-1, 0, 1))
                 bench.position[n] += move
                 moves += move != 0
@@ -516,6 +624,30 @@ async def open_loop_equals_the_models(dut: object) -> None:
     assert contacts > 30
     assert moves > 100
     assert saturated > 10
+    if ANCHOR:
+        assert min(corrected, tracked) > 100
+        assert strange > 10
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms", skip=not EARLY)
+async def shortest_tick_of_the_early_duty_is_the_formula(dut: object) -> None:
+    """A clock less, and the words of a tick aren't ready for its sum."""
+    bench = ControllerBench(dut)
+    rng = random_source("shortest")
+    shortest = early_tick_clocks(N, bool(ANCHOR))
+    assert shortest > PART_FRAME.cycle_clocks + 1
+    for clocks, late in ((shortest, 0), (shortest - 1, 1)):
+        settings = Settings(
+            half_clocks=clocks, extra_ticks=1, ports=[random_port(rng) for _ in range(N)]
+        )
+        await bench.begin(settings)
+        for _ in range(30):
+            bench.codes = [random_code(rng) for _ in range(N)]
+            await bench.run(clocks)
+        assert bench.word("overrun_o") == late
+        if not late:
+            bench.check_steps()
+            assert bench.check_pulses() > 10
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms", skip=not BUS)
@@ -557,8 +689,14 @@ async def contact_at_any_time(dut: object) -> None:
     bench = ControllerBench(dut)
     rng = random_source("any time")
     changes = 0
-    for _ in range(3):
-        await bench.begin(random_settings(rng))
+    for run in range(4):
+        settings = random_settings(rng)
+        if run == 3:
+            # A step's currents come as the one before ends; the anchors are still at that one.
+            settings.half_clocks = max(PART_FRAME.cycle_clocks, _STEP_CLOCKS * N + N)
+            settings.tick_halves = settings.samples = 1
+            settings.mode, settings.hold_ticks = UNIPOLAR, 0
+        await bench.begin(settings)
         next_move = 0
         while len(bench.steps) < 50:
             await bench.clock()

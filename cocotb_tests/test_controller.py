@@ -6,26 +6,29 @@ from simulators import simulate
 
 
 @pytest.mark.parametrize(
-    ("ports", "walls", "delay_log2", "adc", "shaper", "sense", "early", "modes", "bus"),
+    ("ports", "walls", "delay_log2", "adc", "shaper", "sense", "early", "modes", "bus", "anchor"),
     [
-        (1, 4, 2, 0, 0, 0, 0, 0, 0),
-        (3, 1, 1, 0, 0, 1, 0, 0, 0),
-        (1, 4, 2, 1, 0, 1, 0, 0, 0),
-        (1, 4, 2, 0, 2, 0, 0, 0, 0),
-        (3, 1, 1, 0, 0, 0, 1, 0, 0),
-        (1, 4, 2, 0, 0, 0, 0, 1, 1),
-        (3, 1, 1, 0, 0, 0, 1, 0, 1),
+        (1, 4, 2, 0, 0, 0, 0, 0, 0, 0),
+        (3, 1, 1, 0, 0, 1, 0, 0, 0, 0),
+        (1, 4, 2, 1, 0, 1, 0, 0, 0, 0),
+        (1, 4, 2, 0, 2, 0, 0, 0, 0, 0),
+        (3, 1, 1, 0, 0, 0, 1, 0, 0, 0),
+        (1, 4, 2, 0, 0, 0, 0, 1, 1, 0),
+        (3, 1, 1, 0, 0, 0, 1, 0, 1, 0),
+        (3, 1, 1, 0, 0, 0, 0, 0, 0, 1),
+        (3, 1, 1, 0, 0, 0, 1, 0, 0, 1),
+        (1, 4, 2, 0, 0, 0, 1, 0, 1, 1),
     ],
 )
 def test_controller(
     simulator: str, ports: int, walls: int, delay_log2: int, adc: int, shaper: int, sense: int,
-    early: int, modes: int, bus: int,
+    early: int, modes: int, bus: int, anchor: int,
 ) -> None:  # fmt: skip
     if (shaper or early or modes) and simulator == "icarus":
         pytest.skip("the clocks of W, of the early duty and of the modes are the same everywhere")
     parameters = {
         "N": ports, "WALLS": walls, "DELAY_LOG2": delay_log2, "ADC": adc, "SHAPER": shaper,
         "SENSE": sense, "ZERO_LOG2": 3, "EARLY": early, "MODES": modes, "MIN_PULSE": modes,
-        "BUS": bus,
+        "BUS": bus, "ANCHOR": anchor,
     }  # fmt: skip
     simulate(simulator, "wh_controller", "tb_controller", parameters)

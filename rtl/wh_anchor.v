@@ -5,8 +5,8 @@
 //   χ   = L̂ i + k̂_T x - Σ (s T/2)(u + v)      flux of the port, in cells of k̂_T Δ; 0 if all is ideal
 //   p   = dz(χ, 1/2) + χ/256                  a cell's half is left alone, but for a 256th
 //   c_I -= g_γ p                              every tick at rest, one in 8 while the rotor moves
-//   c   = c_I - g_ρ p - g_d (L̂ i - its mean)  the last in contact and at rest
-//   |c| <= min(c_0 + |e_id|/4, drive - |e_id|)
+//   c   = c_I - g_ρ p - g_d (L̂ i - its mean)  the last in contact, at rest and below 4 cells
+//   |c| <= min(c_0 + |e_id|/4, drive - |e_id|)  c_0/4 out of contact
 //
 // c is a voltage in series with the port: it is added to e_id = s u behind the wave core, which does
 // not see it. A contact's first edge sets χ to a quarter of a cell; in contact, what the voltage
@@ -79,6 +79,8 @@ module wh_anchor (
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
     localparam integer INNER_SHIFT = 8;  // of χ within the dead zone, of both means
+    localparam integer FREE_SHIFT  = 2;  // of c_0 out of contact, where no current flows
+    localparam integer SWING_W     = 2;  // swings are smaller than 2^2 cells
 
     generate
         if (NEAR_SHIFT < 1 || NEAR_SHIFT != `WH_PULL_Q - CUT || FAR_SHIFT != `WH_LEARN_Q - CUT
@@ -109,6 +111,7 @@ module wh_anchor (
     reg        [PLACE_W-1:0] position_q;
     reg signed [MOVE_W-1:0]  moved_q;
     reg                      started_q;   // there was a tick before
+    reg                      start_q;     // moved_q is a new tick's: its rest is counted in this clock
     reg                      contact_q;
     reg                      begins_q;    // the contact
     reg                      back_q;      // direction of the last edge
@@ -118,32 +121,38 @@ module wh_anchor (
 
     wire signed [MOVE_W-1:0] moved    =
         started_q ? $signed(position_i[MOVE_W-1:0] - position_q[MOVE_W-1:0]) : {MOVE_W{1'b0}};
-    wire                     moves    = |moved;
-    wire                     back     = moved[MOVE_W-1];
-    wire                     one      = back ? (&moved) : (moved[MOVE_W-1:1] == 0);
+    wire                     moves    = |moved_q;
+    wire                     back     = moved_q[MOVE_W-1];
+    wire                     one      = back ? (&moved_q) : (moved_q[MOVE_W-1:1] == 0);
     wire                     same_way = moves && (back == back_q || !one);
     wire                     unit     = ({1'b0, ticks_q} + 1'b1 >= {1'b0, rest_ticks});
 
     always @(posedge clk) begin
         if (rst) begin
             started_q <= 1'b0;
+            start_q   <= 1'b0;
             contact_q <= 1'b0;
             begins_q  <= 1'b0;
             back_q    <= 1'b0;
             ticks_q   <= {REST_W{1'b0}};
             units_q   <= {UNIT_W{1'b1}};
             phase_q   <= 5'd0;
-        end else if (start_i) begin
-            started_q <= 1'b1;
-            contact_q <= contact_i;
-            begins_q  <= contact_i && !contact_q;
-            back_q    <= moves ? back : back_q;
-            phase_q   <= phase_q + 5'd1;
-            ticks_q   <= (same_way || unit) ? {REST_W{1'b0}} : ticks_q + 1'b1;
-            if (same_way) begin
-                units_q <= {UNIT_W{1'b0}};
-            end else if (unit && !(&units_q)) begin
-                units_q <= units_q + 1'b1;
+        end else begin
+            start_q <= start_i;
+            if (start_i) begin
+                started_q <= 1'b1;
+                contact_q <= contact_i;
+                begins_q  <= contact_i && !contact_q;
+                phase_q   <= phase_q + 5'd1;
+            end
+            if (start_q) begin
+                back_q  <= moves ? back : back_q;
+                ticks_q <= (same_way || unit) ? {REST_W{1'b0}} : ticks_q + 1'b1;
+                if (same_way) begin
+                    units_q <= {UNIT_W{1'b0}};
+                end else if (unit && !(&units_q)) begin
+                    units_q <= units_q + 1'b1;
+                end
             end
         end
         if (start_i) begin
@@ -158,8 +167,8 @@ module wh_anchor (
 
     // ---- The steps: what is added to what, and where the sum goes. A step's words are fetched in one
     // clock (step_q), where the sums with a product wait for it, and added in the next (adds_q).
-    // REACH is fetched while there is nothing to do.
-    localparam [4:0] REACH = 0, LIMIT = 1, DRIVE = 2, LEFT = 3, COMPARE = 4,
+    // DRIVE is fetched while there is nothing to do.
+    localparam [4:0] DRIVE = 0, LEFT = 1, REACH = 2, LIMIT = 3, COMPARE = 4,
                      TAKE_ZERO = 5, ZERO = 6, CURRENT = 7, SWING = 8, MEAN = 9,
                      BASE = 10, ADD_OWED = 11, ADD_U = 12, ADD_V = 13, EDGE = 14, FLUX = 15,
                      INNER = 16, OUTER = 17, PLACE = 18, X_HAT = 19, LAG = 20, FOLLOW = 21,
@@ -180,13 +189,16 @@ module wh_anchor (
                     || step_q == ADD_V || step_q == LEARN || step_q == CORRECT || step_q == DAMP);
     wire ends    = go_q && adds_q == CHOOSE;
     wire accepts = waves_i && (!busy_q || ends);
-    wire fetches = (step_q == REACH) ? accepts : (!waits || done_i);
+    wire fetches = (step_q == DRIVE) ? accepts : (!waits || done_i);
 
     assign busy_o = busy_q;
 
     // ---- The words of a step.
     localparam [1:0] B_NEAR = 0, B_FAR = 1, B_INPUT = 2;
 
+    // No word is read for a sum in the clock in which it is written, so that it doesn't matter what a
+    // block RAM would give then: else Yosys adds logic that knows.
+    (* no_rw_check *)
     reg signed [LONG_W-1:0] memory [0:15];
     reg signed [LONG_W-1:0] read_q;
     reg signed [LONG_W-1:0] sum_q;
@@ -247,7 +259,7 @@ module wh_anchor (
             COMPARE: begin
                 sum_too    = 1'b1;
                 memory_too = 1'b1;
-                read_from  = M_LIMIT;
+                read_from  = M_LEFT;
                 minus      = 1'b1;
             end
             TAKE_ZERO: begin
@@ -362,7 +374,7 @@ module wh_anchor (
             DAMP: begin
                 sum_too  = 1'b1;
                 b_from   = B_NEAR;
-                b_none   = !contact_q || !rests;
+                b_none   = !contact_q || !rests || !small_q;
                 minus    = 1'b1;
                 writes   = 1'b1;
                 write_to = M_WANTED;
@@ -390,7 +402,8 @@ module wh_anchor (
 
     // What comes from outside.
     wire signed [DATA_W-1:0] setting =
-        (step_q == DRIVE) ? drive : (step_q == STRANGE) ? strange : reach;
+        (step_q == DRIVE) ? drive : (step_q == STRANGE) ? strange
+        : contact_q ? reach : reach >>> FREE_SHIFT;
 
     always @* begin
         case (step_q)
@@ -465,8 +478,9 @@ module wh_anchor (
     reg        [3:0]        give_q;
     reg signed [DATA_W-1:0] pull_q;   // s31q16 cells: p
     reg signed [DATA_W-1:0] swing_q;  // s31q16 cells
+    reg                     small_q;  // it is a swing, and no move
 
-    assign request_o = (step_q >= LEFT && give_q <= G_CURRENT) || (step_q >= SWING && give_q <= G_V)
+    assign request_o = (step_q >= LIMIT && give_q <= G_CURRENT) || (step_q >= SWING && give_q <= G_V)
                        || (step_q >= LAG && give_q < G_DONE);
 
     always @* begin
@@ -499,8 +513,11 @@ module wh_anchor (
         end
         if (go_q) begin
             case (adds_q)
-                TAKE_ZERO: over_left_q <= back_sum;
-                MEAN:      swing_q <= $signed(sum_q[LONG_W-1:CUT]);
+                TAKE_ZERO: over_left_q <= !back_sum;
+                MEAN: begin
+                    swing_q <= $signed(sum_q[LONG_W-1:CUT]);
+                    small_q <= (&sum_q[LONG_W-1:LONG_Q+SWING_W]) || !(|sum_q[LONG_W-1:LONG_Q+SWING_W]);
+                end
                 PLACE:     pull_q <= $signed(sum_q[LONG_W-1:CUT]);
                 WANTED:    negative_q <= back_sum;
                 default: ;
@@ -516,7 +533,7 @@ module wh_anchor (
 
     always @(posedge clk) begin
         if (rst) begin
-            step_q       <= REACH;
+            step_q       <= DRIVE;
             go_q         <= 1'b0;
             busy_q       <= 1'b0;
             first_q      <= 1'b1;
@@ -530,12 +547,12 @@ module wh_anchor (
             flux_o       <= {DATA_W{1'b0}};
             lag_o        <= {DATA_W{1'b0}};
         end else begin
-            if ((waves_i && !accepts) || (start_i && step_q != REACH && step_q <= DAMP)) begin
+            if ((waves_i && !accepts) || (start_i && step_q != DRIVE && step_q <= DAMP)) begin
                 overrun_o <= 1'b1;
             end
             go_q <= fetches;
             if (fetches) begin
-                step_q <= (step_q == CHOOSE) ? REACH : step_q + 5'd1;
+                step_q <= (step_q == CHOOSE) ? DRIVE : step_q + 5'd1;
             end
             if (accepts) begin
                 busy_q <= 1'b1;
@@ -550,7 +567,7 @@ module wh_anchor (
             end
             if (go_q) begin
                 case (adds_q)
-                    REACH:   correction_o <= next_q;
+                    DRIVE:   correction_o <= next_q;
                     CURRENT: offset_o  <= $signed(sum_q[AMP_SHIFT +: DATA_W]);
                     INNER:   flux_o    <= $signed(sum_q[LONG_W-1:CUT]);
                     FOLLOW:  lag_o     <= $signed(sum_q[LONG_W-1:CUT]);

@@ -20,7 +20,8 @@
 //     conversion + 14 + (24 + 5 SHAPER) N + 2 (N - 1) clocks
 // after its sample strobe or later, conversion being the reader's own latency (latency_clocks in
 // sim/wavehaptics/pins_timing.py).
-// With EARLY = 1 it is conversion + 10 clocks, for a tick of conversion + 31 clocks or more.
+// With EARLY = 1 it is conversion + 10 clocks, for a conversion of 18 clocks or more and a tick of
+// 22 + 25 N or more; with ANCHOR = 1 as well 33 + 25 N (early_tick_clocks).
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
 
 `default_nettype none
@@ -707,12 +708,22 @@ module wh_controller #(
 
                 assign voltage_o[n*DATA_W +: DATA_W] = voltage;
 
+                // The position that belongs to the contact, until the port's turn: the anchor may still
+                // be at the step before when the core starts.
+                reg [`WH_COUNT_W-1:0] position_q;
+
+                always @(posedge clk) begin
+                    if (core_start) begin
+                        position_q <= position_o[n*`WH_COUNT_W +: `WH_COUNT_W];
+                    end
+                end
+
                 // A host's environment counts as contact: its current may be what it likes.
                 wh_anchor anchor (
                     .clk           (clk),
                     .rst           (drive_rst || damp),
-                    .start_i       (core_start),
-                    .position_i    (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
+                    .start_i       (waves[n]),
+                    .position_i    (position_q),
                     .contact_i     (contact_o[n] || host_active_o[n]),
                     .waves_i       (waves[n]),
                     .current_i     (current_o[n*DATA_W +: DATA_W]),

@@ -5,21 +5,21 @@
 // What the wave core makes of a tick is linear in the tick's sum of ADC words but for its last
 // limit, and all the rest is known before the last word comes:
 //
-//   e    = limit(s (f + a (η (u_n - s i_n) + x - f))),  i_n = gain (sum - zero)
-//   duty = clocks_per_volt e = limit(base - slope (sum - zero))
-//   base  = clocks_per_volt (s f + s a (η u_n + x - f))
+//   e    = limit(s (f + a (η (u_n - s i_n) + x - f))) + c,  i_n = gain (sum - zero) - offset
+//   duty = clocks_per_volt e = base - slope (sum - zero), from low to high
+//   base  = clocks_per_volt (s f + s a (η (u_n + s offset) + x - f)) + clocks_per_volt c
 //   slope = (gain clocks_per_volt s) (s a η)
-//   limit = clocks_per_volt s u_max
+//   high  = clocks_per_volt s u_max + clocks_per_volt c,  low = the same with -u_max
 //
-// So base, slope and limit are made while the last word is converted, and a sample passes one
-// multiplication. The core makes its step as ever, with the same η and x, which are taken over
+// offset and c are the port anchor's, 0 without one. So base, slope and limits are made while the
+// last word is converted, and a sample passes one multiplication. The core makes its step as ever, with the same η and x, which are taken over
 // here when the frame of the last word begins, or when the core's step ends if that is later; its
 // f and u are the state, and hold what was applied but for this block's last places: 1e-6 of it.
 // The words are those of a step whose u goes out at once (hold_ticks_i = 0), with W = 1.
 // sim/wavehaptics/early.py says the same with integers, and this module equals it bit for bit.
 //
 // Formats: at the ports and below; rounding is down, and what is between the two ends saturates.
-// Latency: 16 clocks from the frame's start (or the core's end) until a sum may come; 5 clocks from
+// Latency: 18 clocks from the frame's start (or the core's end) until a sum may come; 5 clocks from
 // sum_valid_i to where wh_modulator's take_i finds the duty. A sum that comes too soon has no duty
 // and shows as overrun_o. Reset: no duty; the words in preparation are dropped.
 
@@ -52,9 +52,9 @@ module wh_early (
     output reg  signed [`WH_COEF_W-1:0] eta_o,
     output reg  signed [`WH_DATA_W-1:0] wave_o,
 
-    // Of the port anchor: taken off the current, and added to e behind its limit.
-    input  wire signed [`WH_DATA_W-1:0] offset_i,           // s31q24 A
-    input  wire signed [`WH_DATA_W-1:0] correction_i,       // s31q23 V: c
+    // Of the port anchor, for the step to come: taken over as well. 0 without one.
+    input  wire signed [`WH_DATA_W-1:0] offset_i,           // s31q24 A, taken off the current
+    input  wire signed [`WH_DATA_W-1:0] correction_i,       // s31q23 V: c, behind the limit
 
     input  wire                         sum_valid_i,        // its first clock counts
     input  wire signed [`WH_DATA_W-1:0] sum_i,              // s31q0: the tick's sum - zero
@@ -78,6 +78,7 @@ module wh_early (
     localparam integer SA_CUT      = `WH_A_Q;                              // to s27q22
     localparam integer GOAL_SHIFT  = `WH_ETA_Q;
     localparam integer VOLT_SHIFT  = `WH_ROOT_Q;                           // wave to voltage
+    localparam integer DROP_SHIFT  = `WH_ROOT_Q + `WH_CURRENT_Q - `WH_WAVE_Q;  // current to wave
     localparam integer SCALE_SHIFT = `WH_GAIN_Q + `WH_DUTY_Q - SCALE_Q;
     localparam integer SAE_SHIFT   = SA_Q + `WH_ETA_Q - `WH_ROOT_Q;        // to s27q22
     localparam integer SS_SHIFT    = SCALE_Q + `WH_ROOT_Q - SLOPE_Q;
@@ -100,7 +101,10 @@ module wh_early (
     reg [4:0] step_q;   // 0: nothing is ready, LAST: all is
     reg       sum_q;    // sum_valid_i a clock before
 
-    localparam [4:0] LAST = 5'd16;
+    reg signed [DATA_W-1:0] offset_q;
+    reg signed [DATA_W-1:0] correction_q;
+
+    localparam [4:0] LAST = 5'd18;
 
     wire last_frame = frame_i && (samples_i == 9'd1 || words_q == samples_i - 9'd1);
     wire begins     = (waiting_q || last_frame) && !busy_i;
@@ -140,9 +144,17 @@ module wh_early (
         end
     end
 
+    always @(posedge clk) begin
+        if (begins) begin
+            offset_q     <= offset_i;
+            correction_q <= correction_i;
+        end
+    end
+
     // ---- The multiplier, by the step. A product is there 3 clocks later.
     reg signed [DATA_W-1:0]  sa_q;
     reg signed [COEF_W-1:0]  sa_cut_q;
+    reg signed [DATA_W-1:0]  wave_q;       // u_n + s offset
     reg signed [DATA_W-1:0]  goal_q;
     reg signed [DATA_W-1:0]  error_q;
     reg signed [DATA_W-1:0]  volt_q;       // s f, then e without the sample
@@ -151,8 +163,9 @@ module wh_early (
     reg signed [COEF_W-1:0]  sae_q;
     reg signed [DATA_W-1:0]  ss_q;
     reg signed [DATA_W-1:0]  slope_q;
-    reg signed [DUTY_W-1:0]  base_q;
     reg signed [DUTY_W-1:0]  limit_q;
+    reg signed [DUTY_W-1:0]  added_q;      // clocks_per_volt c
+    reg signed [DUTY_W-1:0]  base_q;       // without it
 
     reg  signed [DATA_W-1:0]    data;
     reg  signed [COEF_W-1:0]    coef;
@@ -166,12 +179,12 @@ module wh_early (
     always @* begin
         case (step_q)
             5'd1: begin
-                data = root_long;
-                coef = a_i;
+                data = offset_q;
+                coef = root_i;
             end
             5'd2: begin
-                data = u_n_i;
-                coef = eta_o;
+                data = root_long;
+                coef = a_i;
             end
             5'd3: begin
                 data = f_i;
@@ -182,32 +195,40 @@ module wh_early (
                 coef = clocks_per_volt_i;
             end
             5'd5: begin
+                data = wave_q;
+                coef = eta_o;
+            end
+            5'd6: begin
                 data = u_max_i;
                 coef = root_i;
             end
-            5'd6: begin
+            5'd7: begin
                 data = sa_q;
                 coef = eta_o;
-            end
-            5'd7: begin
-                data = error_q;
-                coef = sa_cut_q;
             end
             5'd8: begin
                 data = scale_q;
                 coef = root_i;
             end
-            5'd9: begin
-                data = limit_volt_q;
-                coef = clocks_per_volt_i;
+            5'd10: begin
+                data = error_q;
+                coef = sa_cut_q;
             end
             5'd11: begin
-                data = volt_q;
+                data = limit_volt_q;
                 coef = clocks_per_volt_i;
             end
             5'd12: begin
                 data = ss_q;
                 coef = sae_q;
+            end
+            5'd13: begin
+                data = correction_q;
+                coef = clocks_per_volt_i;
+            end
+            5'd14: begin
+                data = volt_q;
+                coef = clocks_per_volt_i;
             end
             default: begin
                 data = slope_q;
@@ -227,6 +248,7 @@ module wh_early (
     );
 
     // ---- What a product is cut to, in its step.
+    wire signed [DATA_W-1:0] as_drop;
     wire signed [DATA_W-1:0] as_sa;
     wire signed [COEF_W-1:0] as_sa_cut;
     wire signed [DATA_W-1:0] as_goal;
@@ -235,6 +257,14 @@ module wh_early (
     wire signed [COEF_W-1:0] as_sae;
     wire signed [DATA_W-1:0] as_ss;
     wire signed [DATA_W-1:0] as_slope;
+
+    wh_saturate #(
+        .IN_W    (PRODUCT_W - DROP_SHIFT),
+        .OUT_W   (DATA_W)
+    ) saturate_drop (
+        .value_i ($signed(product[PRODUCT_W-1:DROP_SHIFT])),
+        .value_o (as_drop)
+    );
 
     wh_saturate #(
         .IN_W    (PRODUCT_W - SA_SHIFT),
@@ -300,7 +330,20 @@ module wh_early (
         .value_o (as_slope)
     );
 
-    // η u_n + x - f
+    // u_n + s offset
+    wire signed [DATA_W:0]   wide_wave = $signed({u_n_i[DATA_W-1], u_n_i})
+                                       + $signed({as_drop[DATA_W-1], as_drop});
+    wire signed [DATA_W-1:0] wave;
+
+    wh_saturate #(
+        .IN_W    (DATA_W + 1),
+        .OUT_W   (DATA_W)
+    ) saturate_wave (
+        .value_i (wide_wave),
+        .value_o (wave)
+    );
+
+    // η (u_n + s offset) + x - f
     wire signed [DATA_W+1:0] wide_error = $signed({{2{goal_q[DATA_W-1]}}, goal_q})
                                         + $signed({{2{wave_o[DATA_W-1]}}, wave_o})
                                         - $signed({{2{f_i[DATA_W-1]}}, f_i});
@@ -329,47 +372,82 @@ module wh_early (
 
     always @(posedge clk) begin
         case (step_q)
-            5'd4: begin
+            5'd4:  wave_q       <= wave;
+            5'd5: begin
                 sa_q     <= as_sa;
                 sa_cut_q <= as_sa_cut;
             end
-            5'd5:  goal_q       <= as_goal;
-            5'd6: begin
-                error_q <= error;
-                volt_q  <= as_volt;
-            end
+            5'd6:  volt_q       <= as_volt;
             5'd7:  scale_q      <= as_scale;
-            5'd8:  limit_volt_q <= as_volt;
-            5'd9:  sae_q        <= as_sae;
-            5'd10: volt_q       <= volt;
+            5'd8:  goal_q       <= as_goal;
+            5'd9: begin
+                error_q      <= error;
+                limit_volt_q <= as_volt;
+            end
+            5'd10: sae_q        <= as_sae;
             5'd11: ss_q         <= as_ss;
-            5'd12: limit_q      <= $signed(product[PRODUCT_W-1:`WH_VOLTAGE_Q]);
-            5'd14: base_q       <= $signed(product[PRODUCT_W-1:`WH_VOLTAGE_Q]);
+            5'd13: volt_q       <= volt;
+            5'd14: limit_q      <= $signed(product[PRODUCT_W-1:`WH_VOLTAGE_Q]);
             5'd15: slope_q      <= as_slope;
+            5'd16: added_q      <= $signed(product[PRODUCT_W-1:`WH_VOLTAGE_Q]);
+            5'd17: base_q       <= $signed(product[PRODUCT_W-1:`WH_VOLTAGE_Q]);
             default: begin
             end
         endcase
     end
 
+    // ---- Limits and base with c. They are registered twice on their way to the sample's product,
+    // which comes 3 clocks after the sum.
+    wire signed [DUTY_W:0]   wide_high = $signed({added_q[DUTY_W-1], added_q})
+                                       + $signed({limit_q[DUTY_W-1], limit_q});
+    wire signed [DUTY_W:0]   wide_low  = $signed({added_q[DUTY_W-1], added_q})
+                                       - $signed({limit_q[DUTY_W-1], limit_q});
+    wire signed [DUTY_W-1:0] high;
+    wire signed [DUTY_W-1:0] low;
+
+    wh_saturate #(
+        .IN_W    (DUTY_W + 1),
+        .OUT_W   (DUTY_W)
+    ) saturate_high (
+        .value_i (wide_high),
+        .value_o (high)
+    );
+
+    wh_saturate #(
+        .IN_W    (DUTY_W + 1),
+        .OUT_W   (DUTY_W)
+    ) saturate_low (
+        .value_i (wide_low),
+        .value_o (low)
+    );
+
+    reg signed [DUTY_W-1:0] high_q;
+    reg signed [DUTY_W-1:0] low_q;
+    reg signed [DUTY_W:0]   whole_q;       // base with c
+
     // ---- The sample's way: its product off the base, and off the base's distances to the limits.
-    reg signed [SUM_W-1:0]  above_low_q;   // base + limit
-    reg signed [SUM_W-1:0]  below_high_q;  // base - limit
+    reg signed [SUM_W-1:0]  above_low_q;   // base - low
+    reg signed [SUM_W-1:0]  below_high_q;  // base - high
     reg        [3:0]        fire_q;        // fire_q[n]: fire was n + 1 clocks ago
     reg signed [DUTY_W-1:0] duty_q;
     reg                     over_q;
     reg                     under_q;
 
-    wire signed [SUM_W-1:0] base_wide  = $signed({{SUM_W-DUTY_W{base_q[DUTY_W-1]}}, base_q});
-    wire signed [SUM_W-1:0] limit_wide = $signed({{SUM_W-DUTY_W{limit_q[DUTY_W-1]}}, limit_q});
+    wire signed [SUM_W-1:0] whole_wide = $signed({{SUM_W-DUTY_W-1{whole_q[DUTY_W]}}, whole_q});
+    wire signed [SUM_W-1:0] high_wide  = $signed({{SUM_W-DUTY_W{high_q[DUTY_W-1]}}, high_q});
+    wire signed [SUM_W-1:0] low_wide   = $signed({{SUM_W-DUTY_W{low_q[DUTY_W-1]}}, low_q});
     wire signed [SUM_W-1:0] pass       = $signed({{SUM_W-PASS_W{product[PRODUCT_W-1]}},
                                                   product[PRODUCT_W-1:PASS_SHIFT]});
-    wire signed [SUM_W-1:0] duty_wide  = base_wide - pass;
+    wire signed [SUM_W-1:0] duty_wide  = whole_wide - pass;
     wire signed [SUM_W-1:0] from_low   = above_low_q - pass;
     wire signed [SUM_W-1:0] from_high  = below_high_q - pass;
 
     always @(posedge clk) begin
-        above_low_q  <= base_wide + limit_wide;
-        below_high_q <= base_wide - limit_wide;
+        high_q       <= high;
+        low_q        <= low;
+        whole_q      <= $signed({base_q[DUTY_W-1], base_q}) + $signed({added_q[DUTY_W-1], added_q});
+        above_low_q  <= whole_wide - low_wide;
+        below_high_q <= whole_wide - high_wide;
         duty_q       <= $signed(duty_wide[DUTY_W-1:0]);
         over_q       <= !from_high[SUM_W-1];
         under_q      <= from_low[SUM_W-1];
@@ -379,7 +457,7 @@ module wh_early (
     wire unused = &{1'b0, duty_wide[SUM_W-1:DUTY_W], from_high[SUM_W-2:0], from_low[SUM_W-2:0]};
 
     assign duty_valid_o = fire_q[3];
-    assign duty_o       = over_q ? limit_q : under_q ? -limit_q : duty_q;
+    assign duty_o       = over_q ? high_q : under_q ? low_q : duty_q;
 
 endmodule
 

@@ -48,8 +48,12 @@ def test_a_voltage_that_waits_is_made_in_turn():
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        (("adc.part=AMC1306M25", "adc.bits=16"), "sooner than the 16 that are needed"),
-        (("controller.tick_hz=2e6",), "a tick of 40 clocks is shorter than the 46"),
+        (("adc.part=AMC1306M25", "adc.bits=16"), "sooner than the 18 that are needed"),
+        (("controller.tick_hz=2e6",), "a tick of 40 clocks is shorter than the 47"),
+        (
+            ("controller.tick_hz=1.6e6", "controller.anchor_auto=true"),
+            "a tick of 50 clocks is shorter than the 58 that are needed with a port anchor",
+        ),
         (
             ("motor.preset=re25-phantom", "controller.tick_hz=2e3", "controller.clock_hz=40e6",
              "drive.bus_v=12", "drive.limit_v=12", "drive.pwm_hz=1e3", "adc.full_scale_a=20"),

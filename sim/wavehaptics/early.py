@@ -10,25 +10,25 @@ from wavehaptics import formats
 _SA_Q = formats.DATA_W - 5
 _SCALE_Q = formats.DATA_W + 3
 _SLOPE_Q = formats.DATA_W + 2
+_DUTY_W = formats.DATA_W + formats.COEF_W - formats.VOLTAGE.fraction
 
 
 class Early(NamedTuple):
-    """What is ready before the tick's last word: ``duty = limit(base − slope·(sum − zero))``.
+    """What is ready before the tick's last word: ``base − slope·(sum − zero)``, in limits.
 
-    ``slope`` has DATA_W + 2 fraction bits, clocks per unit of the sum; ``base`` and ``limit`` are
-    in 2⁻¹⁶ clocks of half width.
+    ``slope`` has DATA_W + 2 fraction bits, clocks per unit of the sum; ``base``, ``low`` and
+    ``high`` are in 2⁻¹⁶ clocks of half width.
     """
 
     base: int
     slope: int
-    limit: int
+    low: int
+    high: int
 
     def duty(self, total: int) -> int:
         """Half width in 2⁻¹⁶ clocks for a tick's sum less its zero."""
         wide = self.base - (self.slope * total >> _SLOPE_Q - formats.DUTY.fraction)
-        if wide >= self.limit:
-            return self.limit
-        return -self.limit if wide < -self.limit else wide
+        return min(max(wide, self.low), self.high)
 
 
 def _limited(value: int, shift: int, width: int) -> int:
@@ -39,13 +39,15 @@ def _limited(value: int, shift: int, width: int) -> int:
 
 def prepare(
     f: int, u_n: int, u_max: int, root: int, a: int, gain: int, clocks_per_volt: int, eta: int,
-    wave: int,
+    wave: int, offset: int = 0, correction: int = 0,
 ) -> Early:  # fmt: skip
     """The words of one tick, from those that ``rtl/wh_early.v`` names so."""
     data, coef = formats.DATA_W, formats.COEF_W
     root_q, eta_q = formats.ROOT.fraction, formats.ETA.fraction
     sa = _limited(root * a, root_q + formats.A.fraction - _SA_Q, data)
     sa_cut = _limited(root * a, formats.A.fraction, coef)
+    drop_q = root_q + formats.CURRENT.fraction - formats.WAVE.fraction
+    u_n = _limited(u_n + _limited(offset * root, drop_q, data), 0, data)
     error = _limited(_limited(u_n * eta, eta_q, data) + wave - f, 0, data)
     volt = _limited(f * root, root_q, data) + _limited(error * sa_cut, root_q, data)
     scale = _limited(
@@ -54,10 +56,13 @@ def prepare(
     scale_s = _limited(scale * root, _SCALE_Q + root_q - _SLOPE_Q, data)
     sae = _limited(sa * eta, _SA_Q + eta_q - root_q, coef)
     limit_v = _limited(u_max * root, root_q, data)
+    limit = limit_v * clocks_per_volt >> formats.VOLTAGE.fraction
+    added = correction * clocks_per_volt >> formats.VOLTAGE.fraction
     return Early(
-        base=_limited(volt, 0, data) * clocks_per_volt >> formats.VOLTAGE.fraction,
+        base=(_limited(volt, 0, data) * clocks_per_volt >> formats.VOLTAGE.fraction) + added,
         slope=_limited(scale_s * sae, root_q, data),
-        limit=limit_v * clocks_per_volt >> formats.VOLTAGE.fraction,
+        low=_limited(added - limit, 0, _DUTY_W),
+        high=_limited(added + limit, 0, _DUTY_W),
     )
 
 

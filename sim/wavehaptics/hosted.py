@@ -15,7 +15,7 @@ from typing import Protocol
 
 import numpy as np
 
-from wavehaptics import formats, golden, host_link, physics
+from wavehaptics import anchor, formats, golden, host_link, physics
 from wavehaptics.compiled import compiled
 from wavehaptics.motor import motor_step
 from wavehaptics.normalised import realise
@@ -52,6 +52,7 @@ _VOLT = formats.VOLTAGE.step
 _WAVE = formats.WAVE.step
 _ETA = formats.ETA.step
 
+_POSITION, _WAVE_VOLTAGE, _CORRECTION = range(3)
 _ROOT, _A, _U_MAX, _EXTRA, _ETA_CONTACT, _ETA_FREE, _SUBSTEPS, _PERIOD_LOG2, _TIMEOUT = range(9)
 
 
@@ -122,10 +123,13 @@ class Line:
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _period(
-    rows, state, voltage, core, line, link, contact, wall_min, wall_max, ints, kept, dt, cell, k_t,
-    resistance, gain, encoder_end_s, load, matrix, real, sensor, noise,
+    rows, state, voltage, core, line, link, contact, wall_min, wall_max, anchored, ints, kept, dt,
+    cell, k_t, resistance, gain, encoder_end_s, load, matrix, real, sensor, noise,
 ):  # fmt: skip
-    """A period of the link into ``rows``; returns the voltage's word, the packet's number, v̄."""
+    """A period of the link into ``rows``; returns the voltage's word, the packet's number, v̄.
+
+    ``anchored`` as :mod:`wavehaptics.sampled` has it; ``kept`` are position, e_id and c.
+    """
     substeps, extra = ints[_SUBSTEPS], ints[_EXTRA]
     tick = dt * substeps
     sequence, mean_v = 0, 0
@@ -155,18 +159,26 @@ def _period(
             sensed = amplified(mean, 0, lag_before, tick, e_a, state[TIME], sensor, real)
         current = current_word(sensed, sensor, noise_at(noise, n))
         if real is not None:
-            kept[0] = counted(kept[0], state[X], state[TIME], cell, encoder_end_s, real)
+            kept[_POSITION] = counted(
+                kept[_POSITION], state[X], state[TIME], cell, encoder_end_s, real
+            )
         elif state[TIME] < encoder_end_s:
-            kept[0] = int(np.floor(state[X] / cell))
-        position = kept[0]
+            kept[_POSITION] = int(np.floor(state[X] / cell))
+        position = kept[_POSITION]
         touching, _ = golden.contact_step(contact, position, wall_min, wall_max)
         eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
         active = link[host_link.ACTIVE]
-        goal = link[host_link.U]
+        goal = link[host_link.U] if active else 0
+        if active:
+            eta = 0
+        if anchored is not None:
+            current = golden.saturate(current - anchored[1][anchor.OFFSET])
+            if anchored[1][anchor.FAULT] != 0:
+                eta, goal = 0, 0
+        withheld, saturated = core[golden.STATE_WITHHELD], core[golden.STATE_SATURATED] != 0
         voltage, u_n, v_n = golden.wave_core_step(
-            core, line, current, 0 if active else eta, goal if active else 0, ints[_ROOT],
-            ints[_A], ints[_U_MAX], extra, extra,
-        )  # fmt: skip
+            core, line, current, eta, goal, ints[_ROOT], ints[_A], ints[_U_MAX], extra, extra
+        )
         sent, number, packet = host_link.tick(link, v_n, ints[_PERIOD_LOG2], ints[_TIMEOUT])
         if sent:
             sequence, mean_v = number, packet
@@ -177,7 +189,7 @@ def _period(
         row[Column.I] = mean
         row[Column.E_A] = e_a - sag * mean
         row[Column.TORQUE] = k_t * mean
-        row[Column.ETA] = 0.0 if active else eta * _ETA
+        row[Column.ETA] = eta * _ETA
         row[Column.U] = u_n * _WAVE
         row[Column.V] = v_n * _WAVE
         row[Column.X_HAND] = 0.5 * (hand_before + state[P] + state[C])
@@ -185,6 +197,17 @@ def _period(
         row[Column.SATURATED] = 1.0 if abs(u_n) >= ints[_U_MAX] else 0.0
         row[Column.ENERGY_OUT] = e_a * charge - resistance * square
         row[Column.RIPPLE] = 0.0
+        if anchored is not None:
+            held = anchored[1]
+            row[Column.CORRECTION] = kept[_CORRECTION] * _VOLT
+            kept[_CORRECTION] = held[anchor.CORRECTION]
+            anchor.anchor_step(
+                held, anchored[0], position, touching or active != 0, current, u_n, v_n, withheld,
+                kept[_WAVE_VOLTAGE], saturated,
+            )  # fmt: skip
+            kept[_WAVE_VOLTAGE] = voltage
+            voltage = golden.saturate(voltage + kept[_CORRECTION])
+            row[Column.FAULT] = held[anchor.FAULT]
     return voltage, sequence, mean_v
 
 
@@ -199,7 +222,7 @@ class HostedSimulation:
         self, scene: Scene, environment: Environment | None, period_log2: int, line: Line,
         timeout: int = USUAL_TIMEOUT,
     ) -> None:  # fmt: skip
-        set_: Settings = settings(scene)
+        set_: Settings = settings(scene).for_a_host()
         self.settings, self.tick_s = set_, set_.tick_s
         self.period_ticks = 1 << period_log2
         self.environment = environment
@@ -212,6 +235,7 @@ class HostedSimulation:
         self._voltage = 0
         self._memory = (golden.new_state(), golden.new_line(set_.extra_ticks), self.link)
         self._walls = (np.array([-1, 0], dtype=np.int64), set_.wall_min, set_.wall_max)
+        self._anchored = (set_.anchor, anchor.new_state()) if set_.anchored else None
         self._ints = np.array(
             [set_.root, set_.a, set_.u_max, set_.extra_ticks, set_.eta_contact, set_.eta_free,
              substeps, period_log2, timeout],
@@ -219,7 +243,7 @@ class HostedSimulation:
         )  # fmt: skip
         gain = drive_gain(scene)
         start = math.floor(plant.start[X] / set_.cell_rad)
-        self._count = np.array([start], dtype=np.int64)
+        self._kept = np.array([start, 0, 0], dtype=np.int64)
         self._floats = (
             dt, set_.cell_rad, plant.k_t, plant.resistance, gain, encoder_end(scene)
         )  # fmt: skip
@@ -237,8 +261,8 @@ class HostedSimulation:
             for sequence, u in self._line_end.due(self.period_ticks * self.tick_s):
                 host_link.answer(self.link, sequence, u)
             self._voltage, sequence, mean = _period(
-                part, self._state, self._voltage, *self._memory, *self._walls, self._ints,
-                self._count, *self._floats, *self._plant, self._sensor,
+                part, self._state, self._voltage, *self._memory, *self._walls, self._anchored,
+                self._ints, self._kept, *self._floats, *self._plant, self._sensor,
                 draw_noise(self._rng, self._sensor, len(part)),
             )  # fmt: skip
             self._line_end.ask(self.environment, sequence, mean)

@@ -241,11 +241,12 @@ def _check_early(scene: Scene, tick_clocks: int, made: Frame) -> None:
             f"{place}: the ADC's word is there {made.conversion_clocks} clocks after its frame's "
             f"start, sooner than the {EARLY_PREPARE_CLOCKS} that are needed; take another adc.part"
         )
-    needed = early_tick_clocks()
+    needed = early_tick_clocks(anchored=scene.controller.anchored)
     if tick_clocks < needed:
+        with_anchor = " with a port anchor" if scene.controller.anchored else ""
         raise SceneError(
             f"{place}: a tick of {tick_clocks} clocks is shorter than the {needed} that are "
-            "needed; lower controller.tick_hz or take a faster clock_hz"
+            f"needed{with_anchor}; lower controller.tick_hz or take a faster clock_hz"
         )
 
 
@@ -786,6 +787,8 @@ class PinsSimulation:
         ports = controller_ports(scene, most_samples=most_samples)
         self.timing = ports.timing
         set_, time, sensor = ports.settings, ports.timing, ports.sensor
+        if host:
+            set_ = set_.for_a_host()
         self.settings: Settings = set_
         self.sensor = sensor
         self.tick_s = time.tick_s
@@ -881,6 +884,11 @@ class PinsSimulation:
         words = (ctypes.c_int64 * 4)()
         self._library.wh_pins_packet(self._model, words)
         return tuple(words)
+
+    @property
+    def faults(self) -> int:
+        """What was seen: bit 0 a tick too short for its work, bit 1 an encoder's illegal move."""
+        return int(self._kept[_FAULTS])
 
     @property
     def clock_cycles(self) -> int:

@@ -21,8 +21,14 @@ CENTRED_LEAD = HOLD_CLOCKS - GATE_CLOCKS
 EARLY_CLOCKS = 10
 """Clocks from the tick's last word to the duty's tick with ``wh_early``, for every port."""
 
-EARLY_PREPARE_CLOCKS = 16
+EARLY_PREPARE_CLOCKS = 18
 """Clocks before the sum that ``wh_early`` needs the frame's start and the end of the last step."""
+
+WAVES_CLOCKS = 6
+"""Clocks from the start of a port's step to the start of its anchor's, ``wh_anchor``."""
+
+ANCHOR_CLOCKS = 29
+"""Clocks that the anchor's step takes, if the shared multiplier lets it."""
 
 _CURRENT_CLOCKS = 6
 _DUTY_CLOCKS = 8
@@ -50,6 +56,13 @@ def latency_clocks(
     )  # fmt: skip
 
 
-def early_tick_clocks(ports: int = 1) -> int:
-    """Clocks of the shortest tick with EARLY: the last step and then the words of this one."""
-    return _CURRENT_CLOCKS + ports - 1 + CORE_CLOCKS * ports + EARLY_PREPARE_CLOCKS
+def early_tick_clocks(ports: int = 1, anchored: bool = False) -> int:
+    """Clocks of the shortest tick with EARLY: the last step and then the words of this one.
+
+    ``anchored``: with port anchors, the last of which ends after the core.
+    """
+    step = CORE_CLOCKS * ports
+    if anchored:
+        step += WAVES_CLOCKS + ANCHOR_CLOCKS - CORE_CLOCKS
+    # The sum is there a clock after the word.
+    return _CURRENT_CLOCKS - 1 + ports - 1 + step + EARLY_PREPARE_CLOCKS

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -57,6 +57,15 @@ class Settings:
     def anchored(self) -> bool:
         """Whether there is a port anchor."""
         return bool(self.anchor[anchor.ENABLE])
+
+    def for_a_host(self) -> Settings:
+        """The same for a port whose environment a host may have, which need not hold a position.
+
+        What the voltage limit withholds is then no flux.
+        """
+        words = self.anchor.copy()
+        words[anchor.OWED_GAIN] = 0
+        return replace(self, anchor=words)
 
     @property
     def s(self) -> float:

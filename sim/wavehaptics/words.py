@@ -125,7 +125,8 @@ def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
             f"is ready {natural} ticks of {laid.tick_clocks} clocks late; set extra_ticks = "
             f"{natural} or more"
         )
-    needed = early_tick_clocks(motors) if laid.early else CORE_CLOCKS * motors
+    early = early_tick_clocks(motors, ports.settings.anchored)
+    needed = early if laid.early else CORE_CLOCKS * motors
     if needed > laid.tick_clocks:
         raise SceneError(
             f"{_at(scene)}a tick of {laid.tick_clocks} clocks is shorter than the "

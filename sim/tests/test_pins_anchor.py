@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The port anchor at the pins: it holds what `golden` holds, and says when the encoder is lost."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import pytest
+from wavehaptics.guard import Fault, GuardedPins, Injection, Limits
+from wavehaptics.hosted import HostedSimulation, Line, PinsHostedSimulation, PowerEnvironment
+from wavehaptics.plant import OMEGA
+from wavehaptics.run import CONTROLLERS
+from wavehaptics.scene import find_scene, load_scene
+from wavehaptics.trace import Column, Word
+
+FAULTY = (
+    "controller.anchor_auto=true", "brushes.drop_v=0.3", "brushes.knee_a=0.02",
+    "drive.gain_error=-0.05", "adc.offset_a=3e-3",
+)  # fmt: skip
+"""Each of these alone loses the wall without an anchor."""
+
+BOARD = (
+    "controller.clock_hz=80e6", "drive.bus_v=12", "drive.pwm_hz=500e3", "adc.bits=12",
+    "adc.full_scale_a=2.5", "adc.part=AD7276", "encoder.counts_per_rev=10000",
+)  # fmt: skip
+
+
+def advanced(simulation, seconds: float) -> np.ndarray:
+    ticks = round(seconds / simulation.tick_s)
+    rows = np.zeros((ticks, len(Column)))
+    simulation.advance(rows, np.zeros((ticks, len(Word)), dtype=np.int64))
+    return rows
+
+
+@functools.cache
+def held(name: str, controller: str, *settings: str) -> tuple[float, float, float, float]:
+    """Of the end of a run with all of FAULTY: x in cells, torque, its ripple, and any fault."""
+    scene = load_scene(find_scene(name), [*BOARD, *FAULTY, *settings])
+    simulation = CONTROLLERS[controller](scene)
+    rows = advanced(simulation, scene.scene.duration_s)
+    end = rows[-len(rows) // 20 :]
+    torque = end[:, Column.TORQUE]
+    if controller == "pins":
+        assert simulation.faults == 0
+    return (
+        float(end[:, Column.X].mean() / simulation.settings.cell_rad), float(torque.mean()),
+        float(torque.std()), float(rows[:, Column.FAULT].max()),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("press_hold", ("controller.early_duty=true", "controller.extra_ticks=0")),
+        ("press_hold", ("controller.extra_ticks=1",)),
+        ("press_hold", ("controller.extra_ticks=1", "controller.eta_contact=-0.6")),
+        (
+            "press_hold",
+            ("controller.extra_ticks=1", "drive.bus_actual_v=10", "drive.bus_measured=true"),
+        ),
+        ("soft_layer", ("hand.path=press", "hand.stiffness=1.0", "hand.amplitude_rad=0.02")),
+    ],
+)
+def test_pins_hold_what_golden_holds(name, settings):
+    """Brushes of 0.3 V, 5 % too little voltage and 3 mA: within a cell, and quiet."""
+    settings = (*settings, "scene.duration_s=0.4")
+    early = "controller.early_duty=true"
+    x, torque, ripple, fault = held(name, "pins", *settings)
+    expected_x, expected, _, _ = held(name, "golden", *(s for s in settings if s != early))
+    assert fault == 0
+    assert x == pytest.approx(expected_x, abs=1.0)
+    assert torque == pytest.approx(expected, rel=0.02)
+    assert ripple < 6e-5
+    assert x > 1.0
+    assert torque < -1e-3
+
+
+def turning(damps: bool) -> GuardedPins:
+    """A free rotor at 60 rad/s whose encoder stops after 20 ms."""
+    settings = (
+        *BOARD, "controller.anchor_auto=true", "hand.path=impact", "hand.amplitude_rad=3",
+        "hand.speed_rad_s=60", "scene.duration_s=0.1",
+    )  # fmt: skip
+    limits = Limits(watched=(Fault.ANCHOR,), damp=(Fault.ANCHOR,) if damps else ())
+    return GuardedPins(load_scene(find_scene("impact"), settings), limits)
+
+
+@pytest.mark.parametrize("damps", [False, True])
+def test_an_encoder_that_stops_is_told(damps):
+    """Fault ANCHOR alone; the gates go off, or the port only damps from then on."""
+    pins = turning(damps)
+    assert pins.run(5_000)
+    assert pins.report().faults == 0
+    pins.inject(Injection.ENCODER_HOLDS)
+    speed = pins.motor[OMEGA]
+    went_on = pins.run(5_000)
+    report = pins.report()
+    assert report.faults == 1 << Fault.ANCHOR
+    assert (report.running, went_on) == (damps, damps)
+    assert damps or report.off >= report.cause
+    assert abs(pins.motor[OMEGA]) <= 1.02 * abs(speed)
+
+
+def hosted_scene(make_scene):
+    return make_scene(
+        *BOARD, *FAULTY, "controller.tick_hz=1e6", "controller.lambda=1e9", "hand.path=press",
+        "hand.amplitude_rad=0.15", "hand.stiffness=0.1", "hand.damping=0.5e-3",
+        "controller.eta_free=0.0",
+    )  # fmt: skip
+
+
+def test_a_host_feels_the_motor_that_the_anchor_makes(make_scene):
+    """Behind brushes, gain error and offset a host's spring is what it is on the ideal motor."""
+    found = {}
+    for make in (HostedSimulation, PinsHostedSimulation):
+        scene = hosted_scene(make_scene)
+        motor, r_hat = scene.motor, scene.controller.r_hat * scene.controller.r_hat_part
+        environment = PowerEnvironment(0.1, 1e-3, motor.k_t, r_hat, 256e-6)
+        simulation = make(scene, environment, 8, Line(1e-3))
+        rows = simulation.advance(1200)
+        assert rows[-1, Column.CONTACT] == 1.0
+        assert rows[:, Column.FAULT].max() == 0.0
+        found[make] = rows[-10_000:, Column.X].mean() / simulation.settings.cell_rad
+    golden, pins = found.values()
+    assert pins == pytest.approx(golden, abs=2.0)
