@@ -330,14 +330,23 @@ def _random(numbers: dict[str, Any], table: Table) -> str:
     return table(head, rows)
 
 
+def _once_measured(render: Callable[..., str]) -> Callable[..., str]:
+    """``render``, which makes nothing before the first study."""
+
+    def rendered(numbers: dict[str, Any], table: Table) -> str:
+        return render(numbers, table) if "holding" in numbers else ""
+
+    return rendered
+
+
 TABLES = {
-    "holds": _holds,
-    "bars": _bars,
-    "feels": _feels,
-    "bounces": _bounces,
-    "free": _free,
-    "overloads": _overloads,
-    "lost": _lost,
-    "motors": _random,
+    "holds": _once_measured(_holds),
+    "bars": _once_measured(_bars),
+    "feels": _once_measured(_feels),
+    "bounces": _once_measured(_bounces),
+    "free": _once_measured(_free),
+    "overloads": _once_measured(_overloads),
+    "lost": _once_measured(_lost),
+    "motors": _once_measured(_random),
 }
 """Tables of Markdown by marker, made with the given function of head and rows."""
