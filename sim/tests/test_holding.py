@@ -43,11 +43,12 @@ def test_a_bar_of_less_resistance_swings_by_less_than_half_a_cell():
     assert row["anchor_fault_s"] is None
 
 
-def test_slow_bounces_throw_nobody():
-    for wrong in ("nothing", "++++"):
-        points = cases.bounces("re25-118743", wrong)[:3]
-        assert all(point["restitution"] <= 1.0 for point in points)
-        assert all(point["anchor_fault_s"] is None for point in points)
+@pytest.mark.parametrize("preset", ["re25-118743", "re40-148877"])
+def test_a_bounce_throws_nobody(preset):
+    points = cases.bounces(preset, "nothing")
+    assert all(point["restitution"] <= 1.0 for point in points)
+    assert points[cases.SPEEDS.index(10.0)]["restitution"] >= 0.95
+    assert all(point["anchor_fault_s"] is None for point in points)
 
 
 def test_a_stopped_encoder_leaves_a_held_force_as_it_was():

@@ -13,11 +13,14 @@ from wavehaptics.holding import cases, tables
 
 @pytest.fixture(scope="module")
 def kept():
-    return json.loads((ROOT / numbers.MEASURED).read_bytes())["holding"]
+    measured = json.loads((ROOT / numbers.MEASURED).read_bytes())
+    if "holding" not in measured:
+        pytest.skip("no study yet: `make holding`")
+    return measured["holding"]
 
 
 def test_kept_holds_are_held_and_lost_without_the_anchor(kept):
-    """No fault, no lost wall, `core` as `golden`; without contact noise no more than 60 µN·m."""
+    """No fault, no lost wall, `core` as `golden`; 60 µN·m but for contact noise."""
     twins: dict[tuple[str, float], list[dict]] = {}
     for row in kept["holds"]:
         assert row["anchor_fault_s"] is None

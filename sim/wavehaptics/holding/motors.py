@@ -75,6 +75,9 @@ def random_motor(seed: int) -> dict[str, Any]:
     soft = [
         "controller.extra_ticks=2", "shaper.feel=spring",
         f"shaper.stiffness={0.2 * motor['stiffness']}",
+        # A soft wall without a damper rings with the winding at some 10 kHz, and the anchor beside
+        # it at a slow tick; a quarter of B_R takes that.
+        f"shaper.damping={0.25 * motor['k_t'] ** 2 / motor['r']}",
         f"hand.amplitude_rad={amplitude + 4 * deep}", "hand.frequency_hz=2", "scene.duration_s=0.5",
     ]  # fmt: skip
     found["soft"] = _tried(runs.swing, "held_wall", [*taps, *soft])

@@ -127,7 +127,7 @@ Table = Callable[..., str]
 
 
 def _cells(value: float | None) -> str:
-    return "lost" if value is None else number(value, 2)
+    return "lost" if value is None else number(value, 3 if abs(value) >= 10 else 2)
 
 
 def _fault(row: dict[str, Any]) -> str:
@@ -150,7 +150,7 @@ def _holds(numbers: dict[str, Any], table: Table) -> str:
                 number(row["duration_s"]),
                 _cells(moved),
                 "–" if moved is None else percent(moved / row["depth_cells"]),
-                "–" if moved is None else number(1e6 * row["hold_ripple_rms"], 2),
+                "–" if moved is None else number(1e6 * row["hold_ripple_rms"], 3),
                 "–" if moved is None else percent(row["hold_ripple_rms"] / row["force"]),
                 number(1e6 * row["correction_out_max_j"], 2)
                 if row["correction_out_max_j"] is not None
@@ -184,7 +184,7 @@ def _bars(numbers: dict[str, Any], table: Table) -> str:
             (
                 f"{100 * part:+.0f} %".replace("-", "−"),
                 number(1e3 * damping),
-                "lost" if lost else number(1e6 * max(ripples), 2),
+                "lost" if lost else number(1e6 * max(ripples), 3),
                 "lost" if lost else number(max(abs(row["moved_cells"]) for row in found), 2),
             )
         )
@@ -241,7 +241,7 @@ def _free(numbers: dict[str, Any], table: Table) -> str:
         rows.append(
             (
                 row["name"],
-                number(1e6 * row["free_space_torque_rms"], 2),
+                number(1e6 * row["free_space_torque_rms"], 3),
                 "–" if held else number(row["omega"], 2),
                 "–" if held else number(row["omega_most"], 2),
                 "–" if held else number(1e3 * row["current_a"], 2),
@@ -330,14 +330,23 @@ def _random(numbers: dict[str, Any], table: Table) -> str:
     return table(head, rows)
 
 
+def _once_measured(render: Callable[..., str]) -> Callable[..., str]:
+    """``render``, which makes nothing before the first study."""
+
+    def rendered(numbers: dict[str, Any], table: Table) -> str:
+        return render(numbers, table) if "holding" in numbers else ""
+
+    return rendered
+
+
 TABLES = {
-    "holds": _holds,
-    "bars": _bars,
-    "feels": _feels,
-    "bounces": _bounces,
-    "free": _free,
-    "overloads": _overloads,
-    "lost": _lost,
-    "motors": _random,
+    "holds": _once_measured(_holds),
+    "bars": _once_measured(_bars),
+    "feels": _once_measured(_feels),
+    "bounces": _once_measured(_bounces),
+    "free": _once_measured(_free),
+    "overloads": _once_measured(_overloads),
+    "lost": _once_measured(_lost),
+    "motors": _once_measured(_random),
 }
 """Tables of Markdown by marker, made with the given function of head and rows."""
