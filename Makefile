@@ -36,7 +36,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo adcs report bench test lint clean distclean
+.PHONY: help setup setup-synth system lock demo adcs holding report bench test lint clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -81,6 +81,10 @@ report: $(READY) ## measure everything and write build/report/index.html (QUICK=
 
 adcs: $(READY) ## run the paper's taps with every ADC, and write their numbers into the README pages
 	@$(WITH_TOOLS) .venv/bin/wavehaptics adcs --out build/adcs
+	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
+
+holding: $(READY) ## hold, tap and bounce with everything wrong, with the README's numbers (20 minutes; QUICK=1)
+	@$(WITH_TOOLS) .venv/bin/wavehaptics holding $(if $(QUICK),--quick) --out build/holding
 	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
 
 bench: $(READY) $(READY_BENCH) ## measure speeds and what was tried for them into build/bench (QUICK=1)

@@ -29,6 +29,7 @@ from simulators import SimulationError, simulate
         ("wh_round", {"IN_W": 8, "SHIFT": 1}, {}, "round_shift"),
         ("wh_multiply_shared", {"USERS": 0}, {}, "users_must_be_1_or_more"),
         ("wh_current", {}, {"WH_DATA_W": 24}, "WH_DATA_W_must_hold_a_tick_sum"),
+        ("wh_anchor", {}, {"WH_COEF_W": 24}, "anchor_formats"),
         ("wh_modulator", {}, {"WH_COEF_W": 20}, "too_small_for_a_pulse_width"),
     ],
 )

@@ -5,8 +5,8 @@
 //   χ   = L̂ i + k̂_T x - Σ (s T/2)(u + v)      flux of the port, in cells of k̂_T Δ; 0 if all is ideal
 //   p   = dz(χ, 1/2) + χ/256                  a cell's half is left alone, but for a 256th
 //   c_I -= g_γ p                              every tick at rest, one in 8 while the rotor moves
-//   c   = c_I - g_ρ p - g_d (L̂ i - its mean)  the last in contact and at rest
-//   |c| <= min(c_0 + |e_id|/4, drive - |e_id|)
+//   c   = c_I - g_ρ p - g_d (L̂ i - its mean)  the last in contact, at rest and below 4 cells
+//   |c| <= min(c_0 + |e_id|/4, drive - |e_id|)  c_0/4 out of contact
 //
 // c is a voltage in series with the port: it is added to e_id = s u behind the wave core, which does
 // not see it. A contact's first edge sets χ to a quarter of a cell; in contact, what the voltage
@@ -79,6 +79,8 @@ module wh_anchor (
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
     localparam integer INNER_SHIFT = 8;  // of χ within the dead zone, of both means
+    localparam integer FREE_SHIFT  = 2;  // of c_0 out of contact, where no current flows
+    localparam integer SWING_W     = 2;  // swings are smaller than 2^2 cells
 
     generate
         if (NEAR_SHIFT < 1 || NEAR_SHIFT != `WH_PULL_Q - CUT || FAR_SHIFT != `WH_LEARN_Q - CUT
@@ -109,6 +111,7 @@ module wh_anchor (
     reg        [PLACE_W-1:0] position_q;
     reg signed [MOVE_W-1:0]  moved_q;
     reg                      started_q;   // there was a tick before
+    reg                      start_q;     // moved_q is a new tick's: its rest is counted in this clock
     reg                      contact_q;
     reg                      begins_q;    // the contact
     reg                      back_q;      // direction of the last edge
@@ -118,32 +121,38 @@ module wh_anchor (
 
     wire signed [MOVE_W-1:0] moved    =
         started_q ? $signed(position_i[MOVE_W-1:0] - position_q[MOVE_W-1:0]) : {MOVE_W{1'b0}};
-    wire                     moves    = |moved;
-    wire                     back     = moved[MOVE_W-1];
-    wire                     one      = back ? (&moved) : (moved[MOVE_W-1:1] == 0);
+    wire                     moves    = |moved_q;
+    wire                     back     = moved_q[MOVE_W-1];
+    wire                     one      = back ? (&moved_q) : (moved_q[MOVE_W-1:1] == 0);
     wire                     same_way = moves && (back == back_q || !one);
     wire                     unit     = ({1'b0, ticks_q} + 1'b1 >= {1'b0, rest_ticks});
 
     always @(posedge clk) begin
         if (rst) begin
             started_q <= 1'b0;
+            start_q   <= 1'b0;
             contact_q <= 1'b0;
             begins_q  <= 1'b0;
             back_q    <= 1'b0;
             ticks_q   <= {REST_W{1'b0}};
             units_q   <= {UNIT_W{1'b1}};
             phase_q   <= 5'd0;
-        end else if (start_i) begin
-            started_q <= 1'b1;
-            contact_q <= contact_i;
-            begins_q  <= contact_i && !contact_q;
-            back_q    <= moves ? back : back_q;
-            phase_q   <= phase_q + 5'd1;
-            ticks_q   <= (same_way || unit) ? {REST_W{1'b0}} : ticks_q + 1'b1;
-            if (same_way) begin
-                units_q <= {UNIT_W{1'b0}};
-            end else if (unit && !(&units_q)) begin
-                units_q <= units_q + 1'b1;
+        end else begin
+            start_q <= start_i;
+            if (start_i) begin
+                started_q <= 1'b1;
+                contact_q <= contact_i;
+                begins_q  <= contact_i && !contact_q;
+                phase_q   <= phase_q + 5'd1;
+            end
+            if (start_q) begin
+                back_q  <= moves ? back : back_q;
+                ticks_q <= (same_way || unit) ? {REST_W{1'b0}} : ticks_q + 1'b1;
+                if (same_way) begin
+                    units_q <= {UNIT_W{1'b0}};
+                end else if (unit && !(&units_q)) begin
+                    units_q <= units_q + 1'b1;
+                end
             end
         end
         if (start_i) begin
@@ -158,13 +167,14 @@ module wh_anchor (
 
     // ---- The steps: what is added to what, and where the sum goes. A step's words are fetched in one
     // clock (step_q), where the sums with a product wait for it, and added in the next (adds_q).
-    // REACH is fetched while there is nothing to do.
-    localparam [4:0] REACH = 0, LIMIT = 1, DRIVE = 2, LEFT = 3, COMPARE = 4,
+    // DRIVE is fetched while there is nothing to do.
+    localparam [4:0] DRIVE = 0, LEFT = 1, REACH = 2, LIMIT = 3, COMPARE = 4,
                      TAKE_ZERO = 5, ZERO = 6, CURRENT = 7, SWING = 8, MEAN = 9,
                      BASE = 10, ADD_OWED = 11, ADD_U = 12, ADD_V = 13, EDGE = 14, FLUX = 15,
-                     INNER = 16, OUTER = 17, PLACE = 18, X_HAT = 19, LAG = 20, FOLLOW = 21,
-                     TAKE_LEARNED = 22, LEARN = 23, CORRECT = 24, DAMP = 25,
-                     WANTED = 26, CLIP = 27, STRANGE = 28, CHOOSE = 29;
+                     INNER = 16, OUTER = 17, HALF = 18,
+                     PLACE = 19, X_HAT = 20, LAG = 21, FOLLOW = 22,
+                     TAKE_LEARNED = 23, LEARN = 24, CORRECT = 25, DAMP = 26,
+                     CLIP = 27, STRANGE = 28, CHOOSE = 29;
 
     // The memory's words.
     localparam [3:0] M_FLUX = 0, M_LEARNED = 1, M_MEAN = 2, M_ZERO = 3, M_FOLLOWER = 4,
@@ -180,13 +190,16 @@ module wh_anchor (
                     || step_q == ADD_V || step_q == LEARN || step_q == CORRECT || step_q == DAMP);
     wire ends    = go_q && adds_q == CHOOSE;
     wire accepts = waves_i && (!busy_q || ends);
-    wire fetches = (step_q == REACH) ? accepts : (!waits || done_i);
+    wire fetches = (step_q == DRIVE) ? accepts : (!waits || done_i);
 
     assign busy_o = busy_q;
 
     // ---- The words of a step.
     localparam [1:0] B_NEAR = 0, B_FAR = 1, B_INPUT = 2;
 
+    // No word is read for a sum in the clock in which it is written, so that it doesn't matter what a
+    // block RAM would give then: else Yosys adds logic that knows.
+    (* no_rw_check *)
     reg signed [LONG_W-1:0] memory [0:15];
     reg signed [LONG_W-1:0] read_q;
     reg signed [LONG_W-1:0] sum_q;
@@ -205,10 +218,11 @@ module wh_anchor (
     reg        [1:0]        b_from;
     reg                     b_none;
     reg                     minus_q, minus;
-    reg                     halves_q;                // b: the dead zone's half, if χ is outside
+    reg                     to_zero_q;               // minus if the sum isn't
     reg                     over_left_q;
+    reg                     out_q;                   // χ is outside the dead zone
     reg                     clipped_q;
-    reg                     negative_q;              // the correction that is wanted
+    reg                     negative_q;              // χ, or the correction that is wanted
 
     wire e_back = voltage_q[DATA_W-1];
     wire back_sum = sum_q[LONG_W-1];
@@ -247,7 +261,7 @@ module wh_anchor (
             COMPARE: begin
                 sum_too    = 1'b1;
                 memory_too = 1'b1;
-                read_from  = M_LIMIT;
+                read_from  = M_LEFT;
                 minus      = 1'b1;
             end
             TAKE_ZERO: begin
@@ -320,6 +334,11 @@ module wh_anchor (
                 memory_too = out;
                 read_from  = M_CHI;
             end
+            HALF: begin
+                sum_too = 1'b1;
+                b_none  = !out_q;
+                minus   = !negative_q;
+            end
             PLACE: b_none = 1'b0;
             X_HAT: begin
                 sum_too    = 1'b1;
@@ -362,22 +381,20 @@ module wh_anchor (
             DAMP: begin
                 sum_too  = 1'b1;
                 b_from   = B_NEAR;
-                b_none   = !contact_q || !rests;
+                b_none   = !contact_q || !rests || !small_q;
                 minus    = 1'b1;
                 writes   = 1'b1;
                 write_to = M_WANTED;
             end
-            WANTED: sum_too = 1'b1;
             CLIP: begin
                 sum_too    = 1'b1;
                 memory_too = 1'b1;
                 read_from  = over_left_q ? M_LEFT : M_LIMIT;
-                minus      = !back_sum;
             end
             STRANGE: begin
                 sum_too = 1'b1;
                 b_none  = 1'b0;
-                minus   = !negative_q;
+                minus   = !back_sum;
             end
             CHOOSE: begin
                 memory_too = 1'b1;
@@ -390,7 +407,8 @@ module wh_anchor (
 
     // What comes from outside.
     wire signed [DATA_W-1:0] setting =
-        (step_q == DRIVE) ? drive : (step_q == STRANGE) ? strange : reach;
+        (step_q == DRIVE) ? drive : (step_q == STRANGE) ? strange
+        : contact_q ? reach : reach >>> FREE_SHIFT;
 
     always @* begin
         case (step_q)
@@ -402,6 +420,7 @@ module wh_anchor (
                                                   moved_q, {LONG_Q{1'b0}}})
                            : $signed({{(LONG_W - LONG_Q + 1){moved_q[MOVE_W-1]}}, |moved_q,
                                       {(LONG_Q - 2){1'b0}}});
+            HALF:    given = $signed({{(LONG_W - LONG_Q){1'b0}}, 1'b1, {(LONG_Q - 1){1'b0}}});
             PLACE:   given = $signed({position_q, {LONG_Q{1'b0}}});
             default: given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT){setting[DATA_W-1]}}, setting,
                                       {VOLT_SHIFT{1'b0}}});
@@ -426,25 +445,29 @@ module wh_anchor (
         inner_q      <= inner;
         memory_too_q <= memory_too && !(fresh && first_q);
         minus_q      <= minus;
-        halves_q     <= (step_q == INNER);
+        to_zero_q    <= (step_q == CLIP);
         writes_q     <= writes;
         write_to_q   <= write_to;
     end
 
-    wire unused = &{1'b0, product_i[NEAR_SHIFT-1:0], position_i[`WH_COUNT_W-1:PLACE_W]};
+    // ---- The adder. What a step writes, the one after it can't read. Its upper part is worked out with
+    // and without the lower one's carry, which chooses: a carry through all places is most of a clock.
+    localparam integer LOW_W  = 20;  // less than half: the choice takes its time, too
+    localparam integer HIGH_W = LONG_W - LOW_W;
 
-    // ---- The adder. What a step writes, the one after it can't read. Half a cell toward zero is one
-    // or minus one at its place.
-    localparam integer HALF_Q = LONG_Q - 1;
-
-    wire                     half = halves_q && out;
-    wire signed [LONG_W-1:0] toward_zero =
-        $signed({{(LONG_W - HALF_Q - 1){half && !back_sum}}, half, {HALF_Q{1'b0}}});
+    wire                     takes_off = to_zero_q ? !back_sum : minus_q;
     wire signed [LONG_W-1:0] part = sum_q >>> INNER_SHIFT;
     wire signed [LONG_W-1:0] a    = ({LONG_W{sum_too_q}} & sum_q) | ({LONG_W{inner_q}} & part);
     wire signed [LONG_W-1:0] b    =
-        toward_zero | ((b_q | ({LONG_W{memory_too_q}} & read_q)) ^ {LONG_W{minus_q}});
-    wire signed [LONG_W-1:0] sum  = a + b + $signed({{(LONG_W - 1){1'b0}}, minus_q});
+        (b_q | ({LONG_W{memory_too_q}} & read_q)) ^ {LONG_W{takes_off}};
+    wire        [LOW_W:0]    low  = {1'b0, a[LOW_W-1:0]} + {1'b0, b[LOW_W-1:0]}
+                                  + {{LOW_W{1'b0}}, takes_off};
+    wire        [HIGH_W-1:0] high = a[LONG_W-1:LOW_W] + b[LONG_W-1:LOW_W];
+    wire        [HIGH_W:0]   next = {a[LONG_W-1:LOW_W], 1'b1} + {b[LONG_W-1:LOW_W], 1'b1};
+    wire signed [LONG_W-1:0] sum  =
+        $signed({low[LOW_W] ? next[HIGH_W:1] : high, low[LOW_W-1:0]});
+
+    wire unused = &{1'b0, next[0], product_i[NEAR_SHIFT-1:0], position_i[`WH_COUNT_W-1:PLACE_W]};
 
     always @(posedge clk) begin
         if (go_q) begin
@@ -465,8 +488,9 @@ module wh_anchor (
     reg        [3:0]        give_q;
     reg signed [DATA_W-1:0] pull_q;   // s31q16 cells: p
     reg signed [DATA_W-1:0] swing_q;  // s31q16 cells
+    reg                     small_q;  // it is a swing, and no move
 
-    assign request_o = (step_q >= LEFT && give_q <= G_CURRENT) || (step_q >= SWING && give_q <= G_V)
+    assign request_o = (step_q >= LIMIT && give_q <= G_CURRENT) || (step_q >= SWING && give_q <= G_V)
                        || (step_q >= LAG && give_q < G_DONE);
 
     always @* begin
@@ -499,10 +523,17 @@ module wh_anchor (
         end
         if (go_q) begin
             case (adds_q)
-                TAKE_ZERO: over_left_q <= back_sum;
-                MEAN:      swing_q <= $signed(sum_q[LONG_W-1:CUT]);
+                TAKE_ZERO: over_left_q <= !back_sum;
+                MEAN: begin
+                    swing_q <= $signed(sum_q[LONG_W-1:CUT]);
+                    small_q <= (&sum_q[LONG_W-1:LONG_Q+SWING_W]) || !(|sum_q[LONG_W-1:LONG_Q+SWING_W]);
+                end
+                INNER: begin
+                    out_q      <= out;
+                    negative_q <= back_sum;
+                end
                 PLACE:     pull_q <= $signed(sum_q[LONG_W-1:CUT]);
-                WANTED:    negative_q <= back_sum;
+                CLIP:      negative_q <= back_sum;
                 default: ;
             endcase
         end
@@ -516,7 +547,7 @@ module wh_anchor (
 
     always @(posedge clk) begin
         if (rst) begin
-            step_q       <= REACH;
+            step_q       <= DRIVE;
             go_q         <= 1'b0;
             busy_q       <= 1'b0;
             first_q      <= 1'b1;
@@ -530,12 +561,12 @@ module wh_anchor (
             flux_o       <= {DATA_W{1'b0}};
             lag_o        <= {DATA_W{1'b0}};
         end else begin
-            if ((waves_i && !accepts) || (start_i && step_q != REACH && step_q <= DAMP)) begin
+            if ((waves_i && !accepts) || (start_i && step_q != DRIVE && step_q <= DAMP)) begin
                 overrun_o <= 1'b1;
             end
             go_q <= fetches;
             if (fetches) begin
-                step_q <= (step_q == CHOOSE) ? REACH : step_q + 5'd1;
+                step_q <= (step_q == CHOOSE) ? DRIVE : step_q + 5'd1;
             end
             if (accepts) begin
                 busy_q <= 1'b1;
@@ -550,7 +581,7 @@ module wh_anchor (
             end
             if (go_q) begin
                 case (adds_q)
-                    REACH:   correction_o <= next_q;
+                    DRIVE:   correction_o <= next_q;
                     CURRENT: offset_o  <= $signed(sum_q[AMP_SHIFT +: DATA_W]);
                     INNER:   flux_o    <= $signed(sum_q[LONG_W-1:CUT]);
                     FOLLOW:  lag_o     <= $signed(sum_q[LONG_W-1:CUT]);

@@ -25,6 +25,11 @@ NAMES = {
     *("torque_nrmse_vs_analog", "free_space_torque_rms", "energy_out_max_j"),
     *("hold_offset_rad", "hold_error", "hold_ripple_rms", "restitution", "saturated_fraction"),
 }
+ANCHOR_NAMES = {
+    *("correction_out_max_j", "correction_bound_j", "x_hat_error_rms_rad"),
+    *("omega_hat_error_rms", "anchor_fault_s"),
+}
+NAMES |= ANCHOR_NAMES
 
 
 def scene_of(path: str | None = "taps", ticks: int = 1000, **tables) -> Scene:
@@ -71,10 +76,11 @@ def result_of(
     reference: np.ndarray | None = None,
     size: int | None = None,
     predicted: float | None = K,
+    root: float | None = None,
 ) -> dict:
     scene = scene_of(ticks=len(rows)) if scene is None else scene
     metrics = Metrics(
-        scene, TICK_S, controller="golden", stiffness_predicted=predicted, walls=WALLS
+        scene, TICK_S, controller="golden", stiffness_predicted=predicted, walls=WALLS, root=root
     )
     for start in range(0, len(rows), size or len(rows)):
         part = slice(start, start + (size or len(rows)))
@@ -493,6 +499,13 @@ def test_the_chunks_do_not_matter(path):
     assert (whole["restitution"] is not None) == (path == "impact")
     for size in (1, 2, 7, 250, 999, 2499):
         assert result_of(rows, scene, reference, size) == whole
+    rows[:, Column.U : Column.V + 1] += np.random.default_rng(12).normal(size=(2500, 2))
+    rows[1234:, Column.FAULT] = 1.0
+    anchored = result_of(rows, scene, reference, root=2.0)
+    assert all(anchored[name] for name in ANCHOR_NAMES)
+    assert anchored["anchor_fault_s"] == rows[1234, Column.T]
+    for size in (1, 7, 999):
+        assert result_of(rows, scene, reference, size, root=2.0) == anchored
 
 
 def test_all_names_are_there_and_json_takes_them(tmp_path):
@@ -507,7 +520,9 @@ def test_all_names_are_there_and_json_takes_them(tmp_path):
     metrics.update(rows, reference)
     result = metrics.result(wall_clock_s=1.25, clock_cycles=240_000)
     assert set(result) == NAMES
-    assert [name for name, value in result.items() if value is None] == ["restitution"]
+    assert {name for name, value in result.items() if value is None} == ANCHOR_NAMES | {
+        "restitution"
+    }
     path = write_metrics(result, tmp_path / "out")
     assert path == tmp_path / "out" / "metrics.json"
     assert [p.name for p in path.parent.iterdir()] == ["metrics.json"]
@@ -574,3 +589,52 @@ def test_what_does_not_fit_is_refused():
     rows[:, Column.CONTACT] = 1.0
     with pytest.raises(ValueError, match="no walls"):
         metrics.update(rows, rows)
+
+
+# The port anchor
+
+
+def anchored_rows(chi: np.ndarray, i: np.ndarray, contact: np.ndarray) -> np.ndarray:
+    """Rows of a rotor at rest whose port's flux at the ticks' middles is ``chi``, V·s, of s = 2."""
+    rows = np.zeros((len(chi), len(Column)))
+    motor = scene_of().motor
+    rows[:, Column.T] = (np.arange(len(chi)) + 0.5) * TICK_S
+    rows[:, Column.I] = i
+    rows[:, Column.CONTACT] = contact
+    flux = motor.L_h * i - chi
+    ends = np.concatenate([flux[:1], 0.5 * (flux[1:] + flux[:-1]), flux[-1:]])
+    rows[:, Column.U] = np.diff(ends) / TICK_S
+    ends = np.concatenate([i[:1], 0.5 * (i[1:] + i[:-1]), i[-1:]])
+    rows[:, Column.ENERGY_OUT] = 0.5 * motor.L_h * np.diff(ends**2)
+    return rows
+
+
+def test_correction_bound_counts_range_and_variation_of_each_contact():
+    n = np.arange(400)
+    contact = (n >= 100) & (n < 300)
+    i = np.where(contact, 0.5 * np.sin(np.pi * (n - 100) / 200), 0.0)
+    chi = np.where(contact, 1e-5 * np.sin(np.pi * (n - 100) / 100), 0.0)
+    result = result_of(anchored_rows(chi, i, contact), root=2.0)
+    assert result["correction_bound_j"] == pytest.approx(1e-5 * 2 * 0.5, rel=1e-2)
+    assert result["anchor_fault_s"] is None
+
+
+def test_correction_gives_what_its_flux_and_the_current_say():
+    """∫ i dχ of a flux that grows while the current is there, and falls without it."""
+    n = np.arange(400)
+    i = np.interp(n, [0, 50, 250, 300], [0.0, 0.5, 0.5, 0.0])
+    chi = np.interp(n, [0, 100, 200, 300, 400], [0.0, 0.0, 2e-5, 2e-5, 0.0])
+    result = result_of(anchored_rows(chi, i, n < 0), root=2.0)
+    assert result["correction_out_max_j"] == pytest.approx(1e-5, rel=2e-2)
+    assert result["correction_out_max_j"] <= result["correction_bound_j"] <= 1.1e-5
+
+
+def test_errors_of_position_and_speed_are_at_the_ticks_end_and_of_its_mean():
+    rows = np.zeros((100, len(Column)))
+    rows[:, Column.OMEGA] = 3.0
+    rows[:, Column.X] = 3.0 * TICK_S * np.arange(100)
+    rows[:, Column.X_HAT] = rows[:, Column.X] + 1.5 * TICK_S + 1e-4
+    rows[:, Column.OMEGA_HAT] = 2.5
+    result = result_of(rows, root=2.0)
+    assert result["x_hat_error_rms_rad"] == pytest.approx(1e-4)
+    assert result["omega_hat_error_rms"] == pytest.approx(0.5)

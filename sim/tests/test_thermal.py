@@ -41,7 +41,12 @@ def test_a_run_tells_of_the_winding_and_of_what_r_hat_misses():
     """A wall pressed by a vice: the current warms the winding, and R̂ stays what it was."""
     scene = load_scene(
         find_scene("warm_winding"),
-        ["scene.duration_s=1", "thermal.tau_winding_s=0.5", "thermal.start_c=60"],
+        [
+            "scene.duration_s=1",
+            "thermal.tau_winding_s=0.5",
+            "thermal.start_c=60",
+            "controller.anchor_auto=false",
+        ],
     )
     metrics = measure(scene, "golden", compare=False)
     assert metrics["r_hat"] == R_OHM

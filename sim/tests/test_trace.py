@@ -66,6 +66,24 @@ def test_thinning_does_not_depend_on_the_chunks(tmp_path, size, trace_hz, step):
     assert np.array_equal(kept["energy_out"], np.cumsum(rows[:, Column.ENERGY_OUT])[::step])
 
 
+@pytest.mark.parametrize("size", [1, 7, 1000])
+def test_an_anchor_adds_what_it_knows(tmp_path, size):
+    rows, words = run_of(1000)
+    rows[:, Column.FAULT] = np.arange(1000) > 500
+    writer = TraceWriter(tmp_path, TICK_S, 3e5, anchored=True)
+    plain = TraceWriter(tmp_path, TICK_S, 3e5)
+    for part in chunks(1000, size):
+        writer.write(rows[part], words[part])
+        plain.write(rows[part], words[part])
+    kept, before = writer.arrays(), plain.arrays()
+    names = {"x_hat", "omega_hat", "correction", "flux", "fault"}
+    assert set(kept) - set(before) == names
+    assert all(np.array_equal(kept[name], before[name]) for name in before)
+    for name in names - {"fault"}:
+        assert np.array_equal(kept[name], rows[::3, Column[name.upper()]])
+    assert np.array_equal(kept["fault"], np.arange(1000)[::3] > 500)
+
+
 def test_memory_grows_past_the_ticks_that_were_expected(tmp_path):
     rows, words = run_of(500)
     writer = TraceWriter(tmp_path, TICK_S, ticks=10)

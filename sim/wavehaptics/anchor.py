@@ -12,10 +12,11 @@ waves don't see:
 
 - ``p = dz(χ, ½) + χ/256``: within half a cell the inductor knows better than the encoder;
 - ``c = c_I − g_ρ·p``, ``c_I −= g_γ·p``, the latter in full only while the rotor rests;
-- ``c −= g_d·(y − ȳ)``, ``y = L̂·i`` and ȳ its slow mean, in contact while the rotor rests: a
-  resistance for swings alone, which can't be told from noise within a cell;
-- ``|c|`` is limited by ``c_0 + |e_id|/4`` and by what the waves leave of the drive; an error of the
-  flux that this can't hold means that waves and encoder don't follow the same motor.
+- ``c −= g_d·(y − ȳ)``, ``y = L̂·i`` and ȳ its slow mean, in contact while the rotor rests, up to
+  four cells: a resistance for swings alone, which no edge of the encoder tells of;
+- ``|c|`` is limited by ``c_0 + |e_id|/4``, out of contact by a quarter of c_0, and by what the
+  waves leave of the drive; an error of the flux that this can't hold means that waves and encoder
+  don't follow the same motor.
 
 The edge with which a contact begins tells x exactly, and sets χ to a quarter of a cell. What a
 limit withholds from the waves in contact, w, is added to the flux, ``χ −= g_w·w``: so the wall
@@ -41,7 +42,7 @@ from wavehaptics.compiled import compiled
     DAMP_GAIN,  # s27q20 V a cell: the same with the resistance for swings
     LEARN_GAIN,  # s27q29 V a cell: γ·T·k̂_T·Δ/L̂
     ZERO_GAIN,  # s27q22 A a V: rate of the offset times T/R̂
-    REACH,  # s31q23 V: c_0
+    REACH,  # s31q23 V, 0...: c_0
     DRIVE,  # s31q23 V: the drive's limit
     STRANGE,  # s31q23 V: how far beyond its limit c may want to be
     REST_TICKS,  # u16 ticks, 1...: shorter between two edges the same way, and the rotor moves
@@ -88,6 +89,10 @@ MOVING_PHASE = 7
 """While the rotor moves c_I learns in one tick of 8."""
 STILL_UNITS = 16
 """Units of REST_TICKS until it counts as still, and c_I learns in every tick."""
+FREE_SHIFT = 2
+"""Out of contact c may be 2^-2 of c_0: where no current flows, brushes and R have no voltage."""
+SWING_CELLS = 4 << formats.LONG.fraction
+"""What moves the current by more is no swing, but a move or a bounce."""
 FOLLOWER_SHIFT = 8
 """x̂'s slow copy takes 2^-8 of its distance in each tick."""
 FOLLOWER_TICKS = 1 << FOLLOWER_SHIFT
@@ -181,7 +186,8 @@ def anchor_step(
     state[PHASE] = (state[PHASE] + 1) & MEAN_PHASE
 
     e = -voltage if voltage < 0 else voltage
-    limit = (words[REACH] << _VOLT_SHIFT) + (e << (_VOLT_SHIFT - 2))
+    reach = words[REACH] if contact else words[REACH] >> FREE_SHIFT
+    limit = (reach << _VOLT_SHIFT) + (e << (_VOLT_SHIFT - 2))
     left = (words[DRIVE] << _VOLT_SHIFT) - (e << _VOLT_SHIFT)
     limit = min(limit, left)
 
@@ -218,7 +224,7 @@ def anchor_step(
     if learns and state[CLIPPED] == 0 and not saturated:
         state[LEARNED] = _long(state[LEARNED] - ((words[LEARN_GAIN] * p) >> _FAR_SHIFT))
     wanted = _long(state[LEARNED] - ((words[PULL_GAIN] * p) >> _NEAR_SHIFT))
-    if contact and state[UNITS] >= 1:
+    if contact and state[UNITS] >= 1 and -SWING_CELLS <= swing < SWING_CELLS:
         wanted = _long(wanted - ((words[DAMP_GAIN] * _data(swing >> _GUARD)) >> _NEAR_SHIFT))
 
     negative = wanted < 0

@@ -249,6 +249,35 @@ def adcs(
 
 
 @app.command()
+def holding(
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Holds of seconds, few random motors: 5 minutes.")
+    ] = False,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Processes; one a core by default.")
+    ] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
+        "build/holding"
+    ),
+) -> None:
+    """Hold, tap, bounce and overload walls with everything wrong that a real motor has.
+
+    Some twenty minutes; an interrupted run goes on where it stopped when it is started again.
+    """
+    _make_folder(out)
+
+    from wavehaptics.holding import collect
+    from wavehaptics.sweeps import SweepError
+
+    try:
+        with _stages() as progress:
+            collect(out, workers, progress, quick)
+    except SweepError as error:
+        raise CommandError(str(error)) from None
+    print(f"numbers: {out / 'holding.json'}")
+
+
+@app.command()
 def bench(
     quick: Annotated[bool, typer.Option("--quick", help="Only what is shipped.")] = False,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(

@@ -24,6 +24,17 @@ first tick of the compression to the first in which the push reaches 90 % of the
 the controller's filter at the start is in it. None with fewer than three ticks.
 ``stiffness_zero_rad`` is the x where that line crosses zero torque, ``contact_edge_rad`` the x_w of
 the first contact.
+
+**A port anchor** puts c in series with a port whose voltage is ``E = s(u + v)/2``, against all that
+is wrong with the motor, as a voltage d. With the port's flux by the true motor and rotor, ``χ =
+L i + k_T x − ∫E dt``, it is ``c − d = dχ/dt``, and its work ``∫ i dχ = [iχ] − ∫ χ di``: as if the
+wall's edge were moved to and fro with χ while the current changes. ``correction_out_max_j`` is the
+most that the running sum of ``ENERGY_OUT − T·E·i`` has reached. It takes the true mean current;
+with the sensor's, as in ``½T(u² − v²)``, the noise that the waves take in would count as given out
+for ever. ``correction_bound_j`` is what the work can't exceed: the sum over
+contacts and the ways between of half the range of χ times (current at the beginning + at the end +
+total variation of the current). As the true χ goes on where the anchor sets its own anew, nothing
+is to be added for that.
 """
 
 from __future__ import annotations
@@ -68,6 +79,12 @@ _CONTACT = int(Column.CONTACT)
 _SATURATED = int(Column.SATURATED)
 _ENERGY_OUT = int(Column.ENERGY_OUT)
 _RIPPLE = int(Column.RIPPLE)
+_U = int(Column.U)
+_V = int(Column.V)
+_T = int(Column.T)
+_X_HAT = int(Column.X_HAT)
+_OMEGA_HAT = int(Column.OMEGA_HAT)
+_FAULT = int(Column.FAULT)
 
 _FRESH, _INITIAL, _NONE = 0, 1, -1
 _PENDING, _KNOWN, _REFUSED = 0, 1, 2
@@ -113,6 +130,28 @@ _RUN = np.dtype(
         ("hold_first", "f8"),
         ("hold_sum", "f8"),
         ("hold_square", "f8"),
+        # a port anchor: of the scene
+        ("anchored", "i8"),
+        ("half_root", "f8"),  # s/2
+        ("tick_s", "f8"),
+        ("inductance", "f8"),
+        ("k_t", "f8"),
+        # sums over the run
+        ("work", "f8"),
+        ("work_peak", "f8"),
+        ("flux", "f8"),
+        ("x_hat_square", "f8"),
+        ("omega_hat_square", "f8"),
+        ("fault_s", "f8"),
+        # of the contact, or the way between, and of those before
+        ("bound", "f8"),
+        ("chi_low", "f8"),
+        ("chi_high", "f8"),
+        ("variation", "f8"),
+        ("i_first", "f8"),
+        ("i_last", "f8"),
+        ("chi_last", "f8"),
+        ("contact_last", "i8"),
     ],
     align=True,
 )
@@ -262,6 +301,41 @@ def _leave(run: Any, fits: np.ndarray, omega: float) -> None:
 
 
 @numba.njit(cache=True)
+def _part_bound(run: Any) -> float:
+    """Most work of c − d in the contact under way, or on the way between two."""
+    half_range = 0.5 * (run["chi_high"] - run["chi_low"])
+    return half_range * (abs(run["i_first"]) + abs(run["i_last"]) + run["variation"])
+
+
+@numba.njit(cache=True)
+def _correct(run: Any, row: np.ndarray, contact: bool) -> None:
+    """A tick of a port anchor."""
+    i = row[_I]
+    port = run.half_root * (row[_U] + row[_V]) * run.tick_s
+    run.work += row[_ENERGY_OUT] - port * i
+    run.work_peak = max(run.work_peak, run.work)
+    chi = run.inductance * i + run.k_t * row[_X] - (run.flux + 0.5 * port)
+    run.flux += port
+    if run.ticks == 0:
+        run.i_last, run.chi_last, run.contact_last = i, chi, -1
+    if contact != run.contact_last:
+        if run.ticks:
+            run.bound += _part_bound(run)
+        run.contact_last = contact
+        run.chi_low = run.chi_high = run.chi_last
+        run.i_first = run.i_last
+        run.variation = 0.0
+    run.chi_low, run.chi_high = min(run.chi_low, chi), max(run.chi_high, chi)
+    run.variation += abs(i - run.i_last)
+    run.i_last, run.chi_last = i, chi
+    x = row[_X] + 0.5 * row[_OMEGA] * run.tick_s
+    run.x_hat_square += (row[_X_HAT] - x) ** 2
+    run.omega_hat_square += (row[_OMEGA_HAT] - row[_OMEGA]) ** 2
+    if row[_FAULT] != 0.0 and run.fault_s < 0.0:
+        run.fault_s = row[_T]
+
+
+@numba.njit(cache=True)
 def _gather(
     runs: np.ndarray,
     fits: np.ndarray,
@@ -312,6 +386,8 @@ def _gather(
             run.free_ticks += 1
             run.free_square += torque * torque
         run.omega_last = omega
+        if run.anchored:
+            _correct(run, rows[n], contact)
 
         if run.ticks >= run.hold_start:
             if run.hold_ticks == 0:
@@ -332,7 +408,7 @@ class Metrics:
     ``tick_s`` is T in s. ``stiffness_predicted`` is the K of the design spring in N·m/rad, computed
     with the coefficients as the controller holds them; None where the controller has none, and then
     the metrics of a hold are None too. ``walls`` are the intervals (x_min, x_max) in rad as the
-    encoder quantises them.
+    encoder quantises them. ``root`` is s of a port with an anchor, √Ω; None without one.
     """
 
     def __init__(
@@ -343,6 +419,7 @@ class Metrics:
         controller: str,
         stiffness_predicted: float | None = None,
         walls: Sequence[tuple[float, float]] = (),
+        root: float | None = None,
     ) -> None:
         self._scene = scene
         self._tick_s = tick_s
@@ -370,6 +447,12 @@ class Metrics:
         )
         run["compliance"] = 1.0 / stiffness_predicted if stiffness_predicted else 0.0
         holds = path == "press" and bool(stiffness_predicted)
+        run["anchored"] = root is not None
+        run["half_root"] = 0.5 * (root or 0.0)
+        run["tick_s"] = tick_s
+        run["inductance"] = scene.motor.L_h
+        run["k_t"] = scene.motor.k_t
+        run["fault_s"] = -1.0
         run["hold_start"] = ticks - ticks // 10 if holds else np.iinfo(np.int64).max
 
     def update(self, rows: np.ndarray, reference_rows: np.ndarray | None = None) -> None:
@@ -485,12 +568,19 @@ class Metrics:
         ``restitution``               mean speed in the first tick after the first contact over that
                                       in the last tick before it
         ``saturated_fraction``        of all ticks
+        ``correction_out_max_j``      most net work of c less what it cancels: see the module's head
+        ``correction_bound_j``        what that can't exceed; None with ``[winding]``, whose flux is
+                                      not L·i
+        ``x_hat_error_rms_rad``       of x̂ against x at the ticks' ends
+        ``omega_hat_error_rms``       of ω̂ against the tick's mean ω, rad/s
+        ``anchor_fault_s``            time at which the anchor gave up, or None
         ============================  ==========================================================
 
         The three of a hold need the path ``press`` and contact in every one of the last tenth of
         the scene's ticks. ``restitution`` needs the path ``impact``, an entry after the first tick
         and a rotor that came back: it is None where the rotor went through the wall or stayed in
         it. A contact shorter than ``LEAST_TICKS`` that did not turn the rotor round is passed over.
+        The last five need a port anchor.
         """
         scene, run = self._scene, self._runs[0]
         ticks = int(run["ticks"])
@@ -532,7 +622,25 @@ class Metrics:
             "restitution": run["restitution"] if run["bounce"] == _KNOWN else None,
             "saturated_fraction": run["saturated"] / ticks if ticks else None,
         }
+        metrics |= self._correction()
         return {name: _plain(value) for name, value in metrics.items()}
+
+    def _correction(self) -> dict[str, Any]:
+        run = self._runs[0]
+        ticks = int(run["ticks"])
+        names = ("correction_out_max_j", "correction_bound_j", "x_hat_error_rms_rad",
+                 "omega_hat_error_rms", "anchor_fault_s")  # fmt: skip
+        if not (run["anchored"] and ticks):
+            return dict.fromkeys(names)
+        iron = self._scene.winding is not None
+        values = (
+            run["work_peak"],
+            None if iron else run["bound"] + _part_bound.py_func(run),
+            math.sqrt(run["x_hat_square"] / ticks),
+            math.sqrt(run["omega_hat_square"] / ticks),
+            run["fault_s"] if run["fault_s"] >= 0.0 else None,
+        )
+        return dict(zip(names, values, strict=True))
 
 
 def _plain(value: Any) -> Any:

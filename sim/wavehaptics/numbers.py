@@ -2,7 +2,7 @@
 """The numbers in the README pages, between markers that a command fills.
 
 ``boards/summary.json`` keeps what the last synthesis came to, ``sim/docs/measured.json`` what the
-last report and the last bench found. The text between
+last report, the last bench and the last study of holding found. The text between
 ``<!-- begin NAME -->`` and ``<!-- end NAME -->`` of a page is made from it; a test fails where the
 two differ, and another where a fresh synthesis comes to something else.
 """
@@ -19,6 +19,8 @@ from typing import Any
 
 from wavehaptics.adcs import named_rows
 from wavehaptics.boards import ROOT
+from wavehaptics.holding import pictures as holding_pictures
+from wavehaptics.holding import tables as holding_tables
 from wavehaptics.report import readme
 from wavehaptics.synthesis import Result
 
@@ -36,6 +38,7 @@ _RESOURCES = Path("build", "synth", "resources.json")
 _ADCS = Path("build", "adcs", "adcs.json")
 _REPORT = Path("build", "report")
 _BENCH = Path("build", "bench", "summary.json")
+_HOLDING = Path("build", "holding")
 _MARKED = re.compile(r"(<!-- begin (\S+) -->\n)(.*?)(<!-- end \2 -->)", re.DOTALL)
 _DEVICE_NAMES = {"up5k": "iCE40 UP5K", "hx8k": "iCE40 HX8K", "25k": "ECP5-25F"}
 
@@ -64,9 +67,10 @@ def keep(root: Path = ROOT) -> None:
             text = json.dumps(numbers, indent=1, ensure_ascii=False)
             (root / path).parent.mkdir(parents=True, exist_ok=True)
             (root / path).write_text(text + "\n", encoding="utf-8")
-    for name in readme.PICTURES:
-        if (root / _REPORT / name).exists():
-            (root / MEASURED.parent / name).write_bytes((root / _REPORT / name).read_bytes())
+    for folder, names in ((_REPORT, readme.PICTURES), (_HOLDING, holding_pictures.PICTURES)):
+        for name in names:
+            if (root / folder / name).exists():
+                (root / MEASURED.parent / name).write_bytes((root / folder / name).read_bytes())
 
 
 def _last_measured(root: Path) -> dict[str, Any]:
@@ -77,6 +81,9 @@ def _last_measured(root: Path) -> dict[str, Any]:
         measured["report"] = readme.of_report(json.loads(report.read_bytes()))
     if (root / _BENCH).exists():
         measured["bench"] = readme.of_bench(json.loads((root / _BENCH).read_bytes()))
+    holding = root / _HOLDING / "holding.json"
+    if holding.exists():
+        measured["holding"] = holding_tables.of_holding(json.loads(holding.read_bytes()))
     return measured
 
 
@@ -275,5 +282,8 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "width-resources": _resources(
         "widths", "`wh_wave_core`, data × coefficient", lambda row: row["option"], _with_clock
     ),
-} | {name: partial(render, table=_table) for name, render in readme.TABLES.items()}
+} | {
+    name: partial(render, table=_table)
+    for name, render in (readme.TABLES | holding_tables.TABLES).items()
+}
 """What stands between the markers of each name."""

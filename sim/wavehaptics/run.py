@@ -122,6 +122,7 @@ def _measure(
     metrics = Metrics(
         scene, tick_s, controller=controller, walls=list(edges),
         stiffness_predicted=stiffness_predicted(scene, simulation),
+        root=set_.s if _anchored(controller, simulation) else None,
     )  # fmt: skip
     rows = np.zeros((min(ticks, CHUNK_TICKS), len(Column)))
     reference_rows = np.zeros_like(rows)
@@ -147,6 +148,11 @@ def _measure(
     return result | estimate.result()
 
 
+def _anchored(controller: str, simulation: Simulation) -> bool:
+    """Whether the rows have what a port anchor adds."""
+    return simulation.settings.anchored and controller not in WITHOUT_WORDS
+
+
 def _ticks(scene: Scene, tick_s: float) -> int:
     return max(1, round(scene.scene.duration_s / tick_s))
 
@@ -160,7 +166,10 @@ def run_scene(
     """
     simulation = CONTROLLERS[controller](scene)
     tick_s = simulation.tick_s
-    trace = TraceWriter(out, tick_s, scene.scene.trace_hz, ticks=_ticks(scene, tick_s))
+    trace = TraceWriter(
+        out, tick_s, scene.scene.trace_hz, ticks=_ticks(scene, tick_s),
+        anchored=_anchored(controller, simulation),
+    )  # fmt: skip
     result = _measure(scene, controller, simulation, trace, progress)
     trace.save()
     write_metrics(result, out)

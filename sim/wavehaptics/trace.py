@@ -62,11 +62,16 @@ FLOAT_COLUMNS = (
 )
 """Columns kept as float64, each under its own name in small letters."""
 
+ANCHOR_COLUMNS = (Column.X_HAT, Column.OMEGA_HAT, Column.CORRECTION, Column.FLUX)
+"""Columns kept besides where there is a port anchor."""
+
 _N_FLOAT = len(FLOAT_COLUMNS)
 assert tuple(FLOAT_COLUMNS) == tuple(range(_N_FLOAT)), "_keep copies the first columns of a row"
 _CONTACT = int(Column.CONTACT)
 _SATURATED = int(Column.SATURATED)
 _ENERGY_OUT = int(Column.ENERGY_OUT)
+_FAULT = int(Column.FAULT)
+_ANCHOR = tuple(int(column) for column in ANCHOR_COLUMNS)
 _WORD_TYPE = np.int32 if formats.DATA_W <= 32 else np.int64
 
 
@@ -90,6 +95,10 @@ def _keep(
             floats[_N_FLOAT, at] = energy
             flags[0, at] = rows[n, _CONTACT] != 0.0
             flags[1, at] = rows[n, _SATURATED] != 0.0
+            if floats.shape[0] > _N_FLOAT + 1:
+                for place in range(len(_ANCHOR)):
+                    floats[_N_FLOAT + 1 + place, at] = rows[n, _ANCHOR[place]]
+                flags[2, at] = rows[n, _FAULT] != 0.0
             at += 1
             due += step
     return energy
@@ -101,16 +110,24 @@ class TraceWriter:
     ``path`` is the file, or the directory that is to hold ``trace.npz``. Every m-th tick is kept
     from the run's first on, ``m = max(1, round(1/(tick_s · trace_hz)))``, however the run is cut
     into chunks; ``trace_hz`` None keeps every tick. ``ticks`` is the number of ticks expected: the
-    memory is reserved for it at once, and grows if there are more.
+    memory is reserved for it at once, and grows if there are more. ``anchored`` keeps what a port
+    anchor adds to a row.
 
-    A row takes 90 bytes, and 16 more with its raw words, in memory and in the file: 4 million rows
-    (4 s at 1 MHz unthinned) take 0.4 GB. ``trace_hz`` is what keeps a long run small.
+    A row takes 90 bytes, 33 more with an anchor and 16 more with its raw words, in memory and in
+    the file: 4 million rows (4 s at 1 MHz unthinned) take 0.4 GB. ``trace_hz`` is what keeps a
+    long run small.
 
     The file is not compressed: zlib at its fastest took ten times as long to save a third.
     """
 
     def __init__(
-        self, path: Path | str, tick_s: float, trace_hz: float | None = None, *, ticks: int = 0
+        self,
+        path: Path | str,
+        tick_s: float,
+        trace_hz: float | None = None,
+        *,
+        ticks: int = 0,
+        anchored: bool = False,
     ) -> None:
         if tick_s <= 0.0 or (trace_hz is not None and trace_hz <= 0.0):
             raise ValueError("tick_s and trace_hz must be above zero")
@@ -122,8 +139,9 @@ class TraceWriter:
         self._energy = 0.0
         self._has_words: bool | None = None
         room = max(1, -(-ticks // self.step))
-        self._floats = np.empty((_N_FLOAT + 1, room))
-        self._flags = np.empty((2, room), dtype=np.bool_)
+        self._anchored = anchored
+        self._floats = np.empty((_N_FLOAT + 1 + anchored * len(ANCHOR_COLUMNS), room))
+        self._flags = np.empty((3, room), dtype=np.bool_)
         self._words = np.empty((len(Word), 0), dtype=_WORD_TYPE)
 
     @property
@@ -169,7 +187,11 @@ class TraceWriter:
         kept = slice(self._kept)
         named = {column.name.lower(): self._floats[column, kept] for column in FLOAT_COLUMNS}
         named["energy_out"] = self._floats[_N_FLOAT, kept]
-        named["contact"], named["saturated"] = self._flags[:, kept]
+        named["contact"], named["saturated"] = self._flags[:2, kept]
+        if self._anchored:
+            for place, column in enumerate(ANCHOR_COLUMNS, _N_FLOAT + 1):
+                named[column.name.lower()] = self._floats[place, kept]
+            named["fault"] = self._flags[2, kept]
         if self._has_words:
             for word in Word:
                 named[f"{word.name.lower()}_word"] = self._words[word, kept]
@@ -180,7 +202,8 @@ class TraceWriter:
 
         Arrays: ``t x omega i e_a torque eta u v x_hand`` (:class:`Column`), ``energy_out`` (J, what
         the port has given out up to the end of that tick, summed at full rate), ``contact`` and
-        ``saturated`` (bool), and ``i_word u_word v_word e_word`` where the controller has words.
+        ``saturated`` (bool), ``x_hat omega_hat correction flux`` and ``fault`` (bool) where there
+        is a port anchor, and ``i_word u_word v_word e_word`` where the controller has words.
         """
         self.path.parent.mkdir(parents=True, exist_ok=True)
         part = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")

@@ -272,8 +272,8 @@ class Case(NamedTuple):
 CASES = {
     case.measure.__name__: case
     for case in (
-        Case("λ from 10² rad/s to a = 0.99", "stiffness within 1 % of the closed form, no energy out",
-             any_lambda),
+        Case("λ from 10² rad/s to a = 0.99",
+             "stiffness within 1 % of the closed form, no energy out", any_lambda),
         Case("T from 0.5 µs to 2 ms", "no energy out; stiffness within 1 % up to 200 µs", any_rate),
         Case("k from 0 to 1000 ticks", "stiffness within 1 %, no energy out", any_latency),
         Case("R̂ from 0.5 R to 1.5 R",

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The targets of a held wall that short runs can show, and the study's own functions."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from wavehaptics.holding import cases, lost, motors, pictures, runs, tables
+from wavehaptics.trace import Column
+
+HOLD_S = "scene.duration_s=1"
+HELD = ("nothing", "brush 0.5 V, knee 5 mA", "brush 0.5 V, knee 50 mA", "R(θ) −4 %, 22 bars",
+        "supply steps by −5 %", "L̂ −10 %", "R̂ +10 %", "R̂ −10 %", "gain −5 %", "offset +4 mA",
+        "everything, ++++", "everything, −−−−")  # fmt: skip
+
+
+def hold(name: str, *settings: str) -> dict:
+    wrong = (cases.ALONE | cases.EVERYTHING)[name]
+    return cases.named_hold(name, "golden", [*cases.NOTHING, *wrong, HOLD_S, *settings])
+
+
+@pytest.mark.parametrize("name", HELD)
+def test_a_wall_holds_whatever_is_wrong(name):
+    """Half a cell and 1 % of the depth, 60 µN·m, no fault."""
+    row = hold(name)
+    assert abs(row["moved_cells"]) <= 0.5 + 0.01 * row["depth_cells"]
+    assert row["hold_ripple_rms"] <= 60e-6
+    assert row["anchor_fault_s"] is None
+    assert row["correction_out_max_j"] <= row["correction_bound_j"]
+
+
+@pytest.mark.parametrize("name", ["brush 0.5 V, knee 5 mA", "R̂ +10 %", "everything, ++++"])
+def test_without_the_anchor_it_is_lost(name):
+    row = hold(name, runs.PLAIN, "scene.duration_s=0.5")
+    assert row["moved_cells"] is None or abs(row["moved_cells"]) > 0.2 * row["depth_cells"]
+
+
+def test_a_bar_of_less_resistance_swings_by_less_than_half_a_cell():
+    row = cases.bar(-0.04, 0.0, cases.HANDS["hand"])
+    assert row["hold_ripple_rms"] <= 0.7e-3
+    assert row["anchor_fault_s"] is None
+
+
+def test_slow_bounces_throw_nobody():
+    for wrong in ("nothing", "++++"):
+        points = cases.bounces("re25-118743", wrong)[:3]
+        assert all(point["restitution"] <= 1.0 for point in points)
+        assert all(point["anchor_fault_s"] is None for point in points)
+
+
+def test_a_stopped_encoder_leaves_a_held_force_as_it_was():
+    row = lost.held("stops", 0.1, False)
+    assert row["lost_after"] <= 1.02 * row["force_before"]
+    assert row["noticed_cells"] is None
+
+
+def test_a_swing_of_the_design_spring_is_not_moved():
+    """The judge itself: force and depth of an ideal wall, one of whose contacts is 2 cells off."""
+    scene = runs.load("held_wall", [*cases.NOTHING, "hand.path=taps", "hand.frequency_hz=1"])
+    k = runs.stiffness_predicted(scene, runs.CONTROLLERS["golden"](scene))
+    cell = runs.cell_of(scene)
+    rows = np.zeros((400, len(Column)))
+    rows[:, Column.X] = 10 * cell * np.sin(np.arange(400) / 400 * 4 * np.pi)
+    inside = rows[:, Column.X] > 0
+    off = np.where(np.arange(400) > 200, 2.0 * cell, 0.0)
+    rows[:, Column.TORQUE] = np.where(inside, -k * (rows[:, Column.X] - off), 0.0)
+    rows[:, Column.CONTACT] = inside
+    touching, moved, depth = runs.deviations(rows, scene)
+    assert np.array_equal(touching, inside)
+    assert np.allclose(moved, off[inside])
+    assert depth.max() == pytest.approx(10 * cell, rel=1e-3)
+
+
+def test_means_do_not_depend_on_the_chunks():
+    rows = np.random.default_rng(5).normal(size=(1000, len(Column)))
+    whole, cut = runs.Means(7e-6, 1e-6), runs.Means(7e-6, 1e-6)
+    whole.write(rows)
+    for start in range(0, 1000, 33):
+        cut.write(rows[start : start + 33])
+    assert whole.rows().shape == (142, len(Column))
+    assert np.array_equal(whole.rows(), cut.rows())
+
+
+def test_a_seed_is_a_motor():
+    assert motors.draw(3) == motors.draw(3)
+    assert motors.draw(3) != motors.draw(4)
+    for seed in range(50):
+        numbers, _ = motors.draw(seed)
+        assert 0.5 <= numbers["r"] <= 12
+        assert 60e-6 <= numbers["l"] / numbers["r"] <= 900e-6
+        assert 2e-3 <= numbers["j"] * numbers["r"] / numbers["k_t"] ** 2 <= 20e-3
+
+
+def test_all_settings_are_understood():
+    """Every case's scene is read, without being run."""
+    for settings in (cases.ALONE | cases.EVERYTHING | cases.NOISY).values():
+        runs.load("held_wall", [*cases.NOTHING, *settings])
+    for scene, settings, _ in cases.FEELS.values():
+        for wrong in cases.FELT.values():
+            runs.load(scene, [*cases.NOTHING, *settings, *wrong])
+    for scene, settings in cases.FREE.values():
+        runs.load(scene, list(settings))
+    for seed in range(20):
+        runs.load("held_wall", motors.draw(seed)[1])
+
+
+def motor_row(seed: int, moved: float | None, back: float | None, fault: float | None) -> dict:
+    wall = {"moved_cells": moved, "depth_cells": 10.0, "hold_ripple_rms": 1e-5, "force": 0.01}
+    row = {part: wall | {"anchor_fault_s": None} for part in tables.TARGETS}
+    return (
+        row
+        | {"seed": seed}
+        | {part: {"restitution": back, "anchor_fault_s": fault} for part in tables.BOUNCES}
+    )
+
+
+def test_random_motors_are_counted():
+    rows = [motor_row(0, 0.1, 0.9, None), motor_row(1, -2.0, 1.1, 0.01), motor_row(2, None, None,
+            None)]  # fmt: skip
+    found = tables._motors(rows)
+    assert found["spreads"]["hold_cells"] == {
+        "median": 1.05, "p90": pytest.approx(1.81), "worst": 2.0, "seed": 1, "n": 2,
+    }  # fmt: skip
+    assert found["spreads"]["hold_over"]["worst"] == pytest.approx(1.4)
+    assert found["over"] == {"hold": [1], "swing": [1], "soft": [1]}
+    assert found["lost"]["hold"] == [2]
+    assert found["thrown"]["bounce_10"] == [1]
+    assert found["faults"]["bounce_30"] == [1]
+    json.dumps(found)
+
+
+def test_pictures_are_drawn(tmp_path):
+    course = {"t": [0.0, 0.1, 0.2], "torque": [0.0, -0.01, -0.014], "x": [0.0, 8.0, 10.0],
+              "moved": [0.0, 0.1, 0.2], "force_cells": [0.0, 7.0, 9.8]}  # fmt: skip
+    names = ("with the anchor", "without", "held", "pressed")
+    found = {
+        "courses": [{"name": name} | course for name in names],
+        "motors": [motor_row(0, 0.1, 0.9, None), motor_row(1, None, None, None)],
+    }
+    pictures.draw(found, tmp_path)
+    assert all((tmp_path / name).stat().st_size > 10_000 for name in pictures.PICTURES)

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``wavehaptics holding``: what the README shows of it is what it should come to."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from wavehaptics import holding, numbers
+from wavehaptics.boards import ROOT
+from wavehaptics.holding import cases, tables
+
+
+@pytest.fixture(scope="module")
+def kept():
+    return json.loads((ROOT / numbers.MEASURED).read_bytes())["holding"]
+
+
+def test_kept_holds_are_held_and_lost_without_the_anchor(kept):
+    """No fault, no lost wall, `core` as `golden`; without contact noise no more than 60 µN·m."""
+    twins: dict[tuple[str, float], list[dict]] = {}
+    for row in kept["holds"]:
+        assert row["anchor_fault_s"] is None
+        assert row["moved_cells"] is not None
+        if "noise" not in row["name"]:
+            assert row["hold_ripple_rms"] <= 60e-6
+        assert row["correction_out_max_j"] <= row["correction_bound_j"]
+        twins.setdefault((row["name"], row["duration_s"]), []).append(row)
+    for name in cases.LONG:
+        pairs = [rows for (of, _), rows in twins.items() if of == name and len(rows) == 2]
+        assert pairs
+        for core, golden in pairs:
+            assert core | {"controller": "golden"} == golden
+    lost = [
+        row for row in kept["plain"]
+        if row["moved_cells"] is None or abs(row["moved_cells"]) > 0.2 * row["depth_cells"]
+    ]  # fmt: skip
+    assert len(lost) > len(kept["plain"]) / 2
+
+
+def test_kept_bars_swing_by_less_than_half_a_cell(kept):
+    assert {row["part"] for row in kept["bars"]} == set(cases.STEP_PARTS)
+    assert all(row["hold_ripple_rms"] <= 0.7e-3 for row in kept["bars"])
+
+
+def test_kept_motors_are_all_there(kept):
+    assert kept["motors"]["seeds"] in ([0, holding.MOTORS - 1], [0, holding.QUICK_MOTORS - 1])
+    assert set(kept["motors"]["faults"]) == {*tables.TARGETS, *tables.BOUNCES}
+
+
+def test_every_table_has_its_marker_in_the_readme():
+    page = (ROOT / "README.md").read_text(encoding="utf-8")
+    for name in tables.TABLES:
+        assert page.count(f"<!-- begin {name} -->") == 1
