@@ -21,7 +21,7 @@
 // after its sample strobe or later, conversion being the reader's own latency (latency_clocks in
 // sim/wavehaptics/pins_timing.py).
 // With EARLY = 1 it is conversion + 10 clocks, for a conversion of 18 clocks or more and a tick of
-// 22 + 25 N or more; with ANCHOR = 1 as well 33 + 25 N (early_tick_clocks).
+// 22 + 25 N or more; with ANCHOR = 1 as well 35 + 25 N (early_tick_clocks).
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
 
 `default_nettype none
