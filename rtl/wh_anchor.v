@@ -6,7 +6,7 @@
 //   p   = dz(χ, 1/2) + χ/256                  a cell's half is left alone, but for a 256th
 //   c_I -= g_γ p                              every tick at rest, one in 8 while the rotor moves
 //   c   = c_I - g_ρ p - g_d (L̂ i - its mean)  the last in contact, at rest and below 4 cells
-//   |c| <= min(c_0 + |e_id|/4, drive - |e_id|)  c_0/4 out of contact
+//   |c| <= min(c_0 + |e_id|/4, drive - |e_id|)  c_0/2 out of contact
 //
 // c is a voltage in series with the port: it is added to e_id = s u behind the wave core, which does
 // not see it. A contact's first edge sets χ to a quarter of a cell; in contact, what the voltage
@@ -79,7 +79,7 @@ module wh_anchor (
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
     localparam integer INNER_SHIFT = 8;  // of χ within the dead zone, of both means
-    localparam integer FREE_SHIFT  = 2;  // of c_0 out of contact, where no current flows
+    localparam integer FREE_SHIFT  = 1;  // of c_0 out of contact, where no current flows
     localparam integer SWING_W     = 2;  // swings are smaller than 2^2 cells
 
     generate
@@ -299,10 +299,9 @@ module wh_anchor (
                 write_to   = M_MEAN;
             end
             BASE: begin
-                memory_too = 1'b1;
-                fresh      = !begins_q;
-                read_from  = begins_q ? M_CURRENT : M_FLUX;
-                minus      = begins_q;
+                memory_too = !begins_q;
+                fresh      = 1'b1;
+                read_from  = M_FLUX;
             end
             ADD_OWED: begin
                 sum_too = 1'b1;
@@ -450,24 +449,15 @@ module wh_anchor (
         write_to_q   <= write_to;
     end
 
-    // ---- The adder. What a step writes, the one after it can't read. Its upper part is worked out with
-    // and without the lower one's carry, which chooses: a carry through all places is most of a clock.
-    localparam integer LOW_W  = 20;  // less than half: the choice takes its time, too
-    localparam integer HIGH_W = LONG_W - LOW_W;
-
+    // ---- The adder. What a step writes, the one after it can't read.
     wire                     takes_off = to_zero_q ? !back_sum : minus_q;
     wire signed [LONG_W-1:0] part = sum_q >>> INNER_SHIFT;
     wire signed [LONG_W-1:0] a    = ({LONG_W{sum_too_q}} & sum_q) | ({LONG_W{inner_q}} & part);
     wire signed [LONG_W-1:0] b    =
         (b_q | ({LONG_W{memory_too_q}} & read_q)) ^ {LONG_W{takes_off}};
-    wire        [LOW_W:0]    low  = {1'b0, a[LOW_W-1:0]} + {1'b0, b[LOW_W-1:0]}
-                                  + {{LOW_W{1'b0}}, takes_off};
-    wire        [HIGH_W-1:0] high = a[LONG_W-1:LOW_W] + b[LONG_W-1:LOW_W];
-    wire        [HIGH_W:0]   next = {a[LONG_W-1:LOW_W], 1'b1} + {b[LONG_W-1:LOW_W], 1'b1};
-    wire signed [LONG_W-1:0] sum  =
-        $signed({low[LOW_W] ? next[HIGH_W:1] : high, low[LOW_W-1:0]});
+    wire signed [LONG_W-1:0] sum  = a + b + $signed({{(LONG_W - 1){1'b0}}, takes_off});
 
-    wire unused = &{1'b0, next[0], product_i[NEAR_SHIFT-1:0], position_i[`WH_COUNT_W-1:PLACE_W]};
+    wire unused = &{1'b0, product_i[NEAR_SHIFT-1:0], position_i[`WH_COUNT_W-1:PLACE_W]};
 
     always @(posedge clk) begin
         if (go_q) begin
@@ -541,7 +531,7 @@ module wh_anchor (
 
     // ---- Steps and results.
     reg  signed [DATA_W-1:0] next_q;
-    wire                     lost = enable && (fault_o || (clipped_q && past));
+    wire                     lost = enable && (fault_o || (clipped_q && past && !over_left_q));
 
     assign next_o = next_q;
 

@@ -14,13 +14,14 @@ waves don't see:
 - ``c = c_I − g_ρ·p``, ``c_I −= g_γ·p``, the latter in full only while the rotor rests;
 - ``c −= g_d·(y − ȳ)``, ``y = L̂·i`` and ȳ its slow mean, in contact while the rotor rests, up to
   four cells: a resistance for swings alone, which no edge of the encoder tells of;
-- ``|c|`` is limited by ``c_0 + |e_id|/4``, out of contact by a quarter of c_0, and by what the
-  waves leave of the drive; an error of the flux that this can't hold means that waves and encoder
-  don't follow the same motor.
+- ``|c|`` is limited by ``c_0 + |e_id|/4``, out of contact by a half of c_0, and by what the
+  waves leave of the drive; an error of the flux that the former can't hold means that waves and
+  encoder don't follow the same motor.
 
-The edge with which a contact begins tells x exactly, and sets χ to a quarter of a cell. What a
-limit withholds from the waves in contact, w, is added to the flux, ``χ −= g_w·w``: so the wall
-stands where it was when the limit has done its work. In free space the current is zero but for the
+The edge with which a contact begins tells x exactly, and sets χ without L̂·i to a quarter of a
+cell: at the surface a wall has no current, so what flows there is pulled away. What a limit
+withholds from the waves in contact, w, is added to the flux, ``χ −= g_w·w``: so the wall stands
+where it was when the limit has done its work. In free space the current is zero but for the
 sensor's offset, which c then shows: ``offset −= g_z·c`` while the rotor rests.
 
 Words found in a tick act in the next.
@@ -89,8 +90,9 @@ MOVING_PHASE = 7
 """While the rotor moves c_I learns in one tick of 8."""
 STILL_UNITS = 16
 """Units of REST_TICKS until it counts as still, and c_I learns in every tick."""
-FREE_SHIFT = 2
-"""Out of contact c may be 2^-2 of c_0: where no current flows, brushes and R have no voltage."""
+FREE_SHIFT = 1
+"""Out of contact c may be 2^-1 of c_0: where only the sensor's offset flows, R has no voltage and a
+brush not all of its own."""
 SWING_CELLS = 4 << formats.LONG.fraction
 """What moves the current by more is no swing, but a move or a bounce."""
 FOLLOWER_SHIFT = 8
@@ -189,6 +191,7 @@ def anchor_step(
     reach = words[REACH] if contact else words[REACH] >> FREE_SHIFT
     limit = (reach << _VOLT_SHIFT) + (e << (_VOLT_SHIFT - 2))
     left = (words[DRIVE] << _VOLT_SHIFT) - (e << _VOLT_SHIFT)
+    short = limit >= left
     limit = min(limit, left)
 
     flux = _long(state[FLUX] - ((words[FLUX_GAIN] * u) >> _FAR_SHIFT))
@@ -199,7 +202,7 @@ def anchor_step(
     zero_step = (words[ZERO_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
     if begins:
         edge = 0 if moved == 0 else -(_CELL >> 2) if moved < 0 else _CELL >> 2
-        flux = _long(edge - y)
+        flux = edge
     else:
         flux = _long(flux + moved * _CELL)
     state[FLUX] = flux
@@ -236,7 +239,7 @@ def anchor_step(
     state[CLIPPED] = 1 if clipped else 0
     strange = words[STRANGE] << _VOLT_SHIFT
     strange = _long(past + strange) if negative else _long(past - strange)
-    if words[ENABLE] != 0 and clipped and (strange < 0) == negative:
+    if words[ENABLE] != 0 and clipped and (strange < 0) == negative and not short:
         state[FAULT] = 1
     active = words[ENABLE] != 0 and state[FAULT] == 0
     state[CORRECTION] = _data(c >> _VOLT_SHIFT) if active else 0

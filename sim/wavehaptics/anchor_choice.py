@@ -40,8 +40,9 @@ SLOW_RAD_S = 1.0
 """Speed below which the sensor's offset is tracked, rad/s."""
 ZERO_PER_S = 200.0
 """Rate with which the offset follows c/R̂: a rotor that it pushes must not get faster than that."""
-STRANGE_CELLS = 2.5
-"""Error of the flux beyond the limit of c, in cells, that no motor makes."""
+STRANGE_CELLS = 4.5
+"""Error of the flux beyond the limit of c, in cells, that no motor makes; two of them are what the
+resistance for swings may want."""
 
 
 class AnchorChoice(NamedTuple):
