@@ -625,8 +625,8 @@ async def open_loop_equals_the_models(dut: object) -> None:
     assert moves > 100
     assert saturated > 10
     if ANCHOR:
-        assert min(corrected, tracked) > 100
-        assert strange > 10
+        assert min(corrected, tracked) > 30 * N
+        assert strange > 3 * N
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms", skip=not EARLY)
@@ -793,8 +793,9 @@ async def enable(dut: object) -> None:
     await bench.begin(Settings(ports=ports, dead_clocks=2))
     bench.codes = [MID_CODE + 300] * N
     for _ in range(6):
-        await bench.run(3 * TICK_CLOCKS + rng.randint(0, TICK_CLOCKS))
-        assert any(any(row) for row in bench.bridge[-2 * TICK_CLOCKS :])
+        # A step late, a wall's answer to a constant current is 0 in two ticks of four.
+        await bench.run(4 * TICK_CLOCKS + rng.randint(0, TICK_CLOCKS))
+        assert any(any(row) for row in bench.bridge[-3 * TICK_CLOCKS :])
         steps, conversions = len(bench.steps), len(bench.conversions)
         for _ in range(rng.randint(1, 3) * TICK_CLOCKS):
             # GateWatch and the bench see to it that no gate goes on.
