@@ -29,6 +29,7 @@ class CurrentBench(Bench):
             grant_i=0,
             done_i=0,
             product_i=0,
+            offset_i=0,
         )
 
     async def word_of(

@@ -557,7 +557,7 @@ module wh_wave_core #(
     reg [N-1:0] waves_q;
 
     always @(posedge clk) begin
-        waves_q <= {N{1'b0}};
+        waves_q <= 0;
         if (!rst && at_q[TAKE_V]) begin
             waves_q[port_q] <= 1'b1;
         end
