@@ -209,7 +209,7 @@ def _judge(results: Path, log: Path) -> None:
         raise SimulationError(f"{failed} of {tests} tests failed\n{_tail(log)}")
 
 
-def _tail(log: Path, lines: int = 60) -> str:
+def _tail(log: Path, lines: int = 120) -> str:
     text = log.read_text(errors="replace").splitlines() if log.exists() else []
     return "\n".join([f"--- the end of {log}", *text[-lines:]])
 
