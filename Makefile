@@ -36,7 +36,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo adcs holding report bench test lint clean distclean
+.PHONY: help setup setup-synth system lock demo adcs holding report bench soak test lint clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -89,6 +89,9 @@ holding: $(READY) ## hold, tap and bounce with everything wrong, with the README
 
 bench: $(READY) $(READY_BENCH) ## measure speeds and what was tried for them into build/bench (QUICK=1)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics bench $(if $(QUICK),--quick) --out build/bench
+
+soak: $(READY) ## 10^8 ticks of the core, everything switched at random (half an hour; QUICK=1: 10^6)
+	@$(WITH_TOOLS) .venv/bin/wavehaptics soak $(if $(QUICK),--ticks 1e6) --out build/soak
 
 test: lint ## lint, then every test of the model, the RTL and the loop
 	@$(WITH_TOOLS) .venv/bin/python -m pytest -n $(JOBS)

@@ -38,9 +38,9 @@ constexpr uint64_t mask(int width) { return (uint64_t{1} << width) - 1; }
 extern "C" {
 
 // p: root, a, u_max, extra_ticks, hold_ticks, eta in contact, eta in free space, and the anchor's
-// settings.
-void *wh_core_new(const int64_t *p) {
-    Core *core = new Core;
+// settings. Between two steps η may change; anything else asks for wh_core_stop.
+void wh_core_set(void *model, const int64_t *p) {
+    Core *core = static_cast<Core *>(model);
     core->top.root_i = p[0] & mask(WH_COEF_W);
     core->top.a_i = p[1] & mask(WH_COEF_W);
     core->top.u_max_i = p[2] & mask(WH_DATA_W);
@@ -49,11 +49,26 @@ void *wh_core_new(const int64_t *p) {
     core->top.eta_contact_i = p[5] & mask(WH_COEF_W);
     core->top.eta_free_i = p[6] & mask(WH_COEF_W);
     set_anchor_words(core->top.anchor_words_i, p + 7);
-    core->top.start_i = 0;
+}
+
+// A reset of one clock, `into` clocks after a step began; with 0 no step is under way.
+void wh_core_stop(void *model, int64_t into) {
+    Core *core = static_cast<Core *>(model);
+    core->top.start_i = into > 0;
+    for (int64_t n = 0; n < into; ++n) {
+        clock(core);
+        core->top.start_i = 0;
+    }
     core->top.rst = 1;
     clock(core);
-    clock(core);
     core->top.rst = 0;
+}
+
+void *wh_core_new(const int64_t *p) {
+    Core *core = new Core;
+    wh_core_set(core, p);
+    core->top.eval();  // the first one sees no edge
+    wh_core_stop(core, 0);
     return core;
 }
 

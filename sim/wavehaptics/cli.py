@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import difflib
 import io
+import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
@@ -275,6 +276,47 @@ def holding(
     except SweepError as error:
         raise CommandError(str(error)) from None
     print(f"numbers: {out / 'holding.json'}")
+
+
+@app.command()
+def soak(
+    ticks: Annotated[
+        float, typer.Option(metavar="N", min=1, help="How many ticks, or some more.")
+    ] = 1e8,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="The first task's.")] = 0,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Processes; one a core by default.")
+    ] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
+        "build/soak"
+    ),
+) -> None:
+    """Run the core's RTL beside the integer model with everything switched at random.
+
+    Words, energies and limits are watched in every tick. Some half an hour; an interrupted run goes
+    on where it stopped when it is started again.
+    """
+    _make_folder(out)
+
+    from wavehaptics.metrics import write_metrics
+    from wavehaptics.soak import STORE, summary, tasks
+    from wavehaptics.sweeps import SweepError, sweep
+
+    try:
+        with _stages() as progress:
+            results = sweep(
+                tasks(int(ticks), seed), STORE, workers=workers or os.cpu_count() or 1,
+                progress=lambda done, total: progress("soak", done / total),
+            )  # fmt: skip
+    except SweepError as error:
+        raise CommandError(str(error)) from None
+    found = summary(results)
+    write_metrics(found, out / "summary.json")
+    for line in found["wrong"]:
+        print(f"wavehaptics: soak: {line}", file=sys.stderr)
+    print(f"{found['ticks']:.3g} ticks: {out / 'summary.json'}")
+    if found["wrong"]:
+        raise typer.Exit(1)
 
 
 @app.command()

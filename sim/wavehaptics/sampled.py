@@ -225,7 +225,7 @@ class SampledSimulation:
         self._model = 0
         step = 0
         if rtl:
-            self._library, self._model, step = _load_core(set_)
+            self._library, self._model, step = load_core(set_)
         self._state = plant.start.copy()
         self._kept = np.zeros(5, dtype=np.int64)
         self._kept[_POSITION] = math.floor(plant.start[X] / set_.cell_rad)
@@ -281,7 +281,8 @@ class SampledSimulation:
             self._library.wh_core_delete(self._model)
 
 
-def _load_core(set_: Settings):
+def load_core(set_: Settings):
+    """(library, a model, address of its step) of the core's RTL with these settings."""
     design = verilated.Design(
         "wh_core_port",
         "core_shim.cpp",
