@@ -10,7 +10,7 @@
 //
 // c is a voltage in series with the port: it is added to e_id = s u behind the wave core, which does
 // not see it. A contact's first edge sets χ to a quarter of a cell; in contact, what the voltage
-// limit withholds from the waves counts as flux. In free space and at rest c shows the sensor's
+// limit or rounding withholds from the waves counts as flux. In free space and at rest c shows the sensor's
 // offset, which is summed up. A c that wants to go beyond its limit by strange tells that waves and
 // encoder don't follow the same motor: fault_o, and c = 0.
 //
@@ -496,7 +496,7 @@ module wh_anchor (
         case (give_q)
             G_ZERO:    coefficient_o = zero_gain;
             G_CURRENT: coefficient_o = cells_gain;
-            G_OWED:    coefficient_o = owed_gain;
+            G_OWED:    coefficient_o = saturated_q ? owed_gain : flux_gain;
             G_U,
             G_V:       coefficient_o = flux_gain;
             G_LEARN:   coefficient_o = learn_gain;

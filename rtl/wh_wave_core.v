@@ -59,7 +59,8 @@ module wh_wave_core #(
     output reg signed [N*`WH_DATA_W-1:0] u_o,            // s31q23 √W, ±128 √W: u_n, measured tick
     output reg signed [N*`WH_DATA_W-1:0] v_o,            // s31q23 √W, ±128 √W: v_n, measured tick
     output reg        [N-1:0]            saturated_o,    // f was outside ±u_max in this step
-    output wire       [N*`WH_DATA_W-1:0] withheld_o,     // s31q23 √W: by how much
+    output wire       [N*`WH_DATA_W-1:0] withheld_o,     // s31q23 √W: by how much; else -1, 0 or 1,
+                                                         // the sum of what u lacks of f
     output wire       [N-1:0]            waves_o,        // strobe: u_o and v_o are this step's
 
     // For who works ahead (wh_early), s31q23 √W: the u that this step computed, which is f without
@@ -513,7 +514,8 @@ module wh_wave_core #(
         end
     end
 
-    // ---- What the limit takes from f: (f_sum - f)/2^GUARD, rounded down.
+    // ---- What u lacks: what the limit takes from f, (f_sum - f)/2^GUARD rounded down, or what rounding
+    // f to u has taken so far, as soon as that is a whole place.
     generate
         if (WITHHELD == 1) begin : withholding
             localparam integer WITHHELD_W = F_SUM_W - GUARD;
@@ -521,10 +523,13 @@ module wh_wave_core #(
             reg  signed [F_SUM_W-1:0]    past_low_q;
             reg  signed [F_SUM_W-1:0]    past_high_q;
             reg         [N*DATA_W-1:0]   withheld_q;
+            reg         [N*GUARD-1:0]    lost_q;
             wire signed [WITHHELD_W-1:0] past =
                 (over_q || u_max[DATA_W-1]) ? $signed(past_high_q[F_SUM_W-1:GUARD])
                                             : $signed(past_low_q[F_SUM_W-1:GUARD]);
             wire signed [DATA_W-1:0]     withheld;
+            wire        [GUARD:0]        lost     = {1'b0, lost_q[port_q*GUARD +: GUARD]}
+                                                    + {1'b0, f[GUARD-1:0]};
 
             wh_saturate #(
                 .IN_W    (WITHHELD_W),
@@ -539,9 +544,12 @@ module wh_wave_core #(
                 past_high_q <= f_sum_q - limit_wide;
                 if (rst) begin
                     withheld_q <= 0;
-                end else if (at_q[TAKE_F]) begin
+                    lost_q     <= 0;
+                end else if (at_q[TAKE_U]) begin
+                    lost_q[port_q*GUARD +: GUARD]        <= lost[GUARD-1:0];
                     withheld_q[port_q*DATA_W +: DATA_W] <=
-                        (over_q || under_q) ? withheld : {DATA_W{1'b0}};
+                        (over_q || under_q) ? withheld
+                        : {{DATA_W-1{u_up_q && !lost[GUARD]}}, u_up_q ^ lost[GUARD]};
                 end
             end
 

@@ -21,7 +21,8 @@ waves don't see:
 The edge with which a contact begins tells x exactly, and sets χ without L̂·i to a quarter of a
 cell: at the surface a wall has no current, so what flows there is pulled away. What a limit
 withholds from the waves in contact, w, is added to the flux, ``χ −= g_w·w``: so the wall stands
-where it was when the limit has done its work. In free space the current is zero but for the
+where it was when the limit has done its work. So is what truncation takes from u: half a place a
+tick would move a held wall by some cells an hour. In free space the current is zero but for the
 sensor's offset, which c then shows: ``offset −= g_z·c`` while the rotor rests.
 
 Words found in a tick act in the next.
@@ -162,7 +163,8 @@ def anchor_step(
 
     ``words`` int64 (SETTINGS,); ``position`` in counts and ``contact`` are the tick's; ``current``,
     ``u`` and ``v`` those of its core step (i_n without the offset, u_n, v_n); ``withheld`` (√W),
-    ``voltage`` (e_id) and ``saturated`` of the core's step before.
+    ``voltage`` (e_id) and ``saturated`` of the core's step before
+    (:data:`wavehaptics.golden.STATE_WITHHELD`).
     """
     moved = 0
     if state[STARTED] != 0:
@@ -197,7 +199,8 @@ def anchor_step(
     flux = _long(state[FLUX] - ((words[FLUX_GAIN] * u) >> _FAR_SHIFT))
     flux = _long(flux - ((words[FLUX_GAIN] * v) >> _FAR_SHIFT))
     if contact:
-        flux = _long(flux - ((words[OWED_GAIN] * withheld) >> _FAR_SHIFT))
+        owed = words[OWED_GAIN] if saturated else words[FLUX_GAIN]
+        flux = _long(flux - ((owed * withheld) >> _FAR_SHIFT))
     y = _long((words[CELLS_GAIN] * current) >> _NEAR_SHIFT)
     zero_step = (words[ZERO_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
     if begins:

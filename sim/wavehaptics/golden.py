@@ -25,9 +25,11 @@ _SHAPE_X_MAX, _SHAPE_X_MIN = _DATA_MAX << _GUARD, _DATA_MIN << _GUARD
 _HALF = 1 << (_GUARD - 1)
 _SU_SHIFT = formats.ROOT.fraction + formats.WAVE.fraction - formats.VOLTAGE.fraction
 
-STATE_F, STATE_HEAD, STATE_FILLED, STATE_SATURATED, STATE_WITHHELD = range(5)
-"""Places in a core's state: the λ filter's f, the newest place of the delay line, its fill, and
-whether f was beyond ±u_max in the newest step, and by how much, s31q23 √W rounded down."""
+STATE_F, STATE_HEAD, STATE_FILLED, STATE_SATURATED, STATE_WITHHELD, STATE_LOST = range(6)
+"""Places in a core's state: the λ filter's f, the newest place of the delay line, its fill, whether
+f was beyond ±u_max in the newest step, and what u lacks, s31q23 √W: by how much f was beyond,
+rounded down, or else −1, 0 or 1, whose sum is what all truncations of f to u have taken; of that
+sum the part of a place."""
 
 CLEAR, HOLD, SHAPE = range(3)
 """What the shaper does with a wave: nothing and its states are 0; nothing and they stay; W."""
@@ -42,8 +44,8 @@ NO_SHAPER = np.zeros((0, SECTION_WORDS), dtype=np.int64)
 
 
 def new_state() -> np.ndarray:
-    """State of one port after reset: int64, shape (5,)."""
-    return np.zeros(5, dtype=np.int64)
+    """State of one port after reset: int64, shape (6,)."""
+    return np.zeros(6, dtype=np.int64)
 
 
 def new_line(extra_ticks: int) -> np.ndarray:
@@ -150,10 +152,14 @@ def _outgoing(state, line, shaped, eta, outside, root, a, u_max, hold_ticks):
     limit = u_max << _GUARD
     f = min(max(unlimited, -limit), limit)
     state[STATE_F] = f
-    state[STATE_WITHHELD] = saturate((unlimited - f) >> _GUARD)
+    u = truncate(f, _GUARD)
+    lost = state[STATE_LOST] + f - (u << _GUARD)
+    state[STATE_LOST] = lost & ((1 << _GUARD) - 1)
     state[STATE_SATURATED] = 0 if -limit <= unlimited <= limit else 1
+    beyond = saturate((unlimited - f) >> _GUARD)
+    state[STATE_WITHHELD] = beyond if state[STATE_SATURATED] != 0 else lost >> _GUARD
     state[STATE_HEAD] = (state[STATE_HEAD] + 1) & (line.shape[0] - 1)
-    line[state[STATE_HEAD]] = truncate(f, _GUARD)
+    line[state[STATE_HEAD]] = u
     state[STATE_FILLED] = min(state[STATE_FILLED] + 1, line.shape[0])
     return saturate(truncate(root * line_read(line, state, hold_ticks), _SU_SHIFT))
 
