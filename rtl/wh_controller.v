@@ -670,13 +670,15 @@ module wh_controller #(
             // For a host's registers, which this module doesn't have.
             wire unused = &{1'b0, direction, faults, wall, depth};
 
+            // Nothing is read of it in a step's first clock, in which it may still change: a clock
+            // between any two steps, even where the next starts as one ends.
             wh_contact #(
                 .WALLS         (WALLS)
             ) contact (
                 .clk           (clk),
                 .rst           (rst),
                 .position_i    (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
-                .hold_i        (core_start || core_busy),
+                .hold_i        (core_busy),
                 .wall_min_i    (wall_min_i[n*WALLS*`WH_COUNT_W +: WALLS*`WH_COUNT_W]),
                 .wall_max_i    (wall_max_i[n*WALLS*`WH_COUNT_W +: WALLS*`WH_COUNT_W]),
                 .wall_enable_i (wall_enable_i[n*WALLS +: WALLS]),
