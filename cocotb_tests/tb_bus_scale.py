@@ -25,7 +25,8 @@ class ScaleBench(Bench):
         self.bus, self.bus_share, self.u_max = 0, 0, [0] * N
         await self.start(
             half_clocks_i=half_clocks, half_bridge_i=half_bridge, bus_i=0,
-            bus_share_i=0, u_max_i=0, hold_i=0, clocks_per_volt_i=pack(FIXED, formats.COEF_W), **inputs,
+            bus_share_i=0, u_max_i=0, hold_i=0,
+            clocks_per_volt_i=pack(FIXED, formats.COEF_W), **inputs,
         )  # fmt: skip
 
     def set(self, bus: int, bus_share: int, u_max: list[int]) -> None:

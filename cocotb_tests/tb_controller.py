@@ -676,9 +676,7 @@ async def a_frame_that_fills_the_tick_has_an_early_duty(dut: object) -> None:
         half, made = 1, PART_FRAME
         while made.cycle_clocks < needed:
             half += 1
-            made = dataclasses.replace(
-                PART_FRAME, sclk_half_clocks=half, quiet_clocks=quiet_clocks
-            )
+            made = dataclasses.replace(PART_FRAME, sclk_half_clocks=half, quiet_clocks=quiet_clocks)
         settings = Settings(
             half_clocks=made.cycle_clocks, frame=made, extra_ticks=1,
             ports=[random_port(rng) for _ in range(N)],

@@ -121,7 +121,7 @@ async def ticks_without_a_step_are_told(dut: object) -> None:
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def late_samples_are_no_lost_steps(dut: object) -> None:
-    """With every other sample a clock later, a step's start passes the tick's end and comes back."""
+    """With every other sample a clock later, steps start now before, now behind a tick's end."""
     bench = TicksBench(dut)
     tick_clocks = STEP_CLOCKS + 4
     last, *leads = phases(tick_clocks)

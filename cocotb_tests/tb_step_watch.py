@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_step_watch.v``: silent where each tick has its start, never where one hasn't."""
+"""Bench of ``rtl/wh_step_watch.v``: silent where each tick has its start, not otherwise."""
 
 from __future__ import annotations
 
