@@ -48,6 +48,7 @@ class Bench:
     def __init__(self, dut: object) -> None:
         self.dut = dut
         self.clocks = 0
+        self._clock_runs = False
         self._falling = FallingEdge(dut.clk)
         self._handles: dict[str, LogicObject | LogicArrayObject] = {}
 
@@ -86,7 +87,12 @@ class Bench:
         await ReadOnly()
 
     async def start(self, **inputs: int) -> None:
-        """Start the clock with ``inputs``, reset for three clocks, and leave the reset."""
-        cocotb.start_soon(Clock(self.dut.clk, CLOCK_NS, unit="ns").start())
+        """Start the clock with ``inputs``, reset for three clocks, and leave the reset.
+
+        A clock that runs goes on: another one beside it would cost as much again.
+        """
+        if not self._clock_runs:
+            cocotb.start_soon(Clock(self.dut.clk, CLOCK_NS, unit="ns").start())
+            self._clock_runs = True
         await self.step(3, rst=1, **inputs)
         self.drive(rst=0)

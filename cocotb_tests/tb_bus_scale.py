@@ -9,8 +9,8 @@ from simulators import parameters
 from wavehaptics import bus_scale, formats
 
 N = parameters()["N"]
-QUOTIENT_CLOCKS = 86  # from another bus to its clocks per volt, at most
-LIMIT_CLOCKS = 37  # and from there to its u_max
+WORDS_CLOCKS = 60  # a bus from its clock to the one behind which its words are there
+CHANGE_CLOCKS = 2 * WORDS_CLOCKS - 1  # from another bus to its words, at most
 TOP_BUS = (1 << formats.BUS_W) - 1
 TOP_U = formats.WAVE.raw_max
 TOP_SHARE = formats.BUS_SHARE.raw_max
@@ -25,7 +25,8 @@ class ScaleBench(Bench):
         self.bus, self.bus_share, self.u_max = 0, 0, [0] * N
         await self.start(
             half_clocks_i=half_clocks, half_bridge_i=half_bridge, bus_i=0,
-            bus_share_i=0, u_max_i=0, clocks_per_volt_i=pack(FIXED, formats.COEF_W), **inputs,
+            bus_share_i=0, u_max_i=0, hold_i=0,
+            clocks_per_volt_i=pack(FIXED, formats.COEF_W), **inputs,
         )  # fmt: skip
 
     def set(self, bus: int, bus_share: int, u_max: list[int]) -> None:
@@ -43,10 +44,9 @@ class ScaleBench(Bench):
         return [bus_scale.limited(u_max, part) for u_max in self.u_max]
 
     async def check(self) -> None:
-        await self.step(QUOTIENT_CLOCKS)
+        await self.step(CHANGE_CLOCKS)
         wanted = bus_scale.clocks_per_volt(self.half_clocks, self.bus, bool(self.half_bridge))
         assert self.clocks_per_volt() == [wanted] * N, (self.half_clocks, self.bus)
-        await self.step(LIMIT_CLOCKS)
         assert self.limits() == self.wanted_limits(), (self.bus, self.bus_share, self.u_max)
 
 
@@ -87,7 +87,7 @@ async def the_settings_hold_until_the_first_quotient(dut: object) -> None:
     bench.set(6144, 1, u_max)
     await bench.step(rst=1)
     bench.drive(rst=0)
-    for _ in range(42):
+    for _ in range(WORDS_CLOCKS - 1):
         assert bench.clocks_per_volt() == FIXED
         assert bench.limits() == u_max
         await bench.step()
@@ -128,5 +128,39 @@ async def another_limit_is_scaled_in_time(dut: object) -> None:
             await bench.settle()
             if not scaled:
                 assert bench.limits() == bench.u_max
-            await bench.step(LIMIT_CLOCKS)
+            await bench.step(CHANGE_CLOCKS)
             assert bench.limits() == bench.wanted_limits()
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def words_wait_for_a_clock_without_hold(dut: object) -> None:
+    """All words of a bus come in one clock, never behind one with hold, and no bus is mixed."""
+    bench, rng = ScaleBench(dut), random_source("hold")
+    await bench.begin()
+    share = bus_scale.bus_share_word(12.0, 1.0)
+    u_max = [TOP_U - rng.randint(0, TOP_U // 2) for _ in range(N)]
+    buses = [rng.randint(1 << 10, 1 << 13) for _ in range(6)]
+    words = {
+        (
+            bus_scale.clocks_per_volt(48, bus),
+            *(bus_scale.limited(limit, bus_scale.share(bus, share)) for limit in u_max),
+        )
+        for bus in buses
+    }
+    bench.set(buses[0], share, u_max)
+    await bench.check()
+    seen, waits = set(), 0
+    before = (bench.clocks_per_volt()[0], *bench.limits())
+    for period, low in ((24, 1), (60, 1), (61, 1), (59, 7), (60, 59), (200, 3)):
+        unchanged = 0
+        for clock in range(60 * period):
+            held = clock % period >= low
+            await bench.step(hold_i=held, bus_i=rng.choice(buses))
+            (clocks_per_volt,) = set(bench.clocks_per_volt())
+            after = (clocks_per_volt, *bench.limits())
+            assert after == before or not held
+            unchanged = 0 if after != before else unchanged + 1
+            seen.add(after)
+            before, waits = after, max(waits, unchanged)
+    assert seen == words
+    assert waits > 150

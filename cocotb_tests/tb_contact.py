@@ -180,22 +180,59 @@ async def latency(dut: object) -> None:
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 async def hold_freezes(dut: object) -> None:
-    """While held, nothing changes, and what is passed meanwhile leaves no trace."""
+    """While held no output changes; then the rotor's whole way counts, not its last place alone."""
     bench = ContactBench(dut)
     await bench.begin([(5, 20, True)] * WALLS, 0)
     await bench.move(0)
     await bench.step(3 * SETTLED, position_i=6, hold_i=1)
     assert bench.shown() == (False, 0)
-    # In through the lower edge while held, then right to the upper one: that is the nearer now.
+    bench.expected(6)
+    # In through the lower edge while held, then right to the upper one.
     await bench.step(3 * SETTLED, position_i=19)
-    bench.drive(hold_i=0)
-    await bench.move(19)
-    assert bench.shown() == (True, -1)
+    await bench.step(hold_i=0)
+    bench.check(19)
+    assert bench.shown() == (True, 14)
     await bench.step(3 * SETTLED, position_i=0, hold_i=1)
-    assert bench.shown() == (True, -1)
-    bench.drive(hold_i=0)
-    await bench.move(0)
+    assert bench.shown() == (True, 14)
+    await bench.step(hold_i=0)
+    bench.check(0)
     assert bench.shown() == (False, 0)
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def one_clock_without_hold_is_enough(dut: object) -> None:
+    """Holds that are locked to the rounds in any phase, as ticks lock them: each wall is felt.
+
+    A clock without hold shows what the newest round found, even if that one ended long before.
+    """
+    bench = ContactBench(dut)
+    rng = random_source("locked")
+    found = set()
+
+    def outputs() -> tuple[int, ...]:
+        return tuple(bench.word(name) for name in ("contact_o", "wall_o", "depth_o", "eta_o"))
+
+    for period in (WALLS * rng.randint(2, 3), 24, 48, rng.randint(2, 60)):
+        for phase in range(min(period, 2 * WALLS)):
+            low = rng.choice((1, 1, rng.randint(1, period)))
+            bench.hysteresis = rng.random() < 0.5
+            await bench.begin(random_walls(rng, 5), 0)
+            await bench.move(0)
+            await bench.step(phase)
+            for _ in range(3):
+                position, held = rng.randint(-6, 6), True
+                bench.drive(position_i=position)
+                end, before = bench.clocks + SETTLED, outputs()
+                while bench.clocks < end or held:
+                    held = bench.clocks % period >= low
+                    await bench.step(hold_i=held)
+                    after = outputs()
+                    assert after == before or not held
+                    before = after
+                bench.check(position)
+                found.add(bench.shown()[0])
+            bench.drive(hold_i=0)
+    assert found == {False, True}
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")

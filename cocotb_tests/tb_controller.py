@@ -64,6 +64,8 @@ MID_CODE = 1 << (PART.bits - 1)
 BUS_V = 24.0
 BUS_FOR_LIMIT_V = 20.0
 """Bus that u_max takes, BUS = 1."""
+BUS_CLOCKS = 119
+"""Clocks from another bus to its words, at most, if no step is under way."""
 MOTOR_OHM = 2.18
 FULL_SCALE_A = 8.0
 
@@ -221,6 +223,9 @@ class Step:
     before: list[tuple[int, int, int, int, int]]
     """Of each port: its position as the step starts, and what its anchor has made of the step
     before, as its own step starts: offset, flux, lag and fault."""
+    u_max: list[int]
+    clocks_per_volt: list[int]
+    """These two as they stand at the step's end."""
 
 
 @dataclass
@@ -341,6 +346,8 @@ class ControllerBench(Bench):
             unpack(self.word("position_o"), formats.COUNT_W, N),
             unpack(self.word("correction_o"), formats.DATA_W, N),
             [self._before(n) for n in range(N)] if ANCHOR else [],
+            unpack(self.word("u_max"), formats.DATA_W, N),
+            unpack(self.word("clocks_per_volt"), formats.COEF_W, N),
         )
         self.steps.append(shown)
         return shown
@@ -415,14 +422,14 @@ class ControllerBench(Bench):
             eta = made.eta
             assert step.u[n] == waves[-1 - settings.extra_ticks]
             ready = prepare(
-                waves[-1], step.u[n], settings.u_max(n), port.root, port.a, settings.gain(n),
-                settings.clocks_per_volt(n), eta, 0, made.offset, made.correction,
+                waves[-1], step.u[n], step.u_max[n], port.root, port.a, settings.gain(n),
+                step.clocks_per_volt[n], eta, 0, made.offset, made.correction,
             )  # fmt: skip
             duties.append(ready.duty(sums[n]))
             goal = golden.saturate.py_func(golden.truncate.py_func(eta * step.v[n], _ETA_Q))
             error = golden.truncate.py_func((goal << _GUARD) - f, _GUARD)
             f += golden.truncate.py_func(port.a * golden.saturate.py_func(error), _A_SHIFT)
-            limit = settings.u_max(n) << _GUARD
+            limit = step.u_max[n] << _GUARD
             f = min(max(f, -limit), limit)
             waves.append(golden.truncate.py_func(f, _GUARD))
         return duties
@@ -441,7 +448,7 @@ class ControllerBench(Bench):
             withheld, saturated = int(state[golden.STATE_WITHHELD]), state[golden.STATE_SATURATED]
             e_before = e
             e, u, v = golden.wave_core_step.py_func(
-                state, line, current, eta, 0, port.root, port.a, settings.u_max(n),
+                state, line, current, eta, 0, port.root, port.a, step.u_max[n],
                 settings.extra_ticks, settings.hold_ticks,
             )  # fmt: skip
             e, u, v = int(e), int(u), int(v)
@@ -457,9 +464,18 @@ class ControllerBench(Bench):
             )
         return result
 
-    def check_steps(self) -> None:
-        """Every step's words equal the integer models, fed with the ADC's codes and contact."""
+    def check_steps(self, one_bus: bool = True) -> None:
+        """Every step's words equal the integer models, fed with the ADC's codes and contact.
+
+        Without ``one_bus`` the bus changes from step to step.
+        """
         expected = len(self.currents())
+        if one_bus:
+            # The bus was another before a current flowed.
+            for step in self.steps[-30:]:
+                for n in range(N):
+                    assert step.u_max[n] == self.settings.u_max(n)
+                    assert step.clocks_per_volt[n] == self.settings.clocks_per_volt(n)
         assert len(self.steps) >= expected - 2 - self.settings.frame.pipeline
         for n in range(N):
             for step, made in zip(self.steps, self.made(n), strict=False):
@@ -650,6 +666,30 @@ async def shortest_tick_of_the_early_duty_is_the_formula(dut: object) -> None:
             assert bench.check_pulses() > 10
 
 
+@cocotb.test(timeout_time=50, timeout_unit="ms", skip=not EARLY or KIND != "serial")
+async def a_frame_that_fills_the_tick_has_an_early_duty(dut: object) -> None:
+    """The next frame begins before the step of the last one's word does, and waits for its end."""
+    bench = ControllerBench(dut)
+    rng = random_source("full tick")
+    needed = early_tick_clocks(N, bool(ANCHOR)) + 1
+    for quiet_clocks in range(1, 12):
+        half, made = 1, PART_FRAME
+        while made.cycle_clocks < needed:
+            half += 1
+            made = dataclasses.replace(PART_FRAME, sclk_half_clocks=half, quiet_clocks=quiet_clocks)
+        settings = Settings(
+            half_clocks=made.cycle_clocks, frame=made, extra_ticks=1,
+            ports=[random_port(rng) for _ in range(N)],
+        )  # fmt: skip
+        await bench.begin(settings)
+        for _ in range(20):
+            bench.codes = [random_code(rng) for _ in range(N)]
+            await bench.run(settings.tick_clocks)
+        assert not bench.word("overrun_o")
+        bench.check_steps()
+        assert bench.check_pulses() > 10
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms", skip=not BUS)
 async def the_measured_bus_scales_the_pulse_and_the_limit(dut: object) -> None:
     """Each bus gives the same volts with another pulse, and bounds u by what it reaches."""
@@ -665,7 +705,7 @@ async def the_measured_bus_scales_the_pulse_and_the_limit(dut: object) -> None:
         # Without a current there is nothing to scale until the bus is known.
         settings.bus = bus_scale.bus_word(bus_v)
         bench.drive(bus_i=settings.bus)
-        await bench.run(140)
+        await bench.run(BUS_CLOCKS + settings.tick_clocks)
         for _ in range(60):
             bench.codes = [random_code(rng) for _ in range(N)]
             shown = [await bench.clock() for _ in range(settings.tick_clocks)]
@@ -675,6 +715,49 @@ async def the_measured_bus_scales_the_pulse_and_the_limit(dut: object) -> None:
         assert not bench.word("overrun_o")
     assert pulses > 150
     assert saturated > 10
+
+
+# In turn, the pulse is made of the voltage after the step, by the bus that is the newest then.
+@cocotb.test(timeout_time=50, timeout_unit="ms", skip=not BUS)
+async def a_step_is_made_with_one_bus(dut: object) -> None:
+    """A bus that changes at any clock: what the models make of the words at a step's end, it is.
+
+    Both words are of one bus. So a limit never raises u, and the early duty has the core's.
+    """
+    bench = ControllerBench(dut)
+    rng = random_source("one bus")
+    saturated = changed = pulses = 0
+    for _ in range(3):
+        settings = random_settings(rng)
+        settings.mode, settings.min_pulse = UNIPOLAR, 0
+        settings.half_clocks, settings.tick_halves, settings.samples = TICK_CLOCKS, 1, 1
+        settings.hold_ticks = 0
+        for port in settings.ports:
+            port.gain_a = 15.0
+            port.anchor[:] = 0
+        await bench.begin(settings)
+        buses = [bus_scale.bus_word(rng.uniform(4.0, 40.0)) for _ in range(6)]
+        while len(bench.steps) < 500:
+            if rng.random() < 0.03:
+                bench.drive(bus_i=rng.choice(buses))
+            if len(bench.bridge) % 31 == 0:
+                bench.codes = [random_code(rng) for _ in range(N)]
+            await bench.clock()
+        bench.check_steps(one_bus=False)
+        if EARLY:
+            pulses += bench.check_pulses()
+        words = [dataclasses.replace(settings, bus=bus) for bus in (settings.bus, *buses)]
+        allowed = {
+            tuple((of_bus.clocks_per_volt(n), of_bus.u_max(n)) for n in range(N))
+            for of_bus in words
+        }
+        for step in bench.steps:
+            assert tuple(zip(step.clocks_per_volt, step.u_max, strict=True)) in allowed
+        saturated += sum(sum(step.saturated) for step in bench.steps)
+        changed += sum(a.u_max != b.u_max for a, b in pairwise(bench.steps))
+    assert saturated > 100
+    assert changed > 100
+    assert pulses > 100 or not EARLY
 
 
 def random_code(rng: random.Random) -> int:

@@ -10,13 +10,15 @@
 // pulses: the largest of all ports' where they differ. So what the core takes for applied was applied,
 // on any bus; a bus that is measured too low acts as an R̂ that is too high. A quotient beyond its word
 // is the largest word. Everything runs on by itself, a bit a clock: the division and the share for the
-// whole design, a product for each port.
+// whole design, then a product for each port. All words of one bus are given in one clock, the first
+// without hold_i: a step of the core has to be made with one u_max from its first clock to its last.
 // sim/wavehaptics/bus_scale.py says the same with integers, and this module equals it bit for bit.
 //
 // Formats: at the ports; share has WH_BUS_SHARE_Q + WH_BUS_Q - WH_BUS_W fraction bits, 17 as things
 // stand.
-// Latency: a change of bus_i counts after at most 86 clocks in clocks_per_volt_o, and 37 later in
-// u_max_o. A change of u_max_i counts at once while share is 1, else after at most 37 clocks.
+// Latency: 60 clocks a bus, WH_COEF_W of 27 given: a change of bus_i counts after at most 119, and as
+// many more as the last of them has to wait for a clock without hold_i.
+// A change of u_max_i counts at once while share is 1, else after as long as one of bus_i.
 // Reset: clocks_per_volt_o = clocks_per_volt_i, share = 1; both hold until the first quotient.
 
 `default_nettype none
@@ -27,6 +29,8 @@ module wh_bus_scale #(
 ) (
     input  wire                    clk,
     input  wire                    rst,
+
+    input  wire                    hold_i,             // the outputs stay as they are
 
     input  wire [`WH_TICK_W-1:0]   half_clocks_i,      // clocks in a carrier half
     input  wire                    half_bridge_i,      // the bus reaches half of itself
@@ -49,18 +53,36 @@ module wh_bus_scale #(
     localparam integer ZEROS   = `WH_DUTY_Q + `WH_BUS_Q - 1;
     localparam integer STEPS   = 1 + `WH_TICK_W + ZEROS;
 
+    // The clocks: 0 takes the bus, 1...STEPS divide, then the products, and in LAST all is there.
+    localparam [6:0]   DIVIDED = STEPS[6:0];
+    localparam [6:0]   LAST    = STEPS[6:0] + SHARE_Q[6:0] + 7'd1;
+
     generate
         if (N < 1 || N > 8) begin : illegal
             wh_illegal_parameter_bus_scale_n_must_be_1_to_8 stop ();
         end
-        if (WORD_W < `WH_TICK_W + 2 || SHARE_Q < 1) begin : illegal_format
+        if (WORD_W < `WH_TICK_W + 2 || SHARE_Q < 1 || STEPS + SHARE_Q + 1 > 127)
+        begin : illegal_format
             wh_illegal_WH_COEF_W_too_small_for_a_bus stop ();
         end
     endgenerate
 
+    reg  [6:0] step_q;  // 0: the next one begins
+    wire       begins   = (step_q == 7'd0);
+    wire       divides  = (step_q <= DIVIDED);
+    wire       last     = (step_q == LAST);
+    wire       gives    = last && !hold_i;
+
+    always @(posedge clk) begin
+        if (rst || gives) begin
+            step_q <= 7'd0;
+        end else if (!last) begin
+            step_q <= step_q + 7'd1;
+        end
+    end
+
     // ---- The division. digits_q holds the dividend's bits to come, then zeros, and behind both the
     // quotient. What leaves it after WORD_W steps is the quotient's, too much for the word.
-    reg  [5:0]        step_q;    // 0: the next one begins
     reg  [BUS_W-1:0]  bus_q;     // held for a quotient
     reg  [WORD_W-1:0] digits_q;
     reg  [BUS_W-1:0]  rest_q;
@@ -68,55 +90,51 @@ module wh_bus_scale #(
     wire [BUS_W:0]    trial = {rest_q, digits_q[WORD_W-1]};
     wire [BUS_W:0]    less  = trial - {1'b0, bus_q};
     wire              fits  = trial >= {1'b0, bus_q};
-    wire              last  = (step_q == STEPS[5:0] + 6'd1);
     wire              unused_less = &{1'b0, less[BUS_W], trial[BUS_W]};
 
     // ---- The share: bus_share for each bit of the bus, the lowest first, and half of the sum so far.
-    reg  [WORD_W-1:0] share_sum_q;
-    wire [WORD_W:0]   share_sum = {1'b0, share_sum_q}
+    // Behind the division its bits leave for the products.
+    reg  [WORD_W-1:0] share_q;
+    wire [WORD_W:0]   share_sum = {1'b0, share_q}
                                   + (bus_q[step_q[3:0] - 4'd1] ? {1'b0, bus_share_i[WORD_W-1:0]}
                                                                : {WORD_W+1{1'b0}});
-    reg  [SHARE_Q-1:0] share_q;
-    reg                whole_q;  // share is 1
-    wire               unused_share = &{1'b0, share_sum[0], bus_share_i[COEF_W-1]};
+    reg               whole_q;   // share is 1
+    reg               pass_q;    // the same of the words that are given
+    wire              unused_share = &{1'b0, share_sum[0], bus_share_i[COEF_W-1]};
 
     integer n;
 
     always @(posedge clk) begin
         if (rst) begin
-            step_q  <= 6'd0;
-            whole_q <= 1'b1;
-        end else begin
-            step_q <= last ? 6'd0 : step_q + 6'd1;
-            if (last) begin
-                whole_q <= |share_sum_q[WORD_W-1:SHARE_Q];
-            end
-        end
-        if (last) begin
-            share_q <= share_sum_q[SHARE_Q-1:0];
+            pass_q <= 1'b1;
+        end else if (gives) begin
+            pass_q <= whole_q;
         end
         for (n = 0; n < N; n = n + 1) begin
             if (rst) begin
                 clocks_per_volt_o[n*COEF_W +: COEF_W] <= clocks_per_volt_i[n*COEF_W +: COEF_W];
-            end else if (last) begin
+            end else if (gives) begin
                 clocks_per_volt_o[n*COEF_W +: COEF_W] <=
                     {1'b0, digits_q | {WORD_W{over_q}}};
             end
         end
-        if (step_q == 6'd0) begin
-            bus_q       <= bus_i;
-            digits_q    <= half_bridge_i ? {half_clocks_i, {WORD_W-`WH_TICK_W{1'b0}}}
-                                         : {1'b0, half_clocks_i, {WORD_W-`WH_TICK_W-1{1'b0}}};
-            rest_q      <= {BUS_W{1'b0}};
-            over_q      <= 1'b0;
-            share_sum_q <= {WORD_W{1'b0}};
-        end else if (!last) begin
+        if (begins) begin
+            bus_q    <= bus_i;
+            digits_q <= half_bridge_i ? {half_clocks_i, {WORD_W-`WH_TICK_W{1'b0}}}
+                                      : {1'b0, half_clocks_i, {WORD_W-`WH_TICK_W-1{1'b0}}};
+            rest_q   <= {BUS_W{1'b0}};
+            over_q   <= 1'b0;
+            share_q  <= {WORD_W{1'b0}};
+        end else if (divides) begin
             digits_q <= {digits_q[WORD_W-2:0], fits};
             rest_q   <= fits ? less[BUS_W-1:0] : trial[BUS_W-1:0];
-            over_q   <= over_q || (step_q > WORD_W[5:0] && digits_q[WORD_W-1]);
-            if (step_q <= BUS_W[5:0]) begin
-                share_sum_q <= share_sum[WORD_W:1];
+            over_q   <= over_q || (step_q > WORD_W[6:0] && digits_q[WORD_W-1]);
+            if (step_q <= BUS_W[6:0]) begin
+                share_q <= share_sum[WORD_W:1];
             end
+            whole_q <= |share_q[WORD_W-1:SHARE_Q];
+        end else if (!last) begin
+            share_q <= share_q >> 1;
         end
     end
 
@@ -127,40 +145,20 @@ module wh_bus_scale #(
             localparam integer SIZE_W = DATA_W - 1;
 
             wire [SIZE_W-1:0]  u_max = u_max_i[g*DATA_W +: SIZE_W];
-            reg  [4:0]         count_q;    // 0: the next product begins
-            reg  [SHARE_Q-1:0] bits_q;     // share's, to come
-            reg                one_q;      // share is 1, of the product under way
-            reg                pass_q;     // the same of the last product
             reg  [SIZE_W-1:0]  sum_q;
             reg  [SIZE_W-1:0]  result_q;
             wire [SIZE_W:0]    sum   = {1'b0, sum_q}
-                                       + (bits_q[0] ? {1'b0, u_max} : {SIZE_W+1{1'b0}});
-            wire               ready = (count_q == SHARE_Q[4:0]);
+                                       + (share_q[0] ? {1'b0, u_max} : {SIZE_W+1{1'b0}});
             wire               unused_sum = &{1'b0, sum[0]};
 
             always @(posedge clk) begin
-                if (rst) begin
-                    count_q <= 5'd0;
-                    one_q   <= 1'b1;
-                    pass_q  <= 1'b1;
-                end else begin
-                    count_q <= ready ? 5'd0 : count_q + 5'd1;
-                    if (count_q == 5'd0) begin
-                        one_q <= whole_q;
-                    end
-                    if (ready) begin
-                        pass_q <= one_q;
-                    end
+                if (divides) begin
+                    sum_q <= {SIZE_W{1'b0}};
+                end else if (!last) begin
+                    sum_q <= sum[SIZE_W:1];
                 end
-                if (count_q == 5'd0) begin
-                    bits_q <= share_q;
-                    sum_q  <= {SIZE_W{1'b0}};
-                end else begin
-                    bits_q <= bits_q >> 1;
-                    sum_q  <= sum[SIZE_W:1];
-                end
-                if (ready) begin
-                    result_q <= sum[SIZE_W:1];
+                if (gives) begin
+                    result_q <= sum_q;
                 end
             end
 

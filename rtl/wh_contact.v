@@ -13,9 +13,11 @@
 // as near; the edge stays until the rotor leaves the wall. An edge may be moved under a rotor in
 // contact, and x_w moves with it.
 // The walls are looked at in turn, one a clock, all of a round at one position, so that one pair of
-// subtractors serves every wall.
+// subtractors serves every wall. The rounds go on while hold_i keeps the outputs as they are; each
+// clock without it shows what the newest round has found, whenever that ended.
 // Formats: s32, counts; depth saturates. Latency: WALLS + 2 clocks from the position that a round
-// is made for; a round begins every WALLS clocks. Reset: free space.
+// is made for, then the first clock without hold_i; a round begins every WALLS clocks.
+// Reset: free space.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -28,7 +30,7 @@ module wh_contact #(
     input  wire                          rst,
 
     input  wire signed [`WH_COUNT_W-1:0] position_i,     // s32, counts
-    input  wire                          hold_i,         // outputs and state stay as they are
+    input  wire                          hold_i,         // the outputs stay as they are
 
     input  wire [WALLS*`WH_COUNT_W-1:0]  wall_min_i,     // s32 each, counts; wall 0 lowest
     input  wire [WALLS*`WH_COUNT_W-1:0]  wall_max_i,     // s32 each, counts
@@ -100,14 +102,18 @@ module wh_contact #(
     reg                          found_side_q;  // 1: came in through wall_max
     reg signed  [DISTANCE_W-1:0] found_depth_q;
 
-    reg                          side_q;        // of the wall in contact_o, wall_o
+    // What the newest round that has ended found.
+    reg                          contact_q;
+    reg         [WALL_W-1:0]     in_wall_q;
+    reg                          side_q;
+    reg  signed [`WH_COUNT_W-1:0] depth_q;
 
     wire first   = (wall_q == {WALL_W{1'b0}});
     wire last    = (wall_q == LAST_WALL);
     wire earlier = found_q && !first;
     wire holds   = enable_q && !from_min_q[DISTANCE_W-1] && !from_max_q[DISTANCE_W-1]
                    && (from_max_q != {DISTANCE_W{1'b0}});
-    wire stays   = contact_o && (wall_o == wall_q);
+    wire stays   = contact_q && (in_wall_q == wall_q);
 
     wire                         side  = stays ? side_q : (from_min_q > from_max_q);
     wire signed [DISTANCE_W-1:0] depth = side ? -from_max_q : from_min_q;
@@ -138,6 +144,13 @@ module wh_contact #(
         .value_o (depth_word)
     );
 
+    wire                          ends         = valid_q && last;
+    wire                          next_contact = ends ? (now || lingers) : contact_q;
+    wire        [WALL_W-1:0]      next_wall    = (ends && now) ? now_wall : in_wall_q;
+    wire signed [`WH_COUNT_W-1:0] next_depth   = !ends            ? depth_q
+                                               : (now || lingers) ? depth_word
+                                                                  : {`WH_COUNT_W{1'b0}};
+
     always @(posedge clk) begin
         found_wall_q  <= now_wall;
         found_side_q  <= now_side;
@@ -146,19 +159,32 @@ module wh_contact #(
         linger_q       <= lingers && valid_q;
         linger_depth_q <= linger_depth;
         if (rst) begin
-            contact_o <= 1'b0;
-            wall_o    <= {WALL_W{1'b0}};
+            contact_q <= 1'b0;
+            in_wall_q <= {WALL_W{1'b0}};
             side_q    <= 1'b0;
-            depth_o   <= {`WH_COUNT_W{1'b0}};
-            eta_o     <= eta_free_i;
-        end else if (valid_q && last && !hold_i) begin
-            contact_o <= now || lingers;
-            depth_o   <= (now || lingers) ? depth_word : {`WH_COUNT_W{1'b0}};
-            eta_o     <= (now || lingers) ? eta_contact_i : eta_free_i;
-            if (now) begin
-                wall_o <= now_wall;
+            depth_q   <= {`WH_COUNT_W{1'b0}};
+        end else begin
+            contact_q <= next_contact;
+            in_wall_q <= next_wall;
+            depth_q   <= next_depth;
+            if (ends && now) begin
                 side_q <= now_side;
             end
+        end
+    end
+
+    // ---- What of it is shown.
+    always @(posedge clk) begin
+        if (rst) begin
+            contact_o <= 1'b0;
+            wall_o    <= {WALL_W{1'b0}};
+            depth_o   <= {`WH_COUNT_W{1'b0}};
+            eta_o     <= eta_free_i;
+        end else if (!hold_i) begin
+            contact_o <= next_contact;
+            wall_o    <= next_wall;
+            depth_o   <= next_depth;
+            eta_o     <= next_contact ? eta_contact_i : eta_free_i;
         end
     end
 

@@ -177,8 +177,8 @@ module wh_controller #(
     output wire [N-1:0]                 zero_busy_o,         // a zero is being measured
     output wire [N-1:0]                 overcurrent_o,       // trip_i is reached, as long as it is
     output wire [N-1:0]                 encoder_fault_o,     // illegal move seen; until rst
-    output wire                         overrun_o            // a tick is too short for its work;
-                                                             // until rst (core: or enable_i = 0)
+    output wire                         overrun_o            // a tick is too short for its work, or
+                                                             // ticks pass without; until rst (core: or enable_i = 0)
 );
 
     localparam integer DATA_W = `WH_DATA_W;
@@ -430,7 +430,29 @@ module wh_controller #(
         .next_u_o      (next_u)
     );
 
-    assign overrun_o = adc_overrun || core_overrun || (|anchor_overrun) || (|early_overrun);
+    // Currents are made, and steps asked for, while the drive is off as well.
+    wire missing;
+
+    wh_step_watch step_watch (
+        .clk       (clk),
+        .rst       (rst),
+        .start_i   (core_start),
+        .tick_i    (tick_o),
+        .overrun_o (missing)
+    );
+
+    assign overrun_o = adc_overrun || core_overrun || (|anchor_overrun) || (|early_overrun)
+                       || missing;
+
+    // From a word that may be a tick's last to the start of the step that it belongs to, what wh_early
+    // needs of that step is yet to come: the next frame may begin there.
+    reg  due_q;
+    wire summed   = |multiply_request[N-1:0];
+    wire step_due = adc_valid || summed || due_q || core_start;
+
+    always @(posedge clk) begin
+        due_q <= !rst && (summed || (due_q && !core_start));
+    end
 
     // ---- The bridge's pattern.
 
@@ -451,11 +473,16 @@ module wh_controller #(
 
     generate
         if (BUS == 1) begin : measured_bus
+            // One u_max for a step, not read in its first clock. wh_early's words of a step are made
+            // before it starts, from the end of the step before on.
+            wire words_hold = !drive_rst && ((EARLY == 1) ? !core_valid_o : core_busy);
+
             wh_bus_scale #(
                 .N                 (N)
             ) bus_scale (
                 .clk               (clk),
                 .rst               (rst),
+                .hold_i            (words_hold),
                 .half_clocks_i     (half_clocks_i),
                 .half_bridge_i     (half_bridge),
                 .bus_i             (bus_i),
@@ -670,13 +697,15 @@ module wh_controller #(
             // For a host's registers, which this module doesn't have.
             wire unused = &{1'b0, direction, faults, wall, depth};
 
+            // Nothing is read of it in a step's first clock, in which it may still change: a clock
+            // between any two steps, even where the next starts as one ends.
             wh_contact #(
                 .WALLS         (WALLS)
             ) contact (
                 .clk           (clk),
                 .rst           (rst),
                 .position_i    (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
-                .hold_i        (core_start || core_busy),
+                .hold_i        (core_busy),
                 .wall_min_i    (wall_min_i[n*WALLS*`WH_COUNT_W +: WALLS*`WH_COUNT_W]),
                 .wall_max_i    (wall_max_i[n*WALLS*`WH_COUNT_W +: WALLS*`WH_COUNT_W]),
                 .wall_enable_i (wall_enable_i[n*WALLS +: WALLS]),
@@ -788,7 +817,7 @@ module wh_controller #(
                     .word_valid_i      (adc_valid),
                     .word_first_i      (adc_first),
                     .samples_i         (samples_i),
-                    .busy_i            (core_start || core_busy || anchor_busy),
+                    .busy_i            (step_due || core_busy || anchor_busy),
                     .f_i               (newest_u[n*DATA_W +: DATA_W]),
                     .u_n_i             (next_u[n*DATA_W +: DATA_W]),
                     .u_max_i           (u_max[n*DATA_W +: DATA_W]),
@@ -809,7 +838,7 @@ module wh_controller #(
                     .overrun_o         (early_overrun[n])
                 );
             end else begin : in_turn
-                wire unused_early = &{1'b0, newest_u[n*DATA_W +: DATA_W], next_u[n*DATA_W +: DATA_W],
+                wire unused_early = &{1'b0, step_due, newest_u[n*DATA_W +: DATA_W], next_u[n*DATA_W +: DATA_W],
                                       anchor_busy, next_correction};
 
                 assign outside[n*DATA_W +: DATA_W] = present_outside;

@@ -12,9 +12,10 @@
 //   high  = clocks_per_volt s u_max + clocks_per_volt c,  low = the same with -u_max
 //
 // offset and c are the port anchor's, 0 without one. So base, slope and limits are made while the
-// last word is converted, and a sample passes one multiplication. The core makes its step as ever, with the same η and x, which are taken over
-// here when the frame of the last word begins, or when the core's step ends if that is later; its
-// f and u are the state, and hold what was applied but for this block's last places: 1e-6 of it.
+// last word is converted, and a sample passes one multiplication. The core makes its step as ever,
+// with the same η, x and u_max. η and x are taken over here when the frame of the last word begins,
+// or when the step of the tick before has ended (busy_i) if that is later; the core's f and u are the
+// state, and hold what was applied but for this block's last places: 1e-6 of it.
 // The words are those of a step whose u goes out at once (hold_ticks_i = 0), with W = 1.
 // sim/wavehaptics/early.py says the same with integers, and this module equals it bit for bit.
 //
@@ -37,7 +38,8 @@ module wh_early (
     input  wire        [8:0]            samples_i,          // words in a sum, 1...256
     input  wire                         busy_i,             // the words below aren't settled yet
 
-    // The state and the settings; they hold while busy_i is 0.
+    // The state and the settings; they hold while busy_i is 0. u_max_i and clocks_per_volt_i hold until
+    // the core's step with them has ended.
     input  wire signed [`WH_DATA_W-1:0] f_i,                // s31q23 √W, without its guard bits
     input  wire signed [`WH_DATA_W-1:0] u_n_i,              // s31q23 √W: u of the tick's voltage
     input  wire signed [`WH_DATA_W-1:0] u_max_i,            // s31q23 √W, 0...

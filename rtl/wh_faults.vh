@@ -21,7 +21,7 @@
 `define WH_FAULT_BUS_HIGH    11
 `define WH_FAULT_HEAT        12  // the winding's losses over its time constant
 `define WH_FAULT_SETTING     13  // a parameter that means nothing
-`define WH_FAULT_OVERRUN     14  // a tick too short for its work
+`define WH_FAULT_OVERRUN     14  // a tick too short for its work, or ticks without
 `define WH_FAULT_ANCHOR      15  // waves and counts don't agree on where the rotor is
 
 // Faults after which the current can still be trusted: these alone may end in damping.

@@ -22,6 +22,7 @@
 //   HEAT                 h > limit, h += (i² - h) / 2^16 every so many ticks: a winding of the
 //                        time constant 2^16 squares
 //   SETTING              an illegal word, found outside (setting_i)
+//   OVERRUN              a tick too short for its work, or ticks without (overrun_i)
 //   the rest             inputs; stop_i and driver_i pass synchronisers here
 //
 // Formats: in wh_faults.vh and below. Latency: a cause that is a level is latched in the next clock

@@ -18,8 +18,9 @@
 // Latency: 24 clocks a port, and 5 for each section of W; valid_o comes so many times N after
 // start_i. The next start_i may come together with valid_o. A start_i while busy is ignored, and
 // overrun_o tells of it until reset.
-// All other inputs are held from start_i until valid_o; a port's are read during its own turn. The
-// outputs hold from valid_o to the next start_i.
+// All other inputs are held from start_i until valid_o; a port's are read during its own turn, and
+// eta_i, outside_i, shape_mode_i and u_max_i not in the clock of start_i, in which busy_o is still 0:
+// these may change whenever it is. The outputs hold from valid_o to the next start_i.
 // Reset: f = 0, the delay line reads as 0 until it has been filled, outputs 0, a step in progress
 // is dropped.
 

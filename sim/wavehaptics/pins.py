@@ -887,7 +887,9 @@ class PinsSimulation:
 
     @property
     def faults(self) -> int:
-        """What was seen: bit 0 a tick too short for its work, bit 1 an encoder's illegal move."""
+        """What was seen: bit 0 a tick too short for its work or ticks without, bit 1 an encoder's
+        illegal move.
+        """
         return int(self._kept[_FAULTS])
 
     @property
