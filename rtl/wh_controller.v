@@ -176,7 +176,7 @@ module wh_controller #(
     output wire [N-1:0]                 zero_fault_o,        // no permitted zero was found
     output wire [N-1:0]                 zero_busy_o,         // a zero is being measured
     output wire [N-1:0]                 overcurrent_o,       // trip_i is reached, as long as it is
-    output wire [N-1:0]                 encoder_fault_o,     // illegal move seen; until rst
+    output wire [N-1:0]                 encoder_fault_o,     // illegal move seen; until clear_i
     output wire                         overrun_o            // a tick is too short for its work;
                                                              // until rst (core: or enable_i = 0)
 );
@@ -483,6 +483,7 @@ module wh_controller #(
     // ---- Guard. An illegal word is one that no block has a meaning for.
 
     wire [N-1:0] moved;
+    wire [N-1:0] illegal_move;
     reg          setting_q;
     reg          setting;
     integer      m;
@@ -537,7 +538,7 @@ module wh_controller #(
                 .stuck_i        (adc_stuck_o),
                 .zero_i         (zero_fault_o),
                 .trip_i         (overcurrent_o),
-                .encoder_i      (encoder_fault_o),
+                .encoder_i      (illegal_move),
                 .moved_i        (moved),
                 .anchor_i       (anchor_fault_i | anchor_fault_o),
                 .setting_i      (setting_q),
@@ -553,7 +554,7 @@ module wh_controller #(
             );
         end else begin : unguarded
             wire unused_guard = &{1'b0, guard_i, stop_i, driver_fault_i, host_alive_i, bus_i,
-                                  anchor_fault_i, setting_q, moved};
+                                  anchor_fault_i, setting_q, moved, illegal_move};
 
             assign faults_o = {`WH_FAULTS{1'b0}};
             assign off      = 1'b0;
@@ -659,6 +660,7 @@ module wh_controller #(
                 .position_o      (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
                 .moved_o         (moved[n]),
                 .direction_o     (direction),
+                .illegal_o       (illegal_move[n]),
                 .fault_o         (encoder_fault_o[n]),
                 .faults_o        (faults)
             );
