@@ -48,6 +48,7 @@ class Bench:
     def __init__(self, dut: object) -> None:
         self.dut = dut
         self.clocks = 0
+        self._ticking = False
         self._falling = FallingEdge(dut.clk)
         self._handles: dict[str, LogicObject | LogicArrayObject] = {}
 
@@ -86,7 +87,10 @@ class Bench:
         await ReadOnly()
 
     async def start(self, **inputs: int) -> None:
-        """Start the clock with ``inputs``, reset for three clocks, and leave the reset."""
-        cocotb.start_soon(Clock(self.dut.clk, CLOCK_NS, unit="ns").start())
+        """With ``inputs``, reset for three clocks and leave the reset; the first time starts the
+        clock."""
+        if not self._ticking:
+            cocotb.start_soon(Clock(self.dut.clk, CLOCK_NS, unit="ns").start())
+            self._ticking = True
         await self.step(3, rst=1, **inputs)
         self.drive(rst=0)

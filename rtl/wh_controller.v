@@ -355,8 +355,11 @@ module wh_controller #(
     wire [N-1:0] current_valid;
 
     // ---- One multiplier for the currents (users 0...N-1), the voltages (N...2N-1) and the anchors
-    // (2N...3N-1), which have the most time.
+    // (2N...3N-1), which have the most time. A user's reset drops its products, or one of before
+    // would be taken for one of after.
 
+    wire                            anchor_rst = drive_rst || damp;
+    wire        [USERS-1:0]         multiply_drop;
     wire        [USERS-1:0]         multiply_request;
     wire        [USERS*DATA_W-1:0]  multiply_data;
     wire        [USERS*COEF_W-1:0]  multiply_coef;
@@ -369,6 +372,7 @@ module wh_controller #(
     ) multiply_shared (
         .clk       (clk),
         .rst       (rst),
+        .drop_i    (multiply_drop),
         .request_i (multiply_request),
         .data_i    (multiply_data),
         .coef_i    (multiply_coef),
@@ -376,6 +380,14 @@ module wh_controller #(
         .done_o    (multiply_done),
         .product_o (product)
     );
+
+    generate
+        if (ANCHOR != 0) begin : drops_of_anchors
+            assign multiply_drop = {{N{anchor_rst}}, {N{drive_rst}}, {N{rst}}};
+        end else begin : drops
+            assign multiply_drop = {{N{drive_rst}}, {N{rst}}};
+        end
+    endgenerate
 
     // ---- Wave core. The currents of a tick come in turn, so the last port's starts it.
 
@@ -723,7 +735,7 @@ module wh_controller #(
                 // A host's environment counts as contact: its current may be what it likes.
                 wh_anchor anchor (
                     .clk           (clk),
-                    .rst           (drive_rst || damp),
+                    .rst           (anchor_rst),
                     .start_i       (waves[n]),
                     .position_i    (position_q),
                     .contact_i     (contact_o[n] || host_active_o[n]),
@@ -751,7 +763,7 @@ module wh_controller #(
                     .fault_o       (anchor_fault_o[n])
                 );
             end else begin : by_its_waves_alone
-                wire unused_anchor = &{1'b0, waves[n], withheld[n*DATA_W +: DATA_W],
+                wire unused_anchor = &{1'b0, anchor_rst, waves[n], withheld[n*DATA_W +: DATA_W],
                                        anchor_words_i[n*`WH_ANCHOR_W +: `WH_ANCHOR_W]};
 
                 assign voltage_o[n*DATA_W +: DATA_W]    = wave_voltage[n*DATA_W +: DATA_W];
