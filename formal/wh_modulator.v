@@ -7,9 +7,17 @@
 `default_nettype none
 `include "wh_formats.vh"
 
+// The block's parameters: Yosys' -chparam fails on a top with two copies of a block.
+`ifndef PROVE_EARLY
+`define PROVE_EARLY 0
+`endif
+`ifndef PROVE_MIN_PULSE
+`define PROVE_MIN_PULSE 0
+`endif
+
 module prove_wh_modulator #(
-    parameter integer EARLY     = 0,
-    parameter integer MIN_PULSE = 0
+    parameter integer EARLY     = `PROVE_EARLY,
+    parameter integer MIN_PULSE = `PROVE_MIN_PULSE
 ) (
     input wire                                    clk,
     input wire                                    rst,
