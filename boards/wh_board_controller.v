@@ -77,6 +77,7 @@ module wh_board_controller #(
     wire         overrun;
     wire         guarded_fault;
     reg          awake_q;        // start_i has been believed once
+    wire         forgets = (`WH_BOARD_GUARDED != 0) && !awake_q;
 
     always @(posedge clk) begin
         if (rst) begin
@@ -86,7 +87,7 @@ module wh_board_controller #(
             fault_q   <= 1'b0;
             awake_q   <= 1'b0;
         end else begin
-            fault_q <= fault_q || (|encoder_fault) || overrun || (guarded_fault && awake_q)
+            fault_q <= fault_q || (((|encoder_fault) || guarded_fault) && !forgets) || overrun
                        || clock_lost;
             awake_q <= awake_q || settled;
             if (start == pressed_q) begin
@@ -237,7 +238,7 @@ module wh_board_controller #(
         .bus_share_i        (`WH_BOARD_BUS_SHARE),
         .dead_clocks_i      (`WH_BOARD_DEAD_CLOCKS),
         .guard_i            (`WH_BOARD_GUARD),
-        .clear_i            (`WH_BOARD_GUARDED != 0 && !awake_q),
+        .clear_i            (forgets),
         .stop_i             (1'b0),
         .driver_fault_i     ({N{1'b0}}),
         .host_alive_i       (1'b0),

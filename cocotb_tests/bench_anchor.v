@@ -56,6 +56,7 @@ module bench_anchor (
     ) multiply_shared (
         .clk       (clk),
         .rst       (rst_multiplier),
+        .drop_i    (2'b00),
         .request_i ({request, other_i}),
         .data_i    ({factor, other_data_i}),
         .coef_i    ({coefficient, other_coef_i}),

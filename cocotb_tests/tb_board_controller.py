@@ -231,6 +231,8 @@ async def an_adc_that_stands_still_takes_the_gates_off(dut):
 
 @cocotb.test(timeout_time=10, timeout_unit="ms", skip=not GUARDED)
 async def what_an_adc_says_as_it_wakes_up_is_forgotten(dut):
+    """Once a good sample has come, which is before a press can be believed."""
+    assert 2 * TICK < SETTLE // 2
     board = Board(dut)
     board.code = 0
     await board.begin()

@@ -898,6 +898,69 @@ async def enable(dut: object) -> None:
     assert not bench.word("overrun_o")
 
 
+STATE_WORDS = (
+    "core_valid_o", "voltage_o", "correction_o", "offset_o", "flux_o", "lag_o", "anchor_fault_o",
+    "u_o", "v_o", "contact_o", "saturated_o", "overrun_o", *GATES,
+)  # fmt: skip
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def a_stop_of_one_clock_is_a_stop(dut: object) -> None:
+    """enable_i low for 1, 2 or 3 clocks, at any phase: then all is as after a long stop."""
+    bench = ControllerBench(dut)
+    rng = random_source("short stops")
+    ports = [random_port(rng) for _ in range(N)]
+    for port in ports:
+        # In contact, where an anchor takes no offset off the current that is under way.
+        port.walls = ((-1000, 1000),) * WALLS
+        port.eta_contact, port.a = formats.ETA.to_raw(-1.0), formats.A.to_raw(0.99)
+        port.anchor[anchor.ENABLE] = int(ANCHOR)
+        port.anchor[anchor.STRANGE] = formats.VOLTAGE.to_raw(100.0)
+    settings = Settings(ports=ports, dead_clocks=2, extra_ticks=1)
+    tick = settings.tick_clocks
+    before, after = 5 * tick, 4 * tick
+    codes = [[random_code(rng) for _ in range(N)] for _ in range(before + after + tick)]
+    moves = [[rng.choice((-1, 0, 1)) for _ in range(N)] for _ in codes]
+
+    async def run(end: int, clocks: int) -> list[tuple[int, ...]]:
+        """The words after a stop of so many clocks that ends there."""
+        bench.codes = [MID_CODE] * N
+        await bench.begin(settings)
+        bench.drive(
+            compensate_i=1, settle_ticks_i=2, second_order_i=1,
+            side_current_i=pack([formats.CURRENT.to_raw(0.1)] * N, formats.DATA_W),
+        )  # fmt: skip
+        rows = []
+        for clock in range(end + after):
+            if clock % 31 == 0:
+                bench.codes = codes[clock]
+            if clock % 53 == 52:
+                pairs = zip(bench.position, moves[clock], strict=True)
+                bench.position = [at + move for at, move in pairs]
+            await bench.clock(enable=int(not end - clocks <= clock < end))
+            if clock >= end:
+                rows.append(tuple(bench.word(name) for name in STATE_WORDS))
+        return rows
+
+    wrong = []
+    for phase in range(tick):
+        long = await run(before + phase, 2 * tick)
+        changes = [len(set(words)) for words in zip(*long, strict=True)]
+        shown = dict(zip(STATE_WORDS, changes, strict=True))
+        assert min(shown[name] for name in ("voltage_o", "u_o", "v_o", "gate_ah_o")) > 1
+        if ANCHOR:
+            assert min(shown[name] for name in ("flux_o", "lag_o", "correction_o")) > 1
+        for clocks in (1, 2, 3) if N == 1 else (1 + phase % 3,):
+            short = await run(before + phase, clocks)
+            for clock, pair in enumerate(zip(short, long, strict=True)):
+                words = zip(STATE_WORDS, *pair, strict=True)
+                differ = [name for name, one, other in words if one != other]
+                if differ:
+                    wrong.append((phase, clocks, clock, differ))
+                    break
+    assert not wrong, (len(wrong), wrong[:20])
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def reset_in_contact(dut: object) -> None:
     """Everything is off and at rest in the next clock, and the same run follows again."""

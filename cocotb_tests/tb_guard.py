@@ -22,7 +22,7 @@ CALM = {
     "HEAT_TICKS": 1, "HEAT": (1 << 32) - 1,
 }  # fmt: skip
 
-# Causes that are levels: the input, its value at fault, and clocks until the fault shows.
+# Causes at an input, by turns: its value at fault, and clocks until the fault shows.
 LEVEL_CAUSES = {
     Fault.ADC_STUCK: ("stuck_i", 1 << LAST, 1),
     Fault.ADC_RANGE: ("range_i", 1 << LAST, 1),
@@ -40,10 +40,12 @@ LEVEL_CAUSES = {
 class GuardBench(Bench):
     """Plays everything around the guard; a word is the last motor's."""
 
-    async def begin(self, mask: int = TOP, damp: int = 0, **limits: int) -> None:
+    async def begin(
+        self, mask: int = TOP, damp: int = 0, running_i: int = 1, **limits: int
+    ) -> None:
         fields = {**CALM, "MASK": mask, "DAMP": damp, **limits}
         await self.start(
-            settings_i=settings(fields), clear_i=0, running_i=1, stop_i=0, driver_i=0,
+            settings_i=settings(fields), clear_i=0, running_i=running_i, stop_i=0, driver_i=0,
             host_alive_i=0, bus_i=100, sample_valid_i=0, sample_i=0, trip_i=0, encoder_i=0,
             range_i=0, stuck_i=0, zero_i=0,
             moved_i=0, anchor_i=0, setting_i=0, overrun_i=0, tick_i=0, valid_i=0, current_i=0,
@@ -146,6 +148,73 @@ async def limits_of_samples(dut: object) -> None:
     for word in (1, 1, 1, 1, 2, 7, 7, 7, 7):
         assert await bench.sample(word) == 0
     assert await bench.sample(7) == 1 << Fault.ADC_STUCK
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_judgement_stands_until_the_next(dut: object) -> None:
+    """Cleared in any clock between two samples or ticks, the fault stays; after a good one it goes.
+
+    Nothing is judged before the first sample.
+    """
+    bench = GuardBench(dut)
+    for fault, limits in (
+        (Fault.CURRENT, {"CURRENT": 20_000}),
+        (Fault.ADC_RANGE, {"RANGE": 20_000}),
+        (Fault.ADC_STUCK, {"STUCK": 3}),
+        (Fault.ZERO, {"ZERO": 50, "ZERO_TICKS": 2}),
+    ):
+        await bench.begin(running_i=0, **limits)
+
+        async def word(bad: bool, fault: Fault = fault) -> int:
+            if fault == Fault.ZERO:
+                return await bench.tick(-51 if bad else 50)
+            return await bench.sample(-20_001 if bad else bench.clocks % 1000)
+
+        assert bench.faults() == (0, 0, 0)
+        for _ in range(3):
+            faults = await word(True)
+        assert faults == 1 << fault
+        for gap in range(12):
+            await bench.step(gap)
+            bench.drive(clear_i=1)
+            await bench.step()
+            assert bench.faults() == (1 << fault, 1, 0), (fault, gap)
+            await bench.step(clear_i=0)
+            assert bench.faults() == (1 << fault, 1, 0), (fault, gap)
+        assert await word(False) == 1 << fault, "over, but not cleared"
+        await bench.clear()
+        assert bench.faults() == (0, 0, 0)
+    # With no sample yet the lowest limits are none; nor is the last of an off bridge one that runs.
+    await bench.begin(CURRENT=0, RANGE=0, STUCK=0, ZERO=0)
+    await bench.step(5)
+    assert bench.faults() == (0, 0, 0)
+    await bench.begin(mask=TOP & ~(1 << Fault.ZERO), running_i=0, ZERO=50, ZERO_TICKS=0)
+    await bench.tick(51)
+    await bench.step(3, running_i=1, settings_i=settings({**CALM, "MASK": TOP, "ZERO": 50}))
+    assert bench.faults() == (0, 0, 0)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def what_comes_with_the_clear_is_kept(dut: object) -> None:
+    """A cause of one clock, in the clock of a clear, is latched; the next clear forgets it."""
+    bench = GuardBench(dut)
+    for fault, (name, value, clocks) in LEVEL_CAUSES.items():
+        await bench.begin()
+        await bench.step(**{name: value})
+        await bench.step(clocks - 1, **{name: 0})
+        await bench.step(2)
+        assert bench.faults() == (1 << fault, 1, 0)
+        await bench.clear()
+        assert bench.faults() == (0, 0, 0)
+        for at in range(clocks):
+            await bench.step(**{name: value}, clear_i=int(at == 0))
+            for clock in range(1, clocks):
+                await bench.step(**{name: 0}, clear_i=int(at == clock))
+            bench.drive(**{name: 0}, clear_i=0)
+            await bench.step(2)
+            assert bench.faults() == (1 << fault, 1, 0), (fault, at)
+            await bench.clear()
+            assert bench.faults() == (0, 0, 0)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

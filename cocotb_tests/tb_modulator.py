@@ -288,6 +288,24 @@ async def latency(dut: object) -> None:
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
+async def reset_of_one_clock(dut: object) -> None:
+    """In any clock, at any duty and rest: no width from then on, until there is a voltage."""
+    bench = ModulatorBench(dut)
+    half_clocks = 24
+    for second_order in (False, True):
+        for at in range(half_clocks):
+            volts = [(7 << formats.VOLTAGE.fraction) + 12345 * n for n in range(5)]
+            await bench.run(half_clocks, 1, STEP, every_tick(volts), second_order)
+            await bench.step(at)
+            assert bench.signed("width_o") == 7
+            await bench.step(rst=1)
+            for after in range(2 * half_clocks):
+                assert bench.signed("width_o") == 0, (at, after)
+                await bench.step(rst=0, update_i=int(after % 7 == at % 7))
+            bench.drive(update_i=0)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
 async def reset_clears(dut: object) -> None:
     """A reset in mid-stream leaves no width, no duty and nothing owed."""
     bench = ModulatorBench(dut)

@@ -23,7 +23,7 @@ async def every_user_is_served(dut: object) -> None:
     served = [0] * users
     longest = 0
     since = [0] * users
-    await bench.start(request_i=0, data_i=0, coef_i=0)
+    await bench.start(request_i=0, data_i=0, coef_i=0, drop_i=0)
     for clock in range(3000):
         for user in range(users):
             if waiting[user] is None and rng.random() < 0.3:
@@ -63,13 +63,39 @@ async def every_user_is_served(dut: object) -> None:
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def reset_forgets_products(dut: object) -> None:
     bench = Bench(dut)
-    await bench.start(request_i=1, data_i=3, coef_i=5)
+    await bench.start(request_i=1, data_i=3, coef_i=5, drop_i=0)
     await bench.step()
     await bench.step(request_i=0, rst=1)
     bench.drive(rst=0)
     for _ in range(2 * LATENCY):
         assert bench.word("done_o") == 0
         await bench.step()
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_drop_forgets_one_users_products(dut: object) -> None:
+    """Random drops: no product granted up to one comes after it, and all others come."""
+    bench = Bench(dut)
+    rng = random_source("drops")
+    users = parameters()["USERS"]
+    every = range(users)
+    due: dict[int, int] = {}
+    dropped = served = 0
+    await bench.start(request_i=0, data_i=0, coef_i=0, drop_i=0)
+    for clock in range(3000):
+        drop = sum(1 << user for user in every if rng.random() < 0.1)
+        request = sum(1 << user for user in every if rng.random() < 0.3)
+        await bench.settle(request_i=request, drop_i=drop)
+        assert bench.word("grant_o") == request & -request
+        assert bench.word("done_o") == due.pop(clock, 0)
+        if request:
+            due[clock + LATENCY] = request & -request
+            served += 1
+        dropped += sum(user & drop != 0 for user in due.values())
+        due = {at: user for at, user in due.items() if not user & drop}
+        await bench.step()
+    assert dropped > 100
+    assert served - dropped > 500
 
 
 def wrap(value: int, width: int) -> int:

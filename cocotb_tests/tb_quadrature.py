@@ -40,9 +40,15 @@ class Model:
         self.faults = 0
         self.moves = 0
 
-    def clock(self, pins: tuple[int, int]) -> None:
-        before, self.counted = self.counted, list(self.believed)
-        move = (_PHASE[tuple(self.counted)] - _PHASE[tuple(before)]) % 4
+    @property
+    def move(self) -> int:
+        """What the next clock counts: 1 forward, 3 backward, 2 an illegal move."""
+        return (_PHASE[tuple(self.believed)] - _PHASE[tuple(self.counted)]) % 4
+
+    def clock(self, pins: tuple[int, int], clear: int = 0) -> None:
+        move, self.counted = self.move, list(self.believed)
+        if clear:
+            self.faults = 0
         if move == 2:
             self.faults = min(self.faults + 1, 255)
         elif move:
@@ -72,12 +78,13 @@ class QuadratureBench(Bench):
     def check(self) -> None:
         shown = self.signed("position_o"), self.word("fault_o"), self.word("faults_o")
         assert shown == (self.model.position, int(self.model.faults > 0), self.model.faults)
+        assert self.word("illegal_o") == int(self.model.move == 2)
 
-    async def pins(self, a: int, b: int, clocks: int = 1) -> None:
+    async def pins(self, a: int, b: int, clocks: int = 1, clear: int = 0) -> None:
         for _ in range(clocks):
             before = self.model.position
-            await self.step(a_i=a, b_i=b)
-            self.model.clock((a, b))
+            await self.step(a_i=a, b_i=b, clear_i=clear)
+            self.model.clock((a, b), clear)
             self.check()
             assert self.word("moved_o") == int(self.model.position != before)
             if self.model.position != before:
@@ -160,15 +167,29 @@ async def illegal_moves_are_tallied(dut: object) -> None:
     assert (bench.model.position, bench.model.faults) == (0, 1)
     await bench.turn(2, 5, 4)
     assert (bench.model.position, bench.model.faults) == (3, 1)
-    await bench.step(clear_i=1)
-    bench.model.clock(levels(5))
-    bench.model.faults = 0
-    bench.check()
-    bench.drive(clear_i=0)
+    await bench.pins(*levels(5), clear=1)
+    assert bench.model.faults == 0
     for n in range(260):
         await bench.pins(*levels(5 + 2 * n), 3)
     await bench.pins(*levels(5 + 2 * 259), 8)
     assert (bench.model.position, bench.model.faults) == (3, 255)
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def an_illegal_move_is_never_lost(dut: object) -> None:
+    """A clear in any clock around it: the move has its strobe, and one in its clock stays."""
+    bench = QuadratureBench(dut)
+    kept = 0
+    for at in range(12):
+        await bench.begin(2)
+        strobes = 0
+        for clock in range(12):
+            await bench.pins(1, 1, clear=int(clock == at))
+            strobes += bench.word("illegal_o")
+        assert strobes == 1
+        kept += bench.word("fault_o")
+    # Cleared where it has come before, and only there.
+    assert kept == 2 + 2 + 1
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")

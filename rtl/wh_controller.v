@@ -176,9 +176,10 @@ module wh_controller #(
     output wire [N-1:0]                 zero_fault_o,        // no permitted zero was found
     output wire [N-1:0]                 zero_busy_o,         // a zero is being measured
     output wire [N-1:0]                 overcurrent_o,       // trip_i is reached, as long as it is
-    output wire [N-1:0]                 encoder_fault_o,     // illegal move seen; until rst
-    output wire                         overrun_o            // a tick is too short for its work, or
-                                                             // ticks pass without; until rst (core: or enable_i = 0)
+    output wire [N-1:0]                 encoder_fault_o,     // illegal move seen; until clear_i
+    output wire                         overrun_o            // a tick is too short for its work, or ticks
+                                                             // pass without; until rst (core: or
+                                                             // enable_i = 0)
 );
 
     localparam integer DATA_W = `WH_DATA_W;
@@ -355,8 +356,11 @@ module wh_controller #(
     wire [N-1:0] current_valid;
 
     // ---- One multiplier for the currents (users 0...N-1), the voltages (N...2N-1) and the anchors
-    // (2N...3N-1), which have the most time.
+    // (2N...3N-1), which have the most time. A user's reset drops its products, or one of before
+    // would be taken for one of after.
 
+    wire                            anchor_rst = drive_rst || damp;
+    wire        [USERS-1:0]         multiply_drop;
     wire        [USERS-1:0]         multiply_request;
     wire        [USERS*DATA_W-1:0]  multiply_data;
     wire        [USERS*COEF_W-1:0]  multiply_coef;
@@ -369,6 +373,7 @@ module wh_controller #(
     ) multiply_shared (
         .clk       (clk),
         .rst       (rst),
+        .drop_i    (multiply_drop),
         .request_i (multiply_request),
         .data_i    (multiply_data),
         .coef_i    (multiply_coef),
@@ -376,6 +381,14 @@ module wh_controller #(
         .done_o    (multiply_done),
         .product_o (product)
     );
+
+    generate
+        if (ANCHOR != 0) begin : drops_of_anchors
+            assign multiply_drop = {{N{anchor_rst}}, {N{drive_rst}}, {N{rst}}};
+        end else begin : drops
+            assign multiply_drop = {{N{drive_rst}}, {N{rst}}};
+        end
+    endgenerate
 
     // ---- Wave core. The currents of a tick come in turn, so the last port's starts it.
 
@@ -510,6 +523,7 @@ module wh_controller #(
     // ---- Guard. An illegal word is one that no block has a meaning for.
 
     wire [N-1:0] moved;
+    wire [N-1:0] illegal_move;
     reg          setting_q;
     reg          setting;
     integer      m;
@@ -564,7 +578,7 @@ module wh_controller #(
                 .stuck_i        (adc_stuck_o),
                 .zero_i         (zero_fault_o),
                 .trip_i         (overcurrent_o),
-                .encoder_i      (encoder_fault_o),
+                .encoder_i      (illegal_move),
                 .moved_i        (moved),
                 .anchor_i       (anchor_fault_i | anchor_fault_o),
                 .setting_i      (setting_q),
@@ -580,7 +594,7 @@ module wh_controller #(
             );
         end else begin : unguarded
             wire unused_guard = &{1'b0, guard_i, stop_i, driver_fault_i, host_alive_i, bus_i,
-                                  anchor_fault_i, setting_q, moved};
+                                  anchor_fault_i, setting_q, moved, illegal_move};
 
             assign faults_o = {`WH_FAULTS{1'b0}};
             assign off      = 1'b0;
@@ -686,6 +700,7 @@ module wh_controller #(
                 .position_o      (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
                 .moved_o         (moved[n]),
                 .direction_o     (direction),
+                .illegal_o       (illegal_move[n]),
                 .fault_o         (encoder_fault_o[n]),
                 .faults_o        (faults)
             );
@@ -750,7 +765,7 @@ module wh_controller #(
                 // A host's environment counts as contact: its current may be what it likes.
                 wh_anchor anchor (
                     .clk           (clk),
-                    .rst           (drive_rst || damp),
+                    .rst           (anchor_rst),
                     .start_i       (waves[n]),
                     .position_i    (position_q),
                     .contact_i     (contact_o[n] || host_active_o[n]),
@@ -778,7 +793,7 @@ module wh_controller #(
                     .fault_o       (anchor_fault_o[n])
                 );
             end else begin : by_its_waves_alone
-                wire unused_anchor = &{1'b0, waves[n], withheld[n*DATA_W +: DATA_W],
+                wire unused_anchor = &{1'b0, anchor_rst, waves[n], withheld[n*DATA_W +: DATA_W],
                                        anchor_words_i[n*`WH_ANCHOR_W +: `WH_ANCHOR_W]};
 
                 assign voltage_o[n*DATA_W +: DATA_W]    = wave_voltage[n*DATA_W +: DATA_W];

@@ -5,9 +5,10 @@
 //   faults = (faults, unless clear_i) or (causes and mask)
 //   off    = any fault that is not to damp;  damp = faults, but none for off
 //
-// clear_i leaves what is still the case. A fault damps if its bit of DAMP says so and the current
-// can be trusted all the same (WH_FAULTS_DAMPABLE in wh_faults.vh, which names the bits and the
-// settings' fields). off_o takes the gates off one clock after the fault is latched; damp_o makes
+// A cause is a level: the last judgement of a sample or a current stands until the next. So clear_i
+// leaves what is still the case, and what comes in its very clock. A fault damps if its bit of DAMP
+// says so and the current can be trusted all the same (WH_FAULTS_DAMPABLE in wh_faults.vh, which names
+// the bits and the settings' fields). off_o takes the gates off one clock after the fault is latched; damp_o makes
 // η = 0 everywhere: a damper k_T² / R, with nothing stored once f has died away.
 //
 // Causes, each for any motor:
@@ -23,7 +24,12 @@
 //                        time constant 2^16 squares
 //   SETTING              an illegal word, found outside (setting_i)
 //   OVERRUN              a tick too short for its work, or ticks without (overrun_i)
+//   ENCODER              an illegal move, a strobe from outside
 //   the rest             inputs; stop_i and driver_i pass synchronisers here
+//
+// What a clear needs before it: LOST, ANCHOR and a core's OVERRUN are seen in a bridge that is on, so
+// they are over once it is off or damped, and found anew; ZERO by zero_i lasts until a zero is
+// measured well; OVERRUN of an ADC's reader or of ticks without a step lasts until rst. All others end with what they say.
 //
 // Formats: in wh_faults.vh and below. Latency: a cause that is a level is latched in the next clock
 // (pins: 2 clocks later), and one clock after it off_o has switched the gates off (wh_half_bridge).
@@ -56,7 +62,7 @@ module wh_guard #(
     input  wire [N-1:0]               stuck_i,
     input  wire [N-1:0]               zero_i,
     input  wire [N-1:0]               trip_i,
-    input  wire [N-1:0]               encoder_i,       // illegal move
+    input  wire [N-1:0]               encoder_i,       // strobe, illegal move
     input  wire [N-1:0]               moved_i,         // a count
     input  wire [N-1:0]               anchor_i,        // waves and counts don't agree
     input  wire                       setting_i,       // illegal word
@@ -152,32 +158,27 @@ module wh_guard #(
             wire signed [`WH_SAMPLE_W-1:0] sample = sample_i[n*`WH_SAMPLE_W +: `WH_SAMPLE_W];
             reg         [`WH_SAMPLE_W-1:0] sample_size_q;
             reg         [`WH_SAMPLE_W-1:0] last_q;
-            reg         [15:0]             same_q;
-            reg                            sampled_q;
+            reg         [15:0]             same_q;         // 0: none has come
 
             always @(posedge clk) begin
                 if (rst) begin
-                    sampled_q     <= 1'b0;
                     sample_size_q <= {`WH_SAMPLE_W{1'b0}};
                     last_q        <= {`WH_SAMPLE_W{1'b0}};
                     same_q        <= 16'd0;
-                end else begin
-                    sampled_q <= sample_valid_i;
-                    if (sample_valid_i) begin
-                        sample_size_q <= sample[`WH_SAMPLE_W-1] ? -sample : sample;
-                        last_q        <= sample;
-                        if (sample != last_q) begin
-                            same_q <= 16'd1;
-                        end else if (same_q != 16'hffff) begin
-                            same_q <= same_q + 16'd1;
-                        end
+                end else if (sample_valid_i) begin
+                    sample_size_q <= sample[`WH_SAMPLE_W-1] ? -sample : sample;
+                    last_q        <= sample;
+                    if (sample != last_q) begin
+                        same_q <= 16'd1;
+                    end else if (same_q != 16'hffff) begin
+                        same_q <= same_q + 16'd1;
                     end
                 end
             end
 
-            assign current_cause[n] = sampled_q && sample_size_q > settings_i[`WH_GUARD_CURRENT];
-            assign range_cause[n]   = sampled_q && sample_size_q > settings_i[`WH_GUARD_RANGE];
-            assign stuck_cause[n]   = sampled_q && same_q >= settings_i[`WH_GUARD_STUCK];
+            assign current_cause[n] = sample_size_q > settings_i[`WH_GUARD_CURRENT];
+            assign range_cause[n]   = sample_size_q > settings_i[`WH_GUARD_RANGE];
+            assign stuck_cause[n]   = same_q != 16'd0 && same_q >= settings_i[`WH_GUARD_STUCK];
 
             // Current, in its 16 highest bits: u16q9 A.
             wire signed [15:0] current = $signed(current_i[n*DATA_W + DATA_W - 1 -: 16]);
@@ -190,8 +191,20 @@ module wh_guard #(
                 current_size_q <= current[15] ? -current : current;
             end
 
-            assign zero_cause[n] = measured_q && rested && !running_i
-                                   && current_size_q > settings_i[`WH_GUARD_ZERO];
+            // A judgement ends with the next, or as the bridge goes on.
+            wire zero_judged = rested && !running_i
+                               && current_size_q > settings_i[`WH_GUARD_ZERO];
+            reg  zero_q;
+
+            always @(posedge clk) begin
+                if (rst || running_i) begin
+                    zero_q <= 1'b0;
+                end else if (measured_q) begin
+                    zero_q <= zero_judged;
+                end
+            end
+
+            assign zero_cause[n] = measured_q ? zero_judged : zero_q && !running_i;
 
             // u + v against the counts.
             wire signed [15:0] u_high = $signed(u_i[n*DATA_W + DATA_W - 1 -: 16]);

@@ -25,7 +25,8 @@
 //
 // Formats: below; duty and total hold the whole product, and can't overflow. Latency: 4 clocks
 // from valid_i to where take_i finds the duty, and one more for each clock without grant.
-// Reset: duty, rests and width 0.
+// Reset: duty, rests and width 0, after one clock of it; products under way are the multiplier's to
+// drop.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -192,8 +193,13 @@ module wh_modulator #(
     reg signed [FRACTION:0]  rest_q;     // s17q16, +-1/2
 
     always @(posedge clk) begin
-        rounded_q <= rounded;
-        rest_q    <= $signed({rounded[0] ^ total_q[FRACTION], total_q[FRACTION-1:0]});
+        if (rst) begin
+            rounded_q <= {ROUND_W{1'b0}};
+            rest_q    <= {FRACTION+1{1'b0}};
+        end else begin
+            rounded_q <= rounded;
+            rest_q    <= $signed({rounded[0] ^ total_q[FRACTION], total_q[FRACTION-1:0]});
+        end
     end
 
     // What is too short becomes 0 or least_i.

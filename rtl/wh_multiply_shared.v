@@ -7,6 +7,8 @@
 // A user holds request_i[n] and its operands until grant_o[n]; the lowest user that asks is granted
 // in the same clock. done_o[n] says that product_o is this user's.
 // A user that asks once in USERS clocks or less often waits USERS - 1 clocks at most.
+// drop_i[n] is for a user that has a reset of its own: what it was granted before and what it is
+// granted meanwhile never shows as done, from the clock after the first one of drop_i on.
 // Formats: whatever the users agree on; the product has every bit. Latency: 3 clocks from grant_o
 // to done_o. Reset: products under way are forgotten.
 
@@ -19,6 +21,7 @@ module wh_multiply_shared #(
     input  wire                                    clk,
     input  wire                                    rst,
 
+    input  wire [USERS-1:0]                        drop_i,
     input  wire [USERS-1:0]                        request_i,
     input  wire [USERS*`WH_DATA_W-1:0]             data_i,     // user 0 lowest
     input  wire [USERS*`WH_COEF_W-1:0]             coef_i,     // user 0 lowest
@@ -67,7 +70,7 @@ module wh_multiply_shared #(
         if (rst) begin
             owner_q <= {LATENCY*USERS{1'b0}};
         end else begin
-            owner_q <= {owner_q[(LATENCY-1)*USERS-1:0], grant_o};
+            owner_q <= {owner_q[(LATENCY-1)*USERS-1:0], grant_o} & ~{LATENCY{drop_i}};
         end
     end
 

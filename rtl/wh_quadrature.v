@@ -8,9 +8,10 @@
 // shorter is a glitch. Each line has its own filter, so the lines may change as soon as one after
 // the other, and each again after filter_clocks_i + 1 clocks: two counts in that time.
 // If A and B change in the same clock, the direction is not known: the move is not counted but
-// latched (fault_o) and tallied (faults_o).
+// told (illegal_o), latched (fault_o) and tallied (faults_o), also in the clock of a clear_i.
 // Formats: position s32, counts, wraps at +-2^31. Latency: 2 clocks of synchroniser,
-// filter_clocks_i of filter and 1 of counting from a pin to position_o.
+// filter_clocks_i of filter and 1 of counting from a pin to position_o; illegal_o comes 1 clock before
+// fault_o.
 // Reset: position 0, no fault. For SETTLE_CLOCKS after it the lines are followed without counting,
 // so the levels that the encoder rests at are no move.
 
@@ -30,6 +31,7 @@ module wh_quadrature (
     output wire signed [`WH_COUNT_W-1:0] position_o,     // s32, counts
     output reg                          moved_o,          // position_o has changed in this clock
     output reg                          direction_o,      // of the last move: 1 is +, 0 is -
+    output wire                         illegal_o,        // strobe, illegal move
     output reg                          fault_o,          // illegal move seen; until clear_i
     output reg  [7:0]                   faults_o          // illegal moves, stops at 255
 );
@@ -111,11 +113,16 @@ module wh_quadrature (
         end
     end
 
+    assign illegal_o = settled && both;
+
     always @(posedge clk) begin
-        if (rst || clear_i) begin
+        if (rst) begin
             fault_o  <= 1'b0;
             faults_o <= 8'd0;
-        end else if (settled && both) begin
+        end else if (clear_i) begin
+            fault_o  <= illegal_o;
+            faults_o <= {7'd0, illegal_o};
+        end else if (illegal_o) begin
             fault_o  <= 1'b1;
             faults_o <= (faults_o == 8'hFF) ? faults_o : faults_o + 8'd1;
         end

@@ -7,7 +7,8 @@
 //
 // The block makes the modulators' clock, of sclk_half_clocks_i a half, without a pause from reset on,
 // and takes a bit of each with every period: in the clock edge that makes the clock rise
-// (CAPTURE_RISE = 1) or fall (0), so before the modulator answers to that edge.
+// (CAPTURE_RISE = 1) or fall (0), so before the modulator answers to that edge. One flip-flop for each
+// line takes it, and the sums in the clock after, which is before the next bit.
 // start_i asks for a word of the bits taken so far. Starts must be OSR bits apart (overrun_o tells
 // where they are not): then no bit is lost, and as the filter spans three such intervals, centred
 // one and a half before the start, a word belongs to the start before the last. first_o is first_i
@@ -79,16 +80,20 @@ module wh_sinc3 #(
     reg       sclk_q;
     reg [7:0] wait_q;
 
+    reg       taken_q;    // the clock after capture: the bits are in their flip-flops
+
     wire turn    = (wait_q == 8'd0);
     wire capture = turn && ((CAPTURE_RISE != 0) ? !sclk_q : sclk_q);
 
     always @(posedge clk) begin
         if (rst) begin
-            sclk_q <= 1'b0;
-            wait_q <= sclk_half_clocks_i - 8'd1;
+            sclk_q  <= 1'b0;
+            taken_q <= 1'b0;
+            wait_q  <= sclk_half_clocks_i - 8'd1;
         end else begin
-            sclk_q <= sclk_q ^ turn;
-            wait_q <= turn ? sclk_half_clocks_i - 8'd1 : wait_q - 8'd1;
+            sclk_q  <= sclk_q ^ turn;
+            taken_q <= capture;
+            wait_q  <= turn ? sclk_half_clocks_i - 8'd1 : wait_q - 8'd1;
         end
     end
 
@@ -169,7 +174,9 @@ module wh_sinc3 #(
         end
     end
 
-    // ---- Sums and differences of each line. They wrap, and the last difference is right again.
+    // ---- Sums and differences of each line. They wrap, and the last difference is right again. Two
+    // captures are two clocks apart or more: the first sum has its bit by the next one, which is when
+    // the second wants it.
 
     genvar n;
     generate
@@ -177,18 +184,27 @@ module wh_sinc3 #(
             reg signed [W-1:0] sum1_q, sum2_q, sum3_q;
             reg signed [W-1:0] kept1_q, kept2_q, kept3_q;
             reg signed [W-1:0] diff1_q, diff2_q, diff3_q;
+            reg                bit_q;
 
-            wire signed [W-1:0] one = adc_sdata_i[n] ? {{W-1{1'b0}}, 1'b1} : {W{1'b1}};
+            always @(posedge clk) begin
+                bit_q <= adc_sdata_i[n];
+            end
+
+            wire signed [W-1:0] one = bit_q ? {{W-1{1'b0}}, 1'b1} : {W{1'b1}};
 
             always @(posedge clk) begin
                 if (rst) begin
                     sum1_q <= {W{1'b0}};
                     sum2_q <= {W{1'b0}};
                     sum3_q <= {W{1'b0}};
-                end else if (capture) begin
-                    sum1_q <= sum1_q + one;
-                    sum2_q <= sum2_q + sum1_q;
-                    sum3_q <= sum3_q + sum2_q;
+                end else begin
+                    if (taken_q) begin
+                        sum1_q <= sum1_q + one;
+                    end
+                    if (capture) begin
+                        sum2_q <= sum2_q + sum1_q;
+                        sum3_q <= sum3_q + sum2_q;
+                    end
                 end
             end
 
@@ -279,7 +295,7 @@ module wh_sinc3 #(
             reg                     trip_q;
 
             wire signed [TRIP_W-1:0] bit_in =
-                adc_sdata_i[n] ? {{TRIP_W-1{1'b0}}, 1'b1} : {TRIP_W{1'b1}};
+                bit_q ? {{TRIP_W-1{1'b0}}, 1'b1} : {TRIP_W{1'b1}};
             wire [TRIP_W-1:0]        magnitude = step2_q[TRIP_W-1] ? -step2_q : step2_q;
             wire [16:0]              level =
                 {{17-TRIP_W{1'b0}}, magnitude} << (`WH_SAMPLE_W - 1 - 2 * TRIP_LOG2);
@@ -294,8 +310,10 @@ module wh_sinc3 #(
                     step2_q   <= {TRIP_W{1'b0}};
                     trip_q    <= 1'b0;
                 end else begin
-                    if (capture) begin
+                    if (taken_q) begin
                         fast1_q <= fast1_q + bit_in;
+                    end
+                    if (capture) begin
                         fast2_q <= fast2_q + fast1_q;
                     end
                     if (trip_start) begin

@@ -25,6 +25,8 @@ struct Guarded {
     int64_t glitch = 0;       // clocks that a glitch lasts
     int64_t adc_flip = -1;    // clock of a frame from which on one bit is inverted
     int64_t reset_clocks = 0; // clocks that the reset still lasts
+    int64_t clear_clocks = 0; // and the command to clear
+    int64_t on = 0;           // clocks with a gate on since the newest cause
     int in_frame = 0;
     bool frame[kMostFrame] = {};
 };
@@ -107,9 +109,12 @@ int64_t wh_guarded_clock(int64_t model, int64_t inputs) {
     }
     top.rst = guarded->reset_clocks > 0;
     if (top.rst) --guarded->reset_clocks;
+    top.clear_i = guarded->clear_clocks > 0;
+    if (top.clear_i) --guarded->clear_clocks;
     const int64_t out = wh_pins_clock(reinterpret_cast<int64_t>(guarded->controller),
                                       inputs ^ guarded->encoder_flips);
     ++guarded->clocks;
+    guarded->on += (out & 15) != 0;
     if (guarded->off < 0 && top.faults_o && !top.running_o && !(out & 15)) {
         guarded->off = guarded->clocks;
     }
@@ -122,6 +127,7 @@ void wh_guarded_inject(void *model, int64_t kind, int64_t value) {
     auto &top = guarded->controller->top;
     guarded->cause = guarded->clocks;
     guarded->off = -1;
+    guarded->on = 0;
     switch (static_cast<Injection>(kind)) {
         case Injection::kStop: top.stop_i = value; break;
         case Injection::kDriver: top.driver_fault_i = value; break;
@@ -138,7 +144,7 @@ void wh_guarded_inject(void *model, int64_t kind, int64_t value) {
         case Injection::kRootWord: top.root_i = value & mask(WH_COEF_W); break;
         case Injection::kSclkHalf: top.sclk_half_clocks_i = value; break;
         case Injection::kEnable: top.enable_i = value; break;
-        case Injection::kClear: top.clear_i = value; break;
+        case Injection::kClear: guarded->clear_clocks = value; break;
         case Injection::kEncoderGlitches: guarded->glitch = value; break;
         case Injection::kAdcFlip: guarded->adc_flip = value; break;
         case Injection::kReset: guarded->reset_clocks = value; break;
@@ -147,7 +153,7 @@ void wh_guarded_inject(void *model, int64_t kind, int64_t value) {
 }
 
 // Clock of the newest cause, first clock after it with the gates off for a fault or -1, faults,
-// whether the bridges are on, and the clock now.
+// whether the bridges are on, the clock now, and the clocks with a gate on since the cause.
 void wh_guarded_report(void *model, int64_t *report) {
     auto *guarded = static_cast<Guarded *>(model);
     report[0] = guarded->cause;
@@ -155,6 +161,7 @@ void wh_guarded_report(void *model, int64_t *report) {
     report[2] = guarded->controller->top.faults_o;
     report[3] = guarded->controller->top.running_o;
     report[4] = guarded->clocks;
+    report[5] = guarded->on;
 }
 
 }  // extern "C"

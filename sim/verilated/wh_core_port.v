@@ -134,6 +134,7 @@ module wh_core_port #(
             ) multiply_shared (
                 .clk       (clk),
                 .rst       (rst),
+                .drop_i    (1'b0),
                 .request_i (request),
                 .data_i    (factor),
                 .coef_i    (coefficient),

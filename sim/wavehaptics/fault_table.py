@@ -82,33 +82,33 @@ def _offset(pins: GuardedPins) -> None:
 
 
 # A tick is 48 clocks, and a sample is taken in each: a conversion is over 29 clocks after it.
-_TICK = 48
+TICK_CLOCKS = 48
 _PINS = 4  # two of the synchroniser, the latch, the gates
-_SAMPLE = _TICK + 2 * 14 + 6
+_SAMPLE = TICK_CLOCKS + 2 * 14 + 6
 
 CASES = (
     Case(Fault.CURRENT, "3 A in the winding, limit 2.5 A", _short, _SAMPLE, {"current_a": 2.5}),
     Case(Fault.TRIP, "3 A in the winding, trip at 2.5 A", _fast_trip, _SAMPLE),
     Case(Fault.ADC_STUCK, "the ADC repeats its last frame, limit 50 samples",
-         _inject(Injection.ADC_REPEATS), 50 * _TICK + _SAMPLE, {"stuck_samples": 50}),
+         _inject(Injection.ADC_REPEATS), 50 * TICK_CLOCKS + _SAMPLE, {"stuck_samples": 50}),
     Case(Fault.ADC_RANGE, "the ADC's data line stays high", _inject(Injection.ADC_LEVEL), _SAMPLE),
     Case(Fault.ZERO, "50 mA of offset with the bridge off for 0.3 ms, limit 20 mA", _offset,
-         400 * _TICK, {"zero_s": 300e-6}),
+         400 * TICK_CLOCKS, {"zero_s": 300e-6}),
     Case(Fault.ENCODER, "A and B change at once", _inject(Injection.ENCODER_FLIPS), 8),
     Case(Fault.LOST, "the encoder's lines stand still at 10 rad/s, limit 2 ms",
-         _inject(Injection.ENCODER_HOLDS), 2600 * _TICK, free=True),
+         _inject(Injection.ENCODER_HOLDS), 2600 * TICK_CLOCKS, free=True),
     Case(Fault.HOST, "no sign of the host, limit 1 ms", _inject(Injection.HOST_SILENT),
-         1001 * _TICK),
+         1001 * TICK_CLOCKS),
     Case(Fault.DRIVER, "the driver's fault pin", _inject(Injection.DRIVER, 0), _PINS),
     Case(Fault.STOP, "the emergency stop's pin", _inject(Injection.STOP, 0), _PINS),
     Case(Fault.BUS_LOW, "9 V of bus, limit 10 V", _inject(Injection.BUS, 9 << 9), 2),
     Case(Fault.BUS_HIGH, "15 V of bus, limit 14 V", _inject(Injection.BUS, 15 << 9), 2),
     Case(Fault.HEAT, "0.3 A where the winding carries 30 mA, time constant 65 ms",
-         _inject(Injection.OUTSIDE), 1000 * _TICK,
+         _inject(Injection.OUTSIDE), 1000 * TICK_CLOCKS,
          {"rms_a": 0.03, "winding_s": 65.536e-3}),
     Case(Fault.SETTING, "R̂ = 0", _inject(Injection.ROOT_WORD, 0), 3),
     Case(Fault.OVERRUN, "an ADC frame longer than a tick", _inject(Injection.SCLK_HALF, 3),
-         4 * _TICK),
+         4 * TICK_CLOCKS),
     Case(Fault.ANCHOR, "the anchor's fault input", _inject(Injection.ANCHOR), 2),
 )  # fmt: skip
 """One for each fault, by its bit."""
@@ -130,7 +130,7 @@ def measure(case: Case) -> dict[str, Any]:
     if before.faults or not before.running:
         raise RuntimeError(f"{case.fault.name} before its cause: {before}")
     case.break_it(pins)
-    pins.elapse(case.most_clocks // _TICK + SLACK_TICKS)
+    pins.elapse(case.most_clocks // TICK_CLOCKS + SLACK_TICKS)
     report = pins.report()
     clocks = report.off - report.cause if report.off >= 0 else None
     return {
@@ -139,7 +139,7 @@ def measure(case: Case) -> dict[str, Any]:
         "cause": case.cause,
         "faults": report.faults,
         "clocks": clocks,
-        "time_s": None if clocks is None else clocks * pins.tick_s / _TICK,
+        "time_s": None if clocks is None else clocks * pins.tick_s / TICK_CLOCKS,
         "limit_clocks": case.most_clocks,
     }
 

@@ -172,17 +172,20 @@ Injection = IntEnum(
     "ROOT_WORD SCLK_HALF ENABLE CLEAR OUTSIDE ENCODER_GLITCHES ADC_FLIP RESET",
     start=0,
 )
-"""What can be done to the controller's inputs, in the order of guarded_pins_shim.cpp."""
+"""What can be done to the controller's inputs, in the order of guarded_pins_shim.cpp; CLEAR and
+RESET last as many clocks as their value."""
 
 
 class Report(NamedTuple):
-    """Clocks of the newest cause and of the gates' going off for a fault, −1 for not yet; state."""
+    """Clocks of the newest cause and of the gates' going off for a fault, −1 for not yet; state,
+    clocks so far, and those with a gate on since the cause."""
 
     cause: int
     off: int
     faults: int
     running: bool
     clocks: int
+    on: int
 
 
 class GuardedPins(PinsSimulation):
@@ -223,9 +226,9 @@ class GuardedPins(PinsSimulation):
 
     def report(self) -> Report:
         """What came of it."""
-        words = (ctypes.c_int64 * 5)()
+        words = (ctypes.c_int64 * 6)()
         self._library.wh_guarded_report(self._model, words)
-        return Report(words[0], words[1], words[2], bool(words[3]), words[4])
+        return Report(words[0], words[1], words[2], bool(words[3]), words[4], words[5])
 
     @property
     def motor(self) -> np.ndarray:

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// prove_wh_guard: a fault that counts is latched in the clock after its cause and stays while the
+// cause lasts, whatever clear_i does; a judgement lasts until the next sample or current; and with
+// wh_half_bridge behind it both gates are off two clocks after the cause, and stay so.
+// Settings are any constants, all inputs do what they like. Mode prove, depth 4, z3; cover 12.
+
+`default_nettype none
+`include "wh_formats.vh"
+`include "wh_faults.vh"
+
+module prove_wh_guard (
+    input wire                           clk,
+    input wire                           rst,
+    input wire                           clear,
+    input wire                           enable,
+    input wire                           stop,
+    input wire                           driver,
+    input wire                           alive,
+    input wire [`WH_BUS_W-1:0]           bus,
+    input wire                           sampled,
+    input wire signed [`WH_SAMPLE_W-1:0] sample,
+    input wire [7:0]                     inputs,   // faults found outside, as below
+    input wire                           moved,
+    input wire                           tick,
+    input wire                           valid,
+    input wire signed [`WH_DATA_W-1:0]   current,
+    input wire signed [`WH_DATA_W-1:0]   u,
+    input wire signed [`WH_DATA_W-1:0]   v,
+    input wire                           leg
+);
+
+    (* anyconst *) wire [`WH_GUARD_W-1:0] settings;
+    (* anyconst *) wire [7:0]             dead;
+
+    wire [`WH_FAULTS-1:0] faults;
+    wire                  off, damp, high, low;
+    wire                  run = enable && !off;
+
+    wh_guard #(
+        .N              (1)
+    ) block (
+        .clk            (clk),
+        .rst            (rst),
+        .settings_i     (settings),
+        .clear_i        (clear),
+        .running_i      (run),
+        .stop_i         (stop),
+        .driver_i       (driver),
+        .host_alive_i   (alive),
+        .bus_i          (bus),
+        .sample_valid_i (sampled),
+        .sample_i       (sample),
+        .range_i        (inputs[0]),
+        .stuck_i        (inputs[1]),
+        .zero_i         (inputs[2]),
+        .trip_i         (inputs[3]),
+        .encoder_i      (inputs[4]),
+        .moved_i        (moved),
+        .anchor_i       (inputs[5]),
+        .setting_i      (inputs[6]),
+        .overrun_i      (inputs[7]),
+        .tick_i         (tick),
+        .valid_i        (valid),
+        .current_i      (current),
+        .u_i            (u),
+        .v_i            (v),
+        .faults_o       (faults),
+        .off_o          (off),
+        .damp_o         (damp)
+    );
+
+    wh_half_bridge bridge (
+        .clk            (clk),
+        .rst            (rst),
+        .enable_i       (run),
+        .leg_i          (leg),
+        .dead_clocks_i  (dead),
+        .high_o         (high),
+        .low_o          (low)
+    );
+
+    (* hierconn *) wire [`WH_FAULTS-1:0] \block.causes ;
+    (* hierconn *) wire                  \block.motor[0].measured_q ;
+    (* hierconn *) wire [`WH_SAMPLE_W-1:0] \block.motor[0].sample_size_q ;
+
+    wire [`WH_FAULTS-1:0] causes   = \block.causes ;
+    wire [`WH_FAULTS-1:0] mask     = settings[`WH_GUARD_MASK];
+    wire [`WH_FAULTS-1:0] switches = ~(settings[`WH_GUARD_DAMP] & `WH_FAULTS_DAMPABLE);
+
+    // Inputs that are causes as they are.
+    wire [`WH_FAULTS-1:0] direct = inputs[3] << `WH_FAULT_TRIP    | inputs[1] << `WH_FAULT_ADC_STUCK
+                                 | inputs[0] << `WH_FAULT_ADC_RANGE | inputs[2] << `WH_FAULT_ZERO
+                                 | inputs[4] << `WH_FAULT_ENCODER | inputs[5] << `WH_FAULT_ANCHOR
+                                 | inputs[6] << `WH_FAULT_SETTING | inputs[7] << `WH_FAULT_OVERRUN;
+
+    // What the last sample says, found apart from the block.
+    function [`WH_FAULTS-1:0] judged(input [`WH_SAMPLE_W-1:0] size);
+        judged = (size > settings[`WH_GUARD_CURRENT]) << `WH_FAULT_CURRENT
+               | (size > settings[`WH_GUARD_RANGE]) << `WH_FAULT_ADC_RANGE;
+    endfunction
+
+    wire [`WH_FAULTS-1:0] says = judged(sample[`WH_SAMPLE_W-1] ? -sample : sample);
+
+    reg                  begun = 1'b0;
+    reg                  rst_q, clear_q, sampled_q, run_q, stops_q;
+    reg [`WH_FAULTS-1:0] faults_q, causes_q, direct_q, said_q, said_q2;
+
+    localparam [`WH_FAULTS-1:0] SAMPLES = 1 << `WH_FAULT_CURRENT;
+
+    always @(posedge clk) begin
+        begun     <= 1'b1;
+        rst_q     <= rst;
+        clear_q   <= clear;
+        sampled_q <= sampled;
+        run_q     <= run;
+        faults_q  <= faults;
+        causes_q  <= causes;
+        direct_q  <= direct;
+        said_q    <= rst ? 0 : sampled ? says : said_q;
+        said_q2   <= rst ? 0 : said_q;
+        stops_q   <= !rst && |(causes & mask & switches);
+
+        if (!begun) begin
+            assume (rst);
+        end else begin
+            assert (off == |(faults & switches));
+            assert (damp == (|faults && !off));
+            if (rst_q) begin
+                assert (faults == 0);
+            end else begin
+                assert (faults == ((clear_q ? 0 : faults_q) | (causes_q & mask)));
+                assert ((direct_q & mask & ~faults) == 0);
+                assert ((said_q2 & mask & ~faults) == 0);
+                // What makes that inductive.
+                assert (said_q == judged(\block.motor[0].sample_size_q ));
+                if (stops_q) assert (off);
+            end
+            // Levels: no cause of a sample or a current ends before the next.
+            if (!rst_q && !sampled_q) begin
+                if (causes_q[`WH_FAULT_CURRENT]) assert (causes[`WH_FAULT_CURRENT]);
+                if (causes_q[`WH_FAULT_ADC_RANGE] && !direct_q[`WH_FAULT_ADC_RANGE]) begin
+                    assert (causes[`WH_FAULT_ADC_RANGE]);
+                end
+                if (causes_q[`WH_FAULT_ADC_STUCK] && !direct_q[`WH_FAULT_ADC_STUCK]) begin
+                    assert (causes[`WH_FAULT_ADC_STUCK]);
+                end
+            end
+            if (!rst_q && !run_q && !run && !\block.motor[0].measured_q
+                && causes_q[`WH_FAULT_ZERO] && !direct_q[`WH_FAULT_ZERO]) begin
+                assert (causes[`WH_FAULT_ZERO]);
+            end
+            // Gates: off one clock after off, so two after the cause.
+            if (!run_q) assert (!high && !low);
+        end
+
+        cover (begun && clear_q && faults_q == SAMPLES && faults == SAMPLES && !sampled_q && off);
+        cover (begun && clear_q && faults_q[`WH_FAULT_CURRENT] && faults == 0);
+        cover (begun && damp && high && clear);
+    end
+
+endmodule
+
+`default_nettype wire
