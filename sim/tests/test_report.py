@@ -318,7 +318,7 @@ def test_the_mean_gives_no_energy_and_a_sample_does(tmp_path):
 
 
 def test_error_feedback_clears_the_band(tmp_path):
-    """Design §2: steps of 24 to 100 a period still give 12 bits and more below 5 kHz."""
+    """Steps of 24 to 100 a period still give 12 bits and more below 5 kHz."""
     data = collect(spectrum, lambda t: True)
     rounded, first, second = (found["bits_in_band"] for found in data["orders"])
     assert rounded < 8
