@@ -13,10 +13,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 
 from wavehaptics import formats, golden, physics
+from wavehaptics.compiled import compiled_counting
 from wavehaptics.report.blocks import Block, Table, Text, number, percent
 from wavehaptics.report.broken_inputs import (
     adc_bit_flipped,
@@ -229,7 +229,7 @@ def most_negative_words() -> Outcome:
     return Outcome({"largest_word": largest, "bound": bound}, text, largest <= bound)
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _silence(state, line, ticks, eta, root, a, u_max):
     """Tick after which all outputs stay zero at zero current; -1 if they never do."""
     last = -1
