@@ -36,7 +36,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo adcs holding report bench soak test lint clean distclean
+.PHONY: help setup setup-synth system lock demo adcs holding report bench soak check test lint clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -93,8 +93,15 @@ bench: $(READY) $(READY_BENCH) ## measure speeds and what was tried for them int
 soak: $(READY) ## 10^8 ticks of the core, everything switched at random (half an hour; QUICK=1: 10^6)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics soak $(if $(QUICK),--ticks 1e6) --out build/soak
 
-test: lint ## lint, then every test of the model, the RTL and the loop
-	@$(WITH_TOOLS) .venv/bin/python -m pytest -n $(JOBS)
+# Idle workers take tests from busy ones: a few take minutes, most take milliseconds.
+PYTEST = $(WITH_TOOLS) .venv/bin/python -m pytest -n $(JOBS) --dist worksteal
+
+check: lint ## lint, a quick test of each block, the loop on each simulator: under three minutes
+	@$(PYTEST) -m quick
+	@if [ -d formal ]; then $(MAKE) formal QUICK=1; fi
+
+test: check ## check, then every other test of the model, the RTL and the loop
+	@$(PYTEST) -m "not quick"
 
 # Every module at its defaults, and the tops at other sizes and word lengths: TOP,ARGUMENT,...
 LINT_CASES := \

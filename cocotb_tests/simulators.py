@@ -28,6 +28,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
+import cocotb
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
@@ -113,6 +114,36 @@ def _source(toplevel: str) -> Path:
     raise SimulationError(f"no {toplevel}.v in {RTL_DIR}, {TESTS_DIR} or {BOARDS_DIR}")
 
 
+_WORD = re.compile(r"\bwh_\w+(?:\.vh)?")
+
+
+def _used_files(files: Sequence[Path], includes: Sequence[Path]) -> list[Path]:
+    """The files and, by their names, those of the modules and headers that they use."""
+    found: dict[Path, None] = {}
+    waiting = list(files)
+    while waiting:
+        path = waiting.pop()
+        if path in found:
+            continue
+        found[path] = None
+        words = sorted(set(_WORD.findall(path.read_text(encoding="utf-8"))))
+        names = [word if word.endswith(".vh") else f"{word}.v" for word in words]
+        for directory in (RTL_DIR, BOARDS_DIR, *includes):
+            waiting += [directory / name for name in names if (directory / name).is_file()]
+    return sorted(found)
+
+
+def _build_digest(simulator: str, arguments: object, files: Sequence[Path]) -> str:
+    """Of all that a build is made of: the tools, what they are told, and the files."""
+    program = Path(shutil.which({"icarus": "iverilog"}.get(simulator, simulator)) or "").resolve()
+    age = program.stat().st_mtime_ns if program.is_file() else 0
+    flags = [os.environ.get(name) for name in ("MAKEFLAGS", "CXX", "WAVES")]
+    digest = hashlib.sha256(repr((program, age, flags, cocotb.__version__, arguments)).encode())
+    for path in files:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
 def _build_name(toplevel: str, test_module: str, *options: Mapping[str, object] | None) -> str:
     words = [f"{key}{value}" for option in options for key, value in (option or {}).items()]
     return re.sub(r"[^\w.-]+", "_", "-".join([test_module, toplevel, *words]))
@@ -135,7 +166,8 @@ def simulate(
     arguments: calls that may run at the same time must differ in it. The folder holds ``build.log``
     and ``test.log``. Modules of the files ``sources`` take the place of those of ``rtl`` with the
     same name; these files aren't linted, and the test then sees the top level's own signals only.
-    ``includes`` are folders of headers besides ``rtl``. Raises :class:`SimulationError` unless
+    ``includes`` are folders of headers besides ``rtl``. What was built from the same sources, by
+    the same tools and with the same options is used again. Raises :class:`SimulationError` unless
     tests ran and all of them passed.
     """
     __tracebackhide__ = True  # the message says all there is to say
@@ -162,8 +194,16 @@ def simulate(
         if str(TESTS_DIR) not in sys.path:  # the runner hands sys.path on to the simulator
             sys.path.insert(0, str(TESTS_DIR))
         runner = get_runner(simulator)
-        if simulator == "verilator":
-            _share_objects(_runtime_dir(), work)
+        told = (toplevel, sorted((parameters or {}).items()), sorted((defines or {}).items()))
+        digest = _build_digest(simulator, (told, arguments), _used_files(files, includes))
+        stamp = work / "built"
+        is_built = stamp.exists() and stamp.read_text(encoding="utf-8") == digest
+        if is_built:
+            runner._build_command = list  # no commands; a test wants the rest of what build() does
+        else:
+            stamp.unlink(missing_ok=True)
+            if simulator == "verilator":
+                _share_objects(_runtime_dir(), work)
         try:
             runner.build(
                 sources=files,
@@ -179,8 +219,10 @@ def simulate(
             )
         except (RuntimeError, SystemExit) as error:
             raise SimulationError(f"build failed: {error}\n{_tail(build_log)}") from None
-        if simulator == "verilator":
-            _share_objects(work, _runtime_dir())
+        if not is_built:
+            if simulator == "verilator":
+                _share_objects(work, _runtime_dir())
+            stamp.write_text(digest, encoding="utf-8")
         try:
             runner.test(
                 test_module=test_module,

@@ -8,6 +8,8 @@ from wavehaptics.boards import load_board
 
 @pytest.mark.parametrize(("beat", "patience"), [(4, 4), (3, 5)])
 def test_board_clock_watch(simulator, beat, patience):
+    if simulator == "icarus" and beat == 3:
+        pytest.skip("one size is enough to see what a slow simulator sees otherwise")
     simulate(
         simulator, "wh_board_clock_watch", "tb_board_clock_watch",
         {"GATES": 12, "BEAT_LOG2": beat, "PATIENCE_LOG2": patience},

@@ -6,8 +6,8 @@
 //   active vector where phase < |width| or remaining < |width|:  leg A is width > 0, leg B is not
 //   zero vector in the middle:                                   both legs are half_i
 // so the mean of (A - B) over a half is 2 width / half_clocks, and the middle of the half is quiet:
-// a sample there is close to the mean current (design 1.1). As the zero vectors alternate, each leg
-// switches at most twice in a carrier period while the width keeps its sign.
+// a sample there is close to the mean current. As the zero vectors alternate, each leg switches at
+// most twice in a carrier period while the width keeps its sign.
 //
 // The other modes, MODES = 1, have one width in a carrier period, half 0 and half 1. The pulse is on
 // in the first clocks of half 0 and in the last ones of half 1, on_clocks in each:

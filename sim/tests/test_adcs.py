@@ -93,6 +93,16 @@ def test_tau_of_a_stiffness():
     assert adcs.tau(None, scene) is None
 
 
+@pytest.mark.parametrize("what", [{"scene": "stiffest"}, {"settings": ["drive.limit_v=3"]}])
+def test_numbers_of_another_run_stay_out_of_the_pages(tmp_path, what):
+    found = {"scene": "paper_taps", "settings": [], "parts": []} | what
+    (tmp_path / "build" / "adcs").mkdir(parents=True)
+    (tmp_path / "build" / "adcs" / "adcs.json").write_text(json.dumps(found))
+    with pytest.raises(numbers.NumbersError, match="run `make adcs`"):
+        numbers.keep(tmp_path)
+    assert not (tmp_path / numbers.KEPT).exists()
+
+
 def test_kept_numbers_keep_the_promises():
     """What the README shows of each converter is within the design's targets."""
     kept = json.loads((ROOT / numbers.KEPT).read_bytes())["adcs"]

@@ -12,6 +12,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+import typer
 from wavehaptics import cli
 from wavehaptics.scene import SceneError, shipped_scenes
 
@@ -182,6 +183,47 @@ def test_check(capsys, monkeypatch):
     assert call(capsys, monkeypatch, "check", "bench.toml") == (0, "bench.toml: ok\n", "")
 
 
+@pytest.fixture
+def adcs_run(monkeypatch):
+    """Scenes and settings that a stand-in for the comparison of ADCs was called with."""
+    calls = []
+
+    def compare(path, settings, out, progress):
+        calls.append((path.stem, list(settings), out))
+        return {}
+
+    module = ModuleType("wavehaptics.adcs")
+    module.compare, module.adc_table = compare, lambda found: ""
+    monkeypatch.setitem(sys.modules, "wavehaptics.adcs", module)
+    return calls
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ((), "paper_taps"),
+        (("--scene", "stiffest"), "stiffest"),
+        (("--scene", "bench.toml"), "bench"),
+    ],
+)
+def test_adcs_runs_the_scene_that_is_named(capsys, monkeypatch, adcs_run, arguments, name):
+    more = ("--out", "found", "--set", "drive.limit_v=3.0")
+    status, _, err = call(capsys, monkeypatch, "adcs", *arguments, *more)
+    assert (status, err) == (0, "")
+    assert adcs_run == [(name, ["drive.limit_v=3.0"], Path("found/adcs.json"))]
+
+
+def test_adcs_refuses_a_scene_that_is_not_there(capsys, monkeypatch, adcs_run):
+    assert_refused(*call(capsys, monkeypatch, "adcs", "--scene", "stiff"), "no such")
+    assert adcs_run == []
+
+
+def test_report_refuses_workers_of_a_cluster(capsys, monkeypatch):
+    """A cluster has its own: the option would say nothing."""
+    ended = call(capsys, monkeypatch, "report", "--cluster", "nowhere:1", "--workers", "3")
+    assert_refused(*ended, "--workers 3")
+
+
 def test_scenes(capsys, monkeypatch):
     status, out, _ = call(capsys, monkeypatch, "scenes")
     assert status == 0
@@ -193,6 +235,25 @@ def test_help(capsys, monkeypatch):
     status, out, _ = call(capsys, monkeypatch, "run", "--help")
     assert status == 0
     assert "TABLE.KEY=VALUE" in out
+
+
+@pytest.mark.parametrize("command", [None, *sorted(typer.main.get_command(cli.app).commands)])
+def test_help_says_every_word(capsys, monkeypatch, command):
+    """Also those in brackets, which markup takes for its own."""
+    monkeypatch.setenv("COLUMNS", "200")
+    group = typer.main.get_command(cli.app)
+    asked = group if command is None else group.commands[command]
+    texts = [one.help or "" for one in asked.params if hasattr(one, "help")]
+    if command is None:
+        texts.append(cli.app.info.help)
+        texts += [one.callback.__doc__.partition("\n\n")[0] for one in group.commands.values()]
+    else:
+        texts.append(asked.callback.__doc__)
+    status, out, _ = call(capsys, monkeypatch, *([command] if command else []), "--help")
+    assert status == 0
+    words = [word for text in texts for word in text.replace("\\[", "[").split()]
+    assert len(words) >= 4
+    assert [word for word in words if word not in out] == []
 
 
 @pytest.mark.parametrize(

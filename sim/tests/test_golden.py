@@ -182,7 +182,7 @@ def test_new_line_holds_every_age(extra: int) -> None:
 @pytest.mark.parametrize("a", [1.0, 0.01, 1e-4])
 @pytest.mark.parametrize("extra", [0, 1, 3])
 def test_against_floating_point(eta: float, a: float, extra: int) -> None:
-    """The equations of design §1.1 in floating point, step by step.
+    """The tick's equations (:mod:`wavehaptics.golden`) in floating point, step by step.
 
     The tolerance follows from the rounding. In the wave's last places: u, s·i, η·v and the error
     of f lose less than 1 each, a·error less than 2^-GUARD. If D bounds the difference of all u so

@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 import pytest
 from wavehaptics import anchor, formats, golden
+from wavehaptics.compiled import compiled_counting
 from wavehaptics.metrics import Metrics
 from wavehaptics.motor import motor_parts, motor_step
 from wavehaptics.normalised import quantise, realise
@@ -30,12 +30,12 @@ BRUSHES = ("brushes.drop_v=0.3", "brushes.knee_a=50e-3", "brushes.segments=22",
 R_OHM = 2.18
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def seed_generator(seed):
     np.random.seed(seed)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@compiled_counting(error_model="numpy")
 def switched(
     rows, kept, words, ints, state, core, line, held, held_words, load, matrix, parts, dt, cell,
     gain, sensor, noise,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The three facts that the design rests on (design §1.1), on the integer model with its motor."""
+"""The three facts of the README's "What it is", on the integer model with its motor."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def test_point_sampling_gives_energy(make_scene):
 
 
 def test_energy_is_given_when_the_resistance_is_overestimated(make_scene):
-    """The check above can fail: with R̂ 5 % too high the wall is a source (design §1.2)."""
+    """The check above can fail: with R̂ 5 % too high the wall is a source."""
     scene = make_scene(*SWITCHING, "controller.r_hat=2.289", "controller.walls=[[-1, 1]]",
                        "drive.limit_v=2.1")  # fmt: skip
     rows = simulate(SampledSimulation(scene, rtl=False), 0.5)

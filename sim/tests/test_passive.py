@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import itertools
 
-import numba
 import numpy as np
 import pytest
 from wavehaptics import formats, golden, host_link, physics
+from wavehaptics.compiled import compiled_counting
 from wavehaptics.normalised import quantise, realise
 from wavehaptics.plant import OMEGA, Plant, load_words, plant_step
 from wavehaptics.reflection import Wish, reflection
@@ -38,7 +38,7 @@ def wishes(motor, cheat: float = 1.0) -> np.ndarray:
     return np.array([[a, b] for a, b in itertools.pairwise(sections)])
 
 
-@numba.njit(cache=True, error_model="numpy")
+@compiled_counting(error_model="numpy")
 def switched(ticks, seed, words, ints, state, core, line, link, load, matrix, dt, sensor, noise):
     """(most and last net energy out of the port in J, ticks of each mode, fastest the rotor was).
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The closed forms: their numbers, and that the controller of design §1.1 really obeys them."""
+"""The closed forms: their numbers, and that a controller by the book really obeys them."""
 
 import math
 

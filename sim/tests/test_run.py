@@ -51,7 +51,7 @@ def test_core_and_golden_are_the_same_integers(name, tmp_path):
 
 
 def test_torque_error_against_analog_on_the_papers_taps(tmp_path):
-    """Design §4: core ≤ 5e-4 and pins ≤ 5e-3 of the peak, over all three contacts."""
+    """core ≤ 5e-4 and pins ≤ 5e-3 of the peak, over all three contacts."""
     scene = load("paper_taps")
     core = run_scene(scene, "core", tmp_path / "core")
     assert core["torque_nrmse_vs_analog"] <= 5e-4
@@ -64,7 +64,7 @@ def test_torque_error_against_analog_on_the_papers_taps(tmp_path):
 @pytest.mark.parametrize("controller", ["analog", "golden", "core", "pins"])
 @pytest.mark.parametrize("name", WALL_SCENES)
 def test_stiffness_is_the_predicted_one(name, controller, tmp_path):
-    """Design §4: within 1 % on every rung, for every shipped wall."""
+    """Within 1 % on every rung, for every shipped wall."""
     settings = [f"scene.duration_s={PINS_DURATION_S[name]}"] if controller == "pins" else []
     metrics = run_scene(load(name, *settings), controller, tmp_path)
     assert metrics["stiffness"] == pytest.approx(metrics["stiffness_predicted"], rel=0.01)

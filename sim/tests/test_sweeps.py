@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import threading
 import time
@@ -11,7 +12,8 @@ from pathlib import Path
 
 import pytest
 from distributed import Client, LocalCluster
-from wavehaptics import sweeps
+from wavehaptics import formats, sweeps
+from wavehaptics.boards import ROOT
 from wavehaptics.sweeps import SweepError, Task, sweep
 
 TIMEOUT_S = 60
@@ -120,6 +122,43 @@ def test_keys_depend_on_call_and_sources():
     keys = {one.key("a"), one.key("b"), other.key("a"), Task(refuse, {"n": 1}).key("a")}
     assert len(keys) == 4
     assert one.key("a") == Task(square, {"n": 1}).key("a")
+
+
+SOURCES = ("sim/wavehaptics", "sim/verilated", "rtl", "sim/scenes")
+
+
+def test_every_source_counts(tmp_path):
+    """A line more in any file that a result may depend on, and no old result is in force."""
+    for folder in SOURCES:
+        shutil.copytree(
+            ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__")
+        )
+    (tmp_path / "sim" / "verilated" / "more.vh").write_text("// a header of the Verilog there\n")
+    digests = {sweeps.digest_of(tmp_path)}
+    assert digests == {sweeps.digest_of(tmp_path)}
+    files = [path for folder in SOURCES for path in (tmp_path / folder).rglob("*")]
+    files = [path for path in files if path.suffix in (".py", ".cpp", ".h", ".v", ".vh", ".toml")]
+    assert {path.suffix for path in files} == {".py", ".cpp", ".h", ".v", ".vh", ".toml"}
+    unseen = []
+    for path in files:
+        kept = path.read_bytes()
+        path.write_bytes(kept + b"\n")
+        digest = sweeps.digest_of(tmp_path)
+        if digest in digests:
+            unseen.append(path.relative_to(tmp_path))
+        digests.add(digest)
+        path.write_bytes(kept)
+    assert unseen == []
+    assert sweeps.sources_digest() != sweeps.digest_of(tmp_path)  # which has more.vh
+    (tmp_path / "sim" / "verilated" / "more.vh").unlink()
+    assert sweeps.sources_digest() == sweeps.digest_of(tmp_path)
+
+
+def test_other_word_lengths_count(monkeypatch):
+    """Those that the environment sets."""
+    before = sweeps.digest_of(ROOT)
+    monkeypatch.setitem(formats.HEADER_VALUES, "DATA_W", formats.HEADER_VALUES["DATA_W"] - 1)
+    assert sweeps.digest_of(ROOT) != before
 
 
 def test_workers_with_other_sources_are_refused(monkeypatch):

@@ -30,7 +30,7 @@ Progress = Callable[[str, float], None]
 
 
 def tau(stiffness: float | None, scene: Scene) -> float | None:
-    """τ of the stiffness that was rendered, s: K = k_T²/(L + R·τ/2) (design §1.1, fact 2)."""
+    """τ of the stiffness that was rendered, s: K = k_T²/(L + R·τ/2), :func:`physics.stiffness`."""
     if stiffness is None or stiffness <= 0:
         return None
     motor = scene.motor
@@ -151,6 +151,7 @@ def compare(path: Path, settings: Sequence[str], out: Path, progress: Progress) 
     ]  # fmt: skip
     found = {
         "scene": path.stem,
+        "settings": list(settings),
         "parts": parts,
         "early": early,
         "energies": energies(path, settings, progress),

@@ -5,10 +5,10 @@ The waves and the encoder both know where the rotor is. On an ideal motor the fl
 
 ``χ = L̂·i + k̂_T·x − ∫ (e_id − R̂·i) dt``,  ``e_id − R̂·i = s(u + v)/2``,
 
-stays what it is whatever the environment does (design §1.2); what moves it is all that is wrong
-with the real one, as a voltage. It is counted here in cells of the encoder, ``k̂_T·Δ`` each, so
-that the position needs no gain, and held at zero by a voltage c in series with the port, which the
-waves don't see:
+stays what it is whatever the environment does (docs/port_anchor.md); what moves it is all that is
+wrong with the real one, as a voltage. It is counted here in cells of the encoder, ``k̂_T·Δ`` each,
+so that the position needs no gain, and held at zero by a voltage c in series with the port, which
+the waves don't see:
 
 - ``p = dz(χ, ½) + χ/256``: within half a cell the inductor knows better than the encoder;
 - ``c = c_I − g_ρ·p``, ``c_I −= g_γ·p``, the latter in full only while the rotor rests;

@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.signal import lfilter
 
 from wavehaptics.compiled import compiled
 from wavehaptics.scene import Brushes
@@ -54,6 +53,8 @@ def noise_course(brushes: Brushes | None) -> np.ndarray:
     kicks = np.random.default_rng(NOISE_SEED).standard_normal(NOISE_POINTS)
     # A straight line between two points has less power than they.
     kicks *= math.sqrt((1 - keep**2) / ((2 + keep) / 3))
+    from scipy.signal import lfilter  # a second to import, and few scenes have contact noise
+
     course = lfilter([1.0], [1.0, -keep], kicks)
     # What the end leaves for the beginning: the round closes.
     return course + course[-1] * keep ** np.arange(1, NOISE_POINTS + 1)

@@ -178,7 +178,7 @@ def impedance(
 
 @app.command()
 def shaper(scene: SceneArgument, overrides: SetOption = None) -> None:
-    """Design W for what SCENE's [shaper] wishes, prove it passive and say what will be felt."""
+    """Design W for what SCENE's \\[shaper] wishes, prove it passive and say what will be felt."""
     loaded = load_scene(find_scene(scene), overrides or ())
     if loaded.shaper is None:
         raise CommandError(
@@ -210,6 +210,8 @@ def report(
 
     An interrupted report goes on where it stopped when it is started again.
     """
+    if cluster is not None and workers is not None:
+        raise CommandError(f"--workers {workers}: a cluster has its own; leave one of the two out")
     _make_folder(out)
 
     from wavehaptics.report.build import make_report
@@ -235,7 +237,7 @@ def adcs(
 ) -> None:
     """Run SCENE on pins with every ADC: times, stiffness and torque error; some ten minutes."""
     settings = tuple(overrides or ())
-    path = find_scene("paper_taps")
+    path = find_scene(scene)
     load_scene(path, settings)
     _make_folder(out)
 

@@ -11,12 +11,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from scipy.integrate import trapezoid
 from scipy.signal import welch
 
 from wavehaptics import formats
+from wavehaptics.compiled import compiled_counting
 from wavehaptics.modulator import half_width, new_modulator
 
 HALF_HZ = 1e6
@@ -47,7 +47,7 @@ class Noise:
         return (self.snr_db - SINE_DB) / BIT_DB
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _plain(duties: np.ndarray) -> np.ndarray:
     """Widths without feedback: each rounded by itself."""
     widths = np.empty(duties.shape[0], dtype=np.int64)
@@ -56,7 +56,7 @@ def _plain(duties: np.ndarray) -> np.ndarray:
     return widths
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _modulated(duties: np.ndarray, half_clocks: int, second_order: bool, state) -> np.ndarray:
     widths = np.empty(duties.shape[0], dtype=np.int64)
     for n in range(duties.shape[0]):

@@ -2,7 +2,7 @@
 """Word lengths and binary points, read from ``rtl/wh_formats.vh``: none is typed twice.
 
 The widths that the header lets a tool set can be set here by environment variables of the same
-names, ``WH_DATA_W=24``; what numba compiles for them has a cache of its own (see ``__init__.py``).
+names, ``WH_DATA_W=24``; what numba compiles is kept by them (see :mod:`wavehaptics.compiled`).
 """
 
 from __future__ import annotations

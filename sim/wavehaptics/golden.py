@@ -180,7 +180,7 @@ def shaped_core_step(
     extra_ticks: int,
     hold_ticks: int,
 ) -> tuple[int, int, int]:
-    """One tick of one port (design equations of §1.1; the paper's wave transform and D(s)).
+    """One tick of one port: the paper's wave transform and D(s), discrete.
 
     ``shaper``, ``shaper_states`` and ``mode`` are those of :func:`shaper_step`,
     ``current`` is the tick's mean i_n, ``outside`` a wave that is added to the goal η·v, a host's

@@ -46,10 +46,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numba
 import numpy as np
 
 from wavehaptics import physics
+from wavehaptics.compiled import compiled_counting
 from wavehaptics.trace import Column
 
 if TYPE_CHECKING:
@@ -180,7 +180,7 @@ _FIT = np.dtype(
 _LEVEL_FIELDS = 6  # level n x f xx xf
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _find_edge(walls: np.ndarray, x: float) -> tuple[float, float]:
     """Edge through which a rotor that is at ``x`` in its first tick of contact came in.
 
@@ -201,12 +201,12 @@ def _find_edge(walls: np.ndarray, x: float) -> tuple[float, float]:
     return edge, side
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _counts(fit: Any, cell: float, impact: int) -> bool:
     return fit["length"] >= LEAST_TICKS and (impact != 0 or fit["deepest"] >= cell)
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _compress(
     fit: Any, ring: np.ndarray, x: float, torque: float, saturated: bool, cell: float
 ) -> None:
@@ -251,7 +251,7 @@ def _compress(
         fit.end = end
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _enter(run: Any, fits: np.ndarray, walls: np.ndarray, x: float) -> None:
     """First tick of a contact."""
     run.in_contact = 1
@@ -285,7 +285,7 @@ def _enter(run: Any, fits: np.ndarray, walls: np.ndarray, x: float) -> None:
     fit.xf = 0.0
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _leave(run: Any, fits: np.ndarray, omega: float) -> None:
     """First tick out of contact, in which the mean speed is ``omega``."""
     run.in_contact = 0
@@ -300,14 +300,14 @@ def _leave(run: Any, fits: np.ndarray, omega: float) -> None:
             run.bounce = _REFUSED  # it went through
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _part_bound(run: Any) -> float:
     """Most work of c − d in the contact under way, or on the way between two."""
     half_range = 0.5 * (run["chi_high"] - run["chi_low"])
     return half_range * (abs(run["i_first"]) + abs(run["i_last"]) + run["variation"])
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _correct(run: Any, row: np.ndarray, contact: bool) -> None:
     """A tick of a port anchor."""
     i = row[_I]
@@ -335,7 +335,7 @@ def _correct(run: Any, row: np.ndarray, contact: bool) -> None:
         run.fault_s = row[_T]
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _gather(
     runs: np.ndarray,
     fits: np.ndarray,

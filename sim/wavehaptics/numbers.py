@@ -59,6 +59,8 @@ def keep(root: Path = ROOT) -> None:
         kept["resources"] = json.loads((root / _RESOURCES).read_bytes())
     if (root / _ADCS).exists():
         kept["adcs"] = json.loads((root / _ADCS).read_bytes())
+        if kept["adcs"]["scene"] != "paper_taps" or kept["adcs"].get("settings"):
+            raise NumbersError(f"{_ADCS} is of another scene than the pages'; run `make adcs`")
     measured = _last_measured(root)
     if not kept and not measured:
         raise NumbersError("there are no numbers yet; run `make synth`")

@@ -18,7 +18,7 @@ import math
 
 MOST_A = 0.99
 """Largest filter coefficient. With a = 1 any lag of the current's amplifier is exactly unstable
-near a quarter of the tick rate; this costs 0.01 % of the stiffness at 1 MHz (design §1.2)."""
+near a quarter of the tick rate; this costs 0.01 % of the stiffness at 1 MHz."""
 
 
 def k_l(k_t: float, inductance: float) -> float:

@@ -13,7 +13,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 
 from wavehaptics import bus_scale, formats, sigma_delta, verilated
@@ -30,7 +29,7 @@ from wavehaptics.adc_parts import (
 from wavehaptics.anchor import FOLLOWER_TICKS, SEEN_CELLS
 from wavehaptics.bridge import bridge_voltage, half_bridge_voltage
 from wavehaptics.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, UNIPOLAR
-from wavehaptics.compiled import compiled
+from wavehaptics.compiled import compiled, compiled_counting
 from wavehaptics.early import slope_fits
 from wavehaptics.hand import hand_path
 from wavehaptics.lines import FAULTY, cell_of, edge_place, line_count
@@ -527,7 +526,7 @@ def _close_tick(state, kept, sums, pending, floats, ints):
     sums[_X0], sums[_HAND0], sums[_T0] = state[X], hand, state[TIME]
 
 
-@numba.njit(cache=True, inline="always")
+@compiled_counting(inline="always")
 def _level(current, sensor, osr, rng):
     """Input of a modulator in parts of its full scale; the noise of a bit makes that of a word."""
     if sensor[NOISE] > 0.0:
@@ -535,7 +534,7 @@ def _level(current, sensor, osr, rng):
     return (current + sensor[OFFSET]) / sensor[FULL_SCALE]
 
 
-@numba.njit(cache=True)  # which draws from a generator
+@compiled_counting()  # which draws from a generator
 def _advance(
     rows, words, state, kept, sums, pending, tables, ints, floats, load, sensor, rng, buffer, bits,
     real,

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The motor with its load, advanced exactly between two switching instants.
 
-``e_a = R i + L di/dt + k_T ω`` and ``J dω/dt = k_T i − b ω − τ_c − F_H`` (design §1), with the
-hand's torque ``F_H = K_h (x − x_h) + B_h (ω − dx_h/dt)``. For a constant voltage and a constant
-Coulomb torque τ_c this is linear, the hand's path included, so a step of any length is one product
-with a tabulated matrix exponential. Only Coulomb friction has to be looked at between steps.
+``e_a = R i + L di/dt + k_T ω`` and ``J dω/dt = k_T i − b ω − τ_c − F_H``, with the hand's torque
+``F_H = K_h (x − x_h) + B_h (ω − dx_h/dt)``. For a constant voltage and a constant Coulomb torque
+τ_c this is linear, the hand's path included, so a step of any length is one product with a
+tabulated matrix exponential. Only Coulomb friction has to be looked at between steps.
 What else a scene says of a real motor is in :mod:`wavehaptics.motor`, which steps it.
 """
 

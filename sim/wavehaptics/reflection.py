@@ -47,7 +47,7 @@ class Wish:
 
 
 def front_stiffness(k_t: float, inductance: float, r_hat: float, tau_s: float) -> float:
-    """K_L,eff, the stiffest that can be felt, N·m/rad (design §1.1, fact 2)."""
+    """K_L,eff, the stiffest that can be felt, N·m/rad: :func:`physics.stiffness`."""
     return physics.stiffness(k_t, inductance, r_hat, tau_s)
 
 

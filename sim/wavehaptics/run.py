@@ -48,14 +48,14 @@ CONTROLLERS: dict[str, Callable[[Scene], Simulation]] = {
     "pins": PinsSimulation,
     "encoder": EncoderSimulation,
 }
-"""The fidelity ladder (design §3) by name."""
+"""The fidelity ladder by name."""
 
 WITHOUT_WORDS = ("analog", "encoder")
 """Controllers that compute in real numbers."""
 
 
 def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
-    """K of the design spring for contact (design §1.1, fact 2), N·m/rad.
+    """K of the design spring for contact (:func:`physics.stiffness`), N·m/rad.
 
     The lag of the controller acts on R̂, its own estimate; the analog circuit has τ = 1/λ. A port
     anchor renders the spring that the controller believes in, ``k_T k̂_T/L̂_eff``, as its flux is of

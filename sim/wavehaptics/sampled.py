@@ -208,8 +208,8 @@ class SampledSimulation:
     """A scene on the wave core, tick by tick, with an averaged drive.
 
     ``rtl`` takes the Verilated core instead of the integer model. ``point_sampling`` gives the
-    sensor the current at the tick's end instead of the mean: only to show what that breaks
-    (design §1.1, fact 1).
+    sensor the current at the tick's end instead of the mean: only to show what that breaks:
+    such a port can give out energy.
     """
 
     def __init__(self, scene: Scene, *, rtl: bool, point_sampling: bool = False) -> None:

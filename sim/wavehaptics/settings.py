@@ -74,7 +74,7 @@ class Settings:
 
     @property
     def tau(self) -> float:
-        """τ = T/a + k·T of the quantised a, s (design §1.1, fact 2)."""
+        """τ = T/a + k·T of the quantised a, s."""
         return physics.tau(self.tick_s, formats.A.to_value(self.a), self.extra_ticks)
 
 

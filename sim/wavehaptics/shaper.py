@@ -61,7 +61,7 @@ def design(scene: Scene, tick_s: float, tau_s: float, r_hat: float) -> Shaper:
     if table.feel in ("spring", "resonance"):
         spring = spring_behind(spring, front)
     if table.feel == "mass":
-        # What the delay adds to free space is there already (design §1.1, fact 2).
+        # What the delay adds to free space is there already (:func:`physics.free_space_inertia`).
         mass -= physics.free_space_inertia(k_t, r_hat, tau_s)
         if mass <= 0.0:
             raise WishError(

@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 
 from wavehaptics import formats
 from wavehaptics.metrics import write_metrics
-from wavehaptics.scene import SCENES_DIR
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -31,12 +30,12 @@ WORKER_DEATHS = 5
 PATIENCE_S = 600
 """How long an answer from this machine's processes may take: others may keep the machine busy."""
 
-_PACKAGE = Path(__file__).resolve().parent
+_ROOT = Path(__file__).resolve().parents[2]
 _SOURCES = (
-    (_PACKAGE, "**/*.py"),
-    (_PACKAGE.parent / "verilated", "*.cpp"),
-    (formats.RTL_DIR, "*.v*"),
-    (SCENES_DIR, "*.toml"),
+    ("sim/wavehaptics", "**/*.py"),
+    ("sim/verilated", "*"),
+    ("rtl", "*.v*"),
+    ("sim/scenes", "*.toml"),
 )
 
 
@@ -60,11 +59,16 @@ class Task:
 
 @cache
 def sources_digest() -> str:
-    """Digest of all that a result may depend on: package, shims, RTL and scenes."""
-    digest = hashlib.sha256()
+    """:func:`digest_of` the repository as it is when this process asks first."""
+    return digest_of(_ROOT)
+
+
+def digest_of(root: Path) -> str:
+    """Digest of all that a result may depend on: package, shims, RTL, scenes and word lengths."""
+    digest = hashlib.sha256(repr(formats.HEADER_VALUES).encode())
     for folder, pattern in _SOURCES:
-        for path in sorted(folder.glob(pattern)):
-            digest.update(str(path.relative_to(folder)).encode() + b"\0" + path.read_bytes())
+        for path in sorted(filter(Path.is_file, (root / folder).glob(pattern))):
+            digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()
 
 

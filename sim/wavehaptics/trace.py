@@ -7,10 +7,10 @@ import os
 from enum import IntEnum
 from pathlib import Path
 
-import numba
 import numpy as np
 
 from wavehaptics import formats
+from wavehaptics.compiled import compiled_counting
 
 TRACE_FILE = "trace.npz"
 
@@ -75,7 +75,7 @@ _ANCHOR = tuple(int(column) for column in ANCHOR_COLUMNS)
 _WORD_TYPE = np.int32 if formats.DATA_W <= 32 else np.int64
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _keep(
     rows: np.ndarray,
     first: int,

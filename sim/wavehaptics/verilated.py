@@ -83,7 +83,7 @@ def _digest(design: Design, program: str) -> str:
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
     what = (design, CXX_FLAGS, VERILATOR_FLAGS, formats.HEADER_VALUES, version.stdout)
     digest = hashlib.sha256(repr(what).encode())
-    shims = sorted(path for path in SHIM_DIR.iterdir() if path.suffix in (".h", ".v", ".cpp"))
+    shims = sorted(filter(Path.is_file, SHIM_DIR.iterdir()))
     for path in [*sorted(formats.RTL_DIR.glob("*.v*")), *shims]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]

@@ -12,10 +12,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from wavehaptics.compiled import compiled_counting
 from wavehaptics.plant import OMEGA, SIZE, E, I, Plant, S, X, load_words
 from wavehaptics.plant import plant_step as exact_step
 from wavehaptics.report import figures
@@ -43,7 +43,7 @@ def voltages(ticks: int) -> np.ndarray:
     return 2.0 * np.sign(np.sin(2e-6 * n * n + 1e-3 * n + 0.1))
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _exact(state, matrix, step_s, volts, load, parts, out):
     for n in range(volts.shape[0]):
         for _ in range(parts):
@@ -51,7 +51,7 @@ def _exact(state, matrix, step_s, volts, load, parts, out):
         out[n, 0], out[n, 1], out[n, 2] = state[I], state[OMEGA], state[X]
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _slope(a, z, out):
     for row in range(z.shape[0]):
         total = 0.0
@@ -60,7 +60,7 @@ def _slope(a, z, out):
         out[row] = total
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _euler(z, a, step_s, volts, parts, out):
     k = np.empty_like(z)
     for n in range(volts.shape[0]):
@@ -71,7 +71,7 @@ def _euler(z, a, step_s, volts, parts, out):
         out[n, 0], out[n, 1], out[n, 2] = z[I], z[OMEGA], z[X]
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _rk4(z, a, step_s, volts, parts, out):
     k1, k2, k3, k4 = np.empty_like(z), np.empty_like(z), np.empty_like(z), np.empty_like(z)
     for n in range(volts.shape[0]):

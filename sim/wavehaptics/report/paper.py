@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from wavehaptics import physics, pictures
-from wavehaptics.boards import ROOT
 from wavehaptics.report import figures
 from wavehaptics.report.blocks import Block, Picture, Table, Text, number, percent
 from wavehaptics.report.runs import load
@@ -41,7 +40,7 @@ EQUATIONS = (
     ("(14): the λ filter is a spring in series with K_L. Its stiffness is 2·k_T²·λ/R, twice what "
      "(14) prints", "test_laws.py", "test_analog_circuit_has_twice_the_stiffness_of_equation_14"),
 )  # fmt: skip
-"""Statement, file of tests, and the test that shows it (or part of the names of several)."""
+"""Statement, file in ``sim/tests``, and the test there that shows it."""
 
 
 def experiment(controller: str, duration_s: float) -> dict[str, Any]:
@@ -109,19 +108,6 @@ def gather(tasks: list[Task], results: list[Any]) -> dict[str, Any]:
 
 def _trace(run: dict[str, Any]) -> dict[str, np.ndarray]:
     return {key: np.array(values) for key, values in run["trace"].items()}
-
-
-def equations() -> list[dict[str, str]]:
-    """The equations with the tests that show them; ``KeyError`` if a test isn't there."""
-    rows = []
-    for statement, file, part in EQUATIONS:
-        text = (ROOT / "sim" / "tests" / file).read_text(encoding="utf-8")
-        names = [line[4:].partition("(")[0] for line in text.splitlines() if line[:8] == "def test"]
-        found = [name for name in names if part in name]
-        if not found:
-            raise KeyError(f"{file} has no test {part}")
-        rows.append({"statement": statement, "tests": ", ".join(found), "file": file})
-    return rows
 
 
 def show(data: dict[str, Any], folder: Path) -> list[Block]:
@@ -204,6 +190,6 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
         Table(
             "What the paper's equations state, and the test that shows it",
             ("statement", "test", "file in sim/tests"),
-            [(row["statement"], row["tests"], row["file"]) for row in equations()],
+            [(statement, test, file) for statement, file, test in EQUATIONS],
         ),
     ]  # fmt: skip

@@ -7,10 +7,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 
 from wavehaptics import formats, modulator
+from wavehaptics.compiled import compiled_counting
 from wavehaptics.report import figures
 from wavehaptics.report.blocks import Block, Picture, Table, Text, number
 from wavehaptics.sweeps import Task
@@ -25,7 +25,7 @@ BAND_HZ = 5e3
 ORDERS = {"rounded": 0, "first order": 1, "second order": 2}
 
 
-@numba.njit(cache=True)
+@compiled_counting()
 def _widths(duty, order, out):
     state = np.zeros(2, np.int64)
     for n in range(duty.shape[0]):

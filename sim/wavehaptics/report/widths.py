@@ -45,8 +45,6 @@ TIMEOUT_S = 3600
 def at_width(name: str, bits: int, scene: str, overrides: list[str]) -> dict[str, Any]:
     """Errors of the wave core with one word length changed, on a scene with an ideal sensor."""
     environment = os.environ | {f"WH_{name}": str(bits)}
-    # What was compiled for other words must not be taken: the child finds a cache of its own.
-    environment.pop("NUMBA_CACHE_DIR", None)
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "rows.npy"
         subprocess.run(

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which tests are quick: one of each block of the RTL, and the model's own that take no time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+BLOCKS = {
+    "wh_adc_max11125": "test_adc_max11125.py::test_adc_max11125[icarus-1-3]",
+    "wh_adc_serial": "test_adc_serial.py::test_adc_serial[icarus-1]",
+    "wh_anchor": "test_anchor.py::test_anchor[icarus]",
+    "wh_bus_scale": "test_bus_scale.py::test_bus_scale[icarus-1]",
+    "wh_carrier": "test_carrier.py::test_carrier[icarus]",
+    "wh_contact": "test_contact.py::test_contact[icarus-1]",
+    "wh_controller": "test_closed_loop.py::test_closed_loop[icarus]",
+    "wh_current": "test_current.py::test_current[icarus]",
+    "wh_dead_time": "test_dead_time.py::test_dead_time[icarus]",
+    "wh_early": "test_early.py::test_early[icarus]",
+    "wh_guard": "test_guard.py::test_guard[icarus-1]",
+    "wh_half_bridge": "test_half_bridge.py::test_half_bridge[icarus]",
+    "wh_host_link": "test_host_link.py::test_host_link[icarus]",
+    "wh_modulator": "test_modulator.py::test_modulator[icarus-0]",
+    "wh_multiply": "test_arithmetic.py::test_every_small_word[icarus]",
+    "wh_multiply_shared": "test_multiply_shared.py::test_multiply_shared[icarus]",
+    "wh_pwm": "test_pwm.py::test_pwm[icarus-0]",
+    "wh_quadrature": "test_quadrature.py::test_quadrature[icarus]",
+    "wh_round": "test_round.py::test_round[icarus-3-2]",
+    "wh_saturate": "test_arithmetic.py::test_every_small_word[icarus]",
+    "wh_sense_check": "test_sense_check.py::test_sense_check[icarus]",
+    "wh_shaper": "test_wave_core.py::test_wave_core_with_a_shaper[icarus-2-1]",
+    "wh_sinc3": "test_sinc3.py::test_sinc3[icarus-4-0-2-1]",
+    "wh_synchroniser": "test_synchroniser.py::test_synchroniser[icarus]",
+    "wh_trip": "test_trip.py::test_trip[icarus]",
+    "wh_truncate": "test_arithmetic.py::test_every_small_word[icarus]",
+    "wh_wave_core": "test_wave_core.py::test_wave_core_without_a_wave_from_outside[icarus]",
+    "wh_zero": "test_zero.py::test_zero[icarus]",
+}
+"""A quick test of each block, in ``cocotb_tests``."""
+
+LOOPS = (
+    "cocotb_tests/test_closed_loop.py::test_closed_loop[icarus]",
+    "cocotb_tests/test_closed_loop.py::test_closed_loop[verilator]",
+)
+"""The whole at its pins, with the motor, on each simulator."""
+
+FILES = (
+    "sim/tests/test_adcs.py",
+    "sim/tests/test_drive.py",
+    "sim/tests/test_encoder.py",
+    "sim/tests/test_golden.py",
+    "sim/tests/test_physics.py",
+    "sim/tests/test_scene.py",
+    "sim/tests/test_shaper.py",
+    "sim/tests/test_trace.py",
+)
+"""Files of which every test is quick."""
+
+QUICK = {*(f"cocotb_tests/{test}" for test in BLOCKS.values()), *LOOPS}
+
+SLOWEST = (
+    "cocotb_tests/test_netlist.py",
+    "cocotb_tests/test_controller.py",
+    "cocotb_tests/test_board_clock_watch.py",
+    "cocotb_tests/test_anchor.py",
+    "cocotb_tests/test_wave_core.py",
+    "cocotb_tests/test_sinc3.py",
+    "cocotb_tests/test_board_controller.py",
+    "sim/tests/test_boards.py",
+)
+"""Begun first, so that none of them ends alone."""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    blocks = {path.stem for path in (config.rootpath / "rtl").glob("wh_*.v")}
+    if blocks != set(BLOCKS):
+        wrong = ", ".join(sorted(blocks ^ set(BLOCKS)))
+        raise pytest.UsageError(f"conftest.py: a quick test for each block of rtl/, but: {wrong}")
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """With `-m quick`, files without a quick test aren't even imported."""
+    if config.option.markexpr != "quick" or collection_path.suffix != ".py":
+        return None
+    files = {nodeid.partition("::")[0] for nodeid in QUICK} | set(FILES)
+    name = collection_path.relative_to(config.rootpath).as_posix()
+    return None if name in files or collection_path.name == "conftest.py" else True
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark them. A quick test that isn't there any more is an error of the list."""
+    for item in items:
+        if item.nodeid in QUICK or item.nodeid.startswith(tuple(f"{file}::" for file in FILES)):
+            item.add_marker("quick")
+    if config.option.markexpr == "quick" and config.args == config.getini("testpaths"):
+        found = {item.nodeid for item in items}
+        files = {nodeid.partition("::")[0] for nodeid in found}
+        if missing := sorted(QUICK - found) + sorted(set(FILES) - files):
+            raise pytest.UsageError(f"conftest.py calls tests quick that aren't there: {missing}")
+    items.sort(key=lambda item: not item.nodeid.startswith(SLOWEST))

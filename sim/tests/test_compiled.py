@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What makes numba compile anew, and what doesn't: counted in processes of their own."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import pkgutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import wavehaptics
+from numba.core.dispatcher import Dispatcher
+from wavehaptics import compiled
+
+TIMEOUT_S = 120
+
+LEAVES = '''\
+"""A module of leaves."""
+from typing import NamedTuple
+from wavehaptics.compiled import compiled
+STEP = 3
+UNUSED = 5
+class Word(NamedTuple):
+    top: int
+WORD = Word(255)
+@compiled()
+def step(x):
+    """A step."""
+    return x + STEP
+@compiled()
+def other(x):
+    return x - 1
+'''
+TREE = """\
+import leaves
+from wavehaptics.compiled import compiled, compiled_counting
+@compiled()
+def walk(x):
+    return leaves.step(x) * 2 & leaves.WORD.top
+@compiled_counting()
+def climb(x):
+    return walk(x) + 1
+"""
+ASK = """\
+import json, tree, leaves
+found = tree.climb(1)
+stats = [function.stats for function in (tree.climb, tree.walk, leaves.step)]
+print(json.dumps([found, sum(sum(one.cache_misses.values()) for one in stats)]))
+"""
+
+
+@pytest.fixture
+def asked(tmp_path):
+    """A function that runs the modules and says what came out and what had to be compiled."""
+    (tmp_path / "leaves.py").write_text(LEAVES)
+    (tmp_path / "tree.py").write_text(TREE)
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "kept")}
+
+    def ask(**more: str) -> tuple[int, int]:
+        done = subprocess.run(
+            [sys.executable, "-c", ASK], cwd=tmp_path, env=environment | more, timeout=TIMEOUT_S,
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        return tuple(json.loads(done.stdout))
+
+    return ask
+
+
+def change(path: Path, old: str, new: str) -> None:
+    text = path.read_text()
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new))
+
+
+HARMLESS = (
+    ("leaves.py", "STEP = 3", "# A comment\n\n\nSTEP = 3"),
+    ("leaves.py", '"""A step."""', '"""A step of three,\n\n    and no more."""'),
+    ("leaves.py", "return x - 1", "return x - 2"),
+    ("leaves.py", "UNUSED = 5", "UNUSED = 6"),
+    ("tree.py", "import leaves", "import leaves  # more"),
+)
+"""Changes that say nothing to what is called, but for the lines that it stands in."""
+TELLING = (
+    ("leaves.py", "STEP = 3", "STEP = 4", 11, 3),
+    ("leaves.py", "return x + STEP", "return x + STEP + 4", 19, 3),
+    ("leaves.py", "WORD = Word(255)", "WORD = Word(16)", 17, 2),
+    ("tree.py", "return walk(x) + 1", "return walk(x) + 2", 18, 1),
+    ("tree.py", "@compiled_counting()", "@compiled_counting(fastmath=True)", 18, 1),
+)
+"""One upon the other, with what is found then and how many functions are compiled for it."""
+
+
+def test_only_what_is_changed_is_compiled_anew(asked, tmp_path):
+    """It, and what calls it; and back again nothing is, as both are kept."""
+    assert asked() == (9, 3)
+    for file, old, new in HARMLESS:
+        change(tmp_path / file, old, new)
+    # Nor is it for what a test bench is told of itself.
+    assert asked(WH_PARAMETERS='{"N": 3}', WH_DEFINES="{}", WH_SEED="4") == (9, 0)
+    for file, old, new, found, compiled_anew in TELLING:
+        change(tmp_path / file, old, new)
+        assert asked() == (found, compiled_anew), new
+    for file, old, new, _, _ in TELLING:
+        change(tmp_path / file, new, old)
+    assert asked() == (9, 0)
+
+
+def dispatchers() -> dict[str, Dispatcher]:
+    """Every compiled function of the package by its full name."""
+    found = {}
+    for info in pkgutil.walk_packages(wavehaptics.__path__, "wavehaptics."):
+        if not info.name.endswith(("__main__", "bench.once")):
+            module = importlib.import_module(info.name)
+            for name, value in vars(module).items():
+                if isinstance(value, Dispatcher) and value.py_func.__module__ == info.name:
+                    found[f"{info.name}.{name}"] = value
+    return found
+
+
+def test_every_function_of_the_package_is_kept_by_its_sources(monkeypatch):
+    """And none by the whole package, for want of a way to look into what it uses."""
+
+    def whole() -> str:
+        raise AssertionError("something that can't be looked into")
+
+    monkeypatch.setattr(compiled, "_whole_package", whole)
+    found = dispatchers()
+    assert len(found) > 90
+    for name, dispatcher in found.items():
+        assert isinstance(dispatcher._cache, compiled._KeptBySources), name
+        assert compiled.sources_digest(dispatcher), name
+
+
+def test_other_word_lengths_are_other_code():
+    """Of the waves, not of the contact, which has no such words."""
+    ask = (
+        "from wavehaptics import compiled, golden;"
+        "print(compiled.sources_digest(golden.wave_core_step),"
+        "      compiled.sources_digest(golden.contact_step))"
+    )
+    digests = [
+        subprocess.run(
+            [sys.executable, "-c", ask], env=os.environ | width, timeout=TIMEOUT_S,
+            capture_output=True, text=True, check=True,
+        ).stdout.split()
+        for width in ({}, {}, {"WH_STATE_GUARD": "4"})
+    ]  # fmt: skip
+    assert digests[0] == digests[1]
+    assert digests[0][0] != digests[2][0]
+    assert digests[0][1] == digests[2][1]
