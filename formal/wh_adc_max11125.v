@@ -134,6 +134,7 @@ module prove_wh_adc_max11125 #(
             if (open_q && !valid) assert (frame_of_first && \block.serial.data_q != 5'd0);
             if (open_q) assert (starts == 2'd2);
             if (cs_n && \block.serial.valid_q ) assert (!cs_n_q);
+            if (\block.serial.valid_q ) assert (\block.serial.data_q == 5'd0);
             if (ready && starts == 2'd2 && frame_of_first) begin
                 assert (open_q == (\block.serial.data_q != 5'd0 || \block.serial.valid_q ));
             end

@@ -136,10 +136,6 @@ module prove_wh_adc_serial (
             if (valid) assert (sample == ((bits << (5'd16 - data)) ^ 16'h8000));
             // The frame at the pins.
             if (!cs_n && !cs_n_q && sclk != sclk_q && sclk == idle_level) assert (pulses != 6'd0);
-            if (cs_n && !cs_n_q && !rst_q) begin
-                assert (pulses == 6'd0 || 1'b1);
-                assert (sclk == idle_level);
-            end
             // An overrun is a start while busy, and stays.
             if (!rst_q) assert (overrun == (overrun_q || (start_q && ready_q && busy_q)));
 
@@ -166,6 +162,7 @@ module prove_wh_adc_serial (
             end else begin
                 if (valid) assert (!cs_n_q);
             end
+            if (valid) assert (\block.data_q == 5'd0);
         end
 
         cover (begun && valid && data == 5'd3 && lead == 6'd1 && trailing && sample == 16'h4000);

@@ -2,7 +2,8 @@
 //
 // prove_wh_wave_core: one step from any state of rest, with any products (any_multiply.v). What it
 // leaves is such a state again, so the proof holds for all steps. |eta| <= 1, 0 <= a <= 1 and
-// u_max >= 0, as the ports ask for.
+// u_max >= 0, as the ports ask for. The claims are proven one by one; part 3 follows from 1 and 2,
+// and is proven by itself at short words, with the real multiplier.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -143,10 +144,7 @@ module prove_wh_wave_core #(
                             || (taken <= 0 && taken >= aim - was));
                 end
                 3: begin
-                    // What parts 1 and 2 have proven leads to
-                    assume (is == clamp(was + taken, -limit, limit));
-                    assume ((taken >= 0 && taken <= aim - was)
-                            || (taken <= 0 && taken >= aim - was));
+                    // Which comes to:
                     assert (size(is) <= size(was) || size(is) <= size(aim));
                     assert (size(is) <= size(was + taken) && size(is) <= limit);
                     assert (f <= LARGEST && f >= -LARGEST);

@@ -41,7 +41,7 @@ TIMEOUT_S = 900
 
 _MODES = ("prove", "bmc")
 _KEYS = {
-    "name", "block", "top", "property", "width", "mode", "depth", "cover", "engine", "quick",
+    "name", "block", "top", "property", "width", "mode", "depth", "skip", "cover", "engine", "quick",
     "parameters", "defines", "instead", "twin",
 }  # fmt: skip
 _TWIN_KEYS = {"file", "old", "new", "depth"}
@@ -72,6 +72,8 @@ class Twin:
 class Proof:
     """An entry of the table. ``cover`` is the depth of its cover run, None without one.
 
+    ``skip`` steps of a search aren't looked at, where a proof claims nothing.
+
     ``instead`` gives modules that stand for others, as files of ``formal/``; ``width`` says at
     what word lengths the proof is, in words.
     """
@@ -83,8 +85,9 @@ class Proof:
     mode: str
     depth: int
     width: str = "full"
+    skip: int = 0
     cover: int | None = None
-    engine: str = "smtbmc z3"
+    engine: str = "smtbmc --nopresat --unroll z3"
     quick: bool = False
     parameters: dict[str, int] = field(default_factory=dict)
     defines: dict[str, int] = field(default_factory=dict)
@@ -207,8 +210,9 @@ def sby_file(job: Job, files: list[str]) -> str:
     defines = "".join(f" -D{name}={value}" for name, value in proof.defines.items())
     parameters = "".join(f" -chparam {name} {value}" for name, value in proof.parameters.items())
     modules = " ".join(name for name in files if name.endswith(".v") and name != f"{top}.v")
+    skip = [f"skip {proof.skip}"] if proof.skip and job.mode == "bmc" else []
     lines = [
-        "[options]", f"mode {job.mode}", f"depth {job.depth}", f"timeout {TIMEOUT_S}",
+        "[options]", f"mode {job.mode}", f"depth {job.depth}", f"timeout {TIMEOUT_S}", *skip,
         "[engines]", proof.engine,
         "[script]",
         f"read_verilog -formal -defer -I.{defines} {top}.v",
