@@ -67,6 +67,7 @@ module prove_wh_adc_max11125 #(
     (* hierconn *) wire       \block.serial.sclk_q ;
     (* hierconn *) wire [7:0] \block.serial.wait_q ;
     (* hierconn *) wire [5:0] \block.serial.pulses_q ;
+    (* hierconn *) wire [5:0] \block.serial.lead_q ;
     (* hierconn *) wire [4:0] \block.serial.data_q ;
 
     // Frames still to begin, then the frame, then its quiet time.
@@ -138,7 +139,7 @@ module prove_wh_adc_max11125 #(
             if (ready && starts == 2'd2 && frame_of_first) begin
                 assert (open_q == (\block.serial.data_q != 5'd0 || \block.serial.valid_q ));
             end
-            if (!cs_n) assert (({1'b0, \block.serial.pulses_q } + !sclk >= {2'd0, \block.serial.data_q }));
+            if (!cs_n) assert (({1'b0, \block.serial.pulses_q } + !sclk >= {1'b0, \block.serial.lead_q } + {2'd0, \block.serial.data_q }));
             if (cs_n) assert (!\block.serial.valid_q || \block.serial.data_q == 5'd0);
         end
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// prove_wh_anchor: a tick's 30 steps, from any state of rest and with any products, which come at once.
-// The correction stays within its limit and is 0 if it isn't enabled or after a fault.
-// |e_id| <= drive and reach >= 0 are taken for granted.
+// prove_wh_anchor: a tick's 30 steps with any products, which come at once. Part 0: from any state of
+// rest to the next, and c is 0 if it isn't enabled or after a fault. Parts 1 to 3: the limits are
+// made, kept through the steps between, and hold c in the last ones; each begins with any state in
+// which the part before can have ended. |e_id| <= drive and reach >= 0 are taken for granted.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -69,6 +70,14 @@ module prove_wh_anchor #(
     (* hierconn *) wire       \block.go_q ;
     (* hierconn *) wire       \block.contact_q ;
 
+    (* hierconn *) wire [4:0] \block.adds_q ;
+    (* hierconn *) wire       \block.over_left_q ;
+    (* hierconn *) wire signed [DATA_W-1:0]      \block.voltage_q ;
+    (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[8] ;
+    (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[9] ;
+
+    localparam integer VOLT_SHIFT = `WH_LONG_Q - `WH_VOLTAGE_Q;
+
     reg fault_before;
 
     // One bit more than a word, and two for a quarter's fraction.
@@ -81,12 +90,22 @@ module prove_wh_anchor #(
     wire signed [DATA_W+3:0] quarters = (\block.contact_q ? 4 * reach : 2 * reach) + size;
     wire signed [DATA_W+3:0] limit    = (quarters + 3) >>> 2;
 
+    // drive - |e_id|, c_0 + |e_id|/4 and which is the smaller, in a long word's places.
+    wire signed [`WH_LONG_W-1:0] left_long  = $signed({left, {VOLT_SHIFT{1'b0}}});
+    wire signed [`WH_LONG_W-1:0] limit_long = $signed({quarters, {(VOLT_SHIFT - 2){1'b0}}});
+    wire limits_stand = \block.memory[8] == left_long && \block.memory[9] == limit_long
+                        && \block.over_left_q == (limit_long >= left_long) && busy
+                        && \block.voltage_q == voltage;
+
     always @(posedge clk) begin
         at <= (at == 6'd40) ? 6'd40 : at + 6'd1;
         assume (!reach[DATA_W-1] && !strange[DATA_W-1] && !drive[DATA_W-1]);
         assume (size <= drive);
         if (at == 6'd0) begin
-            assume (\block.step_q == 5'd0 && !\block.go_q && !busy);
+            if (PART <= 1) assume (\block.step_q == 5'd0 && !\block.go_q && !busy);
+            else assume (\block.go_q && \block.adds_q == \block.step_q - 5'd1 && limits_stand);
+            if (PART == 2) assume (\block.step_q == 5'd7);
+            if (PART == 3) assume (\block.step_q == 5'd26);
             assume (!overrun);
             fault_before <= fault;
         end
@@ -97,13 +116,18 @@ module prove_wh_anchor #(
                 if (enable && fault_before) assert (fault);
                 if (!enable && fault) assert (fault_before);
             end
-            if (PART == 1) assert (c_size <= left);
-            if (PART == 2) assert (c_size <= limit);
         end
-        cover (PART == 1 && at == 6'd31 && next > 0 && voltage < 0 && c_size == limit && limit < left);
-        cover (PART == 1 && at == 6'd31 && next < 0 && c_size == left && left < limit && left > 0);
-        cover (PART == 1 && at == 6'd31 && fault && !fault_before);
-        cover (PART == 1 && at == 6'd31 && next != 0 && c_size < limit && c_size < left);
+        // The sixth step has been made; the next is the one of the last product.
+        if (PART == 1 && at == 6'd7) assert (\block.step_q == 5'd7 && limits_stand);
+        if (PART == 2 && at == 6'd19) assert (\block.step_q == 5'd26 && limits_stand);
+        if (PART == 3 && at == 6'd5) begin
+            assert (c_size <= left);
+            assert (c_size <= limit);
+            cover (next > 0 && voltage < 0 && c_size == limit && limit < left);
+            cover (next < 0 && c_size == left && left < limit && left > 0);
+            cover (fault && !fault_before && next == 0);
+            cover (next != 0 && c_size < limit && c_size < left);
+        end
     end
 
 endmodule

@@ -90,7 +90,7 @@ module prove_wh_anchor_turns #(
         rst_q   <= rst;
         way     <= rst ? 3'd0 : {way[1:0], granted};
         refused <= (rst || !request || grant) ? 4'd0 : refused + 4'd1;
-        turn    <= (rst || !busy) ? 10'd0 : (turn == 10'd1000) ? turn : turn + 10'd1;
+        turn    <= (rst || !in_turn) ? 10'd0 : (turn == 10'd1000) ? turn : turn + 10'd1;
         stall   <= (rst || !in_turn || !waits || way[2]) ? 6'd0 : stall + 6'd1;
 
         assume (!request || grant || refused < PATIENCE);
@@ -103,11 +103,12 @@ module prove_wh_anchor_turns #(
             if (in_turn) begin
                 assert (\block.give_q == used + coming);
                 assert (!way[2] || waits);
-                if (waits) assert (stall <= 6'd3 + PATIENCE);
+                assert (stall <= (waits ? 6'd3 + PATIENCE : 6'd0));
             end else begin
                 assert (way == 3'd0 || step != 5'd0);
             end
             // So it ends: 8 products, each waited for no longer than that.
+            // Behind the step of CHOOSE comes one clock more.
             if (in_turn) assert (turn <= 10'd2 + step + used * (6'd4 + PATIENCE) + stall);
             assert (turn <= 10'd33 + 8 * (6'd4 + PATIENCE));
         end

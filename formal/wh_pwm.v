@@ -66,6 +66,7 @@ module prove_wh_pwm (
 
     (* hierconn *) wire              \carrier.running_q ;
     (* hierconn *) wire [TICK_W-1:0] \block.magnitude_q ;
+    (* hierconn *) wire              \block.negative_q ;
 
     // As wh_controller has them.
     wire        whole   = (`MODES == 1) && mode != `WH_MODE_UNIPOLAR;
@@ -90,6 +91,11 @@ module prove_wh_pwm (
     wire [17:0] p          = {2'd0, phase};
     wire [17:0] m          = {2'd0, \block.magnitude_q };
     wire [17:0] long_spare = {2'd0, spare};
+
+    // Unipolar, what the legs show in this clock: the phase before.
+    wire        active = p - 18'd1 < m || long_half - p < m;
+    wire        shown  = leg_a == (active ? !\block.negative_q : half)
+                         && leg_b == (active ? \block.negative_q : half);
 
     // The run of a leg that is at least what this place in the half makes it, while it is ahead of
     // a pattern that is on for the first and the last on clocks of a half.
@@ -120,11 +126,11 @@ module prove_wh_pwm (
             end
 
             // What makes that inductive.
-            assert (run_a >= 18'd1 && run_b >= 18'd1);
+            assert (run_a >= 18'd1 && run_b >= 18'd1 && run_a <= LONG && run_b <= LONG);
             if (rst_q) assert (!\carrier.running_q );
             if (!\carrier.running_q ) begin
                 assert (rst_q);
-                assert (m == 18'd0);
+                assert (m == 18'd0 && !half && phase == 16'd0 && remaining + 16'd1 == half_clocks);
             end else begin
                 assert (phase < half_clocks && phase + remaining + 16'd1 == half_clocks);
             end
@@ -150,7 +156,7 @@ module prove_wh_pwm (
                 if (\carrier.running_q && phase == 16'd0) begin
                     assert (run_a >= least_run && run_b >= least_run);
                 end else if (\carrier.running_q ) begin
-                    assert (at_least(run_a, m, 1'b0, 1'b0));
+                    assert (shown && at_least(run_a, m, 1'b0, 1'b0));
                     assert (at_least(run_b, m, 1'b0, 1'b0));
                 end
             end else if (signs) begin
@@ -162,10 +168,12 @@ module prove_wh_pwm (
                     else assert (run_b >= long_half);
                 end else if (\carrier.running_q ) begin
                     if (!half) begin
-                        assert (p - 18'd1 < on ? run_a >= p : run_a + on >= p);
+                        assert (leg_a == ((p - 18'd1 < on) ^ \block.by_mode.sign_q ));
+                    assert (p - 18'd1 < on ? run_a >= p : run_a + on >= p);
                         assert (run_b >= p);
                     end else begin
-                        assert (long_half - p < on ? run_a + long_half >= p + on : run_a >= p);
+                        assert (leg_a == ((long_half - p < on) ^ \block.by_mode.sign_q ));
+                    assert (long_half - p < on ? run_a + long_half >= p + on : run_a >= p);
                         assert (run_b >= long_half);
                     end
                 end
@@ -214,7 +222,7 @@ module prove_wh_pwm (
                 if (phase == 16'd0) begin
                     assert (run_a >= least_run && run_b >= least_run);
                 end else begin
-                    assert (at_least(run_a, m, 1'b0, 1'b0));
+                    assert (shown && at_least(run_a, m, 1'b0, 1'b0));
                     assert (at_least(run_b, m, 1'b0, 1'b0));
                 end
             end

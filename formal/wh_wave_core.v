@@ -3,7 +3,7 @@
 // prove_wh_wave_core: one step from any state of rest, with any products (any_multiply.v). What it
 // leaves is such a state again, so the proof holds for all steps. |eta| <= 1, 0 <= a <= 1 and
 // u_max >= 0, as the ports ask for. The claims are proven one by one; part 3 follows from 1 and 2,
-// and is proven by itself at short words, with the real multiplier.
+// and is proven by itself at short words.
 
 `default_nettype none
 `include "wh_formats.vh"
