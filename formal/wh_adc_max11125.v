@@ -123,7 +123,7 @@ module prove_wh_adc_max11125 #(
 
             // What makes that inductive.
             assert (\block.serial.ready_q );
-            assert (\block.line_q < LINES);
+            assert (starts <= 2'd2 && \block.line_q < LINES);
             if (!ready) assert (starts == 2'd0 && \block.line_q == 3'd0);
             if (cs_n) assert (sclk);
             if (ready) assert (\block.started_q == (starts != 2'd0));

@@ -2,7 +2,8 @@
 //
 // prove_wh_anchor_turns: a turn comes to an end if every request is granted in PATIENCE clocks and every
 // product comes three clocks after its grant, as wh_multiply_shared has it; reset at any clock leaves
-// the anchor ready, and no product asked for before it is taken for another.
+// the anchor ready, and no product asked for before it is taken for another. The words of c's limits,
+// once they are made, are as they are until the turn's end.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -64,6 +65,11 @@ module prove_wh_anchor_turns #(
     (* hierconn *) wire [4:0] \block.adds_q ;
     (* hierconn *) wire [3:0] \block.give_q ;
     (* hierconn *) wire       \block.go_q ;
+    (* hierconn *) wire       \block.over_left_q ;
+    (* hierconn *) wire       \block.writes_q ;
+    (* hierconn *) wire signed [DATA_W-1:0]     \block.voltage_q ;
+    (* hierconn *) wire signed [`WH_LONG_W-1:0] \block.memory[8] ;
+    (* hierconn *) wire signed [`WH_LONG_W-1:0] \block.memory[9] ;
 
     // Products that the steps before this one have taken.
     function [3:0] taken_before(input [4:0] step);
@@ -83,6 +89,10 @@ module prove_wh_anchor_turns #(
     reg        rst_q;
     reg  [3:0] refused;   // clocks in a row without a grant
     reg  [9:0] turn;      // clocks of this turn
+    reg        makes_q;   // the limits are being made, or there is no turn
+    reg        over_q;
+    reg signed [DATA_W-1:0]     voltage_q;
+    reg signed [`WH_LONG_W-1:0] word_8_q, word_9_q;
     reg  [5:0] stall;     // clocks in which this step has waited
 
     always @(posedge clk) begin
@@ -90,6 +100,11 @@ module prove_wh_anchor_turns #(
         rst_q   <= rst;
         way     <= rst ? 3'd0 : {way[1:0], granted};
         refused <= (rst || !request || grant) ? 4'd0 : refused + 4'd1;
+        makes_q    <= !begun || rst || !busy || \block.adds_q < 5'd6;
+        over_q     <= \block.over_left_q ;
+        voltage_q  <= \block.voltage_q ;
+        word_8_q   <= \block.memory[8] ;
+        word_9_q   <= \block.memory[9] ;
         turn    <= (rst || !in_turn) ? 10'd0 : (turn == 10'd1000) ? turn : turn + 10'd1;
         stall   <= (rst || !in_turn || !waits || way[2]) ? 6'd0 : stall + 6'd1;
 
@@ -108,6 +123,11 @@ module prove_wh_anchor_turns #(
                 assert (way == 3'd0 || step != 5'd0);
             end
             // So it ends: 8 products, each waited for no longer than that.
+            if (\block.go_q && \block.adds_q == 5'd25) assert (!\block.writes_q );
+            if (!makes_q && in_turn) begin
+                assert (\block.over_left_q == over_q && \block.voltage_q == voltage_q);
+                assert (\block.memory[8] == word_8_q && \block.memory[9] == word_9_q);
+            end
             // Behind the step of CHOOSE comes one clock more.
             if (in_turn) assert (turn <= 10'd2 + step + used * (6'd4 + PATIENCE) + stall);
             assert (turn <= 10'd33 + 8 * (6'd4 + PATIENCE));

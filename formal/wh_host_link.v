@@ -113,13 +113,14 @@ module prove_wh_host_link (
             // What makes that inductive.
             assert (cost >= magnitude * magnitude);
             assert (account < (1 << (TANK_W + 3)));
+            assert (!\block.of_mean_q || \block.square_q );
             if (\block.square_q ) begin
                 assert (\block.step_q >= 6'd1 && \block.step_q <= LAST);
                 assert (part == factor * bits);
                 if (so_far < DATA_W) begin
                     assert ((\block.low_q & ((1 << (DATA_W - so_far)) - 1)) == (factor >> so_far));
                 end
-                if (\block.of_mean_q ) assert (\block.factor_q == mean_was);
+                assert (\block.factor_q == (\block.of_mean_q ? mean_was : \block.answer_magnitude_q ));
             end
         end
 

@@ -113,7 +113,7 @@ module prove_wh_pwm (
         run_a_q <= run_a;
         run_b_q <= run_b;
 
-        assume (half_clocks >= 6 && half_clocks < 16'h8000);
+        assume (half_clocks >= 6 && half_clocks < 16'h0100);
         assume (limit >= $signed({2'd0, least}) && limit >= 0 && limit >= $signed({10'd0, min_pulse} ));
         assume (w_size <= limit && (w_size == 0 || w_size >= $signed({2'd0, least})));
         if (!begun) assume (rst && !\carrier.running_q );
@@ -143,6 +143,7 @@ module prove_wh_pwm (
 
     wire [17:0] on     = {2'd0, \block.by_mode.on_clocks_q };
     wire [17:0] centre = {3'd0, half_clocks[15:1]};
+    wire [17:0] centre_now = signs ? 18'd0 : centre;
     wire        odd    = half_clocks[0] && !signs;
 
     reg fresh;   // no width has been taken since reset
@@ -150,6 +151,9 @@ module prove_wh_pwm (
     always @(posedge clk) begin
         fresh <= rst || (fresh && !(update && half));
         if (begun) begin
+            if (!\carrier.running_q ) begin
+                assert (fresh && on == centre_now && !\block.by_mode.sign_q );
+            end
             if (!whole) begin
                 assert (m == 18'd0 || m >= least_run);
                 assert (2 * m + least_run <= long_half);
@@ -162,6 +166,7 @@ module prove_wh_pwm (
             end else if (signs) begin
                 assert (on == 18'd0 || on >= 2 * long_spare);
                 assert (on + 2 * long_spare <= long_half);
+                if (fresh) assert (on == 18'd0 && !\block.by_mode.sign_q );
                 if (\carrier.running_q && phase == 16'd0) begin
                     assert (run_a >= least_run);
                     if (!half) assert (run_b >= least_run);
@@ -169,11 +174,11 @@ module prove_wh_pwm (
                 end else if (\carrier.running_q ) begin
                     if (!half) begin
                         assert (leg_a == ((p - 18'd1 < on) ^ \block.by_mode.sign_q ));
-                    assert (p - 18'd1 < on ? run_a >= p : run_a + on >= p);
+                        assert (p - 18'd1 < on ? run_a >= p : run_a + on >= p);
                         assert (run_b >= p);
                     end else begin
                         assert (leg_a == ((long_half - p < on) ^ \block.by_mode.sign_q ));
-                    assert (long_half - p < on ? run_a + long_half >= p + on : run_a >= p);
+                        assert (long_half - p < on ? run_a + long_half >= p + on : run_a >= p);
                         assert (run_b >= long_half);
                     end
                 end
@@ -186,7 +191,7 @@ module prove_wh_pwm (
                     if (phase == 16'd0) begin
                         if (!fresh) assert (run_a >= long_spare && run_b >= long_spare
                                             && leg_a && !leg_b);
-                        else assert (run_a >= least_run && run_b >= least_run);
+                        else assert (leg_a && !leg_b);
                     end else if (p - 18'd1 < on) begin
                         assert (leg_a && !leg_b);
                         assert (run_a >= p + (fresh ? 18'd0 : long_spare));

@@ -36,13 +36,13 @@ KINDS = ("proof", "cover", "twin")
 EXPECTED = {"proof": "PASS", "cover": "PASS", "twin": "FAIL"}
 """What SBY has to say of a run."""
 
-TIMEOUT_S = 900
+TIMEOUT_S = 1800
 """Longest run, s."""
 
 _MODES = ("prove", "bmc")
 _KEYS = {
-    "name", "block", "top", "property", "width", "mode", "depth", "skip", "cover", "engine", "quick",
-    "parameters", "defines", "instead", "twin",
+    "name", "block", "top", "property", "width", "mode", "depth", "skip", "cover", "engine",
+    "quick", "parameters", "defines", "instead", "twin",
 }  # fmt: skip
 _TWIN_KEYS = {"file", "old", "new", "depth"}
 
@@ -248,7 +248,9 @@ def tool_versions(tools: Toolchain) -> str:
     return f"Yosys {tools.check_age('yosys')}, {done.stdout.strip()}"
 
 
-def run(job: Job, tools: Toolchain, versions: str, root: Path = ROOT, fresh: bool = False) -> Outcome:
+def run(
+    job: Job, tools: Toolchain, versions: str, root: Path = ROOT, fresh: bool = False
+) -> Outcome:
     """Run a job in ``build/formal/<name>``, or take what is there of an earlier, equal run."""
     texts = sources(job, root)
     key = digest(job, texts, versions)
@@ -343,7 +345,9 @@ def line(outcome: Outcome) -> str:
 @app.command()
 def formal(
     block: Annotated[str, typer.Option(help="One module, with or without wh_.")] = "",
-    quick: Annotated[bool, typer.Option(help="One proof of each block, no covers, no twins.")] = False,
+    quick: Annotated[
+        bool, typer.Option(help="One proof of each block, no covers, no twins.")
+    ] = False,
     only: Annotated[str, typer.Option(help="One run, or the runs of one entry.")] = "",
     fresh: Annotated[bool, typer.Option(help="Run what has been run before, too.")] = False,
     jobs: Annotated[int, typer.Option(min=1, help="Runs at a time.")] = 2,
@@ -364,7 +368,8 @@ def formal(
         outcomes: list[Outcome] = []
         console = Console(highlight=False)
         columns = (
-            BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"),
+            BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
+            TextColumn("{task.description}"),
         )  # fmt: skip
         with (
             Progress(*columns, console=console, transient=True) as progress,
@@ -387,8 +392,8 @@ def formal(
     path = write_summary(outcomes, versions)
     failed = sum(not outcome.met for outcome in outcomes)
     typer.echo(
-        f"formal: {len(outcomes) - failed} of {len(outcomes)} runs are as they must be ({versions}); "
-        f"{path.relative_to(ROOT)}"
+        f"formal: {len(outcomes) - failed} of {len(outcomes)} runs are as they must be "
+        f"({versions}); {path.relative_to(ROOT)}"
     )
     if failed or not outcomes:
         raise typer.Exit(1)
