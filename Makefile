@@ -13,7 +13,7 @@ endif
 export TOOLCHAIN
 
 # With TOOLCHAIN=native, these goals do without a Verilator.
-SIMULATES := $(if $(filter-out bitstream synth seeds prog resources numbers,$(MAKECMDGOALS)),yes,no)
+SIMULATES := $(if $(filter-out bitstream synth seeds prog resources numbers formal,$(MAKECMDGOALS)),yes,no)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -162,6 +162,13 @@ lint: $(READY) ## check the RTL at several sizes and word lengths, and the Pytho
 	@.venv/bin/ruff format --check
 
 include boards/boards.mk
+
+# One block, with or without wh_: BLOCK=quadrature
+BLOCK ?=
+
+.PHONY: formal
+formal: $(SYNTH_TOOLS) ## prove the RTL into build/formal (BLOCK=quadrature; QUICK=1: one proof of each block)
+	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.proofs $(if $(BLOCK),--block "$(BLOCK)") $(if $(QUICK),--quick) --jobs $(JOBS)
 
 clean: ## remove what was built
 	rm -rf build

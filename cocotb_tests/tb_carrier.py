@@ -113,3 +113,22 @@ async def longest_tick(dut: object) -> None:
     """256 samples in a tick, and a tick of many halves."""
     bench = CarrierBench(dut)
     assert await bench.run(Setting(8, 96, 256, 0), 2 * 768) == 512
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def reset_of_one_clock(dut: object) -> None:
+    """Wherever it comes, nothing of the halves before it is to be seen after it."""
+    bench = CarrierBench(dut)
+    setting = Setting(7, 2, 1, 0)
+    await bench.run(setting, 1)
+    for clocks in range(3 * setting.tick_clocks):
+        await bench.step(clocks + 1)
+        await bench.step(rst=1)
+        waiting = setting.expected(0) | {"take_o": 0, "sample_o": 0}
+        shown = {name: bench.word(name) for name in waiting}
+        assert shown == waiting, clocks
+        await bench.step(rst=0)
+        for clock in range(setting.tick_clocks):
+            expected = setting.expected(clock)
+            assert {name: bench.word(name) for name in expected} == expected, (clocks, clock)
+            await bench.step()

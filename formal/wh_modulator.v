@@ -1,145 +1,140 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// prove_wh_modulator: a reset of one clock, in any state, is as good as a long one: from then on the
-// block is equal, in all that it shows and keeps, to a second one that was in reset long before.
-// Settings are any constants, all other inputs do what they like. Mode prove, depth 11, z3; cover 18.
+// prove_wh_modulator: a width is within its limit, and 0 or least_i clocks at the least; what it is off
+// by is owed, to the last place, unless it was clipped; what is owed is bounded, and no sum of the
+// error feedback wraps. The duty comes from wh_early's port, which takes any word, at any clock.
 
 `default_nettype none
 `include "wh_formats.vh"
 
-// The block's parameters: Yosys' -chparam fails on a top with two copies of a block.
-`ifndef PROVE_EARLY
-`define PROVE_EARLY 0
-`endif
-`ifndef PROVE_MIN_PULSE
-`define PROVE_MIN_PULSE 0
-`endif
-
 module prove_wh_modulator #(
-    parameter integer EARLY     = `PROVE_EARLY,
-    parameter integer MIN_PULSE = `PROVE_MIN_PULSE
+    parameter integer MIN_PULSE = 0
 ) (
-    input wire                                    clk,
-    input wire                                    rst,
-    input wire                                    valid,
-    input wire signed [`WH_DATA_W-1:0]            voltage,
-    input wire signed [`WH_EXTRA_W-1:0]           extra,
-    input wire                                    grant,
-    input wire                                    done,
-    input wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product,
-    input wire                                    early_valid,
+    input wire                          clk,
+    input wire                          rst,
+    input wire                          early_valid,
     input wire signed [`WH_DATA_W+`WH_COEF_W-`WH_VOLTAGE_Q-1:0] early,
-    input wire                                    take,
-    input wire                                    update
+    input wire signed [`WH_EXTRA_W-1:0] extra,
+    input wire                          second_order,
+    input wire                          take,
+    input wire                          update
 );
 
-    (* anyconst *) wire signed [`WH_COEF_W-1:0] clocks_per_volt;
-    (* anyconst *) wire [`WH_TICK_W-1:0]        half_clocks;
-    (* anyconst *) wire                         second_order;
-    (* anyconst *) wire [7:0]                   least, spare;
+    localparam integer PRODUCT_W = `WH_DATA_W + `WH_COEF_W;
+    localparam integer DUTY_W    = PRODUCT_W - `WH_VOLTAGE_Q;
+    localparam integer FRACTION  = `WH_DUTY_Q;
+    localparam integer REST_W    = FRACTION + ((MIN_PULSE != 0) ? 9 : 1);
+    localparam integer OWED_W    = `WH_EXTRA_W + FRACTION - `WH_EXTRA_Q + ((MIN_PULSE != 0) ? 2 : 1);
+    localparam integer TOTAL_W   = DUTY_W + 1;
+    localparam integer W         = TOTAL_W + 4;
 
-    // The one with a short reset is in any state, the other has been in reset for LONG clocks.
-    localparam [3:0] LONG = 4'd8;
+    (* anyconst *) wire [15:0] half_clocks;
+    (* anyconst *) wire [7:0]  least_in;
+    (* anyconst *) wire [7:0]  spare_in;
 
-    reg  [3:0] clocks = 4'd0;
-    wire       compare = (clocks == LONG + 4'd1);
-    wire [1:0] resets = {rst || clocks < LONG + 4'd1, rst || clocks == LONG};
+    wire signed [`WH_TICK_W-1:0] width;
 
-    wire signed [`WH_TICK_W-1:0] width   [0:1];
-    wire                         request [0:1];
+    wh_modulator #(
+        .EARLY             (1),
+        .MIN_PULSE         (MIN_PULSE)
+    ) block (
+        .clk               (clk),
+        .rst               (rst),
+        .valid_i           (1'b0),
+        .voltage_i         ({`WH_DATA_W{1'b0}}),
+        .clocks_per_volt_i ({`WH_COEF_W{1'b0}}),
+        .half_clocks_i     (half_clocks),
+        .second_order_i    (second_order),
+        .extra_i           (extra),
+        .least_i           (least_in),
+        .spare_i           (spare_in),
+        .request_o         (),
+        .grant_i           (1'b0),
+        .factor_o          (),
+        .coefficient_o     (),
+        .done_i            (1'b0),
+        .product_i         ({PRODUCT_W{1'b0}}),
+        .early_valid_i     (early_valid),
+        .early_i           (early),
+        .take_i            (take),
+        .update_i          (update),
+        .width_o           (width)
+    );
 
-    genvar n;
-    generate
-        for (n = 0; n < 2; n = n + 1) begin : copy
-            wire signed [`WH_DATA_W-1:0] factor;
-            wire signed [`WH_COEF_W-1:0] coefficient;
+    (* hierconn *) wire signed [REST_W:0]    \block.rests_q ;
+    (* hierconn *) wire signed [REST_W-1:0]  \block.older_q ;
+    (* hierconn *) wire signed [REST_W-1:0]  \block.next_rest_q ;
+    (* hierconn *) wire signed [OWED_W-1:0]  \block.owed_q ;
+    (* hierconn *) wire signed [TOTAL_W-1:0] \block.total_q ;
+    (* hierconn *) wire signed [FRACTION:0]  \block.rest_q ;
+    (* hierconn *) wire signed [DUTY_W-1:0]  \block.active_q ;
+    (* hierconn *) wire                      \block.active_up_q ;
 
-            wh_modulator #(
-                .EARLY             (EARLY),
-                .MIN_PULSE         (MIN_PULSE)
-            ) block (
-                .clk               (clk),
-                .rst               (resets[n]),
-                .valid_i           (valid),
-                .voltage_i         (voltage),
-                .clocks_per_volt_i (clocks_per_volt),
-                .half_clocks_i     (half_clocks),
-                .second_order_i    (second_order),
-                .extra_i           (extra),
-                .least_i           (least),
-                .spare_i           (spare),
-                .request_o         (request[n]),
-                .grant_i           (grant),
-                .factor_o          (factor),
-                .coefficient_o     (coefficient),
-                .done_i            (done),
-                .product_i         (product),
-                .early_valid_i     (early_valid),
-                .early_i           (early),
-                .take_i            (take),
-                .update_i          (update),
-                .width_o           (width[n])
-            );
-        end
-    endgenerate
+    wire signed [W-1:0] least  = (MIN_PULSE != 0) ? $signed({1'b0, least_in}) : 9'sd0;
+    wire signed [W-1:0] spare  = (MIN_PULSE != 0) ? $signed({1'b0, spare_in}) : 9'sd0;
+    wire signed [W-1:0] limit  = $signed({1'b0, half_clocks[15:1]}) - spare;
+    wire signed [W-1:0] long_width = width;
+    wire signed [W-1:0] rest   = \block.next_rest_q ;
+    wire signed [W-1:0] older  = \block.older_q ;
+    wire signed [W-1:0] rests  = \block.rests_q ;
+    wire signed [W-1:0] owed   = \block.owed_q ;
+    wire signed [W-1:0] total  = \block.total_q ;
+    wire signed [W-1:0] active = \block.active_q ;
+    wire signed [W-1:0] active_up = $signed({1'b0, \block.active_up_q });
+    wire signed [W-1:0] extra_long = $signed(extra) <<< (FRACTION - `WH_EXTRA_Q);
+    // Half a clock, or half of least_i and half a clock.
+    wire signed [W-1:0] bound  = (least + 1) <<< (FRACTION - 1);
+    wire signed [W-1:0] size   = (long_width < 0) ? -long_width : long_width;
 
-    // All that a copy keeps, with the widths of the block.
-    localparam integer FRACTION = `WH_DUTY_Q;
-    localparam integer DUTY_W   = `WH_DATA_W + `WH_COEF_W - `WH_VOLTAGE_Q;
-    localparam integer REST_W   = FRACTION + ((MIN_PULSE != 0) ? 9 : 1);
-    localparam integer OWED_W   = `WH_EXTRA_W + FRACTION - `WH_EXTRA_Q + ((MIN_PULSE != 0) ? 2 : 1);
-    localparam integer TOTAL_W  = DUTY_W + 1;
-    localparam integer ROUND_W  = TOTAL_W - FRACTION + 1;
+    wire signed [W-1:0] fraction = \block.rest_q ;
+    wire signed [W-1:0] half     = 1 <<< (FRACTION - 1);
 
-    (* hierconn *) wire \copy[0].block.waiting_q ;
-    (* hierconn *) wire \copy[1].block.waiting_q ;
-    (* hierconn *) wire [DUTY_W-1:0] \copy[0].block.pending_q ;
-    (* hierconn *) wire [DUTY_W-1:0] \copy[1].block.pending_q ;
-    (* hierconn *) wire \copy[0].block.pending_up_q ;
-    (* hierconn *) wire \copy[1].block.pending_up_q ;
-    (* hierconn *) wire [DUTY_W-1:0] \copy[0].block.active_q ;
-    (* hierconn *) wire [DUTY_W-1:0] \copy[1].block.active_q ;
-    (* hierconn *) wire \copy[0].block.active_up_q ;
-    (* hierconn *) wire \copy[1].block.active_up_q ;
-    (* hierconn *) wire [OWED_W-1:0] \copy[0].block.owed_q ;
-    (* hierconn *) wire [OWED_W-1:0] \copy[1].block.owed_q ;
-    (* hierconn *) wire [TOTAL_W-1:0] \copy[0].block.total_q ;
-    (* hierconn *) wire [TOTAL_W-1:0] \copy[1].block.total_q ;
-    (* hierconn *) wire [ROUND_W-1:0] \copy[0].block.rounded_q ;
-    (* hierconn *) wire [ROUND_W-1:0] \copy[1].block.rounded_q ;
-    (* hierconn *) wire [FRACTION:0] \copy[0].block.rest_q ;
-    (* hierconn *) wire [FRACTION:0] \copy[1].block.rest_q ;
-    (* hierconn *) wire [REST_W-1:0] \copy[0].block.next_rest_q ;
-    (* hierconn *) wire [REST_W-1:0] \copy[1].block.next_rest_q ;
-    (* hierconn *) wire [REST_W:0] \copy[0].block.rests_q ;
-    (* hierconn *) wire [REST_W:0] \copy[1].block.rests_q ;
-    (* hierconn *) wire [REST_W-1:0] \copy[0].block.older_q ;
-    (* hierconn *) wire [REST_W-1:0] \copy[1].block.older_q ;
+    reg                begun = 1'b0;
+    reg        [1:0]   age = 2'd0;   // clocks since reset, up to 3
+    reg signed [W-1:0] total_q1, total_q2, rests_q1, extra_q1, owed_q1, active_q1;
+    wire signed [W-1:0] off = total_q2 - (long_width <<< FRACTION);
 
     always @(posedge clk) begin
-        clocks <= compare ? clocks : clocks + 4'd1;
-        assert (clocks <= LONG + 4'd1);
+        age       <= rst ? 2'd0 : (age == 2'd3) ? 2'd3 : age + 2'd1;
+        total_q1  <= total;
+        total_q2  <= total_q1;
+        rests_q1  <= rests;
+        extra_q1  <= extra_long;
+        owed_q1   <= owed;
+        active_q1 <= active + active_up;
 
-        if (compare) begin
-            assert (width[0] == width[1]);
-            assert (request[0] == request[1]);
+        assume (half_clocks >= 16'd6);
+        assume (limit >= least && limit >= 0);
+        // wh_dead_time's: 5/8 of the longest dead time.
+        assume (extra <= 17'sd40960 && extra >= -17'sd40960);
+        begun <= 1'b1;
+        if (!begun) begin
+            assume (rst);
+            // No reset reaches it; every clock makes it so.
+            assume (fraction <= half && fraction >= -half);
+        end
+        assert (!begun || (fraction <= half && fraction >= -half));
 
-            // What makes that inductive.
-            assert (\copy[0].block.waiting_q == \copy[1].block.waiting_q );
-            assert (\copy[0].block.pending_q == \copy[1].block.pending_q );
-            assert (\copy[0].block.pending_up_q == \copy[1].block.pending_up_q );
-            assert (\copy[0].block.active_q == \copy[1].block.active_q );
-            assert (\copy[0].block.active_up_q == \copy[1].block.active_up_q );
-            assert (\copy[0].block.owed_q == \copy[1].block.owed_q );
-            assert (\copy[0].block.total_q == \copy[1].block.total_q );
-            assert (\copy[0].block.rounded_q == \copy[1].block.rounded_q );
-            assert (\copy[0].block.rest_q == \copy[1].block.rest_q );
-            assert (\copy[0].block.next_rest_q == \copy[1].block.next_rest_q );
-            assert (\copy[0].block.rests_q == \copy[1].block.rests_q );
-            assert (\copy[0].block.older_q == \copy[1].block.older_q );
+        if (age != 2'd0) begin
+            assert (size <= limit);
+            assert (rest <= bound && rest >= -bound);
+            assert (older <= bound && older >= -bound);
+            assert (rests <= 3 * bound && rests >= -3 * bound);
+        end
+        if (age == 2'd3) begin
+            if (MIN_PULSE != 0) assert (size == 0 || size >= least);
+            // What it is off by is owed, unless the total was beyond the limit.
+            assert (rest == off
+                    || (rest == 0 && size == limit && (off < 0) == (total_q2 < 0)
+                        && ((total_q2 < 0) == (long_width < 0) || limit == 0)));
+            // Sums are exact.
+            assert (owed == rests_q1 + extra_q1);
+            assert (total == active_q1 + owed_q1);
         end
 
-        cover (compare && width[0] == 16'sd5 && !rst);
+        cover (age == 2'd3 && rest == off && off > 0 && width < 0 && rests < 0 && second_order);
+        cover (age == 2'd3 && rest != off);
+        cover (age == 2'd3 && update && rest < 0 && width > 0 && (size == least || MIN_PULSE == 0));
     end
 
 endmodule

@@ -61,15 +61,17 @@ module wh_carrier (
 
     always @(posedge clk) begin
         running_q <= !rst;
-        take_q    <= running_q && last_half && (remaining_q == FIVE);
-        if (!running_q || update_o) begin
+        take_q    <= !rst && running_q && last_half && (remaining_q == FIVE);
+        // A reset of one clock has to leave nothing of its half either: in the clock after it
+        // nothing runs, but phase and half are looked at.
+        if (rst || !running_q || update_o) begin
             phase_q     <= {`WH_TICK_W{1'b0}};
             remaining_q <= half_clocks_i - ONE;
         end else begin
             phase_q     <= phase_q + ONE;
             remaining_q <= remaining_q - ONE;
         end
-        if (!running_q) begin
+        if (rst || !running_q) begin
             half_q        <= 1'b0;
             halves_left_q <= tick_halves_i - ONE;
         end else if (update_o) begin

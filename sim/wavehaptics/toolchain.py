@@ -56,18 +56,28 @@ class Toolchain:
             raise ToolError(f"{name} is not there; {cure}, or change TOOLCHAIN={self.name}")
         return found
 
-    def run(self, tool: str, arguments: list[str], cwd: Path, log: Path) -> int:
+    def solver(self, name: str) -> str:
+        """Path of a solver such as ``z3``; :class:`ToolError` where there is none."""
+        places = f"{Path(sys.prefix, 'bin')}{os.pathsep}{os.environ.get('PATH', os.defpath)}"
+        found = shutil.which(name, path=places)
+        if found is None:
+            raise ToolError(f"{name} is not there; run `make setup-synth`, or install it")
+        return found
+
+    def run(
+        self, tool: str, arguments: list[str], cwd: Path, log: Path, timeout_s: float = TIMEOUT_S
+    ) -> int:
         """Exit status of ``tool`` run in ``cwd``; all that it says is written to ``log``."""
         with log.open("wb") as output:
             try:
                 done = subprocess.run(
                     [self.program(tool), *arguments],
                     cwd=cwd, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
-                    check=False, timeout=TIMEOUT_S,
+                    check=False, timeout=timeout_s,
                 )  # fmt: skip
             except subprocess.TimeoutExpired:
                 cure = "; take another seed" if tool.startswith("nextpnr") else ""
-                raise ToolError(f"{tool} doesn't end in {TIMEOUT_S} s, see {log}{cure}") from None
+                raise ToolError(f"{tool} doesn't end in {timeout_s:g} s, see {log}{cure}") from None
         return done.returncode
 
     def version(self, tool: str) -> str:
