@@ -49,7 +49,6 @@ FILES = (
     "sim/tests/test_adcs.py",
     "sim/tests/test_drive.py",
     "sim/tests/test_encoder.py",
-    "sim/tests/test_golden.py",
     "sim/tests/test_physics.py",
     "sim/tests/test_scene.py",
     "sim/tests/test_shaper.py",
