@@ -114,13 +114,15 @@ module prove_wh_anchor_turns #(
         if (begun) begin
             if (rst_q) assert (!busy && !overrun && !fault && step == 5'd0 && !\block.go_q
                                && correction == 0 && next == 0 && !request);
+            assert (busy == (step != 5'd0 || (\block.go_q && \block.adds_q == 5'd29)));
+            assert (step <= 5'd29);
             // Each step waits for its own product, and none is lost or taken for another.
             if (in_turn) begin
                 assert (\block.give_q == used + coming);
                 assert (!way[2] || waits);
                 assert (stall <= (waits ? 6'd3 + PATIENCE : 6'd0));
             end else begin
-                assert (way == 3'd0 || step != 5'd0);
+                assert (way == 3'd0);
             end
             // So it ends: 8 products, each waited for no longer than that.
             if (\block.go_q && \block.adds_q == 5'd25) assert (!\block.writes_q );

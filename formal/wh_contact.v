@@ -5,9 +5,8 @@
 // counts outside, with hysteresis). While hold_i is high nothing that is shown changes. η belongs to
 // what is shown. For all walls and positions, and whatever hold_i does.
 //
-// The rest is counted from a clock in which the position may have been any other. No state but the
-// round's is given: what the rotor did before doesn't matter.
-// Proven by induction with z3: depth 8 for WALLS = 1, 10 for 2, 12 for 3.
+// The rest is counted from a clock in which the position may have been any other.
+// Proven by induction: smtbmc z3, depth 2.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -55,11 +54,30 @@ module prove_wh_contact #(
         .eta_o         (eta)
     );
 
-    (* hierconn *) wire [WALL_W-1:0] \block.select_q ;
-    (* hierconn *) wire [WALL_W-1:0] \block.edges_wall_q ;
-    (* hierconn *) wire [WALL_W-1:0] \block.wall_q ;
-    (* hierconn *) wire              \block.edges_valid_q ;
-    (* hierconn *) wire              \block.valid_q ;
+    (* hierconn *) wire        [WALL_W-1:0]      \block.select_q ;
+    (* hierconn *) wire        [WALL_W-1:0]      \block.edges_wall_q ;
+    (* hierconn *) wire                          \block.edges_valid_q ;
+    (* hierconn *) wire                          \block.edges_enable_q ;
+    (* hierconn *) wire signed [`WH_COUNT_W-1:0] \block.min_q ;
+    (* hierconn *) wire signed [`WH_COUNT_W-1:0] \block.max_q ;
+    (* hierconn *) wire signed [`WH_COUNT_W-1:0] \block.position_q ;
+    (* hierconn *) wire        [WALL_W-1:0]      \block.wall_q ;
+    (* hierconn *) wire                          \block.valid_q ;
+    (* hierconn *) wire                          \block.enable_q ;
+    (* hierconn *) wire signed [`WH_COUNT_W:0]   \block.from_min_q ;
+    (* hierconn *) wire signed [`WH_COUNT_W:0]   \block.from_max_q ;
+    (* hierconn *) wire                          \block.found_q ;
+    (* hierconn *) wire        [WALL_W-1:0]      \block.found_wall_q ;
+    (* hierconn *) wire                          \block.linger_q ;
+    (* hierconn *) wire                          \block.contact_q ;
+    (* hierconn *) wire        [WALL_W-1:0]      \block.in_wall_q ;
+    (* hierconn *) wire signed [`WH_COUNT_W-1:0] \block.depth_q ;
+
+    wire [WALL_W-1:0] select     = \block.select_q ;
+    wire [WALL_W-1:0] edges_wall = \block.edges_wall_q ;
+    wire [WALL_W-1:0] at         = \block.wall_q ;
+    wire              edges      = \block.edges_valid_q ;
+    wire              valid      = \block.valid_q ;
 
     // Of the walls: one that holds the position, and whether it is within a count of any.
     reg inside;
@@ -67,6 +85,7 @@ module prove_wh_contact #(
     reg signed [`WH_COUNT_W:0] from_low;
     reg signed [`WH_COUNT_W:0] from_high;
     reg [WALL_W-1:0] first;
+    reg [WALLS-1:0]  holds;
     integer n;
 
     always @* begin
@@ -81,7 +100,8 @@ module prove_wh_contact #(
             from_high = $signed({high[n*`WH_COUNT_W + `WH_COUNT_W-1],
                                  high[n*`WH_COUNT_W +: `WH_COUNT_W]})
                         - $signed({position[`WH_COUNT_W-1], position});
-            if (enable[n] && from_low >= 0 && from_high > 0) begin
+            holds[n] = enable[n] && from_low >= 0 && from_high > 0;
+            if (holds[n]) begin
                 inside = 1'b1;
                 first  = n[WALL_W-1:0];
             end
@@ -100,7 +120,7 @@ module prove_wh_contact #(
     reg                          shown_q;  // one without hold has been behind the rounds
 
     wire       rests = begun && !rst_q && position == position_q;
-    wire [3:0] rest  = !rests ? 4'd0 : rest_q;
+    wire [3:0] rest  = rests ? rest_q : 4'd0;
     wire       shown = rests && shown_q;
 
     always @(posedge clk) begin
@@ -130,19 +150,43 @@ module prove_wh_contact #(
                 if (!inside && !(hysteresis && near)) assert (!contact && depth == 0);
             end
 
-            // What makes that inductive: the round.
-            assert (\block.select_q < WALLS && rest_q <= ROUNDS);
-            if (\block.edges_valid_q ) begin
-                assert (\block.select_q == ((\block.edges_wall_q == WALLS - 1)
-                                            ? 0 : \block.edges_wall_q + 1));
+            // What makes that inductive: the stages of the round, and of the position that it is made
+            // for only what has been at rest for as long as the stage is behind.
+            assert (rest_q <= ROUNDS && (!shown_q || rest_q == ROUNDS));
+            assert (select < WALLS && (!edges || edges_wall < WALLS) && (!valid || at < WALLS));
+            assert (edges == !rst_q && (edges || select == 0));
+            assert (edges || !valid);
+            if (edges) assert (select == ((edges_wall == WALLS - 1) ? 0 : edges_wall + 1));
+            if (valid) assert (edges_wall == ((at == WALLS - 1) ? 0 : at + 1));
+            if (edges && !valid) assert (rest <= 1 && edges_wall == 0);
+            if (edges) begin
+                assert (\block.min_q == $signed(low[edges_wall*`WH_COUNT_W +: `WH_COUNT_W]));
+                assert (\block.max_q == $signed(high[edges_wall*`WH_COUNT_W +: `WH_COUNT_W]));
+                assert (\block.edges_enable_q == enable[edges_wall]);
+                if (rest > edges_wall) assert (\block.position_q == position);
             end
-            if (\block.valid_q ) begin
-                assert (\block.edges_valid_q
-                        || rst_q);
-                assert (rst_q || \block.edges_wall_q == ((\block.wall_q == WALLS - 1)
-                                                         ? 0 : \block.wall_q + 1));
+            if (valid) begin
+                assert (\block.enable_q == enable[at]);
+                if (rest > at + 4'd1) begin
+                    assert (\block.from_min_q == $signed({position[`WH_COUNT_W-1], position})
+                            - $signed({low[at*`WH_COUNT_W + `WH_COUNT_W-1],
+                                       low[at*`WH_COUNT_W +: `WH_COUNT_W]}));
+                    assert (\block.from_max_q == $signed({high[at*`WH_COUNT_W + `WH_COUNT_W-1],
+                                                          high[at*`WH_COUNT_W +: `WH_COUNT_W]})
+                            - $signed({position[`WH_COUNT_W-1], position}));
+                    if (at != 0) begin
+                        assert (\block.found_q == (inside && first < at));
+                        if (\block.found_q ) assert (\block.found_wall_q == first);
+                        if (\block.linger_q ) assert (hysteresis && near);
+                    end
+                end
+                if (rest > WALLS + at + 4'd1) begin
+                    if (inside) assert (\block.contact_q && \block.in_wall_q == first);
+                    if (!inside && !(hysteresis && near)) begin
+                        assert (!\block.contact_q && \block.depth_q == 0);
+                    end
+                end
             end
-            if (!rst_q) assert (\block.edges_valid_q );
         end
 
         cover (begun && shown && contact && hold && wall == WALLS - 1);

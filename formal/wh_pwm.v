@@ -21,6 +21,7 @@ module prove_wh_pwm (
 );
 
     localparam integer TICK_W = `WH_TICK_W;
+    localparam integer RUN_W  = 8;  // for halves of up to 63 clocks
 
     (* anyconst *) wire [TICK_W-1:0] half_clocks;
     (* anyconst *) wire [1:0]        mode;
@@ -78,31 +79,31 @@ module prove_wh_pwm (
     wire signed [17:0] w_size = w[17] ? -w : w;
 
     // Clocks for which a leg has been where it is, this one included; enough after a reset.
-    localparam [17:0] LONG = 18'h1ffff;
+    localparam [RUN_W-1:0] LONG = 8'd127;
     reg        begun = 1'b0;
     reg        rst_q;
     reg        a_q, b_q;
-    reg [17:0] run_a_q, run_b_q;
-    wire [17:0] run_a = rst_q ? LONG : (leg_a != a_q) ? 18'd1 : (run_a_q == LONG) ? LONG : run_a_q + 18'd1;
-    wire [17:0] run_b = rst_q ? LONG : (leg_b != b_q) ? 18'd1 : (run_b_q == LONG) ? LONG : run_b_q + 18'd1;
+    reg [RUN_W-1:0] run_a_q, run_b_q;
+    wire [RUN_W-1:0] run_a = rst_q ? LONG : (leg_a != a_q) ? 8'd1 : (run_a_q == LONG) ? LONG : run_a_q + 8'd1;
+    wire [RUN_W-1:0] run_b = rst_q ? LONG : (leg_b != b_q) ? 8'd1 : (run_b_q == LONG) ? LONG : run_b_q + 8'd1;
 
-    wire [17:0] long_half  = {2'd0, half_clocks};
-    wire [17:0] least_run  = {10'd0, min_pulse};
-    wire [17:0] p          = {2'd0, phase};
-    wire [17:0] m          = {2'd0, \block.magnitude_q };
-    wire [17:0] long_spare = {2'd0, spare};
+    wire [RUN_W-1:0] long_half  = half_clocks[RUN_W-1:0];
+    wire [RUN_W-1:0] least_run  = min_pulse;
+    wire [RUN_W-1:0] p          = phase[RUN_W-1:0];
+    wire [RUN_W-1:0] m          = \block.magnitude_q [RUN_W-1:0];
+    wire [RUN_W-1:0] long_spare = spare[RUN_W-1:0];
 
     // Unipolar, what the legs show in this clock: the phase before.
-    wire        active = p - 18'd1 < m || long_half - p < m;
+    wire        active = p - 8'd1 < m || long_half - p < m;
     wire        shown  = leg_a == (active ? !\block.negative_q : half)
                          && leg_b == (active ? \block.negative_q : half);
 
     // The run of a leg that is at least what this place in the half makes it, while it is ahead of
     // a pattern that is on for the first and the last on clocks of a half.
-    function at_least(input [17:0] run, input [17:0] on, input first_part, input last_part);
-        at_least = (!first_part && p - 18'd1 < on) ? run >= p
+    function at_least(input [RUN_W-1:0] run, input [RUN_W-1:0] on, input first_part, input last_part);
+        at_least = (!first_part && p - 8'd1 < on) ? run >= p
                  : (!last_part && long_half - p < on) ? run + long_half >= p + on
-                 : run + ((first_part) ? 18'd0 : on) >= p;
+                 : run + ((first_part) ? 8'd0 : on) >= p;
     endfunction
 
     always @(posedge clk) begin
@@ -113,7 +114,7 @@ module prove_wh_pwm (
         run_a_q <= run_a;
         run_b_q <= run_b;
 
-        assume (half_clocks >= 6 && half_clocks < 16'h0100);
+        assume (half_clocks >= 6 && half_clocks < 16'd64);
         assume (limit >= $signed({2'd0, least}) && limit >= 0 && limit >= $signed({10'd0, min_pulse} ));
         assume (w_size <= limit && (w_size == 0 || w_size >= $signed({2'd0, least})));
         if (!begun) assume (rst && !\carrier.running_q );
@@ -126,11 +127,12 @@ module prove_wh_pwm (
             end
 
             // What makes that inductive.
-            assert (run_a >= 18'd1 && run_b >= 18'd1 && run_a <= LONG && run_b <= LONG);
+            assert (\block.magnitude_q < 16'd64);
+            assert (run_a >= 8'd1 && run_b >= 8'd1 && run_a <= LONG && run_b <= LONG);
             if (rst_q) assert (!\carrier.running_q );
             if (!\carrier.running_q ) begin
                 assert (rst_q);
-                assert (m == 18'd0 && !half && phase == 16'd0 && remaining + 16'd1 == half_clocks);
+                assert (m == 8'd0 && !half && phase == 16'd0 && remaining + 16'd1 == half_clocks);
             end else begin
                 assert (phase < half_clocks && phase + remaining + 16'd1 == half_clocks);
             end
@@ -141,9 +143,9 @@ module prove_wh_pwm (
     (* hierconn *) wire [TICK_W-1:0] \block.by_mode.on_clocks_q ;
     (* hierconn *) wire              \block.by_mode.sign_q ;
 
-    wire [17:0] on     = {2'd0, \block.by_mode.on_clocks_q };
-    wire [17:0] centre = {3'd0, half_clocks[15:1]};
-    wire [17:0] centre_now = signs ? 18'd0 : centre;
+    wire [RUN_W-1:0] on     = \block.by_mode.on_clocks_q [RUN_W-1:0];
+    wire [RUN_W-1:0] centre = half_clocks[RUN_W:1];
+    wire [RUN_W-1:0] centre_now = signs ? 8'd0 : centre;
     wire        odd    = half_clocks[0] && !signs;
 
     reg fresh;   // no width has been taken since reset
@@ -151,11 +153,12 @@ module prove_wh_pwm (
     always @(posedge clk) begin
         fresh <= rst || (fresh && !(update && half));
         if (begun) begin
+            assert (\block.by_mode.on_clocks_q < 16'd64);
             if (!\carrier.running_q ) begin
                 assert (fresh && on == centre_now && !\block.by_mode.sign_q );
             end
             if (!whole) begin
-                assert (m == 18'd0 || m >= least_run);
+                assert (m == 8'd0 || m >= least_run);
                 assert (2 * m + least_run <= long_half);
                 if (\carrier.running_q && phase == 16'd0) begin
                     assert (run_a >= least_run && run_b >= least_run);
@@ -164,17 +167,17 @@ module prove_wh_pwm (
                     assert (at_least(run_b, m, 1'b0, 1'b0));
                 end
             end else if (signs) begin
-                assert (on == 18'd0 || on >= 2 * long_spare);
+                assert (on == 8'd0 || on >= 2 * long_spare);
                 assert (on + 2 * long_spare <= long_half);
-                if (fresh) assert (on == 18'd0 && !\block.by_mode.sign_q );
+                if (fresh) assert (on == 8'd0 && !\block.by_mode.sign_q );
                 if (\carrier.running_q && phase == 16'd0) begin
                     assert (run_a >= least_run);
                     if (!half) assert (run_b >= least_run);
                     else assert (run_b >= long_half);
                 end else if (\carrier.running_q ) begin
                     if (!half) begin
-                        assert (leg_a == ((p - 18'd1 < on) ^ \block.by_mode.sign_q ));
-                        assert (p - 18'd1 < on ? run_a >= p : run_a + on >= p);
+                        assert (leg_a == ((p - 8'd1 < on) ^ \block.by_mode.sign_q ));
+                        assert (p - 8'd1 < on ? run_a >= p : run_a + on >= p);
                         assert (run_b >= p);
                     end else begin
                         assert (leg_a == ((long_half - p < on) ^ \block.by_mode.sign_q ));
@@ -182,20 +185,22 @@ module prove_wh_pwm (
                         assert (run_b >= long_half);
                     end
                 end
-                if (\carrier.running_q && p != 18'd0) assert (leg_b == \block.by_mode.sign_q );
+                if (\carrier.running_q && (p != 8'd0 || half)) begin
+                    assert (leg_b == \block.by_mode.sign_q );
+                end
             end else begin
-                if (fresh) assert (on == centre + {17'd0, odd && half});
+                if (fresh) assert (on == centre + {7'd0, odd && half});
                 assert (on >= long_spare && on + long_spare <= long_half);
                 if (\carrier.running_q && !half) begin
-                    assert (on + long_spare + {17'd0, odd} <= long_half);
+                    assert (on + long_spare + {7'd0, odd} <= long_half);
                     if (phase == 16'd0) begin
                         if (!fresh) assert (run_a >= long_spare && run_b >= long_spare
                                             && leg_a && !leg_b);
                         else assert (leg_a && !leg_b);
-                    end else if (p - 18'd1 < on) begin
+                    end else if (p - 8'd1 < on) begin
                         assert (leg_a && !leg_b);
-                        assert (run_a >= p + (fresh ? 18'd0 : long_spare));
-                        assert (run_b >= p + (fresh ? 18'd0 : long_spare));
+                        assert (run_a >= p + (fresh ? 8'd0 : long_spare));
+                        assert (run_b >= p + (fresh ? 8'd0 : long_spare));
                     end else begin
                         assert (!leg_a && leg_b);
                         assert (run_a + on >= p && run_b + on >= p);
@@ -214,14 +219,14 @@ module prove_wh_pwm (
                 end
             end
         end
-        cover (begun && !rst_q && signs && min_pulse == 8'd2 && leg_a != a_q && run_a_q == 18'd2);
+        cover (begun && !rst_q && signs && min_pulse == 8'd2 && leg_a != a_q && run_a_q == 8'd2);
         cover (begun && !rst_q && whole && !signs && min_pulse == 8'd2 && leg_a != a_q
-               && run_a_q == 18'd2);
+               && run_a_q == 8'd2);
     end
 `else
     always @(posedge clk) begin
         if (begun) begin
-            assert (m == 18'd0 || m >= least_run);
+            assert (m == 8'd0 || m >= least_run);
             assert (2 * m + least_run <= long_half);
             if (\carrier.running_q ) begin
                 if (phase == 16'd0) begin
@@ -232,8 +237,8 @@ module prove_wh_pwm (
                 end
             end
         end
-        cover (begun && !rst_q && min_pulse == 8'd2 && leg_a != a_q && run_a_q == 18'd2);
-        cover (begun && !rst_q && min_pulse == 8'd3 && leg_b != b_q && run_b_q == 18'd3);
+        cover (begun && !rst_q && min_pulse == 8'd2 && leg_a != a_q && run_a_q == 8'd2);
+        cover (begun && !rst_q && min_pulse == 8'd3 && leg_b != b_q && run_b_q == 8'd3);
         cover (begun && !rst_q && \carrier.running_q && min_pulse == 8'd1 && leg_a && !leg_b && half);
     end
 `endif
