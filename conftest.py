@@ -31,6 +31,7 @@ BLOCKS = {
     "wh_sense_check": "test_sense_check.py::test_sense_check[icarus]",
     "wh_shaper": "test_wave_core.py::test_wave_core_with_a_shaper[icarus-2-1]",
     "wh_sinc3": "test_sinc3.py::test_sinc3[icarus-4-0-2-1]",
+    "wh_step_watch": "test_step_watch.py::test_step_watch[icarus]",
     "wh_synchroniser": "test_synchroniser.py::test_synchroniser[icarus]",
     "wh_trip": "test_trip.py::test_trip[icarus]",
     "wh_truncate": "test_arithmetic.py::test_every_small_word[icarus]",
