@@ -100,7 +100,7 @@ module prove_wh_anchor_turns #(
         rst_q   <= rst;
         way     <= rst ? 3'd0 : {way[1:0], granted};
         refused <= (rst || !request || grant) ? 4'd0 : refused + 4'd1;
-        makes_q    <= !begun || rst || !busy || \block.adds_q < 5'd6;
+        makes_q    <= !begun || rst || !in_turn || \block.adds_q < 5'd6;
         over_q     <= \block.over_left_q ;
         voltage_q  <= \block.voltage_q ;
         word_8_q   <= \block.memory[8] ;

@@ -80,7 +80,9 @@ module prove_wh_carrier #(
             end
         end
 
-        if (!\block.running_q ) begin
+        if (!begun) begin
+            // Any state.
+        end else if (!\block.running_q ) begin
             assert (!update && !take && !tick && !sample);
         end else begin
             assert (phase + remaining + 1 == half && remaining < half && phase < half);

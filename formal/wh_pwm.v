@@ -153,7 +153,7 @@ module prove_wh_pwm (
     always @(posedge clk) begin
         fresh <= rst || (fresh && !(update && half));
         if (begun) begin
-            assert (\block.by_mode.on_clocks_q < 16'd64);
+            if (whole) assert (\block.by_mode.on_clocks_q < 16'd64);
             if (!\carrier.running_q ) begin
                 assert (fresh && on == centre_now && !\block.by_mode.sign_q );
             end
