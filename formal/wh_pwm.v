@@ -2,7 +2,7 @@
 //
 // prove_wh_pwm: no leg changes sooner than min_pulse clocks after it changed before, with the widths
 // that wh_modulator allows (formal/wh_modulator.v) and the limits that wh_controller gives it, in
-// every mode, after a reset of any length at any clock. What a reset cuts short doesn't count, and
+// every mode, BY_MODE says which, after a reset of any length at any clock. What a reset cuts short doesn't count, and
 // it leaves both legs low.
 
 `default_nettype none
@@ -116,6 +116,13 @@ module prove_wh_pwm (
 
         assume (half_clocks >= 6 && half_clocks < 16'd64);
         assume (limit >= $signed({2'd0, least}) && limit >= 0 && limit >= $signed({10'd0, min_pulse} ));
+`ifdef BY_MODE
+        // Locked and half bridge drive the legs alike.
+        assume (`BY_MODE == 2 ? mode == `WH_MODE_SIGN_MAGNITUDE
+                              : mode == `WH_MODE_LOCKED || mode == `WH_MODE_HALF_BRIDGE);
+`endif
+        // With 0 nothing is claimed.
+        assume (min_pulse >= 8'd1);
         assume (w_size <= limit && (w_size == 0 || w_size >= $signed({2'd0, least})));
         if (!begun) assume (rst && !\carrier.running_q );
 
@@ -153,20 +160,11 @@ module prove_wh_pwm (
     always @(posedge clk) begin
         fresh <= rst || (fresh && !(update && half));
         if (begun) begin
-            if (whole) assert (\block.by_mode.on_clocks_q < 16'd64);
+            assert (\block.by_mode.on_clocks_q < 16'd64);
             if (!\carrier.running_q ) begin
                 assert (fresh && on == centre_now && !\block.by_mode.sign_q );
             end
-            if (!whole) begin
-                assert (m == 8'd0 || m >= least_run);
-                assert (2 * m + least_run <= long_half);
-                if (\carrier.running_q && phase == 16'd0) begin
-                    assert (run_a >= least_run && run_b >= least_run);
-                end else if (\carrier.running_q ) begin
-                    assert (shown && at_least(run_a, m, 1'b0, 1'b0));
-                    assert (at_least(run_b, m, 1'b0, 1'b0));
-                end
-            end else if (signs) begin
+            if (signs) begin
                 assert (on == 8'd0 || on >= 2 * long_spare);
                 assert (on + 2 * long_spare <= long_half);
                 if (fresh) assert (on == 8'd0 && !\block.by_mode.sign_q );
@@ -219,9 +217,8 @@ module prove_wh_pwm (
                 end
             end
         end
-        cover (begun && !rst_q && signs && min_pulse == 8'd2 && leg_a != a_q && run_a_q == 8'd2);
-        cover (begun && !rst_q && whole && !signs && min_pulse == 8'd2 && leg_a != a_q
-               && run_a_q == 8'd2);
+        cover (begun && !rst_q && min_pulse == 8'd2 && leg_a != a_q && run_a_q == 8'd2);
+        cover (begun && !rst_q && leg_b != b_q && run_b_q > 8'd2);
     end
 `else
     always @(posedge clk) begin
