@@ -51,7 +51,7 @@ def test_hard_case_is_as_expected(case):
     assert outcome["numbers"]
 
 
-def tests_in(file: str) -> set[str]:
+def names_of_tests(file: str) -> set[str]:
     """Names of the functions of a file of the repository."""
     nodes = ast.walk(ast.parse((ROOT / file).read_text(encoding="utf-8")))
     return {node.name for node in nodes if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)}
@@ -65,7 +65,7 @@ def tests_in(file: str) -> set[str]:
     ],
 )
 def test_the_tests_that_the_report_names_are_there(file, test):
-    assert test in tests_in(file)
+    assert test in names_of_tests(file)
 
 
 def test_the_report_reads_no_tests(monkeypatch):
