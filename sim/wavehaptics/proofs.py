@@ -233,8 +233,9 @@ def sby_file(job: Job, files: list[str]) -> str:
 
 
 def digest(job: Job, texts: dict[str, str], tools: str) -> str:
-    """Of all that a run depends on."""
-    told = json.dumps([sby_file(job, sorted(texts)), texts, job.kind, tools], sort_keys=True)
+    """Of all that a run depends on; the time it may take isn't."""
+    script = re.sub(r"^timeout .*\n", "", sby_file(job, sorted(texts)), flags=re.MULTILINE)
+    told = json.dumps([script, texts, job.kind, tools], sort_keys=True)
     return hashlib.sha256(told.encode()).hexdigest()
 
 
@@ -381,7 +382,10 @@ def formal(
                 outcome = future.result()
                 outcomes.append(outcome)
                 progress.console.print(
-                    line(outcome), style=None if outcome.met else "bold red", markup=False
+                    line(outcome),
+                    style=None if outcome.met else "bold red",
+                    markup=False,
+                    soft_wrap=True,
                 )
                 progress.update(bar, advance=1, description=outcome.name)
     except (ProofError, ToolError) as error:
