@@ -35,6 +35,7 @@ module bench_anchor (
 
     output wire signed [`WH_DATA_W-1:0]  correction_o,
     output wire signed [`WH_DATA_W-1:0]  next_o,
+    output wire signed [`WH_DATA_W-1:0]  room_o,
     output wire signed [`WH_DATA_W-1:0]  offset_o,
     output wire signed [`WH_DATA_W-1:0]  flux_o,
     output wire signed [`WH_DATA_W-1:0]  lag_o,
@@ -89,6 +90,7 @@ module bench_anchor (
         .product_i     (product),
         .correction_o  (correction_o),
         .next_o        (next_o),
+        .room_o        (room_o),
         .offset_o      (offset_o),
         .flux_o        (flux_o),
         .lag_o         (lag_o),

@@ -18,14 +18,14 @@ from wavehaptics import anchor, formats
 
 # Clocks since waves_i of a step whose multiplier never makes it wait; with it, since the last of
 # its products was granted.
-STEP_CLOCKS = 30
+STEP_CLOCKS = 28
 FROM_LAST_GRANT = 7
 START_FROM_LAST_GRANT = 4  # from here on the next tick may start
 GRANTS = ("c", "current_i", "withheld_i", "u_i", "v_i", "learn", "pull", "damp")
 
 COUNT = formats.Fixed(formats.COUNT_W, 0)
 DATA, COEF = formats.CURRENT, formats.ROOT
-GAINS = range(anchor.FLUX_GAIN, anchor.ZERO_GAIN + 1)
+GAINS = range(anchor.FLUX_GAIN, anchor.ROOM_GAIN + 1)
 LIMITS = range(anchor.REACH, anchor.STRANGE + 1)
 
 
@@ -96,6 +96,7 @@ class AnchorBench(Bench):
         want = {
             "correction": self.correction,
             "next": state[anchor.CORRECTION],
+            "room": state[anchor.ROOM],
             "offset": state[anchor.OFFSET],
             "flux": state[anchor.CHI] >> formats.LONG_GUARD,
             "lag": state[anchor.LAG] >> formats.LONG_GUARD,
@@ -199,9 +200,7 @@ class AnchorBench(Bench):
         half = 1 << (formats.LONG.fraction - 1)
         begins = tick.contact and not before[anchor.TOUCHING]
         moved = gone[anchor.POSITION] if before[anchor.STARTED] else 0
-        strange = words[anchor.ENABLE] and state[anchor.CLIPPED] and not state[anchor.FAULT]
-        e = abs(tick.voltage)
-        by_drive = words[anchor.DRIVE] - e < words[anchor.REACH] + e // 4
+        strange = words[anchor.ENABLE] and state[anchor.CLIPPED] and not before[anchor.FAULT]
         self.seen |= {
             name
             for name, happened in {
@@ -216,8 +215,8 @@ class AnchorBench(Bench):
                 "clipped above": state[anchor.CLIPPED] and state[anchor.CORRECTION] > 0,
                 "clipped below": state[anchor.CLIPPED] and state[anchor.CORRECTION] < 0,
                 "not clipped": not state[anchor.CLIPPED] and state[anchor.CORRECTION],
-                "clipped by the drive": strange and by_drive,
-                "clipped by the reach": strange and not by_drive,
+                "clipped with the waves": strange and tick.saturated,
+                "room": state[anchor.ROOM] != 0,
                 "fault": gone[anchor.FAULT],
                 "mean": gone[anchor.MEAN],
                 "offset": gone[anchor.OFFSET],
@@ -234,8 +233,8 @@ EVERYTHING = frozenset(
     (
         "begins up", "begins down", "begins unmoved", "correction", "disabled", "outside above",
         "outside below", "inside", "clipped above", "clipped below", "not clipped",
-        "clipped by the drive", "clipped by the reach", "fault", "mean", "offset",
-        "learned at rest", "learned on the move", "one unit of rest", "withheld",
+        "clipped with the waves", "room", "fault", "mean", "offset", "learned at rest",
+        "learned on the move", "one unit of rest", "withheld",
     )
 )  # fmt: skip
 
@@ -313,7 +312,7 @@ def motor_settings() -> np.ndarray:
     words[anchor.LEARN_GAIN] = formats.LEARN.to_raw(100 * TICK_S * CELL_VS / L_H)
     words[anchor.ZERO_GAIN] = formats.LEARN.to_raw(2000 * TICK_S / R_OHM)
     words[anchor.REACH] = formats.VOLTAGE.to_raw(1.0)
-    words[anchor.DRIVE] = formats.VOLTAGE.to_raw(6.0)
+    words[anchor.ROOM_GAIN] = formats.FLUX.to_raw(1 / ROOT)
     words[anchor.STRANGE] = formats.VOLTAGE.to_raw(0.8)
     words[anchor.REST_TICKS] = 6
     words[anchor.SLOW_UNITS] = 20

@@ -243,6 +243,7 @@ class Made:
     flux: int
     lag: int
     fault: int
+    room: int
 
 
 class GateWatch:
@@ -422,14 +423,15 @@ class ControllerBench(Bench):
             eta = made.eta
             assert step.u[n] == waves[-1 - settings.extra_ticks]
             ready = prepare(
-                waves[-1], step.u[n], step.u_max[n], port.root, port.a, settings.gain(n),
+                waves[-1], step.u[n], step.u_max[n] - made.room, port.root, port.a,
+                settings.gain(n),
                 step.clocks_per_volt[n], eta, 0, made.offset, made.correction,
             )  # fmt: skip
             duties.append(ready.duty(sums[n]))
             goal = golden.saturate.py_func(golden.truncate.py_func(eta * step.v[n], _ETA_Q))
             error = golden.truncate.py_func((goal << _GUARD) - f, _GUARD)
             f += golden.truncate.py_func(port.a * golden.saturate.py_func(error), _A_SHIFT)
-            limit = step.u_max[n] << _GUARD
+            limit = (step.u_max[n] - made.room) << _GUARD
             f = min(max(f, -limit), limit)
             waves.append(golden.truncate.py_func(f, _GUARD))
         return duties
@@ -441,6 +443,7 @@ class ControllerBench(Bench):
         held, e, result = anchor.new_state(), 0, []
         for step, (_, words) in zip(self.steps, self.currents(), strict=False):
             offset, correction = int(held[anchor.OFFSET]), int(held[anchor.CORRECTION])
+            room = int(held[anchor.ROOM])
             seen = [int(held[place]) >> _GUARDED for place in (anchor.CHI, anchor.LAG)]
             fault = int(held[anchor.FAULT])
             current = golden.saturate.py_func(words[n] - offset)
@@ -448,7 +451,7 @@ class ControllerBench(Bench):
             withheld, saturated = int(state[golden.STATE_WITHHELD]), state[golden.STATE_SATURATED]
             e_before = e
             e, u, v = golden.wave_core_step.py_func(
-                state, line, current, eta, 0, port.root, port.a, step.u_max[n],
+                state, line, current, eta, 0, port.root, port.a, step.u_max[n] - room,
                 settings.extra_ticks, settings.hold_ticks,
             )  # fmt: skip
             e, u, v = int(e), int(u), int(v)
@@ -460,7 +463,7 @@ class ControllerBench(Bench):
             voltage = golden.saturate.py_func(e + correction)
             saturated = int(state[golden.STATE_SATURATED])
             result.append(
-                Made(current, eta, voltage, u, v, saturated, correction, offset, *seen, fault)
+                Made(current, eta, voltage, u, v, saturated, correction, offset, *seen, fault, room)
             )
         return result
 
@@ -554,7 +557,6 @@ def random_anchor(rng: random.Random, ohm: float) -> np.ndarray:
     words = np.zeros(anchor.SETTINGS, dtype=np.int64)
     if not ANCHOR:
         return words
-    limit_v = rng.uniform(0.3, 1.1) * BUS_V
     words[anchor.ENABLE] = rng.random() < 0.9
     words[anchor.FLUX_GAIN] = formats.FLUX.to_raw(10.0 ** rng.uniform(-4.0, -1.0))
     words[anchor.OWED_GAIN] = rng.choice((0, words[anchor.FLUX_GAIN]))
@@ -563,8 +565,8 @@ def random_anchor(rng: random.Random, ohm: float) -> np.ndarray:
     words[anchor.DAMP_GAIN] = formats.PULL.to_raw(rng.uniform(0.0, 1.0))
     words[anchor.LEARN_GAIN] = formats.LEARN.to_raw(10.0 ** rng.uniform(-3.0, -1.0))
     words[anchor.ZERO_GAIN] = formats.FLUX.to_raw(10.0 ** rng.uniform(-3.0, -1.0) / ohm)
+    words[anchor.ROOM_GAIN] = formats.FLUX.to_raw(1.0 / math.sqrt(2 * ohm))
     words[anchor.REACH] = formats.VOLTAGE.to_raw(rng.uniform(0.1, 2.0))
-    words[anchor.DRIVE] = formats.VOLTAGE.to_raw(limit_v)
     words[anchor.STRANGE] = formats.VOLTAGE.to_raw(rng.choice((5.0, 100.0)))
     words[anchor.REST_TICKS] = rng.randint(1, 4)
     words[anchor.SLOW_UNITS] = rng.randint(0, 4)

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// prove_wh_anchor: a tick's 30 steps with any products, which come at once. Part 0: from any state of
+// prove_wh_anchor: a tick's 28 steps with any products, which come at once. Part 0: from any state of
 // rest to the next, and c is 0 if it isn't enabled or after a fault. Part 1: the first steps make the
-// limits of c. Part 2: in the last steps these hold it, whatever the state is otherwise. |e_id| <= drive and reach >= 0 are taken for granted.
+// limit of c. Part 2: in the last steps it holds c, whatever the state is otherwise. reach is taken
+// for 0 or more and below half a word's largest, as its setting is.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -19,9 +20,8 @@ module prove_wh_anchor #(
     localparam integer COEF_W = `WH_COEF_W;
 
     (* anyconst *) wire                         enable;
-    (* anyconst *) wire signed [7*COEF_W-1:0]   gains;
+    (* anyconst *) wire signed [8*COEF_W-1:0]   gains;
     (* anyconst *) wire signed [DATA_W-1:0]     reach;
-    (* anyconst *) wire signed [DATA_W-1:0]     drive;
     (* anyconst *) wire signed [DATA_W-1:0]     strange;
     (* anyconst *) wire [`WH_REST_W-1:0]        rest_ticks;
     (* anyconst *) wire [`WH_REST_UNIT_W-1:0]   slow_units;
@@ -32,7 +32,7 @@ module prove_wh_anchor #(
     reg [5:0] at = 6'd0;
 
     wire                     busy, overrun, request, fault;
-    wire signed [DATA_W-1:0] factor, correction, next, offset, flux, lag;
+    wire signed [DATA_W-1:0] factor, correction, next, room, offset, flux, lag;
     wire signed [COEF_W-1:0] coefficient;
 
     wh_anchor block (
@@ -50,7 +50,7 @@ module prove_wh_anchor #(
         .saturated_i   (saturated),
         .busy_o        (busy),
         .overrun_o     (overrun),
-        .words_i       ({slow_units, rest_ticks, strange, drive, reach, gains, enable}),
+        .words_i       ({slow_units, rest_ticks, strange, reach, gains, enable}),
         .request_o     (request),
         .factor_o      (factor),
         .coefficient_o (coefficient),
@@ -59,6 +59,7 @@ module prove_wh_anchor #(
         .product_i     (product),
         .correction_o  (correction),
         .next_o        (next),
+        .room_o        (room),
         .offset_o      (offset),
         .flux_o        (flux),
         .lag_o         (lag),
@@ -70,63 +71,59 @@ module prove_wh_anchor #(
     (* hierconn *) wire       \block.contact_q ;
 
     (* hierconn *) wire [4:0] \block.adds_q ;
-    (* hierconn *) wire       \block.over_left_q ;
     (* hierconn *) wire       \block.writes_q ;
     (* hierconn *) wire signed [DATA_W-1:0]      \block.voltage_q ;
-    (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[8] ;
     (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[9] ;
+    (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[12] ;
 
     localparam integer VOLT_SHIFT = `WH_LONG_Q - `WH_VOLTAGE_Q;
 
     reg fault_before;
 
-    // One bit more than a word, and two for a quarter's fraction.
+    // One bit more than a word, and more for a half's fraction.
     wire signed [DATA_W+3:0] size   = voltage[DATA_W-1] ? -$signed({{4{voltage[DATA_W-1]}}, voltage})
                                                         : $signed({{4{voltage[DATA_W-1]}}, voltage});
     wire signed [DATA_W+3:0] c      = next;
     wire signed [DATA_W+3:0] c_size = c[DATA_W+3] ? -c : c;
-    wire signed [DATA_W+3:0] left   = drive - size;
     // Out of contact the reach is half, and the limit's fraction of a place goes up.
-    wire signed [DATA_W+3:0] quarters = 4 * (\block.contact_q ? reach : reach >>> 1) + size;
-    wire signed [DATA_W+3:0] limit    = (quarters + 3) >>> 2;
+    wire signed [DATA_W+3:0] halves = 2 * (\block.contact_q ? reach : reach >>> 1) + size;
+    wire signed [DATA_W+3:0] limit  = (halves + 1) >>> 1;
 
-    // drive - |e_id|, c_0 + |e_id|/4 and which is the smaller, in a long word's places.
-    wire signed [`WH_LONG_W-1:0] left_long  = $signed({left, {VOLT_SHIFT{1'b0}}});
-    wire signed [`WH_LONG_W-1:0] limit_long = $signed({quarters, {(VOLT_SHIFT - 2){1'b0}}});
-    wire limits_stand = \block.memory[8] == left_long && \block.memory[9] == limit_long
-                        && \block.over_left_q == (limit_long >= left_long) && busy
-                        && \block.voltage_q == voltage;
+    // c_0 + |e_id|/2 in a long word's places.
+    wire signed [`WH_LONG_W-1:0] limit_long = $signed({halves, {(VOLT_SHIFT - 1){1'b0}}});
+    wire limit_stands = \block.memory[9] == limit_long && busy && \block.voltage_q == voltage;
 
     always @(posedge clk) begin
         at <= (at == 6'd40) ? 6'd40 : at + 6'd1;
-        assume (!reach[DATA_W-1] && !strange[DATA_W-1] && !drive[DATA_W-1]);
-        assume (size <= drive);
+        assume (!reach[DATA_W-1] && !reach[DATA_W-2] && !strange[DATA_W-1]);
         if (at == 6'd0) begin
             if (PART <= 1) assume (\block.step_q == 5'd0 && !\block.go_q && !busy);
-            else assume (\block.go_q && \block.adds_q == \block.step_q - 5'd1 && limits_stand);
+            else assume (\block.go_q && \block.adds_q == \block.step_q - 5'd1 && limit_stands);
             // CORRECT, the step that is added up meanwhile, writes nothing.
-            if (PART == 2) assume (\block.step_q == 5'd26 && !\block.writes_q );
+            if (PART == 2) assume (\block.step_q == 5'd24 && !\block.writes_q );
             assume (!overrun);
             fault_before <= fault;
         end
-        if (at == 6'd31) begin
+        if (at == 6'd29) begin
             if (PART == 0) begin
                 assert (\block.step_q == 5'd0 && !\block.go_q && !busy && !overrun);
                 if (!enable || fault) assert (next == 0);
                 if (enable && fault_before) assert (fault);
                 if (!enable && fault) assert (fault_before);
+                assert (\block.contact_q || room == 0);
             end
         end
-        // The sixth step has been made. Nothing touches these words until the last ones
+        // The third step has been made. Nothing touches its word until the last ones
         // (formal/wh_anchor_turns.v).
-        if (PART == 1 && at == 6'd7) assert (\block.step_q == 5'd7 && limits_stand);
+        if (PART == 1 && at == 6'd4) assert (\block.step_q == 5'd4 && limit_stands);
         if (PART == 2 && at == 6'd5) begin
-            assert (c_size <= left);
             assert (c_size <= limit);
-            cover (next > 0 && voltage < 0 && c_size == limit && limit < left);
-            cover (next < 0 && c_size == left && left < limit && left > 0);
+            // What was wanted is in the last of the words.
+            assert (next == 0 || next[DATA_W-1] == \block.memory[12] [`WH_LONG_W-1]);
+            cover (next > 0 && voltage < 0 && c_size == limit);
+            cover (next < 0 && saturated && c_size == limit);
             cover (fault && !fault_before && next == 0);
-            cover (next != 0 && c_size < limit && c_size < left);
+            cover (next != 0 && c_size < limit);
         end
     end
 

@@ -2,8 +2,8 @@
 //
 // prove_wh_anchor_turns: a turn comes to an end if every request is granted in PATIENCE clocks and every
 // product comes three clocks after its grant, as wh_multiply_shared has it; reset at any clock leaves
-// the anchor ready, and no product asked for before it is taken for another. The words of c's limits,
-// once they are made, are as they are until the turn's end.
+// the anchor ready, and no product asked for before it is taken for another. The word of c's limit, once it
+// is made, is as it is until the turn's end.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -55,6 +55,7 @@ module prove_wh_anchor_turns #(
         .product_i     (product),
         .correction_o  (correction),
         .next_o        (next),
+        .room_o        (),
         .offset_o      (),
         .flux_o        (),
         .lag_o         (),
@@ -65,34 +66,31 @@ module prove_wh_anchor_turns #(
     (* hierconn *) wire [4:0] \block.adds_q ;
     (* hierconn *) wire [3:0] \block.give_q ;
     (* hierconn *) wire       \block.go_q ;
-    (* hierconn *) wire       \block.over_left_q ;
     (* hierconn *) wire       \block.writes_q ;
     (* hierconn *) wire signed [DATA_W-1:0]     \block.voltage_q ;
-    (* hierconn *) wire signed [`WH_LONG_W-1:0] \block.memory[8] ;
     (* hierconn *) wire signed [`WH_LONG_W-1:0] \block.memory[9] ;
 
     // Products that the steps before this one have taken.
     function [3:0] taken_before(input [4:0] step);
-        taken_before = (step > 26) ? 4'd8 : (step > 25) ? 4'd7 : (step > 24) ? 4'd6
-                     : (step > 13) ? 4'd5 : (step > 12) ? 4'd4 : (step > 11) ? 4'd3
-                     : (step > 7) ? 4'd2 : (step > 6) ? 4'd1 : 4'd0;
+        taken_before = (step > 24) ? 4'd8 : (step > 23) ? 4'd7 : (step > 22) ? 4'd6
+                     : (step > 11) ? 4'd5 : (step > 10) ? 4'd4 : (step > 9) ? 4'd3
+                     : (step > 5) ? 4'd2 : (step > 4) ? 4'd1 : 4'd0;
     endfunction
 
     wire       in_turn = busy && !(\block.step_q == 5'd0);
     wire [4:0] step    = \block.step_q ;
     wire [3:0] used    = taken_before(step);
     wire [3:0] coming  = {3'd0, way[0]} + {3'd0, way[1]} + {3'd0, way[2]};
-    wire       waits   = step == 6 || step == 7 || step == 11 || step == 12 || step == 13
-                         || step == 24 || step == 25 || step == 26;
+    wire       waits   = step == 4 || step == 5 || step == 9 || step == 10 || step == 11
+                         || step == 22 || step == 23 || step == 24;
 
     reg        begun = 1'b0;
     reg        rst_q;
     reg  [3:0] refused;   // clocks in a row without a grant
     reg  [9:0] turn;      // clocks of this turn
-    reg        makes_q;   // the limits are being made, or there is no turn
-    reg        over_q;
+    reg        makes_q;   // the limit is being made, or there is no turn
     reg signed [DATA_W-1:0]     voltage_q;
-    reg signed [`WH_LONG_W-1:0] word_8_q, word_9_q;
+    reg signed [`WH_LONG_W-1:0] word_9_q;
     reg  [5:0] stall;     // clocks in which this step has waited
 
     always @(posedge clk) begin
@@ -100,10 +98,8 @@ module prove_wh_anchor_turns #(
         rst_q   <= rst;
         way     <= rst ? 3'd0 : {way[1:0], granted};
         refused <= (rst || !request || grant) ? 4'd0 : refused + 4'd1;
-        makes_q    <= !begun || rst || !in_turn || \block.adds_q < 5'd6;
-        over_q     <= \block.over_left_q ;
-        voltage_q  <= \block.voltage_q ;
-        word_8_q   <= \block.memory[8] ;
+        makes_q    <= !begun || rst || !in_turn || \block.adds_q < 5'd3;
+            voltage_q  <= \block.voltage_q ;
         word_9_q   <= \block.memory[9] ;
         turn    <= (rst || !in_turn) ? 10'd0 : (turn == 10'd1000) ? turn : turn + 10'd1;
         stall   <= (rst || !in_turn || !waits || way[2]) ? 6'd0 : stall + 6'd1;
@@ -114,8 +110,8 @@ module prove_wh_anchor_turns #(
         if (begun) begin
             if (rst_q) assert (!busy && !overrun && !fault && step == 5'd0 && !\block.go_q
                                && correction == 0 && next == 0 && !request);
-            assert (busy == (step != 5'd0 || (\block.go_q && \block.adds_q == 5'd29)));
-            assert (step <= 5'd29);
+            assert (busy == (step != 5'd0 || (\block.go_q && \block.adds_q == 5'd27)));
+            assert (step <= 5'd27);
             // Each step waits for its own product, and none is lost or taken for another.
             if (in_turn) begin
                 assert (\block.give_q == used + coming);
@@ -125,17 +121,17 @@ module prove_wh_anchor_turns #(
                 assert (way == 3'd0);
             end
             // So it ends: 8 products, each waited for no longer than that.
-            if (\block.go_q && \block.adds_q == 5'd25) assert (!\block.writes_q );
+            if (\block.go_q && \block.adds_q == 5'd23) assert (!\block.writes_q );
             if (!makes_q && in_turn) begin
-                assert (\block.over_left_q == over_q && \block.voltage_q == voltage_q);
-                assert (\block.memory[8] == word_8_q && \block.memory[9] == word_9_q);
+                assert (\block.voltage_q == voltage_q);
+                assert (\block.memory[9] == word_9_q);
             end
             // Behind the step of CHOOSE comes one clock more.
             if (in_turn) assert (turn <= 10'd2 + step + used * (6'd4 + PATIENCE) + stall);
-            assert (turn <= 10'd33 + 8 * (6'd4 + PATIENCE));
+            assert (turn <= 10'd31 + 8 * (6'd4 + PATIENCE));
         end
 
-        cover (begun && busy && step == 5'd29);
+        cover (begun && busy && step == 5'd27);
     end
 
 endmodule

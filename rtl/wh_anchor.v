@@ -6,23 +6,24 @@
 //   p   = dz(χ, 1/2) + χ/256                  a cell's half is left alone, but for a 256th
 //   c_I -= g_γ p                              every tick at rest, one in 8 while the rotor moves
 //   c   = c_I - g_ρ p - g_d (L̂ i - its mean)  the last in contact, at rest and below 4 cells
-//   |c| <= min(c_0 + |e_id|/4, drive - |e_id|)  c_0/2 out of contact
+//   |c| <= c_0 + |e_id|/2                     c_0/2 out of contact
 //
 // c is a voltage in series with the port: it is added to e_id = s u behind the wave core, which does
-// not see it. A contact's first edge sets χ to a quarter of a cell; in contact, what the voltage
-// limit or rounding withholds from the waves counts as flux. In free space and at rest c shows the sensor's
-// offset, which is summed up. A c that wants to go beyond its limit by strange tells that waves and
+// not see it, and what it takes of the drive's limit, room_o, is the wave's no more. A contact's first
+// edge sets χ to a quarter of a cell; in contact, what the voltage limit or rounding withholds from the
+// waves counts as flux. In free space and at rest c shows the sensor's offset, which is summed up. A c
+// that wants to go beyond its limit by strange, with the waves below theirs, tells that waves and
 // encoder don't follow the same motor: fault_o, and c = 0.
 //
 // sim/wavehaptics/anchor.py says the same with integers, and this module equals it bit for bit.
 // One adder works through the steps below, one in a clock, with its state in a memory; the products
 // come from a multiplier that others use as well (wh_multiply_shared), eight in a tick.
 // Formats: long words s48q33, cells, V or A; factors are their upper bits, s31q16.
-// Latency: 30 clocks from waves_i, and those that the multiplier makes it wait. c of one tick is
+// Latency: 28 clocks from waves_i, and those that the multiplier makes it wait. c of one tick is
 // correction_o from the next waves_i on, two clocks later. The next waves_i may come in the last of the
-// 30, the next start_i in the last four. A waves_i before is ignored and a start_i before spoils
+// 28, the next start_i in the last four. A waves_i before is ignored and a start_i before spoils
 // what is under way; both show as overrun_o.
-// Reset: χ, c_I, mean, offset and c are 0, at rest, no contact, no fault; of any length, at any clock.
+// Reset: χ, c_I, mean, offset, room and c are 0, at rest, no contact, no fault; of any length, at any clock.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -58,6 +59,7 @@ module wh_anchor (
 
     output reg  signed [`WH_DATA_W-1:0]       correction_o,  // s31q23 V: c
     output wire signed [`WH_DATA_W-1:0]       next_o,        // s31q23 V: c of the step to come
+    output reg  signed [`WH_DATA_W-1:0]       room_o,        // s31q23 √W, 0...: |c|/s in contact, else 0
     output reg  signed [`WH_DATA_W-1:0]       offset_o,      // s31q24 A: to be taken off the current
     output reg  signed [`WH_DATA_W-1:0]       flux_o,        // s31q16 cells: χ; x̂ = x + 1/2 - χ
     output reg  signed [`WH_DATA_W-1:0]       lag_o,         // s31q16 cells: ω̂ over 256 ticks
@@ -98,14 +100,14 @@ module wh_anchor (
     wire signed [COEF_W-1:0] damp_gain;    // s27q20 V a cell: g_d
     wire signed [COEF_W-1:0] learn_gain;   // s27q29 V a cell: g_γ
     wire signed [COEF_W-1:0] zero_gain;    // s27q22 A a V
-    wire signed [DATA_W-1:0] reach;        // s31q23 V: c_0
-    wire signed [DATA_W-1:0] drive;        // s31q23 V
+    wire signed [COEF_W-1:0] room_gain;    // s27q22 √W a V: 1/s
+    wire signed [DATA_W-1:0] reach;        // s31q23 V, 0...64 V: c_0
     wire signed [DATA_W-1:0] strange;      // s31q23 V
     wire        [REST_W-1:0] rest_ticks;   // ticks, 1...
     wire        [UNIT_W-1:0] slow_units;   // of rest_ticks
 
-    assign {slow_units, rest_ticks, strange, drive, reach, zero_gain, learn_gain, damp_gain,
-            pull_gain, cells_gain, owed_gain, flux_gain, enable} = words_i;
+    assign {slow_units, rest_ticks, strange, reach, room_gain, zero_gain, learn_gain,
+            damp_gain, pull_gain, cells_gain, owed_gain, flux_gain, enable} = words_i;
 
     // ---- What the tick brought.
     reg        [PLACE_W-1:0] position_q;
@@ -167,30 +169,31 @@ module wh_anchor (
 
     // ---- The steps: what is added to what, and where the sum goes. A step's words are fetched in one
     // clock (step_q), where the sums with a product wait for it, and added in the next (adds_q).
-    // DRIVE is fetched while there is nothing to do.
-    localparam [4:0] DRIVE = 0, LEFT = 1, REACH = 2, LIMIT = 3, COMPARE = 4,
-                     TAKE_ZERO = 5, ZERO = 6, CURRENT = 7, SWING = 8, MEAN = 9,
-                     BASE = 10, ADD_OWED = 11, ADD_U = 12, ADD_V = 13, EDGE = 14, FLUX = 15,
-                     INNER = 16, OUTER = 17, HALF = 18,
-                     PLACE = 19, X_HAT = 20, LAG = 21, FOLLOW = 22,
-                     TAKE_LEARNED = 23, LEARN = 24, CORRECT = 25, DAMP = 26,
-                     CLIP = 27, STRANGE = 28, CHOOSE = 29;
+    // BEGIN, while there is nothing to do: the tick's words are there a clock later.
+    localparam [4:0] BEGIN = 0, REACH = 1, LIMIT = 2,
+                     TAKE_ZERO = 3, ZERO = 4, CURRENT = 5, SWING = 6, MEAN = 7,
+                     BASE = 8, ADD_OWED = 9, ADD_U = 10, ADD_V = 11, EDGE = 12, FLUX = 13,
+                     INNER = 14, OUTER = 15, HALF = 16,
+                     PLACE = 17, X_HAT = 18, LAG = 19, FOLLOW = 20,
+                     TAKE_LEARNED = 21, LEARN = 22, CORRECT = 23, DAMP = 24,
+                     CLIP = 25, STRANGE = 26, CHOOSE = 27;
 
     // The memory's words.
     localparam [3:0] M_FLUX = 0, M_LEARNED = 1, M_MEAN = 2, M_ZERO = 3, M_FOLLOWER = 4,
-                     M_LEFT = 8, M_LIMIT = 9, M_CURRENT = 10, M_WANTED = 12, M_CHI = 13;
+                     M_LIMIT = 9, M_CURRENT = 10, M_WANTED = 12, M_CHI = 13;
 
     reg [4:0] step_q;
     reg [4:0] adds_q;
     reg       go_q;       // adds_q is to be done
     reg       busy_q;
     reg       first_q;    // no step has been made: the memory's state reads as 0
+    reg       tracked_q;  // the offset's word is in the memory, else it is 0
 
     wire waits   = (step_q == ZERO || step_q == CURRENT || step_q == ADD_OWED || step_q == ADD_U
                     || step_q == ADD_V || step_q == LEARN || step_q == CORRECT || step_q == DAMP);
     wire ends    = go_q && adds_q == CHOOSE;
     wire accepts = waves_i && (!busy_q || ends);
-    wire fetches = (step_q == DRIVE) ? accepts : (!waits || done_i);
+    wire fetches = (step_q == BEGIN) ? accepts : (!waits || done_i);
 
     assign busy_o = busy_q;
 
@@ -219,7 +222,6 @@ module wh_anchor (
     reg                     b_none;
     reg                     minus_q, minus;
     reg                     to_zero_q;               // minus if the sum isn't
-    reg                     over_left_q;
     reg                     out_q;                   // χ is outside the dead zone
     reg                     clipped_q;
     reg                     negative_q;              // χ, or the correction that is wanted
@@ -250,31 +252,16 @@ module wh_anchor (
                 writes   = 1'b1;
                 write_to = M_LIMIT;
             end
-            DRIVE: b_none = 1'b0;
-            LEFT: begin
-                sum_too  = 1'b1;
-                b_none   = 1'b0;
-                minus    = !e_back;
-                writes   = 1'b1;
-                write_to = M_LEFT;
-            end
-            COMPARE: begin
-                sum_too    = 1'b1;
-                memory_too = 1'b1;
-                read_from  = M_LEFT;
-                minus      = 1'b1;
-            end
             TAKE_ZERO: begin
-                memory_too = 1'b1;
-                fresh      = 1'b1;
+                memory_too = !contact_q && tracked_q;
                 read_from  = M_ZERO;
             end
             ZERO: begin
                 sum_too  = 1'b1;
                 b_from   = B_FAR;
-                b_none   = contact_q || !slow;
-                minus    = 1'b1;
-                writes   = 1'b1;
+                b_none   = !contact_q && !slow;
+                minus    = !contact_q || next_q[DATA_W-1];
+                writes   = !contact_q;
                 write_to = M_ZERO;
             end
             CURRENT: begin
@@ -388,7 +375,7 @@ module wh_anchor (
             CLIP: begin
                 sum_too    = 1'b1;
                 memory_too = 1'b1;
-                read_from  = over_left_q ? M_LEFT : M_LIMIT;
+                read_from  = M_LIMIT;
             end
             STRANGE: begin
                 sum_too = 1'b1;
@@ -397,7 +384,7 @@ module wh_anchor (
             end
             CHOOSE: begin
                 memory_too = 1'b1;
-                read_from  = !past ? M_WANTED : over_left_q ? M_LEFT : M_LIMIT;
+                read_from  = past ? M_LIMIT : M_WANTED;
                 minus      = past && negative_q;
             end
             default: b_none = 1'b1;
@@ -406,15 +393,12 @@ module wh_anchor (
 
     // What comes from outside.
     wire signed [DATA_W-1:0] setting =
-        (step_q == DRIVE) ? drive : (step_q == STRANGE) ? strange
-        : contact_q ? reach : reach >>> FREE_SHIFT;
+        (step_q == STRANGE) ? strange : contact_q ? reach : reach >>> FREE_SHIFT;
 
     always @* begin
         case (step_q)
-            LIMIT:   given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT + 2){e_back}}, voltage_q,
-                                      {(VOLT_SHIFT - 2){1'b0}}});
-            LEFT:    given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT){e_back}}, voltage_q,
-                                      {VOLT_SHIFT{1'b0}}});
+            LIMIT:   given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT + 1){e_back}}, voltage_q,
+                                      {(VOLT_SHIFT - 1){1'b0}}});
             EDGE:    given = !begins_q ? $signed({{(LONG_W - LONG_Q - MOVE_W){moved_q[MOVE_W-1]}},
                                                   moved_q, {LONG_Q{1'b0}}})
                            : $signed({{(LONG_W - LONG_Q + 1){moved_q[MOVE_W-1]}}, |moved_q,
@@ -480,12 +464,12 @@ module wh_anchor (
     reg signed [DATA_W-1:0] swing_q;  // s31q16 cells
     reg                     small_q;  // it is a swing, and no move
 
-    assign request_o = (step_q >= LIMIT && give_q <= G_CURRENT) || (step_q >= SWING && give_q <= G_V)
+    assign request_o = (step_q >= REACH && give_q <= G_CURRENT) || (step_q >= SWING && give_q <= G_V)
                        || (step_q >= LAG && give_q < G_DONE);
 
     always @* begin
         case (give_q)
-            G_ZERO:    factor_o = correction_o;
+            G_ZERO:    factor_o = next_q;
             G_CURRENT: factor_o = current_i;
             G_OWED:    factor_o = withheld_i;
             G_U:       factor_o = u_i;
@@ -494,7 +478,7 @@ module wh_anchor (
             default:   factor_o = pull_q;
         endcase
         case (give_q)
-            G_ZERO:    coefficient_o = zero_gain;
+            G_ZERO:    coefficient_o = contact_q ? room_gain : zero_gain;
             G_CURRENT: coefficient_o = cells_gain;
             G_OWED:    coefficient_o = saturated_q ? owed_gain : flux_gain;
             G_U,
@@ -513,7 +497,6 @@ module wh_anchor (
         end
         if (go_q) begin
             case (adds_q)
-                TAKE_ZERO: over_left_q <= !back_sum;
                 MEAN: begin
                     swing_q <= $signed(sum_q[LONG_W-1:CUT]);
                     small_q <= (&sum_q[LONG_W-1:LONG_Q+SWING_W]) || !(|sum_q[LONG_W-1:LONG_Q+SWING_W]);
@@ -531,32 +514,34 @@ module wh_anchor (
 
     // ---- Steps and results.
     reg  signed [DATA_W-1:0] next_q;
-    wire                     lost = enable && (fault_o || (clipped_q && past && !over_left_q));
+    wire                     lost = enable && (fault_o || (clipped_q && past && !saturated_q));
 
     assign next_o = next_q;
 
     always @(posedge clk) begin
         if (rst) begin
-            step_q       <= DRIVE;
+            step_q       <= BEGIN;
             go_q         <= 1'b0;
             busy_q       <= 1'b0;
             first_q      <= 1'b1;
+            tracked_q    <= 1'b0;
             give_q       <= G_ZERO;
             overrun_o    <= 1'b0;
             clipped_q    <= 1'b0;
             fault_o      <= 1'b0;
             next_q       <= {DATA_W{1'b0}};
             correction_o <= {DATA_W{1'b0}};
+            room_o       <= {DATA_W{1'b0}};
             offset_o     <= {DATA_W{1'b0}};
             flux_o       <= {DATA_W{1'b0}};
             lag_o        <= {DATA_W{1'b0}};
         end else begin
-            if ((waves_i && !accepts) || (start_i && step_q != DRIVE && step_q <= DAMP)) begin
+            if ((waves_i && !accepts) || (start_i && step_q != BEGIN && step_q <= DAMP)) begin
                 overrun_o <= 1'b1;
             end
             go_q <= fetches;
             if (fetches) begin
-                step_q <= (step_q == CHOOSE) ? DRIVE : step_q + 5'd1;
+                step_q <= (step_q == CHOOSE) ? BEGIN : step_q + 5'd1;
             end
             if (accepts) begin
                 busy_q <= 1'b1;
@@ -571,8 +556,15 @@ module wh_anchor (
             end
             if (go_q) begin
                 case (adds_q)
-                    DRIVE:   correction_o <= next_q;
-                    CURRENT: offset_o  <= $signed(sum_q[AMP_SHIFT +: DATA_W]);
+                    BEGIN:   correction_o <= next_q;
+                    ZERO:    room_o <= contact_q ? $signed(sum[VOLT_SHIFT +: DATA_W])
+                                                 : {DATA_W{1'b0}};
+                    CURRENT: begin
+                        if (!contact_q) begin
+                            tracked_q <= 1'b1;
+                            offset_o  <= $signed(sum_q[AMP_SHIFT +: DATA_W]);
+                        end
+                    end
                     INNER:   flux_o    <= $signed(sum_q[LONG_W-1:CUT]);
                     FOLLOW:  lag_o     <= $signed(sum_q[LONG_W-1:CUT]);
                     STRANGE: clipped_q <= past;

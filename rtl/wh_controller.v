@@ -402,6 +402,8 @@ module wh_controller #(
     wire [N*COEF_W-1:0] eta;          // of contact, or 0 while a host has the environment
     wire [N*DATA_W-1:0] outside;      // a host's goal
     wire [N*DATA_W-1:0] u_max;        // what the bus leaves of u_max_i
+    wire [N*DATA_W-1:0] wave_max;     // and the port anchor of that
+    wire [N*DATA_W-1:0] step_max;     // the same for the step that has begun
     wire [N*COEF_W-1:0] clocks_per_volt;
     wire [2*N-1:0]      shape_mode;
     wire [N*DATA_W-1:0] host_u;
@@ -430,7 +432,7 @@ module wh_controller #(
         .shape_words_i (shape_words_i),
         .root_i        (root_i),
         .a_i           (a_i),
-        .u_max_i       (u_max),
+        .u_max_i       (step_max),
         .extra_ticks_i (extra_ticks_i),
         .hold_ticks_i  (hold_ticks_i),
         .voltage_o     (wave_voltage),
@@ -753,12 +755,19 @@ module wh_controller #(
                 assign voltage_o[n*DATA_W +: DATA_W] = voltage;
 
                 // The position that belongs to the contact, until the port's turn: the anchor may still
-                // be at the step before when the core starts.
-                reg [`WH_COUNT_W-1:0] position_q;
+                // be at the step before when the core starts. One limit for a step, which takes room
+                // from the next one.
+                reg  [`WH_COUNT_W-1:0]   position_q;
+                reg  [DATA_W-1:0]        step_max_q;
+                wire signed [DATA_W-1:0] room;
+
+                assign wave_max[n*DATA_W +: DATA_W] = u_max[n*DATA_W +: DATA_W] - room;
+                assign step_max[n*DATA_W +: DATA_W] = step_max_q;
 
                 always @(posedge clk) begin
                     if (core_start) begin
                         position_q <= position_o[n*`WH_COUNT_W +: `WH_COUNT_W];
+                        step_max_q <= wave_max[n*DATA_W +: DATA_W];
                     end
                 end
 
@@ -787,6 +796,7 @@ module wh_controller #(
                     .product_i     (product),
                     .correction_o  (correction_o[n*DATA_W +: DATA_W]),
                     .next_o        (next_correction),
+                    .room_o        (room),
                     .offset_o      (offset_o[n*DATA_W +: DATA_W]),
                     .flux_o        (flux_o[n*DATA_W +: DATA_W]),
                     .lag_o         (lag_o[n*DATA_W +: DATA_W]),
@@ -802,6 +812,8 @@ module wh_controller #(
                 assign flux_o[n*DATA_W +: DATA_W]       = {DATA_W{1'b0}};
                 assign lag_o[n*DATA_W +: DATA_W]        = {DATA_W{1'b0}};
                 assign next_correction                  = {DATA_W{1'b0}};
+                assign wave_max[n*DATA_W +: DATA_W]     = u_max[n*DATA_W +: DATA_W];
+                assign step_max[n*DATA_W +: DATA_W]     = u_max[n*DATA_W +: DATA_W];
                 assign anchor_busy                      = 1'b0;
                 assign anchor_overrun[n]                = 1'b0;
                 assign anchor_fault_o[n]                = 1'b0;
@@ -835,7 +847,7 @@ module wh_controller #(
                     .busy_i            (step_due || core_busy || anchor_busy),
                     .f_i               (newest_u[n*DATA_W +: DATA_W]),
                     .u_n_i             (next_u[n*DATA_W +: DATA_W]),
-                    .u_max_i           (u_max[n*DATA_W +: DATA_W]),
+                    .u_max_i           (wave_max[n*DATA_W +: DATA_W]),
                     .root_i            (root_i[n*COEF_W +: COEF_W]),
                     .a_i               (a_i[n*COEF_W +: COEF_W]),
                     .gain_i            (gain_i[n*COEF_W +: COEF_W]),
@@ -853,7 +865,8 @@ module wh_controller #(
                     .overrun_o         (early_overrun[n])
                 );
             end else begin : in_turn
-                wire unused_early = &{1'b0, step_due, newest_u[n*DATA_W +: DATA_W], next_u[n*DATA_W +: DATA_W],
+                wire unused_early = &{1'b0, step_due, wave_max[n*DATA_W +: DATA_W],
+                                      newest_u[n*DATA_W +: DATA_W], next_u[n*DATA_W +: DATA_W],
                                       anchor_busy, next_correction};
 
                 assign outside[n*DATA_W +: DATA_W] = present_outside;

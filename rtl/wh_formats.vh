@@ -61,7 +61,7 @@
 `define WH_REST_W      16                 // ticks
 `define WH_REST_UNIT_W 5                  // multiples of them
 `define WH_MOVE_W      12                 // counts that the rotor may move in a tick
-`define WH_ANCHOR_W (7 * `WH_COEF_W + 3 * `WH_DATA_W + `WH_REST_W + `WH_REST_UNIT_W + 1)  // settings
+`define WH_ANCHOR_W (8 * `WH_COEF_W + 2 * `WH_DATA_W + `WH_REST_W + `WH_REST_UNIT_W + 1)  // settings
 
 // Current sensing.
 `define WH_SAMPLE_W 16  // ADC word, signed, left-justified: full scale is +-2^15 at any resolution

@@ -80,7 +80,7 @@ void wh_core_shape(void *model, const int64_t *words, int64_t count) {
 }
 
 // One tick. words: current, contact, the shaper's mode, position; on return e, u_n, v_n, and of the
-// anchor c, offset, flux, lag and fault. Returns the clocks from start to the end of both, or -1 when
+// anchor c, offset, flux, lag and fault, and whether the limit acted. Returns the clocks from start to the end of both, or -1 when
 // that never came.
 int64_t wh_core_step(int64_t model, int64_t words_address) {
     Core *core = reinterpret_cast<Core *>(model);
@@ -105,6 +105,7 @@ int64_t wh_core_step(int64_t model, int64_t words_address) {
     words[5] = signed_word(core->top.flux_o);
     words[6] = signed_word(core->top.lag_o);
     words[7] = core->top.fault_o;
+    words[8] = core->top.saturated_o;
     return clocks;
 }
 

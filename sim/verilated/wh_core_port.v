@@ -41,6 +41,7 @@ module wh_core_port #(
     output wire signed [`WH_DATA_W-1:0]      u_o,           // s31q23 √W: u_n
     output wire signed [`WH_DATA_W-1:0]      v_o,           // s31q23 √W: v_n
     output wire signed [`WH_DATA_W-1:0]      next_o,        // s31q23 V: c of the next tick
+    output wire                              saturated_o,   // the limit acted in this step
     output wire signed [`WH_DATA_W-1:0]      offset_o,      // s31q24 A
     output wire signed [`WH_DATA_W-1:0]      flux_o,        // s31q16 cells
     output wire signed [`WH_DATA_W-1:0]      lag_o,         // s31q16 cells
@@ -53,12 +54,12 @@ module wh_core_port #(
     wire                     core_busy;
     wire                     core_valid;
     wire                     core_overrun;
-    wire                     saturated;
     wire                     waves;
     wire signed [DATA_W-1:0] withheld;
     wire signed [DATA_W-1:0] wave_voltage;
     wire signed [DATA_W-1:0] correction;
     wire signed [DATA_W-1:0] current;
+    wire signed [DATA_W-1:0] room;
     wire        [DATA_W-1:0] newest_u;
     wire        [DATA_W-1:0] next_u;
     wire                     unused = &{1'b0, core_overrun, newest_u, next_u};
@@ -84,6 +85,15 @@ module wh_core_port #(
         .value_o (voltage_o)
     );
 
+    // What the anchor leaves of the limit, one word for a step.
+    reg signed [DATA_W-1:0] u_max_q;
+
+    always @(posedge clk) begin
+        if (start_i) begin
+            u_max_q <= u_max_i - room;
+        end
+    end
+
     // An anchor that has lost the rotor leaves a port that only damps.
     wh_wave_core #(
         .N             (1),
@@ -104,13 +114,13 @@ module wh_core_port #(
         .shape_words_i (shape_words_i),
         .root_i        (root_i),
         .a_i           (a_i),
-        .u_max_i       (u_max_i),
+        .u_max_i       (u_max_q),
         .extra_ticks_i (extra_ticks_i),
         .hold_ticks_i  (hold_ticks_i),
         .voltage_o     (wave_voltage),
         .u_o           (u_o),
         .v_o           (v_o),
-        .saturated_o   (saturated),
+        .saturated_o   (saturated_o),
         .withheld_o    (withheld),
         .waves_o       (waves),
         .newest_u_o    (newest_u),
@@ -155,7 +165,7 @@ module wh_core_port #(
                 .v_i           (v_o),
                 .withheld_i    (withheld),
                 .voltage_i     (wave_voltage),
-                .saturated_i   (saturated),
+                .saturated_i   (saturated_o),
                 .busy_o        (anchor_busy),
                 .overrun_o     (anchor_overrun),
                 .words_i       (anchor_words_i),
@@ -167,6 +177,7 @@ module wh_core_port #(
                 .product_i     (product),
                 .correction_o  (correction),
                 .next_o        (next_o),
+                .room_o        (room),
                 .offset_o      (offset_o),
                 .flux_o        (flux_o),
                 .lag_o         (lag_o),
@@ -184,12 +195,13 @@ module wh_core_port #(
 
             wire unused_valid = &{1'b0, core_valid};
         end else begin : plain
-            wire unused_plain = &{1'b0, core_busy, saturated, waves, withheld, position_i,
+            wire unused_plain = &{1'b0, core_busy, waves, withheld, position_i,
                                   anchor_words_i};
 
             assign done_o     = core_valid;
             assign correction = {DATA_W{1'b0}};
             assign next_o     = {DATA_W{1'b0}};
+            assign room       = {DATA_W{1'b0}};
             assign offset_o   = {DATA_W{1'b0}};
             assign flux_o     = {DATA_W{1'b0}};
             assign lag_o      = {DATA_W{1'b0}};

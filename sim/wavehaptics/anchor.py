@@ -14,9 +14,10 @@ the waves don't see:
 - ``c = c_I − g_ρ·p``, ``c_I −= g_γ·p``, the latter in full only while the rotor rests;
 - ``c −= g_d·(y − ȳ)``, ``y = L̂·i`` and ȳ its slow mean, in contact while the rotor rests, up to
   four cells: a resistance for swings alone, which no edge of the encoder tells of;
-- ``|c|`` is limited by ``c_0 + |e_id|/4``, out of contact by a half of c_0, and by what the
-  waves leave of the drive; an error of the flux that the former can't hold means that waves and
-  encoder don't follow the same motor.
+- ``|c|`` is limited by ``c_0 + |e_id|/2``, out of contact by a half of c_0. In contact what it
+  takes of the drive's limit is the wave's no more: ``|u| ≤ u_max − |c|/s``, so that at the limit it
+  is the wave that stops, whose share is counted. An error of the flux that c can't hold while the
+  wave is below its limit means that waves and encoder don't follow the same motor.
 
 The edge with which a contact begins tells x exactly, and sets χ without L̂·i to a quarter of a
 cell: at the surface a wall has no current, so what flows there is pulled away. What a limit
@@ -44,8 +45,8 @@ from wavehaptics.compiled import compiled
     DAMP_GAIN,  # s27q20 V a cell: the same with the resistance for swings
     LEARN_GAIN,  # s27q29 V a cell: γ·T·k̂_T·Δ/L̂
     ZERO_GAIN,  # s27q22 A a V: rate of the offset times T/R̂
-    REACH,  # s31q23 V, 0...: c_0
-    DRIVE,  # s31q23 V: the drive's limit
+    ROOM_GAIN,  # s27q22 √W a V: 1/s
+    REACH,  # s31q23 V, 0...64 V: c_0
     STRANGE,  # s31q23 V: how far beyond its limit c may want to be
     REST_TICKS,  # u16 ticks, 1...: shorter between two edges the same way, and the rotor moves
     SLOW_UNITS,  # u5 of them, 0...31: from there on the offset is tracked
@@ -54,7 +55,7 @@ from wavehaptics.compiled import compiled
 SETTINGS = 13
 
 _COEF, _DATA = formats.COEF_W, formats.DATA_W
-WIDTHS = (1,) + 7 * (_COEF,) + 3 * (_DATA,) + (formats.REST_W, formats.REST_UNIT_W)
+WIDTHS = (1,) + 8 * (_COEF,) + 2 * (_DATA,) + (formats.REST_W, formats.REST_UNIT_W)
 """Bits of each setting in the RTL's word of all, the first one lowest."""
 assert len(WIDTHS) == SETTINGS
 assert sum(WIDTHS) == formats.ANCHOR_W
@@ -78,9 +79,10 @@ assert sum(WIDTHS) == formats.ANCHOR_W
     OFFSET,  # s31q24 A: to be taken off the next tick's current
     LAG,  # s48q33 cells: x̂ less its slow copy, ω̂ over 2^8 ticks
     STARTED,  # 0 until the first tick, which has no tick before
-) = range(18)
+    ROOM,  # s31q23 √W, 0...: what c takes of the limit of the next tick's wave
+) = range(19)
 """Places in an anchor's state."""
-STATES = 18
+STATES = 19
 
 INNER_SHIFT = 8
 """2^-8 of χ counts inside the dead zone too: what drifts within a cell dies out."""
@@ -191,10 +193,11 @@ def anchor_step(
 
     e = -voltage if voltage < 0 else voltage
     reach = words[REACH] if contact else words[REACH] >> FREE_SHIFT
-    limit = (reach << _VOLT_SHIFT) + (e << (_VOLT_SHIFT - 2))
-    left = (words[DRIVE] << _VOLT_SHIFT) - (e << _VOLT_SHIFT)
-    short = limit >= left
-    limit = min(limit, left)
+    limit = (reach << _VOLT_SHIFT) + (e << (_VOLT_SHIFT - 1))
+    state[ROOM] = 0
+    if contact:
+        room = (words[ROOM_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
+        state[ROOM] = _data(_long(-room if state[CORRECTION] < 0 else room) >> _VOLT_SHIFT)
 
     flux = _long(state[FLUX] - ((words[FLUX_GAIN] * u) >> _FAR_SHIFT))
     flux = _long(flux - ((words[FLUX_GAIN] * v) >> _FAR_SHIFT))
@@ -242,7 +245,7 @@ def anchor_step(
     state[CLIPPED] = 1 if clipped else 0
     strange = words[STRANGE] << _VOLT_SHIFT
     strange = _long(past + strange) if negative else _long(past - strange)
-    if words[ENABLE] != 0 and clipped and (strange < 0) == negative and not short:
+    if words[ENABLE] != 0 and clipped and (strange < 0) == negative and not saturated:
         state[FAULT] = 1
     active = words[ENABLE] != 0 and state[FAULT] == 0
     state[CORRECTION] = _data(c >> _VOLT_SHIFT) if active else 0

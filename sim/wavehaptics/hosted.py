@@ -171,13 +171,15 @@ def _period(
         goal = link[host_link.U] if active else 0
         if active:
             eta = 0
+        u_max = ints[_U_MAX]
         if anchored is not None:
             current = golden.saturate(current - anchored[1][anchor.OFFSET])
+            u_max -= anchored[1][anchor.ROOM]
             if anchored[1][anchor.FAULT] != 0:
                 eta, goal = 0, 0
         withheld, saturated = core[golden.STATE_WITHHELD], core[golden.STATE_SATURATED] != 0
         voltage, u_n, v_n = golden.wave_core_step(
-            core, line, current, eta, goal, ints[_ROOT], ints[_A], ints[_U_MAX], extra, extra
+            core, line, current, eta, goal, ints[_ROOT], ints[_A], u_max, extra, extra
         )
         sent, number, packet = host_link.tick(link, v_n, ints[_PERIOD_LOG2], ints[_TIMEOUT])
         if sent:
@@ -194,7 +196,10 @@ def _period(
         row[Column.V] = v_n * _WAVE
         row[Column.X_HAND] = 0.5 * (hand_before + state[P] + state[C])
         row[Column.CONTACT] = 1.0 if active else 0.0
-        row[Column.SATURATED] = 1.0 if abs(u_n) >= ints[_U_MAX] else 0.0
+        limited = abs(u_n) >= u_max
+        if anchored is not None:  # whose limit is not the same in every tick
+            limited = core[golden.STATE_SATURATED] != 0
+        row[Column.SATURATED] = 1.0 if limited else 0.0
         row[Column.ENERGY_OUT] = e_a * charge - resistance * square
         row[Column.RIPPLE] = 0.0
         if anchored is not None:

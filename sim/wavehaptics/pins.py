@@ -581,7 +581,9 @@ def _advance(
             row[Column.U] = buffer[1] * _WAVE
             row[Column.V] = buffer[2] * _WAVE
             row[Column.CONTACT] = touching
-            limited = buffer[4] if ints[_SET_BUS] else abs(buffer[1]) >= ints[_U_MAX]
+            limited = abs(buffer[1]) >= ints[_U_MAX]
+            if ints[_SET_BUS] or ints[_ANCHORED]:  # the limit is not the same in every tick
+                limited = buffer[4] != 0
             row[Column.SATURATED] = 1.0 if limited else 0.0
             if ints[_ANCHORED]:
                 # The voltage of the measured tick was made in the step before.

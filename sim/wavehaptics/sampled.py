@@ -134,16 +134,19 @@ def _advance(
                 eta = 0
         mode = golden.shaper_mode(contact[0], shaped)
         correction = 0
+        left = u_max
+        if anchored is not None:
+            left -= anchored[1][anchor.ROOM]
         if ints[_MODEL] == 0:
             withheld, saturated = core[golden.STATE_WITHHELD], core[golden.STATE_SATURATED] != 0
             if shaper_words.shape[0] == 0:
                 e_next, u_n, v_n = golden.wave_core_step(
-                    core, line, current, eta, 0, root, ints[_A], u_max, extra, extra
+                    core, line, current, eta, 0, root, ints[_A], left, extra, extra
                 )
             else:
                 e_next, u_n, v_n = golden.shaped_core_step(
                     core, line, shaper_words, shaper_states, mode, current, eta, 0, root,
-                    ints[_A], u_max, extra, extra,
+                    ints[_A], left, extra, extra,
                 )  # fmt: skip
             if anchored is not None:
                 held = anchored[1]
@@ -183,7 +186,10 @@ def _advance(
         row[Column.V] = v_n * _ROOT_WATT
         row[Column.X_HAND] = 0.5 * (hand_before + state[P] + state[C])
         row[Column.CONTACT] = 1.0 if touching else 0.0
-        row[Column.SATURATED] = 1.0 if abs(u_n) >= u_max else 0.0
+        limited = abs(u_n) >= u_max
+        if anchored is not None:  # whose limit is not the same in every tick
+            limited = (core[golden.STATE_SATURATED] if ints[_MODEL] == 0 else buffer[8]) != 0
+        row[Column.SATURATED] = 1.0 if limited else 0.0
         row[Column.ENERGY_OUT] = e_a * charge - floats[_RESISTANCE] * square
         row[Column.RIPPLE] = high - low
         if anchored is not None:
@@ -249,7 +255,7 @@ class SampledSimulation:
         self._real = real_parts(scene, plant, set_.cell_rad, [dt])
         self._sensor = Sensor.of_scene(scene).constants()
         self._rng = np.random.default_rng(NOISE_SEED)
-        self._buffer = np.zeros(8, dtype=np.int64)
+        self._buffer = np.zeros(9, dtype=np.int64)
         self._anchored = (set_.anchor, anchor.new_state()) if set_.anchored else None
 
     @property

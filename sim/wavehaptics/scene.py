@@ -952,12 +952,12 @@ class Controller(_Table):
     )
     anchor_limit_v: float | None = _key(
         "V",
-        "Largest correction of the port anchor where the waves ask for no voltage; it grows by a "
-        "quarter of theirs",
+        "Largest correction of the port anchor where the waves ask for no voltage; it grows by "
+        "half of theirs",
         None,
         default_text="0.8, or a third of the drive's limit",
         ge=0,
-        le=127,
+        le=63,
     )
     r_hat_part: float = _key(
         "–",

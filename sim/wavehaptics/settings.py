@@ -9,7 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wavehaptics import anchor, formats, physics
-from wavehaptics.anchor_choice import SLOW_RAD_S, STRANGE_CELLS, ZERO_PER_S, choose_anchor
+from wavehaptics.anchor_choice import (
+    SLOW_RAD_S,
+    STRANGE_CELLS,
+    STRANGE_PART,
+    ZERO_PER_S,
+    choose_anchor,
+)
 from wavehaptics.normalised import response
 from wavehaptics.reflection import WishError
 from wavehaptics.scene import Controller, Scene, SceneError
@@ -222,8 +228,8 @@ def _anchor_words(
     words[anchor.LEARN_GAIN] = word(formats.LEARN, learn * tick_s / cells_per_a, "anchor_ohm_per_s")
     words[anchor.ZERO_GAIN] = word(formats.FLUX, ZERO_PER_S * tick_s / r_hat, "anchor_auto")
     words[anchor.REACH] = formats.VOLTAGE.to_raw(reach_v)
-    words[anchor.DRIVE] = formats.VOLTAGE.to_raw(limit_v)
-    strange_v = reach_v + STRANGE_CELLS * ohm / cells_per_a
+    words[anchor.ROOM_GAIN] = word(formats.FLUX, 1.0 / physics.root(r_hat), "anchor_auto")
+    strange_v = reach_v + max(STRANGE_CELLS * ohm / cells_per_a, STRANGE_PART * limit_v)
     words[anchor.STRANGE] = min(round(strange_v / formats.VOLTAGE.step), formats.VOLTAGE.raw_max)
     words[anchor.REST_TICKS] = rest_ticks
     words[anchor.SLOW_UNITS] = min(max(slow, 1), _MOST_UNITS)

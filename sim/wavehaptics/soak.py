@@ -10,7 +10,7 @@ the next reset. In every tick is watched that
 - the waves have given out no more than they took in since the reset, ``Σ(v² − u²) ≥ 0`` without
   any rounding, as |η| ≤ 1 and W is passive;
 - ``|u|`` is within its limit;
-- c is within its own, ``min(c_0 + |e_id|/4, drive − |e_id|)``, c_0/2 out of contact, and 0 after a
+- c is within its own, ``c_0 + |e_id|/2``, c_0/2 out of contact, and 0 after a
   fault;
 - the RTL answers within the stated clocks;
 
@@ -98,8 +98,9 @@ def _soak(
         eta = 0 if lost else spell[_ETA_IN] if touching else spell[_ETA_OUT]
         current = golden.saturate(raw - held[anchor.OFFSET]) if anchored else raw
         withheld, saturated = core[golden.STATE_WITHHELD], core[golden.STATE_SATURATED] != 0
+        left = u_max - held[anchor.ROOM]
         e_id, u, v = golden.shaped_core_step(
-            core, line, shaper[0], shaper[1], mode, current, eta, 0, root, a, u_max, extra, extra
+            core, line, shaper[0], shaper[1], mode, current, eta, 0, root, a, left, extra, extra
         )
         e = e_id
         if anchored:
@@ -111,9 +112,8 @@ def _soak(
             kept[_WAVE_VOLTAGE] = e_id
             size = abs(volts)
             reach = words[anchor.REACH] >> (0 if touching else anchor.FREE_SHIFT)
-            most = min(reach + (size >> 2), abs(words[anchor.DRIVE] - size))
-            # A word for the floor of a quarter, and one for that of c.
-            if abs(held[anchor.CORRECTION]) > most + 2:
+            # A word for the floor of the half, and one for that of c.
+            if abs(held[anchor.CORRECTION]) > reach + (size >> 1) + 2:
                 return CORRECTION, n
             if held[anchor.FAULT] != 0:
                 kept[_FAULTS] += 0 if lost else 1
@@ -130,6 +130,7 @@ def _soak(
             buffer[3] != held[anchor.CORRECTION] or buffer[4] != held[anchor.OFFSET]
             or buffer[5] != held[anchor.CHI] >> _LONG_GUARD
             or buffer[6] != held[anchor.LAG] >> _LONG_GUARD or buffer[7] != held[anchor.FAULT]
+            or buffer[8] != core[golden.STATE_SATURATED]
         ):  # fmt: skip
             return WORDS, n
 
@@ -233,7 +234,7 @@ def _episode(scene: Any, set_: Settings, rng: np.random.Generator, found: dict[s
     state, parts = plant.start.copy(), motor_parts(plant)
     contact = np.array([-1, 0], dtype=np.int64)
     kept = np.zeros(7, dtype=np.int64)
-    buffer = np.zeros(8, dtype=np.int64)
+    buffer = np.zeros(9, dtype=np.int64)
     clean, done = True, 0
     core = line = held = states = None
     try:
