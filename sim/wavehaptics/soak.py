@@ -64,7 +64,7 @@ _DATA_TOP = 1 << (formats.DATA_W - 1)
 _LONG_GUARD = formats.LONG_GUARD
 _LIMB = 40  # bits of the lower part of Σ(v² − u²)
 
-CORE_CLOCKS, SECTION_CLOCKS, ANCHOR_CLOCKS = 24, 5, 39
+CORE_CLOCKS, SECTION_CLOCKS, ANCHOR_CLOCKS = 24, 5, 37
 """From a step's start to its end: the core's, those of a section of W, and all with an anchor."""
 
 
