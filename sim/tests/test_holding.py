@@ -7,6 +7,7 @@ import json
 
 import numpy as np
 import pytest
+from wavehaptics.anchor_choice import choose_eta_free
 from wavehaptics.holding import cases, lost, motors, pictures, runs, tables
 from wavehaptics.trace import Column
 
@@ -142,3 +143,22 @@ def test_pictures_are_drawn(tmp_path):
     }
     pictures.draw(found, tmp_path)
     assert all((tmp_path / name).stat().st_size > 10_000 for name in pictures.PICTURES)
+
+
+def test_free_space_does_not_swing_by_itself():
+    """Left alone, η = 1 ends in a swing at the voltage limit; what is chosen instead dies out."""
+    rms = {}
+    for eta in ("chosen", "1"):
+        row = motors.free_after_a_tap(9, () if eta == "chosen" else ("controller.eta_free=1",))
+        rms[eta] = row["voltage_rms"]
+        assert row["anchor_fault_s"] is None
+    assert rms["1"] > 5.0
+    assert rms["chosen"] < 0.5
+
+
+def test_eta_of_free_space_is_what_lag_and_lambda_ask_for():
+    """With a slow filter nothing is needed; with none, and 0.3 µs of lag, a hundredth."""
+    slow = choose_eta_free(2.18, 0.24e-3, 0.3e-6, 1e4, 1, 1e-6)
+    fast = choose_eta_free(2.18, 0.24e-3, 0.3e-6, 1e9, 1, 1e-6)
+    assert slow == 1.0
+    assert 0.98 < fast < 0.99

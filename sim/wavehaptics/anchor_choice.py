@@ -17,6 +17,11 @@ Everything is in proportion to the motor's own numbers, so that one choice serve
 - **c_0 = 0.8 V**: brushes of 0.5 V and a rest of dead time; what grows with the current, a wrong R̂
   and a wrong gain, is in the half of the waves' voltage that is added: R̂ at 0.81 R, R(θ) + 4 %
   and a gain that lacks 5 % ask for a third of it.
+- **η in free space a little below 1.** The waves hold the current at zero, and the winding swings
+  on their delay at ``ω² = 2R̂/(L̂·(k + 1)·T)``, which nothing damps but what R̂ lacks of R. There an L̂
+  that is too small by 10 % makes of ρ a negative resistance of ρ/10, and an amplifier's lag one of
+  ``ω²·L̂·lag``: once begun, as by a contact's end, the swing goes on at the voltage limit. What
+  returns has to be less by as much as they give, but for what λ takes from it.
 """
 
 from __future__ import annotations
@@ -49,6 +54,11 @@ STRANGE_PART = 0.5
 hit a wrong L̂ asks for as much of the force as it is wrong, four times."""
 
 
+LEAST_ETA_FREE = 0.9
+WRONG_L = 0.1
+"""Part by which L̂ may be wrong."""
+
+
 class AnchorChoice(NamedTuple):
     """Values of a port anchor, SI."""
 
@@ -75,3 +85,19 @@ def choose_anchor(
         limit_v=min(LIMIT_V, LIMIT_PART * drive_v),
         rest_s=REST_OF_SWING * math.sqrt(inertia * l_hat) / k_t_hat,
     )
+
+
+def choose_eta_free(
+    r_hat: float, l_hat: float, lag_s: float, lambda_: float, extra_ticks: int, tick_s: float,
+    ohm: float | None = None,
+) -> float:  # fmt: skip
+    """η in free space for an anchor of ρ = ``ohm``, or the usual one; ``lag_s`` is the amplifier's.
+
+    A rotor that is moved meets ``(1 − η)/(1 + η)`` of the damper that a short circuit is.
+    """
+    loop_s = (extra_ticks + 1) * tick_s
+    if ohm is None:
+        ohm = min(ANCHOR_OF_R * r_hat, MOST_OF_TICK * l_hat / tick_s)
+    given = (WRONG_L * ohm * loop_s + 2.0 * r_hat * lag_s) / l_hat
+    taken = 1.0 - 1.0 / math.hypot(1.0, math.sqrt(2.0 * r_hat / (l_hat * loop_s)) / lambda_)
+    return min(1.0, max(LEAST_ETA_FREE, 1.0 - given + taken))

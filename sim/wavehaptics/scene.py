@@ -30,6 +30,7 @@ from pydantic_core import PydanticCustomError
 
 from wavehaptics import formats
 from wavehaptics.adc_parts import ALL_BITS
+from wavehaptics.anchor_choice import choose_eta_free
 from wavehaptics.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
 from wavehaptics.motors import PRESETS
 from wavehaptics.toml_source import KeyPath, TomlError, dotted, parse, parse_value
@@ -864,7 +865,14 @@ class Controller(_Table):
         le=1e9,
     )
     eta_contact: float = _key("–", "η in contact", -1.0, ge=-1, le=1)
-    eta_free: float = _key("–", "η in free space", 1.0, ge=-1, le=1)
+    eta_free: float | None = _key(
+        "–",
+        "η in free space",
+        None,
+        default_text="1; with a port anchor what the winding's own swing asks for, 0.99 or so",
+        ge=-1,
+        le=1,
+    )
     walls: Annotated[tuple[tuple[_Edge, _Edge], ...], BeforeValidator(_as_tuples)] = _key(
         "rad",
         "Solid intervals `[x_min, x_max]`, none over another",
@@ -1017,8 +1025,8 @@ def _check_walls(walls: tuple[tuple[float, float], ...]) -> None:
 class Scene(_Table):
     """A whole scene; a table that the file does not have is ``None`` and is not simulated.
 
-    ``controller.r_hat``, ``l_hat``, ``k_t_hat`` and ``adc.full_scale_a`` are never ``None``:
-    defaults are filled in.
+    ``controller.r_hat``, ``l_hat``, ``k_t_hat``, ``eta_free`` and ``adc.full_scale_a`` are never
+    ``None``: defaults are filled in.
     ``drive.bus_v`` is ``None`` only if ``drive.limit_v`` is, which then means no limit.
     """
 
@@ -1080,9 +1088,23 @@ class Scene(_Table):
         motor, controller = scene.motor, scene.controller
         known = {"r_hat": motor.R_ohm, "l_hat": motor.L_h, "k_t_hat": motor.k_t}
         missing = {key: value for key, value in known.items() if getattr(controller, key) is None}
-        if not missing:
-            return scene
-        return scene.model_copy(update={"controller": controller.model_copy(update=missing)})
+        controller = controller.model_copy(update=missing)
+        if controller.eta_free is None:
+            controller = controller.model_copy(update={"eta_free": _eta_free(controller, scene)})
+        return scene.model_copy(update={"controller": controller})
+
+
+def _eta_free(controller: Controller, scene: Scene) -> float:
+    """η in free space where the scene has none."""
+    if not controller.anchored:
+        return 1.0
+    lag_s = 0.0
+    if scene.adc is not None and scene.adc.bandwidth_hz is not None:
+        lag_s = 1.0 / (2.0 * math.pi * scene.adc.bandwidth_hz)
+    return choose_eta_free(
+        controller.r_hat, controller.l_hat, lag_s, controller.lambda_,
+        controller.extra_ticks, 1.0 / controller.tick_hz, controller.anchor_ohm,
+    )  # fmt: skip
 
 
 TABLES: dict[str, type[_Table]] = {

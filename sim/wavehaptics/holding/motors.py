@@ -10,6 +10,7 @@ import numpy as np
 
 from wavehaptics.holding import runs
 from wavehaptics.scene import SceneError
+from wavehaptics.trace import Column
 
 SPEEDS = (1.0, 3.0, 10.0, 30.0)
 PARTS = ("hold", "swing", "soft", *(f"bounce_{speed:g}" for speed in SPEEDS))
@@ -63,22 +64,20 @@ def random_motor(seed: int) -> dict[str, Any]:
     motor, settings = draw(seed)
     deep = motor["force"] / motor["stiffness"]
     hand = [f"hand.stiffness={motor['hand_k']}", f"hand.damping={motor['hand_b']}"]
-    amplitude = motor["force"] / motor["hand_k"] + deep
+    amplitude = _amplitude(motor)
     found: dict[str, Any] = {"seed": seed, "motor": motor}
     press = [*settings, *hand, f"hand.amplitude_rad={amplitude}", "scene.duration_s=0.6"]
     held = _tried(runs.hold, "held_wall", "golden", press)
     found["hold"] = held
-    taps = [*settings, *hand, "hand.path=taps", f"hand.amplitude_rad={amplitude}"]
-    found["swing"] = _tried(
-        runs.swing, "held_wall", [*taps, "hand.frequency_hz=2", "scene.duration_s=0.5"]
-    )
+    taps = _taps(motor, settings)
+    found["swing"] = _tried(runs.swing, "held_wall", taps)
     soft = [
         "controller.extra_ticks=2", "shaper.feel=spring",
         f"shaper.stiffness={0.2 * motor['stiffness']}",
         # A soft wall without a damper rings with the winding at some 10 kHz, and the anchor beside
         # it at a slow tick; a quarter of B_R takes that.
         f"shaper.damping={0.25 * motor['k_t'] ** 2 / motor['r']}",
-        f"hand.amplitude_rad={amplitude + 4 * deep}", "hand.frequency_hz=2", "scene.duration_s=0.5",
+        f"hand.amplitude_rad={amplitude + 4 * deep}",
     ]  # fmt: skip
     found["soft"] = _tried(runs.swing, "held_wall", [*taps, *soft])
     contact_s = math.pi * math.sqrt(motor["j"] * motor["l"]) / motor["k_t"]
@@ -97,6 +96,30 @@ def random_motor(seed: int) -> dict[str, Any]:
         ]  # fmt: skip
         found[f"bounce_{speed:g}"] = _tried(runs.bounce, "bounce", [*settings, *hit])
     return found
+
+
+def free_after_a_tap(seed: int, settings: tuple[str, ...]) -> dict[str, Any]:
+    """The voltage (RMS, V) in free space of a motor that taps, with more ``settings``."""
+    motor, drawn = draw(seed)
+    loaded = runs.load("held_wall", [*_taps(motor, drawn), *settings])
+    metrics, rows = runs.run(loaded, part_s=1.0 / motor["tick_hz"])
+    free = rows[rows[:, Column.CONTACT] == 0.0, Column.E_A]
+    return {
+        "voltage_rms": float(np.sqrt(np.mean(free**2))),
+        "anchor_fault_s": metrics["anchor_fault_s"],
+    }
+
+
+def _amplitude(motor: dict[str, float]) -> float:
+    return motor["force"] / motor["hand_k"] + motor["force"] / motor["stiffness"]
+
+
+def _taps(motor: dict[str, float], settings: list[str]) -> list[str]:
+    return [
+        *settings, f"hand.stiffness={motor['hand_k']}", f"hand.damping={motor['hand_b']}",
+        f"hand.amplitude_rad={_amplitude(motor)}", "hand.path=taps", "hand.frequency_hz=2",
+        "scene.duration_s=0.5",
+    ]  # fmt: skip
 
 
 def _tried(function, *arguments) -> dict[str, Any]:
