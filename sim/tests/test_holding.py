@@ -158,7 +158,7 @@ def test_free_space_does_not_swing_by_itself():
 
 def test_eta_of_free_space_is_what_lag_and_lambda_ask_for():
     """With a slow filter nothing is needed; with none, and 0.3 µs of lag, a hundredth."""
-    slow = choose_eta_free(2.18, 0.24e-3, 0.3e-6, 1e4, 1, 1e-6)
-    fast = choose_eta_free(2.18, 0.24e-3, 0.3e-6, 1e9, 1, 1e-6)
+    slow = choose_eta_free(2.18, 0.24e-3, 0.3e-6, 0.01, 1, 1e-6)
+    fast = choose_eta_free(2.18, 0.24e-3, 0.3e-6, 0.99, 1, 1e-6)
     assert slow == 1.0
     assert 0.98 < fast < 0.99

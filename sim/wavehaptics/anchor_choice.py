@@ -21,11 +21,12 @@ Everything is in proportion to the motor's own numbers, so that one choice serve
   on their delay at ``ω² = 2R̂/(L̂·(k + 1)·T)``, which nothing damps but what R̂ lacks of R. There an L̂
   that is too small by 10 % makes of ρ a negative resistance of ρ/10, and an amplifier's lag one of
   ``ω²·L̂·lag``: once begun, as by a contact's end, the swing goes on at the voltage limit. What
-  returns has to be less by as much as they give, but for what λ takes from it.
+  returns has to be less by as much as they give, but for what the λ filter takes there.
 """
 
 from __future__ import annotations
 
+import cmath
 import math
 from typing import NamedTuple
 
@@ -88,16 +89,18 @@ def choose_anchor(
 
 
 def choose_eta_free(
-    r_hat: float, l_hat: float, lag_s: float, lambda_: float, extra_ticks: int, tick_s: float,
+    r_hat: float, l_hat: float, lag_s: float, a: float, extra_ticks: int, tick_s: float,
     ohm: float | None = None,
 ) -> float:  # fmt: skip
-    """η in free space for an anchor of ρ = ``ohm``, or the usual one; ``lag_s`` is the amplifier's.
+    """η in free space for an anchor of ρ = ``ohm``, or the usual one.
 
+    ``lag_s`` is the amplifier's, ``a`` the λ filter's coefficient.
     A rotor that is moved meets ``(1 − η)/(1 + η)`` of the damper that a short circuit is.
     """
     loop_s = (extra_ticks + 1) * tick_s
     if ohm is None:
         ohm = min(ANCHOR_OF_R * r_hat, MOST_OF_TICK * l_hat / tick_s)
     given = (WRONG_L * ohm * loop_s + 2.0 * r_hat * lag_s) / l_hat
-    taken = 1.0 - 1.0 / math.hypot(1.0, math.sqrt(2.0 * r_hat / (l_hat * loop_s)) / lambda_)
-    return min(1.0, max(LEAST_ETA_FREE, 1.0 - given + taken))
+    turn = tick_s * math.sqrt(2.0 * r_hat / (l_hat * loop_s))
+    left = a / abs(1.0 - (1.0 - a) * cmath.exp(-1j * turn))
+    return min(1.0, max(LEAST_ETA_FREE, 1.0 - given + 1.0 - left))

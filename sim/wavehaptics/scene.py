@@ -33,6 +33,7 @@ from wavehaptics.adc_parts import ALL_BITS
 from wavehaptics.anchor_choice import choose_eta_free
 from wavehaptics.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
 from wavehaptics.motors import PRESETS
+from wavehaptics.physics import matched_a
 from wavehaptics.toml_source import KeyPath, TomlError, dotted, parse, parse_value
 
 SCENES_DIR = Path(__file__).resolve().parents[1] / "scenes"
@@ -1101,9 +1102,11 @@ def _eta_free(controller: Controller, scene: Scene) -> float:
     lag_s = 0.0
     if scene.adc is not None and scene.adc.bandwidth_hz is not None:
         lag_s = 1.0 / (2.0 * math.pi * scene.adc.bandwidth_hz)
+    tick_s = 1.0 / controller.tick_hz
     return choose_eta_free(
-        controller.r_hat, controller.l_hat, lag_s, controller.lambda_,
-        controller.extra_ticks, 1.0 / controller.tick_hz, controller.anchor_ohm,
+        controller.r_hat, controller.l_hat, lag_s,
+        matched_a(tick_s, controller.lambda_, controller.extra_ticks), controller.extra_ticks,
+        tick_s, controller.anchor_ohm,
     )  # fmt: skip
 
 
