@@ -36,7 +36,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo adcs holding report bench soak check test lint clean distclean
+.PHONY: help setup setup-synth system lock demo adcs holding report bench soak coverage check test lint clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -96,12 +96,33 @@ soak: $(READY) ## 10^8 ticks of the core, everything switched at random (half an
 # Idle workers take tests from busy ones: a few take minutes, most take milliseconds.
 PYTEST = $(WITH_TOOLS) .venv/bin/python -m pytest -n $(JOBS) --dist worksteal
 
+# The benches run without numba's compiler, as coverage.py doesn't see into what that has made, and on
+# the simulator that counts; netlists are no RTL.
+COVERED_PLAIN := cocotb_tests --ignore cocotb_tests/test_netlist.py -k verilator
+COVERED := sim/tests
+ifdef QUICK
+COVERED_PLAIN := cocotb_tests/test_closed_loop.py cocotb_tests/test_quadrature.py -k verilator
+COVERED += -m quick
+endif
+COVERAGE = .venv/bin/python -m coverage
+COVER = $(WITH_TOOLS) WH_COVERAGE="$(CURDIR)/build/coverage/rtl" $(COVERAGE) run -m pytest -n $(JOBS) --dist worksteal
+
+coverage: $(READY) ## lines, branches and toggles that the tests come through: build/coverage (QUICK=1: of a few tests)
+	@mkdir -p build/coverage/rtl build/coverage/python
+	@rm -f build/coverage/python/*; find build/coverage/rtl -name '*.dat' -delete
+	@export NUMBA_DISABLE_JIT=1; $(COVER) $(COVERED_PLAIN)
+	@$(COVER) $(COVERED)
+	@$(COVERAGE) combine --quiet
+	@$(COVERAGE) json --quiet -o build/coverage/python.json
+	@$(COVERAGE) html --quiet -d build/coverage/html
+	@.venv/bin/python -m wavehaptics.covered $(if $(QUICK),--quick)
+
 check: lint ## lint, a quick test of each block, the loop on each simulator: under three minutes
-	@$(PYTEST) -m quick
+	@$(PYTEST) -m quick --junit-xml build/tests/quick.xml
 	@if [ -d formal ]; then $(MAKE) formal QUICK=1; fi
 
 test: check ## check, then every other test of the model, the RTL and the loop
-	@$(PYTEST) -m "not quick"
+	@$(PYTEST) -m "not quick" --junit-xml build/tests/rest.xml
 
 # Every module at its defaults, and the tops at other sizes and word lengths: TOP,ARGUMENT,...
 LINT_CASES := \
