@@ -79,19 +79,22 @@ demo: $(READY) ## simulate the demonstration scenes and draw them into build/dem
 report: $(READY) ## measure everything and write build/report/index.html (QUICK=1: coarser, 3 minutes)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics report $(if $(QUICK),--quick) --out build/report
 
+NUMBERS = $(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
+
 adcs: $(READY) ## run the paper's taps with every ADC, and write their numbers into the README pages
 	@$(WITH_TOOLS) .venv/bin/wavehaptics adcs --out build/adcs
-	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
+	@$(NUMBERS)
 
 holding: $(READY) ## hold, tap and bounce with everything wrong, with the README's numbers (20 minutes; QUICK=1)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics holding $(if $(QUICK),--quick) --out build/holding
-	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
+	@$(NUMBERS)
 
 bench: $(READY) $(READY_BENCH) ## measure speeds and what was tried for them into build/bench (QUICK=1)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics bench $(if $(QUICK),--quick) --out build/bench
 
 soak: $(READY) ## 10^8 ticks of the core, everything switched at random (half an hour; QUICK=1: 10^6)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics soak $(if $(QUICK),--ticks 1e6) --out build/soak
+	@$(if $(QUICK),,$(NUMBERS))
 
 # Idle workers take tests from busy ones: a few take minutes, most take milliseconds.
 PYTEST = $(WITH_TOOLS) .venv/bin/python -m pytest -n $(JOBS) --dist worksteal
@@ -116,6 +119,7 @@ coverage: $(READY) ## lines, branches and toggles that the tests come through: b
 	@$(COVERAGE) json --quiet -o build/coverage/python.json
 	@$(COVERAGE) html --quiet -d build/coverage/html
 	@.venv/bin/python -m wavehaptics.covered $(if $(QUICK),--quick)
+	@$(if $(QUICK),,$(NUMBERS))
 
 check: lint ## lint, a quick test of each block, the loop on each simulator: under three minutes
 	@$(PYTEST) -m quick --junit-xml build/tests/quick.xml
@@ -190,6 +194,7 @@ BLOCK ?=
 .PHONY: formal
 formal: $(SYNTH_TOOLS) ## prove the RTL into build/formal (BLOCK=quadrature; QUICK=1: one proof of each block)
 	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.proofs $(if $(BLOCK),--block "$(BLOCK)") $(if $(QUICK),--quick) --jobs $(JOBS)
+	@$(if $(QUICK)$(BLOCK),,$(NUMBERS))
 
 clean: ## remove what was built
 	rm -rf build

@@ -128,7 +128,7 @@ def of_rtl(points: Iterable[tuple[Point, int]], root: Path) -> dict[str, dict[st
             toggles[file][point["o"]] += count
         else:
             blocks[file, int(point["l"]), int(point["n"]), point["o"]] += count
-            for line in _lines(point.get("S", "")) or ():
+            for line in _lines(point["S"]):
                 hits[file][line] += count
     files = {}
     for file in sorted({*hits, *toggles}):
@@ -193,11 +193,14 @@ def tables(summary: dict[str, Any]) -> list[Table]:
     for language, second in (("python", "branches"), ("rtl", "toggles")):
         part = summary[language]
         table = Table(title=f"covered: {language}")
-        extra = ("compiled, not seen",) if language == "python" else ()
+        extra = ("compiled",) if language == "python" else ()
         for heading in ("file", "lines", "of", "%", second, "of", "%", *extra):
-            table.add_column(heading, justify="left" if heading == "file" else "right")
+            if heading == "file":
+                table.add_column(heading, no_wrap=True)
+            else:
+                table.add_column(heading, justify="right")
         for path, file in [*part["files"].items(), ("together", part["total"])]:
-            cells = [path]
+            cells = [path.removeprefix("sim/wavehaptics/")]
             for what in ("lines", second):
                 most, covered = file.get(what, 0), file.get(f"{what}_covered", 0)
                 cells += [str(covered), str(most), f"{100 * covered / most:.1f}" if most else "–"]

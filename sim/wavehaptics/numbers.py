@@ -325,8 +325,6 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     ),
 } | {
     name: partial(render, table=_table)
-    for name, render in (
-        readme.TABLES | holding_tables.TABLES | reliability.TABLES
-    ).items()
+    for name, render in (readme.TABLES | holding_tables.TABLES | reliability.TABLES).items()
 }
 """What stands between the markers of each name."""

@@ -98,9 +98,9 @@ def _coverage(part: str, counts: tuple[str, ...]) -> Callable[[dict[str, Any]], 
             for what in counts
             if sums.get(what)
         ]
-        if sums.get("compiled"):
-            told.append(f"{sums['compiled']:,} lines ran as machine code only")
-        return ", ".join(told), ""
+        compiled = sums.get("compiled", 0)
+        also = f"; {compiled:,} of the others are compiled, where no line is seen"
+        return ", ".join(told) + (also if compiled else ""), ""
 
     return row
 
