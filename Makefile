@@ -99,12 +99,13 @@ soak: $(READY) ## 10^8 ticks of the core, everything switched at random (half an
 # Idle workers take tests from busy ones: a few take minutes, most take milliseconds.
 PYTEST = $(WITH_TOOLS) .venv/bin/python -m pytest -n $(JOBS) --dist worksteal
 
-# The benches run without numba's compiler, as coverage.py doesn't see into what that has made, and on
-# the simulator that counts; netlists are no RTL.
-COVERED_PLAIN := cocotb_tests --ignore cocotb_tests/test_netlist.py -k verilator
+# coverage.py doesn't see into what numba has compiled: the benches and the tests of the integer models
+# run without its compiler. Only Verilator counts, and netlists are no RTL.
+COVERED_PLAIN := cocotb_tests sim/tests/test_golden.py sim/tests/test_shaper.py \
+    --ignore cocotb_tests/test_netlist.py -k "not icarus"
 COVERED := sim/tests
 ifdef QUICK
-COVERED_PLAIN := cocotb_tests/test_closed_loop.py cocotb_tests/test_quadrature.py -k verilator
+COVERED_PLAIN := cocotb_tests/test_closed_loop.py cocotb_tests/test_quadrature.py -k "not icarus"
 COVERED += -m quick
 endif
 COVERAGE = .venv/bin/python -m coverage
