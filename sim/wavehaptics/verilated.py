@@ -44,6 +44,7 @@ CXX_FLAGS = tuple(os.environ.get("WH_CXX_FLAGS", "").split()) or DEFAULT_CXX_FLA
 VERILATOR_FLAGS = tuple(os.environ.get("WH_VERILATOR_FLAGS", "").split()) or DEFAULT_VERILATOR_FLAGS
 if COVERAGE_DIR:
     VERILATOR_FLAGS += COVERAGE_FLAGS
+    CXX_FLAGS += ("-O1",)  # the last counts: counters make builds long, and few ticks are run
 
 
 class BuildError(RuntimeError):
