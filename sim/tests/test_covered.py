@@ -31,6 +31,7 @@ def test_counts_of_two_builds_are_summed_and_the_rest_is_named(tmp_path):
     block = {"file": a, "l": 4, "n": 5, "page": "line", "o": "block", "S": "4,6-7"}
     taken = {"file": a, "l": 8, "n": 9, "page": "line", "o": "if", "S": "8-9"}
     never = {"file": a, "l": 8, "n": 10, "page": "line", "o": "else", "S": "11"}
+    empty = {"file": a, "l": 9, "n": 9, "page": "line", "o": "else"}
     up = {"file": a, "l": 2, "n": 3, "page": "toggle", "o": "x_q[1]:0->1"}
     down = up | {"o": "x_q[1]:1->0"}
     clock = up | {"o": "clk:0->1"}
@@ -38,6 +39,7 @@ def test_counts_of_two_builds_are_summed_and_the_rest_is_named(tmp_path):
     one.write_text(
         HEADER + counted(tmp_path, 3, **block) + counted(tmp_path, 0, **taken)
         + counted(tmp_path, 0, **never) + counted(tmp_path, 0, **up) + counted(tmp_path, 9, **clock)
+        + counted(tmp_path, 0, **empty)
         + counted(tmp_path, 0, **outside)
     )  # fmt: skip
     two.write_text(
@@ -50,7 +52,7 @@ def test_counts_of_two_builds_are_summed_and_the_rest_is_named(tmp_path):
     assert covered.of_rtl(points, tmp_path) == {
         a: {
             "lines": 6, "lines_covered": 5, "toggles": 3, "toggles_covered": 2,
-            "uncovered": [11], "never": ["8: else"],
+            "uncovered": [11], "never": ["8: else", "9: else"],
             "signals": {"x_q": {"toggles": 2, "covered": 1}},
         }
     }  # fmt: skip

@@ -128,7 +128,7 @@ def of_rtl(points: Iterable[tuple[Point, int]], root: Path) -> dict[str, dict[st
             toggles[file][point["o"]] += count
         else:
             blocks[file, int(point["l"]), int(point["n"]), point["o"]] += count
-            for line in _lines(point["S"]):
+            for line in _lines(point.get("S", "")):  # a way without statements has no lines
                 hits[file][line] += count
     files = {}
     for file in sorted({*hits, *toggles}):
