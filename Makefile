@@ -36,7 +36,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo adcs holding report bench soak check test lint clean distclean
+.PHONY: help setup setup-synth system lock demo adcs holding report bench soak coverage check test lint clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -79,29 +79,55 @@ demo: $(READY) ## simulate the demonstration scenes and draw them into build/dem
 report: $(READY) ## measure everything and write build/report/index.html (QUICK=1: coarser, 3 minutes)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics report $(if $(QUICK),--quick) --out build/report
 
+NUMBERS = $(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
+
 adcs: $(READY) ## run the paper's taps with every ADC, and write their numbers into the README pages
 	@$(WITH_TOOLS) .venv/bin/wavehaptics adcs --out build/adcs
-	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
+	@$(NUMBERS)
 
 holding: $(READY) ## hold, tap and bounce with everything wrong, with the README's numbers (20 minutes; QUICK=1)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics holding $(if $(QUICK),--quick) --out build/holding
-	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
+	@$(NUMBERS)
 
 bench: $(READY) $(READY_BENCH) ## measure speeds and what was tried for them into build/bench (QUICK=1)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics bench $(if $(QUICK),--quick) --out build/bench
 
 soak: $(READY) ## 10^8 ticks of the core, everything switched at random (half an hour; QUICK=1: 10^6)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics soak $(if $(QUICK),--ticks 1e6) --out build/soak
+	@$(if $(QUICK),,$(NUMBERS))
 
 # Idle workers take tests from busy ones: a few take minutes, most take milliseconds.
 PYTEST = $(WITH_TOOLS) .venv/bin/python -m pytest -n $(JOBS) --dist worksteal
 
+# coverage.py doesn't see into what numba has compiled: the benches and the tests of the integer models
+# run without its compiler. Only Verilator counts, and netlists are no RTL.
+COVERED_PLAIN := cocotb_tests sim/tests/test_golden.py sim/tests/test_shaper.py \
+    --ignore cocotb_tests/test_netlist.py -k "not icarus"
+COVERED := sim/tests
+ifdef QUICK
+COVERED_PLAIN := cocotb_tests/test_closed_loop.py cocotb_tests/test_quadrature.py -k "not icarus"
+COVERED += -m quick
+endif
+COVERAGE = .venv/bin/python -m coverage
+COVER = $(WITH_TOOLS) WH_COVERAGE="$(CURDIR)/build/coverage/rtl" $(COVERAGE) run -m pytest -n $(JOBS) --dist worksteal
+
+coverage: $(READY) ## lines, branches and toggles that the tests come through: build/coverage (QUICK=1: of a few tests)
+	@mkdir -p build/coverage/rtl build/coverage/python
+	@rm -f build/coverage/python/*; find build/coverage/rtl -name '*.dat' -delete
+	@export NUMBA_DISABLE_JIT=1; $(COVER) $(COVERED_PLAIN)
+	@$(COVER) $(COVERED)
+	@$(COVERAGE) combine --quiet
+	@$(COVERAGE) json --quiet -o build/coverage/python.json
+	@$(COVERAGE) html --quiet -d build/coverage/html
+	@.venv/bin/python -m wavehaptics.covered $(if $(QUICK),--quick)
+	@$(if $(QUICK),,$(NUMBERS))
+
 check: lint ## lint, a quick test of each block, the loop on each simulator: under three minutes
-	@$(PYTEST) -m quick
+	@$(PYTEST) -m quick --junit-xml build/tests/quick.xml
 	@if [ -d formal ]; then $(MAKE) formal QUICK=1; fi
 
 test: check ## check, then every other test of the model, the RTL and the loop
-	@$(PYTEST) -m "not quick"
+	@$(PYTEST) -m "not quick" --junit-xml build/tests/rest.xml
 
 # Every module at its defaults, and the tops at other sizes and word lengths: TOP,ARGUMENT,...
 LINT_CASES := \
@@ -169,6 +195,7 @@ BLOCK ?=
 .PHONY: formal
 formal: $(SYNTH_TOOLS) ## prove the RTL into build/formal (BLOCK=quadrature; QUICK=1: one proof of each block)
 	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.proofs $(if $(BLOCK),--block "$(BLOCK)") $(if $(QUICK),--quick) --jobs $(JOBS)
+	@$(if $(QUICK)$(BLOCK),,$(NUMBERS))
 
 clean: ## remove what was built
 	rm -rf build

@@ -35,4 +35,4 @@ numbers: $(READY) ## write the numbers of the last synthesis, report and bench i
 	@$(BITSTREAMS) numbers
 
 # The boards' tests synthesise, and simulate netlists.
-test: $(READY_SYNTH)
+test $(if $(QUICK),,coverage): $(READY_SYNTH)

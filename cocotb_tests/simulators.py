@@ -35,7 +35,9 @@ from cocotb_tools.runner import get_runner
 TESTS_DIR = Path(__file__).resolve().parent
 RTL_DIR = TESTS_DIR.parent / "rtl"
 BOARDS_DIR = TESTS_DIR.parent / "boards"
-BUILD_DIR = TESTS_DIR.parent / "build" / "cocotb"
+# Builds that count what they come through write coverage.dat beside their logs.
+COVERAGE_DIR = os.environ.get("WH_COVERAGE", "")
+BUILD_DIR = Path(COVERAGE_DIR or TESTS_DIR.parent / "build") / "cocotb"
 
 SIMULATORS = ("icarus", "verilator")
 
@@ -57,7 +59,10 @@ _SHOW_TOP = '`verilator_config\npublic_flat_rw -module "{toplevel}" -var "*"\n'
 
 # Verilator's runtime is most of a build's time: it is compiled once, without optimisation, and its
 # objects are lent to every other build.
-_RUNTIME = ("verilated", "verilated_dpi", "verilated_threads", "verilated_timing", "verilated_vpi")
+_RUNTIME = (
+    "verilated", "verilated_cov", "verilated_dpi", "verilated_threads", "verilated_timing",
+    "verilated_vpi",
+)  # fmt: skip
 _MAKE_FLAGS = "OPT_FAST=-O1 OPT_SLOW=-O0 OPT_GLOBAL=-O0"
 
 
@@ -191,6 +196,10 @@ def simulate(
             files.insert(0, shown)
     with _toolchain():
         os.environ.update(environment)
+        if simulator == "verilator" and COVERAGE_DIR:
+            from wavehaptics.verilated import COVERAGE_FLAGS
+
+            arguments += COVERAGE_FLAGS
         if str(TESTS_DIR) not in sys.path:  # the runner hands sys.path on to the simulator
             sys.path.insert(0, str(TESTS_DIR))
         runner = get_runner(simulator)

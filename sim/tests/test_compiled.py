@@ -152,3 +152,21 @@ def test_other_word_lengths_are_other_code():
     assert digests[0] == digests[1]
     assert digests[0][0] != digests[2][0]
     assert digests[0][1] == digests[2][1]
+
+
+PLAIN = """
+from wavehaptics import golden
+assert golden.saturate is golden.saturate.py_func
+print(golden.saturate(1 << 60), golden.saturate.py_func(-(1 << 60)))
+"""
+
+
+def test_without_the_compiler_the_functions_are_those_of_python():
+    """As in `make coverage`; whoever asks for ``py_func`` gets the same."""
+    done = subprocess.run(
+        [sys.executable, "-c", PLAIN], env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+        timeout=TIMEOUT_S, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    high, low = map(int, done.stdout.split())
+    assert high == -low - 1 > 0

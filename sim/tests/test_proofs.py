@@ -238,7 +238,9 @@ def test_command_exits_with_what_happened(monkeypatch: pytest.MonkeyPatch, tmp_p
 
     monkeypatch.setattr(proofs, "run", fake)
     monkeypatch.setattr(proofs, "tool_versions", lambda _: "tools")
-    monkeypatch.setattr(proofs, "write_summary", lambda *_: ROOT / proofs.OUT / "summary.json")
+    monkeypatch.setattr(
+        proofs, "write_summary", lambda *_, **__: ROOT / proofs.OUT / "summary.json"
+    )
     arguments = ["--block", "half_bridge"]
     good = CliRunner().invoke(proofs.app, arguments)
     assert good.exit_code == 0, good.output

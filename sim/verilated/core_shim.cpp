@@ -6,6 +6,7 @@
 
 #include "Vwh_core_port.h"
 #include "anchor_words.h"
+#include "coverage.h"
 #include "shape_words.h"
 #include "verilated.h"
 
@@ -14,6 +15,8 @@ namespace {
 struct Core {
     VerilatedContext context;
     Vwh_core_port top{&context};
+
+    ~Core() { write_coverage(context); }
 };
 
 constexpr int kNeverDone = 1000;

@@ -6,6 +6,7 @@
 
 #include "Vwh_controller.h"
 #include "anchor_words.h"
+#include "coverage.h"
 #include "shape_words.h"
 #include "verilated.h"
 
@@ -15,6 +16,8 @@ struct Controller {
     VerilatedContext context;
     Vwh_controller top{&context};
     int64_t packets = 0;
+
+    ~Controller() { write_coverage(context); }
 };
 
 int64_t signed_word(uint64_t raw) {

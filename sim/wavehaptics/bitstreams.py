@@ -111,7 +111,8 @@ def count_resources() -> None:
 def write_numbers() -> None:
     """Keep the numbers of the last synthesis, and write them into the README pages."""
     try:
-        numbers.keep()
+        for path in numbers.keep():
+            typer.echo(f"{path}: not of a whole run, its numbers are left out")
         for path in numbers.write():
             typer.echo(f"{path}: numbers written")
     except _ERRORS as error:

@@ -284,7 +284,7 @@ def holding(
 def soak(
     ticks: Annotated[
         float, typer.Option(metavar="N", min=1, help="How many ticks, or some more.")
-    ] = 1e8,
+    ] = 1e8,  # soak.WHOLE_TICKS, which would have to be imported
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="The first task's.")] = 0,
     workers: Annotated[
         int | None, typer.Option(metavar="N", min=1, help="Processes; one a core by default.")

@@ -169,8 +169,10 @@ def _compile(function: Callable | None = None, **options: Any) -> Any:
     if function is None:
         return functools.partial(_compile, **options)
     dispatcher = numba.njit(function, **options)
-    if isinstance(dispatcher, Dispatcher):  # NUMBA_DISABLE_JIT=1 leaves the function as it is
+    if isinstance(dispatcher, Dispatcher):
         dispatcher._cache = _KeptBySources(function, dispatcher)
+    else:  # NUMBA_DISABLE_JIT=1 leaves the function as it is
+        dispatcher.py_func = function
     return dispatcher
 
 

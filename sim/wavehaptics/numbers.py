@@ -2,9 +2,10 @@
 """The numbers in the README pages, between markers that a command fills.
 
 ``boards/summary.json`` keeps what the last synthesis came to, ``sim/docs/measured.json`` what the
-last report, the last bench and the last study of holding found. The text between
-``<!-- begin NAME -->`` and ``<!-- end NAME -->`` of a page is made from it; a test fails where the
-two differ, and another where a fresh synthesis comes to something else.
+last report, the last bench, the last study of holding and all that makes it reliable found; of a
+quick run nothing is kept. The text between ``<!-- begin NAME -->`` and ``<!-- end NAME -->`` of a
+page is made from it; a test fails where the two differ, and another where a fresh synthesis comes
+to something else.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from wavehaptics import reliability, soak
 from wavehaptics.adcs import named_rows
 from wavehaptics.boards import ROOT
 from wavehaptics.holding import pictures as holding_pictures
@@ -36,9 +38,13 @@ PAGES = (Path("README.md"), Path("boards", "README.md"))
 _SUMMARY = Path("build", "synth", "summary.json")
 _RESOURCES = Path("build", "synth", "resources.json")
 _ADCS = Path("build", "adcs", "adcs.json")
-_REPORT = Path("build", "report")
+_REPORT = Path("build", "report", "report.json")
 _BENCH = Path("build", "bench", "summary.json")
-_HOLDING = Path("build", "holding")
+_HOLDING = Path("build", "holding", "holding.json")
+_FORMAL = Path("build", "formal", "summary.json")
+_SOAK = Path("build", "soak", "summary.json")
+_MUTATION = Path("build", "mutate", "summary.json")
+_COVERAGE = Path("build", "coverage", "summary.json")
 _MARKED = re.compile(r"(<!-- begin (\S+) -->\n)(.*?)(<!-- end \2 -->)", re.DOTALL)
 _DEVICE_NAMES = {"up5k": "iCE40 UP5K", "hx8k": "iCE40 HX8K", "25k": "ECP5-25F"}
 
@@ -47,8 +53,11 @@ class NumbersError(ValueError):
     """Numbers or markers that are missing. The message is one line."""
 
 
-def keep(root: Path = ROOT) -> None:
-    """Take the numbers of ``build/synth`` into ``boards/summary.json``; what is not there stays."""
+def keep(root: Path = ROOT) -> list[Path]:
+    """Take the numbers of ``build`` into the files that are kept; what is not there stays.
+
+    So do the numbers of a whole run when the last one was a part: the files of those are returned.
+    """
     kept = json.loads((root / KEPT).read_bytes()) if (root / KEPT).exists() else {}
     if (root / _SUMMARY).exists():
         kept["boards"] = json.loads((root / _SUMMARY).read_bytes())["boards"]
@@ -61,7 +70,7 @@ def keep(root: Path = ROOT) -> None:
         kept["adcs"] = json.loads((root / _ADCS).read_bytes())
         if kept["adcs"]["scene"] != "paper_taps" or kept["adcs"].get("settings"):
             raise NumbersError(f"{_ADCS} is of another scene than the pages'; run `make adcs`")
-    measured = _last_measured(root)
+    measured, parts = _last_measured(root)
     if not kept and not measured:
         raise NumbersError("there are no numbers yet; run `make synth`")
     for path, numbers in ((KEPT, kept), (MEASURED, measured)):
@@ -69,24 +78,54 @@ def keep(root: Path = ROOT) -> None:
             text = json.dumps(numbers, indent=1, ensure_ascii=False)
             (root / path).parent.mkdir(parents=True, exist_ok=True)
             (root / path).write_text(text + "\n", encoding="utf-8")
-    for folder, names in ((_REPORT, readme.PICTURES), (_HOLDING, holding_pictures.PICTURES)):
+    for found, names in ((_REPORT, readme.PICTURES), (_HOLDING, holding_pictures.PICTURES)):
         for name in names:
-            if (root / folder / name).exists():
-                (root / MEASURED.parent / name).write_bytes((root / folder / name).read_bytes())
+            picture = root / found.with_name(name)
+            if found not in parts and picture.exists():
+                (root / MEASURED.parent / name).write_bytes(picture.read_bytes())
+    return parts
 
 
-def _last_measured(root: Path) -> dict[str, Any]:
-    """What is kept of the report and the bench, with what the last of each found."""
+_STUDIES: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
+    _REPORT: ("report", readme.of_report),
+    _BENCH: ("bench", readme.of_bench),
+    _HOLDING: ("holding", holding_tables.of_holding),
+}
+_CHECKS: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
+    _FORMAL: ("proofs", reliability.of_formal),
+    _SOAK: ("soak", reliability.of_soak),
+    _MUTATION: ("mutation", reliability.of_mutation),
+    _COVERAGE: ("coverage", reliability.of_coverage),
+}
+"""Files of numbers, the names they are kept by, and what is kept of them."""
+
+
+def _is_part(path: Path, found: dict[str, Any]) -> bool:
+    """Whether a file is of a quick run, or of a part of one."""
+    if path == _SOAK:
+        return found["ticks"] < soak.WHOLE_TICKS
+    return bool(found.get("quick", path == _FORMAL))
+
+
+def _last_measured(root: Path) -> tuple[dict[str, Any], list[Path]]:
+    """What is kept, with what the last whole run of each found, and the files of other runs."""
     measured = json.loads((root / MEASURED).read_bytes()) if (root / MEASURED).exists() else {}
-    report = root / _REPORT / "report.json"
-    if report.exists():
-        measured["report"] = readme.of_report(json.loads(report.read_bytes()))
-    if (root / _BENCH).exists():
-        measured["bench"] = readme.of_bench(json.loads((root / _BENCH).read_bytes()))
-    holding = root / _HOLDING / "holding.json"
-    if holding.exists():
-        measured["holding"] = holding_tables.of_holding(json.loads(holding.read_bytes()))
-    return measured
+    checks, parts = measured.get("reliability", {}), []
+    for files, into in ((_STUDIES, measured), (_CHECKS, checks)):
+        for path, (name, wanted) in files.items():
+            if not (root / path).exists():
+                continue
+            found = json.loads((root / path).read_bytes())
+            if _is_part(path, found):
+                parts.append(path)
+            else:
+                into[name] = wanted(found)
+    results = [root / path for path in reliability.TEST_RESULTS]
+    if all(path.exists() for path in results):
+        checks["tests"] = reliability.of_tests(results)
+    if checks:
+        measured["reliability"] = checks
+    return measured, parts
 
 
 def write(root: Path = ROOT) -> list[Path]:
@@ -286,6 +325,6 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     ),
 } | {
     name: partial(render, table=_table)
-    for name, render in (readme.TABLES | holding_tables.TABLES).items()
+    for name, render in (readme.TABLES | holding_tables.TABLES | reliability.TABLES).items()
 }
 """What stands between the markers of each name."""

@@ -324,11 +324,13 @@ def chosen(proofs: list[Proof], block: str | None, quick: bool) -> list[Job]:
     return [job for proof in picked for job in jobs_of(proof)]
 
 
-def write_summary(outcomes: list[Outcome], versions: str, root: Path = ROOT) -> Path:
-    """Write ``build/formal/summary.json``."""
-    path = root / OUT / "summary.json"
+def write_summary(
+    outcomes: list[Outcome], versions: str, root: Path = ROOT, part: bool = False
+) -> Path:
+    """Write ``build/formal/summary.json``, or ``part.json`` of a part of the runs."""
+    path = root / OUT / ("part.json" if part else "summary.json")
     path.parent.mkdir(parents=True, exist_ok=True)
-    data = {"tools": versions, "runs": [asdict(outcome) for outcome in outcomes]}
+    data = {"tools": versions, "quick": part, "runs": [asdict(outcome) for outcome in outcomes]}
     path.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
     return path
 
@@ -393,7 +395,7 @@ def formal(
         raise typer.Exit(2) from None
     order = [job.name for job in todo]
     outcomes.sort(key=lambda outcome: order.index(outcome.name))
-    path = write_summary(outcomes, versions)
+    path = write_summary(outcomes, versions, part=bool(block or quick or only))
     failed = sum(not outcome.met for outcome in outcomes)
     typer.echo(
         f"formal: {len(outcomes) - failed} of {len(outcomes)} runs are as they must be "

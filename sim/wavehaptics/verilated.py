@@ -22,6 +22,11 @@ ROOT_DIR = formats.RTL_DIR.parent
 SHIM_DIR = ROOT_DIR / "sim" / "verilated"
 BUILD_DIR = ROOT_DIR / "build" / "verilated"
 
+COVERAGE_DIR = os.environ.get("WH_COVERAGE", "")
+"""Folder where Verilated models count what they come through, one file each; "" not to count."""
+# Toggles of all signals: the settings of many walls are wider than the 256 bits that are usual.
+COVERAGE_FLAGS = ("--coverage-line", "--coverage-toggle", "--coverage-max-width", "4096")
+
 DEFAULT_CXX_FLAGS = (
     "-O3",
     "-march=native",
@@ -37,6 +42,9 @@ DEFAULT_VERILATOR_FLAGS = ("-O3", "--x-assign", "fast", "--x-initial", "fast", "
 # Other flags for a process that is to be measured with them.
 CXX_FLAGS = tuple(os.environ.get("WH_CXX_FLAGS", "").split()) or DEFAULT_CXX_FLAGS
 VERILATOR_FLAGS = tuple(os.environ.get("WH_VERILATOR_FLAGS", "").split()) or DEFAULT_VERILATOR_FLAGS
+if COVERAGE_DIR:
+    VERILATOR_FLAGS += COVERAGE_FLAGS
+    CXX_FLAGS += ("-O1",)  # the last counts: counters make builds long, and few ticks are run
 
 
 class BuildError(RuntimeError):

@@ -266,6 +266,7 @@ def bench(
         "controllers": controllers,
         "rtl_alone": _alone(rounds),
         "tried": _tried(quick, rounds, progress),
+        "quick": quick,
         "others": _others(progress) if OTHERS_PYTHON.exists() else [],
     }
     write_metrics(summary, out / "summary.json")

@@ -57,7 +57,7 @@ def collect(
         task.arguments | {"points": points}
         for task, points in zip(groups["bounces"], found["bounces"], strict=True)
     ]
-    kept = write_metrics(found, out / "holding.json")
+    kept = write_metrics(found | {"quick": quick}, out / "holding.json")
     found = json.loads(kept.read_bytes())
     pictures.draw(found, out)
     return found

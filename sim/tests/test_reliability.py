@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the README says of proofs, soak, coverage and tests is of their last whole run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from wavehaptics import numbers, proofs, reliability, soak
+from wavehaptics.boards import ROOT
+from wavehaptics.proofs import Outcome
+
+TESTS = '<testsuites><testsuite tests="{}" failures="{}" errors="0" skipped="1"/></testsuites>'
+NONE = {"sections": {"old_way": {"ratios": []}, "parts": {"scenes": {}}}, "seconds": 1.0}
+NONE["sections"]["hard_cases"] = {"cases": []}
+HOLDING = {
+    **{name: [] for name in ("holds", "plain", "bars", "feels", "overloads", "free", "bounces")},
+    "lost": [],
+}
+BENCH = dict.fromkeys(
+    ("machine", "compiler", "verilator", "controllers", "rtl_alone", "tried", "others")
+)
+SOAK = {"ticks": soak.WHOLE_TICKS, "episodes": 2000, "resets": 4000, "wrong": []}
+COVERAGE = {
+    "python": {"total": {"lines": 200, "lines_covered": 150, "branches": 40, "compiled": 30,
+                         "branches_covered": 10}},
+    "rtl": {"total": {"lines": 1000, "lines_covered": 990, "toggles": 4, "toggles_covered": 3}},
+}  # fmt: skip
+MUTATION = {"counts": {"mutants": 1500, "killed": 1490, "equivalent": 8, "survived": 2}}
+
+
+def run(name: str, kind: str, mode: str = "prove", met: bool = True) -> Outcome:
+    return Outcome(
+        name=name, property="", module="wh_a", kind=kind, mode=mode, engine="smtbmc z3", depth=2,
+        width="", result="", fault="", met=met, seconds=1.0, digest="",
+    )  # fmt: skip
+
+
+def write(root: Path, name: str, found: object) -> None:
+    path = root / "build" / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(found if isinstance(found, str) else json.dumps(found))
+
+
+def kept(root: Path) -> dict:
+    return json.loads((root / numbers.MEASURED).read_bytes())
+
+
+def rows(root: Path) -> dict[str, str]:
+    """The table's rows by their first cell."""
+    table = numbers.TABLES["reliability"](kept(root))
+    return {line.split("|")[1].strip(): line for line in table.splitlines()[2:]}
+
+
+def test_a_command_that_was_not_run_says_so():
+    lines = numbers.TABLES["reliability"]({}).splitlines()[2:]
+    assert len(lines) == 6
+    assert all("not run" in line for line in lines)
+
+
+def test_rows_say_what_the_commands_found(tmp_path):
+    outcomes = [run("a", "proof"), run("b", "proof", "bmc"), run("a.twin", "twin", "bmc"),
+                run("a.cover", "cover", "cover"), run("c", "proof", met=False)]  # fmt: skip
+    proofs.write_summary(outcomes, "tools", tmp_path)
+    write(tmp_path, "soak/summary.json", SOAK | {"wrong": ["seed 3, tick 4: u"]})
+    write(tmp_path, "mutate/summary.json", MUTATION)
+    write(tmp_path, "coverage/summary.json", COVERAGE)
+    write(tmp_path, "tests/quick.xml", TESTS.format(100, 0))
+    write(tmp_path, "tests/rest.xml", TESTS.format(2000, 3))
+    assert numbers.keep(tmp_path) == []
+    found = rows(tmp_path)
+    proven = "2 properties proven with z3, 1 by induction, 1 over a bounded number of clocks; "
+    assert f"{proven}1 planted faults found, 1 covers reached | c |" in found["proofs"]
+    assert "100,000,000 ticks, 2,000 episodes, 4,000 resets | seed 3, tick 4: u |" in found["soak"]
+    planted = found["planted changes of the RTL"]
+    assert "1,500 planted changes: 1,490 killed, 8 equivalent | 2 survived |" in planted
+    python = found["coverage of the Python"]
+    assert "75 % of 200 lines, 25 % of 40 branches; 30 of the others" in python
+    assert "99 % of 1,000 lines, 75 % of 4 toggles | nothing |" in found["coverage of the RTL"]
+    assert "2,095 passed, 2 skipped | 3 failed |" in found["tests"]
+
+
+def test_half_the_tests_are_not_taken_for_all(tmp_path):
+    write(tmp_path, "tests/quick.xml", TESTS.format(100, 0))
+    write(tmp_path, "soak/summary.json", SOAK)
+    numbers.keep(tmp_path)
+    assert "not run" in rows(tmp_path)["tests"]
+    assert "nothing" in rows(tmp_path)["soak"]
+
+
+@pytest.mark.parametrize(
+    ("name", "whole", "quick"),
+    [
+        ("report/report.json", NONE | {"quick": False}, NONE | {"quick": True, "seconds": 2.0}),
+        ("bench/summary.json", BENCH | {"tried": [1]}, BENCH | {"quick": True}),
+        ("soak/summary.json", SOAK, SOAK | {"ticks": 1_000_000, "episodes": 20}),
+        ("mutate/summary.json", MUTATION,
+         {"quick": True, "counts": MUTATION["counts"] | {"mutants": 3}}),
+        ("coverage/summary.json", COVERAGE,
+         {"quick": True} | COVERAGE | {"rtl": COVERAGE["python"]}),
+    ],
+)  # fmt: skip
+def test_a_quick_run_does_not_replace_a_whole_one(tmp_path, name, whole, quick):
+    write(tmp_path, name, whole)
+    for picture in ("old_way_limits.png", "held_wall.png"):
+        write(tmp_path, f"report/{picture}", "whole")
+    assert numbers.keep(tmp_path) == []
+    before = kept(tmp_path)
+    write(tmp_path, name, quick)
+    for picture in ("old_way_limits.png", "held_wall.png"):
+        write(tmp_path, f"report/{picture}", "quick")
+    assert numbers.keep(tmp_path) == [Path("build", name)]
+    assert kept(tmp_path) == before
+    if name.startswith("report"):
+        assert (tmp_path / "sim" / "docs" / "old_way_limits.png").read_text() == "whole"
+
+
+def test_a_quick_study_of_holding_is_left_out(tmp_path, monkeypatch):
+    monkeypatch.setitem(numbers._STUDIES, numbers._HOLDING, ("holding", dict))
+    write(tmp_path, "holding/holding.json", HOLDING | {"quick": False})
+    numbers.keep(tmp_path)
+    before = kept(tmp_path)
+    write(tmp_path, "holding/holding.json", HOLDING | {"quick": True, "lost": [1]})
+    assert numbers.keep(tmp_path) == [numbers._HOLDING]
+    assert kept(tmp_path) == before
+
+
+def test_a_part_of_the_proofs_leaves_the_summary_of_all(tmp_path):
+    everything = proofs.write_summary([run("a", "proof"), run("b", "proof")], "tools", tmp_path)
+    before = everything.read_bytes()
+    part = proofs.write_summary([run("a", "proof")], "tools", tmp_path, part=True)
+    assert part != everything
+    assert everything.read_bytes() == before
+    numbers.keep(tmp_path)
+    assert "2 properties proven" in rows(tmp_path)["proofs"]
+
+
+def test_a_summary_that_does_not_say_whether_it_is_whole_is_not_taken_for_it(tmp_path):
+    """The proofs' once held whichever runs came last."""
+    write(tmp_path, "formal/summary.json", {"tools": "tools", "runs": []})
+    write(tmp_path, "soak/summary.json", SOAK)
+    assert numbers.keep(tmp_path) == [numbers._FORMAL]
+    assert "not run" in rows(tmp_path)["proofs"]
+
+
+def test_the_table_has_its_marker_in_the_readme():
+    page = (ROOT / "README.md").read_text(encoding="utf-8")
+    for name in reliability.TABLES:
+        assert page.count(f"<!-- begin {name} -->") == 1
