@@ -170,6 +170,10 @@ BLOCK ?=
 formal: $(SYNTH_TOOLS) ## prove the RTL into build/formal (BLOCK=quadrature; QUICK=1: one proof of each block)
 	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.proofs $(if $(BLOCK),--block "$(BLOCK)") $(if $(QUICK),--quick) --jobs $(JOBS)
 
+.PHONY: mutate
+mutate: $(SYNTH_TOOLS) ## plant faults into the RTL and count those that its tests find (BLOCK=quadrature; QUICK=1)
+	@$(WITH_TOOLS) .venv/bin/wavehaptics mutate $(if $(BLOCK),--block "$(BLOCK)") $(if $(QUICK),--quick) --jobs $(JOBS)
+
 clean: ## remove what was built
 	rm -rf build
 

@@ -67,7 +67,9 @@ def rtl_files(module: str, root: Path = ROOT) -> list[Path]:
     return [found[name] for name in sorted(found)]
 
 
-def mutated(block: Block, seed: int, tools: Toolchain, folder: Path) -> tuple[list[str], list[Path]]:
+def mutated(
+    block: Block, seed: int, tools: Toolchain, folder: Path
+) -> tuple[list[str], list[Path]]:
     """(Yosys' commands, one a mutant, and the files of the netlist that holds all of them)."""
     folder.mkdir(parents=True, exist_ok=True)
     where = folder.relative_to(ROOT)
@@ -155,8 +157,8 @@ def _between(block: Block, inner: str, source: str, ports: list[str]) -> str:
 
 def place_of(command: str) -> str:
     """``rtl/file.v:line`` of one of Yosys' commands."""
-    found = re.search(r"-src (?:\S*/)?(rtl/\w+\.v:\d+)", command)
-    return found[1] if found else "?"
+    found = re.findall(r"-src (?:\S*/)?(rtl/\w+\.v:\d+)", command)
+    return found[-1] if found else "?"  # the last one is the cell's, before it is the wire's
 
 
 def what_of(command: str) -> str:

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All mutants of ``formal/mutate.toml``, and ``build/mutate/summary.json`` of what became of them.
+
+An interrupted run goes on where it stopped; what has run before with the same sources, benches and
+tools is not run again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from pathlib import Path
+
+from wavehaptics.boards import ROOT
+from wavehaptics.mutation.results import Mutant, summary, write_summary
+from wavehaptics.mutation.rtl import run_block
+from wavehaptics.mutation.table import Block, MutationError, Table, load_table
+from wavehaptics.toolchain import Toolchain, ToolError
+
+Progress = Callable[[str, float], None]
+
+
+def chosen(table: Table, names: Iterable[str], quick: bool) -> list[Block]:
+    """Blocks by their names or modules, all without one; ``quick`` takes the marked ones only."""
+    blocks = list(table.blocks)
+    wanted = {name.removeprefix("wh_") for name in names}
+    known = {word for b in blocks for word in (b.name, b.module.removeprefix("wh_"))}
+    if unknown := wanted - known:
+        raise MutationError(f"no block {', '.join(sorted(unknown))}; see formal/mutate.toml")
+    if wanted:
+        blocks = [b for b in blocks if {b.name, b.module.removeprefix("wh_")} & wanted]
+    return [block for block in blocks if block.quick or not quick]
+
+
+def mutate(
+    names: Iterable[str] = (),
+    quick: bool = False,
+    jobs: int = 2,
+    progress: Progress = lambda stage, part: None,
+    root: Path = ROOT,
+) -> tuple[dict[str, object], Path]:
+    """Run the mutants; (summary, its path). It is written again whenever a block has ended."""
+    table = load_table()
+    blocks = chosen(table, names, quick)
+    try:
+        tools = Toolchain.of_environment()
+        versions = f"Yosys {tools.check_age('yosys')}"
+    except ToolError as error:
+        raise MutationError(str(error)) from None
+    order = sorted(blocks, key=lambda block: -block.mutants)  # so that no long one ends alone
+    done: dict[str, list[Mutant]] = {}
+    failed: dict[str, str] = {}
+
+    def told() -> dict[str, object]:
+        found = {b.name: done[b.name] for b in blocks if b.name in done}
+        return {"tools": versions, "seed": table.seed, **summary(found, failed)}
+
+    with ThreadPoolExecutor(jobs) as pool:
+        waiting: dict[Future, Block] = {}
+        for block in order:
+            show = _part(progress, block)
+            waiting[pool.submit(run_block, block, table.seed, tools, versions, show)] = block
+        try:
+            while waiting:
+                ended, _ = wait(waiting, return_when=FIRST_COMPLETED)
+                for future in ended:
+                    block = waiting.pop(future)
+                    try:
+                        done[block.name] = future.result()
+                    except (MutationError, ToolError) as error:
+                        failed[block.name] = str(error)
+                    progress(block.name, 1.0)
+                    write_summary(told(), root)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return told(), write_summary(told(), root)
+
+
+def _part(progress: Progress, block: Block) -> Callable[[int], None]:
+    return lambda number: progress(block.name, number / block.mutants)
