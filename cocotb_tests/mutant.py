@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """One run of a bench with a mutant in its design: ``python mutant.py JOB.json NUMBER``.
 
-The job's keys are :func:`simulators.simulate`'s arguments. Ends with 0 where all tests pass, 1 where
-one fails, 2 where nothing could be built. A process of its own, because a mutant may well hang, and
-is then killed with its simulator.
+The job's keys are :func:`simulators.simulate`'s arguments. Ends with 0 where all tests pass, 1
+where one fails, 2 where nothing could be built. A process of its own, because a mutant may well
+hang, and is then killed with its simulator.
 """
 
 from __future__ import annotations

@@ -79,8 +79,8 @@ def test_a_block_with_parameters_stands_behind_the_original_head():
 
 def test_a_place_and_a_change_hold_no_counter_of_the_tool():
     command = (
-        "mutate -ctrl mutant_i 16 3 -mode cnot0 -module wh_x -cell $procdff$116 -port Q -portbit 18 "
-        "-ctrlbit 26 -wire place_q -wirebit 18 -src rtl/wh_x.v:64.2-64.3 -src rtl/wh_x.v:66.5-8.8"
+        "mutate -ctrl mutant_i 16 3 -mode cnot0 -module wh_x -cell $procdff$116 -port Q -portbit 18"
+        " -ctrlbit 26 -wire place_q -wirebit 18 -src rtl/wh_x.v:64.2-64.3 -src rtl/wh_x.v:66.5-8.8"
     )
     assert rtl.place_of(command) == "rtl/wh_x.v:66"
     assert rtl.what_of(command) == "cnot0 Q[18] by bit 26 of procdff, place_q[18]"
@@ -103,12 +103,12 @@ def test_the_summary_counts_what_is_not_equivalent():
 
 def test_a_reason_has_to_fit_a_survivor():
     reasons = {"rtl/wh_x.v:1 inv Y[2] of mux": "2 is never asked for"}
-    told = rtl.with_reasons([mutant(1, SURVIVED), mutant(2, SURVIVED)], reasons)
+    told = results.with_reasons([mutant(1, SURVIVED), mutant(2, SURVIVED)], reasons)
     assert [(m.state, m.by) for m in told] == [
         (SURVIVED, "tb_x.walks"), (EQUIVALENT, "2 is never asked for"),
     ]  # fmt: skip
     with pytest.raises(MutationError, match="no survivor"):
-        rtl.with_reasons([mutant(1, SURVIVED), mutant(2, KILLED)], reasons)
+        results.with_reasons([mutant(1, SURVIVED), mutant(2, KILLED)], reasons)
 
 
 def test_what_is_known_is_not_run_again(monkeypatch, tmp_path):
@@ -157,3 +157,38 @@ def test_misuse_is_one_line(monkeypatch):
     monkeypatch.setattr(run, "load_table", lambda: TABLE)
     ended = CliRunner().invoke(app, ["mutate", "--block", "tripp"])
     assert "no block tripp" in str(ended.exception)
+
+
+SOURCE = '''\
+def first(x: int | None) -> int:
+    """Says x + 1."""
+    return x + 1 if x < 3 else -x
+
+
+def second(x):
+    return x * 2
+'''
+
+
+def test_changes_of_a_model_are_where_its_code_runs():
+    pytest.importorskip("cosmic_ray", reason="comes with make mutate")
+    from wavehaptics.mutation.models import changes
+
+    found = changes(SOURCE, ["first"], 12, 20)
+    assert len(found) == len({change.text for change in found}) == 12
+    assert {change.line for change in found} == {3}
+    assert found == changes(SOURCE, ["first"], 12, 20)
+    assert found != changes(SOURCE, ["first"], 12, 21)
+    assert {change.line for change in changes(SOURCE, [], 30, 20)} == {3, 7}
+    with pytest.raises(MutationError, match="no function third"):
+        changes(SOURCE, ["third"], 1, 20)
+
+
+@pytest.mark.parametrize("model", TABLE.models, ids=[model.name for model in TABLE.models])
+def test_every_model_has_its_tests(model):
+    assert model.tests
+    for test in model.tests:
+        path, _, name = test.partition("::")
+        assert f"def {name.partition('[')[0]}" in (ROOT / path).read_text()
+    source = (ROOT / "sim" / "wavehaptics" / f"{model.module}.py").read_text()
+    assert all(f"def {function}(" in source for function in model.functions)

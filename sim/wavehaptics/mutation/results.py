@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from wavehaptics.boards import ROOT
+from wavehaptics.mutation.table import MutationError
 
 OUT = Path("build", "mutate")
 WANTED = 0.95
@@ -56,6 +57,21 @@ class Store:
         partial = self.path.with_suffix(".part")
         partial.write_text(json.dumps(kept, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
         partial.replace(self.path)
+
+
+def with_reasons(mutants: list[Mutant], reasons: dict[str, str]) -> list[Mutant]:
+    """The mutants with those that the table calls equivalent; each entry has to fit a survivor."""
+    open_reasons = dict(reasons)
+    told = []
+    for mutant in mutants:
+        key = f"{mutant.place} {mutant.what}"
+        if mutant.state == SURVIVED and key in reasons:
+            open_reasons.pop(key, None)
+            mutant = Mutant(**{**asdict(mutant), "state": EQUIVALENT, "by": reasons[key]})
+        told.append(mutant)
+    if open_reasons:
+        raise MutationError(f"equivalent, but no survivor: {'; '.join(open_reasons)}")
+    return told
 
 
 def summary(groups: dict[str, Iterable[Mutant]], failed: dict[str, str]) -> dict[str, object]:

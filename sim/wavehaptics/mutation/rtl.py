@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Yosys' mutants of a module, each run on the module's own bench.
 
-All mutants of a module are in one netlist, and ``+mutant=<number>`` chooses which one is awake; 0 is
-none. So a bench is built once. The netlist has the module's name and takes its place; where the
+All mutants of a module are in one netlist, and ``+mutant=<number>`` chooses which one is awake; 0
+is none. So a bench is built once. The netlist has the module's name and takes its place; where the
 bench gives the module parameters, a module with the original's ports stands between, which takes
 the original for other parameters. What the tests let pass, Yosys compares with the original: an
 induction over all that is equal in both shows that some can't be seen from outside at all.
@@ -19,12 +19,20 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
 from xml.etree import ElementTree
 
 from wavehaptics.boards import ROOT
-from wavehaptics.mutation.results import EQUIVALENT, KILLED, OUT, SURVIVED, Mutant, Store
+from wavehaptics.mutation.models import python_files
+from wavehaptics.mutation.results import (
+    EQUIVALENT,
+    KILLED,
+    OUT,
+    SURVIVED,
+    Mutant,
+    Store,
+    with_reasons,
+)
 from wavehaptics.mutation.table import Block, MutationError
 from wavehaptics.toolchain import Toolchain, ToolError
 
@@ -75,13 +83,17 @@ def mutated(
     where = folder.relative_to(ROOT)
     inner = inner_name(block)
     parameters = "".join(f" -chparam {name} {value}" for name, value in block.own.items())
+    choice = (
+        f"mutate -list {block.mutants} -seed {seed} -ctrl mutant_i 16 1 -module {inner}"
+        f" -o {where}/mutants.ys"
+    )
     script = f"""
         read_verilog -defer -Irtl {" ".join(map(str, rtl_files(block.module)))}
         hierarchy -top {block.module}{parameters}
         prep -top {block.module}
         rename {block.module} {inner}
         write_rtlil {where}/prepared.il
-        mutate -list {block.mutants} -seed {seed} -ctrl mutant_i 16 1 -module {inner} -o {where}/mutants.ys
+        {choice}
         script {where}/mutants.ys
         write_json {where}/ports.json
         write_verilog -noattr {where}/{inner}.v
@@ -180,7 +192,7 @@ def what_of(command: str) -> str:
 def _test_sources(block: Block) -> list[Path]:
     """Files that the bench's verdict depends on, besides the netlist."""
     found: dict[Path, None] = {}
-    waiting = [ROOT / BENCHES / f"{block.test}.py", ROOT / BENCHES / "simulators.py"]
+    tests = [ROOT / BENCHES / f"{block.test}.py", ROOT / BENCHES / "simulators.py"]
     top = ROOT / BENCHES / f"{block.top}.v"
     modules = [block.module]
     if top.exists():
@@ -191,15 +203,7 @@ def _test_sources(block: Block) -> list[Path]:
     for module in modules:
         found.update(dict.fromkeys(ROOT / path for path in rtl_files(module)))
     found.update(dict.fromkeys((ROOT / "rtl").glob("*.vh")))
-    while waiting:
-        path = waiting.pop()
-        if path in found or not path.exists():
-            continue
-        found[path] = None
-        text = path.read_text(encoding="utf-8")
-        for name in re.findall(r"^\s*(?:from|import) ([\w.]+)", text, re.M):
-            folder = ROOT / "sim" if name.startswith("wavehaptics.") else ROOT / BENCHES
-            waiting.append(folder / f"{name.replace('.', '/')}.py")
+    found.update(dict.fromkeys(python_files(tests)))
     return sorted(found)
 
 
@@ -295,21 +299,6 @@ def run_block(
     return with_reasons([store.mutants[n] for n in range(1, len(commands) + 1)], block.equivalent)
 
 
-def with_reasons(mutants: list[Mutant], reasons: dict[str, str]) -> list[Mutant]:
-    """The mutants with those that the table calls equivalent; each entry has to fit a survivor."""
-    open_reasons = dict(reasons)
-    told = []
-    for mutant in mutants:
-        key = f"{mutant.place} {mutant.what}"
-        if mutant.state == SURVIVED and key in reasons:
-            open_reasons.pop(key, None)
-            mutant = Mutant(**{**asdict(mutant), "state": EQUIVALENT, "by": reasons[key]})
-        told.append(mutant)
-    if open_reasons:
-        raise MutationError(f"equivalent, but no survivor: {'; '.join(open_reasons)}")
-    return told
-
-
 def is_equal(block: Block, command: str, tools: Toolchain, folder: Path, number: int) -> bool:
     """Whether Yosys can prove that the mutant has the original's outputs, always."""
     where, inner = folder.relative_to(ROOT), inner_name(block)
@@ -319,9 +308,10 @@ def is_equal(block: Block, command: str, tools: Toolchain, folder: Path, number:
     script = "\n".join(
         [
             f"read_rtlil {where}/prepared.il", f"copy {inner} gate", awake, f"rename {inner} gold",
-            "memory_map", "flatten gold gate", "delete t:$check t:$print", "opt_clean gold gate",
-            "dffunmap gold gate", "equiv_make gold gate equal", "hierarchy -top equal", "clean -purge",
-            "equiv_struct", "equiv_simple -short", "equiv_induct -seq 4", "equiv_status -assert",
+            "memory_map", "flatten gold gate", "delete t:$check t:$print",
+            "opt_clean gold gate",
+            "dffunmap gold gate", "equiv_make gold gate equal", "hierarchy -top equal",
+            "clean -purge", "equiv_struct", "equiv_simple -short", "equiv_induct -seq 4", "equiv_status -assert",
         ]
     )  # fmt: skip
     path = folder / f"equal-{number}.ys"

@@ -12,24 +12,33 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 
 from wavehaptics.boards import ROOT
+from wavehaptics.mutation.models import run_model
 from wavehaptics.mutation.results import Mutant, summary, write_summary
 from wavehaptics.mutation.rtl import run_block
-from wavehaptics.mutation.table import Block, MutationError, Table, load_table
+from wavehaptics.mutation.table import Block, Model, MutationError, Table, load_table
 from wavehaptics.toolchain import Toolchain, ToolError
 
 Progress = Callable[[str, float], None]
 
 
-def chosen(table: Table, names: Iterable[str], quick: bool) -> list[Block]:
-    """Blocks by their names or modules, all without one; ``quick`` takes the marked ones only."""
-    blocks = list(table.blocks)
+def chosen(table: Table, names: Iterable[str], quick: bool) -> list[Block | Model]:
+    """Blocks and models by name, all without one; ``quick`` takes the marked ones only.
+
+    A block goes by its module's name, a model by its file's: `early`, `wh_early` or `early.py`.
+    """
+    entries = [*table.blocks, *table.models]
     wanted = {name.removeprefix("wh_") for name in names}
-    known = {word for b in blocks for word in (b.name, b.module.removeprefix("wh_"))}
-    if unknown := wanted - known:
+    if unknown := wanted - {word for entry in entries for word in _words(entry)}:
         raise MutationError(f"no block {', '.join(sorted(unknown))}; see formal/mutate.toml")
     if wanted:
-        blocks = [b for b in blocks if {b.name, b.module.removeprefix("wh_")} & wanted]
-    return [block for block in blocks if block.quick or not quick]
+        entries = [entry for entry in entries if _words(entry) & wanted]
+    return [entry for entry in entries if entry.quick or not quick]
+
+
+def _words(entry: Block | Model) -> set[str]:
+    return (
+        {entry.name, entry.module.removeprefix("wh_")} if isinstance(entry, Block) else {entry.name}
+    )
 
 
 def mutate(
@@ -56,10 +65,14 @@ def mutate(
         return {"tools": versions, "seed": table.seed, **summary(found, failed)}
 
     with ThreadPoolExecutor(jobs) as pool:
-        waiting: dict[Future, Block] = {}
+        waiting: dict[Future, Block | Model] = {}
         for block in order:
             show = _part(progress, block)
-            waiting[pool.submit(run_block, block, table.seed, tools, versions, show)] = block
+            if isinstance(block, Model):
+                job = pool.submit(run_model, block, table.seed, versions, show)
+            else:
+                job = pool.submit(run_block, block, table.seed, tools, versions, show)
+            waiting[job] = block
         try:
             while waiting:
                 ended, _ = wait(waiting, return_when=FIRST_COMPLETED)
@@ -77,5 +90,5 @@ def mutate(
     return told(), write_summary(told(), root)
 
 
-def _part(progress: Progress, block: Block) -> Callable[[int], None]:
+def _part(progress: Progress, block: Block | Model) -> Callable[[int], None]:
     return lambda number: progress(block.name, number / block.mutants)

@@ -43,7 +43,10 @@ class Block:
 
 @dataclass(frozen=True)
 class Model:
-    """A module of the Python models, the functions that are mutated (none named: all), its tests."""
+    """A module of the Python models, the functions that are mutated (none: all), and its tests.
+
+    ``compiled`` leaves numba at work, for tests that would take too long without.
+    """
 
     module: str
     mutants: int
@@ -52,6 +55,10 @@ class Model:
     compiled: bool = False
     quick: bool = False
     equivalent: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        return f"{self.module}.py"
 
 
 @dataclass(frozen=True)
@@ -71,7 +78,7 @@ def load_table(path: Path = ROOT / TABLE) -> Table:
         raise MutationError(f"{path}: {error}") from None
     blocks = tuple(_block(entry) for entry in data.get("block", []))
     models = tuple(_model(entry) for entry in data.get("model", []))
-    names = [block.name for block in blocks] + [model.module for model in models]
+    names = [block.name for block in blocks] + [model.name for model in models]
     for name in names:
         if names.count(name) > 1:
             raise MutationError(f"{TABLE}: {name} is there twice; give one a name of its own")
