@@ -311,7 +311,8 @@ def is_equal(block: Block, command: str, tools: Toolchain, folder: Path, number:
             "memory_map", "flatten gold gate", "delete t:$check t:$print",
             "opt_clean gold gate",
             "dffunmap gold gate", "equiv_make gold gate equal", "hierarchy -top equal",
-            "clean -purge", "equiv_struct", "equiv_simple -short", "equiv_induct -seq 4", "equiv_status -assert",
+            "clean -purge", "equiv_struct", "equiv_simple -short",
+            "equiv_induct -seq 4", "equiv_status -assert",
         ]
     )  # fmt: skip
     path = folder / f"equal-{number}.ys"
