@@ -78,6 +78,14 @@ def test_a_block_with_parameters_stands_behind_the_original_head():
     assert "module wh_saturate_original" in text
 
 
+def test_a_part_without_parameters_is_no_part_of_rtl():
+    text = "module wh_x(a);\n  wh_part one (a);\n  \\$p\\wh_part two (a);\nmodule wh_part(a);\n"
+    assert rtl.with_parts(text, "wh_x") == (
+        "module wh_x(a);\n  wh_part_of_wh_x one (a);\n  \\$p\\wh_part two (a);\n"
+        "module wh_part_of_wh_x(a);\n"
+    )
+
+
 def test_a_place_and_a_change_hold_no_counter_of_the_tool():
     command = (
         "mutate -ctrl mutant_i 16 3 -mode cnot0 -module wh_x -cell $procdff$116 -port Q -portbit 18"

@@ -107,7 +107,7 @@ def mutated(
     if len(commands) != block.mutants:
         raise MutationError(f"{block.name}: {block.mutants} mutants wanted, {len(commands)} found")
     netlist = folder / f"{inner}.v"
-    text = with_select(netlist.read_text(encoding="utf-8"), inner)
+    text = with_parts(with_select(netlist.read_text(encoding="utf-8"), inner), inner)
     netlist.write_text("`timescale 1ns / 1ps\n" + text + _SELECT, encoding="utf-8")
     files = [netlist]
     if inner != block.module:
@@ -144,6 +144,13 @@ def with_select(text: str, module: str) -> str:
     # Before it is used, as Verilog wants it.
     body = body.replace(declared, "", 1).replace(");\n", f");\n{declared}", 1)
     return head + body
+
+
+def with_parts(text: str, module: str) -> str:
+    """The netlist with names of its own for the module's parts: those of rtl have parameters."""
+    for part in set(re.findall(r"^module (wh_\w+)\(", text, re.M)) - {module}:
+        text = re.sub(rf"^(module |  ){part}(?=[ (])", rf"\1{part}_of_{module}", text, flags=re.M)
+    return text
 
 
 def _between(block: Block, inner: str, source: str, ports: list[str]) -> str:
