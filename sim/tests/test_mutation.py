@@ -5,12 +5,15 @@ from __future__ import annotations
 
 import json
 import shutil
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from typer.testing import CliRunner
 from wavehaptics.boards import ROOT
 from wavehaptics.cli import app
-from wavehaptics.mutation import results, rtl, run
+from wavehaptics.mutation import processes, results, rtl, run
 from wavehaptics.mutation.results import EQUIVALENT, KILLED, SURVIVED, Mutant, Store, summary
 from wavehaptics.mutation.table import Block, MutationError, load_table
 from wavehaptics.toolchain import Toolchain
@@ -149,6 +152,22 @@ def test_what_is_known_is_not_run_again(monkeypatch, tmp_path):
     assert Store(folder / "results.json", store["digest"]).mutants.keys() == {1, 2, 3, 4, 5, 6}
     assert not Store(folder / "results.json", "another").mutants
     shutil.rmtree(folder)
+
+
+def test_an_interrupted_run_leaves_no_process(tmp_path):
+    sleeps = [sys.executable, "-c", "import time; print('on', flush=True); time.sleep(60)"]
+    with ThreadPoolExecutor(1) as pool:
+        future = pool.submit(processes.run_tests, sleeps, tmp_path, {}, tmp_path / "log", 60)
+        while not (tmp_path / "log").exists() or not (tmp_path / "log").read_text():
+            time.sleep(0.05)
+        processes.stop()
+        with pytest.raises(processes.StoppedError):
+            future.result(10)
+    with pytest.raises(processes.StoppedError):
+        processes.run_tests(sleeps, tmp_path, {}, tmp_path / "log", 60)
+    processes.start()
+    assert processes.run_tests(sleeps, tmp_path, {}, tmp_path / "log", 1.0) is None
+    assert processes.run_tests([sys.executable, "-c", ""], tmp_path, {}, tmp_path / "log", 60) == 0
 
 
 def test_yosys_tells_an_equal_mutant_from_another():

@@ -10,12 +10,9 @@ from __future__ import annotations
 
 import ast
 import hashlib
-import os
 import random
 import re
 import shutil
-import signal
-import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -23,6 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wavehaptics.boards import ROOT
+from wavehaptics.mutation.processes import run_tests
 from wavehaptics.mutation.results import KILLED, OUT, SURVIVED, Mutant, Store, with_reasons
 from wavehaptics.mutation.table import Model, MutationError
 
@@ -173,7 +171,6 @@ def tree_of(model: Model) -> Path:
 def tests_fail(model: Model, tree: Path, timeout_s: float) -> str:
     """What saw the mutant that is in ``tree``, or "" if all tests pass."""
     environment = {
-        **os.environ,
         "PYTHONPATH": str(tree / "sim"),
         "PYTHONDONTWRITEBYTECODE": "1",
         "COCOTB_MAX_FAILURES": "1",
@@ -182,20 +179,10 @@ def tests_fail(model: Model, tree: Path, timeout_s: float) -> str:
         environment["NUMBA_DISABLE_JIT"] = "1"
     options = ["-x", "-q", "-p", "no:cacheprovider", "--tb=line"]
     log = tree.parent / "run.log"
-    with log.open("wb") as output:
-        process = subprocess.Popen(
-            [sys.executable, "-m", "pytest", *options, *model.tests],
-            cwd=tree, env=environment, stdin=subprocess.DEVNULL, stdout=output,
-            stderr=subprocess.STDOUT, start_new_session=True,
-        )  # fmt: skip
-        try:
-            status = process.wait(timeout_s)
-        except subprocess.TimeoutExpired:
-            return "hangs"
-        finally:
-            if process.returncode is None:
-                os.killpg(process.pid, signal.SIGKILL)
-                process.wait()
+    command = [sys.executable, "-m", "pytest", *options, *model.tests]
+    status = run_tests(command, tree, environment, log, timeout_s)
+    if status is None:
+        return "hangs"
     if status == 0:
         return ""
     said = log.read_text(encoding="utf-8", errors="replace")

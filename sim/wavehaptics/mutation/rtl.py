@@ -12,10 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import re
-import signal
-import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -24,6 +21,7 @@ from xml.etree import ElementTree
 
 from wavehaptics.boards import ROOT
 from wavehaptics.mutation.models import python_files
+from wavehaptics.mutation.processes import run_tests
 from wavehaptics.mutation.results import (
     EQUIVALENT,
     KILLED,
@@ -230,22 +228,12 @@ def _work(block: Block) -> Path:
 
 def bench_run(block: Block, job: Path, number: int, timeout_s: float) -> str:
     """What saw the mutant, or "" if all tests pass. :class:`MutationError` if nothing is built."""
-    environment = {**os.environ, "COCOTB_MAX_FAILURES": "1", "PYTHONDONTWRITEBYTECODE": "1"}
+    environment = {"COCOTB_MAX_FAILURES": "1", "PYTHONDONTWRITEBYTECODE": "1"}
+    command = [sys.executable, str(ROOT / BENCHES / "mutant.py"), str(job), str(number)]
     log = job.parent / "run.log"
-    with log.open("wb") as output:
-        process = subprocess.Popen(
-            [sys.executable, str(ROOT / BENCHES / "mutant.py"), str(job), str(number)],
-            cwd=ROOT, env=environment, stdin=subprocess.DEVNULL, stdout=output,
-            stderr=subprocess.STDOUT, start_new_session=True,
-        )  # fmt: skip
-        try:
-            status = process.wait(timeout_s)
-        except subprocess.TimeoutExpired:
-            return "hangs"
-        finally:
-            if process.returncode is None:
-                os.killpg(process.pid, signal.SIGKILL)
-                process.wait()
+    status = run_tests(command, ROOT, environment, log, timeout_s)
+    if status is None:
+        return "hangs"
     work = _work(block)
     if status == 0:
         said = (work / "test.log").read_text(encoding="utf-8", errors="replace")

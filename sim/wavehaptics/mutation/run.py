@@ -12,6 +12,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 
 from wavehaptics.boards import ROOT
+from wavehaptics.mutation import processes
 from wavehaptics.mutation.models import run_model
 from wavehaptics.mutation.results import Mutant, summary, write_summary
 from wavehaptics.mutation.rtl import run_block
@@ -64,6 +65,7 @@ def mutate(
         found = {b.name: done[b.name] for b in blocks if b.name in done}
         return {"tools": versions, "seed": table.seed, **summary(found, failed)}
 
+    processes.start()
     with ThreadPoolExecutor(jobs) as pool:
         waiting: dict[Future, Block | Model] = {}
         for block in order:
@@ -85,6 +87,7 @@ def mutate(
                     progress(block.name, 1.0)
                     write_summary(told(), root)
         except BaseException:
+            processes.stop()
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     return told(), write_summary(told(), root)
