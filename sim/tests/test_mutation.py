@@ -119,6 +119,8 @@ def test_a_reason_has_to_fit_a_survivor():
     assert [(m.state, m.by) for m in told] == [
         (SURVIVED, "tb_x.walks"), (EQUIVALENT, "2 is never asked for"),
     ]  # fmt: skip
+    twice = results.with_reasons([mutant(2, SURVIVED), mutant(2, SURVIVED)], reasons)
+    assert [m.state for m in twice] == [EQUIVALENT, SURVIVED]
     with pytest.raises(MutationError, match="no survivor"):
         results.with_reasons([mutant(1, SURVIVED), mutant(2, KILLED)], reasons)
 

@@ -60,14 +60,14 @@ class Store:
 
 
 def with_reasons(mutants: list[Mutant], reasons: dict[str, str]) -> list[Mutant]:
-    """The mutants with those that the table calls equivalent; each entry has to fit a survivor."""
+    """The mutants with those that the table calls equivalent; each entry has to fit one survivor."""
     open_reasons = dict(reasons)
     told = []
     for mutant in mutants:
         key = f"{mutant.place} {mutant.what}"
-        if mutant.state == SURVIVED and key in reasons:
-            open_reasons.pop(key, None)
-            mutant = Mutant(**{**asdict(mutant), "state": EQUIVALENT, "by": reasons[key]})
+        if mutant.state == SURVIVED and key in open_reasons:
+            reason = open_reasons.pop(key)
+            mutant = Mutant(**{**asdict(mutant), "state": EQUIVALENT, "by": reason})
         told.append(mutant)
     if open_reasons:
         raise MutationError(f"equivalent, but no survivor: {'; '.join(open_reasons)}")
