@@ -60,7 +60,7 @@ class Store:
 
 
 def with_reasons(mutants: list[Mutant], reasons: dict[str, str]) -> list[Mutant]:
-    """The mutants with those that the table calls equivalent; each entry has to fit one survivor."""
+    """The mutants with those that the table calls equivalent; each has to fit a survivor."""
     open_reasons = dict(reasons)
     told = []
     for mutant in mutants:
