@@ -23,6 +23,7 @@ SIMULATES := $(if $(filter-out bitstream synth seeds prog resources numbers form
 # A finished .venv names its place: one that came with a moved or copied tree isn't used.
 READY := .venv/.ready
 READY_SYNTH := .venv/.ready-synth
+READY_MUTATE := .venv/.ready-mutate
 READY_BENCH := .venv-bench/.ready
 ifneq ($(shell cat $(READY) 2>/dev/null),$(CURDIR))
 .PHONY: $(READY)
@@ -59,6 +60,11 @@ $(READY): requirements.lock pyproject.toml $(wildcard sim/setup/*.sh) | system
 $(READY_SYNTH): requirements-synth.lock $(READY)
 	@sh sim/setup/environment.sh $(PYTHON) requirements.lock requirements-synth.lock
 	@touch $@
+
+# The tool for mutants of Python stands beside Yosys, whose mutants are the RTL's.
+$(READY_MUTATE): requirements-mutate.lock $(READY_SYNTH)
+	@sh sim/setup/environment.sh $(PYTHON) requirements.lock requirements-synth.lock requirements-mutate.lock
+	@touch $(READY_SYNTH) $@
 
 # Other motor simulators, in an environment of their own: they pull in a lot.
 $(READY_BENCH): requirements-bench.lock $(READY)
@@ -196,6 +202,10 @@ BLOCK ?=
 formal: $(SYNTH_TOOLS) ## prove the RTL into build/formal (BLOCK=quadrature; QUICK=1: one proof of each block)
 	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.proofs $(if $(BLOCK),--block "$(BLOCK)") $(if $(QUICK),--quick) --jobs $(JOBS)
 	@$(if $(QUICK)$(BLOCK),,$(NUMBERS))
+
+.PHONY: mutate
+mutate: $(READY_MUTATE) ## plant faults into RTL and models and count those that tests find (BLOCK=quadrature; QUICK=1)
+	@$(WITH_TOOLS) .venv/bin/wavehaptics mutate $(if $(BLOCK),--block "$(BLOCK)") $(if $(QUICK),--quick) --jobs $(JOBS)
 
 clean: ## remove what was built
 	rm -rf build

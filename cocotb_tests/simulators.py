@@ -163,6 +163,7 @@ def simulate(
     name: str | None = None,
     sources: Sequence[Path] = (),
     includes: Sequence[Path] = (),
+    plusargs: Sequence[str] = (),
 ) -> None:
     """Build ``toplevel`` on ``simulator`` and run every cocotb test of ``test_module`` on it.
 
@@ -171,7 +172,8 @@ def simulate(
     arguments: calls that may run at the same time must differ in it. The folder holds ``build.log``
     and ``test.log``. Modules of the files ``sources`` take the place of those of ``rtl`` with the
     same name; these files aren't linted, and the test then sees the top level's own signals only.
-    ``includes`` are folders of headers besides ``rtl``. What was built from the same sources, by
+    ``includes`` are folders of headers besides ``rtl``, ``plusargs`` what the design asks for with
+    ``$value$plusargs``. What was built from the same sources, by
     the same tools and with the same options is used again. Raises :class:`SimulationError` unless
     tests ran and all of them passed.
     """
@@ -187,7 +189,9 @@ def simulate(
         "PYTHONPATH": str(TESTS_DIR),
     }
     results.unlink(missing_ok=True)
-    arguments, files = [*_BUILD_ARGS[simulator]], [_source(toplevel), *sources]
+    arguments, files = [*_BUILD_ARGS[simulator]], [*sources]
+    if toplevel not in {source.stem for source in sources}:
+        files.insert(0, _source(toplevel))
     if sources:
         arguments += _MADE_ARGS[simulator]
         if simulator == "verilator":
@@ -240,6 +244,7 @@ def simulate(
                 test_dir=work,
                 results_xml=str(results),
                 log_file=test_log,
+                plusargs=list(plusargs),
                 timescale=("1ns", "1ps") if simulator == "icarus" else None,
             )
         except (RuntimeError, SystemExit) as error:

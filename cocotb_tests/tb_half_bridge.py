@@ -8,13 +8,15 @@ from bench import Bench, random_source
 
 
 class HalfBridgeBench(Bench):
-    """Drives one leg; checks interlock and dead time in every clock."""
+    """Drives one leg; checks interlock, dead time and that a gate stays on, in every clock."""
 
     def __init__(self, dut: object) -> None:
         super().__init__(dut)
         self.dead = 0
         self.high_on = 0
         self.low_on = 0
+        self._leg = 0
+        self._quiet = 0  # clocks since the leg changed or the bridge came on, with that one
         # Clocks since each gate was last seen on; before the first there was no gate to wait for.
         self._off = {"high": 1 << 20, "low": 1 << 20}
         self._before = {"high": 0, "low": 0}
@@ -25,8 +27,12 @@ class HalfBridgeBench(Bench):
         assert not (on["high"] and on["low"])
         if rst or not enable:
             assert on == {"high": 0, "low": 0}
-        assert not (on["high"] and not leg)
-        assert not (on["low"] and leg)
+            self._quiet = 0
+        else:
+            self._quiet = 1 if leg != self._leg else self._quiet + 1
+        self._leg = leg
+        driven = self._quiet > self.dead
+        assert on == {"high": int(driven and leg), "low": int(driven and not leg)}
         for gate, other in (("high", "low"), ("low", "high")):
             if on[gate] and not self._before[gate]:
                 assert self._off[other] >= self.dead

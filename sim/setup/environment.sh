@@ -33,11 +33,12 @@ pip_install() {
         --retries 5 --timeout 60 "$@" </dev/null
 }
 
+# The locks are complete: what they leave out of a package's wishes isn't wanted.
 # pip retries a connection, but gives up a download that breaks off in the middle.
 echo "installing the packages of $locks"
 attempt=1
 # shellcheck disable=SC2086,SC2046 # lists of words
-until pip_install --require-hashes --only-binary :all: $(printf -- '-r %s ' $locks); do
+until pip_install --require-hashes --no-deps --only-binary :all: $(printf -- '-r %s ' $locks); do
     if [ "$attempt" -ge 3 ]; then exit 1; fi
     echo "attempt $attempt failed, trying again" >&2
     sleep $((attempt * 5))

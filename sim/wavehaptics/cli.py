@@ -322,6 +322,39 @@ def soak(
 
 
 @app.command()
+def mutate(
+    block: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="A block, with or without wh_; repeatable."),
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Few blocks, few mutants.")] = False,
+    jobs: Annotated[int, typer.Option(min=1, metavar="N", help="Blocks at a time.")] = 2,
+) -> None:
+    """Plant small faults into the RTL, one at a time, and see that the block's tests find them.
+
+    An interrupted run goes on where it stopped. Ends with 1 if fewer than 95 % are found.
+    """
+    from wavehaptics.mutation.run import mutate as run_mutants
+    from wavehaptics.mutation.table import MutationError
+
+    try:
+        with _stages() as progress:
+            found, path = run_mutants(block or (), quick, jobs, progress)
+    except MutationError as error:
+        raise CommandError(str(error)) from None
+    for mutant in found["survivors"]:
+        print(f"survives: {mutant['block']} {mutant['number']}: {mutant['place']} {mutant['what']}")
+    for reason in found["failed"].values():
+        print(f"wavehaptics: mutate: {reason}", file=sys.stderr)
+    print(
+        f"{found['mutants']} mutants: {found['killed']} killed, {found['equivalent']} equivalent, "
+        f"{found['survived']} survive ({100 * found['score']:.1f} % killed): {path}"
+    )
+    if not found["enough"]:
+        raise typer.Exit(1)
+
+
+@app.command()
 def bench(
     quick: Annotated[bool, typer.Option("--quick", help="Only what is shipped.")] = False,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
