@@ -27,7 +27,7 @@ COVERAGE = {
                          "branches_covered": 10}},
     "rtl": {"total": {"lines": 1000, "lines_covered": 990, "toggles": 4, "toggles_covered": 3}},
 }  # fmt: skip
-MUTATION = {"counts": {"mutants": 1500, "killed": 1490, "equivalent": 8, "survived": 2}}
+MUTATION = {"mutants": 1500, "killed": 1490, "equivalent": 8, "survived": 2}
 
 
 def run(name: str, kind: str, mode: str = "prove", met: bool = True) -> Outcome:
@@ -96,7 +96,7 @@ def test_half_the_tests_are_not_taken_for_all(tmp_path):
         ("bench/summary.json", BENCH | {"tried": [1]}, BENCH | {"quick": True}),
         ("soak/summary.json", SOAK, SOAK | {"ticks": 1_000_000, "episodes": 20}),
         ("mutate/summary.json", MUTATION,
-         {"quick": True, "counts": MUTATION["counts"] | {"mutants": 3}}),
+         MUTATION | {"quick": True, "mutants": 3}),
         ("coverage/summary.json", COVERAGE,
          {"quick": True} | COVERAGE | {"rtl": COVERAGE["python"]}),
     ],

@@ -43,8 +43,7 @@ def of_soak(summary: dict[str, Any]) -> dict[str, Any]:
 
 def of_mutation(summary: dict[str, Any]) -> dict[str, int]:
     """What became of each planted change, of ``build/mutate/summary.json``."""
-    counts = summary["counts"]
-    return {key: counts[key] for key in ("mutants", "killed", "equivalent", "survived")}
+    return {key: summary[key] for key in ("mutants", "killed", "equivalent", "survived")}
 
 
 def of_coverage(summary: dict[str, Any]) -> dict[str, Any]:

@@ -50,6 +50,7 @@ def mutate(
     root: Path = ROOT,
 ) -> tuple[dict[str, object], Path]:
     """Run the mutants; (summary, its path). It is written again whenever a block has ended."""
+    names = tuple(names)
     table = load_table()
     blocks = chosen(table, names, quick)
     try:
@@ -63,7 +64,8 @@ def mutate(
 
     def told() -> dict[str, object]:
         found = {b.name: done[b.name] for b in blocks if b.name in done}
-        return {"tools": versions, "seed": table.seed, **summary(found, failed)}
+        part = bool(names) or quick or len(found) < len(blocks)
+        return {"tools": versions, "seed": table.seed, "quick": part, **summary(found, failed)}
 
     processes.start()
     with ThreadPoolExecutor(jobs) as pool:
