@@ -120,6 +120,7 @@ def test_the_word_of_the_limit():
     for bus_v, part in ((12.0, 1.0), (8.1, 1.0), (4.0, 0.5), (1.0, 0.125), (0.0, 0.0)):
         found = bus_scale.share(bus_scale.bus_word(bus_v), words["bus_share"])
         assert found == pytest.approx(part * whole, rel=1e-4)
+    assert bus_scale.bus_word(1e6) == (1 << formats.BUS_W) - 1
     # What the compensation of the dead time takes, the bus has to have besides.
     dead = controller_ports(load(*LOW, *MEASURED, "drive.limit_v=8", "drive.dead_time_s=50e-9"))
     lost = dead.words["dead_clocks"] / dead.timing.half_clocks
