@@ -14,7 +14,7 @@ the waves don't see:
 - ``c = c_I − g_ρ·p``, ``c_I −= g_γ·p``, the latter in full only while the rotor rests;
 - ``c −= g_d·(y − ȳ)``, ``y = L̂·i`` and ȳ its slow mean, in contact while the rotor rests, up to
   four cells: a resistance for swings alone, which no edge of the encoder tells of;
-- ``|c|`` is limited by ``c_0 + |e_id|/2``, out of contact by a half of c_0. In contact what it
+- ``|c|`` is limited by ``c_0 + |e_id|/2``, out of contact with a half of c_0. In contact what it
   takes of the drive's limit is the wave's no more: ``|u| ≤ u_max − |c|/s``, so that at the limit it
   is the wave that stops, whose share is counted. An error of the flux that c can't hold while the
   wave is below its limit means that waves and encoder don't follow the same motor.
