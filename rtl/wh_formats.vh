@@ -69,7 +69,9 @@
 `define WH_GAIN_Q   35  // A per unit of the sum, in a coefficient word, < 1.95 mA
 
 // Position and walls, in counts of the encoder.
+`ifndef WH_COUNT_W
 `define WH_COUNT_W 32
+`endif
 
 // Drive: half width of the bridge's pulse in clocks.
 `define WH_DUTY_Q   16  // clocks per volt in a coefficient word, and the fraction of the half width
