@@ -48,7 +48,6 @@ LOOPS = (
 
 FILES = (
     "sim/tests/test_adcs.py",
-    "sim/tests/test_drive.py",
     "sim/tests/test_encoder.py",
     "sim/tests/test_physics.py",
     "sim/tests/test_scene.py",

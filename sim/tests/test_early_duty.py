@@ -53,7 +53,7 @@ def test_a_voltage_that_waits_is_made_in_turn():
         (("controller.tick_hz=2e6",), "a tick of 40 clocks is shorter than the 47"),
         (
             ("controller.tick_hz=1.6e6", "controller.anchor_auto=true"),
-            "a tick of 50 clocks is shorter than the 60 that are needed with a port anchor",
+            "a tick of 50 clocks is shorter than the 58 that are needed with a port anchor",
         ),
         (
             ("motor.preset=re25-phantom", "controller.tick_hz=2e3", "controller.clock_hz=40e6",
