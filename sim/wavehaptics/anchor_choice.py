@@ -53,8 +53,6 @@ resistance for swings may want."""
 STRANGE_PART = 0.5
 """What c may want beyond its limit at least, in parts of the drive's: cells may be small, and in a
 hit a wrong L̂ asks for as much of the force as it is wrong, four times."""
-
-
 LEAST_ETA_FREE = 0.9
 WRONG_L = 0.1
 """Part by which L̂ may be wrong."""
@@ -78,7 +76,7 @@ def choose_anchor(
 
     ``r_hat`` is the winding's, not the port's.
     """
-    ohm = min(ANCHOR_OF_R * r_hat, MOST_OF_TICK * l_hat / tick_s)
+    ohm = _usual_ohm(r_hat, l_hat, tick_s)
     return AnchorChoice(
         ohm=ohm,
         ohm_per_s=LEARN_PER_S * ohm,
@@ -99,8 +97,12 @@ def choose_eta_free(
     """
     loop_s = (extra_ticks + 1) * tick_s
     if ohm is None:
-        ohm = min(ANCHOR_OF_R * r_hat, MOST_OF_TICK * l_hat / tick_s)
+        ohm = _usual_ohm(r_hat, l_hat, tick_s)
     given = (WRONG_L * ohm * loop_s + 2.0 * r_hat * lag_s) / l_hat
     turn = tick_s * math.sqrt(2.0 * r_hat / (l_hat * loop_s))
     left = a / abs(1.0 - (1.0 - a) * cmath.exp(-1j * turn))
     return min(1.0, max(LEAST_ETA_FREE, 1.0 - given + 1.0 - left))
+
+
+def _usual_ohm(r_hat: float, l_hat: float, tick_s: float) -> float:
+    return min(ANCHOR_OF_R * r_hat, MOST_OF_TICK * l_hat / tick_s)

@@ -63,10 +63,8 @@ def random_motor(seed: int) -> dict[str, Any]:
     """What the motor of a seed does in each of PARTS."""
     motor, settings = draw(seed)
     deep = motor["force"] / motor["stiffness"]
-    hand = [f"hand.stiffness={motor['hand_k']}", f"hand.damping={motor['hand_b']}"]
-    amplitude = _amplitude(motor)
     found: dict[str, Any] = {"seed": seed, "motor": motor}
-    press = [*settings, *hand, f"hand.amplitude_rad={amplitude}", "scene.duration_s=0.6"]
+    press = [*settings, *_hand(motor), "scene.duration_s=0.6"]
     held = _tried(runs.hold, "held_wall", "golden", press)
     found["hold"] = held
     taps = _taps(motor, settings)
@@ -77,7 +75,7 @@ def random_motor(seed: int) -> dict[str, Any]:
         # A soft wall without a damper rings with the winding at some 10 kHz, and the anchor beside
         # it at a slow tick; a quarter of B_R takes that.
         f"shaper.damping={0.25 * motor['k_t'] ** 2 / motor['r']}",
-        f"hand.amplitude_rad={amplitude + 4 * deep}",
+        f"hand.amplitude_rad={_amplitude(motor) + 4 * deep}",
     ]  # fmt: skip
     found["soft"] = _tried(runs.swing, "held_wall", [*taps, *soft])
     contact_s = math.pi * math.sqrt(motor["j"] * motor["l"]) / motor["k_t"]
@@ -114,11 +112,16 @@ def _amplitude(motor: dict[str, float]) -> float:
     return motor["force"] / motor["hand_k"] + motor["force"] / motor["stiffness"]
 
 
+def _hand(motor: dict[str, float]) -> list[str]:
+    return [
+        f"hand.stiffness={motor['hand_k']}", f"hand.damping={motor['hand_b']}",
+        f"hand.amplitude_rad={_amplitude(motor)}",
+    ]  # fmt: skip
+
+
 def _taps(motor: dict[str, float], settings: list[str]) -> list[str]:
     return [
-        *settings, f"hand.stiffness={motor['hand_k']}", f"hand.damping={motor['hand_b']}",
-        f"hand.amplitude_rad={_amplitude(motor)}", "hand.path=taps", "hand.frequency_hz=2",
-        "scene.duration_s=0.5",
+        *settings, *_hand(motor), "hand.path=taps", "hand.frequency_hz=2", "scene.duration_s=0.5",
     ]  # fmt: skip
 
 

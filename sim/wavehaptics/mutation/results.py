@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from wavehaptics.boards import ROOT
+from wavehaptics.metrics import write_metrics
 from wavehaptics.mutation.table import MutationError
 
 OUT = Path("build", "mutate")
@@ -53,10 +54,7 @@ class Store:
             "clean_s": self.clean_s,
             "mutants": [asdict(self.mutants[number]) for number in sorted(self.mutants)],
         }
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        partial = self.path.with_suffix(".part")
-        partial.write_text(json.dumps(kept, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-        partial.replace(self.path)
+        write_metrics(kept, self.path)
 
 
 def with_reasons(mutants: list[Mutant], reasons: dict[str, str]) -> list[Mutant]:
@@ -108,7 +106,4 @@ def counts(mutants: Iterable[Mutant]) -> dict[str, int | float]:
 
 def write_summary(data: dict[str, object], root: Path = ROOT) -> Path:
     """Write ``build/mutate/summary.json``."""
-    path = root / OUT / "summary.json"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(data, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-    return path
+    return write_metrics(data, root / OUT / "summary.json")
