@@ -145,6 +145,14 @@ def test_pictures_are_drawn(tmp_path):
     assert all((tmp_path / name).stat().st_size > 10_000 for name in pictures.PICTURES)
 
 
+def test_a_press_into_the_limit_is_not_a_lost_encoder():
+    """With everything too low c takes a part of the drive, which the wave has to leave to it."""
+    row = cases.overload("2.1 V", "rigid", "everything, −−−−")
+    assert row["limited_s"] > 0.1
+    assert row["anchor_fault_s"] is None
+    assert row["moved_cells"] <= 1.0
+
+
 def test_free_space_does_not_swing_by_itself():
     """Left alone, η = 1 ends in a swing at the voltage limit; what is chosen instead dies out."""
     rms = {}
