@@ -194,6 +194,7 @@ lint: $(READY) ## check the RTL at several sizes and word lengths, and the Pytho
 	@.venv/bin/ruff format --check
 
 include boards/boards.mk
+include boards/wiring.mk
 
 # One block, with or without wh_: BLOCK=quadrature
 BLOCK ?=

@@ -62,8 +62,8 @@ def gates(table: Table, family: Family) -> Sheet:
     s.text((16.3, y + 0.25), s.value("U3"), align="bottom", small=True)
     # The supervisor and the overcurrent.
     supervisor = s.box(
-        "", (10.3, -0.9), (2.4, 1.1), {"right": {"RESET": 0.55}, "left": {"VCC": 0.75, "GND": 0.25}},
-        "U2",
+        "", (10.3, -0.9), (2.4, 1.1),
+        {"right": {"RESET": 0.55}, "left": {"VCC": 0.75, "GND": 0.25}}, "U2",
     )  # fmt: skip
     s.text((11.5, -1.05), s.value("U2", one_line=True), align="top", small=True)
     s.wire(supervisor["RESET"], (14.1, -0.35), (14.1, middle[1]), middle)
@@ -225,8 +225,8 @@ def bridge(table: Table) -> Sheet:
     s.text((16.2, y - 0.5), "lead A", align="left", small=True)
     s.text((16.2, 4.2), "lead B", align="left", small=True)
     s.wire((16.0, 5.4), (16.0, 2.4), (7.8, 2.4))
-    s.text((9.3, 7.6), "A current from SW of U5A through R6\ninto lead A is positive.", align="left",
-           small=True)  # fmt: skip
+    s.text((9.3, 7.6), "A current from SW of U5A through R6\ninto lead A is positive.",
+           align="left", small=True)  # fmt: skip
     return s
 
 

@@ -118,6 +118,11 @@ class Diode(_Strict):
     most_model: str
 
 
+class Current(_Strict):
+    gain: float
+    swing_v: float
+
+
 class Stop(_Strict):
     longest_s: float
 
@@ -132,6 +137,7 @@ class Table(_Strict):
     pad: Pad
     supervisor_levels: Supervisor
     diode: Diode
+    current: Current
     stop: Stop
     parts: dict[str, Part]
 

@@ -7,6 +7,7 @@ Places are (x, y) in units of half an inch, y upwards. A sheet remembers which p
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Literal
 
 import schemdraw
@@ -76,7 +77,7 @@ class Sheet:
     # ---- Wires.
 
     def wire(self, *points: Point, dot: bool = False) -> None:
-        for start, end in zip(points, points[1:], strict=False):
+        for start, end in pairwise(points):
             self.drawing += elm.Line().at(start).to(end)
         if dot:
             self.dot(points[-1])
