@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable
 from pathlib import Path
@@ -28,12 +29,11 @@ def gates(table: Table, family: Family) -> Sheet:
     for row, ((signal, to), pins) in enumerate(zip(names, numbers, strict=True)):
         y = 16.2 - 2.7 * row
         s.tag((0.4, y), signal, "left")
-        (upper, lower), out = s.gate("", (7.6, y - 0.25), reference="U4", pins=pins)
+        (upper, lower), out = s.gate("U4", (7.6, y - 0.25), unit="abcd"[row], pins=pins)
         s.wire((0.4, y), (upper[0], y), upper)
         s.pull_down("R4", (1.9, y))
         s.wire((bus_x, lower[1]), lower)
         s.dot((bus_x, lower[1]))
-        s.text((6.95, out[1]), f"U4{'abcd'[row]}", align="right", small=True)
         s.wire(out, (11.6, out[1]))
         s.pull_down("R5", (9.6, out[1]))
         s.tag((11.6, out[1]), to, "right")
@@ -57,13 +57,13 @@ def gates(table: Table, family: Family) -> Sheet:
     s.pull_down("R2", (9.3, y))
     s.text((8.5, y + 0.2), "pass", align="bottom", small=True)
     clean = s.buffer("U1", (10.6, y))
-    (top, middle, bottom), out = s.gate("", (17.0, y - 0.5), inputs=3, reference="U3")
+    (top, middle, bottom), out = s.gate("U3", (17.0, y - 0.5), inputs=3)
     s.wire(clean, (clean[0], top[1]), top)
     s.text((16.3, y + 0.25), s.value("U3"), align="bottom", small=True)
     # The supervisor and the overcurrent.
     supervisor = s.box(
-        "", (10.3, -0.9), (2.4, 1.1),
-        {"right": {"RESET": 0.55}, "left": {"VCC": 0.75, "GND": 0.25}}, "U2",
+        "U2", (10.3, -0.9), (2.4, 1.1),
+        {"right": {"RESET": 0.55}, "left": {"VCC": 0.75, "GND": 0.25}},
     )  # fmt: skip
     s.text((11.5, -1.05), s.value("U2", one_line=True), align="top", small=True)
     s.wire(supervisor["RESET"], (14.1, -0.35), (14.1, middle[1]), middle)
@@ -96,7 +96,7 @@ def power(table: Table) -> Sheet:
     s = Sheet("Bus, gate supply, emergency stop and ground", table)
     s.text((-0.6, 7.9), s.title)
     y = 6.4
-    source = s.box("PS1", (-0.4, 4.6), (2.1, 2.2), {"right": {"+": 1.8, "−": 0.4}}, "PS1")
+    source = s.box("PS1", (-0.4, 4.6), (2.1, 2.2), {"right": {"+": 1.8, "−": 0.4}}, label="PS1")
     s.text((0.65, 5.6), "bench supply\nwith a limit", align="top", small=True)
     s.wire(source["+"], (3.0, y))
     s.switch("S1", (3.0, y), (5.0, y), "S1a", "break contact")
@@ -117,7 +117,7 @@ def power(table: Table) -> Sheet:
     s.wire(source["−"], (2.6, 5.0))
     s.ground((2.6, 5.0))
     y = 2.6
-    gate = s.box("PS2", (-0.4, 0.8), (2.1, 2.2), {"right": {"+": 1.8, "−": 0.4}}, "PS2")
+    gate = s.box("PS2", (-0.4, 0.8), (2.1, 2.2), {"right": {"+": 1.8, "−": 0.4}}, label="PS2")
     s.text((0.65, 1.8), "5 V ± 5 %", align="top", small=True)
     s.wire(gate["+"], (3.0, y))
     s.switch("S1", (3.0, y), (5.0, y), "S1b", "break contact")
@@ -157,14 +157,14 @@ def bridge(table: Table) -> Sheet:
     for leg, base in (("A", 8.6), ("B", 0.0)):
         high, low = f"gate_{leg.lower()}h", f"gate_{leg.lower()}l"
         pins = s.box(
-            "", (3.0, base + 1.2), (4.2, 3.6),
+            "U5", (3.0, base + 1.2), (4.2, 3.6),
             {
                 "left": {"HI": 2.6, "LI": 1.6, "AGND": 0.6},
                 "top": {"VCC": 1.1, "VIN": 3.3},
                 "right": {"HB": 2.9, "HS": 2.2, "SW": 1.2},
                 "bottom": {"PGND": 3.0},
             },
-            "U5", lead=0.6,
+            unit=leg, lead=0.6,
         )  # fmt: skip
         s.text((5.1, base + 3.1), f"U5{leg}\n{table.text('U5')}", align="top")
         numbers = {"HI": "4", "LI": "5", "AGND": "7", "VCC": "6", "VIN": "1",
@@ -219,8 +219,7 @@ def bridge(table: Table) -> Sheet:
         s.tag((x, y - 1.0), name, "right")
     s.text((11.7, y - 1.65), "a pair of thin wires from the shunt's own ends", align="top",
            small=True, grey=True)  # fmt: skip
-    motor = elm.Motor().at((16.0, 8.0)).to((16.0, 5.4))
-    s.drawing += motor
+    s.load(elm.Motor, "motor", (16.0, 8.0), (16.0, 5.4))
     s.text((16.8, 6.7), "motor", align="left")
     s.text((16.2, y - 0.5), "lead A", align="left", small=True)
     s.text((16.2, 4.2), "lead B", align="left", small=True)
@@ -240,7 +239,7 @@ def sense(table: Table) -> Sheet:
             "left": {"IN+": 2.7, "IN−": 1.9, "REF1": 1.1, "REF2": 0.4},
             "top": {"VS": 1.7}, "right": {"OUT": 2.3}, "bottom": {"GND": 1.7},
         },
-        "U7",
+        label="U7",
     )  # fmt: skip
     s.text((3.3, 7.4), table.text("U7") + "\n20 V/V", align="top", small=True)
     for pin, name in (("IN+", "R6, the bridge's end"), ("IN−", "R6, the motor's end")):
@@ -267,7 +266,7 @@ def sense(table: Table) -> Sheet:
             "left": {"VIN": 1.7}, "top": {"VDD": 1.7}, "bottom": {"GND": 1.7},
             "right": {"CS": 2.0, "SCLK": 1.3, "SDATA": 0.6},
         },
-        "U8",
+        label="U8",
     )  # fmt: skip
     s.text((11.9, 7.55), table.text("U8"), align="top", small=True)
     s.wire((8.0, y), adc["VIN"])
@@ -312,9 +311,8 @@ def sense(table: Table) -> Sheet:
     s.wire((10.4, 3.2), (10.4, 3.4))
     s.rail((10.4, 3.4), "3.3 V")
     latch = s.box(
-        "", (12.2, -0.3), (3.0, 2.8),
+        "U10", (12.2, -0.3), (3.0, 2.8),
         {"left": {"CLR": 2.0, "D": 1.2, "CLK": 0.5}, "right": {"Q": 1.3}, "top": {"PRE": 1.5}},
-        "U10",
     )  # fmt: skip
     s.text((13.9, 1.1), f"U10\n{table.text('U10')}", align="top", small=True)
     s.wire((10.4, 1.7), latch["CLR"])
@@ -378,7 +376,7 @@ def inputs(table: Table) -> Sheet:
     s.resistor("R17", (14.2, 1.0), (14.2, 2.3), "right")
     s.wire((14.2, 2.3), (14.2, 2.4))
     s.rail((14.2, 2.4), "3.3 V")
-    s.drawing += elm.Button().at((10.4, 1.0)).to((13.4, 1.0))
+    s.load(elm.Button, "S2", (10.4, 1.0), (13.4, 1.0))
     s.wire((13.4, 1.0), (15.6, 1.0))
     s.text((11.9, 1.7), s.value("S2", one_line=True), align="bottom", small=True)
     s.wire((10.4, 1.0), (10.4, 0.6))
@@ -398,14 +396,19 @@ SHEETS: dict[str, Callable[[Table], Sheet]] = {
 
 
 def texts(svg: str) -> list[str]:
-    """All text of a picture, in order: what a sheet says, whatever its lines look like."""
-    found = []
-    for element in ElementTree.fromstring(svg).iter():
-        if element.tag.endswith("}tspan") or element.tag.endswith("}text"):
-            text = (element.text or "").strip()
-            if text:
-                found.append(text)
-    return sorted(found)
+    """All text of a picture, sorted: what a sheet says, whatever it looks like."""
+    found = [(element.text or "").strip() for element in ElementTree.fromstring(svg).iter()]
+    return sorted(text for text in found if text)
+
+
+def lines(svg: str) -> list[tuple[float, ...]]:
+    """All lines of a picture as rounded numbers, sorted: where its wires and symbols are."""
+    paths = (element.get("d") for element in ElementTree.fromstring(svg).iter())
+    return sorted(
+        tuple(round(float(number), 1) for number in re.findall(r"-?[\d.]+(?:e-?\d+)?", path))
+        for path in paths
+        if path
+    )
 
 
 def write(table: Table, root: Path = ROOT) -> list[Path]:
