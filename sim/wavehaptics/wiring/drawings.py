@@ -136,10 +136,9 @@ def power(table: Table) -> Sheet:
     )
     for dy, name in (
         (1.5, "− of PS1, thick"),
-        (0.75, "PGND of the half bridges, thick"),
-        (0, "− of PS2"),
-        (-0.75, "FPGA board, by the pins its page names"),
-        (-1.5, "ADC and sense amplifier"),
+        (0.5, "PGND of the half bridges, thick"),
+        (-0.5, "− of PS2"),
+        (-1.5, "FPGA board, beside the gates' wires"),
     ):
         s.wire((x, y), (x + 1.6, y + dy), (x + 2.4, y + dy))
         s.tag((x + 2.4, y + dy), name, "right")
@@ -147,6 +146,9 @@ def power(table: Table) -> Sheet:
     s.wire((x, y), (x - 0.6, y))
     s.ground((x - 0.6, y))
     s.text((x - 1.1, y), "star", align="right")
+    s.text((x + 2.6, y - 2.2), "U1 to U4, U7 and U8 have their ground at the FPGA board: a ground\n"
+           "wire beside each signal's, and this one wire from there to the star.",
+           align="left", small=True)  # fmt: skip
     return s
 
 
@@ -326,9 +328,8 @@ def sense(table: Table) -> Sheet:
     s.tag((16.2, latch["Q"][1]), "overcurrent_n, to U3", "right")
     s.frame((-1.8, 4.5), (20.6, -3.5), "option: overcurrent shuts the gates until 3.3 V goes")
     s.text((10.9, -2.3), "several motors: the outputs of all U9 joined at one R16\n"
-           f"U10 once for a board; C14 {table.text('C14')} at U9 and at U10", align="left",
-           small=True)  # fmt: skip
-    s.shown.add("C14")
+           f"U10 once for a board; {s.value('C14', one_line=True)} at each U9, "
+           f"{s.value('C15', one_line=True)} at U10", align="left", small=True)  # fmt: skip
     return s
 
 

@@ -42,7 +42,7 @@ def bill(table: Table, *, options: bool) -> str:
     for reference, part in table.parts.items():
         if (part.option is not None) != options:
             continue
-        tolerance = f", {part.tolerance:.0%}" if part.tolerance else ""
+        tolerance = f", {part.tolerance * 100:g} %" if part.tolerance else ""
         cells = [reference, part.text() + tolerance, part.role, str(count(part, 1)),
                  str(count(part, 3)), part.rating, part.substitute]  # fmt: skip
         lines.append(_row([*cells, part.option] if part.option else cells))
