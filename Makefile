@@ -132,8 +132,8 @@ check: lint ## lint, a quick test of each block, the loop on each simulator: und
 	@$(PYTEST) -m quick --junit-xml build/tests/quick.xml
 	@if [ -d formal ]; then $(MAKE) formal QUICK=1; fi
 
-test: check ## check, then every other test of the model, the RTL and the loop
-	@$(PYTEST) -m "not quick" --junit-xml build/tests/rest.xml
+test: check ## check, then every other test of the model, the RTL and the loop (CI=true: but for the long)
+	@$(PYTEST) -m "not quick$(if $(CI), and not long)" --junit-xml build/tests/rest.xml
 
 # Every module at its defaults, and the tops at other sizes and word lengths: TOP,ARGUMENT,...
 LINT_CASES := \
