@@ -2,8 +2,8 @@
 //
 // prove_wh_pwm: no leg changes sooner than min_pulse clocks after it changed before, with the widths
 // that wh_modulator allows (formal/wh_modulator.v) and the limits that wh_controller gives it, in
-// every mode (BY_MODE says which) and halves shorter than LONGEST clocks, after a reset of any length at any clock. What a reset cuts short
-// doesn't count, and it leaves both legs low.
+// every mode (BY_MODE says which) and halves shorter than LONGEST clocks, after a reset of any length
+// at any clock. What a reset cuts short doesn't count, and it leaves both legs low.
 
 `default_nettype none
 `include "wh_formats.vh"
