@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner
 from wavehaptics.cli import board_commands
 from wavehaptics.controller.pins_timing import CORE_CLOCKS, latency_clocks
-from wavehaptics.fpga import multipliers, synthesis
+from wavehaptics.fpga import multipliers, pll, synthesis
 from wavehaptics.fpga.board_words import WIDTHS, board_words, verilog_header
 from wavehaptics.fpga.boards import ROOT, Board, BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import Design, SynthesisError, build
@@ -177,15 +177,59 @@ endmodule
 def test_clock_that_is_not_the_scenes(tmp_path, tools):
     board = load_board("icebreaker")
     design = synthesis.board_design(board, synthesis.OUT / "icebreaker")
-    pll = {"type": "SB_PLL40_PAD", "parameters": {"DIVR": "0", "DIVF": "111111", "DIVQ": "100"}}
-    assert synthesis.pll_ratio(pll)[0] * 12 == 48
+    cell = ice40_pll(divf=63, divq=4)
+    assert pll.of_cell(cell, 12e6).clock_hz == 48e6
     with pytest.raises(
         SynthesisError, match=r"clock is 48 MHz, but controller\.clock_hz .* 30 MHz"
     ):
-        synthesis._check_pll(design, {"cells": {"pll": pll}})
-    pll["parameters"]["DIVF"] = "1111"
-    with pytest.raises(SynthesisError, match=r"VCO runs at 192 MHz"):
-        synthesis._check_pll(design, {"cells": {"pll": pll}})
+        synthesis._check_pll(design, {"cells": {"pll": cell}})
+
+
+def ice40_pll(divr: int = 0, divf: int = 79, divq: int = 5, filter_range: int = 1) -> dict:
+    """An iCE40's PLL as Yosys writes it; from 12 MHz the iCEBreaker's 30 MHz."""
+    numbers = {"DIVR": divr, "DIVF": divf, "DIVQ": divq, "FILTER_RANGE": filter_range}
+    return {
+        "type": "SB_PLL40_PAD",
+        "parameters": {key: f"{value:b}" for key, value in numbers.items()},
+    }
+
+
+def ecp5_pll(i: int = 1, fb: int = 1, op: int = 28, os: int = 10, **parameters: str) -> dict:
+    """An ECP5's; from 25 MHz the ULX3S's 70 MHz."""
+    numbers = {"CLKI_DIV": i, "CLKFB_DIV": fb, "CLKOP_DIV": op, "CLKOS_DIV": os}
+    return {
+        "type": "EHXPLLL",
+        "parameters": {key: f"{value:032b}" for key, value in numbers.items()} | parameters,
+        "connections": {"CLKOP": [4], "CLKOS": [5]},
+    }
+
+
+@pytest.mark.parametrize(
+    ("board", "cell", "message"),
+    [
+        ("ulx3s", ecp5_pll(), None),
+        ("icebreaker", ice40_pll(), None),
+        # What the boards had: 25 MHz / 5 at the phase detector.
+        ("ulx3s", ecp5_pll(5, 1, 140, 10), "phase detector runs at 5 MHz; .* lower CLKI_DIV"),
+        ("ulx3s", ecp5_pll(op=14, os=5), r"VCO runs at 350 MHz; it must be 400 to 800 MHz"),
+        ("ulx3s", ecp5_pll(fb=2, op=21, os=15), "VCO runs at 1050 MHz"),
+        ("ulx3s", ecp5_pll(op=24, os=8), r"clock is 75 MHz, but controller\.clock_hz .* 70 MHz"),
+        ("ulx3s", ecp5_pll(FEEDBK_PATH="INT_OP"), "FEEDBK_PATH is INT_OP; take CLKOP"),
+        ("icebreaker", ice40_pll(divf=39, divq=4), "VCO runs at 480 MHz; it must be 533 to 1066"),
+        ("icebreaker", ice40_pll(divr=1, divf=127), "phase detector runs at 6 MHz; .* lower DIVR"),
+        ("icebreaker", ice40_pll(divq=6), r"output runs at 15 MHz; it must be 16 to 275"),
+        ("icebreaker", ice40_pll(filter_range=2), "FILTER_RANGE is 2; .* at 12 MHz set 1"),
+    ],
+)
+def test_a_pll_outside_its_data_sheet_fails(board, cell, message):
+    design = synthesis.board_design(load_board(board), synthesis.OUT / board)
+    netlist = {"cells": {"pll": cell}}
+    if message is None:
+        synthesis._check_pll(design, netlist)
+        return
+    with pytest.raises(SynthesisError, match=message) as failure:
+        synthesis._check_pll(design, netlist)
+    assert "\n" not in str(failure.value)
 
 
 TWO_CLOCKS = """\

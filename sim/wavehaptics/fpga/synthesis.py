@@ -18,7 +18,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from wavehaptics.fpga import multipliers
+from wavehaptics.fpga import multipliers, pll
 from wavehaptics.fpga.boards import ROOT, Board
 from wavehaptics.runtime.toolchain import Toolchain
 
@@ -392,37 +392,18 @@ def _plain(name: str) -> str:
 # ---- What the netlist must be.
 
 
-def _parameter(cell: dict[str, Any], name: str, default: int) -> int:
-    """A number among a cell's parameters, which Yosys writes in binary."""
-    text = cell["parameters"].get(name)
-    return default if text is None else int(text, 2)
-
-
-def pll_ratio(cell: dict[str, Any]) -> tuple[float, float]:
-    """(clock out over clock in, VCO over clock in) of a PLL cell of the netlist."""
-    if cell["type"].startswith("SB_PLL40"):
-        vco = (_parameter(cell, "DIVF", 0) + 1) / (_parameter(cell, "DIVR", 0) + 1)
-        return vco / 2 ** _parameter(cell, "DIVQ", 0), vco
-    ratio = _parameter(cell, "CLKFB_DIV", 1) / _parameter(cell, "CLKI_DIV", 1)
-    return ratio, ratio * _parameter(cell, "CLKOP_DIV", 1)
-
-
-_VCO_HZ = {"ice40": (533e6, 1066e6), "ecp5": (400e6, 800e6)}
-
-
 def _check_pll(design: Design, netlist: dict[str, Any]) -> None:
-    """The PLL makes the clock that the settings were computed for."""
-    plls = [c for c in netlist["cells"].values() if re.match("SB_PLL40|EHXPLLL", c["type"])]
+    """Every PLL keeps to its data sheet and makes the clock of the settings."""
     clock_hz = design.input_hz
-    if plls:
-        ratio, vco = pll_ratio(plls[0])
-        clock_hz *= ratio
-        low, high = _VCO_HZ[design.family]
-        if not low <= vco * design.input_hz <= high:
-            raise SynthesisError(
-                f"{design.name}: the PLL's VCO runs at {vco * design.input_hz / 1e6:g} MHz; "
-                f"it must be {low / 1e6:g} to {high / 1e6:g} MHz"
-            )
+    for cell in netlist["cells"].values():
+        if not cell["type"].startswith(pll.CELLS):
+            continue
+        try:
+            made = pll.of_cell(cell, design.input_hz)
+            made.check()
+        except pll.PllError as error:
+            raise SynthesisError(f"{design.name}: {error}") from None
+        clock_hz = made.clock_hz
     if not math.isclose(clock_hz, design.clock_hz, rel_tol=1e-6):
         raise SynthesisError(
             f"{design.name}: the top's clock is {clock_hz / 1e6:g} MHz, but controller.clock_hz "
@@ -444,7 +425,7 @@ def oscillator(netlist: dict[str, Any]) -> Oscillator | None:
         if cell["type"] == "OSCG":
             (bit,) = cell["connections"]["OSC"]
             nets = (name for name, net in netlist["netnames"].items() if bit in net["bits"])
-            return Oscillator(OSCILLATOR_HZ / _parameter(cell, "DIV", 128), frozenset(nets))
+            return Oscillator(OSCILLATOR_HZ / pll.parameter(cell, "DIV", 128), frozenset(nets))
     return None
 
 
@@ -514,12 +495,12 @@ def place(
     arguments = [
         f"--{design.device}", "--package", design.package, "--json", str(netlist),
         "--seed", str(seed), "--freq", f"{(1 + SPARE) * design.clock_hz / 1e6:.6f}",
-        "--report", str(report),
+        "--report", str(report), "--sdf", str(delays),
     ]  # fmt: skip
     if design.family == "ice40":
         # router1, the default, never comes to an end with some seeds.
         arguments += ["--router", "router2", "--pcf", str(design.constraints)]
-        arguments += ["--asc", str(placed), "--sdf", str(delays)]
+        arguments += ["--asc", str(placed)]
     else:
         arguments += ["--lpf", str(design.constraints), "--textcfg", str(placed)]
         arguments += ["--speed", str(design.speed)]
