@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_host_link.v``: equal to :mod:`wavehaptics.host_link`, and never in debt."""
+"""Bench of ``rtl/wh_host_link.v``: equal to its model, and never in debt.
+
+The model is :mod:`wavehaptics.controller.host_link`.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,8 @@ import random
 
 import cocotb
 from bench import Bench, random_source
-from wavehaptics import formats, host_link
+from wavehaptics.controller import host_link
+from wavehaptics.words import formats
 
 TICK_CLOCKS = 24
 LATE_CLOCKS = 100
@@ -100,14 +104,18 @@ async def equals_the_integer_model(dut: object) -> None:
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def never_pays_out_more_than_came_in(dut: object) -> None:
-    """A host that always answers with the largest wave gets what came in, and not more."""
+    """A host that always answers with the largest wave gets what came in, and not more.
+
+    The waves grow, so that each place of a budget is once the one that decides.
+    """
     rng = random_source("greed")
     bench = LinkBench(dut)
     await bench.begin(3, 3)
     came = went = 0
     spent = 0
-    for _ in range(120):
-        waves = [rng.randint(-1000, 1000) + 500 for _ in range(8)]
+    for period in range(120):
+        scale = 1 << min(period // 4, 28)
+        waves = [rng.randint(0, scale) + scale // 2 for _ in range(8)]
         active, u = bench.shown()
         # What is applied during the coming period.
         went += 8 * u * u if active else 0

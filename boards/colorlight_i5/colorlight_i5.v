@@ -2,7 +2,7 @@
 //
 // colorlight_i5: the wave controller on a Colorlight i5 (ECP5): pads, PLL, oscillator and reset.
 //
-// The clock is 90 MHz, 25 MHz / 5 * 18, from a VCO at 540 MHz. README.md has the wiring.
+// The clock is 90 MHz, a fifth of the VCO's 25 MHz * 18. README.md has the wiring.
 // Reset: until the PLL has been locked for 2^16 clocks.
 
 `default_nettype none
@@ -32,9 +32,10 @@ module colorlight_i5 (
     wire locked;
 
     wh_board_pll_ecp5 #(
-        .CLKI_DIV  (5),
-        .CLKFB_DIV (18),
-        .CLKOP_DIV (6)
+        .CLKI_DIV  (1),
+        .CLKFB_DIV (1),
+        .CLKOP_DIV (18),
+        .CLKOS_DIV (5)
     ) pll (
         .clk_i     (clk_25mhz),
         .clk_o     (clk),

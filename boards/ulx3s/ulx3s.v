@@ -2,7 +2,7 @@
 //
 // ulx3s: the wave controller on a ULX3S (ECP5): pads, PLL, oscillator and reset.
 //
-// The clock is 80 MHz, 25 MHz / 5 * 16, from a VCO at 640 MHz. README.md has the wiring.
+// The clock is 70 MHz, a tenth of the VCO's 25 MHz * 28. README.md has the wiring.
 // Reset: until the PLL has been locked for 2^16 clocks.
 
 `default_nettype none
@@ -33,9 +33,10 @@ module ulx3s (
     wire locked;
 
     wh_board_pll_ecp5 #(
-        .CLKI_DIV  (5),
-        .CLKFB_DIV (16),
-        .CLKOP_DIV (8)
+        .CLKI_DIV  (1),
+        .CLKFB_DIV (1),
+        .CLKOP_DIV (28),
+        .CLKOS_DIV (10)
     ) pll (
         .clk_i     (clk_25mhz),
         .clk_o     (clk),

@@ -12,16 +12,18 @@ from typing import Any
 import numpy as np
 import pytest
 from typer.testing import CliRunner
-from wavehaptics import bitstreams, multipliers, numbers, synthesis
-from wavehaptics.adc_parts import PARTS, frame
-from wavehaptics.boards import ROOT, Board, BoardError, board_names, load_board
-from wavehaptics.guard import FIELDS, Fault, GuardedPins, board_limits, mask
-from wavehaptics.pins_timing import CORE_CLOCKS, latency_clocks
+from wavehaptics.cli import board_commands
+from wavehaptics.controller.pins_timing import CORE_CLOCKS, latency_clocks
+from wavehaptics.fpga import multipliers, pll, synthesis
+from wavehaptics.fpga.board_words import WIDTHS, board_words, verilog_header
+from wavehaptics.fpga.boards import ROOT, Board, BoardError, board_names, load_board
+from wavehaptics.fpga.synthesis import Design, SynthesisError, build
+from wavehaptics.ladder.guarded_pins import FIELDS, Fault, GuardedPins, board_limits, mask
+from wavehaptics.pages import filler
+from wavehaptics.parts.adcs import PARTS, frame
+from wavehaptics.runtime.toolchain import Toolchain, ToolError
 from wavehaptics.scene import SceneError, load_scene
-from wavehaptics.synthesis import Design, SynthesisError, build
-from wavehaptics.toolchain import Toolchain, ToolError
-from wavehaptics.trace import Column, Word
-from wavehaptics.words import WIDTHS, board_words, verilog_header
+from wavehaptics.trace.columns import Column, Word
 
 LUT_TOLERANCE = 0.03
 
@@ -175,15 +177,59 @@ endmodule
 def test_clock_that_is_not_the_scenes(tmp_path, tools):
     board = load_board("icebreaker")
     design = synthesis.board_design(board, synthesis.OUT / "icebreaker")
-    pll = {"type": "SB_PLL40_PAD", "parameters": {"DIVR": "0", "DIVF": "111111", "DIVQ": "100"}}
-    assert synthesis.pll_ratio(pll)[0] * 12 == 48
+    cell = ice40_pll(divf=63, divq=4)
+    assert pll.of_cell(cell, 12e6).clock_hz == 48e6
     with pytest.raises(
         SynthesisError, match=r"clock is 48 MHz, but controller\.clock_hz .* 30 MHz"
     ):
-        synthesis._check_pll(design, {"cells": {"pll": pll}})
-    pll["parameters"]["DIVF"] = "1111"
-    with pytest.raises(SynthesisError, match=r"VCO runs at 192 MHz"):
-        synthesis._check_pll(design, {"cells": {"pll": pll}})
+        synthesis._check_pll(design, {"cells": {"pll": cell}})
+
+
+def ice40_pll(divr: int = 0, divf: int = 79, divq: int = 5, filter_range: int = 1) -> dict:
+    """An iCE40's PLL as Yosys writes it; from 12 MHz the iCEBreaker's 30 MHz."""
+    numbers = {"DIVR": divr, "DIVF": divf, "DIVQ": divq, "FILTER_RANGE": filter_range}
+    return {
+        "type": "SB_PLL40_PAD",
+        "parameters": {key: f"{value:b}" for key, value in numbers.items()},
+    }
+
+
+def ecp5_pll(i: int = 1, fb: int = 1, op: int = 28, os: int = 10, **parameters: str) -> dict:
+    """An ECP5's; from 25 MHz the ULX3S's 70 MHz."""
+    numbers = {"CLKI_DIV": i, "CLKFB_DIV": fb, "CLKOP_DIV": op, "CLKOS_DIV": os}
+    return {
+        "type": "EHXPLLL",
+        "parameters": {key: f"{value:032b}" for key, value in numbers.items()} | parameters,
+        "connections": {"CLKOP": [4], "CLKOS": [5]},
+    }
+
+
+@pytest.mark.parametrize(
+    ("board", "cell", "message"),
+    [
+        ("ulx3s", ecp5_pll(), None),
+        ("icebreaker", ice40_pll(), None),
+        # What the boards had: 25 MHz / 5 at the phase detector.
+        ("ulx3s", ecp5_pll(5, 1, 140, 10), "phase detector runs at 5 MHz; .* lower CLKI_DIV"),
+        ("ulx3s", ecp5_pll(op=14, os=5), r"VCO runs at 350 MHz; it must be 400 to 800 MHz"),
+        ("ulx3s", ecp5_pll(fb=2, op=21, os=15), "VCO runs at 1050 MHz"),
+        ("ulx3s", ecp5_pll(op=24, os=8), r"clock is 75 MHz, but controller\.clock_hz .* 70 MHz"),
+        ("ulx3s", ecp5_pll(FEEDBK_PATH="INT_OP"), "FEEDBK_PATH is INT_OP; take CLKOP"),
+        ("icebreaker", ice40_pll(divf=39, divq=4), "VCO runs at 480 MHz; it must be 533 to 1066"),
+        ("icebreaker", ice40_pll(divr=1, divf=127), "phase detector runs at 6 MHz; .* lower DIVR"),
+        ("icebreaker", ice40_pll(divq=6), r"output runs at 15 MHz; it must be 16 to 275"),
+        ("icebreaker", ice40_pll(filter_range=2), "FILTER_RANGE is 2; .* at 12 MHz set 1"),
+    ],
+)
+def test_a_pll_outside_its_data_sheet_fails(board, cell, message):
+    design = synthesis.board_design(load_board(board), synthesis.OUT / board)
+    netlist = {"cells": {"pll": cell}}
+    if message is None:
+        synthesis._check_pll(design, netlist)
+        return
+    with pytest.raises(SynthesisError, match=message) as failure:
+        synthesis._check_pll(design, netlist)
+    assert "\n" not in str(failure.value)
 
 
 TWO_CLOCKS = """\
@@ -459,13 +505,13 @@ PROGRAMMERS = {
 
 def prog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, board: str, made: bool) -> Any:
     """``prog`` of a board, its bitstream ``made`` or not, in a repository that holds no more."""
-    monkeypatch.setattr(bitstreams, "ROOT", tmp_path)
+    monkeypatch.setattr(board_commands, "ROOT", tmp_path)
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
     if made:
         bitstream = tmp_path / PROGRAMMERS[board][-1]
         bitstream.parent.mkdir(parents=True)
         bitstream.write_bytes(b"bits")
-    return CliRunner().invoke(bitstreams.app, ["prog", board])
+    return CliRunner().invoke(board_commands.app, ["prog", board])
 
 
 @pytest.mark.parametrize("board", board_names())
@@ -503,22 +549,22 @@ def test_programmer_without_a_bitstream(tmp_path, monkeypatch):
 
 
 def test_pages_show_the_kept_numbers():
-    assert numbers.stale_pages() == [], "run `make numbers`"
+    assert filler.stale_pages() == [], "run `make numbers`"
 
 
 def test_stale_page_is_noticed(tmp_path):
     (tmp_path / "boards").mkdir()
-    (tmp_path / numbers.KEPT).write_bytes((ROOT / numbers.KEPT).read_bytes())
+    (tmp_path / filler.KEPT).write_bytes((ROOT / filler.KEPT).read_bytes())
     page = tmp_path / "README.md"
     page.write_text("before\n<!-- begin boards -->\n<!-- end boards -->\nafter\n")
-    assert numbers.stale_pages(tmp_path) == [Path("README.md")]
-    assert numbers.write(tmp_path) == [Path("README.md")]
-    assert numbers.stale_pages(tmp_path) == []
+    assert filler.stale_pages(tmp_path) == [Path("README.md")]
+    assert filler.write(tmp_path) == [Path("README.md")]
+    assert filler.stale_pages(tmp_path) == []
     page.write_text(page.read_text().replace("| `ulx3s` |", "| `ulx4s` |"))
-    assert numbers.stale_pages(tmp_path) == [Path("README.md")]
+    assert filler.stale_pages(tmp_path) == [Path("README.md")]
     page.write_text("<!-- begin boards -->\n")
-    with pytest.raises(numbers.NumbersError, match="has no <!-- end boards -->"):
-        numbers.write(tmp_path)
+    with pytest.raises(filler.NumbersError, match="has no <!-- end boards -->"):
+        filler.write(tmp_path)
 
 
 def test_numbers_of_another_version_are_refused(tmp_path):
@@ -526,13 +572,13 @@ def test_numbers_of_another_version_are_refused(tmp_path):
     summary = tmp_path / synthesis.OUT / "summary.json"
     summary.parent.mkdir(parents=True)
     summary.write_text('{"boards": [{"board": "ulx3s", "spare": 0.3}]}')
-    with pytest.raises(numbers.NumbersError, match=r"summary\.json is that of another version"):
-        numbers.keep(tmp_path)
-    assert not (tmp_path / numbers.KEPT).exists()
+    with pytest.raises(filler.NumbersError, match=r"summary\.json is that of another version"):
+        filler.keep(tmp_path)
+    assert not (tmp_path / filler.KEPT).exists()
 
 
 def kept(name: str) -> dict[str, object]:
-    boards = json.loads((ROOT / numbers.KEPT).read_bytes())["boards"]
+    boards = json.loads((ROOT / filler.KEPT).read_bytes())["boards"]
     return next(board for board in boards if board["board"] == name)
 
 

@@ -6,14 +6,15 @@ from __future__ import annotations
 import json
 
 import pytest
-from wavehaptics import holding, numbers
-from wavehaptics.boards import ROOT
-from wavehaptics.holding import cases, tables
+from wavehaptics.fpga.boards import ROOT
+from wavehaptics.pages import filler, port_anchor
+from wavehaptics.studies import anchored
+from wavehaptics.studies.anchored import cases
 
 
 @pytest.fixture(scope="module")
 def kept():
-    return json.loads((ROOT / numbers.MEASURED).read_bytes())["holding"]
+    return json.loads((ROOT / filler.MEASURED).read_bytes())["holding"]
 
 
 def test_kept_holds_are_held_and_lost_without_the_anchor(kept):
@@ -44,11 +45,11 @@ def test_kept_bars_swing_by_less_than_half_a_cell(kept):
 
 
 def test_kept_motors_are_all_there(kept):
-    assert kept["motors"]["seeds"] in ([0, holding.MOTORS - 1], [0, holding.QUICK_MOTORS - 1])
-    assert set(kept["motors"]["faults"]) == {*tables.TARGETS, *tables.BOUNCES}
+    assert kept["motors"]["seeds"] in ([0, anchored.MOTORS - 1], [0, anchored.QUICK_MOTORS - 1])
+    assert set(kept["motors"]["faults"]) == {*port_anchor.TARGETS, *port_anchor.BOUNCES}
 
 
 def test_every_table_has_its_marker_in_the_readme():
     page = (ROOT / "README.md").read_text(encoding="utf-8")
-    for name in tables.TABLES:
+    for name in port_anchor.TABLES:
         assert page.count(f"<!-- begin {name} -->") == 1
