@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import typer
 
-from wavehaptics.boards import BoardError
+from wavehaptics.fpga.boards import BoardError
 from wavehaptics.scene import SceneError
 from wavehaptics.wiring import drawings, pages, spice
 from wavehaptics.wiring.parts import WiringError, load_table

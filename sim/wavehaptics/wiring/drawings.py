@@ -10,7 +10,7 @@ from pathlib import Path
 
 from schemdraw import elements as elm
 
-from wavehaptics.boards import ROOT
+from wavehaptics.fpga.boards import ROOT
 from wavehaptics.wiring.parts import FAMILY_NAMES, Family, Table
 from wavehaptics.wiring.sheet import Sheet
 

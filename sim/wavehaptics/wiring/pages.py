@@ -11,7 +11,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from wavehaptics.boards import ROOT, board_names
+from wavehaptics.fpga.boards import ROOT, board_names
 from wavehaptics.wiring import pins, spice
 from wavehaptics.wiring.parts import Part, Table, WiringError
 

@@ -9,8 +9,8 @@ from typing import Literal
 from matplotlib.ticker import EngFormatter
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from wavehaptics.boards import ROOT
-from wavehaptics.toml_source import TomlError, parse
+from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.toml_source import TomlError, parse
 
 TABLE = Path("boards", "wiring.toml")
 """The table, from the root."""

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from wavehaptics.boards import ROOT, load_board
-from wavehaptics.toml_source import TomlError, parse
+from wavehaptics.fpga.boards import ROOT, load_board
+from wavehaptics.runtime.toml_source import TomlError, parse
 from wavehaptics.wiring.parts import WiringError
 
 HEADERS = Path("boards", "headers.toml")

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from wavehaptics.boards import board_names, load_board
+from wavehaptics.fpga.boards import board_names, load_board
 from wavehaptics.wiring.parts import FAMILIES, FAMILY_NAMES, Family, Table, WiringError
 
 Level = Literal["high", "low"]
