@@ -32,11 +32,12 @@ from wavehaptics.laws.anchor_choice import choose_eta_free
 from wavehaptics.laws.closed_forms import matched_a
 from wavehaptics.parts.adcs import ALL_BITS
 from wavehaptics.parts.motors import PRESETS
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import KeyPath, TomlError, dotted, parse, parse_value
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
 
-SCENES_DIR = Path(__file__).resolve().parents[2] / "scenes"
+SCENES_DIR = ROOT / "sim" / "scenes"
 """Where the shipped scenes stand."""
 
 LARGEST_FILE = 1 << 20

@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wavehaptics.controller.rendered import rendered
 from wavehaptics.controller.settings import settings
-from wavehaptics.controller.shaper import NONE, rendered
+from wavehaptics.controller.shaper import NONE
 from wavehaptics.ladder.sampled import SampledSimulation
 from wavehaptics.laws.reflection import Wish
 from wavehaptics.scene import Hand, Scene
