@@ -7,8 +7,8 @@ import cocotb
 from bench import CLOCK_NS, Bench, pack, random_source
 from cocotb.triggers import Timer
 from simulators import parameters
-from wavehaptics.ladder.guarded_pins import DAMPABLE, HEAT_SQUARES, Fault
-from wavehaptics.ladder.guarded_pins import pack as settings
+from wavehaptics.controller.guard import DAMPABLE, HEAT_SQUARES, Fault
+from wavehaptics.controller.guard import pack as settings
 from wavehaptics.words import formats
 
 N = parameters().get("N", 1)
@@ -340,12 +340,12 @@ async def still_is_counted_as_in_integers(dut: object) -> None:
     rng = random_source("still")
     shift = formats.DATA_W - 16
     found = 0
-    for n in range(40):
+    for _ in range(40):
         size = rng.randint(4, 15)
         limit, enough = rng.getrandbits(size), rng.randint(1, 30)
         await bench.begin(LOST=limit, LOST_TICKS=enough)
         mean, still, negative, lost = 0, 0, False, False
-        for _ in range(60):
+        for _tick in range(60):
             # Mostly one way, so that it lasts; and anything at all.
             wave = rng.choice((1, 1, 1, -1)) * rng.randint(0, (1 << size) - 1)
             u, v = wave, rng.choice((wave, -wave, rng.randint(-(1 << 15), (1 << 15) - 1)))

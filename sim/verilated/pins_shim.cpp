@@ -51,7 +51,7 @@ void set_inputs(Vwh_controller &top, int64_t inputs) {
 }
 
 // Order of the parameters in the array that wh_pins_new takes: that of controller_ports in
-// sim/wavehaptics/ladder/pins.py.
+// sim/wavehaptics/controller/ports.py.
 enum Parameter {
     kHalfClocks, kTickHalves, kSampleClocks, kSamples, kSampleLead, kSampleLate,
     kSclkHalfClocks, kFrameBits, kLeadBits, kDataBits, kQuietClocks,

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from wavehaptics.controller import guard
 from wavehaptics.controller.pins_timing import CORE_CLOCKS, early_tick_clocks
-from wavehaptics.ladder import guarded_pins
+from wavehaptics.controller.ports import Ports, controller_ports
+from wavehaptics.controller.tick_layout import natural_ticks
 from wavehaptics.ladder.abilities import refuse
-from wavehaptics.ladder.pins import Ports, controller_ports, natural_ticks
 from wavehaptics.parts.adcs import Part, frame
 from wavehaptics.scene import Scene, SceneError
 from wavehaptics.words import formats
@@ -77,7 +78,7 @@ _PER_PORT = frozenset(
 class BoardWords:
     """What a board's bitstream is made with.
 
-    ``words`` as in :class:`wavehaptics.ladder.pins.Ports`.
+    ``words`` as in :class:`wavehaptics.controller.ports.Ports`.
     """
 
     ports: Ports
@@ -110,8 +111,8 @@ def board_words(scene: Scene, part: Part, motors: int = 1, *, guarded: bool = Fa
 
 
 def _guard(scene: Scene, ports: Ports) -> int:
-    limits = guarded_pins.board_limits(scene, ports)
-    return guarded_pins.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)
+    limits = guard.board_limits(scene, ports)
+    return guard.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)
 
 
 def _at(scene: Scene) -> str:
@@ -165,7 +166,7 @@ def verilog_header(board: BoardWords, source: str) -> str:
         f"`define WH_BOARD_DELAY_LOG2 {board.delay_log2}",
         f"`define WH_BOARD_EARLY {int(board.ports.timing.early)}",
         f"`define WH_BOARD_GUARDED {int(board.guard is not None)}",
-        f"`define WH_BOARD_GUARD {_literal(board.guard or 0, guarded_pins.WIDTH)}",
+        f"`define WH_BOARD_GUARD {_literal(board.guard or 0, guard.WIDTH)}",
         "",
     ]
     for name, width in WIDTHS.items():
