@@ -6,11 +6,11 @@ from __future__ import annotations
 import json
 
 import pytest
-from wavehaptics.fpga.boards import ROOT
 from wavehaptics.ladder import pins
 from wavehaptics.motor import sigma_delta
 from wavehaptics.pages import filler
 from wavehaptics.parts.adcs import ALL_BITS, MODULATORS, PARTS, PartError, frame, modulator_frame
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.studies import adcs
 

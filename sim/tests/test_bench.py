@@ -88,7 +88,7 @@ def test_many_clocks_in_a_call_are_as_many_calls():
 
 def test_flags_come_from_the_environment():
     environment = os.environ | {"WH_CXX_FLAGS": "-O1 -fPIC", "WH_VERILATOR_FLAGS": "-O0"}
-    show = "from wavehaptics import verilated as v; print(v.CXX_FLAGS, v.VERILATOR_FLAGS)"
+    show = "from wavehaptics.ladder import verilated as v; print(v.CXX_FLAGS, v.VERILATOR_FLAGS)"
     done = subprocess.run(
         [sys.executable, "-c", show], env=environment, capture_output=True, text=True,
         timeout=60, check=True,

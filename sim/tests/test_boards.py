@@ -16,11 +16,12 @@ from wavehaptics.cli import board_commands
 from wavehaptics.controller.pins_timing import CORE_CLOCKS, latency_clocks
 from wavehaptics.fpga import multipliers, pll, synthesis
 from wavehaptics.fpga.board_words import WIDTHS, board_words, verilog_header
-from wavehaptics.fpga.boards import ROOT, Board, BoardError, board_names, load_board
+from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import Design, SynthesisError, build
 from wavehaptics.ladder.guarded_pins import FIELDS, Fault, GuardedPins, board_limits, mask
 from wavehaptics.pages import filler
 from wavehaptics.parts.adcs import PARTS, frame
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain, ToolError
 from wavehaptics.scene import SceneError, load_scene
 from wavehaptics.trace.columns import Column, Word

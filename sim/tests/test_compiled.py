@@ -138,9 +138,10 @@ def test_every_function_of_the_package_is_kept_by_its_sources(monkeypatch):
 def test_other_word_lengths_are_other_code():
     """Of the waves, not of the contact, which has no such words."""
     ask = (
-        "from wavehaptics import compiled, golden;"
-        "print(compiled.sources_digest(golden.wave_core_step),"
-        "      compiled.sources_digest(golden.contact_step))"
+        "from wavehaptics.controller import wave_core;"
+        "from wavehaptics.runtime import compiled;"
+        "print(compiled.sources_digest(wave_core.wave_core_step),"
+        "      compiled.sources_digest(wave_core.contact_step))"
     )
     digests = [
         subprocess.run(
@@ -155,9 +156,9 @@ def test_other_word_lengths_are_other_code():
 
 
 PLAIN = """
-from wavehaptics import golden
-assert golden.saturate is golden.saturate.py_func
-print(golden.saturate(1 << 60), golden.saturate.py_func(-(1 << 60)))
+from wavehaptics.controller.wave_core import saturate
+assert saturate is saturate.py_func
+print(saturate(1 << 60), saturate.py_func(-(1 << 60)))
 """
 
 

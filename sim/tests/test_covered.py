@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 from wavehaptics.checks import covered
-from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.repository import ROOT
 
 HEADER = "# SystemC::Coverage-3\n"
 

@@ -15,9 +15,10 @@ from typing import Annotated, NoReturn
 import typer
 
 from wavehaptics.fpga import resources, synthesis
-from wavehaptics.fpga.boards import ROOT, BoardError, board_names, load_board
+from wavehaptics.fpga.boards import BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import SynthesisError
 from wavehaptics.pages import filler
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain, ToolError
 from wavehaptics.scene import SceneError
 

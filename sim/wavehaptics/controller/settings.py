@@ -21,7 +21,8 @@ from wavehaptics.laws.anchor_choice import (
 )
 from wavehaptics.laws.reflection import WishError
 from wavehaptics.motor.supply import reached_v
-from wavehaptics.scene import Controller, Scene, SceneError
+from wavehaptics.scene import Scene, SceneError
+from wavehaptics.scene.tables.controller import Controller
 from wavehaptics.words import formats
 
 IDEAL_CELL_RAD = 2.0**-30

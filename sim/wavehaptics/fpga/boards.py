@@ -16,11 +16,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from wavehaptics.fpga.board_words import BoardWords, board_words, verilog_header
 from wavehaptics.parts.adcs import PARTS
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import TomlError, parse
 from wavehaptics.scene import Scene, load_scene
-
-ROOT = Path(__file__).resolve().parents[3]
-"""The repository."""
 
 CONSTRAINT_SUFFIX = {"ice40": ".pcf", "ecp5": ".lpf"}
 

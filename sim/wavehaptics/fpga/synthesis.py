@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import re
 import shutil
 from collections import Counter
@@ -19,7 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from wavehaptics.fpga import multipliers, pll
-from wavehaptics.fpga.boards import ROOT, Board
+from wavehaptics.fpga.boards import Board
+from wavehaptics.runtime.files import write_json, write_text
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
 
 OUT = Path("build", "synth")
@@ -154,7 +155,7 @@ def build_board(
     out = OUT / board.name
     folder = board.root / out
     _clear(folder)
-    _write(folder / "wh_board_settings.vh", board.header())
+    write_text(folder / "wh_board_settings.vh", board.header())
     design = board_design(board, out)
     return build(design if seed is None else replace(design, seeds=(seed,)), out, tools, say)
 
@@ -285,7 +286,7 @@ def survey_seeds(
     folder = board.root / out
     _clear(folder)
     try:
-        _write(folder / "wh_board_settings.vh", board.header())
+        write_text(folder / "wh_board_settings.vh", board.header())
         design = board_design(board, out)
         netlist = _checked_netlist(design, out, tools)
         found = []
@@ -657,16 +658,7 @@ def summary_line(result: Result) -> str:
 def write_summary(results: Iterable[Result], root: Path = ROOT) -> Path:
     """Write ``build/synth/summary.json``, whole or not at all."""
     path = root / OUT / "summary.json"
-    text = json.dumps({"boards": [asdict(result) for result in results]}, indent=2)
-    _write(path, text + "\n")
-    return path
-
-
-def _write(path: Path, text: str) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}")
-    partial.write_text(text, encoding="utf-8")
-    partial.replace(path)
+    return write_json(path, {"boards": [asdict(result) for result in results]})
 
 
 def _clear(folder: Path) -> None:

@@ -25,7 +25,8 @@ from wavehaptics.motor.plant import TIME, C, I, P, Plant, X, load_words, plant_s
 from wavehaptics.motor.step import motor_step
 from wavehaptics.motor.thermal import Winding
 from wavehaptics.runtime.compiled import compiled
-from wavehaptics.scene import Scene, SceneError, Servo, drive_gain, encoder_end
+from wavehaptics.scene import Scene, SceneError, drive_gain, encoder_end
+from wavehaptics.scene.tables.servo import Servo
 from wavehaptics.trace.columns import Column
 
 FASTEST_AMPLIFIER = 0.1

@@ -19,7 +19,8 @@ from wavehaptics.controller.bus_scale import bus_word
 from wavehaptics.ladder.pins import PinsSimulation, Ports, controller_ports
 from wavehaptics.motor.sensor import Sensor
 from wavehaptics.motor.thermal import REFERENCE_C
-from wavehaptics.scene import Scene, Thermal
+from wavehaptics.scene import Scene
+from wavehaptics.scene.tables.thermal import Thermal
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
 from wavehaptics.words.formats import RTL_DIR

@@ -74,7 +74,8 @@ from wavehaptics.parts.adcs import (
 )
 from wavehaptics.runtime.compiled import compiled, compiled_counting
 from wavehaptics.runtime.native_call import call2
-from wavehaptics.scene import Drive, Scene, SceneError, encoder_end
+from wavehaptics.scene import Scene, SceneError, encoder_end
+from wavehaptics.scene.tables.drive import Drive
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, UNIPOLAR

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import ctypes
-import hashlib
 import os
 import shutil
 import subprocess
@@ -17,11 +16,11 @@ from pathlib import Path
 import numpy as np
 
 from wavehaptics.controller import anchor
+from wavehaptics.runtime.files import digest_of
+from wavehaptics.runtime.repository import ROOT, SHIMS
 from wavehaptics.words import formats
 
-ROOT_DIR = formats.RTL_DIR.parent
-SHIM_DIR = ROOT_DIR / "sim" / "verilated"
-BUILD_DIR = ROOT_DIR / "build" / "verilated"
+BUILD_DIR = ROOT / "build" / "verilated"
 
 COVERAGE_DIR = os.environ.get("WH_COVERAGE", "")
 """Folder where Verilated models count what they come through, one file each; "" not to count."""
@@ -91,17 +90,14 @@ def _link_flags() -> list[str]:
 def _digest(design: Design, program: str) -> str:
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
     what = (design, CXX_FLAGS, VERILATOR_FLAGS, formats.HEADER_VALUES, version.stdout)
-    digest = hashlib.sha256(repr(what).encode())
-    shims = sorted(filter(Path.is_file, SHIM_DIR.iterdir()))
-    for path in [*sorted(formats.RTL_DIR.glob("*.v*")), *shims]:
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()[:16]
+    shims = sorted(filter(Path.is_file, SHIMS.iterdir()))
+    return digest_of(what, [*sorted(formats.RTL_DIR.glob("*.v*")), *shims])[:16]
 
 
 def _source(top: str) -> Path:
     """File of a top level: of the RTL, or of the simulation around it."""
     return next(
-        path for path in (formats.RTL_DIR / f"{top}.v", SHIM_DIR / f"{top}.v") if path.exists()
+        path for path in (formats.RTL_DIR / f"{top}.v", SHIMS / f"{top}.v") if path.exists()
     )
 
 
@@ -123,7 +119,7 @@ def build(design: Design) -> Path:
         "-I" + str(formats.RTL_DIR), "--top-module", design.top,
         *(f"-G{name}={value}" for name, value in sorted(design.parameters.items())),
         "--Mdir", str(work / "obj"), "-o", str(work / "model.so"),
-        str(SHIM_DIR / design.shim), str(_source(design.top)),
+        str(SHIMS / design.shim), str(_source(design.top)),
     ]  # fmt: skip
     log = target.with_suffix(".log")
     with log.open("w") as out:

@@ -19,10 +19,11 @@ from pathlib import Path
 from typing import Any
 
 from wavehaptics.checks import soak
-from wavehaptics.fpga.boards import ROOT
 from wavehaptics.fpga.synthesis import Result
 from wavehaptics.pages import port_anchor as holding_tables
 from wavehaptics.pages import reliability, report_and_bench
+from wavehaptics.runtime.files import write_json, write_text
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies.adcs import named_rows
 from wavehaptics.studies.anchored import pictures as holding_pictures
 
@@ -75,9 +76,7 @@ def keep(root: Path = ROOT) -> list[Path]:
         raise NumbersError("there are no numbers yet; run `make synth`")
     for path, numbers in ((KEPT, kept), (MEASURED, measured)):
         if numbers:
-            text = json.dumps(numbers, indent=1, ensure_ascii=False)
-            (root / path).parent.mkdir(parents=True, exist_ok=True)
-            (root / path).write_text(text + "\n", encoding="utf-8")
+            write_json(root / path, numbers, indent=1)
     for found, names in (
         (_REPORT, report_and_bench.PICTURES),
         (_HOLDING, holding_pictures.PICTURES),
@@ -143,7 +142,7 @@ def write(root: Path = ROOT) -> list[Path]:
         if _MARKED.search(old):
             pages.append(page)
         if new != old:
-            (root / page).write_text(new, encoding="utf-8")
+            write_text(root / page, new)
     return pages
 
 

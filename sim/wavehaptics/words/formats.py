@@ -15,7 +15,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-RTL_DIR = Path(__file__).resolve().parents[3] / "rtl"
+from wavehaptics.runtime.repository import ROOT as _REPOSITORY
+
+RTL_DIR = _REPOSITORY / "rtl"
 HEADER = RTL_DIR / "wh_formats.vh"
 
 _DEFINE = re.compile(r"^\s*`define\s+WH_(\w+)\s+([^/\n]+?)\s*(?://.*)?$", re.MULTILINE)
