@@ -19,6 +19,7 @@ from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.words.generated import LICENCE, connections
 from wavehaptics.words.table import Sizes
 
+
 @dataclass(frozen=True)
 class BoardWords:
     """What a board's bitstream is made with.
@@ -34,9 +35,9 @@ class BoardWords:
     """The guard's word; None for a board without one."""
 
     @property
-    def walls(self) -> list[tuple[int, int]]:
-        """Walls (min, max) in counts; an empty one where the scene has none."""
-        return self.ports.walls or [(0, 0)]
+    def walls(self) -> int:
+        """Walls of a motor; an empty one where the scene has none."""
+        return max(1, len(self.ports.walls))
 
 
 def board_words(scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False) -> BoardWords:
@@ -91,21 +92,18 @@ def verilog_header(board: BoardWords, source: str) -> str:
     words, timing = board.words, board.ports.timing
     hardware = {
         "N": board.motors,
-        "WALLS": len(board.walls),
+        "WALLS": board.walls,
         "MODES": int(words["mode"] != MODE_WORDS[UNIPOLAR]),
         "SHORTEST": int(words["min_pulse"] > 0),
         "DELAY_LOG2": board.delay_log2,
         "EARLY": int(timing.early),
         "GUARDED": int(board.guard is not None),
     }
-    sizes = Sizes(board.motors, len(board.walls), 0, board.delay_log2)
-    walls = board.walls * board.motors
+    sizes = Sizes(board.motors, board.walls, 0, board.delay_log2)
     values = {
         **words,
         "guard": board.guard or 0,
-        "wall_min": [low for low, _ in walls],
-        "wall_max": [high for _, high in walls],
-        "wall_enable": [int(low < high) for low, high in walls],
+        **board.ports.wall_words(board.walls, board.motors),
     }
     return "\n".join(
         [

@@ -22,7 +22,7 @@ from wavehaptics.motor.thermal import REFERENCE_C
 from wavehaptics.scene import Scene
 from wavehaptics.scene.tables.thermal import Thermal
 from wavehaptics.trace.columns import Column, Word
-from wavehaptics.words import formats
+from wavehaptics.words import formats, table
 from wavehaptics.words.formats import RTL_DIR
 
 _HEADER = (RTL_DIR / "wh_faults.vh").read_text(encoding="utf-8")
@@ -39,13 +39,9 @@ Fault = IntEnum(
 )
 """Bits of the status word."""
 
-FIELDS = {
-    name: (int(low), int(high) - int(low) + 1)
-    for name, high, low in re.findall(r"WH_GUARD_(\w+)\s+(\d+):(\d+)", _HEADER)
-}
-"""Lowest bit and width of each field of the settings."""
+FIELDS = {word.name.removeprefix("guard_").upper(): word for word in table.ports()["guard"]}
+"""The words of its settings, by the names that ``wh_faults.vh`` has for them."""
 
-WIDTH = _integer("GUARD_W")
 DAMPABLE = _integer("FAULTS_DAMPABLE")
 """Faults after which damping is allowed."""
 
@@ -63,13 +59,8 @@ def mask(faults: Iterable[Fault]) -> int:
 
 def pack(fields: Mapping[str, int]) -> int:
     """Settings of the guard from raw fields, 0 where not named; ``ValueError`` beyond a field."""
-    word = 0
-    for name, value in fields.items():
-        low, width = FIELDS[name]
-        if not 0 <= value < 1 << width:
-            raise ValueError(f"guard field {name} = {value} is outside 0...{(1 << width) - 1}")
-        word |= value << low
-    return word
+    values = {FIELDS[name].name: value for name, value in fields.items()}
+    return table.inputs(values, table.Sizes())["guard_i"]
 
 
 class Limits(NamedTuple):
@@ -203,23 +194,20 @@ class GuardedPins(PinsSimulation):
     def _parameters(self) -> dict[str, int]:
         return {"GUARD": 1}
 
-    def _new_model(self, parameters: list[int]) -> int | None:
+    def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
         word = settings(self._limits, self.tick_s, self.sensor, self.settings.s)
-        count = (WIDTH + 31) // 32
-        words = (ctypes.c_uint32 * count)(*(word >> 32 * n & 0xFFFFFFFF for n in range(count)))
+        count = -(-table.port_width(FIELDS.values(), table.Sizes()) // 32)
+        guard = (ctypes.c_uint32 * count)(*(word >> 32 * n & 0xFFFFFFFF for n in range(count)))
         new = self._library.wh_guarded_new
-        new.argtypes = [
-            ctypes.POINTER(ctypes.c_int64), ctypes.POINTER(ctypes.c_uint32), ctypes.c_int64,
-            ctypes.c_int64, ctypes.c_int64,
-        ]  # fmt: skip
+        words_type = ctypes.POINTER(ctypes.c_uint32)
+        new.argtypes = [words_type, ctypes.c_int64, words_type, *[ctypes.c_int64] * 3]
         new.restype = ctypes.c_void_p
         self._library.wh_guarded_inject.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]
         self._library.wh_guarded_report.argtypes = [
             ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64)
         ]  # fmt: skip
         levels = self._limits.stop_level | self._limits.driver_level << 1
-        array = (ctypes.c_int64 * len(parameters))(*parameters)
-        return new(array, words, count, levels, bus_word(self._bus_v))
+        return new(words, inputs, guard, count, levels, bus_word(self._bus_v))
 
     def inject(self, kind: Injection, value: int = 1) -> None:
         """Do something to the inputs from the next clock on, and keep its clock as the cause's."""

@@ -58,7 +58,7 @@ def chunks(values: Values, sizes: Sizes) -> list[int]:
     """Every input port of the table in turn, each in as many words of 32 bits as it takes."""
     result = []
     for found in table.fields(values, sizes).values():
-        raw, width = table.packed(found), sum(bits for _, bits in found)
+        raw, width = table.side_by_side(found), sum(bits for _, bits in found)
         result += [raw >> place & 0xFFFFFFFF for place in range(0, width, 32)]
     return result
 
@@ -75,8 +75,7 @@ def shim_header(sizes: Sizes) -> str:
         )
         place += -(-table.port_width(words, sizes) // 32)
     return (
-        LICENCE + "// Made from rtl/words.toml.\n\n#pragma once\n\n"
-        '#include "give.h"\n\n'
+        LICENCE + "// Made from rtl/words.toml, to be included after give.h.\n\n#pragma once\n\n"
         "template <class Top>\nvoid give_words(Top &top, const uint32_t *words) {\n"
         + "\n".join(lines)
         + "\n}\n"

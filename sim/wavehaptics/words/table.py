@@ -151,6 +151,7 @@ def read(path: Path = TABLE) -> dict[str, Word]:
         raise TableError(f"{path}:{error.line}: {error.problem}") from None
     words: dict[str, Word] = {}
     taken: dict[int, str] = {}
+    pers: dict[str, str] = {}
     for block, groups in blocks.items():
         for group, rows in groups.items():
             place: tuple[str, ...] = (block, group)
@@ -163,10 +164,14 @@ def read(path: Path = TABLE) -> dict[str, Word]:
                     if name in words:
                         raise ValueError(f"there is a {name} in {words[name].block} already")
                     words[name] = word = _word(name, block, group, address, row)
+                    per = pers.setdefault(word.port, word.row.per)
+                    if per != word.row.per:
+                        raise ValueError(f"{word.port} has words per {per} and per {word.row.per}")
                     _take(taken, word)
                     address += MOST[word.row.per] * word.row.count
             except KeyError:
-                raise TableError(f"{path}:{lines[place]}: [{block}.{group}] has no address") from None
+                problem = f"[{block}.{group}] has no address"
+                raise TableError(f"{path}:{lines[place]}: {problem}") from None
             except ValueError as error:
                 raise TableError(f"{path}:{lines[place]}: {'.'.join(place)}: {error}") from None
     return words
@@ -179,9 +184,9 @@ def _take(taken: dict[int, str], word: Word) -> None:
         at = word.at(index=index)
         if not first <= at < first + MOTOR_STRIDE:
             span = f"0x{first:03x}...0x{first + MOTOR_STRIDE - 1:03x}"
-            raise ValueError(f"its address 0x{at:03x} is outside {span}, for words a {word.row.per}")
+            raise ValueError(f"address 0x{at:03x} is outside {span}, for words a {word.row.per}")
         if at in taken:
-            raise ValueError(f"its address 0x{at:03x} is that of {taken[at]}")
+            raise ValueError(f"address 0x{at:03x} is that of {taken[at]}")
         taken[at] = word.name
 
 
@@ -208,7 +213,7 @@ a port of several words, without ``_i``, gives each copy's words side by side.""
 def ports(
     direction: Literal["i", "o"] = "i", words: Mapping[str, Word] = WORDS
 ) -> dict[str, list[Word]]:
-    """The controller's inputs or outputs of this table, without ``_i`` or ``_o``, and their words."""
+    """The table's inputs or outputs of the controller, without ``_i`` or ``_o``: their words."""
     found: dict[str, list[Word]] = {}
     for word in words.values():
         if word.port.endswith(direction):
@@ -260,7 +265,7 @@ def _each(name: str, value: int | Sequence[int], copies: int) -> list[int]:
     return raws
 
 
-def packed(found: Iterable[tuple[int, int]]) -> int:
+def side_by_side(found: Iterable[tuple[int, int]]) -> int:
     """(word, bits) side by side, the first lowest."""
     total = place = 0
     for raw, width in found:
@@ -271,4 +276,4 @@ def packed(found: Iterable[tuple[int, int]]) -> int:
 
 def inputs(values: Values, sizes: Sizes) -> dict[str, int]:
     """Every input port of the table as one word: ``{"half_clocks_i": 48, ...}``."""
-    return {f"{port}_i": packed(found) for port, found in fields(values, sizes).items()}
+    return {f"{port}_i": side_by_side(found) for port, found in fields(values, sizes).items()}
