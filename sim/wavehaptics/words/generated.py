@@ -20,6 +20,10 @@ def _concatenation(found: list[tuple[int, int]]) -> str:
     return "{" + ", ".join(_literal(raw, width) for raw, width in reversed(found)) + "}"
 
 
+def _range(width: int) -> str:
+    return f" [{width - 1}:0]" if width > 1 else ""
+
+
 def _macro(name: str, lines: Iterable[str]) -> str:
     return " \\\n    ".join([f"`define {name}", *lines]) + "\n"
 
@@ -40,12 +44,13 @@ def connections(
             continue
         given = _concatenation(found)
         if values is None:
-            wires.append(f"reg [{sum(bits for _, bits in found) - 1}:0] {port}_i = {given};")
+            width = sum(bits for _, bits in found)
+            wires.append(f"reg{_range(width)} {port}_i = {given};")
             given = f"{port}_i"
         ports.append(f".{port}_i ({given}),")
     outputs = table.ports("o")
     for port, words in outputs.items():
-        wires.append(f"wire [{table.port_width(words, sizes) - 1}:0] {port};")
+        wires.append(f"wire{_range(table.port_width(words, sizes))} {port};")
         ports.append(f".{port}_o ({port}),")
     wires.append(f"wire unused_words = &{{1'b0, {', '.join(outputs)}}};")
     return _macro(f"{prefix}_WIRES", wires) + "\n" + _macro(f"{prefix}_PORTS", ports)
