@@ -18,7 +18,7 @@ from cocotb.triggers import (
 from simulators import TESTS_DIR
 from wavehaptics.controller import wave_core
 from wavehaptics.controller.pins_timing import GATE_CLOCKS
-from wavehaptics.ladder.pins import controller_ports
+from wavehaptics.controller.ports import controller_ports
 from wavehaptics.laws import closed_forms
 from wavehaptics.motor import sensor
 from wavehaptics.motor.bridge import GATES, bridge_voltage

@@ -6,8 +6,8 @@ from __future__ import annotations
 import cocotb
 from bench import Bench, pack, random_source
 from simulators import parameters
-from wavehaptics.ladder.guarded_pins import DAMPABLE, HEAT_SQUARES, Fault
-from wavehaptics.ladder.guarded_pins import pack as settings
+from wavehaptics.controller.guard import DAMPABLE, HEAT_SQUARES, Fault
+from wavehaptics.controller.guard import pack as settings
 from wavehaptics.words import formats
 
 N = parameters().get("N", 1)

@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 from wavehaptics.cli import board_commands
+from wavehaptics.controller.guard import Fault, board_limits, mask
 from wavehaptics.controller.pins_timing import CORE_CLOCKS, latency_clocks
 from wavehaptics.fpga import multipliers, pll, synthesis
 from wavehaptics.fpga.board_words import board_words, verilog_header
 from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import Design, SynthesisError, build
-from wavehaptics.ladder.guarded_pins import Fault, GuardedPins, board_limits, mask
+from wavehaptics.ladder.guarded_pins import GuardedPins
 from wavehaptics.pages import filler
 from wavehaptics.parts.adcs import PARTS, frame
 from wavehaptics.runtime.repository import ROOT

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from wavehaptics.controller import guard
 from wavehaptics.controller.pins_timing import CORE_CLOCKS, early_tick_clocks
-from wavehaptics.ladder import guarded_pins
-from wavehaptics.ladder.pins import Ports, controller_ports, natural_ticks
+from wavehaptics.controller.ports import Ports, controller_ports
+from wavehaptics.controller.tick_layout import natural_ticks
 from wavehaptics.parts.adcs import Part, frame
 from wavehaptics.scene import Scene, SceneError
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
@@ -24,7 +25,7 @@ from wavehaptics.words.table import Sizes
 class BoardWords:
     """What a board's bitstream is made with.
 
-    ``words`` as in :class:`wavehaptics.ladder.pins.Ports`.
+    ``words`` as in :class:`wavehaptics.controller.ports.Ports`.
     """
 
     ports: Ports
@@ -56,8 +57,8 @@ def board_words(scene: Scene, part: Part, motors: int = 1, *, guarded: bool = Fa
 
 
 def _guard(scene: Scene, ports: Ports) -> int:
-    limits = guarded_pins.board_limits(scene, ports)
-    return guarded_pins.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)
+    limits = guard.board_limits(scene, ports)
+    return guard.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)
 
 
 def _at(scene: Scene) -> str:

@@ -10,7 +10,8 @@ from typing import Any
 from rich.table import Table
 
 from wavehaptics.controller.pins_timing import HOLD_CLOCKS, latency_clocks
-from wavehaptics.ladder.pins import PinsSimulation, Timing
+from wavehaptics.controller.tick_layout import Timing
+from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.run import measure
 from wavehaptics.ladder.sampled import SampledSimulation
 from wavehaptics.parts.adcs import ALL_BITS

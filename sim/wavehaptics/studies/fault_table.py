@@ -16,7 +16,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from wavehaptics.ladder.guarded_pins import Fault, GuardedPins, Injection, Limits
+from wavehaptics.controller.guard import Fault, Limits
+from wavehaptics.ladder.guarded_pins import GuardedPins, Injection
 from wavehaptics.motor.plant import I
 from wavehaptics.motor.sensor import OFFSET
 from wavehaptics.runtime.repository import ROOT
