@@ -14,7 +14,7 @@ from wavehaptics.motor.sensor import Sensor
 from wavehaptics.motor.thermal import REFERENCE_C
 from wavehaptics.scene import Scene
 from wavehaptics.scene.tables.thermal import Thermal
-from wavehaptics.words import formats
+from wavehaptics.words import formats, table
 from wavehaptics.words.formats import RTL_DIR
 
 _HEADER = (RTL_DIR / "wh_faults.vh").read_text(encoding="utf-8")
@@ -31,13 +31,10 @@ Fault = IntEnum(
 )
 """Bits of the status word."""
 
-FIELDS = {
-    name: (int(low), int(high) - int(low) + 1)
-    for name, high, low in re.findall(r"WH_GUARD_(\w+)\s+(\d+):(\d+)", _HEADER)
-}
-"""Lowest bit and width of each field of the settings."""
+FIELDS = {word.name.removeprefix("guard_").upper(): word for word in table.ports()["guard"]}
+"""The words of its settings, by the names that ``wh_faults.vh`` has for them."""
 
-WIDTH = _integer("GUARD_W")
+WIDTH = table.port_width(FIELDS.values(), table.Sizes())
 DAMPABLE = _integer("FAULTS_DAMPABLE")
 """Faults after which damping is allowed."""
 
@@ -55,13 +52,8 @@ def mask(faults: Iterable[Fault]) -> int:
 
 def pack(fields: Mapping[str, int]) -> int:
     """Settings of the guard from raw fields, 0 where not named; ``ValueError`` beyond a field."""
-    word = 0
-    for name, value in fields.items():
-        low, width = FIELDS[name]
-        if not 0 <= value < 1 << width:
-            raise ValueError(f"guard field {name} = {value} is outside 0...{(1 << width) - 1}")
-        word |= value << low
-    return word
+    values = {FIELDS[name].name: value for name, value in fields.items()}
+    return table.inputs(values, table.Sizes())["guard_i"]
 
 
 class Limits(NamedTuple):

@@ -46,8 +46,8 @@ SETTLE_TICKS = 5
 class Ports:
     """What the ports of ``rtl/wh_controller.v`` are given for a scene.
 
-    ``words`` are the settings by the name of their port, without ``_i``; ``walls`` are (min, max)
-    in counts from where the rotor starts. All are raw words.
+    ``words`` are settings by their names in ``rtl/words.toml``; ``walls`` are (min, max) in counts
+    from where the rotor starts. All are raw words.
     """
 
     timing: Timing
@@ -56,6 +56,15 @@ class Ports:
     start_count: int
     words: dict[str, int]
     walls: list[tuple[int, int]]
+
+    def wall_words(self, places: int, motors: int = 1) -> dict[str, list[int]]:
+        """The walls' words, the same for each motor; the ``places`` beyond them are empty."""
+        walls = [*self.walls, *[(0, 0)] * (places - len(self.walls))] * motors
+        return {
+            "wall_min": [low for low, _ in walls],
+            "wall_max": [high for _, high in walls],
+            "wall_enable": [int(low < high) for low, high in walls],
+        }
 
 
 def controller_ports(
