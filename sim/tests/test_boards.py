@@ -500,8 +500,25 @@ PROGRAMMERS = {
     "ulx3s_three": ["fujprog", "build/synth/ulx3s_three/ulx3s_three.bit"],
 }  # fmt: skip
 
+FLASHERS = {
+    "colorlight_i5": [
+        "openFPGALoader", "-b", "colorlight-i5", "--unprotect-flash", "--write-flash", "--verify",
+        "build/synth/colorlight_i5/colorlight_i5.bit",
+    ],
+    # It writes the flash and reads it back unless it is told not to.
+    "hx8k": PROGRAMMERS["hx8k"],
+    "icebreaker": PROGRAMMERS["icebreaker"],
+    **{
+        name: ["openFPGALoader", "-b", "ulx3s", "--write-flash", "--verify", PROGRAMMERS[name][-1]]
+        for name in ("ulx3s", "ulx3s_three")
+    },
+}  # fmt: skip
+COMMANDS = {"prog": PROGRAMMERS, "flash": FLASHERS}
 
-def prog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, board: str, made: bool) -> Any:
+
+def prog(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, board: str, made: bool, command: str = "prog"
+) -> Any:
     """``prog`` of a board, its bitstream ``made`` or not, in a repository that holds no more."""
     monkeypatch.setattr(bitstreams, "ROOT", tmp_path)
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
@@ -509,22 +526,30 @@ def prog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, board: str, made: bool
         bitstream = tmp_path / PROGRAMMERS[board][-1]
         bitstream.parent.mkdir(parents=True)
         bitstream.write_bytes(b"bits")
-    return CliRunner().invoke(bitstreams.app, ["prog", board])
+    return CliRunner().invoke(bitstreams.app, [command, board])
 
 
+@pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("board", board_names())
-def test_programmer_is_called(tmp_path, monkeypatch, board):
+def test_programmer_is_called(tmp_path, monkeypatch, board, command):
     """The board's own programmer gets the bitstream, and its exit status is handed on."""
-    called = tmp_path / "called"
-    stand_in = tmp_path / "bin" / PROGRAMMERS[board][0]
+    called, words = tmp_path / "called", COMMANDS[command][board]
+    stand_in = tmp_path / "bin" / words[0]
     stand_in.parent.mkdir()
     stand_in.write_text(
         f'#!/bin/sh\necho "$0" "$@" > {called}\nfor last; do :; done\ntest -s "$last" && exit 3\n'
     )
     stand_in.chmod(0o755)
-    result = prog(tmp_path, monkeypatch, board, made=True)
+    result = prog(tmp_path, monkeypatch, board, True, command)
     assert result.exit_code == 3
-    assert called.read_text().split() == [str(stand_in), *PROGRAMMERS[board][1:]]
+    assert called.read_text().split() == [str(stand_in), *words[1:]]
+
+
+@pytest.mark.parametrize("board", board_names())
+def test_the_flash_is_verified(board):
+    """By iceprog of itself, which -n would forbid, or by the option."""
+    words = load_board(board).fpga.flash
+    assert (words[0] == "iceprog" and "-n" not in words) or "--verify" in words
 
 
 def test_programmer_that_is_missing(tmp_path, monkeypatch):
@@ -609,7 +634,14 @@ def test_kept_numbers_keep_the_promises():
             fastest = (1 + synthesis.OSCILLATOR_TOLERANCE) * board["watch_mhz"]
             assert board["watch_reached_mhz"] >= (1 + synthesis.SPARE) * fastest
         assert board["tick_mhz"] >= (2 if name == "ulx3s" else 1)
-    assert kept("icebreaker")["logic_cells"] <= 0.5 * kept("icebreaker")["logic_cells_available"]
+    for name in board_names():
+        pads = kept(name)["pads"]
+        assert pads["margin_ns"] > 0
+        assert pads["hold_ns"] > 3
+        assert pads["dead_ns"] >= pads["dead_needed_ns"] >= 20
+        assert pads["fpga_skew_ns"] <= pads["fpga_skew_granted_ns"]
+        assert pads["trip_a"] < pads["clip_a"]
+    assert kept("icebreaker")["logic_cells"] <= 0.6 * kept("icebreaker")["logic_cells_available"]
 
 
 @pytest.mark.parametrize("name", ["icebreaker", "ulx3s"])

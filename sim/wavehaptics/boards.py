@@ -86,6 +86,7 @@ class Fpga(_Table):
     wire_s: float = Field(0.6e-9, ge=0)
     seeds: list[int] = Field(min_length=1)
     program: list[str] = Field(min_length=1)
+    flash: list[str] = Field(min_length=1)
     bridge: Bridge
     sense: Sense
     free: list[str] = Field(default_factory=list)
