@@ -221,6 +221,45 @@ def _boards(numbers: dict[str, Any]) -> str:
     return _table(head, rows)
 
 
+def _pads(numbers: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    return [(f"`{b['board']}`", b["pads"]) for b in numbers["boards"] if b.get("pads")]
+
+
+def _pad_timing(numbers: dict[str, Any]) -> str:
+    """The ADC's round trip at the pads of each board."""
+    head = ("Board", "SCLK", "Registers in the pads", "Period", "Clock to pad", "Wires",
+            "ADC's access", "Pad to flip-flop", "To spare", "Hold")  # fmt: skip
+    keys = ("available_ns", "out_ns", "wire_ns", "access_ns", "back_ns", "margin_ns", "hold_ns")
+    rows = [
+        (
+            name,
+            f"{pads['sclk_mhz']:.1f} MHz",
+            "yes" if pads["registered"] else "no",
+            *(f"{pads[key]:.1f} ns" for key in keys),
+        )
+        for name, pads in _pads(numbers)
+    ]
+    return _table(head, rows)
+
+
+def _dead_times(numbers: dict[str, Any]) -> str:
+    """What the dead time of each board has to cover, and covers."""
+    head = ("Board", "Driver", "AND gates", "FPGA, found", "FPGA, granted", "Needed",
+            "Dead time", "Shortest pulse", "Trip", "Amplifier clips")  # fmt: skip
+    keys = ("mismatch_ns", "gate_skew_ns", "fpga_skew_ns", "fpga_skew_granted_ns",
+            "dead_needed_ns", "dead_ns", "min_pulse_ns")  # fmt: skip
+    rows = [
+        (
+            name,
+            *(f"{pads[key]:.1f} ns" for key in keys),
+            f"{pads['trip_a']:g} A",
+            f"{pads['clip_a']:.2f} A",
+        )
+        for name, pads in _pads(numbers)
+    ]
+    return _table(head, rows)
+
+
 def _reached(board: dict[str, Any]) -> float:
     return min(board["reached_mhz"], board["dsp_path_mhz"] or board["reached_mhz"])
 
@@ -315,6 +354,8 @@ def _energies(numbers: dict[str, Any]) -> str:
 
 TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "boards": _boards,
+    "pad-timing": _pad_timing,
+    "dead-times": _dead_times,
     "adcs": _adcs,
     "energies": _energies,
     "block-resources": _resources("blocks", "Block", lambda row: f"`{row['block']}`"),
