@@ -192,6 +192,7 @@ lint: $(READY) ## check the RTL at several sizes and word lengths, and the Pytho
 	done; [ $$failed = 0 ] && echo "lint: $(words $(LINT_CASES)) configurations of the RTL are clean"
 	@.venv/bin/ruff check
 	@.venv/bin/ruff format --check
+	@.venv/bin/lint-imports --no-logo
 
 include boards/boards.mk
 include boards/wiring.mk

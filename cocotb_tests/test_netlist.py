@@ -2,7 +2,7 @@
 """Netlists of the iCE40, with and without multiplier blocks, and of the ECP5, in the RTL's place.
 
 They pass the very tests that the RTL passes, on Verilator. What the ECP5's agreement rests on is
-said in ``tb_netlist_mult18x18d.v``.
+said in ``sim/cells/mult18x18d.v``.
 """
 
 from __future__ import annotations

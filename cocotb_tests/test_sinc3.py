@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from simulators import simulate
-from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
 
 

@@ -6,11 +6,11 @@ from __future__ import annotations
 import json
 
 import pytest
-from wavehaptics.fpga.boards import ROOT
-from wavehaptics.ladder import pins
+from wavehaptics.controller import tick_layout
 from wavehaptics.motor import sigma_delta
 from wavehaptics.pages import filler
 from wavehaptics.parts.adcs import ALL_BITS, MODULATORS, PARTS, PartError, frame, modulator_frame
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.studies import adcs
 
@@ -78,12 +78,12 @@ def test_overdriven_modulator(level):
 def test_delays_of_a_scene():
     """1 MHz, 48 MHz: held in the tick's middle, driven one and a half ticks later."""
     scene = load_scene(find_scene("paper_taps"), ["adc.part=AD7276"])
-    found = adcs.delays(pins.timing(scene, pins.scene_frame(scene)))
+    found = adcs.delays(tick_layout.timing(scene, tick_layout.scene_frame(scene)))
     assert found["conversion_ns"] == pytest.approx(27e3 / 48)
     assert found["digital_ns"] == pytest.approx(38e3 / 48)
     assert found["gate_ns"] == pytest.approx(1500)
     scene = load_scene(find_scene("paper_taps"), ["adc.part=MAX11125"])
-    found = adcs.delays(pins.timing(scene, pins.scene_frame(scene)))
+    found = adcs.delays(tick_layout.timing(scene, tick_layout.scene_frame(scene)))
     assert found["conversion_ns"] == pytest.approx(1000 + 76e3 / 96)
     assert found["gate_ns"] == pytest.approx(2500)
 
@@ -112,7 +112,7 @@ def test_kept_numbers_keep_the_promises():
     assert [row["part"] for row in kept["parts"]] == list(ALL_BITS)
     for row in kept["parts"]:
         scene = load_scene(find_scene("paper_taps"), [f"adc.part={row['part']}"])
-        timing = pins.timing(scene, pins.scene_frame(scene))
+        timing = tick_layout.timing(scene, tick_layout.scene_frame(scene))
         for name, value in adcs.delays(timing).items():
             assert row[name] == pytest.approx(value), (row["part"], name)
         assert row["rate_hz"] >= 1e6 * (1 - 1e-9), row["part"]

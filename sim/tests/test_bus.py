@@ -8,9 +8,10 @@ import math
 import numpy as np
 import pytest
 from wavehaptics.controller import bus_scale
+from wavehaptics.controller.ports import controller_ports
 from wavehaptics.controller.settings import settings
 from wavehaptics.ladder.analog import AnalogSimulation
-from wavehaptics.ladder.pins import PinsSimulation, controller_ports
+from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.run import measure, run_scene
 from wavehaptics.scene import SCENES_DIR, SceneError, find_scene, load_scene
 from wavehaptics.words import formats

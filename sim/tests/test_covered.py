@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 from wavehaptics.checks import covered
-from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.repository import ROOT
 
 HEADER = "# SystemC::Coverage-3\n"
 
@@ -101,9 +101,9 @@ def test_every_compiled_function_of_the_package_is_known():
     """By the decorators' names: of `golden` and `pins` as numba has them."""
     from numba.core.dispatcher import Dispatcher
     from wavehaptics.controller import wave_core
-    from wavehaptics.ladder import pins
+    from wavehaptics.ladder import pins_loop
 
-    for module in (wave_core, pins):
+    for module in (wave_core, pins_loop):
         known = covered.compiled_functions(Path(module.__file__).read_text(encoding="utf-8"))
         here = {
             name for name, value in vars(module).items()

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wavehaptics.ladder.pins import controller_ports
+from wavehaptics.controller.ports import controller_ports
 from wavehaptics.ladder.run import run_scene
 from wavehaptics.scene import SCENES_DIR, SceneError, load_scene
 from wavehaptics.words import formats

@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import pytest
-from wavehaptics.ladder.pins import PinsSimulation, scene_frame, timing
+from wavehaptics.controller.tick_layout import scene_frame, timing
+from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.run import measure
 from wavehaptics.laws.closed_forms import MOST_A
 from wavehaptics.scene import Scene, SceneError, find_scene, load_scene

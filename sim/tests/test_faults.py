@@ -7,8 +7,9 @@ import json
 
 import numpy as np
 import pytest
-from wavehaptics.fpga.boards import ROOT
-from wavehaptics.ladder.guarded_pins import DAMPABLE, Fault, GuardedPins, Injection, Limits, mask
+from wavehaptics.controller.guard import DAMPABLE, Fault, Limits, mask
+from wavehaptics.ladder.guarded_pins import GuardedPins, Injection
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies.fault_table import (  # fmt: skip
     CASES,
     KEPT,

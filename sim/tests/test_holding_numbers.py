@@ -6,8 +6,8 @@ from __future__ import annotations
 import json
 
 import pytest
-from wavehaptics.fpga.boards import ROOT
 from wavehaptics.pages import filler, port_anchor
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies import anchored
 from wavehaptics.studies.anchored import cases
 

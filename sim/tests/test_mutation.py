@@ -15,8 +15,8 @@ from wavehaptics.checks.mutation import results, rtl, run
 from wavehaptics.checks.mutation.results import EQUIVALENT, KILLED, SURVIVED, Mutant, Store, summary
 from wavehaptics.checks.mutation.table import Block, MutationError, load_table
 from wavehaptics.cli.main import app
-from wavehaptics.fpga.boards import ROOT
 from wavehaptics.runtime import processes
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
 
 TABLE = load_table()

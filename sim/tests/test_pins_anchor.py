@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wavehaptics.ladder.guarded_pins import Fault, GuardedPins, Injection, Limits
+from wavehaptics.controller.guard import Fault, Limits
+from wavehaptics.ladder.guarded_pins import GuardedPins, Injection
 from wavehaptics.ladder.hosted import HostedSimulation, Line, PinsHostedSimulation, PowerEnvironment
 from wavehaptics.ladder.run import CONTROLLERS
 from wavehaptics.motor.plant import OMEGA

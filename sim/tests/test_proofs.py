@@ -21,7 +21,7 @@ from wavehaptics.checks.proofs import (
     sby_file,
     sources,
 )
-from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
 
 ENTRIES, UNPROVEN = load_table()

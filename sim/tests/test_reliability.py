@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from wavehaptics.checks import proofs, soak
 from wavehaptics.checks.proofs import Outcome
-from wavehaptics.fpga.boards import ROOT
 from wavehaptics.pages import filler, reliability
+from wavehaptics.runtime.repository import ROOT
 
 TESTS = '<testsuites><testsuite tests="{}" failures="{}" errors="0" skipped="1"/></testsuites>'
 NONE = {"sections": {"old_way": {"ratios": []}, "parts": {"scenes": {}}}, "seconds": 1.0}

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from wavehaptics.fpga.boards import ROOT
 from wavehaptics.laws import closed_forms
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies import stability
 from wavehaptics.studies.report import (
     blocks,

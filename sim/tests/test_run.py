@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from wavehaptics.controller import tick_layout
 from wavehaptics.ladder import pins
 from wavehaptics.ladder.run import run_scene
 from wavehaptics.scene import SceneError, find_scene, load_scene, shipped_scenes
@@ -92,9 +93,7 @@ def test_metrics_file_and_trace_have_what_the_design_names(tmp_path):
 
 def test_a_mistimed_sample_is_seen_in_the_stiffness(monkeypatch, tmp_path):
     """The check of `pins` can fail: sampling a quarter tick off the middle changes what is felt."""
-    import wavehaptics.ladder.pins as pins
-
-    monkeypatch.setattr(pins, "CENTRED_LEAD", pins.CENTRED_LEAD + 12)
+    monkeypatch.setattr(tick_layout, "CENTRED_LEAD", tick_layout.CENTRED_LEAD + 12)
     metrics = run_scene(load("paper_taps", "scene.duration_s=0.26"), "pins", tmp_path)
     assert metrics["stiffness"] != pytest.approx(metrics["stiffness_predicted"], rel=0.01)
 

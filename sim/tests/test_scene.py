@@ -15,17 +15,16 @@ from pydantic import ValidationError
 from wavehaptics.parts.motors import PRESETS
 from wavehaptics.runtime.toml_source import parse
 from wavehaptics.scene import (
-    GONE,
-    NOT_SIMULATED,
     SCENES_DIR,
     TABLES,
     Scene,
     SceneError,
-    field_texts,
     find_scene,
     load_scene,
     shipped_scenes,
 )
+from wavehaptics.scene.keys import field_texts
+from wavehaptics.scene.messages import GONE, NOT_SIMULATED
 
 BASE = """\
 [scene]
@@ -275,6 +274,8 @@ def test_refused_in_motor(tmp_path, lines, line, fragments):
         # hand
         ("[hand]\namplitude_rad = 1", 0, ["hand.path is missing", "`taps`"]),
         (HAND + 'path = "tap"', 3, ['"tap" is unknown; did you mean "taps"? known: taps, press']),
+        ('[drive]\nmode = "unipole"', 1, ['mean "unipolar"? known: unipolar, locked-anti-']),
+        ('[shaper]\nfeel = "soft"', 1, ['"soft" is unknown; known: spring, layer, mass']),
         (HAND + "path = 1", 3, ["hand.path must be a string in quotes, not 1"]),
         (HAND + 'path = "taps"', 3, ["hand.frequency_hz is missing", "give it in Hz"]),
         (HAND + 'path = "free"', 3, ["hand.frequency_hz is missing"]),

@@ -20,8 +20,8 @@ from wavehaptics.controller.normalised import (
     realise,
     response,
 )
+from wavehaptics.controller.rendered import fragment, report
 from wavehaptics.controller.settings import settings
-from wavehaptics.controller.shaper import fragment, report
 from wavehaptics.laws import closed_forms
 from wavehaptics.laws.reflection import Wish, WishError, front_stiffness, reflection, spring_behind
 from wavehaptics.scene import SceneError

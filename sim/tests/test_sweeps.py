@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from distributed import Client, LocalCluster
-from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies import sweeps
 from wavehaptics.studies.sweeps import SweepError, Task, sweep
 from wavehaptics.words import formats

@@ -26,9 +26,9 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from wavehaptics.words.formats import RTL_DIR
+from wavehaptics.runtime.files import write_json, write_text
+from wavehaptics.runtime.repository import ROOT
 
-ROOT = RTL_DIR.parent
 OUT = Path("build", "coverage")
 """Where everything stands, from the root."""
 
@@ -232,8 +232,8 @@ def coverage(
         "python": {"total": total(python), "files": python},
         "rtl": {"total": total(rtl), "files": rtl},
     }
-    (out / "summary.json").write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
-    (out / "uncovered.txt").write_text(uncovered(summary), encoding="utf-8")
+    write_json(out / "summary.json", summary, indent=1)
+    write_text(out / "uncovered.txt", uncovered(summary))
     for table in tables(summary):
         Console().print(table)
     typer.echo(f"coverage: {OUT / 'summary.json'}; what isn't covered: {OUT / 'uncovered.txt'}")

@@ -9,7 +9,6 @@ must find it. What has run before with the same sources and tools is not run aga
 
 from __future__ import annotations
 
-import hashlib
 import json
 import re
 import shutil
@@ -22,13 +21,10 @@ from typing import Annotated, Any
 
 import typer
 
-from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.files import digest_of, write_json
+from wavehaptics.runtime.repository import ROOT
+from wavehaptics.runtime.toml_source import tomllib
 from wavehaptics.runtime.toolchain import Toolchain, ToolError
-
-try:
-    import tomllib
-except ModuleNotFoundError:  # Python 3.10
-    import tomli as tomllib
 
 OUT = Path("build", "formal")
 TABLE = Path("formal", "proofs.toml")
@@ -235,8 +231,7 @@ def sby_file(job: Job, files: list[str]) -> str:
 def digest(job: Job, texts: dict[str, str], tools: str) -> str:
     """Of all that a run depends on; the time it may take isn't."""
     script = re.sub(r"^timeout .*\n", "", sby_file(job, sorted(texts)), flags=re.MULTILINE)
-    told = json.dumps([script, texts, job.kind, tools], sort_keys=True)
-    return hashlib.sha256(told.encode()).hexdigest()
+    return digest_of((script, sorted(texts.items()), job.kind, tools))
 
 
 # ---- A run.
@@ -274,7 +269,7 @@ def run(
     seconds = time.monotonic() - start
     log = (folder / "sby.log").read_text(encoding="utf-8", errors="replace")
     outcome = _outcome(job, *verdict(log), seconds, key)
-    kept.write_text(json.dumps(asdict(outcome), indent=2) + "\n", encoding="utf-8")
+    write_json(kept, asdict(outcome))
     return outcome
 
 
@@ -329,10 +324,8 @@ def write_summary(
 ) -> Path:
     """Write ``build/formal/summary.json``, or ``part.json`` of a part of the runs."""
     path = root / OUT / ("part.json" if part else "summary.json")
-    path.parent.mkdir(parents=True, exist_ok=True)
     data = {"tools": versions, "quick": part, "runs": [asdict(outcome) for outcome in outcomes]}
-    path.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
-    return path
+    return write_json(path, data)
 
 
 def line(outcome: Outcome) -> str:

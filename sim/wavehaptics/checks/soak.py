@@ -28,8 +28,7 @@ import numpy as np
 
 from wavehaptics.controller import anchor, wave_core
 from wavehaptics.controller.settings import Settings, settings
-from wavehaptics.ladder import verilated
-from wavehaptics.ladder.sampled import load_core
+from wavehaptics.ladder.sampled import core_words, load_core
 from wavehaptics.motor.plant import Plant, X, load_words
 from wavehaptics.motor.sensor import Sensor, current_word, draw_noise, noise_at
 from wavehaptics.motor.step import motor_parts, motor_step
@@ -281,11 +280,9 @@ def _episode(scene: Any, set_: Settings, rng: np.random.Generator, found: dict[s
 
 
 def _set_eta(library: Any, model: int, set_: Settings, spell: np.ndarray) -> None:
-    words = [
-        set_.root, set_.a, set_.u_max, set_.extra_ticks, set_.extra_ticks,
-        *(int(spell[place]) for place in (_ETA_IN, _ETA_OUT)), *verilated.anchor_words(set_.anchor),
-    ]  # fmt: skip
-    library.wh_core_set(ctypes.c_void_p(model), (ctypes.c_int64 * len(words))(*words))
+    eta_contact, eta_free = (int(spell[place]) for place in (_ETA_IN, _ETA_OUT))
+    words = core_words(set_, eta_contact=eta_contact, eta_free=eta_free)
+    library.wh_core_set(ctypes.c_void_p(model), words)
 
 
 def summary(results: list[dict[str, Any]]) -> dict[str, Any]:

@@ -108,10 +108,13 @@ def run(
     folder = RUNS_DIR / f"{loaded.scene.name}-{controller}" if out is None else out
     _make_folder(folder)
 
+    from wavehaptics.ladder.abilities import left_out
     from wavehaptics.ladder.run import run_scene
 
     with _progress(f"{loaded.scene.name} on {controller}") as progress:
         metrics = run_scene(loaded, controller, folder, progress)
+    if missing := left_out(loaded, controller):
+        print(f"`{controller}` leaves out {', '.join(missing)}")
     print(_table(metrics))
     print(f"results in {folder}")
 
@@ -186,8 +189,8 @@ def shaper(scene: SceneArgument, overrides: SetOption = None) -> None:
             "--set shaper.feel=spring --set shaper.stiffness=0.5"
         )
 
+    from wavehaptics.controller.rendered import fragment
     from wavehaptics.controller.settings import settings
-    from wavehaptics.controller.shaper import fragment
 
     print(fragment(loaded, settings(loaded)), end="")
 
@@ -301,8 +304,8 @@ def soak(
     _make_folder(out)
 
     from wavehaptics.checks.soak import STORE, summary, tasks
+    from wavehaptics.runtime.files import write_json
     from wavehaptics.studies.sweeps import SweepError, sweep
-    from wavehaptics.trace.metrics import write_metrics
 
     try:
         with _stages() as progress:
@@ -313,7 +316,7 @@ def soak(
     except SweepError as error:
         raise CommandError(str(error)) from None
     found = summary(results)
-    write_metrics(found, out / "summary.json")
+    write_json(out / "summary.json", found)
     for line in found["wrong"]:
         print(f"wavehaptics: soak: {line}", file=sys.stderr)
     print(f"{found['ticks']:.3g} ticks: {out / 'summary.json'}")

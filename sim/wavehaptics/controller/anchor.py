@@ -35,6 +35,7 @@ import numpy as np
 
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.words import formats
+from wavehaptics.words.table import ports, side_by_side
 
 (
     ENABLE,  # 0: no correction; χ, x̂ and ω̂ are found all the same
@@ -54,11 +55,8 @@ from wavehaptics.words import formats
 """Places in an anchor's settings."""
 SETTINGS = 13
 
-_COEF, _DATA = formats.COEF_W, formats.DATA_W
-WIDTHS = (1,) + 8 * (_COEF,) + 2 * (_DATA,) + (formats.REST_W, formats.REST_UNIT_W)
-"""Bits of each setting in the RTL's word of all, the first one lowest."""
-assert len(WIDTHS) == SETTINGS
-assert sum(WIDTHS) == formats.ANCHOR_W
+_WORDS = ports()["anchor_words"]
+assert len(_WORDS) == SETTINGS
 
 (
     FLUX,  # s48q33 cells: χ without L̂·i
@@ -122,11 +120,9 @@ _MOST_UNITS = (1 << formats.REST_UNIT_W) - 1
 
 
 def packed(settings: np.ndarray) -> int:
-    """The settings as the RTL's port ``words_i`` takes them: WIDTHS side by side."""
-    word = 0
-    for value, width in zip(reversed(settings.tolist()), reversed(WIDTHS), strict=True):
-        word = word << width | value & ((1 << width) - 1)
-    return word
+    """The settings as the RTL's port ``words_i`` takes them, side by side, the first one lowest."""
+    widths = (word.fixed.width for word in _WORDS)
+    return side_by_side(zip(settings.tolist(), widths, strict=True))
 
 
 def new_state() -> np.ndarray:

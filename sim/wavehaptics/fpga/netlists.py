@@ -7,8 +7,8 @@ import json
 import re
 from pathlib import Path
 
-from wavehaptics.fpga.boards import ROOT
 from wavehaptics.fpga.synthesis import Design, SynthesisError, synthesise
+from wavehaptics.runtime.repository import CELLS, ROOT
 from wavehaptics.runtime.toolchain import Toolchain
 
 OUT = Path("build", "netlists")
@@ -102,4 +102,4 @@ def _cells(family: str, device: str, folder: Path, tools: Toolchain) -> tuple[Pa
             raise SynthesisError(f"Yosys' library of the ECP5 has no {cell}")
         modules.append(re.sub(r"^\s*specify\b.*?\bendspecify\b", "", found[0], flags=re.M | re.S))
     path.write_text("\n\n".join(modules) + "\n", encoding="utf-8")
-    return (path, ROOT / "cocotb_tests" / "tb_netlist_mult18x18d.v")
+    return (path, CELLS / "mult18x18d.v")

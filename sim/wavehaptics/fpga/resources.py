@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
-import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -14,8 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from wavehaptics.fpga import synthesis
-from wavehaptics.fpga.boards import ROOT
 from wavehaptics.fpga.synthesis import SynthesisError
+from wavehaptics.runtime.files import digest_of, write_json
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
 
 OUT = Path("build", "synth", "resources")
@@ -113,12 +112,12 @@ def measure(tools: Toolchain, say: Callable[[str], None] = print) -> Path:
             for number, future in enumerate(as_completed(started), 1):
                 row = future.result()
                 rows[_key(row)] = row
-                _write(begun, {"sources": sources, "rows": list(rows.values())})
+                write_json(begun, {"sources": sources, "rows": list(rows.values())}, indent=1)
                 say(f"{number} of {len(todo)}: {_line(row)}")
         except BaseException:
             workers.shutdown(wait=False, cancel_futures=True)
             raise
-    _write(done, [future.result() for future in started])
+    write_json(done, [future.result() for future in started], indent=1)
     shutil.rmtree(ROOT / OUT)
     return done.relative_to(ROOT)
 
@@ -137,10 +136,8 @@ def _line(row: Mapping[str, Any]) -> str:
 
 def _fingerprint(tools: Toolchain) -> str:
     """Digest of all that the counts follow from."""
-    digest = hashlib.sha256(f"{tools.name} {tools.version('yosys')}".encode())
-    for path in [Path(__file__), *sorted((ROOT / "rtl").glob("wh_*.v*"))]:
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
+    sources = [Path(__file__), *sorted((ROOT / "rtl").glob("wh_*.v*"))]
+    return digest_of((tools.name, tools.version("yosys")), sources)
 
 
 def _rows_of(begun: Path, sources: str) -> list[dict[str, Any]]:
@@ -149,12 +146,6 @@ def _rows_of(begun: Path, sources: str) -> list[dict[str, Any]]:
         return []
     data = json.loads(begun.read_bytes())
     return data["rows"] if data["sources"] == sources else []
-
-
-def _write(path: Path, data: object) -> None:
-    partial = path.with_name(f"{path.name}.{os.getpid()}")
-    partial.write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    partial.replace(path)
 
 
 def _design(case: Case, device: str, top: str, extra: tuple[Path, ...] = ()) -> synthesis.Design:

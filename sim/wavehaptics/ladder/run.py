@@ -18,9 +18,10 @@ from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.r_hat_error import Estimate
 from wavehaptics.ladder.sampled import SampledSimulation
 from wavehaptics.laws import closed_forms
+from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import Scene
 from wavehaptics.trace.columns import Column, TraceWriter, Word
-from wavehaptics.trace.metrics import Metrics, write_metrics
+from wavehaptics.trace.metrics import Metrics
 from wavehaptics.trace.pictures import run_picture
 
 CHUNK_TICKS = 1 << 15
@@ -172,6 +173,6 @@ def run_scene(
     )  # fmt: skip
     result = _measure(scene, controller, simulation, trace, progress)
     trace.save()
-    write_metrics(result, out)
+    write_json(out / "metrics.json", result)
     run_picture(trace.arrays(), result, out / "run.png", scene.controller.walls)
     return result

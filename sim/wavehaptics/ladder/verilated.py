@@ -4,24 +4,21 @@
 from __future__ import annotations
 
 import ctypes
-import hashlib
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
-
-from wavehaptics.controller import anchor
+from wavehaptics.runtime.files import digest_of
+from wavehaptics.runtime.repository import ROOT, SHIMS
 from wavehaptics.words import formats
+from wavehaptics.words.generated import chunks, shim_header
+from wavehaptics.words.table import Sizes, Values
 
-ROOT_DIR = formats.RTL_DIR.parent
-SHIM_DIR = ROOT_DIR / "sim" / "verilated"
-BUILD_DIR = ROOT_DIR / "build" / "verilated"
+BUILD_DIR = ROOT / "build" / "verilated"
 
 COVERAGE_DIR = os.environ.get("WH_COVERAGE", "")
 """Folder where Verilated models count what they come through, one file each; "" not to count."""
@@ -60,6 +57,12 @@ class Design:
     shim: str
     parameters: dict[str, int] = field(default_factory=dict)
 
+    @property
+    def sizes(self) -> Sizes:
+        """Copies and widths of the words of its one port."""
+        walls, delay_log2 = self.parameters.get("WALLS", 4), self.parameters["DELAY_LOG2"]
+        return Sizes(1, walls, self.parameters.get("SHAPER", 0), delay_log2)
+
 
 def verilator_environment() -> tuple[str, dict[str, str]]:
     """Path of the Verilator program, and the environment that it needs.
@@ -90,18 +93,16 @@ def _link_flags() -> list[str]:
 
 def _digest(design: Design, program: str) -> str:
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
-    what = (design, CXX_FLAGS, VERILATOR_FLAGS, formats.HEADER_VALUES, version.stdout)
-    digest = hashlib.sha256(repr(what).encode())
-    shims = sorted(filter(Path.is_file, SHIM_DIR.iterdir()))
-    for path in [*sorted(formats.RTL_DIR.glob("*.v*")), *shims]:
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()[:16]
+    header = shim_header(design.sizes)
+    what = (design, CXX_FLAGS, VERILATOR_FLAGS, formats.HEADER_VALUES, version.stdout, header)
+    shims = sorted(filter(Path.is_file, SHIMS.iterdir()))
+    return digest_of(what, [*sorted(formats.RTL_DIR.glob("*.v*")), *shims])[:16]
 
 
 def _source(top: str) -> Path:
     """File of a top level: of the RTL, or of the simulation around it."""
     return next(
-        path for path in (formats.RTL_DIR / f"{top}.v", SHIM_DIR / f"{top}.v") if path.exists()
+        path for path in (formats.RTL_DIR / f"{top}.v", SHIMS / f"{top}.v") if path.exists()
     )
 
 
@@ -113,8 +114,9 @@ def build(design: Design) -> Path:
         return target
     BUILD_DIR.mkdir(parents=True, exist_ok=True)
     work = Path(tempfile.mkdtemp(prefix=f"{design.top}-", dir=BUILD_DIR))
-    names = ("DATA_W", "COEF_W", "SUM_W", "COUNT_W", "SHAPE_W", "SHAPE_LOSS_W", "ANCHOR_W")
-    widths = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in names]
+    (work / "obj").mkdir()
+    (work / "obj" / "words.h").write_text(shim_header(design.sizes), encoding="utf-8")
+    widths = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in ("DATA_W", "COEF_W")]
     chosen = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in formats.SETTABLE]
     command = [
         program, *chosen, "--cc", "--exe", "--build", *VERILATOR_FLAGS,
@@ -123,7 +125,7 @@ def build(design: Design) -> Path:
         "-I" + str(formats.RTL_DIR), "--top-module", design.top,
         *(f"-G{name}={value}" for name, value in sorted(design.parameters.items())),
         "--Mdir", str(work / "obj"), "-o", str(work / "model.so"),
-        str(SHIM_DIR / design.shim), str(_source(design.top)),
+        str(SHIMS / design.shim), str(_source(design.top)),
     ]  # fmt: skip
     log = target.with_suffix(".log")
     with log.open("w") as out:
@@ -146,27 +148,17 @@ def address(function: ctypes._CFuncPtr) -> int:
     return ctypes.cast(function, ctypes.c_void_p).value
 
 
-def new_model(function: ctypes._CFuncPtr, words: Sequence[int]) -> int:
-    """A model of the library, made by the function with the words of its settings."""
-    function.argtypes = [ctypes.POINTER(ctypes.c_int64)]
+def words_of(design: Design, values: Values) -> ctypes.Array:
+    """The table's words as the library's functions take them; defaults where not given."""
+    words = chunks(values, design.sizes)
+    return (ctypes.c_uint32 * len(words))(*words)
+
+
+def new_model(function: ctypes._CFuncPtr, words: ctypes.Array, *more: int) -> int:
+    """A model of the library, made by the function with :func:`words_of` and what else it takes."""
+    function.argtypes = [ctypes.POINTER(ctypes.c_uint32), *[ctypes.c_int64] * len(more)]
     function.restype = ctypes.c_void_p
-    return function((ctypes.c_int64 * len(words))(*map(int, words)))
-
-
-def set_shaper(function: ctypes._CFuncPtr, model: int, words: np.ndarray, *more: int) -> None:
-    """Hand a model the words of W, int64 (sections, SECTION_WORDS), and what else it takes."""
-    flat = words.reshape(-1).tolist()
-    function.argtypes = [
-        ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64), *[ctypes.c_int64] * (1 + len(more)),
-    ]  # fmt: skip
-    function.restype = None
-    function(model, (ctypes.c_int64 * max(1, len(flat)))(*flat), len(flat), *more)
-
-
-def anchor_words(settings: np.ndarray) -> list[int]:
-    """A model's words of the anchor: its settings in parts of 32 bits, the lowest first."""
-    word = anchor.packed(settings)
-    return [word >> place & 0xFFFFFFFF for place in range(0, formats.ANCHOR_W, 32)]
+    return function(words, *more)
 
 
 def declare_destructor(function: ctypes._CFuncPtr) -> None:

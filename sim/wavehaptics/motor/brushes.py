@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from wavehaptics.runtime.compiled import compiled
-from wavehaptics.scene import Brushes
+from wavehaptics.scene.tables.brushes import Brushes
 
 DROP, TWICE_PER_KNEE, RIPPLE, STEP, NOISE, SEGMENTS, PER_BAR, STEP_AT, NOISE_RATE = range(9)
 """Places in :func:`brush_words`: V, 2/A, three resistances in Ω, 1/rad, 1/rad, rad, 1/s."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from wavehaptics.runtime.compiled import compiled
-from wavehaptics.scene import Cogging
+from wavehaptics.scene.tables.cogging import Cogging
 
 TORQUE, PER_REV = range(2)
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from wavehaptics.runtime.compiled import compiled
-from wavehaptics.scene import Winding
+from wavehaptics.scene.tables.winding import Winding
 
 EDDY_OHM, EDDY_H, SATURATION, SERIES_H = range(4)
 """Places in :func:`iron_words`: Ω, H (p L), A, H ((1 − p) L)."""

@@ -18,7 +18,11 @@ from scipy.linalg import expm
 
 from wavehaptics.motor.hand import hand_path
 from wavehaptics.runtime.compiled import compiled
-from wavehaptics.scene import Brushes, Cogging, Scene, Transmission, Winding
+from wavehaptics.scene import Scene
+from wavehaptics.scene.tables.brushes import Brushes
+from wavehaptics.scene.tables.cogging import Cogging
+from wavehaptics.scene.tables.transmission import Transmission
+from wavehaptics.scene.tables.winding import Winding
 
 I, OMEGA, X, P, R, C, S, E, TAU = range(9)  # noqa: E741
 """Places of the augmented state: motor, hand (:mod:`wavehaptics.motor.hand`), voltage, friction."""

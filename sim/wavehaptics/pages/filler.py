@@ -19,10 +19,11 @@ from pathlib import Path
 from typing import Any
 
 from wavehaptics.checks import soak
-from wavehaptics.fpga.boards import ROOT
 from wavehaptics.fpga.synthesis import Result
 from wavehaptics.pages import port_anchor as holding_tables
 from wavehaptics.pages import reliability, report_and_bench
+from wavehaptics.runtime.files import write_json, write_text
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies.adcs import named_rows
 from wavehaptics.studies.anchored import pictures as holding_pictures
 
@@ -75,9 +76,7 @@ def keep(root: Path = ROOT) -> list[Path]:
         raise NumbersError("there are no numbers yet; run `make synth`")
     for path, numbers in ((KEPT, kept), (MEASURED, measured)):
         if numbers:
-            text = json.dumps(numbers, indent=1, ensure_ascii=False)
-            (root / path).parent.mkdir(parents=True, exist_ok=True)
-            (root / path).write_text(text + "\n", encoding="utf-8")
+            write_json(root / path, numbers, indent=1)
     for found, names in (
         (_REPORT, report_and_bench.PICTURES),
         (_HOLDING, holding_pictures.PICTURES),
@@ -143,7 +142,7 @@ def write(root: Path = ROOT) -> list[Path]:
         if _MARKED.search(old):
             pages.append(page)
         if new != old:
-            (root / page).write_text(new, encoding="utf-8")
+            write_text(root / page, new)
     return pages
 
 
@@ -219,6 +218,45 @@ def _boards(numbers: dict[str, Any]) -> str:
                 f"{board['bitstream_bytes'] / 1000:.0f} kB",
             )
         )
+    return _table(head, rows)
+
+
+def _pads(numbers: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    return [(f"`{b['board']}`", b["pads"]) for b in numbers["boards"] if b.get("pads")]
+
+
+def _pad_timing(numbers: dict[str, Any]) -> str:
+    """The ADC's round trip at the pads of each board."""
+    head = ("Board", "SCLK", "Registers in the pads", "Period", "Clock to pad", "Wires",
+            "ADC's access", "Pad to flip-flop", "To spare", "Hold")  # fmt: skip
+    keys = ("available_ns", "out_ns", "wire_ns", "access_ns", "back_ns", "margin_ns", "hold_ns")
+    rows = [
+        (
+            name,
+            f"{pads['sclk_mhz']:.1f} MHz",
+            "yes" if pads["registered"] else "no",
+            *(f"{pads[key]:.1f} ns" for key in keys),
+        )
+        for name, pads in _pads(numbers)
+    ]
+    return _table(head, rows)
+
+
+def _dead_times(numbers: dict[str, Any]) -> str:
+    """What the dead time of each board has to cover, and covers."""
+    head = ("Board", "Driver", "AND gates", "FPGA, found", "FPGA, granted", "Needed",
+            "Dead time", "Shortest pulse", "Trip", "Amplifier clips")  # fmt: skip
+    keys = ("mismatch_ns", "gate_skew_ns", "fpga_skew_ns", "fpga_skew_granted_ns",
+            "dead_needed_ns", "dead_ns", "min_pulse_ns")  # fmt: skip
+    rows = [
+        (
+            name,
+            *(f"{pads[key]:.1f} ns" for key in keys),
+            f"{pads['trip_a']:g} A",
+            f"{pads['clip_a']:.2f} A",
+        )
+        for name, pads in _pads(numbers)
+    ]
     return _table(head, rows)
 
 
@@ -316,6 +354,8 @@ def _energies(numbers: dict[str, Any]) -> str:
 
 TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "boards": _boards,
+    "pad-timing": _pad_timing,
+    "dead-times": _dead_times,
     "adcs": _adcs,
     "energies": _energies,
     "block-resources": _resources("blocks", "Block", lambda row: f"`{row['block']}`"),

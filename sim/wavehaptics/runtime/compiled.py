@@ -18,7 +18,6 @@ from __future__ import annotations
 import dataclasses
 import enum
 import functools
-import hashlib
 import sys
 import types
 from collections.abc import Callable, Iterator
@@ -30,6 +29,8 @@ import numpy as np
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.dispatcher import Dispatcher
 from numba.extending import _Intrinsic
+
+from wavehaptics.runtime.files import digest_of
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _PYTHON = sys.implementation.cache_tag
@@ -64,7 +65,7 @@ class _KeptBySources(FunctionCache):
 
 def sources_digest(dispatcher: Dispatcher) -> str:
     """Digest of all that a compiled function is made of."""
-    return hashlib.sha256(repr(list(_parts(dispatcher, {}))).encode()).hexdigest()[:24]
+    return digest_of(list(_parts(dispatcher, {})))[:24]
 
 
 def _parts(value: Any, seen: dict[int, Any]) -> Iterator[Any]:
@@ -158,10 +159,7 @@ def _is_ours(module: str) -> bool:
 @functools.cache
 def _whole_package() -> str:
     """For what can't be looked into: everything."""
-    digest = hashlib.sha256()
-    for path in sorted(_PACKAGE.rglob("*.py")):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
+    return digest_of("package", sorted(_PACKAGE.rglob("*.py")), _PACKAGE)
 
 
 def _compile(function: Callable | None = None, **options: Any) -> Any:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,10 +10,12 @@ from typing import Any
 from rich.table import Table
 
 from wavehaptics.controller.pins_timing import HOLD_CLOCKS, latency_clocks
-from wavehaptics.ladder.pins import PinsSimulation, Timing
+from wavehaptics.controller.tick_layout import Timing
+from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.run import measure
 from wavehaptics.ladder.sampled import SampledSimulation
 from wavehaptics.parts.adcs import ALL_BITS
+from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import Scene, load_scene
 
 NOISE_STEPS = 0.5
@@ -156,7 +157,7 @@ def compare(path: Path, settings: Sequence[str], out: Path, progress: Progress) 
         "early": early,
         "energies": energies(path, settings, progress),
     }
-    out.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    write_json(out, found, indent=1)
     return found
 
 

@@ -16,10 +16,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from wavehaptics.fpga.boards import ROOT
-from wavehaptics.ladder.guarded_pins import Fault, GuardedPins, Injection, Limits
+from wavehaptics.controller.guard import Fault, Limits
+from wavehaptics.ladder.guarded_pins import GuardedPins, Injection
 from wavehaptics.motor.plant import I
 from wavehaptics.motor.sensor import OFFSET
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import Scene
 
 KEPT = Path("sim", "docs", "faults.json")

@@ -14,11 +14,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wavehaptics.controller.rendered import rendered
 from wavehaptics.controller.settings import settings
-from wavehaptics.controller.shaper import NONE, rendered
+from wavehaptics.controller.shaper import NONE
 from wavehaptics.ladder.sampled import SampledSimulation
 from wavehaptics.laws.reflection import Wish
-from wavehaptics.scene import Hand, Scene
+from wavehaptics.scene import Scene
+from wavehaptics.scene.tables.hand import Hand
 from wavehaptics.trace.columns import Column, Word
 
 USUAL_HZ = (1.0, 3.0, 10.0, 30.0, 60.0, 100.0, 160.0, 240.0, 340.0, 500.0)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,9 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from wavehaptics.controller.rendered import rendered
 from wavehaptics.controller.settings import settings
-from wavehaptics.controller.shaper import rendered
+from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import Scene
 from wavehaptics.studies.impedance import Impedance
 
@@ -41,7 +41,7 @@ def result(scene: Scene, impedance: Impedance) -> dict[str, Any]:
 def write(scene: Scene, impedance: Impedance, out: Path) -> dict[str, Any]:
     """Write both files into ``out`` and return what the JSON holds."""
     found = result(scene, impedance)
-    (out / "impedance.json").write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
+    write_json(out / "impedance.json", found)
     picture(scene, impedance, out / "impedance.png")
     return found
 

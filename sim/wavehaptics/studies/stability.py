@@ -27,7 +27,8 @@ import numpy as np
 from wavehaptics.ladder.encoder import FASTEST_AMPLIFIER, EncoderSimulation
 from wavehaptics.ladder.run import CONTROLLERS, Simulation
 from wavehaptics.laws import closed_forms
-from wavehaptics.scene import Scene, Servo
+from wavehaptics.scene import Scene
+from wavehaptics.scene.tables.servo import Servo
 from wavehaptics.trace.columns import Column, Word
 
 SWING_CELLS = 2.5

@@ -9,7 +9,6 @@ costs no more than the task that it was at, and nothing outlives a change of the
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -18,7 +17,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wavehaptics.trace.metrics import write_metrics
+from wavehaptics.runtime import files
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.words import formats
 
 if TYPE_CHECKING:
@@ -30,7 +30,6 @@ WORKER_DEATHS = 5
 PATIENCE_S = 600
 """How long an answer from this machine's processes may take: others may keep the machine busy."""
 
-_ROOT = Path(__file__).resolve().parents[3]
 _SOURCES = (
     ("sim/wavehaptics", "**/*.py"),
     ("sim/verilated", "*"),
@@ -54,22 +53,23 @@ class Task:
         """Name of the result's file: the same for the same call of the same sources."""
         name = f"{self.function.__module__}.{self.function.__qualname__}"
         text = json.dumps([name, self.arguments, sources], sort_keys=True, ensure_ascii=False)
-        return hashlib.sha256(text.encode()).hexdigest()[:24]
+        return files.digest_of(text)[:24]
 
 
 @cache
 def sources_digest() -> str:
     """:func:`digest_of` the repository as it is when this process asks first."""
-    return digest_of(_ROOT)
+    return digest_of(ROOT)
 
 
 def digest_of(root: Path) -> str:
     """Digest of all that a result may depend on: package, shims, RTL, scenes and word lengths."""
-    digest = hashlib.sha256(repr(formats.HEADER_VALUES).encode())
-    for folder, pattern in _SOURCES:
-        for path in sorted(filter(Path.is_file, (root / folder).glob(pattern))):
-            digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()
+    sources = (
+        path
+        for folder, pattern in _SOURCES
+        for path in sorted(filter(Path.is_file, (root / folder).glob(pattern)))
+    )
+    return files.digest_of(formats.HEADER_VALUES, sources, root)
 
 
 def sweep(
@@ -88,17 +88,17 @@ def sweep(
     """
     store.mkdir(parents=True, exist_ok=True)
     sources = sources_digest()
-    files = [store / f"{task.key(sources)}.json" for task in tasks]
-    missing = {file: task for file, task in zip(files, tasks, strict=True) if not file.exists()}
-    done, total = len(set(files)) - len(missing), len(set(files))
+    kept = [store / f"{task.key(sources)}.json" for task in tasks]
+    missing = {file: task for file, task in zip(kept, tasks, strict=True) if not file.exists()}
+    done, total = len(set(kept)) - len(missing), len(set(kept))
     progress(done, total)
     if missing:
         with _client(cluster, min(workers, len(missing))) as client:
             for file, result in _finished(client, missing, sources):
-                write_metrics({"result": result}, file)
+                files.write_json(file, {"result": result})
                 done += 1
                 progress(done, total)
-    return [json.loads(file.read_bytes())["result"] for file in files]
+    return [json.loads(file.read_bytes())["result"] for file in kept]
 
 
 def _finished(

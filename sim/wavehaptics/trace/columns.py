@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-import os
 from enum import IntEnum
 from pathlib import Path
 
 import numpy as np
 
 from wavehaptics.runtime.compiled import compiled_counting
+from wavehaptics.runtime.files import replacing
 from wavehaptics.words import formats
 
 TRACE_FILE = "trace.npz"
@@ -205,14 +205,8 @@ class TraceWriter:
         ``saturated`` (bool), ``x_hat omega_hat correction flux`` and ``fault`` (bool) where there
         is a port anchor, and ``i_word u_word v_word e_word`` where the controller has words.
         """
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        part = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
-        try:
-            with part.open("wb") as file:
-                np.savez(file, **self.arrays())
-            part.replace(self.path)
-        finally:
-            part.unlink(missing_ok=True)
+        with replacing(self.path) as part, part.open("wb") as file:
+            np.savez(file, **self.arrays())
         return self.path
 
 

@@ -39,11 +39,8 @@ is to be added for that.
 
 from __future__ import annotations
 
-import json
 import math
-import os
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -648,21 +645,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, np.generic):
         value = value.item()
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def write_metrics(metrics: dict[str, Any], path: Path | str) -> Path:
-    """Write ``metrics`` as JSON, whole or not at all, to ``path`` or into that directory.
-
-    Returns the file's path, ``metrics.json`` in a directory; ``ValueError`` on NaN.
-    """
-    path = Path(path)
-    path = path if path.suffix == ".json" else path / "metrics.json"
-    text = json.dumps(metrics, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
-    return path

@@ -9,7 +9,6 @@ pytest and, above all, the benches that hold the RTL to it word for word.
 from __future__ import annotations
 
 import ast
-import hashlib
 import random
 import re
 import shutil
@@ -21,8 +20,9 @@ from pathlib import Path
 
 from wavehaptics.checks.mutation.results import KILLED, OUT, SURVIVED, Mutant, Store, with_reasons
 from wavehaptics.checks.mutation.table import Model, MutationError
-from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.files import digest_of
 from wavehaptics.runtime.processes import run_tests
+from wavehaptics.runtime.repository import ROOT
 
 PACKAGE = Path("sim", "wavehaptics")
 _TREE = ("sim", "cocotb_tests", "rtl", "boards", "formal", "conftest.py", "pyproject.toml")
@@ -140,18 +140,15 @@ def python_files(starts: Iterator[Path] | Sequence[Path]) -> list[Path]:
     return sorted(found)
 
 
-def digest_of(model: Model, changed: Sequence[Change], versions: str) -> str:
+def key_of(model: Model, changed: Sequence[Change], versions: str) -> str:
     """Of all that the model's results depend on."""
     told = (model.tests, model.compiled, [change.text for change in changed], versions)
-    digest = hashlib.sha256(repr(told).encode())
     starts = [ROOT / test.partition("::")[0] for test in model.tests]
     for test in list(starts):  # a test of the RTL names its bench
         benches = re.findall(r'"(tb_\w+)"', test.read_text(encoding="utf-8"))
         starts += [test.parent / f"{bench}.py" for bench in benches]
     starts.append(ROOT / PACKAGE / f"{model.module}.py")
-    for path in [*python_files(starts), *sorted((ROOT / "rtl").glob("*.v*"))]:
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()
+    return digest_of(told, [*python_files(starts), *sorted((ROOT / "rtl").glob("*.v*"))])
 
 
 def tree_of(model: Model) -> Path:
@@ -202,7 +199,7 @@ def run_model(
     if len(changed) < model.mutants:
         raise MutationError(f"{model.module}: has {len(changed)} mutants, not {model.mutants}")
     folder = ROOT / OUT / "models" / model.module
-    store = Store(folder / "results.json", digest_of(model, changed, versions))
+    store = Store(folder / "results.json", key_of(model, changed, versions))
     if len(store.mutants) < len(changed):
         tree = tree_of(model)
         if store.clean_s is None:

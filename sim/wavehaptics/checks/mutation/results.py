@@ -9,8 +9,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from wavehaptics.checks.mutation.table import MutationError
-from wavehaptics.fpga.boards import ROOT
-from wavehaptics.trace.metrics import write_metrics
+from wavehaptics.runtime.files import write_json
+from wavehaptics.runtime.repository import ROOT
 
 OUT = Path("build", "mutate")
 WANTED = 0.95
@@ -54,7 +54,7 @@ class Store:
             "clean_s": self.clean_s,
             "mutants": [asdict(self.mutants[number]) for number in sorted(self.mutants)],
         }
-        write_metrics(kept, self.path)
+        write_json(self.path, kept)
 
 
 def with_reasons(mutants: list[Mutant], reasons: dict[str, str]) -> list[Mutant]:
@@ -106,4 +106,4 @@ def counts(mutants: Iterable[Mutant]) -> dict[str, int | float]:
 
 def write_summary(data: dict[str, object], root: Path = ROOT) -> Path:
     """Write ``build/mutate/summary.json``."""
-    return write_metrics(data, root / OUT / "summary.json")
+    return write_json(root / OUT / "summary.json", data)

@@ -10,7 +10,6 @@ induction over all that is equal in both shows that some can't be seen from outs
 
 from __future__ import annotations
 
-import hashlib
 import json
 import re
 import sys
@@ -30,8 +29,9 @@ from wavehaptics.checks.mutation.results import (
     with_reasons,
 )
 from wavehaptics.checks.mutation.table import Block, MutationError
-from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.files import digest_of
 from wavehaptics.runtime.processes import run_tests
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain, ToolError
 
 BENCHES = Path("cocotb_tests")
@@ -212,13 +212,10 @@ def _test_sources(block: Block) -> list[Path]:
     return sorted(found)
 
 
-def digest_of(block: Block, commands: list[str], files: list[Path], tools: str) -> str:
+def key_of(block: Block, commands: list[str], files: list[Path], tools: str) -> str:
     """Of all that the block's results depend on."""
     told = (block.test, block.top, sorted(block.parameters.items()), commands, tools)
-    digest = hashlib.sha256(repr(told).encode())
-    for path in [*files, *_test_sources(block)]:
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()
+    return digest_of(told, [*files, *_test_sources(block)])
 
 
 def _work(block: Block) -> Path:
@@ -260,7 +257,7 @@ def run_block(
     """All mutants of a block; those that are known from an earlier, equal run aren't run again."""
     folder = ROOT / OUT / "rtl" / block.name
     commands, files = mutated(block, seed, tools, folder)
-    store = Store(folder / "results.json", digest_of(block, commands, files, versions))
+    store = Store(folder / "results.json", key_of(block, commands, files, versions))
     job = folder / "job.json"
     told = {
         "toplevel": block.top,

@@ -15,8 +15,8 @@ from wavehaptics.checks.mutation.models import run_model
 from wavehaptics.checks.mutation.results import Mutant, summary, write_summary
 from wavehaptics.checks.mutation.rtl import run_block
 from wavehaptics.checks.mutation.table import Block, Model, MutationError, Table, load_table
-from wavehaptics.fpga.boards import ROOT
 from wavehaptics.runtime import processes
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain, ToolError
 
 Progress = Callable[[str, float], None]

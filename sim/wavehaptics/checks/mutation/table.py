@@ -7,12 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from wavehaptics.fpga.boards import ROOT
-
-try:
-    import tomllib
-except ModuleNotFoundError:  # Python 3.10
-    import tomli as tomllib
+from wavehaptics.runtime.repository import ROOT
+from wavehaptics.runtime.toml_source import tomllib
 
 TABLE = Path("formal", "mutate.toml")
 

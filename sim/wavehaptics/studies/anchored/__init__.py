@@ -13,10 +13,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from wavehaptics.runtime.files import write_json
 from wavehaptics.studies.anchored import cases, lost, motors, pictures
 from wavehaptics.studies.report.runs import STORE
 from wavehaptics.studies.sweeps import Task, sweep
-from wavehaptics.trace.metrics import write_metrics
 
 MOTORS, QUICK_MOTORS = 200, 24
 """Random motors; their seeds are 0 up to this."""
@@ -57,7 +57,7 @@ def collect(
         task.arguments | {"points": points}
         for task, points in zip(groups["bounces"], found["bounces"], strict=True)
     ]
-    kept = write_metrics(found | {"quick": quick}, out / "holding.json")
+    kept = write_json(out / "holding.json", found | {"quick": quick})
     found = json.loads(kept.read_bytes())
     pictures.draw(found, out)
     return found

@@ -24,10 +24,10 @@ from typing import Any, NamedTuple
 
 from rich.table import Table
 
-from wavehaptics.fpga.boards import ROOT
 from wavehaptics.ladder import verilated
+from wavehaptics.runtime.files import write_json
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies.report.blocks import number, percent
-from wavehaptics.trace.metrics import write_metrics
 
 OTHERS_PYTHON = ROOT / ".venv-bench" / "bin" / "python"
 OTHERS = (("gym_electric_motor_steps.py", 20_000), ("motulator_steps.py", 4_000))
@@ -269,7 +269,7 @@ def bench(
         "quick": quick,
         "others": _others(progress) if OTHERS_PYTHON.exists() else [],
     }
-    write_metrics(summary, out / "summary.json")
+    write_json(out / "summary.json", summary)
     return summary
 
 

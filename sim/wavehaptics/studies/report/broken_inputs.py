@@ -12,7 +12,8 @@ import math
 
 import numpy as np
 
-from wavehaptics.ladder.guarded_pins import GuardedPins, Injection, Limits
+from wavehaptics.controller.guard import Limits
+from wavehaptics.ladder.guarded_pins import GuardedPins, Injection
 from wavehaptics.laws import closed_forms
 from wavehaptics.motor.plant import OMEGA, I
 from wavehaptics.studies.fault_table import WARM_TICKS, scene

@@ -12,6 +12,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from wavehaptics.runtime.files import write_json, write_text
 from wavehaptics.studies.report import (
     converters,
     energies,
@@ -29,7 +30,6 @@ from wavehaptics.studies.report import (
 from wavehaptics.studies.report.page import render
 from wavehaptics.studies.report.runs import STORE
 from wavehaptics.studies.sweeps import sweep
-from wavehaptics.trace.metrics import write_metrics
 
 SECTIONS: tuple[ModuleType, ...] = (
     paper,
@@ -118,15 +118,13 @@ def draw(report: dict[str, Any], out: Path) -> Path:
         f"Made from scenes by `make report` ({form}) in {report['seconds']:g} s on "
         f"{machine['cores']} cores of {machine['processor']}. The numbers stand in report.json."
     )
-    page = out / "index.html"
-    page.write_text(render(TITLE, lead, sections, footer), encoding="utf-8")
-    return page
+    return write_text(out / "index.html", render(TITLE, lead, sections, footer))
 
 
 def make_report(out: Path, quick: bool, **options: Any) -> Path:
     """Collect, write ``report.json`` and draw; options as of :func:`collect`. The page's path."""
     report = collect(quick, **options)
-    kept = write_metrics(report, out / "report.json")
+    kept = write_json(out / "report.json", report)
     return draw(json.loads(kept.read_bytes()), out)
 
 

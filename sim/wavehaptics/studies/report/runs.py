@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from wavehaptics.fpga.boards import ROOT
 from wavehaptics.ladder.run import measure
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import Scene, find_scene, load_scene
 from wavehaptics.studies.sweeps import Task
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from wavehaptics.controller.settings import settings
-from wavehaptics.fpga.boards import ROOT
 from wavehaptics.ladder.analog import AnalogSimulation
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies.report import figures
 from wavehaptics.studies.report.blocks import Block, Picture, Table, Text, percent
 from wavehaptics.studies.report.runs import FIRST_CONTACT_S, load

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the ports of the whole RTL are given for a scene, as raw words."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from wavehaptics.controller import bus_scale
+from wavehaptics.controller.early import slope_fits
+from wavehaptics.controller.modulator import width_bounds
+from wavehaptics.controller.settings import Settings, settings
+from wavehaptics.controller.tick_layout import (
+    MOST_SAMPLES,
+    FrameAt,
+    Timing,
+    bridge_mode,
+    dead_clocks,
+    pulse_delay,
+    sample_lead,
+    scene_frame,
+    timing,
+)
+from wavehaptics.motor.hand import hand_path
+from wavehaptics.motor.sensor import Sensor
+from wavehaptics.scene import Scene, SceneError
+from wavehaptics.words import formats
+from wavehaptics.words.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
+
+DEFAULT_BUS_V = 12.0
+"""Bus of a scene whose drive has no limit; a switching bridge has to have one."""
+
+NEVER_TRIP = 0xFFFF
+"""Threshold of the fast path of the current that no word reaches."""
+
+FINE_COUNTS_PER_REV = 65_536
+"""Encoder where the scene has none: A and B must come from somewhere."""
+
+FILTER_CLOCKS = 2
+MOST_MIN_PULSE = 255
+SETTLE_TICKS = 5
+"""Ticks between two changes of side of the dead-time compensation, besides the scene's latency."""
+
+
+@dataclass(frozen=True)
+class Ports:
+    """What the ports of ``rtl/wh_controller.v`` are given for a scene.
+
+    ``words`` are settings by their names in ``rtl/words.toml``; ``walls`` are (min, max) in counts
+    from where the rotor starts. All are raw words.
+    """
+
+    timing: Timing
+    settings: Settings
+    sensor: Sensor
+    start_count: int
+    words: dict[str, int]
+    walls: list[tuple[int, int]]
+
+    def wall_words(self, places: int, motors: int = 1) -> dict[str, list[int]]:
+        """The walls' words, the same for each motor; the ``places`` beyond them are empty."""
+        walls = [*self.walls, *[(0, 0)] * (places - len(self.walls))] * motors
+        return {
+            "wall_min": [low for low, _ in walls],
+            "wall_max": [high for _, high in walls],
+            "wall_enable": [int(low < high) for low, high in walls],
+        }
+
+
+def controller_ports(
+    scene: Scene, frame_at: FrameAt | None = None, most_samples: int = MOST_SAMPLES
+) -> Ports:
+    """Settings of the whole RTL for a scene; :class:`SceneError` where it can't do it.
+
+    ``frame_at`` takes the place of the scene's ADC, for a board that has its own.
+    """
+    sensor = Sensor.of_scene(scene)
+    if sensor.ideal:
+        sensor = _fine_sensor(scene)
+    cell_rad = None if scene.encoder else 2 * math.pi / FINE_COUNTS_PER_REV
+    time = timing(scene, frame_at or scene_frame(scene), most_samples)
+    bus_v = bus_voltage(scene)
+    controller = scene.controller.model_copy(update={"extra_ticks": time.extra_ticks})
+    scene = scene.model_copy(update={"controller": controller})
+    dead = _dead_time_words(scene, time, bus_v)
+    delay = pulse_delay(scene, time.clock_hz, time.half_clocks)
+    reach_v = bus_v * (scene.drive.reach if scene.drive else 1.0)
+    shortest = _min_pulse(scene, time)
+    # What the pulse is longer by and what a leg's shortest pulse takes, the voltage can't have.
+    _, spare = width_bounds(bridge_mode(scene), shortest)
+    lost = (dead["dead_clocks"] if dead["compensate"] else 0) + 2 * spare
+    set_ = settings(scene, time.tick_s, cell_rad, reach_v * (1.0 - lost / time.half_clocks))
+    start_count = math.floor(hand_path(scene).x0 / set_.cell_rad)
+    words = {
+        "half_clocks": time.half_clocks,
+        "tick_halves": time.tick_halves,
+        "sample_clocks": time.sample_clocks,
+        "samples": time.samples,
+        "sample_lead": sample_lead(time.frame, delay // 2),
+        "sample_late": 0 if time.frame.osr else delay % 2,
+        **time.frame.words(),
+        "trip": NEVER_TRIP,
+        "zero": 0,
+        "gain": sensor.gain_word(time.samples * time.frame.unity),
+        "filter_clocks": FILTER_CLOCKS,
+        "eta_contact": set_.eta_contact,
+        "eta_free": set_.eta_free,
+        "root": set_.root,
+        "a": set_.a,
+        "u_max": set_.u_max,
+        "extra_ticks": set_.extra_ticks,
+        "hold_ticks": time.hold_ticks,
+        "mode": MODE_WORDS[bridge_mode(scene)],
+        "min_pulse": shortest,
+        "clocks_per_volt": formats.DUTY.to_raw(time.half_clocks / (2 * reach_v)),
+        "bus_share": bus_scale.bus_share_word(
+            set_.limit_v, reach_v / bus_v * (1.0 - lost / time.half_clocks)
+        ),
+        **dead,
+        "second_order": 0,
+    }
+    largest = words["clocks_per_volt"]
+    if scene.drive and scene.drive.bus_measured:
+        lowest = bus_scale.bus_word(scene.drive.true_bus_v - scene.drive.bus_ripple_v)
+        half_bridge = bridge_mode(scene) == HALF_BRIDGE
+        largest = bus_scale.clocks_per_volt(time.half_clocks, lowest, half_bridge)
+    if time.early and not slope_fits(words["root"], words["gain"], largest):
+        raise SceneError(
+            f"{scene.scene.name}: controller.early_duty: a step of the ADC is worth too many "
+            "clocks of the pulse; take a shorter tick or leave early_duty out"
+        )
+    return Ports(time, set_, sensor, start_count, words, _port_walls(set_, start_count))
+
+
+def _min_pulse(scene: Scene, time: Timing) -> int:
+    """Clocks that a leg stays, so that its gate is on for the scene's time after the dead time."""
+    if not scene.drive or not scene.drive.min_pulse_s:
+        return 0
+    # A part in 1e9 of a clock is the floats'.
+    clocks = math.ceil(scene.drive.min_pulse_s * time.clock_hz - 1e-9)
+    clocks += dead_clocks(scene, time.clock_hz)
+    most = min(MOST_MIN_PULSE, time.half_clocks // 4)
+    if clocks > most:
+        raise SceneError(
+            f"{scene.scene.name}: drive.min_pulse_s = {scene.drive.min_pulse_s:g} s and the dead "
+            f"time are {clocks} clocks of `pins`, of which a carrier half of {time.half_clocks} "
+            f"has room for {most}; take a slower drive.pwm_hz or a shorter min_pulse_s"
+        )
+    return clocks
+
+
+def _dead_time_words(scene: Scene, time: Timing, bus_v: float) -> dict[str, int]:
+    """Words of the dead time and of its compensation, ``rtl/wh_dead_time.v``."""
+    clocks = dead_clocks(scene, time.clock_hz)
+    compensate = clocks > 0 and scene.drive.compensate
+    if compensate and bridge_mode(scene) != UNIPOLAR:
+        raise SceneError(
+            f"{scene.scene.name}: drive.compensate: what dead time takes depends on the ripple in "
+            f"the mode {scene.drive.mode}, and can't be made good; set drive.compensate = false or "
+            "take drive.mode = unipolar"
+        )
+    # Half the current that one dead time's voltage changes.
+    side_a = 0.5 * bus_v * clocks / time.clock_hz / scene.controller.l_hat
+    return {
+        "dead_clocks": clocks,
+        "compensate": int(compensate),
+        "side_current": formats.CURRENT.to_raw(min(side_a, 0.5 * formats.CURRENT.largest)),
+        "settle_ticks": min(255, scene.controller.extra_ticks + SETTLE_TICKS),
+    }
+
+
+def bus_voltage(scene: Scene) -> float:
+    """Bus of the scene's bridge, V."""
+    drive = scene.drive
+    return DEFAULT_BUS_V if drive is None or drive.bus_v is None else drive.bus_v
+
+
+def _fine_sensor(scene: Scene) -> Sensor:
+    """The finest ADC that the reader takes, for a scene without one: 16 bits."""
+    set_ = settings(scene)
+    largest = 2 * min(set_.limit_v, bus_voltage(scene)) / min(scene.motor.R_ohm, set_.r_hat)
+    return Sensor(ideal=False, full_scale_a=min(largest, 0.99 * formats.CURRENT.largest))
+
+
+def _port_walls(set_: Settings, start_count: int) -> list[tuple[int, int]]:
+    """Walls in the RTL's own counts, which begin at 0 where the rotor starts."""
+    low, high = -(1 << (formats.COUNT_W - 1)), (1 << (formats.COUNT_W - 1)) - 1
+    walls = []
+    for wall_min, wall_max in zip(set_.wall_min.tolist(), set_.wall_max.tolist(), strict=True):
+        walls.append((max(low, wall_min - start_count), min(high, wall_max - start_count)))
+    return walls

@@ -1,0 +1,303 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How ticks, carrier and ADC frames of the whole RTL are laid on its clock, for a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from wavehaptics.controller.pins_timing import (
+    CENTRED_LEAD,
+    EARLY_PREPARE_CLOCKS,
+    GATE_CLOCKS,
+    early_tick_clocks,
+    latency_clocks,
+)
+from wavehaptics.parts.adcs import (
+    MODULATORS,
+    PARTS,
+    Frame,
+    PartError,
+    frame,
+    modulator_frame,
+    plain_frame,
+)
+from wavehaptics.scene import Scene, SceneError
+from wavehaptics.words import formats
+from wavehaptics.words.bridge_modes import HALF_BRIDGE, LOCKED, UNIPOLAR
+
+CLOCK_HZ = 48e6
+"""Clock of the simulated board unless the scene names another."""
+
+FASTEST_CLOCK_HZ = 100e6
+"""A part that needs a faster clock than the usual one gets it, up to this."""
+
+MIN_TICK_CLOCKS = 48
+"""Clocks of the shortest tick: an ADC frame of 16 bits at half the clock and its quiet time."""
+
+MOST_TICK_CLOCKS = 48_000
+"""Clocks of the longest tick unless the scene names a clock; the RTL counts 16 bits."""
+
+SLOW_HALF_CLOCKS = 96
+"""Longest carrier half period chosen when the scene names no ``pwm_hz``."""
+
+MOST_SAMPLES = 16
+"""Samples in a tick. Their sum is scaled by a word of 27 bits, which more would make too coarse."""
+
+MOST_DEAD_CLOCKS = 255
+FrameAt = Callable[[float, int], Frame]
+"""An ADC's frame for a clock in Hz and the clocks of a tick."""
+
+
+@dataclass(frozen=True)
+class Timing:
+    """How ticks, carrier and ADC are laid on the clock; see ``rtl/wh_carrier.v``.
+
+    ``early`` is whether ``rtl/wh_early.v`` makes the duty.
+    """
+
+    clock_hz: float
+    half_clocks: int
+    tick_halves: int
+    sample_clocks: int
+    samples: int
+    extra_ticks: int
+    hold_ticks: int
+    latency_clocks: int
+    frame: Frame
+    early: bool
+
+    @property
+    def tick_clocks(self) -> int:
+        return self.half_clocks * self.tick_halves
+
+    @property
+    def tick_s(self) -> float:
+        return self.tick_clocks / self.clock_hz
+
+
+def bridge_mode(scene: Scene) -> str:
+    """How the scene's bridge switches."""
+    return scene.drive.mode if scene.drive else UNIPOLAR
+
+
+def _pulse_halves(scene: Scene) -> int:
+    """Carrier halves that one pulse takes, which a tick has a whole number of: ``wh_pwm``."""
+    return 1 if bridge_mode(scene) == UNIPOLAR else 2
+
+
+def _whole_part(total: int, longest: int) -> int:
+    """Largest divisor of ``total`` that is at most ``longest``."""
+    return next(d for d in range(min(total, longest), 0, -1) if total % d == 0)
+
+
+def scene_frame(scene: Scene) -> FrameAt:
+    """The ADC's frame on a clock, for the scene's ADC or the finest one that the reader takes."""
+    if scene.adc is None:
+        return lambda clock_hz, _: plain_frame(0, formats.SAMPLE_W)
+    part, bits = scene.adc.part, scene.adc.bits
+    if part is None:
+        return lambda clock_hz, _: plain_frame(2, bits)
+    if part in MODULATORS:
+        return lambda clock_hz, clocks: modulator_frame(MODULATORS[part], clock_hz, clocks)
+    return lambda clock_hz, _: frame(PARTS[part], clock_hz)
+
+
+def natural_ticks(
+    tick_clocks: int, samples: int, lead: int, frame: Frame, ports: int = 1, sections: int = 0,
+    early: bool = False,
+) -> int:  # fmt: skip
+    """Whole ticks from a tick's end until the voltage made of its samples can be driven."""
+    sample_clocks = tick_clocks // samples
+    last_sample = tick_clocks - sample_clocks + sample_clocks // 2 - lead
+    word_strobe = last_sample + frame.pipeline * sample_clocks
+    latency = latency_clocks(frame.conversion_clocks, ports, sections, early)
+    return (word_strobe + latency) // tick_clocks
+
+
+def sample_lead(made: Frame, pulse_delay: int) -> int:
+    """Clocks that the ADC's starts come early, for pulses that are ``pulse_delay`` clocks late.
+
+    A code is held in the middle of the gates' pulse. A modulator's word is of three intervals
+    between starts, and its middle one and a half before the start: here is what is left of that
+    when the delay of the bits is taken off (``rtl/wh_sinc3.v``; a bit is decided with the clock's
+    rise, taken with its fall, and goes through two registers), in whole periods of its clock.
+    """
+    if not made.osr:
+        return CENTRED_LEAD + made.pad_clocks - pulse_delay
+    periods = round(1 + (1 + GATE_CLOCKS + pulse_delay) / made.bit_clocks)
+    return made.cycle_clocks // 2 - periods * made.bit_clocks
+
+
+def _soonest(tick_clocks: int, made: Frame, lead: int, sections: int, early: bool) -> int:
+    """Fewest ticks of latency that the ADC allows."""
+    samples = tick_clocks // made.cycle_clocks if made.osr else 1
+    return natural_ticks(tick_clocks, samples, lead, made, 1, sections, early)
+
+
+def _check_early(scene: Scene, tick_clocks: int, made: Frame) -> None:
+    """:class:`SceneError` where ``rtl/wh_early.v`` has no time for its words."""
+    place = f"{scene.scene.name}: controller.early_duty"
+    if made.conversion_clocks < EARLY_PREPARE_CLOCKS:
+        raise SceneError(
+            f"{place}: the ADC's word is there {made.conversion_clocks} clocks after its frame's "
+            f"start, sooner than the {EARLY_PREPARE_CLOCKS} that are needed; take another adc.part"
+        )
+    needed = early_tick_clocks(anchored=scene.controller.anchored)
+    if tick_clocks < needed:
+        with_anchor = " with a port anchor" if scene.controller.anchored else ""
+        raise SceneError(
+            f"{place}: a tick of {tick_clocks} clocks is shorter than the {needed} that are "
+            f"needed{with_anchor}; lower controller.tick_hz or take a faster clock_hz"
+        )
+
+
+def _tick_clocks(scene: Scene, tick_hz: float, halves: int, frame_at: FrameAt) -> tuple[int, Frame]:
+    """Clocks of a tick, and the ADC's frame on that clock."""
+    named = scene.controller.clock_hz
+    if named is not None:
+        clocks = round(named / tick_hz)
+        return clocks, frame_at(clocks * tick_hz, clocks)
+    usual = min(max(MIN_TICK_CLOCKS, round(CLOCK_HZ / tick_hz)), MOST_TICK_CLOCKS)
+    found = None
+    clocks = usual
+    while clocks == usual or clocks * tick_hz <= FASTEST_CLOCK_HZ:
+        try:
+            made = frame_at(clocks * tick_hz, clocks)
+        except PartError:
+            made = None
+        if made is not None and made.cycle_clocks <= clocks and clocks % halves == 0:
+            if not made.osr:
+                return clocks, made
+            # A modulator: the more bits a tick, the better.
+            if found is None or clocks // made.bit_clocks > found[0] // found[1].bit_clocks:
+                found = clocks, made
+        if clocks - usual > MOST_TICK_CLOCKS // 40:
+            break
+        clocks += 1
+    return found or (usual, frame_at(usual * tick_hz, usual))
+
+
+def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) -> Timing:
+    """Lay the scene's tick and carrier on a clock, for an ADC with the frame ``frame_at(clock)``.
+
+    A carrier slower than half the tick rate sets the pace: the tick is then its half period, and
+    the current is the mean of the samples that fit in. :class:`SceneError` where the carrier can't
+    be had, the ADC is too slow or the scene's latency is shorter than the hardware's.
+    """
+    control, drive = scene.controller, scene.drive
+    tick_hz = control.tick_hz
+    pwm_hz = drive.pwm_hz if drive else None
+    pulse_halves = _pulse_halves(scene)
+    pulse_hz = None if pwm_hz is None else 2 * pwm_hz / pulse_halves
+    if pulse_hz is not None and pulse_hz < tick_hz:
+        tick_hz = pulse_hz
+    pulses = 1 if pulse_hz is None else max(1, round(pulse_hz / tick_hz))
+    halves = pulses * pulse_halves
+    try:
+        tick_clocks, made = _tick_clocks(scene, tick_hz, halves, frame_at)
+    except PartError as error:
+        raise SceneError(f"{scene.scene.name}: adc.part: {error}; take another clock_hz") from None
+    clock_hz = control.clock_hz if control.clock_hz is not None else tick_hz * tick_clocks
+    if pwm_hz is None:
+        if tick_clocks % pulse_halves:
+            raise SceneError(
+                f"{scene.scene.name}: drive.mode = {drive.mode} needs an even number of clocks in "
+                f"a tick, not {tick_clocks}; take another controller.clock_hz"
+            )
+        pulse_clocks = pulse_halves * _whole_part(
+            tick_clocks // pulse_halves, SLOW_HALF_CLOCKS // pulse_halves
+        )
+        if pulse_clocks < MIN_TICK_CLOCKS:
+            pulse_clocks = tick_clocks
+    else:
+        if abs(pulses * tick_hz / pulse_hz - 1) > 0.01 or tick_clocks % halves:
+            twice = "twice pwm_hz" if pulse_halves == 1 else f"with mode = {drive.mode} pwm_hz"
+            raise SceneError(
+                f"{scene.scene.name}: drive.pwm_hz = {pwm_hz:g} Hz doesn't fit "
+                f"controller.tick_hz = {control.tick_hz:g} Hz on `pins`; "
+                f"{twice} must be slower than tick_hz, or a multiple of it that divides its "
+                f"{tick_clocks} clocks{'' if pulse_halves == 1 else ', in two halves each'}"
+            )
+        pulse_clocks = tick_clocks // pulses
+    half_clocks = pulse_clocks // pulse_halves
+    limit = (1 << formats.TICK_W) - 1
+    if tick_clocks > limit:
+        raise SceneError(
+            f"{scene.scene.name}: a tick of {tick_clocks} clocks is longer than `pins` can count; "
+            f"take controller.clock_hz <= {limit * tick_hz:g}"
+        )
+    if scene.adc is not None and made.cycle_clocks > tick_clocks:
+        name = scene.adc.part or "the ADC"
+        raise SceneError(
+            f"{scene.scene.name}: {name} needs {made.cycle_clocks} clocks of {clock_hz:g} Hz from "
+            f"sample to sample, and controller.tick_hz leaves {tick_clocks}; lower it or take "
+            "another clock_hz"
+        )
+    sections = scene.shaper.sections if scene.shaper else 0
+
+    # The scene's latency, or without one in it, as much as is needed.
+    lead = sample_lead(made, (pulse_delay(scene, clock_hz, half_clocks) + 1) // 2)
+    extra = control.extra_ticks
+    early = control.early_duty
+    if early:
+        _check_early(scene, tick_clocks, made)
+    soonest = _soonest(tick_clocks, made, lead, sections, early)
+    if "extra_ticks" not in control.model_fields_set:
+        extra = soonest if early else max(extra, soonest)
+    # A voltage that has to wait is made in turn.
+    early = early and extra <= soonest
+    # As many samples as the ADC can make and the latency allows, but each in the middle of
+    # as many whole pulses as any other, or several within the only one. A modulator has its own
+    # number, of words that follow each other.
+    parts = tick_clocks if tick_clocks == pulse_clocks else tick_clocks // pulse_clocks
+    samples = next(
+        n
+        for n in range(most_samples, 0, -1)
+        if n == 1
+        or (
+            not made.osr
+            and (
+                parts % n == 0
+                and tick_clocks // n >= made.cycle_clocks
+                and natural_ticks(tick_clocks, n, lead, made, 1, sections, early) <= extra
+            )
+        )
+    )
+    if made.osr:
+        samples = tick_clocks // made.cycle_clocks
+    natural = natural_ticks(tick_clocks, samples, lead, made, 1, sections, early)
+    latency = latency_clocks(made.conversion_clocks, 1, sections, early)
+    if extra < natural:
+        late = " and a sample" if made.pipeline else ""
+        raise SceneError(
+            f"{scene.scene.name}: controller.extra_ticks = {extra} is less than "
+            f"`pins` needs: {latency} clocks{late} from sample to duty are {natural} ticks of "
+            f"{tick_clocks} clocks; set extra_ticks = {natural} or more"
+        )
+    return Timing(
+        clock_hz, half_clocks, tick_clocks // half_clocks, tick_clocks // samples, samples,
+        extra, extra - natural, latency, made, early,
+    )  # fmt: skip
+
+
+def dead_clocks(scene: Scene, clock_hz: float) -> int:
+    """Dead time of the scene's drive in clocks; :class:`SceneError` where they are too many."""
+    clocks = round(scene.drive.dead_time_s * clock_hz) if scene.drive else 0
+    if clocks > MOST_DEAD_CLOCKS:
+        raise SceneError(
+            f"{scene.scene.name}: drive.dead_time_s = {scene.drive.dead_time_s:g} s is {clocks} "
+            f"clocks of `pins`, which counts {MOST_DEAD_CLOCKS}; "
+            f"take controller.clock_hz <= {MOST_DEAD_CLOCKS / scene.drive.dead_time_s:g}"
+        )
+    return clocks
+
+
+def pulse_delay(scene: Scene, clock_hz: float, half_clocks: int) -> int:
+    """How late the pulse's middle is, in half clocks.
+
+    Dead time delays it by half of itself. Where half the half is on at 0 V, an odd clock makes the
+    end of a period the longer one (``rtl/wh_pwm.v``).
+    """
+    odd = half_clocks % 2 if bridge_mode(scene) in (LOCKED, HALF_BRIDGE) else 0
+    return dead_clocks(scene, clock_hz) - odd

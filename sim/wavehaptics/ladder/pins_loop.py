@@ -1,0 +1,318 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The loop of `pins`: the RTL clock by clock, and the motor whenever that matters to it.
+
+The motor is advanced only when the bridge's voltage changes, when the ADC samples and at the ends
+of ticks, each time exactly, by a table of matrix exponentials for whole numbers of clocks.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wavehaptics.controller.anchor import FOLLOWER_TICKS, SEEN_CELLS
+from wavehaptics.controller.pins_timing import GATE_CLOCKS
+from wavehaptics.motor.bridge import bridge_voltage, half_bridge_voltage
+from wavehaptics.motor.encoder_lines import FAULTY, cell_of, edge_place, line_count
+from wavehaptics.motor.imperfections import (
+    AMPLIFIED,
+    DRAWN,
+    LAG,
+    LAG_TABLE,
+    LINE_MEMORY,
+    LINES,
+    LOAD,
+    MOTOR,
+    SUPPLY,
+    VOLTS,
+)
+from wavehaptics.motor.plant import OMEGA, TIME, C, I, P, X, plant_step
+from wavehaptics.motor.sensor import (
+    FULL_SCALE,
+    LAG_RATE,
+    NOISE,
+    OFFSET,
+    disturbed,
+    lagged,
+    sample_code,
+)
+from wavehaptics.motor.sigma_delta import next_bit
+from wavehaptics.motor.step import motor_step
+from wavehaptics.motor.supply import BUS_V, SAG_OHM, STEP_PART, STEP_S
+from wavehaptics.runtime.compiled import compiled, compiled_counting
+from wavehaptics.runtime.native_call import call2
+from wavehaptics.trace.columns import Column, Word
+from wavehaptics.words import formats
+
+WORD_NOISE = 0.55
+"""Noise power of a word of a third-order sinc filter, in that of a bit over OSR: Σh²·OSR."""
+
+_WAVE = formats.WAVE.step
+_VOLT = formats.VOLTAGE.step
+_BUS_SCALE = 2.0**formats.BUS_Q
+PENDING = 8
+# Bits of the pins, as sim/verilated/pins_shim.cpp packs them.
+AH, AL, BH, BL, CS_N, SCLK, TICK, CORE_VALID, TOUCHING = range(9)
+# Places in the loop's integer parameters.
+(
+    MODEL, CLOCK, WORDS, TICK_CLOCKS, CODE_SHIFT, DATA_BITS, U_MAX, SUBSTEP_CLOCKS,
+    LAUNCH_LEVEL, PIPELINE, OSR, HALF_BRIDGE, SET_BUS, ANCHORED, START_COUNT,
+) = range(15)  # fmt: skip
+# Places in the loop's float parameters.
+(
+    DT, CELL, BUS, GAIN, K_T, RESISTANCE, ETA_CONTACT, ETA_FREE, ENCODER_END, RIPPLE,
+    RIPPLE_RAD_S,
+) = range(11)  # fmt: skip
+# Places in the integers that the loop keeps.
+(
+    NOW, ADVANCED, PINS, SHIFT, HELD, COUNT, EDGE, CLOSED, EMITTED, TICK_START, FAULTS,
+    CORRECTION,
+) = range(12)  # fmt: skip
+# Places in the sums of the tick that is running.
+CHARGE, SQUARE, WORK, VOLT_SECONDS, LOW, HIGH, X0, HAND0, T0 = range(9)
+
+
+@compiled(inline="always")
+def _bus_at(time, floats):
+    """The true bus, V."""
+    if floats[RIPPLE] == 0.0:
+        return floats[BUS]
+    return floats[BUS] + floats[RIPPLE] * np.sin(floats[RIPPLE_RAD_S] * time)
+
+
+@compiled()
+def _true_bus(time, floats, real):
+    """The bus, V. It sags by the last tick's load: between two ticks its capacitors hold it."""
+    bus = _bus_at(time, floats)
+    if real is not None:
+        supply = real[SUPPLY]
+        if time >= supply[STEP_S]:
+            bus += (supply[STEP_PART] - 1.0) * supply[BUS_V]
+        bus = max(0.0, bus - supply[SAG_OHM] * real[LAG][LOAD])
+    return bus
+
+
+@compiled()
+def _sensed(state, sensor, real):
+    """The current as the ADC gets it, A, but for noise and offset."""
+    current = state[I]
+    if real is not None:
+        if sensor[LAG_RATE] != 0.0:
+            current = real[LAG][AMPLIFIED]
+        current = disturbed(current, real[LAG][VOLTS], state[TIME], sensor)
+    return current
+
+
+@compiled()
+def _step(state, table, step_s, clocks, e, legs, load, sensor, real):
+    """One step at ``e`` V, which is ``legs`` times the bus; ∫i dt and ∫i² dt."""
+    if real is None:
+        return plant_step(state, table, step_s, e, load)
+    else:
+        first = state[I]
+        charge, square = motor_step(state, table, step_s, e, load, real[MOTOR])
+        memory = real[LAG]
+        memory[DRAWN] += legs * charge
+        if legs != 0.0:
+            memory[VOLTS] = e
+        if sensor[LAG_RATE] != 0.0:
+            memory[AMPLIFIED] = lagged(
+                memory[AMPLIFIED], first, state[I], charge / step_s, real[LAG_TABLE][clocks]
+            )
+        return charge, square
+
+
+@compiled()
+def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
+    """Advance the motor to the present clock."""
+    clocks = kept[NOW] - kept[ADVANCED]
+    while clocks > 0:
+        part = min(clocks, ints[SUBSTEP_CLOCKS])
+        before = state[I]
+        step_s = part * floats[DT]
+        half_bridge = ints[HALF_BRIDGE]
+        floating = kept[PINS] & 3 == 0 or (kept[PINS] & 12 == 0 and not half_bridge)
+        legs = 0.0
+        if floating and before == 0.0:
+            # The diodes of the open leg block: no current, and the voltage is the back-EMF.
+            e = floats[K_T] * state[OMEGA]
+        else:
+            bus = _true_bus(state[TIME] + 0.5 * step_s, floats, real)
+            if half_bridge:
+                e = floats[GAIN] * half_bridge_voltage(kept[PINS], before, bus)
+            else:
+                e = floats[GAIN] * bridge_voltage(kept[PINS], before, bus)
+            if real is not None and bus > 0.0:
+                legs = e / (floats[GAIN] * bus)
+        charge, square = _step(state, tables[part], step_s, part, e, legs, load, sensor, real)
+        if floating and before * state[I] <= 0.0:
+            # The current ran out within the step and stays at zero: a triangle is left of it.
+            if before != 0.0:
+                charge = 0.5 * before * step_s * before / (before - state[I])
+            state[I] = 0.0
+        sums[CHARGE] += charge
+        sums[SQUARE] += square
+        sums[WORK] += e * charge
+        sums[VOLT_SECONDS] += e * step_s
+        sums[LOW] = min(sums[LOW], state[I])
+        sums[HIGH] = max(sums[HIGH], state[I])
+        clocks -= part
+    kept[ADVANCED] = kept[NOW]
+
+
+@compiled()
+def _next_edge(state, kept, cell, dt, end_s, real):
+    """Set the count, until ``end_s``, and the clock at which it is to be looked at again.
+
+    The rotor is taken to keep its speed until then, for at most 32 clocks; it can't change by more
+    than 1e-8 rad in that time.
+    """
+    if kept[NOW] * dt >= end_s:
+        kept[EDGE] = 1 << 62
+        return
+    ahead = (kept[NOW] - kept[ADVANCED]) * dt
+    x = state[X] + state[OMEGA] * ahead
+    below = int(np.floor(x / cell))
+    kept[COUNT] = below
+    if real is not None and real[LINES][FAULTY] != 0.0:
+        below = cell_of(x, cell, real[LINES])
+        time = kept[NOW] * dt
+        kept[COUNT] = line_count(x, time, cell, real[LINES], real[LINE_MEMORY])
+    speed = state[OMEGA]
+    wait = 32
+    if speed != 0.0:
+        edge = (below + (1 if speed > 0.0 else 0)) * cell
+        if real is not None:
+            edge = edge_place(below + (1 if speed > 0.0 else 0), real[LINES]) * cell
+        until = (edge - x) / (speed * dt)
+        if until < wait:
+            wait = max(1, int(np.ceil(until)))
+    kept[EDGE] = kept[NOW] + wait
+
+
+@compiled(inline="always")
+def encoder_levels(count):
+    """A and B at their places in the inputs: Gray code, A leads B when the count rises."""
+    quarter = count & 3
+    a = 1 if quarter == 1 or quarter == 2 else 0
+    return a << 1 | (quarter >> 1) << 2
+
+
+@compiled()
+def _close_tick(state, kept, sums, pending, floats, ints):
+    """Keep the row of the tick that ends now until its waves are known."""
+    tick = ints[TICK_CLOCKS] * floats[DT]
+    mean = sums[CHARGE] / tick
+    hand = state[P] + state[C]
+    row = pending[kept[CLOSED] % PENDING]
+    row[Column.T] = sums[T0] + 0.5 * tick
+    row[Column.X] = 0.5 * (sums[X0] + state[X])
+    row[Column.OMEGA] = (state[X] - sums[X0]) / tick
+    row[Column.I] = mean
+    row[Column.E_A] = sums[VOLT_SECONDS] / tick
+    row[Column.TORQUE] = floats[K_T] * mean
+    row[Column.X_HAND] = 0.5 * (sums[HAND0] + hand)
+    row[Column.ENERGY_OUT] = sums[WORK] - floats[RESISTANCE] * sums[SQUARE]
+    row[Column.RIPPLE] = sums[HIGH] - sums[LOW]
+    kept[CLOSED] += 1
+    sums[:LOW] = 0.0
+    sums[LOW] = sums[HIGH] = state[I]
+    sums[X0], sums[HAND0], sums[T0] = state[X], hand, state[TIME]
+
+
+@compiled_counting(inline="always")
+def _level(current, sensor, osr, rng):
+    """Input of a modulator in parts of its full scale; the noise of a bit makes that of a word."""
+    if sensor[NOISE] > 0.0:
+        current += sensor[NOISE] * np.sqrt(osr / WORD_NOISE) * rng.standard_normal()
+    return (current + sensor[OFFSET]) / sensor[FULL_SCALE]
+
+
+@compiled_counting()  # which draws from a generator
+def advance(
+    rows, words, state, kept, sums, pending, tables, ints, floats, load, sensor, rng, buffer, bits,
+    real,
+):  # fmt: skip
+    """Clock the RTL until ``rows`` are filled; False if its core falls silent."""
+    done = 0
+    dt, cell, end_s = floats[DT], floats[CELL], floats[ENCODER_END]
+    data_bits = ints[DATA_BITS]
+    silent = 0
+    while done < rows.shape[0]:
+        if kept[NOW] >= kept[EDGE]:
+            _next_edge(state, kept, cell, dt, end_s, real)
+        inputs = ((kept[SHIFT] >> 63) & 1) | encoder_levels(kept[COUNT])
+        pins = call2(ints[CLOCK], ints[MODEL], inputs)
+        old = kept[PINS]
+        changed = old ^ pins
+        if changed & 15:
+            _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
+            _next_edge(state, kept, cell, dt, end_s, real)
+        kept[PINS] = pins
+        if ints[OSR]:
+            if changed & pins & 1 << SCLK:
+                _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
+                level = _level(_sensed(state, sensor, real), sensor, ints[OSR], rng)
+                kept[SHIFT] = next_bit(bits, level) << 63
+        elif changed & (1 << CS_N | 1 << SCLK):
+            if changed & 1 << CS_N:
+                if not pins & 1 << CS_N:
+                    _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
+                    noise = rng.standard_normal() if sensor[NOISE] > 0.0 else 0.0
+                    current = _sensed(state, sensor, real)
+                    code = sample_code(current, sensor, noise) + (1 << (data_bits - 1))
+                    # Bit 63 is on the wire; a late part puts out the code that it held before.
+                    shown = kept[HELD] if ints[PIPELINE] else code
+                    kept[SHIFT] = shown << ints[CODE_SHIFT]
+                    kept[HELD] = code
+            elif (pins >> SCLK) & 1 == ints[LAUNCH_LEVEL]:
+                kept[SHIFT] <<= 1
+        if pins & 1 << CORE_VALID:
+            call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
+            touching = (pins >> TOUCHING) & 1
+            row = pending[kept[EMITTED] % PENDING]
+            row[Column.ETA] = floats[ETA_CONTACT] if touching else floats[ETA_FREE]
+            row[Column.U] = buffer[1] * _WAVE
+            row[Column.V] = buffer[2] * _WAVE
+            row[Column.CONTACT] = touching
+            limited = abs(buffer[1]) >= ints[U_MAX]
+            if ints[SET_BUS] or ints[ANCHORED]:  # the limit is not the same in every tick
+                limited = buffer[4] != 0
+            row[Column.SATURATED] = 1.0 if limited else 0.0
+            if ints[ANCHORED]:
+                # The voltage of the measured tick was made in the step before.
+                row[Column.CORRECTION] = kept[CORRECTION] * _VOLT
+                kept[CORRECTION] = buffer[5]
+                chi = buffer[6] * SEEN_CELLS
+                row[Column.FLUX] = chi
+                row[Column.X_HAT] = (ints[START_COUNT] + buffer[9] + 0.5 - chi) * cell
+                lag = buffer[7] * SEEN_CELLS * cell
+                row[Column.OMEGA_HAT] = lag / (FOLLOWER_TICKS * ints[TICK_CLOCKS] * dt)
+                row[Column.FAULT] = buffer[8]
+                if buffer[8]:
+                    row[Column.ETA] = 0.0
+            rows[done] = row
+            words[done, Word.I] = buffer[0]
+            words[done, Word.U] = buffer[1]
+            words[done, Word.V] = buffer[2]
+            words[done, Word.E] = buffer[3]
+            kept[EMITTED] += 1
+            done += 1
+            silent = 0
+        if pins & 1 << TICK:
+            # The strobe marks the carrier's last clock of a tick; the gates follow it later.
+            kept[FAULTS] |= pins >> 9
+            kept[TICK_START] = kept[NOW] + 1 + GATE_CLOCKS
+        kept[NOW] += 1
+        if kept[NOW] == kept[TICK_START]:
+            _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
+            _close_tick(state, kept, sums, pending, floats, ints)
+            if real is not None:
+                real[LAG][LOAD] = real[LAG][DRAWN] / (ints[TICK_CLOCKS] * dt)
+                real[LAG][DRAWN] = 0.0
+            if ints[SET_BUS]:
+                word = int(np.round(_true_bus(state[TIME], floats, real) * _BUS_SCALE))
+                call2(ints[SET_BUS], ints[MODEL], word)
+            silent += 1
+            if silent > PENDING - 2:
+                return False
+    return True

@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a refused scene is told: what is wrong, and what would be right."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any, Literal, NamedTuple, get_args, get_origin
+
+from pydantic import ValidationError
+
+from wavehaptics.runtime.toml_source import KeyPath, dotted
+from wavehaptics.scene.keys import (
+    FieldTexts,
+    Table,
+    as_written,
+    field_texts,
+    nearest,
+    unknown_choice,
+)
+from wavehaptics.scene.schema import TABLES, Scene
+from wavehaptics.scene.tables.motor import Motor
+
+
+class SceneError(ValueError):
+    """A refused scene. The message is one line: where, what is wrong, what would be right."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__("".join(c if c.isprintable() else ascii(c)[1:-1] for c in message))
+
+
+class NotSimulated(NamedTuple):
+    """A part of the format that this version refuses, because it would have no effect."""
+
+    path: KeyPath
+    what: str
+    off: float | bool | None = None
+    """The value that means "without it", and is taken; ``None`` where only leaving it out does."""
+
+
+NOT_SIMULATED: tuple[NotSimulated, ...] = ()
+"""All that the format has and this version does not simulate; take an entry out to lift it."""
+
+GONE: dict[KeyPath, str] = {
+    ("controller", "release_ohm"): (
+        "the port anchor needs no rule for the way out; use anchor_auto = true"
+    ),
+    ("controller", "surface_ohm"): (
+        "the port anchor needs no rule for a wall's first cells; use anchor_auto = true"
+    ),
+    ("controller", "track_gain"): "the port anchor needs no tracking; use anchor_auto = true",
+    ("controller", "track_limit"): (
+        "the port anchor needs no tracking, so no limit of it; use anchor_auto = true"
+    ),
+    ("controller", "lost_limit"): (
+        "the port anchor checks the encoder by itself; use anchor_auto = true"
+    ),
+    ("controller", "dead_zone_cells"): (
+        "the port anchor's dead zone is always half a cell; use anchor_auto = true"
+    ),
+    ("controller", "push_only"): "a wall of the port anchor only pushes; use anchor_auto = true",
+    ("controller", "r_hat_free"): "one R̂ serves contact and free space; use r_hat",
+}
+"""Keys that the format had once, and what has taken their place."""
+
+# Ways to write a unit in plain letters, all brought to one form before units are compared.
+_UNIT_SPELLINGS = ((r"[·*.\s_^]", ""), ("²", "2"), (r"[Oo]hms?", "Ω"), ("\u2126", "Ω"))
+_PREFIXES = {"p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "k": 3, "M": 6, "G": 9}
+_OTHER_UNITS = {("gcm2", "kgm2"): -7, ("%", "–"): -2}
+_QUANTITY = re.compile(r"\s*([-+]?)(\d+\.?\d*|\.\d+)(?:[eE]([-+]?\d{1,3}))?\s*(.*?)\s*")
+
+
+def _plain_number(text: str, unit: str) -> str | None:
+    """The number in ``unit`` that the string ``text`` means, as TOML; ``None`` if unclear."""
+    quantity = _QUANTITY.fullmatch(text)
+    if quantity is None:
+        return None
+    sign, digits, exponent, given = quantity.groups()
+    wanted = unit
+    for form, plain in _UNIT_SPELLINGS:
+        given, wanted = re.sub(form, plain, given), re.sub(form, plain, wanted)
+    if given in ("", wanted):
+        shift = 0
+    elif (given, wanted) in _OTHER_UNITS:
+        shift = _OTHER_UNITS[given, wanted]
+    elif given[0] in _PREFIXES and given[1:] == wanted:
+        shift = _PREFIXES[given[0]]
+    else:
+        return None
+    digits = f"0{digits}" if digits.startswith(".") else digits.removesuffix(".")
+    power = int(exponent or 0) + shift
+    return f"{sign}{digits}e{power}" if power else f"{sign}{digits}"
+
+
+def _field(path: KeyPath) -> FieldTexts | None:
+    """Description of the key at or above ``path``; ``None`` where the schema has none."""
+    if len(path) < 2 or path[0] not in TABLES:
+        return None
+    table = TABLES[str(path[0])]
+    for name, info in table.model_fields.items():
+        if (info.alias or name) == path[1]:
+            return field_texts(table, name)
+    return None
+
+
+def _choices(path: KeyPath) -> tuple[str, ...]:
+    """Values of a key that takes one of a few."""
+    kind = TABLES[str(path[0])].model_fields[str(path[1])].annotation
+    return next(get_args(part) for part in (kind, *get_args(kind)) if get_origin(part) is Literal)
+
+
+def keys_of(table: type[Table]) -> list[str]:
+    return [info.alias or name for name, info in table.model_fields.items()]
+
+
+def _unknown(path: KeyPath, value: Any) -> str:
+    """Message for a table or key that the format does not have."""
+    if path in GONE:
+        return f"{dotted(path)} is gone: {GONE[path]}"
+    name = str(path[-1])
+    homes = [f"[{table}]" for table, model in TABLES.items() if name in keys_of(model)]
+    if len(path) == 1:
+        tables = ", ".join(f"[{table}]" for table in TABLES)
+        if homes and not isinstance(value, dict):
+            return f"key {dotted(path)} stands in no table; it belongs in {' or '.join(homes)}"
+        near = nearest(name, TABLES)
+        meant = f"did you mean [{near}]? " if near else ""
+        kind = "table [{}]" if isinstance(value, dict | list) else "key {} outside the tables"
+        return f"unknown {kind.format(dotted(path))}; {meant}the tables are {tables}"
+    table = str(path[0])
+    known = keys_of(TABLES[table])
+    near = nearest(name, known)
+    if near:
+        meant = f"did you mean {near}? "
+    elif homes:
+        meant = f"it belongs in {' or '.join(homes)}; "
+    else:
+        meant = ""
+    return f"unknown key {dotted(path)}; {meant}[{table}] takes {', '.join(known)}"
+
+
+def _missing(path: KeyPath) -> str:
+    if len(path) == 1:
+        return f"table [{path[0]}] is missing; a scene needs [scene], [motor] and [controller]"
+    if path[0] == "motor":
+        constants = ", ".join(keys_of(Motor)[1:])
+        return f"{dotted(path)} is missing; give preset, or all of {constants}"
+    texts = _field(path)
+    assert texts is not None
+    return f"{dotted(path)} is missing; give {_wanted(texts)}"
+
+
+def _wanted(texts: FieldTexts) -> str:
+    """The range of a key with its unit, for the end of a message."""
+    plain = re.fullmatch(r"\S+ to \S+", texts.range) and texts.unit != "–"
+    return f"{texts.range} {texts.unit}" if plain else texts.range
+
+
+def _wrong_value(kind: str, path: KeyPath, value: Any) -> str:
+    """Message for one value that is wrong by itself; ``kind`` is pydantic's type of the error."""
+    name, texts = dotted(path), _field(path)
+    assert texts is not None
+    shown, wanted = as_written(value), _wanted(texts)
+    unit = "" if texts.unit == "–" else f" in {texts.unit}"
+    if path[:2] == ("controller", "walls") and len(path) <= 3:
+        return f"{name} must hold pairs of numbers{unit}; write walls = [[x_min, x_max]]"
+    if kind == "literal_error" and isinstance(value, str):
+        return f"{name} {unknown_choice(value, _choices(path))}"
+    if kind in ("string_type", "literal_error"):
+        return f"{name} must be a string in quotes, not {shown}; use {texts.range}"
+    if kind == "finite_number":
+        return f"{name} must be a finite number{unit}, not {shown}; use {wanted}"
+    if kind in ("float_type", "int_type"):
+        what = "a whole number" if kind == "int_type" else f"a number{unit}"
+        if isinstance(value, str):
+            plain = _plain_number(value, texts.unit)
+            right = f"write {plain}" if plain else f"write the number alone, {wanted}"
+            return f"{name} must be {what}, not the string {shown}; {right}"
+        whole = isinstance(value, float) and value.is_integer() and abs(value) < 2**53
+        right = f"write {int(value)}" if whole else f"use {wanted}"
+        return f"{name} must be {what}, not {shown}; {right}"
+    return f"{name} = {shown} is out of range; it must be {wanted}"
+
+
+class _Refusal(NamedTuple):
+    """One thing wrong: what, and the keys that have to do with it, the one to blame first."""
+
+    problem: str
+    paths: list[KeyPath]
+    missing: bool = False
+
+
+def refused(data: dict[str, Any]) -> tuple[Scene | None, list[_Refusal]]:
+    """The scene, or everything that is found wrong with it."""
+    found = []
+    for part in NOT_SIMULATED:
+        value: Any = data
+        for name in part.path:
+            value = value.get(name) if isinstance(value, dict) else None
+        if value is None or (part.off is not None and value == part.off):
+            continue
+        name = f"[{part.path[0]}]" if len(part.path) == 1 else dotted(part.path)
+        way_out = "leave it out"
+        if part.off is not None:
+            way_out += f" or give {as_written(part.off)}"
+        found.append(_Refusal(f"{name}: {part.what} is not simulated yet; {way_out}", [part.path]))
+    scene = None
+    try:
+        scene = Scene.model_validate(data)
+    except ValidationError as error:
+        found.extend(_explain(error))
+    return scene, found
+
+
+def _explain(error: ValidationError) -> Iterator[_Refusal]:
+    lifted = [part.path for part in NOT_SIMULATED]
+    for detail in error.errors(include_url=False):
+        path, kind, value = detail["loc"], detail["type"], detail["input"]
+        if kind == "rule":
+            rule = detail["ctx"]
+            yield _Refusal(rule["problem"], [(*path, *below) for below in rule["paths"]])
+        elif any(path[: len(part)] == part for part in lifted):
+            # Already refused as a whole, unless it is what switches the part off, wrongly written.
+            if kind != "extra_forbidden" and path in lifted and len(path) > 1:
+                yield _Refusal(_wrong_value(kind, path, value), [path])
+        elif kind == "extra_forbidden":
+            yield _Refusal(_unknown(path, value), [path])
+        elif kind == "missing" and len(path) <= 2:
+            yield _Refusal(_missing(path), [path], missing=True)
+        elif kind == "missing":  # one edge of a wall
+            yield _Refusal(_wrong_value(kind, path[:-1], value), [path[:-1]])
+        elif kind == "model_type":
+            name = dotted(path)
+            problem = (
+                f"{name} must be a table, not {as_written(value)}; write [{name}] above its keys"
+            )
+            yield _Refusal(problem, [path])
+        else:
+            yield _Refusal(_wrong_value(kind, path, value), [path])

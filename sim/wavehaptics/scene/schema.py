@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The scene of all its tables, and the rules between them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, get_args
+
+from pydantic import model_validator
+from pydantic.functional_validators import ModelWrapValidatorHandler
+
+from wavehaptics.laws.anchor_choice import choose_eta_free
+from wavehaptics.laws.closed_forms import matched_a
+from wavehaptics.scene.keys import Table, as_number, broken_rule
+from wavehaptics.scene.tables.adc import Adc
+from wavehaptics.scene.tables.brushes import Brushes
+from wavehaptics.scene.tables.cogging import Cogging
+from wavehaptics.scene.tables.controller import Controller
+from wavehaptics.scene.tables.drive import Drive
+from wavehaptics.scene.tables.encoder import Encoder
+from wavehaptics.scene.tables.friction import Friction
+from wavehaptics.scene.tables.general import SceneTable
+from wavehaptics.scene.tables.hand import Hand
+from wavehaptics.scene.tables.motor import Motor
+from wavehaptics.scene.tables.servo import Servo
+from wavehaptics.scene.tables.shaper import Shaper
+from wavehaptics.scene.tables.thermal import Thermal
+from wavehaptics.scene.tables.transmission import Transmission
+from wavehaptics.scene.tables.winding import Winding
+
+
+class Scene(Table):
+    """A whole scene; a table that the file does not have is ``None`` and is not simulated.
+
+    ``controller.r_hat``, ``l_hat``, ``k_t_hat``, ``eta_free`` and ``adc.full_scale_a`` are never
+    ``None``: defaults are filled in.
+    ``drive.bus_v`` is ``None`` only if ``drive.limit_v`` is, which then means no limit.
+    """
+
+    scene: SceneTable
+    motor: Motor
+    friction: Friction | None = None
+    brushes: Brushes | None = None
+    winding: Winding | None = None
+    cogging: Cogging | None = None
+    hand: Hand | None = None
+    encoder: Encoder | None = None
+    adc: Adc | None = None
+    drive: Drive | None = None
+    thermal: Thermal | None = None
+    transmission: Transmission | None = None
+    servo: Servo | None = None
+    controller: Controller
+    shaper: Shaper | None = None
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _resolve(cls, data: Any, handler: ModelWrapValidatorHandler[Scene]) -> Scene:
+        scene = handler(data)
+        tick_s = 1 / scene.controller.tick_hz
+        if scene.scene.duration_s < tick_s:
+            broken_rule(
+                f"scene.duration_s = {as_number(scene.scene.duration_s)} is shorter than a tick; "
+                f"it must be at least {as_number(tick_s)} s",
+                ("scene", "duration_s"),
+                ("controller", "tick_hz"),
+            )
+        if scene.shaper is not None and scene.controller.early_duty:
+            broken_rule(
+                "controller.early_duty has no time for W: no [shaper]; take one of the two out",
+                ("shaper",),
+                ("controller", "early_duty"),
+            )
+        if scene.shaper is not None and scene.shaper.walls:
+            walls = len(scene.controller.walls)
+            for n, wall in enumerate(scene.shaper.walls):
+                if wall >= walls:
+                    broken_rule(
+                        f"shaper.walls[{n}] = {wall} is no wall: controller.walls has {walls}; "
+                        "walls count from 0",
+                        ("shaper", "walls", n),
+                        ("controller", "walls"),
+                    )
+        if scene.adc is not None:
+            adc = scene.adc.resolved(scene.motor, scene.drive, scene.scene.duration_s)
+            scene = scene.model_copy(update={"adc": adc})
+        cable = scene.transmission is not None and scene.transmission.cable_stiffness is not None
+        if cable and (scene.hand is None or scene.hand.path == "impact"):
+            broken_rule(
+                "transmission.cable_stiffness has no hand at its other end; "
+                "give [hand] with a path that has a spring",
+                ("transmission", "cable_stiffness"),
+                ("hand",),
+            )
+        motor, controller = scene.motor, scene.controller
+        known = {"r_hat": motor.R_ohm, "l_hat": motor.L_h, "k_t_hat": motor.k_t}
+        missing = {key: value for key, value in known.items() if getattr(controller, key) is None}
+        controller = controller.model_copy(update=missing)
+        if controller.eta_free is None:
+            controller = controller.model_copy(update={"eta_free": _eta_free(controller, scene)})
+        return scene.model_copy(update={"controller": controller})
+
+
+def _eta_free(controller: Controller, scene: Scene) -> float:
+    """η in free space where the scene has none."""
+    if not controller.anchored:
+        return 1.0
+    lag_s = 0.0
+    if scene.adc is not None and scene.adc.bandwidth_hz is not None:
+        lag_s = 1.0 / (2.0 * math.pi * scene.adc.bandwidth_hz)
+    tick_s = 1.0 / controller.tick_hz
+    return choose_eta_free(
+        controller.r_hat, controller.l_hat, lag_s,
+        matched_a(tick_s, controller.lambda_, controller.extra_ticks), controller.extra_ticks,
+        tick_s, controller.anchor_ohm,
+    )  # fmt: skip
+
+
+def _table_of(annotation: Any) -> type[Table]:
+    """The table in a field's annotation, which may be None besides."""
+    parts = get_args(annotation) or (annotation,)
+    return next(part for part in parts if part is not type(None))
+
+
+TABLES: dict[str, type[Table]] = {
+    name: _table_of(field.annotation) for name, field in Scene.model_fields.items()
+}
+"""Model of each table, in the order of the format's description."""
+
+
+def drive_gain(scene: Scene) -> float:
+    """Voltage at the motor over the voltage asked for, within the limit; 1 without a drive."""
+    return scene.drive.gain if scene.drive else 1.0
+
+
+def encoder_end(scene: Scene) -> float:
+    """Time from which a scene's encoder stands still, s; infinite where it goes on."""
+    stops = scene.encoder.stops_at_s if scene.encoder else None
+    return math.inf if stops is None else stops

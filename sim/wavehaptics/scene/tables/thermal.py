@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``[thermal]``: warming of the winding."""
+
+from __future__ import annotations
+
+from wavehaptics.scene.keys import Table, scene_key
+
+
+class Thermal(Table):
+    """Warming of the winding; without this table R is constant. Defaults are the RE 25's."""
+
+    rth_winding: float = scene_key(
+        "K/W", "Thermal resistance, winding to housing", 3.1, ge=1e-3, le=1e4
+    )
+    rth_housing: float = scene_key(
+        "K/W", "Thermal resistance, housing to ambient", 14.0, ge=1e-3, le=1e4
+    )
+    tau_winding_s: float = scene_key("s", "Time constant of the winding", 12.0, ge=0.5, le=1e6)
+    tau_housing_s: float = scene_key("s", "Time constant of the housing", 612.0, ge=0.5, le=1e7)
+    alpha_per_k: float = scene_key(
+        "1/K", "Temperature coefficient of the winding, copper's", 0.0039, ge=0, le=0.01
+    )
+    ambient_c: float = scene_key("°C", "Temperature around the motor", 25.0, ge=-50, le=150)
+    start_c: float | None = scene_key(
+        "°C",
+        "Temperature of winding and housing at the start; `R_ohm` holds at 25",
+        None,
+        default_text="`ambient_c`",
+        ge=-50,
+        le=200,
+    )
