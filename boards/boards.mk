@@ -31,7 +31,7 @@ prog: $(READY) ## load the bitstream of BOARD= with the board's own programmer
 resources: $(SYNTH_TOOLS) ## count what each block and option costs, a quarter of an hour
 	@$(BITSTREAMS) resources
 
-numbers: $(READY) ## write the numbers of the last synthesis, report and bench into the README pages
+numbers: $(READY) ## write the numbers of the last whole runs into the pages
 	@$(BITSTREAMS) numbers
 
 # The boards' tests synthesise, and simulate netlists.

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The numbers in the README pages, between markers that a command fills.
+"""The numbers in the pages, between markers that a command fills.
 
 ``boards/summary.json`` keeps what the last synthesis came to, ``sim/docs/measured.json`` what the
-last report, the last bench, the last study of holding and all that makes it reliable found; of a
-quick run nothing is kept. The text between ``<!-- begin NAME -->`` and ``<!-- end NAME -->`` of a
-page is made from it; a test fails where the two differ, and another where a fresh synthesis comes
-to something else.
+last demo, report, bench, study of holding and runs for tables found, and all that makes it
+reliable; of a quick run nothing is kept. The text between ``<!-- begin NAME -->`` and
+``<!-- end NAME -->`` of a page is made from it; a test fails where the two differ, and another
+where a fresh synthesis comes to something else.
 """
 
 from __future__ import annotations
@@ -18,9 +18,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from wavehaptics import reliability, soak
+from wavehaptics import page_tables, reliability, soak, tabled_runs
 from wavehaptics.adcs import named_rows
 from wavehaptics.boards import ROOT
+from wavehaptics.demo import RUNS as DEMO_RUNS
 from wavehaptics.holding import pictures as holding_pictures
 from wavehaptics.holding import tables as holding_tables
 from wavehaptics.report import readme
@@ -30,10 +31,22 @@ KEPT = Path("boards", "summary.json")
 """The numbers that the pages show, from the root."""
 
 MEASURED = Path("sim", "docs", "measured.json")
-"""The numbers of the report and the bench that the pages show, from the root."""
+"""What else has been measured and the pages show, from the root."""
 
-PAGES = (Path("README.md"), Path("boards", "README.md"))
-"""Pages that may hold markers, from the root."""
+PAGES = ("README.md", "boards/README.md", "docs/*.md")
+"""Pages that may hold markers, as patterns from the root."""
+
+
+def pages(root: Path = ROOT) -> list[Path]:
+    """The pages that are there, from the root."""
+    return [path.relative_to(root) for pattern in PAGES for path in sorted(root.glob(pattern))]
+
+
+def marked_pages(name: str, root: Path = ROOT) -> list[Path]:
+    """The pages with the markers of a table."""
+    mark = f"<!-- begin {name} -->"
+    return [page for page in pages(root) if mark in (root / page).read_text(encoding="utf-8")]
+
 
 _SUMMARY = Path("build", "synth", "summary.json")
 _RESOURCES = Path("build", "synth", "resources.json")
@@ -41,6 +54,8 @@ _ADCS = Path("build", "adcs", "adcs.json")
 _REPORT = Path("build", "report", "report.json")
 _BENCH = Path("build", "bench", "summary.json")
 _HOLDING = Path("build", "holding", "holding.json")
+_TABLED = Path("build", "tables", "tables.json")
+_DEMO = Path("build", "demo")
 _FORMAL = Path("build", "formal", "summary.json")
 _SOAK = Path("build", "soak", "summary.json")
 _MUTATION = Path("build", "mutate", "summary.json")
@@ -90,6 +105,7 @@ _STUDIES: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
     _REPORT: ("report", readme.of_report),
     _BENCH: ("bench", readme.of_bench),
     _HOLDING: ("holding", holding_tables.of_holding),
+    _TABLED: ("tables", tabled_runs.of_tables),
 }
 _CHECKS: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
     _FORMAL: ("proofs", reliability.of_formal),
@@ -120,6 +136,9 @@ def _last_measured(root: Path) -> tuple[dict[str, Any], list[Path]]:
                 parts.append(path)
             else:
                 into[name] = wanted(found)
+    demo = [root / _DEMO / folder / "metrics.json" for _, _, folder in DEMO_RUNS[1:]]
+    if all(path.exists() for path in demo):
+        measured["demo"] = page_tables.of_demo([json.loads(path.read_bytes()) for path in demo])
     results = [root / path for path in reliability.TEST_RESULTS]
     if all(path.exists() for path in results):
         checks["tests"] = reliability.of_tests(results)
@@ -131,28 +150,25 @@ def _last_measured(root: Path) -> tuple[dict[str, Any], list[Path]]:
 def write(root: Path = ROOT) -> list[Path]:
     """Fill the markers of every page; the pages that have some. :class:`NumbersError`."""
     numbers = _read(root)
-    pages = []
-    for page in PAGES:
-        if not (root / page).exists():
-            continue
+    written = []
+    for page in pages(root):
         old = (root / page).read_text(encoding="utf-8")
         new = filled(old, numbers, str(page))
         if _MARKED.search(old):
-            pages.append(page)
+            written.append(page)
         if new != old:
             (root / page).write_text(new, encoding="utf-8")
-    return pages
+    return written
 
 
 def stale_pages(root: Path = ROOT) -> list[Path]:
-    """Pages whose numbers aren't those of ``boards/summary.json``."""
+    """Pages whose numbers aren't those that are kept."""
     numbers = _read(root)
     stale = []
-    for page in PAGES:
-        if (root / page).exists():
-            text = (root / page).read_text(encoding="utf-8")
-            if filled(text, numbers, str(page)) != text:
-                stale.append(page)
+    for page in pages(root):
+        text = (root / page).read_text(encoding="utf-8")
+        if filled(text, numbers, str(page)) != text:
+            stale.append(page)
     return stale
 
 
@@ -325,6 +341,12 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     ),
 } | {
     name: partial(render, table=_table)
-    for name, render in (readme.TABLES | holding_tables.TABLES | reliability.TABLES).items()
+    for name, render in (
+        readme.TABLES
+        | holding_tables.TABLES
+        | reliability.TABLES
+        | tabled_runs.TABLES
+        | page_tables.TABLES
+    ).items()
 }
 """What stands between the markers of each name."""

@@ -1477,6 +1477,12 @@ def shipped_scenes() -> dict[str, Path]:
     return {path.stem: path for path in sorted(SCENES_DIR.glob("*.toml"))}
 
 
+def first_comment(path: Path) -> str:
+    """What a scene says of itself: its first line of comment below the license."""
+    comments = (line for line in path.read_text(encoding="utf-8").splitlines() if line[:1] == "#")
+    return next((line.lstrip("# ") for line in comments if "SPDX" not in line), "")
+
+
 def find_scene(name: str) -> Path:
     """Path of a scene given as a path or as the bare name of a shipped one.
 

@@ -43,7 +43,7 @@ from wavehaptics.trace import Column
 
 TASK_TICKS, EPISODE_TICKS, LONGEST_SPELL = 500_000, 50_000, 4000
 WHOLE_TICKS = 100_000_000
-"""What `make soak` asks for, and the README quotes no shorter one."""
+"""What `make soak` asks for, and the pages quote no shorter one."""
 
 __all__ = ["STORE", "Task", "soak", "summary", "tasks"]
 
