@@ -237,6 +237,12 @@ def test_help(capsys, monkeypatch):
     assert "TABLE.KEY=VALUE" in out
 
 
+def test_version_is_the_packages(capsys, monkeypatch):
+    project = tomli.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    status, out, _ = call(capsys, monkeypatch, "--version")
+    assert (status, out) == (0, f"wavehaptics {project['version']}\n")
+
+
 @pytest.mark.parametrize("command", [None, *sorted(typer.main.get_command(cli.app).commands)])
 def test_help_says_every_word(capsys, monkeypatch, command):
     """Also those in brackets, which markup takes for its own."""
