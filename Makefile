@@ -85,7 +85,7 @@ demo: $(READY) ## simulate the demonstration scenes and draw them into build/dem
 report: $(READY) ## measure everything and write build/report/index.html (QUICK=1: coarser, 3 minutes)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics report $(if $(QUICK),--quick) --out build/report
 
-NUMBERS = $(WITH_TOOLS) .venv/bin/python -m wavehaptics.bitstreams numbers
+NUMBERS = $(WITH_TOOLS) .venv/bin/python -m wavehaptics.cli.board_commands numbers
 
 adcs: $(READY) ## run the paper's taps with every ADC, and write their numbers into the pages
 	@$(WITH_TOOLS) .venv/bin/wavehaptics adcs --out build/adcs
@@ -129,7 +129,7 @@ coverage: $(READY) ## lines, branches and toggles that the tests come through: b
 	@$(COVERAGE) combine --quiet
 	@$(COVERAGE) json --quiet -o build/coverage/python.json
 	@$(COVERAGE) html --quiet -d build/coverage/html
-	@.venv/bin/python -m wavehaptics.covered $(if $(QUICK),--quick)
+	@.venv/bin/python -m wavehaptics.checks.covered $(if $(QUICK),--quick)
 	@$(if $(QUICK),,$(NUMBERS))
 
 check: lint ## lint, a quick test of each block, the loop on each simulator: under three minutes
@@ -204,7 +204,7 @@ BLOCK ?=
 
 .PHONY: formal
 formal: $(SYNTH_TOOLS) ## prove the RTL into build/formal (BLOCK=quadrature; QUICK=1: one proof of each block)
-	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.proofs $(if $(BLOCK),--block "$(BLOCK)") $(if $(QUICK),--quick) --jobs $(JOBS)
+	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.checks.proofs $(if $(BLOCK),--block "$(BLOCK)") $(if $(QUICK),--quick) --jobs $(JOBS)
 	@$(if $(QUICK)$(BLOCK),,$(NUMBERS))
 
 .PHONY: mutate

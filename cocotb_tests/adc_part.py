@@ -4,7 +4,7 @@
 The part knows time in ns, not the FPGA's clock: it is told of the levels at its pins and asked for
 its output. Between an edge that launches a bit and the end of the access time the output is wrong
 on purpose, and what the data sheet forbids is an error: a clock too fast for the part fails the
-test. The figures are those of :mod:`wavehaptics.adc_parts`.
+test. The figures are those of :mod:`wavehaptics.parts.adcs`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from wavehaptics.adc_parts import PARTS, Part
+from wavehaptics.parts.adcs import PARTS, Part
 
 AD7276 = PARTS["AD7276"]
 AD7476A = PARTS["AD7476A"]

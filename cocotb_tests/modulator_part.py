@@ -7,8 +7,8 @@ import math
 from collections.abc import Callable
 
 from adc_part import TimingError
-from wavehaptics import sigma_delta
-from wavehaptics.adc_parts import Modulator
+from wavehaptics.motor import sigma_delta
+from wavehaptics.parts.adcs import Modulator
 
 
 class ModulatorPart:

@@ -74,7 +74,7 @@ class SimulationError(AssertionError):
 def _toolchain() -> Iterator[None]:
     """Environment in which the Verilator in use is found and works, and builds fast."""
     # Not at the top: a bench that reads other word lengths has to import its own model first.
-    from wavehaptics.verilated import verilator_environment
+    from wavehaptics.ladder.verilated import verilator_environment
 
     before = dict(os.environ)
     program, environment = verilator_environment()
@@ -201,7 +201,7 @@ def simulate(
     with _toolchain():
         os.environ.update(environment)
         if simulator == "verilator" and COVERAGE_DIR:
-            from wavehaptics.verilated import COVERAGE_FLAGS
+            from wavehaptics.ladder.verilated import COVERAGE_FLAGS
 
             arguments += COVERAGE_FLAGS
         if str(TESTS_DIR) not in sys.path:  # the runner hands sys.path on to the simulator

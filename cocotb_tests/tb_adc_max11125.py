@@ -10,8 +10,8 @@ import pytest
 from adc_part import DIN_SETUP_NS, RESET_WORD, AdcPart, TimingError
 from bench import Bench, random_source, unpack
 from simulators import parameters
-from wavehaptics import formats
-from wavehaptics.adc_parts import PARTS, Frame, Part, frame
+from wavehaptics.parts.adcs import PARTS, Frame, Part, frame
+from wavehaptics.words import formats
 
 LINES = parameters().get("LINES", 1)
 FIRST = parameters().get("FIRST_CHANNEL", 0)

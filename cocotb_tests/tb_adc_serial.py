@@ -11,8 +11,8 @@ import pytest
 from adc_part import AD7276, AD7476A, AdcPart, TimingError
 from bench import Bench, random_source, unpack
 from simulators import parameters
-from wavehaptics import formats
-from wavehaptics.adc_parts import PARTS, Frame, Part, frame
+from wavehaptics.parts.adcs import PARTS, Frame, Part, frame
+from wavehaptics.words import formats
 
 LINES = parameters().get("LINES", 1)
 

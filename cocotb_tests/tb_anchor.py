@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_anchor.v``: equal to :func:`wavehaptics.anchor.anchor_step`, word for word."""
+"""Bench of ``rtl/wh_anchor.v``: equal to its model, word for word.
+
+The model is :func:`wavehaptics.controller.anchor.anchor_step`.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,8 @@ from bench import Bench, random_source
 
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # compiling would take longer than it saves
 
-from wavehaptics import anchor, formats
+from wavehaptics.controller import anchor
+from wavehaptics.words import formats
 
 # Clocks since waves_i of a step whose multiplier never makes it wait; with it, since the last of
 # its products was granted.

@@ -9,9 +9,9 @@ import cocotb
 from adc_part import AdcPart
 from bench import Bench
 from simulators import parameters
-from wavehaptics.adc_parts import PARTS
-from wavehaptics.boards import load_board
-from wavehaptics.guard import CURRENT_OF_SCALE, STUCK_S
+from wavehaptics.fpga.boards import load_board
+from wavehaptics.ladder.guarded_pins import CURRENT_OF_SCALE, STUCK_S
+from wavehaptics.parts.adcs import PARTS
 
 SETTLE = 1 << parameters()["SETTLE_LOG2"]
 BOARD = load_board(os.environ["WH_BOARD"])

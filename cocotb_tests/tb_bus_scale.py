@@ -6,7 +6,8 @@ from __future__ import annotations
 import cocotb
 from bench import Bench, pack, random_source, unpack
 from simulators import parameters
-from wavehaptics import bus_scale, formats
+from wavehaptics.controller import bus_scale
+from wavehaptics.words import formats
 
 N = parameters()["N"]
 WORDS_CLOCKS = 60  # a bus from its clock to the one behind which its words are there

@@ -16,12 +16,15 @@ from cocotb.triggers import (
     with_timeout,
 )
 from simulators import TESTS_DIR
-from wavehaptics import formats, golden, physics, sensor
-from wavehaptics.bridge import GATES, bridge_voltage
-from wavehaptics.pins import controller_ports
-from wavehaptics.pins_timing import GATE_CLOCKS
-from wavehaptics.plant import OMEGA, I, Plant, X, load_words, plant_step
+from wavehaptics.controller import wave_core
+from wavehaptics.controller.pins_timing import GATE_CLOCKS
+from wavehaptics.ladder.pins import controller_ports
+from wavehaptics.laws import closed_forms
+from wavehaptics.motor import sensor
+from wavehaptics.motor.bridge import GATES, bridge_voltage
+from wavehaptics.motor.plant import OMEGA, I, Plant, X, load_words, plant_step
 from wavehaptics.scene import Scene, load_scene
+from wavehaptics.words import formats
 
 SCENE = TESTS_DIR / "one_tap.toml"
 
@@ -100,8 +103,8 @@ class ClosedLoop:
 
     async def run(self, ticks: int) -> None:
         """Serve the pins until the RTL has made ``ticks`` steps."""
-        self._core = golden.new_state()
-        self._line = golden.new_line(self.ports.settings.extra_ticks)
+        self._core = wave_core.new_state()
+        self._line = wave_core.new_line(self.ports.settings.extra_ticks)
         cocotb.start_soon(self._bridge())
         cocotb.start_soon(self._convert())
         cocotb.start_soon(self._measure())
@@ -156,7 +159,7 @@ class ClosedLoop:
         dut, set_ = self.dut, self.ports.settings
         current = dut.current.value.to_signed()
         eta = set_.eta_contact if int(dut.contact.value) else set_.eta_free
-        expected = golden.wave_core_step(
+        expected = wave_core.wave_core_step(
             self._core, self._line, current, eta, 0, set_.root, set_.a, set_.u_max,
             set_.extra_ticks, self.ports.timing.hold_ticks,
         )  # fmt: skip
@@ -187,7 +190,7 @@ async def one_tap_on_the_stiffest_wall(dut):
     inside = slice(int(np.argmax(x > 0)), int(np.argmax(-torque > 0.9 * -torque.min())))
     stiffness = -np.polyfit(x[inside], torque[inside], 1)[0]
     motor, set_ = scene.motor, loop.ports.settings
-    predicted = physics.stiffness(motor.k_t, motor.L_h, set_.r_hat, set_.tau)
+    predicted = closed_forms.stiffness(motor.k_t, motor.L_h, set_.r_hat, set_.tau)
     dut._log.info("K measured %.4f, predicted %.4f N·m/rad", stiffness, predicted)
     assert abs(stiffness / predicted - 1) < 0.01
     assert torque.min() < 0 < stiffness, "the wall must push back"

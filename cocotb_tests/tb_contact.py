@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_contact.v``: equal to :func:`wavehaptics.golden.contact_step`."""
+"""Bench of ``rtl/wh_contact.v``: equal to :func:`wavehaptics.controller.wave_core.contact_step`."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import cocotb
 import numpy as np
 from bench import Bench, pack, random_source
 from simulators import parameters
-from wavehaptics import formats
-from wavehaptics.golden import contact_step
+from wavehaptics.controller.wave_core import contact_step
+from wavehaptics.words import formats
 
 WALLS = parameters().get("WALLS", 4)
 SETTLED = 2 * WALLS + 2

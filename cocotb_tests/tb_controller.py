@@ -22,12 +22,10 @@ from bench import Bench, pack, random_source, unpack
 from simulators import parameters
 from tb_modulator import Model as Modulator
 from tb_quadrature import levels
-from wavehaptics import anchor, bus_scale, formats, golden
-from wavehaptics.adc_parts import KINDS, PARTS, Frame, Part, frame
-from wavehaptics.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, SIGN_MAGNITUDE, UNIPOLAR
-from wavehaptics.early import prepare
-from wavehaptics.modulator import duty_of, width_bounds
-from wavehaptics.pins_timing import (
+from wavehaptics.controller import anchor, bus_scale, wave_core
+from wavehaptics.controller.early import prepare
+from wavehaptics.controller.modulator import duty_of, width_bounds
+from wavehaptics.controller.pins_timing import (
     CENTRED_LEAD,
     CORE_CLOCKS,
     GATE_CLOCKS,
@@ -37,7 +35,10 @@ from wavehaptics.pins_timing import (
     early_tick_clocks,
     latency_clocks,
 )
-from wavehaptics.sensor import scale_sum
+from wavehaptics.motor.sensor import scale_sum
+from wavehaptics.parts.adcs import KINDS, PARTS, Frame, Part, frame
+from wavehaptics.words import formats
+from wavehaptics.words.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, SIGN_MAGNITUDE, UNIPOLAR
 
 N = parameters().get("N", 1)
 WALLS = parameters().get("WALLS", 4)
@@ -428,29 +429,32 @@ class ControllerBench(Bench):
                 step.clocks_per_volt[n], eta, 0, made.offset, made.correction,
             )  # fmt: skip
             duties.append(ready.duty(sums[n]))
-            goal = golden.saturate.py_func(golden.truncate.py_func(eta * step.v[n], _ETA_Q))
-            error = golden.truncate.py_func((goal << _GUARD) - f, _GUARD)
-            f += golden.truncate.py_func(port.a * golden.saturate.py_func(error), _A_SHIFT)
+            goal = wave_core.saturate.py_func(wave_core.truncate.py_func(eta * step.v[n], _ETA_Q))
+            error = wave_core.truncate.py_func((goal << _GUARD) - f, _GUARD)
+            f += wave_core.truncate.py_func(port.a * wave_core.saturate.py_func(error), _A_SHIFT)
             limit = (step.u_max[n] - made.room) << _GUARD
             f = min(max(f, -limit), limit)
-            waves.append(golden.truncate.py_func(f, _GUARD))
+            waves.append(wave_core.truncate.py_func(f, _GUARD))
         return duties
 
     def made(self, n: int) -> list[Made]:
         """Each step of one port as the integer models have it, from the ADC's codes and contact."""
         settings, port = self.settings, self.settings.ports[n]
-        state, line = golden.new_state(), golden.new_line(settings.extra_ticks)
+        state, line = wave_core.new_state(), wave_core.new_line(settings.extra_ticks)
         held, e, result = anchor.new_state(), 0, []
         for step, (_, words) in zip(self.steps, self.currents(), strict=False):
             offset, correction = int(held[anchor.OFFSET]), int(held[anchor.CORRECTION])
             room = int(held[anchor.ROOM])
             seen = [int(held[place]) >> _GUARDED for place in (anchor.CHI, anchor.LAG)]
             fault = int(held[anchor.FAULT])
-            current = golden.saturate.py_func(words[n] - offset)
+            current = wave_core.saturate.py_func(words[n] - offset)
             eta = 0 if fault else port.eta_contact if step.contact[n] else port.eta_free
-            withheld, saturated = int(state[golden.STATE_WITHHELD]), state[golden.STATE_SATURATED]
+            withheld, saturated = (
+                int(state[wave_core.STATE_WITHHELD]),
+                state[wave_core.STATE_SATURATED],
+            )
             e_before = e
-            e, u, v = golden.wave_core_step.py_func(
+            e, u, v = wave_core.wave_core_step.py_func(
                 state, line, current, eta, 0, port.root, port.a, step.u_max[n] - room,
                 settings.extra_ticks, settings.hold_ticks,
             )  # fmt: skip
@@ -460,8 +464,8 @@ class ControllerBench(Bench):
                     held, port.anchor, step.before[n][0], bool(step.contact[n]), current, u, v,
                     withheld, e_before, bool(saturated),
                 )  # fmt: skip
-            voltage = golden.saturate.py_func(e + correction)
-            saturated = int(state[golden.STATE_SATURATED])
+            voltage = wave_core.saturate.py_func(e + correction)
+            saturated = int(state[wave_core.STATE_SATURATED])
             result.append(
                 Made(current, eta, voltage, u, v, saturated, correction, offset, *seen, fault, room)
             )
@@ -623,7 +627,9 @@ async def open_loop_equals_the_models(dut: object) -> None:
             for n in range(N):
                 walls = np.array(bench.settings.ports[n].walls)
                 state, position = contact_states[n], bench.position[n]
-                contact, _ = golden.contact_step.py_func(state, position, walls[:, 0], walls[:, 1])
+                contact, _ = wave_core.contact_step.py_func(
+                    state, position, walls[:, 0], walls[:, 1]
+                )
                 assert shown.contact[n] == contact
                 contacts += contact
                 saturated += shown.saturated[n]

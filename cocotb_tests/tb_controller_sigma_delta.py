@@ -11,10 +11,10 @@ from bench import Bench, random_source, unpack
 from simulators import parameters
 from tb_controller import Settings
 from tb_sinc3 import word_of
-from wavehaptics import formats
-from wavehaptics.adc_parts import SINC_PIPELINE, Frame
-from wavehaptics.pins_timing import latency_clocks
-from wavehaptics.sensor import scale_sum
+from wavehaptics.controller.pins_timing import latency_clocks
+from wavehaptics.motor.sensor import scale_sum
+from wavehaptics.parts.adcs import SINC_PIPELINE, Frame
+from wavehaptics.words import formats
 
 N = parameters().get("N", 1)
 OSR = parameters().get("OSR", 12)

@@ -13,7 +13,7 @@ import cocotb
 from bench import Bench, pack, random_source
 from tb_controller import CORE_CLOCKS, PART_FRAME, SECTION_CLOCKS, SHAPER, WALLS, N, Settings
 from tb_quadrature import levels
-from wavehaptics import formats
+from wavehaptics.words import formats
 
 FRAME = replace(PART_FRAME, frame_bits=8, lead_bits=0, data_bits=8, quiet_clocks=1)
 """A frame that leaves the core the tick."""

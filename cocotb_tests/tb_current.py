@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_current.v``: its words equal those of :func:`wavehaptics.sensor.scale_sum`."""
+"""Bench of ``rtl/wh_current.v``: its words are :func:`wavehaptics.motor.sensor.scale_sum`'s."""
 
 from __future__ import annotations
 
 import cocotb
 from bench import Bench, random_source
-from wavehaptics import formats
-from wavehaptics.sensor import scale_sum
+from wavehaptics.motor.sensor import scale_sum
+from wavehaptics.words import formats
 
 LATENCY = 6
 MULTIPLY_CLOCKS = 3

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import cocotb
 from bench import Bench, random_source
-from wavehaptics import formats
-from wavehaptics.modulator import dead_time_extra, new_dead_time
+from wavehaptics.controller.modulator import dead_time_extra, new_dead_time
+from wavehaptics.words import formats
 
 LATENCY = 3
 AMPERE = 1 << formats.CURRENT.fraction

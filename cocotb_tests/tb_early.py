@@ -12,10 +12,11 @@ from dataclasses import dataclass
 
 import cocotb
 from bench import Bench, random_source
-from wavehaptics import formats, golden
-from wavehaptics.early import Early, prepare, slope_fits
-from wavehaptics.modulator import duty_of
-from wavehaptics.pins_timing import EARLY_PREPARE_CLOCKS
+from wavehaptics.controller import wave_core
+from wavehaptics.controller.early import Early, prepare, slope_fits
+from wavehaptics.controller.modulator import duty_of
+from wavehaptics.controller.pins_timing import EARLY_PREPARE_CLOCKS
+from wavehaptics.words import formats
 
 DUTY_CLOCKS = 4
 """Clocks from the sum to the duty's strobe."""
@@ -98,19 +99,19 @@ def real_tick(rng: random.Random) -> Tick:
 
 def in_turn(tick: Tick) -> tuple[int, bool]:
     """The duty that current, wave core and modulator make of it, and whether u was limited."""
-    state, line = golden.new_state(), golden.new_line(0)
-    state[golden.STATE_F] = tick.f << formats.STATE_GUARD
-    state[golden.STATE_FILLED] = 1
+    state, line = wave_core.new_state(), wave_core.new_line(0)
+    state[wave_core.STATE_F] = tick.f << formats.STATE_GUARD
+    state[wave_core.STATE_FILLED] = 1
     line[0] = tick.u_n
     product = tick.total * tick.gain
     shift = formats.GAIN.fraction - formats.CURRENT.fraction
     current = (abs(product) + (1 << (shift - 1))) >> shift
-    current = golden.saturate.py_func((current if product >= 0 else -current) - tick.offset)
-    voltage, *_ = golden.wave_core_step(
+    current = wave_core.saturate.py_func((current if product >= 0 else -current) - tick.offset)
+    voltage, *_ = wave_core.wave_core_step(
         state, line, current, tick.eta, tick.wave, tick.root, tick.a, tick.u_max, 0, 0
     )
-    limited = bool(state[golden.STATE_SATURATED])
-    voltage = golden.saturate.py_func(int(voltage) + tick.correction)
+    limited = bool(state[wave_core.STATE_SATURATED])
+    voltage = wave_core.saturate.py_func(int(voltage) + tick.correction)
     return duty_of.py_func(voltage, tick.clocks_per_volt), limited
 
 

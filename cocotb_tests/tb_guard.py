@@ -6,9 +6,9 @@ from __future__ import annotations
 import cocotb
 from bench import Bench, pack, random_source
 from simulators import parameters
-from wavehaptics import formats
-from wavehaptics.guard import DAMPABLE, HEAT_SQUARES, Fault
-from wavehaptics.guard import pack as settings
+from wavehaptics.ladder.guarded_pins import DAMPABLE, HEAT_SQUARES, Fault
+from wavehaptics.ladder.guarded_pins import pack as settings
+from wavehaptics.words import formats
 
 N = parameters().get("N", 1)
 LAST = N - 1

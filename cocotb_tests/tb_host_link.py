@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_host_link.v``: equal to :mod:`wavehaptics.host_link`, and never in debt."""
+"""Bench of ``rtl/wh_host_link.v``: equal to its model, and never in debt.
+
+The model is :mod:`wavehaptics.controller.host_link`.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,8 @@ import random
 
 import cocotb
 from bench import Bench, random_source
-from wavehaptics import formats, host_link
+from wavehaptics.controller import host_link
+from wavehaptics.words import formats
 
 TICK_CLOCKS = 24
 LATE_CLOCKS = 100

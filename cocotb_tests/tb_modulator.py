@@ -10,8 +10,8 @@ from itertools import accumulate
 import cocotb
 from bench import Bench, random_source
 from simulators import parameters
-from wavehaptics import formats
-from wavehaptics.modulator import duty_of, half_width, new_modulator
+from wavehaptics.controller.modulator import duty_of, half_width, new_modulator
+from wavehaptics.words import formats
 
 FRACTION = formats.DUTY.fraction
 STEP = 1 << FRACTION

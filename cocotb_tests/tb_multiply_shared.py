@@ -6,7 +6,7 @@ from __future__ import annotations
 import cocotb
 from bench import Bench, pack, random_source
 from simulators import parameters
-from wavehaptics import formats
+from wavehaptics.words import formats
 
 LATENCY = 3
 

@@ -9,7 +9,7 @@ from itertools import pairwise
 import cocotb
 from bench import Bench, random_source
 from simulators import parameters
-from wavehaptics.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, SIGN_MAGNITUDE, UNIPOLAR
+from wavehaptics.words.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, SIGN_MAGNITUDE, UNIPOLAR
 
 MODES = parameters().get("MODES", 0)
 

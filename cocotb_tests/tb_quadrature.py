@@ -8,7 +8,7 @@ from collections import deque
 
 import cocotb
 from bench import Bench, random_source
-from wavehaptics import formats
+from wavehaptics.words import formats
 
 SETTLE_CLOCKS = 24
 """Clocks after reset in which the levels are taken without counting, with some to spare."""

@@ -13,8 +13,8 @@ from adc_part import TimingError
 from bench import Bench, random_source, unpack
 from modulator_part import ModulatorPart
 from simulators import parameters
-from wavehaptics import formats
-from wavehaptics.adc_parts import MODULATORS, SINC_CLOCKS, SINC_PIPELINE, Frame, Modulator
+from wavehaptics.parts.adcs import MODULATORS, SINC_CLOCKS, SINC_PIPELINE, Frame, Modulator
+from wavehaptics.words import formats
 
 OSR = parameters().get("OSR", 32)
 RISE = parameters().get("CAPTURE_RISE", 0)

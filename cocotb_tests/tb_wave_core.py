@@ -46,10 +46,10 @@ def _load_model() -> tuple[ModuleType, ModuleType]:
         (root / "rtl").mkdir(exist_ok=True)
         (root / "rtl" / "wh_formats.vh").write_text(text, encoding="utf-8")
         sys.path.insert(0, str(root / "sim"))
-    formats = importlib.import_module("wavehaptics.formats")
+    formats = importlib.import_module("wavehaptics.words.formats")
     for macro, value in defines().items():
         assert formats.HEADER_VALUES[macro.removeprefix("WH_")] == value
-    return formats, importlib.import_module("wavehaptics.golden")
+    return formats, importlib.import_module("wavehaptics.controller.wave_core")
 
 
 FORMATS, GOLDEN = _load_model()

@@ -8,7 +8,7 @@ import random
 import cocotb
 from bench import Bench, random_source
 from simulators import parameters
-from wavehaptics import formats
+from wavehaptics.words import formats
 
 LOG2 = parameters().get("LOG2_TICKS", 10)
 TICKS = 1 << LOG2

@@ -3,7 +3,7 @@
 
 import pytest
 from simulators import BUILD_DIR, simulate
-from wavehaptics.boards import load_board
+from wavehaptics.fpga.boards import load_board
 
 
 @pytest.mark.parametrize(("beat", "patience"), [(4, 4), (3, 5)])

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 
 import pytest
 from simulators import simulate
-from wavehaptics.netlists import DEVICES, netlist
-from wavehaptics.toolchain import Toolchain
+from wavehaptics.fpga.netlists import DEVICES, netlist
+from wavehaptics.runtime.toolchain import Toolchain
 
 TICKS = 3_000
 

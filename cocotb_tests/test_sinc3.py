@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 from simulators import simulate
-from wavehaptics.boards import ROOT
-from wavehaptics.toolchain import Toolchain
+from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.toolchain import Toolchain
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@
 // products come to, brought nearer to zero by its loss or more and never past it: for y that is
 // asserted as it stands, for the states by the words that it leads to. So, of a matrix that
 // doesn't let |x'|^2 + y^2 grow, rounding and limits make none that does. The loss covers what the
-// rounded states and the words of the matrix could have added (sim/wavehaptics/normalised.py).
+// rounded states and the words of the matrix could have added (sim/wavehaptics/controller/normalised.py).
 
 `default_nettype none
 `include "wh_formats.vh"

@@ -18,7 +18,7 @@
 //
 // Where calibrate_bits_i isn't 0, a frame of so many pulses comes by itself after reset, with which
 // the part measures its own offset; ready_o rises after it, and start_i is without effect before.
-// Settings of the parts, and their limits in seconds: sim/wavehaptics/adc_parts.py.
+// Settings of the parts, and their limits in seconds: sim/wavehaptics/parts/adcs.py.
 //
 // Formats: sample s16, full scale +-2^15 at any resolution. Latency from start_i to valid_o:
 // 1 + setup_clocks_i + (e - 1) sclk_half_clocks_i, e = 2 (lead_bits_i + data_bits_i) - 1 +

@@ -15,7 +15,7 @@
 // that wants to go beyond its limit by strange, with the waves below theirs, tells that waves and
 // encoder don't follow the same motor: fault_o, and c = 0.
 //
-// sim/wavehaptics/anchor.py says the same with integers, and this module equals it bit for bit.
+// sim/wavehaptics/controller/anchor.py says the same with integers, and this module equals it bit for bit.
 // One adder works through the steps below, one in a clock, with its state in a memory; the products
 // come from a multiplier that others use as well (wh_multiply_shared), eight in a tick.
 // Formats: long words s48q33, cells, V or A; factors are their upper bits, s31q16.
@@ -91,7 +91,7 @@ module wh_anchor (
         end
     endgenerate
 
-    // ---- Settings, the last one highest: as sim/wavehaptics/anchor.py has their places.
+    // ---- Settings, the last one highest: as sim/wavehaptics/controller/anchor.py has their places.
     wire                     enable;       // 0: c = 0, and no fault
     wire signed [COEF_W-1:0] flux_gain;    // s27q22 cells a √W
     wire signed [COEF_W-1:0] owed_gain;    // s27q22 cells a √W

@@ -12,7 +12,7 @@
 // is the largest word. Everything runs on by itself, a bit a clock: the division and the share for the
 // whole design, then a product for each port. All words of one bus are given in one clock, the first
 // without hold_i: a step of the core has to be made with one u_max from its first clock to its last.
-// sim/wavehaptics/bus_scale.py says the same with integers, and this module equals it bit for bit.
+// sim/wavehaptics/controller/bus_scale.py says the same with integers, and this module equals it bit for bit.
 //
 // Formats: at the ports; share has WH_BUS_SHARE_Q + WH_BUS_Q - WH_BUS_W fraction bits, 17 as things
 // stand.

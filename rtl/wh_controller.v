@@ -19,7 +19,7 @@
 // of a tick reaches the gates with the next tick that ends
 //     conversion + 14 + (24 + 5 SHAPER) N + 2 (N - 1) clocks
 // after its sample strobe or later, conversion being the reader's own latency (latency_clocks in
-// sim/wavehaptics/pins_timing.py).
+// sim/wavehaptics/controller/pins_timing.py).
 // With EARLY = 1 it is conversion + 10 clocks, for a conversion of 18 clocks or more and a tick of
 // 22 + 25 N or more; with ANCHOR = 1 as well 35 + 25 N (early_tick_clocks).
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
@@ -74,7 +74,7 @@ module wh_controller #(
     input  wire signed [7:0]            sample_lead_i,       // clocks that samples come early
     input  wire                         sample_late_i,       // a clock later in odd ticks
 
-    // ADC frame (wh_adc_serial; sim/wavehaptics/adc_parts.py has the parts' words).
+    // ADC frame (wh_adc_serial; sim/wavehaptics/parts/adcs.py has the parts' words).
     input  wire [7:0]                   sclk_half_clocks_i,  // half a period of SCLK, clocks
     input  wire [5:0]                   frame_bits_i,        // pulses of SCLK
     input  wire [5:0]                   lead_bits_i,         // zeros

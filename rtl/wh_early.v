@@ -17,7 +17,7 @@
 // or when the step of the tick before has ended (busy_i) if that is later; the core's f and u are the
 // state, and hold what was applied but for this block's last places: 1e-6 of it.
 // The words are those of a step whose u goes out at once (hold_ticks_i = 0), with W = 1.
-// sim/wavehaptics/early.py says the same with integers, and this module equals it bit for bit.
+// sim/wavehaptics/controller/early.py says the same with integers, and this module equals it bit for bit.
 //
 // Formats: at the ports and below; rounding is down, and what is between the two ends saturates.
 // Latency: 18 clocks from the frame's start (or the core's end) until a sum may come; 5 clocks from

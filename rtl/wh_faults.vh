@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // wh_faults: the faults by their bits in the status word, and the fields of the guard's settings.
-// Python reads this file (sim/wavehaptics/guard.py).
+// Python reads this file (sim/wavehaptics/ladder/guarded_pins.py).
 
 `ifndef WH_FAULTS_VH
 `define WH_FAULTS_VH

@@ -3,7 +3,7 @@
 // wh_formats: every word length and binary point of the design, in one place.
 //
 // A word s<W>q<Q> is a two's complement integer of W bits; value = raw / 2^Q in the SI unit named.
-// Python reads this file (sim/wavehaptics/formats.py), so the RTL and the integer model can't drift
+// Python reads this file (sim/wavehaptics/words/formats.py), so the RTL and the integer model can't drift
 // apart. A width guarded by `ifndef may be set from the tool's command line.
 
 `ifndef WH_FORMATS_VH

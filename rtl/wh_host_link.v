@@ -13,7 +13,7 @@
 // An answer counts if its number is newer than any that counted, and less than 128 periods old. The
 // newest of a period is taken at its end, if it came 80 clocks before; without one u is held. After
 // timeout_i such periods in a row active_o falls, and the budget is empty.
-// sim/wavehaptics/host_link.py says the same with integers, and this module equals it bit for bit.
+// sim/wavehaptics/controller/host_link.py says the same with integers, and this module equals it bit for bit.
 // Formats: waves s31q23 √W; the budget in squares of a wave's last place, limited at 2^62 - 1.
 // Latency: u_o and active_o change 1 clock after the valid_i that ends a period, strobe_o comes
 // 3 + period_log2_i clocks after it, and v_mean^2 is in the budget 33 clocks later. A period is

@@ -6,10 +6,10 @@
 //   [x1' x2' y] = M [x1 x2 v],  |M| <= 1
 //
 // A contractive M makes |x'|^2 + y^2 <= |x|^2 + v^2 in every tick, and no rounding, limit, pause or
-// change of M can break that: sim/wavehaptics/normalised.py makes such words, and says why. A state
+// change of M can break that: sim/wavehaptics/controller/normalised.py makes such words, and says why. A state
 // is rounded to the nearest for the multiplier. What the bits below could have added, and what is
 // cut, is taken back: each result is brought nearer to zero by its loss, but not past it.
-// sim/wavehaptics/golden.py says the same with integers (shaper_step).
+// sim/wavehaptics/controller/wave_core.py says the same with integers (shaper_step).
 //
 // mode_i: 0 W = 1 and the states become 0, 1 W = 1 and they stay as they are, 2 W.
 //

@@ -8,7 +8,7 @@
 //   f  = clamp(f, ±u_max)       u_max: the drive's limit over s
 //   e  = s u                    u: f, or one of its predecessors out of the delay line
 //
-// sim/wavehaptics/golden.py says the same with integers, and this module equals it bit for bit.
+// sim/wavehaptics/controller/wave_core.py says the same with integers, and this module equals it bit for bit.
 // Rounding is toward zero everywhere, sums saturate. f has WH_STATE_GUARD bits below a wave's last.
 //
 // extra_ticks_i is the age, in steps, of the u that was applied in the measured tick, seen from the
@@ -399,7 +399,7 @@ module wh_wave_core #(
     reg                       under_q;
 
     always @* begin
-        if (over_q || u_max[DATA_W-1]) begin  // as golden.py has it for a limit below 0, too
+        if (over_q || u_max[DATA_W-1]) begin  // as wave_core.py has it for a limit below 0, too
             f_clamped = limit;
         end else if (under_q) begin
             f_clamped = -limit;

@@ -6,10 +6,13 @@ from __future__ import annotations
 import json
 
 import pytest
-from wavehaptics import adcs, numbers, pins, sigma_delta
-from wavehaptics.adc_parts import ALL_BITS, MODULATORS, PARTS, PartError, frame, modulator_frame
-from wavehaptics.boards import ROOT
+from wavehaptics.fpga.boards import ROOT
+from wavehaptics.ladder import pins
+from wavehaptics.motor import sigma_delta
+from wavehaptics.pages import filler
+from wavehaptics.parts.adcs import ALL_BITS, MODULATORS, PARTS, PartError, frame, modulator_frame
 from wavehaptics.scene import find_scene, load_scene
+from wavehaptics.studies import adcs
 
 
 def test_fastest_frames():
@@ -98,14 +101,14 @@ def test_numbers_of_another_run_stay_out_of_the_pages(tmp_path, what):
     found = {"scene": "paper_taps", "settings": [], "parts": []} | what
     (tmp_path / "build" / "adcs").mkdir(parents=True)
     (tmp_path / "build" / "adcs" / "adcs.json").write_text(json.dumps(found))
-    with pytest.raises(numbers.NumbersError, match="run `make adcs`"):
-        numbers.keep(tmp_path)
-    assert not (tmp_path / numbers.KEPT).exists()
+    with pytest.raises(filler.NumbersError, match="run `make adcs`"):
+        filler.keep(tmp_path)
+    assert not (tmp_path / filler.KEPT).exists()
 
 
 def test_kept_numbers_keep_the_promises():
     """What the pages show of each converter is within the design's targets."""
-    kept = json.loads((ROOT / numbers.KEPT).read_bytes())["adcs"]
+    kept = json.loads((ROOT / filler.KEPT).read_bytes())["adcs"]
     assert [row["part"] for row in kept["parts"]] == list(ALL_BITS)
     for row in kept["parts"]:
         scene = load_scene(find_scene("paper_taps"), [f"adc.part={row['part']}"])

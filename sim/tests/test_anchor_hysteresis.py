@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wavehaptics.holding import cases, runs
-from wavehaptics.run import CONTROLLERS
+from wavehaptics.ladder.run import CONTROLLERS
 from wavehaptics.scene import Scene
-from wavehaptics.trace import Column, Word
+from wavehaptics.studies.anchored import cases, runs
+from wavehaptics.trace.columns import Column, Word
 
 SIDES = {"up": "controller.walls=[[0, 1]]", "down": "controller.walls=[[-1, 0]]"}
 """By the direction in which the rotor comes in."""

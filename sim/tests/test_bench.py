@@ -11,8 +11,8 @@ from contextlib import contextmanager
 
 import pytest
 from rich.console import Console
-from wavehaptics import verilated
-from wavehaptics.bench import measure, once
+from wavehaptics.ladder import verilated
+from wavehaptics.studies.bench import measure, once
 
 
 @pytest.mark.parametrize("controller", ["golden", "encoder"])

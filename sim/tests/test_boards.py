@@ -12,16 +12,18 @@ from typing import Any
 import numpy as np
 import pytest
 from typer.testing import CliRunner
-from wavehaptics import bitstreams, multipliers, numbers, synthesis
-from wavehaptics.adc_parts import PARTS, frame
-from wavehaptics.boards import ROOT, Board, BoardError, board_names, load_board
-from wavehaptics.guard import FIELDS, Fault, GuardedPins, board_limits, mask
-from wavehaptics.pins_timing import CORE_CLOCKS, latency_clocks
+from wavehaptics.cli import board_commands
+from wavehaptics.controller.pins_timing import CORE_CLOCKS, latency_clocks
+from wavehaptics.fpga import multipliers, synthesis
+from wavehaptics.fpga.board_words import WIDTHS, board_words, verilog_header
+from wavehaptics.fpga.boards import ROOT, Board, BoardError, board_names, load_board
+from wavehaptics.fpga.synthesis import Design, SynthesisError, build
+from wavehaptics.ladder.guarded_pins import FIELDS, Fault, GuardedPins, board_limits, mask
+from wavehaptics.pages import filler
+from wavehaptics.parts.adcs import PARTS, frame
+from wavehaptics.runtime.toolchain import Toolchain, ToolError
 from wavehaptics.scene import SceneError, load_scene
-from wavehaptics.synthesis import Design, SynthesisError, build
-from wavehaptics.toolchain import Toolchain, ToolError
-from wavehaptics.trace import Column, Word
-from wavehaptics.words import WIDTHS, board_words, verilog_header
+from wavehaptics.trace.columns import Column, Word
 
 LUT_TOLERANCE = 0.03
 
@@ -459,13 +461,13 @@ PROGRAMMERS = {
 
 def prog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, board: str, made: bool) -> Any:
     """``prog`` of a board, its bitstream ``made`` or not, in a repository that holds no more."""
-    monkeypatch.setattr(bitstreams, "ROOT", tmp_path)
+    monkeypatch.setattr(board_commands, "ROOT", tmp_path)
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
     if made:
         bitstream = tmp_path / PROGRAMMERS[board][-1]
         bitstream.parent.mkdir(parents=True)
         bitstream.write_bytes(b"bits")
-    return CliRunner().invoke(bitstreams.app, ["prog", board])
+    return CliRunner().invoke(board_commands.app, ["prog", board])
 
 
 @pytest.mark.parametrize("board", board_names())
@@ -503,22 +505,22 @@ def test_programmer_without_a_bitstream(tmp_path, monkeypatch):
 
 
 def test_pages_show_the_kept_numbers():
-    assert numbers.stale_pages() == [], "run `make numbers`"
+    assert filler.stale_pages() == [], "run `make numbers`"
 
 
 def test_stale_page_is_noticed(tmp_path):
     (tmp_path / "boards").mkdir()
-    (tmp_path / numbers.KEPT).write_bytes((ROOT / numbers.KEPT).read_bytes())
+    (tmp_path / filler.KEPT).write_bytes((ROOT / filler.KEPT).read_bytes())
     page = tmp_path / "README.md"
     page.write_text("before\n<!-- begin boards -->\n<!-- end boards -->\nafter\n")
-    assert numbers.stale_pages(tmp_path) == [Path("README.md")]
-    assert numbers.write(tmp_path) == [Path("README.md")]
-    assert numbers.stale_pages(tmp_path) == []
+    assert filler.stale_pages(tmp_path) == [Path("README.md")]
+    assert filler.write(tmp_path) == [Path("README.md")]
+    assert filler.stale_pages(tmp_path) == []
     page.write_text(page.read_text().replace("| `ulx3s` |", "| `ulx4s` |"))
-    assert numbers.stale_pages(tmp_path) == [Path("README.md")]
+    assert filler.stale_pages(tmp_path) == [Path("README.md")]
     page.write_text("<!-- begin boards -->\n")
-    with pytest.raises(numbers.NumbersError, match="has no <!-- end boards -->"):
-        numbers.write(tmp_path)
+    with pytest.raises(filler.NumbersError, match="has no <!-- end boards -->"):
+        filler.write(tmp_path)
 
 
 def test_numbers_of_another_version_are_refused(tmp_path):
@@ -526,13 +528,13 @@ def test_numbers_of_another_version_are_refused(tmp_path):
     summary = tmp_path / synthesis.OUT / "summary.json"
     summary.parent.mkdir(parents=True)
     summary.write_text('{"boards": [{"board": "ulx3s", "spare": 0.3}]}')
-    with pytest.raises(numbers.NumbersError, match=r"summary\.json is that of another version"):
-        numbers.keep(tmp_path)
-    assert not (tmp_path / numbers.KEPT).exists()
+    with pytest.raises(filler.NumbersError, match=r"summary\.json is that of another version"):
+        filler.keep(tmp_path)
+    assert not (tmp_path / filler.KEPT).exists()
 
 
 def kept(name: str) -> dict[str, object]:
-    boards = json.loads((ROOT / numbers.KEPT).read_bytes())["boards"]
+    boards = json.loads((ROOT / filler.KEPT).read_bytes())["boards"]
     return next(board for board in boards if board["board"] == name)
 
 

@@ -7,13 +7,14 @@ import math
 
 import numpy as np
 import pytest
-from wavehaptics import bus_scale, formats
-from wavehaptics.analog import AnalogSimulation
-from wavehaptics.bridge_modes import MODE_WORDS, UNIPOLAR
-from wavehaptics.pins import PinsSimulation, controller_ports
-from wavehaptics.run import measure, run_scene
+from wavehaptics.controller import bus_scale
+from wavehaptics.controller.settings import settings
+from wavehaptics.ladder.analog import AnalogSimulation
+from wavehaptics.ladder.pins import PinsSimulation, controller_ports
+from wavehaptics.ladder.run import measure, run_scene
 from wavehaptics.scene import SCENES_DIR, SceneError, find_scene, load_scene
-from wavehaptics.settings import settings
+from wavehaptics.words import formats
+from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 
 PAPER_TAPS = SCENES_DIR / "paper_taps.toml"
 LOW = ("drive.bus_v=12", "drive.bus_actual_v=9.5")

@@ -13,7 +13,9 @@ from types import ModuleType
 
 import pytest
 import typer
-from wavehaptics import cli
+from wavehaptics.cli import main
+from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.toml_source import parse
 from wavehaptics.scene import SceneError, shipped_scenes
 
 SCENE = """\
@@ -52,9 +54,9 @@ def runs(monkeypatch):
             raise OSError(28, "No space left on device", str(out))
         return {"scene": scene.scene.name, "peak_torque": 0.0212345, "hold_error": None, "ticks": 7}
 
-    module = ModuleType("wavehaptics.run")
+    module = ModuleType("wavehaptics.ladder.run")
     module.run_scene = run_scene
-    monkeypatch.setitem(sys.modules, "wavehaptics.run", module)
+    monkeypatch.setitem(sys.modules, "wavehaptics.ladder.run", module)
     return calls
 
 
@@ -62,7 +64,7 @@ def call(capsys, monkeypatch, *arguments: str) -> tuple[int, str, str]:
     """Exit status, stdout and stderr of the command, run in this process."""
     monkeypatch.setattr(sys, "argv", ["wavehaptics", *arguments])
     with pytest.raises(SystemExit) as ended:
-        cli.main()
+        main.main()
     captured = capsys.readouterr()
     return ended.value.code, captured.out, captured.err
 
@@ -99,7 +101,7 @@ def test_run_with_defaults(capsys, monkeypatch, runs):
     assert out.endswith(f"results in {folder}\n")
 
 
-@pytest.mark.parametrize("controller", cli.CONTROLLERS)
+@pytest.mark.parametrize("controller", main.CONTROLLERS)
 def test_run_with_options(capsys, monkeypatch, runs, controller):
     status, _, err = call(
         capsys,
@@ -192,9 +194,9 @@ def adcs_run(monkeypatch):
         calls.append((path.stem, list(settings), out))
         return {}
 
-    module = ModuleType("wavehaptics.adcs")
+    module = ModuleType("wavehaptics.studies.adcs")
     module.compare, module.adc_table = compare, lambda found: ""
-    monkeypatch.setitem(sys.modules, "wavehaptics.adcs", module)
+    monkeypatch.setitem(sys.modules, "wavehaptics.studies.adcs", module)
     return calls
 
 
@@ -238,20 +240,20 @@ def test_help(capsys, monkeypatch):
 
 
 def test_version_is_the_packages(capsys, monkeypatch):
-    project = tomli.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    project, _ = parse((ROOT / "pyproject.toml").read_bytes())
     status, out, _ = call(capsys, monkeypatch, "--version")
-    assert (status, out) == (0, f"wavehaptics {project['version']}\n")
+    assert (status, out) == (0, f"wavehaptics {project['project']['version']}\n")
 
 
-@pytest.mark.parametrize("command", [None, *sorted(typer.main.get_command(cli.app).commands)])
+@pytest.mark.parametrize("command", [None, *sorted(typer.main.get_command(main.app).commands)])
 def test_help_says_every_word(capsys, monkeypatch, command):
     """Also those in brackets, which markup takes for its own."""
     monkeypatch.setenv("COLUMNS", "200")
-    group = typer.main.get_command(cli.app)
+    group = typer.main.get_command(main.app)
     asked = group if command is None else group.commands[command]
     texts = [one.help or "" for one in asked.params if hasattr(one, "help")]
     if command is None:
-        texts.append(cli.app.info.help)
+        texts.append(main.app.info.help)
         texts += [one.callback.__doc__.partition("\n\n")[0] for one in group.commands.values()]
     else:
         texts.append(asked.callback.__doc__)
@@ -284,7 +286,10 @@ def test_bad_scene_is_refused_before_anything_slow_is_imported():
     ended = call_process("run", "bench.toml", "--set", "motor.L_h=-1")
     assert time.monotonic() - started < 5  # 0.3 s on an idle machine; numba alone takes longer
     assert_refused(ended.returncode, ended.stdout, ended.stderr, "motor.L_h = -1")
-    slow = "import sys, wavehaptics.cli; print([m for m in sys.modules if m in {'numba', 'scipy'}])"
+    slow = (
+        "import sys, wavehaptics.cli.main; "
+        "print([m for m in sys.modules if m in {'numba', 'scipy'}])"
+    )
     imported = subprocess.run(
         [sys.executable, "-c", slow], capture_output=True, text=True, timeout=TIMEOUT_S, check=True
     )

@@ -14,14 +14,14 @@ from pathlib import Path
 import pytest
 import wavehaptics
 from numba.core.dispatcher import Dispatcher
-from wavehaptics import compiled
+from wavehaptics.runtime import compiled
 
 TIMEOUT_S = 120
 
 LEAVES = '''\
 """A module of leaves."""
 from typing import NamedTuple
-from wavehaptics.compiled import compiled
+from wavehaptics.runtime.compiled import compiled
 STEP = 3
 UNUSED = 5
 class Word(NamedTuple):
@@ -37,7 +37,7 @@ def other(x):
 '''
 TREE = """\
 import leaves
-from wavehaptics.compiled import compiled, compiled_counting
+from wavehaptics.runtime.compiled import compiled, compiled_counting
 @compiled()
 def walk(x):
     return leaves.step(x) * 2 & leaves.WORD.top

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wavehaptics import formats
-from wavehaptics.bridge_modes import MODE_WORDS, UNIPOLAR
-from wavehaptics.pins import controller_ports
-from wavehaptics.run import run_scene
+from wavehaptics.ladder.pins import controller_ports
+from wavehaptics.ladder.run import run_scene
 from wavehaptics.scene import SCENES_DIR, SceneError, load_scene
+from wavehaptics.words import formats
+from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 
 # 50 ns at 500 kHz and 12 V: 0.6 V against every current, of the 2.1 V that the paper's taps have.
 DEAD = (

@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 import pytest
-from wavehaptics import adcs
-from wavehaptics.physics import MOST_A
-from wavehaptics.pins import PinsSimulation, scene_frame, timing
-from wavehaptics.run import measure
+from wavehaptics.ladder.pins import PinsSimulation, scene_frame, timing
+from wavehaptics.ladder.run import measure
+from wavehaptics.laws.closed_forms import MOST_A
 from wavehaptics.scene import Scene, SceneError, find_scene, load_scene
+from wavehaptics.studies import adcs
 
 EARLY = ("controller.early_duty=true", "controller.clock_hz=80e6", "adc.part=AD7276")
 

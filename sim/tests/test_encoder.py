@@ -7,10 +7,10 @@ import math
 
 import numpy as np
 import pytest
-from wavehaptics.encoder import EncoderSimulation
-from wavehaptics.run import CONTROLLERS, run_scene
+from wavehaptics.ladder.encoder import EncoderSimulation
+from wavehaptics.ladder.run import CONTROLLERS, run_scene
 from wavehaptics.scene import SceneError
-from wavehaptics.trace import Column
+from wavehaptics.trace.columns import Column
 
 SLOW = (
     "hand.path='sine'",

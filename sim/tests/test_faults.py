@@ -7,9 +7,9 @@ import json
 
 import numpy as np
 import pytest
-from wavehaptics import formats
-from wavehaptics.boards import ROOT
-from wavehaptics.fault_table import (
+from wavehaptics.fpga.boards import ROOT
+from wavehaptics.ladder.guarded_pins import DAMPABLE, Fault, GuardedPins, Injection, Limits, mask
+from wavehaptics.studies.fault_table import (  # fmt: skip
     CASES,
     KEPT,
     PAGE,
@@ -19,9 +19,9 @@ from wavehaptics.fault_table import (
     guarded,
     measure,
     scene,
-)  # fmt: skip
-from wavehaptics.guard import DAMPABLE, Fault, GuardedPins, Injection, Limits, mask
-from wavehaptics.trace import Column, Word
+)
+from wavehaptics.trace.columns import Column, Word
+from wavehaptics.words import formats
 
 KEPT_ROWS = {row["fault"]: row for row in json.loads((ROOT / KEPT).read_text("utf-8"))}
 

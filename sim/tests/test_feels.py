@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wavehaptics.run import run_scene
-from wavehaptics.sampled import SampledSimulation
+from wavehaptics.ladder.run import run_scene
+from wavehaptics.ladder.sampled import SampledSimulation
 from wavehaptics.scene import SceneError, find_scene, load_scene
-from wavehaptics.trace import Column, Word
+from wavehaptics.trace.columns import Column, Word
 
 
 def load(name: str, *settings: str):

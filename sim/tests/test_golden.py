@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from wavehaptics import formats, golden
+from wavehaptics.controller import wave_core
+from wavehaptics.words import formats
 
 GUARD = formats.STATE_GUARD
 ETA_ONE = 1 << formats.ETA.fraction
@@ -39,21 +40,21 @@ ages = st.integers(0, 3)
 
 def state_with(f: int, newest: int) -> tuple[np.ndarray, np.ndarray]:
     """State with f, and a full line whose places all hold ``newest``."""
-    state, line = golden.new_state(), golden.new_line(3)
-    state[golden.STATE_F] = f
-    state[golden.STATE_FILLED] = line.size
+    state, line = wave_core.new_state(), wave_core.new_line(3)
+    state[wave_core.STATE_F] = f
+    state[wave_core.STATE_FILLED] = line.size
     line[:] = newest
     return state, line
 
 
 def goal_of(eta: int, v: int) -> int:
-    return int(golden.saturate(golden.truncate(eta * v, formats.ETA.fraction)))
+    return int(wave_core.saturate(wave_core.truncate(eta * v, formats.ETA.fraction)))
 
 
 @given(st.integers(-(1 << 58), 1 << 58), st.integers(1, 40))
 @unhurried
 def test_truncation_is_toward_zero_and_only_loses(value: int, bits: int) -> None:
-    result = golden.truncate(value, bits)
+    result = wave_core.truncate(value, bits)
     assert result == abs(value) // 2**bits * (1 if value >= 0 else -1)
     assert 0 <= abs(value) - abs(result) * 2**bits < 2**bits
 
@@ -61,7 +62,7 @@ def test_truncation_is_toward_zero_and_only_loses(value: int, bits: int) -> None
 @given(st.integers(-(1 << 60), 1 << 60))
 @unhurried
 def test_saturation_limits_and_never_wraps(value: int) -> None:
-    assert golden.saturate(value) == sorted((WAVE.raw_min, value, WAVE.raw_max))[1]
+    assert wave_core.saturate(value) == sorted((WAVE.raw_min, value, WAVE.raw_max))[1]
 
 
 @given(currents, etas, roots, coefficients, limits, ages, ages, waves, st.data())
@@ -71,17 +72,19 @@ def test_every_word_stays_in_its_format_with_the_right_sign(
 ) -> None:
     f = data.draw(st.integers(-u_max << GUARD, u_max << GUARD), label="f")
     state, line = state_with(f, newest)
-    e, u_n, v_n = golden.wave_core_step(state, line, current, eta, 0, root, a, u_max, extra, hold)
+    e, u_n, v_n = wave_core.wave_core_step(
+        state, line, current, eta, 0, root, a, u_max, extra, hold
+    )
     for word in (e, u_n, v_n, *line.tolist()):
         assert WAVE.raw_min <= word <= WAVE.raw_max
     assert u_n == newest
-    assert abs(state[golden.STATE_F]) <= u_max << GUARD
+    assert abs(state[wave_core.STATE_F]) <= u_max << GUARD
     # Exact in rational numbers, then limited: a wrap would change the sign.
     exact = u_n - root * current / 2 ** (
         formats.ROOT.fraction + formats.CURRENT.fraction - WAVE.fraction
     )
     assert abs(v_n - min(max(exact, WAVE.raw_min), WAVE.raw_max)) <= 1
-    applied = golden.truncate(int(state[golden.STATE_F]), GUARD) if hold == 0 else newest
+    applied = wave_core.truncate(int(state[wave_core.STATE_F]), GUARD) if hold == 0 else newest
     assert e * applied >= 0
 
 
@@ -93,10 +96,10 @@ def test_f_never_exceeds_what_it_was_and_what_it_follows(
     """|f'| <= max(|f|, |η v|) and |η v| <= |v|: no word can raise the amplitude of the waves."""
     f = data.draw(st.integers(-u_max << GUARD, u_max << GUARD), label="f")
     state, line = state_with(f, newest)
-    _, _, v_n = golden.wave_core_step(state, line, current, eta, 0, root, a, u_max, 0, 0)
+    _, _, v_n = wave_core.wave_core_step(state, line, current, eta, 0, root, a, u_max, 0, 0)
     goal = goal_of(eta, v_n)
     assert abs(goal) <= abs(v_n)
-    after = int(state[golden.STATE_F])
+    after = int(state[wave_core.STATE_F])
     assert abs(after) <= max(abs(f), abs(goal) << GUARD)
     # f' lies between f and its goal, or at the limit.
     low, high = sorted((f, goal << GUARD))
@@ -108,30 +111,30 @@ def test_f_never_exceeds_what_it_was_and_what_it_follows(
 def test_a_of_one_is_exact(current, eta, root, before, newest) -> None:
     """With a = 1 and no bits in the guard, u is η v, if the way there fits a word."""
     state, line = state_with(before << GUARD, newest)
-    _, _, v_n = golden.wave_core_step(state, line, current, eta, 0, root, A_ONE, U_MAX, 0, 0)
+    _, _, v_n = wave_core.wave_core_step(state, line, current, eta, 0, root, A_ONE, U_MAX, 0, 0)
     goal = goal_of(eta, v_n)
     if WAVE.raw_min <= goal - before <= WAVE.raw_max:
-        assert state[golden.STATE_F] == max(goal, -U_MAX) << GUARD
-        assert line[state[golden.STATE_HEAD]] == max(goal, -U_MAX)
+        assert state[wave_core.STATE_F] == max(goal, -U_MAX) << GUARD
+        assert line[state[wave_core.STATE_HEAD]] == max(goal, -U_MAX)
 
 
 @given(st.integers(-U_MAX << GUARD, U_MAX << GUARD), currents, etas, roots, coefficients)
 @unhurried
 def test_a_limit_of_zero_is_silence(f, current, eta, root, a) -> None:
     state, line = state_with(f, 0)
-    e, _, _ = golden.wave_core_step(state, line, current, eta, 0, root, a, 0, 0, 0)
+    e, _, _ = wave_core.wave_core_step(state, line, current, eta, 0, root, a, 0, 0, 0)
     assert e == 0
-    assert state[golden.STATE_F] == 0
+    assert state[wave_core.STATE_F] == 0
 
 
 @pytest.mark.parametrize("eta", [-ETA_ONE, ETA_ONE, ETA_ONE // 3])
 @pytest.mark.parametrize("a", [A_ONE, A_ONE // 100, 1])
 def test_zero_stays_zero(eta: int, a: int) -> None:
-    state, line = golden.new_state(), golden.new_line(2)
+    state, line = wave_core.new_state(), wave_core.new_line(2)
     for _ in range(1000):
-        words = golden.wave_core_step(state, line, 0, eta, 0, ROOT_PAPER, a, U_MAX, 2, 1)
+        words = wave_core.wave_core_step(state, line, 0, eta, 0, ROOT_PAPER, a, U_MAX, 2, 1)
         assert words == (0, 0, 0)
-    assert state[golden.STATE_F] == 0
+    assert state[wave_core.STATE_F] == 0
 
 
 @pytest.mark.parametrize("eta", [-ETA_ONE, ETA_ONE, -ETA_ONE // 2])
@@ -140,14 +143,14 @@ def test_zero_stays_zero(eta: int, a: int) -> None:
 def test_without_current_the_waves_only_decay(eta: int, a: int, extra: int) -> None:
     """The largest wave in the line and in f never grows: there is no limit cycle to feed."""
     rng = np.random.default_rng(SEED)
-    state, line = golden.new_state(), golden.new_line(extra)
+    state, line = wave_core.new_state(), wave_core.new_line(extra)
     for _ in range(20):
         current = int(rng.integers(formats.CURRENT.raw_min, formats.CURRENT.raw_max))
-        golden.wave_core_step(state, line, current, eta, 0, ROOT_PAPER, a, U_MAX, extra, 0)
+        wave_core.wave_core_step(state, line, current, eta, 0, ROOT_PAPER, a, U_MAX, extra, 0)
     largest = math.inf
     for _ in range(5000):
-        golden.wave_core_step(state, line, 0, eta, 0, ROOT_PAPER, a, U_MAX, extra, 0)
-        now = max(abs(int(state[golden.STATE_F])), int(np.abs(line).max()) << GUARD)
+        wave_core.wave_core_step(state, line, 0, eta, 0, ROOT_PAPER, a, U_MAX, extra, 0)
+        now = max(abs(int(state[wave_core.STATE_F])), int(np.abs(line).max()) << GUARD)
         assert now <= largest
         largest = now
 
@@ -156,7 +159,7 @@ def test_without_current_the_waves_only_decay(eta: int, a: int, extra: int) -> N
 @unhurried
 def test_delay_line(inputs: list[int], extra: int, hold: int) -> None:
     """u_n is the u of ``extra`` steps before the newest, e holds the u of ``hold`` steps ago."""
-    state, line = golden.new_state(), golden.new_line(7)
+    state, line = wave_core.new_state(), wave_core.new_line(7)
     shift = formats.ROOT.fraction + WAVE.fraction - formats.VOLTAGE.fraction
     computed: list[int] = []
 
@@ -165,24 +168,24 @@ def test_delay_line(inputs: list[int], extra: int, hold: int) -> None:
 
     for current in inputs:
         want_u = aged(extra)
-        e, u_n, _ = golden.wave_core_step(
+        e, u_n, _ = wave_core.wave_core_step(
             state, line, current, -ETA_ONE, 0, ROOT_PAPER, A_ONE // 3, U_MAX, extra, hold
         )
-        computed.append(int(golden.truncate(int(state[golden.STATE_F]), GUARD)))
+        computed.append(int(wave_core.truncate(int(state[wave_core.STATE_F]), GUARD)))
         assert u_n == want_u
-        assert e == golden.saturate(golden.truncate(ROOT_PAPER * aged(hold), shift))
+        assert e == wave_core.saturate(wave_core.truncate(ROOT_PAPER * aged(hold), shift))
 
 
 @pytest.mark.parametrize("extra", [0, 1, 4])
 def test_new_line_holds_every_age(extra: int) -> None:
-    assert golden.new_line(extra).size > extra
+    assert wave_core.new_line(extra).size > extra
 
 
 @pytest.mark.parametrize("eta", [-1.0, 1.0, -0.3])
 @pytest.mark.parametrize("a", [1.0, 0.01, 1e-4])
 @pytest.mark.parametrize("extra", [0, 1, 3])
 def test_against_floating_point(eta: float, a: float, extra: int) -> None:
-    """The tick's equations (:mod:`wavehaptics.golden`) in floating point, step by step.
+    """The tick's equations (:mod:`wavehaptics.controller.wave_core`) in floating point.
 
     The tolerance follows from the rounding. In the wave's last places: u, s·i, η·v and the error
     of f lose less than 1 each, a·error less than 2^-GUARD. If D bounds the difference of all u so
@@ -196,13 +199,13 @@ def test_against_floating_point(eta: float, a: float, extra: int) -> None:
     s = formats.ROOT.to_value(ROOT_PAPER)
     # With η = 1 and a = 1, f is the sum of all s i: this keeps s f below the voltage's full scale.
     current = rng.uniform(-0.4, 0.4, steps)
-    state, line = golden.new_state(), golden.new_line(extra)
+    state, line = wave_core.new_state(), wave_core.new_line(extra)
     f, applied = 0.0, [0.0] * (extra + 1)
     bound = 0.0
     largest = 0.0
     for i in current:
         word = formats.CURRENT.to_raw(i)
-        e, u_n, v_n = golden.wave_core_step(
+        e, u_n, v_n = wave_core.wave_core_step(
             state, line, word, eta_word, 0, ROOT_PAPER, a_word, U_MAX, extra, 0
         )
         u_float = applied[-1 - extra]
@@ -212,7 +215,7 @@ def test_against_floating_point(eta: float, a: float, extra: int) -> None:
         assert abs(WAVE.to_value(u_n) - u_float) <= (bound + 1) * WAVE.step
         assert abs(WAVE.to_value(v_n) - v_float) <= (bound + 2) * WAVE.step
         bound += 4 * a + 2.0**-GUARD
-        f_error = abs(int(state[golden.STATE_F]) * WAVE.step / (1 << GUARD) - f)
+        f_error = abs(int(state[wave_core.STATE_F]) * WAVE.step / (1 << GUARD) - f)
         assert f_error <= bound * WAVE.step
         voltage_error = abs(formats.VOLTAGE.to_value(e) - s * f)
         assert voltage_error <= s * (bound + 1) * WAVE.step + formats.VOLTAGE.step
@@ -228,15 +231,15 @@ def test_what_rounding_takes_from_u_is_told():
     ticks, rng = 200_000, np.random.default_rng(5)
     a, root = formats.A.to_raw(0.99), formats.ROOT.to_raw(2.0)
     currents = formats.CURRENT.to_raw(0.5) + rng.integers(-20_000, 20_000, ticks)
-    state, line = golden.new_state(), golden.new_line(0)
+    state, line = wave_core.new_state(), wave_core.new_line(0)
     total = told = 0
     for current in currents.tolist():
-        told += state[golden.STATE_WITHHELD]
-        _, u, v = golden.wave_core_step(
+        told += state[wave_core.STATE_WITHHELD]
+        _, u, v = wave_core.wave_core_step(
             state, line, current, -ETA_ONE, 0, root, a, formats.WAVE.raw_max, 0, 0
         )
         total += u + v
-    lacking = total + state[golden.STATE_F] / (1 << formats.STATE_GUARD) / 0.99
+    lacking = total + state[wave_core.STATE_F] / (1 << formats.STATE_GUARD) / 0.99
     assert abs(lacking) > 50_000
     print(lacking, lacking + told)
     assert abs(lacking + told) < 2000

@@ -7,9 +7,10 @@ import json
 
 import numpy as np
 import pytest
-from wavehaptics.anchor_choice import choose_eta_free
-from wavehaptics.holding import cases, lost, motors, pictures, runs, tables
-from wavehaptics.trace import Column
+from wavehaptics.laws.anchor_choice import choose_eta_free
+from wavehaptics.pages import port_anchor
+from wavehaptics.studies.anchored import cases, lost, motors, pictures, runs
+from wavehaptics.trace.columns import Column
 
 HOLD_S = "scene.duration_s=1"
 HELD = ("nothing", "brush 0.5 V, knee 5 mA", "brush 0.5 V, knee 50 mA", "R(θ) −4 %, 22 bars",
@@ -110,18 +111,18 @@ def test_all_settings_are_understood():
 
 def motor_row(seed: int, moved: float | None, back: float | None, fault: float | None) -> dict:
     wall = {"moved_cells": moved, "depth_cells": 10.0, "hold_ripple_rms": 1e-5, "force": 0.01}
-    row = {part: wall | {"anchor_fault_s": None} for part in tables.TARGETS}
+    row = {part: wall | {"anchor_fault_s": None} for part in port_anchor.TARGETS}
     return (
         row
         | {"seed": seed}
-        | {part: {"restitution": back, "anchor_fault_s": fault} for part in tables.BOUNCES}
+        | {part: {"restitution": back, "anchor_fault_s": fault} for part in port_anchor.BOUNCES}
     )
 
 
 def test_random_motors_are_counted():
     rows = [motor_row(0, 0.1, 0.9, None), motor_row(1, -2.0, 1.1, 0.01), motor_row(2, None, None,
             None)]  # fmt: skip
-    found = tables._motors(rows)
+    found = port_anchor._motors(rows)
     assert found["spreads"]["hold_cells"] == {
         "median": 1.05, "p90": pytest.approx(1.81), "worst": 2.0, "seed": 1, "n": 2,
     }  # fmt: skip

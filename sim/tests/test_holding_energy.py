@@ -5,16 +5,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wavehaptics import anchor, formats, golden
-from wavehaptics.compiled import compiled_counting
-from wavehaptics.metrics import Metrics
-from wavehaptics.motor import motor_parts, motor_step
-from wavehaptics.normalised import quantise, realise
-from wavehaptics.plant import OMEGA, I, Plant, X, load_words
-from wavehaptics.reflection import Wish, reflection
-from wavehaptics.sensor import Sensor, current_word
-from wavehaptics.settings import settings
-from wavehaptics.trace import Column
+from wavehaptics.controller import anchor, wave_core
+from wavehaptics.controller.normalised import quantise, realise
+from wavehaptics.controller.settings import settings
+from wavehaptics.laws.reflection import Wish, reflection
+from wavehaptics.motor.plant import OMEGA, I, Plant, X, load_words
+from wavehaptics.motor.sensor import Sensor, current_word
+from wavehaptics.motor.step import motor_parts, motor_step
+from wavehaptics.runtime.compiled import compiled_counting
+from wavehaptics.trace.columns import Column
+from wavehaptics.trace.metrics import Metrics
+from wavehaptics.words import formats
 
 SEED = 21
 TICKS = 2_500_000
@@ -54,16 +55,16 @@ def switched(
             kept[2] = -ONE if kept[1] else ONE
             if np.random.random() < 0.3:
                 kept[2] = np.random.randint(-ONE, ONE + 1)
-            kept[3] = golden.SHAPE if kept[1] and np.random.random() < 0.3 else golden.CLEAR
+            kept[3] = wave_core.SHAPE if kept[1] and np.random.random() < 0.3 else wave_core.CLEAR
         kept[0] -= 1
         e_a = kept[4] * VOLT * gain
         x = state[X]
         charge, square = motor_step(state, matrix, dt, e_a, load, parts)
         current = current_word(charge / dt, sensor, noise[n])
-        current = golden.saturate(current - held[anchor.OFFSET])
+        current = wave_core.saturate(current - held[anchor.OFFSET])
         position = int(np.floor(state[X] / cell))
-        withheld, saturated = core[golden.STATE_WITHHELD], core[golden.STATE_SATURATED] != 0
-        e_next, u, v = golden.shaped_core_step(
+        withheld, saturated = core[wave_core.STATE_WITHHELD], core[wave_core.STATE_SATURATED] != 0
+        e_next, u, v = wave_core.shaped_core_step(
             core, line, words, states, kept[3], current, kept[2], 0,
             root, a, u_max, extra, extra,
         )  # fmt: skip
@@ -72,7 +73,7 @@ def switched(
             held, held_words, position, kept[1] == 1, current, u, v, withheld, kept[5], saturated
         )
         kept[5] = e_next
-        kept[4] = golden.saturate(e_next + c)
+        kept[4] = wave_core.saturate(e_next + c)
         row = rows[n]
         row[Column.X] = 0.5 * (x + state[X])
         row[Column.OMEGA] = (state[X] - x) / dt
@@ -96,8 +97,8 @@ def run(make_scene, *sets: str, ticks: int = TICKS):
     rng = np.random.default_rng(SEED)
     seed_generator(SEED)
     rows, kept = np.zeros((CHUNK, len(Column))), np.zeros(6, dtype=np.int64)
-    state, core = plant.start.copy(), golden.new_state()
-    line, held = golden.new_line(set_.extra_ticks), anchor.new_state()
+    state, core = plant.start.copy(), wave_core.new_state()
+    line, held = wave_core.new_line(set_.extra_ticks), anchor.new_state()
     ints = (set_.root, set_.a, set_.u_max, set_.extra_ticks)
     gain = 1.0 + (scene.drive.gain_error if scene.drive else 0.0)
     fastest, most, corrected = 0.0, 0.0, 0

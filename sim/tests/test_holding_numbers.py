@@ -7,14 +7,15 @@ import json
 from pathlib import Path
 
 import pytest
-from wavehaptics import holding, numbers
-from wavehaptics.boards import ROOT
-from wavehaptics.holding import cases, tables
+from wavehaptics.fpga.boards import ROOT
+from wavehaptics.pages import filler, port_anchor
+from wavehaptics.studies import anchored
+from wavehaptics.studies.anchored import cases
 
 
 @pytest.fixture(scope="module")
 def kept():
-    return json.loads((ROOT / numbers.MEASURED).read_bytes())["holding"]
+    return json.loads((ROOT / filler.MEASURED).read_bytes())["holding"]
 
 
 def test_kept_holds_are_held_and_lost_without_the_anchor(kept):
@@ -45,10 +46,10 @@ def test_kept_bars_swing_by_less_than_half_a_cell(kept):
 
 
 def test_kept_motors_are_all_there(kept):
-    assert kept["motors"]["seeds"] in ([0, holding.MOTORS - 1], [0, holding.QUICK_MOTORS - 1])
-    assert set(kept["motors"]["faults"]) == {*tables.TARGETS, *tables.BOUNCES}
+    assert kept["motors"]["seeds"] in ([0, anchored.MOTORS - 1], [0, anchored.QUICK_MOTORS - 1])
+    assert set(kept["motors"]["faults"]) == {*port_anchor.TARGETS, *port_anchor.BOUNCES}
 
 
 def test_every_table_has_its_marker_on_its_page():
-    for name in tables.TABLES:
-        assert numbers.marked_pages(name) == [Path("docs", "holding.md")]
+    for name in port_anchor.TABLES:
+        assert filler.marked_pages(name) == [Path("docs", "holding.md")]

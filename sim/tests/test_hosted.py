@@ -5,17 +5,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wavehaptics import host_link, physics
-from wavehaptics.encoder import EncoderSimulation
-from wavehaptics.hosted import (
+from wavehaptics.controller import host_link
+from wavehaptics.ladder.encoder import EncoderSimulation
+from wavehaptics.ladder.hosted import (
     HostedSimulation,
     Line,
     PinsHostedSimulation,
     PowerEnvironment,
     WaveEnvironment,
 )
-from wavehaptics.reflection import Wish
-from wavehaptics.trace import Column
+from wavehaptics.laws import closed_forms
+from wavehaptics.laws.reflection import Wish
+from wavehaptics.trace.columns import Column
 
 TICK_HZ = 128e3
 PRESS = (
@@ -32,7 +33,7 @@ def environment_of(kind: str, scene, period_s: float):
     motor = scene.motor
     if kind == "wave":
         wish = Wish(0.0, DAMPING, STIFFNESS, 1e9)
-        return WaveEnvironment(wish, physics.b_r(motor.k_t, motor.R_ohm), period_s)
+        return WaveEnvironment(wish, closed_forms.b_r(motor.k_t, motor.R_ohm), period_s)
     return PowerEnvironment(STIFFNESS, DAMPING, motor.k_t, motor.R_ohm, period_s)
 
 
@@ -85,7 +86,7 @@ def test_the_host_renders_its_spring(make_scene, kind):
     set_ = simulation.settings
     # From the middle of the period of v to that of u two periods pass, and the core's own latency.
     late = 2 * simulation.period_ticks * set_.tick_s + set_.tau - set_.tick_s
-    front = physics.stiffness(motor.k_t, motor.L_h, motor.R_ohm, late)
+    front = closed_forms.stiffness(motor.k_t, motor.L_h, motor.R_ohm, late)
     felt = 1 / (1 / STIFFNESS + 1 / front)
     begun = np.flatnonzero(rows[:, Column.CONTACT])[0]
     moved = rows[-1, Column.X] - rows[begun, Column.X]

@@ -7,8 +7,8 @@ import json
 
 import numpy as np
 import pytest
-from wavehaptics import impedance_picture
-from wavehaptics.impedance import measure
+from wavehaptics.studies import impedance_picture
+from wavehaptics.studies.impedance import measure
 
 HERTZ = (2.0, 20.0, 100.0, 250.0, 500.0)
 CONTACT = ("controller.walls=[[0, 1]]", "controller.lambda=1e9")

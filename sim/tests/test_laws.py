@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wavehaptics import formats, physics
-from wavehaptics.analog import AnalogSimulation
-from wavehaptics.sampled import SampledSimulation
-from wavehaptics.trace import Column, Word
+from wavehaptics.ladder.analog import AnalogSimulation
+from wavehaptics.ladder.sampled import SampledSimulation
+from wavehaptics.laws import closed_forms
+from wavehaptics.trace.columns import Column, Word
+from wavehaptics.words import formats
 
 INSIDE = (
     "hand.path='sine'",
@@ -57,7 +58,7 @@ def test_rigid_contact_renders_the_predicted_stiffness(make_scene, tick_hz, extr
     )
     simulation = SampledSimulation(scene, rtl=False)
     motor, tau = scene.motor, simulation.settings.tau
-    expected = physics.stiffness(motor.k_t, motor.L_h, motor.R_ohm, tau)
+    expected = closed_forms.stiffness(motor.k_t, motor.L_h, motor.R_ohm, tau)
     assert slope(simulate(simulation, 0.4)) == pytest.approx(expected, rel=1e-3)
 
 
@@ -67,9 +68,9 @@ def test_analog_circuit_has_twice_the_stiffness_of_equation_14(make_scene, lambd
     scene = make_scene(*INSIDE, "controller.walls=[[-1, 1]]", f"controller.lambda={lambda_}")
     motor = scene.motor
     k = slope(simulate(AnalogSimulation(scene), 0.4))
-    k_l = physics.k_l(motor.k_t, motor.L_h)
+    k_l = closed_forms.k_l(motor.k_t, motor.L_h)
     filter_spring = 1 / (1 / k - 1 / k_l)
-    expected = physics.filter_stiffness(motor.k_t, motor.R_ohm, lambda_)
+    expected = closed_forms.filter_stiffness(motor.k_t, motor.R_ohm, lambda_)
     assert filter_spring == pytest.approx(expected, rel=5e-3)
     assert filter_spring / (motor.k_t**2 * lambda_ / motor.R_ohm) == pytest.approx(2, rel=5e-3)
 
@@ -91,9 +92,9 @@ def test_partial_contact_is_a_resistor_and_a_spring(make_scene):
     omega, current = (rows[:, c] @ turns for c in (Column.OMEGA, Column.I))
     motor, tau = scene.motor, simulation.settings.tau
     impedance = -motor.k_t * omega / current
-    assert impedance.real == pytest.approx(physics.series_resistance(motor.R_ohm, g), rel=1e-3)
+    assert impedance.real == pytest.approx(closed_forms.series_resistance(motor.R_ohm, g), rel=1e-3)
     inductance = impedance.imag / (2 * np.pi * hz)
-    assert inductance == pytest.approx(physics.l_eff(motor.L_h, motor.R_ohm, tau, g), rel=2e-3)
+    assert inductance == pytest.approx(closed_forms.l_eff(motor.L_h, motor.R_ohm, tau, g), rel=2e-3)
 
 
 def test_free_space_adds_the_predicted_inertia(make_scene):
@@ -108,7 +109,7 @@ def test_free_space_adds_the_predicted_inertia(make_scene):
     omega, torque = (rows[:, c] @ turns for c in (Column.OMEGA, Column.TORQUE))
     inertia = -(torque / omega).imag / (2 * np.pi * hz)
     motor = scene.motor
-    expected = physics.free_space_inertia(motor.k_t, motor.R_ohm, simulation.settings.tau)
+    expected = closed_forms.free_space_inertia(motor.k_t, motor.R_ohm, simulation.settings.tau)
     assert inertia == pytest.approx(expected, rel=2e-2)
 
 

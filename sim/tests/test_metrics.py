@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from wavehaptics.metrics import LEAST_TICKS, Metrics, write_metrics
 from wavehaptics.scene import Scene
-from wavehaptics.trace import Column
+from wavehaptics.trace.columns import Column
+from wavehaptics.trace.metrics import LEAST_TICKS, Metrics, write_metrics
 
 TICK_S = 1e-4
 COUNTS = 10_000

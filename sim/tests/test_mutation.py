@@ -11,12 +11,13 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from typer.testing import CliRunner
-from wavehaptics.boards import ROOT
-from wavehaptics.cli import app
-from wavehaptics.mutation import processes, results, rtl, run
-from wavehaptics.mutation.results import EQUIVALENT, KILLED, SURVIVED, Mutant, Store, summary
-from wavehaptics.mutation.table import Block, MutationError, load_table
-from wavehaptics.toolchain import Toolchain
+from wavehaptics.checks.mutation import results, rtl, run
+from wavehaptics.checks.mutation.results import EQUIVALENT, KILLED, SURVIVED, Mutant, Store, summary
+from wavehaptics.checks.mutation.table import Block, MutationError, load_table
+from wavehaptics.cli.main import app
+from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime import processes
+from wavehaptics.runtime.toolchain import Toolchain
 
 TABLE = load_table()
 SMALL = Block("wh_half_bridge", 6, "tb_half_bridge", "wh_half_bridge", "test_mutation")
@@ -50,7 +51,9 @@ def _modules_below(top: str) -> set[str]:
 def test_a_choice_is_of_known_blocks():
     assert [block.name for block in run.chosen(TABLE, ["wh_trip"], False)] == ["trip"]
     assert run.chosen(TABLE, [], False) == [*TABLE.blocks, *TABLE.models]
-    assert [model.module for model in run.chosen(TABLE, ["early.py"], False)] == ["early"]
+    assert [model.module for model in run.chosen(TABLE, ["early.py"], False)] == [
+        "controller/early"
+    ]
     quick = run.chosen(TABLE, [], True)
     assert quick
     assert len(quick) < 5
@@ -202,7 +205,7 @@ def second(x):
 
 def test_changes_of_a_model_are_where_its_code_runs():
     pytest.importorskip("cosmic_ray", reason="comes with make mutate")
-    from wavehaptics.mutation.models import changes
+    from wavehaptics.checks.mutation.models import changes
 
     found = changes(SOURCE, ["first"], 12, 20)
     assert len(found) == len({change.text for change in found}) == 12

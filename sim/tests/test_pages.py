@@ -7,8 +7,9 @@ import re
 from pathlib import Path
 
 import pytest
-from wavehaptics import numbers, page_tables
-from wavehaptics.boards import ROOT, board_names
+from wavehaptics.fpga.boards import ROOT, board_names
+from wavehaptics.pages import design, filler
+from wavehaptics.runtime.toml_source import parse
 
 LONGEST_README = 200
 
@@ -20,12 +21,12 @@ def test_readme_is_short():
     assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= LONGEST_README
 
 
-@pytest.mark.parametrize("name", numbers.TABLES)
+@pytest.mark.parametrize("name", filler.TABLES)
 def test_every_table_is_on_a_page(name):
-    assert numbers.marked_pages(name)
+    assert filler.marked_pages(name)
 
 
-@pytest.mark.parametrize("page", numbers.pages(), ids=str)
+@pytest.mark.parametrize("page", filler.pages(), ids=str)
 def test_no_table_of_numbers_is_typed_by_hand(page):
     """Outside the markers a table holds words; what boards/ computes of parts stays its own."""
     text = (ROOT / page).read_text(encoding="utf-8")
@@ -38,7 +39,7 @@ def test_no_table_of_numbers_is_typed_by_hand(page):
 
 def test_status_knows_what_the_boards_have():
     """The rows are the board tops' own parameters, and one that isn't there would be seen."""
-    options = page_tables.options_of_boards()
+    options = design.options_of_boards()
     assert set(options) == set(board_names())
     assert options["colorlight_i5"]["EARLY"] == 1
     assert options["icebreaker"]["EARLY"] == 0
@@ -46,7 +47,7 @@ def test_status_knows_what_the_boards_have():
     known = re.findall(
         r"parameter integer (\w+)", (ROOT / "rtl" / "wh_controller.v").read_text(encoding="utf-8")
     )
-    rows = {parameter for _, parameter in page_tables.STATUS if parameter}
+    rows = {parameter for _, parameter in design.STATUS if parameter}
     assert rows <= set(known)
     given = {name for of_board in options.values() for name in of_board}
     assert given - {"WALLS", "DELAY_LOG2"} <= rows
@@ -55,7 +56,7 @@ def test_status_knows_what_the_boards_have():
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
 
 
-@pytest.mark.parametrize("page", numbers.pages(), ids=str)
+@pytest.mark.parametrize("page", filler.pages(), ids=str)
 def test_links_lead_to_files(page):
     """On GitHub as well, where nothing checks them; `make docs` checks the places in pages."""
     links = LINK.findall((ROOT / page).read_text(encoding="utf-8"))
@@ -69,14 +70,14 @@ def test_pages_are_found(tmp_path):
     (tmp_path / "docs").mkdir()
     (tmp_path / "docs" / "b.md").write_text("<!-- begin boards -->\n")
     (tmp_path / "README.md").write_text("")
-    assert numbers.pages(tmp_path) == [Path("README.md"), Path("docs", "b.md")]
-    assert numbers.marked_pages("boards", tmp_path) == [Path("docs", "b.md")]
+    assert filler.pages(tmp_path) == [Path("README.md"), Path("docs", "b.md")]
+    assert filler.marked_pages("boards", tmp_path) == [Path("docs", "b.md")]
 
 
 NAMED_TEST = re.compile(r"`(test_\w+)`")
 
 
-@pytest.mark.parametrize("page", numbers.pages(), ids=str)
+@pytest.mark.parametrize("page", filler.pages(), ids=str)
 def test_tests_that_pages_name_are_there(page):
     """Each in a file that the page links to."""
     text = (ROOT / page).read_text(encoding="utf-8")
@@ -96,3 +97,13 @@ def test_architecture_names_every_block():
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     blocks = {path.stem for path in (ROOT / "rtl").glob("wh_*.v")}
     assert set(re.findall(r"rtl/(wh_\w+)\.v", text)) == blocks
+
+
+def test_version_is_one():
+    project, _ = parse((ROOT / "pyproject.toml").read_bytes())
+    version = project["project"]["version"]
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert f"\nversion: {version}\n" in citation
+    (newest, *_) = re.findall(r"^## (\S+?),? ", changelog, re.MULTILINE)
+    assert newest == version

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wavehaptics import physics
-from wavehaptics.analog import AnalogSimulation
-from wavehaptics.impedance import measure as sweep
-from wavehaptics.run import measure
-from wavehaptics.sampled import SampledSimulation
+from wavehaptics.ladder.analog import AnalogSimulation
+from wavehaptics.ladder.run import measure
+from wavehaptics.ladder.sampled import SampledSimulation
+from wavehaptics.laws import closed_forms
 from wavehaptics.scene import find_scene, load_scene
-from wavehaptics.trace import Column, Word
+from wavehaptics.studies.impedance import measure as sweep
+from wavehaptics.trace.columns import Column, Word
 
 
 def simulate(simulation, duration_s: float) -> np.ndarray:
@@ -39,7 +39,7 @@ def test_uncontrolled_motor_is_the_spring_and_the_damper_of_fig_4_in_series(make
     """1/Z = jω/K_L + 1/B_R, below, at and above the corner R/L of 1.4 kHz."""
     scene = make_scene(*SHORTED, "controller.walls=[[-10, 10]]")
     motor, omega = scene.motor, 2 * np.pi * hertz
-    k_l, b_r = physics.k_l(motor.k_t, motor.L_h), physics.b_r(motor.k_t, motor.R_ohm)
+    k_l, b_r = closed_forms.k_l(motor.k_t, motor.L_h), closed_forms.b_r(motor.k_t, motor.R_ohm)
     (found,) = sweep(scene, (hertz,)).measured
     assert found == pytest.approx(1 / (1j * omega / k_l + 1 / b_r), rel=5e-3)
 
@@ -50,9 +50,9 @@ def test_the_damper_of_fig_4_hides_the_spring_from_slow_motion(make_scene):
     motor = scene.motor
     omega = 2 * np.pi * np.array([20.0, 9500.0])
     slow, fast = sweep(scene, (20.0, 9500.0)).measured
-    assert abs(slow) == pytest.approx(physics.b_r(motor.k_t, motor.R_ohm), rel=1e-3)
+    assert abs(slow) == pytest.approx(closed_forms.b_r(motor.k_t, motor.R_ohm), rel=1e-3)
     assert abs(np.angle(slow, deg=True)) < 2
-    assert abs(fast) == pytest.approx(physics.k_l(motor.k_t, motor.L_h) / omega[1], rel=0.02)
+    assert abs(fast) == pytest.approx(closed_forms.k_l(motor.k_t, motor.L_h) / omega[1], rel=0.02)
     assert np.angle(fast, deg=True) == pytest.approx(-81, abs=2)
 
 
@@ -115,7 +115,7 @@ def test_the_measured_stiffness_is_an_r_hat_that_is_hardly_off():
         for part in (-1e-3, 0.0, 0.5e-3, 1e-3)
     }
     motor = paper_taps().motor
-    exact = physics.stiffness(motor.k_t, motor.L_h, motor.R_ohm, 1e-4)
+    exact = closed_forms.stiffness(motor.k_t, motor.L_h, motor.R_ohm, 1e-4)
     assert found[0.0] == pytest.approx(exact, rel=1e-3)
     assert exact == pytest.approx(1.569, abs=1e-3)
     assert found[0.5e-3] < 1.9 < found[1e-3]

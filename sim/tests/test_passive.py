@@ -7,13 +7,15 @@ import itertools
 
 import numpy as np
 import pytest
-from wavehaptics import formats, golden, host_link, physics
-from wavehaptics.compiled import compiled_counting
-from wavehaptics.normalised import quantise, realise
-from wavehaptics.plant import OMEGA, Plant, load_words, plant_step
-from wavehaptics.reflection import Wish, reflection
-from wavehaptics.sensor import Sensor, current_word
-from wavehaptics.settings import settings
+from wavehaptics.controller import host_link, wave_core
+from wavehaptics.controller.normalised import quantise, realise
+from wavehaptics.controller.settings import settings
+from wavehaptics.laws import closed_forms
+from wavehaptics.laws.reflection import Wish, reflection
+from wavehaptics.motor.plant import OMEGA, Plant, load_words, plant_step
+from wavehaptics.motor.sensor import Sensor, current_word
+from wavehaptics.runtime.compiled import compiled_counting
+from wavehaptics.words import formats
 
 SEED = 20
 TICKS = 5_000_000
@@ -28,12 +30,12 @@ HAND = ("hand.path=sine", "hand.amplitude_rad=0.2", "hand.frequency_hz=9", "hand
 def wishes(motor, cheat: float = 1.0) -> np.ndarray:
     """Words of two sections of many feels: int64 (feels, 2, SECTION_WORDS)."""
     sections = []
-    damper = physics.b_r(motor.k_t, motor.R_ohm)
+    damper = closed_forms.b_r(motor.k_t, motor.R_ohm)
     for mass, damping, spring in itertools.product((0.0, 1e-6, 1e-4), (0.0, 3e-4), (0.05, 5.0)):
         for tick_s in (1e-6, 1e-4):
             wish = Wish(mass, damping, spring, 2.26)
             words = quantise(realise(*reflection(wish, damper), tick_s))
-            words[golden.B1 : golden.LOSS1] = words[golden.B1 : golden.LOSS1] * cheat
+            words[wave_core.B1 : wave_core.LOSS1] = words[wave_core.B1 : wave_core.LOSS1] * cheat
             sections.append(words)
     return np.array([[a, b] for a, b in itertools.pairwise(sections)])
 
@@ -73,8 +75,8 @@ def switched(ticks, seed, words, ints, state, core, line, link, load, matrix, dt
             host_link.answer(link, number - np.random.randint(0, 3), u)
         # The host's goal is in force where the link is active; else what is set here.
         active = link[host_link.ACTIVE] == 1
-        shape = golden.CLEAR if active else min(mode, golden.SHAPE)
-        voltage, _, v_n = golden.shaped_core_step(
+        shape = wave_core.CLEAR if active else min(mode, wave_core.SHAPE)
+        voltage, _, v_n = wave_core.shaped_core_step(
             core, line, words[feel], states, shape, current, 0 if active else eta,
             link[host_link.U] if active else 0, root, a, u_max, extra, extra,
         )  # fmt: skip
@@ -95,8 +97,8 @@ def run(make_scene, lambda_: str, seed: int, cheat: float = 1.0, ticks: int = TI
     assert plant.substeps(dt) == 1
     ints = (set_.root, set_.a, set_.u_max, set_.extra_ticks)
     return switched(
-        ticks, seed, wishes(scene.motor, cheat), ints, plant.start.copy(), golden.new_state(),
-        golden.new_line(set_.extra_ticks), host_link.new_state(), load_words(plant),
+        ticks, seed, wishes(scene.motor, cheat), ints, plant.start.copy(), wave_core.new_state(),
+        wave_core.new_line(set_.extra_ticks), host_link.new_state(), load_words(plant),
         plant.transition(dt), dt, Sensor.of_scene(scene).constants(),
         np.random.default_rng(seed).standard_normal(ticks),
     )  # fmt: skip

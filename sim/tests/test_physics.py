@@ -4,7 +4,7 @@
 import math
 
 import pytest
-from wavehaptics import physics
+from wavehaptics.laws import closed_forms
 
 R, L, K_T = 2.18, 0.24e-3, 23.4e-3
 OMEGA = 0.7
@@ -24,7 +24,7 @@ def currents(
     ``speeds`` are those of the ticks, rad/s; the winding is advanced exactly for a speed that is
     constant within the tick.
     """
-    s = physics.root(R)
+    s = closed_forms.root(R)
     decay = math.exp(-R * tick_s / L)
     pending = [0.0] * (extra_ticks + 1)
     i = f = 0.0
@@ -45,36 +45,38 @@ TICKS = [(1e-6, 0.0101, 1), (1e-6, 1.0, 1), (20e-6, 0.3, 0), (50e-6, 1.0, 3), (2
 
 
 def test_numbers_of_the_paper():
-    assert physics.k_l(K_T, L) == pytest.approx(2.2815)
-    assert physics.b_r(K_T, R) == pytest.approx(2.5117e-4, rel=1e-4)
-    assert physics.root(2.0) == 2.0
+    assert closed_forms.k_l(K_T, L) == pytest.approx(2.2815)
+    assert closed_forms.b_r(K_T, R) == pytest.approx(2.5117e-4, rel=1e-4)
+    assert closed_forms.root(2.0) == 2.0
     # The preset of the paper's arm: 8:1 at 0.14 m, 7500 N/m at the tip.
-    assert physics.k_l(43.8e-3, 0.83e-3) * (8 / 0.14) ** 2 == pytest.approx(7547, abs=1)
+    assert closed_forms.k_l(43.8e-3, 0.83e-3) * (8 / 0.14) ** 2 == pytest.approx(7547, abs=1)
 
 
 def test_stiffest_wall_at_1_mhz():
-    tau = physics.tau(1e-6, 1.0, 1)
+    tau = closed_forms.tau(1e-6, 1.0, 1)
     assert tau == 2e-6
-    assert physics.stiffness(K_T, L, R, tau) / physics.k_l(K_T, L) == pytest.approx(0.991, abs=1e-4)
+    assert closed_forms.stiffness(K_T, L, R, tau) / closed_forms.k_l(K_T, L) == pytest.approx(
+        0.991, abs=1e-4
+    )
 
 
 @pytest.mark.parametrize(("tick_s", "a", "k"), TICKS)
 def test_rigid_contact_is_the_predicted_spring(tick_s, a, k):
     # Speed comes smoothly: with a = 1 the loop around the inductor, which is lossless, rings on.
-    tau = physics.tau(tick_s, a, k)
+    tau = closed_forms.tau(tick_s, a, k)
     ticks = round(100 * (tau + L / R) / tick_s)
     i = currents(tick_s, a, k, -1.0, [OMEGA * rise(n / (0.9 * ticks)) for n in range(ticks)])
     slope = (i[-1] - i[-11]) / (10 * tick_s)
     stiffness = -K_T * slope / OMEGA
-    assert stiffness == pytest.approx(physics.stiffness(K_T, L, R, tau), rel=1e-6)
+    assert stiffness == pytest.approx(closed_forms.stiffness(K_T, L, R, tau), rel=1e-6)
 
 
 @pytest.mark.parametrize(("tick_s", "a", "k"), TICKS)
 @pytest.mark.parametrize("g", [0.9, 0.5, 0.0, -0.5])
 def test_damped_contact_is_the_predicted_resistance_and_inductance(tick_s, a, k, g):
-    tau = physics.tau(tick_s, a, k)
-    resistance = physics.series_resistance(R, g)
-    inductance = physics.l_eff(L, R, tau, g)
+    tau = closed_forms.tau(tick_s, a, k)
+    resistance = closed_forms.series_resistance(R, g)
+    inductance = closed_forms.l_eff(L, R, tau, g)
     ticks = round(60 * (tau + L / R + abs(inductance) / resistance) / tick_s) + 100
     i = currents(tick_s, a, k, -g, [OMEGA] * ticks)
     final = -K_T * OMEGA / resistance
@@ -86,29 +88,29 @@ def test_damped_contact_is_the_predicted_resistance_and_inductance(tick_s, a, k,
 
 @pytest.mark.parametrize(("tick_s", "a", "k"), TICKS)
 def test_free_space_is_the_predicted_inertia(tick_s, a, k):
-    tau = physics.tau(tick_s, a, k)
+    tau = closed_forms.tau(tick_s, a, k)
     ticks = round(100 * (tau + L / R) / tick_s)
     speeds, acceleration = [0.0], 50.0
     for n in range(ticks):
         speeds.append(speeds[-1] + acceleration * tick_s * rise(n / (0.9 * ticks)))
     torque = K_T * currents(tick_s, a, k, 1.0, speeds)[-1]
-    inertia = physics.free_space_inertia(K_T, R, tau)
+    inertia = closed_forms.free_space_inertia(K_T, R, tau)
     assert -torque / acceleration == pytest.approx(inertia, rel=1e-6)
 
 
 def test_full_reflection_in_phase_has_no_inductance():
     for g in (-1.0, 1.0001, -2.0):
         with pytest.raises(ValueError, match="g = −η"):
-            physics.l_eff(L, R, 1e-6, g)
+            closed_forms.l_eff(L, R, 1e-6, g)
         with pytest.raises(ValueError, match="g = −η"):
-            physics.series_resistance(R, g)
+            closed_forms.series_resistance(R, g)
 
 
 @pytest.mark.parametrize("k", [0, 1, 50, 98])
 def test_matched_a_gives_the_whole_delay(k):
-    a = physics.matched_a(1e-6, 1e4, k)
+    a = closed_forms.matched_a(1e-6, 1e4, k)
     assert 0.0 < a < 1.0
-    assert physics.tau(1e-6, a, k) == pytest.approx(1e-4, rel=1e-12)
+    assert closed_forms.tau(1e-6, a, k) == pytest.approx(1e-4, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -122,13 +124,15 @@ def test_matched_a_gives_the_whole_delay(k):
     ],
 )
 def test_matched_a_is_the_largest_where_the_latency_leaves_no_more(tick_s, lambda_, k):
-    assert physics.matched_a(tick_s, lambda_, k) == physics.MOST_A
+    assert closed_forms.matched_a(tick_s, lambda_, k) == closed_forms.MOST_A
 
 
 def test_filter_stiffness_is_twice_what_the_paper_prints():
     lambda_ = 1e4
     printed = K_T**2 * lambda_ / R
-    assert physics.filter_stiffness(K_T, R, lambda_) == pytest.approx(2.0 * printed)
+    assert closed_forms.filter_stiffness(K_T, R, lambda_) == pytest.approx(2.0 * printed)
     # In series with K_L it is the analog circuit's wall, τ = 1/λ.
-    series = 1.0 / (1.0 / physics.k_l(K_T, L) + 1.0 / physics.filter_stiffness(K_T, R, lambda_))
-    assert series == pytest.approx(physics.stiffness(K_T, L, R, 1.0 / lambda_), rel=1e-12)
+    series = 1.0 / (
+        1.0 / closed_forms.k_l(K_T, L) + 1.0 / closed_forms.filter_stiffness(K_T, R, lambda_)
+    )
+    assert series == pytest.approx(closed_forms.stiffness(K_T, L, R, 1.0 / lambda_), rel=1e-12)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from wavehaptics import pictures
+from wavehaptics.trace import pictures
 
 METRICS = {
     "scene": "synthetic",

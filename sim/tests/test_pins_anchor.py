@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wavehaptics.guard import Fault, GuardedPins, Injection, Limits
-from wavehaptics.hosted import HostedSimulation, Line, PinsHostedSimulation, PowerEnvironment
-from wavehaptics.plant import OMEGA
-from wavehaptics.run import CONTROLLERS
+from wavehaptics.ladder.guarded_pins import Fault, GuardedPins, Injection, Limits
+from wavehaptics.ladder.hosted import HostedSimulation, Line, PinsHostedSimulation, PowerEnvironment
+from wavehaptics.ladder.run import CONTROLLERS
+from wavehaptics.motor.plant import OMEGA
 from wavehaptics.scene import find_scene, load_scene
-from wavehaptics.trace import Column, Word
+from wavehaptics.trace.columns import Column, Word
 
 FAULTY = (
     "controller.anchor_auto=true", "brushes.drop_v=0.3", "brushes.knee_a=0.02",

@@ -8,8 +8,8 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from wavehaptics.hand import PRESS_RAMP_S, hand_path
-from wavehaptics.plant import (
+from wavehaptics.motor.hand import PRESS_RAMP_S, hand_path
+from wavehaptics.motor.plant import (
     OMEGA,
     STATE_SIZE,
     TIME,

@@ -11,10 +11,18 @@ from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
-from wavehaptics import proofs
-from wavehaptics.boards import ROOT
-from wavehaptics.proofs import Proof, ProofError, Twin, jobs_of, load_table, sby_file, sources
-from wavehaptics.toolchain import Toolchain
+from wavehaptics.checks import proofs
+from wavehaptics.checks.proofs import (
+    Proof,
+    ProofError,
+    Twin,
+    jobs_of,
+    load_table,
+    sby_file,
+    sources,
+)
+from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.toolchain import Toolchain
 
 ENTRIES, UNPROVEN = load_table()
 JOBS = [job for proof in ENTRIES for job in jobs_of(proof)]

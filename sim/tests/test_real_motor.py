@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from wavehaptics.brushes import NOISE_POINTS, PARTS_OF_NOISE_S, noise_course
-from wavehaptics.motor import MEMORY, SERIES_OHM, motor_parts, motor_step, warm_parts
-from wavehaptics.plant import OMEGA, I, Plant, X, load_words
+from wavehaptics.motor.brushes import NOISE_POINTS, PARTS_OF_NOISE_S, noise_course
+from wavehaptics.motor.plant import OMEGA, I, Plant, X, load_words
+from wavehaptics.motor.step import MEMORY, SERIES_OHM, motor_parts, motor_step, warm_parts
 
 TICK_S = 1e-6
 R, L, K_T, J = 2.18, 0.24e-3, 23.4e-3, 10.3e-7

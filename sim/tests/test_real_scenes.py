@@ -8,15 +8,16 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from wavehaptics import formats, physics
-from wavehaptics.hosted import HostedSimulation, Line
-from wavehaptics.lines import cell_of, edge_place, line_count, line_words, new_lines
-from wavehaptics.pins import PinsSimulation
-from wavehaptics.run import CONTROLLERS, measure
-from wavehaptics.sampled import SampledSimulation
+from wavehaptics.ladder.hosted import HostedSimulation, Line
+from wavehaptics.ladder.pins import PinsSimulation
+from wavehaptics.ladder.run import CONTROLLERS, measure
+from wavehaptics.ladder.sampled import SampledSimulation
+from wavehaptics.laws import closed_forms
+from wavehaptics.motor.encoder_lines import cell_of, edge_place, line_count, line_words, new_lines
+from wavehaptics.motor.sensor import LAG_RATE, Sensor, lagged
 from wavehaptics.scene import SceneError, drive_gain
-from wavehaptics.sensor import LAG_RATE, Sensor, lagged
-from wavehaptics.trace import Column, Word
+from wavehaptics.trace.columns import Column, Word
+from wavehaptics.words import formats
 
 PRESS = (
     "hand.path='press'", "hand.amplitude_rad=0.02", "hand.stiffness=0.4", "hand.damping=1e-4",
@@ -120,7 +121,7 @@ def test_a_step_from_the_start_is_another_bus(make_scene, controller):
 def test_the_voltage_follows_the_bus_from_the_step_on(make_scene, controller):
     scene = make_scene(*PRESS, "drive.bus_v=12", "drive.step_v=1.5", "drive.step_s=0.0123456")
     rows, simulation = rows_of(scene, controller, 0.02)
-    asked = physics.root(simulation.settings.r_hat) * rows[:, Column.U]
+    asked = closed_forms.root(simulation.settings.r_hat) * rows[:, Column.U]
     t, e = rows[:, Column.T], rows[:, Column.E_A]
     before, after = t < 0.012345, t > 0.012347
     assert np.abs(asked[after]).max() > 0.01
@@ -136,7 +137,7 @@ def test_pins_bus_steps(make_scene):
     before, after = rows[:, Column.T] < 0.006, (rows[:, Column.T] > 0.00601)
     np.testing.assert_array_equal(rows[before, Column.E_A], plain[before, Column.E_A])
     # What the controller asks for is what it knows of: u.
-    s = physics.root(2.18)
+    s = closed_forms.root(2.18)
     asked = s * rows[after, Column.U].sum()
     assert rows[after, Column.E_A].sum() / asked == pytest.approx(0.75, rel=0.03)
 
@@ -150,7 +151,7 @@ def test_a_measured_bus_is_made_good(make_scene):
     pins = make_scene(*PRESS, *step, "drive.bus_measured=true")
     rows, _ = rows_of(pins, "pins", 0.008)
     after = rows[:, Column.T] > 0.00601
-    asked = physics.root(2.18) * rows[after, Column.U].sum()
+    asked = closed_forms.root(2.18) * rows[after, Column.U].sum()
     assert rows[after, Column.E_A].sum() / asked == pytest.approx(1.0, rel=0.03)
 
 
@@ -162,7 +163,7 @@ def test_sag_is_a_resistance_of_the_duty_squared(make_scene, controller):
     assert np.abs(rows[:, Column.E_A]).max() > 0.2
     if controller == "encoder":  # which has no u
         return
-    asked = physics.root(simulation.settings.r_hat) * rows[:, Column.U]
+    asked = closed_forms.root(simulation.settings.r_hat) * rows[:, Column.U]
     duty = asked / 0.4
     expected = asked - 0.2 * duty**2 * rows[:, Column.I]
     assert off(rows[:, Column.E_A], expected) < 1e-3

@@ -7,8 +7,9 @@ import json
 from pathlib import Path
 
 import pytest
-from wavehaptics import numbers, proofs, reliability, soak
-from wavehaptics.proofs import Outcome
+from wavehaptics.checks import proofs, soak
+from wavehaptics.checks.proofs import Outcome
+from wavehaptics.pages import filler, reliability
 
 TESTS = '<testsuites><testsuite tests="{}" failures="{}" errors="0" skipped="1"/></testsuites>'
 NONE = {"sections": {"old_way": {"ratios": []}, "parts": {"scenes": {}}}, "seconds": 1.0}
@@ -43,17 +44,17 @@ def write(root: Path, name: str, found: object) -> None:
 
 
 def kept(root: Path) -> dict:
-    return json.loads((root / numbers.MEASURED).read_bytes())
+    return json.loads((root / filler.MEASURED).read_bytes())
 
 
 def rows(root: Path) -> dict[str, str]:
     """The table's rows by their first cell."""
-    table = numbers.TABLES["reliability"](kept(root))
+    table = filler.TABLES["reliability"](kept(root))
     return {line.split("|")[1].strip(): line for line in table.splitlines()[2:]}
 
 
 def test_a_command_that_was_not_run_says_so():
-    lines = numbers.TABLES["reliability"]({}).splitlines()[2:]
+    lines = filler.TABLES["reliability"]({}).splitlines()[2:]
     assert len(lines) == 6
     assert all("not run" in line for line in lines)
 
@@ -67,7 +68,7 @@ def test_rows_say_what_the_commands_found(tmp_path):
     write(tmp_path, "coverage/summary.json", COVERAGE)
     write(tmp_path, "tests/quick.xml", TESTS.format(100, 0))
     write(tmp_path, "tests/rest.xml", TESTS.format(2000, 3))
-    assert numbers.keep(tmp_path) == []
+    assert filler.keep(tmp_path) == []
     found = rows(tmp_path)
     proven = "2 properties proven with z3, 1 by induction, 1 over a bounded number of clocks; "
     assert f"{proven}1 planted faults found, 1 covers reached | c |" in found["proofs"]
@@ -83,7 +84,7 @@ def test_rows_say_what_the_commands_found(tmp_path):
 def test_half_the_tests_are_not_taken_for_all(tmp_path):
     write(tmp_path, "tests/quick.xml", TESTS.format(100, 0))
     write(tmp_path, "soak/summary.json", SOAK)
-    numbers.keep(tmp_path)
+    filler.keep(tmp_path)
     assert "not run" in rows(tmp_path)["tests"]
     assert "nothing" in rows(tmp_path)["soak"]
 
@@ -104,24 +105,24 @@ def test_a_quick_run_does_not_replace_a_whole_one(tmp_path, name, whole, quick):
     write(tmp_path, name, whole)
     for picture in ("old_way_limits.png", "held_wall.png"):
         write(tmp_path, f"report/{picture}", "whole")
-    assert numbers.keep(tmp_path) == []
+    assert filler.keep(tmp_path) == []
     before = kept(tmp_path)
     write(tmp_path, name, quick)
     for picture in ("old_way_limits.png", "held_wall.png"):
         write(tmp_path, f"report/{picture}", "quick")
-    assert numbers.keep(tmp_path) == [Path("build", name)]
+    assert filler.keep(tmp_path) == [Path("build", name)]
     assert kept(tmp_path) == before
     if name.startswith("report"):
         assert (tmp_path / "sim" / "docs" / "old_way_limits.png").read_text() == "whole"
 
 
 def test_a_quick_study_of_holding_is_left_out(tmp_path, monkeypatch):
-    monkeypatch.setitem(numbers._STUDIES, numbers._HOLDING, ("holding", dict))
+    monkeypatch.setitem(filler._STUDIES, filler._HOLDING, ("holding", dict))
     write(tmp_path, "holding/holding.json", HOLDING | {"quick": False})
-    numbers.keep(tmp_path)
+    filler.keep(tmp_path)
     before = kept(tmp_path)
     write(tmp_path, "holding/holding.json", HOLDING | {"quick": True, "lost": [1]})
-    assert numbers.keep(tmp_path) == [numbers._HOLDING]
+    assert filler.keep(tmp_path) == [filler._HOLDING]
     assert kept(tmp_path) == before
 
 
@@ -131,7 +132,7 @@ def test_a_part_of_the_proofs_leaves_the_summary_of_all(tmp_path):
     part = proofs.write_summary([run("a", "proof")], "tools", tmp_path, part=True)
     assert part != everything
     assert everything.read_bytes() == before
-    numbers.keep(tmp_path)
+    filler.keep(tmp_path)
     assert "2 properties proven" in rows(tmp_path)["proofs"]
 
 
@@ -139,10 +140,10 @@ def test_a_summary_that_does_not_say_whether_it_is_whole_is_not_taken_for_it(tmp
     """The proofs' once held whichever runs came last."""
     write(tmp_path, "formal/summary.json", {"tools": "tools", "runs": []})
     write(tmp_path, "soak/summary.json", SOAK)
-    assert numbers.keep(tmp_path) == [numbers._FORMAL]
+    assert filler.keep(tmp_path) == [filler._FORMAL]
     assert "not run" in rows(tmp_path)["proofs"]
 
 
 def test_the_table_has_its_marker_on_its_page():
     for name in reliability.TABLES:
-        assert numbers.marked_pages(name) == [Path("docs", "reliability.md")]
+        assert filler.marked_pages(name) == [Path("docs", "reliability.md")]

@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from wavehaptics import physics, pictures, stability
-from wavehaptics.boards import ROOT
-from wavehaptics.report import (
+from wavehaptics.fpga.boards import ROOT
+from wavehaptics.laws import closed_forms
+from wavehaptics.studies import stability
+from wavehaptics.studies.report import (
     blocks,
     broken_inputs,
     build,
@@ -31,6 +32,7 @@ from wavehaptics.report import (
     spectrum,
     widths,
 )
+from wavehaptics.trace import pictures
 
 
 def collect(section: Any, keep) -> dict[str, Any]:
@@ -209,7 +211,7 @@ def test_the_papers_experiment(tmp_path):
     assert pins["stiffness"] == pytest.approx(pins["stiffness_predicted"], rel=0.01)
     assert analog["stiffness"] == pytest.approx(analog["stiffness_predicted"], rel=2e-3)
     assert pins["torque_nrmse_vs_analog"] < 5e-3
-    filter_k = physics.filter_stiffness(23.4e-3, 2.18, 1e4)
+    filter_k = closed_forms.filter_stiffness(23.4e-3, 2.18, 1e4)
     printed = 1 / (1 / pins["k_l"] + 2 / filter_k)
     assert printed < 0.8 * analog["stiffness"] < analog["stiffness"] < pictures.PAPER_MEASURED
     assert paper.show(data, tmp_path)
@@ -237,7 +239,7 @@ def usual(curve: str, *settings: str) -> dict[str, Any]:
 def test_the_encoders_wall_needs_the_hand_and_the_wave_wall_does_not():
     """A firm grip carries a 1 kHz servo beyond K_L, a light finger to a tenth of it and less."""
     light, firm = (f"hand.damping={old_way.HAND_DAMPING[n]}" for n in (0, -1))
-    k_l = physics.k_l(43.8e-3, 0.83e-3)
+    k_l = closed_forms.k_l(43.8e-3, 0.83e-3)
     assert usual("hand", light)["stiffness"] < 0.1 * k_l
     assert usual("hand", firm)["stiffness"] > k_l
     for hand in (light, firm):
@@ -262,7 +264,7 @@ def test_delay_softens_both_loops():
 
 def test_at_equal_rates_the_encoders_wall_can_be_the_stiffer():
     """With a fast amplifier at 100 kHz it goes beyond K_L, which is the wave wall's most."""
-    k_l = physics.k_l(43.8e-3, 0.83e-3)
+    k_l = closed_forms.k_l(43.8e-3, 0.83e-3)
     rate = "servo.rate_hz=100000.0"
     fast = usual("rate fast", rate)["stiffness"]
     assert fast > usual("rate", rate)["stiffness"] > k_l

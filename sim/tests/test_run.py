@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from wavehaptics import pins
-from wavehaptics.run import run_scene
+from wavehaptics.ladder import pins
+from wavehaptics.ladder.run import run_scene
 from wavehaptics.scene import SceneError, find_scene, load_scene, shipped_scenes
-from wavehaptics.trace import load_trace
+from wavehaptics.trace.columns import load_trace
 
 WALL_SCENES = ("paper_taps", "stiffest", "press_hold", "impact", "phantom")
 PINS_DURATION_S = {
@@ -92,7 +92,7 @@ def test_metrics_file_and_trace_have_what_the_design_names(tmp_path):
 
 def test_a_mistimed_sample_is_seen_in_the_stiffness(monkeypatch, tmp_path):
     """The check of `pins` can fail: sampling a quarter tick off the middle changes what is felt."""
-    import wavehaptics.pins as pins
+    import wavehaptics.ladder.pins as pins
 
     monkeypatch.setattr(pins, "CENTRED_LEAD", pins.CENTRED_LEAD + 12)
     metrics = run_scene(load("paper_taps", "scene.duration_s=0.26"), "pins", tmp_path)
@@ -161,16 +161,16 @@ def test_a_part_read_wrong_is_felt(monkeypatch, tmp_path: Path):
     """The simulated part follows its own frame: one bit read too early, and the wall is gone."""
     import dataclasses
 
-    from wavehaptics import adc_parts
+    from wavehaptics.parts import adcs
 
-    part = adc_parts.PARTS["AD7276"]
+    part = adcs.PARTS["AD7276"]
     wrong = dataclasses.replace(part, lead_bits=1)
     scene = load("paper_taps", "adc.part=AD7276", "scene.duration_s=0.2")
     ports = pins.controller_ports
     monkeypatch.setattr(
         pins, "controller_ports",
         lambda scene, **options: ports(
-            scene, lambda clock_hz, _: adc_parts.frame(wrong, clock_hz), **options
+            scene, lambda clock_hz, _: adcs.frame(wrong, clock_hz), **options
         ),
     )  # fmt: skip
     monkeypatch.setattr(pins, "_wire", lambda scene, frame: (64 - 14, 0))

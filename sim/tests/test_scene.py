@@ -12,7 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
-from wavehaptics.motors import PRESETS
+from wavehaptics.parts.motors import PRESETS
+from wavehaptics.runtime.toml_source import parse
 from wavehaptics.scene import (
     GONE,
     NOT_SIMULATED,
@@ -25,7 +26,6 @@ from wavehaptics.scene import (
     load_scene,
     shipped_scenes,
 )
-from wavehaptics.toml_source import parse
 
 BASE = """\
 [scene]

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from scipy import signal
-from wavehaptics import formats, golden, physics
-from wavehaptics.normalised import (
+from wavehaptics.controller import wave_core
+from wavehaptics.controller.normalised import (
     from_sos,
     is_contractive,
     noise_gain,
@@ -20,15 +20,17 @@ from wavehaptics.normalised import (
     realise,
     response,
 )
-from wavehaptics.reflection import Wish, WishError, front_stiffness, reflection, spring_behind
+from wavehaptics.controller.settings import settings
+from wavehaptics.controller.shaper import fragment, report
+from wavehaptics.laws import closed_forms
+from wavehaptics.laws.reflection import Wish, WishError, front_stiffness, reflection, spring_behind
 from wavehaptics.scene import SceneError
-from wavehaptics.settings import settings
-from wavehaptics.shaper import fragment, report
+from wavehaptics.words import formats
 
 SEED = 20
 TICK_S = 1e-6
 K_T, L, R = 23.4e-3, 0.24e-3, 2.18
-B = physics.b_r(K_T, R)
+B = closed_forms.b_r(K_T, R)
 FRONT = front_stiffness(K_T, L, R, 2 * TICK_S)
 GUARD_IN_WAVE = formats.STATE_GUARD - formats.SHAPE_HEADROOM
 WAVE, STATE = formats.WAVE, formats.SHAPE_STATE
@@ -95,9 +97,9 @@ def test_no_word_can_grow(name, tick_s):
     # 1e-4 is beyond all slack that the shrinking left; it must be seen.
     grown = words.copy()
     step = gain_word(1e-4)
-    for place in (golden.B1, golden.C1, golden.D):
+    for place in (wave_core.B1, wave_core.C1, wave_core.D):
         grown[place] += step if grown[place] >= 0 else -step
-    if abs(int(grown[golden.D])) + abs(int(grown[golden.B1])) > 0 and name != "damper":
+    if abs(int(grown[wave_core.D])) + abs(int(grown[wave_core.B1])) > 0 and name != "damper":
         assert not is_contractive(grown)
 
 
@@ -161,7 +163,7 @@ def test_no_tick_gives_out_energy(words, x1, x2, v):
     """|x'|² + y² ≤ |x|² + v² in whole numbers, for any state and any wave."""
     x = np.array([x1, x2])
     before = energy(x, v)
-    y = golden.shaper_section(words, x, v)
+    y = wave_core.shaper_section(words, x, v)
     assert energy(x, y) <= before
     assert WAVE.raw_min <= y <= WAVE.raw_max
     assert all(STATE_MIN <= word <= STATE_MAX for word in x.tolist())
@@ -170,14 +172,14 @@ def test_no_tick_gives_out_energy(words, x1, x2, v):
 def test_a_rounding_of_less_loss_would_give_out_energy():
     """The check can fail: without the losses a state is found that gives energy out."""
     words = words_of(WISHES["hard spring"])
-    words[golden.LOSS1 :] = 0
+    words[wave_core.LOSS1 :] = 0
     rng = np.random.default_rng(SEED)
     found = 0
     for _ in range(20_000):
         x = rng.integers(-(1 << 20), 1 << 20, 2)
         v = int(rng.integers(-(1 << 12), 1 << 12))
         before = energy(x, v)
-        y = int(golden.shaper_section(words, x, v))
+        y = int(wave_core.shaper_section(words, x, v))
         found += energy(x, y) > before
     assert found > 0
 
@@ -187,8 +189,8 @@ def test_a_rounding_of_less_loss_would_give_out_energy():
 def test_no_sum_leaves_64_bits(words, x1, x2, v):
     """The compiled integers wrap at 64 bits; Python's own do not, and say the same."""
     x, whole = np.array([x1, x2]), [x1, x2]
-    y = golden.shaper_section(words, x, v)
-    assert y == golden.shaper_section.py_func(words.tolist(), whole, v)
+    y = wave_core.shaper_section(words, x, v)
+    assert y == wave_core.shaper_section.py_func(words.tolist(), whole, v)
     assert x.tolist() == whole
 
 
@@ -198,13 +200,13 @@ def test_without_input_the_states_die_away(name):
     words = words_of(WISHES[name], 1e-4)
     rng = np.random.default_rng(SEED)
     x = rng.integers(STATE_MIN // 8, STATE_MAX // 8, 2)
-    if not words[golden.B2]:
+    if not words[wave_core.B2]:
         x[1] = 0  # a section of one pole has no second state
-    if not words[golden.B1]:
+    if not words[wave_core.B1]:
         x[0] = 0
     last = energy(x, 0)
     for _ in range(400_000):
-        golden.shaper_section(words, x, 0)
+        wave_core.shaper_section(words, x, 0)
         now = energy(x, 0)
         assert now < last or now == 0
         last = now
@@ -254,13 +256,16 @@ def test_the_normalised_form_has_the_least_noise_at_a_low_corner():
     rng = np.random.default_rng(SEED)
     raw = np.round(rng.uniform(-1.0, 1.0, ticks) * 2.0**WAVE.fraction).astype(np.int64)
     x = np.zeros(2, dtype=np.int64)
-    got = np.array([golden.shaper_section(words, x, v) for v in raw.tolist()]) * WAVE.step
-    w = words[: golden.LOSS1] / 2.0**formats.SHAPE.fraction
+    got = np.array([wave_core.shaper_section(words, x, v) for v in raw.tolist()]) * WAVE.step
+    w = words[: wave_core.LOSS1] / 2.0**formats.SHAPE.fraction
     matrix = np.array([[1 + w[0], w[1]], [w[2], 1 + w[3]]])
-    b_, c_ = np.array([w[golden.B1], w[golden.B2]]), np.array([w[golden.C1], w[golden.C2]])
+    b_, c_ = (
+        np.array([w[wave_core.B1], w[wave_core.B2]]),
+        np.array([w[wave_core.C1], w[wave_core.C2]]),
+    )
     state, exact = np.zeros(2), np.zeros(ticks)
     for n, v in enumerate(raw * WAVE.step):
-        exact[n] = c_ @ state + w[golden.D] * v
+        exact[n] = c_ @ state + w[wave_core.D] * v
         state = matrix @ state + b_ * v
     normalised = float(np.sqrt(np.mean((got - exact) ** 2)))
     assert max(noise_gain(words)) <= 1.0

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wavehaptics import formats, golden, soak
+from wavehaptics.checks import soak
+from wavehaptics.controller import wave_core
+from wavehaptics.words import formats
 
 TICKS = 60_000
 
@@ -45,7 +47,7 @@ def test_energy_that_the_waves_give_out_is_found(monkeypatch):
     def greedy(rng):
         chosen = spell(rng)
         chosen[[soak._ETA_IN, soak._ETA_OUT]] = (1 << formats.ETA.fraction) * 5 // 4
-        chosen[soak._MODE] = golden.HOLD
+        chosen[soak._MODE] = wave_core.HOLD
         return chosen
 
     monkeypatch.setattr(soak, "_spell", greedy)

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import pytest
-from wavehaptics import physics, stability
+from wavehaptics.laws import closed_forms
 from wavehaptics.scene import find_scene, load_scene
+from wavehaptics.studies import stability
 
 
 def load(*settings: str):
@@ -50,7 +51,7 @@ def test_the_wave_wall_is_stable_up_to_the_stiffest(tick_hz, damping):
     motor = scene.motor
     tau = 2 / tick_hz
     assert limit == pytest.approx(
-        physics.stiffness(motor.k_t, motor.L_h, motor.R_ohm, tau), rel=1e-6
+        closed_forms.stiffness(motor.k_t, motor.L_h, motor.R_ohm, tau), rel=1e-6
     )
     same = load(f"hand.damping={damping}", "friction.viscous=1e-5")
     assert not stability.largest_stiffness(same, "encoder")[1]

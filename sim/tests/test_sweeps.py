@@ -12,9 +12,10 @@ from pathlib import Path
 
 import pytest
 from distributed import Client, LocalCluster
-from wavehaptics import formats, sweeps
-from wavehaptics.boards import ROOT
-from wavehaptics.sweeps import SweepError, Task, sweep
+from wavehaptics.fpga.boards import ROOT
+from wavehaptics.studies import sweeps
+from wavehaptics.studies.sweeps import SweepError, Task, sweep
+from wavehaptics.words import formats
 
 TIMEOUT_S = 60
 

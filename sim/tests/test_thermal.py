@@ -6,10 +6,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from wavehaptics.run import measure
+from wavehaptics.ladder.run import measure
+from wavehaptics.motor.thermal import Winding
 from wavehaptics.scene import find_scene, load_scene
-from wavehaptics.thermal import Winding
-from wavehaptics.trace import Column
+from wavehaptics.trace.columns import Column
 
 R_OHM = 2.18
 

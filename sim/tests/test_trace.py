@@ -3,8 +3,8 @@
 
 import numpy as np
 import pytest
-from wavehaptics import trace
-from wavehaptics.trace import FLOAT_COLUMNS, Column, TraceWriter, Word, load_trace
+from wavehaptics.trace import columns
+from wavehaptics.trace.columns import FLOAT_COLUMNS, Column, TraceWriter, Word, load_trace
 
 TICK_S = 1e-6
 
@@ -117,7 +117,7 @@ def test_a_failed_save_leaves_the_old_file(tmp_path, monkeypatch):
         file.write(b"half a file")
         raise OSError("disk full")
 
-    monkeypatch.setattr(trace.np, "savez", fail)
+    monkeypatch.setattr(columns.np, "savez", fail)
     writer.write(rows, words)
     with pytest.raises(OSError, match="disk full"):
         writer.save()

@@ -77,7 +77,7 @@ void *wh_core_new(const int64_t *p) {
 
 void wh_core_delete(void *model) { delete static_cast<Core *>(model); }
 
-// Words of W, of every section in turn, as golden.py orders them.
+// Words of W, of every section in turn, as wave_core.py orders them.
 void wh_core_shape(void *model, const int64_t *words, int64_t count) {
     set_shape_words(static_cast<Core *>(model)->top.shape_words_i, words, count);
 }

@@ -33,7 +33,7 @@ struct Guarded {
 
 constexpr int64_t kEncoderPins = 6;
 
-// Kinds of wh_guarded_inject, in the order of Injection in sim/wavehaptics/guard.py.
+// Kinds of wh_guarded_inject, in the order of Injection in sim/wavehaptics/ladder/guarded_pins.py.
 enum class Injection {
     kStop, kDriver, kBus, kTrip, kAnchor, kHostSilent, kAdcRepeats, kAdcLevel, kEncoderFlips,
     kEncoderHolds, kRootWord, kSclkHalf, kEnable, kClear, kOutside, kEncoderGlitches, kAdcFlip,

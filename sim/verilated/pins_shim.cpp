@@ -51,7 +51,7 @@ void set_inputs(Vwh_controller &top, int64_t inputs) {
 }
 
 // Order of the parameters in the array that wh_pins_new takes: that of controller_ports in
-// sim/wavehaptics/pins.py.
+// sim/wavehaptics/ladder/pins.py.
 enum Parameter {
     kHalfClocks, kTickHalves, kSampleClocks, kSamples, kSampleLead, kSampleLate,
     kSclkHalfClocks, kFrameBits, kLeadBits, kDataBits, kQuietClocks,
@@ -134,7 +134,7 @@ void *wh_pins_new(const int64_t *p) {
     return controller;
 }
 
-// Words of W, of every section in turn, as golden.py orders them, the walls that feel so, and
+// Words of W, of every section in turn, as wave_core.py orders them, the walls that feel so, and
 // whether walls are left one count later.
 void wh_pins_shape(void *model, const int64_t *words, int64_t count, int64_t walls,
                    int64_t hysteresis) {

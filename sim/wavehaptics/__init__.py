@@ -10,7 +10,7 @@ from pathlib import Path
 def _cache_in_the_tree() -> None:
     """Keep what numba compiles in ``build/numba``, unless the user has a place for it.
 
-    How it is found there again is said in :mod:`wavehaptics.compiled`.
+    How it is found there again is said in :mod:`wavehaptics.runtime.compiled`.
     """
     cache = Path(__file__).resolve().parents[2] / "build" / "numba"
     try:

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands for the boards, which the Makefile calls.
+
+``python -m wavehaptics.cli.board_commands --help`` tells them.
+"""
+
+from __future__ import annotations
+
+import shlex
+import shutil
+import subprocess
+import sys
+from typing import Annotated, NoReturn
+
+import typer
+
+from wavehaptics.fpga import resources, synthesis
+from wavehaptics.fpga.boards import ROOT, BoardError, board_names, load_board
+from wavehaptics.fpga.synthesis import SynthesisError
+from wavehaptics.pages import filler
+from wavehaptics.runtime.toolchain import Toolchain, ToolError
+from wavehaptics.scene import SceneError
+
+app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, help=__doc__)
+
+BoardArgument = Annotated[str, typer.Argument(metavar="BOARD", help="A folder of boards/.")]
+DeviceOption = Annotated[
+    str | None, typer.Option(help="The FPGA that is fitted, where a board comes with several.")
+]
+
+SeedOption = Annotated[
+    int | None, typer.Option(help="Seed of the placer, in place of the board's own ones.")
+]
+
+_ERRORS = (BoardError, SceneError, SynthesisError, ToolError, filler.NumbersError)
+
+
+def _fail(error: Exception) -> NoReturn:
+    """One line, and 1 where a design fails, 2 where something else must be put right first."""
+    typer.echo(f"synthesis: {error}", err=True)
+    raise typer.Exit(1 if isinstance(error, SynthesisError) else 2)
+
+
+@app.command()
+def bitstream(board: BoardArgument, device: DeviceOption = None, seed: SeedOption = None) -> None:
+    """Make the bitstream of a board."""
+    try:
+        chosen = load_board(board, device or None)
+        result = synthesis.build_board(chosen, Toolchain.of_environment(), seed)
+    except _ERRORS as error:
+        _fail(error)
+    typer.echo(synthesis.summary_line(result))
+    typer.echo(str(synthesis.bitstream_path(chosen)))
+
+
+@app.command()
+def synth() -> None:
+    """Make the bitstreams of all boards, and build/synth/summary.json."""
+    results = []
+    try:
+        for name in board_names():
+            results.append(synthesis.build_board(load_board(name), Toolchain.of_environment()))
+            typer.echo(synthesis.summary_line(results[-1]))
+        typer.echo(str(synthesis.write_summary(results).relative_to(ROOT)))
+    except _ERRORS as error:
+        _fail(error)
+
+
+@app.command()
+def seeds(
+    board: BoardArgument,
+    device: DeviceOption = None,
+    count: Annotated[int, typer.Option(min=1, help="Seeds to try, from 1.")] = 8,
+) -> None:
+    """Place a board with several seeds, and say which meet its clock."""
+    try:
+        chosen = load_board(board, device or None)
+        found = synthesis.survey_seeds(
+            chosen, Toolchain.of_environment(), range(1, count + 1), typer.echo
+        )
+    except _ERRORS as error:
+        _fail(error)
+    good = [seed for spare, seed in found if spare >= synthesis.SPARE]
+    typer.echo(f"for {chosen.folder}/fpga.toml, the best first: seeds = {good}")
+
+
+@app.command()
+def prog(board: BoardArgument, device: DeviceOption = None) -> None:
+    """Load a board's bitstream with the board's own programmer."""
+    try:
+        chosen = load_board(board, device or None)
+    except _ERRORS as error:
+        _fail(error)
+    path = synthesis.bitstream_path(chosen)
+    if not (ROOT / path).is_file():
+        _fail(BoardError(f"{path} is not there; run `make bitstream BOARD={board}`"))
+    command = [word.replace("{bitstream}", str(path)) for word in chosen.fpga.program]
+    if shutil.which(command[0]) is None:
+        _fail(ToolError(f"{command[0]} is not on PATH; install it, or run another programmer"))
+    typer.echo(shlex.join(command))
+    sys.exit(subprocess.run(command, cwd=ROOT, check=False).returncode)
+
+
+@app.command("resources")
+def count_resources() -> None:
+    """Count what each block and option costs, into build/synth/resources.json."""
+    try:
+        path = resources.measure(Toolchain.of_environment(), typer.echo)
+    except _ERRORS as error:
+        _fail(error)
+    typer.echo(str(path))
+
+
+@app.command("numbers")
+def write_numbers() -> None:
+    """Keep the numbers of the last whole runs, and write them into the pages."""
+    try:
+        for path in filler.keep():
+            typer.echo(f"{path}: not of a whole run, its numbers are left out")
+        for path in filler.write():
+            typer.echo(f"{path}: numbers written")
+    except _ERRORS as error:
+        _fail(error)
+
+
+if __name__ == "__main__":
+    app()

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The port anchor as integers: bit for bit what ``rtl/wh_anchor.v`` computes.
+
+The waves and the encoder both know where the rotor is. On an ideal motor the flux of the port,
+
+``χ = L̂·i + k̂_T·x − ∫ (e_id − R̂·i) dt``,  ``e_id − R̂·i = s(u + v)/2``,
+
+stays what it is whatever the environment does (docs/port_anchor.md); what moves it is all that is
+wrong with the real one, as a voltage. It is counted here in cells of the encoder, ``k̂_T·Δ`` each,
+so that the position needs no gain, and held at zero by a voltage c in series with the port, which
+the waves don't see:
+
+- ``p = dz(χ, ½) + χ/256``: within half a cell the inductor knows better than the encoder;
+- ``c = c_I − g_ρ·p``, ``c_I −= g_γ·p``, the latter in full only while the rotor rests;
+- ``c −= g_d·(y − ȳ)``, ``y = L̂·i`` and ȳ its slow mean, in contact while the rotor rests, up to
+  four cells: a resistance for swings alone, which no edge of the encoder tells of;
+- ``|c|`` is limited by ``c_0 + |e_id|/2``, out of contact with a half of c_0. In contact what it
+  takes of the drive's limit is the wave's no more: ``|u| ≤ u_max − |c|/s``, so that at the limit it
+  is the wave that stops, whose share is counted. An error of the flux that c can't hold while the
+  wave is below its limit means that waves and encoder don't follow the same motor.
+
+The edge with which a contact begins tells x exactly, and sets χ without L̂·i to a quarter of a
+cell: at the surface a wall has no current, so what flows there is pulled away. What a limit
+withholds from the waves in contact, w, is added to the flux, ``χ −= g_w·w``: so the wall stands
+where it was when the limit has done its work. So is what truncation takes from u: half a place a
+tick would move a held wall by some cells an hour. In free space the current is zero but for the
+sensor's offset, which c then shows: ``offset −= g_z·c`` while the rotor rests.
+
+Words found in a tick act in the next.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wavehaptics.runtime.compiled import compiled
+from wavehaptics.words import formats
+
+(
+    ENABLE,  # 0: no correction; χ, x̂ and ω̂ are found all the same
+    FLUX_GAIN,  # s27q22 cells a √W: s·T/(2·k̂_T·Δ)
+    OWED_GAIN,  # s27q22 cells a √W: the same over a; 0 for an environment that holds no position
+    CELLS_GAIN,  # s27q12 cells an A: L̂/(k̂_T·Δ)
+    PULL_GAIN,  # s27q20 V a cell: ρ·k̂_T·Δ/L̂
+    DAMP_GAIN,  # s27q20 V a cell: the same with the resistance for swings
+    LEARN_GAIN,  # s27q29 V a cell: γ·T·k̂_T·Δ/L̂
+    ZERO_GAIN,  # s27q22 A a V: rate of the offset times T/R̂
+    ROOM_GAIN,  # s27q22 √W a V: 1/s
+    REACH,  # s31q23 V, 0...64 V: c_0
+    STRANGE,  # s31q23 V: how far beyond its limit c may want to be
+    REST_TICKS,  # u16 ticks, 1...: shorter between two edges the same way, and the rotor moves
+    SLOW_UNITS,  # u5 of them, 0...31: from there on the offset is tracked
+) = range(13)
+"""Places in an anchor's settings."""
+SETTINGS = 13
+
+_COEF, _DATA = formats.COEF_W, formats.DATA_W
+WIDTHS = (1,) + 8 * (_COEF,) + 2 * (_DATA,) + (formats.REST_W, formats.REST_UNIT_W)
+"""Bits of each setting in the RTL's word of all, the first one lowest."""
+assert len(WIDTHS) == SETTINGS
+assert sum(WIDTHS) == formats.ANCHOR_W
+
+(
+    FLUX,  # s48q33 cells: χ without L̂·i
+    LEARNED,  # s48q33 V: c_I
+    MEAN,  # s48q33 cells: ȳ
+    ZERO,  # s48q33 A: the offset
+    FOLLOWER,  # s48q33 cells: a slow copy of x̂, modulo 2^15
+    POSITION,  # counts, of the tick before
+    TOUCHING,  # contact of the tick before
+    NEGATIVE,  # direction of the last edge
+    TICKS,  # ticks within a unit of rest
+    UNITS,  # units of REST_TICKS since the last edge the same way as the one before it
+    PHASE,  # ticks, modulo 32
+    CLIPPED,  # c was at its limit
+    FAULT,  # 1: waves and encoder don't follow the same motor; latched
+    CHI,  # s48q33 cells: χ
+    CORRECTION,  # s31q23 V: c, for the voltage that the next tick computes
+    OFFSET,  # s31q24 A: to be taken off the next tick's current
+    LAG,  # s48q33 cells: x̂ less its slow copy, ω̂ over 2^8 ticks
+    STARTED,  # 0 until the first tick, which has no tick before
+    ROOM,  # s31q23 √W, 0...: what c takes of the limit of the next tick's wave
+) = range(19)
+"""Places in an anchor's state."""
+STATES = 19
+
+INNER_SHIFT = 8
+"""2^-8 of χ counts inside the dead zone too: what drifts within a cell dies out."""
+MEAN_SHIFT = 8
+MEAN_PHASE = 31
+"""ȳ takes 2^-8 of its distance to y in one tick of 32: 8 ms at 1 MHz."""
+MOVING_PHASE = 7
+"""While the rotor moves c_I learns in one tick of 8."""
+STILL_UNITS = 16
+"""Units of REST_TICKS until it counts as still, and c_I learns in every tick."""
+FREE_SHIFT = 1
+"""Out of contact c may be 2^-1 of c_0: where only the sensor's offset flows, R has no voltage and a
+brush not all of its own."""
+SWING_CELLS = 4 << formats.LONG.fraction
+"""What moves the current by more is no swing, but a move or a bounce."""
+FOLLOWER_SHIFT = 8
+"""x̂'s slow copy takes 2^-8 of its distance in each tick."""
+FOLLOWER_TICKS = 1 << FOLLOWER_SHIFT
+SEEN_CELLS = formats.LONG.step * 2.0**formats.LONG_GUARD
+"""Cells of the last place of the RTL's ``flux_o`` and ``lag_o``, χ and x̂ less its slow copy."""
+
+_GUARD = formats.LONG_GUARD
+_CELL = 1 << formats.LONG.fraction
+_TURN = (1 << (formats.LONG.width - formats.LONG.fraction)) - 1
+_MOVE = 1 << (formats.MOVE_W - 1)
+_NEAR_SHIFT = formats.CURRENT.fraction + formats.CELLS.fraction - formats.LONG.fraction
+_FAR_SHIFT = formats.WAVE.fraction + formats.FLUX.fraction - formats.LONG.fraction
+assert formats.PULL.fraction - _GUARD == _NEAR_SHIFT
+assert formats.LEARN.fraction - _GUARD == _FAR_SHIFT
+_VOLT_SHIFT = formats.LONG.fraction - formats.VOLTAGE.fraction
+_AMPERE_SHIFT = formats.LONG.fraction - formats.CURRENT.fraction
+_LONG_TOP = 1 << (formats.LONG.width - 1)
+_LONG_MASK = (1 << formats.LONG.width) - 1
+_DATA_TOP = 1 << (formats.DATA_W - 1)
+_DATA_MASK = (1 << formats.DATA_W) - 1
+_MOST_UNITS = (1 << formats.REST_UNIT_W) - 1
+
+
+def packed(settings: np.ndarray) -> int:
+    """The settings as the RTL's port ``words_i`` takes them: WIDTHS side by side."""
+    word = 0
+    for value, width in zip(reversed(settings.tolist()), reversed(WIDTHS), strict=True):
+        word = word << width | value & ((1 << width) - 1)
+    return word
+
+
+def new_state() -> np.ndarray:
+    """State after reset: int64, shape (STATES,)."""
+    state = np.zeros(STATES, dtype=np.int64)
+    state[UNITS] = _MOST_UNITS
+    return state
+
+
+@compiled(inline="always")
+def _long(value):
+    """``value`` as a long word holds it."""
+    return ((value + _LONG_TOP) & _LONG_MASK) - _LONG_TOP
+
+
+@compiled(inline="always")
+def _data(value):
+    """``value`` as a data word holds it."""
+    return ((value + _DATA_TOP) & _DATA_MASK) - _DATA_TOP
+
+
+@compiled()
+def anchor_step(
+    state: np.ndarray,
+    words: np.ndarray,
+    position: int,
+    contact: bool,
+    current: int,
+    u: int,
+    v: int,
+    withheld: int,
+    voltage: int,
+    saturated: bool,
+) -> None:
+    """One tick of the anchor beside one port; ``state`` int64 (STATES,) is updated.
+
+    ``words`` int64 (SETTINGS,); ``position`` in counts and ``contact`` are the tick's; ``current``,
+    ``u`` and ``v`` those of its core step (i_n without the offset, u_n, v_n); ``withheld`` (√W),
+    ``voltage`` (e_id) and ``saturated`` of the core's step before
+    (:data:`wavehaptics.controller.wave_core.STATE_WITHHELD`).
+    """
+    moved = 0
+    if state[STARTED] != 0:
+        moved = ((position - state[POSITION] + _MOVE) & (2 * _MOVE - 1)) - _MOVE
+    state[STARTED] = 1
+    begins = contact and state[TOUCHING] == 0
+    state[POSITION] = position
+    state[TOUCHING] = 1 if contact else 0
+
+    same_way = False
+    if moved != 0:
+        back = 1 if moved < 0 else 0
+        same_way = back == state[NEGATIVE] or (moved != 1 and moved != -1)
+        state[NEGATIVE] = back
+    if same_way:
+        state[TICKS] = 0
+        state[UNITS] = 0
+    elif state[TICKS] + 1 >= words[REST_TICKS]:
+        state[TICKS] = 0
+        state[UNITS] = min(state[UNITS] + 1, _MOST_UNITS)
+    else:
+        state[TICKS] += 1
+    state[PHASE] = (state[PHASE] + 1) & MEAN_PHASE
+
+    e = -voltage if voltage < 0 else voltage
+    reach = words[REACH] if contact else words[REACH] >> FREE_SHIFT
+    limit = (reach << _VOLT_SHIFT) + (e << (_VOLT_SHIFT - 1))
+    state[ROOM] = 0
+    if contact:
+        room = (words[ROOM_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
+        state[ROOM] = _data(_long(-room if state[CORRECTION] < 0 else room) >> _VOLT_SHIFT)
+
+    flux = _long(state[FLUX] - ((words[FLUX_GAIN] * u) >> _FAR_SHIFT))
+    flux = _long(flux - ((words[FLUX_GAIN] * v) >> _FAR_SHIFT))
+    if contact:
+        owed = words[OWED_GAIN] if saturated else words[FLUX_GAIN]
+        flux = _long(flux - ((owed * withheld) >> _FAR_SHIFT))
+    y = _long((words[CELLS_GAIN] * current) >> _NEAR_SHIFT)
+    zero_step = (words[ZERO_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
+    if begins:
+        edge = 0 if moved == 0 else -(_CELL >> 2) if moved < 0 else _CELL >> 2
+        flux = edge
+    else:
+        flux = _long(flux + moved * _CELL)
+    state[FLUX] = flux
+    chi = _long(flux + y)
+    state[CHI] = chi
+
+    swing = _long(y - state[MEAN])
+    if state[PHASE] == 0:
+        state[MEAN] = _long(state[MEAN] + (swing >> MEAN_SHIFT))
+
+    beyond = 0
+    if chi - (_CELL >> 1) >= 0:
+        beyond = chi - (_CELL >> 1)
+    elif chi + (_CELL >> 1) < 0:
+        beyond = chi + (_CELL >> 1)
+    p = _data((beyond + (chi >> INNER_SHIFT)) >> _GUARD)
+
+    if not contact and state[UNITS] >= words[SLOW_UNITS]:
+        state[ZERO] = _long(state[ZERO] - zero_step)
+
+    learns = state[UNITS] >= STILL_UNITS or state[PHASE] & MOVING_PHASE == 0
+    if learns and state[CLIPPED] == 0 and not saturated:
+        state[LEARNED] = _long(state[LEARNED] - ((words[LEARN_GAIN] * p) >> _FAR_SHIFT))
+    wanted = _long(state[LEARNED] - ((words[PULL_GAIN] * p) >> _NEAR_SHIFT))
+    if contact and state[UNITS] >= 1 and -SWING_CELLS <= swing < SWING_CELLS:
+        wanted = _long(wanted - ((words[DAMP_GAIN] * _data(swing >> _GUARD)) >> _NEAR_SHIFT))
+
+    negative = wanted < 0
+    past = _long(wanted + limit) if negative else _long(wanted - limit)
+    clipped = (past < 0) == negative
+    c = wanted
+    if clipped:
+        c = -limit if negative else limit
+    state[CLIPPED] = 1 if clipped else 0
+    strange = words[STRANGE] << _VOLT_SHIFT
+    strange = _long(past + strange) if negative else _long(past - strange)
+    if words[ENABLE] != 0 and clipped and (strange < 0) == negative and not saturated:
+        state[FAULT] = 1
+    active = words[ENABLE] != 0 and state[FAULT] == 0
+    state[CORRECTION] = _data(c >> _VOLT_SHIFT) if active else 0
+    state[OFFSET] = _data(state[ZERO] >> _AMPERE_SHIFT)
+
+    lag = _long((position & _TURN) * _CELL - chi - state[FOLLOWER])
+    state[LAG] = lag
+    state[FOLLOWER] = _long(state[FOLLOWER] + (lag >> FOLLOWER_SHIFT))

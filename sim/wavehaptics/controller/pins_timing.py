@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Latencies of ``rtl/wh_controller.v``, in clocks; a cocotb test measures each at the RTL."""
+
+from __future__ import annotations
+
+CORE_CLOCKS = 24
+"""Clocks that one port's step takes in ``wh_wave_core``."""
+
+SECTION_CLOCKS = 5
+"""Clocks that each section of W adds to it."""
+
+GATE_CLOCKS = 2
+"""Clocks from the carrier's phase to the gates, dead time aside: ``wh_pwm``, ``wh_half_bridge``."""
+
+HOLD_CLOCKS = 1
+"""Clocks from the carrier's sample strobe to the fall of CS, where the ADC holds its input."""
+
+CENTRED_LEAD = HOLD_CLOCKS - GATE_CLOCKS
+"""``sample_lead_i`` with which the ADC holds its input in the exact middle of the gates' pulse."""
+
+EARLY_CLOCKS = 10
+"""Clocks from the tick's last word to the duty's tick with ``wh_early``, for every port."""
+
+EARLY_PREPARE_CLOCKS = 18
+"""Clocks before the sum that ``wh_early`` needs the frame's start and the end of the last step."""
+
+WAVES_CLOCKS = 6
+"""Clocks from the start of a port's step to the start of its anchor's, ``wh_anchor``."""
+
+ANCHOR_CLOCKS = 29
+"""Clocks from there until it is done, if the shared multiplier lets it."""
+
+CURRENT_CLOCKS = 6
+"""Clocks from a tick's last word to its mean current, ``wh_current``."""
+
+DUTY_CLOCKS = 8
+"""Clocks from a step's voltage to the soonest tick that it can drive, ``wh_modulator``."""
+
+
+def latency_clocks(
+    conversion_clocks: int, ports: int = 1, sections: int = 0, early: bool = False
+) -> int:
+    """Clocks from a sample strobe to the soonest tick strobe after which its voltage is driven.
+
+    ``conversion_clocks`` are the ADC reader's from the strobe to the word
+    (:attr:`wavehaptics.parts.adcs.Frame.conversion_clocks`). Then come the mean current, the wave
+    core's step for each port, and the duty; currents and duties of several ports pass one
+    multiplier in turn. ``sections`` are those of W, SHAPER. The strobe meant is the carrier's that
+    brings the tick's last word. ``early`` is ``wh_controller``'s EARLY.
+    """
+    if early:
+        return conversion_clocks + EARLY_CLOCKS
+    in_turn = ports - 1
+    return (
+        conversion_clocks
+        + CURRENT_CLOCKS + in_turn
+        + (CORE_CLOCKS + SECTION_CLOCKS * sections) * ports
+        + DUTY_CLOCKS + in_turn
+    )  # fmt: skip
+
+
+def early_tick_clocks(ports: int = 1, anchored: bool = False) -> int:
+    """Clocks of the shortest tick with EARLY: the last step and then the words of this one.
+
+    ``anchored``: with port anchors, the last of which ends after the core.
+    """
+    step = CORE_CLOCKS * ports
+    if anchored:
+        step += WAVES_CLOCKS + ANCHOR_CLOCKS - CORE_CLOCKS
+    # The sum is there a clock after the word.
+    return CURRENT_CLOCKS - 1 + ports - 1 + step + EARLY_PREPARE_CLOCKS

@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The wave core as integers: bit for bit what ``rtl/wh_wave_core.v`` computes.
+
+Every function works on plain integers (64 bits hold every intermediate result) and is compiled by
+numba; ``.py_func`` of each runs as ordinary Python.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wavehaptics.runtime.compiled import compiled
+from wavehaptics.words import formats
+
+_DATA_MAX = (1 << (formats.DATA_W - 1)) - 1
+_DATA_MIN = -(1 << (formats.DATA_W - 1))
+_GUARD = formats.STATE_GUARD
+_ETA_Q = formats.ETA.fraction
+_A_SHIFT = formats.A.fraction - formats.STATE_GUARD
+_SI_SHIFT = formats.ROOT.fraction + formats.CURRENT.fraction - formats.WAVE.fraction
+_SHAPE_Y_SHIFT = formats.SHAPE.fraction - formats.SHAPE_HEADROOM
+_SHAPE_X_SHIFT = formats.SHAPE.fraction - formats.STATE_GUARD
+# The largest state without guard bits: rounded to the nearest, it still fits the multiplier.
+_SHAPE_X_MAX, _SHAPE_X_MIN = _DATA_MAX << _GUARD, _DATA_MIN << _GUARD
+_HALF = 1 << (_GUARD - 1)
+_SU_SHIFT = formats.ROOT.fraction + formats.WAVE.fraction - formats.VOLTAGE.fraction
+
+STATE_F, STATE_HEAD, STATE_FILLED, STATE_SATURATED, STATE_WITHHELD, STATE_LOST = range(6)
+"""Places in a core's state: the λ filter's f, the newest place of the delay line, its fill, whether
+f was beyond ±u_max in the newest step, and what u lacks, s31q23 √W: by how much f was beyond,
+rounded down, or else −1, 0 or 1, whose sum is what all truncations of f to u have taken; of that
+sum the part of a place."""
+
+CLEAR, HOLD, SHAPE = range(3)
+"""What the shaper does with a wave: nothing and its states are 0; nothing and they stay; W."""
+
+E11, E12, E21, E22, B1, B2, C1, C2, D, LOSS1, LOSS2, LOSS_Y = range(12)
+"""Places in the words of a shaper's section: its matrix, less 1 on the diagonal of the states, and
+how far its three roundings go (:mod:`wavehaptics.controller.normalised`)."""
+SECTION_WORDS = 12
+
+NO_SHAPER = np.zeros((0, SECTION_WORDS), dtype=np.int64)
+"""Words of a shaper without a section: W = 1."""
+
+
+def new_state() -> np.ndarray:
+    """State of one port after reset: int64, shape (6,)."""
+    return np.zeros(6, dtype=np.int64)
+
+
+def new_line(extra_ticks: int) -> np.ndarray:
+    """Delay line of u for a latency of ``extra_ticks``: int64, shape (a power of two,)."""
+    return np.zeros(1 << max(1, extra_ticks.bit_length()), dtype=np.int64)
+
+
+@compiled(inline="always")
+def truncate(value: int, bits: int) -> int:
+    """``value / 2**bits`` rounded toward zero: a rounding step that can only lose magnitude."""
+    return value >> bits if value >= 0 else -((-value) >> bits)
+
+
+@compiled(inline="always")
+def saturate(value: int) -> int:
+    """``value`` limited to a data word."""
+    return min(max(value, _DATA_MIN), _DATA_MAX)
+
+
+@compiled(inline="always")
+def line_read(line: np.ndarray, state: np.ndarray, age: int) -> int:
+    """The u that was computed ``age`` steps before the newest; 0 before the first."""
+    if age >= state[STATE_FILLED]:
+        return 0
+    return line[(state[STATE_HEAD] - age) & (line.shape[0] - 1)]
+
+
+def new_shaper_state(sections: int) -> np.ndarray:
+    """States of a port's shaper after reset: int64, shape (sections, 2)."""
+    return np.zeros((sections, 2), dtype=np.int64)
+
+
+@compiled(inline="always")
+def toward_zero(value: int, loss: int) -> int:
+    """A floor brought nearer to zero by ``loss``, past which the exact value may lie; never past 0.
+
+    With ``loss`` 0 it is :func:`truncate`: a floor below zero goes up by one.
+    """
+    return max(value - loss, 0) if value >= 0 else min(value + loss + 1, 0)
+
+
+@compiled()
+def shaper_section(words: np.ndarray, x: np.ndarray, v: int) -> int:
+    """One tick of one section of W (:mod:`~wavehaptics.controller.normalised`).
+
+    It is ``[x', y] = M [x, v]``.
+
+    ``words`` int64 (SECTION_WORDS,), ``x`` int64 (2,) is updated, ``v`` a wave. Returns the wave y.
+    Neither x' nor y is larger than the exact product with the words, so with a contractive M no
+    tick gives out more energy than was there.
+    """
+    h1, h2 = (x[0] + _HALF) >> _GUARD, (x[1] + _HALF) >> _GUARD
+    direct = (words[D] * v) >> formats.SHAPE_HEADROOM
+    y = words[C1] * h1 + words[C2] * h2 + direct
+    y = saturate(toward_zero(y >> _SHAPE_Y_SHIFT, words[LOSS_Y]))
+    first = (words[B1] * v) >> formats.SHAPE_HEADROOM
+    first += words[E11] * h1 + words[E12] * h2
+    second = (words[B2] * v) >> formats.SHAPE_HEADROOM
+    second += words[E21] * h1 + words[E22] * h2
+    first = toward_zero(x[0] + (first >> _SHAPE_X_SHIFT), words[LOSS1])
+    second = toward_zero(x[1] + (second >> _SHAPE_X_SHIFT), words[LOSS2])
+    x[0] = min(max(first, _SHAPE_X_MIN), _SHAPE_X_MAX)
+    x[1] = min(max(second, _SHAPE_X_MIN), _SHAPE_X_MAX)
+    return y
+
+
+@compiled(inline="always")
+def shaper_mode(wall: int, shaped: np.ndarray) -> int:
+    """SHAPE in a wall of those ``shaped``, bool (walls,); HOLD in another; CLEAR outside (-1).
+
+    So a soft layer stays as it was pressed while the rotor is in the rigid wall below.
+    """
+    if wall < 0:
+        return CLEAR
+    return SHAPE if shaped[wall] else HOLD
+
+
+@compiled()
+def shaper_step(words: np.ndarray, states: np.ndarray, mode: int, v: int) -> int:
+    """W{v} through every section; ``words`` int64 (sections, SECTION_WORDS).
+
+    ``states`` int64 (sections, 2) is updated; ``mode`` is CLEAR, HOLD or SHAPE.
+    """
+    if mode == SHAPE:
+        for section in range(words.shape[0]):
+            v = shaper_section(words[section], states[section], v)
+    elif mode == CLEAR:
+        states[:] = 0
+    return v
+
+
+@compiled(inline="always")
+def _incoming(state, line, current, root, extra_ticks):
+    """The waves of the measured tick: u_n, and v_n = u_n − s·i_n."""
+    u_n = line_read(line, state, extra_ticks)
+    return u_n, saturate(u_n - truncate(root * current, _SI_SHIFT))
+
+
+@compiled(inline="always")
+def _outgoing(state, line, shaped, eta, outside, root, a, u_max, hold_ticks):
+    """The λ filter from W{v_n} on: e to be applied."""
+    goal = saturate(truncate(eta * shaped, _ETA_Q))
+    f = state[STATE_F]
+    error = saturate(truncate(((goal + outside) << _GUARD) - f, _GUARD))
+    unlimited = f + truncate(a * error, _A_SHIFT)
+    limit = u_max << _GUARD
+    f = min(max(unlimited, -limit), limit)
+    state[STATE_F] = f
+    u = truncate(f, _GUARD)
+    lost = state[STATE_LOST] + f - (u << _GUARD)
+    state[STATE_LOST] = lost & ((1 << _GUARD) - 1)
+    state[STATE_SATURATED] = 0 if -limit <= unlimited <= limit else 1
+    beyond = saturate((unlimited - f) >> _GUARD)
+    state[STATE_WITHHELD] = beyond if state[STATE_SATURATED] != 0 else lost >> _GUARD
+    state[STATE_HEAD] = (state[STATE_HEAD] + 1) & (line.shape[0] - 1)
+    line[state[STATE_HEAD]] = u
+    state[STATE_FILLED] = min(state[STATE_FILLED] + 1, line.shape[0])
+    return saturate(truncate(root * line_read(line, state, hold_ticks), _SU_SHIFT))
+
+
+@compiled()
+def shaped_core_step(
+    state: np.ndarray,
+    line: np.ndarray,
+    shaper: np.ndarray,
+    shaper_states: np.ndarray,
+    mode: int,
+    current: int,
+    eta: int,
+    outside: int,
+    root: int,
+    a: int,
+    u_max: int,
+    extra_ticks: int,
+    hold_ticks: int,
+) -> tuple[int, int, int]:
+    """One tick of one port: the paper's wave transform and D(s), discrete.
+
+    ``shaper``, ``shaper_states`` and ``mode`` are those of :func:`shaper_step`,
+    ``current`` is the tick's mean i_n, ``outside`` a wave that is added to the goal η·v, a host's
+    (0: none), ``root`` is s, ``u_max`` the voltage limit over s,
+    ``extra_ticks`` the age of the u that was applied in the measured tick and ``hold_ticks`` the
+    age of the u to be applied next; both are smaller than the line's length. All are raw words of
+    :mod:`wavehaptics.words.formats`. Returns the words (e, u_n, v_n): the voltage to apply, and the
+    waves of the measured tick.
+    """
+    u_n, v_n = _incoming(state, line, current, root, extra_ticks)
+    shaped = shaper_step(shaper, shaper_states, mode, v_n)
+    return _outgoing(state, line, shaped, eta, outside, root, a, u_max, hold_ticks), u_n, v_n
+
+
+@compiled()
+def wave_core_step(
+    state: np.ndarray,
+    line: np.ndarray,
+    current: int,
+    eta: int,
+    outside: int,
+    root: int,
+    a: int,
+    u_max: int,
+    extra_ticks: int,
+    hold_ticks: int,
+) -> tuple[int, int, int]:
+    """:func:`shaped_core_step` of a core without a shaper, W = 1."""
+    u_n, v_n = _incoming(state, line, current, root, extra_ticks)
+    return _outgoing(state, line, v_n, eta, outside, root, a, u_max, hold_ticks), u_n, v_n
+
+
+@compiled()
+def contact_step(
+    state: np.ndarray,
+    position: int,
+    wall_min: np.ndarray,
+    wall_max: np.ndarray,
+    hysteresis: bool = False,
+) -> tuple[bool, int]:
+    """Contact with solid intervals ``wall_min <= position < wall_max``, all in encoder counts.
+
+    ``state`` is int64 (2,): number of the wall in contact or -1, and the count edge x_w through
+    which the rotor came in. The first wall that holds the position wins. A rotor that starts
+    inside a wall came in through the nearer edge, through the lower one if both are as near. With
+    ``hysteresis`` a wall is not left before the rotor is two counts outside, unless another has it.
+    Returns (in contact, position - x_w); the second is 0 in free space.
+    """
+    wall = -1
+    for n in range(wall_min.shape[0]):
+        if wall < 0 and wall_min[n] <= position < wall_max[n]:
+            wall = n
+    kept = state[0]
+    if (
+        hysteresis
+        and wall < 0
+        and kept >= 0
+        and (position == wall_min[kept] - 1 or position == wall_max[kept])
+    ):
+        wall = kept
+    if wall >= 0 and wall != state[0]:
+        from_low = position - wall_min[wall]
+        from_high = wall_max[wall] - position
+        state[1] = wall_min[wall] if from_low <= from_high else wall_max[wall]
+    state[0] = wall
+    return wall >= 0, position - state[1] if wall >= 0 else 0

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Boards: a folder under ``boards/`` and a file under ``constraints/`` each.
+
+``boards/<name>/fpga.toml`` says what the board is, ``board.toml`` is the scene that its bitstream
+is made for, ``<name>.v`` is its top, and ``constraints/<name>.pcf`` or ``.lpf`` has its pins.
+``boards/README.md`` tells how to add one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from wavehaptics.fpga.board_words import BoardWords, board_words, verilog_header
+from wavehaptics.parts.adcs import PARTS
+from wavehaptics.runtime.toml_source import TomlError, parse
+from wavehaptics.scene import Scene, load_scene
+
+ROOT = Path(__file__).resolve().parents[3]
+"""The repository."""
+
+CONSTRAINT_SUFFIX = {"ice40": ".pcf", "ecp5": ".lpf"}
+
+
+class BoardError(ValueError):
+    """A board that can't be read. The message is one line: where, what is wrong."""
+
+
+class Fpga(BaseModel):
+    """What ``fpga.toml`` holds."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    family: Literal["ice40", "ecp5"]
+    devices: list[str] = Field(min_length=1)
+    package: str
+    speed: int | None = None
+    input_hz: float = Field(gt=0)
+    adc: str
+    motors: int = Field(1, ge=1, le=8)
+    guard: bool = False
+    seeds: list[int] = Field(min_length=1)
+    program: list[str] = Field(min_length=1)
+
+
+@dataclass(frozen=True)
+class Board:
+    """A board as it is to be built: ``device`` is the one of ``fpga.devices`` that is fitted."""
+
+    name: str
+    root: Path
+    fpga: Fpga
+    device: str
+    scene: Scene
+
+    @property
+    def folder(self) -> Path:
+        """The board's folder, from the root."""
+        return Path("boards", self.name)
+
+    @property
+    def constraints(self) -> Path:
+        """The board's pins, from the root."""
+        return Path("constraints", self.name + CONSTRAINT_SUFFIX[self.fpga.family])
+
+    @property
+    def clock_hz(self) -> float:
+        return self.words().ports.timing.clock_hz
+
+    def words(self) -> BoardWords:
+        """Words of the controller's settings; :class:`SceneError` where the board can't do them."""
+        return board_words(
+            self.scene, PARTS[self.fpga.adc], self.fpga.motors, guarded=self.fpga.guard
+        )
+
+    def header(self) -> str:
+        """Text of the ``wh_board_settings.vh`` that the board's top includes."""
+        return verilog_header(self.words(), f"{self.folder}/board.toml")
+
+
+def board_names(root: Path = ROOT) -> list[str]:
+    """Names of all boards, in alphabetical order."""
+    return sorted(path.parent.name for path in (root / "boards").glob("*/fpga.toml"))
+
+
+def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board:
+    """Read the board ``name``; :class:`BoardError` or :class:`SceneError` in one line."""
+    names = board_names(root)
+    if name not in names:
+        raise BoardError(f"there is no board {name!r}; take one of {', '.join(names)}")
+    path = root / "boards" / name / "fpga.toml"
+    try:
+        data, _ = parse(path.read_bytes())
+        fpga = Fpga.model_validate(data)
+    except TomlError as error:
+        raise BoardError(f"{path}:{error.line}: {error.problem}") from None
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise BoardError(f"{path}: {key}: {first['msg']}") from None
+    if fpga.adc not in PARTS:
+        raise BoardError(f"{path}: adc = {fpga.adc!r} is not known; {', '.join(PARTS)} are")
+    device = device or fpga.devices[0]
+    if device not in fpga.devices:
+        raise BoardError(f"{name} has no device {device!r}; take one of {', '.join(fpga.devices)}")
+    return Board(name, root, fpga, device, load_scene(path.with_name("board.toml")))

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The controllers that a scene runs on, and the run."""

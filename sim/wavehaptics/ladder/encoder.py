@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The controller ``encoder``: a virtual spring from a sampled encoder, and a current amplifier.
+
+It is what the paper's Fig. 1 shows, and what people use today: a servo reads the encoder at its own
+rate, asks for the torque ``−K·(x − x_w) − B·ω`` inside a wall and for none outside, and after a
+delay an analog PI amplifier makes the current of it. Its zero cancels the winding's pole, so that
+without back-EMF the current follows like a low-pass filter of the stated bandwidth. It measures the
+current without error, takes L for the controller's L̂, and the servo k_T for k̂_T. The amplifier
+is stepped with the scene's tick, which therefore has to be far shorter than its response; the servo
+period and the delay are whole ticks.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from wavehaptics.controller import wave_core
+from wavehaptics.controller.settings import Settings, settings
+from wavehaptics.controller.shaper import refuse_shaper
+from wavehaptics.laws import closed_forms
+from wavehaptics.motor.imperfections import MOTOR, counted, real_parts, supplied, warm_real
+from wavehaptics.motor.plant import TIME, C, I, P, Plant, X, load_words, plant_step
+from wavehaptics.motor.step import motor_step
+from wavehaptics.motor.thermal import Winding
+from wavehaptics.runtime.compiled import compiled
+from wavehaptics.scene import Scene, SceneError, Servo, drive_gain, encoder_end
+from wavehaptics.trace.columns import Column
+
+FASTEST_AMPLIFIER = 0.1
+"""Most of the amplifier's bandwidth in Hz over the tick rate: it stands for an analog circuit."""
+
+# Places in the loop's integer parameters.
+_SUBSTEPS, _SERVO_TICKS, _DELAY_TICKS = range(3)
+# Places in the loop's float parameters.
+(
+    _DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE, _STIFFNESS, _DAMPING, _RATE, _KP, _KI, _LIMIT,
+    _ENCODER_END, _K_T_HAT,
+) = range(13)  # fmt: skip
+# Places in the numbers that the loop keeps: voltage, the PI's integral (V), the servo's command (A)
+# and whether it touches, its last count, ticks so far.
+_VOLTAGE, _INTEGRAL, _COMMAND, _TOUCHING, _COUNT, _TICKS = range(6)
+
+
+@compiled(inline="always")
+def servo_torque(position, last, depth, touching, floats):
+    """Torque that the servo asks for, N·m, from its counts at this sample and the one before.
+
+    ``depth`` is the position less the wall's edge in counts, negative behind an upper edge, whose
+    outermost cell has no depth just as a lower edge's has none.
+    """
+    if not touching:
+        return 0.0
+    if depth < 0:
+        depth += 1
+    omega = (position - last) * floats[_CELL] * floats[_RATE]
+    return -floats[_STIFFNESS] * depth * floats[_CELL] - floats[_DAMPING] * omega
+
+
+@compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
+def _advance(
+    rows, state, kept, line, contact, wall_min, wall_max, ints, floats, load, matrix, real
+):
+    dt = floats[_DT]
+    substeps = ints[_SUBSTEPS]
+    tick = dt * substeps
+    for n in range(rows.shape[0]):
+        e_a = kept[_VOLTAGE] * floats[_DRIVE_GAIN]
+        sag = 0.0
+        if real is not None:
+            e_a, sag = supplied(e_a, state[TIME], real)
+        x_before, hand_before, t_before = state[X], state[P] + state[C], state[TIME]
+        charge, square = 0.0, 0.0
+        low, high = state[I], state[I]
+        for _ in range(substeps):
+            if real is None:
+                part, part_square = plant_step(state, matrix, dt, e_a, load)
+            else:
+                part, part_square = motor_step(state, matrix, dt, e_a, load, real[MOTOR])
+            charge += part
+            square += part_square
+            low, high = min(low, state[I]), max(high, state[I])
+        ticks = int(kept[_TICKS])
+        if ticks % ints[_SERVO_TICKS] == 0:
+            position = int(kept[_COUNT])
+            if real is not None:
+                position = counted(
+                    position, state[X], state[TIME], floats[_CELL], floats[_ENCODER_END], real
+                )
+            elif state[TIME] < floats[_ENCODER_END]:
+                position = int(np.floor(state[X] / floats[_CELL]))
+            touching, depth = wave_core.contact_step(contact, position, wall_min, wall_max)
+            last = position if ticks == 0 else int(kept[_COUNT])
+            torque = servo_torque(position, last, depth, touching, floats)
+            kept[_COMMAND] = torque / floats[_K_T_HAT]
+            kept[_TOUCHING] = 1.0 if touching else 0.0
+            kept[_COUNT] = position
+        line[ticks % line.shape[0]] = kept[_COMMAND]
+        wanted = line[(ticks - ints[_DELAY_TICKS]) % line.shape[0]]
+        kept[_TICKS] = ticks + 1
+        error = wanted - state[I]
+        asked = floats[_KP] * error + kept[_INTEGRAL]
+        voltage = min(max(asked, -floats[_LIMIT]), floats[_LIMIT])
+        if voltage == asked or error * asked < 0.0:  # a saturated integral would wind up
+            kept[_INTEGRAL] += floats[_KI] * error * tick
+        row = rows[n]
+        row[Column.T] = t_before + 0.5 * tick
+        row[Column.X] = 0.5 * (x_before + state[X])
+        row[Column.OMEGA] = (state[X] - x_before) / tick
+        row[Column.I] = charge / tick
+        row[Column.E_A] = e_a - sag * row[Column.I]
+        row[Column.TORQUE] = floats[_K_T] * charge / tick
+        row[Column.ETA] = row[Column.U] = row[Column.V] = 0.0
+        row[Column.X_HAND] = 0.5 * (hand_before + state[P] + state[C])
+        row[Column.CONTACT] = kept[_TOUCHING]
+        row[Column.SATURATED] = 0.0 if voltage == asked else 1.0
+        row[Column.ENERGY_OUT] = e_a * charge - floats[_RESISTANCE] * square
+        row[Column.RIPPLE] = high - low
+        kept[_VOLTAGE] = voltage
+
+
+class EncoderSimulation:
+    """A scene on the servo of its ``[servo]`` table; without one, on a servo with its defaults.
+
+    It has no waves: η, u and v of its rows are 0. :class:`SceneError` where the servo doesn't fit
+    the scene's tick.
+    """
+
+    clock_cycles: int | None = None
+
+    def __init__(self, scene: Scene) -> None:
+        refuse_shaper(scene, "encoder")
+        self.settings: Settings = settings(scene)
+        self.tick_s = self.settings.tick_s
+        self.stiffness = servo_stiffness(scene)
+        servo = scene.servo or Servo()
+        servo_ticks = _whole_ticks(scene, servo)
+        delay_ticks = round(servo.delay_s / self.tick_s)
+        self.winding = Winding(scene, self.tick_s)
+        plant = self.winding.plant
+        substeps = plant.substeps(self.tick_s)
+        dt = self.tick_s / substeps
+        omega_c = 2 * math.pi * servo.amplifier_hz
+        self._state = plant.start.copy()
+        self._kept = np.zeros(_TICKS + 1)
+        self._kept[_COUNT] = math.floor(plant.start[X] / self.settings.cell_rad)
+        self._line = np.zeros(delay_ticks + 1)
+        self._contact = np.array([-1, 0], dtype=np.int64)
+        self._ints = np.array([substeps, servo_ticks, delay_ticks], dtype=np.int64)
+        self._floats = np.array(
+            [dt, self.settings.cell_rad, drive_gain(scene),
+             plant.k_t, plant.resistance, self.stiffness, servo.damping,
+             1.0 / (servo_ticks * self.tick_s), omega_c * scene.controller.l_hat,
+             omega_c * plant.resistance, self.settings.limit_v, encoder_end(scene),
+             scene.controller.k_t_hat]
+        )  # fmt: skip
+        self._load = load_words(plant)
+        self._dt = dt
+        self._matrix = plant.transition(dt)
+        self._real = real_parts(scene, plant, self.settings.cell_rad, [dt])
+
+    def advance(self, rows: np.ndarray, words: np.ndarray | None = None) -> None:
+        """Simulate ``len(rows)`` ticks into ``rows`` (Column); it has no words."""
+        del words
+        self.winding.advance(rows, lambda part: self._advance(rows[part]), self._warm)
+
+    def _warm(self, plant: Plant) -> None:
+        self._matrix = plant.transition(self._dt)
+        self._floats[_RESISTANCE] = plant.resistance
+        warm_real(self._real, plant)
+
+    def _advance(self, rows: np.ndarray) -> None:
+        _advance(
+            rows, self._state, self._kept, self._line, self._contact, self.settings.wall_min,
+            self.settings.wall_max, self._ints, self._floats, self._load, self._matrix,
+            self._real,
+        )  # fmt: skip
+
+
+def servo_stiffness(scene: Scene) -> float:
+    """The servo's K, N·m/rad: the scene's, or else what its wave wall has on the analog circuit."""
+    if scene.servo is not None and scene.servo.stiffness is not None:
+        return scene.servo.stiffness
+    motor = scene.motor
+    return closed_forms.stiffness(motor.k_t, motor.L_h, motor.R_ohm, 1.0 / scene.controller.lambda_)
+
+
+def _whole_ticks(scene: Scene, servo: Servo) -> int:
+    """Ticks of a servo period. :class:`SceneError` where the servo doesn't fit the tick."""
+    tick_hz = scene.controller.tick_hz
+    ticks = max(1, round(tick_hz / servo.rate_hz))
+    if not math.isclose(ticks * servo.rate_hz, tick_hz, rel_tol=1e-6):
+        raise SceneError(
+            f"{scene.scene.name}: servo.rate_hz = {servo.rate_hz:g} does not divide "
+            f"controller.tick_hz = {tick_hz:g} Hz; the nearest that does is {tick_hz / ticks:.9g}"
+        )
+    if servo.amplifier_hz > FASTEST_AMPLIFIER * tick_hz:
+        raise SceneError(
+            f"{scene.scene.name}: servo.amplifier_hz = {servo.amplifier_hz:g} is too fast for "
+            f"controller.tick_hz = {tick_hz:g} Hz, with which it is stepped; "
+            f"it may be at most {FASTEST_AMPLIFIER * tick_hz:g} Hz"
+        )
+    return ticks

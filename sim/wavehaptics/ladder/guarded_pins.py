@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The guard's settings as a word, its faults by name, and `pins` with the guard watching.
+
+Bits and fields are read from ``rtl/wh_faults.vh``.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import re
+from collections.abc import Iterable, Mapping
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from wavehaptics.controller.bus_scale import bus_word
+from wavehaptics.ladder.pins import PinsSimulation, Ports, controller_ports
+from wavehaptics.motor.sensor import Sensor
+from wavehaptics.motor.thermal import REFERENCE_C
+from wavehaptics.scene import Scene, Thermal
+from wavehaptics.trace.columns import Column, Word
+from wavehaptics.words import formats
+from wavehaptics.words.formats import RTL_DIR
+
+_HEADER = (RTL_DIR / "wh_faults.vh").read_text(encoding="utf-8")
+
+
+def _integer(name: str) -> int:
+    found = re.search(rf"^`define WH_{name}\s+(\d+'h)?([0-9a-f]+)", _HEADER, re.MULTILINE)
+    return int(found[2], 16 if found[1] else 10)
+
+
+Fault = IntEnum(
+    "Fault",
+    [(name, int(bit)) for name, bit in re.findall(r"WH_FAULT_(\w+)\s+(\d+)", _HEADER)],
+)
+"""Bits of the status word."""
+
+FIELDS = {
+    name: (int(low), int(high) - int(low) + 1)
+    for name, high, low in re.findall(r"WH_GUARD_(\w+)\s+(\d+):(\d+)", _HEADER)
+}
+"""Lowest bit and width of each field of the settings."""
+
+WIDTH = _integer("GUARD_W")
+DAMPABLE = _integer("FAULTS_DAMPABLE")
+"""Faults after which damping is allowed."""
+
+CURRENT_Q = _integer("GUARD_CURRENT_Q")
+WAVE_Q = _integer("GUARD_WAVE_Q")
+HEAT_Q = 2 * CURRENT_Q
+HEAT_SQUARES = 1 << _integer("GUARD_HEAT_LOG2")
+"""Squares of the current in the winding's time constant."""
+
+
+def mask(faults: Iterable[Fault]) -> int:
+    """Word with the bits of ``faults``."""
+    return sum(1 << fault for fault in set(faults))
+
+
+def pack(fields: Mapping[str, int]) -> int:
+    """Settings of the guard from raw fields, 0 where not named; ``ValueError`` beyond a field."""
+    word = 0
+    for name, value in fields.items():
+        low, width = FIELDS[name]
+        if not 0 <= value < 1 << width:
+            raise ValueError(f"guard field {name} = {value} is outside 0...{(1 << width) - 1}")
+        word |= value << low
+    return word
+
+
+class Limits(NamedTuple):
+    """What the guard allows, SI; ``watched`` are the faults that count."""
+
+    watched: tuple[Fault, ...]
+    damp: tuple[Fault, ...] = ()
+    current_a: float = 5.0
+    stuck_samples: int = 1000
+    zero_a: float = 0.02
+    zero_s: float = 2e-3
+    """How long the bridge has to be off before the current counts as an offset."""
+    lost_v: float = 0.1
+    """Back-EMF that has to show as counts ..."""
+    lost_s: float = 2e-3
+    """... within this time."""
+    host_s: float = 1e-3
+    bus_min_v: float = 10.0
+    bus_max_v: float = 14.0
+    rms_a: float = 1.24
+    """Current that the winding carries for ever."""
+    winding_s: float = 12.0
+    """Time constant of the winding."""
+    stop_level: int = 0
+    driver_level: int = 0
+    """Levels of the pins that are a fault; 0: so is a wire that is off, with a pull-down."""
+
+
+BOARD_FAULTS = (
+    Fault.CURRENT, Fault.ADC_STUCK, Fault.ADC_RANGE, Fault.ZERO, Fault.ENCODER, Fault.LOST,
+    Fault.HEAT, Fault.SETTING, Fault.OVERRUN,
+)  # fmt: skip
+"""What a board watches: it has no host, no driver's fault pin, no measured bus and no anchor, and a
+stop of its own."""
+
+CURRENT_OF_SCALE = 0.9
+"""Current limit of a board, in parts of its ADC's scale."""
+
+STUCK_S = 1e-3
+"""Time in which a board's ADC says something else."""
+
+LOST_OF_R = 0.5
+"""A winding that is so much warmer, or R̂ so much off, isn't taken for a rotor that turns."""
+
+WINDING_MOST_C = 125.0
+"""Temperature of a winding that lasts, as Maxon's data sheets have it."""
+
+
+def board_limits(scene: Scene, ports: Ports) -> Limits:
+    """What the guard of a board allows, from its scene and the controller's settings for it.
+
+    The winding is that of ``[thermal]``, or of its defaults.
+    """
+    thermal = scene.thermal or Thermal()
+    rise_c = WINDING_MOST_C - thermal.ambient_c
+    hot_ohm = scene.motor.R_ohm * (1.0 + thermal.alpha_per_k * (WINDING_MOST_C - REFERENCE_C))
+    rms_a = math.sqrt(rise_c / (hot_ohm * (thermal.rth_winding + thermal.rth_housing)))
+    return Limits(
+        watched=BOARD_FAULTS,
+        current_a=CURRENT_OF_SCALE * ports.sensor.full_scale_a,
+        stuck_samples=round(STUCK_S / ports.timing.tick_s) * ports.timing.samples,
+        lost_v=LOST_OF_R * scene.motor.R_ohm * rms_a,
+        rms_a=rms_a,
+        winding_s=thermal.tau_winding_s,
+    )
+
+
+def settings(limits: Limits, tick_s: float, sensor: Sensor, s: float) -> int:
+    """The guard's word for a controller's tick, ADC and s = √(2R̂)."""
+    full = 1 << (formats.SAMPLE_W - 1)
+
+    def ticks(seconds: float) -> int:
+        return max(1, round(seconds / tick_s))
+
+    # The highest code of a coarse ADC is a step below the sample's full scale.
+    top = full - (1 << (formats.SAMPLE_W - sensor.bits))
+    return pack(
+        {
+            "MASK": mask(limits.watched),
+            "DAMP": mask(limits.damp),
+            "LEVELS": limits.stop_level | limits.driver_level << 1,
+            "CURRENT": min(full, round(limits.current_a / sensor.full_scale_a * full)),
+            "RANGE": top - 1,
+            "STUCK": limits.stuck_samples,
+            "ZERO": round(limits.zero_a * 2**CURRENT_Q),
+            "ZERO_TICKS": ticks(limits.zero_s),
+            "LOST": round(2 * limits.lost_v / s * 2**WAVE_Q),
+            "LOST_TICKS": ticks(limits.lost_s),
+            "HOST": ticks(limits.host_s),
+            "BUS_MIN": round(limits.bus_min_v * 2**formats.BUS_Q),
+            "BUS_MAX": round(limits.bus_max_v * 2**formats.BUS_Q),
+            "HEAT_TICKS": ticks(limits.winding_s / HEAT_SQUARES),
+            "HEAT": round(limits.rms_a**2 * 2**HEAT_Q),
+        }
+    )
+
+
+Injection = IntEnum(
+    "Injection",
+    "STOP DRIVER BUS TRIP ANCHOR HOST_SILENT ADC_REPEATS ADC_LEVEL ENCODER_FLIPS ENCODER_HOLDS "
+    "ROOT_WORD SCLK_HALF ENABLE CLEAR OUTSIDE ENCODER_GLITCHES ADC_FLIP RESET",
+    start=0,
+)
+"""What can be done to the controller's inputs, in the order of guarded_pins_shim.cpp; CLEAR and
+RESET last as many clocks as their value."""
+
+
+class Report(NamedTuple):
+    """Clocks of the newest cause and of the gates' going off for a fault, −1 for not yet; state,
+    clocks so far, and those with a gate on since the cause."""
+
+    cause: int
+    off: int
+    faults: int
+    running: bool
+    clocks: int
+    on: int
+
+
+class GuardedPins(PinsSimulation):
+    """`pins` with the guard in the RTL, and hands on its inputs."""
+
+    PREFIX = "wh_guarded"
+    SHIM = "guarded_pins_shim.cpp"
+
+    def __init__(self, scene: Scene, limits: Limits, bus_v: float = 12.0) -> None:
+        self._limits, self._bus_v = limits, bus_v
+        super().__init__(scene)
+        self._tick_clocks = controller_ports(scene).timing.tick_clocks
+
+    def _parameters(self) -> dict[str, int]:
+        return {"GUARD": 1}
+
+    def _new_model(self, parameters: list[int]) -> int | None:
+        word = settings(self._limits, self.tick_s, self.sensor, self.settings.s)
+        count = (WIDTH + 31) // 32
+        words = (ctypes.c_uint32 * count)(*(word >> 32 * n & 0xFFFFFFFF for n in range(count)))
+        new = self._library.wh_guarded_new
+        new.argtypes = [
+            ctypes.POINTER(ctypes.c_int64), ctypes.POINTER(ctypes.c_uint32), ctypes.c_int64,
+            ctypes.c_int64, ctypes.c_int64,
+        ]  # fmt: skip
+        new.restype = ctypes.c_void_p
+        self._library.wh_guarded_inject.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]
+        self._library.wh_guarded_report.argtypes = [
+            ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64)
+        ]  # fmt: skip
+        levels = self._limits.stop_level | self._limits.driver_level << 1
+        array = (ctypes.c_int64 * len(parameters))(*parameters)
+        return new(array, words, count, levels, bus_word(self._bus_v))
+
+    def inject(self, kind: Injection, value: int = 1) -> None:
+        """Do something to the inputs from the next clock on, and keep its clock as the cause's."""
+        self._library.wh_guarded_inject(self._model, kind, value)
+
+    def report(self) -> Report:
+        """What came of it."""
+        words = (ctypes.c_int64 * 6)()
+        self._library.wh_guarded_report(self._model, words)
+        return Report(words[0], words[1], words[2], bool(words[3]), words[4], words[5])
+
+    @property
+    def motor(self) -> np.ndarray:
+        """The motor's state (:mod:`wavehaptics.motor.plant`), to be changed between two ticks."""
+        return self._state
+
+    @property
+    def sensor_words(self) -> np.ndarray:
+        """The sensor's constants (:mod:`wavehaptics.motor.sensor`), likewise."""
+        return self._sensor
+
+    def elapse(self, ticks: int) -> None:
+        """Let as much time pass, whether the core is running or not."""
+        end = self.report().clocks + ticks * self._tick_clocks
+        while self.report().clocks < end:
+            self.run(min(ticks, 100))
+
+    def run(self, ticks: int) -> bool:
+        """Simulate ``ticks``; False if the core fell silent, as it does with the gates off."""
+        rows = np.zeros((ticks, len(Column)))
+        words = np.zeros((ticks, len(Word)), dtype=np.int64)
+        try:
+            self.advance(rows, words)
+        except RuntimeError:
+            return False
+        return True

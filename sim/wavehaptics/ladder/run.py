@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One run of a scene: simulation → trace → metrics → picture."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from wavehaptics.controller.settings import Settings
+from wavehaptics.ladder.analog import AnalogSimulation
+from wavehaptics.ladder.encoder import EncoderSimulation
+from wavehaptics.ladder.pins import PinsSimulation
+from wavehaptics.ladder.r_hat_error import Estimate
+from wavehaptics.ladder.sampled import SampledSimulation
+from wavehaptics.laws import closed_forms
+from wavehaptics.scene import Scene
+from wavehaptics.trace.columns import Column, TraceWriter, Word
+from wavehaptics.trace.metrics import Metrics, write_metrics
+from wavehaptics.trace.pictures import run_picture
+
+CHUNK_TICKS = 1 << 15
+"""Ticks at a time: long enough that Python costs nothing, short enough for the caches."""
+
+
+class Simulation(Protocol):
+    """A scene on one controller, advanced tick by tick."""
+
+    settings: Settings
+    tick_s: float
+
+    @property
+    def clock_cycles(self) -> int | None:
+        """Clocks of the RTL so far, where there is one."""
+
+    def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
+        """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
+
+
+CONTROLLERS: dict[str, Callable[[Scene], Simulation]] = {
+    "analog": AnalogSimulation,
+    "golden": lambda scene: SampledSimulation(scene, rtl=False),
+    "core": lambda scene: SampledSimulation(scene, rtl=True),
+    "pins": PinsSimulation,
+    "encoder": EncoderSimulation,
+}
+"""The fidelity ladder by name."""
+
+WITHOUT_WORDS = ("analog", "encoder")
+"""Controllers that compute in real numbers."""
+
+
+def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
+    """K of the design spring for contact (:func:`physics.stiffness`), N·m/rad.
+
+    The lag of the controller acts on R̂, its own estimate; the analog circuit has τ = 1/λ. A port
+    anchor renders the spring that the controller believes in, ``k_T k̂_T/L̂_eff``, as its flux is of
+    L̂ and k̂_T and its current the motor's. Without one inductor and torque are the motor's own: what
+    W makes of a wish for a motor of k̂_T is ``(k_T/k̂_T)²`` of it, behind the motor's spring. The
+    encoder's servo should render the spring that it computes, with a current made for k̂_T.
+    """
+    if isinstance(simulation, EncoderSimulation):
+        return simulation.stiffness * (scene.motor.k_t / scene.controller.k_t_hat)
+    set_ = simulation.settings
+    analog = isinstance(simulation, AnalogSimulation)
+    tau = 1.0 / scene.controller.lambda_ if analog else set_.tau
+    k_t, inductance, k_t_hat = scene.motor.k_t, scene.motor.L_h, scene.controller.k_t_hat
+    wished = (k_t / k_t_hat) ** 2
+    if set_.anchored and not analog:
+        wished = k_t / k_t_hat
+        k_t, inductance = math.sqrt(k_t * k_t_hat), scene.controller.l_hat
+    g = -scene.controller.eta_contact
+    if g <= -1.0:
+        return 0.0
+    wish = set_.shaper.wish
+    if wish is not None:
+        spring = wish.spring * wished
+        front = closed_forms.stiffness(k_t, inductance, set_.r_hat, tau)
+        return spring * front / (spring + front)
+    return closed_forms.stiffness(k_t, inductance, set_.r_hat, tau, g)
+
+
+def measure(
+    scene: Scene,
+    controller: str,
+    trace: TraceWriter | None = None,
+    progress: Callable[[float], None] | None = None,
+    simulation: Simulation | None = None,
+    compare: bool = True,
+) -> dict[str, Any]:
+    """Metrics of a scene on a controller; nothing is written but into ``trace``, if there is one.
+
+    ``simulation`` is the controller's, where it isn't the one that the scene makes by itself.
+
+    The analog circuit runs beside it, on the same ticks, as the reference, unless ``compare`` is
+    false. ``progress`` is called with the part done, 0 to 1. ``wall_clock_s`` is the time that the
+    controller and its motor took, without compiling, the reference and the files.
+    """
+    simulation = simulation or CONTROLLERS[controller](scene)
+    return _measure(scene, controller, simulation, trace, progress, compare)
+
+
+def _measure(
+    scene: Scene,
+    controller: str,
+    simulation: Simulation,
+    trace: TraceWriter | None,
+    progress: Callable[[float], None] | None,
+    compare: bool = True,
+) -> dict[str, Any]:
+    set_, tick_s = simulation.settings, simulation.tick_s
+    ticks = _ticks(scene, tick_s)
+    reference = None
+    # The analog circuit has no W: it would be another environment.
+    if compare and controller != "analog" and scene.shaper is None:
+        reference = AnalogSimulation(scene, tick_s, set_.cell_rad)
+    edges = zip(set_.wall_min * set_.cell_rad, set_.wall_max * set_.cell_rad, strict=True)
+    metrics = Metrics(
+        scene, tick_s, controller=controller, walls=list(edges),
+        stiffness_predicted=stiffness_predicted(scene, simulation),
+        root=set_.s if _anchored(controller, simulation) else None,
+    )  # fmt: skip
+    rows = np.zeros((min(ticks, CHUNK_TICKS), len(Column)))
+    reference_rows = np.zeros_like(rows)
+    words = np.zeros((len(rows), len(Word)), dtype=np.int64)
+    # The first call compiles, or loads what an earlier run compiled: no ticks, but all the types.
+    simulation.advance(rows[:0], words[:0])
+    wall_clock_s = 0.0
+    estimate = Estimate(scene, ticks)
+    for first in range(0, ticks, CHUNK_TICKS):
+        part = slice(0, min(CHUNK_TICKS, ticks - first))
+        began = time.perf_counter()
+        simulation.advance(rows[part], words[part])
+        wall_clock_s += time.perf_counter() - began
+        if reference is not None:
+            reference.advance(reference_rows[part])
+        metrics.update(rows[part], None if reference is None else reference_rows[part])
+        estimate.update(simulation, first + part.stop)
+        if trace is not None:
+            trace.write(rows[part], None if controller in WITHOUT_WORDS else words[part])
+        if progress is not None:
+            progress((first + part.stop) / ticks)
+    result = metrics.result(wall_clock_s=wall_clock_s, clock_cycles=simulation.clock_cycles)
+    return result | estimate.result()
+
+
+def _anchored(controller: str, simulation: Simulation) -> bool:
+    """Whether the rows have what a port anchor adds."""
+    return simulation.settings.anchored and controller not in WITHOUT_WORDS
+
+
+def _ticks(scene: Scene, tick_s: float) -> int:
+    return max(1, round(scene.scene.duration_s / tick_s))
+
+
+def run_scene(
+    scene: Scene, controller: str, out: Path, progress: Callable[[float], None] | None = None
+) -> dict[str, Any]:
+    """Run a scene as :func:`measure`, and write ``trace.npz``, ``metrics.json`` and ``run.png``.
+
+    The files go into ``out``. Returns the metrics.
+    """
+    simulation = CONTROLLERS[controller](scene)
+    tick_s = simulation.tick_s
+    trace = TraceWriter(
+        out, tick_s, scene.scene.trace_hz, ticks=_ticks(scene, tick_s),
+        anchored=_anchored(controller, simulation),
+    )  # fmt: skip
+    result = _measure(scene, controller, simulation, trace, progress)
+    trace.save()
+    write_metrics(result, out)
+    run_picture(trace.arrays(), result, out / "run.png", scene.controller.walls)
+    return result

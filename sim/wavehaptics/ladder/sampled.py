@@ -1,0 +1,315 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The controllers ``golden`` and ``core``: the wave core with the motor, a step a tick.
+
+The drive is averaged: it holds e_n for a tick. One loop serves both, and only the step differs:
+the integer model, or the Verilated RTL behind its C interface.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from wavehaptics.controller import anchor, wave_core
+from wavehaptics.controller.settings import Settings, settings
+from wavehaptics.ladder import verilated
+from wavehaptics.motor.imperfections import (
+    AMPLIFIED,
+    LAG,
+    LAG_TABLE,
+    MOTOR,
+    amplified,
+    counted,
+    real_parts,
+    supplied,
+    warm_real,
+)
+from wavehaptics.motor.plant import TIME, C, I, P, Plant, X, load_words, plant_step
+from wavehaptics.motor.sensor import (
+    LAG_RATE,
+    NOISE_SEED,
+    Sensor,
+    current_word,
+    draw_noise,
+    lagged,
+    noise_at,
+)
+from wavehaptics.motor.step import motor_step
+from wavehaptics.motor.thermal import Winding
+from wavehaptics.runtime.compiled import compiled
+from wavehaptics.runtime.native_call import call2
+from wavehaptics.scene import Scene, drive_gain, encoder_end
+from wavehaptics.trace.columns import Column, Word
+from wavehaptics.words import formats
+
+CORE_DELAY_LOG2 = 10
+"""Delay line of the simulated core: up to 2**10 - 1 ticks of extra latency."""
+
+_VOLT = formats.VOLTAGE.step
+_ROOT_WATT = formats.WAVE.step
+_ETA = formats.ETA.step
+_LONG_GUARD = formats.LONG_GUARD
+
+# Places in the loop's integer parameters.
+(
+    _A,
+    _EXTRA,
+    _ETA_CONTACT,
+    _ETA_FREE,
+    _SUBSTEPS,
+    _POINT,
+    _MODEL,
+    _STEP,
+    _HYSTERESIS,
+    _ROOT,
+    _U_MAX,
+) = range(11)
+# Places in the loop's float parameters.
+_DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE, _ENCODER_END = range(6)
+# Places in the integers that the loop keeps.
+_VOLTAGE_WORD, _CLOCKS, _POSITION, _WAVE_VOLTAGE, _CORRECTION = range(5)
+
+
+@compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
+def _advance(
+    rows, words, state, kept, core, line, contact, wall_min, wall_max, shaper, anchored, ints,
+    floats, load, matrix, real, sensor, noise, buffer,
+):  # fmt: skip
+    """Fill ``rows`` and ``words``; False when the RTL never answered.
+
+    ``shaper`` holds the words of W, its states and which walls it is for, ``anchored`` the words
+    and the state of a port anchor or None, and ``real`` what
+    :mod:`wavehaptics.motor.imperfections` says.
+    """
+    shaper_words, shaper_states, shaped = shaper
+    dt, cell, k_t = floats[_DT], floats[_CELL], floats[_K_T]
+    substeps, extra = ints[_SUBSTEPS], ints[_EXTRA]
+    root, u_max = ints[_ROOT], ints[_U_MAX]
+    tick = dt * substeps
+    for n in range(rows.shape[0]):
+        e_a = kept[_VOLTAGE_WORD] * _VOLT * floats[_DRIVE_GAIN]
+        sag = 0.0
+        if real is not None:
+            e_a, sag = supplied(e_a, state[TIME], real)
+        x_before, i_before = state[X], state[I]
+        hand_before, t_before = state[P] + state[C], state[TIME]
+        charge = 0.0
+        square = 0.0
+        low, high = i_before, i_before
+        lag_before = 0.0 if real is None else real[LAG][AMPLIFIED]
+        for _ in range(substeps):
+            i_start = state[I]
+            if real is None:
+                part, part_square = plant_step(state, matrix, dt, e_a, load)
+            else:
+                part, part_square = motor_step(state, matrix, dt, e_a, load, real[MOTOR])
+                if sensor[LAG_RATE] != 0.0:
+                    real[LAG][AMPLIFIED] = lagged(
+                        real[LAG][AMPLIFIED], i_start, state[I], part / dt, real[LAG_TABLE][0]
+                    )
+            charge += part
+            square += part_square
+            low, high = min(low, state[I]), max(high, state[I])
+        mean = charge / tick
+        sensed = state[I] if ints[_POINT] else mean
+        if real is not None:
+            sensed = amplified(
+                sensed, ints[_POINT], lag_before, tick, e_a, state[TIME], sensor, real
+            )
+        current = current_word(sensed, sensor, noise_at(noise, n))
+        if real is not None:
+            kept[_POSITION] = counted(
+                kept[_POSITION], state[X], state[TIME], cell, floats[_ENCODER_END], real
+            )
+        elif state[TIME] < floats[_ENCODER_END]:
+            kept[_POSITION] = int(np.floor(state[X] / cell))
+        position = kept[_POSITION]
+        touching, _ = wave_core.contact_step(
+            contact, position, wall_min, wall_max, ints[_HYSTERESIS] != 0
+        )
+        eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
+        raw = current
+        if anchored is not None:
+            held = anchored[1]
+            current = wave_core.saturate(current - held[anchor.OFFSET])
+            if held[anchor.FAULT] != 0:
+                eta = 0
+        mode = wave_core.shaper_mode(contact[0], shaped)
+        correction = 0
+        left = u_max
+        if anchored is not None:
+            left -= anchored[1][anchor.ROOM]
+        if ints[_MODEL] == 0:
+            withheld, saturated = (
+                core[wave_core.STATE_WITHHELD],
+                core[wave_core.STATE_SATURATED] != 0,
+            )
+            if shaper_words.shape[0] == 0:
+                e_next, u_n, v_n = wave_core.wave_core_step(
+                    core, line, current, eta, 0, root, ints[_A], left, extra, extra
+                )
+            else:
+                e_next, u_n, v_n = wave_core.shaped_core_step(
+                    core, line, shaper_words, shaper_states, mode, current, eta, 0, root,
+                    ints[_A], left, extra, extra,
+                )  # fmt: skip
+            if anchored is not None:
+                held = anchored[1]
+                correction = held[anchor.CORRECTION]
+                anchor.anchor_step(
+                    held, anchored[0], position, touching, current, u_n, v_n, withheld,
+                    kept[_WAVE_VOLTAGE], saturated,
+                )  # fmt: skip
+                kept[_WAVE_VOLTAGE] = e_next
+                e_next = wave_core.saturate(e_next + correction)
+        else:
+            buffer[0], buffer[1], buffer[2] = raw, touching, mode
+            buffer[3] = position
+            clocks = call2(ints[_STEP], ints[_MODEL], buffer.ctypes.data)
+            if clocks < 0:
+                return False
+            kept[_CLOCKS] += clocks
+            e_next, u_n, v_n = buffer[0], buffer[1], buffer[2]
+            if anchored is not None:
+                held = anchored[1]
+                correction = held[anchor.CORRECTION]
+                held[anchor.CORRECTION], held[anchor.OFFSET] = buffer[3], buffer[4]
+                held[anchor.CHI], held[anchor.LAG] = (
+                    buffer[5] << _LONG_GUARD,
+                    buffer[6] << _LONG_GUARD,
+                )
+                held[anchor.FAULT] = buffer[7]
+        row = rows[n]
+        row[Column.T] = t_before + 0.5 * tick
+        row[Column.X] = 0.5 * (x_before + state[X])
+        row[Column.OMEGA] = (state[X] - x_before) / tick
+        row[Column.I] = mean
+        row[Column.E_A] = e_a - sag * mean
+        row[Column.TORQUE] = k_t * mean
+        row[Column.ETA] = eta * _ETA
+        row[Column.U] = u_n * _ROOT_WATT
+        row[Column.V] = v_n * _ROOT_WATT
+        row[Column.X_HAND] = 0.5 * (hand_before + state[P] + state[C])
+        row[Column.CONTACT] = 1.0 if touching else 0.0
+        limited = abs(u_n) >= u_max
+        if anchored is not None:  # whose limit is not the same in every tick
+            limited = (core[wave_core.STATE_SATURATED] if ints[_MODEL] == 0 else buffer[8]) != 0
+        row[Column.SATURATED] = 1.0 if limited else 0.0
+        row[Column.ENERGY_OUT] = e_a * charge - floats[_RESISTANCE] * square
+        row[Column.RIPPLE] = high - low
+        if anchored is not None:
+            held = anchored[1]
+            row[Column.CORRECTION] = kept[_CORRECTION] * _VOLT
+            kept[_CORRECTION] = correction
+            chi = (held[anchor.CHI] >> _LONG_GUARD) * anchor.SEEN_CELLS
+            lag = (held[anchor.LAG] >> _LONG_GUARD) * anchor.SEEN_CELLS
+            row[Column.FLUX] = chi
+            row[Column.X_HAT] = (position + 0.5 - chi) * cell
+            row[Column.OMEGA_HAT] = lag * cell / (anchor.FOLLOWER_TICKS * tick)
+            row[Column.FAULT] = held[anchor.FAULT]
+        words[n, Word.I] = current
+        words[n, Word.U] = u_n
+        words[n, Word.V] = v_n
+        words[n, Word.E] = e_next
+        kept[_VOLTAGE_WORD] = e_next
+    return True
+
+
+class SampledSimulation:
+    """A scene on the wave core, tick by tick, with an averaged drive.
+
+    ``rtl`` takes the Verilated core instead of the integer model. ``point_sampling`` gives the
+    sensor the current at the tick's end instead of the mean: only to show what that breaks:
+    such a port can give out energy.
+    """
+
+    def __init__(self, scene: Scene, *, rtl: bool, point_sampling: bool = False) -> None:
+        self.settings: Settings = settings(scene)
+        self.tick_s = self.settings.tick_s
+        self.winding = Winding(scene, self.tick_s)
+        plant = self.winding.plant
+        set_ = self.settings
+        substeps = plant.substeps(self.tick_s)
+        dt = self.tick_s / substeps
+        gain = drive_gain(scene)
+        self._library = None
+        self._model = 0
+        step = 0
+        if rtl:
+            self._library, self._model, step = load_core(set_)
+        self._state = plant.start.copy()
+        self._kept = np.zeros(5, dtype=np.int64)
+        self._kept[_POSITION] = math.floor(plant.start[X] / set_.cell_rad)
+        self._core = wave_core.new_state()
+        self._line = wave_core.new_line(set_.extra_ticks)
+        self._shaper = (
+            set_.shaper.words, wave_core.new_shaper_state(len(set_.shaper.words)), set_.shaped
+        )  # fmt: skip
+        self._contact = np.array([-1, 0], dtype=np.int64)
+        self._ints = np.array(
+            [set_.a, set_.extra_ticks, set_.eta_contact, set_.eta_free, substeps, point_sampling,
+             self._model, step, set_.edge_hysteresis, set_.root, set_.u_max],
+            dtype=np.int64,
+        )  # fmt: skip
+        self._floats = np.array(
+            [dt, set_.cell_rad, gain, plant.k_t, plant.resistance, encoder_end(scene)]
+        )
+        self._load = load_words(plant)
+        self._dt = dt
+        self._matrix = plant.transition(dt)
+        self._real = real_parts(scene, plant, set_.cell_rad, [dt])
+        self._sensor = Sensor.of_scene(scene).constants()
+        self._rng = np.random.default_rng(NOISE_SEED)
+        self._buffer = np.zeros(9, dtype=np.int64)
+        self._anchored = (set_.anchor, anchor.new_state()) if set_.anchored else None
+
+    @property
+    def clock_cycles(self) -> int | None:
+        """Clocks of the RTL so far; None on the integer model, which has no clock."""
+        return int(self._kept[_CLOCKS]) if self._model else None
+
+    def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
+        """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
+        self.winding.advance(rows, lambda part: self._advance(rows[part], words[part]), self._warm)
+
+    def _warm(self, plant: Plant) -> None:
+        self._matrix = plant.transition(self._dt)
+        self._floats[_RESISTANCE] = plant.resistance
+        warm_real(self._real, plant)
+
+    def _advance(self, rows: np.ndarray, words: np.ndarray) -> None:
+        done = _advance(
+            rows, words, self._state, self._kept, self._core, self._line, self._contact,
+            self.settings.wall_min, self.settings.wall_max, self._shaper, self._anchored,
+            self._ints, self._floats, self._load, self._matrix, self._real, self._sensor,
+            draw_noise(self._rng, self._sensor, len(rows)), self._buffer,
+        )  # fmt: skip
+        if not done:
+            raise RuntimeError("the wave core's RTL never raised valid_o")
+
+    def __del__(self) -> None:
+        if getattr(self, "_model", 0):
+            self._library.wh_core_delete(self._model)
+
+
+def load_core(set_: Settings):
+    """(library, a model, address of its step) of the core's RTL with these settings."""
+    design = verilated.Design(
+        "wh_core_port",
+        "core_shim.cpp",
+        {
+            "DELAY_LOG2": CORE_DELAY_LOG2,
+            "SHAPER": len(set_.shaper.words),
+            "ANCHOR": int(set_.anchored),
+        },
+    )
+    library = verilated.load(design)
+    verilated.declare_destructor(library.wh_core_delete)
+    words = [
+        set_.root, set_.a, set_.u_max, set_.extra_ticks, set_.extra_ticks, set_.eta_contact,
+        set_.eta_free, *verilated.anchor_words(set_.anchor),
+    ]  # fmt: skip
+    model = verilated.new_model(library.wh_core_new, words)
+    verilated.set_shaper(library.wh_core_shape, model, set_.shaper.words)
+    return library, model, verilated.address(library.wh_core_step)

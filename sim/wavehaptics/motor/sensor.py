@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The current sensor: amplifier, ADC and the word that the controller makes of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from wavehaptics.runtime.compiled import compiled
+from wavehaptics.scene import Scene
+from wavehaptics.words import formats
+
+_CURRENT_SCALE = 2.0**formats.CURRENT.fraction
+_CURRENT_MAX = formats.CURRENT.raw_max
+_GAIN_SHIFT = formats.GAIN.fraction - formats.CURRENT.fraction
+_SAMPLE_HALF = 1 << (formats.SAMPLE_W - 1)
+
+NOISE_SEED = 20_260_101
+"""Seed of the ADC's noise: the same scene gives the same noise on every controller and run."""
+
+IDEAL, BITS, FULL_SCALE, NOISE, OFFSET, GAIN, LAG_RATE, COMMON_MODE, DRIFT = range(9)
+"""Places in :meth:`Sensor.constants`; LAG_RATE in rad/s is 0 without a lag."""
+
+KEEP, FIRST, SLOPE, CURVE = range(4)
+"""Places in a row of :meth:`Sensor.lag_table`."""
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """A current sensor; ``ideal`` passes the current on in the controller's own word length.
+
+    ``bits`` and ``full_scale_a`` (± that current) describe the ADC, the others the amplifier before
+    it: ``noise_a`` (RMS), ``offset_a`` and its ``drift_a_per_s``, ``common_mode_a`` by the sign of
+    the motor's voltage, all in A, and ``bandwidth_hz``, infinite without a lag.
+    """
+
+    ideal: bool
+    bits: int = formats.SAMPLE_W
+    full_scale_a: float = 1.0
+    noise_a: float = 0.0
+    offset_a: float = 0.0
+    bandwidth_hz: float = math.inf
+    common_mode_a: float = 0.0
+    drift_a_per_s: float = 0.0
+
+    @classmethod
+    def of_scene(cls, scene: Scene) -> Sensor:
+        """The scene's sensor; without ``[adc]`` an ideal one."""
+        if scene.adc is None:
+            return cls(ideal=True)
+        adc = scene.adc
+        bandwidth_hz = math.inf if adc.bandwidth_hz is None else adc.bandwidth_hz
+        return cls(
+            False, adc.bits, adc.full_scale_a, adc.noise_a, adc.offset_a, bandwidth_hz,
+            adc.common_mode_a, adc.drift_a_per_s,
+        )  # fmt: skip
+
+    def gain_word(self, samples: float) -> int:
+        """Word of A per unit of the sum of ``samples`` left-justified ADC words.
+
+        Words whose full scale isn't 2¹⁵ count for less than one each.
+        """
+        return formats.GAIN.to_raw(self.full_scale_a / (_SAMPLE_HALF * samples))
+
+    def constants(self) -> np.ndarray:
+        """For the functions below: float64 (9,)."""
+        gain = 0 if self.ideal else self.gain_word(1)
+        return np.array(
+            [self.ideal, self.bits, self.full_scale_a, self.noise_a, self.offset_a, gain,
+             self._lag_rate, self.common_mode_a, self.drift_a_per_s],
+            float,
+        )  # fmt: skip
+
+    @property
+    def _lag_rate(self) -> float:
+        return 0.0 if math.isinf(self.bandwidth_hz) else 2 * math.pi * self.bandwidth_hz
+
+    def lag_table(self, steps_s: np.ndarray) -> np.ndarray:
+        """Words of :func:`lagged` for steps of the lengths ``steps_s``, in s: (steps, 4).
+
+        ``dz/dt = ω_b (i − z)`` solved for a current that is a parabola within the step.
+        """
+        x = self._lag_rate * np.asarray(steps_s, dtype=float)
+        table = np.zeros((len(x), 4))
+        table[:, KEEP] = np.exp(-x)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            table[:, FIRST] = -np.expm1(-x)
+            table[:, SLOPE] = np.where(x > 0, 1 - table[:, FIRST] / x, 0.0)
+            table[:, CURVE] = np.where(x > 0, 1 - 2 * table[:, SLOPE] / x, 0.0)
+        return table
+
+
+def draw_noise(rng: np.random.Generator, sensor: np.ndarray, count: int) -> np.ndarray:
+    """Noise of ``count`` samples in units of ``noise_a``: (count,), or (0,) without noise."""
+    return rng.standard_normal(count if sensor[NOISE] > 0.0 else 0)
+
+
+@compiled(inline="always")
+def noise_at(noise, n):
+    """The noise of sample ``n`` of :func:`draw_noise`."""
+    return noise[n] if noise.shape[0] else 0.0
+
+
+@compiled(inline="always")
+def lagged(z, first, last, mean, words):
+    """The amplifier's output after a step, A, from ``z`` before it.
+
+    The current goes from ``first`` to ``last`` with the given ``mean``; ``words`` is a row of
+    :meth:`Sensor.lag_table`.
+    """
+    curve = 3.0 * (first + last) - 6.0 * mean
+    slope = last - first - curve
+    return words[KEEP] * z + words[FIRST] * first + words[SLOPE] * slope + words[CURVE] * curve
+
+
+@compiled(inline="always")
+def disturbed(current, volts, time, sensor):
+    """A current in A with what the amplifier adds at a ``time``, the motor having ``volts``."""
+    if sensor[COMMON_MODE] != 0.0 and volts != 0.0:
+        current += sensor[COMMON_MODE] if volts > 0.0 else -sensor[COMMON_MODE]
+    if sensor[DRIFT] != 0.0:
+        current += sensor[DRIFT] * time
+    return current
+
+
+@compiled(inline="always")
+def sample_code(current, sensor, noise):
+    """The ADC's signed code of a current in A; mid-scale is 0 A, codes end at full scale."""
+    current += sensor[NOISE] * noise
+    half = 1 << (int(sensor[BITS]) - 1)
+    code = round((current + sensor[OFFSET]) / sensor[FULL_SCALE] * half)
+    return min(max(int(code), -half), half - 1)
+
+
+@compiled()
+def scale_sum(total, gain):
+    """Current word of a tick's sum of ADC words (sum minus zero): ``rtl/wh_current.v``.
+
+    The product is rounded to the nearest word, halves away from zero: this is a sensor, where
+    rounding toward zero would be an offset.
+    """
+    product = total * gain
+    half = 1 << (_GAIN_SHIFT - 1)
+    magnitude = (abs(product) + half) >> _GAIN_SHIFT
+    return min(magnitude, _CURRENT_MAX) if product >= 0 else -min(magnitude, _CURRENT_MAX + 1)
+
+
+@compiled(inline="always")
+def current_word(current, sensor, noise):
+    """Word that the wave core gets for a tick's mean current in A."""
+    if sensor[IDEAL] != 0.0:
+        word = round(current * _CURRENT_SCALE)
+        return int(min(max(word, -_CURRENT_MAX - 1), _CURRENT_MAX))
+    code = sample_code(current, sensor, noise) << (formats.SAMPLE_W - int(sensor[BITS]))
+    return scale_sum(code, int(sensor[GAIN]))

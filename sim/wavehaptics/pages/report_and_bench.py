@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the pages show of report and bench: a few numbers, pictures and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from wavehaptics.studies.bench.measure import gain
+from wavehaptics.studies.report.blocks import number, percent
+
+PICTURES = ("old_way_limits.png", "old_way_hand.png")
+"""Pictures of the report that the pages show, below ``sim/docs``."""
+
+
+def of_report(report: dict[str, Any]) -> dict[str, Any]:
+    """The report's numbers that the pages quote."""
+    sections = report["sections"]
+    return {
+        "quick": report["quick"],
+        "seconds": report["seconds"],
+        "ratios": sections["old_way"]["ratios"],
+        "scenes": {
+            name: {
+                "recommended": scene["recommended"],
+                "models": [m for m in scene["models"] if m["model"] == scene["recommended"]],
+                "pins_cost": scene["models"][0]["cost_s_per_s"],
+            }
+            for name, scene in sections["parts"]["scenes"].items()
+        },
+        "hard_cases": {
+            "tried": len(sections["hard_cases"]["cases"]),
+            "as_expected": sum(case["ok"] for case in sections["hard_cases"]["cases"]),
+        },
+    }
+
+
+def of_bench(summary: dict[str, Any]) -> dict[str, Any]:
+    """The bench's numbers that the pages quote."""
+    kept = ("machine", "compiler", "verilator", "controllers", "rtl_alone", "tried", "others")
+    return {key: summary[key] for key in kept}
+
+
+def _usual_way(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    head = ("", "wave, N·m/rad", "encoder, N·m/rad", "wave over encoder")
+    rows = [
+        (row["case"], number(row["wave"]), number(row["encoder"]), number(row["ratio"]))
+        for row in numbers["report"]["ratios"]
+    ]
+    return table(head, rows)
+
+
+def _needs(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    head = ("scene", "cheapest model", "its torque error", "times as fast as `pins`")
+    rows = []
+    for name, scene in numbers["report"]["scenes"].items():
+        (best,) = scene["models"]
+        times = scene["pins_cost"] / best["cost_s_per_s"]
+        rows.append((f"`{name}`", best["model"], percent(best["error"]), number(times)))
+    return table(head, rows)
+
+
+def _speed(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    head = ("controller", "simulated s per s", "ticks per s", "clock cycles per s", "torque error")
+    rows = [
+        (f"`{name}`", number(row["simulated_s_per_s"]), number(row["ticks_per_s"]),
+         number(row["cycles_per_s"]), percent(row["torque_error"]))
+        for name, row in numbers["bench"]["controllers"].items()
+    ]  # fmt: skip
+    return table(head, rows)
+
+
+def _others(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    head = ("package", "steps per s", "simulated s per s", "error of the current")
+    rows = [
+        (f"{row['name']} {row['version']}: {row['what']}", number(row["steps_per_s"]),
+         number(row["simulated_s_per_s"]), number(row["current_error"]))
+        for row in numbers["bench"]["others"]
+    ]  # fmt: skip
+    return table(head, rows)
+
+
+def _tried(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    head = ("tried with `pins`", "clock cycles per s", "times as fast")
+    rows = [
+        (row["what"], number(row["cycles_per_s"]), gain(row)) for row in numbers["bench"]["tried"]
+    ]
+    return table(head, rows)
+
+
+TABLES = {
+    "usual-way": _usual_way,
+    "needs": _needs,
+    "speed": _speed,
+    "others": _others,
+    "tried": _tried,
+}
+"""Tables of Markdown by marker, made with the given function of head and rows."""

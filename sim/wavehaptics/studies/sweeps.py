@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Many runs at a time, on local processes or on a cluster, each finished one kept at once.
+
+A task is a function of a module and the arguments of one call, plain JSON values; so is its result.
+Each result is a file named after a digest of the task and of the project's sources, written whole
+or not at all. So a sweep that is started again goes on where it was interrupted, a worker that dies
+costs no more than the task that it was at, and nothing outlives a change of the code or a scene.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wavehaptics.trace.metrics import write_metrics
+from wavehaptics.words import formats
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+WORKER_DEATHS = 5
+"""Workers that may die over one task before it is taken for the cause."""
+
+PATIENCE_S = 600
+"""How long an answer from this machine's processes may take: others may keep the machine busy."""
+
+_ROOT = Path(__file__).resolve().parents[3]
+_SOURCES = (
+    ("sim/wavehaptics", "**/*.py"),
+    ("sim/verilated", "*"),
+    ("rtl", "*.v*"),
+    ("sim/scenes", "*.toml"),
+)
+
+
+class SweepError(RuntimeError):
+    """A sweep that can't go on. The message is one line."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One call of a module's function; ``arguments`` are JSON values by parameter."""
+
+    function: Callable[..., Any]
+    arguments: dict[str, Any] = field(default_factory=dict)
+
+    def key(self, sources: str) -> str:
+        """Name of the result's file: the same for the same call of the same sources."""
+        name = f"{self.function.__module__}.{self.function.__qualname__}"
+        text = json.dumps([name, self.arguments, sources], sort_keys=True, ensure_ascii=False)
+        return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+
+@cache
+def sources_digest() -> str:
+    """:func:`digest_of` the repository as it is when this process asks first."""
+    return digest_of(_ROOT)
+
+
+def digest_of(root: Path) -> str:
+    """Digest of all that a result may depend on: package, shims, RTL, scenes and word lengths."""
+    digest = hashlib.sha256(repr(formats.HEADER_VALUES).encode())
+    for folder, pattern in _SOURCES:
+        for path in sorted(filter(Path.is_file, (root / folder).glob(pattern))):
+            digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+def sweep(
+    tasks: Sequence[Task],
+    store: Path,
+    *,
+    cluster: str | None = None,
+    workers: int = 2,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> list[Any]:
+    """Results of ``tasks`` in their order; those already in ``store`` are read from there.
+
+    ``cluster`` is the address of a dask scheduler whose workers have this very project; without
+    one, ``workers`` processes of this machine do the work. ``progress`` is called with the tasks
+    done and all tasks. What a task raises ends the sweep; what was finished before stays.
+    """
+    store.mkdir(parents=True, exist_ok=True)
+    sources = sources_digest()
+    files = [store / f"{task.key(sources)}.json" for task in tasks]
+    missing = {file: task for file, task in zip(files, tasks, strict=True) if not file.exists()}
+    done, total = len(set(files)) - len(missing), len(set(files))
+    progress(done, total)
+    if missing:
+        with _client(cluster, min(workers, len(missing))) as client:
+            for file, result in _finished(client, missing, sources):
+                write_metrics({"result": result}, file)
+                done += 1
+                progress(done, total)
+    return [json.loads(file.read_bytes())["result"] for file in files]
+
+
+def _finished(
+    client: Client, missing: dict[Path, Task], sources: str
+) -> Iterator[tuple[Path, Any]]:
+    from distributed import as_completed
+
+    futures = {
+        client.submit(_call, task, sources, key=file.stem, pure=False): file
+        for file, task in missing.items()
+    }
+    for future in as_completed(list(futures)):
+        yield futures[future], future.result()
+        future.release()
+
+
+def _call(task: Task, sources: str) -> Any:
+    """What a worker does."""
+    if sources_digest() != sources:
+        raise SweepError(
+            "a worker has other sources than the sweep began with; update it and start again"
+        )
+    return task.function(**task.arguments)
+
+
+@contextmanager
+def _client(address: str | None, workers: int) -> Iterator[Client]:
+    import dask
+    from distributed import Client, LocalCluster
+
+    quiet = {
+        "distributed.scheduler.allowed-failures": WORKER_DEATHS,
+        "distributed.admin.large-graph-warning-threshold": "1GB",
+        # A compiled loop lets no heartbeat through, however long it takes.
+        "distributed.scheduler.worker-ttl": None,
+    }
+    with dask.config.set(quiet):
+        if address is None:
+            with (
+                LocalCluster(
+                    n_workers=workers, threads_per_worker=1, dashboard_address="localhost:0",
+                    memory_limit=0, silence_logs="CRITICAL",
+                ) as local,
+                Client(local, timeout=PATIENCE_S) as client,
+            ):  # fmt: skip
+                yield client
+            return
+        try:
+            client = Client(address, timeout="10s")
+        except (OSError, ValueError) as error:
+            raise SweepError(f"--cluster {address}: no scheduler answers there: {error}") from None
+        with client:
+            yield client

@@ -1,0 +1,668 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The numbers of a run, gathered tick by tick at full rate in memory that does not grow.
+
+:class:`Metrics` takes the chunks of a simulation in order and gives the same result, bit for bit,
+however the run is cut into chunks. A metric that the scene does not define is None, JSON ``null``.
+
+**Contacts.** A contact lasts while :attr:`Column.CONTACT` is set. Its edge x_w is found as the
+controller finds it: the nearer edge of the wall that holds the position in the first tick, the
+lower one if both are as near. Walls are taken not to touch each other. *Depth* is the way from x_w
+inwards, *push* the torque outwards, so that both sides of a wall read the same.
+
+**The first contact** is the first that *counts*: at least ``LEAST_TICKS`` long and at least one
+encoder cell deep (``IDEAL_DEPTH_RAD`` without an encoder), so that chatter on the edge is passed
+over. A bare rotor (path ``impact``) has no chatter to fear and may hit softly: there the depth does
+not matter. A contact under way in the run's first tick has no way in; it is used only if no other
+one counts.
+
+**Its compression** runs from its first tick to its deepest, so that a wall which grows while it is
+held, and pushes the rotor out, does not count with its later torque.
+
+``stiffness`` is the slope of the least-squares line of −TORQUE over X, each tick alike, from the
+first tick of the compression to the first in which the push reaches 90 % of the compression's peak
+(found to 0.01 %), or to the last before the voltage saturates, whichever comes first. The lag of
+the controller's filter at the start is in it. None with fewer than three ticks.
+``stiffness_zero_rad`` is the x where that line crosses zero torque, ``contact_edge_rad`` the x_w of
+the first contact.
+
+**A port anchor** puts c in series with a port whose voltage is ``E = s(u + v)/2``, against all that
+is wrong with the motor, as a voltage d. With the port's flux by the true motor and rotor, ``χ =
+L i + k_T x − ∫E dt``, it is ``c − d = dχ/dt``, and its work ``∫ i dχ = [iχ] − ∫ χ di``: as if the
+wall's edge were moved to and fro with χ while the current changes. ``correction_out_max_j`` is the
+most that the running sum of ``ENERGY_OUT − T·E·i`` has reached. It takes the true mean current;
+with the sensor's, as in ``½T(u² − v²)``, the noise that the waves take in would count as given out
+for ever. ``correction_bound_j`` is what the work can't exceed: the sum over
+contacts and the ways between of half the range of χ times (current at the beginning + at the end +
+total variation of the current). As the true χ goes on where the anchor sets its own anew, nothing
+is to be added for that.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wavehaptics.laws import closed_forms
+from wavehaptics.runtime.compiled import compiled_counting
+from wavehaptics.trace.columns import Column
+
+if TYPE_CHECKING:
+    from wavehaptics.scene import Scene
+
+LEAST_TICKS = 4
+"""A shorter contact is chatter."""
+IDEAL_DEPTH_RAD = 1e-5
+"""Takes the encoder cell's place where the scene has no encoder: 23 µN·m on the paper's motor."""
+PEAK_PART = 0.9
+"""The fit ends where the push first reaches this part of its peak."""
+_LEVEL_STEP = 1e-4
+_LEVELS = 2048
+assert (1.0 + _LEVEL_STEP) ** _LEVELS > 1.0 / PEAK_PART, "the ring must reach back to 90 %"
+
+# The ripple's median comes from a histogram of 2^-10 relative steps from 2^-50 A to 2^14 A: the
+# top bits of a double are its exponent and the first of its fraction, and grow with its value.
+_BIN_SHIFT = 52 - 10
+_BIN_BASE = (1023 - 50) << 10
+_BINS = 64 << 10
+
+_X = int(Column.X)
+_OMEGA = int(Column.OMEGA)
+_I = int(Column.I)
+_TORQUE = int(Column.TORQUE)
+_CONTACT = int(Column.CONTACT)
+_SATURATED = int(Column.SATURATED)
+_ENERGY_OUT = int(Column.ENERGY_OUT)
+_RIPPLE = int(Column.RIPPLE)
+_U = int(Column.U)
+_V = int(Column.V)
+_T = int(Column.T)
+_X_HAT = int(Column.X_HAT)
+_OMEGA_HAT = int(Column.OMEGA_HAT)
+_FAULT = int(Column.FAULT)
+
+_FRESH, _INITIAL, _NONE = 0, 1, -1
+_PENDING, _KNOWN, _REFUSED = 0, 1, 2
+
+_RUN = np.dtype(
+    [
+        # of the scene
+        ("hold_start", "i8"),  # tick; past every run where the scene has no hold
+        ("impact", "i8"),
+        ("cell", "f8"),
+        ("compliance", "f8"),  # 1/K of the design spring
+        # sums over the run
+        ("ticks", "i8"),
+        ("saturated", "i8"),
+        ("unfit", "f8"),  # 0 while every number is finite, then NaN
+        ("torque_peak", "f8"),
+        ("current_peak", "f8"),
+        ("energy", "f8"),
+        ("energy_peak", "f8"),
+        ("free_ticks", "i8"),
+        ("free_square", "f8"),
+        ("error_square", "f8"),
+        ("reference_peak", "f8"),
+        # the contact under way
+        ("in_contact", "i8"),
+        ("contacts", "i8"),
+        ("length", "i8"),
+        ("edge", "f8"),
+        ("side", "f8"),
+        ("omega_in", "f8"),
+        ("omega_last", "f8"),
+        # which fit it feeds, and whether the fresh one is settled
+        ("fit", "i8"),
+        ("settled", "i8"),
+        # bounce
+        ("bounce", "i8"),
+        ("restitution", "f8"),
+        # the last tenth of a hold
+        ("hold_ticks", "i8"),
+        ("hold_contact", "i8"),
+        ("hold_offset", "f8"),
+        ("hold_depth", "f8"),
+        ("hold_first", "f8"),
+        ("hold_sum", "f8"),
+        ("hold_square", "f8"),
+        # a port anchor: of the scene
+        ("anchored", "i8"),
+        ("half_root", "f8"),  # s/2
+        ("tick_s", "f8"),
+        ("inductance", "f8"),
+        ("k_t", "f8"),
+        # sums over the run
+        ("work", "f8"),
+        ("work_peak", "f8"),
+        ("flux", "f8"),
+        ("x_hat_square", "f8"),
+        ("omega_hat_square", "f8"),
+        ("fault_s", "f8"),
+        # of the contact, or the way between, and of those before
+        ("bound", "f8"),
+        ("chi_low", "f8"),
+        ("chi_high", "f8"),
+        ("variation", "f8"),
+        ("i_first", "f8"),
+        ("i_last", "f8"),
+        ("chi_last", "f8"),
+        ("contact_last", "i8"),
+    ],
+    align=True,
+)
+
+_FIT = np.dtype(
+    [
+        ("edge", "f8"),
+        ("side", "f8"),
+        ("length", "i8"),
+        ("deepest", "f8"),
+        ("push_peak", "f8"),
+        ("peak", "f8"),  # of the compression: up to the deepest tick so far
+        ("closed", "i8"),  # the voltage has saturated: no more ticks into the sums
+        ("level", "f8"),
+        ("levels", "i8"),
+        ("end", "i8"),  # the first level at 90 % of the peak, or the next one to come
+        ("aside", "i8"),  # which level is in the ring's last row, -1 for none
+        ("n", "i8"),
+        ("x", "f8"),  # sums over the ticks of the depth's and the torque's products
+        ("f", "f8"),
+        ("xx", "f8"),
+        ("xf", "f8"),
+    ],
+    align=True,
+)
+_LEVEL_FIELDS = 6  # level n x f xx xf
+
+
+@compiled_counting()
+def _find_edge(walls: np.ndarray, x: float) -> tuple[float, float]:
+    """Edge through which a rotor that is at ``x`` in its first tick of contact came in.
+
+    Returns (x_w, side), side = +1 for a lower edge and −1 for an upper one.
+    """
+    for n in range(walls.shape[0]):
+        if walls[n, 0] <= x < walls[n, 1]:
+            if x - walls[n, 0] <= walls[n, 1] - x:
+                return walls[n, 0], 1.0
+            return walls[n, 1], -1.0
+    # The tick's mean position may still lie outside.
+    edge, side, nearest = x, 1.0, np.inf
+    for n in range(walls.shape[0]):
+        for end in range(2):
+            if abs(x - walls[n, end]) < nearest:
+                nearest = abs(x - walls[n, end])
+                edge, side = walls[n, end], 1.0 - 2.0 * end
+    return edge, side
+
+
+@compiled_counting()
+def _counts(fit: Any, cell: float, impact: int) -> bool:
+    return fit["length"] >= LEAST_TICKS and (impact != 0 or fit["deepest"] >= cell)
+
+
+@compiled_counting()
+def _compress(
+    fit: Any, ring: np.ndarray, x: float, torque: float, saturated: bool, cell: float
+) -> None:
+    """One tick of the contact that ``fit`` follows.
+
+    The end of the fit, 90 % of the peak, is known only when the peak is. So the sums up to each new
+    height of the push are kept in a ring, 10⁻⁴ of the height apart, which reaches back to 1/1.22 of
+    the newest; those that end the fit for the peak so far are set aside in its last row.
+    """
+    fit.length += 1
+    depth = fit.side * (x - fit.edge)
+    push = -fit.side * torque
+    fit.push_peak = max(fit.push_peak, push)
+    if saturated:
+        fit.closed = 1
+    if not fit.closed:
+        # Both about the edge and outwards, which leaves the slope as it is.
+        fit.n += 1
+        fit.x += depth
+        fit.f += push
+        fit.xx += depth * depth
+        fit.xf += depth * push
+        if push > fit.level * (1.0 + _LEVEL_STEP):
+            fit.level = push
+            at = fit.levels % _LEVELS
+            fit.levels += 1
+            ring[at, 0] = push
+            ring[at, 1] = fit.n
+            ring[at, 2] = fit.x
+            ring[at, 3] = fit.f
+            ring[at, 4] = fit.xx
+            ring[at, 5] = fit.xf
+    if depth > fit.deepest:
+        fit.deepest = depth
+        fit.peak = fit.push_peak
+        end = max(fit.end, fit.levels - _LEVELS)
+        while end < fit.levels and ring[end % _LEVELS, 0] < PEAK_PART * fit.peak:
+            end += 1
+        if end < fit.levels and end != fit.aside:
+            ring[_LEVELS] = ring[end % _LEVELS]
+            fit.aside = end
+        fit.end = end
+
+
+@compiled_counting()
+def _enter(run: Any, fits: np.ndarray, walls: np.ndarray, x: float) -> None:
+    """First tick of a contact."""
+    run.in_contact = 1
+    run.contacts += 1
+    run.length = 0
+    run.edge, run.side = _find_edge(walls, x)
+    run.omega_in = run.omega_last
+    if run.ticks == 0:
+        run.fit = _INITIAL
+        run.bounce = _REFUSED  # no speed of entry
+    elif not run.settled:
+        run.fit = _FRESH
+    else:
+        return
+    fit = fits[run.fit]
+    fit.edge = run.edge
+    fit.side = run.side
+    fit.length = 0
+    fit.deepest = 0.0
+    fit.push_peak = 0.0
+    fit.peak = 0.0
+    fit.closed = 0
+    fit.level = 0.0
+    fit.levels = 0
+    fit.end = 0
+    fit.aside = -1
+    fit.n = 0
+    fit.x = 0.0
+    fit.f = 0.0
+    fit.xx = 0.0
+    fit.xf = 0.0
+
+
+@compiled_counting()
+def _leave(run: Any, fits: np.ndarray, omega: float) -> None:
+    """First tick out of contact, in which the mean speed is ``omega``."""
+    run.in_contact = 0
+    if run.fit == _FRESH and _counts(fits[_FRESH], run.cell, run.impact):
+        run.settled = 1
+    run.fit = _NONE
+    if run.bounce == _PENDING:
+        if run.side * omega < 0.0 and run.omega_in != 0.0:
+            run.bounce = _KNOWN
+            run.restitution = abs(omega / run.omega_in)
+        elif run.length >= LEAST_TICKS:
+            run.bounce = _REFUSED  # it went through
+
+
+@compiled_counting()
+def _part_bound(run: Any) -> float:
+    """Most work of c − d in the contact under way, or on the way between two."""
+    half_range = 0.5 * (run["chi_high"] - run["chi_low"])
+    return half_range * (abs(run["i_first"]) + abs(run["i_last"]) + run["variation"])
+
+
+@compiled_counting()
+def _correct(run: Any, row: np.ndarray, contact: bool) -> None:
+    """A tick of a port anchor."""
+    i = row[_I]
+    port = run.half_root * (row[_U] + row[_V]) * run.tick_s
+    run.work += row[_ENERGY_OUT] - port * i
+    run.work_peak = max(run.work_peak, run.work)
+    chi = run.inductance * i + run.k_t * row[_X] - (run.flux + 0.5 * port)
+    run.flux += port
+    if run.ticks == 0:
+        run.i_last, run.chi_last, run.contact_last = i, chi, -1
+    if contact != run.contact_last:
+        if run.ticks:
+            run.bound += _part_bound(run)
+        run.contact_last = contact
+        run.chi_low = run.chi_high = run.chi_last
+        run.i_first = run.i_last
+        run.variation = 0.0
+    run.chi_low, run.chi_high = min(run.chi_low, chi), max(run.chi_high, chi)
+    run.variation += abs(i - run.i_last)
+    run.i_last, run.chi_last = i, chi
+    x = row[_X] + 0.5 * row[_OMEGA] * run.tick_s
+    run.x_hat_square += (row[_X_HAT] - x) ** 2
+    run.omega_hat_square += (row[_OMEGA_HAT] - row[_OMEGA]) ** 2
+    if row[_FAULT] != 0.0 and run.fault_s < 0.0:
+        run.fault_s = row[_T]
+
+
+@compiled_counting()
+def _gather(
+    runs: np.ndarray,
+    fits: np.ndarray,
+    rings: np.ndarray,
+    bin_counts: np.ndarray,
+    bin_sums: np.ndarray,
+    walls: np.ndarray,
+    rows: np.ndarray,
+    bits: np.ndarray,
+    reference: np.ndarray,
+) -> None:
+    """Take a chunk of rows; ``bits`` are the same numbers as int64, ``reference`` may be empty."""
+    run = runs[0]
+    compared = reference.shape[0] == rows.shape[0]
+    for n in range(rows.shape[0]):
+        x = rows[n, _X]
+        omega = rows[n, _OMEGA]
+        torque = rows[n, _TORQUE]
+        ripple = rows[n, _RIPPLE]
+        contact = rows[n, _CONTACT] != 0.0
+        saturated = rows[n, _SATURATED] != 0.0
+
+        energy = run.energy + rows[n, _ENERGY_OUT]
+        run.energy = energy
+        run.energy_peak = max(run.energy_peak, energy)
+        run.torque_peak = max(run.torque_peak, abs(torque))
+        run.current_peak = max(run.current_peak, abs(rows[n, _I]))
+        run.saturated += saturated
+        run.unfit += 0.0 * (x + omega + torque + ripple + rows[n, _I] + energy)
+
+        at = min(max((bits[n, _RIPPLE] >> _BIN_SHIFT) - _BIN_BASE, 0), _BINS - 1)
+        bin_counts[at] += 1
+        bin_sums[at] += ripple
+
+        if compared:
+            run.error_square += (torque - reference[n, _TORQUE]) ** 2
+            run.reference_peak = max(run.reference_peak, abs(reference[n, _TORQUE]))
+
+        if contact:
+            if not run.in_contact:
+                _enter(run, fits, walls, x)
+            run.length += 1
+            if run.fit >= 0:
+                _compress(fits[run.fit], rings[run.fit], x, torque, saturated, run.cell)
+        else:
+            if run.in_contact:
+                _leave(run, fits, omega)
+            run.free_ticks += 1
+            run.free_square += torque * torque
+        run.omega_last = omega
+        if run.anchored:
+            _correct(run, rows[n], contact)
+
+        if run.ticks >= run.hold_start:
+            if run.hold_ticks == 0:
+                run.hold_first = torque
+            run.hold_ticks += 1
+            run.hold_contact += contact
+            run.hold_offset += torque * run.compliance + x - run.edge
+            run.hold_depth += x - run.edge
+            # About the first value: the mean is far larger than the ripple.
+            run.hold_sum += torque - run.hold_first
+            run.hold_square += (torque - run.hold_first) ** 2
+        run.ticks += 1
+
+
+class Metrics:
+    """Gathers the metrics of one run of ``scene`` on ``controller``, chunk by chunk.
+
+    ``tick_s`` is T in s. ``stiffness_predicted`` is the K of the design spring in N·m/rad, computed
+    with the coefficients as the controller holds them; None where the controller has none, and then
+    the metrics of a hold are None too. ``walls`` are the intervals (x_min, x_max) in rad as the
+    encoder quantises them. ``root`` is s of a port with an anchor, √Ω; None without one.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        tick_s: float,
+        *,
+        controller: str,
+        stiffness_predicted: float | None = None,
+        walls: Sequence[tuple[float, float]] = (),
+        root: float | None = None,
+    ) -> None:
+        self._scene = scene
+        self._tick_s = tick_s
+        self._controller = controller
+        self._predicted = stiffness_predicted
+        self._walls = np.array(walls, dtype=np.float64).reshape(-1, 2)
+        self._has_reference: bool | None = None
+        self._runs = np.zeros(1, dtype=_RUN)
+        self._fits = np.zeros(2, dtype=_FIT)
+        self._rings = np.zeros((2, _LEVELS + 1, _LEVEL_FIELDS))
+        self._bin_counts = np.zeros(_BINS, dtype=np.int64)
+        self._bin_sums = np.zeros(_BINS)
+        self._nothing = np.zeros((0, len(Column)))
+
+        path = None if scene.hand is None else scene.hand.path
+        ticks = round(scene.scene.duration_s / tick_s)
+        run = self._runs[0]
+        run["fit"] = _NONE
+        run["impact"] = path == "impact"
+        run["bounce"] = _PENDING if path == "impact" else _REFUSED
+        run["cell"] = (
+            IDEAL_DEPTH_RAD
+            if scene.encoder is None
+            else 2.0 * math.pi / scene.encoder.counts_per_rev
+        )
+        run["compliance"] = 1.0 / stiffness_predicted if stiffness_predicted else 0.0
+        holds = path == "press" and bool(stiffness_predicted)
+        run["anchored"] = root is not None
+        run["half_root"] = 0.5 * (root or 0.0)
+        run["tick_s"] = tick_s
+        run["inductance"] = scene.motor.L_h
+        run["k_t"] = scene.motor.k_t
+        run["fault_s"] = -1.0
+        run["hold_start"] = ticks - ticks // 10 if holds else np.iinfo(np.int64).max
+
+    def update(self, rows: np.ndarray, reference_rows: np.ndarray | None = None) -> None:
+        """Take the next ticks: ``rows`` float64 (n, len(Column)), in order.
+
+        ``reference_rows``, of the same shape, are those of the analog circuit in the same ticks;
+        they come with every chunk or with none, else ``ValueError``. ``FloatingPointError`` if a
+        number is not finite.
+        """
+        if rows.ndim != 2 or rows.shape[1] != len(Column):
+            raise ValueError(f"rows must be (ticks, {len(Column)}), not {rows.shape}")
+        if reference_rows is not None and reference_rows.shape != rows.shape:
+            raise ValueError(f"reference rows are {reference_rows.shape}, rows {rows.shape}")
+        if self._has_reference not in (None, reference_rows is not None):
+            raise ValueError("reference rows must come with every chunk or with none")
+        self._has_reference = reference_rows is not None
+        reference = self._nothing if reference_rows is None else reference_rows
+        rows = np.ascontiguousarray(rows, dtype=np.float64)
+        _gather(
+            self._runs,
+            self._fits,
+            self._rings,
+            self._bin_counts,
+            self._bin_sums,
+            self._walls,
+            rows,
+            rows.view(np.int64),
+            np.ascontiguousarray(reference, dtype=np.float64),
+        )
+        run = self._runs[0]
+        if run["unfit"] != 0.0:
+            bad = rows[~np.isfinite(rows).all(axis=1), Column.T]
+            where = f" at t = {bad[0]:.9g} s" if bad.size else ""
+            raise FloatingPointError(f"the simulation has left the finite numbers{where}")
+        if run["contacts"] and not self._walls.size:
+            raise ValueError("rows in contact, but no walls were given")
+
+    def _first_contact(self) -> int | None:
+        run = self._runs[0]
+        for slot in (_FRESH, _INITIAL):
+            if _counts.py_func(self._fits[slot], run["cell"], run["impact"]):
+                return slot
+        return None
+
+    def _line(self, slot: int) -> tuple[float | None, float | None]:
+        """Slope of −F over x and the x of its zero, of the contact in ``slot``."""
+        fit = self._fits[slot]
+        if fit["peak"] <= 0.0:
+            return None, None
+        if fit["end"] == fit["aside"]:
+            n, x, f, xx, xf = self._rings[slot, _LEVELS, 1:]
+        else:  # the voltage saturated before
+            n, x, f, xx, xf = (float(fit[name]) for name in ("n", "x", "f", "xx", "xf"))
+        if n < 3:
+            return None, None
+        variance = xx - x * x / n
+        slope = (xf - x * f / n) / variance if variance > 0.0 else 0.0
+        if slope == 0.0:
+            return None, None
+        return slope, fit["edge"] + fit["side"] * (x - f / slope) / n
+
+    def _ripple_median(self) -> float | None:
+        total = int(self._bin_counts.sum())
+        if total == 0:
+            return None
+        middle = np.searchsorted(
+            np.cumsum(self._bin_counts), [(total - 1) // 2, total // 2], side="right"
+        )
+        return float(np.mean(self._bin_sums[middle] / self._bin_counts[middle]))
+
+    def _hold(self) -> tuple[float | None, float | None, float | None]:
+        """Offset in rad, offset over depth, and RMS of the torque about its mean."""
+        run = self._runs[0]
+        n = int(run["hold_ticks"])
+        if n == 0 or run["hold_contact"] < n:
+            return None, None, None
+        offset, depth = run["hold_offset"] / n, run["hold_depth"] / n
+        square = run["hold_square"] / n - (run["hold_sum"] / n) ** 2
+        return offset, offset / depth if depth else None, math.sqrt(max(square, 0.0))
+
+    def result(
+        self, *, wall_clock_s: float | None = None, clock_cycles: int | None = None
+    ) -> dict[str, Any]:
+        """All metrics by name, SI units, plain Python numbers, text or None.
+
+        ``wall_clock_s`` is the time that the run took, ``clock_cycles`` the clocks simulated (None
+        for a controller without a clock). May be called at any time; the run can go on.
+
+        ============================  ==========================================================
+        ``scene``, ``controller``     names
+        ``hand``                      path of the scene's hand
+        ``duration_s``                simulated time
+        ``wall_clock_s``              as given
+        ``ticks``
+        ``clock_cycles``              as given
+        ``k_l``                       K_L of the motor, N·m/rad
+        ``stiffness``                 measured, N·m/rad: see the head of the module
+        ``stiffness_zero_rad``        where the fitted line crosses zero torque
+        ``contact_edge_rad``          x_w of the first contact
+        ``stiffness_predicted``       as given, N·m/rad
+        ``tip_stiffness``             ``stiffness`` · (ratio/lever)², N/m, with a transmission
+        ``peak_torque``               largest magnitude in the run, N·m
+        ``peak_current_a``            largest magnitude of a tick's mean in the run
+        ``current_ripple_a``          median over the ticks of the ripple, peak to peak
+        ``torque_nrmse_vs_analog``    RMS of the difference over the reference's largest magnitude
+        ``free_space_torque_rms``     over all ticks out of contact, N·m
+        ``energy_out_max_j``          the most that the running sum of ENERGY_OUT has reached; 0 if
+                                      it never rose above zero
+        ``hold_offset_rad``           mean of F/K + x − x_w with the design spring's K: how far the
+                                      wall has moved, towards larger x if above zero
+        ``hold_error``                that over the mean of x − x_w
+        ``hold_ripple_rms``           RMS of the torque about its mean, N·m; a drift counts
+        ``restitution``               mean speed in the first tick after the first contact over that
+                                      in the last tick before it
+        ``saturated_fraction``        of all ticks
+        ``correction_out_max_j``      most net work of c less what it cancels: see the module's head
+        ``correction_bound_j``        what that can't exceed; None with ``[winding]``, whose flux is
+                                      not L·i
+        ``x_hat_error_rms_rad``       of x̂ against x at the ticks' ends
+        ``omega_hat_error_rms``       of ω̂ against the tick's mean ω, rad/s
+        ``anchor_fault_s``            time at which the anchor gave up, or None
+        ============================  ==========================================================
+
+        The three of a hold need the path ``press`` and contact in every one of the last tenth of
+        the scene's ticks. ``restitution`` needs the path ``impact``, an entry after the first tick
+        and a rotor that came back: it is None where the rotor went through the wall or stayed in
+        it. A contact shorter than ``LEAST_TICKS`` that did not turn the rotor round is passed over.
+        The last five need a port anchor.
+        """
+        scene, run = self._scene, self._runs[0]
+        ticks = int(run["ticks"])
+        slot = self._first_contact()
+        slope, zero = (None, None) if slot is None else self._line(slot)
+        tip = None
+        if slope is not None and scene.transmission is not None and scene.transmission.ratio:
+            tip = slope * (scene.transmission.ratio / scene.transmission.lever_m) ** 2
+        error = None
+        if self._has_reference and run["reference_peak"] > 0.0:
+            error = math.sqrt(run["error_square"] / ticks) / run["reference_peak"]
+        free = None
+        if run["free_ticks"]:
+            free = math.sqrt(run["free_square"] / run["free_ticks"])
+        offset, offset_part, ripple = self._hold()
+        metrics: dict[str, Any] = {
+            "scene": scene.scene.name,
+            "controller": self._controller,
+            "hand": None if scene.hand is None else scene.hand.path,
+            "duration_s": round(ticks * self._tick_s, 12),  # 0.1, not 0.09999999999999999
+            "wall_clock_s": wall_clock_s,
+            "ticks": ticks,
+            "clock_cycles": clock_cycles,
+            "k_l": closed_forms.k_l(scene.motor.k_t, scene.motor.L_h),
+            "stiffness": slope,
+            "stiffness_zero_rad": zero,
+            "contact_edge_rad": None if slot is None else self._fits[slot]["edge"],
+            "stiffness_predicted": self._predicted,
+            "tip_stiffness": tip,
+            "peak_torque": run["torque_peak"] if ticks else None,
+            "peak_current_a": run["current_peak"] if ticks else None,
+            "current_ripple_a": self._ripple_median(),
+            "torque_nrmse_vs_analog": error,
+            "free_space_torque_rms": free,
+            "energy_out_max_j": run["energy_peak"] if ticks else None,
+            "hold_offset_rad": offset,
+            "hold_error": offset_part,
+            "hold_ripple_rms": ripple,
+            "restitution": run["restitution"] if run["bounce"] == _KNOWN else None,
+            "saturated_fraction": run["saturated"] / ticks if ticks else None,
+        }
+        metrics |= self._correction()
+        return {name: _plain(value) for name, value in metrics.items()}
+
+    def _correction(self) -> dict[str, Any]:
+        run = self._runs[0]
+        ticks = int(run["ticks"])
+        names = ("correction_out_max_j", "correction_bound_j", "x_hat_error_rms_rad",
+                 "omega_hat_error_rms", "anchor_fault_s")  # fmt: skip
+        if not (run["anchored"] and ticks):
+            return dict.fromkeys(names)
+        iron = self._scene.winding is not None
+        values = (
+            run["work_peak"],
+            None if iron else run["bound"] + _part_bound.py_func(run),
+            math.sqrt(run["x_hat_square"] / ticks),
+            math.sqrt(run["omega_hat_square"] / ticks),
+            run["fault_s"] if run["fault_s"] >= 0.0 else None,
+        )
+        return dict(zip(names, values, strict=True))
+
+
+def _plain(value: Any) -> Any:
+    """``value`` as JSON knows it: numpy numbers become Python's, what is not finite None."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def write_metrics(metrics: dict[str, Any], path: Path | str) -> Path:
+    """Write ``metrics`` as JSON, whole or not at all, to ``path`` or into that directory.
+
+    Returns the file's path, ``metrics.json`` in a directory; ``ValueError`` on NaN.
+    """
+    path = Path(path)
+    path = path if path.suffix == ".json" else path / "metrics.json"
+    text = json.dumps(metrics, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+    return path

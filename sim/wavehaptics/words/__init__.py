@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Formats and codes of the words that cross a border."""

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Word lengths and binary points, read from ``rtl/wh_formats.vh``: none is typed twice.
+
+The widths that the header lets a tool set can be set here by environment variables of the same
+names, ``WH_DATA_W=24``; what numba compiles is kept by them (:mod:`wavehaptics.runtime.compiled`).
+"""
+
+from __future__ import annotations
+
+import ast
+import operator
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+RTL_DIR = Path(__file__).resolve().parents[3] / "rtl"
+HEADER = RTL_DIR / "wh_formats.vh"
+
+_DEFINE = re.compile(r"^\s*`define\s+WH_(\w+)\s+([^/\n]+?)\s*(?://.*)?$", re.MULTILINE)
+_GUARDED = re.compile(r"^\s*`ifndef\s+WH_(\w+)", re.MULTILINE)
+_OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul}
+
+
+def _evaluate(node: ast.expr) -> int:
+    if isinstance(node, ast.Constant) and isinstance(node.value, int):
+        return node.value
+    if isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
+        return _OPERATORS[type(node.op)](_evaluate(node.left), _evaluate(node.right))
+    raise ValueError(f"{HEADER}: only sums and products of integers are understood")
+
+
+def settable_macros(header: str) -> list[str]:
+    """Macros, without ``WH_``, that a header defines only where they are not set yet."""
+    guarded = _GUARDED.findall(header)
+    return [name for name, _ in _DEFINE.findall(header) if name in guarded]
+
+
+def read_header(path: Path = HEADER, environment: Mapping[str, str] = os.environ) -> dict[str, int]:
+    """Macros ``WH_<name>`` of the header as ``{name: integer}``, in the order of the file.
+
+    Macros guarded by ```ifndef`` may be set in ``environment``.
+    """
+    values: dict[str, int] = {}
+    header = path.read_text(encoding="utf-8")
+    settable = settable_macros(header)
+    for name, text in _DEFINE.findall(header):
+        if name in settable and f"WH_{name}" in environment:
+            text = environment[f"WH_{name}"]
+        for known, value in values.items():
+            text = re.sub(rf"`WH_{known}\b", str(value), text)
+        values[name] = _evaluate(ast.parse(text.strip(), mode="eval").body)
+    return values
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """A signed fixed-point format s<width>q<fraction>: value = raw / 2**fraction."""
+
+    width: int
+    fraction: int
+
+    @property
+    def raw_max(self) -> int:
+        return (1 << (self.width - 1)) - 1
+
+    @property
+    def raw_min(self) -> int:
+        return -(1 << (self.width - 1))
+
+    @property
+    def step(self) -> float:
+        """Value of the last place, in the word's unit."""
+        return 2.0**-self.fraction
+
+    @property
+    def largest(self) -> float:
+        """Largest positive value, in the word's unit."""
+        return self.raw_max * self.step
+
+    def to_raw(self, value: float) -> int:
+        """Nearest word to ``value``; ``OverflowError`` where the format can't hold it."""
+        raw = round(value * 2.0**self.fraction)
+        if not self.raw_min <= raw <= self.raw_max:
+            raise OverflowError(f"{value:g} is outside ±{self.largest:g}")
+        return raw
+
+    def to_value(self, raw: int) -> float:
+        """Value of a word, in its unit."""
+        return raw * self.step
+
+
+HEADER_VALUES = read_header()
+
+SETTABLE = tuple(settable_macros(HEADER.read_text(encoding="utf-8")))
+"""Macros that the tools take from their command line, and Python from the environment."""
+
+DATA_W = HEADER_VALUES["DATA_W"]
+COEF_W = HEADER_VALUES["COEF_W"]
+STATE_GUARD = HEADER_VALUES["STATE_GUARD"]
+COUNT_W = HEADER_VALUES["COUNT_W"]
+SAMPLE_W = HEADER_VALUES["SAMPLE_W"]
+SUM_W = HEADER_VALUES["SUM_W"]
+TICK_W = HEADER_VALUES["TICK_W"]
+MODE_W = HEADER_VALUES["MODE_W"]
+
+CURRENT = Fixed(DATA_W, HEADER_VALUES["CURRENT_Q"])
+"""Current, A."""
+VOLTAGE = Fixed(DATA_W, HEADER_VALUES["VOLTAGE_Q"])
+"""Voltage, V."""
+WAVE = Fixed(DATA_W, HEADER_VALUES["WAVE_Q"])
+"""Waves u and v, √W."""
+ROOT = Fixed(COEF_W, HEADER_VALUES["ROOT_Q"])
+"""s = √(2R̂), √Ω."""
+ETA = Fixed(COEF_W, HEADER_VALUES["ETA_Q"])
+"""η, no unit."""
+A = Fixed(COEF_W, HEADER_VALUES["A_Q"])
+"""The λ filter's coefficient a, no unit."""
+GAIN = Fixed(COEF_W, HEADER_VALUES["GAIN_Q"])
+"""Amperes per unit of a tick's sum of ADC words."""
+DUTY = Fixed(COEF_W, HEADER_VALUES["DUTY_Q"])
+"""Clocks of half pulse width per volt."""
+BUS_W = HEADER_VALUES["BUS_W"]
+BUS_Q = HEADER_VALUES["BUS_Q"]
+"""Fraction bits of the measured bus, an unsigned word of BUS_W bits, V."""
+BUS_SHARE = Fixed(COEF_W, HEADER_VALUES["BUS_SHARE_Q"])
+"""Inverse of the bus that a voltage limit takes, 1/V."""
+SHAPE = Fixed(HEADER_VALUES["SHAPE_W"], HEADER_VALUES["SHAPE_Q"])
+"""Coefficient of the shaper W, no unit."""
+SHAPE_HEADROOM = HEADER_VALUES["SHAPE_HEADROOM"]
+SHAPE_LOSS_W = HEADER_VALUES["SHAPE_LOSS_W"]
+SHAPE_STATE = Fixed(DATA_W + STATE_GUARD, WAVE.fraction - SHAPE_HEADROOM + STATE_GUARD)
+"""State of the shaper W, √W."""
+EXTRA = Fixed(HEADER_VALUES["EXTRA_W"], HEADER_VALUES["EXTRA_Q"])
+"""Clocks by which dead time shortens the half pulse width."""
+LONG = Fixed(HEADER_VALUES["LONG_W"], HEADER_VALUES["LONG_Q"])
+"""What the port anchor sums up: cells, V or A."""
+LONG_GUARD = HEADER_VALUES["LONG_GUARD"]
+"""Low bits of a long word that its factor is without."""
+FLUX = Fixed(COEF_W, HEADER_VALUES["FLUX_Q"])
+"""Cells that a wave of 1 √W moves the flux of the port in a tick."""
+CELLS = Fixed(COEF_W, HEADER_VALUES["CELLS_Q"])
+"""Cells of the flux L̂·i, per A."""
+PULL = Fixed(COEF_W, HEADER_VALUES["PULL_Q"])
+"""Correction of the port anchor, V per cell."""
+LEARN = Fixed(COEF_W, HEADER_VALUES["LEARN_Q"])
+"""What the port anchor learns in a tick, V per cell, or A per V."""
+REST_W = HEADER_VALUES["REST_W"]
+REST_UNIT_W = HEADER_VALUES["REST_UNIT_W"]
+MOVE_W = HEADER_VALUES["MOVE_W"]
+ANCHOR_W = HEADER_VALUES["ANCHOR_W"]
