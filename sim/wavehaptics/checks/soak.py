@@ -8,7 +8,7 @@ the next reset. In every tick is watched that
 
 - every word of the RTL equals the integer model's;
 - the waves have given out no more than they took in since the reset, ``Σ(v² − u²) ≥ 0`` without
-  any rounding, as |η| ≤ 1 and W is passive;
+  any rounding, as ``|η| ≤ 1`` and W is passive;
 - ``|u|`` is within its limit;
 - c is within its own, ``c_0 + |e_id|/2``, c_0/2 out of contact, and 0 after a
   fault;
