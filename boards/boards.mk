@@ -34,7 +34,7 @@ flash: $(READY) ## write the bitstream of BOARD= into the board's flash, and ver
 resources: $(SYNTH_TOOLS) ## count what each block and option costs, a quarter of an hour
 	@$(BITSTREAMS) resources
 
-numbers: $(READY) ## write the numbers of the last synthesis, report and bench into the README pages
+numbers: $(READY) ## write the numbers of the last whole runs into the pages
 	@$(BITSTREAMS) numbers
 
 # The boards' tests synthesise, and simulate netlists.

@@ -126,7 +126,7 @@ def count_resources() -> None:
 
 @app.command("numbers")
 def write_numbers() -> None:
-    """Keep the numbers of the last synthesis, and write them into the README pages."""
+    """Keep the numbers of the last whole runs, and write them into the pages."""
     try:
         for path in filler.keep():
             typer.echo(f"{path}: not of a whole run, its numbers are left out")
