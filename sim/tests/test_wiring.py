@@ -260,14 +260,22 @@ def test_a_boards_page_warns(name):
 
 @pytest.mark.parametrize("name", board_names())
 def test_scale_of_the_current_is_that_of_shunt_and_gain(table, name):
-    scene = load_board(name).scene
-    assert scene.adc.full_scale_a == pytest.approx(pages.full_scale_a(table), rel=0.01)
+    """And of the parts that the build of a board is told of."""
+    board = load_board(name)
+    assert board.scene.adc.full_scale_a == pytest.approx(pages.full_scale_a(table), rel=0.01)
+    sense = board.fpga.sense
+    assert sense.shunt_ohm == table.part("R6").of(board.fpga.family)
+    assert (sense.gain, sense.swing_v) == (table.current.gain, table.current.swing_v)
+    assert sense.supply_v == table.supply.logic_v
+    assert table.text("U7").startswith(sense.amplifier)
+    assert (board.fpga.adc, board.fpga.bridge.driver) == (table.text("U8"), table.text("U5"))
 
 
 def test_overcurrent_is_below_what_the_amplifier_can_tell(table):
     rows = dict(re.findall(r"\| (.+?) \| ± ([\d.]+) A \|", pages.currents(table)))
     ends = {name.split(",")[0]: float(value) for name, value in rows.items()}
-    assert 2.0 < ends["option overcurrent"] < ends["end of what U7 gives truly"]
+    assert ends["a sample takes the gates off"] < ends["option overcurrent"]
+    assert ends["option overcurrent"] < ends["end of what U7 gives truly"]
     assert ends["end of what U7 gives truly"] < ends["end of the ADC's scale"]
 
 
@@ -287,6 +295,10 @@ def test_supply_pins_of_headers_carry_no_signal():
         listed_ports = {pin.port for pin in listed if pin.port}
         assert listed_ports | {port for port, _, _ in found.on_board} == set(pins.ports(name))
         assert any(pin.place == "GND" for pin in listed)
+        known = load_board(name).fpga
+        sites = {pin.place for pin in listed if re.fullmatch(r"[A-Z]?\d+", pin.place)}
+        unused = {"C3", "C4", "B4", "D3"} if name == "colorlight_i5" else set()  # between the PMODs
+        assert sites - {*known.free, *known.taken} == unused
         for pin in listed:
             assert pin.port is None or re.fullmatch(r"[A-Z]?\d+", pin.place)
     core = [pin for row in pins.wires("hx8k").headers["J2"] for pin in row if "1.2" in pin.place]
