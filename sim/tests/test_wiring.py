@@ -139,6 +139,20 @@ def test_ngspice_that_is_missing_or_fails_is_said_in_a_line(monkeypatch):
         spice.run("* nothing\n.end\n")
 
 
+def test_a_supervisor_of_the_next_threshold_is_refused(table):
+    wrong = table.supervisor_levels.model_copy(update={"trip_v": (3.0, 3.15)})
+    lines = spice.complaints(table.model_copy(update={"supervisor_levels": wrong}))
+    assert lines == ["the supervisor may shut at 3.15 V, and the supply may be 3.13 V"]
+
+
+def test_an_encoder_of_five_volts_is_divided_to_what_the_fpga_bears(table):
+    series, ground = (table.part(name) for name in ("R11", "R12"))
+    for encoder_v, sign in ((4.75, 1), (5.25, -1)):
+        above = series.of("ice40") * (1 + sign * series.tolerance)
+        below = ground.of("ice40") * (1 - sign * ground.tolerance)
+        assert table.levels.v_ih < encoder_v * below / (above + below) < 3.45
+
+
 # ---- The drawings.
 
 
