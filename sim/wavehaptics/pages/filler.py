@@ -21,7 +21,7 @@ from typing import Any
 from wavehaptics.checks import soak
 from wavehaptics.fpga.synthesis import Result
 from wavehaptics.pages import port_anchor as holding_tables
-from wavehaptics.pages import reliability, report_and_bench
+from wavehaptics.pages import reliability, report_and_bench, words
 from wavehaptics.runtime.files import write_json, write_text
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies.adcs import named_rows
@@ -33,7 +33,10 @@ KEPT = Path("boards", "summary.json")
 MEASURED = Path("sim", "docs", "measured.json")
 """The numbers of the report and the bench that the pages show, from the root."""
 
-PAGES = (Path("README.md"), Path("boards", "README.md"))
+PAGES = (
+    Path("README.md"), Path("boards", "README.md"), Path("docs", "words.md"),
+    Path("rtl", "wh_faults.vh"),
+)  # fmt: skip
 """Pages that may hold markers, from the root."""
 
 _SUMMARY = Path("build", "synth", "summary.json")
@@ -328,7 +331,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
 } | {
     name: partial(render, table=_table)
     for name, render in (
-        report_and_bench.TABLES | holding_tables.TABLES | reliability.TABLES
+        report_and_bench.TABLES | holding_tables.TABLES | reliability.TABLES | words.TABLES
     ).items()
 }
 """What stands between the markers of each name."""
