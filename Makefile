@@ -195,6 +195,7 @@ lint: $(READY) ## check the RTL at several sizes and word lengths, and the Pytho
 	@.venv/bin/lint-imports --no-logo
 
 include boards/boards.mk
+include boards/wiring.mk
 
 # One block, with or without wh_: BLOCK=quadrature
 BLOCK ?=

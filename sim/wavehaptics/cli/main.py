@@ -108,10 +108,13 @@ def run(
     folder = RUNS_DIR / f"{loaded.scene.name}-{controller}" if out is None else out
     _make_folder(folder)
 
+    from wavehaptics.ladder.abilities import left_out
     from wavehaptics.ladder.run import run_scene
 
     with _progress(f"{loaded.scene.name} on {controller}") as progress:
         metrics = run_scene(loaded, controller, folder, progress)
+    if missing := left_out(loaded, controller):
+        print(f"`{controller}` leaves out {', '.join(missing)}")
     print(_table(metrics))
     print(f"results in {folder}")
 

@@ -14,6 +14,7 @@ from wavehaptics.controller import guard
 from wavehaptics.controller.pins_timing import CORE_CLOCKS, early_tick_clocks
 from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.controller.tick_layout import natural_ticks
+from wavehaptics.ladder.abilities import refuse
 from wavehaptics.parts.adcs import Part, frame
 from wavehaptics.scene import Scene, SceneError
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
@@ -46,6 +47,7 @@ def board_words(scene: Scene, part: Part, motors: int = 1, *, guarded: bool = Fa
 
     :class:`SceneError` where the scene's ADC isn't the part, or its clock or tick doesn't suit it.
     """
+    refuse(scene, "a board")
     if scene.adc is None or scene.adc.bits != part.bits:
         raise SceneError(f"{_at(scene)}the board's ADC has {part.bits} bits; set adc.bits so")
     if scene.adc.part not in (None, part.name):
