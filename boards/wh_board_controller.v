@@ -6,11 +6,12 @@
 // every word of rtl/words.toml, WH_BOARD_WIRES a wire for each that the controller tells.
 //
 // The gates go on when start_i rises while stop_i is low, and go off when stop_i is high, at a fault
-// of the encoder, when a tick is too short for its work, at what the guard finds where the board
-// has one, when the clock was lost, and in reset. They stay off until start_i rises again; after a
-// fault, until reset. start_i and stop_i are asynchronous, and believed once they have been still
-// for 2^SETTLE_LOG2 clocks; off needs no patience. What the guard finds before that time is over, as
-// long as an ADC wakes up, is forgotten.
+// of the encoder, when a tick is too short for its work, when a sample of the current reaches
+// WH_BOARD_TRIP, which lies below what clips, at what the guard finds where the board has one, when
+// the clock was lost, and in reset. They stay off until start_i rises again; after a fault, until
+// reset. start_i and stop_i are asynchronous, and believed once they have been still for
+// 2^SETTLE_LOG2 clocks; off needs no patience. What encoder, current and guard say before that time
+// is over, as long as an ADC wakes up, is forgotten.
 //
 // Without a clock the gates stay as they are. clock_lost_i is what wh_board_clock_watch found, which
 // takes them off the pads; 0 where the board has none. alive_o changes at each tick while the gates
@@ -78,7 +79,7 @@ module wh_board_controller #(
 
     wire         guarded_fault = |faults;
     reg          awake_q;        // start_i has been believed once
-    wire         forgets = (`WH_BOARD_GUARDED != 0) && !awake_q;
+    wire         forgets = !awake_q;
 
     always @(posedge clk) begin
         if (rst) begin
@@ -88,8 +89,8 @@ module wh_board_controller #(
             fault_q   <= 1'b0;
             awake_q   <= 1'b0;
         end else begin
-            fault_q <= fault_q || (((|encoder_fault) || guarded_fault) && !forgets) || overrun
-                       || clock_lost;
+            fault_q <= fault_q || overrun || clock_lost
+                       || (((|encoder_fault) || (|overcurrent) || guarded_fault) && !forgets);
             awake_q <= awake_q || settled;
             if (start == pressed_q) begin
                 settle_q <= {SETTLE_LOG2{1'b0}};

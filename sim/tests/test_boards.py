@@ -16,6 +16,7 @@ from wavehaptics.cli import board_commands
 from wavehaptics.controller.guard import Fault, board_limits, mask
 from wavehaptics.controller.pins_timing import CORE_CLOCKS, latency_clocks
 from wavehaptics.fpga import multipliers, pll, synthesis
+from wavehaptics.fpga.board_pins import read_pins
 from wavehaptics.fpga.board_words import board_words, verilog_header
 from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import Design, SynthesisError, build
@@ -359,8 +360,9 @@ def test_words(name):
     board = load_board(name)
     words, part = board.words(), PARTS[board.fpga.adc]
     time, ports = words.ports.timing, words.ports
-    assert words.words | {"hold_ticks": 0} == ports.words | {"hold_ticks": 0}
-    assert time.frame == frame(part, time.clock_hz)
+    mine = {"hold_ticks": 0, "trip": 0}
+    assert words.words | mine == ports.words | mine
+    assert time.frame == frame(part, time.clock_hz, board.fpga.pad_registers)
     assert time.frame.cycle_clocks <= time.sample_clocks
     assert time.clock_hz / time.tick_clocks == board.scene.controller.tick_hz >= 1e6
     assert CORE_CLOCKS * words.motors <= time.tick_clocks
@@ -406,7 +408,7 @@ def test_the_guards_limits_are_the_boards():
                 Fault.ANCHOR)  # fmt: skip
     assert field("MASK") == mask(set(Fault) - set(left_out))
     assert field("DAMP") == 0
-    assert field("CURRENT") == round(0.9 * 2**15)
+    assert field("CURRENT") == round(0.8 * 2**15)  # 2 A of 2.5
     assert field("STUCK") == 2000  # 1 ms at 2 MHz
     assert field("ZERO_TICKS") == 4000
     # 100 K over 17.1 K/W and the hot winding's 3.03 Ω.
@@ -421,7 +423,7 @@ def test_the_guard_lets_the_boards_own_scene_be(name):
     """Free space and the way into the wall, with half a step of noise: no fault."""
     board = load_board(name)
     scene = load_scene(ROOT / board.folder / "board.toml", ["adc.noise_a=0.6e-3"])
-    pins = GuardedPins(scene, board_limits(scene, board.words().ports))
+    pins = GuardedPins(scene, board_limits(scene, board.words().ports, board.fpga.sense.trip_a))
     rows = np.zeros((round(0.25 / pins.tick_s), len(Column)))
     pins.advance(rows, np.zeros((len(rows), len(Word)), dtype=np.int64))
     assert rows[:, Column.CONTACT].any()
@@ -488,12 +490,11 @@ def test_boards_that_are_not_there():
 def test_page_has_every_pin(name):
     """A board's page names the place of each pin of its constraints, but for the oscillator's."""
     board = load_board(name)
-    text = (ROOT / board.constraints).read_text()
+    pins = read_pins((ROOT / board.constraints).read_text(), board.fpga.family)
     page = (ROOT / board.folder / "README.md").read_text()
-    places = re.findall(r'^(?:set_io |LOCATE COMP ")(\S+?)"?(?: SITE)? +"?(\w+)', text, re.M)
-    assert len(places) >= 13
-    for pin, place in places:
-        assert pin.startswith("clk_") or re.search(rf"\b{place}\b", page), f"{pin} at {place}"
+    assert len(pins) >= 13
+    for pin in pins:
+        assert pin.port.startswith("clk_") or re.search(rf"\b{pin.site}\b", page), pin
 
 
 # ---- The programmers.
@@ -508,8 +509,25 @@ PROGRAMMERS = {
     "ulx3s_three": ["fujprog", "build/synth/ulx3s_three/ulx3s_three.bit"],
 }  # fmt: skip
 
+FLASHERS = {
+    "colorlight_i5": [
+        "openFPGALoader", "-b", "colorlight-i5", "--unprotect-flash", "--write-flash", "--verify",
+        "build/synth/colorlight_i5/colorlight_i5.bit",
+    ],
+    # It writes the flash and reads it back unless it is told not to.
+    "hx8k": PROGRAMMERS["hx8k"],
+    "icebreaker": PROGRAMMERS["icebreaker"],
+    **{
+        name: ["openFPGALoader", "-b", "ulx3s", "--write-flash", "--verify", PROGRAMMERS[name][-1]]
+        for name in ("ulx3s", "ulx3s_three")
+    },
+}  # fmt: skip
+COMMANDS = {"prog": PROGRAMMERS, "flash": FLASHERS}
 
-def prog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, board: str, made: bool) -> Any:
+
+def prog(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, board: str, made: bool, command: str = "prog"
+) -> Any:
     """``prog`` of a board, its bitstream ``made`` or not, in a repository that holds no more."""
     monkeypatch.setattr(board_commands, "ROOT", tmp_path)
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
@@ -517,22 +535,30 @@ def prog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, board: str, made: bool
         bitstream = tmp_path / PROGRAMMERS[board][-1]
         bitstream.parent.mkdir(parents=True)
         bitstream.write_bytes(b"bits")
-    return CliRunner().invoke(board_commands.app, ["prog", board])
+    return CliRunner().invoke(board_commands.app, [command, board])
 
 
+@pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("board", board_names())
-def test_programmer_is_called(tmp_path, monkeypatch, board):
+def test_programmer_is_called(tmp_path, monkeypatch, board, command):
     """The board's own programmer gets the bitstream, and its exit status is handed on."""
-    called = tmp_path / "called"
-    stand_in = tmp_path / "bin" / PROGRAMMERS[board][0]
+    called, words = tmp_path / "called", COMMANDS[command][board]
+    stand_in = tmp_path / "bin" / words[0]
     stand_in.parent.mkdir()
     stand_in.write_text(
         f'#!/bin/sh\necho "$0" "$@" > {called}\nfor last; do :; done\ntest -s "$last" && exit 3\n'
     )
     stand_in.chmod(0o755)
-    result = prog(tmp_path, monkeypatch, board, made=True)
+    result = prog(tmp_path, monkeypatch, board, True, command)
     assert result.exit_code == 3
-    assert called.read_text().split() == [str(stand_in), *PROGRAMMERS[board][1:]]
+    assert called.read_text().split() == [str(stand_in), *words[1:]]
+
+
+@pytest.mark.parametrize("board", board_names())
+def test_the_flash_is_verified(board):
+    """By iceprog of itself, which -n would forbid, or by the option."""
+    words = load_board(board).fpga.flash
+    assert (words[0] == "iceprog" and "-n" not in words) or "--verify" in words
 
 
 def test_programmer_that_is_missing(tmp_path, monkeypatch):
@@ -617,7 +643,14 @@ def test_kept_numbers_keep_the_promises():
             fastest = (1 + synthesis.OSCILLATOR_TOLERANCE) * board["watch_mhz"]
             assert board["watch_reached_mhz"] >= (1 + synthesis.SPARE) * fastest
         assert board["tick_mhz"] >= (2 if name == "ulx3s" else 1)
-    assert kept("icebreaker")["logic_cells"] <= 0.5 * kept("icebreaker")["logic_cells_available"]
+    for name in board_names():
+        pads = kept(name)["pads"]
+        assert pads["margin_ns"] > 0
+        assert pads["hold_ns"] > 3
+        assert pads["dead_ns"] >= pads["dead_needed_ns"] >= 20
+        assert pads["fpga_skew_ns"] <= pads["fpga_skew_granted_ns"]
+        assert pads["trip_a"] < pads["clip_a"]
+    assert kept("icebreaker")["logic_cells"] <= 0.6 * kept("icebreaker")["logic_cells_available"]
 
 
 @pytest.mark.parametrize("name", ["icebreaker", "ulx3s"])

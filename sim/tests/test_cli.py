@@ -14,6 +14,8 @@ from types import ModuleType
 import pytest
 import typer
 from wavehaptics.cli import main
+from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.toml_source import parse
 from wavehaptics.scene import SceneError, shipped_scenes
 
 SCENE = """\
@@ -235,6 +237,12 @@ def test_help(capsys, monkeypatch):
     status, out, _ = call(capsys, monkeypatch, "run", "--help")
     assert status == 0
     assert "TABLE.KEY=VALUE" in out
+
+
+def test_version_is_the_packages(capsys, monkeypatch):
+    project, _ = parse((ROOT / "pyproject.toml").read_bytes())
+    status, out, _ = call(capsys, monkeypatch, "--version")
+    assert (status, out) == (0, f"wavehaptics {project['project']['version']}\n")
 
 
 @pytest.mark.parametrize("command", [None, *sorted(typer.main.get_command(main.app).commands)])

@@ -8,7 +8,7 @@ the next reset. In every tick is watched that
 
 - every word of the RTL equals the integer model's;
 - the waves have given out no more than they took in since the reset, ``Σ(v² − u²) ≥ 0`` without
-  any rounding, as |η| ≤ 1 and W is passive;
+  any rounding, as ``|η| ≤ 1`` and W is passive;
 - ``|u|`` is within its limit;
 - c is within its own, ``c_0 + |e_id|/2``, c_0/2 out of contact, and 0 after a
   fault;
@@ -44,7 +44,7 @@ from wavehaptics.words import formats
 
 TASK_TICKS, EPISODE_TICKS, LONGEST_SPELL = 500_000, 50_000, 4000
 WHOLE_TICKS = 100_000_000
-"""What `make soak` asks for, and the README quotes no shorter one."""
+"""What `make soak` asks for, and the pages quote no shorter one."""
 
 __all__ = ["STORE", "Task", "soak", "summary", "tasks"]
 

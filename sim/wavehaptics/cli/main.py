@@ -15,12 +15,19 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from wavehaptics.scene import SceneError, find_scene, load_scene, shipped_scenes
+from wavehaptics.scene import (
+    SceneError,
+    find_scene,
+    first_comment,
+    load_scene,
+    shipped_scenes,
+)
 
 CONTROLLERS = {
     "analog": "the paper's circuit in continuous time: the reference",
@@ -71,6 +78,25 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+
+
+def _tell_version(asked: bool) -> None:
+    if asked:
+        print(f"wavehaptics {version('wavehaptics')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    told: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_tell_version, is_eager=True, help="Tell the version and exit."
+        ),
+    ] = False,
+) -> None:
+    """Options of the command itself; its help is the app's."""
+
 
 SceneArgument = Annotated[
     str, typer.Argument(metavar="SCENE", help="Path of a scene, or the name of a shipped one.")
@@ -284,6 +310,21 @@ def holding(
 
 
 @app.command()
+def tables(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for tables.json.")] = Path(
+        "build/tables"
+    ),
+) -> None:
+    """Run what the pages show of drive and environments in tables; some ten minutes."""
+    _make_folder(out)
+
+    from wavehaptics.studies.tabled_runs import collect
+
+    with _stages() as progress:
+        print(f"numbers: {collect(out, progress)}")
+
+
+@app.command()
 def soak(
     ticks: Annotated[
         float, typer.Option(metavar="N", min=1, help="How many ticks, or some more.")
@@ -393,13 +434,7 @@ def scenes() -> None:
     shipped = shipped_scenes()
     width = max(map(len, shipped), default=0)
     for name, path in shipped.items():
-        print(f"{name:<{width}}  {_first_comment(path)}")
-
-
-def _first_comment(path: Path) -> str:
-    """What a scene says of itself: its first line of comment below the license."""
-    comments = (line for line in path.read_text(encoding="utf-8").splitlines() if line[:1] == "#")
-    return next((line.lstrip("# ") for line in comments if "SPDX" not in line), "")
+        print(f"{name:<{width}}  {first_comment(path)}")
 
 
 def _make_folder(folder: Path) -> None:

@@ -90,7 +90,7 @@ BOARD_FAULTS = (
 stop of its own."""
 
 CURRENT_OF_SCALE = 0.9
-"""Current limit of a board, in parts of its ADC's scale."""
+"""Current limit of a board that names none, in parts of its ADC's scale."""
 
 STUCK_S = 1e-3
 """Time in which a board's ADC says something else."""
@@ -102,10 +102,11 @@ WINDING_MOST_C = 125.0
 """Temperature of a winding that lasts, as Maxon's data sheets have it."""
 
 
-def board_limits(scene: Scene, ports: Ports) -> Limits:
+def board_limits(scene: Scene, ports: Ports, trip_a: float | None = None) -> Limits:
     """What the guard of a board allows, from its scene and the controller's settings for it.
 
-    The winding is that of ``[thermal]``, or of its defaults.
+    The current is ``trip_a``, or a part of the ADC's scale. The winding is that of ``[thermal]``,
+    or of its defaults.
     """
     thermal = scene.thermal or Thermal()
     rise_c = WINDING_MOST_C - thermal.ambient_c
@@ -113,7 +114,7 @@ def board_limits(scene: Scene, ports: Ports) -> Limits:
     rms_a = math.sqrt(rise_c / (hot_ohm * (thermal.rth_winding + thermal.rth_housing)))
     return Limits(
         watched=BOARD_FAULTS,
-        current_a=CURRENT_OF_SCALE * ports.sensor.full_scale_a,
+        current_a=trip_a or CURRENT_OF_SCALE * ports.sensor.full_scale_a,
         stuck_samples=round(STUCK_S / ports.timing.tick_s) * ports.timing.samples,
         lost_v=LOST_OF_R * scene.motor.R_ohm * rms_a,
         rms_a=rms_a,

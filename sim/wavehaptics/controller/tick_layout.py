@@ -125,7 +125,7 @@ def sample_lead(made: Frame, pulse_delay: int) -> int:
     rise, taken with its fall, and goes through two registers), in whole periods of its clock.
     """
     if not made.osr:
-        return CENTRED_LEAD - pulse_delay
+        return CENTRED_LEAD + made.pad_clocks - pulse_delay
     periods = round(1 + (1 + GATE_CLOCKS + pulse_delay) / made.bit_clocks)
     return made.cycle_clocks // 2 - periods * made.bit_clocks
 

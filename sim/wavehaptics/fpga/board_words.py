@@ -17,6 +17,7 @@ from wavehaptics.controller.tick_layout import natural_ticks
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.parts.adcs import Part, frame
 from wavehaptics.scene import Scene, SceneError
+from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.words.generated import LICENCE, connections
 from wavehaptics.words.table import Sizes
@@ -42,24 +43,32 @@ class BoardWords:
         return max(1, len(self.ports.walls))
 
 
-def board_words(scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False) -> BoardWords:
+def board_words(
+    scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False,
+    pad_registers: bool = False, trip_a: float | None = None,
+) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
 
-    :class:`SceneError` where the scene's ADC isn't the part, or its clock or tick doesn't suit it.
+    ``pad_registers`` are those of :func:`wavehaptics.parts.adcs.frame`; a current of ``trip_a``
+    takes the gates off. :class:`SceneError` where the scene's ADC isn't the part, or its clock or
+    tick doesn't suit it.
     """
     refuse(scene, "a board")
     if scene.adc is None or scene.adc.bits != part.bits:
         raise SceneError(f"{_at(scene)}the board's ADC has {part.bits} bits; set adc.bits so")
     if scene.adc.part not in (None, part.name):
         raise SceneError(f"{_at(scene)}the board's ADC is an {part.name}; set adc.part so")
-    ports = controller_ports(scene, lambda clock_hz, _: frame(part, clock_hz))
+    ports = controller_ports(scene, lambda clock_hz, _: frame(part, clock_hz, pad_registers))
     words = dict(ports.words, hold_ticks=_hold_ticks(scene, ports, motors))
+    if trip_a is not None:
+        words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
     delay_log2 = max(1, words["extra_ticks"].bit_length())
-    return BoardWords(ports, words, motors, delay_log2, _guard(scene, ports) if guarded else None)
+    word = _guard(scene, ports, trip_a) if guarded else None
+    return BoardWords(ports, words, motors, delay_log2, word)
 
 
-def _guard(scene: Scene, ports: Ports) -> int:
-    limits = guard.board_limits(scene, ports)
+def _guard(scene: Scene, ports: Ports, trip_a: float | None) -> int:
+    limits = guard.board_limits(scene, ports, trip_a)
     return guard.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)
 
 

@@ -234,7 +234,7 @@ def bridge(table: Table) -> Sheet:
 def sense(table: Table) -> Sheet:
     """The current of a motor: amplifier and ADC, and the comparators for those who build them."""
     s = Sheet("Current of a motor", table)
-    s.text((-1.8, 12.4), s.title)
+    s.text((-1.8, 12.9), s.title)
     amplifier = s.box(
         "U7", (1.6, 5.8), (3.4, 3.4),
         {
@@ -274,13 +274,17 @@ def sense(table: Table) -> Sheet:
     s.wire((8.0, y), adc["VIN"])
     s.to_ground("C10", (8.5, y))
     s.ground(adc["GND"])
-    s.wire(adc["VDD"], (11.9, 11.0))
-    s.rail((11.9, 11.0), "3.3 V")
-    s.wire((11.9, 10.7), (15.8, 10.7))
-    s.dot((11.9, 10.7), (13.9, 10.7))
-    for x, reference in ((13.9, "C12"), (15.8, "C11")):
-        s.capacitor(reference, (x, 10.7), (x, 9.4), "right")
-        s.ground((x, 9.4))
+    s.wire(adc["VDD"], (11.9, 11.7))
+    s.rail((11.9, 11.7), "3.3 V")
+    s.wire((11.9, 11.4), (17.4, 11.4))
+    s.dot((11.9, 11.4), (13.5, 11.4), (15.4, 11.4))
+    s.wire((15.4, 11.4), (15.4, 10.6))
+    s.resistor("R19", (15.4, 10.6), (15.4, 9.2), "right")
+    s.wire((15.4, 9.2), (15.4, adc["CS"][1]))
+    s.dot((15.4, adc["CS"][1]))
+    for x, reference in ((13.5, "C12"), (17.4, "C11")):
+        s.capacitor(reference, (x, 11.4), (x, 10.1), "right")
+        s.ground((x, 10.1))
     for pin, name, side in (("CS", "adc_cs_n", "top"), ("SCLK", "adc_sclk", "bottom")):
         y_pin = adc[pin][1]
         s.wire(adc[pin], (16.4, y_pin))

@@ -124,6 +124,8 @@ def goes_to(pin: Pin) -> str:
             return "ground"
         if pin.place in ("5 V", "1.2 V core"):
             return "**never**"
+        if pin.place == "supplies":
+            return "measure first"
         return "3.3 V of the sheets" if "3.3 V" in pin.place else "–"
     base, _, index = pin.port.rstrip("]").partition("[")
     if base not in _TO:
