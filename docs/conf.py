@@ -35,7 +35,7 @@ toctrees = {
     "Start": ["docs/principle", "docs/architecture", "docs/paper"],
     "Simulation": ["docs/simulation", "sim/scenes/README", "docs/report"],
     "Controller": ["docs/port_anchor", "docs/holding", "docs/environments", "docs/drive",
-                   "docs/sensing"],
+                   "docs/sensing", "docs/words"],
     "Hardware": ["boards/README", "boards/icebreaker/README", "boards/hx8k/README",
                  "boards/ulx3s/README", "boards/ulx3s_three/README",
                  "boards/colorlight_i5/README", "rtl/faults"],

@@ -9,6 +9,9 @@ import pytest
 from wavehaptics.controller import anchor, wave_core
 from wavehaptics.fpga.boards import board_names, load_board
 from wavehaptics.ladder.verilated import verilator_environment
+from wavehaptics.pages import filler
+from wavehaptics.pages import words as pages_words
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.words import formats, generated, table
 from wavehaptics.words.table import TABLE, WORDS, Sizes, TableError
 
@@ -218,6 +221,14 @@ def test_the_crc_tells_what_two_sides_must_agree_on(tmp_path, old, new, changes)
 
 
 # ---- What is made of it.
+
+
+def test_every_text_of_the_table_has_its_place():
+    """Whether they are stale another test says, for all pages."""
+    for name in pages_words.TABLES:
+        assert len(filler.marked_pages(name)) == 1, name
+    assert len(generated.page_rows()) == len(WORDS)
+    assert f"`{table.crc():08x}`" in (ROOT / "docs" / "words.md").read_text(encoding="utf-8")
 
 
 def test_connections_of_a_bench():

@@ -20,7 +20,7 @@ from typing import Any
 
 from wavehaptics.checks import soak
 from wavehaptics.fpga.synthesis import Result
-from wavehaptics.pages import design, reliability, report_and_bench, runs
+from wavehaptics.pages import design, reliability, report_and_bench, runs, words
 from wavehaptics.pages import port_anchor as holding_tables
 from wavehaptics.runtime.files import write_json, write_text
 from wavehaptics.runtime.repository import ROOT
@@ -34,7 +34,7 @@ KEPT = Path("boards", "summary.json")
 MEASURED = Path("sim", "docs", "measured.json")
 """What else has been measured and the pages show, from the root."""
 
-PAGES = ("README.md", "boards/README.md", "docs/*.md")
+PAGES = ("README.md", "boards/README.md", "docs/*.md", "rtl/wh_faults.vh")
 """Pages that may hold markers, as patterns from the root."""
 
 
@@ -390,6 +390,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
         | reliability.TABLES
         | runs.TABLES
         | design.TABLES
+        | words.TABLES
     ).items()
 }
 """What stands between the markers of each name."""

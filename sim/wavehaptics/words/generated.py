@@ -117,7 +117,8 @@ def page_rows() -> list[tuple[str, ...]]:
     """A row of the page for each word, in the order of their addresses."""
     rows = []
     for word in sorted(table.WORDS.values(), key=Word.at):
-        low, high = (f"{bound:.6g}" for bound in word.range)
+        digits = 6 if word.fixed.fraction else 10
+        low, high = (f"{bound:.{digits}g}" for bound in word.range)
         width = _format(word) if word.row.format != "uDELAY_LOG2" else "u`DELAY_LOG2`"
         rows.append(
             (
