@@ -59,7 +59,7 @@ USAGE_STATUS = 2
 INTERRUPTED_STATUS = 130
 
 # Base of all errors in the use of the command; typer gives it no public name.
-_UsageError = typer.BadParameter.__base__
+_UsageError: Any = typer.BadParameter.__base__
 
 
 class CommandError(ValueError):

@@ -12,6 +12,7 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -137,19 +138,21 @@ def load(design: Design) -> ctypes.CDLL:
     return ctypes.CDLL(str(build(design)))
 
 
-def address(function: ctypes._CFuncPtr) -> int:
+def address(function: Any) -> int:
     """Address of a library's function, for :mod:`wavehaptics.runtime.native_call`."""
-    return ctypes.cast(function, ctypes.c_void_p).value
+    found = ctypes.cast(function, ctypes.c_void_p).value
+    assert found is not None
+    return found
 
 
-def new_model(function: ctypes._CFuncPtr, words: Sequence[int]) -> int:
+def new_model(function: Any, words: Sequence[int]) -> int:
     """A model of the library, made by the function with the words of its settings."""
     function.argtypes = [ctypes.POINTER(ctypes.c_int64)]
     function.restype = ctypes.c_void_p
     return function((ctypes.c_int64 * len(words))(*map(int, words)))
 
 
-def set_shaper(function: ctypes._CFuncPtr, model: int, words: np.ndarray, *more: int) -> None:
+def set_shaper(function: Any, model: int, words: np.ndarray, *more: int) -> None:
     """Hand a model the words of W, int64 (sections, SECTION_WORDS), and what else it takes."""
     flat = words.reshape(-1).tolist()
     function.argtypes = [
@@ -165,7 +168,7 @@ def anchor_words(settings: np.ndarray) -> list[int]:
     return [word >> place & 0xFFFFFFFF for place in range(0, formats.ANCHOR_W, 32)]
 
 
-def declare_destructor(function: ctypes._CFuncPtr) -> None:
+def declare_destructor(function: Any) -> None:
     """Say that a library's function takes a model and returns nothing."""
     function.argtypes = [ctypes.c_void_p]
     function.restype = None
