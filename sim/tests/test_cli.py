@@ -14,6 +14,7 @@ from types import ModuleType
 import pytest
 import typer
 from wavehaptics.cli import main
+from wavehaptics.cli.shared import CONTROLLERS
 from wavehaptics.scene import SceneError, shipped_scenes
 
 SCENE = """\
@@ -99,7 +100,7 @@ def test_run_with_defaults(capsys, monkeypatch, runs):
     assert out.endswith(f"results in {folder}\n")
 
 
-@pytest.mark.parametrize("controller", main.CONTROLLERS)
+@pytest.mark.parametrize("controller", CONTROLLERS)
 def test_run_with_options(capsys, monkeypatch, runs, controller):
     status, _, err = call(
         capsys,
