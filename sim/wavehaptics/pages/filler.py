@@ -2,10 +2,10 @@
 """The numbers in the README pages, between markers that a command fills.
 
 ``boards/summary.json`` keeps what the last synthesis came to, ``sim/docs/measured.json`` what the
-last report, the last bench, the last study of holding and all that makes it reliable found; of a
-quick run nothing is kept. The text between ``<!-- begin NAME -->`` and ``<!-- end NAME -->`` of a
-page is made from it; a test fails where the two differ, and another where a fresh synthesis comes
-to something else.
+last report, the last bench, the last study of holding and all that makes it reliable found, and
+``sim/docs/faults.json`` how soon each fault switches off; of a quick run nothing is kept. The text
+between ``<!-- begin NAME -->`` and ``<!-- end NAME -->`` of a page is made from it; a test fails
+where the two differ, and another where a fresh synthesis comes to something else.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ from typing import Any
 
 from wavehaptics.checks import soak
 from wavehaptics.fpga.synthesis import Result
+from wavehaptics.pages import faults, reliability, report_and_bench
 from wavehaptics.pages import port_anchor as holding_tables
-from wavehaptics.pages import reliability, report_and_bench
 from wavehaptics.runtime.files import write_json, write_text
 from wavehaptics.runtime.repository import ROOT
+from wavehaptics.studies import fault_table
 from wavehaptics.studies.adcs import named_rows
 from wavehaptics.studies.anchored import pictures as holding_pictures
 
@@ -33,7 +34,7 @@ KEPT = Path("boards", "summary.json")
 MEASURED = Path("sim", "docs", "measured.json")
 """The numbers of the report and the bench that the pages show, from the root."""
 
-PAGES = (Path("README.md"), Path("boards", "README.md"))
+PAGES = (Path("README.md"), Path("boards", "README.md"), Path("rtl", "faults.md"))
 """Pages that may hold markers, from the root."""
 
 _SUMMARY = Path("build", "synth", "summary.json")
@@ -180,6 +181,8 @@ def _read(root: Path) -> dict[str, Any]:
         raise NumbersError(f"{KEPT} is not there; run `make synth numbers`") from None
     if (root / MEASURED).exists():
         numbers |= json.loads((root / MEASURED).read_bytes())
+    if (root / fault_table.KEPT).exists():
+        numbers["faults"] = json.loads((root / fault_table.KEPT).read_bytes())
     return numbers
 
 
@@ -317,6 +320,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "boards": _boards,
     "adcs": _adcs,
     "energies": _energies,
+    "faults": lambda numbers: faults.table(numbers["faults"]),
     "block-resources": _resources("blocks", "Block", lambda row: f"`{row['block']}`"),
     "port-resources": _resources("ports", "Motors", lambda row: row["option"].split()[-1]),
     "option-resources": _resources(
