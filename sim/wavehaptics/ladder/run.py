@@ -28,6 +28,13 @@ CHUNK_TICKS = 1 << 15
 """Ticks at a time: long enough that Python costs nothing, short enough for the caches."""
 
 
+class Recorder(Protocol):
+    """What the ticks of a run are handed to, such as a :class:`TraceWriter`."""
+
+    def write(self, rows: np.ndarray, words: np.ndarray | None = None) -> None:
+        """Take the next ticks: ``rows`` (Column) and ``words`` (Word)."""
+
+
 class Simulation(Protocol):
     """A scene on one controller, advanced tick by tick."""
 
@@ -88,7 +95,7 @@ def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
 def measure(
     scene: Scene,
     controller: str,
-    trace: TraceWriter | None = None,
+    trace: Recorder | None = None,
     progress: Callable[[float], None] | None = None,
     simulation: Simulation | None = None,
     compare: bool = True,
@@ -109,7 +116,7 @@ def _measure(
     scene: Scene,
     controller: str,
     simulation: Simulation,
-    trace: TraceWriter | None,
+    trace: Recorder | None,
     progress: Callable[[float], None] | None,
     compare: bool = True,
 ) -> dict[str, Any]:

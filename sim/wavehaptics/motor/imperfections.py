@@ -8,6 +8,7 @@ without any of it, once more, so that it costs an ideal scene nothing.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 
@@ -48,13 +49,20 @@ def real_parts(
     ):
         return None
     memory = new_lines(plant.start[X], cell_rad, lines)
-    return motor_parts(plant), supply, lines, memory, sensor.lag_table(steps_s), np.zeros(4)
+    return (
+        motor_parts(plant),
+        supply,
+        lines,
+        memory,
+        sensor.lag_table(np.asarray(steps_s)),
+        np.zeros(4),
+    )
 
 
 def warm_real(real: Real | None, plant: Plant) -> None:
     """Let the motor follow the plant's R."""
     if real is not None:
-        warm_parts(real[MOTOR], plant)
+        warm_parts(cast(tuple[np.ndarray, ...], real[MOTOR]), plant)
 
 
 @compiled(inline="always")

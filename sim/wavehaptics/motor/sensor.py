@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,7 +78,7 @@ class Sensor:
     def _lag_rate(self) -> float:
         return 0.0 if math.isinf(self.bandwidth_hz) else 2 * math.pi * self.bandwidth_hz
 
-    def lag_table(self, steps_s: np.ndarray) -> np.ndarray:
+    def lag_table(self, steps_s: Sequence[float] | np.ndarray) -> np.ndarray:
         """Words of :func:`lagged` for steps of the lengths ``steps_s``, in s: (steps, 4).
 
         ``dz/dt = ω_b (i − z)`` solved for a current that is a parabola within the step.

@@ -32,7 +32,7 @@ class Adc(Table):
         range_text=", ".join(f"`{name}`" for name in ALL_BITS),
     )
     bits: int = scene_key("bits", "Resolution", default_text="of the part", ge=8, le=16)
-    full_scale_a: float | None = scene_key(
+    full_scale_a: float = scene_key(
         "A",
         "Largest current either way: the range is ± this",
         None,
