@@ -47,8 +47,10 @@ from wavehaptics.plant import OMEGA, TIME, C, I, P, Plant, X, load_words, plant_
 from wavehaptics.real import (
     AMPLIFIED,
     DRAWN,
+    EDGE,
     LAG,
     LAG_TABLE,
+    LEAD,
     LINE_MEMORY,
     LINES,
     LOAD,
@@ -60,11 +62,13 @@ from wavehaptics.real import (
 )
 from wavehaptics.scene import Drive, Scene, SceneError, encoder_end
 from wavehaptics.sensor import (
+    COMMON_MODE,
     FULL_SCALE,
     LAG_RATE,
     NOISE,
     NOISE_SEED,
     OFFSET,
+    SETTLE_RATE,
     Sensor,
     disturbed,
     lagged,
@@ -405,7 +409,7 @@ def _sensed(state, sensor, real):
     if real is not None:
         if sensor[LAG_RATE] != 0.0:
             current = real[LAG][AMPLIFIED]
-        current = disturbed(current, real[LAG][VOLTS], state[TIME], sensor)
+        current = disturbed(current, real[LAG][VOLTS], state[TIME], sensor) + real[LAG][EDGE]
     return current
 
 
@@ -421,11 +425,22 @@ def _step(state, table, step_s, clocks, e, legs, load, sensor, real):
         memory[DRAWN] += legs * charge
         if legs != 0.0:
             memory[VOLTS] = e
+        if sensor[SETTLE_RATE] != 0.0:
+            memory[EDGE] *= np.exp(-sensor[SETTLE_RATE] * step_s)
         if sensor[LAG_RATE] != 0.0:
             memory[AMPLIFIED] = lagged(
                 memory[AMPLIFIED], first, state[I], charge / step_s, real[LAG_TABLE][clocks]
             )
         return charge, square
+
+
+@compiled(inline="always")
+def _lead_moves(lead, sensor, memory):
+    """What an edge of lead A, at ``lead`` from now on, adds to the amplifier's output."""
+    if sensor[SETTLE_RATE] != 0.0 and lead != memory[LEAD]:
+        if memory[LEAD] != 0.0:
+            memory[EDGE] += (lead - memory[LEAD]) * sensor[COMMON_MODE]
+        memory[LEAD] = lead
 
 
 @compiled()
@@ -450,6 +465,7 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
                 e = floats[_GAIN] * bridge_voltage(kept[_PINS], before, bus)
             if real is not None and bus > 0.0:
                 legs = e / (floats[_GAIN] * bus)
+                _lead_moves(half_bridge_voltage(kept[_PINS], before, 1.0), sensor, real[LAG])
         charge, square = _step(state, tables[part], step_s, part, e, legs, load, sensor, real)
         if floating and before * state[I] <= 0.0:
             # The current ran out within the step and stays at zero: a triangle is left of it.

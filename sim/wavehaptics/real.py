@@ -25,9 +25,10 @@ MOTOR, SUPPLY, LINES, LINE_MEMORY, LAG_TABLE, LAG = range(6)
 Real = tuple[tuple[np.ndarray, ...], np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
-AMPLIFIED, VOLTS, DRAWN, LOAD = range(4)
+AMPLIFIED, VOLTS, DRAWN, LOAD, LEAD, EDGE = range(6)
 """Places in the LAG memory: the amplifier's output in A; with a switching bridge, the voltage that
-was last applied, the charge drawn from the bus in this tick, A·s, and the mean of the last, A."""
+was last applied, the charge drawn from the bus in this tick, A·s, and the mean of the last, A; lead
+A's level, ±½ and 0 before the first, and what is left of its edges at the amplifier, A."""
 
 
 def real_parts(
@@ -48,7 +49,7 @@ def real_parts(
     ):
         return None
     memory = new_lines(plant.start[X], cell_rad, lines)
-    return motor_parts(plant), supply, lines, memory, sensor.lag_table(steps_s), np.zeros(4)
+    return motor_parts(plant), supply, lines, memory, sensor.lag_table(steps_s), np.zeros(6)
 
 
 def warm_real(real: Real | None, plant: Plant) -> None:

@@ -19,7 +19,7 @@ from wavehaptics.metrics import Metrics, write_metrics
 from wavehaptics.pictures import run_picture
 from wavehaptics.pins import PinsSimulation
 from wavehaptics.sampled import SampledSimulation
-from wavehaptics.scene import Scene
+from wavehaptics.scene import Scene, SceneError
 from wavehaptics.settings import Settings
 from wavehaptics.trace import Column, TraceWriter, Word
 
@@ -100,6 +100,11 @@ def measure(
     false. ``progress`` is called with the part done, 0 to 1. ``wall_clock_s`` is the time that the
     controller and its motor took, without compiling, the reference and the files.
     """
+    if controller != "pins" and scene.adc is not None and scene.adc.edge_settle_s is not None:
+        raise SceneError(
+            f"{scene.scene.name}: adc.edge_settle_s: {controller} has no edges of a bridge; take "
+            "--controller pins, or leave it out"
+        )
     simulation = simulation or CONTROLLERS[controller](scene)
     return _measure(scene, controller, simulation, trace, progress, compare)
 
