@@ -37,7 +37,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo adcs holding report bench soak coverage check test lint clean distclean
+.PHONY: help setup setup-synth system lock demo adcs holding tables report bench soak coverage check test lint clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -87,12 +87,16 @@ report: $(READY) ## measure everything and write build/report/index.html (QUICK=
 
 NUMBERS = $(WITH_TOOLS) .venv/bin/python -m wavehaptics.cli.board_commands numbers
 
-adcs: $(READY) ## run the paper's taps with every ADC, and write their numbers into the README pages
+adcs: $(READY) ## run the paper's taps with every ADC, and write their numbers into the pages
 	@$(WITH_TOOLS) .venv/bin/wavehaptics adcs --out build/adcs
 	@$(NUMBERS)
 
-holding: $(READY) ## hold, tap and bounce with everything wrong, with the README's numbers (20 minutes; QUICK=1)
+holding: $(READY) ## hold, tap and bounce with everything wrong, with the pages' numbers (20 minutes; QUICK=1)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics holding $(if $(QUICK),--quick) --out build/holding
+	@$(NUMBERS)
+
+tables: $(READY) ## run what the pages show of drive and environments, and write it into them (10 minutes)
+	@$(WITH_TOOLS) .venv/bin/wavehaptics tables --out build/tables
 	@$(NUMBERS)
 
 bench: $(READY) $(READY_BENCH) ## measure speeds and what was tried for them into build/bench (QUICK=1)
@@ -132,8 +136,8 @@ check: lint ## lint, a quick test of each block, the loop on each simulator: und
 	@$(PYTEST) -m quick --junit-xml build/tests/quick.xml
 	@if [ -d formal ]; then $(MAKE) formal QUICK=1; fi
 
-test: check ## check, then every other test of the model, the RTL and the loop
-	@$(PYTEST) -m "not quick" --junit-xml build/tests/rest.xml
+test: check ## check, then every other test of the model, the RTL and the loop (CI=true: but for the long)
+	@$(PYTEST) -m "not quick$(if $(CI), and not long)" --junit-xml build/tests/rest.xml
 
 # Every module at its defaults, and the tops at other sizes and word lengths: TOP,ARGUMENT,...
 LINT_CASES := \
@@ -196,6 +200,7 @@ lint: $(READY) ## check the RTL at several sizes and word lengths, and the Pytho
 	@.venv/bin/mypy
 
 include boards/boards.mk
+include boards/wiring.mk
 
 # One block, with or without wh_: BLOCK=quadrature
 BLOCK ?=

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which tests are quick: one of each block of the RTL, and the model's own that take no time."""
+"""Which tests are quick: one of each block of the RTL, and the model's own that take no time.
+
+And which ones are long: further sizes and devices of what others of their file show as well, some
+25 minutes of two cores. `make test` runs them, unless in CI, which names them at its end.
+"""
 
 from __future__ import annotations
 
@@ -58,6 +62,41 @@ FILES = (
 
 QUICK = {*(f"cocotb_tests/{test}" for test in BLOCKS.values()), *LOOPS}
 
+LONG = (
+    "cocotb_tests/test_board_clock_watch.py::test_board_clock_watch[verilator-3-5]",
+    "cocotb_tests/test_board_clock_watch.py::test_board_clock_watch[icarus-4-4]",
+    "cocotb_tests/test_board_controller.py::test_board_controller[icarus-ulx3s]",
+    "cocotb_tests/test_controller.py::test_controller[icarus-3-1-1-0-0-1-0-0-0-0]",
+    "cocotb_tests/test_controller.py::test_controller[verilator-1-4-2-0-0-0-0-1-1-0]",
+    "cocotb_tests/test_controller.py::test_controller[verilator-1-4-2-1-0-1-0-0-0-0]",
+    "cocotb_tests/test_controller.py::test_controller[verilator-3-1-1-0-0-0-0-0-0-1]",
+    "cocotb_tests/test_controller.py::test_controller[verilator-3-1-1-0-0-0-1-0-0-0]",
+    "cocotb_tests/test_controller.py::test_controller[verilator-3-1-1-0-0-0-1-0-0-1]",
+    "cocotb_tests/test_controller.py::test_controller[verilator-3-1-1-0-0-1-0-0-0-0]",
+    "cocotb_tests/test_netlist.py::test_closed_loop[25k]",
+    "cocotb_tests/test_netlist.py::test_closed_loop[hx8k]",
+    "cocotb_tests/test_netlist.py::test_wave_core[hx8k]",
+    "cocotb_tests/test_netlist.py::test_wave_core[up5k]",
+    "cocotb_tests/test_sinc3.py::test_sinc3[icarus-40-1-16-1]",
+    "cocotb_tests/test_sinc3.py::test_sinc3[icarus-256-1-32-1]",
+    "cocotb_tests/test_sinc3.py::test_sinc3[verilator-40-1-16-1]",
+    "cocotb_tests/test_wave_core.py::test_wave_core_ports[icarus-1-10]",
+    "cocotb_tests/test_wave_core.py::test_wave_core_ports[icarus-3-1]",
+    "sim/tests/test_boards.py::test_fresh_synthesis_is_what_the_pages_say[ulx3s]",
+    "sim/tests/test_boards.py::test_the_guard_lets_the_boards_own_scene_be[ulx3s]",
+    "sim/tests/test_bus.py::test_every_mode_is_scaled[locked-anti-phase]",
+    "sim/tests/test_pins_anchor.py::test_pins_hold_what_golden_holds[settings0-0.014]",
+    "sim/tests/test_pins_anchor.py::test_pins_hold_what_golden_holds[settings1-0.014]",
+    "sim/tests/test_pins_anchor.py::test_pins_hold_what_golden_holds[settings3-0.012]",
+    "sim/tests/test_run.py::test_core_and_golden_are_the_same_integers[bounce]",
+    "sim/tests/test_run.py::test_core_and_golden_are_the_same_integers[mass]",
+    "sim/tests/test_run.py::test_core_and_golden_are_the_same_integers[warm_winding]",
+    "sim/tests/test_run.py::test_pins_with_each_kind_of_adc[AD7276]",
+    "sim/tests/test_run.py::test_pins_with_each_kind_of_adc[ADS7042]",
+    "sim/tests/test_run.py::test_pins_with_each_kind_of_adc[MAX11125]",
+)
+"""Tests that CI leaves out."""
+
 SLOWEST = (
     "cocotb_tests/test_netlist.py",
     "cocotb_tests/test_controller.py",
@@ -92,9 +131,25 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.nodeid in QUICK or item.nodeid.startswith(tuple(f"{file}::" for file in FILES)):
             item.add_marker("quick")
+        if item.nodeid in LONG:
+            item.add_marker("long")
     if config.option.markexpr == "quick" and config.args == config.getini("testpaths"):
         found = {item.nodeid for item in items}
         files = {nodeid.partition("::")[0] for nodeid in found}
         if missing := sorted(QUICK - found) + sorted(set(FILES) - files):
             raise pytest.UsageError(f"conftest.py calls tests quick that aren't there: {missing}")
+    if "not quick" in config.option.markexpr and config.args == config.getini("testpaths"):
+        found = {item.nodeid for item in items}
+        if missing := sorted(set(LONG) - found):
+            raise pytest.UsageError(f"conftest.py calls tests long that aren't there: {missing}")
     items.sort(key=lambda item: not item.nodeid.startswith(SLOWEST))
+
+
+def pytest_terminal_summary(
+    terminalreporter: pytest.TerminalReporter, config: pytest.Config
+) -> None:
+    """Say what was left out."""
+    if "not long" in config.option.markexpr:
+        terminalreporter.section("left to `make test` outside of CI")
+        for test in LONG:
+            terminalreporter.write_line(test)

@@ -14,7 +14,7 @@ SYNTH_TOOLS = $(if $(filter wheel,$(TOOLCHAIN)),$(READY_SYNTH),$(READY))
 
 BITSTREAMS = $(WITH_TOOLS) .venv/bin/python -m wavehaptics.cli.board_commands
 
-.PHONY: bitstream synth seeds prog resources numbers
+.PHONY: bitstream synth seeds prog flash resources numbers
 
 bitstream: $(SYNTH_TOOLS) ## make the bitstream of BOARD=icebreaker, hx8k, ulx3s, ...
 	@$(BITSTREAMS) bitstream "$(BOARD)" --device "$(DEVICE)"
@@ -28,10 +28,13 @@ seeds: $(SYNTH_TOOLS) ## try SEEDS= seeds of the placer for BOARD=, and say whic
 prog: $(READY) ## load the bitstream of BOARD= with the board's own programmer
 	@$(BITSTREAMS) prog "$(BOARD)" --device "$(DEVICE)"
 
+flash: $(READY) ## write the bitstream of BOARD= into the board's flash, and verify it
+	@$(BITSTREAMS) flash "$(BOARD)" --device "$(DEVICE)"
+
 resources: $(SYNTH_TOOLS) ## count what each block and option costs, a quarter of an hour
 	@$(BITSTREAMS) resources
 
-numbers: $(READY) ## write the numbers of the last synthesis, report and bench into the README pages
+numbers: $(READY) ## write the numbers of the last whole runs into the pages
 	@$(BITSTREAMS) numbers
 
 # The boards' tests synthesise, and simulate netlists.

@@ -1,22 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_board_pll_ecp5: the ECP5's PLL with one output, which is its feedback.
+// wh_board_pll_ecp5: the ECP5's PLL, whose feedback has an output of its own.
 //
-//   f(clk_o) = f(clk_i) / CLKI_DIV * CLKFB_DIV,   VCO at f(clk_o) * CLKOP_DIV, 400 to 800 MHz
+//   phase detector at f(clk_i) / CLKI_DIV                           10 to 400 MHz
+//   VCO at            f(clk_i) / CLKI_DIV * CLKFB_DIV * CLKOP_DIV   400 to 800 MHz
+//   f(clk_o) =        VCO / CLKOS_DIV
 //
-// The build compares both with the board's scene and the VCO's range.
+// The feedback is CLKOP, VCO / CLKOP_DIV, which nothing else uses: so the clock need not be a
+// multiple of the phase detector's rate, which CLKI_DIV would otherwise push below its limit.
+// The build compares all three with the data sheet and the clock with the board's scene.
 
 `default_nettype none
 
 module wh_board_pll_ecp5 #(
     parameter integer CLKI_DIV  = 1,
     parameter integer CLKFB_DIV = 1,
-    parameter integer CLKOP_DIV = 8
+    parameter integer CLKOP_DIV = 18,
+    parameter integer CLKOS_DIV = 5
 ) (
     input  wire clk_i,
     output wire clk_o,
     output wire locked_o
 );
+
+    wire feedback;
 
     (* ICP_CURRENT = "12", LPF_RESISTOR = "8", MFG_ENABLE_FILTEROPAMP = "1",
        MFG_GMCREF_SEL = "2" *)
@@ -35,13 +42,18 @@ module wh_board_pll_ecp5 #(
         .CLKOP_ENABLE     ("ENABLED"),
         .CLKOP_CPHASE     (CLKOP_DIV / 2 - 1),
         .CLKOP_FPHASE     (0),
+        .CLKOS_DIV        (CLKOS_DIV),
+        .CLKOS_ENABLE     ("ENABLED"),
+        .CLKOS_CPHASE     (CLKOS_DIV / 2 - 1),
+        .CLKOS_FPHASE     (0),
         .FEEDBK_PATH      ("CLKOP")
     ) pll (
         .RST              (1'b0),
         .STDBY            (1'b0),
         .CLKI             (clk_i),
-        .CLKOP            (clk_o),
-        .CLKFB            (clk_o),
+        .CLKOP            (feedback),
+        .CLKOS            (clk_o),
+        .CLKFB            (feedback),
         .CLKINTFB         (),
         .PHASESEL0        (1'b0),
         .PHASESEL1        (1'b0),
@@ -50,6 +62,7 @@ module wh_board_pll_ecp5 #(
         .PHASELOADREG     (1'b1),
         .PLLWAKESYNC      (1'b0),
         .ENCLKOP          (1'b0),
+        .ENCLKOS          (1'b0),
         .LOCK             (locked_o)
     );
 

@@ -9,7 +9,7 @@ import cocotb
 from adc_part import AdcPart
 from bench import Bench
 from simulators import parameters
-from wavehaptics.controller.guard import CURRENT_OF_SCALE, STUCK_S
+from wavehaptics.controller.guard import STUCK_S
 from wavehaptics.fpga.boards import load_board
 from wavehaptics.parts.adcs import PARTS
 
@@ -21,6 +21,9 @@ PART = PARTS[BOARD.fpga.adc]
 PERIOD_NS = 1e9 / BOARD.clock_hz
 PINS_NS = 2.0
 MIDDLE = 1 << (PART.bits - 1)
+TRIP_CODES = round(BOARD.fpga.sense.trip_a / BOARD.scene.adc.full_scale_a * MIDDLE)
+PAD_CLOCKS = BOARD.words().ports.timing.frame.pad_clocks
+"""Registers at the pads, which are the top's: the bench has them in their place."""
 TOP = 2 * MIDDLE - 1
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 SYNCHRONISER = 3  # clocks until an input is seen, and one to act on it
@@ -33,8 +36,12 @@ class Board(Bench):
         super().__init__(dut)
         self.code, self.noise = MIDDLE, 1
         """What the ADC says, and how much it changes from one frame to the next."""
+        self.sdata: int | None = None
+        """The level of SDATA where its wire is off: that of its pull."""
         self._frames = 0
         self._adc = AdcPart(PART, self._convert)
+        self._out = [(1, PART.idle)] * PAD_CLOCKS
+        self._in = [1] * PAD_CLOCKS
 
     def _convert(self) -> int:
         self._frames += 1
@@ -45,12 +52,15 @@ class Board(Bench):
         self.drive(**inputs)
         for _ in range(clocks):
             edge = (self.clocks + 1) * PERIOD_NS
-            self.drive(adc_sdata_i=self._adc.sdata(edge - PINS_NS))
+            self._in.append(self._adc.sdata(edge - PINS_NS))
+            level = self._in.pop(0)
+            self.drive(adc_sdata_i=level if self.sdata is None else self.sdata)
             await super().step()
             if self.word("rst"):
                 self._adc.cut_off()
-            cs_n, sclk = self.word("adc_cs_n_o"), self.word("adc_sclk_o")
-            self._adc.pins(edge + PINS_NS, cs_n, sclk)
+                self._out = [(1, PART.idle)] * PAD_CLOCKS
+            self._out.append((self.word("adc_cs_n_o"), self.word("adc_sclk_o")))
+            self._adc.pins(edge + PINS_NS, *self._out.pop(0))
 
     async def begin(self, **inputs: int) -> None:
         quiet = {"start_i": 0, "stop_i": 0, "clock_lost_i": 0, "enc_a_i": 0, "enc_b_i": 0}
@@ -172,13 +182,14 @@ async def a_lost_clock_is_a_fault_until_reset(dut):
 
 
 async def expect_fault_until_reset(board: Board, clocks: int) -> None:
-    """The guard sees what has been done to the board within some clocks, and that lasts."""
+    """What has been done to the board is seen within some clocks, and that lasts."""
     waited = 0
     while not board.word("fault_o"):
         await board.step()
         waited += 1
         assert waited <= clocks
-    # The gates were off two clocks before the board's own fault.
+    # The guard is quicker than the board's own fault, and the trip two clocks later.
+    await board.step(0 if GUARDED and clocks > 2 * TICK + 8 else 2)
     assert not any(board.word(gate) for gate in GATES)
     await board.expect_off()
     board.code, board.noise = MIDDLE, 1
@@ -192,10 +203,10 @@ async def expect_fault_until_reset(board: Board, clocks: int) -> None:
     assert not board.word("fault_o")
 
 
-@cocotb.test(timeout_time=10, timeout_unit="ms", skip=not GUARDED)
+@cocotb.test(timeout_time=10, timeout_unit="ms")
 async def too_large_a_current_takes_the_gates_off(dut):
-    """Within the ADC's scale, and at either end of it."""
-    for code in (MIDDLE + round(1.02 * CURRENT_OF_SCALE * MIDDLE), 0, TOP):
+    """Within the ADC's scale, and at either end of it, on every board."""
+    for code in (MIDDLE + TRIP_CODES + 1, MIDDLE - TRIP_CODES - 1, 0, TOP):
         board = Board(dut)
         await board.begin()
         await board.press()
@@ -204,13 +215,13 @@ async def too_large_a_current_takes_the_gates_off(dut):
         await expect_fault_until_reset(board, 2 * TICK + 8)
 
 
-@cocotb.test(timeout_time=10, timeout_unit="ms", skip=not GUARDED)
+@cocotb.test(timeout_time=10, timeout_unit="ms")
 async def a_large_current_below_the_limit_does_not(dut):
     board = Board(dut)
     await board.begin()
     await board.press()
     await board.expect_running()
-    board.code = MIDDLE + round(0.98 * CURRENT_OF_SCALE * MIDDLE)
+    board.code = MIDDLE + TRIP_CODES - 2  # and one more of noise
     await board.expect_running()
     assert not board.word("fault_o")
 
@@ -229,7 +240,7 @@ async def an_adc_that_stands_still_takes_the_gates_off(dut):
     await expect_fault_until_reset(board, 8 * TICK)
 
 
-@cocotb.test(timeout_time=10, timeout_unit="ms", skip=not GUARDED)
+@cocotb.test(timeout_time=10, timeout_unit="ms")
 async def what_an_adc_says_as_it_wakes_up_is_forgotten(dut):
     """Once a good sample has come, which is before a press can be believed."""
     assert 2 * TICK < SETTLE // 2
@@ -246,19 +257,48 @@ async def what_an_adc_says_as_it_wakes_up_is_forgotten(dut):
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def a_fault_at_rest_keeps_the_gates_off(dut):
-    """A board without a guard doesn't see it, and runs."""
     board = Board(dut)
     await board.begin()
     await board.step(SETTLE + 8)
     board.code = 0
     await board.step(3 * TICK)
-    assert board.word("fault_o") == GUARDED
+    assert board.word("fault_o")
     board.code = MIDDLE
     await board.press()
-    if GUARDED:
-        await board.expect_off()
-    else:
+    await board.expect_off()
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def an_adc_without_its_wires_takes_the_gates_off(dut):
+    """SDATA off: its pull says that the current is at the end of the scale. So does an ADC that is
+    not selected or has no supply; one without SCLK holds the zero in front, the other end."""
+    for level in (1, 0):
+        board = Board(dut)
+        await board.begin()
+        await board.press()
         await board.expect_running()
+        board.sdata = level
+        waited = 0
+        while not board.word("fault_o"):
+            await board.step()
+            waited += 1
+            assert waited <= 2 * TICK + 8
+        await board.expect_off()
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def a_board_without_its_wires_does_not_start(dut):
+    """Nothing but the board: all inputs at their pulls, and the button pressed."""
+    board = Board(dut)
+    board.sdata = 1
+    await board.begin(stop_i=1, enc_a_i=1, enc_b_i=1)
+    await board.press()
+    await board.expect_off()
+    assert board.word("fault_o")
+    # And with the stop's wire in place.
+    await board.step(8, stop_i=0)
+    await board.press()
+    await board.expect_off()
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")

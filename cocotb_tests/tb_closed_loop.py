@@ -24,7 +24,8 @@ from wavehaptics.motor import sensor
 from wavehaptics.motor.bridge import GATES, bridge_voltage
 from wavehaptics.motor.plant import OMEGA, I, Plant, X, load_words, plant_step
 from wavehaptics.scene import Scene, load_scene
-from wavehaptics.words import formats
+from wavehaptics.words import formats, table
+from wavehaptics.words.table import Sizes
 
 SCENE = TESTS_DIR / "one_tap.toml"
 
@@ -79,17 +80,10 @@ class ClosedLoop:
     async def start(self) -> None:
         """Write the settings, and let go of reset."""
         dut = self.dut
-        for name, word in self.ports.words.items():
-            handle = getattr(dut, name)
-            handle.value = word & ((1 << len(handle)) - 1)
-        mask = (1 << formats.COUNT_W) - 1
-        for name, edge in (("wall_min", 0), ("wall_max", 1)):
-            packed = sum(
-                (wall[edge] & mask) << (n * formats.COUNT_W)
-                for n, wall in enumerate(self.ports.walls)
-            )
-            getattr(dut, name).value = packed
-        dut.wall_enable.value = (1 << len(self.ports.walls)) - 1
+        sizes = Sizes()
+        values = {**self.ports.words, **self.ports.wall_words(sizes.walls)}
+        for name, word in table.inputs(values, sizes).items():
+            getattr(dut, name).value = word
         self._drive_encoder()
         for _ in range(8):
             await RisingEdge(dut.clk)

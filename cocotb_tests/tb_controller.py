@@ -11,7 +11,6 @@ import dataclasses
 import math
 import random
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -37,8 +36,9 @@ from wavehaptics.controller.pins_timing import (
 )
 from wavehaptics.motor.sensor import scale_sum
 from wavehaptics.parts.adcs import KINDS, PARTS, Frame, Part, frame
-from wavehaptics.words import formats
+from wavehaptics.words import formats, table
 from wavehaptics.words.bridge_modes import HALF_BRIDGE, LOCKED, MODE_WORDS, SIGN_MAGNITUDE, UNIPOLAR
+from wavehaptics.words.table import Sizes
 
 N = parameters().get("N", 1)
 WALLS = parameters().get("WALLS", 4)
@@ -52,9 +52,6 @@ EARLY = parameters().get("EARLY", 0)
 ANCHOR = parameters().get("ANCHOR", 0)
 SHAPER = parameters().get("SHAPER", 0)
 """Sections of W; no wall of these tests is shaped, so that they only take their clocks."""
-HOST_INPUTS = (
-    "host_period_log2_i", "host_timeout_i", "host_strobe_i", "host_sequence_i", "host_u_i",
-)  # fmt: skip
 
 CLOCK_HZ = 96e6 if KIND == "command" else 48e6
 PERIOD_NS = 1e9 / CLOCK_HZ
@@ -158,54 +155,40 @@ class Settings:
     def inputs(self) -> dict[str, int]:
         """The controller's inputs, as words."""
 
-        def each(words: Callable[[int], int], width: int) -> int:
-            return pack((words(n) for n in range(N)), width)
-
-        ports = self.ports
+        ports, each = self.ports, range(N)
         edges = [wall for port in ports for wall in port.walls]
-        return {
-            "half_clocks_i": self.half_clocks,
-            "tick_halves_i": self.tick_halves,
-            "sample_clocks_i": self.tick_clocks // self.samples,
-            "samples_i": self.samples,
-            "sample_lead_i": self.lead,
-            **{f"{name}_i": word for name, word in self.frame.words().items()},
-            "sample_late_i": 0,
-            "trip_i": self.trip,
-            "range_i": self.range_word,
-            "stuck_words_i": self.stuck_words,
-            "zero_start_i": 0,
-            "zero_limit_i": self.zero_limit,
-            "zero_i": each(lambda n: ports[n].zero, formats.SUM_W),
-            "gain_i": each(self.gain, formats.COEF_W),
-            "filter_clocks_i": 2,
-            "wall_min_i": pack((wall[0] for wall in edges), formats.COUNT_W),
-            "wall_max_i": pack((wall[1] for wall in edges), formats.COUNT_W),
-            "wall_enable_i": (1 << (N * WALLS)) - 1,
-            "edge_hysteresis_i": 0,
-            **dict.fromkeys(HOST_INPUTS, 0),
-            "shape_words_i": 0,
-            "wall_shaped_i": 0,
-            "eta_contact_i": each(lambda n: ports[n].eta_contact, formats.COEF_W),
-            "eta_free_i": each(lambda n: ports[n].eta_free, formats.COEF_W),
-            "root_i": each(lambda n: ports[n].root, formats.COEF_W),
-            "a_i": each(lambda n: ports[n].a, formats.COEF_W),
-            "u_max_i": each(lambda n: ports[n].u_max, formats.DATA_W),
-            "anchor_words_i": each(lambda n: anchor.packed(ports[n].anchor), formats.ANCHOR_W),
-            "extra_ticks_i": self.extra_ticks,
-            "hold_ticks_i": self.hold_ticks,
-            "mode_i": MODE_WORDS[self.mode],
-            "min_pulse_i": self.min_pulse,
-            "clocks_per_volt_i": each(self.clocks_per_volt, formats.COEF_W),
-            "bus_i": self.bus,
-            "bus_share_i": self.bus_share,
-            "dead_clocks_i": self.dead_clocks,
-            "compensate_i": 0,
-            "side_current_i": 0,
-            "settle_ticks_i": 0,
-            "second_order_i": 0,
-            "clear_i": 0,
+        values = {
+            "half_clocks": self.half_clocks,
+            "tick_halves": self.tick_halves,
+            "sample_clocks": self.tick_clocks // self.samples,
+            "samples": self.samples,
+            "sample_lead": self.lead,
+            **self.frame.words(),
+            "trip": self.trip,
+            "range": self.range_word,
+            "stuck_words": self.stuck_words,
+            "zero_limit": self.zero_limit,
+            "zero": [port.zero for port in ports],
+            "gain": [self.gain(n) for n in each],
+            "wall_min": [wall[0] for wall in edges],
+            "wall_max": [wall[1] for wall in edges],
+            "wall_enable": 1,
+            "eta_contact": [port.eta_contact for port in ports],
+            "eta_free": [port.eta_free for port in ports],
+            "root": [port.root for port in ports],
+            "a": [port.a for port in ports],
+            "u_max": [port.u_max for port in ports],
+            "anchor_words": [anchor.packed(port.anchor) for port in ports],
+            "extra_ticks": self.extra_ticks,
+            "hold_ticks": self.hold_ticks,
+            "mode": MODE_WORDS[self.mode],
+            "min_pulse": self.min_pulse,
+            "clocks_per_volt": [self.clocks_per_volt(n) for n in each],
+            "bus": self.bus,
+            "bus_share": self.bus_share,
+            "dead_clocks": self.dead_clocks,
         }
+        return table.inputs(values, Sizes(N, WALLS, SHAPER, DELAY_LOG2))
 
 
 @dataclass

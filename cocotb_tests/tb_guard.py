@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import cocotb
-from bench import Bench, pack, random_source
+from bench import CLOCK_NS, Bench, pack, random_source
+from cocotb.triggers import Timer
 from simulators import parameters
 from wavehaptics.controller.guard import DAMPABLE, HEAT_SQUARES, Fault
 from wavehaptics.controller.guard import pack as settings
@@ -148,6 +149,49 @@ async def limits_of_samples(dut: object) -> None:
     for word in (1, 1, 1, 1, 2, 7, 7, 7, 7):
         assert await bench.sample(word) == 0
     assert await bench.sample(7) == 1 << Fault.ADC_STUCK
+    # The largest number of equal samples, one a clock; their count doesn't begin anew.
+    await bench.begin(STUCK=TOP)
+    await bench.step(sample_valid_i=1, sample_i=pack([9] * N, formats.SAMPLE_W))
+    await Timer(CLOCK_NS * (TOP - 100), "ns")
+    await bench.step(1)
+    assert bench.word("faults_o") == 0
+    await bench.step(100)
+    assert bench.word("faults_o") == 1 << Fault.ADC_STUCK
+    await bench.step(2)
+    await bench.clear()
+    assert bench.word("faults_o") == 1 << Fault.ADC_STUCK
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def limits_of_any_value(dut: object) -> None:
+    """Each bit of a limit decides somewhere: what reaches it is no fault, one more is."""
+    bench = GuardBench(dut)
+    rng = random_source("limits")
+    for n in range(48):
+        width = 1 + n % 16
+        limit = rng.getrandbits(width) | 1 << (width - 1)
+        await bench.begin()
+        bench.drive(settings_i=settings({**CALM, "MASK": TOP, "BUS_MAX": limit}), bus_i=limit)
+        await bench.step(2)
+        assert bench.faults()[0] == 0
+        await bench.step(2, bus_i=min(TOP, limit + 1))
+        assert bench.faults()[0] == (limit < TOP) << Fault.BUS_HIGH
+        await bench.begin()
+        bench.drive(settings_i=settings({**CALM, "MASK": TOP, "BUS_MIN": limit}), bus_i=limit)
+        await bench.step(2)
+        assert bench.faults()[0] == 0
+        await bench.step(2, bus_i=limit - 1)
+        assert bench.faults()[0] == 1 << Fault.BUS_LOW
+        if limit > 32_766:
+            continue
+        sign = rng.choice((1, -1))
+        for fault, field in ((Fault.CURRENT, "CURRENT"), (Fault.ADC_RANGE, "RANGE")):
+            await bench.begin(**{field: limit})
+            assert await bench.sample(sign * limit) == 0
+            assert await bench.sample(sign * (limit + 1)) == 1 << fault
+        await bench.begin(running_i=0, ZERO=limit, ZERO_TICKS=0)
+        assert await bench.tick(sign * limit) == 0
+        assert await bench.tick(sign * (limit + 1)) == 1 << Fault.ZERO
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -251,7 +295,10 @@ async def heat(dut: object) -> None:
     """The winding's heat is the integer model's, with the fault where it passes the limit."""
     bench = GuardBench(dut)
     rng = random_source("heat")
-    currents = [rng.choice((0, 500, -3000, -32_768, 32_767)) for _ in range(60)]
+    currents = [
+        rng.choice((0, 500, -3000, -32_768, 32_767, rng.randint(-32_768, 32_767)))
+        for _ in range(60)
+    ]
     sums, total = [], 0
     for current in currents:
         total += current * current - total // HEAT_SQUARES
@@ -284,3 +331,41 @@ async def encoder_that_stands_still(dut: object) -> None:
         bench.drive(running_i=running)
         for n in range(300):
             assert not await bench.tick(u=words[0], v=words[1], moved=moves * (n % 40 == 0))
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def still_is_counted_as_in_integers(dut: object) -> None:
+    """Any waves, limits and moves: the fault in the very tick in which integers have it."""
+    bench = GuardBench(dut)
+    rng = random_source("still")
+    shift = formats.DATA_W - 16
+    found = 0
+    for _ in range(40):
+        size = rng.randint(4, 15)
+        limit, enough = rng.getrandbits(size), rng.randint(1, 30)
+        await bench.begin(LOST=limit, LOST_TICKS=enough)
+        mean, still, negative, lost = 0, 0, False, False
+        for _tick in range(60):
+            # Mostly one way, so that it lasts; and anything at all.
+            wave = rng.choice((1, 1, 1, -1)) * rng.randint(0, (1 << size) - 1)
+            u, v = wave, rng.choice((wave, -wave, rng.randint(-(1 << 15), (1 << 15) - 1)))
+            moved = rng.random() < 0.02
+            words = {
+                name: pack([0] * LAST + [word << shift], formats.DATA_W)
+                for name, word in (("u_i", u), ("v_i", v))
+            }
+            await bench.step(tick_i=1, valid_i=1, moved_i=moved << LAST, **words)
+            if moved:
+                still, negative = 0, False
+            await bench.step(tick_i=0, valid_i=0, moved_i=0)
+            turning = mean >> 8
+            over = turning < -limit if negative else turning > limit
+            if still == 0:
+                negative = turning < -limit
+            still = still + 1 if over else max(0, still - 1)
+            mean += u + v - turning
+            lost = lost or still >= enough
+            await bench.step(2)
+            assert bench.word("faults_o") == lost << Fault.LOST
+        found += lost
+    assert 5 < found < 35

@@ -190,7 +190,7 @@ async def no_pulse_is_too_short(dut: object) -> None:
     rng = random_source("shortest")
     short = stretched = 0
     for least, spare, half_clocks, count in (
-        (2, 0, 24, 60), (7, 4, 40, 60), (5, 3, 49, 60), (255, 128, 1100, 6),
+        (2, 0, 24, 60), (7, 4, 40, 60), (5, 3, 49, 60), (70, 100, 340, 12), (255, 128, 1100, 6),
     ):  # fmt: skip
         for second_order in (False, True):
             limit = half_clocks // 2 - spare
@@ -270,6 +270,11 @@ async def clips_and_forgets(dut: object) -> None:
         limit = half_clocks // 2
         signs = [-1, -1, 0, 0, 1, 1, 1, 0, 0, -1, 1, 0, 0]
         assert shown.widths == [sign * limit for sign in signs]
+    # Each bit of a half's clocks.
+    for half_clocks in (341, 682):
+        gain = clocks_per_volt(half_clocks, 12.0)
+        shown = await bench.run(half_clocks, 1, gain, every_tick([low, high, 0], at=2))
+        assert shown.widths == [-(half_clocks // 2), half_clocks // 2, 0]
     # The largest gain and the largest voltage: the product fits.
     shown = await bench.run(48, 1, formats.DUTY.raw_max, every_tick([low, high, low, low]))
     assert shown.widths == [-24, 24, -24, -24]
@@ -314,3 +319,7 @@ async def reset_clears(dut: object) -> None:
     assert bench.signed("width_o") == 0
     shown = await bench.run(24, 1, STEP, [Tick()] * 4)
     assert shown.widths == [0] * 4
+    # The last place less than what makes a clock of half a one: nothing at all was left.
+    voltage = STEP // 2 - 1 << (formats.VOLTAGE.fraction - FRACTION)
+    shown = await bench.run(24, 1, STEP, [Tick(), Tick(voltage), Tick(), Tick()])
+    assert shown.widths == [0, 0, 1, 0]

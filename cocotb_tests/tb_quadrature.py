@@ -98,6 +98,23 @@ class QuadratureBench(Bench):
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_line_at_its_pull_counts_to_and_fro(dut: object) -> None:
+    """A wire is off, its input stays high, the rotor turns: within a count, and no fault."""
+    bench = QuadratureBench(dut)
+    for off in (0, 1):
+        await bench.begin(2, at=2)
+        places = set()
+        for position in range(2, 42):
+            pins = list(levels(position))
+            pins[off] = 1
+            await bench.pins(*pins, 8)
+            places.add(bench.model.position)
+        assert max(places) - min(places) == 1
+        assert bench.model.faults == 0
+        assert bench.model.moves > 15
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
 async def counts_at_full_speed(dut: object) -> None:
     """Every count arrives as fast as the filter lets levels through: two in filter + 1 clocks."""
     bench = QuadratureBench(dut)

@@ -2,8 +2,8 @@
 //
 // prove_wh_pwm: no leg changes sooner than min_pulse clocks after it changed before, with the widths
 // that wh_modulator allows (formal/wh_modulator.v) and the limits that wh_controller gives it, in
-// every mode (BY_MODE says which), after a reset of any length at any clock. What a reset cuts short
-// doesn't count, and it leaves both legs low.
+// every mode (BY_MODE says which) and halves shorter than LONGEST clocks, after a reset of any length
+// at any clock. What a reset cuts short doesn't count, and it leaves both legs low.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -12,6 +12,9 @@
 `define MODES 1
 `else
 `define MODES 0
+`endif
+`ifndef LONGEST
+`define LONGEST 64
 `endif
 
 module prove_wh_pwm (
@@ -114,7 +117,7 @@ module prove_wh_pwm (
         run_a_q <= run_a;
         run_b_q <= run_b;
 
-        assume (half_clocks >= 6 && half_clocks < 16'd64);
+        assume (half_clocks >= 6 && half_clocks < `LONGEST);
         assume (limit >= $signed({2'd0, least}) && limit >= 0 && limit >= $signed({10'd0, min_pulse} ));
 `ifdef BY_MODE
         // Locked and half bridge drive the legs alike.

@@ -27,23 +27,25 @@
 // Faults after which the current can still be trusted: these alone may end in damping.
 `define WH_FAULTS_DAMPABLE   16'h80e0
 
-// Fields of the settings, as high:low.
+// Fields of the settings, as high:low, of words.toml; `make numbers` writes them.
+// <!-- begin guard-fields -->
 `define WH_GUARD_W           250
-`define WH_GUARD_MASK        15:0     // the faults that count
-`define WH_GUARD_DAMP        31:16    // of these, those that damp instead of switching off
-`define WH_GUARD_LEVELS      33:32    // level of a stop (low bit) and of a driver's fault
-`define WH_GUARD_CURRENT     49:34    // u16, magnitude of a sample
-`define WH_GUARD_RANGE       65:50    // u16, magnitude of a sample
-`define WH_GUARD_STUCK       81:66    // u16 samples
-`define WH_GUARD_ZERO        97:82    // u16q9 A
-`define WH_GUARD_ZERO_TICKS  113:98   // u16 ticks after the bridge went off
+`define WH_GUARD_MASK        15:0     // u16, the faults that count
+`define WH_GUARD_DAMP        31:16    // u16, of these, those that damp instead of switching off
+`define WH_GUARD_LEVELS      33:32    // u2, level of a stop (low bit) and of a driver's fault
+`define WH_GUARD_CURRENT     49:34    // u16, magnitude of a sample, of 2^15
+`define WH_GUARD_RANGE       65:50    // u16, magnitude of a sample at the end of the scale, of 2^15
+`define WH_GUARD_STUCK       81:66    // u16 samples, that are never all the same; 0: no check
+`define WH_GUARD_ZERO        97:82    // u16q9 A, with the bridge off
+`define WH_GUARD_ZERO_TICKS  113:98   // u16 ticks, after the bridge went off
 `define WH_GUARD_LOST        129:114  // u16q8 √W, of u + v
-`define WH_GUARD_LOST_TICKS  145:130  // u16 ticks
-`define WH_GUARD_HOST        169:146  // u24 ticks
-`define WH_GUARD_BUS_MIN     185:170  // u16q9 V
-`define WH_GUARD_BUS_MAX     201:186  // u16q9 V
-`define WH_GUARD_HEAT_TICKS  217:202  // u16 ticks from one square to the next
-`define WH_GUARD_HEAT        249:218  // u32q18 A²
+`define WH_GUARD_LOST_TICKS  145:130  // u16 ticks, with so much of it and no edge
+`define WH_GUARD_HOST        169:146  // u24 ticks, without a sign of the host
+`define WH_GUARD_BUS_MIN     185:170  // u16q9 V, lowest bus
+`define WH_GUARD_BUS_MAX     201:186  // u16q9 V, highest bus
+`define WH_GUARD_HEAT_TICKS  217:202  // u16 ticks, from one square to the next
+`define WH_GUARD_HEAT        249:218  // u32q18 A², mean square that the winding bears
+// <!-- end guard-fields -->
 
 `define WH_GUARD_CURRENT_Q   9        // of currents; the bus has WH_BUS_Q
 `define WH_GUARD_WAVE_Q      8

@@ -54,6 +54,7 @@
 `define WH_LONG_GUARD 17
 `define WH_LONG_W      (`WH_DATA_W + `WH_LONG_GUARD)
 `define WH_LONG_Q      (`WH_DATA_W + 2)   // cells, V or A, full scale +-2^14
+`define WH_SEEN_Q      (`WH_LONG_Q - `WH_LONG_GUARD)  // cells, χ and x̂ less its slow copy as shown
 `define WH_FLUX_Q      (`WH_COEF_W - 5)   // cells a √W and tick, full scale +-16
 `define WH_CELLS_Q     (`WH_COEF_W - 15)  // cells an A, full scale +-2^14
 `define WH_PULL_Q      (`WH_COEF_W - 7)   // V a cell, full scale +-64

@@ -2,7 +2,7 @@
 //
 // colorlight_i5: the wave controller on a Colorlight i5 (ECP5): pads, PLL, oscillator and reset.
 //
-// The clock is 90 MHz, 25 MHz / 5 * 18, from a VCO at 540 MHz. README.md has the wiring.
+// The clock is 85 MHz, a fifth of the VCO's 25 MHz * 17. README.md has the wiring.
 // Reset: until the PLL has been locked for 2^16 clocks.
 
 `default_nettype none
@@ -32,9 +32,10 @@ module colorlight_i5 (
     wire locked;
 
     wh_board_pll_ecp5 #(
-        .CLKI_DIV  (5),
-        .CLKFB_DIV (18),
-        .CLKOP_DIV (6)
+        .CLKI_DIV  (1),
+        .CLKFB_DIV (1),
+        .CLKOP_DIV (17),
+        .CLKOS_DIV (5)
     ) pll (
         .clk_i     (clk_25mhz),
         .clk_o     (clk),
@@ -78,15 +79,31 @@ module colorlight_i5 (
         .lost_o    (clock_lost)
     );
 
+    wire reader_cs_n;
+    wire reader_sclk;
+    wire reader_sdata;
+
+    wh_board_adc_pads_ecp5 #(
+        .LINES       (1)
+    ) adc_pads (
+        .clk         (clk),
+        .cs_n_i      (reader_cs_n),
+        .sclk_i      (reader_sclk),
+        .sdata_o     (reader_sdata),
+        .adc_cs_n_o  (adc_cs_n),
+        .adc_sclk_o  (adc_sclk),
+        .adc_sdata_i (adc_sdata)
+    );
+
     wh_board_controller board_controller (
         .clk          (clk),
         .rst          (rst),
         .start_i      (!start_n),
         .stop_i       (stop),
         .clock_lost_i (clock_lost),
-        .adc_cs_n_o   (adc_cs_n),
-        .adc_sclk_o   (adc_sclk),
-        .adc_sdata_i  (adc_sdata),
+        .adc_cs_n_o   (reader_cs_n),
+        .adc_sclk_o   (reader_sclk),
+        .adc_sdata_i  (reader_sdata),
         .enc_a_i      (enc_a),
         .enc_b_i      (enc_b),
         .gate_ah_o    (bridge_ah),

@@ -2,7 +2,7 @@
 //
 // ulx3s: the wave controller on a ULX3S (ECP5): pads, PLL, oscillator and reset.
 //
-// The clock is 80 MHz, 25 MHz / 5 * 16, from a VCO at 640 MHz. README.md has the wiring.
+// The clock is 70 MHz, a tenth of the VCO's 25 MHz * 28. README.md has the wiring.
 // Reset: until the PLL has been locked for 2^16 clocks.
 
 `default_nettype none
@@ -26,16 +26,21 @@ module ulx3s (
     input  wire stop,          // open, so high, is stop
     output wire led_running,
     output wire led_contact,
-    output wire led_fault
+    output wire led_fault,
+    output wire wifi_en          // low: the ESP32 is in reset
 );
+
+    // It shares header pins with the FPGA, and may have firmware of its own.
+    assign wifi_en = 1'b0;
 
     wire clk;
     wire locked;
 
     wh_board_pll_ecp5 #(
-        .CLKI_DIV  (5),
-        .CLKFB_DIV (16),
-        .CLKOP_DIV (8)
+        .CLKI_DIV  (1),
+        .CLKFB_DIV (1),
+        .CLKOP_DIV (28),
+        .CLKOS_DIV (10)
     ) pll (
         .clk_i     (clk_25mhz),
         .clk_o     (clk),
@@ -76,15 +81,31 @@ module ulx3s (
         .lost_o    (clock_lost)
     );
 
+    wire reader_cs_n;
+    wire reader_sclk;
+    wire reader_sdata;
+
+    wh_board_adc_pads_ecp5 #(
+        .LINES       (1)
+    ) adc_pads (
+        .clk         (clk),
+        .cs_n_i      (reader_cs_n),
+        .sclk_i      (reader_sclk),
+        .sdata_o     (reader_sdata),
+        .adc_cs_n_o  (adc_cs_n),
+        .adc_sclk_o  (adc_sclk),
+        .adc_sdata_i (adc_sdata)
+    );
+
     wh_board_controller board_controller (
         .clk          (clk),
         .rst          (rst),
         .start_i      (button_start),
         .stop_i       (stop),
         .clock_lost_i (clock_lost),
-        .adc_cs_n_o   (adc_cs_n),
-        .adc_sclk_o   (adc_sclk),
-        .adc_sdata_i  (adc_sdata),
+        .adc_cs_n_o   (reader_cs_n),
+        .adc_sclk_o   (reader_sclk),
+        .adc_sdata_i  (reader_sdata),
         .enc_a_i      (enc_a),
         .enc_b_i      (enc_b),
         .gate_ah_o    (bridge_ah),

@@ -107,7 +107,7 @@ def test_numbers_of_another_run_stay_out_of_the_pages(tmp_path, what):
 
 
 def test_kept_numbers_keep_the_promises():
-    """What the README shows of each converter is within the design's targets."""
+    """What the pages show of each converter is within the design's targets."""
     kept = json.loads((ROOT / filler.KEPT).read_bytes())["adcs"]
     assert [row["part"] for row in kept["parts"]] == list(ALL_BITS)
     for row in kept["parts"]:

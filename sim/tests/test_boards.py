@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 from wavehaptics.cli import board_commands
-from wavehaptics.controller.guard import FIELDS, Fault, board_limits, mask
+from wavehaptics.controller.guard import Fault, board_limits, mask
 from wavehaptics.controller.pins_timing import CORE_CLOCKS, latency_clocks
-from wavehaptics.fpga import multipliers, synthesis
-from wavehaptics.fpga.board_words import WIDTHS, board_words, verilog_header
+from wavehaptics.fpga import multipliers, pll, synthesis
+from wavehaptics.fpga.board_pins import read_pins
+from wavehaptics.fpga.board_words import board_words, verilog_header
 from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import Design, SynthesisError, build
 from wavehaptics.ladder.guarded_pins import GuardedPins
@@ -179,15 +180,59 @@ endmodule
 def test_clock_that_is_not_the_scenes(tmp_path, tools):
     board = load_board("icebreaker")
     design = synthesis.board_design(board, synthesis.OUT / "icebreaker")
-    pll = {"type": "SB_PLL40_PAD", "parameters": {"DIVR": "0", "DIVF": "111111", "DIVQ": "100"}}
-    assert synthesis.pll_ratio(pll)[0] * 12 == 48
+    cell = ice40_pll(divf=63, divq=4)
+    assert pll.of_cell(cell, 12e6).clock_hz == 48e6
     with pytest.raises(
         SynthesisError, match=r"clock is 48 MHz, but controller\.clock_hz .* 30 MHz"
     ):
-        synthesis._check_pll(design, {"cells": {"pll": pll}})
-    pll["parameters"]["DIVF"] = "1111"
-    with pytest.raises(SynthesisError, match=r"VCO runs at 192 MHz"):
-        synthesis._check_pll(design, {"cells": {"pll": pll}})
+        synthesis._check_pll(design, {"cells": {"pll": cell}})
+
+
+def ice40_pll(divr: int = 0, divf: int = 79, divq: int = 5, filter_range: int = 1) -> dict:
+    """An iCE40's PLL as Yosys writes it; from 12 MHz the iCEBreaker's 30 MHz."""
+    numbers = {"DIVR": divr, "DIVF": divf, "DIVQ": divq, "FILTER_RANGE": filter_range}
+    return {
+        "type": "SB_PLL40_PAD",
+        "parameters": {key: f"{value:b}" for key, value in numbers.items()},
+    }
+
+
+def ecp5_pll(i: int = 1, fb: int = 1, op: int = 28, os: int = 10, **parameters: str) -> dict:
+    """An ECP5's; from 25 MHz the ULX3S's 70 MHz."""
+    numbers = {"CLKI_DIV": i, "CLKFB_DIV": fb, "CLKOP_DIV": op, "CLKOS_DIV": os}
+    return {
+        "type": "EHXPLLL",
+        "parameters": {key: f"{value:032b}" for key, value in numbers.items()} | parameters,
+        "connections": {"CLKOP": [4], "CLKOS": [5]},
+    }
+
+
+@pytest.mark.parametrize(
+    ("board", "cell", "message"),
+    [
+        ("ulx3s", ecp5_pll(), None),
+        ("icebreaker", ice40_pll(), None),
+        # What the boards had: 25 MHz / 5 at the phase detector.
+        ("ulx3s", ecp5_pll(5, 1, 140, 10), "phase detector runs at 5 MHz; .* lower CLKI_DIV"),
+        ("ulx3s", ecp5_pll(op=14, os=5), r"VCO runs at 350 MHz; it must be 400 to 800 MHz"),
+        ("ulx3s", ecp5_pll(fb=2, op=21, os=15), "VCO runs at 1050 MHz"),
+        ("ulx3s", ecp5_pll(op=24, os=8), r"clock is 75 MHz, but controller\.clock_hz .* 70 MHz"),
+        ("ulx3s", ecp5_pll(FEEDBK_PATH="INT_OP"), "FEEDBK_PATH is INT_OP; take CLKOP"),
+        ("icebreaker", ice40_pll(divf=39, divq=4), "VCO runs at 480 MHz; it must be 533 to 1066"),
+        ("icebreaker", ice40_pll(divr=1, divf=127), "phase detector runs at 6 MHz; .* lower DIVR"),
+        ("icebreaker", ice40_pll(divq=6), r"output runs at 15 MHz; it must be 16 to 275"),
+        ("icebreaker", ice40_pll(filter_range=2), "FILTER_RANGE is 2; .* at 12 MHz set 1"),
+    ],
+)
+def test_a_pll_outside_its_data_sheet_fails(board, cell, message):
+    design = synthesis.board_design(load_board(board), synthesis.OUT / board)
+    netlist = {"cells": {"pll": cell}}
+    if message is None:
+        synthesis._check_pll(design, netlist)
+        return
+    with pytest.raises(SynthesisError, match=message) as failure:
+        synthesis._check_pll(design, netlist)
+    assert "\n" not in str(failure.value)
 
 
 TWO_CLOCKS = """\
@@ -315,9 +360,9 @@ def test_words(name):
     board = load_board(name)
     words, part = board.words(), PARTS[board.fpga.adc]
     time, ports = words.ports.timing, words.ports
-    for key in set(WIDTHS) - {"hold_ticks"}:
-        assert words.words[key] == ports.words[key], key
-    assert time.frame == frame(part, time.clock_hz)
+    mine = {"hold_ticks": 0, "trip": 0}
+    assert words.words | mine == ports.words | mine
+    assert time.frame == frame(part, time.clock_hz, board.fpga.pad_registers)
     assert time.frame.cycle_clocks <= time.sample_clocks
     assert time.clock_hz / time.tick_clocks == board.scene.controller.tick_hz >= 1e6
     assert CORE_CLOCKS * words.motors <= time.tick_clocks
@@ -341,29 +386,36 @@ def test_the_guard_is_on_where_there_is_room():
         assert (load_board(name).words().guard is None) == (name not in GUARDED)
 
 
+GUARD_FIELDS = {
+    name: (int(low), int(high) - int(low) + 1)
+    for name, high, low in re.findall(
+        r"WH_GUARD_(\w+)\s+(\d+):(\d+)", (ROOT / "rtl" / "wh_faults.vh").read_text()
+    )
+}
+"""Lowest bit and width of each field of the guard's settings, as the RTL has them."""
+
+
 def test_the_guards_limits_are_the_boards():
     """Its word has the scene's sensor, tick and motor; what the board can't know is left out."""
     board = load_board("ulx3s")
     word = board.words().guard
 
-    def field(name: str) -> int:
-        low, width = FIELDS[name]
+    def field(name: str, word: int = word) -> int:
+        low, width = GUARD_FIELDS[name]
         return (word >> low) & ((1 << width) - 1)
 
     left_out = (Fault.TRIP, Fault.HOST, Fault.DRIVER, Fault.STOP, Fault.BUS_LOW, Fault.BUS_HIGH,
                 Fault.ANCHOR)  # fmt: skip
     assert field("MASK") == mask(set(Fault) - set(left_out))
     assert field("DAMP") == 0
-    assert field("CURRENT") == round(0.9 * 2**15)
+    assert field("CURRENT") == round(0.8 * 2**15)  # 2 A of 2.5
     assert field("STUCK") == 2000  # 1 ms at 2 MHz
     assert field("ZERO_TICKS") == 4000
     # 100 K over 17.1 K/W and the hot winding's 3.03 Ω.
     assert field("HEAT") / 2**18 == pytest.approx(100 / (17.1 * 2.18 * 1.39), rel=1e-4)
     half = Board(board.name, board.root, board.fpga, board.device,
                  load_scene(ROOT / board.folder / "board.toml", ["motor.R_ohm=4.36"]))  # fmt: skip
-    assert (half.words().guard >> FIELDS["HEAT"][0]) / 2**18 == pytest.approx(
-        field("HEAT") / 2**19, rel=1e-4
-    )
+    assert field("HEAT", half.words().guard) == pytest.approx(field("HEAT") / 2, rel=1e-4)
 
 
 @pytest.mark.parametrize("name", GUARDED)
@@ -371,7 +423,7 @@ def test_the_guard_lets_the_boards_own_scene_be(name):
     """Free space and the way into the wall, with half a step of noise: no fault."""
     board = load_board(name)
     scene = load_scene(ROOT / board.folder / "board.toml", ["adc.noise_a=0.6e-3"])
-    pins = GuardedPins(scene, board_limits(scene, board.words().ports))
+    pins = GuardedPins(scene, board_limits(scene, board.words().ports, board.fpga.sense.trip_a))
     rows = np.zeros((round(0.25 / pins.tick_s), len(Column)))
     pins.advance(rows, np.zeros((len(rows), len(Word)), dtype=np.int64))
     assert rows[:, Column.CONTACT].any()
@@ -389,16 +441,14 @@ def test_header_has_every_setting(name):
     top = (ROOT / "boards" / "wh_board_controller.v").read_text()
     defined = set(re.findall(r"`define (WH_BOARD_\w+)", text))
     assert set(re.findall(r"`(WH_BOARD_\w+)", top)) == defined
-    for ports in re.findall(r"\.(\w+)_i +\(`WH_BOARD_(\w+)\)", top):
-        assert ports[0].upper() == ports[1]
 
 
 def test_header_keeps_signs_and_order():
     words = load_board("ulx3s_three").words()
     words.words["sample_lead"] = -2
     text = verilog_header(words, "somewhere")
-    assert "`define WH_BOARD_SAMPLE_LEAD {8'hfe}" in text
-    assert len(re.search(r"WH_BOARD_GAIN \{(.*)\}", text)[1].split(",")) == 3
+    assert ".sample_lead_i ({8'hfe})," in text
+    assert len(re.search(r"\.gain_i \(\{(.*)\}\)", text)[1].split(",")) == 3
 
 
 @pytest.mark.parametrize(
@@ -440,12 +490,11 @@ def test_boards_that_are_not_there():
 def test_page_has_every_pin(name):
     """A board's page names the place of each pin of its constraints, but for the oscillator's."""
     board = load_board(name)
-    text = (ROOT / board.constraints).read_text()
+    pins = read_pins((ROOT / board.constraints).read_text(), board.fpga.family)
     page = (ROOT / board.folder / "README.md").read_text()
-    places = re.findall(r'^(?:set_io |LOCATE COMP ")(\S+?)"?(?: SITE)? +"?(\w+)', text, re.M)
-    assert len(places) >= 13
-    for pin, place in places:
-        assert pin.startswith("clk_") or re.search(rf"\b{place}\b", page), f"{pin} at {place}"
+    assert len(pins) >= 13
+    for pin in pins:
+        assert pin.port.startswith("clk_") or re.search(rf"\b{pin.site}\b", page), pin
 
 
 # ---- The programmers.
@@ -460,8 +509,25 @@ PROGRAMMERS = {
     "ulx3s_three": ["fujprog", "build/synth/ulx3s_three/ulx3s_three.bit"],
 }  # fmt: skip
 
+FLASHERS = {
+    "colorlight_i5": [
+        "openFPGALoader", "-b", "colorlight-i5", "--unprotect-flash", "--write-flash", "--verify",
+        "build/synth/colorlight_i5/colorlight_i5.bit",
+    ],
+    # It writes the flash and reads it back unless it is told not to.
+    "hx8k": PROGRAMMERS["hx8k"],
+    "icebreaker": PROGRAMMERS["icebreaker"],
+    **{
+        name: ["openFPGALoader", "-b", "ulx3s", "--write-flash", "--verify", PROGRAMMERS[name][-1]]
+        for name in ("ulx3s", "ulx3s_three")
+    },
+}  # fmt: skip
+COMMANDS = {"prog": PROGRAMMERS, "flash": FLASHERS}
 
-def prog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, board: str, made: bool) -> Any:
+
+def prog(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, board: str, made: bool, command: str = "prog"
+) -> Any:
     """``prog`` of a board, its bitstream ``made`` or not, in a repository that holds no more."""
     monkeypatch.setattr(board_commands, "ROOT", tmp_path)
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
@@ -469,22 +535,30 @@ def prog(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, board: str, made: bool
         bitstream = tmp_path / PROGRAMMERS[board][-1]
         bitstream.parent.mkdir(parents=True)
         bitstream.write_bytes(b"bits")
-    return CliRunner().invoke(board_commands.app, ["prog", board])
+    return CliRunner().invoke(board_commands.app, [command, board])
 
 
+@pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("board", board_names())
-def test_programmer_is_called(tmp_path, monkeypatch, board):
+def test_programmer_is_called(tmp_path, monkeypatch, board, command):
     """The board's own programmer gets the bitstream, and its exit status is handed on."""
-    called = tmp_path / "called"
-    stand_in = tmp_path / "bin" / PROGRAMMERS[board][0]
+    called, words = tmp_path / "called", COMMANDS[command][board]
+    stand_in = tmp_path / "bin" / words[0]
     stand_in.parent.mkdir()
     stand_in.write_text(
         f'#!/bin/sh\necho "$0" "$@" > {called}\nfor last; do :; done\ntest -s "$last" && exit 3\n'
     )
     stand_in.chmod(0o755)
-    result = prog(tmp_path, monkeypatch, board, made=True)
+    result = prog(tmp_path, monkeypatch, board, True, command)
     assert result.exit_code == 3
-    assert called.read_text().split() == [str(stand_in), *PROGRAMMERS[board][1:]]
+    assert called.read_text().split() == [str(stand_in), *words[1:]]
+
+
+@pytest.mark.parametrize("board", board_names())
+def test_the_flash_is_verified(board):
+    """By iceprog of itself, which -n would forbid, or by the option."""
+    words = load_board(board).fpga.flash
+    assert (words[0] == "iceprog" and "-n" not in words) or "--verify" in words
 
 
 def test_programmer_that_is_missing(tmp_path, monkeypatch):
@@ -569,7 +643,14 @@ def test_kept_numbers_keep_the_promises():
             fastest = (1 + synthesis.OSCILLATOR_TOLERANCE) * board["watch_mhz"]
             assert board["watch_reached_mhz"] >= (1 + synthesis.SPARE) * fastest
         assert board["tick_mhz"] >= (2 if name == "ulx3s" else 1)
-    assert kept("icebreaker")["logic_cells"] <= 0.5 * kept("icebreaker")["logic_cells_available"]
+    for name in board_names():
+        pads = kept(name)["pads"]
+        assert pads["margin_ns"] > 0
+        assert pads["hold_ns"] > 3
+        assert pads["dead_ns"] >= pads["dead_needed_ns"] >= 20
+        assert pads["fpga_skew_ns"] <= pads["fpga_skew_granted_ns"]
+        assert pads["trip_a"] < pads["clip_a"]
+    assert kept("icebreaker")["logic_cells"] <= 0.6 * kept("icebreaker")["logic_cells_available"]
 
 
 @pytest.mark.parametrize("name", ["icebreaker", "ulx3s"])

@@ -15,6 +15,8 @@ import pytest
 import typer
 from wavehaptics.cli import main
 from wavehaptics.cli.shared import CONTROLLERS
+from wavehaptics.runtime.repository import ROOT
+from wavehaptics.runtime.toml_source import parse
 from wavehaptics.scene import SceneError, shipped_scenes
 
 SCENE = """\
@@ -236,6 +238,12 @@ def test_help(capsys, monkeypatch):
     status, out, _ = call(capsys, monkeypatch, "run", "--help")
     assert status == 0
     assert "TABLE.KEY=VALUE" in out
+
+
+def test_version_is_the_packages(capsys, monkeypatch):
+    project, _ = parse((ROOT / "pyproject.toml").read_bytes())
+    status, out, _ = call(capsys, monkeypatch, "--version")
+    assert (status, out) == (0, f"wavehaptics {project['project']['version']}\n")
 
 
 @pytest.mark.parametrize("command", [None, *sorted(typer.main.get_command(main.app).commands)])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The three facts of the README's "What it is", on the integer model with its motor."""
+"""The three facts of ``docs/principle.md``, on the integer model with its motor."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the README says of proofs, soak, coverage and tests is of their last whole run."""
+"""What the pages say of proofs, soak, coverage and tests is of their last whole run."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import pytest
 from wavehaptics.checks import proofs, soak
 from wavehaptics.checks.proofs import Outcome
 from wavehaptics.pages import filler, reliability
-from wavehaptics.runtime.repository import ROOT
 
 TESTS = '<testsuites><testsuite tests="{}" failures="{}" errors="0" skipped="1"/></testsuites>'
 NONE = {"sections": {"old_way": {"ratios": []}, "parts": {"scenes": {}}}, "seconds": 1.0}
@@ -145,7 +144,6 @@ def test_a_summary_that_does_not_say_whether_it_is_whole_is_not_taken_for_it(tmp
     assert "not run" in rows(tmp_path)["proofs"]
 
 
-def test_the_table_has_its_marker_in_the_readme():
-    page = (ROOT / "README.md").read_text(encoding="utf-8")
+def test_the_table_has_its_marker_on_its_page():
     for name in reliability.TABLES:
-        assert page.count(f"<!-- begin {name} -->") == 1
+        assert filler.marked_pages(name) == [Path("docs", "reliability.md")]

@@ -5,10 +5,10 @@
 #include <cstdint>
 
 #include "Vwh_core_port.h"
-#include "anchor_words.h"
 #include "coverage.h"
-#include "shape_words.h"
+#include "give.h"
 #include "verilated.h"
+#include "words.h"
 
 namespace {
 
@@ -40,18 +40,10 @@ constexpr uint64_t mask(int width) { return (uint64_t{1} << width) - 1; }
 
 extern "C" {
 
-// p: root, a, u_max, extra_ticks, hold_ticks, eta in contact, eta in free space, and the anchor's
-// settings. Between two steps η may change; anything else asks for wh_core_stop.
-void wh_core_set(void *model, const int64_t *p) {
-    Core *core = static_cast<Core *>(model);
-    core->top.root_i = p[0] & mask(WH_COEF_W);
-    core->top.a_i = p[1] & mask(WH_COEF_W);
-    core->top.u_max_i = p[2] & mask(WH_DATA_W);
-    core->top.extra_ticks_i = p[3];
-    core->top.hold_ticks_i = p[4];
-    core->top.eta_contact_i = p[5] & mask(WH_COEF_W);
-    core->top.eta_free_i = p[6] & mask(WH_COEF_W);
-    set_anchor_words(core->top.anchor_words_i, p + 7);
+// Words of rtl/words.toml, as words.h takes them. Between two steps η may change; anything else asks
+// for wh_core_stop.
+void wh_core_set(void *model, const uint32_t *words) {
+    give_words(static_cast<Core *>(model)->top, words);
 }
 
 // A reset of one clock, `into` clocks after a step began; with 0 no step is under way.
@@ -67,20 +59,15 @@ void wh_core_stop(void *model, int64_t into) {
     core->top.rst = 0;
 }
 
-void *wh_core_new(const int64_t *p) {
+void *wh_core_new(const uint32_t *words) {
     Core *core = new Core;
-    wh_core_set(core, p);
+    wh_core_set(core, words);
     core->top.eval();  // the first one sees no edge
     wh_core_stop(core, 0);
     return core;
 }
 
 void wh_core_delete(void *model) { delete static_cast<Core *>(model); }
-
-// Words of W, of every section in turn, as wave_core.py orders them.
-void wh_core_shape(void *model, const int64_t *words, int64_t count) {
-    set_shape_words(static_cast<Core *>(model)->top.shape_words_i, words, count);
-}
 
 // One tick. words: current, contact, the shaper's mode, position; on return e, u_n, v_n, and of the
 // anchor c, offset, flux, lag and fault, and whether the limit acted. Returns the clocks from start to the end of both, or -1 when

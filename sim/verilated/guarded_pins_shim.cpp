@@ -44,11 +44,11 @@ enum class Injection {
 
 extern "C" {
 
-// Words are the guard's settings, 32 bits each, the lowest first; levels those of a pin at fault,
-// bit 0 of the emergency stop, bit 1 of the driver.
-void *wh_guarded_new(const int64_t *parameters, const uint32_t *words, int64_t count,
+// As wh_pins_new. Guard is its settings, 32 bits each, the lowest first; levels those of a pin at
+// fault, bit 0 of the emergency stop, bit 1 of the driver.
+void *wh_guarded_new(const uint32_t *words, int64_t inputs, const uint32_t *guard, int64_t count,
                      int64_t levels, int64_t bus) {
-    auto *controller = static_cast<Controller *>(wh_pins_new(parameters));
+    auto *controller = static_cast<Controller *>(wh_pins_new(words, inputs));
     if (!controller) return nullptr;
     auto *guarded = new Guarded;
     guarded->controller = controller;
@@ -58,7 +58,7 @@ void *wh_guarded_new(const int64_t *parameters, const uint32_t *words, int64_t c
     top.bus_i = bus;
     // The pins' levels have passed their synchronisers before any fault counts.
     for (int n = 0; n < 4; ++n) clock(top);
-    for (int64_t n = 0; n < count; ++n) top.guard_i[n] = words[n];
+    for (int64_t n = 0; n < count; ++n) top.guard_i[n] = guard[n];
     return guarded;
 }
 
@@ -66,11 +66,6 @@ void wh_guarded_delete(void *model) {
     auto *guarded = static_cast<Guarded *>(model);
     delete guarded->controller;
     delete guarded;
-}
-
-void wh_guarded_shape(void *model, const int64_t *words, int64_t count, int64_t walls,
-                      int64_t hysteresis) {
-    wh_pins_shape(static_cast<Guarded *>(model)->controller, words, count, walls, hysteresis);
 }
 
 // Also what the guard takes for the bus.

@@ -5,10 +5,10 @@
 #include <cstdint>
 
 #include "Vwh_controller.h"
-#include "anchor_words.h"
 #include "coverage.h"
-#include "shape_words.h"
+#include "give.h"
 #include "verilated.h"
+#include "words.h"
 
 namespace {
 
@@ -27,13 +27,6 @@ int64_t signed_word(uint64_t raw) {
 
 constexpr uint64_t mask(int width) { return (uint64_t{1} << width) - 1; }
 
-// Sets bits [width*index +: width] of a wide port. Verilator keeps wide ports in 32-bit words.
-template <class Port>
-void set_count(Port &port, int index, int64_t value) {
-    static_assert(WH_COUNT_W == 32, "a wall's edge is one 32-bit word of the port");
-    port[index] = static_cast<uint32_t>(value);
-}
-
 constexpr int kMostSetupClocks = 1 << 20;
 
 void clock(Vwh_controller &top) {
@@ -50,70 +43,17 @@ void set_inputs(Vwh_controller &top, int64_t inputs) {
     top.enc_b_i = (inputs >> 2) & 1;
 }
 
-// Order of the parameters in the array that wh_pins_new takes: that of controller_ports in
-// sim/wavehaptics/controller/ports.py.
-enum Parameter {
-    kHalfClocks, kTickHalves, kSampleClocks, kSamples, kSampleLead, kSampleLate,
-    kSclkHalfClocks, kFrameBits, kLeadBits, kDataBits, kQuietClocks,
-    kSetupClocks, kHoldClocks, kCalibrateBits, kSclkIdle, kReadTrailing, kTrip,
-    kZero, kGain, kFilterClocks, kEtaContact, kEtaFree, kRoot, kA, kUMax,
-    kExtraTicks, kHoldTicks, kMode, kMinPulse, kClocksPerVolt, kBusShare, kDeadClocks,
-    kCompensate, kSideCurrent, kSettleTicks, kSecondOrder, kBus, kInputs, kWalls,
-    kWallEdges
-};
-
 }  // namespace
 
 extern "C" {
 
-// A controller just before its first tick, or null if its ADC never gets ready.
-void *wh_pins_new(const int64_t *p) {
+// A controller just before its first tick, or null if its ADC never gets ready. Words are those of
+// rtl/words.toml, as words.h takes them.
+void *wh_pins_new(const uint32_t *words, int64_t inputs) {
     Controller *controller = new Controller;
     auto &top = controller->top;
-    top.half_clocks_i = p[kHalfClocks];
-    top.tick_halves_i = p[kTickHalves];
-    top.sample_clocks_i = p[kSampleClocks];
-    top.samples_i = p[kSamples];
-    top.sample_lead_i = p[kSampleLead];
-    top.sample_late_i = p[kSampleLate];
-    top.sclk_half_clocks_i = p[kSclkHalfClocks];
-    top.frame_bits_i = p[kFrameBits];
-    top.lead_bits_i = p[kLeadBits];
-    top.data_bits_i = p[kDataBits];
-    top.quiet_clocks_i = p[kQuietClocks];
-    top.setup_clocks_i = p[kSetupClocks];
-    top.hold_clocks_i = p[kHoldClocks];
-    top.calibrate_bits_i = p[kCalibrateBits];
-    top.sclk_idle_i = p[kSclkIdle];
-    top.read_trailing_i = p[kReadTrailing];
-    top.trip_i = p[kTrip];
-    top.zero_i = p[kZero] & mask(WH_SUM_W);
-    top.gain_i = p[kGain] & mask(WH_COEF_W);
-    top.filter_clocks_i = p[kFilterClocks];
-    top.eta_contact_i = p[kEtaContact] & mask(WH_COEF_W);
-    top.eta_free_i = p[kEtaFree] & mask(WH_COEF_W);
-    top.root_i = p[kRoot] & mask(WH_COEF_W);
-    top.a_i = p[kA] & mask(WH_COEF_W);
-    top.u_max_i = p[kUMax] & mask(WH_DATA_W);
-    top.extra_ticks_i = p[kExtraTicks];
-    top.hold_ticks_i = p[kHoldTicks];
-    top.mode_i = p[kMode];
-    top.min_pulse_i = p[kMinPulse];
-    top.clocks_per_volt_i = p[kClocksPerVolt] & mask(WH_COEF_W);
-    top.bus_share_i = p[kBusShare] & mask(WH_COEF_W);
-    top.dead_clocks_i = p[kDeadClocks];
-    top.compensate_i = p[kCompensate];
-    top.side_current_i = p[kSideCurrent] & mask(WH_DATA_W);
-    top.settle_ticks_i = p[kSettleTicks];
-    top.second_order_i = p[kSecondOrder];
-    top.bus_i = p[kBus];
-    for (int n = 0; n < p[kWalls]; ++n) {
-        set_count(top.wall_min_i, n, p[kWallEdges + 2 * n]);
-        set_count(top.wall_max_i, n, p[kWallEdges + 2 * n + 1]);
-    }
-    top.wall_enable_i = mask(static_cast<int>(p[kWalls]));
-    set_anchor_words(top.anchor_words_i, p + kWallEdges + 2 * p[kWalls]);
-    set_inputs(top, p[kInputs]);
+    give_words(top, words);
+    set_inputs(top, inputs);
     top.rst = 1;
     top.enable_i = 0;
     for (int n = 0; n < 4; ++n) clock(top);
@@ -132,16 +72,6 @@ void *wh_pins_new(const int64_t *p) {
         clock(top);
     }
     return controller;
-}
-
-// Words of W, of every section in turn, as wave_core.py orders them, the walls that feel so, and
-// whether walls are left one count later.
-void wh_pins_shape(void *model, const int64_t *words, int64_t count, int64_t walls,
-                   int64_t hysteresis) {
-    auto &top = static_cast<Controller *>(model)->top;
-    set_shape_words(top.shape_words_i, words, count);
-    top.wall_shaped_i = walls;
-    top.edge_hysteresis_i = hysteresis;
 }
 
 // The link to a host, HOST = 1: periods of 2^log2 ticks, silence after so many of them.

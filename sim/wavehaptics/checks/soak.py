@@ -8,7 +8,7 @@ the next reset. In every tick is watched that
 
 - every word of the RTL equals the integer model's;
 - the waves have given out no more than they took in since the reset, ``Σ(v² − u²) ≥ 0`` without
-  any rounding, as |η| ≤ 1 and W is passive;
+  any rounding, as ``|η| ≤ 1`` and W is passive;
 - ``|u|`` is within its limit;
 - c is within its own, ``c_0 + |e_id|/2``, c_0/2 out of contact, and 0 after a
   fault;
@@ -28,8 +28,7 @@ import numpy as np
 
 from wavehaptics.controller import anchor, wave_core
 from wavehaptics.controller.settings import Settings, settings
-from wavehaptics.ladder import verilated
-from wavehaptics.ladder.sampled import load_core
+from wavehaptics.ladder.sampled import core_words, load_core
 from wavehaptics.motor.plant import Plant, X, load_words
 from wavehaptics.motor.sensor import Sensor, current_word, draw_noise, noise_at
 from wavehaptics.motor.step import motor_parts, motor_step
@@ -45,7 +44,7 @@ from wavehaptics.words import formats
 
 TASK_TICKS, EPISODE_TICKS, LONGEST_SPELL = 500_000, 50_000, 4000
 WHOLE_TICKS = 100_000_000
-"""What `make soak` asks for, and the README quotes no shorter one."""
+"""What `make soak` asks for, and the pages quote no shorter one."""
 
 __all__ = ["STORE", "Task", "soak", "summary", "tasks"]
 
@@ -283,11 +282,9 @@ def _episode(scene: Any, set_: Settings, rng: np.random.Generator, found: dict[s
 
 
 def _set_eta(library: Any, model: int, set_: Settings, spell: np.ndarray) -> None:
-    words = [
-        set_.root, set_.a, set_.u_max, set_.extra_ticks, set_.extra_ticks,
-        *(int(spell[place]) for place in (_ETA_IN, _ETA_OUT)), *verilated.anchor_words(set_.anchor),
-    ]  # fmt: skip
-    library.wh_core_set(ctypes.c_void_p(model), (ctypes.c_int64 * len(words))(*words))
+    eta_contact, eta_free = (int(spell[place]) for place in (_ETA_IN, _ETA_OUT))
+    words = core_words(set_, eta_contact=eta_contact, eta_free=eta_free)
+    library.wh_core_set(ctypes.c_void_p(model), words)
 
 
 def summary(results: list[dict[str, Any]]) -> dict[str, Any]:

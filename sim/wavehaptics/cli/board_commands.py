@@ -85,9 +85,8 @@ def seeds(
     typer.echo(f"for {chosen.folder}/fpga.toml, the best first: seeds = {good}")
 
 
-@app.command()
-def prog(board: BoardArgument, device: DeviceOption = None) -> None:
-    """Load a board's bitstream with the board's own programmer."""
+def _programmer(board: str, device: str | None, flash: bool) -> NoReturn:
+    """Call a board's programmer with its bitstream, and hand its exit status on."""
     try:
         chosen = load_board(board, device or None)
     except _ERRORS as error:
@@ -95,11 +94,24 @@ def prog(board: BoardArgument, device: DeviceOption = None) -> None:
     path = synthesis.bitstream_path(chosen)
     if not (ROOT / path).is_file():
         _fail(BoardError(f"{path} is not there; run `make bitstream BOARD={board}`"))
-    command = [word.replace("{bitstream}", str(path)) for word in chosen.fpga.program]
+    words = chosen.fpga.flash if flash else chosen.fpga.program
+    command = [word.replace("{bitstream}", str(path)) for word in words]
     if shutil.which(command[0]) is None:
         _fail(ToolError(f"{command[0]} is not on PATH; install it, or run another programmer"))
     typer.echo(shlex.join(command))
     sys.exit(subprocess.run(command, cwd=ROOT, check=False).returncode)
+
+
+@app.command()
+def prog(board: BoardArgument, device: DeviceOption = None) -> None:
+    """Load a board's bitstream with the board's own programmer."""
+    _programmer(board, device, flash=False)
+
+
+@app.command()
+def flash(board: BoardArgument, device: DeviceOption = None) -> None:
+    """Write a board's bitstream into its flash and read it back: what runs at every power-up."""
+    _programmer(board, device, flash=True)
 
 
 @app.command("resources")
@@ -114,7 +126,7 @@ def count_resources() -> None:
 
 @app.command("numbers")
 def write_numbers() -> None:
-    """Keep the numbers of the last synthesis, and write them into the README pages."""
+    """Keep the numbers of the last whole runs, and write them into the pages."""
     try:
         for path in filler.keep():
             typer.echo(f"{path}: not of a whole run, its numbers are left out")

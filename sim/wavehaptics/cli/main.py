@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import io
 import sys
-from typing import Any
+from importlib.metadata import version
+from typing import Annotated, Any
 
 import typer
 
@@ -31,6 +32,24 @@ app = typer.Typer(
 )
 for group in (scenes, studies, checks):
     app.add_typer(group.app)
+
+
+def _tell_version(asked: bool) -> None:
+    if asked:
+        print(f"wavehaptics {version('wavehaptics')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    told: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_tell_version, is_eager=True, help="Tell the version and exit."
+        ),
+    ] = False,
+) -> None:
+    """Options of the command itself; its help is the app's."""
 
 
 def main() -> None:

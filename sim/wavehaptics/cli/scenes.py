@@ -21,7 +21,7 @@ from wavehaptics.cli.shared import (
     shown_progress,
     shown_stages,
 )
-from wavehaptics.scene import find_scene, load_scene, shipped_scenes
+from wavehaptics.scene import find_scene, first_comment, load_scene, shipped_scenes
 
 app = typer.Typer()
 
@@ -53,10 +53,13 @@ def run(
     folder = RUNS_DIR / f"{loaded.scene.name}-{controller}" if out is None else out
     make_folder(folder)
 
+    from wavehaptics.ladder.abilities import left_out
     from wavehaptics.ladder.run import run_scene
 
     with shown_progress(f"{loaded.scene.name} on {controller}") as progress:
         metrics = run_scene(loaded, controller, folder, progress)
+    if missing := left_out(loaded, controller):
+        print(f"`{controller}` leaves out {', '.join(missing)}")
     print(metrics_table(metrics))
     print(f"results in {folder}")
 
@@ -131,10 +134,4 @@ def scenes() -> None:
     shipped = shipped_scenes()
     width = max(map(len, shipped), default=0)
     for name, path in shipped.items():
-        print(f"{name:<{width}}  {_first_comment(path)}")
-
-
-def _first_comment(path: Path) -> str:
-    """What a scene says of itself: its first line of comment below the license."""
-    comments = (line for line in path.read_text(encoding="utf-8").splitlines() if line[:1] == "#")
-    return next((line.lstrip("# ") for line in comments if "SPDX" not in line), "")
+        print(f"{name:<{width}}  {first_comment(path)}")

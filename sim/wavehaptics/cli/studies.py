@@ -142,3 +142,18 @@ def bench(
     for table in tables(summary):
         Console().print(table)
     print(f"summary: {out / 'summary.json'}")
+
+
+@app.command()
+def tables(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for tables.json.")] = Path(
+        "build/tables"
+    ),
+) -> None:
+    """Run what the pages show of drive and environments in tables; some ten minutes."""
+    make_folder(out)
+
+    from wavehaptics.studies.tabled_runs import collect
+
+    with shown_stages() as progress:
+        print(f"numbers: {collect(out, progress)}")

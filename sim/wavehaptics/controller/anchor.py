@@ -35,30 +35,17 @@ import numpy as np
 
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.words import formats
+from wavehaptics.words.table import ports, side_by_side
 
 (
-    ENABLE,  # 0: no correction; χ, x̂ and ω̂ are found all the same
-    FLUX_GAIN,  # s27q22 cells a √W: s·T/(2·k̂_T·Δ)
-    OWED_GAIN,  # s27q22 cells a √W: the same over a; 0 for an environment that holds no position
-    CELLS_GAIN,  # s27q12 cells an A: L̂/(k̂_T·Δ)
-    PULL_GAIN,  # s27q20 V a cell: ρ·k̂_T·Δ/L̂
-    DAMP_GAIN,  # s27q20 V a cell: the same with the resistance for swings
-    LEARN_GAIN,  # s27q29 V a cell: γ·T·k̂_T·Δ/L̂
-    ZERO_GAIN,  # s27q22 A a V: rate of the offset times T/R̂
-    ROOM_GAIN,  # s27q22 √W a V: 1/s
-    REACH,  # s31q23 V, 0...64 V: c_0
-    STRANGE,  # s31q23 V: how far beyond its limit c may want to be
-    REST_TICKS,  # u16 ticks, 1...: shorter between two edges the same way, and the rotor moves
-    SLOW_UNITS,  # u5 of them, 0...31: from there on the offset is tracked
-) = range(13)
-"""Places in an anchor's settings."""
+    ENABLE, FLUX_GAIN, OWED_GAIN, CELLS_GAIN, PULL_GAIN, DAMP_GAIN, LEARN_GAIN, ZERO_GAIN,
+    ROOM_GAIN, REACH, STRANGE, REST_TICKS, SLOW_UNITS,
+) = range(13)  # fmt: skip
+"""Places in an anchor's settings, in the order of ``rtl/words.toml``, which says what they are."""
 SETTINGS = 13
 
-_COEF, _DATA = formats.COEF_W, formats.DATA_W
-WIDTHS = (1,) + 8 * (_COEF,) + 2 * (_DATA,) + (formats.REST_W, formats.REST_UNIT_W)
-"""Bits of each setting in the RTL's word of all, the first one lowest."""
-assert len(WIDTHS) == SETTINGS
-assert sum(WIDTHS) == formats.ANCHOR_W
+_WORDS = ports()["anchor_words"]
+assert len(_WORDS) == SETTINGS
 
 (
     FLUX,  # s48q33 cells: χ without L̂·i
@@ -122,11 +109,9 @@ _MOST_UNITS = (1 << formats.REST_UNIT_W) - 1
 
 
 def packed(settings: np.ndarray) -> int:
-    """The settings as the RTL's port ``words_i`` takes them: WIDTHS side by side."""
-    word = 0
-    for value, width in zip(reversed(settings.tolist()), reversed(WIDTHS), strict=True):
-        word = word << width | value & ((1 << width) - 1)
-    return word
+    """The settings as the RTL's port ``words_i`` takes them, side by side, the first one lowest."""
+    widths = (word.fixed.width for word in _WORDS)
+    return side_by_side(zip(settings.tolist(), widths, strict=True))
 
 
 def new_state() -> np.ndarray:

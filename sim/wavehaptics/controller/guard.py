@@ -14,7 +14,7 @@ from wavehaptics.motor.sensor import Sensor
 from wavehaptics.motor.thermal import REFERENCE_C
 from wavehaptics.scene import Scene
 from wavehaptics.scene.tables.thermal import Thermal
-from wavehaptics.words import formats
+from wavehaptics.words import formats, table
 from wavehaptics.words.formats import RTL_DIR
 
 _HEADER = (RTL_DIR / "wh_faults.vh").read_text(encoding="utf-8")
@@ -42,13 +42,10 @@ class Fault(IntEnum, metaclass=_OfHeader):
         vars()[_name] = int(_bit)
 
 
-FIELDS = {
-    name: (int(low), int(high) - int(low) + 1)
-    for name, high, low in re.findall(r"WH_GUARD_(\w+)\s+(\d+):(\d+)", _HEADER)
-}
-"""Lowest bit and width of each field of the settings."""
+FIELDS = {word.name.removeprefix("guard_").upper(): word for word in table.ports()["guard"]}
+"""The words of its settings, by the names that ``wh_faults.vh`` has for them."""
 
-WIDTH = _integer("GUARD_W")
+WIDTH = table.port_width(FIELDS.values(), table.Sizes())
 DAMPABLE = _integer("FAULTS_DAMPABLE")
 """Faults after which damping is allowed."""
 
@@ -66,13 +63,8 @@ def mask(faults: Iterable[Fault]) -> int:
 
 def pack(fields: Mapping[str, int]) -> int:
     """Settings of the guard from raw fields, 0 where not named; ``ValueError`` beyond a field."""
-    word = 0
-    for name, value in fields.items():
-        low, width = FIELDS[name]
-        if not 0 <= value < 1 << width:
-            raise ValueError(f"guard field {name} = {value} is outside 0...{(1 << width) - 1}")
-        word |= value << low
-    return word
+    values = {FIELDS[name].name: value for name, value in fields.items()}
+    return table.inputs(values, table.Sizes())["guard_i"]
 
 
 class Limits(NamedTuple):
@@ -109,7 +101,7 @@ BOARD_FAULTS = (
 stop of its own."""
 
 CURRENT_OF_SCALE = 0.9
-"""Current limit of a board, in parts of its ADC's scale."""
+"""Current limit of a board that names none, in parts of its ADC's scale."""
 
 STUCK_S = 1e-3
 """Time in which a board's ADC says something else."""
@@ -121,10 +113,11 @@ WINDING_MOST_C = 125.0
 """Temperature of a winding that lasts, as Maxon's data sheets have it."""
 
 
-def board_limits(scene: Scene, ports: Ports) -> Limits:
+def board_limits(scene: Scene, ports: Ports, trip_a: float | None = None) -> Limits:
     """What the guard of a board allows, from its scene and the controller's settings for it.
 
-    The winding is that of ``[thermal]``, or of its defaults.
+    The current is ``trip_a``, or a part of the ADC's scale. The winding is that of ``[thermal]``,
+    or of its defaults.
     """
     thermal = scene.thermal or Thermal()
     rise_c = WINDING_MOST_C - thermal.ambient_c
@@ -132,7 +125,7 @@ def board_limits(scene: Scene, ports: Ports) -> Limits:
     rms_a = math.sqrt(rise_c / (hot_ohm * (thermal.rth_winding + thermal.rth_housing)))
     return Limits(
         watched=BOARD_FAULTS,
-        current_a=CURRENT_OF_SCALE * ports.sensor.full_scale_a,
+        current_a=trip_a or CURRENT_OF_SCALE * ports.sensor.full_scale_a,
         stuck_samples=round(STUCK_S / ports.timing.tick_s) * ports.timing.samples,
         lost_v=LOST_OF_R * scene.motor.R_ohm * rms_a,
         rms_a=rms_a,

@@ -37,7 +37,7 @@ def realise(top: np.ndarray, bottom: np.ndarray, tick_s: float) -> np.ndarray:
     """M less the identity of its states, float (3, 3), of ``W(s) = top/bottom`` at a tick.
 
     ``top`` and ``bottom`` are quadratics in s, the highest power first, with leading zeros where W
-    has fewer poles. :class:`WishError` where W is not stable or |W| exceeds one.
+    has fewer poles. :class:`WishError` where W is not stable or ``|W|`` exceeds one.
     """
     top, bottom = np.asarray(top, dtype=float), np.asarray(bottom, dtype=float)
     if not np.any(bottom):
@@ -81,7 +81,7 @@ def realise(top: np.ndarray, bottom: np.ndarray, tick_s: float) -> np.ndarray:
 
 
 def _canonical(n: np.ndarray, d: np.ndarray, order: int) -> tuple[np.ndarray, ...]:
-    """Controllable form (A, B, C of W, C of V) of n/d and of the V with |W|² + |V|² = 1."""
+    """Controllable form (A, B, C of W, C of V) of n/d and of the V with ``|W|² + |V|² = 1``."""
     p2, p1, p0 = np.maximum(excess(n, d), [0.0, -np.inf, 0.0])
     q2, q0 = math.sqrt(p2), math.sqrt(p0)
     q = np.array([q2, math.sqrt(max(p1 + 2.0 * q0 * q2, 0.0)), q0])
@@ -151,8 +151,8 @@ def losses(words: np.ndarray) -> tuple[int, int, int]:
 def quantise(matrix: np.ndarray) -> np.ndarray:
     """Words of a section, int64 (SECTION_WORDS,), for the matrix of :func:`realise`.
 
-    Rounding to the nearest may leave |M| above one by some last places; M is made smaller by as few
-    of them as do.
+    Rounding to the nearest may leave ``|M|`` above one by some last places; M is made smaller by as
+    few of them as do.
     """
     identity = np.diag([1.0, 1.0, 0.0])
     one = float(1 << formats.SHAPE.fraction)

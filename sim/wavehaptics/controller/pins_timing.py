@@ -30,8 +30,11 @@ WAVES_CLOCKS = 6
 ANCHOR_CLOCKS = 29
 """Clocks from there until it is done, if the shared multiplier lets it."""
 
-_CURRENT_CLOCKS = 6
-_DUTY_CLOCKS = 8
+CURRENT_CLOCKS = 6
+"""Clocks from a tick's last word to its mean current, ``wh_current``."""
+
+DUTY_CLOCKS = 8
+"""Clocks from a step's voltage to the soonest tick that it can drive, ``wh_modulator``."""
 
 
 def latency_clocks(
@@ -50,9 +53,9 @@ def latency_clocks(
     in_turn = ports - 1
     return (
         conversion_clocks
-        + _CURRENT_CLOCKS + in_turn
+        + CURRENT_CLOCKS + in_turn
         + (CORE_CLOCKS + SECTION_CLOCKS * sections) * ports
-        + _DUTY_CLOCKS + in_turn
+        + DUTY_CLOCKS + in_turn
     )  # fmt: skip
 
 
@@ -65,4 +68,4 @@ def early_tick_clocks(ports: int = 1, anchored: bool = False) -> int:
     if anchored:
         step += WAVES_CLOCKS + ANCHOR_CLOCKS - CORE_CLOCKS
     # The sum is there a clock after the word.
-    return _CURRENT_CLOCKS - 1 + ports - 1 + step + EARLY_PREPARE_CLOCKS
+    return CURRENT_CLOCKS - 1 + ports - 1 + step + EARLY_PREPARE_CLOCKS

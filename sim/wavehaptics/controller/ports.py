@@ -26,18 +26,14 @@ from wavehaptics.motor.sensor import Sensor
 from wavehaptics.scene import Scene, SceneError
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
+from wavehaptics.words.table import WORDS
 
 DEFAULT_BUS_V = 12.0
 """Bus of a scene whose drive has no limit; a switching bridge has to have one."""
 
-NEVER_TRIP = 0xFFFF
-"""Threshold of the fast path of the current that no word reaches."""
-
 FINE_COUNTS_PER_REV = 65_536
 """Encoder where the scene has none: A and B must come from somewhere."""
 
-FILTER_CLOCKS = 2
-MOST_MIN_PULSE = 255
 SETTLE_TICKS = 5
 """Ticks between two changes of side of the dead-time compensation, besides the scene's latency."""
 
@@ -46,8 +42,8 @@ SETTLE_TICKS = 5
 class Ports:
     """What the ports of ``rtl/wh_controller.v`` are given for a scene.
 
-    ``words`` are the settings by the name of their port, without ``_i``; ``walls`` are (min, max)
-    in counts from where the rotor starts. All are raw words.
+    ``words`` are settings by their names in ``rtl/words.toml``, those that aren't its defaults;
+    ``walls`` are (min, max) in counts from where the rotor starts. All are raw words.
     """
 
     timing: Timing
@@ -56,6 +52,15 @@ class Ports:
     start_count: int
     words: dict[str, int]
     walls: list[tuple[int, int]]
+
+    def wall_words(self, places: int, motors: int = 1) -> dict[str, list[int]]:
+        """The walls' words, the same for each motor; the ``places`` beyond them are empty."""
+        walls = [*self.walls, *[(0, 0)] * (places - len(self.walls))] * motors
+        return {
+            "wall_min": [low for low, _ in walls],
+            "wall_max": [high for _, high in walls],
+            "wall_enable": [int(low < high) for low, high in walls],
+        }
 
 
 def controller_ports(
@@ -90,10 +95,7 @@ def controller_ports(
         "sample_lead": sample_lead(time.frame, delay // 2),
         "sample_late": 0 if time.frame.osr else delay % 2,
         **time.frame.words(),
-        "trip": NEVER_TRIP,
-        "zero": 0,
         "gain": sensor.gain_word(time.samples * time.frame.unity),
-        "filter_clocks": FILTER_CLOCKS,
         "eta_contact": set_.eta_contact,
         "eta_free": set_.eta_free,
         "root": set_.root,
@@ -108,7 +110,6 @@ def controller_ports(
             set_.limit_v, reach_v / bus_v * (1.0 - lost / time.half_clocks)
         ),
         **dead,
-        "second_order": 0,
     }
     largest = words["clocks_per_volt"]
     if scene.drive and scene.drive.bus_measured and scene.drive.true_bus_v is not None:
@@ -130,7 +131,7 @@ def _min_pulse(scene: Scene, time: Timing) -> int:
     # A part in 1e9 of a clock is the floats'.
     clocks = math.ceil(scene.drive.min_pulse_s * time.clock_hz - 1e-9)
     clocks += dead_clocks(scene, time.clock_hz)
-    most = min(MOST_MIN_PULSE, time.half_clocks // 4)
+    most = min(WORDS["min_pulse"].fixed.raw_max, time.half_clocks // 4)
     if clocks > most:
         raise SceneError(
             f"{scene.scene.name}: drive.min_pulse_s = {scene.drive.min_pulse_s:g} s and the dead "
@@ -156,7 +157,9 @@ def _dead_time_words(scene: Scene, time: Timing, bus_v: float) -> dict[str, int]
         "dead_clocks": clocks,
         "compensate": int(compensate),
         "side_current": formats.CURRENT.to_raw(min(side_a, 0.5 * formats.CURRENT.largest)),
-        "settle_ticks": min(255, scene.controller.extra_ticks + SETTLE_TICKS),
+        "settle_ticks": min(
+            WORDS["settle_ticks"].fixed.raw_max, scene.controller.extra_ticks + SETTLE_TICKS
+        ),
     }
 
 

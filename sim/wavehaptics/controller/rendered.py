@@ -43,7 +43,7 @@ class Report:
     """What a design comes to."""
 
     worst_gain: float
-    """Largest |D| on a fine grid of frequencies."""
+    """Largest ``|D|`` on a fine grid of frequencies."""
     worst_hz: float
     noise_gains: list[float]
     """Power gain from each state's rounding error to y."""

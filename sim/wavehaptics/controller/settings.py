@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wavehaptics.controller import anchor
+from wavehaptics.controller import anchor, wave_core
 from wavehaptics.controller.normalised import response
 from wavehaptics.controller.shaper import Shaper, design
 from wavehaptics.laws import closed_forms
@@ -75,6 +75,23 @@ class Settings:
         words = self.anchor.copy()
         words[anchor.OWED_GAIN] = 0
         return replace(self, anchor=words)
+
+    def words(self) -> dict[str, int | list[int]]:
+        """The port's words of ``rtl/words.toml``, but for its walls: the RTL counts its own way."""
+        words: dict[str, int | list[int]] = {
+            "root": self.root,
+            "a": self.a,
+            "u_max": self.u_max,
+            "eta_contact": self.eta_contact,
+            "eta_free": self.eta_free,
+            "edge_hysteresis": int(self.edge_hysteresis),
+            "extra_ticks": self.extra_ticks,
+            "anchor_words": anchor.packed(self.anchor),
+        }
+        if len(self.shaper.words):
+            words["shape_coefficient"] = self.shaper.words[:, : wave_core.LOSS1].ravel().tolist()
+            words["shape_loss"] = self.shaper.words[:, wave_core.LOSS1 :].ravel().tolist()
+        return words
 
     @property
     def s(self) -> float:

@@ -11,7 +11,7 @@ from wavehaptics.controller import wave_core
 from wavehaptics.controller.normalised import from_sos, quantise, realise
 from wavehaptics.laws import closed_forms
 from wavehaptics.laws.reflection import Wish, WishError, front_stiffness, reflection, spring_behind
-from wavehaptics.scene import Scene, SceneError
+from wavehaptics.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -25,14 +25,6 @@ class Shaper:
 
 
 NONE = Shaper(wave_core.NO_SHAPER)
-
-
-def refuse_shaper(scene: Scene, controller: str) -> None:
-    """:class:`SceneError` for a controller that has no W, where the scene wants one."""
-    if scene.shaper is not None:
-        raise SceneError(
-            f"{scene.scene.name}: [shaper] is not for `{controller}`; leave it out or take `golden`"
-        )
 
 
 def design(scene: Scene, tick_s: float, tau_s: float, r_hat: float) -> Shaper:

@@ -25,6 +25,7 @@ from wavehaptics.parts.adcs import (
 from wavehaptics.scene import Scene, SceneError
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import HALF_BRIDGE, LOCKED, UNIPOLAR
+from wavehaptics.words.table import WORDS
 
 CLOCK_HZ = 48e6
 """Clock of the simulated board unless the scene names another."""
@@ -44,7 +45,7 @@ SLOW_HALF_CLOCKS = 96
 MOST_SAMPLES = 16
 """Samples in a tick. Their sum is scaled by a word of 27 bits, which more would make too coarse."""
 
-MOST_DEAD_CLOCKS = 255
+MOST_DEAD_CLOCKS = WORDS["dead_clocks"].fixed.raw_max
 FrameAt = Callable[[float, int], Frame]
 """An ADC's frame for a clock in Hz and the clocks of a tick."""
 
@@ -124,7 +125,7 @@ def sample_lead(made: Frame, pulse_delay: int) -> int:
     rise, taken with its fall, and goes through two registers), in whole periods of its clock.
     """
     if not made.osr:
-        return CENTRED_LEAD - pulse_delay
+        return CENTRED_LEAD + made.pad_clocks - pulse_delay
     periods = round(1 + (1 + GATE_CLOCKS + pulse_delay) / made.bit_clocks)
     return made.cycle_clocks // 2 - periods * made.bit_clocks
 

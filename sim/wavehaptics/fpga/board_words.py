@@ -2,7 +2,8 @@
 """From a board's scene to the words that its bitstream holds, as Verilog macros.
 
 A board's top gives ``wh_controller`` constants instead of registers. They are computed here from
-the board's scene and from the data sheet of its ADC, so that no number is typed twice.
+the board's scene and from the data sheet of its ADC, so that no number is typed twice; what they
+leave open has its default of ``rtl/words.toml``.
 """
 
 from __future__ import annotations
@@ -13,64 +14,13 @@ from wavehaptics.controller import guard
 from wavehaptics.controller.pins_timing import CORE_CLOCKS, early_tick_clocks
 from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.controller.tick_layout import natural_ticks
+from wavehaptics.ladder.abilities import refuse
 from wavehaptics.parts.adcs import Part, frame
 from wavehaptics.scene import Scene, SceneError
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
-
-WIDTHS = {
-    "half_clocks": formats.TICK_W,
-    "tick_halves": formats.TICK_W,
-    "sample_clocks": formats.TICK_W,
-    "samples": 9,
-    "sample_lead": 8,
-    "sample_late": 1,
-    "sclk_half_clocks": 8,
-    "frame_bits": 6,
-    "lead_bits": 6,
-    "data_bits": 5,
-    "quiet_clocks": 8,
-    "setup_clocks": 8,
-    "hold_clocks": 8,
-    "calibrate_bits": 6,
-    "sclk_idle": 1,
-    "read_trailing": 1,
-    "trip": 16,
-    "zero": formats.SUM_W,
-    "gain": formats.COEF_W,
-    "filter_clocks": 4,
-    "eta_contact": formats.COEF_W,
-    "eta_free": formats.COEF_W,
-    "root": formats.COEF_W,
-    "a": formats.COEF_W,
-    "u_max": formats.DATA_W,
-    "extra_ticks": None,
-    "hold_ticks": None,
-    "mode": formats.MODE_W,
-    "min_pulse": 8,
-    "clocks_per_volt": formats.COEF_W,
-    "bus_share": formats.COEF_W,
-    "dead_clocks": 8,
-    "compensate": 1,
-    "side_current": formats.DATA_W,
-    "settle_ticks": 8,
-    "second_order": 1,
-}
-"""Bits of each setting of ``wh_controller``; ``None`` is DELAY_LOG2, which is chosen here."""
-
-_PER_PORT = frozenset(
-    (
-        "zero",
-        "gain",
-        "eta_contact",
-        "eta_free",
-        "root",
-        "a",
-        "u_max",
-        "clocks_per_volt",
-        "side_current",
-    )
-)
+from wavehaptics.words.generated import LICENCE, connections
+from wavehaptics.words.table import Sizes
 
 
 @dataclass(frozen=True)
@@ -88,28 +38,37 @@ class BoardWords:
     """The guard's word; None for a board without one."""
 
     @property
-    def walls(self) -> list[tuple[int, int]]:
-        """Walls (min, max) in counts; an empty one where the scene has none."""
-        return self.ports.walls or [(0, 0)]
+    def walls(self) -> int:
+        """Walls of a motor; an empty one where the scene has none."""
+        return max(1, len(self.ports.walls))
 
 
-def board_words(scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False) -> BoardWords:
+def board_words(
+    scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False,
+    pad_registers: bool = False, trip_a: float | None = None,
+) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
 
-    :class:`SceneError` where the scene's ADC isn't the part, or its clock or tick doesn't suit it.
+    ``pad_registers`` are those of :func:`wavehaptics.parts.adcs.frame`; a current of ``trip_a``
+    takes the gates off. :class:`SceneError` where the scene's ADC isn't the part, or its clock or
+    tick doesn't suit it.
     """
+    refuse(scene, "a board")
     if scene.adc is None or scene.adc.bits != part.bits:
         raise SceneError(f"{_at(scene)}the board's ADC has {part.bits} bits; set adc.bits so")
     if scene.adc.part not in (None, part.name):
         raise SceneError(f"{_at(scene)}the board's ADC is an {part.name}; set adc.part so")
-    ports = controller_ports(scene, lambda clock_hz, _: frame(part, clock_hz))
+    ports = controller_ports(scene, lambda clock_hz, _: frame(part, clock_hz, pad_registers))
     words = dict(ports.words, hold_ticks=_hold_ticks(scene, ports, motors))
+    if trip_a is not None:
+        words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
     delay_log2 = max(1, words["extra_ticks"].bit_length())
-    return BoardWords(ports, words, motors, delay_log2, _guard(scene, ports) if guarded else None)
+    word = _guard(scene, ports, trip_a) if guarded else None
+    return BoardWords(ports, words, motors, delay_log2, word)
 
 
-def _guard(scene: Scene, ports: Ports) -> int:
-    limits = guard.board_limits(scene, ports)
+def _guard(scene: Scene, ports: Ports, trip_a: float | None) -> int:
+    limits = guard.board_limits(scene, ports, trip_a)
     return guard.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)
 
 
@@ -140,41 +99,30 @@ def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
     return extra - natural
 
 
-def _literal(value: int, width: int) -> str:
-    return f"{width}'h{value & ((1 << width) - 1):x}"
-
-
-def _packed(values: list[int], width: int) -> str:
-    """A concatenation, the first value lowest."""
-    return "{" + ", ".join(_literal(value, width) for value in reversed(values)) + "}"
-
-
 def verilog_header(board: BoardWords, source: str) -> str:
     """Text of ``wh_board_settings.vh``; ``source`` is named in it as where the numbers are from."""
-    walls = board.walls * board.motors
-    enabled = [1 if low < high else 0 for low, high in walls]
-    lines = [
-        "// SPDX-License-Identifier: Apache-2.0",
-        f"// Settings of wh_controller, made from {source}.",
-        "",
-        f"`define WH_BOARD_N {board.motors}",
-        f"`define WH_BOARD_WALLS {len(board.walls)}",
-        f"`define WH_BOARD_MODES {int(board.words['mode'] != MODE_WORDS[UNIPOLAR])}",
-        f"`define WH_BOARD_SHORTEST {int(board.words['min_pulse'] > 0)}",
-        f"`define WH_BOARD_DELAY_LOG2 {board.delay_log2}",
-        f"`define WH_BOARD_EARLY {int(board.ports.timing.early)}",
-        f"`define WH_BOARD_GUARDED {int(board.guard is not None)}",
-        f"`define WH_BOARD_GUARD {_literal(board.guard or 0, guard.WIDTH)}",
-        "",
-    ]
-    for name, width in WIDTHS.items():
-        copies = board.motors if name in _PER_PORT else 1
-        text = _packed([board.words[name]] * copies, width or board.delay_log2)
-        lines.append(f"`define WH_BOARD_{name.upper()} {text}")
-    for name, values, width in (
-        ("WALL_MIN", [wall[0] for wall in walls], formats.COUNT_W),
-        ("WALL_MAX", [wall[1] for wall in walls], formats.COUNT_W),
-        ("WALL_ENABLE", enabled, 1),
-    ):
-        lines.append(f"`define WH_BOARD_{name} {_packed(values, width)}")
-    return "\n".join(lines) + "\n"
+    words, timing = board.words, board.ports.timing
+    hardware = {
+        "N": board.motors,
+        "WALLS": board.walls,
+        "MODES": int(words["mode"] != MODE_WORDS[UNIPOLAR]),
+        "SHORTEST": int(words["min_pulse"] > 0),
+        "DELAY_LOG2": board.delay_log2,
+        "EARLY": int(timing.early),
+        "GUARDED": int(board.guard is not None),
+    }
+    sizes = Sizes(board.motors, board.walls, 0, board.delay_log2)
+    values = {
+        **words,
+        "guard": board.guard or 0,
+        **board.ports.wall_words(board.walls, board.motors),
+    }
+    return "\n".join(
+        [
+            f"{LICENCE}// Settings of wh_controller, made from {source}.",
+            "",
+            *(f"`define WH_BOARD_{name} {value}" for name, value in hardware.items()),
+            "",
+            connections("WH_BOARD", sizes, values, driven=("clear",)),
+        ]
+    )

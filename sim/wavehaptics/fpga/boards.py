@@ -27,10 +27,50 @@ class BoardError(ValueError):
     """A board that can't be read. The message is one line: where, what is wrong."""
 
 
-class Fpga(BaseModel):
-    """What ``fpga.toml`` holds."""
-
+class _Table(BaseModel):
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+
+class Bridge(_Table):
+    """What the half bridges and the way to them need of the gates' timing, s.
+
+    ``mismatch_s`` is by how much the driver delays HI and LI differently, ``gate_skew_s`` the AND
+    gates before it, ``fpga_skew_s`` what is granted to the FPGA from its flip-flops to its pads.
+    """
+
+    driver: str
+    mismatch_s: float = Field(ge=0)
+    gate_skew_s: float = Field(ge=0)
+    fpga_skew_s: float = Field(ge=0)
+    min_pulse_s: float = Field(ge=0)
+
+
+class Sense(_Table):
+    """The current's way to the ADC: shunt, amplifier with its reference at half its supply.
+
+    The output ends ``swing_v`` before either rail; ``trip_a`` takes the gates off.
+    """
+
+    amplifier: str
+    supply_v: float = Field(gt=0)
+    swing_v: float = Field(ge=0)
+    shunt_ohm: float = Field(gt=0)
+    gain: float = Field(gt=0)
+    trip_a: float = Field(gt=0)
+
+    @property
+    def full_scale_a(self) -> float:
+        """Current at the end of the ADC's scale, whose reference is the amplifier's supply."""
+        return 0.5 * self.supply_v / (self.shunt_ohm * self.gain)
+
+    @property
+    def clip_a(self) -> float:
+        """Current at which the amplifier's output ends."""
+        return (0.5 * self.supply_v - self.swing_v) / (self.shunt_ohm * self.gain)
+
+
+class Fpga(_Table):
+    """What ``fpga.toml`` holds."""
 
     family: Literal["ice40", "ecp5"]
     devices: list[str] = Field(min_length=1)
@@ -40,8 +80,16 @@ class Fpga(BaseModel):
     adc: str
     motors: int = Field(1, ge=1, le=8)
     guard: bool = False
+    pad_registers: bool = False
+    wire_s: float = Field(0.6e-9, ge=0)
     seeds: list[int] = Field(min_length=1)
     program: list[str] = Field(min_length=1)
+    flash: list[str] = Field(min_length=1)
+    bridge: Bridge
+    sense: Sense
+    free: list[str] = Field(default_factory=list)
+    taken: dict[str, str] = Field(default_factory=dict)
+    pins_of: str | None = None
 
 
 @dataclass(frozen=True)
@@ -71,8 +119,9 @@ class Board:
     def words(self) -> BoardWords:
         """Words of the controller's settings; :class:`SceneError` where the board can't do them."""
         return board_words(
-            self.scene, PARTS[self.fpga.adc], self.fpga.motors, guarded=self.fpga.guard
-        )
+            self.scene, PARTS[self.fpga.adc], self.fpga.motors, guarded=self.fpga.guard,
+            pad_registers=self.fpga.pad_registers, trip_a=self.fpga.sense.trip_a,
+        )  # fmt: skip
 
     def header(self) -> str:
         """Text of the ``wh_board_settings.vh`` that the board's top includes."""
@@ -99,6 +148,9 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
         first = error.errors()[0]
         key = ".".join(str(part) for part in first["loc"])
         raise BoardError(f"{path}: {key}: {first['msg']}") from None
+    if fpga.pins_of is not None:
+        others = load_board(fpga.pins_of, root=root).fpga
+        fpga = fpga.model_copy(update={"free": others.free, "taken": others.taken})
     if fpga.adc not in PARTS:
         raise BoardError(f"{path}: adc = {fpga.adc!r} is not known; {', '.join(PARTS)} are")
     device = device or fpga.devices[0]

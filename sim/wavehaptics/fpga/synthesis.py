@@ -17,8 +17,9 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from wavehaptics.fpga import multipliers
+from wavehaptics.fpga import board_pins, bridge_budget, multipliers, pad_timing, pll
 from wavehaptics.fpga.boards import Board
+from wavehaptics.parts.adcs import PARTS
 from wavehaptics.runtime.files import write_json, write_text
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
@@ -38,6 +39,7 @@ OSCILLATOR_TOLERANCE = 0.30
 PLACERS = {"ice40": "nextpnr-ice40", "ecp5": "nextpnr-ecp5"}
 PACKERS = {"ice40": "icepack", "ecp5": "ecppack"}
 BITSTREAM_SUFFIX = {"ice40": ".bin", "ecp5": ".bit"}
+_DELAYS = "delays.sdf"
 _PLACED_SUFFIX = {"ice40": ".asc", "ecp5": ".config"}
 
 
@@ -79,6 +81,7 @@ class Design:
     tick_hz: float = 0.0
     defines: tuple[tuple[str, int], ...] = ()
     parameters: tuple[tuple[str, int], ...] = ()
+    board: Board | None = None
 
 
 @dataclass(frozen=True)
@@ -111,6 +114,8 @@ class Result:
     bitstream_bytes: int
     toolchain: str
     tools: dict[str, str]
+    pads: dict[str, Any] | None = None
+    """Round trip of the ADC, dead time and the gates' skew; None for a design that is no board."""
 
 
 def board_design(board: Board, out: Path) -> Design:
@@ -137,6 +142,7 @@ def board_design(board: Board, out: Path) -> Design:
         seeds=tuple(board.fpga.seeds),
         motors=board.fpga.motors,
         tick_hz=board.scene.controller.tick_hz,
+        board=board,
     )
 
 
@@ -152,6 +158,8 @@ def build_board(
 
     ``seed`` takes the place of the board's own ones.
     """
+    bridge_budget.check(board)
+    board_pins.check(board)
     out = OUT / board.name
     folder = board.root / out
     _clear(folder)
@@ -186,6 +194,7 @@ def _build(design: Design, out: Path, tools: Toolchain, say: Callable[[str], Non
     say(f"{design.name}: {named} ({tools.name})")
     netlist = _checked_netlist(design, out, tools)
     placed = _first_that_meets(design, netlist, out, tools, say)
+    pads = None if design.board is None else board_pads(design.board, folder / _DELAYS)
 
     bitstream = out / f"{design.name}{BITSTREAM_SUFFIX[design.family]}"
     arguments = [str(_placed_path(design, out)), str(bitstream)]
@@ -197,7 +206,46 @@ def _build(design: Design, out: Path, tools: Toolchain, say: Callable[[str], Non
     size = (design.root / bitstream).stat().st_size
     if size == 0:
         raise SynthesisError(f"{design.name}: {packer} wrote an empty bitstream")
-    return _result(design, netlist, placed, size, tools.name, versions)
+    made = _result(design, netlist, placed, size, tools.name, versions)
+    return replace(made, pads=pads)
+
+
+def board_pads(board: Board, sdf: Path) -> dict[str, Any]:
+    """What a board's pads come to by nextpnr's delays; :class:`SynthesisError` where that is late.
+
+    The gates' skew is held against what the dead time's budget grants it.
+    """
+    words, bridge = board.words(), board.fpga.bridge
+    time = bridge_budget.dead_time(board)
+    motors = board.fpga.motors
+    lines = ["adc_sdata"] if motors == 1 else [f"adc_sdata[{n}]" for n in range(motors)]
+    try:
+        delays = pad_timing.Delays.of_file(sdf)
+        adc = pad_timing.adc_budget(
+            delays, board.device, board.fpga.family, PARTS[board.fpga.adc],
+            words.ports.timing.frame, board.clock_hz, board.fpga.wire_s, lines,
+        )  # fmt: skip
+        skew_ns = pad_timing.gate_skew_ns(delays, motors)
+    except pad_timing.PadTimingError as error:
+        raise SynthesisError(f"{board.name}: {error}") from None
+    if skew_ns > 1e9 * bridge.fpga_skew_s:
+        raise SynthesisError(
+            f"{board.name}: the gates of a leg differ by {skew_ns:g} ns from clock to pad, and "
+            f"bridge.fpga_skew_s of {board.folder}/fpga.toml grants {1e9 * bridge.fpga_skew_s:g} "
+            "ns; raise it, and drive.dead_time_s with it, or take another seed"
+        )
+    return {
+        **asdict(adc),
+        "dead_ns": round(1e9 * time.made_s, 2),
+        "dead_needed_ns": round(1e9 * time.needed_s, 2),
+        "mismatch_ns": round(1e9 * time.mismatch_s, 2),
+        "gate_skew_ns": round(1e9 * time.gate_skew_s, 2),
+        "fpga_skew_ns": skew_ns,
+        "fpga_skew_granted_ns": round(1e9 * time.fpga_skew_s, 2),
+        "min_pulse_ns": round(1e9 * board.scene.drive.min_pulse_s, 2),
+        "trip_a": board.fpga.sense.trip_a,
+        "clip_a": round(board.fpga.sense.clip_a, 3),
+    }
 
 
 def _netlist_path(design: Design, out: Path) -> Path:
@@ -245,7 +293,7 @@ def _place_seed(
     design: Design, netlist: dict[str, Any], out: Path, tools: Toolchain, seed: int
 ) -> Placed:
     """Place and route with ``seed``; :class:`TimingMissed` where that is too slow."""
-    report_path, delays_path = out / "report.json", out / "delays.sdf"
+    report_path, delays_path = out / "report.json", out / _DELAYS
     place(
         design, seed, _netlist_path(design, out), _placed_path(design, out),
         report_path, delays_path, tools, design.root / out,
@@ -394,37 +442,18 @@ def _plain(name: str) -> str:
 # ---- What the netlist must be.
 
 
-def _parameter(cell: dict[str, Any], name: str, default: int) -> int:
-    """A number among a cell's parameters, which Yosys writes in binary."""
-    text = cell["parameters"].get(name)
-    return default if text is None else int(text, 2)
-
-
-def pll_ratio(cell: dict[str, Any]) -> tuple[float, float]:
-    """(clock out over clock in, VCO over clock in) of a PLL cell of the netlist."""
-    if cell["type"].startswith("SB_PLL40"):
-        vco = (_parameter(cell, "DIVF", 0) + 1) / (_parameter(cell, "DIVR", 0) + 1)
-        return vco / 2 ** _parameter(cell, "DIVQ", 0), vco
-    ratio = _parameter(cell, "CLKFB_DIV", 1) / _parameter(cell, "CLKI_DIV", 1)
-    return ratio, ratio * _parameter(cell, "CLKOP_DIV", 1)
-
-
-_VCO_HZ = {"ice40": (533e6, 1066e6), "ecp5": (400e6, 800e6)}
-
-
 def _check_pll(design: Design, netlist: dict[str, Any]) -> None:
-    """The PLL makes the clock that the settings were computed for."""
-    plls = [c for c in netlist["cells"].values() if re.match("SB_PLL40|EHXPLLL", c["type"])]
+    """Every PLL keeps to its data sheet and makes the clock of the settings."""
     clock_hz = design.input_hz
-    if plls:
-        ratio, vco = pll_ratio(plls[0])
-        clock_hz *= ratio
-        low, high = _VCO_HZ[design.family]
-        if not low <= vco * design.input_hz <= high:
-            raise SynthesisError(
-                f"{design.name}: the PLL's VCO runs at {vco * design.input_hz / 1e6:g} MHz; "
-                f"it must be {low / 1e6:g} to {high / 1e6:g} MHz"
-            )
+    for cell in netlist["cells"].values():
+        if not cell["type"].startswith(pll.CELLS):
+            continue
+        try:
+            made = pll.of_cell(cell, design.input_hz)
+            made.check()
+        except pll.PllError as error:
+            raise SynthesisError(f"{design.name}: {error}") from None
+        clock_hz = made.clock_hz
     if not math.isclose(clock_hz, design.clock_hz, rel_tol=1e-6):
         raise SynthesisError(
             f"{design.name}: the top's clock is {clock_hz / 1e6:g} MHz, but controller.clock_hz "
@@ -446,14 +475,10 @@ def oscillator(netlist: dict[str, Any]) -> Oscillator | None:
         if cell["type"] == "OSCG":
             (bit,) = cell["connections"]["OSC"]
             nets = (name for name, net in netlist["netnames"].items() if bit in net["bits"])
-            return Oscillator(OSCILLATOR_HZ / _parameter(cell, "DIV", 128), frozenset(nets))
+            return Oscillator(OSCILLATOR_HZ / pll.parameter(cell, "DIV", 128), frozenset(nets))
     return None
 
 
-_PIN_LINE = {
-    "ice40": re.compile(r"^\s*set_io\s+(?:-\S+\s+(?:\d+\s+)?)*(\S+)\s+\S+", re.MULTILINE),
-    "ecp5": re.compile(r'^\s*LOCATE\s+COMP\s+"([^"]+)"', re.MULTILINE),
-}
 _CLOCK_LINE = {"ice40": r"^\s*set_frequency\b", "ecp5": r"^\s*FREQUENCY\b"}
 
 
@@ -471,7 +496,7 @@ def _check_constraints(design: Design) -> None:
 def _check_pins(design: Design, netlist: dict[str, Any]) -> None:
     """Every pin of the top has its line, and every line its pin."""
     text = (design.root / design.constraints).read_text(encoding="utf-8")
-    constrained = set(_PIN_LINE[design.family].findall(text))
+    constrained = {pin.port for pin in board_pins.read_pins(text, design.family)}
     pins = set()
     for name, port in netlist["ports"].items():
         width = len(port["bits"])
@@ -516,12 +541,12 @@ def place(
     arguments = [
         f"--{design.device}", "--package", design.package, "--json", str(netlist),
         "--seed", str(seed), "--freq", f"{(1 + SPARE) * design.clock_hz / 1e6:.6f}",
-        "--report", str(report),
+        "--report", str(report), "--sdf", str(delays),
     ]  # fmt: skip
     if design.family == "ice40":
         # router1, the default, never comes to an end with some seeds.
         arguments += ["--router", "router2", "--pcf", str(design.constraints)]
-        arguments += ["--asc", str(placed), "--sdf", str(delays)]
+        arguments += ["--asc", str(placed)]
     else:
         arguments += ["--lpf", str(design.constraints), "--textcfg", str(placed)]
         arguments += ["--speed", str(design.speed)]

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from wavehaptics.controller.settings import settings
-from wavehaptics.controller.shaper import refuse_shaper
+from wavehaptics.ladder.abilities import refuse
 from wavehaptics.laws import closed_forms
 from wavehaptics.motor.imperfections import MOTOR, SUPPLY, real_parts, warm_real
 from wavehaptics.motor.plant import (
@@ -285,7 +285,7 @@ class AnalogSimulation:
         self, scene: Scene, tick_s: float | None = None, cell_rad: float | None = None
     ) -> None:
         control = scene.controller
-        refuse_shaper(scene, "analog")
+        refuse(scene, "analog")
         set_ = settings(scene, tick_s, cell_rad)
         self.settings = set_
         self.tick_s = set_.tick_s

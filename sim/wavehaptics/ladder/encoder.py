@@ -18,7 +18,7 @@ import numpy as np
 
 from wavehaptics.controller import wave_core
 from wavehaptics.controller.settings import Settings, settings
-from wavehaptics.controller.shaper import refuse_shaper
+from wavehaptics.ladder.abilities import refuse
 from wavehaptics.laws import closed_forms
 from wavehaptics.motor.imperfections import MOTOR, counted, real_parts, supplied, warm_real
 from wavehaptics.motor.plant import TIME, C, I, P, Plant, X, load_words, plant_step
@@ -126,7 +126,7 @@ class EncoderSimulation:
     clock_cycles: int | None = None
 
     def __init__(self, scene: Scene) -> None:
-        refuse_shaper(scene, "encoder")
+        refuse(scene, "encoder")
         self.settings: Settings = settings(scene)
         self.tick_s = self.settings.tick_s
         self.stiffness = servo_stiffness(scene)

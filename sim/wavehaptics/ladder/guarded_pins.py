@@ -52,23 +52,20 @@ class GuardedPins(PinsSimulation):
     def _parameters(self) -> dict[str, int]:
         return {"GUARD": 1}
 
-    def _new_model(self, parameters: list[int]) -> int | None:
+    def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
         word = settings(self._limits, self.tick_s, self.sensor, self.settings.s)
         count = (WIDTH + 31) // 32
-        words = (ctypes.c_uint32 * count)(*(word >> 32 * n & 0xFFFFFFFF for n in range(count)))
+        guard = (ctypes.c_uint32 * count)(*(word >> 32 * n & 0xFFFFFFFF for n in range(count)))
         new = self._library.wh_guarded_new
-        new.argtypes = [
-            ctypes.POINTER(ctypes.c_int64), ctypes.POINTER(ctypes.c_uint32), ctypes.c_int64,
-            ctypes.c_int64, ctypes.c_int64,
-        ]  # fmt: skip
+        words_type = ctypes.POINTER(ctypes.c_uint32)
+        new.argtypes = [words_type, ctypes.c_int64, words_type, *[ctypes.c_int64] * 3]
         new.restype = ctypes.c_void_p
         self._library.wh_guarded_inject.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]
         self._library.wh_guarded_report.argtypes = [
             ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64)
         ]  # fmt: skip
         levels = self._limits.stop_level | self._limits.driver_level << 1
-        array = (ctypes.c_int64 * len(parameters))(*parameters)
-        return new(array, words, count, levels, bus_word(self._bus_v))
+        return new(words, inputs, guard, count, levels, bus_word(self._bus_v))
 
     def inject(self, kind: Injection, value: int = 1) -> None:
         """Do something to the inputs from the next clock on, and keep its clock as the cause's."""

@@ -18,6 +18,7 @@ import numpy as np
 from wavehaptics.controller import anchor, host_link, wave_core
 from wavehaptics.controller.normalised import realise
 from wavehaptics.controller.settings import Settings, settings
+from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.laws import closed_forms
 from wavehaptics.laws.reflection import Wish, reflection
@@ -220,6 +221,7 @@ class HostedSimulation:
         self, scene: Scene, environment: Environment | None, period_log2: int, line: Line,
         timeout: int = USUAL_TIMEOUT,
     ) -> None:  # fmt: skip
+        refuse(scene, "hosted")
         set_: Settings = settings(scene).for_a_host()
         self.settings, self.tick_s = set_, set_.tick_s
         self.period_ticks = 1 << period_log2

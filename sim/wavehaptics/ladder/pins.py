@@ -75,19 +75,13 @@ class PinsSimulation:
         self._dt = dt = 1.0 / time.clock_hz
         drive = scene.drive or Drive.model_validate({})
         true_bus_v = drive.true_bus_v or bus_voltage(scene)
-        walls = ports.walls
-        parameters = [
-            *ports.words.values(), bus_scale.bus_word(true_bus_v),
-            pins_loop.encoder_levels.py_func(ports.start_count),
-            len(walls), *(edge for wall in walls for edge in wall),
-            *verilated.anchor_words(set_.anchor),
-        ]  # fmt: skip
+        places = max(MIN_WALLS, len(ports.walls))
         design = verilated.Design(
             "wh_controller",
             self.SHIM,
             {
                 "N": 1,
-                "WALLS": max(MIN_WALLS, len(walls)),
+                "WALLS": places,
                 "DELAY_LOG2": DELAY_LOG2,
                 "ADC": KINDS.index(time.frame.kind),
                 "SHAPER": len(set_.shaper.words),
@@ -102,14 +96,15 @@ class PinsSimulation:
         )
         self._library = verilated.load(design)
         verilated.declare_destructor(self._function("delete"))
-        self._model = self._new_model(parameters)
+        values = {
+            **ports.words, **set_.words(), **ports.wall_words(places),
+            "wall_shaped": [*set_.shaped.tolist(), *[0] * (places - len(set_.shaped))],
+            "bus": bus_scale.bus_word(true_bus_v),
+        }  # fmt: skip
+        levels = pins_loop.encoder_levels.py_func(ports.start_count)
+        self._model = self._new_model(verilated.words_of(design, values), levels)
         if not self._model:
             raise RuntimeError("the controller's RTL never got its ADC ready")
-        shaped = sum(1 << n for n, wall in enumerate(set_.shaped.tolist()) if wall)
-        verilated.set_shaper(
-            self._function("shape"), self._model, set_.shaper.words, shaped,
-            int(set_.edge_hysteresis),
-        )  # fmt: skip
         self._state = plant.start.copy()
         self._tables = self._transitions(plant)
         self._kept = np.zeros(pins_loop.CORRECTION + 1, dtype=np.int64)
@@ -185,8 +180,8 @@ class PinsSimulation:
         """Parameters of the RTL besides the scene's."""
         return {}
 
-    def _new_model(self, parameters: list[int]) -> int | None:
-        return verilated.new_model(self._library.wh_pins_new, parameters)
+    def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
+        return verilated.new_model(self._library.wh_pins_new, words, inputs)
 
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from wavehaptics.controller.settings import Settings
+from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.analog import AnalogSimulation
 from wavehaptics.ladder.encoder import EncoderSimulation
 from wavehaptics.ladder.pins import PinsSimulation
@@ -108,6 +109,7 @@ def measure(
     false. ``progress`` is called with the part done, 0 to 1. ``wall_clock_s`` is the time that the
     controller and its motor took, without compiling, the reference and the files.
     """
+    refuse(scene, controller)
     simulation = simulation or CONTROLLERS[controller](scene)
     return _measure(scene, controller, simulation, trace, progress, compare)
 
@@ -172,6 +174,7 @@ def run_scene(
 
     The files go into ``out``. Returns the metrics.
     """
+    refuse(scene, controller)
     simulation = CONTROLLERS[controller](scene)
     tick_s = simulation.tick_s
     trace = TraceWriter(

@@ -7,6 +7,7 @@ the integer model, or the Verilated RTL behind its C interface.
 
 from __future__ import annotations
 
+import ctypes
 import math
 
 import numpy as np
@@ -283,9 +284,9 @@ class SampledSimulation:
             self._library.wh_core_delete(self._model)
 
 
-def load_core(set_: Settings):
-    """(library, a model, address of its step) of the core's RTL with these settings."""
-    design = verilated.Design(
+def core_design(set_: Settings) -> verilated.Design:
+    """The core's RTL for these settings."""
+    return verilated.Design(
         "wh_core_port",
         "core_shim.cpp",
         {
@@ -294,12 +295,17 @@ def load_core(set_: Settings):
             "ANCHOR": int(set_.anchored),
         },
     )
-    library = verilated.load(design)
+
+
+def core_words(set_: Settings, **others: int) -> ctypes.Array:
+    """The settings as the core's shim takes them, and ``others`` in place of some."""
+    words = {**set_.words(), "hold_ticks": set_.extra_ticks, **others}
+    return verilated.words_of(core_design(set_), words)
+
+
+def load_core(set_: Settings):
+    """(library, a model, address of its step) of the core's RTL with these settings."""
+    library = verilated.load(core_design(set_))
     verilated.declare_destructor(library.wh_core_delete)
-    words = [
-        set_.root, set_.a, set_.u_max, set_.extra_ticks, set_.extra_ticks, set_.eta_contact,
-        set_.eta_free, *verilated.anchor_words(set_.anchor),
-    ]  # fmt: skip
-    model = verilated.new_model(library.wh_core_new, words)
-    verilated.set_shaper(library.wh_core_shape, model, set_.shaper.words)
+    model = verilated.new_model(library.wh_core_new, core_words(set_))
     return library, model, verilated.address(library.wh_core_step)

@@ -9,17 +9,15 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from wavehaptics.controller import anchor
 from wavehaptics.runtime.files import digest_of
 from wavehaptics.runtime.repository import ROOT, SHIMS
 from wavehaptics.words import formats
+from wavehaptics.words.generated import chunks, shim_header
+from wavehaptics.words.table import Sizes, Values
 
 BUILD_DIR = ROOT / "build" / "verilated"
 
@@ -60,6 +58,12 @@ class Design:
     shim: str
     parameters: dict[str, int] = field(default_factory=dict)
 
+    @property
+    def sizes(self) -> Sizes:
+        """Copies and widths of the words of its one port."""
+        walls, delay_log2 = self.parameters.get("WALLS", 4), self.parameters["DELAY_LOG2"]
+        return Sizes(1, walls, self.parameters.get("SHAPER", 0), delay_log2)
+
 
 def verilator_environment() -> tuple[str, dict[str, str]]:
     """Path of the Verilator program, and the environment that it needs.
@@ -90,7 +94,8 @@ def _link_flags() -> list[str]:
 
 def _digest(design: Design, program: str) -> str:
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
-    what = (design, CXX_FLAGS, VERILATOR_FLAGS, formats.HEADER_VALUES, version.stdout)
+    header = shim_header(design.sizes)
+    what = (design, CXX_FLAGS, VERILATOR_FLAGS, formats.HEADER_VALUES, version.stdout, header)
     shims = sorted(filter(Path.is_file, SHIMS.iterdir()))
     return digest_of(what, [*sorted(formats.RTL_DIR.glob("*.v*")), *shims])[:16]
 
@@ -110,8 +115,9 @@ def build(design: Design) -> Path:
         return target
     BUILD_DIR.mkdir(parents=True, exist_ok=True)
     work = Path(tempfile.mkdtemp(prefix=f"{design.top}-", dir=BUILD_DIR))
-    names = ("DATA_W", "COEF_W", "SUM_W", "COUNT_W", "SHAPE_W", "SHAPE_LOSS_W", "ANCHOR_W")
-    widths = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in names]
+    (work / "obj").mkdir()
+    (work / "obj" / "words.h").write_text(shim_header(design.sizes), encoding="utf-8")
+    widths = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in ("DATA_W", "COEF_W")]
     chosen = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in formats.SETTABLE]
     command = [
         program, *chosen, "--cc", "--exe", "--build", *VERILATOR_FLAGS,
@@ -145,27 +151,17 @@ def address(function: Any) -> int:
     return found
 
 
-def new_model(function: Any, words: Sequence[int]) -> int:
-    """A model of the library, made by the function with the words of its settings."""
-    function.argtypes = [ctypes.POINTER(ctypes.c_int64)]
+def words_of(design: Design, values: Values) -> ctypes.Array[ctypes.c_uint32]:
+    """The table's words as the library's functions take them; defaults where not given."""
+    words = chunks(values, design.sizes)
+    return (ctypes.c_uint32 * len(words))(*words)
+
+
+def new_model(function: Any, words: ctypes.Array[ctypes.c_uint32], *more: int) -> int:
+    """A model of the library, made by the function with :func:`words_of` and what else it takes."""
+    function.argtypes = [ctypes.POINTER(ctypes.c_uint32), *[ctypes.c_int64] * len(more)]
     function.restype = ctypes.c_void_p
-    return function((ctypes.c_int64 * len(words))(*map(int, words)))
-
-
-def set_shaper(function: Any, model: int, words: np.ndarray, *more: int) -> None:
-    """Hand a model the words of W, int64 (sections, SECTION_WORDS), and what else it takes."""
-    flat = words.reshape(-1).tolist()
-    function.argtypes = [
-        ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64), *[ctypes.c_int64] * (1 + len(more)),
-    ]  # fmt: skip
-    function.restype = None
-    function(model, (ctypes.c_int64 * max(1, len(flat)))(*flat), len(flat), *more)
-
-
-def anchor_words(settings: np.ndarray) -> list[int]:
-    """A model's words of the anchor: its settings in parts of 32 bits, the lowest first."""
-    word = anchor.packed(settings)
-    return [word >> place & 0xFFFFFFFF for place in range(0, formats.ANCHOR_W, 32)]
+    return function(words, *more)
 
 
 def declare_destructor(function: Any) -> None:

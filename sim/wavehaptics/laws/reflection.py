@@ -74,12 +74,12 @@ def reflection(wish: Wish, wave_damper: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def excess(top: np.ndarray, bottom: np.ndarray) -> np.ndarray:
-    """``|bottom(jω)|² − |top(jω)|²`` as a polynomial of ω²: below zero where |W| exceeds one."""
+    """``|bottom(jω)|² − |top(jω)|²`` as a polynomial of ω², below zero where ``|W| > 1``."""
     return _square(bottom) - _square(top)
 
 
 def worst_frequency(top: np.ndarray, bottom: np.ndarray) -> tuple[float, float]:
-    """Largest |W(jω)| over all ω, and its ω in rad/s, infinite if it is only reached there.
+    """Largest ``|W(jω)|`` over all ω, and its ω in rad/s, infinite if it is only reached there.
 
     ``d|W|²/dω² = 0`` is a quadratic in ω², so no grid can miss the place.
     """

@@ -26,9 +26,10 @@ MOTOR, SUPPLY, LINES, LINE_MEMORY, LAG_TABLE, LAG = range(6)
 Real = tuple[tuple[np.ndarray, ...], np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
-AMPLIFIED, VOLTS, DRAWN, LOAD = range(4)
+AMPLIFIED, VOLTS, DRAWN, LOAD, LEAD, EDGE = range(6)
 """Places in the LAG memory: the amplifier's output in A; with a switching bridge, the voltage that
-was last applied, the charge drawn from the bus in this tick, A·s, and the mean of the last, A."""
+was last applied, the charge drawn from the bus in this tick, A·s, and the mean of the last, A; lead
+A's level, ±½ and 0 before the first, and what is left of its edges at the amplifier, A."""
 
 
 def real_parts(
@@ -55,7 +56,7 @@ def real_parts(
         lines,
         memory,
         sensor.lag_table(np.asarray(steps_s)),
-        np.zeros(4),
+        np.zeros(6),
     )
 
 

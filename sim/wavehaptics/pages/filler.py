@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The numbers in the README pages, between markers that a command fills.
+"""The numbers in the pages, between markers that a command fills.
 
 ``boards/summary.json`` keeps what the last synthesis came to, ``sim/docs/measured.json`` what the
-last report, the last bench, the last study of holding and all that makes it reliable found, and
-``sim/docs/faults.json`` how soon each fault switches off; of a quick run nothing is kept. The text
-between ``<!-- begin NAME -->`` and ``<!-- end NAME -->`` of a page is made from it; a test fails
-where the two differ, and another where a fresh synthesis comes to something else.
+last demo, report, bench, study of holding and runs for tables found, and all that makes it
+reliable, and ``sim/docs/faults.json`` how soon each fault switches off; of a quick run nothing is
+kept. The text between ``<!-- begin NAME -->`` and ``<!-- end NAME -->`` of a page is made from it;
+a test fails where the two differ, and another where a fresh synthesis comes to something else.
 """
 
 from __future__ import annotations
@@ -20,22 +20,35 @@ from typing import Any
 
 from wavehaptics.checks import soak
 from wavehaptics.fpga.synthesis import Result
-from wavehaptics.pages import faults, reliability, report_and_bench
+from wavehaptics.pages import design, faults, reliability, report_and_bench, runs, words
 from wavehaptics.pages import port_anchor as holding_tables
 from wavehaptics.runtime.files import write_json, write_text
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies import fault_table
 from wavehaptics.studies.adcs import named_rows
 from wavehaptics.studies.anchored import pictures as holding_pictures
+from wavehaptics.studies.demo import RUNS as DEMO_RUNS
 
 KEPT = Path("boards", "summary.json")
 """The numbers that the pages show, from the root."""
 
 MEASURED = Path("sim", "docs", "measured.json")
-"""The numbers of the report and the bench that the pages show, from the root."""
+"""What else has been measured and the pages show, from the root."""
 
-PAGES = (Path("README.md"), Path("boards", "README.md"), Path("rtl", "faults.md"))
-"""Pages that may hold markers, from the root."""
+PAGES = ("README.md", "boards/README.md", "docs/*.md", "rtl/faults.md", "rtl/wh_faults.vh")
+"""Pages that may hold markers, as patterns from the root."""
+
+
+def pages(root: Path = ROOT) -> list[Path]:
+    """The pages that are there, from the root."""
+    return [path.relative_to(root) for pattern in PAGES for path in sorted(root.glob(pattern))]
+
+
+def marked_pages(name: str, root: Path = ROOT) -> list[Path]:
+    """The pages with the markers of a table."""
+    mark = f"<!-- begin {name} -->"
+    return [page for page in pages(root) if mark in (root / page).read_text(encoding="utf-8")]
+
 
 _SUMMARY = Path("build", "synth", "summary.json")
 _RESOURCES = Path("build", "synth", "resources.json")
@@ -43,6 +56,8 @@ _ADCS = Path("build", "adcs", "adcs.json")
 _REPORT = Path("build", "report", "report.json")
 _BENCH = Path("build", "bench", "summary.json")
 _HOLDING = Path("build", "holding", "holding.json")
+_TABLED = Path("build", "tables", "tables.json")
+_DEMO = Path("build", "demo")
 _FORMAL = Path("build", "formal", "summary.json")
 _SOAK = Path("build", "soak", "summary.json")
 _MUTATION = Path("build", "mutate", "summary.json")
@@ -93,6 +108,7 @@ _STUDIES: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
     _REPORT: ("report", report_and_bench.of_report),
     _BENCH: ("bench", report_and_bench.of_bench),
     _HOLDING: ("holding", holding_tables.of_holding),
+    _TABLED: ("tables", runs.of_tables),
 }
 _CHECKS: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
     _FORMAL: ("proofs", reliability.of_formal),
@@ -123,6 +139,9 @@ def _last_measured(root: Path) -> tuple[dict[str, Any], list[Path]]:
                 parts.append(path)
             else:
                 into[name] = wanted(found)
+    demo = [root / _DEMO / folder / "metrics.json" for _, _, folder in DEMO_RUNS[1:]]
+    if all(path.exists() for path in demo):
+        measured["demo"] = design.of_demo([json.loads(path.read_bytes()) for path in demo])
     results = [root / path for path in reliability.TEST_RESULTS]
     if all(path.exists() for path in results):
         checks["tests"] = reliability.of_tests(results)
@@ -134,28 +153,25 @@ def _last_measured(root: Path) -> tuple[dict[str, Any], list[Path]]:
 def write(root: Path = ROOT) -> list[Path]:
     """Fill the markers of every page; the pages that have some. :class:`NumbersError`."""
     numbers = _read(root)
-    pages = []
-    for page in PAGES:
-        if not (root / page).exists():
-            continue
+    written = []
+    for page in pages(root):
         old = (root / page).read_text(encoding="utf-8")
         new = filled(old, numbers, str(page))
         if _MARKED.search(old):
-            pages.append(page)
+            written.append(page)
         if new != old:
             write_text(root / page, new)
-    return pages
+    return written
 
 
 def stale_pages(root: Path = ROOT) -> list[Path]:
-    """Pages whose numbers aren't those of ``boards/summary.json``."""
+    """Pages whose numbers aren't those that are kept."""
     numbers = _read(root)
     stale = []
-    for page in PAGES:
-        if (root / page).exists():
-            text = (root / page).read_text(encoding="utf-8")
-            if filled(text, numbers, str(page)) != text:
-                stale.append(page)
+    for page in pages(root):
+        text = (root / page).read_text(encoding="utf-8")
+        if filled(text, numbers, str(page)) != text:
+            stale.append(page)
     return stale
 
 
@@ -221,6 +237,45 @@ def _boards(numbers: dict[str, Any]) -> str:
                 f"{board['bitstream_bytes'] / 1000:.0f} kB",
             )
         )
+    return _table(head, rows)
+
+
+def _pads(numbers: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    return [(f"`{b['board']}`", b["pads"]) for b in numbers["boards"] if b.get("pads")]
+
+
+def _pad_timing(numbers: dict[str, Any]) -> str:
+    """The ADC's round trip at the pads of each board."""
+    head = ("Board", "SCLK", "Registers in the pads", "Period", "Clock to pad", "Wires",
+            "ADC's access", "Pad to flip-flop", "To spare", "Hold")  # fmt: skip
+    keys = ("available_ns", "out_ns", "wire_ns", "access_ns", "back_ns", "margin_ns", "hold_ns")
+    rows = [
+        (
+            name,
+            f"{pads['sclk_mhz']:.1f} MHz",
+            "yes" if pads["registered"] else "no",
+            *(f"{pads[key]:.1f} ns" for key in keys),
+        )
+        for name, pads in _pads(numbers)
+    ]
+    return _table(head, rows)
+
+
+def _dead_times(numbers: dict[str, Any]) -> str:
+    """What the dead time of each board has to cover, and covers."""
+    head = ("Board", "Driver", "AND gates", "FPGA, found", "FPGA, granted", "Needed",
+            "Dead time", "Shortest pulse", "Trip", "Amplifier clips")  # fmt: skip
+    keys = ("mismatch_ns", "gate_skew_ns", "fpga_skew_ns", "fpga_skew_granted_ns",
+            "dead_needed_ns", "dead_ns", "min_pulse_ns")  # fmt: skip
+    rows = [
+        (
+            name,
+            *(f"{pads[key]:.1f} ns" for key in keys),
+            f"{pads['trip_a']:g} A",
+            f"{pads['clip_a']:.2f} A",
+        )
+        for name, pads in _pads(numbers)
+    ]
     return _table(head, rows)
 
 
@@ -318,6 +373,8 @@ def _energies(numbers: dict[str, Any]) -> str:
 
 TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "boards": _boards,
+    "pad-timing": _pad_timing,
+    "dead-times": _dead_times,
     "adcs": _adcs,
     "energies": _energies,
     "faults": lambda numbers: faults.table(numbers["faults"]),
@@ -332,7 +389,12 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
 } | {
     name: partial(render, table=_table)
     for name, render in (
-        report_and_bench.TABLES | holding_tables.TABLES | reliability.TABLES
+        report_and_bench.TABLES
+        | holding_tables.TABLES
+        | reliability.TABLES
+        | runs.TABLES
+        | design.TABLES
+        | words.TABLES
     ).items()
 }
 """What stands between the markers of each name."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the README keeps and shows of the study: a few numbers and tables."""
+"""What the pages keep and show of the study: a few numbers and tables."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ TARGETS = {"hold": 0.01, "swing": 0.01, "soft": 0.02}
 
 
 def of_holding(found: dict[str, Any]) -> dict[str, Any]:
-    """The numbers that the README quotes, of ``holding.json``."""
+    """The numbers that the pages quote, of ``holding.json``."""
     kept = {name: found[name] for name in ("holds", "plain", "bars", "feels", "overloads", "free")}
     for name in ("holds", "plain", "bars", "feels", "overloads"):
         kept[name] = [

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the README says of proofs, soak, planted faults, coverage and tests: a row of each command.
+"""What the pages say of proofs, soak, planted faults, coverage and tests: a row of each command.
 
 A row is of the command's last whole run; a command that hasn't been run says so.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the README shows of report and bench: a few numbers, pictures and tables."""
+"""What the pages show of report and bench: a few numbers, pictures and tables."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from wavehaptics.studies.bench.measure import gain
 from wavehaptics.studies.report.blocks import number, percent
 
 PICTURES = ("old_way_limits.png", "old_way_hand.png")
-"""Pictures of the report that the README shows, below ``sim/docs``."""
+"""Pictures of the report that the pages show, below ``sim/docs``."""
 
 
 def of_report(report: dict[str, Any]) -> dict[str, Any]:
-    """The report's numbers that the README quotes."""
+    """The report's numbers that the pages quote."""
     sections = report["sections"]
     return {
         "quick": report["quick"],
@@ -36,7 +36,7 @@ def of_report(report: dict[str, Any]) -> dict[str, Any]:
 
 
 def of_bench(summary: dict[str, Any]) -> dict[str, Any]:
-    """The bench's numbers that the README quotes."""
+    """The bench's numbers that the pages quote."""
     kept = ("machine", "compiler", "verilator", "controllers", "rtl_alone", "tried", "others")
     return {key: summary[key] for key in kept}
 

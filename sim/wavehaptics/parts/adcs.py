@@ -10,7 +10,7 @@ on it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 Kind = Literal["serial", "command", "sigma_delta"]
@@ -83,6 +83,14 @@ class Part:
     pipeline: int = 0
     """Frames from the one whose CS holds the input to the one that brings its code."""
     launch_late: bool = False
+    data_hold_s: float = 0.0
+    """Launch edge to the end of the bit before, least."""
+
+    @property
+    def periods(self) -> float:
+        """Of SCLK, from the edge that launches a bit to the one at which it is read."""
+        late = self.launch_trailing != self.read_trailing
+        return 0.5 if late else 1.0
 
 
 @dataclass(frozen=True)
@@ -127,6 +135,8 @@ class Frame:
     kind: Kind = "serial"
     pipeline: int = 0
     osr: int = 0
+    pad_clocks: int = 0
+    """Registers between the reader and the pads of CS and SCLK; SDATA comes through as many."""
 
     @property
     def bit_clocks(self) -> int:
@@ -180,12 +190,12 @@ def _ad(name: str, bits: int, lead: int, frame: int, **figures: Any) -> Part:
 
 
 # AD7276, rev. C: timing examples 1 and 2 (t2 6 ns, 12.5 periods of SCLK, then t_ACQ 60 ns; CS high
-# at the 14th rise gives 3 MSPS), t_QUIET 4 ns. Access times 15 ns and the shortest CS high 3 ns
-# from memory. The AD7277 and AD7278 follow their input again 2 and 4 periods sooner (from memory;
-# the AD7478A's page says the same of its own frame).
+# at the 14th rise gives 3 MSPS), t_QUIET 4 ns. Access times 15 ns, the data's hold time 5 ns and
+# the shortest CS high 3 ns from memory. The AD7277 and AD7278 follow their input again 2 and 4
+# periods sooner (from memory; the AD7478A's page says the same of its own frame).
 _AD7276 = {
     "sclk_hz": 48e6, "setup_s": 6e-9, "cs_high_s": 3e-9, "release_s": 14e-9, "quiet_s": 4e-9,
-    "acquire_s": 60e-9, "cs_access_s": 15e-9, "access_s": 15e-9,
+    "acquire_s": 60e-9, "cs_access_s": 15e-9, "access_s": 15e-9, "data_hold_s": 5e-9,
 }  # fmt: skip
 
 PARTS: dict[str, Part] = {
@@ -194,7 +204,7 @@ PARTS: dict[str, Part] = {
         # AD7476A, rev. F: timing table and timing example 1 (t_ACQ 250 ns from 12.5 periods on).
         _ad("AD7476A", 12, 4, 16, rate_hz=1e6, sclk_hz=20e6, setup_s=10e-9, cs_high_s=10e-9,
             release_s=36e-9, quiet_s=50e-9, acquire_s=250e-9, track_edge=26,
-            cs_access_s=22e-9, access_s=40e-9),
+            cs_access_s=22e-9, access_s=40e-9, data_hold_s=7e-9),
         _ad("AD7276", 12, 2, 14, rate_hz=3e6, track_edge=26, **_AD7276),
         _ad("AD7277", 10, 2, 12, rate_hz=3e6, track_edge=22, **_AD7276),
         _ad("AD7278", 8, 2, 10, rate_hz=3e6, track_edge=18, **_AD7276),
@@ -237,7 +247,7 @@ PARTS: dict[str, Part] = {
                 launch_trailing=False, read_trailing=True, lead_bits=1, frame_bits=16,
                 setup_s=4e-9, hold_s=1e-9, cs_high_s=5e-9, release_s=0.0, quiet_s=0.0,
                 acquire_s=0.0, track_edge=32, cs_access_s=15e-9, access_s=15e-9,
-                kind="command", pipeline=1, launch_late=True,
+                kind="command", pipeline=1, launch_late=True, data_hold_s=4e-9,
             )
             for name, bits in (("MAX11125", 12), ("MAX11123", 10))
         ),
@@ -251,8 +261,13 @@ def _clocks(seconds: float, clock_hz: float) -> int:
     return max(0, math.ceil((seconds - SLACK_S) * clock_hz))
 
 
-def frame(part: Part, clock_hz: float) -> Frame:
-    """The part's fastest frame on a clock."""
+def frame(part: Part, clock_hz: float, pad_registers: bool = False) -> Frame:
+    """The part's fastest frame on a clock.
+
+    ``pad_registers``: CS, SCLK and SDATA pass a register each between the reader and the pads, so
+    that the bits come two clocks late. At an SCLK of half the clock that is one pulse, which is
+    taken for a further zero in front.
+    """
     half = max(1, _clocks(0.5 / part.sclk_hz, clock_hz))
     setup = max(1, _clocks(part.setup_s, clock_hz))
     hold = _clocks(part.hold_s, clock_hz)
@@ -272,6 +287,15 @@ def frame(part: Part, clock_hz: float) -> Frame:
         calibrate_bits=part.calibrate_bits, sclk_idle=part.idle,
         read_trailing=int(part.read_trailing), kind=part.kind, pipeline=part.pipeline,
     )  # fmt: skip
+    if pad_registers:
+        if half != 1 or part.kind != "serial":
+            raise PartError(
+                f"{part.name} at a clock of {clock_hz:g} Hz: registers at the pads need a part "
+                f"without commands, and SCLK at half the clock instead of 1/{2 * half}"
+            )
+        made = replace(
+            made, lead_bits=made.lead_bits + 1, frame_bits=made.frame_bits + 1, pad_clocks=1
+        )
     for name, word in made.words().items():
         if word >= (64 if name.endswith("bits") else 256):
             raise PartError(f"{part.name} at a clock of {clock_hz:g} Hz: {name} = {word}")

@@ -6,7 +6,13 @@ Every angle, speed and torque is the rotor's. Units are SI and stand in each key
 A further table is a module in ``tables`` and a field of ``schema``'s Scene.
 """
 
-from wavehaptics.scene.loading import SCENES_DIR, find_scene, load_scene, shipped_scenes
+from wavehaptics.scene.loading import (
+    SCENES_DIR,
+    find_scene,
+    first_comment,
+    load_scene,
+    shipped_scenes,
+)
 from wavehaptics.scene.messages import SceneError
 from wavehaptics.scene.schema import TABLES, Scene, drive_gain, encoder_end
 
@@ -18,6 +24,7 @@ __all__ = [
     "drive_gain",
     "encoder_end",
     "find_scene",
+    "first_comment",
     "load_scene",
     "shipped_scenes",
 ]

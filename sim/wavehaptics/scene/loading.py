@@ -21,6 +21,12 @@ LARGEST_FILE = 1 << 20
 """Bytes in a scene; whatever is larger is no scene."""
 
 
+def first_comment(path: Path) -> str:
+    """What a scene says of itself: its first line of comment below the license."""
+    comments = (line for line in path.read_text(encoding="utf-8").splitlines() if line[:1] == "#")
+    return next((line.lstrip("# ") for line in comments if "SPDX" not in line), "")
+
+
 def _apply(data: dict[str, Any], override: str) -> KeyPath:
     """Put one ``table.key=value`` into ``data``; ``SceneError`` if it has another form."""
     where = f"--set {override}"

@@ -47,7 +47,7 @@ def write(scene: Scene, impedance: Impedance, out: Path) -> dict[str, Any]:
 
 
 def picture(scene: Scene, impedance: Impedance, path: Path) -> Path:
-    """Dynamic stiffness |ω Z| and phase of Z over frequency: designed, measured, their error."""
+    """Dynamic stiffness ``|ω Z|`` and phase of Z over frequency: design, measured, their error."""
     figure = Figure(figsize=(10.0, 7.6), dpi=160, layout="constrained")
     FigureCanvasAgg(figure)
     top, middle, bottom = figure.subplots(3, 1, sharex=True, height_ratios=[1.6, 1.0, 0.8])

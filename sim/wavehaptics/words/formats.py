@@ -58,18 +58,23 @@ def read_header(path: Path = HEADER, environment: Mapping[str, str] = os.environ
 
 @dataclass(frozen=True)
 class Fixed:
-    """A signed fixed-point format s<width>q<fraction>: value = raw / 2**fraction."""
+    """A fixed-point format s<width>q<fraction>, or u for unsigned: value = raw / 2**fraction."""
 
     width: int
     fraction: int
+    signed: bool = True
 
     @property
     def raw_max(self) -> int:
-        return (1 << (self.width - 1)) - 1
+        return (1 << (self.width - self.signed)) - 1
 
     @property
     def raw_min(self) -> int:
-        return -(1 << (self.width - 1))
+        return -(1 << (self.width - 1)) if self.signed else 0
+
+    def holds(self, raw: int) -> bool:
+        """Whether a word is one of this format."""
+        return self.raw_min <= raw <= self.raw_max
 
     @property
     def step(self) -> float:
@@ -84,8 +89,9 @@ class Fixed:
     def to_raw(self, value: float) -> int:
         """Nearest word to ``value``; ``OverflowError`` where the format can't hold it."""
         raw = round(value * 2.0**self.fraction)
-        if not self.raw_min <= raw <= self.raw_max:
-            raise OverflowError(f"{value:g} is outside ±{self.largest:g}")
+        if not self.holds(raw):
+            least = "±" if self.signed else "0..."
+            raise OverflowError(f"{value:g} is outside {least}{self.largest:g}")
         return raw
 
     def to_value(self, raw: int) -> float:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the port anchor comes to: the numbers and pictures of the README's section on it.
+"""What the port anchor comes to: the numbers and pictures of ``docs/holding.md``.
 
 Holds, swings, soft walls, bounces, free space, overloads and lost encoders of one motor with one
 thing wrong or everything, and random motors with everything wrong.

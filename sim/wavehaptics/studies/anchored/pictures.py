@@ -19,7 +19,7 @@ from wavehaptics.trace.columns import Column
 
 HELD, MOTORS, OVERLOAD = "held_wall.png", "random_motors.png", "overload.png"
 PICTURES = (HELD, MOTORS, OVERLOAD)
-"""Pictures that the README shows, below ``sim/docs``."""
+"""Pictures that the pages show, below ``sim/docs``."""
 
 _WRONG = cases.all_wrong(cases.SIGNS[0])
 COURSES: dict[str, tuple[float, tuple[str, ...]]] = {

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How Sphinx makes build/docs of the repository's pages: ``make docs``.
+
+The source is the repository itself, so that the pages are those that one reads there. What a page
+links to besides pages, a block of the RTL or a test, becomes a page of highlighted source.
+"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+try:
+    import tomllib
+except ModuleNotFoundError:
+    import tomli as tomllib
+
+ROOT = Path(__file__).resolve().parent.parent
+
+project = "wavehaptics"
+version = release = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+author = "the wavehaptics developers"
+html_show_copyright = False
+
+extensions = ["myst_parser", "autoapi.extension", "source_pages"]
+root_doc = "README"
+include_patterns = ["*.md", "docs/*.md", "boards/**.md", "formal/*.md", "rtl/*.md",
+                    "sim/scenes/*.md", "build/api/**.rst"]  # fmt: skip
+
+# What the repository's site does with headings: the places in links are the same.
+myst_heading_anchors = 4
+suppress_warnings = ["autoapi.python_import_resolution"]  # of names that a tuple or loop makes
+
+toctrees = {
+    "Start": ["docs/principle", "docs/architecture", "docs/paper"],
+    "Simulation": ["docs/simulation", "sim/scenes/README", "docs/report"],
+    "Controller": ["docs/port_anchor", "docs/holding", "docs/environments", "docs/drive",
+                   "docs/sensing", "docs/words"],
+    "Hardware": ["boards/README", "boards/icebreaker/README", "boards/hx8k/README",
+                 "boards/ulx3s/README", "boards/ulx3s_three/README",
+                 "boards/colorlight_i5/README", "rtl/faults"],
+    "Reliability": ["docs/reliability", "formal/README", "formal/MUTATE"],
+    "Development": ["docs/development", "CONTRIBUTING", "CHANGELOG",
+                    "build/api/wavehaptics/index"],
+}  # fmt: skip
+
+# Read and not imported: nothing is compiled, and no simulator is needed.
+autoapi_dirs = ["sim/wavehaptics"]
+autoapi_root = "build/api"
+autoapi_ignore = ["*/cli/*", "*/__main__.py"]  # the command's own --help tells of it
+autoapi_add_toctree_entry = False
+autoapi_options = ["members", "show-module-summary", "undoc-members"]
+autoapi_member_order = "bysource"
+autoapi_python_class_content = "both"
+
+html_theme = "furo"
+html_title = "wavehaptics"
+html_copy_source = False
+html_show_sourcelink = False
+html_static_path = []

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The pages: their tables come from commands, their links lead somewhere, the README is short."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from wavehaptics.fpga.boards import ROOT, board_names
+from wavehaptics.pages import design, filler
+from wavehaptics.runtime.toml_source import parse
+
+LONGEST_README = 200
+
+TYPED = re.compile(r"\d[.,]\d|·10|\d ?%")
+"""What a measured number looks like in a table."""
+
+
+def test_readme_is_short():
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= LONGEST_README
+
+
+@pytest.mark.parametrize("name", filler.TABLES)
+def test_every_table_is_on_a_page(name):
+    assert filler.marked_pages(name)
+
+
+@pytest.mark.parametrize("page", filler.pages(), ids=str)
+def test_no_table_of_numbers_is_typed_by_hand(page):
+    """Outside the markers a table holds words; what boards/ computes of parts stays its own."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    unmarked = re.sub(r"<!-- begin (\S+) -->\n.*?<!-- end \1 -->", "", text, flags=re.DOTALL)
+    typed = [line for line in unmarked.splitlines() if line[:1] == "|" and TYPED.search(line)]
+    if page.parts[0] == "boards":
+        typed = [line for line in typed if "`" in line and "MHz" in line]
+    assert typed == []
+
+
+def test_status_knows_what_the_boards_have():
+    """The rows are the board tops' own parameters, and one that isn't there would be seen."""
+    options = design.options_of_boards()
+    assert set(options) == set(board_names())
+    assert options["colorlight_i5"]["EARLY"] == 1
+    assert options["icebreaker"]["EARLY"] == 0
+    assert options["ulx3s_three"]["N"] == 3
+    known = re.findall(
+        r"parameter integer (\w+)", (ROOT / "rtl" / "wh_controller.v").read_text(encoding="utf-8")
+    )
+    rows = {parameter for _, parameter in design.STATUS if parameter}
+    assert rows <= set(known)
+    given = {name for of_board in options.values() for name in of_board}
+    assert given - {"WALLS", "DELAY_LOG2"} <= rows
+
+
+LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
+
+
+@pytest.mark.parametrize("page", filler.pages(), ids=str)
+def test_links_lead_to_files(page):
+    """On GitHub as well, where nothing checks them; `make docs` checks the places in pages."""
+    links = LINK.findall((ROOT / page).read_text(encoding="utf-8"))
+    here = [link for link in links if "://" not in link]
+    missing = [link for link in here if not (ROOT / page.parent / link).exists()]
+    assert here or page.parts[0] == "docs"
+    assert missing == []
+
+
+def test_pages_are_found(tmp_path):
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs" / "b.md").write_text("<!-- begin boards -->\n")
+    (tmp_path / "README.md").write_text("")
+    assert filler.pages(tmp_path) == [Path("README.md"), Path("docs", "b.md")]
+    assert filler.marked_pages("boards", tmp_path) == [Path("docs", "b.md")]
+
+
+NAMED_TEST = re.compile(r"`(test_\w+)`")
+
+
+@pytest.mark.parametrize("page", filler.pages(), ids=str)
+def test_tests_that_pages_name_are_there(page):
+    """Each in a file that the page links to."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    names = set(NAMED_TEST.findall(text))
+    files = {link for link in LINK.findall(text) if Path(link).name.startswith("test_")}
+    defined = {
+        name
+        for link in files
+        for name in re.findall(
+            r"^def (test_\w+)", (ROOT / page.parent / link).read_text(encoding="utf-8"), re.M
+        )
+    }
+    assert names <= defined
+
+
+def test_architecture_names_every_block():
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    blocks = {path.stem for path in (ROOT / "rtl").glob("wh_*.v")}
+    assert set(re.findall(r"rtl/(wh_\w+)\.v", text)) == blocks
+
+
+def test_version_is_one():
+    project, _ = parse((ROOT / "pyproject.toml").read_bytes())
+    version = project["project"]["version"]
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert f"\nversion: {version}\n" in citation
+    (newest, *_) = re.findall(r"^## (\S+?),? ", changelog, re.MULTILINE)
+    assert newest == version

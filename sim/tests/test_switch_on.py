@@ -1,0 +1,272 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a build refuses before a bus is switched on: each check on a planted fault."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from wavehaptics.fpga import board_pins, bridge_budget, pad_timing, synthesis
+from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
+from wavehaptics.fpga.pad_timing import Delays, PadTimingError, adc_budget, gate_skew_ns
+from wavehaptics.fpga.synthesis import SynthesisError
+from wavehaptics.parts.adcs import PARTS, PartError, frame
+from wavehaptics.runtime.repository import ROOT
+from wavehaptics.scene import load_scene
+
+
+def with_scene(name: str, *overrides: str) -> Board:
+    """A board whose scene is another."""
+    board = load_board(name)
+    scene = load_scene(ROOT / board.folder / "board.toml", list(overrides))
+    return Board(board.name, board.root, board.fpga, board.device, scene)
+
+
+def with_fpga(name: str, table: str, **changes: Any) -> Board:
+    """A board with another ``[bridge]`` or ``[sense]``."""
+    board = load_board(name)
+    changed = getattr(board.fpga, table).model_copy(update=changes)
+    fpga = board.fpga.model_copy(update={table: changed})
+    return Board(board.name, board.root, fpga, board.device, board.scene)
+
+
+def refusal(check: Any, *arguments: Any) -> str:
+    with pytest.raises(BoardError) as failure:
+        check(*arguments)
+    assert "\n" not in str(failure.value)
+    return str(failure.value)
+
+
+# ---- Dead time, shortest pulse, sensor.
+
+
+@pytest.mark.parametrize("name", board_names())
+def test_the_boards_keep_to_their_budgets(name):
+    board = load_board(name)
+    bridge_budget.check(board)
+    board_pins.check(board)
+    time = bridge_budget.dead_time(board)
+    assert time.made_s >= time.needed_s >= 20e-9
+    assert board.words().words["min_pulse"] > board.words().words["dead_clocks"]
+    assert board.words().words["trip"] == round(2.0 / 2.5 * 2**15)
+
+
+@pytest.mark.parametrize(
+    ("board", "message"),
+    [
+        # What the Colorlight had: one clock.
+        (with_scene("colorlight_i5", "drive.dead_time_s=11.8e-9"),
+         r"boards/colorlight_i5/board\.toml: the dead time is 11\.8 ns in whole clocks, and 20 ns "
+         r"are needed .* raise drive\.dead_time_s"),
+        # It is the whole clocks that count: 20 ns round to one of 70 MHz.
+        (with_scene("ulx3s", "drive.dead_time_s=20e-9"), r"the dead time is 14\.3 ns"),
+        (with_fpga("ulx3s", "bridge", mismatch_s=30e-9), r"37 ns are needed \(driver 30"),
+        (with_scene("hx8k", "drive.min_pulse_s=5e-9"),
+         r"drive\.min_pulse_s is 5 ns, and the LMG5200 needs 10 ns"),
+        (with_scene("hx8k", "adc.full_scale_a=5"),
+         r"adc\.full_scale_a is 5 A, but 33 mΩ and a gain of 20 at 3\.3 V make 2\.5 A"),
+        (with_fpga("icebreaker", "sense", trip_a=2.25),
+         r"boards/icebreaker/fpga\.toml: sense\.trip_a is 2\.25 A, but the INA241 clips at 2\.2 A"),
+    ],
+)  # fmt: skip
+def test_budgets_that_are_not_kept(board, message):
+    assert re.search(message, refusal(bridge_budget.check, board))
+
+
+def test_a_build_checks_before_it_begins(tmp_path):
+    """Nothing of an earlier build is touched, and no tool is called."""
+    with pytest.raises(BoardError, match="dead time"):
+        synthesis.build_board(with_scene("ulx3s", "drive.dead_time_s=0"), None)
+
+
+# ---- Pins.
+
+
+def planted(tmp_path: Path, name: str, old: str, new: str) -> str:
+    """The refusal of a board's constraints with ``old`` replaced."""
+    board = load_board(name)
+    text = (board.root / board.constraints).read_text()
+    assert old in text
+    path = tmp_path / board.constraints.name
+    path.write_text(text.replace(old, new))
+    return refusal(board_pins.check, board, path)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "message"),
+    [
+        # What motor 2 had.
+        ("ulx3s_three", '"gate_ah[2]" SITE "H18"', '"gate_ah[2]" SITE "F4"',
+         r"gate_ah\[2\] is at F4, which is taken: ESP32 GPIO 26 \(gp11\) "
+         r"\(boards/ulx3s/fpga\.toml\); take a free pin"),
+        ("ulx3s", '"enc_a" SITE "A9"', '"enc_a" SITE "U18"', "taken: input 1 of the board's ADC"),
+        ("ulx3s", '"gate_bl" SITE "A5"', '"gate_bl" SITE "A4"', "at A4, where gate_bh is already"),
+        ("hx8k", "gate_al     J14", "gate_al B12", "taken: USB serial, FPGA sends"),
+        ("icebreaker", "alive          46", "alive          14", "taken: flash, SO"),
+        ("colorlight_i5", '"alive" SITE "B19"', '"alive" SITE "P17"', "unknown to boards/color"),
+        ("hx8k", "-pullup yes enc_b  ", "enc_b", "floats where its wire is off; give it set_io"),
+        ("icebreaker", "-pullup yes adc_sdata", "-pullup no adc_sdata", "adc_sdata is at 2 and fl"),
+        ("ulx3s", '"adc_sdata" IO_TYPE=LVCMOS33 PULLMODE=UP', '"adc_sdata" IO_TYPE=LVCMOS33',
+         "adc_sdata is at A10 and floats where its wire is off; give it PULLMODE=UP"),
+    ],
+)  # fmt: skip
+def test_pins_that_are_not_the_boards(tmp_path, name, old, new, message):
+    found = planted(tmp_path, name, old, new)
+    assert re.search(message, found)
+    assert re.search(r"\.(lpf|pcf):\d+: ", found)
+
+
+@pytest.mark.parametrize("name", board_names())
+def test_the_tables_of_pins_contradict_nothing(name):
+    """No pin is free and taken, and each port of a pin that is taken for it is the top's."""
+    board = load_board(name)
+    free = board.fpga.free
+    assert len(set(free)) == len(free) >= 16
+    assert not set(free) & set(board.fpga.taken)
+    top = (ROOT / board.folder / f"{name}.v").read_text()
+    ports = [owner for owner in board.fpga.taken.values() if re.fullmatch(r"\w*_\w+|clk\w*", owner)]
+    assert len(ports) >= 2
+    for port in ports:
+        assert re.search(rf"\b{port}\b", top), port
+
+
+@pytest.mark.parametrize("name", ["ulx3s", "ulx3s_three"])
+def test_the_esp32_is_held_in_reset(name):
+    top = (ROOT / "boards" / name / f"{name}.v").read_text()
+    assert "assign wifi_en = 1'b0;" in top
+    pins = board_pins.read_pins((ROOT / "constraints" / f"{name}.lpf").read_text(), "ecp5")
+    assert [pin.site for pin in pins if pin.port == "wifi_en"] == ["F1"]
+
+
+# ---- Pads.
+
+HEAD = '(CELLTYPE "top") (INSTANCE )\n'
+
+
+def ice40_delays(sclk_ns: float = 3.0, sdata_ns: float = 2.0, low_ns: float = 1.5) -> Delays:
+    """A flip-flop and a way to each output, a way and a flip-flop for the input; ps in the file."""
+    ways = {"adc_sclk": sclk_ns, "gate_ah": 1.5, "gate_al": low_ns, "gate_bh": 1.5, "gate_bl": 1.5}
+    text = HEAD + "".join(
+        f"(INTERCONNECT {port}_LC/O {port}\\$sb_io/D_OUT_0 ({1000 * ns}:{1000 * ns}:{1000 * ns}))\n"
+        for port, ns in ways.items()
+    )
+    text += f"(INTERCONNECT adc_sdata\\$sb_io/D_IN_0 in_LC/I0 ({1000 * sdata_ns}:0:0))\n"
+    for port in ways:
+        text += f'(CELLTYPE "ICESTORM_LC") (INSTANCE {port}_LC)\n'
+        text += "(IOPATH CLK O (1390:1390:1390) (1400:1400:1400))\n"
+        text += f'(CELLTYPE "SB_IO") (INSTANCE {port}\\$sb_io)\n'
+    text += '(CELLTYPE "SB_IO") (INSTANCE adc_sdata\\$sb_io)\n(CELLTYPE "ICESTORM_LC") '
+    text += "(INSTANCE in_LC)\n(SETUPHOLD (posedge I0) (posedge CLK) (1155:1155:1155) (0:0:0))\n"
+    return Delays(text)
+
+
+def ecp5_delays(registered: bool = True, through: str = "LUT") -> Delays:
+    """Registers in the I/O cells, or the same with logic between flip-flop and pad."""
+    lines = [HEAD]
+    for port, cell, pin in (("adc_sclk", "I", "IOLDO"), ("adc_sdata", "O", "PADDI")):
+        pad = f"{port}\\$tr_io"
+        lines.append(f'(CELLTYPE "TRELLIS_IO") (INSTANCE {pad})')
+        if registered:
+            lines.append(f'(CELLTYPE "SIOLOGIC") (INSTANCE {pad}\\$IOL)')
+            ends = (f"{pad}\\$IOL/IOLDO", f"{pad}/IOLDO")
+            ends = ends if cell == "I" else (f"{pad}/O", f"{pad}\\$IOL/{pin}")
+            lines.append(f"(INTERCONNECT {ends[0]} {ends[1]} (100:100:100) (100:100:100))")
+    if not registered:
+        lines += [
+            "(INTERCONNECT ff/Q lut/A (500:600:700))",
+            f"(INTERCONNECT {through.lower()}/F adc_sclk\\$tr_io/I (1500:1700:1900))",
+            "(INTERCONNECT adc_sdata\\$tr_io/O lut2/B (800:900:1000))",
+            "(INTERCONNECT lut2/F ff2/DI (100:120:130))",
+            '(CELLTYPE "TRELLIS_FF") (INSTANCE ff)',
+            "(IOPATH CLK Q (430:477:525) (430:477:525))",
+            '(CELLTYPE "TRELLIS_COMB") (INSTANCE lut)',
+            "(IOPATH A F (200:218:236) (200:218:236))",
+            '(CELLTYPE "TRELLIS_COMB") (INSTANCE lut2)',
+            "(IOPATH B F (200:218:236) (200:218:236))",
+            '(CELLTYPE "TRELLIS_FF") (INSTANCE ff2)',
+            "(SETUPHOLD (posedge DI) (posedge CLK) (50:60:70) (267:285:303))",
+        ]
+    return Delays("\n".join(lines))
+
+
+AD7276 = PARTS["AD7276"]
+
+
+def budget(delays: Delays, device: str, clock_hz: float, pads: bool = False, **changes: Any) -> Any:
+    family = "ecp5" if device == "25k" else "ice40"
+    made = frame(AD7276, clock_hz, pads)
+    settings = {"wire_s": 0.6e-9, "lines": ["adc_sdata"], **changes}
+    return adc_budget(delays, device, family, AD7276, made, clock_hz, **settings)
+
+
+def test_a_round_trip_adds_up():
+    """By hand: flip-flop, way and pad out, wires, access, pad and way back, set-up."""
+    found = budget(ice40_delays(), "hx8k", 48e6)
+    assert found.out_ns == pytest.approx(1.4 + 3.0 + 4.59, abs=0.01)
+    assert found.back_ns == pytest.approx(1.21 + 2.0 + 1.155, abs=0.01)
+    assert found.available_ns == pytest.approx(2e3 / 48, abs=0.01)
+    assert found.margin_ns == pytest.approx(2e3 / 48 - 8.99 - 1.2 - 15 - 4.365, abs=0.02)
+    assert found.hold_ns == 5
+
+
+def test_registers_in_the_pads_leave_the_data_sheets_times():
+    found = budget(ecp5_delays(), "25k", 70e6, pads=True)
+    assert found.registered
+    assert found.margin_ns == pytest.approx(2e3 / 70 - 4.1 - 1.2 - 15 - 0.85, abs=0.01)
+
+
+def test_logic_before_a_pad_is_counted():
+    found = budget(ecp5_delays(registered=False), "25k", 50e6)
+    assert found.out_ns == pytest.approx(0.525 + 0.7 + 0.236 + 1.9 + 4.1, abs=0.01)
+    assert found.back_ns == pytest.approx(0.85 + 1.0 + 0.236 + 0.13 + 0.07, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("delays", "device", "clock_hz", "pads", "message"),
+    [
+        (ecp5_delays(), "25k", 95e6, True, r"bits come 0\.1 ns too late: .* lower controller\.clo"),
+        (ice40_delays(sclk_ns=20), "hx8k", 48e6, False, r"too late: .* or take registers at the"),
+        (ecp5_delays(), "25k", 70e6, False, "are not what pad_registers in fpga.toml says"),
+        (ecp5_delays(registered=False), "25k", 70e6, True, "are not what pad_registers"),
+        (Delays(HEAD), "25k", 70e6, True, "have no pad for adc_sclk"),
+    ],
+)
+def test_a_late_bit_fails(delays, device, clock_hz, pads, message):
+    with pytest.raises(PadTimingError, match=message) as failure:
+        budget(delays, device, clock_hz, pads)
+    assert "\n" not in str(failure.value)
+
+
+def test_a_late_bit_fails_the_build(monkeypatch, tmp_path):
+    (tmp_path / "delays.sdf").write_text("")
+    board = load_board("icebreaker")
+    monkeypatch.setattr(Delays, "of_file", classmethod(lambda *_: ice40_delays(sdata_ns=60)))
+    with pytest.raises(SynthesisError, match=r"icebreaker: the AD7276's bits come .* too late"):
+        synthesis.board_pads(board, tmp_path / "delays.sdf")
+    monkeypatch.setattr(Delays, "of_file", classmethod(lambda *_: ice40_delays(low_ns=9)))
+    with pytest.raises(
+        SynthesisError, match=r"gates of a leg differ by 7\.5 ns .* grants 6 ns; raise it, and"
+    ):
+        synthesis.board_pads(board, tmp_path / "delays.sdf")
+    monkeypatch.setattr(Delays, "of_file", classmethod(lambda *_: ice40_delays()))
+    assert synthesis.board_pads(board, tmp_path / "delays.sdf")["margin_ns"] > 3
+
+
+def test_skew_is_of_a_legs_two_gates():
+    assert gate_skew_ns(ice40_delays(low_ns=4.25), 1) == 2.75
+    assert gate_skew_ns(ice40_delays(), 1) == 0
+
+
+def test_registers_at_the_pads_are_a_zero_more():
+    """Two clocks are a pulse at half the clock; at any other rate they are refused."""
+    plain, late = frame(AD7276, 85e6), frame(AD7276, 85e6, pad_registers=True)
+    assert late.conversion_clocks == plain.conversion_clocks + 2
+    assert late.cycle_clocks == plain.cycle_clocks + 2
+    assert late.pad_clocks == 1
+    with pytest.raises(PartError, match=r"SCLK at half the clock instead of 1/4"):
+        frame(AD7276, 100e6, pad_registers=True)
+    with pytest.raises(PartError, match="a part without commands"):
+        frame(PARTS["MAX11125"], 30e6, pad_registers=True)
+    assert pad_timing.PAD_TIMES["ecp5"].out_registered == 4.1

@@ -1,0 +1,370 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The circuits around a board: simulated, drawn, and told in the pages, all from one table.
+
+The circuits shut the gates when ``alive`` stops, when the FPGA is configured anew and when its
+supply falls; a wrong part must be found.
+"""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from typer.testing import CliRunner
+from wavehaptics.fpga.boards import ROOT, board_names, load_board
+from wavehaptics.wiring import __main__ as command
+from wavehaptics.wiring import drawings, pages, pins, spice
+from wavehaptics.wiring.parts import FAMILIES, TABLE, Table, WiringError, load_table
+from wavehaptics.wiring.sheet import Sheet
+
+FAMILY_TICK_S = 1e-6
+
+
+@pytest.fixture(scope="module")
+def table() -> Table:
+    return load_table()
+
+
+# ---- The table.
+
+
+def test_values_are_printed_with_their_units(table):
+    assert table.text("C1") == "2.2 nF"
+    assert table.text("R6") == "33 mΩ"
+    assert table.text("R4", "ice40") == "1 kΩ"
+    assert table.text("R4") == "1 kΩ (iCE40), 10 kΩ (ECP5)"
+    assert table.text("U8") == "AD7276"
+    with pytest.raises(WiringError, match=r"boards/wiring.toml: there is no part R99; add"):
+        table.text("R99")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("value = 2.2e-09", 'value = "2n2"', r"wiring.toml:\d+: parts.C1.value.float: .* number"),
+        ("value = 2.2e-09\n", "", r"wiring.toml:\d+: parts.C1: .* either a type or a value"),
+        ("value = 2.2e-09", "value = 2.2 nF", r"wiring.toml:\d+: .*without a unit"),
+        ("ecp5 = 10e3 }", "}", r"wiring.toml:\d+: "),
+        ('type = "BAT54S"', 'tipe = "BAT54S"', r"wiring.toml:\d+: parts.D1"),
+    ],
+)
+def test_a_bad_table_is_refused_with_its_line(tmp_path, old, new, said):
+    text = (ROOT / TABLE).read_text()
+    assert old in text
+    (tmp_path / TABLE.parent).mkdir()
+    (tmp_path / TABLE).write_text(text.replace(old, new, 1))
+    with pytest.raises(WiringError, match=said) as refusal:
+        load_table(tmp_path)
+    assert "\n" not in str(refusal.value)
+
+
+# ---- The circuits.
+
+
+@pytest.mark.parametrize("which", ["typical", "most"])
+def test_diodes_are_those_of_the_data_sheet(table, which):
+    points_a, wanted_v = table.diode.points_a, getattr(table.diode, f"{which}_v")
+    lines = ["* a diode", f".model d D({getattr(table.diode, f'{which}_model')})", ".temp 25"]
+    for index, current_a in enumerate(points_a):
+        lines += [f"I{index} 0 d{index} {current_a}", f"D{index} d{index} 0 d"]
+        lines += [f".meas tran v{index} AVG v(d{index}) from=0 to=1u"]
+    measured = spice.run("\n".join([*lines, ".tran 0.1u 1u", ".end", ""]))
+    for index, wanted in enumerate(wanted_v):
+        assert measured[f"v{index}"] == pytest.approx(wanted, abs=0.02)
+
+
+def test_gates_are_shut_soon_after_the_last_change(table):
+    """At each board's tick, stopped high and low, in every corner of parts, supply and warmth."""
+    ticks_s = sorted(set(spice.board_ticks().values()))
+    found = spice.stops(table, ticks_s, spice.corners(table))
+    assert len(found) == len(ticks_s) * 2 * 24
+    assert spice.stop_complaints(table, found) == []
+    assert min(stop.least_v for stop in found) > 1.85
+    assert min(stop.most_v for stop in found) > 2.10
+    assert max(stop.most_v for stop in found) < 2.80
+    assert 30e-6 < max(stop.shut_s for stop in found) < table.stop.longest_s
+    assert max(stop.shut_s for stop in found if stop.level == "low") < 12e-6
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"C1": 10e-9}, r"alive stops high, .* the gates are shut after 1\d\d µs, allowed are 40"),
+        ({"C2": 10e-9}, r"alive stops low, .* the gates are shut after"),
+        ({"R2": 100e3}, r"the gates are shut not within 130 µs, allowed are 40"),
+        ({"R2": 1e3}, r"pass sinks to .* V, and .* V may shut"),
+        ({"C1": 100e-12}, r"pass reaches .* V, and .* V may open"),
+    ],
+)
+def test_a_wrong_part_of_the_pump_is_found(table, values, said):
+    wrong = table.changed(**values)
+    found = spice.stops(wrong, [FAMILY_TICK_S], [spice.nominal(table)])
+    lines = spice.stop_complaints(wrong, found)
+    assert any(re.search(said, line) for line in lines), lines
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_no_gate_rises_while_the_fpga_is_configured_anew(table, family):
+    found = spice.configured_anew(table, family, FAMILY_TICK_S)
+    assert spice.anew_complaints(table, family, found) == []
+    assert [anew.level for anew in found] == ["high", "low"]
+    assert 0.1 < max(anew.pin_v for anew in found) < 0.25
+
+
+def test_pull_downs_on_the_bridges_side_alone_let_both_switches_on(table):
+    found = spice.configured_anew(table, "ice40", FAMILY_TICK_S, fpga_side=False)
+    lines = spice.anew_complaints(table, "ice40", found)
+    assert any(re.search(r"HI and LI reach 3\.\d\d V together", line) for line in lines), lines
+
+
+def test_ten_kilohm_do_not_hold_an_ice40(table):
+    wrong = table.changed(R4={"ice40": 10e3, "ecp5": 10e3})
+    found = spice.configured_anew(wrong, "ice40", FAMILY_TICK_S)
+    assert any(
+        "a pin of the FPGA stands at 1." in x for x in spice.anew_complaints(wrong, "ice40", found)
+    )
+
+
+def test_gates_are_shut_while_the_supply_falls(table):
+    assert spice.brown_out(table, FAMILY_TICK_S) < 0.1
+    assert spice.brown_out(table, FAMILY_TICK_S, supervised=False) > table.levels.v_ih
+
+
+def test_ngspice_that_is_missing_or_fails_is_said_in_a_line(monkeypatch):
+    with pytest.raises(WiringError, match=r"^ngspice: ") as failure:
+        spice.run("* nothing\nR1 a 0 {nobody}\n.tran 1n 1u\n.meas tran x MAX v(a)\n.end\n")
+    assert "\n" not in str(failure.value)
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(WiringError, match="ngspice is not installed; type `make setup`"):
+        spice.run("* nothing\n.end\n")
+
+
+def test_a_supervisor_of_the_next_threshold_is_refused(table):
+    wrong = table.supervisor_levels.model_copy(update={"trip_v": (3.0, 3.15)})
+    lines = spice.complaints(table.model_copy(update={"supervisor_levels": wrong}))
+    assert lines == ["the supervisor may shut at 3.15 V, and the supply may be 3.13 V"]
+
+
+def test_an_encoder_of_five_volts_is_divided_to_what_the_fpga_bears(table):
+    series, ground = (table.part(name) for name in ("R11", "R12"))
+    for encoder_v, sign in ((4.75, 1), (5.25, -1)):
+        above = series.of("ice40") * (1 + sign * series.tolerance)
+        below = ground.of("ice40") * (1 - sign * ground.tolerance)
+        assert table.levels.v_ih < encoder_v * below / (above + below) < 3.45
+
+
+# ---- The drawings.
+
+
+@pytest.fixture(scope="module")
+def sheets(table) -> dict[str, Sheet]:
+    return {name: draw(table) for name, draw in drawings.SHEETS.items()}
+
+
+@pytest.mark.parametrize("name", drawings.SHEETS)
+def test_the_picture_is_what_the_program_draws(sheets, name):
+    kept = (ROOT / drawings.FOLDER / f"{name}.svg").read_text()
+    drawn = sheets[name].svg()
+    assert drawings.texts(kept) == drawings.texts(drawn)
+    assert drawings.lines(kept) == drawings.lines(drawn)
+    assert len(drawings.lines(drawn)) > 30
+
+
+@pytest.mark.parametrize("name", drawings.SHEETS)
+def test_no_wire_and_no_part_ends_at_nothing(sheets, name):
+    assert sheets[name].loose() == []
+
+
+def test_every_part_is_drawn(table, sheets):
+    shown = set().union(*(sheet.shown for sheet in sheets.values()))
+    elsewhere = {"R18"}  # at an LED, which only one board's page has
+    assert shown == set(table.parts) - elsewhere
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_pump_is_drawn_as_it_is_simulated(table, sheets, family):
+    """The same ends are joined on the sheet and in the netlist."""
+    lines = spice._pump(table, "x", "alive", "pass", spice.nominal(table), family)
+    nodes = {}
+    for line in lines:
+        if line.startswith("."):
+            continue
+        name, first, second, _ = line.split(maxsplit=3)
+        nodes |= {f"{name[:2]}.1": first, f"{name[:2]}.2": second}
+    names = {"D1": "D1#1", "D2": "D1#2"}
+    drawn = {}
+    for number, net in enumerate(sheets[f"gates_{family}"].nets()):
+        drawn |= dict.fromkeys(net, number)
+    places = {end: drawn[f"{names.get(end[:2], end[:2] + '#1')}{end[2:]}"] for end in nodes}
+    pairs = [(a, b) for a in nodes for b in nodes if a < b]
+    assert len(pairs) > 90
+    assert [nodes[a] == nodes[b] for a, b in pairs] == [places[a] == places[b] for a, b in pairs]
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_both_sides_of_each_gate_are_pulled_down(table, sheets, family):
+    sheet = sheets[f"gates_{family}"]
+    ways = {
+        "ah": "HI of U5A (4)",
+        "al": "LI of U5A (5)",
+        "bh": "HI of U5B (4)",
+        "bl": "LI of U5B (5)",
+    }
+    for row, (signal, to) in enumerate(ways.items()):
+        gate, pull = f"U4{'abcd'[row]}", row + 1
+        assert sheet.net_of(f"gate_{signal}") == {f"gate_{signal}", f"{gate}.in1", f"R4#{pull}.1"}
+        assert sheet.net_of(f"{gate}.out") == {f"{gate}.out", f"R5#{pull}.1", to}
+        assert f"{gate}.in2" in sheet.net_of("U3.out")
+        assert {f"R4#{pull}.2", f"R5#{pull}.2"} <= sheet.net_of("ground")
+    assert drawings.texts(sheet.svg()).count(table.text("R4", family)) >= 4
+
+
+def test_emergency_stop_cuts_bus_and_gate_supply(sheets):
+    sheet = sheets["power"]
+    assert sheet.net_of("PS1.+") == {"PS1.+", "S1a.1"}
+    assert sheet.net_of("PS2.+") == {"PS2.+", "S1b.1"}
+    assert "S1c.1" in sheets["inputs"].net_of("ground")
+
+
+def test_a_wire_that_ends_at_another_without_a_dot_is_found(table):
+    sheet = Sheet("", table)
+    sheet.wire((0, 0), (4, 0))
+    sheet.tag((0, 0), "a", "left")
+    sheet.tag((4, 0), "b", "right")
+    sheet.resistor("R1", (2, 0), (2, 2), "left")
+    sheet.rail((2, 2), "3.3 V")
+    assert sheet.loose() == [(2, 0)]
+    assert "R1#1.1" not in sheet.net_of("a")
+    sheet.dot((2, 0))
+    assert sheet.loose() == []
+    assert {"b", "R1#1.1"} <= sheet.net_of("a")
+
+
+# ---- The pages.
+
+
+def test_tables_of_the_pages_are_those_of_the_program(table):
+    """But for what is simulated: another ngspice may round otherwise."""
+    for page, made in pages.makers(table).items():
+        text = (ROOT / page).read_text()
+        for name, make in made.items():
+            if name != "pump":
+                assert pages.part_of(text, name) == make(), f"{page}: {name}; type `make drawings`"
+
+
+def test_simulated_numbers_of_the_page(table):
+    def numbers(text: str) -> list[float]:
+        return [float(number) for number in re.findall(r"\d+\.?\d*", text)]
+
+    kept = pages.part_of((ROOT / pages.WIRING).read_text(), "pump")
+    assert numbers(kept) == pytest.approx(numbers(pages.pump(table)), rel=0.05, abs=1)
+    assert len(numbers(kept)) > 30
+
+
+@pytest.mark.parametrize("name", board_names())
+def test_a_boards_page_warns(name):
+    text = " ".join((ROOT / "boards" / name / "README.md").read_text().split())
+    assert "Not yet tried on a motor" in text
+    assert "No pin here bears 5 V." in text
+    assert f"stay off until this image is in flash**: `make flash BOARD={name}`" in text
+    assert "../../docs/wiring/switching_on.md" in text
+    family = load_board(name).fpga.family
+    assert f"R3 and R4, {load_table().text('R4', family)} each" in text
+
+
+@pytest.mark.parametrize("name", board_names())
+def test_scale_of_the_current_is_that_of_shunt_and_gain(table, name):
+    """And of the parts that the build of a board is told of."""
+    board = load_board(name)
+    assert board.scene.adc.full_scale_a == pytest.approx(pages.full_scale_a(table), rel=0.01)
+    sense = board.fpga.sense
+    assert sense.shunt_ohm == table.part("R6").of(board.fpga.family)
+    assert (sense.gain, sense.swing_v) == (table.current.gain, table.current.swing_v)
+    assert sense.supply_v == table.supply.logic_v
+    assert table.text("U7").startswith(sense.amplifier)
+    assert (board.fpga.adc, board.fpga.bridge.driver) == (table.text("U8"), table.text("U5"))
+
+
+def test_overcurrent_is_below_what_the_amplifier_can_tell(table):
+    rows = dict(re.findall(r"\| (.+?) \| ± ([\d.]+) A \|", pages.currents(table)))
+    ends = {name.split(",")[0]: float(value) for name, value in rows.items()}
+    assert ends["a sample takes the gates off"] < ends["option overcurrent"]
+    assert ends["option overcurrent"] < ends["end of what U7 gives truly"]
+    assert ends["end of what U7 gives truly"] < ends["end of the ADC's scale"]
+
+
+def test_bill_counts_boards_and_motors(table):
+    assert pages.count(table.part("R4"), 1) == 4
+    assert pages.count(table.part("R4"), 3) == 12
+    assert pages.count(table.part("U3"), 3) == 1
+    bill = pages.bill(table, options=False) + pages.bill(table, options=True)
+    for reference in table.parts:
+        assert len(re.findall(rf"^\| {reference} \|", bill, re.MULTILINE)) == 1
+
+
+def test_supply_pins_of_headers_carry_no_signal():
+    for name in board_names():
+        found = pins.wires(name)
+        listed = [pin for rows in found.headers.values() for row in rows for pin in row]
+        listed_ports = {pin.port for pin in listed if pin.port}
+        assert listed_ports | {port for port, _, _ in found.on_board} == set(pins.ports(name))
+        assert any(pin.place == "GND" for pin in listed)
+        known = load_board(name).fpga
+        sites = {pin.place for pin in listed if re.fullmatch(r"[A-Z]?\d+", pin.place)}
+        unused = {"C3", "C4", "B4", "D3"} if name == "colorlight_i5" else set()  # between the PMODs
+        assert sites - {*known.free, *known.taken} == unused
+        for pin in listed:
+            assert pin.port is None or re.fullmatch(r"[A-Z]?\d+", pin.place)
+    core = [pin for row in pins.wires("hx8k").headers["J2"] for pin in row if "1.2" in pin.place]
+    assert [pin.printed for pin in core] == ["1", "3"]
+    assert {pins.goes_to(pin) for pin in core} == {"**never**"}
+
+
+def test_a_port_on_no_header_is_refused(tmp_path):
+    for path in ("boards/headers.toml", "constraints/hx8k.pcf", "boards/hx8k/fpga.toml",
+                 "boards/hx8k/board.toml"):  # fmt: skip
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text((ROOT / path).read_text())
+    constraints = tmp_path / "constraints" / "hx8k.pcf"
+    text, changed = re.subn(r"(set_io.* gate_ah +)K14", r"\1T9", constraints.read_text())
+    assert changed == 1
+    constraints.write_text(text)
+    with pytest.raises(WiringError, match=r"gate_ah of hx8k at T9 is on no header; name it in"):
+        pins.wires("hx8k", tmp_path)
+
+
+def test_a_page_without_its_marker_is_refused(table):
+    with pytest.raises(WiringError, match=r"x.md: there is no <!-- begin pins --> with its end"):
+        pages.filled("text", "x.md", {"pins": lambda: ""})
+
+
+# ---- The command.
+
+
+def run_command(monkeypatch, table: Table | WiringError):
+    def load() -> Table:
+        if isinstance(table, WiringError):
+            raise table
+        return table
+
+    def never(*_: object) -> None:
+        raise AssertionError("nothing may be written")
+
+    monkeypatch.setattr(command, "load_table", load)
+    monkeypatch.setattr(command.drawings, "write", never)
+    monkeypatch.setattr(command.pages, "write", never)
+    app = command.typer.Typer()
+    app.command()(command.main)
+    return CliRunner().invoke(app, [])
+
+
+def test_circuits_that_are_not_safe_are_neither_drawn_nor_told(table, monkeypatch):
+    result = run_command(monkeypatch, table.changed(C1=10e-9))
+    assert result.exit_code == 1
+    assert "wiring: alive stops high, tick 0.5 µs" in result.output
+
+
+def test_a_table_that_cannot_be_read_is_a_line(monkeypatch):
+    result = run_command(monkeypatch, WiringError("boards/wiring.toml:3: no"))
+    assert result.exit_code == 2
+    assert result.output == "wiring: boards/wiring.toml:3: no\n"

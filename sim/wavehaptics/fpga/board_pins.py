@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A board's constraint file against the table of its pins, ``free`` and ``taken`` in ``fpga.toml``.
+
+A pin of a header that nothing else drives is free. A taken one belongs to a part on the board: it
+may be used by the port that is named there and by no other.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from wavehaptics.fpga.boards import Board, BoardError
+
+PIN_LINES = {
+    "ice40": re.compile(
+        r"^[ \t]*set_io[ \t]+(?P<options>(?:-\S+[ \t]+(?:(?:yes|no|\d+)[ \t]+)?)*)"
+        r"(?P<port>\S+)[ \t]+(?P<site>\w+)",
+        re.MULTILINE,
+    ),
+    "ecp5": re.compile(
+        r'^[ \t]*LOCATE[ \t]+COMP[ \t]+"(?P<port>[^"]+)"[ \t]+SITE[ \t]+"(?P<site>\w+)"',
+        re.MULTILINE,
+    ),
+}
+"""A port's place in the constraint files of each family."""
+
+_ECP5_BUFFER = re.compile(
+    r'^[ \t]*IOBUF[ \t]+PORT[ \t]+"(?P<port>[^"]+)"(?P<rest>[^;]*);', re.MULTILINE
+)
+_INPUTS = re.compile(r"(adc_sdata|enc_a|enc_b|button_start|button_start_n|start_n|stop)(\[\d+\])?")
+"""Ports that come in by a wire or a button."""
+
+
+@dataclass(frozen=True)
+class Pin:
+    """A line of a constraint file; ``pull`` is ``UP``, ``DOWN`` or empty for none."""
+
+    port: str
+    site: str
+    line: int
+    pull: str
+
+
+def read_pins(text: str, family: str) -> list[Pin]:
+    """The pins of a constraint file, in its order."""
+    buffers = {found["port"]: found["rest"] for found in _ECP5_BUFFER.finditer(text)}
+    pins = []
+    for found in PIN_LINES[family].finditer(text):
+        if family == "ice40":
+            pull = "UP" if re.search(r"-pullup\s+yes", found["options"]) else ""
+        else:
+            mode = re.search(r"PULLMODE=(UP|DOWN)\b", buffers.get(found["port"], ""))
+            pull = mode[1] if mode else ""
+        line = text.count("\n", 0, found.start()) + 1
+        pins.append(Pin(found["port"], found["site"], line, pull))
+    return pins
+
+
+def check(board: Board, constraints: Path | None = None) -> None:
+    """:class:`BoardError` at the first pin that isn't the board's to use, or that floats."""
+    path = constraints or board.root / board.constraints
+    name = board.constraints if constraints is None else constraints
+    table = f"{Path('boards') / (board.fpga.pins_of or board.name)}/fpga.toml"
+    free = set(board.fpga.free)
+    seen: dict[str, str] = {}
+    for pin in read_pins(path.read_text(encoding="utf-8"), board.fpga.family):
+        place = f"{name}:{pin.line}: {pin.port} is at {pin.site}"
+        if pin.site in seen:
+            raise BoardError(f"{place}, where {seen[pin.site]} is already; take another pin")
+        seen[pin.site] = pin.port
+        owner = board.fpga.taken.get(pin.site)
+        if owner is not None and owner != pin.port:
+            raise BoardError(f"{place}, which is taken: {owner} ({table}); take a free pin")
+        if owner is None and pin.site not in free:
+            raise BoardError(f"{place}, unknown to {table}; enter it there as free or taken")
+        if _INPUTS.fullmatch(pin.port) and not pin.pull:
+            cure = "set_io -pullup yes" if board.fpga.family == "ice40" else "PULLMODE=UP"
+            raise BoardError(f"{place} and floats where its wire is off; give it {cure}")

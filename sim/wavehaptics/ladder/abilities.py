@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What each thing that runs a scene does of it, idealises away, or refuses.
+
+A scene runs on every rung of the ladder, so a lower one may leave out what only a higher one has:
+the analog circuit has no ADC. That is said (:func:`left_out`), never silent. What would be another
+wall without it is refused in one line (:func:`refuse`). ``sim/tests/test_abilities.py`` tries every
+key of the format on every controller, and holds this table to what it finds.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from wavehaptics.scene import Scene, SceneError
+
+
+class Ability(NamedTuple):
+    """Tables and keys (``table`` or ``table.key``) that something doesn't do."""
+
+    left_out: frozenset[str] = frozenset()
+    """Without effect: idealised there, or the business of another controller."""
+    refused: dict[str, str] = {}  # noqa: RUF012 - never changed
+    """With the cure, as the end of a sentence."""
+
+
+_PINS = frozenset(
+    f"drive.{key}"
+    for key in ("mode", "pwm_hz", "dead_time_s", "compensate", "min_pulse_s", "bus_ripple_v",
+                "bus_ripple_hz")
+) | {"controller.clock_hz", "adc.part"}  # fmt: skip
+"""Of clocks and gates."""
+
+_ANCHOR = frozenset(
+    f"controller.{key}"
+    for key in ("anchor_ohm", "anchor_ohm_per_s", "swing_ohm", "anchor_limit_v")
+)  # fmt: skip
+
+_DIGITAL = frozenset(("controller.extra_ticks", "controller.edge_hysteresis",
+                      "controller.early_duty"))  # fmt: skip
+
+_NO_W = {"shaper": "leave it out or take `golden`"}
+_NO_EDGES = {"adc.edge_settle_s": "it has no edges of a bridge; leave it out or take `pins`"}
+
+ABILITIES: dict[str, Ability] = {
+    "analog": Ability(
+        _PINS | _ANCHOR | _DIGITAL
+        | {"encoder", "adc", "servo", "controller.l_hat", "controller.k_t_hat",
+           "controller.anchor_auto"},
+        _NO_W | _NO_EDGES,
+    ),
+    "golden": Ability(_PINS | {"servo"}, _NO_EDGES),
+    "core": Ability(_PINS | {"servo"}, _NO_EDGES),
+    "pins": Ability(frozenset({"servo"})),
+    "encoder": Ability(
+        _PINS | _ANCHOR | _DIGITAL
+        | {"adc", "encoder.uneven", "controller.eta_contact", "controller.eta_free",
+           "controller.r_hat", "controller.anchor_auto", "controller.r_hat_part"},
+        _NO_W | _NO_EDGES,
+    ),
+    "hosted": Ability(
+        _PINS | {"servo"},
+        _NO_EDGES
+        | {
+            "shaper": "the environment is the host's; leave it out",
+            "thermal": "leave it out or take `golden`",
+            "controller.edge_hysteresis": "leave it out or take `golden`",
+        },
+    ),
+    "a board": Ability(
+        refused={
+            "shaper": "no bitstream has W yet; leave it out",
+            "servo": "leave it out",
+            "controller.anchor_auto": "no bitstream has the port anchor yet; set it to false",
+            "controller.edge_hysteresis": "no bitstream has it yet; set it to false",
+            "drive.bus_measured": "no board measures its bus yet; set it to false",
+        },
+    ),
+}  # fmt: skip
+"""By what runs a scene."""
+
+
+def asked(scene: Scene) -> set[str]:
+    """Tables and keys (``table``, ``table.key``) in which a scene asks for more than their default.
+
+    What the loader fills in is none of it: R̂, L̂ and k̂_T that are the motor's, an anchor's η.
+    """
+    usual = {
+        "controller.l_hat": scene.motor.L_h,
+        "controller.k_t_hat": scene.motor.k_t,
+        "controller.r_hat": scene.motor.R_ohm,
+        "controller.eta_free": scene.controller.eta_free if scene.controller.anchored else 1.0,
+    }
+    found = set()
+    for table in type(scene).model_fields:
+        values = getattr(scene, table)
+        if values is None:
+            continue
+        keys = {
+            f"{table}.{key}"
+            for key in values.model_fields_set
+            if getattr(values, key) not in (
+                type(values).model_fields[key].default, usual.get(f"{table}.{key}")
+            )
+        }  # fmt: skip
+        found |= keys | {table}
+    return found
+
+
+def refuse(scene: Scene, name: str) -> None:
+    """:class:`SceneError` where ``name`` of ABILITIES can't do what the scene asks for."""
+    asked_for = asked(scene)
+    for what, cure in ABILITIES[name].refused.items():
+        if what in asked_for:
+            shown = what if "." in what else f"[{what}]"
+            raise SceneError(f"{scene.scene.name}: {shown} is not for `{name}`; {cure}")
+
+
+def left_out(scene: Scene, name: str) -> list[str]:
+    """What the scene asks for and ``name`` of ABILITIES leaves out, in alphabetical order."""
+    asked_for = asked(scene)
+    tables = {what for what in ABILITIES[name].left_out if "." not in what} & asked_for
+    keys = {
+        what for what in ABILITIES[name].left_out & asked_for
+        if "." in what and what.partition(".")[0] not in tables
+    }  # fmt: skip
+    return sorted(keys | {f"[{table}]" for table in tables})

@@ -1,0 +1,296 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tables of the pages that are made of several commands' numbers, or of the design itself."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from wavehaptics.controller import pins_timing
+from wavehaptics.fpga.boards import ROOT, board_names, load_board
+from wavehaptics.ladder.abilities import ABILITIES
+from wavehaptics.parts.adcs import PARTS, frame
+from wavehaptics.studies.demo import RUNS as DEMO_RUNS
+from wavehaptics.studies.demo import demo_table
+from wavehaptics.studies.report.blocks import number, percent
+from wavehaptics.words import formats
+
+Table = Callable[[Iterable[str], Iterable[Iterable[object]]], str]
+
+DEMO_METRICS = (
+    "scene",
+    "controller",
+    "stiffness",
+    "stiffness_predicted",
+    "k_l",
+    "peak_torque",
+    "torque_nrmse_vs_analog",
+    "duration_s",
+    "wall_clock_s",
+    "clock_cycles",
+)
+
+
+def _words(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """A table of Markdown whose columns are words, to the left."""
+    head = list(head)
+    lines = [head, ["---"] * len(head), *rows]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def of_demo(found: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """What the pages show of the demo's metrics."""
+    return [{key: run[key] for key in DEMO_METRICS} for run in found]
+
+
+def _demo(numbers: dict[str, Any], table: Table) -> str:
+    """What ``make demo`` prints, as it prints it."""
+    text = io.StringIO()
+    console = Console(file=text, width=84, force_terminal=False)
+    console.print(demo_table([{}] * (len(DEMO_RUNS) - len(numbers["demo"])) + numbers["demo"]))
+    lines = "\n".join(line.rstrip() for line in text.getvalue().splitlines())
+    return f"```\n{lines}\n```\n"
+
+
+def _place(value: float, unit: str) -> str:
+    """A small quantity with the prefix that makes it 0.1 or more."""
+    for factor, prefix in ((1.0, ""), (1e3, "m"), (1e6, "µ"), (1e9, "n")):
+        if value * factor >= 0.1:
+            return f"{number(value * factor, 2)} {prefix}{unit}"
+    return f"{number(value, 2)} {unit}".rstrip()
+
+
+def _formats(numbers: dict[str, Any], table: Table) -> str:
+    """Word lengths as ``rtl/wh_formats.vh`` has them."""
+    state = formats.Fixed(
+        formats.DATA_W + formats.STATE_GUARD, formats.WAVE.fraction + formats.STATE_GUARD
+    )
+    words = (
+        ("current", formats.CURRENT, "A"),
+        ("voltage", formats.VOLTAGE, "V"),
+        ("waves u, v", formats.WAVE, "√W"),
+        ("filter state f", state, "√W"),
+        ("s = √(2R̂)", formats.ROOT, "√Ω"),
+        ("η, a, used to ±1", formats.A, ""),
+        ("W's coefficients", formats.SHAPE, ""),
+        ("W's states", formats.SHAPE_STATE, "√W"),
+        ("the port anchor's sums", formats.LONG, "cells, V or A"),
+    )
+    rows = []
+    for name, word, unit in words:
+        last = _place(word.step, unit) if unit and " " not in unit else number(word.step, 2)
+        scale = f"±{number(2.0 ** (word.width - 1 - word.fraction), 5)} {unit}".rstrip()
+        rows.append((name, f"s{word.width}q{word.fraction}", scale, last))
+    return table(("quantity", "word", "full scale", "last place"), rows)
+
+
+def _latency(numbers: dict[str, Any], table: Table) -> str:
+    """A sample's way to the gates, in clocks: one motor, an AD7276 at 80 MHz, no W."""
+    clock_hz = 80e6
+    reader = frame(PARTS["AD7276"], clock_hz).conversion_clocks
+    steps = (
+        ("ADC's frame, from the carrier's sample strobe to the word", "wh_adc_serial", reader),
+        ("mean current of the tick", "wh_current", pins_timing.CURRENT_CLOCKS),
+        ("one port's step of the waves", "wh_wave_core", pins_timing.CORE_CLOCKS),
+        ("voltage into the pulse's width", "wh_modulator", pins_timing.DUTY_CLOCKS),
+        ("pulse and gates", "wh_pwm", pins_timing.GATE_CLOCKS),
+    )
+    total = pins_timing.latency_clocks(reader)
+    assert sum(clocks for *_, clocks in steps[:-1]) == total, "the steps make the whole"
+    rows = [
+        (what, f"[`{block}`](../rtl/{block}.v)", clocks, f"{1e9 * clocks / clock_hz:.0f} ns")
+        for what, block, clocks in steps
+    ]
+    early = pins_timing.EARLY_CLOCKS
+    rows.append(
+        (
+            "with `EARLY = 1`, in place of current, step and width",
+            "[`wh_early`](../rtl/wh_early.v)",
+            early,
+            f"{1e9 * early / clock_hz:.0f} ns",
+        )
+    )
+    return table(("step", "file", "clocks", "at 80 MHz"), rows)
+
+
+def _results(numbers: dict[str, Any], table: Table) -> str:
+    """One result of each kind."""
+    rows: list[tuple[str, str, str]] = []
+    if "demo" in numbers:
+        stiff = numbers["demo"][-1]
+        rows.append(
+            (
+                "the stiffest wall, the whole RTL at its pins",
+                f"{number(stiff['stiffness'])} N·m/rad, "
+                f"{percent(stiff['stiffness'] / stiff['k_l'], 3)} of the inductor's K_L",
+                "make demo",
+            )
+        )
+    if "bench" in numbers:
+        runs = numbers["bench"]["controllers"]
+        rows.append(
+            (
+                "torque of the paper's taps against its analog circuit",
+                f"off by {percent(runs['pins']['torque_error'])} of the peak",
+                "make bench",
+            )
+        )
+    if "report" in numbers:
+        usual = numbers["report"]["ratios"][0]
+        rows.append(
+            (
+                "stiffest stable wall under a light hand, beside an encoder's servo at 1 kHz",
+                f"{number(usual['wave'])} against {number(usual['encoder'])} N·m/rad",
+                "make report",
+            )
+        )
+    if "holding" in numbers:
+        held = next(
+            row
+            for row in numbers["holding"]["holds"]
+            if row["name"].startswith("everything") and row["controller"] == "core"
+        )
+        rows.append(
+            (
+                f"a wall pressed for {held['duration_s']:.0f} s with everything wrong "
+                "that a real motor has",
+                f"moved by {number(abs(held['moved_cells']), 2)} of an encoder's cell, "
+                f"ripple {percent(held['hold_ripple_rms'] / held['force'])} of the force",
+                "make holding",
+            )
+        )
+        motors = numbers["holding"]["motors"]
+        runs = motors["spreads"]["hold_cells"]["n"]
+        rows.append(
+            (
+                f"the same on {runs} random motors",
+                f"{len(motors['lost']['hold'])} lost, "
+                f"{len(motors['over']['hold'])} beyond half a cell and 1 % of the depth",
+                "make holding",
+            )
+        )
+    if "tables" in numbers:
+        felt = next(
+            row for row in numbers["tables"]["impedance"] if row["scene"] == "spring_damper"
+        )
+        rows.append(
+            (
+                "a soft spring with a damper, felt from 1 to 500 Hz",
+                f"within {percent(felt['error_max'])} of the wish",
+                "make tables",
+            )
+        )
+    if "boards" in numbers:
+        fastest = max(numbers["boards"], key=lambda board: board["tick_mhz"])
+        rows.append(
+            (
+                f"control rate in a bitstream, `{fastest['board']}`",
+                f"{fastest['tick_mhz']:g} MHz, {percent(fastest['spare'])} of timing to spare",
+                "make synth",
+            )
+        )
+    if "adcs" in numbers:
+        soonest = min(numbers["adcs"]["early"], key=lambda row: row["digital_ns"])
+        rows.append(
+            (
+                "from the last ADC bit to the new duty",
+                f"{soonest['digital_ns']:.0f} ns",
+                "make adcs",
+            )
+        )
+    if "bench" in numbers:
+        rows.append(
+            (
+                "simulation with motor, bridge and sensors in the loop, one thread",
+                f"{number(numbers['bench']['controllers']['pins']['cycles_per_s'], 2)} clocks "
+                "a second of the RTL",
+                "make bench",
+            )
+        )
+    return _words(("", "found", "by"), ((what, found, f"`{by}`") for what, found, by in rows))
+
+
+_OPTION = re.compile(r"\.([A-Z][A-Z0-9_]*)\s*\(([^()]*)\)")
+
+STATUS = (
+    ("the waves, λ and η: `wh_wave_core`", None),
+    ("position, walls, contact: `wh_quadrature`, `wh_contact`", None),
+    ("PWM of a full bridge with dead time made good", None),
+    ("several motors on one core", "N"),
+    ("duty ten clocks after the ADC", "EARLY"),
+    ("guard with sixteen latched faults", "GUARD"),
+    ("port anchor: a wall that holds on a real motor", "ANCHOR"),
+    ("soft walls, layers, detents with W", "SHAPER"),
+    ("an environment on a computer", "HOST"),
+    ("zero of the current measured, sensor checked", "SENSE"),
+    ("bus measured", "BUS"),
+    ("other patterns of the bridge", "MODES"),
+    ("shortest pulses kept", "MIN_PULSE"),
+    ("ADCs other than AD7276 and its like", "ADC"),
+)
+"""What there is, and the parameter of ``wh_controller`` that puts it in; None: always there."""
+
+
+def options_of_boards(root: Path = ROOT) -> dict[str, dict[str, int]]:
+    """Parameters of ``wh_controller`` in each board's bitstream; one that isn't set is left out."""
+    top = (root / "boards" / "wh_board_controller.v").read_text(encoding="utf-8")
+    (given,) = re.findall(r"wh_controller #\((.*?)\n    \)", top, re.DOTALL)
+    found = {}
+    for name in board_names(root):
+        header = load_board(name, root=root).header()
+        macros = dict(re.findall(r"^`define (WH_BOARD_\w+) (\d+)$", header, re.MULTILINE))
+        macros["N"] = macros["WH_BOARD_N"]
+        found[name] = {
+            parameter: int(macros.get(value.strip(" `"), value))
+            for parameter, value in _OPTION.findall(given)
+        }
+    return found
+
+
+def _status(numbers: dict[str, Any], table: Table) -> str:
+    """Simulated, in a bitstream, on a motor: what has come how far."""
+    boards = options_of_boards()
+    rows = []
+    for what, parameter in STATUS:
+        least = 2 if parameter == "N" else 1
+        names = [
+            name
+            for name, options in boards.items()
+            if parameter is None or options.get(parameter, 0) >= least
+        ]
+        built = "all boards" if len(names) == len(boards) else ", ".join(f"`{n}`" for n in names)
+        label = f"{what}, `{parameter}`" if parameter else what
+        rows.append((label, "yes", built or "**none**", "no"))
+    rows.append(("settings changed while it runs, a link to a computer", "no", "**none**", "no"))
+    return _words(("", "simulated", "in a bitstream", "tried on a motor"), rows)
+
+
+def _abilities(numbers: dict[str, Any], table: Table) -> str:
+    """What each that runs a scene leaves out or refuses of it."""
+
+    def listed(names: Iterable[str]) -> str:
+        return ", ".join(f"`{n}`" if "." in n else f"`[{n}]`" for n in sorted(names)) or "nothing"
+
+    rows = ((f"`{name}`", listed(a.left_out), listed(a.refused)) for name, a in ABILITIES.items())
+    return _words(("", "leaves out, and says so", "refuses"), rows)
+
+
+def _once(render: Callable[..., str], key: str) -> Callable[..., str]:
+    """``render``, which makes nothing before its numbers are there."""
+    return lambda numbers, table: render(numbers, table) if key in numbers else ""
+
+
+TABLES = {
+    "abilities": _abilities,
+    "demo": _once(_demo, "demo"),
+    "formats": _formats,
+    "latency": _latency,
+    "results": _results,
+    "status": _status,
+}
+"""Tables of Markdown by marker, made with the given function of head and rows."""

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is written of the table of words: its page, and the guard's fields for the RTL."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from wavehaptics.words.generated import PAGE_HEAD, guard_fields, page_rows
+from wavehaptics.words.table import crc
+
+
+def _words(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    rows = [PAGE_HEAD, ["---"] * len(PAGE_HEAD), *page_rows()]
+    lines = [f"| {' | '.join(cell.replace('|', '&#124;') for cell in row)} |" for row in rows]
+    return (
+        "\n".join([*lines, "", f"{len(page_rows())} words; CRC-32 of the table: `{crc():08x}`."])
+        + "\n"
+    )
+
+
+def _guard_fields(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    # The marker that follows stands in a comment.
+    return guard_fields() + "// "
+
+
+TABLES = {"words": _words, "guard-fields": _guard_fields}
+"""Texts by marker, made with the given function of head and rows, which these do without."""

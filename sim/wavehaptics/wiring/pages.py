@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tables of the pages that are made from the table of parts, the headers and the simulation.
+
+A table stands between ``<!-- begin NAME -->`` and ``<!-- end NAME -->``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from wavehaptics.fpga.boards import ROOT, board_names, load_board
+from wavehaptics.wiring import pins, spice
+from wavehaptics.wiring.parts import Part, Table, WiringError
+
+WIRING = Path("docs", "wiring", "README.md")
+"""The page of the circuits, from the root."""
+
+BUS_V = 12.0
+INDUCTANCE_H = 0.24e-3
+RESISTANCE_OHM = 2.18
+"""Of the scenes' motor, an RE 25, at the boards' bus."""
+
+_MARKED = re.compile(r"(<!-- begin (\S+) -->\n)(.*?)(<!-- end \2 -->)", re.DOTALL)
+
+
+def _row(cells: list[str]) -> str:
+    return f"| {' | '.join(cells)} |\n"
+
+
+def count(part: Part, motors: int) -> int:
+    return part.number * (motors if part.each == "motor" else 1)
+
+
+def bill(table: Table, *, options: bool) -> str:
+    """The parts for one motor and for three."""
+    head = ["", "part", "role", "1 motor", "3 motors", "has to keep", "instead"]
+    lines = [_row([*head, "option"] if options else head)]
+    lines += ["|---|---|---|--:|--:|---|---|" + ("---|" if options else "") + "\n"]
+    for reference, part in table.parts.items():
+        if (part.option is not None) != options:
+            continue
+        tolerance = f", {part.tolerance * 100:g} %" if part.tolerance else ""
+        cells = [reference, part.text() + tolerance, part.role, str(count(part, 1)),
+                 str(count(part, 3)), part.rating, part.substitute]  # fmt: skip
+        lines.append(_row([*cells, part.option] if part.option else cells))
+    return "".join(lines)
+
+
+def current_a(time_s: float, limit_a: float = BUS_V / RESISTANCE_OHM) -> float:
+    """What the bus drives through the motor that stands, when it is left on for a time."""
+    return min(limit_a, BUS_V * time_s / INDUCTANCE_H)
+
+
+def pump(table: Table) -> str:
+    """What the simulation makes of the charge pump: nominal, and the worst of all corners."""
+    ticks_s = sorted(set(spice.board_ticks().values()))
+    nominal = spice.stops(table, ticks_s, [spice.nominal(table)])
+    everywhere = spice.stops(table, ticks_s, spice.corners(table))
+    lines = [
+        "| tick | stops | `pass` before, nominal | in all corners | shut after, nominal | at worst "
+        "| 12 V on 0.24 mH make by then |\n",
+        "|--:|---|--:|--:|--:|--:|--:|\n",
+    ]
+    for stop in nominal:
+        same = [s for s in everywhere if (s.tick_s, s.level) == (stop.tick_s, stop.level)]
+        times_s = [s.shut_s for s in same]
+        if stop.shut_s is None or None in times_s:
+            raise WiringError("the charge pump never shuts the gates")
+        worst_s = max(time_s for time_s in times_s if time_s is not None)
+        lines.append(
+            _row(
+                [
+                    f"{stop.tick_s * 1e6:g} µs",
+                    stop.level,
+                    f"{stop.least_v:.2f} to {stop.most_v:.2f} V",
+                    f"{min(s.least_v for s in same):.2f} to {max(s.most_v for s in same):.2f} V",
+                    f"{stop.shut_s * 1e6:.0f} µs",
+                    f"{worst_s * 1e6:.0f} µs",
+                    f"{current_a(worst_s):.1f} A",
+                ]
+            )
+        )
+    return "".join(lines)
+
+
+def currents(table: Table) -> str:
+    """What the ADC sees, from shunt and gain."""
+    half_v = table.supply.logic_v / 2
+    per_a = table.part("R6").of("ice40") * table.current.gain
+    ends, middle = table.part("R14").of("ice40"), table.part("R15").of("ice40")
+    trips_a = (half_v - table.supply.logic_v * ends / (2 * ends + middle)) / per_a
+    stall_a = BUS_V / RESISTANCE_OHM
+    rows = [
+        ("shunt R6 × gain of U7", f"{table.text('R6')} × {table.current.gain:g} = {per_a:.2f} V/A"),
+        ("0 A", f"{half_v:.2f} V, mid-scale"),
+        ("end of the ADC's scale, `full_scale_a`", f"± {half_v / per_a:.2f} A"),
+        ("end of what U7 gives truly", f"± {(half_v - table.current.swing_v) / per_a:.2f} A"),
+        ("a sample takes the gates off, `[sense] trip_a`", _trips()),
+        ("option overcurrent, by R14 and R15", f"± {trips_a:.2f} A"),
+        ("stall of the RE 25 at 12 V", f"{stall_a:.1f} A, off the scale"),
+        ("heat in R6 at stall", f"{stall_a**2 * table.part('R6').of('ice40'):.1f} W"),
+    ]
+    return _row(["what", "value"]) + "|---|--:|\n" + "".join(_row(list(row)) for row in rows)
+
+
+def _trips() -> str:
+    """The current at which the boards' own trip takes the gates off."""
+    found = sorted({load_board(name).fpga.sense.trip_a for name in board_names()})
+    return "± " + ", ".join(f"{trip_a:.2f}" for trip_a in found) + " A"
+
+
+def runs(board: str) -> str:
+    """How a board runs, by its scene."""
+    loaded = load_board(board)
+    scene = loaded.scene
+    motors = f" for each of {loaded.fpga.motors} motors" if loaded.fpga.motors > 1 else ""
+    return (
+        f"{loaded.clock_hz / 1e6:g} MHz by its PLL, a tick of {1e6 / scene.controller.tick_hz:g} µs"
+        f"{motors}, a carrier of {scene.drive.pwm_hz / 1e3:g} kHz, "
+        f"a dead time of {scene.drive.dead_time_s * 1e9:.0f} ns.\n"
+    )
+
+
+def full_scale_a(table: Table) -> float:
+    """Current at the end of the ADC's scale."""
+    return table.supply.logic_v / 2 / (table.part("R6").of("ice40") * table.current.gain)
+
+
+def makers(table: Table) -> dict[Path, dict[str, Callable[[], str]]]:
+    """What fills each marker of each page."""
+    found: dict[Path, dict[str, Callable[[], str]]] = {
+        WIRING: {
+            "parts": partial(bill, table, options=False),
+            "options": partial(bill, table, options=True),
+            "pump": partial(pump, table),
+            "currents": partial(currents, table),
+        }
+    }
+    for board in board_names():
+        found[Path("boards", board, "README.md")] = {
+            "runs": partial(runs, board),
+            "pins": partial(pins.table, board),
+        }
+    return found
+
+
+def filled(text: str, page: Path, made: dict[str, Callable[[], str]]) -> str:
+    """The page with its tables made anew; :class:`WiringError` for one that lacks a marker."""
+    missing = set(made) - {name for _, name, _, _ in _MARKED.findall(text)}
+    if missing:
+        name = sorted(missing)[0]
+        raise WiringError(f"{page}: there is no <!-- begin {name} --> with its end; add both")
+
+    def fill(found: re.Match[str]) -> str:
+        return found[1] + made[found[2]]() + found[4] if found[2] in made else found[0]
+
+    return _MARKED.sub(fill, text)
+
+
+def part_of(text: str, name: str) -> str:
+    """What stands between the markers of a page."""
+    for _, found, inside, _ in _MARKED.findall(text):
+        if found == name:
+            return inside
+    raise WiringError(f"there is no <!-- begin {name} -->")
+
+
+def write(table: Table, root: Path = ROOT) -> list[Path]:
+    """Fill the markers of every page."""
+    written = []
+    for page, made in makers(table).items():
+        old = (root / page).read_text(encoding="utf-8")
+        new = filled(old, page, made)
+        if new != old:
+            (root / page).write_text(new, encoding="utf-8")
+        written.append(page)
+    return written
