@@ -68,7 +68,7 @@ AH, AL, BH, BL, CS_N, SCLK, TICK, CORE_VALID, TOUCHING = range(9)
 ) = range(11)  # fmt: skip
 # Places in the integers that the loop keeps.
 (
-    NOW, ADVANCED, PINS, SHIFT, HELD, COUNT, EDGE, CLOSED, EMITTED, TICK_START, FAULTS,
+    NOW, ADVANCED, PINS, SHIFT, HELD, COUNT, NEXT_LOOK, CLOSED, EMITTED, TICK_START, FAULTS,
     CORRECTION,
 ) = range(12)  # fmt: skip
 # Places in the sums of the tick that is running.
@@ -183,7 +183,7 @@ def _next_edge(state, kept, cell, dt, end_s, real):
     than 1e-8 rad in that time.
     """
     if kept[NOW] * dt >= end_s:
-        kept[EDGE] = 1 << 62
+        kept[NEXT_LOOK] = 1 << 62
         return
     ahead = (kept[NOW] - kept[ADVANCED]) * dt
     x = state[X] + state[OMEGA] * ahead
@@ -202,7 +202,7 @@ def _next_edge(state, kept, cell, dt, end_s, real):
         until = (edge - x) / (speed * dt)
         if until < wait:
             wait = max(1, int(np.ceil(until)))
-    kept[EDGE] = kept[NOW] + wait
+    kept[NEXT_LOOK] = kept[NOW] + wait
 
 
 @compiled(inline="always")
@@ -250,7 +250,7 @@ def advance(
     data_bits = ints[DATA_BITS]
     silent = 0
     while done < rows.shape[0]:
-        if kept[NOW] >= kept[EDGE]:
+        if kept[NOW] >= kept[NEXT_LOOK]:
             _next_edge(state, kept, cell, dt, end_s, real)
         inputs = ((kept[SHIFT] >> 63) & 1) | encoder_levels(kept[COUNT])
         pins = call2(ints[CLOCK], ints[MODEL], inputs)
