@@ -8,6 +8,7 @@ leave open has its default of ``rtl/words.toml``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from wavehaptics.controller import guard
@@ -112,7 +113,7 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "GUARDED": int(board.guard is not None),
     }
     sizes = Sizes(board.motors, board.walls, 0, board.delay_log2)
-    values = {
+    values: dict[str, int | Sequence[int]] = {
         **words,
         "guard": board.guard or 0,
         **board.ports.wall_words(board.walls, board.motors),
