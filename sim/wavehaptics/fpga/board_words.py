@@ -20,7 +20,7 @@ from wavehaptics.scene import Scene, SceneError
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.words.generated import LICENCE, connections
-from wavehaptics.words.table import Sizes
+from wavehaptics.words.table import Sizes, Values
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "GUARDED": int(board.guard is not None),
     }
     sizes = Sizes(board.motors, board.walls, 0, board.delay_log2)
-    values = {
+    values: Values = {
         **words,
         "guard": board.guard or 0,
         **board.ports.wall_words(board.walls, board.motors),

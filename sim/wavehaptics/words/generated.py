@@ -115,7 +115,7 @@ def _span(word: Word) -> str:
 
 def page_rows() -> list[tuple[str, ...]]:
     """A row of the page for each word, in the order of their addresses."""
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for word in sorted(table.WORDS.values(), key=Word.at):
         digits = 6 if word.fixed.fraction else 10
         low, high = (f"{bound:.{digits}g}" for bound in word.range)

@@ -13,7 +13,6 @@ import re
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from numbers import Integral
 from pathlib import Path
 from typing import Any, Literal
 
@@ -235,7 +234,7 @@ def fields(values: Values, sizes: Sizes) -> dict[str, list[tuple[int, int]]]:
     known = {*inputs, *(word.name for words in inputs.values() for word in words)}
     if unknown := sorted(set(values) - known):
         raise ValueError(f"{TABLE}: there is no setting {unknown[0]}")
-    result = {}
+    result: dict[str, list[tuple[int, int]]] = {}
     for port, words in inputs.items():
         copies = sizes.copies(words[0].row.per)
         result[port] = found = []
@@ -259,7 +258,7 @@ def fields(values: Values, sizes: Sizes) -> dict[str, list[tuple[int, int]]]:
 
 
 def _each(name: str, value: int | Sequence[int], copies: int) -> list[int]:
-    raws = [int(value)] * copies if isinstance(value, Integral) else [int(raw) for raw in value]
+    raws = [int(raw) for raw in value] if isinstance(value, Sequence) else [int(value)] * copies
     if len(raws) != copies:
         raise ValueError(f"{name} has {copies} words, not {len(raws)}")
     return raws
