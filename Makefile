@@ -197,6 +197,7 @@ lint: $(READY) ## check the RTL at several sizes and word lengths, and the Pytho
 	@.venv/bin/ruff check
 	@.venv/bin/ruff format --check
 	@.venv/bin/lint-imports --no-logo
+	@.venv/bin/mypy
 
 include boards/boards.mk
 include boards/wiring.mk

@@ -22,7 +22,7 @@ AT_MOST = PATIENCE + 3
 
 ALL_ON = (1 << GATES) - 1
 CLOCK_PS = 11_112
-"""90 MHz, the fastest board's."""
+"""90 MHz; no board is faster."""
 
 WATCH_PS = 16 * 1_000_000 // 310
 TOLERANCE = 0.3

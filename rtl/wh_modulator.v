@@ -202,25 +202,43 @@ module wh_modulator #(
         end
     end
 
-    // What is too short becomes 0 or least_i.
-    wire signed [ROUND_W-1:0] chosen;
-    wire signed [REST_W-1:0]  rest_long = $signed({{REST_W-FRACTION{rest_q[FRACTION]}},
-                                                   rest_q[FRACTION-1:0]});
-    wire signed [REST_W-1:0]  left;       // total - chosen
-    wire        [7:0]         spare;
+    // Half of an odd half_clocks_i is rounded down.
+    wire        [7:0]            spare;
+    wire signed [`WH_TICK_W-1:0] limit      = $signed({1'b0, half_clocks_i[`WH_TICK_W-1:1]})
+                                              - $signed({{`WH_TICK_W-8{1'b0}}, spare});
+    wire signed [ROUND_W-1:0]    limit_long = {{ROUND_W-`WH_TICK_W{1'b0}}, limit};
+    wire                         above      = rounded_q > limit_long;
+    wire                         below      = rounded_q < -limit_long;
+    wire                         unused     = &{1'b0, half_clocks_i[0]};
+
+    // What is too short becomes 0 or least_i. All comparisons are with the same word, so that none
+    // waits for another.
+    wire signed [`WH_TICK_W-1:0] chosen;  // of a width that isn't beyond the limit
+    wire                         over;
+    wire                         under;
+    wire signed [REST_W-1:0]     rest_long = $signed({{REST_W-FRACTION{rest_q[FRACTION]}},
+                                                      rest_q[FRACTION-1:0]});
+    wire signed [REST_W-1:0]     left;    // total - chosen
 
     generate
         if (MIN_PULSE != 0) begin : minimum
-            wire                      negative = rounded_q[ROUND_W-1];
-            wire signed [ROUND_W-1:0] size     = negative ? -rounded_q : rounded_q;
-            wire signed [ROUND_W-1:0] least    = $signed({{ROUND_W-8{1'b0}}, least_i});
-            wire                      short    = size < least;
-            wire signed [ROUND_W-1:0] instead  = ((size <<< 1) < least) ? {ROUND_W{1'b0}}
-                                               : negative              ? -least : least;
-            wire signed [ROUND_W-1:0] off      = rounded_q - instead;
+            wire signed [ROUND_W-1:0] least = $signed({{ROUND_W-8{1'b0}}, least_i});
+            wire signed [ROUND_W:0]   twice = $signed({rounded_q, 1'b0});
+            wire signed [ROUND_W:0]   once  = $signed({1'b0, least});
+            wire                      short = rounded_q < least && rounded_q > -least;
+            wire                      up    = twice >= once;
+            wire                      down  = twice <= -once;
+            wire                      wide  = least > limit_long;
+
+            wire signed [`WH_TICK_W-1:0] size    = $signed({{`WH_TICK_W-8{1'b0}}, least_i});
+            wire signed [`WH_TICK_W-1:0] instead = up ? size : down ? -size : {`WH_TICK_W{1'b0}};
+            wire signed [ROUND_W-1:0] off   = up ? rounded_q - least
+                                            : down ? rounded_q + least : rounded_q;
             wire                      unused_off = &{1'b0, off[ROUND_W-1:REST_W-FRACTION]};
 
-            assign chosen = short ? instead : rounded_q;
+            assign chosen = short ? instead : $signed(rounded_q[`WH_TICK_W-1:0]);
+            assign over   = short ? up && wide : above;
+            assign under  = short ? down && wide : below;
             assign left   = short ? rest_long
                                     + $signed({off[REST_W-FRACTION-1:0], {FRACTION{1'b0}}})
                                   : rest_long;
@@ -228,19 +246,13 @@ module wh_modulator #(
         end else begin : any_pulse
             wire unused_minimum = &{1'b0, least_i, spare_i};
 
-            assign chosen = rounded_q;
+            assign chosen = $signed(rounded_q[`WH_TICK_W-1:0]);
+            assign over   = above;
+            assign under  = below;
             assign left   = rest_long;
             assign spare  = 8'd0;
         end
     endgenerate
-
-    // Half of an odd half_clocks_i is rounded down.
-    wire signed [`WH_TICK_W-1:0] limit      = $signed({1'b0, half_clocks_i[`WH_TICK_W-1:1]})
-                                              - $signed({{`WH_TICK_W-8{1'b0}}, spare});
-    wire signed [ROUND_W-1:0]    limit_long = {{ROUND_W-`WH_TICK_W{1'b0}}, limit};
-    wire                         over       = chosen > limit_long;
-    wire                         under      = chosen < -limit_long;
-    wire                         unused     = &{1'b0, half_clocks_i[0]};
 
     reg  signed [REST_W-1:0] next_rest_q;
     wire signed [REST_W:0]   rest  = $signed({next_rest_q[REST_W-1], next_rest_q});
@@ -254,7 +266,7 @@ module wh_modulator #(
             older_q     <= {REST_W{1'b0}};
         end else begin
             width_o     <= over ? limit
-                                : (under ? -limit : $signed(chosen[`WH_TICK_W-1:0]));
+                                : (under ? -limit : chosen);
             next_rest_q <= (over || under) ? {REST_W{1'b0}} : left;
             if (update_i) begin
                 rests_q <= second_order_i ? (rest <<< 1) - older : rest;

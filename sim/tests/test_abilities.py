@@ -92,6 +92,10 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "adc.offset_a": (SENSED, ("adc.offset_a=5e-3",)),
     "adc.bandwidth_hz": (SENSED, ("adc.bandwidth_hz=200e3",)),
     "adc.common_mode_a": (SENSED, ("adc.common_mode_a=5e-3",)),
+    "adc.edge_settle_s": (
+        (*SENSED, *DRIVEN, "adc.common_mode_a=5e-3"),
+        ("adc.edge_settle_s=1e-6",),
+    ),
     "adc.drift_a_per_s": (SENSED, ("adc.drift_a_per_s=0.5",)),
     "drive.mode": (DRIVEN, ("drive.mode=sign-magnitude",)),
     "drive.bus_v": (DRIVEN, ("drive.bus_v=1",)),
@@ -244,6 +248,7 @@ def test_what_is_refused_is_told_in_one_line(base: Path, name: str) -> None:
         "servo": ("servo.rate_hz=1000",),
         "controller.anchor_auto": ANCHORED,
         "controller.edge_hysteresis": (*ENCODER, "controller.edge_hysteresis=true"),
+        "adc.edge_settle_s": (*SENSED, "adc.common_mode_a=5e-3", "adc.edge_settle_s=1e-6"),
         "drive.bus_measured": (*DRIVEN, "drive.bus_measured=true"),
     }
     refuse(load_scene(base), name)

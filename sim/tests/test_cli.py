@@ -14,7 +14,8 @@ from types import ModuleType
 import pytest
 import typer
 from wavehaptics.cli import main
-from wavehaptics.fpga.boards import ROOT
+from wavehaptics.cli.shared import CONTROLLERS
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import parse
 from wavehaptics.scene import SceneError, shipped_scenes
 
@@ -101,7 +102,7 @@ def test_run_with_defaults(capsys, monkeypatch, runs):
     assert out.endswith(f"results in {folder}\n")
 
 
-@pytest.mark.parametrize("controller", main.CONTROLLERS)
+@pytest.mark.parametrize("controller", CONTROLLERS)
 def test_run_with_options(capsys, monkeypatch, runs, controller):
     status, _, err = call(
         capsys,

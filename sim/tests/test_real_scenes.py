@@ -250,6 +250,32 @@ def test_drift_and_common_mode(make_scene):
         assert np.median(np.abs(error - expected)[clear]) < 3e-4
 
 
+@pytest.mark.parametrize("settle_s", [0.5e-6, 2e-6, 10e-6])
+def test_an_edge_of_lead_a_dies_away_at_the_amplifier(make_scene, settle_s):
+    """At 0 V both leads change with every carrier half, a tick here; the sample is in its middle.
+
+    So what is left there is ±C·p/(1 + p²), p = exp(−T/2τ), with the sign of the newest edge.
+    """
+    scene = make_scene(
+        "adc.bits=16", "adc.full_scale_a=1", "adc.common_mode_a=0.1",
+        f"adc.edge_settle_s={settle_s}", "drive.bus_v=12", "drive.limit_v=1e-3",
+        "drive.pwm_hz=500e3", "controller.tick_hz=1e6", "controller.clock_hz=48e6",
+    )  # fmt: skip
+    rows, _, words = rows_of(scene, "pins", 1e-3, words=True)
+    error = (words[:, Word.I] * formats.CURRENT.step - rows[:, Column.I])[100:]
+    p = np.exp(-0.5e-6 * np.log(100) / settle_s)
+    assert np.abs(np.abs(error) - 0.1 * p / (1 + p * p)).max() < 1e-3
+    assert (np.sign(error[1:]) == -np.sign(error[:-1])).all()
+
+
+def test_settling_is_refused_without_a_bridge(make_scene):
+    with pytest.raises(SceneError, match=r"adc\.edge_settle_s .* has nothing to settle"):
+        make_scene("adc.bits=12", "adc.edge_settle_s=2e-6")
+    scene = make_scene("adc.bits=12", "adc.common_mode_a=0.1", "adc.edge_settle_s=2e-6")
+    with pytest.raises(SceneError, match=r"adc\.edge_settle_s is not for `golden`"):
+        measure(scene, "golden")
+
+
 # --- The encoder's lines --------------------------------------------------------------------------
 
 

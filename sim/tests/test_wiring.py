@@ -139,6 +139,20 @@ def test_ngspice_that_is_missing_or_fails_is_said_in_a_line(monkeypatch):
         spice.run("* nothing\n.end\n")
 
 
+def test_a_supervisor_of_the_next_threshold_is_refused(table):
+    wrong = table.supervisor_levels.model_copy(update={"trip_v": (3.0, 3.15)})
+    lines = spice.complaints(table.model_copy(update={"supervisor_levels": wrong}))
+    assert lines == ["the supervisor may shut at 3.15 V, and the supply may be 3.13 V"]
+
+
+def test_an_encoder_of_five_volts_is_divided_to_what_the_fpga_bears(table):
+    series, ground = (table.part(name) for name in ("R11", "R12"))
+    for encoder_v, sign in ((4.75, 1), (5.25, -1)):
+        above = series.of("ice40") * (1 + sign * series.tolerance)
+        below = ground.of("ice40") * (1 - sign * ground.tolerance)
+        assert table.levels.v_ih < encoder_v * below / (above + below) < 3.45
+
+
 # ---- The drawings.
 
 
@@ -260,14 +274,22 @@ def test_a_boards_page_warns(name):
 
 @pytest.mark.parametrize("name", board_names())
 def test_scale_of_the_current_is_that_of_shunt_and_gain(table, name):
-    scene = load_board(name).scene
-    assert scene.adc.full_scale_a == pytest.approx(pages.full_scale_a(table), rel=0.01)
+    """And of the parts that the build of a board is told of."""
+    board = load_board(name)
+    assert board.scene.adc.full_scale_a == pytest.approx(pages.full_scale_a(table), rel=0.01)
+    sense = board.fpga.sense
+    assert sense.shunt_ohm == table.part("R6").of(board.fpga.family)
+    assert (sense.gain, sense.swing_v) == (table.current.gain, table.current.swing_v)
+    assert sense.supply_v == table.supply.logic_v
+    assert table.text("U7").startswith(sense.amplifier)
+    assert (board.fpga.adc, board.fpga.bridge.driver) == (table.text("U8"), table.text("U5"))
 
 
 def test_overcurrent_is_below_what_the_amplifier_can_tell(table):
     rows = dict(re.findall(r"\| (.+?) \| ± ([\d.]+) A \|", pages.currents(table)))
     ends = {name.split(",")[0]: float(value) for name, value in rows.items()}
-    assert 2.0 < ends["option overcurrent"] < ends["end of what U7 gives truly"]
+    assert ends["a sample takes the gates off"] < ends["option overcurrent"]
+    assert ends["option overcurrent"] < ends["end of what U7 gives truly"]
     assert ends["end of what U7 gives truly"] < ends["end of the ADC's scale"]
 
 
@@ -287,6 +309,10 @@ def test_supply_pins_of_headers_carry_no_signal():
         listed_ports = {pin.port for pin in listed if pin.port}
         assert listed_ports | {port for port, _, _ in found.on_board} == set(pins.ports(name))
         assert any(pin.place == "GND" for pin in listed)
+        known = load_board(name).fpga
+        sites = {pin.place for pin in listed if re.fullmatch(r"[A-Z]?\d+", pin.place)}
+        unused = {"C3", "C4", "B4", "D3"} if name == "colorlight_i5" else set()  # between the PMODs
+        assert sites - {*known.free, *known.taken} == unused
         for pin in listed:
             assert pin.port is None or re.fullmatch(r"[A-Z]?\d+", pin.place)
     core = [pin for row in pins.wires("hx8k").headers["J2"] for pin in row if "1.2" in pin.place]

@@ -49,10 +49,12 @@ def compiled_functions(source: str) -> dict[str, range]:
     def name(decorator: ast.expr) -> str:
         if isinstance(decorator, ast.Call):
             decorator = decorator.func
-        return decorator.attr if isinstance(decorator, ast.Attribute) else decorator.id
+        if isinstance(decorator, ast.Attribute):
+            return decorator.attr
+        return decorator.id if isinstance(decorator, ast.Name) else ""
 
     return {
-        node.name: range(node.body[0].lineno, node.end_lineno + 1)
+        node.name: range(node.body[0].lineno, (node.end_lineno or 0) + 1)
         for node in ast.walk(ast.parse(source))
         if isinstance(node, ast.FunctionDef)
         and any(name(decorator) in _COMPILERS for decorator in node.decorator_list)
@@ -100,8 +102,8 @@ def merge(paths: Iterable[Path]) -> Iterator[tuple[Point, int]]:
                 if line.startswith("C '"):
                     name, _, count = line[3:].rpartition("' ")
                     counts[name] += int(count)
-    for name, count in counts.items():
-        yield dict(part.split("\x02", 1) for part in name.split("\x01")[1:]), count
+    for name, hits in counts.items():
+        yield dict(part.split("\x02", 1) for part in name.split("\x01")[1:]), hits
 
 
 def _lines(told: str) -> Iterator[int]:

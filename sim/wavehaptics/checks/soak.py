@@ -243,7 +243,9 @@ def _episode(scene: Any, set_: Settings, rng: np.random.Generator, found: dict[s
     try:
         while done < EPISODE_TICKS:
             if core is None or rng.random() < 0.05:
-                library.wh_core_stop(ctypes.c_void_p(model), ctypes.c_int64(rng.integers(0, most)))
+                library.wh_core_stop(
+                    ctypes.c_void_p(model), ctypes.c_int64(int(rng.integers(0, most)))
+                )
                 core, line = wave_core.new_state(), wave_core.new_line(set_.extra_ticks)
                 held, states = anchor.new_state(), wave_core.new_shaper_state(sections)
                 kept[:_TOUCHED] = 0

@@ -6,8 +6,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping
-from enum import IntEnum
-from typing import NamedTuple
+from enum import EnumMeta, IntEnum
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wavehaptics.controller.ports import Ports
 from wavehaptics.motor.sensor import Sensor
@@ -22,14 +22,25 @@ _HEADER = (RTL_DIR / "wh_faults.vh").read_text(encoding="utf-8")
 
 def _integer(name: str) -> int:
     found = re.search(rf"^`define WH_{name}\s+(\d+'h)?([0-9a-f]+)", _HEADER, re.MULTILINE)
+    assert found is not None
     return int(found[2], 16 if found[1] else 10)
 
 
-Fault = IntEnum(
-    "Fault",
-    [(name, int(bit)) for name, bit in re.findall(r"WH_FAULT_(\w+)\s+(\d+)", _HEADER)],
-)
-"""Bits of the status word."""
+class _OfHeader(EnumMeta):
+    """For an enumeration whose members a type checker can't know."""
+
+    if TYPE_CHECKING:
+
+        def __getattr__(cls, name: str) -> Any: ...
+
+
+class Fault(IntEnum, metaclass=_OfHeader):
+    """Bits of the status word."""
+
+    _ignore_ = ["_name", "_bit"]  # noqa: RUF012
+    for _name, _bit in re.findall(r"WH_FAULT_(\w+)\s+(\d+)", _HEADER):
+        vars()[_name] = int(_bit)
+
 
 FIELDS = {word.name.removeprefix("guard_").upper(): word for word in table.ports()["guard"]}
 """The words of its settings, by the names that ``wh_faults.vh`` has for them."""

@@ -112,7 +112,7 @@ def controller_ports(
         **dead,
     }
     largest = words["clocks_per_volt"]
-    if scene.drive and scene.drive.bus_measured:
+    if scene.drive and scene.drive.bus_measured and scene.drive.true_bus_v is not None:
         lowest = bus_scale.bus_word(scene.drive.true_bus_v - scene.drive.bus_ripple_v)
         half_bridge = bridge_mode(scene) == HALF_BRIDGE
         largest = bus_scale.clocks_per_volt(time.half_clocks, lowest, half_bridge)
@@ -144,12 +144,12 @@ def _min_pulse(scene: Scene, time: Timing) -> int:
 def _dead_time_words(scene: Scene, time: Timing, bus_v: float) -> dict[str, int]:
     """Words of the dead time and of its compensation, ``rtl/wh_dead_time.v``."""
     clocks = dead_clocks(scene, time.clock_hz)
-    compensate = clocks > 0 and scene.drive.compensate
+    compensate = clocks > 0 and scene.drive is not None and scene.drive.compensate
     if compensate and bridge_mode(scene) != UNIPOLAR:
         raise SceneError(
             f"{scene.scene.name}: drive.compensate: what dead time takes depends on the ripple in "
-            f"the mode {scene.drive.mode}, and can't be made good; set drive.compensate = false or "
-            "take drive.mode = unipolar"
+            f"the mode {bridge_mode(scene)}, and can't be made good; set drive.compensate = false "
+            "or take drive.mode = unipolar"
         )
     # Half the current that one dead time's voltage changes.
     side_a = 0.5 * bus_v * clocks / time.clock_hz / scene.controller.l_hat

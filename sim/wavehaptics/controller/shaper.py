@@ -42,7 +42,8 @@ def design(scene: Scene, tick_s: float, tau_s: float, r_hat: float) -> Shaper:
         return Shaper(np.array(sections, dtype=np.int64))
     k_t, inductance = scene.controller.k_t_hat, scene.controller.l_hat
     front = front_stiffness(k_t, inductance, r_hat, tau_s)
-    mass, damping, spring = table.mass_kgm2 or 0.0, table.damping, table.stiffness or 0.0
+    asked = table.mass_kgm2 or 0.0
+    mass, damping, spring = asked, table.damping, table.stiffness or 0.0
     if table.feel in ("spring", "resonance"):
         spring = spring_behind(spring, front)
     if table.feel == "mass":
@@ -50,10 +51,10 @@ def design(scene: Scene, tick_s: float, tau_s: float, r_hat: float) -> Shaper:
         mass -= closed_forms.free_space_inertia(k_t, r_hat, tau_s)
         if mass <= 0.0:
             raise WishError(
-                f"shaper.mass_kgm2 = {table.mass_kgm2:.6g} is less than the delay adds by itself, "
-                f"{table.mass_kgm2 - mass:.3g} kg·m²; wish for more"
+                f"shaper.mass_kgm2 = {asked:.6g} is less than the delay adds by itself, "
+                f"{asked - mass:.3g} kg·m²; wish for more"
             )
-    wish = Wish(table.mass_kgm2 or 0.0, damping, spring, front)
+    wish = Wish(asked, damping, spring, front)
     behind = Wish(mass, damping, spring, front)
     top, bottom = reflection(behind, closed_forms.b_r(k_t, r_hat))
     return Shaper(quantise(realise(top, bottom, tick_s))[None], wish)

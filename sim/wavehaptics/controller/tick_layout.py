@@ -200,11 +200,11 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
     except PartError as error:
         raise SceneError(f"{scene.scene.name}: adc.part: {error}; take another clock_hz") from None
     clock_hz = control.clock_hz if control.clock_hz is not None else tick_hz * tick_clocks
-    if pwm_hz is None:
+    if pwm_hz is None or pulse_hz is None:
         if tick_clocks % pulse_halves:
             raise SceneError(
-                f"{scene.scene.name}: drive.mode = {drive.mode} needs an even number of clocks in "
-                f"a tick, not {tick_clocks}; take another controller.clock_hz"
+                f"{scene.scene.name}: drive.mode = {bridge_mode(scene)} needs an even number of "
+                f"clocks in a tick, not {tick_clocks}; take another controller.clock_hz"
             )
         pulse_clocks = pulse_halves * _whole_part(
             tick_clocks // pulse_halves, SLOW_HALF_CLOCKS // pulse_halves
@@ -213,7 +213,9 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             pulse_clocks = tick_clocks
     else:
         if abs(pulses * tick_hz / pulse_hz - 1) > 0.01 or tick_clocks % halves:
-            twice = "twice pwm_hz" if pulse_halves == 1 else f"with mode = {drive.mode} pwm_hz"
+            twice = (
+                "twice pwm_hz" if pulse_halves == 1 else f"with mode = {bridge_mode(scene)} pwm_hz"
+            )
             raise SceneError(
                 f"{scene.scene.name}: drive.pwm_hz = {pwm_hz:g} Hz doesn't fit "
                 f"controller.tick_hz = {control.tick_hz:g} Hz on `pins`; "
@@ -284,12 +286,13 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
 
 def dead_clocks(scene: Scene, clock_hz: float) -> int:
     """Dead time of the scene's drive in clocks; :class:`SceneError` where they are too many."""
-    clocks = round(scene.drive.dead_time_s * clock_hz) if scene.drive else 0
+    dead_s = scene.drive.dead_time_s if scene.drive else 0.0
+    clocks = round(dead_s * clock_hz)
     if clocks > MOST_DEAD_CLOCKS:
         raise SceneError(
-            f"{scene.scene.name}: drive.dead_time_s = {scene.drive.dead_time_s:g} s is {clocks} "
+            f"{scene.scene.name}: drive.dead_time_s = {dead_s:g} s is {clocks} "
             f"clocks of `pins`, which counts {MOST_DEAD_CLOCKS}; "
-            f"take controller.clock_hz <= {MOST_DEAD_CLOCKS / scene.drive.dead_time_s:g}"
+            f"take controller.clock_hz <= {MOST_DEAD_CLOCKS / dead_s:g}"
         )
     return clocks
 

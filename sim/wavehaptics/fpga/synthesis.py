@@ -416,7 +416,8 @@ def synthesis_command(family: str, device: str) -> str:
 def synthesise(design: Design, netlist: Path, tools: Toolchain, log: Path) -> None:
     """Make the netlist; :class:`SynthesisError` at the first fault, or any warning."""
     status = tools.run("yosys", ["-p", yosys_script(design, netlist)], design.root, log)
-    warnings, errors = [], []
+    warnings: list[str] = []
+    errors: list[str] = []
     for line in log.read_text(encoding="utf-8", errors="replace").splitlines():
         found = re.match(r"(?:\S+:\d+: )?(Warning|ERROR|Lexer warning|Parser warning)\b:?\s*", line)
         if not found or any(re.match(expected, line) for expected in _EXPECTED_WARNINGS):
@@ -602,7 +603,7 @@ def _reached_hz(
         timed = own.nets & clocks.keys()
         if not timed:
             raise SynthesisError(f"{design.name}: nextpnr didn't time the oscillator's clock")
-        watch_hz = clocks.pop(timed.pop())
+        watch_hz = clocks.pop(next(iter(timed)))
         fastest_hz = (1 + OSCILLATOR_TOLERANCE) * own.hz
         if watch_hz < (1 + SPARE) * fastest_hz:
             raise _missed(design, watch_hz, "the oscillator's clock reaches", fastest_hz)

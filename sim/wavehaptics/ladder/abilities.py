@@ -38,27 +38,29 @@ _ANCHOR = frozenset(
 _DIGITAL = frozenset(("controller.extra_ticks", "controller.edge_hysteresis",
                       "controller.early_duty"))  # fmt: skip
 
-_NO_W = "leave it out or take `golden`"
+_NO_W = {"shaper": "leave it out or take `golden`"}
+_NO_EDGES = {"adc.edge_settle_s": "it has no edges of a bridge; leave it out or take `pins`"}
 
 ABILITIES: dict[str, Ability] = {
     "analog": Ability(
         _PINS | _ANCHOR | _DIGITAL
         | {"encoder", "adc", "servo", "controller.l_hat", "controller.k_t_hat",
            "controller.anchor_auto"},
-        {"shaper": _NO_W},
+        _NO_W | _NO_EDGES,
     ),
-    "golden": Ability(_PINS | {"servo"}),
-    "core": Ability(_PINS | {"servo"}),
+    "golden": Ability(_PINS | {"servo"}, _NO_EDGES),
+    "core": Ability(_PINS | {"servo"}, _NO_EDGES),
     "pins": Ability(frozenset({"servo"})),
     "encoder": Ability(
         _PINS | _ANCHOR | _DIGITAL
         | {"adc", "encoder.uneven", "controller.eta_contact", "controller.eta_free",
            "controller.r_hat", "controller.anchor_auto", "controller.r_hat_part"},
-        {"shaper": _NO_W},
+        _NO_W | _NO_EDGES,
     ),
     "hosted": Ability(
         _PINS | {"servo"},
-        {
+        _NO_EDGES
+        | {
             "shaper": "the environment is the host's; leave it out",
             "thermal": "leave it out or take `golden`",
             "controller.edge_hysteresis": "leave it out or take `golden`",

@@ -349,7 +349,8 @@ class AnalogSimulation:
 
     def _step_bus(self) -> None:
         lambda_, s, gain, etas = self._circuit
-        gain *= self._real[SUPPLY][STEP_PART]
+        assert self._real is not None
+        gain *= float(self._real[SUPPLY][STEP_PART])
         self._circuit = (lambda_, s, gain, etas)
         self._floats[_GAIN] = gain
         self._steps = self._transitions(self._plant)

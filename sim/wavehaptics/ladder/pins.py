@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+from typing import Any
 
 import numpy as np
 
@@ -172,7 +173,7 @@ class PinsSimulation:
     def _transitions(self, plant: Plant) -> np.ndarray:
         return np.stack([plant.transition(n * self._dt) for n in range(_STEPS + 1)])
 
-    def _function(self, name: str) -> ctypes._CFuncPtr:
+    def _function(self, name: str) -> Any:
         return getattr(self._library, f"{self.PREFIX}_{name}")
 
     def _parameters(self) -> dict[str, int]:

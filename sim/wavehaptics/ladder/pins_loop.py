@@ -16,8 +16,10 @@ from wavehaptics.motor.encoder_lines import FAULTY, cell_of, edge_place, line_co
 from wavehaptics.motor.imperfections import (
     AMPLIFIED,
     DRAWN,
+    EDGE,
     LAG,
     LAG_TABLE,
+    LEAD,
     LINE_MEMORY,
     LINES,
     LOAD,
@@ -27,10 +29,12 @@ from wavehaptics.motor.imperfections import (
 )
 from wavehaptics.motor.plant import OMEGA, TIME, C, I, P, X, plant_step
 from wavehaptics.motor.sensor import (
+    COMMON_MODE,
     FULL_SCALE,
     LAG_RATE,
     NOISE,
     OFFSET,
+    SETTLE_RATE,
     disturbed,
     lagged,
     sample_code,
@@ -98,7 +102,7 @@ def _sensed(state, sensor, real):
     if real is not None:
         if sensor[LAG_RATE] != 0.0:
             current = real[LAG][AMPLIFIED]
-        current = disturbed(current, real[LAG][VOLTS], state[TIME], sensor)
+        current = disturbed(current, real[LAG][VOLTS], state[TIME], sensor) + real[LAG][EDGE]
     return current
 
 
@@ -114,11 +118,22 @@ def _step(state, table, step_s, clocks, e, legs, load, sensor, real):
         memory[DRAWN] += legs * charge
         if legs != 0.0:
             memory[VOLTS] = e
+        if sensor[SETTLE_RATE] != 0.0:
+            memory[EDGE] *= np.exp(-sensor[SETTLE_RATE] * step_s)
         if sensor[LAG_RATE] != 0.0:
             memory[AMPLIFIED] = lagged(
                 memory[AMPLIFIED], first, state[I], charge / step_s, real[LAG_TABLE][clocks]
             )
         return charge, square
+
+
+@compiled(inline="always")
+def _lead_moves(lead, sensor, memory):
+    """What an edge of lead A, at ``lead`` from now on, adds to the amplifier's output."""
+    if sensor[SETTLE_RATE] != 0.0 and lead != memory[LEAD]:
+        if memory[LEAD] != 0.0:
+            memory[EDGE] += (lead - memory[LEAD]) * sensor[COMMON_MODE]
+        memory[LEAD] = lead
 
 
 @compiled()
@@ -143,6 +158,7 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
                 e = floats[GAIN] * bridge_voltage(kept[PINS], before, bus)
             if real is not None and bus > 0.0:
                 legs = e / (floats[GAIN] * bus)
+                _lead_moves(half_bridge_voltage(kept[PINS], before, 1.0), sensor, real[LAG])
         charge, square = _step(state, tables[part], step_s, part, e, legs, load, sensor, real)
         if floating and before * state[I] <= 0.0:
             # The current ran out within the step and stays at zero: a triangle is left of it.

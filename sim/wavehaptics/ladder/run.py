@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from wavehaptics.controller.settings import Settings
+from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.analog import AnalogSimulation
 from wavehaptics.ladder.encoder import EncoderSimulation
 from wavehaptics.ladder.pins import PinsSimulation
@@ -26,6 +27,13 @@ from wavehaptics.trace.pictures import run_picture
 
 CHUNK_TICKS = 1 << 15
 """Ticks at a time: long enough that Python costs nothing, short enough for the caches."""
+
+
+class Recorder(Protocol):
+    """What the ticks of a run are handed to, such as a :class:`TraceWriter`."""
+
+    def write(self, rows: np.ndarray, words: np.ndarray | None = None) -> None:
+        """Take the next ticks: ``rows`` (Column) and ``words`` (Word)."""
 
 
 class Simulation(Protocol):
@@ -88,7 +96,7 @@ def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
 def measure(
     scene: Scene,
     controller: str,
-    trace: TraceWriter | None = None,
+    trace: Recorder | None = None,
     progress: Callable[[float], None] | None = None,
     simulation: Simulation | None = None,
     compare: bool = True,
@@ -101,6 +109,7 @@ def measure(
     false. ``progress`` is called with the part done, 0 to 1. ``wall_clock_s`` is the time that the
     controller and its motor took, without compiling, the reference and the files.
     """
+    refuse(scene, controller)
     simulation = simulation or CONTROLLERS[controller](scene)
     return _measure(scene, controller, simulation, trace, progress, compare)
 
@@ -109,7 +118,7 @@ def _measure(
     scene: Scene,
     controller: str,
     simulation: Simulation,
-    trace: TraceWriter | None,
+    trace: Recorder | None,
     progress: Callable[[float], None] | None,
     compare: bool = True,
 ) -> dict[str, Any]:
@@ -165,6 +174,7 @@ def run_scene(
 
     The files go into ``out``. Returns the metrics.
     """
+    refuse(scene, controller)
     simulation = CONTROLLERS[controller](scene)
     tick_s = simulation.tick_s
     trace = TraceWriter(

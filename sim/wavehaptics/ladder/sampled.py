@@ -290,7 +290,7 @@ class SampledSimulation:
             raise RuntimeError("the wave core's RTL never raised valid_o")
 
     def __del__(self) -> None:
-        if getattr(self, "_model", 0):
+        if getattr(self, "_model", 0) and self._library is not None:
             self._library.wh_core_delete(self._model)
 
 

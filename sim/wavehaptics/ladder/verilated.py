@@ -11,6 +11,7 @@ import sys
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from wavehaptics.runtime.files import digest_of
 from wavehaptics.runtime.repository import ROOT, SHIMS
@@ -143,25 +144,27 @@ def load(design: Design) -> ctypes.CDLL:
     return ctypes.CDLL(str(build(design)))
 
 
-def address(function: ctypes._CFuncPtr) -> int:
+def address(function: Any) -> int:
     """Address of a library's function, for :mod:`wavehaptics.runtime.native_call`."""
-    return ctypes.cast(function, ctypes.c_void_p).value
+    found = ctypes.cast(function, ctypes.c_void_p).value
+    assert found is not None
+    return found
 
 
-def words_of(design: Design, values: Values) -> ctypes.Array:
+def words_of(design: Design, values: Values) -> ctypes.Array[ctypes.c_uint32]:
     """The table's words as the library's functions take them; defaults where not given."""
     words = chunks(values, design.sizes)
     return (ctypes.c_uint32 * len(words))(*words)
 
 
-def new_model(function: ctypes._CFuncPtr, words: ctypes.Array, *more: int) -> int:
+def new_model(function: Any, words: ctypes.Array[ctypes.c_uint32], *more: int) -> int:
     """A model of the library, made by the function with :func:`words_of` and what else it takes."""
     function.argtypes = [ctypes.POINTER(ctypes.c_uint32), *[ctypes.c_int64] * len(more)]
     function.restype = ctypes.c_void_p
     return function(words, *more)
 
 
-def declare_destructor(function: ctypes._CFuncPtr) -> None:
+def declare_destructor(function: Any) -> None:
     """Say that a library's function takes a model and returns nothing."""
     function.argtypes = [ctypes.c_void_p]
     function.restype = None

@@ -84,7 +84,7 @@ def worst_frequency(top: np.ndarray, bottom: np.ndarray) -> tuple[float, float]:
     ``d|W|²/dω² = 0`` is a quadratic in ω², so no grid can miss the place.
     """
     n, m = _square(top), _square(bottom)
-    turning = np.polysub(np.polymul(np.polyder(n), m), np.polymul(n, np.polyder(m)))
+    turning: np.ndarray = np.polysub(np.polymul(np.polyder(n), m), np.polymul(n, np.polyder(m)))
     turning = np.where(np.abs(turning) < 1e-13 * np.abs(turning).max(initial=0.0), 0.0, turning)
     places = [0.0]
     if np.any(turning):

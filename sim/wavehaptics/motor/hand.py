@@ -48,10 +48,12 @@ def hand_path(scene: Scene) -> HandPath:
         return HandPath((0.0, 0.0, 0.0, 0.0))
     amplitude = hand.amplitude_rad
     if hand.path == "impact":
+        assert hand.speed_rad_s is not None
         return HandPath((-amplitude, hand.speed_rad_s, 0.0, 0.0))
     if hand.path == "press":
         speed = 1.1 * amplitude / PRESS_RAMP_S
         return HandPath((-amplitude / 10, speed, 0.0, 0.0), ramp_end_s=PRESS_RAMP_S)
+    assert hand.frequency_hz is not None
     omega = 2 * math.pi * hand.frequency_hz
     if hand.path == "taps":
         return HandPath((0.0, 0.0, -amplitude, 0.0), omega)

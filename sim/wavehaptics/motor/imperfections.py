@@ -8,6 +8,7 @@ without any of it, once more, so that it costs an ideal scene nothing.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 
@@ -25,9 +26,10 @@ MOTOR, SUPPLY, LINES, LINE_MEMORY, LAG_TABLE, LAG = range(6)
 Real = tuple[tuple[np.ndarray, ...], np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
-AMPLIFIED, VOLTS, DRAWN, LOAD = range(4)
+AMPLIFIED, VOLTS, DRAWN, LOAD, LEAD, EDGE = range(6)
 """Places in the LAG memory: the amplifier's output in A; with a switching bridge, the voltage that
-was last applied, the charge drawn from the bus in this tick, A·s, and the mean of the last, A."""
+was last applied, the charge drawn from the bus in this tick, A·s, and the mean of the last, A; lead
+A's level, ±½ and 0 before the first, and what is left of its edges at the amplifier, A."""
 
 
 def real_parts(
@@ -48,13 +50,20 @@ def real_parts(
     ):
         return None
     memory = new_lines(plant.start[X], cell_rad, lines)
-    return motor_parts(plant), supply, lines, memory, sensor.lag_table(steps_s), np.zeros(4)
+    return (
+        motor_parts(plant),
+        supply,
+        lines,
+        memory,
+        sensor.lag_table(np.asarray(steps_s)),
+        np.zeros(6),
+    )
 
 
 def warm_real(real: Real | None, plant: Plant) -> None:
     """Let the motor follow the plant's R."""
     if real is not None:
-        warm_parts(real[MOTOR], plant)
+        warm_parts(cast(tuple[np.ndarray, ...], real[MOTOR]), plant)
 
 
 @compiled(inline="always")

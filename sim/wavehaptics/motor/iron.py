@@ -24,8 +24,8 @@ def iron_words(winding: Winding | None, inductance: float) -> np.ndarray:
     words[SERIES_H] = inductance
     if winding is not None:
         words[SATURATION] = winding.saturation_a or 0.0
-        if winding.eddy_ohm is not None:
-            part = winding.eddy_part
+        part = winding.eddy_part
+        if winding.eddy_ohm is not None and part is not None:
             words[EDDY_OHM] = winding.eddy_ohm
             words[EDDY_H] = inductance * part / (1 - part)
     return words

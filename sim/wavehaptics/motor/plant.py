@@ -80,16 +80,19 @@ class Plant:
         """
         path = hand_path(scene)
         friction, hand, winding = scene.friction, scene.hand, scene.winding
-        bypassed = winding.eddy_part if winding and winding.eddy_ohm is not None else 0.0
+        bypassed = 0.0
+        if winding and winding.eddy_ohm is not None and winding.eddy_part is not None:
+            bypassed = winding.eddy_part
         start = np.zeros(STATE_SIZE)
         start[OMEGA], start[X] = path.v0, path.x0
         held = hand is not None and hand.path != "impact"
-        if held:
+        stiffness, damping = 0.0, 0.0
+        if hand is not None and hand.path != "impact":
             start[P : S + 1] = path.start
+            stiffness, damping = hand.stiffness or 0.0, hand.damping
         cable = scene.transmission
         if cable is not None and cable.cable_stiffness is None:
             cable = None
-        stiffness, damping = (hand.stiffness, hand.damping) if held else (0.0, 0.0)
         direct = cable is None
         return cls(
             resistance=scene.motor.R_ohm,
@@ -171,7 +174,7 @@ class Plant:
             longest *= PART_OF_SATURATION
         spring, damper = 0.0, 0.0
         if cable is not None:
-            spring, damper = cable.cable_stiffness, cable.cable_damping
+            spring, damper = cable.cable_stiffness or 0.0, cable.cable_damping
         if self.cogging is not None:
             spring += self.cogging.torque_nm * self.cogging.per_rev
         if spring:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,8 +21,12 @@ _SAMPLE_HALF = 1 << (formats.SAMPLE_W - 1)
 NOISE_SEED = 20_260_101
 """Seed of the ADC's noise: the same scene gives the same noise on every controller and run."""
 
-IDEAL, BITS, FULL_SCALE, NOISE, OFFSET, GAIN, LAG_RATE, COMMON_MODE, DRIFT = range(9)
-"""Places in :meth:`Sensor.constants`; LAG_RATE in rad/s is 0 without a lag."""
+IDEAL, BITS, FULL_SCALE, NOISE, OFFSET, GAIN, LAG_RATE, COMMON_MODE, DRIFT, SETTLE_RATE = range(10)
+"""Places in :meth:`Sensor.constants`; LAG_RATE in rad/s is 0 without a lag, and SETTLE_RATE in 1/s
+where COMMON_MODE goes by the voltage's sign."""
+
+SETTLED = 0.01
+"""Part of what an edge adds that is left after ``edge_settle_s``."""
 
 KEEP, FIRST, SLOPE, CURVE = range(4)
 """Places in a row of :meth:`Sensor.lag_table`."""
@@ -33,7 +38,8 @@ class Sensor:
 
     ``bits`` and ``full_scale_a`` (± that current) describe the ADC, the others the amplifier before
     it: ``noise_a`` (RMS), ``offset_a`` and its ``drift_a_per_s``, ``common_mode_a`` by the sign of
-    the motor's voltage, all in A, and ``bandwidth_hz``, infinite without a lag.
+    the motor's voltage or with ``edge_settle_s`` by each edge of lead A, all in A, and
+    ``bandwidth_hz``, infinite without a lag.
     """
 
     ideal: bool
@@ -44,6 +50,7 @@ class Sensor:
     bandwidth_hz: float = math.inf
     common_mode_a: float = 0.0
     drift_a_per_s: float = 0.0
+    edge_settle_s: float | None = None
 
     @classmethod
     def of_scene(cls, scene: Scene) -> Sensor:
@@ -54,7 +61,7 @@ class Sensor:
         bandwidth_hz = math.inf if adc.bandwidth_hz is None else adc.bandwidth_hz
         return cls(
             False, adc.bits, adc.full_scale_a, adc.noise_a, adc.offset_a, bandwidth_hz,
-            adc.common_mode_a, adc.drift_a_per_s,
+            adc.common_mode_a, adc.drift_a_per_s, adc.edge_settle_s,
         )  # fmt: skip
 
     def gain_word(self, samples: float) -> int:
@@ -65,19 +72,23 @@ class Sensor:
         return formats.GAIN.to_raw(self.full_scale_a / (_SAMPLE_HALF * samples))
 
     def constants(self) -> np.ndarray:
-        """For the functions below: float64 (9,)."""
+        """For the functions below: float64 (10,)."""
         gain = 0 if self.ideal else self.gain_word(1)
         return np.array(
             [self.ideal, self.bits, self.full_scale_a, self.noise_a, self.offset_a, gain,
-             self._lag_rate, self.common_mode_a, self.drift_a_per_s],
+             self._lag_rate, self.common_mode_a, self.drift_a_per_s, self._settle_rate],
             float,
         )  # fmt: skip
+
+    @property
+    def _settle_rate(self) -> float:
+        return -math.log(SETTLED) / self.edge_settle_s if self.edge_settle_s else 0.0
 
     @property
     def _lag_rate(self) -> float:
         return 0.0 if math.isinf(self.bandwidth_hz) else 2 * math.pi * self.bandwidth_hz
 
-    def lag_table(self, steps_s: np.ndarray) -> np.ndarray:
+    def lag_table(self, steps_s: Sequence[float] | np.ndarray) -> np.ndarray:
         """Words of :func:`lagged` for steps of the lengths ``steps_s``, in s: (steps, 4).
 
         ``dz/dt = ω_b (i − z)`` solved for a current that is a parabola within the step.
@@ -118,7 +129,7 @@ def lagged(z, first, last, mean, words):
 @compiled(inline="always")
 def disturbed(current, volts, time, sensor):
     """A current in A with what the amplifier adds at a ``time``, the motor having ``volts``."""
-    if sensor[COMMON_MODE] != 0.0 and volts != 0.0:
+    if sensor[COMMON_MODE] != 0.0 and volts != 0.0 and sensor[SETTLE_RATE] == 0.0:
         current += sensor[COMMON_MODE] if volts > 0.0 else -sensor[COMMON_MODE]
     if sensor[DRIFT] != 0.0:
         current += sensor[DRIFT] * time

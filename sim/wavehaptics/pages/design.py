@@ -13,6 +13,7 @@ from rich.console import Console
 
 from wavehaptics.controller import pins_timing
 from wavehaptics.fpga.boards import ROOT, board_names, load_board
+from wavehaptics.ladder.abilities import ABILITIES
 from wavehaptics.parts.adcs import PARTS, frame
 from wavehaptics.studies.demo import RUNS as DEMO_RUNS
 from wavehaptics.studies.demo import demo_table
@@ -269,12 +270,23 @@ def _status(numbers: dict[str, Any], table: Table) -> str:
     return _words(("", "simulated", "in a bitstream", "tried on a motor"), rows)
 
 
+def _abilities(numbers: dict[str, Any], table: Table) -> str:
+    """What each that runs a scene leaves out or refuses of it."""
+
+    def listed(names: Iterable[str]) -> str:
+        return ", ".join(f"`{n}`" if "." in n else f"`[{n}]`" for n in sorted(names)) or "nothing"
+
+    rows = ((f"`{name}`", listed(a.left_out), listed(a.refused)) for name, a in ABILITIES.items())
+    return _words(("", "leaves out, and says so", "refuses"), rows)
+
+
 def _once(render: Callable[..., str], key: str) -> Callable[..., str]:
     """``render``, which makes nothing before its numbers are there."""
     return lambda numbers, table: render(numbers, table) if key in numbers else ""
 
 
 TABLES = {
+    "abilities": _abilities,
     "demo": _once(_demo, "demo"),
     "formats": _formats,
     "latency": _latency,

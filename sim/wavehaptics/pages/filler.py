@@ -3,9 +3,9 @@
 
 ``boards/summary.json`` keeps what the last synthesis came to, ``sim/docs/measured.json`` what the
 last demo, report, bench, study of holding and runs for tables found, and all that makes it
-reliable; of a quick run nothing is kept. The text between ``<!-- begin NAME -->`` and
-``<!-- end NAME -->`` of a page is made from it; a test fails where the two differ, and another
-where a fresh synthesis comes to something else.
+reliable, and ``sim/docs/faults.json`` how soon each fault switches off; of a quick run nothing is
+kept. The text between ``<!-- begin NAME -->`` and ``<!-- end NAME -->`` of a page is made from it;
+a test fails where the two differ, and another where a fresh synthesis comes to something else.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ from typing import Any
 
 from wavehaptics.checks import soak
 from wavehaptics.fpga.synthesis import Result
-from wavehaptics.pages import design, reliability, report_and_bench, runs, words
+from wavehaptics.pages import design, faults, reliability, report_and_bench, runs, words
 from wavehaptics.pages import port_anchor as holding_tables
 from wavehaptics.runtime.files import write_json, write_text
 from wavehaptics.runtime.repository import ROOT
+from wavehaptics.studies import fault_table
 from wavehaptics.studies.adcs import named_rows
 from wavehaptics.studies.anchored import pictures as holding_pictures
 from wavehaptics.studies.demo import RUNS as DEMO_RUNS
@@ -34,7 +35,7 @@ KEPT = Path("boards", "summary.json")
 MEASURED = Path("sim", "docs", "measured.json")
 """What else has been measured and the pages show, from the root."""
 
-PAGES = ("README.md", "boards/README.md", "docs/*.md", "rtl/wh_faults.vh")
+PAGES = ("README.md", "boards/README.md", "docs/*.md", "rtl/faults.md", "rtl/wh_faults.vh")
 """Pages that may hold markers, as patterns from the root."""
 
 
@@ -196,6 +197,8 @@ def _read(root: Path) -> dict[str, Any]:
         raise NumbersError(f"{KEPT} is not there; run `make synth numbers`") from None
     if (root / MEASURED).exists():
         numbers |= json.loads((root / MEASURED).read_bytes())
+    if (root / fault_table.KEPT).exists():
+        numbers["faults"] = json.loads((root / fault_table.KEPT).read_bytes())
     return numbers
 
 
@@ -374,6 +377,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "dead-times": _dead_times,
     "adcs": _adcs,
     "energies": _energies,
+    "faults": lambda numbers: faults.table(numbers["faults"]),
     "block-resources": _resources("blocks", "Block", lambda row: f"`{row['block']}`"),
     "port-resources": _resources("ports", "Motors", lambda row: row["option"].split()[-1]),
     "option-resources": _resources(

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -63,13 +64,13 @@ def _motors(rows: list[dict[str, Any]]) -> dict[str, Any]:
     spreads: dict[str, Any] = {}
 
     def gather(name: str, part: str, value: Callable[[dict[str, Any]], float | None]) -> None:
-        pairs = [(value(row[part]), row["seed"]) for row in rows if not _refused(row[part])]
-        pairs = [(float(v), seed) for v, seed in pairs if v is not None]
+        found = [(value(row[part]), row["seed"]) for row in rows if not _refused(row[part])]
+        pairs = [(float(v), seed) for v, seed in found if v is not None]
         spreads[name] = _spread([v for v, _ in pairs], [seed for _, seed in pairs])
 
     for part in TARGETS:
         gather(f"{part}_cells", part, lambda row: _absolute(row.get("moved_cells")))
-        gather(f"{part}_over", part, lambda row, part=part: _over(row, TARGETS[part]))
+        gather(f"{part}_over", part, partial(_over, part=TARGETS[part]))
     gather("ripple_part", "hold", _ripple)
     for part in BOUNCES:
         gather(part, part, lambda row: row.get("restitution"))

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 Kind = Literal["serial", "command", "sigma_delta"]
 
@@ -181,7 +181,7 @@ class Frame:
         }
 
 
-def _ad(name: str, bits: int, lead: int, frame: int, **figures: float) -> Part:
+def _ad(name: str, bits: int, lead: int, frame: int, **figures: Any) -> Part:
     """A part of the AD7476A's kind: SCLK idles high, its falls launch and are read at."""
     return Part(
         name=name, bits=bits, idle=1, launch_trailing=False, read_trailing=False, lead_bits=lead,

@@ -20,7 +20,7 @@ import enum
 import functools
 import sys
 import types
-from collections.abc import Callable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -85,7 +85,8 @@ def _parts(value: Any, seen: dict[int, Any]) -> Iterator[Any]:
     elif isinstance(value, np.ndarray):
         yield str(value.dtype), value.shape, value.tobytes()
     elif isinstance(value, enum.EnumMeta):
-        yield [(member.name, member.value) for member in value]
+        members: Iterable[enum.Enum] = value
+        yield [(member.name, member.value) for member in members]
     elif dataclasses.is_dataclass(value) and not isinstance(value, type):
         yield type(value).__name__
         properties = [k for k, v in vars(type(value)).items() if isinstance(v, property)]
@@ -109,7 +110,7 @@ def _parts(value: Any, seen: dict[int, Any]) -> Iterator[Any]:
 
 
 def _function_parts(function: types.FunctionType, seen: dict[int, Any]) -> Iterator[Any]:
-    names = set()
+    names: set[str] = set()
     yield from _code_parts(function.__code__, names, seen)
     yield from _parts([function.__defaults__, function.__kwdefaults__ or {}], seen)
     for cell in function.__closure__ or ():
@@ -162,13 +163,13 @@ def _whole_package() -> str:
     return digest_of("package", sorted(_PACKAGE.rglob("*.py")), _PACKAGE)
 
 
-def _compile(function: Callable | None = None, **options: Any) -> Any:
+def _compile(function: types.FunctionType | None = None, **options: Any) -> Any:
     """``numba.njit`` with these options, kept by sources."""
     if function is None:
         return functools.partial(_compile, **options)
-    dispatcher = numba.njit(function, **options)
+    dispatcher: Any = numba.njit(function, **options)
     if isinstance(dispatcher, Dispatcher):
-        dispatcher._cache = _KeptBySources(function, dispatcher)
+        dispatcher._cache = _KeptBySources(function, dispatcher)  # type: ignore[attr-defined]
     else:  # NUMBA_DISABLE_JIT=1 leaves the function as it is
         dispatcher.py_func = function
     return dispatcher

@@ -7,14 +7,16 @@ is loaded somewhere else in each process.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any, cast
+
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
 
 @intrinsic
-def call2(typing_context, address, first, second):
-    """``call2(address, a, b)``: the C function ``int64_t f(int64_t, int64_t)`` at that address."""
+def _call2(typing_context, address, first, second):
     del typing_context, address, first, second
     signature = types.int64(types.int64, types.int64, types.int64)
 
@@ -25,3 +27,7 @@ def call2(typing_context, address, first, second):
         return builder.call(pointer, values[1:])
 
     return signature, codegen
+
+
+call2 = cast(Callable[[Any, Any, Any], Any], _call2)
+"""``call2(address, a, b)``: the C function ``int64_t f(int64_t, int64_t)`` at that address."""

@@ -39,7 +39,7 @@ def scene_key(
     **options: Any,
 ) -> Any:
     """A key of a table: its unit, meaning and default, and bounds as pydantic names them."""
-    texts = {"unit": unit, "default": default_text, "range": range_text}
+    texts: dict[str, Any] = {"unit": unit, "default": default_text, "range": range_text}
     return Field(default, description=meaning, json_schema_extra=texts, **options)
 
 

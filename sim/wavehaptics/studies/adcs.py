@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from rich.table import Table
 from wavehaptics.controller.pins_timing import HOLD_CLOCKS, latency_clocks
 from wavehaptics.controller.tick_layout import Timing
 from wavehaptics.ladder.pins import PinsSimulation
-from wavehaptics.ladder.run import measure
+from wavehaptics.ladder.run import Simulation, measure
 from wavehaptics.ladder.sampled import SampledSimulation
 from wavehaptics.parts.adcs import ALL_BITS
 from wavehaptics.runtime.files import write_json
@@ -66,6 +67,7 @@ def _part(
 ) -> dict[str, Any]:
     settings = [*settings, f"adc.part={name}"]
     scene = load_scene(path, settings)
+    assert scene.adc is not None
     step = 2 * scene.adc.full_scale_a / (1 << ALL_BITS[name])
     simulation = PinsSimulation(scene)
     modulator = simulation.timing.frame.osr > 0
@@ -114,7 +116,7 @@ def energies(path: Path, settings: Sequence[str], progress: Progress) -> list[di
     for tick_hz in ENERGY_TICKS_HZ:
         scene = load_scene(path, [*settings, *ENERGY, f"controller.tick_hz={tick_hz:g}"])
         several = PinsSimulation(scene)
-        runs = {
+        runs: dict[str, tuple[str, Simulation]] = {
             "mean_j": ("golden", SampledSimulation(scene, rtl=False)),
             "point_j": ("golden", SampledSimulation(scene, rtl=False, point_sampling=True)),
             "one_j": ("pins", PinsSimulation(scene, most_samples=1)),
@@ -125,7 +127,7 @@ def energies(path: Path, settings: Sequence[str], progress: Progress) -> list[di
             label = f"energies, {name} at a tick of {1e6 / tick_hz:g} µs"
             metrics = measure(
                 scene, controller, simulation=simulation,
-                progress=lambda done, label=label: progress(label, done),
+                progress=partial(progress, label),
             )  # fmt: skip
             row[name] = metrics["energy_out_max_j"]
         rows.append(row)
@@ -139,14 +141,11 @@ EARLY = ("controller.early_duty=true", "controller.clock_hz=80e6")
 
 def compare(path: Path, settings: Sequence[str], out: Path, progress: Progress) -> dict[str, Any]:
     """Run the scene with every ADC, and write what came of it into ``out`` as JSON."""
-    parts = [
-        _part(path, settings, name, lambda done, name=name: progress(name, done))
-        for name in ALL_BITS
-    ]
+    parts = [_part(path, settings, name, partial(progress, name)) for name in ALL_BITS]
     early = [
         _part(
             path, [*settings, *EARLY], name,
-            lambda done, name=name: progress(f"{name}, early duty", done),
+            partial(progress, f"{name}, early duty"),
         )
         for name in EARLY_PARTS
     ]  # fmt: skip

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -33,11 +34,7 @@ def run_demo(out: Path, progress: Callable[[str, float], None]) -> list[dict[str
     for controller, name, folder in RUNS:
         scene = scenes.setdefault(name, load_scene(find_scene(name)))
         label = f"{name} on {controller}"
-        results.append(
-            run_scene(
-                scene, controller, out / folder, lambda part, label=label: progress(label, part)
-            )
-        )
+        results.append(run_scene(scene, controller, out / folder, partial(progress, label)))
     run, reference = load_trace(out), load_trace(out / "analog")
     walls = scenes["paper_taps"].controller.walls
     pictures.fig10(run, reference, results[1], out / "fig10.png", walls)

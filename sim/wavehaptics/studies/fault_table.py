@@ -1,17 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every fault of the guard, caused in the running closed loop.
 
-``python -m wavehaptics.studies.fault_table`` measures them.
 A bare rotor is on a wall of the stiffest setting (or turns freely, where the fault needs it), the
 whole RTL at its pins holds it, and then something breaks. Measured is the time from there to the
-gates' being off. The result goes into ``sim/docs/faults.json`` and, as a table, between the markers
-of ``rtl/faults.md``; a test measures it again.
+gates' being off. ``python -m wavehaptics.cli.fault_table`` measures them and keeps the numbers
+with which ``rtl/faults.md`` is filled; a test measures them again.
 """
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,12 +17,10 @@ from wavehaptics.controller.guard import Fault, Limits
 from wavehaptics.ladder.guarded_pins import GuardedPins, Injection
 from wavehaptics.motor.plant import I
 from wavehaptics.motor.sensor import OFFSET
-from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import Scene
 
 KEPT = Path("sim", "docs", "faults.json")
-PAGE = Path("rtl", "faults.md")
-_MARKED = re.compile(r"(<!-- begin faults -->\n).*?(<!-- end faults -->)", re.DOTALL)
+"""Where the rows are kept, from the root."""
 
 WARM_TICKS = 700
 """Ticks before the cause: the rotor is deep in the wall."""
@@ -143,35 +138,3 @@ def measure(case: Case) -> dict[str, Any]:
         "time_s": None if clocks is None else clocks * pins.tick_s / TICK_CLOCKS,
         "limit_clocks": case.most_clocks,
     }
-
-
-def table(rows: list[dict[str, Any]]) -> str:
-    """The rows as Markdown."""
-    lines = ["| bit | fault | cause in the test | gates off after | at most |",
-             "| --: | --- | --- | --: | --: |"]  # fmt: skip
-    for row in rows:
-        time = row["time_s"]
-        shown = f"{time * 1e9:.0f} ns" if time < 1e-6 else f"{time * 1e6:.4g} µs"
-        lines.append(
-            f"| {row['bit']} | `{row['fault']}` | {row['cause']} | {shown}, {row['clocks']} clocks "
-            f"| {row['limit_clocks']} clocks |"
-        )
-    return "\n".join(lines) + "\n"
-
-
-def filled(page: str, rows: list[dict[str, Any]]) -> str:
-    """``page`` with the table between its markers."""
-    return _MARKED.sub(lambda found: found[1] + table(rows) + found[2], page)
-
-
-def main() -> None:
-    """Measure every fault, and write the numbers and the page."""
-    rows = [measure(case) for case in CASES]
-    (ROOT / KEPT).write_text(json.dumps(rows, indent=1, ensure_ascii=False) + "\n", "utf-8")
-    page = ROOT / PAGE
-    page.write_text(filled(page.read_text("utf-8"), rows), "utf-8")
-    print(table(rows), end="")
-
-
-if __name__ == "__main__":
-    main()

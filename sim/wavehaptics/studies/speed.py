@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from rich.table import Table
@@ -14,10 +15,7 @@ from wavehaptics.scene import Scene
 
 def measure_speed(scene: Scene, progress: Callable[[str, float], None]) -> list[dict[str, Any]]:
     """Metrics of one run of the scene on each controller."""
-    return [
-        measure(scene, name, progress=lambda part, name=name: progress(name, part))
-        for name in CONTROLLERS
-    ]
+    return [measure(scene, name, progress=partial(progress, name)) for name in CONTROLLERS]
 
 
 def speed_table(results: list[dict[str, Any]]) -> Table:

@@ -58,6 +58,7 @@ def simulate(simulation: Simulation, duration_s: float) -> np.ndarray:
 
 def swings(scene: Scene, controller: str) -> tuple[float, float]:
     """Swing of x in the third and in the last quarter of a press, peak to peak, rad."""
+    assert scene.hand is not None
     hand = scene.hand.model_copy(update={"path": "press", "frequency_hz": None})
     rows = simulate(CONTROLLERS[controller](scene.model_copy(update={"hand": hand})), PRESS_S)
     x = rows[:, Column.X]
@@ -72,6 +73,7 @@ def _swing(x: np.ndarray) -> float:
 
 def peak_tap_speed(simulation_of: Callable[[Scene], Simulation], scene: Scene) -> float:
     """Largest speed of the rotor while the hand taps the wall, rad/s."""
+    assert scene.hand is not None
     hand = scene.hand.model_copy(update={"path": "taps", "frequency_hz": TAP_HZ})
     simulation = simulation_of(scene.model_copy(update={"hand": hand}))
     return float(np.abs(simulate(simulation, TAP_S)[:, Column.OMEGA]).max())

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -185,7 +186,9 @@ class TraceWriter:
     def arrays(self) -> dict[str, np.ndarray]:
         """The arrays as they go into the file, each of shape (kept,); views, not copies."""
         kept = slice(self._kept)
-        named = {column.name.lower(): self._floats[column, kept] for column in FLOAT_COLUMNS}
+        named: dict[str, np.ndarray] = {
+            column.name.lower(): self._floats[column, kept] for column in FLOAT_COLUMNS
+        }
         named["energy_out"] = self._floats[_N_FLOAT, kept]
         named["contact"], named["saturated"] = self._flags[:2, kept]
         if self._anchored:
@@ -206,7 +209,8 @@ class TraceWriter:
         is a port anchor, and ``i_word u_word v_word e_word`` where the controller has words.
         """
         with replacing(self.path) as part, part.open("wb") as file:
-            np.savez(file, **self.arrays())
+            arrays: dict[str, Any] = self.arrays()
+            np.savez(file, **arrays)
         return self.path
 
 

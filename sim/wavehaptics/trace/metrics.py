@@ -584,8 +584,9 @@ class Metrics:
         slot = self._first_contact()
         slope, zero = (None, None) if slot is None else self._line(slot)
         tip = None
-        if slope is not None and scene.transmission is not None and scene.transmission.ratio:
-            tip = slope * (scene.transmission.ratio / scene.transmission.lever_m) ** 2
+        arm = scene.transmission
+        if slope is not None and arm is not None and arm.ratio and arm.lever_m:
+            tip = slope * (arm.ratio / arm.lever_m) ** 2
         error = None
         if self._has_reference and run["reference_peak"] > 0.0:
             error = math.sqrt(run["error_square"] / ticks) / run["reference_peak"]

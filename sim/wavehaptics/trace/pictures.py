@@ -52,8 +52,8 @@ def envelope(t: np.ndarray, y: np.ndarray, columns: int = _COLUMNS) -> tuple[np.
     for n, (start, end) in enumerate(pairwise(edges)):
         part = y[start:end]
         kept[n] = start, start + int(part.argmin()), start + int(part.argmax()), end - 1
-    kept = np.sort(kept, axis=1).ravel()
-    return t[kept], y[kept]
+    order = np.sort(kept, axis=1).ravel()
+    return t[order], y[order]
 
 
 def _figure(height_in: float, rows: int = 1, ratios: Sequence[float] | None = None) -> Any:
@@ -151,8 +151,8 @@ def _time_scale(trace: Trace) -> tuple[float, str]:
 
 def _strip(ax: Axes, scale: float, trace: Trace, y: np.ndarray, **style: Any) -> None:
     t, y = envelope(trace["t"], y)
-    style = {"lw": 1.3, "color": _BLUE, "solid_joinstyle": "round"} | style
-    ax.plot(t * scale, y, **style)
+    look: dict[str, Any] = {"lw": 1.3, "color": _BLUE, "solid_joinstyle": "round"} | style
+    ax.plot(t * scale, y, **look)
 
 
 _REFERENCE_STYLE = {"color": _ORANGE, "lw": 3.2}
@@ -249,7 +249,7 @@ def time_plot(
     axes[0].set_ylabel("Position $x$, mrad")
     axes[1].set_ylabel("Torque $F$, mN·m")
     axes[2].set_ylabel("Voltage $e_a$, V")
-    if compared:
+    if reference is not None and compared:
         _strip(axes[3], scale, run, 1e6 * (run["torque"] - reference["torque"]), lw=0.9)
         axes[3].set_ylabel("$F - F_{analog}$,\nµN·m")
     axes[-1].set_xlabel(time_label)
@@ -326,7 +326,7 @@ def _spring_lines(ax: Axes, run: Trace, metrics: Mapping[str, Any], edge: float)
     top = 1.06 * max(float((-side * run["torque"][touched]).max()), 1e-12)
     deepest = float((side * depths).max())
     zero = metrics.get("stiffness_zero_rad")
-    lines = [
+    lines: list[tuple[Any, Any, str, dict[str, Any]]] = [
         (metrics["k_l"], edge, "$K_L$", {"color": _BLACK, "ls": "--"}),
         (metrics["stiffness_predicted"], edge, "predicted", {"color": _GREEN, "ls": "-."}),
         (metrics["stiffness"], zero, "fitted", {"color": _RED, "ls": (0, (5, 1.5))}),

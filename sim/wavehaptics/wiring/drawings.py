@@ -21,7 +21,7 @@ FOLDER = Path("docs", "wiring")
 def gates(table: Table, family: Family) -> Sheet:
     """From the FPGA's pins through the AND gates to HI and LI, and what opens them."""
     s = Sheet(f"Gates of a motor and the charge pump, {FAMILY_NAMES[family]}", table, family)
-    s.text((-1.4, 18.3), s.title, align="left")
+    s.text((-1.4, 18.3), s.title)
     names = (("gate_ah", "HI of U5A (4)"), ("gate_al", "LI of U5A (5)"),
              ("gate_bh", "HI of U5B (4)"), ("gate_bl", "LI of U5B (5)"))  # fmt: skip
     numbers = (("1", "2", "3"), ("4", "5", "6"), ("9", "10", "8"), ("12", "13", "11"))
@@ -243,7 +243,7 @@ def sense(table: Table) -> Sheet:
         },
         label="U7",
     )  # fmt: skip
-    s.text((3.3, 7.4), table.text("U7") + "\n20 V/V", align="top", small=True)
+    s.text((3.3, 7.4), f"{table.text('U7')}\n{table.current.gain:g} V/V", align="top", small=True)
     for pin, name in (("IN+", "R6, the bridge's end"), ("IN−", "R6, the motor's end")):
         s.wire(amplifier[pin], (0.6, amplifier[pin][1]))
         s.tag((0.6, amplifier[pin][1]), name, "left")

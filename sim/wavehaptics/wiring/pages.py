@@ -11,7 +11,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from wavehaptics.fpga.boards import ROOT, board_names
+from wavehaptics.fpga.boards import ROOT, board_names, load_board
 from wavehaptics.wiring import pins, spice
 from wavehaptics.wiring.parts import Part, Table, WiringError
 
@@ -98,11 +98,30 @@ def currents(table: Table) -> str:
         ("0 A", f"{half_v:.2f} V, mid-scale"),
         ("end of the ADC's scale, `full_scale_a`", f"± {half_v / per_a:.2f} A"),
         ("end of what U7 gives truly", f"± {(half_v - table.current.swing_v) / per_a:.2f} A"),
+        ("a sample takes the gates off, `[sense] trip_a`", _trips()),
         ("option overcurrent, by R14 and R15", f"± {trips_a:.2f} A"),
         ("stall of the RE 25 at 12 V", f"{stall_a:.1f} A, off the scale"),
         ("heat in R6 at stall", f"{stall_a**2 * table.part('R6').of('ice40'):.1f} W"),
     ]
     return _row(["what", "value"]) + "|---|--:|\n" + "".join(_row(list(row)) for row in rows)
+
+
+def _trips() -> str:
+    """The current at which the boards' own trip takes the gates off."""
+    found = sorted({load_board(name).fpga.sense.trip_a for name in board_names()})
+    return "± " + ", ".join(f"{trip_a:.2f}" for trip_a in found) + " A"
+
+
+def runs(board: str) -> str:
+    """How a board runs, by its scene."""
+    loaded = load_board(board)
+    scene = loaded.scene
+    motors = f" for each of {loaded.fpga.motors} motors" if loaded.fpga.motors > 1 else ""
+    return (
+        f"{loaded.clock_hz / 1e6:g} MHz by its PLL, a tick of {1e6 / scene.controller.tick_hz:g} µs"
+        f"{motors}, a carrier of {scene.drive.pwm_hz / 1e3:g} kHz, "
+        f"a dead time of {scene.drive.dead_time_s * 1e9:.0f} ns.\n"
+    )
 
 
 def full_scale_a(table: Table) -> float:
@@ -121,7 +140,10 @@ def makers(table: Table) -> dict[Path, dict[str, Callable[[], str]]]:
         }
     }
     for board in board_names():
-        found[Path("boards", board, "README.md")] = {"pins": partial(pins.table, board)}
+        found[Path("boards", board, "README.md")] = {
+            "runs": partial(runs, board),
+            "pins": partial(pins.table, board),
+        }
     return found
 
 

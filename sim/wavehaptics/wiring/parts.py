@@ -102,7 +102,6 @@ class Fpga(_Strict):
 class Pad(_Strict):
     ohm: float
     farad: float
-    slowest_s: float
 
 
 class Supervisor(_Strict):

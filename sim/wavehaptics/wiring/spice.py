@@ -16,7 +16,9 @@ import subprocess
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Literal
 
 from wavehaptics.fpga.boards import board_names, load_board
@@ -34,8 +36,12 @@ _SETTLED_S = 1e-6
 """After the FPGA lets go of its pins: a pull-down of 10 kΩ has emptied a wire."""
 
 
-def run(netlist: str) -> dict[str, float | None]:
-    """What the ``.meas`` lines of a netlist came to; ``None`` for one that found nothing."""
+@cache
+def run(netlist: str) -> Mapping[str, float | None]:
+    """What the ``.meas`` lines of a netlist came to; ``None`` for one that found nothing.
+
+    A netlist that was simulated once isn't simulated again.
+    """
     program = shutil.which("ngspice")
     if program is None:
         raise WiringError("ngspice is not installed; type `make setup`")
@@ -49,9 +55,8 @@ def run(netlist: str) -> dict[str, float | None]:
         said = " ".join(line.strip() for line in done.stderr.splitlines() if line.strip())
         raise WiringError(f"ngspice: {said[:200]}")
     found = {name: float(value) for name, value in _MEASURED.findall(done.stdout)}
-    return {
-        name: found.get(name) for name in re.findall(r"^\.meas tran (\w+)", netlist, re.MULTILINE)
-    }
+    wanted = re.findall(r"^\.meas tran (\w+)", netlist, re.MULTILINE)
+    return MappingProxyType({name: found.get(name) for name in wanted})
 
 
 # ---- Pieces of netlists.
@@ -373,4 +378,10 @@ def complaints(table: Table) -> list[str]:
     left_v = brown_out(table, ticks_s[-1])
     if left_v > table.levels.v_il:
         lines.append(f"the 3.3 V fall: HI or LI stands at {left_v:.2f} V below the supervisor's")
+    least_v = table.supply.logic_v * (1 - table.supply.tolerance)
+    if table.supervisor_levels.trip_v[1] >= least_v:
+        lines.append(
+            f"the supervisor may shut at {table.supervisor_levels.trip_v[1]:g} V, and the supply "
+            f"may be {least_v:.2f} V"
+        )
     return lines

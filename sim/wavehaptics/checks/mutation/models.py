@@ -101,7 +101,9 @@ def _spans(source: str, functions: Sequence[str]) -> tuple[list, list]:
     return wanted, unwanted
 
 
-def _span(node: ast.AST) -> tuple[tuple[int, int], tuple[int, int]]:
+def _span(node: ast.expr | ast.stmt) -> tuple[tuple[int, int], tuple[int, int]]:
+    assert node.end_lineno is not None
+    assert node.end_col_offset is not None
     return (node.lineno, node.col_offset), (node.end_lineno, node.end_col_offset)
 
 
@@ -202,18 +204,20 @@ def run_model(
     store = Store(folder / "results.json", key_of(model, changed, versions))
     if len(store.mutants) < len(changed):
         tree = tree_of(model)
-        if store.clean_s is None:
+        clean_s = store.clean_s
+        if clean_s is None:
             for _ in range(2):  # the first one builds
                 start = time.monotonic()
                 if seen := tests_fail(model, tree, _CLEAN_S):
                     raise MutationError(f"{model.module}: fails without a mutant ({seen})")
-                store.clean_s = round(time.monotonic() - start, 2)
+                clean_s = round(time.monotonic() - start, 2)
+            store.clean_s = clean_s
             store.keep()
         for number, change in enumerate(changed, 1):
             if number not in store.mutants:
                 start = time.monotonic()
                 (tree / file).write_text(change.text, encoding="utf-8")
-                seen = tests_fail(model, tree, _SLACK_S + _PATIENCE * store.clean_s)
+                seen = tests_fail(model, tree, _SLACK_S + _PATIENCE * (clean_s or 0.0))
                 place, what = f"{file}:{change.line}", _difference(source, change)
                 state = KILLED if seen else SURVIVED
                 seconds = round(time.monotonic() - start, 1)

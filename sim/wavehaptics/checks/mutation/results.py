@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from wavehaptics.checks.mutation.table import MutationError
 from wavehaptics.runtime.files import write_json
@@ -72,7 +73,7 @@ def with_reasons(mutants: list[Mutant], reasons: dict[str, str]) -> list[Mutant]
     return told
 
 
-def summary(groups: dict[str, Iterable[Mutant]], failed: dict[str, str]) -> dict[str, object]:
+def summary(groups: Mapping[str, Iterable[Mutant]], failed: dict[str, str]) -> dict[str, Any]:
     """Counts of all and of each group, survivors and equivalents in full.
 
     ``failed`` says of what couldn't be run why; then nothing is as it must be.
@@ -104,6 +105,6 @@ def counts(mutants: Iterable[Mutant]) -> dict[str, int | float]:
     }
 
 
-def write_summary(data: dict[str, object], root: Path = ROOT) -> Path:
+def write_summary(data: dict[str, Any], root: Path = ROOT) -> Path:
     """Write ``build/mutate/summary.json``."""
     return write_json(root / OUT / "summary.json", data)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
+from typing import Any
 
 from wavehaptics.checks.mutation.models import run_model
 from wavehaptics.checks.mutation.results import Mutant, summary, write_summary
@@ -27,7 +28,7 @@ def chosen(table: Table, names: Iterable[str], quick: bool) -> list[Block | Mode
 
     A block goes by its module's name, a model by its file's: `early`, `wh_early` or `early.py`.
     """
-    entries = [*table.blocks, *table.models]
+    entries: list[Block | Model] = [*table.blocks, *table.models]
     wanted = {name.removeprefix("wh_") for name in names}
     if unknown := wanted - {word for entry in entries for word in _words(entry)}:
         raise MutationError(f"no block {', '.join(sorted(unknown))}; see formal/mutate.toml")
@@ -48,7 +49,7 @@ def mutate(
     jobs: int = 2,
     progress: Progress = lambda stage, part: None,
     root: Path = ROOT,
-) -> tuple[dict[str, object], Path]:
+) -> tuple[dict[str, Any], Path]:
     """Run the mutants; (summary, its path). It is written again whenever a block has ended."""
     names = tuple(names)
     table = load_table()
@@ -62,7 +63,7 @@ def mutate(
     done: dict[str, list[Mutant]] = {}
     failed: dict[str, str] = {}
 
-    def told() -> dict[str, object]:
+    def told() -> dict[str, Any]:
         found = {b.name: done[b.name] for b in blocks if b.name in done}
         part = bool(names) or quick or len(found) < len(blocks)
         return {"tools": versions, "seed": table.seed, "quick": part, **summary(found, failed)}

@@ -32,7 +32,7 @@ class Adc(Table):
         range_text=", ".join(f"`{name}`" for name in ALL_BITS),
     )
     bits: int = scene_key("bits", "Resolution", default_text="of the part", ge=8, le=16)
-    full_scale_a: float | None = scene_key(
+    full_scale_a: float = scene_key(
         "A",
         "Largest current either way: the range is ± this",
         None,
@@ -62,6 +62,14 @@ class Adc(Table):
         0.0,
         ge=-CURRENT_MAX_A,
         le=CURRENT_MAX_A,
+    )
+    edge_settle_s: float | None = scene_key(
+        "s",
+        "On `pins`: `common_mode_a` is what an edge of lead A adds; 1 % is left after this",
+        None,
+        default_text="`common_mode_a` goes by the sign of the voltage",
+        ge=1e-9,
+        le=1e-3,
     )
     drift_a_per_s: float = scene_key(
         "A/s", "How fast the constant error grows", 0.0, ge=-CURRENT_MAX_A, le=CURRENT_MAX_A
@@ -97,6 +105,12 @@ class Adc(Table):
                 f"±{full_scale_a:g} A; it must be smaller than full_scale_a",
                 ("adc", "offset_a"),
                 ("adc", "full_scale_a"),
+            )
+        if self.edge_settle_s is not None and self.common_mode_a == 0.0:
+            broken_rule(
+                f"adc.edge_settle_s = {as_number(self.edge_settle_s)} has nothing to settle; set "
+                "adc.common_mode_a, what an edge adds, or leave it out",
+                ("adc", "edge_settle_s"),
             )
         drifted = self.offset_a + self.drift_a_per_s * duration_s
         if abs(drifted) >= full_scale_a:

@@ -41,7 +41,7 @@ class Controller(Table):
         le=1e9,
     )
     eta_contact: float = scene_key("–", "η in contact", -1.0, ge=-1, le=1)
-    eta_free: float | None = scene_key(
+    eta_free: float = scene_key(
         "–",
         "η in free space",
         None,
@@ -63,7 +63,7 @@ class Controller(Table):
         default_text="false",
         range_text="`true` or `false`",
     )
-    r_hat: float | None = scene_key(
+    r_hat: float = scene_key(
         "Ω",
         "The controller's estimate R̂ of the resistance",
         None,
@@ -71,7 +71,7 @@ class Controller(Table):
         ge=1e-3,
         le=R_HAT_MAX_OHM,
     )
-    l_hat: float | None = scene_key(
+    l_hat: float = scene_key(
         "H",
         "The controller's estimate L̂ of the inductance",
         None,
@@ -79,7 +79,7 @@ class Controller(Table):
         ge=1e-6,
         le=1,
     )
-    k_t_hat: float | None = scene_key(
+    k_t_hat: float = scene_key(
         "N·m/A",
         "The controller's estimate k̂_T of the torque constant",
         None,

@@ -111,14 +111,17 @@ class Drive(Table):
     @property
     def gain(self) -> float:
         """Voltage at the motor over the voltage asked for, within the limit."""
-        unmeasured = self.bus_v is not None and not self.bus_measured
-        return (1.0 + self.gain_error) * (self.true_bus_v / self.bus_v if unmeasured else 1.0)
+        known, true = self.bus_v, self.true_bus_v
+        if known is None or true is None or self.bus_measured:
+            return 1.0 + self.gain_error
+        return (1.0 + self.gain_error) * (true / known)
 
     @property
     def reached_v(self) -> float:
         """Largest voltage that a controller can ask for which knows its bus, V."""
-        measured = self.bus_measured and self.bus_v is not None
-        return (self.true_bus_v + min(0.0, self.step_v)) * self.reach if measured else math.inf
+        if not self.bus_measured or self.bus_v is None or self.true_bus_v is None:
+            return math.inf
+        return (self.true_bus_v + min(0.0, self.step_v)) * self.reach
 
     @property
     def reach(self) -> float:

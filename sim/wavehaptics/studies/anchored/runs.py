@@ -49,16 +49,18 @@ class Means:
 
 def cell_of(scene: Scene) -> float:
     """Cell of the scene's encoder, rad."""
+    assert scene.encoder is not None
     return 2 * math.pi / scene.encoder.counts_per_rev
 
 
 def run(
     scene: Scene, controller: str = "golden", part_s: float | None = None
-) -> tuple[dict[str, Any], np.ndarray | None]:
-    """Metrics of a run; with ``part_s`` the means of its rows over that time as well."""
-    means = None if part_s is None else Means(part_s, 1.0 / scene.controller.tick_hz)
-    metrics = measure(scene, controller, trace=means, compare=False)
-    return metrics, None if means is None else means.rows()
+) -> tuple[dict[str, Any], np.ndarray]:
+    """Metrics of a run; with ``part_s`` the means of its rows over that time, else no rows."""
+    if part_s is None:
+        return measure(scene, controller, compare=False), np.zeros((0, len(Column)))
+    means = Means(part_s, 1.0 / scene.controller.tick_hz)
+    return measure(scene, controller, trace=means, compare=False), means.rows()
 
 
 def hold(scene: str, controller: str, settings: list[str]) -> dict[str, Any]:
@@ -145,6 +147,8 @@ def overload(settings: list[str], after_s: float = 0.05) -> dict[str, Any]:
     touching, moved, _ = deviations(rows, loaded)
     times = rows[touching, Column.T]
     # The waves may stay below their limit while c has no more room.
+    assert loaded.drive is not None
+    assert loaded.drive.limit_v is not None
     limit_v = loaded.drive.limit_v * (1.0 + loaded.drive.gain_error)
     limited = np.abs(rows[:, Column.E_A]) > AT_LIMIT * limit_v
     cell = cell_of(loaded)

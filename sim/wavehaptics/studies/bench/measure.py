@@ -18,6 +18,7 @@ import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any, NamedTuple
@@ -95,6 +96,7 @@ class Runner:
     def _answer(self) -> dict[str, Any]:
         late = threading.Timer(TIMEOUT_S, self.process.kill)
         late.start()
+        assert self.process.stdout is not None
         line = self.process.stdout.readline()
         late.cancel()
         if not line:
@@ -111,6 +113,7 @@ def _runner(what: str, tried: Tried = SHIPPED, work: Path | None = None) -> Iter
         try:
             yield runner
         finally:
+            assert runner.process.stdin is not None
             runner.process.stdin.close()
             runner.process.wait(TIMEOUT_S)
 
@@ -214,7 +217,9 @@ def _tried(
         _runner("short") as base,
     ):
         folder = Path(name)
-        cases = [(t.name, lambda t=t: _gain(base, t, rounds)) for t in TRIED]
+        cases: list[tuple[str, Callable[[], dict[str, float | None]]]] = [
+            (t.name, partial(_gain, base, t, rounds)) for t in TRIED
+        ]
         cases.append(("build guided by a profile", lambda: _trained(base, rounds, folder)))
         cases.append(
             ("wave core as a block of its own", lambda: _hierarchical(base, rounds, folder))

@@ -117,7 +117,7 @@ def main(what: str, work: str = "") -> None:
     """Get ready, and measure as often as is asked for."""
     if work:
         Path(work).mkdir(parents=True)
-        verilated.tempfile.mkdtemp = lambda **_: work
+        verilated.tempfile.mkdtemp = lambda **_: work  # type: ignore[assignment]
     if what == "alone":
         known, once = alone()
     elif what == "short":

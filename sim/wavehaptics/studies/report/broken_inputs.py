@@ -41,6 +41,7 @@ def impact(warm_ticks: int = WARM_TICKS, quiet: bool = False) -> GuardedPins:
     """
     case = scene()
     if quiet:
+        assert case.adc is not None
         case = case.model_copy(update={"adc": case.adc.model_copy(update={"noise_a": 0.0})})
     pins = GuardedPins(case, Limits(watched=()))
     if not pins.run(warm_ticks):
@@ -64,7 +65,10 @@ def adc_stuck() -> Outcome:
     pins = impact()
     pins.inject(Injection.ADC_REPEATS)
     rows, words = _ticks(pins)
-    bound = scene().motor.k_t * scene().drive.bus_v / scene().motor.R_ohm
+    case = scene()
+    assert case.drive is not None
+    assert case.drive.bus_v is not None
+    bound = case.motor.k_t * case.drive.bus_v / case.motor.R_ohm
     peak = _peak_nm(rows)
     stuck = bool(np.ptp(words[5:, Word.I]) == 0)
     text = f"{number(1e3 * peak)} mN·m at most; the drive's limit allows {number(1e3 * bound)}"
@@ -81,7 +85,9 @@ def adc_bit_flipped() -> Outcome:
     whole, whole_words = _ticks(impact())
     wrong = np.flatnonzero(words[:, Word.I] != whole_words[:, Word.I])[0]
     flip_a = abs(int(words[wrong, Word.I] - whole_words[wrong, Word.I])) * formats.CURRENT.step
-    one_bit_a = scene().adc.full_scale_a * 2.0**-FLIPPED_BIT
+    adc = scene().adc
+    assert adc is not None
+    one_bit_a = adc.full_scale_a * 2.0**-FLIPPED_BIT
     difference = np.abs(rows[:, Column.TORQUE] - whole[:, Column.TORQUE])
     motor = scene().motor
     l_eff = closed_forms.l_eff(motor.L_h, set_.r_hat, set_.tau)

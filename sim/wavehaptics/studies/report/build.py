@@ -8,6 +8,7 @@ import os
 import platform
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -58,6 +59,10 @@ def name_of(section: ModuleType) -> str:
     return section.__name__.rpartition(".")[2]
 
 
+def _show(progress: Callable[[str, float], None], stage: str, done: int, total: int) -> None:
+    progress(stage, done / max(total, 1))
+
+
 def collect(
     quick: bool,
     *,
@@ -76,9 +81,8 @@ def collect(
         parts = {name_of(section): section.tasks(quick) for section in sections}
         tasks = [task for part in parts.values() for task in part]
         found = sweep(
-            tasks, store, cluster=where, workers=count,
-            progress=lambda done, total, stage=stage: progress(stage, done / max(total, 1)),
-        )  # fmt: skip
+            tasks, store, cluster=where, workers=count, progress=partial(_show, progress, stage)
+        )
         for section in sections:
             part = parts[name_of(section)]
             results[name_of(section)] = section.gather(part, found[: len(part)])

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -45,7 +46,12 @@ def curve(ax: Axes, x: list[float], y: list[float | None], n: int, name: str, **
     points = np.array([(a, b) for a, b in zip(x, y, strict=True) if b is not None], float)
     if not len(points):
         return
-    look = {"color": COLOURS[n % 8], "marker": MARKERS[n % 8], "ms": 5, "lw": 1.6} | style
+    look: dict[str, Any] = {
+        "color": COLOURS[n % 8],
+        "marker": MARKERS[n % 8],
+        "ms": 5,
+        "lw": 1.6,
+    } | style
     ax.plot(points[:, 0], points[:, 1], label=name, **look)
 
 

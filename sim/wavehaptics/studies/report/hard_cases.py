@@ -138,8 +138,8 @@ def wrong_resistance() -> Outcome:
         f"Free space rings by itself (a = 0.99) at {', '.join(ringing)} R" if ringing
         else "Free space does not ring"
     )  # fmt: skip
-    found = {"rates": numbers, "worst": worst, "free_space_torque_rms": rings}
-    return Outcome(found, text, worst < 0.1)
+    told = {"rates": numbers, "worst": worst, "free_space_torque_rms": rings}
+    return Outcome(told, text, worst < 0.1)
 
 
 def small_r_and_l() -> Outcome:

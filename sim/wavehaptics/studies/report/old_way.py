@@ -53,6 +53,8 @@ def limit(
     holds = stability.at_rest if at_rest else stability.stable
     stiffness, capped = stability.largest_stiffness(scene, controller, holds, halvings)
     friction, servo = scene.friction, scene.servo
+    assert scene.hand is not None
+    assert servo is not None
     viscous = scene.hand.damping + (friction.viscous if friction else 0.0)
     cell = stability.cell_rad(scene)
     quantisation = 2 * friction.coulomb_nm / cell if friction and cell else None

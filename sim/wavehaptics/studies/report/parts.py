@@ -89,7 +89,7 @@ def cheapest(scene: str, settings: list[str]) -> list[dict[str, Any]]:
     duration = whole.scene.duration_s
     found = [{"model": "pins", "error": 0.0, "cost_s_per_s": seconds / duration}]
     present = [part for part in ("adc", "encoder") if getattr(whole, part) is not None]
-    variants = [("core", "core", []), ("golden", "golden", [])]
+    variants: list[tuple[str, str, list[str]]] = [("core", "core", []), ("golden", "golden", [])]
     variants += [
         (f"golden without {', '.join(present[:n])}", "golden", present[:n])
         for n in range(1, len(present) + 1)

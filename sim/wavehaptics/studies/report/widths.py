@@ -106,7 +106,7 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
         bits = [p["bits"] for p in points]
         figures.curve(ax, bits, [p["torque_error"] for p in points], n, NAMES[word])
         ax.set_yscale("log")
-        ax.xaxis.get_major_locator().set_params(integer=True)
+        ax.locator_params(axis="x", integer=True)
         ax.axhline(0.01, color=figures.GREY, lw=0.8, ls=":")
         ax.axvline(data["default"][word], color=figures.BLACK, lw=0.8, ls="--")
         figures.label(ax, "bits", "torque error" if n == 0 else "", NAMES[word])

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands for one scene: run, measure, check, list."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wavehaptics.cli.shared import (
+    CONTROLLERS,
+    DEFAULT_CONTROLLER,
+    RUNS_DIR,
+    CommandError,
+    SceneArgument,
+    SetOption,
+    make_folder,
+    metrics_table,
+    shown_progress,
+    shown_stages,
+)
+from wavehaptics.scene import find_scene, first_comment, load_scene, shipped_scenes
+
+app = typer.Typer()
+
+
+@app.command()
+def run(
+    scene: SceneArgument,
+    controller: Annotated[
+        str, typer.Option(metavar="NAME", help=f"One of {', '.join(CONTROLLERS)}.")
+    ] = DEFAULT_CONTROLLER,
+    overrides: SetOption = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help=f"Folder for the results; {RUNS_DIR}/<scene name>-<controller> by default.",
+        ),
+    ] = None,
+) -> None:
+    """Simulate SCENE and write trace.npz, metrics.json and pictures."""
+    if controller not in CONTROLLERS:
+        near = difflib.get_close_matches(controller, CONTROLLERS, n=1)
+        meant = f"did you mean {near[0]}? " if near else ""
+        known = ", ".join(CONTROLLERS)
+        raise CommandError(
+            f"--controller {controller}: unknown; {meant}the controllers are {known}"
+        )
+    loaded = load_scene(find_scene(scene), overrides or ())
+    folder = RUNS_DIR / f"{loaded.scene.name}-{controller}" if out is None else out
+    make_folder(folder)
+
+    from wavehaptics.ladder.abilities import left_out
+    from wavehaptics.ladder.run import run_scene
+
+    with shown_progress(f"{loaded.scene.name} on {controller}") as progress:
+        metrics = run_scene(loaded, controller, folder, progress)
+    if missing := left_out(loaded, controller):
+        print(f"`{controller}` leaves out {', '.join(missing)}")
+    print(metrics_table(metrics))
+    print(f"results in {folder}")
+
+
+@app.command()
+def speed(scene: SceneArgument = "paper_taps", overrides: SetOption = None) -> None:
+    """Run SCENE on every controller, and tell how fast and how exact each is."""
+    loaded = load_scene(find_scene(scene), overrides or ())
+
+    from rich.console import Console
+
+    from wavehaptics.studies.speed import measure_speed, speed_table
+
+    with shown_stages() as progress:
+        results = measure_speed(loaded, progress)
+    Console().print(speed_table(results))
+
+
+@app.command()
+def impedance(
+    scene: SceneArgument,
+    controller: Annotated[str, typer.Option(metavar="NAME", help="golden or core.")] = "golden",
+    overrides: SetOption = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help=f"Folder; {RUNS_DIR}/<scene name>-impedance by default."),
+    ] = None,
+) -> None:
+    """Sweep a hand over contact in SCENE: what it feels like against what was designed."""
+    if controller not in ("golden", "core"):
+        raise CommandError(f"--controller {controller}: has no sweep; take golden or core")
+    loaded = load_scene(find_scene(scene), overrides or ())
+    folder = RUNS_DIR / f"{loaded.scene.name}-impedance" if out is None else out
+    make_folder(folder)
+
+    from wavehaptics.studies.impedance import measure
+    from wavehaptics.studies.impedance_picture import write
+
+    with shown_progress(f"{loaded.scene.name}, impedance on {controller}") as progress:
+        found = write(loaded, measure(loaded, rtl=controller == "core", progress=progress), folder)
+    print(metrics_table({key: found[key] for key in ("scene", "error_max", "energy_out_max_j")}))
+    print(f"results in {folder}")
+
+
+@app.command()
+def shaper(scene: SceneArgument, overrides: SetOption = None) -> None:
+    """Design W for what SCENE's \\[shaper] wishes, prove it passive and say what will be felt."""
+    loaded = load_scene(find_scene(scene), overrides or ())
+    if loaded.shaper is None:
+        raise CommandError(
+            f"{loaded.scene.name}: the scene wishes for nothing; give it a [shaper], or "
+            "--set shaper.feel=spring --set shaper.stiffness=0.5"
+        )
+
+    from wavehaptics.controller.rendered import fragment
+    from wavehaptics.controller.settings import settings
+
+    print(fragment(loaded, settings(loaded)), end="")
+
+
+@app.command()
+def check(scene: SceneArgument, overrides: SetOption = None) -> None:
+    """Check SCENE without running it."""
+    path = find_scene(scene)
+    load_scene(path, overrides or ())
+    print(f"{path}: ok")
+
+
+@app.command()
+def scenes() -> None:
+    """List the shipped scenes."""
+    shipped = shipped_scenes()
+    width = max(map(len, shipped), default=0)
+    for name, path in shipped.items():
+        print(f"{name:<{width}}  {first_comment(path)}")

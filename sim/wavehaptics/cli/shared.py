@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the commands share: arguments, refusals, folders, and how progress and metrics are shown."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+CONTROLLERS = {
+    "analog": "the paper's circuit in continuous time: the reference",
+    "golden": "the wave core as integers in Python, bit for bit the RTL",
+    "core": "the wave core's RTL, numbers in and numbers out, averaged drive",
+    "pins": "the whole RTL at its pins: ADC bits, encoder edges, gate signals",
+    "encoder": "the usual way beside it: sampled encoder, virtual spring, current amplifier",
+}
+"""Controllers that a scene can run on, and what each is."""
+
+DEFAULT_CONTROLLER = "golden"
+
+RUNS_DIR = Path("build/runs")
+"""Where results go without ``--out``, below the current directory."""
+
+METRIC_UNITS = {
+    "duration_s": "s",
+    "wall_clock_s": "s",
+    "k_l": "N·m/rad",
+    "stiffness": "N·m/rad",
+    "stiffness_predicted": "N·m/rad",
+    "stiffness_zero_rad": "rad",
+    "contact_edge_rad": "rad",
+    "tip_stiffness": "N/m",
+    "peak_torque": "N·m",
+    "peak_current_a": "A",
+    "current_ripple_a": "A",
+    "free_space_torque_rms": "N·m",
+    "energy_out_max_j": "J",
+    "hold_offset_rad": "rad",
+    "hold_ripple_rms": "N·m",
+}
+"""Units of the metrics that have one."""
+
+
+class CommandError(ValueError):
+    """An option that is refused. The message is one line."""
+
+
+SceneArgument = Annotated[
+    str, typer.Argument(metavar="SCENE", help="Path of a scene, or the name of a shipped one.")
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Replace or add a key; repeatable."),
+]
+
+
+def make_folder(folder: Path) -> None:
+    """Make ``folder`` and try to write there, so that no long run ends in a refusal."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        if isinstance(error, FileExistsError):
+            reason = "is a file"
+        raise CommandError(
+            f"--out {folder}: can't be written: {reason}; name a folder that can"
+        ) from None
+
+
+@contextmanager
+def shown_progress(title: str) -> Iterator[Callable[[float], None]]:
+    """A function that takes the part done, 0 to 1, and shows it if stderr is a terminal."""
+    with shown_stages() as show:
+        yield lambda part: show(title, part)
+
+
+@contextmanager
+def shown_stages() -> Iterator[Callable[[str, float], None]]:
+    """A function that takes what is being done and its part done, 0 to 1, and shows them.
+
+    Bars on stderr if that is a terminal, else nothing.
+    """
+    if not sys.stderr.isatty():
+        yield lambda stage, part: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    tasks = {}
+    with Progress(console=Console(stderr=True), transient=True) as bars:
+
+        def show(stage: str, part: float) -> None:
+            if stage not in tasks:
+                tasks[stage] = bars.add_task(stage, total=1.0)
+            bars.update(tasks[stage], completed=part)
+
+        yield show
+
+
+def metrics_table(metrics: Mapping[str, Any]) -> str:
+    """Metrics that the scene defines, a line each: name, value, unit."""
+    rows = [(name, _value(value)) for name, value in metrics.items() if value is not None]
+    names = max((len(name) for name, _ in rows), default=0)
+    values = max((len(value) for _, value in rows), default=0)
+    lines = (f"{n:<{names}}  {v:>{values}}  {METRIC_UNITS.get(n, '')}".rstrip() for n, v in rows)
+    return "\n".join(lines)
+
+
+def _value(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands for many runs: the demonstration, the report and its like."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wavehaptics.cli.shared import CommandError, SetOption, make_folder, shown_stages
+from wavehaptics.scene import find_scene, load_scene
+
+app = typer.Typer()
+
+
+@app.command()
+def demo(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
+        "build/demo"
+    ),
+) -> None:
+    """Run the paper's experiment with the whole RTL, and draw its figures."""
+    make_folder(out)
+
+    from rich.console import Console
+
+    from wavehaptics.studies.demo import demo_table, run_demo
+
+    with shown_stages() as progress:
+        results = run_demo(out, progress)
+    Console().print(demo_table(results))
+    print(f"pictures: {out / 'fig10.png'} and {out / 'fig11.png'}")
+    print(f"metrics:  {out / 'metrics.json'}")
+
+
+@app.command()
+def report(
+    quick: Annotated[bool, typer.Option("--quick", help="Coarser grids: 3 minutes.")] = False,
+    cluster: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="A dask scheduler; local processes without one."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Local processes; one a core by default.")
+    ] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
+        "build/report"
+    ),
+) -> None:
+    """Measure speed against error, hard cases and the usual way, and write a page about it.
+
+    An interrupted report goes on where it stopped when it is started again.
+    """
+    if cluster is not None and workers is not None:
+        raise CommandError(f"--workers {workers}: a cluster has its own; leave one of the two out")
+    make_folder(out)
+
+    from wavehaptics.studies.report.build import make_report
+    from wavehaptics.studies.sweeps import SweepError
+
+    try:
+        with shown_stages() as progress:
+            page = make_report(out, quick, cluster=cluster, workers=workers, progress=progress)
+    except SweepError as error:
+        raise CommandError(str(error)) from None
+    print(f"report: {page}")
+
+
+@app.command()
+def adcs(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for adcs.json.")] = Path(
+        "build/adcs"
+    ),
+    scene: Annotated[
+        str, typer.Option(metavar="SCENE", help="What runs with each.")
+    ] = "paper_taps",
+    overrides: SetOption = None,
+) -> None:
+    """Run SCENE on pins with every ADC: times, stiffness and torque error; some ten minutes."""
+    settings = tuple(overrides or ())
+    path = find_scene(scene)
+    load_scene(path, settings)
+    make_folder(out)
+
+    from rich.console import Console
+
+    from wavehaptics.studies.adcs import adc_table, compare
+
+    with shown_stages() as progress:
+        found = compare(path, settings, out / "adcs.json", progress)
+    Console().print(adc_table(found))
+    print(f"numbers: {out / 'adcs.json'}")
+
+
+@app.command()
+def holding(
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Holds of seconds, few random motors: 5 minutes.")
+    ] = False,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Processes; one a core by default.")
+    ] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
+        "build/holding"
+    ),
+) -> None:
+    """Hold, tap, bounce and overload walls with everything wrong that a real motor has.
+
+    Some twenty minutes; an interrupted run goes on where it stopped when it is started again.
+    """
+    make_folder(out)
+
+    from wavehaptics.studies.anchored import collect
+    from wavehaptics.studies.sweeps import SweepError
+
+    try:
+        with shown_stages() as progress:
+            collect(out, workers, progress, quick)
+    except SweepError as error:
+        raise CommandError(str(error)) from None
+    print(f"numbers: {out / 'holding.json'}")
+
+
+@app.command()
+def bench(
+    quick: Annotated[bool, typer.Option("--quick", help="Only what is shipped.")] = False,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
+        "build/bench"
+    ),
+) -> None:
+    """Measure how fast the simulation is, what was tried to speed it up, and others beside it."""
+    make_folder(out)
+
+    from rich.console import Console
+
+    from wavehaptics.studies.bench.measure import bench as measure_all
+    from wavehaptics.studies.bench.measure import tables
+
+    with shown_stages() as progress:
+        summary = measure_all(out, quick, progress)
+    for table in tables(summary):
+        Console().print(table)
+    print(f"summary: {out / 'summary.json'}")
+
+
+@app.command()
+def tables(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for tables.json.")] = Path(
+        "build/tables"
+    ),
+) -> None:
+    """Run what the pages show of drive and environments in tables; some ten minutes."""
+    make_folder(out)
+
+    from wavehaptics.studies.tabled_runs import collect
+
+    with shown_stages() as progress:
+        print(f"numbers: {collect(out, progress)}")
