@@ -4,7 +4,17 @@
 import numpy as np
 import pytest
 from wavehaptics.trace import columns
-from wavehaptics.trace.columns import FLOAT_COLUMNS, Column, TraceWriter, Word, load_trace
+from wavehaptics.trace.columns import (
+    FLOAT_COLUMNS,
+    Column,
+    TraceWriter,
+    Word,
+    load_trace,
+    put_anchor,
+    put_estimate,
+    put_motion,
+    put_port,
+)
 
 TICK_S = 1e-6
 
@@ -140,3 +150,21 @@ def test_what_does_not_fit_is_refused(tmp_path):
         TraceWriter(tmp_path, 0.0)
     with pytest.raises(ValueError, match="above zero"):
         TraceWriter(tmp_path, TICK_S, 0.0)
+
+
+def test_a_tick_is_written_whole():
+    """Motor, port and anchor fill every column of a row, each once."""
+    row, parts = np.full(len(Column), np.nan), []
+    for put, values in (
+        (put_motion, (1.0, 0.5, 2.0, 3.0, 0.25, 6.0, 0.125, 7.0, 8.0, 9.0)),
+        (put_port, (-1.0, 10.0, 11.0, True, False)),
+        (put_anchor, (12.0, 1)),
+        (put_estimate, (13.0, 14.0, 15.0)),
+    ):
+        before = np.isnan(row)
+        put.py_func(row, *values)
+        parts.append(int(np.count_nonzero(before & ~np.isnan(row))))
+    assert parts == [9, 5, 2, 3]
+    assert not np.isnan(row).any()
+    assert row[[Column.T, Column.X, Column.OMEGA]].tolist() == [1.25, 2.5, 2.0]
+    assert row[[Column.CONTACT, Column.SATURATED]].tolist() == [1.0, 0.0]

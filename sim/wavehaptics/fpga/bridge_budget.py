@@ -49,12 +49,15 @@ def check(board: Board) -> None:
             f"gates {1e9 * bridge.gate_skew_s:g}, FPGA {1e9 * bridge.fpga_skew_s:g} ns, and "
             f"{1e9 * LEAST_DEAD_S:g} ns at least); raise drive.dead_time_s"
         )
-    if scene.drive.min_pulse_s < bridge.min_pulse_s - _ROUNDING_S:
+    drive, adc = scene.drive, scene.adc
+    assert drive is not None
+    assert adc is not None
+    if drive.min_pulse_s < bridge.min_pulse_s - _ROUNDING_S:
         raise BoardError(
-            f"{scene_file}: drive.min_pulse_s is {1e9 * scene.drive.min_pulse_s:g} ns, and the "
+            f"{scene_file}: drive.min_pulse_s is {1e9 * drive.min_pulse_s:g} ns, and the "
             f"{bridge.driver} needs {1e9 * bridge.min_pulse_s:g} ns; set it so"
         )
-    full_scale_a = scene.adc.full_scale_a
+    full_scale_a = adc.full_scale_a
     if abs(sense.full_scale_a / full_scale_a - 1) > 0.01:
         raise BoardError(
             f"{scene_file}: adc.full_scale_a is {full_scale_a:g} A, but {1e3 * sense.shunt_ohm:g} "

@@ -217,7 +217,7 @@ def board_pads(board: Board, sdf: Path) -> dict[str, Any]:
     """
     words, bridge = board.words(), board.fpga.bridge
     time = bridge_budget.dead_time(board)
-    motors = board.fpga.motors
+    motors, drive = board.fpga.motors, board.scene.drive
     lines = ["adc_sdata"] if motors == 1 else [f"adc_sdata[{n}]" for n in range(motors)]
     try:
         delays = pad_timing.Delays.of_file(sdf)
@@ -242,7 +242,7 @@ def board_pads(board: Board, sdf: Path) -> dict[str, Any]:
         "gate_skew_ns": round(1e9 * time.gate_skew_s, 2),
         "fpga_skew_ns": skew_ns,
         "fpga_skew_granted_ns": round(1e9 * time.fpga_skew_s, 2),
-        "min_pulse_ns": round(1e9 * board.scene.drive.min_pulse_s, 2),
+        "min_pulse_ns": round(1e9 * drive.min_pulse_s, 2) if drive else 0.0,
         "trip_a": board.fpga.sense.trip_a,
         "clip_a": round(board.fpga.sense.clip_a, 3),
     }

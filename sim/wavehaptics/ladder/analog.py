@@ -53,7 +53,7 @@ from wavehaptics.motor.supply import SAG_OHM, STEP_PART, STEP_S, sag_in_series, 
 from wavehaptics.motor.thermal import Winding
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.scene import Scene, drive_gain
-from wavehaptics.trace.columns import Column
+from wavehaptics.trace.columns import put_motion, put_port
 from wavehaptics.words import formats
 
 F = E
@@ -262,20 +262,14 @@ def _advance(rows, z, trial, before, kept, wall_min, wall_max, floats, substeps,
         mean = charge / tick
         u = wave / tick
         row = rows[n]
-        row[Column.T] = t_before + 0.5 * tick
-        row[Column.X] = 0.5 * (x_before + z[X])
-        row[Column.OMEGA] = (z[X] - x_before) / tick
-        row[Column.I] = mean
-        row[Column.E_A] = floats[_GAIN] * floats[_S] * u - lost / tick
-        row[Column.TORQUE] = floats[_K_T] * mean
-        row[Column.ETA] = floats[_ETA_CONTACT] if kept[_TOUCHING] else floats[_ETA_FREE]
-        row[Column.U] = u
-        row[Column.V] = u - floats[_S] * mean
-        row[Column.X_HAND] = 0.5 * (hand_before + z[P] + z[C])
-        row[Column.CONTACT] = kept[_TOUCHING]
-        row[Column.SATURATED] = abs(kept[_SIDE])
-        row[Column.ENERGY_OUT] = floats[_GAIN] * floats[_S] * work - floats[_RESISTANCE] * square
-        row[Column.RIPPLE] = high - low
+        put_motion(
+            row, t_before, tick, x_before, z[X], mean,
+            floats[_GAIN] * floats[_S] * u - lost / tick, floats[_K_T] * mean,
+            0.5 * (hand_before + z[P] + z[C]),
+            floats[_GAIN] * floats[_S] * work - floats[_RESISTANCE] * square, high - low,
+        )  # fmt: skip
+        eta = floats[_ETA_CONTACT] if kept[_TOUCHING] else floats[_ETA_FREE]
+        put_port(row, eta, u, u - floats[_S] * mean, kept[_TOUCHING], kept[_SIDE] != 0)
 
 
 class AnalogSimulation:

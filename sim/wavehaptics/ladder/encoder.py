@@ -27,7 +27,7 @@ from wavehaptics.motor.thermal import Winding
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.scene import Scene, SceneError, drive_gain, encoder_end
 from wavehaptics.scene.tables.servo import Servo
-from wavehaptics.trace.columns import Column
+from wavehaptics.trace.columns import put_motion, put_port
 
 FASTEST_AMPLIFIER = 0.1
 """Most of the amplifier's bandwidth in Hz over the tick rate: it stands for an analog circuit."""
@@ -106,18 +106,13 @@ def _advance(
         if voltage == asked or error * asked < 0.0:  # a saturated integral would wind up
             kept[_INTEGRAL] += floats[_KI] * error * tick
         row = rows[n]
-        row[Column.T] = t_before + 0.5 * tick
-        row[Column.X] = 0.5 * (x_before + state[X])
-        row[Column.OMEGA] = (state[X] - x_before) / tick
-        row[Column.I] = charge / tick
-        row[Column.E_A] = e_a - sag * row[Column.I]
-        row[Column.TORQUE] = floats[_K_T] * charge / tick
-        row[Column.ETA] = row[Column.U] = row[Column.V] = 0.0
-        row[Column.X_HAND] = 0.5 * (hand_before + state[P] + state[C])
-        row[Column.CONTACT] = kept[_TOUCHING]
-        row[Column.SATURATED] = 0.0 if voltage == asked else 1.0
-        row[Column.ENERGY_OUT] = e_a * charge - floats[_RESISTANCE] * square
-        row[Column.RIPPLE] = high - low
+        mean = charge / tick
+        put_motion(
+            row, t_before, tick, x_before, state[X], mean, e_a - sag * mean,
+            floats[_K_T] * charge / tick, 0.5 * (hand_before + state[P] + state[C]),
+            e_a * charge - floats[_RESISTANCE] * square, high - low,
+        )  # fmt: skip
+        put_port(row, 0.0, 0.0, 0.0, kept[_TOUCHING] != 0.0, voltage != asked)
         kept[_VOLTAGE] = voltage
 
 

@@ -45,7 +45,7 @@ from wavehaptics.motor.sensor import (
 from wavehaptics.motor.step import motor_step
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.scene import Scene, drive_gain, encoder_end
-from wavehaptics.trace.columns import Column, Word
+from wavehaptics.trace.columns import Column, Word, put_anchor, put_motion, put_port
 from wavehaptics.words import formats
 
 USUAL_TIMEOUT = 100
@@ -188,26 +188,17 @@ def _period(
         if sent:
             sequence, mean_v = number, packet
         row = rows[n]
-        row[Column.T] = t_before + 0.5 * tick
-        row[Column.X] = 0.5 * (x_before + state[X])
-        row[Column.OMEGA] = (state[X] - x_before) / tick
-        row[Column.I] = mean
-        row[Column.E_A] = e_a - sag * mean
-        row[Column.TORQUE] = k_t * mean
-        row[Column.ETA] = eta * _ETA
-        row[Column.U] = u_n * _WAVE
-        row[Column.V] = v_n * _WAVE
-        row[Column.X_HAND] = 0.5 * (hand_before + state[P] + state[C])
-        row[Column.CONTACT] = 1.0 if active else 0.0
+        put_motion(
+            row, t_before, tick, x_before, state[X], mean, e_a - sag * mean, k_t * mean,
+            0.5 * (hand_before + state[P] + state[C]), e_a * charge - resistance * square, 0.0,
+        )  # fmt: skip
         limited = abs(u_n) >= u_max
         if anchored is not None:  # whose limit is not the same in every tick
             limited = core[wave_core.STATE_SATURATED] != 0
-        row[Column.SATURATED] = 1.0 if limited else 0.0
-        row[Column.ENERGY_OUT] = e_a * charge - resistance * square
-        row[Column.RIPPLE] = 0.0
+        put_port(row, eta * _ETA, u_n * _WAVE, v_n * _WAVE, active, limited)
         if anchored is not None:
             held = anchored[1]
-            row[Column.CORRECTION] = kept[_CORRECTION] * _VOLT
+            applied = kept[_CORRECTION] * _VOLT
             kept[_CORRECTION] = held[anchor.CORRECTION]
             anchor.anchor_step(
                 held, anchored[0], position, touching or active != 0, current, u_n, v_n, withheld,
@@ -215,7 +206,7 @@ def _period(
             )  # fmt: skip
             kept[_WAVE_VOLTAGE] = voltage
             voltage = wave_core.saturate(voltage + kept[_CORRECTION])
-            row[Column.FAULT] = held[anchor.FAULT]
+            put_anchor(row, applied, held[anchor.FAULT])
     return voltage, sequence, mean_v
 
 

@@ -44,7 +44,7 @@ from wavehaptics.motor.step import motor_step
 from wavehaptics.motor.supply import BUS_V, SAG_OHM, STEP_PART, STEP_S
 from wavehaptics.runtime.compiled import compiled, compiled_counting
 from wavehaptics.runtime.native_call import call2
-from wavehaptics.trace.columns import Column, Word
+from wavehaptics.trace.columns import Word, put_anchor, put_estimate, put_motion, put_port
 from wavehaptics.words import formats
 
 WORD_NOISE = 0.55
@@ -68,7 +68,7 @@ AH, AL, BH, BL, CS_N, SCLK, TICK, CORE_VALID, TOUCHING = range(9)
 ) = range(11)  # fmt: skip
 # Places in the integers that the loop keeps.
 (
-    NOW, ADVANCED, PINS, SHIFT, HELD, COUNT, EDGE, CLOSED, EMITTED, TICK_START, FAULTS,
+    NOW, ADVANCED, PINS, SHIFT, HELD, COUNT, NEXT_LOOK, CLOSED, EMITTED, TICK_START, FAULTS,
     CORRECTION,
 ) = range(12)  # fmt: skip
 # Places in the sums of the tick that is running.
@@ -183,7 +183,7 @@ def _next_edge(state, kept, cell, dt, end_s, real):
     than 1e-8 rad in that time.
     """
     if kept[NOW] * dt >= end_s:
-        kept[EDGE] = 1 << 62
+        kept[NEXT_LOOK] = 1 << 62
         return
     ahead = (kept[NOW] - kept[ADVANCED]) * dt
     x = state[X] + state[OMEGA] * ahead
@@ -202,7 +202,7 @@ def _next_edge(state, kept, cell, dt, end_s, real):
         until = (edge - x) / (speed * dt)
         if until < wait:
             wait = max(1, int(np.ceil(until)))
-    kept[EDGE] = kept[NOW] + wait
+    kept[NEXT_LOOK] = kept[NOW] + wait
 
 
 @compiled(inline="always")
@@ -220,15 +220,11 @@ def _close_tick(state, kept, sums, pending, floats, ints):
     mean = sums[CHARGE] / tick
     hand = state[P] + state[C]
     row = pending[kept[CLOSED] % PENDING]
-    row[Column.T] = sums[T0] + 0.5 * tick
-    row[Column.X] = 0.5 * (sums[X0] + state[X])
-    row[Column.OMEGA] = (state[X] - sums[X0]) / tick
-    row[Column.I] = mean
-    row[Column.E_A] = sums[VOLT_SECONDS] / tick
-    row[Column.TORQUE] = floats[K_T] * mean
-    row[Column.X_HAND] = 0.5 * (sums[HAND0] + hand)
-    row[Column.ENERGY_OUT] = sums[WORK] - floats[RESISTANCE] * sums[SQUARE]
-    row[Column.RIPPLE] = sums[HIGH] - sums[LOW]
+    put_motion(
+        row, sums[T0], tick, sums[X0], state[X], mean, sums[VOLT_SECONDS] / tick,
+        floats[K_T] * mean, 0.5 * (sums[HAND0] + hand),
+        sums[WORK] - floats[RESISTANCE] * sums[SQUARE], sums[HIGH] - sums[LOW],
+    )  # fmt: skip
     kept[CLOSED] += 1
     sums[:LOW] = 0.0
     sums[LOW] = sums[HIGH] = state[I]
@@ -254,7 +250,7 @@ def advance(
     data_bits = ints[DATA_BITS]
     silent = 0
     while done < rows.shape[0]:
-        if kept[NOW] >= kept[EDGE]:
+        if kept[NOW] >= kept[NEXT_LOOK]:
             _next_edge(state, kept, cell, dt, end_s, real)
         inputs = ((kept[SHIFT] >> 63) & 1) | encoder_levels(kept[COUNT])
         pins = call2(ints[CLOCK], ints[MODEL], inputs)
@@ -286,26 +282,23 @@ def advance(
             call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
             touching = (pins >> TOUCHING) & 1
             row = pending[kept[EMITTED] % PENDING]
-            row[Column.ETA] = floats[ETA_CONTACT] if touching else floats[ETA_FREE]
-            row[Column.U] = buffer[1] * _WAVE
-            row[Column.V] = buffer[2] * _WAVE
-            row[Column.CONTACT] = touching
+            eta = floats[ETA_CONTACT] if touching else floats[ETA_FREE]
             limited = abs(buffer[1]) >= ints[U_MAX]
             if ints[SET_BUS] or ints[ANCHORED]:  # the limit is not the same in every tick
                 limited = buffer[4] != 0
-            row[Column.SATURATED] = 1.0 if limited else 0.0
             if ints[ANCHORED]:
                 # The voltage of the measured tick was made in the step before.
-                row[Column.CORRECTION] = kept[CORRECTION] * _VOLT
+                put_anchor(row, kept[CORRECTION] * _VOLT, buffer[8])
                 kept[CORRECTION] = buffer[5]
                 chi = buffer[6] * SEEN_CELLS
-                row[Column.FLUX] = chi
-                row[Column.X_HAT] = (ints[START_COUNT] + buffer[9] + 0.5 - chi) * cell
                 lag = buffer[7] * SEEN_CELLS * cell
-                row[Column.OMEGA_HAT] = lag / (FOLLOWER_TICKS * ints[TICK_CLOCKS] * dt)
-                row[Column.FAULT] = buffer[8]
+                put_estimate(
+                    row, chi, (ints[START_COUNT] + buffer[9] + 0.5 - chi) * cell,
+                    lag / (FOLLOWER_TICKS * ints[TICK_CLOCKS] * dt),
+                )  # fmt: skip
                 if buffer[8]:
-                    row[Column.ETA] = 0.0
+                    eta = 0.0
+            put_port(row, eta, buffer[1] * _WAVE, buffer[2] * _WAVE, touching, limited)
             rows[done] = row
             words[done, Word.I] = buffer[0]
             words[done, Word.U] = buffer[1]

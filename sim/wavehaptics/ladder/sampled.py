@@ -41,7 +41,7 @@ from wavehaptics.motor.thermal import Winding
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.runtime.native_call import call2
 from wavehaptics.scene import Scene, drive_gain, encoder_end
-from wavehaptics.trace.columns import Column, Word
+from wavehaptics.trace.columns import Word, put_anchor, put_estimate, put_motion, put_port
 from wavehaptics.words import formats
 
 CORE_DELAY_LOG2 = 10
@@ -182,33 +182,23 @@ def _advance(
                 )
                 held[anchor.FAULT] = buffer[7]
         row = rows[n]
-        row[Column.T] = t_before + 0.5 * tick
-        row[Column.X] = 0.5 * (x_before + state[X])
-        row[Column.OMEGA] = (state[X] - x_before) / tick
-        row[Column.I] = mean
-        row[Column.E_A] = e_a - sag * mean
-        row[Column.TORQUE] = k_t * mean
-        row[Column.ETA] = eta * _ETA
-        row[Column.U] = u_n * _ROOT_WATT
-        row[Column.V] = v_n * _ROOT_WATT
-        row[Column.X_HAND] = 0.5 * (hand_before + state[P] + state[C])
-        row[Column.CONTACT] = 1.0 if touching else 0.0
+        put_motion(
+            row, t_before, tick, x_before, state[X], mean, e_a - sag * mean, k_t * mean,
+            0.5 * (hand_before + state[P] + state[C]),
+            e_a * charge - floats[_RESISTANCE] * square, high - low,
+        )  # fmt: skip
         limited = abs(u_n) >= u_max
         if anchored is not None:  # whose limit is not the same in every tick
             limited = (core[wave_core.STATE_SATURATED] if ints[_MODEL] == 0 else buffer[8]) != 0
-        row[Column.SATURATED] = 1.0 if limited else 0.0
-        row[Column.ENERGY_OUT] = e_a * charge - floats[_RESISTANCE] * square
-        row[Column.RIPPLE] = high - low
+        put_port(row, eta * _ETA, u_n * _ROOT_WATT, v_n * _ROOT_WATT, touching, limited)
         if anchored is not None:
             held = anchored[1]
-            row[Column.CORRECTION] = kept[_CORRECTION] * _VOLT
+            put_anchor(row, kept[_CORRECTION] * _VOLT, held[anchor.FAULT])
             kept[_CORRECTION] = correction
             chi = (held[anchor.CHI] >> _LONG_GUARD) * anchor.SEEN_CELLS
             lag = (held[anchor.LAG] >> _LONG_GUARD) * anchor.SEEN_CELLS
-            row[Column.FLUX] = chi
-            row[Column.X_HAT] = (position + 0.5 - chi) * cell
-            row[Column.OMEGA_HAT] = lag * cell / (anchor.FOLLOWER_TICKS * tick)
-            row[Column.FAULT] = held[anchor.FAULT]
+            omega_hat = lag * cell / (anchor.FOLLOWER_TICKS * tick)
+            put_estimate(row, chi, (position + 0.5 - chi) * cell, omega_hat)
         words[n, Word.I] = current
         words[n, Word.U] = u_n
         words[n, Word.V] = v_n

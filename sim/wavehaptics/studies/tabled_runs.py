@@ -7,12 +7,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from wavehaptics.ladder.run import measure
+from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.studies import impedance
-from wavehaptics.trace.metrics import write_metrics
 
 KEPT_METRICS = (
     "torque_nrmse_vs_analog",
@@ -79,13 +81,13 @@ def collect(out: Path, progress: Callable[[str, float], None]) -> Path:
         for label, ((scene, settings), further) in runs.items():
             told = f"{table}: {label}"
             loaded = load_scene(find_scene(scene), (*settings, *further))
-            found = measure(loaded, "pins", progress=lambda part, told=told: progress(told, part))
+            found = measure(loaded, "pins", progress=partial(progress, told))
             rows.append(
                 {"table": table, "row": label, "tick_s": found["duration_s"] / found["ticks"]}
                 | {key: found[key] for key in KEPT_METRICS}
             )
     taps = load_scene(find_scene("paper_taps"))
-    off = []
+    off: list[dict[str, Any]] = []
     for part in R_HAT_PARTS:
         setting = f"controller.r_hat={taps.motor.R_ohm * (1.0 + part):.9g}"
         loaded = load_scene(find_scene("paper_taps"), ("scene.duration_s=0.5", setting))
@@ -95,8 +97,6 @@ def collect(out: Path, progress: Callable[[str, float], None]) -> Path:
     swept = []
     for name in IMPEDANCE_SCENES:
         told = f"impedance: {name}"
-        found = impedance.measure(
-            load_scene(find_scene(name)), progress=lambda part, told=told: progress(told, part)
-        )
-        swept.append({"scene": name, "error_max": float(found.errors.max())})
-    return write_metrics({"runs": rows, "r_hat": off, "impedance": swept}, out / "tables.json")
+        heard = impedance.measure(load_scene(find_scene(name)), progress=partial(progress, told))
+        swept.append({"scene": name, "error_max": float(heard.errors.max())})
+    return write_json(out / "tables.json", {"runs": rows, "r_hat": off, "impedance": swept})

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from wavehaptics.runtime.compiled import compiled_counting
+from wavehaptics.runtime.compiled import compiled, compiled_counting
 from wavehaptics.runtime.files import replacing
 from wavehaptics.words import formats
 
@@ -30,7 +30,7 @@ class Column(IntEnum):
     V = 8  # √W, v_n
     X_HAND = 9  # rad, middle of the tick
     CONTACT = 10  # 1 in contact, else 0
-    SATURATED = 11  # 1 where the voltage limit acted in the tick's step
+    SATURATED = 11  # 1 where the limit acted: on u_n, or in the tick's step where it varies
     ENERGY_OUT = 12  # J, ∫(e_a − R i − drop) i dt over the tick, R as it is: given out by the port
     RIPPLE = 13  # A, peak to peak within the tick
     CORRECTION = 14  # V, c of the port anchor in the tick's voltage; 0 without one
@@ -38,6 +38,50 @@ class Column(IntEnum):
     OMEGA_HAT = 16  # rad/s, how fast, as a mean of some 256 ticks
     FLUX = 17  # cells, χ of the port anchor
     FAULT = 18  # 1 once the port anchor has found that waves and encoder don't agree
+
+
+@compiled(inline="always")
+def put_motion(
+    row, begin, tick, x_before, x, mean, e_a, torque, x_hand, energy_out, ripple
+):  # fmt: skip
+    """The motor's part of a tick's row: it begins at ``begin`` s, with the rotor at ``x_before``.
+
+    ``mean`` is the current's, A, and ``x`` where the rotor is at the end.
+    """
+    row[Column.T] = begin + 0.5 * tick
+    row[Column.X] = 0.5 * (x_before + x)
+    row[Column.OMEGA] = (x - x_before) / tick
+    row[Column.I] = mean
+    row[Column.E_A] = e_a
+    row[Column.TORQUE] = torque
+    row[Column.X_HAND] = x_hand
+    row[Column.ENERGY_OUT] = energy_out
+    row[Column.RIPPLE] = ripple
+
+
+@compiled(inline="always")
+def put_port(row, eta, u, v, contact, saturated):
+    """The port's part of a tick's row: waves in √W, and two flags."""
+    row[Column.ETA] = eta
+    row[Column.U] = u
+    row[Column.V] = v
+    row[Column.CONTACT] = 1.0 if contact else 0.0
+    row[Column.SATURATED] = 1.0 if saturated else 0.0
+
+
+@compiled(inline="always")
+def put_anchor(row, correction, fault):
+    """What a port anchor added to the tick's voltage, and whether it has found a fault."""
+    row[Column.CORRECTION] = correction
+    row[Column.FAULT] = fault
+
+
+@compiled(inline="always")
+def put_estimate(row, flux, x_hat, omega_hat):
+    """Where a port anchor takes the rotor to be, and how fast."""
+    row[Column.FLUX] = flux
+    row[Column.X_HAT] = x_hat
+    row[Column.OMEGA_HAT] = omega_hat
 
 
 class Word(IntEnum):

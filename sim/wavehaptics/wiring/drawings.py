@@ -12,7 +12,7 @@ from schemdraw import elements as elm
 
 from wavehaptics.fpga.boards import ROOT
 from wavehaptics.wiring.parts import FAMILY_NAMES, Family, Table
-from wavehaptics.wiring.sheet import Sheet
+from wavehaptics.wiring.sheet import Sheet, Side
 
 FOLDER = Path("docs", "wiring")
 """Where the pictures are kept, from the root."""
@@ -285,7 +285,11 @@ def sense(table: Table) -> Sheet:
     for x, reference in ((13.5, "C12"), (17.4, "C11")):
         s.capacitor(reference, (x, 11.4), (x, 10.1), "right")
         s.ground((x, 10.1))
-    for pin, name, side in (("CS", "adc_cs_n", "top"), ("SCLK", "adc_sclk", "bottom")):
+    ends: tuple[tuple[str, str, Side], ...] = (
+        ("CS", "adc_cs_n", "top"),
+        ("SCLK", "adc_sclk", "bottom"),
+    )
+    for pin, name, side in ends:
         y_pin = adc[pin][1]
         s.wire(adc[pin], (16.4, y_pin))
         s.resistor("R8", (16.4, y_pin), (18.2, y_pin), side, "" if side == "bottom" else None)

@@ -116,11 +116,14 @@ def runs(board: str) -> str:
     """How a board runs, by its scene."""
     loaded = load_board(board)
     scene = loaded.scene
+    drive = scene.drive
+    assert drive is not None
+    assert drive.pwm_hz is not None
     motors = f" for each of {loaded.fpga.motors} motors" if loaded.fpga.motors > 1 else ""
     return (
         f"{loaded.clock_hz / 1e6:g} MHz by its PLL, a tick of {1e6 / scene.controller.tick_hz:g} µs"
-        f"{motors}, a carrier of {scene.drive.pwm_hz / 1e3:g} kHz, "
-        f"a dead time of {scene.drive.dead_time_s * 1e9:.0f} ns.\n"
+        f"{motors}, a carrier of {drive.pwm_hz / 1e3:g} kHz, "
+        f"a dead time of {drive.dead_time_s * 1e9:.0f} ns.\n"
     )
 
 

@@ -97,10 +97,11 @@ def wires(board: str, root: Path = ROOT) -> Wires:
     left = dict(sites)
     found: dict[str, list[tuple[Pin, Pin]]] = {}
     for header in known.headers:
-        rows = []
+        rows: list[tuple[Pin, Pin]] = []
         for pair in zip(header.upper, header.lower, strict=True):
             split = [cell.split(":", 1) for cell in pair]
-            rows.append(tuple(Pin(name, place, sites.get(place)) for name, place in split))
+            upper, lower = (Pin(name, place, sites.get(place)) for name, place in split)
+            rows.append((upper, lower))
             for _, place in split:
                 left.pop(place, None)
         if any(pin.port for row in rows for pin in row):

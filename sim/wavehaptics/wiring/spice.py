@@ -25,6 +25,9 @@ from wavehaptics.fpga.boards import board_names, load_board
 from wavehaptics.wiring.parts import FAMILIES, FAMILY_NAMES, Family, Table, WiringError
 
 Level = Literal["high", "low"]
+Diode = Literal["typical", "most"]
+LEVELS: tuple[Level, ...] = ("high", "low")
+DIODES: tuple[Diode, ...] = ("typical", "most")
 
 _EDGE_S = 10e-9
 _CHARGED_S = 50e-6
@@ -69,7 +72,7 @@ class Corner:
     supply_v: float
     temperature_c: float
     spread: float
-    diode: Literal["typical", "most"]
+    diode: Diode
 
 
 def _models(table: Table, supply_v: float) -> list[str]:
@@ -141,7 +144,7 @@ def corners(table: Table) -> list[Corner]:
     return [
         Corner(supply_v, temperature_c, spread, diode)
         for supply_v, temperature_c, spread, diode in itertools.product(
-            supplies, supply.temperature_c, (-1.0, 1.0), ("typical", "most")
+            supplies, supply.temperature_c, (-1.0, 1.0), DIODES
         )
     ]
 
@@ -157,7 +160,7 @@ def stops(
     found = []
     grouped = sorted(cases, key=lambda corner: corner.temperature_c)
     for temperature_c, group in itertools.groupby(grouped, lambda corner: corner.temperature_c):
-        runs = list(itertools.product(group, ticks_s, ("high", "low")))
+        runs = list(itertools.product(group, ticks_s, LEVELS))
         lines = ["* the charge pump of alive", f".temp {temperature_c}"]
         lines += _models(table, table.supply.logic_v)
         last_s = 0.0
@@ -337,10 +340,9 @@ def stop_complaints(table: Table, found: Iterable[Stop]) -> list[str]:
             f"{corner.temperature_c:g} °C"
         )
         if stop.shut_s is None or stop.shut_s > table.stop.longest_s:
-            late = stop.shut_s is None
             took = (
                 f"not within {_WATCHED_S * 1e6:g} µs"
-                if late
+                if stop.shut_s is None
                 else f"after {stop.shut_s * 1e6:.0f} µs"
             )
             lines.append(

@@ -258,7 +258,7 @@ def fields(values: Values, sizes: Sizes) -> dict[str, list[tuple[int, int]]]:
 
 
 def _each(name: str, value: int | Sequence[int], copies: int) -> list[int]:
-    raws = [int(raw) for raw in value] if isinstance(value, Sequence) else [int(value)] * copies
+    raws = [int(raw) for raw in value] if isinstance(value, Iterable) else [int(value)] * copies
     if len(raws) != copies:
         raise ValueError(f"{name} has {copies} words, not {len(raws)}")
     return raws
