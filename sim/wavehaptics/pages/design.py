@@ -49,7 +49,7 @@ def _demo(numbers: dict[str, Any], table: Table) -> str:
     """What ``make demo`` prints, as it prints it, but for how fast the machine was."""
     text = io.StringIO()
     console = Console(file=text, width=84, force_terminal=False)
-    missing = [{}] * (len(DEMO_RUNS) - len(numbers["demo"]))
+    missing: list[dict[str, Any]] = [{}] * (len(DEMO_RUNS) - len(numbers["demo"]))
     console.print(demo_table(missing + numbers["demo"], timed=False))
     lines = "\n".join(line.rstrip() for line in text.getvalue().splitlines())
     return f"```\n{lines}\n```\n"
