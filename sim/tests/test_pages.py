@@ -7,8 +7,9 @@ import re
 from pathlib import Path
 
 import pytest
-from wavehaptics.fpga.boards import ROOT, board_names
+from wavehaptics.fpga.boards import board_names
 from wavehaptics.pages import design, filler
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import parse
 
 LONGEST_README = 200
