@@ -25,6 +25,7 @@ READY := .venv/.ready
 READY_SYNTH := .venv/.ready-synth
 READY_MUTATE := .venv/.ready-mutate
 READY_BENCH := .venv-bench/.ready
+READY_DOCS := .venv-docs/.ready
 ifneq ($(shell cat $(READY) 2>/dev/null),$(CURDIR))
 .PHONY: $(READY)
 endif
@@ -37,7 +38,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo adcs holding tables report bench soak coverage check test lint clean distclean
+.PHONY: help setup setup-synth system lock demo adcs holding tables docs report bench soak coverage check test lint clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -74,6 +75,14 @@ $(READY_BENCH): requirements-bench.lock $(READY)
 	    --require-hashes --only-binary :all: -r requirements-bench.lock </dev/null
 	@touch $@
 
+# The generator of the pages' site: it reads the package, and needs nothing of it installed.
+$(READY_DOCS): requirements-docs.lock | system
+	@rm -rf .venv-docs
+	@"$$(sh sim/setup/python.sh $(PYTHON))" -m venv .venv-docs
+	@.venv-docs/bin/python -m pip --disable-pip-version-check --no-input install --quiet --retries 5 \
+	    --require-hashes --no-deps --only-binary :all: -r requirements-docs.lock </dev/null
+	@touch $@
+
 lock: $(READY) ## pin the package lists of pyproject.toml again (UPGRADE=1: at newer versions)
 	@sh sim/setup/lock.sh $(if $(UPGRADE),--upgrade)
 
@@ -106,6 +115,12 @@ soak: $(READY) ## 10^8 ticks of the core, everything switched at random (half an
 	@$(WITH_TOOLS) .venv/bin/wavehaptics soak $(if $(QUICK),--ticks 1e6) --out build/soak
 	@$(if $(QUICK),,$(NUMBERS))
 
+# A warning is an error: a link that leads nowhere, a docstring that doesn't parse.
+docs: $(READY_DOCS) ## build the pages and the Python's reference: build/docs/index.html
+	@rm -rf build/docs
+	@.venv-docs/bin/python -m sphinx -q -E -W --keep-going -b html -c docs -d build/doctrees . build/docs
+	@echo "pages: build/docs/index.html"
+
 # Idle workers take tests from busy ones: a few take minutes, most take milliseconds.
 PYTEST = $(WITH_TOOLS) .venv/bin/python -m pytest -n $(JOBS) --dist worksteal
 
@@ -136,6 +151,7 @@ check: lint ## lint, a quick test of each block, the loop on each simulator: und
 	@$(PYTEST) -m quick --junit-xml build/tests/quick.xml
 	@if [ -d formal ]; then $(MAKE) formal QUICK=1; fi
 
+test: $(READY_DOCS)
 test: check ## check, then every other test of the model, the RTL and the loop (CI=true: but for the long)
 	@$(PYTEST) -m "not quick$(if $(CI), and not long)" --junit-xml build/tests/rest.xml
 
@@ -218,4 +234,4 @@ clean: ## remove what was built
 	rm -rf build
 
 distclean: clean ## remove .venv as well
-	rm -rf .venv .venv-bench
+	rm -rf .venv .venv-bench .venv-docs

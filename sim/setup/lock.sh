@@ -35,9 +35,9 @@ echo "yattag ; python_version < '3'" >build/overrides.in
 
 compile requirements.lock pyproject.toml --extra test --extra report "$@"
 
-# The synthesis tools, that for mutants and the other simulators, each alone, at versions that agree
-# with the lock above.
-for group in synth mutate bench; do
+# The synthesis tools, that for mutants, the other simulators and the pages' generator, each alone, at
+# versions that agree with the lock above.
+for group in synth mutate bench docs; do
     .venv/bin/python - "$group" <<'EOF' >"build/$group.in"
 import sys
 try:
@@ -47,5 +47,8 @@ except ModuleNotFoundError:
 with open("pyproject.toml", "rb") as file:
     print(*tomllib.load(file)["project"]["optional-dependencies"][sys.argv[1]], sep="\n")
 EOF
-    compile "requirements-$group.lock" "build/$group.in" --constraints requirements.lock "$@"
+    # The pages' generator shares no environment with the package.
+    case $group in docs) constraints= ;; *) constraints='--constraints requirements.lock' ;; esac
+    # shellcheck disable=SC2086 # two words or none
+    compile "requirements-$group.lock" "build/$group.in" $constraints "$@"
 done

@@ -6,9 +6,10 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from wavehaptics.fpga.boards import board_names
-from wavehaptics.pages import design, filler
+from wavehaptics.pages import design, filler, front_picture
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import parse
 
@@ -108,3 +109,18 @@ def test_version_is_one():
     assert f"\nversion: {version}\n" in citation
     (newest, *_) = re.findall(r"^## (\S+?),? ", changelog, re.MULTILINE)
     assert newest == version
+
+
+def test_front_picture_shows_the_first_tap(tmp_path):
+    """Its lines end where the first tap is deepest, whatever the later ones do."""
+    t = np.linspace(0.0, 1.5, 3001)
+    x = -0.01 * np.cos(4 * np.pi * t) * np.where(t < 0.5, 1.0, 2.0)
+    trace = {"t": t, "x": x, "torque": -2.0 * np.maximum(x, 0.0), "contact": x > 0}
+    for folder in ("", "analog", "stiffest"):
+        (tmp_path / folder).mkdir(exist_ok=True)
+        np.savez(tmp_path / folder / "trace.npz", **trace)
+    found = front_picture.way_in(trace)
+    assert found[0][-1] == pytest.approx(10.0, rel=1e-3)
+    assert found[1] == pytest.approx(2.0 * found[0])
+    path = front_picture.draw(tmp_path, {"encoder": 0.25}, 2.28, tmp_path / "walls.png")
+    assert path.read_bytes().startswith(b"\x89PNG")

@@ -8,7 +8,6 @@ leave open has its default of ``rtl/words.toml``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from wavehaptics.controller import guard
@@ -21,7 +20,7 @@ from wavehaptics.scene import Scene, SceneError
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.words.generated import LICENCE, connections
-from wavehaptics.words.table import Sizes
+from wavehaptics.words.table import Sizes, Values
 
 
 @dataclass(frozen=True)
@@ -113,7 +112,7 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "GUARDED": int(board.guard is not None),
     }
     sizes = Sizes(board.motors, board.walls, 0, board.delay_log2)
-    values: dict[str, int | Sequence[int]] = {
+    values: Values = {
         **words,
         "guard": board.guard or 0,
         **board.ports.wall_words(board.walls, board.motors),

@@ -16,10 +16,10 @@ from wavehaptics.motor.encoder_lines import FAULTY, cell_of, edge_place, line_co
 from wavehaptics.motor.imperfections import (
     AMPLIFIED,
     DRAWN,
-    EDGE,
     LAG,
     LAG_TABLE,
     LEAD,
+    LEAD_EDGE,
     LINE_MEMORY,
     LINES,
     LOAD,
@@ -102,7 +102,7 @@ def _sensed(state, sensor, real):
     if real is not None:
         if sensor[LAG_RATE] != 0.0:
             current = real[LAG][AMPLIFIED]
-        current = disturbed(current, real[LAG][VOLTS], state[TIME], sensor) + real[LAG][EDGE]
+        current = disturbed(current, real[LAG][VOLTS], state[TIME], sensor) + real[LAG][LEAD_EDGE]
     return current
 
 
@@ -119,7 +119,7 @@ def _step(state, table, step_s, clocks, e, legs, load, sensor, real):
         if legs != 0.0:
             memory[VOLTS] = e
         if sensor[SETTLE_RATE] != 0.0:
-            memory[EDGE] *= np.exp(-sensor[SETTLE_RATE] * step_s)
+            memory[LEAD_EDGE] *= np.exp(-sensor[SETTLE_RATE] * step_s)
         if sensor[LAG_RATE] != 0.0:
             memory[AMPLIFIED] = lagged(
                 memory[AMPLIFIED], first, state[I], charge / step_s, real[LAG_TABLE][clocks]
@@ -132,7 +132,7 @@ def _lead_moves(lead, sensor, memory):
     """What an edge of lead A, at ``lead`` from now on, adds to the amplifier's output."""
     if sensor[SETTLE_RATE] != 0.0 and lead != memory[LEAD]:
         if memory[LEAD] != 0.0:
-            memory[EDGE] += (lead - memory[LEAD]) * sensor[COMMON_MODE]
+            memory[LEAD_EDGE] += (lead - memory[LEAD]) * sensor[COMMON_MODE]
         memory[LEAD] = lead
 
 

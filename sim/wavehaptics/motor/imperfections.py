@@ -26,7 +26,7 @@ MOTOR, SUPPLY, LINES, LINE_MEMORY, LAG_TABLE, LAG = range(6)
 Real = tuple[tuple[np.ndarray, ...], np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
-AMPLIFIED, VOLTS, DRAWN, LOAD, LEAD, EDGE = range(6)
+AMPLIFIED, VOLTS, DRAWN, LOAD, LEAD, LEAD_EDGE = range(6)
 """Places in the LAG memory: the amplifier's output in A; with a switching bridge, the voltage that
 was last applied, the charge drawn from the bus in this tick, A·s, and the mean of the last, A; lead
 A's level, ±½ and 0 before the first, and what is left of its edges at the amplifier, A."""
