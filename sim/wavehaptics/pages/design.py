@@ -12,9 +12,10 @@ from typing import Any
 from rich.console import Console
 
 from wavehaptics.controller import pins_timing
-from wavehaptics.fpga.boards import ROOT, board_names, load_board
+from wavehaptics.fpga.boards import board_names, load_board
 from wavehaptics.ladder.abilities import ABILITIES
 from wavehaptics.parts.adcs import PARTS, frame
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies.demo import RUNS as DEMO_RUNS
 from wavehaptics.studies.demo import demo_table
 from wavehaptics.studies.report.blocks import number, percent
