@@ -221,21 +221,26 @@ class Bench:
 
 
 def shaper_words(rng: np.random.Generator, ticks: int) -> np.ndarray:
-    """Words of W: any, corners, or like real ones of low corner frequencies, at times constant."""
+    """Words of W, at times constant: any, corners, eighths, or like real ones of low frequencies.
+
+    With eighths alone sums end on whole places, where each bit below decides.
+    """
     shape = (ticks if rng.random() < 0.3 else 1, PORTS, max(SHAPER, 1), GOLDEN.SECTION_WORDS)
     format_ = FORMATS.SHAPE
-    kind = rng.integers(3)
+    kind = rng.integers(4)
     if kind == 0:
         words = rng.integers(format_.raw_min, format_.raw_max, shape, endpoint=True)
     elif kind == 1:
         corners = [format_.raw_min, -1, 0, 1, 1 << format_.fraction, format_.raw_max]
         words = rng.choice(np.array(corners, dtype=np.int64), shape)
+    elif kind == 2:
+        words = rng.integers(-7, 8, shape) << (format_.fraction - 3)
     else:
         small = 1 << int(rng.integers(1, format_.fraction))
         words = rng.integers(-small, small, shape)
         words[..., GOLDEN.D] = rng.integers(-1 << format_.fraction, 1 << format_.fraction)
     largest = 1 << int(rng.integers(0, FORMATS.SHAPE_LOSS_W, endpoint=True))
-    words[..., GOLDEN.LOSS1 :] = rng.integers(0, largest, (*shape[:3], 3))
+    words[..., GOLDEN.LOSS1 :] = rng.integers(0, largest, (*shape[:3], 3)) if kind != 2 else 0
     return np.broadcast_to(words, (ticks, *shape[1:]))
 
 
