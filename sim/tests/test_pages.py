@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from wavehaptics.fpga.boards import ROOT, board_names
+from wavehaptics.fpga.boards import board_names
 from wavehaptics.pages import design, filler, front_picture
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import parse
 
 LONGEST_README = 200

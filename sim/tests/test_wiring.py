@@ -11,7 +11,8 @@ import re
 
 import pytest
 from typer.testing import CliRunner
-from wavehaptics.fpga.boards import ROOT, board_names, load_board
+from wavehaptics.fpga.boards import board_names, load_board
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.wiring import __main__ as command
 from wavehaptics.wiring import drawings, pages, pins, spice
 from wavehaptics.wiring.parts import FAMILIES, TABLE, Table, WiringError, load_table

@@ -12,9 +12,10 @@ from typing import Any
 from rich.console import Console
 
 from wavehaptics.controller import pins_timing
-from wavehaptics.fpga.boards import ROOT, board_names, load_board
+from wavehaptics.fpga.boards import board_names, load_board
 from wavehaptics.ladder.abilities import ABILITIES
 from wavehaptics.parts.adcs import PARTS, frame
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies.demo import RUNS as DEMO_RUNS
 from wavehaptics.studies.demo import demo_table
 from wavehaptics.studies.report.blocks import number, percent
@@ -49,7 +50,7 @@ def _demo(numbers: dict[str, Any], table: Table) -> str:
     """What ``make demo`` prints, as it prints it, but for how fast the machine was."""
     text = io.StringIO()
     console = Console(file=text, width=84, force_terminal=False)
-    missing = [{}] * (len(DEMO_RUNS) - len(numbers["demo"]))
+    missing: list[dict[str, Any]] = [{}] * (len(DEMO_RUNS) - len(numbers["demo"]))
     console.print(demo_table(missing + numbers["demo"], timed=False))
     lines = "\n".join(line.rstrip() for line in text.getvalue().splitlines())
     return f"```\n{lines}\n```\n"

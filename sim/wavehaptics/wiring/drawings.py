@@ -10,7 +10,7 @@ from pathlib import Path
 
 from schemdraw import elements as elm
 
-from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.wiring.parts import FAMILY_NAMES, Family, Table
 from wavehaptics.wiring.sheet import Sheet, Side
 

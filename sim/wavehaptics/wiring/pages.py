@@ -11,7 +11,8 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from wavehaptics.fpga.boards import ROOT, board_names, load_board
+from wavehaptics.fpga.boards import board_names, load_board
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.wiring import pins, spice
 from wavehaptics.wiring.parts import Part, Table, WiringError
 

@@ -9,7 +9,7 @@ from typing import Literal
 from matplotlib.ticker import EngFormatter
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import TomlError, parse
 
 TABLE = Path("boards", "wiring.toml")

@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from wavehaptics.fpga.boards import ROOT, load_board
+from wavehaptics.fpga.boards import load_board
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import TomlError, parse
 from wavehaptics.wiring.parts import WiringError
 
