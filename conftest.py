@@ -57,6 +57,7 @@ FILES = (
     "sim/tests/test_scene.py",
     "sim/tests/test_shaper.py",
     "sim/tests/test_trace.py",
+    "sim/tests/test_words.py",
 )
 """Files of which every test is quick."""
 

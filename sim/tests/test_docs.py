@@ -9,7 +9,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from wavehaptics.fpga.boards import ROOT
+from wavehaptics.runtime.repository import ROOT
 
 PYTHON = ROOT / ".venv-docs" / "bin" / "python"
 TIMEOUT_S = 1200
