@@ -41,7 +41,7 @@ toctrees = {
                  "boards/colorlight_i5/README", "rtl/faults"],
     "Reliability": ["docs/reliability", "formal/README", "formal/MUTATE"],
     "Development": ["docs/development", "CONTRIBUTING", "CHANGELOG",
-                    "build/api/wavehaptics/index"],
+                    "Python reference <build/api/wavehaptics/index>"],
 }  # fmt: skip
 
 # Read and not imported: nothing is compiled, and no simulator is needed.
@@ -57,4 +57,5 @@ html_theme = "furo"
 html_title = "wavehaptics"
 html_copy_source = False
 html_show_sourcelink = False
-html_static_path = []
+html_static_path = ["site"]
+html_css_files = ["site.css"]
