@@ -39,7 +39,7 @@ ENCODER = ("encoder.counts_per_rev=4000",)
 SENSED = ("adc.bits=10", "adc.full_scale_a=2.5")
 DRIVEN = ("drive.bus_v=12",)
 ANCHORED = (*ENCODER, *DRIVEN, *SENSED, "controller.anchor_auto=true")
-HOT = ("thermal.start_c=80", "scene.duration_s=1.2", "controller.tick_hz=50e3")
+HOT = ("thermal.start_c=80", "scene.duration_s=0.2", "controller.tick_hz=50e3")
 SPRING = ("shaper.feel=spring", "shaper.stiffness=0.3", "shaper.damping=0.1e-3")
 
 NOT_OF_A_RUN = {
@@ -122,7 +122,7 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "thermal.alpha_per_k": (HOT, ("thermal.alpha_per_k=0.001",)),
     "thermal.ambient_c": ((*HOT, "thermal.tau_winding_s=0.5"), ("thermal.ambient_c=100",)),
     "thermal.start_c": (
-        ("scene.duration_s=1.2", "controller.tick_hz=50e3"),
+        ("scene.duration_s=0.2", "controller.tick_hz=50e3"),
         ("thermal.start_c=80",),
     ),
     "transmission.cable_stiffness": ((), ("transmission.cable_stiffness=1",)),
