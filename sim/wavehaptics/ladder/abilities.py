@@ -44,7 +44,8 @@ _NO_EDGES = {"adc.edge_settle_s": "it has no edges of a bridge; leave it out or 
 ABILITIES: dict[str, Ability] = {
     "analog": Ability(
         _PINS | _ANCHOR | _DIGITAL
-        | {"encoder", "adc", "servo", "controller.l_hat", "controller.k_t_hat",
+        | {"encoder.stops_at_s", "encoder.reverses_at_s", "encoder.uneven",
+           "encoder.skips_per_rev", "adc", "servo", "controller.l_hat", "controller.k_t_hat",
            "controller.anchor_auto"},
         _NO_W | _NO_EDGES,
     ),
