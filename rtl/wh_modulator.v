@@ -10,7 +10,7 @@
 //         = 2 rest - rest of the half before        order 2: by (1 - z^-1)^2
 //
 // once a half, so what the clock is too coarse for in one half is made good in the next ones: the
-// sum of the widths stays within half a clock of the sum of the duties, or, with order 2, within
+// sum of the widths stays bounded half a clock of the sum of the duties, or, with order 2, bounded
 // one. What a clipped half could not give is not owed to later ones, or it would wind up.
 // Everything is odd in the voltage. With MIN_PULSE = 1 a width below least_i is 0, or least_i where
 // that is nearer, and what it is off by is owed like any rest; spare_i keeps the pulses on the other
@@ -213,44 +213,49 @@ module wh_modulator #(
 
     // What is too short becomes 0 or least_i. All comparisons are with the same word, so that none
     // waits for another.
-    wire signed [`WH_TICK_W-1:0] chosen;  // of a width that isn't beyond the limit
-    wire                         over;
-    wire                         under;
+    wire signed [`WH_TICK_W-1:0] bounded = above ? limit
+                                         : below ? -limit : $signed(rounded_q[`WH_TICK_W-1:0]);
+    wire signed [`WH_TICK_W-1:0] chosen;
+    wire                         clipped;
     wire signed [REST_W-1:0]     rest_long = $signed({{REST_W-FRACTION{rest_q[FRACTION]}},
                                                       rest_q[FRACTION-1:0]});
     wire signed [REST_W-1:0]     left;    // total - chosen
 
     generate
         if (MIN_PULSE != 0) begin : minimum
-            wire signed [ROUND_W-1:0] least = $signed({{ROUND_W-8{1'b0}}, least_i});
-            wire signed [ROUND_W:0]   twice = $signed({rounded_q, 1'b0});
-            wire signed [ROUND_W:0]   once  = $signed({1'b0, least});
-            wire                      short = rounded_q < least && rounded_q > -least;
-            wire                      up    = twice >= once;
-            wire                      down  = twice <= -once;
-            wire                      wide  = least > limit_long;
-
-            wire signed [`WH_TICK_W-1:0] size    = $signed({{`WH_TICK_W-8{1'b0}}, least_i});
+            wire signed [ROUND_W-1:0]    least   = $signed({{ROUND_W-8{1'b0}}, least_i});
+            wire signed [ROUND_W:0]      twice   = $signed({rounded_q, 1'b0});
+            wire signed [ROUND_W:0]      once    = $signed({1'b0, least});
+            wire                         short   = rounded_q < least && rounded_q > -least;
+            wire                         up      = twice >= once;
+            wire                         down    = twice <= -once;
+            wire                         wide    = least > limit_long;
+            wire signed [`WH_TICK_W-1:0] size    = wide ? limit
+                                                 : $signed({{`WH_TICK_W-8{1'b0}}, least_i});
             wire signed [`WH_TICK_W-1:0] instead = up ? size : down ? -size : {`WH_TICK_W{1'b0}};
-            wire signed [ROUND_W-1:0] off   = up ? rounded_q - least
-                                            : down ? rounded_q + least : rounded_q;
-            wire                      unused_off = &{1'b0, off[ROUND_W-1:REST_W-FRACTION]};
+            // total - chosen: its whole clocks, of which rest_q is one below where it is negative.
+            localparam integer CLOCKS_W = REST_W - FRACTION;
+            wire signed [CLOCKS_W-1:0] few     = $signed(rounded_q[CLOCKS_W-1:0]);
+            wire signed [CLOCKS_W-1:0] sign    = {CLOCKS_W{rest_q[FRACTION]}};
+            wire signed [CLOCKS_W-1:0] nearly  = $signed({{CLOCKS_W-8{1'b0}}, least_i});
+            wire signed [CLOCKS_W-1:0] less    = sign - nearly;
+            wire signed [CLOCKS_W-1:0] more    = sign + nearly;
+            wire signed [CLOCKS_W-1:0] if_up   = few + less;
+            wire signed [CLOCKS_W-1:0] if_down = few + more;
+            wire signed [CLOCKS_W-1:0] if_zero = few + sign;
+            wire signed [CLOCKS_W-1:0] clocks  = up ? if_up : down ? if_down : if_zero;
 
-            assign chosen = short ? instead : $signed(rounded_q[`WH_TICK_W-1:0]);
-            assign over   = short ? up && wide : above;
-            assign under  = short ? down && wide : below;
-            assign left   = short ? rest_long
-                                    + $signed({off[REST_W-FRACTION-1:0], {FRACTION{1'b0}}})
-                                  : rest_long;
-            assign spare  = spare_i;
+            assign chosen  = short ? instead : bounded;
+            assign clipped = short ? wide && (up || down) : above || below;
+            assign left    = short ? $signed({clocks, rest_q[FRACTION-1:0]}) : rest_long;
+            assign spare   = spare_i;
         end else begin : any_pulse
             wire unused_minimum = &{1'b0, least_i, spare_i};
 
-            assign chosen = $signed(rounded_q[`WH_TICK_W-1:0]);
-            assign over   = above;
-            assign under  = below;
-            assign left   = rest_long;
-            assign spare  = 8'd0;
+            assign chosen  = bounded;
+            assign clipped = above || below;
+            assign left    = rest_long;
+            assign spare   = 8'd0;
         end
     endgenerate
 
@@ -265,9 +270,8 @@ module wh_modulator #(
             rests_q     <= {REST_W+1{1'b0}};
             older_q     <= {REST_W{1'b0}};
         end else begin
-            width_o     <= over ? limit
-                                : (under ? -limit : chosen);
-            next_rest_q <= (over || under) ? {REST_W{1'b0}} : left;
+            width_o     <= chosen;
+            next_rest_q <= clipped ? {REST_W{1'b0}} : left;
             if (update_i) begin
                 rests_q <= second_order_i ? (rest <<< 1) - older : rest;
                 older_q <= next_rest_q;
