@@ -35,7 +35,7 @@ class SourceLinks(SphinxTransform):
         here = (root / self.env.doc2path(self.env.docname)).parent
         seen = self.env.__dict__.setdefault("source_pages", set())
         for node in list(self.document.findall(addnodes.download_reference)):
-            path = (root / node["reftarget"].lstrip("/"))
+            path = root / node["reftarget"].lstrip("/")
             if not path.is_file():
                 path = (here / node["reftarget"]).resolve()
             name = path.relative_to(root).as_posix()
