@@ -10,7 +10,7 @@
 //         = 2 rest - rest of the half before        order 2: by (1 - z^-1)^2
 //
 // once a half, so what the clock is too coarse for in one half is made good in the next ones: the
-// sum of the widths stays bounded half a clock of the sum of the duties, or, with order 2, bounded
+// sum of the widths stays within half a clock of the sum of the duties, or, with order 2, within
 // one. What a clipped half could not give is not owed to later ones, or it would wind up.
 // Everything is odd in the voltage. With MIN_PULSE = 1 a width below least_i is 0, or least_i where
 // that is nearer, and what it is off by is owed like any rest; spare_i keeps the pulses on the other
