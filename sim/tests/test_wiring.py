@@ -12,6 +12,7 @@ import re
 import pytest
 from typer.testing import CliRunner
 from wavehaptics.fpga.boards import board_names, load_board
+from wavehaptics.runtime.markers import tables_of
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.wiring import __main__ as command
 from wavehaptics.wiring import drawings, pages, pins, spice
@@ -250,14 +251,14 @@ def test_tables_of_the_pages_are_those_of_the_program(table):
         text = (ROOT / page).read_text()
         for name, make in made.items():
             if name != "pump":
-                assert pages.part_of(text, name) == make(), f"{page}: {name}; type `make drawings`"
+                assert tables_of(text)[name] == make(), f"{page}: {name}; type `make drawings`"
 
 
 def test_simulated_numbers_of_the_page(table):
     def numbers(text: str) -> list[float]:
         return [float(number) for number in re.findall(r"\d+\.?\d*", text)]
 
-    kept = pages.part_of((ROOT / pages.WIRING).read_text(), "pump")
+    kept = tables_of((ROOT / pages.WIRING).read_text())["pump"]
     assert numbers(kept) == pytest.approx(numbers(pages.pump(table)), rel=0.05, abs=1)
     assert len(numbers(kept)) > 30
 

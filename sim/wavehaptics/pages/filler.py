@@ -11,7 +11,6 @@ a test fails where the two differ, and another where a fresh synthesis comes to 
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable, Iterable
 from dataclasses import fields
 from functools import partial
@@ -30,6 +29,7 @@ from wavehaptics.pages import (
     words,
 )
 from wavehaptics.pages import port_anchor as holding_tables
+from wavehaptics.runtime import markers
 from wavehaptics.runtime.files import write_json, write_text
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies import fault_table
@@ -70,7 +70,6 @@ _FORMAL = Path("build", "formal", "summary.json")
 _SOAK = Path("build", "soak", "summary.json")
 _MUTATION = Path("build", "mutate", "summary.json")
 _COVERAGE = Path("build", "coverage", "summary.json")
-_MARKED = re.compile(r"(<!-- begin (\S+) -->\n)(.*?)(<!-- end \2 -->)", re.DOTALL)
 _DEVICE_NAMES = {"up5k": "iCE40 UP5K", "hx8k": "iCE40 HX8K", "25k": "ECP5-25F"}
 
 
@@ -175,7 +174,7 @@ def write(root: Path = ROOT) -> list[Path]:
     for page in pages(root):
         old = (root / page).read_text(encoding="utf-8")
         new = filled(old, numbers, str(page))
-        if _MARKED.search(old):
+        if markers.tables_of(old):
             written.append(page)
         if new != old:
             write_text(root / page, new)
@@ -194,18 +193,12 @@ def stale_pages(root: Path = ROOT) -> list[Path]:
 
 
 def filled(text: str, numbers: dict[str, Any], page: str) -> str:
-    """``text`` with its markers filled; markers without a table are left to others."""
-    begun = re.findall(r"<!-- begin (\S+) -->", text)
-    for name in begun:
-        if name in TABLES and not re.search(f"<!-- end {re.escape(name)} -->", text):
-            raise NumbersError(f"{page}: <!-- begin {name} --> has no <!-- end {name} -->")
-
-    def fill(found: re.Match[str]) -> str:
-        if found[2] not in TABLES:
-            return found[0]
-        return found[1] + TABLES[found[2]](numbers) + found[4]
-
-    return _MARKED.sub(fill, text)
+    """``text`` with its tables made of ``numbers``; :class:`NumbersError` for half a marker."""
+    made = {name: partial(table, numbers) for name, table in TABLES.items()}
+    try:
+        return markers.filled(text, made, page)
+    except markers.MarkerError as error:
+        raise NumbersError(str(error)) from None
 
 
 def _read(root: Path) -> dict[str, Any]:

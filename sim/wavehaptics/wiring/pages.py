@@ -6,12 +6,13 @@ A table stands between ``<!-- begin NAME -->`` and ``<!-- end NAME -->``.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
 from wavehaptics.fpga.boards import board_names, load_board
+from wavehaptics.runtime import markers
+from wavehaptics.runtime.files import write_text
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.wiring import pins, spice
 from wavehaptics.wiring.parts import Part, Table, WiringError
@@ -23,8 +24,6 @@ BUS_V = 12.0
 INDUCTANCE_H = 0.24e-3
 RESISTANCE_OHM = 2.18
 """Of the scenes' motor, an RE 25, at the boards' bus."""
-
-_MARKED = re.compile(r"(<!-- begin (\S+) -->\n)(.*?)(<!-- end \2 -->)", re.DOTALL)
 
 
 def _row(cells: list[str]) -> str:
@@ -153,23 +152,9 @@ def makers(table: Table) -> dict[Path, dict[str, Callable[[], str]]]:
 
 def filled(text: str, page: Path, made: dict[str, Callable[[], str]]) -> str:
     """The page with its tables made anew; :class:`WiringError` for one that lacks a marker."""
-    missing = set(made) - {name for _, name, _, _ in _MARKED.findall(text)}
-    if missing:
-        name = sorted(missing)[0]
+    for name in sorted(set(made) - set(markers.tables_of(text))):
         raise WiringError(f"{page}: there is no <!-- begin {name} --> with its end; add both")
-
-    def fill(found: re.Match[str]) -> str:
-        return found[1] + made[found[2]]() + found[4] if found[2] in made else found[0]
-
-    return _MARKED.sub(fill, text)
-
-
-def part_of(text: str, name: str) -> str:
-    """What stands between the markers of a page."""
-    for _, found, inside, _ in _MARKED.findall(text):
-        if found == name:
-            return inside
-    raise WiringError(f"there is no <!-- begin {name} -->")
+    return markers.filled(text, made, str(page))
 
 
 def write(table: Table, root: Path = ROOT) -> list[Path]:
@@ -179,6 +164,6 @@ def write(table: Table, root: Path = ROOT) -> list[Path]:
         old = (root / page).read_text(encoding="utf-8")
         new = filled(old, page, made)
         if new != old:
-            (root / page).write_text(new, encoding="utf-8")
+            write_text(root / page, new)
         written.append(page)
     return written
