@@ -38,8 +38,12 @@ def gates(table: Table, family: Family) -> Sheet:
         s.pull_down("R5", (9.6, out[1]))
         s.tag((11.6, out[1]), to, "right")
     s.wire((bus_x, 15.7), (bus_x, 7.6))
-    s.text((4.55, 5.9), "enable", align="left", small=True)
-    s.frame((-1.6, 17.4), (3.7, 5.5), "FPGA's side: at the FPGA board")
+    s.text((4.25, 6.0), "enable", align="right", small=True)
+    s.dot((bus_x, 7.3))
+    s.wire((bus_x, 7.3), (5.2, 7.3))
+    s.resistor("R21", (5.2, 7.3), (5.2, 6.25), "right")
+    s.ground((5.2, 6.25))
+    s.frame((-1.6, 17.4), (8.2, 5.5), "FPGA's side: U4 beside the FPGA board, R4 and R21 at it")
     s.frame((8.9, 17.4), (14.5, 5.5), "bridge's side: at the half bridges")
     # The pump.
     y = 3.2
@@ -100,12 +104,12 @@ def power(table: Table) -> Sheet:
     s.text((0.65, 5.6), "bench supply\nwith a limit", align="top", small=True)
     s.wire(source["+"], (3.0, y))
     s.switch("S1", (3.0, y), (5.0, y), "S1a", "break contact")
-    s.two_ended(elm.FuseIEC, "F1", (5.6, y), (7.6, y), "top", "F1 fuse")
+    s.two_ended(elm.FuseIEC, "F1", (5.6, y), (7.6, y), "top", "F1 2 A; 5 A for three")
     s.wire((5.0, y), (5.6, y))
     s.resistor("R9", (5.6, y - 1.2), (7.6, y - 1.2), "bottom")
     s.terminal((5.6, y - 1.2), (7.6, y - 1.2))
     s.text((6.6, y - 0.35), "in F1's place at first", align="top", small=True, grey=True)
-    s.wire((7.6, y), (13.6, y))
+    s.wire((7.6, y), (16.6, y))
     s.dot((9.4, y))
     s.two_ended(elm.Zener, "D2", (9.4, y - 1.5), (9.4, y), "left")
     s.ground((9.4, y - 1.5))
@@ -113,7 +117,10 @@ def power(table: Table) -> Sheet:
     s.capacitor("C8", (11.5, y), (11.5, y - 1.5), "right", s.value("C8") + "\n(each motor)")
     s.ground((11.5, y - 1.5))
     s.text((11.2, y - 0.55), "+", align="right", small=True)
-    s.tag((13.6, y), "VBUS of every bridge", "right")
+    s.dot((14.6, y))
+    s.resistor("R20", (14.6, y), (14.6, y - 1.5), "right", s.value("R20") + "\n(each motor)")
+    s.ground((14.6, y - 1.5))
+    s.tag((16.6, y), "VBUS of every bridge", "right")
     s.wire(source["−"], (2.6, 5.0))
     s.ground((2.6, 5.0))
     y = 2.6
@@ -121,8 +128,8 @@ def power(table: Table) -> Sheet:
     s.text((0.65, 1.8), "5 V ± 5 %", align="top", small=True)
     s.wire(gate["+"], (3.0, y))
     s.switch("S1", (3.0, y), (5.0, y), "S1b", "break contact")
-    s.wire((5.0, y), (13.6, y))
-    s.tag((13.6, y), "5 V of every bridge (VCC)", "right")
+    s.wire((5.0, y), (16.6, y))
+    s.tag((16.6, y), "5 V of every bridge (VCC)", "right")
     s.wire(gate["−"], (2.6, 1.2))
     s.ground((2.6, 1.2))
     s.text((5.6, 1.9), "S1c is at the input stop, on the sheet of the inputs.\n"
@@ -136,7 +143,7 @@ def power(table: Table) -> Sheet:
     )
     for dy, name in (
         (1.5, "− of PS1, thick"),
-        (0.5, "PGND of the half bridges, thick"),
+        (0.5, "PGND of the half bridges, thick; AGND joined to it there"),
         (-0.5, "− of PS2"),
         (-1.5, "FPGA board, beside the gates' wires"),
     ):
@@ -365,9 +372,8 @@ def inputs(table: Table) -> Sheet:
     s.wire((10.0, 4.3), (10.4, 4.3))
     s.wire(end, (14.4, 4.3))
     s.tag((14.4, 4.3), "enc_a, 0 to 3.3 V", "right")
-    s.text(
-        (10.0, 3.4), "or half a 74LVC2G17 on 3.3 V, whose inputs bear 5 V", align="left", small=True
-    )
+    half, beside = s.value("U11", one_line=True), s.value("C16", one_line=True)
+    s.text((10.0, 3.4), f"or half of {half} on 3.3 V, {beside} at it", align="left", small=True)
     s.text((-2.2, 3.4), "Stop", grey=True)
     s.tag((4.0, 1.0), "stop", "right")
     s.wire((4.0, 1.0), (0.0, 1.0))
