@@ -24,19 +24,21 @@ html_show_copyright = False
 
 extensions = ["myst_parser", "autoapi.extension", "source_pages"]
 root_doc = "README"
-include_patterns = ["*.md", "docs/*.md", "boards/**.md", "formal/*.md", "rtl/*.md",
+include_patterns = ["*.md", "docs/**.md", "boards/**.md", "formal/*.md", "rtl/*.md",
                     "sim/scenes/*.md", "build/api/**.rst"]  # fmt: skip
 
 # What the repository's site does with headings: the places in links are the same.
 myst_heading_anchors = 4
-suppress_warnings = ["autoapi.python_import_resolution"]  # of names that a tuple or loop makes
+# Names that a tuple or loop makes; `range`, a type that is also a field's name.
+suppress_warnings = ["autoapi.python_import_resolution", "ref.python"]
 
 toctrees = {
     "Start": ["docs/principle", "docs/architecture", "docs/paper"],
     "Simulation": ["docs/simulation", "sim/scenes/README", "docs/report"],
     "Controller": ["docs/port_anchor", "docs/holding", "docs/environments", "docs/drive",
                    "docs/sensing", "docs/words"],
-    "Hardware": ["boards/README", "boards/icebreaker/README", "boards/hx8k/README",
+    "Hardware": ["boards/README", "docs/wiring/README", "docs/wiring/switching_on",
+                 "boards/icebreaker/README", "boards/hx8k/README",
                  "boards/ulx3s/README", "boards/ulx3s_three/README",
                  "boards/colorlight_i5/README", "rtl/faults"],
     "Reliability": ["docs/reliability", "formal/README", "formal/MUTATE"],
