@@ -182,7 +182,8 @@ async def limits_of_any_value(dut: object) -> None:
         assert bench.faults()[0] == 0
         await bench.step(2, bus_i=limit - 1)
         assert bench.faults()[0] == 1 << Fault.BUS_LOW
-        if limit > 32_766:
+        # The other motors' samples are noise of up to 1000.
+        if limit > 32_766 or (LAST and limit < 1000):
             continue
         sign = rng.choice((1, -1))
         for fault, field in ((Fault.CURRENT, "CURRENT"), (Fault.ADC_RANGE, "RANGE")):

@@ -7,10 +7,12 @@ said in ``sim/cells/mult18x18d.v``.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import pytest
 from simulators import simulate
+from test_closed_loop import bench_words
 from wavehaptics.fpga.netlists import DEVICES, netlist
 from wavehaptics.runtime.toolchain import Toolchain
 
@@ -24,12 +26,13 @@ def simulate_netlist(
     bench: str,
     test_module: str,
     parameters: Mapping[str, int] | None = None,
+    includes: Sequence[Path] = (),
 ) -> None:
     """Run ``test_module`` on ``bench`` with the netlist of ``block`` in the place of its RTL."""
     made = netlist(block, device, block_parameters, Toolchain.of_environment())
     simulate(
         "verilator", bench, test_module, parameters,
-        name=f"netlist-{block}-{device}", sources=made,
+        name=f"netlist-{block}-{device}", sources=made, includes=includes,
     )  # fmt: skip
 
 
@@ -45,4 +48,7 @@ def test_wave_core(device: str) -> None:
 def test_closed_loop(device: str) -> None:
     """The whole design taps the stiffest wall once, at its pins."""
     parameters = {"N": 1, "WALLS": 4, "DELAY_LOG2": 2}
-    simulate_netlist("wh_controller", parameters, device, "bench_closed_loop", "tb_closed_loop")
+    simulate_netlist(
+        "wh_controller", parameters, device, "bench_closed_loop", "tb_closed_loop",
+        includes=[bench_words(f"netlist-{device}")],
+    )  # fmt: skip

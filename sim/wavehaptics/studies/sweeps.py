@@ -34,6 +34,7 @@ _SOURCES = (
     ("sim/wavehaptics", "**/*.py"),
     ("sim/verilated", "*"),
     ("rtl", "*.v*"),
+    ("rtl", "*.toml"),
     ("sim/scenes", "*.toml"),
 )
 
