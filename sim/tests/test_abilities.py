@@ -85,7 +85,7 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "encoder.uneven": (ENCODER, ("encoder.uneven=0.2",)),
     "encoder.reverses_at_s": (ENCODER, ("encoder.reverses_at_s=0.005",)),
     "encoder.skips_per_rev": (ENCODER, ("encoder.skips_per_rev=100",)),
-    "adc.part": (("adc.full_scale_a=2.5", "adc.bits=12"), ("adc.part=AD7276",)),
+    "adc.part": (("adc.full_scale_a=2.5", "adc.bits=12"), ("adc.part=MAX11125",)),
     "adc.bits": (("adc.full_scale_a=2.5", "adc.bits=12"), ("adc.bits=8",)),
     "adc.full_scale_a": (SENSED, ("adc.full_scale_a=5",)),
     "adc.noise_a": (SENSED, ("adc.noise_a=5e-3",)),
