@@ -276,6 +276,13 @@ def test_settling_is_refused_without_a_bridge(make_scene):
         measure(scene, "golden")
 
 
+def test_settling_stands_beside_the_analog_reference(make_scene):
+    """Which has no amplifier at all, and is compared with all the same."""
+    scene = make_scene("adc.bits=12", "adc.common_mode_a=0.1", "adc.edge_settle_s=2e-6",
+                       "scene.duration_s=1e-3")  # fmt: skip
+    assert measure(scene, "pins")["ticks"] == 1000
+
+
 # --- The encoder's lines --------------------------------------------------------------------------
 
 

@@ -47,7 +47,7 @@ ABILITIES: dict[str, Ability] = {
         | {"encoder.stops_at_s", "encoder.reverses_at_s", "encoder.uneven",
            "encoder.skips_per_rev", "adc", "servo", "controller.l_hat", "controller.k_t_hat",
            "controller.anchor_auto"},
-        _NO_W | _NO_EDGES,
+        _NO_W,
     ),
     "golden": Ability(_PINS | {"servo"}, _NO_EDGES),
     "core": Ability(_PINS | {"servo"}, _NO_EDGES),
@@ -56,7 +56,7 @@ ABILITIES: dict[str, Ability] = {
         _PINS | _ANCHOR | _DIGITAL
         | {"adc", "encoder.uneven", "controller.eta_contact", "controller.eta_free",
            "controller.r_hat", "controller.anchor_auto", "controller.r_hat_part"},
-        _NO_W | _NO_EDGES,
+        _NO_W,
     ),
     "hosted": Ability(
         _PINS | {"servo"},
