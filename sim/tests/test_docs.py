@@ -33,7 +33,7 @@ def test_pages_build_without_a_warning_and_need_no_network(tmp_path):
     assert made.returncode == 0, made.stderr
     html = tmp_path / "html"
     front = (html / "index.html").read_text(encoding="utf-8")
-    assert "A motor's own inductance" in front.replace("’", "'")
+    assert "motor's own inductance" in front.replace("’", "'")
     assert (html / "source" / "rtl" / "wh_anchor.v.html").exists()
     reference = html / "build" / "api" / "wavehaptics" / "laws" / "closed_forms" / "index.html"
     assert "filter_stiffness" in reference.read_text(encoding="utf-8")
