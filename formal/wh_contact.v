@@ -26,11 +26,14 @@ module prove_wh_contact #(
     (* anyconst *) wire [WALLS*`WH_COUNT_W-1:0] low;
     (* anyconst *) wire [WALLS*`WH_COUNT_W-1:0] high;
     (* anyconst *) wire [WALLS-1:0]             enable;
+    (* anyconst *) wire [WALLS-1:0]             shaped;
     (* anyconst *) wire                         hysteresis;
     (* anyconst *) wire [`WH_COEF_W-1:0]        eta_contact;
     (* anyconst *) wire [`WH_COEF_W-1:0]        eta_free;
 
+    wire                          round;
     wire                          contact;
+    wire                          wall_shaped;
     wire        [WALL_W-1:0]      wall;
     wire signed [`WH_COUNT_W-1:0] depth;
     wire        [`WH_COEF_W-1:0]  eta;
@@ -45,11 +48,14 @@ module prove_wh_contact #(
         .wall_min_i    (low),
         .wall_max_i    (high),
         .wall_enable_i (enable),
+        .wall_shaped_i (shaped),
         .hysteresis_i  (hysteresis),
         .eta_contact_i (eta_contact),
         .eta_free_i    (eta_free),
+        .round_o       (round),
         .contact_o     (contact),
         .wall_o        (wall),
+        .shaped_o      (wall_shaped),
         .depth_o       (depth),
         .eta_o         (eta)
     );

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from wavehaptics.words.device import device_words
 from wavehaptics.words.generated import PAGE_HEAD, guard_fields, page_rows, settings_rom
 from wavehaptics.words.table import crc
 
@@ -28,5 +29,14 @@ def _settings_rom(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     return settings_rom() + "// "
 
 
-TABLES = {"words": _words, "guard-fields": _guard_fields, "settings-rom": _settings_rom}
+def _device_words(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    return device_words() + "\n// "
+
+
+TABLES = {
+    "words": _words,
+    "guard-fields": _guard_fields,
+    "settings-rom": _settings_rom,
+    "device-words": _device_words,
+}
 """Texts by marker, made with the given function of head and rows, which these do without."""

@@ -67,7 +67,7 @@ _TYPES = 32
 """As ``rtl/wh_settings_rom.v`` has them: ranges of words with a sign come last."""
 
 
-def _term(text: str) -> str:
+def verilog_number(text: str) -> str:
     """A number of a format in Verilog, which follows a width that a tool has set."""
     if text.isdigit() or text == "DELAY_LOG2":
         return text
@@ -100,7 +100,7 @@ def _scaled(value: float, fraction: str) -> str:
 def _bounds(word: Word) -> tuple[bool, str, str]:
     """Whether a word has a sign, and its least and greatest word in Verilog, as the ROM has them."""
     sign, width, fraction = table.format_parts(word.row.format)
-    bits, places = _term(width), _term(fraction)
+    bits, places = verilog_number(width), verilog_number(fraction)
     low, high = word.row.range
     if not word.fixed.signed:
         least = "32'd0" if math.isinf(low) else _scaled(low, places)
@@ -146,7 +146,7 @@ def settings_rom(values: Values | None = None, groups: Collection[str] | None = 
             text = f"(8'h{info:02x} | ((EARLY != 0) ? 8'h20 : 8'h00))"
         given = (values or {}).get(word.name)
         if given is None:
-            first = _scaled(word.row.default, _term(table.format_parts(word.row.format)[2]))
+            first = _scaled(word.row.default, verilog_number(table.format_parts(word.row.format)[2]))
         elif isinstance(given, int):
             first = f"32'h{given & 0xFFFFFFFF:08x}"
         else:
