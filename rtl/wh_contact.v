@@ -71,7 +71,7 @@ module wh_contact #(
     reg signed [`WH_COUNT_W-1:0] max_q;
     reg signed [`WH_COUNT_W-1:0] position_q;  // of the round
 
-    assign round_o = (select_q != LAST_WALL);
+    assign round_o = !rst && (select_q != LAST_WALL);
 
     always @(posedge clk) begin
         min_q          <= $signed(wall_min_i[select_q*`WH_COUNT_W +: `WH_COUNT_W]);

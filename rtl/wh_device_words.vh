@@ -778,7 +778,7 @@ end
     .guard_i (set_guard), \
     .clear_i (set_clear), \
     .host_alive_i (set_host_alive), \
-    .restart_i (set_restart), \
+    .restart_i (set_restart || loading), \
     .zero_i (set_zero), \
     .gain_i (set_gain), \
     .clocks_per_volt_i (set_clocks_per_volt), \

@@ -18,6 +18,10 @@ _COPIES = {"board": (), "motor": ("N",), "wall": ("N", "WALLS"), "section": ("N"
 """How many copies of a word a port has, in Verilog."""
 
 
+_ALSO = {"restart": "set_restart || loading"}
+"""Inputs that the module itself drives as well."""
+
+
 def _bits(word: Word) -> str:
     return verilog_number(format_parts(word.row.format)[1])
 
@@ -216,8 +220,9 @@ def device_words() -> str:
     lines += ["                default: live = 33'd0;", "            endcase"]
     lines += ["        end", "    end", "end", ""]
     ports = [
-        *(f".{port}_i ({f'set_{port}' if port in driven else f'{port}_i'})," for port in inputs),
+        *(f".{port}_i ({_ALSO.get(port, f'set_{port}' if port in driven else f'{port}_i')}),"
+          for port in inputs),
         *(f".{port}_o ({port})," for port in outputs),
-    ]
+    ]  # fmt: skip
     lines += [" \\\n    ".join(["`define WH_DEVICE_PORTS", *ports])]
     return "\n".join(lines) + "\n"
