@@ -20,7 +20,7 @@ EARLY = bool(_P["EARLY"])
 MASK = 0xFFFFFFFF
 SETTINGS = list(places(SIZES, "setting"))
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
-SAFE = {"half_clocks": 24, "sample_clocks": 30, "samples": 1, "guard_mask": 0, "guard_damp": 0,
+SAFE = {"half_clocks": 150, "sample_clocks": 100, "samples": 1, "guard_mask": 0, "guard_damp": 0,
         "guard_levels": 0}  # fmt: skip
 """Words with which ticks go on and no fault is found."""
 

@@ -19,6 +19,7 @@ struct Request {
     bool write;
     uint32_t address;
     uint32_t data;
+    bool told = true;  // its answer is kept
 };
 
 struct Answer {
@@ -41,6 +42,7 @@ struct Device {
 #define SIGNAL(name) device->top.rootp->wh_device__DOT__##name
 
 constexpr int kMostSetupClocks = 1 << 20;
+constexpr int kCommandClocks = 3;  // from a request to what it commands
 
 int64_t signed_word(uint64_t raw) {
     constexpr int kUnused = 64 - WH_DATA_W;
@@ -66,7 +68,9 @@ void clock(Device *device) {
         top.bus_data_i = request.data;
         top.eval();
         if (top.bus_ready_o) {
-            device->answers.push_back({device->clocks, top.bus_data_o, top.bus_error_o});
+            if (request.told) {
+                device->answers.push_back({device->clocks, top.bus_data_o, top.bus_error_o});
+            }
             device->requests.pop_front();
         }
     }
@@ -100,8 +104,9 @@ bool pass(Device *device, Done done) {
 extern "C" {
 
 // A device just before its first tick with the bridges on, or null where it never gets there: `count`
-// pairs of address and word are written over the bus, and given with the bridges off.
-void *wh_device_new(const uint32_t *pairs, int64_t count, int64_t inputs) {
+// pairs of address and word are written over the bus, the last of which gives them; `restart` is the
+// address of that command.
+void *wh_device_new(const uint32_t *pairs, int64_t count, int64_t restart, int64_t inputs) {
     auto *device = new Device;
     auto &top = device->top;
     set_inputs(top, inputs);
@@ -116,10 +121,21 @@ void *wh_device_new(const uint32_t *pairs, int64_t count, int64_t inputs) {
     }
     good = good && pass(device, [device] { return device->requests.empty(); });
     for (const Answer &answer : device->answers) good = good && answer.error == 0;
-    device->answers.clear();
-    // The bridges stay off until all is given, and go on as carrier and ADC begin anew.
+    good = good && pass(device, [device] { return !SIGNAL(busy); });
+    // Carrier and ADC begin anew, with the bridges, in a clock in which the walls' rounds do: as after
+    // the reset of wh_controller, so that both run alike.
+    const auto round_ends = [device] { return !SIGNAL(hold_round); };
+    pass(device, round_ends);
+    const int64_t first = device->clocks;
+    clock(device), end_clock(device);
+    pass(device, round_ends);
+    const int64_t last = device->clocks + 3 * (device->clocks - first);
+    device->requests.push_back(
+        {last - kCommandClocks, true, static_cast<uint32_t>(restart), 1, false});
+    pass(device, [device, last] { return device->clocks > last; });
     top.enable_i = 1;
-    good = good && pass(device, [device] { return SIGNAL(running) && SIGNAL(adc_ready); });
+    good = good && pass(device, [device] { return SIGNAL(adc_ready); });
+    device->answers.clear();
     if (!good) {
         delete device;
         return nullptr;

@@ -46,7 +46,7 @@ class DevicePins(PinsSimulation):
     def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
         library = self._library
         new = library.wh_device_new
-        new.argtypes = [ctypes.POINTER(ctypes.c_uint32), ctypes.c_int64, ctypes.c_int64]
+        new.argtypes = [ctypes.POINTER(ctypes.c_uint32), *[ctypes.c_int64] * 3]
         new.restype = ctypes.c_void_p
         library.wh_device_request.argtypes = [ctypes.c_void_p, *[ctypes.c_int64] * 4]
         library.wh_device_request.restype = None
@@ -58,7 +58,8 @@ class DevicePins(PinsSimulation):
         library.wh_device_answers.restype = ctypes.c_int64
         pairs = [*_separate(self._values), (COMMIT, 1)]
         flat = [word for pair in pairs for word in pair]
-        return new((ctypes.c_uint32 * len(flat))(*flat), len(pairs), inputs)
+        words = (ctypes.c_uint32 * len(flat))(*flat)
+        return new(words, len(pairs), WORDS["restart"].at(), inputs)
 
     @property
     def bus_clock(self) -> int:
