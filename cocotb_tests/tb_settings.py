@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_settings.v`` and ``rtl/wh_setting_group.v``: every word, every phase of a tick."""
+"""Bench of ``rtl/wh_settings.v`` and its groups: every word, at every phase of a tick."""
 
 from __future__ import annotations
 
@@ -9,13 +9,23 @@ from simulators import defines, parameters
 
 os.environ.update({name: str(value) for name, value in defines().items()})
 
-import cocotb  # noqa: E402
-from bench import random_source  # noqa: E402
-from settings_bus import (  # noqa: E402
-    BUSY, COMMIT, DISCARD, DONE, NOT_NOW, RANGE, STAGED, UNKNOWN, BusBench, Place, places,
+import cocotb
+from bench import random_source
+from settings_bus import (
+    BUSY,
+    COMMIT,
+    DISCARD,
+    DONE,
+    NOT_NOW,
+    RANGE,
+    STAGED,
+    UNKNOWN,
+    BusBench,
+    Place,
+    places,
 )  # fmt: skip
-from wavehaptics.words import formats  # noqa: E402
-from wavehaptics.words.table import WORDS, Sizes  # noqa: E402
+from wavehaptics.words import formats
+from wavehaptics.words.table import WORDS, Sizes
 
 _P = {"WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, **parameters()}
 SIZES = Sizes(_P["N"], _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"])
@@ -212,7 +222,7 @@ PERIOD = 60
 
 
 class Watch:
-    """Ticks in whose clocks ``reads`` words are read: a group has its old words, or its new ones."""
+    """Ticks in whose clocks ``reads`` words are read: a group has its old words or new ones."""
 
     def __init__(self, bench: SettingsBench, reads: range) -> None:
         self.bench, self.reads = bench, reads
@@ -277,7 +287,7 @@ async def a_group_changes_in_one_clock(dut: object) -> None:
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def groups_wait_for_their_own_readers(dut: object) -> None:
-    """A group that is held keeps all of its words; the memory is busy until the last has changed."""
+    """A group that is held keeps all its words; the memory is busy until the last changed."""
     bench = SettingsBench(dut)
     await bench.begin()
     bench.drive(enable_i=1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The settings memory in closed loop: words that change on a running motor, in contact and saturated."""
+"""The settings memory in closed loop: words change on a running motor, in contact, saturated."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from wavehaptics.controller import wave_core
 from wavehaptics.controller.settings import settings
 from wavehaptics.ladder.device_pins import COMMIT, DevicePins, requests
 from wavehaptics.ladder.pins import PinsSimulation
-from wavehaptics.scene import SCENES_DIR, find_scene, load_scene
+from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
 from wavehaptics.words.table import WORDS
@@ -43,7 +43,7 @@ def test_a_device_that_is_left_alone_is_the_controller(more):
 
 
 def test_a_wall_that_is_moved_is_felt_a_tick_later():
-    """One word and one commit, anywhere in a tick: the rotor, in free space till then, is in the wall."""
+    """One word and one commit: the rotor, in free space until then, is in the wall."""
     simulation = DevicePins(load("controller.walls=[[0.5, 1.0]]"))
     clocks = simulation.timing.tick_clocks
     cell = simulation.settings.cell_rad
@@ -140,7 +140,7 @@ def test_a_step_is_made_with_old_settings_or_with_new_ones(feels):
     """All words of a step changed at each clock of a tick, in contact, in and out of the limit.
 
     Every step of the run is the integer model's, bit for bit, with the settings of before or with
-    those that were given, and from the first one with the new ones on there is none with the old ones.
+    those that were given, and from the first one with the new ones on there is none with the old.
     """
     rng = np.random.default_rng(20)
     shaper = [settings(load(*feel)).shaper.words for feel in feels]
@@ -176,7 +176,7 @@ def test_a_step_is_made_with_old_settings_or_with_new_ones(feels):
         assert replay.trial(present, current, contact, (u, v, e)), n
         switched.append(n)
     assert not waiting
-    # In ticks, from the commit to the end of the first step with the new words (a run ends with one).
+    # Ticks from the commit to the end of the first step with the new words. A run ends with one.
     late = [
         n - before + 1 - (at - first) / clocks for n, at in zip(switched, committed, strict=True)
     ]
@@ -193,10 +193,10 @@ def test_a_step_is_made_with_old_settings_or_with_new_ones(feels):
 
 
 def switched_r_hat(high: float) -> tuple[float, float]:
-    """(energy given out, bound of one change) of a wall whose R̂, λ, η and limit are switched while it is pressed.
+    """(energy given out, bound of one change) of a pressed wall whose settings are switched.
 
-    R̂ changes 400 times between 0.55 R and ``high`` R. The energy is the most that the port gives out
-    from any tick on.
+    With λ, η and the limit R̂ changes 400 times between 0.55 R and ``high`` R. The energy is the
+    most that the port gives out from any tick on.
     """
     rng = np.random.default_rng(20)
     scene = load()
@@ -237,12 +237,12 @@ LOW_LIMIT = 0.3
 def test_what_a_change_of_r_hat_gives_out():
     """The port gives out no more than what the waves in flight are misjudged by, at one change.
 
-    With R̂ below R a port gives out no more than its waves store, whatever λ, η and the limit do. A
-    change of s = √(2R̂) finds waves on their way that were made with the old one: the voltage e = s₁·u
-    is taken for s₂·u. Of the energy ½(u² − v²) of a tick, v = u − s·i, that is (s₁ − s₂)·u·i too much
-    or too little, for each of the waves in flight: k + 1 of the delay, and the one that the bridge
-    holds. Stored are ½u² of each of these, and 1/a as much in the filter. Between two changes the
-    winding takes (R − R̂)·i² of it, so that 400 of them come to no more than one.
+    With R̂ below R a port gives out no more than its waves store, whatever λ, η and the limit do.
+    A change of s = √(2R̂) finds waves on their way that were made with the old one: the voltage
+    e = s₁·u is taken for s₂·u. Of the energy ½(u² − v²) of a tick, v = u − s·i, that is
+    (s₁ − s₂)·u·i too much or too little, for each of the waves in flight: k + 1 of the delay, and
+    the one that the bridge holds. Stored are ½u² of each of these, and 1/a as much in the filter.
+    Between two changes the winding takes (R − R̂)·i² of it: 400 of them come to no more than one.
     """
     given, bound = switched_r_hat(0.95)
     assert given < bound

@@ -66,9 +66,7 @@ class DevicePins(PinsSimulation):
         """The clock that comes, for :meth:`ask`; ticks begin at any."""
         return int(self._library.wh_device_clocks(self._model))
 
-    def ask(
-        self, address: int, data: int | None = None, clock: int = 0
-    ) -> None:
+    def ask(self, address: int, data: int | None = None, clock: int = 0) -> None:
         """Write ``data``, or read, from ``clock`` on, or as soon as the bus is free."""
         self._library.wh_device_request(self._model, clock, data is not None, address, data or 0)
 

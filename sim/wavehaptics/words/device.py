@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What ``rtl/wh_device.v`` is made of by the table of words: groups of settings, commands, live words.
+"""What ``rtl/wh_device.v`` is made of by the table of words: settings, commands, live words.
 
 The text stands inside the module. Its settings go to the controller by wires ``set_PORT``, and what
 the controller tells comes by wires with the names of its ports, without ``_o``.
@@ -62,7 +62,7 @@ def _groups() -> dict[str, list[Word]]:
 
 
 def _runs(words: list[Word]) -> list[list[Word]]:
-    """Rows of a group whose words stand evenly apart in one copy: all, or of sections each by itself."""
+    """Rows of a group whose words stand evenly apart in one copy: all, or of sections each."""
     if words[0].row.per == "section":
         return [[word] for word in words]
     return [words]
@@ -187,7 +187,8 @@ def device_words() -> str:
     lines += ["", "// Widths that a tool or the hardware sets.", ""]
     named = dict.fromkeys(_bits(word) for word in table.WORDS.values())
     lines += [
-        f"localparam [7:0] {bits.removeprefix('`WH_')}_8 = {bits}{'' if bits[0] == '`' else '[7:0]'};"
+        f"localparam [7:0] {bits.removeprefix('`WH_')}_8 = "
+        f"{bits}{'' if bits[0] == '`' else '[7:0]'};"
         for bits in named
         if not bits.isdigit()
     ]

@@ -98,8 +98,8 @@ def _scaled(value: float, fraction: str) -> str:
 
 
 def _bounds(word: Word) -> tuple[bool, str, str]:
-    """Whether a word has a sign, and its least and greatest word in Verilog, as the ROM has them."""
-    sign, width, fraction = table.format_parts(word.row.format)
+    """Whether a word has a sign, and its least and greatest word in Verilog, as in the ROM."""
+    _, width, fraction = table.format_parts(word.row.format)
     bits, places = verilog_number(width), verilog_number(fraction)
     low, high = word.row.range
     if not word.fixed.signed:
@@ -134,7 +134,9 @@ def settings_rom(values: Values | None = None, groups: Collection[str] | None = 
             signed = sum(known[0] for known in types)
             kind = _SIGNED_TYPES + signed if bounds[0] else len(types) - signed
             if kind >= (_TYPES if bounds[0] else _SIGNED_TYPES):
-                raise ValueError(f"{word.name}: the ROM of the settings memory has no room for its range")
+                raise ValueError(
+                    f"{word.name}: the ROM of the settings memory has no room for its range"
+                )
             types[bounds] = kind
         is_setting = word.row.kind == "setting"
         fixed = is_setting and groups is not None and f"{word.block}.{word.group}" not in groups
@@ -146,7 +148,9 @@ def settings_rom(values: Values | None = None, groups: Collection[str] | None = 
             text = f"(8'h{info:02x} | ((EARLY != 0) ? 8'h20 : 8'h00))"
         given = (values or {}).get(word.name)
         if given is None:
-            first = _scaled(word.row.default, verilog_number(table.format_parts(word.row.format)[2]))
+            first = _scaled(
+                word.row.default, verilog_number(table.format_parts(word.row.format)[2])
+            )
         elif isinstance(given, int):
             first = f"32'h{given & 0xFFFFFFFF:08x}"
         else:
@@ -234,6 +238,6 @@ def page_rows() -> list[tuple[str, ...]]:
 
 
 PAGE_HEAD = (
-    "Address", "Word", "Block", "Group", "Per", "Access", "Change", "Format", "Unit", "Range", "Default",
-    "Meaning",
+    "Address", "Word", "Block", "Group", "Per", "Access", "Change", "Format", "Unit", "Range",
+    "Default", "Meaning",
 )  # fmt: skip

@@ -31,7 +31,7 @@ MOTOR_STRIDE = 0x100
 """Addresses from a motor's words to the next one's, which begin here."""
 
 MEMORY = "wh_settings"
-"""Block of the words that are those of the settings memory itself, and no port of the controller."""
+"""Block of the words that are the settings memory's own, and no port of the controller."""
 
 CHANGES = ("off", "core", "anchor", "sum", "round")
 """When a group's settings may change: with the bridges off, or between two of these."""
