@@ -50,11 +50,13 @@ module wh_device #(
     // The bus (wh_settings).
     input  wire                 bus_valid_i,    // held until bus_ready_o, as are the words below
     input  wire                 bus_write_i,
+    input  wire                 bus_check_i,
     input  wire [11:0]          bus_address_i,
     input  wire [31:0]          bus_data_i,
     output wire                 bus_ready_o,    // strobe
     output wire [31:0]          bus_data_o,
     output wire [1:0]           bus_error_o,
+    output wire                 bus_signed_o,
 
     // Pins, and what a board wires.
     output wire                 adc_cs_n_o,
@@ -141,11 +143,13 @@ module wh_device #(
         .rst           (rst),
         .bus_valid_i   (bus_valid_i),
         .bus_write_i   (bus_write_i),
+        .bus_check_i   (bus_check_i),
         .bus_address_i (bus_address_i),
         .bus_data_i    (bus_data_i),
         .bus_ready_o   (bus_ready_o),
         .bus_data_o    (bus_data_o),
         .bus_error_o   (bus_error_o),
+        .bus_signed_o  (bus_signed_o),
         .live_i        (live_q),
         .command_o     (command),
         .running_i     (running),

@@ -9,6 +9,8 @@
 // bus_error_o: 0 done; 1 there is no such word, or it can't be written or read; 2 the value is outside
 // of its range; 3 not now: the word changes with the bridges off only, or, with busy_o, words are being
 // given and none can be written. What ends in an error changes nothing.
+// With bus_check_i a word to be written is judged only: the answer is the same, and nothing changes.
+// bus_signed_o, with bus_ready_o, says that the word has a sign.
 //
 // Of two banks one is in force and is read; what is written goes into the other one, and to the
 // groups (wh_setting_group) by write_o. A write of 1 to `commit` gives it: with change_o, at the end
@@ -46,11 +48,13 @@ module wh_settings #(
     // The bus.
     input  wire        bus_valid_i,    // held until bus_ready_o, as are the words below
     input  wire        bus_write_i,
+    input  wire        bus_check_i,
     input  wire [11:0] bus_address_i,
     input  wire [31:0] bus_data_i,
     output wire        bus_ready_o,    // strobe
     output wire [31:0] bus_data_o,
     output wire [1:0]  bus_error_o,
+    output wire        bus_signed_o,
 
     // What is read and told besides settings.
     input  wire [31:0] live_i,         // the live word that the bus asks for
@@ -164,7 +168,7 @@ module wh_settings #(
                        : !in_range                ? 2'd2
                        : not_now                  ? 2'd3 : 2'd0;
 
-    wire accepts  = (state_q == JUDGE) && bus_write_i && (verdict == 2'd0);
+    wire accepts  = (state_q == JUDGE) && bus_write_i && !bus_check_i && (verdict == 2'd0);
     wire written  = accepts && setting;
     wire commits  = accepts && commit && bus_data_i[0];
     wire discards = accepts && discard && bus_data_i[0];
@@ -203,8 +207,9 @@ module wh_settings #(
 
     wire [31:0] own = {31'd0, (bus_address_i == BUSY) ? busy_o : staged_q};
 
-    assign bus_ready_o = (state_q == DONE);
-    assign bus_error_o = error_q;
+    assign bus_ready_o  = (state_q == DONE);
+    assign bus_error_o  = error_q;
+    assign bus_signed_o = has_sign;
     assign bus_data_o  = !live ? read_data
                        : (bus_address_i == BUSY || bus_address_i == STAGED) ? own : live_i;
 
