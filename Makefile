@@ -205,6 +205,9 @@ LINT_CASES := \
     wh_device,-GEARLY=1,-GANCHOR=1,-GGUARD=1,-GBUS=1 \
     wh_device,-GLIVE=0,-GWALLS=1,-GHOST=1,-GSENSE=1,-GDELAY_LOG2=10 \
     wh_device,-GN=3,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
+    wh_link,-GCLOCK_HZ=700000 \
+    wh_link,-GCLOCK_HZ=125000000,-GUNIT=247,-GFALLBACK=511 \
+    wh_linked_device,-GN=3,-GANCHOR=1,-GGUARD=1 \
     wh_board_reset \
     wh_board_clock_watch \
     wh_board_clock_watch,-GGATES=1,-GBEAT_LOG2=16,-GPATIENCE_LOG2=2

@@ -63,7 +63,7 @@ class BusBench(Bench):
 
     async def begin(self, **inputs: int) -> None:
         await self.start(
-            bus_valid_i=0, bus_write_i=0, bus_address_i=0, bus_data_i=0, **inputs
+            bus_valid_i=0, bus_write_i=0, bus_check_i=0, bus_address_i=0, bus_data_i=0, **inputs
         )  # fmt: skip
 
     async def request(self, write: int, address: int, data: int, most: int) -> tuple[int, int]:

@@ -16,6 +16,7 @@ module prove_wh_device (
     input wire                 enable,
     input wire                 bus_valid,
     input wire                 bus_write,
+    input wire                 bus_check,
     input wire [11:0]          bus_address,
     input wire [31:0]          bus_data,
     input wire                 adc_sdata,
@@ -30,6 +31,7 @@ module prove_wh_device (
     wire        bus_ready;
     wire [31:0] bus_read;
     wire [1:0]  bus_error;
+    wire        bus_signed;
     wire        adc_cs_n;
     wire        adc_sclk;
     wire        adc_din;
@@ -51,11 +53,13 @@ module prove_wh_device (
         .enable_i       (enable),
         .bus_valid_i    (bus_valid),
         .bus_write_i    (bus_write),
+        .bus_check_i    (bus_check),
         .bus_address_i  (bus_address),
         .bus_data_i     (bus_data),
         .bus_ready_o    (bus_ready),
         .bus_data_o     (bus_read),
         .bus_error_o    (bus_error),
+        .bus_signed_o  (bus_signed),
         .adc_cs_n_o     (adc_cs_n),
         .adc_sclk_o     (adc_sclk),
         .adc_din_o      (adc_din),

@@ -4,6 +4,7 @@
 // stored, in either bank, and never goes to the groups. Every request ends, within CLOCKS clocks once reset's words
 // are given. What is read is what is in force; that changes with a change-over only, to what was written;
 // after its copy both banks are the same. A request that ends in an error writes nothing.
+// What is judged only is never stored.
 // A word that wants the bridges off is accepted while they are off only, and so is the commit that gives
 // it, from which on loading_o is high until all words are copied. Nothing on the bus can raise loading_o's
 // opposite: the bridges (running) are what enable and loading_o make of them, and enable may be anything.
@@ -18,6 +19,7 @@ module prove_wh_settings (
     input wire        rst,
     input wire        bus_valid,
     input wire        bus_write,
+    input wire        bus_check,
     input wire [11:0] bus_address,
     input wire [31:0] bus_data,
     input wire [31:0] live,
@@ -39,6 +41,7 @@ module prove_wh_settings (
     wire        bus_ready;
     wire [31:0] bus_read;
     wire [1:0]  bus_error;
+    wire        bus_signed;
     wire        command;
     wire        ready;
     wire        loading;
@@ -55,11 +58,13 @@ module prove_wh_settings (
         .rst           (rst),
         .bus_valid_i   (bus_valid),
         .bus_write_i   (bus_write),
+        .bus_check_i   (bus_check),
         .bus_address_i (bus_address),
         .bus_data_i    (bus_data),
         .bus_ready_o   (bus_ready),
         .bus_data_o    (bus_read),
         .bus_error_o   (bus_error),
+        .bus_signed_o  (bus_signed),
         .live_i        (live),
         .command_o     (command),
         .running_i     (running),
@@ -128,6 +133,7 @@ module prove_wh_settings (
     reg         rst_q;
     reg         asked_q;      // a request stood without an answer
     reg         bus_write_q;
+    reg         bus_check_q;
     reg  [11:0] bus_address_q;
     reg  [31:0] bus_data_q;
     reg  [31:0] current_q;
@@ -146,7 +152,7 @@ module prove_wh_settings (
     wire       settles  = \block.settle_q ;
     wire       accepts  = write && here;
     wire       copied   = !pass || at > place;
-    wire       done     = (state == JUDGE) && bus_write && bus_data[0]
+    wire       done     = (state == JUDGE) && bus_write && !bus_check && bus_data[0]
                           && (\block.verdict == 2'd0);
     wire       commits  = done && (bus_address == 12'h070);
     wire       discards = done && (bus_address == 12'h071);
@@ -158,6 +164,7 @@ module prove_wh_settings (
         rst_q         <= rst;
         asked_q       <= bus_valid && !bus_ready && !rst;
         bus_write_q   <= bus_write;
+        bus_check_q   <= bus_check;
         bus_address_q <= bus_address;
         bus_data_q    <= bus_data;
         current_q     <= current;
@@ -185,13 +192,13 @@ module prove_wh_settings (
         end else begin
             if (asked_q) begin
                 assume (bus_valid && bus_write == bus_write_q && bus_address == bus_address_q
-                        && bus_data == bus_data_q);
+                        && bus_data == bus_data_q && bus_check == bus_check_q);
             end
 
             // Nothing out of range is stored, or goes to the groups.
             if (ready) assert (fits(current));
             if (copied) assert (fits(resting));
-            if (accepts) assert (fits(bus_data));
+            if (accepts) assert (fits(bus_data) && !bus_check);
 
             // Every request ends.
             assert (waits_q < CLOCKS);

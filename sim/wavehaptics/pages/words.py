@@ -33,10 +33,15 @@ def _device_words(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     return device_words() + "\n// "
 
 
+def _words_crc(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    return f"`define WH_WORDS_CRC 32'h{crc():08x}\n// "
+
+
 TABLES = {
     "words": _words,
     "guard-fields": _guard_fields,
     "settings-rom": _settings_rom,
     "device-words": _device_words,
+    "words-crc": _words_crc,
 }
 """Texts by marker, made with the given function of head and rows, which these do without."""

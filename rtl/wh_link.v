@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_link: the bus of the settings memory over a serial line: a UART (wh_uart) and a Modbus RTU slave
+// (wh_modbus), whose header says what it does.
+//
+//   rate_o of wh_modbus   0 115,200   1 1,000,000   2 1,500,000   3 3,000,000 bits a second
+//
+// Rates with fewer than six clocks a bit are refused. Latency and reset: those of the two.
+
+`default_nettype none
+
+module wh_link #(
+    parameter integer UNIT     = 1,         // these are wh_modbus's
+    parameter integer CLOCK_HZ = 24000000,  // 700 kHz...
+    parameter integer SILENCE  = CLOCK_HZ / 500,
+    parameter integer FALLBACK = 500,
+    parameter [31:0]  BUILD    = 32'd0,
+    parameter [31:0]  OPTIONS  = 32'd0,
+    parameter integer MOTORS   = 1
+) (
+    input  wire        clk,
+    input  wire        rst,
+
+    input  wire        uart_rx_i,     // asynchronous
+    output wire        uart_tx_o,
+
+    // The bus (wh_settings).
+    output wire        bus_valid_o,
+    output wire        bus_write_o,
+    output wire        bus_check_o,
+    output wire [11:0] bus_address_o,
+    output wire [31:0] bus_data_o,
+    input  wire        bus_ready_i,
+    input  wire [31:0] bus_data_i,
+    input  wire [1:0]  bus_error_i,
+    input  wire        bus_signed_i
+);
+
+    generate
+        if (CLOCK_HZ < 700000 || CLOCK_HZ > 400000000) begin : illegal
+            wh_illegal_parameter_link_clock_hz_must_be_700000_to_400000000 stop ();
+        end
+    endgenerate
+
+    localparam integer RATES = (CLOCK_HZ >= 18000000) ? 4 : (CLOCK_HZ >= 9000000) ? 3
+                             : (CLOCK_HZ >= 6000000)  ? 2 : 1;
+
+    // Clocks of a bit, u16q4, to the nearest.
+    localparam [31:0] BIT_0 = (CLOCK_HZ + 3600) / 7200;
+    localparam [31:0] BIT_1 = (CLOCK_HZ + 31250) / 62500;
+    localparam [31:0] BIT_2 = (CLOCK_HZ + 46875) / 93750;
+    localparam [31:0] BIT_3 = (CLOCK_HZ + 93750) / 187500;
+
+    wire        rx_valid;
+    wire        rx_error;
+    wire [7:0]  rx_data;
+    wire        tx_valid;
+    wire [7:0]  tx_data;
+    wire        tx_ready;
+    wire [1:0]  rate;
+    reg  [15:0] bit_clocks;
+
+    always @* begin
+        case (rate)
+            2'd0:    bit_clocks = BIT_0[15:0];
+            2'd1:    bit_clocks = BIT_1[15:0];
+            2'd2:    bit_clocks = BIT_2[15:0];
+            default: bit_clocks = BIT_3[15:0];
+        endcase
+    end
+
+    wh_uart uart (
+        .clk          (clk),
+        .rst          (rst),
+        .bit_clocks_i (bit_clocks),
+        .rx_i         (uart_rx_i),
+        .tx_o         (uart_tx_o),
+        .rx_valid_o   (rx_valid),
+        .rx_error_o   (rx_error),
+        .rx_data_o    (rx_data),
+        .tx_valid_i   (tx_valid),
+        .tx_data_i    (tx_data),
+        .tx_ready_o   (tx_ready)
+    );
+
+    wh_modbus #(
+        .UNIT          (UNIT),
+        .CLOCK_HZ      (CLOCK_HZ),
+        .RATES         (RATES),
+        .SILENCE       (SILENCE),
+        .FALLBACK      (FALLBACK),
+        .BUILD         (BUILD),
+        .OPTIONS       (OPTIONS),
+        .MOTORS        (MOTORS)
+    ) modbus (
+        .clk           (clk),
+        .rst           (rst),
+        .rx_valid_i    (rx_valid),
+        .rx_error_i    (rx_error),
+        .rx_data_i     (rx_data),
+        .tx_valid_o    (tx_valid),
+        .tx_data_o     (tx_data),
+        .tx_ready_i    (tx_ready),
+        .rate_o        (rate),
+        .bus_valid_o   (bus_valid_o),
+        .bus_write_o   (bus_write_o),
+        .bus_check_o   (bus_check_o),
+        .bus_address_o (bus_address_o),
+        .bus_data_o    (bus_data_o),
+        .bus_ready_i   (bus_ready_i),
+        .bus_data_i    (bus_data_i),
+        .bus_error_i   (bus_error_i),
+        .bus_signed_i  (bus_signed_i)
+    );
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_linked_device: wh_device with a serial line in place of its bus.
+//
+//   uart_rx_i -> wh_link -> wh_device -> pins
+//
+// What stands on the line, and what of it does nothing, is said by wh_modbus. As on the bus, nothing on
+// it lets the bridges on: enable_i is a pin. Word 2 of the identification, its options, is made here:
+//
+//   3:0 N   8:4 WALLS   10:9 SHAPER   14:11 DELAY_LOG2   16:15 ADC   17 EARLY   18 ANCHOR   19 GUARD
+//   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME   26 LIVE
+//
+// Latency and reset: those of wh_modbus and of wh_device.
+
+`default_nettype none
+`include "wh_formats.vh"
+
+module wh_linked_device #(
+    parameter integer N            = 1,  // these are wh_device's
+    parameter integer WALLS        = 4,
+    parameter integer DELAY_LOG2   = 2,
+    parameter integer ADC          = 0,
+    parameter integer OSR          = 32,
+    parameter integer CAPTURE_RISE = 0,
+    parameter integer TRIP_OSR     = 8,
+    parameter integer SENSE        = 0,
+    parameter integer ZERO_LOG2    = 10,
+    parameter integer SHAPER       = 0,
+    parameter integer DEAD_TIME    = 1,
+    parameter integer EARLY        = 0,
+    parameter integer MODES        = 0,
+    parameter integer MIN_PULSE    = 0,
+    parameter integer BUS          = 0,
+    parameter integer HOST         = 0,
+    parameter integer ANCHOR       = 0,
+    parameter integer GUARD        = 0,
+    parameter integer LIVE         = 1,
+    parameter integer CLOCK_HZ     = 24000000,
+    parameter integer UNIT         = 1,  // 1...247, of the link
+    parameter [31:0]  BUILD        = 32'd0,
+    parameter integer SILENCE      = CLOCK_HZ / 500,  // these two are wh_modbus's
+    parameter integer FALLBACK     = 500
+) (
+    input  wire                 clk,
+    input  wire                 rst,
+    input  wire                 enable_i,       // synchronous to clk
+
+    // The line.
+    input  wire                 uart_rx_i,      // asynchronous
+    output wire                 uart_tx_o,
+
+    // Pins, and what a board wires.
+    output wire                 adc_cs_n_o,
+    output wire                 adc_sclk_o,
+    output wire                 adc_din_o,
+    input  wire [N-1:0]         adc_sdata_i,
+    input  wire [N-1:0]         enc_a_i,        // asynchronous
+    input  wire [N-1:0]         enc_b_i,        // asynchronous
+    output wire [N-1:0]         gate_ah_o,
+    output wire [N-1:0]         gate_al_o,
+    output wire [N-1:0]         gate_bh_o,
+    output wire [N-1:0]         gate_bl_o,
+    input  wire [`WH_BUS_W-1:0] bus_i,          // u16q9 V, the measured bus
+    input  wire                 stop_i,         // asynchronous
+    input  wire [N-1:0]         driver_fault_i, // asynchronous
+    input  wire [N-1:0]         anchor_fault_i,
+
+    output wire                 tick_o,         // strobe, last clock of a tick
+    output wire                 running_o,      // the bridges are on
+    output wire                 contact_o,      // any motor is in a wall
+    output wire                 fault_o         // the guard found something, or a tick is too short
+);
+
+    localparam [31:0] N_32      = N;
+    localparam [31:0] WALLS_32  = WALLS;
+    localparam [31:0] SHAPER_32 = SHAPER;
+    localparam [31:0] DELAY_32  = DELAY_LOG2;
+    localparam [31:0] ADC_32    = ADC;
+    localparam [31:0] OPTIONS = {
+        5'd0, LIVE != 0, DEAD_TIME != 0, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0, SENSE != 0,
+        GUARD != 0, ANCHOR != 0, EARLY != 0, ADC_32[1:0], DELAY_32[3:0], SHAPER_32[1:0],
+        WALLS_32[4:0], N_32[3:0]
+    };
+
+    wire        bus_valid;
+    wire        bus_write;
+    wire        bus_check;
+    wire [11:0] bus_address;
+    wire [31:0] bus_data;
+    wire        bus_ready;
+    wire [31:0] bus_read;
+    wire [1:0]  bus_error;
+    wire        bus_signed;
+
+    wh_link #(
+        .UNIT          (UNIT),
+        .CLOCK_HZ      (CLOCK_HZ),
+        .SILENCE       (SILENCE),
+        .FALLBACK      (FALLBACK),
+        .BUILD         (BUILD),
+        .OPTIONS       (OPTIONS),
+        .MOTORS        (N)
+    ) link (
+        .clk           (clk),
+        .rst           (rst),
+        .uart_rx_i     (uart_rx_i),
+        .uart_tx_o     (uart_tx_o),
+        .bus_valid_o   (bus_valid),
+        .bus_write_o   (bus_write),
+        .bus_check_o   (bus_check),
+        .bus_address_o (bus_address),
+        .bus_data_o    (bus_data),
+        .bus_ready_i   (bus_ready),
+        .bus_data_i    (bus_read),
+        .bus_error_i   (bus_error),
+        .bus_signed_i  (bus_signed)
+    );
+
+    wh_device #(
+        .N              (N),
+        .WALLS          (WALLS),
+        .DELAY_LOG2     (DELAY_LOG2),
+        .ADC            (ADC),
+        .OSR            (OSR),
+        .CAPTURE_RISE   (CAPTURE_RISE),
+        .TRIP_OSR       (TRIP_OSR),
+        .SENSE          (SENSE),
+        .ZERO_LOG2      (ZERO_LOG2),
+        .SHAPER         (SHAPER),
+        .DEAD_TIME      (DEAD_TIME),
+        .EARLY          (EARLY),
+        .MODES          (MODES),
+        .MIN_PULSE      (MIN_PULSE),
+        .BUS            (BUS),
+        .HOST           (HOST),
+        .ANCHOR         (ANCHOR),
+        .GUARD          (GUARD),
+        .LIVE           (LIVE)
+    ) device (
+        .clk            (clk),
+        .rst            (rst),
+        .enable_i       (enable_i),
+        .bus_valid_i    (bus_valid),
+        .bus_write_i    (bus_write),
+        .bus_check_i    (bus_check),
+        .bus_address_i  (bus_address),
+        .bus_data_i     (bus_data),
+        .bus_ready_o    (bus_ready),
+        .bus_data_o     (bus_read),
+        .bus_error_o    (bus_error),
+        .bus_signed_o   (bus_signed),
+        .adc_cs_n_o     (adc_cs_n_o),
+        .adc_sclk_o     (adc_sclk_o),
+        .adc_din_o      (adc_din_o),
+        .adc_sdata_i    (adc_sdata_i),
+        .enc_a_i        (enc_a_i),
+        .enc_b_i        (enc_b_i),
+        .gate_ah_o      (gate_ah_o),
+        .gate_al_o      (gate_al_o),
+        .gate_bh_o      (gate_bh_o),
+        .gate_bl_o      (gate_bl_o),
+        .bus_i          (bus_i),
+        .stop_i         (stop_i),
+        .driver_fault_i (driver_fault_i),
+        .anchor_fault_i (anchor_fault_i),
+        .tick_o         (tick_o),
+        .running_o      (running_o),
+        .contact_o      (contact_o),
+        .fault_o        (fault_o)
+    );
+
+endmodule
+
+`default_nettype wire
