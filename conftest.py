@@ -26,6 +26,9 @@ BLOCKS = {
     "wh_guard": "test_guard.py::test_guard[icarus-1]",
     "wh_half_bridge": "test_half_bridge.py::test_half_bridge[icarus]",
     "wh_host_link": "test_host_link.py::test_host_link[icarus]",
+    "wh_link": "test_link.py::test_link[icarus]",
+    "wh_linked_device": "test_link.py::test_link[icarus]",
+    "wh_modbus": "test_modbus.py::test_modbus[icarus]",
     "wh_modulator": "test_modulator.py::test_modulator[icarus-0]",
     "wh_multiply": "test_arithmetic.py::test_every_small_word[icarus]",
     "wh_multiply_shared": "test_multiply_shared.py::test_multiply_shared[icarus]",
@@ -44,6 +47,7 @@ BLOCKS = {
     "wh_synchroniser": "test_synchroniser.py::test_synchroniser[icarus]",
     "wh_trip": "test_trip.py::test_trip[icarus]",
     "wh_truncate": "test_arithmetic.py::test_every_small_word[icarus]",
+    "wh_uart": "test_uart.py::test_uart[icarus]",
     "wh_wave_core": "test_wave_core.py::test_wave_core_without_a_wave_from_outside[icarus]",
     "wh_zero": "test_zero.py::test_zero[icarus]",
 }

@@ -227,7 +227,7 @@ module wh_modbus #(
 
     reg  [4:0]  state_q;
     reg  [4:0]  state_d;
-    reg  [2:0]  step_q;      // clocks that the state has lasted
+    reg  [2:0]  step_q;      // clocks that the state has lasted, 7 or more
     reg  [7:0]  place_q;     // in the frame, the answer or the counters
     reg  [7:0]  end_q;       // the frame's last place, the answer's length
     reg  [15:0] crc_q;
@@ -396,11 +396,12 @@ module wh_modbus #(
                       || (state_q == GIVE);
 
     always @(posedge clk) begin
-        step_q <= (state_d == state_q) ? step_q + 3'd1 : 3'd0;
+        step_q <= (state_d != state_q) ? 3'd0 : (&step_q) ? step_q : step_q + 3'd1;
         late_q <= !asks ? 2'd0 : (period && !(&late_q)) ? late_q + 2'd1 : late_q;
         if (rst) begin
             state_q    <= GET;
             place_q    <= 8'd0;
+            end_q      <= 8'hff;
             skip_q     <= 1'b0;
             sends_q    <= 1'b0;
             rate_q     <= 2'd0;
@@ -558,9 +559,9 @@ module wh_modbus #(
     // ---- The word: bytes come in from below, or 32 bits from the bus.
 
     wire is_rate = !writes_q && rate_word && (step_q == 3'd4);
-    wire extends = one_q && (state_q == LOAD) && (step_q < 3'd3);
+    wire fills = one_q && (state_q == LOAD) && (step_q < 3'd3);
 
-    wire [7:0] next_byte = extends ? {8{extend_q}} : read_data_q | {6'd0, is_rate ? rate_q : 2'd0};
+    wire [7:0] next_byte = fills ? {8{extend_q}} : read_data_q | {6'd0, is_rate ? rate_q : 2'd0};
 
     always @(posedge clk) begin
         if (bus_ready_i && ((state_q == ASK && !writes_q) || state_q == STAGED)) begin
