@@ -56,7 +56,7 @@ class LinkBench(Bench):
 
 @cocotb.test(timeout_time=500, timeout_unit="ms")
 async def the_device_answers(dut: object) -> None:
-    """Identification, a setting that comes to its port, and bridges that the line can't switch on."""
+    """Identification, a setting at its port, and bridges that the line can't switch on."""
     bench = LinkBench(dut)
     await bench.begin()
     found = whole((await bench.ask(read(0, 16))).registers)

@@ -62,6 +62,9 @@ module wh_uart (
     reg [15:0] rx_left_q;   // to the next bit's middle, in clocks / 16
     reg [8:0]  rx_bits_q;   // the highest is the last one; a 1 in the lowest says that all are there
 
+    // The level is seen half a clock late on average, and counted from the clock after.
+    localparam [15:0] LATE = 16'd24;
+
     wire rx_middle = (rx_left_q < CLOCK);
 
     assign rx_valid_o = rx_valid_q;
@@ -71,7 +74,7 @@ module wh_uart (
     always @(posedge clk) begin
         before_q <= {before_q[0], level};
         if (!rx_busy_q) begin
-            rx_left_q <= {1'b0, bit_clocks_i[15:1]};
+            rx_left_q <= {1'b0, bit_clocks_i[15:1]} - LATE;
         end else begin
             rx_left_q <= rx_left_q - CLOCK + (rx_middle ? bit_clocks_i : 16'd0);
         end
