@@ -158,6 +158,7 @@ module wh_modbus #(
     wire        full  = (after_write == read_q);
     wire        there = (write_q != read_q);
     wire        pop;
+    wire        owns_up;  // what was lost came last
 
     always @(posedge clk) begin
         if (rx_valid_i && !full) begin
@@ -174,6 +175,8 @@ module wh_modbus #(
                 if (!full) begin
                     write_q <= after_write;
                 end
+            end else if (owns_up) begin
+                lost_q <= 1'b0;
             end
             if (pop) begin
                 read_q <= read_q + 8'd1;
@@ -265,7 +268,8 @@ module wh_modbus #(
     wire       has_next = (state_q == SEND) && (step_q != 3'd0) && tx_ready_i;
     wire       last     = (count_q == 7'd1);
 
-    assign pop = (state_q == TAKE) && !breaks;
+    assign pop     = (state_q == TAKE) && !breaks;
+    assign owns_up = (state_q == GET) && !there && lost_q && !rx_valid_i;
 
     // The head.
     wire [15:0] quantity   = data_q[15:0];
@@ -294,7 +298,7 @@ module wh_modbus #(
         refuses = 1'b0;
         code    = ADDRESS;
         case (state_q)
-            GET:    state_d = there ? TAKE : (quiet && begun) ? END : GET;
+            GET:    state_d = there ? TAKE : owns_up ? COUNT : (quiet && begun) ? END : GET;
             TAKE:   state_d = breaks ? END : broken ? COUNT : skip_q ? GET : SHIFT;
             SHIFT:  state_d = (step_q != 3'd7) ? SHIFT : sends_q ? SENT : NEXT;
             NEXT:   state_d = whole_q ? ((good && !mine_q) ? GET : COUNT)
@@ -424,6 +428,13 @@ module wh_modbus #(
             end
 
             case (state_q)
+                GET: begin
+                    if (owns_up) begin
+                        skip_q    <= 1'b1;
+                        counter_q <= OVERRUNS;
+                        place_q   <= {4'b0010, OVERRUNS, 2'd0};
+                    end
+                end
                 TAKE: begin
                     refused_q <= 1'b0;
                     pass_q    <= 2'd0;
