@@ -245,6 +245,7 @@ def options_of_boards(root: Path = ROOT) -> dict[str, dict[str, int]]:
         found[name] = {
             parameter: int(macros.get(value.strip(" `"), value))
             for parameter, value in _OPTION.findall(given)
+            if parameter == "N" or parameter != value  # what the top passes on is of simulations
         }
     return found
 
