@@ -55,7 +55,9 @@ class PinsSimulation:
     ``most_samples`` limits the samples in a tick: 1 is point sampling in its middle.
     """
 
+    TOP = "wh_controller"
     SHIM = "pins_shim.cpp"
+    SHOWS: tuple[str, ...] = ()
     PREFIX = "wh_pins"
     """What the shim's functions begin with."""
 
@@ -77,7 +79,7 @@ class PinsSimulation:
         true_bus_v = drive.true_bus_v or bus_voltage(scene)
         places = max(MIN_WALLS, len(ports.walls))
         design = verilated.Design(
-            "wh_controller",
+            self.TOP,
             self.SHIM,
             {
                 "N": 1,
@@ -93,10 +95,11 @@ class PinsSimulation:
                 **({"ANCHOR": 1} if set_.anchored else {}),
                 **self._parameters(),
             },
+            self.SHOWS,
         )
         self._library = verilated.load(design)
         verilated.declare_destructor(self._function("delete"))
-        values = {
+        self._values = values = {
             **ports.words, **set_.words(), **ports.wall_words(places),
             "wall_shaped": [*set_.shaped.tolist(), *[0] * (places - len(set_.shaped))],
             "bus": bus_scale.bus_word(true_bus_v),

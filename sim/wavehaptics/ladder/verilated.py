@@ -57,6 +57,8 @@ class Design:
     top: str
     shim: str
     parameters: dict[str, int] = field(default_factory=dict)
+    shows: tuple[str, ...] = ()
+    """Files for Verilator beside the shim: what it sees besides the ports."""
 
     @property
     def sizes(self) -> Sizes:
@@ -126,6 +128,7 @@ def build(design: Design) -> Path:
         "-I" + str(formats.RTL_DIR), "--top-module", design.top,
         *(f"-G{name}={value}" for name, value in sorted(design.parameters.items())),
         "--Mdir", str(work / "obj"), "-o", str(work / "model.so"),
+        *(str(SHIMS / name) for name in design.shows),
         str(SHIMS / design.shim), str(_source(design.top)),
     ]  # fmt: skip
     log = target.with_suffix(".log")
