@@ -1,8 +1,68 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// ICESTORM_DSP and ICESTORM_PLL: cells that nextpnr places on the iCE40, by those that Yosys knows.
+// Cells that nextpnr places on the iCE40, as far as the boards use them.
+//
+// ICESTORM_LC   a logic cell: table, carry and flip-flop
+// ICESTORM_DSP  the multiplier, by SB_MAC16 of Yosys' library
+// ICESTORM_PLL  the PLL, by SB_PLL40_PAD
+//
+// Yosys' library has an ICESTORM_LC with an asynchronous reset in each cell, which simulates at a
+// twentieth of the speed. Here that, and a clock that falls, stop the simulation.
 
 `timescale 1ns / 1ps
+
+// Entries n and n + 1 of a table, of which the first input chooses one.
+`define WH_PAIR(n) ((LUT_INIT[(n) + 1] == LUT_INIT[n]) ? LUT_INIT[n] : (LUT_INIT[(n) + 1] ? I0 : !I0))
+
+module ICESTORM_LC (
+    input  I0, I1, I2, I3, CIN, CLK, CEN, SR,
+    output LO, O, COUT
+);
+
+    parameter [15:0] LUT_INIT     = 16'h0000;
+    parameter [0:0]  NEG_CLK      = 1'b0;
+    parameter [0:0]  CARRY_ENABLE = 1'b0;
+    parameter [0:0]  DFF_ENABLE   = 1'b0;
+    parameter [0:0]  SET_NORESET  = 1'b0;
+    parameter [0:0]  ASYNC_SR     = 1'b0;
+    parameter [0:0]  CIN_CONST    = 1'b0;
+    parameter [0:0]  CIN_SET      = 1'b0;
+
+    wire carry = CIN_CONST ? CIN_SET : CIN;
+
+    assign COUT = CARRY_ENABLE && ((I1 && I2) || ((I1 || I2) && carry));
+    assign LO   = (
+        I3 ? (I2 ? (I1 ? `WH_PAIR(14) : `WH_PAIR(12)) : (I1 ? `WH_PAIR(10) : `WH_PAIR(8)))
+           : (I2 ? (I1 ? `WH_PAIR(6)  : `WH_PAIR(4))  : (I1 ? `WH_PAIR(2)  : `WH_PAIR(0)))
+    );
+
+    generate
+        if (DFF_ENABLE) begin : ff
+            reg q;
+            initial begin
+                q = 1'b0;
+            end
+            always @(posedge CLK) begin
+                if (CEN) begin
+                    q <= SR ? SET_NORESET : LO;
+                end
+            end
+            assign O = q;
+        end else begin : no_ff
+            assign O = LO;
+        end
+    endgenerate
+
+    initial begin
+        if (ASYNC_SR || NEG_CLK) begin
+            $display("ICESTORM_LC: asynchronous resets and falling clocks are not in the model");
+            $finish;
+        end
+    end
+
+endmodule
+
+`undef WH_PAIR
 
 module ICESTORM_DSP (
     input A_15, A_14, A_13, A_12, A_11, A_10, A_9, A_8, A_7, A_6, A_5, A_4, A_3, A_2, A_1, A_0,

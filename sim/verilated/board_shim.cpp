@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // C interface to a whole board at its pins, by the clock: its sources, or its placed netlist. The top
-// is the bench that sim/wavehaptics/ladder/board_netlist.py writes around the board's own.
+// is the bench that sim/wavehaptics/fpga/board_simulation.py writes around the board's own.
 
 #include <cstdint>
 

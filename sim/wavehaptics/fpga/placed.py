@@ -181,7 +181,7 @@ def _ecp5(_: dict[str, Any]) -> tuple[str, ...]:
 
 
 _LIBRARY = {
-    ("ice40", True): ("ice40/cells_sim.v", ("ICESTORM_LC", "SB_MAC16", "SB_GB")),
+    ("ice40", True): ("ice40/cells_sim.v", ("SB_MAC16", "SB_GB")),
     ("ice40", False): ("ice40/cells_sim.v", ()),
     ("ecp5", True): ("ecp5/common_sim.vh", ("TRELLIS_FF",)),
     ("ecp5", False): ("ecp5/common_sim.vh", ("TRELLIS_FF",)),
@@ -208,7 +208,7 @@ def models(family: str, folder: Path, tools: Toolchain, *, placed: bool) -> tupl
             raise SynthesisError(f"Yosys' library has no {cell}")
         text = re.sub(r"^`ifdef TIMING.*?^`endif$", "", found[0], flags=re.M | re.S)
         text = re.sub(r"^\s*specify\b.*?\bendspecify\b", "", text, flags=re.M | re.S)
-        modules.append(re.sub(r"`ICE40_DEFAULT_ASSIGNMENT_\w+", "", text))
+        modules.append(text)
     path = folder / "cells.v"
     path.write_text("\n\n".join(modules) + "\n", encoding="utf-8")
     return (path, *(CELLS / own for own in _OWN[family, placed]))

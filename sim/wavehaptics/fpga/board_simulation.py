@@ -17,9 +17,9 @@ import ctypes
 import json
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -35,7 +35,7 @@ from wavehaptics.runtime.files import digest_of, write_text
 from wavehaptics.runtime.native_call import call2
 from wavehaptics.runtime.repository import SHIMS
 from wavehaptics.runtime.toolchain import Toolchain
-from wavehaptics.scene import Scene
+from wavehaptics.scene import Scene, load_scene
 from wavehaptics.trace.columns import Column
 
 OUT = Path("build", "netlists")
@@ -57,7 +57,8 @@ _UNSEEN = [Column.ETA, Column.U, Column.V, Column.CORRECTION, Column.X_HAT, Colu
            Column.FLUX, Column.FAULT]  # fmt: skip
 
 
-class Report(NamedTuple):
+@dataclass(frozen=True)
+class Report:
     """What the pins have shown so far, in clocks from power-up.
 
     ``irregular`` counts ticks that ``alive`` told at another clock or not at all, ``both_on``
@@ -81,6 +82,12 @@ class Build:
 
     board: Board
     library: Path
+
+
+def board_scene(board: Board, settings: Sequence[str] = ()) -> Scene:
+    """The scene of a board's ``board.toml`` with the board's ADC and ``settings``."""
+    path = board.root / board.folder / "board.toml"
+    return load_scene(path, [f"adc.part={board.fpga.adc}", *settings])
 
 
 def bench(board: Board, ports: dict[str, str]) -> str:

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a board does with a motor before anyone solders: a tap on its wall, and a hold.
+
+Both are the scene of the board's ``board.toml`` with another hand, on what was flashed
+(:mod:`wavehaptics.fpga.board_simulation`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from wavehaptics.fpga.board_simulation import BoardSimulation, Build, board_scene
+from wavehaptics.fpga.boards import Board
+from wavehaptics.ladder.run import measure
+from wavehaptics.runtime.files import write_json
+from wavehaptics.scene import Scene
+from wavehaptics.trace.columns import TraceWriter
+from wavehaptics.trace.pictures import run_picture
+
+TAP = ("hand.path=taps", "hand.amplitude_rad=0.05", "hand.frequency_hz=10", "hand.stiffness=0.4",
+       "scene.duration_s=0.055", "scene.trace_hz=100e3")  # fmt: skip
+"""Into the wall and to the deepest point."""
+
+PRESS_NM = 0.014
+"""Torque of the hold, N·m."""
+
+RAMP_S, HOLD_S = 0.05, 0.06
+"""The press's ramp, and how long it is held after that."""
+
+HOLD = ("hand.path=press", "hand.amplitude_rad=0.15", "hand.stiffness=0.1",
+        f"scene.duration_s={RAMP_S + HOLD_S}", "scene.trace_hz=100e3")  # fmt: skip
+
+LAG_S = 0.3e-6
+BRUSH_V = 0.5
+
+SHOWN = ("stiffness", "stiffness_predicted", "peak_torque", "moved_cells", "moved_limit_cells",
+         "hold_ripple_rms", "free_space_torque_rms", "clock_cycles", "clocks_per_s")  # fmt: skip
+"""What is told of a run; all the rest is in its file."""
+
+
+def tap(board: Board) -> Scene:
+    """A tap of an ideal motor on the board's wall."""
+    return board_scene(board, TAP)
+
+
+def hold(board: Board, sign: int = 1) -> Scene:
+    """A press on the board's wall with a motor that is all that a real one is.
+
+    Brushes whose voltage nobody told the controller, a winding that changes from bar to bar,
+    contact noise, a slow amplifier, a supply that steps; and of R, L, k_T, gain and offset the
+    board knows others by ``sign`` times what a motor may be off.
+    """
+    controller, motor, bus_v = board.scene.controller, board.scene.motor, board.scene.drive.bus_v
+    return board_scene(board, (
+        *HOLD,
+        # The bitstream's own words, whatever the motor is.
+        f"controller.r_hat={controller.r_hat!r}", f"controller.l_hat={controller.l_hat!r}",
+        f"controller.k_t_hat={controller.k_t_hat!r}",
+        f"motor.R_ohm={motor.R_ohm / (1 + 0.1 * sign)!r}",
+        f"motor.L_h={motor.L_h / (1 + 0.1 * sign)!r}",
+        f"motor.k_t={motor.k_t / (1 + 0.1 * sign)!r}",
+        f"brushes.drop_v={BRUSH_V}", "brushes.knee_a=5e-3", "brushes.segments=22",
+        f"brushes.ripple={0.04 * sign}", "brushes.contact_noise=0.03", "brushes.noise_s=1e-3",
+        f"drive.step_v={0.05 * sign * bus_v!r}", f"drive.step_s={RAMP_S + 0.5 * HOLD_S}",
+        f"drive.gain_error={0.05 * sign}", f"adc.offset_a={4e-3 * sign}", "adc.noise_a=1e-3",
+        f"adc.bandwidth_hz={1 / (2 * math.pi * LAG_S):.6g}",
+    ))  # fmt: skip
+
+
+def run(
+    built: Build, scene: Scene, out: Path | None = None, name: str = "run",
+    progress: Callable[[float], None] | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Metrics of a scene on a built board, and ``pins``, what its pins have shown.
+
+    With ``out``, a folder, they go into ``<name>.json`` there, and a picture into ``<name>.png``.
+    """
+    simulation = BoardSimulation(built, scene)
+    tick_s = simulation.tick_s
+    ticks = max(1, round(scene.scene.duration_s / tick_s))
+    trace = None
+    if out is not None:
+        trace = TraceWriter(out, tick_s, scene.scene.trace_hz, ticks=ticks)
+    begun = simulation.report().clocks
+    metrics = measure(
+        scene, "a board", trace=trace, progress=progress, simulation=simulation, compare=False
+    )
+    report = simulation.report()
+    metrics["pins"] = asdict(report)
+    metrics["clocks_per_s"] = (report.clocks - begun) / metrics["wall_clock_s"]
+    metrics |= held(built.board, metrics)
+    if trace is not None:
+        assert out is not None
+        write_json(out / f"{name}.json", metrics)
+        run_picture(trace.arrays(), metrics, out / f"{name}.png", scene.controller.walls)
+    return metrics
+
+
+def held(board: Board, metrics: dict[str, Any]) -> dict[str, Any]:
+    """Of a hold: how far the wall has moved, in cells, and how far it may: half a cell and 1 %."""
+    offset, part = metrics["hold_offset_rad"], metrics["hold_error"]
+    if offset is None or not part:
+        return {}
+    assert board.scene.encoder is not None
+    cell = 2 * math.pi / board.scene.encoder.counts_per_rev
+    depth = abs(offset / part) / cell
+    return {"moved_cells": abs(offset) / cell, "moved_limit_cells": 0.5 + 0.01 * depth}
+
+
+RIPPLE_PART = 0.005
+"""Most ripple of a held force, RMS, in parts of it."""
