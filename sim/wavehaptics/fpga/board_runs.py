@@ -37,8 +37,9 @@ HOLD = ("hand.path=press", "hand.amplitude_rad=0.15", "hand.stiffness=0.1",
 LAG_S = 0.3e-6
 BRUSH_V = 0.5
 
-SHOWN = ("stiffness", "stiffness_predicted", "peak_torque", "moved_cells", "moved_limit_cells",
-         "hold_ripple_rms", "free_space_torque_rms", "clock_cycles", "clocks_per_s")  # fmt: skip
+SHOWN = ("stiffness", "stiffness_predicted", "peak_torque", "held_nm", "moved_cells",
+         "moved_limit_cells", "hold_ripple_rms", "free_space_torque_rms", "clock_cycles",
+         "clocks_per_s")  # fmt: skip
 """What is told of a run; all the rest is in its file."""
 
 
@@ -101,14 +102,21 @@ def run(
 
 
 def held(board: Board, metrics: dict[str, Any]) -> dict[str, Any]:
-    """Of a hold: how far the wall has moved, in cells, and how far it may: half a cell and 1 %."""
+    """Of a hold: the force, and how far the wall has moved and may, in cells: half of one and 1 %.
+
+    As its spring's force and depth have it, in the last tenth of the run.
+    """
     offset, part = metrics["hold_offset_rad"], metrics["hold_error"]
     if offset is None or not part:
         return {}
     assert board.scene.encoder is not None
     cell = 2 * math.pi / board.scene.encoder.counts_per_rev
     depth = abs(offset / part) / cell
-    return {"moved_cells": abs(offset) / cell, "moved_limit_cells": 0.5 + 0.01 * depth}
+    return {
+        "held_nm": metrics["stiffness_predicted"] * abs(offset / part - offset),
+        "moved_cells": abs(offset) / cell,
+        "moved_limit_cells": 0.5 + 0.01 * depth,
+    }
 
 
 RIPPLE_PART = 0.005

@@ -115,8 +115,8 @@ def bench(board: Board, ports: dict[str, str]) -> str:
     missing = {"clk", *roles.values(), "start", "running", "fault"} - found
     if missing:
         raise BoardError(
-            f"{board.name}: its top has no pin for {', '.join(sorted(missing))}; a board with one "
-            "motor and a start button can be simulated"
+            f"{board.name}: its top has no pin for {', '.join(sorted(missing))}; they have "
+            "the names of the other boards'"
         )
     if "contact" not in found:
         lines.append("    assign contact = 1'b0;")
@@ -134,6 +134,8 @@ def build(board: Board, tools: Toolchain, *, netlist: bool = True) -> Build:
 
     :class:`BoardError` where there is no bitstream, or one with other settings than the board's.
     """
+    if board.fpga.motors != 1:
+        raise BoardError(f"{board.name} has {board.fpga.motors} motors; only one can be simulated")
     synth = synthesis.OUT / board.name
     made = synth / f"{board.name}{synthesis.PLACED_NETLIST}"
     header = board.root / synth / "wh_board_settings.vh"
