@@ -8,12 +8,10 @@
 // DCCA           into a clock network
 //
 // Yosys' library has a TRELLIS_COMB, but leaves its carry open. The wiring of the RAM and of the
-// registers follows nextpnr, which makes these cells of DPR16X4C and IFS1P3DX. A mode that isn't here stops the simulation.
+// registers follows nextpnr, which makes these cells of DPR16X4C and IFS1P3DX. A mode that isn't
+// here stops the simulation.
 
 `timescale 1ns / 1ps
-
-// Entries n and n + 1 of a table, of which the first input chooses one.
-`define WH_PAIR(n) ((INITVAL[(n) + 1] == INITVAL[n]) ? INITVAL[n] : (INITVAL[(n) + 1] ? A : !A))
 
 module TRELLIS_COMB (
     input  A, B, C, D, M,
@@ -41,17 +39,32 @@ module TRELLIS_COMB (
             assign F   = ram[{A, C, B, D}];
             assign FCO = 1'b0;
         end else begin : logic_or_carry
-            wire table4 = (
-                D ? (C ? (B ? `WH_PAIR(14) : `WH_PAIR(12)) : (B ? `WH_PAIR(10) : `WH_PAIR(8)))
-                   : (C ? (B ? `WH_PAIR(6)  : `WH_PAIR(4))  : (B ? `WH_PAIR(2)  : `WH_PAIR(0)))
+            wire whole;
+            placed_table #(
+                .INIT (INITVAL)
+            ) table4 (
+                .A    (A),
+                .B    (B),
+                .C    (C),
+                .D    (D),
+                .Z    (whole)
             );
             if (MODE == "CCU2") begin : carry
                 wire joins  = (CCU2_INJECT1 != "YES");
-                wire table2 = B ? `WH_PAIR(2) : `WH_PAIR(0);
-                assign F    = table4 ^ (joins & FCI);
-                assign FCO  = table4 ? FCI : (joins & table2);
+                wire pair;
+                placed_table #(
+                    .INIT ({12'd0, INITVAL[3:0]})
+                ) table2 (
+                    .A    (A),
+                    .B    (B),
+                    .C    (1'b0),
+                    .D    (1'b0),
+                    .Z    (pair)
+                );
+                assign F    = whole ^ (joins & FCI);
+                assign FCO  = whole ? FCI : (joins & pair);
             end else begin : only_logic
-                assign F    = table4;
+                assign F    = whole;
                 assign FCO  = 1'b0;
             end
         end
@@ -68,8 +81,6 @@ module TRELLIS_COMB (
     end
 
 endmodule
-
-`undef WH_PAIR
 
 module TRELLIS_RAMW (
     input  A0, B0, C0, D0, A1, B1, C1, D1,

@@ -11,9 +11,6 @@
 
 `timescale 1ns / 1ps
 
-// Entries n and n + 1 of a table, of which the first input chooses one.
-`define WH_PAIR(n) ((LUT_INIT[(n) + 1] == LUT_INIT[n]) ? LUT_INIT[n] : (LUT_INIT[(n) + 1] ? I0 : !I0))
-
 module ICESTORM_LC (
     input  I0, I1, I2, I3, CIN, CLK, CEN, SR,
     output LO, O, COUT
@@ -31,9 +28,15 @@ module ICESTORM_LC (
     wire carry = CIN_CONST ? CIN_SET : CIN;
 
     assign COUT = CARRY_ENABLE && ((I1 && I2) || ((I1 || I2) && carry));
-    assign LO   = (
-        I3 ? (I2 ? (I1 ? `WH_PAIR(14) : `WH_PAIR(12)) : (I1 ? `WH_PAIR(10) : `WH_PAIR(8)))
-           : (I2 ? (I1 ? `WH_PAIR(6)  : `WH_PAIR(4))  : (I1 ? `WH_PAIR(2)  : `WH_PAIR(0)))
+
+    placed_table #(
+        .INIT (LUT_INIT)
+    ) table4 (
+        .A    (I0),
+        .B    (I1),
+        .C    (I2),
+        .D    (I3),
+        .Z    (LO)
     );
 
     generate
@@ -61,8 +64,6 @@ module ICESTORM_LC (
     end
 
 endmodule
-
-`undef WH_PAIR
 
 module ICESTORM_DSP (
     input A_15, A_14, A_13, A_12, A_11, A_10, A_9, A_8, A_7, A_6, A_5, A_4, A_3, A_2, A_1, A_0,

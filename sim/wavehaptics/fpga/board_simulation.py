@@ -163,10 +163,14 @@ def build(board: Board, tools: Toolchain, *, netlist: bool = True) -> Build:
     counted = [*sources, SHIMS / "board_shim.cpp"]
     for path in includes:
         counted += sorted(path.glob("*.v*"))
-    digest = digest_of((verilated.CXX_FLAGS, verilated.VERILATOR_FLAGS), counted)[:16]
+    # A netlist of thousands of small assignments takes minutes to compile with more.
+    optimised = ["-CFLAGS", "-O1"] if netlist else []
+    flags = (verilated.CXX_FLAGS, verilated.VERILATOR_FLAGS, optimised)
+    digest = digest_of(flags, counted)[:16]
     arguments = [
         # The libraries' models widen and leave pins open as they like.
-        "-Wno-fatal", "-Wno-lint", "-Wno-style", *(f"-I{path}" for path in includes),
+        "-Wno-fatal", "-Wno-lint", "-Wno-style", *optimised,
+        *(f"-I{path}" for path in includes),
         str(SHIMS / "board_shim.cpp"), *map(str, sources),
     ]  # fmt: skip
     target = verilated.BUILD_DIR / f"{board.name}-{what}-{digest}.so"

@@ -189,9 +189,9 @@ _LIBRARY = {
 """Yosys' file and the cells of it, of a placed netlist and of the board's sources."""
 
 _OWN = {
-    ("ice40", True): ("ice40_pads.v", "ice40_placed.v", "placed_pads.v"),
+    ("ice40", True): ("ice40_pads.v", "ice40_placed.v", "placed_common.v"),
     ("ice40", False): ("ice40_pads.v",),
-    ("ecp5", True): ("ecp5_clocks.v", "ecp5_placed.v", "mult18x18d.v", "placed_pads.v"),
+    ("ecp5", True): ("ecp5_clocks.v", "ecp5_placed.v", "mult18x18d.v", "placed_common.v"),
     ("ecp5", False): ("ecp5_clocks.v", "ecp5_pads.v"),
 }
 """Files of ``sim/cells``, likewise."""
