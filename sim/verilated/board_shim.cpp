@@ -34,7 +34,8 @@ int64_t step(Board &board) {
     top.clk = 1;
     top.eval();
     const int64_t pins = top.gates | top.cs_n << 4 | top.sclk << 5;
-    const int64_t shown = pins | top.alive << 6 | top.running << 7 | top.fault << 8 | top.contact << 9;
+    const int64_t shown =
+        pins | top.alive << 6 | top.running << 7 | top.fault << 8 | top.contact << 9;
     top.clk = 0;
     // The oscillator's edges lie between those of the clock, of which it knows nothing.
     board.watch_phase += board.watch_step;
@@ -92,19 +93,19 @@ int64_t wh_board_clock(int64_t model, int64_t inputs) {
     const int64_t since = board.clocks - board.strobe;
     if (board.strobe >= 0 && since == board.tick_clocks) {
         pins |= 1 << 6;
-        board.irregular += !board.told;
+        board.irregular += !board.told && top.running;
         board.told = false;
         board.marked = true;
         board.strobe = board.clocks;
     }
     if (board.marked && since == board.tick_clocks / 2) pins |= 1 << 7;
-    if (top.alive != board.last_alive) {
+    if (top.alive != board.last_alive && top.running) {
         board.irregular += board.strobe >= 0 && board.strobe != board.clocks - 1;
-        board.last_alive = top.alive;
         board.strobe = board.clocks - 1;
         board.told = true;
         ++board.ticks;
     }
+    board.last_alive = top.alive;
     pins |= static_cast<int64_t>(top.fault) << 9;
     ++board.clocks;
     return pins;
