@@ -8,35 +8,28 @@ import json
 import numpy as np
 import pytest
 from wavehaptics.fpga import board_runs, placed, synthesis
-from wavehaptics.fpga.board_simulation import BoardSimulation, bench, board_scene, build
+from wavehaptics.fpga.board_simulation import (
+    BoardSimulation,
+    Build,
+    Report,
+    bench,
+    board_scene,
+    build,
+)
 from wavehaptics.fpga.boards import BoardError, load_board
 from wavehaptics.fpga.synthesis import SynthesisError
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
 from wavehaptics.trace.columns import Column, Word
 
-BOARDS = ("icebreaker", "ulx3s")
-WITHOUT_ANCHOR = "the bitstream has no port anchor, and a bridge's dead time takes the wall away"
-EQUAL_S = 0.012
+PRESS_S = 0.012
 HARD = ("hand.path=taps", "hand.frequency_hz=40", "hand.amplitude_rad=0.05", "hand.stiffness=0.4")
-"""A wall that is reached within EQUAL_S."""
+"""A wall that is reached within PRESS_S."""
 
 
 @pytest.fixture(scope="module")
 def tools() -> Toolchain:
     return Toolchain.of_environment()
-
-
-@pytest.fixture(scope="module", params=BOARDS)
-def boards(request, tools):
-    """A board as netlist and as sources; its bitstream is made where there is none of it yet."""
-    board = load_board(request.param)
-    try:
-        netlist = build(board, tools)
-    except BoardError:
-        synthesis.build_board(board, tools)
-        netlist = build(board, tools)
-    return netlist, build(board, tools, netlist=False)
 
 
 def advanced(simulation: BoardSimulation, seconds: float) -> np.ndarray:
@@ -46,61 +39,62 @@ def advanced(simulation: BoardSimulation, seconds: float) -> np.ndarray:
     return rows
 
 
-def test_netlist_is_the_sources_at_each_clock(boards):
-    """From power-up, over the start button's bounces, into the wall, and off by the stop."""
-    scene = board_scene(boards[0].board, HARD)
-    pieces = []
-    for built in boards:
-        simulation = BoardSimulation(built, scene)
-        seen = [simulation.report()]
-        touched = 0.0
-        for _ in range(12):
-            rows = advanced(simulation, EQUAL_S / 12)
-            touched = max(touched, rows[:, Column.X].max())
-            seen.append(simulation.report())
-        simulation.stop()
-        advanced(simulation, 1e-4)
-        seen.append(simulation.report())
-        pieces.append(seen)
-        assert touched > 2 * simulation.settings.cell_rad
-        assert seen[-2].running
-        assert not seen[-1].running
-    netlist, sources = pieces
-    assert netlist == sources
-    assert netlist[-1].both_on == netlist[-1].idle_on == netlist[-2].irregular == 0
-    assert len({report.seen for report in netlist}) == len(netlist)
+def shown(built: Build) -> list[Report]:
+    """What the pins show from power-up, over the button's bounces, into the wall, and after stop.
+
+    The encoder's cells in the wall and the running light are looked at on the way.
+    """
+    simulation = BoardSimulation(built, board_scene(built.board, HARD))
+    reports, deepest = [simulation.report()], 0.0
+    for _ in range(12):
+        deepest = max(deepest, advanced(simulation, PRESS_S / 12)[:, Column.X].max())
+        reports.append(simulation.report())
+    assert deepest > 4 * simulation.settings.cell_rad
+    assert reports[-1].running
+    simulation.stop()
+    advanced(simulation, 1e-4)
+    reports.append(simulation.report())
+    assert not reports[-1].running
+    return reports
 
 
-def test_netlist_taps(boards):
-    """The closed form's stiffness, with a motor that is what the board takes it for."""
-    netlist, _ = boards
-    if not netlist.board.scene.controller.anchored:
-        pytest.skip(WITHOUT_ANCHOR)
-    found = board_runs.run(netlist, board_runs.tap(netlist.board))
-    assert found["stiffness"] == pytest.approx(found["stiffness_predicted"], rel=0.01)
-    assert found["pins"]["both_on"] == found["pins"]["idle_on"] == found["pins"]["irregular"] == 0
-
-
-@pytest.mark.parametrize("sign", [1, -1])
-def test_netlist_holds_with_a_real_motor(boards, sign):
-    """14 mN·m on brushes of 0.5 V, with everything that is wrong with a motor at once."""
-    netlist, _ = boards
-    if not netlist.board.scene.controller.anchored:
-        pytest.skip(WITHOUT_ANCHOR)
-    found = board_runs.run(netlist, board_runs.hold(netlist.board, sign))
-    assert found["moved_cells"] <= found["moved_limit_cells"]
-    force = found["held_nm"]
-    assert force == pytest.approx(board_runs.PRESS_NM, rel=0.1)
-    assert found["hold_ripple_rms"] <= board_runs.RIPPLE_PART * force
-    assert found["pins"]["both_on"] == found["pins"]["idle_on"] == found["pins"]["irregular"] == 0
-
-
-def test_a_scene_of_other_settings_is_refused(boards):
-    """What the bitstream holds can't be asked for otherwise."""
-    netlist, _ = boards
+def refuses_other_settings(built: Build) -> None:
     for setting in ("controller.lambda=2e4", "controller.walls=[[0.1, 100.0]]"):
         with pytest.raises(BoardError, match="other settings than the bitstream"):
-            BoardSimulation(netlist, board_scene(netlist.board, (setting,)))
+            BoardSimulation(built, board_scene(built.board, (setting,)))
+
+
+def taps_and_holds(built: Build) -> None:
+    """The closed form's stiffness, and 14 mN·m with all that is wrong with a motor at once."""
+    found = board_runs.run(built, board_runs.tap(built.board))
+    assert found["stiffness"] == pytest.approx(found["stiffness_predicted"], rel=0.01)
+    for sign in (1, -1):
+        found = board_runs.run(built, board_runs.hold(built.board, sign))
+        assert found["moved_cells"] <= found["moved_limit_cells"]
+        assert found["held_nm"] == pytest.approx(board_runs.PRESS_NM, rel=0.1)
+        assert found["hold_ripple_rms"] <= board_runs.RIPPLE_PART * found["held_nm"]
+        pins = found["pins"]
+        assert pins["running"]
+        assert not pins["fault"]
+        assert pins["both_on"] == pins["idle_on"] == pins["irregular"] == 0
+
+
+@pytest.mark.parametrize("name", ["icebreaker", "ulx3s"])
+def test_what_is_flashed(name, tools):
+    """The placed netlist is its sources at each clock of all pins, and does what they promise."""
+    board = load_board(name)
+    # In a folder of its own: other tests make the board's bitstream anew.
+    out = synthesis.OUT / f"{name}-simulated"
+    synthesis.build_board(board, tools, out=out)
+    netlist = build(board, tools, synth=out)
+    reports = shown(netlist)
+    assert reports == shown(build(board, tools, netlist=False, synth=out))
+    assert len({report.seen for report in reports}) == len(reports)
+    assert reports[-1].both_on == reports[-1].idle_on == reports[-1].irregular == 0
+    refuses_other_settings(netlist)
+    # Without the anchor a bridge's dead time alone takes a slow hand's wall away.
+    if board.scene.controller.anchored:
+        taps_and_holds(netlist)
 
 
 # --- Without a bitstream.

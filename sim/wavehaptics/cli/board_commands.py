@@ -117,7 +117,7 @@ def flash(board: BoardArgument, device: DeviceOption = None) -> None:
 @app.command()
 def simulate(board: BoardArgument, device: DeviceOption = None) -> None:
     """Run the netlist of a board's bitstream with a motor: a tap on its wall, and a hold."""
-    from wavehaptics.cli.shared import metrics_table, shown_stages
+    from wavehaptics.cli.shared import metrics_table, shown_progress
     from wavehaptics.fpga import board_runs, board_simulation
     from wavehaptics.ladder.verilated import BuildError
 
@@ -131,10 +131,8 @@ def simulate(board: BoardArgument, device: DeviceOption = None) -> None:
         out = chosen.root / board_simulation.OUT / board
         out.mkdir(parents=True, exist_ok=True)
         for name, scene in scenes.items():
-            with shown_stages() as show:
-                found = board_runs.run(
-                    built, scene, out, name, lambda part, name=name: show(name, part)
-                )
+            with shown_progress(name) as progress:
+                found = board_runs.run(built, scene, out, name, progress)
             shown = {key: found[key] for key in board_runs.SHOWN if key in found}
             typer.echo(f"{name}:\n{metrics_table(shown)}")
             typer.echo(str((out / f"{name}.png").relative_to(chosen.root)))

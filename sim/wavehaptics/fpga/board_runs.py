@@ -13,6 +13,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from wavehaptics.controller.ports import bus_voltage
 from wavehaptics.fpga.board_simulation import BoardSimulation, Build, board_scene
 from wavehaptics.fpga.boards import Board
 from wavehaptics.ladder.run import measure
@@ -55,7 +56,7 @@ def hold(board: Board, sign: int = 1) -> Scene:
     contact noise, a slow amplifier, a supply that steps; and of R, L, k_T, gain and offset the
     board knows others by ``sign`` times what a motor may be off.
     """
-    controller, motor, bus_v = board.scene.controller, board.scene.motor, board.scene.drive.bus_v
+    controller, motor, bus_v = board.scene.controller, board.scene.motor, bus_voltage(board.scene)
     return board_scene(board, (
         *HOLD,
         # The bitstream's own words, whatever the motor is.

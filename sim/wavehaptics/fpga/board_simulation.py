@@ -129,14 +129,16 @@ def bench(board: Board, ports: dict[str, str]) -> str:
     ])  # fmt: skip
 
 
-def build(board: Board, tools: Toolchain, *, netlist: bool = True) -> Build:
-    """Build a board's netlist of ``build/synth``, or its sources, to be simulated.
+def build(
+    board: Board, tools: Toolchain, *, netlist: bool = True, synth: Path | None = None
+) -> Build:
+    """Build a board's netlist, or its sources, to be simulated; from ``synth``, or ``build/synth``.
 
     :class:`BoardError` where there is no bitstream, or one with other settings than the board's.
     """
     if board.fpga.motors != 1:
         raise BoardError(f"{board.name} has {board.fpga.motors} motors; only one can be simulated")
-    synth = synthesis.OUT / board.name
+    synth = synth or synthesis.OUT / board.name
     made = synth / f"{board.name}{synthesis.PLACED_NETLIST}"
     header = board.root / synth / "wh_board_settings.vh"
     cure = f"run `make bitstream BOARD={board.name}`"
@@ -174,7 +176,7 @@ def build(board: Board, tools: Toolchain, *, netlist: bool = True) -> Build:
         str(SHIMS / "board_shim.cpp"), *map(str, sources),
     ]  # fmt: skip
     target = verilated.BUILD_DIR / f"{board.name}-{what}-{digest}.so"
-    return Build(board, verilated.verilate(BENCH, arguments, target))
+    return Build(board, verilated.verilate(BENCH, arguments, target, covered=False))
 
 
 @compiled_counting()  # which draws from a generator
@@ -308,7 +310,8 @@ class BoardSimulation(PinsSimulation):
         """What the pins have shown so far."""
         words = (ctypes.c_int64 * 8)()
         self._library.wh_board_report(self._model, words)
-        return Report(*words[:5], bool(words[5]), bool(words[6]), words[7])
+        clocks, ticks, irregular, both_on, idle_on, running, fault, seen = words
+        return Report(clocks, ticks, irregular, both_on, idle_on, bool(running), bool(fault), seen)
 
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """As ``pins`` does; what nobody sees at the pins is NaN, and there are no words."""

@@ -155,15 +155,16 @@ def bitstream_path(board: Board) -> Path:
 
 
 def build_board(
-    board: Board, tools: Toolchain, seed: int | None = None, say: Callable[[str], None] = print
-) -> Result:
+    board: Board, tools: Toolchain, seed: int | None = None, say: Callable[[str], None] = print,
+    out: Path | None = None,
+) -> Result:  # fmt: skip
     """Make a board's bitstream; :class:`SynthesisError`, ``SceneError`` or ``ToolError``.
 
-    ``seed`` takes the place of the board's own ones.
+    ``seed`` takes the place of the board's own ones, ``out`` that of its folder, from the root.
     """
     bridge_budget.check(board)
     board_pins.check(board)
-    out = OUT / board.name
+    out = out or OUT / board.name
     folder = board.root / out
     _clear(folder)
     write_text(folder / "wh_board_settings.vh", board.header())

@@ -78,7 +78,7 @@ class PinsSimulation:
         plant = self.winding.plant
         self._dt = dt = 1.0 / time.clock_hz
         drive = scene.drive or Drive.model_validate({})
-        self._model = 0
+        self._model: int | None = None
         self._begin(scene, ports, host)
         self._state = plant.start.copy()
         self._tables = self._transitions(plant)

@@ -122,21 +122,26 @@ def build(design: Design) -> Path:
     return verilate(design.top, arguments, target, shim_header(design.sizes))
 
 
-def verilate(top: str, arguments: Sequence[str], target: Path, header: str | None = None) -> Path:
+def verilate(
+    top: str, arguments: Sequence[str], target: Path, header: str | None = None, *,
+    covered: bool = True,
+) -> Path:  # fmt: skip
     """Build ``target``, a shared library of a top level and its shim, unless it is there already.
 
-    ``arguments`` are Verilator's for the sources, ``header`` the text of the shim's ``words.h``.
+    ``arguments`` are Verilator's for the sources, ``header`` the text of the shim's ``words.h``;
+    what isn't ``covered`` counts nothing for WH_COVERAGE.
     """
     if target.exists():
         return target
     program, environment = verilator_environment()
+    flags = [flag for flag in VERILATOR_FLAGS if covered or flag not in COVERAGE_FLAGS]
     BUILD_DIR.mkdir(parents=True, exist_ok=True)
     work = Path(tempfile.mkdtemp(prefix=f"{top}-", dir=BUILD_DIR))
     (work / "obj").mkdir()
     if header is not None:
         (work / "obj" / "words.h").write_text(header, encoding="utf-8")
     command = [
-        program, "--cc", "--exe", "--build", *VERILATOR_FLAGS, "-CFLAGS", " ".join(CXX_FLAGS),
+        program, "--cc", "--exe", "--build", *flags, "-CFLAGS", " ".join(CXX_FLAGS),
         "-LDFLAGS", " ".join(["-shared -Wl,-Bsymbolic", *_link_flags()]), "--top-module", top,
         "--Mdir", str(work / "obj"), "-o", str(work / "model.so"), *arguments,
     ]  # fmt: skip
