@@ -13,13 +13,15 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from wavehaptics.controller.ports import bus_voltage
 from wavehaptics.fpga.board_simulation import BoardSimulation, Build, board_scene
 from wavehaptics.fpga.boards import Board
 from wavehaptics.ladder.run import measure
 from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import Scene
-from wavehaptics.trace.columns import TraceWriter
+from wavehaptics.trace.columns import Column, TraceWriter
 from wavehaptics.trace.pictures import run_picture
 
 TAP = ("hand.path=taps", "hand.amplitude_rad=0.05", "hand.frequency_hz=10", "hand.stiffness=0.4",
@@ -73,6 +75,22 @@ def hold(board: Board, sign: int = 1) -> Scene:
     ))  # fmt: skip
 
 
+class _Deepest:
+    """Hands ticks on to a trace, and keeps the one in which the rotor was deepest."""
+
+    def __init__(self, trace: TraceWriter | None) -> None:
+        self._trace = trace
+        self.row = np.full(len(Column), -math.inf)
+
+    def write(self, rows: np.ndarray, words: np.ndarray | None = None) -> None:
+        """Take the next ticks."""
+        row = rows[np.argmax(rows[:, Column.X])]
+        if row[Column.X] > self.row[Column.X]:
+            self.row = row.copy()
+        if self._trace is not None:
+            self._trace.write(rows, words)
+
+
 def run(
     built: Build, scene: Scene, out: Path | None = None, name: str = "run",
     progress: Callable[[float], None] | None = None,
@@ -87,14 +105,15 @@ def run(
     trace = None
     if out is not None:
         trace = TraceWriter(out, tick_s, scene.scene.trace_hz, ticks=ticks)
+    deepest = _Deepest(trace)
     begun = simulation.report().clocks
     metrics = measure(
-        scene, "a board", trace=trace, progress=progress, simulation=simulation, compare=False
+        scene, "a board", trace=deepest, progress=progress, simulation=simulation, compare=False
     )
     report = simulation.report()
     metrics["pins"] = asdict(report)
     metrics["clocks_per_s"] = (report.clocks - begun) / metrics["wall_clock_s"]
-    metrics |= held(built.board, metrics)
+    metrics |= moved(built.board, metrics, deepest.row)
     if trace is not None:
         assert out is not None
         write_json(out / f"{name}.json", metrics)
@@ -102,21 +121,28 @@ def run(
     return metrics
 
 
-def held(board: Board, metrics: dict[str, Any]) -> dict[str, Any]:
-    """Of a hold: the force, and how far the wall has moved and may, in cells: half of one and 1 %.
+def moved(board: Board, metrics: dict[str, Any], deepest: np.ndarray) -> dict[str, Any]:
+    """How far the wall is from where its spring says, in cells, and how far it may be.
 
-    As its spring's force and depth have it, in the last tenth of the run.
+    That is half a cell and 1 % of the depth. Of a hold in the last tenth of the run, with the force
+    held; else where the rotor was deepest, ``deepest`` (Column).
     """
-    offset, part = metrics["hold_offset_rad"], metrics["hold_error"]
-    if offset is None or not part:
-        return {}
     assert board.scene.encoder is not None
     cell = 2 * math.pi / board.scene.encoder.counts_per_rev
-    depth = abs(offset / part) / cell
-    return {
-        "held_nm": metrics["stiffness_predicted"] * abs(offset / part - offset),
-        "moved_cells": abs(offset) / cell,
-        "moved_limit_cells": 0.5 + 0.01 * depth,
+    spring, edge = metrics["stiffness_predicted"], metrics["contact_edge_rad"]
+    offset, part = metrics["hold_offset_rad"], metrics["hold_error"]
+    found = {}
+    if offset is not None and part:
+        depth = offset / part
+        found["held_nm"] = spring * abs(depth - offset)
+    elif edge is not None:
+        depth = deepest[Column.X] - edge
+        offset = deepest[Column.TORQUE] / spring + depth
+    else:
+        return {}
+    return found | {
+        "moved_cells": float(abs(offset) / cell),
+        "moved_limit_cells": float(0.5 + 0.01 * abs(depth) / cell),
     }
 
 
