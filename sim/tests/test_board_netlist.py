@@ -65,7 +65,7 @@ def refuses_other_settings(built: Build) -> None:
 
 
 def taps_and_holds(built: Build) -> None:
-    """The closed form's spring at a tap, and 14 mN·m with all that is wrong with a motor at once."""
+    """The closed form's spring at a tap, and 14 mN·m with all that may be wrong with a motor."""
     found = board_runs.run(built, board_runs.tap(built.board))
     assert found["peak_torque"] > 0.01
     assert found["moved_cells"] <= found["moved_limit_cells"]
