@@ -48,7 +48,8 @@ class Bridge(_Table):
 class Sense(_Table):
     """The current's way to the ADC: shunt, amplifier with its reference at half its supply.
 
-    The output ends ``swing_v`` before either rail; ``trip_a`` takes the gates off.
+    The output ends ``swing_v`` before either rail; ``trip_a`` takes the gates off, and at 0 A the
+    ADC may read up to ``zero_a``, which is measured before the gates go on.
     """
 
     amplifier: str
@@ -57,6 +58,7 @@ class Sense(_Table):
     shunt_ohm: float = Field(gt=0)
     gain: float = Field(gt=0)
     trip_a: float = Field(gt=0)
+    zero_a: float = Field(gt=0)
 
     @property
     def full_scale_a(self) -> float:
@@ -121,6 +123,7 @@ class Board:
         return board_words(
             self.scene, PARTS[self.fpga.adc], self.fpga.motors, guarded=self.fpga.guard,
             pad_registers=self.fpga.pad_registers, trip_a=self.fpga.sense.trip_a,
+            zero_a=self.fpga.sense.zero_a,
         )  # fmt: skip
 
     def header(self) -> str:

@@ -119,6 +119,12 @@ class Result:
     tools: dict[str, str]
     pads: dict[str, Any] | None = None
     """Round trip of the ADC, dead time and the gates' skew; None for a design that is no board."""
+    anchor: bool = False
+    guard: bool = False
+    zero: bool = False
+    """Whether the current's zero is measured before the gates go on."""
+    settings: bool = False
+    """Whether settings can be changed without another bitstream."""
 
 
 def board_design(board: Board, out: Path) -> Design:
@@ -210,8 +216,13 @@ def _build(design: Design, out: Path, tools: Toolchain, say: Callable[[str], Non
     size = (design.root / bitstream).stat().st_size
     if size == 0:
         raise SynthesisError(f"{design.name}: {packer} wrote an empty bitstream")
-    made = _result(design, netlist, placed, size, tools.name, versions)
-    return replace(made, pads=pads)
+    made = replace(_result(design, netlist, placed, size, tools.name, versions), pads=pads)
+    if design.board is None:
+        return made
+    words = design.board.words()
+    return replace(
+        made, zero=True, anchor=words.ports.settings.anchored, guard=words.guard is not None
+    )
 
 
 def board_pads(board: Board, sdf: Path) -> dict[str, Any]:

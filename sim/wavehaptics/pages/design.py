@@ -224,7 +224,7 @@ STATUS = (
     ("port anchor: a wall that holds on a real motor", "ANCHOR"),
     ("soft walls, layers, detents with W", "SHAPER"),
     ("an environment on a computer", "HOST"),
-    ("zero of the current measured, sensor checked", "SENSE"),
+    ("zero of the current measured before the gates go on", "SENSE"),
     ("bus measured", "BUS"),
     ("other patterns of the bridge", "MODES"),
     ("shortest pulses kept", "MIN_PULSE"),
