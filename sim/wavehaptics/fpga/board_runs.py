@@ -34,8 +34,7 @@ PRESS_NM = 0.014
 RAMP_S, HOLD_S = 0.05, 0.06
 """The press's ramp, and how long it is held after that."""
 
-HOLD = ("hand.path=press", "hand.amplitude_rad=0.15", "hand.stiffness=0.1",
-        f"scene.duration_s={RAMP_S + HOLD_S}", "scene.trace_hz=100e3")  # fmt: skip
+PRESS = {"path": "press", "amplitude_rad": 0.15, "stiffness": 0.1, "damping": 0.5e-3}
 
 LAG_S = 0.3e-6
 BRUSH_V = 0.5
@@ -60,7 +59,7 @@ def hold(board: Board, sign: int = 1) -> Scene:
     """
     controller, motor, bus_v = board.scene.controller, board.scene.motor, bus_voltage(board.scene)
     return board_scene(board, (
-        *HOLD,
+        f"scene.duration_s={RAMP_S + HOLD_S}", "scene.trace_hz=100e3",
         # The bitstream's own words, whatever the motor is.
         f"controller.r_hat={controller.r_hat!r}", f"controller.l_hat={controller.l_hat!r}",
         f"controller.k_t_hat={controller.k_t_hat!r}",
@@ -72,7 +71,7 @@ def hold(board: Board, sign: int = 1) -> Scene:
         f"drive.step_v={0.05 * sign * bus_v!r}", f"drive.step_s={RAMP_S + 0.5 * HOLD_S}",
         f"drive.gain_error={0.05 * sign}", f"adc.offset_a={4e-3 * sign}", "adc.noise_a=1e-3",
         f"adc.bandwidth_hz={1 / (2 * math.pi * LAG_S):.6g}",
-    ))  # fmt: skip
+    ), PRESS)  # fmt: skip
 
 
 class _Deepest:

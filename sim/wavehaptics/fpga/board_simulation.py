@@ -20,6 +20,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -36,6 +37,7 @@ from wavehaptics.runtime.native_call import call2
 from wavehaptics.runtime.repository import SHIMS
 from wavehaptics.runtime.toolchain import Toolchain
 from wavehaptics.scene import Scene, load_scene
+from wavehaptics.scene.tables.hand import Hand
 from wavehaptics.trace.columns import Column
 
 OUT = Path("build", "netlists")
@@ -84,10 +86,15 @@ class Build:
     library: Path
 
 
-def board_scene(board: Board, settings: Sequence[str] = ()) -> Scene:
-    """The scene of a board's ``board.toml`` with the board's ADC and ``settings``."""
+def board_scene(
+    board: Board, settings: Sequence[str] = (), hand: dict[str, Any] | None = None
+) -> Scene:
+    """The scene of a board's ``board.toml`` with the board's ADC, ``settings`` and another hand."""
     path = board.root / board.folder / "board.toml"
-    return load_scene(path, [f"adc.part={board.fpga.adc}", *settings])
+    scene = load_scene(path, [f"adc.part={board.fpga.adc}", *settings])
+    if hand is None:
+        return scene
+    return scene.model_copy(update={"hand": Hand.model_validate(hand)})
 
 
 def bench(board: Board, ports: dict[str, str]) -> str:
