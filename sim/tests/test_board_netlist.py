@@ -18,6 +18,7 @@ from wavehaptics.fpga.board_simulation import (
 )
 from wavehaptics.fpga.boards import BoardError, load_board
 from wavehaptics.fpga.synthesis import SynthesisError
+from wavehaptics.ladder.run import measure
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
 from wavehaptics.trace.columns import Column, Word
@@ -64,20 +65,35 @@ def refuses_other_settings(built: Build) -> None:
             BoardSimulation(built, board_scene(built.board, (setting,)))
 
 
-def taps_and_holds(built: Build) -> None:
-    """The closed form's spring at a tap, and 14 mN·m with all that may be wrong with a motor."""
+def taps(built: Build) -> None:
+    """The closed form's stiffness."""
     found = board_runs.run(built, board_runs.tap(built.board))
-    assert found["peak_torque"] > 0.01
-    assert found["moved_cells"] <= found["moved_limit_cells"]
-    for sign in (1, -1):
-        found = board_runs.run(built, board_runs.hold(built.board, sign))
-        assert found["moved_cells"] <= found["moved_limit_cells"]
-        assert found["held_nm"] == pytest.approx(board_runs.PRESS_NM, rel=0.1)
-        assert found["hold_ripple_rms"] <= board_runs.RIPPLE_PART * found["held_nm"]
-        pins = found["pins"]
-        assert pins["running"]
-        assert not pins["fault"]
-        assert pins["both_on"] == pins["idle_on"] == pins["irregular"] == 0
+    assert found["stiffness"] == pytest.approx(found["stiffness_predicted"], rel=0.01)
+    assert_quiet(found["pins"])
+
+
+def holds(built: Build, sign: int) -> None:
+    """14 mN·m with all that may be wrong with a motor, as `golden` holds it.
+
+    60 ms after the ramp the anchor is still settling, so that the limits of a settled hold are
+    no measure here: what the board may add to the integers' hold is a quarter of a cell.
+    """
+    scene = board_runs.hold(built.board, sign)
+    golden = measure(scene, "golden", compare=False)
+    found = board_runs.run(built, scene)
+    cell = found["hold_offset_rad"] / found["moved_cells"]
+    assert found["held_nm"] == pytest.approx(board_runs.PRESS_NM, rel=0.03)
+    assert found["hold_offset_rad"] == pytest.approx(
+        golden["hold_offset_rad"], abs=0.25 * abs(cell)
+    )
+    assert found["hold_ripple_rms"] <= 1.25 * golden["hold_ripple_rms"]
+    assert_quiet(found["pins"])
+
+
+def assert_quiet(pins: dict[str, int]) -> None:
+    assert pins["running"]
+    assert not pins["fault"]
+    assert pins["both_on"] == pins["idle_on"] == pins["irregular"] == 0
 
 
 @pytest.mark.parametrize("name", ["icebreaker", "ulx3s"])
@@ -93,9 +109,10 @@ def test_what_is_flashed(name, tools):
     assert len({report.seen for report in reports}) == len(reports)
     assert reports[-1].both_on == reports[-1].idle_on == reports[-1].irregular == 0
     refuses_other_settings(netlist)
-    # Without the anchor a bridge's dead time alone takes a slow hand's wall away.
-    if board.scene.controller.anchored:
-        taps_and_holds(netlist)
+    assert board.scene.controller.anchored, "a bridge's dead time alone takes a plain wall away"
+    taps(netlist)
+    holds(netlist, 1)
+    holds(netlist, -1)
 
 
 # --- Without a bitstream.

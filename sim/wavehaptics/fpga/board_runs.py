@@ -143,7 +143,3 @@ def moved(board: Board, metrics: dict[str, Any], deepest: np.ndarray) -> dict[st
         "moved_cells": float(abs(offset) / cell),
         "moved_limit_cells": float(0.5 + 0.01 * abs(depth) / cell),
     }
-
-
-RIPPLE_PART = 0.005
-"""Most ripple of a held force, RMS, in parts of it."""
