@@ -240,7 +240,7 @@ class BoardSimulation(PinsSimulation):
         del most_samples
         registers = self._built.board.fpga.pad_registers
         ports = controller_ports(scene, lambda clock_hz, _: frame(self._part, clock_hz, registers))
-        _same_walls(self._built.board.words().ports, ports)
+        _same_settings(self._built.board.words().ports, ports)
         return ports
 
     def _wire(self, scene: Scene, frame: Frame) -> tuple[int, int]:
@@ -332,13 +332,16 @@ class BoardSimulation(PinsSimulation):
         rows[:, Column.SATURATED] = 0.0
 
 
-def _same_walls(ours: Ports, scenes: Ports) -> None:
-    """The scene's walls, from where its rotor begins, are those in the bitstream."""
+def _same_settings(ours: Ports, scenes: Ports) -> None:
+    """What the scene asks for is in the bitstream; its walls are counted from where it begins."""
     moved = scenes.start_count - ours.start_count
-    walls = [(low + moved, high + moved) for low, high in scenes.walls]
-    if walls != ours.walls or {**scenes.words} != {**ours.words}:
-        different = {key for key in ours.words if scenes.words.get(key) != ours.words[key]}
+    held = {**ours.words, **ours.settings.words()}
+    asked = {**scenes.words, **scenes.settings.words()}
+    different = {key for key in held if asked.get(key) != held[key]}
+    if [(low + moved, high + moved) for low, high in scenes.walls] != ours.walls:
+        different |= {"walls"}
+    if different:
         raise BoardError(
-            f"the scene asks for other settings than the bitstream holds: "
-            f"{', '.join(sorted(different)) or 'walls'}"
+            "the scene asks for other settings than the bitstream holds: "
+            + ", ".join(sorted(different))
         )
