@@ -24,7 +24,8 @@ from wavehaptics.runtime.toolchain import Toolchain
 from wavehaptics.trace.columns import Column, Word
 
 PRESS_S = 0.012
-HARD = ("hand.path=taps", "hand.frequency_hz=40", "hand.amplitude_rad=0.05", "hand.stiffness=0.4")
+HARD = ("hand.path=taps", "hand.frequency_hz=40", "hand.amplitude_rad=0.05", "hand.stiffness=0.4",
+        "adc.noise_a=1e-3")  # fmt: skip
 """A wall that is reached within PRESS_S."""
 
 

@@ -25,8 +25,8 @@ from wavehaptics.trace.columns import Column, TraceWriter
 from wavehaptics.trace.pictures import run_picture
 
 TAP = ("hand.path=taps", "hand.amplitude_rad=0.05", "hand.frequency_hz=10", "hand.stiffness=0.4",
-       "scene.duration_s=0.055", "scene.trace_hz=100e3")  # fmt: skip
-"""Into the wall and to the deepest point."""
+       "scene.duration_s=0.055", "scene.trace_hz=100e3", "adc.noise_a=1e-3")  # fmt: skip
+"""Into the wall and to the deepest point; words without any noise are a stuck ADC to the guard."""
 
 PRESS_NM = 0.014
 """Torque of the hold, N·m."""
@@ -46,7 +46,7 @@ SHOWN = ("stiffness", "stiffness_predicted", "peak_torque", "held_nm", "moved_ce
 
 
 def tap(board: Board) -> Scene:
-    """A tap of an ideal motor on the board's wall."""
+    """A tap with a motor that is what the board takes it for, on the board's wall."""
     return board_scene(board, TAP)
 
 
