@@ -39,6 +39,9 @@ OSCILLATOR_TOLERANCE = 0.30
 PLACERS = {"ice40": "nextpnr-ice40", "ecp5": "nextpnr-ecp5"}
 PACKERS = {"ice40": "icepack", "ecp5": "ecppack"}
 BITSTREAM_SUFFIX = {"ice40": ".bin", "ecp5": ".bit"}
+PLACED_NETLIST = "-placed.json"
+"""End of the name of the netlist as it was placed, which :mod:`wavehaptics.fpga.placed` reads."""
+
 _DELAYS = "delays.sdf"
 _PLACED_SUFFIX = {"ice40": ".asc", "ecp5": ".config"}
 
@@ -158,15 +161,16 @@ def bitstream_path(board: Board) -> Path:
 
 
 def build_board(
-    board: Board, tools: Toolchain, seed: int | None = None, say: Callable[[str], None] = print
-) -> Result:
+    board: Board, tools: Toolchain, seed: int | None = None, say: Callable[[str], None] = print,
+    out: Path | None = None,
+) -> Result:  # fmt: skip
     """Make a board's bitstream; :class:`SynthesisError`, ``SceneError`` or ``ToolError``.
 
-    ``seed`` takes the place of the board's own ones.
+    ``seed`` takes the place of the board's own ones, ``out`` that of its folder, from the root.
     """
     bridge_budget.check(board)
     board_pins.check(board)
-    out = OUT / board.name
+    out = out or OUT / board.name
     folder = board.root / out
     _clear(folder)
     write_text(folder / "wh_board_settings.vh", board.header())
@@ -553,6 +557,7 @@ def place(
         f"--{design.device}", "--package", design.package, "--json", str(netlist),
         "--seed", str(seed), "--freq", f"{(1 + SPARE) * design.clock_hz / 1e6:.6f}",
         "--report", str(report), "--sdf", str(delays),
+        "--write", str(netlist.with_name(f"{netlist.stem}{PLACED_NETLIST}")),
     ]  # fmt: skip
     if design.family == "ice40":
         # router1, the default, never comes to an end with some seeds.
