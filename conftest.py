@@ -34,7 +34,7 @@ BLOCKS = {
     "wh_round": "test_round.py::test_round[icarus-3-2]",
     "wh_saturate": "test_arithmetic.py::test_every_small_word[icarus]",
     "wh_sense_check": "test_sense_check.py::test_sense_check[icarus]",
-    "wh_setting_group": "test_settings.py::test_settings[icarus-early]",
+    "wh_setting_group": "test_setting_group.py::test_setting_group[icarus-1]",
     "wh_settings": "test_settings.py::test_settings[icarus-early]",
     "wh_settings_ram": "test_settings.py::test_settings[icarus-early]",
     "wh_settings_rom": "test_settings.py::test_settings[icarus-early]",
