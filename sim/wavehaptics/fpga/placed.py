@@ -107,13 +107,19 @@ def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:
         "1" in value for key, value in parameters.items() if key.startswith("INITVAL")
     ):
         raise SynthesisError("no model of a placed DP16KD with contents")
+    directions = dict(cell["port_directions"])
     levels = _OPEN.get(kind, {})
     unused, settled = _UNUSED.get(kind), _SETTLED.get(kind)
+    wired = dict(cell["connections"])
+    if kind == "TRELLIS_FF" and str(parameters.get("SD")).strip() == "0":
+        # Its data comes past the table, and the library's model has one pin for both.
+        wired["DI"] = wired.pop("M")
+        directions["DI"] = "input"
     connections = {}
-    for pin, bits in cell["connections"].items():
+    for pin, bits in wired.items():
         if unused and re.fullmatch(unused, pin):
             continue
-        if not bits and cell["port_directions"][pin] == "input":
+        if not bits and directions[pin] == "input":
             tied = str(parameters.get(f"{pin}MUX", "")).strip()
             level = tied if tied in ("0", "1") else levels.get(pin, "0")
             bits = ["0" if tied == "INV" else level]
@@ -128,7 +134,7 @@ def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:
             if not (settled and re.fullmatch(settled, key))
         },
         "attributes": {},
-        "port_directions": {pin: cell["port_directions"][pin] for pin in connections},
+        "port_directions": {pin: directions[pin] for pin in connections},
         "connections": connections,
     }
 
@@ -223,7 +229,8 @@ def models(family: str, folder: Path, tools: Toolchain, *, placed: bool) -> tupl
             raise SynthesisError(f"Yosys' library has no {cell}")
         text = re.sub(r"^`ifdef TIMING.*?^`endif$", "", found[0], flags=re.M | re.S)
         text = re.sub(r"^\s*specify\b.*?\bendspecify\b", "", text, flags=re.M | re.S)
-        modules.append(text)
+        # A wire has no value yet when the initial blocks are run.
+        modules.append(text.replace("initial Q = srval;", 'initial Q = (REGSET == "SET");'))
     path = folder / "cells.v"
     path.write_text("\n\n".join(modules) + "\n", encoding="utf-8")
     return (path, *(CELLS / own for own in _OWN[family, placed]))
