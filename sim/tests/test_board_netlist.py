@@ -152,13 +152,14 @@ def cell(kind: str, **parameters: str) -> dict:
 @pytest.mark.parametrize(
     ("cells", "says"),
     [
-        ({"ram": cell("DP16KD")}, "no model of the placed cell DP16KD"),
+        ({"alu": cell("ALU54B")}, "no model of the placed cell ALU54B"),
+        ({"ram": cell("DP16KD", INITVAL_00="0001")}, "no model of a placed DP16KD with contents"),
         ({"pad": cell("TRELLIS_IO", DIR="BIDIR")}, "no model of the placed pad"),
         ({"pad": cell("TRELLIS_IO", DIR="OUTPUT")}, "no model of the placed pad"),
     ],
 )
 def test_a_cell_without_a_model_is_refused(tools, cells, says):
-    """A pad's direction is the top's, and memories have no model yet."""
+    """A pad's direction is the top's."""
     folder = ROOT / "build" / "netlists" / "test"
     folder.mkdir(parents=True, exist_ok=True)
     made = folder / "made.json"

@@ -29,6 +29,7 @@ _OPEN: dict[str, dict[str, str]] = {
     "TRELLIS_COMB": dict.fromkeys("ABCD", "1"),
     "TRELLIS_FF": {"CE": "1"},
     "DCCA": {"CE": "1"},
+    "DP16KD": dict.fromkeys(("CEA", "CEB", "WEA", "WEB"), "1"),
 }
 """Levels of pins that nothing drives; 0 where not named."""
 
@@ -45,6 +46,7 @@ _UNUSED: dict[str, str] = {
 _SETTLED: dict[str, str] = {
     # What the models don't need to know: rates, standards, and what a pin's own table says.
     "MULT18X18D": r"[ABC]\d+MUX|(?:CLK|CE|RST)\dMUX|CLK\d_DIV|MULT_BYPASS|GSR|RESETMODE|.*MUX",
+    "DP16KD": r".*MUX|RESETMODE|ASYNC_RESET_RELEASE|GSR|INITVAL_\w\w",
     "TRELLIS_COMB": r"W(?:RE|CK)MUX",
     "TRELLIS_FF": r"SD",
     "SIOLOGIC": r"DELAY\..*|GSR|CE\w*MUX|LSR\w*MUX|CLK\w*MUX|SRMODE",
@@ -101,15 +103,28 @@ def placed_verilog(
 def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:
     """A cell with all its inputs driven, and what its model knows of its pins and parameters."""
     kind, parameters = cell["type"], dict(cell["parameters"])
+    if kind == "DP16KD" and any(
+        "1" in value for key, value in parameters.items() if key.startswith("INITVAL")
+    ):
+        raise SynthesisError("no model of a placed DP16KD with contents")
+    directions = dict(cell["port_directions"])
     levels = _OPEN.get(kind, {})
     unused, settled = _UNUSED.get(kind), _SETTLED.get(kind)
+    wired = dict(cell["connections"])
+    if kind == "TRELLIS_FF" and str(parameters.get("SD")).strip() == "0":
+        # Its data comes past the table, and the library's model has one pin for both.
+        wired["DI"] = wired.pop("M")
+        directions["DI"] = "input"
     connections = {}
-    for pin, bits in cell["connections"].items():
+    for pin, bits in wired.items():
         if unused and re.fullmatch(unused, pin):
             continue
-        if not bits and cell["port_directions"][pin] == "input":
+        if not bits and directions[pin] == "input":
             tied = str(parameters.get(f"{pin}MUX", "")).strip()
-            bits = [tied if tied in ("0", "1") else levels.get(pin, "0")]
+            level = tied if tied in ("0", "1") else levels.get(pin, "0")
+            bits = ["0" if tied == "INV" else level]
+        elif kind == "DP16KD" and parameters.get(f"{pin}MUX") == "INV":
+            raise SynthesisError(f"no model of a placed DP16KD with {pin} inverted")
         connections[pin] = bits
     return {
         "type": kind,
@@ -119,7 +134,7 @@ def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:
             if not (settled and re.fullmatch(settled, key))
         },
         "attributes": {},
-        "port_directions": {pin: cell["port_directions"][pin] for pin in connections},
+        "port_directions": {pin: directions[pin] for pin in connections},
         "connections": connections,
     }
 
@@ -176,8 +191,8 @@ def _join(bit: int, *ends: tuple[dict[str, Any], str, str]) -> None:
 
 
 def _ecp5(_: dict[str, Any]) -> tuple[str, ...]:
-    return ("TRELLIS_COMB", "TRELLIS_FF", "TRELLIS_IO", "TRELLIS_RAMW", "MULT18X18D", "SIOLOGIC",
-            "DCCA", "EHXPLLL", "OSCG")  # fmt: skip
+    return ("TRELLIS_COMB", "TRELLIS_FF", "TRELLIS_IO", "TRELLIS_RAMW", "MULT18X18D", "DP16KD",
+            "SIOLOGIC", "DCCA", "EHXPLLL", "OSCG")  # fmt: skip
 
 
 _LIBRARY = {
@@ -191,7 +206,13 @@ _LIBRARY = {
 _OWN = {
     ("ice40", True): ("ice40_pads.v", "ice40_placed.v", "placed_common.v"),
     ("ice40", False): ("ice40_pads.v",),
-    ("ecp5", True): ("ecp5_clocks.v", "ecp5_placed.v", "mult18x18d.v", "placed_common.v"),
+    ("ecp5", True): (
+        "ecp5_clocks.v",
+        "ecp5_placed.v",
+        "mult18x18d.v",
+        "dp16kd.v",
+        "placed_common.v",
+    ),
     ("ecp5", False): ("ecp5_clocks.v", "ecp5_pads.v"),
 }
 """Files of ``sim/cells``, likewise."""
@@ -208,7 +229,8 @@ def models(family: str, folder: Path, tools: Toolchain, *, placed: bool) -> tupl
             raise SynthesisError(f"Yosys' library has no {cell}")
         text = re.sub(r"^`ifdef TIMING.*?^`endif$", "", found[0], flags=re.M | re.S)
         text = re.sub(r"^\s*specify\b.*?\bendspecify\b", "", text, flags=re.M | re.S)
-        modules.append(text)
+        # A wire has no value yet when the initial blocks are run.
+        modules.append(text.replace("initial Q = srval;", 'initial Q = (REGSET == "SET");'))
     path = folder / "cells.v"
     path.write_text("\n\n".join(modules) + "\n", encoding="utf-8")
     return (path, *(CELLS / own for own in _OWN[family, placed]))
