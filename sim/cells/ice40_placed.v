@@ -4,6 +4,7 @@
 //
 // ICESTORM_LC   a logic cell: table, carry and flip-flop
 // ICESTORM_DSP  the multiplier, by SB_MAC16 of Yosys' library
+// ICESTORM_RAM  a block RAM of 256 words, which begins with zeros
 // ICESTORM_PLL  the PLL, by SB_PLL40_PAD
 //
 // Yosys' library has an ICESTORM_LC with an asynchronous reset in each cell, which simulates at a
@@ -154,6 +155,74 @@ module ICESTORM_DSP (
         .ACCUMCO    (ACCUMCO),
         .SIGNEXTOUT (SIGNEXTOUT)
     );
+
+endmodule
+
+module ICESTORM_RAM (
+    input
+        RCLK, RCLKE, RE, WCLK, WCLKE, WE, RADDR_10, RADDR_9, RADDR_8, RADDR_7, RADDR_6, RADDR_5,
+        RADDR_4, RADDR_3, RADDR_2, RADDR_1, RADDR_0, WADDR_10, WADDR_9, WADDR_8, WADDR_7,
+        WADDR_6, WADDR_5, WADDR_4, WADDR_3, WADDR_2, WADDR_1, WADDR_0, MASK_15, MASK_14,
+        MASK_13, MASK_12, MASK_11, MASK_10, MASK_9, MASK_8, MASK_7, MASK_6, MASK_5, MASK_4,
+        MASK_3, MASK_2, MASK_1, MASK_0, WDATA_15, WDATA_14, WDATA_13, WDATA_12, WDATA_11,
+        WDATA_10, WDATA_9, WDATA_8, WDATA_7, WDATA_6, WDATA_5, WDATA_4, WDATA_3, WDATA_2,
+        WDATA_1, WDATA_0,
+    output
+        RDATA_15, RDATA_14, RDATA_13, RDATA_12, RDATA_11, RDATA_10, RDATA_9, RDATA_8, RDATA_7,
+        RDATA_6, RDATA_5, RDATA_4, RDATA_3, RDATA_2, RDATA_1, RDATA_0
+);
+
+    parameter [1:0] READ_MODE  = 2'd0;
+    parameter [1:0] WRITE_MODE = 2'd0;
+    parameter [0:0] NEG_CLK_R  = 1'b0;
+    parameter [0:0] NEG_CLK_W  = 1'b0;
+
+    wire [7:0]  read_at  = {
+        RADDR_7, RADDR_6, RADDR_5, RADDR_4, RADDR_3, RADDR_2, RADDR_1, RADDR_0
+    };
+    wire [7:0]  write_at = {
+        WADDR_7, WADDR_6, WADDR_5, WADDR_4, WADDR_3, WADDR_2, WADDR_1, WADDR_0
+    };
+    wire [15:0] keeps    = {
+        MASK_15, MASK_14, MASK_13, MASK_12, MASK_11, MASK_10, MASK_9, MASK_8, MASK_7, MASK_6,
+        MASK_5, MASK_4, MASK_3, MASK_2, MASK_1, MASK_0
+    };
+    wire [15:0] in       = {
+        WDATA_15, WDATA_14, WDATA_13, WDATA_12, WDATA_11, WDATA_10, WDATA_9, WDATA_8, WDATA_7,
+        WDATA_6, WDATA_5, WDATA_4, WDATA_3, WDATA_2, WDATA_1, WDATA_0
+    };
+
+    reg [15:0] ram [0:255];
+    reg [15:0] out;
+    integer    n;
+
+    initial begin
+        for (n = 0; n < 256; n = n + 1) begin
+            ram[n] = 16'd0;
+        end
+        out = 16'd0;
+        if (READ_MODE != 2'd0 || WRITE_MODE != 2'd0 || NEG_CLK_R || NEG_CLK_W) begin
+            $display("ICESTORM_RAM: only 256 words of 16 bits and rising clocks are in the model");
+            $finish;
+        end
+    end
+
+    always @(posedge WCLK) begin
+        if (WCLKE && WE) begin
+            ram[write_at] <= (in & ~keeps) | (ram[write_at] & keeps);
+        end
+    end
+
+    always @(posedge RCLK) begin
+        if (RCLKE && RE) begin
+            out <= ram[read_at];
+        end
+    end
+
+    assign {
+        RDATA_15, RDATA_14, RDATA_13, RDATA_12, RDATA_11, RDATA_10, RDATA_9, RDATA_8, RDATA_7,
+        RDATA_6, RDATA_5, RDATA_4, RDATA_3, RDATA_2, RDATA_1, RDATA_0
+    } = out;
 
 endmodule
 

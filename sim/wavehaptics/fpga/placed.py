@@ -26,6 +26,7 @@ from wavehaptics.runtime.toolchain import Toolchain
 _OPEN: dict[str, dict[str, str]] = {
     "ICESTORM_LC": {"CEN": "1"},
     "ICESTORM_DSP": {"CE": "1"},
+    "ICESTORM_RAM": {"RCLKE": "1", "WCLKE": "1"},
     "TRELLIS_COMB": dict.fromkeys("ABCD", "1"),
     "TRELLIS_FF": {"CE": "1"},
     "DCCA": {"CE": "1"},
@@ -46,6 +47,7 @@ _UNUSED: dict[str, str] = {
 _SETTLED: dict[str, str] = {
     # What the models don't need to know: rates, standards, and what a pin's own table says.
     "MULT18X18D": r"[ABC]\d+MUX|(?:CLK|CE|RST)\dMUX|CLK\d_DIV|MULT_BYPASS|GSR|RESETMODE|.*MUX",
+    "ICESTORM_RAM": r"INIT_\w",
     "DP16KD": r".*MUX|RESETMODE|ASYNC_RESET_RELEASE|GSR|INITVAL_\w\w",
     "TRELLIS_COMB": r"W(?:RE|CK)MUX",
     "TRELLIS_FF": r"SD",
@@ -103,10 +105,9 @@ def placed_verilog(
 def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:
     """A cell with all its inputs driven, and what its model knows of its pins and parameters."""
     kind, parameters = cell["type"], dict(cell["parameters"])
-    if kind == "DP16KD" and any(
-        "1" in value for key, value in parameters.items() if key.startswith("INITVAL")
-    ):
-        raise SynthesisError("no model of a placed DP16KD with contents")
+    contents = [value for key, value in parameters.items() if re.match(r"INIT(?:VAL)?_", key)]
+    if any("1" in value for value in contents):
+        raise SynthesisError(f"no model of a placed {kind} with contents")
     directions = dict(cell["port_directions"])
     levels = _OPEN.get(kind, {})
     unused, settled = _UNUSED.get(kind), _SETTLED.get(kind)
@@ -179,7 +180,7 @@ def _ice40(top: dict[str, Any]) -> tuple[str, ...]:
         _join(fresh, (pads[0], "D_IN_0", "output"), (pll, "REFERENCECLK", "input"))
         network = networks[0], "USER_SIGNAL_TO_GLOBAL_BUFFER", "input"
         _join(fresh + 1, (pll, "PLLOUT_A_GLOBAL", "output"), network)
-    return ("ICESTORM_LC", "ICESTORM_DSP", "ICESTORM_PLL", "SB_GB", "SB_IO")
+    return ("ICESTORM_LC", "ICESTORM_DSP", "ICESTORM_RAM", "ICESTORM_PLL", "SB_GB", "SB_IO")
 
 
 def _join(bit: int, *ends: tuple[dict[str, Any], str, str]) -> None:
