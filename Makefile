@@ -199,6 +199,12 @@ LINT_CASES := \
     wh_controller,-GN=1,-GWALLS=1,-GDELAY_LOG2=1 \
     wh_controller,-GN=3,-GWALLS=16,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_controller,-GN=1,-GDELAY_LOG2=10,-DWH_DATA_W=31,-DWH_COEF_W=31 \
+    wh_settings,-GN=8,-GWALLS=16,-GSHAPER=2,-GDELAY_LOG2=10 \
+    wh_setting_group,-GSTAGED=0 \
+    wh_device,-GN=3,-GANCHOR=1,-GSHAPER=2,-GWALLS=16 \
+    wh_device,-GEARLY=1,-GANCHOR=1,-GGUARD=1,-GBUS=1 \
+    wh_device,-GLIVE=0,-GWALLS=1,-GHOST=1,-GSENSE=1,-GDELAY_LOG2=10 \
+    wh_device,-GN=3,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_board_reset \
     wh_board_clock_watch \
     wh_board_clock_watch,-GGATES=1,-GBEAT_LOG2=16,-GPATIENCE_LOG2=2

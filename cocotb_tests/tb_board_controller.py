@@ -19,6 +19,7 @@ SETTLE = 1 << parameters()["SETTLE_LOG2"]
 ZERO_TICKS = 1 << parameters()["ZERO_LOG2"]
 BOARD = load_board(os.environ["WH_BOARD"])
 GUARDED = BOARD.fpga.guard
+ANCHORED = BOARD.words().ports.settings.anchored
 TICK = BOARD.words().ports.timing.tick_clocks
 PART = PARTS[BOARD.fpga.adc]
 PERIOD_NS = 1e9 / BOARD.clock_hz
@@ -391,7 +392,7 @@ async def stop_while_the_zero_is_measured_is_no_start(dut):
     assert (await board.watch(2 * SETTLE + ZERO_CLOCKS))[1:] == (0, {0})
 
 
-@cocotb.test(timeout_time=10, timeout_unit="ms")
+@cocotb.test(timeout_time=10, timeout_unit="ms", skip=not ANCHORED)
 async def an_encoder_that_the_current_does_not_follow_takes_the_gates_off(dut):
     """Counts as of a rotor at 150 rad/s, and no back-EMF."""
     board = Board(dut)

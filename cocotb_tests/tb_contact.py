@@ -22,6 +22,9 @@ ETA_CONTACT, ETA_FREE = -formats.ETA.to_raw(1.0), formats.ETA.to_raw(0.5)
 
 Wall = tuple[int, int, bool]
 
+SHAPED = 0xA6C5 & ((1 << WALLS) - 1)
+"""Walls that are told apart by what is handed on with them."""
+
 
 class ContactBench(Bench):
     """Moves the rotor and compares with the model once the walls have been looked at."""
@@ -42,6 +45,7 @@ class ContactBench(Bench):
             wall_min_i=pack((wall[0] for wall in self.walls), formats.COUNT_W),
             wall_max_i=pack((wall[1] for wall in self.walls), formats.COUNT_W),
             wall_enable_i=sum(int(wall[2]) << n for n, wall in enumerate(self.walls)),
+            wall_shaped_i=SHAPED,
         )
 
     async def begin(self, walls: list[Wall], position: int = 0) -> None:
@@ -74,6 +78,7 @@ class ContactBench(Bench):
         assert self.signed("eta_o") == (ETA_CONTACT if contact else ETA_FREE)
         if contact:
             assert self.word("wall_o") == self.state[0]
+            assert self.word("shaped_o") == SHAPED >> self.state[0] & 1
 
     async def move(self, position: int, clocks: int = SETTLED) -> None:
         await self.step(clocks, position_i=position)

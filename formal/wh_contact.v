@@ -2,8 +2,8 @@
 //
 // prove_wh_contact: a rotor at rest in an enabled wall is in contact at the first clock without
 // hold_i behind two rounds of the walls, and from then on; one at rest outside all walls is free (two
-// counts outside, with hysteresis). While hold_i is high nothing that is shown changes. η belongs to
-// what is shown. For all walls and positions, and whatever hold_i does.
+// counts outside, with hysteresis). While hold_i is high nothing that is shown changes. η and
+// shaped_o belong to what is shown. For all walls and positions, and whatever hold_i does.
 //
 // The rest is counted from a clock in which the position may have been any other.
 // Proven by induction, smtbmc z3 at depth 2 (one wall; more take z3 long).
@@ -26,11 +26,14 @@ module prove_wh_contact #(
     (* anyconst *) wire [WALLS*`WH_COUNT_W-1:0] low;
     (* anyconst *) wire [WALLS*`WH_COUNT_W-1:0] high;
     (* anyconst *) wire [WALLS-1:0]             enable;
+    (* anyconst *) wire [WALLS-1:0]             shaped;
     (* anyconst *) wire                         hysteresis;
     (* anyconst *) wire [`WH_COEF_W-1:0]        eta_contact;
     (* anyconst *) wire [`WH_COEF_W-1:0]        eta_free;
 
+    wire                          round;
     wire                          contact;
+    wire                          wall_shaped;
     wire        [WALL_W-1:0]      wall;
     wire signed [`WH_COUNT_W-1:0] depth;
     wire        [`WH_COEF_W-1:0]  eta;
@@ -45,11 +48,14 @@ module prove_wh_contact #(
         .wall_min_i    (low),
         .wall_max_i    (high),
         .wall_enable_i (enable),
+        .wall_shaped_i (shaped),
         .hysteresis_i  (hysteresis),
         .eta_contact_i (eta_contact),
         .eta_free_i    (eta_free),
+        .round_o       (round),
         .contact_o     (contact),
         .wall_o        (wall),
+        .shaped_o      (wall_shaped),
         .depth_o       (depth),
         .eta_o         (eta)
     );
@@ -58,6 +64,11 @@ module prove_wh_contact #(
     (* hierconn *) wire        [WALL_W-1:0]      \block.edges_wall_q ;
     (* hierconn *) wire                          \block.edges_valid_q ;
     (* hierconn *) wire                          \block.edges_enable_q ;
+    (* hierconn *) wire                          \block.linger_shaped_q ;
+    (* hierconn *) wire                          \block.found_shaped_q ;
+    (* hierconn *) wire                          \block.in_shaped_q ;
+    (* hierconn *) wire                          \block.shaped_q ;
+    (* hierconn *) wire                          \block.edges_shaped_q ;
     (* hierconn *) wire signed [`WH_COUNT_W-1:0] \block.min_q ;
     (* hierconn *) wire signed [`WH_COUNT_W-1:0] \block.max_q ;
     (* hierconn *) wire signed [`WH_COUNT_W-1:0] \block.position_q ;
@@ -145,6 +156,7 @@ module prove_wh_contact #(
                 assert (contact == contact_q && wall == wall_q && depth == depth_q && eta == eta_q);
             end
             assert (eta == (contact ? eta_contact : eta_free));
+            if (contact) assert (wall_shaped == shaped[wall]);
             if (shown) begin
                 if (inside) assert (contact && wall == first);
                 if (!inside && !(hysteresis && near)) assert (!contact && depth == 0);
@@ -159,6 +171,15 @@ module prove_wh_contact #(
             if (edges) assert (select == ((edges_wall == WALLS - 1) ? 0 : edges_wall + 1));
             if (valid) assert (edges_wall == ((at == WALLS - 1) ? 0 : at + 1));
             if (edges && !valid) assert (rest <= 1 && edges_wall == 0);
+            if (edges) assert (\block.edges_shaped_q == shaped[edges_wall]);
+            if (valid) assert (\block.shaped_q == shaped[at]);
+            if (\block.contact_q ) assert (\block.in_shaped_q == shaped[\block.in_wall_q ]);
+            if (\block.found_q && valid && at != 0) begin
+                assert (\block.found_shaped_q == shaped[\block.found_wall_q ]);
+            end
+            if (\block.linger_q && valid && at != 0) begin
+                assert (\block.linger_shaped_q == shaped[\block.in_wall_q ]);
+            end
             if (edges) begin
                 assert (\block.min_q == $signed(low[edges_wall*`WH_COUNT_W +: `WH_COUNT_W]));
                 assert (\block.max_q == $signed(high[edges_wall*`WH_COUNT_W +: `WH_COUNT_W]));

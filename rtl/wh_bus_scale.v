@@ -31,6 +31,8 @@ module wh_bus_scale #(
     input  wire                    rst,
 
     input  wire                    hold_i,             // the outputs stay as they are
+    output wire                    gives_o,            // they change with this clock's end: no word
+                                                       // below is under way then
 
     input  wire [`WH_TICK_W-1:0]   half_clocks_i,      // clocks in a carrier half
     input  wire                    half_bridge_i,      // the bus reaches half of itself
@@ -72,6 +74,8 @@ module wh_bus_scale #(
     wire       divides  = (step_q <= DIVIDED);
     wire       last     = (step_q == LAST);
     wire       gives    = last && !hold_i;
+
+    assign gives_o = gives;
 
     always @(posedge clk) begin
         if (rst || gives) begin

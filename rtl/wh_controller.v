@@ -11,7 +11,11 @@
 // enable_i = 0 keeps the gates off and the wave core and the pulse width in reset; the ADC, the
 // currents and the positions run on, so that zero_i can be measured. enable_i is synchronous to
 // clk.
-// The settings, other than the walls, may change only in reset.
+// The settings may change only in reset; or, the table of words says which, while enable_i = 0, with
+// restart_i = 1 in the meantime, or with the end of a clock in which their bit of words_hold_o is low:
+// 0 the core, or with EARLY = 1 wh_early, reads them; 1 an anchor; 2 a sum is under way; 3 a round of
+// the walls. While the bridges are off only the last one ever is 1. The core needs a tick of a clock more than its
+// steps take, or bit 0 is never low.
 //
 // Latency: the gates show the carrier's phase after 2 clocks, dead time aside, and CS_n falls 1
 // clock after the sample's phase: sample_lead_i = -1 samples in the pulse's middle, and half the
@@ -177,9 +181,12 @@ module wh_controller #(
     output wire [N-1:0]                 zero_busy_o,         // a zero is being measured
     output wire [N-1:0]                 overcurrent_o,       // trip_i is reached, as long as it is
     output wire [N-1:0]                 encoder_fault_o,     // illegal move seen; until clear_i
+    input  wire                         restart_i,           // carrier and ADC begin anew, while the
+                                                             // bridges are off
+    output wire [3:0]                   words_hold_o,        // words are being read: see above
     output wire                         overrun_o            // a tick is too short for its work, or ticks
-                                                             // pass without; until rst (core: or
-                                                             // enable_i = 0)
+                                                             // pass without; until rst or restart_i
+                                                             // (core: or enable_i = 0)
 );
 
     localparam integer DATA_W = `WH_DATA_W;
@@ -215,6 +222,7 @@ module wh_controller #(
     wire damp;
     wire run       = enable_i && !off;
     wire drive_rst = rst || !run;
+    wire sense_rst = rst || (restart_i && !run);
 
     assign running_o = run;
 
@@ -230,7 +238,7 @@ module wh_controller #(
 
     wh_carrier carrier (
         .clk             (clk),
-        .rst             (rst || !adc_ready_o),
+        .rst             (sense_rst || !adc_ready_o),
         .half_clocks_i   (half_clocks_i),
         .tick_halves_i   (tick_halves_i),
         .sample_clocks_i (sample_clocks_i),
@@ -266,7 +274,7 @@ module wh_controller #(
                 .LINES              (N)
             ) adc (
                 .clk                (clk),
-                .rst                (rst),
+                .rst                (sense_rst),
                 .adc_cs_n_o         (adc_cs_n_o),
                 .adc_sclk_o         (adc_sclk_o),
                 .adc_sdata_i        (adc_sdata_i),
@@ -298,7 +306,7 @@ module wh_controller #(
                 .LINES              (N)
             ) adc (
                 .clk                (clk),
-                .rst                (rst),
+                .rst                (sense_rst),
                 .adc_cs_n_o         (adc_cs_n_o),
                 .adc_sclk_o         (adc_sclk_o),
                 .adc_din_o          (adc_din_o),
@@ -336,7 +344,7 @@ module wh_controller #(
                 .TRIP_OSR           (TRIP_OSR)
             ) adc (
                 .clk                (clk),
-                .rst                (rst),
+                .rst                (sense_rst),
                 .adc_sclk_o         (adc_sclk_o),
                 .adc_sdata_i        (adc_sdata_i),
                 .sclk_half_clocks_i (sclk_half_clocks_i),
@@ -450,7 +458,7 @@ module wh_controller #(
 
     wh_step_watch step_watch (
         .clk       (clk),
-        .rst       (rst),
+        .rst       (sense_rst),
         .start_i   (core_start),
         .tick_i    (tick_o),
         .overrun_o (missing)
@@ -468,6 +476,20 @@ module wh_controller #(
     always @(posedge clk) begin
         due_q <= !rst && (summed || (due_q && !core_start));
     end
+
+    // ---- Who reads words. The core reads one in the first clock of its step.
+
+    wire         core_reads;
+    wire [N-1:0] anchor_reads;
+    wire [N-1:0] in_round;
+    reg          sum_q;  // words of a sum have come, and its products have not all begun
+
+    always @(posedge clk) begin
+        sum_q <= run && (adc_valid || (sum_q && !summed));
+    end
+
+    assign words_hold_o = {|in_round, run && (adc_valid || sum_q || summed),
+                           run && (|anchor_reads), core_reads};
 
     // ---- The bridge's pattern.
 
@@ -488,6 +510,10 @@ module wh_controller #(
 
     generate
         if (BUS == 1) begin : measured_bus
+            wire bus_gives;
+
+            assign core_reads = !drive_rst && (core_start || !bus_gives);
+
             // One u_max for a step, not read in its first clock. wh_early's words of a step are made
             // before it starts, from the end of the step before on.
             wire words_hold = !drive_rst && ((EARLY == 1) ? !core_valid_o : core_busy);
@@ -498,6 +524,7 @@ module wh_controller #(
                 .clk               (clk),
                 .rst               (rst),
                 .hold_i            (words_hold),
+                .gives_o           (bus_gives),
                 .half_clocks_i     (half_clocks_i),
                 .half_bridge_i     (half_bridge),
                 .bus_i             (bus_i),
@@ -509,6 +536,9 @@ module wh_controller #(
             );
         end else begin : known_bus
             wire unused_bus = &{1'b0, bus_i, bus_share_i};
+
+            assign core_reads = !drive_rst
+                                && (core_start || ((EARLY == 1) ? !core_valid_o : core_busy));
 
             assign clocks_per_volt = clocks_per_volt_i;
             assign u_max           = u_max_i;
@@ -708,6 +738,7 @@ module wh_controller #(
             );
 
             wire        [WALL_W-1:0]      wall;
+            wire                          wall_shaped;
             wire signed [`WH_COUNT_W-1:0] depth;
             wire signed [COEF_W-1:0]      contact_eta;
 
@@ -726,11 +757,14 @@ module wh_controller #(
                 .wall_min_i    (wall_min_i[n*WALLS*`WH_COUNT_W +: WALLS*`WH_COUNT_W]),
                 .wall_max_i    (wall_max_i[n*WALLS*`WH_COUNT_W +: WALLS*`WH_COUNT_W]),
                 .wall_enable_i (wall_enable_i[n*WALLS +: WALLS]),
+                .wall_shaped_i (wall_shaped_i[n*WALLS +: WALLS]),
                 .hysteresis_i  (edge_hysteresis_i[n]),
                 .eta_contact_i (eta_contact_i[n*COEF_W +: COEF_W]),
                 .eta_free_i    (eta_free_i[n*COEF_W +: COEF_W]),
+                .round_o       (in_round[n]),
                 .contact_o     (contact_o[n]),
                 .wall_o        (wall),
+                .shaped_o      (wall_shaped),
                 .depth_o       (depth),
                 .eta_o         (contact_eta)
             );
@@ -739,6 +773,8 @@ module wh_controller #(
             wire [DATA_W-1:0] next_correction;
             wire              driven_valid;
             wire [DATA_W-1:0] driven;
+
+            assign anchor_reads[n] = anchor_busy || waves[n];
 
             if (ANCHOR != 0) begin : anchored
                 wire signed [DATA_W:0] wide_voltage =
@@ -835,11 +871,9 @@ module wh_controller #(
                 assign anchor_fault_o[n]                = 1'b0;
             end
 
-            wire [WALLS-1:0] wall_shaped = wall_shaped_i[n*WALLS +: WALLS];
-
             // While a host has the environment v is the host's, and W may not keep a part of it.
             assign shape_mode[2*n +: 2] = (!contact_o[n] || host_active_o[n]) ? 2'd0
-                                        : wall_shaped[wall]                   ? 2'd2 : 2'd1;
+                                        : wall_shaped                         ? 2'd2 : 2'd1;
 
             // An anchor that has lost the rotor leaves a port that only damps.
             wire              damps           = damp || anchor_fault_o[n];

@@ -87,6 +87,8 @@ def test_words_side_by_side_are_where_the_rtl_takes_them():
 def test_a_boards_words_make_sense(name):
     words = load_board(name).words().words
     assert len(words) > 30
+    packed = words.pop("anchor_words")  # of all words of its port
+    assert packed >> table.port_width(table.ports()["anchor_words"], Sizes()) == 0
     for key, raw in words.items():
         low, high = WORDS[key].range
         if key not in ("extra_ticks", "hold_ticks"):  # as many as the board's delay line counts
@@ -161,6 +163,7 @@ ROW = '[wh_one.first]\naddress = 0\none = { format = "u8", meaning = "it" }\n'
         (ROW.replace("}", ', port = "one_o" }'), r':3: .*port = "one_o" is none of a setting'),
         (ROW + 'two = { port = "one_i", per = "motor", format = "u1", meaning = "it" }\n',
          r":4: .*one_i has words per board and per motor"),
+        (ROW.replace("= 0\n", '= 0\nchange = "now"\n'), r":1: .*change = 'now' is none of off"),
         (ROW.replace("{", ""), r":3: not valid TOML"),
     ],
 )  # fmt: skip
@@ -255,3 +258,40 @@ def test_a_shim_takes_each_port_from_where_it_is_put():
     first = int(places["wall_max"])
     assert words[first : first + 3] == [0xFFFFFFFF, 0xFFFFFFFE, 0xFFFFFFFD]
     assert int(places["shape_words"]) + (9 * 31 + 3 * 12 + 31) // 32 == len(words)
+
+
+# ---- The settings memory.
+
+
+def test_every_setting_says_when_it_may_change():
+    """What a block counts with, or protects itself by, with the bridges off only."""
+    kinds = {}
+    for word in WORDS.values():
+        if word.row.kind == "setting":
+            kinds.setdefault(word.change, set()).add(f"{word.block}.{word.group}")
+    assert set(kinds) == set(table.CHANGES)
+    counts = ("wh_carrier.carrier", "wh_adc_serial.frame", "wh_pwm.bridge", "wh_wave_core.delay")
+    assert kinds["off"] > {*counts, "wh_guard.guard", "wh_trip.trip"}
+    assert kinds["anchor"] == {"wh_anchor.anchor"}
+    assert kinds["sum"] == {"wh_current.current"}
+
+
+def test_words_of_the_memory_are_no_ports():
+    own = {word.name for word in WORDS.values() if word.block == table.MEMORY}
+    assert own == {"commit", "discard", "settings_busy", "settings_staged"}
+    assert not own & {*table.ports(), *table.ports("o")}
+    rtl = (formats.RTL_DIR / "wh_settings.v").read_text(encoding="utf-8")
+    for name in own:
+        constant = name.removeprefix("settings_").upper()
+        assert re.search(rf"localparam \[11:0\] {constant}\s+= 12'h{WORDS[name].at():03x};", rtl)
+
+
+def test_the_rom_of_a_board_with_some_groups():
+    """Its own words at first; words of other groups are fixed: kind 3, and read from the memory."""
+    text = generated.settings_rom({"trip": 0x1234}, {"wh_contact.walls"})
+    rows = dict(re.findall(r"\('h(\w{3}), [^,]+, (8'h\w\w), .*// \w+\n", text))
+    assert rows[f"{WORDS['trip'].at():03x}"][3:] >= "e0"
+    assert rows[f"{WORDS['wall_min'].at():03x}"][3] in "45"
+    assert re.search(r"32'h00001234\)  // trip\n", text)
+    with pytest.raises(ValueError, match="wall_min is one word for all copies"):
+        generated.settings_rom({"wall_min": [1, 2]})

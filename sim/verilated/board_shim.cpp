@@ -26,7 +26,9 @@ struct Board {
     bool marked = false;     // a tick was handed on
     int64_t irregular = 0;   // ticks that alive told at another clock, or not
     int64_t both_on = 0;     // clocks with both gates of a leg on
-    int64_t idle_on = 0;     // and with a gate on while the board says that it doesn't run
+    int64_t idle_on = 0;     // and with a gate on while the board says that it doesn't run, but for
+                             // the clock that it takes to go off
+    bool ran = false;        // the clock before
     uint64_t seen = 0xcbf29ce484222325;  // digest of the pins at each clock from kUnset on
     int last_alive = 0;
 };
@@ -52,7 +54,8 @@ int64_t step(Board &board) {
         board.seen = (board.seen ^ static_cast<uint64_t>(shown)) * 0x100000001b3;
     }
     board.both_on += (pins & 3) == 3 || (pins & 12) == 12;
-    board.idle_on += (pins & 15) && !top.running;
+    board.idle_on += (pins & 15) && !top.running && !board.ran;
+    board.ran = top.running;
     return pins;
 }
 

@@ -187,11 +187,12 @@ def sources(job: Job, root: Path = ROOT) -> dict[str, str]:
             path = root / "rtl" / name
         texts[name] = path.read_text(encoding="utf-8")
         code = re.sub(r"//.*", "", texts[name])
+        for header in re.findall(r'`include "(\w+\.vh)"', code):
+            texts[header] = (root / "rtl" / header).read_text(encoding="utf-8")
+            code += re.sub(r"//.*", "", texts[header])
         for found in sorted(set(re.findall(r"\bwh_\w+\b", code)) - {module}):
             if found in proof.instead or (root / "rtl" / f"{found}.v").exists():
                 todo.append(found)
-        for header in re.findall(r'`include "(\w+\.vh)"', code):
-            texts[header] = (root / "rtl" / header).read_text(encoding="utf-8")
     if job.twin:
         if job.twin.file not in texts or Path(job.twin.file).stem in proof.instead:
             raise ProofError(f"{job.name}: {job.twin.file} isn't part of that proof")

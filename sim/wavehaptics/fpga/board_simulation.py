@@ -65,8 +65,8 @@ class Report:
 
     ``irregular`` counts ticks that ``alive`` told at another clock or not at all, ``both_on``
     clocks with both gates of a leg on, ``idle_on`` those with a gate on while the board doesn't
-    say that it runs; ``seen`` is a digest of all the pins at each clock
-    from the 16th on: what no register begins with, reset gives it.
+    say that it runs, but for the one in which they go off; ``seen`` is a digest of all the pins at
+    each clock from the 16th on: what no register begins with, reset gives it.
     """
 
     clocks: int

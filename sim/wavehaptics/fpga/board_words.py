@@ -23,10 +23,6 @@ from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.words.generated import LICENCE, connections
 from wavehaptics.words.table import WORDS, Sizes, Values
 
-DELAY_LOG2 = 6
-"""Steps that a board's delay line has at least, 2 to the power of this: so many make a memory of
-it, and flip-flops are scarcer."""
-
 ZERO_A = 0.1
 """Offset of the current beyond which a board's sensor isn't what the scene says."""
 
@@ -54,12 +50,14 @@ class BoardWords:
 def board_words(
     scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False,
     pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
+    delay_log2: int = 1,
 ) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
 
     ``pad_registers`` are those of :func:`wavehaptics.parts.adcs.frame`; a current of ``trip_a``
     takes the gates off, and an offset of more than ``zero_a`` is a fault. :class:`SceneError` where
-    the scene's ADC isn't the part, or its clock or tick doesn't suit it.
+    the scene's ADC isn't the part, or its clock or tick doesn't suit it. The delay line has
+    2^``delay_log2`` steps or more.
     """
     refuse(scene, "a board")
     if scene.adc is None or scene.adc.bits != part.bits:
@@ -77,7 +75,7 @@ def board_words(
     }  # fmt: skip
     if trip_a is not None:
         words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
-    delay_log2 = max(DELAY_LOG2, words["extra_ticks"].bit_length())
+    delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
     word = _guard(scene, ports, trip_a) if guarded else None
     return BoardWords(ports, words, motors, delay_log2, word)
 

@@ -23,6 +23,11 @@ from wavehaptics.scene import Scene, load_scene
 CONSTRAINT_SUFFIX = {"ice40": ".pcf", "ecp5": ".lpf"}
 
 
+_DELAY_LOG2 = {"ice40": 6, "ecp5": 1}
+"""Steps that a board's delay line has at least, 2 to the power of this: so many make a memory of
+it, where flip-flops are scarce."""
+
+
 class BoardError(ValueError):
     """A board that can't be read. The message is one line: where, what is wrong."""
 
@@ -123,7 +128,7 @@ class Board:
         return board_words(
             self.scene, PARTS[self.fpga.adc], self.fpga.motors, guarded=self.fpga.guard,
             pad_registers=self.fpga.pad_registers, trip_a=self.fpga.sense.trip_a,
-            zero_a=self.fpga.sense.zero_a,
+            zero_a=self.fpga.sense.zero_a, delay_log2=_DELAY_LOG2[self.fpga.family],
         )  # fmt: skip
 
     def header(self) -> str:

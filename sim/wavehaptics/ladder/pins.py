@@ -59,7 +59,9 @@ class PinsSimulation:
     ``most_samples`` limits the samples in a tick: 1 is point sampling in its middle.
     """
 
+    TOP = "wh_controller"
     SHIM = "pins_shim.cpp"
+    SHOWS: tuple[str, ...] = ()
     PREFIX = "wh_pins"
     """What the shim's functions begin with."""
 
@@ -130,7 +132,7 @@ class PinsSimulation:
         drive = scene.drive or Drive.model_validate({})
         places = max(MIN_WALLS, len(ports.walls))
         design = verilated.Design(
-            "wh_controller",
+            self.TOP,
             self.SHIM,
             {
                 "N": 1,
@@ -146,10 +148,11 @@ class PinsSimulation:
                 **({"ANCHOR": 1} if set_.anchored else {}),
                 **self._parameters(),
             },
+            self.SHOWS,
         )
         self._library = verilated.load(design)
         verilated.declare_destructor(self._function("delete"))
-        values = {
+        self._values = values = {
             **ports.words, **set_.words(), **ports.wall_words(places),
             "wall_shaped": [*set_.shaped.tolist(), *[0] * (places - len(set_.shaped))],
             "bus": bus_scale.bus_word(_true_bus_v(scene)),

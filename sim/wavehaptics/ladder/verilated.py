@@ -58,6 +58,8 @@ class Design:
     top: str
     shim: str
     parameters: dict[str, int] = field(default_factory=dict)
+    shows: tuple[str, ...] = ()
+    """Files for Verilator beside the shim: what it sees besides the ports."""
 
     @property
     def sizes(self) -> Sizes:
@@ -117,6 +119,7 @@ def build(design: Design) -> Path:
     arguments = [
         *chosen, "-CFLAGS", " ".join(widths), "-I" + str(formats.RTL_DIR),
         *(f"-G{name}={value}" for name, value in sorted(design.parameters.items())),
+        *(str(SHIMS / name) for name in design.shows),
         str(SHIMS / design.shim), str(_source(design.top)),
     ]  # fmt: skip
     return verilate(design.top, arguments, target, shim_header(design.sizes))

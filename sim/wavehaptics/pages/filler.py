@@ -43,7 +43,10 @@ KEPT = Path("boards", "summary.json")
 MEASURED = Path("sim", "docs", "measured.json")
 """What else has been measured and the pages show, from the root."""
 
-PAGES = ("README.md", "boards/README.md", "docs/*.md", "rtl/faults.md", "rtl/wh_faults.vh")
+PAGES = (
+    "README.md", "boards/README.md", "docs/*.md", "rtl/faults.md", "rtl/wh_faults.vh",
+    "rtl/wh_settings_rom.vh", "rtl/wh_device_words.vh",
+)  # fmt: skip
 """Pages that may hold markers, as patterns from the root."""
 
 

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is written of the table of words: its page, and the guard's fields for the RTL."""
+"""What is written of the table of words: its page, and headers of the RTL."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
-from wavehaptics.words.generated import PAGE_HEAD, guard_fields, page_rows
+from wavehaptics.words.device import device_words
+from wavehaptics.words.generated import PAGE_HEAD, guard_fields, page_rows, settings_rom
 from wavehaptics.words.table import crc
 
 
@@ -24,5 +25,18 @@ def _guard_fields(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     return guard_fields() + "// "
 
 
-TABLES = {"words": _words, "guard-fields": _guard_fields}
+def _settings_rom(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    return settings_rom() + "// "
+
+
+def _device_words(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    return device_words() + "\n// "
+
+
+TABLES = {
+    "words": _words,
+    "guard-fields": _guard_fields,
+    "settings-rom": _settings_rom,
+    "device-words": _device_words,
+}
 """Texts by marker, made with the given function of head and rows, which these do without."""

@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
+import functools
+import math
+import re
 from collections.abc import Collection, Iterable
 
-from wavehaptics.words import table
+from wavehaptics.words import formats, table
 from wavehaptics.words.table import ACCESS, MOST, Sizes, Values, Word
 
 LICENCE = "// SPDX-License-Identifier: Apache-2.0\n"
@@ -54,6 +57,109 @@ def connections(
         ports.append(f".{port}_o ({port}),")
     wires.append(f"wire unused_words = &{{1'b0, {', '.join(outputs)}}};")
     return _macro(f"{prefix}_WIRES", wires) + "\n" + _macro(f"{prefix}_PORTS", ports)
+
+
+# ---- The settings memory.
+
+_KINDS = {"setting": 1, "command": 2, "live": 3}
+_SIGNED_TYPES = 20
+_TYPES = 32
+"""As ``rtl/wh_settings_rom.v`` has them: ranges of words with a sign come last."""
+
+
+def verilog_number(text: str) -> str:
+    """A number of a format in Verilog, which follows a width that a tool has set."""
+    if text.isdigit() or text == "DELAY_LOG2":
+        return text
+    fixed = not any(re.search(rf"\b{name}\b", text) for name in _free_widths())
+    return str(formats.HEADER_VALUES[text]) if fixed else f"`WH_{text}"
+
+
+@functools.cache
+def _free_widths() -> set[str]:
+    """Macros, without ``WH_``, that a tool may set, or that follow from one of these."""
+    found = set(formats.SETTABLE)
+    text = formats.HEADER.read_text(encoding="utf-8")
+    for name, meaning in re.findall(r"^\s*`define\s+WH_(\w+)\s+(.+)$", text, re.MULTILINE):
+        if any(f"`WH_{known}" in re.sub(r"//.*", "", meaning) for known in found):
+            found.add(name)
+    return found
+
+
+def _scaled(value: float, fraction: str) -> str:
+    """A value as a word of 32 bits in Verilog."""
+    if fraction == "0" or value == 0:
+        if value != int(value):
+            raise ValueError(f"{value:g} is no whole number")
+        return f"{'-' if value < 0 else ''}32'd{abs(int(value))}"
+    if value != int(value):
+        raise ValueError(f"{value:g} is no whole number")
+    return f"({'-' if value < 0 else ''}32'd{abs(int(value))} << {fraction})"
+
+
+def _bounds(word: Word) -> tuple[bool, str, str]:
+    """Whether a word has a sign, and its least and greatest word in Verilog, as in the ROM."""
+    _, width, fraction = table.format_parts(word.row.format)
+    bits, places = verilog_number(width), verilog_number(fraction)
+    low, high = word.row.range
+    if not word.fixed.signed:
+        least = "32'd0" if math.isinf(low) else _scaled(low, places)
+        most = f"(32'hffffffff >> (32 - {bits}))" if math.isinf(high) else _scaled(high, places)
+        return False, least, most
+    least = f"(32'd0 - (32'd1 << ({bits} - 1)))" if math.isinf(low) else _scaled(low, places)
+    most = f"((32'd1 << ({bits} - 1)) - 32'd1)" if math.isinf(high) else _scaled(high, places)
+    return True, f"(32'h80000000 + {least})", f"(32'h80000000 + {most})"
+
+
+def _copies(word: Word) -> str:
+    """Words of a row in one part of the memory, in Verilog."""
+    each = {"wall": "WALLS", "section": "SHAPER"}.get(word.row.per, "")
+    if not each:
+        return str(word.row.count)
+    return each if word.row.count == 1 else f"{word.row.count} * {each}"
+
+
+def settings_rom(values: Values | None = None, groups: Collection[str] | None = None) -> str:
+    """``rtl/wh_settings_rom.vh``: what the settings memory knows of each word.
+
+    ``values`` are the words that stand there at first, where those of the table don't: one number
+    for all copies of a word. Of ``groups``, by default all, words can be written; those of others
+    (``block.group``) are read only.
+    """
+    types: dict[tuple[bool, str, str], int] = {}
+    rows = []
+    for word in table.WORDS.values():
+        bounds = _bounds(word)
+        if word.row.kind != "live" and bounds not in types:
+            signed = sum(known[0] for known in types)
+            kind = _SIGNED_TYPES + signed if bounds[0] else len(types) - signed
+            if kind >= (_TYPES if bounds[0] else _SIGNED_TYPES):
+                raise ValueError(
+                    f"{word.name}: the ROM of the settings memory has no room for its range"
+                )
+            types[bounds] = kind
+        is_setting = word.row.kind == "setting"
+        fixed = is_setting and groups is not None and f"{word.block}.{word.group}" not in groups
+        info = _KINDS["live" if fixed else word.row.kind] << 6 | types.get(bounds, 0)
+        if fixed or (is_setting and word.change == "off"):
+            info |= 1 << 5
+        text = f"8'h{info:02x}"
+        if is_setting and not fixed and word.change == "sum":
+            text = f"(8'h{info:02x} | ((EARLY != 0) ? 8'h20 : 8'h00))"
+        given = (values or {}).get(word.name)
+        if given is None:
+            first = _scaled(
+                word.row.default, verilog_number(table.format_parts(word.row.format)[2])
+            )
+        elif isinstance(given, int):
+            first = f"32'h{given & 0xFFFFFFFF:08x}"
+        else:
+            raise ValueError(f"{word.name} is one word for all copies")
+        place = f"'h{word.at():03x}, {_copies(word)}, {text}, {first if is_setting else 0}"
+        rows.append(f"`WH_SETTINGS_WORD({place})  // {word.name}\n")
+    for (_, least, most), kind in types.items():
+        rows.append(f"`WH_SETTINGS_BOUNDS({kind}, {least}, {most})\n")
+    return "".join(rows)
 
 
 # ---- C++.
@@ -124,6 +230,7 @@ def page_rows() -> list[tuple[str, ...]]:
             (
                 _span(word), f"`{word.name}`", f"`{word.block}`", word.group, word.row.per,
                 ACCESS[word.row.kind] + (", strobe" if word.row.kind == "command" else ""),
+                word.change if word.row.kind == "setting" else "",
                 width, word.row.unit, f"{low}…{high}", f"{word.row.default:g}", word.row.meaning,
             )
         )  # fmt: skip
@@ -131,6 +238,6 @@ def page_rows() -> list[tuple[str, ...]]:
 
 
 PAGE_HEAD = (
-    "Address", "Word", "Block", "Group", "Per", "Access", "Format", "Unit", "Range", "Default",
-    "Meaning",
+    "Address", "Word", "Block", "Group", "Per", "Access", "Change", "Format", "Unit", "Range",
+    "Default", "Meaning",
 )  # fmt: skip

@@ -30,6 +30,12 @@ MOST = {"board": 1, "motor": 1, "wall": 16, "section": 2}
 MOTOR_STRIDE = 0x100
 """Addresses from a motor's words to the next one's, which begin here."""
 
+MEMORY = "wh_settings"
+"""Block of the words that are the settings memory's own, and no port of the controller."""
+
+CHANGES = ("off", "core", "anchor", "sum", "round")
+"""When a group's settings may change: with the bridges off, or between two of these."""
+
 ACCESS = {"setting": "read, write", "command": "write", "live": "read"}
 
 _FORMAT = re.compile(r"([us])(\d+|[A-Z][A-Z0-9_]*)(?:q(\d+|[A-Z][A-Z0-9_]*))?")
@@ -78,6 +84,7 @@ class Word:
     address: int
     row: _Row
     fixed: Fixed
+    change: str = CHANGES[0]
 
     @property
     def port(self) -> str:
@@ -112,23 +119,29 @@ def _number(text: str) -> int:
     return int(text) if text.isdigit() else known[text]
 
 
-def _fixed(text: str) -> Fixed:
+def format_parts(text: str) -> tuple[str, str, str]:
+    """``u`` or ``s``, the bits and those of the fraction of a format, as the table names them."""
     found = _FORMAT.fullmatch(text)
     if found is None:
         raise ValueError(f'format = "{text}" is not like u8, s24 or sCOEF_WqROOT_Q')
+    return found[1], found[2], found[3] or "0"
+
+
+def _fixed(text: str) -> Fixed:
+    sign, width, fraction = format_parts(text)
     try:
-        return Fixed(_number(found[2]), _number(found[3] or "0"), found[1] == "s")
+        return Fixed(_number(width), _number(fraction), sign == "s")
     except KeyError as error:
         raise ValueError(f'format = "{text}": there is no WH_{error.args[0]}') from None
 
 
-def _word(name: str, block: str, group: str, address: int, row: Any) -> Word:
+def _word(name: str, block: str, group: str, address: int, row: Any, change: str) -> Word:
     try:
         checked = _Row.model_validate(row)
     except ValidationError as error:
         first = error.errors()[0]
         raise ValueError(": ".join([*map(str, first["loc"]), first["msg"]])) from None
-    word = Word(name, block, group, address, checked, _fixed(checked.format))
+    word = Word(name, block, group, address, checked, _fixed(checked.format), change)
     if word.fixed.width > 32:
         raise ValueError(f"a word has at most 32 bits, not {word.fixed.width}")
     low, high = word.range
@@ -158,11 +171,14 @@ def read(path: Path = TABLE) -> dict[str, Word]:
                 address = rows.pop("address")
                 if not isinstance(address, int):
                     raise ValueError(f"address = {address!r} is not a number")
+                change = rows.pop("change", CHANGES[0])
+                if change not in CHANGES:
+                    raise ValueError(f"change = {change!r} is none of {', '.join(CHANGES)}")
                 for name, row in rows.items():
                     place = (block, group, name)
                     if name in words:
                         raise ValueError(f"there is a {name} in {words[name].block} already")
-                    words[name] = word = _word(name, block, group, address, row)
+                    words[name] = word = _word(name, block, group, address, row, change)
                     per = pers.setdefault(word.port, word.row.per)
                     if per != word.row.per:
                         raise ValueError(f"{word.port} has words per {per} and per {word.row.per}")
@@ -215,7 +231,7 @@ def ports(
     """The table's inputs or outputs of the controller, without ``_i`` or ``_o``: their words."""
     found: dict[str, list[Word]] = {}
     for word in words.values():
-        if word.port.endswith(direction):
+        if word.block != MEMORY and word.port.endswith(direction):
             found.setdefault(word.port[:-2], []).append(word)
     return found
 

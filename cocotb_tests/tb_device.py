@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bench of ``rtl/wh_device.v``: each word of the table from the bus to its port, and back."""
+
+from __future__ import annotations
+
+import random
+
+import cocotb
+from bench import random_source
+from settings_bus import (
+    BUSY,
+    COMMIT,
+    DISCARD,
+    DONE,
+    NOT_NOW,
+    RANGE,
+    UNKNOWN,
+    BusBench,
+    places,
+)  # fmt: skip
+from simulators import parameters
+from wavehaptics.words import table
+from wavehaptics.words.table import WORDS, Sizes
+
+_P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, "GUARD": 0, **parameters()}
+SIZES = Sizes(_P["N"], _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"])
+EARLY = bool(_P["EARLY"])
+MASK = 0xFFFFFFFF
+SETTINGS = list(places(SIZES, "setting"))
+GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
+SAFE = {"half_clocks": 150, "sample_clocks": 100, "samples": 1, "guard_mask": 0, "guard_damp": 0,
+        "guard_levels": 0}  # fmt: skip
+"""Words with which ticks go on and no fault is found."""
+
+
+class DeviceBench(BusBench):
+    """The device, with an ADC that says 0."""
+
+    async def begin(self, enable: int = 0) -> None:
+        await super().begin(
+            enable_i=0, adc_sdata_i=0, enc_a_i=0, enc_b_i=0, bus_i=0x1234, stop_i=1,
+            driver_fault_i=(1 << SIZES.motors) - 1, anchor_fault_i=0,
+        )  # fmt: skip
+        assert await self.write(BUSY, 1, 20_000) == UNKNOWN
+        await self.rests()
+        if enable:
+            for name in ("a", "gain", "root", "u_max", "clocks_per_volt"):
+                for motor in range(SIZES.motors):
+                    assert await self.write(WORDS[name].at(motor), 1 << 20) == DONE
+            await self.set(SAFE)
+            self.drive(enable_i=1)
+
+    async def set(self, values: dict[str, int]) -> None:
+        """Board words, given while the bridges are off."""
+        for name, raw in values.items():
+            assert await self.write(WORDS[name].at(), raw & MASK) == DONE, name
+        assert await self.write(COMMIT, 1) == DONE
+        await self.rests()
+
+    def port(self, name: str) -> int:
+        return int(getattr(self.dut.controller, name).value)
+
+    def has(self, wanted: dict[str, int]) -> bool:
+        """Whether the controller's inputs are these."""
+        return {name: self.port(f"{name}_i") for name in wanted} == wanted
+
+
+def expected_ports(raw: dict[int, int]) -> dict[str, int]:
+    """Every input port of settings as the words at these addresses make it."""
+    values: dict[str, list[int]] = {}
+    for place in SETTINGS:
+        word = raw[place.address]
+        if place.word.fixed.signed and word >> 31:
+            word -= 1 << 32
+        values.setdefault(place.word.name, []).append(word)
+    commands = {w.port[:-2] for w in WORDS.values() if w.row.kind != "setting"}
+    if not SIZES.sections:
+        commands.add("shape_words")
+    made = table.inputs(values, SIZES)
+    return {name[:-2]: bits for name, bits in made.items() if name[:-2] not in commands}
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def words_come_to_their_ports(dut: object) -> None:
+    """Defaults, then any words in all ports at once, bridges off."""
+    bench, rng = DeviceBench(dut), random_source("ports")
+    await bench.begin()
+    raw = {place.address: place.word.default & MASK for place in SETTINGS}
+    for _ in range(3):
+        wanted = expected_ports(raw)
+        assert bench.has(wanted)
+        for place in SETTINGS:
+            raw[place.address] = rng.randint(*place.limits) & MASK
+            assert await bench.write(place.address, raw[place.address]) == DONE
+        assert bench.has(wanted)
+        assert await bench.write(COMMIT, 1) == DONE
+        await bench.rests()
+    assert bench.has(expected_ports(raw))
+    assert len(wanted) > 40
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def words_while_the_bridges_run(dut: object) -> None:
+    """What may change does with the next commit; what may not is refused, and stays."""
+    bench, rng = DeviceBench(dut), random_source("running")
+    await bench.begin(enable=1)
+    await bench.step(200)
+    assert bench.word("running_o")
+    raw = {place.address: await bench.value(place.address) for place in SETTINGS}
+    before = expected_ports(raw)
+    assert bench.has(before)
+    changes = 0
+    for place in SETTINGS:
+        value = rng.randint(*place.limits) & MASK
+        off = place.word.change == "off" or (EARLY and place.word.change == "sum")
+        assert await bench.write(place.address, value) == (NOT_NOW if off else DONE)
+        if not off:
+            raw[place.address] = value
+            changes += 1
+    assert bench.has(before)
+    assert await bench.write(COMMIT, 1) == DONE
+    await bench.rests()
+    assert bench.has(expected_ports(raw))
+    assert bench.word("running_o")
+    assert changes > 10
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def live_words_and_commands(dut: object) -> None:
+    """Each live word is its port's, with its sign; each command reaches its port for a clock."""
+    bench, rng = DeviceBench(dut), random_source("live")
+    await bench.begin(enable=1)
+    await bench.step(300)
+    bench.drive(enc_a_i=1)
+    seen = set()
+    own = ("settings_busy", "settings_staged", "tick", "core_valid", "words_hold")
+    for _ in range(4):
+        await bench.step(rng.randint(1, 100))
+        for place in places(SIZES, "live"):
+            word = place.word
+            if word.name in own:
+                continue
+            motor = max(0, (place.address >> 8) - 1)
+            name = word.port if word.name == "bus" else f"{word.port[:-2]}_o"
+            bench.drive(bus_valid_i=1, bus_write_i=0, bus_address_i=place.address)
+            stood = set()
+            for _ in range(8):
+                part = bench.port(name) >> motor * place.bits & (1 << place.bits) - 1
+                if word.fixed.signed and part >> place.bits - 1:
+                    part -= 1 << place.bits
+                stood.add(part & MASK)
+                await bench.step()
+                if bench.word("bus_ready_o"):
+                    break
+            assert bench.word("bus_error_o") == DONE
+            raw = bench.word("bus_data_o")
+            assert raw in stood, (word.name, raw, stood)
+            seen.add(raw)
+            bench.drive(bus_valid_i=0)
+            await bench.step()
+    assert len(seen) > 3
+    for place in places(SIZES, "command"):
+        word = place.word
+        if word.block == table.MEMORY or word.name == "restart":
+            continue
+        motor = max(0, (place.address >> 8) - 1)
+        value = rng.randint(max(1, place.limits[0]), place.limits[1])
+        mask = (1 << place.bits) - 1
+        clocks = 0
+        bench.drive(
+            bus_valid_i=1, bus_write_i=1, bus_address_i=place.address, bus_data_i=value & MASK
+        )
+        for _ in range(12):
+            await bench.step()
+            if bench.word("bus_ready_o"):
+                bench.drive(bus_valid_i=0)
+            # As text: other motors' data are undefined until they are first written.
+            shown = str(getattr(bench.dut.controller, word.port).value)
+            end = len(shown) - motor * place.bits
+            clocks += shown[end - place.bits : end] == f"{value & mask:0{place.bits}b}"
+        assert clocks == 1 if place.bits == 1 else clocks > 4, word.name
+
+
+@cocotb.test(timeout_time=500, timeout_unit="ms")
+async def nothing_on_the_bus_lets_the_bridges_on(dut: object) -> None:
+    """Any requests at all, a thousand and more: with enable_i low every gate is off."""
+    bench, rng = DeviceBench(dut), random_source("bus")
+    await bench.begin()
+    answers = dict.fromkeys((DONE, UNKNOWN, RANGE, NOT_NOW), 0)
+
+    async def watch() -> None:
+        while True:
+            await bench._falling
+            if bench.word("bus_ready_o"):
+                answers[bench.word("bus_error_o")] += 1
+            assert not bench.word("running_o")
+            assert not any(bench.word(gate) for gate in GATES)
+
+    watching = cocotb.start_soon(watch())
+    known = [place.address for kind in ("setting", "command") for place in places(SIZES, kind)]
+    known += [COMMIT, DISCARD] * 20
+    for _ in range(1500):
+        address = rng.choice(known) if rng.random() < 0.9 else rng.randrange(1 << 12)
+        raw = random_word(rng)
+        await bench.request(int(rng.random() < 0.9), address, raw, 20)
+    assert not watching.done()
+    watching.cancel()
+    assert min(answers.values()) > 20
+
+
+def random_word(rng: random.Random) -> int:
+    return rng.choice((0, 1, rng.getrandbits(rng.randint(1, 32)), -rng.getrandbits(25) & MASK))
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def enable_waits_while_words_are_loaded(dut: object) -> None:
+    """Words that want the bridges off: from the commit to the last of them the bridges are off."""
+    bench = DeviceBench(dut)
+    await bench.begin(enable=1)
+    await bench.step(100)
+    assert bench.word("running_o")
+    bench.drive(enable_i=0)
+    assert await bench.write(WORDS["half_clocks"].at(), 30) == DONE
+    assert await bench.write(COMMIT, 1) == DONE
+    bench.drive(enable_i=1)
+    clocks = 0
+    while not bench.word("running_o"):
+        assert bench.port("restart_i")
+        await bench.step()
+        clocks += 1
+        assert clocks < 10_000
+    assert clocks > 100
+    assert bench.port("half_clocks_i") == 30
+    assert not bench.port("restart_i")

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs :mod:`tb_device` on each simulator."""
+
+import pytest
+from simulators import simulate
+
+SIZES = {
+    "one": {"WALLS": 1, "GUARD": 1, "HOST": 1, "SENSE": 1},
+    "three": {"N": 3, "WALLS": 2, "SHAPER": 2, "ANCHOR": 1, "DELAY_LOG2": 3, "HOST": 1},
+    "early": {"EARLY": 1, "BUS": 1, "ANCHOR": 1, "GUARD": 1},
+}
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_device(simulator: str, size: str) -> None:
+    simulate(simulator, "wh_device", "tb_device", SIZES[size])

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// prove_wh_device: the bridges are on only where the pin enable says so, whatever stands on the bus and
+// whatever the settings are: running_o is low with it, and every gate a clock later; both also while
+// words that want the bridges off are being given.
+//
+// Everything inside is as it is, in any state, but for products (any_multiply) and the memory and
+// table of the settings (any_settings_ram, any_settings_rom). Proven by induction, smtbmc z3.
+
+`default_nettype none
+`include "wh_formats.vh"
+
+module prove_wh_device (
+    input wire                 clk,
+    input wire                 rst,
+    input wire                 enable,
+    input wire                 bus_valid,
+    input wire                 bus_write,
+    input wire [11:0]          bus_address,
+    input wire [31:0]          bus_data,
+    input wire                 adc_sdata,
+    input wire                 enc_a,
+    input wire                 enc_b,
+    input wire [`WH_BUS_W-1:0] bus,
+    input wire                 stop,
+    input wire                 driver_fault,
+    input wire                 anchor_fault
+);
+
+    wire        bus_ready;
+    wire [31:0] bus_read;
+    wire [1:0]  bus_error;
+    wire        adc_cs_n;
+    wire        adc_sclk;
+    wire        adc_din;
+    wire        ah;
+    wire        al;
+    wire        bh;
+    wire        bl;
+    wire        tick;
+    wire        running;
+    wire        contact;
+    wire        fault;
+
+    wh_device #(
+        .WALLS          (1),
+        .GUARD          (1)
+    ) block (
+        .clk            (clk),
+        .rst            (rst),
+        .enable_i       (enable),
+        .bus_valid_i    (bus_valid),
+        .bus_write_i    (bus_write),
+        .bus_address_i  (bus_address),
+        .bus_data_i     (bus_data),
+        .bus_ready_o    (bus_ready),
+        .bus_data_o     (bus_read),
+        .bus_error_o    (bus_error),
+        .adc_cs_n_o     (adc_cs_n),
+        .adc_sclk_o     (adc_sclk),
+        .adc_din_o      (adc_din),
+        .adc_sdata_i    (adc_sdata),
+        .enc_a_i        (enc_a),
+        .enc_b_i        (enc_b),
+        .gate_ah_o      (ah),
+        .gate_al_o      (al),
+        .gate_bh_o      (bh),
+        .gate_bl_o      (bl),
+        .bus_i          (bus),
+        .stop_i         (stop),
+        .driver_fault_i (driver_fault),
+        .anchor_fault_i (anchor_fault),
+        .tick_o         (tick),
+        .running_o      (running),
+        .contact_o      (contact),
+        .fault_o        (fault)
+    );
+
+    (* hierconn *) wire \block.loading ;
+
+    reg begun = 1'b0;
+    reg enable_q;
+    reg loading_q;
+
+    always @(posedge clk) begin
+        begun     <= 1'b1;
+        enable_q  <= enable;
+        loading_q <= \block.loading ;
+        if (!enable || \block.loading ) assert (!running);
+        if (begun && (!enable_q || loading_q)) assert (!ah && !al && !bh && !bl);
+
+        cover (begun && running && (ah || al));
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_device: wh_controller with its settings memory: pins, the bus, and little else.
+//
+//   bus -> wh_settings -> groups (wh_setting_group) -> wh_controller -> pins
+//
+// Every word of rtl/words.toml is on the bus, as wh_settings has it. A word takes effect when it is
+// given: core words between two steps, an anchor's likewise and not before those of the core, gain and
+// zero between two ticks' sums, walls between two rounds, all others with the bridges off only, while
+// carrier and ADC begin anew. All words of a group change in one clock; groups of one kind in the same one,
+// but for groups that have to wait for different blocks, which are a tick apart at most.
+//
+// Nothing on the bus lets the bridges on: enable_i is a pin, and off it is off. They stay off while
+// words that want them off are given, (N + 1) 2^8 clocks or so.
+// Live words are those of the clock in which they are read: two of them needn't be of one step.
+//
+// Latency: of the bus as wh_settings has it, of all else as wh_controller has it.
+// Reset: that of wh_controller, which lasts until the settings are what the table says: twice 2^7
+// clocks for each motor and for the board, rounded up to a power of two, and twice as many with a shaper.
+
+`default_nettype none
+`include "wh_formats.vh"
+`include "wh_faults.vh"
+
+module wh_device #(
+    parameter integer N            = 1,  // these are wh_controller's
+    parameter integer WALLS        = 4,
+    parameter integer DELAY_LOG2   = 2,
+    parameter integer ADC          = 0,
+    parameter integer OSR          = 32,
+    parameter integer CAPTURE_RISE = 0,
+    parameter integer TRIP_OSR     = 8,
+    parameter integer SENSE        = 0,
+    parameter integer ZERO_LOG2    = 10,
+    parameter integer SHAPER       = 0,
+    parameter integer DEAD_TIME    = 1,
+    parameter integer EARLY        = 0,
+    parameter integer MODES        = 0,
+    parameter integer MIN_PULSE    = 0,
+    parameter integer BUS          = 0,
+    parameter integer HOST         = 0,
+    parameter integer ANCHOR       = 0,
+    parameter integer GUARD        = 0,
+    parameter integer LIVE         = 1   // 1: live words of motors are on the bus; 0: they read 0
+) (
+    input  wire                 clk,
+    input  wire                 rst,
+    input  wire                 enable_i,       // synchronous to clk
+
+    // The bus (wh_settings).
+    input  wire                 bus_valid_i,    // held until bus_ready_o, as are the words below
+    input  wire                 bus_write_i,
+    input  wire [11:0]          bus_address_i,
+    input  wire [31:0]          bus_data_i,
+    output wire                 bus_ready_o,    // strobe
+    output wire [31:0]          bus_data_o,
+    output wire [1:0]           bus_error_o,
+
+    // Pins, and what a board wires.
+    output wire                 adc_cs_n_o,
+    output wire                 adc_sclk_o,
+    output wire                 adc_din_o,
+    input  wire [N-1:0]         adc_sdata_i,
+    input  wire [N-1:0]         enc_a_i,        // asynchronous
+    input  wire [N-1:0]         enc_b_i,        // asynchronous
+    output wire [N-1:0]         gate_ah_o,
+    output wire [N-1:0]         gate_al_o,
+    output wire [N-1:0]         gate_bh_o,
+    output wire [N-1:0]         gate_bl_o,
+    input  wire [`WH_BUS_W-1:0] bus_i,          // u16q9 V, the measured bus
+    input  wire                 stop_i,         // asynchronous
+    input  wire [N-1:0]         driver_fault_i, // asynchronous
+    input  wire [N-1:0]         anchor_fault_i,
+
+    output wire                 tick_o,         // strobe, last clock of a tick
+    output wire                 running_o,      // the bridges are on
+    output wire                 contact_o,      // any motor is in a wall
+    output wire                 fault_o         // the guard found something, or a tick is too short
+);
+
+    localparam integer SECTIONS = (SHAPER > 0) ? SHAPER : 1;
+
+    wire        ready;
+    wire        loading;
+    wire        busy;
+    wire        write;
+    wire        copy;
+    wire [11:0] address;
+    wire [31:0] data;
+    wire        change;
+    wire        changing;
+    wire        changing_core;
+    wire        command;
+    reg  [32:0] live;
+    reg  [31:0] live_q;
+
+    genvar  n;
+    genvar  k;
+    integer m;
+
+`define WH_DEVICE_BUS \
+    .clk       (clk), \
+    .rst       (rst), \
+    .write_i   (write), \
+    .copy_i    (copy), \
+    .address_i (address), \
+    .data_i    (data), \
+    .change_i  (change),
+
+    wire hold_off;
+    wire hold_core;
+    wire hold_anchor;
+    wire hold_sum;
+    wire hold_round;
+
+`include "wh_device_words.vh"
+
+    // A step is made with one set of words: an anchor's wait until the core's have changed, which
+    // is before the step whose waves the anchor gets next.
+    assign hold_off    = running;
+    assign hold_core   = words_hold[0];
+    assign hold_anchor = words_hold[1] || (words_hold[0] && (change || changing_core));
+    assign hold_sum    = (EARLY != 0) ? running : words_hold[2];
+    assign hold_round  = words_hold[3];
+
+    // One bit is for a word of the whole 32.
+    wire unused = &{1'b0, live[32], busy};
+
+    always @(posedge clk) begin
+        live_q <= live[31:0];
+    end
+
+    wh_settings #(
+        .N             (N),
+        .WALLS         (WALLS),
+        .SHAPER        (SHAPER),
+        .DELAY_LOG2    (DELAY_LOG2),
+        .EARLY         (EARLY)
+    ) settings (
+        .clk           (clk),
+        .rst           (rst),
+        .bus_valid_i   (bus_valid_i),
+        .bus_write_i   (bus_write_i),
+        .bus_address_i (bus_address_i),
+        .bus_data_i    (bus_data_i),
+        .bus_ready_o   (bus_ready_o),
+        .bus_data_o    (bus_data_o),
+        .bus_error_o   (bus_error_o),
+        .live_i        (live_q),
+        .command_o     (command),
+        .running_i     (running),
+        .tick_i        (tick),
+        .ready_o       (ready),
+        .loading_o     (loading),
+        .busy_o        (busy),
+        .write_o       (write),
+        .copy_o        (copy),
+        .address_o     (address),
+        .data_o        (data),
+        .change_o      (change),
+        .changing_i    (changing)
+    );
+
+    wh_controller #(
+        .N              (N),
+        .WALLS          (WALLS),
+        .DELAY_LOG2     (DELAY_LOG2),
+        .ADC            (ADC),
+        .OSR            (OSR),
+        .CAPTURE_RISE   (CAPTURE_RISE),
+        .TRIP_OSR       (TRIP_OSR),
+        .SENSE          (SENSE),
+        .ZERO_LOG2      (ZERO_LOG2),
+        .SHAPER         (SHAPER),
+        .DEAD_TIME      (DEAD_TIME),
+        .EARLY          (EARLY),
+        .MODES          (MODES),
+        .MIN_PULSE      (MIN_PULSE),
+        .BUS            (BUS),
+        .HOST           (HOST),
+        .ANCHOR         (ANCHOR),
+        .GUARD          (GUARD)
+    ) controller (
+        .clk            (clk),
+        .rst            (rst || !ready),
+        .enable_i       (enable_i && !loading),
+        .adc_cs_n_o     (adc_cs_n_o),
+        .adc_sclk_o     (adc_sclk_o),
+        .adc_din_o      (adc_din_o),
+        .adc_sdata_i    (adc_sdata_i),
+        .enc_a_i        (enc_a_i),
+        .enc_b_i        (enc_b_i),
+        .gate_ah_o      (gate_ah_o),
+        .gate_al_o      (gate_al_o),
+        .gate_bh_o      (gate_bh_o),
+        .gate_bl_o      (gate_bl_o),
+        `WH_DEVICE_PORTS
+        .stop_i         (stop_i),
+        .driver_fault_i (driver_fault_i),
+        .anchor_fault_i (anchor_fault_i)
+    );
+
+    assign tick_o    = tick;
+    assign running_o = running;
+    assign contact_o = |contact;
+    assign fault_o   = overrun || |faults;
+
+endmodule
+
+`undef WH_DEVICE_BUS
+`undef WH_DEVICE_PORTS
+
+`default_nettype wire

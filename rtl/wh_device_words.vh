@@ -1,0 +1,823 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_device_words: the groups of settings, the commands and the live words of wh_device, in which this
+// stands. It is made from words.toml.
+//
+// <!-- begin device-words -->
+// Settings and commands, on their way to the controller.
+
+wire [15:0] set_half_clocks;
+wire [15:0] set_tick_halves;
+wire [15:0] set_sample_clocks;
+wire [8:0] set_samples;
+wire [7:0] set_sample_lead;
+wire [0:0] set_sample_late;
+wire [7:0] set_sclk_half_clocks;
+wire [5:0] set_frame_bits;
+wire [5:0] set_lead_bits;
+wire [4:0] set_data_bits;
+wire [7:0] set_quiet_clocks;
+wire [7:0] set_setup_clocks;
+wire [7:0] set_hold_clocks;
+wire [5:0] set_calibrate_bits;
+wire [0:0] set_sclk_idle;
+wire [0:0] set_read_trailing;
+wire [15:0] set_trip;
+wire [15:0] set_range;
+wire [15:0] set_stuck_words;
+wire [22:0] set_zero_limit;
+wire [0:0] set_zero_start;
+wire [3:0] set_filter_clocks;
+wire [3:0] set_host_period_log2;
+wire [7:0] set_host_timeout;
+wire [N-1:0] set_host_strobe;
+wire [N*8-1:0] set_host_sequence;
+wire [N*`WH_DATA_W-1:0] set_host_u;
+wire [DELAY_LOG2-1:0] set_extra_ticks;
+wire [DELAY_LOG2-1:0] set_hold_ticks;
+wire [N*`WH_COEF_W-1:0] set_eta_contact;
+wire [N*`WH_COEF_W-1:0] set_eta_free;
+wire [N*`WH_COEF_W-1:0] set_root;
+wire [N*`WH_COEF_W-1:0] set_a;
+wire [N*`WH_DATA_W-1:0] set_u_max;
+wire [1:0] set_mode;
+wire [7:0] set_min_pulse;
+wire [7:0] set_dead_clocks;
+wire [0:0] set_compensate;
+wire [7:0] set_settle_ticks;
+wire [0:0] set_second_order;
+wire [`WH_COEF_W-1:0] set_bus_share;
+wire [249:0] set_guard;
+wire [0:0] set_clear;
+wire [0:0] set_host_alive;
+wire [0:0] set_restart;
+wire [N*24-1:0] set_zero;
+wire [N*`WH_COEF_W-1:0] set_gain;
+wire [N*`WH_COEF_W-1:0] set_clocks_per_volt;
+wire [N*`WH_DATA_W-1:0] set_side_current;
+wire [N*(8*`WH_COEF_W + 2*`WH_DATA_W + 22)-1:0] set_anchor_words;
+wire [N-1:0] set_edge_hysteresis;
+wire [N*WALLS*`WH_COUNT_W-1:0] set_wall_min;
+wire [N*WALLS*`WH_COUNT_W-1:0] set_wall_max;
+wire [N*WALLS-1:0] set_wall_enable;
+wire [N*WALLS-1:0] set_wall_shaped;
+wire [N*SECTIONS*(9*`WH_SHAPE_W + 36)-1:0] set_shape_words;
+
+// Widths that a tool or the hardware sets.
+
+localparam [7:0] DATA_W_8 = `WH_DATA_W;
+localparam [7:0] DELAY_LOG2_8 = DELAY_LOG2[7:0];
+localparam [7:0] COEF_W_8 = `WH_COEF_W;
+localparam [7:0] COUNT_W_8 = `WH_COUNT_W;
+localparam [7:0] SHAPE_W_8 = `WH_SHAPE_W;
+
+// What the controller tells.
+
+wire [N-1:0] overcurrent;
+wire [N-1:0] adc_range;
+wire [N-1:0] adc_stuck;
+wire [N-1:0] zero_fault;
+wire [N-1:0] zero_busy;
+wire [N-1:0] encoder_fault;
+wire [N-1:0] host_strobe;
+wire [N*8-1:0] host_sequence;
+wire [N*`WH_DATA_W-1:0] host_v;
+wire [N-1:0] host_active;
+wire [N*`WH_DATA_W-1:0] voltage;
+wire [N*`WH_DATA_W-1:0] u;
+wire [N*`WH_DATA_W-1:0] v;
+wire [N*`WH_DATA_W-1:0] current;
+wire [N*`WH_COUNT_W-1:0] position;
+wire [N-1:0] contact;
+wire [N-1:0] saturated;
+wire [15:0] faults;
+wire [0:0] running;
+wire [0:0] adc_ready;
+wire [0:0] tick;
+wire [0:0] core_valid;
+wire [0:0] overrun;
+wire [3:0] words_hold;
+wire [N*`WH_DATA_W-1:0] correction;
+wire [N*`WH_DATA_W-1:0] offset;
+wire [N*`WH_DATA_W-1:0] flux;
+wire [N*`WH_DATA_W-1:0] lag;
+wire [N-1:0] anchor_fault;
+
+// The groups.
+
+wire pending_carrier;
+wire [65:0] carrier_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h00),
+    .STRIDE    (8'd1),
+    .WORDS     (6),
+    .WIDTHS    ({8'd1, 8'd8, 8'd9, 8'd16, 8'd16, 8'd16}),
+    .TOTAL_W   (66)
+) carrier (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_off),
+    .pending_o (pending_carrier),
+    .words_o   (carrier_words)
+);
+
+assign set_half_clocks[0 +: 16] = carrier_words[0 +: 16];
+assign set_tick_halves[0 +: 16] = carrier_words[16 +: 16];
+assign set_sample_clocks[0 +: 16] = carrier_words[32 +: 16];
+assign set_samples[0 +: 9] = carrier_words[48 +: 9];
+assign set_sample_lead[0 +: 8] = carrier_words[57 +: 8];
+assign set_sample_late[0 +: 1] = carrier_words[65 +: 1];
+
+wire pending_frame;
+wire [56:0] frame_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h08),
+    .STRIDE    (8'd1),
+    .WORDS     (10),
+    .WIDTHS    ({8'd1, 8'd1, 8'd6, 8'd8, 8'd8, 8'd8, 8'd5, 8'd6, 8'd6, 8'd8}),
+    .TOTAL_W   (57)
+) frame (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_off),
+    .pending_o (pending_frame),
+    .words_o   (frame_words)
+);
+
+assign set_sclk_half_clocks[0 +: 8] = frame_words[0 +: 8];
+assign set_frame_bits[0 +: 6] = frame_words[8 +: 6];
+assign set_lead_bits[0 +: 6] = frame_words[14 +: 6];
+assign set_data_bits[0 +: 5] = frame_words[20 +: 5];
+assign set_quiet_clocks[0 +: 8] = frame_words[25 +: 8];
+assign set_setup_clocks[0 +: 8] = frame_words[33 +: 8];
+assign set_hold_clocks[0 +: 8] = frame_words[41 +: 8];
+assign set_calibrate_bits[0 +: 6] = frame_words[49 +: 6];
+assign set_sclk_idle[0 +: 1] = frame_words[55 +: 1];
+assign set_read_trailing[0 +: 1] = frame_words[56 +: 1];
+
+wire pending_trip;
+wire [15:0] trip_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h18),
+    .STRIDE    (8'd1),
+    .WORDS     (1),
+    .WIDTHS    ({8'd16}),
+    .TOTAL_W   (16)
+) trip (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_off),
+    .pending_o (pending_trip),
+    .words_o   (trip_words)
+);
+
+assign set_trip[0 +: 16] = trip_words[0 +: 16];
+
+wire pending_sense;
+wire [31:0] sense_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h1a),
+    .STRIDE    (8'd1),
+    .WORDS     (2),
+    .WIDTHS    ({8'd16, 8'd16}),
+    .TOTAL_W   (32)
+) sense (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_off),
+    .pending_o (pending_sense),
+    .words_o   (sense_words)
+);
+
+assign set_range[0 +: 16] = sense_words[0 +: 16];
+assign set_stuck_words[0 +: 16] = sense_words[16 +: 16];
+
+wire pending_zero;
+wire [22:0] zero_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h1c),
+    .STRIDE    (8'd1),
+    .WORDS     (1),
+    .WIDTHS    ({8'd23}),
+    .TOTAL_W   (23)
+) zero (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_off),
+    .pending_o (pending_zero),
+    .words_o   (zero_words)
+);
+
+assign set_zero_limit[0 +: 23] = zero_words[0 +: 23];
+
+wire pending_encoder;
+wire [3:0] encoder_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h20),
+    .STRIDE    (8'd1),
+    .WORDS     (1),
+    .WIDTHS    ({8'd4}),
+    .TOTAL_W   (4)
+) encoder (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_off),
+    .pending_o (pending_encoder),
+    .words_o   (encoder_words)
+);
+
+assign set_filter_clocks[0 +: 4] = encoder_words[0 +: 4];
+
+wire pending_host;
+wire [11:0] host_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h24),
+    .STRIDE    (8'd1),
+    .WORDS     (2),
+    .WIDTHS    ({8'd8, 8'd4}),
+    .TOTAL_W   (12)
+) host (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_off),
+    .pending_o (pending_host),
+    .words_o   (host_words)
+);
+
+assign set_host_period_log2[0 +: 4] = host_words[0 +: 4];
+assign set_host_timeout[0 +: 8] = host_words[4 +: 8];
+
+wire pending_delay;
+wire [2*DELAY_LOG2-1:0] delay_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h28),
+    .STRIDE    (8'd1),
+    .WORDS     (2),
+    .WIDTHS    ({DELAY_LOG2_8, DELAY_LOG2_8}),
+    .TOTAL_W   (2*DELAY_LOG2)
+) delay (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_off),
+    .pending_o (pending_delay),
+    .words_o   (delay_words)
+);
+
+assign set_extra_ticks[0 +: DELAY_LOG2] = delay_words[0 +: DELAY_LOG2];
+assign set_hold_ticks[0 +: DELAY_LOG2] = delay_words[DELAY_LOG2 +: DELAY_LOG2];
+
+wire [N-1:0] pending_eta;
+generate
+    for (n = 0; n < N; n = n + 1) begin : eta_of_motor
+        localparam [31:0] PART = n + 1;
+        wire [2*`WH_COEF_W-1:0] eta_words;
+
+        wh_setting_group #(
+            .STAGED    (1),
+            .PART      (PART[3:0]),
+            .FIRST     (8'h08),
+            .STRIDE    (8'd1),
+            .WORDS     (2),
+            .WIDTHS    ({COEF_W_8, COEF_W_8}),
+            .TOTAL_W   (2*`WH_COEF_W)
+        ) eta (
+            `WH_DEVICE_BUS
+            .hold_i    (hold_core),
+            .pending_o (pending_eta[n]),
+            .words_o   (eta_words)
+        );
+
+        assign set_eta_contact[n*`WH_COEF_W +: `WH_COEF_W] = eta_words[0 +: `WH_COEF_W];
+        assign set_eta_free[n*`WH_COEF_W +: `WH_COEF_W] = eta_words[`WH_COEF_W +: `WH_COEF_W];
+    end
+endgenerate
+
+wire [N-1:0] pending_wave;
+generate
+    for (n = 0; n < N; n = n + 1) begin : wave_of_motor
+        localparam [31:0] PART = n + 1;
+        wire [2*`WH_COEF_W + `WH_DATA_W-1:0] wave_words;
+
+        wh_setting_group #(
+            .STAGED    (1),
+            .PART      (PART[3:0]),
+            .FIRST     (8'h10),
+            .STRIDE    (8'd1),
+            .WORDS     (3),
+            .WIDTHS    ({DATA_W_8, COEF_W_8, COEF_W_8}),
+            .TOTAL_W   (2*`WH_COEF_W + `WH_DATA_W)
+        ) wave (
+            `WH_DEVICE_BUS
+            .hold_i    (hold_core),
+            .pending_o (pending_wave[n]),
+            .words_o   (wave_words)
+        );
+
+        assign set_root[n*`WH_COEF_W +: `WH_COEF_W] = wave_words[0 +: `WH_COEF_W];
+        assign set_a[n*`WH_COEF_W +: `WH_COEF_W] = wave_words[`WH_COEF_W +: `WH_COEF_W];
+        assign set_u_max[n*`WH_DATA_W +: `WH_DATA_W] = wave_words[2*`WH_COEF_W +: `WH_DATA_W];
+    end
+endgenerate
+
+wire pending_bridge;
+wire [27:0] bridge_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h30),
+    .STRIDE    (8'd1),
+    .WORDS     (6),
+    .WIDTHS    ({8'd1, 8'd8, 8'd1, 8'd8, 8'd8, 8'd2}),
+    .TOTAL_W   (28)
+) bridge (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_off),
+    .pending_o (pending_bridge),
+    .words_o   (bridge_words)
+);
+
+assign set_mode[0 +: 2] = bridge_words[0 +: 2];
+assign set_min_pulse[0 +: 8] = bridge_words[2 +: 8];
+assign set_dead_clocks[0 +: 8] = bridge_words[10 +: 8];
+assign set_compensate[0 +: 1] = bridge_words[18 +: 1];
+assign set_settle_ticks[0 +: 8] = bridge_words[19 +: 8];
+assign set_second_order[0 +: 1] = bridge_words[27 +: 1];
+
+wire pending_bus;
+wire [`WH_COEF_W-1:0] bus_words;
+
+wh_setting_group #(
+    .STAGED    (1),
+    .PART      (4'd0),
+    .FIRST     (8'h38),
+    .STRIDE    (8'd1),
+    .WORDS     (1),
+    .WIDTHS    ({COEF_W_8}),
+    .TOTAL_W   (`WH_COEF_W)
+) bus (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_core),
+    .pending_o (pending_bus),
+    .words_o   (bus_words)
+);
+
+assign set_bus_share[0 +: `WH_COEF_W] = bus_words[0 +: `WH_COEF_W];
+
+wire pending_guard;
+wire [249:0] guard_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h40),
+    .STRIDE    (8'd1),
+    .WORDS     (15),
+    .WIDTHS    ({8'd32, 8'd16, 8'd16, 8'd16, 8'd24, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd2, 8'd16, 8'd16}),
+    .TOTAL_W   (250)
+) guard (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_off),
+    .pending_o (pending_guard),
+    .words_o   (guard_words)
+);
+
+assign set_guard[0 +: 16] = guard_words[0 +: 16];
+assign set_guard[16 +: 16] = guard_words[16 +: 16];
+assign set_guard[32 +: 2] = guard_words[32 +: 2];
+assign set_guard[34 +: 16] = guard_words[34 +: 16];
+assign set_guard[50 +: 16] = guard_words[50 +: 16];
+assign set_guard[66 +: 16] = guard_words[66 +: 16];
+assign set_guard[82 +: 16] = guard_words[82 +: 16];
+assign set_guard[98 +: 16] = guard_words[98 +: 16];
+assign set_guard[114 +: 16] = guard_words[114 +: 16];
+assign set_guard[130 +: 16] = guard_words[130 +: 16];
+assign set_guard[146 +: 24] = guard_words[146 +: 24];
+assign set_guard[170 +: 16] = guard_words[170 +: 16];
+assign set_guard[186 +: 16] = guard_words[186 +: 16];
+assign set_guard[202 +: 16] = guard_words[202 +: 16];
+assign set_guard[218 +: 32] = guard_words[218 +: 32];
+
+wire [N-1:0] pending_current;
+generate
+    for (n = 0; n < N; n = n + 1) begin : current_of_motor
+        localparam [31:0] PART = n + 1;
+        wire [`WH_COEF_W + 24-1:0] current_words;
+
+        wh_setting_group #(
+            .STAGED    ((EARLY != 0) ? 0 : 1),
+            .PART      (PART[3:0]),
+            .FIRST     (8'h00),
+            .STRIDE    (8'd1),
+            .WORDS     (2),
+            .WIDTHS    ({COEF_W_8, 8'd24}),
+            .TOTAL_W   (`WH_COEF_W + 24)
+        ) current (
+            `WH_DEVICE_BUS
+            .hold_i    (hold_sum),
+            .pending_o (pending_current[n]),
+            .words_o   (current_words)
+        );
+
+        assign set_zero[n*24 +: 24] = current_words[0 +: 24];
+        assign set_gain[n*`WH_COEF_W +: `WH_COEF_W] = current_words[24 +: `WH_COEF_W];
+    end
+endgenerate
+
+wire [N-1:0] pending_scale;
+generate
+    for (n = 0; n < N; n = n + 1) begin : scale_of_motor
+        localparam [31:0] PART = n + 1;
+        wire [`WH_COEF_W-1:0] scale_words;
+
+        wh_setting_group #(
+            .STAGED    (1),
+            .PART      (PART[3:0]),
+            .FIRST     (8'h18),
+            .STRIDE    (8'd1),
+            .WORDS     (1),
+            .WIDTHS    ({COEF_W_8}),
+            .TOTAL_W   (`WH_COEF_W)
+        ) scale (
+            `WH_DEVICE_BUS
+            .hold_i    (hold_core),
+            .pending_o (pending_scale[n]),
+            .words_o   (scale_words)
+        );
+
+        assign set_clocks_per_volt[n*`WH_COEF_W +: `WH_COEF_W] = scale_words[0 +: `WH_COEF_W];
+    end
+endgenerate
+
+wire [N-1:0] pending_side;
+generate
+    for (n = 0; n < N; n = n + 1) begin : side_of_motor
+        localparam [31:0] PART = n + 1;
+        wire [`WH_DATA_W-1:0] side_words;
+
+        wh_setting_group #(
+            .STAGED    (1),
+            .PART      (PART[3:0]),
+            .FIRST     (8'h1a),
+            .STRIDE    (8'd1),
+            .WORDS     (1),
+            .WIDTHS    ({DATA_W_8}),
+            .TOTAL_W   (`WH_DATA_W)
+        ) side (
+            `WH_DEVICE_BUS
+            .hold_i    (hold_core),
+            .pending_o (pending_side[n]),
+            .words_o   (side_words)
+        );
+
+        assign set_side_current[n*`WH_DATA_W +: `WH_DATA_W] = side_words[0 +: `WH_DATA_W];
+    end
+endgenerate
+
+wire [N-1:0] pending_anchor;
+generate
+    for (n = 0; n < N; n = n + 1) begin : anchor_of_motor
+        localparam [31:0] PART = n + 1;
+        wire [8*`WH_COEF_W + 2*`WH_DATA_W + 22-1:0] anchor_words;
+
+        wh_setting_group #(
+            .STAGED    (1),
+            .PART      (PART[3:0]),
+            .FIRST     (8'h20),
+            .STRIDE    (8'd1),
+            .WORDS     (13),
+            .WIDTHS    ({8'd5, 8'd16, DATA_W_8, DATA_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, 8'd1}),
+            .TOTAL_W   (8*`WH_COEF_W + 2*`WH_DATA_W + 22)
+        ) anchor (
+            `WH_DEVICE_BUS
+            .hold_i    (hold_anchor),
+            .pending_o (pending_anchor[n]),
+            .words_o   (anchor_words)
+        );
+
+        assign set_anchor_words[n*(8*`WH_COEF_W + 2*`WH_DATA_W + 22) +: 1] = anchor_words[0 +: 1];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 2*`WH_DATA_W + 22) + 1 +: `WH_COEF_W] = anchor_words[1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 2*`WH_DATA_W + 22) + `WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 2*`WH_DATA_W + 22) + 2*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[2*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 2*`WH_DATA_W + 22) + 3*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[3*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 2*`WH_DATA_W + 22) + 4*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[4*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 2*`WH_DATA_W + 22) + 5*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[5*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 2*`WH_DATA_W + 22) + 6*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[6*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 2*`WH_DATA_W + 22) + 7*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[7*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 2*`WH_DATA_W + 22) + 8*`WH_COEF_W + 1 +: `WH_DATA_W] = anchor_words[8*`WH_COEF_W + 1 +: `WH_DATA_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 2*`WH_DATA_W + 22) + 8*`WH_COEF_W + `WH_DATA_W + 1 +: `WH_DATA_W] = anchor_words[8*`WH_COEF_W + `WH_DATA_W + 1 +: `WH_DATA_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 2*`WH_DATA_W + 22) + 8*`WH_COEF_W + 2*`WH_DATA_W + 1 +: 16] = anchor_words[8*`WH_COEF_W + 2*`WH_DATA_W + 1 +: 16];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 2*`WH_DATA_W + 22) + 8*`WH_COEF_W + 2*`WH_DATA_W + 17 +: 5] = anchor_words[8*`WH_COEF_W + 2*`WH_DATA_W + 17 +: 5];
+    end
+endgenerate
+
+wire [N-1:0] pending_edges;
+generate
+    for (n = 0; n < N; n = n + 1) begin : edges_of_motor
+        localparam [31:0] PART = n + 1;
+        wire [0:0] edges_words;
+
+        wh_setting_group #(
+            .STAGED    (1),
+            .PART      (PART[3:0]),
+            .FIRST     (8'h30),
+            .STRIDE    (8'd1),
+            .WORDS     (1),
+            .WIDTHS    ({8'd1}),
+            .TOTAL_W   (1)
+        ) edges (
+            `WH_DEVICE_BUS
+            .hold_i    (hold_round),
+            .pending_o (pending_edges[n]),
+            .words_o   (edges_words)
+        );
+
+        assign set_edge_hysteresis[n +: 1] = edges_words[0 +: 1];
+    end
+endgenerate
+
+wire [N*WALLS-1:0] pending_walls;
+generate
+    for (n = 0; n < N; n = n + 1) begin : walls_of_motor
+        localparam [31:0] PART = n + 1;
+        for (k = 0; k < WALLS; k = k + 1) begin : each_copy
+            localparam [31:0] K = k;
+            wire [2*`WH_COUNT_W + 2-1:0] walls_words;
+
+            wh_setting_group #(
+                .STAGED    (1),
+                .PART      (PART[3:0]),
+                .FIRST     (8'h40 + K[7:0]),
+                .STRIDE    (8'd16),
+                .WORDS     (4),
+                .WIDTHS    ({8'd1, 8'd1, COUNT_W_8, COUNT_W_8}),
+                .TOTAL_W   (2*`WH_COUNT_W + 2)
+            ) walls (
+                `WH_DEVICE_BUS
+                .hold_i    (hold_round),
+                .pending_o (pending_walls[n*WALLS + k]),
+                .words_o   (walls_words)
+            );
+
+            assign set_wall_min[(n*WALLS + k)*`WH_COUNT_W +: `WH_COUNT_W] = walls_words[0 +: `WH_COUNT_W];
+            assign set_wall_max[(n*WALLS + k)*`WH_COUNT_W +: `WH_COUNT_W] = walls_words[`WH_COUNT_W +: `WH_COUNT_W];
+            assign set_wall_enable[(n*WALLS + k) +: 1] = walls_words[2*`WH_COUNT_W +: 1];
+            assign set_wall_shaped[(n*WALLS + k) +: 1] = walls_words[2*`WH_COUNT_W + 1 +: 1];
+        end
+    end
+endgenerate
+
+wire [N*SECTIONS-1:0] pending_shape;
+generate
+    for (n = 0; n < N; n = n + 1) begin : shape_of_motor
+        localparam [31:0] PART = n + 1;
+        for (k = 0; k < SECTIONS; k = k + 1) begin : each_copy
+            localparam [31:0] K = k;
+            wire [9*`WH_SHAPE_W-1:0] shape_words;
+
+            wh_setting_group #(
+                .STAGED    (1),
+                .PART      (PART[3:0]),
+                .FIRST     (8'h80 + 8'd9 * K[7:0]),
+                .STRIDE    (8'd1),
+                .WORDS     (9),
+                .WIDTHS    ({SHAPE_W_8, SHAPE_W_8, SHAPE_W_8, SHAPE_W_8, SHAPE_W_8, SHAPE_W_8, SHAPE_W_8, SHAPE_W_8, SHAPE_W_8}),
+                .TOTAL_W   (9*`WH_SHAPE_W)
+            ) shape (
+                `WH_DEVICE_BUS
+                .hold_i    (hold_core),
+                .pending_o (pending_shape[n*SECTIONS + k]),
+                .words_o   (shape_words)
+            );
+
+            assign set_shape_words[(n*SECTIONS + k)*(9*`WH_SHAPE_W + 36) +: 9*`WH_SHAPE_W] = shape_words[0 +: 9*`WH_SHAPE_W];
+        end
+    end
+endgenerate
+
+wire [N*SECTIONS-1:0] pending_shape_1;
+generate
+    for (n = 0; n < N; n = n + 1) begin : shape_1_of_motor
+        localparam [31:0] PART = n + 1;
+        for (k = 0; k < SECTIONS; k = k + 1) begin : each_copy
+            localparam [31:0] K = k;
+            wire [35:0] shape_1_words;
+
+            wh_setting_group #(
+                .STAGED    (1),
+                .PART      (PART[3:0]),
+                .FIRST     (8'h92 + 8'd3 * K[7:0]),
+                .STRIDE    (8'd1),
+                .WORDS     (3),
+                .WIDTHS    ({8'd12, 8'd12, 8'd12}),
+                .TOTAL_W   (36)
+            ) shape_1 (
+                `WH_DEVICE_BUS
+                .hold_i    (hold_core),
+                .pending_o (pending_shape_1[n*SECTIONS + k]),
+                .words_o   (shape_1_words)
+            );
+
+            assign set_shape_words[(n*SECTIONS + k)*(9*`WH_SHAPE_W + 36) + 9*`WH_SHAPE_W +: 36] = shape_1_words[0 +: 36];
+        end
+    end
+endgenerate
+
+assign changing_core = (|pending_eta) || (|pending_wave) || (|pending_bus) || (|pending_scale) || (|pending_side) || (|pending_shape) || (|pending_shape_1);
+assign changing = (|pending_carrier) || (|pending_frame) || (|pending_trip) || (|pending_sense) || (|pending_zero) || (|pending_encoder) || (|pending_host) || (|pending_delay) || (|pending_eta) || (|pending_wave) || (|pending_bridge) || (|pending_bus) || (|pending_guard) || (|pending_current) || (|pending_scale) || (|pending_side) || (|pending_anchor) || (|pending_edges) || (|pending_walls) || (|pending_shape) || (|pending_shape_1);
+
+// Commands.
+
+assign set_zero_start = command && bus_address_i == 12'h01d && bus_data_i[0];
+generate
+    for (n = 0; n < N; n = n + 1) begin : host_answer_of_motor
+        localparam [31:0] PART = n + 1;
+
+        assign set_host_strobe[n] = command && bus_address_i == {PART[3:0], 8'ha0} && bus_data_i[0];
+    end
+endgenerate
+generate
+    for (n = 0; n < N; n = n + 1) begin : host_answer_sequence_of_motor
+        localparam [31:0] PART = n + 1;
+
+        reg [7:0] word_q;
+
+        always @(posedge clk) begin
+            if (command && bus_address_i == {PART[3:0], 8'ha1}) begin
+                word_q <= bus_data_i[7:0];
+            end
+        end
+
+        assign set_host_sequence[n*8 +: 8] = word_q;
+    end
+endgenerate
+generate
+    for (n = 0; n < N; n = n + 1) begin : host_u_of_motor
+        localparam [31:0] PART = n + 1;
+
+        reg [`WH_DATA_W-1:0] word_q;
+
+        always @(posedge clk) begin
+            if (command && bus_address_i == {PART[3:0], 8'ha2}) begin
+                word_q <= bus_data_i[`WH_DATA_W-1:0];
+            end
+        end
+
+        assign set_host_u[n*`WH_DATA_W +: `WH_DATA_W] = word_q;
+    end
+endgenerate
+assign set_clear = command && bus_address_i == 12'h060 && bus_data_i[0];
+assign set_host_alive = command && bus_address_i == 12'h061 && bus_data_i[0];
+assign set_restart = command && bus_address_i == 12'h06d && bus_data_i[0];
+
+// Live words.
+
+always @* begin
+    live = 33'd0;
+    case (bus_address_i)
+        12'h039: live = {{17{1'b0}}, bus_i[0 +: 16]};
+        12'h062: live = {{17{1'b0}}, faults[0 +: 16]};
+        12'h063: live = {32'd0, running};
+        12'h068: live = {32'd0, adc_ready};
+        12'h069: live = {32'd0, tick};
+        12'h06a: live = {32'd0, core_valid};
+        12'h06b: live = {32'd0, overrun};
+        12'h06c: live = {{29{1'b0}}, words_hold[0 +: 4]};
+        default: live = 33'd0;
+    endcase
+    for (m = 0; m < N; m = m + 1) begin
+        if (LIVE != 0 && {28'd0, bus_address_i[11:8]} == m + 1) begin
+            case (bus_address_i[7:0])
+                8'hd4: live = {32'd0, overcurrent[m]};
+                8'hd0: live = {32'd0, adc_range[m]};
+                8'hd1: live = {32'd0, adc_stuck[m]};
+                8'hd2: live = {32'd0, zero_fault[m]};
+                8'hd3: live = {32'd0, zero_busy[m]};
+                8'hd5: live = {32'd0, encoder_fault[m]};
+                8'ha4: live = {32'd0, host_strobe[m]};
+                8'ha5: live = {{25{1'b0}}, host_sequence[m*8 +: 8]};
+                8'ha6: live = {{33-`WH_DATA_W{host_v[m*`WH_DATA_W + `WH_DATA_W - 1]}}, host_v[m*`WH_DATA_W +: `WH_DATA_W]};
+                8'ha7: live = {32'd0, host_active[m]};
+                8'hb0: live = {{33-`WH_DATA_W{voltage[m*`WH_DATA_W + `WH_DATA_W - 1]}}, voltage[m*`WH_DATA_W +: `WH_DATA_W]};
+                8'hb1: live = {{33-`WH_DATA_W{u[m*`WH_DATA_W + `WH_DATA_W - 1]}}, u[m*`WH_DATA_W +: `WH_DATA_W]};
+                8'hb2: live = {{33-`WH_DATA_W{v[m*`WH_DATA_W + `WH_DATA_W - 1]}}, v[m*`WH_DATA_W +: `WH_DATA_W]};
+                8'hb3: live = {{33-`WH_DATA_W{current[m*`WH_DATA_W + `WH_DATA_W - 1]}}, current[m*`WH_DATA_W +: `WH_DATA_W]};
+                8'hb4: live = {{33-`WH_COUNT_W{position[m*`WH_COUNT_W + `WH_COUNT_W - 1]}}, position[m*`WH_COUNT_W +: `WH_COUNT_W]};
+                8'hb5: live = {32'd0, contact[m]};
+                8'hb6: live = {32'd0, saturated[m]};
+                8'hc0: live = {{33-`WH_DATA_W{correction[m*`WH_DATA_W + `WH_DATA_W - 1]}}, correction[m*`WH_DATA_W +: `WH_DATA_W]};
+                8'hc1: live = {{33-`WH_DATA_W{offset[m*`WH_DATA_W + `WH_DATA_W - 1]}}, offset[m*`WH_DATA_W +: `WH_DATA_W]};
+                8'hc2: live = {{33-`WH_DATA_W{flux[m*`WH_DATA_W + `WH_DATA_W - 1]}}, flux[m*`WH_DATA_W +: `WH_DATA_W]};
+                8'hc3: live = {{33-`WH_DATA_W{lag[m*`WH_DATA_W + `WH_DATA_W - 1]}}, lag[m*`WH_DATA_W +: `WH_DATA_W]};
+                8'hc4: live = {32'd0, anchor_fault[m]};
+                default: live = 33'd0;
+            endcase
+        end
+    end
+end
+
+`define WH_DEVICE_PORTS \
+    .half_clocks_i (set_half_clocks), \
+    .tick_halves_i (set_tick_halves), \
+    .sample_clocks_i (set_sample_clocks), \
+    .samples_i (set_samples), \
+    .sample_lead_i (set_sample_lead), \
+    .sample_late_i (set_sample_late), \
+    .sclk_half_clocks_i (set_sclk_half_clocks), \
+    .frame_bits_i (set_frame_bits), \
+    .lead_bits_i (set_lead_bits), \
+    .data_bits_i (set_data_bits), \
+    .quiet_clocks_i (set_quiet_clocks), \
+    .setup_clocks_i (set_setup_clocks), \
+    .hold_clocks_i (set_hold_clocks), \
+    .calibrate_bits_i (set_calibrate_bits), \
+    .sclk_idle_i (set_sclk_idle), \
+    .read_trailing_i (set_read_trailing), \
+    .trip_i (set_trip), \
+    .range_i (set_range), \
+    .stuck_words_i (set_stuck_words), \
+    .zero_limit_i (set_zero_limit), \
+    .zero_start_i (set_zero_start), \
+    .filter_clocks_i (set_filter_clocks), \
+    .host_period_log2_i (set_host_period_log2), \
+    .host_timeout_i (set_host_timeout), \
+    .host_strobe_i (set_host_strobe), \
+    .host_sequence_i (set_host_sequence), \
+    .host_u_i (set_host_u), \
+    .extra_ticks_i (set_extra_ticks), \
+    .hold_ticks_i (set_hold_ticks), \
+    .eta_contact_i (set_eta_contact), \
+    .eta_free_i (set_eta_free), \
+    .root_i (set_root), \
+    .a_i (set_a), \
+    .u_max_i (set_u_max), \
+    .mode_i (set_mode), \
+    .min_pulse_i (set_min_pulse), \
+    .dead_clocks_i (set_dead_clocks), \
+    .compensate_i (set_compensate), \
+    .settle_ticks_i (set_settle_ticks), \
+    .second_order_i (set_second_order), \
+    .bus_share_i (set_bus_share), \
+    .bus_i (bus_i), \
+    .guard_i (set_guard), \
+    .clear_i (set_clear), \
+    .host_alive_i (set_host_alive), \
+    .restart_i (set_restart || loading), \
+    .zero_i (set_zero), \
+    .gain_i (set_gain), \
+    .clocks_per_volt_i (set_clocks_per_volt), \
+    .side_current_i (set_side_current), \
+    .anchor_words_i (set_anchor_words), \
+    .edge_hysteresis_i (set_edge_hysteresis), \
+    .wall_min_i (set_wall_min), \
+    .wall_max_i (set_wall_max), \
+    .wall_enable_i (set_wall_enable), \
+    .wall_shaped_i (set_wall_shaped), \
+    .shape_words_i (set_shape_words), \
+    .overcurrent_o (overcurrent), \
+    .adc_range_o (adc_range), \
+    .adc_stuck_o (adc_stuck), \
+    .zero_fault_o (zero_fault), \
+    .zero_busy_o (zero_busy), \
+    .encoder_fault_o (encoder_fault), \
+    .host_strobe_o (host_strobe), \
+    .host_sequence_o (host_sequence), \
+    .host_v_o (host_v), \
+    .host_active_o (host_active), \
+    .voltage_o (voltage), \
+    .u_o (u), \
+    .v_o (v), \
+    .current_o (current), \
+    .position_o (position), \
+    .contact_o (contact), \
+    .saturated_o (saturated), \
+    .faults_o (faults), \
+    .running_o (running), \
+    .adc_ready_o (adc_ready), \
+    .tick_o (tick), \
+    .core_valid_o (core_valid), \
+    .overrun_o (overrun), \
+    .words_hold_o (words_hold), \
+    .correction_o (correction), \
+    .offset_o (offset), \
+    .flux_o (flux), \
+    .lag_o (lag), \
+    .anchor_fault_o (anchor_fault),
+
+// <!-- end device-words -->

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_setting_group: words of the settings memory that a block needs side by side, in flip-flops.
+//
+// STAGED = 1: every word that is accepted is staged here (wh_settings gives it with write_i, and once
+// more with copy_i when it copies its banks). With change_i all staged words become active in one
+// clock: in the first one, from that of change_i on, in which hold_i is low. pending_o says that they
+// are still to.
+// STAGED = 0, for words that change with the bridges off only: nothing is staged, and a word becomes
+// active as wh_settings copies it, if hold_i is low. That takes half the flip-flops.
+//
+// Latency: words_o change with the clock edge behind that of change_i or copy_i.
+// Reset: nothing is pending. The words stay what they are, or unknown; wh_settings gives them all.
+
+`default_nettype none
+
+module wh_setting_group #(
+    parameter integer           STAGED  = 1,
+    parameter [3:0]             PART    = 4'd0,  // 0 the board's words, n + 1 those of motor n
+    parameter [7:0]             FIRST   = 8'd0,  // address of the first word in its part
+    parameter [7:0]             STRIDE  = 8'd1,  // from word to word
+    parameter integer           WORDS   = 1,
+    parameter [WORDS*8-1:0]     WIDTHS  = 8'd32, // bits of each, 1...32, the first lowest
+    parameter integer           TOTAL_W = 32     // their sum
+) (
+    input  wire               clk,
+    input  wire               rst,
+
+    input  wire               write_i,    // strobe, a word was accepted
+    input  wire               copy_i,     // strobe, a word is copied
+    input  wire [11:0]        address_i,
+    input  wire [31:0]        data_i,
+
+    input  wire               change_i,   // strobe
+    input  wire               hold_i,     // the words are being read
+    output wire               pending_o,
+
+    output wire [TOTAL_W-1:0] words_o     // side by side, the first lowest
+);
+
+    // Bits below word `count`.
+    function integer below;
+        input integer count;
+        integer k;
+        begin
+            below = 0;
+            for (k = 0; k < count; k = k + 1) begin
+                below = below + {24'd0, WIDTHS[k*8 +: 8]};
+            end
+        end
+    endfunction
+
+    generate
+        if (TOTAL_W != below(WORDS)) begin : illegal
+            wh_illegal_parameter_setting_group_total_w_must_be_the_sum_of_widths stop ();
+        end
+    endgenerate
+
+    wire here = (address_i[11:8] == PART);
+    wire change;
+
+    genvar n;
+    generate
+        if (STAGED != 0) begin : when_told
+            reg pending_q;
+
+            always @(posedge clk) begin
+                pending_q <= !rst && (pending_q || change_i) && hold_i;
+            end
+
+            assign pending_o = pending_q;
+            assign change    = (pending_q || change_i) && !hold_i;
+        end else begin : when_copied
+            wire unused = &{1'b0, rst, change_i, write_i};
+
+            assign pending_o = 1'b0;
+            assign change    = copy_i && !hold_i;
+        end
+
+        for (n = 0; n < WORDS; n = n + 1) begin : word
+            localparam integer   WIDTH   = {24'd0, WIDTHS[n*8 +: 8]};
+            localparam integer   LOW     = below(n);
+            localparam [31:0]    OFFSET  = n * {24'd0, STRIDE};
+            localparam [7:0]     ADDRESS = FIRST + OFFSET[7:0];
+
+            reg  [WIDTH-1:0] active_q;
+            wire             mine = here && (address_i[7:0] == ADDRESS);
+
+            assign words_o[LOW +: WIDTH] = active_q;
+
+            if (STAGED != 0) begin : staged
+                reg [WIDTH-1:0] staged_q;
+
+                always @(posedge clk) begin
+                    if ((write_i || copy_i) && mine) begin
+                        staged_q <= data_i[WIDTH-1:0];
+                    end
+                    if (change) begin
+                        active_q <= staged_q;
+                    end
+                end
+            end else begin : direct
+                always @(posedge clk) begin
+                    if (change && mine) begin
+                        active_q <= data_i[WIDTH-1:0];
+                    end
+                end
+            end
+
+            if (WIDTH < 32) begin : narrow
+                wire unused = &{1'b0, data_i[31:WIDTH]};
+            end
+        end
+    endgenerate
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_settings: the settings memory and its bus. Words are written while the controller runs, and
+// change over together.
+//
+// A request stands on the bus until bus_ready_o ends it: write bus_data_i to bus_address_i, or read
+// bus_data_o from it, which is valid with bus_ready_o. Addresses, kinds and ranges are those of
+// rtl/words.toml (wh_settings_rom). A word with a sign is sign-extended to 32 bits.
+// bus_error_o: 0 done; 1 there is no such word, or it can't be written or read; 2 the value is outside
+// of its range; 3 not now: the word changes with the bridges off only, or, with busy_o, words are being
+// given and none can be written. What ends in an error changes nothing.
+//
+// Of two banks one is in force and is read; what is written goes into the other one, and to the
+// groups (wh_setting_group) by write_o. A write of 1 to `commit` gives it: with change_o, at the end
+// of a tick, or at once with the bridges off (running_i = 0), every group takes its new words over as
+// soon as nobody reads the old ones. Once all have (changing_i), the banks change places, and the new
+// resting bank is brought up to date by a copy of all words, which go by the groups with copy_o as well.
+// A write of 1 to `discard` copies them so without a change-over.
+// Words that change with the bridges off only are given as they are copied; meanwhile loading_o says
+// that the bridges have to stay off, and that what reads such words has to begin anew. With such words
+// written and the bridges on, `commit` is refused with error 3.
+//
+// Commands of other blocks are handed on by command_o. Live words come from live_i, 3 clocks after
+// their address stood on the bus, or later.
+//
+// Latency: 4 clocks from bus_valid_i to bus_ready_o, 1 or 2 more while words are copied. A copy takes
+// 2 clocks a word of the memory, (N + 1) 2^SLOT_W of them or the next power of two, and 4 more for each
+// request meanwhile. A change-over takes no clock with no group held.
+// Reset: the defaults are given, as with a change-over; until then no request ends. ready_o says that
+// they are: before, the groups' words mean nothing.
+
+`default_nettype none
+`include "wh_formats.vh"
+
+module wh_settings #(
+    parameter integer N          = 1,  // as wh_controller has them
+    parameter integer WALLS      = 4,
+    parameter integer SHAPER     = 0,
+    parameter integer DELAY_LOG2 = 2,
+    parameter integer EARLY      = 0,
+    parameter integer SLOT_W     = (SHAPER > 0) ? 8 : 7  // derived, leave it
+) (
+    input  wire        clk,
+    input  wire        rst,
+
+    // The bus.
+    input  wire        bus_valid_i,    // held until bus_ready_o, as are the words below
+    input  wire        bus_write_i,
+    input  wire [11:0] bus_address_i,
+    input  wire [31:0] bus_data_i,
+    output wire        bus_ready_o,    // strobe
+    output wire [31:0] bus_data_o,
+    output wire [1:0]  bus_error_o,
+
+    // What is read and told besides settings.
+    input  wire [31:0] live_i,         // the live word that the bus asks for
+    output wire        command_o,      // strobe, bus_address_i and bus_data_i are a command
+
+    // The controller.
+    input  wire        running_i,      // the bridges are on
+    input  wire        tick_i,         // strobe, last clock of a tick
+    output wire        ready_o,        // the groups have words
+    output wire        loading_o,      // the bridges have to stay off
+    output wire        busy_o,         // nothing can be written
+
+    // The groups.
+    output wire        write_o,        // strobe, a word was accepted
+    output wire        copy_o,         // strobe, a word is copied
+    output wire [11:0] address_o,
+    output wire [31:0] data_o,
+    output wire        change_o,       // strobe
+    input  wire        changing_i      // a group has still to change
+);
+
+    localparam integer PART_W  = $clog2(N + 1);
+    localparam integer PLACE_W = PART_W + SLOT_W;
+
+    generate
+        if (N < 1 || N > 8) begin : illegal
+            wh_illegal_parameter_settings_n_must_be_1_to_8 stop ();
+        end
+    endgenerate
+
+    localparam [1:0] SETTING = 2'd1;
+    localparam [1:0] COMMAND = 2'd2;
+    localparam [1:0] LIVE    = 2'd3;
+
+    // Words of the memory itself.
+    localparam [11:0] COMMIT  = 12'h070;
+    localparam [11:0] DISCARD = 12'h071;
+    localparam [11:0] BUSY    = 12'h072;
+    localparam [11:0] STAGED  = 12'h073;
+
+    localparam [2:0] IDLE  = 3'd0;
+    localparam [2:0] LEAST = 3'd1;  // the least word of the range is asked for
+    localparam [2:0] MOST  = 3'd2;  // the greatest one; the least one is compared
+    localparam [2:0] JUDGE = 3'd3;  // the greatest one is compared
+    localparam [2:0] DONE  = 3'd4;
+    localparam [2:0] READ  = 3'd5;  // of a word that is copied
+    localparam [2:0] WRITE = 3'd6;
+
+    reg  [2:0]         state_q;
+    reg                fresh_q;    // since reset: the defaults are still to be given
+    reg                pass_q;     // words are copied
+    reg  [PLACE_W-1:0] place_q;    // the next one
+    reg                wait_q;     // the change-over waits for a tick's end
+    reg                settle_q;   // the groups change
+    reg                force_q;    // the bank in force
+    reg                loading_q;
+    reg                staged_q;   // something was written
+    reg                off_q;      // of that, something for which the bridges are off
+    reg  [1:0]         error_q;
+
+    wire last = (place_q == {PLACE_W{1'b1}});
+
+    // ---- What the table says of the address.
+
+    wire [1:0]  kind;
+    wire        off;
+    wire        has_sign;
+    wire [31:0] bound;
+    wire        in_part = ({28'd0, bus_address_i[11:8]} <= N);
+
+    wh_settings_rom #(
+        .WALLS      (WALLS),
+        .SHAPER     (SHAPER),
+        .DELAY_LOG2 (DELAY_LOG2),
+        .EARLY      (EARLY)
+    ) rom (
+        .clk        (clk),
+        .address_i  ({bus_address_i[11:8] != 4'd0, bus_address_i[7:0]}),
+        .kind_o     (kind),
+        .off_o      (off),
+        .signed_o   (has_sign),
+        .greatest_i (state_q == MOST),
+        .bound_o    (bound)
+    );
+
+    // One subtraction for both ends: the carry of bound - data says bound >= data, and that of
+    // bound - data - 1 bound > data.
+    reg         enough_q;  // not below the least word
+    wire [31:0] value = {bus_data_i[31] ^ has_sign, bus_data_i[30:0]};
+    wire [33:0] difference = {1'b0, bound, 1'b1} + {1'b0, ~value, state_q == JUDGE};
+    wire        reaches    = difference[33];
+    wire        in_range   = enough_q && reaches;
+    wire        unused_difference = &{1'b0, difference[32:0]};
+
+    // ---- The verdict.
+
+    wire setting = (kind == SETTING) && in_part;
+    wire fixed   = (kind == LIVE) && off && in_part;
+    wire command = (kind == COMMAND) && in_part;
+    wire live    = (kind == LIVE) && !off && in_part;
+    wire commit  = (bus_address_i == COMMIT);
+    wire discard = (bus_address_i == DISCARD);
+
+    assign busy_o = wait_q || settle_q || pass_q;
+
+    wire known   = bus_write_i ? (setting || command) : (setting || fixed || live);
+    wire not_now = setting ? (busy_o || (off && running_i))
+                           : ((commit && (busy_o || (off_q && running_i))) || (discard && busy_o));
+    wire [1:0] verdict = !known                   ? 2'd1
+                       : !bus_write_i             ? 2'd0
+                       : !in_range                ? 2'd2
+                       : not_now                  ? 2'd3 : 2'd0;
+
+    wire accepts  = (state_q == JUDGE) && bus_write_i && (verdict == 2'd0);
+    wire written  = accepts && setting;
+    wire commits  = accepts && commit && bus_data_i[0];
+    wire discards = accepts && discard && bus_data_i[0];
+
+    assign command_o = accepts && command && !commit && !discard;
+
+    // ---- The banks. Places beyond the last motor's are copied too, and mean nothing.
+
+    wire [PLACE_W-1:0] bus_place  = {bus_address_i[8 +: PART_W], bus_address_i[SLOT_W-1:0]};
+    wire               copies     = (state_q == WRITE);
+    wire [31:0]        read_data;
+
+    wh_settings_ram #(
+        .WALLS           (WALLS),
+        .SHAPER          (SHAPER),
+        .PART_W          (PART_W),
+        .SLOT_W          (SLOT_W)
+    ) ram (
+        .clk             (clk),
+        .write_i         (written || copies),
+        .write_bank_i    ({1'b0, !force_q}),
+        .write_address_i (copies ? place_q : bus_place),
+        .write_data_i    (data_o),
+        .read_bank_i     ({fresh_q, force_q && !fresh_q}),
+        .read_address_i  ((state_q == READ) ? place_q : bus_place),
+        .read_data_o     (read_data)
+    );
+
+    wire [3:0] copy_part = {{4-PART_W{1'b0}}, place_q[SLOT_W +: PART_W]};
+    wire [7:0] copy_slot = {{8-SLOT_W{1'b0}}, place_q[SLOT_W-1:0]};
+
+    assign write_o   = written;
+    assign copy_o    = copies;
+    assign address_o = copies ? {copy_part, copy_slot} : bus_address_i;
+    assign data_o    = copies ? read_data : bus_data_i;
+
+    wire [31:0] own = {31'd0, (bus_address_i == BUSY) ? busy_o : staged_q};
+
+    assign bus_ready_o = (state_q == DONE);
+    assign bus_error_o = error_q;
+    assign bus_data_o  = !live ? read_data
+                       : (bus_address_i == BUSY || bus_address_i == STAGED) ? own : live_i;
+
+    // ---- The change-over.
+
+    assign ready_o   = !fresh_q;
+    assign loading_o = loading_q;
+
+    wire ends   = copies && last;
+    wire change = wait_q && (tick_i || !running_i);
+
+    assign change_o = change;
+
+    always @(posedge clk) begin
+        if (state_q == MOST) begin
+            enough_q <= !reaches;
+        end
+        if (state_q == JUDGE) begin
+            error_q <= verdict;
+        end
+        if (rst) begin
+            state_q   <= IDLE;
+            fresh_q   <= 1'b1;
+            pass_q    <= 1'b1;
+            place_q   <= {PLACE_W{1'b0}};
+            wait_q    <= 1'b0;
+            settle_q  <= 1'b0;
+            force_q   <= 1'b0;
+            loading_q <= 1'b1;
+            staged_q  <= 1'b0;
+            off_q     <= 1'b0;
+        end else begin
+            case (state_q)
+                IDLE:    state_q <= (bus_valid_i && !fresh_q) ? LEAST : pass_q ? READ : IDLE;
+                LEAST:   state_q <= MOST;
+                MOST:    state_q <= JUDGE;
+                JUDGE:   state_q <= DONE;
+                DONE:    state_q <= pass_q ? READ : IDLE;
+                READ:    state_q <= WRITE;
+                default: state_q <= IDLE;
+            endcase
+
+            if (copies) begin
+                place_q <= place_q + {{PLACE_W-1{1'b0}}, 1'b1};
+            end
+            if (settle_q && !changing_i) begin
+                settle_q <= 1'b0;
+                force_q  <= !force_q;
+                fresh_q  <= 1'b0;
+                pass_q   <= 1'b1;
+            end else if (discards) begin
+                pass_q   <= 1'b1;
+            end else if (ends) begin
+                pass_q   <= 1'b0;
+            end
+
+            // The defaults have been read into the resting bank: they are given like others.
+            wait_q   <= commits || (ends && fresh_q) || (wait_q && !change);
+            if (change) begin
+                settle_q <= 1'b1;
+            end
+
+            if (commits && off_q) begin
+                loading_q <= 1'b1;
+            end else if (ends && !fresh_q) begin
+                loading_q <= 1'b0;
+            end
+
+            staged_q <= (staged_q || written) && !(commits || discards);
+            off_q    <= (off_q || (written && off)) && !(commits || discards);
+        end
+    end
+
+endmodule
+
+`default_nettype wire

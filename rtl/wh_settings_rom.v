@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_settings_rom: what the table of words says of an address: its kind, its range, and when it may
+// change. All motors share what is said of motor 0.
+//
+// Formats: least_o and greatest_o take turns in bound_o; of a word with a sign (signed_o) they are
+// 2^31 more than the word, so that both are compared without a sign.
+// Latency: kind_o, off_o and signed_o are those of the address a clock before, bound_o that of the
+// address and of greatest_i two and one clocks before.
+
+`default_nettype none
+`include "wh_formats.vh"
+
+module wh_settings_rom #(
+    parameter integer WALLS      = 4,  // as wh_controller has them
+    parameter integer SHAPER     = 0,
+    parameter integer DELAY_LOG2 = 2,
+    parameter integer EARLY      = 0
+) (
+    input  wire        clk,
+
+    input  wire [8:0]  address_i,   // 0x000...0x0ff the board's, 0x100...0x1ff a motor's
+    output wire [1:0]  kind_o,      // 0 no word, 1 setting, 2 command, 3 live
+    output wire        off_o,       // with the bridges off only; with kind 3: a setting that is fixed
+    output wire        signed_o,
+
+    input  wire        greatest_i,  // the greatest word is asked for, else the least
+    output reg  [31:0] bound_o
+);
+
+    // Words with a sign have the types from here on.
+    localparam [4:0] SIGNED = 5'd20;
+
+    (* rom_style = "block" *) reg [7:0]  info [0:511];
+    (* rom_style = "block" *) reg [31:0] bounds [0:63];
+
+    integer i;
+
+`define WH_SETTINGS_WORD(FIRST, COPIES, INFO, DEFAULT) \
+        for (i = FIRST; i < FIRST + (COPIES); i = i + 1) begin \
+            info[i] = INFO; \
+        end
+`define WH_SETTINGS_BOUNDS(TYPE, LEAST, GREATEST) \
+        bounds[2*TYPE] = LEAST; \
+        bounds[2*TYPE + 1] = GREATEST;
+
+    initial begin
+        for (i = 0; i < 512; i = i + 1) begin
+            info[i] = 8'd0;
+        end
+        for (i = 0; i < 64; i = i + 1) begin
+            bounds[i] = 32'd0;
+        end
+`include "wh_settings_rom.vh"
+    end
+
+`undef WH_SETTINGS_WORD
+`undef WH_SETTINGS_BOUNDS
+
+    reg [7:0] info_q;
+
+    assign kind_o   = info_q[7:6];
+    assign off_o    = info_q[5];
+    assign signed_o = (info_q[4:0] >= SIGNED);
+
+    always @(posedge clk) begin
+        info_q  <= info[address_i];
+        bound_o <= bounds[{info_q[4:0], greatest_i}];
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// C interface to the Verilated wh_device, one port: pins_shim.cpp, with its settings over the bus.
+
+#include <algorithm>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "Vwh_device.h"
+#include "Vwh_device___024root.h"
+#include "coverage.h"
+#include "verilated.h"
+
+namespace {
+
+struct Request {
+    int64_t clock;  // it stands on the bus from then on
+    bool write;
+    uint32_t address;
+    uint32_t data;
+    bool told = true;  // its answer is kept
+};
+
+struct Answer {
+    int64_t clock;
+    uint32_t data;
+    uint32_t error;
+};
+
+struct Device {
+    VerilatedContext context;
+    Vwh_device top{&context};
+    int64_t clocks = 0;
+    std::deque<Request> requests;
+    std::vector<Answer> answers;
+
+    ~Device() { write_coverage(context); }
+};
+
+// Signals of the module, which device_shim.vlt shows.
+#define SIGNAL(name) device->top.rootp->wh_device__DOT__##name
+
+constexpr int kMostSetupClocks = 1 << 20;
+constexpr int kCommandClocks = 3;  // from a request to what it commands
+
+int64_t signed_word(uint64_t raw) {
+    constexpr int kUnused = 64 - WH_DATA_W;
+    return static_cast<int64_t>(raw << kUnused) >> kUnused;
+}
+
+// Bit 0 ADC data, bit 1 encoder A, bit 2 encoder B.
+void set_inputs(Vwh_device &top, int64_t inputs) {
+    top.adc_sdata_i = inputs & 1;
+    top.enc_a_i = (inputs >> 1) & 1;
+    top.enc_b_i = (inputs >> 2) & 1;
+}
+
+// A clock with what is asked of the bus; what is ready ends with it.
+void clock(Device *device) {
+    auto &top = device->top;
+    const bool asks = !device->requests.empty() && device->requests.front().clock <= device->clocks;
+    top.bus_valid_i = asks;
+    if (asks) {
+        const Request &request = device->requests.front();
+        top.bus_write_i = request.write;
+        top.bus_address_i = request.address;
+        top.bus_data_i = request.data;
+        top.eval();
+        if (top.bus_ready_o) {
+            if (request.told) {
+                device->answers.push_back({device->clocks, top.bus_data_o, top.bus_error_o});
+            }
+            device->requests.pop_front();
+        }
+    }
+    top.clk = 1;
+    top.eval();
+    ++device->clocks;
+}
+
+void end_clock(Device *device) {
+    device->top.clk = 0;
+    device->top.eval();
+}
+
+// Clocks until `done`; the ADC's line changes with each period of SCLK, which is 0 A to a filter.
+template <class Done>
+bool pass(Device *device, Done done) {
+    auto &top = device->top;
+    bool sclk = top.adc_sclk_o;
+    for (int n = 0; n < kMostSetupClocks; ++n) {
+        if (done()) return true;
+        if (top.adc_sclk_o && !sclk) top.adc_sdata_i = !top.adc_sdata_i;
+        sclk = top.adc_sclk_o;
+        clock(device);
+        end_clock(device);
+    }
+    return false;
+}
+
+}  // namespace
+
+extern "C" {
+
+// A device just before its first tick with the bridges on, or null where it never gets there: `count`
+// pairs of address and word are written over the bus, the last of which gives them; `restart` is the
+// address of that command.
+void *wh_device_new(const uint32_t *pairs, int64_t count, int64_t restart, int64_t inputs) {
+    auto *device = new Device;
+    auto &top = device->top;
+    set_inputs(top, inputs);
+    top.stop_i = 1;
+    top.driver_fault_i = 1;
+    top.rst = 1;
+    for (int n = 0; n < 4; ++n) clock(device), end_clock(device);
+    top.rst = 0;
+    bool good = pass(device, [device] { return !SIGNAL(busy); });
+    for (int64_t n = 0; n < count; ++n) {
+        device->requests.push_back({0, true, pairs[2 * n], pairs[2 * n + 1]});
+    }
+    good = good && pass(device, [device] { return device->requests.empty(); });
+    for (const Answer &answer : device->answers) good = good && answer.error == 0;
+    good = good && pass(device, [device] { return !SIGNAL(busy); });
+    // Carrier and ADC begin anew, with the bridges, in a clock in which the walls' rounds do: as after
+    // the reset of wh_controller, so that both run alike.
+    const auto round_ends = [device] { return !SIGNAL(hold_round); };
+    pass(device, round_ends);
+    const int64_t first = device->clocks;
+    clock(device), end_clock(device);
+    pass(device, round_ends);
+    const int64_t last = device->clocks + 3 * (device->clocks - first);
+    device->requests.push_back(
+        {last - kCommandClocks, true, static_cast<uint32_t>(restart), 1, false});
+    pass(device, [device, last] { return device->clocks > last; });
+    top.enable_i = 1;
+    good = good && pass(device, [device] { return SIGNAL(adc_ready); });
+    device->answers.clear();
+    if (!good) {
+        delete device;
+        return nullptr;
+    }
+    return device;
+}
+
+void wh_device_delete(void *model) { delete static_cast<Device *>(model); }
+
+// A request that stands on the bus from a clock on, in turn; clocks are those of wh_device_clocks.
+void wh_device_request(void *model, int64_t clock, int64_t write, int64_t address, int64_t data) {
+    static_cast<Device *>(model)->requests.push_back(
+        {clock, write != 0, static_cast<uint32_t>(address), static_cast<uint32_t>(data)});
+}
+
+int64_t wh_device_clocks(void *model) { return static_cast<Device *>(model)->clocks; }
+
+// Clock, word and error of as many answers as there are room for, whose number is returned; they are
+// forgotten.
+int64_t wh_device_answers(void *model, int64_t *words, int64_t room) {
+    auto *device = static_cast<Device *>(model);
+    const int64_t count = std::min<int64_t>(room, device->answers.size());
+    for (int64_t n = 0; n < count; ++n) {
+        const Answer &answer = device->answers[n];
+        words[3 * n] = answer.clock;
+        words[3 * n + 1] = answer.data;
+        words[3 * n + 2] = answer.error;
+    }
+    device->answers.erase(device->answers.begin(), device->answers.begin() + count);
+    return count;
+}
+
+int64_t wh_device_bus(int64_t model, int64_t word) {
+    reinterpret_cast<Device *>(model)->top.bus_i = word;
+    return 0;
+}
+
+// As wh_pins_clock.
+int64_t wh_device_clock(int64_t model, int64_t inputs) {
+    auto *device = reinterpret_cast<Device *>(model);
+    auto &top = device->top;
+    set_inputs(top, inputs);
+    clock(device);
+    const int64_t out = top.gate_ah_o | top.gate_al_o << 1 | top.gate_bh_o << 2 |
+                        top.gate_bl_o << 3 | top.adc_cs_n_o << 4 | top.adc_sclk_o << 5 |
+                        top.tick_o << 6 | SIGNAL(core_valid) << 7 | top.contact_o << 8 |
+                        SIGNAL(overrun) << 9 | SIGNAL(encoder_fault) << 10;
+    end_clock(device);
+    return out;
+}
+
+// As wh_pins_words.
+int64_t wh_device_words(int64_t model, int64_t words_address) {
+    auto *device = reinterpret_cast<Device *>(model);
+    int64_t *words = reinterpret_cast<int64_t *>(words_address);
+    words[0] = signed_word(SIGNAL(current));
+    words[1] = signed_word(SIGNAL(u));
+    words[2] = signed_word(SIGNAL(v));
+    words[3] = signed_word(SIGNAL(voltage));
+    words[4] = SIGNAL(saturated);
+    words[5] = signed_word(SIGNAL(correction));
+    words[6] = signed_word(SIGNAL(flux));
+    words[7] = signed_word(SIGNAL(lag));
+    words[8] = SIGNAL(anchor_fault);
+    words[9] = static_cast<int32_t>(SIGNAL(position));
+    return 0;
+}
+
+}  // extern "C"

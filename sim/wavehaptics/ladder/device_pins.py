@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`pins` with the settings memory in the RTL: its words go over the bus, also while it runs."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from wavehaptics.ladder.pins import PinsSimulation
+from wavehaptics.words import table
+from wavehaptics.words.table import WORDS, Values
+
+COMMIT = WORDS["commit"].at()
+DISCARD = WORDS["discard"].at()
+
+
+class Answer(NamedTuple):
+    """Clock in which a request ended, the word that was read, and the bus's error."""
+
+    clock: int
+    data: int
+    error: int
+
+
+def requests(values: Values) -> list[tuple[int, int]]:
+    """(address, raw word) of each word of one motor, without those that are no settings."""
+    found = []
+    for name, value in values.items():
+        word = WORDS.get(name)
+        if word is None or word.row.kind != "setting":
+            continue
+        raws = list(value) if isinstance(value, Iterable) else [value]
+        found += [(word.at(0, n), int(raw) & 0xFFFFFFFF) for n, raw in enumerate(raws)]
+    return found
+
+
+class DevicePins(PinsSimulation):
+    """`pins` as ``rtl/wh_device.v``."""
+
+    TOP = "wh_device"
+    SHIM = "device_shim.cpp"
+    SHOWS = ("device_shim.vlt",)
+    PREFIX = "wh_device"
+
+    def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
+        library = self._library
+        new = library.wh_device_new
+        new.argtypes = [ctypes.POINTER(ctypes.c_uint32), *[ctypes.c_int64] * 3]
+        new.restype = ctypes.c_void_p
+        library.wh_device_request.argtypes = [ctypes.c_void_p, *[ctypes.c_int64] * 4]
+        library.wh_device_request.restype = None
+        library.wh_device_clocks.argtypes = [ctypes.c_void_p]
+        library.wh_device_clocks.restype = ctypes.c_int64
+        library.wh_device_answers.argtypes = [
+            ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64), ctypes.c_int64
+        ]  # fmt: skip
+        library.wh_device_answers.restype = ctypes.c_int64
+        pairs = [*_separate(self._values), (COMMIT, 1)]
+        flat = [word for pair in pairs for word in pair]
+        words = (ctypes.c_uint32 * len(flat))(*flat)
+        return new(words, len(pairs), WORDS["restart"].at(), inputs)
+
+    @property
+    def bus_clock(self) -> int:
+        """The clock that comes, for :meth:`ask`; ticks begin at any."""
+        return int(self._library.wh_device_clocks(self._model))
+
+    def ask(self, address: int, data: int | None = None, clock: int = 0) -> None:
+        """Write ``data``, or read, from ``clock`` on, or as soon as the bus is free."""
+        self._library.wh_device_request(self._model, clock, data is not None, address, data or 0)
+
+    def write(self, values: Values, clock: int = 0) -> None:
+        """Write words by their names, and give them: from ``clock`` on."""
+        for address, raw in [*requests(values), (COMMIT, 1)]:
+            self.ask(address, raw, clock)
+
+    def answers(self) -> list[Answer]:
+        """What the bus has answered since it was asked last."""
+        room = 4096
+        words = (ctypes.c_int64 * (3 * room))()
+        count = self._library.wh_device_answers(self._model, words, room)
+        return [Answer(*words[3 * n : 3 * n + 3]) for n in range(count)]
+
+
+def _separate(values: Values) -> list[tuple[int, int]]:
+    """As :func:`requests`, with words side by side taken apart."""
+    apart: dict[str, int | list[int]] = {}
+    for name, value in values.items():
+        mates = table.ports().get(name, [])
+        if len(mates) < 2 and (not mates or mates[0].name == name):
+            apart[name] = value if isinstance(value, int) else [int(raw) for raw in value]
+            continue
+        copies = [value] if isinstance(value, int) else [int(raw) for raw in value]
+        for raw in copies:
+            for word in mates:
+                for _ in range(word.row.count):
+                    mask = (1 << word.fixed.width) - 1
+                    part = raw & mask
+                    raw >>= word.fixed.width
+                    if word.fixed.signed and part >> word.fixed.width - 1:
+                        part -= mask + 1
+                    apart.setdefault(word.name, []).append(part)  # type: ignore[union-attr]
+    return requests(apart)

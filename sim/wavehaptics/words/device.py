@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What ``rtl/wh_device.v`` is made of by the table of words: settings, commands, live words.
+
+The text stands inside the module. Its settings go to the controller by wires ``set_PORT``, and what
+the controller tells comes by wires with the names of its ports, without ``_o``.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+
+from wavehaptics.words import table
+from wavehaptics.words.generated import verilog_number
+from wavehaptics.words.table import MEMORY, MOST, Word, format_parts
+
+_COPIES = {"board": (), "motor": ("N",), "wall": ("N", "WALLS"), "section": ("N", "SECTIONS")}
+"""How many copies of a word a port has, in Verilog."""
+
+
+_ALSO = {"restart": "set_restart || loading"}
+"""Inputs that the module itself drives as well."""
+
+
+_STAGED = {"off": "0", "sum": "(EARLY != 0) ? 0 : 1"}
+"""By the kind of change: words for which the bridges are off wait for no reader."""
+
+
+def _bits(word: Word) -> str:
+    return verilog_number(format_parts(word.row.format)[1])
+
+
+def _sum(words: Iterable[Word]) -> str:
+    """Bits of a copy of words side by side; "" for none."""
+    known, named = 0, Counter[str]()
+    for word in words:
+        if (bits := _bits(word)).isdigit():
+            known += word.row.count * int(bits)
+        else:
+            named[bits] += word.row.count
+    terms = [bits if count == 1 else f"{count}*{bits}" for bits, count in named.items()]
+    return " + ".join([*terms, *([str(known)] if known else [])])
+
+
+def _factor(text: str) -> str:
+    return f"({text})" if " " in text else text
+
+
+def _wire(name: str, words: list[Word]) -> str:
+    factors = [*_COPIES[words[0].row.per], _factor(_sum(words))]
+    if len(factors) == 1:
+        return f"wire [{_last(_sum(words))}:0] {name};"
+    return f"wire [{'*'.join(factors).removesuffix('*1')}-1:0] {name};"
+
+
+def _last(bits: str) -> str:
+    return str(int(bits) - 1) if bits.isdigit() else f"{bits}-1"
+
+
+def _groups() -> dict[str, list[Word]]:
+    found: dict[str, list[Word]] = {}
+    for word in table.WORDS.values():
+        if word.row.kind == "setting":
+            found.setdefault(f"{word.block}.{word.group}", []).append(word)
+    return found
+
+
+def _runs(words: list[Word]) -> list[list[Word]]:
+    """Rows of a group whose words stand evenly apart in one copy: all, or of sections each."""
+    if words[0].row.per == "section":
+        return [[word] for word in words]
+    return [words]
+
+
+def _place(word: Word) -> str:
+    """Lowest bit of a word in its port, by the copy (motor n, wall or section k)."""
+    mates = table.ports()[word.port[:-2]]
+    copy = {"board": "", "motor": "n", "wall": "n*WALLS + k", "section": "n*SECTIONS + k"}
+    below = _sum(mates[: mates.index(word)])
+    if not copy[word.row.per]:
+        return below or "0"
+    first = f"{_factor(copy[word.row.per])}*{_factor(_sum(mates))}".removesuffix("*1")
+    return f"{first} + {below}" if below else first
+
+
+def _instance(name: str, words: list[Word]) -> list[str]:
+    """A ``wh_setting_group`` for one copy of the rows, and where its words go."""
+    row, first = words[0].row, words[0].at() & 0xFF
+    bits = [_bits(word) for word in words for _ in range(word.row.count)]
+    offset = {"wall": " + K[7:0]", "section": f" + 8'd{row.count} * K[7:0]"}.get(row.per, "")
+    lines = [f"wire [{_last(_sum(words))}:0] {name}_words;"]
+    packed = ", ".join(
+        f"8'd{bit}" if bit.isdigit() else f"{bit.removeprefix('`WH_')}_8" for bit in reversed(bits)
+    )
+    pending = {"board": "", "motor": "[n]", "wall": "[n*WALLS + k]", "section": "[n*SECTIONS + k]"}
+    lines += [
+        "",
+        "wh_setting_group #(",
+        f"    .STAGED    ({_STAGED.get(words[0].change, '1')}),",
+        f"    .PART      ({'PART[3:0]' if row.per != 'board' else chr(52) + chr(39) + 'd0'}),",
+        f"    .FIRST     (8'h{first:02x}{offset}),",
+        f"    .STRIDE    (8'd{MOST['wall'] if row.per == 'wall' else 1}),",
+        f"    .WORDS     ({len(bits)}),",
+        f"    .WIDTHS    ({{{packed}}}),",
+        f"    .TOTAL_W   ({_sum(words)})",
+        f") {name} (",
+        "    `WH_DEVICE_BUS",
+        f"    .hold_i    (hold_{words[0].change}),",
+        f"    .pending_o (pending_{name}{pending[row.per]}),",
+        f"    .words_o   ({name}_words)",
+        ");",
+        "",
+    ]
+    for number, word in enumerate(words):
+        width, low = _sum([word]), _sum(words[:number]) or "0"
+        goal = f"set_{word.port[:-2]}[{_place(word)} +: {width}]"
+        lines.append(f"assign {goal} = {name}_words[{low} +: {width}];")
+    return lines
+
+
+def _indented(lines: Iterable[str], depth: int = 1) -> list[str]:
+    return [f"{'    ' * depth}{line}" if line else "" for line in lines]
+
+
+def _group(words: list[Word]) -> tuple[list[str], dict[str, str]]:
+    """Lines of a group, and its wires of ``pending_o`` with the kind of its change."""
+    per, lines, pendings = words[0].row.per, [], {}
+    for number, run in enumerate(_runs(words)):
+        name = run[0].group if number == 0 else f"{run[0].group}_{number}"
+        pendings[f"pending_{name}"] = run[0].change
+        copies = "*".join(_COPIES[per])
+        lines.append(f"wire{f' [{copies}-1:0]' if copies else ''} pending_{name};")
+        inner = _instance(name, run)
+        part = ["localparam [31:0] PART = n + 1;"]
+        if per == "board":
+            lines += [*inner, ""]
+            continue
+        lines += ["generate", f"    for (n = 0; n < N; n = n + 1) begin : {name}_of_motor"]
+        if per == "motor":
+            lines += _indented([*part, *inner], 2)
+        else:
+            count = _COPIES[per][1]
+            lines += _indented([*part, f"for (k = 0; k < {count}; k = k + 1) begin : each_copy"], 2)
+            lines += _indented(["localparam [31:0] K = k;", *inner], 3)
+            lines += ["        end"]
+        lines += ["    end", "endgenerate", ""]
+    return lines, pendings
+
+
+def _command(word: Word) -> list[str]:
+    """A strobe, or a register that is written."""
+    port, bits = word.port[:-2], _bits(word)
+    place = f"12'h{word.at():03x}"
+    if word.row.per == "board":
+        return [f"assign set_{port} = command && bus_address_i == {place} && bus_data_i[0];"]
+    here = f"command && bus_address_i == {{PART[3:0], 8'h{word.at() & 0xFF:02x}}}"
+    lines = ["localparam [31:0] PART = n + 1;", ""]
+    if bits == "1":
+        lines.append(f"assign set_{port}[n] = {here} && bus_data_i[0];")
+    else:
+        lines += [
+            f"reg [{_last(bits)}:0] word_q;", "", "always @(posedge clk) begin",
+            f"    if ({here}) begin", f"        word_q <= bus_data_i[{_last(bits)}:0];", "    end",
+            "end", "", f"assign set_{port}[n*{bits} +: {bits}] = word_q;",
+        ]  # fmt: skip
+    loop = f"    for (n = 0; n < N; n = n + 1) begin : {word.name}_of_motor"
+    return ["generate", loop, *_indented(lines, 2), "    end", "endgenerate"]
+
+
+def _live(word: Word) -> str:
+    """A case of the live words, of 33 bits."""
+    port, bits = word.port, _bits(word)
+    name = port if port.endswith("_i") else port[:-2]
+    place = "0" if word.row.per == "board" else f"m*{bits}"
+    if bits == "1":
+        value = f"{{32'd0, {name}}}" if word.row.per == "board" else f"{{32'd0, {name}[m]}}"
+    else:
+        top = f"{name}[{place} + {bits} - 1]" if word.fixed.signed else "1'b0"
+        ahead = 33 - int(bits) if bits.isdigit() else f"33-{bits}"
+        value = f"{{{{{ahead}{{{top}}}}}, {name}[{place} +: {bits}]}}"
+    number = f"12'h{word.at():03x}" if word.row.per == "board" else f"8'h{word.at() & 0xFF:02x}"
+    return f"{number}: live = {value};"
+
+
+def device_words() -> str:
+    """``rtl/wh_device_words.vh``."""
+    inputs, outputs = table.ports(), table.ports("o")
+    lines = ["// Settings and commands, on their way to the controller.", ""]
+    driven = {port: words for port, words in inputs.items() if words[0].row.kind != "live"}
+    lines += [_wire(f"set_{port}", words) for port, words in driven.items()]
+    lines += ["", "// Widths that a tool or the hardware sets.", ""]
+    named = dict.fromkeys(_bits(word) for word in table.WORDS.values())
+    lines += [
+        f"localparam [7:0] {bits.removeprefix('`WH_')}_8 = "
+        f"{bits}{'' if bits[0] == '`' else '[7:0]'};"
+        for bits in named
+        if not bits.isdigit()
+    ]
+    lines += ["", "// What the controller tells.", ""]
+    lines += [_wire(port, words) for port, words in outputs.items()]
+    lines += ["", "// The groups.", ""]
+    pendings: dict[str, str] = {}
+    for words in _groups().values():
+        made, found = _group(words)
+        lines += made
+        pendings |= found
+    for kind in ("core", ""):
+        name = f"changing_{kind}" if kind else "changing"
+        terms = [f"(|{wire})" for wire, change in pendings.items() if kind in ("", change)]
+        lines += [f"assign {name} = {' || '.join(terms)};"]
+    lines += ["", "// Commands.", ""]
+    words = [word for word in table.WORDS.values() if word.block != MEMORY]
+    for word in words:
+        if word.row.kind == "command":
+            lines += _command(word)
+    lines += ["", "// Live words.", "", "always @* begin", "    live = 33'd0;"]
+    lines += ["    case (bus_address_i)"]
+    live = [word for word in words if word.row.kind == "live"]
+    lines += _indented((_live(word) for word in live if word.row.per == "board"), 2)
+    lines += ["        default: live = 33'd0;", "    endcase"]
+    lines += ["    for (m = 0; m < N; m = m + 1) begin"]
+    lines += ["        if (LIVE != 0 && {28'd0, bus_address_i[11:8]} == m + 1) begin"]
+    lines += ["            case (bus_address_i[7:0])"]
+    lines += _indented((_live(word) for word in live if word.row.per == "motor"), 4)
+    lines += ["                default: live = 33'd0;", "            endcase"]
+    lines += ["        end", "    end", "end", ""]
+    ports = [
+        *(f".{port}_i ({_ALSO.get(port, f'set_{port}' if port in driven else f'{port}_i')}),"
+          for port in inputs),
+        *(f".{port}_o ({port})," for port in outputs),
+    ]  # fmt: skip
+    lines += [" \\\n    ".join(["`define WH_DEVICE_PORTS", *ports])]
+    return "\n".join(lines) + "\n"
