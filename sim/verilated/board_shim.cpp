@@ -63,8 +63,8 @@ int64_t step(Board &board) {
 
 extern "C" {
 
-// A board at power-up, nobody at its buttons; inputs as for wh_board_clock. Null where a model of a
-// cell can't do what the netlist asks for.
+// A board just after power-up, nobody at its buttons; inputs as for wh_board_clock. Null where a
+// model of a cell can't do what the netlist asks for.
 void *wh_board_new(int64_t inputs, int64_t tick_clocks, double watch_step) {
     auto *board = new Board;
     board->tick_clocks = tick_clocks;
@@ -73,6 +73,11 @@ void *wh_board_new(int64_t inputs, int64_t tick_clocks, double watch_step) {
     board->top.a = (inputs >> 1) & 1;
     board->top.b = (inputs >> 2) & 1;
     board->top.eval();
+    // What the pins show before is no conversion.
+    while (board->clocks < kUnset) {
+        step(*board);
+        ++board->clocks;
+    }
     if (!board->context.gotFinish()) return board;
     delete board;
     return nullptr;

@@ -112,6 +112,9 @@ def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:
     levels = _OPEN.get(kind, {})
     unused, settled = _UNUSED.get(kind), _SETTLED.get(kind)
     wired = dict(cell["connections"])
+    if kind == "TRELLIS_COMB" and wired.get("FXA"):
+        # A slice's second half joins pairs; nextpnr says so by the place alone.
+        parameters["IS_Z1"] = "1"
     if kind == "TRELLIS_FF" and str(parameters.get("SD")).strip() == "0":
         # Its data comes past the table, and the library's model has one pin for both.
         wired["DI"] = wired.pop("M")
