@@ -37,7 +37,7 @@ BLOCKS = {
     "wh_round": "test_round.py::test_round[icarus-3-2]",
     "wh_saturate": "test_arithmetic.py::test_every_small_word[icarus]",
     "wh_sense_check": "test_sense_check.py::test_sense_check[icarus]",
-    "wh_setting_group": "test_settings.py::test_settings[icarus-early]",
+    "wh_setting_group": "test_setting_group.py::test_setting_group[icarus-1]",
     "wh_settings": "test_settings.py::test_settings[icarus-early]",
     "wh_settings_ram": "test_settings.py::test_settings[icarus-early]",
     "wh_settings_rom": "test_settings.py::test_settings[icarus-early]",
@@ -93,6 +93,8 @@ LONG = (
     "cocotb_tests/test_wave_core.py::test_wave_core_ports[icarus-1-10]",
     "cocotb_tests/test_wave_core.py::test_wave_core_ports[icarus-3-1]",
     "sim/tests/test_abilities.py::test_a_key_has_an_effect_or_is_said_to_have_none[pins]",
+    "sim/tests/test_board_netlist.py::test_what_is_flashed[icebreaker]",
+    "sim/tests/test_board_netlist.py::test_what_is_flashed[ulx3s]",
     "sim/tests/test_boards.py::test_fresh_synthesis_is_what_the_pages_say[ulx3s]",
     "sim/tests/test_boards.py::test_the_guard_lets_the_boards_own_scene_be[ulx3s]",
     "sim/tests/test_bus.py::test_every_mode_is_scaled[locked-anti-phase]",
@@ -109,6 +111,7 @@ LONG = (
 """Tests that CI leaves out."""
 
 SLOWEST = (
+    "sim/tests/test_board_netlist.py",
     "cocotb_tests/test_netlist.py",
     "cocotb_tests/test_controller.py",
     "cocotb_tests/test_board_clock_watch.py",

@@ -14,7 +14,7 @@ SYNTH_TOOLS = $(if $(filter wheel,$(TOOLCHAIN)),$(READY_SYNTH),$(READY))
 
 BITSTREAMS = $(WITH_TOOLS) .venv/bin/python -m wavehaptics.cli.board_commands
 
-.PHONY: bitstream synth seeds prog flash resources numbers
+.PHONY: bitstream synth seeds prog flash simulate resources numbers
 
 bitstream: $(SYNTH_TOOLS) ## make the bitstream of BOARD=icebreaker, hx8k, ulx3s, ...
 	@$(BITSTREAMS) bitstream "$(BOARD)" --device "$(DEVICE)"
@@ -30,6 +30,9 @@ prog: $(READY) ## load the bitstream of BOARD= with the board's own programmer
 
 flash: $(READY) ## write the bitstream of BOARD= into the board's flash, and verify it
 	@$(BITSTREAMS) flash "$(BOARD)" --device "$(DEVICE)"
+
+simulate: $(SYNTH_TOOLS) ## tap and hold the wall of BOARD='s bitstream, placed netlist and motor in a loop
+	@$(BITSTREAMS) simulate "$(BOARD)" --device "$(DEVICE)"
 
 resources: $(SYNTH_TOOLS) ## count what each block and option costs, a quarter of an hour
 	@$(BITSTREAMS) resources

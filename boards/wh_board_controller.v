@@ -5,13 +5,14 @@
 // The constants are those of wh_board_settings.vh, made from the board's scene: WH_BOARD_PORTS has
 // every word of rtl/words.toml, WH_BOARD_WIRES a wire for each that the controller tells.
 //
-// The gates go on when start_i rises while stop_i is low, and go off when stop_i is high, at a fault
-// of the encoder, when a tick is too short for its work, when a sample of the current reaches
-// WH_BOARD_TRIP, which lies below what clips, at what the guard finds where the board has one, when
+// When start_i rises while stop_i is low, the zero of the currents is measured over 2^ZERO_LOG2 ticks,
+// and then the gates go on. They go off when stop_i is high, at a fault of the encoder, when waves and
+// encoder don't agree, when a tick is too short for its work, when a sample of the current reaches
+// trip, which lies below what clips, at what the guard finds where the board has one, when
 // the clock was lost, and in reset. They stay off until start_i rises again; after a fault, until
-// reset. start_i and stop_i are asynchronous, and believed once they have been still for
-// 2^SETTLE_LOG2 clocks; off needs no patience. What encoder, current and guard say before that time
-// is over, as long as an ADC wakes up, is forgotten.
+// reset. A zero beyond zero_limit is a fault. start_i and stop_i are asynchronous, and believed once
+// they have been still for 2^SETTLE_LOG2 clocks; off needs no patience. What encoder, current and guard
+// say before that time is over, as long as an ADC wakes up, and before a first zero, is forgotten.
 //
 // Without a clock the gates stay as they are. clock_lost_i is what wh_board_clock_watch found, which
 // takes them off the pads; 0 where the board has none. alive_o changes at each tick while the gates
@@ -25,7 +26,8 @@
 `include "wh_board_settings.vh"
 
 module wh_board_controller #(
-    parameter integer SETTLE_LOG2 = 16  // start_i must be still for 2^SETTLE_LOG2 clocks
+    parameter integer SETTLE_LOG2 = 16, // start_i must be still for 2^SETTLE_LOG2 clocks
+    parameter integer ZERO_LOG2   = 10  // ticks of a zero, 2^ZERO_LOG2; 2...16
 ) (
     input  wire                  clk,
     input  wire                  rst,
@@ -77,21 +79,32 @@ module wh_board_controller #(
 
     `WH_BOARD_WIRES
 
-    wire         guarded_fault = |faults;
-    reg          awake_q;        // start_i has been believed once
-    wire         forgets = !awake_q;
+    // The first zero comes unasked, so that what is judged with the gates off has one.
+    reg        starting_q;     // the gates are to go on after this zero
+    reg        measuring_q;
+    reg        zero_start_q;
+    reg        zeroed_q;       // there is a zero
+    reg  [2:0] zero_ticks_q;   // ticks since then: currents of before have passed
+    wire       awake    = zero_ticks_q[2];
+    wire       forgets  = !awake;
+    wire       pressed  = settled && start && !pressed_q;
+    wire       measures = settled && !running_q && (start || !zeroed_q);
+    wire       measured = measuring_q && !zero_start_q && !(|zero_busy);
 
     always @(posedge clk) begin
         if (rst) begin
-            settle_q  <= {SETTLE_LOG2{1'b0}};
-            pressed_q <= 1'b1;
-            running_q <= 1'b0;
-            fault_q   <= 1'b0;
-            awake_q   <= 1'b0;
+            settle_q     <= {SETTLE_LOG2{1'b0}};
+            pressed_q    <= 1'b1;
+            running_q    <= 1'b0;
+            fault_q      <= 1'b0;
+            starting_q   <= 1'b0;
+            measuring_q  <= 1'b0;
+            zero_start_q <= 1'b0;
+            zeroed_q     <= 1'b0;
+            zero_ticks_q <= 3'b000;
         end else begin
-            fault_q <= fault_q || overrun || clock_lost
-                       || (((|encoder_fault) || (|overcurrent) || guarded_fault) && !forgets);
-            awake_q <= awake_q || settled;
+            fault_q <= fault_q || overrun || clock_lost || (|zero_fault) || (|anchor_fault)
+                       || (((|encoder_fault) || (|overcurrent) || (|faults)) && !forgets);
             if (start == pressed_q) begin
                 settle_q <= {SETTLE_LOG2{1'b0}};
             end else begin
@@ -100,10 +113,20 @@ module wh_board_controller #(
                     pressed_q <= start;
                 end
             end
+            zero_start_q <= measures;
+            measuring_q  <= measures || (measuring_q && !measured);
+            zeroed_q     <= zeroed_q || measured;
+            if (tick) begin
+                zero_ticks_q <= {zero_ticks_q[1:0], zeroed_q};
+            end
             if (stop || fault_q) begin
-                running_q <= 1'b0;
-            end else if (settled && start && !pressed_q) begin
-                running_q <= 1'b1;
+                starting_q <= 1'b0;
+                running_q  <= 1'b0;
+            end else if (pressed) begin
+                starting_q <= !running_q;
+            end else if (starting_q && measured && !(|zero_fault)) begin
+                starting_q <= 1'b0;
+                running_q  <= 1'b1;
             end
         end
     end
@@ -133,7 +156,10 @@ module wh_board_controller #(
         .MODES              (`WH_BOARD_MODES),
         .MIN_PULSE          (`WH_BOARD_SHORTEST),
         .EARLY              (`WH_BOARD_EARLY),
-        .ANCHOR             (0),
+        .SHAPER             (`WH_BOARD_SHAPER),
+        .ANCHOR             (`WH_BOARD_ANCHOR),
+        .SENSE              (1),
+        .ZERO_LOG2          (ZERO_LOG2),
         .GUARD              (`WH_BOARD_GUARDED)
     ) controller (
         .clk                (clk),
@@ -150,6 +176,7 @@ module wh_board_controller #(
         .gate_bh_o          (gate_bh_o),
         .gate_bl_o          (gate_bl_o),
         .clear_i            (forgets),
+        .zero_start_i       (zero_start_q),
         `WH_BOARD_PORTS
         .stop_i             (1'b0),
         .driver_fault_i     ({N{1'b0}}),

@@ -8,7 +8,8 @@
 `default_nettype none
 
 module bench_lost_clock #(
-    parameter integer SETTLE_LOG2 = 6
+    parameter integer SETTLE_LOG2 = 6,
+    parameter integer ZERO_LOG2   = 2
 ) (
     input  wire clk,
     input  wire rst,
@@ -51,7 +52,8 @@ module bench_lost_clock #(
     assign bridge_on_o = bridge_ah || bridge_al || bridge_bh || bridge_bl;
 
     wh_board_controller #(
-        .SETTLE_LOG2  (SETTLE_LOG2)
+        .SETTLE_LOG2  (SETTLE_LOG2),
+        .ZERO_LOG2    (ZERO_LOG2)
     ) board_controller (
         .clk          (clk),
         .rst          (rst),

@@ -135,7 +135,7 @@ class Settings:
 
     @property
     def latency(self) -> int:
-        return latency_clocks(self.frame.conversion_clocks, N, SHAPER, bool(EARLY))
+        return latency_clocks(self.frame.conversion_clocks, N, SHAPER, bool(EARLY), bool(ANCHOR))
 
     def gain(self, port: int) -> int:
         return formats.GAIN.to_raw(self.ports[port].gain_a / ((1 << 15) * self.samples))

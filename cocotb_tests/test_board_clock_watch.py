@@ -22,6 +22,6 @@ def test_lost_clock(simulator, monkeypatch):
     (folder / "wh_board_settings.vh").write_text(load_board("ulx3s").header())
     monkeypatch.setenv("WH_BOARD", "ulx3s")
     simulate(
-        simulator, "bench_lost_clock", "tb_lost_clock", {"SETTLE_LOG2": 6},
+        simulator, "bench_lost_clock", "tb_lost_clock", {"SETTLE_LOG2": 6, "ZERO_LOG2": 2},
         name="tb_lost_clock", includes=[folder],
     )  # fmt: skip

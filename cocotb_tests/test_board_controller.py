@@ -13,6 +13,6 @@ def test_board_controller(simulator, name, monkeypatch):
     (folder / "wh_board_settings.vh").write_text(load_board(name).header())
     monkeypatch.setenv("WH_BOARD", name)
     simulate(
-        simulator, "wh_board_controller", "tb_board_controller", {"SETTLE_LOG2": 9},
+        simulator, "wh_board_controller", "tb_board_controller", {"SETTLE_LOG2": 8, "ZERO_LOG2": 2},
         name=f"tb_board_controller-{name}", includes=[folder],
     )  # fmt: skip

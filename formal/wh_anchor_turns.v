@@ -64,7 +64,8 @@ module prove_wh_anchor_turns #(
 
     (* hierconn *) wire [4:0] \block.step_q ;
     (* hierconn *) wire [4:0] \block.adds_q ;
-    (* hierconn *) wire [3:0] \block.give_q ;
+    (* hierconn *) wire [8:0] \block.give_q ;
+    (* hierconn *) wire [2:0] \block.open_q ;
     (* hierconn *) wire       \block.go_q ;
     (* hierconn *) wire       \block.writes_q ;
     (* hierconn *) wire signed [DATA_W-1:0]     \block.voltage_q ;
@@ -112,9 +113,10 @@ module prove_wh_anchor_turns #(
                                && correction == 0 && next == 0 && !request);
             assert (busy == (step != 5'd0 || (\block.go_q && \block.adds_q == 5'd27)));
             assert (step <= 5'd27);
+            assert (\block.open_q == {step > 5'd18, step > 5'd5, step > 5'd0});
             // Each step waits for its own product, and none is lost or taken for another.
             if (in_turn) begin
-                assert (\block.give_q == used + coming);
+                assert (\block.give_q == 9'd1 << (used + coming));
                 assert (!way[2] || waits);
                 assert (stall <= (waits ? 6'd3 + PATIENCE : 6'd0));
             end else begin

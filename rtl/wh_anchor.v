@@ -51,8 +51,8 @@ module wh_anchor (
 
     // The shared multiplier.
     output wire                               request_o,
-    output reg  signed [`WH_DATA_W-1:0]       factor_o,
-    output reg  signed [`WH_COEF_W-1:0]       coefficient_o,
+    output wire signed [`WH_DATA_W-1:0]       factor_o,
+    output wire signed [`WH_COEF_W-1:0]       coefficient_o,
     input  wire                               grant_i,
     input  wire                               done_i,        // strobe
     input  wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_i,
@@ -117,7 +117,7 @@ module wh_anchor (
     reg                      contact_q;
     reg                      begins_q;    // the contact
     reg                      back_q;      // direction of the last edge
-    reg [REST_W-1:0]         ticks_q;     // within a unit of rest
+    reg [REST_W-1:0]         ticks_q;     // left of a unit of rest
     reg [UNIT_W-1:0]         units_q;     // since the last edge the same way as the one before
     reg [4:0]                phase_q;     // ticks, modulo 32
 
@@ -127,7 +127,7 @@ module wh_anchor (
     wire                     back     = moved_q[MOVE_W-1];
     wire                     one      = back ? (&moved_q) : (moved_q[MOVE_W-1:1] == 0);
     wire                     same_way = moves && (back == back_q || !one);
-    wire                     unit     = ({1'b0, ticks_q} + 1'b1 >= {1'b0, rest_ticks});
+    wire                     unit     = (ticks_q[REST_W-1:1] == 0);
 
     always @(posedge clk) begin
         if (rst) begin
@@ -136,7 +136,7 @@ module wh_anchor (
             contact_q <= 1'b0;
             begins_q  <= 1'b0;
             back_q    <= 1'b0;
-            ticks_q   <= {REST_W{1'b0}};
+            ticks_q   <= rest_ticks;
             units_q   <= {UNIT_W{1'b1}};
             phase_q   <= 5'd0;
         end else begin
@@ -149,7 +149,7 @@ module wh_anchor (
             end
             if (start_q) begin
                 back_q  <= moves ? back : back_q;
-                ticks_q <= (same_way || unit) ? {REST_W{1'b0}} : ticks_q + 1'b1;
+                ticks_q <= (same_way || unit) ? rest_ticks : ticks_q - 1'b1;
                 if (same_way) begin
                     units_q <= {UNIT_W{1'b0}};
                 end else if (unit && !(&units_q)) begin
@@ -456,37 +456,42 @@ module wh_anchor (
     // come one after the other, as its steps do, and so that none comes before its step: the first
     // step is as many clocks from where they are asked for as a product takes, or more. No step before
     // the first run takes a product, so none that was asked for before a reset is taken for another.
-    localparam [3:0] G_ZERO = 0, G_CURRENT = 1, G_OWED = 2, G_U = 3, G_V = 4, G_LEARN = 5,
-                     G_PULL = 6, G_DAMP = 7, G_DONE = 8;
+    localparam integer G_ZERO = 0, G_CURRENT = 1, G_OWED = 2, G_U = 3, G_V = 4, G_LEARN = 5,
+                       G_PULL = 6, G_DAMP = 7, G_DONE = 8;
 
-    reg        [3:0]        give_q;
-    reg signed [DATA_W-1:0] pull_q;   // s31q16 cells: p
-    reg signed [DATA_W-1:0] swing_q;  // s31q16 cells
-    reg                     small_q;  // it is a swing, and no move
+    reg        [G_DONE:0]   give_q;         // one of them
+    reg        [2:0]        open_q;         // runs that may be asked for
+    reg                     kept_q;         // factor_q is p
+    reg signed [DATA_W-1:0] factor_q;       // of give_q, but for G_ZERO's and G_DAMP's
+    reg signed [COEF_W-1:0] coefficient_q;  // of give_q, but for G_ZERO's
+    reg signed [DATA_W-1:0] swing_q;        // s31q16 cells
+    reg                     small_q;        // it is a swing, and no move
 
-    assign request_o = (step_q >= REACH && give_q <= G_CURRENT) || (step_q >= SWING && give_q <= G_V)
-                       || (step_q >= LAG && give_q < G_DONE);
+    assign request_o = (open_q[0] && (|give_q[G_CURRENT:G_ZERO])) || (open_q[1] && (|give_q[G_V:G_OWED]))
+                       || (open_q[2] && (|give_q[G_DAMP:G_LEARN]));
 
-    always @* begin
-        case (give_q)
-            G_ZERO:    factor_o = next_q;
-            G_CURRENT: factor_o = current_i;
-            G_OWED:    factor_o = withheld_i;
-            G_U:       factor_o = u_i;
-            G_V:       factor_o = v_i;
-            G_DAMP:    factor_o = swing_q;
-            default:   factor_o = pull_q;
-        endcase
-        case (give_q)
-            G_ZERO:    coefficient_o = contact_q ? room_gain : zero_gain;
-            G_CURRENT: coefficient_o = cells_gain;
-            G_OWED:    coefficient_o = saturated_q ? owed_gain : flux_gain;
-            G_U,
-            G_V:       coefficient_o = flux_gain;
-            G_LEARN:   coefficient_o = learn_gain;
-            G_PULL:    coefficient_o = pull_gain;
-            default:   coefficient_o = damp_gain;
-        endcase
+    // The operands are chosen a clock ahead, as the way to the multiplier is long enough; G_ZERO's are
+    // there too late for that. p = s31q16 cells, which is there just in time, is G_LEARN's and
+    // G_PULL's factor.
+    wire [G_DONE:0] give_next = (request_o && grant_i) ? {give_q[G_DONE-1:0], 1'b0} : give_q;
+    wire            placed    = go_q && adds_q == PLACE;
+
+    assign factor_o      = give_q[G_ZERO] ? next_q : give_q[G_DAMP] ? swing_q : factor_q;
+    assign coefficient_o = !give_q[G_ZERO] ? coefficient_q : contact_q ? room_gain : zero_gain;
+
+    always @(posedge clk) begin
+        kept_q <= !rst && !accepts && (kept_q || placed);
+        if (!kept_q) begin
+            factor_q <= placed               ? $signed(sum_q[LONG_W-1:CUT])
+                      : give_next[G_CURRENT] ? current_i
+                      : give_next[G_OWED]    ? withheld_i
+                      : give_next[G_U]       ? u_i : v_i;
+        end
+        coefficient_q <= give_next[G_CURRENT]                  ? cells_gain
+                       : give_next[G_OWED] && saturated_q      ? owed_gain
+                       : (|give_next[G_V:G_OWED])              ? flux_gain
+                       : give_next[G_LEARN]                    ? learn_gain
+                       : give_next[G_PULL]                     ? pull_gain : damp_gain;
     end
 
     // ---- What has a meaning within a step only.
@@ -505,7 +510,6 @@ module wh_anchor (
                     out_q      <= out;
                     negative_q <= back_sum;
                 end
-                PLACE:     pull_q <= $signed(sum_q[LONG_W-1:CUT]);
                 CLIP:      negative_q <= back_sum;
                 default: ;
             endcase
@@ -525,7 +529,8 @@ module wh_anchor (
             busy_q       <= 1'b0;
             first_q      <= 1'b1;
             tracked_q    <= 1'b0;
-            give_q       <= G_ZERO;
+            give_q       <= {{G_DONE{1'b0}}, 1'b1};
+            open_q       <= 3'b000;
             overrun_o    <= 1'b0;
             clipped_q    <= 1'b0;
             fault_o      <= 1'b0;
@@ -542,17 +547,19 @@ module wh_anchor (
             go_q <= fetches;
             if (fetches) begin
                 step_q <= (step_q == CHOOSE) ? BEGIN : step_q + 5'd1;
+                open_q <= (step_q == CHOOSE)  ? 3'b000
+                        : (step_q == BEGIN)   ? 3'b001
+                        : (step_q == CURRENT) ? 3'b011
+                        : (step_q == X_HAT)   ? 3'b111 : open_q;
             end
             if (accepts) begin
                 busy_q <= 1'b1;
-                give_q <= G_ZERO;
+                give_q <= {{G_DONE{1'b0}}, 1'b1};
             end else begin
                 if (ends) begin
                     busy_q <= 1'b0;
                 end
-                if (request_o && grant_i) begin
-                    give_q <= give_q + 4'd1;
-                end
+                give_q <= give_next;
             end
             if (go_q) begin
                 case (adds_q)

@@ -21,7 +21,7 @@
 // clock after the sample's phase: sample_lead_i = -1 samples in the pulse's middle, and half the
 // dead time less samples in the middle of what dead time makes of the pulse. The last sample
 // of a tick reaches the gates with the next tick that ends
-//     conversion + 14 + (24 + 5 SHAPER) N + 2 (N - 1) clocks
+//     conversion + 14 + (24 + 5 SHAPER) N + 2 (N - 1) + ANCHOR clocks
 // after its sample strobe or later, conversion being the reader's own latency (latency_clocks in
 // sim/wavehaptics/controller/pins_timing.py).
 // With EARLY = 1 it is conversion + 10 clocks, for a conversion of 18 clocks or more and a tick of
@@ -771,6 +771,8 @@ module wh_controller #(
 
             wire              anchor_busy;
             wire [DATA_W-1:0] next_correction;
+            wire              driven_valid;
+            wire [DATA_W-1:0] driven;
 
             assign anchor_reads[n] = anchor_busy || waves[n];
 
@@ -789,6 +791,18 @@ module wh_controller #(
                 );
 
                 assign voltage_o[n*DATA_W +: DATA_W] = voltage;
+
+                // The sum and what chooses the multiplier's user are too much for one clock.
+                reg                driven_valid_q;
+                reg  [DATA_W-1:0]  driven_q;
+
+                assign driven_valid = driven_valid_q;
+                assign driven       = driven_q;
+
+                always @(posedge clk) begin
+                    driven_valid_q <= core_valid_o && !drive_rst;
+                    driven_q       <= voltage;
+                end
 
                 // The position that belongs to the contact, until the port's turn: the anchor may still
                 // be at the step before when the core starts. One limit for a step, which takes room
@@ -842,6 +856,8 @@ module wh_controller #(
                 wire unused_anchor = &{1'b0, anchor_rst, waves[n], withheld[n*DATA_W +: DATA_W],
                                        anchor_words_i[n*`WH_ANCHOR_W +: `WH_ANCHOR_W]};
 
+                assign driven_valid                     = core_valid_o;
+                assign driven                           = wave_voltage[n*DATA_W +: DATA_W];
                 assign voltage_o[n*DATA_W +: DATA_W]    = wave_voltage[n*DATA_W +: DATA_W];
                 assign correction_o[n*DATA_W +: DATA_W] = {DATA_W{1'b0}};
                 assign offset_o[n*DATA_W +: DATA_W]     = {DATA_W{1'b0}};
@@ -972,8 +988,8 @@ module wh_controller #(
             ) modulator (
                 .clk               (clk),
                 .rst               (drive_rst),
-                .valid_i           (core_valid_o),
-                .voltage_i         (voltage_o[n*DATA_W +: DATA_W]),
+                .valid_i           (driven_valid),
+                .voltage_i         (driven),
                 .clocks_per_volt_i (clocks_per_volt[n*COEF_W +: COEF_W]),
                 .half_clocks_i     (half_clocks_i),
                 .second_order_i    (second_order_i),

@@ -39,20 +39,33 @@ module wh_multiply_shared #(
         end
     endgenerate
 
-    // The lowest bit that is set.
-    assign grant_o = request_i & ~(request_i - {{USERS-1{1'b0}}, 1'b1});
+    // The lowest bit that is set, by what is below each: a difference would be a carry chain, which is
+    // slower than the few gates.
+    genvar user;
+    generate
+        for (user = 0; user < USERS; user = user + 1) begin : turn
+            if (user == 0) begin : first
+                assign grant_o[user] = request_i[user];
+            end else begin : later
+                assign grant_o[user] = request_i[user] && !(|request_i[user-1:0]);
+            end
+        end
+    endgenerate
 
     reg [`WH_DATA_W-1:0] data;
     reg [`WH_COEF_W-1:0] coef;
 
     integer n;
 
+    // The last user's, where no other asks: what it takes to know that it asks delays no operand.
     always @* begin
-        data = {`WH_DATA_W{1'b0}};
-        coef = {`WH_COEF_W{1'b0}};
-        for (n = 0; n < USERS; n = n + 1) begin
-            data = data | (data_i[n*`WH_DATA_W +: `WH_DATA_W] & {`WH_DATA_W{grant_o[n]}});
-            coef = coef | (coef_i[n*`WH_COEF_W +: `WH_COEF_W] & {`WH_COEF_W{grant_o[n]}});
+        data = data_i[(USERS-1)*`WH_DATA_W +: `WH_DATA_W];
+        coef = coef_i[(USERS-1)*`WH_COEF_W +: `WH_COEF_W];
+        for (n = USERS - 2; n >= 0; n = n - 1) begin
+            if (request_i[n]) begin
+                data = data_i[n*`WH_DATA_W +: `WH_DATA_W];
+                coef = coef_i[n*`WH_COEF_W +: `WH_COEF_W];
+            end
         end
     end
 

@@ -10,7 +10,7 @@
 // and measured_o tells that there is one.
 //
 // Formats: words s16, zero s24 as wh_current takes it, rounded to the nearest, halves away from
-// zero. Latency: done_o comes 2 clocks after the first word of the tick that follows.
+// zero. Latency: done_o comes 3 clocks after the first word of the tick that follows.
 // Reset: no zero, no fault.
 
 `default_nettype none
@@ -47,7 +47,7 @@ module wh_zero #(
     endgenerate
 
     reg                           running_q;  // a tick of the measurement has begun
-    reg                           closing_q;
+    reg        [1:0]              closing_q;  // the last word has come: rounding, limit
     reg signed [TOTAL_W-1:0]      total_q;
     reg        [LOG2_TICKS-1:0]   ticks_q;    // whole ticks in total_q
 
@@ -55,22 +55,21 @@ module wh_zero #(
     wire                      begins = valid_i && first_i && !running_q;
     wire                      ends   = valid_i && first_i && running_q && (ticks_q == LAST);
 
-    // 2^LOG2_TICKS sums of 24 bits: the quotient has 24 bits, and one for the rounding.
-    wire signed [`WH_SUM_W:0]   mean;
-    wire        [`WH_SUM_W:0]   size = mean[`WH_SUM_W] ? -mean : mean;
-    wire                        good = (size <= {2'b00, limit_i});
+    // One adder. A half, or for a negative total a last place less, and what floor leaves of that is
+    // the nearest word, halves away from zero.
+    wire signed [TOTAL_W-1:0] half = {{TOTAL_W-LOG2_TICKS+1{1'b0}}, {LOG2_TICKS-1{1'b1}}};
+    wire                      up   = closing_q[0] && !total_q[TOTAL_W-1];
+    wire signed [TOTAL_W-1:0] sum  = (begins ? {TOTAL_W{1'b0}} : total_q)
+                                   + (closing_q[0] ? half : sample)
+                                   + $signed({{TOTAL_W-1{1'b0}}, up});
 
-    wh_round #(
-        .IN_W    (TOTAL_W),
-        .SHIFT   (LOG2_TICKS)
-    ) round (
-        .value_i (total_q),
-        .value_o (mean)
-    );
+    wire signed [`WH_SUM_W-1:0] mean  = total_q[TOTAL_W-1:LOG2_TICKS];
+    wire signed [`WH_SUM_W-1:0] limit = {1'b0, limit_i};
+    wire                        good  = (mean <= limit) && (mean >= -limit);
 
     always @(posedge clk) begin
         done_o    <= 1'b0;
-        closing_q <= 1'b0;
+        closing_q <= {closing_q[0], 1'b0};
         if (rst) begin
             busy_o     <= 1'b0;
             running_q  <= 1'b0;
@@ -79,31 +78,34 @@ module wh_zero #(
             fault_o    <= 1'b0;
             total_q    <= {TOTAL_W{1'b0}};
             ticks_q    <= {LOG2_TICKS{1'b0}};
+            closing_q  <= 2'b00;
         end else if (start_i) begin
             busy_o     <= 1'b1;
             running_q  <= 1'b0;
+            closing_q  <= 2'b00;
         end else if (busy_o && !bridge_off_i) begin
             busy_o     <= 1'b0;
+            closing_q  <= 2'b00;
             done_o     <= 1'b1;
             fault_o    <= 1'b1;
-        end else if (closing_q) begin
+        end else if (closing_q[1]) begin
             busy_o     <= 1'b0;
             done_o     <= 1'b1;
             fault_o    <= !good;
             if (good) begin
-                zero_o     <= mean[`WH_SUM_W-1:0];
+                zero_o     <= mean;
                 measured_o <= 1'b1;
             end
+        end else if (closing_q[0]) begin
+            total_q <= sum;
         end else if (busy_o && valid_i) begin
-            if (begins) begin
+            if (ends) begin
+                closing_q[0] <= 1'b1;
+            end else if (begins || running_q) begin
                 running_q <= 1'b1;
-                total_q   <= sample;
-                ticks_q   <= {LOG2_TICKS{1'b0}};
-            end else if (ends) begin
-                closing_q <= 1'b1;
-            end else if (running_q) begin
-                total_q   <= total_q + sample;
-                ticks_q   <= ticks_q + {{LOG2_TICKS-1{1'b0}}, first_i};
+                total_q   <= sum;
+                ticks_q   <= begins ? {LOG2_TICKS{1'b0}}
+                                    : ticks_q + {{LOG2_TICKS-1{1'b0}}, first_i};
             end
         end
     end

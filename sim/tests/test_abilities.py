@@ -267,8 +267,23 @@ def test_a_board_refuses_what_its_bitstream_has_not(tmp_path: Path) -> None:
     toml = (board.root / board.folder / "board.toml").read_text()
     path = tmp_path / "board.toml"
     path.write_text(toml)
-    for settings in (("controller.edge_hysteresis=true",), SPRING, ("servo.rate_hz=1000",)):
+    for settings in (("drive.bus_measured=true",), ("servo.rate_hz=1000",)):
         asking = replace(board, scene=load_scene(path, settings))
         with pytest.raises(SceneError, match="is not for `a board`"):
             asking.words()
     assert replace(board, scene=load_scene(path)).words().words == board.words().words
+    asking = replace(board, scene=load_scene(path, ("controller.edge_hysteresis=true",)))
+    assert asking.words().words["edge_hysteresis"] == 1
+
+
+def test_a_board_has_the_w_that_its_scene_asks_for() -> None:
+    """Its words in the header are those that `pins` gets, with the walls that feel so."""
+    board = load_board("ulx3s")
+    asking = ("controller.extra_ticks=3", *SPRING)
+    scene = load_scene(board.root / board.folder / "board.toml", asking)
+    words = replace(board, scene=scene).words()
+    shaper = words.ports.settings.shaper.words
+    assert words.words["shape_coefficient"] == shaper[:, :9].ravel().tolist()
+    header = replace(board, scene=scene).header()
+    assert f"`define WH_BOARD_SHAPER {len(shaper)}\n" in header
+    assert ".wall_shaped_i ({1'h1})," in header

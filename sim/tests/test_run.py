@@ -172,7 +172,7 @@ def test_a_part_read_wrong_is_felt(monkeypatch, tmp_path: Path):
             scene, lambda clock_hz, _: adcs.frame(wrong, clock_hz), **options
         ),
     )  # fmt: skip
-    monkeypatch.setattr(pins, "_wire", lambda scene, frame: (64 - 14, 0))
+    monkeypatch.setattr(pins, "wire", lambda part, frame: (64 - 14, 0))
     metrics = run_scene(scene, "pins", tmp_path)
     assert metrics["torque_nrmse_vs_analog"] > 0.1
 

@@ -87,6 +87,8 @@ def test_words_side_by_side_are_where_the_rtl_takes_them():
 def test_a_boards_words_make_sense(name):
     words = load_board(name).words().words
     assert len(words) > 30
+    packed = words.pop("anchor_words")  # of all words of its port
+    assert packed >> table.port_width(table.ports()["anchor_words"], Sizes()) == 0
     for key, raw in words.items():
         low, high = WORDS[key].range
         if key not in ("extra_ticks", "hold_ticks"):  # as many as the board's delay line counts

@@ -114,6 +114,32 @@ def flash(board: BoardArgument, device: DeviceOption = None) -> None:
     _programmer(board, device, flash=True)
 
 
+@app.command()
+def simulate(board: BoardArgument, device: DeviceOption = None) -> None:
+    """Run the netlist of a board's bitstream with a motor: a tap on its wall, and a hold."""
+    from wavehaptics.cli.shared import metrics_table, shown_progress
+    from wavehaptics.fpga import board_runs, board_simulation
+    from wavehaptics.ladder.verilated import BuildError
+
+    try:
+        chosen = load_board(board, device or None)
+        typer.echo(f"{board}: building the netlist of build/synth/{board}, a few minutes")
+        built = board_simulation.build(chosen, Toolchain.of_environment())
+        scenes = {"tap": board_runs.tap(chosen)}
+        if chosen.scene.controller.anchored:
+            scenes["hold"] = board_runs.hold(chosen)
+        out = chosen.root / board_simulation.OUT / board
+        out.mkdir(parents=True, exist_ok=True)
+        for name, scene in scenes.items():
+            with shown_progress(name) as progress:
+                found = board_runs.run(built, scene, out, name, progress)
+            shown = {key: found[key] for key in board_runs.SHOWN if key in found}
+            typer.echo(f"{name}:\n{metrics_table(shown)}")
+            typer.echo(str((out / f"{name}.png").relative_to(chosen.root)))
+    except (*_ERRORS, BuildError) as error:
+        _fail(error)
+
+
 @app.command("resources")
 def count_resources() -> None:
     """Count what each block and option costs, into build/synth/resources.json."""

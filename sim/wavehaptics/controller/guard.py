@@ -95,10 +95,10 @@ class Limits(NamedTuple):
 
 BOARD_FAULTS = (
     Fault.CURRENT, Fault.ADC_STUCK, Fault.ADC_RANGE, Fault.ZERO, Fault.ENCODER, Fault.LOST,
-    Fault.HEAT, Fault.SETTING, Fault.OVERRUN,
+    Fault.HEAT, Fault.SETTING, Fault.OVERRUN, Fault.ANCHOR,
 )  # fmt: skip
-"""What a board watches: it has no host, no driver's fault pin, no measured bus and no anchor, and a
-stop of its own."""
+"""What a board watches: it has no host, no driver's fault pin and no measured bus, and its own
+stop."""
 
 CURRENT_OF_SCALE = 0.9
 """Current limit of a board that names none, in parts of its ADC's scale."""

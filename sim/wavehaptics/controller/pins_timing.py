@@ -33,20 +33,24 @@ ANCHOR_CLOCKS = 29
 CURRENT_CLOCKS = 6
 """Clocks from a tick's last word to its mean current, ``wh_current``."""
 
+CORRECTION_CLOCKS = 1
+"""Clocks that it takes to add the anchor's voltage."""
+
 DUTY_CLOCKS = 8
 """Clocks from a step's voltage to the soonest tick that it can drive, ``wh_modulator``."""
 
 
 def latency_clocks(
-    conversion_clocks: int, ports: int = 1, sections: int = 0, early: bool = False
-) -> int:
+    conversion_clocks: int, ports: int = 1, sections: int = 0, early: bool = False,
+    anchored: bool = False,
+) -> int:  # fmt: skip
     """Clocks from a sample strobe to the soonest tick strobe after which its voltage is driven.
 
     ``conversion_clocks`` are the ADC reader's from the strobe to the word
     (:attr:`wavehaptics.parts.adcs.Frame.conversion_clocks`). Then come the mean current, the wave
     core's step for each port, and the duty; currents and duties of several ports pass one
     multiplier in turn. ``sections`` are those of W, SHAPER. The strobe meant is the carrier's that
-    brings the tick's last word. ``early`` is ``wh_controller``'s EARLY.
+    brings the tick's last word. ``early`` is ``wh_controller``'s EARLY, ``anchored`` its ANCHOR.
     """
     if early:
         return conversion_clocks + EARLY_CLOCKS
@@ -55,6 +59,7 @@ def latency_clocks(
         conversion_clocks
         + CURRENT_CLOCKS + in_turn
         + (CORE_CLOCKS + SECTION_CLOCKS * sections) * ports
+        + CORRECTION_CLOCKS * anchored
         + DUTY_CLOCKS + in_turn
     )  # fmt: skip
 

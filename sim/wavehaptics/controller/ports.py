@@ -128,6 +128,10 @@ def _min_pulse(scene: Scene, time: Timing) -> int:
     """Clocks that a leg stays, so that its gate is on for the scene's time after the dead time."""
     if not scene.drive or not scene.drive.min_pulse_s:
         return 0
+    # A gate is on for a whole clock or not at all: no rule is needed where that is long enough,
+    # with as much again for what the way to the gate takes from it.
+    if 2 * scene.drive.min_pulse_s * time.clock_hz <= 1.0:
+        return 0
     # A part in 1e9 of a clock is the floats'.
     clocks = math.ceil(scene.drive.min_pulse_s * time.clock_hz - 1e-9)
     clocks += dead_clocks(scene, time.clock_hz)

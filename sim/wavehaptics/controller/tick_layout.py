@@ -106,13 +106,13 @@ def scene_frame(scene: Scene) -> FrameAt:
 
 def natural_ticks(
     tick_clocks: int, samples: int, lead: int, frame: Frame, ports: int = 1, sections: int = 0,
-    early: bool = False,
+    early: bool = False, anchored: bool = False,
 ) -> int:  # fmt: skip
     """Whole ticks from a tick's end until the voltage made of its samples can be driven."""
     sample_clocks = tick_clocks // samples
     last_sample = tick_clocks - sample_clocks + sample_clocks // 2 - lead
     word_strobe = last_sample + frame.pipeline * sample_clocks
-    latency = latency_clocks(frame.conversion_clocks, ports, sections, early)
+    latency = latency_clocks(frame.conversion_clocks, ports, sections, early, anchored)
     return (word_strobe + latency) // tick_clocks
 
 
@@ -130,10 +130,12 @@ def sample_lead(made: Frame, pulse_delay: int) -> int:
     return made.cycle_clocks // 2 - periods * made.bit_clocks
 
 
-def _soonest(tick_clocks: int, made: Frame, lead: int, sections: int, early: bool) -> int:
+def _soonest(
+    tick_clocks: int, made: Frame, lead: int, sections: int, early: bool, anchored: bool
+) -> int:
     """Fewest ticks of latency that the ADC allows."""
     samples = tick_clocks // made.cycle_clocks if made.osr else 1
-    return natural_ticks(tick_clocks, samples, lead, made, 1, sections, early)
+    return natural_ticks(tick_clocks, samples, lead, made, 1, sections, early, anchored)
 
 
 def _check_early(scene: Scene, tick_clocks: int, made: Frame) -> None:
@@ -245,7 +247,8 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
     early = control.early_duty
     if early:
         _check_early(scene, tick_clocks, made)
-    soonest = _soonest(tick_clocks, made, lead, sections, early)
+    anchored = control.anchored
+    soonest = _soonest(tick_clocks, made, lead, sections, early, anchored)
     if "extra_ticks" not in control.model_fields_set:
         extra = soonest if early else max(extra, soonest)
     # A voltage that has to wait is made in turn.
@@ -263,14 +266,14 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             and (
                 parts % n == 0
                 and tick_clocks // n >= made.cycle_clocks
-                and natural_ticks(tick_clocks, n, lead, made, 1, sections, early) <= extra
+                and natural_ticks(tick_clocks, n, lead, made, 1, sections, early, anchored) <= extra
             )
         )
     )
     if made.osr:
         samples = tick_clocks // made.cycle_clocks
-    natural = natural_ticks(tick_clocks, samples, lead, made, 1, sections, early)
-    latency = latency_clocks(made.conversion_clocks, 1, sections, early)
+    natural = natural_ticks(tick_clocks, samples, lead, made, 1, sections, early, anchored)
+    latency = latency_clocks(made.conversion_clocks, 1, sections, early, anchored)
     if extra < natural:
         late = " and a sample" if made.pipeline else ""
         raise SceneError(

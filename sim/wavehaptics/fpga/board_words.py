@@ -9,9 +9,10 @@ leave open has its default of ``rtl/words.toml``.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from wavehaptics.controller import guard
-from wavehaptics.controller.pins_timing import CORE_CLOCKS, early_tick_clocks
+from wavehaptics.controller.pins_timing import CORE_CLOCKS, SECTION_CLOCKS, early_tick_clocks
 from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.controller.tick_layout import natural_ticks
 from wavehaptics.ladder.abilities import refuse
@@ -20,7 +21,10 @@ from wavehaptics.scene import Scene, SceneError
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.words.generated import LICENCE, connections
-from wavehaptics.words.table import Sizes, Values
+from wavehaptics.words.table import WORDS, Sizes, Values
+
+ZERO_A = 0.1
+"""Offset of the current beyond which a board's sensor isn't what the scene says."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +35,7 @@ class BoardWords:
     """
 
     ports: Ports
-    words: dict[str, int]
+    words: dict[str, Any]
     motors: int
     delay_log2: int
     guard: int | None
@@ -45,13 +49,15 @@ class BoardWords:
 
 def board_words(
     scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False,
-    pad_registers: bool = False, trip_a: float | None = None,
+    pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
+    delay_log2: int = 1,
 ) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
 
     ``pad_registers`` are those of :func:`wavehaptics.parts.adcs.frame`; a current of ``trip_a``
-    takes the gates off. :class:`SceneError` where the scene's ADC isn't the part, or its clock or
-    tick doesn't suit it.
+    takes the gates off, and an offset of more than ``zero_a`` is a fault. :class:`SceneError` where
+    the scene's ADC isn't the part, or its clock or tick doesn't suit it. The delay line has
+    2^``delay_log2`` steps or more.
     """
     refuse(scene, "a board")
     if scene.adc is None or scene.adc.bits != part.bits:
@@ -59,12 +65,25 @@ def board_words(
     if scene.adc.part not in (None, part.name):
         raise SceneError(f"{_at(scene)}the board's ADC is an {part.name}; set adc.part so")
     ports = controller_ports(scene, lambda clock_hz, _: frame(part, clock_hz, pad_registers))
-    words = dict(ports.words, hold_ticks=_hold_ticks(scene, ports, motors))
+    words = {
+        **ports.words, **_each_motor(ports.settings.words(), motors),
+        "hold_ticks": _hold_ticks(scene, ports, motors),
+        "zero_limit": min(
+            round(zero_a / formats.GAIN.to_value(ports.words["gain"])),
+            WORDS["zero_limit"].fixed.raw_max,
+        ),
+    }  # fmt: skip
     if trip_a is not None:
         words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
-    delay_log2 = max(1, words["extra_ticks"].bit_length())
+    delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
     word = _guard(scene, ports, trip_a) if guarded else None
     return BoardWords(ports, words, motors, delay_log2, word)
+
+
+def _each_motor(words: Values, motors: int) -> dict[str, Any]:
+    """Those of one motor, for ``motors`` of them."""
+    return {name: word if isinstance(word, int) else [*word] * motors
+            for name, word in words.items()}  # fmt: skip
 
 
 def _guard(scene: Scene, ports: Ports, trip_a: float | None) -> int:
@@ -79,9 +98,11 @@ def _at(scene: Scene) -> str:
 def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
     """Ticks that a voltage waits, so that the latency is the scene's ``extra_ticks``."""
     laid, lead = ports.timing, ports.words["sample_lead"] - ports.words["sample_late"]
+    sections = len(ports.settings.shaper.words)
     natural = natural_ticks(
-        laid.tick_clocks, laid.samples, lead, laid.frame, motors, early=laid.early
-    )
+        laid.tick_clocks, laid.samples, lead, laid.frame, motors, sections, laid.early,
+        ports.settings.anchored,
+    )  # fmt: skip
     extra = ports.settings.extra_ticks
     if extra < natural:
         raise SceneError(
@@ -90,7 +111,7 @@ def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
             f"{natural} or more"
         )
     early = early_tick_clocks(motors, ports.settings.anchored)
-    needed = early if laid.early else CORE_CLOCKS * motors
+    needed = early if laid.early else (CORE_CLOCKS + SECTION_CLOCKS * sections) * motors
     if needed > laid.tick_clocks:
         raise SceneError(
             f"{_at(scene)}a tick of {laid.tick_clocks} clocks is shorter than the "
@@ -102,6 +123,8 @@ def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
 def verilog_header(board: BoardWords, source: str) -> str:
     """Text of ``wh_board_settings.vh``; ``source`` is named in it as where the numbers are from."""
     words, timing = board.words, board.ports.timing
+    sections = len(board.ports.settings.shaper.words)
+    shaped = board.ports.settings.shaped.tolist()
     hardware = {
         "N": board.motors,
         "WALLS": board.walls,
@@ -109,13 +132,16 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "SHORTEST": int(words["min_pulse"] > 0),
         "DELAY_LOG2": board.delay_log2,
         "EARLY": int(timing.early),
+        "SHAPER": sections,
+        "ANCHOR": int(board.ports.settings.anchored),
         "GUARDED": int(board.guard is not None),
     }
-    sizes = Sizes(board.motors, board.walls, 0, board.delay_log2)
+    sizes = Sizes(board.motors, board.walls, sections, board.delay_log2)
     values: Values = {
         **words,
         "guard": board.guard or 0,
         **board.ports.wall_words(board.walls, board.motors),
+        "wall_shaped": [*shaped, *[0] * (board.walls - len(shaped))] * board.motors,
     }
     return "\n".join(
         [
@@ -123,6 +149,6 @@ def verilog_header(board: BoardWords, source: str) -> str:
             "",
             *(f"`define WH_BOARD_{name} {value}" for name, value in hardware.items()),
             "",
-            connections("WH_BOARD", sizes, values, driven=("clear",)),
+            connections("WH_BOARD", sizes, values, driven=("clear", "zero_start")),
         ]
     )

@@ -23,6 +23,11 @@ from wavehaptics.scene import Scene, load_scene
 CONSTRAINT_SUFFIX = {"ice40": ".pcf", "ecp5": ".lpf"}
 
 
+_DELAY_LOG2 = {"ice40": 6, "ecp5": 1}
+"""Steps that a board's delay line has at least, 2 to the power of this: so many make a memory of
+it, where flip-flops are scarce."""
+
+
 class BoardError(ValueError):
     """A board that can't be read. The message is one line: where, what is wrong."""
 
@@ -48,7 +53,8 @@ class Bridge(_Table):
 class Sense(_Table):
     """The current's way to the ADC: shunt, amplifier with its reference at half its supply.
 
-    The output ends ``swing_v`` before either rail; ``trip_a`` takes the gates off.
+    The output ends ``swing_v`` before either rail; ``trip_a`` takes the gates off, and at 0 A the
+    ADC may read up to ``zero_a``, which is measured before the gates go on.
     """
 
     amplifier: str
@@ -57,6 +63,7 @@ class Sense(_Table):
     shunt_ohm: float = Field(gt=0)
     gain: float = Field(gt=0)
     trip_a: float = Field(gt=0)
+    zero_a: float = Field(gt=0)
 
     @property
     def full_scale_a(self) -> float:
@@ -121,6 +128,7 @@ class Board:
         return board_words(
             self.scene, PARTS[self.fpga.adc], self.fpga.motors, guarded=self.fpga.guard,
             pad_registers=self.fpga.pad_registers, trip_a=self.fpga.sense.trip_a,
+            zero_a=self.fpga.sense.zero_a, delay_log2=_DELAY_LOG2[self.fpga.family],
         )  # fmt: skip
 
     def header(self) -> str:

@@ -39,6 +39,9 @@ OSCILLATOR_TOLERANCE = 0.30
 PLACERS = {"ice40": "nextpnr-ice40", "ecp5": "nextpnr-ecp5"}
 PACKERS = {"ice40": "icepack", "ecp5": "ecppack"}
 BITSTREAM_SUFFIX = {"ice40": ".bin", "ecp5": ".bit"}
+PLACED_NETLIST = "-placed.json"
+"""End of the name of the netlist as it was placed, which :mod:`wavehaptics.fpga.placed` reads."""
+
 _DELAYS = "delays.sdf"
 _PLACED_SUFFIX = {"ice40": ".asc", "ecp5": ".config"}
 
@@ -116,6 +119,12 @@ class Result:
     tools: dict[str, str]
     pads: dict[str, Any] | None = None
     """Round trip of the ADC, dead time and the gates' skew; None for a design that is no board."""
+    anchor: bool = False
+    guard: bool = False
+    zero: bool = False
+    """Whether the current's zero is measured before the gates go on."""
+    settings: bool = False
+    """Whether settings can be changed without another bitstream."""
 
 
 def board_design(board: Board, out: Path) -> Design:
@@ -152,15 +161,16 @@ def bitstream_path(board: Board) -> Path:
 
 
 def build_board(
-    board: Board, tools: Toolchain, seed: int | None = None, say: Callable[[str], None] = print
-) -> Result:
+    board: Board, tools: Toolchain, seed: int | None = None, say: Callable[[str], None] = print,
+    out: Path | None = None,
+) -> Result:  # fmt: skip
     """Make a board's bitstream; :class:`SynthesisError`, ``SceneError`` or ``ToolError``.
 
-    ``seed`` takes the place of the board's own ones.
+    ``seed`` takes the place of the board's own ones, ``out`` that of its folder, from the root.
     """
     bridge_budget.check(board)
     board_pins.check(board)
-    out = OUT / board.name
+    out = out or OUT / board.name
     folder = board.root / out
     _clear(folder)
     write_text(folder / "wh_board_settings.vh", board.header())
@@ -206,8 +216,13 @@ def _build(design: Design, out: Path, tools: Toolchain, say: Callable[[str], Non
     size = (design.root / bitstream).stat().st_size
     if size == 0:
         raise SynthesisError(f"{design.name}: {packer} wrote an empty bitstream")
-    made = _result(design, netlist, placed, size, tools.name, versions)
-    return replace(made, pads=pads)
+    made = replace(_result(design, netlist, placed, size, tools.name, versions), pads=pads)
+    if design.board is None:
+        return made
+    words = design.board.words()
+    return replace(
+        made, zero=True, anchor=words.ports.settings.anchored, guard=words.guard is not None
+    )
 
 
 def board_pads(board: Board, sdf: Path) -> dict[str, Any]:
@@ -542,6 +557,7 @@ def place(
         f"--{design.device}", "--package", design.package, "--json", str(netlist),
         "--seed", str(seed), "--freq", f"{(1 + SPARE) * design.clock_hz / 1e6:.6f}",
         "--report", str(report), "--sdf", str(delays),
+        "--write", str(netlist.with_name(f"{netlist.stem}{PLACED_NETLIST}")),
     ]  # fmt: skip
     if design.family == "ice40":
         # router1, the default, never comes to an end with some seeds.

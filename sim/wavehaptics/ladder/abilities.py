@@ -69,10 +69,7 @@ ABILITIES: dict[str, Ability] = {
     ),
     "a board": Ability(
         refused={
-            "shaper": "no bitstream has W yet; leave it out",
             "servo": "leave it out",
-            "controller.anchor_auto": "no bitstream has the port anchor yet; set it to false",
-            "controller.edge_hysteresis": "no bitstream has it yet; set it to false",
             "drive.bus_measured": "no board measures its bus yet; set it to false",
         },
     ),

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from wavehaptics.controller import bus_scale
-from wavehaptics.controller.ports import bus_voltage, controller_ports
+from wavehaptics.controller.ports import Ports, bus_voltage, controller_ports
 from wavehaptics.controller.settings import Settings
 from wavehaptics.controller.tick_layout import MOST_SAMPLES, bridge_mode
 from wavehaptics.ladder import pins_loop, verilated
@@ -22,7 +22,7 @@ from wavehaptics.motor.imperfections import real_parts, warm_real
 from wavehaptics.motor.plant import C, P, Plant, X, load_words
 from wavehaptics.motor.sensor import NOISE_SEED
 from wavehaptics.motor.thermal import Winding
-from wavehaptics.parts.adcs import KINDS, PARTS, Frame
+from wavehaptics.parts.adcs import KINDS, PARTS, Frame, Part
 from wavehaptics.scene import Scene, encoder_end
 from wavehaptics.scene.tables.drive import Drive
 from wavehaptics.trace.columns import Column
@@ -40,13 +40,17 @@ def _bridge_parameters(words: dict[str, int]) -> dict[str, int]:
     return {"MODES": 1, "MIN_PULSE": 1}
 
 
-def _wire(scene: Scene, frame: Frame) -> tuple[int, int]:
+def wire(part: Part | None, frame: Frame) -> tuple[int, int]:
     """Place of the code on the simulated ADC's wire, and the level of SCLK that launches a bit."""
-    part = PARTS.get(scene.adc.part or "") if scene.adc is not None else None
     late = part is not None and part.launch_late
     trailing = part is not None and part.launch_trailing
     bits = frame.lead_bits + frame.data_bits + late
     return 64 - bits, frame.sclk_idle if trailing else 1 - frame.sclk_idle
+
+
+def _true_bus_v(scene: Scene) -> float:
+    true_bus_v = scene.drive.true_bus_v if scene.drive is not None else None
+    return true_bus_v or bus_voltage(scene)
 
 
 class PinsSimulation:
@@ -64,7 +68,7 @@ class PinsSimulation:
     def __init__(
         self, scene: Scene, *, host: bool = False, most_samples: int = MOST_SAMPLES
     ) -> None:
-        ports = controller_ports(scene, most_samples=most_samples)
+        ports = self._ports_of(scene, most_samples)
         self.timing = ports.timing
         set_, time, sensor = ports.settings, ports.timing, ports.sensor
         if host:
@@ -76,7 +80,56 @@ class PinsSimulation:
         plant = self.winding.plant
         self._dt = dt = 1.0 / time.clock_hz
         drive = scene.drive or Drive.model_validate({})
-        true_bus_v = drive.true_bus_v or bus_voltage(scene)
+        self._model: int | None = None
+        self._begin(scene, ports, host)
+        self._state = plant.start.copy()
+        self._tables = self._transitions(plant)
+        self._kept = np.zeros(pins_loop.CORRECTION + 1, dtype=np.int64)
+        self._kept[pins_loop.COUNT] = ports.start_count
+        self._kept[pins_loop.TICK_START] = -1
+        self._kept[pins_loop.PINS] = 1 << pins_loop.CS_N | time.frame.sclk_idle << pins_loop.SCLK
+        self._kept[pins_loop.HELD] = 1 << (sensor.bits - 1)
+        self._sums = np.zeros(pins_loop.T0 + 1)
+        self._sums[pins_loop.X0] = self._state[X]
+        self._sums[pins_loop.HAND0] = self._state[P] + self._state[C]
+        self._pending = np.zeros((pins_loop.PENDING, len(Column)))
+        code_shift, launch_level = self._wire(scene, time.frame)
+        longest = min(_STEPS, max(1, math.floor(time.clock_hz * plant.longest_step_s)))
+        self._ints = np.array(
+            [self._model, verilated.address(self._function("clock")),
+             verilated.address(self._function("words")), time.tick_clocks,
+             code_shift, sensor.bits, set_.u_max, longest, launch_level, time.frame.pipeline,
+             time.frame.osr, bridge_mode(scene) == HALF_BRIDGE,
+             verilated.address(self._function("bus")) if drive.bus_measured else 0,
+             set_.anchored, ports.start_count],
+            dtype=np.int64,
+        )  # fmt: skip
+        self._floats = np.array(
+            [dt, set_.cell_rad, _true_bus_v(scene), 1.0 + drive.gain_error, plant.k_t,
+             plant.resistance, scene.controller.eta_contact, scene.controller.eta_free,
+             encoder_end(scene), drive.bus_ripple_v,
+             2 * math.pi * (drive.bus_ripple_hz or 0.0)]
+        )  # fmt: skip
+        self._load = load_words(plant)
+        steps_s = [n * dt for n in range(_STEPS + 1)]
+        self._real = real_parts(scene, plant, set_.cell_rad, steps_s, switching=True)
+        self._sensor = sensor.constants()
+        self._rng = np.random.default_rng(NOISE_SEED)
+        self._buffer = np.zeros(10, dtype=np.int64)
+        self._bits = sigma_delta.new_state()
+
+    def _ports_of(self, scene: Scene, most_samples: int) -> Ports:
+        return controller_ports(scene, most_samples=most_samples)
+
+    def _wire(self, scene: Scene, frame: Frame) -> tuple[int, int]:
+        """Place of the code on the ADC's wire, and the level of SCLK that launches a bit."""
+        part = PARTS.get(scene.adc.part or "") if scene.adc is not None else None
+        return wire(part, frame)
+
+    def _begin(self, scene: Scene, ports: Ports, host: bool) -> None:
+        """Build the RTL, and bring it to where its first tick begins."""
+        set_, time = self.settings, ports.timing
+        drive = scene.drive or Drive.model_validate({})
         places = max(MIN_WALLS, len(ports.walls))
         design = verilated.Design(
             self.TOP,
@@ -102,47 +155,12 @@ class PinsSimulation:
         self._values = values = {
             **ports.words, **set_.words(), **ports.wall_words(places),
             "wall_shaped": [*set_.shaped.tolist(), *[0] * (places - len(set_.shaped))],
-            "bus": bus_scale.bus_word(true_bus_v),
+            "bus": bus_scale.bus_word(_true_bus_v(scene)),
         }  # fmt: skip
         levels = pins_loop.encoder_levels.py_func(ports.start_count)
         self._model = self._new_model(verilated.words_of(design, values), levels)
         if not self._model:
             raise RuntimeError("the controller's RTL never got its ADC ready")
-        self._state = plant.start.copy()
-        self._tables = self._transitions(plant)
-        self._kept = np.zeros(pins_loop.CORRECTION + 1, dtype=np.int64)
-        self._kept[pins_loop.COUNT] = ports.start_count
-        self._kept[pins_loop.TICK_START] = -1
-        self._kept[pins_loop.PINS] = 1 << pins_loop.CS_N | time.frame.sclk_idle << pins_loop.SCLK
-        self._kept[pins_loop.HELD] = 1 << (sensor.bits - 1)
-        self._sums = np.zeros(pins_loop.T0 + 1)
-        self._sums[pins_loop.X0] = self._state[X]
-        self._sums[pins_loop.HAND0] = self._state[P] + self._state[C]
-        self._pending = np.zeros((pins_loop.PENDING, len(Column)))
-        code_shift, launch_level = _wire(scene, time.frame)
-        longest = min(_STEPS, max(1, math.floor(time.clock_hz * plant.longest_step_s)))
-        self._ints = np.array(
-            [self._model, verilated.address(self._function("clock")),
-             verilated.address(self._function("words")), time.tick_clocks,
-             code_shift, sensor.bits, set_.u_max, longest, launch_level, time.frame.pipeline,
-             time.frame.osr, bridge_mode(scene) == HALF_BRIDGE,
-             verilated.address(self._function("bus")) if drive.bus_measured else 0,
-             set_.anchored, ports.start_count],
-            dtype=np.int64,
-        )  # fmt: skip
-        self._floats = np.array(
-            [dt, set_.cell_rad, true_bus_v, 1.0 + drive.gain_error, plant.k_t,
-             plant.resistance, scene.controller.eta_contact, scene.controller.eta_free,
-             encoder_end(scene), drive.bus_ripple_v,
-             2 * math.pi * (drive.bus_ripple_hz or 0.0)]
-        )  # fmt: skip
-        self._load = load_words(plant)
-        steps_s = [n * dt for n in range(_STEPS + 1)]
-        self._real = real_parts(scene, plant, set_.cell_rad, steps_s, switching=True)
-        self._sensor = sensor.constants()
-        self._rng = np.random.default_rng(NOISE_SEED)
-        self._buffer = np.zeros(10, dtype=np.int64)
-        self._bits = sigma_delta.new_state()
 
     def connect_host(self, period_log2: int, timeout: int) -> None:
         """Say how long a period of the link to a host is, and how many may pass in silence."""

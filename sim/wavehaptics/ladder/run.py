@@ -59,8 +59,8 @@ CONTROLLERS: dict[str, Callable[[Scene], Simulation]] = {
 }
 """The fidelity ladder by name."""
 
-WITHOUT_WORDS = ("analog", "encoder")
-"""Controllers that compute in real numbers."""
+WITHOUT_WORDS = ("analog", "encoder", "a board")
+"""Controllers that compute in real numbers, or don't show theirs."""
 
 
 def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -111,31 +112,47 @@ def _source(top: str) -> Path:
 
 def build(design: Design) -> Path:
     """Path of the design's shared library, built if these very sources have not been built yet."""
-    program, environment = verilator_environment()
+    program, _ = verilator_environment()
     target = BUILD_DIR / f"{design.top}-{_digest(design, program)}.so"
-    if target.exists():
-        return target
-    BUILD_DIR.mkdir(parents=True, exist_ok=True)
-    work = Path(tempfile.mkdtemp(prefix=f"{design.top}-", dir=BUILD_DIR))
-    (work / "obj").mkdir()
-    (work / "obj" / "words.h").write_text(shim_header(design.sizes), encoding="utf-8")
     widths = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in ("DATA_W", "COEF_W")]
     chosen = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in formats.SETTABLE]
-    command = [
-        program, *chosen, "--cc", "--exe", "--build", *VERILATOR_FLAGS,
-        "-CFLAGS", " ".join([*CXX_FLAGS, *widths]),
-        "-LDFLAGS", " ".join(["-shared -Wl,-Bsymbolic", *_link_flags()]),
-        "-I" + str(formats.RTL_DIR), "--top-module", design.top,
+    arguments = [
+        *chosen, "-CFLAGS", " ".join(widths), "-I" + str(formats.RTL_DIR),
         *(f"-G{name}={value}" for name, value in sorted(design.parameters.items())),
-        "--Mdir", str(work / "obj"), "-o", str(work / "model.so"),
         *(str(SHIMS / name) for name in design.shows),
         str(SHIMS / design.shim), str(_source(design.top)),
+    ]  # fmt: skip
+    return verilate(design.top, arguments, target, shim_header(design.sizes))
+
+
+def verilate(
+    top: str, arguments: Sequence[str], target: Path, header: str | None = None, *,
+    covered: bool = True,
+) -> Path:  # fmt: skip
+    """Build ``target``, a shared library of a top level and its shim, unless it is there already.
+
+    ``arguments`` are Verilator's for the sources, ``header`` the text of the shim's ``words.h``;
+    what isn't ``covered`` counts nothing for WH_COVERAGE.
+    """
+    if target.exists():
+        return target
+    program, environment = verilator_environment()
+    flags = [flag for flag in VERILATOR_FLAGS if covered or flag not in COVERAGE_FLAGS]
+    BUILD_DIR.mkdir(parents=True, exist_ok=True)
+    work = Path(tempfile.mkdtemp(prefix=f"{top}-", dir=BUILD_DIR))
+    (work / "obj").mkdir()
+    if header is not None:
+        (work / "obj" / "words.h").write_text(header, encoding="utf-8")
+    command = [
+        program, "--cc", "--exe", "--build", *flags, "-CFLAGS", " ".join(CXX_FLAGS),
+        "-LDFLAGS", " ".join(["-shared -Wl,-Bsymbolic", *_link_flags()]), "--top-module", top,
+        "--Mdir", str(work / "obj"), "-o", str(work / "model.so"), *arguments,
     ]  # fmt: skip
     log = target.with_suffix(".log")
     with log.open("w") as out:
         code = subprocess.run(command, env=environment, stdout=out, stderr=out).returncode
     if code:
-        raise BuildError(f"building {design.top} failed with status {code}; see {log}")
+        raise BuildError(f"building {top} failed with status {code}; see {log}")
     # A rename is atomic: another process that builds the same model sees all of it or nothing.
     (work / "model.so").replace(target)
     shutil.rmtree(work)

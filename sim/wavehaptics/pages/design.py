@@ -224,7 +224,7 @@ STATUS = (
     ("port anchor: a wall that holds on a real motor", "ANCHOR"),
     ("soft walls, layers, detents with W", "SHAPER"),
     ("an environment on a computer", "HOST"),
-    ("zero of the current measured, sensor checked", "SENSE"),
+    ("zero of the current measured before the gates go on", "SENSE"),
     ("bus measured", "BUS"),
     ("other patterns of the bridge", "MODES"),
     ("shortest pulses kept", "MIN_PULSE"),
@@ -245,6 +245,7 @@ def options_of_boards(root: Path = ROOT) -> dict[str, dict[str, int]]:
         found[name] = {
             parameter: int(macros.get(value.strip(" `"), value))
             for parameter, value in _OPTION.findall(given)
+            if parameter == "N" or parameter != value  # what the top passes on is of simulations
         }
     return found
 
@@ -263,7 +264,8 @@ def _status(numbers: dict[str, Any], table: Table) -> str:
         built = "all boards" if len(names) == len(boards) else ", ".join(f"`{n}`" for n in names)
         label = f"{what}, `{parameter}`" if parameter else what
         rows.append((label, "yes", built or "**none**", "no"))
-    rows.append(("settings changed while it runs, a link to a computer", "no", "**none**", "no"))
+    rows.append(("settings changed while it runs: `wh_device`", "yes", "**none**", "no"))
+    rows.append(("a link to a computer", "no", "**none**", "no"))
     return _words(("", "simulated", "in a bitstream", "tried on a motor"), rows)
 
 

@@ -384,35 +384,38 @@ def run_picture(
 
     ``walls`` in rad. Returns ``path``.
     """
-    figure, axes = _figure(9.0, 5, [1.3, 1.0, 1.0, 0.45, 0.8])
+    # Waves and η can't be seen at a board's pins.
+    waves = bool(np.isfinite(trace["u"]).any())
+    heights = [1.3, 1.0, *([1.0, 0.45] if waves else []), 0.8]
+    figure, axes = _figure(9.0 if waves else 6.5, len(heights), heights)
     scale, time_label = _time_scale(trace)
     _shade_contact(axes, scale, trace)
     _strip(axes[0], scale, trace, 1e3 * trace["x"], label="x")
     _draw_hand(axes[0], scale, trace, metrics)
     _wall_lines(axes[0], metrics, walls, trace["x"])
+    axes[0].set_ylabel("Position $x$, mrad")
     _strip(axes[1], scale, trace, 1e3 * trace["torque"])
-    _strip(axes[2], scale, trace, trace["v"], label="v, from the motor", color=_ORANGE, lw=2.4)
-    _strip(axes[2], scale, trace, trace["u"], label="u, to the motor")
-    _strip(axes[3], scale, trace, trace["eta"], drawstyle="steps-mid")
+    axes[1].set_ylabel("Torque $F$, mN·m")
+    if waves:
+        _strip(axes[2], scale, trace, trace["v"], label="v, from the motor", color=_ORANGE, lw=2.4)
+        _strip(axes[2], scale, trace, trace["u"], label="u, to the motor")
+        axes[2].set_ylabel("Waves, √W")
+        _legend(axes[2])
+        _strip(axes[3], scale, trace, trace["eta"], drawstyle="steps-mid")
+        axes[3].set_ylabel("η")
+        axes[3].set_ylim(-1.2, 1.2)
+        axes[3].set_yticks([-1, 0, 1])
     energy = trace["energy_out"]
     factor, prefix = _prefix(float(np.abs(energy).max()))
-    _strip(axes[4], scale, trace, factor * energy)
+    _strip(axes[-1], scale, trace, factor * energy)
+    axes[-1].set_ylabel(f"Energy out, {prefix}J")
     limited = _spans(trace, "saturated", scale)
     if limited:
         _bars(axes[1], limited, 0.04, color=_RED, label="voltage at its limit")
         _legend(axes[1])
-    for ax, label in zip(
-        axes,
-        ("Position $x$, mrad", "Torque $F$, mN·m", "Waves, √W", "η", f"Energy out, {prefix}J"),
-        strict=True,
-    ):
-        ax.set_ylabel(label)
-    axes[3].set_ylim(-1.2, 1.2)
-    axes[3].set_yticks([-1, 0, 1])
     axes[-1].set_xlabel(time_label)
     _end_time_axis(figure, axes, trace, scale)
     _legend(axes[0])
-    _legend(axes[2])
     text = f"{metrics['duration_s']:.6g} s · peak torque "
     text += _number(metrics["peak_torque"], "mN·m", 1e3, 3)
     if metrics.get("stiffness") is not None:

@@ -22,6 +22,10 @@ _ALSO = {"restart": "set_restart || loading"}
 """Inputs that the module itself drives as well."""
 
 
+_STAGED = {"off": "0", "sum": "(EARLY != 0) ? 0 : 1"}
+"""By the kind of change: words for which the bridges are off wait for no reader."""
+
+
 def _bits(word: Word) -> str:
     return verilog_number(format_parts(word.row.format)[1])
 
@@ -92,7 +96,7 @@ def _instance(name: str, words: list[Word]) -> list[str]:
     lines += [
         "",
         "wh_setting_group #(",
-        f"    .STAGED    ({int(words[0].change != 'off')}),",
+        f"    .STAGED    ({_STAGED.get(words[0].change, '1')}),",
         f"    .PART      ({'PART[3:0]' if row.per != 'board' else chr(52) + chr(39) + 'd0'}),",
         f"    .FIRST     (8'h{first:02x}{offset}),",
         f"    .STRIDE    (8'd{MOST['wall'] if row.per == 'wall' else 1}),",

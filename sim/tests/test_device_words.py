@@ -76,8 +76,18 @@ def test_a_wall_that_is_moved_is_felt_a_tick_later():
 APART = 40
 """Ticks from one change to the next: a copy of the memory takes some 20."""
 
-FEEL = ("shaper.feel=layer", "shaper.stiffness=0.5", "shaper.damping=0.1e-3")
-OTHER_FEEL = ("shaper.feel=layer", "shaper.stiffness=0.2", "shaper.damping=0.4e-3")
+FEEL = (
+    "controller.extra_ticks=2",
+    "shaper.feel=layer",
+    "shaper.stiffness=0.5",
+    "shaper.damping=0.1e-3",
+)
+OTHER_FEEL = (
+    "controller.extra_ticks=2",
+    "shaper.feel=layer",
+    "shaper.stiffness=0.2",
+    "shaper.damping=0.4e-3",
+)
 
 
 def drawn(rng: np.random.Generator, shaper: list[np.ndarray], root: int) -> dict:

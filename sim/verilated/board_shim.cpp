@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// C interface to a whole board at its pins, by the clock: its sources, or its placed netlist. The top
+// is the bench that sim/wavehaptics/fpga/board_simulation.py writes around the board's own.
+
+#include <cstdint>
+
+#include "Vwh_board_bench.h"
+#include "verilated.h"
+
+namespace {
+
+// Clocks until reset has given every register that has no beginning its value.
+constexpr int64_t kUnset = 16;
+
+struct Board {
+    VerilatedContext context;
+    Vwh_board_bench top{&context};
+    int64_t tick_clocks = 0;
+    double watch_step = 0;   // half periods of the FPGA's own oscillator in a clock
+    double watch_phase = 0;
+    int64_t clocks = 0;
+    int64_t ticks = 0;
+    int64_t strobe = -1;     // clock of the newest tick's strobe
+    bool told = false;       // alive has changed for it
+    bool marked = false;     // a tick was handed on
+    int64_t irregular = 0;   // ticks that alive told at another clock, or not
+    int64_t both_on = 0;     // clocks with both gates of a leg on
+    int64_t idle_on = 0;     // and with a gate on while the board says that it doesn't run, but for
+                             // the clock that it takes to go off
+    bool ran = false;        // the clock before
+    uint64_t seen = 0xcbf29ce484222325;  // digest of the pins at each clock from kUnset on
+    int last_alive = 0;
+};
+
+// One clock; the pins as they stand after its edge.
+int64_t step(Board &board) {
+    auto &top = board.top;
+    top.clk = 1;
+    top.eval();
+    const int64_t pins = top.gates | top.cs_n << 4 | top.sclk << 5;
+    const int64_t shown =
+        pins | top.alive << 6 | top.running << 7 | top.fault << 8 | top.contact << 9;
+    top.clk = 0;
+    // The oscillator's edges lie between those of the clock, of which it knows nothing.
+    board.watch_phase += board.watch_step;
+    while (board.watch_phase >= 1.0) {
+        board.watch_phase -= 1.0;
+        top.watch_clk = !top.watch_clk;
+        top.eval();
+    }
+    top.eval();
+    if (board.clocks >= kUnset) {
+        board.seen = (board.seen ^ static_cast<uint64_t>(shown)) * 0x100000001b3;
+    }
+    board.both_on += (pins & 3) == 3 || (pins & 12) == 12;
+    board.idle_on += (pins & 15) && !top.running && !board.ran;
+    board.ran = top.running;
+    return pins;
+}
+
+}  // namespace
+
+extern "C" {
+
+// A board just after power-up, nobody at its buttons; inputs as for wh_board_clock. Null where a
+// model of a cell can't do what the netlist asks for.
+void *wh_board_new(int64_t inputs, int64_t tick_clocks, double watch_step) {
+    auto *board = new Board;
+    board->tick_clocks = tick_clocks;
+    board->watch_step = watch_step;
+    board->top.sdata = inputs & 1;
+    board->top.a = (inputs >> 1) & 1;
+    board->top.b = (inputs >> 2) & 1;
+    board->top.eval();
+    // What the pins show before is no conversion.
+    while (board->clocks < kUnset) {
+        step(*board);
+        ++board->clocks;
+    }
+    if (!board->context.gotFinish()) return board;
+    delete board;
+    return nullptr;
+}
+
+void wh_board_delete(void *model) { delete static_cast<Board *>(model); }
+
+// The start button pressed or not, and the stop's wire open or not, from the next clock on.
+void wh_board_press(void *model, int64_t start, int64_t stop) {
+    auto &top = static_cast<Board *>(model)->top;
+    top.start = start;
+    top.stop = stop;
+}
+
+// One clock with bit 0 ADC data, bit 1 encoder A, bit 2 encoder B. Returns bits 0-3 gates AH AL BH
+// BL, 4 CS_n, 5 SCLK, 6 tick, 7 a row is due, 9 the fault's LED. Inside the board nothing is seen:
+// ticks are counted from alive, which changes a clock after each, and a row is due when half of the
+// tick after it is over.
+int64_t wh_board_clock(int64_t model, int64_t inputs) {
+    auto &board = *reinterpret_cast<Board *>(model);
+    auto &top = board.top;
+    top.sdata = inputs & 1;
+    top.a = (inputs >> 1) & 1;
+    top.b = (inputs >> 2) & 1;
+    int64_t pins = step(board);
+    const int64_t since = board.clocks - board.strobe;
+    if (board.strobe >= 0 && since == board.tick_clocks) {
+        pins |= 1 << 6;
+        board.irregular += !board.told && top.running;
+        board.told = false;
+        board.marked = true;
+        board.strobe = board.clocks;
+    }
+    if (board.marked && since == board.tick_clocks / 2) pins |= 1 << 7;
+    if (top.alive != board.last_alive && top.running) {
+        board.irregular += board.strobe >= 0 && board.strobe != board.clocks - 1;
+        board.strobe = board.clocks - 1;
+        board.told = true;
+        ++board.ticks;
+    }
+    board.last_alive = top.alive;
+    pins |= static_cast<int64_t>(top.fault) << 9;
+    ++board.clocks;
+    return pins;
+}
+
+// No words are seen at the pins.
+int64_t wh_board_words(int64_t, int64_t) { return 0; }
+
+// Clocks, ticks told by alive, irregular ones, clocks with both gates of a leg on, with a gate on
+// while not running, whether it runs, its fault, and the digest of all pins at all clocks.
+void wh_board_report(void *model, int64_t *report) {
+    const auto &board = *static_cast<Board *>(model);
+    report[0] = board.clocks;
+    report[1] = board.ticks;
+    report[2] = board.irregular;
+    report[3] = board.both_on;
+    report[4] = board.idle_on;
+    report[5] = board.top.running;
+    report[6] = board.top.fault;
+    report[7] = static_cast<int64_t>(board.seen);
+}
+
+}  // extern "C"
