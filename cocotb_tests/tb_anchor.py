@@ -203,6 +203,7 @@ class AnchorBench(Bench):
         gone = {place: int(state[place] - before[place]) for place in range(anchor.STATES)}
         half = 1 << (formats.LONG.fraction - 1)
         begins = tick.contact and not before[anchor.TOUCHING]
+        ends = before[anchor.TOUCHING] and not tick.contact
         moved = gone[anchor.POSITION] if before[anchor.STARTED] else 0
         strange = words[anchor.ENABLE] and state[anchor.CLIPPED] and not before[anchor.FAULT]
         self.seen |= {
@@ -224,8 +225,11 @@ class AnchorBench(Bench):
                 "fault": gone[anchor.FAULT],
                 "mean": gone[anchor.MEAN],
                 "offset": gone[anchor.OFFSET],
-                "learned at rest": gone[anchor.LEARNED] and state[anchor.PHASE] & 7,
-                "learned on the move": gone[anchor.LEARNED] and state[anchor.UNITS] < 16,
+                "forgotten": ends and gone[anchor.LEARNED],
+                "learned at rest": not ends and gone[anchor.LEARNED] and state[anchor.PHASE] & 7,
+                "learned on the move": (
+                    not ends and gone[anchor.LEARNED] and state[anchor.UNITS] < 16
+                ),
                 "one unit of rest": state[anchor.UNITS] == 1 and tick.contact,
                 "withheld": tick.withheld and tick.contact,
             }.items()
@@ -237,8 +241,8 @@ EVERYTHING = frozenset(
     (
         "begins up", "begins down", "begins unmoved", "correction", "disabled", "outside above",
         "outside below", "inside", "clipped above", "clipped below", "not clipped",
-        "clipped with the waves", "room", "fault", "mean", "offset", "learned at rest",
-        "learned on the move", "one unit of rest", "withheld",
+        "clipped with the waves", "room", "fault", "mean", "offset", "forgotten",
+        "learned at rest", "learned on the move", "one unit of rest", "withheld",
     )
 )  # fmt: skip
 

@@ -4,7 +4,8 @@
 //
 //   χ   = L̂ i + k̂_T x - Σ (s T/2)(u + v)      flux of the port, in cells of k̂_T Δ; 0 if all is ideal
 //   p   = dz(χ, 1/2) + χ/256                  a cell's half is left alone, but for a 256th
-//   c_I -= g_γ p                              every tick at rest, one in 8 while the rotor moves
+//   c_I -= g_γ p                              every tick at rest, one in 8 while the rotor moves; from 0
+//                                             on when a contact ends
 //   c   = c_I - g_ρ p - g_d (L̂ i - its mean)  the last in contact, at rest and below 4 cells
 //   |c| <= c_0 + |e_id|/2                     c_0/2 out of contact
 //
@@ -116,6 +117,7 @@ module wh_anchor (
     reg                      start_q;     // moved_q is a new tick's: its rest is counted in this clock
     reg                      contact_q;
     reg                      begins_q;    // the contact
+    reg                      over_q;      // the contact, in this tick
     reg                      back_q;      // direction of the last edge
     reg [REST_W-1:0]         ticks_q;     // left of a unit of rest
     reg [UNIT_W-1:0]         units_q;     // since the last edge the same way as the one before
@@ -135,6 +137,7 @@ module wh_anchor (
             start_q   <= 1'b0;
             contact_q <= 1'b0;
             begins_q  <= 1'b0;
+            over_q    <= 1'b0;
             back_q    <= 1'b0;
             ticks_q   <= rest_ticks;
             units_q   <= {UNIT_W{1'b1}};
@@ -145,6 +148,7 @@ module wh_anchor (
                 started_q <= 1'b1;
                 contact_q <= contact_i;
                 begins_q  <= contact_i && !contact_q;
+                over_q    <= !contact_i && contact_q;
                 phase_q   <= phase_q + 5'd1;
             end
             if (start_q) begin
@@ -346,7 +350,7 @@ module wh_anchor (
                 write_to   = M_FOLLOWER;
             end
             TAKE_LEARNED: begin
-                memory_too = 1'b1;
+                memory_too = !over_q;
                 fresh      = 1'b1;
                 read_from  = M_LEARNED;
             end

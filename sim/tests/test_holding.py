@@ -165,6 +165,15 @@ def test_free_space_does_not_swing_by_itself():
     assert rms["chosen"] < 0.5
 
 
+def test_a_contact_that_is_over_is_not_felt():
+    """Half a second of taps in turn with free space; 170 µN·m when c_I outlived the contact."""
+    scene = runs.load(
+        "held_wall", [*cases.NOTHING, "hand.path=taps", "hand.frequency_hz=1", "scene.duration_s=2"]
+    )
+    metrics, _ = runs.run(scene)
+    assert metrics["free_space_torque_rms"] <= 100e-6
+
+
 def test_eta_of_free_space_is_what_lag_and_lambda_ask_for():
     """With a slow filter nothing is needed; with none, and 0.3 µs of lag, a hundredth."""
     slow = choose_eta_free(2.18, 0.24e-3, 0.3e-6, 0.01, 1, 1e-6)

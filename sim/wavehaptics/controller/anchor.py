@@ -14,6 +14,7 @@ the waves don't see:
 - ``c = c_I − g_ρ·p``, ``c_I −= g_γ·p``, the latter in full only while the rotor rests;
 - ``c −= g_d·(y − ȳ)``, ``y = L̂·i`` and ȳ its slow mean, in contact while the rotor rests, up to
   four cells: a resistance for swings alone, which no edge of the encoder tells of;
+- what c_I has learned of a contact's current is wrong without one: it is 0 when a contact ends;
 - ``|c|`` is limited by ``c_0 + |e_id|/2``, out of contact with a half of c_0. In contact what it
   takes of the drive's limit is the wave's no more: ``|u| ≤ u_max − |c|/s``, so that at the limit it
   is the wave that stops, whose share is counted. An error of the flux that c can't hold while the
@@ -158,6 +159,7 @@ def anchor_step(
         moved = ((position - state[POSITION] + _MOVE) & (2 * _MOVE - 1)) - _MOVE
     state[STARTED] = 1
     begins = contact and state[TOUCHING] == 0
+    ends = not contact and state[TOUCHING] != 0
     state[POSITION] = position
     state[TOUCHING] = 1 if contact else 0
 
@@ -215,6 +217,8 @@ def anchor_step(
         state[ZERO] = _long(state[ZERO] - zero_step)
 
     learns = state[UNITS] >= STILL_UNITS or state[PHASE] & MOVING_PHASE == 0
+    if ends:
+        state[LEARNED] = 0
     if learns and state[CLIPPED] == 0 and not saturated:
         state[LEARNED] = _long(state[LEARNED] - ((words[LEARN_GAIN] * p) >> _FAR_SHIFT))
     wanted = _long(state[LEARNED] - ((words[PULL_GAIN] * p) >> _NEAR_SHIFT))
