@@ -208,6 +208,8 @@ LINT_CASES := \
     wh_link,-GCLOCK_HZ=700000 \
     wh_link,-GCLOCK_HZ=125000000,-GUNIT=247,-GFALLBACK=511 \
     wh_linked_device,-GN=3,-GANCHOR=1,-GGUARD=1 \
+    wh_board_switch \
+    wh_board_switch,-GN=3 \
     wh_board_reset \
     wh_board_clock_watch \
     wh_board_clock_watch,-GGATES=1,-GBEAT_LOG2=16,-GPATIENCE_LOG2=2

@@ -1,24 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_board_controller: wh_controller with a board's constants, and the switch that lets it run.
+// wh_board_controller: the controller with a board's constants, and the switch that lets it run
+// (wh_board_switch).
 //
 // The constants are those of wh_board_settings.vh, made from the board's scene: WH_BOARD_PORTS has
-// every word of rtl/words.toml, WH_BOARD_WIRES a wire for each that the controller tells.
+// every word of rtl/words.toml, WH_BOARD_WIRES a wire for each that the controller tells. A board with
+// a link (WH_BOARD_LINKED) has wh_linked_device in place of wh_controller: it begins with the same words,
+// which then stand in wh_board_settings_rom.vh, and those of some groups can be changed. Nothing on the line
+// lets the gates on. Without a link uart_tx_o is high.
 //
-// When start_i rises while stop_i is low, the zero of the currents is measured over 2^ZERO_LOG2 ticks,
-// and then the gates go on. They go off when stop_i is high, at a fault of the encoder, when waves and
-// encoder don't agree, when a tick is too short for its work, when a sample of the current reaches
-// trip, which lies below what clips, at what the guard finds where the board has one, when
-// the clock was lost, and in reset. They stay off until start_i rises again; after a fault, until
-// reset. A zero beyond zero_limit is a fault. start_i and stop_i are asynchronous, and believed once
-// they have been still for 2^SETTLE_LOG2 clocks; off needs no patience. What encoder, current and guard
-// say before that time is over, as long as an ADC wakes up, and before a first zero, is forgotten.
-//
-// Without a clock the gates stay as they are. clock_lost_i is what wh_board_clock_watch found, which
-// takes them off the pads; 0 where the board has none. alive_o changes at each tick while the gates
-// are on, and is low otherwise; it stands still without a clock, and a charge pump behind it lets
-// go of the bridge.
-// Reset: gates off, not running, alive_o low.
+// start_i, stop_i, clock_lost_i, alive_o, running_o and fault_o are the switch's.
+// Latency: those of the switch, of wh_controller and of wh_linked_device.
+// Reset: gates off, not running, alive_o low; with a link until the settings are there.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -35,6 +28,9 @@ module wh_board_controller #(
     input  wire                  start_i,      // asynchronous
     input  wire                  stop_i,       // asynchronous
     input  wire                  clock_lost_i, // asynchronous
+
+    input  wire                  uart_rx_i,    // asynchronous
+    output wire                  uart_tx_o,
 
     output wire                  adc_cs_n_o,
     output wire                  adc_sclk_o,
@@ -54,134 +50,136 @@ module wh_board_controller #(
 
     localparam integer N = `WH_BOARD_N;
 
-    // ---- The switch.
+    wire         enable;
+    wire         forget;
+    wire         zero_start;
+    wire         ready;
+    wire         tick_seen;
+    wire         overrun_seen;
+    wire         guard_seen;
+    wire [N-1:0] zero_busy_seen;
+    wire [N-1:0] zero_fault_seen;
+    wire [N-1:0] anchor_fault_seen;
+    wire [N-1:0] encoder_fault_seen;
+    wire [N-1:0] overcurrent_seen;
+    wire         adc_din;  // of an ADC that no board has
+    wire         unused = &{1'b0, adc_din};
 
-    wire start;
-    wire stop;
-    wire clock_lost;
+    assign running_o = enable;
 
-    wh_synchroniser #(
-        .WIDTH   (3)
-    ) synchroniser (
-        .clk     (clk),
-        .level_i ({start_i, stop_i, clock_lost_i}),
-        .level_o ({start, stop, clock_lost})
+    wh_board_switch #(
+        .N               (N),
+        .SETTLE_LOG2     (SETTLE_LOG2)
+    ) board_switch (
+        .clk             (clk),
+        .rst             (rst || !ready),
+        .start_i         (start_i),
+        .stop_i          (stop_i),
+        .clock_lost_i    (clock_lost_i),
+        .tick_i          (tick_seen),
+        .overrun_i       (overrun_seen),
+        .zero_busy_i     (zero_busy_seen),
+        .zero_fault_i    (zero_fault_seen),
+        .anchor_fault_i  (anchor_fault_seen),
+        .encoder_fault_i (encoder_fault_seen),
+        .overcurrent_i   (overcurrent_seen),
+        .guard_fault_i   (guard_seen),
+        .forget_o        (forget),
+        .zero_start_o    (zero_start),
+        .alive_o         (alive_o),
+        .running_o       (enable),
+        .fault_o         (fault_o)
     );
 
-    // Pressed is a level that has lasted: it may be the press that goes on through reset, which is
-    // no rise.
-    reg [SETTLE_LOG2-1:0] settle_q;
-    reg                   pressed_q;
-    reg                   running_q;
-    reg                   fault_q;
+    // A board's parameters of wh_controller, which wh_linked_device has as well.
+`define WH_SAME_PARAMETERS \
+        .N               (N), \
+        .WALLS           (`WH_BOARD_WALLS), \
+        .DELAY_LOG2      (`WH_BOARD_DELAY_LOG2), \
+        .MODES           (`WH_BOARD_MODES), \
+        .MIN_PULSE       (`WH_BOARD_SHORTEST), \
+        .EARLY           (`WH_BOARD_EARLY), \
+        .SHAPER          (`WH_BOARD_SHAPER), \
+        .ANCHOR          (`WH_BOARD_ANCHOR), \
+        .SENSE           (1), \
+        .ZERO_LOG2       (ZERO_LOG2), \
+        .GUARD           (`WH_BOARD_GUARDED)
 
-    wire settled = (settle_q == {SETTLE_LOG2{1'b1}});
+`define WH_SAME_PINS \
+        .clk             (clk), \
+        .rst             (rst), \
+        .enable_i        (enable), \
+        .adc_cs_n_o      (adc_cs_n_o), \
+        .adc_sclk_o      (adc_sclk_o), \
+        .adc_din_o       (adc_din), \
+        .adc_sdata_i     (adc_sdata_i), \
+        .enc_a_i         (enc_a_i), \
+        .enc_b_i         (enc_b_i), \
+        .gate_ah_o       (gate_ah_o), \
+        .gate_al_o       (gate_al_o), \
+        .gate_bh_o       (gate_bh_o), \
+        .gate_bl_o       (gate_bl_o), \
+        .stop_i          (1'b0), \
+        .driver_fault_i  ({N{1'b0}}), \
+        .anchor_fault_i  ({N{1'b0}}), \
+        .clear_i         (forget), \
+        .zero_start_i    (zero_start)
 
-    `WH_BOARD_WIRES
+    generate
+        if (`WH_BOARD_LINKED != 0) begin : linked
+            wire device_running;
+            wire unused_too = &{1'b0, device_running};
 
-    // The first zero comes unasked, so that what is judged with the gates off has one.
-    reg        starting_q;     // the gates are to go on after this zero
-    reg        measuring_q;
-    reg        zero_start_q;
-    reg        zeroed_q;       // there is a zero
-    reg  [2:0] zero_ticks_q;   // ticks since then: currents of before have passed
-    wire       awake    = zero_ticks_q[2];
-    wire       forgets  = !awake;
-    wire       pressed  = settled && start && !pressed_q;
-    wire       measures = settled && !running_q && (start || !zeroed_q);
-    wire       measured = measuring_q && !zero_start_q && !(|zero_busy);
+            // What the device tells has an overrun in it.
+            assign overrun_seen = 1'b0;
 
-    always @(posedge clk) begin
-        if (rst) begin
-            settle_q     <= {SETTLE_LOG2{1'b0}};
-            pressed_q    <= 1'b1;
-            running_q    <= 1'b0;
-            fault_q      <= 1'b0;
-            starting_q   <= 1'b0;
-            measuring_q  <= 1'b0;
-            zero_start_q <= 1'b0;
-            zeroed_q     <= 1'b0;
-            zero_ticks_q <= 3'b000;
-        end else begin
-            fault_q <= fault_q || overrun || clock_lost || (|zero_fault) || (|anchor_fault)
-                       || (((|encoder_fault) || (|overcurrent) || (|faults)) && !forgets);
-            if (start == pressed_q) begin
-                settle_q <= {SETTLE_LOG2{1'b0}};
-            end else begin
-                settle_q <= settle_q + 1'b1;
-                if (settled) begin
-                    pressed_q <= start;
-                end
-            end
-            zero_start_q <= measures;
-            measuring_q  <= measures || (measuring_q && !measured);
-            zeroed_q     <= zeroed_q || measured;
-            if (tick) begin
-                zero_ticks_q <= {zero_ticks_q[1:0], zeroed_q};
-            end
-            if (stop || fault_q) begin
-                starting_q <= 1'b0;
-                running_q  <= 1'b0;
-            end else if (pressed) begin
-                starting_q <= !running_q;
-            end else if (starting_q && measured && !(|zero_fault)) begin
-                starting_q <= 1'b0;
-                running_q  <= 1'b1;
-            end
+            wh_linked_device #(
+                `WH_SAME_PARAMETERS,
+                .CLOCK_HZ        (`WH_BOARD_CLOCK_HZ),
+                .BUILD           (`WH_BOARD_BUILD)
+            ) device (
+                `WH_SAME_PINS,
+                .uart_rx_i       (uart_rx_i),
+                .uart_tx_o       (uart_tx_o),
+                .bus_i           ({`WH_BUS_W{1'b0}}),
+                .tick_o          (tick_seen),
+                .running_o       (device_running),
+                .contact_o       (contact_o),
+                .fault_o         (guard_seen),
+                .ready_o         (ready),
+                .zero_busy_o     (zero_busy_seen),
+                .zero_fault_o    (zero_fault_seen),
+                .anchor_fault_o  (anchor_fault_seen),
+                .encoder_fault_o (encoder_fault_seen),
+                .overcurrent_o   (overcurrent_seen)
+            );
+        end else begin : alone
+            `WH_BOARD_WIRES
+            wire unused_too = &{1'b0, uart_rx_i};
+
+            assign ready              = 1'b1;
+            assign uart_tx_o          = 1'b1;
+            assign contact_o          = |contact;
+            assign tick_seen          = tick;
+            assign overrun_seen       = overrun;
+            assign guard_seen         = |faults;
+            assign zero_busy_seen     = zero_busy;
+            assign zero_fault_seen    = zero_fault;
+            assign anchor_fault_seen  = anchor_fault;
+            assign encoder_fault_seen = encoder_fault;
+            assign overcurrent_seen   = overcurrent;
+
+            wh_controller #(
+                `WH_SAME_PARAMETERS
+            ) controller (
+                `WH_BOARD_PORTS
+                `WH_SAME_PINS
+            );
         end
-    end
+    endgenerate
 
-    assign running_o = running_q;
-    assign fault_o   = fault_q;
-
-    reg alive_q;
-
-    always @(posedge clk) begin
-        alive_q <= !rst && running_q && (alive_q ^ tick);
-    end
-
-    assign alive_o = alive_q;
-
-    // ---- The controller.
-
-    wire adc_din;  // of an ADC that no board has
-    wire unused = &{1'b0, adc_din};
-
-    assign contact_o = |contact;
-
-    wh_controller #(
-        .N                  (N),
-        .WALLS              (`WH_BOARD_WALLS),
-        .DELAY_LOG2         (`WH_BOARD_DELAY_LOG2),
-        .MODES              (`WH_BOARD_MODES),
-        .MIN_PULSE          (`WH_BOARD_SHORTEST),
-        .EARLY              (`WH_BOARD_EARLY),
-        .SHAPER             (`WH_BOARD_SHAPER),
-        .ANCHOR             (`WH_BOARD_ANCHOR),
-        .SENSE              (1),
-        .ZERO_LOG2          (ZERO_LOG2),
-        .GUARD              (`WH_BOARD_GUARDED)
-    ) controller (
-        .clk                (clk),
-        .rst                (rst),
-        .enable_i           (running_q),
-        .adc_cs_n_o         (adc_cs_n_o),
-        .adc_sclk_o         (adc_sclk_o),
-        .adc_din_o          (adc_din),
-        .adc_sdata_i        (adc_sdata_i),
-        .enc_a_i            (enc_a_i),
-        .enc_b_i            (enc_b_i),
-        .gate_ah_o          (gate_ah_o),
-        .gate_al_o          (gate_al_o),
-        .gate_bh_o          (gate_bh_o),
-        .gate_bl_o          (gate_bl_o),
-        .clear_i            (forgets),
-        .zero_start_i       (zero_start_q),
-        `WH_BOARD_PORTS
-        .stop_i             (1'b0),
-        .driver_fault_i     ({N{1'b0}}),
-        .anchor_fault_i     ({N{1'b0}})
-    );
+`undef WH_SAME_PARAMETERS
+`undef WH_SAME_PINS
 
 endmodule
 

@@ -38,7 +38,8 @@ module bench_lost_clock #(
     wire bridge_bh;
     wire bridge_bl;
     wire contact;
-    wire unused = &{1'b0, contact};
+    wire uart_tx;
+    wire unused = &{1'b0, contact, uart_tx};
 
     wh_board_clock_watch clock_watch (
         .clk       (clk),
@@ -60,6 +61,8 @@ module bench_lost_clock #(
         .start_i      (start_i),
         .stop_i       (stop_i),
         .clock_lost_i (clock_lost),
+        .uart_rx_i    (1'b1),
+        .uart_tx_o    (uart_tx),
         .adc_cs_n_o   (adc_cs_n_o),
         .adc_sclk_o   (adc_sclk_o),
         .adc_sdata_i  (adc_sdata_i),

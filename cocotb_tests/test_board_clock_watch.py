@@ -3,7 +3,7 @@
 
 import pytest
 from simulators import BUILD_DIR, simulate
-from wavehaptics.fpga.boards import load_board
+from wavehaptics.fpga.boards import load_board, write_headers
 
 
 @pytest.mark.parametrize(("beat", "patience"), [(4, 4), (3, 5)])
@@ -19,9 +19,10 @@ def test_board_clock_watch(simulator, beat, patience):
 def test_lost_clock(simulator, monkeypatch):
     folder = BUILD_DIR / f"board_settings-lost_clock-{simulator}"
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "wh_board_settings.vh").write_text(load_board("ulx3s").header())
+    board = load_board("ulx3s")
+    write_headers(board, folder)
     monkeypatch.setenv("WH_BOARD", "ulx3s")
     simulate(
         simulator, "bench_lost_clock", "tb_lost_clock", {"SETTLE_LOG2": 6, "ZERO_LOG2": 2},
-        name="tb_lost_clock", includes=[folder],
+        name="tb_lost_clock", includes=[folder], defines=board.defines,
     )  # fmt: skip

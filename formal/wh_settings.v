@@ -127,8 +127,6 @@ module prove_wh_settings (
                && ({word[31] ^ has_sign, word[30:0]} <= greatest);
     endfunction
 
-    (* hierconn *) wire [1:0]  \block.verdict ;
-
     reg         begun = 1'b0;
     reg         rst_q;
     reg         asked_q;      // a request stood without an answer
@@ -139,6 +137,7 @@ module prove_wh_settings (
     reg  [31:0] current_q;
     reg  [31:0] resting_q;
     reg         in_force_q;
+    reg         running_q;
     reg         accepts_q;    // the watched word was accepted in the clock before
     reg         copies_q;
     reg  [3:0]  waits_q;      // clocks of a request
@@ -152,8 +151,8 @@ module prove_wh_settings (
     wire       settles  = \block.settle_q ;
     wire       accepts  = write && here;
     wire       copied   = !pass || at > place;
-    wire       done     = (state == JUDGE) && bus_write && !bus_check && bus_data[0]
-                          && (\block.verdict == 2'd0);
+    wire       done     = (state == DONE) && bus_write && !bus_check && bus_data[0]
+                          && (bus_error == 2'd0);
     wire       commits  = done && (bus_address == 12'h070);
     wire       discards = done && (bus_address == 12'h071);
     wire       looks    = (state == LEAST || state == MOST || state == JUDGE || state == DONE);
@@ -170,6 +169,7 @@ module prove_wh_settings (
         current_q     <= current;
         resting_q     <= resting;
         in_force_q    <= in_force;
+        running_q     <= running;
         accepts_q     <= accepts && !rst;
         copies_q      <= copy && !rst;
         waits_q       <= (rst || !bus_valid || bus_ready || !ready) ? 4'd0 : waits_q + 4'd1;
@@ -198,7 +198,7 @@ module prove_wh_settings (
             // Nothing out of range is stored, or goes to the groups.
             if (ready) assert (fits(current));
             if (copied) assert (fits(resting));
-            if (accepts) assert (fits(bus_data) && !bus_check);
+            if (accepts) assert (fits(bus_data) && !bus_check && bus_ready && bus_error == 2'd0);
 
             // Every request ends.
             assert (waits_q < CLOCKS);
@@ -212,15 +212,14 @@ module prove_wh_settings (
             if (!rst_q && in_force == in_force_q && !accepts_q && !copies_q) begin
                 assert (resting == resting_q);
             end
-            if (!rst_q && accepts_q) assert (bus_ready && bus_error == 2'd0 && resting == bus_data);
-            if (bus_ready && bus_error != 2'd0) assert (!accepts_q);
+            if (!rst_q && accepts_q) assert (resting == bus_data_q);
             if (ready && copied && !waits && !settles && !\block.staged_q ) begin
                 assert (resting == current);
             end
 
-            // Bridges that have to be off.
-            if (accepts && off) assert (!running);
-            if (commits && off_here_q) assert (!running);
+            // Bridges that have to be off, when that was judged.
+            if (accepts && off) assert (!running_q);
+            if (commits && off_here_q) assert (!running_q);
             if (off_given_q) assert (loading && !running);
             if (change && running) assert (tick && !off_given_q && !off_here_q);
             if (!ready) assert (loading);

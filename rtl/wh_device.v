@@ -73,11 +73,19 @@ module wh_device #(
     input  wire                 stop_i,         // asynchronous
     input  wire [N-1:0]         driver_fault_i, // asynchronous
     input  wire [N-1:0]         anchor_fault_i,
+    input  wire                 clear_i,        // these two do what their words do
+    input  wire                 zero_start_i,
 
     output wire                 tick_o,         // strobe, last clock of a tick
     output wire                 running_o,      // the bridges are on
     output wire                 contact_o,      // any motor is in a wall
-    output wire                 fault_o         // the guard found something, or a tick is too short
+    output wire                 fault_o,        // the guard found something, or a tick is too short
+    output wire                 ready_o,        // the settings are there
+    output wire [N-1:0]         zero_busy_o,    // these are wh_controller's
+    output wire [N-1:0]         zero_fault_o,
+    output wire [N-1:0]         anchor_fault_o,
+    output wire [N-1:0]         encoder_fault_o,
+    output wire [N-1:0]         overcurrent_o
 );
 
     localparam integer SECTIONS = (SHAPER > 0) ? SHAPER : 1;
@@ -208,6 +216,13 @@ module wh_device #(
     assign running_o = running;
     assign contact_o = |contact;
     assign fault_o   = overrun || |faults;
+
+    assign ready_o         = ready;
+    assign zero_busy_o     = zero_busy;
+    assign zero_fault_o    = zero_fault;
+    assign anchor_fault_o  = anchor_fault;
+    assign encoder_fault_o = encoder_fault;
+    assign overcurrent_o   = overcurrent;
 
 endmodule
 

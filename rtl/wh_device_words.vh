@@ -753,7 +753,7 @@ end
     .range_i (set_range), \
     .stuck_words_i (set_stuck_words), \
     .zero_limit_i (set_zero_limit), \
-    .zero_start_i (set_zero_start), \
+    .zero_start_i (set_zero_start || zero_start_i), \
     .filter_clocks_i (set_filter_clocks), \
     .host_period_log2_i (set_host_period_log2), \
     .host_timeout_i (set_host_timeout), \
@@ -776,7 +776,7 @@ end
     .bus_share_i (set_bus_share), \
     .bus_i (bus_i), \
     .guard_i (set_guard), \
-    .clear_i (set_clear), \
+    .clear_i (set_clear || clear_i), \
     .host_alive_i (set_host_alive), \
     .restart_i (set_restart || loading), \
     .zero_i (set_zero), \

@@ -64,11 +64,19 @@ module wh_linked_device #(
     input  wire                 stop_i,         // asynchronous
     input  wire [N-1:0]         driver_fault_i, // asynchronous
     input  wire [N-1:0]         anchor_fault_i,
+    input  wire                 clear_i,        // these two do what their words do
+    input  wire                 zero_start_i,
 
     output wire                 tick_o,         // strobe, last clock of a tick
     output wire                 running_o,      // the bridges are on
     output wire                 contact_o,      // any motor is in a wall
-    output wire                 fault_o         // the guard found something, or a tick is too short
+    output wire                 fault_o,        // the guard found something, or a tick is too short
+    output wire                 ready_o,        // the settings are there
+    output wire [N-1:0]         zero_busy_o,    // these are wh_controller's
+    output wire [N-1:0]         zero_fault_o,
+    output wire [N-1:0]         anchor_fault_o,
+    output wire [N-1:0]         encoder_fault_o,
+    output wire [N-1:0]         overcurrent_o
 );
 
     localparam [31:0] N_32      = N;
@@ -137,36 +145,44 @@ module wh_linked_device #(
         .GUARD          (GUARD),
         .LIVE           (LIVE)
     ) device (
-        .clk            (clk),
-        .rst            (rst),
-        .enable_i       (enable_i),
-        .bus_valid_i    (bus_valid),
-        .bus_write_i    (bus_write),
-        .bus_check_i    (bus_check),
-        .bus_address_i  (bus_address),
-        .bus_data_i     (bus_data),
-        .bus_ready_o    (bus_ready),
-        .bus_data_o     (bus_read),
-        .bus_error_o    (bus_error),
-        .bus_signed_o   (bus_signed),
-        .adc_cs_n_o     (adc_cs_n_o),
-        .adc_sclk_o     (adc_sclk_o),
-        .adc_din_o      (adc_din_o),
-        .adc_sdata_i    (adc_sdata_i),
-        .enc_a_i        (enc_a_i),
-        .enc_b_i        (enc_b_i),
-        .gate_ah_o      (gate_ah_o),
-        .gate_al_o      (gate_al_o),
-        .gate_bh_o      (gate_bh_o),
-        .gate_bl_o      (gate_bl_o),
-        .bus_i          (bus_i),
-        .stop_i         (stop_i),
-        .driver_fault_i (driver_fault_i),
-        .anchor_fault_i (anchor_fault_i),
-        .tick_o         (tick_o),
-        .running_o      (running_o),
-        .contact_o      (contact_o),
-        .fault_o        (fault_o)
+        .clk             (clk),
+        .rst             (rst),
+        .enable_i        (enable_i),
+        .bus_valid_i     (bus_valid),
+        .bus_write_i     (bus_write),
+        .bus_check_i     (bus_check),
+        .bus_address_i   (bus_address),
+        .bus_data_i      (bus_data),
+        .bus_ready_o     (bus_ready),
+        .bus_data_o      (bus_read),
+        .bus_error_o     (bus_error),
+        .bus_signed_o    (bus_signed),
+        .adc_cs_n_o      (adc_cs_n_o),
+        .adc_sclk_o      (adc_sclk_o),
+        .adc_din_o       (adc_din_o),
+        .adc_sdata_i     (adc_sdata_i),
+        .enc_a_i         (enc_a_i),
+        .enc_b_i         (enc_b_i),
+        .gate_ah_o       (gate_ah_o),
+        .gate_al_o       (gate_al_o),
+        .gate_bh_o       (gate_bh_o),
+        .gate_bl_o       (gate_bl_o),
+        .bus_i           (bus_i),
+        .stop_i          (stop_i),
+        .driver_fault_i  (driver_fault_i),
+        .anchor_fault_i  (anchor_fault_i),
+        .tick_o          (tick_o),
+        .running_o       (running_o),
+        .contact_o       (contact_o),
+        .fault_o         (fault_o),
+        .clear_i         (clear_i),
+        .zero_start_i    (zero_start_i),
+        .ready_o         (ready_o),
+        .zero_busy_o     (zero_busy_o),
+        .zero_fault_o    (zero_fault_o),
+        .anchor_fault_o  (anchor_fault_o),
+        .encoder_fault_o (encoder_fault_o),
+        .overcurrent_o   (overcurrent_o)
     );
 
 endmodule

@@ -168,7 +168,7 @@ module wh_settings #(
                        : !in_range                ? 2'd2
                        : not_now                  ? 2'd3 : 2'd0;
 
-    wire accepts  = (state_q == JUDGE) && bus_write_i && !bus_check_i && (verdict == 2'd0);
+    wire accepts  = (state_q == DONE) && bus_write_i && !bus_check_i && (error_q == 2'd0);
     wire written  = accepts && setting;
     wire commits  = accepts && commit && bus_data_i[0];
     wire discards = accepts && discard && bus_data_i[0];

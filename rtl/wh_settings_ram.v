@@ -51,7 +51,11 @@ module wh_settings_ram #(
         for (i = 0; i < 4*WORDS; i = i + 1) begin
             memory[i] = 32'd0;
         end
+`ifdef WH_BOARD_ROM
+`include "wh_board_settings_rom.vh"
+`else
 `include "wh_settings_rom.vh"
+`endif
     end
 
 `undef WH_SETTINGS_WORD

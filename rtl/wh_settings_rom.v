@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // wh_settings_rom: what the table of words says of an address: its kind, its range, and when it may
-// change. All motors share what is said of motor 0.
+// change. All motors share what is said of motor 0. With the macro WH_BOARD_ROM a header
+// wh_board_settings_rom.vh says it, in place of wh_settings_rom.vh: another first word, another kind.
 //
 // Formats: least_o and greatest_o take turns in bound_o; of a word with a sign (signed_o) they are
 // 2^31 more than the word, so that both are compared without a sign.
@@ -51,7 +52,11 @@ module wh_settings_rom #(
         for (i = 0; i < 64; i = i + 1) begin
             bounds[i] = 32'd0;
         end
+`ifdef WH_BOARD_ROM
+`include "wh_board_settings_rom.vh"
+`else
 `include "wh_settings_rom.vh"
+`endif
     end
 
 `undef WH_SETTINGS_WORD

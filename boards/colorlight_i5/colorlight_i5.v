@@ -22,6 +22,8 @@ module colorlight_i5 (
     output wire gate_bl,
     output wire alive,
 
+    input  wire uart_rx,       // USB serial, 115,200 bits a second at first
+    output wire uart_tx,
     input  wire start_n,
     input  wire stop,          // open, so high, is stop
     output wire led_running_n,
@@ -101,6 +103,8 @@ module colorlight_i5 (
         .start_i      (!start_n),
         .stop_i       (stop),
         .clock_lost_i (clock_lost),
+        .uart_rx_i    (uart_rx),
+        .uart_tx_o    (uart_tx),
         .adc_cs_n_o   (reader_cs_n),
         .adc_sclk_o   (reader_sclk),
         .adc_sdata_i  (reader_sdata),

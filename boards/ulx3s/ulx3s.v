@@ -22,6 +22,8 @@ module ulx3s (
     output wire gate_bl,
     output wire alive,
 
+    input  wire uart_rx,       // USB serial, 115,200 bits a second at first
+    output wire uart_tx,
     input  wire button_start,
     input  wire stop,          // open, so high, is stop
     output wire led_running,
@@ -103,6 +105,8 @@ module ulx3s (
         .start_i      (button_start),
         .stop_i       (stop),
         .clock_lost_i (clock_lost),
+        .uart_rx_i    (uart_rx),
+        .uart_tx_o    (uart_tx),
         .adc_cs_n_o   (reader_cs_n),
         .adc_sclk_o   (reader_sclk),
         .adc_sdata_i  (reader_sdata),

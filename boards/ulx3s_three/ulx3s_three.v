@@ -97,12 +97,17 @@ module ulx3s_three (
         .adc_sdata_i (adc_sdata)
     );
 
+    wire uart_tx;
+    wire unused = &{1'b0, uart_tx};
+
     wh_board_controller board_controller (
         .clk          (clk),
         .rst          (rst),
         .start_i      (button_start),
         .stop_i       (stop),
         .clock_lost_i (clock_lost),
+        .uart_rx_i    (1'b1),
+        .uart_tx_o    (uart_tx),
         .adc_cs_n_o   (reader_cs_n),
         .adc_sclk_o   (reader_sclk),
         .adc_sdata_i  (reader_sdata),

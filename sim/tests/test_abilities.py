@@ -284,6 +284,6 @@ def test_a_board_has_the_w_that_its_scene_asks_for() -> None:
     words = replace(board, scene=scene).words()
     shaper = words.ports.settings.shaper.words
     assert words.words["shape_coefficient"] == shaper[:, :9].ravel().tolist()
-    header = replace(board, scene=scene).header()
+    header = replace(board, scene=scene).headers()["wh_board_settings.vh"]
     assert f"`define WH_BOARD_SHAPER {len(shaper)}\n" in header
     assert ".wall_shaped_i ({1'h1})," in header

@@ -442,7 +442,7 @@ def test_ulx3s_has_two_megahertz():
 
 @pytest.mark.parametrize("name", board_names())
 def test_header_has_every_setting(name):
-    text = load_board(name).header()
+    text = load_board(name).headers()["wh_board_settings.vh"]
     top = (ROOT / "boards" / "wh_board_controller.v").read_text()
     defined = set(re.findall(r"`define (WH_BOARD_\w+)", text))
     assert set(re.findall(r"`(WH_BOARD_\w+)", top)) == defined

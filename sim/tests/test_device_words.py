@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from wavehaptics.controller import wave_core
 from wavehaptics.controller.settings import settings
-from wavehaptics.ladder.device_pins import COMMIT, DevicePins, requests
+from wavehaptics.ladder.device_pins import COMMIT, DevicePins
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
+from wavehaptics.words.memory import requests
 from wavehaptics.words.table import WORDS
 
 BOARD = ("drive.bus_v=12", "adc.bits=12", "adc.full_scale_a=2.5", "encoder.counts_per_rev=10000")

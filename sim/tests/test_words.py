@@ -293,5 +293,10 @@ def test_the_rom_of_a_board_with_some_groups():
     assert rows[f"{WORDS['trip'].at():03x}"][3:] >= "e0"
     assert rows[f"{WORDS['wall_min'].at():03x}"][3] in "45"
     assert re.search(r"32'h00001234\)  // trip\n", text)
-    with pytest.raises(ValueError, match="wall_min is one word for all copies"):
-        generated.settings_rom({"wall_min": [1, 2]})
+    text = generated.settings_rom({"wall_min": [1, -2]})
+    walls = re.findall(r"\('h(14\w), (\w+), 8'h\w\w, (\S+)\)", text)
+    assert walls == [
+        ("140", "WALLS", "0"),
+        ("140", "1", "32'h00000001"),
+        ("141", "1", "32'hfffffffe"),
+    ]

@@ -148,11 +148,12 @@ def build(
         raise BoardError(f"{board.name} has {board.fpga.motors} motors; only one can be simulated")
     synth = synth or synthesis.OUT / board.name
     made = synth / f"{board.name}{synthesis.PLACED_NETLIST}"
-    header = board.root / synth / "wh_board_settings.vh"
     cure = f"run `make bitstream BOARD={board.name}`"
     if not (board.root / made).is_file():
         raise BoardError(f"{made} is not there; {cure}")
-    if header.read_text(encoding="utf-8") != board.header():
+    kept = {name: board.root / synth / name for name in board.headers()}
+    if any(not path.is_file() or path.read_text(encoding="utf-8") != board.headers()[name]
+           for name, path in kept.items()):  # fmt: skip
         raise BoardError(f"{synth} was made with other settings than {board.folder}'s; {cure}")
     what = "placed" if netlist else "sources"
     folder = OUT / f"{board.name}-{what}"
@@ -181,6 +182,7 @@ def build(
         # The libraries' models widen and leave pins open as they like.
         "-Wno-fatal", "-Wno-lint", "-Wno-style", *optimised,
         *(f"-I{path}" for path in includes),
+        *(f"-D{name}={value}" for name, value in board.defines.items()),
         str(SHIMS / "board_shim.cpp"), *map(str, sources),
     ]  # fmt: skip
     target = verilated.BUILD_DIR / f"{board.name}-{what}-{digest}.so"

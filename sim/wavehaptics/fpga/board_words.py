@@ -9,6 +9,7 @@ leave open has its default of ``rtl/words.toml``.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib.metadata import version
 from typing import Any
 
 from wavehaptics.controller import guard
@@ -20,11 +21,22 @@ from wavehaptics.parts.adcs import Part, frame
 from wavehaptics.scene import Scene, SceneError
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
-from wavehaptics.words.generated import LICENCE, connections
+from wavehaptics.words.generated import LICENCE, connections, settings_rom
+from wavehaptics.words.memory import apart
 from wavehaptics.words.table import WORDS, Sizes, Values
 
 ZERO_A = 0.1
 """Offset of the current beyond which a board's sensor isn't what the scene says."""
+
+
+LINKED_WALLS = 4
+"""Walls of a motor, at least, where they can be changed."""
+
+CHANGEABLE = (
+    "wh_current.current", "wh_wave_core.eta", "wh_wave_core.wave", "wh_anchor.anchor",
+    "wh_contact.edges", "wh_contact.walls", "wh_shaper.shape",
+)  # fmt: skip
+"""Groups of words that can be changed on a board: none of the hardware, and none of its limits."""
 
 
 @dataclass(frozen=True)
@@ -40,17 +52,19 @@ class BoardWords:
     delay_log2: int
     guard: int | None
     """The guard's word; None for a board without one."""
+    linked: bool = False
+    """Whether there is a line over which some of the words can be changed."""
 
     @property
     def walls(self) -> int:
-        """Walls of a motor; an empty one where the scene has none."""
-        return max(1, len(self.ports.walls))
+        """Walls of a motor, some of them empty where the scene has fewer."""
+        return max(LINKED_WALLS if self.linked else 1, len(self.ports.walls))
 
 
 def board_words(
     scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False,
     pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
-    delay_log2: int = 1,
+    delay_log2: int = 1, linked: bool = False,
 ) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
 
@@ -77,7 +91,7 @@ def board_words(
         words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
     delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
     word = _guard(scene, ports, trip_a) if guarded else None
-    return BoardWords(ports, words, motors, delay_log2, word)
+    return BoardWords(ports, words, motors, delay_log2, word, linked)
 
 
 def _each_motor(words: Values, motors: int) -> dict[str, Any]:
@@ -120,11 +134,41 @@ def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
     return extra - natural
 
 
+def _values(board: BoardWords, motors: int) -> Values:
+    """What each word of ``motors`` of the board's motors is."""
+    shaped = board.ports.settings.shaped.tolist()
+    each = board.ports.settings.words()
+    return {
+        **board.words,
+        **_each_motor({name: board.words[name][: len(word)]
+                       for name, word in each.items() if not isinstance(word, int)}, motors),
+        "guard": board.guard or 0,
+        **board.ports.wall_words(board.walls, motors),
+        "wall_shaped": [*shaped, *[0] * (board.walls - len(shaped))] * motors,
+    }  # fmt: skip
+
+
+def build_number() -> int:
+    """The package's version as a linked board tells it: 8 bits each, a zero above."""
+    parts = [int(part) for part in version("wavehaptics").split(".")[:3]]
+    return parts[0] << 16 | parts[1] << 8 | parts[2]
+
+
+def memory_header(board: BoardWords, source: str) -> str:
+    """Text of ``wh_board_settings_rom.vh``: the words that a linked board begins with.
+
+    Of the groups in :data:`CHANGEABLE` they can be changed; what is the hardware's is read only.
+    """
+    return (
+        f"{LICENCE}// Settings that wh_linked_device begins with, made from {source}.\n\n"
+        + settings_rom(apart(_values(board, 1)), CHANGEABLE)
+    )
+
+
 def verilog_header(board: BoardWords, source: str) -> str:
     """Text of ``wh_board_settings.vh``; ``source`` is named in it as where the numbers are from."""
     words, timing = board.words, board.ports.timing
     sections = len(board.ports.settings.shaper.words)
-    shaped = board.ports.settings.shaped.tolist()
     hardware = {
         "N": board.motors,
         "WALLS": board.walls,
@@ -135,14 +179,12 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "SHAPER": sections,
         "ANCHOR": int(board.ports.settings.anchored),
         "GUARDED": int(board.guard is not None),
+        "LINKED": int(board.linked),
+        "CLOCK_HZ": round(timing.clock_hz),
+        "BUILD": build_number(),
     }
     sizes = Sizes(board.motors, board.walls, sections, board.delay_log2)
-    values: Values = {
-        **words,
-        "guard": board.guard or 0,
-        **board.ports.wall_words(board.walls, board.motors),
-        "wall_shaped": [*shaped, *[0] * (board.walls - len(shaped))] * board.motors,
-    }
+    values = _values(board, board.motors)
     return "\n".join(
         [
             f"{LICENCE}// Settings of wh_controller, made from {source}.",

@@ -14,8 +14,9 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from wavehaptics.fpga.board_words import BoardWords, board_words, verilog_header
+from wavehaptics.fpga.board_words import BoardWords, board_words, memory_header, verilog_header
 from wavehaptics.parts.adcs import PARTS
+from wavehaptics.runtime.files import write_text
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import TomlError, parse
 from wavehaptics.scene import Scene, load_scene
@@ -87,6 +88,7 @@ class Fpga(_Table):
     adc: str
     motors: int = Field(1, ge=1, le=8)
     guard: bool = False
+    link: bool = False
     pad_registers: bool = False
     wire_s: float = Field(0.6e-9, ge=0)
     seeds: list[int] = Field(min_length=1)
@@ -129,11 +131,27 @@ class Board:
             self.scene, PARTS[self.fpga.adc], self.fpga.motors, guarded=self.fpga.guard,
             pad_registers=self.fpga.pad_registers, trip_a=self.fpga.sense.trip_a,
             zero_a=self.fpga.sense.zero_a, delay_log2=_DELAY_LOG2[self.fpga.family],
+            linked=self.fpga.link,
         )  # fmt: skip
 
-    def header(self) -> str:
-        """Text of the ``wh_board_settings.vh`` that the board's top includes."""
-        return verilog_header(self.words(), f"{self.folder}/board.toml")
+    def headers(self) -> dict[str, str]:
+        """Texts of the headers that the board's design includes, by their files' names."""
+        words, source = self.words(), f"{self.folder}/board.toml"
+        found = {"wh_board_settings.vh": verilog_header(words, source)}
+        if words.linked:
+            found["wh_board_settings_rom.vh"] = memory_header(words, source)
+        return found
+
+    @property
+    def defines(self) -> dict[str, int]:
+        """Macros that the board's design is read with."""
+        return {"WH_BOARD_ROM": 1} if self.fpga.link else {}
+
+
+def write_headers(board: Board, folder: Path) -> None:
+    """Write :meth:`Board.headers` into ``folder``, from the working directory."""
+    for name, text in board.headers().items():
+        write_text(folder / name, text)
 
 
 def board_names(root: Path = ROOT) -> list[str]:

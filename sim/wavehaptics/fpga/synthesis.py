@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from wavehaptics.fpga import board_pins, bridge_budget, multipliers, pad_timing, pll
-from wavehaptics.fpga.boards import Board
+from wavehaptics.fpga.boards import Board, write_headers
 from wavehaptics.parts.adcs import PARTS
-from wavehaptics.runtime.files import write_json, write_text
+from wavehaptics.runtime.files import write_json
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
 
@@ -151,6 +151,7 @@ def board_design(board: Board, out: Path) -> Design:
         seeds=tuple(board.fpga.seeds),
         motors=board.fpga.motors,
         tick_hz=board.scene.controller.tick_hz,
+        defines=tuple(board.defines.items()),
         board=board,
     )
 
@@ -173,7 +174,7 @@ def build_board(
     out = out or OUT / board.name
     folder = board.root / out
     _clear(folder)
-    write_text(folder / "wh_board_settings.vh", board.header())
+    write_headers(board, folder)
     design = board_design(board, out)
     return build(design if seed is None else replace(design, seeds=(seed,)), out, tools, say)
 
@@ -221,8 +222,9 @@ def _build(design: Design, out: Path, tools: Toolchain, say: Callable[[str], Non
         return made
     words = design.board.words()
     return replace(
-        made, zero=True, anchor=words.ports.settings.anchored, guard=words.guard is not None
-    )
+        made, zero=True, anchor=words.ports.settings.anchored, guard=words.guard is not None,
+        settings=words.linked,
+    )  # fmt: skip
 
 
 def board_pads(board: Board, sdf: Path) -> dict[str, Any]:
@@ -349,7 +351,7 @@ def survey_seeds(
     folder = board.root / out
     _clear(folder)
     try:
-        write_text(folder / "wh_board_settings.vh", board.header())
+        write_headers(board, folder)
         design = board_design(board, out)
         netlist = _checked_netlist(design, out, tools)
         found = []

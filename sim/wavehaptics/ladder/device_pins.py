@@ -4,11 +4,10 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterable
 from typing import NamedTuple
 
 from wavehaptics.ladder.pins import PinsSimulation
-from wavehaptics.words import table
+from wavehaptics.words.memory import apart, requests
 from wavehaptics.words.table import WORDS, Values
 
 COMMIT = WORDS["commit"].at()
@@ -21,18 +20,6 @@ class Answer(NamedTuple):
     clock: int
     data: int
     error: int
-
-
-def requests(values: Values) -> list[tuple[int, int]]:
-    """(address, raw word) of each word of one motor, without those that are no settings."""
-    found = []
-    for name, value in values.items():
-        word = WORDS.get(name)
-        if word is None or word.row.kind != "setting":
-            continue
-        raws = list(value) if isinstance(value, Iterable) else [value]
-        found += [(word.at(0, n), int(raw) & 0xFFFFFFFF) for n, raw in enumerate(raws)]
-    return found
 
 
 class DevicePins(PinsSimulation):
@@ -56,7 +43,7 @@ class DevicePins(PinsSimulation):
             ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64), ctypes.c_int64
         ]  # fmt: skip
         library.wh_device_answers.restype = ctypes.c_int64
-        pairs = [*_separate(self._values), (COMMIT, 1)]
+        pairs = [*requests(apart(self._values)), (COMMIT, 1)]
         flat = [word for pair in pairs for word in pair]
         words = (ctypes.c_uint32 * len(flat))(*flat)
         return new(words, len(pairs), WORDS["restart"].at(), inputs)
@@ -81,24 +68,3 @@ class DevicePins(PinsSimulation):
         words = (ctypes.c_int64 * (3 * room))()
         count = self._library.wh_device_answers(self._model, words, room)
         return [Answer(*words[3 * n : 3 * n + 3]) for n in range(count)]
-
-
-def _separate(values: Values) -> list[tuple[int, int]]:
-    """As :func:`requests`, with words side by side taken apart."""
-    apart: dict[str, int | list[int]] = {}
-    for name, value in values.items():
-        mates = table.ports().get(name, [])
-        if len(mates) < 2 and (not mates or mates[0].name == name):
-            apart[name] = value if isinstance(value, int) else [int(raw) for raw in value]
-            continue
-        copies = [value] if isinstance(value, int) else [int(raw) for raw in value]
-        for raw in copies:
-            for word in mates:
-                for _ in range(word.row.count):
-                    mask = (1 << word.fixed.width) - 1
-                    part = raw & mask
-                    raw >>= word.fixed.width
-                    if word.fixed.signed and part >> word.fixed.width - 1:
-                        part -= mask + 1
-                    apart.setdefault(word.name, []).append(part)  # type: ignore[union-attr]
-    return requests(apart)

@@ -236,10 +236,10 @@ STATUS = (
 def options_of_boards(root: Path = ROOT) -> dict[str, dict[str, int]]:
     """Parameters of ``wh_controller`` in each board's bitstream; one that isn't set is left out."""
     top = (root / "boards" / "wh_board_controller.v").read_text(encoding="utf-8")
-    (given,) = re.findall(r"wh_controller #\((.*?)\n    \)", top, re.DOTALL)
+    (given,) = re.findall(r"define WH_SAME_PARAMETERS(.*?)\n\n", top, re.DOTALL)
     found = {}
     for name in board_names(root):
-        header = load_board(name, root=root).header()
+        header = load_board(name, root=root).headers()["wh_board_settings.vh"]
         macros = dict(re.findall(r"^`define (WH_BOARD_\w+) (\d+)$", header, re.MULTILINE))
         macros["N"] = macros["WH_BOARD_N"]
         found[name] = {
@@ -264,8 +264,10 @@ def _status(numbers: dict[str, Any], table: Table) -> str:
         built = "all boards" if len(names) == len(boards) else ", ".join(f"`{n}`" for n in names)
         label = f"{what}, `{parameter}`" if parameter else what
         rows.append((label, "yes", built or "**none**", "no"))
-    rows.append(("settings changed while it runs: `wh_device`", "yes", "**none**", "no"))
-    rows.append(("a link to a computer", "no", "**none**", "no"))
+    linked = [name for name in boards if load_board(name).fpga.link]
+    built = ", ".join(f"`{name}`" for name in linked) or "**none**"
+    rows.append(("settings changed while it runs: `wh_device`", "yes", built, "no"))
+    rows.append(("Modbus on a serial line: `wh_linked_device`", "yes", built, "no"))
     return _words(("", "simulated", "in a bitstream", "tried on a motor"), rows)
 
 

@@ -18,7 +18,11 @@ _COPIES = {"board": (), "motor": ("N",), "wall": ("N", "WALLS"), "section": ("N"
 """How many copies of a word a port has, in Verilog."""
 
 
-_ALSO = {"restart": "set_restart || loading"}
+_ALSO = {
+    "restart": "set_restart || loading",
+    "clear": "set_clear || clear_i",
+    "zero_start": "set_zero_start || zero_start_i",
+}
 """Inputs that the module itself drives as well."""
 
 

@@ -123,8 +123,8 @@ def settings_rom(values: Values | None = None, groups: Collection[str] | None = 
     """``rtl/wh_settings_rom.vh``: what the settings memory knows of each word.
 
     ``values`` are the words that stand there at first, where those of the table don't: one number
-    for all copies of a word. Of ``groups``, by default all, words can be written; those of others
-    (``block.group``) are read only.
+    for all copies of a word, or one for each of the first copies of a motor. Of ``groups``, by
+    default all, words can be written; those of others (``block.group``) are read only.
     """
     types: dict[tuple[bool, str, str], int] = {}
     rows = []
@@ -152,14 +152,23 @@ def settings_rom(values: Values | None = None, groups: Collection[str] | None = 
                 word.row.default, verilog_number(table.format_parts(word.row.format)[2])
             )
         elif isinstance(given, int):
-            first = f"32'h{given & 0xFFFFFFFF:08x}"
+            first = _word(given)
         else:
-            raise ValueError(f"{word.name} is one word for all copies")
+            first = "0"
         place = f"'h{word.at():03x}, {_copies(word)}, {text}, {first if is_setting else 0}"
         rows.append(f"`WH_SETTINGS_WORD({place})  // {word.name}\n")
+        if isinstance(given, Iterable):
+            rows += [
+                f"`WH_SETTINGS_WORD('h{word.at(index=index):03x}, 1, {text}, {_word(raw)})\n"
+                for index, raw in enumerate(given)
+            ]
     for (_, least, most), kind in types.items():
         rows.append(f"`WH_SETTINGS_BOUNDS({kind}, {least}, {most})\n")
     return "".join(rows)
+
+
+def _word(raw: int) -> str:
+    return f"32'h{raw & 0xFFFFFFFF:08x}"
 
 
 # ---- C++.
