@@ -56,7 +56,7 @@ class DevicePins(PinsSimulation):
             ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64), ctypes.c_int64
         ]  # fmt: skip
         library.wh_device_answers.restype = ctypes.c_int64
-        pairs = [*_separate(self._values), (COMMIT, 1)]
+        pairs = [*settings_requests(self._values), (COMMIT, 1)]
         flat = [word for pair in pairs for word in pair]
         words = (ctypes.c_uint32 * len(flat))(*flat)
         return new(words, len(pairs), WORDS["restart"].at(), inputs)
@@ -83,7 +83,7 @@ class DevicePins(PinsSimulation):
         return [Answer(*words[3 * n : 3 * n + 3]) for n in range(count)]
 
 
-def _separate(values: Values) -> list[tuple[int, int]]:
+def settings_requests(values: Values) -> list[tuple[int, int]]:
     """As :func:`requests`, with words side by side taken apart."""
     apart: dict[str, int | list[int]] = {}
     for name, value in values.items():
