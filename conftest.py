@@ -15,6 +15,7 @@ BLOCKS = {
     "wh_adc_max11125": "test_adc_max11125.py::test_adc_max11125[icarus-1-3]",
     "wh_adc_serial": "test_adc_serial.py::test_adc_serial[icarus-1]",
     "wh_anchor": "test_anchor.py::test_anchor[icarus]",
+    "wh_arm": "test_arm.py::test_arm[icarus-0]",
     "wh_bus_scale": "test_bus_scale.py::test_bus_scale[icarus-1]",
     "wh_carrier": "test_carrier.py::test_carrier[icarus]",
     "wh_contact": "test_contact.py::test_contact[icarus-1]",

@@ -10,8 +10,9 @@
 // carrier and ADC begin anew. All words of a group change in one clock; groups of one kind in the same one,
 // but for groups that have to wait for different blocks, which are a tick apart at most.
 //
-// Nothing on the bus lets the bridges on: enable_i is a pin, and off it is off. They stay off while
-// words that want them off are given, (N + 1) 2^8 clocks or so.
+// Nothing on the bus lets the bridges on where enable_i, a pin, is low. With ARM = 0 they are on where it
+// is high, with ARM = 1 where the bus has armed them as well (wh_arm). They stay off while words that want
+// them off are given, (N + 1) 2^8 clocks or so.
 // Live words are those of the clock in which they are read: two of them needn't be of one step.
 //
 // Latency: of the bus as wh_settings has it, of all else as wh_controller has it.
@@ -41,7 +42,9 @@ module wh_device #(
     parameter integer HOST         = 0,
     parameter integer ANCHOR       = 0,
     parameter integer GUARD        = 0,
-    parameter integer LIVE         = 1   // 1: live words of motors are on the bus; 0: they read 0
+    parameter integer LIVE         = 1,  // 1: live words of motors are on the bus; 0: they read 0
+    parameter integer ARM          = 0,  // 1: the bridges are on by command only, and while it is renewed
+    parameter integer ARM_CLOCKS   = 4800000 // ARM = 1: clocks that a command lasts, 2...2^30
 ) (
     input  wire                 clk,
     input  wire                 rst,
@@ -123,6 +126,11 @@ module wh_device #(
     wire hold_sum;
     wire hold_round;
 
+    wire       set_arm;
+    wire       armed;
+    wire [4:0] arm_refused;
+    wire       arm_zero_start;
+
 `include "wh_device_words.vh"
 
     // A step is made with one set of words: an anchor's wait until the core's have changed, which
@@ -132,6 +140,36 @@ module wh_device #(
     assign hold_anchor = words_hold[1] || (words_hold[0] && (change || changing_core));
     assign hold_sum    = (EARLY != 0) ? running : words_hold[2];
     assign hold_round  = words_hold[3];
+
+    generate
+        if (ARM != 0) begin : by_command
+            wire [`WH_FAULTS-1:0] damps = set_guard[`WH_GUARD_DAMP] & `WH_FAULTS_DAMPABLE;
+
+            wh_arm #(
+                .SENSE        (SENSE),
+                .CREDIT       (ARM_CLOCKS)
+            ) arm (
+                .clk          (clk),
+                .rst          (rst || !ready),
+                .enable_i     (enable_i),
+                .fault_i      (overrun || (|(faults & ~damps))),
+                .loading_i    (loading),
+                .write_i      (set_arm),
+                .value_i      (bus_data_i[1:0]),
+                .zero_start_o (arm_zero_start),
+                .zero_busy_i  (|zero_busy),
+                .zero_fault_i (|zero_fault),
+                .armed_o      (armed),
+                .refused_o    (arm_refused)
+            );
+        end else begin : by_pin
+            wire unused = &{1'b0, set_arm};
+
+            assign arm_zero_start = 1'b0;
+            assign armed          = 1'b1;
+            assign arm_refused    = 5'd0;
+        end
+    endgenerate
 
     // One bit is for a word of the whole 32.
     wire unused = &{1'b0, live[32], busy};
@@ -195,7 +233,7 @@ module wh_device #(
     ) controller (
         .clk            (clk),
         .rst            (rst || !ready),
-        .enable_i       (enable_i && !loading),
+        .enable_i       (enable_i && armed && !loading),
         .adc_cs_n_o     (adc_cs_n_o),
         .adc_sclk_o     (adc_sclk_o),
         .adc_din_o      (adc_din_o),

@@ -685,6 +685,7 @@ endgenerate
 assign set_clear = command && bus_address_i == 12'h060 && bus_data_i[0];
 assign set_host_alive = command && bus_address_i == 12'h061 && bus_data_i[0];
 assign set_restart = command && bus_address_i == 12'h06d && bus_data_i[0];
+assign set_arm = command && bus_address_i == 12'h078;
 
 // Live words.
 
@@ -699,6 +700,8 @@ always @* begin
         12'h06a: live = {32'd0, core_valid};
         12'h06b: live = {32'd0, overrun};
         12'h06c: live = {{29{1'b0}}, words_hold[0 +: 4]};
+        12'h079: live = {32'd0, armed};
+        12'h07a: live = {{28{1'b0}}, arm_refused[0 +: 5]};
         default: live = 33'd0;
     endcase
     for (m = 0; m < N; m = m + 1) begin
@@ -753,7 +756,7 @@ end
     .range_i (set_range), \
     .stuck_words_i (set_stuck_words), \
     .zero_limit_i (set_zero_limit), \
-    .zero_start_i (set_zero_start || zero_start_i), \
+    .zero_start_i (set_zero_start || zero_start_i || arm_zero_start), \
     .filter_clocks_i (set_filter_clocks), \
     .host_period_log2_i (set_host_period_log2), \
     .host_timeout_i (set_host_timeout), \

@@ -4,11 +4,13 @@
 //
 //   uart_rx_i -> wh_link -> wh_device -> pins
 //
-// What stands on the line, and what of it does nothing, is said by wh_modbus. As on the bus, nothing on
-// it lets the bridges on: enable_i is a pin. Word 2 of the identification, its options, is made here:
+// What stands on the line, and what of it does nothing, is said by wh_modbus. enable_i is a pin that
+// allows: with it, and ARM = 1, the word `arm` lets the bridges on for 200 ms (wh_arm); with ARM = 0 the
+// pin alone does. Word 2 of the identification, its options, is made here:
 //
 //   3:0 N   8:4 WALLS   10:9 SHAPER   14:11 DELAY_LOG2   16:15 ADC   17 EARLY   18 ANCHOR   19 GUARD
 //   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME   26 LIVE
+//   27 ARM
 //
 // Latency and reset: those of wh_modbus and of wh_device.
 
@@ -35,6 +37,7 @@ module wh_linked_device #(
     parameter integer ANCHOR       = 0,
     parameter integer GUARD        = 0,
     parameter integer LIVE         = 1,
+    parameter integer ARM          = 1,
     parameter integer CLOCK_HZ     = 24000000,
     parameter integer UNIT         = 1,  // 1...247, of the link
     parameter [31:0]  BUILD        = 32'd0,
@@ -85,7 +88,7 @@ module wh_linked_device #(
     localparam [31:0] DELAY_32  = DELAY_LOG2;
     localparam [31:0] ADC_32    = ADC;
     localparam [31:0] OPTIONS = {
-        5'd0, LIVE != 0, DEAD_TIME != 0, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0, SENSE != 0,
+        4'd0, ARM != 0, LIVE != 0, DEAD_TIME != 0, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0, SENSE != 0,
         GUARD != 0, ANCHOR != 0, EARLY != 0, ADC_32[1:0], DELAY_32[3:0], SHAPER_32[1:0],
         WALLS_32[4:0], N_32[3:0]
     };
@@ -143,7 +146,9 @@ module wh_linked_device #(
         .HOST           (HOST),
         .ANCHOR         (ANCHOR),
         .GUARD          (GUARD),
-        .LIVE           (LIVE)
+        .LIVE           (LIVE),
+        .ARM            (ARM),
+        .ARM_CLOCKS     (CLOCK_HZ / 5)
     ) device (
         .clk             (clk),
         .rst             (rst),

@@ -95,6 +95,9 @@
 `WH_SETTINGS_WORD('h071, 1, 8'h82, 0)  // discard
 `WH_SETTINGS_WORD('h072, 1, 8'hc2, 0)  // settings_busy
 `WH_SETTINGS_WORD('h073, 1, 8'hc2, 0)  // settings_staged
+`WH_SETTINGS_WORD('h078, 1, 8'h8f, 0)  // arm
+`WH_SETTINGS_WORD('h079, 1, 8'hc2, 0)  // armed
+`WH_SETTINGS_WORD('h07a, 1, 8'hc0, 0)  // arm_refused
 `WH_SETTINGS_WORD('h100, 1, (8'h5a | ((EARLY != 0) ? 8'h20 : 8'h00)), 32'd0)  // zero
 `WH_SETTINGS_WORD('h101, 1, (8'h57 | ((EARLY != 0) ? 8'h20 : 8'h00)), 32'd0)  // gain
 `WH_SETTINGS_WORD('h118, 1, 8'h57, 32'd0)  // clocks_per_volt
@@ -111,7 +114,7 @@
 `WH_SETTINGS_WORD('h129, 1, 8'h5c, 32'd0)  // anchor_reach
 `WH_SETTINGS_WORD('h12a, 1, 8'h59, 32'd0)  // anchor_strange
 `WH_SETTINGS_WORD('h12b, 1, 8'h48, 32'd0)  // anchor_rest_ticks
-`WH_SETTINGS_WORD('h12c, 1, 8'h4f, 32'd0)  // anchor_slow_units
+`WH_SETTINGS_WORD('h12c, 1, 8'h50, 32'd0)  // anchor_slow_units
 `WH_SETTINGS_WORD('h1c0, 1, 8'hd5, 0)  // correction
 `WH_SETTINGS_WORD('h1c1, 1, 8'hd5, 0)  // offset
 `WH_SETTINGS_WORD('h1c2, 1, 8'hd5, 0)  // flux
@@ -123,7 +126,7 @@
 `WH_SETTINGS_WORD('h160, WALLS, 8'h42, 32'd0)  // wall_enable
 `WH_SETTINGS_WORD('h170, WALLS, 8'h42, 32'd0)  // wall_shaped
 `WH_SETTINGS_WORD('h180, 9 * SHAPER, 8'h5e, 32'd0)  // shape_coefficient
-`WH_SETTINGS_WORD('h192, 3 * SHAPER, 8'h50, 32'd0)  // shape_loss
+`WH_SETTINGS_WORD('h192, 3 * SHAPER, 8'h51, 32'd0)  // shape_loss
 `WH_SETTINGS_BOUNDS(0, 32'd1, (32'hffffffff >> (32 - 16)))
 `WH_SETTINGS_BOUNDS(1, 32'd1, 32'd256)
 `WH_SETTINGS_BOUNDS(20, (32'h80000000 + (32'd0 - (32'd1 << (8 - 1)))), (32'h80000000 + ((32'd1 << (8 - 1)) - 32'd1)))
@@ -145,11 +148,12 @@
 `WH_SETTINGS_BOUNDS(12, 32'd0, (32'hffffffff >> (32 - 2)))
 `WH_SETTINGS_BOUNDS(13, 32'd0, (32'hffffffff >> (32 - 24)))
 `WH_SETTINGS_BOUNDS(14, 32'd0, (32'hffffffff >> (32 - 32)))
+`WH_SETTINGS_BOUNDS(15, 32'd0, 32'd2)
 `WH_SETTINGS_BOUNDS(26, (32'h80000000 + (32'd0 - (32'd1 << (24 - 1)))), (32'h80000000 + ((32'd1 << (24 - 1)) - 32'd1)))
 `WH_SETTINGS_BOUNDS(27, (32'h80000000 + (32'd0 - (32'd1 << (`WH_COEF_W - 1)))), (32'h80000000 + ((32'd1 << (`WH_COEF_W - 1)) - 32'd1)))
 `WH_SETTINGS_BOUNDS(28, (32'h80000000 + 32'd0), (32'h80000000 + (32'd64 << `WH_VOLTAGE_Q)))
-`WH_SETTINGS_BOUNDS(15, 32'd0, (32'hffffffff >> (32 - 5)))
+`WH_SETTINGS_BOUNDS(16, 32'd0, (32'hffffffff >> (32 - 5)))
 `WH_SETTINGS_BOUNDS(29, (32'h80000000 + (32'd0 - (32'd1 << (`WH_COUNT_W - 1)))), (32'h80000000 + ((32'd1 << (`WH_COUNT_W - 1)) - 32'd1)))
 `WH_SETTINGS_BOUNDS(30, (32'h80000000 + (32'd0 - (32'd1 << (`WH_SHAPE_W - 1)))), (32'h80000000 + ((32'd1 << (`WH_SHAPE_W - 1)) - 32'd1)))
-`WH_SETTINGS_BOUNDS(16, 32'd0, (32'hffffffff >> (32 - 12)))
+`WH_SETTINGS_BOUNDS(17, 32'd0, (32'hffffffff >> (32 - 12)))
 // <!-- end settings-rom -->

@@ -280,6 +280,9 @@ def test_words_of_the_memory_are_no_ports():
     own = {word.name for word in WORDS.values() if word.block == table.MEMORY}
     assert own == {"commit", "discard", "settings_busy", "settings_staged"}
     assert not own & {*table.ports(), *table.ports("o")}
+    arm = {word.name for word in WORDS.values() if word.block == table.ARM}
+    assert arm == {"arm", "armed", "arm_refused"}
+    assert not arm & {*table.ports(), *table.ports("o")}
     rtl = (formats.RTL_DIR / "wh_settings.v").read_text(encoding="utf-8")
     for name in own:
         constant = name.removeprefix("settings_").upper()

@@ -7,7 +7,7 @@ import ctypes
 from typing import NamedTuple
 
 from wavehaptics.ladder.pins import PinsSimulation
-from wavehaptics.words.memory import apart, requests
+from wavehaptics.words.memory import requests, settings_requests
 from wavehaptics.words.table import WORDS, Values
 
 COMMIT = WORDS["commit"].at()
@@ -43,7 +43,7 @@ class DevicePins(PinsSimulation):
             ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64), ctypes.c_int64
         ]  # fmt: skip
         library.wh_device_answers.restype = ctypes.c_int64
-        pairs = [*requests(apart(self._values)), (COMMIT, 1)]
+        pairs = [*settings_requests(self._values), (COMMIT, 1)]
         flat = [word for pair in pairs for word in pair]
         words = (ctypes.c_uint32 * len(flat))(*flat)
         return new(words, len(pairs), WORDS["restart"].at(), inputs)

@@ -21,7 +21,7 @@ _COPIES = {"board": (), "motor": ("N",), "wall": ("N", "WALLS"), "section": ("N"
 _ALSO = {
     "restart": "set_restart || loading",
     "clear": "set_clear || clear_i",
-    "zero_start": "set_zero_start || zero_start_i",
+    "zero_start": "set_zero_start || zero_start_i || arm_zero_start",
 }
 """Inputs that the module itself drives as well."""
 
@@ -152,11 +152,12 @@ def _group(words: list[Word]) -> tuple[list[str], dict[str, str]]:
 
 
 def _command(word: Word) -> list[str]:
-    """A strobe, or a register that is written."""
+    """A strobe, or a register that is written. A board's strobe of several bits comes with any."""
     port, bits = word.port[:-2], _bits(word)
     place = f"12'h{word.at():03x}"
     if word.row.per == "board":
-        return [f"assign set_{port} = command && bus_address_i == {place} && bus_data_i[0];"]
+        one = " && bus_data_i[0]" if bits == "1" else ""
+        return [f"assign set_{port} = command && bus_address_i == {place}{one};"]
     here = f"command && bus_address_i == {{PART[3:0], 8'h{word.at() & 0xFF:02x}}}"
     lines = ["localparam [31:0] PART = n + 1;", ""]
     if bits == "1":

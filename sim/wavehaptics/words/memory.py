@@ -40,3 +40,8 @@ def apart(values: Values) -> dict[str, int | list[int]]:
                         part -= mask + 1
                     found.setdefault(word.name, []).append(part)  # type: ignore[union-attr]
     return found
+
+
+def settings_requests(values: Values) -> list[tuple[int, int]]:
+    """As :func:`requests`, of words and of ports with several of them."""
+    return requests(apart(values))

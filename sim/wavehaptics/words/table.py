@@ -33,6 +33,9 @@ MOTOR_STRIDE = 0x100
 MEMORY = "wh_settings"
 """Block of the words that are the settings memory's own, and no port of the controller."""
 
+ARM = "wh_arm"
+"""Block of the words that let the bridges on, beside the controller as well."""
+
 CHANGES = ("off", "core", "anchor", "sum", "round")
 """When a group's settings may change: with the bridges off, or between two of these."""
 
@@ -231,7 +234,7 @@ def ports(
     """The table's inputs or outputs of the controller, without ``_i`` or ``_o``: their words."""
     found: dict[str, list[Word]] = {}
     for word in words.values():
-        if word.block != MEMORY and word.port.endswith(direction):
+        if word.block not in (MEMORY, ARM) and word.port.endswith(direction):
             found.setdefault(word.port[:-2], []).append(word)
     return found
 

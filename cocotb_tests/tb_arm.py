@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bench of ``rtl/wh_arm.v``: armed by a write, while it is renewed and nothing is against it."""
+
+from __future__ import annotations
+
+import cocotb
+from bench import Bench, random_source
+from simulators import parameters
+
+_P = {"SENSE": 0, "CREDIT": 50, **parameters()}
+SENSE, CREDIT = _P["SENSE"], _P["CREDIT"]
+ENABLE, FAULT, LOADING, ZERO, CREDIT_OUT = (1 << bit for bit in range(5))
+ZERO_CLOCKS = 7
+REASONS = {ENABLE: {"enable_i": 0}, FAULT: {"fault_i": 1}, LOADING: {"loading_i": 1}}
+
+
+class ArmBench(Bench):
+    """The block, with a zero that takes ZERO_CLOCKS."""
+
+    async def begin(self) -> None:
+        self.left = 0
+        self.starts = 0
+        await self.start(
+            enable_i=1, fault_i=0, loading_i=0, write_i=0, value_i=0, zero_busy_i=0, zero_fault_i=0
+        )
+
+    async def step(self, clocks: int = 1, **inputs: int) -> None:
+        for _ in range(clocks):
+            start = bool(self.clocks and self.word("zero_start_o"))
+            self.left = ZERO_CLOCKS if start else max(0, self.left - 1)
+            self.starts += start
+            await super().step(1, **inputs)
+            self.drive(zero_busy_i=int(self.left > 0))
+
+    async def write(self, value: int) -> None:
+        await self.step(write_i=1, value_i=value)
+        self.drive(write_i=0)
+
+    async def arm(self) -> None:
+        await self.write(1)
+        if SENSE:
+            assert self.word("armed_o") == 0
+            await self.step(ZERO_CLOCKS + 2)
+        assert self.state == (1, 0)
+
+    @property
+    def state(self) -> tuple[int, int]:
+        return self.word("armed_o"), self.word("refused_o")
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_grant_and_its_renewals(dut: object) -> None:
+    """CREDIT clocks from the last write on, by 1 as by 2; a 2 alone arms nothing."""
+    bench = ArmBench(dut)
+    await bench.begin()
+    assert bench.state == (0, 0)
+    await bench.write(2)
+    await bench.step(ZERO_CLOCKS + 3)
+    assert bench.state == (0, 0)
+    await bench.arm()
+    assert bench.starts == SENSE
+    for value in (1, 2):
+        await bench.step(CREDIT // 2)
+        await bench.write(value)
+        await bench.step(CREDIT - 1)
+        assert bench.state == (1, 0)
+        await bench.write(value)  # in the last clock of it
+        await bench.step(3)
+        assert bench.state == (1, 0)
+    await bench.step(CREDIT - 4)
+    assert bench.state == (1, 0)
+    await bench.step()
+    assert bench.state == (0, CREDIT_OUT)
+    await bench.write(2)
+    assert bench.state == (0, CREDIT_OUT)
+    await bench.arm()
+    await bench.write(0)
+    assert bench.state == (0, 0)
+    assert bench.starts == 2 * SENSE
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def what_is_against_it(dut: object) -> None:
+    """Each reason ends it in a clock and refuses a 1; when it is over, nothing comes by itself."""
+    bench = ArmBench(dut)
+    await bench.begin()
+    for reason, inputs in REASONS.items():
+        over = {name: 1 - value for name, value in inputs.items()}
+        await bench.arm()
+        await bench.step(**inputs)
+        assert bench.state == (0, reason)
+        await bench.write(1)
+        assert bench.state == (0, reason)
+        await bench.step(3, **over)
+        await bench.write(2)
+        await bench.step(2 * ZERO_CLOCKS)
+        assert bench.state == (0, reason)
+        await bench.arm()
+        await bench.write(0)
+    await bench.step(enable_i=0, fault_i=1)
+    await bench.write(1)
+    assert bench.state == (0, ENABLE | FAULT)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms", skip=not SENSE)
+async def the_zero(dut: object) -> None:
+    """A zero that is refused, or that ends with the credit, doesn't arm; nor one that was left."""
+    bench = ArmBench(dut)
+    await bench.begin()
+    await bench.step(zero_fault_i=1)
+    await bench.write(1)
+    await bench.step(ZERO_CLOCKS + 2)
+    assert bench.state == (0, ZERO)
+    bench.drive(zero_fault_i=0)
+    await bench.arm()
+    await bench.write(0)
+    await bench.write(1)
+    await bench.step(3)
+    await bench.write(0)
+    await bench.step(2 * ZERO_CLOCKS)
+    assert bench.state == (0, 0)
+    await bench.write(1)
+    for _ in range(CREDIT - 1):  # a zero without an end
+        bench.left = 5
+        await bench.step()
+        assert bench.state == (0, 0)
+    await bench.step()
+    assert bench.state == (0, CREDIT_OUT)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def anything_at_any_time(dut: object) -> None:
+    """Random writes and reasons against the rule in words."""
+    bench, rng = ArmBench(dut), random_source("any")
+    await bench.begin()
+    since, armed, seen = CREDIT, 0, 0
+    for _ in range(8_000):
+        calm = rng.random() < 0.97
+        inputs = {
+            "enable_i": int(calm or rng.random() < 0.5),
+            "fault_i": int(not calm and rng.random() < 0.5),
+            "write_i": int(rng.random() < 0.05), "value_i": rng.choice((0, 1, 1, 2, 2, 2)),
+        }  # fmt: skip
+        before = armed
+        await bench.step(**inputs)
+        armed = bench.word("armed_o")
+        wrote = inputs["write_i"]
+        since = 0 if wrote and inputs["value_i"] else since + 1
+        refuses = not inputs["enable_i"] or inputs["fault_i"]
+        if refuses or since >= CREDIT or (wrote and not inputs["value_i"]):
+            assert not armed
+        elif before or (not SENSE and wrote and inputs["value_i"] == 1):
+            assert armed
+        elif not SENSE:
+            assert not armed
+        seen += armed > before
+    assert seen > 20

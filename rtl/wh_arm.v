@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_arm: lets the bridges on by command, and only as long as the command is renewed.
+//
+//   write 1   arm: for CREDIT clocks; where armed, renew
+//   write 2   renew, where armed; else nothing
+//   write 0   disarm
+//
+// Armed it lasts until 0 is written, or until there is a reason against it, which refused_o then says,
+// a bit each, until it is armed anew:
+//
+//   0 enable_i is low   1 a fault   2 settings are being given   3 no permitted zero was found   4 the credit ran out
+//
+// While there is one of the first three, a 1 is refused with it. Nothing but a 1 that is written after
+// the reason has gone arms again: a renewing 2 doesn't.
+// With SENSE = 1 the zero of the currents is measured first, as wh_zero does it with the bridges off:
+// it is armed where that ends with a permitted zero. The credit runs meanwhile.
+//
+// Latency: armed_o and refused_o change a clock after what they follow from.
+// Reset: not armed, no reason.
+
+`default_nettype none
+
+module wh_arm #(
+    parameter integer SENSE  = 0,        // 1: with a measured zero
+    parameter integer CREDIT = 4800000   // clocks, 2...2^30
+) (
+    input  wire       clk,
+    input  wire       rst,
+
+    input  wire       enable_i,      // the board lets it
+    input  wire       fault_i,       // the guard's, or a tick's
+    input  wire       loading_i,     // settings are being given
+
+    input  wire       write_i,       // strobe
+    input  wire [1:0] value_i,       // with write_i
+
+    output wire       zero_start_o,  // strobe
+    input  wire       zero_busy_i,   // from the clock after the strobe on
+    input  wire       zero_fault_i,  // with the end of zero_busy_i
+
+    output wire       armed_o,
+    output wire [4:0] refused_o
+);
+
+    localparam integer    CREDIT_W = $clog2(CREDIT);
+    localparam [31:0]     LAST_32  = CREDIT - 1;
+    localparam [CREDIT_W-1:0] LAST = LAST_32[CREDIT_W-1:0];
+
+    generate
+        if (CREDIT < 2 || CREDIT > (1 << 30)) begin : illegal
+            wh_illegal_parameter_arm_credit_must_be_2_to_2_30 stop ();
+        end
+    endgenerate
+
+    reg                armed_q;
+    reg                measuring_q;  // the zero, before the bridges go on
+    reg                start_q;
+    reg [4:0]          refused_q;
+    reg [CREDIT_W-1:0] credit_q;     // clocks left, but for this one
+
+    wire drops    = write_i && (value_i == 2'd0);
+    wire arms     = write_i && (value_i == 2'd1);
+    wire renews   = arms || (write_i && (value_i == 2'd2));
+    wire active   = armed_q || measuring_q;
+    wire measured = measuring_q && !start_q && !zero_busy_i;
+    wire spent    = (credit_q == {CREDIT_W{1'b0}}) && !renews;
+
+    wire [2:0] against = {loading_i, fault_i, !enable_i};
+    wire [4:0] ends    = {spent, measured && zero_fault_i, against};
+
+    always @(posedge clk) begin
+        if (rst) begin
+            armed_q     <= 1'b0;
+            measuring_q <= 1'b0;
+            start_q     <= 1'b0;
+            refused_q   <= 5'd0;
+            credit_q    <= {CREDIT_W{1'b0}};
+        end else begin
+            start_q  <= 1'b0;
+            credit_q <= renews ? LAST : credit_q - 1'b1;
+            if (active) begin
+                if (drops || (|ends)) begin
+                    armed_q     <= 1'b0;
+                    measuring_q <= 1'b0;
+                    refused_q   <= drops ? 5'd0 : ends;
+                end else if (measured) begin
+                    armed_q     <= 1'b1;
+                    measuring_q <= 1'b0;
+                end
+            end else if (arms) begin
+                refused_q <= {2'd0, against};
+                if (against == 3'd0) begin
+                    armed_q     <= (SENSE == 0);
+                    measuring_q <= (SENSE != 0);
+                    start_q     <= (SENSE != 0);
+                end
+            end
+        end
+    end
+
+    assign zero_start_o = start_q;
+    assign armed_o      = armed_q;
+    assign refused_o    = refused_q;
+
+endmodule
+
+`default_nettype wire

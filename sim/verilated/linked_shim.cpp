@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// C interface to the Verilated wh_linked_device, one port: device_shim.cpp, with a serial line in place
+// of the bus.
+
+#include <algorithm>
+#include <cstdint>
+
+#include "Vwh_linked_device.h"
+#include "Vwh_linked_device___024root.h"
+#include "coverage.h"
+#include "uart_host.h"
+#include "verilated.h"
+
+namespace {
+
+struct Linked {
+    VerilatedContext context;
+    Vwh_linked_device top{&context};
+    int64_t clocks = 0;
+    UartHost host;
+    int64_t tick_clocks = 0;
+    int64_t silent_clocks = 0;  // since the last step, or what stands in for one
+    int silent_ticks = 0;
+
+    ~Linked() { write_coverage(context); }
+};
+
+// Signals of the modules, which device_shim.vlt and linked_shim.vlt show.
+#define SIGNAL(name) linked->top.rootp->wh_linked_device__DOT__device__DOT__##name
+#define BIT_CLOCKS linked->top.rootp->wh_linked_device__DOT__link__DOT__uart__DOT__bit_clocks_i
+
+constexpr int64_t kMostSetupClocks = 1 << 24;
+constexpr int kSilentTicks = 4;
+
+int64_t signed_word(uint64_t raw) {
+    constexpr int kUnused = 64 - WH_DATA_W;
+    return static_cast<int64_t>(raw << kUnused) >> kUnused;
+}
+
+// As in device_shim.cpp.
+void set_inputs(Vwh_linked_device &top, int64_t inputs) {
+    top.adc_sdata_i = inputs & 1;
+    top.enc_a_i = (inputs >> 1) & 1;
+    top.enc_b_i = (inputs >> 2) & 1;
+}
+
+void clock(Linked *linked) {
+    auto &top = linked->top;
+    top.uart_rx_i = linked->host.level();
+    top.clk = 1;
+    top.eval();
+    linked->host.clock(top.uart_tx_o, BIT_CLOCKS);
+    ++linked->clocks;
+}
+
+void end_clock(Linked *linked) {
+    linked->top.clk = 0;
+    linked->top.eval();
+}
+
+// As in device_shim.cpp.
+template <class Done>
+bool pass(Linked *linked, Done done) {
+    auto &top = linked->top;
+    bool sclk = top.adc_sclk_o;
+    for (int64_t n = 0; n < kMostSetupClocks; ++n) {
+        if (done()) return true;
+        if (top.adc_sclk_o && !sclk) top.adc_sdata_i = !top.adc_sdata_i;
+        sclk = top.adc_sclk_o;
+        clock(linked);
+        end_clock(linked);
+    }
+    return false;
+}
+
+// Send a frame, and wait until it restarts carrier and ADC: the clocks that takes, -1 for never.
+int64_t restart(Linked *linked, const uint8_t *frame, int64_t count) {
+    const int64_t first = linked->clocks;
+    linked->host.to_send.insert(linked->host.to_send.end(), frame, frame + count);
+    return pass(linked, [linked] { return SIGNAL(set_restart); }) ? linked->clocks - first : -1;
+}
+
+}  // namespace
+
+extern "C" {
+
+// A device after reset, with its defaults and the bridges off.
+void *wh_linked_new(int64_t inputs, int64_t tick_clocks) {
+    auto *linked = new Linked;
+    auto &top = linked->top;
+    linked->tick_clocks = tick_clocks;
+    set_inputs(top, inputs);
+    top.stop_i = 1;
+    top.driver_fault_i = 1;
+    top.uart_rx_i = 1;
+    top.rst = 1;
+    for (int n = 0; n < 4; ++n) clock(linked), end_clock(linked);
+    top.rst = 0;
+    pass(linked, [linked] { return !SIGNAL(busy); });
+    return linked;
+}
+
+void wh_linked_delete(void *model) { delete static_cast<Linked *>(model); }
+
+// Bytes that stand before the line, and those taken from it, whose number is returned.
+void wh_linked_send(void *model, const uint8_t *bytes, int64_t count) {
+    auto &queue = static_cast<Linked *>(model)->host.to_send;
+    queue.insert(queue.end(), bytes, bytes + count);
+}
+
+int64_t wh_linked_waiting(void *model) {
+    return static_cast<Linked *>(model)->host.to_send.size();
+}
+
+int64_t wh_linked_received(void *model, uint8_t *bytes, int64_t room) {
+    auto &queue = static_cast<Linked *>(model)->host.received;
+    const int64_t count = std::min<int64_t>(room, queue.size());
+    std::copy_n(queue.begin(), count, bytes);
+    queue.erase(queue.begin(), queue.begin() + count);
+    return count;
+}
+
+// Clocks until so many bytes have come, with 0 A and the rotor at rest; whether they have.
+int64_t wh_linked_await(void *model, int64_t count) {
+    auto *linked = static_cast<Linked *>(model);
+    const auto enough = [linked, count] {
+        return static_cast<int64_t>(linked->host.received.size()) >= count;
+    };
+    return pass(linked, enough);
+}
+
+// To just before the first tick, with enable_i high; whether it gets there. `frame` commands a restart.
+// As wh_device_new has it, carrier and ADC begin in a clock in which the walls' rounds do: the frame is
+// sent twice, as its way takes the same time.
+int64_t wh_linked_begin(void *model, const uint8_t *frame, int64_t count) {
+    auto *linked = static_cast<Linked *>(model);
+    const int64_t way = restart(linked, frame, count);
+    wh_linked_await(model, count);
+    linked->host.received.clear();
+    const auto idle = [linked, still = linked->clocks + 4 * BIT_CLOCKS] {
+        return linked->clocks >= still && !SIGNAL(busy);
+    };
+    if (way < 0 || !pass(linked, idle)) return false;
+    const auto round_ends = [linked] { return !SIGNAL(hold_round); };
+    pass(linked, round_ends);
+    const int64_t first = linked->clocks;
+    clock(linked), end_clock(linked);
+    pass(linked, round_ends);
+    const int64_t period = linked->clocks - first;
+    const int64_t last = first + ((way + period) / period + 1) * period;
+    pass(linked, [=] { return linked->clocks >= last - way; });
+    if (restart(linked, frame, count) != way) return false;
+    clock(linked), end_clock(linked);
+    linked->top.enable_i = 1;
+    return pass(linked, [linked] { return SIGNAL(adc_ready); });
+}
+
+int64_t wh_linked_running(void *model) { return static_cast<Linked *>(model)->top.running_o; }
+
+int64_t wh_linked_bus(int64_t model, int64_t word) {
+    reinterpret_cast<Linked *>(model)->top.bus_i = word;
+    return 0;
+}
+
+// As wh_pins_clock. With the bridges off, where there are no steps, each tick tells of one, and so do four
+// ticks without: the loop around goes on with its motor, whatever the settings make of the ticks.
+int64_t wh_linked_clock(int64_t model, int64_t inputs) {
+    auto *linked = reinterpret_cast<Linked *>(model);
+    auto &top = linked->top;
+    set_inputs(top, inputs);
+    clock(linked);
+    bool step = SIGNAL(core_valid);
+    ++linked->silent_clocks;
+    linked->silent_ticks += top.tick_o;
+    if (!step) {
+        step = (top.tick_o && !top.running_o) || linked->silent_ticks >= kSilentTicks ||
+               linked->silent_clocks >= kSilentTicks * linked->tick_clocks;
+    }
+    if (step) linked->silent_clocks = linked->silent_ticks = 0;
+    const int64_t out = top.gate_ah_o | top.gate_al_o << 1 | top.gate_bh_o << 2 |
+                        top.gate_bl_o << 3 | top.adc_cs_n_o << 4 | top.adc_sclk_o << 5 |
+                        top.tick_o << 6 | int64_t{step} << 7 | top.contact_o << 8 |
+                        SIGNAL(overrun) << 9 | SIGNAL(encoder_fault) << 10;
+    end_clock(linked);
+    return out;
+}
+
+// As wh_pins_words.
+int64_t wh_linked_words(int64_t model, int64_t words_address) {
+    auto *linked = reinterpret_cast<Linked *>(model);
+    int64_t *words = reinterpret_cast<int64_t *>(words_address);
+    words[0] = signed_word(SIGNAL(current));
+    words[1] = signed_word(SIGNAL(u));
+    words[2] = signed_word(SIGNAL(v));
+    words[3] = signed_word(SIGNAL(voltage));
+    words[4] = SIGNAL(saturated);
+    words[5] = signed_word(SIGNAL(correction));
+    words[6] = signed_word(SIGNAL(flux));
+    words[7] = signed_word(SIGNAL(lag));
+    words[8] = SIGNAL(anchor_fault);
+    words[9] = static_cast<int32_t>(SIGNAL(position));
+    return 0;
+}
+
+}  // extern "C"

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`pins` with a serial line: ``rtl/wh_linked_device.v``, whose settings come over it as frames."""
+
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+from pymodbus.framer import FramerRTU
+from pymodbus.pdu import DecodePDU
+from pymodbus.pdu.register_message import WriteMultipleRegistersRequest
+
+from wavehaptics.ladder import pins_loop
+from wavehaptics.ladder.pins import PinsSimulation
+from wavehaptics.scene import Scene
+from wavehaptics.trace.columns import Column, Word
+from wavehaptics.words import formats
+from wavehaptics.words.memory import settings_requests
+from wavehaptics.words.modbus import MOST_WRITTEN, halves, runs, word_register
+from wavehaptics.words.table import WORDS
+
+UNIT = 1
+ANSWER_BYTES = 8
+"""Of a write: unit, function, register, number, CRC."""
+
+ZERO_PART = 1 / 16
+"""Largest zero that is permitted, of the ADC's full scale."""
+
+
+def _frame(first: int, raws: list[int]) -> bytes:
+    """A write of words from an address on."""
+    request = WriteMultipleRegistersRequest(
+        address=word_register(first), registers=halves(raws), dev_id=UNIT
+    )
+    return FramerRTU(DecodePDU(False)).buildFrame(request)
+
+
+class LinkedPins(PinsSimulation):
+    """``wh_linked_device`` with a scene's settings, motor and hand.
+
+    With ``arm`` the bridges stay off until the line arms them, as the board has it; without, they
+    are on, as those of :class:`~wavehaptics.ladder.device_pins.DevicePins`. enable_i is high.
+    """
+
+    TOP = "wh_linked_device"
+    SHIM = "linked_shim.cpp"
+    SHOWS = ("device_shim.vlt", "linked_shim.vlt")
+    PREFIX = "wh_linked"
+
+    def __init__(self, scene: Scene, *, arm: bool = True) -> None:
+        self._arm = arm
+        super().__init__(scene)
+
+    def _parameters(self) -> dict[str, int]:
+        clock_hz = round(self.timing.clock_hz)
+        return {"GUARD": 1, "SENSE": 1, "ARM": int(self._arm), "CLOCK_HZ": clock_hz}
+
+    def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
+        self._declare()
+        model = self._library.wh_linked_new(inputs, self.timing.tick_clocks)
+        largest = WORDS["zero_limit"].fixed.raw_max
+        zero_a = self.sensor.full_scale_a * ZERO_PART
+        zero_limit = min(round(zero_a / formats.GAIN.to_value(self._values["gain"])), largest)
+        values = {**self._values, "zero_limit": zero_limit}
+        for first, raws in runs(settings_requests(values), MOST_WRITTEN):
+            self._tell(model, _frame(first, raws))
+        self._library.wh_linked_bus(model, self._values["bus"])
+        frame = _frame(WORDS["restart"].at(), [1])
+        if not self._library.wh_linked_begin(model, frame, len(frame)):
+            return None
+        return model
+
+    def _tell(self, model: int, frame: bytes) -> None:
+        self._library.wh_linked_send(model, frame, len(frame))
+        if not self._library.wh_linked_await(model, ANSWER_BYTES - 3):
+            raise RuntimeError("the device's RTL doesn't answer")
+        self._library.wh_linked_await(model, ANSWER_BYTES)
+        answer = self._take(model)
+        if answer[1] & 0x80:
+            raise RuntimeError(f"the device's RTL refuses {frame.hex()}: {answer.hex()}")
+
+    def _declare(self) -> None:
+        library, model, count = self._library, ctypes.c_void_p, ctypes.c_int64
+        text = ctypes.c_char_p
+        for name, arguments in (
+            ("new", [count, count]),
+            ("send", [model, text, count]),
+            ("waiting", [model]),
+            ("received", [model, text, count]),
+            ("await", [model, count]),
+            ("begin", [model, text, count]),
+            ("running", [model]),
+            ("bus", [model, count]),
+        ):
+            function = getattr(library, f"wh_linked_{name}")
+            function.argtypes = arguments
+            function.restype = model if name == "new" else count
+
+    def _take(self, model: int) -> bytes:
+        room = 4096
+        buffer = ctypes.create_string_buffer(room)
+        return buffer.raw[: self._library.wh_linked_received(model, buffer, room)]
+
+    def send(self, data: bytes) -> None:
+        """Put bytes before the line, which sends them at the device's rate, one after another."""
+        self._library.wh_linked_send(self._model, data, len(data))
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that are still before the line."""
+        return int(self._library.wh_linked_waiting(self._model))
+
+    def received(self) -> bytes:
+        """Bytes that came since the last time, 4096 at most."""
+        return self._take(self._model or 0)
+
+    @property
+    def running(self) -> bool:
+        """Whether the bridges are on."""
+        return bool(self._library.wh_linked_running(self._model))
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time since the motor was let go, s."""
+        return self.clock_cycles / self.timing.clock_hz
+
+    def elapse(self, ticks: int) -> None:
+        """Let ticks of the scene pass, with the bridges on or off. Nothing is kept of them."""
+        rows = np.zeros((ticks, len(Column)))
+        self.advance(rows, np.zeros((ticks, len(Word)), dtype=np.int64))
+        if not self.running:
+            # What stood in for steps may not have been one a tick.
+            self._kept[pins_loop.EMITTED] = self._kept[pins_loop.CLOSED]

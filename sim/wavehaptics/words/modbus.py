@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where ``rtl/wh_modbus.v`` has the words, and how they are put into registers of 16 bits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+TABLE = 0x2000
+"""Register of the table's first word."""
+
+MOST_READ, MOST_WRITTEN = 62, 61
+"""Words of one frame."""
+
+OPTIONS = {
+    "motors": (0, 4), "walls": (4, 5), "shaper": (9, 2), "delay_log2": (11, 4), "adc": (15, 2),
+    "early": (17, 1), "anchor": (18, 1), "guard": (19, 1), "sense": (20, 1), "host": (21, 1),
+    "bus": (22, 1), "modes": (23, 1), "min_pulse": (24, 1), "dead_time": (25, 1), "live": (26, 1),
+    "arm": (27, 1),
+}  # fmt: skip
+"""Lowest bit and number of bits of each option."""
+
+IDENTIFICATION = (
+    "table", "build", "options", "clock_hz", "motors", "rate", "version", "rates", "frames",
+    "crc_errors", "framing_errors", "overruns",
+)  # fmt: skip
+"""The words from register 0 on."""
+
+EXCEPTIONS = {
+    1: "the device doesn't know the function",
+    2: "no such word, or it can't be read or written",
+    3: "a value is out of its word's range",
+    4: "the device's memory doesn't answer",
+    6: "not now: with the bridges on such a word can't change, or others are still being given",
+}
+"""What the device means by an exception."""
+
+
+def word_register(address: int) -> int:
+    """Register of the high half of the word at an address of the table."""
+    return TABLE + 2 * address
+
+
+def halves(raws: Iterable[int]) -> list[int]:
+    """Registers of raw words, the high halves first."""
+    return [half for raw in raws for half in (raw >> 16 & 0xFFFF, raw & 0xFFFF)]
+
+
+def whole(registers: list[int]) -> list[int]:
+    """Words without signs of pairs of registers."""
+    return [high << 16 | low for high, low in zip(registers[::2], registers[1::2], strict=True)]
+
+
+def runs(pairs: Iterable[tuple[int, int]], most: int) -> Iterator[tuple[int, list[int]]]:
+    """(address, raw words) of runs of successive addresses, of ``most`` words each or fewer."""
+    first, raws = 0, []
+    for address, raw in sorted(pairs):
+        if raws and (address != first + len(raws) or len(raws) == most):
+            yield first, raws
+            raws = []
+        if not raws:
+            first = address
+        raws = [*raws, raw]
+    if raws:
+        yield first, raws
