@@ -91,6 +91,10 @@ module prove_wh_settings (
     (* hierconn *) wire        \block.off_q ;
     (* hierconn *) wire        \block.staged_q ;
     (* hierconn *) wire        \block.enough_q ;
+    (* hierconn *) wire        \block.written_q ;
+    (* hierconn *) wire        \block.written_off_q ;
+    (* hierconn *) wire        \block.commits_q ;
+    (* hierconn *) wire        \block.discards_q ;
     (* hierconn *) wire [7:0]  \block.ram.place ;
     (* hierconn *) wire [31:0] \block.ram.first ;
     (* hierconn *) wire [31:0] \block.ram.low_q ;
@@ -151,10 +155,8 @@ module prove_wh_settings (
     wire       settles  = \block.settle_q ;
     wire       accepts  = write && here;
     wire       copied   = !pass || at > place;
-    wire       done     = (state == DONE) && bus_write && !bus_check && bus_data[0]
-                          && (bus_error == 2'd0);
-    wire       commits  = done && (bus_address == 12'h070);
-    wire       discards = done && (bus_address == 12'h071);
+    wire       commits  = \block.commits_q ;
+    wire       discards = \block.discards_q ;
     wire       looks    = (state == LEAST || state == MOST || state == JUDGE || state == DONE);
     wire       known    = ({bus_address[11:8] != 4'd0, bus_address[7:0]} == watched);
 
@@ -186,6 +188,7 @@ module prove_wh_settings (
         // left of both.
         if (!begun) begin
             assume (rst || (state == IDLE && !fresh && !pass && !waits && !settles && at == 8'd0
+                            && !write && !commits && !discards && !command
                             && !loading && !\block.staged_q && !\block.off_q && fits(current)
                             && resting == current));
             assume (!asked_q && waits_q == 4'd0 && !off_here_q && !off_given_q && !accepts_q);
@@ -248,6 +251,12 @@ module prove_wh_settings (
             if (off_here_q) assert (\block.off_q && \block.staged_q && off);
             if (off_given_q) assert (\block.loading_q && busy);
             if (\block.staged_q ) assert (!busy);
+            if (\block.written_q || commits || discards) begin
+                assert (state == DONE && !busy && !fresh && bus_error == 2'd0 && bus_write && !bus_check);
+            end
+            assert (\block.written_q + commits + discards <= 2'd1);
+            if (accepts) assert (\block.written_off_q == off);
+            if (\block.written_q ) assert (bus_address[11:9] == 3'd0 && !bus_address[7]);
             case (state)
                 READ:    assert (waits_q == 4'd0);
                 WRITE:   assert (waits_q <= 4'd1);

@@ -168,12 +168,23 @@ module wh_settings #(
                        : !in_range                ? 2'd2
                        : not_now                  ? 2'd3 : 2'd0;
 
-    wire accepts  = (state_q == DONE) && bus_write_i && !bus_check_i && (error_q == 2'd0);
-    wire written  = accepts && setting;
-    wire commits  = accepts && commit && bus_data_i[0];
-    wire discards = accepts && discard && bus_data_i[0];
+    // What is accepted is done in the clock after, with bus_ready_o.
+    wire accepts = (state_q == JUDGE) && bus_write_i && !bus_check_i && (verdict == 2'd0);
+    reg  written_q;
+    reg  written_off_q;  // of such a word: the bridges have to be off
+    reg  commits_q;
+    reg  discards_q;
+    reg  commands_q;
 
-    assign command_o = accepts && command && !commit && !discard;
+    always @(posedge clk) begin
+        written_q     <= !rst && accepts && setting;
+        written_off_q <= off;
+        commits_q     <= !rst && accepts && commit && bus_data_i[0];
+        discards_q    <= !rst && accepts && discard && bus_data_i[0];
+        commands_q    <= !rst && accepts && command && !commit && !discard;
+    end
+
+    assign command_o = commands_q;
 
     // ---- The banks. Places beyond the last motor's are copied too, and mean nothing.
 
@@ -188,7 +199,7 @@ module wh_settings #(
         .SLOT_W          (SLOT_W)
     ) ram (
         .clk             (clk),
-        .write_i         (written || copies),
+        .write_i         (written_q || copies),
         .write_bank_i    ({1'b0, !force_q}),
         .write_address_i (copies ? place_q : bus_place),
         .write_data_i    (data_o),
@@ -200,7 +211,7 @@ module wh_settings #(
     wire [3:0] copy_part = {{4-PART_W{1'b0}}, place_q[SLOT_W +: PART_W]};
     wire [7:0] copy_slot = {{8-SLOT_W{1'b0}}, place_q[SLOT_W-1:0]};
 
-    assign write_o   = written;
+    assign write_o   = written_q;
     assign copy_o    = copies;
     assign address_o = copies ? {copy_part, copy_slot} : bus_address_i;
     assign data_o    = copies ? read_data : bus_data_i;
@@ -260,26 +271,26 @@ module wh_settings #(
                 force_q  <= !force_q;
                 fresh_q  <= 1'b0;
                 pass_q   <= 1'b1;
-            end else if (discards) begin
+            end else if (discards_q) begin
                 pass_q   <= 1'b1;
             end else if (ends) begin
                 pass_q   <= 1'b0;
             end
 
             // The defaults have been read into the resting bank: they are given like others.
-            wait_q   <= commits || (ends && fresh_q) || (wait_q && !change);
+            wait_q   <= commits_q || (ends && fresh_q) || (wait_q && !change);
             if (change) begin
                 settle_q <= 1'b1;
             end
 
-            if (commits && off_q) begin
+            if (commits_q && off_q) begin
                 loading_q <= 1'b1;
             end else if (ends && !fresh_q) begin
                 loading_q <= 1'b0;
             end
 
-            staged_q <= (staged_q || written) && !(commits || discards);
-            off_q    <= (off_q || (written && off)) && !(commits || discards);
+            staged_q <= (staged_q || written_q) && !(commits_q || discards_q);
+            off_q    <= (off_q || (written_q && written_off_q)) && !(commits_q || discards_q);
         end
     end
 
