@@ -103,6 +103,19 @@ module wh_linked_device #(
     wire [1:0]  bus_error;
     wire        bus_signed;
 
+    // The memory's answer has a clock of its own, in which the request that it ends still stands.
+    reg         ready_q;
+    reg  [31:0] read_q;
+    reg  [1:0]  error_q;
+    reg         signed_q;
+
+    always @(posedge clk) begin
+        ready_q  <= !rst && bus_ready;
+        read_q   <= bus_read;
+        error_q  <= bus_error;
+        signed_q <= bus_signed;
+    end
+
     wh_link #(
         .UNIT          (UNIT),
         .CLOCK_HZ      (CLOCK_HZ),
@@ -121,10 +134,10 @@ module wh_linked_device #(
         .bus_check_o   (bus_check),
         .bus_address_o (bus_address),
         .bus_data_o    (bus_data),
-        .bus_ready_i   (bus_ready),
-        .bus_data_i    (bus_read),
-        .bus_error_i   (bus_error),
-        .bus_signed_i  (bus_signed)
+        .bus_ready_i   (ready_q),
+        .bus_data_i    (read_q),
+        .bus_error_i   (error_q),
+        .bus_signed_i  (signed_q)
     );
 
     wh_device #(
@@ -153,7 +166,7 @@ module wh_linked_device #(
         .clk             (clk),
         .rst             (rst),
         .enable_i        (enable_i),
-        .bus_valid_i     (bus_valid),
+        .bus_valid_i     (bus_valid && !ready_q),
         .bus_write_i     (bus_write),
         .bus_check_i     (bus_check),
         .bus_address_i   (bus_address),

@@ -134,7 +134,7 @@ def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
     return extra - natural
 
 
-def _values(board: BoardWords, motors: int) -> Values:
+def first_values(board: BoardWords, motors: int) -> Values:
     """What each word of ``motors`` of the board's motors is."""
     shaped = board.ports.settings.shaped.tolist()
     each = board.ports.settings.words()
@@ -161,7 +161,7 @@ def memory_header(board: BoardWords, source: str) -> str:
     """
     return (
         f"{LICENCE}// Settings that wh_linked_device begins with, made from {source}.\n\n"
-        + settings_rom(apart(_values(board, 1)), CHANGEABLE)
+        + settings_rom(apart(first_values(board, 1)), CHANGEABLE)
     )
 
 
@@ -184,7 +184,7 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "BUILD": build_number(),
     }
     sizes = Sizes(board.motors, board.walls, sections, board.delay_log2)
-    values = _values(board, board.motors)
+    values = first_values(board, board.motors)
     return "\n".join(
         [
             f"{LICENCE}// Settings of wh_controller, made from {source}.",

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A board with a link: it begins with its scene's words, and only some can be changed."""
+
+from __future__ import annotations
+
+import os
+
+import cocotb
+from bench import CLOCK_NS, Bench
+from cocotb.triggers import Timer
+from modbus_frames import ADDRESS, TABLE, decode, read, whole, words, write_one
+from uart_line import Line
+from wavehaptics.fpga.board_words import CHANGEABLE, first_values
+from wavehaptics.fpga.boards import load_board
+from wavehaptics.words import table
+from wavehaptics.words.memory import settings_requests
+from wavehaptics.words.table import WORDS
+
+BOARD = load_board(os.environ["WH_BOARD"])
+HZ = BOARD.clock_hz
+RATES = (115_200, 1_000_000, 1_500_000, 3_000_000)
+GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
+
+
+class Linked(Bench):
+    """The board's controller at rest, without an ADC; the simulated clock is HZ a second."""
+
+    async def begin(self) -> None:
+        self.line = Line(self.dut.uart_rx_i, self.dut.uart_tx_o, self.bit_ns(0))
+        await self.start(
+            start_i=0, stop_i=0, clock_lost_i=0, enc_a_i=0, enc_b_i=0, adc_sdata_i=0, uart_rx_i=1
+        )
+        await self.step(3_000)
+        assert not (await self.ask(write_one(11, 3))).isError()
+        self.line.bit_ns = self.bit_ns(3)
+
+    async def step(self, clocks: int = 1, **inputs: int) -> None:
+        """As :meth:`Bench.step`, without a wait for each clock."""
+        self.drive(**inputs)
+        if clocks > 1:
+            await Timer((clocks - 1) * CLOCK_NS, unit="ns")
+        await super().step()
+        self.clocks += clocks - 1
+
+    @staticmethod
+    def bit_ns(rate: int) -> float:
+        return HZ / RATES[rate] * CLOCK_NS
+
+    async def ask(self, frame: bytes):
+        await self.line.send(frame)
+        bits = round(self.line.bit_ns / CLOCK_NS)
+        count, idle = 0, 0
+        while idle < (30 if count else 400):
+            await self.step(5 * bits)
+            idle = idle + 5 if len(self.line.heard) == count else 0
+            count = len(self.line.heard)
+        found = bytes(self.line.heard)
+        self.line.heard.clear()
+        return decode(found)
+
+    async def value(self, address: int) -> int:
+        return whole((await self.ask(read(TABLE + 2 * address, 2))).registers)[0]
+
+
+@cocotb.test(timeout_time=500, timeout_unit="ms")
+async def it_begins_with_the_scenes_words(dut: object) -> None:
+    bench = Linked(dut)
+    await bench.begin()
+    found = whole((await bench.ask(read(0, 16))).registers)
+    assert (found[0], found[3], found[4]) == (table.crc(), round(HZ), BOARD.fpga.motors)
+    assert found[2] >> 27 & 1 == 0, "nobody arms it over the line"
+    for address, word in settings_requests(first_values(BOARD.words(), 1)):
+        assert await bench.value(address) == word, f"{address:#05x}"
+
+
+@cocotb.test(timeout_time=500, timeout_unit="ms")
+async def a_wall_can_be_moved_and_a_limit_not(dut: object) -> None:
+    bench = Linked(dut)
+    await bench.begin()
+    for name in ("wall_min", "eta_contact", "a", "gain", "anchor_reach"):
+        word = WORDS[name]
+        assert f"{word.block}.{word.group}" in CHANGEABLE
+        assert not (await bench.ask(words(word.at(), [100]))).isError(), name
+        await bench.step(3_000)
+        assert await bench.value(word.at()) == 100
+    for name in ("trip", "zero_limit", "dead_clocks", "half_clocks", "min_pulse", "guard_mask"):
+        at = WORDS[name].at()
+        before = await bench.value(at)
+        assert (await bench.ask(words(at, [before]))).exception_code == ADDRESS, name
+        assert await bench.value(at) == before
+    for name in ("clear", "host_alive", "restart", "zero_start", "arm"):
+        await bench.ask(words(WORDS[name].at(), [1]))
+        await bench.step(3_000)
+        assert not bench.word("running_o")
+        assert not any(bench.word(gate) for gate in GATES)
