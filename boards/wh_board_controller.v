@@ -11,7 +11,7 @@
 //
 // start_i, stop_i, clock_lost_i, alive_o, running_o and fault_o are the switch's.
 // Latency: those of the switch, of wh_controller and of wh_linked_device.
-// Reset: gates off, not running, alive_o low; with a link until the settings are there.
+// Reset: gates off, not running, alive_o low; with a link until all settings are given.
 
 `default_nettype none
 `include "wh_formats.vh"

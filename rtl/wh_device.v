@@ -83,7 +83,7 @@ module wh_device #(
     output wire                 running_o,      // the bridges are on
     output wire                 contact_o,      // any motor is in a wall
     output wire                 fault_o,        // the guard found something, or a tick is too short
-    output wire                 ready_o,        // the settings are there
+    output reg                  ready_o,        // since reset all settings were given
     output wire [N-1:0]         zero_busy_o,    // these are wh_controller's
     output wire [N-1:0]         zero_fault_o,
     output wire [N-1:0]         anchor_fault_o,
@@ -175,7 +175,8 @@ module wh_device #(
     wire unused = &{1'b0, live[32], busy};
 
     always @(posedge clk) begin
-        live_q <= live[31:0];
+        live_q  <= live[31:0];
+        ready_o <= !rst && (ready_o || (ready && !loading));
     end
 
     wh_settings #(
@@ -255,7 +256,6 @@ module wh_device #(
     assign contact_o = |contact;
     assign fault_o   = overrun || |faults;
 
-    assign ready_o         = ready;
     assign zero_busy_o     = zero_busy;
     assign zero_fault_o    = zero_fault;
     assign anchor_fault_o  = anchor_fault;

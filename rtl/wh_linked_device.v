@@ -74,7 +74,7 @@ module wh_linked_device #(
     output wire                 running_o,      // the bridges are on
     output wire                 contact_o,      // any motor is in a wall
     output wire                 fault_o,        // the guard found something, or a tick is too short
-    output wire                 ready_o,        // the settings are there
+    output wire                 ready_o,        // since reset all settings were given
     output wire [N-1:0]         zero_busy_o,    // these are wh_controller's
     output wire [N-1:0]         zero_fault_o,
     output wire [N-1:0]         anchor_fault_o,
