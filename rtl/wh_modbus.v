@@ -262,6 +262,7 @@ module wh_modbus #(
     wire       begun    = skip_q || (place_q != 8'd0);
     wire       at_end   = (place_q == end_q);
     wire       good     = (crc_q == 16'd0);
+    wire       closes   = open_q && good && (place_q[7:2] != 6'd0);  // an open frame's CRC is right
     wire       breaks   = gap && begun;
     wire       stores   = (state_q == TAKE) && !breaks && !broken && !skip_q;
     wire       hangs    = (&late_q) && !bus_ready_i;
@@ -303,7 +304,7 @@ module wh_modbus #(
             SHIFT:  state_d = (step_q != 3'd7) ? SHIFT : sends_q ? SENT : NEXT;
             NEXT:   state_d = whole_q ? ((good && !mine_q) ? GET : COUNT)
                             : (&place_q) ? COUNT : GET;
-            END:    state_d = (skip_q || (open_q && good && !mine_q)) ? GET : COUNT;
+            END:    state_d = (skip_q || (closes && !mine_q)) ? GET : COUNT;
             COUNT:  state_d = CARRY;
             CARRY: begin
                 if (&read_data_q && !(&place_q[1:0])) begin
@@ -494,10 +495,9 @@ module wh_modbus #(
                 end
                 END: begin
                     skip_q    <= 1'b0;
-                    counter_q <= (open_q && good && place_q[7:2] != 6'd0) ? FRAMES : CRCS;
-                    place_q   <= (state_d == GET) ? 8'd0
-                               : {4'b0010, (open_q && good && place_q[7:2] != 6'd0) ? FRAMES : CRCS, 2'd0};
-                    if (open_q && good && place_q[7:2] != 6'd0) begin
+                    counter_q <= closes ? FRAMES : CRCS;
+                    place_q   <= (state_d == GET) ? 8'd0 : {4'b0010, closes ? FRAMES : CRCS, 2'd0};
+                    if (closes) begin
                         unheard_q <= 9'd0;
                     end
                 end
@@ -569,8 +569,9 @@ module wh_modbus #(
 
     // ---- The word: bytes come in from below, or 32 bits from the bus.
 
-    wire is_rate = !writes_q && rate_word && (step_q == 3'd4);
-    wire fills = one_q && (state_q == LOAD) && (step_q < 3'd3);
+    wire own     = (state_q == LOAD) && !writes_q;
+    wire is_rate = own && rate_word && (step_q == 3'd4);
+    wire fills   = one_q && (state_q == LOAD) && (step_q < 3'd3);
 
     wire [7:0] next_byte = fills ? {8{extend_q}} : read_data_q | {6'd0, is_rate ? rate_q : 2'd0};
 
@@ -585,7 +586,6 @@ module wh_modbus #(
     // ---- The memory.
 
     wire       counts  = (state_q == COUNT) || (state_q == CARRY);
-    wire       own     = (state_q == LOAD) && !writes_q;
     wire       emits   = (state_q == EMIT);
     wire [7:0] at      = {place_q[7:2], place_q[1:0] ^ {2{counts}}};
     wire [7:0] written = emits ? data_q[31:24]
