@@ -26,8 +26,9 @@ from modbus_frames import (
     write,
     write_one,
 )  # fmt: skip
-from settings_bus import COMMIT, DISCARD, Place, places
+from settings_bus import COMMIT, DISCARD
 from wavehaptics.words import table
+from wavehaptics.words.places import Place, places
 from wavehaptics.words.table import WORDS, Sizes
 
 SILENCE = 1000
