@@ -88,9 +88,7 @@ def write_one(register: int, value: int, unit: int = UNIT) -> bytes:
 
 def write(register: int, values: list[int], unit: int = UNIT) -> bytes:
     body = bytes([unit, 16]) + register.to_bytes(2, "big") + (2 * len(values)).to_bytes(2, "big")
-    return framed(
-        body + bytes([4 * len(values)]) + b"".join(v.to_bytes(4, "big") for v in values)
-    )
+    return framed(body + bytes([4 * len(values)]) + b"".join(v.to_bytes(4, "big") for v in values))
 
 
 class Failure(Exception):
@@ -391,13 +389,16 @@ def rattling(rng: np.random.Generator) -> Burst:
 
 
 def noise(rng: np.random.Generator, heads: list[bytes]) -> Burst:
-    data = rng.bytes(int(rng.choice([3, 9, 40, 300, 1200])))
-    if rng.random() < 0.3:
-        data = heads[int(rng.integers(len(heads)))] + data
-    pauses = [0] * len(data)
-    if rng.random() < 0.2:
-        pauses[int(rng.integers(len(data)))] = 3 * SILENCE
-    pauses[-1] = 0
+    """Random bytes with silences between, perhaps behind the beginnings of frames."""
+    data, pauses = b"", []
+    while len(data) < 3000 and rng.random() < 0.95:
+        part = rng.bytes(int(rng.choice([3, 9, 40, 300, 1200], p=[0.1, 0.2, 0.3, 0.3, 0.1])))
+        if rng.random() < 0.3:
+            part = heads[int(rng.integers(len(heads)))] + part
+        data += part
+        pauses += [0] * (len(part) - 1) + [2 * SILENCE + 100]
+    if pauses:
+        pauses[-1] = 0
     return Burst(data, pauses)
 
 
