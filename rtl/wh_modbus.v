@@ -406,7 +406,6 @@ module wh_modbus #(
         if (rst) begin
             state_q    <= GET;
             place_q    <= 8'd0;
-            end_q      <= 8'hff;
             skip_q     <= 1'b0;
             sends_q    <= 1'b0;
             rate_q     <= 2'd0;
@@ -430,6 +429,9 @@ module wh_modbus #(
 
             case (state_q)
                 GET: begin
+                    if (place_q == 8'd0) begin
+                        end_q <= 8'hff;  // until the function says more
+                    end
                     if (owns_up) begin
                         skip_q    <= 1'b1;
                         counter_q <= OVERRUNS;

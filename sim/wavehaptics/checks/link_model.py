@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the link has to do with the bytes that it receives, as docs/link.md says it.
 
-It knows nothing of how rtl/wh_modbus.v does it: bytes with their times go in, and out come the words
-that have to be written, in turn, and the answers. A byte of an answer that nobody can know, of a
-live word, is None.
+It knows nothing of how rtl/wh_modbus.v does it: bytes with their times go in, and out come the
+words that have to be written, in turn, and the answers. A byte of an answer that nobody can know,
+of a live word, is None.
 """
 
 from __future__ import annotations

@@ -8,11 +8,11 @@ Bursts of a kind, each followed by silence and a question for the counters:
 - frames with bytes dropped, doubled, or exchanged, with pauses between, at rates up to 8 % off;
 - frames glued together; edges at any time; more questions than can be answered.
 
-What the UART makes of the line goes through :mod:`wavehaptics.checks.link_model`, which says what is
-to be written and answered. Of each burst is watched that
+What the UART makes of the line goes through :mod:`wavehaptics.checks.link_model`, which says what
+is to be written and answered. Of each burst is watched that
 
 - what was written on the bus is just that, word for word and in turn;
-- what was answered is just that, and the question behind the silence is among it, with the counters;
+- what was answered is just that, the question behind the silence and its counters among it;
 - bytes that were sent at the right rate, 2 % off or less, were all received;
 - the bridges' gates and ``running_o`` stayed low, and each byte of an answer had its stop bit;
 
