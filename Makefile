@@ -38,7 +38,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo adcs holding tables docs report bench soak coverage check test lint clean distclean
+.PHONY: help setup setup-synth system lock demo adcs holding tables docs report bench soak soak-link coverage check test lint clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -114,6 +114,9 @@ bench: $(READY) $(READY_BENCH) ## measure speeds and what was tried for them int
 soak: $(READY) ## 10^8 ticks of the core, everything switched at random (half an hour; QUICK=1: 10^6)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics soak $(if $(QUICK),--ticks 1e6) --out build/soak
 	@$(if $(QUICK),,$(NUMBERS))
+
+soak-link: $(READY) ## 10^8 bytes of broken frames and noise into the link (two hours of a core; QUICK=1: 10^6)
+	@$(WITH_TOOLS) .venv/bin/wavehaptics soak-link $(if $(QUICK),--bytes 1e6) --out build/soak-link
 
 # A warning is an error: a link that leads nowhere, a docstring that doesn't parse.
 docs: $(READY_DOCS) ## build the pages and the Python's reference: build/docs/index.html

@@ -16,10 +16,10 @@ from settings_bus import (
     RANGE,
     UNKNOWN,
     BusBench,
-    places,
 )  # fmt: skip
 from simulators import parameters
 from wavehaptics.words import table
+from wavehaptics.words.places import places
 from wavehaptics.words.table import WORDS, Sizes
 
 _P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, "GUARD": 0, **parameters()}

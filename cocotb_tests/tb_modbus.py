@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 
 import cocotb
@@ -27,8 +26,9 @@ from modbus_frames import (
     write,
     write_one,
 )  # fmt: skip
-from settings_bus import COMMIT, DISCARD, Place, places
+from settings_bus import COMMIT, DISCARD
 from wavehaptics.words import table
+from wavehaptics.words.places import Place, places
 from wavehaptics.words.table import WORDS, Sizes
 
 SILENCE = 1000
@@ -44,7 +44,8 @@ COUNTERS = 16
 """Register of the first of them: frames, wrong CRCs, framing errors, overruns."""
 
 SIGNED, NARROW, ROOT, U_MAX = (WORDS[n].at() for n in ("zero", "trip", "root", "u_max"))
-RANDOM_BYTES = int(os.environ.get("WH_LINK_BYTES", "100000"))
+RANDOM_BYTES = 3000
+"""Here, where a simulated clock takes long; :mod:`wavehaptics.checks.link_soak` sends millions."""
 
 
 class ModbusBench(Bench):
@@ -368,11 +369,11 @@ async def truncations(dut: object) -> None:
 
 @cocotb.test(timeout_time=2000, timeout_unit="ms")
 async def flipped_bits(dut: object) -> None:
-    """Every single bit of every kind of frame: no answer, nothing is done."""
+    """A single bit of every kind of frame, in each of its bytes: no answer, nothing is done."""
     bench = ModbusBench(dut)
     await bench.begin()
     for frame in legal_frames():
-        for place in range(8 * len(frame)):
+        for place in range(0, 8 * len(frame), 5):
             flipped = bytearray(frame)
             flipped[place // 8] ^= 1 << place % 8
             await bench.silent(bytes(flipped))
@@ -426,6 +427,7 @@ async def frames_split_and_joined(dut: object) -> None:
     """Pauses shorter than silence, anywhere; frames without any pause between them."""
     bench, rng = ModbusBench(dut), random_source("split")
     await bench.begin()
+    overruns = (await bench.counters())[3]
     frame = words(ROOT, [4, 5, 6])
     for place in range(1, len(frame)):
         done = bench.done()
@@ -457,7 +459,7 @@ async def frames_split_and_joined(dut: object) -> None:
     both = await bench.answer()
     assert decode(both[:11]).registers == first.registers
     assert len(decode(both[11:]).registers) == 4
-    assert (await bench.counters())[3] == 0
+    assert (await bench.counters())[3] == overruns
 
 
 @cocotb.test(timeout_time=900, timeout_unit="ms")
@@ -506,6 +508,9 @@ async def the_rate(dut: object) -> None:
         assert not decode(await bench.answer()).isError()
         assert bench.word("rate_o") == rate
         assert await bench.registers(10, 2) == [0, rate]
+        # A reading that ends before it leaves the next one's quantity alone.
+        assert len(await bench.registers(0, 10)) == 10
+        assert len(await bench.registers(0, 4)) == 4
     for value in (3, 4, 0x100, 0xFFFF):
         await bench.refused(write_one(11, value), VALUE)
     await bench.refused(write(10, [1, 1]), VALUE)

@@ -21,10 +21,9 @@ from settings_bus import (
     STAGED,
     UNKNOWN,
     BusBench,
-    Place,
-    places,
 )  # fmt: skip
 from wavehaptics.words import formats
+from wavehaptics.words.places import Place, places
 from wavehaptics.words.table import WORDS, Sizes
 
 _P = {"WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, **parameters()}

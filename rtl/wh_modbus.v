@@ -262,6 +262,7 @@ module wh_modbus #(
     wire       begun    = skip_q || (place_q != 8'd0);
     wire       at_end   = (place_q == end_q);
     wire       good     = (crc_q == 16'd0);
+    wire       closes   = open_q && good && (place_q[7:2] != 6'd0);  // an open frame's CRC is right
     wire       breaks   = gap && begun;
     wire       stores   = (state_q == TAKE) && !breaks && !broken && !skip_q;
     wire       hangs    = (&late_q) && !bus_ready_i;
@@ -290,6 +291,13 @@ module wh_modbus #(
                                : (table_word || own_word || names_q);
     wire rate_fits  = (data_q[31:2] == 30'd0) && ({1'b0, data_q[1:0]} < RATES_32[2:0]);
 
+    // From the memory to a state is too long a way for a clock.
+    reg        fits_q;
+
+    always @(posedge clk) begin
+        fits_q <= fits;
+    end
+
     reg        refuses;
     reg  [2:0] code;
 
@@ -303,7 +311,7 @@ module wh_modbus #(
             SHIFT:  state_d = (step_q != 3'd7) ? SHIFT : sends_q ? SENT : NEXT;
             NEXT:   state_d = whole_q ? ((good && !mine_q) ? GET : COUNT)
                             : (&place_q) ? COUNT : GET;
-            END:    state_d = (skip_q || (open_q && good && !mine_q)) ? GET : COUNT;
+            END:    state_d = (skip_q || (closes && !mine_q)) ? GET : COUNT;
             COUNT:  state_d = CARRY;
             CARRY: begin
                 if (&read_data_q && !(&place_q[1:0])) begin
@@ -333,13 +341,17 @@ module wh_modbus #(
             end
             HEAD:   state_d = (step_q == 3'd4) ? JUDGE : HEAD;
             JUDGE: begin
-                if (!fits) begin
-                    refuses = 1'b1;
-                    code    = VALUE;
-                end else if (writes_q && data_q[16] != one_q) begin
-                    refuses = 1'b1;
+                if (step_q == 3'd0) begin
+                    state_d = JUDGE;
+                end else begin
+                    if (!fits_q) begin
+                        refuses = 1'b1;
+                        code    = VALUE;
+                    end else if (writes_q && data_q[16] != one_q) begin
+                        refuses = 1'b1;
+                    end
+                    state_d = refuses ? ANSWER : reads_q ? LENGTH : WORD;
                 end
-                state_d = refuses ? ANSWER : reads_q ? LENGTH : WORD;
             end
             LENGTH: state_d = WORD;
             WORD: begin
@@ -405,7 +417,6 @@ module wh_modbus #(
         if (rst) begin
             state_q    <= GET;
             place_q    <= 8'd0;
-            end_q      <= 8'hff;
             skip_q     <= 1'b0;
             sends_q    <= 1'b0;
             rate_q     <= 2'd0;
@@ -429,6 +440,9 @@ module wh_modbus #(
 
             case (state_q)
                 GET: begin
+                    if (place_q == 8'd0) begin
+                        end_q <= 8'hff;  // until the function says more
+                    end
                     if (owns_up) begin
                         skip_q    <= 1'b1;
                         counter_q <= OVERRUNS;
@@ -494,10 +508,9 @@ module wh_modbus #(
                 end
                 END: begin
                     skip_q    <= 1'b0;
-                    counter_q <= (open_q && good && place_q[7:2] != 6'd0) ? FRAMES : CRCS;
-                    place_q   <= (state_d == GET) ? 8'd0
-                               : {4'b0010, (open_q && good && place_q[7:2] != 6'd0) ? FRAMES : CRCS, 2'd0};
-                    if (open_q && good && place_q[7:2] != 6'd0) begin
+                    counter_q <= closes ? FRAMES : CRCS;
+                    place_q   <= (state_d == GET) ? 8'd0 : {4'b0010, closes ? FRAMES : CRCS, 2'd0};
+                    if (closes) begin
                         unheard_q <= 9'd0;
                     end
                 end
@@ -569,8 +582,9 @@ module wh_modbus #(
 
     // ---- The word: bytes come in from below, or 32 bits from the bus.
 
-    wire is_rate = !writes_q && rate_word && (step_q == 3'd4);
-    wire fills = one_q && (state_q == LOAD) && (step_q < 3'd3);
+    wire own     = (state_q == LOAD) && !writes_q;
+    wire is_rate = own && rate_word && (step_q == 3'd4);
+    wire fills   = one_q && (state_q == LOAD) && (step_q < 3'd3);
 
     wire [7:0] next_byte = fills ? {8{extend_q}} : read_data_q | {6'd0, is_rate ? rate_q : 2'd0};
 
@@ -585,7 +599,6 @@ module wh_modbus #(
     // ---- The memory.
 
     wire       counts  = (state_q == COUNT) || (state_q == CARRY);
-    wire       own     = (state_q == LOAD) && !writes_q;
     wire       emits   = (state_q == EMIT);
     wire [7:0] at      = {place_q[7:2], place_q[1:0] ^ {2{counts}}};
     wire [7:0] written = emits ? data_q[31:24]

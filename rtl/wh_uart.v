@@ -125,7 +125,8 @@ module wh_uart (
             tx_bits_q <= {1'b1, tx_data_i, 1'b0};
         end else begin
             tx_left_q <= tx_left_q - CLOCK + (tx_end ? bit_clocks_i : 16'd0);
-            if (tx_end) begin
+            // The stop bit stays, so that the line's gate sees one change at a time.
+            if (tx_end && tx_bits_q != 10'd1) begin
                 tx_bits_q <= {1'b0, tx_bits_q[9:1]};
             end
         end

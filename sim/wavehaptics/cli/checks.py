@@ -5,12 +5,16 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from wavehaptics.cli.shared import CommandError, make_folder, shown_stages
+
+if TYPE_CHECKING:
+    from wavehaptics.studies.sweeps import Task
 
 app = typer.Typer()
 
@@ -33,27 +37,59 @@ def soak(
     Words, energies and limits are watched in every tick. Some half an hour; an interrupted run goes
     on where it stopped when it is started again.
     """
+    from wavehaptics.checks.soak import STORE, summary, tasks
+
+    _sweep("soak", tasks(int(ticks), seed), STORE, workers, out, summary, "ticks")
+
+
+def _sweep(
+    name: str, tasks: Sequence[Task], store: Path, workers: int | None, out: Path,
+    summary: Callable[[list[dict[str, Any]]], dict[str, Any]], unit: str,
+) -> None:  # fmt: skip
+    """Run a soak's tasks, write their summary, and end with 1 if something was wrong."""
     make_folder(out)
 
-    from wavehaptics.checks.soak import STORE, summary, tasks
     from wavehaptics.runtime.files import write_json
     from wavehaptics.studies.sweeps import SweepError, sweep
 
     try:
         with shown_stages() as progress:
             results = sweep(
-                tasks(int(ticks), seed), STORE, workers=workers or os.cpu_count() or 1,
-                progress=lambda done, total: progress("soak", done / total),
+                tasks, store, workers=workers or os.cpu_count() or 1,
+                progress=lambda done, total: progress(name, done / total),
             )  # fmt: skip
     except SweepError as error:
         raise CommandError(str(error)) from None
     found = summary(results)
     write_json(out / "summary.json", found)
     for line in found["wrong"]:
-        print(f"wavehaptics: soak: {line}", file=sys.stderr)
-    print(f"{found['ticks']:.3g} ticks: {out / 'summary.json'}")
+        print(f"wavehaptics: {name}: {line}", file=sys.stderr)
+    print(f"{found[unit]:.3g} {unit}: {out / 'summary.json'}")
     if found["wrong"]:
         raise typer.Exit(1)
+
+
+@app.command("soak-link")
+def soak_link(
+    count: Annotated[
+        float, typer.Option("--bytes", metavar="N", min=0, help="How many bytes, or some more.")
+    ] = 1e8,  # link_soak.WHOLE_BYTES, which would have to be imported
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="The first task's.")] = 0,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Processes; one a core by default.")
+    ] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
+        "build/soak-link"
+    ),
+) -> None:
+    """Send broken frames and noise to the link of the device's RTL, beside a model of its page.
+
+    All that is written, answered and counted is watched. An interrupted run goes on where it
+    stopped when it is started again.
+    """
+    from wavehaptics.checks.link_soak import STORE, summary, tasks
+
+    _sweep("soak-link", tasks(int(count), seed), STORE, workers, out, summary, "bytes")
 
 
 @app.command()
