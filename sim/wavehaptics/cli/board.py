@@ -326,7 +326,7 @@ def _arm(client: Client, asked: Callable[[], bool], seconds: float | None) -> No
             told, start = True, time.monotonic()
         elif refused or (told and not armed):
             reason = arm_refusal(refused) or "somebody has disarmed it"
-            cure = "`board faults --clear` forgets faults that are over"
+            cure = "`board faults` tells more, and --clear forgets what is over"
             raise HostError(f"{'disarmed' if told else 'not armed'}: {reason}; {cure}")
         elif not armed and passed > ZERO_S:
             raise HostError("not armed: the zero takes too long; are there ticks at all?")
