@@ -36,7 +36,7 @@ toctrees = {
     "Start": ["docs/principle", "docs/architecture", "docs/paper"],
     "Simulation": ["docs/simulation", "sim/scenes/README", "docs/report"],
     "Controller": ["docs/port_anchor", "docs/holding", "docs/environments", "docs/drive",
-                   "docs/sensing", "docs/words"],
+                   "docs/sensing", "docs/words", "docs/link", "docs/board"],
     "Hardware": ["boards/README", "docs/wiring/README", "docs/wiring/switching_on",
                  "boards/icebreaker/README", "boards/hx8k/README",
                  "boards/ulx3s/README", "boards/ulx3s_three/README",

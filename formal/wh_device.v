@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// prove_wh_device: the bridges are on only where the pin enable says so, whatever stands on the bus and
-// whatever the settings are: running_o is low with it, and every gate a clock later; both also while
-// words that want the bridges off are being given.
+// prove_wh_device: the bridges are on only where the pin enable says so and wh_arm does, whatever stands
+// on the bus and whatever the settings are: running_o is low with either, and every gate a clock later; both
+// also while words that want the bridges off are being given.
 //
 // Everything inside is as it is, in any state, but for products (any_multiply) and the memory and
 // table of the settings (any_settings_ram, any_settings_rom). Proven by induction, smtbmc z3.
@@ -46,7 +46,8 @@ module prove_wh_device (
 
     wh_device #(
         .WALLS          (1),
-        .GUARD          (1)
+        .GUARD          (1),
+        .ARM            (1)
     ) block (
         .clk            (clk),
         .rst            (rst),
@@ -81,17 +82,20 @@ module prove_wh_device (
     );
 
     (* hierconn *) wire \block.loading ;
+    (* hierconn *) wire \block.armed ;
 
     reg begun = 1'b0;
     reg enable_q;
     reg loading_q;
+    reg armed_q;
 
     always @(posedge clk) begin
         begun     <= 1'b1;
         enable_q  <= enable;
         loading_q <= \block.loading ;
-        if (!enable || \block.loading ) assert (!running);
-        if (begun && (!enable_q || loading_q)) assert (!ah && !al && !bh && !bl);
+        armed_q   <= \block.armed ;
+        if (!enable || !\block.armed || \block.loading ) assert (!running);
+        if (begun && (!enable_q || !armed_q || loading_q)) assert (!ah && !al && !bh && !bl);
 
         cover (begun && running && (ah || al));
     end

@@ -28,6 +28,7 @@ need make make
 need perl perl
 need iverilog iverilog
 need ngspice ngspice
+need mbpoll mbpoll
 version=$("$python" -c 'import sys; print("python%d.%d" % sys.version_info[:2])')
 # A bare Debian has the venv module without ensurepip. The package's name carries the version, but
 # for the distribution's own Python.

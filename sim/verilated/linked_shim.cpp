@@ -32,6 +32,7 @@ struct Linked {
 
 constexpr int64_t kMostSetupClocks = 1 << 24;
 constexpr int kSilentTicks = 4;
+constexpr int kAnswer = 8;  // bytes, to a write
 
 int64_t signed_word(uint64_t raw) {
     constexpr int kUnused = 64 - WH_DATA_W;
@@ -121,13 +122,17 @@ int64_t wh_linked_received(void *model, uint8_t *bytes, int64_t room) {
     return count;
 }
 
-// Clocks until so many bytes have come, with 0 A and the rotor at rest; whether they have.
+// Clocks until so many bytes have come, and two bits more, with 0 A and the rotor at rest; whether they
+// have. In these a new rate comes into force.
 int64_t wh_linked_await(void *model, int64_t count) {
     auto *linked = static_cast<Linked *>(model);
     const auto enough = [linked, count] {
         return static_cast<int64_t>(linked->host.received.size()) >= count;
     };
-    return pass(linked, enough);
+    if (!pass(linked, enough)) return false;
+    return pass(linked, [linked, still = linked->clocks + BIT_CLOCKS / 8] {
+        return linked->clocks >= still;
+    });
 }
 
 // To just before the first tick, with enable_i high; whether it gets there. `frame` commands a restart.
@@ -136,12 +141,9 @@ int64_t wh_linked_await(void *model, int64_t count) {
 int64_t wh_linked_begin(void *model, const uint8_t *frame, int64_t count) {
     auto *linked = static_cast<Linked *>(model);
     const int64_t way = restart(linked, frame, count);
-    wh_linked_await(model, count);
+    wh_linked_await(model, kAnswer);
     linked->host.received.clear();
-    const auto idle = [linked, still = linked->clocks + 4 * BIT_CLOCKS] {
-        return linked->clocks >= still && !SIGNAL(busy);
-    };
-    if (way < 0 || !pass(linked, idle)) return false;
+    if (way < 0 || !pass(linked, [linked] { return !SIGNAL(busy); })) return false;
     const auto round_ends = [linked] { return !SIGNAL(hold_round); };
     pass(linked, round_ends);
     const int64_t first = linked->clocks;

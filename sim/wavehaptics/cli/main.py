@@ -15,7 +15,7 @@ from typing import Annotated, Any
 
 import typer
 
-from wavehaptics.cli import checks, scenes, studies
+from wavehaptics.cli import board, checks, scenes, studies
 from wavehaptics.cli.shared import CommandError
 from wavehaptics.scene import SceneError
 
@@ -30,7 +30,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for group in (scenes, studies, checks):
+for group in (scenes, studies, checks, board):
     app.add_typer(group.app)
 
 

@@ -16,12 +16,15 @@ from wavehaptics.scene import Scene
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
 from wavehaptics.words.memory import settings_requests
-from wavehaptics.words.modbus import MOST_WRITTEN, halves, runs, word_register
+from wavehaptics.words.modbus import IDENTIFICATION, MOST_WRITTEN, halves, runs, word_register
 from wavehaptics.words.table import WORDS
 
 UNIT = 1
 ANSWER_BYTES = 8
 """Of a write: unit, function, register, number, CRC."""
+
+_RATES_HZ = (6e6, 9e6, 18e6)
+"""Least clock of rates 1, 2 and 3, as ``rtl/wh_link.v`` has it."""
 
 ZERO_PART = 1 / 16
 """Largest zero that is permitted, of the ADC's full scale."""
@@ -29,9 +32,15 @@ ZERO_PART = 1 / 16
 
 def _frame(first: int, raws: list[int]) -> bytes:
     """A write of words from an address on."""
-    request = WriteMultipleRegistersRequest(
-        address=word_register(first), registers=halves(raws), dev_id=UNIT
-    )
+    return _write(word_register(first), halves(raws))
+
+
+def _rate_frame(rate: int) -> bytes:
+    return _write(2 * IDENTIFICATION.index("rate"), [0, rate])
+
+
+def _write(register: int, registers: list[int]) -> bytes:
+    request = WriteMultipleRegistersRequest(address=register, registers=registers, dev_id=UNIT)
     return FramerRTU(DecodePDU(False)).buildFrame(request)
 
 
@@ -58,12 +67,18 @@ class LinkedPins(PinsSimulation):
     def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
         self._declare()
         model = self._library.wh_linked_new(inputs, self.timing.tick_clocks)
+        gain = self._values["gain"]
+        assert isinstance(gain, int)
         largest = WORDS["zero_limit"].fixed.raw_max
         zero_a = self.sensor.full_scale_a * ZERO_PART
-        zero_limit = min(round(zero_a / formats.GAIN.to_value(self._values["gain"])), largest)
+        zero_limit = min(round(zero_a / formats.GAIN.to_value(gain)), largest)
         values = {**self._values, "zero_limit": zero_limit}
+        # At the fastest rate that the clock has; that of a reset comes back at the end.
+        fastest = sum(self.timing.clock_hz >= least for least in _RATES_HZ)
+        self._tell(model, _rate_frame(fastest))
         for first, raws in runs(settings_requests(values), MOST_WRITTEN):
             self._tell(model, _frame(first, raws))
+        self._tell(model, _rate_frame(0))
         self._library.wh_linked_bus(model, self._values["bus"])
         frame = _frame(WORDS["restart"].at(), [1])
         if not self._library.wh_linked_begin(model, frame, len(frame)):
@@ -99,7 +114,8 @@ class LinkedPins(PinsSimulation):
     def _take(self, model: int) -> bytes:
         room = 4096
         buffer = ctypes.create_string_buffer(room)
-        return buffer.raw[: self._library.wh_linked_received(model, buffer, room)]
+        count = self._library.wh_linked_received(model, buffer, room)
+        return buffer.raw[:count]
 
     def send(self, data: bytes) -> None:
         """Put bytes before the line, which sends them at the device's rate, one after another."""

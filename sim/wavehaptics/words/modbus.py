@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 TABLE = 0x2000
 """Register of the table's first word."""
@@ -45,14 +45,15 @@ def halves(raws: Iterable[int]) -> list[int]:
     return [half for raw in raws for half in (raw >> 16 & 0xFFFF, raw & 0xFFFF)]
 
 
-def whole(registers: list[int]) -> list[int]:
+def whole(registers: Sequence[int]) -> list[int]:
     """Words without signs of pairs of registers."""
     return [high << 16 | low for high, low in zip(registers[::2], registers[1::2], strict=True)]
 
 
 def runs(pairs: Iterable[tuple[int, int]], most: int) -> Iterator[tuple[int, list[int]]]:
     """(address, raw words) of runs of successive addresses, of ``most`` words each or fewer."""
-    first, raws = 0, []
+    first = 0
+    raws: list[int] = []
     for address, raw in sorted(pairs):
         if raws and (address != first + len(raws) or len(raws) == most):
             yield first, raws

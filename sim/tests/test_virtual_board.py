@@ -1,0 +1,364 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The virtual board, and the commands that talk to it as to one with a real port."""
+
+from __future__ import annotations
+
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from wavehaptics.host import session
+from wavehaptics.host.names import HostError, Shape, number, places, settings
+from wavehaptics.ladder.device_pins import DevicePins
+from wavehaptics.ladder.linked_pins import LinkedPins
+from wavehaptics.scene import find_scene, load_scene
+from wavehaptics.trace.columns import Column, Word
+from wavehaptics.words import modbus, table
+from wavehaptics.words.faults import ARM_REFUSALS, FAULTS
+from wavehaptics.words.formats import RTL_DIR
+from wavehaptics.words.table import WORDS
+
+BOARD = ("drive.bus_v=12", "adc.bits=12", "adc.full_scale_a=2.5", "encoder.counts_per_rev=10000")
+COUNTS = 10_000
+AMPLITUDE_RAD = 0.15
+TOP = round(AMPLITUDE_RAD * COUNTS / (2 * np.pi))
+"""Counts at which the hand turns round."""
+SWINGS = (*BOARD, "hand.path=sine", f"hand.amplitude_rad={AMPLITUDE_RAD}", "hand.frequency_hz=50")
+SHAPE = Shape(1, 4, 0, 10)
+START_S = 600
+"""The RTL is built first, where that hasn't been done."""
+END_S = 300
+"""A simulated board on a busy machine is slow."""
+
+
+def command(*words: str, env: dict[str, str] | None = None) -> subprocess.Popen:
+    return subprocess.Popen(
+        [sys.executable, "-m", "wavehaptics", "board", *words], text=True, stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, env={**os.environ, "COLUMNS": "80", **(env or {})},
+    )  # fmt: skip
+
+
+def start(*words: str, scene: str = "press_hold") -> tuple[subprocess.Popen, str]:
+    """A board and the path that it tells."""
+    sets = [word for text in SWINGS for word in ("--set", text)]
+    process = command("--virtual", scene, *sets, *words)
+    path = process.stdout.readline().strip()
+    assert re.fullmatch(r"/dev/\S+", path), process.stderr.read()
+    return process, path
+
+
+def stop(process: subprocess.Popen, number: int = signal.SIGTERM) -> int:
+    process.send_signal(number)
+    try:
+        return process.wait(END_S)
+    finally:
+        process.kill()
+        process.communicate()
+
+
+@pytest.fixture(scope="module")
+def port() -> Iterator[str]:
+    process, path = start()
+    yield path
+    assert stop(process) == 0
+
+
+def run(port: str, *words: str) -> tuple[int, str, str]:
+    """Status, stdout and stderr of a command at the port, patient as the board is slow."""
+    process = command(*words, env={"WH_PORT": port})
+    out, err = process.communicate(timeout=END_S)
+    return process.returncode, out, err
+
+
+def told(port: str, *words: str) -> str:
+    status, out, err = run(port, *words, "--timeout", "60")
+    assert (status, err) == (0, "")
+    return out
+
+
+def refused(port: str, *words: str) -> str:
+    """The one line of a refusal."""
+    status, out, err = run(port, *words)
+    assert (status, out) == (2, "")
+    assert re.fullmatch(r"wavehaptics: [^\n]+\n", err), err
+    return err.removeprefix("wavehaptics: ").strip()
+
+
+def value(port: str, name: str) -> float:
+    return float(told(port, "get", name).split()[1])
+
+
+def until(port: str, name: str, wanted: float) -> None:
+    end = time.monotonic() + END_S
+    while value(port, name) != wanted:
+        assert time.monotonic() < end, name
+
+
+@pytest.fixture
+def armed(port: str) -> Iterator[subprocess.Popen]:
+    """A host that renews the arming."""
+    process = command("arm", "--timeout", "60", env={"WH_PORT": port})
+    assert process.stdout.readline() == "armed; Ctrl-C disarms\n"
+    yield process
+    if process.poll() is None:
+        assert stop(process, signal.SIGINT) == 0
+    until(port, "armed", 0)
+
+
+# ---- The simulation.
+
+
+def test_left_alone_it_is_the_device():
+    """Bit for bit, with settings that came as frames over the line, and the bridges on."""
+    scene = load_scene(find_scene("press_hold"), BOARD)
+    found = []
+    for simulation in (DevicePins(scene), LinkedPins(scene, arm=False)):
+        rows = np.zeros((20_000, len(Column)))
+        words = np.zeros((20_000, len(Word)), dtype=np.int64)
+        simulation.advance(rows, words)
+        found.append((rows, words))
+    assert np.abs(found[0][1][:, Word.V]).max() > 1000
+    np.testing.assert_array_equal(found[0][1], found[1][1])
+    np.testing.assert_array_equal(found[0][0], found[1][0])
+
+
+# ---- The commands.
+
+
+def test_what_it_is(port):
+    shown = told(port, "info")
+    assert f"table of words  {table.crc():08x}\n" in shown
+    assert "walls 4, delay_log2 10, guard 1, sense 1, dead_time 1, live 1, arm 1" in shown
+    assert "48 MHz" in shown
+
+
+def test_set_and_get(port):
+    """In units and raw; words of one group by one frame, those of two by two."""
+    assert told(port, "set", "root=1.9375", "u_max=2.5") == ""
+    assert told(port, "get", "root", "u_max").splitlines() == ["root   1.9375 √Ω", "u_max  2.5 √W"]
+    raw = WORDS["root"].fixed.to_raw(1.9375)
+    assert told(port, "get", "root", "--raw") == f"root  0x{raw:08x}\n"
+    assert told(port, "set", "--raw", f"root=0x{raw + 1:x}") == ""
+    assert value(port, "root") > 1.9375
+    assert told(port, "set", "eta_free=0.5", "root=2").startswith("2 frames")
+    told(port, "set", "eta_free=1")
+    lines = told(port, "watch", "--csv", "-n", "2", "--every", "0", "root", "armed").splitlines()
+    assert lines[0] == "t_s,root,armed"
+    assert [line.split(",")[1:] for line in lines[1:]] == [["2", "0"]] * 2
+    assert "root" in told(port, "watch", "-n", "1", "root")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("set", "root=99"), r"root = 99 is out of range; it takes 0\.\.\.16 √Ω"),
+        (("set", "samples=2.5"), r"samples = 2.5 is no whole number; it takes 1\.\.\.256"),
+        (("set", "root"), r"root: write NAME=NUMBER, as in root=2.0"),
+        (("set", "rot=1"), r"rot: there is no such word; did you mean root\?"),
+        (("set", "position=1"), r"position can't be set; it is what the device tells"),
+        (("set", "commit=1"), r"commit can't be set; the link gives"),
+        (("set", "wall_min=1"), r"wall_min=1: which one\? Take wall_min\[0\]...wall_min\[3\]"),
+        (("get", "wall_min[4]"), r"wall_min\[4\]: .*take wall_min\[0...3\]"),
+        (("get", "root", "--motor", "1"), r"root: the device has no motor 1; take --motor 0...0"),
+        (("get", "arm"), r"arm can't be read; it is a command"),
+        (("get", "root", "--unit", "7", "--timeout", "0.2"), r".*no answer within 0.2 s; .*unit 7"),
+        (("load", "/nowhere.toml"), r"/nowhere.toml: can't be read: No such file"),
+        (("get", "root", "--port", "/nowhere"), r"/nowhere: can't be opened: No such file"),
+        (("get", "root", "--port", ""), r"no port: name one with --port PATH, or in WH_PORT"),
+        ((), r"board: give a command, or --virtual SCENE"),
+        (("--virtual", "no_such"), r"no_such.*"),
+        (("--virtual", "press_hold", "info"), r"board --virtual runs by itself"),
+    ],
+)
+def test_refusals(port, words, message):
+    patient = () if not words or words[0].startswith("--") or "--timeout" in words else (
+        "--timeout", "60")  # fmt: skip
+    assert re.match(message, refused(port, *words, *patient))
+
+
+def test_a_session(port, tmp_path):
+    """Saved, changed, loaded: as it was. A file with wrong words changes nothing."""
+    file, bad = tmp_path / "all.toml", tmp_path / "bad.toml"
+    count = len(settings(SHAPE))
+    assert told(port, "save", str(file)) == f"{file}: {count} words\n"
+    before = value(port, "a")
+    told(port, "set", "a=0.25", "wall_max[3]=-7")
+    assert told(port, "load", str(file)) == f"{file}: {count} words, of which 2 were others\n"
+    assert (value(port, "a"), value(port, "wall_max[3]")) == (before, 0)
+    bad.write_text("[motor.0]\na = 0.5\nroot = 99\nposition = 1\n[board]\ntrip = 'x'\n")
+    status, _, err = run(port, "load", str(bad), "--timeout", "60")
+    assert status == 2
+    assert [line.split(": ")[-2:] for line in err.splitlines()] == [
+        [f"{bad}:3", "root = 99 is out of range; it takes 0...16 √Ω"],
+        [f"{bad}:4", "position is no setting"],
+        [f"{bad}:6", "trip = x is no number; it takes 0...65535"],
+    ]
+    assert value(port, "a") == before
+
+
+# ---- Arming.
+
+
+def test_a_wall_that_is_moved(port, armed):
+    """The motor that a hand swings stops at the wall; moved, the wall lets it go further."""
+
+    def reach() -> int:
+        lines = told(port, "watch", "--csv", "-n", "20", "--every", "0", "position").splitlines()
+        return max(int(line.split(",")[1]) for line in lines[1:])
+
+    told(port, "set", "wall_min[0]=0", "a=0.99")
+    shallow = reach()
+    assert -TOP < shallow < 0.3 * TOP
+    told(port, "set", f"wall_min[0]={round(0.6 * TOP)}")
+    assert 0.3 * TOP < reach() <= 0.6 * TOP + max(shallow, 0) + 2
+    assert "the bridges are on" in told(port, "faults")
+    problem = refused(port, "set", "half_clocks=50", "--timeout", "60")
+    assert problem.startswith("half_clocks: the device refuses with exception 6: not now")
+    assert value(port, "running") == 1
+    assert told(port, "disarm") == ""
+    _, err = armed.communicate(timeout=END_S)
+    assert armed.returncode == 2
+    assert err.startswith("wavehaptics: disarmed: somebody has disarmed it")
+
+
+def test_a_host_that_dies_leaves_nothing_running(port, armed):
+    assert value(port, "running") == 1
+    armed.kill()
+    armed.communicate()
+    until(port, "running", 0)
+    shown = told(port, "faults")
+    assert "not armed: it wasn't renewed in time\n" in shown
+    assert shown.endswith("the bridges are off\n")
+
+
+def test_a_fault_disarms_and_refuses(port):
+    """A bus below its limit: seen at once, not cleared while it lasts, and no arming meanwhile."""
+    told(port, "set", "guard_mask=1024", "guard_bus_min=20")
+    try:
+        assert "BUS_LOW\n" in told(port, "faults")
+        problem = refused(port, "arm", "--timeout", "60")
+        assert problem.startswith("not armed: there is a fault; `board faults` tells more")
+        assert "BUS_LOW" in told(port, "faults", "--clear")
+    finally:
+        told(port, "set", "guard_mask=0", "guard_bus_min=0")
+    assert "no faults" in told(port, "faults", "--clear")
+
+
+# ---- The line.
+
+
+def test_garbage_on_the_line(port):
+    """Bytes that are no frames, and none of which is answered: the next question is."""
+    noise = random.Random(20)
+    line = os.open(port, os.O_RDWR | os.O_NOCTTY)
+    try:
+        os.write(line, bytes(noise.randrange(256) for _ in range(700)))
+    finally:
+        os.close(line)
+    assert value(port, "root") == value(port, "root")
+    errors = told(port, "info")
+    assert int(re.search(r"crc errors +(\d+)", errors)[1]) >= 1
+
+
+@pytest.mark.skipif(shutil.which("mbpoll") is None, reason="mbpoll is not installed: make setup")
+def test_a_master_that_is_not_ours(port):
+    """mbpoll reads the identification as docs/link.md has it."""
+    master = subprocess.run(
+        ["mbpoll", "-m", "rtu", "-a", "1", "-b", "115200", "-P", "none", "-0", "-1", "-o", "10",
+         "-t", "4:hex", "-r", "0x0", "-c", "2", port],
+        capture_output=True, text=True, timeout=END_S,
+    )  # fmt: skip
+    assert master.returncode == 0, master.stdout + master.stderr
+    words = [int(text, 16) for text in re.findall(r"^\[\d+\]:\s+(0x\w+)", master.stdout, re.M)]
+    assert modbus.whole(words) == [table.crc()]
+
+
+def test_how_a_board_ends(tmp_path):
+    """Killed, it leaves hosts with one line; asked to end, no link and status 0."""
+    link = tmp_path / "port"
+    process, path = start("--link", str(link), "--paced")
+    assert os.readlink(link) == path
+    assert told(str(link), "get", "armed") == "armed  0\n"
+    assert stop(process, signal.SIGINT) == 0
+    assert not link.is_symlink()
+    process, path = start()
+    stop(process, signal.SIGKILL)
+    assert re.match(rf"{path}: (can't be opened|no answer|.*was it unplugged)",
+                    refused(path, "get", "armed", "--timeout", "1"))  # fmt: skip
+    process, _ = start("--seconds", "0.001")
+    assert process.wait(END_S) == 0
+    process.communicate()
+    there = tmp_path / "there"
+    there.write_text("")
+    assert "is there and no link" in refused("", "--virtual", "press_hold", "--link", str(there))
+
+
+# ---- What needs no board.
+
+
+def test_every_setting_goes_through_a_file(tmp_path):
+    """Words at both ends of their ranges come back as they were, whatever the sizes."""
+    shape = Shape(2, 3, 2, 5)
+    file = tmp_path / "all.toml"
+    for end in (0, 1):
+        words = []
+        for place in settings(shape):
+            fixed = place.word.fixed
+            low, high = (round(bound * 2**fixed.fraction) for bound in place.range)
+            words.append((place, (low, min(high, fixed.raw_max))[end]))
+        file.write_text(session.to_text((p, raw & 0xFFFFFFFF) for p, raw in words), "utf-8")
+        assert sorted(session.read(file, shape), key=lambda pair: pair[0].address) == sorted(
+            words, key=lambda pair: pair[0].address
+        )
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('table = "0"\n', r':1: table = "0" is another table of words than'),
+        ("[motor.1]\na = 1\n", r":1: \[motor.1\]: the device has motors 0...0"),
+        ("[more]\n", r":1: more: there are \[board\] and"),
+        ("[board]\nroot = 1\n", r":2: root stands in \[motor.0\]"),
+        ("[motor.0]\nwall_min = [1, 2]\n", r":2: wall_min takes a list of 4 numbers"),
+        ("[motor.0]\nwall_min = 1\n", r":2: wall_min takes a list of 4 numbers"),
+        ("[board\n", r":1: "),
+    ],
+)
+def test_files_that_are_refused(tmp_path, text, message):
+    file = tmp_path / "bad.toml"
+    file.write_text(text)
+    with pytest.raises(HostError, match=message) as error:
+        session.read(file, SHAPE)
+    assert "\n" not in str(error.value)
+
+
+def test_numbers_and_names():
+    assert (number("0x10"), number("-3"), number("1.5e1")) == (16, -3, 15.0)
+    (place,) = places("extra_ticks", SHAPE)
+    assert place.range == (0, 1023)
+    (wall,) = places("wall_min[2]", Shape(3, 4, 0, 2), 2)
+    assert wall.address == WORDS["wall_min"].at(2, 2)
+    assert wall.value(0xFFFFFFFF) == -1
+    with pytest.raises(HostError, match="this device has none"):
+        places("shape_loss", SHAPE)
+
+
+def test_bits_that_the_rtl_has():
+    """Faults and refusals by the files that make them; the options' places by their list."""
+    assert FAULTS[10][0] == "BUS_LOW"
+    assert sorted(FAULTS) == list(range(16))
+    rtl = (RTL_DIR / "wh_arm.v").read_text(encoding="utf-8")
+    width = re.search(r"output wire \[(\d+):0\] refused_o", rtl)[1]
+    assert int(width) + 1 == len(ARM_REFUSALS)
+    rtl = (RTL_DIR / "wh_linked_device.v").read_text(encoding="utf-8")
+    listed = dict(re.findall(r"(?:\d+:)?(\d+) ([A-Z][A-Z_0-9]+)(?=   |\n)", rtl))
+    for name, (low, _) in modbus.OPTIONS.items():
+        assert listed[str(low)] == {"motors": "N"}.get(name, name.upper()), name

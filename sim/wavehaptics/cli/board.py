@@ -1,0 +1,377 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands for a board on a serial port, and the virtual board that takes its place."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wavehaptics.cli.shared import CommandError, SetOption
+from wavehaptics.scene import find_scene, load_scene
+
+if TYPE_CHECKING:
+    from wavehaptics.host.client import Client
+    from wavehaptics.host.names import Place
+
+RENEWAL_S = 0.05
+"""Wall-clock time from one renewal of the arming to the next, a quarter of what it lasts."""
+
+ZERO_S = 10.0
+"""Wall-clock time in which a zero is measured, on a slow simulated board as well."""
+
+board = typer.Typer(
+    help="Talk to a board over its serial line, or be one without hardware (--virtual).",
+    invoke_without_command=True,
+)
+app = typer.Typer()
+app.add_typer(board, name="board")
+
+PortOption = Annotated[
+    str, typer.Option("--port", metavar="PATH", envvar="WH_PORT", help="The serial port.")
+]
+UnitOption = Annotated[int, typer.Option(min=1, max=247, help="Unit of the device.")]
+TimeoutOption = Annotated[
+    float, typer.Option(min=0.01, max=3600, help="Seconds to wait for an answer.")
+]
+MotorOption = Annotated[int, typer.Option(min=0, max=7, help="The motor whose words are meant.")]
+RawOption = Annotated[bool, typer.Option("--raw", help="Raw words in place of values in SI units.")]
+DEFAULT_TIMEOUT = 5.0
+
+
+@contextmanager
+def _refusals() -> Iterator[None]:
+    """What the host can't do, as refusals of the command."""
+    from wavehaptics.host.names import HostError
+
+    try:
+        yield
+    except HostError as error:
+        raise CommandError(str(error)) from None
+
+
+def _client(port: str, unit: int, timeout: float) -> Client:
+    from wavehaptics.host.client import Client
+
+    if not port:
+        raise CommandError("no port: name one with --port PATH, or in WH_PORT")
+    return Client(port, unit, timeout)
+
+
+@board.callback()
+def be_virtual(
+    context: typer.Context,
+    virtual: Annotated[
+        str | None,
+        typer.Option(metavar="SCENE", help="Be a board with this scene's motor and hand."),
+    ] = None,
+    overrides: SetOption = None,
+    paced: Annotated[
+        bool, typer.Option("--paced", help="With --virtual: no faster than real time.")
+    ] = False,
+    seconds: Annotated[
+        float | None,
+        typer.Option(min=0, help="With --virtual: end after so much simulated time, s."),
+    ] = None,
+    link: Annotated[
+        Path | None,
+        typer.Option(metavar="PATH", help="With --virtual: a symbolic link to its port."),
+    ] = None,
+) -> None:
+    """Be a virtual board, or leave it to the command that follows."""
+    if context.invoked_subcommand is not None:
+        if virtual is not None:
+            raise CommandError(
+                f"board --virtual runs by itself; type `board {context.invoked_subcommand}` "
+                "in another terminal"
+            )
+        return
+    if virtual is None:
+        raise CommandError(
+            "board: give a command, or --virtual SCENE; wavehaptics board --help lists them"
+        )
+    loaded = load_scene(find_scene(virtual), overrides or ())
+    if link is not None and link.exists() and not link.is_symlink():
+        raise CommandError(f"--link {link}: is there and no link; name another path")
+
+    from wavehaptics.host.virtual import VirtualBoard
+    from wavehaptics.ladder.linked_pins import LinkedPins
+
+    pins = LinkedPins(loaded)
+    pins.elapse(1)  # compiles the loop
+    asked = []
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: asked.append(True))
+    with VirtualBoard(pins, link) as running:
+        print(running.path, flush=True)
+        running.run(lambda: bool(asked), seconds, paced=paced)
+
+
+@board.command()
+def info(
+    port: PortOption = "", unit: UnitOption = 1, timeout: TimeoutOption = DEFAULT_TIMEOUT
+) -> None:
+    """Tell what the device is, and what its line has counted."""
+    with _refusals():
+        found = _client(port, unit, timeout).identification
+    words = found.words
+    shown = {
+        "table of words": f"{words['table']:08x}",
+        "build": f"{words['build']:08x}",
+        "clock": f"{words['clock_hz'] / 1e6:g} MHz",
+        "motors": words["motors"],
+        "options": ", ".join(f"{name} {value}" for name, value in found.options.items() if value),
+        **{
+            name.replace("_", " "): words[name]
+            for name in ("frames", "crc_errors", "framing_errors", "overruns")
+        },
+    }
+    for name, value in shown.items():
+        print(f"{name:<15} {value}")
+
+
+def _shown(place: Place, raw: int, as_raw: bool) -> str:
+    if as_raw:
+        return f"0x{raw:08x}"
+    value = place.value(raw)
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+@board.command()
+def get(
+    names: Annotated[list[str], typer.Argument(metavar="NAME...", help="NAME or NAME[INDEX].")],
+    port: PortOption = "",
+    motor: MotorOption = 0,
+    raw: RawOption = False,
+    unit: UnitOption = 1,
+    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+) -> None:
+    """Read words."""
+    from wavehaptics.host.names import places, readable
+
+    with _refusals():
+        client = _client(port, unit, timeout)
+        found = [readable(p) for name in names for p in places(name, client.shape, motor)]
+        words = client.read(found)
+    width = max(len(place.text) for place in found)
+    for place, word in zip(found, words, strict=True):
+        unit_text = "" if raw else place.word.row.unit
+        print(f"{place.text:<{width}}  {_shown(place, word, raw)} {unit_text}".rstrip())
+
+
+@board.command("set")
+def set_words(
+    values: Annotated[
+        list[str], typer.Argument(metavar="NAME=VALUE...", help="In SI units, as docs/words.md.")
+    ],
+    port: PortOption = "",
+    motor: MotorOption = 0,
+    raw: RawOption = False,
+    unit: UnitOption = 1,
+    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+) -> None:
+    """Write words; those of one group are given together."""
+    from wavehaptics.host.names import HostError, number, places, settable
+
+    with _refusals():
+        client = _client(port, unit, timeout)
+        words: dict[Place, int] = {}
+        for text in values:
+            name, _, value = text.partition("=")
+            try:
+                given = number(value.strip())
+            except ValueError:
+                raise HostError(f"{text}: write NAME=NUMBER, as in root=2.0") from None
+            found = [settable(place) for place in places(name.strip(), client.shape, motor)]
+            if len(found) > 1:
+                raise HostError(f"{text}: which one? Take {found[0].text}...{found[-1].text}")
+            if found[0] in words:
+                raise HostError(f"{text}: {found[0].text} is there twice; leave one out")
+            words[found[0]] = found[0].raw(given, is_raw=raw)
+        frames = client.write(words.items())
+    if frames > 1:
+        print(f"{frames} frames, given one after another: the words aren't of one group")
+
+
+@board.command()
+def save(
+    path: Annotated[Path, typer.Argument(metavar="FILE", help="A TOML file.")],
+    port: PortOption = "",
+    unit: UnitOption = 1,
+    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+) -> None:
+    """Save all settings of the device."""
+    from wavehaptics.host import session
+
+    with _refusals():
+        count = session.save(_client(port, unit, timeout), path)
+    print(f"{path}: {count} words")
+
+
+@board.command()
+def load(
+    path: Annotated[Path, typer.Argument(metavar="FILE", help="A TOML file.")],
+    port: PortOption = "",
+    unit: UnitOption = 1,
+    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+) -> None:
+    """Give the device the settings of FILE: all of them, or none."""
+    from wavehaptics.host import session
+
+    with _refusals():
+        changed, count = session.load(_client(port, unit, timeout), path)
+    print(f"{path}: {count} words, of which {changed} were others")
+
+
+@board.command()
+def watch(
+    names: Annotated[list[str], typer.Argument(metavar="NAME...", help="NAME or NAME[INDEX].")],
+    port: PortOption = "",
+    motor: MotorOption = 0,
+    raw: RawOption = False,
+    csv: Annotated[bool, typer.Option("--csv", help="Lines of CSV in place of a table.")] = False,
+    count: Annotated[int | None, typer.Option("-n", min=1, help="So many times.")] = None,
+    every: Annotated[float, typer.Option(min=0, max=3600, help="Seconds between.")] = 0.2,
+    unit: UnitOption = 1,
+    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+) -> None:
+    """Read words again and again, until Ctrl-C."""
+    from wavehaptics.host.names import places, readable
+
+    with _refusals():
+        client = _client(port, unit, timeout)
+        found = [readable(p) for name in names for p in places(name, client.shape, motor)]
+        start = time.monotonic()
+
+        def samples() -> Iterator[tuple[float, list[str]]]:
+            taken = 0
+            while count is None or taken < count:
+                if taken:
+                    time.sleep(every)
+                words = client.read(found)
+                texts = [_shown(p, w, raw) for p, w in zip(found, words, strict=True)]
+                yield time.monotonic() - start, texts
+                taken += 1
+
+        if csv:
+            print(",".join(["t_s", *(place.text for place in found)]), flush=True)
+            for moment, texts in samples():
+                print(",".join([f"{moment:.3f}", *texts]), flush=True)
+        else:
+            _watch_table(found, raw, samples())
+
+
+def _watch_table(found: list[Place], raw: bool, samples: Iterator[tuple[float, list[str]]]) -> None:
+    from rich.live import Live
+    from rich.table import Table
+
+    with Live() as live:
+        for moment, texts in samples:
+            shown = Table("word", f"at {moment:.1f} s", "unit")
+            for place, text in zip(found, texts, strict=True):
+                shown.add_row(place.text, text, "" if raw else place.word.row.unit)
+            live.update(shown, refresh=True)
+
+
+@board.command()
+def arm(
+    port: PortOption = "",
+    seconds: Annotated[
+        float | None, typer.Option(min=0, help="Disarm after so much time; else at Ctrl-C.")
+    ] = None,
+    unit: UnitOption = 1,
+    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+) -> None:
+    """Let the bridges on, and renew that until Ctrl-C; then disarm."""
+    asked: list[bool] = []
+    with _refusals():
+        client = _client(port, unit, timeout)
+        kept = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM)}
+        for number in kept:
+            signal.signal(number, lambda *_: asked.append(True))
+        try:
+            _arm(client, lambda: bool(asked), seconds)
+        finally:
+            _write_arm(client, 0)
+            for number, handler in kept.items():
+                signal.signal(number, handler)
+    print("disarmed")
+
+
+def _write_arm(client: Client, value: int) -> None:
+    from wavehaptics.host.names import places
+
+    client.write([(places("arm", client.shape)[0], value)])
+
+
+def _arm(client: Client, asked: Callable[[], bool], seconds: float | None) -> None:
+    from wavehaptics.host.names import HostError, places
+    from wavehaptics.words.faults import arm_refusal
+
+    live = [places(name, client.shape)[0] for name in ("armed", "arm_refused")]
+    if not client.identification.options["arm"]:
+        raise HostError("the device can't be armed by a word; its switch alone lets it run")
+    start, told = time.monotonic(), False
+    _write_arm(client, 1)
+    while not asked():
+        armed, refused = client.read(live)
+        passed = time.monotonic() - start
+        if armed and not told:
+            print("armed; Ctrl-C disarms", flush=True)
+            told, start = True, time.monotonic()
+        elif refused or (told and not armed):
+            reason = arm_refusal(refused) or "somebody has disarmed it"
+            cure = "`board faults` tells more, and --clear forgets what is over"
+            raise HostError(f"{'disarmed' if told else 'not armed'}: {reason}; {cure}")
+        elif not armed and passed > ZERO_S:
+            raise HostError("not armed: the zero takes too long; are there ticks at all?")
+        if told and seconds is not None and passed >= seconds:
+            return
+        time.sleep(RENEWAL_S)
+        _write_arm(client, 2)
+
+
+@board.command()
+def disarm(
+    port: PortOption = "", unit: UnitOption = 1, timeout: TimeoutOption = DEFAULT_TIMEOUT
+) -> None:
+    """Switch the bridges off."""
+    with _refusals():
+        _write_arm(_client(port, unit, timeout), 0)
+
+
+@board.command()
+def faults(
+    clear: Annotated[bool, typer.Option("--clear", help="Forget those that are over.")] = False,
+    port: PortOption = "",
+    unit: UnitOption = 1,
+    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+) -> None:
+    """Tell what the guard found, and what disarmed the device."""
+    from wavehaptics.host.names import places
+    from wavehaptics.words.faults import FAULTS, arm_refusal, bits_of
+
+    with _refusals():
+        client = _client(port, unit, timeout)
+        if clear:
+            client.write([(places("clear", client.shape)[0], 1)])
+        names = ("faults", "overrun", "armed", "arm_refused", "running")
+        found = dict(
+            zip(names, client.read(places(n, client.shape)[0] for n in names), strict=True)
+        )
+    for bit in bits_of(found["faults"]):
+        name, meaning = FAULTS[bit]
+        print(f"{name}: {meaning}" if meaning else name)
+    if found["overrun"]:
+        print("a tick is too short for its work, or ticks pass without")
+    if found["arm_refused"]:
+        print(f"not armed: {arm_refusal(found['arm_refused'])}")
+    if not found["faults"] and not found["overrun"]:
+        print("no faults")
+    state = "on" if found["running"] else "armed, but off" if found["armed"] else "off"
+    print(f"the bridges are {state}")

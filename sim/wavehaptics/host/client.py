@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A device on a serial port: Modbus RTU by pymodbus, words by their places.
+
+The port is taken for one exchange at a time, so several programs can use it by turns: one renews
+the arming while another one sets words.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import serial
+from pymodbus.client import ModbusSerialClient
+from pymodbus.exceptions import ModbusException
+from pymodbus.pdu import ModbusPDU
+
+from wavehaptics.host.names import HostError, Place, Shape
+from wavehaptics.words import modbus, table
+
+BAUD = 115_200
+"""Bits a second of a device that nobody has told another rate."""
+
+MAP_VERSION = 1
+"""Of the registers, that this client knows."""
+
+_TURN_S = 0.005
+
+# Everything that goes wrong is told by exceptions.
+logging.getLogger("pymodbus.logging").setLevel(logging.CRITICAL + 1)
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What a device says of itself: the words from register 0 on, by name, without signs."""
+
+    words: Mapping[str, int]
+
+    @property
+    def options(self) -> dict[str, int]:
+        """What the bitstream was made with."""
+        raw = self.words["options"]
+        return {name: raw >> low & (1 << bits) - 1 for name, (low, bits) in modbus.OPTIONS.items()}
+
+    @property
+    def shape(self) -> Shape:
+        """Its number of motors and of copies of words."""
+        options = self.options
+        return Shape(
+            self.words["motors"], options["walls"], options["shaper"], options["delay_log2"]
+        )
+
+
+class Client:
+    """A device of one unit on the port at ``port``.
+
+    ``timeout_s`` is that of an answer, and of waiting for others who have the port; a question is
+    repeated once. All errors are :class:`HostError`, one line each.
+    """
+
+    def __init__(self, port: str, unit: int = 1, timeout_s: float = 5.0) -> None:
+        self._port, self._unit, self._timeout_s = port, unit, timeout_s
+        self._heard = 0
+        self.identification = self._identify()
+
+    @property
+    def shape(self) -> Shape:
+        """The device's number of motors and of copies of words."""
+        return self.identification.shape
+
+    def identify(self) -> Identification:
+        """The identification anew, with its counters."""
+        count = 2 * len(modbus.IDENTIFICATION)
+        words = modbus.whole(self._read(0, count, "the identification"))
+        return Identification(dict(zip(modbus.IDENTIFICATION, words, strict=True)))
+
+    def _identify(self) -> Identification:
+        found = self.identify()
+        if found.words["version"] != MAP_VERSION:
+            raise HostError(
+                f"{self._port}: the device's map of registers is of version "
+                f"{found.words['version']}, not {MAP_VERSION}; take the package of its bitstream"
+            )
+        if found.words["table"] != table.crc():
+            raise HostError(
+                f"{self._port}: the device has another table of words, CRC "
+                f"{found.words['table']:08x} and not {table.crc():08x}; "
+                "take the package of its bitstream"
+            )
+        return found
+
+    def read(self, places: Iterable[Place]) -> list[int]:
+        """Raw words without signs, in the order of ``places``; successive ones by one frame."""
+        wanted = list(places)
+        found: dict[int, int] = {}
+        pairs = {(place.address, 0) for place in wanted}
+        names = {place.address: place.text for place in wanted}
+        for first, raws in modbus.runs(pairs, modbus.MOST_READ):
+            registers = self._read(modbus.word_register(first), 2 * len(raws), names[first])
+            found |= zip(range(first, first + len(raws)), modbus.whole(registers), strict=True)
+        return [found[place.address] for place in wanted]
+
+    def write(self, words: Iterable[tuple[Place, int]]) -> int:
+        """Write raw words; successive ones in one frame. The number of frames is returned.
+
+        Words between two of one group that aren't named are read, and written as they are.
+        """
+        given = {place.address: (place, raw) for place, raw in words}
+        filled = {address: raw for address, (_, raw) in given.items()}
+        for place in self._between(place for place, _ in given.values()):
+            filled[place.address] = self.read([place])[0]
+        frames = 0
+        for first, raws in modbus.runs(filled.items(), modbus.MOST_WRITTEN):
+            named = [given[n][0].text for n in range(first, first + len(raws)) if n in given]
+            self._write(modbus.word_register(first), modbus.halves(raws), ", ".join(named))
+            frames += 1
+        return frames
+
+    def _between(self, places: Iterable[Place]) -> list[Place]:
+        """Settings of the same groups that lie between those that are given."""
+        ordered = sorted(places, key=lambda place: place.address)
+        found = []
+        for low, high in pairwise(ordered):
+            gap = range(low.address + 1, high.address)
+            mates = {
+                mate.address: mate
+                for word in table.WORDS.values()
+                if (word.block, word.group) == (low.word.block, low.word.group)
+                and word.row.kind == "setting"
+                for index in range(self.shape.copies(word))
+                for mate in [Place(word, low.motor, index, self.shape)]
+            }
+            if high.address in mates and all(address in mates for address in gap):
+                found += [mates[address] for address in gap]
+        return found
+
+    # ---- The line.
+
+    def _read(self, register: int, count: int, what: str) -> Sequence[int]:
+        return self._exchange(
+            lambda client: client.read_holding_registers(
+                register, count=count, device_id=self._unit
+            ),
+            what,
+        ).registers
+
+    def _write(self, register: int, registers: list[int], what: str) -> None:
+        self._exchange(
+            lambda client: client.write_registers(register, registers, device_id=self._unit), what
+        )
+
+    def _exchange(self, ask: Callable[[ModbusSerialClient], ModbusPDU], what: str) -> ModbusPDU:
+        """The answer to a question about ``what``."""
+        with self._taken() as line:
+            client = ModbusSerialClient(
+                self._port, baudrate=BAUD, timeout=self._timeout_s, retries=1,
+                trace_packet=self._listen,
+            )  # fmt: skip
+            client.socket = line
+            self._heard = 0
+            try:
+                answer = ask(client)
+            except ModbusException:
+                raise HostError(self._silence()) from None
+            except OSError as error:
+                reason = error.strerror or error
+                raise HostError(f"{self._port}: {reason}; was it unplugged?") from None
+        if answer.isError():
+            code = answer.exception_code
+            meaning = modbus.EXCEPTIONS.get(code, "unknown")
+            raise HostError(f"{what}: the device refuses with exception {code}: {meaning}")
+        return answer
+
+    def _listen(self, sending: bool, data: bytes) -> bytes:
+        if not sending:
+            self._heard = max(self._heard, len(data))
+        return data
+
+    def _silence(self) -> str:
+        if self._heard:
+            return (
+                f"{self._port}: {self._heard} bytes came, but no answer with a right CRC; is it "
+                f"unit {self._unit}, at {BAUD} bits a second, and nobody else on the line?"
+            )
+        return (
+            f"{self._port}: no answer within {self._timeout_s:g} s; is it the right port, the "
+            f"device on and of unit {self._unit}? A simulated one may need a longer --timeout"
+        )
+
+    def _taken(self) -> serial.Serial:
+        """The port, once nobody else has it."""
+        until = time.monotonic() + self._timeout_s
+        while True:
+            try:
+                return serial.Serial(
+                    self._port, BAUD, timeout=self._timeout_s, write_timeout=self._timeout_s,
+                    exclusive=True,
+                )  # fmt: skip
+            except (OSError, ValueError) as error:
+                busy = "lock" in str(error)
+                if not busy or time.monotonic() > until:
+                    reason = "somebody else has it" if busy else _reason(error)
+                    raise HostError(
+                        f"{self._port}: can't be opened: {reason}; name the port with --port"
+                    ) from None
+            time.sleep(_TURN_S)
+
+
+def _reason(error: Exception) -> str:
+    number = getattr(error, "errno", None)
+    return os.strerror(number) if number else str(error)

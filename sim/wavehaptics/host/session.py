@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All settings of a device in a TOML file, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from wavehaptics.host.client import Client
+from wavehaptics.host.names import HostError, Place, Shape, places, settings
+from wavehaptics.runtime.files import write_text
+from wavehaptics.runtime.toml_source import TomlError, parse
+from wavehaptics.words import table
+from wavehaptics.words.table import MOST, WORDS
+
+BOARD = "board"
+MOTOR = "motor"
+"""Table of a motor's words: ``[motor.0]``."""
+
+
+def save(client: Client, path: Path) -> int:
+    """Write all settings of the device to ``path``, in their units; their number."""
+    found = settings(client.shape)
+    text = to_text(zip(found, client.read(found), strict=True))
+    write_text(path, text)
+    return len(found)
+
+
+def to_text(words: Iterable[tuple[Place, int]]) -> str:
+    """The file of (place, raw word)."""
+    tables: dict[str, dict[str, list[float | int]]] = {}
+    for place, raw in words:
+        board = place.word.row.per == "board"
+        rows = tables.setdefault(BOARD if board else f"{MOTOR}.{place.motor}", {})
+        rows.setdefault(place.word.name, []).append(place.value(raw))
+    lines = ["# Settings of a wave haptics controller, in the units of docs/words.md."]
+    lines += [f'table = "{table.crc():08x}"']
+    for name, rows in tables.items():
+        lines += ["", f"[{name}]"]
+        for key, values in rows.items():
+            word = WORDS[key]
+            several = MOST[word.row.per] * word.row.count > 1
+            shown = f"[{', '.join(map(repr, values))}]" if several else repr(values[0])
+            lines.append(f"{key} = {shown}" + (f"  # {word.row.unit}" if word.row.unit else ""))
+    return "\n".join(lines) + "\n"
+
+
+def read(path: Path, shape: Shape) -> list[tuple[Place, int]]:
+    """(place, raw word) of a file. :class:`HostError` with a line for each word that is wrong."""
+    try:
+        document, lines = parse(path.read_bytes())
+    except TomlError as error:
+        raise HostError(f"{path}:{error.line}: {error.problem}") from None
+    except OSError as error:
+        raise HostError(f"{path}: can't be read: {error.strerror}") from None
+    found: list[tuple[Place, int]] = []
+    problems: list[str] = []
+
+    def note(key: tuple[str, ...], problem: str) -> None:
+        problems.append(f"{path}:{lines.get(key, 1)}: {problem}")
+
+    told = document.pop("table", None)
+    if told is not None and told != f"{table.crc():08x}":
+        note(("table",), f'table = "{told}" is another table of words than {table.crc():08x}; '
+             "save the settings anew, with the package of their bitstream")  # fmt: skip
+    for name, motor, rows, key in _tables(document, shape, note):
+        for row, value in rows.items():
+            try:
+                found += _words(row, value, motor, shape, name)
+            except HostError as error:
+                note((*key, row), str(error))
+    if problems:
+        raise HostError("\n".join(problems))
+    return found
+
+
+def _tables(document: dict[str, Any], shape: Shape, note: Any) -> Iterable[tuple]:
+    """(name, motor, rows, key) of the file's tables that the device has."""
+    for name, rows in document.items():
+        if name == BOARD and isinstance(rows, dict):
+            yield name, 0, rows, (name,)
+        elif name == MOTOR and isinstance(rows, dict):
+            for number, inner in rows.items():
+                known = number.isdigit() and int(number) < shape.motors and isinstance(inner, dict)
+                if known:
+                    yield f"{name}.{number}", int(number), inner, (name, number)
+                else:
+                    last = shape.motors - 1
+                    note((name, number), f"[motor.{number}]: the device has motors 0...{last}")
+        else:
+            note((name,), f"{name}: there are [board] and [motor.0], [motor.1] ... only")
+
+
+def _words(row: str, value: Any, motor: int, shape: Shape, name: str) -> list[tuple[Place, int]]:
+    there = places(row, shape, motor)
+    word = there[0].word
+    if word.row.kind != "setting":
+        raise HostError(f"{row} is no setting")
+    if (word.row.per == "board") != (name == BOARD):
+        raise HostError(f"{row} stands in [{BOARD if word.row.per == 'board' else 'motor.0'}]")
+    several = MOST[word.row.per] * word.row.count > 1
+    values = value if several else [value]
+    if not isinstance(values, list) or len(values) != len(there):
+        raise HostError(f"{row} takes a list of {len(there)} numbers on this device")
+    return [(place, place.raw(each)) for place, each in zip(there, values, strict=True)]
+
+
+def load(client: Client, path: Path) -> tuple[int, int]:
+    """Give the device the settings of ``path``: (words that were changed, words of the file).
+
+    :class:`HostError` for a file that is wrong, and where the device refuses a word: what was
+    written before is then as it was.
+    """
+    wanted = read(path, client.shape)
+    before = client.read(place for place, _ in wanted)
+    differs = [
+        (place, raw, old)
+        for (place, raw), old in zip(wanted, before, strict=True)
+        if raw & 0xFFFFFFFF != old
+    ]
+    off = [place.text for place, _, _ in differs if place.word.change == "off"]
+    if off and client.read(places("running", client.shape))[0]:
+        raise HostError(
+            "\n".join(
+                f"{path}: {name} changes with the bridges off only; disarm first" for name in off
+            )
+        )
+    try:
+        client.write((place, raw) for place, raw, _ in differs)
+    except HostError:
+        client.write((place, old) for place, _, old in differs)
+        raise
+    return len(differs), len(wanted)

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A board without hardware: the device's RTL with a motor, its line a pseudo-terminal."""
+
+from __future__ import annotations
+
+import errno
+import os
+import select
+import time
+import tty
+from collections.abc import Callable
+from pathlib import Path
+from types import TracebackType
+
+from wavehaptics.ladder.linked_pins import LinkedPins
+
+BLOCK_S = 2e-3
+"""Wall-clock time that is simulated at a stretch: bytes wait no longer."""
+
+_MOST_TICKS = 4096
+_MOST_BYTES = 4096
+_MOST_WAITING = 4096
+"""Bytes before the line from which on the pseudo-terminal has to wait."""
+
+
+class VirtualBoard:
+    """The pseudo-terminal and what is behind it, as a context.
+
+    ``path`` is where a host opens it. Its rate means nothing: bytes go at the rate that the device
+    has. ``link`` becomes a symbolic link to it, and is removed at the end; ``OSError`` where that
+    is something else.
+    """
+
+    def __init__(self, pins: LinkedPins, link: Path | None = None) -> None:
+        self._pins = pins
+        self._link = link
+        self._ticks = 16
+
+    def __enter__(self) -> VirtualBoard:
+        self._master, self._slave = os.openpty()
+        # Kept open, so that the line outlives its hosts.
+        tty.setraw(self._slave)
+        os.set_blocking(self._master, False)
+        self.path = os.ttyname(self._slave)
+        if self._link is not None:
+            if self._link.is_symlink():
+                self._link.unlink()
+            self._link.symlink_to(self.path)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._link is not None and self._link.is_symlink():
+            self._link.unlink()
+        os.close(self._slave)
+        os.close(self._master)
+
+    def run(
+        self, ended: Callable[[], bool], seconds: float | None = None, *, paced: bool = False
+    ) -> None:
+        """Simulate until ``ended`` says so, or for ``seconds`` of simulated time.
+
+        ``paced``: no faster than real time.
+        """
+        first, start = self._pins.time_s, time.monotonic()
+        while not ended():
+            before = time.monotonic()
+            self._take(0.0)
+            self._pins.elapse(self._ticks)
+            self._give()
+            passed = time.monotonic() - before
+            self._ticks = round(min(max(1, self._ticks * BLOCK_S / passed), _MOST_TICKS))
+            simulated = self._pins.time_s - first
+            if seconds is not None and simulated >= seconds:
+                return
+            if paced:
+                ahead = start + simulated - time.monotonic()
+                if ahead > 0:
+                    select.select([], [], [], min(ahead, BLOCK_S))
+
+    def _take(self, wait_s: float) -> None:
+        if self._pins.waiting >= _MOST_WAITING:
+            return
+        if select.select([self._master], [], [], wait_s)[0]:
+            self._pins.send(os.read(self._master, _MOST_BYTES))
+
+    def _give(self) -> None:
+        data = self._pins.received()
+        if not data:
+            return
+        try:
+            os.write(self._master, data)
+        except OSError as error:  # nobody reads: as on a line, what isn't taken is lost
+            if error.errno != errno.EAGAIN:
+                raise
