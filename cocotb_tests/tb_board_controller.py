@@ -34,9 +34,8 @@ ZERO_CLOCKS = (ZERO_TICKS + 6) * TICK
 """More than a zero takes, and what was before it to pass."""
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 LINKED = BOARD.fpga.link
-SET_CLOCKS = 2 * (2 * 2**8) + 16 if LINKED else 0
-"""After reset, until the settings are in both banks: only then SCLK knows where it rests, and the
-ADC is read."""
+SET_CLOCKS = 2 * 2**8 + 16 if LINKED else 0
+"""After reset, until the settings are there: only then SCLK knows where it rests."""
 SYNCHRONISER = 3  # clocks until an input is seen, and one to act on it
 
 
@@ -84,10 +83,18 @@ class Board(Bench):
     async def begin(self, **inputs: int) -> None:
         quiet = {"start_i": 0, "stop_i": 0, "clock_lost_i": 0, "enc_a_i": 0, "enc_b_i": 0}
         await self.start(**{**quiet, "uart_rx_i": 1, **inputs})
-        await self.step(SET_CLOCKS)
+        await self._wait_for_settings()
 
     async def leave_reset(self) -> None:
-        await self.step(1 + SET_CLOCKS, rst=0)
+        await self.step(1, rst=0)
+        await self._wait_for_settings()
+
+    async def _wait_for_settings(self) -> None:
+        for _ in range(4 * SET_CLOCKS):
+            if self.word("ready"):
+                break
+            await self.step()
+        assert self.word("ready")
 
     async def watch(self, clocks: int) -> tuple[int, int, set[int]]:
         """(changes of alive, clocks with a gate on, values of running) in some clocks."""
