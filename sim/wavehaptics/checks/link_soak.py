@@ -162,7 +162,6 @@ class Line:
     def settle(self, burst: Burst) -> None:
         """Silence, and all that has come of the burst."""
         self.wait(_REST)
-        self.library.wh_link_wrong.argtypes = None
         received = self.take(_RECEIVED)
         clocks, words = received[::2], received[1::2]
         if burst.data and abs(burst.factor - 1.0) <= 0.02 and not burst.edges:
@@ -273,7 +272,7 @@ def longest_run(slave: Slave) -> list[Place]:
     """Settings at addresses side by side, as many as a frame has room for."""
     best: list[Place] = []
     for first in sorted(slave.memory):
-        run = []
+        run: list[Place] = []
         while first + len(run) in slave.memory and len(run) < 61:
             run.append(slave.places[first + len(run)])
         best = max(best, run, key=len)
