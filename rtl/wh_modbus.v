@@ -291,11 +291,13 @@ module wh_modbus #(
                                : (table_word || own_word || names_q);
     wire rate_fits  = (data_q[31:2] == 30'd0) && ({1'b0, data_q[1:0]} < RATES_32[2:0]);
 
-    // From the memory to a state is too long a way for a clock.
+    // From the memory to a state is too long a way for a clock: JUDGE and CARRY last two.
     reg        fits_q;
+    reg        ones_q;
 
     always @(posedge clk) begin
         fits_q <= fits;
+        ones_q <= &read_data_q;
     end
 
     reg        refuses;
@@ -314,7 +316,9 @@ module wh_modbus #(
             END:    state_d = (skip_q || (closes && !mine_q)) ? GET : COUNT;
             COUNT:  state_d = CARRY;
             CARRY: begin
-                if (&read_data_q && !(&place_q[1:0])) begin
+                if (step_q == 3'd0) begin
+                    state_d = CARRY;
+                end else if (ones_q && !(&place_q[1:0])) begin
                     state_d = COUNT;
                 end else if (counter_q != FRAMES) begin
                     state_d = GET;
@@ -515,8 +519,10 @@ module wh_modbus #(
                     end
                 end
                 CARRY: begin
-                    place_q <= (state_d == COUNT) ? place_q + 8'd1
-                             : (counter_q == FRAMES) ? 8'd2 : 8'd0;
+                    if (state_d != CARRY) begin
+                        place_q <= (state_d == COUNT) ? place_q + 8'd1
+                                 : (counter_q == FRAMES) ? 8'd2 : 8'd0;
+                    end
                 end
                 HEAD: begin
                     place_q <= (step_q != 3'd4) ? place_q + 8'd1 : place_q;
@@ -599,6 +605,7 @@ module wh_modbus #(
     // ---- The memory.
 
     wire       counts  = (state_q == COUNT) || (state_q == CARRY);
+    wire       carries = (state_q == CARRY) && (step_q != 3'd0);
     wire       emits   = (state_q == EMIT);
     wire [7:0] at      = {place_q[7:2], place_q[1:0] ^ {2{counts}}};
     wire [7:0] written = emits ? data_q[31:24]
@@ -606,7 +613,7 @@ module wh_modbus #(
                        : counts ? read_data_q + 8'd1 : byte_in;
 
     always @(posedge clk) begin
-        if (stores || emits || state_q == LENGTH || state_q == CARRY) begin
+        if (stores || emits || state_q == LENGTH || carries) begin
             memory[{counts, at}] <= written;
         end
         read_data_q <= memory[own ? {1'b1, address_q[6:1], step_q[1:0]} : {counts, at}];
