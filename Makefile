@@ -156,7 +156,7 @@ check: lint ## lint, a quick test of each block, the loop on each simulator: und
 
 test: $(READY_DOCS)
 test: check ## check, then every other test of the model, the RTL and the loop (CI=true: but for the long)
-	@$(PYTEST) -m "not quick$(if $(CI), and not long)" --junit-xml build/tests/rest.xml
+	@$(PYTEST) -m "not quick$(if $(CI), and not long)" --durations 25 --junit-xml build/tests/rest.xml
 
 # Every module at its defaults, and the tops at other sizes and word lengths: TOP,ARGUMENT,...
 LINT_CASES := \

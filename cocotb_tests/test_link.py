@@ -10,6 +10,11 @@ def test_link(simulator: str) -> None:
     simulate(simulator, "wh_linked_device", "tb_link", SIZE)
 
 
+def test_link_briefly(monkeypatch) -> None:
+    monkeypatch.setenv("COCOTB_TEST_FILTER", "the_device_answers")
+    simulate("verilator", "wh_linked_device", "tb_link", SIZE, name="tb_link-briefly")
+
+
 def test_link_of_three(simulator: str) -> None:
     size = {**SIZE, "N": 3, "WALLS": 2, "GUARD": 1, "CLOCK_HZ": 50_000_000}
     simulate(simulator, "wh_linked_device", "tb_link", size)

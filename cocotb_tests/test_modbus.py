@@ -6,3 +6,9 @@ from simulators import simulate
 
 def test_modbus(simulator: str) -> None:
     simulate(simulator, "bench_modbus", "tb_modbus")
+
+
+def test_modbus_briefly(monkeypatch) -> None:
+    """What it answers and refuses, and what it counts."""
+    monkeypatch.setenv("COCOTB_TEST_FILTER", "who_is_there|exceptions|counters_carry")
+    simulate("verilator", "bench_modbus", "tb_modbus", name="tb_modbus-briefly")
