@@ -86,33 +86,6 @@ async def the_device_answers(dut: object) -> None:
 
 
 @cocotb.test(timeout_time=900, timeout_unit="ms")
-async def the_line_arms(dut: object) -> None:
-    """Where enable_i lets it: on by 1 alone, off by 0 or enable_i, and then not by 2."""
-    bench = LinkBench(dut)
-    await bench.begin()
-    arm, armed = WORDS["arm"].at(), WORDS["armed"].at()
-    assert WORDS["arm_refused"].at() == armed + 1
-
-    async def after(value: int) -> tuple[int, list[int]]:
-        assert not (await bench.ask(words(arm, [value]))).isError()
-        return bench.word("running_o"), await bench.values(armed, 2)
-
-    assert await after(1) == (0, [0, 1])
-    bench.drive(enable_i=1)
-    assert await after(2) == (0, [0, 1])
-    assert await after(1) == (1, [1, 0])
-    assert await after(2) == (1, [1, 0])
-    assert await after(0) == (0, [0, 0])
-    assert await after(1) == (1, [1, 0])
-    await bench.step(enable_i=0)
-    assert not bench.word("running_o")
-    bench.drive(enable_i=1)
-    await bench.step(100)
-    assert await after(2) == (0, [0, 1])
-    assert (await bench.ask(words(arm, [3]))).exception_code == 3
-
-
-@cocotb.test(timeout_time=900, timeout_unit="ms")
 async def every_rate(dut: object) -> None:
     """Up, with the answer at the old rate, between any two; back without good frames."""
     bench = LinkBench(dut)
