@@ -142,6 +142,7 @@ module prove_wh_settings (
     reg  [31:0] resting_q;
     reg         in_force_q;
     reg         running_q;
+    reg         tick_q;
     reg         accepts_q;    // the watched word was accepted in the clock before
     reg         copies_q;
     reg  [3:0]  waits_q;      // clocks of a request
@@ -172,6 +173,7 @@ module prove_wh_settings (
         resting_q     <= resting;
         in_force_q    <= in_force;
         running_q     <= running;
+        tick_q        <= tick;
         accepts_q     <= accepts && !rst;
         copies_q      <= copy && !rst;
         waits_q       <= (rst || !bus_valid || bus_ready || !ready) ? 4'd0 : waits_q + 4'd1;
@@ -188,7 +190,7 @@ module prove_wh_settings (
         // left of both.
         if (!begun) begin
             assume (rst || (state == IDLE && !fresh && !pass && !waits && !settles && at == 8'd0
-                            && !write && !commits && !discards && !command
+                            && !write && !commits && !discards && !command && !change
                             && !loading && !\block.staged_q && !\block.off_q && fits(current)
                             && resting == current));
             assume (!asked_q && waits_q == 4'd0 && !off_here_q && !off_given_q && !accepts_q);
@@ -224,7 +226,8 @@ module prove_wh_settings (
             if (accepts && off) assert (!running_q);
             if (commits && off_here_q) assert (!running_q);
             if (off_given_q) assert (loading && !running);
-            if (change && running) assert (tick && !off_given_q && !off_here_q);
+            if (change && running_q) assert (tick_q && !off_given_q && !off_here_q);
+            if (change) assert (waits);
             if (!ready) assert (loading);
 
             // What makes that inductive.

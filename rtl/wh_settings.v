@@ -13,8 +13,8 @@
 // bus_signed_o, with bus_ready_o, says that the word has a sign.
 //
 // Of two banks one is in force and is read; what is written goes into the other one, and to the
-// groups (wh_setting_group) by write_o. A write of 1 to `commit` gives it: with change_o, at the end
-// of a tick, or at once with the bridges off (running_i = 0), every group takes its new words over as
+// groups (wh_setting_group) by write_o. A write of 1 to `commit` gives it: with change_o, a clock after
+// a tick, or at once with the bridges off (running_i = 0), every group takes its new words over as
 // soon as nobody reads the old ones. Once all have (changing_i), the banks change places, and the new
 // resting bank is brought up to date by a copy of all words, which go by the groups with copy_o as well.
 // A write of 1 to `discard` copies them so without a change-over.
@@ -230,9 +230,11 @@ module wh_settings #(
     assign loading_o = loading_q;
 
     wire ends   = copies && last;
-    wire change = wait_q && (tick_i || !running_i);
+    // A clock after the tick, whose end comes late in its clock for all the groups.
+    reg  change_q;
+    wire change = wait_q && !change_q && (tick_i || !running_i);
 
-    assign change_o = change;
+    assign change_o = change_q;
 
     always @(posedge clk) begin
         if (state_q == MOST) begin
@@ -247,6 +249,7 @@ module wh_settings #(
             pass_q    <= 1'b1;
             place_q   <= {PLACE_W{1'b0}};
             wait_q    <= 1'b0;
+            change_q  <= 1'b0;
             settle_q  <= 1'b0;
             force_q   <= 1'b0;
             loading_q <= 1'b1;
@@ -278,8 +281,9 @@ module wh_settings #(
             end
 
             // The defaults have been read into the resting bank: they are given like others.
-            wait_q   <= commits_q || (ends && fresh_q) || (wait_q && !change);
-            if (change) begin
+            change_q <= change;
+            wait_q   <= commits_q || (ends && fresh_q) || (wait_q && !change_q);
+            if (change_q) begin
                 settle_q <= 1'b1;
             end
 
