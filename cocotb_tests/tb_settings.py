@@ -260,7 +260,7 @@ class Watch:
 
 @cocotb.test(timeout_time=500, timeout_unit="ms")
 async def a_group_changes_in_one_clock(dut: object) -> None:
-    """Commit at every phase of a tick: all or none, a clock after its end or when nobody reads any more."""
+    """Commit at every phase of a tick: all or none, just after its end or when nobody reads."""
     bench, rng = SettingsBench(dut), random_source("phases")
     for reads, changes in ((range(10, 50), 0), (range(20, PERIOD + 10), 10)):
         await bench.begin()
