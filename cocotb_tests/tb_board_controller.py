@@ -71,7 +71,10 @@ class Board(Bench):
             if self.word("rst") or self._unset:
                 self._adc.cut_off()
                 self._out = [(1, PART.idle)] * PAD_CLOCKS
-            self._out.append((self.word("adc_cs_n_o"), self.word("adc_sclk_o")))
+            shown = (1, PART.idle)
+            if not self._unset:
+                shown = (self.word("adc_cs_n_o"), self.word("adc_sclk_o"))
+            self._out.append(shown)
             self._adc.pins(edge + PINS_NS, *self._out.pop(0))
 
     def inner(self, name: str) -> int:
@@ -83,18 +86,14 @@ class Board(Bench):
     async def begin(self, **inputs: int) -> None:
         quiet = {"start_i": 0, "stop_i": 0, "clock_lost_i": 0, "enc_a_i": 0, "enc_b_i": 0}
         await self.start(**{**quiet, "uart_rx_i": 1, **inputs})
-        await self._wait_for_settings()
+        await self.settings_come()
 
     async def leave_reset(self) -> None:
         await self.step(1, rst=0)
-        await self._wait_for_settings()
+        await self.settings_come()
 
-    async def _wait_for_settings(self) -> None:
-        for _ in range(4 * SET_CLOCKS):
-            if self.word("ready"):
-                break
-            await self.step()
-        assert self.word("ready")
+    async def settings_come(self) -> None:
+        await self.step(3 * SET_CLOCKS)
 
     async def watch(self, clocks: int) -> tuple[int, int, set[int]]:
         """(changes of alive, clocks with a gate on, values of running) in some clocks."""

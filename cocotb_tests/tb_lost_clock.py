@@ -32,6 +32,7 @@ class Watched(Board):
         quiet = {"start_i": 0, "stop_i": 0, "enc_a_i": 0, "enc_b_i": 0}
         await self.step(RESET_CLOCKS, rst=1, **quiet)
         self.drive(rst=0)
+        await self.settings_come()
 
     def pads(self) -> int:
         return sum(self.word(gate) for gate in GATES)
@@ -78,7 +79,7 @@ async def a_board_whose_oscillator_is_dead_never_starts(dut: object) -> None:
     board.watch_clock.stop()
     board.clock.go()
     await board.step(RESET_CLOCKS, rst=1, start_i=0, stop_i=0, enc_a_i=0, enc_b_i=0)
-    await board.step(1, rst=0)
+    await board.leave_reset()
     await board.press()
     await board.expect_off()
     assert board.word("fault_o")

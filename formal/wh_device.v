@@ -25,7 +25,9 @@ module prove_wh_device (
     input wire [`WH_BUS_W-1:0] bus,
     input wire                 stop,
     input wire                 driver_fault,
-    input wire                 anchor_fault
+    input wire                 anchor_fault,
+    input wire                 clear,
+    input wire                 zero_start
 );
 
     wire        bus_ready;
@@ -75,6 +77,8 @@ module prove_wh_device (
         .stop_i         (stop),
         .driver_fault_i (driver_fault),
         .anchor_fault_i (anchor_fault),
+        .clear_i        (clear),
+        .zero_start_i   (zero_start),
         .tick_o         (tick),
         .running_o      (running),
         .contact_o      (contact),
