@@ -8,7 +8,7 @@ from wavehaptics.checks import link_soak
 from wavehaptics.checks.link_model import Slave, Undecided
 from wavehaptics.checks.link_soak import Burst, Failure, Line, framed, read, write
 
-KINDS, COUNT = 4, 40_000
+KINDS, COUNT = 4, 100_000
 
 
 def test_nothing_is_found():
