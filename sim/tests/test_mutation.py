@@ -44,7 +44,8 @@ def test_every_bench_is_there(block):
 
 
 def _modules_below(top: str) -> set[str]:
-    text = (ROOT / "cocotb_tests" / f"{top}.v").read_text()
+    folders = (ROOT / "cocotb_tests", ROOT / "rtl")
+    text = next(path.read_text() for folder in folders if (path := folder / f"{top}.v").is_file())
     return {path.stem for m in set(text.split()) for path in rtl.rtl_files(m.strip("(;#"))}
 
 

@@ -211,8 +211,9 @@ def test_a_wall_that_is_moved(port, armed):
     """The motor that a hand swings stops at the wall; moved, the wall lets it go further."""
 
     def reach() -> int:
-        lines = told(port, "watch", "--csv", "-n", "20", "--every", "0", "position").splitlines()
-        return max(int(line.split(",")[1]) for line in lines[1:])
+        """The furthest place, once what was beyond the wall as it moved has left it."""
+        lines = told(port, "watch", "--csv", "-n", "60", "--every", "0", "position").splitlines()
+        return max(int(line.split(",")[1]) for line in lines[21:])
 
     told(port, "set", "wall_min[0]=0", "a=0.99")
     shallow = reach()
