@@ -125,7 +125,10 @@ def test_pins_that_are_not_the_boards(tmp_path, name, old, new, message):
 
 @pytest.mark.parametrize("name", board_names())
 def test_the_tables_of_pins_contradict_nothing(name):
-    """No pin is free and taken, and each port of a pin that is taken for it is the top's."""
+    """No pin is free and taken, and each port of a pin that is taken for it is the top's.
+
+    A design without a link leaves the line's pins alone.
+    """
     board = load_board(name)
     free = board.fpga.free
     assert len(set(free)) == len(free) >= 16
@@ -133,6 +136,8 @@ def test_the_tables_of_pins_contradict_nothing(name):
     top = (ROOT / board.folder / f"{name}.v").read_text()
     ports = [owner for owner in board.fpga.taken.values() if re.fullmatch(r"\w*_\w+|clk\w*", owner)]
     assert len(ports) >= 2
+    if not board.fpga.link:
+        ports = [port for port in ports if not port.startswith("uart_")]
     for port in ports:
         assert re.search(rf"\b{port}\b", top), port
 
