@@ -246,6 +246,11 @@ def test_version_is_the_packages(capsys, monkeypatch):
     assert (status, out) == (0, f"wavehaptics {project['project']['version']}\n")
 
 
+def told_of(command) -> str:
+    """What a command's help says of it; of a group of commands what the group was given."""
+    return command.help if hasattr(command, "commands") else command.callback.__doc__
+
+
 @pytest.mark.parametrize("command", [None, *sorted(typer.main.get_command(main.app).commands)])
 def test_help_says_every_word(capsys, monkeypatch, command):
     """Also those in brackets, which markup takes for its own."""
@@ -255,9 +260,9 @@ def test_help_says_every_word(capsys, monkeypatch, command):
     texts = [one.help or "" for one in asked.params if hasattr(one, "help")]
     if command is None:
         texts.append(main.app.info.help)
-        texts += [one.callback.__doc__.partition("\n\n")[0] for one in group.commands.values()]
+        texts += [told_of(one).partition("\n\n")[0] for one in group.commands.values()]
     else:
-        texts.append(asked.callback.__doc__)
+        texts.append(told_of(asked))
     status, out, _ = call(capsys, monkeypatch, *([command] if command else []), "--help")
     assert status == 0
     words = [word for text in texts for word in text.replace("\\[", "[").split()]

@@ -158,7 +158,7 @@ def test_free_space_does_not_swing_by_itself():
     """Left alone, η = 1 ends in a swing at the voltage limit; what is chosen instead dies out."""
     rms = {}
     for eta in ("chosen", "1"):
-        row = motors.free_after_a_tap(9, () if eta == "chosen" else ("controller.eta_free=1",))
+        row = motors.free_after_a_tap(144, () if eta == "chosen" else ("controller.eta_free=1",))
         rms[eta] = row["voltage_rms"]
         assert row["anchor_fault_s"] is None
     assert rms["1"] > 5.0
