@@ -286,4 +286,4 @@ def test_a_board_has_the_w_that_its_scene_asks_for() -> None:
     assert words.words["shape_coefficient"] == shaper[:, :9].ravel().tolist()
     header = replace(board, scene=scene).headers()["wh_board_settings.vh"]
     assert f"`define WH_BOARD_SHAPER {len(shaper)}\n" in header
-    assert ".wall_shaped_i ({1'h1})," in header
+    assert ".wall_shaped_i ({1'h0, 1'h0, 1'h0, 1'h1})," in header  # and three empty ones
