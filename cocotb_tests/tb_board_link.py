@@ -6,9 +6,8 @@ from __future__ import annotations
 import os
 
 import cocotb
-from bench import CLOCK_NS, Bench
-from cocotb.triggers import Timer
-from modbus_frames import ADDRESS, TABLE, decode, read, whole, words, write_one
+from line_bench import LineBench
+from modbus_frames import ADDRESS, TABLE, read, whole, words, write_one
 from uart_line import Line
 from wavehaptics.fpga.board_words import CHANGEABLE, first_values
 from wavehaptics.fpga.boards import load_board
@@ -18,12 +17,13 @@ from wavehaptics.words.table import WORDS
 
 BOARD = load_board(os.environ["WH_BOARD"])
 HZ = BOARD.clock_hz
-RATES = (115_200, 1_000_000, 1_500_000, 3_000_000)
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 
 
-class Linked(Bench):
-    """The board's controller at rest, without an ADC; the simulated clock is HZ a second."""
+class Linked(LineBench):
+    """The board's controller at rest, without an ADC."""
+
+    HZ = HZ
 
     async def begin(self) -> None:
         self.line = Line(self.dut.uart_rx_i, self.dut.uart_tx_o, self.bit_ns(0))
@@ -33,30 +33,6 @@ class Linked(Bench):
         await self.step(3_000)
         assert not (await self.ask(write_one(11, 3))).isError()
         self.line.bit_ns = self.bit_ns(3)
-
-    async def step(self, clocks: int = 1, **inputs: int) -> None:
-        """As :meth:`Bench.step`, without a wait for each clock."""
-        self.drive(**inputs)
-        if clocks > 1:
-            await Timer((clocks - 1) * CLOCK_NS, unit="ns")
-        await super().step()
-        self.clocks += clocks - 1
-
-    @staticmethod
-    def bit_ns(rate: int) -> float:
-        return HZ / RATES[rate] * CLOCK_NS
-
-    async def ask(self, frame: bytes):
-        await self.line.send(frame)
-        bits = round(self.line.bit_ns / CLOCK_NS)
-        count, idle = 0, 0
-        while idle < (30 if count else 400):
-            await self.step(5 * bits)
-            idle = idle + 5 if len(self.line.heard) == count else 0
-            count = len(self.line.heard)
-        found = bytes(self.line.heard)
-        self.line.heard.clear()
-        return decode(found)
 
     async def value(self, address: int) -> int:
         return whole((await self.ask(read(TABLE + 2 * address, 2))).registers)[0]

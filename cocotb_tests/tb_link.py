@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 import cocotb
-from bench import CLOCK_NS, Bench, random_source
-from cocotb.triggers import Timer
-from modbus_frames import TABLE, decode, identify, raw, read, whole, words, write_one
+from bench import random_source
+from line_bench import LineBench
+from modbus_frames import TABLE, identify, raw, read, whole, words, write_one
 from simulators import parameters
 from uart_line import Line
 from wavehaptics.words import table
@@ -14,13 +14,14 @@ from wavehaptics.words.table import WORDS
 
 _P = {"N": 1, "WALLS": 4, "GUARD": 0, **parameters()}
 HZ = _P["CLOCK_HZ"]
-RATES = (115_200, 1_000_000, 1_500_000, 3_000_000)
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 ROOT = WORDS["root"].at()
 
 
-class LinkBench(Bench):
-    """The device on its line; the simulated clock is HZ a second."""
+class LinkBench(LineBench):
+    """The device on its line."""
+
+    HZ = HZ
 
     async def begin(self) -> None:
         self.line = Line(self.dut.uart_rx_i, self.dut.uart_tx_o, self.bit_ns(0))
@@ -29,35 +30,6 @@ class LinkBench(Bench):
             driver_fault_i=(1 << _P["N"]) - 1, anchor_fault_i=0,
         )  # fmt: skip
         await self.step(6_000)
-
-    async def step(self, clocks: int = 1, **inputs: int) -> None:
-        """As :meth:`Bench.step`, without a wait for each clock."""
-        self.drive(**inputs)
-        if clocks > 1:
-            await Timer((clocks - 1) * CLOCK_NS, unit="ns")
-        await super().step()
-        self.clocks += clocks - 1
-
-    @staticmethod
-    def bit_ns(rate: int) -> float:
-        return HZ / RATES[rate] * CLOCK_NS
-
-    async def answer(self) -> bytes:
-        """What comes back, until the line is still for three characters."""
-        bits = round(self.line.bit_ns / CLOCK_NS)
-        count, idle = 0, 0
-        while idle < (30 if count else 400):
-            await self.step(5 * bits)
-            idle = idle + 5 if len(self.line.heard) == count else 0
-            count = len(self.line.heard)
-        found = bytes(self.line.heard)
-        self.line.heard.clear()
-        assert self.line.broken == 0
-        return found
-
-    async def ask(self, frame: bytes):
-        await self.line.send(frame)
-        return decode(await self.answer())
 
     async def values(self, address: int, count: int = 1) -> list[int]:
         return whole((await self.ask(read(TABLE + 2 * address, 2 * count))).registers)
