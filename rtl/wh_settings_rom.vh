@@ -18,7 +18,7 @@
 `WH_SETTINGS_WORD('h00a, 1, 8'h65, 32'd2)  // lead_bits
 `WH_SETTINGS_WORD('h00b, 1, 8'h66, 32'd12)  // data_bits
 `WH_SETTINGS_WORD('h00c, 1, 8'h67, 32'd0)  // quiet_clocks
-`WH_SETTINGS_WORD('h00d, 1, 8'h67, 32'd0)  // setup_clocks
+`WH_SETTINGS_WORD('h00d, 1, 8'h63, 32'd1)  // setup_clocks
 `WH_SETTINGS_WORD('h00e, 1, 8'h67, 32'd0)  // hold_clocks
 `WH_SETTINGS_WORD('h00f, 1, 8'h65, 32'd0)  // calibrate_bits
 `WH_SETTINGS_WORD('h010, 1, 8'h62, 32'd0)  // sclk_idle
