@@ -5,10 +5,14 @@
 #include <cstdint>
 
 #include "Vwh_core_port.h"
+#include "Vwh_core_port___024root.h"
 #include "coverage.h"
+#include "edges.h"
 #include "give.h"
 #include "verilated.h"
 #include "words.h"
+
+WH_EDGES(Vwh_core_port)
 
 namespace {
 
@@ -28,10 +32,8 @@ int64_t signed_word(uint64_t raw) {
 }
 
 void clock(Core *core) {
-    core->top.clk = 1;
-    core->top.eval();
-    core->top.clk = 0;
-    core->top.eval();
+    rise(core->top);
+    fall(core->top);
 }
 
 constexpr uint64_t mask(int width) { return (uint64_t{1} << width) - 1; }

@@ -10,7 +10,10 @@
 #include "Vwh_device.h"
 #include "Vwh_device___024root.h"
 #include "coverage.h"
+#include "edges.h"
 #include "verilated.h"
+
+WH_EDGES(Vwh_device)
 
 namespace {
 
@@ -74,14 +77,12 @@ void clock(Device *device) {
             device->requests.pop_front();
         }
     }
-    top.clk = 1;
-    top.eval();
+    rise(top);
     ++device->clocks;
 }
 
 void end_clock(Device *device) {
-    device->top.clk = 0;
-    device->top.eval();
+    fall(device->top);
 }
 
 // Clocks until `done`; the ADC's line changes with each period of SCLK, which is 0 A to a filter.
@@ -113,6 +114,7 @@ void *wh_device_new(const uint32_t *pairs, int64_t count, int64_t restart, int64
     top.stop_i = 1;
     top.driver_fault_i = 1;
     top.rst = 1;
+    top.eval();
     for (int n = 0; n < 4; ++n) clock(device), end_clock(device);
     top.rst = 0;
     bool good = pass(device, [device] { return !SIGNAL(busy); });

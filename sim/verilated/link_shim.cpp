@@ -10,7 +10,10 @@
 #include "Vwh_linked_device.h"
 #include "Vwh_linked_device___024root.h"
 #include "coverage.h"
+#include "edges.h"
 #include "verilated.h"
+
+WH_EDGES(Vwh_linked_device)
 
 namespace {
 
@@ -63,10 +66,8 @@ void hear(Link *link) {
 void clock(Link *link, bool level) {
     auto &top = link->top;
     top.uart_rx_i = level;
-    top.clk = 1;
-    top.eval();
-    top.clk = 0;
-    top.eval();
+    rise(top);
+    fall(top);
     ++link->clocks;
     if (SIGNAL(link__DOT__rx_valid)) {
         link->received.push_back(link->clocks);
@@ -97,6 +98,7 @@ void *wh_link_new() {
     top.stop_i = 1;
     top.driver_fault_i = 1;
     top.rst = 1;
+    top.eval();
     for (int n = 0; n < 4; ++n) clock(link, true);
     top.rst = 0;
     return link;

@@ -9,8 +9,11 @@
 #include "Vwh_linked_device.h"
 #include "Vwh_linked_device___024root.h"
 #include "coverage.h"
+#include "edges.h"
 #include "uart_host.h"
 #include "verilated.h"
+
+WH_EDGES(Vwh_linked_device)
 
 namespace {
 
@@ -49,15 +52,13 @@ void set_inputs(Vwh_linked_device &top, int64_t inputs) {
 void clock(Linked *linked) {
     auto &top = linked->top;
     top.uart_rx_i = linked->host.level();
-    top.clk = 1;
-    top.eval();
+    rise(top);
     linked->host.clock(top.uart_tx_o, BIT_CLOCKS);
     ++linked->clocks;
 }
 
 void end_clock(Linked *linked) {
-    linked->top.clk = 0;
-    linked->top.eval();
+    fall(linked->top);
 }
 
 // As in device_shim.cpp.
@@ -96,6 +97,7 @@ void *wh_linked_new(int64_t inputs, int64_t tick_clocks) {
     top.driver_fault_i = 1;
     top.uart_rx_i = 1;
     top.rst = 1;
+    top.eval();
     for (int n = 0; n < 4; ++n) clock(linked), end_clock(linked);
     top.rst = 0;
     pass(linked, [linked] { return !SIGNAL(busy); });

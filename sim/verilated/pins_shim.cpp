@@ -5,10 +5,14 @@
 #include <cstdint>
 
 #include "Vwh_controller.h"
+#include "Vwh_controller___024root.h"
 #include "coverage.h"
+#include "edges.h"
 #include "give.h"
 #include "verilated.h"
 #include "words.h"
+
+WH_EDGES(Vwh_controller)
 
 namespace {
 
@@ -30,10 +34,8 @@ constexpr uint64_t mask(int width) { return (uint64_t{1} << width) - 1; }
 constexpr int kMostSetupClocks = 1 << 20;
 
 void clock(Vwh_controller &top) {
-    top.clk = 1;
-    top.eval();
-    top.clk = 0;
-    top.eval();
+    rise(top);
+    fall(top);
 }
 
 // Bit 0 ADC data, bit 1 encoder A, bit 2 encoder B.
@@ -56,6 +58,7 @@ void *wh_pins_new(const uint32_t *words, int64_t inputs) {
     set_inputs(top, inputs);
     top.rst = 1;
     top.enable_i = 0;
+    top.eval();
     for (int n = 0; n < 4; ++n) clock(top);
     top.rst = 0;
     top.enable_i = 1;
@@ -112,16 +115,14 @@ int64_t wh_pins_clock(int64_t model, int64_t inputs) {
     auto *controller = reinterpret_cast<Controller *>(model);
     auto &top = controller->top;
     set_inputs(top, inputs);
-    top.clk = 1;
-    top.eval();
+    rise(top);
     controller->packets += top.host_strobe_o;
     top.host_strobe_i = 0;
     const int64_t out = top.gate_ah_o | top.gate_al_o << 1 | top.gate_bh_o << 2 |
                         top.gate_bl_o << 3 | top.adc_cs_n_o << 4 | top.adc_sclk_o << 5 |
                         top.tick_o << 6 | top.core_valid_o << 7 | top.contact_o << 8 |
                         top.overrun_o << 9 | top.encoder_fault_o << 10;
-    top.clk = 0;
-    top.eval();
+    fall(top);
     return out;
 }
 

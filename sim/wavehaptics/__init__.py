@@ -21,3 +21,7 @@ def _cache_in_the_tree() -> None:
 
 
 _cache_in_the_tree()
+
+# The matrices here are small: BLAS's threads would only wait for each other, and use up a processor
+# that another process could have.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

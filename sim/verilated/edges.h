@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Edges of `clk` for a Verilated top level that has no other clock, and nothing that waits for its fall.
+// eval() does more around an edge than these small models do at one: messages, deleters, locks, and at
+// the fall all that hangs on inputs once more.
+//
+//   WH_EDGES(Vwh_controller)  declares, for tops that eval() has seen once:
+//   rise(top)   as `top.clk = 1; top.eval();`
+//   fall(top)   as `top.clk = 0; top.eval();`, but for what an input changed since shows: that comes
+//               with the next rise
+
+#pragma once
+
+#include "verilated.h"
+
+// What Verilator keeps of the clock's level; where its name is another one, the fall is evaluated.
+template <class Root>
+bool forget_level(Root &root) {
+    if constexpr (requires { root.__Vtrigprevexpr___TOP__clk__0; }) {
+        root.__Vtrigprevexpr___TOP__clk__0 = 0;
+        return true;
+    } else {
+        return false;
+    }
+}
+
+#define WH_EDGES(Top)                                       \
+    void Top##___024root___eval(Top##___024root *);         \
+    inline void rise(Top &top) {                            \
+        top.clk = 1;                                        \
+        Top##___024root___eval(top.rootp);                  \
+    }                                                       \
+    inline void fall(Top &top) {                            \
+        top.clk = 0;                                        \
+        if (!forget_level(*top.rootp)) Top##___024root___eval(top.rootp); \
+    }
