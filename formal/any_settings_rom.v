@@ -31,15 +31,19 @@ module wh_settings_rom #(
     wire [3:0] elsewhere = (address_i[8:1] == 8'h38)                ? 4'b1000
                          : (address_i[7] && other[3:2] == 2'd1)     ? 4'b0000 : other;
 
-    reg [3:0] info_q;
-    reg       here_q;  // info_q is of the address
+    reg [3:0]  info_q;
+    reg        here_q;  // info_q is of the address
+    reg [3:0]  told_q;
+    reg [31:0] bound_q;
 
-    assign {kind_o, off_o, signed_o} = info_q;
+    assign {kind_o, off_o, signed_o} = told_q;
 
     always @(posedge clk) begin
         here_q  <= (address_i == address);
         info_q  <= (address_i == address) ? info : elsewhere;
-        bound_o <= !here_q ? other_bound : greatest_i ? greatest : least;
+        told_q  <= info_q;
+        bound_q <= !here_q ? other_bound : greatest_i ? greatest : least;
+        bound_o <= bound_q;
     end
 
 endmodule

@@ -28,15 +28,17 @@ module prove_wh_settings (
     input wire        changing
 );
 
-    localparam integer CLOCKS = 7;
+    localparam integer CLOCKS = 9;
 
-    localparam [2:0] IDLE  = 3'd0;
-    localparam [2:0] LEAST = 3'd1;
-    localparam [2:0] MOST  = 3'd2;
-    localparam [2:0] JUDGE = 3'd3;
-    localparam [2:0] DONE  = 3'd4;
-    localparam [2:0] READ  = 3'd5;
-    localparam [2:0] WRITE = 3'd6;
+    localparam [3:0] IDLE  = 4'd0;
+    localparam [3:0] LEAST = 4'd1;
+    localparam [3:0] MOST  = 4'd2;
+    localparam [3:0] LOW   = 4'd3;
+    localparam [3:0] JUDGE = 4'd4;
+    localparam [3:0] DONE  = 4'd5;
+    localparam [3:0] READ  = 4'd6;
+    localparam [3:0] TAKE  = 4'd7;
+    localparam [3:0] WRITE = 4'd8;
 
     wire        bus_ready;
     wire [31:0] bus_read;
@@ -80,7 +82,7 @@ module prove_wh_settings (
         .changing_i    (changing)
     );
 
-    (* hierconn *) wire [2:0]  \block.state_q ;
+    (* hierconn *) wire [3:0]  \block.state_q ;
     (* hierconn *) wire        \block.fresh_q ;
     (* hierconn *) wire        \block.pass_q ;
     (* hierconn *) wire [7:0]  \block.place_q ;
@@ -100,15 +102,18 @@ module prove_wh_settings (
     (* hierconn *) wire [31:0] \block.ram.low_q ;
     (* hierconn *) wire [31:0] \block.ram.high_q ;
     (* hierconn *) wire [31:0] \block.ram.read_data_o ;
+    (* hierconn *) wire [31:0] \block.read_q ;
     (* hierconn *) wire [8:0]  \block.rom.address ;
     (* hierconn *) wire [3:0]  \block.rom.info ;
     (* hierconn *) wire [3:0]  \block.rom.info_q ;
     (* hierconn *) wire        \block.rom.here_q ;
     (* hierconn *) wire [31:0] \block.rom.least ;
     (* hierconn *) wire [31:0] \block.rom.greatest ;
+    (* hierconn *) wire [3:0]  \block.rom.told_q ;
+    (* hierconn *) wire [31:0] \block.rom.bound_q ;
     (* hierconn *) wire [31:0] \block.rom.bound_o ;
 
-    wire [2:0]  state    = \block.state_q ;
+    wire [3:0]  state    = \block.state_q ;
     wire        in_force = \block.force_q ;
     wire [31:0] least    = \block.rom.least ;
     wire [31:0] greatest = \block.rom.greatest ;
@@ -139,6 +144,7 @@ module prove_wh_settings (
     reg  [11:0] bus_address_q;
     reg  [31:0] bus_data_q;
     reg  [31:0] current_q;
+    reg  [31:0] current_q2;
     reg  [31:0] resting_q;
     reg         in_force_q;
     reg         running_q;
@@ -158,7 +164,8 @@ module prove_wh_settings (
     wire       copied   = !pass || at > place;
     wire       commits  = \block.commits_q ;
     wire       discards = \block.discards_q ;
-    wire       looks    = (state == LEAST || state == MOST || state == JUDGE || state == DONE);
+    wire       looks    = (state == LEAST || state == MOST || state == LOW || state == JUDGE
+                             || state == DONE);
     wire       known    = ({bus_address[11:8] != 4'd0, bus_address[7:0]} == watched);
 
     always @(posedge clk) begin
@@ -170,6 +177,7 @@ module prove_wh_settings (
         bus_address_q <= bus_address;
         bus_data_q    <= bus_data;
         current_q     <= current;
+        current_q2    <= current_q;
         resting_q     <= resting;
         in_force_q    <= in_force;
         running_q     <= running;
@@ -211,7 +219,7 @@ module prove_wh_settings (
             // What is in force is what is read, and changes with a change-over only.
             if (!rst_q && ready && in_force == in_force_q) assert (current == current_q);
             if (!rst_q && ready && in_force != in_force_q) assert (current == resting_q);
-            if (bus_ready && here && !bus_write && bus_error == 2'd0) assert (bus_read == current_q);
+            if (bus_ready && here && !bus_write && bus_error == 2'd0) assert (bus_read == current_q2);
 
             // What is written is what is accepted or copied; a copy makes both banks the same.
             if (!rst_q && in_force == in_force_q && !accepts_q && !copies_q) begin
@@ -237,15 +245,27 @@ module prove_wh_settings (
             if (looks && known) assert (\block.rom.info_q == \block.rom.info );
             if (looks && bus_address[7]) assert (\block.rom.info_q [3:2] != 2'd1);
             if (looks && bus_address[11:1] == 11'h038) assert (\block.rom.info_q == 4'b1000);
-            if (state == MOST && known) assert (\block.rom.bound_o == least);
+            if (looks && state != LEAST) begin
+                if (known) assert (\block.rom.told_q == \block.rom.info );
+                if (bus_address[7]) assert (\block.rom.told_q [3:2] != 2'd1);
+                if (bus_address[11:1] == 11'h038) assert (\block.rom.told_q == 4'b1000);
+            end
+            if (state == MOST && known) assert (\block.rom.bound_q == least);
+            if (state == LOW && known) begin
+                assert (\block.rom.bound_q == greatest && \block.rom.bound_o == least);
+            end
             if (state == JUDGE && known) begin
                 assert (\block.rom.bound_o == greatest);
                 assert (\block.enough_q
                         == ({bus_data[31] ^ has_sign, bus_data[30:0]} >= least));
             end
-            if (state == READ || state == WRITE) assert (pass);
-            if (state == WRITE && at == place) begin
+            if (looks && here) assert (\block.ram.read_data_o == current_q);
+            if (state == READ || state == TAKE || state == WRITE) assert (pass);
+            if (state == TAKE && at == place) begin
                 assert (\block.ram.read_data_o == (fresh ? \block.ram.first : current));
+            end
+            if (state == WRITE && at == place) begin
+                assert (\block.read_q == (fresh ? \block.ram.first : current));
             end
             assert (pass || at == 8'd0);
             assert (!(pass && (waits || settles)) && !(waits && settles));
@@ -262,12 +282,14 @@ module prove_wh_settings (
             if (\block.written_q ) assert (bus_address[11:9] == 3'd0 && !bus_address[7]);
             case (state)
                 READ:    assert (waits_q == 4'd0);
-                WRITE:   assert (waits_q <= 4'd1);
-                IDLE:    assert (waits_q <= 4'd2);
-                LEAST:   assert (waits_q <= 4'd3);
-                MOST:    assert (waits_q <= 4'd4);
-                JUDGE:   assert (waits_q <= 4'd5);
-                default: assert (waits_q <= 4'd6);
+                TAKE:    assert (waits_q <= 4'd1);
+                WRITE:   assert (waits_q <= 4'd2);
+                IDLE:    assert (waits_q <= 4'd3);
+                LEAST:   assert (waits_q <= 4'd4);
+                MOST:    assert (waits_q <= 4'd5);
+                LOW:     assert (waits_q <= 4'd6);
+                JUDGE:   assert (waits_q <= 4'd7);
+                default: assert (waits_q <= 4'd8);
             endcase
         end
 

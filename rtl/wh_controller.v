@@ -14,8 +14,8 @@
 // The settings may change only in reset; or, the table of words says which, while enable_i = 0, with
 // restart_i = 1 in the meantime, or with the end of a clock in which their bit of words_hold_o is low:
 // 0 the core, or with EARLY = 1 wh_early, reads them; 1 an anchor; 2 a sum is under way; 3 a round of
-// the walls. While the bridges are off only the last one ever is 1. The core needs a tick of a clock more than its
-// steps take, or bit 0 is never low.
+// the walls. From the clock after that in which the bridges went off only the last one ever is 1. The core needs
+// a tick of a clock more than its steps take, or bit 0 is never low.
 //
 // Latency: the gates show the carrier's phase after 2 clocks, dead time aside, and CS_n falls 1
 // clock after the sample's phase: sample_lead_i = -1 samples in the pulse's middle, and half the
@@ -218,11 +218,19 @@ module wh_controller #(
         end
     endgenerate
 
-    wire off;
+    wire faulty;  // the guard wants the bridges off: late in its clock
+    reg  off_q;
     wire damp;
+    wire off       = faulty || off_q;
     wire run       = enable_i && !off;
+    // What holds words knows of a fault a clock later; the bridges come on again a clock later too.
+    wire reading   = enable_i && !off_q;
     wire drive_rst = rst || !run;
     wire sense_rst = rst || (restart_i && !run);
+
+    always @(posedge clk) begin
+        off_q <= faulty && !rst;
+    end
 
     assign running_o = run;
 
@@ -488,8 +496,8 @@ module wh_controller #(
         sum_q <= run && (adc_valid || (sum_q && !summed));
     end
 
-    assign words_hold_o = {|in_round, run && (adc_valid || sum_q || summed),
-                           run && (|anchor_reads), core_reads};
+    assign words_hold_o = {|in_round, reading && (adc_valid || sum_q || summed),
+                           reading && (|anchor_reads), core_reads};
 
     // ---- The bridge's pattern.
 
@@ -512,7 +520,7 @@ module wh_controller #(
         if (BUS == 1) begin : measured_bus
             wire bus_gives;
 
-            assign core_reads = !drive_rst && (core_start || !bus_gives);
+            assign core_reads = reading && (core_start || !bus_gives);
 
             // One u_max for a step, not read in its first clock. wh_early's words of a step are made
             // before it starts, from the end of the step before on.
@@ -537,7 +545,7 @@ module wh_controller #(
         end else begin : known_bus
             wire unused_bus = &{1'b0, bus_i, bus_share_i};
 
-            assign core_reads = !drive_rst
+            assign core_reads = reading
                                 && (core_start || ((EARLY == 1) ? !core_valid_o : core_busy));
 
             assign clocks_per_volt = clocks_per_volt_i;
@@ -621,7 +629,7 @@ module wh_controller #(
                 .u_i            (u_o),
                 .v_i            (v_o),
                 .faults_o       (faults_o),
-                .off_o          (off),
+                .off_o          (faulty),
                 .damp_o         (damp)
             );
         end else begin : unguarded
@@ -629,7 +637,7 @@ module wh_controller #(
                                   anchor_fault_i, setting_q, moved, illegal_move};
 
             assign faults_o = {`WH_FAULTS{1'b0}};
-            assign off      = 1'b0;
+            assign faulty   = 1'b0;
             assign damp     = 1'b0;
         end
     endgenerate

@@ -22,12 +22,12 @@
 // that the bridges have to stay off, and that what reads such words has to begin anew. With such words
 // written and the bridges on, `commit` is refused with error 3.
 //
-// Commands of other blocks are handed on by command_o. Live words come from live_i, 3 clocks after
+// Commands of other blocks are handed on by command_o. Live words come from live_i, 4 clocks after
 // their address stood on the bus, or later.
 //
-// Latency: 4 clocks from bus_valid_i to bus_ready_o, 1 or 2 more while words are copied. A copy takes
-// 2 clocks a word of the memory, (N + 1) 2^SLOT_W of them or the next power of two, and 4 more for each
-// request meanwhile. A change-over takes no clock with no group held.
+// Latency: 5 clocks from bus_valid_i to bus_ready_o, 1 to 3 more while words are copied: what comes from
+// block RAM, late in its clock, is compared and handed on in the next one. A copy takes 3 clocks a word of
+// the memory, (N + 1) 2^SLOT_W of them or the next power of two, and 5 more for each request meanwhile. A change-over takes no clock with no group held.
 // Reset: the defaults are given, as with a change-over; until then no request ends. ready_o says that
 // they are: before, the groups' words mean nothing.
 
@@ -95,15 +95,17 @@ module wh_settings #(
     localparam [11:0] BUSY    = 12'h072;
     localparam [11:0] STAGED  = 12'h073;
 
-    localparam [2:0] IDLE  = 3'd0;
-    localparam [2:0] LEAST = 3'd1;  // the least word of the range is asked for
-    localparam [2:0] MOST  = 3'd2;  // the greatest one; the least one is compared
-    localparam [2:0] JUDGE = 3'd3;  // the greatest one is compared
-    localparam [2:0] DONE  = 3'd4;
-    localparam [2:0] READ  = 3'd5;  // of a word that is copied
-    localparam [2:0] WRITE = 3'd6;
+    localparam [3:0] IDLE  = 4'd0;
+    localparam [3:0] LEAST = 4'd1;  // the least word of the range is asked for
+    localparam [3:0] MOST  = 4'd2;  // the greatest one
+    localparam [3:0] LOW   = 4'd3;  // the least one is compared
+    localparam [3:0] JUDGE = 4'd4;  // the greatest one
+    localparam [3:0] DONE  = 4'd5;
+    localparam [3:0] READ  = 4'd6;  // of a word that is copied
+    localparam [3:0] TAKE  = 4'd7;
+    localparam [3:0] WRITE = 4'd8;
 
-    reg  [2:0]         state_q;
+    reg  [3:0]         state_q;
     reg                fresh_q;    // since reset: the defaults are still to be given
     reg                pass_q;     // words are copied
     reg  [PLACE_W-1:0] place_q;    // the next one
@@ -191,6 +193,7 @@ module wh_settings #(
     wire [PLACE_W-1:0] bus_place  = {bus_address_i[8 +: PART_W], bus_address_i[SLOT_W-1:0]};
     wire               copies     = (state_q == WRITE);
     wire [31:0]        read_data;
+    reg  [31:0]        read_q;
 
     wh_settings_ram #(
         .WALLS           (WALLS),
@@ -214,14 +217,14 @@ module wh_settings #(
     assign write_o   = written_q;
     assign copy_o    = copies;
     assign address_o = copies ? {copy_part, copy_slot} : bus_address_i;
-    assign data_o    = copies ? read_data : bus_data_i;
+    assign data_o    = copies ? read_q : bus_data_i;
 
     wire [31:0] own = {31'd0, (bus_address_i == BUSY) ? busy_o : staged_q};
 
     assign bus_ready_o  = (state_q == DONE);
     assign bus_error_o  = error_q;
     assign bus_signed_o = has_sign;
-    assign bus_data_o  = !live ? read_data
+    assign bus_data_o  = !live ? read_q
                        : (bus_address_i == BUSY || bus_address_i == STAGED) ? own : live_i;
 
     // ---- The change-over.
@@ -237,7 +240,8 @@ module wh_settings #(
     assign change_o = change_q;
 
     always @(posedge clk) begin
-        if (state_q == MOST) begin
+        read_q <= read_data;
+        if (state_q == LOW) begin
             enough_q <= !reaches;
         end
         if (state_q == JUDGE) begin
@@ -259,10 +263,12 @@ module wh_settings #(
             case (state_q)
                 IDLE:    state_q <= (bus_valid_i && !fresh_q) ? LEAST : pass_q ? READ : IDLE;
                 LEAST:   state_q <= MOST;
-                MOST:    state_q <= JUDGE;
+                MOST:    state_q <= LOW;
+                LOW:     state_q <= JUDGE;
                 JUDGE:   state_q <= DONE;
                 DONE:    state_q <= pass_q ? READ : IDLE;
-                READ:    state_q <= WRITE;
+                READ:    state_q <= TAKE;
+                TAKE:    state_q <= WRITE;
                 default: state_q <= IDLE;
             endcase
 

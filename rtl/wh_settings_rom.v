@@ -62,15 +62,24 @@ module wh_settings_rom #(
 `undef WH_SETTINGS_WORD
 `undef WH_SETTINGS_BOUNDS
 
-    reg [7:0] info_q;
+    // What a block RAM puts out comes late in its clock.
+    reg [7:0]  info_q;
+    reg [31:0] bound_q;
+    reg [1:0]  kind_q;
+    reg        off_q;
+    reg        signed_q;
 
-    assign kind_o   = info_q[7:6];
-    assign off_o    = info_q[5];
-    assign signed_o = (info_q[4:0] >= SIGNED);
+    assign kind_o   = kind_q;
+    assign off_o    = off_q;
+    assign signed_o = signed_q;
 
     always @(posedge clk) begin
-        info_q  <= info[address_i];
-        bound_o <= bounds[{info_q[4:0], greatest_i}];
+        info_q   <= info[address_i];
+        kind_q   <= info_q[7:6];
+        off_q    <= info_q[5];
+        signed_q <= (info_q[4:0] >= SIGNED);
+        bound_q  <= bounds[{info_q[4:0], greatest_i}];
+        bound_o  <= bound_q;
     end
 
 endmodule
