@@ -25,7 +25,7 @@
 // Latency: a row stands in the memory 12 clocks after its last step. A tick has to be 14 clocks or longer;
 // what ends sooner is left out. A write acts when no tick is worked off and hold_i is low. read_data_o is the word
 // offset + read_i of the memory, 3 clocks after read_i.
-// Reset: at rest; what is in the memory stays.
+// Reset: at rest, the offset 0; what is in the memory stays.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -250,6 +250,14 @@ module wh_capture #(
 
     (* ram_style = "block" *) reg [31:0] memory [0:(1<<DEPTH_LOG2)-1];
 
+    integer i;
+
+    initial begin
+        for (i = 0; i < (1 << DEPTH_LOG2); i = i + 1) begin
+            memory[i] = 32'd0;
+        end
+    end
+
     reg  [3:0]            channels_q;
     reg  [DEPTH_LOG2-1:0] place_q;    // the next word's
     wire                  stores = active && last_q && (turn_q >= 4'd4) && (turn_q < TURN_LAST)
@@ -264,8 +272,8 @@ module wh_capture #(
         if (stores) begin
             memory[place_q] <= value_q;
         end
-        if (write_offset_i) begin
-            read_offset_q <= data_i;
+        if (rst || write_offset_i) begin
+            read_offset_q <= rst ? 16'd0 : data_i;
         end
         read_place_q <= read_offset_q + {10'd0, read_i};
         read_q       <= memory[read_place_q[DEPTH_LOG2-1:0]];
