@@ -32,8 +32,8 @@ BOARD_WORDS = ("faults", "bus")
 WORDS = (*MOTOR_WORDS, *BOARD_WORDS)
 """Words that can be captured."""
 
-LASTS = ("position",)
-"""Of these, those of which a row keeps the last one of its ticks."""
+PICTURED = ("position", "current", "voltage", "u", "v", "flags")
+"""Of these, what the picture of a run is drawn from."""
 
 MOST_CHANNELS = 8
 MOST_DECIMATION = 1 << 15
@@ -63,11 +63,16 @@ _KINDS = (
 
 
 class Trigger(NamedTuple):
-    """A trigger: its kind, the channel that it looks at ("" for none) and the level, SI."""
+    """A trigger: its kind, the channel that it looks at ("" for none), the level, SI, its text."""
 
     kind: int
     channel: str = ""
     level: float = 0.0
+    text: str = "now"
+
+
+NOW = Trigger(0)
+"""At once."""
 
 
 def trigger_of(text: str) -> Trigger:
@@ -81,7 +86,7 @@ def trigger_of(text: str) -> Trigger:
         if found:
             channel, level, *_ = (*found.groups(), "", "0")
             try:
-                return Trigger(kind, channel, float(level))
+                return Trigger(kind, channel, float(level), text.strip())
             except ValueError:
                 break
     raise HostError(
@@ -163,7 +168,7 @@ def plan(
     rows: int | None = None,
     seconds: float | None = None,
     decimation: int | None = None,
-    trigger: str | Trigger = "now",
+    trigger: str | Trigger = NOW,
     before: int = 0,
     before_s: float | None = None,
     motor: int = 0,
