@@ -173,6 +173,7 @@ class CaptureBench(Bench):
         self.hold = 0
         self.taken = 0
         self.seen: set[int] = set()
+        self.stepped = self.missed = False
         self.quiet = 0.9  # how often words and bits stay as they are
         self.spread = 1 << 20
         self.words = dict.fromkeys(CODES.values(), 0)
@@ -223,8 +224,12 @@ class CaptureBench(Bench):
         self.drive(**self._settings(self.given))
         return self.given
 
-    async def clock(self, strobe: bool = False, **inputs: int) -> None:
-        """A clock with a strobe, or without, and what the model makes of it."""
+    async def clock(self, **inputs: int) -> None:
+        """A clock, and what the model makes of it."""
+        tick, valid = bool(inputs.get("tick_i")), bool(inputs.get("valid_i"))
+        strobe = valid or self.missed
+        self.missed = tick and not valid and not self.stepped
+        self.stepped = not tick and (valid or self.stepped)
         taken = strobe and self.model.active and not self.busy
         obeys = self.order is not None and not strobe and not self.busy and not self.hold
         if strobe:
@@ -257,11 +262,10 @@ class CaptureBench(Bench):
         """A tick of so many clocks with its step in one of them; an order in any of them."""
         at = self.rng.randrange(clocks) if order is not None else None
         for n in range(clocks):
-            last = n == clocks - 1
-            inputs = {"tick_i": int(last), "valid_i": int(n == step)}
+            inputs = {"tick_i": int(n == clocks - 1), "valid_i": int(n == step)}
             if n == at:
                 inputs |= {"write_i": 1, "data_i": order}
-            await self.clock(n == step or (last and step is None), **inputs)
+            await self.clock(**inputs)
 
     async def ticks(self, count: int, clocks: int, orders: float = 0.0) -> None:
         """Ticks with steps at one phase for a while, and without for another while."""
@@ -413,7 +417,7 @@ async def longest_rows(dut: object) -> None:
     await bench.step(2)
     await bench.write(START)
     await bench.write(TRIGGER)
-    ends = (PASS_CLOCKS + 1) << 15
+    ends = ((PASS_CLOCKS + 1) << 15) + 1
     bench.drive(current_i=pack([low] * N, DATA_W), voltage_i=pack([high] * N, DATA_W), tick_i=1)
     await Timer((ends - 1) * CLOCK_NS, unit="ns")
     await bench.step()

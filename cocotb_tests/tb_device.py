@@ -263,7 +263,7 @@ async def a_capture_over_the_bus(dut: object) -> None:
     codes = [WORDS[name].at(motor) for name in names] + [WORDS["faults"].at()]
     told = [WORDS[name] for name in (*names, "faults")]
     steps: list[list[int]] = []
-    stepped = False
+    stepped = missed = False
     strobes = [getattr(dut.controller, name) for name in ("core_valid_o", "tick_o")]
 
     def part(word: Word) -> int:
@@ -272,13 +272,14 @@ async def a_capture_over_the_bus(dut: object) -> None:
         return raw - (word.fixed.signed and raw >> word.width(SIZES) - 1) * (1 << word.width(SIZES))
 
     async def listen() -> None:
-        nonlocal stepped
+        nonlocal stepped, missed
         turn = 0
         while True:
             await bench._falling
             valid, tick = int(strobes[0].value), int(strobes[1].value)
-            if valid or (tick and not stepped):
+            if valid or missed:
                 steps.append([part(word) & MASK for word in told])
+            missed = bool(tick and not valid and not stepped)
             stepped = not tick and (stepped or bool(valid))
             turn += 1
             bench.drive(adc_sdata_i=rng.getrandbits(SIZES.motors), enc_a_i=turn >> 6 & 1,

@@ -6,7 +6,8 @@
 // A row has up to eight words, `channels_i` of the addresses of rtl/words.toml in `channel_i`; an address
 // that is none of those below gives 0. It is made of 2^decimation_i ticks: of numbers with a sign and of the
 // bus it keeps the mean, rounded down, of the position what it was last, of bits those that were there in any tick.
-// A tick's words are those of its step, as it ends; without one, as with the bridges off, those of its end.
+// A tick's words are those of its step, as it ends; without one, as with the bridges off, those of the clock
+// behind its last one.
 //
 //   write 1   start: forget what was written, take the settings over, and fill: pre_i rows
 //   write 2   trigger, as soon as those rows are there
@@ -120,13 +121,15 @@ module wh_capture #(
     reg  [2:0]  state_q;
     wire        active = (state_q == FILLS) || (state_q == WAITS) || (state_q == TRIGGERED);
 
-    // ---- One strobe a tick: its step's, or without one its end.
+    // ---- One strobe a tick: its step's, or without one its end, which comes late in its clock.
 
     reg  stepped_q;  // this tick had a step
-    wire strobe = valid_i || (tick_i && !stepped_q);
+    reg  missed_q;   // the one before had none
+    wire strobe = valid_i || missed_q;
 
     always @(posedge clk) begin
         stepped_q <= !rst && !tick_i && (stepped_q || valid_i);
+        missed_q  <= !rst && tick_i && !stepped_q && !valid_i;
     end
 
     // ---- What the words are then. The channels' turns come one after another.
