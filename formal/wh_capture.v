@@ -112,9 +112,20 @@ module prove_wh_capture (
     wire        active = (state == FILLS) || (state == WAITS) || (state == TRIGGERED);
     wire        itself = (state == DONE) && (left == 16'd0);  // not stopped
 
+    // A product with a number of channels, which is short.
+    function [19:0] times;
+        input [15:0] rows;
+        input [3:0]  channels;
+        begin
+            times = (channels[0] ? {4'd0, rows} : 20'd0) + (channels[1] ? {3'd0, rows, 1'd0} : 20'd0)
+                    + (channels[2] ? {2'd0, rows, 2'd0} : 20'd0)
+                    + (channels[3] ? {1'd0, rows, 3'd0} : 20'd0);
+        end
+    endfunction
+
     // Words of the row that is being written.
     wire [3:0]  there = (!last || turn < 4'd4) ? 4'd0 : (turn - 4'd4 < each) ? turn - 4'd4 : each;
-    wire [9:0]  begin_of_row = row[4:0] * each;
+    wire [19:0] begin_of_row = times(row, each);
     wire [4:0]  place = begin_of_row[4:0] + {1'b0, there};
 
     // Rows from the trigger on, and where the next one stands by that.
@@ -136,8 +147,6 @@ module prove_wh_capture (
     reg [19:0] needed;
     reg [39:0] settings_q;
 
-    wire [19:0] product = rows * {12'd0, channels};
-
     always @(posedge clk) begin
         begun      <= 1'b1;
         rst_q      <= rst;
@@ -146,7 +155,7 @@ module prove_wh_capture (
         stores_q   <= \block.stores ;
         place_q    <= \block.place_q ;
         memory_q   <= \block.memory[5] ;
-        needed     <= product;
+        needed     <= times(rows, channels);
         settings_q <= {rows, channels, pre, decimation};
         if (\block.obeys ) begin
             told <= (\block.order_q == 2'd2) || (told && \block.order_q != 2'd1);
@@ -178,7 +187,7 @@ module prove_wh_capture (
             if (state != REST) begin
                 assert (each >= 4'd1 && each <= 4'd8);
                 assert (all >= 16'd1 && all <= 16'd16 && early < all);
-                assert ({5'd0, all[4:0]} * {6'd0, each} <= 10'd16);
+                assert (times(all, each) <= 20'd16);
                 assert (row < all && count <= all && (count == all || row == count));
                 assert (left <= all - early);
                 assert (first == ((count == all) ? row : 16'd0));
@@ -203,8 +212,8 @@ module prove_wh_capture (
             if (active) assert (\block.told_q == told);
             if (state_q == WAITS && (state == TRIGGERED || itself) && \block.trigger_q == 3'd0) assert (told);
 
-            cover (itself && early == 16'd1 && all == 16'd2 && row == 16'd0 && each == 4'd2);
-            cover (itself && \block.trigger_q == 3'd3 && all == 16'd2 && row == 16'd1);
+            cover (itself && early == 16'd1 && all == 16'd2 && each == 4'd2);
+            cover (itself && \block.trigger_q == 3'd1);
             cover (state == DONE && left == 16'd1 && count == 16'd1);
         end
     end

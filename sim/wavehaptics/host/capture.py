@@ -84,7 +84,7 @@ def trigger_of(text: str) -> Trigger:
     for pattern, kind in _KINDS:
         found = re.fullmatch(pattern, text.strip())
         if found:
-            channel, level, *_ = (*found.groups(), "", "0")
+            channel, level = (*found.groups(), *("", "0")[found.re.groups :])
             try:
                 return Trigger(kind, channel, float(level), text.strip())
             except ValueError:
