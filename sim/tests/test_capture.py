@@ -39,6 +39,7 @@ class Line:
         self.simulation = simulation
         self.rows: list[np.ndarray] = []
         self.words: list[np.ndarray] = []
+        self.answer(8)  # to the restart with which it began
 
     def elapse(self) -> None:
         rows, words = np.zeros((CHUNK, len(Column))), np.zeros((CHUNK, len(Word)), dtype=np.int64)
@@ -48,12 +49,16 @@ class Line:
 
     def ask(self, frame: bytes, length: int) -> bytes:
         self.simulation.send(frame)
-        answer = b""
-        while len(answer) < length:
-            self.elapse()
-            answer += self.simulation.received()
+        answer = self.answer(length)
         assert answer[1] == frame[1]
         return answer
+
+    def answer(self, length: int) -> bytes:
+        found = b""
+        while len(found) < length:
+            self.elapse()
+            found += self.simulation.received()
+        return found
 
     def write(self, name: str, *raws: int) -> None:
         self.ask(_frame(WORDS[name].at(), [*raws]), 8)

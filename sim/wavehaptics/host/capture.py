@@ -84,7 +84,8 @@ def trigger_of(text: str) -> Trigger:
     for pattern, kind in _KINDS:
         found = re.fullmatch(pattern, text.strip())
         if found:
-            channel, level = (*found.groups(), *("", "0")[found.re.groups :])
+            given = list(found.groups())
+            channel, level = given + ["", "0"][len(given) :]
             try:
                 return Trigger(kind, channel, float(level), text.strip())
             except ValueError:
