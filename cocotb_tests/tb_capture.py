@@ -281,9 +281,12 @@ class CaptureBench(Bench):
         while self.order is not None:
             await self.clock()
 
-    async def read(self, count: int) -> list[int]:
-        """Words from the first place on, a page of 64 after another, a clock apart."""
-        found: list[int] = []
+    async def read(self, count: int) -> list[int | None]:
+        """Words from the first place on, a page of 64 after another, a clock apart.
+
+        None where nothing has been written since the simulation began.
+        """
+        found: list[int | None] = []
         for first in range(0, count, 64):
             await self.step(write_offset_i=1, data_i=first)
             self.drive(write_offset_i=0)
@@ -292,7 +295,8 @@ class CaptureBench(Bench):
                 if n < here:
                     self.drive(read_i=n)
                 if n >= 3:
-                    found.append(self.signed("read_data_o"))
+                    value = self.handle("read_data_o").value
+                    found.append(value.to_signed() if value.is_resolvable else None)
                 await self.step()
         return found
 

@@ -253,14 +253,6 @@ module wh_capture #(
 
     (* ram_style = "block" *) reg [31:0] memory [0:(1<<DEPTH_LOG2)-1];
 
-    integer i;
-
-    initial begin
-        for (i = 0; i < (1 << DEPTH_LOG2); i = i + 1) begin
-            memory[i] = 32'd0;
-        end
-    end
-
     reg  [3:0]            channels_q;
     reg  [DEPTH_LOG2-1:0] place_q;    // the next word's
     wire                  stores = active && last_q && (turn_q >= 4'd4) && (turn_q < TURN_LAST)
