@@ -212,7 +212,7 @@ module prove_wh_capture (
             if (active) assert (\block.told_q == told);
             if (state_q == WAITS && (state == TRIGGERED || itself) && \block.trigger_q == 3'd0) assert (told);
 
-            cover (itself && early == 16'd1 && all == 16'd2 && each == 4'd2);
+            cover (state == WAITS && early == 16'd1 && each == 4'd2);
             cover (itself && \block.trigger_q == 3'd1);
             cover (state == DONE && left == 16'd1 && count == 16'd1);
         end
