@@ -212,6 +212,9 @@ LINT_CASES := \
     wh_link,-GCLOCK_HZ=125000000,-GUNIT=247,-GFALLBACK=511 \
     wh_linked_device,-GN=3,-GANCHOR=1,-GGUARD=1,-GSENSE=1 \
     wh_linked_device,-GARM=0 \
+    wh_linked_device,-GN=3,-GANCHOR=1,-GCAPTURE=12 \
+    wh_capture,-GN=2,-GDEPTH_LOG2=15 \
+    wh_capture,-GDEPTH_LOG2=4,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_arm,-GSENSE=1,-GCREDIT=2 \
     wh_board_switch \
     wh_board_switch,-GN=3 \

@@ -17,6 +17,7 @@ BLOCKS = {
     "wh_anchor": "test_anchor.py::test_anchor[icarus]",
     "wh_arm": "test_arm.py::test_arm[icarus-0]",
     "wh_bus_scale": "test_bus_scale.py::test_bus_scale[icarus-1]",
+    "wh_capture": "test_capture.py::test_capture[icarus-1-6]",
     "wh_carrier": "test_carrier.py::test_carrier[icarus]",
     "wh_contact": "test_contact.py::test_contact[icarus-1]",
     "wh_controller": "test_closed_loop.py::test_closed_loop[icarus]",

@@ -136,6 +136,7 @@ module wh_board_controller #(
             wh_linked_device #(
                 `WH_SAME_PARAMETERS,
                 .ARM             (0),
+                .CAPTURE         (`WH_BOARD_CAPTURE),
                 .CLOCK_HZ        (`WH_BOARD_CLOCK_HZ),
                 .BUILD           (`WH_BOARD_BUILD)
             ) device (

@@ -22,11 +22,18 @@ from wavehaptics.words import table
 from wavehaptics.words.places import places
 from wavehaptics.words.table import WORDS, Sizes, Word
 
-_P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, "GUARD": 0, **parameters()}
+_P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, "GUARD": 0, "CAPTURE": 0,
+      **parameters()}  # fmt: skip
 SIZES = Sizes(_P["N"], _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"])
 EARLY = bool(_P["EARLY"])
 MASK = 0xFFFFFFFF
 SETTINGS = list(places(SIZES, "setting"))
+BESIDE = {
+    port: words
+    for port, words in table.ports(beside=True).items()
+    if words[0].row.kind == "setting"
+}
+"""Settings that are no ports of the controller, but wires of the device."""
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 SAFE = {"half_clocks": 150, "sample_clocks": 100, "samples": 1, "guard_mask": 0, "guard_damp": 0,
         "guard_levels": 0}  # fmt: skip
@@ -58,11 +65,13 @@ class DeviceBench(BusBench):
         await self.rests()
 
     def port(self, name: str) -> int:
+        if name[:-2] in BESIDE:
+            return int(getattr(self.dut, f"set_{name[:-2]}").value)
         return int(getattr(self.dut.controller, name).value)
 
     def told(self, word: Word) -> int:
         """What a live word's port says, of the controller or of the device itself."""
-        if word.block == "wh_arm":
+        if word.block in table.BESIDE:
             return int(getattr(self.dut, word.port[:-2]).value)
         return self.port(word.port if word.name == "bus" else f"{word.port[:-2]}_o")
 
@@ -78,12 +87,17 @@ def expected_ports(raw: dict[int, int]) -> dict[str, int]:
         word = raw[place.address]
         if place.word.fixed.signed and word >> 31:
             word -= 1 << 32
-        values.setdefault(place.word.name, []).append(word)
+        if place.word.port[:-2] not in BESIDE:
+            values.setdefault(place.word.name, []).append(word)
     commands = {w.port[:-2] for w in WORDS.values() if w.row.kind != "setting"}
     if not SIZES.sections:
         commands.add("shape_words")
     made = table.inputs(values, SIZES)
-    return {name[:-2]: bits for name, bits in made.items() if name[:-2] not in commands}
+    found = {name[:-2]: bits for name, bits in made.items() if name[:-2] not in commands}
+    for port, words in BESIDE.items():
+        each = [(raw[w.at(0, n)], w.width(SIZES)) for w in words for n in range(w.row.count)]
+        found[port] = table.side_by_side(each)
+    return found
 
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
@@ -139,7 +153,7 @@ async def live_words_and_commands(dut: object) -> None:
     await bench.step(300)
     bench.drive(enc_a_i=1)
     seen = set()
-    own = ("settings_busy", "settings_staged", "tick", "core_valid", "words_hold")
+    own = ("settings_busy", "settings_staged", "tick", "core_valid", "words_hold", "capture_data")
     for _ in range(4):
         await bench.step(rng.randint(1, 100))
         for place in places(SIZES, "live"):
@@ -166,7 +180,7 @@ async def live_words_and_commands(dut: object) -> None:
     assert len(seen) > 3
     for place in places(SIZES, "command"):
         word = place.word
-        if word.block in (table.MEMORY, "wh_arm") or word.name == "restart":
+        if word.block in (table.MEMORY, *table.BESIDE) or word.name == "restart":
             continue
         motor = max(0, (place.address >> 8) - 1)
         value = rng.randint(max(1, place.limits[0]), place.limits[1])
@@ -207,7 +221,9 @@ async def nothing_on_the_bus_lets_the_bridges_on(dut: object) -> None:
     for _ in range(1500):
         address = rng.choice(known) if rng.random() < 0.9 else rng.randrange(1 << 12)
         raw = random_word(rng)
-        await bench.request(int(rng.random() < 0.9), address, raw, 20)
+        # What is in a capture's memory before anything was written there is undefined.
+        write = int(rng.random() < 0.9 or address >> 6 == WORDS["capture_data"].at() >> 6)
+        await bench.request(write, address, raw, 20)
     assert not watching.done()
     watching.cancel()
     assert min(answers.values()) > 20
@@ -237,3 +253,70 @@ async def enable_waits_while_words_are_loaded(dut: object) -> None:
     assert clocks > 100
     assert bench.port("half_clocks_i") == 30
     assert not bench.port("restart_i")
+
+
+@cocotb.test(timeout_time=500, timeout_unit="ms", skip=not _P["CAPTURE"])
+async def a_capture_over_the_bus(dut: object) -> None:
+    """Rows of the words that stood at the steps, with the bridges on and without."""
+    bench, rng = DeviceBench(dut), random_source("capture")
+    await bench.begin(enable=1)
+    names = ("position", "current", "u", "v", "voltage", "flags")
+    motor = SIZES.motors - 1
+    codes = [WORDS[name].at(motor) for name in names] + [WORDS["faults"].at()]
+    told = [WORDS[name] for name in (*names, "faults")]
+    steps: list[list[int]] = []
+    stepped = missed = False
+    strobes = [getattr(dut.controller, name) for name in ("core_valid_o", "tick_o")]
+
+    def part(word: Word) -> int:
+        shift = 0 if word.row.per == "board" else motor * word.width(SIZES)
+        raw = bench.told(word) >> shift & (1 << word.width(SIZES)) - 1
+        return raw - (word.fixed.signed and raw >> word.width(SIZES) - 1) * (1 << word.width(SIZES))
+
+    async def listen() -> None:
+        nonlocal stepped, missed
+        turn = 0
+        while True:
+            await bench._falling
+            valid, tick = int(strobes[0].value), int(strobes[1].value)
+            if valid or missed:
+                steps.append([part(word) & MASK for word in told])
+            missed = bool(tick and not valid and not stepped)
+            stepped = not tick and (stepped or bool(valid))
+            turn += 1
+            bench.drive(adc_sdata_i=rng.getrandbits(SIZES.motors), enc_a_i=turn >> 6 & 1,
+                        enc_b_i=turn + 32 >> 6 & 1)  # fmt: skip
+
+    listening = cocotb.start_soon(listen())
+    rows, each = (1 << _P["CAPTURE"]) // len(codes), len(codes)
+    for running in (1, 0):
+        bench.drive(enable_i=running)
+        given = {"capture_channels": each, "capture_rows": rows, "capture_pre": rows // 2}
+        requests = [(WORDS["capture_channel"].at(0, n), code) for n, code in enumerate(codes)]
+        requests += [(WORDS[name].at(), raw) for name, raw in given.items()]
+        for address, raw in [*requests, (COMMIT, 1)]:
+            assert await bench.write(address, raw) == DONE
+        # It waits until the settings are there.
+        assert await bench.write(WORDS["capture"].at(), 1) == DONE
+        await bench.rests()
+        steps.clear()
+        await bench.step(rng.randint(1, 200))
+        assert await bench.write(WORDS["capture"].at(), 2) == DONE
+        while await bench.value(WORDS["capture_state"].at()) != 4:
+            assert len(steps) < 20 * rows
+        assert bench.word("running_o") == running
+        await bench.step(350)
+        first = await bench.value(WORDS["capture_first"].at())
+        assert await bench.value(WORDS["capture_count"].at()) == rows
+        assert await bench.value(WORDS["capture_left"].at()) == 0
+        found = []
+        for n in range(rows * each):
+            offset = n // 10 * 10
+            assert n % 10 or await bench.write(WORDS["capture_offset"].at(), offset) == DONE
+            found.append(await bench.value(WORDS["capture_data"].at(0, n - offset)))
+        ring = [found[n * each : (n + 1) * each] for n in range(rows)]
+        in_order = ring[first:] + ring[:first]
+        assert any(steps[n : n + rows] == in_order for n in range(len(steps)))
+        assert len({row[1] for row in in_order}) > 1
+    assert not listening.done()
+    listening.cancel()

@@ -5,8 +5,16 @@ import pytest
 from simulators import simulate
 
 SIZES = {
-    "one": {"WALLS": 1, "GUARD": 1, "HOST": 1, "SENSE": 1},
-    "three": {"N": 3, "WALLS": 2, "SHAPER": 2, "ANCHOR": 1, "DELAY_LOG2": 3, "HOST": 1},
+    "one": {"WALLS": 1, "GUARD": 1, "HOST": 1, "SENSE": 1, "CAPTURE": 5},
+    "three": {
+        "N": 3,
+        "WALLS": 2,
+        "SHAPER": 2,
+        "ANCHOR": 1,
+        "DELAY_LOG2": 3,
+        "HOST": 1,
+        "CAPTURE": 5,
+    },
     "early": {"EARLY": 1, "BUS": 1, "ANCHOR": 1, "GUARD": 1},
 }
 

@@ -22,6 +22,7 @@ from simulators import SimulationError, simulate
         ("wh_sinc3", {"OSR": 3}, {}, "sinc3_osr_must_be_4_to_256"),
         ("wh_sinc3", {"TRIP_OSR": 3}, {}, "sinc3_trip_osr_must_be"),
         ("wh_zero", {"LOG2_TICKS": 17}, {}, "zero_log2_ticks_must_be_2_to_16"),
+        ("wh_capture", {"DEPTH_LOG2": 16}, {}, "capture_depth_log2_must_be_4_to_15"),
         ("wh_arm", {"CREDIT": 1}, {}, "arm_credit_must_be_2_to_2_30"),
         ("wh_synchroniser", {"WIDTH": 0}, {}, "synchroniser_width"),
         ("wh_board_clock_watch", {"GATES": 0}, {}, "clock_watch_gates_must_be_1_or_more"),

@@ -13,7 +13,8 @@
 // Nothing on the bus lets the bridges on where enable_i, a pin, is low. With ARM = 0 they are on where it
 // is high, with ARM = 1 where the bus has armed them as well (wh_arm). They stay off while words that want
 // them off are given, 3 (N + 1) 2^7 clocks or so.
-// Live words are those of the clock in which they are read: two of them needn't be of one step.
+// Live words are those of the clock in which they are read: two of them needn't be of one step. Those of
+// one step, and of many after another, stand in what CAPTURE has them written to (wh_capture).
 //
 // Latency: of the bus as wh_settings has it, of all else as wh_controller has it.
 // Reset: that of wh_controller, which lasts until the settings are what the table says: 3 times 2^7
@@ -44,7 +45,8 @@ module wh_device #(
     parameter integer GUARD        = 0,
     parameter integer LIVE         = 1,  // 1: live words of motors are on the bus; 0: they read 0
     parameter integer ARM          = 0,  // 1: the bridges are on by command only, and while it is renewed
-    parameter integer ARM_CLOCKS   = 4800000 // ARM = 1: clocks that a command lasts, 2...2^30
+    parameter integer ARM_CLOCKS   = 4800000, // ARM = 1: clocks that a command lasts, 2...2^30
+    parameter integer CAPTURE      = 0   // words that a capture takes, 2^this, 4...15; 0: there is none
 ) (
     input  wire                 clk,
     input  wire                 rst,
@@ -125,11 +127,22 @@ module wh_device #(
     wire hold_anchor;
     wire hold_sum;
     wire hold_round;
+    wire hold_any;
 
     wire       set_arm;
     wire       armed;
     wire [4:0] arm_refused;
     wire       arm_zero_start;
+
+    reg  [31:0]    ticks;
+    wire [N*8-1:0] flags;
+    wire           set_capture;
+    wire           set_capture_offset;
+    wire [31:0]    capture_data;
+    wire [2:0]     capture_state;
+    wire [15:0]    capture_count;
+    wire [15:0]    capture_first;
+    wire [15:0]    capture_left;
 
 `include "wh_device_words.vh"
 
@@ -140,6 +153,7 @@ module wh_device #(
     assign hold_anchor = words_hold[1] || (words_hold[0] && (change || changing_core));
     assign hold_sum    = (EARLY != 0) ? running : words_hold[2];
     assign hold_round  = words_hold[3];
+    assign hold_any    = 1'b0;
 
     generate
         if (ARM != 0) begin : by_command
@@ -171,12 +185,73 @@ module wh_device #(
         end
     endgenerate
 
+    generate
+        for (n = 0; n < N; n = n + 1) begin : bits_of_motor
+            assign flags[n*8 +: 8] = {host_active[n], anchor_fault[n], encoder_fault[n], adc_range[n],
+                                      overcurrent[n], running, saturated[n], contact[n]};
+        end
+
+        if (CAPTURE != 0) begin : captures
+            wh_capture #(
+                .N              (N),
+                .DEPTH_LOG2     (CAPTURE)
+            ) recorder (
+                .clk            (clk),
+                .rst            (rst || !ready),
+                .tick_i         (tick),
+                .valid_i        (core_valid),
+                .voltage_i      (voltage),
+                .u_i            (u),
+                .v_i            (v),
+                .current_i      (current),
+                .position_i     (position),
+                .correction_i   (correction),
+                .offset_i       (offset),
+                .flux_i         (flux),
+                .lag_i          (lag),
+                .flags_i        (flags),
+                .bus_i          (bus_i),
+                .faults_i       (faults),
+                .contact_i      (contact),
+                .fault_i        (fault_o),
+                .channel_i      (set_capture_channel),
+                .channels_i     (set_capture_channels),
+                .rows_i         (set_capture_rows),
+                .pre_i          (set_capture_pre),
+                .decimation_i   (set_capture_decimation),
+                .trigger_i      (set_capture_trigger),
+                .level_i        (set_capture_level),
+                .hold_i         (busy),
+                .write_i        (set_capture),
+                .write_offset_i (set_capture_offset),
+                .data_i         (bus_data_i[15:0]),
+                .state_o        (capture_state),
+                .count_o        (capture_count),
+                .first_o        (capture_first),
+                .left_o         (capture_left),
+                .read_i         (bus_address_i[5:0]),
+                .read_data_o    (capture_data)
+            );
+        end else begin : captures_nothing
+            wire unused_capture = &{1'b0, set_capture_channel, set_capture_channels, set_capture_rows,
+                                    set_capture_pre, set_capture_decimation, set_capture_trigger,
+                                    set_capture_level, set_capture, set_capture_offset, busy};
+
+            assign capture_data  = 32'd0;
+            assign capture_state = 3'd0;
+            assign capture_count = 16'd0;
+            assign capture_first = 16'd0;
+            assign capture_left  = 16'd0;
+        end
+    endgenerate
+
     // One bit is for a word of the whole 32.
-    wire unused = &{1'b0, live[32], busy};
+    wire unused = &{1'b0, live[32]};
 
     always @(posedge clk) begin
         live_q  <= live[31:0];
         ready_o <= !rst && (ready_o || (ready && !loading));
+        ticks   <= rst ? 32'd0 : ticks + {31'd0, tick};
     end
 
     wh_settings #(

@@ -4,7 +4,7 @@
 // stands. It is made from words.toml.
 //
 // <!-- begin device-words -->
-// Settings and commands, on their way to the controller.
+// Settings and commands, on their way to the controller and beside it.
 
 wire [15:0] set_half_clocks;
 wire [15:0] set_tick_halves;
@@ -62,6 +62,13 @@ wire [N*WALLS*`WH_COUNT_W-1:0] set_wall_max;
 wire [N*WALLS-1:0] set_wall_enable;
 wire [N*WALLS-1:0] set_wall_shaped;
 wire [N*SECTIONS*(9*`WH_SHAPE_W + 36)-1:0] set_shape_words;
+wire [95:0] set_capture_channel;
+wire [3:0] set_capture_channels;
+wire [15:0] set_capture_rows;
+wire [15:0] set_capture_pre;
+wire [3:0] set_capture_decimation;
+wire [2:0] set_capture_trigger;
+wire [31:0] set_capture_level;
 
 // Widths that a tool or the hardware sets.
 
@@ -414,6 +421,32 @@ assign set_guard[186 +: 16] = guard_words[186 +: 16];
 assign set_guard[202 +: 16] = guard_words[202 +: 16];
 assign set_guard[218 +: 32] = guard_words[218 +: 32];
 
+wire pending_capture;
+wire [170:0] capture_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h50),
+    .STRIDE    (8'd1),
+    .WORDS     (14),
+    .WIDTHS    ({8'd32, 8'd3, 8'd4, 8'd16, 8'd16, 8'd4, 8'd12, 8'd12, 8'd12, 8'd12, 8'd12, 8'd12, 8'd12, 8'd12}),
+    .TOTAL_W   (171)
+) capture (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_any),
+    .pending_o (pending_capture),
+    .words_o   (capture_words)
+);
+
+assign set_capture_channel[0 +: 96] = capture_words[0 +: 96];
+assign set_capture_channels[0 +: 4] = capture_words[96 +: 4];
+assign set_capture_rows[0 +: 16] = capture_words[100 +: 16];
+assign set_capture_pre[0 +: 16] = capture_words[116 +: 16];
+assign set_capture_decimation[0 +: 4] = capture_words[132 +: 4];
+assign set_capture_trigger[0 +: 3] = capture_words[136 +: 3];
+assign set_capture_level[0 +: 32] = capture_words[139 +: 32];
+
 wire [N-1:0] pending_current;
 generate
     for (n = 0; n < N; n = n + 1) begin : current_of_motor
@@ -640,7 +673,7 @@ generate
 endgenerate
 
 assign changing_core = (|pending_eta) || (|pending_wave) || (|pending_bus) || (|pending_scale) || (|pending_side) || (|pending_shape) || (|pending_shape_1);
-assign changing = (|pending_carrier) || (|pending_frame) || (|pending_trip) || (|pending_sense) || (|pending_zero) || (|pending_encoder) || (|pending_host) || (|pending_delay) || (|pending_eta) || (|pending_wave) || (|pending_bridge) || (|pending_bus) || (|pending_guard) || (|pending_current) || (|pending_scale) || (|pending_side) || (|pending_anchor) || (|pending_edges) || (|pending_walls) || (|pending_shape) || (|pending_shape_1);
+assign changing = (|pending_carrier) || (|pending_frame) || (|pending_trip) || (|pending_sense) || (|pending_zero) || (|pending_encoder) || (|pending_host) || (|pending_delay) || (|pending_eta) || (|pending_wave) || (|pending_bridge) || (|pending_bus) || (|pending_guard) || (|pending_capture) || (|pending_current) || (|pending_scale) || (|pending_side) || (|pending_anchor) || (|pending_edges) || (|pending_walls) || (|pending_shape) || (|pending_shape_1);
 
 // Commands.
 
@@ -686,6 +719,8 @@ assign set_clear = command && bus_address_i == 12'h060 && bus_data_i[0];
 assign set_host_alive = command && bus_address_i == 12'h061 && bus_data_i[0];
 assign set_restart = command && bus_address_i == 12'h06d && bus_data_i[0];
 assign set_arm = command && bus_address_i == 12'h078;
+assign set_capture = command && bus_address_i == 12'h074;
+assign set_capture_offset = command && bus_address_i == 12'h075;
 
 // Live words.
 
@@ -700,10 +735,16 @@ always @* begin
         12'h06a: live = {32'd0, core_valid};
         12'h06b: live = {32'd0, overrun};
         12'h06c: live = {{29{1'b0}}, words_hold[0 +: 4]};
+        12'h064: live = {{1{1'b0}}, ticks[0 +: 32]};
         12'h079: live = {32'd0, armed};
         12'h07a: live = {{28{1'b0}}, arm_refused[0 +: 5]};
+        12'h0c0: live = {{30{1'b0}}, capture_state[0 +: 3]};
+        12'h0c1: live = {{17{1'b0}}, capture_count[0 +: 16]};
+        12'h0c2: live = {{17{1'b0}}, capture_first[0 +: 16]};
+        12'h0c3: live = {{17{1'b0}}, capture_left[0 +: 16]};
         default: live = 33'd0;
     endcase
+    if (bus_address_i[11:6] == 6'h2) live = {{1{1'b0}}, capture_data[0 +: 32]};
     for (m = 0; m < N; m = m + 1) begin
         if (LIVE != 0 && {28'd0, bus_address_i[11:8]} == m + 1) begin
             case (bus_address_i[7:0])
@@ -724,6 +765,7 @@ always @* begin
                 8'hb4: live = {{33-`WH_COUNT_W{position[m*`WH_COUNT_W + `WH_COUNT_W - 1]}}, position[m*`WH_COUNT_W +: `WH_COUNT_W]};
                 8'hb5: live = {32'd0, contact[m]};
                 8'hb6: live = {32'd0, saturated[m]};
+                8'hd6: live = {{25{1'b0}}, flags[m*8 +: 8]};
                 8'hc0: live = {{33-`WH_DATA_W{correction[m*`WH_DATA_W + `WH_DATA_W - 1]}}, correction[m*`WH_DATA_W +: `WH_DATA_W]};
                 8'hc1: live = {{33-`WH_DATA_W{offset[m*`WH_DATA_W + `WH_DATA_W - 1]}}, offset[m*`WH_DATA_W +: `WH_DATA_W]};
                 8'hc2: live = {{33-`WH_DATA_W{flux[m*`WH_DATA_W + `WH_DATA_W - 1]}}, flux[m*`WH_DATA_W +: `WH_DATA_W]};

@@ -10,7 +10,7 @@
 //
 //   3:0 N   8:4 WALLS   10:9 SHAPER   14:11 DELAY_LOG2   16:15 ADC   17 EARLY   18 ANCHOR   19 GUARD
 //   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME   26 LIVE
-//   27 ARM
+//   27 ARM   31:28 CAPTURE
 //
 // Latency and reset: those of wh_modbus and of wh_device.
 
@@ -38,6 +38,7 @@ module wh_linked_device #(
     parameter integer GUARD        = 0,
     parameter integer LIVE         = 1,
     parameter integer ARM          = 1,
+    parameter integer CAPTURE      = 0,
     parameter integer CLOCK_HZ     = 24000000,
     parameter integer UNIT         = 1,  // 1...247, of the link
     parameter [31:0]  BUILD        = 32'd0,
@@ -87,8 +88,9 @@ module wh_linked_device #(
     localparam [31:0] SHAPER_32 = SHAPER;
     localparam [31:0] DELAY_32  = DELAY_LOG2;
     localparam [31:0] ADC_32    = ADC;
+    localparam [31:0] CAPTURE_32 = CAPTURE;
     localparam [31:0] OPTIONS = {
-        4'd0, ARM != 0, LIVE != 0, DEAD_TIME != 0, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0, SENSE != 0,
+        CAPTURE_32[3:0], ARM != 0, LIVE != 0, DEAD_TIME != 0, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0, SENSE != 0,
         GUARD != 0, ANCHOR != 0, EARLY != 0, ADC_32[1:0], DELAY_32[3:0], SHAPER_32[1:0],
         WALLS_32[4:0], N_32[3:0]
     };
@@ -161,7 +163,8 @@ module wh_linked_device #(
         .GUARD          (GUARD),
         .LIVE           (LIVE),
         .ARM            (ARM),
-        .ARM_CLOCKS     (CLOCK_HZ / 5)
+        .ARM_CLOCKS     (CLOCK_HZ / 5),
+        .CAPTURE        (CAPTURE)
     ) device (
         .clk             (clk),
         .rst             (rst),

@@ -45,6 +45,7 @@ module wh_settings_ram #(
                 memory[2*WORDS + part*(1 << SLOT_W) + (i & ((1 << SLOT_W) - 1))] = DEFAULT; \
             end \
         end
+`define WH_SETTINGS_TOLD(FIRST, COPIES, INFO)
 `define WH_SETTINGS_BOUNDS(TYPE, LEAST, GREATEST)
 
     initial begin
@@ -59,6 +60,7 @@ module wh_settings_ram #(
     end
 
 `undef WH_SETTINGS_WORD
+`undef WH_SETTINGS_TOLD
 `undef WH_SETTINGS_BOUNDS
 
     always @(posedge clk) begin

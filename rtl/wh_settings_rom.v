@@ -41,6 +41,7 @@ module wh_settings_rom #(
         for (i = FIRST; i < FIRST + (COPIES); i = i + 1) begin \
             info[i] = INFO; \
         end
+`define WH_SETTINGS_TOLD(FIRST, COPIES, INFO) `WH_SETTINGS_WORD(FIRST, COPIES, INFO, 0)
 `define WH_SETTINGS_BOUNDS(TYPE, LEAST, GREATEST) \
         bounds[2*TYPE] = LEAST; \
         bounds[2*TYPE + 1] = GREATEST;
@@ -60,6 +61,7 @@ module wh_settings_rom #(
     end
 
 `undef WH_SETTINGS_WORD
+`undef WH_SETTINGS_TOLD
 `undef WH_SETTINGS_BOUNDS
 
     // What a block RAM puts out comes late in its clock.

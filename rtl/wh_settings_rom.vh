@@ -3,7 +3,8 @@
 // wh_settings_rom: what the settings memory knows of each word of words.toml, which this is made from.
 // It stands in an initial block of wh_settings_rom and of wh_settings_ram, which say what a row does.
 //
-//   WH_SETTINGS_WORD(address, copies in a part, {kind, off, type}, word at first)
+//   WH_SETTINGS_WORD(address, copies in a part, {kind, off, type}, word at first), of a setting
+//   WH_SETTINGS_TOLD(address, copies in a part, {kind, off, type}), of another word
 //   WH_SETTINGS_BOUNDS(type, least, greatest), 2^31 more for a word with a sign
 //
 // <!-- begin settings-rom -->
@@ -24,26 +25,26 @@
 `WH_SETTINGS_WORD('h010, 1, 8'h62, 32'd0)  // sclk_idle
 `WH_SETTINGS_WORD('h011, 1, 8'h62, 32'd0)  // read_trailing
 `WH_SETTINGS_WORD('h018, 1, 8'h68, 32'd65535)  // trip
-`WH_SETTINGS_WORD('h1d4, 1, 8'hc2, 0)  // overcurrent
+`WH_SETTINGS_TOLD('h1d4, 1, 8'hc2)  // overcurrent
 `WH_SETTINGS_WORD('h01a, 1, 8'h68, 32'd65535)  // range
 `WH_SETTINGS_WORD('h01b, 1, 8'h68, 32'd0)  // stuck_words
-`WH_SETTINGS_WORD('h1d0, 1, 8'hc2, 0)  // adc_range
-`WH_SETTINGS_WORD('h1d1, 1, 8'hc2, 0)  // adc_stuck
+`WH_SETTINGS_TOLD('h1d0, 1, 8'hc2)  // adc_range
+`WH_SETTINGS_TOLD('h1d1, 1, 8'hc2)  // adc_stuck
 `WH_SETTINGS_WORD('h01c, 1, 8'h69, 32'd0)  // zero_limit
-`WH_SETTINGS_WORD('h01d, 1, 8'h82, 0)  // zero_start
-`WH_SETTINGS_WORD('h1d2, 1, 8'hc2, 0)  // zero_fault
-`WH_SETTINGS_WORD('h1d3, 1, 8'hc2, 0)  // zero_busy
+`WH_SETTINGS_TOLD('h01d, 1, 8'h82)  // zero_start
+`WH_SETTINGS_TOLD('h1d2, 1, 8'hc2)  // zero_fault
+`WH_SETTINGS_TOLD('h1d3, 1, 8'hc2)  // zero_busy
 `WH_SETTINGS_WORD('h020, 1, 8'h6a, 32'd2)  // filter_clocks
-`WH_SETTINGS_WORD('h1d5, 1, 8'hc2, 0)  // encoder_fault
+`WH_SETTINGS_TOLD('h1d5, 1, 8'hc2)  // encoder_fault
 `WH_SETTINGS_WORD('h024, 1, 8'h6a, 32'd0)  // host_period_log2
 `WH_SETTINGS_WORD('h025, 1, 8'h67, 32'd0)  // host_timeout
-`WH_SETTINGS_WORD('h1a0, 1, 8'h82, 0)  // host_answer
-`WH_SETTINGS_WORD('h1a1, 1, 8'h87, 0)  // host_answer_sequence
-`WH_SETTINGS_WORD('h1a2, 1, 8'h95, 0)  // host_u
-`WH_SETTINGS_WORD('h1a4, 1, 8'hc2, 0)  // host_packet
-`WH_SETTINGS_WORD('h1a5, 1, 8'hc7, 0)  // host_packet_sequence
-`WH_SETTINGS_WORD('h1a6, 1, 8'hd5, 0)  // host_v
-`WH_SETTINGS_WORD('h1a7, 1, 8'hc2, 0)  // host_active
+`WH_SETTINGS_TOLD('h1a0, 1, 8'h82)  // host_answer
+`WH_SETTINGS_TOLD('h1a1, 1, 8'h87)  // host_answer_sequence
+`WH_SETTINGS_TOLD('h1a2, 1, 8'h95)  // host_u
+`WH_SETTINGS_TOLD('h1a4, 1, 8'hc2)  // host_packet
+`WH_SETTINGS_TOLD('h1a5, 1, 8'hc7)  // host_packet_sequence
+`WH_SETTINGS_TOLD('h1a6, 1, 8'hd5)  // host_v
+`WH_SETTINGS_TOLD('h1a7, 1, 8'hc2)  // host_active
 `WH_SETTINGS_WORD('h028, 1, 8'h6b, 32'd1)  // extra_ticks
 `WH_SETTINGS_WORD('h029, 1, 8'h6b, 32'd0)  // hold_ticks
 `WH_SETTINGS_WORD('h108, 1, 8'h56, (-32'd1 << `WH_ETA_Q))  // eta_contact
@@ -51,13 +52,13 @@
 `WH_SETTINGS_WORD('h110, 1, 8'h57, 32'd0)  // root
 `WH_SETTINGS_WORD('h111, 1, 8'h58, (32'd1 << `WH_A_Q))  // a
 `WH_SETTINGS_WORD('h112, 1, 8'h59, 32'd0)  // u_max
-`WH_SETTINGS_WORD('h1b0, 1, 8'hd5, 0)  // voltage
-`WH_SETTINGS_WORD('h1b1, 1, 8'hd5, 0)  // u
-`WH_SETTINGS_WORD('h1b2, 1, 8'hd5, 0)  // v
-`WH_SETTINGS_WORD('h1b3, 1, 8'hd5, 0)  // current
-`WH_SETTINGS_WORD('h1b4, 1, 8'hc0, 0)  // position
-`WH_SETTINGS_WORD('h1b5, 1, 8'hc2, 0)  // contact
-`WH_SETTINGS_WORD('h1b6, 1, 8'hc2, 0)  // saturated
+`WH_SETTINGS_TOLD('h1b0, 1, 8'hd5)  // voltage
+`WH_SETTINGS_TOLD('h1b1, 1, 8'hd5)  // u
+`WH_SETTINGS_TOLD('h1b2, 1, 8'hd5)  // v
+`WH_SETTINGS_TOLD('h1b3, 1, 8'hd5)  // current
+`WH_SETTINGS_TOLD('h1b4, 1, 8'hc0)  // position
+`WH_SETTINGS_TOLD('h1b5, 1, 8'hc2)  // contact
+`WH_SETTINGS_TOLD('h1b6, 1, 8'hc2)  // saturated
 `WH_SETTINGS_WORD('h030, 1, 8'h6c, 32'd0)  // mode
 `WH_SETTINGS_WORD('h031, 1, 8'h67, 32'd0)  // min_pulse
 `WH_SETTINGS_WORD('h032, 1, 8'h67, 32'd0)  // dead_clocks
@@ -65,7 +66,7 @@
 `WH_SETTINGS_WORD('h034, 1, 8'h67, 32'd0)  // settle_ticks
 `WH_SETTINGS_WORD('h035, 1, 8'h62, 32'd0)  // second_order
 `WH_SETTINGS_WORD('h038, 1, 8'h57, 32'd0)  // bus_share
-`WH_SETTINGS_WORD('h039, 1, 8'hc8, 0)  // bus
+`WH_SETTINGS_TOLD('h039, 1, 8'hc8)  // bus
 `WH_SETTINGS_WORD('h040, 1, 8'h68, 32'd0)  // guard_mask
 `WH_SETTINGS_WORD('h041, 1, 8'h68, 32'd0)  // guard_damp
 `WH_SETTINGS_WORD('h042, 1, 8'h6c, 32'd0)  // guard_levels
@@ -81,52 +82,68 @@
 `WH_SETTINGS_WORD('h04c, 1, 8'h68, 32'd0)  // guard_bus_max
 `WH_SETTINGS_WORD('h04d, 1, 8'h68, 32'd0)  // guard_heat_ticks
 `WH_SETTINGS_WORD('h04e, 1, 8'h6e, 32'd0)  // guard_heat
-`WH_SETTINGS_WORD('h060, 1, 8'h82, 0)  // clear
-`WH_SETTINGS_WORD('h061, 1, 8'h82, 0)  // host_alive
-`WH_SETTINGS_WORD('h062, 1, 8'hc8, 0)  // faults
-`WH_SETTINGS_WORD('h063, 1, 8'hc2, 0)  // running
-`WH_SETTINGS_WORD('h068, 1, 8'hc2, 0)  // adc_ready
-`WH_SETTINGS_WORD('h069, 1, 8'hc2, 0)  // tick
-`WH_SETTINGS_WORD('h06a, 1, 8'hc2, 0)  // core_valid
-`WH_SETTINGS_WORD('h06b, 1, 8'hc2, 0)  // overrun
-`WH_SETTINGS_WORD('h06c, 1, 8'hca, 0)  // words_hold
-`WH_SETTINGS_WORD('h06d, 1, 8'h82, 0)  // restart
-`WH_SETTINGS_WORD('h070, 1, 8'h82, 0)  // commit
-`WH_SETTINGS_WORD('h071, 1, 8'h82, 0)  // discard
-`WH_SETTINGS_WORD('h072, 1, 8'hc2, 0)  // settings_busy
-`WH_SETTINGS_WORD('h073, 1, 8'hc2, 0)  // settings_staged
-`WH_SETTINGS_WORD('h078, 1, 8'h8f, 0)  // arm
-`WH_SETTINGS_WORD('h079, 1, 8'hc2, 0)  // armed
-`WH_SETTINGS_WORD('h07a, 1, 8'hc0, 0)  // arm_refused
-`WH_SETTINGS_WORD('h100, 1, (8'h5a | ((EARLY != 0) ? 8'h20 : 8'h00)), 32'd0)  // zero
+`WH_SETTINGS_TOLD('h060, 1, 8'h82)  // clear
+`WH_SETTINGS_TOLD('h061, 1, 8'h82)  // host_alive
+`WH_SETTINGS_TOLD('h062, 1, 8'hc8)  // faults
+`WH_SETTINGS_TOLD('h063, 1, 8'hc2)  // running
+`WH_SETTINGS_TOLD('h068, 1, 8'hc2)  // adc_ready
+`WH_SETTINGS_TOLD('h069, 1, 8'hc2)  // tick
+`WH_SETTINGS_TOLD('h06a, 1, 8'hc2)  // core_valid
+`WH_SETTINGS_TOLD('h06b, 1, 8'hc2)  // overrun
+`WH_SETTINGS_TOLD('h06c, 1, 8'hca)  // words_hold
+`WH_SETTINGS_TOLD('h06d, 1, 8'h82)  // restart
+`WH_SETTINGS_TOLD('h064, 1, 8'hce)  // ticks
+`WH_SETTINGS_TOLD('h070, 1, 8'h82)  // commit
+`WH_SETTINGS_TOLD('h071, 1, 8'h82)  // discard
+`WH_SETTINGS_TOLD('h072, 1, 8'hc2)  // settings_busy
+`WH_SETTINGS_TOLD('h073, 1, 8'hc2)  // settings_staged
+`WH_SETTINGS_TOLD('h078, 1, 8'h8f)  // arm
+`WH_SETTINGS_TOLD('h079, 1, 8'hc2)  // armed
+`WH_SETTINGS_TOLD('h07a, 1, 8'hc0)  // arm_refused
+`WH_SETTINGS_WORD('h050, 8, 8'h50, 32'd0)  // capture_channel
+`WH_SETTINGS_WORD('h058, 1, 8'h51, 32'd1)  // capture_channels
+`WH_SETTINGS_WORD('h059, 1, 8'h40, 32'd1)  // capture_rows
+`WH_SETTINGS_WORD('h05a, 1, 8'h48, 32'd0)  // capture_pre
+`WH_SETTINGS_WORD('h05b, 1, 8'h4a, 32'd0)  // capture_decimation
+`WH_SETTINGS_WORD('h05c, 1, 8'h52, 32'd0)  // capture_trigger
+`WH_SETTINGS_WORD('h05d, 1, 8'h5a, 32'd0)  // capture_level
+`WH_SETTINGS_TOLD('h074, 1, 8'h8f)  // capture
+`WH_SETTINGS_TOLD('h075, 1, 8'h88)  // capture_offset
+`WH_SETTINGS_TOLD('h080, 64, 8'hce)  // capture_data
+`WH_SETTINGS_TOLD('h0c0, 1, 8'hd2)  // capture_state
+`WH_SETTINGS_TOLD('h0c1, 1, 8'hc8)  // capture_count
+`WH_SETTINGS_TOLD('h0c2, 1, 8'hc8)  // capture_first
+`WH_SETTINGS_TOLD('h0c3, 1, 8'hc8)  // capture_left
+`WH_SETTINGS_TOLD('h1d6, 1, 8'hc7)  // flags
+`WH_SETTINGS_WORD('h100, 1, (8'h5b | ((EARLY != 0) ? 8'h20 : 8'h00)), 32'd0)  // zero
 `WH_SETTINGS_WORD('h101, 1, (8'h57 | ((EARLY != 0) ? 8'h20 : 8'h00)), 32'd0)  // gain
 `WH_SETTINGS_WORD('h118, 1, 8'h57, 32'd0)  // clocks_per_volt
 `WH_SETTINGS_WORD('h11a, 1, 8'h59, 32'd0)  // side_current
 `WH_SETTINGS_WORD('h120, 1, 8'h42, 32'd0)  // anchor_enable
-`WH_SETTINGS_WORD('h121, 1, 8'h5b, 32'd0)  // anchor_flux_gain
-`WH_SETTINGS_WORD('h122, 1, 8'h5b, 32'd0)  // anchor_owed_gain
-`WH_SETTINGS_WORD('h123, 1, 8'h5b, 32'd0)  // anchor_cells_gain
-`WH_SETTINGS_WORD('h124, 1, 8'h5b, 32'd0)  // anchor_pull_gain
-`WH_SETTINGS_WORD('h125, 1, 8'h5b, 32'd0)  // anchor_damp_gain
-`WH_SETTINGS_WORD('h126, 1, 8'h5b, 32'd0)  // anchor_learn_gain
-`WH_SETTINGS_WORD('h127, 1, 8'h5b, 32'd0)  // anchor_zero_gain
-`WH_SETTINGS_WORD('h128, 1, 8'h5b, 32'd0)  // anchor_room_gain
-`WH_SETTINGS_WORD('h129, 1, 8'h5c, 32'd0)  // anchor_reach
+`WH_SETTINGS_WORD('h121, 1, 8'h5c, 32'd0)  // anchor_flux_gain
+`WH_SETTINGS_WORD('h122, 1, 8'h5c, 32'd0)  // anchor_owed_gain
+`WH_SETTINGS_WORD('h123, 1, 8'h5c, 32'd0)  // anchor_cells_gain
+`WH_SETTINGS_WORD('h124, 1, 8'h5c, 32'd0)  // anchor_pull_gain
+`WH_SETTINGS_WORD('h125, 1, 8'h5c, 32'd0)  // anchor_damp_gain
+`WH_SETTINGS_WORD('h126, 1, 8'h5c, 32'd0)  // anchor_learn_gain
+`WH_SETTINGS_WORD('h127, 1, 8'h5c, 32'd0)  // anchor_zero_gain
+`WH_SETTINGS_WORD('h128, 1, 8'h5c, 32'd0)  // anchor_room_gain
+`WH_SETTINGS_WORD('h129, 1, 8'h5d, 32'd0)  // anchor_reach
 `WH_SETTINGS_WORD('h12a, 1, 8'h59, 32'd0)  // anchor_strange
 `WH_SETTINGS_WORD('h12b, 1, 8'h48, 32'd0)  // anchor_rest_ticks
-`WH_SETTINGS_WORD('h12c, 1, 8'h50, 32'd0)  // anchor_slow_units
-`WH_SETTINGS_WORD('h1c0, 1, 8'hd5, 0)  // correction
-`WH_SETTINGS_WORD('h1c1, 1, 8'hd5, 0)  // offset
-`WH_SETTINGS_WORD('h1c2, 1, 8'hd5, 0)  // flux
-`WH_SETTINGS_WORD('h1c3, 1, 8'hd5, 0)  // lag
-`WH_SETTINGS_WORD('h1c4, 1, 8'hc2, 0)  // anchor_fault
+`WH_SETTINGS_WORD('h12c, 1, 8'h53, 32'd0)  // anchor_slow_units
+`WH_SETTINGS_TOLD('h1c0, 1, 8'hd5)  // correction
+`WH_SETTINGS_TOLD('h1c1, 1, 8'hd5)  // offset
+`WH_SETTINGS_TOLD('h1c2, 1, 8'hd5)  // flux
+`WH_SETTINGS_TOLD('h1c3, 1, 8'hd5)  // lag
+`WH_SETTINGS_TOLD('h1c4, 1, 8'hc2)  // anchor_fault
 `WH_SETTINGS_WORD('h130, 1, 8'h42, 32'd0)  // edge_hysteresis
-`WH_SETTINGS_WORD('h140, WALLS, 8'h5d, 32'd0)  // wall_min
-`WH_SETTINGS_WORD('h150, WALLS, 8'h5d, 32'd0)  // wall_max
+`WH_SETTINGS_WORD('h140, WALLS, 8'h5e, 32'd0)  // wall_min
+`WH_SETTINGS_WORD('h150, WALLS, 8'h5e, 32'd0)  // wall_max
 `WH_SETTINGS_WORD('h160, WALLS, 8'h42, 32'd0)  // wall_enable
 `WH_SETTINGS_WORD('h170, WALLS, 8'h42, 32'd0)  // wall_shaped
-`WH_SETTINGS_WORD('h180, 9 * SHAPER, 8'h5e, 32'd0)  // shape_coefficient
-`WH_SETTINGS_WORD('h192, 3 * SHAPER, 8'h51, 32'd0)  // shape_loss
+`WH_SETTINGS_WORD('h180, 9 * SHAPER, 8'h5f, 32'd0)  // shape_coefficient
+`WH_SETTINGS_WORD('h192, 3 * SHAPER, 8'h50, 32'd0)  // shape_loss
 `WH_SETTINGS_BOUNDS(0, 32'd1, (32'hffffffff >> (32 - 16)))
 `WH_SETTINGS_BOUNDS(1, 32'd1, 32'd256)
 `WH_SETTINGS_BOUNDS(20, (32'h80000000 + (32'd0 - (32'd1 << (8 - 1)))), (32'h80000000 + ((32'd1 << (8 - 1)) - 32'd1)))
@@ -149,11 +166,14 @@
 `WH_SETTINGS_BOUNDS(13, 32'd0, (32'hffffffff >> (32 - 24)))
 `WH_SETTINGS_BOUNDS(14, 32'd0, (32'hffffffff >> (32 - 32)))
 `WH_SETTINGS_BOUNDS(15, 32'd0, 32'd2)
-`WH_SETTINGS_BOUNDS(26, (32'h80000000 + (32'd0 - (32'd1 << (24 - 1)))), (32'h80000000 + ((32'd1 << (24 - 1)) - 32'd1)))
-`WH_SETTINGS_BOUNDS(27, (32'h80000000 + (32'd0 - (32'd1 << (`WH_COEF_W - 1)))), (32'h80000000 + ((32'd1 << (`WH_COEF_W - 1)) - 32'd1)))
-`WH_SETTINGS_BOUNDS(28, (32'h80000000 + 32'd0), (32'h80000000 + (32'd64 << `WH_VOLTAGE_Q)))
-`WH_SETTINGS_BOUNDS(16, 32'd0, (32'hffffffff >> (32 - 5)))
-`WH_SETTINGS_BOUNDS(29, (32'h80000000 + (32'd0 - (32'd1 << (`WH_COUNT_W - 1)))), (32'h80000000 + ((32'd1 << (`WH_COUNT_W - 1)) - 32'd1)))
-`WH_SETTINGS_BOUNDS(30, (32'h80000000 + (32'd0 - (32'd1 << (`WH_SHAPE_W - 1)))), (32'h80000000 + ((32'd1 << (`WH_SHAPE_W - 1)) - 32'd1)))
-`WH_SETTINGS_BOUNDS(17, 32'd0, (32'hffffffff >> (32 - 12)))
+`WH_SETTINGS_BOUNDS(16, 32'd0, (32'hffffffff >> (32 - 12)))
+`WH_SETTINGS_BOUNDS(17, 32'd1, 32'd8)
+`WH_SETTINGS_BOUNDS(18, 32'd0, (32'hffffffff >> (32 - 3)))
+`WH_SETTINGS_BOUNDS(26, (32'h80000000 + (32'd0 - (32'd1 << (32 - 1)))), (32'h80000000 + ((32'd1 << (32 - 1)) - 32'd1)))
+`WH_SETTINGS_BOUNDS(27, (32'h80000000 + (32'd0 - (32'd1 << (24 - 1)))), (32'h80000000 + ((32'd1 << (24 - 1)) - 32'd1)))
+`WH_SETTINGS_BOUNDS(28, (32'h80000000 + (32'd0 - (32'd1 << (`WH_COEF_W - 1)))), (32'h80000000 + ((32'd1 << (`WH_COEF_W - 1)) - 32'd1)))
+`WH_SETTINGS_BOUNDS(29, (32'h80000000 + 32'd0), (32'h80000000 + (32'd64 << `WH_VOLTAGE_Q)))
+`WH_SETTINGS_BOUNDS(19, 32'd0, (32'hffffffff >> (32 - 5)))
+`WH_SETTINGS_BOUNDS(30, (32'h80000000 + (32'd0 - (32'd1 << (`WH_COUNT_W - 1)))), (32'h80000000 + ((32'd1 << (`WH_COUNT_W - 1)) - 32'd1)))
+`WH_SETTINGS_BOUNDS(31, (32'h80000000 + (32'd0 - (32'd1 << (`WH_SHAPE_W - 1)))), (32'h80000000 + ((32'd1 << (`WH_SHAPE_W - 1)) - 32'd1)))
 // <!-- end settings-rom -->

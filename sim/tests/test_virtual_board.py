@@ -20,7 +20,7 @@ from wavehaptics.host.names import HostError, Shape, number, places, settings
 from wavehaptics.ladder.device_pins import DevicePins
 from wavehaptics.ladder.linked_pins import LinkedPins
 from wavehaptics.scene import find_scene, load_scene
-from wavehaptics.trace.columns import Column, Word
+from wavehaptics.trace.columns import Column, Word, load_trace
 from wavehaptics.words import modbus, table
 from wavehaptics.words.faults import ARM_REFUSALS, FAULTS
 from wavehaptics.words.formats import RTL_DIR
@@ -136,7 +136,9 @@ def test_left_alone_it_is_the_device():
 def test_what_it_is(port):
     shown = told(port, "info")
     assert f"table of words  {table.crc():08x}\n" in shown
-    assert "walls 4, delay_log2 10, guard 1, sense 1, dead_time 1, live 1, arm 1" in shown
+    assert (
+        "walls 4, delay_log2 10, guard 1, sense 1, dead_time 1, live 1, arm 1, capture 12" in shown
+    )
     assert "48 MHz" in shown
 
 
@@ -251,6 +253,44 @@ def test_a_fault_disarms_and_refuses(port):
     finally:
         told(port, "set", "guard_mask=0", "guard_bus_min=0")
     assert "no faults" in told(port, "faults", "--clear")
+
+
+# ---- A capture.
+
+
+def test_a_capture_of_the_swing(port, armed, tmp_path):
+    """The hand's 50 Hz in the position; the bridges stay armed while it is read at a fast rate."""
+    shown = told(
+        port, "capture", "position", "current", "--trigger", "position rises -50", "--pre", "0.002",
+        "--seconds", "0.026", "--counts-per-rev", str(COUNTS), "--out", str(tmp_path),
+    ).splitlines()  # fmt: skip
+    assert shown[0] == str(tmp_path / "trace.npz")
+    assert (tmp_path / "capture.png").stat().st_size > 10_000
+    assert shown[2] == "1625 rows of 16 µs; the trigger's is row 125"
+    trace = load_trace(tmp_path)
+    assert np.allclose(np.diff(trace["t"]), 16e-6)
+    assert trace["t"][125] == 0.0
+    ends = trace["x"] + 0.5 * 16e-6 * trace["omega"]  # of the rows
+    counts = ends / (2 * np.pi / COUNTS)
+    assert np.allclose(counts, np.round(counts), atol=1e-6)
+    rising = np.flatnonzero((counts[1:] >= -50) & (counts[:-1] < -50)) + 1
+    assert rising[0] == 125
+    # The hand swings the rotor against the wall by a spring, each period as the last one.
+    assert abs(trace["t"][rising[-1]] - 0.02) < 1e-3
+    assert value(port, "armed") == 1
+
+
+def test_captures_that_are_refused(port, tmp_path):
+    for words, message in (
+        (("root",), "root: can't be captured; take voltage, u, v"),
+        (("--trigger", "current=1"), "trigger current=1: write now, contact"),
+        (("--decimate", "3"), "decimation 3: take 1, 2, 4"),
+        (("--preset", "none"), "--preset none: there is none; take re25-118743"),
+        (("--preset", "re25-118743", "--k-t", "1"), "--preset and --k-t: give one of them"),
+        (("--seconds", "0.001", "--pre", "0.001"), "1000 rows before the trigger's: take 0...999"),
+    ):
+        problem = refused(port, "capture", *words, "--out", str(tmp_path), "--timeout", "60")
+        assert problem.startswith(message)
 
 
 # ---- The line.

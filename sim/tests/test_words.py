@@ -8,11 +8,13 @@ import subprocess
 import pytest
 from wavehaptics.controller import anchor, wave_core
 from wavehaptics.fpga.boards import board_names, load_board
+from wavehaptics.host import capture
 from wavehaptics.ladder.verilated import verilator_environment
 from wavehaptics.pages import filler
 from wavehaptics.pages import words as pages_words
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.words import formats, generated, table
+from wavehaptics.words.faults import FLAGS
 from wavehaptics.words.table import TABLE, WORDS, Sizes, TableError
 
 PINS = (
@@ -210,7 +212,7 @@ def test_a_new_row_at_the_end_of_its_group_moves_nothing(tmp_path):
         ("measured bus, by the board", "something else", False),
         ('uREST_W", unit = "ticks"', 'u12", unit = "ticks"', True),
         ('uREST_W", unit = "ticks"', 'uREST_W", unit = "s"', True),
-        ("address = 0x1d0", "address = 0x1d6", True),
+        ("address = 0x1d0", "address = 0x1d8", True),
         ("compensate =", "compensated =", True),
     ],
 )
@@ -280,13 +282,31 @@ def test_words_of_the_memory_are_no_ports():
     own = {word.name for word in WORDS.values() if word.block == table.MEMORY}
     assert own == {"commit", "discard", "settings_busy", "settings_staged"}
     assert not own & {*table.ports(), *table.ports("o")}
-    arm = {word.name for word in WORDS.values() if word.block == table.ARM}
-    assert arm == {"arm", "armed", "arm_refused"}
-    assert not arm & {*table.ports(), *table.ports("o")}
+    beside = {word.name for word in WORDS.values() if word.block in table.BESIDE}
+    assert beside > {"arm", "armed", "arm_refused", "ticks", "flags", "capture", "capture_data"}
+    assert not beside & {*table.ports(), *table.ports("o")}
     rtl = (formats.RTL_DIR / "wh_settings.v").read_text(encoding="utf-8")
     for name in own:
         constant = name.removeprefix("settings_").upper()
         assert re.search(rf"localparam \[11:0\] {constant}\s+= 12'h{WORDS[name].at():03x};", rtl)
+
+
+def test_what_a_capture_listens_to_is_at_its_address():
+    """In the RTL and in Python; and the bits of ``flags`` in both."""
+    rtl = (formats.RTL_DIR / "wh_capture.v").read_text(encoding="utf-8")
+    found = {
+        name.lower(): int(address, 16)
+        for name, _, address in re.findall(
+            r"localparam \[(?:7|11):0\] +(\w+) += (8|12)'h(\w+);", rtl
+        )
+    }
+    assert found == {name: WORDS[name].at() % (0x1000 if WORDS[name].row.per == "board" else 0x100)
+                     for name in capture.WORDS}  # fmt: skip
+    rtl = (formats.RTL_DIR / "wh_device.v").read_text(encoding="utf-8")
+    bits = re.search(r"assign flags\[n\*8 \+: 8\] = \{([^}]*)\};", rtl)[1]
+    names = [name.strip().removesuffix("[n]") for name in bits.split(",")]
+    assert (*reversed(names),) == FLAGS
+    assert WORDS["flags"].row.meaning.endswith(f": {', '.join(FLAGS)}")
 
 
 def test_the_rom_of_a_board_with_some_groups():

@@ -5,17 +5,18 @@ from __future__ import annotations
 
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wavehaptics.cli.shared import CommandError, SetOption
+from wavehaptics.cli.shared import RUNS_DIR, CommandError, SetOption, make_folder, shown_stages
 from wavehaptics.scene import find_scene, load_scene
 
 if TYPE_CHECKING:
+    from wavehaptics.host.capture import Captured, Plan, Progress
     from wavehaptics.host.client import Client
     from wavehaptics.host.names import Place
 
@@ -278,6 +279,20 @@ def _watch_table(found: list[Place], raw: bool, samples: Iterator[tuple[float, l
             live.update(shown, refresh=True)
 
 
+@contextmanager
+def _asked_to_end() -> Iterator[Callable[[], bool]]:
+    """Whether SIGINT or SIGTERM came since."""
+    asked: list[bool] = []
+    kept = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM)}
+    for number in kept:
+        signal.signal(number, lambda *_: asked.append(True))
+    try:
+        yield lambda: bool(asked)
+    finally:
+        for number, handler in kept.items():
+            signal.signal(number, handler)
+
+
 @board.command()
 def arm(
     port: PortOption = "",
@@ -288,18 +303,13 @@ def arm(
     timeout: TimeoutOption = DEFAULT_TIMEOUT,
 ) -> None:
     """Let the bridges on, and renew that until Ctrl-C; then disarm."""
-    asked: list[bool] = []
     with _refusals():
         client = _client(port, unit, timeout)
-        kept = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM)}
-        for number in kept:
-            signal.signal(number, lambda *_: asked.append(True))
-        try:
-            _arm(client, lambda: bool(asked), seconds)
-        finally:
-            _write_arm(client, 0)
-            for number, handler in kept.items():
-                signal.signal(number, handler)
+        with _asked_to_end() as asked:
+            try:
+                _arm(client, asked, seconds)
+            finally:
+                _write_arm(client, 0)
     print("disarmed")
 
 
@@ -375,3 +385,129 @@ def faults(
         print("no faults")
     state = "on" if found["running"] else "armed, but off" if found["armed"] else "off"
     print(f"the bridges are {state}")
+
+
+@board.command()
+def capture(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[NAME]...",
+            help="Up to eight live words, or NAME@MOTOR; by default what a run's picture shows.",
+        ),
+    ] = None,
+    trigger: Annotated[
+        str,
+        typer.Option(
+            metavar="WHEN",
+            help="now, contact, fault, NAME>VALUE, NAME<VALUE, 'NAME rises VALUE', "
+            "'NAME falls VALUE', 'NAME changes'.",
+        ),
+    ] = "now",
+    seconds: Annotated[
+        float | None, typer.Option(min=0, help="Of the device's time; else all that fits.")
+    ] = None,
+    pre: Annotated[float, typer.Option(min=0, help="Seconds of these before the trigger.")] = 0.0,
+    decimate: Annotated[
+        int | None,
+        typer.Option(min=1, help="Ticks of a row, 1, 2, 4 ...; else the fewest that fit."),
+    ] = None,
+    counts_per_rev: Annotated[
+        int | None, typer.Option(min=1, help="Of the encoder, for the position in rad.")
+    ] = None,
+    preset: Annotated[
+        str | None, typer.Option(metavar="MOTOR", help="A motor's preset, for the torque.")
+    ] = None,
+    k_t: Annotated[
+        float | None, typer.Option("--k-t", min=0, help="Or its torque constant, N·m/A.")
+    ] = None,
+    out: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for trace.npz and capture.png.")
+    ] = RUNS_DIR / "capture",
+    port: PortOption = "",
+    motor: MotorOption = 0,
+    unit: UnitOption = 1,
+    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+) -> None:
+    """Capture live words at the tick's rate around a trigger; Ctrl-C takes what is there."""
+    from wavehaptics.host import capture as captures
+    from wavehaptics.host.captured_trace import device_of, save, trace_arrays
+
+    constant = _torque_constant(preset, k_t)
+    make_folder(out)
+    with _refusals():
+        client = _client(port, unit, timeout)
+        plan = captures.plan(
+            client, names or captures.PICTURED, seconds=seconds, decimation=decimate,
+            trigger=trigger, before_s=pre, motor=motor,
+        )  # fmt: skip
+        device = device_of(client, motor, counts_per_rev, constant)
+        with shown_stages() as show, _asked_to_end() as asked:
+            captures.start(client, plan)
+
+            def shown(progress: Progress) -> None:
+                waits = progress.state == captures.WAITS
+                show("waits for the trigger" if waits else "captures", progress.part)
+
+            captures.wait(client, plan, shown, asked)
+            found = captures.download(client, plan, lambda part: show("is read", part))
+        if not len(found.t):
+            raise CommandError("stopped before the first row: nothing was captured")
+        arrays = trace_arrays(found, device)
+        print(save(arrays, out))
+        print(_capture_picture(plan, found, arrays, out / "capture.png"))
+    for line in _capture_lines(plan, found):
+        print(line)
+
+
+def _torque_constant(preset: str | None, k_t: float | None) -> float | None:
+    from wavehaptics.parts.motors import PRESETS
+
+    if preset is None:
+        return k_t
+    if k_t is not None:
+        raise CommandError("--preset and --k-t: give one of them")
+    if preset not in PRESETS:
+        raise CommandError(f"--preset {preset}: there is none; take {', '.join(PRESETS)}")
+    return PRESETS[preset].k_t
+
+
+def _capture_picture(plan: Plan, found: Captured, arrays: dict, path: Path) -> Path:
+    from wavehaptics.trace.pictures import strips_picture
+
+    bits = ("flags", "faults")
+    shown = {
+        name: (found[name], place.word.row.unit)
+        for name, place in zip(plan.names, plan.channels, strict=True)
+        if place.word.name not in bits or len(plan.names) == 1
+    }
+    title = f"{len(found.t)} rows of {plan.row_s * 1e6:.6g} µs"
+    if plan.trigger.kind:
+        title += f" · trigger: {plan.trigger.text}"
+    return strips_picture(arrays, shown, title, path)
+
+
+def _capture_lines(plan: Plan, found: Captured) -> Iterator[str]:
+    """What was captured, a line for each channel."""
+    at = "no trigger" if found.trigger_row is None else f"the trigger's is row {found.trigger_row}"
+    yield f"{len(found.t)} rows of {plan.row_s * 1e6:.6g} µs; {at}"
+    width = max(len(name) for name in plan.names)
+    for name, place in zip(plan.names, plan.channels, strict=True):
+        values = found[name]
+        if place.word.name in ("flags", "faults"):
+            yield f"{name:<{width}}  {', '.join(_bit_names(place, values)) or 'none'}"
+            continue
+        texts = (f"{value:.6g}" for value in (values.min(), values.mean(), values.max()))
+        yield f"{name:<{width}}  {' ... '.join(texts)} {place.word.row.unit}".rstrip()
+
+
+def _bit_names(place: Place, values: Iterable[int]) -> list[str]:
+    """What was there in any row."""
+    from wavehaptics.words.faults import FAULTS, FLAGS, bits_of
+
+    there = 0
+    for value in values:
+        there |= int(value)
+    if place.word.name == "flags":
+        return [FLAGS[bit] for bit in bits_of(there)]
+    return [FAULTS[bit][0] for bit in bits_of(there)]

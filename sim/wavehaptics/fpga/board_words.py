@@ -34,7 +34,7 @@ LINKED_WALLS = 4
 
 CHANGEABLE = (
     "wh_current.current", "wh_wave_core.eta", "wh_wave_core.wave", "wh_anchor.anchor",
-    "wh_contact.edges", "wh_contact.walls", "wh_shaper.shape",
+    "wh_contact.edges", "wh_contact.walls", "wh_shaper.shape", "wh_capture.capture",
 )  # fmt: skip
 """Groups of words that can be changed on a board: none of the hardware, and none of its limits."""
 
@@ -54,6 +54,8 @@ class BoardWords:
     """The guard's word; None for a board without one."""
     linked: bool = False
     """Whether there is a line over which some of the words can be changed."""
+    capture: int = 0
+    """Words that a capture takes, 2^this; 0 where there is none."""
 
     @property
     def walls(self) -> int:
@@ -64,7 +66,7 @@ class BoardWords:
 def board_words(
     scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False,
     pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
-    delay_log2: int = 1, linked: bool = False,
+    delay_log2: int = 1, linked: bool = False, capture: int = 0,
 ) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
 
@@ -91,7 +93,7 @@ def board_words(
         words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
     delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
     word = _guard(scene, ports, trip_a) if guarded else None
-    return BoardWords(ports, words, motors, delay_log2, word, linked)
+    return BoardWords(ports, words, motors, delay_log2, word, linked, capture if linked else 0)
 
 
 def _each_motor(words: Values, motors: int) -> dict[str, Any]:
@@ -180,6 +182,7 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "ANCHOR": int(board.ports.settings.anchored),
         "GUARDED": int(board.guard is not None),
         "LINKED": int(board.linked),
+        "CAPTURE": board.capture,
         "CLOCK_HZ": round(timing.clock_hz),
         "BUILD": build_number(),
     }

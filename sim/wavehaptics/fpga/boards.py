@@ -89,6 +89,7 @@ class Fpga(_Table):
     motors: int = Field(1, ge=1, le=8)
     guard: bool = False
     link: bool = False
+    capture: Literal[0, 9, 10, 11, 12, 13, 14, 15] = 0
     pad_registers: bool = False
     wire_s: float = Field(0.6e-9, ge=0)
     seeds: list[int] = Field(min_length=1)
@@ -131,7 +132,7 @@ class Board:
             self.scene, PARTS[self.fpga.adc], self.fpga.motors, guarded=self.fpga.guard,
             pad_registers=self.fpga.pad_registers, trip_a=self.fpga.sense.trip_a,
             zero_a=self.fpga.sense.zero_a, delay_log2=_DELAY_LOG2[self.fpga.family],
-            linked=self.fpga.link,
+            linked=self.fpga.link, capture=self.fpga.capture,
         )  # fmt: skip
 
     def headers(self) -> dict[str, str]:

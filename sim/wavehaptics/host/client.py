@@ -10,7 +10,8 @@ from __future__ import annotations
 import logging
 import os
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -22,11 +23,18 @@ from pymodbus.pdu import ModbusPDU
 from wavehaptics.host.names import HostError, Place, Shape
 from wavehaptics.words import modbus, table
 
-BAUD = 115_200
-"""Bits a second of a device that nobody has told another rate."""
+BAUDS = (115_200, 1_000_000, 1_500_000, 3_000_000)
+"""Bits a second of the device's rates; it begins with the first one."""
+
+BAUD = BAUDS[0]
 
 MAP_VERSION = 1
 """Of the registers, that this client knows."""
+
+_RATE = 2 * modbus.IDENTIFICATION.index("rate")
+
+_FALLBACK_S = 1.2
+"""Without a good frame for so long, or a little less, a device is at its first rate again."""
 
 _TURN_S = 0.005
 
@@ -65,6 +73,9 @@ class Client:
     def __init__(self, port: str, unit: int = 1, timeout_s: float = 5.0) -> None:
         self._port, self._unit, self._timeout_s = port, unit, timeout_s
         self._heard = 0
+        self._held: serial.Serial | None = None
+        self._baud = BAUD
+        self._hurries = True
         self.identification = self._identify()
 
     @property
@@ -138,6 +149,46 @@ class Client:
                 found += [mates[address] for address in gap]
         return found
 
+    @contextmanager
+    def hurry(self) -> Iterator[None]:
+        """Keep the port, at the fastest rate of the device, for the exchanges within.
+
+        Nobody else has the port meanwhile: who renews the arming of the bridges has to wait. Where
+        the way there can't bear the rate, it stays at the first one, then and later.
+        """
+        rate = min(self.identification.words["rates"], len(BAUDS)) - 1
+        with self._taken() as line:
+            self._held = line
+            try:
+                if rate > 0 and self._hurries:
+                    self._set_rate(rate)
+                    try:
+                        self.identify()
+                    except HostError:
+                        self._hurries = False
+                        self._go_back()
+                yield
+            finally:
+                if self._baud != BAUD:
+                    with suppress(HostError):
+                        self._set_rate(0)
+                    if self._baud != BAUD:
+                        self._go_back()
+                self._held = None
+
+    def _set_rate(self, rate: int) -> None:
+        self._write(_RATE, [0, rate], "rate")
+        self._speak(BAUDS[rate])
+
+    def _speak(self, baud: int) -> None:
+        assert self._held is not None
+        self._held.baudrate = self._baud = baud
+
+    def _go_back(self) -> None:
+        """Wait until the device has gone back to its first rate by itself."""
+        time.sleep(_FALLBACK_S)
+        self._speak(BAUD)
+
     # ---- The line.
 
     def _read(self, register: int, count: int, what: str) -> Sequence[int]:
@@ -155,9 +206,9 @@ class Client:
 
     def _exchange(self, ask: Callable[[ModbusSerialClient], ModbusPDU], what: str) -> ModbusPDU:
         """The answer to a question about ``what``."""
-        with self._taken() as line:
+        with nullcontext(self._held) if self._held else self._taken() as line:
             client = ModbusSerialClient(
-                self._port, baudrate=BAUD, timeout=self._timeout_s, retries=1,
+                self._port, baudrate=self._baud, timeout=self._timeout_s, retries=1,
                 trace_packet=self._listen,
             )  # fmt: skip
             client.socket = line
@@ -184,7 +235,7 @@ class Client:
         if self._heard:
             return (
                 f"{self._port}: {self._heard} bytes came, but no answer with a right CRC; is it "
-                f"unit {self._unit}, at {BAUD} bits a second, and nobody else on the line?"
+                f"unit {self._unit}, at {self._baud} bits a second, and nobody else on the line?"
             )
         return (
             f"{self._port}: no answer within {self._timeout_s:g} s; is it the right port, the "

@@ -26,6 +26,9 @@ ANSWER_BYTES = 8
 _RATES_HZ = (6e6, 9e6, 18e6)
 """Least clock of rates 1, 2 and 3, as ``rtl/wh_link.v`` has it."""
 
+CAPTURE = 12
+"""Words of the capture's memory, 2^this."""
+
 ZERO_PART = 1 / 16
 """Largest zero that is permitted, of the ADC's full scale."""
 
@@ -62,7 +65,10 @@ class LinkedPins(PinsSimulation):
 
     def _parameters(self) -> dict[str, int]:
         clock_hz = round(self.timing.clock_hz)
-        return {"GUARD": 1, "SENSE": 1, "ARM": int(self._arm), "CLOCK_HZ": clock_hz}
+        return {
+            "GUARD": 1, "SENSE": 1, "ARM": int(self._arm), "CLOCK_HZ": clock_hz,
+            "CAPTURE": CAPTURE,
+        }  # fmt: skip
 
     def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
         self._declare()

@@ -268,6 +268,9 @@ def _status(numbers: dict[str, Any], table: Table) -> str:
     built = ", ".join(f"`{name}`" for name in linked) or "**none**"
     rows.append(("settings changed while it runs: `wh_device`", "yes", built, "no"))
     rows.append(("Modbus on a serial line: `wh_linked_device`", "yes", built, "no"))
+    captures = [name for name in boards if load_board(name).fpga.capture]
+    built = ", ".join(f"`{name}`" for name in captures) or "**none**"
+    rows.append(("live words captured around a trigger: `wh_capture`", "yes", built, "no"))
     return _words(("", "simulated", "in a bitstream", "tried on a motor"), rows)
 
 

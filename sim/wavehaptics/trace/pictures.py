@@ -424,3 +424,32 @@ def run_picture(
         text += f" · restitution {_number(metrics['restitution'], '')}"
     _title(figure, metrics, text)
     return _save(figure, path)
+
+
+def strips_picture(
+    trace: Trace, strips: Mapping[str, tuple[np.ndarray, str]], title: str, path: Path | str
+) -> Path:
+    """A strip over time for each of ``strips``: by its label the values, and their unit.
+
+    ``trace`` has ``t``, ``contact`` and ``saturated``; where it is in contact is grey, and a dotted
+    line is at t = 0 if that isn't an end. Returns ``path``.
+    """
+    figure, axes = _figure(1.0 + 1.5 * len(strips), len(strips))
+    scale, time_label = _time_scale(trace)
+    _shade_contact(axes, scale, trace)
+    for ax, (label, (values, unit)) in zip(axes, strips.items(), strict=True):
+        largest = float(np.abs(values).max())
+        factor, prefix = _prefix(largest) if unit and 0.0 < largest < 1.0 else (1.0, "")
+        _strip(ax, scale, trace, factor * values)
+        ax.set_ylabel(f"{label}, {prefix}{unit}" if unit else label)
+        if trace["t"][0] < 0.0 < trace["t"][-1]:
+            ax.axvline(0.0, color=_BLACK, lw=1.0, ls=(0, (1, 1.5)))
+    _bars(
+        axes[0], _spans(trace, "saturated", scale), 0.04, color=_RED, label="voltage at its limit"
+    )
+    if axes[0].get_legend_handles_labels()[1]:
+        _legend(axes[0])
+    axes[-1].set_xlabel(time_label)
+    _end_time_axis(figure, axes, trace, scale)
+    figure.suptitle(title, x=0.01, ha="left", fontsize=11)
+    return _save(figure, path)

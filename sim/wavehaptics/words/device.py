@@ -26,8 +26,8 @@ _ALSO = {
 """Inputs that the module itself drives as well."""
 
 
-_STAGED = {"off": "0", "sum": "(EARLY != 0) ? 0 : 1"}
-"""By the kind of change: words for which the bridges are off wait for no reader."""
+_STAGED = {"off": "0", "any": "0", "sum": "(EARLY != 0) ? 0 : 1"}
+"""By the kind of change: words that nobody reads meanwhile wait for no reader."""
 
 
 def _bits(word: Word) -> str:
@@ -78,7 +78,7 @@ def _runs(words: list[Word]) -> list[list[Word]]:
 
 def _place(word: Word) -> str:
     """Lowest bit of a word in its port, by the copy (motor n, wall or section k)."""
-    mates = table.ports()[word.port[:-2]]
+    mates = table.ports(beside=word.block in table.BESIDE)[word.port[:-2]]
     copy = {"board": "", "motor": "n", "wall": "n*WALLS + k", "section": "n*SECTIONS + k"}
     below = _sum(mates[: mates.index(word)])
     if not copy[word.row.per]:
@@ -173,7 +173,7 @@ def _command(word: Word) -> list[str]:
 
 
 def _live(word: Word) -> str:
-    """A case of the live words, of 33 bits."""
+    """A case of the live words, of 33 bits. Words of one row on the board come by one port."""
     port, bits = word.port, _bits(word)
     name = port if port.endswith("_i") else port[:-2]
     place = "0" if word.row.per == "board" else f"m*{bits}"
@@ -183,16 +183,34 @@ def _live(word: Word) -> str:
         top = f"{name}[{place} + {bits} - 1]" if word.fixed.signed else "1'b0"
         ahead = 33 - int(bits) if bits.isdigit() else f"33-{bits}"
         value = f"{{{{{ahead}{{{top}}}}}, {name}[{place} +: {bits}]}}"
+    if (low := _index_bits(word)) is not None:
+        place = f"bus_address_i[11:{low}] == {12 - low}'h{word.at() >> low:x}"
+        return f"if ({place}) live = {value};"
     number = f"12'h{word.at():03x}" if word.row.per == "board" else f"8'h{word.at() & 0xFF:02x}"
     return f"{number}: live = {value};"
+
+
+def _index_bits(word: Word) -> int | None:
+    """Bits of an address that count the words of a board's row, None of one with one word."""
+    if word.row.count == 1 or word.row.per != "board":
+        return None
+    bits = (word.row.count - 1).bit_length()
+    if word.row.count != 1 << bits or word.at() % word.row.count:
+        raise ValueError(f"{word.name}: the words of a live row are 2^n, at a multiple of that")
+    return bits
 
 
 def device_words() -> str:
     """``rtl/wh_device_words.vh``."""
     inputs, outputs = table.ports(), table.ports("o")
-    lines = ["// Settings and commands, on their way to the controller.", ""]
+    lines = ["// Settings and commands, on their way to the controller and beside it.", ""]
     driven = {port: words for port, words in inputs.items() if words[0].row.kind != "live"}
-    lines += [_wire(f"set_{port}", words) for port, words in driven.items()]
+    beside = {
+        port: words
+        for port, words in table.ports(beside=True).items()
+        if words[0].row.kind == "setting"
+    }
+    lines += [_wire(f"set_{port}", words) for port, words in (driven | beside).items()]
     lines += ["", "// Widths that a tool or the hardware sets.", ""]
     named = dict.fromkeys(_bits(word) for word in table.WORDS.values())
     lines += [
@@ -221,8 +239,10 @@ def device_words() -> str:
     lines += ["", "// Live words.", "", "always @* begin", "    live = 33'd0;"]
     lines += ["    case (bus_address_i)"]
     live = [word for word in words if word.row.kind == "live"]
-    lines += _indented((_live(word) for word in live if word.row.per == "board"), 2)
+    board = [word for word in live if word.row.per == "board"]
+    lines += _indented((_live(word) for word in board if _index_bits(word) is None), 2)
     lines += ["        default: live = 33'd0;", "    endcase"]
+    lines += _indented(_live(word) for word in board if _index_bits(word) is not None)
     lines += ["    for (m = 0; m < N; m = m + 1) begin"]
     lines += ["        if (LIVE != 0 && {28'd0, bus_address_i[11:8]} == m + 1) begin"]
     lines += ["            case (bus_address_i[7:0])"]

@@ -26,6 +26,12 @@ ARM_REFUSALS = (
 )
 """By the bit of the word ``arm_refused``, of ``rtl/wh_arm.v``."""
 
+FLAGS = (
+    "contact", "saturated", "running", "overcurrent", "adc_range", "encoder_fault", "anchor_fault",
+    "host_active",
+)  # fmt: skip
+"""By the bit of the word ``flags``, of ``rtl/wh_device.v``."""
+
 
 def bits_of(raw: int) -> list[int]:
     """The bits that a word has, the lowest first."""

@@ -144,7 +144,11 @@ def settings_rom(values: Values | None = None, groups: Collection[str] | None = 
         if fixed or (is_setting and word.change == "off"):
             info |= 1 << 5
         text = f"8'h{info:02x}"
-        if is_setting and not fixed and word.change == "sum":
+        place = f"'h{word.at():03x}, {_copies(word)}"
+        if not is_setting:
+            rows.append(f"`WH_SETTINGS_TOLD({place}, {text})  // {word.name}\n")
+            continue
+        if not fixed and word.change == "sum":
             text = f"(8'h{info:02x} | ((EARLY != 0) ? 8'h20 : 8'h00))"
         given = (values or {}).get(word.name)
         if given is None:
@@ -155,8 +159,7 @@ def settings_rom(values: Values | None = None, groups: Collection[str] | None = 
             first = _word(given)
         else:
             first = "0"
-        place = f"'h{word.at():03x}, {_copies(word)}, {text}, {first if is_setting else 0}"
-        rows.append(f"`WH_SETTINGS_WORD({place})  // {word.name}\n")
+        rows.append(f"`WH_SETTINGS_WORD({place}, {text}, {first})  // {word.name}\n")
         if isinstance(given, Iterable):
             rows += [
                 f"`WH_SETTINGS_WORD('h{word.at(index=index):03x}, 1, {text}, {_word(raw)})\n"

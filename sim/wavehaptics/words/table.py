@@ -33,11 +33,11 @@ MOTOR_STRIDE = 0x100
 MEMORY = "wh_settings"
 """Block of the words that are the settings memory's own, and no port of the controller."""
 
-ARM = "wh_arm"
-"""Block of the words that let the bridges on, beside the controller as well."""
+BESIDE = ("wh_arm", "wh_capture", "wh_device")
+"""Blocks beside the controller, whose words are no ports of it either."""
 
-CHANGES = ("off", "core", "anchor", "sum", "round")
-"""When a group's settings may change: with the bridges off, or between two of these."""
+CHANGES = ("off", "core", "anchor", "sum", "round", "any")
+"""When a group's settings may change: with the bridges off, between two of these, or always."""
 
 ACCESS = {"setting": "read, write", "command": "write", "live": "read"}
 
@@ -229,12 +229,16 @@ a port of several words, without ``_i``, gives each copy's words side by side.""
 
 
 def ports(
-    direction: Literal["i", "o"] = "i", words: Mapping[str, Word] = WORDS
+    direction: Literal["i", "o"] = "i", words: Mapping[str, Word] = WORDS, *, beside: bool = False
 ) -> dict[str, list[Word]]:
-    """The table's inputs or outputs of the controller, without ``_i`` or ``_o``: their words."""
+    """The table's inputs or outputs of the controller, without ``_i`` or ``_o``: their words.
+
+    ``beside``: those of the blocks beside it instead.
+    """
     found: dict[str, list[Word]] = {}
     for word in words.values():
-        if word.block not in (MEMORY, ARM) and word.port.endswith(direction):
+        there = word.block != MEMORY and (word.block in BESIDE) == beside
+        if there and word.port.endswith(direction):
             found.setdefault(word.port[:-2], []).append(word)
     return found
 

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A capture as ``trace.npz``: the arrays of a simulation, so that its plots serve both."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wavehaptics.host.capture import Captured
+from wavehaptics.host.client import Client
+from wavehaptics.host.names import places
+from wavehaptics.runtime.files import replacing
+from wavehaptics.trace.columns import FLOAT_COLUMNS, TRACE_FILE
+
+FOLLOWER_TICKS = 256
+"""Ticks over which the word ``lag`` is the rotor's way."""
+
+
+@dataclass(frozen=True)
+class Device:
+    """What rows of a motor's words are turned into SI by, besides the formats.
+
+    ``cell_rad`` is a count of the encoder, rad, and ``k_t`` in N·m/A; NaN where not known.
+    """
+
+    eta_contact: float = math.nan
+    eta_free: float = math.nan
+    delay_ticks: int = 1
+    """Ticks from that of a step's current to the one in which its voltage is applied."""
+    cell_rad: float = math.nan
+    k_t: float = math.nan
+
+
+def device_of(
+    client: Client, motor: int = 0, counts_per_rev: int | None = None, k_t: float | None = None
+) -> Device:
+    """The motor's side of a device, by its words and by what a person knows of it."""
+    names = ("eta_contact", "eta_free", "extra_ticks")
+    found = [places(name, client.shape, motor)[0] for name in names]
+    contact, free, extra = (
+        place.value(raw) for place, raw in zip(found, client.read(found), strict=True)
+    )
+    return Device(
+        contact, free, 1 + int(extra),
+        2.0 * math.pi / counts_per_rev if counts_per_rev else math.nan,
+        math.nan if k_t is None else k_t,
+    )  # fmt: skip
+
+
+def trace_arrays(found: Captured, device: Device) -> dict[str, np.ndarray]:
+    """The arrays of :meth:`wavehaptics.trace.columns.TraceWriter.save`, of shape (rows,).
+
+    What wasn't captured, or isn't known, is NaN, and flags are False. As in a simulation ``x`` is
+    the mean of a row's ends, ``e_a`` the voltage that was applied in a row's ticks. ``energy_out``
+    is that of the waves, with R̂ for the winding's resistance, where each tick has its row. Channels
+    that a simulation has no array for come under their own names.
+    """
+    rows, plan = len(found.t), found.plan
+    nothing = np.full(rows, np.nan)
+    arrays = {column.name.lower(): nothing.copy() for column in FLOAT_COLUMNS}
+    arrays |= {"energy_out": nothing.copy()}
+    arrays |= {name: np.zeros(rows, dtype=bool) for name in ("contact", "saturated")}
+    arrays["t"] = found.t
+    values = found.values
+    cell = device.cell_rad
+    if "current" in values:
+        arrays["i"] = values["current"]
+        arrays["torque"] = device.k_t * values["current"]
+    if "voltage" in values and rows:
+        late = found.t - device.delay_ticks * plan.tick_s
+        arrays["e_a"] = np.interp(late, found.t, values["voltage"])
+    if "position" in values:
+        ends = values["position"] * cell
+        begins = np.concatenate((ends[:1], ends[:-1]))
+        arrays["x"], arrays["omega"] = 0.5 * (begins + ends), (ends - begins) / plan.row_s
+    if "flags" in values:
+        for name in ("contact", "saturated"):
+            arrays[name] = found.flag(name)
+        arrays["eta"] = np.where(arrays["contact"], device.eta_contact, device.eta_free)
+    for name in {"u", "v"} & {*values}:
+        arrays[name] = values[name]
+    if plan.decimation == 1:
+        power = 0.5 * (arrays["u"] ** 2 - arrays["v"] ** 2)
+        arrays["energy_out"] = np.cumsum(power) * plan.tick_s
+    if {"correction", "flux", "lag"} & {*values}:
+        flux = arrays["flux"] = values.get("flux", nothing)
+        arrays["correction"] = values.get("correction", nothing)
+        arrays["x_hat"] = (values.get("position", nothing) + 0.5 - flux) * cell
+        way = values.get("lag", nothing) * cell
+        arrays["omega_hat"] = way / (FOLLOWER_TICKS * plan.tick_s)
+        arrays["fault"] = (
+            found.flag("anchor_fault") if "flags" in values else np.zeros(rows, dtype=bool)
+        )
+    used = {"current", "voltage", "position", "u", "v", "correction", "flux", "lag"}
+    return arrays | {name: value for name, value in values.items() if name not in used}
+
+
+def save(arrays: dict[str, np.ndarray], folder: Path) -> Path:
+    """Write ``trace.npz`` into ``folder``, whole or not at all; its path."""
+    path = folder / TRACE_FILE
+    with replacing(path) as part, part.open("wb") as file:
+        named: dict[str, Any] = {**arrays}
+        np.savez(file, **named)
+    return path
