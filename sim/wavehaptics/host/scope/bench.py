@@ -201,7 +201,7 @@ class Bench:
         return self._filter_words(self._value("a"), eta)
 
     def _filter_words(self, a: float, eta: float) -> _Change:
-        """Of a and η, with what depends on them: W, and what the anchor takes for owed."""
+        """Of a and η, with what depends on them: free space, W, and what the anchor is owed."""
         a = formats.A.to_value(formats.A.to_raw(a))
         if not a:
             raise HostError(
@@ -211,9 +211,12 @@ class Bench:
         if self._owes:
             owed = self._value("anchor_flux_gain") / a if eta == -1.0 else 0.0
             words[self._place("anchor_owed_gain")] = min(owed, formats.FLUX.largest)
+        tau_s = closed_forms.tau(self.tick_s, a, self._extra_ticks)
+        if self.known.scene is not None:
+            control = self._scene(f"controller.lambda={1.0 / tau_s!r}").controller
+            words[self._place("eta_free")] = control.eta_free
         if self._wish is None:
             return words, None
-        tau_s = closed_forms.tau(self.tick_s, a, self._extra_ticks)
         wish = self._wished(self._wish.stiffness, self._wish.damping, tau_s)
         return words | self._shape_words(wish), wish
 
@@ -236,17 +239,19 @@ class Bench:
         return self._shape_words(wish), wish
 
     def _wished(self, stiffness: float, damping: float, tau_s: float) -> _Wish:
-        """W for a spring and a damper, no stiffer than motor and delay leave."""
-        known = self.known
-        assert known.path is not None
-        stiffness = min(stiffness, _SHAPE_PARTS[1] * self._front(tau_s))
-        wishes = (f"shaper.stiffness={stiffness!r}", f"shaper.damping={damping!r}")
+        """W for a spring and a damper, no stiffer than motor and delay leave for now."""
+        had = min(stiffness, _SHAPE_PARTS[1] * self._front(tau_s))
         try:
-            scene = load_scene(known.path, [*known.overrides, *wishes])
+            scene = self._scene(f"shaper.stiffness={had!r}", f"shaper.damping={damping!r}")
             made = design(scene, self.tick_s, tau_s, self._r_hat)
         except (WishError, SceneError) as error:
             raise HostError(" ".join(str(error).split())) from None
         return _Wish(stiffness, damping, made)
+
+    def _scene(self, *more: str) -> Scene:
+        """The scene with further keys; :class:`SceneError` where it can't have them."""
+        assert self.known.path is not None
+        return load_scene(self.known.path, [*self.known.overrides, *more])
 
     def _shape_words(self, wish: _Wish) -> dict[Place, float]:
         words = wish.shaper.words
@@ -334,9 +339,10 @@ class Bench:
             front = self._front(self.tau_s)
             damper = _DAMPERS * closed_forms.b_r(scene.controller.k_t_hat, self._r_hat)
             low, high = (part * front for part in _SHAPE_PARTS)
-            sliders["stiffness"] = {"value": self._wish.stiffness, "min": low, "max": high}
-            sliders["damping"] = {"value": self._wish.damping, "min": 0.0, "max": damper}
             sliders["soft"] = {"value": float(self._soft), "min": 0.0, "max": 1.0}
+            stiffness = min(self._wish.stiffness, high)
+            sliders["stiffness"] = {"value": stiffness, "min": low, "max": high}
+            sliders["damping"] = {"value": self._wish.damping, "min": 0.0, "max": damper}
         return {
             "sliders": sliders,
             "a": self._value("a"),

@@ -85,7 +85,7 @@ class Feed(threading.Thread):
             "problem": self._problem,
             "note": self._note,
             "virtual": self._plug.virtual,
-            "unplugged": self._plug.unplugged,
+            "plugged": self._plug.plugged,
             "speed": told.speed if told is not None and told.speed else None,
             "hand": told.hand_rad if told is not None else None,
             "wanted": self._owner is not None,

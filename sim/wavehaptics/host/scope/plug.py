@@ -99,9 +99,9 @@ class Plug:
         return ""
 
     @property
-    def unplugged(self) -> bool:
-        """Whether somebody wanted no device."""
-        return False
+    def plugged(self) -> bool:
+        """Whether there is a device, or who knows."""
+        return True
 
     def connect_hand(self) -> None:
         """Take the side channel, if there is one."""
@@ -169,8 +169,8 @@ class VirtualPlug(Plug):
         return process.pid if process is not None and process.poll() is None else None
 
     @property
-    def unplugged(self) -> bool:
-        return not self._wanted
+    def plugged(self) -> bool:
+        return self.pid is not None
 
     @property
     def problem(self) -> str:

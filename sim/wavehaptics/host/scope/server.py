@@ -227,10 +227,10 @@ def _text(message: dict[str, Any]) -> str:
 
 async def serve(scope: Scope, port: int, ended: asyncio.Event, tell: Callable[[str], None]) -> None:
     """Serve until ``ended``; ``tell`` gets the page's address. ``OSError`` if the port is taken."""
-    runner = web.AppRunner(scope.app, access_log=None)
+    runner = web.AppRunner(scope.app, access_log=None, shutdown_timeout=1.0)
     await runner.setup()
     try:
-        await web.TCPSite(runner, ADDRESS, port, shutdown_timeout=1.0).start()
+        await web.TCPSite(runner, ADDRESS, port).start()
         (address,) = runner.addresses
         tell(f"http://{ADDRESS}:{address[1]}/?token={scope.token}")
         await ended.wait()

@@ -37,6 +37,13 @@ export function ticks(low, high, count) {
 const FIGURES = 3;
 export function figures(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
-  if (value !== 0 && (Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3)) return value.toExponential(FIGURES - 1);
-  return Number(value.toPrecision(FIGURES + (Math.abs(value) >= 1000 ? 1 : 0))).toString();
+  if (value !== 0 && (Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3)) return minus(value.toExponential(FIGURES - 1));
+  return minus(Number(value.toPrecision(FIGURES + (Math.abs(value) >= 1000 ? 1 : 0))).toString());
 }
+
+// The same with zeros at its end, which a result has.
+export function result(value) {
+  return value === null || !Number.isFinite(value) ? "–" : minus(value.toPrecision(FIGURES));
+}
+
+const minus = (text) => text.replace("-", "−");

@@ -13,6 +13,8 @@ export class Data {
     this.contact = []; // rows of the newest contact since the last change of a setting
     this.fit = null; // {k, x0, from, to}
     this.cell = 0;
+    this.ended = true;
+    this.bent = false;
   }
 
   add(columns) {
@@ -35,6 +37,14 @@ export class Data {
   changed() {
     this.contact = [];
     this.fit = null;
+    this.bent = !this.ended;
+  }
+
+  // A place and a force that the design spring goes through: a contact that began with it begins at the
+  // wall's face, one in which it was changed went on from where it was.
+  through() {
+    const [first] = this.contact;
+    return this.bent && first ? [first.x, first.f] : [this.edge ?? 0, 0];
   }
 
   #judge(row) {
@@ -45,7 +55,7 @@ export class Data {
     }
     if (this.ended) {
       this.contact = [];
-      this.ended = false;
+      this.ended = this.bent = false;
     }
     const step = before ? row.t - before.t : 0;
     if (row.saturated || !before?.contact || step <= 0) return;

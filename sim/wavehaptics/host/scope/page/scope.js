@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: what it hears goes into its parts, and once a frame they are drawn.
 
-import { figures } from "./canvas.js";
+import { figures, result } from "./canvas.js";
 import { Data } from "./data.js";
 import { Link, token } from "./link.js";
 import { Phase } from "./phase.js";
@@ -28,7 +28,7 @@ by("arm").onclick = () => link.say("arm");
 by("stop").onclick = () => link.say("stop");
 by("clear").onclick = () => link.say("clear");
 by("record").onclick = () => link.say("record", { on: !state?.recording });
-by("plug").onclick = () => link.say("plug", { in: state?.unplugged || !state?.live });
+by("plug").onclick = () => link.say("plug", { in: !state?.plugged });
 by("word").onsubmit = (event) => {
   event.preventDefault();
   link.say("word", { text: by("word-text").value });
@@ -92,7 +92,7 @@ function show() {
   by("speed").hidden = !live || state.speed === null;
   by("speed").textContent = `simulated, ${figures(state.speed === null ? null : Number(state.speed.toPrecision(2)))} of real time`;
   by("plug").hidden = !state.virtual;
-  by("plug").textContent = live || !state.unplugged ? "Pull the plug" : "Plug it in";
+  by("plug").textContent = state.plugged ? "Pull the plug" : "Plug it in";
   by("record").dataset.on = state.recording ? "1" : "0";
   by("record").lastChild.textContent = state.recording ? "End" : "Record";
   by("rows").textContent = state.recorded ? `${state.recorded} rows recorded` : `${state.rows} rows kept, nothing recorded`;
@@ -115,8 +115,8 @@ function shape(live) {
   stage.canvas.setAttribute("aria-valuemax", stage.view[1]);
   by("hint").textContent = !stage.led ? "turn the motor by hand" : live && !state.running ? "arm it, then drag the ring into the wall" : "drag the ring, or use ← →";
   by("time-unit").textContent = state.virtual || state.speed !== null ? "simulated time" : "";
-  by("k-design").textContent = figures(state.stiffness);
-  by("k-l").textContent = figures(state.k_l);
+  by("k-design").textContent = result(state.stiffness);
+  by("k-l").textContent = result(state.k_l);
   for (const unit of document.getElementsByClassName("k-unit")) unit.textContent = torque ? (rad ? "N·m/rad" : "N·m/count") : rad ? "A/rad" : "A/count";
   plots.shape({ torque, rad, hand: stage.led, flux: "flux" in last });
   if (live) sliders.show(state.sliders, rad, state);
@@ -128,11 +128,12 @@ function draw(now) {
   if (now - drawn < DRAWN_MS || !state?.sliders) return;
   drawn = now;
   const last = data.rows.at(-1) ?? {};
-  by("k-fit").textContent = data.fit ? figures(data.fit.k) : "–";
+  document.body.dataset.time = last.t ?? "";
+  by("k-fit").textContent = data.fit ? result(data.fit.k) : "–";
   const most = Math.max(0.02, ...data.rows.slice(-600).map((row) => Math.abs(row.f ?? 0)));
   stage.draw({ x: last.x, f: last.f, fMost: most, wall: state.wall, there: state.wall_there, alive: there && state.live, counts: !state.rad });
   phase.draw({
-    rows: data.rows, fit: data.fit, edge: state.wall[0], k: state.torque && state.rad ? state.stiffness : null,
+    rows: data.rows, fit: data.fit, edge: state.wall[0], through: data.through(), k: state.torque && state.rad ? state.stiffness : null,
     leastDepth: state.rad ? 4e-3 : 10, leastForce: state.torque ? 0.02 : 0.2,
     unit: state.rad ? RAD : COUNTS, forceUnit: state.torque ? TORQUE : CURRENT,
   });

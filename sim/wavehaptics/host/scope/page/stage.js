@@ -122,12 +122,15 @@ export class Stage {
     c.lineWidth = 1;
     const width = at(high) - at(low);
     for (const place of ticks(low, high, width / 75)) {
+      if (at(high) - at(place) < 12) continue; // the unit stands there
       c.beginPath();
       c.moveTo(at(place), foot);
       c.lineTo(at(place), foot + 5);
       c.stroke();
-      c.fillText(`${figures(place)}${counts ? "" : " rad"}`, at(place), foot + 18);
+      c.fillText(figures(place), at(place), foot + 18);
     }
+    c.textAlign = "right";
+    c.fillText(counts ? "counts" : "rad", at(high) + MARGIN - 4, foot + 18);
   }
 
   #spring(c, from, to, y) {
