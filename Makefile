@@ -38,7 +38,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo adcs holding tables docs report bench soak soak-link coverage check test lint clean distclean
+.PHONY: help setup setup-synth system lock demo scope adcs holding tables docs report bench soak soak-link coverage check test lint clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -90,6 +90,9 @@ lock: $(READY) ## pin the package lists of pyproject.toml again (UPGRADE=1: at n
 
 demo: $(READY) ## simulate the demonstration scenes and draw them into build/demo
 	@$(WITH_TOOLS) .venv/bin/wavehaptics demo --out build/demo
+
+scope: $(READY) ## a page with a wall to push and to set, on a simulated board (WH_PORT=/dev/ttyUSB0: a real one)
+	@$(WITH_TOOLS) .venv/bin/wavehaptics board scope
 
 report: $(READY) ## measure everything and write build/report/index.html (QUICK=1: coarser, 3 minutes)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics report $(if $(QUICK),--quick) --out build/report

@@ -23,6 +23,7 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from wavehaptics.cli.board import SCOPE_SCENE
 from wavehaptics.laws import closed_forms
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import find_scene, load_scene
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
@@ -30,11 +31,12 @@ DRIVER = shutil.which("chromedriver")
 FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
-    "--disable-dev-shm-usage", "--window-size=1360,1000",
+    "--disable-dev-shm-usage", "--window-size=1360,1220",
 )  # fmt: skip
 START_S = 600
 """The RTL is built first, where that hasn't been done."""
 END_S = 120
+PICTURE = ROOT / "build" / "tests" / "scope.png"
 VIEW_RAD, MARGIN = 0.7, 34
 """How much of the rotor's way the stage shows, and what it leaves beside it, px."""
 LEAST, MOST = 0.1, 0.25
@@ -78,6 +80,7 @@ class Page:
     def drag(self, places: list[float], device_s: float) -> None:
         """Lead the hand with the mouse from place to place, rad; so long at each."""
         stage = self.browser.find_element(By.ID, "stage")
+        self.browser.execute_script("window.scrollTo(0, 0)")
         scale = (stage.size["width"] - 2 * MARGIN) / VIEW_RAD
         for place in places:
             move = ActionChains(self.browser, duration=0)
@@ -199,6 +202,8 @@ def test_as_a_newcomer_has_it(page):
     page.until(lambda: float(page["k-design"]) < 0.6 * designed)
     page.press()
     found, designed = measured()
+    PICTURE.parent.mkdir(parents=True, exist_ok=True)
+    browser.save_screenshot(str(PICTURE))
     assert designed == pytest.approx(predicted(softer), rel=0.005)
     assert found == pytest.approx(designed, rel=0.05)
     page.release()
@@ -221,8 +226,8 @@ def test_as_a_newcomer_has_it(page):
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
     browser.execute_script("window.scrollTo(0, 1e5)")
     assert browser.execute_script("return document.documentElement.scrollWidth") <= 390
-    assert browser.execute_script(
-        "return document.elementFromPoint(innerWidth - 60, innerHeight - 30).id") == "stop"  # fmt: skip
+    at_the_foot = "return document.elementFromPoint(innerWidth - 60, innerHeight - 30).id"
+    assert browser.execute_script(at_the_foot) == "stop"
     browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
     # The plug is pulled: what was seen stays, and can be had.

@@ -6,6 +6,7 @@ const SLOW = 0.3; // rad/s: faster, current and place of a row aren't of one mom
 const LEAST_ROWS = 10;
 const LEAST_PART = 0.25; // of the depth, that the rows of a fit spread over
 const LEAST_DEPTH_CELLS = 8;
+const JUMP = 0.25; // of the contact's force: between two rows the rotor was out of the wall and back
 
 export class Data {
   constructor() {
@@ -53,7 +54,7 @@ export class Data {
       this.ended = true;
       return;
     }
-    if (this.ended) {
+    if (this.ended || this.#jumped(row, before)) {
       this.contact = [];
       this.ended = this.bent = false;
     }
@@ -63,6 +64,13 @@ export class Data {
     if (Math.abs(row.x - before.x) > slow * step + this.cell) return;
     this.contact.push(row);
     this.#line();
+  }
+
+  #jumped(row, before) {
+    if (!this.k || !before) return false;
+    const most = this.contact.reduce((found, { f }) => Math.max(found, Math.abs(f)), 0);
+    const off = Math.abs(row.f - before.f - this.k * (row.x - before.x));
+    return most > 0 && off > JUMP * most + LEAST_DEPTH_CELLS * this.k * this.cell;
   }
 
   // The straight line through the contact's rows by least squares.

@@ -41,7 +41,7 @@ export class Phase {
     c.beginPath();
     c.rect(...box);
     c.clip();
-    if (k !== null) this.#line(c, at, up, [through[1] ? x0 : edge, x1], (x) => through[1] + k * (x - through[0]), colour("design"), 2, [7, 5]);
+    if (k !== null) this.#line(c, at, up, [edge, x1], (x) => through[1] + k * (x - through[0]), colour("design"), 2, [7, 5]);
     for (const row of shown) {
       const age = (last - row.t) / TRAIL_S;
       c.globalAlpha = 0.1 + 0.75 * (1 - age) ** 2;

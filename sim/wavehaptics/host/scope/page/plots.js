@@ -5,7 +5,8 @@
 import { colour, figures } from "./canvas.js";
 
 const WINDOW_S = 6;
-const HEIGHT = 112;
+const LEAST_S = 1;
+const HEIGHT = 118;
 const AXIS = 58;
 
 // [name, unit, scale, series as [column, label, colour, dash]]
@@ -93,7 +94,8 @@ export class Plots {
 
   draw(rows) {
     if (!rows.length) return;
-    const end = rows.at(-1).t, begin = end - WINDOW_S;
+    const end = rows.at(-1).t;
+    const begin = Math.min(end - LEAST_S, Math.max(end - WINDOW_S, rows[0].t));
     let first = rows.length;
     while (first > 0 && rows[first - 1].t >= begin) first--;
     const shown = rows.slice(first);

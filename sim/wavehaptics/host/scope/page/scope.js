@@ -90,7 +90,7 @@ function show() {
   const gone = "the scope has ended: what was seen stays here; start it anew for another address";
   by("line").textContent = !there ? gone : state.problem || (old ? "" : told) || state.note;
   by("speed").hidden = !live || state.speed === null;
-  by("speed").textContent = `simulated, ${figures(state.speed === null ? null : Number(state.speed.toPrecision(2)))} of real time`;
+  by("speed").textContent = `simulated, ${state.speed?.toFixed(2)} of real time`;
   by("plug").hidden = !state.virtual;
   by("plug").textContent = state.plugged ? "Pull the plug" : "Plug it in";
   by("record").dataset.on = state.recording ? "1" : "0";
@@ -106,6 +106,7 @@ function shape(live) {
   data.unit = rad ? "rad" : "counts";
   data.cell = state.cell;
   data.edge = state.wall[0];
+  data.k = torque && rad ? state.stiffness : null;
   stage.led = state.hand !== null;
   stage.hand = state.hand;
   stage.canvas.classList.toggle("still", !stage.led);
@@ -133,7 +134,7 @@ function draw(now) {
   const most = Math.max(0.02, ...data.rows.slice(-600).map((row) => Math.abs(row.f ?? 0)));
   stage.draw({ x: last.x, f: last.f, fMost: most, wall: state.wall, there: state.wall_there, alive: there && state.live, counts: !state.rad });
   phase.draw({
-    rows: data.rows, fit: data.fit, edge: state.wall[0], through: data.through(), k: state.torque && state.rad ? state.stiffness : null,
+    rows: data.rows, fit: data.fit, edge: state.wall[0], through: data.through(), k: data.k,
     leastDepth: state.rad ? 4e-3 : 10, leastForce: state.torque ? 0.02 : 0.2,
     unit: state.rad ? RAD : COUNTS, forceUnit: state.torque ? TORQUE : CURRENT,
   });
