@@ -15,6 +15,9 @@ export TOOLCHAIN
 # With TOOLCHAIN=native, these goals do without a Verilator.
 SIMULATES := $(if $(filter-out bitstream synth seeds prog resources numbers formal,$(MAKECMDGOALS)),yes,no)
 
+# Only the tests need a browser.
+BROWSES := $(if $(filter setup test coverage,$(MAKECMDGOALS)),yes,no)
+
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 
@@ -51,9 +54,9 @@ setup-synth: $(READY_SYNTH) ## add the synthesis and proof tools to .venv
 
 # The two halves of one question: may we go on, and if so, what is to be installed?
 system:
-	@$(eval problem := $(shell TOOLCHAIN=$(TOOLCHAIN) SIMULATES=$(SIMULATES) sh sim/setup/system.sh check $(PYTHON)))
+	@$(eval problem := $(shell TOOLCHAIN=$(TOOLCHAIN) SIMULATES=$(SIMULATES) BROWSES=$(BROWSES) sh sim/setup/system.sh check $(PYTHON)))
 	@$(if $(problem),$(error $(problem)))
-	@SIMULATES=$(SIMULATES) sh sim/setup/system.sh install $(PYTHON)
+	@SIMULATES=$(SIMULATES) BROWSES=$(BROWSES) sh sim/setup/system.sh install $(PYTHON)
 
 $(READY): requirements.lock pyproject.toml $(wildcard sim/setup/*.sh) | system
 	@sh sim/setup/environment.sh $(PYTHON) requirements.lock

@@ -29,8 +29,8 @@ need perl perl
 need iverilog iverilog
 need ngspice ngspice
 need mbpoll mbpoll
-# A browser for the scope's test. Elsewhere than on Debian it is no package of apt-get's.
-if [ "$(. /etc/os-release 2>/dev/null && echo "$ID")" = debian ] && ! command -v google-chrome >/dev/null 2>&1; then
+# A browser for the test of the scope. Elsewhere than on Debian it is no package of apt-get's.
+if [ "${BROWSES:-no}" = yes ] && grep -qx ID=debian /etc/os-release 2>/dev/null; then
     need chromium chromium
     need chromedriver chromium-driver
 fi

@@ -20,6 +20,7 @@ from aiohttp.test_utils import TestClient, TestServer
 from wavehaptics.controller.ports import controller_ports
 from wavehaptics.host.led_hand import MOST_RAD_S, SETTLE_S, Follower, LedHand
 from wavehaptics.host.names import HostError, Place, Shape, places
+from wavehaptics.host.scope import command
 from wavehaptics.host.scope import feed as feed_module
 from wavehaptics.host.scope.bench import Bench, Known
 from wavehaptics.host.scope.feed import PATIENCE_S, Feed
@@ -59,7 +60,7 @@ class Device:
     def __init__(self, *overrides: str, port: str = "") -> None:
         scene = load_scene(find_scene(SCENE), overrides)
         clock_hz = round(controller_ports(scene).timing.clock_hz)
-        options = {"anchor": 1, "arm": 1, "guard": 1, "shaper": 1}
+        options = {"anchor": 1, "arm": 1, "live": 1, "shaper": 1}
         self.identification = SimpleNamespace(options=options, words={"clock_hz": clock_hz})
         self.shape = SHAPE
         self.words = scene_words(*overrides)
@@ -207,6 +208,18 @@ def test_it_is_on_loopback_alone():
         await task
 
     asyncio.run(run())
+
+
+def test_a_port_that_is_taken():
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = other.getsockname()[1]
+        with pytest.raises(HostError, match=f"port {port} is taken; name another one with"):
+            command.run(
+                Plug("/nowhere"), Known(), http_port=port, browser=False, unit=1, motor=0,
+                timeout_s=1.0,
+            )  # fmt: skip
 
 
 # ---- What sliders write.
@@ -424,6 +437,26 @@ def test_a_board_that_falls_silent(running):
     told = len(running.device.armings)
     time.sleep(0.2)
     assert len(running.device.armings) == told
+
+
+def test_a_board_with_its_own_switch(running):
+    """It can't be armed, and a stop says so instead of nothing."""
+    running.device.identification.options["arm"] = 0
+    running.device.silent = True
+    wait(lambda: not running.state()["live"])
+    running.device.silent = False
+    wait(lambda: running.state()["live"])
+    with pytest.raises(HostError, match="by its own switch"):
+        running.arm(object()).result(END_S)
+    running.stop()
+    wait(lambda: "by its own switch" in running.state()["note"])
+
+
+def test_a_board_without_live_words():
+    device = Device()
+    device.identification.options["live"] = 0
+    with pytest.raises(HostError, match="tells no live values"):
+        Bench(device, Known())
 
 
 def test_a_refusal_doesnt_end_it(running):

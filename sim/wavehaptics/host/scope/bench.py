@@ -98,7 +98,8 @@ class Bench:
         options = client.identification.options
         self.anchored = bool(options["anchor"])
         self.arms = bool(options["arm"])
-        self.guarded = bool(options["guard"])
+        if not options["live"]:
+            raise HostError("this board's bitstream tells no live values; build it with LIVE = 1")
         self._step = self._all(STEP)
         self._seen = self._all(ANCHOR) if self.anchored else []
         self._status = self._all(("faults", "running", "overrun", "armed", "arm_refused"))

@@ -30,6 +30,8 @@ PATIENCE_S = 0.6
 ZERO_S = 10.0
 """Wall-clock time in which a zero is measured, on a slow simulated board as well."""
 
+NO_ARMING = "this board runs and stops by its own switch; its line does neither"
+
 _STATUS_S = 0.1
 _SEEN_EVERY = 2
 _AGAIN_S = 0.5
@@ -114,7 +116,7 @@ class Feed(threading.Thread):
 
         def first(bench: Bench) -> None:
             if not bench.arms:
-                raise HostError("this device can't be armed by a word; its switch lets it run")
+                raise HostError(NO_ARMING)
             bench.arm(1)
             now = time.monotonic()
             self._owner, self._beat, self._off = owner, now, False
@@ -204,6 +206,8 @@ class Feed(threading.Thread):
             self._note = ""
             if silent:
                 self._note = "switched off: the page that armed was silent"
+            elif not bench.arms:
+                self._note = NO_ARMING
         elif self._owner is not None and now - self._renewed >= RENEWAL_S:
             self._renewed = now
             bench.arm(2)
