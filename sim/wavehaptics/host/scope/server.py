@@ -30,6 +30,8 @@ PAGE = Path(__file__).parent / "page"
 FRAME_S = 0.03
 """From one message with rows to the next."""
 _STATE_FRAMES = 5
+_TAKES_S = 1.0
+"""In which a page has to take what it is told."""
 _MOST_MESSAGE = 4096
 
 _HEADERS = {
@@ -190,6 +192,7 @@ class Scope:
 
     async def _tell(self) -> None:
         frame = 0
+        parting: set[asyncio.Task[bool]] = set()
         while True:
             await asyncio.sleep(FRAME_S)
             rows = self._feed.fresh()
@@ -204,9 +207,13 @@ class Scope:
             for page in list(self._pages):
                 for text in texts:
                     try:
-                        await asyncio.wait_for(page.send_str(text), 1.0)
-                    except (ConnectionError, TimeoutError, asyncio.TimeoutError):
+                        await asyncio.wait_for(page.send_str(text), _TAKES_S)
+                    except (ConnectionError, asyncio.TimeoutError):
+                        # It comes back by itself, if it is still there.
                         self._pages.discard(page)
+                        task = asyncio.create_task(page.close())
+                        parting.add(task)
+                        task.add_done_callback(parting.discard)
                         break
 
     async def _part(self, _: web.Application) -> None:
