@@ -15,6 +15,9 @@ export TOOLCHAIN
 # With TOOLCHAIN=native, these goals do without a Verilator.
 SIMULATES := $(if $(filter-out bitstream synth seeds prog resources numbers formal,$(MAKECMDGOALS)),yes,no)
 
+# Only the tests need a browser.
+BROWSES := $(if $(filter setup test coverage,$(MAKECMDGOALS)),yes,no)
+
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 
@@ -38,7 +41,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo adcs holding tables docs report bench soak soak-link coverage check test lint clean distclean
+.PHONY: help setup setup-synth system lock demo scope adcs holding tables docs report bench soak soak-link coverage check test lint clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -51,9 +54,9 @@ setup-synth: $(READY_SYNTH) ## add the synthesis and proof tools to .venv
 
 # The two halves of one question: may we go on, and if so, what is to be installed?
 system:
-	@$(eval problem := $(shell TOOLCHAIN=$(TOOLCHAIN) SIMULATES=$(SIMULATES) sh sim/setup/system.sh check $(PYTHON)))
+	@$(eval problem := $(shell TOOLCHAIN=$(TOOLCHAIN) SIMULATES=$(SIMULATES) BROWSES=$(BROWSES) sh sim/setup/system.sh check $(PYTHON)))
 	@$(if $(problem),$(error $(problem)))
-	@SIMULATES=$(SIMULATES) sh sim/setup/system.sh install $(PYTHON)
+	@SIMULATES=$(SIMULATES) BROWSES=$(BROWSES) sh sim/setup/system.sh install $(PYTHON)
 
 $(READY): requirements.lock pyproject.toml $(wildcard sim/setup/*.sh) | system
 	@sh sim/setup/environment.sh $(PYTHON) requirements.lock
@@ -90,6 +93,9 @@ lock: $(READY) ## pin the package lists of pyproject.toml again (UPGRADE=1: at n
 
 demo: $(READY) ## simulate the demonstration scenes and draw them into build/demo
 	@$(WITH_TOOLS) .venv/bin/wavehaptics demo --out build/demo
+
+scope: $(READY) ## a page with a wall to push and to set, on a simulated board (WH_PORT=/dev/ttyUSB0: a real one)
+	@$(WITH_TOOLS) .venv/bin/wavehaptics board scope
 
 report: $(READY) ## measure everything and write build/report/index.html (QUICK=1: coarser, 3 minutes)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics report $(if $(QUICK),--quick) --out build/report

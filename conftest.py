@@ -108,6 +108,7 @@ LONG = (
     "sim/tests/test_pins_anchor.py::test_pins_hold_what_golden_holds[settings1-0.014]",
     "sim/tests/test_pins_anchor.py::test_pins_hold_what_golden_holds[settings3-0.012]",
     "sim/tests/test_run.py::test_core_and_golden_are_the_same_integers[bounce]",
+    "sim/tests/test_run.py::test_core_and_golden_are_the_same_integers[live_wall]",
     "sim/tests/test_run.py::test_core_and_golden_are_the_same_integers[mass]",
     "sim/tests/test_run.py::test_core_and_golden_are_the_same_integers[warm_winding]",
     "sim/tests/test_run.py::test_pins_with_each_kind_of_adc[AD7276]",

@@ -29,6 +29,11 @@ need perl perl
 need iverilog iverilog
 need ngspice ngspice
 need mbpoll mbpoll
+# A browser for the test of the scope. Elsewhere than on Debian it is no package of apt-get's.
+if [ "${BROWSES:-no}" = yes ] && grep -qx ID=debian /etc/os-release 2>/dev/null; then
+    need chromium chromium
+    need chromedriver chromium-driver
+fi
 version=$("$python" -c 'import sys; print("python%d.%d" % sys.version_info[:2])')
 # A bare Debian has the venv module without ensurepip. The package's name carries the version, but
 # for the distribution's own Python.

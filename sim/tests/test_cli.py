@@ -167,6 +167,13 @@ def test_runs_that_end_early(capsys, monkeypatch, runs, name, status, fragment):
             "track_gain is gone: the port",
         ),
         (("check", "bench.toml", "--set", "motor.\udcff=1"), "is not UTF-8"),
+        (("board", "--virtual", "impact", "--hand", "hand"), "impact has no hand that can be led"),
+        (("board", "--virtual", "press_hold", "--hand", "bench.toml"), "is there and no socket"),
+        (("board", "scope", "--virtual", "press_hold", "--port", "p"), "is a board of its own"),
+        (("board", "scope", "--scene", "press_hold"), "--scene goes with --port"),
+        (("board", "scope", "--counts", "400"), "--counts goes with --port"),
+        (("board", "scope", "--port", "p", "--set", "motor.k_t=1"), "name one with --scene"),
+        (("board", "scope", "--virtual", "no_such"), "no_such"),
     ],
 )
 def test_refused(capsys, monkeypatch, runs, arguments, fragment):

@@ -488,6 +488,7 @@ def test_shipped_scenes():
         "free_space",
         "held_wall",
         "impact",
+        "live_wall",
         "mass",
         "paper_taps",
         "phantom",

@@ -41,8 +41,9 @@ END_S = 300
 
 def command(*words: str, env: dict[str, str] | None = None) -> subprocess.Popen:
     return subprocess.Popen(
-        [sys.executable, "-m", "wavehaptics", "board", *words], text=True, stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE, env={**os.environ, "COLUMNS": "80", **(env or {})},
+        [sys.executable, "-m", "wavehaptics", "board", *words], text=True, stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        env={**os.environ, "COLUMNS": "80", **(env or {})},
     )  # fmt: skip
 
 
@@ -338,6 +339,11 @@ def test_how_a_board_ends(tmp_path):
     stop(process, signal.SIGKILL)
     assert re.match(rf"{path}: (can't be opened|no answer|.*was it unplugged)",
                     refused(path, "get", "armed", "--timeout", "1"))  # fmt: skip
+    process, _ = start("--tied")
+    process.stdin.close()
+    process.stdin = None
+    assert process.wait(END_S) == 0
+    process.communicate()
     process, _ = start("--seconds", "0.001")
     assert process.wait(END_S) == 0
     process.communicate()

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import os
+import select
 import signal
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -22,6 +24,11 @@ if TYPE_CHECKING:
 
 RENEWAL_S = 0.05
 """Wall-clock time from one renewal of the arming to the next, a quarter of what it lasts."""
+
+SCOPE_SCENE = "live_wall"
+"""What the scope's virtual board has behind it unless another scene is named."""
+
+SCOPE_HTTP_PORT = 8317
 
 ZERO_S = 10.0
 """Wall-clock time in which a zero is measured, on a slow simulated board as well."""
@@ -43,6 +50,7 @@ TimeoutOption = Annotated[
 MotorOption = Annotated[int, typer.Option(min=0, max=7, help="The motor whose words are meant.")]
 RawOption = Annotated[bool, typer.Option("--raw", help="Raw words in place of values in SI units.")]
 DEFAULT_TIMEOUT = 5.0
+SCOPE_TIMEOUT = 2.0
 
 
 @contextmanager
@@ -83,6 +91,13 @@ def be_virtual(
         Path | None,
         typer.Option(metavar="PATH", help="With --virtual: a symbolic link to its port."),
     ] = None,
+    hand: Annotated[
+        Path | None,
+        typer.Option(metavar="PATH", help="With --virtual: a socket that leads the scene's hand."),
+    ] = None,
+    tied: Annotated[
+        bool, typer.Option("--tied", help="With --virtual: end with the standard input.")
+    ] = False,
 ) -> None:
     """Be a virtual board, or leave it to the command that follows."""
     if context.invoked_subcommand is not None:
@@ -99,7 +114,12 @@ def be_virtual(
     loaded = load_scene(find_scene(virtual), overrides or ())
     if link is not None and link.exists() and not link.is_symlink():
         raise CommandError(f"--link {link}: is there and no link; name another path")
+    if hand is not None and (hand.exists() and not hand.is_socket()):
+        raise CommandError(f"--hand {hand}: is there and no socket; name another path")
+    if hand is not None and (loaded.hand is None or loaded.hand.path == "impact"):
+        raise CommandError(f"--hand {hand}: {loaded.scene.name} has no hand that can be led")
 
+    from wavehaptics.host.led_hand import LedHand
     from wavehaptics.host.virtual import VirtualBoard
     from wavehaptics.ladder.linked_pins import LinkedPins
 
@@ -108,9 +128,16 @@ def be_virtual(
     asked = []
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: asked.append(True))
-    with VirtualBoard(pins, link) as running:
+    with ExitStack() as kept:
+        led = kept.enter_context(LedHand(hand, pins.hand_rad)) if hand is not None else None
+        running = kept.enter_context(VirtualBoard(pins, link, led))
         print(running.path, flush=True)
-        running.run(lambda: bool(asked), seconds, paced=paced)
+        running.run(lambda: bool(asked) or (tied and _input_ended()), seconds, paced=paced)
+
+
+def _input_ended() -> bool:
+    """Whether the standard input has ended; what it holds is thrown away."""
+    return bool(select.select([0], [], [], 0.0)[0]) and not os.read(0, 4096)
 
 
 @board.command()
@@ -511,3 +538,67 @@ def _bit_names(place: Place, values: Iterable[int]) -> list[str]:
     if place.word.name == "flags":
         return [FLAGS[bit] for bit in bits_of(there)]
     return [FAULTS[bit][0] for bit in bits_of(there)]
+
+
+@board.command()
+def scope(
+    port: PortOption = "",
+    virtual: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SCENE",
+            help=f"In place of a port: a virtual board of its own, by default with {SCOPE_SCENE}.",
+        ),
+    ] = None,
+    scene: Annotated[
+        str | None,
+        typer.Option(metavar="SCENE", help="With a port: what motor, encoder and W are behind it."),
+    ] = None,
+    overrides: SetOption = None,
+    k_t: Annotated[
+        float | None, typer.Option(min=1e-4, max=10, help="With a port: k_T of its motor, N·m/A.")
+    ] = None,
+    counts: Annotated[
+        int | None, typer.Option(min=4, help="With a port: its encoder's counts a turn.")
+    ] = None,
+    hand: Annotated[
+        Path | None, typer.Option(metavar="PATH", help="With a port: the --hand of its board.")
+    ] = None,
+    http_port: Annotated[
+        int, typer.Option(min=0, max=65535, help="Of the page; 0: any that is free.")
+    ] = SCOPE_HTTP_PORT,
+    no_browser: Annotated[
+        bool, typer.Option("--no-browser", help="Open no browser with the page.")
+    ] = False,
+    motor: MotorOption = 0,
+    unit: UnitOption = 1,
+    timeout: TimeoutOption = SCOPE_TIMEOUT,
+) -> None:
+    """Show the board live on a page of this machine: push its wall, set it, stop it."""
+    if virtual is not None and port:
+        raise CommandError("--virtual is a board of its own: leave --port and WH_PORT out")
+    told = {"--scene": scene, "--k-t": k_t, "--counts": counts, "--hand": hand}
+    for option, value in told.items() if not port else ():
+        if value is not None:
+            raise CommandError(f"{option} goes with --port; a virtual board knows its own")
+    if overrides and port and scene is None:
+        raise CommandError("--set goes with a scene: name one with --scene")
+    name = scene if port else virtual or SCOPE_SCENE
+    path = find_scene(name) if name is not None else None
+    if path is not None:
+        load_scene(path, overrides or ())
+
+    from wavehaptics.host.scope import command
+    from wavehaptics.host.scope.bench import Known
+    from wavehaptics.host.scope.plug import Plug, VirtualPlug
+
+    known, sets = Known(), tuple(overrides or ())
+    if path is not None:
+        known = Known.of_scene(path, sets, starts=not port or hand is not None)
+    known = known.but(k_t, counts)
+    with _refusals():
+        plug = Plug(port, hand) if port else VirtualPlug(str(path), sets)
+        command.run(
+            plug, known, http_port=http_port, browser=not no_browser, unit=unit, motor=motor,
+            timeout_s=timeout,
+        )  # fmt: skip

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 
+from wavehaptics.host.led_hand import LedHand
 from wavehaptics.ladder.linked_pins import LinkedPins
 
 BLOCK_S = 2e-3
@@ -28,12 +29,15 @@ class VirtualBoard:
 
     ``path`` is where a host opens it. Its rate means nothing: bytes go at the rate that the device
     has. ``link`` becomes a symbolic link to it, and is removed at the end; ``OSError`` where that
-    is something else.
+    is something else. With ``hand`` the scene's hand is led by it.
     """
 
-    def __init__(self, pins: LinkedPins, link: Path | None = None) -> None:
+    def __init__(
+        self, pins: LinkedPins, link: Path | None = None, hand: LedHand | None = None
+    ) -> None:
         self._pins = pins
         self._link = link
+        self._hand = hand
         self._ticks = 16
 
     def __enter__(self) -> VirtualBoard:
@@ -70,6 +74,9 @@ class VirtualBoard:
         while not ended():
             before = time.monotonic()
             self._take(0.0)
+            if self._hand is not None:
+                step_s = self._ticks * self._pins.tick_s
+                self._pins.lead_hand(self._hand.speed(self._pins.time_s, step_s))
             self._pins.elapse(self._ticks)
             self._give()
             passed = time.monotonic() - before

@@ -12,6 +12,7 @@ from pymodbus.pdu.register_message import WriteMultipleRegistersRequest
 
 from wavehaptics.ladder import pins_loop
 from wavehaptics.ladder.pins import PinsSimulation
+from wavehaptics.motor.plant import RAMP_END, C, P, R, S
 from wavehaptics.scene import Scene
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
@@ -145,6 +146,19 @@ class LinkedPins(PinsSimulation):
     def time_s(self) -> float:
         """Simulated time since the motor was let go, s."""
         return self.clock_cycles / self.timing.clock_hz
+
+    @property
+    def hand_rad(self) -> float:
+        """Where the hand is, rad."""
+        return float(self._state[P] + self._state[C])
+
+    def lead_hand(self, speed_rad_s: float) -> None:
+        """From now on the hand goes at this speed, and its path is forgotten."""
+        state = self._state
+        state[P] += state[C]
+        state[C] = state[S] = 0.0
+        state[R] = speed_rad_s
+        self._load[RAMP_END] = np.inf
 
     def elapse(self, ticks: int) -> None:
         """Let ticks of the scene pass, with the bridges on or off. Nothing is kept of them."""

@@ -77,20 +77,33 @@ def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
     set_ = simulation.settings
     analog = isinstance(simulation, AnalogSimulation)
     tau = 1.0 / scene.controller.lambda_ if analog else set_.tau
+    wish = set_.shaper.wish if set_.shaped.any() else None
+    return rendered_stiffness(
+        scene, set_.r_hat, tau, scene.controller.eta_contact, set_.anchored and not analog,
+        wish.spring if wish is not None else None,
+    )  # fmt: skip
+
+
+def rendered_stiffness(
+    scene: Scene, r_hat: float, tau_s: float, eta: float, anchored: bool, spring: float | None
+) -> float:
+    """K of the design spring for a contact with ``eta``, N·m/rad; 0 where nothing is pushed back.
+
+    ``r_hat`` in Ω and the delay ``tau_s`` are the port's; ``spring`` is W's, N·m/rad, or None.
+    """
     k_t, inductance, k_t_hat = scene.motor.k_t, scene.motor.L_h, scene.controller.k_t_hat
     wished = (k_t / k_t_hat) ** 2
-    if set_.anchored and not analog:
+    if anchored:
         wished = k_t / k_t_hat
         k_t, inductance = math.sqrt(k_t * k_t_hat), scene.controller.l_hat
-    g = -scene.controller.eta_contact
+    g = -eta
     if g <= -1.0:
         return 0.0
-    wish = set_.shaper.wish
-    if wish is not None:
-        spring = wish.spring * wished
-        front = closed_forms.stiffness(k_t, inductance, set_.r_hat, tau)
+    if spring is not None:
+        spring *= wished
+        front = closed_forms.stiffness(k_t, inductance, r_hat, tau_s)
         return spring * front / (spring + front)
-    return closed_forms.stiffness(k_t, inductance, set_.r_hat, tau, g)
+    return closed_forms.stiffness(k_t, inductance, r_hat, tau_s, g)
 
 
 def measure(

@@ -1,0 +1,378 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is on the bench: words of one motor in SI units, its design spring, and what sliders write.
+
+With a scene all is known. Without one what the device itself tells is: amperes and counts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from wavehaptics.controller import wave_core
+from wavehaptics.controller.ports import controller_ports
+from wavehaptics.controller.shaper import Shaper, design
+from wavehaptics.host.client import Client
+from wavehaptics.host.names import HostError, Place, number, places, readable, settable
+from wavehaptics.ladder.run import rendered_stiffness
+from wavehaptics.laws import closed_forms
+from wavehaptics.laws.reflection import WishError
+from wavehaptics.scene import Scene, SceneError, load_scene
+from wavehaptics.words import formats
+
+LAMBDA_SPAN = 300.0
+"""Largest λ of the slider over the least."""
+
+WALL_SPAN_RAD = 0.2
+"""How far the wall's slider goes from where the wall is at first, rad."""
+
+WALL_SPAN_COUNTS = 1000
+"""The same where a count's angle isn't known."""
+
+_SHAPE_PARTS = (0.05, 0.9)
+"""Stiffness of W on the slider, in parts of what motor and delay have in front."""
+
+_DAMPERS = 4.0
+"""Largest damping of W on the slider, in parts of k_T²/R."""
+
+STEP = ("voltage", "u", "v", "current", "position", "contact", "saturated")
+"""Live words of one frame."""
+
+ANCHOR = ("correction", "offset", "flux", "lag")
+"""Live words of a port anchor, of one frame."""
+
+
+@dataclass(frozen=True)
+class Known:
+    """What the host is told of motor and encoder, SI units; None is not known."""
+
+    scene: Scene | None = None
+    path: Path | None = None
+    """Of the scene's file, and with it ``overrides``, as it is read anew with another W."""
+    overrides: tuple[str, ...] = ()
+    k_t: float | None = None
+    cell_rad: float | None = None
+    start_count: int = 0
+    """Where the device's count is 0, in cells of the scene's angle."""
+
+    @classmethod
+    def of_scene(cls, path: Path, overrides: tuple[str, ...], *, starts: bool) -> Known:
+        """All that a scene tells. ``starts``: the device began to count where the scene does."""
+        scene = load_scene(path, overrides)
+        ports = controller_ports(scene)
+        return cls(
+            scene, path, overrides, scene.motor.k_t, ports.settings.cell_rad,
+            ports.start_count if starts else 0,
+        )  # fmt: skip
+
+    def but(self, k_t: float | None, counts: int | None) -> Known:
+        """The same with another torque constant, N·m/A, or encoder, counts a turn, if given."""
+        cell_rad = None if counts is None else 2 * math.pi / counts
+        return replace(self, k_t=k_t or self.k_t, cell_rad=cell_rad or self.cell_rad)
+
+
+@dataclass
+class _Wish:
+    """W as its sliders have it."""
+
+    stiffness: float
+    damping: float
+    shaper: Shaper
+
+
+_Change = tuple[dict[Place, float], _Wish | None]
+"""Words to be written, and W after that."""
+
+
+class Bench:
+    """One motor of a device, with what is known of it. ``motor`` is its place on the device.
+
+    All that talks to the device raises :class:`HostError`.
+    """
+
+    def __init__(self, client: Client, known: Known, motor: int = 0) -> None:
+        self._client, self.known, self._motor = client, known, motor
+        options = client.identification.options
+        self.anchored = bool(options["anchor"])
+        self.arms = bool(options["arm"])
+        if not options["live"]:
+            raise HostError("this board's bitstream tells no live values; build it with LIVE = 1")
+        self._step = self._all(STEP)
+        self._seen = self._all(ANCHOR) if self.anchored else []
+        self._status = self._all(("faults", "running", "overrun", "armed", "arm_refused"))
+        self._clock_hz = client.identification.words["clock_hz"]
+        self._sections = options["shaper"]
+        self._wish: _Wish | None = None
+        self._names = (
+            "half_clocks", "tick_halves", "extra_ticks", "root", "a", "eta_contact", "eta_free",
+            "wall_min", "wall_max", "wall_enable",
+            *(("wall_shaped",) if self._sections else ()),
+            *(("anchor_enable", "anchor_flux_gain", "anchor_owed_gain") if self.anchored else ()),
+        )  # fmt: skip
+        self.refresh()
+        self._owes = self.anchored and bool(self._value("anchor_owed_gain"))
+        self._wall_at = self._value("wall_min")
+        table = known.scene.shaper if known.scene else None
+        if table is not None and self._sections and table.feel == "spring":
+            self._wish = self._wished(table.stiffness or 0.0, table.damping, self.tau_s)
+
+    def _all(self, names: tuple[str, ...]) -> list[Place]:
+        return [self._place(name) for name in names]
+
+    def _place(self, name: str) -> Place:
+        return readable(places(name, self._client.shape, self._motor)[0])
+
+    def refresh(self) -> None:
+        """Read the settings that the page shows."""
+        found = self._all(self._names)
+        raws = self._client.read(found)
+        self._values = {p.word.name: p.value(raw) for p, raw in zip(found, raws, strict=True)}
+
+    def _value(self, name: str) -> float:
+        return self._values[name]
+
+    # ---- What is read again and again.
+
+    def step(self) -> dict[str, float]:
+        """Live words of one tick by their names, in their units."""
+        return self._live(self._step)
+
+    def seen(self) -> dict[str, float]:
+        """Live words of the port anchor, none without one."""
+        return self._live(self._seen)
+
+    def status(self) -> dict[str, int]:
+        """Faults and arming, as raw words."""
+        raws = self._client.read(self._status)
+        return {p.word.name: raw for p, raw in zip(self._status, raws, strict=True)}
+
+    def _live(self, found: list[Place]) -> dict[str, float]:
+        raws = self._client.read(found)
+        return {p.word.name: p.value(raw) for p, raw in zip(found, raws, strict=True)}
+
+    # ---- What is commanded.
+
+    def arm(self, value: int) -> None:
+        """Write the word ``arm``."""
+        self._client.write([(places("arm", self._client.shape)[0], value)])
+
+    def clear(self) -> None:
+        """Forget faults that are over."""
+        self._client.write([(places("clear", self._client.shape)[0], 1)])
+
+    def set_word(self, text: str) -> None:
+        """Write ``NAME=VALUE``, in the word's unit."""
+        name, _, value = text.partition("=")
+        try:
+            given = number(value.strip())
+        except ValueError:
+            raise HostError(f"{text}: write NAME=NUMBER, as in root=2.0") from None
+        found = [settable(p) for p in places(name.strip(), self._client.shape, self._motor)]
+        if len(found) > 1:
+            raise HostError(f"{text}: which one? Take {found[0].text}...{found[-1].text}")
+        self._client.write([(found[0], found[0].raw(given))])
+        self.refresh()
+
+    def slide(self, name: str, value: float) -> None:
+        """Write what a slider of :meth:`shown` means."""
+        found = {
+            "lambda": self._lambda_words, "eta": self._eta_words, "wall": self._wall_words,
+            "soft": self._soft_words, "stiffness": self._stiffness_words,
+            "damping": self._damping_words,
+        }.get(name)  # fmt: skip
+        if found is None or not math.isfinite(value):
+            raise HostError(f"{name} = {value}: there is no such slider, or the value is no number")
+        if name in ("stiffness", "damping", "soft") and self._wish is None:
+            raise HostError(f"{name}: W of this device isn't known; it takes a scene's [shaper]")
+        words, wish = found(value)
+        self._client.write((place, place.raw(word)) for place, word in words.items())
+        self._values |= {p.word.name: word for p, word in words.items() if not p.index}
+        self._wish = wish
+
+    def _lambda_words(self, lambda_: float) -> _Change:
+        if lambda_ <= 0.0:
+            raise HostError(f"lambda = {lambda_:g} rad/s is out of range; it is above 0")
+        matched = closed_forms.matched_a(self.tick_s, lambda_, self._extra_ticks)
+        return self._filter_words(matched, self._value("eta_contact"))
+
+    def _eta_words(self, eta: float) -> _Change:
+        return self._filter_words(self._value("a"), eta)
+
+    def _filter_words(self, a: float, eta: float) -> _Change:
+        """Of a and η, with what depends on them: free space, W, and what the anchor is owed."""
+        a = formats.A.to_value(formats.A.to_raw(a))
+        if not a:
+            raise HostError(
+                f"lambda is too low: a would be below its last place {formats.A.step:.1e}"
+            )
+        words: dict[Place, float] = {self._place("a"): a, self._place("eta_contact"): eta}
+        if self._owes:
+            owed = self._value("anchor_flux_gain") / a if eta == -1.0 else 0.0
+            words[self._place("anchor_owed_gain")] = min(owed, formats.FLUX.largest)
+        tau_s = closed_forms.tau(self.tick_s, a, self._extra_ticks)
+        if self.known.scene is not None:
+            control = self._scene(f"controller.lambda={1.0 / tau_s!r}").controller
+            words[self._place("eta_free")] = control.eta_free
+        if self._wish is None:
+            return words, None
+        wish = self._wished(self._wish.stiffness, self._wish.damping, tau_s)
+        return words | self._shape_words(wish), wish
+
+    def _wall_words(self, edge: float) -> _Change:
+        cell = self.known.cell_rad
+        count = edge if cell is None else edge / cell - self.known.start_count
+        return {self._place("wall_min"): round(count)}, self._wish
+
+    def _soft_words(self, soft: float) -> _Change:
+        return {self._place("wall_shaped"): int(bool(soft))}, self._wish
+
+    def _stiffness_words(self, stiffness: float) -> _Change:
+        assert self._wish is not None
+        wish = self._wished(stiffness, self._wish.damping, self.tau_s)
+        return self._shape_words(wish), wish
+
+    def _damping_words(self, damping: float) -> _Change:
+        assert self._wish is not None
+        wish = self._wished(self._wish.stiffness, damping, self.tau_s)
+        return self._shape_words(wish), wish
+
+    def _wished(self, stiffness: float, damping: float, tau_s: float) -> _Wish:
+        """W for a spring and a damper, no stiffer than motor and delay leave for now."""
+        had = min(stiffness, _SHAPE_PARTS[1] * self._front(tau_s))
+        try:
+            scene = self._scene(f"shaper.stiffness={had!r}", f"shaper.damping={damping!r}")
+            made = design(scene, self.tick_s, tau_s, self._r_hat)
+        except (WishError, SceneError) as error:
+            raise HostError(" ".join(str(error).split())) from None
+        return _Wish(stiffness, damping, made)
+
+    def _scene(self, *more: str) -> Scene:
+        """The scene with further keys; :class:`SceneError` where it can't have them."""
+        assert self.known.path is not None
+        return load_scene(self.known.path, [*self.known.overrides, *more])
+
+    def _shape_words(self, wish: _Wish) -> dict[Place, float]:
+        words = wish.shaper.words
+        found: dict[Place, float] = {}
+        for name, raws in (
+            ("shape_coefficient", words[:, : wave_core.LOSS1].ravel()),
+            ("shape_loss", words[:, wave_core.LOSS1 :].ravel()),
+        ):
+            there = places(name, self._client.shape, self._motor)
+            found |= {
+                p: p.value(int(raw) & 0xFFFFFFFF) for p, raw in zip(there, raws, strict=False)
+            }
+        return found
+
+    # ---- What follows from them.
+
+    @property
+    def tick_s(self) -> float:
+        """T, s."""
+        return self._value("half_clocks") * self._value("tick_halves") / self._clock_hz
+
+    @property
+    def _extra_ticks(self) -> int:
+        return int(self._value("extra_ticks"))
+
+    @property
+    def tau_s(self) -> float:
+        """τ of the filter's coefficient that the device has, s."""
+        return closed_forms.tau(self.tick_s, self._value("a"), self._extra_ticks)
+
+    @property
+    def _r_hat(self) -> float:
+        """R̂ of the port, Ω."""
+        return 0.5 * self._value("root") ** 2
+
+    @property
+    def _anchor_on(self) -> bool:
+        return self.anchored and bool(self._value("anchor_enable"))
+
+    @property
+    def _soft(self) -> bool:
+        return self._wish is not None and bool(self._value("wall_shaped"))
+
+    def _front(self, tau_s: float) -> float:
+        assert self.known.scene is not None
+        return rendered_stiffness(self.known.scene, self._r_hat, tau_s, -1.0, self._anchor_on, None)
+
+    @property
+    def stiffness(self) -> float | None:
+        """K of the design spring with the words that the device has, N·m/rad, if it is known."""
+        scene = self.known.scene
+        if scene is None:
+            return None
+        wish = self._wish.shaper.wish if self._wish is not None and self._soft else None
+        return rendered_stiffness(
+            scene, self._r_hat, self.tau_s, self._value("eta_contact"), self._anchor_on,
+            wish.spring if wish is not None else None,
+        )  # fmt: skip
+
+    def place_rad(self, count: float) -> float:
+        """Angle of the middle of a cell; the count itself where its angle isn't known."""
+        if self.known.cell_rad is None:
+            return count
+        return (count + self.known.start_count + 0.5) * self.known.cell_rad
+
+    def _edge(self, count: float) -> float:
+        cell = self.known.cell_rad
+        return count if cell is None else (count + self.known.start_count) * cell
+
+    def shown(self) -> dict[str, Any]:
+        """Settings and what follows from them, for the page."""
+        scene = self.known.scene
+        most = 1.0 / closed_forms.tau(self.tick_s, closed_forms.MOST_A, self._extra_ticks)
+        wall, span = self._edge(self._wall_at), WALL_SPAN_RAD
+        if self.known.cell_rad is None:
+            span = WALL_SPAN_COUNTS
+        sliders: dict[str, dict[str, float]] = {
+            "lambda": {"value": 1.0 / self.tau_s, "min": most / LAMBDA_SPAN, "max": most},
+            "eta": {"value": self._value("eta_contact"), "min": -1.0, "max": 1.0},
+            "wall": {
+                "value": self._edge(self._value("wall_min")), "min": wall - span, "max": wall + span
+            },
+        }  # fmt: skip
+        if self._wish is not None and scene is not None:
+            front = self._front(self.tau_s)
+            damper = _DAMPERS * closed_forms.b_r(scene.controller.k_t_hat, self._r_hat)
+            low, high = (part * front for part in _SHAPE_PARTS)
+            sliders["soft"] = {"value": float(self._soft), "min": 0.0, "max": 1.0}
+            stiffness = min(self._wish.stiffness, high)
+            sliders["stiffness"] = {"value": stiffness, "min": low, "max": high}
+            sliders["damping"] = {"value": self._wish.damping, "min": 0.0, "max": damper}
+        return {
+            "sliders": sliders,
+            "a": self._value("a"),
+            "eta_free": self._value("eta_free"),
+            "tau_s": self.tau_s,
+            "tick_s": self.tick_s,
+            "stiffness": self.stiffness,
+            "k_l": closed_forms.k_l(scene.motor.k_t, scene.motor.L_h) if scene else None,
+            "wall": [self._edge(self._value(name)) for name in ("wall_min", "wall_max")],
+            "wall_there": bool(self._value("wall_enable")),
+            "torque": self.known.k_t is not None,
+            "rad": self.known.cell_rad is not None,
+            "cell": self.known.cell_rad or 1.0,
+        }
+
+    def row(self, step: Mapping[str, float], seen: Mapping[str, float]) -> dict[str, float]:
+        """A row of a trace, by the names of a simulation's, of one tick's words."""
+        k_t, contact = self.known.k_t, bool(step["contact"])
+        row = {
+            "x": self.place_rad(step["position"]),
+            "i": step["current"],
+            "e_a": step["voltage"],
+            "torque": math.nan if k_t is None else k_t * step["current"],
+            "eta": self._value("eta_contact" if contact else "eta_free"),
+            "u": step["u"],
+            "v": step["v"],
+            "contact": float(contact),
+            "saturated": step["saturated"],
+        }
+        if seen:
+            row |= {"correction": seen["correction"], "flux": seen["flux"]}
+        return row

@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The thread that has the line: it polls, writes what is asked for, and renews the arming.
+
+One exchange at a time. The arming is renewed only while the page that asked for it gives signs of
+life; without them it is ended here, and without this thread the device ends it by itself.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any
+
+from wavehaptics.host.client import Client
+from wavehaptics.host.names import HostError
+from wavehaptics.host.scope.bench import Bench, Known
+from wavehaptics.host.scope.kept import Kept
+from wavehaptics.host.scope.plug import Plug
+from wavehaptics.words.faults import FAULTS, arm_refusal, bits_of
+
+RENEWAL_S = 0.05
+"""Wall-clock time from one renewal of the arming to the next, a quarter of what it lasts."""
+
+PATIENCE_S = 0.6
+"""How long the page that armed may be silent."""
+
+ZERO_S = 10.0
+"""Wall-clock time in which a zero is measured, on a slow simulated board as well."""
+
+NO_ARMING = "this board runs and stops by its own switch; its line does neither"
+
+_STATUS_S = 0.1
+_SEEN_EVERY = 2
+_AGAIN_S = 0.5
+"""From one try to reach the device to the next."""
+_MOST_FRESH = 4096
+"""Rows that wait for the pages."""
+
+
+class Feed(threading.Thread):
+    """Polls the device of a :class:`Plug` until :meth:`end`.
+
+    ``fresh`` takes rows for the pages away, ``state`` tells everything else.
+    """
+
+    def __init__(
+        self, plug: Plug, known: Known, *, unit: int, motor: int, timeout_s: float
+    ) -> None:
+        super().__init__(name="feed", daemon=True)
+        self._plug, self._known = plug, known
+        self._unit, self._motor, self._timeout_s = unit, motor, timeout_s
+        self.kept = Kept()
+        self._asked: queue.SimpleQueue[tuple[Callable[[Bench], None], Future[None]]] = (
+            queue.SimpleQueue()
+        )
+        self._ended = threading.Event()
+        self._lock = threading.Lock()
+        self._fresh: list[dict[str, float]] = []
+        self._status: dict[str, int] = {}
+        self._shown: dict[str, Any] = {}
+        self._problem, self._note = "", ""
+        self._live = False
+        self._off = False
+        self._owner: object = None
+        self._beat = self._armed_at = self._renewed = self._last_t = 0.0
+        self._was_armed = False
+        self._begun = time.monotonic()
+        self._offset = 0.0
+
+    # ---- For other threads.
+
+    def fresh(self) -> list[dict[str, float]]:
+        """Rows since the last time."""
+        with self._lock:
+            rows, self._fresh = self._fresh, []
+        return rows
+
+    def state(self) -> dict[str, Any]:
+        """What a page shows besides rows."""
+        status, hand = self._status, self._plug.hand
+        told = hand.told if hand is not None else None
+        return {
+            "live": self._live,
+            "problem": self._problem,
+            "note": self._note,
+            "virtual": self._plug.virtual,
+            "plugged": self._plug.plugged,
+            "speed": told.speed if told is not None and told.speed else None,
+            "hand": told.hand_rad if told is not None else None,
+            "wanted": self._owner is not None,
+            "armed": bool(status.get("armed")),
+            "running": bool(status.get("running")),
+            "refused": arm_refusal(status.get("arm_refused", 0)),
+            "faults": [FAULTS[bit][0] for bit in bits_of(status.get("faults", 0))],
+            "overrun": bool(status.get("overrun")),
+            "recording": self.kept.recording,
+            "recorded": self.kept.recorded,
+            "rows": len(self.kept),
+            **self._shown,
+        }
+
+    def ask(self, what: Callable[[Bench], None]) -> Future[None]:
+        """Do something between two exchanges; :class:`HostError` by the future."""
+        future: Future[None] = Future()
+        if self._live:
+            self._asked.put((what, future))
+        else:
+            future.set_exception(HostError("there is no board to tell"))
+        return future
+
+    def arm(self, owner: object) -> Future[None]:
+        """Arm for a page, as long as it gives signs of life (:meth:`beat`)."""
+
+        def first(bench: Bench) -> None:
+            if not bench.arms:
+                raise HostError(NO_ARMING)
+            bench.arm(1)
+            now = time.monotonic()
+            self._owner, self._beat, self._off = owner, now, False
+            self._armed_at = self._renewed = now
+            self._was_armed, self._note = False, ""
+
+        return self.ask(first)
+
+    def beat(self, owner: object) -> None:
+        """A sign of life."""
+        if owner is self._owner:
+            self._beat = time.monotonic()
+
+    def stop(self) -> None:
+        """Switch the bridges off, before anything else that is asked for."""
+        self._off = True
+
+    def leave(self, owner: object) -> None:
+        """A page has gone."""
+        if owner is self._owner:
+            self.stop()
+
+    def lead(self, place_rad: float) -> None:
+        """Lead the hand of a virtual board."""
+        hand = self._plug.hand
+        if hand is not None:
+            hand.lead(place_rad)
+
+    def end(self) -> None:
+        """Switch off, and end the thread."""
+        self._ended.set()
+        self.join()
+
+    # ---- The thread.
+
+    def run(self) -> None:
+        while not self._ended.is_set():
+            try:
+                bench = self._connect()
+                self._live, self._problem = True, ""
+                self._serve(bench)
+            except (HostError, OSError) as error:
+                self._problem = str(error)
+            finally:
+                self._live = False
+                self._disarmed()
+                self._status = {}
+                self._refuse_all()
+            self._ended.wait(_AGAIN_S)
+        self._plug.close()
+
+    def _connect(self) -> Bench:
+        problem = self._plug.problem
+        if problem:
+            raise HostError(problem)
+        client = Client(self._plug.port, self._unit, self._timeout_s)
+        bench = Bench(client, self._known, self._motor)
+        self._plug.connect_hand()
+        self._shown = bench.shown()
+        return bench
+
+    def _serve(self, bench: Bench) -> None:
+        status_at, turn, seen = 0.0, 0, {}
+        while not self._ended.is_set():
+            if self._plug.problem:
+                raise HostError(self._plug.problem)
+            self._watch(bench)
+            self._do_one(bench)
+            if time.monotonic() - status_at >= _STATUS_S:
+                status_at = time.monotonic()
+                self._status = bench.status()
+                self._judge()
+            if turn % _SEEN_EVERY == 0:
+                seen = bench.seen()
+            turn += 1
+            self._keep(bench.row(bench.step(), seen))
+        bench.arm(0)
+
+    def _watch(self, bench: Bench) -> None:
+        """Off, if somebody wants that or nobody is there; else renewed in time."""
+        now = time.monotonic()
+        silent = self._owner is not None and now - self._beat > PATIENCE_S
+        if self._off or silent:
+            self._off = False
+            self._disarmed()
+            bench.arm(0)
+            self._note = ""
+            if silent:
+                self._note = "switched off: the page that armed was silent"
+            elif not bench.arms:
+                self._note = NO_ARMING
+        elif self._owner is not None and now - self._renewed >= RENEWAL_S:
+            self._renewed = now
+            bench.arm(2)
+
+    def _judge(self) -> None:
+        """After an arming: whether it is so, and if not, why."""
+        if self._owner is None:
+            return
+        armed, refused = self._status["armed"], arm_refusal(self._status["arm_refused"])
+        if armed:
+            self._was_armed = True
+        elif refused or self._was_armed:
+            self._note = f"switched off: {refused or 'somebody has disarmed it'}"
+            self._disarmed()
+        elif time.monotonic() - self._armed_at > ZERO_S:
+            self._note = "not armed: the zero takes too long; are there ticks at all?"
+            self._disarmed()
+
+    def _disarmed(self) -> None:
+        self._owner, self._was_armed = None, False
+
+    def _do_one(self, bench: Bench) -> None:
+        try:
+            what, future = self._asked.get_nowait()
+        except queue.Empty:
+            return
+        try:
+            what(bench)
+            self._shown = bench.shown()
+            future.set_result(None)
+        except HostError as error:
+            future.set_exception(error)
+
+    def _refuse_all(self) -> None:
+        while True:
+            try:
+                _, future = self._asked.get_nowait()
+            except queue.Empty:
+                return
+            future.set_exception(HostError("the board doesn't answer"))
+
+    def _keep(self, row: dict[str, float]) -> None:
+        hand = self._plug.hand
+        time_s = hand.time_s() if hand is not None else time.monotonic() - self._begun
+        if time_s is None:
+            return
+        if hand is not None and hand.told is not None:
+            row["x_hand"] = hand.told.hand_rad
+        # A board that was plugged in anew begins at 0 again; time goes on.
+        row["t"] = self._last_t = self._onward(time_s)
+        self.kept.add(row)
+        with self._lock:
+            self._fresh.append(row)
+            del self._fresh[:-_MOST_FRESH]
+
+    def _onward(self, time_s: float) -> float:
+        moment = time_s + self._offset
+        if moment < self._last_t - 0.5:
+            self._offset = self._last_t - time_s
+        return max(self._last_t, time_s + self._offset)

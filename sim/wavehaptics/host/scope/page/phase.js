@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the wall pushes back with, over the place, and the spring that it is designed to be.
+
+import { cleared, colour, figures, ticks } from "./canvas.js";
+
+const TRAIL_S = 12;
+const LEFT = 52, RIGHT = 12, TOP = 12, FOOT = 34;
+const EASE = 0.15;
+
+export class Phase {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.reach = null; // half the view: depth and force, eased
+  }
+
+  draw({ rows, fit, edge, through, k, leastDepth, leastForce, unit, forceUnit }) {
+    const { context: c, width, height } = cleared(this.canvas);
+    const last = rows.at(-1)?.t ?? 0;
+    const shown = rows.filter((row) => row.t >= last - TRAIL_S && row.f !== null);
+    let depth = leastDepth, force = leastForce;
+    for (const row of shown) {
+      if (!row.contact) continue;
+      depth = Math.max(depth, row.x - edge);
+      force = Math.max(force, row.f);
+    }
+    const wanted = [1.12 * depth, 1.12 * force];
+    this.reach = this.reach ? this.reach.map((old, n) => old + EASE * (wanted[n] - old)) : wanted;
+    const [far, most] = this.reach;
+    const x0 = edge - 0.3 * far, x1 = edge + far, f0 = -0.14 * most, f1 = most;
+    const at = (x) => LEFT + ((x - x0) / (x1 - x0)) * (width - LEFT - RIGHT);
+    const up = (f) => height - FOOT - ((f - f0) / (f1 - f0)) * (height - FOOT - TOP);
+    const box = [LEFT, TOP, width - LEFT - RIGHT, height - TOP - FOOT];
+
+    c.fillStyle = colour("wall");
+    c.globalAlpha = 0.12;
+    c.fillRect(at(edge), TOP, width - RIGHT - at(edge), box[3]);
+    c.globalAlpha = 1;
+    this.#axes(c, { x0, x1, f0, f1, at, up, width, height, edge, unit, forceUnit });
+
+    c.save();
+    c.beginPath();
+    c.rect(...box);
+    c.clip();
+    if (k !== null) this.#line(c, at, up, [edge, x1], (x) => through[1] + k * (x - through[0]), colour("design"), 2, [7, 5]);
+    for (const row of shown) {
+      const age = (last - row.t) / TRAIL_S;
+      c.globalAlpha = 0.1 + 0.75 * (1 - age) ** 2;
+      c.fillStyle = row.contact ? colour("wave") : colour("muted");
+      c.beginPath();
+      c.arc(at(row.x), up(row.f), row.contact ? 2.6 : 1.8, 0, 2 * Math.PI);
+      c.fill();
+    }
+    c.globalAlpha = 1;
+    if (fit) this.#line(c, at, up, [fit.from, fit.to], (x) => fit.k * (x - fit.x0), colour("wave"), 3, []);
+    const now = shown.at(-1);
+    if (now) {
+      c.strokeStyle = c.fillStyle = colour("second");
+      c.beginPath();
+      c.arc(at(now.x), up(now.f), 4.5, 0, 2 * Math.PI);
+      c.fill();
+    }
+    c.restore();
+  }
+
+  #line(c, at, up, ends, of, stroke, width, dash) {
+    c.strokeStyle = stroke;
+    c.lineWidth = width;
+    c.setLineDash(dash);
+    c.beginPath();
+    c.moveTo(at(ends[0]), up(of(ends[0])));
+    c.lineTo(at(ends[1]), up(of(ends[1])));
+    c.stroke();
+    c.setLineDash([]);
+  }
+
+  #axes(c, { x0, x1, f0, f1, at, up, width, height, edge, unit, forceUnit }) {
+    c.font = "11px system-ui, sans-serif";
+    c.fillStyle = colour("muted");
+    c.strokeStyle = colour("grid");
+    c.lineWidth = 1;
+    const [xScale, fScale] = [unit.scale, forceUnit.scale];
+    c.textAlign = "center";
+    for (const tick of ticks((x0 - edge) * xScale, (x1 - edge) * xScale, 5)) {
+      const x = at(tick / xScale + edge);
+      c.beginPath();
+      c.moveTo(x, TOP);
+      c.lineTo(x, height - FOOT);
+      c.stroke();
+      c.fillText(figures(tick), x, height - FOOT + 14);
+    }
+    c.fillText(`beyond the wall's face, ${unit.name}`, (LEFT + width - RIGHT) / 2, height - 5);
+    c.textAlign = "right";
+    for (const tick of ticks(f0 * fScale, f1 * fScale, 5)) {
+      const y = up(tick / fScale);
+      c.beginPath();
+      c.moveTo(LEFT, y);
+      c.lineTo(width - RIGHT, y);
+      c.stroke();
+      c.fillText(figures(tick), LEFT - 6, y + 4);
+    }
+    c.save();
+    c.translate(12, (TOP + height - FOOT) / 2);
+    c.rotate(-Math.PI / 2);
+    c.textAlign = "center";
+    c.fillText(`push back, ${forceUnit.name}`, 0, 0);
+    c.restore();
+    c.strokeStyle = colour("muted");
+    c.beginPath();
+    c.moveTo(LEFT, up(0));
+    c.lineTo(width - RIGHT, up(0));
+    c.stroke();
+  }
+}

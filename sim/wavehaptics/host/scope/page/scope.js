@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page: what it hears goes into its parts, and once a frame they are drawn.
+
+import { figures, result } from "./canvas.js";
+import { Data } from "./data.js";
+import { Link, token } from "./link.js";
+import { Phase } from "./phase.js";
+import { Plots } from "./plots.js";
+import { Sliders } from "./sliders.js";
+import { Stage } from "./stage.js";
+
+const by = (id) => document.getElementById(id);
+const RAD = { name: "mrad", scale: 1e3 }, COUNTS = { name: "counts", scale: 1 };
+const TORQUE = { name: "mN·m", scale: 1e3 }, CURRENT = { name: "A", scale: 1 };
+const DRAWN_MS = 33;
+const TOLD_MS = 8000;
+
+const data = new Data();
+let state = null, told = "", toldAt = -Infinity, there = false;
+
+const link = new Link({ hello, rows, state: take, told: answer }, away);
+const stage = new Stage(by("stage"), (place) => link.say("hand", { place }));
+const phase = new Phase(by("phase"));
+const plots = new Plots(by("plots"));
+const sliders = new Sliders(by("sliders"), (name, value) => link.say("slide", { name, value }));
+
+by("arm").onclick = () => link.say("arm");
+by("stop").onclick = () => link.say("stop");
+by("clear").onclick = () => link.say("clear");
+by("record").onclick = () => link.say("record", { on: !state?.recording });
+by("plug").onclick = () => link.say("plug", { in: !state?.plugged });
+by("word").onsubmit = (event) => {
+  event.preventDefault();
+  link.say("word", { text: by("word-text").value });
+};
+addEventListener("keydown", (event) => event.key === "Escape" && link.say("stop"));
+for (const kind of ["npz", "csv"]) by(kind).href = `/trace.${kind}?token=${encodeURIComponent(token)}`;
+
+function hello({ faults }) {
+  there = true;
+  by("faults").replaceChildren(
+    ...faults.map(({ name, meaning }) => {
+      const lamp = document.createElement("li");
+      lamp.textContent = name.toLowerCase().replaceAll("_", " ");
+      lamp.title = meaning || lamp.textContent;
+      lamp.dataset.name = name;
+      return lamp;
+    }),
+  );
+}
+
+function rows({ columns }) {
+  data.add(columns);
+}
+
+function answer({ problem }) {
+  [told, toldAt] = [problem, performance.now()];
+  sliders.answered();
+}
+
+function away() {
+  there = false;
+  sliders.away();
+  show();
+}
+
+function take(message) {
+  const before = state;
+  state = message;
+  if (state.sliders) {
+    const spring = JSON.stringify([state.stiffness, state.wall, state.tau_s, state.sliders.eta]);
+    if (spring !== data.spring) data.changed();
+    data.spring = spring;
+  }
+  if (before?.live && !state.live) sliders.away();
+  show();
+}
+
+function show() {
+  const live = there && state?.live;
+  const on = live && state.running;
+  by("link").dataset.state = !live ? "away" : on ? "on" : "off";
+  by("link").lastChild.textContent = !there ? "the scope has ended" : !live ? "no answer" : on ? "on" : "off";
+  document.body.dataset.live = live ? "1" : "0";
+  by("arm").disabled = !live || state.wanted;
+  by("arm").dataset.on = on ? "1" : "0";
+  by("arm").textContent = on ? "Armed" : live && state.wanted ? "Arming…" : "Arm";
+  if (!state) return;
+  const old = performance.now() - toldAt > TOLD_MS;
+  const gone = "the scope has ended: what was seen stays here; start it anew for another address";
+  by("line").textContent = !there ? gone : state.problem || (old ? "" : told) || state.note;
+  by("speed").hidden = !live || state.speed === null;
+  by("speed").textContent = `simulated, ${state.speed?.toFixed(2)} of real time`;
+  by("plug").hidden = !state.virtual;
+  by("plug").textContent = state.plugged ? "Pull the plug" : "Plug it in";
+  by("record").dataset.on = state.recording ? "1" : "0";
+  by("record").lastChild.textContent = state.recording ? "End" : "Record";
+  by("rows").textContent = state.recorded ? `${state.recorded} rows recorded` : `${state.rows} rows kept, nothing recorded`;
+  for (const lamp of by("faults").children) lamp.classList.toggle("lit", live && state.faults.includes(lamp.dataset.name));
+  if (state.sliders) shape(live);
+}
+
+function shape(live) {
+  const last = data.rows.at(-1) ?? {};
+  const rad = state.rad, torque = state.torque;
+  data.unit = rad ? "rad" : "counts";
+  data.cell = state.cell;
+  data.edge = state.wall[0];
+  data.k = torque && rad ? state.stiffness : null;
+  stage.led = state.hand !== null;
+  stage.hand = state.hand;
+  stage.canvas.classList.toggle("still", !stage.led);
+  const { min, max } = state.sliders.wall, room = 0.375 * (max - min);
+  stage.view = [min - room, max + room];
+  stage.canvas.setAttribute("aria-valuemin", stage.view[0]);
+  stage.canvas.setAttribute("aria-valuemax", stage.view[1]);
+  by("hint").textContent = !stage.led ? "turn the motor by hand" : live && !state.running ? "arm it, then drag the ring into the wall" : "drag the ring, or use ← →";
+  by("time-unit").textContent = state.virtual || state.speed !== null ? "simulated time" : "";
+  by("k-design").textContent = result(state.stiffness);
+  by("k-l").textContent = result(state.k_l);
+  for (const unit of document.getElementsByClassName("k-unit")) unit.textContent = torque ? (rad ? "N·m/rad" : "N·m/count") : rad ? "A/rad" : "A/count";
+  plots.shape({ torque, rad, hand: stage.led, flux: "flux" in last });
+  if (live) sliders.show(state.sliders, rad, state);
+}
+
+let drawn = 0;
+function draw(now) {
+  requestAnimationFrame(draw);
+  if (now - drawn < DRAWN_MS || !state?.sliders) return;
+  drawn = now;
+  const last = data.rows.at(-1) ?? {};
+  document.body.dataset.time = last.t ?? "";
+  by("k-fit").textContent = data.fit ? result(data.fit.k) : "–";
+  const most = Math.max(0.02, ...data.rows.slice(-600).map((row) => Math.abs(row.f ?? 0)));
+  stage.draw({ x: last.x, f: last.f, fMost: most, wall: state.wall, there: state.wall_there, alive: there && state.live, counts: !state.rad });
+  phase.draw({
+    rows: data.rows, fit: data.fit, edge: state.wall[0], through: data.through(), k: data.k,
+    leastDepth: state.rad ? 4e-3 : 10, leastForce: state.torque ? 0.02 : 0.2,
+    unit: state.rad ? RAD : COUNTS, forceUnit: state.torque ? TORQUE : CURRENT,
+  });
+  plots.draw(data.rows);
+}
+requestAnimationFrame(draw);
