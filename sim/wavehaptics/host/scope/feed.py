@@ -24,7 +24,7 @@ from wavehaptics.words.faults import FAULTS, arm_refusal, bits_of
 RENEWAL_S = 0.05
 """Wall-clock time from one renewal of the arming to the next, a quarter of what it lasts."""
 
-PATIENCE_S = 0.6
+PATIENCE_S = 1.0
 """How long the page that armed may be silent."""
 
 ZERO_S = 10.0
