@@ -42,7 +42,7 @@ REST, FILLS, WAITS, TRIGGERED, DONE = range(5)
 """The word ``capture_state``."""
 
 _START, _TRIGGER, _STOP = 1, 2, 0
-_ARMED_BURST = 4
+_ARMED_BURST = 8
 """Reads at a stretch while somebody may have to renew the arming."""
 _POLL_S = 0.02
 _STILL_S = 30.0
