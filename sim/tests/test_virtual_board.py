@@ -272,8 +272,8 @@ def test_a_capture_of_the_swing(port, tmp_path):
     trace = load_trace(tmp_path)
     assert np.allclose(np.diff(trace["t"]), 8e-6)
     ends = trace["x"] + 0.5 * 8e-6 * trace["omega"]  # of the rows
-    counts = ends / (2 * np.pi / COUNTS)
-    assert np.allclose(counts, np.round(counts), atol=1e-6)
+    counts = np.round(ends / (2 * np.pi / COUNTS))
+    assert np.allclose(counts, ends / (2 * np.pi / COUNTS), atol=1e-6)
     rising = np.flatnonzero((counts[1:] >= -50) & (counts[:-1] < -50)) + 1
     assert rising[0] == 250
     assert trace["t"][250] == 0.0
