@@ -265,7 +265,7 @@ def test_a_ring_is_put_in_order(armed, count, first, left, trigger_row):
     np.testing.assert_array_equal(found.flag("saturated"), np.arange(count) >> 1 & 1)
     assert np.allclose(np.diff(found.t), 4e-6)
     assert found.t[trigger_row or 0] == 0.0
-    assert client.bursts == (math.ceil(math.ceil(3 * count / 62) / 4) if armed else 1)
+    assert client.bursts == (math.ceil(math.ceil(3 * count / 62) / 8) if armed else 1)
 
 
 def test_nothing_is_downloaded_before_it_is_done():

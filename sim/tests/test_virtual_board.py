@@ -259,25 +259,33 @@ def test_a_fault_disarms_and_refuses(port):
 # ---- A capture.
 
 
-def test_a_capture_of_the_swing(port, armed, tmp_path):
-    """The hand's 50 Hz in the position; the bridges stay armed while it is read at a fast rate."""
+def test_a_capture_of_the_swing(port, tmp_path):
+    """The hand's 50 Hz in the position, with the bridges off."""
+    until(port, "running", 0)
     shown = told(
-        port, "capture", "position", "current", "--trigger", "position rises -50", "--pre", "0.002",
-        "--seconds", "0.026", "--counts-per-rev", str(COUNTS), "--out", str(tmp_path),
+        port, "capture", "position", "--trigger", "position rises -50", "--pre", "0.002",
+        "--seconds", "0.024", "--counts-per-rev", str(COUNTS), "--out", str(tmp_path),
     ).splitlines()  # fmt: skip
     assert shown[0] == str(tmp_path / "trace.npz")
     assert (tmp_path / "capture.png").stat().st_size > 10_000
-    assert shown[2] == "1625 rows of 16 µs; the trigger's is row 125"
+    assert shown[2] == "3000 rows of 8 µs; the trigger's is row 250"
     trace = load_trace(tmp_path)
-    assert np.allclose(np.diff(trace["t"]), 16e-6)
-    assert trace["t"][125] == 0.0
-    ends = trace["x"] + 0.5 * 16e-6 * trace["omega"]  # of the rows
-    counts = ends / (2 * np.pi / COUNTS)
-    assert np.allclose(counts, np.round(counts), atol=1e-6)
+    assert np.allclose(np.diff(trace["t"]), 8e-6)
+    ends = trace["x"] + 0.5 * 8e-6 * trace["omega"]  # of the rows
+    counts = np.round(ends / (2 * np.pi / COUNTS))
+    assert np.allclose(counts, ends / (2 * np.pi / COUNTS), atol=1e-6)
     rising = np.flatnonzero((counts[1:] >= -50) & (counts[:-1] < -50)) + 1
-    assert rising[0] == 125
-    # The hand swings the rotor against the wall by a spring, each period as the last one.
+    assert rising[0] == 250
+    assert trace["t"][250] == 0.0
     assert abs(trace["t"][rising[-1]] - 0.02) < 1e-3
+
+
+def test_a_capture_lets_the_arming_be_renewed(port, armed, tmp_path):
+    """Which another program does, while this one reads at a fast rate."""
+    shown = told(port, "capture", "--seconds", "0.001", "--out", str(tmp_path)).splitlines()
+    assert shown[2] == "500 rows of 2 µs; the trigger's is row 0"
+    assert "running" in shown[-1]
+    assert armed.poll() is None
     assert value(port, "armed") == 1
 
 
@@ -288,7 +296,7 @@ def test_captures_that_are_refused(port, tmp_path):
         (("--decimate", "3"), "decimation 3: take 1, 2, 4"),
         (("--preset", "none"), "--preset none: there is none; take re25-118743"),
         (("--preset", "re25-118743", "--k-t", "1"), "--preset and --k-t: give one of them"),
-        (("--seconds", "0.001", "--pre", "0.001"), "1000 rows before the trigger's: take 0...999"),
+        (("--seconds", "0.001", "--pre", "0.001"), "500 rows before the trigger's: take 0...499"),
     ):
         problem = refused(port, "capture", *words, "--out", str(tmp_path), "--timeout", "60")
         assert problem.startswith(message)

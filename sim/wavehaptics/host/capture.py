@@ -42,8 +42,10 @@ REST, FILLS, WAITS, TRIGGERED, DONE = range(5)
 """The word ``capture_state``."""
 
 _START, _TRIGGER, _STOP = 1, 2, 0
-_ARMED_BURST = 4
+_ARMED_BURST = 8
 """Reads at a stretch while somebody may have to renew the arming."""
+_GIVE_WAY_S = 0.05
+"""And how long the line is left to others then, who look for it every few milliseconds."""
 _POLL_S = 0.02
 _STILL_S = 30.0
 """Wall-clock time without a tick after which there are none, on a slow simulated board as well."""
@@ -314,6 +316,8 @@ def download(
                 raws += _window(client, len(raws), min(MOST_READ, total - len(raws)))
                 reads += 1
                 progress(len(raws) / total)
+        if armed:
+            time.sleep(_GIVE_WAY_S)
     table = np.roll(np.array(raws, dtype=np.uint32).reshape(count, -1), -first, axis=0)
     values = {
         name: _values(place, table[:, n])

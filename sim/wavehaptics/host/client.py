@@ -75,7 +75,7 @@ class Client:
         self._heard = 0
         self._held: serial.Serial | None = None
         self._baud = BAUD
-        self._hurries = True
+        self._hurries: bool | None = None  # whether that is known to work
         self.identification = self._identify()
 
     @property
@@ -160,13 +160,10 @@ class Client:
         with self._taken() as line:
             self._held = line
             try:
-                if rate > 0 and self._hurries:
+                if rate > 0 and self._hurries is not False:
                     self._set_rate(rate)
-                    try:
-                        self.identify()
-                    except HostError:
-                        self._hurries = False
-                        self._go_back()
+                    if self._hurries is None:
+                        self._try_rate()
                 yield
             finally:
                 if self._baud != BAUD:
@@ -175,6 +172,15 @@ class Client:
                     if self._baud != BAUD:
                         self._go_back()
                 self._held = None
+
+    def _try_rate(self) -> None:
+        """Ask at the new rate; without an answer this is the last time."""
+        try:
+            self.identify()
+            self._hurries = True
+        except HostError:
+            self._hurries = False
+            self._go_back()
 
     def _set_rate(self, rate: int) -> None:
         self._write(_RATE, [0, rate], "rate")
