@@ -285,7 +285,7 @@ def test_a_capture_lets_the_arming_be_renewed(port, armed, tmp_path):
     shown = told(port, "capture", "--seconds", "0.001", "--out", str(tmp_path)).splitlines()
     assert shown[2] == "500 rows of 2 µs; the trigger's is row 0"
     assert "running" in shown[-1]
-    assert armed.poll() is None
+    assert armed.poll() is None, armed.stderr.read()
     assert value(port, "armed") == 1
 
 
