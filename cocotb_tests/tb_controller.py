@@ -1101,6 +1101,16 @@ async def measured_zero(dut: object) -> None:
     shift = formats.SAMPLE_W - PART.bits
     expected = [scale_sum.py_func((10 << shift) * samples, settings.gain(n)) for n in range(N)]
     assert words == expected
+    # The word is taken off besides, and their sum never wraps.
+    most = (1 << (formats.SUM_W - 1)) - 1
+    measured = (offset << shift) * samples
+    for zero in (-5, most):
+        bench.drive(zero_i=pack([zero] * N, formats.SUM_W))
+        for _ in range(4 * settings.tick_clocks):
+            await bench.clock(enable=0)
+        words = unpack(bench.word("current_o"), formats.DATA_W, N)
+        seen = measured + (10 << shift) * samples - min(most, measured + zero)
+        assert words == [scale_sum.py_func(seen, settings.gain(n)) for n in range(N)]
     # A bridge that goes on in the middle: no zero.
     bench.codes = [MID_CODE + offset] * N
     await measure()

@@ -95,7 +95,7 @@ module wh_controller #(
 
     // Current (wh_current).
     input  wire [N*`WH_SUM_W-1:0]       zero_i,              // s24, a tick's sum at 0 A
-    // With SENSE = 1: the checks, and a zero measured on command that takes the place of zero_i.
+    // With SENSE = 1: the checks, and a zero measured on command, to which zero_i is added.
     input  wire [15:0]                  range_i,             // of 2^15, end of the scale
     input  wire [15:0]                  stuck_words_i,       // words that are never all the same
     input  wire                         zero_start_i,        // strobe, while enable_i = 0
@@ -654,9 +654,17 @@ module wh_controller #(
                 wire                        zero_done;
                 wire                        measured;
                 wire signed [`WH_SUM_W-1:0] measured_zero;
-                wire                        unused = &{1'b0, zero_done};
+                wire                        unused = &{1'b0, zero_done, measured};
 
-                assign zero = measured ? measured_zero : zero_i[n*`WH_SUM_W +: `WH_SUM_W];
+                // Both are signed, and one more bit holds their sum. What is measured is 0 at first.
+                wh_saturate #(
+                    .IN_W    (`WH_SUM_W + 1),
+                    .OUT_W   (`WH_SUM_W)
+                ) saturate_zero (
+                    .value_i ({measured_zero[`WH_SUM_W-1], measured_zero}
+                              + {zero_i[(n+1)*`WH_SUM_W-1], zero_i[n*`WH_SUM_W +: `WH_SUM_W]}),
+                    .value_o (zero)
+                );
 
                 wh_sense_check sense_check (
                     .clk           (clk),
