@@ -104,6 +104,7 @@ LONG = (
     "sim/tests/test_boards.py::test_fresh_synthesis_is_what_the_pages_say[ulx3s]",
     "sim/tests/test_boards.py::test_the_guard_lets_the_boards_own_scene_be[ulx3s]",
     "sim/tests/test_bus.py::test_every_mode_is_scaled[locked-anti-phase]",
+    "sim/tests/test_identify.py::test_identified_over_the_line",
     "sim/tests/test_pins_anchor.py::test_pins_hold_what_golden_holds[settings0-0.014]",
     "sim/tests/test_pins_anchor.py::test_pins_hold_what_golden_holds[settings1-0.014]",
     "sim/tests/test_pins_anchor.py::test_pins_hold_what_golden_holds[settings3-0.012]",

@@ -20,6 +20,7 @@ from wavehaptics.scene import find_scene, load_scene
 if TYPE_CHECKING:
     from wavehaptics.host.capture import Captured, Plan, Progress
     from wavehaptics.host.client import Client
+    from wavehaptics.host.identify.result import Row
     from wavehaptics.host.names import Place
 
 RENEWAL_S = 0.05
@@ -380,6 +381,59 @@ def disarm(
     """Switch the bridges off."""
     with _refusals():
         _write_arm(_client(port, unit, timeout), 0)
+
+
+@board.command()
+def identify(
+    counts: Annotated[
+        int,
+        typer.Option(min=4, max=4_000_000, help="Counts a turn of the encoder, all four edges."),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="A scene of it, and words for `load` beside."),
+    ] = None,
+    port: PortOption = "",
+    motor: MotorOption = 0,
+    current: Annotated[
+        float | None, typer.Option(min=0.001, max=60, help="Test current, A.")
+    ] = None,
+    travel: Annotated[
+        float | None, typer.Option(min=0.01, help="Room that the rotor has, rad; else it may turn.")
+    ] = None,
+    expect: Annotated[
+        str | None, typer.Option(metavar="PRESET", help="The motor that it should be.")
+    ] = None,
+    unit: UnitOption = 1,
+    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+) -> None:
+    """Identify the motor: it turns, for some seconds. Faults of the wiring are told by name."""
+    from wavehaptics.host.identify.driver import Driver
+    from wavehaptics.host.identify.procedure import Wishes
+    from wavehaptics.host.identify.procedure import identify as identified
+    from wavehaptics.host.identify.result import rows, write
+    from wavehaptics.parts.motors import PRESETS
+
+    if expect is not None and expect not in PRESETS:
+        raise CommandError(f"--expect {expect}: take {', '.join(PRESETS)}")
+    wishes = Wishes(counts, current, travel, PRESETS[expect] if expect else None)
+    with _refusals():
+        driver = Driver(_client(port, unit, timeout), motor)
+        found = identified(driver, wishes, lambda line: print(line, flush=True))
+    _identified_table(rows(found))
+    if out is not None:
+        with _refusals():
+            print(*write(found, driver, out, motor), sep="\n")
+
+
+def _identified_table(rows: Iterable[Row]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    shown = Table("", "value", "±", "unit")
+    for row in rows:
+        shown.add_row(row.name, row.value, row.spread, row.unit)
+    Console().print(shown)
 
 
 @board.command()

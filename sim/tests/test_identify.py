@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Motors identified over the link: what is found, and what is told where the wiring is wrong."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tomllib
+from quick_board import QuickBoard
+from wavehaptics.host import capture, session
+from wavehaptics.host.identify import result
+from wavehaptics.host.identify.driver import Driver
+from wavehaptics.host.identify.procedure import Found, NotPlausible, Wishes, identify
+from wavehaptics.host.identify.segments import Estimate, Segment
+from wavehaptics.host.names import HostError
+from wavehaptics.ladder.run import measure
+from wavehaptics.parts.motors import PRESETS
+from wavehaptics.scene import Scene, load_scene
+
+COUNTS = 10_000
+REAL = (
+    f"encoder.counts_per_rev={COUNTS}", "adc.bits=12", "adc.full_scale_a=2.5", "adc.noise_a=2e-3",
+    "adc.offset_a=20e-3", "brushes.drop_v=0.3", "brushes.segments=11", "brushes.ripple=0.03",
+    "friction.coulomb_nm=3e-4", "friction.viscous=1e-6", "drive.limit_v=12",
+)  # fmt: skip
+"""A converter with noise and offset, brushes of 0.3 V, R(θ) ±3 %, friction."""
+
+MOTORS = {
+    "re25-118743": ("motor.preset=re25-118743", "cogging.torque_nm=1e-3", "cogging.per_rev=14"),
+    "re25-phantom": ("motor.preset=re25-phantom", "brushes.segments=9"),
+    "re30-48v": ("motor.preset=re30-48v", "drive.limit_v=24"),
+    "re40-148877": ("motor.preset=re40-148877", "drive.limit_v=24", "adc.full_scale_a=5"),
+    "small": ("motor.R_ohm=12", "motor.L_h=0.7e-3", "motor.k_t=9e-3", "motor.J_kgm2=1e-7",
+              "friction.coulomb_nm=1e-4", "encoder.counts_per_rev=2000",
+              "adc.full_scale_a=1"),
+    "slow tick": ("motor.R_ohm=0.6", "motor.L_h=0.3e-3", "motor.k_t=40e-3", "motor.J_kgm2=6e-6",
+                  "controller.tick_hz=5e5", "adc.full_scale_a=6", "drive.gain_error=0",
+                  "encoder.counts_per_rev=40000"),
+}  # fmt: skip
+
+Maker = Callable[..., Scene]
+
+
+@pytest.fixture(autouse=True)
+def _impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A board that answers at once needs no pause."""
+    monkeypatch.setattr(capture, "_POLL_S", 0.0)
+
+
+def identified(
+    scene: Scene, *, counts: int | None = None, expect: str | None = None,
+    current: float | None = None, travel: float | None = None, **board: object,
+) -> tuple[Found, QuickBoard, Driver]:  # fmt: skip
+    quick = QuickBoard(scene, **board)
+    driver = Driver(quick, clock=lambda: quick.time_s)
+    counts = scene.encoder.counts_per_rev if counts is None else counts
+    expected = PRESETS[expect] if expect else None
+    return identify(driver, Wishes(counts, current, travel, expected)), quick, driver
+
+
+@pytest.mark.parametrize("name", MOTORS)
+def test_motors(make_scene: Maker, name: str):
+    """Every value near the true one, and as near as its spread says."""
+    scene = make_scene(*REAL, *MOTORS[name])
+    found, _, _ = identified(scene)
+    motor, friction, brushes = scene.motor, scene.friction, scene.brushes
+    for what, estimate, true, part in (
+        ("R", found.resistance.ohm, motor.R_ohm, 0.005),
+        ("V_b", found.resistance.drop_v, brushes.drop_v, 0.1),
+        ("ripple", found.resistance.ripple, brushes.ripple, 0.1),
+        ("L", found.inductance, motor.L_h, 0.03),
+        ("k_T", found.back_emf.k_t, motor.k_t, 0.03),
+        ("forward", found.back_emf.forward, motor.k_t, 0.03),
+        ("backward", found.back_emf.backward, motor.k_t, 0.03),
+        ("J", found.mechanics.inertia, motor.J_kgm2, 0.1),
+        ("friction", found.mechanics.coulomb, friction.coulomb_nm, 0.2),
+    ):
+        assert estimate.value == pytest.approx(true, rel=part), what
+        assert 0 < estimate.sd < part * true, what
+        if what in ("R", "L", "k_T"):
+            assert abs(estimate.value - true) < 5 * estimate.sd + 5e-4 * true, what
+    assert found.resistance.segments == brushes.segments
+    assert found.mechanics.per_rev == (scene.cogging.per_rev if scene.cogging else 0)
+    assert found.offset_a.value == pytest.approx(scene.adc.offset_a, abs=2e-3)
+
+
+def test_the_board_is_left_as_it_was(make_scene: Maker, tmp_path: Path):
+    """Disarmed, with the settings of before; and what is found goes back into scene and device."""
+    scene = make_scene(*REAL)
+    quick = QuickBoard(scene)
+    before = dict(quick.settings)
+    driver = Driver(quick, clock=lambda: quick.time_s)
+    told: list[str] = []
+    found = identify(driver, Wishes(COUNTS), told.append)
+    assert not quick.running
+    changed = {name for name, raw in quick.settings.items() if before[name] != raw}
+    assert {name for name, _ in changed if not name.startswith("capture")} == set()
+    assert [line.split(":")[0] for line in told] == [
+        "zero", "sign", "pulses", "coasting", "R", "k_T", "J", "L"
+    ]  # fmt: skip
+    path, beside = result.write(found, driver, tmp_path / "motor.toml", 0)
+    again = load_scene(path)
+    assert again.motor.R_ohm == pytest.approx(found.resistance.ohm.value, rel=1e-3)
+    assert again.brushes.drop_v == pytest.approx(0.3, rel=0.1)
+    assert again.controller.tick_hz == pytest.approx(scene.controller.tick_hz)
+    assert again.controller.lambda_ == pytest.approx(scene.controller.lambda_, rel=1e-3)
+    given = {place.text: place.value(raw & 0xFFFFFFFF)
+             for place, raw in session.read(beside, quick.shape)}  # fmt: skip
+    assert given["root"] == pytest.approx((2 * found.resistance.ohm.value) ** 0.5, rel=1e-3)
+    assert given["root"] * given["u_max"] == pytest.approx(12, rel=1e-3)
+    assert tomllib.loads(path.read_text("utf-8"))["motor"]["J_kgm2"] > 0
+
+
+def test_a_wall_so_identified_holds(make_scene: Maker):
+    """A press on the true motor, of which the controller knows what was identified and no more."""
+    scene = make_scene(*REAL)
+    found, _, _ = identified(scene)
+    press = make_scene(
+        *REAL, "scene.duration_s=2", "adc.offset_a=4e-3", "hand.path=press",
+        "hand.amplitude_rad=0.15", "hand.stiffness=0.1", "hand.damping=0.5e-3",
+        "controller.walls=[[0.0, 1.0]]", "controller.lambda=5e5", "controller.anchor_auto=true",
+        f"controller.r_hat={found.resistance.ohm.value}",
+        f"controller.l_hat={found.inductance.value}",
+        f"controller.k_t_hat={found.back_emf.k_t.value}",
+    )  # fmt: skip
+    held = measure(press, "golden", compare=False)
+    cell = 2 * np.pi / COUNTS
+    depth = held["peak_torque"] / held["stiffness_predicted"]
+    assert abs(held["hold_offset_rad"]) < 0.5 * cell + 0.01 * depth
+    assert held["hold_ripple_rms"] < 0.005 * held["peak_torque"]
+
+
+@pytest.mark.parametrize(
+    ("fault", "sets", "others"),
+    [
+        ("unplugged", (), {"unplugged": True}),
+        ("shorted", ("motor.R_ohm=0.02", "motor.L_h=5e-6", "motor.k_t=1e-4"), {}),
+        ("jammed", ("friction.coulomb_nm=1",), {}),
+        ("encoder reversed", (), {"encoder": -1}),
+        ("encoder silent", (), {"encoder": 0}),
+        ("wrong counts", (), {"counts": COUNTS // 2, "expect": "re25-118743"}),
+        ("wrong motor", (), {"expect": "re40-148877"}),
+        ("zero", ("adc.offset_a=0.3",), {}),
+    ],
+)
+def test_faults_by_name(make_scene: Maker, fault: str, sets: tuple[str, ...], others: dict):
+    """One line that begins with the fault and says what to check; the bridges are off."""
+    with pytest.raises(NotPlausible) as error:
+        identified(make_scene(*REAL, *sets), **others)
+    assert error.value.fault == fault
+    assert re.fullmatch(rf"{fault}: [^\n]+; check [^\n]+", str(error.value))
+
+
+def test_what_is_asked_for_too_much(make_scene: Maker):
+    scene = make_scene(*REAL)
+    with pytest.raises(HostError, match=r"--current 5 A is more than the board's settings permit"):
+        identified(scene, current=5.0)
+    with pytest.raises(HostError, match=r"--travel 1 rad|out of --travel"):
+        identified(scene, travel=1.0)
+
+
+def test_a_board_with_a_button(make_scene: Maker):
+    """The line can't arm it; it stays on, without a current in the end."""
+    scene = make_scene(*REAL)
+    found, quick, driver = identified(scene, switched=True)
+    assert not driver.arms
+    assert found.resistance.ohm.value == pytest.approx(scene.motor.R_ohm, rel=0.005)
+    assert quick.running
+    assert abs(quick.current) < 0.05
+
+
+def test_little_room(make_scene: Maker):
+    """A rotor with room to turn stays within it."""
+    scene = make_scene(*REAL)
+    travel = 6.0
+    found, quick, _ = identified(scene, current=0.3, travel=travel, exchange_s=5e-4)
+    low, high = quick.reach
+    assert high - low < travel
+    assert found.resistance.ohm.value == pytest.approx(2.18, rel=0.01)
+
+
+def test_a_record():
+    """Rows are means; sums and ends are those of the rows' ends."""
+    n = np.arange(10.0)
+    record = Segment(0.5, n, 2 * n + 1, n, 1.0)
+    assert record.t.tolist() == [0.5 * k for k in range(1, 10)]
+    assert record.sum(record.voltage)[-1] == 0.5 * sum(range(9))
+    assert record.ends.tolist() == [2.0 * k + 2 for k in range(9)]
+    assert np.allclose(record.speed, 2.0, atol=0.5)
+    assert result.rounded(2.17962, 0.0002) == "2.17962"
+    assert result.Row("R", Estimate(2.0, 0.5), 1, "Ω").spread == "0.5"
+
+
+# ---- Over a line.
+
+
+def board(*words: str, port: str = "") -> subprocess.Popen:
+    return subprocess.Popen(
+        [sys.executable, "-m", "wavehaptics", "board", *words], text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, "WH_PORT": port},
+    )  # fmt: skip
+
+
+def over_the_line(scene: Path, sets: tuple[str, ...], *words: str) -> tuple[int, str, str]:
+    """Status, stdout and stderr of an identification of a virtual board."""
+    there = board("--virtual", str(scene), *(w for text in sets for w in ("--set", text)))
+    try:
+        path = there.stdout.readline().strip()
+        asking = board("identify", "--counts", str(COUNTS), "--timeout", "60", *words, port=path)
+        out, err = asking.communicate(timeout=900)
+        return asking.returncode, out, err
+    finally:
+        there.terminate()
+        there.communicate()
+
+
+SCENE = """
+[scene]
+name = "virtual"
+duration_s = 1.0
+[motor]
+preset = "re25-118743"
+[controller]
+tick_hz = 1e6
+lambda = 1e4
+"""
+
+
+def test_jammed_over_the_line(tmp_path: Path):
+    """The virtual board's rotor is held: one line, and status 2."""
+    scene = tmp_path / "scene.toml"
+    scene.write_text(SCENE)
+    status, out, err = over_the_line(scene, (*REAL, "friction.coulomb_nm=1"))
+    assert status == 2
+    assert re.fullmatch(r"wavehaptics: jammed: [^\n]+\n", err)
+    assert out.startswith("zero: ")
+
+
+def test_identified_over_the_line(tmp_path: Path):
+    """The whole RTL behind its serial line: the table, and the files."""
+    scene, file = tmp_path / "scene.toml", tmp_path / "found.toml"
+    scene.write_text(SCENE)
+    status, out, err = over_the_line(scene, REAL, "--out", str(file), "--expect", "re25-118743")
+    assert (status, err) == (0, "")
+    assert "k_T" in out
+    motor = load_scene(file).motor
+    assert motor.R_ohm == pytest.approx(2.18, rel=0.005)
+    assert motor.L_h == pytest.approx(0.24e-3, rel=0.03)
+    assert motor.k_t == pytest.approx(23.4e-3, rel=0.03)
+    assert motor.J_kgm2 == pytest.approx(10.3e-7, rel=0.1)
+    assert load_scene(file).brushes.drop_v == pytest.approx(0.3, rel=0.1)

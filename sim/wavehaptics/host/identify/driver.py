@@ -1,0 +1,363 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A device's bridge as a source of current or voltage, by its words alone.
+
+In free space, η = 1, the waves hold the current at zero as the sensor has it. A word ``zero`` that
+is shifted by I is a sensor that shows −I where nothing flows: so the waves hold the motor's
+current at I, with a bandwidth that R̂ and λ set. Shifted beyond all currents it is a voltage at its
+limit, which u_max sets. With η < 1 the port is a resistor, which brakes.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from typing import Any, Protocol, cast
+
+import numpy as np
+
+from wavehaptics.host import capture
+from wavehaptics.host.client import Client, Identification
+from wavehaptics.host.identify.segments import Segment
+from wavehaptics.host.names import HostError, Place, Shape, places
+from wavehaptics.laws import closed_forms
+from wavehaptics.words import formats
+from wavehaptics.words.faults import FAULTS, arm_refusal, bits_of
+
+RENEWAL_S = 0.04
+"""Time after which the arming is renewed."""
+
+WAIT_S = 20.0
+"""Wall-clock time without a tick after which there are none."""
+
+READINGS = 8
+"""Exchanges whose time is measured."""
+
+LOOKS_A_CHECK = 8
+"""Looks at a capture from one look to the next whether the bridges are on."""
+
+STILL_S = 20e-3
+LONGEST_STOP_S = 0.5
+"""Time without a count after which a rotor that is braked stands, and the longest wait for that."""
+
+CHANNELS = ("current", "u", "position")
+_BEFORE = 1
+_FULL_SCALE = 1 << (formats.SAMPLE_W - 1)
+_BEYOND = 1.5
+"""Shift that is beyond all currents, of full scale."""
+_MOST_SHIFT_A = 30.0
+_PART_OF_SCALE = 0.4
+_PART_OF_TRIP = 0.6
+"""Largest currents, of the converter's scale and of what switches off."""
+
+TRIGGER_PART = 0.1
+"""Of a shift, which the waves make good within a row or two."""
+
+_WAVES = ("root", "a", "u_max")
+_RESTORED = ("zero", "eta_contact", "eta_free", *_WAVES, "wall_enable")
+
+
+class Device(Protocol):
+    """What is needed of a :class:`~wavehaptics.host.client.Client`."""
+
+    identification: Identification
+
+    @property
+    def shape(self) -> Shape:
+        """Its number of motors and of copies of words."""
+
+    def read(self, places: Iterable[Place]) -> list[int]:
+        """Raw words without signs."""
+
+    def write(self, words: Iterable[tuple[Place, int]]) -> int:
+        """Write raw words."""
+
+    def hurry(self) -> AbstractContextManager[Any]:
+        """Exchanges at the fastest rate."""
+
+
+class Driver:
+    """A motor of a device, whose settings come back at the end. A context.
+
+    ``full_scale_a``, ``limit_v``, ``lambda_a`` (the λ filter's coefficient), ``extra_ticks`` and
+    ``dead_time_volt_s`` (what is made good of it, V·s) are the device's as it was found.
+    ``clock`` gives the seconds by which the arming is renewed. It stands for a client as well, and
+    renews before each exchange.
+    """
+
+    def __init__(
+        self, device: Device, motor: int = 0, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._device, self._motor, self._clock = device, motor, clock
+        self._armed = False
+        self._renewed = 0.0
+        self._as_client = cast(Client, self)
+        self.identification = device.identification
+        options = device.identification.options
+        self.arms, self.anchored = bool(options["arm"]), bool(options["anchor"])
+        if options["early"]:
+            raise HostError("the device's bitstream has EARLY, with which the word zero can't move")
+        capture.depth(self._as_client)
+        self.tick_s = capture.tick_s(self._as_client)
+        restored = [*_RESTORED, *(["anchor_enable"] if self.anchored else [])]
+        self._kept = [place for name in restored for place in self._places(name)]
+        self._before = device.read(self._kept)
+        self._gain_a = self.value("gain")
+        self._zero = round(self.value("zero"))
+        self.full_scale_a = self._gain_a * self.value("samples") * _FULL_SCALE
+        self.limit_v = self.value("root") * self.value("u_max")
+        self.lambda_a = self.value("a")
+        self.extra_ticks = round(self.value("extra_ticks"))
+        self.adc_bits = round(self.value("data_bits"))
+        lost_s = self.value("dead_clocks") / device.identification.words["clock_hz"]
+        half = self.value("half_clocks")
+        bus_v = half / (2.0 * max(self.value("clocks_per_volt"), formats.DUTY.step))
+        self.dead_time_volt_s = lost_s * bus_v if self.value("compensate") else 0.0
+        self._shift = 0
+        self._root = 1.0
+        self._cell_rad = 1.0
+        self.exchange_s = 0.0
+
+    @property
+    def shape(self) -> Shape:
+        """The device's."""
+        return self._device.shape
+
+    def __enter__(self) -> Driver:
+        self._line = ExitStack()
+        self._line.enter_context(self._device.hurry())
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """The bridges off, or without a current, and the settings as they were."""
+        with self._line:
+            if self._armed:
+                self._armed = False
+                self._device.write([(self._places("arm")[0], 0)])
+            self._device.write(
+                (place, raw - (1 << 32) if place.word.fixed.signed and raw >> 31 else raw)
+                for place, raw in zip(self._kept, self._before, strict=True)
+            )
+
+    # ---- Exchanges, which renew.
+
+    def read(self, places: Iterable[Place]) -> list[int]:
+        """As the client's."""
+        self._renew()
+        return self._device.read(places)
+
+    def write(self, words: Iterable[tuple[Place, int]]) -> int:
+        """As the client's."""
+        self._renew()
+        return self._device.write(words)
+
+    def hurry(self) -> AbstractContextManager[Any]:
+        """As the client's, whose port is kept all the time."""
+        return nullcontext()
+
+    def _renew(self) -> None:
+        if self.arms and self._armed and self._clock() - self._renewed > RENEWAL_S:
+            self._renewed = self._clock()
+            self._device.write([(self._places("arm")[0], 2)])
+
+    def _places(self, name: str) -> list[Place]:
+        return places(name, self.shape, self._motor)
+
+    def value(self, name: str) -> float:
+        """A word in SI units."""
+        place = self._places(name)[0]
+        return place.value(self.read([place])[0])
+
+    def _set(self, **values: float) -> None:
+        self.write((p, p.raw(value)) for n, value in values.items() for p in self._places(n))
+
+    # ---- Limits.
+
+    def most_current(self) -> float:
+        """Largest test current that the board's settings permit, A."""
+        least = _PART_OF_SCALE * self.full_scale_a
+        for name in ("trip", "guard_current"):
+            part = self.value(name) / _FULL_SCALE
+            if 0.0 < part <= 1.0:
+                least = min(least, _PART_OF_TRIP * part * self.full_scale_a)
+        heat = self.value("guard_heat")
+        return min(least, math.sqrt(heat)) if heat > 0.0 else least
+
+    # ---- The bridges.
+
+    @property
+    def running(self) -> bool:
+        """Whether the bridges are on."""
+        return bool(self.value("running"))
+
+    def measure_exchange(self) -> None:
+        """How long an exchange takes, on the device's clock."""
+        ticks = [self.value("ticks") for _ in range(READINGS)]
+        self.exchange_s = (ticks[-1] - ticks[0]) % (1 << 32) * self.tick_s / (READINGS - 1)
+
+    def prepare(self) -> None:
+        """No walls, no anchor, no current; the bridges have to be off where the line arms them."""
+        running = self.running
+        if self.arms and running:
+            raise HostError("the bridges are on; `board disarm` first, and end who renews it")
+        if not self.arms and not running:
+            raise HostError(
+                "the bridges are off, and the line can't arm this board; press its start button"
+            )
+        if self.anchored:
+            self._set(anchor_enable=0)
+        self._set(wall_enable=0)
+        self._set(eta_contact=0.0, eta_free=0.0)
+
+    def arm(self) -> None:
+        """The bridges on; the device measures its zero before."""
+        if not self.arms:
+            return
+        self._device.write([(self._places("arm")[0], 1)])
+        self._armed, self._renewed = True, self._clock()
+        until = time.monotonic() + WAIT_S
+        while not self.running:
+            refused = round(self.value("arm_refused"))
+            if refused or time.monotonic() > until:
+                self._armed = False
+                raise HostError(
+                    f"not armed: {arm_refusal(refused) or 'the zero takes too long'}; "
+                    "`board faults` tells more"
+                )
+
+    def check(self) -> None:
+        """:class:`HostError` with what switched the bridges off, if they are."""
+        if self.running:
+            return
+        self._armed = False
+        raise OffError(round(self.value("faults")), round(self.value("arm_refused")))
+
+    # ---- Sources.
+
+    def loop(self, r_hat: float, a: float, limit_v: float | None = None) -> None:
+        """Waves of R̂ in Ω, the λ filter's coefficient, and the voltage's limit."""
+        limit_v = self.limit_v if limit_v is None else min(limit_v, self.limit_v)
+        self._root = formats.ROOT.to_value(formats.ROOT.to_raw(closed_forms.root(r_hat)))
+        self._set(root=self._root, a=a, u_max=min(limit_v / self._root, formats.WAVE.largest))
+
+    def release(self) -> None:
+        """Free space without a current."""
+        self._aim(0.0)
+        self._set(eta_contact=1.0, eta_free=1.0)
+
+    def brake(self, eta: float) -> None:
+        """A resistor, with no current of its own."""
+        self._set(eta_contact=eta, eta_free=eta)
+        self._aim(0.0)
+
+    def _aim(self, amps: float) -> None:
+        self._shift = round(amps / self._gain_a)
+        self._set(zero=self._zero + self._shift)
+
+    @property
+    def beyond_a(self) -> float:
+        """A shift that no current reaches."""
+        return min(_BEYOND * self.full_scale_a, _MOST_SHIFT_A)
+
+    # ---- Records.
+
+    def measure_cells(self, cell_rad: float) -> None:
+        """How large a cell of the encoder is, rad."""
+        self._cell_rad = cell_rad
+
+    def currents(self, count: int) -> np.ndarray:
+        """Readings of the current, A."""
+        return np.array([self.value("current") for _ in range(count)])
+
+    def _plan_for(self, seconds: float, rows: int, before: int, trigger: str) -> capture.Plan:
+        """Up to ``rows`` rows that last ``seconds``, and so many before a trigger."""
+        decimation = 1
+        while decimation * rows * self.tick_s < seconds:
+            decimation *= 2
+        kept = max(8, min(rows, math.ceil(seconds / (decimation * self.tick_s))))
+        return capture.plan(
+            self._as_client, CHANNELS, rows=kept + before, decimation=decimation, before=before,
+            trigger=trigger, motor=self._motor,
+        )  # fmt: skip
+
+    def _wait(self, state: int) -> None:
+        """Until a capture is so far. A pulse goes on meanwhile: there is no pause between looks."""
+        state_at, ticks_at = (places(name, self.shape)[0] for name in ("capture_state", "ticks"))
+        last, since = -1, time.monotonic()
+        for look in itertools.count(1):
+            if self.read([state_at])[0] >= state:
+                return
+            if look % LOOKS_A_CHECK:
+                continue
+            self.check()
+            ticks = self.read([ticks_at])[0]
+            if ticks != last:
+                last, since = ticks, time.monotonic()
+            elif time.monotonic() - since > WAIT_S:
+                raise HostError("there are no ticks; is the ADC there? `board info` tells its kind")
+
+    def record(self, amps: float, seconds: float, rows: int, wanted: float | None = None) -> None:
+        """The current's target from none to ``amps``, and a record of what follows.
+
+        What is aimed at stays; who calls ends it, and downloads by :meth:`fetch` after that.
+        ``wanted`` is what the record is said to be of, if not the current.
+        """
+        level = -TRIGGER_PART * amps
+        plan = self._plan_for(
+            seconds, rows, _BEFORE, f"current{'>' if level > 0 else '<'}{level:.6g}"
+        )
+        capture.start(self._as_client, plan)
+        self._wait(capture.WAITS)
+        self._aim(amps)
+        self._wait(capture.DONE)
+        # A row of several ticks has the shift in it somewhere.
+        self._recorded(plan, amps if wanted is None else wanted, plan.decimation > 1)
+
+    def record_free(self, seconds: float, rows: int, wanted: float) -> None:
+        """No current from now on, and a record of how the rotor coasts."""
+        self._aim(0.0)
+        plan = self._plan_for(seconds, rows, 0, "now")
+        capture.start(self._as_client, plan)
+        self._wait(capture.DONE)
+        self._recorded(plan, wanted, False)
+
+    def _recorded(self, plan: capture.Plan, wanted: float, skipped: bool) -> None:
+        self._plan, self._wanted, self._skipped = plan, wanted, int(skipped)
+        self._shift_a = self._shift * self._gain_a
+
+    def still(self) -> None:
+        """Wait until the rotor stands, or no longer than it may take."""
+        place = self._places("position")[0]
+        rest, until = 0.0, LONGEST_STOP_S
+        was = place.value(self.read([place])[0])
+        while rest < STILL_S and until > 0.0:
+            position = place.value(self.read([place])[0])
+            rest += self.exchange_s
+            until -= self.exchange_s
+            if abs(position - was) > 1:
+                rest, was = 0.0, position
+
+    def fetch(self) -> Segment:
+        """The record that was made last."""
+        found = capture.download(self._as_client, self._plan)
+        assert found.trigger_row is not None
+        first = found.trigger_row + self._skipped
+        return Segment(
+            self._plan.row_s,
+            self._root * found["u"][first:],
+            found["current"][first:] + self._shift_a,
+            self._cell_rad * found["position"][first:],
+            self._wanted,
+        )
+
+
+class OffError(HostError):
+    """The bridges went off by themselves. ``faults`` are the guard's bits."""
+
+    def __init__(self, faults: int, refused: int) -> None:
+        self.faults = faults
+        names = [FAULTS[bit][0] for bit in bits_of(faults)]
+        reason = ", ".join(names) or arm_refusal(refused) or "the board's switch"
+        super().__init__(f"the bridges went off: {reason}; `board faults` tells more")

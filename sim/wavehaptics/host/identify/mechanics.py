@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""J and friction, by ramps and coasting, integrated twice.
+
+    J x = k_T ∬i − c ∬sgn(ω) − b ∫x + ∬(p cos nθ + q sin nθ) + each record's J (x_0 + ω_0 t)
+
+Divided by J everything is linear. Each record ends where its rotor stands still: there friction is
+whatever it has to be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wavehaptics.host.identify.segments import (
+    Estimate,
+    Fit,
+    Segment,
+    best_harmonic,
+    fit,
+    harmonics,
+)
+
+LEAST_J, MOST_J = 1e-9, 1e-2
+"""J of a rotor with what is fixed to it, kg·m²."""
+
+FEWEST_ROWS = 12
+FEWEST_CELLS = 8
+"""Of a record of which anything can be said."""
+
+
+@dataclass(frozen=True)
+class Mechanics:
+    """J in kg·m², friction in N·m and N·m·s/rad; cogging in N·m with its periods or 0."""
+
+    inertia: Estimate
+    coulomb: Estimate
+    viscous: Estimate
+    cogging: Estimate
+    per_rev: int
+
+
+def moving(s: Segment, cell_rad: float) -> Segment | None:
+    """The part of a record in which the rotor turns; None if there is too little of it."""
+    speed = s.speed
+    slow = np.abs(speed) < 2.0 * cell_rad / (8 * s.step_s)
+    turns = np.nonzero(~slow)[0]
+    if not len(turns):
+        return None
+    first = int(turns[0])
+    stands = np.nonzero(slow[first:])[0]
+    last = first + int(stands[0]) if len(stands) else len(speed)
+    kept = s.part(first, last)
+    if last - first < FEWEST_ROWS or np.ptp(kept.position) < FEWEST_CELLS * cell_rad:
+        return None
+    return kept
+
+
+def mechanics(segments: Sequence[Segment], k_t: Estimate, cell_rad: float) -> Mechanics | None:
+    """Of pulses and coasting both ways; None where the rotor hardly moved."""
+    parts = [part for s in segments if (part := moving(s, cell_rad)) is not None]
+    if len(parts) < 4:
+        return None
+    wanted = [s.turned for s in parts]
+    free = [s.t for s in parts]
+    columns = [_columns(s) for s in parts]
+    pairs = [_waves(s) for s in parts]
+    per_rev, found = best_harmonic(wanted, columns, pairs, free)
+    pull = found.factors[0]
+    if pull <= 0.0:
+        return None
+    inertia = k_t.value / pull
+    spread = float(np.hypot(np.sqrt(found.covariance[0, 0]) / pull, k_t.sd / k_t.value))
+    cogging = Estimate(0.0, 0.0)
+    if per_rev:
+        size = float(np.hypot(*found.factors[-2:]))
+        cogging = Estimate(float(inertia * size), found.estimate(-1, inertia).sd)
+    # A pulse is much stronger than friction, and its least error would be friction's.
+    slow = [n for n, s in enumerate(parts) if _coasts(s, parts)]
+    friction = found
+    if len(slow) >= 2:
+        waves = found.factors[3:]
+        coasting = [
+            wanted[n]
+            - pull * columns[n][0]
+            - (pairs[n][:, per_rev - 1] @ waves if per_rev else 0.0)
+            for n in slow
+        ]
+        still = [np.zeros_like(goal) for goal in coasting]
+        friction = fit(
+            coasting,
+            [[none, *columns[n][1:]] for none, n in zip(still, slow, strict=True)],
+            [free[n] for n in slow],
+        )
+    return Mechanics(
+        Estimate(inertia, inertia * spread),
+        _positive(friction, 1, inertia),
+        _positive(friction, 2, inertia),
+        cogging,
+        per_rev,
+    )
+
+
+COASTS = 0.05
+"""Part of the largest mean current below which a record is one of coasting."""
+
+
+def _coasts(s: Segment, among: Sequence[Segment]) -> bool:
+    most = max(abs(float(np.mean(other.current))) for other in among)
+    return abs(float(np.mean(s.current))) < COASTS * most
+
+
+def _columns(s: Segment) -> list[np.ndarray]:
+    """Columns of k_T/J, c/J and b/J."""
+    return [_twice(s, s.current), -_twice(s, np.sign(s.speed)), -s.sum(s.angle - s.angle[0])]
+
+
+def _waves(s: Segment) -> np.ndarray:
+    """∬ of the angle's harmonics."""
+    once = s.step_s * np.cumsum(harmonics(s.angle), axis=0)
+    before = np.concatenate([np.zeros_like(once[:1]), once[:-1]])
+    return (s.step_s * np.cumsum(0.5 * (once + before), axis=0))[: len(s)]
+
+
+def _positive(found: Fit, column: int, inertia: float) -> Estimate:
+    """A friction, which is never below zero."""
+    estimate = found.estimate(column, inertia)
+    return Estimate(max(0.0, estimate.value), estimate.sd)
+
+
+def _twice(s: Segment, values: np.ndarray) -> np.ndarray:
+    """∬ of the rows' means, at their ends."""
+    once = s.step_s * np.cumsum(values)
+    before = np.concatenate([[0.0], once[:-1]])
+    return (s.step_s * np.cumsum(0.5 * (once + before)))[: len(s)]

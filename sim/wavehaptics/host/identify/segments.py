@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Records of a motor, and least squares over them.
+
+A record's rows are means over equal blocks of time, so that an equation of motion is looked at as
+it is integrated: ``∫v dt = R ∫i dt + L i + k_T x + ...`` up to the end of each block, with a
+constant of its own for each record. So nothing is differentiated, and the steps of encoder and
+converter are noise that doesn't add up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A value and its standard deviation, in one unit."""
+
+    value: float
+    sd: float
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A record in which the host changed nothing: rows of ``step_s``.
+
+    ``voltage`` in V and ``current`` in A are means over the rows, ``position`` in rad is that at
+    their ends; ``wanted`` is the current or voltage, by its sign, that was asked for.
+    """
+
+    step_s: float
+    voltage: np.ndarray
+    current: np.ndarray
+    position: np.ndarray
+    wanted: float
+
+    def __len__(self) -> int:
+        return len(self.voltage) - 1
+
+    @property
+    def t(self) -> np.ndarray:
+        """Ends of the rows but for the last, s."""
+        return self.step_s * np.arange(1, len(self) + 1)
+
+    def sum(self, values: np.ndarray) -> np.ndarray:
+        """∫ of the rows' means up to :attr:`t`."""
+        return self.step_s * np.cumsum(values[: len(self)])
+
+    @property
+    def ends(self) -> np.ndarray:
+        """Current at :attr:`t`, A: between two means."""
+        return 0.5 * (self.current[:-1] + self.current[1:])
+
+    @property
+    def turned(self) -> np.ndarray:
+        """Position at :attr:`t`, rad."""
+        return self.position[: len(self)]
+
+    @property
+    def angle(self) -> np.ndarray:
+        """Position in the rows' middles, rad."""
+        first = self.position[:1] - (self.position[1:2] - self.position[:1])
+        return 0.5 * (self.position + np.concatenate([first, self.position[:-1]]))
+
+    @property
+    def speed(self) -> np.ndarray:
+        """Speed in the rows, rad/s, over as many as have some cells between them."""
+        span = max(1, min(len(self.position) // 8, 16))
+        before = 2 * self.position[:1] - self.position[1:2]
+        ends = np.concatenate([before, self.position])
+        last = len(self.position)
+        low = np.clip(np.arange(last) - span + 1, 0, last)
+        high = np.clip(np.arange(last) + span, 0, last)
+        return (ends[high] - ends[low]) / ((high - low) * self.step_s)
+
+    def part(self, first: int, last: int) -> Segment:
+        """Rows of it."""
+        rows = slice(first, last)
+        return Segment(
+            self.step_s, self.voltage[rows], self.current[rows], self.position[rows], self.wanted
+        )
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Least squares of several records: the columns' factors, and their covariance.
+
+    The spread is taken from record to record: what is left within one is not independent.
+    """
+
+    factors: np.ndarray
+    covariance: np.ndarray
+    square: float
+    """What is left of the sum of squares."""
+    rows: int
+
+    def estimate(self, column: int, scale: float = 1.0) -> Estimate:
+        """Of one column, ``scale`` times."""
+        value = float(self.factors[column])
+        return Estimate(
+            float(scale * value), float(abs(scale) * np.sqrt(self.covariance[column, column]))
+        )
+
+
+Columns = Sequence[np.ndarray]
+
+
+def fit(wanted: Columns, columns: Sequence[Columns], free: Columns | None = None) -> Fit:
+    """Factors of ``columns`` that make the ``wanted`` of each record, with a constant each.
+
+    ``columns`` holds for each record its columns; ``free`` may hold one more for each record,
+    whose factor is the record's own.
+    """
+    goals, tables = _freed(wanted, columns, free)
+    goal, matrix = np.concatenate(goals), np.concatenate(tables)
+    scale = np.linalg.norm(matrix, axis=0)
+    scale[scale == 0.0] = 1.0
+    factors, *_ = np.linalg.lstsq(matrix / scale, goal, rcond=1e-12)
+    inverse = np.linalg.pinv((matrix / scale).T @ (matrix / scale), rcond=1e-12)
+    left = goal - matrix / scale @ factors
+    spread = np.zeros_like(inverse)
+    first = 0
+    for table in tables:
+        part = (table / scale).T @ left[first : first + len(table)]
+        spread += np.outer(part, part)
+        first += len(table)
+    count = len(tables)
+    spread *= count / max(1, count - 1)
+    covariance = inverse @ spread @ inverse / np.outer(scale, scale)
+    return Fit(factors / scale, covariance, float(left @ left), len(goal))
+
+
+def _freed(
+    wanted: Columns, columns: Sequence[Columns], free: Columns | None
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Goals and tables of the records without what is each record's own."""
+    goals, tables = [], []
+    for n, (goal, table) in enumerate(zip(wanted, columns, strict=True)):
+        own = [np.ones_like(goal)] + ([] if free is None else [free[n]])
+        basis, _ = np.linalg.qr(np.stack(own, axis=1))
+        matrix = np.stack(list(table), axis=1)
+        goals.append(goal - basis @ (basis.T @ goal))
+        tables.append(matrix - basis @ (basis.T @ matrix))
+    return goals, tables
+
+
+MOST_HARMONIC = 60
+"""Largest number of periods a revolution that is looked for."""
+
+LEAST_HARMONIC = 3
+"""Fewer periods than bars or teeth have: slower than that it is something else."""
+
+CLEARLY = 0.5
+"""Part of the squares that a harmonic has to take away, to be one."""
+
+
+def best_harmonic(
+    wanted: Columns,
+    columns: Sequence[Columns],
+    pairs: Sequence[np.ndarray],
+    free: Columns | None = None,
+) -> tuple[int, Fit]:
+    """The number of periods a revolution that explains most, or 0, and the fit with it.
+
+    ``pairs`` holds for each record the columns of all harmonics, (rows, MOST_HARMONIC, 2). The
+    harmonic's two columns stand behind the others.
+    """
+    plain = fit(wanted, columns, free)
+    flat = [list(pair.reshape(len(pair), -1).T) for pair in pairs]
+    goals, tables = _freed(wanted, columns, free)
+    basis, _ = np.linalg.qr(np.concatenate(tables))
+    waves = np.concatenate(_freed(wanted, flat, free)[1])
+    waves -= basis @ (basis.T @ waves)
+    goal = np.concatenate(goals)
+    goal -= basis @ (basis.T @ goal)
+    squares = {}
+    for n in range(LEAST_HARMONIC, MOST_HARMONIC + 1):
+        wave, _ = np.linalg.qr(waves[:, 2 * n - 2 : 2 * n])
+        squares[n] = plain.square - float(np.sum((wave.T @ goal) ** 2))
+    best = min(squares, key=squares.__getitem__)
+    if squares[best] > (1.0 - CLEARLY) * plain.square:
+        return 0, plain
+    more = [
+        [*table, pair[:, best - 1, 0], pair[:, best - 1, 1]]
+        for table, pair in zip(columns, pairs, strict=True)
+    ]
+    return best, fit(wanted, more, free)
+
+
+def harmonics(angle: np.ndarray) -> np.ndarray:
+    """cos and sin of 1 to MOST_HARMONIC times the angle: (rows, MOST_HARMONIC, 2)."""
+    phase = angle[:, None] * np.arange(1, MOST_HARMONIC + 1)
+    return np.stack([np.cos(phase), np.sin(phase)], axis=2)
