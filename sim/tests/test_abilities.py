@@ -40,6 +40,7 @@ SENSED = ("adc.bits=10", "adc.full_scale_a=2.5")
 DRIVEN = ("drive.bus_v=12",)
 ANCHORED = (*ENCODER, *DRIVEN, *SENSED, "controller.anchor_auto=true")
 HOT = ("thermal.start_c=80", "scene.duration_s=0.2", "controller.tick_hz=50e3")
+BRUSHLESS = ("motor.preset=gbm2804-100t",)
 SPRING = ("shaper.feel=spring", "shaper.stiffness=0.3", "shaper.damping=0.1e-3")
 
 NOT_OF_A_RUN = {
@@ -54,6 +55,13 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "motor.k_t": ((), ("motor.k_t=0.03",)),
     "motor.J_kgm2": ((), ("motor.J_kgm2=2e-6",)),
     "motor.preset": ((), ("motor.preset=re40-148877",)),
+    "motor.kind": ((), ("motor.kind=pmsm", "motor.preset=gbm2804-100t")),
+    "motor.pole_pairs": (BRUSHLESS, ("motor.pole_pairs=6",)),
+    "motor.psi_vs": (BRUSHLESS, ("motor.psi_vs=3e-3",)),
+    "motor.l_d_part": (BRUSHLESS, ("motor.l_d_part=0.6",)),
+    "motor.harmonic_5": (BRUSHLESS, ("motor.harmonic_5=0.05",)),
+    "motor.harmonic_7": (BRUSHLESS, ("motor.harmonic_7=0.05",)),
+    "motor.magnet_rad": (BRUSHLESS, ("motor.magnet_rad=0.1",)),
     "friction.coulomb_nm": ((), ("friction.coulomb_nm=1e-3",)),
     "friction.viscous": ((), ("friction.viscous=1e-4",)),
     "brushes.drop_v": ((), ("brushes.drop_v=0.3",)),

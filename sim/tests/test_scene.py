@@ -482,6 +482,7 @@ def test_shipped_scenes():
     shipped = shipped_scenes()
     assert set(shipped) == {
         "bounce",
+        "brushless_taps",
         "damped",
         "detents",
         "encoder_wall",

@@ -77,6 +77,28 @@ ABILITIES: dict[str, Ability] = {
 """By what runs a scene."""
 
 
+BRUSHLESS_RUNGS = ("analog", "golden")
+"""Controllers that a brushless motor runs on."""
+
+_LEAVE_OUT = "a brushless motor does without it yet; leave it out"
+
+BRUSHLESS: dict[str, str] = {
+    "brushes": "a brushless motor has none; leave it out",
+    "controller.anchor_auto": "a port anchor is of one port yet; leave it out",
+    "controller.anchor_ohm": "a port anchor is of one port yet; leave it out",
+    "controller.early_duty": "it is of `pins`; leave it out",
+    "drive.mode": "a brushless motor has a bridge of three legs; leave it out",
+    **dict.fromkeys(
+        ("winding", "thermal", "shaper", "transmission.cable_stiffness", "encoder.stops_at_s",
+         "encoder.reverses_at_s", "encoder.uneven", "encoder.skips_per_rev", "adc.bandwidth_hz",
+         "adc.common_mode_a", "adc.drift_a_per_s", "drive.bus_measured", "drive.step_v",
+         "drive.sag_ohm"),
+        _LEAVE_OUT,
+    ),
+}  # fmt: skip
+"""What is refused besides where the motor is a ``pmsm``, with the cure."""
+
+
 def asked(scene: Scene) -> set[str]:
     """Tables and keys (``table``, ``table.key``) in which a scene asks for more than their default.
 
@@ -107,7 +129,15 @@ def asked(scene: Scene) -> set[str]:
 def refuse(scene: Scene, name: str) -> None:
     """:class:`SceneError` where ``name`` of ABILITIES can't do what the scene asks for."""
     asked_for = asked(scene)
-    for what, cure in ABILITIES[name].refused.items():
+    refused = ABILITIES[name].refused
+    if scene.motor.brushless:
+        if name not in BRUSHLESS_RUNGS:
+            rungs = " or ".join(f"`{rung}`" for rung in BRUSHLESS_RUNGS)
+            raise SceneError(
+                f'{scene.scene.name}: motor.kind = "pmsm" is not for `{name}` yet; take {rungs}'
+            )
+        refused = {**BRUSHLESS, **refused}
+    for what, cure in refused.items():
         if what in asked_for:
             shown = what if "." in what else f"[{what}]"
             raise SceneError(f"{scene.scene.name}: {shown} is not for `{name}`; {cure}")

@@ -69,7 +69,8 @@ FREE, CONTACT, LIMITED = range(3)
 
 HALVINGS = 24
 """The steps at hand are the regular one and its halves, quarters, ... down to 2⁻²⁴ of it."""
-_MODE_CHANGES = 8
+MODE_CHANGES = 8
+"""Changes of circuit that are looked for in a step."""
 
 ROUNDS = 6
 """Times that a step is tried at most; without a change of circuit in it, the second is right."""
@@ -101,7 +102,8 @@ def circuit_matrices(plant: Plant, lambda_: float, s: float, gain: float, etas) 
 
 
 @compiled()
-def _inside(x, wall_min, wall_max):
+def inside(x, wall_min, wall_max):
+    """Whether a rotor at ``x`` is in a wall; all in rad."""
     for n in range(wall_min.shape[0]):
         if wall_min[n] <= x < wall_max[n]:
             return True
@@ -118,7 +120,7 @@ def _outward(z, kept, floats):
 @compiled()
 def _consistent(z, kept, floats, wall_min, wall_max):
     """Whether the state still belongs to the circuit that it is advanced with."""
-    if _inside(z[X], wall_min, wall_max) != (kept[_TOUCHING] != 0.0):
+    if inside(z[X], wall_min, wall_max) != (kept[_TOUCHING] != 0.0):
         return False
     if kept[_SIDE] == 0.0:
         return abs(z[F]) <= floats[_U_MAX]
@@ -128,7 +130,7 @@ def _consistent(z, kept, floats, wall_min, wall_max):
 @compiled()
 def _switch(z, kept, floats, wall_min, wall_max):
     """Choose the circuit that the state belongs to."""
-    kept[_TOUCHING] = 1.0 if _inside(z[X], wall_min, wall_max) else 0.0
+    kept[_TOUCHING] = 1.0 if inside(z[X], wall_min, wall_max) else 0.0
     if kept[_SIDE] == 0.0 and abs(z[F]) > floats[_U_MAX]:
         kept[_SIDE] = 1.0 if z[F] > 0.0 else -1.0
         z[F] = kept[_SIDE] * floats[_U_MAX]
@@ -168,7 +170,7 @@ def _part(z, trial, kept, floats, wall_min, wall_max, steps):
         while 1 << order > left:
             order -= 1
         _product(steps[_circuit(kept), order], z, trial)
-        free = changes < _MODE_CHANGES
+        free = changes < MODE_CHANGES
         stays = not free or _consistent(trial, kept, floats, wall_min, wall_max)
         if not stays and order > 0:
             order -= 1

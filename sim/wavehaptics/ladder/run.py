@@ -14,6 +14,7 @@ import numpy as np
 from wavehaptics.controller.settings import Settings
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.analog import AnalogSimulation
+from wavehaptics.ladder.brushless import BrushlessAnalogSimulation, BrushlessSimulation
 from wavehaptics.ladder.encoder import EncoderSimulation
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.r_hat_error import Estimate
@@ -50,9 +51,24 @@ class Simulation(Protocol):
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
 
 
+def analog(
+    scene: Scene, tick_s: float | None = None, cell_rad: float | None = None
+) -> AnalogSimulation | BrushlessAnalogSimulation:
+    """The analog circuit, or two of them for a brushless motor, on the ticks of ``tick_s``."""
+    kind = BrushlessAnalogSimulation if scene.motor.brushless else AnalogSimulation
+    return kind(scene, tick_s, cell_rad)
+
+
+def golden(scene: Scene) -> Simulation:
+    """The wave core's integers, of one port or of a brushless motor's two."""
+    if scene.motor.brushless:
+        return BrushlessSimulation(scene)
+    return SampledSimulation(scene, rtl=False)
+
+
 CONTROLLERS: dict[str, Callable[[Scene], Simulation]] = {
-    "analog": AnalogSimulation,
-    "golden": lambda scene: SampledSimulation(scene, rtl=False),
+    "analog": analog,
+    "golden": golden,
     "core": lambda scene: SampledSimulation(scene, rtl=True),
     "pins": PinsSimulation,
     "encoder": EncoderSimulation,
@@ -70,16 +86,17 @@ def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
     anchor renders the spring that the controller believes in, ``k_T k̂_T/L̂_eff``, as its flux is of
     L̂ and k̂_T and its current the motor's. Without one inductor and torque are the motor's own: what
     W makes of a wish for a motor of k̂_T is ``(k_T/k̂_T)²`` of it, behind the motor's spring. The
-    encoder's servo should render the spring that it computes, with a current made for k̂_T.
+    encoder's servo should render the spring that it computes, with a current made for k̂_T. A
+    brushless motor's two ports feel as one of k_T = √1.5·pψ.
     """
     if isinstance(simulation, EncoderSimulation):
         return simulation.stiffness * (scene.motor.k_t / scene.controller.k_t_hat)
     set_ = simulation.settings
-    analog = isinstance(simulation, AnalogSimulation)
-    tau = 1.0 / scene.controller.lambda_ if analog else set_.tau
+    continuous = isinstance(simulation, AnalogSimulation | BrushlessAnalogSimulation)
+    tau = 1.0 / scene.controller.lambda_ if continuous else set_.tau
     wish = set_.shaper.wish if set_.shaped.any() else None
     return rendered_stiffness(
-        scene, set_.r_hat, tau, scene.controller.eta_contact, set_.anchored and not analog,
+        scene, set_.r_hat, tau, scene.controller.eta_contact, set_.anchored and not continuous,
         wish.spring if wish is not None else None,
     )  # fmt: skip
 
@@ -91,7 +108,7 @@ def rendered_stiffness(
 
     ``r_hat`` in Ω and the delay ``tau_s`` are the port's; ``spring`` is W's, N·m/rad, or None.
     """
-    k_t, inductance, k_t_hat = scene.motor.k_t, scene.motor.L_h, scene.controller.k_t_hat
+    k_t, inductance, k_t_hat = scene.motor.felt_k_t, scene.motor.L_h, scene.controller.k_t_hat
     wished = (k_t / k_t_hat) ** 2
     if anchored:
         wished = k_t / k_t_hat
@@ -140,7 +157,7 @@ def _measure(
     reference = None
     # The analog circuit has no W: it would be another environment.
     if compare and controller != "analog" and scene.shaper is None:
-        reference = AnalogSimulation(scene, tick_s, set_.cell_rad)
+        reference = analog(scene, tick_s, set_.cell_rad)
     edges = zip(set_.wall_min * set_.cell_rad, set_.wall_max * set_.cell_rad, strict=True)
     metrics = Metrics(
         scene, tick_s, controller=controller, walls=list(edges),

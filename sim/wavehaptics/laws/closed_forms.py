@@ -120,3 +120,56 @@ def filter_stiffness(k_t: float, resistance: float, lambda_: float) -> float:
     (:func:`l_extra`), so the factor 2 belongs there.
     """
     return 2.0 * k_t**2 * lambda_ / resistance
+
+
+def brushless_torque_constant(pole_pairs: int, psi_vs: float) -> float:
+    """Torque over the torque's current of a permanent-magnet motor, ``1.5 p ψ``, N·m/A.
+
+    The current is the phases' amplitude, in the amplitude-invariant frame of Clarke and Park
+    (Krishnan, *Permanent Magnet Synchronous and Brushless DC Motor Drives*, the torque
+    ``3/2 · P/2 · λ_af · i_q`` of a machine without saliency; P poles are P/2 pairs).
+    """
+    return 1.5 * pole_pairs * psi_vs
+
+
+def brushless_k_l(pole_pairs: int, psi_vs: float, inductance: float) -> float:
+    """Spring of the inductances of three phases, ``K_L = 1.5 (pψ)²/L``, N·m/rad.
+
+    Two ports hold the flux of the windings still, (11) of the paper for a vector: ``L i = ψ
+    (e^{jpx₀} − e^{jpx})``, and the torque ``1.5 pψ i_q = −1.5 pψ²/L · sin p(x − x₀)`` has this
+    slope at x₀, whatever x₀ is. It is :func:`k_l` of ``k_T = √1.5·pψ``, so that every form above
+    holds with that k_T; ``inductance`` is a phase's, in H, along the axis q.
+    """
+    return k_l(brushless_k_t(pole_pairs, psi_vs), inductance)
+
+
+def brushless_k_t(pole_pairs: int, psi_vs: float) -> float:
+    """k_T of the motor with brushes that feels as one with magnets does, ``√1.5 · pψ``, N·m/A."""
+    return math.sqrt(1.5) * pole_pairs * psi_vs
+
+
+def brushless_wall_torque(
+    pole_pairs: int, psi_vs: float, inductance: float, resistance: float, tau_s: float, depth: float
+) -> float:
+    """Torque of a rigid contact at ``depth`` rad, ``−1.5 pψ²/L_eff · sin(p·depth)``, N·m.
+
+    Other than a motor with brushes this one gives way: beyond a quarter of an electrical turn the
+    torque falls, and beyond a half the rotor falls into the next pole.
+    """
+    spring = brushless_k_t(pole_pairs, psi_vs) ** 2 / l_eff(inductance, resistance, tau_s)
+    return -spring * math.sin(pole_pairs * depth) / pole_pairs
+
+
+def brushless_drag(
+    pole_pairs: int, psi_vs: float, inductance: float, resistance: float, tau_s: float,
+    omega: float, g: float = 1.0,
+) -> float:  # fmt: skip
+    """Mean torque against a rotor that turns at ``omega`` rad/s in contact of η = −g, N·m.
+
+    The magnets turn a voltage of ``pψω`` at pω through the series resistance r and L_eff of
+    contact: ``1.5 (pψ)² ω r/(r² + (pω L_eff)²)``. It is to first order in pω·τ, as these forms are.
+    """
+    series = series_resistance(resistance, g)
+    reactance = pole_pairs * omega * l_eff(inductance, resistance, tau_s, g)
+    square = brushless_k_t(pole_pairs, psi_vs) ** 2
+    return -square * omega * series / (series**2 + reactance**2)

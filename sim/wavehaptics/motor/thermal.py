@@ -19,7 +19,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from wavehaptics.motor.plant import Plant
-from wavehaptics.scene import Scene
+from wavehaptics.scene import Scene, SceneError
 from wavehaptics.trace.columns import Column
 
 REFERENCE_C = 25.0
@@ -32,10 +32,16 @@ PIECE_S = 0.05
 class Winding:
     """Temperature and resistance of one scene's winding, and the plant that it belongs to.
 
-    Without a ``[thermal]`` table the resistance is the motor's for good.
+    Without a ``[thermal]`` table the resistance is the motor's for good. ``SceneError`` where the
+    motor is brushless, of which there is no winding alone.
     """
 
     def __init__(self, scene: Scene, tick_s: float) -> None:
+        if scene.motor.brushless:
+            raise SceneError(
+                f'{scene.scene.name}: motor.kind = "pmsm" has two ports and this takes one; run it '
+                "on `analog` or `golden`, or take a motor with brushes"
+            )
         self._plant = Plant.of_scene(scene)
         self._tick_s = tick_s
         self._thermal = thermal = scene.thermal

@@ -14,6 +14,23 @@
     Maxon RE 30, 48 V winding, data sheet.
 ``re40-148877``
     Maxon RE 40, 148877, data sheet.
+
+Brushless motors, all values of one phase of the star. Where a maker gives values between two
+terminals, R and L are half of them. ψ follows from what is given of the voltage:
+√3 p ψ ω is the peak between two terminals, so ``p ψ = 60/(2π √3 KV)``, which ODrive's and
+SimpleFOC's ``8.27/KV = 1.5 p ψ`` says as well; the mean of it over the sixth of a turn in which two
+phases carry the current is maxon's k_M, so ``p ψ = k_M π/(3√3)``.
+
+``gbm2804-100t``
+    A camera gimbal's motor, as small haptic knobs have it: R, L, KV 206.2 and pole pairs from the
+    preset ``GBM2804H_100T.h`` of the motor library gmp_pro (L_d = L_q there). J is an estimate, a
+    ring of 15 g at 12.5 mm: no data sheet has it.
+``ec45-flat-70w``
+    Maxon EC 45 flat, 70 W, 24 V: 0.573 Ω, 0.301 mH, 40.4 mN·m/A and 181 g·cm² of maxon's catalogue
+    (its edition with the part numbers 651614 to 651621). The 8 pole pairs are from memory.
+``mini-cheetah``
+    The drone motor of the MIT Mini Cheetah's joints, without its gear: R, L, ψ and pole pairs of
+    its controller's ``motor_config.h``, J from ``MiniCheetah.h`` of the Cheetah-Software.
 """
 
 from __future__ import annotations
@@ -41,3 +58,25 @@ PRESETS: dict[str, MotorConstants] = {
     "re40-148877": MotorConstants(R_ohm=1.16, L_h=0.33e-3, k_t=60.3e-3, J_kgm2=137e-7),
 }
 """Constants by preset name."""
+
+
+class BrushlessConstants(NamedTuple):
+    """Constants of a permanent-magnet motor of three phases, named as the keys of ``[motor]``."""
+
+    R_ohm: float
+    """Resistance of a phase, Ω."""
+    L_h: float
+    """Inductance of a phase, H."""
+    pole_pairs: int
+    psi_vs: float
+    """Amplitude of the flux that the magnets send through a phase, V·s."""
+    J_kgm2: float
+    """Rotor inertia, kg·m²."""
+
+
+BRUSHLESS_PRESETS: dict[str, BrushlessConstants] = {
+    "gbm2804-100t": BrushlessConstants(4.7, 0.96e-3, 7, 3.820e-3, 23e-7),
+    "ec45-flat-70w": BrushlessConstants(0.2865, 0.1505e-3, 8, 3.053e-3, 181e-7),
+    "mini-cheetah": BrushlessConstants(0.105, 0.03e-3, 21, 2.4e-3, 630e-7),
+}
+"""Constants of brushless motors by preset name."""

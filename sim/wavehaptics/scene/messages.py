@@ -19,7 +19,7 @@ from wavehaptics.scene.keys import (
     unknown_choice,
 )
 from wavehaptics.scene.schema import TABLES, Scene
-from wavehaptics.scene.tables.motor import Motor
+from wavehaptics.scene.tables.motor import DC_KEYS
 
 
 class SceneError(ValueError):
@@ -143,8 +143,7 @@ def _missing(path: KeyPath) -> str:
     if len(path) == 1:
         return f"table [{path[0]}] is missing; a scene needs [scene], [motor] and [controller]"
     if path[0] == "motor":
-        constants = ", ".join(keys_of(Motor)[1:])
-        return f"{dotted(path)} is missing; give preset, or all of {constants}"
+        return f"{dotted(path)} is missing; give preset, or all of {', '.join(DC_KEYS)}"
     texts = _field(path)
     assert texts is not None
     return f"{dotted(path)} is missing; give {_wanted(texts)}"

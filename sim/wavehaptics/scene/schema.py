@@ -57,6 +57,9 @@ class Scene(Table):
     @classmethod
     def _resolve(cls, data: Any, handler: ModelWrapValidatorHandler[Scene]) -> Scene:
         scene = handler(data)
+        if scene.motor.brushless and scene.drive is not None:
+            given = data.get("drive", {}) if isinstance(data, dict) else {}
+            scene = scene.model_copy(update={"drive": scene.drive.of_three_phases(given)})
         tick_s = 1 / scene.controller.tick_hz
         if scene.scene.duration_s < tick_s:
             broken_rule(

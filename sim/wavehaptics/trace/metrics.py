@@ -602,7 +602,7 @@ class Metrics:
             "wall_clock_s": wall_clock_s,
             "ticks": ticks,
             "clock_cycles": clock_cycles,
-            "k_l": closed_forms.k_l(scene.motor.k_t, scene.motor.L_h),
+            "k_l": closed_forms.k_l(scene.motor.felt_k_t, scene.motor.L_h),
             "stiffness": slope,
             "stiffness_zero_rad": zero,
             "contact_edge_rad": None if slot is None else self._fits[slot]["edge"],

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from typing import Any, Literal
 
 from pydantic import model_validator
@@ -14,6 +15,10 @@ from wavehaptics.words.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
 
 USUAL_BUSES_V = (12.0, 24.0, 48.0)
 """Bus voltages, V, from which a drive's default is taken."""
+THREE_PHASE_REACH = 2.0 / (3.0 + math.sqrt(3.0))
+"""Largest voltage of each axis α and β of three phases in star, in parts of the bus, if both may
+have it at once: the square ±this is the largest in the bridge's hexagon, with a common voltage of
+the legs that keeps them between the rails."""
 Mode = Literal["unipolar", "locked-anti-phase", "sign-magnitude", "half-bridge"]
 
 
@@ -37,7 +42,8 @@ class Drive(Table):
     )
     limit_v: float | None = scene_key(
         "V",
-        "Largest voltage either way, not above the bus; of a half bridge, half the bus",
+        "Largest voltage either way, not above the bus; of a half bridge, half the bus; of a "
+        "brushless motor each axis' own, at most 0.4226 of the bus",
         None,
         default_text="what the bus reaches where `bus_v` is given, else no limit",
         ge=1e-3,
@@ -127,6 +133,28 @@ class Drive(Table):
     def reach(self) -> float:
         """Largest voltage at the motor, in parts of the bus."""
         return 0.5 if self.mode == HALF_BRIDGE else 1.0
+
+    def of_three_phases(self, given: Collection[str]) -> Drive:
+        """The same for three phases in star; ``given`` are the keys that the scene has.
+
+        The limit is that of each axis α and β by itself, at most THREE_PHASE_REACH of the bus.
+        """
+        bus_v, limit_v = self.bus_v, self.limit_v
+        if bus_v is None or limit_v is None:
+            return self
+        if "limit_v" not in given:
+            return self.model_copy(update={"limit_v": bus_v * THREE_PHASE_REACH})
+        buses = [bus_v] if "bus_v" in given else [*USUAL_BUSES_V]
+        reached = [bus for bus in buses if bus * THREE_PHASE_REACH >= limit_v]
+        if not reached:
+            largest = max(buses) * THREE_PHASE_REACH
+            broken_rule(
+                f"drive.limit_v = {as_number(limit_v)} is above what both axes of three phases "
+                f"have of a bus of {max(buses):g} V; it may be at most {largest:.4g} V",
+                ("drive", "limit_v"),
+                ("drive", "bus_v"),
+            )
+        return self.model_copy(update={"bus_v": reached[0]})
 
     @model_validator(mode="wrap")
     @classmethod

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Between three phases in star and two ports, as integers: Clarke's transform and its inverse.
+
+Amplitude-invariant: with the phases' currents summing up to zero, of which two are measured,
+
+    α = a                 β = (a + 2 b)/√3
+    a = α                 b = −α/2 + (√3/2) β        c = −α/2 − (√3/2) β
+
+Each takes one product with a coefficient of the RTL's width. All that is cut off is cut toward
+zero, as in the wave path, and the coefficients are rounded down: neither transform makes a vector
+longer by more than the place that α/2 loses. What the legs have in common drives nothing in a
+star, and is the bridge's to choose.
+"""
+
+from __future__ import annotations
+
+import math
+
+from wavehaptics.controller.wave_core import saturate, truncate
+from wavehaptics.runtime.compiled import compiled
+from wavehaptics.words import formats
+
+COEFFICIENT = formats.Fixed(formats.COEF_W, formats.COEF_W - 2)
+"""Format of both coefficients, below 2."""
+TWO_OVER_ROOT3 = math.floor(2.0 / math.sqrt(3.0) / COEFFICIENT.step)
+HALF_ROOT3 = math.floor(0.5 * math.sqrt(3.0) / COEFFICIENT.step)
+
+_Q = COEFFICIENT.fraction
+
+
+@compiled(inline="always")
+def currents(a: int, b: int) -> tuple[int, int]:
+    """Currents of α and β of those of the phases a and b, words of ``formats.CURRENT``.
+
+    β's half sum ``a/2 + b`` is √3/2 β, so that a data word holds it wherever one holds β.
+    """
+    half_sum = saturate(truncate(a + 2 * b, 1))
+    return a, saturate(truncate(TWO_OVER_ROOT3 * half_sum, _Q))
+
+
+@compiled(inline="always")
+def phases(alpha: int, beta: int) -> tuple[int, int, int]:
+    """Voltages of the legs a, b and c of those of both ports, words of ``formats.VOLTAGE``."""
+    half, side = truncate(alpha, 1), truncate(HALF_ROOT3 * beta, _Q)
+    return alpha, saturate(side - half), saturate(-side - half)

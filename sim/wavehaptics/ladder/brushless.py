@@ -1,0 +1,317 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The controllers ``analog`` and ``golden`` of a brushless motor: two ports, α and β.
+
+Each axis of the stationary frame has a port of its own, of the same words, and none knows the
+rotor's angle: the encoder's count only says which η both have. A row's ``i`` is the current that
+the torque is k_T times of, its ``e_a``, ``u`` and ``v`` are the parts of both axes along q at the
+tick's middle, and ``golden``'s raw words are those of port α.
+
+The voltage limit is each axis' own. The converter measures the phases a and b. What a scene
+can't have here yet is refused (:mod:`wavehaptics.ladder.abilities`).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from wavehaptics.controller import clarke, wave_core
+from wavehaptics.controller.settings import settings
+from wavehaptics.ladder.abilities import refuse
+from wavehaptics.ladder.analog import CONTACT, FREE, HALVINGS, LIMITED, MODE_CHANGES, inside
+from wavehaptics.laws import closed_forms
+from wavehaptics.motor.brushless import (
+    ENERGY,
+    F_A,
+    F_B,
+    I_A,
+    I_B,
+    IMPULSE,
+    Q_A,
+    Q_B,
+    QF_A,
+    QF_B,
+    BrushlessPlant,
+    along_q,
+    brushless_step,
+    electrical_angle,
+)
+from wavehaptics.motor.plant import K_T, TIME, C, I, P, X
+from wavehaptics.motor.sensor import NOISE_SEED, Sensor, current_word, draw_noise, noise_at
+from wavehaptics.runtime.compiled import compiled
+from wavehaptics.scene import Scene, drive_gain
+from wavehaptics.trace.columns import Word, put_motion, put_port
+from wavehaptics.words import formats
+
+_VOLT = formats.VOLTAGE.step
+_ROOT_WATT = formats.WAVE.step
+_ETA = formats.ETA.step
+_ROOT3 = math.sqrt(3.0)
+
+# Places in golden's integer parameters, in its float parameters and in what it keeps.
+_A, _EXTRA, _ETA_CONTACT, _ETA_FREE, _SUBSTEPS, _HYSTERESIS, _ROOT, _U_MAX = range(8)
+_CELL, _GAIN = range(2)
+_VOLTAGE_A, _VOLTAGE_B = range(2)
+
+# Places in the analog circuits' parameters and in what they keep: whether the rotor is in a wall,
+# and the sign of the limit that holds each axis' f.
+_TICK, _S, _DRIVE, _LIMIT, _CONTACT_ETA, _FREE_ETA = range(6)
+_TOUCHING, _SIDE_A, _SIDE_B = range(3)
+
+
+@compiled(inline="always")
+def _clear_sums(z):
+    z[Q_A] = z[Q_B] = z[QF_A] = z[QF_B] = z[IMPULSE] = z[ENERGY] = 0.0
+
+
+@compiled(inline="always")
+def _put_tick(row, z, load, tick, before, hand, e_a, e_b, u_a, u_b, v_a, v_b, ripple):
+    """A tick's row but for η and flags, of both axes' means; returns its u and v."""
+    theta = electrical_angle(0.5 * (before + z[X]), load)
+    torque = z[IMPULSE] / tick
+    put_motion(
+        row, z[TIME] - tick, tick, before, z[X], torque / load[K_T], along_q(e_a, e_b, theta),
+        torque, 0.5 * (hand + z[P] + z[C]), z[ENERGY], ripple,
+    )  # fmt: skip
+    return along_q(u_a, u_b, theta), along_q(v_a, v_b, theta)
+
+
+@compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
+def _advance_golden(
+    rows, words, z, kept, ports, lines, contact, wall_min, wall_max, ints, floats, load, table,
+    step, sensor, noise,
+):  # fmt: skip
+    substeps, extra, root, u_max = ints[_SUBSTEPS], ints[_EXTRA], ints[_ROOT], ints[_U_MAX]
+    tick = step[0] * substeps
+    for n in range(rows.shape[0]):
+        leg_a, leg_b, leg_c = clarke.phases(kept[_VOLTAGE_A], kept[_VOLTAGE_B])
+        volt = floats[_GAIN] * _VOLT
+        e_a = volt * (2 * leg_a - leg_b - leg_c) / 3.0
+        e_b = volt * (leg_b - leg_c) / _ROOT3
+        before, hand = z[X], z[P] + z[C]
+        _clear_sums(z)
+        z[F_A], z[F_B] = e_a, e_b
+        low, high = z[I], z[I]
+        for _ in range(substeps):
+            brushless_step(z, table, table, step, load)
+            low, high = min(low, z[I]), max(high, z[I])
+        mean_a, mean_b = z[Q_A] / tick, z[Q_B] / tick
+        alpha, beta = clarke.currents(
+            current_word(mean_a, sensor, noise_at(noise, 2 * n)),
+            current_word(0.5 * (_ROOT3 * mean_b - mean_a), sensor, noise_at(noise, 2 * n + 1)),
+        )
+        position = int(np.floor(z[X] / floats[_CELL]))
+        touching, _ = wave_core.contact_step(
+            contact, position, wall_min, wall_max, ints[_HYSTERESIS] != 0
+        )
+        eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
+        next_a, u_a, v_a = wave_core.wave_core_step(
+            ports[0], lines[0], alpha, eta, 0, root, ints[_A], u_max, extra, extra
+        )
+        next_b, u_b, v_b = wave_core.wave_core_step(
+            ports[1], lines[1], beta, eta, 0, root, ints[_A], u_max, extra, extra
+        )
+        u, v = _put_tick(
+            rows[n], z, load, tick, before, hand, e_a, e_b, u_a * _ROOT_WATT, u_b * _ROOT_WATT,
+            v_a * _ROOT_WATT, v_b * _ROOT_WATT, high - low,
+        )  # fmt: skip
+        limited = abs(u_a) >= u_max or abs(u_b) >= u_max
+        put_port(rows[n], eta * _ETA, u, v, touching, limited)
+        words[n, Word.I] = alpha
+        words[n, Word.U] = u_a
+        words[n, Word.V] = v_a
+        words[n, Word.E] = next_a
+        kept[_VOLTAGE_A], kept[_VOLTAGE_B] = next_a, next_b
+
+
+class BrushlessSimulation:
+    """A scene's brushless motor on the integers of two wave cores, with an averaged drive."""
+
+    clock_cycles: int | None = None
+
+    def __init__(self, scene: Scene) -> None:
+        refuse(scene, "golden")
+        self.settings = set_ = settings(scene)
+        self.tick_s = set_.tick_s
+        plant = BrushlessPlant.of_scene(scene)
+        substeps = plant.substeps(self.tick_s)
+        dt = self.tick_s / substeps
+        self._z = plant.start
+        self._kept = np.zeros(2, dtype=np.int64)
+        self._ports = np.stack([wave_core.new_state() for _ in range(2)])
+        self._lines = np.stack([wave_core.new_line(set_.extra_ticks) for _ in range(2)])
+        self._contact = np.array([-1, 0], dtype=np.int64)
+        self._ints = np.array(
+            [set_.a, set_.extra_ticks, set_.eta_contact, set_.eta_free, substeps,
+             set_.edge_hysteresis, set_.root, set_.u_max],
+            dtype=np.int64,
+        )  # fmt: skip
+        self._floats = np.array([set_.cell_rad, drive_gain(scene)])
+        self._load = plant.words()
+        self._table, self._step = plant.axis_table(dt), plant.step_words(dt)
+        self._sensor = Sensor.of_scene(scene).constants()
+        self._rng = np.random.default_rng(NOISE_SEED)
+
+    def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
+        """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
+        _advance_golden(
+            rows, words, self._z, self._kept, self._ports, self._lines, self._contact,
+            self.settings.wall_min, self.settings.wall_max, self._ints, self._floats, self._load,
+            self._table, self._step, self._sensor,
+            draw_noise(self._rng, self._sensor, 2 * len(rows)),
+        )  # fmt: skip
+
+
+@compiled(inline="always")
+def _outward(z, f, i, side, kept, floats):
+    """How far the goal of a filter lies beyond the limit that holds its f, √W."""
+    eta = floats[_CONTACT_ETA] if kept[_TOUCHING] else floats[_FREE_ETA]
+    return side * (eta * (z[f] - floats[_S] * z[i]) - z[f])
+
+
+@compiled(inline="always")
+def _axis_stays(z, f, i, side, kept, floats):
+    if side == 0.0:
+        return abs(z[f]) <= floats[_LIMIT]
+    return _outward(z, f, i, side, kept, floats) >= 0.0
+
+
+@compiled()
+def _consistent(z, kept, floats, wall_min, wall_max):
+    """Whether the state still belongs to the circuits that it is advanced with."""
+    if inside(z[X], wall_min, wall_max) != (kept[_TOUCHING] != 0.0):
+        return False
+    return _axis_stays(z, F_A, I_A, kept[_SIDE_A], kept, floats) and _axis_stays(
+        z, F_B, I_B, kept[_SIDE_B], kept, floats
+    )
+
+
+@compiled(inline="always")
+def _switch_axis(z, f, i, at, kept, floats):
+    if kept[at] == 0.0 and abs(z[f]) > floats[_LIMIT]:
+        kept[at] = 1.0 if z[f] > 0.0 else -1.0
+        z[f] = kept[at] * floats[_LIMIT]
+    if kept[at] != 0.0 and _outward(z, f, i, kept[at], kept, floats) < 0.0:
+        kept[at] = 0.0
+
+
+@compiled()
+def _switch(z, kept, floats, wall_min, wall_max):
+    """Choose the circuits that the state belongs to."""
+    kept[_TOUCHING] = 1.0 if inside(z[X], wall_min, wall_max) else 0.0
+    _switch_axis(z, F_A, I_A, _SIDE_A, kept, floats)
+    _switch_axis(z, F_B, I_B, _SIDE_B, kept, floats)
+
+
+@compiled(inline="always")
+def _circuit(side, kept):
+    if side != 0.0:
+        return LIMITED
+    return CONTACT if kept[_TOUCHING] else FREE
+
+
+@compiled()
+def _part(z, trial, kept, floats, wall_min, wall_max, tables, steps, load):
+    """Advance z by one regular step, through every change of circuit in it, as `analog` does.
+
+    ``tables`` has the axis' tables by circuit and halving. ``trial`` is room for a state.
+    """
+    left = 1 << HALVINGS
+    order = HALVINGS
+    changes = 0
+    _switch(z, kept, floats, wall_min, wall_max)
+    while left > 0:
+        while 1 << order > left:
+            order -= 1
+        for n in range(z.shape[0]):
+            trial[n] = z[n]
+        circuit_a, circuit_b = _circuit(kept[_SIDE_A], kept), _circuit(kept[_SIDE_B], kept)
+        brushless_step(
+            trial, tables[circuit_a, order], tables[circuit_b, order], steps[order], load
+        )
+        free = changes < MODE_CHANGES
+        stays = not free or _consistent(trial, kept, floats, wall_min, wall_max)
+        if not stays and order > 0:
+            order -= 1
+            continue
+        for n in range(z.shape[0]):
+            z[n] = trial[n]
+        left -= 1 << order
+        if not stays:
+            _switch(z, kept, floats, wall_min, wall_max)
+            changes += 1
+            order = HALVINGS
+
+
+@compiled(error_model="numpy")
+def _advance_analog(
+    rows, z, trial, kept, wall_min, wall_max, floats, substeps, load, tables, steps
+):  # fmt: skip
+    tick, s = floats[_TICK], floats[_S]
+    for n in range(rows.shape[0]):
+        before, hand = z[X], z[P] + z[C]
+        _clear_sums(z)
+        low, high = z[I], z[I]
+        for _ in range(substeps):
+            _part(z, trial, kept, floats, wall_min, wall_max, tables, steps, load)
+            low, high = min(low, z[I]), max(high, z[I])
+        u_a, u_b = z[QF_A] / tick, z[QF_B] / tick
+        volt = floats[_DRIVE]
+        u, v = _put_tick(
+            rows[n], z, load, tick, before, hand, volt * u_a, volt * u_b, u_a, u_b,
+            u_a - s * z[Q_A] / tick, u_b - s * z[Q_B] / tick, high - low,
+        )  # fmt: skip
+        eta = floats[_CONTACT_ETA] if kept[_TOUCHING] else floats[_FREE_ETA]
+        limited = kept[_SIDE_A] != 0.0 or kept[_SIDE_B] != 0.0
+        put_port(rows[n], eta, u, v, kept[_TOUCHING], limited)
+
+
+class BrushlessAnalogSimulation:
+    """A scene's brushless motor on two of the paper's analog circuits.
+
+    Its rows stand on the tick grid of ``tick_s``. As of
+    :class:`~wavehaptics.ladder.analog.AnalogSimulation` encoder and sensors are ideal.
+    """
+
+    clock_cycles: int | None = None
+
+    def __init__(
+        self, scene: Scene, tick_s: float | None = None, cell_rad: float | None = None
+    ) -> None:
+        control = scene.controller
+        refuse(scene, "analog")
+        self.settings = set_ = settings(scene, tick_s, cell_rad)
+        self.tick_s = set_.tick_s
+        plant = BrushlessPlant.of_scene(scene)
+        self._substeps = plant.substeps(self.tick_s)
+        dt = self.tick_s / self._substeps
+        s = closed_forms.root(set_.r_hat)
+        drive = drive_gain(scene) * s
+        parts = [dt * 2.0 ** (n - HALVINGS) for n in range(HALVINGS + 1)]
+        filters = {
+            FREE: (control.lambda_, control.eta_free, s),
+            CONTACT: (control.lambda_, control.eta_contact, s),
+            LIMITED: (0.0, 0.0, 0.0),
+        }
+        self._tables = np.array(
+            [[plant.axis_table(part, drive, *filters[n]) for part in parts] for n in range(3)]
+        )
+        self._steps = np.array([plant.step_words(part) for part in parts])
+        self._z = plant.start
+        self._kept = np.zeros(3)
+        limit = min(set_.limit_v / s, formats.WAVE.largest)
+        self._floats = np.array(
+            [self.tick_s, s, drive, limit, control.eta_contact, control.eta_free]
+        )
+        self._load = plant.words()
+        self._wall_min = set_.wall_min * set_.cell_rad
+        self._wall_max = set_.wall_max * set_.cell_rad
+
+    def advance(self, rows: np.ndarray, words: np.ndarray | None = None) -> None:
+        """Simulate ``len(rows)`` ticks into ``rows`` (Column); it has no words."""
+        del words
+        _advance_analog(
+            rows, self._z, np.empty_like(self._z), self._kept, self._wall_min, self._wall_max,
+            self._floats, self._substeps, self._load, self._tables, self._steps,
+        )  # fmt: skip
