@@ -274,6 +274,22 @@ def test_stiffness_at_eight_angles(make_scene, controller):
     assert np.ptp(measured) < 1e-3 * np.mean(measured)
 
 
+@pytest.mark.parametrize("preset", BRUSHLESS_PRESETS)
+def test_stiffness_of_each_preset(make_scene, preset):
+    """With a hand as stiff as the wall, a twentieth of an electrical radian deep."""
+    motor = BRUSHLESS_PRESETS[preset]
+    k_t = closed_forms.brushless_k_t(motor.pole_pairs, motor.psi_vs)
+    k = closed_forms.stiffness(k_t, motor.L_h, motor.R_ohm, 1e-4)
+    scene = make_scene(
+        *TAP, f"motor.preset={preset}", f"hand.amplitude_rad={0.1 / motor.pole_pairs:.6g}",
+        f"hand.stiffness={k:.6g}", f"hand.damping={math.sqrt(k * motor.J_kgm2):.6g}",
+        "motor.magnet_rad=0.01",
+    )  # fmt: skip
+    result = measure(scene, "golden", compare=False)
+    assert result["stiffness_predicted"] == pytest.approx(k, rel=1e-4)
+    assert result["stiffness"] == pytest.approx(k, rel=0.01)
+
+
 @pytest.mark.parametrize("controller", BRUSHLESS_RUNGS)
 @pytest.mark.parametrize("speed", [20.0, -20.0])
 def test_the_wall_of_a_turning_rotor_is_a_sine_of_its_angle(make_scene, controller, speed):

@@ -68,7 +68,9 @@ def test_smallest_scene_and_its_defaults(tmp_path):
     assert scene.scene.name == "bench"
     assert scene.scene.duration_s == 1.0
     assert scene.scene.trace_hz is None
-    assert scene.motor.model_dump(exclude={"preset"}) == PRESETS["re25-118743"]._asdict()
+    preset = PRESETS["re25-118743"]
+    assert scene.motor.model_dump(include=set(preset._fields)) == preset._asdict()
+    assert scene.motor.kind == "dc"
     absent = ("friction", "hand", "encoder", "adc", "drive", "thermal", "transmission", "shaper")
     assert all(getattr(scene, table) is None for table in absent)
     controller = scene.controller

@@ -106,7 +106,7 @@ def asked(scene: Scene) -> set[str]:
     """
     usual = {
         "controller.l_hat": scene.motor.L_h,
-        "controller.k_t_hat": scene.motor.k_t,
+        "controller.k_t_hat": scene.motor.felt_k_t,
         "controller.r_hat": scene.motor.R_ohm,
         "controller.eta_free": scene.controller.eta_free if scene.controller.anchored else 1.0,
     }

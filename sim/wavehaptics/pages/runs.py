@@ -137,7 +137,21 @@ def _impedance(numbers: dict[str, Any], table: Table) -> str:
     )  # fmt: skip
 
 
+def _brushless(numbers: dict[str, Any], table: Table) -> str:
+    head = ("electrical angle at the wall, degrees", "K on `golden`, N·m/rad", "on `analog`",
+            "1.5 (pψ)²/(L + Rτ/2)", "torque error against `analog`")  # fmt: skip
+    return table(
+        head,
+        (
+            (f"{360 * row['turn']:g}", number(row["golden"], 4), number(row["analog"], 4),
+             number(row["predicted"], 4), percent(row["error"]))
+            for row in numbers.get("tables", {}).get("brushless", ())
+        ),
+    )  # fmt: skip
+
+
 TABLES = {
+    "brushless-angles": _brushless,
     "dead-time": _dead_time,
     "modes": _modes,
     "bus": _bus,

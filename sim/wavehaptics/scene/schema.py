@@ -96,7 +96,7 @@ class Scene(Table):
                 ("hand",),
             )
         motor, controller = scene.motor, scene.controller
-        known = {"r_hat": motor.R_ohm, "l_hat": motor.L_h, "k_t_hat": motor.k_t}
+        known = {"r_hat": motor.R_ohm, "l_hat": motor.L_h, "k_t_hat": motor.felt_k_t}
         missing = {key: value for key, value in known.items() if getattr(controller, key) is None}
         controller = controller.model_copy(update=missing)
         if controller.eta_free is None:

@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs whose numbers the pages of the drive and of the environments show, a row each.
+"""Runs whose numbers the pages of drive, environments and brushless motors show, a row each.
 
 ``make tables`` runs them all and keeps the metrics that are shown.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+from wavehaptics.ladder.abilities import BRUSHLESS_RUNGS
 from wavehaptics.ladder.run import measure
 from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import find_scene, load_scene
@@ -74,6 +76,30 @@ IMPEDANCE_SCENES = (
 """Scenes whose impedance is swept."""
 
 
+BRUSHLESS_ANGLES = 8
+"""Electrical angles, of a turn, at which the brushless taps meet their wall."""
+
+
+def brushless_angles(progress: Callable[[str, float], None]) -> list[dict[str, Any]]:
+    """K of a brushless motor's first tap with its magnets at each of the angles."""
+    rows = []
+    pairs = load_scene(find_scene("brushless_taps")).motor.pole_pairs
+    assert pairs is not None
+    for n in range(BRUSHLESS_ANGLES):
+        progress("a brushless motor's wall", n / BRUSHLESS_ANGLES)
+        part = n / BRUSHLESS_ANGLES
+        magnet_rad = -2.0 * math.pi * part / pairs
+        settings = ("scene.duration_s=0.3", f"motor.magnet_rad={magnet_rad:.12g}")
+        scene = load_scene(find_scene("brushless_taps"), settings)
+        found = {name: measure(scene, name, compare=name == "golden") for name in BRUSHLESS_RUNGS}
+        rows.append(
+            {"turn": part, "predicted": found["golden"]["stiffness_predicted"]}
+            | {name: found[name]["stiffness"] for name in BRUSHLESS_RUNGS}
+            | {"error": found["golden"]["torque_nrmse_vs_analog"]}
+        )
+    return rows
+
+
 def collect(out: Path, progress: Callable[[str, float], None]) -> Path:
     """Run them all and write ``tables.json`` into ``out``; its path."""
     rows = []
@@ -99,4 +125,8 @@ def collect(out: Path, progress: Callable[[str, float], None]) -> Path:
         told = f"impedance: {name}"
         heard = impedance.measure(load_scene(find_scene(name)), progress=partial(progress, told))
         swept.append({"scene": name, "error_max": float(heard.errors.max())})
-    return write_json(out / "tables.json", {"runs": rows, "r_hat": off, "impedance": swept})
+    angles = brushless_angles(progress)
+    return write_json(
+        out / "tables.json",
+        {"runs": rows, "r_hat": off, "impedance": swept, "brushless": angles},
+    )
