@@ -16,21 +16,22 @@
     Maxon RE 40, 148877, data sheet.
 
 Brushless motors, all values of one phase of the star. Where a maker gives values between two
-terminals, R and L are half of them. ψ follows from what is given of the voltage:
-√3 p ψ ω is the peak between two terminals, so ``p ψ = 60/(2π √3 KV)``, which ODrive's and
-SimpleFOC's ``8.27/KV = 1.5 p ψ`` says as well; the mean of it over the sixth of a turn in which two
-phases carry the current is maxon's k_M, so ``p ψ = k_M π/(3√3)``.
+terminals, R and L are half of them. ψ follows from what is given of the voltage between two
+terminals, whose peak is √3 p ψ ω: KV is taken for that peak, ``p ψ = 60/(2π √3 KV)``, as in the
+usual torque constant 8.27/KV = 1.5 p ψ, and maxon's k_M for its mean over the sixth of a turn in
+which two phases carry the current, ``p ψ = k_M π/(3√3)``.
 
 ``gbm2804-100t``
     A camera gimbal's motor, as small haptic knobs have it: R, L, KV 206.2 and pole pairs from the
-    preset ``GBM2804H_100T.h`` of the motor library gmp_pro (L_d = L_q there). J is an estimate, a
-    ring of 15 g at 12.5 mm: no data sheet has it.
+    preset ``GBM2804H_100T.h`` of the motor library javnson/gmp_pro (L_d = L_q there). J is an
+    estimate, a ring of 15 g at 12.5 mm: the 497 g·cm² there can't be the bare rotor's.
 ``ec45-flat-70w``
     Maxon EC 45 flat, 70 W, 24 V: 0.573 Ω, 0.301 mH, 40.4 mN·m/A and 181 g·cm² of maxon's catalogue
     (its edition with the part numbers 651614 to 651621). The 8 pole pairs are from memory.
 ``mini-cheetah``
-    The drone motor of the MIT Mini Cheetah's joints, without its gear: R, L, ψ and pole pairs of
-    its controller's ``motor_config.h``, J from ``MiniCheetah.h`` of the Cheetah-Software.
+    The drone motor of the MIT Mini Cheetah's joints, without its gear: R, L, ψ = 2.4 mV·s and 21
+    pole pairs of ``motor_config.h`` in its controller's firmware, by B. Katz; J, 63 kg·mm², from
+    ``MiniCheetah.h`` of the Cheetah-Software, which has pψ = 0.05 as well, but R = 0.173 Ω.
 """
 
 from __future__ import annotations
