@@ -52,11 +52,11 @@ class ModbusBench(Bench):
     """The slave at its bytes. Whatever it sends is collected."""
 
     async def begin(self, **inputs: int) -> None:
-        self.sent = bytearray()
         await self.start(
             rx_valid_i=0, rx_error_i=0, rx_data_i=0, tx_ready_i=1, dead_i=0, enable_i=0, trap_i=0,
             tick_i=0, **inputs,
         )  # fmt: skip
+        self.sent = bytearray()  # with it what was on its way as the reset came
         if not hasattr(self, "_listener"):
             self._listener = cocotb.start_soon(self._listen())
         for _ in range(20_000):
