@@ -231,10 +231,10 @@ LINT_CASES := \
 LINT := verilator --lint-only -Wall --default-language 1364-2005 -Irtl -Iboards
 
 lint: $(READY) ## check the RTL at several sizes and word lengths, and the Python code
-	@$(WITH_TOOLS) failed=0; for case in $(LINT_CASES); do \
-	    set -- $$(echo "$$case" | tr , ' '); top=$$1; shift; \
-	    $(LINT) "$$@" --top-module "$$top" "$$top.v" || { echo "lint: $$case"; failed=1; }; \
-	done; [ $$failed = 0 ] && echo "lint: $(words $(LINT_CASES)) configurations of the RTL are clean"
+	@$(WITH_TOOLS) printf '%s\n' $(LINT_CASES) | xargs -P $(JOBS) -n 1 sh -c \
+	    'set -- $$(echo "$$0" | tr , " "); top=$$1; shift; \
+	    $(LINT) "$$@" --top-module "$$top" "$$top.v" || { echo "lint: $$0"; exit 1; }' \
+	    && echo "lint: $(words $(LINT_CASES)) configurations of the RTL are clean"
 	@.venv/bin/ruff check
 	@.venv/bin/ruff format --check
 	@.venv/bin/lint-imports --no-logo
