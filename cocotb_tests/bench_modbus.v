@@ -5,7 +5,7 @@
 `default_nettype none
 
 module bench_modbus #(
-    parameter integer SILENCE  = 1000,
+    parameter integer SILENCE  = 2000,
     parameter integer FALLBACK = 20,
     parameter integer RATES    = 3
 ) (

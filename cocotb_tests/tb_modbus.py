@@ -31,7 +31,7 @@ from wavehaptics.words import table
 from wavehaptics.words.places import Place, places
 from wavehaptics.words.table import WORDS, Sizes
 
-SILENCE = 1000
+SILENCE = 2000
 RESYNC = 2 * SILENCE + 60
 """Clocks of silence after which a frame begins in any case."""
 
@@ -79,14 +79,14 @@ class ModbusBench(Bench):
         for data in frame:
             await self.byte(data, clocks=clocks)
 
-    async def answer(self, most: int = 8_000) -> bytes:
+    async def answer(self, most: int = 8 * SILENCE) -> bytes:
         """What comes back, until nothing has come for some clocks; nothing if there is none."""
         count, idle = len(self.sent), 0
         for _ in range(most // 20):
             await self.step(20)
             idle = idle + 20 if len(self.sent) == count else 0
             count = len(self.sent)
-            if idle >= (200 if count else 5_000):
+            if idle >= (200 if count else 5 * SILENCE):
                 break
         found, self.sent = bytes(self.sent), bytearray()
         return found

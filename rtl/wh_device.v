@@ -12,12 +12,12 @@
 //
 // Nothing on the bus lets the bridges on where enable_i, a pin, is low. With ARM = 0 they are on where it
 // is high, with ARM = 1 where the bus has armed them as well (wh_arm). They stay off while words that want
-// them off are given, 3 (N + 1) 2^7 clocks or so.
+// them off are given, (N + 1) 2^9 clocks or so.
 // Live words are those of the clock in which they are read: two of them needn't be of one step. Those of
 // one step, and of many after another, stand in what CAPTURE has them written to (wh_capture).
 //
 // Latency: of the bus as wh_settings has it, of all else as wh_controller has it.
-// Reset: that of wh_controller, which lasts until the settings are what the table says: 3 times 2^7
+// Reset: that of wh_controller, which lasts until the settings are what the table says: 4 times 2^7
 // clocks for each motor and for the board, rounded up to a power of two, and twice as many with a shaper.
 
 `default_nettype none

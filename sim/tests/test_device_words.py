@@ -75,7 +75,7 @@ def test_a_wall_that_is_moved_is_felt_a_tick_later():
 # ---- Every word that may change, at every clock of a tick.
 
 APART = 50
-"""Ticks from one change to the next: a copy of the memory takes some 16, and with W 32."""
+"""Ticks from one change to the next: a copy of the memory takes some 22, and with W 43."""
 
 FEEL = (
     "controller.extra_ticks=2",
