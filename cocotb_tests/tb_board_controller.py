@@ -35,7 +35,7 @@ ZERO_CLOCKS = (ZERO_TICKS + 6) * TICK
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 LINKED = BOARD.fpga.link
 SET_CLOCKS = 4 * 2**9 // 3 + 16 if LINKED else 0
-"""After reset, until SCLK knows where it rests; three times as long, and all settings are copied."""
+"""After reset, until SCLK knows where it rests; after three times that all settings are copied."""
 SYNCHRONISER = 3  # clocks until an input is seen, and one to act on it
 
 
