@@ -23,16 +23,10 @@ if TYPE_CHECKING:
     from wavehaptics.host.identify.result import Row
     from wavehaptics.host.names import Place
 
-RENEWAL_S = 0.05
-"""Wall-clock time from one renewal of the arming to the next, a quarter of what it lasts."""
-
 SCOPE_SCENE = "live_wall"
 """What the scope's virtual board has behind it unless another scene is named."""
 
 SCOPE_HTTP_PORT = 8317
-
-ZERO_S = 10.0
-"""Wall-clock time in which a zero is measured, on a slow simulated board as well."""
 
 board = typer.Typer(
     help="Talk to a board over its serial line, or be one without hardware (--virtual).",
@@ -348,6 +342,7 @@ def _write_arm(client: Client, value: int) -> None:
 
 
 def _arm(client: Client, asked: Callable[[], bool], seconds: float | None) -> None:
+    from wavehaptics.host.client import RENEWAL_S, ZERO_S
     from wavehaptics.host.names import HostError, places
     from wavehaptics.words.faults import arm_refusal
 

@@ -28,6 +28,12 @@ BAUDS = (115_200, 1_000_000, 1_500_000, 3_000_000)
 
 BAUD = BAUDS[0]
 
+RENEWAL_S = 0.05
+"""Wall-clock time from one renewal of the arming to the next, a quarter of what it lasts."""
+
+ZERO_S = 10.0
+"""Wall-clock time in which a zero is measured, on a slow simulated board as well."""
+
 MAP_VERSION = 1
 """Of the registers, that this client knows."""
 

@@ -14,21 +14,15 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any
 
-from wavehaptics.host.client import Client
+from wavehaptics.host.client import RENEWAL_S, ZERO_S, Client
 from wavehaptics.host.names import HostError
 from wavehaptics.host.scope.bench import Bench, Known
 from wavehaptics.host.scope.kept import Kept
 from wavehaptics.host.scope.plug import Plug
 from wavehaptics.words.faults import FAULTS, arm_refusal, bits_of
 
-RENEWAL_S = 0.05
-"""Wall-clock time from one renewal of the arming to the next, a quarter of what it lasts."""
-
 PATIENCE_S = 1.0
 """How long the page that armed may be silent."""
-
-ZERO_S = 10.0
-"""Wall-clock time in which a zero is measured, on a slow simulated board as well."""
 
 NO_ARMING = "this board runs and stops by its own switch; its line does neither"
 
