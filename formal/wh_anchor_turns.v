@@ -64,7 +64,7 @@ module prove_wh_anchor_turns #(
 
     (* hierconn *) wire [4:0] \block.step_q ;
     (* hierconn *) wire [4:0] \block.adds_q ;
-    (* hierconn *) wire [8:0] \block.give_q ;
+    (* hierconn *) wire [3:0] \block.give_q ;
     (* hierconn *) wire [2:0] \block.open_q ;
     (* hierconn *) wire       \block.go_q ;
     (* hierconn *) wire       \block.writes_q ;
@@ -116,7 +116,7 @@ module prove_wh_anchor_turns #(
             assert (\block.open_q == {step > 5'd18, step > 5'd5, step > 5'd0});
             // Each step waits for its own product, and none is lost or taken for another.
             if (in_turn) begin
-                assert (\block.give_q == 9'd1 << (used + coming));
+                assert (\block.give_q == used + coming);
                 assert (!way[2] || waits);
                 assert (stall <= (waits ? 6'd3 + PATIENCE : 6'd0));
             end else begin

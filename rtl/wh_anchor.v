@@ -82,7 +82,6 @@ module wh_anchor (
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
     localparam integer INNER_SHIFT = 8;  // of χ within the dead zone, of both means
-    localparam integer FREE_SHIFT  = 1;  // of c_0 out of contact, where no current flows
     localparam integer SWING_W     = 2;  // swings are smaller than 2^2 cells
 
     generate
@@ -248,7 +247,11 @@ module wh_anchor (
         writes     = 1'b0;
         write_to   = M_FLUX;
         case (step_q)
-            REACH: b_none = 1'b0;
+            BEGIN: b_none = 1'b0;
+            REACH: begin
+                sum_too = 1'b1;
+                b_none  = !contact_q;
+            end
             LIMIT: begin
                 sum_too  = 1'b1;
                 b_none   = 1'b0;
@@ -395,9 +398,9 @@ module wh_anchor (
         endcase
     end
 
-    // What comes from outside.
-    wire signed [DATA_W-1:0] setting =
-        (step_q == STRANGE) ? strange : contact_q ? reach : reach >>> FREE_SHIFT;
+    // What comes from outside. c_0 comes as two halves: out of contact the second stays away.
+    wire signed [DATA_W:0] setting = (step_q == STRANGE)
+        ? $signed({strange, 1'b0}) : $signed({reach[DATA_W-1], reach[DATA_W-1:1], reach[0] && contact_q});
 
     always @* begin
         case (step_q)
@@ -409,8 +412,8 @@ module wh_anchor (
                                       {(LONG_Q - 2){1'b0}}});
             HALF:    given = $signed({{(LONG_W - LONG_Q){1'b0}}, 1'b1, {(LONG_Q - 1){1'b0}}});
             PLACE:   given = $signed({position_q, {LONG_Q{1'b0}}});
-            default: given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT){setting[DATA_W-1]}}, setting,
-                                      {VOLT_SHIFT{1'b0}}});
+            default: given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT){setting[DATA_W]}}, setting,
+                                      {(VOLT_SHIFT - 1){1'b0}}});
         endcase
     end
 
@@ -460,10 +463,10 @@ module wh_anchor (
     // come one after the other, as its steps do, and so that none comes before its step: the first
     // step is as many clocks from where they are asked for as a product takes, or more. No step before
     // the first run takes a product, so none that was asked for before a reset is taken for another.
-    localparam integer G_ZERO = 0, G_CURRENT = 1, G_OWED = 2, G_U = 3, G_V = 4, G_LEARN = 5,
-                       G_PULL = 6, G_DAMP = 7, G_DONE = 8;
+    localparam [3:0] G_ZERO = 0, G_CURRENT = 1, G_OWED = 2, G_U = 3, G_V = 4, G_LEARN = 5, G_PULL = 6,
+                     G_DAMP = 7, G_DONE = 8;
 
-    reg        [G_DONE:0]   give_q;         // one of them
+    reg        [3:0]        give_q;         // one of them
     reg        [2:0]        open_q;         // runs that may be asked for
     reg                     kept_q;         // factor_q is p
     reg signed [DATA_W-1:0] factor_q;       // of give_q, but for G_ZERO's and G_DAMP's
@@ -471,31 +474,49 @@ module wh_anchor (
     reg signed [DATA_W-1:0] swing_q;        // s31q16 cells
     reg                     small_q;        // it is a swing, and no move
 
-    assign request_o = (open_q[0] && (|give_q[G_CURRENT:G_ZERO])) || (open_q[1] && (|give_q[G_V:G_OWED]))
-                       || (open_q[2] && (|give_q[G_DAMP:G_LEARN]));
+    assign request_o = (open_q[0] && give_q <= G_CURRENT) || (open_q[1] && give_q <= G_V)
+                       || (open_q[2] && give_q <= G_DAMP);
 
     // The operands are chosen a clock ahead, as the way to the multiplier is long enough; G_ZERO's are
     // there too late for that. p = s31q16 cells, which is there just in time, is G_LEARN's and
     // G_PULL's factor.
-    wire [G_DONE:0] give_next = (request_o && grant_i) ? {give_q[G_DONE-1:0], 1'b0} : give_q;
-    wire            placed    = go_q && adds_q == PLACE;
+    wire [3:0] give_next = give_q + {3'd0, request_o && grant_i};
+    wire       placed    = go_q && adds_q == PLACE;
+    reg  [2:0] gain;
 
-    assign factor_o      = give_q[G_ZERO] ? next_q : give_q[G_DAMP] ? swing_q : factor_q;
-    assign coefficient_o = !give_q[G_ZERO] ? coefficient_q : contact_q ? room_gain : zero_gain;
+    always @* begin
+        case (give_next)
+            G_CURRENT: gain = 3'd2;
+            G_OWED:    gain = saturated_q ? 3'd3 : 3'd4;
+            G_U, G_V:  gain = 3'd4;
+            G_LEARN:   gain = 3'd5;
+            G_PULL:    gain = 3'd6;
+            G_DAMP:    gain = 3'd7;
+            default:   gain = {2'b00, contact_q};
+        endcase
+    end
+
+    assign factor_o      = (give_q == G_ZERO) ? next_q : (give_q == G_DAMP) ? swing_q : factor_q;
+    assign coefficient_o = coefficient_q;
 
     always @(posedge clk) begin
         kept_q <= !rst && !accepts && (kept_q || placed);
         if (!kept_q) begin
-            factor_q <= placed               ? $signed(sum_q[LONG_W-1:CUT])
-                      : give_next[G_CURRENT] ? current_i
-                      : give_next[G_OWED]    ? withheld_i
-                      : give_next[G_U]       ? u_i : v_i;
+            factor_q <= placed                   ? $signed(sum_q[LONG_W-1:CUT])
+                      : (give_next == G_CURRENT) ? current_i
+                      : (give_next == G_OWED)    ? withheld_i
+                      : (give_next == G_U)       ? u_i : v_i;
         end
-        coefficient_q <= give_next[G_CURRENT]                  ? cells_gain
-                       : give_next[G_OWED] && saturated_q      ? owed_gain
-                       : (|give_next[G_V:G_OWED])              ? flux_gain
-                       : give_next[G_LEARN]                    ? learn_gain
-                       : give_next[G_PULL]                     ? pull_gain : damp_gain;
+        case (gain)
+            3'd0:    coefficient_q <= zero_gain;
+            3'd1:    coefficient_q <= room_gain;
+            3'd2:    coefficient_q <= cells_gain;
+            3'd3:    coefficient_q <= owed_gain;
+            3'd4:    coefficient_q <= flux_gain;
+            3'd5:    coefficient_q <= learn_gain;
+            3'd6:    coefficient_q <= pull_gain;
+            default: coefficient_q <= damp_gain;
+        endcase
     end
 
     // ---- What has a meaning within a step only.
@@ -533,7 +554,7 @@ module wh_anchor (
             busy_q       <= 1'b0;
             first_q      <= 1'b1;
             tracked_q    <= 1'b0;
-            give_q       <= {{G_DONE{1'b0}}, 1'b1};
+            give_q       <= G_ZERO;
             open_q       <= 3'b000;
             overrun_o    <= 1'b0;
             clipped_q    <= 1'b0;
@@ -558,7 +579,7 @@ module wh_anchor (
             end
             if (accepts) begin
                 busy_q <= 1'b1;
-                give_q <= {{G_DONE{1'b0}}, 1'b1};
+                give_q <= G_ZERO;
             end else begin
                 if (ends) begin
                     busy_q <= 1'b0;

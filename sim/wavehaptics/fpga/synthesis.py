@@ -424,7 +424,7 @@ def yosys_script(design: Design, netlist: Path) -> str:
 def synthesis_command(family: str, device: str) -> str:
     """Yosys' command for a device, without its top."""
     if family == "ecp5":
-        return "synth_ecp5"
+        return "synth_ecp5 -nowidelut"
     return {"up5k": "synth_ice40 -dsp -device u", "u4k": "synth_ice40 -dsp -device u"}.get(
         device, "synth_ice40"
     )
