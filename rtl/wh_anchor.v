@@ -22,8 +22,8 @@
 // Formats: long words s48q33, cells, V or A; factors are their upper bits, s31q16.
 // Latency: 28 clocks from waves_i, and those that the multiplier makes it wait. c of one tick is
 // correction_o from the next waves_i on, two clocks later. The next waves_i may come in the last of the
-// 28, the next start_i in the last four. A waves_i before is ignored and a start_i before spoils
-// what is under way; both show as overrun_o.
+// 28, the next start_i in the last four, and before its waves_i. A waves_i before is ignored, and a
+// start_i before, or together with its waves_i, spoils what is under way; each shows as overrun_o.
 // Reset: χ, c_I, mean, offset, room and c are 0, at rest, no contact, no fault; of any length, at any clock.
 
 `default_nettype none
@@ -566,7 +566,8 @@ module wh_anchor (
             flux_o       <= {DATA_W{1'b0}};
             lag_o        <= {DATA_W{1'b0}};
         end else begin
-            if ((waves_i && !accepts) || (start_i && step_q != BEGIN && step_q <= DAMP)) begin
+            if ((waves_i && (start_i || !accepts))
+                || (start_i && step_q != BEGIN && step_q <= DAMP)) begin
                 overrun_o <= 1'b1;
             end
             go_q <= fetches;

@@ -153,6 +153,7 @@ module wh_modbus #(
     reg  [7:0]  write_q;
     reg  [7:0]  read_q;
     reg         lost_q;
+    reg  [10:0] read_out_q;  // what block RAM puts out comes late in its clock: it gets one more
     reg  [10:0] taken_q;
     wire [7:0]  after_write = write_q + 8'd1;
     wire        full  = (after_write == read_q);
@@ -164,7 +165,8 @@ module wh_modbus #(
         if (rx_valid_i && !full) begin
             received[write_q] <= {quiet, lost_q, rx_error_i, rx_data_i};
         end
-        taken_q <= received[read_q];
+        read_out_q <= received[read_q];
+        taken_q    <= read_out_q;
         if (rst) begin
             write_q <= 8'd0;
             read_q  <= 8'd0;
@@ -214,6 +216,7 @@ module wh_modbus #(
     localparam [4:0] SEND   = 5'd21;
     localparam [4:0] SENT   = 5'd22;
     localparam [4:0] REST   = 5'd23;  // the answer is on its way
+    localparam [4:0] HEAR   = 5'd24;  // the byte comes out of the memory
 
     localparam [1:0] FRAMES   = 2'd0;  // counters
     localparam [1:0] CRCS     = 2'd1;
@@ -308,7 +311,8 @@ module wh_modbus #(
         refuses = 1'b0;
         code    = ADDRESS;
         case (state_q)
-            GET:    state_d = there ? TAKE : owns_up ? COUNT : (quiet && begun) ? END : GET;
+            GET:    state_d = there ? HEAR : owns_up ? COUNT : (quiet && begun) ? END : GET;
+            HEAR:   state_d = TAKE;
             TAKE:   state_d = breaks ? END : broken ? COUNT : skip_q ? GET : SHIFT;
             SHIFT:  state_d = (step_q != 3'd7) ? SHIFT : sends_q ? SENT : NEXT;
             NEXT:   state_d = whole_q ? ((good && !mine_q) ? GET : COUNT)
