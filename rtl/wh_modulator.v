@@ -202,19 +202,30 @@ module wh_modulator #(
         end
     end
 
-    // Half of an odd half_clocks_i is rounded down.
+    // The limits come from settings, which stand still while it runs: they are made a clock before they
+    // are compared with. Half of an odd half_clocks_i is rounded down.
     wire        [7:0]            spare;
     wire signed [`WH_TICK_W-1:0] limit      = $signed({1'b0, half_clocks_i[`WH_TICK_W-1:1]})
                                               - $signed({{`WH_TICK_W-8{1'b0}}, spare});
-    wire signed [ROUND_W-1:0]    limit_long = {{ROUND_W-`WH_TICK_W{1'b0}}, limit};
+    reg  signed [`WH_TICK_W-1:0] limit_q;
+    reg  signed [`WH_TICK_W-1:0] minus_limit_q;
+    wire signed [ROUND_W-1:0]    limit_long = {{ROUND_W-`WH_TICK_W{1'b0}}, limit_q};
+    wire signed [ROUND_W-1:0]    minus_long = $signed({{ROUND_W-`WH_TICK_W{minus_limit_q[`WH_TICK_W-1]}},
+                                                            minus_limit_q});
     wire                         above      = rounded_q > limit_long;
-    wire                         below      = rounded_q < -limit_long;
+    wire                         below      = rounded_q < minus_long;
     wire                         unused     = &{1'b0, half_clocks_i[0]};
+
+    always @(posedge clk) begin
+        limit_q       <= limit;
+        minus_limit_q <= -limit;
+    end
 
     // What is too short becomes 0 or least_i. All comparisons are with the same word, so that none
     // waits for another.
-    wire signed [`WH_TICK_W-1:0] bounded = above ? limit
-                                         : below ? -limit : $signed(rounded_q[`WH_TICK_W-1:0]);
+    wire signed [`WH_TICK_W-1:0] bounded = above ? limit_q
+                                         : below ? minus_limit_q
+                                         : $signed(rounded_q[`WH_TICK_W-1:0]);
     wire signed [`WH_TICK_W-1:0] chosen;
     wire                         clipped;
     wire signed [REST_W-1:0]     rest_long = $signed({{REST_W-FRACTION{rest_q[FRACTION]}},
@@ -223,21 +234,38 @@ module wh_modulator #(
 
     generate
         if (MIN_PULSE != 0) begin : minimum
-            wire signed [ROUND_W-1:0]    least   = $signed({{ROUND_W-8{1'b0}}, least_i});
+            reg         [7:0]            least_q;
+            reg  signed [8:0]            minus_least_q;
+            reg                          wide_q;
+            reg  signed [`WH_TICK_W-1:0] size_q;
+            reg  signed [`WH_TICK_W-1:0] minus_size_q;
+            wire                         wide = $signed({{`WH_TICK_W-8{1'b0}}, least_i}) > limit;
+            wire signed [`WH_TICK_W-1:0] size = wide ? limit
+                                              : $signed({{`WH_TICK_W-8{1'b0}}, least_i});
+
+            always @(posedge clk) begin
+                least_q       <= least_i;
+                minus_least_q <= -$signed({1'b0, least_i});
+                wide_q        <= wide;
+                size_q        <= size;
+                minus_size_q  <= -size;
+            end
+
+            wire signed [ROUND_W-1:0]    least       = $signed({{ROUND_W-8{1'b0}}, least_q});
+            wire signed [ROUND_W-1:0]    minus_least = $signed({{ROUND_W-9{minus_least_q[8]}},
+                                                                minus_least_q});
             wire signed [ROUND_W:0]      twice   = $signed({rounded_q, 1'b0});
-            wire signed [ROUND_W:0]      once    = $signed({1'b0, least});
-            wire                         short   = rounded_q < least && rounded_q > -least;
-            wire                         up      = twice >= once;
-            wire                         down    = twice <= -once;
-            wire                         wide    = least > limit_long;
-            wire signed [`WH_TICK_W-1:0] size    = wide ? limit
-                                                 : $signed({{`WH_TICK_W-8{1'b0}}, least_i});
-            wire signed [`WH_TICK_W-1:0] instead = up ? size : down ? -size : {`WH_TICK_W{1'b0}};
+            wire                         short   = rounded_q < least && rounded_q > minus_least;
+            wire                         up      = twice >= $signed({1'b0, least});
+            wire                         down    = twice <= $signed({minus_least[ROUND_W-1],
+                                                                     minus_least});
+            wire signed [`WH_TICK_W-1:0] instead = up ? size_q : down ? minus_size_q
+                                                 : {`WH_TICK_W{1'b0}};
             // total - chosen: its whole clocks, of which rest_q is one below where it is negative.
             localparam integer CLOCKS_W = REST_W - FRACTION;
             wire signed [CLOCKS_W-1:0] few     = $signed(rounded_q[CLOCKS_W-1:0]);
             wire signed [CLOCKS_W-1:0] sign    = {CLOCKS_W{rest_q[FRACTION]}};
-            wire signed [CLOCKS_W-1:0] nearly  = $signed({{CLOCKS_W-8{1'b0}}, least_i});
+            wire signed [CLOCKS_W-1:0] nearly  = $signed({{CLOCKS_W-8{1'b0}}, least_q});
             wire signed [CLOCKS_W-1:0] less    = sign - nearly;
             wire signed [CLOCKS_W-1:0] more    = sign + nearly;
             wire signed [CLOCKS_W-1:0] if_up   = few + less;
@@ -246,7 +274,7 @@ module wh_modulator #(
             wire signed [CLOCKS_W-1:0] clocks  = up ? if_up : down ? if_down : if_zero;
 
             assign chosen  = short ? instead : bounded;
-            assign clipped = short ? wide && (up || down) : above || below;
+            assign clipped = short ? wide_q && (up || down) : above || below;
             assign left    = short ? $signed({clocks, rest_q[FRACTION-1:0]}) : rest_long;
             assign spare   = spare_i;
         end else begin : any_pulse
