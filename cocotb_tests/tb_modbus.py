@@ -540,7 +540,7 @@ async def counters_carry(dut: object) -> None:
     before = (await bench.counters())[0]
     for _ in range(300):
         await bench.send(identify(), clocks=1)
-        await bench.step(700)
+        await bench.step(900)
     bench.sent.clear()
     assert (await bench.counters())[0] == before + 301
     for _ in range(30):

@@ -218,7 +218,7 @@ module wh_controller #(
         end
     endgenerate
 
-    wire faulty;  // the guard wants the bridges off: late in its clock
+    wire faulty;  // the guard wants the bridges off
     reg  off_q;
     wire damp;
     wire off       = faulty || off_q;
@@ -226,7 +226,7 @@ module wh_controller #(
     // What holds words knows of a fault a clock later; the bridges come on again a clock later too.
     wire reading   = enable_i && !off_q;
     wire drive_rst = rst || !run;
-    wire sense_rst = rst || (restart_i && !run);
+    wire sense_rst = rst || (restart_i && !reading);
 
     always @(posedge clk) begin
         off_q <= faulty && !rst;

@@ -75,7 +75,7 @@ module wh_guard #(
     input  wire [N*`WH_DATA_W-1:0]    v_i,             // s31q23 √W
 
     output reg  [`WH_FAULTS-1:0]      faults_o,
-    output wire                       off_o,
+    output reg                        off_o,
     output wire                       damp_o
 );
 
@@ -304,16 +304,20 @@ module wh_guard #(
     assign causes[`WH_FAULT_OVERRUN]   = overrun_i;
     assign causes[`WH_FAULT_ANCHOR]    = |anchor_i;
 
+    // off_o is made beside the faults and not of them: all that it stops hangs on it in the same clock.
+    wire [`WH_FAULTS-1:0] faults = (clear_i ? {`WH_FAULTS{1'b0}} : faults_o)
+                                   | (causes & settings_i[`WH_GUARD_MASK]);
+
     always @(posedge clk) begin
         if (rst) begin
             faults_o <= {`WH_FAULTS{1'b0}};
+            off_o    <= 1'b0;
         end else begin
-            faults_o <= (clear_i ? {`WH_FAULTS{1'b0}} : faults_o)
-                        | (causes & settings_i[`WH_GUARD_MASK]);
+            faults_o <= faults;
+            off_o    <= |(faults & ~(settings_i[`WH_GUARD_DAMP] & `WH_FAULTS_DAMPABLE));
         end
     end
 
-    assign off_o  = |(faults_o & ~(settings_i[`WH_GUARD_DAMP] & `WH_FAULTS_DAMPABLE));
     assign damp_o = |faults_o && !off_o;
 
 endmodule

@@ -26,7 +26,7 @@
 // rate_o, 0 at first, is written by word 5; it changes after the answer, and back to 0 after FALLBACK
 // times SILENCE clocks without a whole frame whose CRC was right.
 //
-// Latency: of a frame of w words 3w times 17 clocks and the bus's own, then the answer. Reset: idle,
+// Latency: of a frame of w words 3w times 18 clocks and the bus's own, then the answer. Reset: idle,
 // at rate 0; what was received is forgotten.
 
 `default_nettype none
@@ -241,7 +241,8 @@ module wh_modbus #(
     reg  [15:0] address_q;   // the register
     reg  [6:0]  count_q;     // registers still to be done
     reg  [1:0]  pass_q;      // 0 the sign is asked for, 1 words are judged, 2 written
-    reg  [7:0]  read_data_q; // of the memory
+    reg  [7:0]  from_ram_q;  // what the memory puts out, late in its clock
+    reg  [7:0]  read_data_q; // the same, a clock later
 
     reg         skip_q;      // until there is silence
     reg         mine_q;      // for this unit or for all
@@ -269,7 +270,8 @@ module wh_modbus #(
     wire       breaks   = gap && begun;
     wire       stores   = (state_q == TAKE) && !breaks && !broken && !skip_q;
     wire       hangs    = (&late_q) && !bus_ready_i;
-    wire       has_next = (state_q == SEND) && (step_q != 3'd0) && tx_ready_i;
+    wire       reads_out = (state_q == SEND) && (step_q[2:1] != 2'd0);
+    wire       has_next = reads_out && tx_ready_i;
     wire       last     = (count_q == 7'd1);
 
     assign pop     = (state_q == TAKE) && !breaks;
@@ -294,7 +296,8 @@ module wh_modbus #(
                                : (table_word || own_word || names_q);
     wire rate_fits  = (data_q[31:2] == 30'd0) && ({1'b0, data_q[1:0]} < RATES_32[2:0]);
 
-    // From the memory to a state is too long a way for a clock: JUDGE and CARRY last two.
+    // From the memory to a state is too long a way for a clock: JUDGE lasts two, CARRY three.
+    wire       carries = (state_q == CARRY) && step_q[1];
     reg        fits_q;
     reg        ones_q;
 
@@ -320,7 +323,7 @@ module wh_modbus #(
             END:    state_d = (skip_q || (closes && !mine_q)) ? GET : COUNT;
             COUNT:  state_d = CARRY;
             CARRY: begin
-                if (step_q == 3'd0) begin
+                if (!carries) begin
                     state_d = CARRY;
                 end else if (ones_q && !(&place_q[1:0])) begin
                     state_d = COUNT;
@@ -347,7 +350,7 @@ module wh_modbus #(
                     code    = bus_ready_i ? NOT_NOW : FAILURE;
                 end
             end
-            HEAD:   state_d = (step_q == 3'd4) ? JUDGE : HEAD;
+            HEAD:   state_d = (step_q == 3'd5) ? JUDGE : HEAD;
             JUDGE: begin
                 if (step_q == 3'd0) begin
                     state_d = JUDGE;
@@ -367,7 +370,7 @@ module wh_modbus #(
                 state_d = refuses ? ANSWER : (table_word && !writes_q) ? ASK : LOAD;
             end
             LOAD: begin
-                if (step_q == 3'd4) begin
+                if (step_q == 3'd5) begin
                     state_d = !writes_q ? (address_q[0] ? DROP : EMIT) : table_word ? ASK : RATE;
                 end
             end
@@ -529,7 +532,7 @@ module wh_modbus #(
                     end
                 end
                 HEAD: begin
-                    place_q <= (step_q != 3'd4) ? place_q + 8'd1 : place_q;
+                    place_q <= step_q[2] ? place_q : place_q + 8'd1;
                 end
                 JUDGE: begin
                     address_q <= names_q ? {9'd0, object + 2'd1, 5'd0} : data_q[31:16];
@@ -542,7 +545,7 @@ module wh_modbus #(
                     place_q <= place_q + 8'd1;
                 end
                 LOAD: begin
-                    if (writes_q && step_q != 3'd4) begin
+                    if (writes_q && !step_q[2]) begin
                         place_q <= place_q + 8'd1;
                     end
                 end
@@ -593,8 +596,8 @@ module wh_modbus #(
     // ---- The word: bytes come in from below, or 32 bits from the bus.
 
     wire own     = (state_q == LOAD) && !writes_q;
-    wire is_rate = own && rate_word && (step_q == 3'd4);
-    wire fills   = one_q && (state_q == LOAD) && (step_q < 3'd3);
+    wire is_rate = own && rate_word && (step_q == 3'd5);
+    wire fills   = one_q && (state_q == LOAD) && !step_q[2];
 
     wire [7:0] next_byte = fills ? {8{extend_q}} : read_data_q | {6'd0, is_rate ? rate_q : 2'd0};
 
@@ -602,14 +605,13 @@ module wh_modbus #(
         if (bus_ready_i && ((state_q == ASK && !writes_q) || state_q == STAGED)) begin
             data_q <= bus_data_i;
         end else if (reads_head || state_q == DROP || state_q == EMIT) begin
-            data_q <= (reads_head && step_q == 3'd0) ? data_q : {data_q[23:0], next_byte};
+            data_q <= (reads_head && step_q[2:1] == 2'd0) ? data_q : {data_q[23:0], next_byte};
         end
     end
 
     // ---- The memory.
 
     wire       counts  = (state_q == COUNT) || (state_q == CARRY);
-    wire       carries = (state_q == CARRY) && (step_q != 3'd0);
     wire       emits   = (state_q == EMIT);
     wire [7:0] at      = {place_q[7:2], place_q[1:0] ^ {2{counts}}};
     wire [7:0] written = emits ? data_q[31:24]
@@ -620,7 +622,8 @@ module wh_modbus #(
         if (stores || emits || state_q == LENGTH || carries) begin
             memory[{counts, at}] <= written;
         end
-        read_data_q <= memory[own ? {1'b1, address_q[6:1], step_q[1:0]} : {counts, at}];
+        from_ram_q  <= memory[own ? {1'b1, address_q[6:1], step_q[1:0]} : {counts, at}];
+        read_data_q <= from_ram_q;
     end
 
     // ---- The CRC, and the answer's bytes.
@@ -628,7 +631,7 @@ module wh_modbus #(
     wire [7:0] plain = (refused_q && place_q == 8'd1) ? (read_data_q | 8'h80)
                      : (refused_q && place_q == 8'd2) ? {5'd0, code_q} : read_data_q;
 
-    assign tx_valid_o = (state_q == SEND) && (step_q != 3'd0);
+    assign tx_valid_o = reads_out;
     assign tx_data_o  = (tail_q != 2'd0) ? crc_q[7:0] : plain;
 
     always @(posedge clk) begin
