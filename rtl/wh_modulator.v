@@ -202,8 +202,8 @@ module wh_modulator #(
         end
     end
 
-    // The limits come from settings, which stand still while it runs: they are made a clock before they
-    // are compared with. Half of an odd half_clocks_i is rounded down.
+    // The limits come from settings, which stand still while it runs: they are made one and two clocks
+    // before they are compared with. Half of an odd half_clocks_i is rounded down.
     wire        [7:0]            spare;
     wire signed [`WH_TICK_W-1:0] limit      = $signed({1'b0, half_clocks_i[`WH_TICK_W-1:1]})
                                               - $signed({{`WH_TICK_W-8{1'b0}}, spare});
@@ -239,21 +239,19 @@ module wh_modulator #(
             reg                          wide_q;
             reg  signed [`WH_TICK_W-1:0] size_q;
             reg  signed [`WH_TICK_W-1:0] minus_size_q;
-            wire                         wide = $signed({{`WH_TICK_W-8{1'b0}}, least_i}) > limit;
-            wire signed [`WH_TICK_W-1:0] size = wide ? limit
-                                              : $signed({{`WH_TICK_W-8{1'b0}}, least_i});
+            wire signed [ROUND_W-1:0]    least       = $signed({{ROUND_W-8{1'b0}}, least_q});
+            wire signed [ROUND_W-1:0]    minus_least = $signed({{ROUND_W-9{minus_least_q[8]}},
+                                                                minus_least_q});
+            wire                         wide        = least > limit_long;
 
             always @(posedge clk) begin
                 least_q       <= least_i;
                 minus_least_q <= -$signed({1'b0, least_i});
                 wide_q        <= wide;
-                size_q        <= size;
-                minus_size_q  <= -size;
+                size_q        <= wide ? limit_q : $signed(least[`WH_TICK_W-1:0]);
+                minus_size_q  <= wide ? minus_limit_q : $signed(minus_least[`WH_TICK_W-1:0]);
             end
 
-            wire signed [ROUND_W-1:0]    least       = $signed({{ROUND_W-8{1'b0}}, least_q});
-            wire signed [ROUND_W-1:0]    minus_least = $signed({{ROUND_W-9{minus_least_q[8]}},
-                                                                minus_least_q});
             wire signed [ROUND_W:0]      twice   = $signed({rounded_q, 1'b0});
             wire                         short   = rounded_q < least && rounded_q > minus_least;
             wire                         up      = twice >= $signed({1'b0, least});
