@@ -5,7 +5,9 @@
 //
 //   rate_o of wh_modbus   0 115,200   1 1,000,000   2 1,500,000   3 3,000,000 bits a second
 //
-// Rates with fewer than six clocks a bit are refused. Latency and reset: those of the two.
+// Rates with fewer than six clocks a bit are refused. A request reaches the bus a clock late, out of
+// registers, as the memory decodes its address in the same clock; so between two there is a clock
+// without one. Latency and reset: those of the two, and that clock.
 
 `default_nettype none
 
@@ -25,11 +27,11 @@ module wh_link #(
     output wire        uart_tx_o,
 
     // The bus (wh_settings).
-    output wire        bus_valid_o,
-    output wire        bus_write_o,
-    output wire        bus_check_o,
-    output wire [11:0] bus_address_o,
-    output wire [31:0] bus_data_o,
+    output reg         bus_valid_o,
+    output reg         bus_write_o,
+    output reg         bus_check_o,
+    output reg  [11:0] bus_address_o,
+    output reg  [31:0] bus_data_o,
     input  wire        bus_ready_i,
     input  wire [31:0] bus_data_i,
     input  wire [1:0]  bus_error_i,
@@ -59,6 +61,11 @@ module wh_link #(
     wire        tx_ready;
     wire [1:0]  rate;
     reg  [15:0] bit_clocks;
+    wire        asks;
+    wire        writes;
+    wire        checks;
+    wire [11:0] address;
+    wire [31:0] data;
 
     always @* begin
         case (rate)
@@ -102,16 +109,24 @@ module wh_link #(
         .tx_data_o     (tx_data),
         .tx_ready_i    (tx_ready),
         .rate_o        (rate),
-        .bus_valid_o   (bus_valid_o),
-        .bus_write_o   (bus_write_o),
-        .bus_check_o   (bus_check_o),
-        .bus_address_o (bus_address_o),
-        .bus_data_o    (bus_data_o),
+        .bus_valid_o   (asks),
+        .bus_write_o   (writes),
+        .bus_check_o   (checks),
+        .bus_address_o (address),
+        .bus_data_o    (data),
         .bus_ready_i   (bus_ready_i),
         .bus_data_i    (bus_data_i),
         .bus_error_i   (bus_error_i),
         .bus_signed_i  (bus_signed_i)
     );
+
+    always @(posedge clk) begin
+        bus_valid_o   <= !rst && asks && !(bus_valid_o && bus_ready_i);
+        bus_write_o   <= writes;
+        bus_check_o   <= checks;
+        bus_address_o <= address;
+        bus_data_o    <= data;
+    end
 
 endmodule
 
