@@ -463,60 +463,59 @@ module wh_anchor (
     // come one after the other, as its steps do, and so that none comes before its step: the first
     // step is as many clocks from where they are asked for as a product takes, or more. No step before
     // the first run takes a product, so none that was asked for before a reset is taken for another.
-    localparam [3:0] G_ZERO = 0, G_CURRENT = 1, G_OWED = 2, G_U = 3, G_V = 4, G_LEARN = 5, G_PULL = 6,
-                     G_DAMP = 7, G_DONE = 8;
+    localparam [3:0] G_ZERO = 0, G_CURRENT = 1, G_OWED = 2, G_U = 3, G_V = 4, G_DAMP = 7;  // 8: none
 
     reg        [3:0]        give_q;         // one of them
     reg        [2:0]        open_q;         // runs that may be asked for
-    reg                     kept_q;         // factor_q is p
     reg signed [DATA_W-1:0] factor_q;       // of give_q, but for G_ZERO's and G_DAMP's
-    reg signed [COEF_W-1:0] coefficient_q;  // of give_q, but for G_ZERO's
+    reg signed [COEF_W-1:0] coefficient_q;  // of give_q
     reg signed [DATA_W-1:0] swing_q;        // s31q16 cells
     reg                     small_q;        // it is a swing, and no move
 
     assign request_o = (open_q[0] && give_q <= G_CURRENT) || (open_q[1] && give_q <= G_V)
                        || (open_q[2] && give_q <= G_DAMP);
 
-    // The operands are chosen a clock ahead, as the way to the multiplier is long enough; G_ZERO's are
-    // there too late for that. p = s31q16 cells, which is there just in time, is G_LEARN's and
-    // G_PULL's factor.
-    wire [3:0] give_next = give_q + {3'd0, request_o && grant_i};
-    wire       placed    = go_q && adds_q == PLACE;
-    reg  [2:0] gain;
-
-    always @* begin
-        case (give_next)
-            G_CURRENT: gain = 3'd2;
-            G_OWED:    gain = saturated_q ? 3'd3 : 3'd4;
-            G_U, G_V:  gain = 3'd4;
-            G_LEARN:   gain = 3'd5;
-            G_PULL:    gain = 3'd6;
-            G_DAMP:    gain = 3'd7;
-            default:   gain = {2'b00, contact_q};
-        endcase
-    end
+    // With a grant come the next product's operands; G_ZERO's gain waits, its factor is there too late
+    // for that. p = s31q16 cells, which is there just in time, is G_LEARN's and G_PULL's factor.
+    wire       granted = request_o && grant_i;
+    wire       placed  = go_q && adds_q == PLACE;
+    reg  [2:0] after_q;  // gain of the product after this one
+    wire [2:0] gain    = open_q[0] ? after_q : {2'b00, contact_q};
 
     assign factor_o      = (give_q == G_ZERO) ? next_q : (give_q == G_DAMP) ? swing_q : factor_q;
     assign coefficient_o = coefficient_q;
 
     always @(posedge clk) begin
-        kept_q <= !rst && !accepts && (kept_q || placed);
-        if (!kept_q) begin
-            factor_q <= placed                   ? $signed(sum_q[LONG_W-1:CUT])
-                      : (give_next == G_CURRENT) ? current_i
-                      : (give_next == G_OWED)    ? withheld_i
-                      : (give_next == G_U)       ? u_i : v_i;
+        if (!open_q[0]) begin
+            after_q <= 3'd2;
+        end else if (granted) begin
+            case (give_q)
+                G_ZERO:    after_q <= saturated_q ? 3'd3 : 3'd4;
+                G_CURRENT: after_q <= 3'd4;
+                G_OWED:    after_q <= 3'd4;
+                G_U:       after_q <= 3'd5;
+                G_V:       after_q <= 3'd6;
+                default:   after_q <= 3'd7;  // of the two that learn and pull, G_DAMP's comes last
+            endcase
         end
-        case (gain)
-            3'd0:    coefficient_q <= zero_gain;
-            3'd1:    coefficient_q <= room_gain;
-            3'd2:    coefficient_q <= cells_gain;
-            3'd3:    coefficient_q <= owed_gain;
-            3'd4:    coefficient_q <= flux_gain;
-            3'd5:    coefficient_q <= learn_gain;
-            3'd6:    coefficient_q <= pull_gain;
-            default: coefficient_q <= damp_gain;
-        endcase
+        if (placed || (granted && !give_q[2])) begin
+            factor_q <= placed                ? $signed(sum_q[LONG_W-1:CUT])
+                      : (give_q == G_ZERO)    ? current_i
+                      : (give_q == G_CURRENT) ? withheld_i
+                      : (give_q == G_OWED)    ? u_i : v_i;
+        end
+        if (granted || !open_q[0]) begin
+            case (gain)
+                3'd0:    coefficient_q <= zero_gain;
+                3'd1:    coefficient_q <= room_gain;
+                3'd2:    coefficient_q <= cells_gain;
+                3'd3:    coefficient_q <= owed_gain;
+                3'd4:    coefficient_q <= flux_gain;
+                3'd5:    coefficient_q <= learn_gain;
+                3'd6:    coefficient_q <= pull_gain;
+                default: coefficient_q <= damp_gain;
+            endcase
+        end
     end
 
     // ---- What has a meaning within a step only.
@@ -585,7 +584,7 @@ module wh_anchor (
                 if (ends) begin
                     busy_q <= 1'b0;
                 end
-                give_q <= give_next;
+                give_q <= give_q + {3'd0, granted};
             end
             if (go_q) begin
                 case (adds_q)
