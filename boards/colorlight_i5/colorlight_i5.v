@@ -2,7 +2,7 @@
 //
 // colorlight_i5: the wave controller on a Colorlight i5 (ECP5): pads, PLL, oscillator and reset.
 //
-// The clock is 85 MHz, a fifth of the VCO's 25 MHz * 17. README.md has the wiring.
+// The clock is 75 MHz, an eighth of the VCO's 25 MHz * 24. README.md has the wiring.
 // Reset: until the PLL has been locked for 2^16 clocks.
 
 `default_nettype none
@@ -22,6 +22,8 @@ module colorlight_i5 (
     output wire gate_bl,
     output wire alive,
 
+    input  wire uart_rx,       // USB serial, 115,200 bits a second at first
+    output wire uart_tx,
     input  wire start_n,
     input  wire stop,          // open, so high, is stop
     output wire led_running_n,
@@ -34,8 +36,8 @@ module colorlight_i5 (
     wh_board_pll_ecp5 #(
         .CLKI_DIV  (1),
         .CLKFB_DIV (1),
-        .CLKOP_DIV (17),
-        .CLKOS_DIV (5)
+        .CLKOP_DIV (24),
+        .CLKOS_DIV (8)
     ) pll (
         .clk_i     (clk_25mhz),
         .clk_o     (clk),
@@ -45,8 +47,7 @@ module colorlight_i5 (
     wire rst;
     wire running;
     wire contact;
-    wire uart_tx;  // of a link, which doesn't meet this clock yet
-    wire unused = &{1'b0, contact, uart_tx};
+    wire unused = &{1'b0, contact};
 
     wh_board_reset board_reset (
         .clk      (clk),
@@ -102,7 +103,7 @@ module colorlight_i5 (
         .start_i      (!start_n),
         .stop_i       (stop),
         .clock_lost_i (clock_lost),
-        .uart_rx_i    (1'b1),
+        .uart_rx_i    (uart_rx),
         .uart_tx_o    (uart_tx),
         .adc_cs_n_o   (reader_cs_n),
         .adc_sclk_o   (reader_sclk),
