@@ -76,31 +76,18 @@ QUICK = {*(f"cocotb_tests/{test}" for test in BLOCKS.values()), *LOOPS}
 
 LONG = (
     "cocotb_tests/test_board_clock_watch.py::test_board_clock_watch[verilator-3-5]",
-    "cocotb_tests/test_board_clock_watch.py::test_board_clock_watch[icarus-4-4]",
-    "cocotb_tests/test_board_controller.py::test_board_controller[icarus-ulx3s]",
-    "cocotb_tests/test_controller.py::test_controller[icarus-3-1-1-0-0-1-0-0-0-0]",
     "cocotb_tests/test_controller.py::test_controller[verilator-1-4-2-0-0-0-0-1-1-0]",
     "cocotb_tests/test_controller.py::test_controller[verilator-1-4-2-1-0-1-0-0-0-0]",
     "cocotb_tests/test_controller.py::test_controller[verilator-3-1-1-0-0-0-0-0-0-1]",
     "cocotb_tests/test_controller.py::test_controller[verilator-3-1-1-0-0-0-1-0-0-0]",
     "cocotb_tests/test_controller.py::test_controller[verilator-3-1-1-0-0-0-1-0-0-1]",
     "cocotb_tests/test_controller.py::test_controller[verilator-3-1-1-0-0-1-0-0-0-0]",
-    "cocotb_tests/test_device.py::test_device[icarus-three]",
-    "cocotb_tests/test_link.py::test_link[icarus]",
-    "cocotb_tests/test_link.py::test_link_of_three[icarus]",
     "cocotb_tests/test_link.py::test_link_of_three[verilator]",
-    "cocotb_tests/test_modbus.py::test_modbus[icarus]",
     "cocotb_tests/test_netlist.py::test_closed_loop[25k]",
     "cocotb_tests/test_netlist.py::test_closed_loop[hx8k]",
     "cocotb_tests/test_netlist.py::test_wave_core[hx8k]",
     "cocotb_tests/test_netlist.py::test_wave_core[up5k]",
-    "cocotb_tests/test_settings.py::test_settings[icarus-large]",
-    "cocotb_tests/test_settings.py::test_settings[icarus-two]",
-    "cocotb_tests/test_sinc3.py::test_sinc3[icarus-40-1-16-1]",
-    "cocotb_tests/test_sinc3.py::test_sinc3[icarus-256-1-32-1]",
     "cocotb_tests/test_sinc3.py::test_sinc3[verilator-40-1-16-1]",
-    "cocotb_tests/test_wave_core.py::test_wave_core_ports[icarus-1-10]",
-    "cocotb_tests/test_wave_core.py::test_wave_core_ports[icarus-3-1]",
     "sim/tests/test_abilities.py::test_a_key_has_an_effect_or_is_said_to_have_none[pins]",
     "sim/tests/test_board_netlist.py::test_what_is_flashed[icebreaker]",
     "sim/tests/test_board_netlist.py::test_what_is_flashed[ulx3s]",
@@ -121,7 +108,14 @@ LONG = (
     "sim/tests/test_run.py::test_pins_with_each_kind_of_adc[ADS7042]",
     "sim/tests/test_run.py::test_pins_with_each_kind_of_adc[MAX11125]",
 )
-"""Tests that CI leaves out."""
+"""Tests that CI leaves out, beside those of :func:`_again`."""
+
+ELABORATED = (
+    "cocotb_tests/test_arithmetic.py",
+    "cocotb_tests/test_illegal_parameters.py",
+    "cocotb_tests/test_simulators.py",
+)
+"""Files whose tests are of the simulators themselves, and short."""
 
 SLOWEST = (
     "sim/tests/test_board_netlist.py",
@@ -155,12 +149,27 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     return None if name in files or collection_path.name == "conftest.py" else True
 
 
+def _again(nodeid: str, all_of_them: set[str]) -> bool:
+    """Whether it is a bench once more on Icarus, several times as slow as on Verilator.
+
+    Of each block one is quick, and so is in CI on both simulators.
+    """
+    return (
+        nodeid.startswith("cocotb_tests/")
+        and not nodeid.startswith(ELABORATED)
+        and nodeid not in QUICK
+        and "[icarus" in nodeid
+        and nodeid.replace("[icarus", "[verilator") in all_of_them
+    )
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Mark them. A quick test that isn't there any more is an error of the list."""
+    all_of_them = {item.nodeid for item in items}
     for item in items:
         if item.nodeid in QUICK or item.nodeid.startswith(tuple(f"{file}::" for file in FILES)):
             item.add_marker("quick")
-        if item.nodeid in LONG:
+        if item.nodeid in LONG or _again(item.nodeid, all_of_them):
             item.add_marker("long")
     if config.option.markexpr == "quick" and config.args == config.getini("testpaths"):
         found = {item.nodeid for item in items}
@@ -182,3 +191,6 @@ def pytest_terminal_summary(
         terminalreporter.section("left to `make test` outside of CI")
         for test in LONG:
             terminalreporter.write_line(test)
+        terminalreporter.write_line(
+            "cocotb_tests: [icarus...] where it isn't the quick one of its block"
+        )
