@@ -424,8 +424,8 @@ def yosys_script(design: Design, netlist: Path) -> str:
 def synthesis_command(family: str, device: str) -> str:
     """Yosys' command for a device, without its top.
 
-    Wider LUTs of an ECP5 are several of four inputs and multiplexers behind them: mapped for speed they
-    make an anchor twice as large, and what is larger is placed further apart.
+    Wider LUTs of an ECP5 are several of four inputs and multiplexers behind them: mapped for speed
+    they make an anchor twice as large, and what is larger is placed further apart.
     """
     if family == "ecp5":
         return "synth_ecp5 -nowidelut"
