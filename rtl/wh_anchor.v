@@ -22,8 +22,8 @@
 // Formats: long words s48q33, cells, V or A; factors are their upper bits, s31q16.
 // Latency: 28 clocks from waves_i, and those that the multiplier makes it wait. c of one tick is
 // correction_o from the next waves_i on, two clocks later. The next waves_i may come in the last of the
-// 28, the next start_i in the last four, and before its waves_i. A waves_i before is ignored, and a
-// start_i before, or together with its waves_i, spoils what is under way; each shows as overrun_o.
+// 28, the next start_i in the last four, or together with its waves_i. A waves_i before is ignored and
+// a start_i before spoils what is under way; both show as overrun_o.
 // Reset: χ, c_I, mean, offset, room and c are 0, at rest, no contact, no fault; of any length, at any clock.
 
 `default_nettype none
@@ -165,6 +165,9 @@ module wh_anchor (
             moved_q    <= moved;
         end
     end
+
+    // The tick's own, also in the clock of its start.
+    wire touches = start_i ? contact_i : contact_q;
 
     wire rests = |units_q;
     wire still = units_q[UNIT_W-1];
@@ -400,7 +403,7 @@ module wh_anchor (
 
     // What comes from outside. c_0 comes as two halves: out of contact the second stays away.
     wire signed [DATA_W:0] setting = (step_q == STRANGE)
-        ? $signed({strange, 1'b0}) : $signed({reach[DATA_W-1], reach[DATA_W-1:1], reach[0] && contact_q});
+        ? $signed({strange, 1'b0}) : $signed({reach[DATA_W-1], reach[DATA_W-1:1], reach[0] && touches});
 
     always @* begin
         case (step_q)
@@ -480,7 +483,7 @@ module wh_anchor (
     wire       granted = request_o && grant_i;
     wire       placed  = go_q && adds_q == PLACE;
     reg  [2:0] after_q;  // gain of the product after this one
-    wire [2:0] gain    = open_q[0] ? after_q : {2'b00, contact_q};
+    wire [2:0] gain    = open_q[0] ? after_q : {2'b00, touches};
 
     assign factor_o      = (give_q == G_ZERO) ? next_q : (give_q == G_DAMP) ? swing_q : factor_q;
     assign coefficient_o = coefficient_q;
@@ -565,8 +568,7 @@ module wh_anchor (
             flux_o       <= {DATA_W{1'b0}};
             lag_o        <= {DATA_W{1'b0}};
         end else begin
-            if ((waves_i && (start_i || !accepts))
-                || (start_i && step_q != BEGIN && step_q <= DAMP)) begin
+            if ((waves_i && !accepts) || (start_i && step_q != BEGIN && step_q <= DAMP)) begin
                 overrun_o <= 1'b1;
             end
             go_q <= fetches;
