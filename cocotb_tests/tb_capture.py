@@ -40,7 +40,7 @@ class Tick:
     """What stood at the block in the clock of a strobe."""
 
     words: dict[tuple[str, int], int]
-    contact: bool
+    contact: int  # a bit of each motor
     fault: bool
 
 
@@ -72,7 +72,7 @@ class Model:
         self.ticks: list[Tick] = []
         self.trigger_row: int | None = None
         self.told = False
-        self.contact = False
+        self.contact = 0
         self.begun: list[bool] = []
 
     def obey(self, order: int, given: Settings) -> None:
@@ -91,7 +91,7 @@ class Model:
 
     def tick(self, tick: Tick, taken: bool) -> None:
         """A strobe; ``taken`` if it is worked off."""
-        begins, self.contact = tick.contact and not self.contact, tick.contact
+        begins, self.contact = bool(tick.contact & ~self.contact), tick.contact
         if not taken:
             return
         self.ticks.append(tick)
@@ -177,7 +177,7 @@ class CaptureBench(Bench):
         self.quiet = 0.9  # how often words and bits stay as they are
         self.spread = 1 << 20
         self.words = dict.fromkeys(CODES.values(), 0)
-        self.fault = self.contact = False
+        self.fault, self.contact = False, 0
 
     async def begin(self, rng: random.Random) -> None:
         self.begin_of(rng)
@@ -215,7 +215,8 @@ class CaptureBench(Bench):
             else:
                 half = min(self.spread, 1 << (bits - 1))
                 self.words[name, motor] = rng.randint(-half, half - 1)
-        self.contact = rng.random() < (0.8 if self.contact else 0.1)
+        touches = (rng.random() < (0.8 if self.contact >> n & 1 else 0.1) for n in range(N))
+        self.contact = sum(touch << n for n, touch in enumerate(touches))
         self.fault = rng.random() < 0.1
 
     def give(self, **values: object) -> Settings:
@@ -235,7 +236,7 @@ class CaptureBench(Bench):
         if strobe:
             self._next_words()
             # Words that come a clock earlier or later than the strobe are others.
-            shown = {"contact_i": self._contact_bits(), "fault_i": int(self.fault)}
+            shown = {"contact_i": self.contact, "fault_i": int(self.fault)}
             await self.step(**self._inputs(self.words), **shown, **inputs)
             self.drive(**self._inputs(self._garbage()), contact_i=self.rng.getrandbits(N),
                        fault_i=self.rng.getrandbits(1))  # fmt: skip
@@ -254,9 +255,6 @@ class CaptureBench(Bench):
         self.drive(tick_i=0, valid_i=0, write_i=0)
         if inputs.get("write_i"):
             self.order = inputs["data_i"]
-
-    def _contact_bits(self) -> int:
-        return self.rng.randint(1, (1 << N) - 1) if self.contact else 0
 
     async def tick(self, clocks: int, step: int | None, order: int | None = None) -> None:
         """A tick of so many clocks with its step in one of them; an order in any of them."""

@@ -285,7 +285,7 @@ module wh_capture #(
     reg                was_over_q;  // that was the level or more
     reg                over_q;      // the row's is
     reg                differs_q;
-    reg                contact_q;   // of the tick before
+    reg  [N-1:0]       contact_q;   // of the tick before
     reg                touched_q;   // a contact began in the row
     reg                wrong_q;     // a fault was there in the row
     reg                hit;
@@ -307,10 +307,10 @@ module wh_capture #(
 
     always @(posedge clk) begin
         if (strobe) begin
-            contact_q <= |contact_i;
+            contact_q <= contact_i;
         end
         if (take) begin
-            touched_q <= ((|contact_i) && !contact_q) || (touched_q && tick_q != 15'd0);
+            touched_q <= (|(contact_i & ~contact_q)) || (touched_q && tick_q != 15'd0);
             wrong_q   <= fault_i || (wrong_q && tick_q != 15'd0);
         end
         if (turn_q == 4'd4 && last_q) begin
