@@ -165,8 +165,8 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "controller.k_t_hat": (ANCHORED, ("controller.k_t_hat=0.03",)),
     "controller.clock_hz": ((), ("controller.clock_hz=25e6",)),
     "controller.early_duty": (
-        ("controller.extra_ticks=1",),
-        ("controller.early_duty=true", "controller.extra_ticks=0"),
+        ("controller.extra_ticks=0",),
+        ("controller.early_duty=true",),
     ),
     "controller.anchor_auto": ((*ENCODER, *SENSED, *DRIVEN), ("controller.anchor_auto=true",)),
     "controller.anchor_ohm": (ANCHORED, ("controller.anchor_ohm=2",)),

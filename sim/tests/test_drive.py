@@ -86,6 +86,26 @@ BOTH_SIGNS = (
 MODES = [mode for mode in MODE_WORDS if mode != UNIPOLAR]
 
 
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        (("drive.pwm_hz=6e6",), "a carrier half of 4 clocks of .* is shorter than the 6 that"),
+        (("controller.clock_hz=4e6",), "is shorter than the 6 that `pins` needs; lower"),
+        (
+            ("controller.clock_hz=2e6", "controller.tick_hz=100e3", "drive.pwm_hz=50e3"),
+            "the ADC needs 34 clocks of 2e[+]06 Hz .* leaves 20; lower it",
+        ),
+        (("drive.dead_time_s=1e-6",), "48 clocks of `pins`, as long as a carrier half of 48; take"),
+        (("drive.pwm_hz=1e3", "drive.bus_v=6"), "a volt at a bus of 6 V is 2000 clocks of the"),
+    ],
+)
+def test_what_a_carrier_has_no_clocks_for_is_refused(settings: tuple[str, ...], told: str) -> None:
+    """Each of them ran, or ended in an error that named no key."""
+    base = ("drive.bus_v=12", "controller.tick_hz=1e6")
+    with pytest.raises(SceneError, match=told):
+        controller_ports(load_scene(PAPER_TAPS, (*base, *settings)))
+
+
 @pytest.mark.parametrize("mode", MODE_WORDS)
 def test_every_mode_makes_the_wall(mode, tmp_path):
     """Torque against the analog circuit, either way, on half a carrier period of 50 clocks."""

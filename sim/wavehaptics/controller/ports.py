@@ -87,6 +87,13 @@ def controller_ports(
     lost = (dead["dead_clocks"] if dead["compensate"] else 0) + 2 * spare
     set_ = settings(scene, time.tick_s, cell_rad, reach_v * (1.0 - lost / time.half_clocks))
     start_count = math.floor(hand_path(scene).x0 / set_.cell_rad)
+    per_volt = time.half_clocks / (2 * reach_v)
+    if per_volt > formats.DUTY.largest:
+        raise SceneError(
+            f"{scene.scene.name}: a volt at a bus of {reach_v:g} V is {per_volt:g} clocks of the "
+            f"pulse, and `pins` counts {formats.DUTY.largest:.0f}; take a faster drive.pwm_hz or a "
+            "higher drive.bus_v"
+        )
     words = {
         "half_clocks": time.half_clocks,
         "tick_halves": time.tick_halves,
@@ -105,7 +112,7 @@ def controller_ports(
         "hold_ticks": time.hold_ticks,
         "mode": MODE_WORDS[bridge_mode(scene)],
         "min_pulse": shortest,
-        "clocks_per_volt": formats.DUTY.to_raw(time.half_clocks / (2 * reach_v)),
+        "clocks_per_volt": formats.DUTY.to_raw(per_volt),
         "bus_share": bus_scale.bus_share_word(
             set_.limit_v, reach_v / bus_v * (1.0 - lost / time.half_clocks)
         ),
@@ -148,6 +155,11 @@ def _min_pulse(scene: Scene, time: Timing) -> int:
 def _dead_time_words(scene: Scene, time: Timing, bus_v: float) -> dict[str, int]:
     """Words of the dead time and of its compensation, ``rtl/wh_dead_time.v``."""
     clocks = dead_clocks(scene, time.clock_hz)
+    if clocks >= time.half_clocks:
+        raise SceneError(
+            f"{scene.scene.name}: drive.dead_time_s is {clocks} clocks of `pins`, as long as a "
+            f"carrier half of {time.half_clocks}; take a shorter one or a slower drive.pwm_hz"
+        )
     compensate = clocks > 0 and scene.drive is not None and scene.drive.compensate
     if compensate and bridge_mode(scene) != UNIPOLAR:
         raise SceneError(

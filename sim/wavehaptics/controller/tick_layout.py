@@ -36,6 +36,9 @@ FASTEST_CLOCK_HZ = 100e6
 MIN_TICK_CLOCKS = 48
 """Clocks of the shortest tick: an ADC frame of 16 bits at half the clock and its quiet time."""
 
+MIN_HALF_CLOCKS = 6
+"""Clocks of the shortest carrier half: ``rtl/wh_modulator.v`` makes a width in five."""
+
 MOST_TICK_CLOCKS = 48_000
 """Clocks of the longest tick unless the scene names a clock; the RTL counts 16 bits."""
 
@@ -232,8 +235,15 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             f"{scene.scene.name}: a tick of {tick_clocks} clocks is longer than `pins` can count; "
             f"take controller.clock_hz <= {limit * tick_hz:g}"
         )
-    if scene.adc is not None and made.cycle_clocks > tick_clocks:
-        name = scene.adc.part or "the ADC"
+    if half_clocks < MIN_HALF_CLOCKS:
+        raise SceneError(
+            f"{scene.scene.name}: a carrier half of {half_clocks} clocks of {clock_hz:g} Hz is "
+            f"shorter than the {MIN_HALF_CLOCKS} that `pins` needs; lower drive.pwm_hz or "
+            "controller.tick_hz, or take a faster clock_hz"
+        )
+    # Without an ADC in the scene it is one of as many bits as a word has, and takes as long.
+    if made.cycle_clocks > tick_clocks:
+        name = (scene.adc and scene.adc.part) or "the ADC"
         raise SceneError(
             f"{scene.scene.name}: {name} needs {made.cycle_clocks} clocks of {clock_hz:g} Hz from "
             f"sample to sample, and controller.tick_hz leaves {tick_clocks}; lower it or take "

@@ -49,8 +49,8 @@ ABILITIES: dict[str, Ability] = {
            "controller.anchor_auto"},
         _NO_W,
     ),
-    "golden": Ability(_PINS | {"servo"}, _NO_EDGES),
-    "core": Ability(_PINS | {"servo"}, _NO_EDGES),
+    "golden": Ability(_PINS | {"servo", "controller.early_duty"}, _NO_EDGES),
+    "core": Ability(_PINS | {"servo", "controller.early_duty"}, _NO_EDGES),
     "pins": Ability(frozenset({"servo"})),
     "encoder": Ability(
         _PINS | _ANCHOR | _DIGITAL
@@ -59,7 +59,7 @@ ABILITIES: dict[str, Ability] = {
         _NO_W,
     ),
     "hosted": Ability(
-        _PINS | {"servo"},
+        _PINS | {"servo", "controller.early_duty"},
         _NO_EDGES
         | {
             "shaper": "the environment is the host's; leave it out",

@@ -22,7 +22,7 @@ from wavehaptics.ladder.sampled import SampledSimulation
 from wavehaptics.laws import closed_forms
 from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import Scene
-from wavehaptics.trace.columns import Column, TraceWriter, Word
+from wavehaptics.trace.columns import TRACE_FILE, Column, TraceWriter, Word
 from wavehaptics.trace.metrics import Metrics
 from wavehaptics.trace.pictures import run_picture
 
@@ -185,7 +185,18 @@ def _measure(
         if progress is not None:
             progress((first + part.stop) / ticks)
     result = metrics.result(wall_clock_s=wall_clock_s, clock_cycles=simulation.clock_cycles)
-    return result | estimate.result()
+    return result | estimate.result() | _seen(simulation)
+
+
+_FAULTS = ("a tick too short for its work", "more than one encoder edge in a clock")
+"""Bits of :attr:`wavehaptics.ladder.pins.PinsSimulation.faults`."""
+
+
+def _seen(simulation: Simulation) -> dict[str, str]:
+    """What the RTL complained of, if it did: the run is then none of the scene."""
+    faults = getattr(simulation, "faults", 0)
+    seen = [text for bit, text in enumerate(_FAULTS) if faults >> bit & 1]
+    return {"faults": "; ".join(seen)} if seen else {}
 
 
 def _anchored(controller: str, simulation: Simulation) -> bool:
@@ -208,7 +219,7 @@ def run_scene(
     simulation = CONTROLLERS[controller](scene)
     tick_s = simulation.tick_s
     trace = TraceWriter(
-        out, tick_s, scene.scene.trace_hz, ticks=_ticks(scene, tick_s),
+        out / TRACE_FILE, tick_s, scene.scene.trace_hz, ticks=_ticks(scene, tick_s),
         anchored=_anchored(controller, simulation),
     )  # fmt: skip
     result = _measure(scene, controller, simulation, trace, progress)
