@@ -62,8 +62,8 @@ def test_the_boards_keep_to_their_budgets(name):
     ("board", "message"),
     [
         # What the Colorlight had: one clock.
-        (with_scene("colorlight_i5", "drive.dead_time_s=11.8e-9"),
-         r"boards/colorlight_i5/board\.toml: the dead time is 11\.8 ns in whole clocks, and 20 ns "
+        (with_scene("colorlight_i5", "drive.dead_time_s=13.3e-9"),
+         r"boards/colorlight_i5/board\.toml: the dead time is 13\.3 ns in whole clocks, and 20 ns "
          r"are needed .* raise drive\.dead_time_s"),
         # It is the whole clocks that count: 20 ns round to one of 70 MHz.
         (with_scene("ulx3s", "drive.dead_time_s=20e-9"), r"the dead time is 14\.3 ns"),
