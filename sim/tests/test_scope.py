@@ -417,6 +417,59 @@ def test_a_stop_goes_before_what_waits(running):
     asked[-1].result(END_S)
 
 
+def test_a_stop_while_an_arming_waits(running):
+    """A stop goes before the arming that was asked for before it, and isn't undone by it."""
+    running.device.delay_s = 0.02
+    for _ in range(20):
+        running.ask(lambda bench: bench.clear())
+    arming = running.arm(object())
+    running.stop()
+    running.device.delay_s = 0.001
+    with pytest.raises(HostError, match="stopped while it was being armed"):
+        arming.result(END_S)
+    assert 1 not in running.device.armings
+    assert not running.state()["wanted"]
+    armed_by(running, object())
+
+
+@pytest.mark.parametrize("leaves", [False, True])
+def test_a_stop_during_the_exchange_that_arms(running, leaves):
+    """Or the page that asked has gone meanwhile: it is switched off by the next exchange."""
+    page, write = object(), running.device.write
+
+    def slow(words: object) -> int:
+        given = dict(words)
+        done = write(given)
+        if 1 in [raw for place, raw in given.items() if place.text == "arm"]:
+            running.leave(page) if leaves else running.stop()
+        return done
+
+    running.device.write = slow
+    with pytest.raises(HostError, match="stopped while it was being armed"):
+        running.arm(page).result(END_S)
+    wait(lambda: running.device.armings == [1, 0], 0.5)
+    assert not running.state()["wanted"]
+    running.device.write = write
+    armed_by(running, page)
+
+
+def test_an_arming_that_fails_is_taken_back(running):
+    """What wasn't acknowledged may have been heard."""
+    write = running.device.write
+
+    def deaf(words: object) -> int:
+        given = dict(words)
+        write(given)
+        if 1 in [raw for place, raw in given.items() if place.text == "arm"]:
+            raise HostError("no answer")
+        return 1
+
+    running.device.write = deaf
+    with pytest.raises(HostError, match="no answer"):
+        running.arm(object()).result(END_S)
+    wait(lambda: running.device.armings == [1, 0], 0.5)
+
+
 def test_a_board_that_falls_silent(running):
     """It is told, nothing is lost, nothing stays armed, and it comes back by itself."""
     wait(lambda: len(running.kept) > 5)

@@ -26,6 +26,8 @@ PATIENCE_S = 1.0
 
 NO_ARMING = "this board runs and stops by its own switch; its line does neither"
 
+STOPPED = "stopped while it was being armed; arm it again if that is still wanted"
+
 _STATUS_S = 0.1
 _SEEN_EVERY = 2
 _AGAIN_S = 0.5
@@ -57,8 +59,10 @@ class Feed(threading.Thread):
         self._shown: dict[str, Any] = {}
         self._problem, self._note = "", ""
         self._live = False
-        self._off = False
+        # Counted, as a flag could be cleared by what was asked for before the stop.
+        self._stops = self._stops_done = 0
         self._owner: object = None
+        self._asker: object = None
         self._beat = self._armed_at = self._renewed = self._last_t = 0.0
         self._was_armed = False
         self._begun = time.monotonic()
@@ -106,14 +110,27 @@ class Feed(threading.Thread):
         return future
 
     def arm(self, owner: object) -> Future[None]:
-        """Arm for a page, as long as it gives signs of life (:meth:`beat`)."""
+        """Arm for a page, as long as it gives signs of life (:meth:`beat`).
+
+        A stop after this call wins, whether it comes before the exchange that arms or during it.
+        """
+        stops = self._stops
+        self._asker = owner
 
         def first(bench: Bench) -> None:
             if not bench.arms:
                 raise HostError(NO_ARMING)
-            bench.arm(1)
+            if self._stops != stops:
+                raise HostError(STOPPED)
+            try:
+                bench.arm(1)
+            except HostError:
+                self.stop()  # it may have been heard all the same
+                raise
+            if self._stops != stops:
+                raise HostError(STOPPED)  # and the next exchange switches off
             now = time.monotonic()
-            self._owner, self._beat, self._off = owner, now, False
+            self._owner, self._beat = owner, now
             self._armed_at = self._renewed = now
             self._was_armed, self._note = False, ""
 
@@ -126,11 +143,12 @@ class Feed(threading.Thread):
 
     def stop(self) -> None:
         """Switch the bridges off, before anything else that is asked for."""
-        self._off = True
+        with self._lock:
+            self._stops += 1
 
     def leave(self, owner: object) -> None:
-        """A page has gone."""
-        if owner is self._owner:
+        """A page has gone, perhaps before what it asked for was done."""
+        if owner is self._owner or owner is self._asker:
             self.stop()
 
     def lead(self, place_rad: float) -> None:
@@ -193,10 +211,11 @@ class Feed(threading.Thread):
         """Off, if somebody wants that or nobody is there; else renewed in time."""
         now = time.monotonic()
         silent = self._owner is not None and now - self._beat > PATIENCE_S
-        if self._off or silent:
-            self._off = False
+        stops = self._stops
+        if stops != self._stops_done or silent:
             self._disarmed()
             bench.arm(0)
+            self._stops_done = stops
             self._note = ""
             if silent:
                 self._note = "switched off: the page that armed was silent"
