@@ -6,6 +6,7 @@ from __future__ import annotations
 import asyncio
 import csv
 import io
+import json
 import math
 import socket
 import threading
@@ -279,6 +280,7 @@ def test_back_and_forth(bench):
     [
         ("lambda", -1.0, r"lambda = -1 rad/s is out of range"),
         ("lambda", 1e-4, r"lambda is too low: a would be below its last place"),
+        ("lambda", 0.5, r"controller.lambda"),
         ("lambda", math.nan, r"no such slider, or the value is no number"),
         ("eta", -1.5, r"eta_contact = -1\.5 is out of range; it takes -1\.\.\.1"),
         ("wall", 1e9, r"wall_min\[0\] = \d+ is out of range"),
@@ -303,6 +305,26 @@ def test_words_by_name(bench):
     ):  # fmt: skip
         with pytest.raises(HostError, match=message):
             bench.set_word(text)
+
+
+@pytest.mark.parametrize("text", ["a=0", "root=0"])
+@pytest.mark.parametrize("soft", [False, True])
+def test_words_with_which_nothing_is_rendered(bench, text, soft):
+    """The page is told no K, has numbers that JSON knows, and can go back."""
+    if soft:
+        bench.slide("soft", 1)
+    bench.set_word(text)
+    shown = bench.shown()
+    json.dumps(shown, allow_nan=False)
+    assert (shown["stiffness"], shown["tau_s"]) == (None, None)
+    assert "stiffness" not in shown["sliders"]
+    with pytest.raises(HostError):
+        bench.slide("eta", -0.5)
+    again = Bench(bench._client, bench.known)
+    json.dumps(again.shown(), allow_nan=False)
+    bench.set_word("root=2")
+    bench.slide("lambda", 1e3)
+    assert bench.shown()["stiffness"] > 0
 
 
 def test_without_a_scene():
@@ -516,6 +538,36 @@ def test_a_refusal_doesnt_end_it(running):
     with pytest.raises(HostError, match="out of range"):
         running.ask(lambda bench: bench.slide("eta", 3.0)).result(END_S)
     assert running.state()["live"]
+
+
+def test_what_nobody_foresaw_doesnt_end_it(running):
+    """It is one line for who asked, and for the page; who asked and went is passed over."""
+    wait_for = threading.Event()
+
+    def wrong(_: object) -> None:
+        wait_for.wait(END_S)
+        raise ZeroDivisionError("by\nzero")
+
+    asked = running.ask(wrong)
+    gone, last = running.ask(lambda _: None), running.ask(lambda _: None)
+    assert gone.cancel()
+    wait_for.set()
+    with pytest.raises(HostError, match="ZeroDivisionError: by zero"):
+        asked.result(END_S)
+    last.result(END_S)
+    armed_by(running, object())
+    read = running.device.read
+
+    def broken(wanted: list[Place]) -> list[int]:
+        raise OverflowError("too large")
+
+    running.device.read = broken
+    wait(lambda: not running.state()["live"])
+    assert running.state()["problem"] == "the scope has a fault: OverflowError: too large"
+    assert running.device.armings[-1] == 0
+    running.device.read = read
+    wait(lambda: running.state()["live"])
+    assert running.is_alive()
 
 
 def test_the_end_switches_off(running):

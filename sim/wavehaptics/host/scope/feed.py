@@ -7,6 +7,7 @@ life; without them it is ended here, and without this thread the device ends it 
 
 from __future__ import annotations
 
+import contextlib
 import queue
 import threading
 import time
@@ -165,20 +166,33 @@ class Feed(threading.Thread):
     # ---- The thread.
 
     def run(self) -> None:
-        while not self._ended.is_set():
-            try:
-                bench = self._connect()
-                self._live, self._problem = True, ""
-                self._serve(bench)
-            except (HostError, OSError) as error:
-                self._problem = str(error)
-            finally:
-                self._live = False
-                self._disarmed()
-                self._status = {}
-                self._refuse_all()
-            self._ended.wait(_AGAIN_S)
-        self._plug.close()
+        try:
+            while not self._ended.is_set():
+                self._connected()
+                self._ended.wait(_AGAIN_S)
+        finally:
+            self._plug.close()
+
+    def _connected(self) -> None:
+        """One time with the board, until it doesn't answer, or something goes wrong here."""
+        bench = None
+        try:
+            bench = self._connect()
+            self._live, self._problem = True, ""
+            self._serve(bench)
+        except (HostError, OSError) as error:
+            self._problem = str(error)
+        except Exception as error:
+            # Whatever it is, the thread that switches off may not end by it.
+            self._problem = _line_of(error)
+            if bench is not None:
+                with contextlib.suppress(Exception):
+                    bench.arm(0)
+        finally:
+            self._live = False
+            self._disarmed()
+            self._status = {}
+            self._refuse_all()
 
     def _connect(self) -> Bench:
         problem = self._plug.problem
@@ -247,12 +261,17 @@ class Feed(threading.Thread):
             what, future = self._asked.get_nowait()
         except queue.Empty:
             return
+        if not future.set_running_or_notify_cancel():
+            return  # who asked has gone
         try:
             what(bench)
             self._shown = bench.shown()
-            future.set_result(None)
         except HostError as error:
             future.set_exception(error)
+        except Exception as error:
+            future.set_exception(HostError(_line_of(error)))
+        else:
+            future.set_result(None)
 
     def _refuse_all(self) -> None:
         while True:
@@ -260,7 +279,8 @@ class Feed(threading.Thread):
                 _, future = self._asked.get_nowait()
             except queue.Empty:
                 return
-            future.set_exception(HostError("the board doesn't answer"))
+            if future.set_running_or_notify_cancel():
+                future.set_exception(HostError("the board doesn't answer"))
 
     def _keep(self, row: dict[str, float]) -> None:
         hand = self._plug.hand
@@ -281,3 +301,8 @@ class Feed(threading.Thread):
         if moment < self._last_t - 0.5:
             self._offset = self._last_t - time_s
         return max(self._last_t, time_s + self._offset)
+
+
+def _line_of(error: Exception) -> str:
+    """An error that nobody foresaw, in one line."""
+    return " ".join(f"the scope has a fault: {type(error).__name__}: {error}".split())
