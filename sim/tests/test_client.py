@@ -6,12 +6,14 @@ from __future__ import annotations
 import contextlib
 import os
 import struct
+import termios
 import threading
 import time
 import tty
 from collections.abc import Iterator
 
 import pytest
+import serial
 from pymodbus.framer import FramerRTU
 from wavehaptics.host import client as client_module
 from wavehaptics.host.client import Client
@@ -179,3 +181,24 @@ def test_a_refusal_is_not_asked_again(board, client):
     with pytest.raises(HostError, match="a: the device refuses with exception 6: not now"):
         client.write([(place(client, "a"), 5)])
     assert len(board.asked) == before + 1
+
+
+@pytest.mark.parametrize("error", [ValueError("rate"), termios.error(22, "rate"), OSError("rate")])
+def test_a_rate_that_the_driver_refuses(board, client, monkeypatch, error):
+    """It stays at the first rate, now and later."""
+    there(board, client, root=7)
+    monkeypatch.setattr(client_module, "_FALLBACK_S", 0.0)
+    baudrate, tries = serial.Serial.baudrate, []
+
+    def speak(line: serial.Serial, baud: int) -> None:
+        if baud != client_module.BAUD:
+            tries.append(baud)
+            raise error
+        baudrate.fset(line, baud)
+
+    monkeypatch.setattr(serial.Serial, "baudrate", property(baudrate.fget, speak))
+    for _ in range(2):
+        with client.hurry():
+            assert client.read([place(client, "root")]) == [7]
+    assert tries == [client_module.BAUDS[3]]
+    assert client.read([place(client, "root")]) == [7]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 import os
 import struct
+import termios
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, suppress
@@ -180,22 +181,25 @@ class Client:
         with self._taken() as line:
             self._held = line
             try:
-                if rate > 0 and self._hurries is not False:
+                if rate > 0 and self._hurries:
                     self._set_rate(rate)
-                    if self._hurries is None:
-                        self._try_rate()
+                elif rate > 0 and self._hurries is None:
+                    self._try_rate(rate)
                 yield
             finally:
-                if self._baud != BAUD:
-                    with suppress(HostError):
-                        self._set_rate(0)
+                try:
+                    if self._baud != BAUD:
+                        with suppress(HostError):
+                            self._set_rate(0)
                     if self._baud != BAUD:
                         self._go_back()
-                self._held = None
+                finally:
+                    self._held = None
 
-    def _try_rate(self) -> None:
-        """Ask at the new rate; without an answer this is the last time."""
+    def _try_rate(self, rate: int) -> None:
+        """Ask at the new rate; without an answer, or a port that has it, this is the last time."""
         try:
+            self._set_rate(rate)
             self.identify()
             self._hurries = True
         except HostError:
@@ -208,7 +212,12 @@ class Client:
 
     def _speak(self, baud: int) -> None:
         assert self._held is not None
-        self._held.baudrate = self._baud = baud
+        # Noted before, so that it is gone back from a rate that the port's driver refuses.
+        self._baud = baud
+        try:
+            self._held.baudrate = baud
+        except (ValueError, OSError, termios.error):
+            raise HostError(f"{self._port}: can't be set to {baud} bits a second") from None
 
     def _go_back(self) -> None:
         """Wait until the device has gone back to its first rate by itself."""
