@@ -303,9 +303,11 @@ def _watch_table(found: list[Place], raw: bool, samples: Iterator[tuple[float, l
 
 @contextmanager
 def _asked_to_end() -> Iterator[Callable[[], bool]]:
-    """Whether SIGINT or SIGTERM came since."""
+    """Whether SIGINT, SIGTERM or SIGHUP, of a terminal that is closed, came since."""
     asked: list[bool] = []
-    kept = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM)}
+    kept = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    if kept[signal.SIGHUP] is signal.SIG_IGN:  # by nohup
+        del kept[signal.SIGHUP]
     for number in kept:
         signal.signal(number, lambda *_: asked.append(True))
     try:
@@ -403,7 +405,7 @@ def identify(
     timeout: TimeoutOption = DEFAULT_TIMEOUT,
 ) -> None:
     """Identify the motor: it turns, for some seconds. Faults of the wiring are told by name."""
-    from wavehaptics.host.identify.driver import Driver
+    from wavehaptics.host.identify.driver import Driver, EndedError
     from wavehaptics.host.identify.procedure import Wishes
     from wavehaptics.host.identify.procedure import identify as identified
     from wavehaptics.host.identify.result import rows, write
@@ -413,8 +415,13 @@ def identify(
         raise CommandError(f"--expect {expect}: take {', '.join(PRESETS)}")
     wishes = Wishes(counts, current, travel, PRESETS[expect] if expect else None)
     with _refusals():
-        driver = Driver(_client(port, unit, timeout), motor)
-        found = identified(driver, wishes, lambda line: print(line, flush=True))
+        client = _client(port, unit, timeout)
+        with _asked_to_end() as asked:
+            driver = Driver(client, motor, ended=asked)
+            try:
+                found = identified(driver, wishes, lambda line: print(line, flush=True))
+            except EndedError:
+                raise KeyboardInterrupt from None
     _identified_table(rows(found))
     if out is not None:
         with _refusals():
