@@ -15,6 +15,8 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+import typer
+from wavehaptics.cli import board
 from wavehaptics.host import session
 from wavehaptics.host.names import HostError, Shape, number, places, settings
 from wavehaptics.ladder.device_pins import DevicePins
@@ -410,6 +412,25 @@ def test_numbers_and_names():
         places("shape_loss", SHAPE)
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["1e305", "-1e305", "nan", "inf", "1e19", str(10**400), str(-(10**400)), "0x" + "f" * 5000],
+)
+@pytest.mark.parametrize("name", ["root", "samples", "wall_min[0]"])
+@pytest.mark.parametrize("is_raw", [False, True])
+def test_numbers_that_no_word_has(text, name, is_raw):
+    (place,) = places(name, SHAPE)
+    with pytest.raises(HostError, match=r"is (out of range|no (whole )?number); it takes") as error:
+        place.raw(number(text), is_raw=is_raw)
+    assert "\n" not in str(error.value)
+
+
+def test_an_index_that_is_no_number():
+    for text in ("wall_min[²]", "wall_min[" + "9" * 5000 + "]"):
+        with pytest.raises(HostError, match="there is no such word"):
+            places(text, SHAPE)
+
+
 def test_bits_that_the_rtl_has():
     """Faults and refusals by the files that make them; the options' places by their list."""
     assert FAULTS[10][0] == "BUS_LOW"
@@ -421,3 +442,21 @@ def test_bits_that_the_rtl_has():
     listed = dict(re.findall(r"(?:\d+:)?(\d+) ([A-Z][A-Z_0-9]*)(?=   |\n)", rtl))
     for name, (low, _) in modbus.OPTIONS.items():
         assert listed[str(low)] == {"motors": "N"}.get(name, name.upper()), name
+
+
+@pytest.mark.parametrize("text", ["nan", "inf"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("arm", "--seconds"), ("capture", "--seconds"), ("capture", "--pre"), ("capture", "--k-t"),
+        ("identify", "--counts", "4", "--travel"), ("identify", "--counts", "4", "--current"),
+        ("watch", "root", "--every"), ("info", "--timeout"), ("scope", "--k-t"),
+        ("--virtual", "press_hold", "--seconds"),
+    ],
+)  # fmt: skip
+def test_options_that_are_no_numbers(words, text):
+    """Before anything is opened, let alone armed."""
+    with pytest.raises(typer.BadParameter) as error:
+        board.app(["board", *words, text], standalone_mode=False)
+    problem = error.value.format_message()
+    assert re.search(r"is not a finite number|Input should be (less|greater) than", problem)
