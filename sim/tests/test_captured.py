@@ -275,6 +275,13 @@ def test_a_ring_is_put_in_order(armed, count, first, left, trigger_row):
     assert client.bursts == (math.ceil(math.ceil(3 * count / 62) / 8) if armed else 1)
 
 
+def test_a_capture_that_is_stopped_before_the_first_row():
+    client = Told(capture_state=DONE, capture_count=0, capture_left=10)
+    found = capture.download(client, capture.plan(client, ["u", "current"], rows=10))
+    assert (found.t.shape, found["u"].shape, found["current"].shape) == ((0,), (0,), (0,))
+    assert found.trigger_row is None
+
+
 def test_nothing_is_downloaded_before_it_is_done():
     client = Told(capture_state=capture.TRIGGERED)
     with pytest.raises(HostError, match="isn't done"):

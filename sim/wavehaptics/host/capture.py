@@ -324,7 +324,8 @@ def download(
                 progress(len(raws) / total)
         if armed:
             time.sleep(_GIVE_WAY_S)
-    table = np.roll(np.array(raws, dtype=np.uint32).reshape(count, -1), -first, axis=0)
+    shape = (count, len(wanted.channels))  # of no row as well
+    table = np.roll(np.array(raws, dtype=np.uint32).reshape(shape), -first, axis=0)
     values = {
         name: _values(place, table[:, n])
         for n, (name, place) in enumerate(zip(wanted.names, wanted.channels, strict=True))
