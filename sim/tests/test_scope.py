@@ -31,7 +31,7 @@ from wavehaptics.host.scope.server import Scope, serve
 from wavehaptics.ladder.run import stiffness_predicted
 from wavehaptics.ladder.sampled import SampledSimulation
 from wavehaptics.scene import find_scene, load_scene
-from wavehaptics.words import formats
+from wavehaptics.words import formats, modbus
 from wavehaptics.words.memory import settings_requests
 
 SCENE = "live_wall"
@@ -68,14 +68,18 @@ class Device:
         self.written: list[dict[str, int]] = []
         self.silent = False
         self.delay_s = 0.001
+        self.before_each: Callable[[], None] = lambda: None
 
     def read(self, wanted: list[Place]) -> list[int]:
-        time.sleep(self.delay_s)
-        if self.silent:
-            raise HostError("no answer")
+        for _ in modbus.runs({(place.address, 0) for place in wanted}, modbus.MOST_READ):
+            self.before_each()
+            time.sleep(self.delay_s)
+            if self.silent:
+                raise HostError("no answer")
         return [self.words.get(place.address, 0) for place in wanted]
 
     def write(self, words: object) -> int:
+        self.before_each()
         time.sleep(self.delay_s)
         if self.silent:
             raise HostError("no answer")
@@ -437,6 +441,35 @@ def test_a_stop_goes_before_what_waits(running):
     assert not asked[-1].done()
     running.device.delay_s = 0.0
     asked[-1].result(END_S)
+
+
+def test_it_is_renewed_while_words_are_set(running):
+    """Which takes many exchanges, slow ones through some USB bridges; a stop goes between them."""
+    page = object()
+    armed_by(running, page)
+    running.device.delay_s = 0.016
+    armed, told = [], running.device.write
+
+    def noted(words: object) -> int:
+        given = dict(words)
+        if "arm" in [place.text for place in given]:
+            armed.append(time.monotonic())
+        return told(given)
+
+    running.device.write = noted
+    for _ in range(3):
+        asked = running.ask(lambda bench: bench.set_word("a=0.5"))
+        while not asked.done():
+            running.beat(page)
+            time.sleep(0.005)
+    assert running.state()["wanted"]
+    assert max(np.diff(armed)) < 0.15
+    asked = running.ask(lambda bench: bench.set_word("a=0.5"))
+    while not any("a" in words for words in running.device.written[-2:]):
+        running.beat(page)
+    running.stop()
+    wait(lambda: running.device.armings[-1] == 0, 0.1)
+    asked.result(END_S)
 
 
 def test_a_stop_while_an_arming_waits(running):

@@ -93,6 +93,8 @@ class Client:
         self._astray = False  # whether answers to earlier questions may still come
         self._probes = 0
         self._known = False
+        self.before_each: Callable[[], None] = lambda: None
+        """Called before each exchange; those that it makes itself call it as well."""
         self._held: serial.Serial | None = None
         self._baud = BAUD
         self._hurries: bool | None = None  # whether that is known to work
@@ -255,6 +257,7 @@ class Client:
         An answer tells neither which question it is to nor, of a read, which words it has. So
         once one is late or doesn't fit, the line is settled before anything is asked again.
         """
+        self.before_each()
         with nullcontext(self._held) if self._held else self._taken() as line:
             self._heard = 0
             for _ in range(2):

@@ -65,7 +65,7 @@ class Feed(threading.Thread):
         self._owner: object = None
         self._asker: object = None
         self._beat = self._armed_at = self._renewed = self._last_t = 0.0
-        self._was_armed = False
+        self._was_armed = self._watches = False
         self._begun = time.monotonic()
         self._offset = 0.0
 
@@ -129,7 +129,8 @@ class Feed(threading.Thread):
                 self.stop()  # it may have been heard all the same
                 raise
             if self._stops != stops:
-                raise HostError(STOPPED)  # and the next exchange switches off
+                self.stop()  # once more, if what has been done about it was before the arming
+                raise HostError(STOPPED)
             now = time.monotonic()
             self._owner, self._beat = owner, now
             self._armed_at = self._renewed = now
@@ -200,6 +201,8 @@ class Feed(threading.Thread):
             raise HostError(problem)
         client = Client(self._plug.port, self._unit, self._timeout_s)
         bench = Bench(client, self._known, self._motor)
+        # What a page asks for may be many exchanges, of 16 ms each through some USB bridges.
+        client.before_each = lambda: self._watch(bench)
         self._plug.connect_hand()
         self._shown = bench.shown()
         return bench
@@ -222,7 +225,19 @@ class Feed(threading.Thread):
         bench.arm(0)
 
     def _watch(self, bench: Bench) -> None:
-        """Off, if somebody wants that or nobody is there; else renewed in time."""
+        """Off, if somebody wants that or nobody is there; else renewed in time.
+
+        Before each exchange, but for those that it makes itself.
+        """
+        if self._watches:
+            return
+        self._watches = True
+        try:
+            self._switch(bench)
+        finally:
+            self._watches = False
+
+    def _switch(self, bench: Bench) -> None:
         now = time.monotonic()
         silent = self._owner is not None and now - self._beat > PATIENCE_S
         stops = self._stops
