@@ -12,6 +12,8 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import ExitStack
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ import typer
 from wavehaptics.cli import board
 from wavehaptics.host import session
 from wavehaptics.host.names import HostError, Shape, number, places, settings
+from wavehaptics.host.virtual import VirtualBoard
 from wavehaptics.ladder.device_pins import DevicePins
 from wavehaptics.ladder.linked_pins import LinkedPins
 from wavehaptics.scene import find_scene, load_scene
@@ -399,6 +402,20 @@ def test_files_that_are_refused(tmp_path, text, message):
     with pytest.raises(HostError, match=message) as error:
         session.read(file, SHAPE)
     assert "\n" not in str(error.value)
+
+
+def test_two_boards_with_one_link(tmp_path):
+    """The link is the later one's, and stays when the earlier one ends."""
+    link, pins = tmp_path / "port", SimpleNamespace()
+    with ExitStack() as later:
+        with VirtualBoard(pins, link) as first:
+            assert os.readlink(link) == first.path
+            second = later.enter_context(VirtualBoard(pins, link))
+            assert os.readlink(link) == second.path
+        assert os.readlink(link) == second.path
+    assert not link.is_symlink()
+    with VirtualBoard(pins, link):
+        link.unlink()
 
 
 def test_numbers_and_names():
