@@ -191,6 +191,13 @@ def test_triggers(text, expected):
         (["current"], {"trigger": "current>1e"}, r"trigger current>1e: write now"),
         (["current"], {"trigger": "current>1.2.3"}, r"trigger current>1.2.3: write now"),
         (["current"], {"trigger": "current>64"}, r"trigger at current = 64: take -64...64 A"),
+        (["current"], {"trigger": "current rises 1e999"}, r"trigger .* 1e999: write now"),
+        (["current"], {"trigger": "current>1e308"}, r"trigger at current = 1e\+308: take -64...64"),
+        (["current"], {"trigger": "current<-1e300"}, r"trigger at current = -1e\+300: take -64"),
+        (["u"], {"seconds": math.nan}, r"nan seconds: take a number"),
+        (["u"], {"seconds": math.inf}, r"inf seconds: take a number"),
+        (["u"], {"before_s": math.inf}, r"inf seconds before the trigger: take a number"),
+        (["current@²"], {}, r"current@²: can't be captured"),
         (["root"], {}, r"root: can't be captured; take voltage, u, v, current, position"),
         (["current@x"], {}, r"current@x: can't be captured"),
         (["current@2"], {}, r"current: the device has no motor 2; take --motor 0...1"),
@@ -266,6 +273,13 @@ def test_a_ring_is_put_in_order(armed, count, first, left, trigger_row):
     assert np.allclose(np.diff(found.t), 4e-6)
     assert found.t[trigger_row or 0] == 0.0
     assert client.bursts == (math.ceil(math.ceil(3 * count / 62) / 8) if armed else 1)
+
+
+def test_a_capture_that_is_stopped_before_the_first_row():
+    client = Told(capture_state=DONE, capture_count=0, capture_left=10)
+    found = capture.download(client, capture.plan(client, ["u", "current"], rows=10))
+    assert (found.t.shape, found["u"].shape, found["current"].shape) == ((0,), (0,), (0,))
+    assert found.trigger_row is None
 
 
 def test_nothing_is_downloaded_before_it_is_done():

@@ -7,7 +7,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +16,10 @@ import tomllib
 from quick_board import QuickBoard
 from wavehaptics.host import capture, session
 from wavehaptics.host.identify import result
-from wavehaptics.host.identify.driver import Driver
+from wavehaptics.host.identify.driver import Driver, EndedError
 from wavehaptics.host.identify.procedure import Found, NotPlausible, Wishes, identify
 from wavehaptics.host.identify.segments import Estimate, Segment
-from wavehaptics.host.names import HostError
+from wavehaptics.host.names import HostError, Place
 from wavehaptics.ladder.run import measure
 from wavehaptics.parts.motors import PRESETS
 from wavehaptics.scene import Scene, load_scene
@@ -174,6 +174,31 @@ def test_a_board_with_a_button(make_scene: Maker):
     assert found.resistance.ohm.value == pytest.approx(scene.motor.R_ohm, rel=0.005)
     assert quick.running
     assert abs(quick.current) < 0.05
+
+
+@pytest.mark.parametrize("switched", [False, True])
+@pytest.mark.parametrize("deaf", [False, True])
+def test_it_is_ended_from_outside(make_scene: Maker, switched: bool, deaf: bool):
+    """Settings come back, also where the bridges can't be switched off first."""
+    quick, asked = QuickBoard(make_scene(*REAL), switched=switched), []
+    before, write = dict(quick.settings), quick.write
+
+    def wrong(words: Iterable[tuple[Place, int]]) -> int:
+        given = list(words)
+        if deaf and given[0][0].word.name == "arm" and given[0][1] == 0:
+            raise HostError("no answer")
+        if given[0][0].word.name == "zero" and quick.running:
+            asked.append(True)
+        return write(given)
+
+    quick.write = wrong
+    driver = Driver(quick, clock=lambda: quick.time_s, ended=lambda: bool(asked))
+    with pytest.raises(HostError if deaf and not switched else EndedError):
+        identify(driver, Wishes(COUNTS))
+    assert asked
+    changed = {name for name, raw in quick.settings.items() if before[name] != raw}
+    assert {name for name, _ in changed if not name.startswith("capture")} == set()
+    assert quick.running == (switched or deaf)
 
 
 def test_little_room(make_scene: Maker):

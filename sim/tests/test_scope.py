@@ -6,6 +6,7 @@ from __future__ import annotations
 import asyncio
 import csv
 import io
+import json
 import math
 import socket
 import threading
@@ -30,7 +31,7 @@ from wavehaptics.host.scope.server import Scope, serve
 from wavehaptics.ladder.run import stiffness_predicted
 from wavehaptics.ladder.sampled import SampledSimulation
 from wavehaptics.scene import find_scene, load_scene
-from wavehaptics.words import formats
+from wavehaptics.words import formats, modbus
 from wavehaptics.words.memory import settings_requests
 
 SCENE = "live_wall"
@@ -67,14 +68,18 @@ class Device:
         self.written: list[dict[str, int]] = []
         self.silent = False
         self.delay_s = 0.001
+        self.before_each: Callable[[], None] = lambda: None
 
     def read(self, wanted: list[Place]) -> list[int]:
-        time.sleep(self.delay_s)
-        if self.silent:
-            raise HostError("no answer")
+        for _ in modbus.runs({(place.address, 0) for place in wanted}, modbus.MOST_READ):
+            self.before_each()
+            time.sleep(self.delay_s)
+            if self.silent:
+                raise HostError("no answer")
         return [self.words.get(place.address, 0) for place in wanted]
 
     def write(self, words: object) -> int:
+        self.before_each()
         time.sleep(self.delay_s)
         if self.silent:
             raise HostError("no answer")
@@ -279,6 +284,7 @@ def test_back_and_forth(bench):
     [
         ("lambda", -1.0, r"lambda = -1 rad/s is out of range"),
         ("lambda", 1e-4, r"lambda is too low: a would be below its last place"),
+        ("lambda", 0.5, r"controller.lambda"),
         ("lambda", math.nan, r"no such slider, or the value is no number"),
         ("eta", -1.5, r"eta_contact = -1\.5 is out of range; it takes -1\.\.\.1"),
         ("wall", 1e9, r"wall_min\[0\] = \d+ is out of range"),
@@ -303,6 +309,26 @@ def test_words_by_name(bench):
     ):  # fmt: skip
         with pytest.raises(HostError, match=message):
             bench.set_word(text)
+
+
+@pytest.mark.parametrize("text", ["a=0", "root=0"])
+@pytest.mark.parametrize("soft", [False, True])
+def test_words_with_which_nothing_is_rendered(bench, text, soft):
+    """The page is told no K, has numbers that JSON knows, and can go back."""
+    if soft:
+        bench.slide("soft", 1)
+    bench.set_word(text)
+    shown = bench.shown()
+    json.dumps(shown, allow_nan=False)
+    assert (shown["stiffness"], shown["tau_s"]) == (None, None)
+    assert "stiffness" not in shown["sliders"]
+    with pytest.raises(HostError):
+        bench.slide("eta", -0.5)
+    again = Bench(bench._client, bench.known)
+    json.dumps(again.shown(), allow_nan=False)
+    bench.set_word("root=2")
+    bench.slide("lambda", 1e3)
+    assert bench.shown()["stiffness"] > 0
 
 
 def test_without_a_scene():
@@ -417,6 +443,88 @@ def test_a_stop_goes_before_what_waits(running):
     asked[-1].result(END_S)
 
 
+def test_it_is_renewed_while_words_are_set(running):
+    """Which takes many exchanges, slow ones through some USB bridges; a stop goes between them."""
+    page = object()
+    armed_by(running, page)
+    running.device.delay_s = 0.016
+    armed, told = [], running.device.write
+
+    def noted(words: object) -> int:
+        given = dict(words)
+        if "arm" in [place.text for place in given]:
+            armed.append(time.monotonic())
+        return told(given)
+
+    running.device.write = noted
+    for _ in range(3):
+        asked = running.ask(lambda bench: bench.set_word("a=0.5"))
+        while not asked.done():
+            running.beat(page)
+            time.sleep(0.005)
+    assert running.state()["wanted"]
+    assert max(np.diff(armed)) < 0.15
+    asked = running.ask(lambda bench: bench.set_word("a=0.5"))
+    while not any("a" in words for words in running.device.written[-2:]):
+        running.beat(page)
+    running.stop()
+    wait(lambda: running.device.armings[-1] == 0, 0.1)
+    asked.result(END_S)
+
+
+def test_a_stop_while_an_arming_waits(running):
+    """A stop goes before the arming that was asked for before it, and isn't undone by it."""
+    running.device.delay_s = 0.02
+    for _ in range(20):
+        running.ask(lambda bench: bench.clear())
+    arming = running.arm(object())
+    running.stop()
+    running.device.delay_s = 0.001
+    with pytest.raises(HostError, match="stopped while it was being armed"):
+        arming.result(END_S)
+    assert 1 not in running.device.armings
+    assert not running.state()["wanted"]
+    armed_by(running, object())
+
+
+@pytest.mark.parametrize("leaves", [False, True])
+def test_a_stop_during_the_exchange_that_arms(running, leaves):
+    """Or the page that asked has gone meanwhile: it is switched off by the next exchange."""
+    page, write = object(), running.device.write
+
+    def slow(words: object) -> int:
+        given = dict(words)
+        done = write(given)
+        if 1 in [raw for place, raw in given.items() if place.text == "arm"]:
+            running.leave(page) if leaves else running.stop()
+        return done
+
+    running.device.write = slow
+    with pytest.raises(HostError, match="stopped while it was being armed"):
+        running.arm(page).result(END_S)
+    wait(lambda: running.device.armings == [1, 0], 0.5)
+    assert not running.state()["wanted"]
+    running.device.write = write
+    armed_by(running, page)
+
+
+def test_an_arming_that_fails_is_taken_back(running):
+    """What wasn't acknowledged may have been heard."""
+    write = running.device.write
+
+    def deaf(words: object) -> int:
+        given = dict(words)
+        write(given)
+        if 1 in [raw for place, raw in given.items() if place.text == "arm"]:
+            raise HostError("no answer")
+        return 1
+
+    running.device.write = deaf
+    with pytest.raises(HostError, match="no answer"):
+        running.arm(object()).result(END_S)
+    wait(lambda: running.device.armings == [1, 0], 0.5)
+
+
 def test_a_board_that_falls_silent(running):
     """It is told, nothing is lost, nothing stays armed, and it comes back by itself."""
     wait(lambda: len(running.kept) > 5)
@@ -463,6 +571,36 @@ def test_a_refusal_doesnt_end_it(running):
     with pytest.raises(HostError, match="out of range"):
         running.ask(lambda bench: bench.slide("eta", 3.0)).result(END_S)
     assert running.state()["live"]
+
+
+def test_what_nobody_foresaw_doesnt_end_it(running):
+    """It is one line for who asked, and for the page; who asked and went is passed over."""
+    wait_for = threading.Event()
+
+    def wrong(_: object) -> None:
+        wait_for.wait(END_S)
+        raise ZeroDivisionError("by\nzero")
+
+    asked = running.ask(wrong)
+    gone, last = running.ask(lambda _: None), running.ask(lambda _: None)
+    assert gone.cancel()
+    wait_for.set()
+    with pytest.raises(HostError, match="ZeroDivisionError: by zero"):
+        asked.result(END_S)
+    last.result(END_S)
+    armed_by(running, object())
+    read = running.device.read
+
+    def broken(wanted: list[Place]) -> list[int]:
+        raise OverflowError("too large")
+
+    running.device.read = broken
+    wait(lambda: not running.state()["live"])
+    assert running.state()["problem"] == "the scope has a fault: OverflowError: too large"
+    assert running.device.armings[-1] == 0
+    running.device.read = read
+    wait(lambda: running.state()["live"])
+    assert running.is_alive()
 
 
 def test_the_end_switches_off(running):

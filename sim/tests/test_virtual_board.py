@@ -12,11 +12,16 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import ExitStack
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import typer
+from wavehaptics.cli import board
 from wavehaptics.host import session
 from wavehaptics.host.names import HostError, Shape, number, places, settings
+from wavehaptics.host.virtual import VirtualBoard
 from wavehaptics.ladder.device_pins import DevicePins
 from wavehaptics.ladder.linked_pins import LinkedPins
 from wavehaptics.scene import find_scene, load_scene
@@ -399,6 +404,20 @@ def test_files_that_are_refused(tmp_path, text, message):
     assert "\n" not in str(error.value)
 
 
+def test_two_boards_with_one_link(tmp_path):
+    """The link is the later one's, and stays when the earlier one ends."""
+    link, pins = tmp_path / "port", SimpleNamespace()
+    with ExitStack() as later:
+        with VirtualBoard(pins, link) as first:
+            assert os.readlink(link) == first.path
+            second = later.enter_context(VirtualBoard(pins, link))
+            assert os.readlink(link) == second.path
+        assert os.readlink(link) == second.path
+    assert not link.is_symlink()
+    with VirtualBoard(pins, link):
+        link.unlink()
+
+
 def test_numbers_and_names():
     assert (number("0x10"), number("-3"), number("1.5e1")) == (16, -3, 15.0)
     (place,) = places("extra_ticks", SHAPE)
@@ -408,6 +427,25 @@ def test_numbers_and_names():
     assert wall.value(0xFFFFFFFF) == -1
     with pytest.raises(HostError, match="this device has none"):
         places("shape_loss", SHAPE)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1e305", "-1e305", "nan", "inf", "1e19", str(10**400), str(-(10**400)), "0x" + "f" * 5000],
+)
+@pytest.mark.parametrize("name", ["root", "samples", "wall_min[0]"])
+@pytest.mark.parametrize("is_raw", [False, True])
+def test_numbers_that_no_word_has(text, name, is_raw):
+    (place,) = places(name, SHAPE)
+    with pytest.raises(HostError, match=r"is (out of range|no (whole )?number); it takes") as error:
+        place.raw(number(text), is_raw=is_raw)
+    assert "\n" not in str(error.value)
+
+
+def test_an_index_that_is_no_number():
+    for text in ("wall_min[²]", "wall_min[" + "9" * 5000 + "]"):
+        with pytest.raises(HostError, match="there is no such word"):
+            places(text, SHAPE)
 
 
 def test_bits_that_the_rtl_has():
@@ -421,3 +459,21 @@ def test_bits_that_the_rtl_has():
     listed = dict(re.findall(r"(?:\d+:)?(\d+) ([A-Z][A-Z_0-9]*)(?=   |\n)", rtl))
     for name, (low, _) in modbus.OPTIONS.items():
         assert listed[str(low)] == {"motors": "N"}.get(name, name.upper()), name
+
+
+@pytest.mark.parametrize("text", ["nan", "inf"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("arm", "--seconds"), ("capture", "--seconds"), ("capture", "--pre"), ("capture", "--k-t"),
+        ("identify", "--counts", "4", "--travel"), ("identify", "--counts", "4", "--current"),
+        ("watch", "root", "--every"), ("info", "--timeout"), ("scope", "--k-t"),
+        ("--virtual", "press_hold", "--seconds"),
+    ],
+)  # fmt: skip
+def test_options_that_are_no_numbers(words, text):
+    """Before anything is opened, let alone armed."""
+    with pytest.raises(typer.BadParameter) as error:
+        board.app(["board", *words, text], standalone_mode=False)
+    problem = error.value.format_message()
+    assert re.search(r"is not a finite number|Input should be (less|greater) than", problem)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import select
 import signal
@@ -35,12 +36,21 @@ board = typer.Typer(
 app = typer.Typer()
 app.add_typer(board, name="board")
 
+
+def _finite(value: float | None) -> float | None:
+    """A number of an option: a range alone lets nan through, and one without an end inf."""
+    if value is not None and not math.isfinite(value):
+        raise typer.BadParameter(f"{value} is not a finite number.")
+    return value
+
+
 PortOption = Annotated[
     str, typer.Option("--port", metavar="PATH", envvar="WH_PORT", help="The serial port.")
 ]
 UnitOption = Annotated[int, typer.Option(min=1, max=247, help="Unit of the device.")]
 TimeoutOption = Annotated[
-    float, typer.Option(min=0.01, max=3600, help="Seconds to wait for an answer.")
+    float,
+    typer.Option(min=0.01, max=3600, callback=_finite, help="Seconds to wait for an answer."),
 ]
 MotorOption = Annotated[int, typer.Option(min=0, max=7, help="The motor whose words are meant.")]
 RawOption = Annotated[bool, typer.Option("--raw", help="Raw words in place of values in SI units.")]
@@ -80,7 +90,9 @@ def be_virtual(
     ] = False,
     seconds: Annotated[
         float | None,
-        typer.Option(min=0, help="With --virtual: end after so much simulated time, s."),
+        typer.Option(
+            min=0, callback=_finite, help="With --virtual: end after so much simulated time, s."
+        ),
     ] = None,
     link: Annotated[
         Path | None,
@@ -259,7 +271,9 @@ def watch(
     raw: RawOption = False,
     csv: Annotated[bool, typer.Option("--csv", help="Lines of CSV in place of a table.")] = False,
     count: Annotated[int | None, typer.Option("-n", min=1, help="So many times.")] = None,
-    every: Annotated[float, typer.Option(min=0, max=3600, help="Seconds between.")] = 0.2,
+    every: Annotated[
+        float, typer.Option(min=0, max=3600, callback=_finite, help="Seconds between.")
+    ] = 0.2,
     unit: UnitOption = 1,
     timeout: TimeoutOption = DEFAULT_TIMEOUT,
 ) -> None:
@@ -303,9 +317,11 @@ def _watch_table(found: list[Place], raw: bool, samples: Iterator[tuple[float, l
 
 @contextmanager
 def _asked_to_end() -> Iterator[Callable[[], bool]]:
-    """Whether SIGINT or SIGTERM came since."""
+    """Whether SIGINT, SIGTERM or SIGHUP, of a terminal that is closed, came since."""
     asked: list[bool] = []
-    kept = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM)}
+    kept = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    if kept[signal.SIGHUP] is signal.SIG_IGN:  # by nohup
+        del kept[signal.SIGHUP]
     for number in kept:
         signal.signal(number, lambda *_: asked.append(True))
     try:
@@ -319,7 +335,8 @@ def _asked_to_end() -> Iterator[Callable[[], bool]]:
 def arm(
     port: PortOption = "",
     seconds: Annotated[
-        float | None, typer.Option(min=0, help="Disarm after so much time; else at Ctrl-C.")
+        float | None,
+        typer.Option(min=0, callback=_finite, help="Disarm after so much time; else at Ctrl-C."),
     ] = None,
     unit: UnitOption = 1,
     timeout: TimeoutOption = DEFAULT_TIMEOUT,
@@ -391,10 +408,13 @@ def identify(
     port: PortOption = "",
     motor: MotorOption = 0,
     current: Annotated[
-        float | None, typer.Option(min=0.001, max=60, help="Test current, A.")
+        float | None, typer.Option(min=0.001, max=60, callback=_finite, help="Test current, A.")
     ] = None,
     travel: Annotated[
-        float | None, typer.Option(min=0.01, help="Room that the rotor has, rad; else it may turn.")
+        float | None,
+        typer.Option(
+            min=0.01, callback=_finite, help="Room that the rotor has, rad; else it may turn."
+        ),
     ] = None,
     expect: Annotated[
         str | None, typer.Option(metavar="PRESET", help="The motor that it should be.")
@@ -403,7 +423,7 @@ def identify(
     timeout: TimeoutOption = DEFAULT_TIMEOUT,
 ) -> None:
     """Identify the motor: it turns, for some seconds. Faults of the wiring are told by name."""
-    from wavehaptics.host.identify.driver import Driver
+    from wavehaptics.host.identify.driver import Driver, EndedError
     from wavehaptics.host.identify.procedure import Wishes
     from wavehaptics.host.identify.procedure import identify as identified
     from wavehaptics.host.identify.result import rows, write
@@ -413,8 +433,13 @@ def identify(
         raise CommandError(f"--expect {expect}: take {', '.join(PRESETS)}")
     wishes = Wishes(counts, current, travel, PRESETS[expect] if expect else None)
     with _refusals():
-        driver = Driver(_client(port, unit, timeout), motor)
-        found = identified(driver, wishes, lambda line: print(line, flush=True))
+        client = _client(port, unit, timeout)
+        with _asked_to_end() as asked:
+            driver = Driver(client, motor, ended=asked)
+            try:
+                found = identified(driver, wishes, lambda line: print(line, flush=True))
+            except EndedError:
+                raise KeyboardInterrupt from None
     _identified_table(rows(found))
     if out is not None:
         with _refusals():
@@ -481,9 +506,12 @@ def capture(
         ),
     ] = "now",
     seconds: Annotated[
-        float | None, typer.Option(min=0, help="Of the device's time; else all that fits.")
+        float | None,
+        typer.Option(min=0, callback=_finite, help="Of the device's time; else all that fits."),
     ] = None,
-    pre: Annotated[float, typer.Option(min=0, help="Seconds of these before the trigger.")] = 0.0,
+    pre: Annotated[
+        float, typer.Option(min=0, callback=_finite, help="Seconds of these before the trigger.")
+    ] = 0.0,
     decimate: Annotated[
         int | None,
         typer.Option(min=1, help="Ticks of a row, 1, 2, 4 ...; else the fewest that fit."),
@@ -495,7 +523,8 @@ def capture(
         str | None, typer.Option(metavar="MOTOR", help="A motor's preset, for the torque.")
     ] = None,
     k_t: Annotated[
-        float | None, typer.Option("--k-t", min=0, help="Or its torque constant, N·m/A.")
+        float | None,
+        typer.Option("--k-t", min=0, callback=_finite, help="Or its torque constant, N·m/A."),
     ] = None,
     out: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for trace.npz and capture.png.")
@@ -605,7 +634,10 @@ def scope(
     ] = None,
     overrides: SetOption = None,
     k_t: Annotated[
-        float | None, typer.Option(min=1e-4, max=10, help="With a port: k_T of its motor, N·m/A.")
+        float | None,
+        typer.Option(
+            min=1e-4, max=10, callback=_finite, help="With a port: k_T of its motor, N·m/A."
+        ),
     ] = None,
     counts: Annotated[
         int | None, typer.Option(min=4, help="With a port: its encoder's counts a turn.")

@@ -89,9 +89,11 @@ def trigger_of(text: str) -> Trigger:
             given = list(found.groups())
             channel, level = given + ["", "0"][len(given) :]
             try:
-                return Trigger(kind, channel, float(level), text.strip())
+                wanted = Trigger(kind, channel, float(level), text.strip())
             except ValueError:
                 break
+            if math.isfinite(wanted.level):
+                return wanted
     raise HostError(
         f"trigger {text}: write now, contact, fault, NAME>VALUE, NAME<VALUE, NAME rises VALUE, "
         "NAME falls VALUE or NAME changes"
@@ -184,6 +186,9 @@ def plan(
     all, ``before`` rows or ``before_s`` seconds are before the trigger's.
     """
     room = depth(client)
+    for what, time_s in (("seconds", seconds), ("seconds before the trigger", before_s)):
+        if time_s is not None and not math.isfinite(time_s):
+            raise HostError(f"{time_s} {what}: take a number of seconds")
     wanted = trigger_of(trigger) if isinstance(trigger, str) else trigger
     names = [*dict.fromkeys(channels)]
     if wanted.channel:
@@ -221,7 +226,7 @@ def plan(
 
 def _channel(client: Client, name: str, motor: int) -> Place:
     base, at, number = name.partition("@")
-    if base not in WORDS or (at and not number.isdigit()):
+    if base not in WORDS or (at and not re.fullmatch("[0-9]{1,9}", number)):
         raise HostError(f"{name}: can't be captured; take {', '.join(WORDS)}")
     return places(base, client.shape, int(number) if at else motor)[0]
 
@@ -229,8 +234,9 @@ def _channel(client: Client, name: str, motor: int) -> Place:
 def _level(place: Place, wanted: Trigger) -> int:
     """The level as a raw word of the channel, the least one that is as much or more."""
     fixed = place.word.fixed
-    raw = math.ceil(wanted.level * 2.0**fixed.fraction)
-    if not fixed.holds(raw):
+    far = abs(wanted.level) > 2.0**32  # than all words; times a power of two it may be endless
+    raw = 0 if far else math.ceil(wanted.level * 2.0**fixed.fraction)
+    if far or not fixed.holds(raw):
         raise HostError(f"trigger at {wanted.channel} = {wanted.level:g}: take {place.range_text}")
     return raw
 
@@ -318,7 +324,8 @@ def download(
                 progress(len(raws) / total)
         if armed:
             time.sleep(_GIVE_WAY_S)
-    table = np.roll(np.array(raws, dtype=np.uint32).reshape(count, -1), -first, axis=0)
+    shape = (count, len(wanted.channels))  # of no row as well
+    table = np.roll(np.array(raws, dtype=np.uint32).reshape(shape), -first, axis=0)
     values = {
         name: _values(place, table[:, n])
         for n, (name, place) in enumerate(zip(wanted.names, wanted.channels, strict=True))

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import logging
 import os
+import struct
+import termios
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, suppress
@@ -17,8 +19,10 @@ from itertools import pairwise
 
 import serial
 from pymodbus.client import ModbusSerialClient
-from pymodbus.exceptions import ModbusException
-from pymodbus.pdu import ModbusPDU
+from pymodbus.exceptions import ConnectionException, ModbusException
+from pymodbus.framer import FramerRTU
+from pymodbus.pdu import DecodePDU, ModbusPDU
+from pymodbus.pdu.register_message import ReadHoldingRegistersRequest
 
 from wavehaptics.host.names import HostError, Place, Shape
 from wavehaptics.words import modbus, table
@@ -43,6 +47,13 @@ _FALLBACK_S = 1.2
 """Without a good frame for so long, or a little less, a device is at its first rate again."""
 
 _TURN_S = 0.005
+
+_SILENT_S = 0.05
+"""Without a byte for so long nothing is under way, also through a USB bridge that hands on what it
+has every 16 ms."""
+
+_READ, _WRITE = 3, 16
+"""Functions of Modbus."""
 
 # Everything that goes wrong is told by exceptions.
 logging.getLogger("pymodbus.logging").setLevel(logging.CRITICAL + 1)
@@ -79,10 +90,16 @@ class Client:
     def __init__(self, port: str, unit: int = 1, timeout_s: float = 5.0) -> None:
         self._port, self._unit, self._timeout_s = port, unit, timeout_s
         self._heard = 0
+        self._astray = False  # whether answers to earlier questions may still come
+        self._probes = 0
+        self._known = False
+        self.before_each: Callable[[], None] = lambda: None
+        """Called before each exchange; those that it makes itself call it as well."""
         self._held: serial.Serial | None = None
         self._baud = BAUD
         self._hurries: bool | None = None  # whether that is known to work
         self.identification = self._identify()
+        self._known = True
 
     @property
     def shape(self) -> Shape:
@@ -166,22 +183,25 @@ class Client:
         with self._taken() as line:
             self._held = line
             try:
-                if rate > 0 and self._hurries is not False:
+                if rate > 0 and self._hurries:
                     self._set_rate(rate)
-                    if self._hurries is None:
-                        self._try_rate()
+                elif rate > 0 and self._hurries is None:
+                    self._try_rate(rate)
                 yield
             finally:
-                if self._baud != BAUD:
-                    with suppress(HostError):
-                        self._set_rate(0)
+                try:
+                    if self._baud != BAUD:
+                        with suppress(HostError):
+                            self._set_rate(0)
                     if self._baud != BAUD:
                         self._go_back()
-                self._held = None
+                finally:
+                    self._held = None
 
-    def _try_rate(self) -> None:
-        """Ask at the new rate; without an answer this is the last time."""
+    def _try_rate(self, rate: int) -> None:
+        """Ask at the new rate; without an answer, or a port that has it, this is the last time."""
         try:
+            self._set_rate(rate)
             self.identify()
             self._hurries = True
         except HostError:
@@ -194,7 +214,12 @@ class Client:
 
     def _speak(self, baud: int) -> None:
         assert self._held is not None
-        self._held.baudrate = self._baud = baud
+        # Noted before, so that it is gone back from a rate that the port's driver refuses.
+        self._baud = baud
+        try:
+            self._held.baudrate = baud
+        except (ValueError, OSError, termios.error):
+            raise HostError(f"{self._port}: can't be set to {baud} bits a second") from None
 
     def _go_back(self) -> None:
         """Wait until the device has gone back to its first rate by itself."""
@@ -208,35 +233,113 @@ class Client:
             lambda client: client.read_holding_registers(
                 register, count=count, device_id=self._unit
             ),
-            what,
-        ).registers
+            lambda answer: answer.function_code == _READ and len(answer.registers) == count,
+            _READ, what,
+        ).registers  # fmt: skip
 
     def _write(self, register: int, registers: list[int], what: str) -> None:
+        echo = (_WRITE, register, len(registers))
         self._exchange(
-            lambda client: client.write_registers(register, registers, device_id=self._unit), what
-        )
+            lambda client: client.write_registers(register, registers, device_id=self._unit),
+            lambda answer: (answer.function_code, answer.address, answer.count) == echo,
+            _WRITE, what,
+        )  # fmt: skip
 
-    def _exchange(self, ask: Callable[[ModbusSerialClient], ModbusPDU], what: str) -> ModbusPDU:
-        """The answer to a question about ``what``."""
+    def _exchange(
+        self,
+        ask: Callable[[ModbusSerialClient], ModbusPDU],
+        fits: Callable[[ModbusPDU], bool],
+        function: int,
+        what: str,
+    ) -> ModbusPDU:
+        """The answer to a question about ``what``, asked once more if it doesn't come.
+
+        An answer tells neither which question it is to nor, of a read, which words it has. So
+        once one is late or doesn't fit, the line is settled before anything is asked again.
+        """
+        self.before_each()
         with nullcontext(self._held) if self._held else self._taken() as line:
-            client = ModbusSerialClient(
-                self._port, baudrate=self._baud, timeout=self._timeout_s, retries=1,
-                trace_packet=self._listen,
-            )  # fmt: skip
-            client.socket = line
             self._heard = 0
-            try:
-                answer = ask(client)
-            except ModbusException:
-                raise HostError(self._silence()) from None
-            except OSError as error:
-                reason = error.strerror or error
-                raise HostError(f"{self._port}: {reason}; was it unplugged?") from None
-        if answer.isError():
-            code = answer.exception_code
-            meaning = modbus.EXCEPTIONS.get(code, "unknown")
-            raise HostError(f"{what}: the device refuses with exception {code}: {meaning}")
-        return answer
+            for _ in range(2):
+                answer = self._ask(line, ask, blindly=function == _WRITE)
+                if answer is None:
+                    continue
+                if answer.isError() and answer.function_code == function | 0x80:
+                    self._astray = False
+                    code = answer.exception_code
+                    meaning = modbus.EXCEPTIONS.get(code, "unknown")
+                    raise HostError(f"{what}: the device refuses with exception {code}: {meaning}")
+                if not answer.isError() and fits(answer):
+                    self._astray = False
+                    return answer
+        raise HostError(self._silence())
+
+    def _ask(
+        self, line: serial.Serial, ask: Callable[[ModbusSerialClient], ModbusPDU], *, blindly: bool
+    ) -> ModbusPDU | None:
+        """What comes after a question, None without an answer.
+
+        ``blindly``: it is told the device also where nothing comes back, as it may still hear.
+        """
+        client = ModbusSerialClient(
+            self._port, baudrate=self._baud, timeout=self._timeout_s, retries=0,
+            trace_packet=self._listen,
+        )  # fmt: skip
+        client.socket = line
+        try:
+            if self._astray and not self._settled(line):
+                if blindly:
+                    with suppress(ModbusException, struct.error):
+                        ask(client)
+                raise HostError(self._silence())
+            # Until the right answer is here; a Ctrl-C may come before.
+            self._astray = True
+            return ask(client)
+        except ConnectionException:
+            raise HostError(self._silence()) from None
+        except (ModbusException, struct.error):
+            return None
+        except OSError as error:
+            reason = error.strerror or error
+            raise HostError(f"{self._port}: {reason}; was it unplugged?") from None
+
+    def _settled(self, line: serial.Serial) -> bool:
+        """Whether nothing of earlier questions can come any more.
+
+        Answers come in the order of the questions, so all are over with that to a question whose
+        answer is like no other: the identification, of another length than the last time.
+        """
+        self._drain(line)
+        self._probes = self._probes % len(modbus.IDENTIFICATION) + 1
+        question = ReadHoldingRegistersRequest(address=0, count=2 * self._probes, dev_id=self._unit)
+        head = bytes([self._unit, _READ, 4 * self._probes])
+        if self._known:
+            head += table.crc().to_bytes(4, "big")
+        line.write(FramerRTU(DecodePDU(False)).buildFrame(question))
+        found, until = b"", time.monotonic() + self._timeout_s
+        while time.monotonic() < until:
+            found += line.read(line.in_waiting)
+            self._listen(False, found)
+            first = found.find(head)
+            last = first + 3 + 4 * self._probes
+            crc = found[last : last + 2]
+            if first >= 0 and len(crc) == 2 and FramerRTU.check_CRC(
+                found[first:last], int.from_bytes(crc, "big")
+            ):  # fmt: skip
+                self._astray = False
+                return True
+            time.sleep(1e-3)
+        return False
+
+    def _drain(self, line: serial.Serial) -> None:
+        """Throw away what comes, until the line is silent, or always babbles."""
+        until = time.monotonic() + self._timeout_s
+        silent = time.monotonic()
+        while time.monotonic() < min(until, silent + _SILENT_S):
+            if line.in_waiting:
+                line.read(line.in_waiting)
+                silent = time.monotonic()
+            time.sleep(1e-3)
 
     def _listen(self, sending: bool, data: bytes) -> bytes:
         if not sending:

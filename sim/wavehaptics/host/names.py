@@ -11,7 +11,10 @@ from typing import Any
 
 from wavehaptics.words.table import MEMORY, MOST, WORDS, Word
 
-_NAME = re.compile(r"(\w+)(?:\[(\d+)\])?")
+_NAME = re.compile(r"(\w+)(?:\[([0-9]{1,9})\])?")
+
+_FAR = 2.0**64
+"""Beyond all words, raw and not. Far beyond, a number fits neither a float nor a line of text."""
 
 
 class HostError(ValueError):
@@ -80,15 +83,19 @@ class Place:
 
         :class:`HostError` with the range for what it can't be.
         """
+        if isinstance(value, int) and not abs(value) < _FAR:
+            raise HostError(f"{self.text} is out of range; it takes {self.range_text}")
         fixed, named = self.word.fixed, f"{self.text} = {value}"
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise HostError(f"{named} is no number; it takes {self.range_text}")
         whole = is_raw or not fixed.fraction
+        low, high = self.range
         if not math.isfinite(value) or (whole and value != int(value)):
             kind = "whole number" if whole else "number"
             raise HostError(f"{named} is no {kind}; it takes {self.range_text}")
+        if abs(value) >= _FAR:
+            raise HostError(f"{named} is out of range; it takes {self.range_text}")
         found = int(value) if whole else round(value * 2.0**fixed.fraction)
-        low, high = self.range
         # A bound that is no word itself is met by the word next to it.
         least, most = math.ceil(low * 2.0**fixed.fraction), math.floor(high * 2.0**fixed.fraction)
         if not least <= found <= most:

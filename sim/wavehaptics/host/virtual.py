@@ -9,6 +9,7 @@ import select
 import time
 import tty
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 
@@ -28,8 +29,9 @@ class VirtualBoard:
     """The pseudo-terminal and what is behind it, as a context.
 
     ``path`` is where a host opens it. Its rate means nothing: bytes go at the rate that the device
-    has. ``link`` becomes a symbolic link to it, and is removed at the end; ``OSError`` where that
-    is something else. With ``hand`` the scene's hand is led by it.
+    has. ``link`` becomes a symbolic link to it, and is removed at the end, unless it is another
+    board's by then; ``OSError`` where it is something else. With ``hand`` the scene's hand is led
+    by it.
     """
 
     def __init__(
@@ -58,8 +60,11 @@ class VirtualBoard:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if self._link is not None and self._link.is_symlink():
-            self._link.unlink()
+        if self._link is not None:
+            # Another board may have taken the link over, or removed it.
+            with suppress(OSError):
+                if os.readlink(self._link) == self.path:
+                    self._link.unlink()
         os.close(self._slave)
         os.close(self._master)
 

@@ -84,13 +84,18 @@ class Driver:
     ``full_scale_a``, ``limit_v``, ``lambda_a`` (the λ filter's coefficient), ``extra_ticks`` and
     ``dead_time_volt_s`` (what is made good of it, V·s) are the device's as it was found.
     ``clock`` gives the seconds by which the arming is renewed. It stands for a client as well, and
-    renews before each exchange.
+    renews before each exchange. Once ``ended`` says so, the next exchange is :class:`EndedError`;
+    those that switch off and give the settings back are made all the same.
     """
 
     def __init__(
-        self, device: Device, motor: int = 0, clock: Callable[[], float] = time.monotonic
+        self,
+        device: Device,
+        motor: int = 0,
+        clock: Callable[[], float] = time.monotonic,
+        ended: Callable[[], bool] = lambda: False,
     ) -> None:
-        self._device, self._motor, self._clock = device, motor, clock
+        self._device, self._motor, self._clock, self._ended = device, motor, clock, ended
         self._armed = False
         self._renewed = 0.0
         self._as_client = cast(Client, self)
@@ -133,13 +138,16 @@ class Driver:
     def __exit__(self, *_: object) -> None:
         """The bridges off, or without a current, and the settings as they were."""
         with self._line:
-            if self._armed:
-                self._armed = False
-                self._device.write([(self._places("arm")[0], 0)])
-            self._device.write(
-                (place, raw - (1 << 32) if place.word.fixed.signed and raw >> 31 else raw)
-                for place, raw in zip(self._kept, self._before, strict=True)
-            )
+            try:
+                if self._armed:
+                    self._armed = False
+                    self._device.write([(self._places("arm")[0], 0)])
+            finally:
+                # Also where that failed: on a board that stays on, it is what ends the current.
+                self._device.write(
+                    (place, raw - (1 << 32) if place.word.fixed.signed and raw >> 31 else raw)
+                    for place, raw in zip(self._kept, self._before, strict=True)
+                )
 
     # ---- Exchanges, which renew.
 
@@ -158,6 +166,8 @@ class Driver:
         return nullcontext()
 
     def _renew(self) -> None:
+        if self._ended():
+            raise EndedError("stopped before the end")
         if self.arms and self._armed and self._clock() - self._renewed > RENEWAL_S:
             self._renewed = self._clock()
             self._device.write([(self._places("arm")[0], 2)])
@@ -215,13 +225,14 @@ class Driver:
         """The bridges on; the device measures its zero before."""
         if not self.arms:
             return
-        self._device.write([(self._places("arm")[0], 1)])
+        # Before, as it may be heard where its answer isn't, and is then to be taken back.
         self._armed, self._renewed = True, self._clock()
+        self._device.write([(self._places("arm")[0], 1)])
+        self._renewed = self._clock()
         until = time.monotonic() + WAIT_S
         while not self.running:
             refused = round(self.value("arm_refused"))
             if refused or time.monotonic() > until:
-                self._armed = False
                 raise HostError(
                     f"not armed: {arm_refusal(refused) or 'the zero takes too long'}; "
                     "`board faults` tells more"
@@ -351,6 +362,10 @@ class Driver:
             self._cell_rad * found["position"][first:],
             self._wanted,
         )
+
+
+class EndedError(HostError):
+    """Somebody asked to end it."""
 
 
 class OffError(HostError):

@@ -116,7 +116,9 @@ class Bench:
         self._owes = self.anchored and bool(self._value("anchor_owed_gain"))
         self._wall_at = self._value("wall_min")
         table = known.scene.shaper if known.scene else None
-        if table is not None and self._sections and table.feel == "spring":
+        spring = table is not None and self._sections and table.feel == "spring"
+        # Without a port W's sliders aren't there, until the scope begins anew.
+        if table is not None and spring and self._moves:
             self._wish = self._wished(table.stiffness or 0.0, table.damping, self.tau_s)
 
     def _all(self, names: tuple[str, ...]) -> list[Place]:
@@ -214,7 +216,10 @@ class Bench:
             words[self._place("anchor_owed_gain")] = min(owed, formats.FLUX.largest)
         tau_s = closed_forms.tau(self.tick_s, a, self._extra_ticks)
         if self.known.scene is not None:
-            control = self._scene(f"controller.lambda={1.0 / tau_s!r}").controller
+            try:
+                control = self._scene(f"controller.lambda={1.0 / tau_s!r}").controller
+            except SceneError as error:
+                raise HostError(" ".join(str(error).split())) from None
             words[self._place("eta_free")] = control.eta_free
         if self._wish is None:
             return words, None
@@ -241,6 +246,8 @@ class Bench:
 
     def _wished(self, stiffness: float, damping: float, tau_s: float) -> _Wish:
         """W for a spring and a damper, no stiffer than motor and delay leave for now."""
+        if not (self._r_hat and math.isfinite(tau_s)):
+            raise HostError("a or root of the device is 0, with which there is no W; set it first")
         had = min(stiffness, _SHAPE_PARTS[1] * self._front(tau_s))
         try:
             scene = self._scene(f"shaper.stiffness={had!r}", f"shaper.damping={damping!r}")
@@ -280,13 +287,19 @@ class Bench:
 
     @property
     def tau_s(self) -> float:
-        """τ of the filter's coefficient that the device has, s."""
-        return closed_forms.tau(self.tick_s, self._value("a"), self._extra_ticks)
+        """τ of the filter's coefficient that the device has, s; endless for a = 0."""
+        a = self._value("a")
+        return closed_forms.tau(self.tick_s, a, self._extra_ticks) if a else math.inf
 
     @property
     def _r_hat(self) -> float:
         """R̂ of the port, Ω."""
         return 0.5 * self._value("root") ** 2
+
+    @property
+    def _moves(self) -> bool:
+        """Whether there is a port at all: a and root above 0, and time that passes."""
+        return bool(self.tick_s and self._value("a") and self._value("root"))
 
     @property
     def _anchor_on(self) -> bool:
@@ -304,7 +317,7 @@ class Bench:
     def stiffness(self) -> float | None:
         """K of the design spring with the words that the device has, N·m/rad, if it is known."""
         scene = self.known.scene
-        if scene is None:
+        if scene is None or not self._moves:
             return None
         wish = self._wish.shaper.wish if self._wish is not None and self._soft else None
         return rendered_stiffness(
@@ -325,18 +338,22 @@ class Bench:
     def shown(self) -> dict[str, Any]:
         """Settings and what follows from them, for the page."""
         scene = self.known.scene
-        most = 1.0 / closed_forms.tau(self.tick_s, closed_forms.MOST_A, self._extra_ticks)
         wall, span = self._edge(self._wall_at), WALL_SPAN_RAD
         if self.known.cell_rad is None:
             span = WALL_SPAN_COUNTS
         sliders: dict[str, dict[str, float]] = {
-            "lambda": {"value": 1.0 / self.tau_s, "min": most / LAMBDA_SPAN, "max": most},
             "eta": {"value": self._value("eta_contact"), "min": -1.0, "max": 1.0},
             "wall": {
                 "value": self._edge(self._value("wall_min")), "min": wall - span, "max": wall + span
             },
         }  # fmt: skip
-        if self._wish is not None and scene is not None:
+        if self.tick_s:
+            most = 1.0 / closed_forms.tau(self.tick_s, closed_forms.MOST_A, self._extra_ticks)
+            least = most / LAMBDA_SPAN
+            # The slider is of λ's logarithm, which a = 0 doesn't have.
+            value = 1.0 / self.tau_s if self._value("a") else least
+            sliders = {"lambda": {"value": value, "min": least, "max": most}, **sliders}
+        if self._wish is not None and scene is not None and self._moves:
             front = self._front(self.tau_s)
             damper = _DAMPERS * closed_forms.b_r(scene.controller.k_t_hat, self._r_hat)
             low, high = (part * front for part in _SHAPE_PARTS)
@@ -348,7 +365,7 @@ class Bench:
             "sliders": sliders,
             "a": self._value("a"),
             "eta_free": self._value("eta_free"),
-            "tau_s": self.tau_s,
+            "tau_s": self.tau_s if self._moves else None,
             "tick_s": self.tick_s,
             "stiffness": self.stiffness,
             "k_l": closed_forms.k_l(scene.motor.k_t, scene.motor.L_h) if scene else None,

@@ -7,6 +7,7 @@ life; without them it is ended here, and without this thread the device ends it 
 
 from __future__ import annotations
 
+import contextlib
 import queue
 import threading
 import time
@@ -25,6 +26,8 @@ PATIENCE_S = 1.0
 """How long the page that armed may be silent."""
 
 NO_ARMING = "this board runs and stops by its own switch; its line does neither"
+
+STOPPED = "stopped while it was being armed; arm it again if that is still wanted"
 
 _STATUS_S = 0.1
 _SEEN_EVERY = 2
@@ -57,10 +60,12 @@ class Feed(threading.Thread):
         self._shown: dict[str, Any] = {}
         self._problem, self._note = "", ""
         self._live = False
-        self._off = False
+        # Counted, as a flag could be cleared by what was asked for before the stop.
+        self._stops = self._stops_done = 0
         self._owner: object = None
+        self._asker: object = None
         self._beat = self._armed_at = self._renewed = self._last_t = 0.0
-        self._was_armed = False
+        self._was_armed = self._watches = False
         self._begun = time.monotonic()
         self._offset = 0.0
 
@@ -106,14 +111,28 @@ class Feed(threading.Thread):
         return future
 
     def arm(self, owner: object) -> Future[None]:
-        """Arm for a page, as long as it gives signs of life (:meth:`beat`)."""
+        """Arm for a page, as long as it gives signs of life (:meth:`beat`).
+
+        A stop after this call wins, whether it comes before the exchange that arms or during it.
+        """
+        stops = self._stops
+        self._asker = owner
 
         def first(bench: Bench) -> None:
             if not bench.arms:
                 raise HostError(NO_ARMING)
-            bench.arm(1)
+            if self._stops != stops:
+                raise HostError(STOPPED)
+            try:
+                bench.arm(1)
+            except HostError:
+                self.stop()  # it may have been heard all the same
+                raise
+            if self._stops != stops:
+                self.stop()  # once more, if what has been done about it was before the arming
+                raise HostError(STOPPED)
             now = time.monotonic()
-            self._owner, self._beat, self._off = owner, now, False
+            self._owner, self._beat = owner, now
             self._armed_at = self._renewed = now
             self._was_armed, self._note = False, ""
 
@@ -126,11 +145,12 @@ class Feed(threading.Thread):
 
     def stop(self) -> None:
         """Switch the bridges off, before anything else that is asked for."""
-        self._off = True
+        with self._lock:
+            self._stops += 1
 
     def leave(self, owner: object) -> None:
-        """A page has gone."""
-        if owner is self._owner:
+        """A page has gone, perhaps before what it asked for was done."""
+        if owner is self._owner or owner is self._asker:
             self.stop()
 
     def lead(self, place_rad: float) -> None:
@@ -147,20 +167,33 @@ class Feed(threading.Thread):
     # ---- The thread.
 
     def run(self) -> None:
-        while not self._ended.is_set():
-            try:
-                bench = self._connect()
-                self._live, self._problem = True, ""
-                self._serve(bench)
-            except (HostError, OSError) as error:
-                self._problem = str(error)
-            finally:
-                self._live = False
-                self._disarmed()
-                self._status = {}
-                self._refuse_all()
-            self._ended.wait(_AGAIN_S)
-        self._plug.close()
+        try:
+            while not self._ended.is_set():
+                self._connected()
+                self._ended.wait(_AGAIN_S)
+        finally:
+            self._plug.close()
+
+    def _connected(self) -> None:
+        """One time with the board, until it doesn't answer, or something goes wrong here."""
+        bench = None
+        try:
+            bench = self._connect()
+            self._live, self._problem = True, ""
+            self._serve(bench)
+        except (HostError, OSError) as error:
+            self._problem = str(error)
+        except Exception as error:
+            # Whatever it is, the thread that switches off may not end by it.
+            self._problem = _line_of(error)
+            if bench is not None:
+                with contextlib.suppress(Exception):
+                    bench.arm(0)
+        finally:
+            self._live = False
+            self._disarmed()
+            self._status = {}
+            self._refuse_all()
 
     def _connect(self) -> Bench:
         problem = self._plug.problem
@@ -168,6 +201,8 @@ class Feed(threading.Thread):
             raise HostError(problem)
         client = Client(self._plug.port, self._unit, self._timeout_s)
         bench = Bench(client, self._known, self._motor)
+        # What a page asks for may be many exchanges, of 16 ms each through some USB bridges.
+        client.before_each = lambda: self._watch(bench)
         self._plug.connect_hand()
         self._shown = bench.shown()
         return bench
@@ -190,13 +225,26 @@ class Feed(threading.Thread):
         bench.arm(0)
 
     def _watch(self, bench: Bench) -> None:
-        """Off, if somebody wants that or nobody is there; else renewed in time."""
+        """Off, if somebody wants that or nobody is there; else renewed in time.
+
+        Before each exchange, but for those that it makes itself.
+        """
+        if self._watches:
+            return
+        self._watches = True
+        try:
+            self._switch(bench)
+        finally:
+            self._watches = False
+
+    def _switch(self, bench: Bench) -> None:
         now = time.monotonic()
         silent = self._owner is not None and now - self._beat > PATIENCE_S
-        if self._off or silent:
-            self._off = False
+        stops = self._stops
+        if stops != self._stops_done or silent:
             self._disarmed()
             bench.arm(0)
+            self._stops_done = stops
             self._note = ""
             if silent:
                 self._note = "switched off: the page that armed was silent"
@@ -228,12 +276,17 @@ class Feed(threading.Thread):
             what, future = self._asked.get_nowait()
         except queue.Empty:
             return
+        if not future.set_running_or_notify_cancel():
+            return  # who asked has gone
         try:
             what(bench)
             self._shown = bench.shown()
-            future.set_result(None)
         except HostError as error:
             future.set_exception(error)
+        except Exception as error:
+            future.set_exception(HostError(_line_of(error)))
+        else:
+            future.set_result(None)
 
     def _refuse_all(self) -> None:
         while True:
@@ -241,7 +294,8 @@ class Feed(threading.Thread):
                 _, future = self._asked.get_nowait()
             except queue.Empty:
                 return
-            future.set_exception(HostError("the board doesn't answer"))
+            if future.set_running_or_notify_cancel():
+                future.set_exception(HostError("the board doesn't answer"))
 
     def _keep(self, row: dict[str, float]) -> None:
         hand = self._plug.hand
@@ -262,3 +316,8 @@ class Feed(threading.Thread):
         if moment < self._last_t - 0.5:
             self._offset = self._last_t - time_s
         return max(self._last_t, time_s + self._offset)
+
+
+def _line_of(error: Exception) -> str:
+    """An error that nobody foresaw, in one line."""
+    return " ".join(f"the scope has a fault: {type(error).__name__}: {error}".split())

@@ -150,7 +150,7 @@ class Scope:
             problem = ""
         except HostError as error:
             problem = str(error)
-        except (ValueError, TypeError, KeyError):
+        except (ValueError, TypeError, KeyError, OverflowError):
             problem = "the page asks for something unknown; load it anew"
         with contextlib.suppress(ConnectionError):
             await page.send_str(_text({"type": "told", "problem": problem}))

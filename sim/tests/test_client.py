@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The client on a line whose answers are late, lost, of somebody else, or of another question."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import struct
+import termios
+import threading
+import time
+import tty
+from collections.abc import Iterator
+
+import pytest
+import serial
+from pymodbus.framer import FramerRTU
+from wavehaptics.host import client as client_module
+from wavehaptics.host.client import Client
+from wavehaptics.host.names import HostError, Place, places
+from wavehaptics.words import modbus, table
+
+TIMEOUT_S = 0.15
+
+
+def sealed(frame: bytes) -> bytes:
+    return frame + FramerRTU.compute_CRC(frame).to_bytes(2, "big")
+
+
+class Board(threading.Thread):
+    """A board on a pseudo-terminal: registers, answered one question after another.
+
+    ``late`` are delays of the next answers, s; ``instead`` what comes in the place of the next
+    ones, None for nothing.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(daemon=True)
+        self._master, self._slave = os.openpty()
+        tty.setraw(self._slave)
+        self.path = os.ttyname(self._slave)
+        self.registers: dict[int, int] = {}
+        self.late: list[float] = []
+        self.instead: list[bytes | None] = []
+        self.asked: list[bytes] = []
+        words = dict.fromkeys(modbus.IDENTIFICATION, 0) | {
+            "table": table.crc(), "options": 1 | 4 << 4, "clock_hz": 48_000_000, "motors": 1,
+            "version": client_module.MAP_VERSION, "rates": 4,
+        }  # fmt: skip
+        self.put(0, list(words.values()))
+
+    def put(self, register: int, raws: list[int]) -> None:
+        self.registers |= enumerate(modbus.halves(raws), register)
+
+    def run(self) -> None:
+        found = b""
+        while True:
+            try:
+                found += os.read(self._master, 4096)
+            except OSError:
+                return
+            while len(found) >= 8:
+                length = 9 + found[6] if found[1] == 16 else 8
+                if len(found) < length:
+                    break
+                frame, found = found[:length], found[length:]
+                self._answer(frame)
+
+    def _answer(self, frame: bytes) -> None:
+        self.asked.append(frame)
+        unit, function, register, count = struct.unpack(">BBHH", frame[:6])
+        if function == 3:
+            data = [self.registers.get(register + n, 0) for n in range(count)]
+            body = struct.pack(f">BBB{count}H", unit, 3, 2 * count, *data)
+        else:
+            values = struct.unpack(f">{count}H", frame[7:-2])
+            self.registers |= enumerate(values, register)
+            body = frame[:6]
+        time.sleep(self.late.pop(0) if self.late else 0.0)
+        answer = self.instead.pop(0) if self.instead else sealed(body)
+        if answer:
+            os.write(self._master, answer)
+
+    def close(self) -> None:
+        os.close(self._slave)
+        os.close(self._master)
+
+
+@pytest.fixture
+def board() -> Iterator[Board]:
+    found = Board()
+    found.start()
+    yield found
+    found.close()
+
+
+@pytest.fixture
+def client(board: Board) -> Client:
+    return Client(board.path, timeout_s=TIMEOUT_S)
+
+
+def place(client: Client, name: str) -> Place:
+    return places(name, client.shape)[0]
+
+
+def there(board: Board, client: Client, **raws: int) -> None:
+    for name, raw in raws.items():
+        board.put(modbus.word_register(place(client, name).address), [raw])
+
+
+@pytest.mark.parametrize("late", [1.5, 2.5])
+def test_late_answers_are_nobody_elses(board, client, late):
+    """However late an answer is, later questions get theirs, or none."""
+    there(board, client, root=11, a=22, u_max=33)
+    board.late = [late * TIMEOUT_S]
+    found, wanted = [], [("root", [11]), ("a", [22]), ("u_max", [33])] * 3
+    for name, raws in wanted:
+        with contextlib.suppress(HostError):
+            found.append(client.read([place(client, name)]) == raws)
+    assert all(found)
+    assert len(found) >= len(wanted) - 1
+
+
+def test_a_write_is_acknowledged_by_its_own_answer(board, client):
+    """The answer to another write isn't one, nor is that to a read."""
+    root, a = place(client, "root"), place(client, "a")
+    echo = struct.pack(">BBHH", 1, 16, modbus.word_register(root.address), 2)
+    for wrong in (sealed(echo), sealed(b"\1\3\4\0\0\0\1"), sealed(b"\1\x83\2")):
+        before = len(board.asked)
+        board.instead = [wrong]
+        client.write([(a, 5)])
+        writes = [frame for frame in board.asked[before:] if frame[1] == 16]
+        assert len(writes) == 2
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [b"\1\3\0", b"\1\3\2\0\1", b"\1\3\6\0\0\0\1\0\2", b"\1\3\3\0\1\2", b"\1\x90\2",
+     struct.pack(">BBHH", 1, 16, 0x2000, 2)],
+)  # fmt: skip
+def test_an_answer_that_doesnt_fit(board, client, wrong):
+    """Of another number of registers or another function: it is asked again."""
+    there(board, client, root=7)
+    board.instead = [sealed(wrong)]
+    assert client.read([place(client, "root")]) == [7]
+
+
+def test_a_lost_answer_is_asked_for_again(board, client):
+    there(board, client, root=7, a=8)
+    board.instead = [None]
+    assert client.read([place(client, "root")]) == [7]
+    board.instead = [None] * 3
+    with pytest.raises(HostError, match="no answer within"):
+        client.read([place(client, "root")])
+    board.instead = [None] * 3
+    with pytest.raises(HostError, match="no answer within"):
+        client.write([(place(client, "root"), 5)])
+    assert board.registers[modbus.word_register(place(client, "root").address) + 1] == 5
+    board.instead = []
+    assert client.read([place(client, "a")]) == [8]
+
+
+def test_an_exchange_that_is_broken_off(board, client, monkeypatch):
+    """By Ctrl-C, and its answer comes later."""
+    there(board, client, root=7, a=8)
+
+    def broken(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    board.late = [0.1]
+    with monkeypatch.context() as patched:
+        patched.setattr("pymodbus.client.ModbusSerialClient.recv", broken)
+        with pytest.raises(KeyboardInterrupt):
+            client.read([place(client, "root")])
+    assert client.read([place(client, "a")]) == [8]
+
+
+def test_a_refusal_is_not_asked_again(board, client):
+    board.instead = [sealed(b"\1\x90\6")]
+    before = len(board.asked)
+    with pytest.raises(HostError, match="a: the device refuses with exception 6: not now"):
+        client.write([(place(client, "a"), 5)])
+    assert len(board.asked) == before + 1
+
+
+@pytest.mark.parametrize("error", [ValueError("rate"), termios.error(22, "rate"), OSError("rate")])
+def test_a_rate_that_the_driver_refuses(board, client, monkeypatch, error):
+    """It stays at the first rate, now and later."""
+    there(board, client, root=7)
+    monkeypatch.setattr(client_module, "_FALLBACK_S", 0.0)
+    baudrate, tries = serial.Serial.baudrate, []
+
+    def speak(line: serial.Serial, baud: int) -> None:
+        if baud != client_module.BAUD:
+            tries.append(baud)
+            raise error
+        baudrate.fset(line, baud)
+
+    monkeypatch.setattr(serial.Serial, "baudrate", property(baudrate.fget, speak))
+    for _ in range(2):
+        with client.hurry():
+            assert client.read([place(client, "root")]) == [7]
+    assert tries == [client_module.BAUDS[3]]
+    assert client.read([place(client, "root")]) == [7]
