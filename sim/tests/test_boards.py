@@ -649,7 +649,9 @@ def test_kept_numbers_keep_the_promises():
             assert board["watch_reached_mhz"] >= (1 + synthesis.SPARE) * fastest
         assert board["zero"]
         assert board["anchor"] == (name != "hx8k")
-        assert board["tick_mhz"] >= {"ulx3s": 2, "icebreaker": 0.8}.get(name, 1)
+        # The Colorlight's early duty needs half a tick: with link and capture that is 1.2 µs.
+        slower = {"ulx3s": 2, "icebreaker": 0.8, "colorlight_i5": 0.83}
+        assert board["tick_mhz"] >= slower.get(name, 1)
     for name in board_names():
         pads = kept(name)["pads"]
         assert pads["margin_ns"] > 0
