@@ -70,6 +70,10 @@ def test_the_voltage_limit_leaves_room_for_the_compensation():
 
 
 def test_a_dead_time_that_the_rtl_cannot_count_is_refused():
+    with pytest.raises(
+        SceneError, match=r"drive\.dead_time_s .*half a clock .*none; take 2\.\d+e-08"
+    ):
+        controller_ports(load("drive.dead_time_s=1e-9"))
     with pytest.raises(SceneError, match=r"drive\.dead_time_s .*clock_hz <= 2\.55e\+06"):
         controller_ports(load("drive.dead_time_s=100e-6", "drive.pwm_hz=1e3"))
 

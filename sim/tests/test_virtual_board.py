@@ -398,6 +398,10 @@ def test_every_setting_goes_through_a_file(tmp_path):
         ("[motor.0]\nwall_min = [1, 2]\n", r":2: wall_min takes a list of 4 numbers"),
         ("[motor.0]\nwall_min = 1\n", r":2: wall_min takes a list of 4 numbers"),
         ("[board\n", r":1: "),
+        (
+            '[motor.0]\nwall_min = [1, 2, 3, 4]\n"wall_min[2]" = [5]\n',
+            r":3: wall_min\[2\] is given twice",
+        ),
     ],
 )
 def test_files_that_are_refused(tmp_path, text, message):

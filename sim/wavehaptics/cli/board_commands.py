@@ -119,7 +119,6 @@ def simulate(board: BoardArgument, device: DeviceOption = None) -> None:
     """Run the netlist of a board's bitstream with a motor: a tap on its wall, and a hold."""
     from wavehaptics.cli.shared import metrics_table, shown_progress
     from wavehaptics.fpga import board_runs, board_simulation
-    from wavehaptics.ladder.verilated import BuildError
 
     try:
         chosen = load_board(board, device or None)
@@ -136,7 +135,7 @@ def simulate(board: BoardArgument, device: DeviceOption = None) -> None:
             shown = {key: found[key] for key in board_runs.SHOWN if key in found}
             typer.echo(f"{name}:\n{metrics_table(shown)}")
             typer.echo(str((out / f"{name}.png").relative_to(chosen.root)))
-    except (*_ERRORS, BuildError) as error:
+    except _ERRORS as error:
         _fail(error)
 
 

@@ -17,6 +17,7 @@ import typer
 
 from wavehaptics.cli import board, checks, scenes, studies
 from wavehaptics.cli.shared import CommandError
+from wavehaptics.runtime.toolchain import ToolError
 from wavehaptics.scene import SceneError
 
 USAGE_STATUS = 2
@@ -64,7 +65,7 @@ def main() -> None:
     except BrokenPipeError:  # the reader of our output has left
         sys.stdout = None
         status = 1
-    except (SceneError, CommandError) as error:
+    except (SceneError, CommandError, ToolError) as error:
         status = _refuse(str(error))
     except _UsageError as error:
         problem = " ".join(error.format_message().split()).rstrip(".")

@@ -301,6 +301,11 @@ def dead_clocks(scene: Scene, clock_hz: float) -> int:
     """Dead time of the scene's drive in clocks; :class:`SceneError` where they are too many."""
     dead_s = scene.drive.dead_time_s if scene.drive else 0.0
     clocks = round(dead_s * clock_hz)
+    if dead_s and not clocks:
+        raise SceneError(
+            f"{scene.scene.name}: drive.dead_time_s = {dead_s:g} s is less than half a clock of "
+            f"`pins`, which would be none; take {1 / clock_hz:.3g} s or more, or leave it out"
+        )
     if clocks > MOST_DEAD_CLOCKS:
         raise SceneError(
             f"{scene.scene.name}: drive.dead_time_s = {dead_s:g} s is {clocks} "

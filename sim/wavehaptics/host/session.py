@@ -67,9 +67,13 @@ def read(path: Path, shape: Shape) -> list[tuple[Place, int]]:
     for name, motor, rows, key in _tables(document, shape, note):
         for row, value in rows.items():
             try:
-                found += _words(row, value, motor, shape, name)
+                words = _words(row, value, motor, shape, name)
             except HostError as error:
                 note((*key, row), str(error))
+                continue
+            if {place.address for place, _ in words} & {place.address for place, _ in found}:
+                note((*key, row), f"{row} is given twice; take one of them out")
+            found += words
     if problems:
         raise HostError("\n".join(problems))
     return found

@@ -143,12 +143,22 @@ def refuse(scene: Scene, name: str) -> None:
             raise SceneError(f"{scene.scene.name}: {shown} is not for `{name}`; {cure}")
 
 
+def _without_use(scene: Scene, name: str) -> set[str]:
+    """Estimates that nothing in this scene is made from: the waves take R̂ alone."""
+    control = scene.controller
+    if name == "encoder" or control.anchored or scene.shaper is not None:
+        return set()
+    corrects = name == "pins" and scene.drive is not None and scene.drive.compensate
+    return {"controller.k_t_hat"} | (set() if corrects else {"controller.l_hat"})
+
+
 def left_out(scene: Scene, name: str) -> list[str]:
     """What the scene asks for and ``name`` of ABILITIES leaves out, in alphabetical order."""
     asked_for = asked(scene)
-    tables = {what for what in ABILITIES[name].left_out if "." not in what} & asked_for
+    without = ABILITIES[name].left_out | _without_use(scene, name)
+    tables = {what for what in without if "." not in what} & asked_for
     keys = {
-        what for what in ABILITIES[name].left_out & asked_for
+        what for what in without & asked_for
         if "." in what and what.partition(".")[0] not in tables
     }  # fmt: skip
     return sorted(keys | {f"[{table}]" for table in tables})

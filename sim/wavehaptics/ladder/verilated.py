@@ -16,6 +16,7 @@ from typing import Any
 
 from wavehaptics.runtime.files import digest_of
 from wavehaptics.runtime.repository import ROOT, SHIMS
+from wavehaptics.runtime.toolchain import ToolError
 from wavehaptics.words import formats
 from wavehaptics.words.generated import chunks, shim_header
 from wavehaptics.words.table import Sizes, Values
@@ -47,7 +48,7 @@ if COVERAGE_DIR:
     CXX_FLAGS += ("-O1",)  # the last counts: counters make builds long, and few ticks are run
 
 
-class BuildError(RuntimeError):
+class BuildError(ToolError):
     """Verilator or the C++ compiler refused; the message names the log."""
 
 
