@@ -43,7 +43,7 @@ BLOCKS = {
     "wh_round": "test_round.py::test_round[icarus-3-2]",
     "wh_saturate": "test_arithmetic.py::test_every_small_word[icarus]",
     "wh_sense_check": "test_sense_check.py::test_sense_check[icarus]",
-    "wh_setting_check": "test_briefly.py::test_briefly[guard]",
+    "wh_setting_check": "test_setting_check.py::test_setting_check[icarus]",
     "wh_setting_group": "test_setting_group.py::test_setting_group[icarus-1]",
     "wh_settings": "test_briefly.py::test_briefly[settings]",
     "wh_settings_ram": "test_briefly.py::test_briefly[settings]",
