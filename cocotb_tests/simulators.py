@@ -23,7 +23,6 @@ import os
 import re
 import shutil
 import sys
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
@@ -57,12 +56,6 @@ _MADE_ARGS = {
 _SHOW_TOP = '`verilator_config\npublic_flat_rw -module "{toplevel}" -var "*"\n'
 
 
-# Verilator's runtime is most of a build's time: it is compiled once, without optimisation, and its
-# objects are lent to every other build.
-_RUNTIME = (
-    "verilated", "verilated_cov", "verilated_dpi", "verilated_threads", "verilated_timing",
-    "verilated_vpi",
-)  # fmt: skip
 _MAKE_FLAGS = "OPT_FAST=-O1 OPT_SLOW=-O0 OPT_GLOBAL=-O0"
 
 
@@ -78,6 +71,7 @@ def _toolchain() -> Iterator[None]:
 
     before = dict(os.environ)
     program, environment = verilator_environment()
+    os.environ.update(environment)
     os.environ["PATH"] = f"{Path(program).parent}{os.pathsep}{before.get('PATH', '')}"
     os.environ["MAKEFLAGS"] = f"{_MAKE_FLAGS} {environment.get('MAKEFLAGS', '')}".strip()
     try:
@@ -85,31 +79,6 @@ def _toolchain() -> Iterator[None]:
     finally:
         os.environ.clear()
         os.environ.update(before)
-
-
-def _runtime_dir() -> Path:
-    """Where the runtime's objects are kept, as built with this Verilator and these flags."""
-    program = Path(shutil.which("verilator") or "verilator").resolve()
-    age = program.stat().st_mtime_ns if program.exists() else 0
-    flags = [os.environ.get(name) for name in ("MAKEFLAGS", "CXX", "WAVES")]
-    digest = hashlib.sha256(repr((program, age, flags)).encode()).hexdigest()
-    return BUILD_DIR / f"runtime-{digest[:16]}"
-
-
-def _share_objects(source: Path, target: Path) -> None:
-    """Copy the runtime's objects that ``target`` lacks; builds may run at the same time.
-
-    make holds an object for old that is older than the make file, which Verilator is yet to write:
-    the copies are dated some time ahead.
-    """
-    ahead = time.time() + 60
-    target.mkdir(parents=True, exist_ok=True)
-    for stem in _RUNTIME:
-        if (source / f"{stem}.o").exists() and not (target / f"{stem}.o").exists():
-            partial = target / f"{stem}.o.{os.getpid()}"
-            shutil.copy(source / f"{stem}.o", partial)
-            os.utime(partial, (ahead, ahead))
-            partial.replace(target / f"{stem}.o")
 
 
 def _source(toplevel: str) -> Path:
@@ -215,8 +184,6 @@ def simulate(
             runner._build_command = list  # no commands; a test wants the rest of what build() does
         else:
             stamp.unlink(missing_ok=True)
-            if simulator == "verilator":
-                _share_objects(_runtime_dir(), work)
         try:
             runner.build(
                 sources=files,
@@ -233,8 +200,6 @@ def simulate(
         except (RuntimeError, SystemExit) as error:
             raise SimulationError(f"build failed: {error}\n{_tail(build_log)}") from None
         if not is_built:
-            if simulator == "verilator":
-                _share_objects(work, _runtime_dir())
             stamp.write_text(digest, encoding="utf-8")
         try:
             runner.test(

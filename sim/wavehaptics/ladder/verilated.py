@@ -73,9 +73,15 @@ def verilator_environment() -> tuple[str, dict[str, str]]:
     """Path of the Verilator program, and the environment that it needs.
 
     The program of the virtual environment's wheel, or the system's with ``TOOLCHAIN=native``. The
-    wheel's make file was never configured, so what configuring would have said is said here.
+    wheel's make file was never configured, so what configuring would have said is said here. Most
+    of a build is Verilator's own runtime, the same for every design: ccache keeps what it was
+    compiled into.
     """
     environment = dict(os.environ)
+    if shutil.which("ccache"):
+        environment |= {"OBJCACHE": "ccache", "CCACHE_NOHASHDIR": "1", "CCACHE_MAXSIZE": "1G",
+                        "CCACHE_SLOPPINESS": "pch_defines,time_macros"}  # fmt: skip
+        environment.setdefault("CCACHE_DIR", str(ROOT / "build" / "ccache"))
     if environment.get("TOOLCHAIN") == "native":
         program = shutil.which("verilator")
         if program is None:
