@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 BLOCKS = {
+    "wh_adc": "test_closed_loop.py::test_closed_loop[icarus]",
     "wh_adc_max11125": "test_adc_max11125.py::test_adc_max11125[icarus-1-3]",
     "wh_adc_serial": "test_adc_serial.py::test_adc_serial[icarus-1]",
     "wh_anchor": "test_briefly.py::test_briefly[anchor]",
@@ -25,6 +26,7 @@ BLOCKS = {
     "wh_dead_time": "test_dead_time.py::test_dead_time[icarus]",
     "wh_device": "test_briefly.py::test_briefly[device]",
     "wh_early": "test_early.py::test_early[icarus]",
+    "wh_environment": "test_closed_loop.py::test_closed_loop[icarus]",
     "wh_guard": "test_briefly.py::test_briefly[guard]",
     "wh_half_bridge": "test_half_bridge.py::test_half_bridge[icarus]",
     "wh_host_link": "test_briefly.py::test_briefly[host_link]",
@@ -32,13 +34,16 @@ BLOCKS = {
     "wh_linked_device": "test_link.py::test_link_briefly",
     "wh_modbus": "test_modbus.py::test_modbus_briefly",
     "wh_modulator": "test_briefly.py::test_briefly[modulator]",
+    "wh_motor": "test_closed_loop.py::test_closed_loop[icarus]",
     "wh_multiply": "test_arithmetic.py::test_every_small_word[icarus]",
     "wh_multiply_shared": "test_multiply_shared.py::test_multiply_shared[icarus]",
+    "wh_port": "test_closed_loop.py::test_closed_loop[icarus]",
     "wh_pwm": "test_pwm.py::test_pwm[icarus-0]",
     "wh_quadrature": "test_quadrature.py::test_quadrature[icarus]",
     "wh_round": "test_round.py::test_round[icarus-3-2]",
     "wh_saturate": "test_arithmetic.py::test_every_small_word[icarus]",
     "wh_sense_check": "test_sense_check.py::test_sense_check[icarus]",
+    "wh_setting_check": "test_setting_check.py::test_setting_check[icarus]",
     "wh_setting_group": "test_setting_group.py::test_setting_group[icarus-1]",
     "wh_settings": "test_briefly.py::test_briefly[settings]",
     "wh_settings_ram": "test_briefly.py::test_briefly[settings]",

@@ -18,7 +18,7 @@ from simulators import SimulationError, simulate
         ("wh_adc_serial", {"LINES": 0}, {}, "adc_serial_lines_must_be_1_or_more"),
         ("wh_adc_max11125", {"LINES": 9}, {}, "adc_max11125_lines_must_be_1_to_8"),
         ("wh_adc_max11125", {"FIRST_CHANNEL": 16}, {}, "adc_max11125_channels_must_be_0_to_15"),
-        ("wh_controller", {"ADC": 3}, {}, "controller_adc_must_be"),
+        ("wh_controller", {"ADC": 3}, {}, "adc_adc_must_be"),
         ("wh_sinc3", {"OSR": 3}, {}, "sinc3_osr_must_be_4_to_256"),
         ("wh_sinc3", {"TRIP_OSR": 3}, {}, "sinc3_trip_osr_must_be"),
         ("wh_zero", {"LOG2_TICKS": 17}, {}, "zero_log2_ticks_must_be_2_to_16"),

@@ -2,8 +2,8 @@
 //
 // wh_controller: the wave controller from its pins to its pins, for N motors.
 //
-//   ADC bits -> wh_adc_serial -> wh_current -> wh_wave_core -> wh_modulator -> wh_pwm -> gates
-//   encoder  -> wh_quadrature -> wh_contact -> eta ---^            wh_carrier times everything
+//   ADC bits -> wh_adc -> wh_motor -> current  -> wh_port, wh_wave_core -> voltage -> wh_motor -> gates
+//   encoder ------------> wh_motor -> position -> wh_port                wh_carrier times everything
 //
 // A positive current runs into the motor from bridge leg A and out to leg B; a positive voltage has
 // leg A high while leg B is low; a positive position is where a positive current turns the rotor.
@@ -192,14 +192,10 @@ module wh_controller #(
     localparam integer DATA_W = `WH_DATA_W;
     localparam integer COEF_W = `WH_COEF_W;
     localparam integer USERS  = (ANCHOR != 0) ? 3 * N : 2 * N;
-    localparam integer WALL_W = (WALLS < 2) ? 1 : $clog2(WALLS);
 
     generate
         if (N < 1 || N > 8) begin : illegal
             wh_illegal_parameter_controller_n_must_be_1_to_8 stop ();
-        end
-        if (ADC < 0 || ADC > 2) begin : illegal_adc
-            wh_illegal_parameter_controller_adc_must_be_0_to_2 stop ();
         end
         if ((EARLY != 0 && EARLY != 1) || (EARLY == 1 && SHAPER != 0)) begin : illegal_early
             wh_illegal_parameter_controller_early_must_be_0_or_1_and_0_with_a_shaper stop ();
@@ -226,7 +222,8 @@ module wh_controller #(
     // What holds words knows of a fault a clock later; the bridges come on again a clock later too.
     wire reading   = enable_i && !off_q;
     wire drive_rst = rst || !run;
-    wire sense_rst = rst || (restart_i && !reading);
+    wire sense_restart = restart_i && !reading;
+    wire sense_rst     = rst || sense_restart;
 
     always @(posedge clk) begin
         off_q <= faulty && !rst;
@@ -270,104 +267,40 @@ module wh_controller #(
     wire [N*`WH_SAMPLE_W-1:0] adc_sample;
     wire                      adc_overrun;
 
-    generate
-        if (ADC == 0) begin : serial
-            wire busy;
-            wire lead_edge;
-            wire unused = &{1'b0, busy, lead_edge};
-
-            assign adc_din_o = 1'b0;
-
-            wh_adc_serial #(
-                .LINES              (N)
-            ) adc (
-                .clk                (clk),
-                .rst                (sense_rst),
-                .adc_cs_n_o         (adc_cs_n_o),
-                .adc_sclk_o         (adc_sclk_o),
-                .adc_sdata_i        (adc_sdata_i),
-                .sclk_half_clocks_i (sclk_half_clocks_i),
-                .frame_bits_i       (frame_bits_i),
-                .lead_bits_i        (lead_bits_i),
-                .data_bits_i        (data_bits_i),
-                .quiet_clocks_i     (quiet_clocks_i),
-                .setup_clocks_i     (setup_clocks_i),
-                .hold_clocks_i      (hold_clocks_i),
-                .calibrate_bits_i   (calibrate_bits_i),
-                .sclk_idle_i        (sclk_idle_i),
-                .read_trailing_i    (read_trailing_i),
-                .start_i            (sample),
-                .first_i            (sample_first),
-                .ready_o            (adc_ready_o),
-                .busy_o             (busy),
-                .lead_edge_o        (lead_edge),
-                .valid_o            (adc_valid),
-                .first_o            (adc_first),
-                .sample_o           (adc_sample),
-                .overrun_o          (adc_overrun)
-            );
-        end else if (ADC == 1) begin : command
-            wire busy;
-            wire unused = &{1'b0, busy, adc_sdata_i, calibrate_bits_i};
-
-            wh_adc_max11125 #(
-                .LINES              (N)
-            ) adc (
-                .clk                (clk),
-                .rst                (sense_rst),
-                .adc_cs_n_o         (adc_cs_n_o),
-                .adc_sclk_o         (adc_sclk_o),
-                .adc_din_o          (adc_din_o),
-                .adc_sdata_i        (adc_sdata_i[0]),
-                .sclk_half_clocks_i (sclk_half_clocks_i),
-                .frame_bits_i       (frame_bits_i),
-                .lead_bits_i        (lead_bits_i),
-                .data_bits_i        (data_bits_i),
-                .quiet_clocks_i     (quiet_clocks_i),
-                .setup_clocks_i     (setup_clocks_i),
-                .hold_clocks_i      (hold_clocks_i),
-                .sclk_idle_i        (sclk_idle_i),
-                .read_trailing_i    (read_trailing_i),
-                .start_i            (sample),
-                .first_i            (sample_first),
-                .ready_o            (adc_ready_o),
-                .busy_o             (busy),
-                .valid_o            (adc_valid),
-                .first_o            (adc_first),
-                .sample_o           (adc_sample),
-                .overrun_o          (adc_overrun)
-            );
-        end else begin : sigma_delta
-            wire unused = &{1'b0, frame_bits_i, lead_bits_i, data_bits_i, quiet_clocks_i,
-                            setup_clocks_i, hold_clocks_i, calibrate_bits_i, sclk_idle_i,
-                            read_trailing_i};
-
-            assign adc_cs_n_o = 1'b1;
-            assign adc_din_o  = 1'b0;
-
-            wh_sinc3 #(
-                .LINES              (N),
-                .OSR                (OSR),
-                .CAPTURE_RISE       (CAPTURE_RISE),
-                .TRIP_OSR           (TRIP_OSR)
-            ) adc (
-                .clk                (clk),
-                .rst                (sense_rst),
-                .adc_sclk_o         (adc_sclk_o),
-                .adc_sdata_i        (adc_sdata_i),
-                .sclk_half_clocks_i (sclk_half_clocks_i),
-                .trip_i             (trip_i),
-                .start_i            (sample),
-                .first_i            (sample_first),
-                .ready_o            (adc_ready_o),
-                .valid_o            (adc_valid),
-                .first_o            (adc_first),
-                .sample_o           (adc_sample),
-                .trip_o             (overcurrent_o),
-                .overrun_o          (adc_overrun)
-            );
-        end
-    endgenerate
+    wh_adc #(
+        .LINES              (N),
+        .ADC                (ADC),
+        .OSR                (OSR),
+        .CAPTURE_RISE       (CAPTURE_RISE),
+        .TRIP_OSR           (TRIP_OSR)
+    ) adc (
+        .clk                (clk),
+        .rst                (rst),
+        .restart_i          (sense_restart),
+        .adc_cs_n_o         (adc_cs_n_o),
+        .adc_sclk_o         (adc_sclk_o),
+        .adc_din_o          (adc_din_o),
+        .adc_sdata_i        (adc_sdata_i),
+        .sclk_half_clocks_i (sclk_half_clocks_i),
+        .frame_bits_i       (frame_bits_i),
+        .lead_bits_i        (lead_bits_i),
+        .data_bits_i        (data_bits_i),
+        .quiet_clocks_i     (quiet_clocks_i),
+        .setup_clocks_i     (setup_clocks_i),
+        .hold_clocks_i      (hold_clocks_i),
+        .calibrate_bits_i   (calibrate_bits_i),
+        .sclk_idle_i        (sclk_idle_i),
+        .read_trailing_i    (read_trailing_i),
+        .trip_i             (trip_i),
+        .start_i            (sample),
+        .first_i            (sample_first),
+        .ready_o            (adc_ready_o),
+        .valid_o            (adc_valid),
+        .first_o            (adc_first),
+        .sample_o           (adc_sample),
+        .trip_o             (overcurrent_o),
+        .overrun_o          (adc_overrun)
+    );
 
     wire [N-1:0] current_valid;
 
@@ -398,11 +331,34 @@ module wh_controller #(
         .product_o (product)
     );
 
+    wire [N-1:0]        current_request;
+    wire [N*DATA_W-1:0] current_factor;
+    wire [N-1:0]        drive_request;
+    wire [N*DATA_W-1:0] drive_factor;
+    wire [N*COEF_W-1:0] drive_coefficient;
+    wire [N-1:0]        anchor_request;
+    wire [N*DATA_W-1:0] anchor_factor;
+    wire [N*COEF_W-1:0] anchor_coefficient;
+    wire [N-1:0]        anchor_grant;
+    wire [N-1:0]        anchor_done;
+
     generate
-        if (ANCHOR != 0) begin : drops_of_anchors
-            assign multiply_drop = {{N{anchor_rst}}, {N{drive_rst}}, {N{rst}}};
-        end else begin : drops
-            assign multiply_drop = {{N{drive_rst}}, {N{rst}}};
+        if (ANCHOR != 0) begin : with_anchors
+            assign multiply_drop    = {{N{anchor_rst}}, {N{drive_rst}}, {N{rst}}};
+            assign multiply_request = {anchor_request, drive_request, current_request};
+            assign multiply_data    = {anchor_factor, drive_factor, current_factor};
+            assign multiply_coef    = {anchor_coefficient, drive_coefficient, gain_i};
+            assign anchor_grant     = multiply_grant[2*N +: N];
+            assign anchor_done      = multiply_done[2*N +: N];
+        end else begin : without
+            wire unused = &{1'b0, anchor_rst, anchor_request, anchor_factor, anchor_coefficient};
+
+            assign multiply_drop    = {{N{drive_rst}}, {N{rst}}};
+            assign multiply_request = {drive_request, current_request};
+            assign multiply_data    = {drive_factor, current_factor};
+            assign multiply_coef    = {drive_coefficient, gain_i};
+            assign anchor_grant     = {N{1'b0}};
+            assign anchor_done      = {N{1'b0}};
         end
     endgenerate
 
@@ -418,11 +374,9 @@ module wh_controller #(
     wire [N*COEF_W-1:0] eta;          // of contact, or 0 while a host has the environment
     wire [N*DATA_W-1:0] outside;      // a host's goal
     wire [N*DATA_W-1:0] u_max;        // what the bus leaves of u_max_i
-    wire [N*DATA_W-1:0] wave_max;     // and the port anchor of that
-    wire [N*DATA_W-1:0] step_max;     // the same for the step that has begun
+    wire [N*DATA_W-1:0] step_max;     // and the port anchors of that, for the step that has begun
     wire [N*COEF_W-1:0] clocks_per_volt;
     wire [2*N-1:0]      shape_mode;
-    wire [N*DATA_W-1:0] host_u;
     wire [N*DATA_W-1:0] newest_u;
     wire [N*DATA_W-1:0] next_u;
     wire [N-1:0]        early_overrun;
@@ -478,7 +432,7 @@ module wh_controller #(
     // From a word that may be a tick's last to the start of the step that it belongs to, what wh_early
     // needs of that step is yet to come: the next frame may begin there.
     reg  due_q;
-    wire summed   = |multiply_request[N-1:0];
+    wire summed   = |current_request;
     wire step_due = adc_valid || summed || due_q || core_start;
 
     always @(posedge clk) begin
@@ -560,43 +514,31 @@ module wh_controller #(
     wire [7:0] least = !whole                              ? min_pulse_i
                      : (mode_i == `WH_MODE_SIGN_MAGNITUDE) ? spare : 8'd0;
 
-    // ---- Guard. An illegal word is one that no block has a meaning for.
+    // ---- Guard.
 
     wire [N-1:0] moved;
     wire [N-1:0] illegal_move;
-    reg          setting_q;
-    reg          setting;
-    integer      m;
+    wire         illegal_setting;
 
-    always @* begin
-        setting = half_clocks_i < 6 || tick_halves_i == 0 || sample_clocks_i < 2
-                  || samples_i == 0 || samples_i > 256
-                  || (whole && tick_halves_i[0]);
-        for (m = 0; m < N; m = m + 1) begin
-            setting = setting || illegal_part(a_i[m*COEF_W +: COEF_W])
-                      || a_i[m*COEF_W + COEF_W-1] || a_i[m*COEF_W +: COEF_W] == 0
-                      || illegal_part(eta_contact_i[m*COEF_W +: COEF_W])
-                      || illegal_part(eta_free_i[m*COEF_W +: COEF_W])
-                      || root_i[m*COEF_W + COEF_W-1] || root_i[m*COEF_W +: COEF_W] == 0
-                      || clocks_per_volt_i[m*COEF_W + COEF_W-1]
-                      || clocks_per_volt_i[m*COEF_W +: COEF_W] == 0
-                      || gain_i[m*COEF_W + COEF_W-1] || gain_i[m*COEF_W +: COEF_W] == 0
-                      || u_max_i[m*DATA_W + DATA_W-1];
-        end
-    end
-
-    // Whether a word of full scale +-2 is outside [-1, 1].
-    function illegal_part;
-        input [COEF_W-1:0] word;
-        begin
-            illegal_part = word[COEF_W-1] ? !word[COEF_W-2]
-                                          : word[COEF_W-2] && |word[COEF_W-3:0];
-        end
-    endfunction
-
-    always @(posedge clk) begin
-        setting_q <= !rst && setting;
-    end
+    wh_setting_check #(
+        .N                 (N)
+    ) setting_check (
+        .clk               (clk),
+        .rst               (rst),
+        .half_clocks_i     (half_clocks_i),
+        .tick_halves_i     (tick_halves_i),
+        .sample_clocks_i   (sample_clocks_i),
+        .samples_i         (samples_i),
+        .whole_i           (whole),
+        .root_i            (root_i),
+        .a_i               (a_i),
+        .eta_contact_i     (eta_contact_i),
+        .eta_free_i        (eta_free_i),
+        .gain_i            (gain_i),
+        .clocks_per_volt_i (clocks_per_volt_i),
+        .u_max_i           (u_max_i),
+        .illegal_o         (illegal_setting)
+    );
 
     generate
         if (GUARD != 0) begin : guarded
@@ -621,7 +563,7 @@ module wh_controller #(
                 .encoder_i      (illegal_move),
                 .moved_i        (moved),
                 .anchor_i       (anchor_fault_i | anchor_fault_o),
-                .setting_i      (setting_q),
+                .setting_i      (illegal_setting),
                 .overrun_i      (overrun_o),
                 .tick_i         (tick_o),
                 .valid_i        (current_valid[N-1]),
@@ -634,7 +576,7 @@ module wh_controller #(
             );
         end else begin : unguarded
             wire unused_guard = &{1'b0, guard_i, stop_i, driver_fault_i, host_alive_i, bus_i,
-                                  anchor_fault_i, setting_q, moved, illegal_move};
+                                  anchor_fault_i, illegal_setting, moved, illegal_move};
 
             assign faults_o = {`WH_FAULTS{1'b0}};
             assign faulty   = 1'b0;
@@ -642,423 +584,176 @@ module wh_controller #(
         end
     endgenerate
 
-    // ---- What each motor has of its own.
+    // ---- What each motor, and each port, has of its own.
+
+    localparam integer DUTY_W = DATA_W + COEF_W - `WH_VOLTAGE_Q;
+
+    wire [N-1:0]        shaped;
+    wire [N*COEF_W-1:0] contact_eta;
+    wire [N-1:0]        driven_valid;
+    wire [N*DATA_W-1:0] driven;
+    wire [N-1:0]        early_valid;
+    wire [N*DUTY_W-1:0] early_duty;
 
     genvar n;
     generate
-        for (n = 0; n < N; n = n + 1) begin : port
-
-            wire signed [`WH_SUM_W-1:0] zero;
-
-            if (SENSE != 0) begin : sense
-                wire                        zero_done;
-                wire                        measured;
-                wire signed [`WH_SUM_W-1:0] measured_zero;
-                wire                        unused = &{1'b0, zero_done, measured};
-
-                // Both are signed, and one more bit holds their sum. What is measured is 0 at first.
-                wh_saturate #(
-                    .IN_W    (`WH_SUM_W + 1),
-                    .OUT_W   (`WH_SUM_W)
-                ) saturate_zero (
-                    .value_i ({measured_zero[`WH_SUM_W-1], measured_zero}
-                              + {zero_i[(n+1)*`WH_SUM_W-1], zero_i[n*`WH_SUM_W +: `WH_SUM_W]}),
-                    .value_o (zero)
-                );
-
-                wh_sense_check sense_check (
-                    .clk           (clk),
-                    .rst           (rst),
-                    .valid_i       (adc_valid),
-                    .sample_i      (adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]),
-                    .range_i       (range_i),
-                    .stuck_words_i (stuck_words_i),
-                    .range_o       (adc_range_o[n]),
-                    .stuck_o       (adc_stuck_o[n])
-                );
-
-                wh_zero #(
-                    .LOG2_TICKS    (ZERO_LOG2)
-                ) measure_zero (
-                    .clk           (clk),
-                    .rst           (rst),
-                    .valid_i       (adc_valid),
-                    .first_i       (adc_first),
-                    .sample_i      (adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]),
-                    .start_i       (zero_start_i),
-                    .bridge_off_i  (!enable_i),
-                    .limit_i       (zero_limit_i),
-                    .busy_o        (zero_busy_o[n]),
-                    .done_o        (zero_done),
-                    .measured_o    (measured),
-                    .zero_o        (measured_zero),
-                    .fault_o       (zero_fault_o[n])
-                );
-            end else begin : plain
-                wire unused = &{1'b0, range_i, stuck_words_i, zero_start_i, zero_limit_i};
-
-                assign zero            = zero_i[n*`WH_SUM_W +: `WH_SUM_W];
-                assign adc_range_o[n]  = 1'b0;
-                assign adc_stuck_o[n]  = 1'b0;
-                assign zero_fault_o[n] = 1'b0;
-                assign zero_busy_o[n]  = 1'b0;
-            end
-
-            wh_current current (
-                .clk       (clk),
-                .rst       (rst),
-                .valid_i   (adc_valid),
-                .first_i   (adc_first),
-                .sample_i  (adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]),
-                .samples_i (samples_i),
-                .zero_i    (zero),
-                .request_o (multiply_request[n]),
-                .grant_i   (multiply_grant[n]),
-                .factor_o  (multiply_data[n*DATA_W +: DATA_W]),
-                .done_i    (multiply_done[n]),
-                .product_i (product),
-                .offset_i  (offset_o[n*DATA_W +: DATA_W]),
-                .valid_o   (current_valid[n]),
-                .current_o (current_o[n*DATA_W +: DATA_W])
+        for (n = 0; n < N; n = n + 1) begin : each
+            wh_motor #(
+                .WALLS               (WALLS),
+                .SENSE               (SENSE),
+                .ZERO_LOG2           (ZERO_LOG2),
+                .DEAD_TIME           (DEAD_TIME),
+                .EARLY               (EARLY),
+                .MODES               (MODES),
+                .MIN_PULSE           (MIN_PULSE)
+            ) motor (
+                .clk                 (clk),
+                .rst                 (rst),
+                .enable_i            (enable_i),
+                .run_i               (run),
+                .enc_a_i             (enc_a_i[n]),
+                .enc_b_i             (enc_b_i[n]),
+                .gate_ah_o           (gate_ah_o[n]),
+                .gate_al_o           (gate_al_o[n]),
+                .gate_bh_o           (gate_bh_o[n]),
+                .gate_bl_o           (gate_bl_o[n]),
+                .phase_i             (phase),
+                .remaining_i         (remaining),
+                .half_i              (half),
+                .update_i            (update),
+                .take_i              (take),
+                .word_valid_i        (adc_valid),
+                .word_first_i        (adc_first),
+                .word_i              (adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]),
+                .samples_i           (samples_i),
+                .zero_i              (zero_i[n*`WH_SUM_W +: `WH_SUM_W]),
+                .range_i             (range_i),
+                .stuck_words_i       (stuck_words_i),
+                .zero_start_i        (zero_start_i),
+                .zero_limit_i        (zero_limit_i),
+                .offset_i            (offset_o[n*DATA_W +: DATA_W]),
+                .current_valid_o     (current_valid[n]),
+                .current_o           (current_o[n*DATA_W +: DATA_W]),
+                .adc_range_o         (adc_range_o[n]),
+                .adc_stuck_o         (adc_stuck_o[n]),
+                .zero_fault_o        (zero_fault_o[n]),
+                .zero_busy_o         (zero_busy_o[n]),
+                .filter_clocks_i     (filter_clocks_i),
+                .clear_i             (clear_i),
+                .contact_hold_i      (core_busy),
+                .wall_min_i          (wall_min_i[n*WALLS*`WH_COUNT_W +: WALLS*`WH_COUNT_W]),
+                .wall_max_i          (wall_max_i[n*WALLS*`WH_COUNT_W +: WALLS*`WH_COUNT_W]),
+                .wall_enable_i       (wall_enable_i[n*WALLS +: WALLS]),
+                .wall_shaped_i       (wall_shaped_i[n*WALLS +: WALLS]),
+                .edge_hysteresis_i   (edge_hysteresis_i[n]),
+                .eta_contact_i       (eta_contact_i[n*COEF_W +: COEF_W]),
+                .eta_free_i          (eta_free_i[n*COEF_W +: COEF_W]),
+                .position_o          (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
+                .moved_o             (moved[n]),
+                .illegal_move_o      (illegal_move[n]),
+                .encoder_fault_o     (encoder_fault_o[n]),
+                .round_o             (in_round[n]),
+                .contact_o           (contact_o[n]),
+                .shaped_o            (shaped[n]),
+                .eta_o               (contact_eta[n*COEF_W +: COEF_W]),
+                .voltage_valid_i     (driven_valid[n]),
+                .voltage_i           (driven[n*DATA_W +: DATA_W]),
+                .early_valid_i       (early_valid[n]),
+                .early_duty_i        (early_duty[n*DUTY_W +: DUTY_W]),
+                .half_clocks_i       (half_clocks_i),
+                .mode_i              (mode_i),
+                .half_bridge_i       (half_bridge),
+                .whole_i             (whole),
+                .least_i             (least),
+                .spare_i             (spare),
+                .clocks_per_volt_i   (clocks_per_volt[n*COEF_W +: COEF_W]),
+                .dead_clocks_i       (dead_clocks_i),
+                .compensate_i        (compensate_i),
+                .side_current_i      (side_current_i[n*DATA_W +: DATA_W]),
+                .settle_ticks_i      (settle_ticks_i),
+                .second_order_i      (second_order_i),
+                .current_request_o   (current_request[n]),
+                .current_factor_o    (current_factor[n*DATA_W +: DATA_W]),
+                .current_grant_i     (multiply_grant[n]),
+                .current_done_i      (multiply_done[n]),
+                .drive_request_o     (drive_request[n]),
+                .drive_factor_o      (drive_factor[n*DATA_W +: DATA_W]),
+                .drive_coefficient_o (drive_coefficient[n*COEF_W +: COEF_W]),
+                .drive_grant_i       (multiply_grant[N+n]),
+                .drive_done_i        (multiply_done[N+n]),
+                .product_i           (product)
             );
 
-            if (ADC != 2) begin : trip
-                wh_trip trip (
-                    .clk      (clk),
-                    .rst      (rst),
-                    .valid_i  (adc_valid),
-                    .sample_i (adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]),
-                    .trip_i   (trip_i),
-                    .trip_o   (overcurrent_o[n])
-                );
-            end
-
-            assign multiply_coef[n*COEF_W +: COEF_W] = gain_i[n*COEF_W +: COEF_W];
-
-            wire       direction;
-            wire [7:0] faults;
-
-            wh_quadrature quadrature (
-                .clk             (clk),
-                .rst             (rst),
-                .a_i             (enc_a_i[n]),
-                .b_i             (enc_b_i[n]),
-                .filter_clocks_i (filter_clocks_i),
-                .clear_i         (clear_i),
-                .position_o      (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
-                .moved_o         (moved[n]),
-                .direction_o     (direction),
-                .illegal_o       (illegal_move[n]),
-                .fault_o         (encoder_fault_o[n]),
-                .faults_o        (faults)
-            );
-
-            wire        [WALL_W-1:0]      wall;
-            wire                          wall_shaped;
-            wire signed [`WH_COUNT_W-1:0] depth;
-            wire signed [COEF_W-1:0]      contact_eta;
-
-            // For a host's registers, which this module doesn't have.
-            wire unused = &{1'b0, direction, faults, wall, depth};
-
-            // Nothing is read of it in a step's first clock, in which it may still change: a clock
-            // between any two steps, even where the next starts as one ends.
-            wh_contact #(
-                .WALLS         (WALLS)
-            ) contact (
-                .clk           (clk),
-                .rst           (rst),
-                .position_i    (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
-                .hold_i        (core_busy),
-                .wall_min_i    (wall_min_i[n*WALLS*`WH_COUNT_W +: WALLS*`WH_COUNT_W]),
-                .wall_max_i    (wall_max_i[n*WALLS*`WH_COUNT_W +: WALLS*`WH_COUNT_W]),
-                .wall_enable_i (wall_enable_i[n*WALLS +: WALLS]),
-                .wall_shaped_i (wall_shaped_i[n*WALLS +: WALLS]),
-                .hysteresis_i  (edge_hysteresis_i[n]),
-                .eta_contact_i (eta_contact_i[n*COEF_W +: COEF_W]),
-                .eta_free_i    (eta_free_i[n*COEF_W +: COEF_W]),
-                .round_o       (in_round[n]),
-                .contact_o     (contact_o[n]),
-                .wall_o        (wall),
-                .shaped_o      (wall_shaped),
-                .depth_o       (depth),
-                .eta_o         (contact_eta)
-            );
-
-            wire              anchor_busy;
-            wire [DATA_W-1:0] next_correction;
-            wire              driven_valid;
-            wire [DATA_W-1:0] driven;
-
-            assign anchor_reads[n] = anchor_busy || waves[n];
-
-            if (ANCHOR != 0) begin : anchored
-                wire signed [DATA_W:0] wide_voltage =
-                    $signed({wave_voltage[n*DATA_W + DATA_W-1], wave_voltage[n*DATA_W +: DATA_W]})
-                    + $signed({correction_o[n*DATA_W + DATA_W-1], correction_o[n*DATA_W +: DATA_W]});
-                wire signed [DATA_W-1:0] voltage;
-
-                wh_saturate #(
-                    .IN_W    (DATA_W + 1),
-                    .OUT_W   (DATA_W)
-                ) saturate_voltage (
-                    .value_i (wide_voltage),
-                    .value_o (voltage)
-                );
-
-                assign voltage_o[n*DATA_W +: DATA_W] = voltage;
-
-                // The sum and what chooses the multiplier's user are too much for one clock.
-                reg                driven_valid_q;
-                reg  [DATA_W-1:0]  driven_q;
-
-                assign driven_valid = driven_valid_q;
-                assign driven       = driven_q;
-
-                always @(posedge clk) begin
-                    driven_valid_q <= core_valid_o && !drive_rst;
-                    driven_q       <= voltage;
-                end
-
-                // The position that belongs to the contact, until the port's turn: the anchor may still
-                // be at the step before when the core starts. One limit for a step, which takes room
-                // from the next one.
-                reg  [`WH_COUNT_W-1:0]   position_q;
-                reg  [DATA_W-1:0]        step_max_q;
-                wire signed [DATA_W-1:0] room;
-
-                assign wave_max[n*DATA_W +: DATA_W] = u_max[n*DATA_W +: DATA_W] - room;
-                assign step_max[n*DATA_W +: DATA_W] = step_max_q;
-
-                always @(posedge clk) begin
-                    if (core_start) begin
-                        position_q <= position_o[n*`WH_COUNT_W +: `WH_COUNT_W];
-                        step_max_q <= wave_max[n*DATA_W +: DATA_W];
-                    end
-                end
-
-                // A host's environment counts as contact: its current may be what it likes.
-                wh_anchor anchor (
-                    .clk           (clk),
-                    .rst           (anchor_rst),
-                    .start_i       (waves[n]),
-                    .position_i    (position_q),
-                    .contact_i     (contact_o[n] || host_active_o[n]),
-                    .waves_i       (waves[n]),
-                    .current_i     (current_o[n*DATA_W +: DATA_W]),
-                    .u_i           (u_o[n*DATA_W +: DATA_W]),
-                    .v_i           (v_o[n*DATA_W +: DATA_W]),
-                    .withheld_i    (withheld[n*DATA_W +: DATA_W]),
-                    .voltage_i     (wave_voltage[n*DATA_W +: DATA_W]),
-                    .saturated_i   (saturated_o[n]),
-                    .busy_o        (anchor_busy),
-                    .overrun_o     (anchor_overrun[n]),
-                    .words_i       (anchor_words_i[n*`WH_ANCHOR_W +: `WH_ANCHOR_W]),
-                    .request_o     (multiply_request[2*N+n]),
-                    .factor_o      (multiply_data[(2*N+n)*DATA_W +: DATA_W]),
-                    .coefficient_o (multiply_coef[(2*N+n)*COEF_W +: COEF_W]),
-                    .grant_i       (multiply_grant[2*N+n]),
-                    .done_i        (multiply_done[2*N+n]),
-                    .product_i     (product),
-                    .correction_o  (correction_o[n*DATA_W +: DATA_W]),
-                    .next_o        (next_correction),
-                    .room_o        (room),
-                    .offset_o      (offset_o[n*DATA_W +: DATA_W]),
-                    .flux_o        (flux_o[n*DATA_W +: DATA_W]),
-                    .lag_o         (lag_o[n*DATA_W +: DATA_W]),
-                    .fault_o       (anchor_fault_o[n])
-                );
-            end else begin : by_its_waves_alone
-                wire unused_anchor = &{1'b0, anchor_rst, waves[n], withheld[n*DATA_W +: DATA_W],
-                                       anchor_words_i[n*`WH_ANCHOR_W +: `WH_ANCHOR_W]};
-
-                assign driven_valid                     = core_valid_o;
-                assign driven                           = wave_voltage[n*DATA_W +: DATA_W];
-                assign voltage_o[n*DATA_W +: DATA_W]    = wave_voltage[n*DATA_W +: DATA_W];
-                assign correction_o[n*DATA_W +: DATA_W] = {DATA_W{1'b0}};
-                assign offset_o[n*DATA_W +: DATA_W]     = {DATA_W{1'b0}};
-                assign flux_o[n*DATA_W +: DATA_W]       = {DATA_W{1'b0}};
-                assign lag_o[n*DATA_W +: DATA_W]        = {DATA_W{1'b0}};
-                assign next_correction                  = {DATA_W{1'b0}};
-                assign wave_max[n*DATA_W +: DATA_W]     = u_max[n*DATA_W +: DATA_W];
-                assign step_max[n*DATA_W +: DATA_W]     = u_max[n*DATA_W +: DATA_W];
-                assign anchor_busy                      = 1'b0;
-                assign anchor_overrun[n]                = 1'b0;
-                assign anchor_fault_o[n]                = 1'b0;
-            end
-
-            // While a host has the environment v is the host's, and W may not keep a part of it.
-            assign shape_mode[2*n +: 2] = (!contact_o[n] || host_active_o[n]) ? 2'd0
-                                        : wall_shaped                         ? 2'd2 : 2'd1;
-
-            // An anchor that has lost the rotor leaves a port that only damps.
-            wire              damps           = damp || anchor_fault_o[n];
-            wire [DATA_W-1:0] present_outside = (host_active_o[n] && !damps)
-                                              ? host_u[n*DATA_W +: DATA_W] : {DATA_W{1'b0}};
-            wire [COEF_W-1:0] present_eta     = (host_active_o[n] || damps) ? {COEF_W{1'b0}}
-                                                                            : contact_eta;
-
-            // ---- A duty that doesn't wait for the core. What it is made with, the core uses too.
-            wire                                   early_valid;
-            wire [DATA_W+COEF_W-`WH_VOLTAGE_Q-1:0] early_duty;
-
-            if (EARLY == 1) begin : early
-                wh_early early (
-                    .clk               (clk),
-                    .rst               (drive_rst),
-                    .frame_i           (sample),
-                    .word_valid_i      (adc_valid),
-                    .word_first_i      (adc_first),
-                    .samples_i         (samples_i),
-                    .busy_i            (step_due || core_busy || anchor_busy),
-                    .f_i               (newest_u[n*DATA_W +: DATA_W]),
-                    .u_n_i             (next_u[n*DATA_W +: DATA_W]),
-                    .u_max_i           (wave_max[n*DATA_W +: DATA_W]),
-                    .root_i            (root_i[n*COEF_W +: COEF_W]),
-                    .a_i               (a_i[n*COEF_W +: COEF_W]),
-                    .gain_i            (gain_i[n*COEF_W +: COEF_W]),
-                    .clocks_per_volt_i (clocks_per_volt[n*COEF_W +: COEF_W]),
-                    .eta_i             (present_eta),
-                    .wave_i            (present_outside),
-                    .offset_i          (offset_o[n*DATA_W +: DATA_W]),
-                    .correction_i      (next_correction),
-                    .eta_o             (eta[n*COEF_W +: COEF_W]),
-                    .wave_o            (outside[n*DATA_W +: DATA_W]),
-                    .sum_valid_i       (multiply_request[n]),
-                    .sum_i             (multiply_data[n*DATA_W +: DATA_W]),
-                    .duty_valid_o      (early_valid),
-                    .duty_o            (early_duty),
-                    .overrun_o         (early_overrun[n])
-                );
-            end else begin : in_turn
-                wire unused_early = &{1'b0, step_due, wave_max[n*DATA_W +: DATA_W],
-                                      newest_u[n*DATA_W +: DATA_W], next_u[n*DATA_W +: DATA_W],
-                                      anchor_busy, next_correction};
-
-                assign outside[n*DATA_W +: DATA_W] = present_outside;
-                assign eta[n*COEF_W +: COEF_W]     = present_eta;
-                assign early_valid                 = 1'b0;
-                assign early_duty                  = {DATA_W+COEF_W-`WH_VOLTAGE_Q{1'b0}};
-                assign early_overrun[n]            = 1'b0;
-            end
-
-            if (HOST == 1) begin : hosted
-                wire signed [DATA_W-1:0] goal;
-
-                wh_host_link host_link (
-                    .clk           (clk),
-                    .rst           (drive_rst || damp),
-                    .period_log2_i (host_period_log2_i),
-                    .timeout_i     (host_timeout_i),
-                    .valid_i       (core_valid_o),
-                    .v_i           (v_o[n*DATA_W +: DATA_W]),
-                    .active_o      (host_active_o[n]),
-                    .u_o           (goal),
-                    .strobe_o      (host_strobe_o[n]),
-                    .sequence_o    (host_sequence_o[n*8 +: 8]),
-                    .v_mean_o      (host_v_o[n*DATA_W +: DATA_W]),
-                    .strobe_i      (host_strobe_i[n]),
-                    .sequence_i    (host_sequence_i[n*8 +: 8]),
-                    .u_i           (host_u_i[n*DATA_W +: DATA_W])
-                );
-
-                assign host_u[n*DATA_W +: DATA_W] = goal;
-            end else begin : alone
-                wire unused_host = &{1'b0, host_period_log2_i, host_timeout_i, host_strobe_i[n],
-                                     host_sequence_i[n*8 +: 8], host_u_i[n*DATA_W +: DATA_W]};
-
-                assign host_u[n*DATA_W +: DATA_W]   = {DATA_W{1'b0}};
-                assign host_active_o[n]             = 1'b0;
-                assign host_strobe_o[n]             = 1'b0;
-                assign host_sequence_o[n*8 +: 8]    = 8'd0;
-                assign host_v_o[n*DATA_W +: DATA_W] = {DATA_W{1'b0}};
-            end
-
-            wire signed [`WH_TICK_W-1:0]  width;
-            wire signed [`WH_EXTRA_W-1:0] extra;
-            wire                          leg_a;
-            wire                          leg_b;
-
-            if (DEAD_TIME != 0) begin : compensated
-                wh_dead_time dead_time (
-                    .clk            (clk),
-                    .rst            (drive_rst),
-                    .compensate_i   (compensate_i),
-                    .dead_clocks_i  (dead_clocks_i),
-                    .threshold_i    (side_current_i[n*DATA_W +: DATA_W]),
-                    .settle_ticks_i (settle_ticks_i),
-                    .valid_i        (current_valid[n]),
-                    .current_i      (current_o[n*DATA_W +: DATA_W]),
-                    .extra_o        (extra)
-                );
-            end else begin : as_it_is
-                wire unused_dead = &{1'b0, compensate_i, side_current_i[n*DATA_W +: DATA_W],
-                                     settle_ticks_i};
-
-                assign extra = {`WH_EXTRA_W{1'b0}};
-            end
-
-            wh_modulator #(
-                .EARLY             (EARLY),
-                .MIN_PULSE         (MIN_PULSE)
-            ) modulator (
-                .clk               (clk),
-                .rst               (drive_rst),
-                .valid_i           (driven_valid),
-                .voltage_i         (driven),
-                .clocks_per_volt_i (clocks_per_volt[n*COEF_W +: COEF_W]),
-                .half_clocks_i     (half_clocks_i),
-                .second_order_i    (second_order_i),
-                .extra_i           (extra),
-                .least_i           (least),
-                .spare_i           (spare),
-                .request_o         (multiply_request[N+n]),
-                .grant_i           (multiply_grant[N+n]),
-                .factor_o          (multiply_data[(N+n)*DATA_W +: DATA_W]),
-                .coefficient_o     (multiply_coef[(N+n)*COEF_W +: COEF_W]),
-                .done_i            (multiply_done[N+n]),
-                .product_i         (product),
-                .early_valid_i     (early_valid),
-                .early_i           (early_duty),
-                .take_i            (take),
-                .update_i          (update && (half || !whole)),
-                .width_o           (width)
-            );
-
-            wh_pwm #(
-                .MODES         (MODES)
-            ) pwm (
-                .clk           (clk),
-                .rst           (drive_rst),
-                .mode_i        (mode_i),
-                .half_clocks_i (half_clocks_i),
-                .phase_i       (phase),
-                .remaining_i   (remaining),
-                .half_i        (half),
-                .update_i      (update),
-                .width_i       (width),
-                .leg_a_o       (leg_a),
-                .leg_b_o       (leg_b)
-            );
-
-            wh_half_bridge leg_a_bridge (
-                .clk           (clk),
-                .rst           (rst),
-                .enable_i      (run),
-                .leg_i         (leg_a),
-                .dead_clocks_i (dead_clocks_i),
-                .high_o        (gate_ah_o[n]),
-                .low_o         (gate_al_o[n])
-            );
-
-            wh_half_bridge leg_b_bridge (
-                .clk           (clk),
-                .rst           (rst),
-                .enable_i      (run && !half_bridge),
-                .leg_i         (leg_b),
-                .dead_clocks_i (dead_clocks_i),
-                .high_o        (gate_bh_o[n]),
-                .low_o         (gate_bl_o[n])
+            wh_port #(
+                .EARLY              (EARLY),
+                .HOST               (HOST),
+                .ANCHOR             (ANCHOR)
+            ) port (
+                .clk                (clk),
+                .rst                (rst),
+                .run_i              (run),
+                .damp_i             (damp),
+                .core_start_i       (core_start),
+                .core_busy_i        (core_busy),
+                .core_valid_i       (core_valid_o),
+                .waves_i            (waves[n]),
+                .current_i          (current_o[n*DATA_W +: DATA_W]),
+                .u_i                (u_o[n*DATA_W +: DATA_W]),
+                .v_i                (v_o[n*DATA_W +: DATA_W]),
+                .withheld_i         (withheld[n*DATA_W +: DATA_W]),
+                .wave_voltage_i     (wave_voltage[n*DATA_W +: DATA_W]),
+                .saturated_i        (saturated_o[n]),
+                .newest_u_i         (newest_u[n*DATA_W +: DATA_W]),
+                .next_u_i           (next_u[n*DATA_W +: DATA_W]),
+                .u_max_i            (u_max[n*DATA_W +: DATA_W]),
+                .step_max_o         (step_max[n*DATA_W +: DATA_W]),
+                .eta_o              (eta[n*COEF_W +: COEF_W]),
+                .wave_o             (outside[n*DATA_W +: DATA_W]),
+                .shape_mode_o       (shape_mode[2*n +: 2]),
+                .position_i         (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
+                .contact_i          (contact_o[n]),
+                .shaped_i           (shaped[n]),
+                .contact_eta_i      (contact_eta[n*COEF_W +: COEF_W]),
+                .host_period_log2_i (host_period_log2_i),
+                .host_timeout_i     (host_timeout_i),
+                .host_strobe_i      (host_strobe_i[n]),
+                .host_sequence_i    (host_sequence_i[n*8 +: 8]),
+                .host_u_i           (host_u_i[n*DATA_W +: DATA_W]),
+                .host_strobe_o      (host_strobe_o[n]),
+                .host_sequence_o    (host_sequence_o[n*8 +: 8]),
+                .host_v_o           (host_v_o[n*DATA_W +: DATA_W]),
+                .host_active_o      (host_active_o[n]),
+                .anchor_words_i     (anchor_words_i[n*`WH_ANCHOR_W +: `WH_ANCHOR_W]),
+                .driven_valid_o     (driven_valid[n]),
+                .driven_o           (driven[n*DATA_W +: DATA_W]),
+                .voltage_o          (voltage_o[n*DATA_W +: DATA_W]),
+                .correction_o       (correction_o[n*DATA_W +: DATA_W]),
+                .offset_o           (offset_o[n*DATA_W +: DATA_W]),
+                .flux_o             (flux_o[n*DATA_W +: DATA_W]),
+                .lag_o              (lag_o[n*DATA_W +: DATA_W]),
+                .anchor_reads_o     (anchor_reads[n]),
+                .anchor_overrun_o   (anchor_overrun[n]),
+                .anchor_fault_o     (anchor_fault_o[n]),
+                .frame_i            (sample),
+                .word_valid_i       (adc_valid),
+                .word_first_i       (adc_first),
+                .samples_i          (samples_i),
+                .sum_valid_i        (current_request[n]),
+                .sum_i              (current_factor[n*DATA_W +: DATA_W]),
+                .step_due_i         (step_due),
+                .root_i             (root_i[n*COEF_W +: COEF_W]),
+                .a_i                (a_i[n*COEF_W +: COEF_W]),
+                .gain_i             (gain_i[n*COEF_W +: COEF_W]),
+                .clocks_per_volt_i  (clocks_per_volt[n*COEF_W +: COEF_W]),
+                .early_valid_o      (early_valid[n]),
+                .early_duty_o       (early_duty[n*DUTY_W +: DUTY_W]),
+                .early_overrun_o    (early_overrun[n]),
+                .request_o          (anchor_request[n]),
+                .factor_o           (anchor_factor[n*DATA_W +: DATA_W]),
+                .coefficient_o      (anchor_coefficient[n*COEF_W +: COEF_W]),
+                .grant_i            (anchor_grant[n]),
+                .done_i             (anchor_done[n]),
+                .product_i          (product)
             );
         end
     endgenerate

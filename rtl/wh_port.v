@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_port: what one port has of its own beside the wave core that all share.
+//
+//   contact, a host's answers -> wh_environment -> eta, wave, mode -> wave core
+//   the core's waves, position -> wh_anchor -> correction, the limit that it leaves the waves
+//   e_id + correction -> voltage          a word of the ADC -> wh_early -> a duty without the core
+//
+// Formats: those of the blocks.
+// Latency: the voltage follows the core's in the same clock, driven_* a clock later with ANCHOR = 1:
+// the sum and what chooses the multiplier's user are too much for one.
+// Reset: rst and run_i = 0 alike; damp_i resets anchor and host.
+
+`default_nettype none
+`include "wh_formats.vh"
+
+module wh_port #(
+    parameter integer EARLY  = 0,  // these are wh_controller's
+    parameter integer HOST   = 0,
+    parameter integer ANCHOR = 0
+) (
+    input  wire                              clk,
+    input  wire                              rst,
+    input  wire                              run_i,
+    input  wire                              damp_i,             // the guard wants a damper
+
+    // The step of the wave core.
+    input  wire                              core_start_i,
+    input  wire                              core_busy_i,
+    input  wire                              core_valid_i,
+    input  wire                              waves_i,            // strobe, this port's waves are new
+    input  wire signed [`WH_DATA_W-1:0]      current_i,
+    input  wire signed [`WH_DATA_W-1:0]      u_i,
+    input  wire signed [`WH_DATA_W-1:0]      v_i,
+    input  wire signed [`WH_DATA_W-1:0]      withheld_i,
+    input  wire signed [`WH_DATA_W-1:0]      wave_voltage_i,     // e_id
+    input  wire                              saturated_i,
+    input  wire signed [`WH_DATA_W-1:0]      newest_u_i,         // these two for wh_early
+    input  wire signed [`WH_DATA_W-1:0]      next_u_i,
+    input  wire signed [`WH_DATA_W-1:0]      u_max_i,            // what the bus allows
+    output wire signed [`WH_DATA_W-1:0]      step_max_o,         // what a step's waves may have of it
+    output wire signed [`WH_COEF_W-1:0]      eta_o,
+    output wire signed [`WH_DATA_W-1:0]      wave_o,
+    output wire [1:0]                        shape_mode_o,
+
+    // Position and contact (wh_motor).
+    input  wire signed [`WH_COUNT_W-1:0]     position_i,
+    input  wire                              contact_i,
+    input  wire                              shaped_i,
+    input  wire signed [`WH_COEF_W-1:0]      contact_eta_i,
+
+    // A host (wh_host_link).
+    input  wire [3:0]                        host_period_log2_i,
+    input  wire [7:0]                        host_timeout_i,
+    input  wire                              host_strobe_i,
+    input  wire [7:0]                        host_sequence_i,
+    input  wire signed [`WH_DATA_W-1:0]      host_u_i,
+    output wire                              host_strobe_o,
+    output wire [7:0]                        host_sequence_o,
+    output wire signed [`WH_DATA_W-1:0]      host_v_o,
+    output wire                              host_active_o,
+
+    // The voltage, and what an anchor makes of it.
+    input  wire [`WH_ANCHOR_W-1:0]           anchor_words_i,
+    output wire                              driven_valid_o,     // strobe
+    output wire signed [`WH_DATA_W-1:0]      driven_o,           // s31q23 V, to the drive
+    output wire signed [`WH_DATA_W-1:0]      voltage_o,          // the same, with core_valid_i
+    output wire signed [`WH_DATA_W-1:0]      correction_o,
+    output wire signed [`WH_DATA_W-1:0]      offset_o,
+    output wire signed [`WH_DATA_W-1:0]      flux_o,
+    output wire signed [`WH_DATA_W-1:0]      lag_o,
+    output wire                              anchor_reads_o,     // its words
+    output wire                              anchor_overrun_o,
+    output wire                              anchor_fault_o,
+
+    // A duty that doesn't wait for the core, EARLY = 1.
+    input  wire                              frame_i,            // strobe, the ADC's frame begins
+    input  wire                              word_valid_i,
+    input  wire                              word_first_i,
+    input  wire [8:0]                        samples_i,
+    input  wire                              sum_valid_i,
+    input  wire signed [`WH_DATA_W-1:0]      sum_i,
+    input  wire                              step_due_i,         // a step is yet to start
+    input  wire signed [`WH_COEF_W-1:0]      root_i,
+    input  wire signed [`WH_COEF_W-1:0]      a_i,
+    input  wire signed [`WH_COEF_W-1:0]      gain_i,
+    input  wire signed [`WH_COEF_W-1:0]      clocks_per_volt_i,
+    output wire                              early_valid_o,
+    output wire signed [`WH_DATA_W+`WH_COEF_W-`WH_VOLTAGE_Q-1:0] early_duty_o,
+    output wire                              early_overrun_o,
+
+    // The shared multiplier, for the anchor.
+    output wire                              request_o,
+    output wire signed [`WH_DATA_W-1:0]      factor_o,
+    output wire signed [`WH_COEF_W-1:0]      coefficient_o,
+    input  wire                              grant_i,
+    input  wire                              done_i,
+    input  wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_i
+);
+
+    localparam integer DATA_W = `WH_DATA_W;
+    localparam integer COEF_W = `WH_COEF_W;
+
+    wire drive_rst = rst || !run_i;
+    wire calm_rst  = drive_rst || damp_i;
+
+    // ---- Environment. An anchor that has lost the rotor leaves a port that only damps.
+
+    wire [COEF_W-1:0] present_eta;
+    wire [DATA_W-1:0] present_wave;
+
+    wh_environment #(
+        .HOST               (HOST)
+    ) environment (
+        .clk                (clk),
+        .rst                (calm_rst),
+        .damps_i            (damp_i || anchor_fault_o),
+        .contact_i          (contact_i),
+        .shaped_i           (shaped_i),
+        .eta_i              (contact_eta_i),
+        .host_period_log2_i (host_period_log2_i),
+        .host_timeout_i     (host_timeout_i),
+        .valid_i            (core_valid_i),
+        .v_i                (v_i),
+        .host_strobe_i      (host_strobe_i),
+        .host_sequence_i    (host_sequence_i),
+        .host_u_i           (host_u_i),
+        .host_strobe_o      (host_strobe_o),
+        .host_sequence_o    (host_sequence_o),
+        .host_v_o           (host_v_o),
+        .host_active_o      (host_active_o),
+        .eta_o              (present_eta),
+        .wave_o             (present_wave),
+        .mode_o             (shape_mode_o)
+    );
+
+    // ---- Port anchor.
+
+    wire              anchor_busy;
+    wire [DATA_W-1:0] next_correction;
+    wire [DATA_W-1:0] wave_max;        // what the anchor leaves of u_max_i
+
+    assign anchor_reads_o = anchor_busy || waves_i;
+
+    generate
+        if (ANCHOR != 0) begin : anchored
+            wire signed [DATA_W:0] wide_voltage =
+                $signed({wave_voltage_i[DATA_W-1], wave_voltage_i})
+                + $signed({correction_o[DATA_W-1], correction_o});
+
+            wh_saturate #(
+                .IN_W    (DATA_W + 1),
+                .OUT_W   (DATA_W)
+            ) saturate_voltage (
+                .value_i (wide_voltage),
+                .value_o (voltage_o)
+            );
+
+            reg                     driven_valid_q;
+            reg signed [DATA_W-1:0] driven_q;
+
+            assign driven_valid_o = driven_valid_q;
+            assign driven_o       = driven_q;
+
+            always @(posedge clk) begin
+                driven_valid_q <= core_valid_i && !drive_rst;
+                driven_q       <= voltage_o;
+            end
+
+            // The position that belongs to the contact, until the port's turn: the anchor may still
+            // be at the step before when the core starts. One limit for a step, which takes room
+            // from the next one.
+            reg  [`WH_COUNT_W-1:0]   position_q;
+            reg  [DATA_W-1:0]        step_max_q;
+            wire signed [DATA_W-1:0] room;
+
+            assign wave_max   = u_max_i - room;
+            assign step_max_o = step_max_q;
+
+            always @(posedge clk) begin
+                if (core_start_i) begin
+                    position_q <= position_i;
+                    step_max_q <= wave_max;
+                end
+            end
+
+            // A host's environment counts as contact: its current may be what it likes.
+            wh_anchor anchor (
+                .clk           (clk),
+                .rst           (calm_rst),
+                .start_i       (waves_i),
+                .position_i    (position_q),
+                .contact_i     (contact_i || host_active_o),
+                .waves_i       (waves_i),
+                .current_i     (current_i),
+                .u_i           (u_i),
+                .v_i           (v_i),
+                .withheld_i    (withheld_i),
+                .voltage_i     (wave_voltage_i),
+                .saturated_i   (saturated_i),
+                .busy_o        (anchor_busy),
+                .overrun_o     (anchor_overrun_o),
+                .words_i       (anchor_words_i),
+                .request_o     (request_o),
+                .factor_o      (factor_o),
+                .coefficient_o (coefficient_o),
+                .grant_i       (grant_i),
+                .done_i        (done_i),
+                .product_i     (product_i),
+                .correction_o  (correction_o),
+                .next_o        (next_correction),
+                .room_o        (room),
+                .offset_o      (offset_o),
+                .flux_o        (flux_o),
+                .lag_o         (lag_o),
+                .fault_o       (anchor_fault_o)
+            );
+        end else begin : by_its_waves_alone
+            wire unused_anchor = &{1'b0, core_start_i, position_i, current_i, u_i, withheld_i,
+                                   saturated_i, anchor_words_i, grant_i, done_i, product_i};
+
+            assign driven_valid_o   = core_valid_i;
+            assign driven_o         = wave_voltage_i;
+            assign voltage_o        = wave_voltage_i;
+            assign correction_o     = {DATA_W{1'b0}};
+            assign offset_o         = {DATA_W{1'b0}};
+            assign flux_o           = {DATA_W{1'b0}};
+            assign lag_o            = {DATA_W{1'b0}};
+            assign next_correction  = {DATA_W{1'b0}};
+            assign wave_max         = u_max_i;
+            assign step_max_o       = u_max_i;
+            assign anchor_busy      = 1'b0;
+            assign anchor_overrun_o = 1'b0;
+            assign anchor_fault_o   = 1'b0;
+            assign request_o        = 1'b0;
+            assign factor_o         = {DATA_W{1'b0}};
+            assign coefficient_o    = {COEF_W{1'b0}};
+        end
+    endgenerate
+
+    // ---- A duty that doesn't wait for the core. What it is made with, the core uses too.
+
+    generate
+        if (EARLY == 1) begin : early
+            wh_early early (
+                .clk               (clk),
+                .rst               (drive_rst),
+                .frame_i           (frame_i),
+                .word_valid_i      (word_valid_i),
+                .word_first_i      (word_first_i),
+                .samples_i         (samples_i),
+                .busy_i            (step_due_i || core_busy_i || anchor_busy),
+                .f_i               (newest_u_i),
+                .u_n_i             (next_u_i),
+                .u_max_i           (wave_max),
+                .root_i            (root_i),
+                .a_i               (a_i),
+                .gain_i            (gain_i),
+                .clocks_per_volt_i (clocks_per_volt_i),
+                .eta_i             (present_eta),
+                .wave_i            (present_wave),
+                .offset_i          (offset_o),
+                .correction_i      (next_correction),
+                .eta_o             (eta_o),
+                .wave_o            (wave_o),
+                .sum_valid_i       (sum_valid_i),
+                .sum_i             (sum_i),
+                .duty_valid_o      (early_valid_o),
+                .duty_o            (early_duty_o),
+                .overrun_o         (early_overrun_o)
+            );
+        end else begin : in_turn
+            wire unused_early = &{1'b0, core_busy_i, newest_u_i, next_u_i, wave_max, anchor_busy,
+                                  next_correction, frame_i, word_valid_i, word_first_i, samples_i,
+                                  sum_valid_i, sum_i, step_due_i, root_i, a_i, gain_i,
+                                  clocks_per_volt_i};
+
+            assign wave_o          = present_wave;
+            assign eta_o           = present_eta;
+            assign early_valid_o   = 1'b0;
+            assign early_duty_o    = {DATA_W+COEF_W-`WH_VOLTAGE_Q{1'b0}};
+            assign early_overrun_o = 1'b0;
+        end
+    endgenerate
+
+endmodule
+
+`default_nettype wire
