@@ -12,6 +12,7 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import threading
 import time
 import tty
@@ -675,3 +676,41 @@ def test_a_host_that_steals_gets_what_went_in(built):
     assert energy_given_out(rows) <= 1e-8
     u, v = (words[:, word].astype(float) for word in (Word.U, Word.V))
     assert np.sum(u**2) > 0.3 * np.sum(v**2)
+
+
+PYTHON_HOST = """
+import sys
+from wavehaptics.host.client import Client
+from wavehaptics.host.port import HostPort
+from wavehaptics.ladder.hosted import PowerEnvironment
+
+client = Client(sys.argv[1], timeout_s=30)
+with client.hurry():
+    port = HostPort(client, 60.3e-3)
+    wall = PowerEnvironment(0.3, 1e-3, port.k_t, 0.5 * port.s**2, port.period_s)
+    port.arm()
+    count = []
+    done = port.serve(wall, lambda: len(count) == 60 or count.append(1))
+    packet = port.exchange(0.0)
+    port.disarm()
+    print(done, port.s, port.b, port.period_s, port.timeout, packet.active)
+"""
+
+
+def test_the_same_in_python():
+    with Bench("host.timeout=200") as bench:
+        host = subprocess.Popen(
+            [sys.executable, "-c", PYTHON_HOST, bench.board.path],
+            text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        )  # fmt: skip
+        bench.run(lambda: host.poll() is not None, 60.0)
+        out, err = host.communicate()
+    assert (host.returncode, err) == (0, "")
+    done, s, b, period_s, timeout, active = out.split()
+    motor = bench.scene.motor
+    assert (done, timeout, active) == ("60", "200", "True")
+    assert float(s) == pytest.approx(closed_forms.root(motor.R_ohm), rel=1e-6)
+    assert float(b) == pytest.approx(closed_forms.b_r(motor.k_t, motor.R_ohm), rel=1e-3)
+    assert float(period_s) == pytest.approx(1e-3)
+    rows, _, _ = bench.pins.on()
+    assert energy_given_out(rows) <= 1e-8
