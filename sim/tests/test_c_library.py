@@ -590,14 +590,17 @@ def test_the_wall_of_a_computer(wall):
     """
     with Bench() as bench:
         host = subprocess.Popen(
-            [wall, bench.board.path, "-n", "700", "-x", "0.1", "-t", "5"],
+            [wall, bench.board.path, "-x", "0.1", "-t", "5"],
             text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         )  # fmt: skip
+        bench.run(lambda: host.poll() is not None or bench.pins.time_s > 0.8)
+        host.send_signal(signal.SIGINT)
         bench.run(lambda: host.poll() is not None)
         out, err = host.communicate()
+        assert not bench.pins.running
     assert (host.returncode, err) == (0, "")
     packets, lost = map(int, re.match(r"(\d+) packets, (\d+) missed", out).groups())
-    assert packets == 700
+    assert packets > 500
     assert lost < 0.3 * packets
     rows, _, _ = bench.pins.on()
     assert energy_given_out(rows) <= 1e-8

@@ -79,7 +79,8 @@ class Board(threading.Thread):
         time.sleep(self.late.pop(0) if self.late else 0.0)
         answer = self.instead.pop(0) if self.instead else sealed(body)
         if answer:
-            os.write(self._master, answer)
+            with contextlib.suppress(OSError):  # the port was pulled
+                os.write(self._master, answer)
 
     def close(self) -> None:
         os.close(self._slave)
