@@ -222,6 +222,7 @@ LINT_CASES := \
     wh_device,-GN=3,-GANCHOR=1,-GSHAPER=2,-GWALLS=16 \
     wh_device,-GEARLY=1,-GANCHOR=1,-GGUARD=1,-GBUS=1 \
     wh_device,-GLIVE=0,-GWALLS=1,-GHOST=1,-GSENSE=1,-GDELAY_LOG2=10 \
+    wh_device,-GN=3,-GHOST=1 \
     wh_device,-GN=3,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_link,-GCLOCK_HZ=700000 \
     wh_link,-GCLOCK_HZ=125000000,-GUNIT=247,-GFALLBACK=511 \

@@ -68,7 +68,11 @@ enum {
 #define WH_PLACE(NAME) ID_##NAME,
     WH_IDENTIFICATION(WH_PLACE)
 #undef WH_PLACE
+        ID_COUNT
 };
+
+// The struct has room for as many.
+typedef char identity_is_whole[(int)ID_COUNT == (int)WH_IDENTITY_COUNT ? 1 : -1];
 
 static const double fallback_s = 1.2;   // a device without a good frame is at its first rate again
 static const double silence_s = 0.05;   // nothing is under way, also through a bridge that waits 16 ms
