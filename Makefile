@@ -41,7 +41,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo scope adcs holding tables docs report bench soak soak-link coverage check test lint clean distclean
+.PHONY: help setup setup-synth system lock demo scope wall adcs holding tables docs report bench soak soak-link coverage check test lint clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -96,6 +96,15 @@ demo: $(READY) ## simulate the demonstration scenes and draw them into build/dem
 
 scope: $(READY) ## a page with a wall to push and to set, on a simulated board (WH_PORT=/dev/ttyUSB0: a real one)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics board scope
+
+CC_FLAGS := -std=c99 -O2 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror
+
+wall: build/c/wall ## the example of a wall that a computer has: build/c/wall (docs/c.md)
+
+build/c/wall: $(wildcard sim/c/*)
+	@mkdir -p build/c
+	@$(CC) $(CC_FLAGS) sim/c/wavehaptics.c sim/c/wall.c -o $@
+	@echo "$@ PORT"
 
 report: $(READY) ## measure everything and write build/report/index.html (QUICK=1: coarser, 3 minutes)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics report $(if $(QUICK),--quick) --out build/report
@@ -213,6 +222,7 @@ LINT_CASES := \
     wh_device,-GN=3,-GANCHOR=1,-GSHAPER=2,-GWALLS=16 \
     wh_device,-GEARLY=1,-GANCHOR=1,-GGUARD=1,-GBUS=1 \
     wh_device,-GLIVE=0,-GWALLS=1,-GHOST=1,-GSENSE=1,-GDELAY_LOG2=10 \
+    wh_device,-GN=3,-GHOST=1 \
     wh_device,-GN=3,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_link,-GCLOCK_HZ=700000 \
     wh_link,-GCLOCK_HZ=125000000,-GUNIT=247,-GFALLBACK=511 \

@@ -14,7 +14,8 @@
 // is high, with ARM = 1 where the bus has armed them as well (wh_arm). They stay off while words that want
 // them off are given, (N + 1) 2^9 clocks or so.
 // Live words are those of the clock in which they are read: two of them needn't be of one step. Those of
-// one step, and of many after another, stand in what CAPTURE has them written to (wh_capture).
+// one step, and of many after another, stand in what CAPTURE has them written to (wh_capture). A packet's
+// number and its v are of one packet where they are read one after the other, less than 64 clocks apart.
 //
 // Latency: of the bus as wh_settings has it, of all else as wh_controller has it.
 // Reset: that of wh_controller, which lasts until the settings are what the table says: 4 times 2^7
@@ -144,6 +145,9 @@ module wh_device #(
     wire [15:0]    capture_first;
     wire [15:0]    capture_left;
 
+    wire [N*8-1:0]          seen_host_sequence;
+    wire [N*`WH_DATA_W-1:0] seen_host_v;
+
 `include "wh_device_words.vh"
 
     // A step is made with one set of words: an anchor's wait until the core's have changed, which
@@ -242,6 +246,48 @@ module wh_device #(
             assign capture_count = 16'd0;
             assign capture_first = 16'd0;
             assign capture_left  = 16'd0;
+        end
+    endgenerate
+
+    // ---- The packet that the bus shows: the newest, or the one before it while words of it are read. A
+    // period is far longer than the frame that reads four words.
+    generate
+        if (HOST != 0) begin : shows_packets
+            reg  [5:0] reading_q;  // clocks in which the frame's next word may come
+            wire       reads = bus_valid_i && !bus_write_i && (bus_address_i[7:2] == 6'h29);
+
+            always @(posedge clk) begin
+                if (rst) begin
+                    reading_q <= 6'd0;
+                end else begin
+                    reading_q <= reads ? 6'd63 : (reading_q == 6'd0) ? 6'd0 : reading_q - 6'd1;
+                end
+            end
+
+            for (n = 0; n < N; n = n + 1) begin : packet_of_motor
+                reg [`WH_DATA_W+7:0] newest_q;
+                reg [`WH_DATA_W+7:0] seen_q;
+
+                always @(posedge clk) begin
+                    if (rst) begin
+                        newest_q <= {`WH_DATA_W+8{1'b0}};
+                        seen_q   <= {`WH_DATA_W+8{1'b0}};
+                    end else begin
+                        if (host_strobe[n]) begin
+                            newest_q <= {host_sequence[n*8 +: 8], host_v[n*`WH_DATA_W +: `WH_DATA_W]};
+                        end
+                        if (!reads && reading_q == 6'd0) begin
+                            seen_q <= newest_q;
+                        end
+                    end
+                end
+
+                assign seen_host_sequence[n*8 +: 8]            = seen_q[`WH_DATA_W +: 8];
+                assign seen_host_v[n*`WH_DATA_W +: `WH_DATA_W] = seen_q[`WH_DATA_W-1:0];
+            end
+        end else begin : shows_none
+            assign seen_host_sequence = host_sequence;
+            assign seen_host_v        = host_v;
         end
     endgenerate
 

@@ -30,9 +30,9 @@ wire [0:0] set_zero_start;
 wire [3:0] set_filter_clocks;
 wire [3:0] set_host_period_log2;
 wire [7:0] set_host_timeout;
-wire [N-1:0] set_host_strobe;
 wire [N*8-1:0] set_host_sequence;
 wire [N*`WH_DATA_W-1:0] set_host_u;
+wire [N-1:0] set_host_strobe;
 wire [DELAY_LOG2-1:0] set_extra_ticks;
 wire [DELAY_LOG2-1:0] set_hold_ticks;
 wire [N*`WH_COEF_W-1:0] set_eta_contact;
@@ -679,13 +679,6 @@ assign changing = (|pending_carrier) || (|pending_frame) || (|pending_trip) || (
 
 assign set_zero_start = command && bus_address_i == 12'h01d && bus_data_i[0];
 generate
-    for (n = 0; n < N; n = n + 1) begin : host_answer_of_motor
-        localparam [31:0] PART = n + 1;
-
-        assign set_host_strobe[n] = command && bus_address_i == {PART[3:0], 8'ha0} && bus_data_i[0];
-    end
-endgenerate
-generate
     for (n = 0; n < N; n = n + 1) begin : host_answer_sequence_of_motor
         localparam [31:0] PART = n + 1;
 
@@ -713,6 +706,13 @@ generate
         end
 
         assign set_host_u[n*`WH_DATA_W +: `WH_DATA_W] = word_q;
+    end
+endgenerate
+generate
+    for (n = 0; n < N; n = n + 1) begin : host_answer_of_motor
+        localparam [31:0] PART = n + 1;
+
+        assign set_host_strobe[n] = command && bus_address_i == {PART[3:0], 8'ha3} && bus_data_i[0];
     end
 endgenerate
 assign set_clear = command && bus_address_i == 12'h060 && bus_data_i[0];
@@ -755,8 +755,8 @@ always @* begin
                 8'hd3: live = {32'd0, zero_busy[m]};
                 8'hd5: live = {32'd0, encoder_fault[m]};
                 8'ha4: live = {32'd0, host_strobe[m]};
-                8'ha5: live = {{25{1'b0}}, host_sequence[m*8 +: 8]};
-                8'ha6: live = {{33-`WH_DATA_W{host_v[m*`WH_DATA_W + `WH_DATA_W - 1]}}, host_v[m*`WH_DATA_W +: `WH_DATA_W]};
+                8'ha5: live = {{25{1'b0}}, seen_host_sequence[m*8 +: 8]};
+                8'ha6: live = {{33-`WH_DATA_W{seen_host_v[m*`WH_DATA_W + `WH_DATA_W - 1]}}, seen_host_v[m*`WH_DATA_W +: `WH_DATA_W]};
                 8'ha7: live = {32'd0, host_active[m]};
                 8'hb0: live = {{33-`WH_DATA_W{voltage[m*`WH_DATA_W + `WH_DATA_W - 1]}}, voltage[m*`WH_DATA_W +: `WH_DATA_W]};
                 8'hb1: live = {{33-`WH_DATA_W{u[m*`WH_DATA_W + `WH_DATA_W - 1]}}, u[m*`WH_DATA_W +: `WH_DATA_W]};
@@ -802,9 +802,9 @@ end
     .filter_clocks_i (set_filter_clocks), \
     .host_period_log2_i (set_host_period_log2), \
     .host_timeout_i (set_host_timeout), \
-    .host_strobe_i (set_host_strobe), \
     .host_sequence_i (set_host_sequence), \
     .host_u_i (set_host_u), \
+    .host_strobe_i (set_host_strobe), \
     .extra_ticks_i (set_extra_ticks), \
     .hold_ticks_i (set_hold_ticks), \
     .eta_contact_i (set_eta_contact), \

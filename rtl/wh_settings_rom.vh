@@ -38,9 +38,9 @@
 `WH_SETTINGS_TOLD('h1d5, 1, 8'hc2)  // encoder_fault
 `WH_SETTINGS_WORD('h024, 1, 8'h6a, 32'd0)  // host_period_log2
 `WH_SETTINGS_WORD('h025, 1, 8'h67, 32'd0)  // host_timeout
-`WH_SETTINGS_TOLD('h1a0, 1, 8'h82)  // host_answer
 `WH_SETTINGS_TOLD('h1a1, 1, 8'h87)  // host_answer_sequence
 `WH_SETTINGS_TOLD('h1a2, 1, 8'h95)  // host_u
+`WH_SETTINGS_TOLD('h1a3, 1, 8'h82)  // host_answer
 `WH_SETTINGS_TOLD('h1a4, 1, 8'hc2)  // host_packet
 `WH_SETTINGS_TOLD('h1a5, 1, 8'hc7)  // host_packet_sequence
 `WH_SETTINGS_TOLD('h1a6, 1, 8'hd5)  // host_v

@@ -490,6 +490,7 @@ def test_shipped_scenes():
         "encoder_wall",
         "free_space",
         "held_wall",
+        "hosted_wall",
         "impact",
         "live_wall",
         "mass",

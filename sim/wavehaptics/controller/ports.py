@@ -34,6 +34,9 @@ DEFAULT_BUS_V = 12.0
 FINE_COUNTS_PER_REV = 65_536
 """Encoder where the scene has none: A and B must come from somewhere."""
 
+HOST_CLOCKS = 150
+"""Least clocks of a period of ``rtl/wh_host_link.v``, which works so long at its end."""
+
 SETTLE_TICKS = 5
 """Ticks between two changes of side of the dead-time compensation, besides the scene's latency."""
 
@@ -117,6 +120,7 @@ def controller_ports(
             set_.limit_v, reach_v / bus_v * (1.0 - lost / time.half_clocks)
         ),
         **dead,
+        **_host_words(scene, time),
     }
     largest = words["clocks_per_volt"]
     if scene.drive and scene.drive.bus_measured and scene.drive.true_bus_v is not None:
@@ -150,6 +154,23 @@ def _min_pulse(scene: Scene, time: Timing) -> int:
             f"has room for {most}; take a slower drive.pwm_hz or a shorter min_pulse_s"
         )
     return clocks
+
+
+def _host_words(scene: Scene, time: Timing) -> dict[str, int]:
+    """Words of the link to a host, ``rtl/wh_host_link.v``, where the scene has one."""
+    if scene.host is None:
+        return {}
+    log2 = round(math.log2(scene.controller.tick_hz / scene.host.rate_hz))
+    most = WORDS["host_period_log2"].fixed.raw_max
+    clocks = time.tick_clocks * 2.0**log2
+    if not 0 <= log2 <= most or clocks < HOST_CLOCKS:
+        raise SceneError(
+            f"{scene.scene.name}: host.rate_hz = {scene.host.rate_hz:g}: a period is 1 to "
+            f"{1 << most} ticks and {HOST_CLOCKS} clocks at least, which is "
+            f"{scene.controller.tick_hz / (1 << most):g} to "
+            f"{min(scene.controller.tick_hz, time.clock_hz / HOST_CLOCKS):g} Hz here"
+        )
+    return {"host_period_log2": log2, "host_timeout": scene.host.timeout}
 
 
 def _dead_time_words(scene: Scene, time: Timing, bus_v: float) -> dict[str, int]:

@@ -27,19 +27,14 @@ from pymodbus.pdu.register_message import ReadHoldingRegistersRequest
 from wavehaptics.host.names import HostError, Place, Shape
 from wavehaptics.words import modbus, table
 
-BAUDS = (115_200, 1_000_000, 1_500_000, 3_000_000)
-"""Bits a second of the device's rates; it begins with the first one."""
-
-BAUD = BAUDS[0]
+BAUD = modbus.BAUDS[0]
+"""Bits a second that a device begins with."""
 
 RENEWAL_S = 0.05
 """Wall-clock time from one renewal of the arming to the next, a quarter of what it lasts."""
 
 ZERO_S = 10.0
 """Wall-clock time in which a zero is measured, on a slow simulated board as well."""
-
-MAP_VERSION = 1
-"""Of the registers, that this client knows."""
 
 _RATE = 2 * modbus.IDENTIFICATION.index("rate")
 
@@ -114,10 +109,11 @@ class Client:
 
     def _identify(self) -> Identification:
         found = self.identify()
-        if found.words["version"] != MAP_VERSION:
+        if found.words["version"] != modbus.MAP_VERSION:
             raise HostError(
                 f"{self._port}: the device's map of registers is of version "
-                f"{found.words['version']}, not {MAP_VERSION}; take the package of its bitstream"
+                f"{found.words['version']}, not {modbus.MAP_VERSION}; take the package of its "
+                "bitstream"
             )
         if found.words["table"] != table.crc():
             raise HostError(
@@ -179,7 +175,7 @@ class Client:
         Nobody else has the port meanwhile: who renews the arming of the bridges has to wait. Where
         the way there can't bear the rate, it stays at the first one, then and later.
         """
-        rate = min(self.identification.words["rates"], len(BAUDS)) - 1
+        rate = min(self.identification.words["rates"], len(modbus.BAUDS)) - 1
         with self._taken() as line:
             self._held = line
             try:
@@ -210,7 +206,7 @@ class Client:
 
     def _set_rate(self, rate: int) -> None:
         self._write(_RATE, [0, rate], "rate")
-        self._speak(BAUDS[rate])
+        self._speak(modbus.BAUDS[rate])
 
     def _speak(self, baud: int) -> None:
         assert self._held is not None

@@ -38,28 +38,31 @@ _ANCHOR = frozenset(
 _DIGITAL = frozenset(("controller.extra_ticks", "controller.edge_hysteresis",
                       "controller.early_duty"))  # fmt: skip
 
+_BESIDE = frozenset({"servo", "host"})
+"""Of the encoder's servo, and of a virtual board: a port whose host is silent has its own walls."""
+
 _NO_W = {"shaper": "leave it out or take `golden`"}
 _NO_EDGES = {"adc.edge_settle_s": "it has no edges of a bridge; leave it out or take `pins`"}
 
 ABILITIES: dict[str, Ability] = {
     "analog": Ability(
-        _PINS | _ANCHOR | _DIGITAL
+        _PINS | _ANCHOR | _DIGITAL | _BESIDE
         | {"encoder.stops_at_s", "encoder.reverses_at_s", "encoder.uneven",
-           "encoder.skips_per_rev", "adc", "servo", "controller.l_hat", "controller.k_t_hat",
+           "encoder.skips_per_rev", "adc", "controller.l_hat", "controller.k_t_hat",
            "controller.anchor_auto"},
         _NO_W,
     ),
-    "golden": Ability(_PINS | {"servo", "controller.early_duty"}, _NO_EDGES),
-    "core": Ability(_PINS | {"servo", "controller.early_duty"}, _NO_EDGES),
-    "pins": Ability(frozenset({"servo"})),
+    "golden": Ability(_PINS | _BESIDE | {"controller.early_duty"}, _NO_EDGES),
+    "core": Ability(_PINS | _BESIDE | {"controller.early_duty"}, _NO_EDGES),
+    "pins": Ability(_BESIDE),
     "encoder": Ability(
         _PINS | _ANCHOR | _DIGITAL
-        | {"adc", "encoder.uneven", "controller.eta_contact", "controller.eta_free",
+        | {"adc", "host", "encoder.uneven", "controller.eta_contact", "controller.eta_free",
            "controller.r_hat", "controller.anchor_auto", "controller.r_hat_part"},
         _NO_W,
     ),
     "hosted": Ability(
-        _PINS | {"servo", "controller.early_duty"},
+        _PINS | _BESIDE | {"controller.early_duty"},
         _NO_EDGES
         | {
             "shaper": "the environment is the host's; leave it out",
@@ -70,6 +73,7 @@ ABILITIES: dict[str, Ability] = {
     "a board": Ability(
         refused={
             "servo": "leave it out",
+            "host": "no board's bitstream has a host's link yet; leave it out",
             "drive.bus_measured": "no board measures its bus yet; set it to false",
         },
     ),

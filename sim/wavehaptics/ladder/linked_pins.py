@@ -52,7 +52,8 @@ class LinkedPins(PinsSimulation):
     """``wh_linked_device`` with a scene's settings, motor and hand.
 
     With ``arm`` the bridges stay off until the line arms them, as the board has it; without, they
-    are on, as those of :class:`~wavehaptics.ladder.device_pins.DevicePins`. enable_i is high.
+    are on, as those of :class:`~wavehaptics.ladder.device_pins.DevicePins`. enable_i is high. A
+    scene with a ``[host]`` has HOST = 1.
     """
 
     TOP = "wh_linked_device"
@@ -62,7 +63,7 @@ class LinkedPins(PinsSimulation):
 
     def __init__(self, scene: Scene, *, arm: bool = True) -> None:
         self._arm = arm
-        super().__init__(scene)
+        super().__init__(scene, host=scene.host is not None)
 
     def _parameters(self) -> dict[str, int]:
         clock_hz = round(self.timing.clock_hz)

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from wavehaptics.words.c_header import c_words
 from wavehaptics.words.device import device_words
 from wavehaptics.words.generated import PAGE_HEAD, guard_fields, page_rows, settings_rom
 from wavehaptics.words.table import crc
@@ -37,11 +38,16 @@ def _words_crc(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     return f"`define WH_WORDS_CRC 32'h{crc():08x}\n// "
 
 
+def _c_words(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    return c_words() + "// "
+
+
 TABLES = {
     "words": _words,
     "guard-fields": _guard_fields,
     "settings-rom": _settings_rom,
     "device-words": _device_words,
     "words-crc": _words_crc,
+    "c-words": _c_words,
 }
 """Texts by marker, made with the given function of head and rows, which these do without."""

@@ -21,6 +21,7 @@ from wavehaptics.scene.tables.encoder import Encoder
 from wavehaptics.scene.tables.friction import Friction
 from wavehaptics.scene.tables.general import SceneTable
 from wavehaptics.scene.tables.hand import Hand
+from wavehaptics.scene.tables.host import Host
 from wavehaptics.scene.tables.motor import Motor
 from wavehaptics.scene.tables.servo import Servo
 from wavehaptics.scene.tables.shaper import Shaper
@@ -50,6 +51,7 @@ class Scene(Table):
     thermal: Thermal | None = None
     transmission: Transmission | None = None
     servo: Servo | None = None
+    host: Host | None = None
     controller: Controller
     shaper: Shaper | None = None
 

@@ -26,6 +26,10 @@ _ALSO = {
 """Inputs that the module itself drives as well."""
 
 
+_SEEN = {"host_sequence": "seen_host_sequence", "host_v": "seen_host_v"}
+"""Outputs of the controller that the module keeps while a frame reads them."""
+
+
 _STAGED = {"off": "0", "any": "0", "sum": "(EARLY != 0) ? 0 : 1"}
 """By the kind of change: words that nobody reads meanwhile wait for no reader."""
 
@@ -175,7 +179,7 @@ def _command(word: Word) -> list[str]:
 def _live(word: Word) -> str:
     """A case of the live words, of 33 bits. Words of one row on the board come by one port."""
     port, bits = word.port, _bits(word)
-    name = port if port.endswith("_i") else port[:-2]
+    name = port if port.endswith("_i") else _SEEN.get(port[:-2], port[:-2])
     place = "0" if word.row.per == "board" else f"m*{bits}"
     if bits == "1":
         value = f"{{32'd0, {name}}}" if word.row.per == "board" else f"{{32'd0, {name}[m]}}"

@@ -11,6 +11,12 @@ TABLE = 0x2000
 MOST_READ, MOST_WRITTEN = 62, 61
 """Words of one frame."""
 
+MAP_VERSION = 1
+"""Of the registers, that this package knows."""
+
+BAUDS = (115_200, 1_000_000, 1_500_000, 3_000_000)
+"""Bits a second of the device's rates; it begins with the first one."""
+
 OPTIONS = {
     "motors": (0, 4), "walls": (4, 5), "shaper": (9, 2), "delay_log2": (11, 4), "adc": (15, 2),
     "early": (17, 1), "anchor": (18, 1), "guard": (19, 1), "sense": (20, 1), "host": (21, 1),
