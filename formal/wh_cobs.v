@@ -239,21 +239,22 @@ module prove_wh_cobs (
                 if (dropped_q) assert (sent != \block.write_slot_q );
             end
             if (!idle && !packets) begin
-                assert (sent <= 3'd1 && ends_at == {2'd0, \block.count_q } && ends_at != 5'd0);
+                assert (sent <= 3'd1 && ends_at <= 5'd7 && ends_at != 5'd0);
+                assert (\block.count_q == ((state == REST) ? 3'd0 : ends_at[2:0]));
             end
             if (!idle && state != REST && state != END) begin
                 assert (begins_at <= ends_at && at <= ends_at && begins_at <= at);
             end
             if (state == SCAN) assert (code == {3'd0, at} - {3'd0, begins_at} + 8'd1);
             if (state == CODE) begin
-                assert (at == begins_at && code >= 8'd1);
+                assert (at == begins_at && code >= 8'd1 && code <= 8'd32);
                 assert (to + {5'd0, \block.skips_q } <= {1'b0, ends_at});
             end
             if (state == BYTES) begin
-                assert (code >= 8'd1);
+                assert (code >= 8'd1 && code <= 8'd32);
                 assert (to + {5'd0, \block.skips_q } <= {1'b0, ends_at});
             end
-            if (state == NEXT) assert (at + {4'd0, \block.skips_q } <= ends_at);
+            if (state == NEXT) assert ({1'b0, at} + {5'd0, \block.skips_q } <= {1'b0, ends_at});
             if (state == SCAN) assert (\block.clock_q <= 2'd2);
             for (k = 0; k < 32; k = k + 1) begin
                 if (state == SCAN || state == CODE || state == BYTES) begin

@@ -203,7 +203,9 @@ module wh_cobs #(
                 END: begin
                     if (tx_ready_i) begin
                         state_q <= REST;
-                        count_q <= sends_packet_q ? count_q : {SLOT_LOG2+1{1'b0}};
+                        if (!sends_packet_q) begin
+                            count_q <= {SLOT_LOG2+1{1'b0}};
+                        end
                     end
                 end
                 default: begin

@@ -46,7 +46,8 @@ module wh_linked_device #(
     parameter integer UNIT         = 1,  // 1...247, of the link
     parameter [31:0]  BUILD        = 32'd0,
     parameter integer SILENCE      = CLOCK_HZ / 500,  // these two are wh_modbus's
-    parameter integer FALLBACK     = 500
+    parameter integer FALLBACK     = 500,
+    parameter integer CREDIT       = CLOCK_HZ / 5     // clocks that the words `arm` and `stream` last
 ) (
     input  wire                 clk,
     input  wire                 rst,
@@ -179,7 +180,7 @@ module wh_linked_device #(
         .GUARD          (GUARD),
         .LIVE           (LIVE),
         .ARM            (ARM),
-        .ARM_CLOCKS     (CLOCK_HZ / 5),
+        .ARM_CLOCKS     (CREDIT),
         .CAPTURE        (CAPTURE),
         .STREAM         (STREAM)
     ) device (
