@@ -162,9 +162,9 @@ module prove_wh_cobs (
 
     // Behind the bytes of the block that are known to be no zeros, and their first.
     wire [4:0] from = (state == BYTES) ? at : begins_at;
-    wire [5:0] to   = (state == SCAN) ? {1'b0, at}
-                    : (state == CODE) ? {1'b0, begins_at} + code[5:0] - 6'd1
-                    : (state == BYTES) ? {1'b0, at} + code[5:0] : 6'd0;
+    wire [8:0] to   = (state == SCAN) ? {4'd0, at}
+                    : (state == CODE) ? {4'd0, begins_at} + {1'b0, code} - 9'd1
+                    : (state == BYTES) ? {4'd0, at} + {1'b0, code} : 9'd0;
 
     // Slots in turn, from the one that is read next on.
     wire [3:0] ahead = {1'b0, \block.read_slot_q } + {1'b0, waiting};
@@ -248,11 +248,11 @@ module prove_wh_cobs (
             if (state == SCAN) assert (code == {3'd0, at} - {3'd0, begins_at} + 8'd1);
             if (state == CODE) begin
                 assert (at == begins_at && code >= 8'd1 && code <= 8'd32);
-                assert (to + {5'd0, \block.skips_q } <= {1'b0, ends_at});
+                assert (to + {8'd0, \block.skips_q } <= {4'd0, ends_at});
             end
             if (state == BYTES) begin
                 assert (code >= 8'd1 && code <= 8'd32);
-                assert (to + {5'd0, \block.skips_q } <= {1'b0, ends_at});
+                assert (to + {8'd0, \block.skips_q } <= {4'd0, ends_at});
             end
             if (state == NEXT) assert ({1'b0, at} + {5'd0, \block.skips_q } <= {1'b0, ends_at});
             if (state == SCAN) assert (\block.clock_q <= 2'd2);
