@@ -137,6 +137,7 @@ module wh_board_controller #(
                 `WH_SAME_PARAMETERS,
                 .ARM             (0),
                 .CAPTURE         (`WH_BOARD_CAPTURE),
+                .STREAM          (`WH_BOARD_STREAM),
                 .CLOCK_HZ        (`WH_BOARD_CLOCK_HZ),
                 .BUILD           (`WH_BOARD_BUILD)
             ) device (

@@ -17,6 +17,8 @@ module bench_modbus #(
     output wire        tx_valid_o,
     output wire [7:0]  tx_data_o,
     input  wire        tx_ready_i,
+    output wire        answers_o,
+    output wire        rests_o,
     output wire [1:0]  rate_o,
     input  wire        dead_i,      // the bus hears nothing
     input  wire        enable_i,
@@ -65,6 +67,8 @@ module bench_modbus #(
         .tx_valid_o    (tx_valid_o),
         .tx_data_o     (tx_data_o),
         .tx_ready_i    (tx_ready_i),
+        .answers_o     (answers_o),
+        .rests_o       (rests_o),
         .rate_o        (rate_o),
         .bus_valid_o   (valid),
         .bus_write_o   (write),

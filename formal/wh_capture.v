@@ -86,13 +86,13 @@ module prove_wh_capture (
         .read_data_o    (read_data)
     );
 
-    (* hierconn *) wire [3:0]  \block.turn_q ;
+    (* hierconn *) wire [3:0]  \block.rows.turn_q ;
     (* hierconn *) wire [3:0]  \block.channels_q ;
     (* hierconn *) wire [15:0] \block.rows_q ;
     (* hierconn *) wire [15:0] \block.pre_q ;
     (* hierconn *) wire [15:0] \block.row_q ;
     (* hierconn *) wire [3:0]  \block.place_q ;
-    (* hierconn *) wire        \block.last_q ;
+    (* hierconn *) wire        \block.rows.last_q ;
     (* hierconn *) wire [2:0]  \block.trigger_q ;
     (* hierconn *) wire        \block.told_q ;
     (* hierconn *) wire        \block.stores ;
@@ -102,12 +102,12 @@ module prove_wh_capture (
     (* hierconn *) wire [19:0] \block.needed_q ;
     (* hierconn *) wire [31:0] \block.memory[5] ;
 
-    wire [3:0]  turn  = \block.turn_q ;
+    wire [3:0]  turn  = \block.rows.turn_q ;
     wire [3:0]  each  = \block.channels_q ;
     wire [15:0] all   = \block.rows_q ;
     wire [15:0] early = \block.pre_q ;
     wire [15:0] row   = \block.row_q ;
-    wire        last  = \block.last_q ;
+    wire        last  = \block.rows.last_q ;
 
     wire        active = (state == FILLS) || (state == WAITS) || (state == TRIGGERED);
     wire        itself = (state == DONE) && (left == 16'd0);  // not stopped

@@ -3,11 +3,8 @@
 // wh_capture: rows of live words in block RAM, from some time before a trigger to some time after it.
 // It listens only: nothing of it goes to what it listens to.
 //
-// A row has up to eight words, `channels_i` of the addresses of rtl/words.toml in `channel_i`; an address
-// that is none of those below gives 0. It is made of 2^decimation_i ticks: of numbers with a sign and of the
-// bus it keeps the mean, rounded down, of the position what it was last, of bits those that were there in any tick.
-// A tick's words are those of its step, as it ends; without one, as with the bridges off, those of the clock
-// behind its last one.
+// A row has up to eight words, `channels_i` of the addresses in `channel_i`, of 2^decimation_i ticks, as wh_rows
+// has them.
 //
 //   write 1   start: forget what was written, take the settings over, and fill: pre_i rows
 //   write 2   trigger, as soon as those rows are there
@@ -83,9 +80,6 @@ module wh_capture #(
     output reg  [31:0]                  read_data_o
 );
 
-    localparam integer DATA_W  = `WH_DATA_W;
-    localparam integer COUNT_W = `WH_COUNT_W;
-    localparam integer SUM_W   = 47;           // 2^15 words of 32 bits
     localparam [19:0]  WORDS   = 20'd1 << DEPTH_LOG2;
 
     generate
@@ -94,160 +88,63 @@ module wh_capture #(
         end
     endgenerate
 
-    // Addresses of rtl/words.toml; a motor's without the motor.
-    localparam [7:0]  VOLTAGE    = 8'hb0;
-    localparam [7:0]  U          = 8'hb1;
-    localparam [7:0]  V          = 8'hb2;
-    localparam [7:0]  CURRENT    = 8'hb3;
-    localparam [7:0]  POSITION   = 8'hb4;
-    localparam [7:0]  CORRECTION = 8'hc0;
-    localparam [7:0]  OFFSET     = 8'hc1;
-    localparam [7:0]  FLUX       = 8'hc2;
-    localparam [7:0]  LAG        = 8'hc3;
-    localparam [7:0]  FLAGS      = 8'hd6;
-    localparam [11:0] BUS        = 12'h039;
-    localparam [11:0] FAULTS     = 12'h062;
-
     localparam [2:0] REST      = 3'd0;
     localparam [2:0] FILLS     = 3'd1;
     localparam [2:0] WAITS     = 3'd2;
     localparam [2:0] TRIGGERED = 3'd3;
     localparam [2:0] DONE      = 3'd4;
 
-    localparam [1:0] MEAN = 2'd0;  // what becomes of a word's ticks
-    localparam [1:0] LAST = 2'd1;
-    localparam [1:0] ANY  = 2'd2;
+    localparam [3:0] TURN_LAST = 4'd12;
 
     reg  [2:0]  state_q;
     wire        active = (state_q == FILLS) || (state_q == WAITS) || (state_q == TRIGGERED);
 
-    // ---- One strobe a tick: its step's, or without one its end, which comes late in its clock.
+    // ---- The rows: eight channels, one after another.
 
-    reg  stepped_q;  // this tick had a step
-    reg  missed_q;   // the one before had none
-    wire strobe = valid_i || missed_q;
+    wire        strobe;
+    wire        take;
+    wire        fresh;
+    wire [3:0]  turn;
+    wire        last;
+    wire [31:0] value;
+    wire        starts;
+    wire        unused_mean;
 
-    always @(posedge clk) begin
-        stepped_q <= !rst && !tick_i && (stepped_q || valid_i);
-        missed_q  <= !rst && tick_i && !stepped_q && !valid_i;
-    end
+    wh_rows #(
+        .N            (N),
+        .CHANNELS     (8)
+    ) rows (
+        .clk          (clk),
+        .rst          (rst),
+        .tick_i       (tick_i),
+        .valid_i      (valid_i),
+        .voltage_i    (voltage_i),
+        .u_i          (u_i),
+        .v_i          (v_i),
+        .current_i    (current_i),
+        .position_i   (position_i),
+        .correction_i (correction_i),
+        .offset_i     (offset_i),
+        .flux_i       (flux_i),
+        .lag_i        (lag_i),
+        .flags_i      (flags_i),
+        .bus_i        (bus_i),
+        .faults_i     (faults_i),
+        .start_i      (starts),
+        .channel_i    (channel_i),
+        .decimation_i (decimation_i),
+        .shift_i      (4'd0),
+        .active_i     (active),
+        .strobe_o     (strobe),
+        .take_o       (take),
+        .fresh_o      (fresh),
+        .turn_o       (turn),
+        .last_o       (last),
+        .mean_o       (unused_mean),
+        .value_o      (value)
+    );
 
-    // ---- What the words are then. The channels' turns come one after another.
-
-    localparam [3:0] TURN_LAST = 4'd12;
-
-    reg  [3:0] turn_q;  // 0 nothing to do; channel k is chosen in 1 + k, written in 4 + k
-    wire       take = strobe && active && (turn_q == 4'd0);
-
-    reg  [N*DATA_W-1:0]    voltage_q;
-    reg  [N*DATA_W-1:0]    u_q;
-    reg  [N*DATA_W-1:0]    v_q;
-    reg  [N*DATA_W-1:0]    current_q;
-    reg  [N*COUNT_W-1:0]   position_q;
-    reg  [N*DATA_W-1:0]    correction_q;
-    reg  [N*DATA_W-1:0]    offset_q;
-    reg  [N*DATA_W-1:0]    flux_q;
-    reg  [N*DATA_W-1:0]    lag_q;
-    reg  [N*8-1:0]         flags_q;
-    reg  [`WH_BUS_W-1:0]   bus_q;
-    reg  [`WH_FAULTS-1:0]  faults_q;
-
-    always @(posedge clk) begin
-        if (take) begin
-            voltage_q    <= voltage_i;
-            u_q          <= u_i;
-            v_q          <= v_i;
-            current_q    <= current_i;
-            position_q   <= position_i;
-            correction_q <= correction_i;
-            offset_q     <= offset_i;
-            flux_q       <= flux_i;
-            lag_q        <= lag_i;
-            flags_q      <= flags_i;
-            bus_q        <= bus_i;
-            faults_q     <= faults_i;
-        end
-    end
-
-    // ---- A channel's word, and what becomes of it.
-
-    reg  [95:0] codes_q;  // the turn's address lowest
-    wire [11:0] code = codes_q[11:0];
-    reg  [32:0] word;
-    reg  [1:0]  kind;
-    integer     m;
-
-    always @* begin
-        word = 33'd0;
-        kind = LAST;
-        if (code == BUS) begin
-            word = {{33-`WH_BUS_W{1'b0}}, bus_q};
-            kind = MEAN;
-        end
-        if (code == FAULTS) begin
-            word = {{33-`WH_FAULTS{1'b0}}, faults_q};
-            kind = ANY;
-        end
-        for (m = 0; m < N; m = m + 1) begin
-            if ({28'd0, code[11:8]} == m + 1) begin
-                case (code[7:0])
-                    VOLTAGE:    word = {{33-DATA_W{voltage_q[m*DATA_W + DATA_W-1]}}, voltage_q[m*DATA_W +: DATA_W]};
-                    U:          word = {{33-DATA_W{u_q[m*DATA_W + DATA_W-1]}}, u_q[m*DATA_W +: DATA_W]};
-                    V:          word = {{33-DATA_W{v_q[m*DATA_W + DATA_W-1]}}, v_q[m*DATA_W +: DATA_W]};
-                    CURRENT:    word = {{33-DATA_W{current_q[m*DATA_W + DATA_W-1]}}, current_q[m*DATA_W +: DATA_W]};
-                    POSITION:   word = {{33-COUNT_W{position_q[m*COUNT_W + COUNT_W-1]}}, position_q[m*COUNT_W +: COUNT_W]};
-                    CORRECTION: word = {{33-DATA_W{correction_q[m*DATA_W + DATA_W-1]}}, correction_q[m*DATA_W +: DATA_W]};
-                    OFFSET:     word = {{33-DATA_W{offset_q[m*DATA_W + DATA_W-1]}}, offset_q[m*DATA_W +: DATA_W]};
-                    FLUX:       word = {{33-DATA_W{flux_q[m*DATA_W + DATA_W-1]}}, flux_q[m*DATA_W +: DATA_W]};
-                    LAG:        word = {{33-DATA_W{lag_q[m*DATA_W + DATA_W-1]}}, lag_q[m*DATA_W +: DATA_W]};
-                    FLAGS:      word = {25'd0, flags_q[m*8 +: 8]};
-                    default:    word = 33'd0;
-                endcase
-                kind = (code[7:0] == POSITION) ? LAST : (code[7:0] == FLAGS) ? ANY : MEAN;
-            end
-        end
-    end
-
-    wire unused_word = &{1'b0, word[32]};
-
-    // ---- A row is of so many ticks.
-
-    reg  [3:0]  decimation_q;
-    reg  [14:0] ticks_q;      // of the row, but for one
-    reg  [14:0] tick_q;       // which of them the next one is
-    reg         first_q;      // the tick that is worked off is the row's first
-    reg         last_q;
-
-    // Sums of the channels, by turns as well.
-    reg  [SUM_W-1:0] sums [0:7];
-    reg  [SUM_W-1:0] before_q;
-    reg  [SUM_W-1:0] sum_q;
-    reg  [31:0]      word_q;
-    reg  [1:0]       kind_q;
-    reg  [1:0]       sum_kind_q;
-    reg  [31:0]      value_q;
-
-    wire [2:0] chosen  = turn_q[2:0] - 3'd1;
-    wire [2:0] summed  = turn_q[2:0] - 3'd3;
-    wire [3:0] written = turn_q - 4'd4;
-
-    wire        [SUM_W-1:0] sofar  = first_q ? {SUM_W{1'b0}} : before_q;
-    wire        [SUM_W-1:0] longer = {{SUM_W-32{word_q[31]}}, word_q};
-    wire signed [SUM_W-1:0] sum    = $signed(sum_q);
-    wire signed [SUM_W-1:0] mean   = sum >>> ((sum_kind_q == MEAN) ? decimation_q : 4'd0);
-    wire                    unused_mean = &{1'b0, mean[SUM_W-1:32]};
-
-    always @(posedge clk) begin
-        word_q     <= word[31:0];
-        kind_q     <= kind;
-        before_q   <= sums[chosen];
-        sum_q      <= (kind_q == MEAN) ? sofar + longer : (kind_q == ANY) ? (sofar | longer) : longer;
-        sum_kind_q <= kind_q;
-        value_q    <= mean[31:0];
-        if (turn_q >= 4'd3 && turn_q <= 4'd10) begin
-            sums[summed] <= sum_q;
-        end
-    end
+    wire [3:0] written = turn - 4'd4;
 
     // ---- The memory.
 
@@ -255,7 +152,7 @@ module wh_capture #(
 
     reg  [3:0]            channels_q;
     reg  [DEPTH_LOG2-1:0] place_q;    // the next word's
-    wire                  stores = active && last_q && (turn_q >= 4'd4) && (turn_q < TURN_LAST)
+    wire                  stores = active && last && (turn >= 4'd4) && (turn < TURN_LAST)
                                    && (written < channels_q);
 
     reg  [15:0]           read_offset_q;
@@ -265,7 +162,7 @@ module wh_capture #(
 
     always @(posedge clk) begin
         if (stores) begin
-            memory[place_q] <= value_q;
+            memory[place_q] <= value;
         end
         if (rst || write_offset_i) begin
             read_offset_q <= rst ? 16'd0 : data_i;
@@ -290,7 +187,7 @@ module wh_capture #(
     reg                wrong_q;     // a fault was there in the row
     reg                hit;
 
-    wire ends_row = (turn_q == TURN_LAST) && last_q;
+    wire ends_row = (turn == TURN_LAST) && last;
 
     always @* begin
         case (trigger_q)
@@ -310,13 +207,13 @@ module wh_capture #(
             contact_q <= contact_i;
         end
         if (take) begin
-            touched_q <= (|(contact_i & ~contact_q)) || (touched_q && tick_q != 15'd0);
-            wrong_q   <= fault_i || (wrong_q && tick_q != 15'd0);
+            touched_q <= (|(contact_i & ~contact_q)) || (touched_q && !fresh);
+            wrong_q   <= fault_i || (wrong_q && !fresh);
         end
-        if (turn_q == 4'd4 && last_q) begin
-            over_q     <= ($signed(value_q) >= level_q);
-            differs_q  <= (value_q != previous_q);
-            previous_q <= value_q;
+        if (turn == 4'd4 && last) begin
+            over_q     <= ($signed(value) >= level_q);
+            differs_q  <= (value != previous_q);
+            previous_q <= value;
         end
         if (ends_row) begin
             was_over_q <= over_q;
@@ -334,7 +231,10 @@ module wh_capture #(
     reg  [15:0] left_q;
     reg  [19:0] needed_q;   // words, of the settings as they are
 
-    wire obeys = ordered_q && !hold_i && !strobe && (turn_q == 4'd0);
+    wire obeys = ordered_q && !hold_i && !strobe && (turn == 4'd0);
+
+    assign starts = obeys && (order_q == 2'd1);
+
     wire fits  = (needed_q <= WORDS) && (channels_i != 4'd0) && (channels_i <= 4'd8) && (pre_i < rows_i);
 
     wire        full     = (count_q == rows_q);
@@ -351,7 +251,6 @@ module wh_capture #(
                     + (channels_i[3] ? {1'd0, rows_i, 3'd0} : 20'd0);
         if (rst) begin
             state_q   <= REST;
-            turn_q    <= 4'd0;
             ordered_q <= 1'b0;
             count_q   <= 16'd0;
             rows_q    <= 16'd0;
@@ -363,22 +262,8 @@ module wh_capture #(
                 order_q <= data_i[1:0];
             end
 
-            // The ticks.
-            if (take) begin
-                turn_q  <= 4'd1;
-                first_q <= (tick_q == 15'd0);
-                last_q  <= (tick_q == ticks_q);
-            end else if (turn_q != 4'd0) begin
-                turn_q  <= (turn_q == TURN_LAST) ? 4'd0 : turn_q + 4'd1;
-            end
-            if (turn_q >= 4'd1 && turn_q <= 4'd8) begin
-                codes_q <= {codes_q[11:0], codes_q[95:12]};
-            end
             if (stores) begin
                 place_q <= place_q + {{DEPTH_LOG2-1{1'b0}}, 1'b1};
-            end
-            if (turn_q == TURN_LAST) begin
-                tick_q <= last_q ? 15'd0 : tick_q + 15'd1;
             end
 
             // The rows.
@@ -409,16 +294,12 @@ module wh_capture #(
                     end
                     2'd1: begin
                         state_q      <= !fits ? REST : (pre_i == 16'd0) ? WAITS : FILLS;
-                        codes_q      <= channel_i;
                         channels_q   <= channels_i;
                         rows_q       <= rows_i;
                         pre_q        <= pre_i;
                         left_q       <= rows_i - pre_i;
-                        decimation_q <= decimation_i;
-                        ticks_q      <= 15'h7fff >> (4'd15 - decimation_i);
                         trigger_q    <= trigger_i;
                         level_q      <= level_i;
-                        tick_q       <= 15'd0;
                         row_q        <= 16'd0;
                         place_q      <= {DEPTH_LOG2{1'b0}};
                         count_q      <= 16'd0;

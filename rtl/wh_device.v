@@ -14,8 +14,9 @@
 // is high, with ARM = 1 where the bus has armed them as well (wh_arm). They stay off while words that want
 // them off are given, (N + 1) 2^9 clocks or so.
 // Live words are those of the clock in which they are read: two of them needn't be of one step. Those of
-// one step, and of many after another, stand in what CAPTURE has them written to (wh_capture). A packet's
-// number and its v are of one packet where they are read one after the other, less than 64 clocks apart.
+// one step, and of many after another, stand in what CAPTURE has them written to (wh_capture), and in what STREAM
+// sends (wh_stream). A packet's number and its v are of one packet where they are read one after the other, less
+// than 64 clocks apart.
 //
 // Latency: of the bus as wh_settings has it, of all else as wh_controller has it.
 // Reset: that of wh_controller, which lasts until the settings are what the table says: 4 times 2^7
@@ -46,8 +47,9 @@ module wh_device #(
     parameter integer GUARD        = 0,
     parameter integer LIVE         = 1,  // 1: live words of motors are on the bus; 0: they read 0
     parameter integer ARM          = 0,  // 1: the bridges are on by command only, and while it is renewed
-    parameter integer ARM_CLOCKS   = 4800000, // ARM = 1: clocks that a command lasts, 2...2^30
-    parameter integer CAPTURE      = 0   // words that a capture takes, 2^this, 4...15; 0: there is none
+    parameter integer ARM_CLOCKS   = 4800000, // clocks that a command of either lasts, 2...2^30
+    parameter integer CAPTURE      = 0,  // words that a capture takes, 2^this, 4...15; 0: there is none
+    parameter integer STREAM       = 0   // 1: with a stream
 ) (
     input  wire                 clk,
     input  wire                 rst,
@@ -91,7 +93,15 @@ module wh_device #(
     output wire [N-1:0]         zero_fault_o,
     output wire [N-1:0]         anchor_fault_o,
     output wire [N-1:0]         encoder_fault_o,
-    output wire [N-1:0]         overcurrent_o
+    output wire [N-1:0]         overcurrent_o,
+
+    // A stream's packets (wh_stream).
+    output wire                 stream_credit_o,
+    output wire                 stream_valid_o,
+    output wire                 stream_first_o,
+    output wire [7:0]           stream_byte_o,
+    output wire                 stream_packet_o,
+    input  wire                 stream_room_i
 );
 
     localparam integer SECTIONS = (SHAPER > 0) ? SHAPER : 1;
@@ -144,6 +154,9 @@ module wh_device #(
     wire [15:0]    capture_count;
     wire [15:0]    capture_first;
     wire [15:0]    capture_left;
+    wire           set_stream;
+    wire [1:0]     stream_state;
+    wire [15:0]    stream_lost;
 
     wire [N*8-1:0]          seen_host_sequence;
     wire [N*`WH_DATA_W-1:0] seen_host_v;
@@ -288,6 +301,58 @@ module wh_device #(
         end else begin : shows_none
             assign seen_host_sequence = host_sequence;
             assign seen_host_v        = host_v;
+        end
+    endgenerate
+
+    generate
+        if (STREAM != 0) begin : streams
+            wh_stream #(
+                .N            (N),
+                .CREDIT       (ARM_CLOCKS)
+            ) stream (
+                .clk          (clk),
+                .rst          (rst || !ready),
+                .tick_i       (tick),
+                .valid_i      (core_valid),
+                .voltage_i    (voltage),
+                .u_i          (u),
+                .v_i          (v),
+                .current_i    (current),
+                .position_i   (position),
+                .correction_i (correction),
+                .offset_i     (offset),
+                .flux_i       (flux),
+                .lag_i        (lag),
+                .flags_i      (flags),
+                .bus_i        (bus_i),
+                .faults_i     (faults),
+                .channel_i    (set_stream_channel),
+                .last_i       (set_stream_last),
+                .shift_i      (set_stream_shift),
+                .decimation_i (set_stream_decimation),
+                .hold_i       (busy),
+                .write_i      (set_stream),
+                .data_i       (bus_data_i[1:0]),
+                .state_o      (stream_state),
+                .lost_o       (stream_lost),
+                .credit_o     (stream_credit_o),
+                .room_i       (stream_room_i),
+                .byte_valid_o (stream_valid_o),
+                .byte_first_o (stream_first_o),
+                .byte_o       (stream_byte_o),
+                .packet_o     (stream_packet_o)
+            );
+        end else begin : streams_nothing
+            wire unused_stream = &{1'b0, set_stream_channel, set_stream_last, set_stream_shift,
+                                   set_stream_decimation, set_stream, stream_room_i};
+
+            assign stream_state    = 2'd0;
+            assign stream_lost     = 16'd0;
+            assign stream_credit_o = 1'b0;
+            assign stream_valid_o  = 1'b0;
+            assign stream_first_o  = 1'b0;
+            assign stream_byte_o   = 8'd0;
+            assign stream_packet_o = 1'b0;
         end
     endgenerate
 

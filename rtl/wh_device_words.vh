@@ -69,6 +69,10 @@ wire [15:0] set_capture_pre;
 wire [3:0] set_capture_decimation;
 wire [2:0] set_capture_trigger;
 wire [31:0] set_capture_level;
+wire [47:0] set_stream_channel;
+wire [1:0] set_stream_last;
+wire [3:0] set_stream_decimation;
+wire [15:0] set_stream_shift;
 
 // Widths that a tool or the hardware sets.
 
@@ -447,6 +451,48 @@ assign set_capture_decimation[0 +: 4] = capture_words[132 +: 4];
 assign set_capture_trigger[0 +: 3] = capture_words[136 +: 3];
 assign set_capture_level[0 +: 32] = capture_words[139 +: 32];
 
+wire pending_stream;
+wire [53:0] stream_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h2a),
+    .STRIDE    (8'd1),
+    .WORDS     (6),
+    .WIDTHS    ({8'd4, 8'd2, 8'd12, 8'd12, 8'd12, 8'd12}),
+    .TOTAL_W   (54)
+) stream (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_any),
+    .pending_o (pending_stream),
+    .words_o   (stream_words)
+);
+
+assign set_stream_channel[0 +: 48] = stream_words[0 +: 48];
+assign set_stream_last[0 +: 2] = stream_words[48 +: 2];
+assign set_stream_decimation[0 +: 4] = stream_words[50 +: 4];
+
+wire pending_cut;
+wire [15:0] cut_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h3a),
+    .STRIDE    (8'd1),
+    .WORDS     (4),
+    .WIDTHS    ({8'd4, 8'd4, 8'd4, 8'd4}),
+    .TOTAL_W   (16)
+) cut (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_any),
+    .pending_o (pending_cut),
+    .words_o   (cut_words)
+);
+
+assign set_stream_shift[0 +: 16] = cut_words[0 +: 16];
+
 wire [N-1:0] pending_current;
 generate
     for (n = 0; n < N; n = n + 1) begin : current_of_motor
@@ -673,7 +719,7 @@ generate
 endgenerate
 
 assign changing_core = (|pending_eta) || (|pending_wave) || (|pending_bus) || (|pending_scale) || (|pending_side) || (|pending_shape) || (|pending_shape_1);
-assign changing = (|pending_carrier) || (|pending_frame) || (|pending_trip) || (|pending_sense) || (|pending_zero) || (|pending_encoder) || (|pending_host) || (|pending_delay) || (|pending_eta) || (|pending_wave) || (|pending_bridge) || (|pending_bus) || (|pending_guard) || (|pending_capture) || (|pending_current) || (|pending_scale) || (|pending_side) || (|pending_anchor) || (|pending_edges) || (|pending_walls) || (|pending_shape) || (|pending_shape_1);
+assign changing = (|pending_carrier) || (|pending_frame) || (|pending_trip) || (|pending_sense) || (|pending_zero) || (|pending_encoder) || (|pending_host) || (|pending_delay) || (|pending_eta) || (|pending_wave) || (|pending_bridge) || (|pending_bus) || (|pending_guard) || (|pending_capture) || (|pending_stream) || (|pending_cut) || (|pending_current) || (|pending_scale) || (|pending_side) || (|pending_anchor) || (|pending_edges) || (|pending_walls) || (|pending_shape) || (|pending_shape_1);
 
 // Commands.
 
@@ -721,6 +767,7 @@ assign set_restart = command && bus_address_i == 12'h06d && bus_data_i[0];
 assign set_arm = command && bus_address_i == 12'h078;
 assign set_capture = command && bus_address_i == 12'h074;
 assign set_capture_offset = command && bus_address_i == 12'h075;
+assign set_stream = command && bus_address_i == 12'h076;
 
 // Live words.
 
@@ -742,6 +789,8 @@ always @* begin
         12'h0c1: live = {{17{1'b0}}, capture_count[0 +: 16]};
         12'h0c2: live = {{17{1'b0}}, capture_first[0 +: 16]};
         12'h0c3: live = {{17{1'b0}}, capture_left[0 +: 16]};
+        12'h0c4: live = {{31{1'b0}}, stream_state[0 +: 2]};
+        12'h0c5: live = {{17{1'b0}}, stream_lost[0 +: 16]};
         default: live = 33'd0;
     endcase
     if (bus_address_i[11:6] == 6'h2) live = {{1{1'b0}}, capture_data[0 +: 32]};

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // wh_link: the bus of the settings memory over a serial line: a UART (wh_uart) and a Modbus RTU slave
-// (wh_modbus), whose header says what it does.
+// (wh_modbus), whose header says what it does. With STREAM = 1 packets of a stream share the transmitter, and
+// answers are framed, as long as there is credit (wh_cobs).
 //
 //   rate_o of wh_modbus   0 115,200   1 1,000,000   2 1,500,000   3 3,000,000 bits a second
 //
@@ -18,7 +19,8 @@ module wh_link #(
     parameter integer FALLBACK = 500,
     parameter [31:0]  BUILD    = 32'd0,
     parameter [31:0]  OPTIONS  = 32'd0,
-    parameter integer MOTORS   = 1
+    parameter integer MOTORS   = 1,
+    parameter integer STREAM   = 0
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -35,7 +37,15 @@ module wh_link #(
     input  wire        bus_ready_i,
     input  wire [31:0] bus_data_i,
     input  wire [1:0]  bus_error_i,
-    input  wire        bus_signed_i
+    input  wire        bus_signed_i,
+
+    // A stream's packets (wh_cobs).
+    input  wire        stream_credit_i,
+    input  wire        stream_valid_i,
+    input  wire        stream_first_i,
+    input  wire [7:0]  stream_byte_i,
+    input  wire        stream_packet_i,
+    output wire        stream_room_o
 );
 
     generate
@@ -59,6 +69,11 @@ module wh_link #(
     wire        tx_valid;
     wire [7:0]  tx_data;
     wire        tx_ready;
+    wire        answer_valid;
+    wire [7:0]  answer;
+    wire        answer_ready;
+    wire        answers;
+    wire        rests;
     wire [1:0]  rate;
     reg  [15:0] bit_clocks;
     wire        asks;
@@ -105,9 +120,11 @@ module wh_link #(
         .rx_valid_i    (rx_valid),
         .rx_error_i    (rx_error),
         .rx_data_i     (rx_data),
-        .tx_valid_o    (tx_valid),
-        .tx_data_o     (tx_data),
-        .tx_ready_i    (tx_ready),
+        .tx_valid_o    (answer_valid),
+        .tx_data_o     (answer),
+        .tx_ready_i    (answer_ready),
+        .answers_o     (answers),
+        .rests_o       (rests),
         .rate_o        (rate),
         .bus_valid_o   (asks),
         .bus_write_o   (writes),
@@ -119,6 +136,37 @@ module wh_link #(
         .bus_error_i   (bus_error_i),
         .bus_signed_i  (bus_signed_i)
     );
+
+    generate
+        if (STREAM != 0) begin : streams
+            wh_cobs frames (
+                .clk            (clk),
+                .rst            (rst),
+                .credit_i       (stream_credit_i),
+                .answers_i      (answers),
+                .rests_i        (rests),
+                .answer_valid_i (answer_valid),
+                .answer_i       (answer),
+                .answer_ready_o (answer_ready),
+                .byte_valid_i   (stream_valid_i),
+                .byte_first_i   (stream_first_i),
+                .byte_i         (stream_byte_i),
+                .packet_i       (stream_packet_i),
+                .room_o         (stream_room_o),
+                .tx_valid_o     (tx_valid),
+                .tx_data_o      (tx_data),
+                .tx_ready_i     (tx_ready)
+            );
+        end else begin : answers_only
+            wire unused = &{1'b0, answers, rests, stream_credit_i, stream_valid_i, stream_first_i,
+                            stream_byte_i, stream_packet_i};
+
+            assign tx_valid      = answer_valid;
+            assign tx_data       = answer;
+            assign answer_ready  = tx_ready;
+            assign stream_room_o = 1'b0;
+        end
+    endgenerate
 
     always @(posedge clk) begin
         bus_valid_o   <= !rst && asks && !(bus_valid_o && bus_ready_i);

@@ -12,6 +12,8 @@
 //   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME   26 LIVE
 //   27 ARM   31:28 CAPTURE
 //
+// All its bits are taken: whether there is a STREAM, the word stream_state says, which is 0 without.
+//
 // Latency and reset: those of wh_modbus and of wh_device.
 
 `default_nettype none
@@ -39,11 +41,13 @@ module wh_linked_device #(
     parameter integer LIVE         = 1,
     parameter integer ARM          = 1,
     parameter integer CAPTURE      = 0,
+    parameter integer STREAM       = 0,
     parameter integer CLOCK_HZ     = 24000000,
     parameter integer UNIT         = 1,  // 1...247, of the link
     parameter [31:0]  BUILD        = 32'd0,
     parameter integer SILENCE      = CLOCK_HZ / 500,  // these two are wh_modbus's
-    parameter integer FALLBACK     = 500
+    parameter integer FALLBACK     = 500,
+    parameter integer CREDIT       = CLOCK_HZ / 5     // clocks that the words `arm` and `stream` last
 ) (
     input  wire                 clk,
     input  wire                 rst,
@@ -104,6 +108,12 @@ module wh_linked_device #(
     wire [31:0] bus_read;
     wire [1:0]  bus_error;
     wire        bus_signed;
+    wire        stream_credit;
+    wire        stream_valid;
+    wire        stream_first;
+    wire [7:0]  stream_byte;
+    wire        stream_packet;
+    wire        stream_room;
 
     // The memory's answer has a clock of its own, in which the request that it ends still stands.
     reg         ready_q;
@@ -125,7 +135,8 @@ module wh_linked_device #(
         .FALLBACK      (FALLBACK),
         .BUILD         (BUILD),
         .OPTIONS       (OPTIONS),
-        .MOTORS        (N)
+        .MOTORS        (N),
+        .STREAM        (STREAM)
     ) link (
         .clk           (clk),
         .rst           (rst),
@@ -139,7 +150,13 @@ module wh_linked_device #(
         .bus_ready_i   (ready_q),
         .bus_data_i    (read_q),
         .bus_error_i   (error_q),
-        .bus_signed_i  (signed_q)
+        .bus_signed_i  (signed_q),
+        .stream_credit_i (stream_credit),
+        .stream_valid_i  (stream_valid),
+        .stream_first_i  (stream_first),
+        .stream_byte_i   (stream_byte),
+        .stream_packet_i (stream_packet),
+        .stream_room_o   (stream_room)
     );
 
     wh_device #(
@@ -163,8 +180,9 @@ module wh_linked_device #(
         .GUARD          (GUARD),
         .LIVE           (LIVE),
         .ARM            (ARM),
-        .ARM_CLOCKS     (CLOCK_HZ / 5),
-        .CAPTURE        (CAPTURE)
+        .ARM_CLOCKS     (CREDIT),
+        .CAPTURE        (CAPTURE),
+        .STREAM         (STREAM)
     ) device (
         .clk             (clk),
         .rst             (rst),
@@ -203,7 +221,13 @@ module wh_linked_device #(
         .zero_fault_o    (zero_fault_o),
         .anchor_fault_o  (anchor_fault_o),
         .encoder_fault_o (encoder_fault_o),
-        .overcurrent_o   (overcurrent_o)
+        .overcurrent_o   (overcurrent_o),
+        .stream_credit_o (stream_credit),
+        .stream_valid_o  (stream_valid),
+        .stream_first_o  (stream_first),
+        .stream_byte_o   (stream_byte),
+        .stream_packet_o (stream_packet),
+        .stream_room_i   (stream_room)
     );
 
 endmodule

@@ -52,6 +52,8 @@ module wh_modbus #(
     output wire        tx_valid_o,
     output wire [7:0]  tx_data_o,
     input  wire        tx_ready_i,  // high where nothing is on its way any more
+    output wire        answers_o,   // an answer's bytes come, from before the first one to the last
+    output wire        rests_o,     // then, and without an answer as well: tx_ready_i is waited for
     output wire [1:0]  rate_o,
 
     // The bus.
@@ -631,6 +633,8 @@ module wh_modbus #(
     wire [7:0] plain = (refused_q && place_q == 8'd1) ? (read_data_q | 8'h80)
                      : (refused_q && place_q == 8'd2) ? {5'd0, code_q} : read_data_q;
 
+    assign answers_o  = (state_q == ANSWER) || (sends_q && !rests_o);
+    assign rests_o    = (state_q == REST);
     assign tx_valid_o = reads_out;
     assign tx_data_o  = (tail_q != 2'd0) ? crc_q[7:0] : plain;
 

@@ -115,6 +115,13 @@
 `WH_SETTINGS_TOLD('h0c2, 1, 8'hc8)  // capture_first
 `WH_SETTINGS_TOLD('h0c3, 1, 8'hc8)  // capture_left
 `WH_SETTINGS_TOLD('h1d6, 1, 8'hc7)  // flags
+`WH_SETTINGS_WORD('h02a, 4, 8'h50, 32'd0)  // stream_channel
+`WH_SETTINGS_WORD('h02e, 1, 8'h4c, 32'd0)  // stream_last
+`WH_SETTINGS_WORD('h02f, 1, 8'h4a, 32'd0)  // stream_decimation
+`WH_SETTINGS_WORD('h03a, 4, 8'h4a, 32'd0)  // stream_shift
+`WH_SETTINGS_TOLD('h076, 1, 8'h8f)  // stream
+`WH_SETTINGS_TOLD('h0c4, 1, 8'hcc)  // stream_state
+`WH_SETTINGS_TOLD('h0c5, 1, 8'hc8)  // stream_lost
 `WH_SETTINGS_WORD('h100, 1, (8'h5b | ((EARLY != 0) ? 8'h20 : 8'h00)), 32'd0)  // zero
 `WH_SETTINGS_WORD('h101, 1, (8'h57 | ((EARLY != 0) ? 8'h20 : 8'h00)), 32'd0)  // gain
 `WH_SETTINGS_WORD('h118, 1, 8'h57, 32'd0)  // clocks_per_volt

@@ -7,7 +7,7 @@
 #define WAVEHAPTICS_WORDS_H
 
 // <!-- begin c-words -->
-#define WH_WORDS_CRC 0x26767ebfu
+#define WH_WORDS_CRC 0xd4a3a74du
 
 #define WH_MAP_VERSION 1u
 #define WH_TABLE_REGISTER 0x2000u
@@ -85,6 +85,9 @@
     X(HOST_TIMEOUT, "host_timeout", 0x025, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 255.0, "") \
     X(EXTRA_TICKS, "extra_ticks", 0x028, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, WH_BY_DELAY, "ticks") \
     X(HOLD_TICKS, "hold_ticks", 0x029, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, WH_BY_DELAY, "ticks") \
+    X(STREAM_CHANNEL, "stream_channel", 0x02a, WH_SETTING, WH_OF_BOARD, 4, 0, 0, 0.0, 4095.0, "") \
+    X(STREAM_LAST, "stream_last", 0x02e, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 3.0, "") \
+    X(STREAM_DECIMATION, "stream_decimation", 0x02f, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 15.0, "") \
     X(MODE, "mode", 0x030, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 3.0, "") \
     X(MIN_PULSE, "min_pulse", 0x031, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 255.0, "clocks") \
     X(DEAD_CLOCKS, "dead_clocks", 0x032, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 255.0, "clocks") \
@@ -93,6 +96,7 @@
     X(SECOND_ORDER, "second_order", 0x035, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
     X(BUS_SHARE, "bus_share", 0x038, WH_SETTING, WH_OF_BOARD, 1, 24, 1, 0.0, 3.9999999403953552, "1/V") \
     X(BUS, "bus", 0x039, WH_LIVE, WH_OF_BOARD, 1, 9, 0, 0.0, 127.998046875, "V") \
+    X(STREAM_SHIFT, "stream_shift", 0x03a, WH_SETTING, WH_OF_BOARD, 4, 0, 0, 0.0, 15.0, "") \
     X(GUARD_MASK, "guard_mask", 0x040, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
     X(GUARD_DAMP, "guard_damp", 0x041, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
     X(GUARD_LEVELS, "guard_levels", 0x042, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 3.0, "") \
@@ -132,6 +136,7 @@
     X(SETTINGS_STAGED, "settings_staged", 0x073, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
     X(CAPTURE, "capture", 0x074, WH_COMMAND, WH_OF_BOARD, 1, 0, 0, 0.0, 2.0, "") \
     X(CAPTURE_OFFSET, "capture_offset", 0x075, WH_COMMAND, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
+    X(STREAM, "stream", 0x076, WH_COMMAND, WH_OF_BOARD, 1, 0, 0, 0.0, 2.0, "") \
     X(ARM, "arm", 0x078, WH_COMMAND, WH_OF_BOARD, 1, 0, 0, 0.0, 2.0, "") \
     X(ARMED, "armed", 0x079, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
     X(ARM_REFUSED, "arm_refused", 0x07a, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 31.0, "") \
@@ -140,6 +145,8 @@
     X(CAPTURE_COUNT, "capture_count", 0x0c1, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
     X(CAPTURE_FIRST, "capture_first", 0x0c2, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
     X(CAPTURE_LEFT, "capture_left", 0x0c3, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
+    X(STREAM_STATE, "stream_state", 0x0c4, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 3.0, "") \
+    X(STREAM_LOST, "stream_lost", 0x0c5, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
     X(ZERO, "zero", 0x100, WH_SETTING, WH_OF_MOTOR, 1, 0, 1, -8388608.0, 8388607.0, "") \
     X(GAIN, "gain", 0x101, WH_SETTING, WH_OF_MOTOR, 1, 35, 1, 0.0, 0.0019531249708961695, "A") \
     X(ETA_CONTACT, "eta_contact", 0x108, WH_SETTING, WH_OF_MOTOR, 1, 25, 1, -1.0, 1.0, "") \

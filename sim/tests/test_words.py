@@ -291,9 +291,9 @@ def test_words_of_the_memory_are_no_ports():
         assert re.search(rf"localparam \[11:0\] {constant}\s+= 12'h{WORDS[name].at():03x};", rtl)
 
 
-def test_what_a_capture_listens_to_is_at_its_address():
+def test_what_rows_are_made_of_is_at_its_address():
     """In the RTL and in Python; and the bits of ``flags`` in both."""
-    rtl = (formats.RTL_DIR / "wh_capture.v").read_text(encoding="utf-8")
+    rtl = (formats.RTL_DIR / "wh_rows.v").read_text(encoding="utf-8")
     found = {
         name.lower(): int(address, 16)
         for name, _, address in re.findall(

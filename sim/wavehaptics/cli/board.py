@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from wavehaptics.host.client import Client
     from wavehaptics.host.identify.result import Row
     from wavehaptics.host.names import Place
+    from wavehaptics.host.stream import Stream, Streamed
 
 SCOPE_SCENE = "live_wall"
 """What the scope's virtual board has behind it unless another scene is named."""
@@ -53,9 +54,23 @@ TimeoutOption = Annotated[
     typer.Option(min=0.01, max=3600, callback=_finite, help="Seconds to wait for an answer."),
 ]
 MotorOption = Annotated[int, typer.Option(min=0, max=7, help="The motor whose words are meant.")]
+CountsOption = Annotated[
+    int | None, typer.Option(min=1, help="Of the encoder, for the position in rad.")
+]
+PresetOption = Annotated[
+    str | None, typer.Option(metavar="MOTOR", help="A motor's preset, for the torque.")
+]
+TorqueOption = Annotated[
+    float | None,
+    typer.Option("--k-t", min=0, callback=_finite, help="Or its torque constant, N·m/A."),
+]
 RawOption = Annotated[bool, typer.Option("--raw", help="Raw words in place of values in SI units.")]
 DEFAULT_TIMEOUT = 5.0
 SCOPE_TIMEOUT = 2.0
+STREAMED = ("position", "current", "voltage", "flags")
+"""What a stream has by default."""
+STILL_S = 30.0
+"""Wall-clock time without a packet after which none comes, on a slow simulated board as well."""
 
 
 @contextmanager
@@ -516,16 +531,9 @@ def capture(
         int | None,
         typer.Option(min=1, help="Ticks of a row, 1, 2, 4 ...; else the fewest that fit."),
     ] = None,
-    counts_per_rev: Annotated[
-        int | None, typer.Option(min=1, help="Of the encoder, for the position in rad.")
-    ] = None,
-    preset: Annotated[
-        str | None, typer.Option(metavar="MOTOR", help="A motor's preset, for the torque.")
-    ] = None,
-    k_t: Annotated[
-        float | None,
-        typer.Option("--k-t", min=0, callback=_finite, help="Or its torque constant, N·m/A."),
-    ] = None,
+    counts_per_rev: CountsOption = None,
+    preset: PresetOption = None,
+    k_t: TorqueOption = None,
     out: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for trace.npz and capture.png.")
     ] = RUNS_DIR / "capture",
@@ -565,6 +573,110 @@ def capture(
         print(line)
 
 
+@board.command()
+def stream(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[WORD]...",
+            help="Up to four live words: NAME or NAME@MOTOR, and :RANGE that it needs; by default "
+            "position, current, voltage and flags.",
+        ),
+    ] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option(min=0, callback=_finite, help="Of the device's time; else until Ctrl-C."),
+    ] = None,
+    decimate: Annotated[
+        int | None,
+        typer.Option(min=1, help="Ticks of a row, 1, 2, 4 ...; else the fewest the line carries."),
+    ] = None,
+    arms: Annotated[
+        bool, typer.Option("--arm", help="Arm meanwhile, as `board arm` does: the line is taken.")
+    ] = False,
+    counts_per_rev: CountsOption = None,
+    preset: PresetOption = None,
+    k_t: TorqueOption = None,
+    out: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for trace.npz and stream.png.")
+    ] = RUNS_DIR / "stream",
+    port: PortOption = "",
+    motor: MotorOption = 0,
+    unit: UnitOption = 1,
+    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+) -> None:
+    """Receive live words row after row, as fast as the line is, until Ctrl-C."""
+    from wavehaptics.host.captured_trace import device_of, save, trace_arrays
+    from wavehaptics.host.stream import Stream
+
+    constant = _torque_constant(preset, k_t)
+    make_folder(out)
+    with _refusals():
+        client = _client(port, unit, timeout)
+        device = device_of(client, motor, counts_per_rev, constant)
+        with shown_stages() as show, _asked_to_end() as asked:
+            live = Stream(client, names or STREAMED, decimation=decimate, motor=motor)
+            with live:
+                _receive(client, live, show, asked, seconds, arms=arms)
+        found = live.found()
+        if not len(found.t):
+            raise CommandError("stopped before the first packet: nothing was received")
+        arrays = trace_arrays(found, device)
+        print(save(arrays, out))
+        print(_capture_picture(found.plan, found, arrays, out / "stream.png"))
+    for line in _stream_lines(found):
+        print(line)
+
+
+def _receive(
+    client: Client,
+    live: Stream,
+    show: Callable[[str, float], None],
+    asked: Callable[[], bool],
+    seconds: float | None,
+    *,
+    arms: bool,
+) -> None:
+    """Wait until a stream is as long as it has to be, or somebody asks to end."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(1) as pool:
+        over: list[bool] = []
+        try:
+            arming = pool.submit(_arm, client, lambda: bool(over), None) if arms else None
+            came, since = 0.0, time.monotonic()
+            while not asked() and (seconds is None or live.seconds < seconds):
+                live.check()
+                if arming is not None and arming.done():
+                    arming.result()
+                if live.seconds > came:
+                    came, since = live.seconds, time.monotonic()
+                elif time.monotonic() - since > STILL_S:
+                    raise CommandError("no packet comes; are there ticks, and is the ADC there?")
+                stage = f"receives, {live.lost} packets lost" if live.lost else "receives"
+                show(stage, live.seconds / seconds if seconds else 0.0)
+                time.sleep(0.02)
+        finally:
+            over.append(True)
+            if arms:
+                pool.shutdown()
+                _write_arm(client, 0)
+
+
+def _stream_lines(found: Streamed) -> Iterator[str]:
+    """What was received, and what wasn't."""
+    plan = found.plan
+    yield f"{len(found.t)} rows of {plan.row_s * 1e6:.6g} µs, {1 / plan.row_s:.6g} a second"
+    yield from _channel_lines(plan, found)
+    if found.lost_packets:
+        yield (
+            f"{found.lost_packets} packets were lost, {int(found.lost.sum())} rows: the device had "
+            f"no room for {found.left_out}, {found.broken} frames came broken"
+        )
+    for name, rows in found.at_end.items():
+        yield f"{name}: {rows} rows at the end of its 16 bits; take {name}:RANGE, a larger one"
+
+
 def _torque_constant(preset: str | None, k_t: float | None) -> float | None:
     from wavehaptics.parts.motors import PRESETS
 
@@ -596,13 +708,18 @@ def _capture_lines(plan: Plan, found: Captured) -> Iterator[str]:
     """What was captured, a line for each channel."""
     at = "no trigger" if found.trigger_row is None else f"the trigger's is row {found.trigger_row}"
     yield f"{len(found.t)} rows of {plan.row_s * 1e6:.6g} µs; {at}"
+    yield from _channel_lines(plan, found)
+
+
+def _channel_lines(plan: Plan, found: Captured) -> Iterator[str]:
     width = max(len(name) for name in plan.names)
     for name, place in zip(plan.names, plan.channels, strict=True):
         values = found[name]
         if place.word.name in ("flags", "faults"):
             yield f"{name:<{width}}  {', '.join(_bit_names(place, values)) or 'none'}"
             continue
-        texts = (f"{value:.6g}" for value in (values.min(), values.mean(), values.max()))
+        there = values[values == values]  # a number; rows of a stream may be lost
+        texts = (f"{value:.6g}" for value in (there.min(), there.mean(), there.max()))
         yield f"{name:<{width}}  {' ... '.join(texts)} {place.word.row.unit}".rstrip()
 
 

@@ -35,6 +35,7 @@ LINKED_WALLS = 4
 CHANGEABLE = (
     "wh_current.current", "wh_wave_core.eta", "wh_wave_core.wave", "wh_anchor.anchor",
     "wh_contact.edges", "wh_contact.walls", "wh_shaper.shape", "wh_capture.capture",
+    "wh_stream.stream", "wh_stream.cut",
 )  # fmt: skip
 """Groups of words that can be changed on a board: none of the hardware, and none of its limits."""
 
@@ -56,6 +57,8 @@ class BoardWords:
     """Whether there is a line over which some of the words can be changed."""
     capture: int = 0
     """Words that a capture takes, 2^this; 0 where there is none."""
+    stream: bool = False
+    """Whether live words can be sent as a stream."""
 
     @property
     def walls(self) -> int:
@@ -67,6 +70,7 @@ def board_words(
     scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False,
     pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
     delay_log2: int = 1, linked: bool = False, capture: int = 0,
+    stream: bool = False,
 ) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
 
@@ -93,7 +97,9 @@ def board_words(
         words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
     delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
     word = _guard(scene, ports, trip_a) if guarded else None
-    return BoardWords(ports, words, motors, delay_log2, word, linked, capture if linked else 0)
+    return BoardWords(
+        ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked and stream
+    )
 
 
 def _each_motor(words: Values, motors: int) -> dict[str, Any]:
@@ -183,6 +189,7 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "GUARDED": int(board.guard is not None),
         "LINKED": int(board.linked),
         "CAPTURE": board.capture,
+        "STREAM": int(board.stream),
         "CLOCK_HZ": round(timing.clock_hz),
         "BUILD": build_number(),
     }

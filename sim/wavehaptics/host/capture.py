@@ -195,7 +195,7 @@ def plan(
         names = [wanted.channel, *(name for name in names if name != wanted.channel)]
     if not 1 <= len(names) <= MOST_CHANNELS:
         raise HostError(f"{len(names)} channels: take 1 to {MOST_CHANNELS}")
-    found = tuple(_channel(client, name, motor) for name in names)
+    found = tuple(channel(client, name, motor) for name in names)
     most = room // len(found)
     tick = tick_s(client)
     if decimation is None:
@@ -224,10 +224,11 @@ def plan(
     return Plan(found, tuple(names), rows, before, decimation, wanted, tick)
 
 
-def _channel(client: Client, name: str, motor: int) -> Place:
+def channel(client: Client, name: str, motor: int, what: str = "captured") -> Place:
+    """The word that ``NAME`` or ``NAME@MOTOR`` means; others can't be ``what``."""
     base, at, number = name.partition("@")
     if base not in WORDS or (at and not re.fullmatch("[0-9]{1,9}", number)):
-        raise HostError(f"{name}: can't be captured; take {', '.join(WORDS)}")
+        raise HostError(f"{name}: can't be {what}; take {', '.join(WORDS)}")
     return places(base, client.shape, int(number) if at else motor)[0]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A capture as ``trace.npz``: the arrays of a simulation, so that its plots serve both."""
+"""A capture or a stream as ``trace.npz``: arrays of a simulation, so that its plots serve all."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy as np
 from wavehaptics.host.capture import Captured
 from wavehaptics.host.client import Client
 from wavehaptics.host.names import places
+from wavehaptics.host.stream import Streamed
 from wavehaptics.runtime.files import replacing
 from wavehaptics.trace.columns import FLOAT_COLUMNS, TRACE_FILE
 
@@ -57,7 +58,8 @@ def trace_arrays(found: Captured, device: Device) -> dict[str, np.ndarray]:
     What wasn't captured, or isn't known, is NaN, and flags are False. As in a simulation ``x`` is
     the mean of a row's ends, ``e_a`` the voltage that was applied in a row's ticks. ``energy_out``
     is that of the waves, with R̂ for the winding's resistance, where each tick has its row. Channels
-    that a simulation has no array for come under their own names.
+    that a simulation has no array for come under their own names, and ``lost`` says which rows of a
+    stream didn't arrive.
     """
     rows, plan = len(found.t), found.plan
     nothing = np.full(rows, np.nan)
@@ -95,6 +97,8 @@ def trace_arrays(found: Captured, device: Device) -> dict[str, np.ndarray]:
         arrays["fault"] = (
             found.flag("anchor_fault") if "flags" in values else np.zeros(rows, dtype=bool)
         )
+    if isinstance(found, Streamed):
+        arrays["lost"] = found.lost
     used = {"current", "voltage", "position", "u", "v", "correction", "flux", "lag"}
     return arrays | {name: value for name, value in values.items() if name not in used}
 

@@ -11,20 +11,26 @@ import logging
 import os
 import struct
 import termios
+import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TypeAlias
 
 import serial
 from pymodbus.client import ModbusSerialClient
 from pymodbus.exceptions import ConnectionException, ModbusException
 from pymodbus.framer import FramerRTU
 from pymodbus.pdu import DecodePDU, ModbusPDU
-from pymodbus.pdu.register_message import ReadHoldingRegistersRequest
+from pymodbus.pdu.register_message import (
+    ReadHoldingRegistersRequest,
+    WriteMultipleRegistersRequest,
+)
 
-from wavehaptics.host.names import HostError, Place, Shape
+from wavehaptics.host.framed_line import FramedLine
+from wavehaptics.host.names import HostError, Place, Shape, places
 from wavehaptics.words import modbus, table
 
 BAUD = modbus.BAUDS[0]
@@ -49,6 +55,11 @@ has every 16 ms."""
 
 _READ, _WRITE = 3, 16
 """Functions of Modbus."""
+
+_STREAM_OFF, _STREAM, _STREAM_ON = 0, 1, 2
+"""The word ``stream``: no more, begin, go on."""
+
+Line: TypeAlias = "serial.Serial | FramedLine"
 
 # Everything that goes wrong is told by exceptions.
 logging.getLogger("pymodbus.logging").setLevel(logging.CRITICAL + 1)
@@ -90,7 +101,8 @@ class Client:
         self._known = False
         self.before_each: Callable[[], None] = lambda: None
         """Called before each exchange; those that it makes itself call it as well."""
-        self._held: serial.Serial | None = None
+        self._held: serial.Serial | FramedLine | None = None
+        self._lock = threading.RLock()
         self._baud = BAUD
         self._hurries: bool | None = None  # whether that is known to work
         self.identification = self._identify()
@@ -100,6 +112,11 @@ class Client:
     def shape(self) -> Shape:
         """The device's number of motors and of copies of words."""
         return self.identification.shape
+
+    @property
+    def baud(self) -> int:
+        """Bits a second of the line, as it is now."""
+        return self._baud
 
     def identify(self) -> Identification:
         """The identification anew, with its counters."""
@@ -194,6 +211,37 @@ class Client:
                 finally:
                     self._held = None
 
+    @contextmanager
+    def streaming(self, packet: Callable[[bytes], None]) -> Iterator[FramedLine]:
+        """Within :meth:`hurry`: the device streams, and ``packet`` is called with what comes.
+
+        Exchanges go on meanwhile, from any thread. Credit is renewed by a thread of its own.
+        """
+        line = self._held
+        assert isinstance(line, serial.Serial)
+        place = places("stream", self.shape)[0]
+        framed = FramedLine(line, packet)
+        try:
+            self._held = framed
+            self.write([(place, _STREAM)])
+            framed.renew(self._question(place, _STREAM_ON), RENEWAL_S)
+            yield framed
+        finally:
+            # Behind an answer without a frame nothing comes any more; without it nobody knows.
+            try:
+                if not framed.end(self._question(place, _STREAM_OFF), self._timeout_s):
+                    self._astray = True
+            finally:
+                self._held = line
+
+    def _question(self, place: Place, raw: int) -> bytes:
+        """A write of a word, as it stands on the line."""
+        request = WriteMultipleRegistersRequest(
+            address=modbus.word_register(place.address), registers=modbus.halves([raw]),
+            dev_id=self._unit,
+        )  # fmt: skip
+        return FramerRTU(DecodePDU(False)).buildFrame(request)
+
     def _try_rate(self, rate: int) -> None:
         """Ask at the new rate; without an answer, or a port that has it, this is the last time."""
         try:
@@ -209,7 +257,7 @@ class Client:
         self._speak(modbus.BAUDS[rate])
 
     def _speak(self, baud: int) -> None:
-        assert self._held is not None
+        assert isinstance(self._held, serial.Serial)
         # Noted before, so that it is gone back from a rate that the port's driver refuses.
         self._baud = baud
         try:
@@ -254,7 +302,7 @@ class Client:
         once one is late or doesn't fit, the line is settled before anything is asked again.
         """
         self.before_each()
-        with nullcontext(self._held) if self._held else self._taken() as line:
+        with self._lock, nullcontext(self._held) if self._held else self._taken() as line:
             self._heard = 0
             for _ in range(2):
                 answer = self._ask(line, ask, blindly=function == _WRITE)
@@ -271,7 +319,7 @@ class Client:
         raise HostError(self._silence())
 
     def _ask(
-        self, line: serial.Serial, ask: Callable[[ModbusSerialClient], ModbusPDU], *, blindly: bool
+        self, line: Line, ask: Callable[[ModbusSerialClient], ModbusPDU], *, blindly: bool
     ) -> ModbusPDU | None:
         """What comes after a question, None without an answer.
 
@@ -299,7 +347,7 @@ class Client:
             reason = error.strerror or error
             raise HostError(f"{self._port}: {reason}; was it unplugged?") from None
 
-    def _settled(self, line: serial.Serial) -> bool:
+    def _settled(self, line: Line) -> bool:
         """Whether nothing of earlier questions can come any more.
 
         Answers come in the order of the questions, so all are over with that to a question whose
@@ -327,7 +375,7 @@ class Client:
             time.sleep(1e-3)
         return False
 
-    def _drain(self, line: serial.Serial) -> None:
+    def _drain(self, line: Line) -> None:
         """Throw away what comes, until the line is silent, or always babbles."""
         until = time.monotonic() + self._timeout_s
         silent = time.monotonic()

@@ -69,7 +69,7 @@ class LinkedPins(PinsSimulation):
         clock_hz = round(self.timing.clock_hz)
         return {
             "GUARD": 1, "SENSE": 1, "ARM": int(self._arm), "CLOCK_HZ": clock_hz,
-            "CAPTURE": CAPTURE,
+            "CAPTURE": CAPTURE, "STREAM": 1,
         }  # fmt: skip
 
     def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:

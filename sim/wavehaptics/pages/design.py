@@ -271,6 +271,9 @@ def _status(numbers: dict[str, Any], table: Table) -> str:
     captures = [name for name in boards if load_board(name).fpga.capture]
     built = ", ".join(f"`{name}`" for name in captures) or "**none**"
     rows.append(("live words captured around a trigger: `wh_capture`", "yes", built, "no"))
+    streams = [name for name in boards if load_board(name).fpga.stream]
+    built = ", ".join(f"`{name}`" for name in streams) or "**none**"
+    rows.append(("live words sent while they are asked for: `wh_stream`", "yes", built, "no"))
     return _words(("", "simulated", "in a bitstream", "tried on a motor"), rows)
 
 

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_stream: rows of live words, one packet after another, for as long as a host gives credit. It listens
+// only: nothing of it goes to what it listens to.
+//
+// A row has last_i + 1 words of 16 bits, of the addresses in channel_i, of 2^decimation_i ticks, as wh_rows
+// has them. Of a word shift_i bits are cut off below, rounding down; a mean that is too large then is the
+// largest word that there is, of others the lowest 16 bits stay.
+//
+//   write 1   credit of CREDIT clocks; where there is some, renew
+//   write 2   renew, where there is some; else nothing
+//   write 0   no more
+//
+// With the first credit the settings are taken over, and rows begin. 60 words make a packet of 125 bytes:
+//
+//   248 + last_i   number (2 bytes)   60 words (2 bytes each)   CRC-16 (2 bytes)
+//
+// the high byte first, of the CRC, Modbus' own over all before it, the low one. Rows follow each other without
+// a gap, and packets are numbered from 0 on modulo 2^16: also those that are left out, because there was no
+// room_i in a packet's first row, or a row came before the one before was written. lost_o counts these.
+//
+// state_o: 1 at rest, 2 rows are made.
+//
+// Latency: a row is written within 9 clocks for each of its bytes, and five more in a packet, from the 9th
+// clock after its last step on. A tick has to be 10 clocks or longer; what ends sooner is left out. Credit
+// begins and ends as armed_o of wh_arm does. Reset: no credit.
+
+`default_nettype none
+`include "wh_formats.vh"
+`include "wh_faults.vh"
+
+module wh_stream #(
+    parameter integer N      = 1,       // motors, 1...8
+    parameter integer CREDIT = 4800000  // clocks, 2...2^30
+) (
+    input  wire                         clk,
+    input  wire                         rst,
+
+    // What it listens to.
+    input  wire                         tick_i,           // strobe, last clock of a tick
+    input  wire                         valid_i,          // strobe, a step's words are new
+    input  wire [N*`WH_DATA_W-1:0]      voltage_i,        // s31q23 V
+    input  wire [N*`WH_DATA_W-1:0]      u_i,              // s31q23 √W
+    input  wire [N*`WH_DATA_W-1:0]      v_i,              // s31q23 √W
+    input  wire [N*`WH_DATA_W-1:0]      current_i,        // s31q24 A
+    input  wire [N*`WH_COUNT_W-1:0]     position_i,       // s32 counts
+    input  wire [N*`WH_DATA_W-1:0]      correction_i,     // s31q23 V
+    input  wire [N*`WH_DATA_W-1:0]      offset_i,         // s31q24 A
+    input  wire [N*`WH_DATA_W-1:0]      flux_i,           // s31q16 cells
+    input  wire [N*`WH_DATA_W-1:0]      lag_i,            // s31q16 cells
+    input  wire [N*8-1:0]               flags_i,          // bits of the word `flags`
+    input  wire [`WH_BUS_W-1:0]         bus_i,            // u16q9 V
+    input  wire [`WH_FAULTS-1:0]        faults_i,
+
+    // Settings, taken over with the first credit.
+    input  wire [47:0]                  channel_i,        // four addresses, the first lowest
+    input  wire [1:0]                   last_i,           // number of the last one that counts
+    input  wire [15:0]                  shift_i,          // four times 0...15
+    input  wire [3:0]                   decimation_i,     // a row is of 2^this ticks
+    input  wire                         hold_i,           // they are about to change
+
+    // Commands and state.
+    input  wire                         write_i,          // strobe
+    input  wire [1:0]                   data_i,
+    output wire [1:0]                   state_o,
+    output wire [15:0]                  lost_o,
+
+    // Packets (wh_cobs).
+    output wire                         credit_o,
+    input  wire                         room_i,           // for a whole packet
+    output wire                         byte_valid_o,     // strobe
+    output wire                         byte_first_o,     // with it: a packet begins
+    output wire [7:0]                   byte_o,
+    output wire                         packet_o          // strobe, behind its last byte
+);
+
+    // ---- Credit.
+
+    wire       credit;
+    wire       unused_start;
+    wire [4:0] unused_refused;
+
+    wh_arm #(
+        .SENSE        (0),
+        .CREDIT       (CREDIT)
+    ) granted (
+        .clk          (clk),
+        .rst          (rst),
+        .enable_i     (1'b1),
+        .fault_i      (1'b0),
+        .loading_i    (1'b0),
+        .write_i      (write_i),
+        .value_i      (data_i),
+        .zero_start_o (unused_start),
+        .zero_busy_i  (1'b0),
+        .zero_fault_i (1'b0),
+        .armed_o      (credit),
+        .refused_o    (unused_refused)
+    );
+
+    // ---- Rows.
+
+    localparam [3:0] FIRST_TURN = 4'd4;  // of the words
+    localparam [3:0] LAST_TURN  = 4'd8;
+
+    reg         runs_q;
+    reg  [1:0]  last_q;
+    reg  [15:0] shifts_q;
+    reg  [5:0]  last_row_q;  // of a packet
+    wire        strobe;
+    wire        unused_take;
+    wire        unused_fresh;
+    wire [3:0]  turn;
+    wire        last;
+    wire        is_mean;
+    wire [31:0] value;
+    wire        starts = credit && !runs_q && !hold_i && !strobe && (turn == 4'd0);
+
+    wire [3:0]  summed = turn - 4'd3;
+
+    wh_rows #(
+        .N            (N),
+        .CHANNELS     (4)
+    ) rows (
+        .clk          (clk),
+        .rst          (rst),
+        .tick_i       (tick_i),
+        .valid_i      (valid_i),
+        .voltage_i    (voltage_i),
+        .u_i          (u_i),
+        .v_i          (v_i),
+        .current_i    (current_i),
+        .position_i   (position_i),
+        .correction_i (correction_i),
+        .offset_i     (offset_i),
+        .flux_i       (flux_i),
+        .lag_i        (lag_i),
+        .flags_i      (flags_i),
+        .bus_i        (bus_i),
+        .faults_i     (faults_i),
+        .start_i      (starts),
+        .channel_i    (channel_i),
+        .decimation_i (decimation_i),
+        .shift_i      (shifts_q[4*summed[1:0] +: 4]),
+        .active_i     (runs_q),
+        .strobe_o     (strobe),
+        .take_o       (unused_take),
+        .fresh_o      (unused_fresh),
+        .turn_o       (turn),
+        .last_o       (last),
+        .mean_o       (is_mean),
+        .value_o      (value)
+    );
+
+    wire        fits = (value[31:15] == {17{value[31]}}) || !is_mean;
+    wire [15:0] word = fits ? value[15:0] : {value[31], {15{!value[31]}}};
+    wire        unused = &{1'b0, summed[3:2]};
+
+    // ---- Packets. A row's words wait, the first highest, until its bytes are written.
+
+    localparam [2:0] WAIT   = 3'd0;
+    localparam [2:0] KIND   = 3'd1;
+    localparam [2:0] SEQ_H  = 3'd2;
+    localparam [2:0] SEQ_L  = 3'd3;
+    localparam [2:0] WORD_H = 3'd4;
+    localparam [2:0] WORD_L = 3'd5;
+    localparam [2:0] CRC_0  = 3'd6;
+    localparam [2:0] CRC_1  = 3'd7;
+
+    reg  [2:0]  state_q;
+    reg  [3:0]  bit_q;      // of the byte: 0 it is written, 1...8 it goes into the CRC
+    reg  [63:0] row_q;
+    reg  [1:0]  left_q;     // words of it that are to be written, but for one
+    reg  [5:0]  rows_q;     // of the packet, that have passed
+    reg         bad_q;      // the packet is left out
+    reg         ends_q;     // the row is the packet's last
+    reg         done_q;
+    reg  [15:0] number_q;
+    reg  [15:0] lost_q;
+    reg  [15:0] crc_q;
+    reg  [7:0]  next;
+
+    wire        row_begins = (turn == FIRST_TURN) && last;
+    wire        row_ends   = (turn == LAST_TURN) && last;
+    wire        first_row  = (rows_q == 6'd0);
+    wire        last_row   = (rows_q == last_row_q);
+    wire        writes     = (state_q != WAIT) && (bit_q == 4'd0);
+    wire        after      = (bit_q == 4'd8);
+
+    always @* begin
+        case (state_q)
+            KIND:    next = {6'b111110, last_q};
+            SEQ_H:   next = number_q[15:8];
+            SEQ_L:   next = number_q[7:0];
+            WORD_H:  next = row_q[63:56];
+            WORD_L:  next = row_q[55:48];
+            default: next = crc_q[7:0];
+        endcase
+    end
+
+    assign credit_o     = credit;
+    assign state_o      = {runs_q, !runs_q};
+    assign lost_o       = lost_q;
+    assign byte_valid_o = writes;
+    assign byte_first_o = (state_q == KIND);
+    assign byte_o       = next;
+    assign packet_o     = done_q;
+
+    always @(posedge clk) begin
+        done_q <= !rst && runs_q && credit && (state_q == CRC_1) && after;
+
+        // The words, each to its place.
+        if (turn >= FIRST_TURN && turn < LAST_TURN && last && state_q == WAIT) begin
+            row_q[{~turn[1:0], 4'd0} +: 16] <= word;
+        end else if (state_q == WORD_L && after) begin
+            row_q <= {row_q[47:0], 16'd0};
+        end
+
+        // The CRC.
+        if (state_q == WAIT) begin
+            crc_q <= first_row ? 16'hffff : crc_q;
+        end else if (writes) begin
+            crc_q[7:0] <= crc_q[7:0] ^ next;
+        end else begin
+            crc_q <= {1'b0, crc_q[15:1]} ^ (crc_q[0] ? 16'ha001 : 16'd0);
+        end
+
+        if (rst) begin
+            runs_q   <= 1'b0;
+            state_q  <= WAIT;
+            bit_q    <= 4'd0;
+            rows_q   <= 6'd0;
+            number_q <= 16'd0;
+            lost_q   <= 16'd0;
+        end else begin
+            // The bytes.
+            bit_q <= (state_q == WAIT || after) ? 4'd0 : bit_q + 4'd1;
+            if (after) begin
+                case (state_q)
+                    WORD_L: begin
+                        left_q  <= left_q - 2'd1;
+                        state_q <= (left_q != 2'd0) ? WORD_H : ends_q ? CRC_0 : WAIT;
+                    end
+                    CRC_1:   state_q <= WAIT;
+                    default: state_q <= state_q + 3'd1;
+                endcase
+            end
+
+            // The rows.
+            if (row_begins) begin
+                bad_q <= (state_q != WAIT) || (first_row ? !room_i : bad_q);
+            end
+            if (row_ends) begin
+                rows_q <= last_row ? 6'd0 : rows_q + 6'd1;
+                if (!bad_q) begin
+                    ends_q  <= last_row;
+                    left_q  <= last_q;
+                    state_q <= first_row ? KIND : WORD_H;
+                end
+                if (last_row) begin
+                    number_q <= number_q + 16'd1;
+                    lost_q   <= lost_q + {15'd0, bad_q};
+                end
+            end
+
+            // Credit.
+            if (starts) begin
+                runs_q     <= 1'b1;
+                last_q     <= last_i;
+                shifts_q   <= shift_i;
+                last_row_q <= (last_i == 2'd0) ? 6'd59 : (last_i == 2'd1) ? 6'd29
+                            : (last_i == 2'd2) ? 6'd19 : 6'd14;
+                rows_q     <= 6'd0;
+                number_q   <= 16'd0;
+                lost_q     <= 16'd0;
+            end else if (!credit) begin
+                runs_q <= 1'b0;
+            end
+            if (!runs_q) begin
+                state_q <= WAIT;
+            end
+        end
+    end
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A port on which a device frames its answers, as docs/link.md has it while it streams."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+import serial
+from pymodbus.framer import FramerRTU
+
+FIRST_PACKET = 248
+"""From here on a frame's first byte is no unit, but a packet's."""
+
+_POLL_S = 0.02
+
+
+def unstuffed(frame: bytes) -> bytes | None:
+    """What a frame of COBS, without the zero at its end, stands for; None of one that is broken."""
+    found, place = bytearray(), 0
+    while place < len(frame):
+        code = frame[place]
+        piece = frame[place + 1 : place + code]
+        if len(piece) != code - 1:
+            return None
+        place += code
+        found += piece
+        if code < 255 and place < len(frame):
+            found.append(0)
+    return bytes(found)
+
+
+def is_right(data: bytes) -> bool:
+    """Whether the two bytes at the end are the CRC of those before."""
+    return len(data) > 2 and FramerRTU.check_CRC(data[:-2], int.from_bytes(data[-2:], "big"))
+
+
+class FramedLine:
+    """A serial port as a Modbus client wants it, of which a thread reads.
+
+    ``packet`` is called by the thread with each packet whose CRC is right; answers are what
+    :meth:`read` gives. ``question`` is sent every ``every_s``, and its answer, an echo of six bytes
+    and the CRC, is kept from the client. One that comes without a frame says that frames are over:
+    ``lapsed``. ``broken`` counts frames that can't be read.
+    """
+
+    def __init__(self, line: serial.Serial, packet: Callable[[bytes], None]) -> None:
+        self._line, self._packet = line, packet
+        self._answers = bytearray()
+        self._buffer = bytearray()
+        self._lock = threading.Lock()
+        self._closing = threading.Event()
+        self._threads = [threading.Thread(target=self._listen, daemon=True)]
+        self._question = self._echo = b""
+        self._owed = 0  # echoes that are to come
+        self._waits = False  # for the last one
+        self._ending = False
+        self._ended = threading.Event()
+        self._was_timeout = line.timeout
+        self.broken = 0
+        self.lapsed = False
+        self.error: OSError | None = None
+        line.timeout = _POLL_S
+        self._threads[0].start()
+
+    # ---- What a Modbus client asks of a port.
+
+    is_open = True
+
+    @property
+    def in_waiting(self) -> int:
+        """Bytes of answers."""
+        if self.error is not None:
+            raise self.error
+        return len(self._answers)
+
+    def read(self, size: int = 1) -> bytes:
+        """Bytes of answers that are there, up to so many."""
+        with self._lock:
+            found = bytes(self._answers[:size])
+            del self._answers[:size]
+        return found
+
+    def write(self, data: bytes) -> int | None:
+        """Send a question, in one piece."""
+        with self._lock:
+            return self._line.write(data)
+
+    def close(self) -> None:
+        """The port stays open: it belongs to whoever gave it."""
+
+    # ---- Frames.
+
+    def renew(self, question: bytes, every_s: float) -> None:
+        """Send a write of a word from now on, every so often."""
+        self._question, self._echo = question, echo(question)
+        self._threads.append(threading.Thread(target=self._renew, args=(every_s,), daemon=True))
+        self._threads[-1].start()
+
+    def _renew(self, every_s: float) -> None:
+        """A simulated board may be slow: the next one waits for the echo, or for twice the time."""
+        late = False
+        while not self._closing.wait(every_s) and not self.lapsed and self.error is None:
+            late = self._waits and not late
+            if late:
+                continue
+            with self._lock:
+                self._owed, self._waits = self._owed + 1, True
+                try:
+                    self._line.write(self._question)
+                except OSError as error:
+                    self.error = error
+
+    def end(self, question: bytes, timeout_s: float) -> bool:
+        """Send the question that ends the frames; whether it was answered, without a frame.
+
+        The port is then whoever's it was.
+        """
+        self._closing.set()
+        for thread in self._threads[1:]:
+            thread.join()
+        if self.error is None and not self.lapsed:
+            with self._lock:
+                self._echo, self._ending = echo(question), True
+                self._line.write(question)
+            self._ended.wait(timeout_s)
+        answered = self._ended.is_set()
+        self._ended.set()
+        self._threads[0].join()
+        self._line.timeout = self._was_timeout
+        return answered and self.error is None
+
+    def _listen(self) -> None:
+        """The thread that reads, until the frames are over."""
+        while not self._ended.is_set():
+            try:
+                data = self._line.read(max(1, self._line.in_waiting))
+            except OSError as error:
+                self.error = error
+                return
+            except TypeError:  # pyserial, of a port that was closed meanwhile
+                self.error = OSError("the port was closed")
+                return
+            if data:
+                with self._lock:
+                    self._buffer += data
+                    self._take()
+
+    def _take(self) -> None:
+        """What the buffer holds: whole frames, and behind them a plain answer."""
+        head = self._echo.partition(b"\0")[0]
+        while True:
+            if head and self._buffer.startswith(head + b"\0"):
+                if len(self._buffer) < len(self._echo):
+                    return
+                if self._buffer.startswith(self._echo):
+                    self._buffer.clear()
+                    self.lapsed = not self._ending
+                    self._ended.set()
+                    return
+            frame, zero, rest = self._buffer.partition(b"\0")
+            if not zero:
+                return
+            self._buffer = rest
+            self._frame(bytes(frame))
+
+    def _frame(self, frame: bytes) -> None:
+        found = unstuffed(frame)
+        if found is None or not is_right(found):
+            self.broken += 1
+        elif found[0] >= FIRST_PACKET:
+            self._packet(found)
+        elif self._owed and found == self._echo:
+            self._owed, self._waits = self._owed - 1, False
+        else:
+            self._answers += found
+
+
+def echo(question: bytes) -> bytes:
+    """The answer to a write by function 16."""
+    head = question[:6]
+    return head + FramerRTU.compute_CRC(head).to_bytes(2, "big")
