@@ -77,7 +77,7 @@ ABILITIES: dict[str, Ability] = {
 """By what runs a scene."""
 
 
-BRUSHLESS_RUNGS = ("analog", "golden")
+BRUSHLESS_RUNGS = ("analog", "golden", "core")
 """Controllers that a brushless motor runs on."""
 
 _LEAVE_OUT = "a brushless motor does without it yet; leave it out"
@@ -132,9 +132,10 @@ def refuse(scene: Scene, name: str) -> None:
     refused = ABILITIES[name].refused
     if scene.motor.brushless:
         if name not in BRUSHLESS_RUNGS:
-            rungs = " or ".join(f"`{rung}`" for rung in BRUSHLESS_RUNGS)
+            *others, last = (f"`{rung}`" for rung in BRUSHLESS_RUNGS)
             raise SceneError(
-                f'{scene.scene.name}: motor.kind = "pmsm" is not for `{name}` yet; take {rungs}'
+                f'{scene.scene.name}: motor.kind = "pmsm" is not for `{name}` yet; '
+                f"take {', '.join(others)} or {last}"
             )
         refused = {**BRUSHLESS, **refused}
     for what, cure in refused.items():

@@ -59,17 +59,16 @@ def analog(
     return kind(scene, tick_s, cell_rad)
 
 
-def golden(scene: Scene) -> Simulation:
-    """The wave core's integers, of one port or of a brushless motor's two."""
-    if scene.motor.brushless:
-        return BrushlessSimulation(scene)
-    return SampledSimulation(scene, rtl=False)
+def _sampled(scene: Scene, rtl: bool) -> Simulation:
+    """The wave core, of one port or of a brushless motor's two, as integers or as RTL."""
+    kind = BrushlessSimulation if scene.motor.brushless else SampledSimulation
+    return kind(scene, rtl=rtl)
 
 
 CONTROLLERS: dict[str, Callable[[Scene], Simulation]] = {
     "analog": analog,
-    "golden": golden,
-    "core": lambda scene: SampledSimulation(scene, rtl=True),
+    "golden": lambda scene: _sampled(scene, rtl=False),
+    "core": lambda scene: _sampled(scene, rtl=True),
     "pins": PinsSimulation,
     "encoder": EncoderSimulation,
 }
