@@ -77,7 +77,7 @@ ABILITIES: dict[str, Ability] = {
 """By what runs a scene."""
 
 
-BRUSHLESS_RUNGS = ("analog", "golden", "core")
+BRUSHLESS_RUNGS = ("analog", "golden", "core", "pins")
 """Controllers that a brushless motor runs on."""
 
 _LEAVE_OUT = "a brushless motor does without it yet; leave it out"
@@ -86,7 +86,7 @@ BRUSHLESS: dict[str, str] = {
     "brushes": "a brushless motor has none; leave it out",
     "controller.anchor_auto": "a port anchor is of one port yet; leave it out",
     "controller.anchor_ohm": "a port anchor is of one port yet; leave it out",
-    "controller.early_duty": "it is of `pins`; leave it out",
+    "controller.early_duty": "a brushless motor does without it yet; leave it out",
     "drive.mode": "a brushless motor has a bridge of three legs; leave it out",
     **dict.fromkeys(
         ("winding", "thermal", "shaper", "transmission.cable_stiffness", "encoder.stops_at_s",

@@ -67,20 +67,24 @@ _TOUCHING, _SIDE_A, _SIDE_B = range(3)
 
 
 @compiled(inline="always")
-def _clear_sums(z):
+def clear_sums(z):
+    """Begin a tick's sums."""
     z[Q_A] = z[Q_B] = z[QF_A] = z[QF_B] = z[IMPULSE] = z[ENERGY] = 0.0
 
 
 @compiled(inline="always")
-def _put_tick(row, z, load, tick, before, hand, e_a, e_b, u_a, u_b, v_a, v_b, ripple):
-    """A tick's row but for η and flags, of both axes' means; returns its u and v."""
+def put_axes(row, z, load, begin, tick, before, hand, e_a, e_b, ripple):
+    """The motor's part of a tick's row, of the sums since its beginning and the mean voltages.
+
+    Returns the electrical angle at its middle, along whose q a row has the axes' waves.
+    """
     theta = electrical_angle(0.5 * (before + z[X]), load)
     torque = z[IMPULSE] / tick
     put_motion(
-        row, z[TIME] - tick, tick, before, z[X], torque / load[K_T], along_q(e_a, e_b, theta),
+        row, begin, tick, before, z[X], torque / load[K_T], along_q(e_a, e_b, theta),
         torque, 0.5 * (hand + z[P] + z[C]), z[ENERGY], ripple,
     )  # fmt: skip
-    return along_q(u_a, u_b, theta), along_q(v_a, v_b, theta)
+    return theta
 
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
@@ -97,7 +101,7 @@ def _advance_sampled(
         e_a = volt * (2 * leg_a - leg_b - leg_c) / 3.0
         e_b = volt * (leg_b - leg_c) / _ROOT3
         before, hand = z[X], z[P] + z[C]
-        _clear_sums(z)
+        clear_sums(z)
         z[F_A], z[F_B] = e_a, e_b
         low, high = z[I], z[I]
         for _ in range(substeps):
@@ -128,10 +132,9 @@ def _advance_sampled(
             kept[_CLOCKS] += clocks
             next_a, u_a, v_a = buffer[0], buffer[1], buffer[2]
             next_b, u_b, v_b = buffer[3], buffer[4], buffer[5]
-        u, v = _put_tick(
-            rows[n], z, load, tick, before, hand, e_a, e_b, u_a * _ROOT_WATT, u_b * _ROOT_WATT,
-            v_a * _ROOT_WATT, v_b * _ROOT_WATT, high - low,
-        )  # fmt: skip
+        theta = put_axes(rows[n], z, load, z[TIME] - tick, tick, before, hand, e_a, e_b, high - low)
+        u = along_q(u_a, u_b, theta) * _ROOT_WATT
+        v = along_q(v_a, v_b, theta) * _ROOT_WATT
         limited = abs(u_a) >= u_max or abs(u_b) >= u_max
         put_port(rows[n], eta * _ETA, u, v, touching, limited)
         words[n, Word.I] = alpha
@@ -297,17 +300,19 @@ def _advance_analog(
     tick, s = floats[_TICK], floats[_S]
     for n in range(rows.shape[0]):
         before, hand = z[X], z[P] + z[C]
-        _clear_sums(z)
+        clear_sums(z)
         low, high = z[I], z[I]
         for _ in range(substeps):
             _part(z, trial, kept, floats, wall_min, wall_max, tables, steps, load)
             low, high = min(low, z[I]), max(high, z[I])
         u_a, u_b = z[QF_A] / tick, z[QF_B] / tick
         volt = floats[_DRIVE]
-        u, v = _put_tick(
-            rows[n], z, load, tick, before, hand, volt * u_a, volt * u_b, u_a, u_b,
-            u_a - s * z[Q_A] / tick, u_b - s * z[Q_B] / tick, high - low,
+        theta = put_axes(
+            rows[n], z, load, z[TIME] - tick, tick, before, hand, volt * u_a, volt * u_b,
+            high - low,
         )  # fmt: skip
+        u = along_q(u_a, u_b, theta)
+        v = along_q(u_a - s * z[Q_A] / tick, u_b - s * z[Q_B] / tick, theta)
         eta = floats[_CONTACT_ETA] if kept[_TOUCHING] else floats[_FREE_ETA]
         limited = kept[_SIDE_A] != 0.0 or kept[_SIDE_B] != 0.0
         put_port(rows[n], eta, u, v, kept[_TOUCHING], limited)

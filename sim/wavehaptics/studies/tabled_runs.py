@@ -77,7 +77,7 @@ IMPEDANCE_SCENES = (
 
 BRUSHLESS_ANGLES = 8
 """Electrical angles, of a turn, at which the brushless taps meet their wall."""
-BRUSHLESS_ON = ("analog", "golden")
+BRUSHLESS_ON = ("analog", "golden", "pins")
 """On these controllers."""
 
 
@@ -92,11 +92,12 @@ def brushless_angles(progress: Callable[[str, float], None]) -> list[dict[str, A
         magnet_rad = -2.0 * math.pi * part / pairs
         settings = ("scene.duration_s=0.3", f"motor.magnet_rad={magnet_rad:.12g}")
         scene = load_scene(find_scene("brushless_taps"), settings)
-        found = {name: measure(scene, name, compare=name == "golden") for name in BRUSHLESS_ON}
+        found = {name: measure(scene, name, compare=name != "analog") for name in BRUSHLESS_ON}
         rows.append(
             {"turn": part, "predicted": found["golden"]["stiffness_predicted"]}
             | {name: found[name]["stiffness"] for name in BRUSHLESS_ON}
             | {"error": found["golden"]["torque_nrmse_vs_analog"]}
+            | {"pins_error": found["pins"]["torque_nrmse_vs_analog"]}
         )
     return rows
 
