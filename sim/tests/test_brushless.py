@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from wavehaptics.controller import clarke
+from wavehaptics.controller.pins_timing import CORE_CLOCKS
 from wavehaptics.fpga.boards import load_board
 from wavehaptics.ladder.abilities import ABILITIES, BRUSHLESS, BRUSHLESS_RUNGS, asked, refuse
 from wavehaptics.ladder.run import CONTROLLERS, measure
@@ -61,6 +62,8 @@ SWUNG = (
 )  # fmt: skip
 EVERYWHERE = "controller.walls=[[-1000.0, 1000.0]]"
 ANGLES = [n * math.pi / 4 for n in range(8)]
+MODELS = ("analog", "golden")
+"""Of `core` every bit is golden's: test_core_is_golden."""
 
 
 @pytest.fixture
@@ -259,7 +262,7 @@ def test_closed_forms_agree_with_each_other():
         assert closed_forms.brushless_drag(*form, 10.0, 1.0) == 0.0
 
 
-@pytest.mark.parametrize("controller", BRUSHLESS_RUNGS)
+@pytest.mark.parametrize("controller", MODELS)
 def test_stiffness_at_eight_angles(make_scene, controller):
     """K = 1.5 (pψ)²/(L + Rτ/2) within 1 %, wherever the magnets stand, and as good as the same."""
     measured = []
@@ -290,7 +293,7 @@ def test_stiffness_of_each_preset(make_scene, preset):
     assert result["stiffness"] == pytest.approx(k, rel=0.01)
 
 
-@pytest.mark.parametrize("controller", BRUSHLESS_RUNGS)
+@pytest.mark.parametrize("controller", MODELS)
 @pytest.mark.parametrize("speed", [20.0, -20.0])
 def test_the_wall_of_a_turning_rotor_is_a_sine_of_its_angle(make_scene, controller, speed):
     """Forced through it, the torque is that of a flux held still, over three electrical turns."""
@@ -309,7 +312,7 @@ def test_the_wall_of_a_turning_rotor_is_a_sine_of_its_angle(make_scene, controll
     assert np.abs(rows[:, Column.TORQUE] - expected).max() < 0.01 * peak
 
 
-@pytest.mark.parametrize("controller", BRUSHLESS_RUNGS)
+@pytest.mark.parametrize("controller", MODELS)
 def test_drag_of_a_turning_rotor(make_scene, controller):
     """η = −½ at 60 rad/s: a torque that does not know the angle, as the closed form has it."""
     scene = make_scene(*turning(60.0), EVERYWHERE, "controller.eta_contact=-0.5")
@@ -339,7 +342,7 @@ def test_harmonics_are_felt_in_the_stiffness(make_scene, theta):
 def test_a_wall_is_of_the_axis_q(make_scene):
     """With L_d ≠ L_q a shallow contact feels L_q, on both controllers."""
     scene = make_scene(*TAP, "motor.l_d_part=0.6", magnets_at(0.7))
-    for controller in BRUSHLESS_RUNGS:
+    for controller in MODELS:
         result = measure(scene, controller, compare=False)
         assert result["stiffness"] == pytest.approx(result["stiffness_predicted"], rel=0.01)
 
@@ -351,7 +354,7 @@ def test_free_space_is_free(make_scene):
         "hand.damping=0.5e-3", "controller.walls=[[0.0, 1.0]]", "scene.duration_s=0.2",
         "encoder.counts_per_rev=10000", "adc.bits=12", "adc.full_scale_a=1",
     )  # fmt: skip
-    for controller in BRUSHLESS_RUNGS:
+    for controller in MODELS:
         rows = rows_of(scene, controller)
         assert np.ptp(rows[:, Column.X]) * GIMBAL.pole_pairs > 2 * math.pi
         begun = rows[:, Column.T] > 2e-3  # the rotor moves in the first tick, and no wave knows it
@@ -388,7 +391,7 @@ def test_it_feels_as_the_motor_with_brushes_of_its_k_t(make_scene, part):
     assert error < 2e-4
 
 
-@pytest.mark.parametrize("controller", BRUSHLESS_RUNGS)
+@pytest.mark.parametrize("controller", MODELS)
 def test_the_voltage_limit_is_each_axis_own(make_scene, controller):
     """A wall at the limit has 1.5 pψ·limit/R where q lies along an axis, and √2 of it between.
 
@@ -418,6 +421,34 @@ def test_ports_give_no_energy(make_scene):
     assert np.count_nonzero(np.diff(rows[:, Column.ETA])) > 50
     assert energy.max() <= 0.0
     assert energy.min() < -1e-5
+
+
+@pytest.mark.parametrize(
+    "sets",
+    [
+        (*TAP, "adc.bits=12", "adc.full_scale_a=1", "adc.noise_a=1e-3", magnets_at(0.8),
+         "encoder.counts_per_rev=10000", "controller.extra_ticks=3"),
+        (*SWUNG, "controller.walls=[[0.0, 0.1], [0.2, 0.3]]", "controller.eta_contact=-0.7",
+         "drive.limit_v=0.4", "controller.lambda=1e9", "controller.edge_hysteresis=true",
+         "encoder.counts_per_rev=2000"),
+    ],
+    ids=["sensed", "limited"],
+)  # fmt: skip
+def test_core_is_golden(make_scene, sets):
+    """The RTL with two ports, in the loop: every bit of every word and row, in 24 clocks a port."""
+    scene = make_scene(*sets, "scene.duration_s=0.03")
+    ticks = 30_000
+    found = []
+    for name in ("golden", "core"):
+        simulation = CONTROLLERS[name](scene)
+        rows, words = np.zeros((ticks, len(Column))), np.zeros((ticks, len(Word)), dtype=np.int64)
+        simulation.advance(rows, words)
+        found.append((rows, words, simulation.clock_cycles))
+    assert np.array_equal(found[0][0], found[1][0])
+    assert np.array_equal(found[0][1], found[1][1])
+    assert np.count_nonzero(np.diff(found[0][0][:, Column.ETA])) >= 1
+    assert found[0][2] is None
+    assert found[1][2] == 2 * CORE_CLOCKS * ticks
 
 
 def test_chunks_do_not_matter(make_scene):
@@ -470,7 +501,7 @@ def test_what_is_not_there_yet_is_refused_in_one_line(make_scene):
 def test_controllers_of_one_port_refuse_two(make_scene):
     scene = make_scene(*TAP)
     for name in set(ABILITIES) - set(BRUSHLESS_RUNGS):
-        with pytest.raises(SceneError, match=r"yet; take `analog` or `golden`$"):
+        with pytest.raises(SceneError, match=r"yet; take `analog`, `golden`, `core` or `pins`$"):
             refuse(scene, name)
     with pytest.raises(SceneError, match="two ports and this takes one"):
         SampledSimulation(scene, rtl=False)

@@ -37,8 +37,6 @@ def load(name: str, *settings: str):
 def test_core_and_golden_are_the_same_integers(name, tmp_path):
     """Every word of every tick of every shipped scene; of holds that last, of their first part."""
     scene = load(name)
-    if scene.motor.brushless:
-        pytest.skip("no RTL has a brushless motor's two ports yet")
     if scene.scene.duration_s > LONGEST_S:
         scene = load(name, f"scene.duration_s={LONGEST_S}")
     traces = {}

@@ -9,7 +9,8 @@ Amplitude-invariant: with the phases' currents summing up to zero, of which two 
 Each takes one product with a coefficient of the RTL's width. All that is cut off is cut toward
 zero, as in the wave path, and the coefficients are rounded down: neither transform makes a vector
 longer by more than the place that α/2 loses. What the legs have in common drives nothing in a
-star, and is the bridge's to choose.
+star: :func:`centred` chooses it so that the bridge reaches as far as its bus lets it.
+``rtl/wh_clarke.v`` and ``rtl/wh_inverse_clarke.v`` are these functions, bit for bit.
 """
 
 from __future__ import annotations
@@ -40,6 +41,17 @@ def currents(a: int, b: int) -> tuple[int, int]:
 
 @compiled(inline="always")
 def phases(alpha: int, beta: int) -> tuple[int, int, int]:
-    """Voltages of the legs a, b and c of those of both ports, words of ``formats.VOLTAGE``."""
+    """Voltages of the phases a, b and c of those of both ports, words of ``formats.VOLTAGE``."""
     half, side = truncate(alpha, 1), truncate(HALF_ROOT3 * beta, _Q)
     return alpha, saturate(side - half), saturate(-side - half)
+
+
+@compiled(inline="always")
+def centred(a: int, b: int, c: int) -> tuple[int, int, int]:
+    """Voltages of the legs of those of the phases: the highest as far up as the lowest is down.
+
+    All three take off the same integer, so what lies between two legs is what lies between the
+    phases; and what is left is never longer than a word.
+    """
+    common = truncate(max(a, b, c) + min(a, b, c), 1)
+    return a - common, b - common, c - common

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Latencies of ``rtl/wh_controller.v``, in clocks; a cocotb test measures each at the RTL."""
+"""Latencies of ``rtl/wh_controller.v``, and of ``rtl/wh_brushless.v``, in clocks.
+
+A cocotb test measures each at the RTL.
+"""
 
 from __future__ import annotations
 
@@ -39,10 +42,22 @@ CORRECTION_CLOCKS = 1
 DUTY_CLOCKS = 8
 """Clocks from a step's voltage to the soonest tick that it can drive, ``wh_modulator``."""
 
+CLARKE_CLOCKS = 7
+"""Clocks from the currents of the phases to those of the axes, ``wh_clarke``."""
+
+INVERSE_CLARKE_CLOCKS = 8
+"""Clocks from the voltages of the axes to those of the legs, ``wh_inverse_clarke``."""
+
+AXES = 2
+"""Ports of a brushless motor; and phases whose current is measured."""
+
+LEGS = 3
+"""Its half bridges."""
+
 
 def latency_clocks(
     conversion_clocks: int, ports: int = 1, sections: int = 0, early: bool = False,
-    anchored: bool = False,
+    anchored: bool = False, brushless: bool = False,
 ) -> int:  # fmt: skip
     """Clocks from a sample strobe to the soonest tick strobe after which its voltage is driven.
 
@@ -51,7 +66,15 @@ def latency_clocks(
     core's step for each port, and the duty; currents and duties of several ports pass one
     multiplier in turn. ``sections`` are those of W, SHAPER. The strobe meant is the carrier's that
     brings the tick's last word. ``early`` is ``wh_controller``'s EARLY, ``anchored`` its ANCHOR.
+    ``brushless`` are the two ports of ``wh_brushless``, for which none of the others means a thing.
     """
+    if brushless:
+        return (
+            conversion_clocks
+            + CURRENT_CLOCKS + AXES - 1
+            + CLARKE_CLOCKS + CORE_CLOCKS * AXES + INVERSE_CLARKE_CLOCKS
+            + DUTY_CLOCKS + LEGS - 1
+        )  # fmt: skip
     if early:
         return conversion_clocks + EARLY_CLOCKS
     in_turn = ports - 1

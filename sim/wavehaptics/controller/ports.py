@@ -24,9 +24,13 @@ from wavehaptics.controller.tick_layout import (
 from wavehaptics.motor.hand import hand_path
 from wavehaptics.motor.sensor import Sensor
 from wavehaptics.scene import Scene, SceneError
+from wavehaptics.scene.tables.drive import THREE_PHASE_REACH
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
 from wavehaptics.words.table import WORDS
+
+BRUSHLESS_KIND = "serial"
+"""Kind of the converters that ``rtl/wh_brushless.v`` has."""
 
 DEFAULT_BUS_V = 12.0
 """Bus of a scene whose drive has no limit; a switching bridge has to have one."""
@@ -43,7 +47,7 @@ SETTLE_TICKS = 5
 
 @dataclass(frozen=True)
 class Ports:
-    """What the ports of ``rtl/wh_controller.v`` are given for a scene.
+    """What the ports of ``rtl/wh_controller.v`` or ``rtl/wh_brushless.v`` are given for a scene.
 
     ``words`` are settings by their names in ``rtl/words.toml``, those that aren't its defaults;
     ``walls`` are (min, max) in counts from where the rotor starts. All are raw words.
@@ -79,21 +83,29 @@ def controller_ports(
     cell_rad = None if scene.encoder else 2 * math.pi / FINE_COUNTS_PER_REV
     time = timing(scene, frame_at or scene_frame(scene), most_samples)
     bus_v = bus_voltage(scene)
+    if scene.motor.brushless and time.frame.kind != BRUSHLESS_KIND:
+        raise SceneError(
+            f"{scene.scene.name}: adc.part = {scene.adc and scene.adc.part}: the phases of a "
+            "brushless motor have two serial converters yet; take one of those, such as AD7276"
+        )
     controller = scene.controller.model_copy(update={"extra_ticks": time.extra_ticks})
     scene = scene.model_copy(update={"controller": controller})
     dead = _dead_time_words(scene, time, bus_v)
     delay = pulse_delay(scene, time.clock_hz, time.half_clocks)
-    reach_v = bus_v * (scene.drive.reach if scene.drive else 1.0)
+    # What a leg reaches makes clocks of volts; what the motor does, the limit.
+    reach_v = leg_v = bus_v * (scene.drive.reach if scene.drive else 1.0)
+    if scene.motor.brushless:
+        reach_v, leg_v = bus_v * THREE_PHASE_REACH, 0.5 * bus_v
     shortest = _min_pulse(scene, time)
     # What the pulse is longer by and what a leg's shortest pulse takes, the voltage can't have.
     _, spare = width_bounds(bridge_mode(scene), shortest)
     lost = (dead["dead_clocks"] if dead["compensate"] else 0) + 2 * spare
     set_ = settings(scene, time.tick_s, cell_rad, reach_v * (1.0 - lost / time.half_clocks))
     start_count = math.floor(hand_path(scene).x0 / set_.cell_rad)
-    per_volt = time.half_clocks / (2 * reach_v)
+    per_volt = time.half_clocks / (2 * leg_v)
     if per_volt > formats.DUTY.largest:
         raise SceneError(
-            f"{scene.scene.name}: a volt at a bus of {reach_v:g} V is {per_volt:g} clocks of the "
+            f"{scene.scene.name}: a volt at a bus of {leg_v:g} V is {per_volt:g} clocks of the "
             f"pulse, and `pins` counts {formats.DUTY.largest:.0f}; take a faster drive.pwm_hz or a "
             "higher drive.bus_v"
         )
@@ -182,6 +194,11 @@ def _dead_time_words(scene: Scene, time: Timing, bus_v: float) -> dict[str, int]
             f"carrier half of {time.half_clocks}; take a shorter one or a slower drive.pwm_hz"
         )
     compensate = clocks > 0 and scene.drive is not None and scene.drive.compensate
+    if compensate and scene.motor.brushless:
+        raise SceneError(
+            f"{scene.scene.name}: drive.compensate: the dead time of three legs is not made good "
+            "yet; set drive.compensate = false"
+        )
     if compensate and bridge_mode(scene) != UNIPOLAR:
         raise SceneError(
             f"{scene.scene.name}: drive.compensate: what dead time takes depends on the ripple in "

@@ -7,7 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from wavehaptics.controller.pins_timing import (
+    AXES,
     CENTRED_LEAD,
+    CORE_CLOCKS,
     EARLY_PREPARE_CLOCKS,
     GATE_CLOCKS,
     early_tick_clocks,
@@ -35,6 +37,10 @@ FASTEST_CLOCK_HZ = 100e6
 
 MIN_TICK_CLOCKS = 48
 """Clocks of the shortest tick: an ADC frame of 16 bits at half the clock and its quiet time."""
+
+MIN_BRUSHLESS_CLOCKS = CORE_CLOCKS * AXES + 4
+"""The same with two ports: a step of both, and clocks in which the contact may change; a multiple
+of four, so that a carrier half is a whole number of clocks, and half of it as well."""
 
 MIN_HALF_CLOCKS = 6
 """Clocks of the shortest carrier half: ``rtl/wh_modulator.v`` makes a width in five."""
@@ -81,8 +87,14 @@ class Timing:
 
 
 def bridge_mode(scene: Scene) -> str:
-    """How the scene's bridge switches."""
+    """How the scene's bridge switches; of three legs each is a half bridge."""
+    if scene.motor.brushless:
+        return HALF_BRIDGE
     return scene.drive.mode if scene.drive else UNIPOLAR
+
+
+def _min_tick_clocks(scene: Scene) -> int:
+    return MIN_BRUSHLESS_CLOCKS if scene.motor.brushless else MIN_TICK_CLOCKS
 
 
 def _pulse_halves(scene: Scene) -> int:
@@ -109,13 +121,13 @@ def scene_frame(scene: Scene) -> FrameAt:
 
 def natural_ticks(
     tick_clocks: int, samples: int, lead: int, frame: Frame, ports: int = 1, sections: int = 0,
-    early: bool = False, anchored: bool = False,
+    early: bool = False, anchored: bool = False, brushless: bool = False,
 ) -> int:  # fmt: skip
     """Whole ticks from a tick's end until the voltage made of its samples can be driven."""
     sample_clocks = tick_clocks // samples
     last_sample = tick_clocks - sample_clocks + sample_clocks // 2 - lead
     word_strobe = last_sample + frame.pipeline * sample_clocks
-    latency = latency_clocks(frame.conversion_clocks, ports, sections, early, anchored)
+    latency = latency_clocks(frame.conversion_clocks, ports, sections, early, anchored, brushless)
     return (word_strobe + latency) // tick_clocks
 
 
@@ -134,11 +146,12 @@ def sample_lead(made: Frame, pulse_delay: int) -> int:
 
 
 def _soonest(
-    tick_clocks: int, made: Frame, lead: int, sections: int, early: bool, anchored: bool
-) -> int:
+    tick_clocks: int, made: Frame, lead: int, sections: int, early: bool, anchored: bool,
+    brushless: bool,
+) -> int:  # fmt: skip
     """Fewest ticks of latency that the ADC allows."""
     samples = tick_clocks // made.cycle_clocks if made.osr else 1
-    return natural_ticks(tick_clocks, samples, lead, made, 1, sections, early, anchored)
+    return natural_ticks(tick_clocks, samples, lead, made, 1, sections, early, anchored, brushless)
 
 
 def _check_early(scene: Scene, tick_clocks: int, made: Frame) -> None:
@@ -164,7 +177,7 @@ def _tick_clocks(scene: Scene, tick_hz: float, halves: int, frame_at: FrameAt) -
     if named is not None:
         clocks = round(named / tick_hz)
         return clocks, frame_at(clocks * tick_hz, clocks)
-    usual = min(max(MIN_TICK_CLOCKS, round(CLOCK_HZ / tick_hz)), MOST_TICK_CLOCKS)
+    usual = min(max(_min_tick_clocks(scene), round(CLOCK_HZ / tick_hz)), MOST_TICK_CLOCKS)
     found = None
     clocks = usual
     while clocks == usual or clocks * tick_hz <= FASTEST_CLOCK_HZ:
@@ -235,6 +248,12 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             f"{scene.scene.name}: a tick of {tick_clocks} clocks is longer than `pins` can count; "
             f"take controller.clock_hz <= {limit * tick_hz:g}"
         )
+    if scene.motor.brushless and tick_clocks < MIN_BRUSHLESS_CLOCKS:
+        raise SceneError(
+            f"{scene.scene.name}: a tick of {tick_clocks} clocks is shorter than the "
+            f"{MIN_BRUSHLESS_CLOCKS} that `pins` needs for two ports; take "
+            f"controller.clock_hz >= {MIN_BRUSHLESS_CLOCKS * tick_hz:g}"
+        )
     if half_clocks < MIN_HALF_CLOCKS:
         raise SceneError(
             f"{scene.scene.name}: a carrier half of {half_clocks} clocks of {clock_hz:g} Hz is "
@@ -258,7 +277,8 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
     if early:
         _check_early(scene, tick_clocks, made)
     anchored = control.anchored
-    soonest = _soonest(tick_clocks, made, lead, sections, early, anchored)
+    brushless = scene.motor.brushless
+    soonest = _soonest(tick_clocks, made, lead, sections, early, anchored, brushless)
     if "extra_ticks" not in control.model_fields_set:
         extra = soonest if early else max(extra, soonest)
     # A voltage that has to wait is made in turn.
@@ -276,14 +296,19 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             and (
                 parts % n == 0
                 and tick_clocks // n >= made.cycle_clocks
-                and natural_ticks(tick_clocks, n, lead, made, 1, sections, early, anchored) <= extra
+                and natural_ticks(
+                    tick_clocks, n, lead, made, 1, sections, early, anchored, brushless
+                )
+                <= extra
             )
         )
     )
     if made.osr:
         samples = tick_clocks // made.cycle_clocks
-    natural = natural_ticks(tick_clocks, samples, lead, made, 1, sections, early, anchored)
-    latency = latency_clocks(made.conversion_clocks, 1, sections, early, anchored)
+    natural = natural_ticks(
+        tick_clocks, samples, lead, made, 1, sections, early, anchored, brushless
+    )
+    latency = latency_clocks(made.conversion_clocks, 1, sections, early, anchored, brushless)
     if extra < natural:
         late = " and a sample" if made.pipeline else ""
         raise SceneError(

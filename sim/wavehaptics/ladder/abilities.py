@@ -81,7 +81,7 @@ ABILITIES: dict[str, Ability] = {
 """By what runs a scene."""
 
 
-BRUSHLESS_RUNGS = ("analog", "golden")
+BRUSHLESS_RUNGS = ("analog", "golden", "core", "pins")
 """Controllers that a brushless motor runs on."""
 
 _LEAVE_OUT = "a brushless motor does without it yet; leave it out"
@@ -90,7 +90,7 @@ BRUSHLESS: dict[str, str] = {
     "brushes": "a brushless motor has none; leave it out",
     "controller.anchor_auto": "a port anchor is of one port yet; leave it out",
     "controller.anchor_ohm": "a port anchor is of one port yet; leave it out",
-    "controller.early_duty": "it is of `pins`; leave it out",
+    "controller.early_duty": "a brushless motor does without it yet; leave it out",
     "drive.mode": "a brushless motor has a bridge of three legs; leave it out",
     **dict.fromkeys(
         ("winding", "thermal", "shaper", "transmission.cable_stiffness", "encoder.stops_at_s",
@@ -136,9 +136,10 @@ def refuse(scene: Scene, name: str) -> None:
     refused = ABILITIES[name].refused
     if scene.motor.brushless:
         if name not in BRUSHLESS_RUNGS:
-            rungs = " or ".join(f"`{rung}`" for rung in BRUSHLESS_RUNGS)
+            *others, last = (f"`{rung}`" for rung in BRUSHLESS_RUNGS)
             raise SceneError(
-                f'{scene.scene.name}: motor.kind = "pmsm" is not for `{name}` yet; take {rungs}'
+                f'{scene.scene.name}: motor.kind = "pmsm" is not for `{name}` yet; '
+                f"take {', '.join(others)} or {last}"
             )
         refused = {**BRUSHLESS, **refused}
     for what, cure in refused.items():

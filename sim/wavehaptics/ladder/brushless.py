@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The controllers ``analog`` and ``golden`` of a brushless motor: two ports, α and β.
+"""The controllers ``analog``, ``golden`` and ``core`` of a brushless motor: two ports, α and β.
 
 Each axis of the stationary frame has a port of its own, of the same words, and none knows the
 rotor's angle: the encoder's count only says which η both have. A row's ``i`` is the current that
 the torque is k_T times of, its ``e_a``, ``u`` and ``v`` are the parts of both axes along q at the
-tick's middle, and ``golden``'s raw words are those of port α.
+tick's middle, and the raw words are those of port α. One loop serves ``golden`` and ``core``: its
+steps are those of the integer model, or of the Verilated core with two ports.
 
 The voltage limit is each axis' own. The converter measures the phases a and b. What a scene
 can't have here yet is refused (:mod:`wavehaptics.ladder.abilities`).
@@ -17,9 +18,11 @@ import math
 import numpy as np
 
 from wavehaptics.controller import clarke, wave_core
-from wavehaptics.controller.settings import settings
+from wavehaptics.controller.settings import Settings, settings
+from wavehaptics.ladder import verilated
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.analog import CONTACT, FREE, HALVINGS, LIMITED, MODE_CHANGES, inside
+from wavehaptics.ladder.sampled import CORE_DELAY_LOG2
 from wavehaptics.laws import closed_forms
 from wavehaptics.motor.brushless import (
     ENERGY,
@@ -40,6 +43,7 @@ from wavehaptics.motor.brushless import (
 from wavehaptics.motor.plant import K_T, TIME, C, I, P, X
 from wavehaptics.motor.sensor import NOISE_SEED, Sensor, current_word, draw_noise, noise_at
 from wavehaptics.runtime.compiled import compiled
+from wavehaptics.runtime.native_call import call2
 from wavehaptics.scene import Scene, drive_gain
 from wavehaptics.trace.columns import Word, put_motion, put_port
 from wavehaptics.words import formats
@@ -49,10 +53,12 @@ _ROOT_WATT = formats.WAVE.step
 _ETA = formats.ETA.step
 _ROOT3 = math.sqrt(3.0)
 
-# Places in golden's integer parameters, in its float parameters and in what it keeps.
-_A, _EXTRA, _ETA_CONTACT, _ETA_FREE, _SUBSTEPS, _HYSTERESIS, _ROOT, _U_MAX = range(8)
+# Places in the sampled loop's integer parameters, in its float parameters and in what it keeps.
+(
+    _A, _EXTRA, _ETA_CONTACT, _ETA_FREE, _SUBSTEPS, _HYSTERESIS, _ROOT, _U_MAX, _MODEL, _STEP,
+) = range(10)  # fmt: skip
 _CELL, _GAIN = range(2)
-_VOLTAGE_A, _VOLTAGE_B = range(2)
+_VOLTAGE_A, _VOLTAGE_B, _CLOCKS = range(3)
 
 # Places in the analog circuits' parameters and in what they keep: whether the rotor is in a wall,
 # and the sign of the limit that holds each axis' f.
@@ -61,27 +67,32 @@ _TOUCHING, _SIDE_A, _SIDE_B = range(3)
 
 
 @compiled(inline="always")
-def _clear_sums(z):
+def clear_sums(z):
+    """Begin a tick's sums."""
     z[Q_A] = z[Q_B] = z[QF_A] = z[QF_B] = z[IMPULSE] = z[ENERGY] = 0.0
 
 
 @compiled(inline="always")
-def _put_tick(row, z, load, tick, before, hand, e_a, e_b, u_a, u_b, v_a, v_b, ripple):
-    """A tick's row but for η and flags, of both axes' means; returns its u and v."""
+def put_axes(row, z, load, begin, tick, before, hand, e_a, e_b, ripple):
+    """The motor's part of a tick's row, of the sums since its beginning and the mean voltages.
+
+    Returns the electrical angle at its middle, along whose q a row has the axes' waves.
+    """
     theta = electrical_angle(0.5 * (before + z[X]), load)
     torque = z[IMPULSE] / tick
     put_motion(
-        row, z[TIME] - tick, tick, before, z[X], torque / load[K_T], along_q(e_a, e_b, theta),
+        row, begin, tick, before, z[X], torque / load[K_T], along_q(e_a, e_b, theta),
         torque, 0.5 * (hand + z[P] + z[C]), z[ENERGY], ripple,
     )  # fmt: skip
-    return along_q(u_a, u_b, theta), along_q(v_a, v_b, theta)
+    return theta
 
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
-def _advance_golden(
+def _advance_sampled(
     rows, words, z, kept, ports, lines, contact, wall_min, wall_max, ints, floats, load, table,
-    step, sensor, noise,
+    step, sensor, noise, buffer,
 ):  # fmt: skip
+    """Fill ``rows`` and ``words``; False when the RTL never answered."""
     substeps, extra, root, u_max = ints[_SUBSTEPS], ints[_EXTRA], ints[_ROOT], ints[_U_MAX]
     tick = step[0] * substeps
     for n in range(rows.shape[0]):
@@ -90,7 +101,7 @@ def _advance_golden(
         e_a = volt * (2 * leg_a - leg_b - leg_c) / 3.0
         e_b = volt * (leg_b - leg_c) / _ROOT3
         before, hand = z[X], z[P] + z[C]
-        _clear_sums(z)
+        clear_sums(z)
         z[F_A], z[F_B] = e_a, e_b
         low, high = z[I], z[I]
         for _ in range(substeps):
@@ -106,16 +117,24 @@ def _advance_golden(
             contact, position, wall_min, wall_max, ints[_HYSTERESIS] != 0
         )
         eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
-        next_a, u_a, v_a = wave_core.wave_core_step(
-            ports[0], lines[0], alpha, eta, 0, root, ints[_A], u_max, extra, extra
-        )
-        next_b, u_b, v_b = wave_core.wave_core_step(
-            ports[1], lines[1], beta, eta, 0, root, ints[_A], u_max, extra, extra
-        )
-        u, v = _put_tick(
-            rows[n], z, load, tick, before, hand, e_a, e_b, u_a * _ROOT_WATT, u_b * _ROOT_WATT,
-            v_a * _ROOT_WATT, v_b * _ROOT_WATT, high - low,
-        )  # fmt: skip
+        if ints[_MODEL] == 0:
+            next_a, u_a, v_a = wave_core.wave_core_step(
+                ports[0], lines[0], alpha, eta, 0, root, ints[_A], u_max, extra, extra
+            )
+            next_b, u_b, v_b = wave_core.wave_core_step(
+                ports[1], lines[1], beta, eta, 0, root, ints[_A], u_max, extra, extra
+            )
+        else:
+            buffer[0], buffer[1], buffer[2] = alpha, beta, eta
+            clocks = call2(ints[_STEP], ints[_MODEL], buffer.ctypes.data)
+            if clocks < 0:
+                return False
+            kept[_CLOCKS] += clocks
+            next_a, u_a, v_a = buffer[0], buffer[1], buffer[2]
+            next_b, u_b, v_b = buffer[3], buffer[4], buffer[5]
+        theta = put_axes(rows[n], z, load, z[TIME] - tick, tick, before, hand, e_a, e_b, high - low)
+        u = along_q(u_a, u_b, theta) * _ROOT_WATT
+        v = along_q(v_a, v_b, theta) * _ROOT_WATT
         limited = abs(u_a) >= u_max or abs(u_b) >= u_max
         put_port(rows[n], eta * _ETA, u, v, touching, limited)
         words[n, Word.I] = alpha
@@ -123,28 +142,35 @@ def _advance_golden(
         words[n, Word.V] = v_a
         words[n, Word.E] = next_a
         kept[_VOLTAGE_A], kept[_VOLTAGE_B] = next_a, next_b
+    return True
 
 
 class BrushlessSimulation:
-    """A scene's brushless motor on the integers of two wave cores, with an averaged drive."""
+    """A scene's brushless motor on a wave core with two ports, with an averaged drive.
 
-    clock_cycles: int | None = None
+    ``rtl`` takes the Verilated core instead of the integer model.
+    """
 
-    def __init__(self, scene: Scene) -> None:
-        refuse(scene, "golden")
+    def __init__(self, scene: Scene, *, rtl: bool) -> None:
+        refuse(scene, "core" if rtl else "golden")
+        self._library = None
+        self._model = step = 0
         self.settings = set_ = settings(scene)
         self.tick_s = set_.tick_s
         plant = BrushlessPlant.of_scene(scene)
         substeps = plant.substeps(self.tick_s)
         dt = self.tick_s / substeps
+        if rtl:
+            self._library, self._model, step = _load_axes(set_)
         self._z = plant.start
-        self._kept = np.zeros(2, dtype=np.int64)
+        self._kept = np.zeros(3, dtype=np.int64)
+        self._buffer = np.zeros(6, dtype=np.int64)
         self._ports = np.stack([wave_core.new_state() for _ in range(2)])
         self._lines = np.stack([wave_core.new_line(set_.extra_ticks) for _ in range(2)])
         self._contact = np.array([-1, 0], dtype=np.int64)
         self._ints = np.array(
             [set_.a, set_.extra_ticks, set_.eta_contact, set_.eta_free, substeps,
-             set_.edge_hysteresis, set_.root, set_.u_max],
+             set_.edge_hysteresis, set_.root, set_.u_max, self._model, step],
             dtype=np.int64,
         )  # fmt: skip
         self._floats = np.array([set_.cell_rad, drive_gain(scene)])
@@ -153,14 +179,37 @@ class BrushlessSimulation:
         self._sensor = Sensor.of_scene(scene).constants()
         self._rng = np.random.default_rng(NOISE_SEED)
 
+    @property
+    def clock_cycles(self) -> int | None:
+        """Clocks of the RTL so far; None on the integer model, which has no clock."""
+        return int(self._kept[_CLOCKS]) if self._model else None
+
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
-        _advance_golden(
+        done = _advance_sampled(
             rows, words, self._z, self._kept, self._ports, self._lines, self._contact,
             self.settings.wall_min, self.settings.wall_max, self._ints, self._floats, self._load,
             self._table, self._step, self._sensor,
-            draw_noise(self._rng, self._sensor, 2 * len(rows)),
+            draw_noise(self._rng, self._sensor, 2 * len(rows)), self._buffer,
         )  # fmt: skip
+        if not done:
+            raise RuntimeError("the wave core's RTL never raised valid_o")
+
+    def __del__(self) -> None:
+        if getattr(self, "_model", 0) and self._library is not None:
+            self._library.wh_axes_delete(self._model)
+
+
+def _load_axes(set_: Settings):
+    """(library, a model, address of its step) of the core's RTL with a port for each axis."""
+    design = verilated.Design(
+        "wh_wave_core", "brushless_core_shim.cpp", {"N": 2, "DELAY_LOG2": CORE_DELAY_LOG2}
+    )
+    library = verilated.load(design)
+    verilated.declare_destructor(library.wh_axes_delete)
+    words = verilated.words_of(design, {**set_.words(), "hold_ticks": set_.extra_ticks})
+    model = verilated.new_model(library.wh_axes_new, words)
+    return library, model, verilated.address(library.wh_axes_step)
 
 
 @compiled(inline="always")
@@ -251,17 +300,19 @@ def _advance_analog(
     tick, s = floats[_TICK], floats[_S]
     for n in range(rows.shape[0]):
         before, hand = z[X], z[P] + z[C]
-        _clear_sums(z)
+        clear_sums(z)
         low, high = z[I], z[I]
         for _ in range(substeps):
             _part(z, trial, kept, floats, wall_min, wall_max, tables, steps, load)
             low, high = min(low, z[I]), max(high, z[I])
         u_a, u_b = z[QF_A] / tick, z[QF_B] / tick
         volt = floats[_DRIVE]
-        u, v = _put_tick(
-            rows[n], z, load, tick, before, hand, volt * u_a, volt * u_b, u_a, u_b,
-            u_a - s * z[Q_A] / tick, u_b - s * z[Q_B] / tick, high - low,
+        theta = put_axes(
+            rows[n], z, load, z[TIME] - tick, tick, before, hand, volt * u_a, volt * u_b,
+            high - low,
         )  # fmt: skip
+        u = along_q(u_a, u_b, theta)
+        v = along_q(u_a - s * z[Q_A] / tick, u_b - s * z[Q_B] / tick, theta)
         eta = floats[_CONTACT_ETA] if kept[_TOUCHING] else floats[_FREE_ETA]
         limited = kept[_SIDE_A] != 0.0 or kept[_SIDE_B] != 0.0
         put_port(rows[n], eta, u, v, kept[_TOUCHING], limited)

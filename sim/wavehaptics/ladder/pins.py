@@ -30,7 +30,9 @@ from wavehaptics.words.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
 
 DELAY_LOG2 = 10
 MIN_WALLS = 4
-_STEPS = 128
+"""Walls of the simulated RTL, at least: one build serves most scenes."""
+STEPS = 128
+"""Clocks of the longest step that has a table."""
 
 
 def _bridge_parameters(words: dict[str, int]) -> dict[str, int]:
@@ -48,9 +50,10 @@ def wire(part: Part | None, frame: Frame) -> tuple[int, int]:
     return 64 - bits, frame.sclk_idle if trailing else 1 - frame.sclk_idle
 
 
-def _true_bus_v(scene: Scene) -> float:
-    true_bus_v = scene.drive.true_bus_v if scene.drive is not None else None
-    return true_bus_v or bus_voltage(scene)
+def true_bus_v(scene: Scene) -> float:
+    """The bus of the scene's bridge as it is, V."""
+    known_v = scene.drive.true_bus_v if scene.drive is not None else None
+    return known_v or bus_voltage(scene)
 
 
 class PinsSimulation:
@@ -94,7 +97,7 @@ class PinsSimulation:
         self._sums[pins_loop.HAND0] = self._state[P] + self._state[C]
         self._pending = np.zeros((pins_loop.PENDING, len(Column)))
         code_shift, launch_level = self._wire(scene, time.frame)
-        longest = min(_STEPS, max(1, math.floor(time.clock_hz * plant.longest_step_s)))
+        longest = min(STEPS, max(1, math.floor(time.clock_hz * plant.longest_step_s)))
         self._ints = np.array(
             [self._model, verilated.address(self._function("clock")),
              verilated.address(self._function("words")), time.tick_clocks,
@@ -105,13 +108,13 @@ class PinsSimulation:
             dtype=np.int64,
         )  # fmt: skip
         self._floats = np.array(
-            [dt, set_.cell_rad, _true_bus_v(scene), 1.0 + drive.gain_error, plant.k_t,
+            [dt, set_.cell_rad, true_bus_v(scene), 1.0 + drive.gain_error, plant.k_t,
              plant.resistance, scene.controller.eta_contact, scene.controller.eta_free,
              encoder_end(scene), drive.bus_ripple_v,
              2 * math.pi * (drive.bus_ripple_hz or 0.0)]
         )  # fmt: skip
         self._load = load_words(plant)
-        steps_s = [n * dt for n in range(_STEPS + 1)]
+        steps_s = [n * dt for n in range(STEPS + 1)]
         self._real = real_parts(scene, plant, set_.cell_rad, steps_s, switching=True)
         self._sensor = sensor.constants()
         self._rng = np.random.default_rng(NOISE_SEED)
@@ -155,7 +158,7 @@ class PinsSimulation:
         self._values = values = {
             **ports.words, **set_.words(), **ports.wall_words(places),
             "wall_shaped": [*set_.shaped.tolist(), *[0] * (places - len(set_.shaped))],
-            "bus": bus_scale.bus_word(_true_bus_v(scene)),
+            "bus": bus_scale.bus_word(true_bus_v(scene)),
         }  # fmt: skip
         levels = pins_loop.encoder_levels.py_func(ports.start_count)
         self._model = self._new_model(verilated.words_of(design, values), levels)
@@ -192,7 +195,7 @@ class PinsSimulation:
         return int(self._kept[pins_loop.NOW])
 
     def _transitions(self, plant: Plant) -> np.ndarray:
-        return np.stack([plant.transition(n * self._dt) for n in range(_STEPS + 1)])
+        return np.stack([plant.transition(n * self._dt) for n in range(STEPS + 1)])
 
     def _function(self, name: str) -> Any:
         return getattr(self._library, f"{self.PREFIX}_{name}")

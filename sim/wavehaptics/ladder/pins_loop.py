@@ -76,7 +76,7 @@ CHARGE, SQUARE, WORK, VOLT_SECONDS, LOW, HIGH, X0, HAND0, T0 = range(9)
 
 
 @compiled(inline="always")
-def _bus_at(time, floats):
+def bus_at(time, floats):
     """The true bus, V."""
     if floats[RIPPLE] == 0.0:
         return floats[BUS]
@@ -86,7 +86,7 @@ def _bus_at(time, floats):
 @compiled()
 def _true_bus(time, floats, real):
     """The bus, V. It sags by the last tick's load: between two ticks its capacitors hold it."""
-    bus = _bus_at(time, floats)
+    bus = bus_at(time, floats)
     if real is not None:
         supply = real[SUPPLY]
         if time >= supply[STEP_S]:
@@ -176,7 +176,7 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
 
 
 @compiled()
-def _next_edge(state, kept, cell, dt, end_s, real):
+def next_edge(state, kept, cell, dt, end_s, real):
     """Set the count, until ``end_s``, and the clock at which it is to be looked at again.
 
     The rotor is taken to keep its speed until then, for at most 32 clocks; it can't change by more
@@ -251,14 +251,14 @@ def advance(
     silent = 0
     while done < rows.shape[0]:
         if kept[NOW] >= kept[NEXT_LOOK]:
-            _next_edge(state, kept, cell, dt, end_s, real)
+            next_edge(state, kept, cell, dt, end_s, real)
         inputs = ((kept[SHIFT] >> 63) & 1) | encoder_levels(kept[COUNT])
         pins = call2(ints[CLOCK], ints[MODEL], inputs)
         old = kept[PINS]
         changed = old ^ pins
         if changed & 15:
             _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
-            _next_edge(state, kept, cell, dt, end_s, real)
+            next_edge(state, kept, cell, dt, end_s, real)
         kept[PINS] = pins
         if ints[OSR]:
             if changed & pins & 1 << SCLK:

@@ -15,6 +15,7 @@ from wavehaptics.controller.settings import Settings
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.analog import AnalogSimulation
 from wavehaptics.ladder.brushless import BrushlessAnalogSimulation, BrushlessSimulation
+from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.encoder import EncoderSimulation
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.r_hat_error import Estimate
@@ -59,18 +60,23 @@ def analog(
     return kind(scene, tick_s, cell_rad)
 
 
-def golden(scene: Scene) -> Simulation:
-    """The wave core's integers, of one port or of a brushless motor's two."""
-    if scene.motor.brushless:
-        return BrushlessSimulation(scene)
-    return SampledSimulation(scene, rtl=False)
+def _sampled(scene: Scene, rtl: bool) -> Simulation:
+    """The wave core, of one port or of a brushless motor's two, as integers or as RTL."""
+    kind = BrushlessSimulation if scene.motor.brushless else SampledSimulation
+    return kind(scene, rtl=rtl)
+
+
+def _pins(scene: Scene) -> Simulation:
+    """The whole RTL at its pins, of a motor with brushes or of one without."""
+    kind = BrushlessPinsSimulation if scene.motor.brushless else PinsSimulation
+    return kind(scene)
 
 
 CONTROLLERS: dict[str, Callable[[Scene], Simulation]] = {
     "analog": analog,
-    "golden": golden,
-    "core": lambda scene: SampledSimulation(scene, rtl=True),
-    "pins": PinsSimulation,
+    "golden": lambda scene: _sampled(scene, rtl=False),
+    "core": lambda scene: _sampled(scene, rtl=True),
+    "pins": _pins,
     "encoder": EncoderSimulation,
 }
 """The fidelity ladder by name."""

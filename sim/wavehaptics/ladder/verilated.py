@@ -64,9 +64,11 @@ class Design:
 
     @property
     def sizes(self) -> Sizes:
-        """Copies and widths of the words of its one port."""
+        """Copies and widths of the words of its ports."""
         walls, delay_log2 = self.parameters.get("WALLS", 4), self.parameters["DELAY_LOG2"]
-        return Sizes(1, walls, self.parameters.get("SHAPER", 0), delay_log2)
+        return Sizes(
+            self.parameters.get("N", 1), walls, self.parameters.get("SHAPER", 0), delay_log2
+        )
 
 
 def verilator_environment() -> tuple[str, dict[str, str]]:

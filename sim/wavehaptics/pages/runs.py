@@ -138,13 +138,15 @@ def _impedance(numbers: dict[str, Any], table: Table) -> str:
 
 
 def _brushless(numbers: dict[str, Any], table: Table) -> str:
-    head = ("electrical angle at the wall, degrees", "K on `golden`, N·m/rad", "on `analog`",
-            "1.5 (pψ)²/(L + Rτ/2)", "torque error against `analog`")  # fmt: skip
+    head = ("electrical angle at the wall, degrees", "K on `pins`, N·m/rad", "on `golden`",
+            "on `analog`", "1.5 (pψ)²/(L + Rτ/2)", "torque error of `pins` against `analog`",
+            "of `golden`")  # fmt: skip
     return table(
         head,
         (
-            (f"{360 * row['turn']:g}", number(row["golden"], 4), number(row["analog"], 4),
-             number(row["predicted"], 4), percent(row["error"]))
+            (f"{360 * row['turn']:g}", number(row["pins"], 4), number(row["golden"], 4),
+             number(row["analog"], 4), number(row["predicted"], 4), percent(row["pins_error"]),
+             percent(row["error"]))
             for row in numbers.get("tables", {}).get("brushless", ())
         ),
     )  # fmt: skip

@@ -12,7 +12,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from wavehaptics.ladder.abilities import BRUSHLESS_RUNGS
 from wavehaptics.ladder.run import measure
 from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import find_scene, load_scene
@@ -78,6 +77,8 @@ IMPEDANCE_SCENES = (
 
 BRUSHLESS_ANGLES = 8
 """Electrical angles, of a turn, at which the brushless taps meet their wall."""
+BRUSHLESS_ON = ("analog", "golden", "pins")
+"""On these controllers."""
 
 
 def brushless_angles(progress: Callable[[str, float], None]) -> list[dict[str, Any]]:
@@ -91,11 +92,12 @@ def brushless_angles(progress: Callable[[str, float], None]) -> list[dict[str, A
         magnet_rad = -2.0 * math.pi * part / pairs
         settings = ("scene.duration_s=0.3", f"motor.magnet_rad={magnet_rad:.12g}")
         scene = load_scene(find_scene("brushless_taps"), settings)
-        found = {name: measure(scene, name, compare=name == "golden") for name in BRUSHLESS_RUNGS}
+        found = {name: measure(scene, name, compare=name != "analog") for name in BRUSHLESS_ON}
         rows.append(
             {"turn": part, "predicted": found["golden"]["stiffness_predicted"]}
-            | {name: found[name]["stiffness"] for name in BRUSHLESS_RUNGS}
+            | {name: found[name]["stiffness"] for name in BRUSHLESS_ON}
             | {"error": found["golden"]["torque_nrmse_vs_analog"]}
+            | {"pins_error": found["pins"]["torque_nrmse_vs_analog"]}
         )
     return rows
 

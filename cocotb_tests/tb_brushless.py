@@ -1,0 +1,347 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bench of ``rtl/wh_brushless.v`` at its pins, open loop.
+
+ADC parts and an encoder are wired to the pins, and the gates are read in every clock. What the
+controller shows of each step is compared with the integer models, from the codes to the gates.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import cocotb
+from adc_part import AdcPart
+from bench import Bench, pack, random_source, unpack
+from simulators import parameters
+from tb_quadrature import levels
+from tb_three_phase import Drive, gates_of
+from wavehaptics.controller import clarke, wave_core
+from wavehaptics.controller.modulator import duty_of
+from wavehaptics.controller.pins_timing import (
+    CENTRED_LEAD,
+    CLARKE_CLOCKS,
+    CORE_CLOCKS,
+    CURRENT_CLOCKS,
+    GATE_CLOCKS,
+    HOLD_CLOCKS,
+    latency_clocks,
+)
+from wavehaptics.motor.sensor import scale_sum
+from wavehaptics.parts.adcs import PARTS, frame
+from wavehaptics.words import formats, table
+from wavehaptics.words.table import Sizes
+
+GUARD = parameters().get("GUARD", 0)
+WALLS = 4
+DELAY_LOG2 = 2
+CLOCK_HZ = 52e6
+PERIOD_NS = 1e9 / CLOCK_HZ
+PINS_NS = 2.0
+PART = PARTS["AD7276"]
+FRAME = frame(PART, CLOCK_HZ)
+MIDDLE = 1 << (PART.bits - 1)
+SHIFT = formats.SAMPLE_W - PART.bits
+R_OHM = 4.7
+FULL_SCALE_A = 2.0
+WALL = (0, 1000)
+ETA_CONTACT = formats.ETA.to_raw(-0.9)
+ETA_FREE = formats.ETA.to_raw(0.8)
+ROOT = formats.ROOT.to_raw(math.sqrt(2 * R_OHM))
+A = formats.A.to_raw(0.7)
+U_MAX = formats.WAVE.to_raw(4.0 / math.sqrt(2 * R_OHM))
+LATENCY = latency_clocks(FRAME.conversion_clocks, brushless=True)
+
+
+@dataclass
+class Step:
+    """What the controller showed with core_valid_o: of alpha and beta, or a and b."""
+
+    clock: int
+    phases: list[int]
+    current: list[int]
+    u: list[int]
+    v: list[int]
+    voltage: list[int]
+    contact: int
+    saturated: int
+
+
+def settings(drive: Drive, samples: int = 1, extra: int = 2, **others: int) -> dict[str, int]:
+    """The controller's inputs, as words."""
+    values = {
+        "half_clocks": drive.half_clocks,
+        "tick_halves": drive.tick_halves,
+        "sample_clocks": drive.tick_clocks // samples,
+        "samples": samples,
+        "sample_lead": CENTRED_LEAD - drive.dead_clocks // 2,
+        **FRAME.words(),
+        "eta_contact": ETA_CONTACT,
+        "eta_free": ETA_FREE,
+        "wall_min": [WALL[0]] * WALLS,
+        "wall_max": [WALL[1]] * WALLS,
+        "wall_enable": [1, 0, 0, 0],
+        "root": ROOT,
+        "a": A,
+        "u_max": U_MAX,
+        "extra_ticks": extra,
+        "clocks_per_volt": drive.per_volt,
+        "dead_clocks": drive.dead_clocks,
+        "second_order": int(drive.second_order),
+        **others,
+    }
+    gain = formats.GAIN.to_raw(FULL_SCALE_A / ((1 << 15) * samples))
+    return {
+        **table.inputs(values, Sizes(1, WALLS, 0, DELAY_LOG2)),
+        "phase_gain_i": pack([gain, gain], formats.COEF_W),
+    }
+
+
+class BrushlessBench(Bench):
+    """Parts on the pins, and a log of what the pins did."""
+
+    zeros = (0, 0)
+
+    async def begin(self, inputs: dict[str, int], zeros: tuple[int, int] = (0, 0)) -> None:
+        self.codes = [MIDDLE, MIDDLE]
+        self.position = 0
+        self.zeros = zeros
+        self.parts = [AdcPart(PART, lambda n=n: self.codes[n]) for n in range(2)]
+        self.age = 0
+        self.conversions: list[tuple[int, list[int]]] = []
+        """Clock of each conversion's sample strobe, and the codes held."""
+        self.steps: list[Step] = []
+        self.ticks: list[int] = []
+        self.gates: list[tuple[int, int]] = []
+        self._cs_n = 1
+        self._phases: deque[int] = deque(maxlen=2 * CORE_CLOCKS + 1)
+        # Other inputs are those of the words that wh_brushless has.
+        known = {name for name in inputs if hasattr(self.dut, name)}
+        await self.start(
+            enable_i=1, adc_sdata_i=0, enc_a_i=0, enc_b_i=0, stop_i=0, driver_fault_i=0,
+            phase_zero_i=pack(zeros, formats.SUM_W),
+            **{name: inputs[name] for name in known},
+        )  # fmt: skip
+
+    async def clock(self, **inputs: int) -> None:
+        """One clock; what it shows goes into the log."""
+        self.age += 1
+        edge = self.age * PERIOD_NS
+        sdata = sum(self.parts[n].sdata(edge - PINS_NS) << n for n in range(2))
+        a, b = levels(self.position)
+        await self.step(adc_sdata_i=sdata, enc_a_i=a, enc_b_i=b, **inputs)
+        cs_n, sclk = self.word("adc_cs_n_o"), self.word("adc_sclk_o")
+        for part in self.parts:
+            part.pins(edge + PINS_NS, cs_n, sclk)
+        now = len(self.gates)
+        if self._cs_n and not cs_n:
+            self.conversions.append((now - HOLD_CLOCKS, [part.held for part in self.parts]))
+        self._cs_n = cs_n
+        gates = self.word("gate_high_o"), self.word("gate_low_o")
+        assert gates[0] & gates[1] == 0
+        self.gates.append(gates)
+        if self.word("tick_o"):
+            self.ticks.append(now)
+        self._phases.append(self.word("phase_current_o"))
+        if self.word("core_valid_o"):
+            self.steps.append(
+                Step(
+                    now,
+                    *(
+                        unpack(word, formats.DATA_W, 2)
+                        for word in (
+                            # Those of the step's start: when it ends the next may have come.
+                            self._phases[0],
+                            *(self.word(f"{name}_o") for name in ("current", "u", "v", "voltage")),
+                        )
+                    ),
+                    self.word("contact_o"),
+                    self.word("saturated_o"),
+                )
+            )
+
+    def check(self, drive: Drive, samples: int, extra: int) -> list[list[int]]:
+        """Every step by the models, and every gate; the widths of each leg."""
+        gain = formats.GAIN.to_raw(FULL_SCALE_A / ((1 << 15) * samples))
+        ports = [wave_core.new_state() for _ in range(2)]
+        lines = [wave_core.new_line(extra) for _ in range(2)]
+        legs_of: list[tuple[int, int, int]] = []
+        for n, step in enumerate(self.steps):
+            group = self.conversions[n * samples : (n + 1) * samples]
+            assert len(group) == samples
+            for m in range(2):
+                total = sum((codes[m] - MIDDLE) << SHIFT for _, codes in group)
+                assert step.phases[m] == scale_sum.py_func(total - self.zeros[m], gain)
+            assert tuple(step.current) == clarke.currents.py_func(*step.phases)
+            eta = ETA_CONTACT if step.contact else ETA_FREE
+            for m in range(2):
+                found = wave_core.wave_core_step.py_func(
+                    ports[m], lines[m], step.current[m], eta, 0, ROOT, A, U_MAX, extra, 0
+                )
+                assert (step.voltage[m], step.u[m], step.v[m]) == found
+            began = group[-1][0] + FRAME.conversion_clocks
+            began += CURRENT_CLOCKS + 1 + CLARKE_CLOCKS
+            assert step.clock == began + 2 * CORE_CLOCKS
+            legs_of.append(clarke.centred.py_func(*clarke.phases.py_func(*step.voltage)))
+        # What each tick drives, by the latency that the settings count on.
+        models = [drive.model() for _ in range(3)]
+        widths: list[list[int]] = [[], [], []]
+        ends = [self.ticks[0] - drive.tick_clocks, *self.ticks]
+        strobes = [group[0] for group in self.conversions[samples - 1 :: samples]]
+        made = 0
+        for end in ends:
+            while made < len(legs_of) and strobes[made] + LATENCY <= end:
+                made += 1
+            for n in range(3):
+                duty = duty_of.py_func(legs_of[made - 1][n], drive.per_volt) if made else 0
+                for _ in range(drive.tick_halves // 2):
+                    widths[n].append(models[n].width(duty))
+        first = ends[0] + 1
+        for n in range(3):
+            periods = [level for width in widths[n] for level in drive.period(width)]
+            expected = gates_of([0] * GATE_CLOCKS + periods, drive.dead_clocks)
+            # Before the carrier starts the dead time after reset is over.
+            start = first + GATE_CLOCKS + drive.dead_clocks + 1
+            for now in range(start, ends[-1]):
+                high, low = self.gates[now]
+                wanted = expected[now - first]
+                assert (high >> n & 1, low >> n & 1) == wanted, (n, now, wanted)
+        return widths
+
+
+@cocotb.test(timeout_time=60, timeout_unit="ms")
+async def equals_the_models(dut: object) -> None:
+    """Random currents, an encoder that crosses an edge: every word of every step, every gate."""
+    bench = BrushlessBench(dut)
+    rng = random_source("brushless")
+    widths, touched, limited = set(), set(), 0
+    for drive, samples, extra, zeros in (
+        (Drive(26), 1, 2, (0, 0)),
+        (Drive(26, 12.0, 4, 2, second_order=True), 2, 1, (700, -1234)),
+        (Drive(25, 36.0, 4, 1), 1, 1, (-5, 0)),
+    ):
+        await bench.begin(settings(drive, samples, extra), zeros)
+        size = rng.uniform(0.2, 1.0) * MIDDLE
+        for clock in range(60 * drive.tick_clocks):
+            angle = 0.003 * clock
+            if clock % 17 == 0:
+                for n in range(2):
+                    wave = 0.2 * size * math.cos(angle - 2 * math.pi / 3 * n)
+                    noise = rng.choice((0.01, 0.01, 0.01, 1.0)) * rng.uniform(-size, size)
+                    bench.codes[n] = min(max(round(MIDDLE + wave + noise), 0), 2 * MIDDLE - 1)
+            if clock % 50 == 0:
+                bench.position += rng.choice((-1, 1))
+            await bench.clock()
+        assert not bench.word("overrun_o")
+        assert len(bench.steps) >= 55
+        found = bench.check(drive, samples, extra)
+        widths |= {width for leg in found for width in leg}
+        touched |= {step.contact for step in bench.steps}
+        limited += sum(step.saturated != 0 for step in bench.steps)
+    assert len(widths) > 10
+    assert touched == {0, 1}
+    assert limited > 5
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def shortest_tick(dut: object) -> None:
+    """Two clocks more than two ports' steps go on without an overrun, with late samples as well."""
+    bench = BrushlessBench(dut)
+    for late in (0, 1):
+        await bench.begin(settings(Drive(25), sample_late=late))
+        for _ in range(2000):
+            await bench.clock()
+        assert not bench.word("overrun_o")
+        assert len(bench.steps) > 30
+    # One fewer than they take is told.
+    await bench.begin(settings(Drive(23)))
+    for _ in range(1000):
+        await bench.clock()
+    assert bench.word("overrun_o")
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def off_and_on_again(dut: object) -> None:
+    """enable_i = 0 takes all six gates in the next clock; f begins at 0 after it."""
+    bench = BrushlessBench(dut)
+    await bench.begin(settings(Drive(26, dead_clocks=2)))
+    bench.codes = [MIDDLE + 300, MIDDLE - 100]
+    for clock in range(1500):
+        off = 700 <= clock < 1000
+        await bench.clock(enable_i=int(not off))
+        if off:
+            assert bench.gates[-1] == (0, 0)
+    after = [step for step in bench.steps if step.clock > 1000]
+    assert len(bench.steps) > len(after) > 5
+    assert after[0].u == [0, 0]
+    assert any(gates[0] for gates in bench.gates[1100:])
+
+
+if GUARD:
+    LIMIT = 12_000
+    CURRENT_FAULT, SETTING_FAULT, ENCODER_FAULT = 0, 13, 5
+
+    def guarded(damp: int = 0, **others: int) -> dict[str, int]:
+        """Settings with a guard for a sample's limit, an encoder's move and settings."""
+        mask = 1 << CURRENT_FAULT | 1 << SETTING_FAULT | 1 << ENCODER_FAULT
+        words = {
+            "guard_mask": mask, "guard_damp": damp, "guard_current": LIMIT, "guard_bus_max": 0xFFFF,
+        }  # fmt: skip
+        return settings(Drive(26), **words, **others)
+
+    @cocotb.test(timeout_time=20, timeout_unit="ms")
+    async def each_phase_has_its_limit(dut: object) -> None:
+        """The third as well, whose current is what the other two leave: all gates off, latched."""
+        bench = BrushlessBench(dut)
+        code = LIMIT >> SHIFT
+        for a, b, trips in (
+            (code, 0, False), (code + 2, 0, True), (-code - 2, code, True), (0, -code - 2, True),
+            (code - 2, -code + 2, False), (code // 2, code // 2, False),
+            (code // 2 + 2, code // 2 + 2, True), (-code // 2 - 2, -code // 2 - 2, True),
+        ):  # fmt: skip
+            await bench.begin(guarded())
+            for _ in range(300):
+                await bench.clock()
+            assert bench.word("running_o")
+            bench.codes = [MIDDLE + a, MIDDLE + b]
+            for _ in range(120):
+                await bench.clock()
+            bench.codes = [MIDDLE, MIDDLE]
+            for _ in range(100):
+                await bench.clock()
+            assert bench.word("running_o") == int(not trips)
+            assert bench.word("faults_o") == int(trips) << CURRENT_FAULT
+            assert (bench.gates[-1] == (0, 0)) == trips
+            if trips:
+                await bench.clock(clear_i=1)
+                for _ in range(100):
+                    await bench.clock(clear_i=0)
+                assert bench.word("running_o")
+                assert bench.gates[-1] != (0, 0)
+
+    @cocotb.test(timeout_time=20, timeout_unit="ms")
+    async def illegal_words_and_moves(dut: object) -> None:
+        """A word that means nothing keeps it off; a fault that damps makes both ports' η 0."""
+        bench = BrushlessBench(dut)
+        for word, value in (("root", 0), ("a", -5), ("tick_halves", 3), ("clocks_per_volt", 0)):
+            await bench.begin(guarded(**{word: value}))
+            for _ in range(60):
+                await bench.clock()
+            assert bench.word("faults_o") == 1 << SETTING_FAULT
+            assert bench.gates[-1] == (0, 0)
+        await bench.begin(guarded(damp=1 << ENCODER_FAULT))
+        for _ in range(100):
+            await bench.clock()
+        bench.codes = [MIDDLE + 200, MIDDLE - 350]
+        bench.position += 2
+        for _ in range(300):
+            await bench.clock()
+        assert bench.word("faults_o") == 1 << ENCODER_FAULT
+        assert bench.word("running_o")
+        bench.steps.clear()
+        for _ in range(2000):
+            await bench.clock()
+        # Nothing is sent back: f dies away, and v is that of the current alone.
+        assert all(abs(u) <= 1 for u in bench.steps[-1].u)
+        assert all(abs(v) > 1000 for v in bench.steps[-1].v)

@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs :mod:`tb_clarke` on each simulator, at full word lengths and at short ones."""
+
+import pytest
+from simulators import simulate
+
+SHORT = {"WH_DATA_W": 24, "WH_COEF_W": 18}
+
+
+@pytest.mark.parametrize("defines", [{}, SHORT], ids=["full", "short"])
+def test_clarke(simulator: str, defines: dict[str, int]) -> None:
+    simulate(simulator, "wh_clarke", "tb_clarke", defines=defines)

@@ -1,0 +1,564 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_brushless: the wave controller of one brushless motor from its pins to its pins: two ports of one
+// wave core on three phases in star, and no angle in the way of the force.
+//
+//   two ADC lines -> wh_adc_serial -> wh_current a, b -> wh_clarke -> wh_wave_core alpha, beta
+//                 -> wh_inverse_clarke -> wh_three_phase -> six gates
+//   encoder       -> wh_quadrature -> wh_contact -> eta of both ports
+//
+// A positive current of a phase runs out of its leg into the motor; where the magnets lie nobody here
+// knows. The encoder's count says only which wall the rotor is in. Both ports have the same words: what
+// R and L are, they are along any direction. u_max_i is each axis' own; legs in the middle of the bus
+// reach 2/(3 + √3) of it on both at once (docs/brushless.md).
+//
+// enable_i = 0 keeps the gates off and the wave core and the pulses in reset; ADC, currents and position
+// run on, so that phase_zero_i can be measured. enable_i is synchronous to clk.
+// The settings may change only in reset.
+//
+// GUARD = 1: wh_guard watches three phases, the third as -a - b, in samples for its limit and in amperes
+// for zero and heat. Its port u + v is that of alpha and beta, which turn with the rotor: a rotor that
+// is lost is seen only while it keeps within half an electrical turn for so many ticks. What damps makes
+// eta 0 on both axes. A third phase beyond the ADC's scale counts as a word at its end.
+//
+// Latency: the last sample of a tick reaches the gates with the next tick that ends
+//     conversion + 80 clocks
+// after its sample strobe or later (latency_clocks in
+// sim/wavehaptics/controller/pins_timing.py); a tick has 52 clocks or more, in whole carrier periods.
+// The gates show the carrier's phase after 2 clocks, dead time aside; CS_n falls 1 clock after the
+// sample's phase.
+// Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
+
+`default_nettype none
+`include "wh_formats.vh"
+`include "wh_faults.vh"
+
+module wh_brushless #(
+    parameter integer WALLS      = 4,  // 1...16
+    parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
+    parameter integer MIN_PULSE  = 0,  // 1: min_pulse_i counts; 0: pulses may be of one clock
+    parameter integer GUARD      = 0   // 1: wh_guard watches; 0: its inputs mean nothing
+) (
+    input  wire                         clk,
+    input  wire                         rst,
+    input  wire                         enable_i,
+
+    // Pins.
+    output wire                         adc_cs_n_o,
+    output wire                         adc_sclk_o,
+    input  wire [1:0]                   adc_sdata_i,         // phase a lowest
+    input  wire                         enc_a_i,             // asynchronous
+    input  wire                         enc_b_i,             // asynchronous
+    output wire [2:0]                   gate_high_o,         // leg a lowest
+    output wire [2:0]                   gate_low_o,
+
+    // Carrier, tick and samples (wh_carrier).
+    input  wire [`WH_TICK_W-1:0]        half_clocks_i,       // clocks in a carrier half
+    input  wire [`WH_TICK_W-1:0]        tick_halves_i,       // halves in a tick, even
+    input  wire [`WH_TICK_W-1:0]        sample_clocks_i,     // clocks from sample to sample
+    input  wire [8:0]                   samples_i,           // samples in a tick, 1...256
+    input  wire signed [7:0]            sample_lead_i,       // clocks that samples come early
+    input  wire                         sample_late_i,       // a clock later in odd ticks
+
+    // ADC frame (wh_adc_serial).
+    input  wire [7:0]                   sclk_half_clocks_i,  // half a period of SCLK, clocks
+    input  wire [5:0]                   frame_bits_i,        // pulses of SCLK
+    input  wire [5:0]                   lead_bits_i,         // zeros
+    input  wire [4:0]                   data_bits_i,         // data bits, 1...16
+    input  wire [7:0]                   quiet_clocks_i,      // CS_n high, clocks
+    input  wire [7:0]                   setup_clocks_i,      // CS_n to the first pulse, clocks
+    input  wire [7:0]                   hold_clocks_i,       // last pulse to CS_n, clocks
+    input  wire [5:0]                   calibrate_bits_i,    // pulses of the first frame; 0: none
+    input  wire                         sclk_idle_i,         // SCLK between frames
+    input  wire                         read_trailing_i,     // read at the end of a pulse
+
+    // Currents of the phases a and b (wh_current), a lowest.
+    input  wire [2*`WH_SUM_W-1:0]       phase_zero_i,        // s24, a tick's sum at 0 A
+    input  wire [2*`WH_COEF_W-1:0]      phase_gain_i,        // s27q35 A per unit of the sum
+    input  wire [15:0]                  trip_i,              // of 2^15, full scale; more: never
+
+    // Position and contact (wh_quadrature, wh_contact).
+    input  wire [3:0]                   filter_clocks_i,     // samples that a level must hold
+    input  wire [WALLS*`WH_COUNT_W-1:0] wall_min_i,          // s32, counts
+    input  wire [WALLS*`WH_COUNT_W-1:0] wall_max_i,          // s32, counts
+    input  wire [WALLS-1:0]             wall_enable_i,
+    input  wire                         edge_hysteresis_i,   // walls are left one count later
+    input  wire [`WH_COEF_W-1:0]        eta_contact_i,       // s27q25, in [-1, 1]
+    input  wire [`WH_COEF_W-1:0]        eta_free_i,          // s27q25, in [-1, 1]
+
+    // Wave core (wh_wave_core), both ports alike.
+    input  wire [`WH_COEF_W-1:0]        root_i,              // s27q22 √Ω: √(2R̂), R̂ of a phase
+    input  wire [`WH_COEF_W-1:0]        a_i,                 // s27q25, in (0, 1]
+    input  wire [`WH_DATA_W-1:0]        u_max_i,             // s31q23 √W, of each axis
+    input  wire [DELAY_LOG2-1:0]        extra_ticks_i,       // ticks
+    input  wire [DELAY_LOG2-1:0]        hold_ticks_i,        // ticks
+
+    // Drive (wh_three_phase).
+    input  wire [7:0]                   min_pulse_i,         // clocks that a leg stays, or more
+    input  wire [`WH_COEF_W-1:0]        clocks_per_volt_i,   // s27q16, half_clocks / bus
+    input  wire [7:0]                   dead_clocks_i,       // clocks
+    input  wire                         second_order_i,      // error feedback of order 2
+
+    // Guard (wh_guard; wh_faults.vh has the fields and the faults).
+    input  wire [`WH_GUARD_W-1:0]       guard_i,             // its settings
+    input  wire                         clear_i,             // strobe: forget what is over
+    input  wire                         stop_i,              // pin, asynchronous
+    input  wire                         driver_fault_i,      // pin, asynchronous
+    input  wire                         host_alive_i,        // strobe
+    input  wire [`WH_BUS_W-1:0]         bus_i,               // u16q9 V
+    output wire [`WH_FAULTS-1:0]        faults_o,            // latched
+    output wire                         running_o,           // the bridge is on
+
+    // What it sees and does; of two, alpha or a lowest.
+    output wire                         adc_ready_o,         // the ADC is set up: ticks go on
+    output wire                         tick_o,              // strobe, last clock of a tick
+    output wire                         core_valid_o,        // strobe, the words below are new
+    output wire [2*`WH_DATA_W-1:0]      voltage_o,           // s31q23 V, +-128 V: e to be applied
+    output wire [2*`WH_DATA_W-1:0]      u_o,                 // s31q23 √W: u_n, measured tick
+    output wire [2*`WH_DATA_W-1:0]      v_o,                 // s31q23 √W: v_n, measured tick
+    output wire [2*`WH_DATA_W-1:0]      current_o,           // s31q24 A, +-64 A: i_n
+    output wire [2*`WH_DATA_W-1:0]      phase_current_o,     // s31q24 A, of the phases a and b
+    output wire [`WH_COUNT_W-1:0]       position_o,          // s32, counts
+    output wire                         contact_o,
+    output wire [1:0]                   saturated_o,         // the voltage limit was at work
+    output wire [1:0]                   overcurrent_o,       // trip_i is reached, as long as it is
+    output wire                         encoder_fault_o,     // illegal move seen; until clear_i
+    output wire                         overrun_o            // a tick is too short for its work, or
+                                                             // ticks pass without; until rst (core:
+                                                             // or enable_i = 0)
+);
+
+    localparam integer DATA_W = `WH_DATA_W;
+    localparam integer COEF_W = `WH_COEF_W;
+    localparam integer WALL_W = (WALLS < 2) ? 1 : $clog2(WALLS);
+
+    // Users of the shared multiplier.
+    localparam integer OF_CURRENTS = 0;
+    localparam integer OF_CLARKE   = 2;
+    localparam integer OF_INVERSE  = 3;
+    localparam integer OF_LEGS     = 4;
+    localparam integer USERS       = 7;
+
+    generate
+        if (GUARD != 0 && GUARD != 1) begin : illegal_guard
+            wh_illegal_parameter_brushless_guard_must_be_0_or_1 stop ();
+        end
+    endgenerate
+
+    wire faulty;  // the guard wants the bridge off
+    wire damp;
+    wire run       = enable_i && !faulty;
+    wire drive_rst = rst || !run;
+
+    assign running_o = run;
+
+    // ---- Carrier. The ticks begin when the ADC is ready.
+
+    wire [`WH_TICK_W-1:0] phase;
+    wire [`WH_TICK_W-1:0] remaining;
+    wire                  half;
+    wire                  update;
+    wire                  take;
+    wire                  sample;
+    wire                  sample_first;
+
+    wh_carrier carrier (
+        .clk             (clk),
+        .rst             (rst || !adc_ready_o),
+        .half_clocks_i   (half_clocks_i),
+        .tick_halves_i   (tick_halves_i),
+        .sample_clocks_i (sample_clocks_i),
+        .samples_i       (samples_i),
+        .sample_lead_i   (sample_lead_i),
+        .sample_late_i   (sample_late_i),
+        .phase_o         (phase),
+        .remaining_o     (remaining),
+        .half_o          (half),
+        .update_o        (update),
+        .take_o          (take),
+        .tick_o          (tick_o),
+        .sample_o        (sample),
+        .sample_first_o  (sample_first)
+    );
+
+    // ---- One multiplier for the currents, both transforms and the legs. A user's reset drops its
+    // products, or one of before would be taken for one of after.
+
+    wire        [USERS-1:0]         request;
+    wire        [USERS*DATA_W-1:0]  factor;
+    wire        [USERS*COEF_W-1:0]  coefficient;
+    wire        [USERS-1:0]         grant;
+    wire        [USERS-1:0]         done;
+    wire signed [DATA_W+COEF_W-1:0] product;
+
+    wh_multiply_shared #(
+        .USERS     (USERS)
+    ) multiply_shared (
+        .clk       (clk),
+        .rst       (rst),
+        .drop_i    ({{(USERS - OF_INVERSE){drive_rst}}, {OF_INVERSE{rst}}}),
+        .request_i (request),
+        .data_i    (factor),
+        .coef_i    (coefficient),
+        .grant_o   (grant),
+        .done_o    (done),
+        .product_o (product)
+    );
+
+    // ---- Currents of the phases, and of the axes. Those of a tick come in turn, so b's starts the
+    // transform.
+
+    wire                      adc_busy;
+    wire                      adc_lead_edge;
+    wire                      adc_valid;
+    wire                      adc_first;
+    wire [2*`WH_SAMPLE_W-1:0] adc_sample;
+    wire                      adc_overrun;
+    wire                      unused_adc = &{1'b0, adc_busy, adc_lead_edge};
+
+    wh_adc_serial #(
+        .LINES              (2)
+    ) adc (
+        .clk                (clk),
+        .rst                (rst),
+        .adc_cs_n_o         (adc_cs_n_o),
+        .adc_sclk_o         (adc_sclk_o),
+        .adc_sdata_i        (adc_sdata_i),
+        .sclk_half_clocks_i (sclk_half_clocks_i),
+        .frame_bits_i       (frame_bits_i),
+        .lead_bits_i        (lead_bits_i),
+        .data_bits_i        (data_bits_i),
+        .quiet_clocks_i     (quiet_clocks_i),
+        .setup_clocks_i     (setup_clocks_i),
+        .hold_clocks_i      (hold_clocks_i),
+        .calibrate_bits_i   (calibrate_bits_i),
+        .sclk_idle_i        (sclk_idle_i),
+        .read_trailing_i    (read_trailing_i),
+        .start_i            (sample),
+        .first_i            (sample_first),
+        .ready_o            (adc_ready_o),
+        .busy_o             (adc_busy),
+        .lead_edge_o        (adc_lead_edge),
+        .valid_o            (adc_valid),
+        .first_o            (adc_first),
+        .sample_o           (adc_sample),
+        .overrun_o          (adc_overrun)
+    );
+
+    wire [1:0] current_valid;
+    wire       unused_first = &{1'b0, current_valid[0]};
+
+    genvar n;
+    generate
+        for (n = 0; n < 2; n = n + 1) begin : phase_of
+            wh_current current (
+                .clk       (clk),
+                .rst       (rst),
+                .valid_i   (adc_valid),
+                .first_i   (adc_first),
+                .sample_i  (adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]),
+                .samples_i (samples_i),
+                .zero_i    (phase_zero_i[n*`WH_SUM_W +: `WH_SUM_W]),
+                .request_o (request[OF_CURRENTS+n]),
+                .grant_i   (grant[OF_CURRENTS+n]),
+                .factor_o  (factor[(OF_CURRENTS+n)*DATA_W +: DATA_W]),
+                .done_i    (done[OF_CURRENTS+n]),
+                .product_i (product),
+                .offset_i  ({DATA_W{1'b0}}),
+                .valid_o   (current_valid[n]),
+                .current_o (phase_current_o[n*DATA_W +: DATA_W])
+            );
+
+            assign coefficient[(OF_CURRENTS+n)*COEF_W +: COEF_W] = phase_gain_i[n*COEF_W +: COEF_W];
+
+            wh_trip trip (
+                .clk      (clk),
+                .rst      (rst),
+                .valid_i  (adc_valid),
+                .sample_i (adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]),
+                .trip_i   (trip_i),
+                .trip_o   (overcurrent_o[n])
+            );
+        end
+    endgenerate
+
+    wire core_start;
+
+    wh_clarke clarke (
+        .clk           (clk),
+        .rst           (rst),
+        .valid_i       (current_valid[1]),
+        .a_i           (phase_current_o[DATA_W-1:0]),
+        .b_i           (phase_current_o[2*DATA_W-1:DATA_W]),
+        .request_o     (request[OF_CLARKE]),
+        .grant_i       (grant[OF_CLARKE]),
+        .factor_o      (factor[OF_CLARKE*DATA_W +: DATA_W]),
+        .coefficient_o (coefficient[OF_CLARKE*COEF_W +: COEF_W]),
+        .done_i        (done[OF_CLARKE]),
+        .product_i     (product),
+        .valid_o       (core_start),
+        .alpha_o       (current_o[DATA_W-1:0]),
+        .beta_o        (current_o[2*DATA_W-1:DATA_W])
+    );
+
+    // ---- Position and contact. Nothing is read of it in a step's first clock, in which it may still
+    // change: a clock between any two steps, even where the next starts as one ends.
+
+    wire                          moved;
+    wire                          illegal_move;
+    wire                          direction;
+    wire        [7:0]             encoder_faults;
+    wire                          core_busy;
+    wire                          in_round;
+    wire        [WALL_W-1:0]      wall;
+    wire                          wall_shaped;
+    wire signed [`WH_COUNT_W-1:0] depth;
+    wire        [COEF_W-1:0]      contact_eta;
+    wire                          unused_contact = &{1'b0, direction, encoder_faults, in_round, wall,
+                                                     wall_shaped, depth};
+
+    wh_quadrature quadrature (
+        .clk             (clk),
+        .rst             (rst),
+        .a_i             (enc_a_i),
+        .b_i             (enc_b_i),
+        .filter_clocks_i (filter_clocks_i),
+        .clear_i         (clear_i),
+        .position_o      (position_o),
+        .moved_o         (moved),
+        .direction_o     (direction),
+        .illegal_o       (illegal_move),
+        .fault_o         (encoder_fault_o),
+        .faults_o        (encoder_faults)
+    );
+
+    wh_contact #(
+        .WALLS         (WALLS)
+    ) contact (
+        .clk           (clk),
+        .rst           (rst),
+        .position_i    (position_o),
+        .hold_i        (core_busy),
+        .wall_min_i    (wall_min_i),
+        .wall_max_i    (wall_max_i),
+        .wall_enable_i (wall_enable_i),
+        .wall_shaped_i ({WALLS{1'b0}}),
+        .hysteresis_i  (edge_hysteresis_i),
+        .eta_contact_i (eta_contact_i),
+        .eta_free_i    (eta_free_i),
+        .round_o       (in_round),
+        .contact_o     (contact_o),
+        .wall_o        (wall),
+        .shaped_o      (wall_shaped),
+        .depth_o       (depth),
+        .eta_o         (contact_eta)
+    );
+
+    // ---- Wave core: two ports with the same words and the same eta.
+
+    wire [COEF_W-1:0]   eta = damp ? {COEF_W{1'b0}} : contact_eta;
+    wire                core_overrun;
+    wire [2*DATA_W-1:0] withheld;
+    wire [1:0]          waves;
+    wire [2*DATA_W-1:0] newest_u;
+    wire [2*DATA_W-1:0] next_u;
+    wire                unused_core = &{1'b0, withheld, waves, newest_u, next_u};
+
+    wh_wave_core #(
+        .N             (2),
+        .DELAY_LOG2    (DELAY_LOG2)
+    ) wave_core (
+        .clk           (clk),
+        .rst           (drive_rst),
+        .start_i       (core_start),
+        .busy_o        (core_busy),
+        .valid_o       (core_valid_o),
+        .overrun_o     (core_overrun),
+        .current_i     (current_o),
+        .eta_i         ({2{eta}}),
+        .outside_i     ({2*DATA_W{1'b0}}),
+        .shape_mode_i  (4'd0),
+        .shape_words_i ({2*(9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W){1'b0}}),
+        .root_i        ({2{root_i}}),
+        .a_i           ({2{a_i}}),
+        .u_max_i       ({2{u_max_i}}),
+        .extra_ticks_i (extra_ticks_i),
+        .hold_ticks_i  (hold_ticks_i),
+        .voltage_o     (voltage_o),
+        .u_o           (u_o),
+        .v_o           (v_o),
+        .saturated_o   (saturated_o),
+        .withheld_o    (withheld),
+        .waves_o       (waves),
+        .newest_u_o    (newest_u),
+        .next_u_o      (next_u)
+    );
+
+    // Currents are made, and steps asked for, while the drive is off as well.
+    wire missing;
+
+    wh_step_watch step_watch (
+        .clk       (clk),
+        .rst       (rst),
+        .start_i   (core_start),
+        .tick_i    (tick_o),
+        .overrun_o (missing)
+    );
+
+    assign overrun_o = adc_overrun || core_overrun || missing;
+
+    // ---- Drive.
+
+    wire                legs_valid;
+    wire [3*DATA_W-1:0] legs;
+
+    wh_inverse_clarke inverse_clarke (
+        .clk           (clk),
+        .rst           (drive_rst),
+        .valid_i       (core_valid_o),
+        .alpha_i       (voltage_o[DATA_W-1:0]),
+        .beta_i        (voltage_o[2*DATA_W-1:DATA_W]),
+        .request_o     (request[OF_INVERSE]),
+        .grant_i       (grant[OF_INVERSE]),
+        .factor_o      (factor[OF_INVERSE*DATA_W +: DATA_W]),
+        .coefficient_o (coefficient[OF_INVERSE*COEF_W +: COEF_W]),
+        .done_i        (done[OF_INVERSE]),
+        .product_i     (product),
+        .valid_o       (legs_valid),
+        .legs_o        (legs)
+    );
+
+    wh_three_phase #(
+        .MIN_PULSE         (MIN_PULSE)
+    ) three_phase (
+        .clk               (clk),
+        .rst               (rst),
+        .enable_i          (run),
+        .half_clocks_i     (half_clocks_i),
+        .phase_i           (phase),
+        .remaining_i       (remaining),
+        .half_i            (half),
+        .update_i          (update),
+        .take_i            (take),
+        .clocks_per_volt_i (clocks_per_volt_i),
+        .min_pulse_i       (min_pulse_i),
+        .dead_clocks_i     (dead_clocks_i),
+        .second_order_i    (second_order_i),
+        .valid_i           (legs_valid),
+        .legs_i            (legs),
+        .request_o         (request[OF_LEGS +: 3]),
+        .grant_i           (grant[OF_LEGS +: 3]),
+        .factor_o          (factor[OF_LEGS*DATA_W +: 3*DATA_W]),
+        .coefficient_o     (coefficient[OF_LEGS*COEF_W +: 3*COEF_W]),
+        .done_i            (done[OF_LEGS +: 3]),
+        .product_i         (product),
+        .gate_high_o       (gate_high_o),
+        .gate_low_o        (gate_low_o)
+    );
+
+    // ---- Guard. The third phase is what the other two leave.
+
+    generate
+        if (GUARD != 0) begin : guarded
+            localparam integer SAMPLE_W = `WH_SAMPLE_W;
+
+            wire signed [SAMPLE_W-1:0] sample_a  = $signed(adc_sample[SAMPLE_W-1:0]);
+            wire signed [SAMPLE_W-1:0] sample_b  = $signed(adc_sample[2*SAMPLE_W-1:SAMPLE_W]);
+            wire signed [DATA_W-1:0]   current_a = $signed(phase_current_o[DATA_W-1:0]);
+            wire signed [DATA_W-1:0]   current_b = $signed(phase_current_o[2*DATA_W-1:DATA_W]);
+
+            // Two bits more hold the sum, and what it is negated.
+            wire signed [SAMPLE_W+1:0] wide_sample =
+                -$signed({{2{sample_a[SAMPLE_W-1]}}, sample_a})
+                - $signed({{2{sample_b[SAMPLE_W-1]}}, sample_b});
+            wire signed [DATA_W+1:0]   wide_current =
+                -$signed({{2{current_a[DATA_W-1]}}, current_a})
+                - $signed({{2{current_b[DATA_W-1]}}, current_b});
+            wire signed [SAMPLE_W-1:0] sample_c;
+            wire signed [DATA_W-1:0]   current_c;
+            reg                        setting_q;
+
+            wh_saturate #(
+                .IN_W    (SAMPLE_W + 2),
+                .OUT_W   (SAMPLE_W)
+            ) saturate_sample (
+                .value_i (wide_sample),
+                .value_o (sample_c)
+            );
+
+            wh_saturate #(
+                .IN_W    (DATA_W + 2),
+                .OUT_W   (DATA_W)
+            ) saturate_current (
+                .value_i (wide_current),
+                .value_o (current_c)
+            );
+
+            // Words that no block has a meaning for.
+            always @(posedge clk) begin
+                setting_q <= !rst && (half_clocks_i < 6 || tick_halves_i == 0 || tick_halves_i[0]
+                                      || sample_clocks_i < 2 || samples_i == 0 || samples_i > 256
+                                      || illegal_part(a_i) || a_i[COEF_W-1] || a_i == 0
+                                      || illegal_part(eta_contact_i) || illegal_part(eta_free_i)
+                                      || root_i[COEF_W-1] || root_i == 0
+                                      || clocks_per_volt_i[COEF_W-1] || clocks_per_volt_i == 0
+                                      || phase_gain_i[COEF_W-1] || phase_gain_i[COEF_W-1:0] == 0
+                                      || phase_gain_i[2*COEF_W-1]
+                                      || phase_gain_i[2*COEF_W-1:COEF_W] == 0
+                                      || u_max_i[DATA_W-1]);
+            end
+
+            wh_guard #(
+                .N              (3)
+            ) guard (
+                .clk            (clk),
+                .rst            (rst),
+                .settings_i     (guard_i),
+                .clear_i        (clear_i),
+                .running_i      (run),
+                .stop_i         (stop_i),
+                .driver_i       ({3{driver_fault_i}}),
+                .host_alive_i   (host_alive_i),
+                .bus_i          (bus_i),
+                .sample_valid_i (adc_valid),
+                .sample_i       ({sample_c, adc_sample}),
+                .range_i        (3'd0),
+                .stuck_i        (3'd0),
+                .zero_i         (3'd0),
+                .trip_i         ({1'b0, overcurrent_o}),
+                .encoder_i      ({2'd0, illegal_move}),
+                .moved_i        ({3{moved}}),
+                .anchor_i       (3'd0),
+                .setting_i      (setting_q),
+                .overrun_i      (overrun_o),
+                .tick_i         (tick_o),
+                .valid_i        (current_valid[1]),
+                .current_i      ({current_c, phase_current_o}),
+                .u_i            ({{DATA_W{1'b0}}, u_o}),
+                .v_i            ({{DATA_W{1'b0}}, v_o}),
+                .faults_o       (faults_o),
+                .off_o          (faulty),
+                .damp_o         (damp)
+            );
+        end else begin : unguarded
+            wire unused_guard = &{1'b0, guard_i, stop_i, driver_fault_i, host_alive_i, bus_i, moved,
+                                  illegal_move};
+
+            assign faults_o = {`WH_FAULTS{1'b0}};
+            assign faulty   = 1'b0;
+            assign damp     = 1'b0;
+        end
+    endgenerate
+
+    // Whether a word of full scale +-2 is outside [-1, 1].
+    function illegal_part;
+        input [COEF_W-1:0] word;
+        begin
+            illegal_part = word[COEF_W-1] ? !word[COEF_W-2]
+                                          : word[COEF_W-2] && |word[COEF_W-3:0];
+        end
+    endfunction
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_three_phase: three half bridges on one carrier, from the voltages of their legs to six gates.
+//
+//   leg x is high for  half_clocks / 2 + width_x  clocks of each half,  width_x by wh_modulator
+//   mean voltage of leg x over the middle of the bus = bus * width_x / half_clocks
+//
+// Each leg has a modulator, a pattern and a pair of gates of its own, in the pattern of a half bridge
+// (wh_pwm): high around the end of a carrier's period, low around its middle, where half 0 and half 1
+// meet. So all three are centred at one instant, and legs of equal widths switch together: at 0 V the
+// winding sees no carrier at all. What a whole clock is too coarse for is owed to the next period, leg
+// by leg. Dead time is not made good here: each leg loses up to half of it from its width, against its
+// current.
+// With MIN_PULSE = 1 a leg stays high or low for min_pulse_i clocks or more; every voltage has
+// (min_pulse_i + 1) / 2 clocks of width less at either end.
+//
+// The products are made by a multiplier shared with other blocks (wh_multiply_shared), as in
+// wh_current, whose users 0, 1 and 2 here are the legs a, b and c; voltage_i holds from valid_i until
+// the last grant. A tick is whole periods: tick_halves_i of the carrier is even.
+//
+// Formats: below. Latency: as wh_modulator's, and 2 clocks from the carrier's phase to the gates, dead
+// time aside. Reset or enable_i low: all six gates off at the next clock edge, widths 0.
+
+`default_nettype none
+`include "wh_formats.vh"
+
+module wh_three_phase #(
+    parameter integer MIN_PULSE = 0  // 1: min_pulse_i counts; 0: pulses may be of one clock
+) (
+    input  wire                                    clk,
+    input  wire                                    rst,
+    input  wire                                    enable_i,
+
+    // Carrier (wh_carrier).
+    input  wire        [`WH_TICK_W-1:0]            half_clocks_i,      // clocks in a half, 6...
+    input  wire        [`WH_TICK_W-1:0]            phase_i,            // clocks since its start
+    input  wire        [`WH_TICK_W-1:0]            remaining_i,        // clocks to its last
+    input  wire                                    half_i,             // its parity
+    input  wire                                    update_i,           // strobe, its last clock
+    input  wire                                    take_i,             // strobe, tick_o - 4 clocks
+
+    // Settings.
+    input  wire signed [`WH_COEF_W-1:0]            clocks_per_volt_i,  // s27q16, half_clocks / bus
+    input  wire        [7:0]                       min_pulse_i,        // clocks that a leg stays
+    input  wire        [7:0]                       dead_clocks_i,      // clocks
+    input  wire                                    second_order_i,     // error feedback of order 2
+
+    input  wire                                    valid_i,            // strobe
+    input  wire        [3*`WH_DATA_W-1:0]          legs_i,             // s31q23 V, leg a lowest
+
+    output wire        [2:0]                       request_o,
+    input  wire        [2:0]                       grant_i,
+    output wire        [3*`WH_DATA_W-1:0]          factor_o,           // s31q23 V
+    output wire        [3*`WH_COEF_W-1:0]          coefficient_o,      // s27q16 clocks/V
+    input  wire        [2:0]                       done_i,
+    input  wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_i,          // s58q39 clocks
+
+    output wire        [2:0]                       gate_high_o,        // leg a lowest
+    output wire        [2:0]                       gate_low_o
+);
+
+    localparam integer DATA_W = `WH_DATA_W;
+    localparam integer COEF_W = `WH_COEF_W;
+    localparam integer DUTY_W = DATA_W + COEF_W - `WH_VOLTAGE_Q;
+    localparam [`WH_MODE_W-1:0] HALF_BRIDGE = `WH_MODE_HALF_BRIDGE;
+
+    wire drive_rst = rst || !enable_i;
+
+    // Enough from either end of the scale for a leg's shortest pulse.
+    wire [7:0] spare = (min_pulse_i >> 1) + {7'd0, min_pulse_i[0]};
+
+    genvar n;
+    generate
+        for (n = 0; n < 3; n = n + 1) begin : leg
+            wire signed [`WH_TICK_W-1:0] width;
+            wire                         level;
+            wire                         opposite;
+            wire                         unused = &{1'b0, opposite};
+
+            wh_modulator #(
+                .MIN_PULSE         (MIN_PULSE)
+            ) modulator (
+                .clk               (clk),
+                .rst               (drive_rst),
+                .valid_i           (valid_i),
+                .voltage_i         (legs_i[n*DATA_W +: DATA_W]),
+                .clocks_per_volt_i (clocks_per_volt_i),
+                .half_clocks_i     (half_clocks_i),
+                .second_order_i    (second_order_i),
+                .extra_i           ({`WH_EXTRA_W{1'b0}}),
+                .least_i           (8'd0),
+                .spare_i           (spare),
+                .request_o         (request_o[n]),
+                .grant_i           (grant_i[n]),
+                .factor_o          (factor_o[n*DATA_W +: DATA_W]),
+                .coefficient_o     (coefficient_o[n*COEF_W +: COEF_W]),
+                .done_i            (done_i[n]),
+                .product_i         (product_i),
+                .early_valid_i     (1'b0),
+                .early_i           ({DUTY_W{1'b0}}),
+                .take_i            (take_i),
+                .update_i          (update_i && half_i),
+                .width_o           (width)
+            );
+
+            wh_pwm #(
+                .MODES         (1)
+            ) pwm (
+                .clk           (clk),
+                .rst           (drive_rst),
+                .mode_i        (HALF_BRIDGE),
+                .half_clocks_i (half_clocks_i),
+                .phase_i       (phase_i),
+                .remaining_i   (remaining_i),
+                .half_i        (half_i),
+                .update_i      (update_i),
+                .width_i       (width),
+                .leg_a_o       (level),
+                .leg_b_o       (opposite)
+            );
+
+            wh_half_bridge half_bridge (
+                .clk           (clk),
+                .rst           (rst),
+                .enable_i      (enable_i),
+                .leg_i         (level),
+                .dead_clocks_i (dead_clocks_i),
+                .high_o        (gate_high_o[n]),
+                .low_o         (gate_low_o[n])
+            );
+        end
+    endgenerate
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,357 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The controller ``pins`` of a brushless motor: its whole RTL at its pins, and a bridge of 3 legs.
+
+ADC bits of two phases, encoder edges and six gates are what a board would see. The motor is
+advanced where a gate changes, where the ADC samples and at the ends of ticks, by tables for whole
+numbers of clocks.
+
+A leg with both gates off, in dead time, follows its current through its diodes: a current out of
+the leg comes from ground, one into it goes to the bus. One that has run out stays at zero until a
+gate is on: the leg floats, as what a turning rotor adds to it is less than a diode's drop.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from wavehaptics.controller.pins_timing import GATE_CLOCKS
+from wavehaptics.controller.ports import controller_ports
+from wavehaptics.controller.settings import Settings
+from wavehaptics.ladder import verilated
+from wavehaptics.ladder.abilities import refuse
+from wavehaptics.ladder.brushless import clear_sums, put_axes
+from wavehaptics.ladder.pins import DELAY_LOG2, MIN_WALLS, STEPS, true_bus_v, wire
+from wavehaptics.ladder.pins_loop import (
+    ADVANCED,
+    CELL,
+    CLOSED,
+    CORRECTION,
+    COUNT,
+    DT,
+    EMITTED,
+    ENCODER_END,
+    ETA_CONTACT,
+    ETA_FREE,
+    FAULTS,
+    GAIN,
+    HELD,
+    NEXT_LOOK,
+    NOW,
+    PENDING,
+    PINS,
+    SHIFT,
+    TICK_START,
+    bus_at,
+    encoder_levels,
+    next_edge,
+)
+from wavehaptics.motor.brushless import (
+    F_A,
+    F_B,
+    I_A,
+    I_B,
+    QF_A,
+    QF_B,
+    BrushlessPlant,
+    along_q,
+    brushless_step,
+)
+from wavehaptics.motor.plant import TIME, C, I, P, X
+from wavehaptics.motor.sensor import NOISE, NOISE_SEED, sample_code
+from wavehaptics.parts.adcs import PARTS
+from wavehaptics.runtime.compiled import compiled, compiled_counting
+from wavehaptics.runtime.native_call import call2
+from wavehaptics.scene import Scene, encoder_end
+from wavehaptics.scene.tables.drive import Drive
+from wavehaptics.trace.columns import Column, Word, put_port
+from wavehaptics.words import formats
+
+_WAVE = formats.WAVE.step
+_ROOT3 = math.sqrt(3.0)
+
+# Bits of the pins, as sim/verilated/brushless_pins_shim.cpp packs them; gates below.
+_GATES = (1 << 6) - 1
+_CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING, _COMPLAINTS = range(6, 12)
+# Places in the loop's integer parameters.
+(
+    _MODEL, _CLOCK, _WORDS, _TICK_CLOCKS, _CODE_SHIFT, _DATA_BITS, _U_MAX, _SUBSTEP_CLOCKS,
+    _LAUNCH_LEVEL, _PIPELINE,
+) = range(10)  # fmt: skip
+# Places in the integers that the loop keeps, behind those of pins_loop, whose SHIFT and HELD are of
+# phase a.
+_SHIFT_B, _HELD_B, _DONE = range(CORRECTION + 1, CORRECTION + 4)
+# Places in what it keeps of the tick that is running.
+_LOW, _HIGH, _X0, _HAND0, _T0 = range(5)
+# Places in the words of a step: i, u, v and e of alpha and of beta, the limit, and the contact.
+_ALPHA, _BETA, _LIMITED, _CONTACT = 0, 4, 8, 9
+_STEP_I, _STEP_U, _STEP_V, _STEP_E = range(4)
+
+_RUN_OUT_A = 1e-12
+"""A current that rounding leaves of none."""
+
+
+@compiled(inline="always")
+def _phase(z, n):
+    """Current of phase ``n`` out of its leg, A."""
+    if n == 0:
+        return z[I_A]
+    side = 0.5 * _ROOT3 * z[I_B]
+    return -0.5 * z[I_A] + (side if n == 1 else -side)
+
+
+@compiled()
+def _bridge(pins, currents, bus, volts):
+    """Set the voltages of the three legs for the gates in ``pins``."""
+    held, total = 0, 0.0
+    for n in range(3):
+        volts[n] = 0.0
+        if (pins >> n) & 1 or (not (pins >> (n + 3)) & 1 and currents[n] < -_RUN_OUT_A):
+            volts[n] = bus
+        elif not (pins >> (n + 3)) & 1 and currents[n] <= _RUN_OUT_A:
+            volts[n] = np.nan
+            continue
+        held += 1
+        total += volts[n]
+    # A leg that floats drives its phase by nothing: it is where the others' mean is.
+    for n in range(3):
+        if np.isnan(volts[n]):
+            volts[n] = total / held if held else 0.0
+
+
+@compiled()
+def _end_run_out(z, pins, before):
+    """Hold at zero the phases whose leg floats, or whose current ran out in the step.
+
+    Along a phase and across it the windings know nothing of each other: what lies across stays.
+    """
+    ended = 0
+    last = 0
+    for n in range(3):
+        if not (pins >> n) & 1 and not (pins >> (n + 3)) & 1:
+            now = _phase(z, n)
+            if abs(before[n]) <= _RUN_OUT_A or before[n] * now <= 0.0:
+                ended += 1
+                last = n
+    if ended == 1:
+        now = _phase(z, last)
+        cos = 1.0 if last == 0 else -0.5
+        sin = 0.0 if last == 0 else 0.5 * _ROOT3 if last == 1 else -0.5 * _ROOT3
+        z[I_A] -= now * cos
+        z[I_B] -= now * sin
+    elif ended > 1:
+        z[I_A] = z[I_B] = z[I] = 0.0
+
+
+@compiled()
+def _catch_up(z, kept, marks, room, tables, steps, floats, ints, load):
+    """Advance the motor to the present clock. ``room`` is for three currents and three voltages."""
+    clocks = kept[NOW] - kept[ADVANCED]
+    pins = kept[PINS]
+    currents, volts = room[0], room[1]
+    # Dead time's currents run out within a step: its length is by how fast they do.
+    floating = (pins | pins >> 3) & 7 != 7
+    while clocks > 0:
+        part = 1 if floating else min(clocks, ints[_SUBSTEP_CLOCKS])
+        for n in range(3):
+            currents[n] = _phase(z, n)
+        bus = floats[GAIN] * bus_at(z[TIME] + 0.5 * part * floats[DT], floats)
+        _bridge(pins, currents, bus, volts)
+        z[F_A] = (2.0 * volts[0] - volts[1] - volts[2]) / 3.0
+        z[F_B] = (volts[1] - volts[2]) / _ROOT3
+        brushless_step(z, tables[part], tables[part], steps[part], load)
+        if floating:
+            _end_run_out(z, pins, currents)
+        marks[_LOW] = min(marks[_LOW], z[I])
+        marks[_HIGH] = max(marks[_HIGH], z[I])
+        clocks -= part
+    kept[ADVANCED] = kept[NOW]
+
+
+@compiled()
+def _close_tick(z, kept, marks, pending, angles, floats, ints, load):
+    """Keep the row of the tick that ends now until its waves are known."""
+    tick = ints[_TICK_CLOCKS] * floats[DT]
+    place = kept[CLOSED] % PENDING
+    angles[place] = put_axes(
+        pending[place], z, load, marks[_T0], tick, marks[_X0], marks[_HAND0], z[QF_A] / tick,
+        z[QF_B] / tick, marks[_HIGH] - marks[_LOW],
+    )  # fmt: skip
+    kept[CLOSED] += 1
+    clear_sums(z)
+    marks[_LOW] = marks[_HIGH] = z[I]
+    marks[_X0], marks[_HAND0], marks[_T0] = z[X], z[P] + z[C], z[TIME]
+
+
+@compiled()
+def _emit(row, words, place, pending, angles, waves, floats, ints):
+    """A tick's row and words, of what the motor did and of the step that measured it."""
+    for n in range(row.shape[0]):
+        row[n] = pending[place, n]
+    step, theta = waves[place], angles[place]
+    eta = floats[ETA_CONTACT] if step[_CONTACT] else floats[ETA_FREE]
+    u = along_q(step[_ALPHA + _STEP_U], step[_BETA + _STEP_U], theta) * _WAVE
+    v = along_q(step[_ALPHA + _STEP_V], step[_BETA + _STEP_V], theta) * _WAVE
+    largest = max(abs(step[_ALPHA + _STEP_U]), abs(step[_BETA + _STEP_U]))
+    put_port(row, eta, u, v, step[_CONTACT], largest >= ints[_U_MAX])
+    words[Word.I] = step[_ALPHA + _STEP_I]
+    words[Word.U] = step[_ALPHA + _STEP_U]
+    words[Word.V] = step[_ALPHA + _STEP_V]
+    words[Word.E] = step[_ALPHA + _STEP_E]
+
+
+@compiled_counting()  # which draws from a generator
+def _advance(
+    rows, words, z, kept, marks, room, pending, angles, waves, tables, steps, ints, floats, load,
+    sensor, rng, buffer,
+):  # fmt: skip
+    """Clock the RTL until ``rows`` are filled; False if its core falls silent."""
+    done = 0
+    dt, cell, end_s = floats[DT], floats[CELL], floats[ENCODER_END]
+    middle = 1 << (ints[_DATA_BITS] - 1)
+    while done < rows.shape[0]:
+        if kept[NOW] >= kept[NEXT_LOOK]:
+            next_edge(z, kept, cell, dt, end_s, None)
+        inputs = (
+            ((kept[SHIFT] >> 63) & 1)
+            | ((kept[_SHIFT_B] >> 63) & 1) << 1
+            | encoder_levels(kept[COUNT]) << 1
+        )
+        pins = call2(ints[_CLOCK], ints[_MODEL], inputs)
+        changed = kept[PINS] ^ pins
+        if changed & _GATES:
+            _catch_up(z, kept, marks, room, tables, steps, floats, ints, load)
+            next_edge(z, kept, cell, dt, end_s, None)
+        kept[PINS] = pins
+        if changed & 1 << _CS_N:
+            if not pins & 1 << _CS_N:
+                _catch_up(z, kept, marks, room, tables, steps, floats, ints, load)
+                noisy = sensor[NOISE] > 0.0
+                noise = rng.standard_normal() if noisy else 0.0
+                code = sample_code(_phase(z, 0), sensor, noise) + middle
+                noise = rng.standard_normal() if noisy else 0.0
+                code_b = sample_code(_phase(z, 1), sensor, noise) + middle
+                # Bit 63 is on the wire; a late part puts out the code that it held before.
+                late = ints[_PIPELINE]
+                kept[SHIFT] = (kept[HELD] if late else code) << ints[_CODE_SHIFT]
+                kept[_SHIFT_B] = (kept[_HELD_B] if late else code_b) << ints[_CODE_SHIFT]
+                kept[HELD], kept[_HELD_B] = code, code_b
+        elif changed & 1 << _SCLK and (pins >> _SCLK) & 1 == ints[_LAUNCH_LEVEL]:
+            kept[SHIFT] <<= 1
+            kept[_SHIFT_B] <<= 1
+        if pins & 1 << _CORE_VALID:
+            call2(ints[_WORDS], ints[_MODEL], buffer.ctypes.data)
+            step = waves[kept[EMITTED] % PENDING]
+            for n in range(_CONTACT):
+                step[n] = buffer[n]
+            step[_CONTACT] = (pins >> _TOUCHING) & 1
+            kept[EMITTED] += 1
+        if pins & 1 << _TICK:
+            # The strobe marks the carrier's last clock of a tick; the gates follow it later.
+            kept[FAULTS] |= pins >> _COMPLAINTS
+            kept[TICK_START] = kept[NOW] + 1 + GATE_CLOCKS
+        kept[NOW] += 1
+        if kept[NOW] == kept[TICK_START]:
+            _catch_up(z, kept, marks, room, tables, steps, floats, ints, load)
+            _close_tick(z, kept, marks, pending, angles, floats, ints, load)
+            if kept[CLOSED] - kept[EMITTED] > PENDING - 2:
+                return False
+        if kept[_DONE] < min(kept[CLOSED], kept[EMITTED]):
+            _emit(
+                rows[done], words[done], kept[_DONE] % PENDING, pending, angles, waves, floats, ints
+            )
+            kept[_DONE] += 1
+            done += 1
+    return True
+
+
+class BrushlessPinsSimulation:
+    """A scene's brushless motor on the whole of its RTL, with a switching bridge of three legs."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._model: int | None = None
+        refuse(scene, "pins")
+        ports = controller_ports(scene)
+        set_, time, sensor = ports.settings, ports.timing, ports.sensor
+        self.settings: Settings = set_
+        self.timing = time
+        self.tick_s = time.tick_s
+        dt = 1.0 / time.clock_hz
+        plant = BrushlessPlant.of_scene(scene)
+        drive = scene.drive or Drive.model_validate({})
+        places = max(MIN_WALLS, len(ports.walls))
+        design = verilated.Design(
+            "wh_brushless",
+            "brushless_pins_shim.cpp",
+            {"WALLS": places, "DELAY_LOG2": DELAY_LOG2, "MIN_PULSE": int(bool(drive.min_pulse_s))},
+        )
+        self._library = verilated.load(design)
+        verilated.declare_destructor(self._library.wh_brushless_delete)
+        values = {**ports.words, **set_.words(), **ports.wall_words(places)}
+        levels = encoder_levels.py_func(ports.start_count) << 1
+        self._model = verilated.new_model(
+            self._library.wh_brushless_new, verilated.words_of(design, values), levels,
+            ports.words["gain"],
+        )  # fmt: skip
+        if not self._model:
+            raise RuntimeError("the controller's RTL never got its ADC ready")
+        self._z = plant.start
+        self._kept = np.zeros(_DONE + 1, dtype=np.int64)
+        self._kept[COUNT] = ports.start_count
+        self._kept[TICK_START] = -1
+        self._kept[PINS] = 1 << _CS_N | time.frame.sclk_idle << _SCLK
+        self._kept[HELD] = self._kept[_HELD_B] = 1 << (sensor.bits - 1)
+        self._marks = np.zeros(5)
+        self._marks[_X0] = self._z[X]
+        self._marks[_HAND0] = self._z[P] + self._z[C]
+        self._pending = np.zeros((PENDING, len(Column)))
+        self._angles = np.zeros(PENDING)
+        self._buffer = np.zeros(_CONTACT + 1, dtype=np.int64)
+        self._waves = np.zeros((PENDING, len(self._buffer)), dtype=np.int64)
+        part = PARTS.get(scene.adc.part or "") if scene.adc is not None else None
+        code_shift, launch_level = wire(part, time.frame)
+        longest = min(STEPS, max(1, math.floor(time.clock_hz * plant.longest_step_s)))
+        self._ints = np.array(
+            [self._model, verilated.address(self._library.wh_brushless_clock),
+             verilated.address(self._library.wh_brushless_words), time.tick_clocks, code_shift,
+             sensor.bits, set_.u_max, longest, launch_level, time.frame.pipeline],
+            dtype=np.int64,
+        )  # fmt: skip
+        self._floats = np.array(
+            [dt, set_.cell_rad, true_bus_v(scene), 1.0 + drive.gain_error, 0.0, 0.0,
+             scene.controller.eta_contact, scene.controller.eta_free, encoder_end(scene),
+             drive.bus_ripple_v, 2 * math.pi * (drive.bus_ripple_hz or 0.0)]
+        )  # fmt: skip
+        self._load = plant.words()
+        self._tables = np.stack([plant.axis_table(n * dt) for n in range(longest + 1)])
+        self._steps = np.stack([plant.step_words(n * dt) for n in range(longest + 1)])
+        self._room = np.zeros((2, 3))
+        self._sensor = sensor.constants()
+        self._rng = np.random.default_rng(NOISE_SEED)
+
+    @property
+    def faults(self) -> int:
+        """What was seen: bit 0 a tick too short for its work or ticks without, bit 1 an encoder's
+        illegal move.
+        """
+        return int(self._kept[FAULTS])
+
+    @property
+    def clock_cycles(self) -> int:
+        """Clocks of the RTL so far."""
+        return int(self._kept[NOW])
+
+    def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
+        """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
+        done = _advance(
+            rows, words, self._z, self._kept, self._marks, self._room, self._pending, self._angles,
+            self._waves, self._tables, self._steps, self._ints, self._floats, self._load,
+            self._sensor, self._rng, self._buffer,
+        )  # fmt: skip
+        if not done:
+            raise RuntimeError("the controller's RTL stopped answering")
+
+    def __del__(self) -> None:
+        if getattr(self, "_model", None):
+            self._library.wh_brushless_delete(self._model)
