@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from wavehaptics.fpga.board_simulation import (
     board_scene,
     build,
 )
-from wavehaptics.fpga.boards import BoardError, load_board
+from wavehaptics.fpga.boards import BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import SynthesisError
 from wavehaptics.ladder.run import measure
 from wavehaptics.runtime.repository import ROOT
@@ -140,6 +141,24 @@ def test_a_board_that_cant_be_simulated_is_refused(tools):
         build(load_board("ulx3s_three"), tools)
     with pytest.raises(BoardError, match=r"icebreaker: its top has no pin for .*clk.*running"):
         bench(load_board("icebreaker"), {"enc_a": "input", "stop": "input"})
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in board_names() if load_board(name).fpga.motors == 1]
+)
+def test_each_board_has_the_pins_of_a_simulation(name):
+    """Start is one of them wherever its button is, and a reset that nobody presses."""
+    board = load_board(name)
+    text = (ROOT / board.folder / f"{name}.v").read_text()
+    ports = {
+        port: direction
+        for direction, port in re.findall(r"^ +(input|output) +wire (\w+)", text, re.MULTILINE)
+    }
+    made = bench(board, ports)
+    (start,) = [port for port in ports if re.fullmatch(r"(button_)?start(_n)?", port)]
+    assert f".{start} ({'!' if start.endswith('_n') else ''}start)" in made
+    assert (".button_reset_n (1'b1)" in made) == ("button_reset_n" in ports)
+    assert ("locked && button_reset_n" in text) == ("button_reset_n" in ports)
 
 
 def cell(kind: str, **parameters: str) -> dict:
