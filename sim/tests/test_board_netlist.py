@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import json
+import re
+import subprocess
 
 import numpy as np
 import pytest
@@ -16,10 +18,10 @@ from wavehaptics.fpga.board_simulation import (
     board_scene,
     build,
 )
-from wavehaptics.fpga.boards import BoardError, load_board
+from wavehaptics.fpga.boards import BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import SynthesisError
 from wavehaptics.ladder.run import measure
-from wavehaptics.runtime.repository import ROOT
+from wavehaptics.runtime.repository import CELLS, ROOT
 from wavehaptics.runtime.toolchain import Toolchain
 from wavehaptics.trace.columns import Column, Word
 
@@ -142,6 +144,96 @@ def test_a_board_that_cant_be_simulated_is_refused(tools):
         bench(load_board("icebreaker"), {"enc_a": "input", "stop": "input"})
 
 
+@pytest.mark.parametrize(
+    "name", [name for name in board_names() if load_board(name).fpga.motors == 1]
+)
+def test_each_board_has_the_pins_of_a_simulation(name):
+    """Start is one of them wherever its button is, and a reset that nobody presses."""
+    board = load_board(name)
+    text = (ROOT / board.folder / f"{name}.v").read_text()
+    ports = {
+        port: direction
+        for direction, port in re.findall(r"^ +(input|output) +wire (\w+)", text, re.MULTILINE)
+    }
+    made = bench(board, ports)
+    (start,) = [port for port in ports if re.fullmatch(r"(button_)?start(_n)?", port)]
+    assert f".{start} ({'!' if start.endswith('_n') else ''}start)" in made
+    assert (".button_reset_n (1'b1)" in made) == ("button_reset_n" in ports)
+    assert ("locked && button_reset_n" in text) == ("button_reset_n" in ports)
+
+
+MEMORY = """\
+module memory (input wire clk, input wire write, input wire [{address}:0] at,
+               input wire [{address}:0] from, input wire [{bit}:0] data, output reg [{bit}:0] out);
+    (* ram_style = "block", no_rw_check *) reg [{bit}:0] ram [0:{last}];
+    integer n;
+    initial for (n = 0; n <= {last}; n = n + 1) ram[n] = {bits}'d{step} * n + {bits}'d{first};
+    always @(posedge clk) begin
+        if (write) ram[at] <= data;
+        out <= ram[from];
+    end
+endmodule
+"""
+
+COMPARED = """\
+`timescale 1ns / 1ps
+module compared;
+    reg clk = 0, write = 0;
+    reg [{address}:0] at = 0, from = 0;
+    reg [{bit}:0] data = 0;
+    wire [{bit}:0] out, wanted;
+    integer n, wrong = 0, changes = 0;
+    memory placed (.clk (clk), .write (write), .at (at), .from (from), .data (data), .out (out));
+    source source (.clk (clk), .write (write), .at (at), .from (from), .data (data), .out (wanted));
+    initial begin
+        for (n = 0; n < 6000; n = n + 1) begin
+            write = $random; at = $random; data = $random;
+            from = $random;
+            if (from == at) from = ~at;
+            #5 clk = 1;
+            #5 clk = 0;
+            if (out !== wanted) wrong = wrong + 1;
+            if (^wanted) changes = changes + 1;
+        end
+        $display("%0d wrong, %0d odd", wrong, changes);
+    end
+endmodule
+"""
+
+
+@pytest.mark.parametrize(("words", "bits"), [(512, 36), (1024, 18), (2048, 9), (4096, 4)])
+def test_a_block_ram_is_what_its_source_says(tmp_path, tools, words, bits):
+    """As Yosys maps it, with its contents, beside the source; not read where it is written."""
+    sizes = {"address": words.bit_length() - 2, "bit": bits - 1, "bits": bits, "last": words - 1,
+             "step": min(7, 2**bits - 1), "first": 2}  # fmt: skip
+    source = MEMORY.format(**sizes)
+    (tmp_path / "memory.v").write_text(source)
+    script = "read_verilog memory.v; synth_ecp5 -top memory -json memory.json"
+    assert tools.run("yosys", ["-p", script], tmp_path, tmp_path / "yosys.log") == 0
+    top = json.loads((tmp_path / "memory.json").read_bytes())["modules"]["memory"]
+    rams = [cell for cell in top["cells"].values() if cell["type"] == "DP16KD"]
+    assert {int(ram["parameters"]["DATA_WIDTH_B"], 2) for ram in rams} == {bits}
+    assert any("1" in value for key, value in rams[0]["parameters"].items() if "INITVAL" in key)
+    plain = {name: placed._plain_cell(cell) for name, cell in top["cells"].items()}
+    module = {"ports": top["ports"], "cells": plain, "netnames": {}}
+    (tmp_path / "plain.json").write_text(json.dumps({"modules": {"memory": module}}))
+    script = "read_json plain.json; write_verilog -noattr -noexpr plain.v"
+    assert tools.run("yosys", ["-p", script], tmp_path, tmp_path / "write.log") == 0
+    (tmp_path / "compared.v").write_text(
+        COMPARED.format(**sizes) + source.replace("module memory", "module source")
+    )
+    assert len(rams) == len(plain) == 1
+    files = ["compared.v", "plain.v", str(CELLS / "dp16kd.v")]
+    subprocess.run(
+        ["iverilog", "-o", "compared", "-s", "compared", *files], cwd=tmp_path, check=True
+    )
+    said = subprocess.run(["vvp", "-n", "compared"], cwd=tmp_path, check=True, capture_output=True)
+    found = re.fullmatch(r"(\d+) wrong, (\d+) odd\s*", said.stdout.decode())
+    assert found is not None, said.stdout
+    assert int(found[1]) == 0
+    assert 2000 < int(found[2]) < 4500
+
+
 def cell(kind: str, **parameters: str) -> dict:
     return {
         "type": kind, "parameters": parameters, "attributes": {},
@@ -153,7 +245,7 @@ def cell(kind: str, **parameters: str) -> dict:
     ("cells", "says"),
     [
         ({"alu": cell("ALU54B")}, "no model of the placed cell ALU54B"),
-        ({"ram": cell("DP16KD", INITVAL_00="0001")}, "no model of a placed DP16KD with contents"),
+        ({"ff": cell("TRELLIS_FF", INIT_0="01")}, "no model of a placed TRELLIS_FF with contents"),
         ({"pad": cell("TRELLIS_IO", DIR="BIDIR")}, "no model of the placed pad"),
         ({"pad": cell("TRELLIS_IO", DIR="OUTPUT")}, "no model of the placed pad"),
     ],

@@ -423,7 +423,13 @@ def test_the_guards_limits_are_the_boards():
     assert field("HEAT", half.words().guard) == pytest.approx(field("HEAT") / 2, rel=1e-4)
 
 
-@pytest.mark.parametrize("name", GUARDED)
+def scene_of(name: str) -> str:
+    """A board's scene without its name and its comments."""
+    text = (ROOT / "boards" / name / "board.toml").read_text()
+    return re.sub(r"#.*|^name = .*", "", text, flags=re.MULTILINE)
+
+
+@pytest.mark.parametrize("name", sorted({scene_of(name): name for name in GUARDED}.values()))
 def test_the_guard_lets_the_boards_own_scene_be(name):
     """Free space and the way into the wall, with half a step of noise: no fault."""
     board = load_board(name)
@@ -508,8 +514,17 @@ PROGRAMMERS = {
     "colorlight_i5": [
         "openFPGALoader", "-b", "colorlight-i5", "build/synth/colorlight_i5/colorlight_i5.bit",
     ],
+    "ecp5_evn": ["openFPGALoader", "-b", "ecp5_evn", "build/synth/ecp5_evn/ecp5_evn.bit"],
     "hx8k": ["iceprog", "build/synth/hx8k/hx8k.bin"],
     "icebreaker": ["iceprog", "build/synth/icebreaker/icebreaker.bin"],
+    "icesugar_pro": [
+        "openFPGALoader", "--cable", "cmsisdap", "--vid", "0x1d50", "--pid", "0x602b",
+        "build/synth/icesugar_pro/icesugar_pro.bit",
+    ],
+    "orangecrab": [
+        "dfu-util", "--device", "1209:5af0", "--alt", "0", "--download",
+        "build/synth/orangecrab/orangecrab.bit",
+    ],
     "ulx3s": ["fujprog", "build/synth/ulx3s/ulx3s.bit"],
     "ulx3s_three": ["fujprog", "build/synth/ulx3s_three/ulx3s_three.bit"],
 }  # fmt: skip
@@ -519,9 +534,19 @@ FLASHERS = {
         "openFPGALoader", "-b", "colorlight-i5", "--unprotect-flash", "--write-flash", "--verify",
         "build/synth/colorlight_i5/colorlight_i5.bit",
     ],
+    "ecp5_evn": [
+        "openFPGALoader", "-b", "ecp5_evn", "--write-flash", "--verify",
+        "build/synth/ecp5_evn/ecp5_evn.bit",
+    ],
     # It writes the flash and reads it back unless it is told not to.
     "hx8k": PROGRAMMERS["hx8k"],
     "icebreaker": PROGRAMMERS["icebreaker"],
+    "icesugar_pro": [
+        *PROGRAMMERS["icesugar_pro"][:-1], "--write-flash", "--verify",
+        PROGRAMMERS["icesugar_pro"][-1],
+    ],
+    # Its bootloader knows nothing but the flash.
+    "orangecrab": PROGRAMMERS["orangecrab"],
     **{
         name: ["openFPGALoader", "-b", "ulx3s", "--write-flash", "--verify", PROGRAMMERS[name][-1]]
         for name in ("ulx3s", "ulx3s_three")
@@ -561,9 +586,13 @@ def test_programmer_is_called(tmp_path, monkeypatch, board, command):
 
 @pytest.mark.parametrize("board", board_names())
 def test_the_flash_is_verified(board):
-    """By iceprog of itself, which -n would forbid, or by the option."""
-    words = load_board(board).fpga.flash
-    assert (words[0] == "iceprog" and "-n" not in words) or "--verify" in words
+    """By iceprog of itself, which -n would forbid, or by the option; else the page says so."""
+    loaded = load_board(board)
+    words = loaded.fpga.flash
+    page = " ".join((ROOT / loaded.folder / "README.md").read_text().split())
+    verified = (words[0] == "iceprog" and "-n" not in words) or "--verify" in words
+    assert verified == ("What is written isn't read back" not in page)
+    assert verified or words[0] == "dfu-util"
 
 
 def test_programmer_that_is_missing(tmp_path, monkeypatch):

@@ -104,8 +104,9 @@ def bench(board: Board, ports: dict[str, str]) -> str:
              "adc_cs_n": "cs_n", "adc_sclk": "sclk", "alive": "alive",
              "gate_ah": "gates[0]", "gate_al": "gates[1]", "gate_bh": "gates[2]",
              "gate_bl": "gates[3]"}  # fmt: skip
-    shown = {"button_start": "start", "led_running": "running", "led_fault": "fault",
-             "led_contact": "contact"}  # fmt: skip
+    # Nobody presses the reset.
+    shown = {"button_start": "start", "start": "start", "button_reset": "1'b0",
+             "led_running": "running", "led_fault": "fault", "led_contact": "contact"}  # fmt: skip
     pins, lines, found = [], [], set()
     for port, direction in ports.items():
         plain = port.removesuffix("_n")
@@ -115,7 +116,7 @@ def bench(board: Board, ports: dict[str, str]) -> str:
         found.add(role)
         inverted = port not in roles and port.endswith("_n")
         if inverted and direction == "input":
-            role = f"!{role}"
+            role = "1'b1" if role == "1'b0" else f"!{role}"
         elif inverted:
             lines += [f"    wire {port};", f"    assign {role} = !{port};"]
             role = port

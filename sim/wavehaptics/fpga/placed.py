@@ -105,8 +105,12 @@ def placed_verilog(
 def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:
     """A cell with all its inputs driven, and what its model knows of its pins and parameters."""
     kind, parameters = cell["type"], dict(cell["parameters"])
-    contents = [value for key, value in parameters.items() if re.match(r"INIT(?:VAL)?_", key)]
-    if any("1" in value for value in contents):
+    contents = {
+        key: value
+        for key, value in parameters.items()
+        if re.match(r"INIT(?:VAL)?_", key) and "1" in value
+    }
+    if contents and kind != "DP16KD":
         raise SynthesisError(f"no model of a placed {kind} with contents")
     directions = dict(cell["port_directions"])
     levels = _OPEN.get(kind, {})
@@ -132,7 +136,8 @@ def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:
         connections[pin] = bits
     return {
         "type": kind,
-        "parameters": {
+        "parameters": contents
+        | {
             key.replace(".", "_"): value
             for key, value in parameters.items()
             if not (settled and re.fullmatch(settled, key))

@@ -74,7 +74,9 @@ _FORMAL = Path("build", "formal", "summary.json")
 _SOAK = Path("build", "soak", "summary.json")
 _MUTATION = Path("build", "mutate", "summary.json")
 _COVERAGE = Path("build", "coverage", "summary.json")
-_DEVICE_NAMES = {"up5k": "iCE40 UP5K", "hx8k": "iCE40 HX8K", "25k": "ECP5-25F"}
+_DEVICE_NAMES = {
+    "up5k": "iCE40 UP5K", "hx8k": "iCE40 HX8K", "25k": "ECP5-25F", "um5g-85k": "ECP5-5G-85F",
+}  # fmt: skip
 
 
 class NumbersError(ValueError):

@@ -30,6 +30,8 @@ _TO = {
     "stop": "S1c, R10, C13",
     "start_n": "S2, R17",
     "led_fault": "LED to ground, R18",
+    "uart_rx": "serial adapter, its TX",
+    "uart_tx": "serial adapter, its RX",
     "gate_ah": "R4, U4 pin 1",
     "gate_al": "R4, U4 pin 4",
     "gate_bh": "R4, U4 pin 9",
