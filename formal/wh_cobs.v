@@ -267,10 +267,10 @@ module prove_wh_cobs (
             if (state == BYTES && busy_q <= 2'd1) assert (\block.from_ram_q == bytes[8*at +: 8]);
             if (state == BYTES && busy_q == 2'd0) assert (\block.byte_q == bytes[8*at +: 8]);
 
-            cover (state == END && packets && \block.skips_q == 1'b0);
+            cover (state == CODE && packets && \block.skips_q );
             cover (answers_q && plain_q && packets);
-            cover (state == END && !packets && said_q == 3'd0 && \block.count_q == 3'd4);
-            cover (waiting == 3'd3 && \block.stale_q == 1'b0 && packets);
+            cover (state == END && !packets && \block.count_q == 3'd1);
+            cover (waiting == 3'd2 && packets);
             cover (\block.stale_q && credit);
         end
     end

@@ -204,9 +204,10 @@ def test_lost_packets_are_rows_without_numbers():
     assert found.lost.sum() == found.lost_packets * 30
     assert np.isnan(found["current"][found.lost]).all()
     assert not np.isnan(found["current"][~found.lost]).any()
-    step = WORDS["current"].fixed.step * 2**15
-    assert found["current"][4 * 30] == 4 * step
-    assert found["current"][65_538 * 30] == 2 * step
+    # A raw word of 16 bits stands for the middle of what it was cut from.
+    step = WORDS["current"].fixed.step
+    assert found["current"][4 * 30] == (4 * 2**15 + 16_383.5) * step
+    assert found["current"][65_538 * 30] == (2 * 2**15 + 16_383.5) * step
     assert (found["flags"][found.lost] == 0).all()
     arrays = trace_arrays(found, Device())
     assert arrays["lost"].sum() == found.lost.sum()
@@ -231,7 +232,7 @@ def test_words_at_their_ends_are_told():
     found = taken([packet(0, rows)], "current:4", "u")
     assert found.at_end == {"current": 2, "u": 2}
     assert isinstance(found, Captured)
-    assert found["current"][2] == 5 * WORDS["current"].fixed.step * 2**11
+    assert found["current"][2] == (5 * 2**11 + 1023.5) * WORDS["current"].fixed.step
 
 
 @pytest.mark.parametrize(

@@ -261,7 +261,8 @@ class Stream:
                 ways = (steps + 0x8000) % 0x10000 - 0x8000
                 counts[~lost] = told + np.cumsum(ways)
             return counts
-        found = raws * (place.word.fixed.step * 2.0**shift)
+        # What was cut off is anything from 0 to 2^shift - 1: its mean.
+        found = (raws * 2.0**shift + 0.5 * (2**shift - 1)) * place.word.fixed.step
         found[lost] = np.nan
         return found
 
