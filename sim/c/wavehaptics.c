@@ -31,7 +31,9 @@ enum {
     ANSWER_MOST = 5 + 4 * WH_MOST_READ,
     QUESTIONS_MOST = 128,
     WRITE_MOST = 3,  // words
-    NONE_LEFT = -2
+    TRIES = 4,       // of questions, where the line can be settled in between
+    SETTLES = 3,     // in a row, until it is taken for silent
+    NONE_LEFT = 1
 };
 
 enum kind { WH_SETTING, WH_COMMAND, WH_LIVE, WH_MEMORY };
@@ -297,8 +299,8 @@ static int go_back(struct wh_board *board) {
 
 // Get into step with the device: nothing of earlier questions can come any more.
 static int settle(struct wh_board *board) {
-    int result = settle_once(board);
-    if (result == WH_SILENT) result = settle_once(board);
+    int result = WH_SILENT;
+    for (int n = 0; n < SETTLES && result == WH_SILENT; ++n) result = settle_once(board);
     if (result != WH_SILENT || board->rate == 0) return result;
     const unsigned rate = board->rate;
     result = go_back(board);
@@ -360,11 +362,11 @@ static int ask_once(struct wh_board *board, struct question *asked, size_t quest
     return fail(board, WH_REFUSED, "%s: the device refuses with exception %u: %s", what, code, meaning);
 }
 
-// The same, once more where an answer is missing. Whatever this library asks may be asked twice.
+// The same, again where an answer is missing. Whatever this library asks may be asked twice.
 static int ask(struct wh_board *board, struct question *asked, size_t questions) {
     if (board->file < 0) return fail(board, WH_PORT, "%s: is closed", board->path);
     board->came = 0;
-    for (int n = 0; n < 2; ++n) {
+    for (int n = 0; n < TRIES; ++n) {
         if (board->astray) {
             const int result = settle(board);
             if (result) return result;

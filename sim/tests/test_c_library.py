@@ -618,7 +618,7 @@ def test_the_wall_of_a_computer(wall):
     assert np.sqrt(np.mean(free[-3000:, Column.TORQUE] ** 2)) < 1e-3
 
 
-@pytest.mark.parametrize("seed", [1])
+@pytest.mark.parametrize("seed", [1, 2])
 def test_a_bad_line_and_a_killed_host(wall, seed):
     """Pieces late, lost and broken: passive. Killed: its own η again, and then no torque at all."""
     with Bench() as bench:
