@@ -241,6 +241,22 @@ def cell(kind: str, **parameters: str) -> dict:
     }  # fmt: skip
 
 
+def test_registers_in_a_pad_are_those_of_any_bank():
+    """A bank with gears has another cell, of which a plain register uses what all have."""
+    kept = {"CLK": [2], "CE": [3], "LSR": [4], "TXDATA0": [5], "IOLDO": [6]}
+    extra = {"ECLK": [], "DQSW270": [], "WRPNTR0": [], "TXDATA3": [], "SLIP": [], "RXDATA6": []}
+    geared = {
+        "type": "IOLOGIC",
+        "parameters": {"MODE": "IREG_OREG", "OUTREG.OUTREGMODE": "FF", "MODDRX.MODE": "NONE",
+                       "MIDDRX_MODDRX.WRCLKMUX": "NONE", "CLKOMUX": "CLK", "IOLTOMUX": "NONE"},
+        "port_directions": dict.fromkeys([*kept, *extra], "input") | {"IOLDO": "output"},
+        "connections": kept | extra,
+    }  # fmt: skip
+    plain = placed._plain_cell(geared)
+    assert (plain["type"], plain["connections"]) == ("SIOLOGIC", kept)
+    assert plain["parameters"] == {"MODE": "IREG_OREG", "OUTREG_OUTREGMODE": "FF"}
+
+
 @pytest.mark.parametrize(
     ("cells", "says"),
     [
