@@ -52,16 +52,16 @@ def packet(number: int, rows: list[list[int]]) -> bytes:
 
 
 def test_a_stream_is_what_the_simulation_had():
-    """Row for row the mean of eight, cut and limited; a hand that turns the rotor."""
+    """Row for row the mean of 32 ticks, cut and limited, each packet in its turn."""
     scene = load_scene(find_scene("press_hold"), BOARD)
     line = Line(LinkedPins(scene, arm=False))
-    log2, shifts = 3, (9, 12, 15, 15)
+    log2, shifts = 5, (9, 12, 15, 15)
     line.ask(bytes(crc(bytes.fromhex("01 10 000a 0002 04 0000 0003"))), 8)  # 3 Mbit/s
     line.write("stream_channel", *(WORDS[name].at() for name in NAMES), 3, log2)
     line.write("stream_shift", *shifts)
     line.simulation.send(crc(bytes.fromhex("01 10 20ec 0002 04 0000 0001")))
     data = b""
-    for _ in range(80):
+    for _ in range(100):
         line.elapse()
         data += line.simulation.received()
     *found, _ = data.split(b"\0")
