@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from wavehaptics.controller import wave_core
@@ -41,6 +44,23 @@ def test_a_device_that_is_left_alone_is_the_controller(more):
     assert np.abs(found[0][1][:, Word.V]).max() > 1000
     np.testing.assert_array_equal(found[0][1], found[1][1])
     np.testing.assert_array_equal(found[0][0], found[1][0])
+
+
+def test_two_models_of_one_design_may_go_in_any_order():
+    """In a process of its own: where one would hang, the other's clean-up did."""
+    code = """
+from wavehaptics.ladder.linked_pins import LinkedPins
+from wavehaptics.scene import find_scene, load_scene
+scene = load_scene(find_scene("press_hold"), SETTINGS)
+first, second = LinkedPins(scene, arm=False), LinkedPins(scene, arm=False)
+del second
+del first
+print("gone")
+""".replace("SETTINGS", repr(list(BOARD)))
+    ended = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=300
+    )
+    assert (ended.returncode, ended.stdout) == (0, "gone\n"), ended.stderr
 
 
 def test_a_wall_that_is_moved_is_felt_a_tick_later():

@@ -7,7 +7,7 @@
 
 #include "Vwh_wave_core.h"
 #include "Vwh_wave_core___024root.h"
-#include "coverage.h"
+#include "ends.h"
 #include "edges.h"
 #include "give.h"
 #include "verilated.h"
@@ -21,7 +21,7 @@ struct Core {
     VerilatedContext context;
     Vwh_wave_core top{&context};
 
-    ~Core() { write_coverage(context); }
+    ~Core() { ends(context); }
 };
 
 static_assert(2 * WH_DATA_W <= 64, "both ports' words go through one of 64 bits");

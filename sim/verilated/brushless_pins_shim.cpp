@@ -7,7 +7,7 @@
 
 #include "Vwh_brushless.h"
 #include "Vwh_brushless___024root.h"
-#include "coverage.h"
+#include "ends.h"
 #include "edges.h"
 #include "give.h"
 #include "verilated.h"
@@ -21,7 +21,7 @@ struct Controller {
     VerilatedContext context;
     Vwh_brushless top{&context};
 
-    ~Controller() { write_coverage(context); }
+    ~Controller() { ends(context); }
 };
 
 static_assert(2 * WH_DATA_W <= 64, "both ports' words go through one of 64 bits");

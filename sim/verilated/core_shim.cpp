@@ -6,7 +6,7 @@
 
 #include "Vwh_core_port.h"
 #include "Vwh_core_port___024root.h"
-#include "coverage.h"
+#include "ends.h"
 #include "edges.h"
 #include "give.h"
 #include "verilated.h"
@@ -20,7 +20,7 @@ struct Core {
     VerilatedContext context;
     Vwh_core_port top{&context};
 
-    ~Core() { write_coverage(context); }
+    ~Core() { ends(context); }
 };
 
 constexpr int kNeverDone = 1000;

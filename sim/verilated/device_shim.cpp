@@ -9,7 +9,7 @@
 
 #include "Vwh_device.h"
 #include "Vwh_device___024root.h"
-#include "coverage.h"
+#include "ends.h"
 #include "edges.h"
 #include "verilated.h"
 
@@ -38,7 +38,7 @@ struct Device {
     std::deque<Request> requests;
     std::vector<Answer> answers;
 
-    ~Device() { write_coverage(context); }
+    ~Device() { ends(context); }
 };
 
 // Signals of the module, which device_shim.vlt shows.

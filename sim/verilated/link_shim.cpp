@@ -9,7 +9,7 @@
 
 #include "Vwh_linked_device.h"
 #include "Vwh_linked_device___024root.h"
-#include "coverage.h"
+#include "ends.h"
 #include "edges.h"
 #include "verilated.h"
 
@@ -35,7 +35,7 @@ struct Link {
     int heard_bit = 0;
     int heard = 0;
 
-    ~Link() { write_coverage(context); }
+    ~Link() { ends(context); }
 };
 
 // Signals of the module, which link_shim.vlt shows.

@@ -8,7 +8,7 @@
 
 #include "Vwh_linked_device.h"
 #include "Vwh_linked_device___024root.h"
-#include "coverage.h"
+#include "ends.h"
 #include "edges.h"
 #include "uart_host.h"
 #include "verilated.h"
@@ -26,7 +26,7 @@ struct Linked {
     int64_t silent_clocks = 0;  // since the last step, or what stands in for one
     int silent_ticks = 0;
 
-    ~Linked() { write_coverage(context); }
+    ~Linked() { ends(context); }
 };
 
 // Signals of the modules, which device_shim.vlt and linked_shim.vlt show.

@@ -6,7 +6,7 @@
 
 #include "Vwh_controller.h"
 #include "Vwh_controller___024root.h"
-#include "coverage.h"
+#include "ends.h"
 #include "edges.h"
 #include "give.h"
 #include "verilated.h"
@@ -21,7 +21,7 @@ struct Controller {
     Vwh_controller top{&context};
     int64_t packets = 0;
 
-    ~Controller() { write_coverage(context); }
+    ~Controller() { ends(context); }
 };
 
 int64_t signed_word(uint64_t raw) {
