@@ -58,7 +58,7 @@ BLOCKS = {
     "wh_step_watch": "test_step_watch.py::test_step_watch[icarus]",
     "wh_stream": "test_stream.py::test_stream[icarus-1]",
     "wh_synchroniser": "test_synchroniser.py::test_synchroniser[icarus]",
-    "wh_three_phase": "test_three_phase.py::test_three_phase[icarus-0]",
+    "wh_three_phase": "test_three_phase.py::test_three_phase[icarus-0-1]",
     "wh_trip": "test_trip.py::test_trip[icarus]",
     "wh_truncate": "test_arithmetic.py::test_every_small_word[icarus]",
     "wh_uart": "test_briefly.py::test_briefly[uart]",

@@ -18,7 +18,7 @@ from simulators import parameters
 from tb_quadrature import levels
 from tb_three_phase import Drive, gates_of
 from wavehaptics.controller import clarke, wave_core
-from wavehaptics.controller.modulator import duty_of
+from wavehaptics.controller.modulator import duty_of, new_dead_time
 from wavehaptics.controller.pins_timing import (
     CENTRED_LEAD,
     CLARKE_CLOCKS,
@@ -51,6 +51,8 @@ ETA_FREE = formats.ETA.to_raw(0.8)
 ROOT = formats.ROOT.to_raw(math.sqrt(2 * R_OHM))
 A = formats.A.to_raw(0.7)
 U_MAX = formats.WAVE.to_raw(4.0 / math.sqrt(2 * R_OHM))
+EXTRA_CLOCKS = 7
+"""Clocks from a current to the end of a period that it counts for: wh_dead_time, wh_modulator."""
 LATENCY = latency_clocks(FRAME.conversion_clocks, brushless=True)
 
 
@@ -89,6 +91,9 @@ def settings(drive: Drive, samples: int = 1, extra: int = 2, **others: int) -> d
         "clocks_per_volt": drive.per_volt,
         "dead_clocks": drive.dead_clocks,
         "second_order": int(drive.second_order),
+        "compensate": int(drive.compensate),
+        "side_current": drive.side_current,
+        "settle_ticks": drive.settle_ticks,
         **others,
     }
     gain = formats.GAIN.to_raw(FULL_SCALE_A / ((1 << 15) * samples))
@@ -161,6 +166,13 @@ class BrushlessBench(Bench):
                 )
             )
 
+    def _out_of_the_legs(self, step: Step) -> list[tuple[int, int]]:
+        """Clock and current of each leg, of which b's begins the step's transform."""
+        b_at = step.clock - 2 * CORE_CLOCKS - CLARKE_CLOCKS
+        a, b = step.phases
+        c = wave_core.saturate.py_func(-a - b)
+        return [(b_at - 1, a), (b_at, b), (b_at + 1, c)]
+
     def check(self, drive: Drive, samples: int, extra: int) -> list[list[int]]:
         """Every step by the models, and every gate; the widths of each leg."""
         gain = formats.GAIN.to_raw(FULL_SCALE_A / ((1 << 15) * samples))
@@ -184,10 +196,18 @@ class BrushlessBench(Bench):
             began += CURRENT_CLOCKS + 1 + CLARKE_CLOCKS
             assert step.clock == began + 2 * CORE_CLOCKS
             legs_of.append(clarke.centred.py_func(*clarke.phases.py_func(*step.voltage)))
-        # What each tick drives, by the latency that the settings count on.
+        # What each tick drives, by the latency that the settings count on, and what its dead time
+        # takes, by the currents that were there in time.
+        currents = [self._out_of_the_legs(step) for step in self.steps]
+        dead_times = [new_dead_time() for _ in range(3)]
+        # Until the first current the side is +1.
+        before = drive.dead_clocks << (formats.EXTRA.fraction - 1) if drive.compensate else 0
+        extra = [before] * 3
+        taken = [0, 0, 0]
         models = [drive.model() for _ in range(3)]
         widths: list[list[int]] = [[], [], []]
         ends = [self.ticks[0] - drive.tick_clocks, *self.ticks]
+        ends = [end for end in ends if end < self.steps[-1].clock - drive.tick_clocks]
         strobes = [group[0] for group in self.conversions[samples - 1 :: samples]]
         made = 0
         for end in ends:
@@ -195,8 +215,16 @@ class BrushlessBench(Bench):
                 made += 1
             for n in range(3):
                 duty = duty_of.py_func(legs_of[made - 1][n], drive.per_volt) if made else 0
-                for _ in range(drive.tick_halves // 2):
-                    widths[n].append(models[n].width(duty))
+                for period in range(drive.tick_halves // 2):
+                    update = end + 2 * period * drive.half_clocks
+                    if update == ends[0]:
+                        # The carrier begins with a width of reset.
+                        widths[n].append(0)
+                        continue
+                    while currents[taken[n]][n][0] + EXTRA_CLOCKS <= update:
+                        extra[n] = drive.extra(n, dead_times[n], currents[taken[n]][n][1])
+                        taken[n] += 1
+                    widths[n].append(models[n].width(duty, extra[n]))
         first = ends[0] + 1
         for n in range(3):
             periods = [level for width in widths[n] for level in drive.period(width)]
@@ -220,6 +248,7 @@ async def equals_the_models(dut: object) -> None:
         (Drive(26), 1, 2, (0, 0)),
         (Drive(26, 12.0, 4, 2, second_order=True), 2, 1, (700, -1234)),
         (Drive(25, 36.0, 4, 1), 1, 1, (-5, 0)),
+        (Drive(26, 24.0, 2, 4, 0, False, True, 200_000, 2), 1, 2, (0, 0)),
     ):
         await bench.begin(settings(drive, samples, extra), zeros)
         size = rng.uniform(0.2, 1.0) * MIDDLE

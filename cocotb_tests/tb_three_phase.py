@@ -4,19 +4,31 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cocotb
+import numpy as np
 from bench import Bench, pack, random_source, unpack
 from simulators import parameters
 from tb_modulator import Model, clocks_per_volt
-from wavehaptics.controller.modulator import duty_of, width_bounds
+from wavehaptics.controller.modulator import (
+    dead_time_extra,
+    duty_of,
+    new_dead_time,
+    width_bounds,
+)
 from wavehaptics.controller.pins_timing import GATE_CLOCKS
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import HALF_BRIDGE
 
 MIN_PULSE = parameters().get("MIN_PULSE", 0)
+DEAD_TIME = parameters().get("DEAD_TIME", 1)
 MULTIPLY_CLOCKS = 3
+PACE = 3
+"""Ticks that each leg waits longer between two changes of side than the one before it."""
+CURRENT_AT = 1
+"""Clock of a tick with its currents: they count at its first end of a period."""
 LEAST, MOST = formats.VOLTAGE.raw_min, formats.VOLTAGE.raw_max
 Legs = tuple[int, int, int]
 
@@ -31,6 +43,9 @@ class Drive:
     dead_clocks: int = 0
     min_pulse: int = 0
     second_order: bool = False
+    compensate: bool = False
+    side_current: int = 0
+    settle_ticks: int = 0
 
     @property
     def per_volt(self) -> int:
@@ -44,6 +59,13 @@ class Drive:
     def model(self) -> Model:
         least, spare = width_bounds(HALF_BRIDGE, self.min_pulse if MIN_PULSE else 0)
         return Model(self.half_clocks, self.second_order, least, spare)
+
+    def extra(self, n: int, state: np.ndarray, current: int) -> int:
+        """What leg ``n`` is longer by from a tick's current on."""
+        if not (DEAD_TIME and self.compensate):
+            return 0
+        settle = self.settle_ticks + PACE * n
+        return dead_time_extra.py_func(state, current, self.dead_clocks, self.side_current, settle)
 
     def period(self, width: int) -> list[int]:
         """A leg's levels in a period of the carrier: high around its end."""
@@ -71,40 +93,52 @@ class ThreePhaseBench(Bench):
             enable_i=1, half_clocks_i=drive.half_clocks, phase_i=0, remaining_i=0, half_i=0,
             update_i=0, take_i=0, clocks_per_volt_i=drive.per_volt, min_pulse_i=drive.min_pulse,
             dead_clocks_i=drive.dead_clocks, second_order_i=int(drive.second_order), valid_i=0,
-            legs_i=0, grant_i=0, done_i=0, product_i=0,
+            compensate_i=int(drive.compensate), side_current_i=drive.side_current,
+            settle_ticks_i=drive.settle_ticks, current_valid_i=0, currents_i=0, legs_i=0,
+            grant_i=0, done_i=0, product_i=0,
         )  # fmt: skip
 
     def gates(self) -> tuple[int, int]:
         return self.word("gate_high_o"), self.word("gate_low_o")
 
     async def run(
-        self, drive: Drive, ticks: list[Legs | None], at: int = 0, wait: int = 0
-    ) -> list[list[int]]:
+        self, drive: Drive, ticks: list[Legs | None], at: int = 0, wait: int = 0,
+        currents: Sequence[Legs] = (),
+    ) -> list[list[int]]:  # fmt: skip
         """Run ticks with the legs' voltages, or none, ``at`` a clock of each; grants are late.
+
+        ``currents`` are those of the ticks.
 
         Returns the widths of each leg, a period each.
         """
         await self.begin(drive)
         models = [drive.model() for _ in range(3)]
-        pending, active = [0, 0, 0], [0, 0, 0]
+        dead_times = [new_dead_time() for _ in range(3)]
+        pending, active, extra = [0, 0, 0], [0, 0, 0], [0, 0, 0]
         widths: list[list[int]] = [[0], [0], [0]]
         shown: list[tuple[int, int]] = []
         queue: list[int] = []
         in_work: list[tuple[int, int, int]] = []
         half, clock, waits, legs = drive.half_clocks, 0, 0, (0, 0, 0)
-        for given in ticks:
+        for tick, given in enumerate(ticks):
             for in_tick in range(drive.tick_clocks):
                 phase, parity = in_tick % half, in_tick // half % 2
                 valid = given is not None and in_tick == at
                 if given is not None and valid:
                     legs, queue, waits = given, [0, 1, 2], wait
                     self.drive(legs_i=pack(legs, formats.DATA_W))
+                measured = tick < len(currents) and in_tick == CURRENT_AT
+                if measured:
+                    self.drive(currents_i=pack(currents[tick], formats.DATA_W))
+                    for n in range(3):
+                        extra[n] = drive.extra(n, dead_times[n], currents[tick][n])
                 grant = queue[0] if queue and waits == 0 else None
                 done = in_work[0] if in_work and in_work[0][0] == clock else None
                 take = in_tick == drive.tick_clocks - 5
                 await self.settle(
                     phase_i=phase, remaining_i=half - 1 - phase, half_i=parity,
                     update_i=int(phase == half - 1), take_i=int(take), valid_i=int(valid),
+                    current_valid_i=7 * measured,
                     grant_i=0 if grant is None else 1 << grant,
                     done_i=0 if done is None else 1 << done[1],
                     product_i=0x2AAAAAAAAAAAAAA if done is None else done[2],
@@ -124,7 +158,7 @@ class ThreePhaseBench(Bench):
                     active = [*pending]
                 if phase == half - 1 and parity:
                     for n in range(3):
-                        widths[n].append(models[n].width(active[n]))
+                        widths[n].append(models[n].width(active[n], extra[n]))
                 if done is not None:
                     # A product shows as the pending duty one clock later.
                     pending[done[1]] = duty_of.py_func(1, in_work.pop(0)[2])
@@ -155,6 +189,13 @@ def random_legs(rng: random.Random, drive: Drive) -> Legs:
     return a, b, c
 
 
+def random_currents(rng: random.Random) -> Legs:
+    """Currents that sum up to zero, often so small that they have no side."""
+    size = 1 << rng.choice((8, 14, 18, 28))
+    a, b = rng.randint(-size, size), rng.randint(-size, size)
+    return a, b, -a - b
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def random_voltages(dut: object) -> None:
     """Random voltages, carriers, dead times and late grants: every gate in every clock."""
@@ -166,6 +207,7 @@ async def random_voltages(dut: object) -> None:
             drive = Drive(
                 half, rng.choice((12.0, 24.0, 48.0)), rng.choice((2, 4)), dead,
                 rng.choice((0, 2, 4)) if half > 20 else 0, rng.random() < 0.5,
+                rng.random() < 0.7, rng.choice((0, 1000, 40_000)), rng.randint(0, 3),
             )  # fmt: skip
             latest = drive.tick_clocks - 5 - MULTIPLY_CLOCKS - 4
             ticks = [
@@ -174,7 +216,8 @@ async def random_voltages(dut: object) -> None:
             ]
             wait = rng.randint(0, 2) if latest > 8 else 0
             at = rng.randint(0, max(0, latest - 3 * wait))
-            widths = await bench.run(drive, ticks, at, wait)
+            currents = [random_currents(rng) for _ in ticks]
+            widths = await bench.run(drive, ticks, at, wait, currents)
             seen |= {width for leg in widths for width in leg}
     assert {-24, 24} <= seen
     assert len(seen) > 30
@@ -208,6 +251,19 @@ async def equal_legs_switch_together(dut: object) -> None:
             update_i=int(phase == 25), take_i=0,
         )  # fmt: skip
         assert bench.gates() in ((7, 0), (0, 7))
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def legs_without_a_side_try_apart(dut: object) -> None:
+    """No current at all: the three legs are soon at different sides, which drives the winding."""
+    if not DEAD_TIME:
+        return
+    bench = ThreePhaseBench(dut)
+    drive = Drive(26, dead_clocks=4, compensate=True, side_current=1000, settle_ticks=4)
+    ticks = 120
+    widths = await bench.run(drive, [(0, 0, 0)] * ticks, currents=[(0, 0, 0)] * ticks)
+    sides = {tuple(width[n] > 0 for width in widths) for n in range(2, ticks)}
+    assert len(sides) == 8
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

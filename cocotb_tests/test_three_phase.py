@@ -5,6 +5,7 @@ import pytest
 from simulators import simulate
 
 
-@pytest.mark.parametrize("min_pulse", [0, 1])
-def test_three_phase(simulator: str, min_pulse: int) -> None:
-    simulate(simulator, "wh_three_phase", "tb_three_phase", {"MIN_PULSE": min_pulse})
+@pytest.mark.parametrize(("min_pulse", "dead_time"), [(0, 1), (1, 0)])
+def test_three_phase(simulator: str, min_pulse: int, dead_time: int) -> None:
+    parameters = {"MIN_PULSE": min_pulse, "DEAD_TIME": dead_time}
+    simulate(simulator, "wh_three_phase", "tb_three_phase", parameters)

@@ -37,6 +37,7 @@ module wh_brushless #(
     parameter integer WALLS      = 4,  // 1...16
     parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
     parameter integer MIN_PULSE  = 0,  // 1: min_pulse_i counts; 0: pulses may be of one clock
+    parameter integer DEAD_TIME  = 1,  // 1: dead time can be made good
     parameter integer GUARD      = 0   // 1: wh_guard watches; 0: its inputs mean nothing
 ) (
     input  wire                         clk,
@@ -97,6 +98,9 @@ module wh_brushless #(
     input  wire [7:0]                   min_pulse_i,         // clocks that a leg stays, or more
     input  wire [`WH_COEF_W-1:0]        clocks_per_volt_i,   // s27q16, half_clocks / bus
     input  wire [7:0]                   dead_clocks_i,       // clocks
+    input  wire                         compensate_i,        // the dead time
+    input  wire [`WH_DATA_W-1:0]        side_current_i,      // s31q24 A, 0...: where it has a side
+    input  wire [7:0]                   settle_ticks_i,      // ticks between changes of side, ...249
     input  wire                         second_order_i,      // error feedback of order 2
 
     // Guard (wh_guard; wh_faults.vh has the fields and the faults).
@@ -246,7 +250,6 @@ module wh_brushless #(
     );
 
     wire [1:0] current_valid;
-    wire       unused_first = &{1'b0, current_valid[0]};
 
     genvar n;
     generate
@@ -281,6 +284,31 @@ module wh_brushless #(
             );
         end
     endgenerate
+
+    // The third phase's is what the other two leave, a clock after b's. Two bits more hold their sum,
+    // and what it is negated.
+    wire signed [DATA_W-1:0] current_a = $signed(phase_current_o[DATA_W-1:0]);
+    wire signed [DATA_W-1:0] current_b = $signed(phase_current_o[2*DATA_W-1:DATA_W]);
+    wire signed [DATA_W+1:0] wide_current = -$signed({{2{current_a[DATA_W-1]}}, current_a})
+                                            - $signed({{2{current_b[DATA_W-1]}}, current_b});
+    wire signed [DATA_W-1:0] saturated_c;
+    reg  signed [DATA_W-1:0] current_c_q;
+    reg                      valid_c_q;
+
+    wh_saturate #(
+        .IN_W    (DATA_W + 2),
+        .OUT_W   (DATA_W)
+    ) saturate_current (
+        .value_i (wide_current),
+        .value_o (saturated_c)
+    );
+
+    always @(posedge clk) begin
+        valid_c_q <= current_valid[1] && !rst;
+        if (current_valid[1]) begin
+            current_c_q <= saturated_c;
+        end
+    end
 
     wire core_start;
 
@@ -429,7 +457,8 @@ module wh_brushless #(
     );
 
     wh_three_phase #(
-        .MIN_PULSE         (MIN_PULSE)
+        .MIN_PULSE         (MIN_PULSE),
+        .DEAD_TIME         (DEAD_TIME)
     ) three_phase (
         .clk               (clk),
         .rst               (rst),
@@ -444,6 +473,11 @@ module wh_brushless #(
         .min_pulse_i       (min_pulse_i),
         .dead_clocks_i     (dead_clocks_i),
         .second_order_i    (second_order_i),
+        .compensate_i      (compensate_i),
+        .side_current_i    (side_current_i),
+        .settle_ticks_i    (settle_ticks_i),
+        .current_valid_i   ({valid_c_q, current_valid}),
+        .currents_i        ({current_c_q, phase_current_o}),
         .valid_i           (legs_valid),
         .legs_i            (legs),
         .request_o         (request[OF_LEGS +: 3]),
@@ -456,26 +490,18 @@ module wh_brushless #(
         .gate_low_o        (gate_low_o)
     );
 
-    // ---- Guard. The third phase is what the other two leave.
+    // ---- Guard. A sample of the third phase is what the other two leave, too.
 
     generate
         if (GUARD != 0) begin : guarded
             localparam integer SAMPLE_W = `WH_SAMPLE_W;
 
-            wire signed [SAMPLE_W-1:0] sample_a  = $signed(adc_sample[SAMPLE_W-1:0]);
-            wire signed [SAMPLE_W-1:0] sample_b  = $signed(adc_sample[2*SAMPLE_W-1:SAMPLE_W]);
-            wire signed [DATA_W-1:0]   current_a = $signed(phase_current_o[DATA_W-1:0]);
-            wire signed [DATA_W-1:0]   current_b = $signed(phase_current_o[2*DATA_W-1:DATA_W]);
-
-            // Two bits more hold the sum, and what it is negated.
+            wire signed [SAMPLE_W-1:0] sample_a = $signed(adc_sample[SAMPLE_W-1:0]);
+            wire signed [SAMPLE_W-1:0] sample_b = $signed(adc_sample[2*SAMPLE_W-1:SAMPLE_W]);
             wire signed [SAMPLE_W+1:0] wide_sample =
                 -$signed({{2{sample_a[SAMPLE_W-1]}}, sample_a})
                 - $signed({{2{sample_b[SAMPLE_W-1]}}, sample_b});
-            wire signed [DATA_W+1:0]   wide_current =
-                -$signed({{2{current_a[DATA_W-1]}}, current_a})
-                - $signed({{2{current_b[DATA_W-1]}}, current_b});
             wire signed [SAMPLE_W-1:0] sample_c;
-            wire signed [DATA_W-1:0]   current_c;
             reg                        setting_q;
 
             wh_saturate #(
@@ -484,14 +510,6 @@ module wh_brushless #(
             ) saturate_sample (
                 .value_i (wide_sample),
                 .value_o (sample_c)
-            );
-
-            wh_saturate #(
-                .IN_W    (DATA_W + 2),
-                .OUT_W   (DATA_W)
-            ) saturate_current (
-                .value_i (wide_current),
-                .value_o (current_c)
             );
 
             // Words that no block has a meaning for.
@@ -532,8 +550,8 @@ module wh_brushless #(
                 .setting_i      (setting_q),
                 .overrun_i      (overrun_o),
                 .tick_i         (tick_o),
-                .valid_i        (current_valid[1]),
-                .current_i      ({current_c, phase_current_o}),
+                .valid_i        (valid_c_q),
+                .current_i      ({current_c_q, phase_current_o}),
                 .u_i            ({{DATA_W{1'b0}}, u_o}),
                 .v_i            ({{DATA_W{1'b0}}, v_o}),
                 .faults_o       (faults_o),

@@ -9,8 +9,13 @@
 // (wh_pwm): high around the end of a carrier's period, low around its middle, where half 0 and half 1
 // meet. So all three are centred at one instant, and legs of equal widths switch together: at 0 V the
 // winding sees no carrier at all. What a whole clock is too coarse for is owed to the next period, leg
-// by leg. Dead time is not made good here: each leg loses up to half of it from its width, against its
-// current.
+// by leg.
+// Dead time takes half of itself from a leg's width, against its current, once a period: one of the two
+// edges is late. With DEAD_TIME = 1 a wh_dead_time each makes it good, by the leg's own current: what it
+// says of a bridge of two legs and a half of the carrier holds of one leg and a period. Where no current
+// has a side the legs try both, and three that try the same one drive nothing: so leg b waits PACE ticks
+// longer between two changes than leg a, and leg c twice that. It wants an ADC whose step, noise and
+// offset stay below side_current_i, or three mistaken legs hold each other.
 // With MIN_PULSE = 1 a leg stays high or low for min_pulse_i clocks or more; every voltage has
 // (min_pulse_i + 1) / 2 clocks of width less at either end.
 //
@@ -25,7 +30,8 @@
 `include "wh_formats.vh"
 
 module wh_three_phase #(
-    parameter integer MIN_PULSE = 0  // 1: min_pulse_i counts; 0: pulses may be of one clock
+    parameter integer MIN_PULSE = 0, // 1: min_pulse_i counts; 0: pulses may be of one clock
+    parameter integer DEAD_TIME = 1  // 1: dead time can be made good
 ) (
     input  wire                                    clk,
     input  wire                                    rst,
@@ -44,6 +50,14 @@ module wh_three_phase #(
     input  wire        [7:0]                       min_pulse_i,        // clocks that a leg stays
     input  wire        [7:0]                       dead_clocks_i,      // clocks
     input  wire                                    second_order_i,     // error feedback of order 2
+    input  wire                                    compensate_i,       // the dead time
+    input  wire signed [`WH_DATA_W-1:0]            side_current_i,     // s31q24 A, 0...: where a
+                                                                       // leg's current has a side
+    input  wire        [7:0]                       settle_ticks_i,     // between changes of side of
+                                                                       // leg a, up to 255 - 2 PACE
+
+    input  wire        [2:0]                       current_valid_i,    // strobes, leg a lowest
+    input  wire        [3*`WH_DATA_W-1:0]          currents_i,         // s31q24 A, out of the legs
 
     input  wire                                    valid_i,            // strobe
     input  wire        [3*`WH_DATA_W-1:0]          legs_i,             // s31q23 V, leg a lowest
@@ -62,7 +76,14 @@ module wh_three_phase #(
     localparam integer DATA_W = `WH_DATA_W;
     localparam integer COEF_W = `WH_COEF_W;
     localparam integer DUTY_W = DATA_W + COEF_W - `WH_VOLTAGE_Q;
+    localparam integer PACE   = 3;
     localparam [`WH_MODE_W-1:0] HALF_BRIDGE = `WH_MODE_HALF_BRIDGE;
+
+    generate
+        if (DEAD_TIME != 0 && DEAD_TIME != 1) begin : illegal_dead_time
+            wh_illegal_parameter_three_phase_dead_time_must_be_0_or_1 stop ();
+        end
+    endgenerate
 
     wire drive_rst = rst || !enable_i;
 
@@ -72,10 +93,33 @@ module wh_three_phase #(
     genvar n;
     generate
         for (n = 0; n < 3; n = n + 1) begin : leg
-            wire signed [`WH_TICK_W-1:0] width;
-            wire                         level;
-            wire                         opposite;
-            wire                         unused = &{1'b0, opposite};
+            wire signed [`WH_TICK_W-1:0]  width;
+            wire                          level;
+            wire                          opposite;
+            wire                          unused = &{1'b0, opposite};
+            wire signed [`WH_EXTRA_W-1:0] extra;
+
+            if (DEAD_TIME != 0) begin : compensated
+                localparam integer LATER  = n * PACE;
+                localparam [7:0]   LONGER = LATER[7:0];
+
+                wh_dead_time dead_time (
+                    .clk            (clk),
+                    .rst            (drive_rst),
+                    .compensate_i   (compensate_i),
+                    .dead_clocks_i  (dead_clocks_i),
+                    .threshold_i    (side_current_i),
+                    .settle_ticks_i (settle_ticks_i + LONGER),
+                    .valid_i        (current_valid_i[n]),
+                    .current_i      (currents_i[n*DATA_W +: DATA_W]),
+                    .extra_o        (extra)
+                );
+            end else begin : as_it_is
+                wire unused_dead = &{1'b0, compensate_i, side_current_i, settle_ticks_i,
+                                     current_valid_i[n], currents_i[n*DATA_W +: DATA_W]};
+
+                assign extra = {`WH_EXTRA_W{1'b0}};
+            end
 
             wh_modulator #(
                 .MIN_PULSE         (MIN_PULSE)
@@ -87,7 +131,7 @@ module wh_three_phase #(
                 .clocks_per_volt_i (clocks_per_volt_i),
                 .half_clocks_i     (half_clocks_i),
                 .second_order_i    (second_order_i),
-                .extra_i           ({`WH_EXTRA_W{1'b0}}),
+                .extra_i           (extra),
                 .least_i           (8'd0),
                 .spare_i           (spare),
                 .request_o         (request_o[n]),

@@ -41,6 +41,9 @@ FINE_COUNTS_PER_REV = 65_536
 HOST_CLOCKS = 150
 """Least clocks of a period of ``rtl/wh_host_link.v``, which works so long at its end."""
 
+SIDE_NOISE = 4.0
+"""Standard deviations of a sample that a leg's side must not hang on."""
+
 SETTLE_TICKS = 5
 """Ticks between two changes of side of the dead-time compensation, besides the scene's latency."""
 
@@ -90,7 +93,7 @@ def controller_ports(
         )
     controller = scene.controller.model_copy(update={"extra_ticks": time.extra_ticks})
     scene = scene.model_copy(update={"controller": controller})
-    dead = _dead_time_words(scene, time, bus_v)
+    dead = _dead_time_words(scene, time, bus_v, sensor)
     delay = pulse_delay(scene, time.clock_hz, time.half_clocks)
     # What a leg reaches makes clocks of volts; what the motor does, the limit.
     reach_v = leg_v = bus_v * (scene.drive.reach if scene.drive else 1.0)
@@ -185,7 +188,9 @@ def _host_words(scene: Scene, time: Timing) -> dict[str, int]:
     return {"host_period_log2": log2, "host_timeout": scene.host.timeout}
 
 
-def _dead_time_words(scene: Scene, time: Timing, bus_v: float) -> dict[str, int]:
+def _dead_time_words(
+    scene: Scene, time: Timing, bus_v: float, sensor: Sensor
+) -> dict[str, int]:  # fmt: skip
     """Words of the dead time and of its compensation, ``rtl/wh_dead_time.v``."""
     clocks = dead_clocks(scene, time.clock_hz)
     if clocks >= time.half_clocks:
@@ -194,12 +199,7 @@ def _dead_time_words(scene: Scene, time: Timing, bus_v: float) -> dict[str, int]
             f"carrier half of {time.half_clocks}; take a shorter one or a slower drive.pwm_hz"
         )
     compensate = clocks > 0 and scene.drive is not None and scene.drive.compensate
-    if compensate and scene.motor.brushless:
-        raise SceneError(
-            f"{scene.scene.name}: drive.compensate: the dead time of three legs is not made good "
-            "yet; set drive.compensate = false"
-        )
-    if compensate and bridge_mode(scene) != UNIPOLAR:
+    if compensate and bridge_mode(scene) != UNIPOLAR and not scene.motor.brushless:
         raise SceneError(
             f"{scene.scene.name}: drive.compensate: what dead time takes depends on the ripple in "
             f"the mode {bridge_mode(scene)}, and can't be made good; set drive.compensate = false "
@@ -207,6 +207,8 @@ def _dead_time_words(scene: Scene, time: Timing, bus_v: float) -> dict[str, int]
         )
     # Half the current that one dead time's voltage changes.
     side_a = 0.5 * bus_v * clocks / time.clock_hz / scene.controller.l_hat
+    if compensate and scene.motor.brushless:
+        _check_sides(scene, side_a, sensor)
     return {
         "dead_clocks": clocks,
         "compensate": int(compensate),
@@ -215,6 +217,22 @@ def _dead_time_words(scene: Scene, time: Timing, bus_v: float) -> dict[str, int]
             WORDS["settle_ticks"].fixed.raw_max, scene.controller.extra_ticks + SETTLE_TICKS
         ),
     }
+
+
+def _check_sides(scene: Scene, side_a: float, sensor: Sensor) -> None:
+    """:class:`SceneError` where the ADC can't tell on which side a leg's current is.
+
+    Three legs that are mistaken hold each other, and the wall leaks away. Two legs in series can't.
+    """
+    step_a = sensor.full_scale_a / (1 << (sensor.bits - 1))
+    error_a = step_a + SIDE_NOISE * sensor.noise_a + abs(sensor.offset_a)
+    if error_a > side_a:
+        raise SceneError(
+            f"{scene.scene.name}: drive.compensate: the ADC's step, noise and offset are "
+            f"{error_a:.2g} A, and half of what a dead time moves a leg's current by is "
+            f"{side_a:.2g} A, too little to tell its side; take a finer adc or set "
+            "drive.compensate = false"
+        )
 
 
 def bus_voltage(scene: Scene) -> float:
