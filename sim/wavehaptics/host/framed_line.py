@@ -98,12 +98,17 @@ class FramedLine:
         self._threads[-1].start()
 
     def _renew(self, every_s: float) -> None:
-        """A simulated board may be slow: the next one waits for the echo, or for twice the time."""
-        late = False
+        """One waits for the echo of the one before, each time for twice as long as the last.
+
+        A simulated board can stand still for seconds: what has gathered before its line then is
+        less than the device keeps.
+        """
+        most = passed = 1
         while not self._closing.wait(every_s) and not self.lapsed and self.error is None:
-            late = self._waits and not late
-            if late:
+            if self._waits and passed < most:
+                passed += 1
                 continue
+            most, passed = (2 * most if self._waits else 2), 1
             with self._lock:
                 self._owed, self._waits = self._owed + 1, True
                 try:
