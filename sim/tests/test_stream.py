@@ -20,14 +20,14 @@ from test_virtual_board import run, start, stop
 from wavehaptics.host import stream
 from wavehaptics.host.capture import Captured
 from wavehaptics.host.captured_trace import Device, trace_arrays
-from wavehaptics.host.client import BAUDS, Client
+from wavehaptics.host.client import Client
 from wavehaptics.host.framed_line import FramedLine, echo, is_right, unstuffed
 from wavehaptics.host.names import HostError, places
 from wavehaptics.host.stream import PACKET_WORDS, Stream, Wanted
 from wavehaptics.ladder.linked_pins import LinkedPins
 from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.trace.columns import load_trace
-from wavehaptics.words import table
+from wavehaptics.words import modbus, table
 from wavehaptics.words.table import WORDS
 
 
@@ -175,7 +175,7 @@ class Streams(Told):
 
     def __init__(self, packets: list[bytes], **words: int) -> None:
         super().__init__(stream_state=1, **words)
-        self._baud = BAUDS[3]
+        self._baud = modbus.BAUDS[3]
         self.packets = packets
 
     @contextlib.contextmanager
@@ -272,7 +272,7 @@ def test_the_line_sets_the_decimation():
     assert 1 / wanted.rows.row_s == pytest.approx(31_250)
     assert wanted.shifts == (15, 15, 15, 0)
     slow = Streams([])
-    slow._baud = BAUDS[0]
+    slow._baud = modbus.BAUDS[0]
     assert stream.plan(slow, ["u", "v", "current", "position"]).rows.decimation == 1024
     one = stream.plan(Streams([]), ["bus"])
     assert (one.rows.decimation, one.shifts, one.packet_rows) == (8, (1,), PACKET_WORDS)
