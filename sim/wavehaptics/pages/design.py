@@ -182,6 +182,16 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
                 "make tables",
             )
         )
+        angles = numbers["tables"]["brushless"]
+        off = max(abs(row["pins"] / row["predicted"] - 1.0) for row in angles)
+        rows.append(
+            (
+                "a brushless motor's wall on two ports without an angle, "
+                f"the whole RTL at its pins, at {len(angles)} angles",
+                f"within {percent(off)} of 1.5 (pψ)²/(L + R·τ/2)",
+                "make tables",
+            )
+        )
     if "boards" in numbers:
         fastest = max(numbers["boards"], key=lambda board: board["tick_mhz"])
         rows.append(
@@ -274,6 +284,7 @@ def _status(numbers: dict[str, Any], table: Table) -> str:
     streams = [name for name in boards if load_board(name).fpga.stream]
     built = ", ".join(f"`{name}`" for name in streams) or "**none**"
     rows.append(("live words sent while they are asked for: `wh_stream`", "yes", built, "no"))
+    rows.append(("a brushless motor: `wh_brushless`", "yes", "**none**", "no"))
     return _words(("", "simulated", "in a bitstream", "tried on a motor"), rows)
 
 
