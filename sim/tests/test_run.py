@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from wavehaptics.controller import tick_layout
 from wavehaptics.ladder import pins
-from wavehaptics.ladder.run import run_scene
+from wavehaptics.ladder.run import CONTROLLERS, measure, run_scene
 from wavehaptics.scene import SceneError, find_scene, load_scene, shipped_scenes
-from wavehaptics.trace.columns import load_trace
+from wavehaptics.trace.columns import Column, Word, load_trace
 
 WALL_SCENES = ("paper_taps", "stiffest", "press_hold", "impact", "phantom")
 PINS_DURATION_S = {
@@ -145,6 +145,19 @@ def test_pins_at_other_rates(tick_hz, tmp_path: Path):
                  "scene.duration_s=0.18")  # fmt: skip
     metrics = run_scene(scene, "pins", tmp_path)
     assert metrics["stiffness"] == pytest.approx(metrics["stiffness_predicted"], rel=0.02)
+
+
+def test_slow_ticks_of_pins_have_rows_of_their_own():
+    """Where a step is done before its tick ends, its row waits for that end."""
+    scene = load_scene(find_scene("paper_taps"), ["controller.tick_hz=10e3"])
+    simulation = CONTROLLERS["pins"](scene)
+    rows, words = np.zeros((20, len(Column))), np.zeros((20, len(Word)), dtype=np.int64)
+    simulation.advance(rows[:7], words[:7])
+    simulation.advance(rows[7:], words[7:])
+    assert rows[0, Column.T] == pytest.approx(0.5 * simulation.tick_s)
+    assert np.diff(rows[1:, Column.T]) == pytest.approx(simulation.tick_s, rel=1e-6)
+    found = measure(scene, "pins", compare=False)
+    assert found["stiffness"] == pytest.approx(found["stiffness_predicted"], rel=0.01)
 
 
 @pytest.mark.parametrize("part", ["AD7476A", "AD7276", "ADS7042", "ADS7056", "MAX11125", "AD7403"])

@@ -87,7 +87,7 @@ class PinsSimulation:
         self._begin(scene, ports, host)
         self._state = plant.start.copy()
         self._tables = self._transitions(plant)
-        self._kept = np.zeros(pins_loop.CORRECTION + 1, dtype=np.int64)
+        self._kept = np.zeros(pins_loop.TOUCHED + 1, dtype=np.int64)
         self._kept[pins_loop.COUNT] = ports.start_count
         self._kept[pins_loop.TICK_START] = -1
         self._kept[pins_loop.PINS] = 1 << pins_loop.CS_N | time.frame.sclk_idle << pins_loop.SCLK

@@ -69,8 +69,8 @@ AH, AL, BH, BL, CS_N, SCLK, TICK, CORE_VALID, TOUCHING = range(9)
 # Places in the integers that the loop keeps.
 (
     NOW, ADVANCED, PINS, SHIFT, HELD, COUNT, NEXT_LOOK, CLOSED, EMITTED, TICK_START, FAULTS,
-    CORRECTION,
-) = range(12)  # fmt: skip
+    CORRECTION, WAITS, TOUCHED,
+) = range(14)  # fmt: skip
 # Places in the sums of the tick that is running.
 CHARGE, SQUARE, WORK, VOLT_SECONDS, LOW, HIGH, X0, HAND0, T0 = range(9)
 
@@ -231,6 +231,38 @@ def _close_tick(state, kept, sums, pending, floats, ints):
     sums[X0], sums[HAND0], sums[T0] = state[X], hand, state[TIME]
 
 
+@compiled_counting()  # which copies a row
+def _emit(rows, words, done, kept, pending, floats, ints, buffer):
+    """The oldest tick that has ended, with the words of its step."""
+    cell = floats[CELL]
+    touching = kept[TOUCHED]
+    row = pending[kept[EMITTED] % PENDING]
+    eta = floats[ETA_CONTACT] if touching else floats[ETA_FREE]
+    limited = abs(buffer[1]) >= ints[U_MAX]
+    if ints[SET_BUS] or ints[ANCHORED]:  # the limit is not the same in every tick
+        limited = buffer[4] != 0
+    if ints[ANCHORED]:
+        # The voltage of the measured tick was made in the step before.
+        put_anchor(row, kept[CORRECTION] * _VOLT, buffer[8])
+        kept[CORRECTION] = buffer[5]
+        chi = buffer[6] * SEEN_CELLS
+        lag = buffer[7] * SEEN_CELLS * cell
+        put_estimate(
+            row, chi, (ints[START_COUNT] + buffer[9] + 0.5 - chi) * cell,
+            lag / (FOLLOWER_TICKS * ints[TICK_CLOCKS] * floats[DT]),
+        )  # fmt: skip
+        if buffer[8]:
+            eta = 0.0
+    put_port(row, eta, buffer[1] * _WAVE, buffer[2] * _WAVE, touching, limited)
+    rows[done] = row
+    words[done, Word.I] = buffer[0]
+    words[done, Word.U] = buffer[1]
+    words[done, Word.V] = buffer[2]
+    words[done, Word.E] = buffer[3]
+    kept[EMITTED] += 1
+    kept[WAITS] = 0
+
+
 @compiled_counting(inline="always")
 def _level(current, sensor, osr, rng):
     """Input of a modulator in parts of its full scale; the noise of a bit makes that of a word."""
@@ -280,33 +312,13 @@ def advance(
                 kept[SHIFT] <<= 1
         if pins & 1 << CORE_VALID:
             call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
-            touching = (pins >> TOUCHING) & 1
-            row = pending[kept[EMITTED] % PENDING]
-            eta = floats[ETA_CONTACT] if touching else floats[ETA_FREE]
-            limited = abs(buffer[1]) >= ints[U_MAX]
-            if ints[SET_BUS] or ints[ANCHORED]:  # the limit is not the same in every tick
-                limited = buffer[4] != 0
-            if ints[ANCHORED]:
-                # The voltage of the measured tick was made in the step before.
-                put_anchor(row, kept[CORRECTION] * _VOLT, buffer[8])
-                kept[CORRECTION] = buffer[5]
-                chi = buffer[6] * SEEN_CELLS
-                lag = buffer[7] * SEEN_CELLS * cell
-                put_estimate(
-                    row, chi, (ints[START_COUNT] + buffer[9] + 0.5 - chi) * cell,
-                    lag / (FOLLOWER_TICKS * ints[TICK_CLOCKS] * dt),
-                )  # fmt: skip
-                if buffer[8]:
-                    eta = 0.0
-            put_port(row, eta, buffer[1] * _WAVE, buffer[2] * _WAVE, touching, limited)
-            rows[done] = row
-            words[done, Word.I] = buffer[0]
-            words[done, Word.U] = buffer[1]
-            words[done, Word.V] = buffer[2]
-            words[done, Word.E] = buffer[3]
-            kept[EMITTED] += 1
-            done += 1
-            silent = 0
+            kept[WAITS] = 1
+            kept[TOUCHED] = (pins >> TOUCHING) & 1
+            # In a slow tick its last step is done before it ends, and waits for its row.
+            if kept[EMITTED] < kept[CLOSED]:
+                _emit(rows, words, done, kept, pending, floats, ints, buffer)
+                done += 1
+                silent = 0
         if pins & 1 << TICK:
             # The strobe marks the carrier's last clock of a tick; the gates follow it later.
             kept[FAULTS] |= pins >> 9
@@ -315,13 +327,17 @@ def advance(
         if kept[NOW] == kept[TICK_START]:
             _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
             _close_tick(state, kept, sums, pending, floats, ints)
+            silent += 1
+            if kept[WAITS]:
+                _emit(rows, words, done, kept, pending, floats, ints, buffer)
+                done += 1
+                silent = 0
             if real is not None:
                 real[LAG][LOAD] = real[LAG][DRAWN] / (ints[TICK_CLOCKS] * dt)
                 real[LAG][DRAWN] = 0.0
             if ints[SET_BUS]:
                 word = int(np.round(_true_bus(state[TIME], floats, real) * _BUS_SCALE))
                 call2(ints[SET_BUS], ints[MODEL], word)
-            silent += 1
             if silent > PENDING - 2:
                 return False
     return True
