@@ -11,12 +11,14 @@ PORT = {"N": 1, "DELAY_LOG2": 2, "TICKS": 500}
 BENCHES = {
     "anchor": ("bench_anchor", {}, "any_words|a_reset_at_any_clock|waves_while_busy"),
     "capture": ("wh_capture", {"N": 1, "DEPTH_LOG2": 6}, "orders_at_any_time|what_does_not_fit"),
+    "cobs": ("wh_cobs", {}, "without_credit|goes_first|credit_that_ends"),
     "device": ("wh_device", DEVICES["one"], "nothing_on_the_bus|live_words|enable_waits"),
     "guard": ("wh_guard", {"N": 1}, "latches|off_or_damp|any_value|a_judgement|clear|rest|heat"),
     "host_link": ("wh_host_link", {}, "never_pays|a_late_answer|reset_in_mid_stream"),
     "modulator": ("wh_modulator", {"MIN_PULSE": 0}, "random_voltages|clips|latency|reset"),
     "settings": ("bench_settings", MEMORIES["early"], "defaults|range|off|readers|handed_on"),
     "shaper": ("bench_wave_core", {**PORT, "SHAPER": 2, "WITHHELD": 1, "TICKS": 2000}, "equals"),
+    "stream": ("wh_stream", {"N": 1, "CREDIT": 4000}, "too_fast|lasts_so_long"),
     "uart": ("wh_uart", {}, "every_byte_is_sent|what_is_no_byte|reset_in_a_byte"),
     "wave_core": ("bench_wave_core", {**PORT, "OUTSIDE": 0}, "equals"),
 }
