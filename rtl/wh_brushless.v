@@ -3,7 +3,7 @@
 // wh_brushless: the wave controller of one brushless motor from its pins to its pins: two ports of one
 // wave core on three phases in star, and no angle in the way of the force.
 //
-//   two ADC lines -> wh_adc_serial -> wh_current a, b -> wh_clarke -> wh_wave_core alpha, beta
+//   two ADC lines -> wh_adc -> wh_current a, b -> wh_clarke -> wh_wave_core alpha, beta
 //                 -> wh_inverse_clarke -> wh_three_phase -> six gates
 //   encoder       -> wh_quadrature -> wh_contact -> eta of both ports
 //
@@ -212,21 +212,22 @@ module wh_brushless #(
     // ---- Currents of the phases, and of the axes. Those of a tick come in turn, so b's starts the
     // transform.
 
-    wire                      adc_busy;
-    wire                      adc_lead_edge;
+    wire                      adc_din;
     wire                      adc_valid;
     wire                      adc_first;
     wire [2*`WH_SAMPLE_W-1:0] adc_sample;
     wire                      adc_overrun;
-    wire                      unused_adc = &{1'b0, adc_busy, adc_lead_edge};
+    wire                      unused_adc = &{1'b0, adc_din};
 
-    wh_adc_serial #(
+    wh_adc #(
         .LINES              (2)
     ) adc (
         .clk                (clk),
         .rst                (rst),
+        .restart_i          (1'b0),
         .adc_cs_n_o         (adc_cs_n_o),
         .adc_sclk_o         (adc_sclk_o),
+        .adc_din_o          (adc_din),
         .adc_sdata_i        (adc_sdata_i),
         .sclk_half_clocks_i (sclk_half_clocks_i),
         .frame_bits_i       (frame_bits_i),
@@ -238,14 +239,14 @@ module wh_brushless #(
         .calibrate_bits_i   (calibrate_bits_i),
         .sclk_idle_i        (sclk_idle_i),
         .read_trailing_i    (read_trailing_i),
+        .trip_i             (trip_i),
         .start_i            (sample),
         .first_i            (sample_first),
         .ready_o            (adc_ready_o),
-        .busy_o             (adc_busy),
-        .lead_edge_o        (adc_lead_edge),
         .valid_o            (adc_valid),
         .first_o            (adc_first),
         .sample_o           (adc_sample),
+        .trip_o             (overcurrent_o),
         .overrun_o          (adc_overrun)
     );
 
@@ -273,15 +274,6 @@ module wh_brushless #(
             );
 
             assign coefficient[(OF_CURRENTS+n)*COEF_W +: COEF_W] = phase_gain_i[n*COEF_W +: COEF_W];
-
-            wh_trip trip (
-                .clk      (clk),
-                .rst      (rst),
-                .valid_i  (adc_valid),
-                .sample_i (adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]),
-                .trip_i   (trip_i),
-                .trip_o   (overcurrent_o[n])
-            );
         end
     endgenerate
 
@@ -502,7 +494,7 @@ module wh_brushless #(
                 -$signed({{2{sample_a[SAMPLE_W-1]}}, sample_a})
                 - $signed({{2{sample_b[SAMPLE_W-1]}}, sample_b});
             wire signed [SAMPLE_W-1:0] sample_c;
-            reg                        setting_q;
+            wire                       illegal_setting;
 
             wh_saturate #(
                 .IN_W    (SAMPLE_W + 2),
@@ -512,19 +504,25 @@ module wh_brushless #(
                 .value_o (sample_c)
             );
 
-            // Words that no block has a meaning for.
-            always @(posedge clk) begin
-                setting_q <= !rst && (half_clocks_i < 6 || tick_halves_i == 0 || tick_halves_i[0]
-                                      || sample_clocks_i < 2 || samples_i == 0 || samples_i > 256
-                                      || illegal_part(a_i) || a_i[COEF_W-1] || a_i == 0
-                                      || illegal_part(eta_contact_i) || illegal_part(eta_free_i)
-                                      || root_i[COEF_W-1] || root_i == 0
-                                      || clocks_per_volt_i[COEF_W-1] || clocks_per_volt_i == 0
-                                      || phase_gain_i[COEF_W-1] || phase_gain_i[COEF_W-1:0] == 0
-                                      || phase_gain_i[2*COEF_W-1]
-                                      || phase_gain_i[2*COEF_W-1:COEF_W] == 0
-                                      || u_max_i[DATA_W-1]);
-            end
+            wh_setting_check #(
+                .N                 (2)
+            ) setting_check (
+                .clk               (clk),
+                .rst               (rst),
+                .half_clocks_i     (half_clocks_i),
+                .tick_halves_i     (tick_halves_i),
+                .sample_clocks_i   (sample_clocks_i),
+                .samples_i         (samples_i),
+                .whole_i           (1'b1),
+                .root_i            ({2{root_i}}),
+                .a_i               ({2{a_i}}),
+                .eta_contact_i     ({2{eta_contact_i}}),
+                .eta_free_i        ({2{eta_free_i}}),
+                .gain_i            (phase_gain_i),
+                .clocks_per_volt_i ({2{clocks_per_volt_i}}),
+                .u_max_i           ({2{u_max_i}}),
+                .illegal_o         (illegal_setting)
+            );
 
             wh_guard #(
                 .N              (3)
@@ -547,7 +545,7 @@ module wh_brushless #(
                 .encoder_i      ({2'd0, illegal_move}),
                 .moved_i        ({3{moved}}),
                 .anchor_i       (3'd0),
-                .setting_i      (setting_q),
+                .setting_i      (illegal_setting),
                 .overrun_i      (overrun_o),
                 .tick_i         (tick_o),
                 .valid_i        (valid_c_q),
@@ -567,15 +565,6 @@ module wh_brushless #(
             assign damp     = 1'b0;
         end
     endgenerate
-
-    // Whether a word of full scale +-2 is outside [-1, 1].
-    function illegal_part;
-        input [COEF_W-1:0] word;
-        begin
-            illegal_part = word[COEF_W-1] ? !word[COEF_W-2]
-                                          : word[COEF_W-2] && |word[COEF_W-3:0];
-        end
-    endfunction
 
 endmodule
 

@@ -55,6 +55,7 @@ def read(path: Path, shape: Shape) -> list[tuple[Place, int]]:
     except OSError as error:
         raise HostError(f"{path}: can't be read: {error.strerror}") from None
     found: list[tuple[Place, int]] = []
+    given: set[int] = set()
     problems: list[str] = []
 
     def note(key: tuple[str, ...], problem: str) -> None:
@@ -71,8 +72,10 @@ def read(path: Path, shape: Shape) -> list[tuple[Place, int]]:
             except HostError as error:
                 note((*key, row), str(error))
                 continue
-            if {place.address for place, _ in words} & {place.address for place, _ in found}:
+            addresses = {place.address for place, _ in words}
+            if given & addresses:
                 note((*key, row), f"{row} is given twice; take one of them out")
+            given |= addresses
             found += words
     if problems:
         raise HostError("\n".join(problems))
