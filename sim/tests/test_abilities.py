@@ -165,6 +165,7 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "controller.r_hat": ((), ("controller.r_hat=2.0",)),
     "controller.l_hat": (ANCHORED, ("controller.l_hat=0.3e-3",)),
     "controller.k_t_hat": (ANCHORED, ("controller.k_t_hat=0.03",)),
+    "controller.magnet_hat_rad": ((*ANCHORED, *BRUSHLESS), ("controller.magnet_hat_rad=0.3",)),
     "controller.clock_hz": ((), ("controller.clock_hz=25e6",)),
     "controller.early_duty": (
         ("controller.extra_ticks=0",),

@@ -478,8 +478,6 @@ ASKING = {
     "drive.bus_measured": ("drive.bus_v=12", "drive.bus_measured=true"),
     "drive.step_v": ("drive.bus_v=12", "drive.step_v=1", "drive.step_s=0.1"),
     "drive.sag_ohm": ("drive.bus_v=12", "drive.sag_ohm=1"),
-    "controller.anchor_auto": ("encoder.counts_per_rev=4000", "controller.anchor_auto=true"),
-    "controller.anchor_ohm": ("encoder.counts_per_rev=4000", "controller.anchor_ohm=2"),
     "controller.early_duty": ("controller.early_duty=true",),
 }
 

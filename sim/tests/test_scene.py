@@ -484,6 +484,7 @@ def test_shipped_scenes():
     shipped = shipped_scenes()
     assert set(shipped) == {
         "bounce",
+        "brushless_hold",
         "brushless_taps",
         "damped",
         "detents",

@@ -28,6 +28,11 @@ tick would move a held wall by some cells an hour. In free space the current is 
 sensor's offset, which c then shows: ``offset −= g_z·c`` while the rotor rests.
 
 Words found in a tick act in the next.
+
+A brushless motor has an anchor for each axis of the stationary frame, whose flux a count changes by
+a part of a cell, along q (:mod:`wavehaptics.controller.rotor_flux`): that part is what ``cell``
+says below, and within half of it the inductor knows better. There χ begins at half of it, as with
+a quarter a held wall stood 0.7 cells off at four angles of eight.
 """
 
 from __future__ import annotations
@@ -158,6 +163,45 @@ def anchor_step(
     if state[STARTED] != 0:
         moved = ((position - state[POSITION] + _MOVE) & (2 * _MOVE - 1)) - _MOVE
     state[STARTED] = 1
+    _turn(
+        state, words, position, moved, moved * _CELL, _CELL, _CELL >> 2,
+        (position & _TURN) * _CELL, contact, current, u, v, withheld, voltage, saturated,
+    )  # fmt: skip
+
+
+@compiled()
+def anchor_axis_step(
+    state: np.ndarray,
+    words: np.ndarray,
+    position: int,
+    moved: int,
+    flux: int,
+    cell: int,
+    place: int,
+    contact: bool,
+    current: int,
+    u: int,
+    v: int,
+    withheld: int,
+    voltage: int,
+    saturated: bool,
+) -> None:
+    """One tick of the anchor of a brushless motor's axis, as :func:`anchor_step`.
+
+    The counts by which the rotor ``moved`` have changed the axis' flux by ``flux``, the last one of
+    them by ``cell``, and all since power-up by ``place``, s48q33 cells.
+    """
+    _turn(
+        state, words, position, moved, flux, cell, cell >> 1, place, contact, current, u, v,
+        withheld, voltage, saturated,
+    )  # fmt: skip
+
+
+@compiled(inline="always")
+def _turn(
+    state, words, position, moved, moved_flux, cell, start, place, contact, current, u, v,
+    withheld, voltage, saturated,
+):  # fmt: skip
     begins = contact and state[TOUCHING] == 0
     ends = not contact and state[TOUCHING] != 0
     state[POSITION] = position
@@ -194,10 +238,9 @@ def anchor_step(
     y = _long((words[CELLS_GAIN] * current) >> _NEAR_SHIFT)
     zero_step = (words[ZERO_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
     if begins:
-        edge = 0 if moved == 0 else -(_CELL >> 2) if moved < 0 else _CELL >> 2
-        flux = edge
+        flux = 0 if moved == 0 else -start if moved < 0 else start
     else:
-        flux = _long(flux + moved * _CELL)
+        flux = _long(flux + moved_flux)
     state[FLUX] = flux
     chi = _long(flux + y)
     state[CHI] = chi
@@ -206,11 +249,12 @@ def anchor_step(
     if state[PHASE] == 0:
         state[MEAN] = _long(state[MEAN] + (swing >> MEAN_SHIFT))
 
+    half = (-cell if cell < 0 else cell) >> 1
     beyond = 0
-    if chi - (_CELL >> 1) >= 0:
-        beyond = chi - (_CELL >> 1)
-    elif chi + (_CELL >> 1) < 0:
-        beyond = chi + (_CELL >> 1)
+    if chi - half >= 0:
+        beyond = chi - half
+    elif chi + half < 0:
+        beyond = chi + half
     p = _data((beyond + (chi >> INNER_SHIFT)) >> _GUARD)
 
     if not contact and state[UNITS] >= words[SLOW_UNITS]:
@@ -240,6 +284,6 @@ def anchor_step(
     state[CORRECTION] = _data(c >> _VOLT_SHIFT) if active else 0
     state[OFFSET] = _data(state[ZERO] >> _AMPERE_SHIFT)
 
-    lag = _long((position & _TURN) * _CELL - chi - state[FOLLOWER])
+    lag = _long(place - chi - state[FOLLOWER])
     state[LAG] = lag
     state[FOLLOWER] = _long(state[FOLLOWER] + (lag >> FOLLOWER_SHIFT))

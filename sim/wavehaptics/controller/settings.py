@@ -208,7 +208,8 @@ def _anchor_words(
     control = scene.controller
     if not control.anchored:
         return words
-    cell_vs = control.k_t_hat * cell_rad
+    # A brushless motor's axis has pψ, of which both together feel as √1.5 times as much.
+    cell_vs = control.k_t_hat * cell_rad / (math.sqrt(1.5) if scene.motor.brushless else 1.0)
     chosen = choose_anchor(
         control.r_hat, control.l_hat, control.k_t_hat, scene.motor.J_kgm2, tick_s, limit_v
     )

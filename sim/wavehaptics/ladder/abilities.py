@@ -32,7 +32,7 @@ _PINS = frozenset(
 
 _ANCHOR = frozenset(
     f"controller.{key}"
-    for key in ("anchor_ohm", "anchor_ohm_per_s", "swing_ohm", "anchor_limit_v")
+    for key in ("anchor_ohm", "anchor_ohm_per_s", "swing_ohm", "anchor_limit_v", "magnet_hat_rad")
 )  # fmt: skip
 
 _DIGITAL = frozenset(("controller.extra_ticks", "controller.edge_hysteresis",
@@ -88,8 +88,6 @@ _LEAVE_OUT = "a brushless motor does without it yet; leave it out"
 
 BRUSHLESS: dict[str, str] = {
     "brushes": "a brushless motor has none; leave it out",
-    "controller.anchor_auto": "a port anchor is of one port yet; leave it out",
-    "controller.anchor_ohm": "a port anchor is of one port yet; leave it out",
     "controller.early_duty": "a brushless motor does without it yet; leave it out",
     "drive.mode": "a brushless motor has a bridge of three legs; leave it out",
     **dict.fromkeys(
@@ -102,6 +100,11 @@ BRUSHLESS: dict[str, str] = {
 }  # fmt: skip
 """What is refused besides where the motor is a ``pmsm``, with the cure."""
 
+_ONE_PORT = "the RTL's port anchor is of one port yet; leave it out or take `golden`"
+_NO_ANCHOR = {"controller.anchor_auto": _ONE_PORT, "controller.anchor_ohm": _ONE_PORT}
+BRUSHLESS_BY_RUNG = {"core": _NO_ANCHOR, "pins": _NO_ANCHOR}
+"""What one of the controllers refuses there besides."""
+
 
 def asked(scene: Scene) -> set[str]:
     """Tables and keys (``table``, ``table.key``) in which a scene asks for more than their default.
@@ -111,6 +114,7 @@ def asked(scene: Scene) -> set[str]:
     usual = {
         "controller.l_hat": scene.motor.L_h,
         "controller.k_t_hat": scene.motor.felt_k_t,
+        "controller.magnet_hat_rad": scene.motor.magnet_rad,
         "controller.r_hat": scene.motor.R_ohm,
         "controller.eta_free": scene.controller.eta_free if scene.controller.anchored else 1.0,
     }
@@ -141,7 +145,7 @@ def refuse(scene: Scene, name: str) -> None:
                 f'{scene.scene.name}: motor.kind = "pmsm" is not for `{name}` yet; '
                 f"take {', '.join(others)} or {last}"
             )
-        refused = {**BRUSHLESS, **refused}
+        refused = {**BRUSHLESS, **BRUSHLESS_BY_RUNG.get(name, {}), **refused}
     for what, cure in refused.items():
         if what in asked_for:
             shown = what if "." in what else f"[{what}]"

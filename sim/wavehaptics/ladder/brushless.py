@@ -2,7 +2,8 @@
 """The controllers ``analog``, ``golden`` and ``core`` of a brushless motor: two ports, α and β.
 
 Each axis of the stationary frame has a port of its own, of the same words, and none knows the
-rotor's angle: the encoder's count only says which η both have. A row's ``i`` is the current that
+rotor's angle: the encoder's count only says which η both have. A port anchor, which ``golden`` may
+have, is one for each axis; it alone is told the electrical angle. A row's ``i`` is the current that
 the torque is k_T times of, its ``e_a``, ``u`` and ``v`` are the parts of both axes along q at the
 tick's middle, and the raw words are those of port α. One loop serves ``golden`` and ``core``: its
 steps are those of the integer model, or of the Verilated core with two ports.
@@ -17,7 +18,7 @@ import math
 
 import numpy as np
 
-from wavehaptics.controller import clarke, wave_core
+from wavehaptics.controller import anchor, clarke, rotor_flux, wave_core
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.ladder import verilated
 from wavehaptics.ladder.abilities import refuse
@@ -45,7 +46,7 @@ from wavehaptics.motor.sensor import NOISE_SEED, Sensor, current_word, draw_nois
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.runtime.native_call import call2
 from wavehaptics.scene import Scene, drive_gain
-from wavehaptics.trace.columns import Word, put_motion, put_port
+from wavehaptics.trace.columns import Word, put_anchor, put_estimate, put_motion, put_port
 from wavehaptics.words import formats
 
 _VOLT = formats.VOLTAGE.step
@@ -58,7 +59,7 @@ _ROOT3 = math.sqrt(3.0)
     _A, _EXTRA, _ETA_CONTACT, _ETA_FREE, _SUBSTEPS, _HYSTERESIS, _ROOT, _U_MAX, _MODEL, _STEP,
 ) = range(10)  # fmt: skip
 _CELL, _GAIN = range(2)
-_VOLTAGE_A, _VOLTAGE_B, _CLOCKS = range(3)
+_VOLTAGE_A, _VOLTAGE_B, _CLOCKS, _WAVE_A, _WAVE_B, _C_A, _C_B = range(7)
 
 # Places in the analog circuits' parameters and in what they keep: whether the rotor is in a wall,
 # and the sign of the limit that holds each axis' f.
@@ -87,12 +88,22 @@ def put_axes(row, z, load, begin, tick, before, hand, e_a, e_b, ripple):
     return theta
 
 
+@compiled(inline="always")
+def _seen(word):
+    """Cells of a long word as the RTL shows it."""
+    return (word >> formats.LONG_GUARD) * anchor.SEEN_CELLS
+
+
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance_sampled(
-    rows, words, z, kept, ports, lines, contact, wall_min, wall_max, ints, floats, load, table,
-    step, sensor, noise, buffer,
+    rows, words, z, kept, ports, lines, contact, wall_min, wall_max, anchored, ints, floats, load,
+    table, step, sensor, noise, buffer,
 ):  # fmt: skip
-    """Fill ``rows`` and ``words``; False when the RTL never answered."""
+    """Fill ``rows`` and ``words``; False when the RTL never answered.
+
+    ``anchored`` has an anchor's words, both axes' states, and words, table and state of the flux
+    that the encoder tells of; None without one.
+    """
     substeps, extra, root, u_max = ints[_SUBSTEPS], ints[_EXTRA], ints[_ROOT], ints[_U_MAX]
     tick = step[0] * substeps
     for n in range(rows.shape[0]):
@@ -117,13 +128,45 @@ def _advance_sampled(
             contact, position, wall_min, wall_max, ints[_HYSTERESIS] != 0
         )
         eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
+        left_a = left_b = u_max
+        if anchored is not None:
+            held_a, held_b = anchored[1][0], anchored[1][1]
+            alpha = wave_core.saturate(alpha - held_a[anchor.OFFSET])
+            beta = wave_core.saturate(beta - held_b[anchor.OFFSET])
+            left_a -= held_a[anchor.ROOM]
+            left_b -= held_b[anchor.ROOM]
+            if held_a[anchor.FAULT] != 0 or held_b[anchor.FAULT] != 0:
+                eta = 0
         if ints[_MODEL] == 0:
+            withheld_a = ports[0, wave_core.STATE_WITHHELD]
+            withheld_b = ports[1, wave_core.STATE_WITHHELD]
+            saturated_a = ports[0, wave_core.STATE_SATURATED] != 0
+            saturated_b = ports[1, wave_core.STATE_SATURATED] != 0
             next_a, u_a, v_a = wave_core.wave_core_step(
-                ports[0], lines[0], alpha, eta, 0, root, ints[_A], u_max, extra, extra
+                ports[0], lines[0], alpha, eta, 0, root, ints[_A], left_a, extra, extra
             )
             next_b, u_b, v_b = wave_core.wave_core_step(
-                ports[1], lines[1], beta, eta, 0, root, ints[_A], u_max, extra, extra
+                ports[1], lines[1], beta, eta, 0, root, ints[_A], left_b, extra, extra
             )
+            if anchored is not None:
+                gains, _, rotor_words, sines, rotor = anchored
+                c_a, c_b = held_a[anchor.CORRECTION], held_b[anchor.CORRECTION]
+                moved, flux_a, flux_b = rotor_flux.rotor_flux_step(
+                    rotor, rotor_words, sines, position
+                )
+                anchor.anchor_axis_step(
+                    held_a, gains, position, moved, flux_a, rotor[rotor_flux.CELL_A],
+                    rotor[rotor_flux.PLACE_A], touching, alpha, u_a, v_a, withheld_a,
+                    kept[_WAVE_A], saturated_a,
+                )  # fmt: skip
+                anchor.anchor_axis_step(
+                    held_b, gains, position, moved, flux_b, rotor[rotor_flux.CELL_B],
+                    rotor[rotor_flux.PLACE_B], touching, beta, u_b, v_b, withheld_b,
+                    kept[_WAVE_B], saturated_b,
+                )  # fmt: skip
+                kept[_WAVE_A], kept[_WAVE_B] = next_a, next_b
+                next_a = wave_core.saturate(next_a + c_a)
+                next_b = wave_core.saturate(next_b + c_b)
         else:
             buffer[0], buffer[1], buffer[2] = alpha, beta, eta
             clocks = call2(ints[_STEP], ints[_MODEL], buffer.ctypes.data)
@@ -136,7 +179,20 @@ def _advance_sampled(
         u = along_q(u_a, u_b, theta) * _ROOT_WATT
         v = along_q(v_a, v_b, theta) * _ROOT_WATT
         limited = abs(u_a) >= u_max or abs(u_b) >= u_max
+        if anchored is not None:  # whose limit is not the same in every tick
+            limited = (
+                ports[0, wave_core.STATE_SATURATED] != 0 or ports[1, wave_core.STATE_SATURATED] != 0
+            )
         put_port(rows[n], eta * _ETA, u, v, touching, limited)
+        if anchored is not None:
+            fault = held_a[anchor.FAULT] + 2 * held_b[anchor.FAULT]
+            put_anchor(rows[n], along_q(kept[_C_A], kept[_C_B], theta) * _VOLT, fault != 0)
+            kept[_C_A], kept[_C_B] = c_a, c_b
+            chi = along_q(_seen(held_a[anchor.CHI]), _seen(held_b[anchor.CHI]), theta)
+            lag = along_q(_seen(held_a[anchor.LAG]), _seen(held_b[anchor.LAG]), theta)
+            cell = floats[_CELL]
+            omega_hat = lag * cell / (anchor.FOLLOWER_TICKS * tick)
+            put_estimate(rows[n], chi, (position + 0.5 - chi) * cell, omega_hat)
         words[n, Word.I] = alpha
         words[n, Word.U] = u_a
         words[n, Word.V] = v_a
@@ -163,7 +219,8 @@ class BrushlessSimulation:
         if rtl:
             self._library, self._model, step = _load_axes(set_)
         self._z = plant.start
-        self._kept = np.zeros(3, dtype=np.int64)
+        self._kept = np.zeros(7, dtype=np.int64)
+        self._anchored = _anchors(scene, set_) if set_.anchored else None
         self._buffer = np.zeros(6, dtype=np.int64)
         self._ports = np.stack([wave_core.new_state() for _ in range(2)])
         self._lines = np.stack([wave_core.new_line(set_.extra_ticks) for _ in range(2)])
@@ -188,8 +245,8 @@ class BrushlessSimulation:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
         done = _advance_sampled(
             rows, words, self._z, self._kept, self._ports, self._lines, self._contact,
-            self.settings.wall_min, self.settings.wall_max, self._ints, self._floats, self._load,
-            self._table, self._step, self._sensor,
+            self.settings.wall_min, self.settings.wall_max, self._anchored, self._ints,
+            self._floats, self._load, self._table, self._step, self._sensor,
             draw_noise(self._rng, self._sensor, 2 * len(rows)), self._buffer,
         )  # fmt: skip
         if not done:
@@ -198,6 +255,18 @@ class BrushlessSimulation:
     def __del__(self) -> None:
         if getattr(self, "_model", 0) and self._library is not None:
             self._library.wh_axes_delete(self._model)
+
+
+def _anchors(scene: Scene, set_: Settings) -> tuple[np.ndarray, ...]:
+    """What :func:`_advance_sampled` takes as ``anchored``."""
+    assert scene.motor.pole_pairs is not None
+    return (
+        set_.anchor,
+        np.stack([anchor.new_state() for _ in range(2)]),
+        rotor_flux.settings(scene.motor.pole_pairs, scene.controller.magnet_hat_rad, set_.cell_rad),
+        rotor_flux.sine_table(),
+        rotor_flux.new_state(),
+    )
 
 
 def _load_axes(set_: Settings):

@@ -98,7 +98,16 @@ class Scene(Table):
                 ("hand",),
             )
         motor, controller = scene.motor, scene.controller
-        known = {"r_hat": motor.R_ohm, "l_hat": motor.L_h, "k_t_hat": motor.felt_k_t}
+        if controller.magnet_hat_rad is not None and not (motor.brushless and controller.anchored):
+            broken_rule(
+                "controller.magnet_hat_rad belongs to a brushless motor's port anchor; "
+                "leave it out",
+                ("controller", "magnet_hat_rad"),
+            )
+        known = {
+            "r_hat": motor.R_ohm, "l_hat": motor.L_h, "k_t_hat": motor.felt_k_t,
+            "magnet_hat_rad": motor.magnet_rad,
+        }  # fmt: skip
         missing = {key: value for key, value in known.items() if getattr(controller, key) is None}
         controller = controller.model_copy(update=missing)
         if controller.eta_free is None:

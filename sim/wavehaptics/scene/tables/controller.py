@@ -87,6 +87,15 @@ class Controller(Table):
         ge=1e-4,
         le=10,
     )
+    magnet_hat_rad: float = scene_key(
+        "rad",
+        "Where the controller takes x to be when the magnets of a brushless motor lie along phase "
+        "a, for the port anchor of its two axes",
+        None,
+        default_text="`magnet_rad` of the motor",
+        ge=-1000,
+        le=1000,
+    )
     clock_hz: float | None = scene_key(
         "Hz",
         "Clock of `pins`, a whole multiple of `tick_hz`",

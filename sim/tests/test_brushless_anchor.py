@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The port anchors of a brushless motor's two axes: what they are told, and what they hold."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from wavehaptics.controller import anchor, rotor_flux
+from wavehaptics.controller.settings import settings
+from wavehaptics.ladder.run import CONTROLLERS, measure
+from wavehaptics.laws import closed_forms
+from wavehaptics.parts.motors import BRUSHLESS_PRESETS
+from wavehaptics.scene import SCENES_DIR, Scene, SceneError, load_scene
+from wavehaptics.trace.columns import Column, Word
+from wavehaptics.words import formats
+
+CELL = 1 << formats.LONG.fraction
+TABLE = rotor_flux.sine_table()
+COUNTS, PAIRS = 10_000, 7
+MOVE = formats.MOVE_W - 1
+ANGLES = [n * math.pi / 4 for n in range(8)]
+GIMBAL = BRUSHLESS_PRESETS["gbm2804-100t"]
+
+
+def rotor(magnet_rad: float = 0.0, start: int = 0):
+    """(state, words) of a rotor that has been at ``start``."""
+    state = rotor_flux.new_state()
+    words = rotor_flux.settings(PAIRS, magnet_rad, 2 * math.pi / COUNTS)
+    rotor_flux.rotor_flux_step(state, words, TABLE, start)
+    return state, words
+
+
+def flux_at(count: float, magnet_rad: float) -> np.ndarray:
+    """Both axes' flux in cells with the rotor at the middle of a count."""
+    radius = COUNTS / (2 * math.pi * PAIRS)
+    theta = PAIRS * (2 * math.pi / COUNTS * (count + 0.5) - magnet_rad)
+    return radius * np.array([math.cos(theta), math.sin(theta)])
+
+
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("magnet_rad", [0.0, 0.3, -2.1])
+def test_counts_add_up_to_the_magnets_flux(magnet_rad: float, way: int):
+    state, words = rotor(magnet_rad)
+    for count in range(way, 3 * COUNTS * way // PAIRS, way):
+        moved, _, _ = rotor_flux.rotor_flux_step(state, words, TABLE, count)
+        place = np.array([state[rotor_flux.PLACE_A], state[rotor_flux.PLACE_B]]) / CELL
+        wanted = flux_at(count, magnet_rad) - flux_at(0, magnet_rad)
+        assert moved == way
+        assert np.abs(place - wanted).max() < 0.35  # half an entry of the table over the radius
+
+
+def test_the_way_back_takes_off_the_very_words():
+    state, words = rotor()
+    chance = np.random.default_rng(1)
+    count = 0
+    for step in chance.integers(-5, 6, 3000):
+        count += int(step)
+        rotor_flux.rotor_flux_step(state, words, TABLE, count)
+    rotor_flux.rotor_flux_step(state, words, TABLE, 0)
+    assert state[rotor_flux.PLACE_A] == state[rotor_flux.PLACE_B] == 0
+
+
+def test_a_leap_is_its_counts_one_after_the_other():
+    one, words = rotor(0.1, 5)
+    many, _ = rotor(0.1, 5)
+    sums = np.zeros(2, dtype=np.int64)
+    for count in range(6, 406):
+        sums += rotor_flux.rotor_flux_step(one, words, TABLE, count)[1:]
+    moved, *flux = rotor_flux.rotor_flux_step(many, words, TABLE, 405)
+    assert moved == 400
+    assert flux == sums.tolist()
+    assert (one == many).all()
+
+
+def test_an_axis_that_a_count_moves_by_a_cell_is_a_motor_with_brushes():
+    chance = np.random.default_rng(2)
+    words = settings(load_scene(SCENES_DIR / "held_wall.toml")).anchor
+    axis, port = anchor.new_state(), anchor.new_state()
+    position = place = 0
+    touching = False
+    for tick_number in range(20_000):
+        moved = int(chance.choice([0, 0, 0, 0, 1, -1, 2])) if tick_number else 0
+        position += moved
+        current, u, v, withheld, voltage = (int(n) for n in chance.integers(-(1 << 24), 1 << 24, 5))
+        tick = (
+            chance.random() < 0.9,
+            current,
+            u,
+            v,
+            withheld // 16,
+            voltage,
+            chance.random() < 0.1,
+        )
+        place = (position & ((1 << (formats.LONG.width - formats.LONG.fraction)) - 1)) * CELL
+        anchor.anchor_step(port, words, position, *tick)
+        anchor.anchor_axis_step(
+            axis, words, position, moved, moved * CELL, CELL, place, *tick
+        )  # fmt: skip
+        axis[anchor.STARTED] = port[anchor.STARTED]
+        if axis[anchor.TOUCHING] and port[anchor.TOUCHING] and not touching and moved:
+            # Half a cell where the other has a quarter.
+            assert abs(axis[anchor.FLUX]) == 2 * abs(port[anchor.FLUX]) == CELL >> 1
+            axis[:] = port
+        touching = bool(port[anchor.TOUCHING])
+        assert (axis == port).all()
+        assert any(port[anchor.CHI : anchor.LAG])
+
+
+def held(*sets: str) -> Scene:
+    return load_scene(SCENES_DIR / "brushless_hold.toml", sets)
+
+
+def cells_off(scene: Scene) -> tuple[float, float, np.ndarray]:
+    """(Cells off the spring of what the controller believes, ripple, rows of the last tenth).
+
+    The spring is that of the closed form, its sine and all.
+    """
+    simulation = CONTROLLERS["golden"](scene)
+    rows = np.zeros((round(scene.scene.duration_s / simulation.tick_s), len(Column)))
+    simulation.advance(rows, np.zeros((len(rows), len(Word)), dtype=np.int64))
+    end = rows[-len(rows) // 10 :]
+    motor, control, set_ = scene.motor, scene.controller, simulation.settings
+    k_t = math.sqrt(motor.felt_k_t * control.k_t_hat)
+    spring = k_t**2 / closed_forms.l_eff(control.l_hat, set_.r_hat, set_.tau)
+    torque = -end[:, Column.TORQUE].mean()
+    depth = math.asin(torque * motor.pole_pairs / spring) / motor.pole_pairs
+    cell = set_.cell_rad
+    return (end[:, Column.X].mean() - depth) / cell, end[:, Column.TORQUE].std(), end
+
+
+@pytest.mark.parametrize("theta", ANGLES, ids=lambda theta: f"{math.degrees(theta):.0f}-degrees")
+def test_a_held_wall_with_everything_wrong(theta: float):
+    magnet = theta / GIMBAL.pole_pairs
+    wrong = magnet - math.radians(5.0) / GIMBAL.pole_pairs
+    cells, ripple, end = cells_off(
+        held(f"motor.magnet_rad={magnet}", f"controller.magnet_hat_rad={wrong}",
+             "scene.duration_s=1.0")
+    )  # fmt: skip
+    assert end[:, Column.CONTACT].all()
+    assert not end[:, Column.FAULT].any()
+    assert abs(cells) < 0.75  # half a cell and 1 % of ten are asked; 0.68 at 180 degrees
+    assert ripple < 60e-6 / 2
+
+
+@pytest.mark.parametrize(
+    "faults",
+    [
+        ("controller.r_hat=4.23",),
+        ("controller.r_hat=5.17",),
+        ("adc.offset_a=-4e-3",),
+        ("drive.gain_error=-0.05",),
+        ("controller.l_hat=0.864e-3",),
+        ("controller.l_hat=1.056e-3",),
+        ("controller.k_t_hat=0.0295",),
+        ("controller.k_t_hat=0.036",),
+        ("motor.l_d_part=0.9",),
+        ("motor.harmonic_7=0.02", "motor.harmonic_5=-0.05"),
+    ],
+    ids=lambda faults: faults[0].partition(".")[2],
+)
+def test_a_held_wall_with_each_fault(faults: tuple[str, ...]):
+    plain = (
+        "controller.r_hat=4.7", "drive.gain_error=0", "adc.offset_a=0",
+        "controller.magnet_hat_rad=0.3", "motor.harmonic_5=0", "scene.duration_s=0.5",
+    )  # fmt: skip
+    cells, ripple, end = cells_off(held(*plain, *faults))
+    assert not end[:, Column.FAULT].any()
+    assert abs(cells) < 0.5 + 0.02 * 10.8
+    assert ripple < 60e-6 / 2
+
+
+def test_without_anchors_the_wall_is_lost():
+    bare = held("scene.duration_s=0.5", "drive.gain_error=0", "adc.offset_a=0",
+                "controller.r_hat=4.747")  # fmt: skip
+    control = bare.controller.model_copy(update={"anchor_auto": False, "r_hat_part": 1.0})
+    cells, ripple, _ = cells_off(bare.model_copy(update={"controller": control}))
+    assert abs(cells) > 1.0 or ripple > 1e-3
+
+
+@pytest.mark.parametrize("speed", [3.0, 10.0, 30.0])
+def test_a_bare_rotor_comes_back_no_faster(speed: float, tmp_path: Path):
+    scene = tmp_path / "bounce.toml"
+    scene.write_text(f"""
+        [scene]
+        name = "brushless_bounce"
+        duration_s = {0.04 / speed + 0.02}
+        [motor]
+        preset = "gbm2804-100t"
+        magnet_rad = 0.45
+        [hand]
+        path = "impact"
+        amplitude_rad = 0.02
+        speed_rad_s = {speed}
+        [encoder]
+        counts_per_rev = 10000
+        [drive]
+        bus_v = 24
+        [controller]
+        tick_hz = 1e6
+        lambda = 5e5
+        walls = [[0.0, 1.0]]
+        r_hat = 5.17
+        anchor_auto = true
+    """)
+    metrics = measure(load_scene(scene), "golden")
+    assert 0.85 < metrics["restitution"] < 1.005
+    assert metrics["correction_out_max_j"] < metrics["correction_bound_j"]
+
+
+def test_free_space_is_free_through_turns_of_the_magnets():
+    scene = held("hand.path='sine'", "hand.amplitude_rad=0.6", "hand.frequency_hz=0.5",
+                 "hand.damping=1e-3", "controller.walls=[[2.0, 3.0]]", "scene.duration_s=1.0",
+                 "scene.trace_hz=1e3")  # fmt: skip
+    simulation = CONTROLLERS["golden"](scene)
+    rows = np.zeros((1_000_000, len(Column)))
+    simulation.advance(rows, np.zeros((len(rows), len(Word)), dtype=np.int64))
+    assert np.ptp(rows[:, Column.X]) * GIMBAL.pole_pairs > 2 * math.pi / 2
+    assert not rows[:, Column.FAULT].any()
+    assert np.sqrt((rows[100_000:, Column.TORQUE] ** 2).mean()) < 100e-6
+
+
+@pytest.mark.parametrize("controller", ["core", "pins"])
+def test_the_rtl_has_none_yet(controller: str):
+    with pytest.raises(SceneError, match=r"controller.anchor_auto is not for.*take `golden`"):
+        CONTROLLERS[controller](held())
+
+
+@pytest.mark.parametrize(
+    "base", ["held_wall.toml", "brushless_taps.toml"], ids=["brushes", "no-anchor"]
+)
+def test_the_magnets_angle_is_of_a_brushless_anchor(base: str):
+    with pytest.raises(SceneError, match=r"magnet_hat_rad belongs to a brushless motor's port"):
+        load_scene(SCENES_DIR / base, ["controller.magnet_hat_rad=0.1"])
