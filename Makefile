@@ -143,22 +143,30 @@ docs: $(READY_DOCS) ## build the pages and the Python's reference: build/docs/in
 PYTEST = $(WITH_TOOLS) .venv/bin/python -m pytest -n $(JOBS) --dist worksteal
 
 # coverage.py doesn't see into what numba has compiled: the benches and the tests of the integer models
-# run without its compiler. Only Verilator counts, and netlists are no RTL.
-COVERED_PLAIN := cocotb_tests sim/tests/test_golden.py sim/tests/test_shaper.py \
-    --ignore cocotb_tests/test_netlist.py -k "not icarus"
+# run without its compiler. The other benches run without coverage.py, which would take most of their
+# time. Only Verilator counts, and netlists are no RTL.
+OF_MODELS := $(patsubst %,cocotb_tests/test_%.py, \
+    anchor clarke closed_loop contact current dead_time host_link inverse_clarke modulator wave_core)
+COVERED_PLAIN := sim/tests/test_golden.py sim/tests/test_shaper.py $(OF_MODELS)
+COVERED_RTL := cocotb_tests $(patsubst %,--ignore %,cocotb_tests/test_netlist.py $(OF_MODELS))
 COVERED := sim/tests
 ifdef QUICK
-COVERED_PLAIN := cocotb_tests/test_closed_loop.py cocotb_tests/test_quadrature.py -k "not icarus"
+COVERED_PLAIN := cocotb_tests/test_closed_loop.py
+COVERED_RTL := cocotb_tests/test_quadrature.py
 COVERED += -m quick
+else
+COVERED += -m "not long"
 endif
 COVERAGE = .venv/bin/python -m coverage
-COVER = $(WITH_TOOLS) WH_COVERAGE="$(CURDIR)/build/coverage/rtl" $(COVERAGE) run -m pytest -n $(JOBS) --dist worksteal
+COUNTED = $(WITH_TOOLS) WH_COVERAGE="$(CURDIR)/build/coverage/rtl"
+IN_PARTS := -m pytest -n $(JOBS) --dist worksteal
 
 coverage: $(READY) ## lines, branches and toggles that the tests come through: build/coverage (QUICK=1: of a few tests)
 	@mkdir -p build/coverage/rtl build/coverage/python
 	@rm -f build/coverage/python/*; find build/coverage/rtl -name '*.dat' -delete
-	@export NUMBA_DISABLE_JIT=1; $(COVER) $(COVERED_PLAIN)
-	@$(COVER) $(COVERED)
+	@$(COUNTED) .venv/bin/python $(IN_PARTS) $(COVERED_RTL) -k "not icarus" -m "not long"
+	@export NUMBA_DISABLE_JIT=1; $(COUNTED) $(COVERAGE) run $(IN_PARTS) $(COVERED_PLAIN) -k "not icarus" -m "not long"
+	@$(COUNTED) $(COVERAGE) run $(IN_PARTS) $(COVERED)
 	@$(COVERAGE) combine --quiet
 	@$(COVERAGE) json --quiet -o build/coverage/python.json
 	@$(COVERAGE) html --quiet -d build/coverage/html
