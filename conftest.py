@@ -44,6 +44,7 @@ BLOCKS = {
     "wh_port": "test_closed_loop.py::test_closed_loop[icarus]",
     "wh_pwm": "test_pwm.py::test_pwm[icarus-0]",
     "wh_quadrature": "test_quadrature.py::test_quadrature[icarus]",
+    "wh_rotor_flux": "test_rotor_flux.py::test_rotor_flux[icarus]",
     "wh_round": "test_round.py::test_round[icarus-3-2]",
     "wh_rows": "test_briefly.py::test_briefly[capture]",
     "wh_saturate": "test_arithmetic.py::test_every_small_word[icarus]",

@@ -8,13 +8,17 @@
 `default_nettype none
 `include "wh_formats.vh"
 
-module bench_anchor (
+module bench_anchor #(
+    parameter integer AXIS = 0  // as wh_anchor has it
+) (
     input  wire                          clk,
     input  wire                          rst,
     input  wire                          rst_multiplier,
 
     input  wire                          start_i,
     input  wire signed [`WH_COUNT_W-1:0] position_i,
+    input  wire signed [`WH_PLACE_W+`WH_SINE_Q-1:0] place_i,
+    input  wire signed [`WH_SINE_Q+1:0]  cell_i,
     input  wire                          contact_i,
     input  wire                          waves_i,
     input  wire signed [`WH_DATA_W-1:0]  current_i,
@@ -66,11 +70,15 @@ module bench_anchor (
         .product_o (product)
     );
 
-    wh_anchor anchor (
+    wh_anchor #(
+        .AXIS          (AXIS)
+    ) anchor (
         .clk           (clk),
         .rst           (rst),
         .start_i       (start_i),
         .position_i    (position_i),
+        .place_i       (place_i),
+        .cell_i        (cell_i),
         .contact_i     (contact_i),
         .waves_i       (waves_i),
         .current_i     (current_i),

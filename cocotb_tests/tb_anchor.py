@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bench of ``rtl/wh_anchor.v``: equal to its model, word for word.
 
-The model is :func:`wavehaptics.controller.anchor.anchor_step`.
+The model is :func:`wavehaptics.controller.anchor.anchor_step`, with AXIS = 1 ``anchor_axis_step``.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from bench import Bench, random_source
 
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # compiling would take longer than it saves
 
-from wavehaptics.controller import anchor
+from wavehaptics.controller import anchor, rotor_flux
 from wavehaptics.words import formats
 
 # Clocks since waves_i of a step whose multiplier never makes it wait; with it, since the last of
@@ -29,6 +29,8 @@ GRANTS = ("c", "current_i", "withheld_i", "u_i", "v_i", "learn", "pull", "damp")
 
 COUNT = formats.Fixed(formats.COUNT_W, 0)
 DATA, COEF = formats.CURRENT, formats.ROOT
+PLACE = formats.Fixed(formats.LONG.width - formats.LONG.fraction + rotor_flux.SINE_Q, 0)
+CELL = 1 << rotor_flux.SINE_Q
 GAINS = range(anchor.FLUX_GAIN, anchor.ROOM_GAIN + 1)
 LIMITS = range(anchor.REACH, anchor.STRANGE + 1)
 
@@ -45,6 +47,20 @@ class Tick:
     withheld: int = 0
     voltage: int = 0
     saturated: int = 0
+    cell: int = CELL
+    """Of an axis: what the last count changed of its flux."""
+    turned: int = 0
+    """By how much its place is not that of so many counts."""
+
+    @property
+    def place(self) -> int:
+        """Its flux by the encoder."""
+        return wrapped(self.position * CELL + self.turned, PLACE)
+
+
+def wrapped(value: int, format_: formats.Fixed) -> int:
+    """``value`` as a word holds it."""
+    return (value - format_.raw_min) % (1 << format_.width) + format_.raw_min
 
 
 class AnchorBench(Bench):
@@ -56,6 +72,7 @@ class AnchorBench(Bench):
     def __init__(self, dut: object, rng: random.Random) -> None:
         super().__init__(dut)
         self.rng = rng
+        self.axis = bool(dut.AXIS.value)
         self.settings = np.zeros(anchor.SETTINGS, dtype=np.int64)
         self.state = anchor.new_state()
         self.correction = 0
@@ -69,7 +86,7 @@ class AnchorBench(Bench):
 
     async def power_up(self) -> None:
         await self.start(
-            rst_multiplier=1, start_i=0, position_i=0, contact_i=0, waves_i=0, current_i=0, u_i=0,
+            rst_multiplier=1, start_i=0, position_i=0, place_i=0, cell_i=0, contact_i=0, waves_i=0, current_i=0, u_i=0,
             v_i=0, withheld_i=0, voltage_i=0, saturated_i=0, words_i=0, other_i=0, other_data_i=0,
             other_coef_i=0,
         )  # fmt: skip
@@ -114,11 +131,20 @@ class AnchorBench(Bench):
     async def begin_tick(self, tick: Tick, gap: int) -> None:
         """The start of a tick; the waves' words come ``gap`` clocks later."""
         self.started = True
-        self.drive(start_i=1, position_i=tick.position, contact_i=tick.contact)
+        self.drive(
+            start_i=1, position_i=tick.position, place_i=tick.place, cell_i=tick.cell,
+            contact_i=tick.contact,
+        )  # fmt: skip
         if gap:
             await self.step()
-            self.drive(start_i=0, position_i=self.noise(), contact_i=self.noise(1))
+            self.end_start()
             await self.step(gap - 1)
+
+    def end_start(self) -> None:
+        self.drive(
+            start_i=0, position_i=self.noise(), place_i=self.noise(PLACE.width),
+            cell_i=self.noise(rotor_flux.SINE_Q + 2), contact_i=self.noise(1),
+        )  # fmt: skip
 
     async def give_waves(self, tick: Tick, gap: int) -> None:
         if not self.started:
@@ -147,10 +173,15 @@ class AnchorBench(Bench):
         """
         await self.give_waves(tick, gap)
         before = self.state.copy()
-        anchor.anchor_step(
-            self.state, self.settings, tick.position, bool(tick.contact), tick.current, tick.u,
-            tick.v, tick.withheld, tick.voltage, bool(tick.saturated),
+        words = (
+            bool(tick.contact), tick.current, tick.u, tick.v, tick.withheld, tick.voltage,
+            bool(tick.saturated),
         )  # fmt: skip
+        if self.axis:
+            flux, cell = (word << rotor_flux.SHIFT for word in (tick.place, tick.cell))
+            anchor.anchor_axis_step(self.state, self.settings, tick.position, flux, cell, *words)
+        else:
+            anchor.anchor_step(self.state, self.settings, tick.position, *words)
         self.steps += 1
         self._note(tick, before)
         clock, grants, last = 1, 0, 0
@@ -175,7 +206,7 @@ class AnchorBench(Bench):
             if granted.endswith("_i"):
                 self.drive(**{granted: self.noise()})
             if following and to_go == ahead:
-                self.drive(start_i=0, position_i=self.noise(), contact_i=self.noise(1))
+                self.end_start()
         assert grants == len(GRANTS)
         assert clock == last + FROM_LAST_GRANT + 1
         assert crowd or clock == STEP_CLOCKS + 1
@@ -202,6 +233,8 @@ class AnchorBench(Bench):
         state, words = self.state, self.settings
         gone = {place: int(state[place] - before[place]) for place in range(anchor.STATES)}
         half = 1 << (formats.LONG.fraction - 1)
+        if self.axis:
+            half = abs(tick.cell) << rotor_flux.SHIFT >> 1
         begins = tick.contact and not before[anchor.TOUCHING]
         ends = before[anchor.TOUCHING] and not tick.contact
         moved = gone[anchor.POSITION] if before[anchor.STARTED] else 0
@@ -277,9 +310,11 @@ def random_ticks(rng: random.Random, count: int) -> list[Tick]:
     contact, loud = 0, rng.random()
     for _ in range(count):
         move = rng.choice((0, 0, 0, 0, 0, 0, 1, 1, -1, -1, 2, -2, 5, any_word(rng, COUNT)))
-        position = (position + move - COUNT.raw_min) % (1 << COUNT.width) + COUNT.raw_min
+        position = wrapped(position + move, COUNT)
         contact ^= rng.random() < 0.2
         tick = Tick(position, contact, saturated=rng.random() < 0.1)
+        tick.cell = rng.choice((CELL, -CELL, 0, 1, -1, rng.randint(-CELL, CELL)))
+        tick.turned = rng.choice((0, 0, rng.randint(-CELL, CELL), rng.getrandbits(PLACE.width)))
         if rng.random() < loud:
             tick.current, tick.u, tick.v, tick.withheld, tick.voltage = (
                 any_word(rng, DATA) for _ in range(5)

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs :mod:`tb_anchor` on each simulator."""
+"""Runs :mod:`tb_anchor` on each simulator, of a motor with brushes and of a brushless one's axis."""
 
+import pytest
 from simulators import simulate
 
 
-def test_anchor(simulator: str) -> None:
-    simulate(simulator, "bench_anchor", "tb_anchor")
+@pytest.mark.parametrize("axis", [0, 1])
+def test_anchor(simulator: str, axis: int) -> None:
+    simulate(simulator, "bench_anchor", "tb_anchor", {"AXIS": axis})

@@ -40,6 +40,8 @@ module prove_wh_anchor #(
         .rst           (1'b0),
         .start_i       (1'b0),
         .position_i    (position),
+        .place_i       ({(`WH_PLACE_W+`WH_SINE_Q){1'b0}}),
+        .cell_i        ({(`WH_SINE_Q+2){1'b0}}),
         .contact_i     (1'b0),
         .waves_i       (at == 6'd0),
         .current_i     ({DATA_W{1'b0}}),

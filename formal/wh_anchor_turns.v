@@ -36,6 +36,8 @@ module prove_wh_anchor_turns #(
         .rst           (rst),
         .start_i       (start),
         .position_i    (position),
+        .place_i       ({(`WH_PLACE_W+`WH_SINE_Q){1'b0}}),
+        .cell_i        ({(`WH_SINE_Q+2){1'b0}}),
         .contact_i     (contact),
         .waves_i       (waves),
         .current_i     ({DATA_W{1'b0}}),

@@ -16,6 +16,10 @@
 // that wants to go beyond its limit by strange, with the waves below theirs, tells that waves and
 // encoder don't follow the same motor: fault_o, and c = 0.
 //
+// AXIS = 1: the port is one of a brushless motor's two axes, whose flux a count changes by a part of a cell
+// (wh_rotor_flux): its place comes from there, the dead zone is half of that part, and so is what a contact
+// begins with.
+//
 // sim/wavehaptics/controller/anchor.py says the same with integers, and this module equals it bit for bit.
 // One adder works through the steps below, one in a clock, with its state in a memory; the products
 // come from a multiplier that others use as well (wh_multiply_shared), eight in a tick.
@@ -29,13 +33,17 @@
 `default_nettype none
 `include "wh_formats.vh"
 
-module wh_anchor (
+module wh_anchor #(
+    parameter integer AXIS = 0  // 1: an axis of a brushless motor; 0: place_i and cell_i mean nothing
+) (
     input  wire                               clk,
     input  wire                               rst,
 
     // The tick: its position and contact when the core starts, its waves when they are there.
     input  wire                               start_i,       // strobe
     input  wire signed [`WH_COUNT_W-1:0]      position_i,    // s32, counts
+    input  wire signed [`WH_PLACE_W+`WH_SINE_Q-1:0] place_i, // s30q15 cells: the axis' flux by the encoder
+    input  wire signed [`WH_SINE_Q+1:0]       cell_i,        // s17q15 cells: what the last count changed of it
     input  wire                               contact_i,
     input  wire                               waves_i,       // strobe, the words below are there
     input  wire signed [`WH_DATA_W-1:0]       current_i,     // s31q24 A: i_n
@@ -72,7 +80,8 @@ module wh_anchor (
     localparam integer LONG_W    = `WH_LONG_W;
     localparam integer LONG_Q    = `WH_LONG_Q;
     localparam integer CUT       = `WH_LONG_GUARD;
-    localparam integer PLACE_W   = LONG_W - LONG_Q;  // of the counts that x̂'s copy holds
+    localparam integer PLACE_W   = `WH_PLACE_W;      // of the counts that x̂'s copy holds
+    localparam integer SINE_Q    = `WH_SINE_Q;
     localparam integer MOVE_W    = `WH_MOVE_W;
     localparam integer REST_W    = `WH_REST_W;
     localparam integer UNIT_W    = `WH_REST_UNIT_W;
@@ -86,7 +95,8 @@ module wh_anchor (
 
     generate
         if (NEAR_SHIFT < 1 || NEAR_SHIFT != `WH_PULL_Q - CUT || FAR_SHIFT != `WH_LEARN_Q - CUT
-            || DATA_W + COEF_W - NEAR_SHIFT < LONG_W || VOLT_SHIFT < 2) begin : illegal_format
+            || DATA_W + COEF_W - NEAR_SHIFT < LONG_W || VOLT_SHIFT < 2
+            || LONG_Q < SINE_Q + 1) begin : illegal_format
             wh_illegal_parameter_anchor_formats stop ();
         end
     endgenerate
@@ -166,6 +176,58 @@ module wh_anchor (
         end
     end
 
+    // What the encoder tells of the flux: all of it, what the tick changed, what a contact begins with,
+    // and whether χ, sum_q of the step INNER, is beyond half of what a count changes.
+    wire signed [LONG_W-1:0] place;
+    wire signed [LONG_W-1:0] moved_flux;
+    wire signed [LONG_W-1:0] start_flux;
+    wire signed [LONG_W-1:0] half_flux;
+    wire                     out;
+
+    generate
+        if (AXIS == 1) begin : axis
+            localparam integer FLUX_W = PLACE_W + SINE_Q;
+            localparam integer HALF_W = LONG_W - LONG_Q + SINE_Q + 1;  // χ in parts of half a cell's last
+
+            reg signed [FLUX_W-1:0] place_q;
+            reg signed [FLUX_W-1:0] moved_flux_q;
+            reg signed [SINE_Q+1:0] cell_q;
+
+            always @(posedge clk) begin
+                if (start_i) begin
+                    place_q      <= place_i;
+                    moved_flux_q <= started_q ? place_i - place_q : {FLUX_W{1'b0}};
+                    cell_q       <= cell_i;
+                end
+            end
+
+            wire unused_motor = &{1'b0, position_q[PLACE_W-1:MOVE_W]};
+
+            wire signed [SINE_Q+1:0] size = cell_q[SINE_Q+1] ? -cell_q : cell_q;
+            wire signed [SINE_Q+1:0] way  = !moves ? {SINE_Q+2{1'b0}} : back ? -cell_q : cell_q;
+            wire signed [HALF_W-1:0] half = $signed({{(HALF_W - SINE_Q - 2){1'b0}}, size});
+            wire signed [HALF_W-1:0] chi  = $signed(sum_q[LONG_W-1:LONG_Q-SINE_Q-1]);
+
+            assign place      = $signed({place_q, {(LONG_Q - SINE_Q){1'b0}}});
+            assign moved_flux = $signed({moved_flux_q, {(LONG_Q - SINE_Q){1'b0}}});
+            assign start_flux = $signed({{(HALF_W - SINE_Q - 2){way[SINE_Q+1]}}, way,
+                                         {(LONG_Q - SINE_Q - 1){1'b0}}});
+            assign half_flux  = $signed({half, {(LONG_Q - SINE_Q - 1){1'b0}}});
+            assign out        = back_sum ? (chi < -half) : (chi >= half);
+        end else begin : motor
+            wire unused_axis = &{1'b0, place_i, cell_i};
+
+            assign place      = $signed({position_q, {LONG_Q{1'b0}}});
+            assign moved_flux = $signed({{(LONG_W - LONG_Q - MOVE_W){moved_q[MOVE_W-1]}}, moved_q,
+                                         {LONG_Q{1'b0}}});
+            assign start_flux = $signed({{(LONG_W - LONG_Q + 1){moved_q[MOVE_W-1]}}, |moved_q,
+                                         {(LONG_Q - 2){1'b0}}});
+            assign half_flux  = $signed({{(LONG_W - LONG_Q){1'b0}}, 1'b1, {(LONG_Q - 1){1'b0}}});
+            assign out        = back_sum ? !(&sum_q[LONG_W-2:LONG_Q-1])
+                                         : (|sum_q[LONG_W-2:LONG_Q-1]);
+        end
+    endgenerate
+
     // The tick's own, also in the clock of its start.
     wire touches = start_i ? contact_i : contact_q;
 
@@ -234,7 +296,6 @@ module wh_anchor (
 
     wire e_back = voltage_q[DATA_W-1];
     wire back_sum = sum_q[LONG_W-1];
-    wire out    = back_sum ? !(&sum_q[LONG_W-2:LONG_Q-1]) : (|sum_q[LONG_W-2:LONG_Q-1]);
     wire learns = (still || phase_q[2:0] == 3'd0) && !clipped_q && !saturated_q;
     wire past   = (back_sum == negative_q);
 
@@ -409,12 +470,9 @@ module wh_anchor (
         case (step_q)
             LIMIT:   given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT + 1){e_back}}, voltage_q,
                                       {(VOLT_SHIFT - 1){1'b0}}});
-            EDGE:    given = !begins_q ? $signed({{(LONG_W - LONG_Q - MOVE_W){moved_q[MOVE_W-1]}},
-                                                  moved_q, {LONG_Q{1'b0}}})
-                           : $signed({{(LONG_W - LONG_Q + 1){moved_q[MOVE_W-1]}}, |moved_q,
-                                      {(LONG_Q - 2){1'b0}}});
-            HALF:    given = $signed({{(LONG_W - LONG_Q){1'b0}}, 1'b1, {(LONG_Q - 1){1'b0}}});
-            PLACE:   given = $signed({position_q, {LONG_Q{1'b0}}});
+            EDGE:    given = begins_q ? start_flux : moved_flux;
+            HALF:    given = half_flux;
+            PLACE:   given = place;
             default: given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT){setting[DATA_W]}}, setting,
                                       {(VOLT_SHIFT - 1){1'b0}}});
         endcase

@@ -190,6 +190,8 @@ module wh_port #(
                 .rst           (calm_rst),
                 .start_i       (waves_i),
                 .position_i    (position_q),
+                .place_i       ({(`WH_PLACE_W+`WH_SINE_Q){1'b0}}),
+                .cell_i        ({(`WH_SINE_Q+2){1'b0}}),
                 .contact_i     (contact_i || host_active_o),
                 .waves_i       (waves_i),
                 .current_i     (current_i),

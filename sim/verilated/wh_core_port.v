@@ -158,6 +158,8 @@ module wh_core_port #(
                 .rst           (rst),
                 .start_i       (start_i),
                 .position_i    (position_i),
+                .place_i       ({(`WH_PLACE_W+`WH_SINE_Q){1'b0}}),
+                .cell_i        ({(`WH_SINE_Q+2){1'b0}}),
                 .contact_i     (contact_i),
                 .waves_i       (waves),
                 .current_i     (current),

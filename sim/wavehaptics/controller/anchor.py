@@ -73,9 +73,10 @@ assert len(_WORDS) == SETTINGS
     LAG,  # s48q33 cells: x̂ less its slow copy, ω̂ over 2^8 ticks
     STARTED,  # 0 until the first tick, which has no tick before
     ROOM,  # s31q23 √W, 0...: what c takes of the limit of the next tick's wave
-) = range(19)
+    PLACE,  # s48q33 cells, of an axis: its flux by the encoder in the tick before
+) = range(20)
 """Places in an anchor's state."""
-STATES = 19
+STATES = 20
 
 INNER_SHIFT = 8
 """2^-8 of χ counts inside the dead zone too: what drifts within a cell dies out."""
@@ -159,13 +160,10 @@ def anchor_step(
     ``voltage`` (e_id) and ``saturated`` of the core's step before
     (:data:`wavehaptics.controller.wave_core.STATE_WITHHELD`).
     """
-    moved = 0
-    if state[STARTED] != 0:
-        moved = ((position - state[POSITION] + _MOVE) & (2 * _MOVE - 1)) - _MOVE
-    state[STARTED] = 1
+    moved = _moved(state, position)
     _turn(
-        state, words, position, moved, moved * _CELL, _CELL, _CELL >> 2,
-        (position & _TURN) * _CELL, contact, current, u, v, withheld, voltage, saturated,
+        state, words, moved, moved * _CELL, _CELL, _CELL >> 2, (position & _TURN) * _CELL, contact,
+        current, u, v, withheld, voltage, saturated,
     )  # fmt: skip
 
 
@@ -174,10 +172,8 @@ def anchor_axis_step(
     state: np.ndarray,
     words: np.ndarray,
     position: int,
-    moved: int,
-    flux: int,
-    cell: int,
     place: int,
+    cell: int,
     contact: bool,
     current: int,
     u: int,
@@ -188,23 +184,35 @@ def anchor_axis_step(
 ) -> None:
     """One tick of the anchor of a brushless motor's axis, as :func:`anchor_step`.
 
-    The counts by which the rotor ``moved`` have changed the axis' flux by ``flux``, the last one of
-    them by ``cell``, and all since power-up by ``place``, s48q33 cells.
+    At ``position`` the axis' flux is ``place`` by the encoder, which its last count changed by
+    ``cell`` for a step up, s48q33 cells (:mod:`wavehaptics.controller.rotor_flux`).
     """
+    moved_flux = _long(place - state[PLACE]) if state[STARTED] != 0 else 0
+    state[PLACE] = place
     _turn(
-        state, words, position, moved, flux, cell, cell >> 1, place, contact, current, u, v,
-        withheld, voltage, saturated,
+        state, words, _moved(state, position), moved_flux, cell, cell >> 1, place, contact, current,
+        u, v, withheld, voltage, saturated,
     )  # fmt: skip
 
 
 @compiled(inline="always")
+def _moved(state, position):
+    """Counts since the tick before; none in the first."""
+    moved = 0
+    if state[STARTED] != 0:
+        moved = ((position - state[POSITION] + _MOVE) & (2 * _MOVE - 1)) - _MOVE
+    state[STARTED] = 1
+    state[POSITION] = position
+    return moved
+
+
+@compiled(inline="always")
 def _turn(
-    state, words, position, moved, moved_flux, cell, start, place, contact, current, u, v,
-    withheld, voltage, saturated,
+    state, words, moved, moved_flux, cell, start, place, contact, current, u, v, withheld, voltage,
+    saturated,
 ):  # fmt: skip
     begins = contact and state[TOUCHING] == 0
     ends = not contact and state[TOUCHING] != 0
-    state[POSITION] = position
     state[TOUCHING] = 1 if contact else 0
 
     same_way = False

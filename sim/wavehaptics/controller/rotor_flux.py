@@ -25,52 +25,60 @@ ANGLE_W = 32
 """Bits of an angle, which make a turn."""
 ENTRIES = 256
 """Entries of the table, a quarter of a turn."""
-SINE_Q = 16
-"""Fraction bits of its words, s18."""
+SINE_Q = 15
+"""Fraction bits of its words."""
+SHIFT = formats.LONG.fraction - SINE_Q
+"""More of them has an anchor's flux."""
 
-(ANGLE, POSITION, STARTED, PLACE_A, PLACE_B, CELL_A, CELL_B) = range(7)
-"""Places in the state: θ at the position's middle, the position in counts, whether there was one,
-flux since the first tick and q at the last edge, s48q33 cells."""
-STATES = 7
-COUNT, ZERO = range(2)
-"""Places in the settings: by what a count turns θ, and θ in the middle of count 0."""
-SETTINGS = 2
+(ANGLE, POSITION, PLACE_A, PLACE_B, CELL_A, CELL_B) = range(6)
+"""Places in the state: θ at the middle of a count, the count, all flux since the first, modulo 2^15
+cells, and q of the last edge; the latter two of each axis, s48q33 cells."""
+STATES = 6
 
 _MASK = (1 << ANGLE_W) - 1
-_SHIFT = formats.LONG.fraction - SINE_Q
+_QUARTER = 1 << (ANGLE_W - 2)
 _LONG_TOP = 1 << (formats.LONG.width - 1)
 _LONG_MASK = (1 << formats.LONG.width) - 1
-_MOVE = 1 << (formats.MOVE_W - 1)
 _INDEX_SHIFT = ANGLE_W - 2 - (ENTRIES.bit_length() - 1)
 
 
 def sine_table() -> np.ndarray:
-    """Sines in the middle of each entry's part of the first quarter, int64 (ENTRIES,), s18q16."""
+    """Sines in the middle of each entry's part of the first quarter, int64 (ENTRIES,), u16q15."""
     middles = (np.arange(ENTRIES) + 0.5) * (0.5 * math.pi / ENTRIES)
     return np.round(np.sin(middles) * (1 << SINE_Q)).astype(np.int64)
 
 
-def settings(pole_pairs: int, magnet_rad: float, cell_rad: float) -> np.ndarray:
-    """Words for a motor whose magnets lie along phase a at ``magnet_rad``, int64 (SETTINGS,)."""
-    count = pole_pairs * cell_rad / (2.0 * math.pi)
-    zero = pole_pairs * (0.5 * cell_rad - magnet_rad) / (2.0 * math.pi)
-    words = [round(math.fmod(turns, 1.0) * 2.0**ANGLE_W) & _MASK for turns in (count, zero)]
-    return np.array(words, dtype=np.int64)
+def angle_word(turns: float) -> int:
+    """Word of an angle in turns."""
+    return round(math.fmod(turns, 1.0) * 2.0**ANGLE_W) & _MASK
 
 
-def new_state() -> np.ndarray:
-    """State after reset: int64, shape (STATES,)."""
-    return np.zeros(STATES, dtype=np.int64)
+def count_word(pole_pairs: int, cell_rad: float) -> int:
+    """Word of the angle by which a count turns the magnets of ``pole_pairs``."""
+    return angle_word(pole_pairs * cell_rad / (2.0 * math.pi))
+
+
+def zero_word(pole_pairs: int, cell_rad: float, magnet_rad: float, position: int) -> int:
+    """Word of θ in the middle of the count ``position``, where all begins."""
+    x = (position + 0.5) * cell_rad
+    return angle_word(pole_pairs * (x - magnet_rad) / (2.0 * math.pi))
+
+
+def new_state(position: int, zero: int) -> np.ndarray:
+    """State after reset at a position whose angle's word is ``zero``: int64, shape (STATES,)."""
+    state = np.zeros(STATES, dtype=np.int64)
+    state[POSITION], state[ANGLE] = position, zero
+    return state
 
 
 @compiled(inline="always")
 def _sine(table, angle):
-    """sin θ of the table, s18q16."""
+    """sin θ, s17q15."""
     index = (angle >> _INDEX_SHIFT) & (ENTRIES - 1)
-    if angle & (1 << (ANGLE_W - 2)):
+    if angle & _QUARTER:
         index = ENTRIES - 1 - index
     value = table[index]
-    return -value if angle & (1 << (ANGLE_W - 1)) else value
+    return -value if angle & (2 * _QUARTER) else value
 
 
 @compiled(inline="always")
@@ -79,31 +87,20 @@ def _long(value):
 
 
 @compiled()
-def rotor_flux_step(state: np.ndarray, words: np.ndarray, table: np.ndarray, position: int):
-    """Pass one count after the other to ``position``; (counts moved, flux of α, of β).
+def rotor_flux_step(state: np.ndarray, turn: int, table: np.ndarray, position: int) -> None:
+    """Pass one count after the other to ``position``; ``state`` int64 (STATES,) is updated.
 
-    The fluxes are s48q33 cells. ``state`` int64 (STATES,) is updated; ``table`` is
-    :func:`sine_table`'s.
+    ``turn`` is :func:`count_word`'s, ``table`` :func:`sine_table`'s.
     """
-    moved = 0
-    if state[STARTED] == 0:
-        state[STARTED] = 1
-        state[ANGLE] = (words[ZERO] + position * words[COUNT]) & _MASK
-        state[CELL_A] = -_sine(table, state[ANGLE]) << _SHIFT
-        state[CELL_B] = _sine(table, state[ANGLE] + (1 << (ANGLE_W - 2))) << _SHIFT
-    else:
-        moved = ((position - state[POSITION] + _MOVE) & (2 * _MOVE - 1)) - _MOVE
-    state[POSITION] = position
-    flux_a = flux_b = 0
-    turn = words[COUNT]
-    for _ in range(abs(moved)):
-        back = moved < 0
-        edge = (state[ANGLE] - (turn >> 1) if back else state[ANGLE] + ((turn + 1) >> 1)) & _MASK
-        state[ANGLE] = (state[ANGLE] - turn if back else state[ANGLE] + turn) & _MASK
-        state[CELL_A] = -_sine(table, edge) << _SHIFT
-        state[CELL_B] = _sine(table, edge + (1 << (ANGLE_W - 2))) << _SHIFT
-        flux_a += -state[CELL_A] if back else state[CELL_A]
-        flux_b += -state[CELL_B] if back else state[CELL_B]
-    state[PLACE_A] = _long(state[PLACE_A] + flux_a)
-    state[PLACE_B] = _long(state[PLACE_B] + flux_b)
-    return moved, flux_a, flux_b
+    while state[POSITION] != position:
+        back = position < state[POSITION]
+        angle = state[ANGLE]
+        edge = (angle - (turn >> 1) if back else angle + ((turn + 1) >> 1)) & _MASK
+        cell_a = -_sine(table, edge) << SHIFT
+        cell_b = _sine(table, edge + _QUARTER) << SHIFT
+        way = -1 if back else 1
+        state[POSITION] += way
+        state[ANGLE] = (angle + way * turn) & _MASK
+        state[PLACE_A] = _long(state[PLACE_A] + way * cell_a)
+        state[PLACE_B] = _long(state[PLACE_B] + way * cell_b)
+        state[CELL_A], state[CELL_B] = cell_a, cell_b

@@ -101,8 +101,8 @@ def _advance_sampled(
 ):  # fmt: skip
     """Fill ``rows`` and ``words``; False when the RTL never answered.
 
-    ``anchored`` has an anchor's words, both axes' states, and words, table and state of the flux
-    that the encoder tells of; None without one.
+    ``anchored`` has an anchor's words, both axes' states, and what a count turns, table and state
+    of the flux that the encoder tells of; None without one.
     """
     substeps, extra, root, u_max = ints[_SUBSTEPS], ints[_EXTRA], ints[_ROOT], ints[_U_MAX]
     tick = step[0] * substeps
@@ -149,20 +149,16 @@ def _advance_sampled(
                 ports[1], lines[1], beta, eta, 0, root, ints[_A], left_b, extra, extra
             )
             if anchored is not None:
-                gains, _, rotor_words, sines, rotor = anchored
+                gains, _, turn, sines, rotor = anchored
                 c_a, c_b = held_a[anchor.CORRECTION], held_b[anchor.CORRECTION]
-                moved, flux_a, flux_b = rotor_flux.rotor_flux_step(
-                    rotor, rotor_words, sines, position
-                )
+                rotor_flux.rotor_flux_step(rotor, turn, sines, position)
                 anchor.anchor_axis_step(
-                    held_a, gains, position, moved, flux_a, rotor[rotor_flux.CELL_A],
-                    rotor[rotor_flux.PLACE_A], touching, alpha, u_a, v_a, withheld_a,
-                    kept[_WAVE_A], saturated_a,
+                    held_a, gains, position, rotor[rotor_flux.PLACE_A], rotor[rotor_flux.CELL_A],
+                    touching, alpha, u_a, v_a, withheld_a, kept[_WAVE_A], saturated_a,
                 )  # fmt: skip
                 anchor.anchor_axis_step(
-                    held_b, gains, position, moved, flux_b, rotor[rotor_flux.CELL_B],
-                    rotor[rotor_flux.PLACE_B], touching, beta, u_b, v_b, withheld_b,
-                    kept[_WAVE_B], saturated_b,
+                    held_b, gains, position, rotor[rotor_flux.PLACE_B], rotor[rotor_flux.CELL_B],
+                    touching, beta, u_b, v_b, withheld_b, kept[_WAVE_B], saturated_b,
                 )  # fmt: skip
                 kept[_WAVE_A], kept[_WAVE_B] = next_a, next_b
                 next_a = wave_core.saturate(next_a + c_a)
@@ -220,7 +216,8 @@ class BrushlessSimulation:
             self._library, self._model, step = _load_axes(set_)
         self._z = plant.start
         self._kept = np.zeros(7, dtype=np.int64)
-        self._anchored = _anchors(scene, set_) if set_.anchored else None
+        position = math.floor(plant.start[X] / set_.cell_rad)
+        self._anchored = _anchors(scene, set_, position) if set_.anchored else None
         self._buffer = np.zeros(6, dtype=np.int64)
         self._ports = np.stack([wave_core.new_state() for _ in range(2)])
         self._lines = np.stack([wave_core.new_line(set_.extra_ticks) for _ in range(2)])
@@ -257,15 +254,17 @@ class BrushlessSimulation:
             self._library.wh_axes_delete(self._model)
 
 
-def _anchors(scene: Scene, set_: Settings) -> tuple[np.ndarray, ...]:
-    """What :func:`_advance_sampled` takes as ``anchored``."""
-    assert scene.motor.pole_pairs is not None
+def _anchors(scene: Scene, set_: Settings, position: int) -> tuple:
+    """What :func:`_advance_sampled` takes as ``anchored``, from ``position`` on."""
+    pairs = scene.motor.pole_pairs
+    assert pairs is not None
+    zero = rotor_flux.zero_word(pairs, set_.cell_rad, scene.controller.magnet_hat_rad, position)
     return (
         set_.anchor,
         np.stack([anchor.new_state() for _ in range(2)]),
-        rotor_flux.settings(scene.motor.pole_pairs, scene.controller.magnet_hat_rad, set_.cell_rad),
+        rotor_flux.count_word(pairs, set_.cell_rad),
         rotor_flux.sine_table(),
-        rotor_flux.new_state(),
+        rotor_flux.new_state(position, zero),
     )
 
 

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is written of the table of words: its page, and headers of the RTL."""
+"""What is written of the table of words: its page, and headers of the RTL; and its sine."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
+from wavehaptics.controller import rotor_flux
 from wavehaptics.words.c_header import c_words
 from wavehaptics.words.device import device_words
 from wavehaptics.words.generated import PAGE_HEAD, guard_fields, page_rows, settings_rom
@@ -34,6 +35,11 @@ def _device_words(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     return device_words() + "\n// "
 
 
+def _sine_table(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    words = enumerate(rotor_flux.sine_table().tolist())
+    return "".join(f"`WH_SINE({index}, {word})\n" for index, word in words) + "// "
+
+
 def _words_crc(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     return f"`define WH_WORDS_CRC 32'h{crc():08x}\n// "
 
@@ -47,6 +53,7 @@ TABLES = {
     "guard-fields": _guard_fields,
     "settings-rom": _settings_rom,
     "device-words": _device_words,
+    "sine-table": _sine_table,
     "words-crc": _words_crc,
     "c-words": _c_words,
 }

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bench of ``rtl/wh_rotor_flux.v``: every count's words are the model's.
+
+The model is :func:`wavehaptics.controller.rotor_flux.rotor_flux_step`, a count at a time.
+"""
+
+from __future__ import annotations
+
+import os
+
+import cocotb
+import numpy as np
+from bench import Bench, random_source, unpack
+
+os.environ["NUMBA_DISABLE_JIT"] = "1"  # compiling would take longer than it saves
+
+from wavehaptics.controller import rotor_flux
+from wavehaptics.words import formats
+
+PLACE_W = formats.LONG.width - formats.LONG.fraction + rotor_flux.SINE_Q
+CELL_W = rotor_flux.SINE_Q + 2
+TABLE = rotor_flux.sine_table()
+LATENCY = 4
+"""Clocks from a count to its words."""
+
+
+class FluxBench(Bench):
+    """Gives positions, and compares what is passed with the model in every clock."""
+
+    async def begin(self, turn: int, zero: int, position: int, clocks: int = 1) -> None:
+        self.turn, self.position = turn, position
+        self.state = rotor_flux.new_state(position, zero)
+        self.drive(rst=1, position_i=position, count_angle_i=turn, zero_angle_i=zero)
+        await self.step(clocks)
+        self.drive(rst=0)
+        self.still = 0
+        self.check()
+
+    def check(self) -> None:
+        """What is shown is the model's, at a position between the last one shown and the pins'."""
+        shown = self.signed("position_o")
+        before = int(self.state[rotor_flux.POSITION])
+        assert abs(shown - before) <= 1
+        rotor_flux.rotor_flux_step(self.state, self.turn, TABLE, shown)
+        places = unpack(self.word("place_o"), PLACE_W, 2)
+        cells = unpack(self.word("cell_o"), CELL_W, 2)
+        want = (self.state[rotor_flux.PLACE_A :] >> rotor_flux.SHIFT).tolist()
+        assert [*places, *cells] == want
+
+    async def clock(self, position: int) -> None:
+        self.still = self.still + 1 if position == self.position else 0
+        self.position = position
+        self.drive(position_i=position)
+        await self.step()
+        self.check()
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def any_walk(dut: object) -> None:
+    """Any angles of a count, walks with counts at any distances, leaps, resets of any length."""
+    rng = random_source("walks")
+    bench = FluxBench(dut)
+    await bench.start(position_i=0, count_angle_i=0, zero_angle_i=0)
+    seen = np.zeros(4, dtype=bool)
+    for run in range(8 if "Icarus" in cocotb.SIM_NAME else 60):
+        turn = rng.choice((0, 1, (1 << 32) - 1, 3007477, rng.getrandbits(32), rng.getrandbits(26)))
+        position = rng.randint(-(1 << 20), 1 << 20)
+        await bench.begin(turn, rng.getrandbits(32), position, rng.choice((1, 2, 5)))
+        often = rng.choice((0.05, 0.5, 1.0))
+        for _ in range(400):
+            if rng.random() < 0.01:
+                position += rng.randint(-40, 40)
+            elif rng.random() < often:
+                position += rng.choice((1, -1) if run % 2 else (1, 1, 1, -1))
+            await bench.clock(position)
+            seen[bench.state[rotor_flux.ANGLE] >> 30] = True
+        left = abs(position - bench.signed("position_o"))
+        for _ in range(2 * left + LATENCY):
+            await bench.clock(position)
+        assert bench.signed("position_o") == position
+    assert seen.all()
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_count_takes_four_clocks(dut: object) -> None:
+    """From rest: its words are there so many clocks later, and not before."""
+    bench = FluxBench(dut)
+    await bench.start(position_i=0, count_angle_i=0, zero_angle_i=0)
+    await bench.begin(1 << 22, 1 << 29, 100)
+    for way in (1, -1, -1, 1):
+        await bench.step(10)
+        position = bench.position + way
+        for clock in range(1, LATENCY + 1):
+            await bench.clock(position)
+            assert (bench.signed("position_o") == position) == (clock == LATENCY)
