@@ -86,9 +86,9 @@ class AnchorBench(Bench):
 
     async def power_up(self) -> None:
         await self.start(
-            rst_multiplier=1, start_i=0, position_i=0, place_i=0, cell_i=0, contact_i=0, waves_i=0, current_i=0, u_i=0,
-            v_i=0, withheld_i=0, voltage_i=0, saturated_i=0, words_i=0, other_i=0, other_data_i=0,
-            other_coef_i=0,
+            rst_multiplier=1, start_i=0, position_i=0, place_i=0, cell_i=0, contact_i=0, waves_i=0,
+            current_i=0, u_i=0, v_i=0, withheld_i=0, voltage_i=0, saturated_i=0, words_i=0,
+            other_i=0, other_data_i=0, other_coef_i=0,
         )  # fmt: skip
         self.drive(rst_multiplier=0)
 
@@ -112,9 +112,10 @@ class AnchorBench(Bench):
         assert not self.word("busy_o")
         self.check()
 
-    def check(self) -> None:
+    def want(self) -> dict[str, int]:
+        """The words that are shown at the end of a step."""
         state = self.state
-        want = {
+        return {
             "correction": self.correction,
             "next": state[anchor.CORRECTION],
             "room": state[anchor.ROOM],
@@ -122,9 +123,11 @@ class AnchorBench(Bench):
             "flux": state[anchor.CHI] >> formats.LONG_GUARD,
             "lag": state[anchor.LAG] >> formats.LONG_GUARD,
         }
-        got = {name: self.signed(f"{name}_o") for name in want}
-        for name, value in want.items():
-            assert got[name] == value, f"{name} of step {self.steps}"
+
+    def check(self) -> None:
+        state = self.state
+        for name, value in self.want().items():
+            assert self.signed(f"{name}_o") == value, f"{name} of step {self.steps}"
         assert self.word("fault_o") == state[anchor.FAULT], f"step {self.steps}"
         assert self.word("overrun_o") == self.overrun, f"step {self.steps}"
 
@@ -172,7 +175,7 @@ class AnchorBench(Bench):
         clock ``poke`` there is another waves_i.
         """
         await self.give_waves(tick, gap)
-        before = self.state.copy()
+        before, shown = self.state.copy(), self.want()
         words = (
             bool(tick.contact), tick.current, tick.u, tick.v, tick.withheld, tick.voltage,
             bool(tick.saturated),
@@ -184,9 +187,12 @@ class AnchorBench(Bench):
             anchor.anchor_step(self.state, self.settings, tick.position, *words)
         self.steps += 1
         self._note(tick, before)
+        either = {name: (old, self.want()[name]) for name, old in shown.items()}
         clock, grants, last = 1, 0, 0
         while self.word("busy_o"):
             assert clock < 400, "the anchor doesn't come to an end"
+            for name, words in either.items():  # nothing in between
+                assert self.signed(f"{name}_o") in words, f"{name} within step {self.steps}"
             other = self.rng.random() < crowd
             granted = GRANTS[grants] if self.word("request_o") and not other else ""
             if granted:
@@ -439,6 +445,25 @@ async def a_reset_at_any_clock(dut: object) -> None:
                 await bench.begin(settings, clocks, products=products)
                 for tick in ticks[2:]:
                     await bench.tick(tick, gap=rng.choice((0, 1, 7)))
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_swing_of_four_cells(dut: object) -> None:
+    """It is none any more, and nothing is damped: to the last place, either way."""
+    bench = AnchorBench(dut, random_source("swing"))
+    await bench.power_up()
+    near = formats.CURRENT.fraction + formats.CELLS.fraction - formats.LONG.fraction
+    words = np.zeros(anchor.SETTINGS, dtype=np.int64)
+    words[anchor.ENABLE] = words[anchor.REST_TICKS] = 1
+    words[anchor.CELLS_GAIN] = 1 << (near + 6)
+    words[anchor.DAMP_GAIN] = formats.PULL.to_raw(1.0)
+    words[anchor.REACH] = words[anchor.STRANGE] = formats.VOLTAGE.to_raw(60.0)
+    four = anchor.SWING_CELLS >> 6
+    for current in (four - 1, four, -four, -four - 1):
+        await bench.begin(words)
+        await bench.tick(Tick(contact=1))
+        await bench.tick(Tick(contact=1, current=current))
+        assert (bench.state[anchor.CORRECTION] != 0) == (current in (four - 1, -four))
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

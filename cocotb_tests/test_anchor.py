@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs :mod:`tb_anchor` on each simulator, of a motor with brushes and of a brushless one's axis."""
+"""Runs :mod:`tb_anchor` on each simulator, of a motor with brushes and of an axis without."""
 
 import pytest
 from simulators import simulate

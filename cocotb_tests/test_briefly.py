@@ -9,7 +9,11 @@ from test_settings import SIZES as MEMORIES
 PORT = {"N": 1, "DELAY_LOG2": 2, "TICKS": 500}
 
 BENCHES = {
-    "anchor": ("bench_anchor", {}, "any_words|a_reset_at_any_clock|waves_while_busy"),
+    "anchor": (
+        "bench_anchor",
+        {},
+        "any_words|a_reset_at_any_clock|waves_while_busy|a_swing_of_four_cells",
+    ),
     "capture": ("wh_capture", {"N": 1, "DEPTH_LOG2": 6}, "orders_at_any_time|what_does_not_fit"),
     "cobs": ("wh_cobs", {}, "without_credit|goes_first|credit_that_ends"),
     "device": ("wh_device", DEVICES["one"], "nothing_on_the_bus|live_words|enable_waits"),

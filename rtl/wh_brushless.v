@@ -3,12 +3,14 @@
 // wh_brushless: the wave controller of one brushless motor from its pins to its pins: two ports of one
 // wave core on three phases in star, and no angle in the way of the force.
 //
-//   two ADC lines -> wh_adc -> wh_current a, b -> wh_clarke -> wh_wave_core alpha, beta
+//   two ADC lines -> wh_adc -> wh_current a, b -> wh_clarke -> wh_axes alpha, beta
 //                 -> wh_inverse_clarke -> wh_three_phase -> six gates
-//   encoder       -> wh_quadrature -> wh_contact -> eta of both ports
+//   encoder       -> wh_quadrature -> (wh_rotor_flux ->) wh_contact -> eta of both ports
 //
-// A positive current of a phase runs out of its leg into the motor; where the magnets lie nobody here
-// knows. The encoder's count says only which wall the rotor is in. Both ports have the same words: what
+// A positive current of a phase runs out of its leg into the motor; where the magnets lie the waves don't
+// know. The encoder's count says only which wall the rotor is in. ANCHOR = 1: it says as well what it does
+// to the flux of both axes, for their port anchors, which want zero_angle_i, the electrical angle at the
+// position of the reset. Both ports have the same words: what
 // R and L are, they are along any direction. u_max_i is each axis' own; legs in the middle of the bus
 // reach 2/(3 + √3) of it on both at once (docs/brushless.md).
 //
@@ -38,7 +40,8 @@ module wh_brushless #(
     parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
     parameter integer MIN_PULSE  = 0,  // 1: min_pulse_i counts; 0: pulses may be of one clock
     parameter integer DEAD_TIME  = 1,  // 1: dead time can be made good
-    parameter integer GUARD      = 0   // 1: wh_guard watches; 0: its inputs mean nothing
+    parameter integer GUARD      = 0,  // 1: wh_guard watches; 0: its inputs mean nothing
+    parameter integer ANCHOR     = 0   // 1: port anchors; 0: their inputs mean nothing
 ) (
     input  wire                         clk,
     input  wire                         rst,
@@ -94,6 +97,11 @@ module wh_brushless #(
     input  wire [DELAY_LOG2-1:0]        extra_ticks_i,       // ticks
     input  wire [DELAY_LOG2-1:0]        hold_ticks_i,        // ticks
 
+    // Port anchors (wh_anchor), and the rotor's flux (wh_rotor_flux).
+    input  wire [`WH_ANCHOR_W-1:0]      anchor_words_i,
+    input  wire [31:0]                  count_angle_i,       // turns of 2^32 by which a count turns the magnets
+    input  wire [31:0]                  zero_angle_i,        // at the position of the reset
+
     // Drive (wh_three_phase).
     input  wire [7:0]                   min_pulse_i,         // clocks that a leg stays, or more
     input  wire [`WH_COEF_W-1:0]        clocks_per_volt_i,   // s27q16, half_clocks / bus
@@ -125,6 +133,11 @@ module wh_brushless #(
     output wire [`WH_COUNT_W-1:0]       position_o,          // s32, counts
     output wire                         contact_o,
     output wire [1:0]                   saturated_o,         // the voltage limit was at work
+    output wire [2*`WH_DATA_W-1:0]      correction_o,        // s31q23 V: the anchors' part of e
+    output wire [2*`WH_DATA_W-1:0]      flux_o,              // s31q16 cells: χ
+    output wire [2*`WH_DATA_W-1:0]      lag_o,               // s31q16 cells: ω̂ over 256 ticks
+    output wire                         anchor_fault_o,      // waves and encoder have parted; until rst or
+                                                             // enable_i = 0
     output wire [1:0]                   overcurrent_o,       // trip_i is reached, as long as it is
     output wire                         encoder_fault_o,     // illegal move seen; until clear_i
     output wire                         overrun_o            // a tick is too short for its work, or
@@ -141,7 +154,8 @@ module wh_brushless #(
     localparam integer OF_CLARKE   = 2;
     localparam integer OF_INVERSE  = 3;
     localparam integer OF_LEGS     = 4;
-    localparam integer USERS       = 7;
+    localparam integer OF_ANCHORS  = 7;
+    localparam integer USERS       = 9;
 
     generate
         if (GUARD != 0 && GUARD != 1) begin : illegal_guard
@@ -302,7 +316,8 @@ module wh_brushless #(
         end
     end
 
-    wire core_start;
+    wire                core_start;
+    wire [2*DATA_W-1:0] axes_current;
 
     wh_clarke clarke (
         .clk           (clk),
@@ -317,8 +332,8 @@ module wh_brushless #(
         .done_i        (done[OF_CLARKE]),
         .product_i     (product),
         .valid_o       (core_start),
-        .alpha_o       (current_o[DATA_W-1:0]),
-        .beta_o        (current_o[2*DATA_W-1:DATA_W])
+        .alpha_o       (axes_current[DATA_W-1:0]),
+        .beta_o        (axes_current[2*DATA_W-1:DATA_W])
     );
 
     // ---- Position and contact. Nothing is read of it in a step's first clock, in which it may still
@@ -334,6 +349,9 @@ module wh_brushless #(
     wire                          wall_shaped;
     wire signed [`WH_COUNT_W-1:0] depth;
     wire        [COEF_W-1:0]      contact_eta;
+    wire signed [`WH_COUNT_W-1:0] counted;
+    wire [2*(`WH_PLACE_W+`WH_SINE_Q)-1:0] place;
+    wire [2*(`WH_SINE_Q+2)-1:0]   last_cell;
     wire                          unused_contact = &{1'b0, direction, encoder_faults, in_round, wall,
                                                      wall_shaped, depth};
 
@@ -344,13 +362,34 @@ module wh_brushless #(
         .b_i             (enc_b_i),
         .filter_clocks_i (filter_clocks_i),
         .clear_i         (clear_i),
-        .position_o      (position_o),
+        .position_o      (counted),
         .moved_o         (moved),
         .direction_o     (direction),
         .illegal_o       (illegal_move),
         .fault_o         (encoder_fault_o),
         .faults_o        (encoder_faults)
     );
+
+    generate
+        if (ANCHOR == 1) begin : with_its_flux
+            wh_rotor_flux rotor_flux (
+                .clk           (clk),
+                .rst           (rst),
+                .position_i    (counted),
+                .count_angle_i (count_angle_i),
+                .zero_angle_i  (zero_angle_i),
+                .position_o    (position_o),
+                .place_o       (place),
+                .cell_o        (last_cell)
+            );
+        end else begin : alone
+            wire unused_angle = &{1'b0, count_angle_i, zero_angle_i};
+
+            assign position_o = counted;
+            assign place      = {2*(`WH_PLACE_W+`WH_SINE_Q){1'b0}};
+            assign last_cell  = {2*(`WH_SINE_Q+2){1'b0}};
+        end
+    endgenerate
 
     wh_contact #(
         .WALLS         (WALLS)
@@ -374,44 +413,55 @@ module wh_brushless #(
         .eta_o         (contact_eta)
     );
 
-    // ---- Wave core: two ports with the same words and the same eta.
+    // ---- Ports of both axes, with the same words and the same eta.
 
-    wire [COEF_W-1:0]   eta = damp ? {COEF_W{1'b0}} : contact_eta;
     wire                core_overrun;
-    wire [2*DATA_W-1:0] withheld;
-    wire [1:0]          waves;
-    wire [2*DATA_W-1:0] newest_u;
-    wire [2*DATA_W-1:0] next_u;
-    wire                unused_core = &{1'b0, withheld, waves, newest_u, next_u};
+    wire                anchor_busy;
+    wire [2*DATA_W-1:0] next_correction;
+    wire [2*DATA_W-1:0] offset;
+    wire                unused_axes = &{1'b0, anchor_busy, next_correction, offset};
 
-    wh_wave_core #(
-        .N             (2),
-        .DELAY_LOG2    (DELAY_LOG2)
-    ) wave_core (
-        .clk           (clk),
-        .rst           (drive_rst),
-        .start_i       (core_start),
-        .busy_o        (core_busy),
-        .valid_o       (core_valid_o),
-        .overrun_o     (core_overrun),
-        .current_i     (current_o),
-        .eta_i         ({2{eta}}),
-        .outside_i     ({2*DATA_W{1'b0}}),
-        .shape_mode_i  (4'd0),
-        .shape_words_i ({2*(9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W){1'b0}}),
-        .root_i        ({2{root_i}}),
-        .a_i           ({2{a_i}}),
-        .u_max_i       ({2{u_max_i}}),
-        .extra_ticks_i (extra_ticks_i),
-        .hold_ticks_i  (hold_ticks_i),
-        .voltage_o     (voltage_o),
-        .u_o           (u_o),
-        .v_o           (v_o),
-        .saturated_o   (saturated_o),
-        .withheld_o    (withheld),
-        .waves_o       (waves),
-        .newest_u_o    (newest_u),
-        .next_u_o      (next_u)
+    wh_axes #(
+        .DELAY_LOG2     (DELAY_LOG2),
+        .ANCHOR         (ANCHOR)
+    ) axes (
+        .clk            (clk),
+        .rst            (drive_rst),
+        .damp_i         (damp),
+        .start_i        (core_start),
+        .busy_o         (core_busy),
+        .anchor_busy_o  (anchor_busy),
+        .valid_o        (core_valid_o),
+        .overrun_o      (core_overrun),
+        .current_i      (axes_current),
+        .eta_i          (contact_eta),
+        .root_i         (root_i),
+        .a_i            (a_i),
+        .u_max_i        (u_max_i),
+        .extra_ticks_i  (extra_ticks_i),
+        .hold_ticks_i   (hold_ticks_i),
+        .position_i     (position_o),
+        .place_i        (place),
+        .cell_i         (last_cell),
+        .contact_i      (contact_o),
+        .anchor_words_i (anchor_words_i),
+        .voltage_o      (voltage_o),
+        .current_o      (current_o),
+        .u_o            (u_o),
+        .v_o            (v_o),
+        .saturated_o    (saturated_o),
+        .correction_o   (correction_o),
+        .next_o         (next_correction),
+        .offset_o       (offset),
+        .flux_o         (flux_o),
+        .lag_o          (lag_o),
+        .anchor_fault_o (anchor_fault_o),
+        .request_o      (request[OF_ANCHORS +: 2]),
+        .factor_o       (factor[OF_ANCHORS*DATA_W +: 2*DATA_W]),
+        .coefficient_o  (coefficient[OF_ANCHORS*COEF_W +: 2*COEF_W]),
+        .grant_i        (grant[OF_ANCHORS +: 2]),
+        .done_i         (done[OF_ANCHORS +: 2]),
+        .product_i      (product)
     );
 
     // Currents are made, and steps asked for, while the drive is off as well.
@@ -544,7 +594,7 @@ module wh_brushless #(
                 .trip_i         ({1'b0, overcurrent_o}),
                 .encoder_i      ({2'd0, illegal_move}),
                 .moved_i        ({3{moved}}),
-                .anchor_i       (3'd0),
+                .anchor_i       ({2'd0, anchor_fault_o}),
                 .setting_i      (illegal_setting),
                 .overrun_i      (overrun_o),
                 .tick_i         (tick_o),

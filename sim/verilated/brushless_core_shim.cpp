@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// C interface to the Verilated wave core of a brushless motor's two ports (rtl/wh_wave_core.v, N = 2):
-// numbers in and out.
+// C interface to the Verilated ports of a brushless motor's two axes with their anchors
+// (wh_core_axes.v): numbers in and out.
 
 #include <cstdint>
 
-#include "Vwh_wave_core.h"
-#include "Vwh_wave_core___024root.h"
+#include "Vwh_core_axes.h"
+#include "Vwh_core_axes___024root.h"
 #include "ends.h"
 #include "edges.h"
 #include "give.h"
 #include "verilated.h"
 #include "words.h"
 
-WH_EDGES(Vwh_wave_core)
+WH_EDGES(Vwh_core_axes)
 
 namespace {
 
 struct Core {
     VerilatedContext context;
-    Vwh_wave_core top{&context};
+    Vwh_core_axes top{&context};
 
     ~Core() { ends(context); }
 };
@@ -33,9 +33,9 @@ void clock(Core *core) {
     fall(core->top);
 }
 
-uint64_t both(int64_t low, int64_t high, int width) {
-    const uint64_t mask = (uint64_t{1} << width) - 1;
-    return (low & mask) | (high & mask) << width;
+uint64_t both(int64_t low, int64_t high) {
+    constexpr uint64_t mask = (uint64_t{1} << WH_DATA_W) - 1;
+    return (low & mask) | (high & mask) << WH_DATA_W;
 }
 
 // The signed word of a port out of both ports'.
@@ -48,10 +48,14 @@ int64_t word_of(uint64_t raw, int port) {
 
 extern "C" {
 
-// A core after a reset, with the words of rtl/words.toml as words.h takes them.
-void *wh_axes_new(const uint32_t *words) {
+// A core after a reset, with the words of rtl/words.toml as words.h takes them, at a position whose
+// angle is `zero`, and a count of which is `turn`.
+void *wh_axes_new(const uint32_t *words, int64_t position, int64_t zero, int64_t turn) {
     Core *core = new Core;
     give_words(core->top, words);
+    core->top.position_i = position;
+    core->top.zero_angle_i = zero;
+    core->top.count_angle_i = turn;
     core->top.eval();  // the first one sees no edge
     core->top.rst = 1;
     clock(core);
@@ -61,18 +65,22 @@ void *wh_axes_new(const uint32_t *words) {
 
 void wh_axes_delete(void *model) { delete static_cast<Core *>(model); }
 
-// One tick. words: the currents of α and β, and η; on return e, u_n and v_n of α and then of β. Returns
-// the clocks from start to the end, or -1 when that never came.
+// One tick. words: the currents of α and β, contact and position; on return e, u_n and v_n of α and then
+// of β, of both anchors c, offset, flux and lag, each of α and then of β, whether they have lost the rotor,
+// and whether a limit acted. Returns the clocks from start to the end of all, or -1 when that never came.
 int64_t wh_axes_step(int64_t model, int64_t words_address) {
     Core *core = reinterpret_cast<Core *>(model);
     int64_t *words = reinterpret_cast<int64_t *>(words_address);
-    core->top.current_i = both(words[0], words[1], WH_DATA_W);
-    core->top.eta_i = both(words[2], words[2], WH_COEF_W);
+    core->top.current_i = both(words[0], words[1]);
+    core->top.contact_i = words[2] != 0;
+    core->top.position_i = words[3];
+    core->top.eval();
+    while (core->top.moving_o) clock(core);
     core->top.start_i = 1;
     clock(core);
     core->top.start_i = 0;
     int64_t clocks = 1;
-    while (!core->top.valid_o) {
+    while (!core->top.done_o) {
         if (++clocks > kNeverDone) return -1;
         clock(core);
     }
@@ -80,7 +88,13 @@ int64_t wh_axes_step(int64_t model, int64_t words_address) {
         words[3 * port] = word_of(core->top.voltage_o, port);
         words[3 * port + 1] = word_of(core->top.u_o, port);
         words[3 * port + 2] = word_of(core->top.v_o, port);
+        words[6 + port] = word_of(core->top.next_o, port);
+        words[8 + port] = word_of(core->top.offset_o, port);
+        words[10 + port] = word_of(core->top.flux_o, port);
+        words[12 + port] = word_of(core->top.lag_o, port);
     }
+    words[14] = core->top.fault_o;
+    words[15] = core->top.saturated_o;
     return clocks;
 }
 

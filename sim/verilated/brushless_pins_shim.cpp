@@ -47,13 +47,15 @@ extern "C" {
 
 // A controller just before its first tick, or null if its ADC never gets ready. Words are those of
 // rtl/words.toml, as words.h takes them; the gain is that of both phases, of which neither has an
-// offset.
-void *wh_brushless_new(const uint32_t *words, int64_t inputs, int64_t gain) {
+// offset. A count turns the magnets by `turn`, and they are at the angle `zero`.
+void *wh_brushless_new(const uint32_t *words, int64_t inputs, int64_t gain, int64_t turn, int64_t zero) {
     Controller *controller = new Controller;
     auto &top = controller->top;
     give_words(top, words);
     const uint64_t gain_word = gain & ((uint64_t{1} << WH_COEF_W) - 1);
     top.phase_gain_i = gain_word | gain_word << WH_COEF_W;
+    top.count_angle_i = turn;
+    top.zero_angle_i = zero;
     set_inputs(top, inputs);
     top.rst = 1;
     top.enable_i = 0;
@@ -92,8 +94,9 @@ int64_t wh_brushless_clock(int64_t model, int64_t inputs) {
     return out;
 }
 
-// The words of the newest step into words[0..8]: i, u_n, v_n, e of alpha, then of beta, and whether
-// the voltage limit acted on either.
+// The words of the newest step into words[0..16]: i, u_n, v_n, e of alpha, then of beta, whether the
+// voltage limit acted on either; of the anchors c, χ and ω̂'s lag, of alpha and then of beta, whether they
+// have lost the rotor, and the position.
 int64_t wh_brushless_words(int64_t model, int64_t words_address) {
     auto &top = reinterpret_cast<Controller *>(model)->top;
     int64_t *words = reinterpret_cast<int64_t *>(words_address);
@@ -104,6 +107,13 @@ int64_t wh_brushless_words(int64_t model, int64_t words_address) {
         words[4 * axis + 3] = word_of(top.voltage_o, axis);
     }
     words[8] = top.saturated_o;
+    for (int axis = 0; axis < 2; ++axis) {
+        words[9 + axis] = word_of(top.correction_o, axis);
+        words[11 + axis] = word_of(top.flux_o, axis);
+        words[13 + axis] = word_of(top.lag_o, axis);
+    }
+    words[15] = top.anchor_fault_o;
+    words[16] = static_cast<int32_t>(top.position_o);
     return 0;
 }
 

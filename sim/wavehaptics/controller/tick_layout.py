@@ -7,11 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from wavehaptics.controller.pins_timing import (
+    ANCHOR_CLOCKS,
     AXES,
     CENTRED_LEAD,
     CORE_CLOCKS,
     EARLY_PREPARE_CLOCKS,
     GATE_CLOCKS,
+    WAVES_CLOCKS,
     early_tick_clocks,
     latency_clocks,
 )
@@ -41,6 +43,9 @@ MIN_TICK_CLOCKS = 48
 MIN_BRUSHLESS_CLOCKS = CORE_CLOCKS * AXES + 4
 """The same with two ports: a step of both, and clocks in which the contact may change; a multiple
 of four, so that a carrier half is a whole number of clocks, and half of it as well."""
+
+MIN_AXES_CLOCKS = CORE_CLOCKS + WAVES_CLOCKS + ANCHOR_CLOCKS + 13
+"""The same with port anchors, the last of which waits for others' products; 72."""
 
 MIN_HALF_CLOCKS = 6
 """Clocks of the shortest carrier half: ``rtl/wh_modulator.v`` makes a width in five."""
@@ -94,7 +99,9 @@ def bridge_mode(scene: Scene) -> str:
 
 
 def _min_tick_clocks(scene: Scene) -> int:
-    return MIN_BRUSHLESS_CLOCKS if scene.motor.brushless else MIN_TICK_CLOCKS
+    if not scene.motor.brushless:
+        return MIN_TICK_CLOCKS
+    return MIN_AXES_CLOCKS if scene.controller.anchored else MIN_BRUSHLESS_CLOCKS
 
 
 def _pulse_halves(scene: Scene) -> int:
@@ -248,11 +255,13 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             f"{scene.scene.name}: a tick of {tick_clocks} clocks is longer than `pins` can count; "
             f"take controller.clock_hz <= {limit * tick_hz:g}"
         )
-    if scene.motor.brushless and tick_clocks < MIN_BRUSHLESS_CLOCKS:
+    least = _min_tick_clocks(scene)
+    if scene.motor.brushless and tick_clocks < least:
+        anchors = " and their anchors" if scene.controller.anchored else ""
         raise SceneError(
             f"{scene.scene.name}: a tick of {tick_clocks} clocks is shorter than the "
-            f"{MIN_BRUSHLESS_CLOCKS} that `pins` needs for two ports; take "
-            f"controller.clock_hz >= {MIN_BRUSHLESS_CLOCKS * tick_hz:g}"
+            f"{least} that `pins` needs for two ports{anchors}; take "
+            f"controller.clock_hz >= {least * tick_hz:g}"
         )
     if half_clocks < MIN_HALF_CLOCKS:
         raise SceneError(

@@ -100,11 +100,6 @@ BRUSHLESS: dict[str, str] = {
 }  # fmt: skip
 """What is refused besides where the motor is a ``pmsm``, with the cure."""
 
-_ONE_PORT = "the RTL's port anchor is of one port yet; leave it out or take `golden`"
-_NO_ANCHOR = {"controller.anchor_auto": _ONE_PORT, "controller.anchor_ohm": _ONE_PORT}
-BRUSHLESS_BY_RUNG = {"core": _NO_ANCHOR, "pins": _NO_ANCHOR}
-"""What one of the controllers refuses there besides."""
-
 
 def asked(scene: Scene) -> set[str]:
     """Tables and keys (``table``, ``table.key``) in which a scene asks for more than their default.
@@ -145,7 +140,7 @@ def refuse(scene: Scene, name: str) -> None:
                 f'{scene.scene.name}: motor.kind = "pmsm" is not for `{name}` yet; '
                 f"take {', '.join(others)} or {last}"
             )
-        refused = {**BRUSHLESS, **BRUSHLESS_BY_RUNG.get(name, {}), **refused}
+        refused = {**BRUSHLESS, **refused}
     for what, cure in refused.items():
         if what in asked_for:
             shown = what if "." in what else f"[{what}]"

@@ -2,8 +2,8 @@
 """The controllers ``analog``, ``golden`` and ``core`` of a brushless motor: two ports, α and β.
 
 Each axis of the stationary frame has a port of its own, of the same words, and none knows the
-rotor's angle: the encoder's count only says which η both have. A port anchor, which ``golden`` may
-have, is one for each axis; it alone is told the electrical angle. A row's ``i`` is the current that
+rotor's angle: the encoder's count only says which η both have. A port anchor is one for each axis;
+it alone is told the electrical angle. A row's ``i`` is the current that
 the torque is k_T times of, its ``e_a``, ``u`` and ``v`` are the parts of both axes along q at the
 tick's middle, and the raw words are those of port α. One loop serves ``golden`` and ``core``: its
 steps are those of the integer model, or of the Verilated core with two ports.
@@ -128,6 +128,7 @@ def _advance_sampled(
             contact, position, wall_min, wall_max, ints[_HYSTERESIS] != 0
         )
         eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
+        raw_a, raw_b = alpha, beta
         left_a = left_b = u_max
         if anchored is not None:
             held_a, held_b = anchored[1][0], anchored[1][1]
@@ -164,21 +165,35 @@ def _advance_sampled(
                 next_a = wave_core.saturate(next_a + c_a)
                 next_b = wave_core.saturate(next_b + c_b)
         else:
-            buffer[0], buffer[1], buffer[2] = alpha, beta, eta
+            buffer[0], buffer[1], buffer[2], buffer[3] = raw_a, raw_b, touching, position
             clocks = call2(ints[_STEP], ints[_MODEL], buffer.ctypes.data)
             if clocks < 0:
                 return False
             kept[_CLOCKS] += clocks
             next_a, u_a, v_a = buffer[0], buffer[1], buffer[2]
             next_b, u_b, v_b = buffer[3], buffer[4], buffer[5]
+            if anchored is not None:
+                c_a, c_b = held_a[anchor.CORRECTION], held_b[anchor.CORRECTION]
+                for axis in range(2):
+                    held = anchored[1][axis]
+                    held[anchor.CORRECTION], held[anchor.OFFSET] = (
+                        buffer[6 + axis],
+                        buffer[8 + axis],
+                    )
+                    held[anchor.CHI] = buffer[10 + axis] << formats.LONG_GUARD
+                    held[anchor.LAG] = buffer[12 + axis] << formats.LONG_GUARD
+                    held[anchor.FAULT] = buffer[14]
         theta = put_axes(rows[n], z, load, z[TIME] - tick, tick, before, hand, e_a, e_b, high - low)
         u = along_q(u_a, u_b, theta) * _ROOT_WATT
         v = along_q(v_a, v_b, theta) * _ROOT_WATT
         limited = abs(u_a) >= u_max or abs(u_b) >= u_max
         if anchored is not None:  # whose limit is not the same in every tick
-            limited = (
-                ports[0, wave_core.STATE_SATURATED] != 0 or ports[1, wave_core.STATE_SATURATED] != 0
-            )
+            limited = buffer[15] != 0
+            if ints[_MODEL] == 0:
+                limited = (
+                    ports[0, wave_core.STATE_SATURATED] != 0
+                    or ports[1, wave_core.STATE_SATURATED] != 0
+                )
         put_port(rows[n], eta * _ETA, u, v, touching, limited)
         if anchored is not None:
             fault = held_a[anchor.FAULT] + 2 * held_b[anchor.FAULT]
@@ -212,13 +227,14 @@ class BrushlessSimulation:
         plant = BrushlessPlant.of_scene(scene)
         substeps = plant.substeps(self.tick_s)
         dt = self.tick_s / substeps
+        position = math.floor(plant.plant.start[X] / set_.cell_rad)
+        turn, zero = rotor_angles(scene, set_, position)
         if rtl:
-            self._library, self._model, step = _load_axes(set_)
+            self._library, self._model, step = _load_axes(set_, position, zero, turn)
         self._z = plant.start
         self._kept = np.zeros(7, dtype=np.int64)
-        position = math.floor(plant.start[X] / set_.cell_rad)
-        self._anchored = _anchors(scene, set_, position) if set_.anchored else None
-        self._buffer = np.zeros(6, dtype=np.int64)
+        self._anchored = _anchors(set_, position, zero, turn) if set_.anchored else None
+        self._buffer = np.zeros(16, dtype=np.int64)
         self._ports = np.stack([wave_core.new_state() for _ in range(2)])
         self._lines = np.stack([wave_core.new_line(set_.extra_ticks) for _ in range(2)])
         self._contact = np.array([-1, 0], dtype=np.int64)
@@ -254,29 +270,39 @@ class BrushlessSimulation:
             self._library.wh_axes_delete(self._model)
 
 
-def _anchors(scene: Scene, set_: Settings, position: int) -> tuple:
-    """What :func:`_advance_sampled` takes as ``anchored``, from ``position`` on."""
+def rotor_angles(scene: Scene, set_: Settings, position: int) -> tuple[int, int]:
+    """Words of the angle by which a count turns the magnets, and of θ at a position in counts."""
     pairs = scene.motor.pole_pairs
     assert pairs is not None
-    zero = rotor_flux.zero_word(pairs, set_.cell_rad, scene.controller.magnet_hat_rad, position)
+    magnet = scene.controller.magnet_hat_rad
+    return (
+        rotor_flux.count_word(pairs, set_.cell_rad),
+        rotor_flux.zero_word(pairs, set_.cell_rad, magnet, position),
+    )
+
+
+def _anchors(set_: Settings, position: int, zero: int, turn: int) -> tuple:
+    """What :func:`_advance_sampled` takes as ``anchored``."""
     return (
         set_.anchor,
         np.stack([anchor.new_state() for _ in range(2)]),
-        rotor_flux.count_word(pairs, set_.cell_rad),
+        turn,
         rotor_flux.sine_table(),
         rotor_flux.new_state(position, zero),
     )
 
 
-def _load_axes(set_: Settings):
-    """(library, a model, address of its step) of the core's RTL with a port for each axis."""
+def _load_axes(set_: Settings, position: int, zero: int, turn: int):
+    """(library, a model, address of its step) of both axes' RTL, from a position on."""
     design = verilated.Design(
-        "wh_wave_core", "brushless_core_shim.cpp", {"N": 2, "DELAY_LOG2": CORE_DELAY_LOG2}
+        "wh_core_axes",
+        "brushless_core_shim.cpp",
+        {"DELAY_LOG2": CORE_DELAY_LOG2, "ANCHOR": int(set_.anchored)},
     )
     library = verilated.load(design)
     verilated.declare_destructor(library.wh_axes_delete)
     words = verilated.words_of(design, {**set_.words(), "hold_ticks": set_.extra_ticks})
-    model = verilated.new_model(library.wh_axes_new, words)
+    model = verilated.new_model(library.wh_axes_new, words, position, zero, turn)
     return library, model, verilated.address(library.wh_axes_step)
 
 

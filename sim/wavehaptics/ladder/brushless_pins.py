@@ -16,12 +16,13 @@ import math
 
 import numpy as np
 
+from wavehaptics.controller.anchor import FOLLOWER_TICKS, SEEN_CELLS
 from wavehaptics.controller.pins_timing import GATE_CLOCKS
 from wavehaptics.controller.ports import controller_ports
 from wavehaptics.controller.settings import Settings
 from wavehaptics.ladder import verilated
 from wavehaptics.ladder.abilities import refuse
-from wavehaptics.ladder.brushless import clear_sums, put_axes
+from wavehaptics.ladder.brushless import clear_sums, put_axes, rotor_angles
 from wavehaptics.ladder.pins import DELAY_LOG2, MIN_WALLS, STEPS, true_bus_v, wire
 from wavehaptics.ladder.pins_loop import (
     ADVANCED,
@@ -65,10 +66,11 @@ from wavehaptics.runtime.compiled import compiled, compiled_counting
 from wavehaptics.runtime.native_call import call2
 from wavehaptics.scene import Scene, encoder_end
 from wavehaptics.scene.tables.drive import Drive
-from wavehaptics.trace.columns import Column, Word, put_port
+from wavehaptics.trace.columns import Column, Word, put_anchor, put_estimate, put_port
 from wavehaptics.words import formats
 
 _WAVE = formats.WAVE.step
+_VOLT = formats.VOLTAGE.step
 _ROOT3 = math.sqrt(3.0)
 
 # Bits of the pins, as sim/verilated/brushless_pins_shim.cpp packs them; gates below.
@@ -77,15 +79,16 @@ _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING, _COMPLAINTS = range(6, 12)
 # Places in the loop's integer parameters.
 (
     _MODEL, _CLOCK, _WORDS, _TICK_CLOCKS, _CODE_SHIFT, _DATA_BITS, _U_MAX, _SUBSTEP_CLOCKS,
-    _LAUNCH_LEVEL, _PIPELINE,
-) = range(10)  # fmt: skip
+    _LAUNCH_LEVEL, _PIPELINE, _ANCHORED, _START_COUNT,
+) = range(12)  # fmt: skip
 # Places in the integers that the loop keeps, behind those of pins_loop, whose SHIFT and HELD are of
 # phase a.
 _SHIFT_B, _HELD_B, _DONE = range(CORRECTION + 1, CORRECTION + 4)
 # Places in what it keeps of the tick that is running.
 _LOW, _HIGH, _X0, _HAND0, _T0 = range(5)
-# Places in the words of a step: i, u, v and e of alpha and of beta, the limit, and the contact.
-_ALPHA, _BETA, _LIMITED, _CONTACT = 0, 4, 8, 9
+# Places in the words of a step: i, u, v and e of alpha and of beta, the limit, of the anchors c, χ
+# and the lag of both, their fault, the position, and the contact.
+_ALPHA, _BETA, _LIMITED, _C, _CHI, _LAG, _LOST, _PLACE, _CONTACT = 0, 4, 8, 9, 11, 13, 15, 16, 17
 _STEP_I, _STEP_U, _STEP_V, _STEP_E = range(4)
 
 _RUN_OUT_A = 1e-12
@@ -194,7 +197,21 @@ def _emit(row, words, place, pending, angles, waves, floats, ints):
     u = along_q(step[_ALPHA + _STEP_U], step[_BETA + _STEP_U], theta) * _WAVE
     v = along_q(step[_ALPHA + _STEP_V], step[_BETA + _STEP_V], theta) * _WAVE
     largest = max(abs(step[_ALPHA + _STEP_U]), abs(step[_BETA + _STEP_U]))
-    put_port(row, eta, u, v, step[_CONTACT], largest >= ints[_U_MAX])
+    limited = largest >= ints[_U_MAX]
+    if ints[_ANCHORED]:
+        limited = step[_LIMITED] != 0  # which isn't the same in every tick
+        # The voltage of the measured tick was made in the step before.
+        made = waves[(place - 1) % PENDING]
+        put_anchor(row, along_q(made[_C], made[_C + 1], theta) * _VOLT, step[_LOST])
+        chi = along_q(step[_CHI], step[_CHI + 1], theta) * SEEN_CELLS
+        lag = along_q(step[_LAG], step[_LAG + 1], theta) * SEEN_CELLS * floats[CELL]
+        put_estimate(
+            row, chi, (ints[_START_COUNT] + step[_PLACE] + 0.5 - chi) * floats[CELL],
+            lag / (FOLLOWER_TICKS * ints[_TICK_CLOCKS] * floats[DT]),
+        )  # fmt: skip
+        if step[_LOST]:
+            eta = 0.0
+    put_port(row, eta, u, v, step[_CONTACT], limited)
     words[Word.I] = step[_ALPHA + _STEP_I]
     words[Word.U] = step[_ALPHA + _STEP_U]
     words[Word.V] = step[_ALPHA + _STEP_V]
@@ -281,18 +298,20 @@ class BrushlessPinsSimulation:
         plant = BrushlessPlant.of_scene(scene)
         drive = scene.drive or Drive.model_validate({})
         places = max(MIN_WALLS, len(ports.walls))
-        design = verilated.Design(
-            "wh_brushless",
-            "brushless_pins_shim.cpp",
-            {"WALLS": places, "DELAY_LOG2": DELAY_LOG2, "MIN_PULSE": int(bool(drive.min_pulse_s))},
-        )
+        parameters = {
+            "WALLS": places,
+            "DELAY_LOG2": DELAY_LOG2,
+            "MIN_PULSE": int(bool(drive.min_pulse_s)),
+            **({"ANCHOR": 1} if set_.anchored else {}),
+        }
+        design = verilated.Design("wh_brushless", "brushless_pins_shim.cpp", parameters)
         self._library = verilated.load(design)
         verilated.declare_destructor(self._library.wh_brushless_delete)
         values = {**ports.words, **set_.words(), **ports.wall_words(places)}
         levels = encoder_levels.py_func(ports.start_count) << 1
         self._model = verilated.new_model(
             self._library.wh_brushless_new, verilated.words_of(design, values), levels,
-            ports.words["gain"],
+            ports.words["gain"], *rotor_angles(scene, set_, ports.start_count),
         )  # fmt: skip
         if not self._model:
             raise RuntimeError("the controller's RTL never got its ADC ready")
@@ -315,7 +334,8 @@ class BrushlessPinsSimulation:
         self._ints = np.array(
             [self._model, verilated.address(self._library.wh_brushless_clock),
              verilated.address(self._library.wh_brushless_words), time.tick_clocks, code_shift,
-             sensor.bits, set_.u_max, longest, launch_level, time.frame.pipeline],
+             sensor.bits, set_.u_max, longest, launch_level, time.frame.pipeline, set_.anchored,
+             ports.start_count],
             dtype=np.int64,
         )  # fmt: skip
         self._floats = np.array(
