@@ -37,6 +37,7 @@ BLOCKS = {
     "wh_inverse_clarke": "test_inverse_clarke.py::test_inverse_clarke[icarus-full]",
     "wh_link": "test_link.py::test_link_briefly",
     "wh_linked_device": "test_link.py::test_link_briefly",
+    "wh_magnet_angle": "test_magnet_angle.py::test_magnet_angle[icarus]",
     "wh_modbus": "test_modbus.py::test_modbus_briefly",
     "wh_modulator": "test_briefly.py::test_briefly[modulator]",
     "wh_motor": "test_closed_loop.py::test_closed_loop[icarus]",

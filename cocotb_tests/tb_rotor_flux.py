@@ -30,7 +30,9 @@ class FluxBench(Bench):
     async def begin(self, turn: int, zero: int, position: int, clocks: int = 1) -> None:
         self.turn, self.position = turn, position
         self.state = rotor_flux.new_state(position, zero)
-        self.drive(rst=1, position_i=position, count_angle_i=turn, zero_angle_i=zero)
+        self.drive(
+            rst=1, position_i=position, count_angle_i=turn, zero_angle_i=zero, turn_i=0, by_i=0
+        )  # fmt: skip
         await self.step(clocks)
         self.drive(rst=0)
         self.still = 0
@@ -47,6 +49,14 @@ class FluxBench(Bench):
         want = (self.state[rotor_flux.PLACE_A :] >> rotor_flux.SHIFT).tolist()
         assert [*places, *cells] == want
 
+    async def turn_by(self, by: int) -> None:
+        """At rest: the angle of all that comes is another one."""
+        self.drive(turn_i=1, by_i=by)
+        await self.step()
+        self.drive(turn_i=0)
+        self.state[rotor_flux.ANGLE] = (self.state[rotor_flux.ANGLE] + by) & 0xFFFFFFFF
+        self.check()
+
     async def clock(self, position: int) -> None:
         self.still = self.still + 1 if position == self.position else 0
         self.position = position
@@ -60,7 +70,7 @@ async def any_walk(dut: object) -> None:
     """Any angles of a count, walks with counts at any distances, leaps, resets of any length."""
     rng = random_source("walks")
     bench = FluxBench(dut)
-    await bench.start(position_i=0, count_angle_i=0, zero_angle_i=0)
+    await bench.start(position_i=0, count_angle_i=0, zero_angle_i=0, turn_i=0, by_i=0)
     seen = np.zeros(4, dtype=bool)
     for run in range(8 if "Icarus" in cocotb.SIM_NAME else 60):
         turn = rng.choice((0, 1, (1 << 32) - 1, 3007477, rng.getrandbits(32), rng.getrandbits(26)))
@@ -78,6 +88,10 @@ async def any_walk(dut: object) -> None:
         for _ in range(2 * left + LATENCY):
             await bench.clock(position)
         assert bench.signed("position_o") == position
+        await bench.turn_by(rng.getrandbits(32))
+        for _ in range(50):
+            position += rng.choice((0, 0, 1, -1))
+            await bench.clock(position)
     assert seen.all()
 
 
@@ -85,7 +99,7 @@ async def any_walk(dut: object) -> None:
 async def a_count_takes_four_clocks(dut: object) -> None:
     """From rest: its words are there so many clocks later, and not before."""
     bench = FluxBench(dut)
-    await bench.start(position_i=0, count_angle_i=0, zero_angle_i=0)
+    await bench.start(position_i=0, count_angle_i=0, zero_angle_i=0, turn_i=0, by_i=0)
     await bench.begin(1 << 22, 1 << 29, 100)
     for way in (1, -1, -1, 1):
         await bench.step(10)

@@ -4,6 +4,7 @@
 //
 //   current - offset -> wh_wave_core -> e_id + correction -> voltage       of each axis
 //   waves, flux by the encoder (wh_rotor_flux) -> wh_anchor -> correction, offset, room
+//   jumps of the anchors' χ -> wh_magnet_angle -> the angle that is wrong, before the anchors have a say
 //
 // Both ports have the same words and the same eta. sim/wavehaptics/ladder/brushless.py puts the integer
 // models together in the same way. ANCHOR = 0: no anchors; the position and the flux mean nothing.
@@ -11,7 +12,7 @@
 // Formats: those of the blocks.
 // Latency: the wave core's, 48 clocks; the anchors go on behind it, anchor_busy_o. A step that starts
 // before they are done is an overrun, as what they find acts in it.
-// Reset: the blocks'.
+// Reset: the blocks'; with angle_rst_i, at power-up, the magnets are to be found anew.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -45,6 +46,15 @@ module wh_axes #(
     input  wire [2*(`WH_SINE_Q+2)-1:0]       cell_i,          // s17q15 cells
     input  wire                              contact_i,       // for all of the core's step
     input  wire [`WH_ANCHOR_W-1:0]           anchor_words_i,
+
+    // The magnets' angle (wh_magnet_angle), which a stop doesn't forget.
+    input  wire                              angle_rst_i,
+    input  wire                              find_magnet_i,
+    input  wire [31:0]                       count_angle_i,
+    output wire                              turn_o,
+    output wire [31:0]                       by_o,
+    input  wire                              turned_i,
+    output wire                              magnet_found_o,
 
     output wire [2*`WH_DATA_W-1:0]           voltage_o,       // s31q23 V: e to be applied
     output reg  [2*`WH_DATA_W-1:0]           current_o,       // s31q24 A: i_n, without the offset
@@ -135,8 +145,14 @@ module wh_axes #(
     generate
         if (ANCHOR == 1) begin : anchored
             // The rotor that belongs to the step, until the port's turn.
-            wire               calm_rst = rst || damp_i;
+            wire               begins;        // the anchors, with the magnets found
+            wire               magnet_busy;
+            wire               calm_rst = rst || damp_i || begins;
+            wire [`WH_ANCHOR_W-1:0] words = {anchor_words_i[`WH_ANCHOR_W-1:1],
+                                             anchor_words_i[0] && magnet_found_o};
             reg                late_q;
+            reg                working_q;     // the anchors
+            reg                contact_q;     // of the step
             reg [COUNT_W-1:0]  position_q;
             reg [2*FLUX_W-1:0] place_q;
             reg [2*CELL_W-1:0] cell_q;
@@ -144,7 +160,7 @@ module wh_axes #(
             wire [1:0]         anchor_overrun;
             wire [1:0]         anchor_fault;
 
-            assign anchor_busy_o  = |{anchor_busy, waves};
+            assign anchor_busy_o  = |{anchor_busy, waves, magnet_busy};
             assign overrun_o      = core_overrun || (|anchor_overrun) || late_q;
             assign anchor_fault_o = |anchor_fault;
 
@@ -160,6 +176,31 @@ module wh_axes #(
                     cell_q     <= cell_i;
                 end
             end
+
+            // An anchor begins before the other one ends.
+            always @(posedge clk) begin
+                working_q <= !rst && (|{anchor_busy, waves});
+                contact_q <= (|waves) ? contact_i : contact_q;
+            end
+
+            wh_magnet_angle magnet_angle (
+                .clk           (clk),
+                .rst           (angle_rst_i),
+                .find_i        (find_magnet_i),
+                .count_angle_i (count_angle_i),
+                .rest_ticks_i  (anchor_words_i[`WH_ANCHOR_W-1-`WH_REST_UNIT_W -: `WH_REST_W]),
+                .done_i        (working_q && !(|{anchor_busy, waves})),
+                .position_i    (angle_rst_i ? position_i : position_q),
+                .contact_i     (contact_q),
+                .cell_i        (cell_q),
+                .flux_i        (flux_o),
+                .busy_o        (magnet_busy),
+                .turn_o        (turn_o),
+                .by_o          (by_o),
+                .turned_i      (turned_i),
+                .found_o       (magnet_found_o),
+                .begin_o       (begins)
+            );
 
             for (n = 0; n < 2; n = n + 1) begin : axis
                 wire signed [DATA_W-1:0] raw        = $signed(current_i[n*DATA_W +: DATA_W]);
@@ -217,7 +258,7 @@ module wh_axes #(
                     .saturated_i   (saturated_o[n]),
                     .busy_o        (anchor_busy[n]),
                     .overrun_o     (anchor_overrun[n]),
-                    .words_i       (anchor_words_i),
+                    .words_i       (words),
                     .request_o     (request_o[n]),
                     .factor_o      (factor_o[n*DATA_W +: DATA_W]),
                     .coefficient_o (coefficient_o[n*COEF_W +: COEF_W]),
@@ -235,7 +276,9 @@ module wh_axes #(
             end
         end else begin : by_their_waves_alone
             wire unused = &{1'b0, withheld, waves, position_i, place_i, cell_i, contact_i,
-                            anchor_words_i, grant_i, done_i, product_i};
+                            anchor_words_i, angle_rst_i, find_magnet_i, count_angle_i,
+                            turned_i, grant_i,
+                            done_i, product_i};
 
             assign step_max       = {2{u_max_i}};
             assign current        = current_i;
@@ -243,6 +286,9 @@ module wh_axes #(
             assign anchor_busy_o  = 1'b0;
             assign overrun_o      = core_overrun;
             assign anchor_fault_o = 1'b0;
+            assign turn_o         = 1'b0;
+            assign by_o           = 32'd0;
+            assign magnet_found_o = 1'b0;
             assign correction_o   = {2*DATA_W{1'b0}};
             assign next_o         = {2*DATA_W{1'b0}};
             assign offset_o       = {2*DATA_W{1'b0}};

@@ -10,7 +10,7 @@
 // A positive current of a phase runs out of its leg into the motor; where the magnets lie the waves don't
 // know. The encoder's count says only which wall the rotor is in. ANCHOR = 1: it says as well what it does
 // to the flux of both axes, for their port anchors, which want zero_angle_i, the electrical angle at the
-// position of the reset. Both ports have the same words: what
+// position of the reset, or find it by the first movement. Both ports have the same words: what
 // R and L are, they are along any direction. u_max_i is each axis' own; legs in the middle of the bus
 // reach 2/(3 + √3) of it on both at once (docs/brushless.md).
 //
@@ -101,6 +101,7 @@ module wh_brushless #(
     input  wire [`WH_ANCHOR_W-1:0]      anchor_words_i,
     input  wire [31:0]                  count_angle_i,       // turns of 2^32 by which a count turns the magnets
     input  wire [31:0]                  zero_angle_i,        // at the position of the reset
+    input  wire                         find_magnet_i,       // it isn't known: wh_magnet_angle finds it
 
     // Drive (wh_three_phase).
     input  wire [7:0]                   min_pulse_i,         // clocks that a leg stays, or more
@@ -136,6 +137,7 @@ module wh_brushless #(
     output wire [2*`WH_DATA_W-1:0]      correction_o,        // s31q23 V: the anchors' part of e
     output wire [2*`WH_DATA_W-1:0]      flux_o,              // s31q16 cells: χ
     output wire [2*`WH_DATA_W-1:0]      lag_o,               // s31q16 cells: ω̂ over 256 ticks
+    output wire                         magnet_found_o,      // the anchors have a say; until rst
     output wire                         anchor_fault_o,      // waves and encoder have parted; until rst or
                                                              // enable_i = 0
     output wire [1:0]                   overcurrent_o,       // trip_i is reached, as long as it is
@@ -352,6 +354,9 @@ module wh_brushless #(
     wire signed [`WH_COUNT_W-1:0] counted;
     wire [2*(`WH_PLACE_W+`WH_SINE_Q)-1:0] place;
     wire [2*(`WH_SINE_Q+2)-1:0]   last_cell;
+    wire                          turn;
+    wire [31:0]                   turn_by;
+    wire                          turned;
     wire                          unused_contact = &{1'b0, direction, encoder_faults, in_round, wall,
                                                      wall_shaped, depth};
 
@@ -378,12 +383,17 @@ module wh_brushless #(
                 .position_i    (counted),
                 .count_angle_i (count_angle_i),
                 .zero_angle_i  (zero_angle_i),
+                .turn_i        (turn),
+                .by_i          (turn_by),
+                .turned_o      (turned),
                 .position_o    (position_o),
                 .place_o       (place),
                 .cell_o        (last_cell)
             );
         end else begin : alone
-            wire unused_angle = &{1'b0, count_angle_i, zero_angle_i};
+            wire unused_angle = &{1'b0, zero_angle_i, turn, turn_by};
+
+            assign turned = 1'b0;
 
             assign position_o = counted;
             assign place      = {2*(`WH_PLACE_W+`WH_SINE_Q){1'b0}};
@@ -445,6 +455,13 @@ module wh_brushless #(
         .cell_i         (last_cell),
         .contact_i      (contact_o),
         .anchor_words_i (anchor_words_i),
+        .angle_rst_i    (rst),
+        .find_magnet_i  (find_magnet_i),
+        .count_angle_i  (count_angle_i),
+        .turn_o         (turn),
+        .by_o           (turn_by),
+        .turned_i       (turned),
+        .magnet_found_o (magnet_found_o),
         .voltage_o      (voltage_o),
         .current_o      (current_o),
         .u_o            (u_o),

@@ -5,7 +5,7 @@
 // position, which comes out of it with the flux that belongs to it.
 //
 //   a count up passes an edge at the electrical angle θ, and changes the flux by q = (-sin θ, cos θ);
-//   a count down takes the same words off again
+//   a count down takes the same words off again, unless the angle was turned (wh_magnet_angle) in between
 //
 // sim/wavehaptics/controller/rotor_flux.py says the same with integers, and this module equals it bit for
 // bit, count for count. A quarter of a sine, 256 words from wh_sine.vh, is looked up for the one axis and
@@ -25,6 +25,9 @@ module wh_rotor_flux (
     input  wire signed [`WH_COUNT_W-1:0]          position_i,     // s32, counts
     input  wire [31:0]                            count_angle_i,  // by which a count turns the magnets
     input  wire [31:0]                            zero_angle_i,
+    input  wire                                   turn_i,         // the angle is to be turned...
+    input  wire [31:0]                            by_i,           // ... by this
+    output wire                                   turned_o,       // it is, in this clock
 
     output reg  signed [`WH_COUNT_W-1:0]          position_o,     // s32, counts
     // Alpha lowest.
@@ -58,6 +61,8 @@ module wh_rotor_flux (
     wire                      back  = left[COUNT_W-1];
     wire                      takes = !second_q && (left != {COUNT_W{1'b0}});
 
+    assign turned_o = turn_i && !takes && !rst;
+
     // Half of a count's angle, the larger one up: so both ways pass the same edge.
     wire [31:0] less = ~{1'b0, count_angle_i[31:1]} + 32'd1;
     wire [31:0] more = {1'b0, count_angle_i[31:1]} + {31'd0, count_angle_i[0]};
@@ -72,6 +77,8 @@ module wh_rotor_flux (
             if (takes) begin
                 ahead_q <= back ? ahead_q - 1'b1 : ahead_q + 1'b1;
                 angle_q <= back ? angle_q - count_angle_i : angle_q + count_angle_i;
+            end else if (turn_i) begin
+                angle_q <= angle_q + by_i;
             end
         end
         edge_q <= second_q ? {edge_q[31:30] + 2'd1, edge_q[29:0]} : angle_q + (back ? less : more);

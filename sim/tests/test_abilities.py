@@ -166,6 +166,7 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "controller.l_hat": (ANCHORED, ("controller.l_hat=0.3e-3",)),
     "controller.k_t_hat": (ANCHORED, ("controller.k_t_hat=0.03",)),
     "controller.magnet_hat_rad": ((*ANCHORED, *BRUSHLESS), ("controller.magnet_hat_rad=0.3",)),
+    "controller.find_magnet": ((*ANCHORED, *BRUSHLESS), ("controller.find_magnet=true",)),
     "controller.clock_hz": ((), ("controller.clock_hz=25e6",)),
     "controller.early_duty": (
         ("controller.extra_ticks=0",),

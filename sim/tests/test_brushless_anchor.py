@@ -21,7 +21,7 @@ CELL = 1 << formats.LONG.fraction
 TABLE = rotor_flux.sine_table()
 COUNTS, PAIRS = 10_000, 7
 ANGLES = [n * math.pi / 4 for n in range(8)]
-AXES_CLOCKS = 59
+AXES_CLOCKS = 60
 """Of a step of both ports and, behind it, both anchors."""
 GIMBAL = BRUSHLESS_PRESETS["gbm2804-100t"]
 
@@ -221,8 +221,11 @@ def test_free_space_is_free_through_turns_of_the_magnets():
         ("hand.path='sine'", "hand.frequency_hz=5", "hand.amplitude_rad=0.6",
          "controller.tick_hz=20e3", "controller.lambda=1e4"),
         ("drive.limit_v=0.5", "controller.edge_hysteresis=true", "controller.extra_ticks=3"),
+        ("hand.path='sine'", "hand.frequency_hz=3", "hand.amplitude_rad=0.3", "hand.damping=1e-3",
+         "controller.find_magnet=true", "adc.offset_a=0.4e-3", "scene.duration_s=0.25",
+         "controller.magnet_hat_rad=0", "motor.magnet_rad=0.05", "controller.walls=[[0.25, 1.0]]"),
     ],
-    ids=["pressed", "counts-in-leaps", "limited"],
+    ids=["pressed", "counts-in-leaps", "limited", "magnets-to-be-found"],
 )  # fmt: skip
 def test_core_is_golden(sets: tuple[str, ...]):
     scene = held("scene.duration_s=0.05", *sets)
@@ -235,8 +238,58 @@ def test_core_is_golden(sets: tuple[str, ...]):
         found.append((rows, words))
     assert np.array_equal(found[0][0], found[1][0])
     assert np.array_equal(found[0][1], found[1][1])
-    assert np.count_nonzero(found[0][0][:, Column.CORRECTION]) > ticks / 2
-    assert simulation.clock_cycles == AXES_CLOCKS * ticks
+    finds = scene.controller.find_magnet
+    assert np.count_nonzero(found[0][0][:, Column.CORRECTION]) > ticks / (10 if finds else 2)
+    assert simulation.clock_cycles >= AXES_CLOCKS * ticks
+    assert (simulation.clock_cycles > AXES_CLOCKS * ticks) == finds
+
+
+FIND = (
+    "hand.path='sine'", "hand.frequency_hz=3", "hand.amplitude_rad=0.3", "hand.damping=1e-3",
+    "controller.find_magnet=true", "controller.magnet_hat_rad=0", "controller.walls=[[0.25, 1.0]]",
+    "adc.offset_a=0.4e-3",
+)  # fmt: skip
+
+
+def found_at(scene: Scene, controller: str) -> tuple[int, float, np.ndarray]:
+    """(First tick of a correction, χ's largest size behind it in cells, the rows)."""
+    simulation = CONTROLLERS[controller](scene)
+    rows = np.zeros((round(scene.scene.duration_s / simulation.tick_s), len(Column)))
+    simulation.advance(rows, np.zeros((len(rows), len(Word)), dtype=np.int64))
+    begun = int(np.flatnonzero(rows[:, Column.CORRECTION])[0])
+    return begun, float(np.abs(rows[begun + 1000 :, Column.FLUX]).max()), rows
+
+
+@pytest.mark.parametrize("magnet_rad", [0.05, 0.2, 0.35, 0.5, 0.65, 0.8])
+def test_the_first_movement_finds_the_magnets(magnet_rad: float):
+    """Whatever their angle is: within an electrical turn, and the next wall is held."""
+    scene = held(*FIND, f"motor.magnet_rad={magnet_rad}", "scene.duration_s=0.5")
+    begun, chi, rows = found_at(scene, "golden")
+    assert abs(rows[begun, Column.X] - rows[0, Column.X]) < 2 * math.pi / GIMBAL.pole_pairs
+    assert rows[begun:, Column.CONTACT].any()
+    assert not rows[:, Column.FAULT].any()
+    assert chi < 4.0  # in a hit: a wrong angle's would go on growing with the way
+
+
+def test_magnets_the_wrong_way_round_are_never_found():
+    """An encoder that counts down where the phases count up: no anchor ever has a say."""
+    scene = held(*FIND, "encoder.counts_per_rev=10000", "scene.duration_s=0.5")
+    simulation = CONTROLLERS["golden"](scene)
+    turn = 2  # its place in what the loop takes
+    anchored = list(simulation._anchored)
+    anchored[turn] = (1 << rotor_flux.ANGLE_W) - anchored[turn]
+    simulation._anchored = tuple(anchored)
+    rows = np.zeros((500_000, len(Column)))
+    simulation.advance(rows, np.zeros((len(rows), len(Word)), dtype=np.int64))
+    assert not rows[:, Column.CORRECTION].any()
+
+
+def test_pins_find_the_magnets():
+    scene = held(*FIND, "motor.magnet_rad=0.05", "scene.duration_s=0.25", "drive.bus_v=12")
+    begun, chi, rows = found_at(scene, "pins")
+    assert begun < 200_000
+    assert not rows[:, Column.FAULT].any()
+    assert chi < 4.0
 
 
 def test_pins_hold_what_golden_holds():

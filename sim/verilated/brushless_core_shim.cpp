@@ -49,13 +49,14 @@ int64_t word_of(uint64_t raw, int port) {
 extern "C" {
 
 // A core after a reset, with the words of rtl/words.toml as words.h takes them, at a position whose
-// angle is `zero`, and a count of which is `turn`.
-void *wh_axes_new(const uint32_t *words, int64_t position, int64_t zero, int64_t turn) {
+// angle is `zero`, or with `finds` isn't known, and a count of which is `turn`.
+void *wh_axes_new(const uint32_t *words, int64_t position, int64_t zero, int64_t turn, int64_t finds) {
     Core *core = new Core;
     give_words(core->top, words);
     core->top.position_i = position;
     core->top.zero_angle_i = zero;
     core->top.count_angle_i = turn;
+    core->top.find_magnet_i = finds;
     core->top.eval();  // the first one sees no edge
     core->top.rst = 1;
     clock(core);

@@ -34,6 +34,7 @@ module wh_core_axes #(
     input  wire [31:0]                  count_angle_i,
     input  wire [31:0]                  zero_angle_i,
     input  wire [`WH_ANCHOR_W-1:0]      anchor_words_i,
+    input  wire                         find_magnet_i,
 
     output wire [2*`WH_DATA_W-1:0]      voltage_o,       // s31q23 V: e to be applied
     output wire [2*`WH_DATA_W-1:0]      u_o,             // s31q23 √W: u_n
@@ -64,7 +65,11 @@ module wh_core_axes #(
     wire [1:0]                                 grant;
     wire [1:0]                                 done;
     wire signed [DATA_W+COEF_W-1:0]            product;
-    wire                                       unused = &{1'b0, overrun, current, correction};
+    wire                                       turn;
+    wire [31:0]                                by;
+    wire                                       turned;
+    wire                                       found;
+    wire                                       unused = &{1'b0, overrun, current, correction, found};
 
     wh_rotor_flux rotor_flux (
         .clk           (clk),
@@ -72,6 +77,9 @@ module wh_core_axes #(
         .position_i    (position_i),
         .count_angle_i (count_angle_i),
         .zero_angle_i  (zero_angle_i),
+        .turn_i        (turn),
+        .by_i          (by),
+        .turned_o      (turned),
         .position_o    (position),
         .place_o       (place),
         .cell_o        (last_cell)
@@ -117,6 +125,13 @@ module wh_core_axes #(
         .cell_i         (last_cell),
         .contact_i      (contact_i),
         .anchor_words_i (anchor_words_i),
+        .angle_rst_i    (rst),
+        .find_magnet_i  (find_magnet_i),
+        .count_angle_i  (count_angle_i),
+        .turn_o         (turn),
+        .by_o           (by),
+        .turned_i       (turned),
+        .magnet_found_o (found),
         .voltage_o      (voltage_o),
         .current_o      (current),
         .u_o            (u_o),

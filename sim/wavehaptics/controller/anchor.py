@@ -124,8 +124,15 @@ def packed(settings: np.ndarray) -> int:
 def new_state() -> np.ndarray:
     """State after reset: int64, shape (STATES,)."""
     state = np.zeros(STATES, dtype=np.int64)
-    state[UNITS] = _MOST_UNITS
+    reset(state)
     return state
+
+
+@compiled()
+def reset(state: np.ndarray) -> None:
+    """Make a state that after reset; int64 (STATES,)."""
+    state[:] = 0
+    state[UNITS] = _MOST_UNITS
 
 
 @compiled(inline="always")

@@ -32,7 +32,8 @@ _PINS = frozenset(
 
 _ANCHOR = frozenset(
     f"controller.{key}"
-    for key in ("anchor_ohm", "anchor_ohm_per_s", "swing_ohm", "anchor_limit_v", "magnet_hat_rad")
+    for key in ("anchor_ohm", "anchor_ohm_per_s", "swing_ohm", "anchor_limit_v", "magnet_hat_rad",
+                "find_magnet")
 )  # fmt: skip
 
 _DIGITAL = frozenset(("controller.extra_ticks", "controller.edge_hysteresis",

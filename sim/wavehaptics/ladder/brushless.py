@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from wavehaptics.controller import anchor, clarke, rotor_flux, wave_core
+from wavehaptics.controller import anchor, clarke, magnet_angle, rotor_flux, wave_core
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.ladder import verilated
 from wavehaptics.ladder.abilities import refuse
@@ -101,8 +101,9 @@ def _advance_sampled(
 ):  # fmt: skip
     """Fill ``rows`` and ``words``; False when the RTL never answered.
 
-    ``anchored`` has an anchor's words, both axes' states, and what a count turns, table and state
-    of the flux that the encoder tells of; None without one.
+    ``anchored`` has an anchor's words, both axes' states, what a count turns, table and state of
+    the flux that the encoder tells of, an anchor's words without a say, and the state of what finds
+    the magnets; None without one.
     """
     substeps, extra, root, u_max = ints[_SUBSTEPS], ints[_EXTRA], ints[_ROOT], ints[_U_MAX]
     tick = step[0] * substeps
@@ -150,7 +151,10 @@ def _advance_sampled(
                 ports[1], lines[1], beta, eta, 0, root, ints[_A], left_b, extra, extra
             )
             if anchored is not None:
-                gains, _, turn, sines, rotor = anchored
+                gains, _, turn, sines, rotor, blind, magnet = anchored
+                finds = magnet[magnet_angle.KNOWN] == 0
+                if finds:
+                    gains = blind
                 c_a, c_b = held_a[anchor.CORRECTION], held_b[anchor.CORRECTION]
                 rotor_flux.rotor_flux_step(rotor, turn, sines, position)
                 anchor.anchor_axis_step(
@@ -161,6 +165,17 @@ def _advance_sampled(
                     held_b, gains, position, rotor[rotor_flux.PLACE_B], rotor[rotor_flux.CELL_B],
                     touching, beta, u_b, v_b, withheld_b, kept[_WAVE_B], saturated_b,
                 )  # fmt: skip
+                if finds:
+                    by = magnet_angle.magnet_angle_step(
+                        magnet, turn, gains[anchor.REST_TICKS], position, touching,
+                        rotor[rotor_flux.CELL_A], rotor[rotor_flux.CELL_B],
+                        held_a[anchor.CHI] >> formats.LONG_GUARD,
+                        held_b[anchor.CHI] >> formats.LONG_GUARD,
+                    )  # fmt: skip
+                    rotor[rotor_flux.ANGLE] = (rotor[rotor_flux.ANGLE] + by) & 0xFFFFFFFF
+                    if magnet[magnet_angle.KNOWN] != 0:
+                        anchor.reset(held_a)
+                        anchor.reset(held_b)
                 kept[_WAVE_A], kept[_WAVE_B] = next_a, next_b
                 next_a = wave_core.saturate(next_a + c_a)
                 next_b = wave_core.saturate(next_b + c_b)
@@ -230,10 +245,12 @@ class BrushlessSimulation:
         position = math.floor(plant.plant.start[X] / set_.cell_rad)
         turn, zero = rotor_angles(scene, set_, position)
         if rtl:
-            self._library, self._model, step = _load_axes(set_, position, zero, turn)
+            angles = (position, zero, turn, int(scene.controller.find_magnet))
+            self._library, self._model, step = _load_axes(set_, *angles)
         self._z = plant.start
         self._kept = np.zeros(7, dtype=np.int64)
-        self._anchored = _anchors(set_, position, zero, turn) if set_.anchored else None
+        known = not scene.controller.find_magnet
+        self._anchored = _anchors(set_, position, zero, turn, known) if set_.anchored else None
         self._buffer = np.zeros(16, dtype=np.int64)
         self._ports = np.stack([wave_core.new_state() for _ in range(2)])
         self._lines = np.stack([wave_core.new_line(set_.extra_ticks) for _ in range(2)])
@@ -281,19 +298,26 @@ def rotor_angles(scene: Scene, set_: Settings, position: int) -> tuple[int, int]
     )
 
 
-def _anchors(set_: Settings, position: int, zero: int, turn: int) -> tuple:
+def _anchors(set_: Settings, position: int, zero: int, turn: int, known: bool) -> tuple:
     """What :func:`_advance_sampled` takes as ``anchored``."""
+    blind = set_.anchor.copy()
+    blind[anchor.ENABLE] = 0
     return (
         set_.anchor,
         np.stack([anchor.new_state() for _ in range(2)]),
         turn,
         rotor_flux.sine_table(),
         rotor_flux.new_state(position, zero),
+        blind,
+        magnet_angle.new_state(known, position),
     )
 
 
-def _load_axes(set_: Settings, position: int, zero: int, turn: int):
-    """(library, a model, address of its step) of both axes' RTL, from a position on."""
+def _load_axes(set_: Settings, *angles: int):
+    """(library, a model, address of its step) of both axes' RTL.
+
+    ``angles`` are position, θ there, a count's angle, and whether θ is to be found.
+    """
     design = verilated.Design(
         "wh_core_axes",
         "brushless_core_shim.cpp",
@@ -302,7 +326,7 @@ def _load_axes(set_: Settings, position: int, zero: int, turn: int):
     library = verilated.load(design)
     verilated.declare_destructor(library.wh_axes_delete)
     words = verilated.words_of(design, {**set_.words(), "hold_ticks": set_.extra_ticks})
-    model = verilated.new_model(library.wh_axes_new, words, position, zero, turn)
+    model = verilated.new_model(library.wh_axes_new, words, *angles)
     return library, model, verilated.address(library.wh_axes_step)
 
 

@@ -312,6 +312,7 @@ class BrushlessPinsSimulation:
         self._model = verilated.new_model(
             self._library.wh_brushless_new, verilated.words_of(design, values), levels,
             ports.words["gain"], *rotor_angles(scene, set_, ports.start_count),
+            int(scene.controller.find_magnet),
         )  # fmt: skip
         if not self._model:
             raise RuntimeError("the controller's RTL never got its ADC ready")

@@ -98,12 +98,12 @@ class Scene(Table):
                 ("hand",),
             )
         motor, controller = scene.motor, scene.controller
-        if controller.magnet_hat_rad is not None and not (motor.brushless and controller.anchored):
-            broken_rule(
-                "controller.magnet_hat_rad belongs to a brushless motor's port anchor; "
-                "leave it out",
-                ("controller", "magnet_hat_rad"),
-            )
+        for key in ("magnet_hat_rad", "find_magnet"):
+            if getattr(controller, key) and not (motor.brushless and controller.anchored):
+                broken_rule(
+                    f"controller.{key} belongs to a brushless motor's port anchor; leave it out",
+                    ("controller", key),
+                )
         known = {
             "r_hat": motor.R_ohm, "l_hat": motor.L_h, "k_t_hat": motor.felt_k_t,
             "magnet_hat_rad": motor.magnet_rad,

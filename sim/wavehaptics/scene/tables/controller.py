@@ -96,6 +96,14 @@ class Controller(Table):
         ge=-1000,
         le=1000,
     )
+    find_magnet: bool = scene_key(
+        "–",
+        "The controller doesn't know where the magnets are: the first movement of the hand finds "
+        "them, and the port anchor begins then",
+        False,
+        default_text="false",
+        range_text="`true` or `false`",
+    )
     clock_hz: float | None = scene_key(
         "Hz",
         "Clock of `pins`, a whole multiple of `tick_hz`",
