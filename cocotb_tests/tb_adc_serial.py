@@ -140,6 +140,20 @@ async def parts_within_their_limits(dut: object, which: int) -> None:
     assert {word_of(0, part.bits), word_of((1 << part.bits) - 1, part.bits), 0} <= seen
 
 
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_frame_as_slow_as_it_gets(dut: object) -> None:
+    """Waits of any length before, behind and between frames, and a slow SCLK."""
+    bench = AdcBench(dut, random_source("slow"))
+    good = frame(PARTS["AD7276"], 96e6)
+    for waits in (
+        {"setup_clocks": 37, "hold_clocks": 41, "quiet_clocks": 90},
+        {"setup_clocks": 130, "hold_clocks": 200, "quiet_clocks": 255},
+        {"setup_clocks": 255, "sclk_half_clocks": 19},
+    ):
+        await bench.begin(PARTS["AD7276"], 96.0, dataclasses.replace(good, **waits))
+        await bench.conversions(2)
+
+
 def test_clocks(part: Part) -> float:
     """A clock in MHz of which SCLK is a half, at the part's limit."""
     return 2 * part.sclk_hz / 1e6

@@ -87,6 +87,8 @@ async def settings(dut: object) -> None:
         Setting(50, 2, 3, 4, spare=40),
         Setting(48, 1, 1, -3, late=1),
         Setting(24, 3, 3, -2, late=1),
+        Setting(1500, 2, 1, -90),
+        Setting(700, 4, 2, 60, spare=80),
     ):
         seen = await bench.run(setting, 4 * setting.tick_clocks)
         assert seen == 4 * setting.samples

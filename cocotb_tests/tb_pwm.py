@@ -139,10 +139,12 @@ async def one_pulse_a_period(dut: object) -> None:
     bench = PwmBench(dut)
     rng = random_source("modes")
     for bench.mode in (LOCKED, SIGN_MAGNITUDE, HALF_BRIDGE):
-        for clocks in (6, 24, 25):
+        for clocks in (6, 24, 25, 901):
             limit = clocks // 2
             widths = list(range(-limit, limit + 1))
-            widths += [rng.choice((0, *widths)) for _ in range(60)]
+            if clocks > 100:
+                widths = [-limit, -limit // 3, 0, limit // 5, limit]
+            widths += [rng.choice((0, *widths)) for _ in range(60 if clocks < 100 else 8)]
             await bench.run(clocks, [])
             await bench.step(rst=1)
             bench.drive(rst=0)

@@ -49,6 +49,28 @@ async def every_byte_is_heard(dut: object) -> None:
             assert bench.got == [(data, 0) for data in range(256)], (sixteenths, error)
 
 
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def bits_are_read_in_their_middles(dut: object) -> None:
+    """To the clock, at any rate: a byte is told so many clocks after its stop bit's middle."""
+    bench = UartBench(dut)
+    behind = set()
+    for sixteenths in (96, 103, 205, 214, 219, 1003, 3334, 33_001, 60_013):
+        await bench.begin(sixteenths)
+        # Nothing but zeros and the stop bit; the line falls between two clocks.
+        dut.rx_i.value = 0
+        clocks = 0
+        while not bench.word("rx_valid_o"):
+            await bench.step()
+            clocks += 1
+            if clocks == round(9.2 * sixteenths / 16):
+                dut.rx_i.value = 1
+        assert (bench.word("rx_data_o"), bench.word("rx_error_o")) == (0, 0)
+        # The level was seen a clock and a half ago.
+        behind.add(clocks - (sixteenths // 2 - 24 + 9 * sixteenths) // 16)
+        await bench.bits(3)
+    assert len(behind) == 1
+
+
 @cocotb.test(timeout_time=500, timeout_unit="ms")
 async def every_byte_is_sent(dut: object) -> None:
     """All bytes back to back; ready comes with the stop bit's end."""
