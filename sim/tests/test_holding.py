@@ -7,8 +7,10 @@ import json
 
 import numpy as np
 import pytest
+from wavehaptics.ladder.run import measure
 from wavehaptics.laws.anchor_choice import choose_eta_free
 from wavehaptics.pages import port_anchor
+from wavehaptics.scene import SCENES_DIR, load_scene
 from wavehaptics.studies.anchored import cases, lost, motors, pictures, runs
 from wavehaptics.trace.columns import Column
 
@@ -180,3 +182,24 @@ def test_eta_of_free_space_is_what_lag_and_lambda_ask_for():
     fast = choose_eta_free(2.18, 0.24e-3, 0.3e-6, 0.99, 1, 1e-6)
     assert slow == 1.0
     assert 0.98 < fast < 0.99
+
+
+@pytest.mark.parametrize("extra_ticks", [1, 2, 3, 4])
+@pytest.mark.parametrize(
+    ("scene", "tick_hz"),
+    [("held_wall", 20e3), ("held_wall", 100e3), ("brushless_hold", 100e3)],
+)
+def test_a_slow_tick_with_latency_does_not_swing(scene: str, tick_hz: float, extra_ticks: int):
+    """The later the correction acts, the less of it there may be."""
+    found = measure(
+        load_scene(
+            SCENES_DIR / f"{scene}.toml",
+            [f"controller.tick_hz={tick_hz:g}", f"controller.extra_ticks={extra_ticks}",
+             f"controller.lambda={tick_hz / 2:g}", "scene.duration_s=0.6",
+             "controller.clock_hz=20e6"],
+        ),
+        "golden",
+        compare=False,
+    )  # fmt: skip
+    assert found["hold_ripple_rms"] < 0.05 * found["peak_torque"]
+    assert found["saturated_fraction"] < 0.01

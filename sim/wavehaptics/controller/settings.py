@@ -211,8 +211,9 @@ def _anchor_words(
     # A brushless motor's axis has pψ, of which both together feel as √1.5 times as much.
     cell_vs = control.k_t_hat * cell_rad / (math.sqrt(1.5) if scene.motor.brushless else 1.0)
     chosen = choose_anchor(
-        control.r_hat, control.l_hat, control.k_t_hat, scene.motor.J_kgm2, tick_s, limit_v
-    )
+        control.r_hat, control.l_hat, control.k_t_hat, scene.motor.J_kgm2, tick_s,
+        control.extra_ticks, limit_v,
+    )  # fmt: skip
 
     def given(key: str, otherwise: float) -> float:
         value = getattr(control, key)

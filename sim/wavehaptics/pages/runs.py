@@ -152,8 +152,23 @@ def _brushless(numbers: dict[str, Any], table: Table) -> str:
     )  # fmt: skip
 
 
+def _brushless_held(numbers: dict[str, Any], table: Table) -> str:
+    head = ("electrical angle at the wall, degrees", "off on `golden`, cells", "ripple, µN·m",
+            "off on `pins`, cells", "ripple, µN·m")  # fmt: skip
+    return table(
+        head,
+        (
+            (f"{360 * row['turn']:g}", number(row["golden_cells"], 2),
+             number(1e6 * row["golden_ripple"], 2), number(row["pins_cells"], 2),
+             number(1e6 * row["pins_ripple"], 2))
+            for row in numbers.get("tables", {}).get("brushless_held", ())
+        ),
+    )  # fmt: skip
+
+
 TABLES = {
     "brushless-angles": _brushless,
+    "brushless-held": _brushless_held,
     "dead-time": _dead_time,
     "modes": _modes,
     "bus": _bus,

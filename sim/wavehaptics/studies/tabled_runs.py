@@ -102,6 +102,41 @@ def brushless_angles(progress: Callable[[str, float], None]) -> list[dict[str, A
     return rows
 
 
+HELD_ON = ("golden", "pins")
+"""Controllers on which a brushless motor's wall is held at each of the angles."""
+
+
+def brushless_held(progress: Callable[[str, float], None]) -> list[dict[str, Any]]:
+    """How far a brushless motor's held wall is off with everything wrong, at each of the angles.
+
+    What is wrong is ``brushless_hold``'s; the magnets' angle is off by as much everywhere.
+    """
+    rows = []
+    base = load_scene(find_scene("brushless_hold"))
+    pairs, encoder = base.motor.pole_pairs, base.encoder
+    assert pairs is not None
+    assert encoder is not None
+    cell = 2.0 * math.pi / encoder.counts_per_rev
+    wrong = base.controller.magnet_hat_rad - base.motor.magnet_rad
+    for n in range(BRUSHLESS_ANGLES):
+        progress("a brushless motor's held wall", n / BRUSHLESS_ANGLES)
+        part = n / BRUSHLESS_ANGLES
+        magnet_rad = -2.0 * math.pi * part / pairs
+        settings = (
+            "scene.duration_s=0.5",
+            f"motor.magnet_rad={magnet_rad:.12g}",
+            f"controller.magnet_hat_rad={magnet_rad + wrong:.12g}",
+        )
+        scene = load_scene(find_scene("brushless_hold"), settings)
+        row: dict[str, Any] = {"turn": part}
+        for name in HELD_ON:
+            found = measure(scene, name, compare=False)
+            row[f"{name}_cells"] = found["hold_offset_rad"] / cell
+            row[f"{name}_ripple"] = found["hold_ripple_rms"]
+        rows.append(row)
+    return rows
+
+
 def collect(out: Path, progress: Callable[[str, float], None]) -> Path:
     """Run them all and write ``tables.json`` into ``out``; its path."""
     rows = []
@@ -127,8 +162,13 @@ def collect(out: Path, progress: Callable[[str, float], None]) -> Path:
         told = f"impedance: {name}"
         heard = impedance.measure(load_scene(find_scene(name)), progress=partial(progress, told))
         swept.append({"scene": name, "error_max": float(heard.errors.max())})
-    angles = brushless_angles(progress)
     return write_json(
         out / "tables.json",
-        {"runs": rows, "r_hat": off, "impedance": swept, "brushless": angles},
+        {
+            "runs": rows,
+            "r_hat": off,
+            "impedance": swept,
+            "brushless": brushless_angles(progress),
+            "brushless_held": brushless_held(progress),
+        },
     )
