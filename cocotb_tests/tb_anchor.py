@@ -174,6 +174,7 @@ class AnchorBench(Bench):
         ``ahead`` 0...3, the step has so many clocks to go; its waves then come in the last. At
         clock ``poke`` there is another waves_i.
         """
+        earlier = self.correction
         await self.give_waves(tick, gap)
         before, shown = self.state.copy(), self.want()
         words = (
@@ -188,6 +189,7 @@ class AnchorBench(Bench):
         self.steps += 1
         self._note(tick, before)
         either = {name: (old, self.want()[name]) for name, old in shown.items()}
+        either["correction"] = earlier, self.correction
         clock, grants, last = 1, 0, 0
         while self.word("busy_o"):
             assert clock < 400, "the anchor doesn't come to an end"
