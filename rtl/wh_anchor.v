@@ -96,7 +96,7 @@ module wh_anchor #(
     generate
         if (NEAR_SHIFT < 1 || NEAR_SHIFT != `WH_PULL_Q - CUT || FAR_SHIFT != `WH_LEARN_Q - CUT
             || DATA_W + COEF_W - NEAR_SHIFT < LONG_W || VOLT_SHIFT < 2
-            || LONG_Q < SINE_Q + 1) begin : illegal_format
+            || (AXIS == 1 && LONG_Q < SINE_Q + 1)) begin : illegal_format
             wh_illegal_parameter_anchor_formats stop ();
         end
     endgenerate

@@ -207,9 +207,23 @@ def _test_sources(block: Block) -> list[Path]:
         modules.append(block.top)
     for module in modules:
         found.update(dict.fromkeys(ROOT / path for path in rtl_files(module)))
-    found.update(dict.fromkeys((ROOT / "rtl").glob("*.vh")))
+    found.update(dict.fromkeys(_headers(list(found))))
     found.update(dict.fromkeys(python_files(tests)))
     return sorted(found)
+
+
+def _headers(files: list[Path]) -> list[Path]:
+    """Headers of rtl/ that the files include, and those that these include."""
+    found: list[Path] = []
+    waiting = list(files)
+    while waiting:
+        text = waiting.pop().read_text(encoding="utf-8")
+        for name in re.findall(r'^\s*`include "(\w+\.vh)"', text, re.M):
+            path = ROOT / "rtl" / name
+            if path.exists() and path not in found:
+                found.append(path)
+                waiting.append(path)
+    return found
 
 
 def key_of(block: Block, commands: list[str], files: list[Path], tools: str) -> str:
