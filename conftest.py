@@ -2,7 +2,7 @@
 """Which tests are quick: one of each block of the RTL, and the model's own that take no time.
 
 And which ones are long: further sizes and devices of what others of their file show as well, some
-25 minutes of two cores. `make test` runs them, unless in CI, which names them at its end.
+half an hour of two cores. `make test` runs them, unless in CI, which names them at its end.
 """
 
 from __future__ import annotations
@@ -91,7 +91,9 @@ QUICK = {*(f"cocotb_tests/{test}" for test in BLOCKS.values()), *LOOPS}
 
 LONG = (
     "cocotb_tests/test_board_clock_watch.py::test_board_clock_watch[verilator-3-5]",
+    "cocotb_tests/test_board_link.py::test_board_link[colorlight_i5]",
     "cocotb_tests/test_controller.py::test_controller[verilator-1-4-2-0-0-0-0-1-1-0]",
+    "cocotb_tests/test_controller.py::test_controller[verilator-1-4-2-0-0-0-1-0-1-1]",
     "cocotb_tests/test_controller.py::test_controller[verilator-1-4-2-1-0-1-0-0-0-0]",
     "cocotb_tests/test_controller.py::test_controller[verilator-3-1-1-0-0-0-0-0-0-1]",
     "cocotb_tests/test_controller.py::test_controller[verilator-3-1-1-0-0-0-1-0-0-0]",
@@ -103,11 +105,13 @@ LONG = (
     "cocotb_tests/test_netlist.py::test_closed_loop[hx8k]",
     "cocotb_tests/test_netlist.py::test_wave_core[hx8k]",
     "cocotb_tests/test_netlist.py::test_wave_core[up5k]",
+    "cocotb_tests/test_sinc3.py::test_sinc3[verilator-256-1-32-1]",
     "cocotb_tests/test_sinc3.py::test_sinc3[verilator-40-1-16-1]",
     "sim/tests/test_abilities.py::test_a_key_has_an_effect_or_is_said_to_have_none[pins]",
     "sim/tests/test_board_netlist.py::test_what_is_flashed[icebreaker]",
     "sim/tests/test_board_netlist.py::test_what_is_flashed[ulx3s]",
     "sim/tests/test_boards.py::test_fresh_synthesis_is_what_the_pages_say[ulx3s]",
+    "sim/tests/test_boards.py::test_the_guard_lets_the_boards_own_scene_be[colorlight_i5]",
     "sim/tests/test_boards.py::test_the_guard_lets_the_boards_own_scene_be[ulx3s]",
     "sim/tests/test_brushless_pins.py::test_stiffness_at_eight_angles[45-degrees]",
     "sim/tests/test_brushless_pins.py::test_stiffness_at_eight_angles[90-degrees]",
