@@ -7,6 +7,7 @@ import contextlib
 import os
 import pty
 import re
+import threading
 import time
 import tty
 
@@ -137,8 +138,18 @@ def test_answers_and_packets_are_told_apart(port):
     assert [each[:3] for each in got] == [b"\xfb\0\7", b"\xf8\0\x08"]
     assert line.in_waiting == len(ANSWER)
     assert (line.read(4), line.read(99), line.in_waiting) == (ANSWER[:4], ANSWER[4:], 0)
-    os.write(port.master, echo(QUESTION))
+
+    def answer() -> None:
+        """The echo of the question that ends the frames, not before it was asked."""
+        found = b""
+        while len(found) < len(QUESTION):
+            found += os.read(port.master, 100)
+        os.write(port.master, echo(QUESTION))
+
+    board = threading.Thread(target=answer, daemon=True)
+    board.start()
     assert line.end(QUESTION, 20.0)
+    board.join(20.0)
 
 
 def test_credit_is_renewed_by_itself(port):
