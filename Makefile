@@ -140,7 +140,8 @@ docs: $(READY_DOCS) ## build the pages and the Python's reference: build/docs/in
 	@echo "pages: build/docs/index.html"
 
 # Idle workers take tests from busy ones: a few take minutes, most take milliseconds.
-PYTEST = $(WITH_TOOLS) .venv/bin/python -m pytest -n $(JOBS) --dist worksteal
+IN_PARTS := -m pytest -n $(JOBS) --dist worksteal
+PYTEST = $(WITH_TOOLS) .venv/bin/python $(IN_PARTS)
 
 # coverage.py doesn't see into what numba has compiled: the benches and the tests of the integer models
 # run without its compiler. The other benches run without coverage.py, which would take most of their
@@ -159,7 +160,6 @@ COVERED += -m "not long"
 endif
 COVERAGE = .venv/bin/python -m coverage
 COUNTED = $(WITH_TOOLS) WH_COVERAGE="$(CURDIR)/build/coverage/rtl"
-IN_PARTS := -m pytest -n $(JOBS) --dist worksteal
 
 coverage: $(READY) ## lines, branches and toggles that the tests come through: build/coverage (QUICK=1: of a few tests)
 	@mkdir -p build/coverage/rtl build/coverage/python

@@ -136,7 +136,7 @@ def reset(state: np.ndarray) -> None:
 
 
 @compiled(inline="always")
-def _long(value):
+def long_word(value):
     """``value`` as a long word holds it."""
     return ((value + _LONG_TOP) & _LONG_MASK) - _LONG_TOP
 
@@ -194,7 +194,7 @@ def anchor_axis_step(
     At ``position`` the axis' flux is ``place`` by the encoder, which its last count changed by
     ``cell`` for a step up, s48q33 cells (:mod:`wavehaptics.controller.rotor_flux`).
     """
-    moved_flux = _long(place - state[PLACE]) if state[STARTED] != 0 else 0
+    moved_flux = long_word(place - state[PLACE]) if state[STARTED] != 0 else 0
     state[PLACE] = place
     _turn(
         state, words, _moved(state, position), moved_flux, cell, cell >> 1, place, contact, current,
@@ -243,26 +243,26 @@ def _turn(
     state[ROOM] = 0
     if contact:
         room = (words[ROOM_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
-        state[ROOM] = _data(_long(-room if state[CORRECTION] < 0 else room) >> _VOLT_SHIFT)
+        state[ROOM] = _data(long_word(-room if state[CORRECTION] < 0 else room) >> _VOLT_SHIFT)
 
-    flux = _long(state[FLUX] - ((words[FLUX_GAIN] * u) >> _FAR_SHIFT))
-    flux = _long(flux - ((words[FLUX_GAIN] * v) >> _FAR_SHIFT))
+    flux = long_word(state[FLUX] - ((words[FLUX_GAIN] * u) >> _FAR_SHIFT))
+    flux = long_word(flux - ((words[FLUX_GAIN] * v) >> _FAR_SHIFT))
     if contact:
         owed = words[OWED_GAIN] if saturated else words[FLUX_GAIN]
-        flux = _long(flux - ((owed * withheld) >> _FAR_SHIFT))
-    y = _long((words[CELLS_GAIN] * current) >> _NEAR_SHIFT)
+        flux = long_word(flux - ((owed * withheld) >> _FAR_SHIFT))
+    y = long_word((words[CELLS_GAIN] * current) >> _NEAR_SHIFT)
     zero_step = (words[ZERO_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
     if begins:
         flux = 0 if moved == 0 else -start if moved < 0 else start
     else:
-        flux = _long(flux + moved_flux)
+        flux = long_word(flux + moved_flux)
     state[FLUX] = flux
-    chi = _long(flux + y)
+    chi = long_word(flux + y)
     state[CHI] = chi
 
-    swing = _long(y - state[MEAN])
+    swing = long_word(y - state[MEAN])
     if state[PHASE] == 0:
-        state[MEAN] = _long(state[MEAN] + (swing >> MEAN_SHIFT))
+        state[MEAN] = long_word(state[MEAN] + (swing >> MEAN_SHIFT))
 
     half = (-cell if cell < 0 else cell) >> 1
     beyond = 0
@@ -273,32 +273,32 @@ def _turn(
     p = _data((beyond + (chi >> INNER_SHIFT)) >> _GUARD)
 
     if not contact and state[UNITS] >= words[SLOW_UNITS]:
-        state[ZERO] = _long(state[ZERO] - zero_step)
+        state[ZERO] = long_word(state[ZERO] - zero_step)
 
     learns = state[UNITS] >= STILL_UNITS or state[PHASE] & MOVING_PHASE == 0
     if ends:
         state[LEARNED] = 0
     if learns and state[CLIPPED] == 0 and not saturated:
-        state[LEARNED] = _long(state[LEARNED] - ((words[LEARN_GAIN] * p) >> _FAR_SHIFT))
-    wanted = _long(state[LEARNED] - ((words[PULL_GAIN] * p) >> _NEAR_SHIFT))
+        state[LEARNED] = long_word(state[LEARNED] - ((words[LEARN_GAIN] * p) >> _FAR_SHIFT))
+    wanted = long_word(state[LEARNED] - ((words[PULL_GAIN] * p) >> _NEAR_SHIFT))
     if contact and state[UNITS] >= 1 and -SWING_CELLS <= swing < SWING_CELLS:
-        wanted = _long(wanted - ((words[DAMP_GAIN] * _data(swing >> _GUARD)) >> _NEAR_SHIFT))
+        wanted = long_word(wanted - ((words[DAMP_GAIN] * _data(swing >> _GUARD)) >> _NEAR_SHIFT))
 
     negative = wanted < 0
-    past = _long(wanted + limit) if negative else _long(wanted - limit)
+    past = long_word(wanted + limit) if negative else long_word(wanted - limit)
     clipped = (past < 0) == negative
     c = wanted
     if clipped:
         c = -limit if negative else limit
     state[CLIPPED] = 1 if clipped else 0
     strange = words[STRANGE] << _VOLT_SHIFT
-    strange = _long(past + strange) if negative else _long(past - strange)
+    strange = long_word(past + strange) if negative else long_word(past - strange)
     if words[ENABLE] != 0 and clipped and (strange < 0) == negative and not saturated:
         state[FAULT] = 1
     active = words[ENABLE] != 0 and state[FAULT] == 0
     state[CORRECTION] = _data(c >> _VOLT_SHIFT) if active else 0
     state[OFFSET] = _data(state[ZERO] >> _AMPERE_SHIFT)
 
-    lag = _long(place - chi - state[FOLLOWER])
+    lag = long_word(place - chi - state[FOLLOWER])
     state[LAG] = lag
-    state[FOLLOWER] = _long(state[FOLLOWER] + (lag >> FOLLOWER_SHIFT))
+    state[FOLLOWER] = long_word(state[FOLLOWER] + (lag >> FOLLOWER_SHIFT))

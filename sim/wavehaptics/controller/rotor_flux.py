@@ -18,6 +18,7 @@ import math
 
 import numpy as np
 
+from wavehaptics.controller.anchor import long_word
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.words import formats
 
@@ -37,8 +38,6 @@ STATES = 6
 
 _MASK = (1 << ANGLE_W) - 1
 _QUARTER = 1 << (ANGLE_W - 2)
-_LONG_TOP = 1 << (formats.LONG.width - 1)
-_LONG_MASK = (1 << formats.LONG.width) - 1
 _INDEX_SHIFT = ANGLE_W - 2 - (ENTRIES.bit_length() - 1)
 
 
@@ -81,9 +80,10 @@ def _sine(table, angle):
     return -value if angle & (2 * _QUARTER) else value
 
 
-@compiled(inline="always")
-def _long(value):
-    return ((value + _LONG_TOP) & _LONG_MASK) - _LONG_TOP
+@compiled()
+def turn_by(state: np.ndarray, by: int) -> None:
+    """Turn θ of all that comes by a word, as what finds the magnets asks for."""
+    state[ANGLE] = (state[ANGLE] + by) & _MASK
 
 
 @compiled()
@@ -101,6 +101,6 @@ def rotor_flux_step(state: np.ndarray, turn: int, table: np.ndarray, position: i
         way = -1 if back else 1
         state[POSITION] += way
         state[ANGLE] = (angle + way * turn) & _MASK
-        state[PLACE_A] = _long(state[PLACE_A] + way * cell_a)
-        state[PLACE_B] = _long(state[PLACE_B] + way * cell_b)
+        state[PLACE_A] = long_word(state[PLACE_A] + way * cell_a)
+        state[PLACE_B] = long_word(state[PLACE_B] + way * cell_b)
         state[CELL_A], state[CELL_B] = cell_a, cell_b

@@ -172,7 +172,7 @@ def _advance_sampled(
                         held_a[anchor.CHI] >> formats.LONG_GUARD,
                         held_b[anchor.CHI] >> formats.LONG_GUARD,
                     )  # fmt: skip
-                    rotor[rotor_flux.ANGLE] = (rotor[rotor_flux.ANGLE] + by) & 0xFFFFFFFF
+                    rotor_flux.turn_by(rotor, by)
                     if magnet[magnet_angle.KNOWN] != 0:
                         anchor.reset(held_a)
                         anchor.reset(held_b)
@@ -211,8 +211,8 @@ def _advance_sampled(
                 )
         put_port(rows[n], eta * _ETA, u, v, touching, limited)
         if anchored is not None:
-            fault = held_a[anchor.FAULT] + 2 * held_b[anchor.FAULT]
-            put_anchor(rows[n], along_q(kept[_C_A], kept[_C_B], theta) * _VOLT, fault != 0)
+            fault = held_a[anchor.FAULT] != 0 or held_b[anchor.FAULT] != 0
+            put_anchor(rows[n], along_q(kept[_C_A], kept[_C_B], theta) * _VOLT, fault)
             kept[_C_A], kept[_C_B] = c_a, c_b
             chi = along_q(_seen(held_a[anchor.CHI]), _seen(held_b[anchor.CHI]), theta)
             lag = along_q(_seen(held_a[anchor.LAG]), _seen(held_b[anchor.LAG]), theta)
