@@ -14,10 +14,15 @@ from collections.abc import Iterable
 import cocotb
 from cocotb.clock import Clock
 from cocotb.handle import LogicArrayObject, LogicObject
-from cocotb.triggers import FallingEdge, ReadOnly
+from cocotb.triggers import FallingEdge, ReadOnly, Timer
 
 CLOCK_NS = 10
 """Period of the simulated clock, ns. Real periods matter to the models of parts only."""
+
+WAKE_NS = 7
+"""How long before an edge a bench that sleeps for clocks wakes up to wait for it, ns: less than a
+period, so that it is this edge, and more than half, as the first edge comes after half a period.
+"""
 
 
 def random_source(name: str) -> random.Random:
@@ -74,7 +79,9 @@ class Bench:
     async def step(self, clocks: int = 1, **inputs: int) -> None:
         """Drive ``inputs``, then let ``clocks`` rising edges pass."""
         self.drive(**inputs)
-        for _ in range(clocks):
+        if clocks > 1:
+            await Timer(clocks * CLOCK_NS - WAKE_NS, "ns")  # one wait for any number of clocks
+        if clocks:
             await self._falling
         self.clocks += clocks
 

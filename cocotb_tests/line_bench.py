@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from bench import CLOCK_NS, Bench
-from cocotb.triggers import Timer
 from modbus_frames import decode
 
 RATES = (115_200, 1_000_000, 1_500_000, 3_000_000)
@@ -14,14 +13,6 @@ class LineBench(Bench):
     """Whoever begins sets ``line``; the simulated clock is HZ a second."""
 
     HZ: float
-
-    async def step(self, clocks: int = 1, **inputs: int) -> None:
-        """As :meth:`Bench.step`, without a wait for each clock."""
-        self.drive(**inputs)
-        if clocks > 1:
-            await Timer((clocks - 1) * CLOCK_NS, unit="ns")
-        await super().step()
-        self.clocks += clocks - 1
 
     def bit_ns(self, rate: int) -> float:
         return self.HZ / RATES[rate] * CLOCK_NS
