@@ -6,7 +6,9 @@
 
 `default_nettype none
 
-module prove_wh_uart (
+module prove_wh_uart #(
+    parameter [15:0] BIT_CLOCKS = 16'd0     // sixteenths of a clock; 0: any
+) (
     input wire       clk,
     input wire       rst,
     input wire       rx,
@@ -14,7 +16,9 @@ module prove_wh_uart (
     input wire [7:0] tx_data
 );
 
-    (* anyconst *) wire [15:0] bit_clocks;
+    (* anyconst *) wire [15:0] any_clocks;
+
+    wire [15:0] bit_clocks = (BIT_CLOCKS == 16'd0) ? any_clocks : BIT_CLOCKS;
 
     wire       tx, rx_valid, rx_error, tx_ready;
     wire [7:0] rx_data;

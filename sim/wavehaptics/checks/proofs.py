@@ -38,9 +38,9 @@ TIMEOUT_S = 1800
 _MODES = ("prove", "bmc")
 _KEYS = {
     "name", "block", "top", "property", "width", "mode", "depth", "skip", "cover", "engine",
-    "quick", "parameters", "defines", "instead", "twin",
+    "quick", "parameters", "shown", "defines", "instead", "twin",
 }  # fmt: skip
-_TWIN_KEYS = {"file", "old", "new", "depth"}
+_TWIN_KEYS = {"file", "old", "new", "depth", "skip"}
 
 
 class ProofError(RuntimeError):
@@ -49,12 +49,16 @@ class ProofError(RuntimeError):
 
 @dataclass(frozen=True)
 class Twin:
-    """A planted fault: ``old`` stands in ``rtl/<file>`` once, and ``new`` takes its place."""
+    """A planted fault: ``old`` stands in ``rtl/<file>`` once, and ``new`` takes its place.
+
+    Its first ``skip`` steps aren't looked at, where it can't show yet.
+    """
 
     file: str
     old: str
     new: str
     depth: int | None = None
+    skip: int = 0
 
     def planted(self, text: str) -> str:
         """``text`` of the file with the fault; :class:`ProofError` unless it fits once."""
@@ -86,6 +90,7 @@ class Proof:
     engine: str = "smtbmc --nopresat --unroll z3"
     quick: bool = False
     parameters: dict[str, int] = field(default_factory=dict)
+    shown: dict[str, int] = field(default_factory=dict)
     defines: dict[str, int] = field(default_factory=dict)
     instead: dict[str, str] = field(default_factory=dict)
     twins: tuple[Twin, ...] = ()
@@ -144,7 +149,7 @@ def _proof(entry: dict[str, Any]) -> Proof:
     twins = entry.pop("twin", [])
     for twin in twins:
         if twin.keys() - _TWIN_KEYS or not {"file", "old", "new"} <= twin.keys():
-            raise ProofError(f"{where}: a twin has file, old, new and perhaps depth")
+            raise ProofError(f"{where}: a twin has file, old, new and perhaps depth, skip")
     entry.setdefault("top", entry.get("block"))
     try:
         proof = Proof(**entry, twins=tuple(Twin(**twin) for twin in twins))
@@ -205,9 +210,11 @@ def sby_file(job: Job, files: list[str]) -> str:
     proof = job.proof
     top = f"prove_{proof.top}"
     defines = "".join(f" -D{name}={value}" for name, value in proof.defines.items())
-    parameters = "".join(f" -chparam {name} {value}" for name, value in proof.parameters.items())
+    values = proof.parameters if job.kind == "proof" else {**proof.parameters, **proof.shown}
+    parameters = "".join(f" -chparam {name} {value}" for name, value in values.items())
     modules = " ".join(name for name in files if name.endswith(".v") and name != f"{top}.v")
-    skip = [f"skip {proof.skip}"] if proof.skip and job.mode == "bmc" else []
+    first = max(proof.skip, job.twin.skip if job.twin else 0)
+    skip = [f"skip {first}"] if first and job.mode == "bmc" else []
     lines = [
         "[options]", f"mode {job.mode}", f"depth {job.depth}", f"timeout {TIMEOUT_S}", *skip,
         "[engines]", proof.engine,
