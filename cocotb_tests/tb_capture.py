@@ -358,6 +358,24 @@ async def captures_of_every_kind(dut: object) -> None:
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
+async def each_word_in_each_channel(dut: object) -> None:
+    """They are looked up by turns: in none of them is one an older one's or another's."""
+    bench, rng = CaptureBench(dut), random_source("channels")
+    await bench.begin(rng)
+    bench.quiet = 0.0
+    codes, rows = list(CODES), max(2, DEPTH // 64)
+    for first in range(len(codes)):
+        turned = [codes[(first + n) % len(codes)] for n in range(8)]
+        bench.give(codes=turned, channels=8, rows=rows)
+        await bench.step(2)
+        await bench.write(START)
+        await bench.write(TRIGGER)
+        await bench.ticks(rows + 1, 15)
+        assert bench.model.state == DONE
+        await bench.check_memory()
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
 async def orders_at_any_time(dut: object) -> None:
     """Start, trigger and stop in any clock, other settings meanwhile, a hold now and then."""
     bench, rng = CaptureBench(dut), random_source("orders")

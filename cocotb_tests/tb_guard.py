@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import random
+
 import cocotb
 from bench import CLOCK_NS, Bench, pack, random_source
 from cocotb.triggers import Timer
@@ -291,6 +293,23 @@ async def limits_of_the_rest(dut: object) -> None:
         assert await bench.tick(sign * 51) == 1 << Fault.ZERO
 
 
+def barely_too_hot(rng: random.Random) -> tuple[list[int], int]:
+    """Currents, and a limit that their heat passes with the last one, by a few units of its sum.
+
+    So each bit of the sum decides.
+    """
+    while True:
+        currents = [rng.randint(-32_768, 32_767) for _ in range(8)]
+        total = 0
+        for current in currents:
+            total += current * current - total // HEAT_SQUARES
+        before = total // HEAT_SQUARES
+        for last in range(20_000, 32_768):
+            heat, rest = divmod(total + last * last - before, HEAT_SQUARES)
+            if rest < 4:
+                return [*currents, last], heat - 1
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def heat(dut: object) -> None:
     """The winding's heat is the integer model's, with the fault where it passes the limit."""
@@ -309,6 +328,11 @@ async def heat(dut: object) -> None:
         first = next(n for n, heat in enumerate(sums) if heat > max(0, sums[at] - 1))
         for n, current in enumerate(currents):
             assert await bench.tick(current) == (n >= first) << Fault.HEAT, n
+    for _ in range(4):
+        currents, limit = barely_too_hot(rng)
+        await bench.begin(HEAT=limit)
+        shown = [await bench.tick(current) for current in currents]
+        assert shown == [0] * (len(currents) - 1) + [1 << Fault.HEAT], currents
     await bench.begin(HEAT_TICKS=3, HEAT=0)
     shown = [await bench.tick(300 if n % 3 else 0) for n in range(30)]
     assert not any(shown), "one square in three ticks, all of them of 0 A"
@@ -343,13 +367,21 @@ async def still_is_counted_as_in_integers(dut: object) -> None:
     found = 0
     for _ in range(40):
         size = rng.randint(4, 15)
-        limit, enough = rng.getrandbits(size), rng.randint(1, 30)
+        # Mostly one way, so that it lasts; and anything at all.
+        waves = []
+        for _tick in range(60):
+            wave = rng.choice((1, 1, 1, -1)) * rng.randint(0, (1 << size) - 1)
+            other = rng.choice((wave, -wave, rng.randint(-(1 << 15), (1 << 15) - 1)))
+            waves.append((wave, other))
+        # A limit that the mean has just reached in one of them: the last bit decides.
+        means, mean = [], 0
+        for u, v in waves:
+            means.append(abs(mean >> 8))
+            mean += u + v - (mean >> 8)
+        limit, enough = min(rng.choice(means), 65_535), rng.randint(1, 30)
         await bench.begin(LOST=limit, LOST_TICKS=enough)
         mean, still, negative, lost = 0, 0, False, False
-        for _tick in range(60):
-            # Mostly one way, so that it lasts; and anything at all.
-            wave = rng.choice((1, 1, 1, -1)) * rng.randint(0, (1 << size) - 1)
-            u, v = wave, rng.choice((wave, -wave, rng.randint(-(1 << 15), (1 << 15) - 1)))
+        for u, v in waves:
             moved = rng.random() < 0.02
             words = {
                 name: pack([0] * LAST + [word << shift], formats.DATA_W)

@@ -128,6 +128,23 @@ async def never_pays_out_more_than_came_in(dut: object) -> None:
     assert went > 0.05 * came
 
 
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def what_came_in_is_there_later(dut: object) -> None:
+    """A budget of any size outlasts small answers, and then covers one nearly as large as it is."""
+    rng = random_source("savings")
+    bench = LinkBench(dut)
+    for size in range(4, WAVE.width):
+        bench.expected = None
+        await bench.begin(3, 100)
+        wave = rng.randint(1 << (size - 1), (1 << size) - 1)
+        late = wave - (wave >> 3)
+        for came, went in ((0, 1), (wave, 1), (0, 1), (0, -1), (0, late), (0, 0)):
+            shown = bench.shown()[1]
+            answer = int(bench.state[host_link.SEQUENCE]), went
+            await bench.period([came] * 8, {10: answer})
+        assert shown == late, size
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_late_answer_waits_for_the_next_period(dut: object) -> None:
     """At every clock before the period's end: it counts in this one or the next, never in none."""

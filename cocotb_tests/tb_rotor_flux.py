@@ -95,6 +95,31 @@ async def any_walk(dut: object) -> None:
     assert seen.all()
 
 
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def edges_between_two_entries(dut: object) -> None:
+    """An edge at the first angle of an entry of the sine or the last one of the entry before it.
+
+    So each bit of the angle decides: of what a count turns, and of what it is turned by.
+    """
+    rng = random_source("edges")
+    bench = FluxBench(dut)
+    await bench.start(position_i=0, count_angle_i=0, zero_angle_i=0, turn_i=0, by_i=0)
+    for _ in range(4 if "Icarus" in cocotb.SIM_NAME else 40):
+        turn = rng.choice((rng.getrandbits(32), rng.getrandbits(28), (1 << 22) + 1))
+        await bench.begin(turn, rng.getrandbits(32), 0)
+        for _ in range(20):
+            counts = rng.choice((1, -1, 1, -1, 2, 5))
+            way = 1 if counts > 0 else -1
+            half = turn // 2 + turn % 2 if way > 0 else turn // 2
+            edge = (rng.getrandbits(10) << 22) - rng.choice((0, 1))
+            ahead = way * ((abs(counts) - 1) * turn + half)
+            await bench.turn_by((edge - ahead - int(bench.state[rotor_flux.ANGLE])) & 0xFFFFFFFF)
+            position = bench.position + counts
+            for _ in range(2 * abs(counts) + LATENCY):
+                await bench.clock(position)
+            assert bench.signed("position_o") == position
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_count_takes_four_clocks(dut: object) -> None:
     """From rest: its words are there so many clocks later, and not before."""

@@ -223,7 +223,8 @@ class Bench:
 def shaper_words(rng: np.random.Generator, ticks: int) -> np.ndarray:
     """Words of W, at times constant: any, corners, eighths, or like real ones of low frequencies.
 
-    With eighths alone sums end on whole places, where each bit below decides.
+    With eighths alone, or a bit less, sums end on whole places or just below, where each bit below
+    decides.
     """
     shape = (ticks if rng.random() < 0.3 else 1, PORTS, max(SHAPER, 1), GOLDEN.SECTION_WORDS)
     format_ = FORMATS.SHAPE
@@ -234,7 +235,7 @@ def shaper_words(rng: np.random.Generator, ticks: int) -> np.ndarray:
         corners = [format_.raw_min, -1, 0, 1, 1 << format_.fraction, format_.raw_max]
         words = rng.choice(np.array(corners, dtype=np.int64), shape)
     elif kind == 2:
-        words = rng.integers(-7, 8, shape) << (format_.fraction - 3)
+        words = (rng.integers(-7, 8, shape) << (format_.fraction - 3)) - rng.integers(0, 2, shape)
     else:
         small = 1 << int(rng.integers(1, format_.fraction))
         words = rng.integers(-small, small, shape)

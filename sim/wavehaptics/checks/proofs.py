@@ -40,7 +40,7 @@ _KEYS = {
     "name", "block", "top", "property", "width", "mode", "depth", "skip", "cover", "engine",
     "quick", "parameters", "shown", "defines", "instead", "twin",
 }  # fmt: skip
-_TWIN_KEYS = {"file", "old", "new", "depth", "skip"}
+_TWIN_KEYS = {"file", "old", "new", "depth", "skip", "shown"}
 
 
 class ProofError(RuntimeError):
@@ -51,7 +51,8 @@ class ProofError(RuntimeError):
 class Twin:
     """A planted fault: ``old`` stands in ``rtl/<file>`` once, and ``new`` takes its place.
 
-    Its first ``skip`` steps aren't looked at, where it can't show yet.
+    Its first ``skip`` steps aren't looked at, where it can't show yet; ``shown`` goes before the
+    proof's.
     """
 
     file: str
@@ -59,6 +60,7 @@ class Twin:
     new: str
     depth: int | None = None
     skip: int = 0
+    shown: dict[str, int] = field(default_factory=dict)
 
     def planted(self, text: str) -> str:
         """``text`` of the file with the fault; :class:`ProofError` unless it fits once."""
@@ -149,7 +151,7 @@ def _proof(entry: dict[str, Any]) -> Proof:
     twins = entry.pop("twin", [])
     for twin in twins:
         if twin.keys() - _TWIN_KEYS or not {"file", "old", "new"} <= twin.keys():
-            raise ProofError(f"{where}: a twin has file, old, new and perhaps depth, skip")
+            raise ProofError(f"{where}: a twin has file, old, new and perhaps depth, skip, shown")
     entry.setdefault("top", entry.get("block"))
     try:
         proof = Proof(**entry, twins=tuple(Twin(**twin) for twin in twins))
@@ -210,7 +212,9 @@ def sby_file(job: Job, files: list[str]) -> str:
     proof = job.proof
     top = f"prove_{proof.top}"
     defines = "".join(f" -D{name}={value}" for name, value in proof.defines.items())
-    values = proof.parameters if job.kind == "proof" else {**proof.parameters, **proof.shown}
+    values = proof.parameters
+    if job.kind != "proof":
+        values = {**values, **proof.shown, **(job.twin.shown if job.twin else {})}
     parameters = "".join(f" -chparam {name} {value}" for name, value in values.items())
     modules = " ".join(name for name in files if name.endswith(".v") and name != f"{top}.v")
     first = max(proof.skip, job.twin.skip if job.twin else 0)
