@@ -165,6 +165,25 @@ async def packets_of_every_kind(dut: object) -> None:
 
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
+async def lowest_bits_of_each_word(dut: object) -> None:
+    """No word is cut: those that stand at the block are those of the rows."""
+    bench, rng = StreamBench(dut), random_source("each")
+    await bench.begin(rng)
+    codes = [*CODES]
+    for first in range(0, len(codes), 4):
+        bench.give([codes[(first + n) % len(codes)] for n in range(4)], [0] * 4, 4, 0)
+        bench.ticks, bench.packets = [], []
+        await bench.write(START)
+        await bench.step(3)
+        for _ in range(WORDS // 4):
+            await bench.tick(140, steps=True)
+        await bench.tick(140, steps=True)
+        await bench.write(STOP)
+        await bench.step(20)
+        assert [packet(data) for data in bench.packets] == [Packet(0, bench.rows()[: WORDS // 4])]
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
 async def rows_that_come_too_fast(dut: object) -> None:
     """Packets whose rows can't be written in time are left out, numbered and counted."""
     bench, rng = StreamBench(dut), random_source("fast")
