@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cocotb
@@ -18,6 +19,7 @@ from simulators import parameters
 from tb_quadrature import levels
 from tb_three_phase import Drive, gates_of
 from wavehaptics.controller import clarke, wave_core
+from wavehaptics.controller.guard import Fault
 from wavehaptics.controller.modulator import duty_of, new_dead_time
 from wavehaptics.controller.pins_timing import (
     CENTRED_LEAD,
@@ -46,6 +48,7 @@ SHIFT = formats.SAMPLE_W - PART.bits
 R_OHM = 4.7
 FULL_SCALE_A = 2.0
 WALL = (0, 1000)
+Walls = Sequence[tuple[int, int]]
 ETA_CONTACT = formats.ETA.to_raw(-0.9)
 ETA_FREE = formats.ETA.to_raw(0.8)
 ROOT = formats.ROOT.to_raw(math.sqrt(2 * R_OHM))
@@ -68,9 +71,17 @@ class Step:
     voltage: list[int]
     contact: int
     saturated: int
+    anchored: int
+    """Whatever only anchors make."""
+    rests: int
+    """Clocks since the encoder moved."""
+    position: int
 
 
-def settings(drive: Drive, samples: int = 1, extra: int = 2, **others: int) -> dict[str, int]:
+def settings(
+    drive: Drive, samples: int = 1, extra: int = 2, walls: Walls = (WALL,) * WALLS,
+    enable: Sequence[int] = (1, 0, 0, 0), **others: int,
+) -> dict[str, int]:  # fmt: skip
     """The controller's inputs, as words."""
     values = {
         "half_clocks": drive.half_clocks,
@@ -81,9 +92,9 @@ def settings(drive: Drive, samples: int = 1, extra: int = 2, **others: int) -> d
         **FRAME.words(),
         "eta_contact": ETA_CONTACT,
         "eta_free": ETA_FREE,
-        "wall_min": [WALL[0]] * WALLS,
-        "wall_max": [WALL[1]] * WALLS,
-        "wall_enable": [1, 0, 0, 0],
+        "wall_min": [wall[0] for wall in walls],
+        "wall_max": [wall[1] for wall in walls],
+        "wall_enable": enable,
         "root": ROOT,
         "a": A,
         "u_max": U_MAX,
@@ -110,7 +121,7 @@ class BrushlessBench(Bench):
 
     async def begin(self, inputs: dict[str, int], zeros: tuple[int, int] = (0, 0)) -> None:
         self.codes = [MIDDLE, MIDDLE]
-        self.position = 0
+        self.position = self._stood_at = self._rests = 0
         self.zeros = zeros
         self.parts = [AdcPart(PART, lambda n=n: self.codes[n]) for n in range(2)]
         self.age = 0
@@ -135,6 +146,8 @@ class BrushlessBench(Bench):
         edge = self.age * PERIOD_NS
         sdata = sum(self.parts[n].sdata(edge - PINS_NS) << n for n in range(2))
         a, b = levels(self.position)
+        self._rests = self._rests + 1 if self.position == self._stood_at else 0
+        self._stood_at = self.position
         await self.step(adc_sdata_i=sdata, enc_a_i=a, enc_b_i=b, **inputs)
         cs_n, sclk = self.word("adc_cs_n_o"), self.word("adc_sclk_o")
         for part in self.parts:
@@ -163,6 +176,9 @@ class BrushlessBench(Bench):
                     ),
                     self.word("contact_o"),
                     self.word("saturated_o"),
+                    self.word("correction_o") | self.word("flux_o") | self.word("lag_o"),
+                    self._rests,
+                    self.position,
                 )
             )
 
@@ -186,6 +202,7 @@ class BrushlessBench(Bench):
                 total = sum((codes[m] - MIDDLE) << SHIFT for _, codes in group)
                 assert step.phases[m] == scale_sum.py_func(total - self.zeros[m], gain)
             assert tuple(step.current) == clarke.currents.py_func(*step.phases)
+            assert step.anchored == 0
             eta = ETA_CONTACT if step.contact else ETA_FREE
             for m in range(2):
                 found = wave_core.wave_core_step.py_func(
@@ -243,14 +260,18 @@ async def equals_the_models(dut: object) -> None:
     """Random currents, an encoder that crosses an edge: every word of every step, every gate."""
     bench = BrushlessBench(dut)
     rng = random_source("brushless")
-    widths, touched, limited = set(), set(), 0
+    widths, touched, judged, limited = set(), set(), set(), 0
     for drive, samples, extra, zeros in (
         (Drive(26), 1, 2, (0, 0)),
         (Drive(26, 12.0, 4, 2, second_order=True), 2, 1, (700, -1234)),
         (Drive(25, 36.0, 4, 1), 1, 1, (-5, 0)),
-        (Drive(26, 24.0, 2, 4, 0, False, True, 200_000, 2), 1, 2, (0, 0)),
+        (Drive(26, 29.7, 2, 4, 0, False, True, 200_000, 2), 1, 2, (0, 0)),
+        (Drive(26, 17.3, 2, 3, 0, False, True, 3_000_000, 0), 1, 2, (90, 0)),
     ):
-        await bench.begin(settings(drive, samples, extra), zeros)
+        lows = [rng.randint(-6, 5) for _ in range(WALLS)]
+        walls = [(low, low + rng.randint(1, 5)) for low in lows]
+        enable = rng.sample((1, 1, 1, 0), WALLS)
+        await bench.begin(settings(drive, samples, extra, walls, enable), zeros)
         size = rng.uniform(0.2, 1.0) * MIDDLE
         for clock in range(60 * drive.tick_clocks):
             angle = 0.003 * clock
@@ -259,17 +280,25 @@ async def equals_the_models(dut: object) -> None:
                     wave = 0.2 * size * math.cos(angle - 2 * math.pi / 3 * n)
                     noise = rng.choice((0.01, 0.01, 0.01, 1.0)) * rng.uniform(-size, size)
                     bench.codes[n] = min(max(round(MIDDLE + wave + noise), 0), 2 * MIDDLE - 1)
-            if clock % 50 == 0:
-                bench.position += rng.choice((-1, 1))
+            if clock % 50 == 0 and clock // 500 % 2:
+                bench.position = max(-9, min(9, bench.position + rng.choice((-1, 1))))
             await bench.clock()
         assert not bench.word("overrun_o")
         assert len(bench.steps) >= 55
+        for step in bench.steps:
+            if step.rests > 3 * drive.tick_clocks:
+                inside = any(
+                    on and low <= step.position < high
+                    for on, (low, high) in zip(enable, walls, strict=True)
+                )
+                assert step.contact == inside
+                judged.add(inside)
         found = bench.check(drive, samples, extra)
         widths |= {width for leg in found for width in leg}
         touched |= {step.contact for step in bench.steps}
         limited += sum(step.saturated != 0 for step in bench.steps)
     assert len(widths) > 10
-    assert touched == {0, 1}
+    assert touched == judged == {0, 1}
     assert limited > 5
 
 
@@ -309,7 +338,7 @@ async def off_and_on_again(dut: object) -> None:
 
 if GUARD:
     LIMIT = 12_000
-    CURRENT_FAULT, SETTING_FAULT, ENCODER_FAULT = 0, 13, 5
+    CURRENT_FAULT, SETTING_FAULT, ENCODER_FAULT = Fault.CURRENT, Fault.SETTING, Fault.ENCODER
 
     def guarded(damp: int = 0, **others: int) -> dict[str, int]:
         """Settings with a guard for a sample's limit, an encoder's move and settings."""
@@ -374,3 +403,47 @@ if GUARD:
         # Nothing is sent back: f dies away, and v is that of the current alone.
         assert all(abs(u) <= 1 for u in bench.steps[-1].u)
         assert all(abs(v) > 1000 for v in bench.steps[-1].v)
+
+    def lost_after(steps: Sequence[Step], port: int, limit: int, enough: int) -> int | None:
+        """Steps until this port has turned for too long without a count; None if it hasn't."""
+        mean, still, negative = 0, 0, False
+        shift = formats.DATA_W - 16
+        for number, step in enumerate(steps, 1):
+            turning = mean >> 8
+            over = turning < -limit if negative else turning > limit
+            if still == 0:
+                negative = turning < -limit
+            still = still + 1 if over else max(0, still - 1)
+            mean += (step.u[port] >> shift) + (step.v[port] >> shift) - turning
+            if still >= enough:
+                return number
+        return None
+
+    @cocotb.test(timeout_time=20, timeout_unit="ms")
+    async def each_port_tells_that_the_encoder_is_lost(dut: object) -> None:
+        """Waves that turn and no counts: told in the tick in which integers have it."""
+        bench, rng = BrushlessBench(dut), random_source("lost")
+        behind, ports = set(), set()
+        for trial in range(8):
+            limit, enough = rng.randint(20, 100), rng.randint(1, 8)
+            words = {
+                "guard_mask": 1 << Fault.LOST, "guard_lost": limit, "guard_lost_ticks": enough,
+                "guard_bus_max": 0xFFFF,
+            }  # fmt: skip
+            await bench.begin(settings(Drive(26), walls=[(500, 600)] * WALLS, **words))
+            current = rng.choice((1, -1)) * rng.randint(200, 900)
+            for _ in range(150 * 52):
+                # Either only alpha has a current, or only beta.
+                a, b = (current, -current // 2) if trial % 2 else (0, current)
+                bench.codes = [MIDDLE + a, MIDDLE + b]
+                current += rng.randint(-20, 20) if rng.random() < 0.02 else 0
+                await bench.clock()
+                if bench.word("faults_o"):
+                    break
+            assert bench.word("faults_o") == 1 << Fault.LOST
+            first = [lost_after(bench.steps, port, limit, enough) for port in range(2)]
+            at = min(number for number in first if number)
+            ports.add(first.index(at))
+            behind.add(len(bench.steps) - at)
+        assert behind == {0}
+        assert ports == {0, 1}
