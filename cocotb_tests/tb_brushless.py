@@ -209,6 +209,7 @@ class BrushlessBench(Bench):
                     ports[m], lines[m], step.current[m], eta, 0, ROOT, A, U_MAX, extra, 0
                 )
                 assert (step.voltage[m], step.u[m], step.v[m]) == found
+                assert step.saturated >> m & 1 == ports[m][wave_core.STATE_SATURATED]
             began = group[-1][0] + FRAME.conversion_clocks
             began += CURRENT_CLOCKS + 1 + CLARKE_CLOCKS
             assert step.clock == began + 2 * CORE_CLOCKS

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import ctypes
+import functools
 import os
 import shutil
 import subprocess
@@ -104,10 +105,15 @@ def _link_flags() -> list[str]:
     return [flag for flag in CXX_FLAGS if flag.startswith(("-fprofile", "-flto"))]
 
 
+@functools.cache
+def _version(program: str) -> str:
+    done = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
+    return done.stdout
+
+
 def _digest(design: Design, program: str) -> str:
-    version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
     header = shim_header(design.sizes)
-    what = (design, CXX_FLAGS, VERILATOR_FLAGS, formats.HEADER_VALUES, version.stdout, header)
+    what = (design, CXX_FLAGS, VERILATOR_FLAGS, formats.HEADER_VALUES, _version(program), header)
     shims = sorted(filter(Path.is_file, SHIMS.iterdir()))
     return digest_of(what, [*sorted(formats.RTL_DIR.glob("*.v*")), *shims])[:16]
 
