@@ -139,7 +139,7 @@ async def one_pulse_a_period(dut: object) -> None:
     bench = PwmBench(dut)
     rng = random_source("modes")
     for bench.mode in (LOCKED, SIGN_MAGNITUDE, HALF_BRIDGE):
-        for clocks in (6, 24, 25, 901):
+        for clocks in (6, 24, 25, 1023):
             limit = clocks // 2
             widths = list(range(-limit, limit + 1))
             if clocks > 100:
