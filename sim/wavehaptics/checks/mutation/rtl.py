@@ -159,7 +159,7 @@ def _between(block: Block, inner: str, source: str, ports: list[str]) -> str:
         raise MutationError(f"{block.name}: no head of a module in rtl/{block.module}.v")
     head = re.sub(r"\boutput reg\b", "output wire", source[: end.end()])
     original = f"{block.module}_original"
-    names = re.findall(r"\bparameter integer (\w+)", head)
+    names = re.findall(r"\bparameter\b[^=]*?(\w+)\s*=", head)
     passed = ", ".join(f".{name}({name})" for name in names)
     pins = ", ".join(f".{port}({port})" for port in ports)
     same = " && ".join(f"{name} == {value}" for name, value in block.own.items())
@@ -229,7 +229,7 @@ def _headers(files: list[Path]) -> list[Path]:
 def key_of(block: Block, commands: list[str], files: list[Path], tools: str) -> str:
     """Of all that the block's results depend on."""
     told = (block.test, block.top, sorted(block.parameters.items()), commands, tools)
-    return digest_of(told, [*files, *_test_sources(block)])
+    return digest_of((*told, *block.without), [*files, *_test_sources(block)])
 
 
 def _work(block: Block) -> Path:
@@ -240,6 +240,8 @@ def _work(block: Block) -> Path:
 def bench_run(block: Block, job: Path, number: int, timeout_s: float) -> str:
     """What saw the mutant, or "" if all tests pass. :class:`MutationError` if nothing is built."""
     environment = {"COCOTB_MAX_FAILURES": "1", "PYTHONDONTWRITEBYTECODE": "1"}
+    if block.without:
+        environment["COCOTB_TEST_FILTER"] = rf"^(?!.*\b(?:{'|'.join(block.without)})$)"
     command = [sys.executable, str(ROOT / BENCHES / "mutant.py"), str(job), str(number)]
     log = job.parent / "run.log"
     status = run_tests(command, ROOT, environment, log, timeout_s)

@@ -22,7 +22,8 @@ class Block:
     """A module and the bench that its mutants run on.
 
     ``parameters`` are the bench's, ``own`` those with which it holds the module; by default the
-    same, because most benches are about their top. ``equivalent`` says of mutants, by
+    same, because most benches are about their top. ``without`` are tests of the bench that look
+    inside, where a netlist has other names. ``equivalent`` says of mutants, by
     ``<place> <what>``, why no test can see them.
     """
 
@@ -34,6 +35,7 @@ class Block:
     parameters: dict[str, int] = field(default_factory=dict)
     own: dict[str, int] = field(default_factory=dict)
     quick: bool = False
+    without: tuple[str, ...] = ()
     equivalent: dict[str, str] = field(default_factory=dict)
 
 
@@ -89,6 +91,7 @@ def _block(entry: dict[str, Any]) -> Block:
     entry.setdefault("test", f"tb_{short}")
     entry.setdefault("top", module)
     entry.setdefault("name", short)
+    entry["without"] = tuple(entry.get("without", ()))
     entry.setdefault("own", entry.get("parameters", {}) if entry["top"] == module else {})
     return _made(Block, entry, module)
 
