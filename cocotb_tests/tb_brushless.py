@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import cocotb
 from adc_part import AdcPart
 from bench import Bench, pack, random_source, unpack
+from lost_encoder import LostEncoder
 from simulators import parameters
 from tb_quadrature import levels
 from tb_three_phase import Drive, gates_of
@@ -407,16 +408,9 @@ if GUARD:
 
     def lost_after(steps: Sequence[Step], port: int, limit: int, enough: int) -> int | None:
         """Steps until this port has turned for too long without a count; None if it hasn't."""
-        mean, still, negative = 0, 0, False
-        shift = formats.DATA_W - 16
+        model, shift = LostEncoder(limit, enough), formats.DATA_W - 16
         for number, step in enumerate(steps, 1):
-            turning = mean >> 8
-            over = turning < -limit if negative else turning > limit
-            if still == 0:
-                negative = turning < -limit
-            still = still + 1 if over else max(0, still - 1)
-            mean += (step.u[port] >> shift) + (step.v[port] >> shift) - turning
-            if still >= enough:
+            if model.tick(step.u[port] >> shift, step.v[port] >> shift):
                 return number
         return None
 
@@ -424,6 +418,7 @@ if GUARD:
     async def each_port_tells_that_the_encoder_is_lost(dut: object) -> None:
         """Waves that turn and no counts: told in the tick in which integers have it."""
         bench, rng = BrushlessBench(dut), random_source("lost")
+        drive = Drive(26)
         behind, ports = set(), set()
         for trial in range(8):
             limit, enough = rng.randint(20, 100), rng.randint(1, 8)
@@ -431,9 +426,9 @@ if GUARD:
                 "guard_mask": 1 << Fault.LOST, "guard_lost": limit, "guard_lost_ticks": enough,
                 "guard_bus_max": 0xFFFF,
             }  # fmt: skip
-            await bench.begin(settings(Drive(26), walls=[(500, 600)] * WALLS, **words))
+            await bench.begin(settings(drive, walls=[(500, 600)] * WALLS, **words))
             current = rng.choice((1, -1)) * rng.randint(200, 900)
-            for _ in range(150 * 52):
+            for _ in range(150 * drive.tick_clocks):
                 # Either only alpha has a current, or only beta.
                 a, b = (current, -current // 2) if trial % 2 else (0, current)
                 bench.codes = [MIDDLE + a, MIDDLE + b]

@@ -331,11 +331,15 @@ class ControllerBench(Bench):
             unpack(self.word("position_o"), formats.COUNT_W, N),
             unpack(self.word("correction_o"), formats.DATA_W, N),
             [self._before(n) for n in range(N)] if ANCHOR else [],
-            unpack(self.word("u_max" if BUS else "u_max_i"), formats.DATA_W, N),
-            unpack(self.word("clocks_per_volt" if BUS else "clocks_per_volt_i"), formats.COEF_W, N),
+            unpack(self._scaled("u_max"), formats.DATA_W, N),
+            unpack(self._scaled("clocks_per_volt"), formats.COEF_W, N),
         )
         self.steps.append(shown)
         return shown
+
+    def _scaled(self, name: str) -> int:
+        """The words as the bus has scaled them; a netlist of mutants has no name for the wires."""
+        return self.word(name if hasattr(self.dut, name) else f"{name}_i")
 
     def _before(self, n: int) -> tuple[int, int, int, int, int]:
         """``Step.before`` of one port."""

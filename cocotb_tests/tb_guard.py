@@ -8,6 +8,7 @@ import random
 import cocotb
 from bench import CLOCK_NS, Bench, pack, random_source
 from cocotb.triggers import Timer
+from lost_encoder import LostEncoder
 from simulators import parameters
 from wavehaptics.controller.guard import DAMPABLE, HEAT_SQUARES, Fault
 from wavehaptics.controller.guard import pack as settings
@@ -293,6 +294,11 @@ async def limits_of_the_rest(dut: object) -> None:
         assert await bench.tick(sign * 51) == 1 << Fault.ZERO
 
 
+def warmer(total: int, current: int) -> int:
+    """The sum behind the winding's heat after one more square."""
+    return total + current * current - total // HEAT_SQUARES
+
+
 def barely_too_hot(rng: random.Random) -> tuple[list[int], int]:
     """Currents, and a limit that their heat passes with the last one, by a few units of its sum.
 
@@ -302,10 +308,9 @@ def barely_too_hot(rng: random.Random) -> tuple[list[int], int]:
         currents = [rng.randint(-32_768, 32_767) for _ in range(8)]
         total = 0
         for current in currents:
-            total += current * current - total // HEAT_SQUARES
-        before = total // HEAT_SQUARES
+            total = warmer(total, current)
         for last in range(20_000, 32_768):
-            heat, rest = divmod(total + last * last - before, HEAT_SQUARES)
+            heat, rest = divmod(warmer(total, last), HEAT_SQUARES)
             if rest < 4:
                 return [*currents, last], heat - 1
 
@@ -321,7 +326,7 @@ async def heat(dut: object) -> None:
     ]
     sums, total = [], 0
     for current in currents:
-        total += current * current - total // HEAT_SQUARES
+        total = warmer(total, current)
         sums.append(total // HEAT_SQUARES)
     for at in (10, 40, 59):
         await bench.begin(HEAT=sums[at] - 1 if sums[at] else 0)
@@ -374,14 +379,14 @@ async def still_is_counted_as_in_integers(dut: object) -> None:
             other = rng.choice((wave, -wave, rng.randint(-(1 << 15), (1 << 15) - 1)))
             waves.append((wave, other))
         # A limit that the mean has just reached in one of them: the last bit decides.
-        means, mean = [], 0
+        endless, means = LostEncoder(0, 0), []
         for u, v in waves:
-            means.append(abs(mean >> 8))
-            mean += u + v - (mean >> 8)
+            means.append(abs(endless.turning))
+            endless.tick(u, v)
         limit = min(rng.choice(means), 65_535)
         enough = rng.choice((1, rng.randint(1, 30)))
         await bench.begin(LOST=limit, LOST_TICKS=enough)
-        mean, still, negative, lost = 0, 0, False, False
+        model = LostEncoder(limit, enough)
         for u, v in waves:
             moved = rng.random() < 0.02
             words = {
@@ -389,17 +394,9 @@ async def still_is_counted_as_in_integers(dut: object) -> None:
                 for name, word in (("u_i", u), ("v_i", v))
             }
             await bench.step(tick_i=1, valid_i=1, moved_i=moved << LAST, **words)
-            if moved:
-                still, negative = 0, False
             await bench.step(tick_i=0, valid_i=0, moved_i=0)
-            turning = mean >> 8
-            over = turning < -limit if negative else turning > limit
-            if still == 0:
-                negative = turning < -limit
-            still = still + 1 if over else max(0, still - 1)
-            mean += u + v - turning
-            lost = lost or still >= enough
+            model.tick(u, v, moved=moved)
             await bench.step(2)
-            assert bench.word("faults_o") == lost << Fault.LOST
-        found += lost
+            assert bench.word("faults_o") == model.lost << Fault.LOST
+        found += model.lost
     assert 5 < found < 35

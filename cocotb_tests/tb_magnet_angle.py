@@ -31,12 +31,10 @@ class AngleBench(Bench):
     async def begin(self, *, find: bool, turn: int, rest: int, position: int) -> None:
         self.turn, self.rest = turn, rest
         self.state = magnet_angle.new_state(not find, position)
-        self.drive(
-            rst=1, find_i=find, count_angle_i=turn, rest_ticks_i=rest, position_i=position,
-            done_i=0, contact_i=0, cell_i=0, flux_i=0, turned_i=0,
+        await self.start(
+            find_i=find, count_angle_i=turn, rest_ticks_i=rest, position_i=position, done_i=0,
+            contact_i=0, cell_i=0, flux_i=0, turned_i=0,
         )  # fmt: skip
-        await self.step(2)
-        self.drive(rst=0)
         assert self.word("found_o") == (not find)
         assert not self.word("turn_o")
 
@@ -99,10 +97,6 @@ async def any_ticks(dut: object) -> None:
     """Counts at any distances and either way, any jumps and parts of q; found, or known."""
     rng = random_source("ticks")
     bench = AngleBench(dut)
-    await bench.start(
-        find_i=0, count_angle_i=0, rest_ticks_i=0, position_i=0, done_i=0, contact_i=0, cell_i=0,
-        flux_i=0, turned_i=0,
-    )  # fmt: skip
     found = 0
     for run in range(6 if "Icarus" in cocotb.SIM_NAME else 40):
         # Half a turn is reached by some counts to the bit, or missed by little.
@@ -141,10 +135,6 @@ async def any_ticks(dut: object) -> None:
 async def a_loop_that_went_far_and_came_back(dut: object) -> None:
     """Small jumps all one way, then all the other: not found. Then without them it is."""
     bench = AngleBench(dut)
-    await bench.start(
-        find_i=0, count_angle_i=0, rest_ticks_i=0, position_i=0, done_i=0, contact_i=0, cell_i=0,
-        flux_i=0, turned_i=0,
-    )  # fmt: skip
     for axis in (0, 1):
         await bench.begin(find=True, turn=(1 << 31) // 199, rest=100, position=0)
         cells = (0, CELL) if axis == 0 else (CELL, 0)

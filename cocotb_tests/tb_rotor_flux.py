@@ -54,7 +54,7 @@ class FluxBench(Bench):
         self.drive(turn_i=1, by_i=by)
         await self.step()
         self.drive(turn_i=0)
-        self.state[rotor_flux.ANGLE] = (self.state[rotor_flux.ANGLE] + by) & 0xFFFFFFFF
+        rotor_flux.turn_by(self.state, by)
         self.check()
 
     async def clock(self, position: int) -> None:
@@ -113,7 +113,7 @@ async def edges_between_two_entries(dut: object) -> None:
             half = turn // 2 + turn % 2 if way > 0 else turn // 2
             edge = (rng.getrandbits(10) << 22) - rng.choice((0, 1))
             ahead = way * ((abs(counts) - 1) * turn + half)
-            await bench.turn_by((edge - ahead - int(bench.state[rotor_flux.ANGLE])) & 0xFFFFFFFF)
+            await bench.turn_by(edge - ahead - int(bench.state[rotor_flux.ANGLE]))
             position = bench.position + counts
             for _ in range(2 * abs(counts) + LATENCY):
                 await bench.clock(position)

@@ -175,9 +175,8 @@ async def lowest_bits_of_each_word(dut: object) -> None:
         bench.ticks, bench.packets = [], []
         await bench.write(START)
         await bench.step(3)
-        for _ in range(WORDS // 4):
+        for _ in range(WORDS // 4 + 1):
             await bench.tick(140, steps=True)
-        await bench.tick(140, steps=True)
         await bench.write(STOP)
         await bench.step(20)
         assert [packet(data) for data in bench.packets] == [Packet(0, bench.rows()[: WORDS // 4])]
