@@ -51,18 +51,31 @@ class DeviceBench(BusBench):
         assert await self.write(BUSY, 1, 20_000) == UNKNOWN
         await self.rests()
         if enable:
-            for name in ("a", "gain", "root", "u_max", "clocks_per_volt"):
-                for motor in range(SIZES.motors):
-                    assert await self.write(WORDS[name].at(motor), 1 << 20) == DONE
+            names = ("a", "gain", "root", "u_max", "clocks_per_volt")
+            for motor in range(SIZES.motors):
+                await self.set(dict.fromkeys(names, 1 << 20), motor)
             await self.set(SAFE)
             self.drive(enable_i=1)
 
-    async def set(self, values: dict[str, int]) -> None:
-        """Board words, given while the bridges are off."""
+    async def set(self, values: dict[str, int], motor: int = 0) -> None:
+        """Words of the board or of a motor, given while the bridges are off."""
         for name, raw in values.items():
-            assert await self.write(WORDS[name].at(), raw & MASK) == DONE, name
+            assert await self.write(WORDS[name].at(motor), raw & MASK) == DONE, name
         assert await self.write(COMMIT, 1) == DONE
         await self.rests()
+
+    async def begin_ticks(self) -> None:
+        """Wait for a tick to begin."""
+        for _ in range(10_000):
+            if self.word("tick_o"):
+                return
+            await self.step()
+        raise AssertionError("no ticks")
+
+    async def signed(self, address: int) -> int:
+        """A word that can be read and has a sign."""
+        raw = await self.value(address)
+        return raw - (raw >> 31 << 32)
 
     def port(self, name: str) -> int:
         if name[:-2] in BESIDE:
@@ -246,13 +259,72 @@ async def enable_waits_while_words_are_loaded(dut: object) -> None:
     bench.drive(enable_i=1)
     clocks = 0
     while not bench.word("running_o"):
-        assert bench.port("restart_i")
+        assert not bench.word("tick_o")
+        assert not any(bench.word(gate) for gate in GATES)
         await bench.step()
         clocks += 1
         assert clocks < 10_000
     assert clocks > 100
-    assert bench.port("half_clocks_i") == 30
-    assert not bench.port("restart_i")
+    # Ticks of 30 clocks, those of the words that came.
+    ticks = []
+    for clock in range(100):
+        if bench.word("tick_o"):
+            ticks.append(clock)
+        await bench.step()
+    assert len(ticks) >= 3
+    assert ticks == list(range(ticks[0], 100, 30))
+
+
+@cocotb.test(timeout_time=500, timeout_unit="ms")
+async def words_at_the_pins(dut: object) -> None:
+    """Ticks and frames as long as the words say; each live word with its width, its bits moving."""
+    bench, rng = DeviceBench(dut), random_source("pins")
+    await bench.begin()
+    carrier, halves = 12, 130
+    timing = {"half_clocks": carrier, "tick_halves": halves, "sample_clocks": carrier * halves}
+    await bench.set(timing)
+    await bench.begin_ticks()
+    frames = rises = clocks = 0
+    chosen = bench.word("adc_cs_n_o")
+    while not (clocks and bench.word("tick_o")):
+        before = bench.word("adc_sclk_o")
+        await bench.step()
+        rises += bench.word("adc_sclk_o") > before
+        frames += bench.word("adc_cs_n_o") < chosen
+        chosen, clocks = bench.word("adc_cs_n_o"), clocks + 1
+    assert clocks == carrier * halves
+    assert (frames, rises) == (1, WORDS["frame_bits"].default)
+    # A shift of the zero is one of the current, which is the same from tick to tick.
+    motor, current = SIZES.motors - 1, WORDS["current"]
+    await bench.set({"gain": 1 << 20}, motor)
+    found = {}
+    for zero in (0, 8, 16, 24):
+        await bench.set({"zero": zero}, motor)
+        await bench.step(3 * clocks)
+        found[zero] = await bench.signed(current.at(motor))
+    shift = found[0] - found[8]
+    assert shift != 0
+    assert [found[0] - found[zero] for zero in (8, 16, 24)] == [shift, 2 * shift, 3 * shift]
+    # Beyond a word's width there is its sign, or nothing; of those that move the lowest bits do.
+    await bench.set(SAFE | {"tick_halves": 4, "sample_clocks": 600})
+    odd = {"gain": 0x2345, "root": 0x165432, "a": 0x123457, "u_max": 1 << 24}
+    await bench.set(odd | {"clocks_per_volt": 1 << 20, "bus_share": 1 << 20}, motor)
+    bench.drive(enable_i=1)
+    told = [p for p in places(SIZES, "live") if p.word.name != "capture_data"]
+    moving = {name: [0, MASK] for name in ("voltage", "u", "v", "current")}
+    for _ in range(40):
+        for _ in range(rng.randint(300, 600)):
+            bench.drive(adc_sdata_i=rng.getrandbits(SIZES.motors))
+            await bench.step(2)
+        for place in told:
+            raw = await bench.value(place.address)
+            sign = place.word.fixed.signed and raw >> place.bits - 1 & 1
+            assert raw >> place.bits == (MASK >> place.bits if sign else 0), place.word.name
+            if place.word.name in moving and place.address >> 8 == motor + 1:
+                ones, zeros = moving[place.word.name]
+                moving[place.word.name] = [ones | raw, zeros & raw]
+    for name, (ones, zeros) in moving.items():
+        assert (ones & 0xFF, zeros & 0xFF) == (0xFF, 0), name
 
 
 @cocotb.test(timeout_time=500, timeout_unit="ms", skip=not _P["CAPTURE"])

@@ -10,6 +10,7 @@ from modbus_frames import TABLE, identify, raw, read, whole, words, write_one
 from simulators import parameters
 from uart_line import Line
 from wavehaptics.words import table
+from wavehaptics.words.places import places
 from wavehaptics.words.table import WORDS
 
 _P = {"N": 1, "WALLS": 4, "GUARD": 0, **parameters()}
@@ -31,6 +32,11 @@ class LinkBench(LineBench):
         )  # fmt: skip
         await self.step(6_000)
 
+    def last_root(self) -> int:
+        """s of the last motor at the controller's port."""
+        port = self.dut.device.controller.root_i
+        return int(port.value) >> len(port) // _P["N"] * (_P["N"] - 1)
+
     async def values(self, address: int, count: int = 1) -> list[int]:
         return whole((await self.ask(read(TABLE + 2 * address, 2 * count))).registers)
 
@@ -51,12 +57,54 @@ async def the_device_answers(dut: object) -> None:
     assert not (await bench.ask(write_one(TABLE + 2 * WORDS["u_max"].at(motor) + 1, 7))).isError()
     await bench.step(3_000)
     assert await bench.values(WORDS["root"].at(motor), 3) == [0x1234, 99, 7]
-    width = len(dut.device.controller.root_i) // _P["N"]
-    assert int(dut.device.controller.root_i.value) >> motor * width == 0x1234
+    assert bench.last_root() == 0x1234
     for name in ("clear", "host_alive", "restart", "zero_start", "arm"):
         assert not (await bench.ask(words(WORDS[name].at(), [1]))).isError()
         assert not bench.word("running_o")
         assert not any(bench.word(gate) for gate in GATES)
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def a_setting_and_its_port(dut: object) -> None:
+    """One question and one answer: what is written is at its port."""
+    bench = LinkBench(dut)
+    await bench.begin()
+    assert not (await bench.ask(words(WORDS["root"].at(_P["N"] - 1), [0x1234]))).isError()
+    await bench.step(3_000)
+    assert bench.last_root() == 0x1234
+
+
+@cocotb.test(timeout_time=500, timeout_unit="ms")
+async def words_over_the_line(dut: object) -> None:
+    """Any words are read back as they were given, with sign; one out of range changes none.
+
+    Of the pins SCLK is counted meanwhile: frames go on.
+    """
+    bench, rng = LinkBench(dut), random_source("words")
+    await bench.begin()
+    motor = _P["N"] - 1
+    root, wall = WORDS["root"].at(motor), WORDS["wall_min"].at(motor)
+    sizes = table.Sizes(_P["N"], _P["WALLS"])
+    most = [p.limits[1] for p in places(sizes, "setting") if root <= p.address < root + 3]
+    for _ in range(4):
+        three = [rng.randint(0, limit) for limit in most]
+        assert not (await bench.ask(words(root, three))).isError()
+        assert await bench.values(root, 3) == three
+        walls = [rng.getrandbits(32) for _ in range(_P["WALLS"])]
+        assert not (await bench.ask(words(wall, walls))).isError()
+        assert await bench.values(wall, _P["WALLS"]) == walls
+        assert (await bench.ask(words(root, [1, 2, 1 << 31]))).isError()
+        assert await bench.values(root, 3) == three
+    assert not (await bench.ask(write_one(TABLE + 2 * wall + 1, 0xFFF0))).isError()
+    assert await bench.values(wall) == [0xFFFFFFF0]
+    clocks = _P["SILENCE"]
+    rises = 0
+    for _ in range(clocks):
+        before = bench.word("adc_sclk_o")
+        await bench.step()
+        rises += bench.word("adc_sclk_o") > before
+    frame, tick = WORDS["frame_bits"].default, WORDS["half_clocks"].default
+    assert abs(rises - clocks // tick * frame) <= frame
 
 
 @cocotb.test(timeout_time=900, timeout_unit="ms")

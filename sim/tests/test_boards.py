@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 from wavehaptics.cli import board_commands
-from wavehaptics.controller.guard import Fault, board_limits, mask
+from wavehaptics.controller.guard import board_limits
 from wavehaptics.controller.pins_timing import CORE_CLOCKS, latency_clocks
 from wavehaptics.fpga import multipliers, pll, synthesis
 from wavehaptics.fpga.board_pins import read_pins
 from wavehaptics.fpga.board_words import board_words, verilog_header
-from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
+from wavehaptics.fpga.boards import BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import Design, SynthesisError, build
 from wavehaptics.ladder.guarded_pins import GuardedPins
 from wavehaptics.pages import filler
@@ -390,37 +390,6 @@ def test_the_guard_is_on_where_there_is_room():
     assert [n for n in board_names() if load_board(n).fpga.family == "ecp5"] == GUARDED
     for name in board_names():
         assert (load_board(name).words().guard is None) == (name not in GUARDED)
-
-
-GUARD_FIELDS = {
-    name: (int(low), int(high) - int(low) + 1)
-    for name, high, low in re.findall(
-        r"WH_GUARD_(\w+)\s+(\d+):(\d+)", (ROOT / "rtl" / "wh_faults.vh").read_text()
-    )
-}
-"""Lowest bit and width of each field of the guard's settings, as the RTL has them."""
-
-
-def test_the_guards_limits_are_the_boards():
-    """Its word has the scene's sensor, tick and motor; what the board can't know is left out."""
-    board = load_board("ulx3s")
-    word = board.words().guard
-
-    def field(name: str, word: int = word) -> int:
-        low, width = GUARD_FIELDS[name]
-        return (word >> low) & ((1 << width) - 1)
-
-    left_out = (Fault.TRIP, Fault.HOST, Fault.DRIVER, Fault.STOP, Fault.BUS_LOW, Fault.BUS_HIGH)
-    assert field("MASK") == mask(set(Fault) - set(left_out))
-    assert field("DAMP") == 0
-    assert field("CURRENT") == round(0.8 * 2**15)  # 2 A of 2.5
-    assert field("STUCK") == 2000  # 1 ms at 2 MHz
-    assert field("ZERO_TICKS") == 4000
-    # 100 K over 17.1 K/W and the hot winding's 3.03 Ω.
-    assert field("HEAT") / 2**18 == pytest.approx(100 / (17.1 * 2.18 * 1.39), rel=1e-4)
-    half = Board(board.name, board.root, board.fpga, board.device,
-                 load_scene(ROOT / board.folder / "board.toml", ["motor.R_ohm=4.36"]))  # fmt: skip
-    assert field("HEAT", half.words().guard) == pytest.approx(field("HEAT") / 2, rel=1e-4)
 
 
 def scene_of(name: str) -> str:

@@ -73,11 +73,11 @@ def test_rows_say_what_the_commands_found(tmp_path):
     proven = "2 properties proven with z3, 1 by induction, 1 over a bounded number of clocks; "
     assert f"{proven}1 planted faults found, 1 covers reached | c |" in found["proofs"]
     assert "100,000,000 ticks, 2,000 episodes, 4,000 resets | seed 3, tick 4: u |" in found["soak"]
-    planted = found["planted changes of the RTL"]
+    planted = found["planted changes of RTL and models"]
     assert "1,500 planted changes: 1,490 killed, 8 equivalent | 2 survived |" in planted
     python = found["coverage of the Python"]
-    assert "75 % of 200 lines, 25 % of 40 branches; 30 of the others" in python
-    assert "99 % of 1,000 lines, 75 % of 4 toggles | nothing |" in found["coverage of the RTL"]
+    assert "75.0 % of 200 lines, 25.0 % of 40 branches; 30 of the others" in python
+    assert "99.0 % of 1,000 lines, 75.0 % of 4 toggles | nothing |" in found["coverage of the RTL"]
     assert "2,095 passed, 2 skipped | 3 failed |" in found["tests"]
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import random
 import re
+import select
 import shutil
 import signal
 import subprocess
@@ -329,6 +330,17 @@ def test_garbage_on_the_line(port):
         os.close(line)
     assert value(port, "root") == value(port, "root")
     assert errors() > before
+
+
+def test_a_board_is_silent_until_it_is_asked():
+    """Nothing is on the line of a new board, for one who reads all that comes."""
+    process, path = start()
+    line = os.open(path, os.O_RDWR | os.O_NOCTTY)
+    try:
+        assert not select.select([line], [], [], 3.0)[0], os.read(line, 256).hex()
+    finally:
+        os.close(line)
+        stop(process)
 
 
 @pytest.mark.skipif(shutil.which("mbpoll") is None, reason="mbpoll is not installed: make setup")

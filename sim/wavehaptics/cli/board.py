@@ -7,6 +7,7 @@ import math
 import os
 import select
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -145,6 +146,8 @@ def be_virtual(
     from wavehaptics.host.virtual import VirtualBoard
     from wavehaptics.ladder.linked_pins import LinkedPins
 
+    if sys.stderr.isatty():
+        print("building the simulated board: up to a minute the first time", file=sys.stderr)
     pins = LinkedPins(loaded)
     pins.elapse(1)  # compiles the loop
     asked = []

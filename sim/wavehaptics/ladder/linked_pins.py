@@ -63,6 +63,7 @@ class LinkedPins(PinsSimulation):
 
     def __init__(self, scene: Scene, *, arm: bool = True) -> None:
         self._arm = arm
+        self._own = 0
         super().__init__(scene, host=scene.host is not None)
 
     def _parameters(self) -> dict[str, int]:
@@ -91,6 +92,8 @@ class LinkedPins(PinsSimulation):
         frame = _frame(WORDS["restart"].at(), [1])
         if not self._library.wh_linked_begin(model, frame, len(frame)):
             return None
+        # Its answer is still under way, and nobody's who comes to the line.
+        self._own = ANSWER_BYTES
         return model
 
     def _tell(self, model: int, frame: bytes) -> None:
@@ -135,8 +138,10 @@ class LinkedPins(PinsSimulation):
         return int(self._library.wh_linked_waiting(self._model))
 
     def received(self) -> bytes:
-        """Bytes that came since the last time, 4096 at most."""
-        return self._take(self._model or 0)
+        """Bytes that came since the last time, 4096 at most; none of the answer to the start."""
+        data = self._take(self._model or 0)
+        own, self._own = min(self._own, len(data)), max(0, self._own - len(data))
+        return data[own:]
 
     @property
     def running(self) -> bool:

@@ -11,8 +11,6 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from wavehaptics.studies.report.blocks import percent
-
 TEST_RESULTS = (Path("build", "tests", "quick.xml"), Path("build", "tests", "rest.xml"))
 """Where the two halves of ``make test`` leave their results, from the root."""
 
@@ -93,7 +91,7 @@ def _coverage(part: str, counts: tuple[str, ...]) -> Callable[[dict[str, Any]], 
     def row(found: dict[str, Any]) -> tuple[str, str]:
         sums = found[part]
         told = [
-            f"{percent(sums[f'{what}_covered'] / sums[what])} of {sums[what]:,} {what}"
+            f"{100 * sums[f'{what}_covered'] / sums[what]:.1f} % of {sums[what]:,} {what}"
             for what in counts
             if sums.get(what)
         ]
@@ -115,7 +113,7 @@ _ROWS = (
     ("tests", "tests", "make test", _tests),
     ("coverage of the Python", "coverage", "make coverage", _coverage("python", _COVERED)),
     ("coverage of the RTL", "coverage", "make coverage", _coverage("rtl", _COVERED)),
-    ("planted changes of the RTL", "mutation", "make mutate", _mutation),
+    ("planted changes of RTL and models", "mutation", "make mutate", _mutation),
     ("proofs", "proofs", "make formal", _proofs),
     ("soak", "soak", "make soak", _soak),
 )
