@@ -26,6 +26,8 @@ from wavehaptics.words.table import WORDS
 
 BOARD = ("drive.bus_v=12", "adc.bits=12", "adc.full_scale_a=2.5", "encoder.counts_per_rev=10000")
 CHUNK = 64
+MOST_CHUNKS = 2000
+"""Ticks, in which the longest answer comes at 115,200 bits a second five times."""
 NAMES = ("current", "u", "v", "voltage")
 COLUMNS = [Word.I, Word.U, Word.V, Word.E]
 
@@ -39,7 +41,6 @@ class Line:
         self.simulation = simulation
         self.rows: list[np.ndarray] = []
         self.words: list[np.ndarray] = []
-        self.answer(8)  # to the restart with which it began
 
     def elapse(self) -> None:
         rows, words = np.zeros((CHUNK, len(Column))), np.zeros((CHUNK, len(Word)), dtype=np.int64)
@@ -55,10 +56,12 @@ class Line:
 
     def answer(self, length: int) -> bytes:
         found = b""
-        while len(found) < length:
+        for _ in range(MOST_CHUNKS):
             self.elapse()
             found += self.simulation.received()
-        return found
+            if len(found) >= length:
+                return found
+        raise AssertionError(f"{len(found)} of {length} bytes came")
 
     def write(self, name: str, *raws: int) -> None:
         self.ask(_frame(WORDS[name].at(), [*raws]), 8)

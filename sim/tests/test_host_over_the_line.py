@@ -37,7 +37,6 @@ class Line:
         self._kept: list[np.ndarray] = []
         self._first = 0
         self.elapse(64)
-        self.pins.received()  # the answer to what the simulation itself has sent
         self.write("arm", [1])
         for _ in range(MOST_TICKS):
             if self.pins.running:
@@ -138,8 +137,6 @@ def test_an_answer_of_one_frame_is_taken_whole():
 def test_a_scene_without_a_host_has_none():
     scene = load_scene(find_scene("live_wall"))
     pins = LinkedPins(scene)
-    pins.elapse(64)
-    pins.received()
     register = modbus.word_register(WORDS["host_packet_sequence"].at())
     request = ReadHoldingRegistersRequest(address=register, count=6, dev_id=1)
     pins.send(FramerRTU(DecodePDU(False)).buildFrame(request))
