@@ -203,3 +203,22 @@ def test_a_rate_that_the_driver_refuses(board, client, monkeypatch, error):
             assert client.read([place(client, "root")]) == [7]
     assert tries == [modbus.BAUDS[3]]
     assert client.read([place(client, "root")]) == [7]
+
+
+def test_whoever_waits_for_the_port_is_next(board, client):
+    """However often another one asks: who renews the arming would come too late."""
+    first, second = (Client(board.path, timeout_s=40 * TIMEOUT_S) for _ in range(2))
+
+    def asks(who: Client, name: str) -> threading.Thread:
+        thread = threading.Thread(target=who.read, args=([place(who, name)],))
+        thread.start()
+        time.sleep(0.02)
+        return thread
+
+    for _ in range(10):
+        with serial.Serial(board.path, exclusive=True):
+            waiting = [asks(first, "a"), asks(second, "root")]
+        for thread in waiting:
+            thread.join()
+        order = [struct.unpack(">H", frame[2:4])[0] for frame in board.asked[-2:]]
+        assert order == [modbus.word_register(place(client, n).address) for n in ("a", "root")]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 import os
+import socket
 import struct
 import termios
 import threading
@@ -404,20 +405,37 @@ class Client:
     def _taken(self) -> serial.Serial:
         """The port, once nobody else has it."""
         until = time.monotonic() + self._timeout_s
-        while True:
-            try:
-                return serial.Serial(
-                    self._port, BAUD, timeout=self._timeout_s, write_timeout=self._timeout_s,
-                    exclusive=True,
-                )  # fmt: skip
-            except (OSError, ValueError) as error:
-                busy = "lock" in str(error)
-                if not busy or time.monotonic() > until:
-                    reason = "somebody else has it" if busy else _reason(error)
-                    raise HostError(
-                        f"{self._port}: can't be opened: {reason}; name the port with --port"
-                    ) from None
+        with _next(self._port, until):
+            while True:
+                try:
+                    return serial.Serial(
+                        self._port, BAUD, timeout=self._timeout_s, write_timeout=self._timeout_s,
+                        exclusive=True,
+                    )  # fmt: skip
+                except (OSError, ValueError) as error:
+                    busy = "lock" in str(error)
+                    if not busy or time.monotonic() > until:
+                        reason = "somebody else has it" if busy else _reason(error)
+                        raise HostError(
+                            f"{self._port}: can't be opened: {reason}; name the port with --port"
+                        ) from None
+                time.sleep(_TURN_S)
+
+
+@contextmanager
+def _next(port: str, until: float) -> Iterator[None]:
+    """The place of the one who waits for a port; without it as well once the time is up.
+
+    Whoever has just had the port finds it taken by those who wait, so none is ever passed by. It is
+    a name of the kernel's, which is free again when its process is gone, however it went.
+    """
+    with socket.socket(socket.AF_UNIX) as place:
+        while time.monotonic() < until:
+            with suppress(OSError):
+                place.bind(f"\0wavehaptics waits for {os.path.realpath(port)}")
+                break
             time.sleep(_TURN_S)
+        yield
 
 
 def _reason(error: Exception) -> str:
