@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_board_controller: the controller with a board's constants, and the switch that lets it run
-// (wh_board_switch).
+// wh_board_controller: the controller with a board's constants, what lets it run (wh_arm), and its button
+// and stop (wh_board_switch).
 //
 // The constants are those of wh_board_settings.vh, made from the board's scene: WH_BOARD_PORTS has
 // every word of rtl/words.toml, WH_BOARD_WIRES a wire for each that the controller tells. A board with
 // a link (WH_BOARD_LINKED) has wh_linked_device in place of wh_controller: it begins with the same words,
-// which then stand in wh_board_settings_rom.vh, and those of some groups can be changed. Nothing on the line
-// lets the gates on. Without a link uart_tx_o is high.
+// which then stand in wh_board_settings_rom.vh, and those of some groups can be changed. Its line arms
+// and disarms, beside the button, and forgets faults that are over, and only where the switch permits
+// it. Without a link the button alone lets the gates on, faults last until reset, and uart_tx_o is high.
 //
-// start_i, stop_i, clock_lost_i, alive_o, running_o and fault_o are the switch's.
-// Latency: those of the switch, of wh_controller and of wh_linked_device.
+// start_i, stop_i, clock_lost_i, alive_o and fault_o are the switch's; running_o: the gates are on.
+// Latency: those of the switch, of wh_arm, of wh_controller and of wh_linked_device.
 // Reset: gates off, not running, alive_o low; with a link until all settings are given.
 
 `default_nettype none
@@ -45,14 +46,17 @@ module wh_board_controller #(
     output wire                  alive_o,
     output wire                  running_o,
     output wire                  contact_o,    // any motor is in a wall
-    output wire                  fault_o       // until reset
+    output wire                  fault_o
 );
 
     localparam integer N = `WH_BOARD_N;
 
-    wire         enable;
+    wire         permit;
+    wire         press;
+    wire         running_seen;
     wire         forget;
-    wire         zero_start;
+    wire         forgets_too;  // the line wants it
+    wire         first_zero;
     wire         ready;
     wire         tick_seen;
     wire         overrun_seen;
@@ -65,7 +69,7 @@ module wh_board_controller #(
     wire         adc_din;  // of an ADC that no board has
     wire         unused = &{1'b0, adc_din};
 
-    assign running_o = enable;
+    assign running_o = running_seen;
 
     wh_board_switch #(
         .N               (N),
@@ -77,6 +81,7 @@ module wh_board_controller #(
         .stop_i          (stop_i),
         .clock_lost_i    (clock_lost_i),
         .tick_i          (tick_seen),
+        .running_i       (running_seen),
         .overrun_i       (overrun_seen),
         .zero_busy_i     (zero_busy_seen),
         .zero_fault_i    (zero_fault_seen),
@@ -84,10 +89,12 @@ module wh_board_controller #(
         .encoder_fault_i (encoder_fault_seen),
         .overcurrent_i   (overcurrent_seen),
         .guard_fault_i   (guard_seen),
+        .clear_i         (forgets_too),
         .forget_o        (forget),
-        .zero_start_o    (zero_start),
+        .zero_start_o    (first_zero),
+        .press_o         (press),
+        .permit_o        (permit),
         .alive_o         (alive_o),
-        .running_o       (enable),
         .fault_o         (fault_o)
     );
 
@@ -103,12 +110,12 @@ module wh_board_controller #(
         .ANCHOR          (`WH_BOARD_ANCHOR), \
         .SENSE           (1), \
         .ZERO_LOG2       (ZERO_LOG2), \
+        .HOST            (`WH_BOARD_HOST), \
         .GUARD           (`WH_BOARD_GUARDED)
 
 `define WH_SAME_PINS \
         .clk             (clk), \
         .rst             (rst), \
-        .enable_i        (enable), \
         .adc_cs_n_o      (adc_cs_n_o), \
         .adc_sclk_o      (adc_sclk_o), \
         .adc_din_o       (adc_din), \
@@ -122,34 +129,34 @@ module wh_board_controller #(
         .stop_i          (1'b0), \
         .driver_fault_i  ({N{1'b0}}), \
         .anchor_fault_i  ({N{1'b0}}), \
-        .clear_i         (forget), \
-        .zero_start_i    (zero_start)
+        .clear_i         (forget)
 
     generate
         if (`WH_BOARD_LINKED != 0) begin : linked
-            wire device_running;
-            wire unused_too = &{1'b0, device_running};
-
             // What the device tells has an overrun in it.
             assign overrun_seen = 1'b0;
 
             wh_linked_device #(
                 `WH_SAME_PARAMETERS,
-                .ARM             (0),
+                .ARM             (1),
                 .CAPTURE         (`WH_BOARD_CAPTURE),
                 .STREAM          (`WH_BOARD_STREAM),
                 .CLOCK_HZ        (`WH_BOARD_CLOCK_HZ),
                 .BUILD           (`WH_BOARD_BUILD)
             ) device (
                 `WH_SAME_PINS,
+                .enable_i        (permit),
+                .press_i         (press),
+                .zero_start_i    (first_zero),
                 .uart_rx_i       (uart_rx_i),
                 .uart_tx_o       (uart_tx_o),
                 .bus_i           ({`WH_BUS_W{1'b0}}),
                 .tick_o          (tick_seen),
-                .running_o       (device_running),
+                .running_o       (running_seen),
                 .contact_o       (contact_o),
                 .fault_o         (guard_seen),
                 .ready_o         (ready),
+                .clear_o         (forgets_too),
                 .zero_busy_o     (zero_busy_seen),
                 .zero_fault_o    (zero_fault_seen),
                 .anchor_fault_o  (anchor_fault_seen),
@@ -158,8 +165,33 @@ module wh_board_controller #(
             );
         end else begin : alone
             `WH_BOARD_WIRES
-            wire unused_too = &{1'b0, uart_rx_i};
+            wire armed;
+            wire arm_zero;
+            wire [4:0] refused;
+            wire unused_too = &{1'b0, uart_rx_i, refused};
 
+            // The button is all that arms, and no command comes that would have to be renewed.
+            wh_arm #(
+                .SENSE        (1),
+                .CREDIT       (2)
+            ) arm (
+                .clk          (clk),
+                .rst          (rst),
+                .enable_i     (permit),
+                .fault_i      (1'b0),
+                .loading_i    (1'b0),
+                .write_i      (1'b0),
+                .value_i      (2'd0),
+                .press_i      (press),
+                .zero_start_o (arm_zero),
+                .zero_busy_i  (|zero_busy),
+                .zero_fault_i (|zero_fault),
+                .armed_o      (armed),
+                .refused_o    (refused)
+            );
+
+            assign forgets_too        = 1'b0;
+            assign running_seen       = running;
             assign ready              = 1'b1;
             assign uart_tx_o          = 1'b1;
             assign contact_o          = |contact;
@@ -176,6 +208,8 @@ module wh_board_controller #(
                 `WH_SAME_PARAMETERS
             ) controller (
                 `WH_BOARD_PORTS
+                .enable_i        (permit && armed),
+                .zero_start_i    (first_zero || arm_zero),
                 `WH_SAME_PINS
             );
         end

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_board_switch: the switch that lets a board run.
+// wh_board_switch: what on a board lets the gates on and takes them off: button, stop, faults, clock.
 //
-// When start_i rises while stop_i is low, the zero of the currents is measured, and then the gates go
-// on. They go off when stop_i is high, at a fault of the encoder, when waves and encoder don't agree,
-// when a tick is too short for its work, when a sample of the current reaches trip, which lies below
-// what clips, at what the guard finds where the board has one, when the clock was lost, and in reset.
-// They stay off until start_i rises again; after a fault, until reset. A zero beyond zero_limit is a
-// fault. start_i and stop_i are asynchronous, and believed once they have been still for 2^SETTLE_LOG2
-// clocks; off needs no patience. What encoder, current and guard say before that time is over, as long
-// as an ADC wakes up, and before a first zero, is forgotten: forget_o.
+// press_o tells that start_i has risen; permit_o that the gates may be on: stop_i is low and there was no
+// fault: of the encoder, of waves and encoder that don't agree, of a tick too short for its work, of a sample
+// of the current at trip, which lies below what clips, of a zero beyond zero_limit, of what the guard finds
+// where the board has one, and of a lost clock. A fault lasts until clear_i, a strobe, or reset; a lost
+// clock until reset. Whether the gates are on is wh_arm's to say, which gets both.
+//
+// start_i and stop_i are asynchronous, and start_i believed once it has been still for 2^SETTLE_LOG2
+// clocks; off needs no patience. A first zero of the currents is measured unasked. What encoder, current and
+// guard say before that, as long as an ADC wakes up, is forgotten (forget_o), and nothing is permitted.
 //
 // clock_lost_i is what wh_board_clock_watch found, which takes the gates off the pads; 0 where the board
 // has none. alive_o changes at each tick while the gates are on, and is low otherwise; it stands still
 // without a clock, and a charge pump behind it lets go of the bridge.
-// Latency: gates go off 4 clocks after stop_i or clock_lost_i, 2 after a fault.
-// Reset: gates off, not running, alive_o low.
+// Latency: permit_o is low 3 clocks after stop_i or clock_lost_i, 2 after a fault, and the gates a clock later.
+// Reset: nothing permitted, alive_o low.
 
 `default_nettype none
 
@@ -32,6 +33,7 @@ module wh_board_switch #(
 
     // What the controller says, as wh_controller has it.
     input  wire         tick_i,
+    input  wire         running_i,      // the gates are on
     input  wire         overrun_i,
     input  wire [N-1:0] zero_busy_i,
     input  wire [N-1:0] zero_fault_i,
@@ -39,12 +41,14 @@ module wh_board_switch #(
     input  wire [N-1:0] encoder_fault_i,
     input  wire [N-1:0] overcurrent_i,
     input  wire         guard_fault_i,  // any
+    input  wire         clear_i,        // strobe
 
     output wire         forget_o,       // faults, as long as it is high
-    output wire         zero_start_o,
+    output wire         zero_start_o,   // strobe
+    output wire         press_o,        // strobe
+    output wire         permit_o,
     output wire         alive_o,
-    output wire         running_o,
-    output wire         fault_o         // until reset
+    output wire         fault_o
 );
 
     wire start;
@@ -63,36 +67,36 @@ module wh_board_switch #(
     // no rise.
     reg [SETTLE_LOG2-1:0] settle_q;
     reg                   pressed_q;
-    reg                   running_q;
-    reg                   fault_q;
 
     wire settled = (settle_q == {SETTLE_LOG2{1'b1}});
 
     // The first zero comes unasked, so that what is judged with the gates off has one.
-    reg        starting_q;     // the gates are to go on after this zero
-    reg        measuring_q;
     reg        zero_start_q;
+    reg        zero_asked_q;
     reg        zeroed_q;       // there is a zero
     reg  [2:0] zero_ticks_q;   // ticks since then: currents of before have passed
     wire       awake    = zero_ticks_q[2];
-    wire       pressed  = settled && start && !pressed_q;
-    wire       measures = settled && !running_q && (start || !zeroed_q);
-    wire       measured = measuring_q && !zero_start_q && !(|zero_busy_i);
+
+    reg        press_q;
+    reg        permit_q;
+    reg        fault_q;
+    reg        clock_lost_q;
+    reg  [2:0] clear_q;        // until then what says faults has forgotten them at the same strobe
 
     always @(posedge clk) begin
         if (rst) begin
             settle_q     <= {SETTLE_LOG2{1'b0}};
             pressed_q    <= 1'b1;
-            running_q    <= 1'b0;
-            fault_q      <= 1'b0;
-            starting_q   <= 1'b0;
-            measuring_q  <= 1'b0;
             zero_start_q <= 1'b0;
+            zero_asked_q <= 1'b0;
             zeroed_q     <= 1'b0;
             zero_ticks_q <= 3'b000;
+            press_q      <= 1'b0;
+            permit_q     <= 1'b0;
+            fault_q      <= 1'b0;
+            clock_lost_q <= 1'b0;
+            clear_q      <= 3'b000;
         end else begin
-            fault_q <= fault_q || overrun_i || clock_lost || (|zero_fault_i) || (|anchor_fault_i)
-                       || (((|encoder_fault_i) || (|overcurrent_i) || guard_fault_i) && awake);
             if (start == pressed_q) begin
                 settle_q <= {SETTLE_LOG2{1'b0}};
             end else begin
@@ -101,33 +105,31 @@ module wh_board_switch #(
                     pressed_q <= start;
                 end
             end
-            zero_start_q <= measures;
-            measuring_q  <= measures || (measuring_q && !measured);
-            zeroed_q     <= zeroed_q || measured;
+            press_q      <= settled && start && !pressed_q;
+            zero_start_q <= settled && !zero_asked_q;
+            zero_asked_q <= zero_asked_q || settled;
+            zeroed_q     <= zeroed_q || (zero_asked_q && !zero_start_q && !(|zero_busy_i));
             if (tick_i) begin
                 zero_ticks_q <= {zero_ticks_q[1:0], zeroed_q};
             end
-            if (stop || fault_q) begin
-                starting_q <= 1'b0;
-                running_q  <= 1'b0;
-            end else if (pressed) begin
-                starting_q <= !running_q;
-            end else if (starting_q && measured && !(|zero_fault_i)) begin
-                starting_q <= 1'b0;
-                running_q  <= 1'b1;
-            end
+            clock_lost_q <= clock_lost_q || clock_lost;
+            clear_q      <= {clear_q[1:0], clear_i};
+            fault_q      <= (fault_q && !clear_q[2]) || overrun_i || (|zero_fault_i) || (|anchor_fault_i)
+                            || (((|encoder_fault_i) || (|overcurrent_i) || guard_fault_i) && awake);
+            permit_q     <= awake && !stop && !fault_o;
         end
     end
 
     assign forget_o     = !awake;
     assign zero_start_o = zero_start_q;
-    assign running_o    = running_q;
-    assign fault_o      = fault_q;
+    assign press_o      = press_q;
+    assign permit_o     = permit_q;
+    assign fault_o      = fault_q || clock_lost_q;
 
     reg alive_q;
 
     always @(posedge clk) begin
-        alive_q <= !rst && running_q && (alive_q ^ tick_i);
+        alive_q <= !rst && running_i && (alive_q ^ tick_i);
     end
 
     assign alive_o = alive_q;

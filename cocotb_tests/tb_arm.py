@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_arm.v``: armed by a write, while it is renewed and nothing is against it."""
+"""Bench of ``rtl/wh_arm.v``: armed by a write while that is renewed, or by a press."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ class ArmBench(Bench):
         self.left = 0
         self.starts = 0
         await self.start(
-            enable_i=1, fault_i=0, loading_i=0, write_i=0, value_i=0, zero_busy_i=0, zero_fault_i=0
-        )
+            enable_i=1, fault_i=0, loading_i=0, write_i=0, value_i=0, press_i=0, zero_busy_i=0,
+            zero_fault_i=0,
+        )  # fmt: skip
 
     async def step(self, clocks: int = 1, **inputs: int) -> None:
         for _ in range(clocks):
@@ -36,8 +37,15 @@ class ArmBench(Bench):
         await self.step(write_i=1, value_i=value)
         self.drive(write_i=0)
 
+    async def press(self) -> None:
+        await self.step(press_i=1)
+        self.drive(press_i=0)
+
     async def arm(self) -> None:
         await self.write(1)
+        await self.measured()
+
+    async def measured(self) -> None:
         if SENSE:
             assert self.word("armed_o") == 0
             await self.step(ZERO_CLOCKS + 2)
@@ -102,6 +110,42 @@ async def what_is_against_it(dut: object) -> None:
     assert bench.state == (0, ENABLE | FAULT)
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_press_lasts(dut: object) -> None:
+    """Longer than any credit, until 0 is written or there is a reason; also one on top of a 1."""
+    bench = ArmBench(dut)
+    await bench.begin()
+    await bench.press()
+    await bench.measured()
+    assert bench.starts == SENSE
+    await bench.step(3 * CREDIT)
+    for value in (1, 2):
+        await bench.write(value)
+        await bench.step(3 * CREDIT)
+        assert bench.state == (1, 0)
+    await bench.write(0)
+    assert bench.state == (0, 0)
+    await bench.arm()
+    await bench.press()
+    await bench.step(3 * CREDIT)
+    assert bench.state == (1, 0)
+    assert bench.starts == 2 * SENSE, "no zero is measured while it is on"
+    for reason, inputs in REASONS.items():
+        await bench.step(**inputs)
+        assert bench.state == (0, reason)
+        await bench.press()
+        assert bench.state == (0, reason)
+        await bench.step(2 * CREDIT, **{name: 1 - value for name, value in inputs.items()})
+        assert bench.state == (0, reason)
+        await bench.arm()
+        await bench.step(CREDIT)
+        assert bench.state == (0, CREDIT_OUT), "the press of before is forgotten"
+        await bench.press()
+        await bench.measured()
+    await bench.step(press_i=1, write_i=1, value_i=0)
+    assert bench.state == (0, 0)
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms", skip=not SENSE)
 async def the_zero(dut: object) -> None:
     """A zero that is refused, or that ends with the credit, doesn't arm; nor one that was left."""
@@ -133,23 +177,27 @@ async def anything_at_any_time(dut: object) -> None:
     """Random writes and reasons against the rule in words."""
     bench, rng = ArmBench(dut), random_source("any")
     await bench.begin()
-    since, armed, seen = CREDIT, 0, 0
+    since, armed, seen, stays = CREDIT, 0, 0, False
     for _ in range(8_000):
         calm = rng.random() < 0.97
         inputs = {
             "enable_i": int(calm or rng.random() < 0.5),
             "fault_i": int(not calm and rng.random() < 0.5),
             "write_i": int(rng.random() < 0.05), "value_i": rng.choice((0, 1, 1, 2, 2, 2)),
+            "press_i": int(rng.random() < 0.005),
         }  # fmt: skip
         before = armed
         await bench.step(**inputs)
         armed = bench.word("armed_o")
-        wrote = inputs["write_i"]
-        since = 0 if wrote and inputs["value_i"] else since + 1
-        refuses = not inputs["enable_i"] or inputs["fault_i"]
-        if refuses or since >= CREDIT or (wrote and not inputs["value_i"]):
+        drops = inputs["write_i"] and not inputs["value_i"]
+        refuses = not inputs["enable_i"] or inputs["fault_i"] or drops
+        presses = inputs["press_i"] and not drops
+        stays = (stays or presses) and not refuses
+        since = 0 if presses or (inputs["write_i"] and inputs["value_i"]) else since + 1
+        begins = presses or (inputs["write_i"] and inputs["value_i"] == 1)
+        if refuses or (since >= CREDIT and not stays):
             assert not armed
-        elif before or (not SENSE and wrote and inputs["value_i"] == 1):
+        elif before or (not SENSE and begins):
             assert armed
         elif not SENSE:
             assert not armed

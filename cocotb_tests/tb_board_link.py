@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A board with a link: it begins with its scene's words, and only some can be changed."""
+"""A board with a link: its scene's words at first; some can be changed, and the line arms it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import os
 
 import cocotb
 from line_bench import LineBench
-from modbus_frames import ADDRESS, TABLE, read, whole, words, write_one
+from modbus_frames import ADDRESS, TABLE, decode, read, whole, words, write_one
+from tb_board_controller import SETTLE, TICK, TOP, ZERO_CLOCKS, Board
 from uart_line import Line
 from wavehaptics.fpga.board_words import CHANGEABLE, first_values
 from wavehaptics.fpga.boards import load_board
@@ -44,7 +45,7 @@ async def it_begins_with_the_scenes_words(dut: object) -> None:
     await bench.begin()
     found = whole((await bench.ask(read(0, 16))).registers)
     assert (found[0], found[3], found[4]) == (table.crc(), round(HZ), BOARD.fpga.motors)
-    assert found[2] >> 27 & 1 == 0, "nobody arms it over the line"
+    assert found[2] >> 27 & 1 == 1, "it is armed over the line"
     for address, word in settings_requests(first_values(BOARD.words(), 1)):
         assert await bench.value(address) == word, f"{address:#05x}"
 
@@ -69,3 +70,91 @@ async def a_wall_can_be_moved_and_a_limit_not(dut: object) -> None:
         await bench.step(3_000)
         assert not bench.word("running_o")
         assert not any(bench.word(gate) for gate in GATES)
+
+
+class Armed(LineBench, Board):
+    """The board's controller with its ADC, which needs each clock, also while the line is used."""
+
+    HZ = HZ
+
+    async def begin(self, **inputs: int) -> None:
+        self.line = Line(self.dut.uart_rx_i, self.dut.uart_tx_o, self.bit_ns(0))
+        await super().begin(**inputs)
+        await self.step(SETTLE + ZERO_CLOCKS)
+        assert not (await self.ask(write_one(11, 3))).isError()
+        self.line.bit_ns = self.bit_ns(3)
+
+    async def ask(self, frame: bytes):
+        sending = cocotb.start_soon(self.line.send(frame))
+        while not sending.done():
+            await self.step(16)
+        return decode(await self.answer())
+
+    async def give(self, name: str, value: int) -> None:
+        assert not (await self.ask(words(WORDS[name].at(), [value]))).isError()
+        await self.step(ZERO_CLOCKS)
+
+    async def arm(self) -> None:
+        await self.give("arm", 1)
+        assert await self.told("armed") == 1
+        await self.expect_running()
+
+    async def told(self, name: str) -> int:
+        at = TABLE + 2 * WORDS[name].at()
+        return whole((await self.ask(read(at, 2))).registers)[0]
+
+
+ENABLE, FAULT = 1, 2
+"""Bits of ``arm_refused``."""
+
+
+@cocotb.test(timeout_time=500, timeout_unit="ms")
+async def the_line_arms_what_the_switch_permits(dut: object) -> None:
+    """And disarms, also what the button has armed; the stop goes before all."""
+    board = Armed(dut)
+    await board.begin()
+    await board.expect_off()
+    await board.arm()
+    await board.give("arm", 0)
+    await board.expect_off()
+    await board.press()
+    await board.expect_running()
+    assert await board.told("armed") == 1
+    await board.give("arm", 0)
+    await board.expect_off()
+    await board.arm()
+    await board.step(1, stop_i=1)
+    await board.expect_off()
+    await board.give("arm", 1)
+    await board.expect_off()
+    assert await board.told("arm_refused") == ENABLE
+    await board.step(8, stop_i=0)
+    await board.give("arm", 2)
+    await board.expect_off()
+    await board.arm()
+    assert not board.word("fault_o")
+
+
+@cocotb.test(timeout_time=500, timeout_unit="ms")
+async def the_line_forgets_a_fault_that_is_over(dut: object) -> None:
+    """Not one that lasts; after it neither line nor button arm before, and nothing by itself."""
+    board = Armed(dut)
+    await board.begin()
+    await board.arm()
+    await board.step(40, enc_a_i=1, enc_b_i=1)  # both at once
+    assert board.word("fault_o")
+    await board.expect_off()
+    await board.give("arm", 1)
+    await board.press()
+    await board.expect_off()
+    assert await board.told("arm_refused") == ENABLE | FAULT
+    await board.give("clear", 1)
+    assert not board.word("fault_o")
+    await board.expect_off()
+    await board.arm()
+    board.code = TOP
+    await board.step(3 * TICK)
+    assert board.word("fault_o")
+    await board.give("clear", 1)
+    assert board.word("fault_o"), "the current is still there"
+    await board.expect_off()

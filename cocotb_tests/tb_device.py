@@ -46,7 +46,7 @@ class DeviceBench(BusBench):
     async def begin(self, enable: int = 0) -> None:
         await super().begin(
             enable_i=0, adc_sdata_i=0, enc_a_i=0, enc_b_i=0, bus_i=0x1234, stop_i=1,
-            driver_fault_i=(1 << SIZES.motors) - 1, anchor_fault_i=0,
+            driver_fault_i=(1 << SIZES.motors) - 1, anchor_fault_i=0, press_i=0,
         )  # fmt: skip
         assert await self.write(BUSY, 1, 20_000) == UNKNOWN
         await self.rests()

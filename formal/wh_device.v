@@ -27,7 +27,8 @@ module prove_wh_device (
     input wire                 driver_fault,
     input wire                 anchor_fault,
     input wire                 clear,
-    input wire                 zero_start
+    input wire                 zero_start,
+    input wire                 press
 );
 
     wire        bus_ready;
@@ -45,6 +46,7 @@ module prove_wh_device (
     wire        running;
     wire        contact;
     wire        fault;
+    wire        clears;
 
     wh_device #(
         .WALLS          (1),
@@ -79,10 +81,12 @@ module prove_wh_device (
         .anchor_fault_i (anchor_fault),
         .clear_i        (clear),
         .zero_start_i   (zero_start),
+        .press_i        (press),
         .tick_o         (tick),
         .running_o      (running),
         .contact_o      (contact),
-        .fault_o        (fault)
+        .fault_o        (fault),
+        .clear_o        (clears)
     );
 
     (* hierconn *) wire \block.loading ;

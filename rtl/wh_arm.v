@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_arm: lets the bridges on by command, and only as long as the command is renewed.
+// wh_arm: lets the bridges on by command, and only as long as the command is renewed, or by a button.
 //
 //   write 1   arm: for CREDIT clocks; where armed, renew
 //   write 2   renew, where armed; else nothing
 //   write 0   disarm
+//   press     arm, as a 1 does, and without an end to the credit; where armed, that credit has no end either
 //
 // Armed it lasts until 0 is written, or until there is a reason against it, which refused_o then says,
 // a bit each, until it is armed anew:
 //
 //   0 enable_i is low   1 a fault   2 settings are being given   3 no permitted zero was found   4 the credit ran out
 //
-// While there is one of the first three, a 1 is refused with it. Nothing but a 1 that is written after
-// the reason has gone arms again: a renewing 2 doesn't.
+// While there is one of the first three, a 1 or a press is refused with it. Nothing but one of these after
+// the reason has gone arms again: a renewing 2 doesn't. Of a press and a 0 in one clock the 0 counts.
 // With SENSE = 1 the zero of the currents is measured first, as wh_zero does it with the bridges off:
 // it is armed where that ends with a permitted zero. The credit runs meanwhile.
 //
@@ -34,6 +35,7 @@ module wh_arm #(
 
     input  wire       write_i,       // strobe
     input  wire [1:0] value_i,       // with write_i
+    input  wire       press_i,       // strobe: whoever stands beside it wants it on
 
     output wire       zero_start_o,  // strobe
     input  wire       zero_busy_i,   // from the clock after the strobe on
@@ -57,14 +59,16 @@ module wh_arm #(
     reg                measuring_q;  // the zero, before the bridges go on
     reg                start_q;
     reg [4:0]          refused_q;
+    reg                stays_q;      // credit has no end
     reg [CREDIT_W-1:0] credit_q;     // clocks left, but for this one
 
     wire drops    = write_i && (value_i == 2'd0);
-    wire arms     = write_i && (value_i == 2'd1);
+    wire pressed  = press_i && !drops;
+    wire arms     = pressed || (write_i && (value_i == 2'd1));
     wire renews   = arms || (write_i && (value_i == 2'd2));
     wire active   = armed_q || measuring_q;
     wire measured = measuring_q && !start_q && !zero_busy_i;
-    wire spent    = (credit_q == {CREDIT_W{1'b0}}) && !renews;
+    wire spent    = (credit_q == {CREDIT_W{1'b0}}) && !renews && !stays_q;
 
     wire [2:0] against = {loading_i, fault_i, !enable_i};
     wire [4:0] ends    = {spent, measured && zero_fault_i, against};
@@ -75,9 +79,11 @@ module wh_arm #(
             measuring_q <= 1'b0;
             start_q     <= 1'b0;
             refused_q   <= 5'd0;
+            stays_q     <= 1'b0;
             credit_q    <= {CREDIT_W{1'b0}};
         end else begin
             start_q  <= 1'b0;
+            stays_q  <= pressed || (active && stays_q);
             credit_q <= renews ? LAST : credit_q - 1'b1;
             if (active) begin
                 if (drops || (|ends)) begin

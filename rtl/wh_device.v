@@ -11,14 +11,14 @@
 // but for groups that have to wait for different blocks, which are a tick apart at most.
 //
 // Nothing on the bus lets the bridges on where enable_i, a pin, is low. With ARM = 0 they are on where it
-// is high, with ARM = 1 where the bus has armed them as well (wh_arm). They stay off while words that want
-// them off are given, (N + 1) 2^9 clocks or so.
+// is high, with ARM = 1 where the bus or press_i has armed them as well (wh_arm). They stay off while words
+// that want them off are given, (N + 1) 2^9 clocks or so.
 // Live words are those of the clock in which they are read: two of them needn't be of one step. Those of
 // one step, and of many after another, stand in what CAPTURE has them written to (wh_capture), and in what STREAM
 // sends (wh_stream). A packet's number and its v are of one packet where they are read one after the other, less
 // than 64 clocks apart.
 //
-// Latency: of the bus as wh_settings has it, of all else as wh_controller has it.
+// Latency: of the bus as wh_settings has it, of a command a clock more, of all else as wh_controller has it.
 // Reset: that of wh_controller, which lasts until the settings are what the table says: 4 times 2^7
 // clocks for each motor and for the board, rounded up to a power of two, and twice as many with a shaper.
 
@@ -46,7 +46,7 @@ module wh_device #(
     parameter integer ANCHOR       = 0,
     parameter integer GUARD        = 0,
     parameter integer LIVE         = 1,  // 1: live words of motors are on the bus; 0: they read 0
-    parameter integer ARM          = 0,  // 1: the bridges are on by command only, and while it is renewed
+    parameter integer ARM          = 0,  // 1: the bridges are on by command, while it is renewed, or by press_i
     parameter integer ARM_CLOCKS   = 4800000, // clocks that a command of either lasts, 2...2^30
     parameter integer CAPTURE      = 0,  // words that a capture takes, 2^this, 4...15; 0: there is none
     parameter integer STREAM       = 0   // 1: with a stream
@@ -83,12 +83,14 @@ module wh_device #(
     input  wire [N-1:0]         anchor_fault_i,
     input  wire                 clear_i,        // these two do what their words do
     input  wire                 zero_start_i,
+    input  wire                 press_i,        // strobe: arm, until something is against it; with ARM = 1
 
     output wire                 tick_o,         // strobe, last clock of a tick
     output wire                 running_o,      // the bridges are on
     output wire                 contact_o,      // any motor is in a wall
     output wire                 fault_o,        // the guard found something, or a tick is too short
     output reg                  ready_o,        // since reset all settings were given
+    output wire                 clear_o,        // strobe: the bus wants faults forgotten
     output wire [N-1:0]         zero_busy_o,    // these are wh_controller's
     output wire [N-1:0]         zero_fault_o,
     output wire [N-1:0]         anchor_fault_o,
@@ -117,6 +119,9 @@ module wh_device #(
     wire        changing;
     wire        changing_core;
     wire        command;
+    reg         command_q;          // a clock late: the way from the bus to all that takes one is long
+    reg  [11:0] command_address_q;
+    reg  [`WH_DATA_W-1:0] command_data_q;
     reg  [32:0] live;
     reg  [31:0] live_q;
 
@@ -186,7 +191,8 @@ module wh_device #(
                 .fault_i      (overrun || (|(faults & ~damps))),
                 .loading_i    (loading),
                 .write_i      (set_arm),
-                .value_i      (bus_data_i[1:0]),
+                .value_i      (command_data_q[1:0]),
+                .press_i      (press_i),
                 .zero_start_o (arm_zero_start),
                 .zero_busy_i  (|zero_busy),
                 .zero_fault_i (|zero_fault),
@@ -194,7 +200,7 @@ module wh_device #(
                 .refused_o    (arm_refused)
             );
         end else begin : by_pin
-            wire unused = &{1'b0, set_arm};
+            wire unused = &{1'b0, set_arm, press_i};
 
             assign arm_zero_start = 1'b0;
             assign armed          = 1'b1;
@@ -241,7 +247,7 @@ module wh_device #(
                 .hold_i         (busy),
                 .write_i        (set_capture),
                 .write_offset_i (set_capture_offset),
-                .data_i         (bus_data_i[15:0]),
+                .data_i         (command_data_q[15:0]),
                 .state_o        (capture_state),
                 .count_o        (capture_count),
                 .first_o        (capture_first),
@@ -332,7 +338,7 @@ module wh_device #(
                 .decimation_i (set_stream_decimation),
                 .hold_i       (busy),
                 .write_i      (set_stream),
-                .data_i       (bus_data_i[1:0]),
+                .data_i       (command_data_q[1:0]),
                 .state_o      (stream_state),
                 .lost_o       (stream_lost),
                 .credit_o     (stream_credit_o),
@@ -358,6 +364,12 @@ module wh_device #(
 
     // One bit is for a word of the whole 32.
     wire unused = &{1'b0, live[32]};
+
+    always @(posedge clk) begin
+        command_q         <= !rst && command;
+        command_address_q <= bus_address_i;
+        command_data_q    <= bus_data_i[`WH_DATA_W-1:0];
+    end
 
     always @(posedge clk) begin
         live_q  <= live[31:0];
@@ -441,6 +453,7 @@ module wh_device #(
     assign running_o = running;
     assign contact_o = |contact;
     assign fault_o   = overrun || |faults;
+    assign clear_o   = set_clear;
 
     assign zero_busy_o     = zero_busy;
     assign zero_fault_o    = zero_fault;

@@ -723,7 +723,7 @@ assign changing = (|pending_carrier) || (|pending_frame) || (|pending_trip) || (
 
 // Commands.
 
-assign set_zero_start = command && bus_address_i == 12'h01d && bus_data_i[0];
+assign set_zero_start = command_q && command_address_q == 12'h01d && command_data_q[0];
 generate
     for (n = 0; n < N; n = n + 1) begin : host_answer_sequence_of_motor
         localparam [31:0] PART = n + 1;
@@ -731,8 +731,8 @@ generate
         reg [7:0] word_q;
 
         always @(posedge clk) begin
-            if (command && bus_address_i == {PART[3:0], 8'ha1}) begin
-                word_q <= bus_data_i[7:0];
+            if (command_q && command_address_q == {PART[3:0], 8'ha1}) begin
+                word_q <= command_data_q[7:0];
             end
         end
 
@@ -746,8 +746,8 @@ generate
         reg [`WH_DATA_W-1:0] word_q;
 
         always @(posedge clk) begin
-            if (command && bus_address_i == {PART[3:0], 8'ha2}) begin
-                word_q <= bus_data_i[`WH_DATA_W-1:0];
+            if (command_q && command_address_q == {PART[3:0], 8'ha2}) begin
+                word_q <= command_data_q[`WH_DATA_W-1:0];
             end
         end
 
@@ -758,16 +758,16 @@ generate
     for (n = 0; n < N; n = n + 1) begin : host_answer_of_motor
         localparam [31:0] PART = n + 1;
 
-        assign set_host_strobe[n] = command && bus_address_i == {PART[3:0], 8'ha3} && bus_data_i[0];
+        assign set_host_strobe[n] = command_q && command_address_q == {PART[3:0], 8'ha3} && command_data_q[0];
     end
 endgenerate
-assign set_clear = command && bus_address_i == 12'h060 && bus_data_i[0];
-assign set_host_alive = command && bus_address_i == 12'h061 && bus_data_i[0];
-assign set_restart = command && bus_address_i == 12'h06d && bus_data_i[0];
-assign set_arm = command && bus_address_i == 12'h078;
-assign set_capture = command && bus_address_i == 12'h074;
-assign set_capture_offset = command && bus_address_i == 12'h075;
-assign set_stream = command && bus_address_i == 12'h076;
+assign set_clear = command_q && command_address_q == 12'h060 && command_data_q[0];
+assign set_host_alive = command_q && command_address_q == 12'h061 && command_data_q[0];
+assign set_restart = command_q && command_address_q == 12'h06d && command_data_q[0];
+assign set_arm = command_q && command_address_q == 12'h078;
+assign set_capture = command_q && command_address_q == 12'h074;
+assign set_capture_offset = command_q && command_address_q == 12'h075;
+assign set_stream = command_q && command_address_q == 12'h076;
 
 // Live words.
 

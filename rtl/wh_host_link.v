@@ -227,9 +227,11 @@ module wh_host_link (
     // All is settled: the mean is paid in, no answer is on its way, and u is covered.
     wire              settled = covered && !waiting_q && !square_q && !answer_q && !come_q;
     wire              takes   = fresh_q && settled;
-    wire [7:0]        next_silent = takes ? 8'd0
-                                  : (silent_q < timeout_i) ? silent_q + 8'd1 : silent_q;
-    wire              next_active = (active_o || takes) && next_silent < timeout_i;
+    // What the period makes of the silence beside that, so that only a choice is behind the subtraction.
+    wire [7:0]        later        = (silent_q < timeout_i) ? silent_q + 8'd1 : silent_q;
+    wire              later_active = active_o && later < timeout_i;
+    wire [7:0]        next_silent  = takes ? 8'd0 : later;
+    wire              next_active  = takes ? timeout_i != 8'd0 : later_active;
 
     wire signed [DATA_W-1:0] signed_magnitude = $signed(magnitude_q);
 

@@ -5,8 +5,8 @@
 //   uart_rx_i -> wh_link -> wh_device -> pins
 //
 // What stands on the line, and what of it does nothing, is said by wh_modbus. enable_i is a pin that
-// allows: with it, and ARM = 1, the word `arm` lets the bridges on for 200 ms (wh_arm); with ARM = 0 the
-// pin alone does. Word 2 of the identification, its options, is made here:
+// allows: with it, and ARM = 1, the word `arm` lets the bridges on for 200 ms, and press_i until something is
+// against it (wh_arm); with ARM = 0 the pin alone does. Word 2 of the identification, its options, is made here:
 //
 //   3:0 N   8:4 WALLS   10:9 SHAPER   14:11 DELAY_LOG2   16:15 ADC   17 EARLY   18 ANCHOR   19 GUARD
 //   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME   26 LIVE
@@ -74,12 +74,14 @@ module wh_linked_device #(
     input  wire [N-1:0]         anchor_fault_i,
     input  wire                 clear_i,        // these two do what their words do
     input  wire                 zero_start_i,
+    input  wire                 press_i,
 
     output wire                 tick_o,         // strobe, last clock of a tick
     output wire                 running_o,      // the bridges are on
     output wire                 contact_o,      // any motor is in a wall
     output wire                 fault_o,        // the guard found something, or a tick is too short
     output wire                 ready_o,        // since reset all settings were given
+    output wire                 clear_o,        // strobe: the line wants faults forgotten
     output wire [N-1:0]         zero_busy_o,    // these are wh_controller's
     output wire [N-1:0]         zero_fault_o,
     output wire [N-1:0]         anchor_fault_o,
@@ -216,7 +218,9 @@ module wh_linked_device #(
         .fault_o         (fault_o),
         .clear_i         (clear_i),
         .zero_start_i    (zero_start_i),
+        .press_i         (press_i),
         .ready_o         (ready_o),
+        .clear_o         (clear_o),
         .zero_busy_o     (zero_busy_o),
         .zero_fault_o    (zero_fault_o),
         .anchor_fault_o  (anchor_fault_o),

@@ -91,6 +91,7 @@ module wh_stream #(
         .loading_i    (1'b0),
         .write_i      (write_i),
         .value_i      (data_i),
+        .press_i      (1'b0),
         .zero_start_o (unused_start),
         .zero_busy_i  (1'b0),
         .zero_fault_i (1'b0),

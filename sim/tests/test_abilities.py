@@ -258,7 +258,6 @@ def test_what_is_refused_is_told_in_one_line(base: Path, name: str) -> None:
         "shaper": SPRING,
         "thermal": ("thermal.start_c=80",),
         "servo": ("servo.rate_hz=1000",),
-        "host": ("host.rate_hz=500",),
         "controller.anchor_auto": ANCHORED,
         "controller.edge_hysteresis": (*ENCODER, "controller.edge_hysteresis=true"),
         "adc.edge_settle_s": (*SENSED, "adc.common_mode_a=5e-3", "adc.edge_settle_s=1e-6"),
@@ -287,6 +286,21 @@ def test_a_board_refuses_what_its_bitstream_has_not(tmp_path: Path) -> None:
     assert replace(board, scene=load_scene(path)).words().words == board.words().words
     asking = replace(board, scene=load_scene(path, ("controller.edge_hysteresis=true",)))
     assert asking.words().words["edge_hysteresis"] == 1
+
+
+def test_a_board_with_a_link_has_the_host_that_its_scene_asks_for() -> None:
+    """Its period and patience as `pins` gets them; without a link there is nobody to be heard."""
+    board = load_board("ulx3s")
+    path = board.root / board.folder / "board.toml"
+    asking = replace(board, scene=load_scene(path, ("host.rate_hz=4e3", "host.timeout=7")))
+    assert "`define WH_BOARD_HOST 1\n" in asking.headers()["wh_board_settings.vh"]
+    assert asking.words().words["host_period_log2"] == 9  # 2 MHz / 2^9
+    assert asking.words().words["host_timeout"] == 7
+    alone = load_board("hx8k")
+    path = alone.root / alone.folder / "board.toml"
+    assert "`define WH_BOARD_HOST 0\n" in alone.headers()["wh_board_settings.vh"]
+    with pytest.raises(SceneError, match=r"no link to a host; leave \[host\] out"):
+        replace(alone, scene=load_scene(path, ("host.rate_hz=1e3",))).words()
 
 
 def test_a_board_has_the_w_that_its_scene_asks_for() -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import re
 import subprocess
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -20,10 +21,13 @@ from wavehaptics.fpga.board_simulation import (
 )
 from wavehaptics.fpga.boards import BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import SynthesisError
+from wavehaptics.ladder.linked_pins import write_frame
 from wavehaptics.ladder.run import measure
 from wavehaptics.runtime.repository import CELLS, ROOT
 from wavehaptics.runtime.toolchain import Toolchain
 from wavehaptics.trace.columns import Column, Word
+from wavehaptics.words.modbus import BAUDS
+from wavehaptics.words.table import WORDS
 
 PRESS_S = 0.012
 HARD = ("hand.path=taps", "hand.frequency_hz=40", "hand.amplitude_rad=0.05", "hand.stiffness=0.4",
@@ -78,6 +82,38 @@ def taps(built: Build) -> None:
     assert_quiet(found["pins"])
 
 
+def answered(simulation: BoardSimulation, frame: bytes, length: int) -> bytes:
+    """The answer to a question on the line of a board that goes on meanwhile."""
+    simulation.send(frame)
+    advanced(simulation, (len(frame) + length + 4) * 10 / BAUDS[0])
+    answer = simulation.received()
+    assert len(answer) == length
+    return answer
+
+
+def obeys_the_line(built: Build) -> None:
+    """Armed over it; a wall that it moves is felt there; a 0 ends it, and so does silence."""
+    simulation = BoardSimulation(built, board_scene(built.board, HARD), by_line=True)
+    assert simulation.received()[:2] == b"\x01\x10"
+    advanced(simulation, 1e-4)
+    assert simulation.report().running
+    (face, _), *_ = built.board.words().ports.walls
+    cells = 40
+    answered(simulation, write_frame(WORDS["wall_min"].at(), [face + cells]), 8)
+    rows = advanced(simulation, PRESS_S)
+    pushed = rows[np.abs(rows[:, Column.TORQUE]) > 2e-3, Column.X]
+    assert pushed.min() > (cells - 1) * simulation.settings.cell_rad
+    assert simulation.report().running
+    answered(simulation, write_frame(WORDS["arm"].at(), [0]), 8)
+    assert not simulation.report().running
+    answered(simulation, write_frame(WORDS["arm"].at(), [1]), 8)
+    advanced(simulation, 2e-3)
+    assert simulation.report().running
+    advanced(simulation, 0.2)
+    assert not simulation.report().running
+    assert_quiet(asdict(simulation.report()) | {"running": True})
+
+
 def holds(built: Build, sign: int) -> None:
     """14 mN·m with all that may be wrong with a motor, as `golden` holds it.
 
@@ -86,7 +122,7 @@ def holds(built: Build, sign: int) -> None:
     """
     scene = board_runs.hold(built.board, sign)
     golden = measure(scene, "golden", compare=False)
-    found = board_runs.run(built, scene)
+    found = board_runs.run(built, scene, by_line=built.board.fpga.link)
     cell = found["hold_offset_rad"] / found["moved_cells"]
     assert found["held_nm"] == pytest.approx(board_runs.PRESS_NM, rel=0.03)
     assert found["hold_offset_rad"] == pytest.approx(
@@ -117,6 +153,8 @@ def test_what_is_flashed(name, tools):
     refuses_other_settings(netlist)
     assert board.scene.controller.anchored, "a bridge's dead time alone takes a plain wall away"
     taps(netlist)
+    if board.fpga.link:
+        obeys_the_line(netlist)
     holds(netlist, 1)
     holds(netlist, -1)
 

@@ -17,7 +17,7 @@ from wavehaptics.host.captured_trace import Device, save, trace_arrays
 from wavehaptics.host.client import Client, Identification
 from wavehaptics.host.names import HostError, places
 from wavehaptics.ladder.device_pins import DevicePins
-from wavehaptics.ladder.linked_pins import CAPTURE, LinkedPins, _frame
+from wavehaptics.ladder.linked_pins import CAPTURE, LinkedPins, write_frame
 from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.trace.columns import FLOAT_COLUMNS, Column, Word, load_trace
 from wavehaptics.trace.pictures import run_picture, strips_picture
@@ -64,7 +64,7 @@ class Line:
         raise AssertionError(f"{len(found)} of {length} bytes came")
 
     def write(self, name: str, *raws: int) -> None:
-        self.ask(_frame(WORDS[name].at(), [*raws]), 8)
+        self.ask(write_frame(WORDS[name].at(), [*raws]), 8)
 
     def read(self, name: str, count: int = 1) -> list[int]:
         request = ReadHoldingRegistersRequest(

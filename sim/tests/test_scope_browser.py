@@ -182,7 +182,7 @@ def test_as_a_newcomer_has_it(page):
     browser = page.browser
     browser.get(page.address)
     page.until(lambda: page["link"] == "off", START_S)
-    assert "arm it" in page["hint"]
+    page.until(lambda: "arm it" in page["hint"], START_S)  # once it has heard of the hand
     page.click("record")
 
     # The wall pushes back with what the hand's spring presses.

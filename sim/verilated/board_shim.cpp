@@ -3,9 +3,11 @@
 // C interface to a whole board at its pins, by the clock: its sources, or its placed netlist. The top
 // is the bench that sim/wavehaptics/fpga/board_simulation.py writes around the board's own.
 
+#include <algorithm>
 #include <cstdint>
 
 #include "Vwh_board_bench.h"
+#include "uart_host.h"
 #include "verilated.h"
 
 namespace {
@@ -17,6 +19,8 @@ struct Board {
     VerilatedContext context;
     Vwh_board_bench top{&context};
     int64_t tick_clocks = 0;
+    UartHost host;
+    int bit_clocks = 0;      // clocks / 16 of a bit of the line
     double watch_step = 0;   // half periods of the FPGA's own oscillator in a clock
     double watch_phase = 0;
     int64_t clocks = 0;
@@ -36,11 +40,13 @@ struct Board {
 // One clock; the pins as they stand after its edge.
 int64_t step(Board &board) {
     auto &top = board.top;
+    top.rx = board.host.level();
     top.clk = 1;
     top.eval();
+    board.host.clock(top.tx, board.bit_clocks);
     const int64_t pins = top.gates | top.cs_n << 4 | top.sclk << 5;
-    const int64_t shown =
-        pins | top.alive << 6 | top.running << 7 | top.fault << 8 | top.contact << 9;
+    const int64_t shown = pins | top.alive << 6 | top.running << 7 | top.fault << 8 |
+                          top.contact << 9 | top.tx << 10;
     top.clk = 0;
     // The oscillator's edges lie between those of the clock, of which it knows nothing.
     board.watch_phase += board.watch_step;
@@ -65,9 +71,10 @@ extern "C" {
 
 // A board just after power-up, nobody at its buttons; inputs as for wh_board_clock. Null where a
 // model of a cell can't do what the netlist asks for.
-void *wh_board_new(int64_t inputs, int64_t tick_clocks, double watch_step) {
+void *wh_board_new(int64_t inputs, int64_t tick_clocks, int64_t bit_clocks, double watch_step) {
     auto *board = new Board;
     board->tick_clocks = tick_clocks;
+    board->bit_clocks = bit_clocks;
     board->watch_step = watch_step;
     board->top.sdata = inputs & 1;
     board->top.a = (inputs >> 1) & 1;
@@ -90,6 +97,21 @@ void wh_board_press(void *model, int64_t start, int64_t stop) {
     auto &top = static_cast<Board *>(model)->top;
     top.start = start;
     top.stop = stop;
+}
+
+// Bytes that are put before the line, how many stand there; and those that came from it, how many.
+int64_t wh_board_send(void *model, const uint8_t *bytes, int64_t count) {
+    auto &queue = static_cast<Board *>(model)->host.to_send;
+    queue.insert(queue.end(), bytes, bytes + count);
+    return queue.size();
+}
+
+int64_t wh_board_received(void *model, uint8_t *bytes, int64_t room) {
+    auto &queue = static_cast<Board *>(model)->host.received;
+    const int64_t count = std::min<int64_t>(room, queue.size());
+    std::copy_n(queue.begin(), count, bytes);
+    queue.erase(queue.begin(), queue.begin() + count);
+    return count;
 }
 
 // One clock with bit 0 ADC data, bit 1 encoder A, bit 2 encoder B. Returns bits 0-3 gates AH AL BH

@@ -45,7 +45,7 @@ struct Device {
 #define SIGNAL(name) device->top.rootp->wh_device__DOT__##name
 
 constexpr int kMostSetupClocks = 1 << 20;
-constexpr int kCommandClocks = 5;  // from a request to what it commands
+constexpr int kCommandClocks = 6;  // from a request to what it commands
 
 int64_t signed_word(uint64_t raw) {
     constexpr int kUnused = 64 - WH_DATA_W;

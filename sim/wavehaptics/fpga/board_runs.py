@@ -92,13 +92,14 @@ class _Deepest:
 
 def run(
     built: Build, scene: Scene, out: Path | None = None, name: str = "run",
-    progress: Callable[[float], None] | None = None,
+    progress: Callable[[float], None] | None = None, *, by_line: bool = False,
 ) -> dict[str, Any]:  # fmt: skip
     """Metrics of a scene on a built board, and ``pins``, what its pins have shown.
 
+    It is started by its button, or ``by_line``.
     With ``out``, a folder, they go into ``<name>.json`` there, and a picture into ``<name>.png``.
     """
-    simulation = BoardSimulation(built, scene)
+    simulation = BoardSimulation(built, scene, by_line=by_line)
     tick_s = simulation.tick_s
     ticks = max(1, round(scene.scene.duration_s / tick_s))
     trace = None

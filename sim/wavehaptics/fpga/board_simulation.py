@@ -4,8 +4,9 @@
 The top is the board's own, ``boards/<name>/<name>.v``, as place and route left it
 (:mod:`wavehaptics.fpga.placed`). It is begun as a person begins: power-up with nobody near, the
 rotor turned by hand to where the scene begins, the start button pressed with its bounces, and held
-until the board says that it runs. Meanwhile the motor rests and the ADC reads no current. From
-the first gate on the loop is that of ``pins``.
+until the board says that it runs; or, on a board with a link, armed by a frame on its line.
+Meanwhile the motor rests and the ADC reads no current. From the first gate on the loop is that of
+``pins``.
 
 Nothing inside the board is seen: the columns of the waves are NaN, contact is where the rotor
 really is in a wall, and ticks are counted by the pin ``alive``.
@@ -28,6 +29,7 @@ from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.fpga import placed, synthesis
 from wavehaptics.fpga.boards import Board, BoardError
 from wavehaptics.ladder import pins_loop, verilated
+from wavehaptics.ladder.linked_pins import write_frame
 from wavehaptics.ladder.pins import PinsSimulation, wire
 from wavehaptics.motor.sensor import NOISE, sample_code
 from wavehaptics.parts.adcs import PARTS, Frame, frame
@@ -39,6 +41,8 @@ from wavehaptics.runtime.toolchain import Toolchain
 from wavehaptics.scene import Scene, load_scene
 from wavehaptics.scene.tables.hand import Hand
 from wavehaptics.trace.columns import Column
+from wavehaptics.words.modbus import BAUDS
+from wavehaptics.words.table import WORDS
 
 OUT = Path("build", "netlists")
 """Where the simulated files go, from the root."""
@@ -103,7 +107,7 @@ def bench(board: Board, ports: dict[str, str]) -> str:
     roles = {"adc_sdata": "sdata", "enc_a": "a", "enc_b": "b", "stop": "stop",
              "adc_cs_n": "cs_n", "adc_sclk": "sclk", "alive": "alive",
              "gate_ah": "gates[0]", "gate_al": "gates[1]", "gate_bh": "gates[2]",
-             "gate_bl": "gates[3]"}  # fmt: skip
+             "gate_bl": "gates[3]", "uart_rx": "rx", "uart_tx": "tx"}  # fmt: skip
     # Nobody presses the reset.
     shown = {"button_start": "start", "start": "start", "button_reset": "1'b0",
              "led_running": "running", "led_fault": "fault", "led_contact": "contact"}  # fmt: skip
@@ -121,18 +125,18 @@ def bench(board: Board, ports: dict[str, str]) -> str:
             lines += [f"    wire {port};", f"    assign {role} = !{port};"]
             role = port
         pins.append(f"        .{port} ({role})")
-    missing = {"clk", *roles.values(), "start", "running", "fault"} - found
+    missing = {"clk", *roles.values(), "start", "running", "fault"} - {"rx", "tx"} - found
     if missing:
         raise BoardError(
             f"{board.name}: its top has no pin for {', '.join(sorted(missing))}; they have "
             "the names of the other boards'"
         )
-    if "contact" not in found:
-        lines.append("    assign contact = 1'b0;")
+    lines += [f"    assign {role} = 1'b{level};" for role, level in (("contact", 0), ("tx", 1))
+              if role not in found]  # fmt: skip
     return "\n".join([
         f"module {BENCH} (",
         "    input clk, input watch_clk, input start, input stop, input sdata, input a, input b,",
-        "    output [3:0] gates, output cs_n, output sclk, output alive,",
+        "    input rx, output tx, output [3:0] gates, output cs_n, output sclk, output alive,",
         "    output running, output fault, output contact",
         ");", *lines, f"    {board.name} board (", ",\n".join(pins), "    );", "endmodule", "",
     ])  # fmt: skip
@@ -221,13 +225,15 @@ class BoardSimulation(PinsSimulation):
     """``scene`` on a board that was built: at the constructor's end its gates have gone on.
 
     The scene says what is connected to the board and what the hand does; its walls and what else
-    the bitstream holds must be the board's own.
+    the bitstream holds must be the board's own. With ``by_line`` nobody presses the button: the
+    word ``arm`` is written over the board's line, and not renewed.
     """
 
     PREFIX = "wh_board"
 
-    def __init__(self, built: Build, scene: Scene) -> None:
+    def __init__(self, built: Build, scene: Scene, *, by_line: bool = False) -> None:
         self._built = built
+        self._by_line = by_line
         self._part = PARTS[built.board.fpga.adc]
         super().__init__(scene)
         # Of the anchor nothing is seen either.
@@ -260,12 +266,18 @@ class BoardSimulation(PinsSimulation):
         self._library.wh_board_press.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]
         self._library.wh_board_report.argtypes = [ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64)]
         new = self._library.wh_board_new
-        new.argtypes = [ctypes.c_int64, ctypes.c_int64, ctypes.c_double]
+        new.argtypes = [*[ctypes.c_int64] * 3, ctypes.c_double]
+        for name in ("send", "received"):
+            function = self._function(name)
+            function.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int64]
+            function.restype = ctypes.c_int64
         new.restype = ctypes.c_void_p
         at_reset = self._built.board.words().ports.start_count
         levels = pins_loop.encoder_levels.py_func(at_reset)
         time = ports.timing
-        self._model = new(levels, time.tick_clocks, 2 * self._watch_hz() / time.clock_hz)
+        bit_clocks = round(16 * time.clock_hz / BAUDS[0])
+        watch = 2 * self._watch_hz() / time.clock_hz
+        self._model = new(levels, time.tick_clocks, bit_clocks, watch)
         if not self._model:
             raise RuntimeError("a model of the FPGA's cells can't do what the netlist asks for")
 
@@ -293,12 +305,15 @@ class BoardSimulation(PinsSimulation):
         while self._kept[pins_loop.COUNT] != start:
             self._kept[pins_loop.COUNT] += 1 if start > at_reset else -1
             still = still and self._rest_for(COUNT_CLOCKS)
-        for n, clocks in enumerate(PRESS_CLOCKS):
-            self._press(n % 2 == 0)
-            still = still and self._rest_for(clocks)
-        self._press(True)
+        if self._by_line:
+            self.send(write_frame(WORDS["arm"].at(), [1]))
+        else:
+            for n, clocks in enumerate(PRESS_CLOCKS):
+                self._press(n % 2 == 0)
+                still = still and self._rest_for(clocks)
+            self._press(True)
         if not still:
-            raise RuntimeError("the gates went on before the start button was pressed")
+            raise RuntimeError("the gates went on before anybody wanted it")
         for _ in range(LONGEST_START // _PIECE):
             if not self._rest_for(_PIECE):
                 return
@@ -314,6 +329,18 @@ class BoardSimulation(PinsSimulation):
     def stop(self) -> None:
         """Open the wire of the emergency stop."""
         self._press(False, True)
+
+    # ---- The line, at the rate with which it begins.
+
+    def send(self, frame: bytes) -> None:
+        """Put bytes before the line, which sends them one after another."""
+        self._library.wh_board_send(self._model, frame, len(frame))
+
+    def received(self) -> bytes:
+        """Bytes that came since the last time, 4096 at most."""
+        buffer = ctypes.create_string_buffer(4096)
+        count = self._library.wh_board_received(self._model, buffer, len(buffer))
+        return buffer.raw[:count]
 
     # ---- What is seen.
 

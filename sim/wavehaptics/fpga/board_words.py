@@ -35,7 +35,7 @@ LINKED_WALLS = 4
 CHANGEABLE = (
     "wh_current.current", "wh_wave_core.eta", "wh_wave_core.wave", "wh_anchor.anchor",
     "wh_contact.edges", "wh_contact.walls", "wh_shaper.shape", "wh_capture.capture",
-    "wh_stream.stream", "wh_stream.cut",
+    "wh_stream.stream", "wh_stream.cut", "wh_host_link.host",
 )  # fmt: skip
 """Groups of words that can be changed on a board: none of the hardware, and none of its limits."""
 
@@ -59,6 +59,8 @@ class BoardWords:
     """Words that a capture takes, 2^this; 0 where there is none."""
     stream: bool = False
     """Whether live words can be sent as a stream."""
+    host: bool = False
+    """Whether a computer on the line can have the environment."""
 
     @property
     def walls(self) -> int:
@@ -95,11 +97,14 @@ def board_words(
     }  # fmt: skip
     if trip_a is not None:
         words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
+    if scene.host is not None and not linked:
+        raise SceneError(f"{_at(scene)}the board has no link to a host; leave [host] out")
     delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
     word = _guard(scene, ports, trip_a) if guarded else None
     return BoardWords(
-        ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked and stream
-    )
+        ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked and stream,
+        scene.host is not None,
+    )  # fmt: skip
 
 
 def _each_motor(words: Values, motors: int) -> dict[str, Any]:
@@ -190,6 +195,7 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "LINKED": int(board.linked),
         "CAPTURE": board.capture,
         "STREAM": int(board.stream),
+        "HOST": int(board.host),
         "CLOCK_HZ": round(timing.clock_hz),
         "BUILD": build_number(),
     }

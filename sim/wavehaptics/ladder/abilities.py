@@ -74,7 +74,6 @@ ABILITIES: dict[str, Ability] = {
     "a board": Ability(
         refused={
             "servo": "leave it out",
-            "host": "no board's bitstream has a host's link yet; leave it out",
             "drive.bus_measured": "no board measures its bus yet; set it to false",
         },
     ),

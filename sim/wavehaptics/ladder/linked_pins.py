@@ -34,8 +34,8 @@ ZERO_PART = 1 / 16
 """Largest zero that is permitted, of the ADC's full scale."""
 
 
-def _frame(first: int, raws: list[int]) -> bytes:
-    """A write of words from an address on."""
+def write_frame(first: int, raws: list[int]) -> bytes:
+    """The question that writes words from an address of the table on."""
     return _write(word_register(first), halves(raws))
 
 
@@ -86,10 +86,10 @@ class LinkedPins(PinsSimulation):
         fastest = sum(self.timing.clock_hz >= least for least in _RATES_HZ)
         self._tell(model, _rate_frame(fastest))
         for first, raws in runs(settings_requests(values), MOST_WRITTEN):
-            self._tell(model, _frame(first, raws))
+            self._tell(model, write_frame(first, raws))
         self._tell(model, _rate_frame(0))
         self._library.wh_linked_bus(model, self._values["bus"])
-        frame = _frame(WORDS["restart"].at(), [1])
+        frame = write_frame(WORDS["restart"].at(), [1])
         if not self._library.wh_linked_begin(model, frame, len(frame)):
             return None
         # Its answer is still under way, and nobody's who comes to the line.

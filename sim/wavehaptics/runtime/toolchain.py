@@ -17,8 +17,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 TOOLCHAINS = ("wheel", "native")
-TIMEOUT_S = 400
-"""Longest run of a tool, s: nextpnr's router may chase the same wires for ever."""
+TIMEOUT_S = 1200
+"""Longest run of a tool, s: nextpnr's router may chase the same wires for ever. The largest board
+takes a sixth of it on a machine that has nothing else to do."""
 
 _PREFIX = {"wheel": "yowasp-", "native": ""}
 

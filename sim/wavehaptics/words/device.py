@@ -160,17 +160,18 @@ def _command(word: Word) -> list[str]:
     port, bits = word.port[:-2], _bits(word)
     place = f"12'h{word.at():03x}"
     if word.row.per == "board":
-        one = " && bus_data_i[0]" if bits == "1" else ""
-        return [f"assign set_{port} = command && bus_address_i == {place}{one};"]
-    here = f"command && bus_address_i == {{PART[3:0], 8'h{word.at() & 0xFF:02x}}}"
+        one = " && command_data_q[0]" if bits == "1" else ""
+        return [f"assign set_{port} = command_q && command_address_q == {place}{one};"]
+    here = f"command_q && command_address_q == {{PART[3:0], 8'h{word.at() & 0xFF:02x}}}"
     lines = ["localparam [31:0] PART = n + 1;", ""]
     if bits == "1":
-        lines.append(f"assign set_{port}[n] = {here} && bus_data_i[0];")
+        lines.append(f"assign set_{port}[n] = {here} && command_data_q[0];")
     else:
         lines += [
             f"reg [{_last(bits)}:0] word_q;", "", "always @(posedge clk) begin",
-            f"    if ({here}) begin", f"        word_q <= bus_data_i[{_last(bits)}:0];", "    end",
-            "end", "", f"assign set_{port}[n*{bits} +: {bits}] = word_q;",
+            f"    if ({here}) begin",
+            f"        word_q <= command_data_q[{_last(bits)}:0];",
+            "    end", "end", "", f"assign set_{port}[n*{bits} +: {bits}] = word_q;",
         ]  # fmt: skip
     loop = f"    for (n = 0; n < N; n = n + 1) begin : {word.name}_of_motor"
     return ["generate", loop, *_indented(lines, 2), "    end", "endgenerate"]
