@@ -18,7 +18,7 @@ from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.controller.tick_layout import natural_ticks
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.parts.adcs import Part, frame
-from wavehaptics.scene import Scene, SceneError
+from wavehaptics.scene import Scene
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.words.generated import LICENCE, connections, settings_rom
@@ -83,9 +83,9 @@ def board_words(
     """
     refuse(scene, "a board")
     if scene.adc is None or scene.adc.bits != part.bits:
-        raise SceneError(f"{_at(scene)}the board's ADC has {part.bits} bits; set adc.bits so")
+        raise scene.refusal(f"the board's ADC has {part.bits} bits; set adc.bits so", "adc.bits")
     if scene.adc.part not in (None, part.name):
-        raise SceneError(f"{_at(scene)}the board's ADC is an {part.name}; set adc.part so")
+        raise scene.refusal(f"the board's ADC is an {part.name}; set adc.part so", "adc.part")
     ports = controller_ports(scene, lambda clock_hz, _: frame(part, clock_hz, pad_registers))
     words = {
         **ports.words, **_each_motor(ports.settings.words(), motors),
@@ -98,7 +98,7 @@ def board_words(
     if trip_a is not None:
         words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
     if scene.host is not None and not linked:
-        raise SceneError(f"{_at(scene)}the board has no link to a host; leave [host] out")
+        raise scene.refusal("the board has no link to a host; leave [host] out", "host")
     delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
     word = _guard(scene, ports, trip_a) if guarded else None
     return BoardWords(
@@ -118,10 +118,6 @@ def _guard(scene: Scene, ports: Ports, trip_a: float | None) -> int:
     return guard.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)
 
 
-def _at(scene: Scene) -> str:
-    return f"{scene.scene.name}: "
-
-
 def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
     """Ticks that a voltage waits, so that the latency is the scene's ``extra_ticks``."""
     laid, lead = ports.timing, ports.words["sample_lead"] - ports.words["sample_late"]
@@ -132,17 +128,19 @@ def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
     )  # fmt: skip
     extra = ports.settings.extra_ticks
     if extra < natural:
-        raise SceneError(
-            f"{_at(scene)}controller.extra_ticks = {extra} is less than the board needs: a voltage "
+        raise scene.refusal(
+            f"controller.extra_ticks = {extra} is less than the board needs: a voltage "
             f"is ready {natural} ticks of {laid.tick_clocks} clocks late; set extra_ticks = "
-            f"{natural} or more"
+            f"{natural} or more",
+            "controller.extra_ticks",
         )
     early = early_tick_clocks(motors, ports.settings.anchored)
     needed = early if laid.early else (CORE_CLOCKS + SECTION_CLOCKS * sections) * motors
     if needed > laid.tick_clocks:
-        raise SceneError(
-            f"{_at(scene)}a tick of {laid.tick_clocks} clocks is shorter than the "
-            f"{needed} that {motors} motors need; lower controller.tick_hz"
+        raise scene.refusal(
+            f"a tick of {laid.tick_clocks} clocks is shorter than the "
+            f"{needed} that {motors} motors need; lower controller.tick_hz",
+            "controller.tick_hz",
         )
     return extra - natural
 

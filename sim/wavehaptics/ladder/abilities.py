@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from wavehaptics.scene import Scene, SceneError
+from wavehaptics.scene import Scene
 
 
 class Ability(NamedTuple):
@@ -136,15 +136,16 @@ def refuse(scene: Scene, name: str) -> None:
     if scene.motor.brushless:
         if name not in BRUSHLESS_RUNGS:
             *others, last = (f"`{rung}`" for rung in BRUSHLESS_RUNGS)
-            raise SceneError(
-                f'{scene.scene.name}: motor.kind = "pmsm" is not for `{name}` yet; '
-                f"take {', '.join(others)} or {last}"
+            raise scene.refusal(
+                f'motor.kind = "pmsm" is not for `{name}` yet; take {", ".join(others)} or {last}',
+                "motor.kind",
+                "motor.preset",
             )
         refused = {**BRUSHLESS, **refused}
     for what, cure in refused.items():
         if what in asked_for:
             shown = what if "." in what else f"[{what}]"
-            raise SceneError(f"{scene.scene.name}: {shown} is not for `{name}`; {cure}")
+            raise scene.refusal(f"{shown} is not for `{name}`; {cure}", what)
 
 
 def _without_use(scene: Scene, name: str) -> set[str]:
