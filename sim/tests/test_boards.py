@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -464,6 +465,34 @@ def test_boards_that_are_not_there():
     with pytest.raises(BoardError, match="ulx3s has no device '99k'; take one of 25k"):
         load_board("ulx3s", "99k")
     assert load_board("ulx3s", "85k").device == "85k"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "problem"),
+    [
+        ("guard = true", 'guard = "yes"', 'guard = "yes": it must be a valid boolean'),
+        ("trip_a", "trip_amps", "sense.trip_a is missing; another board's"),
+        ("guard = true", "gaurd = true", "gaurd is no key of a board; did you mean guard?"),
+        ("capture = 12", "capture = 16", "capture = 16: it must be 0, 9, 10, "),
+        ("link = true", "link = false", "capture is told over a link; set link = true or leave"),
+        ("motors", "motor", "motor is no key of a board; did you mean motors?"),
+    ],
+)
+def test_a_wrong_board_file_is_told_with_its_line(tmp_path, old, new, problem):
+    shutil.copytree(ROOT / "boards" / "ulx3s", tmp_path / "boards" / "ulx3s")
+    path = tmp_path / "boards" / "ulx3s" / "fpga.toml"
+    text = path.read_text()
+    if old == "motors":
+        text = "motors = 1\n" + text
+    assert text.count(old) >= 1
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(BoardError) as refused:
+        load_board("ulx3s", root=tmp_path)
+    where, _, told = str(refused.value).partition(": ")
+    assert told.startswith(problem)
+    line = int(where.removeprefix(f"{path}:"))
+    key = problem.split()[0].split(".")[0]
+    assert key in path.read_text().splitlines()[line - 1]
 
 
 @pytest.mark.parametrize("name", board_names())

@@ -8,18 +8,21 @@ is made for, ``<name>.v`` is its top, and ``constraints/<name>.pcf`` or ``.lpf``
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import ErrorDetails
 
 from wavehaptics.fpga.board_words import BoardWords, board_words, memory_header, verilog_header
 from wavehaptics.parts.adcs import PARTS
 from wavehaptics.runtime.files import write_text
 from wavehaptics.runtime.repository import ROOT
-from wavehaptics.runtime.toml_source import TomlError, parse
+from wavehaptics.runtime.toml_source import KeyPath, TomlError, dotted, parse
 from wavehaptics.scene import Scene, load_scene
+from wavehaptics.scene.keys import as_written, nearest
 
 CONSTRAINT_SUFFIX = {"ice40": ".pcf", "ecp5": ".lpf"}
 
@@ -161,6 +164,28 @@ def board_names(root: Path = ROOT) -> list[str]:
     return sorted(path.parent.name for path in (root / "boards").glob("*/fpga.toml"))
 
 
+def _line(lines: Mapping[KeyPath, int], path: KeyPath) -> int:
+    """Line of a key in its file, or of what holds it."""
+    return next((lines[path[:n]] for n in range(len(path), 0, -1) if path[:n] in lines), 1)
+
+
+def _problem(detail: ErrorDetails) -> str:
+    """What is wrong with a key of ``fpga.toml``, and what would be right."""
+    path = detail["loc"]
+    name = dotted(path)
+    if detail["type"] == "extra_forbidden":
+        tables: dict[str, type[_Table]] = {"bridge": Bridge, "sense": Sense}
+        table = tables.get(str(path[0]), Fpga) if path[1:] else Fpga
+        near = nearest(str(path[-1]), table.model_fields)
+        return f"{name} is no key of a board; " + (
+            f"did you mean {near}?" if near else f"it has {', '.join(table.model_fields)}"
+        )
+    if detail["type"] == "missing":
+        return f"{name} is missing; another board's fpga.toml shows what it says"
+    right = detail["msg"].removeprefix("Input should be ")
+    return f"{name} = {as_written(detail['input'])}: it must be {right}"
+
+
 def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board:
     """Read the board ``name``; :class:`BoardError` or :class:`SceneError` in one line."""
     names = board_names(root)
@@ -168,14 +193,19 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
         raise BoardError(f"there is no board {name!r}; take one of {', '.join(names)}")
     path = root / "boards" / name / "fpga.toml"
     try:
-        data, _ = parse(path.read_bytes())
+        data, lines = parse(path.read_bytes())
         fpga = Fpga.model_validate(data)
     except TomlError as error:
         raise BoardError(f"{path}:{error.line}: {error.problem}") from None
     except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"])
-        raise BoardError(f"{path}: {key}: {first['msg']}") from None
+        first = error.errors(include_url=False)[0]
+        raise BoardError(f"{path}:{_line(lines, first['loc'])}: {_problem(first)}") from None
+    for key in ("capture", "stream"):
+        if getattr(fpga, key) and not fpga.link:
+            raise BoardError(
+                f"{path}:{_line(lines, (key,))}: {key} is told over a link; set link = true or "
+                "leave it out"
+            )
     if fpga.pins_of is not None:
         others = load_board(fpga.pins_of, root=root).fpga
         fpga = fpga.model_copy(update={"free": others.free, "taken": others.taken})

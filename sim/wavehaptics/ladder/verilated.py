@@ -164,13 +164,15 @@ def verilate(
         "--Mdir", str(work / "obj"), "-o", str(work / "model.so"), *arguments,
     ]  # fmt: skip
     log = target.with_suffix(".log")
-    with log.open("w") as out:
-        code = subprocess.run(command, env=environment, stdout=out, stderr=out).returncode
-    if code:
-        raise BuildError(f"building {top} failed with status {code}; see {log}")
-    # A rename is atomic: another process that builds the same model sees all of it or nothing.
-    (work / "model.so").replace(target)
-    shutil.rmtree(work)
+    try:
+        with log.open("w") as out:
+            code = subprocess.run(command, env=environment, stdout=out, stderr=out).returncode
+        if code:
+            raise BuildError(f"building {top} failed with status {code}; see {log}")
+        # A rename is atomic: another process that builds the same model sees all of it or nothing.
+        (work / "model.so").replace(target)
+    finally:
+        shutil.rmtree(work)
     return target
 
 
