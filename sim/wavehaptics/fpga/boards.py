@@ -14,7 +14,15 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from wavehaptics.fpga.board_words import BoardWords, board_words, memory_header, verilog_header
+from wavehaptics.fpga.board_words import (
+    LEGS,
+    THREE_PHASE_LEGS,
+    BoardWords,
+    board_words,
+    memory_header,
+    verilog_header,
+)
+from wavehaptics.controller.pins_timing import AXES
 from wavehaptics.parts.adcs import PARTS
 from wavehaptics.runtime.files import write_text
 from wavehaptics.runtime.repository import ROOT
@@ -87,6 +95,7 @@ class Fpga(_Table):
     input_hz: float = Field(gt=0)
     adc: str
     motors: int = Field(1, ge=1, le=8)
+    legs: Literal[2, 3] = LEGS
     guard: bool = False
     link: bool = False
     capture: Literal[0, 9, 10, 11, 12, 13, 14, 15] = 0
@@ -127,6 +136,17 @@ class Board:
     def clock_hz(self) -> float:
         return self.words().ports.timing.clock_hz
 
+    @property
+    def brushless(self) -> bool:
+        """Whether its motor is a brushless one, with a core of its own."""
+        return self.fpga.legs == THREE_PHASE_LEGS
+
+    @property
+    def adc_lines(self) -> list[str]:
+        """Ports of the top at which the converters' bits come in."""
+        lines = AXES if self.brushless else self.fpga.motors
+        return ["adc_sdata"] if lines == 1 else [f"adc_sdata[{n}]" for n in range(lines)]
+
     def words(self) -> BoardWords:
         """Words of the controller's settings; :class:`SceneError` where the board can't do them."""
         return board_words(
@@ -134,6 +154,7 @@ class Board:
             pad_registers=self.fpga.pad_registers, trip_a=self.fpga.sense.trip_a,
             zero_a=self.fpga.sense.zero_a, delay_log2=_DELAY_LOG2[self.fpga.family],
             linked=self.fpga.link, capture=self.fpga.capture, stream=self.fpga.stream,
+            legs=self.fpga.legs,
         )  # fmt: skip
 
     def headers(self) -> dict[str, str]:
@@ -179,6 +200,13 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
     if fpga.pins_of is not None:
         others = load_board(fpga.pins_of, root=root).fpga
         fpga = fpga.model_copy(update={"free": others.free, "taken": others.taken})
+    if fpga.legs == THREE_PHASE_LEGS:
+        for key, there in (("link", fpga.link), ("motors", fpga.motors > 1)):
+            if there:
+                raise BoardError(
+                    f"{path}: {key}: a board with legs = {fpga.legs} has one brushless motor and no "
+                    f"link yet; leave {key} out"
+                )
     if fpga.adc not in PARTS:
         raise BoardError(f"{path}: adc = {fpga.adc!r} is not known; {', '.join(PARTS)} are")
     device = device or fpga.devices[0]

@@ -235,14 +235,13 @@ def board_pads(board: Board, sdf: Path) -> dict[str, Any]:
     words, bridge = board.words(), board.fpga.bridge
     time = bridge_budget.dead_time(board)
     motors, drive = board.fpga.motors, board.scene.drive
-    lines = ["adc_sdata"] if motors == 1 else [f"adc_sdata[{n}]" for n in range(motors)]
     try:
         delays = pad_timing.Delays.of_file(sdf)
         adc = pad_timing.adc_budget(
             delays, board.device, board.fpga.family, PARTS[board.fpga.adc],
-            words.ports.timing.frame, board.clock_hz, board.fpga.wire_s, lines,
+            words.ports.timing.frame, board.clock_hz, board.fpga.wire_s, board.adc_lines,
         )  # fmt: skip
-        skew_ns = pad_timing.gate_skew_ns(delays, motors)
+        skew_ns = pad_timing.gate_skew_ns(delays, motors, board.fpga.legs)
     except pad_timing.PadTimingError as error:
         raise SynthesisError(f"{board.name}: {error}") from None
     if skew_ns > 1e9 * bridge.fpga_skew_s:
