@@ -624,7 +624,7 @@ module wh_brushless #(
         .gate_low_o        (gate_low_o)
     );
 
-    // ---- Guard. A sample of the third phase is what the other two leave, too.
+    // ---- Guard. A sample of the third phase is what the other two leave, too, a clock later.
 
     generate
         if (GUARD != 0) begin : guarded
@@ -636,7 +636,14 @@ module wh_brushless #(
                 -$signed({{2{sample_a[SAMPLE_W-1]}}, sample_a})
                 - $signed({{2{sample_b[SAMPLE_W-1]}}, sample_b});
             wire signed [SAMPLE_W-1:0] sample_c;
+            reg  signed [SAMPLE_W-1:0] sample_c_q;
+            reg                        sampled_q;
             wire                       illegal_setting;
+
+            always @(posedge clk) begin
+                sampled_q  <= adc_valid && !rst;
+                sample_c_q <= sample_c;
+            end
 
             wh_saturate #(
                 .IN_W    (SAMPLE_W + 2),
@@ -678,8 +685,8 @@ module wh_brushless #(
                 .driver_i       ({3{driver_fault_i}}),
                 .host_alive_i   (host_alive_i),
                 .bus_i          (bus_i),
-                .sample_valid_i (adc_valid),
-                .sample_i       ({sample_c, adc_sample}),
+                .sample_valid_i (sampled_q),
+                .sample_i       ({sample_c_q, adc_sample}),
                 .range_i        ({1'b0, adc_range_o}),
                 .stuck_i        ({1'b0, adc_stuck_o}),
                 .zero_i         ({1'b0, zero_fault_o}),

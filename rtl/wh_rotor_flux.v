@@ -12,7 +12,7 @@
 // then for the other.
 //
 // Formats: angles are words of 2^32 to the turn.
-// Latency: 4 clocks from position_i to position_o, which follows by a count in two clocks at most.
+// Latency: 5 clocks from position_i to position_o, which follows by a count in two clocks at most.
 // Reset: position_o is position_i, whose middle is at zero_angle_i; no flux.
 
 `default_nettype none
@@ -88,7 +88,9 @@ module wh_rotor_flux (
 
     reg  [SINE_W-1:0] sine_q;
     reg               negative_q;
+    reg  signed [CELL_W-1:0] word_q;  // with its sign; a register of its own, as a memory is slow
     reg               looks_q;   // sine_q is alpha's, in the next clock beta's
+    reg               keeps_q;   // word_q is alpha's
     reg               adds_q;    // it is beta's
     reg               back_q;
     reg               down_q;
@@ -101,12 +103,14 @@ module wh_rotor_flux (
     always @(posedge clk) begin
         sine_q     <= sines[entry];
         negative_q <= edge_q[31];
+        word_q     <= sine;
         looks_q    <= second_q && !rst;
-        adds_q     <= looks_q && !rst;
+        keeps_q    <= looks_q && !rst;
+        adds_q     <= keeps_q && !rst;
         back_q     <= takes ? back : back_q;
         down_q     <= looks_q ? back_q : down_q;
-        if (looks_q) begin
-            cell_a_q <= -sine;
+        if (keeps_q) begin
+            cell_a_q <= -word_q;
         end
     end
 
@@ -118,7 +122,7 @@ module wh_rotor_flux (
     reg signed [CELL_W-1:0] shown_b_q;
 
     wire signed [FLUX_W-1:0] by_a = $signed({{(FLUX_W - CELL_W){cell_a_q[CELL_W-1]}}, cell_a_q});
-    wire signed [FLUX_W-1:0] by_b = $signed({{(FLUX_W - CELL_W){sine[CELL_W-1]}}, sine});
+    wire signed [FLUX_W-1:0] by_b = $signed({{(FLUX_W - CELL_W){word_q[CELL_W-1]}}, word_q});
 
     assign place_o = {place_b_q, place_a_q};
     assign cell_o  = {shown_b_q, shown_a_q};
@@ -135,7 +139,7 @@ module wh_rotor_flux (
             place_a_q  <= down_q ? place_a_q - by_a : place_a_q + by_a;
             place_b_q  <= down_q ? place_b_q - by_b : place_b_q + by_b;
             shown_a_q  <= cell_a_q;
-            shown_b_q  <= sine;
+            shown_b_q  <= word_q;
         end
     end
 

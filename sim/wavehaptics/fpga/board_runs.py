@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from wavehaptics.controller.ports import bus_voltage
-from wavehaptics.fpga.board_simulation import BoardSimulation, Build, board_scene
+from wavehaptics.fpga.board_simulation import Build, board_scene, on_board
 from wavehaptics.fpga.boards import Board
 from wavehaptics.ladder.run import measure
 from wavehaptics.runtime.files import write_json
@@ -99,7 +99,7 @@ def run(
     It is started by its button, or ``by_line``.
     With ``out``, a folder, they go into ``<name>.json`` there, and a picture into ``<name>.png``.
     """
-    simulation = BoardSimulation(built, scene, by_line=by_line)
+    simulation = on_board(built, scene, by_line=by_line)
     tick_s = simulation.tick_s
     ticks = max(1, round(scene.scene.duration_s / tick_s))
     trace = None

@@ -117,7 +117,7 @@ def board_words(
     word = _guard(scene, ports, trip_a) if guarded else None
     return BoardWords(
         ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked and stream,
-        scene.host is not None, _brushless_words(scene, ports),
+        scene.host is not None, brushless_words(scene, ports, ports.start_count),
     )  # fmt: skip
 
 
@@ -131,11 +131,16 @@ def _check_legs(scene: Scene, legs: int) -> None:
         )
 
 
-def _brushless_words(scene: Scene, ports: Ports) -> dict[str, list[tuple[int, int]]] | None:
-    """What ``rtl/wh_brushless.v`` is told besides; None for a motor with brushes."""
+def brushless_words(
+    scene: Scene, ports: Ports, start_count: int
+) -> dict[str, list[tuple[int, int]]] | None:
+    """What ``rtl/wh_brushless.v`` is told besides; None for a motor with brushes.
+
+    The rotor is at ``start_count`` at reset.
+    """
     if not scene.motor.brushless:
         return None
-    turn, zero = rotor_angles(scene, ports.settings, ports.start_count)
+    turn, zero = rotor_angles(scene, ports.settings, start_count)
     return {
         "phase_zero": [(0, formats.SUM_W)] * AXES,
         "phase_gain": [(ports.words["gain"], formats.COEF_W)] * AXES,

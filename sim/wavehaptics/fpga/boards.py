@@ -37,6 +37,10 @@ _DELAY_LOG2 = {"ice40": 6, "ecp5": 1}
 it, where flip-flops are scarce."""
 
 
+CORES = {False: "wh_board_controller", True: "wh_board_brushless"}
+"""By whether the motor is brushless."""
+
+
 class BoardError(ValueError):
     """A board that can't be read. The message is one line: where, what is wrong."""
 
@@ -140,6 +144,11 @@ class Board:
     def brushless(self) -> bool:
         """Whether its motor is a brushless one, with a core of its own."""
         return self.fpga.legs == THREE_PHASE_LEGS
+
+    @property
+    def core(self) -> str:
+        """Module of ``boards/`` that has the controller with the board's constants."""
+        return CORES[self.brushless]
 
     @property
     def adc_lines(self) -> list[str]:
