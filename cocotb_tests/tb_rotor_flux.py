@@ -20,7 +20,7 @@ from wavehaptics.words import formats
 PLACE_W = formats.LONG.width - formats.LONG.fraction + rotor_flux.SINE_Q
 CELL_W = rotor_flux.SINE_Q + 2
 TABLE = rotor_flux.sine_table()
-LATENCY = 5
+LATENCY = 6
 """Clocks from a count to its words."""
 
 
@@ -122,7 +122,7 @@ async def edges_between_two_entries(dut: object) -> None:
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
-async def a_count_takes_five_clocks(dut: object) -> None:
+async def a_count_takes_six_clocks(dut: object) -> None:
     """From rest: its words are there so many clocks later, and not before."""
     bench = FluxBench(dut)
     await bench.start(position_i=0, count_angle_i=0, zero_angle_i=0, turn_i=0, by_i=0)

@@ -19,7 +19,7 @@ import json
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,8 @@ from wavehaptics.ladder import brushless_pins, pins_loop, verilated
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.linked_pins import write_frame
 from wavehaptics.ladder.pins import PinsSimulation, wire
+from wavehaptics.motor.brushless import BrushlessPlant
+from wavehaptics.motor.plant import OMEGA, C, P, R, S, X
 from wavehaptics.motor.sensor import NOISE, sample_code
 from wavehaptics.parts.adcs import PARTS, Frame, Part, frame
 from wavehaptics.runtime.compiled import compiled_counting
@@ -66,6 +68,12 @@ COUNT_CLOCKS = 400
 
 LONGEST_START = 2_000_000
 """Clocks from pressing the button until the gates go on, at most."""
+
+SWING_TURNS = 6.0
+"""Turns of a brushless motor's magnets in which a board that doesn't know their angle finds it."""
+
+SWING_S, SWING_STIFFNESS, SWING_DAMPING = 0.1, 0.05, 0.5e-3
+"""How long a hand takes for them, and how it holds the rotor, N·m/rad and N·m·s/rad."""
 
 _PIECE = 4096
 _UNSEEN = [Column.ETA, Column.U, Column.V, Column.CORRECTION, Column.X_HAT, Column.OMEGA_HAT,
@@ -149,9 +157,9 @@ def bench(board: Board, ports: dict[str, str]) -> str:
     gates = len(GATES[board.brushless])
     return "\n".join([
         f"module {BENCH} (",
-        f"    input clk, input watch_clk, input start, input stop, input{adcs} sdata, input a, input b,",
-        f"    input rx, output tx, output [{gates - 1}:0] gates, output cs_n, output sclk, output alive,",
-        "    output running, output fault, output contact",
+        f"    input clk, input watch_clk, input start, input stop, input{adcs} sdata, input a,",
+        f"    input b, input rx, output tx, output [{gates - 1}:0] gates, output cs_n,",
+        "    output sclk, output alive, output running, output fault, output contact",
         ");", *lines, f"    {board.name} board (", ",\n".join(pins), "    );", "endmodule", "",
     ])  # fmt: skip
 
@@ -276,6 +284,11 @@ class BoardSimulation:
     def _rest_for(self, clocks: int) -> bool:
         """Let ``clocks`` pass with the motor at rest; False if the gates went on before."""
         raise NotImplementedError
+
+    @property
+    def clock_cycles(self) -> int:
+        """Clocks since its gates went on."""
+        return int(self._kept[pins_loop.NOW])
 
     def _board_ports(self, scene: Scene) -> Ports:
         board = self._built.board
@@ -430,7 +443,10 @@ class _BrushlessOnBoard(BoardSimulation, BrushlessPinsSimulation):
         self._prepare(built, by_line)
         BrushlessPinsSimulation.__init__(self, scene)
         self._ints[brushless_pins.ANCHORED] = 0
-        self._start()
+        if scene.controller.find_magnet:
+            self._start_with_a_swing(scene)
+        else:
+            self._start()
 
     def _ports_of(self, scene: Scene) -> Ports:
         return self._board_ports(scene)
@@ -438,6 +454,34 @@ class _BrushlessOnBoard(BoardSimulation, BrushlessPinsSimulation):
     def _begin(self, scene: Scene, ports: Ports) -> None:
         del scene
         self._power_up(ports)
+
+    def _start_with_a_swing(self, scene: Scene) -> None:
+        """Begin some turns of the magnets away, from where a hand brings the rotor once it runs.
+
+        By that the board finds their angle. The hand stops where the scene begins.
+        """
+        scenes, load, steps = self._z.copy(), self._load, self._steps
+        plant = BrushlessPlant.of_scene(scene)
+        way = SWING_TURNS * 2 * math.pi / plant.pole_pairs
+        hand = replace(
+            plant.plant, hand_stiffness=SWING_STIFFNESS, hand_damping=SWING_DAMPING,
+            hand_omega=math.pi / SWING_S, ramp_end_s=math.inf,
+        )  # fmt: skip
+        plant = replace(plant, plant=hand)
+        self._load = plant.words()
+        self._steps = np.stack([plant.step_words(n / self.timing.clock_hz)
+                                for n in range(len(steps))])  # fmt: skip
+        self._z[X] -= way
+        self._z[OMEGA] = 0.0
+        self._z[[P, R, C, S]] = scenes[P] + scenes[C] - 0.5 * way, 0.0, -0.5 * way, 0.0
+        self._kept[pins_loop.COUNT] = math.floor(self._z[X] / self.settings.cell_rad)
+        self.forget_the_past()
+        self._start()
+        ticks = round(SWING_S / self.tick_s)
+        self._loop(np.zeros((ticks, len(Column))), np.zeros((ticks, len(Word)), dtype=np.int64))
+        self._load, self._steps = load, steps
+        self._z[[P, R, C, S]] = scenes[[P, R, C, S]]
+        self.forget_the_past()
 
     def _loop(self, rows: np.ndarray, words: np.ndarray) -> None:
         BrushlessPinsSimulation.advance(self, rows, words)

@@ -14,15 +14,14 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from wavehaptics.controller.pins_timing import AXES
 from wavehaptics.fpga.board_words import (
-    LEGS,
     THREE_PHASE_LEGS,
     BoardWords,
     board_words,
     memory_header,
     verilog_header,
 )
-from wavehaptics.controller.pins_timing import AXES
 from wavehaptics.parts.adcs import PARTS
 from wavehaptics.runtime.files import write_text
 from wavehaptics.runtime.repository import ROOT
@@ -99,7 +98,7 @@ class Fpga(_Table):
     input_hz: float = Field(gt=0)
     adc: str
     motors: int = Field(1, ge=1, le=8)
-    legs: Literal[2, 3] = LEGS
+    legs: Literal[2, 3] = 2
     guard: bool = False
     link: bool = False
     capture: Literal[0, 9, 10, 11, 12, 13, 14, 15] = 0
@@ -213,8 +212,8 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
         for key, there in (("link", fpga.link), ("motors", fpga.motors > 1)):
             if there:
                 raise BoardError(
-                    f"{path}: {key}: a board with legs = {fpga.legs} has one brushless motor and no "
-                    f"link yet; leave {key} out"
+                    f"{path}: {key}: a board with legs = {fpga.legs} has one brushless motor "
+                    f"and no link yet; leave {key} out"
                 )
     if fpga.adc not in PARTS:
         raise BoardError(f"{path}: adc = {fpga.adc!r} is not known; {', '.join(PARTS)} are")

@@ -394,6 +394,14 @@ class BrushlessPinsSimulation:
     def _function(self, name: str) -> Any:
         return getattr(self._library, f"{self.PREFIX}_{name}")
 
+    def forget_the_past(self) -> None:
+        """Let time begin with the tick that runs."""
+        before = self._marks[_T0]
+        self._z[TIME] -= before
+        self._marks[_T0] = 0.0
+        self._marks[_X0], self._marks[_HAND0] = self._z[X], self._z[P] + self._z[C]
+        self._pending[:, Column.T] -= before
+
     @property
     def faults(self) -> int:
         """What was seen: bit 0 a tick too short for its work or ticks without, bit 1 an encoder's
