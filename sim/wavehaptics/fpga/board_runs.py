@@ -33,7 +33,7 @@ TAP = ("hand.path=taps", "hand.amplitude_rad=0.05", "hand.frequency_hz=10", "han
 PRESS_NM = {False: 0.014, True: 0.007}
 """Torque of the hold, N·m, by whether the motor is brushless."""
 
-RAMP_S, HOLD_S = 0.05, {False: 0.06, True: 0.1}
+RAMP_S, HOLD_S = 0.05, {False: 0.06, True: 0.2}
 """The press's ramp, and how long it is held after that."""
 
 PRESS = {

@@ -227,32 +227,36 @@ def verilog_header(board: BoardWords, source: str) -> str:
     """Text of ``wh_board_settings.vh``; ``source`` is named in it as where the numbers are from."""
     words, timing = board.words, board.ports.timing
     sections = len(board.ports.settings.shaper.words)
-    hardware = {
-        "N": board.motors,
-        "WALLS": board.walls,
-        "MODES": int(words["mode"] != MODE_WORDS[UNIPOLAR]),
-        "SHORTEST": int(words["min_pulse"] > 0),
-        "DELAY_LOG2": board.delay_log2,
-        "EARLY": int(timing.early),
-        "SHAPER": sections,
-        "ANCHOR": int(board.ports.settings.anchored),
-        "GUARDED": int(board.guard is not None),
-        "LINKED": int(board.linked),
-        "CAPTURE": board.capture,
-        "STREAM": int(board.stream),
-        "HOST": int(board.host),
-        "CLOCK_HZ": round(timing.clock_hz),
-        "BUILD": build_number(),
-    }
     sizes = Sizes(board.motors, board.walls, sections, board.delay_log2)
     values = first_values(board, board.motors)
-    top, driven = "wh_controller", ("clear", "zero_start")
-    if board.own is None:
-        told = connections("WH_BOARD", sizes, values, driven)
-    else:
-        top, hardware["COMPENSATE"] = "wh_brushless", words["compensate"]
+    driven = ("clear", "zero_start")
+    hardware = {
+        "WALLS": board.walls,
+        "SHORTEST": int(words["min_pulse"] > 0),
+        "DELAY_LOG2": board.delay_log2,
+        "ANCHOR": int(board.ports.settings.anchored),
+        "GUARDED": int(board.guard is not None),
+    }
+    if board.own is not None:
+        top = "wh_brushless"
+        hardware["COMPENSATE"] = words["compensate"]
         asked = [name for name in inputs_of(top) if name not in (*_BRUSHLESS_PINS, *driven)]
         told = constants("WH_BOARD", sizes, values, asked, board.own)
+    else:
+        top = "wh_controller"
+        hardware |= {
+            "N": board.motors,
+            "MODES": int(words["mode"] != MODE_WORDS[UNIPOLAR]),
+            "EARLY": int(timing.early),
+            "SHAPER": sections,
+            "LINKED": int(board.linked),
+            "CAPTURE": board.capture,
+            "STREAM": int(board.stream),
+            "HOST": int(board.host),
+            "CLOCK_HZ": round(timing.clock_hz),
+            "BUILD": build_number(),
+        }
+        told = connections("WH_BOARD", sizes, values, driven)
     return "\n".join(
         [
             f"{LICENCE}// Settings of {top}, made from {source}.",
