@@ -36,8 +36,9 @@ PAD_CLOCKS = BOARD.words().ports.timing.frame.pad_clocks
 TOP = 2 * MIDDLE - 1
 ZERO_CODES = BOARD.fpga.sense.zero_a / BOARD.scene.adc.full_scale_a * MIDDLE
 _SET = BOARD.words().ports.settings
-LEFT_V = max(0.01, 4 * 2 * _SET.r_hat * _SET.a * formats.A.step * BOARD.fpga.sense.zero_a)
-"""What free space keeps of an offset: four ticks' currents of before the zero are waves as well."""
+_KEPT_V = 4 * 2 * _SET.r_hat * _SET.a * formats.A.step * BOARD.fpga.sense.zero_a
+LEFT_V = _KEPT_V if BRUSHLESS else 0.01
+"""What free space keeps of an offset: some ticks' currents of before the zero are waves as well."""
 ZERO_CLOCKS = (ZERO_TICKS + 6) * TICK
 """More than a zero takes, and what was before it to pass."""
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
