@@ -202,6 +202,8 @@ LINT_CASES := \
     wh_three_phase,-GMIN_PULSE=1,-GDEAD_TIME=0 \
     wh_brushless,-GGUARD=1,-GMIN_PULSE=1,-GDEAD_TIME=0 \
     wh_brushless,-GGUARD=1,-GANCHOR=1 \
+    wh_brushless,-GSENSE=1,-GGUARD=1,-GANCHOR=1 \
+    wh_brushless,-GSENSE=1,-GZERO_LOG2=2,-GMIN_PULSE=1 \
     wh_axes,-GANCHOR=1,-GDELAY_LOG2=10 \
     wh_anchor,-GAXIS=1 \
     wh_brushless,-GWALLS=1,-GDELAY_LOG2=10,-DWH_DATA_W=28,-DWH_COEF_W=24 \

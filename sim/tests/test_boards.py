@@ -378,6 +378,7 @@ def test_words(name):
             words.motors,
             early=time.early,
             anchored=words.ports.settings.anchored,
+            brushless=board.brushless,
         )
     )
     ticks = ready // time.tick_clocks + words.words["hold_ticks"]
@@ -399,7 +400,11 @@ def scene_of(name: str) -> str:
     return re.sub(r"#.*|^name = .*", "", text, flags=re.MULTILINE)
 
 
-@pytest.mark.parametrize("name", sorted({scene_of(name): name for name in GUARDED}.values()))
+@pytest.mark.parametrize(
+    "name",
+    # A brushless motor's guard is in what test_board_netlist.py runs.
+    sorted({scene_of(name): name for name in GUARDED if not load_board(name).brushless}.values()),
+)
 def test_the_guard_lets_the_boards_own_scene_be(name):
     """Free space and the way into the wall, with half a step of noise: no fault."""
     board = load_board(name)
@@ -419,9 +424,38 @@ def test_ulx3s_has_two_megahertz():
 @pytest.mark.parametrize("name", board_names())
 def test_header_has_every_setting(name):
     text = load_board(name).headers()["wh_board_settings.vh"]
-    top = (ROOT / "boards" / "wh_board_controller.v").read_text()
+    top = (ROOT / "boards" / f"{load_board(name).core}.v").read_text()
     defined = set(re.findall(r"`define (WH_BOARD_\w+)", text))
     assert set(re.findall(r"`(WH_BOARD_\w+)", top)) == defined
+
+
+@pytest.mark.parametrize(("key", "value"), [("link", "true"), ("motors", "2")])
+def test_a_brushless_board_has_one_motor_and_no_link(tmp_path, key, value):
+    """In one line; the tables of its pins are another board's."""
+    for name in ("ulx3s", "ulx3s_brushless"):
+        (tmp_path / "boards" / name).mkdir(parents=True)
+        for file in ("fpga.toml", "board.toml"):
+            text = (ROOT / "boards" / name / file).read_text()
+            if (name, file) == ("ulx3s_brushless", "fpga.toml"):
+                text = text.replace("legs = 3\n", f"legs = 3\n{key} = {value}\n")
+            (tmp_path / "boards" / name / file).write_text(text)
+    with pytest.raises(BoardError, match=rf"fpga\.toml: {key}: a board with legs = 3 has one .*; "
+                       rf"leave {key} out$"):  # fmt: skip
+        load_board("ulx3s_brushless", root=tmp_path)
+
+
+def test_a_brushless_boards_own_words():
+    """Both phases' gain, what a count turns, and that the magnets are to be found."""
+    board = load_board("ulx3s_brushless")
+    text = board.headers()["wh_board_settings.vh"]
+    words = board.words()
+    gain = f"27'h{words.words['gain']:x}"
+    assert f".phase_gain_i ({{{gain}, {gain}}})," in text
+    cell = 2 * np.pi / board.scene.encoder.counts_per_rev
+    turn = round(board.scene.motor.pole_pairs * cell / (2 * np.pi) * 2**32)
+    assert f".count_angle_i ({{32'h{turn:x}}})," in text
+    assert ".find_magnet_i ({1'h1})," in text
+    assert not re.search(r"\.(zero|gain|mode|wall_shaped)_i \(", text)
 
 
 def test_header_keeps_signs_and_order():
@@ -524,6 +558,7 @@ PROGRAMMERS = {
         "build/synth/orangecrab/orangecrab.bit",
     ],
     "ulx3s": ["fujprog", "build/synth/ulx3s/ulx3s.bit"],
+    "ulx3s_brushless": ["fujprog", "build/synth/ulx3s_brushless/ulx3s_brushless.bit"],
     "ulx3s_three": ["fujprog", "build/synth/ulx3s_three/ulx3s_three.bit"],
 }  # fmt: skip
 
@@ -547,7 +582,7 @@ FLASHERS = {
     "orangecrab": PROGRAMMERS["orangecrab"],
     **{
         name: ["openFPGALoader", "-b", "ulx3s", "--write-flash", "--verify", PROGRAMMERS[name][-1]]
-        for name in ("ulx3s", "ulx3s_three")
+        for name in ("ulx3s", "ulx3s_brushless", "ulx3s_three")
     },
 }  # fmt: skip
 COMMANDS = {"prog": PROGRAMMERS, "flash": FLASHERS}
@@ -677,7 +712,8 @@ def test_kept_numbers_keep_the_promises():
         assert board["zero"]
         assert board["anchor"] == (name != "hx8k")
         # The Colorlight's early duty needs half a tick: with link and capture that is 1.2 µs.
-        slower = {"ulx3s": 2, "icebreaker": 0.8, "colorlight_i5": 0.83}
+        # Two ports and their anchors have a way of 72 clocks; a clock of dead time wants 20 ns.
+        slower = {"ulx3s": 2, "icebreaker": 0.8, "colorlight_i5": 0.83, "ulx3s_brushless": 0.5}
         assert board["tick_mhz"] >= slower.get(name, 1)
     for name in board_names():
         pads = kept(name)["pads"]

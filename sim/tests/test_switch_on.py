@@ -140,7 +140,7 @@ def test_the_tables_of_pins_contradict_nothing(name):
     text = (ROOT / board.constraints).read_text()
     pins = board_pins.read_pins(text, board.fpga.family)
     driving = [pin.site for pin in pins if pin.port.startswith(("gate_", "alive"))]
-    assert len(driving) == 4 * board.fpga.motors + 1
+    assert len(driving) == 2 * board.fpga.legs * board.fpga.motors + 1
     assert set(driving) <= set(free)
     top = (ROOT / board.folder / f"{name}.v").read_text()
     ports = [owner for owner in board.fpga.taken.values() if re.fullmatch(r"\w*_\w+|clk\w*", owner)]
@@ -151,7 +151,7 @@ def test_the_tables_of_pins_contradict_nothing(name):
         assert re.search(rf"\b{port}\b", top), port
 
 
-@pytest.mark.parametrize("name", ["ulx3s", "ulx3s_three"])
+@pytest.mark.parametrize("name", ["ulx3s", "ulx3s_brushless", "ulx3s_three"])
 def test_the_esp32_is_held_in_reset(name):
     top = (ROOT / "boards" / name / f"{name}.v").read_text()
     assert "assign wifi_en = 1'b0;" in top

@@ -16,7 +16,14 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
 
-from wavehaptics.fpga.board_words import BoardWords, board_words, memory_header, verilog_header
+from wavehaptics.controller.pins_timing import AXES
+from wavehaptics.fpga.board_words import (
+    THREE_PHASE_LEGS,
+    BoardWords,
+    board_words,
+    memory_header,
+    verilog_header,
+)
 from wavehaptics.parts.adcs import PARTS
 from wavehaptics.runtime.files import write_text
 from wavehaptics.runtime.repository import ROOT
@@ -30,6 +37,10 @@ CONSTRAINT_SUFFIX = {"ice40": ".pcf", "ecp5": ".lpf"}
 _DELAY_LOG2 = {"ice40": 6, "ecp5": 1}
 """Steps that a board's delay line has at least, 2 to the power of this: so many make a memory of
 it, where flip-flops are scarce."""
+
+
+CORES = {False: "wh_board_controller", True: "wh_board_brushless"}
+"""By whether the motor is brushless."""
 
 
 class BoardError(ValueError):
@@ -90,6 +101,7 @@ class Fpga(_Table):
     input_hz: float = Field(gt=0)
     adc: str
     motors: int = Field(1, ge=1, le=8)
+    legs: Literal[2, 3] = 2
     guard: bool = False
     link: bool = False
     capture: Literal[0, 9, 10, 11, 12, 13, 14, 15] = 0
@@ -130,6 +142,22 @@ class Board:
     def clock_hz(self) -> float:
         return self.words().ports.timing.clock_hz
 
+    @property
+    def brushless(self) -> bool:
+        """Whether its motor is a brushless one, with a core of its own."""
+        return self.fpga.legs == THREE_PHASE_LEGS
+
+    @property
+    def core(self) -> str:
+        """Module of ``boards/`` that has the controller with the board's constants."""
+        return CORES[self.brushless]
+
+    @property
+    def adc_lines(self) -> list[str]:
+        """Ports of the top at which the converters' bits come in."""
+        lines = AXES if self.brushless else self.fpga.motors
+        return ["adc_sdata"] if lines == 1 else [f"adc_sdata[{n}]" for n in range(lines)]
+
     def words(self) -> BoardWords:
         """Words of the controller's settings; :class:`SceneError` where the board can't do them."""
         return board_words(
@@ -137,6 +165,7 @@ class Board:
             pad_registers=self.fpga.pad_registers, trip_a=self.fpga.sense.trip_a,
             zero_a=self.fpga.sense.zero_a, delay_log2=_DELAY_LOG2[self.fpga.family],
             linked=self.fpga.link, capture=self.fpga.capture, stream=self.fpga.stream,
+            legs=self.fpga.legs,
         )  # fmt: skip
 
     def headers(self) -> dict[str, str]:
@@ -209,6 +238,13 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
     if fpga.pins_of is not None:
         others = load_board(fpga.pins_of, root=root).fpga
         fpga = fpga.model_copy(update={"free": others.free, "taken": others.taken})
+    if fpga.legs == THREE_PHASE_LEGS:
+        for key, there in (("link", fpga.link), ("motors", fpga.motors > 1)):
+            if there:
+                raise BoardError(
+                    f"{path}: {key}: a board with legs = {fpga.legs} has one brushless motor "
+                    f"and no link yet; leave {key} out"
+                )
     if fpga.adc not in PARTS:
         raise BoardError(f"{path}: adc = {fpga.adc!r} is not known; {', '.join(PARTS)} are")
     device = device or fpga.devices[0]

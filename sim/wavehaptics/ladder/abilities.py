@@ -82,7 +82,7 @@ ABILITIES: dict[str, Ability] = {
 
 
 BRUSHLESS_RUNGS = ("analog", "golden", "core", "pins")
-"""Controllers that a brushless motor runs on."""
+"""Controllers that a brushless motor runs on, besides a board with three legs."""
 
 _LEAVE_OUT = "a brushless motor does without it yet; leave it out"
 
@@ -134,7 +134,7 @@ def refuse(scene: Scene, name: str) -> None:
     asked_for = asked(scene)
     refused = ABILITIES[name].refused
     if scene.motor.brushless:
-        if name not in BRUSHLESS_RUNGS:
+        if name not in (*BRUSHLESS_RUNGS, "a board"):
             *others, last = (f"`{rung}`" for rung in BRUSHLESS_RUNGS)
             raise scene.refusal(
                 f'motor.kind = "pmsm" is not for `{name}` yet; take {", ".join(others)} or {last}',
