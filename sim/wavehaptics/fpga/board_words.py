@@ -13,7 +13,12 @@ from importlib.metadata import version
 from typing import Any
 
 from wavehaptics.controller import guard
-from wavehaptics.controller.pins_timing import CORE_CLOCKS, SECTION_CLOCKS, early_tick_clocks
+from wavehaptics.controller.pins_timing import (
+    CORE_CLOCKS,
+    SECTION_CLOCKS,
+    early_tick_clocks,
+    shared_tick_clocks,
+)
 from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.controller.tick_layout import natural_ticks
 from wavehaptics.ladder.abilities import refuse
@@ -61,6 +66,8 @@ class BoardWords:
     """Whether live words can be sent as a stream."""
     host: bool = False
     """Whether a computer on the line can have the environment."""
+    shared: bool = False
+    """Whether one multiplier makes the wave core's products as well as all others."""
 
     @property
     def walls(self) -> int:
@@ -72,14 +79,14 @@ def board_words(
     scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False,
     pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
     delay_log2: int = 1, linked: bool = False, capture: int = 0,
-    stream: bool = False,
+    stream: bool = False, shared: bool = False,
 ) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
 
     ``pad_registers`` are those of :func:`wavehaptics.parts.adcs.frame`; a current of ``trip_a``
     takes the gates off, and an offset of more than ``zero_a`` is a fault. :class:`SceneError` where
     the scene's ADC isn't the part, or its clock or tick doesn't suit it. The delay line has
-    2^``delay_log2`` steps or more.
+    2^``delay_log2`` steps or more. ``shared`` is the multiplier, which W has no room in.
     """
     refuse(scene, "a board")
     if scene.adc is None or scene.adc.bits != part.bits:
@@ -89,7 +96,7 @@ def board_words(
     ports = controller_ports(scene, lambda clock_hz, _: frame(part, clock_hz, pad_registers))
     words = {
         **ports.words, **_each_motor(ports.settings.words(), motors),
-        "hold_ticks": _hold_ticks(scene, ports, motors),
+        "hold_ticks": _hold_ticks(scene, ports, motors, shared),
         "zero_limit": min(
             round(zero_a / formats.GAIN.to_value(ports.words["gain"])),
             WORDS["zero_limit"].fixed.raw_max,
@@ -99,11 +106,16 @@ def board_words(
         words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
     if scene.host is not None and not linked:
         raise SceneError(f"{_at(scene)}the board has no link to a host; leave [host] out")
+    if shared and scene.shaper is not None:
+        raise SceneError(
+            f"{_at(scene)}[shaper] needs a multiplier that the wave core has for itself; leave it out, "
+            "or shared_multiplier of the board's fpga.toml"
+        )
     delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
     word = _guard(scene, ports, trip_a) if guarded else None
     return BoardWords(
         ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked and stream,
-        scene.host is not None,
+        scene.host is not None, shared,
     )  # fmt: skip
 
 
@@ -122,7 +134,7 @@ def _at(scene: Scene) -> str:
     return f"{scene.scene.name}: "
 
 
-def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
+def _hold_ticks(scene: Scene, ports: Ports, motors: int, shared: bool) -> int:
     """Ticks that a voltage waits, so that the latency is the scene's ``extra_ticks``."""
     laid, lead = ports.timing, ports.words["sample_lead"] - ports.words["sample_late"]
     sections = len(ports.settings.shaper.words)
@@ -139,6 +151,8 @@ def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
         )
     early = early_tick_clocks(motors, ports.settings.anchored)
     needed = early if laid.early else (CORE_CLOCKS + SECTION_CLOCKS * sections) * motors
+    if shared:
+        needed = max(needed, shared_tick_clocks(motors, ports.settings.anchored))
     if needed > laid.tick_clocks:
         raise SceneError(
             f"{_at(scene)}a tick of {laid.tick_clocks} clocks is shorter than the "
@@ -191,6 +205,7 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "EARLY": int(timing.early),
         "SHAPER": sections,
         "ANCHOR": int(board.ports.settings.anchored),
+        "SHARED": int(board.shared),
         "GUARDED": int(board.guard is not None),
         "LINKED": int(board.linked),
         "CAPTURE": board.capture,

@@ -91,6 +91,7 @@ class Fpga(_Table):
     link: bool = False
     capture: Literal[0, 9, 10, 11, 12, 13, 14, 15] = 0
     stream: bool = False
+    shared_multiplier: bool = False
     pad_registers: bool = False
     wire_s: float = Field(0.6e-9, ge=0)
     seeds: list[int] = Field(min_length=1)
@@ -134,6 +135,7 @@ class Board:
             pad_registers=self.fpga.pad_registers, trip_a=self.fpga.sense.trip_a,
             zero_a=self.fpga.sense.zero_a, delay_log2=_DELAY_LOG2[self.fpga.family],
             linked=self.fpga.link, capture=self.fpga.capture, stream=self.fpga.stream,
+            shared=self.fpga.shared_multiplier,
         )  # fmt: skip
 
     def headers(self) -> dict[str, str]:
