@@ -14,7 +14,13 @@ from importlib.metadata import version
 from typing import Any
 
 from wavehaptics.controller import guard
-from wavehaptics.controller.pins_timing import AXES, CORE_CLOCKS, SECTION_CLOCKS, early_tick_clocks
+from wavehaptics.controller.pins_timing import (
+    AXES,
+    CORE_CLOCKS,
+    SECTION_CLOCKS,
+    early_tick_clocks,
+    shared_tick_clocks,
+)
 from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.controller.rotor_flux import ANGLE_W
 from wavehaptics.controller.tick_layout import natural_ticks
@@ -72,6 +78,8 @@ class BoardWords:
     own: dict[str, list[tuple[int, int]]] | None = None
     """What ``rtl/wh_brushless.v`` is told besides the table's words, (word, bits) from the lowest;
     None for motors with brushes."""
+    shared: bool = False
+    """Whether one multiplier makes the wave core's products as well as all others."""
 
     @property
     def walls(self) -> int:
@@ -83,7 +91,7 @@ def board_words(
     scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False,
     pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
     delay_log2: int = 1, linked: bool = False, capture: int = 0,
-    stream: bool = False, legs: int = LEGS,
+    stream: bool = False, legs: int = LEGS, shared: bool = False,
 ) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
 
@@ -92,7 +100,7 @@ def board_words(
     ``pad_registers`` are those of :func:`wavehaptics.parts.adcs.frame`; a current of ``trip_a``
     takes the gates off, and an offset of more than ``zero_a`` is a fault. :class:`SceneError` where
     the scene's ADC isn't the part, or its clock or tick doesn't suit it. The delay line has
-    2^``delay_log2`` steps or more.
+    2^``delay_log2`` steps or more. ``shared`` is the multiplier, which W has no room in.
     """
     refuse(scene, "a board")
     _check_legs(scene, legs)
@@ -103,7 +111,7 @@ def board_words(
     ports = controller_ports(scene, lambda clock_hz, _: frame(part, clock_hz, pad_registers))
     words = {
         **ports.words, **_each_motor(ports.settings.words(), motors),
-        "hold_ticks": _hold_ticks(scene, ports, motors),
+        "hold_ticks": _hold_ticks(scene, ports, motors, shared),
         "zero_limit": min(
             round(zero_a / formats.GAIN.to_value(ports.words["gain"])),
             WORDS["zero_limit"].fixed.raw_max,
@@ -113,11 +121,17 @@ def board_words(
         words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
     if scene.host is not None and not linked:
         raise scene.refusal("the board has no link to a host; leave [host] out", "host")
+    if shared and scene.shaper is not None:
+        raise scene.refusal(
+            "[shaper] needs a multiplier that the wave core has for itself; leave it out, "
+            "or shared_multiplier of the board's fpga.toml",
+            "shaper",
+        )
     delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
     word = _guard(scene, ports, trip_a) if guarded else None
     return BoardWords(
         ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked and stream,
-        scene.host is not None, brushless_words(scene, ports, ports.start_count),
+        scene.host is not None, brushless_words(scene, ports, ports.start_count), shared,
     )  # fmt: skip
 
 
@@ -125,10 +139,11 @@ def _check_legs(scene: Scene, legs: int) -> None:
     """:class:`SceneError` where the scene's motor isn't one for the board's half bridges."""
     if scene.motor.brushless != (legs == THREE_PHASE_LEGS):
         needed = THREE_PHASE_LEGS if scene.motor.brushless else LEGS
-        raise SceneError(
-            f'{_at(scene)}motor.kind = "{scene.motor.kind}" needs {needed} half bridges, and the '
-            f"board has {legs} (legs of its fpga.toml); take another motor or another board"
-        )
+        raise scene.refusal(
+            f'motor.kind = "{scene.motor.kind}" needs {needed} half bridges, and the '
+            f"board has {legs} (legs of its fpga.toml); take another motor or another board",
+            "motor.kind", "motor.preset",
+        )  # fmt: skip
 
 
 def brushless_words(
@@ -161,7 +176,7 @@ def _guard(scene: Scene, ports: Ports, trip_a: float | None) -> int:
     return guard.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)
 
 
-def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
+def _hold_ticks(scene: Scene, ports: Ports, motors: int, shared: bool) -> int:
     """Ticks that a voltage waits, so that the latency is the scene's ``extra_ticks``."""
     if scene.motor.brushless:
         return ports.timing.hold_ticks  # of one motor, whose tick is long enough
@@ -181,6 +196,8 @@ def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
         )
     early = early_tick_clocks(motors, ports.settings.anchored)
     needed = early if laid.early else (CORE_CLOCKS + SECTION_CLOCKS * sections) * motors
+    if shared:
+        needed = max(needed, shared_tick_clocks(motors, ports.settings.anchored))
     if needed > laid.tick_clocks:
         raise scene.refusal(
             f"a tick of {laid.tick_clocks} clocks is shorter than the "
@@ -247,6 +264,7 @@ def verilog_header(board: BoardWords, source: str) -> str:
             "MODES": int(words["mode"] != MODE_WORDS[UNIPOLAR]),
             "EARLY": int(timing.early),
             "SHAPER": sections,
+            "SHARED": int(board.shared),
             "LINKED": int(board.linked),
             "CAPTURE": board.capture,
             "STREAM": int(board.stream),

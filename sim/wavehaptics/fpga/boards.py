@@ -106,6 +106,7 @@ class Fpga(_Table):
     link: bool = False
     capture: Literal[0, 9, 10, 11, 12, 13, 14, 15] = 0
     stream: bool = False
+    shared_multiplier: bool = False
     pad_registers: bool = False
     wire_s: float = Field(0.6e-9, ge=0)
     seeds: list[int] = Field(min_length=1)
@@ -165,7 +166,7 @@ class Board:
             pad_registers=self.fpga.pad_registers, trip_a=self.fpga.sense.trip_a,
             zero_a=self.fpga.sense.zero_a, delay_log2=_DELAY_LOG2[self.fpga.family],
             linked=self.fpga.link, capture=self.fpga.capture, stream=self.fpga.stream,
-            legs=self.fpga.legs,
+            legs=self.fpga.legs, shared=self.fpga.shared_multiplier,
         )  # fmt: skip
 
     def headers(self) -> dict[str, str]:
@@ -239,11 +240,14 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
         others = load_board(fpga.pins_of, root=root).fpga
         fpga = fpga.model_copy(update={"free": others.free, "taken": others.taken})
     if fpga.legs == THREE_PHASE_LEGS:
-        for key, there in (("link", fpga.link), ("motors", fpga.motors > 1)):
+        for key, there in (
+            ("link", fpga.link), ("motors", fpga.motors > 1),
+            ("shared_multiplier", fpga.shared_multiplier),
+        ):  # fmt: skip
             if there:
                 raise BoardError(
-                    f"{path}: {key}: a board with legs = {fpga.legs} has one brushless motor "
-                    f"and no link yet; leave {key} out"
+                    f"{path}:{_line(lines, (key,))}: {key}: a board with legs = {fpga.legs} has one "
+                    f"brushless motor, a multiplier for its core and no link yet; leave {key} out"
                 )
     if fpga.adc not in PARTS:
         raise BoardError(f"{path}: adc = {fpga.adc!r} is not known; {', '.join(PARTS)} are")
