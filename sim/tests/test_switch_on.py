@@ -48,7 +48,9 @@ def test_the_boards_keep_to_their_budgets(name):
     bridge_budget.check(board)
     board_pins.check(board)
     time = bridge_budget.dead_time(board)
-    assert time.made_s >= time.needed_s >= 20e-9
+    assert time.made_s >= time.needed_s
+    # What is measured at HI and LI is what the AND gates and the FPGA leave of it.
+    assert time.made_s - time.gate_skew_s - time.fpga_skew_s >= 20e-9
     # A pulse that the gates show is a whole clock at least, or kept so long.
     words, shortest_s = board.words().words, 1 / board.words().ports.timing.clock_hz
     if words["min_pulse"]:
@@ -63,11 +65,14 @@ def test_the_boards_keep_to_their_budgets(name):
     [
         # What the Colorlight had: one clock.
         (with_scene("colorlight_i5", "drive.dead_time_s=13.3e-9"),
-         r"boards/colorlight_i5/board\.toml: the dead time is 13\.3 ns in whole clocks, and 20 ns "
-         r"are needed .* raise drive\.dead_time_s"),
+         r"boards/colorlight_i5/board\.toml: the dead time is 13\.3 ns in whole clocks, and 26 ns "
+         r"are needed .* 20 ns at least at HI and LI\); raise drive\.dead_time_s"),
+        # What the HX8K had: one clock, of which HI and LI get 12.8 ns.
+        (with_scene("hx8k", "drive.dead_time_s=21e-9"),
+         r"the dead time is 20\.8 ns in whole clocks, and 28 ns are needed"),
         # It is the whole clocks that count: 20 ns round to one of 70 MHz.
         (with_scene("ulx3s", "drive.dead_time_s=20e-9"), r"the dead time is 14\.3 ns"),
-        (with_fpga("ulx3s", "bridge", mismatch_s=30e-9), r"37 ns are needed \(driver 30"),
+        (with_fpga("ulx3s", "bridge", mismatch_s=30e-9), r"36 ns are needed \(driver 30"),
         (with_scene("hx8k", "drive.min_pulse_s=5e-9"),
          r"drive\.min_pulse_s is 5 ns, and the LMG5200 needs 10 ns"),
         (with_scene("hx8k", "adc.full_scale_a=5"),
@@ -118,6 +123,16 @@ def planted(tmp_path: Path, name: str, old: str, new: str) -> str:
         ("icebreaker", "-pullup yes adc_sdata", "-pullup no adc_sdata", "adc_sdata is at 2 and fl"),
         ("ulx3s", '"adc_sdata" IO_TYPE=LVCMOS33 PULLMODE=UP', '"adc_sdata" IO_TYPE=LVCMOS33',
          "adc_sdata is at A10 and floats where its wire is off; give it PULLMODE=UP"),
+        # A stop that reads closed with its wire off, a start that reads pressed, a line that may arm.
+        ("ulx3s", '"stop" IO_TYPE=LVCMOS33 PULLMODE=UP', '"stop" IO_TYPE=LVCMOS33 PULLMODE=DOWN',
+         "stop is at B9 and is pulled DOWN where its wire is off; give it PULLMODE=UP"),
+        ("colorlight_i5", '"start_n" IO_TYPE=LVCMOS33 PULLMODE=UP',
+         '"start_n" IO_TYPE=LVCMOS33 PULLMODE=DOWN', "start_n is at E2 and is pulled DOWN"),
+        ("ulx3s", '"uart_rx" IO_TYPE=LVCMOS33 PULLMODE=UP',
+         '"uart_rx" IO_TYPE=LVCMOS33 PULLMODE=NONE', "uart_rx is at M1 and floats"),
+        ("ulx3s", '"button_start" IO_TYPE=LVCMOS33 PULLMODE=DOWN',
+         '"button_start" IO_TYPE=LVCMOS33 PULLMODE=UP',
+         "button_start is at R1 and is pulled UP where its wire is off; give it PULLMODE=DOWN"),
     ],
 )  # fmt: skip
 def test_pins_that_are_not_the_boards(tmp_path, name, old, new, message):
