@@ -12,6 +12,7 @@ from wavehaptics.fpga import board_pins, bridge_budget, pad_timing, synthesis
 from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.fpga.pad_timing import Delays, PadTimingError, adc_budget, gate_skew_ns
 from wavehaptics.fpga.synthesis import SynthesisError
+from wavehaptics.ladder.run import measure
 from wavehaptics.parts.adcs import PARTS, PartError, frame
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import load_scene
@@ -91,6 +92,34 @@ def test_a_build_checks_before_it_begins(tmp_path):
         synthesis.build_board(with_scene("ulx3s", "drive.dead_time_s=0"), None)
 
 
+# ---- A wall at the 5 V of the first stages, from an image for 12 V.
+
+
+def wall(*overrides: str) -> dict[str, Any]:
+    overrides = ("scene.duration_s=0.25", *overrides)
+    return measure(with_scene("icebreaker", *overrides).scene, "golden", compare=False)
+
+
+def test_an_image_for_12_volts_is_weak_at_5_and_never_pushes():
+    """What the page of switching on says of its stage 6, and why no image for 5 V is asked for."""
+    page = (ROOT / "docs" / "wiring" / "switching_on.md").read_text()
+    held = wall("drive.bus_actual_v=5")
+    assert held["anchor_fault_s"] is not None
+    assert f"up to some {1e3 * held['peak_torque']:.0f} mN·m" in page
+    assert held["energy_out_max_j"] < 1e-6
+    bare = wall("drive.bus_actual_v=5", "controller.anchor_auto=false")
+    whole = wall("controller.anchor_auto=false")
+    assert bare["energy_out_max_j"] < 1e-6
+    said = f"is {bare['stiffness']:.1f} N·m/rad in place of {whole['stiffness']:.1f}"
+    assert said in " ".join(page.split())
+    # The other way about: an image for 5 V in a board at 12 V.
+    left = wall(
+        "drive.bus_v=5", "drive.limit_v=5", "drive.bus_actual_v=12", "controller.anchor_auto=false"
+    )
+    assert left["energy_out_max_j"] > 0.01
+    assert left["peak_torque"] > 0.1
+
+
 # ---- Pins.
 
 
@@ -123,7 +152,7 @@ def planted(tmp_path: Path, name: str, old: str, new: str) -> str:
         ("icebreaker", "-pullup yes adc_sdata", "-pullup no adc_sdata", "adc_sdata is at 2 and fl"),
         ("ulx3s", '"adc_sdata" IO_TYPE=LVCMOS33 PULLMODE=UP', '"adc_sdata" IO_TYPE=LVCMOS33',
          "adc_sdata is at A10 and floats where its wire is off; give it PULLMODE=UP"),
-        # A stop that reads closed with its wire off, a start that reads pressed, a line that may arm.
+        # With its wire off a stop that reads closed, a start pressed, a line that may arm.
         ("ulx3s", '"stop" IO_TYPE=LVCMOS33 PULLMODE=UP', '"stop" IO_TYPE=LVCMOS33 PULLMODE=DOWN',
          "stop is at B9 and is pulled DOWN where its wire is off; give it PULLMODE=UP"),
         ("colorlight_i5", '"start_n" IO_TYPE=LVCMOS33 PULLMODE=UP',

@@ -156,8 +156,8 @@ def power(table: Table) -> Sheet:
     s.wire((x, y), (x - 0.6, y))
     s.ground((x - 0.6, y))
     s.text((x - 1.1, y), "star", align="right")
-    s.text((x + 2.6, y - 2.2), "U1 to U4 and U7 to U11 have their ground at the FPGA board: a ground\n"
-           "wire beside each signal's, and this one wire from there to the star.",
+    s.text((x + 2.6, y - 2.2), "U1 to U4 and U7 to U11 have their ground at the FPGA board: a\n"
+           "ground wire beside each signal's, and this one wire from there to the star.",
            align="left", small=True)  # fmt: skip
     return s
 
@@ -349,7 +349,8 @@ def sense(table: Table) -> Sheet:
     s.frame((-1.8, 4.5), (20.6, -3.5), "option: overcurrent shuts the gates until 3.3 V goes")
     s.text((10.9, -2.3), "several motors: the outputs of all U9 joined at one R16\n"
            f"U10 once for a board; {s.value('C14', one_line=True)} at each U9, "
-           f"{s.value('C15', one_line=True)} at U10\nU9 and U10 on 3.3 V", align="left", small=True)  # fmt: skip
+           f"{s.value('C15', one_line=True)} at U10\nU9 and U10 on 3.3 V",
+           align="left", small=True)  # fmt: skip
     return s
 
 
