@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,7 +21,7 @@ from wavehaptics.controller.pins_timing import CORE_CLOCKS, latency_clocks
 from wavehaptics.fpga import multipliers, pll, synthesis
 from wavehaptics.fpga.board_pins import read_pins
 from wavehaptics.fpga.board_words import board_words, verilog_header
-from wavehaptics.fpga.boards import BoardError, board_names, load_board
+from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import Design, SynthesisError, build
 from wavehaptics.ladder.guarded_pins import GuardedPins
 from wavehaptics.pages import filler
@@ -641,6 +643,39 @@ def test_programmer_without_a_bitstream(tmp_path, monkeypatch):
     assert result.exit_code == 2
     assert result.stderr == (
         "synthesis: build/synth/ulx3s/ulx3s.bit is not there; run `make bitstream BOARD=ulx3s`\n"
+    )
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    "source",
+    [
+        "boards/ulx3s/board.toml",
+        "boards/ulx3s/fpga.toml",
+        "boards/ulx3s/ulx3s.v",
+        "boards/wh_board_switch.v",
+        "constraints/ulx3s.lpf",
+        "rtl/wh_pwm.v",
+        "rtl/wh_faults.vh",
+        "rtl/words.toml",
+    ],
+)
+def test_a_bitstream_older_than_its_sources_is_refused(tmp_path, monkeypatch, source, command):
+    """Else it is an image of other settings that drives the gates."""
+    board = load_board("ulx3s")
+    for path in synthesis.board_sources(board):
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_bytes((ROOT / path).read_bytes())
+        os.utime(tmp_path / path, (1e9, 1e9))
+    later = max(time.time(), (tmp_path / source).stat().st_mtime) + 60
+    os.utime(tmp_path / source, (later, later))
+    moved = Board(board.name, tmp_path, board.fpga, board.device, board.scene)
+    monkeypatch.setattr(board_commands, "load_board", lambda *_: moved)
+    result = prog(tmp_path, monkeypatch, "ulx3s", True, command)
+    assert result.exit_code == 2
+    assert result.stderr == (
+        f"synthesis: build/synth/ulx3s/ulx3s.bit is older than {source}; "
+        "run `make bitstream BOARD=ulx3s`\n"
     )
 
 

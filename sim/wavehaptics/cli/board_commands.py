@@ -94,6 +94,9 @@ def _programmer(board: str, device: str | None, flash: bool) -> NoReturn:
     path = synthesis.bitstream_path(chosen)
     if not (ROOT / path).is_file():
         _fail(BoardError(f"{path} is not there; run `make bitstream BOARD={board}`"))
+    newest = max(synthesis.board_sources(chosen), key=lambda of: (chosen.root / of).stat().st_mtime)
+    if (chosen.root / newest).stat().st_mtime > (ROOT / path).stat().st_mtime:
+        _fail(BoardError(f"{path} is older than {newest}; run `make bitstream BOARD={board}`"))
     words = chosen.fpga.flash if flash else chosen.fpga.program
     command = [word.replace("{bitstream}", str(path)) for word in words]
     if shutil.which(command[0]) is None:

@@ -158,6 +158,17 @@ def board_design(board: Board, out: Path) -> Design:
     )
 
 
+def board_sources(board: Board) -> list[Path]:
+    """Files that a board's bitstream is made of, from the root."""
+    found = [
+        path
+        for pattern in ("rtl/*.v", "rtl/*.vh", "rtl/*.toml", "boards/*.v", f"{board.folder}/*.v")
+        for path in sorted(board.root.glob(pattern))
+    ]
+    files = [path.relative_to(board.root) for path in found]
+    return [*files, board.folder / "board.toml", board.folder / "fpga.toml", board.constraints]
+
+
 def bitstream_path(board: Board) -> Path:
     """Where a board's bitstream goes, from the root."""
     return OUT / board.name / f"{board.name}{BITSTREAM_SUFFIX[board.fpga.family]}"
