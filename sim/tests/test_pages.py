@@ -109,6 +109,9 @@ def test_version_is_one():
     assert f"\nversion: {version}\n" in citation
     (newest, *_) = re.findall(r"^## (\S+?),? ", changelog, re.MULTILINE)
     assert newest == version
+    answers = (ROOT / "rtl" / "wh_modbus.v").read_text(encoding="utf-8")
+    ((length, told),) = re.findall(r"REVISION = \{8'd2, 8'd(\d+), \"(\S+)\"\}", answers)
+    assert (int(length), told) == (len(told), f"v{version}")
 
 
 def test_front_picture_shows_the_first_tap(tmp_path):
