@@ -95,6 +95,61 @@ def test_tests_that_pages_name_are_there(page):
     assert names <= defined
 
 
+TEXTS = [
+    path.relative_to(ROOT)
+    for pattern in ("*.md", "boards/**/*.md", "docs/**/*.md", "formal/*.md", "rtl/*.md",
+                    "sim/scenes/*.md")
+    for path in sorted(ROOT.glob(pattern))
+]  # fmt: skip
+"""All that is written for people."""
+
+COMMAND = re.compile(r"python -m (wavehaptics[\w.]*)")
+
+
+@pytest.mark.parametrize("page", TEXTS, ids=str)
+def test_modules_that_pages_call_do_something(page):
+    """One without a main would be imported, and end well with nothing done."""
+    for module in COMMAND.findall((ROOT / page).read_text(encoding="utf-8")):
+        path = ROOT / "sim" / Path(*module.split("."))
+        path = path / "__main__.py" if path.is_dir() else path.with_suffix(".py")
+        assert path.exists(), module
+        named = path.name == "__main__.py"
+        assert named or 'if __name__ == "__main__":' in path.read_text(encoding="utf-8"), module
+
+
+LINKED_NAME = re.compile(r"\[`([^`]+)`\]\(([^)#\s]+)\)")
+
+
+@pytest.mark.parametrize("page", TEXTS, ids=str)
+def test_what_links_to_a_file_is_in_it(page):
+    """A name in backticks is the file's own, or its folder's, or stands in it."""
+    for name, link in LINKED_NAME.findall((ROOT / page).read_text(encoding="utf-8")):
+        if "://" in link:
+            continue
+        path = (ROOT / page.parent / link).resolve()
+        places = (path.as_posix(), path.parent.as_posix())
+        own = any(place.endswith(f"/{name.rstrip('/')}") for place in places)
+        words = name.partition("(")[0]
+        assert own or path.stem == name or words in path.read_text(encoding="utf-8"), name
+
+
+STEP = re.compile(r"^\d+\. .*\n(?:   .*\n)*", re.MULTILINE)
+
+
+def test_steps_name_what_is_in_their_files():
+    """What CONTRIBUTING says to change in a file is there under that name."""
+    seen = set()
+    for step in STEP.findall((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")):
+        paths = [ROOT / link for _, link in LINKED_NAME.findall(step)]
+        text = "".join(p.read_text(encoding="utf-8") for p in paths if p.is_file())
+        for name in re.findall(r"(?<!\[)`([A-Za-z_]\w*)`", step):
+            if (ROOT / name).is_dir():
+                continue
+            assert re.search(rf"\b{name}\b", text), (name, step)
+            seen.add(name)
+    assert {"_NEEDS", "KEYS"} <= seen
+
+
 def test_architecture_names_every_block():
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     blocks = {path.stem for path in (ROOT / "rtl").glob("wh_*.v")}
