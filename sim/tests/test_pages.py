@@ -156,6 +156,21 @@ def test_architecture_names_every_block():
     assert set(re.findall(r"rtl/(wh_\w+)\.v", text)) == blocks
 
 
+def test_architecture_has_the_layers_of_the_package():
+    """Each folder once, and none above what it may import, which pyproject.toml says."""
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`.*?) \|", text.partition("| layer |")[2], re.MULTILINE)
+    told = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
+    folders = {path.parent.name for path in (ROOT / "sim" / "wavehaptics").glob("*/__init__.py")}
+    assert sorted(told) == sorted(folders)
+    project, _ = parse((ROOT / "pyproject.toml").read_bytes())
+    (layers, *_) = project["tool"]["importlinter"]["contracts"]
+    height = {
+        name: -place for place, names in enumerate(layers["layers"]) for name in names.split(" | ")
+    }
+    assert told == sorted(told, key=height.__getitem__)
+
+
 def test_version_is_one():
     project, _ = parse((ROOT / "pyproject.toml").read_bytes())
     version = project["project"]["version"]
