@@ -118,6 +118,7 @@ def test_modules_that_pages_call_do_something(page):
 
 
 LINKED_NAME = re.compile(r"\[`([^`]+)`\]\(([^)#\s]+)\)")
+NAME_BEHIND = re.compile(r"\[`[^`]+`\]\(([^)#\s]+)\)\s+`([A-Za-z]\w+)`")
 
 
 @pytest.mark.parametrize("page", TEXTS, ids=str)
@@ -131,6 +132,10 @@ def test_what_links_to_a_file_is_in_it(page):
         own = any(place.endswith(f"/{name.rstrip('/')}") for place in places)
         words = name.partition("(")[0]
         assert own or path.stem == name or words in path.read_text(encoding="utf-8"), name
+    for link, name in NAME_BEHIND.findall((ROOT / page).read_text(encoding="utf-8")):
+        path = ROOT / page.parent / link
+        found = path.read_text(encoding="utf-8")
+        assert re.search(rf"^(def|class) {name}\b|^{name}\b", found, re.MULTILINE), (link, name)
 
 
 STEP = re.compile(r"^\d+\. .*\n(?:   .*\n)*", re.MULTILINE)
