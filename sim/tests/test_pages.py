@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -187,6 +188,17 @@ def test_version_is_one():
     answers = (ROOT / "rtl" / "wh_modbus.v").read_text(encoding="utf-8")
     ((length, told),) = re.findall(r"REVISION = \{8'd2, 8'd(\d+), \"(\S+)\"\}", answers)
     assert (int(length), told) == (len(told), f"v{version}")
+
+
+def test_front_page_compares_walls_of_the_demos_motor():
+    """No wave wall in it is above the K_L that stands beside it, and both sides are told."""
+    measured = json.loads((ROOT / filler.MEASURED).read_bytes())
+    usual = front_picture.usual(measured["report"]["ratios"])
+    assert "servo at 1 kHz" in usual["case"]
+    assert usual["wave"] < measured["demo"][-1]["k_l"]
+    table = filler.TABLES["results"](measured)
+    (row,) = [line for line in table.splitlines() if "encoder's servo at 1 kHz" in line]
+    assert f"| {usual['wave']:.3g} against {usual['encoder']:.3g} N·m/rad; at equal rates" in row
 
 
 def test_front_picture_shows_the_first_tap(tmp_path):
