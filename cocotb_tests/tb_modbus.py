@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from importlib.metadata import version
 
 import cocotb
 from bench import Bench, random_source
@@ -141,7 +142,7 @@ async def who_is_there(dut: object) -> None:
     found = whole(await bench.registers(0, 24))
     assert found[:8] == [table.crc(), 0x20261122, 0xFEDCBA98, 24_000_000, 1, 0, 1, 3]
     assert whole(await bench.registers(0, 16, function=4)) == found[:8]
-    objects = {0: b"wave haptics", 1: b"controller", 2: b"v0.1.0"}
+    objects = {0: b"wave haptics", 1: b"controller", 2: f"v{version('wavehaptics')}".encode()}
     for code in (1, 2, 3):
         for number in (0, 1, 2, 3, 77, 255):
             pdu = await bench.ask(identify(code, number))

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -97,10 +98,85 @@ def test_tests_that_pages_name_are_there(page):
     assert names <= defined
 
 
+TEXTS = [
+    path.relative_to(ROOT)
+    for pattern in ("*.md", "boards/**/*.md", "docs/**/*.md", "formal/*.md", "rtl/*.md",
+                    "sim/scenes/*.md")
+    for path in sorted(ROOT.glob(pattern))
+]  # fmt: skip
+"""All that is written for people."""
+
+COMMAND = re.compile(r"python -m (wavehaptics[\w.]*)")
+
+
+@pytest.mark.parametrize("page", TEXTS, ids=str)
+def test_modules_that_pages_call_do_something(page):
+    """One without a main would be imported, and end well with nothing done."""
+    for module in COMMAND.findall((ROOT / page).read_text(encoding="utf-8")):
+        path = ROOT / "sim" / Path(*module.split("."))
+        path = path / "__main__.py" if path.is_dir() else path.with_suffix(".py")
+        assert path.exists(), module
+        named = path.name == "__main__.py"
+        assert named or 'if __name__ == "__main__":' in path.read_text(encoding="utf-8"), module
+
+
+LINKED_NAME = re.compile(r"\[`([^`]+)`\]\(([^)#\s]+)\)")
+NAME_BEHIND = re.compile(r"\[`[^`]+`\]\(([^)#\s]+)\)\s+`([A-Za-z]\w+)`")
+
+
+@pytest.mark.parametrize("page", TEXTS, ids=str)
+def test_what_links_to_a_file_is_in_it(page):
+    """A name in backticks is the file's own, or its folder's, or stands in it."""
+    for name, link in LINKED_NAME.findall((ROOT / page).read_text(encoding="utf-8")):
+        if "://" in link:
+            continue
+        path = (ROOT / page.parent / link).resolve()
+        places = (path.as_posix(), path.parent.as_posix())
+        own = any(place.endswith(f"/{name.rstrip('/')}") for place in places)
+        words = name.partition("(")[0]
+        assert own or path.stem == name or words in path.read_text(encoding="utf-8"), name
+    for link, name in NAME_BEHIND.findall((ROOT / page).read_text(encoding="utf-8")):
+        path = ROOT / page.parent / link
+        found = path.read_text(encoding="utf-8")
+        assert re.search(rf"^(def|class) {name}\b|^{name}\b", found, re.MULTILINE), (link, name)
+
+
+STEP = re.compile(r"^\d+\. .*\n(?:   .*\n)*", re.MULTILINE)
+
+
+def test_steps_name_what_is_in_their_files():
+    """What CONTRIBUTING says to change in a file is there under that name."""
+    seen = set()
+    for step in STEP.findall((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")):
+        paths = [ROOT / link for _, link in LINKED_NAME.findall(step)]
+        text = "".join(p.read_text(encoding="utf-8") for p in paths if p.is_file())
+        for name in re.findall(r"(?<!\[)`([A-Za-z_]\w*)`", step):
+            if (ROOT / name).is_dir():
+                continue
+            assert re.search(rf"\b{name}\b", text), (name, step)
+            seen.add(name)
+    assert {"_NEEDS", "KEYS"} <= seen
+
+
 def test_architecture_names_every_block():
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     blocks = {path.stem for path in (ROOT / "rtl").glob("wh_*.v")}
     assert set(re.findall(r"rtl/(wh_\w+)\.v", text)) == blocks
+
+
+def test_architecture_has_the_layers_of_the_package():
+    """Each folder once, and none above what it may import, which pyproject.toml says."""
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`.*?) \|", text.partition("| layer |")[2], re.MULTILINE)
+    told = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
+    folders = {path.parent.name for path in (ROOT / "sim" / "wavehaptics").glob("*/__init__.py")}
+    assert sorted(told) == sorted(folders)
+    project, _ = parse((ROOT / "pyproject.toml").read_bytes())
+    (layers, *_) = project["tool"]["importlinter"]["contracts"]
+    height = {
+        name: -place for place, names in enumerate(layers["layers"]) for name in names.split(" | ")
+    }
+    assert told == sorted(told, key=height.__getitem__)
 
 
 def test_version_is_one():
@@ -111,6 +187,20 @@ def test_version_is_one():
     assert f"\nversion: {version}\n" in citation
     (newest, *_) = re.findall(r"^## (\S+?),? ", changelog, re.MULTILINE)
     assert newest == version
+    answers = (ROOT / "rtl" / "wh_modbus.v").read_text(encoding="utf-8")
+    ((length, told),) = re.findall(r"REVISION = \{8'd2, 8'd(\d+), \"(\S+)\"\}", answers)
+    assert (int(length), told) == (len(told), f"v{version}")
+
+
+def test_front_page_compares_walls_of_the_demos_motor():
+    """No wave wall in it is above the K_L that stands beside it, and both sides are told."""
+    measured = json.loads((ROOT / filler.MEASURED).read_bytes())
+    usual = front_picture.usual(measured["report"]["ratios"])
+    assert "servo at 1 kHz" in usual["case"]
+    assert usual["wave"] < measured["demo"][-1]["k_l"]
+    table = filler.TABLES["results"](measured)
+    (row,) = [line for line in table.splitlines() if "encoder's servo at 1 kHz" in line]
+    assert f"| {usual['wave']:.3g} against {usual['encoder']:.3g} N·m/rad; at equal rates" in row
 
 
 def test_front_picture_shows_the_first_tap(tmp_path):

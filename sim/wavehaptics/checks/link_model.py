@@ -9,6 +9,7 @@ of a live word, is None.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib.metadata import version
 
 from pymodbus.framer import FramerRTU
 
@@ -23,7 +24,8 @@ FIRST_REGISTER, LAST_REGISTER = 0x2000, 0x3FFF
 """Of the table."""
 
 RATE, COUNTERS = 0x0A, 0x10
-OBJECTS = {0: b"wave haptics", 1: b"controller", 2: b"v0.1.0"}
+OBJECTS = {0: b"wave haptics", 1: b"controller", 2: f"v{version('wavehaptics')}".encode()}
+"""What function 43/14 tells."""
 COMMIT, DISCARD = WORDS["commit"].at(), WORDS["discard"].at()
 LONGEST = 256
 """Bytes of a frame."""

@@ -86,7 +86,7 @@ WITHOUT_WORDS = ("analog", "encoder", "a board")
 
 
 def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
-    """K of the design spring for contact (:func:`physics.stiffness`), N·m/rad.
+    """K of the design spring for contact (:func:`closed_forms.stiffness`), N·m/rad.
 
     The lag of the controller acts on R̂, its own estimate; the analog circuit has τ = 1/λ. A port
     anchor renders the spring that the controller believes in, ``k_T k̂_T/L̂_eff``, as its flux is of

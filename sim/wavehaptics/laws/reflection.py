@@ -48,7 +48,7 @@ class Wish:
 
 
 def front_stiffness(k_t: float, inductance: float, r_hat: float, tau_s: float) -> float:
-    """K_L,eff, the stiffest that can be felt, N·m/rad: :func:`physics.stiffness`."""
+    """K_L,eff, the stiffest that can be felt, N·m/rad: :func:`closed_forms.stiffness`."""
     return closed_forms.stiffness(k_t, inductance, r_hat, tau_s)
 
 

@@ -14,6 +14,7 @@ from rich.console import Console
 from wavehaptics.controller import pins_timing
 from wavehaptics.fpga.boards import board_names, load_board
 from wavehaptics.ladder.abilities import ABILITIES
+from wavehaptics.pages import front_picture
 from wavehaptics.parts.adcs import PARTS, frame
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies.demo import RUNS as DEMO_RUNS
@@ -138,11 +139,12 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
             )
         )
     if "report" in numbers:
-        usual = numbers["report"]["ratios"][0]
+        usual = front_picture.usual(numbers["report"]["ratios"])
         rows.append(
             (
                 "stiffest stable wall under a light hand, beside an encoder's servo at 1 kHz",
-                f"{number(usual['wave'])} against {number(usual['encoder'])} N·m/rad",
+                f"{number(usual['wave'])} against {number(usual['encoder'])} N·m/rad; at equal "
+                "rates an encoder's servo [can be stiffer](docs/report.md)",
                 "make report",
             )
         )
@@ -188,7 +190,7 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
             (
                 "a brushless motor's wall on two ports without an angle, "
                 f"the whole RTL at its pins, at {len(angles)} angles",
-                f"within {percent(off)} of 1.5 (pψ)²/(L + R·τ/2)",
+                f"within {percent(off)} of [the closed form](docs/brushless.md)",
                 "make tables",
             )
         )

@@ -115,7 +115,7 @@ def keep(root: Path = ROOT) -> list[Path]:
             if found not in parts and picture.exists():
                 (root / MEASURED.parent / name).write_bytes(picture.read_bytes())
     if (root / _DEMO / "stiffest" / "trace.npz").exists() and {"demo", "report"} <= set(measured):
-        usual = next(row for row in measured["report"]["ratios"] if FRONT_CASE in row["case"])
+        usual = front_picture.usual(measured["report"]["ratios"])
         k_l = measured["demo"][-1]["k_l"]
         front_picture.draw(root / _DEMO, usual, k_l, root / MEASURED.parent / FRONT_PICTURE)
     return parts
@@ -123,9 +123,6 @@ def keep(root: Path = ROOT) -> list[Path]:
 
 FRONT_PICTURE = "walls.png"
 """The README's first picture, below ``sim/docs``."""
-
-FRONT_CASE = "re25-118743"
-"""The row of the report that it shows: the demo's motor."""
 
 _STUDIES: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
     _REPORT: ("report", report_and_bench.of_report),

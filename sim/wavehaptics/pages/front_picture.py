@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,15 @@ from wavehaptics.trace.columns import load_trace
 TAP_S = 0.5
 """One tap of the demo's scenes."""
 
+MOTOR = "re25-118743"
+"""The demo's."""
+
 _BLUE, _ORANGE, _RED = "#0072B2", "#E69F00", "#D55E00"
+
+
+def usual(ratios: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """The report's row of the demo's motor, with an encoder's servo at 1 kHz beside the waves."""
+    return next(row for row in ratios if row["motor"] == MOTOR)
 
 
 def way_in(trace: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
@@ -63,7 +71,7 @@ def draw(demo: Path, usual: dict[str, Any], k_l: float, path: Path) -> Path:
     )
     label = f"encoder, servo at 1 kHz, light hand:\nstiffest stable {usual['encoder']:.2g}"
     right.plot([-3, 0, end], [0, 0, end * usual["encoder"]], color=_RED, lw=2.2, label=label)
-    right.set_title("How stiff a wall can be", fontsize=11, loc="left")
+    right.set_title("Stiffest walls; the encoder's servo at 1 kHz", fontsize=11, loc="left")
     right.set_xlabel("Depth, mrad")
     right.set_xlim(-3, end)
     right.set_ylim(-2, 30)

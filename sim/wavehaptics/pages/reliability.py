@@ -120,11 +120,13 @@ _ROWS = (
 
 
 def _reliability(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    """What was run; a command without a result has no row."""
     known = numbers.get("reliability", {})
     rows = []
     for name, key, command, row in _ROWS:
-        found, wrong = row(known[key]) if key in known else ("not run", "–")
-        rows.append((name, f"`{command}`", found, wrong or "nothing"))
+        if key in known:
+            found, wrong = row(known[key])
+            rows.append((name, f"`{command}`", found, wrong or "nothing"))
     return table(("", "by", "last whole run", "what went wrong"), rows)
 
 

@@ -32,7 +32,7 @@ Progress = Callable[[str, float], None]
 
 
 def tau(stiffness: float | None, scene: Scene) -> float | None:
-    """τ of the stiffness that was rendered, s: K = k_T²/(L + R·τ/2), :func:`physics.stiffness`."""
+    """τ of the stiffness that was rendered, s: see :func:`closed_forms.stiffness`."""
     if stiffness is None or stiffness <= 0:
         return None
     motor = scene.motor
