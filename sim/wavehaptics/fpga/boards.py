@@ -247,7 +247,8 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
             if there:
                 raise BoardError(
                     f"{path}:{_line(lines, (key,))}: {key}: a board with legs = {fpga.legs} has "
-                    f"one brushless motor, a multiplier for its core and no link yet; leave {key} out"
+                    "one brushless motor, a multiplier for its core and no link yet; leave "
+                    f"{key} out"
                 )
     if fpga.adc not in PARTS:
         raise BoardError(f"{path}: adc = {fpga.adc!r} is not known; {', '.join(PARTS)} are")
