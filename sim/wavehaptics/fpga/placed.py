@@ -153,7 +153,7 @@ def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:
 
 
 def _pad(name: str, cell: dict[str, Any], ports: dict[str, Any]) -> dict[str, Any]:
-    """A pad as an input or output, as the top's port is one; all else has no model."""
+    """A pad as an input or output, as the top's port is one, or has one; all else has no model."""
     parameters = cell["parameters"]
     kind: tuple[Any, ...] = ("SB_IO", int(parameters.get("PIN_TYPE", "0"), 2))
     if cell["type"] == "TRELLIS_IO":
@@ -165,7 +165,7 @@ def _pad(name: str, cell: dict[str, Any], ports: dict[str, Any]) -> dict[str, An
     }
     ends = {
         port["direction"]: port_name for port_name, port in ports.items()
-        if port["bits"] == connections.get("PIN")
+        if connections.get("PIN") in [[bit] for bit in port["bits"]]
     }  # fmt: skip
     if len(connections) != 2 or list(ends) != [direction]:
         raise SynthesisError(f"{name}: no model of the placed pad {kind} at {[*ends.values()]}")
