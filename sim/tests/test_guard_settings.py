@@ -12,7 +12,7 @@ from wavehaptics.controller.guard import Fault, Limits, board_limits, mask, sett
 from wavehaptics.fpga.boards import Board, load_board
 from wavehaptics.motor.sensor import Sensor
 from wavehaptics.runtime.repository import ROOT
-from wavehaptics.scene import load_scene
+from wavehaptics.scene import SceneError, load_scene
 
 FIELDS = {
     name: (int(low), int(high) - int(low) + 1)
@@ -70,6 +70,11 @@ def test_a_winding_of_its_own():
     assert limits.current_a == 1.5
     unnamed = board_limits(board.scene, board.words().ports)
     assert unnamed.current_a == pytest.approx(0.9 * 2.5)
+
+
+def test_surroundings_as_hot_as_the_winding_may_be_are_refused():
+    with pytest.raises(SceneError, match=r"ambient_c = 100 °C .* bears 100 °C; lower it"):
+        ulx3s("thermal.ambient_c=100").words()
 
 
 @pytest.mark.parametrize("samples", [1, 3])
