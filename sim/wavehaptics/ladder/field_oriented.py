@@ -8,10 +8,10 @@ zero and i_q at what the servo asks for,
     v = K_p (i* − i) + I        I += K_i T (i* − i)        K_p = ω_c L̂,  K_i = ω_c R
 
 so that the zero cancels the winding's pole, as the amplifier of a motor with brushes does it. As in
-FPGA-FOC and in the data sheet of the TMC4671 nothing decouples the axes or feeds the back-EMF
-forward, and what is sampled is on the bridge one period later, held in the windings' frame until
-the next. Space-vector PWM gives any vector up to the bus over √3; one that is longer is shortened,
-and while it is, an integral only falls. What the bridge does between its edges is averaged.
+the open design FPGA-FOC nothing decouples the axes or feeds the back-EMF forward. What a sample
+comes to is on the bridge one period later, and stays, in the windings' frame, for one. Space-vector
+PWM gives any vector up to the bus over √3; one that is longer is shortened, and while it is, an
+integral only falls. What the bridge does between its edges is averaged.
 
 The servo is that of :mod:`wavehaptics.ladder.encoder`. It takes counts for the middle of their
 cells, and the magnets to be where the scene's ``magnet_hat_rad`` says.
