@@ -135,7 +135,7 @@ def walls(points: list[dict[str, Any]]) -> tuple[tuple[str, ...], Rows]:
             band = _hz(float(f"{Servo(foc_hz=p['foc_hz']).field_oriented_hz:.3g}"))
         rows.append(
             (name, band, number(p["stiffness"]), number(wave["stiffness"] / p["stiffness"]),
-             number(p["pressed_at"]), number(1e6 * p["ripple"], 2))
+             number(p["pressed_at"]), number(1e6 * p["ripple"]))
         )  # fmt: skip
     head = (
         "",
