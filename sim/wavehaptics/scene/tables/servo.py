@@ -55,7 +55,7 @@ class Servo(Table):
     def field_oriented_hz(self) -> float:
         """Bandwidth of the sampled current control of a motor without, Hz.
 
-        By default that of the symmetric choice for what is late: the voltage comes one period after
-        its sample and holds for another, 1.5 periods on the mean, and 1/ω is twice that.
+        By default the magnitude optimum for what is late: a voltage comes one period after its
+        sample and holds for another, 1.5 periods on the mean, and 1/ω is twice that.
         """
         return self.foc_hz / (6 * math.pi) if self.amplifier_hz is None else self.amplifier_hz

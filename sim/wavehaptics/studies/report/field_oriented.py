@@ -211,8 +211,8 @@ def show(data: dict[str, Any], folder: Path) -> list[Block]:
             "A brushless motor's walls are made by the same servo on field-oriented control of the "
             "currents: sampled, turned into the rotor's frame by the encoder's angle, two PI "
             "controllers without decoupling, and a voltage that reaches the bridge one period "
-            "after its sample. The bandwidth is the usual one for what is late, a third of the "
-            "rate in rad/s. The hand, the encoder and what is called stable are those of the "
+            "after its sample. The bandwidth is the magnitude optimum for what is late, 1/ω three "
+            "periods. The hand, the encoder and what is called stable are those of the "
             "motor with brushes above; the currents have 12 bits and noise."
         ),
         Table("Stiffest stable wall under a light hand", *walls(points)),
