@@ -350,7 +350,7 @@ def test_what_others_publish_has_a_source_and_no_guess():
     counted = {"table": "brushless", "option": "ANCHOR = 1, GUARD = 1", "lut": 12345, "dsp": 8}
     head, rows = field_oriented.beside([counted, counted | {"table": "blocks"}])
     assert [len(row) for row in rows] == [len(head)] * (1 + len(foc_designs.DESIGNS))
-    assert rows[0][0] == "`wh_brushless` with guard and anchors"
+    assert rows[0][0] == "wh_brushless with guard and anchors"
     assert rows[0][1:5] == ("1 MHz", "80 clocks, 1.11 µs at 72 MHz", "12,345", "8")
     for design, row in zip(foc_designs.DESIGNS, rows[1:], strict=True):
         assert f"``{design.name}``" in foc_designs.__doc__

@@ -163,7 +163,7 @@ def beside(resources: list[dict[str, Any]]) -> tuple[tuple[str, ...], Rows]:
     for row in (row for row in resources if row["table"] == "brushless"):
         names = {"GUARD": "guard", "ANCHOR": "anchors"}
         parts = [part for key, part in names.items() if key in row["option"]]
-        name = "`wh_brushless`" + (f" with {' and '.join(parts)}" if parts else "")
+        name = "wh_brushless" + (f" with {' and '.join(parts)}" if parts else "")
         counts = (f"{row['lut']:,}", str(row["dsp"]))
         rows.append((name, _hz(control.tick_hz), latency, *counts, "ECP5, LUTs of four inputs"))
     for design in DESIGNS:
