@@ -2,7 +2,7 @@
 //
 // ulx3s_brushless: a brushless motor on a ULX3S (ECP5): pads, PLL, oscillator and reset.
 //
-// The clock is 50 MHz, a twelfth of the VCO's 25 MHz * 24. README.md has the wiring.
+// The clock is 37.5 MHz, a sixteenth of the VCO's 25 MHz * 24. README.md has the wiring.
 // Reset: until the PLL has been locked for 2^16 clocks.
 
 `default_nettype none
@@ -42,7 +42,7 @@ module ulx3s_brushless (
         .CLKI_DIV  (1),
         .CLKFB_DIV (1),
         .CLKOP_DIV (24),
-        .CLKOS_DIV (12)
+        .CLKOS_DIV (16)
     ) pll (
         .clk_i     (clk_25mhz),
         .clk_o     (clk),

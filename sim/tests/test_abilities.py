@@ -41,6 +41,7 @@ DRIVEN = ("drive.bus_v=12",)
 ANCHORED = (*ENCODER, *DRIVEN, *SENSED, "controller.anchor_auto=true")
 HOT = ("thermal.start_c=80", "scene.duration_s=0.2", "controller.tick_hz=50e3")
 BRUSHLESS = ("motor.preset=gbm2804-100t",)
+SERVO = ("servo.foc_hz=25e3",)  # of which a tick is a whole part
 SPRING = ("shaper.feel=spring", "shaper.stiffness=0.3", "shaper.damping=0.1e-3")
 
 NOT_OF_A_RUN = {
@@ -55,13 +56,13 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "motor.k_t": ((), ("motor.k_t=0.03",)),
     "motor.J_kgm2": ((), ("motor.J_kgm2=2e-6",)),
     "motor.preset": ((), ("motor.preset=re40-148877",)),
-    "motor.kind": ((), ("motor.kind=pmsm", "motor.preset=gbm2804-100t")),
-    "motor.pole_pairs": (BRUSHLESS, ("motor.pole_pairs=6",)),
-    "motor.psi_vs": (BRUSHLESS, ("motor.psi_vs=3e-3",)),
-    "motor.l_d_part": (BRUSHLESS, ("motor.l_d_part=0.6",)),
-    "motor.harmonic_5": (BRUSHLESS, ("motor.harmonic_5=0.05",)),
-    "motor.harmonic_7": (BRUSHLESS, ("motor.harmonic_7=0.05",)),
-    "motor.magnet_rad": (BRUSHLESS, ("motor.magnet_rad=0.1",)),
+    "motor.kind": ((), ("motor.kind=pmsm", *BRUSHLESS, *SERVO)),
+    "motor.pole_pairs": ((*BRUSHLESS, *SERVO), ("motor.pole_pairs=6",)),
+    "motor.psi_vs": ((*BRUSHLESS, *SERVO), ("motor.psi_vs=3e-3",)),
+    "motor.l_d_part": ((*BRUSHLESS, *SERVO), ("motor.l_d_part=0.6",)),
+    "motor.harmonic_5": ((*BRUSHLESS, *SERVO), ("motor.harmonic_5=0.05",)),
+    "motor.harmonic_7": ((*BRUSHLESS, *SERVO), ("motor.harmonic_7=0.05",)),
+    "motor.magnet_rad": ((*BRUSHLESS, *SERVO), ("motor.magnet_rad=0.1",)),
     "friction.coulomb_nm": ((), ("friction.coulomb_nm=1e-3",)),
     "friction.viscous": ((), ("friction.viscous=1e-4",)),
     "brushes.drop_v": ((), ("brushes.drop_v=0.3",)),
@@ -146,6 +147,10 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "servo.stiffness": (("servo.rate_hz=1000",), ("servo.stiffness=0.1",)),
     "servo.damping": (("servo.rate_hz=1000",), ("servo.damping=1e-4",)),
     "servo.amplifier_hz": (("servo.rate_hz=1000",), ("servo.amplifier_hz=500",)),
+    "servo.foc_hz": (
+        (*BRUSHLESS, "servo.foc_hz=50e3", "servo.amplifier_hz=1000"),
+        ("servo.foc_hz=125e3",),
+    ),
     "servo.delay_s": (("servo.rate_hz=1000",), ("servo.delay_s=1e-3",)),
     "host.rate_hz": (("host.rate_hz=1000",), ("host.rate_hz=500",)),
     "host.timeout": (("host.rate_hz=1000",), ("host.timeout=10",)),
@@ -165,7 +170,10 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "controller.r_hat": ((), ("controller.r_hat=2.0",)),
     "controller.l_hat": (ANCHORED, ("controller.l_hat=0.3e-3",)),
     "controller.k_t_hat": (ANCHORED, ("controller.k_t_hat=0.03",)),
-    "controller.magnet_hat_rad": ((*ANCHORED, *BRUSHLESS), ("controller.magnet_hat_rad=0.3",)),
+    "controller.magnet_hat_rad": (
+        (*ANCHORED, *BRUSHLESS, *SERVO),
+        ("controller.magnet_hat_rad=0.3",),
+    ),
     "controller.find_magnet": ((*ANCHORED, *BRUSHLESS), ("controller.find_magnet=true",)),
     "controller.clock_hz": ((), ("controller.clock_hz=25e6",)),
     "controller.early_duty": (
@@ -259,6 +267,7 @@ def test_what_is_refused_is_told_in_one_line(base: Path, name: str) -> None:
         "thermal": ("thermal.start_c=80",),
         "servo": ("servo.rate_hz=1000",),
         "controller.anchor_auto": ANCHORED,
+        "controller.find_magnet": (*ANCHORED, *BRUSHLESS, "controller.find_magnet=true"),
         "controller.edge_hysteresis": (*ENCODER, "controller.edge_hysteresis=true"),
         "adc.edge_settle_s": (*SENSED, "adc.common_mode_a=5e-3", "adc.edge_settle_s=1e-6"),
         "drive.bus_measured": (*DRIVEN, "drive.bus_measured=true"),

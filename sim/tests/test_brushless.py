@@ -500,8 +500,9 @@ def test_what_is_not_there_yet_is_refused_in_one_line(make_scene):
 
 def test_controllers_of_one_port_refuse_two(make_scene):
     scene = make_scene(*TAP)
+    rungs = "`analog`, `golden`, `core`, `pins` or `encoder`"
     for name in set(ABILITIES) - {*BRUSHLESS_RUNGS, "a board"}:
-        with pytest.raises(SceneError, match=r"yet; take `analog`, `golden`, `core` or `pins`$"):
+        with pytest.raises(SceneError, match=rf"yet; take {rungs}$"):
             refuse(scene, name)
     with pytest.raises(SceneError, match="two ports and this takes one"):
         SampledSimulation(scene, rtl=False)

@@ -14,6 +14,7 @@ from wavehaptics.pages import filler, reliability
 TESTS = '<testsuites><testsuite tests="{}" failures="{}" errors="0" skipped="1"/></testsuites>'
 NONE = {"sections": {"old_way": {"ratios": []}, "parts": {"scenes": {}}}, "seconds": 1.0}
 NONE["sections"]["hard_cases"] = {"cases": []}
+NONE["sections"]["field_oriented"] = {"curves": {"wall": []}}
 HOLDING = {
     **{name: [] for name in ("holds", "plain", "bars", "feels", "overloads", "free", "bounces")},
     "lost": [],

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from wavehaptics.laws import closed_forms
+from wavehaptics.parts import foc_designs
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies import stability
 from wavehaptics.studies.report import (
@@ -20,6 +21,7 @@ from wavehaptics.studies.report import (
     build,
     converters,
     energies,
+    field_oriented,
     hard_cases,
     integrators,
     ladder,
@@ -286,6 +288,76 @@ def test_every_number_of_the_usual_way_has_its_curve():
     data = old_way.gather(tasks, fake)
     assert sum(len(points) for points in data["curves"].values()) == len(tasks)
     assert {row["motor"] for row in data["ratios"]} == set(old_way.MOTORS)
+
+
+def beside_the_wave_wall(foc_hz: float, servo_hz: float) -> dict[str, Any]:
+    """The point of the report for these rates."""
+    (task,) = [
+        task for _, point, task in field_oriented._grid(True)
+        if point == {"foc_hz": foc_hz, "servo_hz": servo_hz}
+    ]  # fmt: skip
+    return task.function(**task.arguments)
+
+
+def test_field_oriented_control_beside_the_wave_wall(tmp_path):
+    """A 1 kHz servo is far softer, a fast one as stiff and stiffer, and all of them buzz."""
+    (task,) = [task for _, point, task in field_oriented._grid(True) if "tick_hz" in point]
+    wave = task.function(**task.arguments)
+    motor = field_oriented.load(field_oriented.SCENE, []).motor
+    k_l = closed_forms.k_l(motor.felt_k_t, motor.L_h)
+    assert wave["capped"]
+    assert 0.99 * k_l < wave["stiffness"] < k_l
+    slow, quick = (beside_the_wave_wall(20e3, hz) for hz in (1e3, 20e3))
+    assert 4 < wave["stiffness"] / slow["stiffness"] < 7
+    assert 0.8 < wave["stiffness"] / quick["stiffness"] < 1.3
+    fast = beside_the_wave_wall(1e6, 1e6)
+    assert fast["stiffness"] > 4 * k_l
+    assert fast["pressed_at"] == pytest.approx(wave["pressed_at"], rel=1e-6)
+    assert wave["ripple"] < 20e-6
+    for found in (slow, quick, fast):
+        assert found["ripple"] > 10 * wave["ripple"]
+
+
+def test_a_servo_needs_the_hand_and_its_bound_is_that_of_sampling():
+    """2b/T of a sampled spring, without brushes as with them; the wave wall needs none."""
+    limits = [
+        field_oriented.limit(
+            "encoder", [f"hand.damping={b}", "servo.rate_hz=1e3", "controller.tick_hz=1e5"], 6
+        )["stiffness"]
+        for b in (0.5e-4, 1.53e-4)
+    ]  # fmt: skip
+    for limit, b in zip(limits, (0.5e-4, 1.53e-4), strict=True):
+        assert 0.5 < limit / (2 * b / 1e-3) < 1.5
+    light = ["hand.damping=1.53e-6", "friction.viscous=1e-5", "controller.lambda=1e9"]
+    assert field_oriented.limit("golden", light)["capped"]
+
+
+def test_every_wall_of_a_brushless_motor_is_shown(tmp_path):
+    tasks = field_oriented.tasks(True)
+    fake = [{"stiffness": 1.0 + n, "capped": False, "pressed_at": 1.0, "ripple": 1e-5}
+            for n in range(len(tasks))]  # fmt: skip
+    data = json.loads(json.dumps(field_oriented.gather(tasks, fake)))
+    assert sum(len(points) for points in data["curves"].values()) == len(tasks)
+    assert field_oriented.show(data, tmp_path)
+    assert (tmp_path / field_oriented.PICTURE).exists()
+    _, rows = field_oriented.walls(data["curves"]["wall"])
+    assert [row[2] for row in rows] == ["1", "2", "3", "4"]
+    assert [row[3] for row in rows] == ["4", "2", "1.33", "1"]
+
+
+def test_what_others_publish_has_a_source_and_no_guess():
+    """Each by name in the page of sources; a dash for what they don't tell."""
+    counted = {"table": "brushless", "option": "ANCHOR = 1, GUARD = 1", "lut": 12345, "dsp": 8}
+    head, rows = field_oriented.beside([counted, counted | {"table": "blocks"}])
+    assert [len(row) for row in rows] == [len(head)] * (1 + len(foc_designs.DESIGNS))
+    assert rows[0][0] == "wh_brushless with guard and anchors"
+    assert rows[0][1:5] == ("1 MHz", "80 clocks, 1.11 µs at 72 MHz", "12,345", "8")
+    for design, row in zip(foc_designs.DESIGNS, rows[1:], strict=True):
+        assert f"``{design.name}``" in foc_designs.__doc__
+        assert (row[3] == "–") is (design.lut is None)
+    by_name = {design.name: design for design in foc_designs.DESIGNS}
+    assert by_name["FPGA-FOC"].rate_hz == 18e3
+    assert by_name["Vitis Motor Control Library"].lut == 9241
 
 
 class _Links(HTMLParser):

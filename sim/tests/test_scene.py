@@ -486,6 +486,7 @@ def test_shipped_scenes():
         "bounce",
         "brushless_hold",
         "brushless_taps",
+        "brushless_wall",
         "damped",
         "detents",
         "encoder_wall",

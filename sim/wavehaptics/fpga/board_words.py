@@ -173,9 +173,10 @@ def _each_motor(words: Values, motors: int) -> dict[str, Any]:
 
 def _guard(scene: Scene, ports: Ports, trip_a: float | None) -> int:
     if scene.thermal is not None and scene.thermal.ambient_c >= guard.WINDING_MOST_C:
-        raise SceneError(
-            f"{_at(scene)}thermal.ambient_c = {scene.thermal.ambient_c:g} °C leaves a winding "
-            f"nothing that bears {guard.WINDING_MOST_C:g} °C; lower it"
+        raise scene.refusal(
+            f"thermal.ambient_c = {scene.thermal.ambient_c:g} °C leaves a winding "
+            f"nothing that bears {guard.WINDING_MOST_C:g} °C; lower it",
+            "thermal.ambient_c",
         )
     limits = guard.board_limits(scene, ports, trip_a)
     return guard.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)

@@ -48,6 +48,9 @@ OPTIONS: tuple[Mapping[str, int], ...] = (
 )
 """Parameters of ``wh_controller``, a line of the table each; the first line is the defaults."""
 
+BRUSHLESS: tuple[Mapping[str, int], ...] = ({}, {"GUARD": 1}, {"ANCHOR": 1, "GUARD": 1})
+"""Parameters of ``wh_brushless``, counted for what is beside it."""
+
 _WIDTHS = ((18, 18), (24, 18), (27, 24), (31, 27))
 _SEED = 1
 JOBS = 2
@@ -82,6 +85,8 @@ def cases(root: Path = ROOT) -> Iterator[Case]:
             yield Case("blocks", path.stem)
     for parameters in OPTIONS:
         yield Case("options", "wh_controller", parameters, devices=("up5k", "25k"))
+    for parameters in BRUSHLESS:
+        yield Case("brushless", "wh_brushless", parameters, devices=("25k",))
     for ports in range(1, 9):
         yield Case("ports", "wh_controller", {"N": ports}, devices=("25k",))
     for data_w, coef_w in _WIDTHS:

@@ -31,10 +31,10 @@ _PINS = frozenset(
 """Of clocks and gates."""
 
 _ANCHOR = frozenset(
-    f"controller.{key}"
-    for key in ("anchor_ohm", "anchor_ohm_per_s", "swing_ohm", "anchor_limit_v", "magnet_hat_rad",
-                "find_magnet")
-)  # fmt: skip
+    f"controller.{key}" for key in ("anchor_ohm", "anchor_ohm_per_s", "swing_ohm", "anchor_limit_v")
+)
+
+_MAGNET = frozenset({"controller.magnet_hat_rad", "controller.find_magnet"})
 
 _DIGITAL = frozenset(("controller.extra_ticks", "controller.edge_hysteresis",
                       "controller.early_duty"))  # fmt: skip
@@ -47,7 +47,7 @@ _NO_EDGES = {"adc.edge_settle_s": "it has no edges of a bridge; leave it out or 
 
 ABILITIES: dict[str, Ability] = {
     "analog": Ability(
-        _PINS | _ANCHOR | _DIGITAL | _BESIDE
+        _PINS | _ANCHOR | _MAGNET | _DIGITAL | _BESIDE
         | {"encoder.stops_at_s", "encoder.reverses_at_s", "encoder.uneven",
            "encoder.skips_per_rev", "adc", "controller.l_hat", "controller.k_t_hat",
            "controller.anchor_auto"},
@@ -60,7 +60,7 @@ ABILITIES: dict[str, Ability] = {
         _PINS | _ANCHOR | _DIGITAL
         | {"adc", "host", "encoder.uneven", "controller.eta_contact", "controller.eta_free",
            "controller.r_hat", "controller.anchor_auto", "controller.r_hat_part"},
-        _NO_W,
+        _NO_W | {"controller.find_magnet": "a servo has to know the angle; leave it out"},
     ),
     "hosted": Ability(
         _PINS | _BESIDE | {"controller.early_duty"},
@@ -81,8 +81,11 @@ ABILITIES: dict[str, Ability] = {
 """By what runs a scene."""
 
 
-BRUSHLESS_RUNGS = ("analog", "golden", "core", "pins")
+BRUSHLESS_RUNGS = ("analog", "golden", "core", "pins", "encoder")
 """Controllers that a brushless motor runs on, besides a board with three legs."""
+
+BRUSHLESS_USES = {"encoder": frozenset({"adc"})}
+"""What is left out with brushes alone: the usual way of a brushless motor samples its currents."""
 
 _LEAVE_OUT = "a brushless motor does without it yet; leave it out"
 
@@ -151,16 +154,21 @@ def refuse(scene: Scene, name: str) -> None:
 def _without_use(scene: Scene, name: str) -> set[str]:
     """Estimates that nothing in this scene is made from: the waves take R̂ alone."""
     control = scene.controller
-    if name == "encoder" or control.anchored or scene.shaper is not None:
+    if name == "encoder":
         return set()
+    unused = set() if control.anchored else {"controller.magnet_hat_rad"}
+    if control.anchored or scene.shaper is not None:
+        return unused
     corrects = name == "pins" and scene.drive is not None and scene.drive.compensate
-    return {"controller.k_t_hat"} | (set() if corrects else {"controller.l_hat"})
+    return unused | {"controller.k_t_hat"} | (set() if corrects else {"controller.l_hat"})
 
 
 def left_out(scene: Scene, name: str) -> list[str]:
     """What the scene asks for and ``name`` of ABILITIES leaves out, in alphabetical order."""
     asked_for = asked(scene)
     without = ABILITIES[name].left_out | _without_use(scene, name)
+    if scene.motor.brushless:
+        without -= BRUSHLESS_USES.get(name, frozenset())
     tables = {what for what in without if "." not in what} & asked_for
     keys = {
         what for what in without & asked_for

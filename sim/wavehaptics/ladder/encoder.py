@@ -34,11 +34,13 @@ FASTEST_AMPLIFIER = 0.1
 
 # Places in the loop's integer parameters.
 _SUBSTEPS, _SERVO_TICKS, _DELAY_TICKS = range(3)
-# Places in the loop's float parameters.
+# Places in the loop's float parameters, first those of :func:`servo_floats`.
+CELL, _STIFFNESS, _DAMPING, _RATE = range(4)
+SERVO_FLOATS = 4
+"""How many float parameters :func:`servo_torque` takes."""
 (
-    _DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE, _STIFFNESS, _DAMPING, _RATE, _KP, _KI, _LIMIT,
-    _ENCODER_END, _K_T_HAT,
-) = range(13)  # fmt: skip
+    _DT, _DRIVE_GAIN, _K_T, _RESISTANCE, _KP, _KI, _LIMIT, _ENCODER_END, _K_T_HAT,
+) = range(SERVO_FLOATS, SERVO_FLOATS + 9)  # fmt: skip
 # Places in the numbers that the loop keeps: voltage, the PI's integral (V), the servo's command (A)
 # and whether it touches, its last count, ticks so far.
 _VOLTAGE, _INTEGRAL, _COMMAND, _TOUCHING, _COUNT, _TICKS = range(6)
@@ -55,8 +57,8 @@ def servo_torque(position, last, depth, touching, floats):
         return 0.0
     if depth < 0:
         depth += 1
-    omega = (position - last) * floats[_CELL] * floats[_RATE]
-    return -floats[_STIFFNESS] * depth * floats[_CELL] - floats[_DAMPING] * omega
+    omega = (position - last) * floats[CELL] * floats[_RATE]
+    return -floats[_STIFFNESS] * depth * floats[CELL] - floats[_DAMPING] * omega
 
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
@@ -87,10 +89,10 @@ def _advance(
             position = int(kept[_COUNT])
             if real is not None:
                 position = counted(
-                    position, state[X], state[TIME], floats[_CELL], floats[_ENCODER_END], real
+                    position, state[X], state[TIME], floats[CELL], floats[_ENCODER_END], real
                 )
             elif state[TIME] < floats[_ENCODER_END]:
-                position = int(np.floor(state[X] / floats[_CELL]))
+                position = int(np.floor(state[X] / floats[CELL]))
             touching, depth = wave_core.contact_step(contact, position, wall_min, wall_max)
             last = position if ticks == 0 else int(kept[_COUNT])
             torque = servo_torque(position, last, depth, touching, floats)
@@ -127,17 +129,21 @@ class EncoderSimulation:
 
     def __init__(self, scene: Scene) -> None:
         refuse(scene, "encoder")
+        if scene.motor.brushless:
+            raise scene.refusal(
+                "a brushless motor has three phases and this amplifier one", "motor.kind"
+            )
         self.settings: Settings = settings(scene)
         self.tick_s = self.settings.tick_s
         self.stiffness = servo_stiffness(scene)
         servo = scene.servo or Servo()
-        servo_ticks = whole_ticks(scene, servo)
+        servo_ticks, _ = check_rates(scene)
         delay_ticks = round(servo.delay_s / self.tick_s)
         self.winding = Winding(scene, self.tick_s)
         plant = self.winding.plant
         substeps = plant.substeps(self.tick_s)
         dt = self.tick_s / substeps
-        omega_c = 2 * math.pi * servo.amplifier_hz
+        omega_c = 2 * math.pi * servo.analog_hz
         self._state = plant.start.copy()
         self._kept = np.zeros(_TICKS + 1)
         self._kept[_COUNT] = math.floor(plant.start[X] / self.settings.cell_rad)
@@ -145,11 +151,11 @@ class EncoderSimulation:
         self._contact = np.array([-1, 0], dtype=np.int64)
         self._ints = np.array([substeps, servo_ticks, delay_ticks], dtype=np.int64)
         self._floats = np.array(
-            [dt, self.settings.cell_rad, drive_gain(scene),
-             plant.k_t, plant.resistance, self.stiffness, servo.damping,
-             1.0 / (servo_ticks * self.tick_s), omega_c * scene.controller.l_hat,
-             omega_c * plant.resistance, self.settings.limit_v, encoder_end(scene),
-             scene.controller.k_t_hat]
+            [*servo_floats(self.settings.cell_rad, self.stiffness, servo.damping,
+                           servo_ticks * self.tick_s),
+             dt, drive_gain(scene), plant.k_t, plant.resistance,
+             omega_c * scene.controller.l_hat, omega_c * plant.resistance,
+             self.settings.limit_v, encoder_end(scene), scene.controller.k_t_hat]
         )  # fmt: skip
         self._load = load_words(plant)
         self._dt = dt
@@ -174,31 +180,55 @@ class EncoderSimulation:
         )  # fmt: skip
 
 
+def servo_floats(
+    cell_rad: float, stiffness: float, damping: float, period_s: float
+) -> tuple[float, float, float, float]:
+    """What :func:`servo_torque` takes: cell in rad, K in N·m/rad, B in N·m·s/rad, and 1/T in Hz."""
+    return cell_rad, stiffness, damping, 1.0 / period_s
+
+
 def servo_stiffness(scene: Scene) -> float:
     """The servo's K, N·m/rad: the scene's, or else what its wave wall has on the analog circuit."""
     if scene.servo is not None and scene.servo.stiffness is not None:
         return scene.servo.stiffness
-    motor = scene.motor
-    return closed_forms.stiffness(motor.k_t, motor.L_h, motor.R_ohm, 1.0 / scene.controller.lambda_)
+    motor, tau_s = scene.motor, 1.0 / scene.controller.lambda_
+    return closed_forms.stiffness(motor.felt_k_t, motor.L_h, motor.R_ohm, tau_s)
 
 
-def whole_ticks(scene: Scene, servo: Servo) -> int:
-    """Ticks of a servo period. :class:`SceneError` where the servo doesn't fit the tick."""
+def _whole_ticks(scene: Scene, key: str, rate_hz: float) -> int:
+    """Ticks of a period of ``servo.key``, ``rate_hz``. :class:`SceneError` if they aren't whole."""
     tick_hz = scene.controller.tick_hz
-    ticks = max(1, round(tick_hz / servo.rate_hz))
-    if not math.isclose(ticks * servo.rate_hz, tick_hz, rel_tol=1e-6):
+    ticks = max(1, round(tick_hz / rate_hz))
+    if not math.isclose(ticks * rate_hz, tick_hz, rel_tol=1e-6):
         raise scene.refusal(
-            f"servo.rate_hz = {servo.rate_hz:g} does not divide "
+            f"servo.{key} = {rate_hz:g} does not divide "
             f"controller.tick_hz = {tick_hz:g} Hz; the nearest that does is {tick_hz / ticks:.9g}",
-            "servo.rate_hz",
-            "controller.tick_hz",
-        )
-    if servo.amplifier_hz > FASTEST_AMPLIFIER * tick_hz:
-        raise scene.refusal(
-            f"servo.amplifier_hz = {servo.amplifier_hz:g} is too fast for "
-            f"controller.tick_hz = {tick_hz:g} Hz, with which it is stepped; "
-            f"it may be at most {FASTEST_AMPLIFIER * tick_hz:g} Hz",
-            "servo.amplifier_hz",
+            f"servo.{key}",
             "controller.tick_hz",
         )
     return ticks
+
+
+def check_rates(scene: Scene) -> tuple[int, int]:
+    """Ticks of a period of the servo, and of the current control, which an analog amplifier does
+    in each. :class:`SceneError` where they aren't whole, or the control is too fast for them."""
+    servo = scene.servo or Servo()
+    servo_ticks = _whole_ticks(scene, "rate_hz", servo.rate_hz)
+    if not scene.motor.brushless:
+        _check_bandwidth(scene, servo.analog_hz, "controller.tick_hz", scene.controller.tick_hz)
+        return servo_ticks, 1
+    foc_ticks = _whole_ticks(scene, "foc_hz", servo.foc_hz)
+    _check_bandwidth(scene, servo.field_oriented_hz, "servo.foc_hz", servo.foc_hz)
+    return servo_ticks, foc_ticks
+
+
+def _check_bandwidth(scene: Scene, bandwidth_hz: float, key: str, rate_hz: float) -> None:
+    """:class:`SceneError` where the current control is too fast for what steps it, ``key``."""
+    if bandwidth_hz > FASTEST_AMPLIFIER * rate_hz:
+        raise scene.refusal(
+            f"servo.amplifier_hz = {bandwidth_hz:g} is too fast for "
+            f"{key} = {rate_hz:g} Hz, with which it is stepped; "
+            f"it may be at most {FASTEST_AMPLIFIER * rate_hz:g} Hz",
+            "servo.amplifier_hz",
+            key,
+        )

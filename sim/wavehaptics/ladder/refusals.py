@@ -9,9 +9,8 @@ import os
 from wavehaptics.controller.ports import controller_ports
 from wavehaptics.controller.settings import settings
 from wavehaptics.ladder.abilities import refuse
-from wavehaptics.ladder.encoder import whole_ticks
+from wavehaptics.ladder.encoder import check_rates
 from wavehaptics.scene import Scene
-from wavehaptics.scene.tables.servo import Servo
 from wavehaptics.trace.columns import ROW_BYTES
 
 
@@ -28,7 +27,7 @@ def check(scene: Scene, controller: str) -> float:
     else:
         settings(scene)
     if controller == "encoder":
-        whole_ticks(scene, scene.servo or Servo())
+        check_rates(scene)
     _check_memory(scene, tick_s)
     return tick_s
 

@@ -17,6 +17,7 @@ from wavehaptics.ladder.analog import AnalogSimulation
 from wavehaptics.ladder.brushless import BrushlessAnalogSimulation, BrushlessSimulation
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.encoder import EncoderSimulation
+from wavehaptics.ladder.field_oriented import FieldOrientedSimulation
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.r_hat_error import Estimate
 from wavehaptics.ladder.sampled import SampledSimulation
@@ -72,12 +73,18 @@ def _pins(scene: Scene) -> Simulation:
     return kind(scene)
 
 
+def _encoder(scene: Scene) -> Simulation:
+    """The usual way: an encoder's servo on a current amplifier, or on field-oriented control."""
+    kind = FieldOrientedSimulation if scene.motor.brushless else EncoderSimulation
+    return kind(scene)
+
+
 CONTROLLERS: dict[str, Callable[[Scene], Simulation]] = {
     "analog": analog,
     "golden": lambda scene: _sampled(scene, rtl=False),
     "core": lambda scene: _sampled(scene, rtl=True),
     "pins": _pins,
-    "encoder": EncoderSimulation,
+    "encoder": _encoder,
 }
 """The fidelity ladder by name."""
 
@@ -95,8 +102,8 @@ def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
     encoder's servo should render the spring that it computes, with a current made for k̂_T. A
     brushless motor's two ports feel as one of k_T = √1.5·pψ.
     """
-    if isinstance(simulation, EncoderSimulation):
-        return simulation.stiffness * (scene.motor.k_t / scene.controller.k_t_hat)
+    if isinstance(simulation, EncoderSimulation | FieldOrientedSimulation):
+        return simulation.stiffness * (scene.motor.felt_k_t / scene.controller.k_t_hat)
     set_ = simulation.settings
     continuous = isinstance(simulation, AnalogSimulation | BrushlessAnalogSimulation)
     tau = 1.0 / scene.controller.lambda_ if continuous else set_.tau

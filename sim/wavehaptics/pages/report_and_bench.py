@@ -7,9 +7,10 @@ from collections.abc import Callable
 from typing import Any
 
 from wavehaptics.studies.bench.measure import gain
+from wavehaptics.studies.report import field_oriented
 from wavehaptics.studies.report.blocks import number, percent
 
-PICTURES = ("old_way_limits.png", "old_way_hand.png")
+PICTURES = ("old_way_limits.png", "old_way_hand.png", field_oriented.PICTURE)
 """Pictures of the report that the pages show, below ``sim/docs``."""
 
 
@@ -20,6 +21,7 @@ def of_report(report: dict[str, Any]) -> dict[str, Any]:
         "quick": report["quick"],
         "seconds": report["seconds"],
         "ratios": sections["old_way"]["ratios"],
+        "brushless_walls": sections["field_oriented"]["curves"]["wall"],
         "scenes": {
             name: {
                 "recommended": scene["recommended"],
@@ -48,6 +50,14 @@ def _usual_way(numbers: dict[str, Any], table: Callable[..., str]) -> str:
         for row in numbers["report"]["ratios"]
     ]
     return table(head, rows)
+
+
+def _brushless_walls(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    return table(*field_oriented.walls(numbers["report"]["brushless_walls"]))
+
+
+def _foc_designs(numbers: dict[str, Any], table: Callable[..., str]) -> str:
+    return table(*field_oriented.beside(numbers.get("resources", [])))
 
 
 def _needs(numbers: dict[str, Any], table: Callable[..., str]) -> str:
@@ -90,6 +100,8 @@ def _tried(numbers: dict[str, Any], table: Callable[..., str]) -> str:
 
 TABLES = {
     "usual-way": _usual_way,
+    "brushless-walls": _brushless_walls,
+    "foc-designs": _foc_designs,
     "needs": _needs,
     "speed": _speed,
     "others": _others,

@@ -126,12 +126,23 @@ class Scene(Table):
                 ("hand",),
             )
         motor, controller = scene.motor, scene.controller
-        for key in ("magnet_hat_rad", "find_magnet"):
-            if getattr(controller, key) and not (motor.brushless and controller.anchored):
-                broken_rule(
-                    f"controller.{key} belongs to a brushless motor's port anchor; leave it out",
-                    ("controller", key),
-                )
+        asks_angle = controller.anchored or scene.servo is not None
+        if controller.magnet_hat_rad and not (motor.brushless and asks_angle):
+            broken_rule(
+                "controller.magnet_hat_rad belongs to a brushless motor's port anchor or servo; "
+                "leave it out",
+                ("controller", "magnet_hat_rad"),
+            )
+        if controller.find_magnet and not (motor.brushless and controller.anchored):
+            broken_rule(
+                "controller.find_magnet belongs to a brushless motor's port anchor; leave it out",
+                ("controller", "find_magnet"),
+            )
+        servo = scene.servo
+        if servo is not None and "foc_hz" in servo.model_fields_set and not motor.brushless:
+            broken_rule(
+                "servo.foc_hz belongs to a brushless motor; leave it out", ("servo", "foc_hz")
+            )
         known = {
             "r_hat": motor.R_ohm, "l_hat": motor.L_h, "k_t_hat": motor.felt_k_t,
             "magnet_hat_rad": motor.magnet_rad,

@@ -28,6 +28,7 @@ from wavehaptics.ladder.encoder import FASTEST_AMPLIFIER, EncoderSimulation
 from wavehaptics.ladder.run import CONTROLLERS, Simulation
 from wavehaptics.laws import closed_forms
 from wavehaptics.scene import Scene
+from wavehaptics.scene.tables.motor import Motor
 from wavehaptics.scene.tables.servo import Servo
 from wavehaptics.trace.columns import Column, Word
 
@@ -80,16 +81,23 @@ def peak_tap_speed(simulation_of: Callable[[Scene], Simulation], scene: Scene) -
 
 
 def ideal_spring(scene: Scene, stiffness: float) -> Scene:
-    """The scene with a servo that has no encoder, no delay, every tick and a fast amplifier."""
+    """The scene with a servo that has no encoder, no delay, every tick and a fast amplifier.
+
+    A brushless motor becomes the motor with brushes that feels the same.
+    """
     control = scene.controller.model_copy(update={"tick_hz": max(1e5, scene.controller.tick_hz)})
     servo = Servo(
         rate_hz=control.tick_hz,
         stiffness=stiffness,
         amplifier_hz=min(FASTEST_AMPLIFIER * control.tick_hz, 4e5),
     )
+    motor = scene.motor
+    if motor.brushless:
+        motor = Motor(R_ohm=motor.R_ohm, L_h=motor.L_h, k_t=motor.felt_k_t, J_kgm2=motor.J_kgm2)
     return scene.model_copy(
-        update={"servo": servo, "encoder": None, "controller": control, "drive": None}
-    )
+        update={"servo": servo, "encoder": None, "controller": control, "drive": None,
+                "motor": motor}
+    )  # fmt: skip
 
 
 def cell_rad(scene: Scene) -> float | None:
@@ -122,7 +130,7 @@ def with_stiffness(scene: Scene, controller: str, stiffness: float) -> Scene:
         servo = (scene.servo or Servo()).model_copy(update={"stiffness": stiffness})
         return scene.model_copy(update={"servo": servo})
     motor = scene.motor
-    tau = 2.0 * (motor.k_t**2 / stiffness - motor.L_h) / motor.R_ohm
+    tau = 2.0 * (motor.felt_k_t**2 / stiffness - motor.L_h) / motor.R_ohm
     control = scene.controller.model_copy(update={"lambda_": 1.0 / tau})
     return scene.model_copy(update={"controller": control})
 
@@ -131,7 +139,7 @@ def stiffest_wave_wall(scene: Scene) -> float:
     """K of the wave wall with the largest a, N·m/rad: nothing stiffer can be asked of it."""
     motor, control = scene.motor, scene.controller
     tau = closed_forms.tau(1.0 / control.tick_hz, 1.0, control.extra_ticks)
-    return closed_forms.stiffness(motor.k_t, motor.L_h, motor.R_ohm, tau)
+    return closed_forms.stiffness(motor.felt_k_t, motor.L_h, motor.R_ohm, tau)
 
 
 def largest_stiffness(

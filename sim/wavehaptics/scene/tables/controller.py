@@ -90,7 +90,7 @@ class Controller(Table):
     magnet_hat_rad: float = scene_key(
         "rad",
         "Where the controller takes x to be when the magnets of a brushless motor lie along phase "
-        "a, for the port anchor of its two axes",
+        "a, for the port anchor of its two axes and for `encoder`",
         None,
         default_text="`magnet_rad` of the motor",
         ge=-1000,

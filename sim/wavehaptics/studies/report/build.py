@@ -17,6 +17,7 @@ from wavehaptics.runtime.files import write_json, write_text
 from wavehaptics.studies.report import (
     converters,
     energies,
+    field_oriented,
     hard_cases,
     integrators,
     ladder,
@@ -35,6 +36,7 @@ from wavehaptics.studies.sweeps import sweep
 SECTIONS: tuple[ModuleType, ...] = (
     paper,
     old_way,
+    field_oriented,
     hard_cases,
     rates,
     latency,
