@@ -138,7 +138,7 @@ def assert_quiet(pins: dict[str, int]) -> None:
     assert pins["both_on"] == pins["idle_on"] == pins["irregular"] == 0
 
 
-@pytest.mark.parametrize("name", ["icebreaker", "ulx3s"])
+@pytest.mark.parametrize("name", ["icebreaker", "ulx3s", "hx8k"])
 def test_what_is_flashed(name, tools):
     """The placed netlist is its sources at each clock of all pins, and does what they promise."""
     board = load_board(name)

@@ -93,6 +93,11 @@ def board_words(
         raise SceneError(f"{_at(scene)}the board's ADC has {part.bits} bits; set adc.bits so")
     if scene.adc.part not in (None, part.name):
         raise SceneError(f"{_at(scene)}the board's ADC is an {part.name}; set adc.part so")
+    if shared and scene.shaper is not None:
+        raise SceneError(
+            f"{_at(scene)}[shaper] needs a multiplier that the wave core has for itself; leave it "
+            "out, or shared_multiplier of the board's fpga.toml"
+        )
     ports = controller_ports(scene, lambda clock_hz, _: frame(part, clock_hz, pad_registers))
     words = {
         **ports.words, **_each_motor(ports.settings.words(), motors),
@@ -106,11 +111,6 @@ def board_words(
         words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
     if scene.host is not None and not linked:
         raise SceneError(f"{_at(scene)}the board has no link to a host; leave [host] out")
-    if shared and scene.shaper is not None:
-        raise SceneError(
-            f"{_at(scene)}[shaper] needs a multiplier that the wave core has for itself; leave it out, "
-            "or shared_multiplier of the board's fpga.toml"
-        )
     delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
     word = _guard(scene, ports, trip_a) if guarded else None
     return BoardWords(
