@@ -128,6 +128,7 @@ LONG = (
     "sim/tests/test_board_netlist.py::test_what_is_flashed_for_a_brushless_motor",
     "sim/tests/test_board_netlist.py::test_what_is_flashed[ulx3s]",
     "sim/tests/test_board_netlist.py::test_what_is_flashed[icebreaker]",
+    "sim/tests/test_board_netlist.py::test_what_is_flashed[hx8k]",
     "sim/tests/test_boards.py::test_the_guard_lets_the_boards_own_scene_be[ulx3s]",
     "sim/tests/test_boards.py::test_the_guard_lets_the_boards_own_scene_be[colorlight_i5]",
     "sim/tests/test_boards.py::test_fresh_synthesis_is_what_the_pages_say[ulx3s]",

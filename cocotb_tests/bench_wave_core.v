@@ -7,7 +7,7 @@
 // request it begins with a reset, has another start_i while the core is busy, or is cut short by a
 // reset.
 // The inputs change in the middle of a clock, so a pause of 0 starts together with valid_o.
-// With SHARED = 1 the multiplier is the core's by a first turn only: somebody else asks in every clock.
+// With SHARED = 1 the core has a multiplier for which somebody else asks in every clock.
 
 `default_nettype none
 `include "wh_formats.vh"

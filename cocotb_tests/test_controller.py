@@ -7,9 +7,18 @@ from simulators import simulate
 
 @pytest.mark.parametrize(
     (
-        "ports", "walls", "delay_log2", "adc", "shaper", "sense", "early", "modes", "bus", "anchor",
+        "ports",
+        "walls",
+        "delay_log2",
+        "adc",
+        "shaper",
+        "sense",
+        "early",
+        "modes",
+        "bus",
+        "anchor",
         "shared",
-    ),  # fmt: skip
+    ),
     [
         (1, 4, 2, 0, 0, 0, 0, 0, 0, 0, 0),
         (3, 1, 1, 0, 0, 1, 0, 0, 0, 0, 0),

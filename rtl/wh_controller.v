@@ -26,8 +26,8 @@
 // sim/wavehaptics/controller/pins_timing.py).
 // With EARLY = 1 it is conversion + 10 clocks, for a conversion of 18 clocks or more and a tick of
 // 22 + 25 N or more; with ANCHOR = 1 as well 35 + 25 N (early_tick_clocks).
-// SHARED = 1 is half the multipliers, and changes no word. The core's products come first, so a tick of
-// fewer than 25 N + ANCHOR clocks would have a current or a voltage wait for them (shared_tick_clocks).
+// SHARED = 1 is half the multipliers, and changes no word. The core's products come first: in a tick
+// of fewer clocks than shared_tick_clocks some others would be late.
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
 
 `default_nettype none
@@ -52,7 +52,7 @@ module wh_controller #(
     parameter integer BUS        = 0,  // 1: bus_i scales the drive; 0: clocks_per_volt_i does
     parameter integer HOST       = 0,  // 1: a computer can have the environment (wh_host_link)
     parameter integer ANCHOR     = 0,  // 1: the port anchor holds what a port feels like (wh_anchor)
-    parameter integer SHARED     = 0,  // 1: one multiplier does the core's products too; SHAPER is 0
+    parameter integer SHARED     = 0,  // 1: one multiplier, the core's as well; SHAPER is 0
     parameter integer GUARD      = 0,  // 1: wh_guard watches; 0: its inputs mean nothing
     parameter integer SHAPE_BITS = N * ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
                                    * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W)
@@ -313,7 +313,7 @@ module wh_controller #(
 
     // ---- One multiplier for the currents (users 0...N-1), the voltages (N...2N-1) and the anchors
     // (2N...3N-1), which have the most time. A user's reset drops its products, or one of before
-    // would be taken for one of after. With SHARED = 1 the core, which can't wait, comes before them.
+    // would be taken for one of after. With SHARED = 1 the core comes first, which can't wait.
 
     wire                            anchor_rst = drive_rst || damp;
     wire        [USERS-1:0]         multiply_drop;

@@ -34,7 +34,7 @@ module wh_wave_core #(
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
     parameter integer AHEAD      = 0,  // 1: newest_u_o and next_u_o are there, 0: they are 0
     parameter integer WITHHELD   = 0,  // 1: withheld_o is there, 0: it is 0
-    parameter integer SHARED     = 0,  // 1: the multiplier is one for others as well, and SHAPER is 0
+    parameter integer SHARED     = 0,  // 1: the multiplier is outside, and SHAPER is 0
     parameter integer SHAPE_BITS = N * ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
                                    * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W)
 ) (
@@ -65,11 +65,11 @@ module wh_wave_core #(
                                                          // the sum of what u lacks of f
     output wire       [N-1:0]            waves_o,        // strobe: u_o and v_o are this step's
 
-    // The shared multiplier (wh_multiply_shared), SHARED = 1. The schedule waits for nobody: what is
-    // asked for is granted in the same clock, and product_i is its product 3 clocks later.
-    output wire                      request_o,
-    output wire signed [`WH_DATA_W-1:0] factor_o,
-    output wire signed [`WH_COEF_W-1:0] coefficient_o,
+    // The shared multiplier, SHARED = 1 (wh_multiply_shared). The schedule doesn't wait: what it asks
+    // for is to be granted in the same clock, and product_i is the product 3 clocks later.
+    output wire                                    request_o,
+    output wire signed [`WH_DATA_W-1:0]            factor_o,       // of whatever is due: i_n, W{v},
+    output wire signed [`WH_COEF_W-1:0]            coefficient_o,  // η W{v} + x - f, u; s, η, a, s
     input  wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_i,
 
     // For who works ahead (wh_early), s31q23 √W: the u that this step computed, which is f without

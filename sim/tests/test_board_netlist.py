@@ -179,7 +179,7 @@ def test_what_is_flashed_for_a_brushless_motor(tools):
     assert_quiet(held["pins"])
 
 
-@pytest.mark.parametrize("name", ["icebreaker", "ulx3s"])
+@pytest.mark.parametrize("name", ["icebreaker", "ulx3s", "hx8k"])
 def test_what_is_flashed(name, tools):
     """The placed netlist is its sources at each clock of all pins, and does what they promise."""
     netlist = as_its_sources(name, tools)

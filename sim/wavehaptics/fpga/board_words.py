@@ -108,6 +108,12 @@ def board_words(
         raise scene.refusal(f"the board's ADC has {part.bits} bits; set adc.bits so", "adc.bits")
     if scene.adc.part not in (None, part.name):
         raise scene.refusal(f"the board's ADC is an {part.name}; set adc.part so", "adc.part")
+    if shared and scene.shaper is not None:
+        raise scene.refusal(
+            "[shaper] needs a multiplier that the wave core has for itself; leave it out, "
+            "or shared_multiplier of the board's fpga.toml",
+            "shaper",
+        )
     ports = controller_ports(scene, lambda clock_hz, _: frame(part, clock_hz, pad_registers))
     words = {
         **ports.words, **_each_motor(ports.settings.words(), motors),
@@ -121,12 +127,6 @@ def board_words(
         words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
     if scene.host is not None and not linked:
         raise scene.refusal("the board has no link to a host; leave [host] out", "host")
-    if shared and scene.shaper is not None:
-        raise scene.refusal(
-            "[shaper] needs a multiplier that the wave core has for itself; leave it out, "
-            "or shared_multiplier of the board's fpga.toml",
-            "shaper",
-        )
     delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
     word = _guard(scene, ports, trip_a) if guarded else None
     return BoardWords(
