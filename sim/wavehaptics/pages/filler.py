@@ -117,12 +117,9 @@ def keep(root: Path = ROOT) -> list[Path]:
     if (root / _DEMO / "stiffest" / "trace.npz").exists() and {"demo", "report"} <= set(measured):
         usual = front_picture.usual(measured["report"]["ratios"])
         k_l = measured["demo"][-1]["k_l"]
-        front_picture.draw(root / _DEMO, usual, k_l, root / MEASURED.parent / FRONT_PICTURE)
+        front_picture.draw(root / _DEMO, usual, k_l, root / MEASURED.parent)
     return parts
 
-
-FRONT_PICTURE = "walls.png"
-"""The README's first picture, below ``sim/docs``."""
 
 _STUDIES: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
     _REPORT: ("report", report_and_bench.of_report),
