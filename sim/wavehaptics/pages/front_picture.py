@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -39,7 +38,7 @@ def way_in(trace: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     return 1e3 * trace["x"][part], -1e3 * trace["torque"][part]
 
 
-def _axes() -> tuple[Figure, Axes]:
+def _axes() -> tuple[Figure, Any]:
     """A picture that can be read on a telephone: half a page wide on a screen, all of it there."""
     figure = Figure(figsize=(5.0, 4.0), dpi=160, layout="constrained")
     FigureCanvasAgg(figure)
