@@ -11,8 +11,8 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from wavehaptics.runtime.files import replacing
 from wavehaptics.trace.columns import load_trace
+from wavehaptics.trace.pictures import save_figure
 
 TAP_S = 0.5
 """One tap of the demo's scenes."""
@@ -68,7 +68,7 @@ def draw(demo: Path, usual: Mapping[str, Any], k_l: float, folder: Path) -> tupl
     axes.set_xlabel("Time, ms", fontsize=11)
     axes.set_ylabel("Force of the wall, mN·m", fontsize=11)
     axes.legend(loc="upper left", frameon=False, fontsize=10)
-    tap = _saved(figure, folder / PICTURES[0])
+    tap = save_figure(figure, folder / PICTURES[0])
 
     depth, push = way_in(load_trace(demo / "stiffest"))
     figure, axes = _axes()
@@ -89,10 +89,4 @@ def draw(demo: Path, usual: Mapping[str, Any], k_l: float, folder: Path) -> tupl
     axes.set_ylabel("Force of the wall, mN·m", fontsize=11)
     axes.set_xlim(-3, end)
     axes.legend(loc="upper left", frameon=False, fontsize=10)
-    return tap, _saved(figure, folder / PICTURES[1])
-
-
-def _saved(figure: Figure, path: Path) -> Path:
-    with replacing(path) as part:
-        figure.savefig(part, dpi=160, format="png")
-    return path
+    return tap, save_figure(figure, folder / PICTURES[1])
