@@ -192,6 +192,8 @@ LINT_CASES := \
     wh_wave_core,-GN=3,-GSHAPER=2,-DWH_DATA_W=24,-DWH_COEF_W=18 \
     wh_wave_core,-GN=3,-GOUTSIDE=1 \
     wh_wave_core,-GN=1,-GDELAY_LOG2=10 \
+    wh_wave_core,-GN=3,-GSHARED=1,-GWITHHELD=1 \
+    wh_wave_core,-GSHARED=1,-DWH_DATA_W=24,-DWH_COEF_W=18 \
     wh_wave_core,-GN=3,-DWH_DATA_W=24,-DWH_COEF_W=18 \
     wh_wave_core,-GN=1,-DWH_DATA_W=18,-DWH_COEF_W=18 \
     wh_adc_serial,-GLINES=3 \
@@ -202,6 +204,8 @@ LINT_CASES := \
     wh_three_phase,-GMIN_PULSE=1,-GDEAD_TIME=0 \
     wh_brushless,-GGUARD=1,-GMIN_PULSE=1,-GDEAD_TIME=0 \
     wh_brushless,-GGUARD=1,-GANCHOR=1 \
+    wh_brushless,-GSENSE=1,-GGUARD=1,-GANCHOR=1 \
+    wh_brushless,-GSENSE=1,-GZERO_LOG2=2,-GMIN_PULSE=1 \
     wh_axes,-GANCHOR=1,-GDELAY_LOG2=10 \
     wh_anchor,-GAXIS=1 \
     wh_brushless,-GWALLS=1,-GDELAY_LOG2=10,-DWH_DATA_W=28,-DWH_COEF_W=24 \
@@ -228,6 +232,9 @@ LINT_CASES := \
     wh_controller,-GEARLY=1,-GADC=1 \
     wh_controller,-GANCHOR=1 \
     wh_controller,-GN=3,-GANCHOR=1,-GHOST=1 \
+    wh_controller,-GSHARED=1 \
+    wh_controller,-GN=3,-GSHARED=1,-GANCHOR=1 \
+    wh_controller,-GSHARED=1,-GANCHOR=1,-GEARLY=1,-GGUARD=1 \
     wh_controller,-GANCHOR=1,-GSHAPER=2 \
     wh_controller,-GANCHOR=1,-GEARLY=1,-GGUARD=1,-GBUS=1 \
     wh_early,-DWH_COEF_W=31 \
@@ -245,6 +252,7 @@ LINT_CASES := \
     wh_link,-GCLOCK_HZ=125000000,-GUNIT=247,-GFALLBACK=511 \
     wh_linked_device,-GN=3,-GANCHOR=1,-GGUARD=1,-GSENSE=1 \
     wh_linked_device,-GARM=0 \
+    wh_linked_device,-GSHARED=1,-GANCHOR=1 \
     wh_linked_device,-GN=3,-GANCHOR=1,-GCAPTURE=12 \
     wh_capture,-GN=2,-GDEPTH_LOG2=15 \
     wh_capture,-GDEPTH_LOG2=4,-DWH_DATA_W=28,-DWH_COEF_W=24 \

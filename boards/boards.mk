@@ -20,7 +20,7 @@ bitstream: $(SYNTH_TOOLS) ## make the bitstream of BOARD=icebreaker, hx8k, ulx3s
 	@$(BITSTREAMS) bitstream "$(BOARD)" --device "$(DEVICE)"
 
 synth: $(SYNTH_TOOLS) ## make all bitstreams and build/synth/summary.json
-	@$(BITSTREAMS) synth
+	@$(BITSTREAMS) synth --jobs $(JOBS)
 
 seeds: $(SYNTH_TOOLS) ## try SEEDS= seeds of the placer for BOARD=, and say which meet its clock
 	@$(BITSTREAMS) seeds "$(BOARD)" --device "$(DEVICE)" --count "$(SEEDS)"

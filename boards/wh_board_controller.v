@@ -108,6 +108,7 @@ module wh_board_controller #(
         .EARLY           (`WH_BOARD_EARLY), \
         .SHAPER          (`WH_BOARD_SHAPER), \
         .ANCHOR          (`WH_BOARD_ANCHOR), \
+        .SHARED          (`WH_BOARD_SHARED), \
         .SENSE           (1), \
         .ZERO_LOG2       (ZERO_LOG2), \
         .HOST            (`WH_BOARD_HOST), \

@@ -7,6 +7,7 @@
 // request it begins with a reset, has another start_i while the core is busy, or is cut short by a
 // reset.
 // The inputs change in the middle of a clock, so a pause of 0 starts together with valid_o.
+// With SHARED = 1 the multiplier is the core's by a first turn only: somebody else asks in every clock.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -18,6 +19,7 @@ module bench_wave_core #(
     parameter integer OUTSIDE    = 1,
     parameter integer SHAPER     = 0,
     parameter integer WITHHELD   = 0,
+    parameter integer SHARED     = 0,
     parameter integer TICKS      = 1024  // room in the memories
 ) (
     input  wire        go_i,
@@ -73,12 +75,38 @@ module bench_wave_core #(
     wire [DATA_N-1:0] withheld;
     wire [N-1:0]      waves;
 
+    wire                                    request;
+    wire signed [`WH_DATA_W-1:0]            factor;
+    wire signed [`WH_COEF_W-1:0]            coefficient;
+    wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product;
+
+    generate
+        if (SHARED == 1) begin : shared
+            wh_multiply_shared #(
+                .USERS     (2)
+            ) multiply_shared (
+                .clk       (clk),
+                .rst       (rst),
+                .drop_i    (2'b00),
+                .request_i ({1'b1, request}),
+                .data_i    ({~factor, factor}),
+                .coef_i    ({~coefficient, coefficient}),
+                .grant_o   (),
+                .done_o    (),
+                .product_o (product)
+            );
+        end else begin : own
+            assign product = {`WH_DATA_W + `WH_COEF_W{1'b0}};
+        end
+    endgenerate
+
     wh_wave_core #(
         .N             (N),
         .DELAY_LOG2    (DELAY_LOG2),
         .OUTSIDE       (OUTSIDE),
         .SHAPER        (SHAPER),
-        .WITHHELD      (WITHHELD)
+        .WITHHELD      (WITHHELD),
+        .SHARED        (SHARED)
     ) core (
         .clk           (clk),
         .rst           (rst),
@@ -102,6 +130,10 @@ module bench_wave_core #(
         .saturated_o   (saturated),
         .withheld_o    (withheld),
         .waves_o       (waves),
+        .request_o     (request),
+        .factor_o      (factor),
+        .coefficient_o (coefficient),
+        .product_i     (product),
         .newest_u_o    (),
         .next_u_o      ()
     );

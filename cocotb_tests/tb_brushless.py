@@ -37,6 +37,8 @@ from wavehaptics.words import formats, table
 from wavehaptics.words.table import Sizes
 
 GUARD = parameters().get("GUARD", 0)
+SENSE = parameters().get("SENSE", 0)
+ZERO_TICKS = 1 << parameters().get("ZERO_LOG2", 10)
 WALLS = 4
 DELAY_LOG2 = 2
 CLOCK_HZ = 52e6
@@ -336,6 +338,112 @@ async def off_and_on_again(dut: object) -> None:
     assert len(bench.steps) > len(after) > 5
     assert after[0].u == [0, 0]
     assert any(gates[0] for gates in bench.gates[1100:])
+
+
+if SENSE:
+    SENSED = Drive(26)
+
+    async def ticks(bench: BrushlessBench, number: int) -> None:
+        for _ in range(number * SENSED.tick_clocks):
+            await bench.clock()
+
+    async def measured(bench: BrushlessBench) -> int:
+        """Ask for a zero, and wait for it; the ticks that it took."""
+        await bench.clock(zero_start_i=1)
+        bench.drive(zero_start_i=0)
+        assert bench.word("zero_busy_o") == 3
+        begun = len(bench.ticks)
+        while bench.word("zero_busy_o"):
+            await bench.clock()
+            assert len(bench.ticks) - begun <= ZERO_TICKS + 3
+        return len(bench.ticks) - begun
+
+    def shown(bench: BrushlessBench) -> list[int]:
+        return unpack(bench.word("phase_current_o"), formats.DATA_W, 2)
+
+    def current_of(code: int, zero: int) -> int:
+        gain = formats.GAIN.to_raw(FULL_SCALE_A / (1 << 15))
+        return scale_sum.py_func(((code - MIDDLE) << SHIFT) - zero, gain)
+
+    @cocotb.test(timeout_time=60, timeout_unit="ms")
+    async def each_phase_has_its_own_zero(dut: object) -> None:
+        """What it measures with the gates off comes on top of the zero that it was given."""
+        bench = BrushlessBench(dut)
+        given = (700, -1234)
+        await bench.begin(settings(SENSED, zero_limit=1 << 20), given)
+        bench.drive(enable_i=0)
+        # At first it is the given one alone.
+        bench.codes = [MIDDLE + 31, MIDDLE - 57]
+        await ticks(bench, 3)
+        assert shown(bench) == [
+            current_of(code, zero) for code, zero in zip(bench.codes, given, strict=True)
+        ]
+        assert ZERO_TICKS <= await measured(bench) <= ZERO_TICKS + 2
+        assert bench.word("zero_fault_o") == 0
+        found = [zero + ((code - MIDDLE) << SHIFT)
+                 for code, zero in zip(bench.codes, given, strict=True)]  # fmt: skip
+        bench.codes = [MIDDLE + 400, MIDDLE - 300]
+        bench.drive(enable_i=1)
+        await ticks(bench, 4)
+        wanted = [current_of(code, zero) for code, zero in zip(bench.codes, found, strict=True)]
+        assert shown(bench) == wanted
+        assert len(set(wanted) | {current_of(code, 0) for code in bench.codes}) == 4
+        assert any(high for high, _ in bench.gates[-SENSED.tick_clocks :])
+
+    @cocotb.test(timeout_time=60, timeout_unit="ms")
+    async def a_zero_that_is_none(dut: object) -> None:
+        """Beyond the limit in one phase, or with the gates on: a fault, and the zero of before."""
+        bench = BrushlessBench(dut)
+        limit = 40 << SHIFT
+        zero_fault = 1 << Fault.ZERO
+        await bench.begin(
+            settings(SENSED, zero_limit=limit, guard_mask=zero_fault, guard_zero_ticks=0xFFFF,
+                     guard_bus_max=0xFFFF)
+        )  # fmt: skip
+        bench.drive(enable_i=0)
+        for codes, faults in (((40, -40), 0), ((41, 0), 1), ((0, -41), 2), ((-50, 50), 3)):
+            bench.codes = [MIDDLE + code for code in codes]
+            await measured(bench)
+            assert bench.word("zero_fault_o") == faults
+            await ticks(bench, 2)
+            if not faults:
+                assert shown(bench) == [0, 0]
+                kept = [code << SHIFT for code in codes]
+            if faults == 3:
+                assert shown(bench) == [
+                    current_of(MIDDLE + code, zero) for code, zero in zip(codes, kept, strict=True)
+                ]
+            elif faults:
+                # The phase that is right has got its own.
+                kept = [kept[n] if faults >> n & 1 else codes[n] << SHIFT for n in range(2)]
+            if GUARD:
+                assert bench.word("faults_o") == (zero_fault if faults else 0)
+        bench.codes = [MIDDLE, MIDDLE]
+        await measured(bench)
+        assert bench.word("zero_fault_o") == 0
+        await bench.clock(zero_start_i=1)
+        await bench.clock(zero_start_i=0)
+        await bench.clock(enable_i=1)
+        assert bench.word("zero_fault_o") == 3
+        assert bench.word("zero_busy_o") == 0
+
+    @cocotb.test(timeout_time=60, timeout_unit="ms")
+    async def words_are_checked_in_both_phases(dut: object) -> None:
+        """At the end of the scale, and the same for some words, each phase by itself."""
+        bench = BrushlessBench(dut)
+        alike = 6
+        await bench.begin(settings(SENSED, range=2000 << SHIFT, stuck_words=alike))
+        for still in range(2):
+            moves = 1 - still
+            for n in range(3 * alike):
+                bench.codes[moves] = MIDDLE + n % 2
+                bench.codes[still] = MIDDLE + 5
+                await ticks(bench, 1)
+            assert bench.word("adc_stuck_o") == 1 << still
+            assert bench.word("adc_range_o") == 0
+            bench.codes[still] = MIDDLE - 2001
+            await ticks(bench, 3)
+            assert bench.word("adc_range_o") == 1 << still
 
 
 if GUARD:

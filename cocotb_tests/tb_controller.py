@@ -33,6 +33,7 @@ from wavehaptics.controller.pins_timing import (
     WAVES_CLOCKS,
     early_tick_clocks,
     latency_clocks,
+    shared_tick_clocks,
 )
 from wavehaptics.motor.sensor import scale_sum
 from wavehaptics.parts.adcs import KINDS, PARTS, Frame, Part, frame
@@ -50,6 +51,7 @@ BUS = parameters().get("BUS", 0)
 KIND = KINDS[parameters().get("ADC", 0)]
 EARLY = parameters().get("EARLY", 0)
 ANCHOR = parameters().get("ANCHOR", 0)
+SHARED = parameters().get("SHARED", 0)
 SHAPER = parameters().get("SHAPER", 0)
 """Sections of W; no wall of these tests is shaped, so that they only take their clocks."""
 
@@ -659,6 +661,24 @@ async def shortest_tick_of_the_early_duty_is_the_formula(dut: object) -> None:
         if not late:
             bench.check_steps()
             assert bench.check_pulses() > 10
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms", skip=not SHARED or EARLY)
+async def shortest_tick_of_a_shared_multiplier_is_the_formula(dut: object) -> None:
+    """With it every current, step and voltage comes when it would with two, and an anchor in time."""
+    bench = ControllerBench(dut)
+    rng = random_source("shared")
+    shortest = max(shared_tick_clocks(N, bool(ANCHOR)), PART_FRAME.cycle_clocks)
+    settings = Settings(
+        half_clocks=shortest, extra_ticks=1, ports=[random_port(rng) for _ in range(N)]
+    )
+    await bench.begin(settings)
+    for _ in range(60):
+        bench.codes = [random_code(rng) for _ in range(N)]
+        await bench.run(shortest)
+    assert not bench.word("overrun_o")
+    bench.check_steps()
+    assert bench.check_pulses() > 30
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms", skip=not EARLY or KIND != "serial")

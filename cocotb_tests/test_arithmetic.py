@@ -23,6 +23,8 @@ def test_every_small_word(simulator: str) -> None:
         ("wh_multiply", {"COEF_W": 1}),
         ("wh_wave_core", {"N": 0}),
         ("wh_wave_core", {"DELAY_LOG2": 0}),
+        ("wh_wave_core", {"SHARED": 2}),
+        ("wh_wave_core", {"SHARED": 1, "SHAPER": 1}),
     ],
 )
 def test_illegal_parameters_stop_elaboration(

@@ -1,19 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The switch that all boards share, with a board's settings: one with a guard and one without."""
+"""The switch that all boards share, with a board's settings.
+
+One has a guard, one doesn't, and one has a brushless motor.
+"""
 
 import pytest
 from simulators import BUILD_DIR, simulate
 from wavehaptics.fpga.boards import load_board, write_headers
 
 
-@pytest.mark.parametrize("name", ["ulx3s", "hx8k"])
+@pytest.mark.parametrize("name", ["ulx3s", "hx8k", "ulx3s_brushless"])
 def test_board_controller(simulator, name, monkeypatch):
     folder = BUILD_DIR / f"board_settings-{name}-{simulator}"
     folder.mkdir(parents=True, exist_ok=True)
     board = load_board(name)
     write_headers(board, folder)
     monkeypatch.setenv("WH_BOARD", name)
+    # Longer than four ticks.
+    parameters = {"SETTLE_LOG2": 9 if board.brushless else 8, "ZERO_LOG2": 2}
     simulate(
-        simulator, "wh_board_controller", "tb_board_controller", {"SETTLE_LOG2": 8, "ZERO_LOG2": 2},
+        simulator, board.core, "tb_board_controller", parameters,
         name=f"tb_board_controller-{name}", includes=[folder], defines=board.defines,
     )  # fmt: skip

@@ -10,7 +10,10 @@ from simulators import SimulationError, simulate
     [
         ("wh_controller", {"N": 9}, {}, "controller_n_must_be_1_to_8"),
         ("wh_controller", {"BUS": 2}, {}, "controller_bus_must_be_0_or_1"),
+        ("wh_controller", {"SHARED": 2}, {}, "controller_shared_must_be_0_or_1"),
+        ("wh_controller", {"SHARED": 1, "SHAPER": 1}, {}, "shared_must_be_0_or_1_and_0_with"),
         ("wh_brushless", {"GUARD": 2}, {}, "brushless_guard_must_be_0_or_1"),
+        ("wh_brushless", {"SENSE": 2}, {}, "brushless_sense_must_be_0_or_1"),
         ("wh_three_phase", {"DEAD_TIME": 2}, {}, "three_phase_dead_time_must_be_0_or_1"),
         ("wh_bus_scale", {"N": 0}, {}, "bus_scale_n_must_be_1_to_8"),
         ("wh_bus_scale", {}, {"WH_COEF_W": 18}, "WH_COEF_W_too_small_for_a_bus"),

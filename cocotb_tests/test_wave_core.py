@@ -35,6 +35,15 @@ def test_wave_core_ports(simulator: str, ports: int, delay_log2: int) -> None:
     simulate(simulator, "bench_wave_core", "tb_wave_core", parameters)
 
 
+@pytest.mark.parametrize("ports", [1, 3])
+def test_wave_core_with_a_shared_multiplier(simulator: str, ports: int) -> None:
+    """Whose every clock somebody else asks for."""
+    parameters = {
+        "N": ports, "DELAY_LOG2": 2, "WITHHELD": 1, "SHARED": 1, "TICKS": TICKS_OF_A_VARIANT,
+    }  # fmt: skip
+    simulate(simulator, "bench_wave_core", "tb_wave_core", parameters)
+
+
 def test_wave_core_without_a_wave_from_outside(simulator: str) -> None:
     parameters = {"N": 1, "DELAY_LOG2": 2, "OUTSIDE": 0, "TICKS": TICKS_OF_A_VARIANT}
     simulate(simulator, "bench_wave_core", "tb_wave_core", parameters)

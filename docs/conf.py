@@ -43,6 +43,7 @@ toctrees = {
     "Hardware": ["boards/README", "docs/wiring/README", "docs/wiring/switching_on",
                  "boards/icebreaker/README", "boards/hx8k/README",
                  "boards/ulx3s/README", "boards/ulx3s_three/README",
+                 "boards/ulx3s_brushless/README",
                  "boards/colorlight_i5/README", "boards/orangecrab/README",
                  "boards/ecp5_evn/README", "boards/icesugar_pro/README", "rtl/faults"],
     "Reliability": ["docs/reliability", "formal/README", "formal/MUTATE"],

@@ -3,13 +3,15 @@
 // prove_wh_wave_core: one step from any state of rest, with any products (any_multiply.v). What it
 // leaves is such a state again, so the proof holds for all steps. |eta| <= 1, 0 <= a <= 1 and
 // u_max >= 0, as the ports ask for. The claims are proven one by one; part 3 follows from 1 and 2,
-// and is proven by itself at short words.
+// and is proven by itself at short words. With SHARED = 1 the multiplier is outside: what comes in a clock
+// for which the core hasn't asked three clocks before is any word at all.
 
 `default_nettype none
 `include "wh_formats.vh"
 
 module prove_wh_wave_core #(
     parameter integer OUTSIDE = 0,
+    parameter integer SHARED  = 0,
     parameter integer PART    = 0   // of the claims: one after the other they are soon proven
 ) (
     input wire clk
@@ -39,8 +41,24 @@ module prove_wh_wave_core #(
     wire                     busy, valid, overrun, saturated;
     wire signed [DATA_W-1:0] voltage, u_n, v;
 
+    wire                        request;
+    wire signed [DATA_W-1:0]    factor;
+    wire signed [COEF_W-1:0]    coefficient;
+    wire signed [PRODUCT_W-1:0] asked_for;
+    (* anyseq *) wire signed [PRODUCT_W-1:0] another;
+    reg                  [2:0]  asked;
+
+    wh_multiply multiply (
+        .clk       (clk),
+        .take_i    (asked[0]),
+        .data_i    (factor),
+        .coef_i    (coefficient),
+        .product_o (asked_for)
+    );
+
     wh_wave_core #(
-        .OUTSIDE       (OUTSIDE)
+        .OUTSIDE       (OUTSIDE),
+        .SHARED        (SHARED)
     ) block (
         .clk           (clk),
         .rst           (1'b0),
@@ -64,6 +82,10 @@ module prove_wh_wave_core #(
         .saturated_o   (saturated),
         .withheld_o    (),
         .waves_o       (),
+        .request_o     (request),
+        .factor_o      (factor),
+        .coefficient_o (coefficient),
+        .product_i     (asked[2] ? asked_for : another),
         .newest_u_o    (),
         .next_u_o      ()
     );
@@ -72,6 +94,8 @@ module prove_wh_wave_core #(
     (* hierconn *) wire                        \block.port_q ;
     (* hierconn *) wire signed [STATE_W-1:0]   \block.f_q[0] ;
     (* hierconn *) wire signed [DATA_W-1:0]    \block.u_held_q ;
+    (* hierconn *) wire signed [DATA_W-1:0]    \block.v ;
+    (* hierconn *) wire signed [DATA_W-1:0]    \block.error ;
     (* hierconn *) wire signed [PRODUCT_W-1:0] \block.product ;
 
     localparam signed [DATA_W-1:0]  WORD  = {1'b0, {(DATA_W - 1){1'b1}}};
@@ -122,6 +146,16 @@ module prove_wh_wave_core #(
         if (at == 5'd8) eta_v <= \block.product ;
         if (at == 5'd14) step <= \block.product ;
         if (at == 5'd22) su <= \block.product ;
+
+        // What is asked for, and that no other clock is.
+        asked <= {asked[1:0], request};
+        if (SHARED == 1) begin
+            assert (request == (at == 5'd0 || at == 5'd5 || at == 5'd11 || at == 5'd19));
+            if (at == 5'd0) assert (factor == current && coefficient == root);
+            if (at == 5'd5) assert (factor == \block.v  && coefficient == eta);
+            if (at == 5'd11) assert (factor == \block.error  && coefficient == a);
+            if (at == 5'd19) assert (factor == \block.u_held_q  && coefficient == root);
+        end
 
         if (at == 5'd24) begin
             case (PART)

@@ -98,9 +98,13 @@ module wh_axes #(
     wire [1:0]          waves;
     wire [2*DATA_W-1:0] newest_u;
     wire [2*DATA_W-1:0] next_u;
+    wire                core_request;  // of a shared multiplier
+    wire [DATA_W-1:0]   core_factor;
+    wire [COEF_W-1:0]   core_coefficient;
     wire [2*DATA_W-1:0] current;       // without the offset, in the clock of start_i
     wire [COEF_W-1:0]   eta         = (damp_i || anchor_fault_o) ? {COEF_W{1'b0}} : eta_i;
-    wire                unused_core = &{1'b0, newest_u, next_u};
+    wire                unused_core = &{1'b0, newest_u, next_u, core_request, core_factor,
+                                            core_coefficient};
 
     wh_wave_core #(
         .N             (2),
@@ -129,6 +133,10 @@ module wh_axes #(
         .saturated_o   (saturated_o),
         .withheld_o    (withheld),
         .waves_o       (waves),
+        .request_o     (core_request),
+        .factor_o      (core_factor),
+        .coefficient_o (core_coefficient),
+        .product_i     ({DATA_W + COEF_W{1'b0}}),
         .newest_u_o    (newest_u),
         .next_u_o      (next_u)
     );

@@ -18,6 +18,9 @@
 // run on, so that phase_zero_i can be measured. enable_i is synchronous to clk.
 // The settings may change only in reset.
 //
+// SENSE = 1: the words of both phases are checked (wh_sense_check), and a zero of each is measured on
+// command with the gates off (wh_zero), to which phase_zero_i is added.
+//
 // GUARD = 1: wh_guard watches three phases, the third as -a - b, in samples for its limit and in amperes
 // for zero and heat. Its port u + v is that of alpha and beta, which turn with the rotor: a rotor that
 // is lost is seen only while it keeps within half an electrical turn for so many ticks. What damps makes
@@ -40,6 +43,8 @@ module wh_brushless #(
     parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
     parameter integer MIN_PULSE  = 0,  // 1: min_pulse_i counts; 0: pulses may be of one clock
     parameter integer DEAD_TIME  = 1,  // 1: dead time can be made good
+    parameter integer SENSE      = 0,  // 1: sense checks and a measured zero; 0: their inputs mean nothing
+    parameter integer ZERO_LOG2  = 10, // SENSE = 1: ticks of a zero, 2^ZERO_LOG2; 2...16
     parameter integer GUARD      = 0,  // 1: wh_guard watches; 0: its inputs mean nothing
     parameter integer ANCHOR     = 0   // 1: port anchors; 0: their inputs mean nothing
 ) (
@@ -78,6 +83,11 @@ module wh_brushless #(
 
     // Currents of the phases a and b (wh_current), a lowest.
     input  wire [2*`WH_SUM_W-1:0]       phase_zero_i,        // s24, a tick's sum at 0 A
+    // With SENSE = 1: the checks, and a zero measured on command, to which phase_zero_i is added.
+    input  wire [15:0]                  range_i,             // of 2^15, end of the scale
+    input  wire [15:0]                  stuck_words_i,       // words that are never all the same
+    input  wire                         zero_start_i,        // strobe, while enable_i = 0
+    input  wire [`WH_SUM_W-2:0]         zero_limit_i,        // largest permitted |zero|
     input  wire [2*`WH_COEF_W-1:0]      phase_gain_i,        // s27q35 A per unit of the sum
     input  wire [15:0]                  trip_i,              // of 2^15, full scale; more: never
 
@@ -140,6 +150,10 @@ module wh_brushless #(
     output wire                         magnet_found_o,      // the anchors have a say; until rst
     output wire                         anchor_fault_o,      // waves and encoder have parted; until rst or
                                                              // enable_i = 0
+    output wire [1:0]                   adc_range_o,         // last word at the end of the scale
+    output wire [1:0]                   adc_stuck_o,         // last stuck_words_i words the same
+    output wire [1:0]                   zero_fault_o,        // no permitted zero was found
+    output wire [1:0]                   zero_busy_o,         // a zero is being measured
     output wire [1:0]                   overcurrent_o,       // trip_i is reached, as long as it is
     output wire                         encoder_fault_o,     // illegal move seen; until clear_i
     output wire                         overrun_o            // a tick is too short for its work, or
@@ -162,6 +176,9 @@ module wh_brushless #(
     generate
         if (GUARD != 0 && GUARD != 1) begin : illegal_guard
             wh_illegal_parameter_brushless_guard_must_be_0_or_1 stop ();
+        end
+        if (SENSE != 0 && SENSE != 1) begin : illegal_sense
+            wh_illegal_parameter_brushless_sense_must_be_0_or_1 stop ();
         end
     endgenerate
 
@@ -271,14 +288,72 @@ module wh_brushless #(
     genvar n;
     generate
         for (n = 0; n < 2; n = n + 1) begin : phase_of
+            wire signed [`WH_SAMPLE_W-1:0] word  = $signed(adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]);
+            wire signed [`WH_SUM_W-1:0]    given = $signed(phase_zero_i[n*`WH_SUM_W +: `WH_SUM_W]);
+            wire signed [`WH_SUM_W-1:0]    zero;
+
+            if (SENSE != 0) begin : sense
+                wire                        zero_done;
+                wire                        measured;
+                wire signed [`WH_SUM_W-1:0] measured_zero;
+                wire                        unused = &{1'b0, zero_done, measured};
+
+                // Both are signed, and one more bit holds their sum. What is measured is 0 at first.
+                wh_saturate #(
+                    .IN_W    (`WH_SUM_W + 1),
+                    .OUT_W   (`WH_SUM_W)
+                ) saturate_zero (
+                    .value_i ({measured_zero[`WH_SUM_W-1], measured_zero}
+                              + {given[`WH_SUM_W-1], given}),
+                    .value_o (zero)
+                );
+
+                wh_sense_check sense_check (
+                    .clk           (clk),
+                    .rst           (rst),
+                    .valid_i       (adc_valid),
+                    .sample_i      (word),
+                    .range_i       (range_i),
+                    .stuck_words_i (stuck_words_i),
+                    .range_o       (adc_range_o[n]),
+                    .stuck_o       (adc_stuck_o[n])
+                );
+
+                wh_zero #(
+                    .LOG2_TICKS    (ZERO_LOG2)
+                ) measure_zero (
+                    .clk           (clk),
+                    .rst           (rst),
+                    .valid_i       (adc_valid),
+                    .first_i       (adc_first),
+                    .sample_i      (word),
+                    .start_i       (zero_start_i),
+                    .bridge_off_i  (!enable_i),
+                    .limit_i       (zero_limit_i),
+                    .busy_o        (zero_busy_o[n]),
+                    .done_o        (zero_done),
+                    .measured_o    (measured),
+                    .zero_o        (measured_zero),
+                    .fault_o       (zero_fault_o[n])
+                );
+            end else begin : plain
+                wire unused = &{1'b0, range_i, stuck_words_i, zero_start_i, zero_limit_i};
+
+                assign zero            = given;
+                assign adc_range_o[n]  = 1'b0;
+                assign adc_stuck_o[n]  = 1'b0;
+                assign zero_fault_o[n] = 1'b0;
+                assign zero_busy_o[n]  = 1'b0;
+            end
+
             wh_current current (
                 .clk       (clk),
                 .rst       (rst),
                 .valid_i   (adc_valid),
                 .first_i   (adc_first),
-                .sample_i  (adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]),
+                .sample_i  (word),
                 .samples_i (samples_i),
-                .zero_i    (phase_zero_i[n*`WH_SUM_W +: `WH_SUM_W]),
+                .zero_i    (zero),
                 .request_o (request[OF_CURRENTS+n]),
                 .grant_i   (grant[OF_CURRENTS+n]),
                 .factor_o  (factor[(OF_CURRENTS+n)*DATA_W +: DATA_W]),
@@ -549,7 +624,7 @@ module wh_brushless #(
         .gate_low_o        (gate_low_o)
     );
 
-    // ---- Guard. A sample of the third phase is what the other two leave, too.
+    // ---- Guard. A sample of the third phase is what the other two leave, too, a clock later.
 
     generate
         if (GUARD != 0) begin : guarded
@@ -561,7 +636,14 @@ module wh_brushless #(
                 -$signed({{2{sample_a[SAMPLE_W-1]}}, sample_a})
                 - $signed({{2{sample_b[SAMPLE_W-1]}}, sample_b});
             wire signed [SAMPLE_W-1:0] sample_c;
+            reg  signed [SAMPLE_W-1:0] sample_c_q;
+            reg                        sampled_q;
             wire                       illegal_setting;
+
+            always @(posedge clk) begin
+                sampled_q  <= adc_valid && !rst;
+                sample_c_q <= sample_c;
+            end
 
             wh_saturate #(
                 .IN_W    (SAMPLE_W + 2),
@@ -603,11 +685,11 @@ module wh_brushless #(
                 .driver_i       ({3{driver_fault_i}}),
                 .host_alive_i   (host_alive_i),
                 .bus_i          (bus_i),
-                .sample_valid_i (adc_valid),
-                .sample_i       ({sample_c, adc_sample}),
-                .range_i        (3'd0),
-                .stuck_i        (3'd0),
-                .zero_i         (3'd0),
+                .sample_valid_i (sampled_q),
+                .sample_i       ({sample_c_q, adc_sample}),
+                .range_i        ({1'b0, adc_range_o}),
+                .stuck_i        ({1'b0, adc_stuck_o}),
+                .zero_i         ({1'b0, zero_fault_o}),
                 .trip_i         ({1'b0, overcurrent_o}),
                 .encoder_i      ({2'd0, illegal_move}),
                 .moved_i        ({3{moved}}),

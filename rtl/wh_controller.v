@@ -26,6 +26,8 @@
 // sim/wavehaptics/controller/pins_timing.py).
 // With EARLY = 1 it is conversion + 10 clocks, for a conversion of 18 clocks or more and a tick of
 // 22 + 25 N or more; with ANCHOR = 1 as well 35 + 25 N (early_tick_clocks).
+// SHARED = 1 is half the multipliers, and changes no word. The core's products come first, so a tick of
+// fewer than 25 N + ANCHOR clocks would have a current or a voltage wait for them (shared_tick_clocks).
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
 
 `default_nettype none
@@ -50,6 +52,7 @@ module wh_controller #(
     parameter integer BUS        = 0,  // 1: bus_i scales the drive; 0: clocks_per_volt_i does
     parameter integer HOST       = 0,  // 1: a computer can have the environment (wh_host_link)
     parameter integer ANCHOR     = 0,  // 1: the port anchor holds what a port feels like (wh_anchor)
+    parameter integer SHARED     = 0,  // 1: one multiplier does the core's products too; SHAPER is 0
     parameter integer GUARD      = 0,  // 1: wh_guard watches; 0: its inputs mean nothing
     parameter integer SHAPE_BITS = N * ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
                                    * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W)
@@ -191,7 +194,8 @@ module wh_controller #(
 
     localparam integer DATA_W = `WH_DATA_W;
     localparam integer COEF_W = `WH_COEF_W;
-    localparam integer USERS  = (ANCHOR != 0) ? 3 * N : 2 * N;
+    localparam integer OTHERS = (ANCHOR != 0) ? 3 * N : 2 * N;
+    localparam integer USERS  = OTHERS + ((SHARED != 0) ? 1 : 0);
 
     generate
         if (N < 1 || N > 8) begin : illegal
@@ -202,6 +206,9 @@ module wh_controller #(
         end
         if (ANCHOR != 0 && ANCHOR != 1) begin : illegal_anchor
             wh_illegal_parameter_controller_anchor_must_be_0_or_1 stop ();
+        end
+        if ((SHARED != 0 && SHARED != 1) || (SHARED == 1 && SHAPER != 0)) begin : illegal_shared
+            wh_illegal_parameter_controller_shared_must_be_0_or_1_and_0_with_a_shaper stop ();
         end
         if (BUS != 0 && BUS != 1) begin : illegal_bus
             wh_illegal_parameter_controller_bus_must_be_0_or_1 stop ();
@@ -306,7 +313,7 @@ module wh_controller #(
 
     // ---- One multiplier for the currents (users 0...N-1), the voltages (N...2N-1) and the anchors
     // (2N...3N-1), which have the most time. A user's reset drops its products, or one of before
-    // would be taken for one of after.
+    // would be taken for one of after. With SHARED = 1 the core, which can't wait, comes before them.
 
     wire                            anchor_rst = drive_rst || damp;
     wire        [USERS-1:0]         multiply_drop;
@@ -316,6 +323,34 @@ module wh_controller #(
     wire        [USERS-1:0]         multiply_grant;
     wire        [USERS-1:0]         multiply_done;
     wire signed [DATA_W+COEF_W-1:0] product;
+
+    wire        [OTHERS-1:0]        others_drop;
+    wire        [OTHERS-1:0]        others_request;
+    wire        [OTHERS*DATA_W-1:0] others_data;
+    wire        [OTHERS*COEF_W-1:0] others_coef;
+    wire        [OTHERS-1:0]        others_grant = multiply_grant[USERS-1 -: OTHERS];
+    wire        [OTHERS-1:0]        others_done  = multiply_done[USERS-1 -: OTHERS];
+    wire                            core_request;
+    wire signed [DATA_W-1:0]        core_factor;
+    wire signed [COEF_W-1:0]        core_coefficient;
+
+    generate
+        if (SHARED == 1) begin : with_core
+            wire unused_core = &{1'b0, multiply_grant[0], multiply_done[0]};
+
+            assign multiply_drop    = {others_drop, drive_rst};
+            assign multiply_request = {others_request, core_request};
+            assign multiply_data    = {others_data, core_factor};
+            assign multiply_coef    = {others_coef, core_coefficient};
+        end else begin : without_core
+            wire unused_core = &{1'b0, core_request, core_factor, core_coefficient};
+
+            assign multiply_drop    = others_drop;
+            assign multiply_request = others_request;
+            assign multiply_data    = others_data;
+            assign multiply_coef    = others_coef;
+        end
+    endgenerate
 
     wh_multiply_shared #(
         .USERS     (USERS)
@@ -344,21 +379,21 @@ module wh_controller #(
 
     generate
         if (ANCHOR != 0) begin : with_anchors
-            assign multiply_drop    = {{N{anchor_rst}}, {N{drive_rst}}, {N{rst}}};
-            assign multiply_request = {anchor_request, drive_request, current_request};
-            assign multiply_data    = {anchor_factor, drive_factor, current_factor};
-            assign multiply_coef    = {anchor_coefficient, drive_coefficient, gain_i};
-            assign anchor_grant     = multiply_grant[2*N +: N];
-            assign anchor_done      = multiply_done[2*N +: N];
+            assign others_drop    = {{N{anchor_rst}}, {N{drive_rst}}, {N{rst}}};
+            assign others_request = {anchor_request, drive_request, current_request};
+            assign others_data    = {anchor_factor, drive_factor, current_factor};
+            assign others_coef    = {anchor_coefficient, drive_coefficient, gain_i};
+            assign anchor_grant   = others_grant[2*N +: N];
+            assign anchor_done    = others_done[2*N +: N];
         end else begin : without
             wire unused = &{1'b0, anchor_rst, anchor_request, anchor_factor, anchor_coefficient};
 
-            assign multiply_drop    = {{N{drive_rst}}, {N{rst}}};
-            assign multiply_request = {drive_request, current_request};
-            assign multiply_data    = {drive_factor, current_factor};
-            assign multiply_coef    = {drive_coefficient, gain_i};
-            assign anchor_grant     = {N{1'b0}};
-            assign anchor_done      = {N{1'b0}};
+            assign others_drop    = {{N{drive_rst}}, {N{rst}}};
+            assign others_request = {drive_request, current_request};
+            assign others_data    = {drive_factor, current_factor};
+            assign others_coef    = {drive_coefficient, gain_i};
+            assign anchor_grant   = {N{1'b0}};
+            assign anchor_done    = {N{1'b0}};
         end
     endgenerate
 
@@ -387,7 +422,8 @@ module wh_controller #(
         .OUTSIDE       (HOST),
         .SHAPER        (SHAPER),
         .AHEAD         (EARLY),
-        .WITHHELD      (ANCHOR)
+        .WITHHELD      (ANCHOR),
+        .SHARED        (SHARED)
     ) wave_core (
         .clk           (clk),
         .rst           (drive_rst),
@@ -411,6 +447,10 @@ module wh_controller #(
         .saturated_o   (saturated_o),
         .withheld_o    (withheld),
         .waves_o       (waves),
+        .request_o     (core_request),
+        .factor_o      (core_factor),
+        .coefficient_o (core_coefficient),
+        .product_i     (product),
         .newest_u_o    (newest_u),
         .next_u_o      (next_u)
     );
@@ -674,13 +714,13 @@ module wh_controller #(
                 .second_order_i      (second_order_i),
                 .current_request_o   (current_request[n]),
                 .current_factor_o    (current_factor[n*DATA_W +: DATA_W]),
-                .current_grant_i     (multiply_grant[n]),
-                .current_done_i      (multiply_done[n]),
+                .current_grant_i     (others_grant[n]),
+                .current_done_i      (others_done[n]),
                 .drive_request_o     (drive_request[n]),
                 .drive_factor_o      (drive_factor[n*DATA_W +: DATA_W]),
                 .drive_coefficient_o (drive_coefficient[n*COEF_W +: COEF_W]),
-                .drive_grant_i       (multiply_grant[N+n]),
-                .drive_done_i        (multiply_done[N+n]),
+                .drive_grant_i       (others_grant[N+n]),
+                .drive_done_i        (others_done[N+n]),
                 .product_i           (product)
             );
 

@@ -44,6 +44,7 @@ module wh_device #(
     parameter integer BUS          = 0,
     parameter integer HOST         = 0,
     parameter integer ANCHOR       = 0,
+    parameter integer SHARED       = 0,
     parameter integer GUARD        = 0,
     parameter integer LIVE         = 1,  // 1: live words of motors are on the bus; 0: they read 0
     parameter integer ARM          = 0,  // 1: the bridges are on by command, while it is renewed, or by press_i
@@ -428,6 +429,7 @@ module wh_device #(
         .BUS            (BUS),
         .HOST           (HOST),
         .ANCHOR         (ANCHOR),
+        .SHARED         (SHARED),
         .GUARD          (GUARD)
     ) controller (
         .clk            (clk),

@@ -12,7 +12,7 @@
 // then for the other.
 //
 // Formats: angles are words of 2^32 to the turn.
-// Latency: 4 clocks from position_i to position_o, which follows by a count in two clocks at most.
+// Latency: 6 clocks from position_i to position_o, which follows by a count in two clocks at most.
 // Reset: position_o is position_i, whose middle is at zero_angle_i; no flux.
 
 `default_nettype none
@@ -57,9 +57,12 @@ module wh_rotor_flux (
     reg  [31:0]               edge_q;    // the edge's, then a quarter of a turn more
     reg                       second_q;  // the second clock
 
+    // Whether there is one, and which way, is of the clock before: of the second, after one.
+    reg                       due_q;
+    reg                       back_q;
+
     wire signed [COUNT_W-1:0] left  = position_i - ahead_q;
-    wire                      back  = left[COUNT_W-1];
-    wire                      takes = !second_q && (left != {COUNT_W{1'b0}});
+    wire                      takes = !second_q && due_q;
 
     assign turned_o = turn_i && !takes && !rst;
 
@@ -68,6 +71,8 @@ module wh_rotor_flux (
     wire [31:0] more = {1'b0, count_angle_i[31:1]} + {31'd0, count_angle_i[0]};
 
     always @(posedge clk) begin
+        due_q  <= (left != {COUNT_W{1'b0}}) && !rst;
+        back_q <= left[COUNT_W-1];
         if (rst) begin
             ahead_q  <= position_i;
             angle_q  <= zero_angle_i;
@@ -75,23 +80,25 @@ module wh_rotor_flux (
         end else begin
             second_q <= takes;
             if (takes) begin
-                ahead_q <= back ? ahead_q - 1'b1 : ahead_q + 1'b1;
-                angle_q <= back ? angle_q - count_angle_i : angle_q + count_angle_i;
+                ahead_q <= back_q ? ahead_q - 1'b1 : ahead_q + 1'b1;
+                angle_q <= back_q ? angle_q - count_angle_i : angle_q + count_angle_i;
             end else if (turn_i) begin
                 angle_q <= angle_q + by_i;
             end
         end
-        edge_q <= second_q ? {edge_q[31:30] + 2'd1, edge_q[29:0]} : angle_q + (back ? less : more);
+        edge_q <= second_q ? {edge_q[31:30] + 2'd1, edge_q[29:0]} : angle_q + (back_q ? less : more);
     end
 
     // ---- The sine of that angle; the first is alpha's, -sin θ, the other one beta's.
 
     reg  [SINE_W-1:0] sine_q;
     reg               negative_q;
+    reg  signed [CELL_W-1:0] word_q;  // with its sign; a register of its own, as a memory is slow
     reg               looks_q;   // sine_q is alpha's, in the next clock beta's
+    reg               keeps_q;   // word_q is alpha's
     reg               adds_q;    // it is beta's
-    reg               back_q;
-    reg               down_q;
+    reg               way_q;     // of the newest count, down
+    reg               down_q;    // of the one whose words come
     reg  signed [CELL_W-1:0] cell_a_q;
 
     wire        [7:0]        entry = edge_q[29:22] ^ {8{edge_q[30]}};
@@ -101,12 +108,14 @@ module wh_rotor_flux (
     always @(posedge clk) begin
         sine_q     <= sines[entry];
         negative_q <= edge_q[31];
+        word_q     <= sine;
         looks_q    <= second_q && !rst;
-        adds_q     <= looks_q && !rst;
-        back_q     <= takes ? back : back_q;
-        down_q     <= looks_q ? back_q : down_q;
-        if (looks_q) begin
-            cell_a_q <= -sine;
+        keeps_q    <= looks_q && !rst;
+        adds_q     <= keeps_q && !rst;
+        way_q      <= takes ? back_q : way_q;
+        down_q     <= looks_q ? way_q : down_q;
+        if (keeps_q) begin
+            cell_a_q <= -word_q;
         end
     end
 
@@ -118,7 +127,7 @@ module wh_rotor_flux (
     reg signed [CELL_W-1:0] shown_b_q;
 
     wire signed [FLUX_W-1:0] by_a = $signed({{(FLUX_W - CELL_W){cell_a_q[CELL_W-1]}}, cell_a_q});
-    wire signed [FLUX_W-1:0] by_b = $signed({{(FLUX_W - CELL_W){sine[CELL_W-1]}}, sine});
+    wire signed [FLUX_W-1:0] by_b = $signed({{(FLUX_W - CELL_W){word_q[CELL_W-1]}}, word_q});
 
     assign place_o = {place_b_q, place_a_q};
     assign cell_o  = {shown_b_q, shown_a_q};
@@ -135,7 +144,7 @@ module wh_rotor_flux (
             place_a_q  <= down_q ? place_a_q - by_a : place_a_q + by_a;
             place_b_q  <= down_q ? place_b_q - by_b : place_b_q + by_b;
             shown_a_q  <= cell_a_q;
-            shown_b_q  <= sine;
+            shown_b_q  <= word_q;
         end
     end
 

@@ -34,6 +34,7 @@ module wh_wave_core #(
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
     parameter integer AHEAD      = 0,  // 1: newest_u_o and next_u_o are there, 0: they are 0
     parameter integer WITHHELD   = 0,  // 1: withheld_o is there, 0: it is 0
+    parameter integer SHARED     = 0,  // 1: the multiplier is one for others as well, and SHAPER is 0
     parameter integer SHAPE_BITS = N * ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
                                    * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W)
 ) (
@@ -63,6 +64,13 @@ module wh_wave_core #(
     output wire       [N*`WH_DATA_W-1:0] withheld_o,     // s31q23 √W: by how much; else -1, 0 or 1,
                                                          // the sum of what u lacks of f
     output wire       [N-1:0]            waves_o,        // strobe: u_o and v_o are this step's
+
+    // The shared multiplier (wh_multiply_shared), SHARED = 1. The schedule waits for nobody: what is
+    // asked for is granted in the same clock, and product_i is its product 3 clocks later.
+    output wire                      request_o,
+    output wire signed [`WH_DATA_W-1:0] factor_o,
+    output wire signed [`WH_COEF_W-1:0] coefficient_o,
+    input  wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_i,
 
     // For who works ahead (wh_early), s31q23 √W: the u that this step computed, which is f without
     // its guard bits, and u_n of the step to come.
@@ -100,6 +108,9 @@ module wh_wave_core #(
             || SHAPER < 0 || SHAPER > 2 || AHEAD < 0 || AHEAD > 1
             || WITHHELD < 0 || WITHHELD > 1) begin : illegal_parameter
             wh_illegal_parameter_wave_core_n_delay_log2_outside_shaper_ahead_or_withheld stop ();
+        end
+        if (SHARED < 0 || SHARED > 1 || (SHARED == 1 && SHAPER != 0)) begin : illegal_shared
+            wh_illegal_parameter_wave_core_shared_must_be_0_or_1_and_0_with_a_shaper stop ();
         end
         if (GUARD < 1 || A_SHIFT < 1 || SI_SHIFT < 1 || SU_SHIFT < 1) begin : illegal_format
             wh_illegal_parameter_wave_core_formats stop ();
@@ -187,6 +198,21 @@ module wh_wave_core #(
         end
     end
 
+    generate
+        if (SHARED == 1) begin : shared
+            assign request_o     = running && (at_q[GIVE_SI] || at_q[GIVE_ETA_V] || at_q[GIVE_A]
+                                               || at_q[GIVE_SU]);
+            assign factor_o      = data;
+            assign coefficient_o = coef;
+        end else begin : alone
+            wire unused_product = &{1'b0, product_i};
+
+            assign request_o     = 1'b0;
+            assign factor_o      = {DATA_W{1'b0}};
+            assign coefficient_o = {COEF_W{1'b0}};
+        end
+    endgenerate
+
     // ---- W{v}, in the clocks that the multiplier has to spare. Its coefficients are longer.
     generate
         if (SHAPER > 0) begin : shaped_wave
@@ -239,13 +265,17 @@ module wh_wave_core #(
 
             assign shaped = v;
 
-            wh_multiply multiply (
-                .clk       (clk),
-                .take_i    (busy_q),
-                .data_i    (data),
-                .coef_i    (coef),
-                .product_o (product)
-            );
+            if (SHARED == 1) begin : others_too
+                assign product = product_i;
+            end else begin : own
+                wh_multiply multiply (
+                    .clk       (clk),
+                    .take_i    (busy_q),
+                    .data_i    (data),
+                    .coef_i    (coef),
+                    .product_o (product)
+                );
+            end
         end
     endgenerate
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// SB_IO and SB_PLL40_PAD: models of the iCE40's pads and PLL, as far as the boards use them.
+// SB_IO, SB_PLL40_PAD and SB_PLL40_CORE: models of the iCE40's pads and PLL, as far as the boards use
+// them.
 //
 // A pad is an input without a register; another kind stops the simulation. The PLL hands its input
 // on: the simulation's clock is the PLL's output. It is locked after 16 clocks.
@@ -54,5 +55,31 @@ module SB_PLL40_PAD (
     assign PLLOUTCORE   = PACKAGEPIN;
     assign PLLOUTGLOBAL = PACKAGEPIN;
     assign LOCK         = clocks[4];
+
+endmodule
+
+module SB_PLL40_CORE (
+    input  REFERENCECLK,
+    output PLLOUTCORE,
+    output PLLOUTGLOBAL,
+    input  BYPASS,
+    input  RESETB,
+    output LOCK
+);
+
+    parameter       FEEDBACK_PATH = "SIMPLE";
+    parameter [3:0] DIVR          = 4'd0;
+    parameter [6:0] DIVF          = 7'd0;
+    parameter [2:0] DIVQ          = 3'd0;
+    parameter [2:0] FILTER_RANGE  = 3'd0;
+
+    SB_PLL40_PAD pll (
+        .PACKAGEPIN   (REFERENCECLK),
+        .PLLOUTCORE   (PLLOUTCORE),
+        .PLLOUTGLOBAL (PLLOUTGLOBAL),
+        .BYPASS       (BYPASS),
+        .RESETB       (RESETB),
+        .LOCK         (LOCK)
+    );
 
 endmodule

@@ -18,14 +18,17 @@ from wavehaptics.fpga.board_simulation import (
     bench,
     board_scene,
     build,
+    on_board,
 )
 from wavehaptics.fpga.boards import BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import SynthesisError
 from wavehaptics.ladder.linked_pins import write_frame
 from wavehaptics.ladder.run import measure
+from wavehaptics.laws import closed_forms
 from wavehaptics.runtime.repository import CELLS, ROOT
 from wavehaptics.runtime.toolchain import Toolchain
 from wavehaptics.trace.columns import Column, Word
+from wavehaptics.words import formats
 from wavehaptics.words.modbus import BAUDS
 from wavehaptics.words.table import WORDS
 
@@ -52,7 +55,7 @@ def shown(built: Build) -> list[Report]:
 
     The encoder's cells in the wall and the running light are looked at on the way.
     """
-    simulation = BoardSimulation(built, board_scene(built.board, HARD))
+    simulation = on_board(built, board_scene(built.board, HARD))
     reports, deepest = [simulation.report()], 0.0
     for _ in range(12):
         deepest = max(deepest, advanced(simulation, PRESS_S / 12)[:, Column.X].max())
@@ -69,7 +72,7 @@ def shown(built: Build) -> list[Report]:
 def refuses_other_settings(built: Build) -> None:
     for setting in ("controller.lambda=2e4", "controller.walls=[[0.1, 100.0]]"):
         with pytest.raises(BoardError, match="other settings than the bitstream"):
-            BoardSimulation(built, board_scene(built.board, (setting,)))
+            on_board(built, board_scene(built.board, (setting,)))
 
 
 def taps(built: Build) -> None:
@@ -93,7 +96,7 @@ def answered(simulation: BoardSimulation, frame: bytes, length: int) -> bytes:
 
 def obeys_the_line(built: Build) -> None:
     """Armed over it; a wall that it moves is felt there; a 0 ends it, and so does silence."""
-    simulation = BoardSimulation(built, board_scene(built.board, HARD), by_line=True)
+    simulation = on_board(built, board_scene(built.board, HARD), by_line=True)
     assert simulation.received()[:2] == b"\x01\x10"
     advanced(simulation, 1e-4)
     assert simulation.report().running
@@ -124,7 +127,7 @@ def holds(built: Build, sign: int) -> None:
     golden = measure(scene, "golden", compare=False)
     found = board_runs.run(built, scene, by_line=built.board.fpga.link)
     cell = found["hold_offset_rad"] / found["moved_cells"]
-    assert found["held_nm"] == pytest.approx(board_runs.PRESS_NM, rel=0.03)
+    assert found["held_nm"] == pytest.approx(board_runs.PRESS_NM[False], rel=0.03)
     assert found["hold_offset_rad"] == pytest.approx(
         golden["hold_offset_rad"], abs=0.25 * abs(cell)
     )
@@ -138,9 +141,8 @@ def assert_quiet(pins: dict[str, int]) -> None:
     assert pins["both_on"] == pins["idle_on"] == pins["irregular"] == 0
 
 
-@pytest.mark.parametrize("name", ["icebreaker", "ulx3s"])
-def test_what_is_flashed(name, tools):
-    """The placed netlist is its sources at each clock of all pins, and does what they promise."""
+def as_its_sources(name: str, tools: Toolchain) -> Build:
+    """A board's placed netlist, which is its sources at each clock of all pins."""
     board = load_board(name)
     # In a folder of its own: other tests make the board's bitstream anew.
     out = synthesis.OUT / f"{name}-simulated"
@@ -151,6 +153,37 @@ def test_what_is_flashed(name, tools):
     assert len({report.seen for report in reports}) == len(reports)
     assert reports[-1].both_on == reports[-1].idle_on == reports[-1].irregular == 0
     refuses_other_settings(netlist)
+    return netlist
+
+
+def test_what_is_flashed_for_a_brushless_motor(tools):
+    """Once its magnets are found: the wall's stiffness, and the wall held where it is.
+
+    R̂ and the drive's gain are off, and the sensors' zero, which is measured before the gates go on.
+    """
+    netlist = as_its_sources("ulx3s_brushless", tools)
+    board = netlist.board
+    motor, timing = board.scene.motor, board.words().ports.timing
+    a = board.words().ports.settings.a * formats.A.step
+    tau = timing.tick_s / a + timing.extra_ticks * timing.tick_s
+    wall = closed_forms.brushless_k_l(
+        motor.pole_pairs, motor.psi_vs, closed_forms.l_eff(motor.L_h, motor.R_ohm, tau)
+    )
+    found = board_runs.run(netlist, board_runs.tap(board))
+    assert found["stiffness"] == pytest.approx(wall, rel=0.01)
+    assert_quiet(found["pins"])
+    held = board_runs.run(netlist, board_runs.hold(board))
+    assert held["held_nm"] == pytest.approx(board_runs.PRESS_NM[True], rel=0.03)
+    assert held["moved_cells"] <= held["moved_limit_cells"] < 0.7
+    assert held["hold_ripple_rms"] <= 60e-6
+    assert_quiet(held["pins"])
+
+
+@pytest.mark.parametrize("name", ["icebreaker", "ulx3s"])
+def test_what_is_flashed(name, tools):
+    """The placed netlist is its sources at each clock of all pins, and does what they promise."""
+    netlist = as_its_sources(name, tools)
+    board = netlist.board
     assert board.scene.controller.anchored, "a bridge's dead time alone takes a plain wall away"
     taps(netlist)
     if board.fpga.link:
@@ -191,7 +224,9 @@ def test_each_board_has_the_pins_of_a_simulation(name):
     text = (ROOT / board.folder / f"{name}.v").read_text()
     ports = {
         port: direction
-        for direction, port in re.findall(r"^ +(input|output) +wire (\w+)", text, re.MULTILINE)
+        for direction, port in re.findall(
+            r"^ +(input|output) +wire +(?:\[[^\]]*\] +)?(\w+)", text, re.MULTILINE
+        )
     }
     made = bench(board, ports)
     (start,) = [port for port in ports if re.fullmatch(r"(button_)?start(_n)?", port)]

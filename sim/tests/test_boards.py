@@ -4,7 +4,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import shutil
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,7 +21,7 @@ from wavehaptics.controller.pins_timing import CORE_CLOCKS, latency_clocks
 from wavehaptics.fpga import multipliers, pll, synthesis
 from wavehaptics.fpga.board_pins import read_pins
 from wavehaptics.fpga.board_words import board_words, verilog_header
-from wavehaptics.fpga.boards import BoardError, board_names, load_board
+from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import Design, SynthesisError, build
 from wavehaptics.ladder.guarded_pins import GuardedPins
 from wavehaptics.pages import filler
@@ -377,6 +380,7 @@ def test_words(name):
             words.motors,
             early=time.early,
             anchored=words.ports.settings.anchored,
+            brushless=board.brushless,
         )
     )
     ticks = ready // time.tick_clocks + words.words["hold_ticks"]
@@ -398,7 +402,11 @@ def scene_of(name: str) -> str:
     return re.sub(r"#.*|^name = .*", "", text, flags=re.MULTILINE)
 
 
-@pytest.mark.parametrize("name", sorted({scene_of(name): name for name in GUARDED}.values()))
+@pytest.mark.parametrize(
+    "name",
+    # A brushless motor's guard is in what test_board_netlist.py runs.
+    sorted({scene_of(name): name for name in GUARDED if not load_board(name).brushless}.values()),
+)
 def test_the_guard_lets_the_boards_own_scene_be(name):
     """Free space and the way into the wall, with half a step of noise: no fault."""
     board = load_board(name)
@@ -418,9 +426,38 @@ def test_ulx3s_has_two_megahertz():
 @pytest.mark.parametrize("name", board_names())
 def test_header_has_every_setting(name):
     text = load_board(name).headers()["wh_board_settings.vh"]
-    top = (ROOT / "boards" / "wh_board_controller.v").read_text()
+    top = (ROOT / "boards" / f"{load_board(name).core}.v").read_text()
     defined = set(re.findall(r"`define (WH_BOARD_\w+)", text))
     assert set(re.findall(r"`(WH_BOARD_\w+)", top)) == defined
+
+
+@pytest.mark.parametrize(("key", "value"), [("link", "true"), ("motors", "2")])
+def test_a_brushless_board_has_one_motor_and_no_link(tmp_path, key, value):
+    """In one line; the tables of its pins are another board's."""
+    for name in ("ulx3s", "ulx3s_brushless"):
+        (tmp_path / "boards" / name).mkdir(parents=True)
+        for file in ("fpga.toml", "board.toml"):
+            text = (ROOT / "boards" / name / file).read_text()
+            if (name, file) == ("ulx3s_brushless", "fpga.toml"):
+                text = text.replace("legs = 3\n", f"legs = 3\n{key} = {value}\n")
+            (tmp_path / "boards" / name / file).write_text(text)
+    with pytest.raises(BoardError, match=rf"fpga\.toml: {key}: a board with legs = 3 has one .*; "
+                       rf"leave {key} out$"):  # fmt: skip
+        load_board("ulx3s_brushless", root=tmp_path)
+
+
+def test_a_brushless_boards_own_words():
+    """Both phases' gain, what a count turns, and that the magnets are to be found."""
+    board = load_board("ulx3s_brushless")
+    text = board.headers()["wh_board_settings.vh"]
+    words = board.words()
+    gain = f"27'h{words.words['gain']:x}"
+    assert f".phase_gain_i ({{{gain}, {gain}}})," in text
+    cell = 2 * np.pi / board.scene.encoder.counts_per_rev
+    turn = round(board.scene.motor.pole_pairs * cell / (2 * np.pi) * 2**32)
+    assert f".count_angle_i ({{32'h{turn:x}}})," in text
+    assert ".find_magnet_i ({1'h1})," in text
+    assert not re.search(r"\.(zero|gain|mode|wall_shaped)_i \(", text)
 
 
 def test_header_keeps_signs_and_order():
@@ -466,6 +503,34 @@ def test_boards_that_are_not_there():
     assert load_board("ulx3s", "85k").device == "85k"
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "problem"),
+    [
+        ("guard = true", 'guard = "yes"', 'guard = "yes": it must be a valid boolean'),
+        ("trip_a", "trip_amps", "sense.trip_a is missing; another board's"),
+        ("guard = true", "gaurd = true", "gaurd is no key of a board; did you mean guard?"),
+        ("capture = 12", "capture = 16", "capture = 16: it must be 0, 9, 10, "),
+        ("link = true", "link = false", "capture is told over a link; set link = true or leave"),
+        ("motors", "motor", "motor is no key of a board; did you mean motors?"),
+    ],
+)
+def test_a_wrong_board_file_is_told_with_its_line(tmp_path, old, new, problem):
+    shutil.copytree(ROOT / "boards" / "ulx3s", tmp_path / "boards" / "ulx3s")
+    path = tmp_path / "boards" / "ulx3s" / "fpga.toml"
+    text = path.read_text()
+    if old == "motors":
+        text = "motors = 1\n" + text
+    assert text.count(old) >= 1
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(BoardError) as refused:
+        load_board("ulx3s", root=tmp_path)
+    where, _, told = str(refused.value).partition(": ")
+    assert told.startswith(problem)
+    line = int(where.removeprefix(f"{path}:"))
+    key = problem.split()[0].split(".")[0]
+    assert key in path.read_text().splitlines()[line - 1]
+
+
 @pytest.mark.parametrize("name", board_names())
 def test_page_has_every_pin(name):
     """A board's page names the place of each pin of its constraints, but for the oscillator's."""
@@ -495,6 +560,7 @@ PROGRAMMERS = {
         "build/synth/orangecrab/orangecrab.bit",
     ],
     "ulx3s": ["fujprog", "build/synth/ulx3s/ulx3s.bit"],
+    "ulx3s_brushless": ["fujprog", "build/synth/ulx3s_brushless/ulx3s_brushless.bit"],
     "ulx3s_three": ["fujprog", "build/synth/ulx3s_three/ulx3s_three.bit"],
 }  # fmt: skip
 
@@ -518,7 +584,7 @@ FLASHERS = {
     "orangecrab": PROGRAMMERS["orangecrab"],
     **{
         name: ["openFPGALoader", "-b", "ulx3s", "--write-flash", "--verify", PROGRAMMERS[name][-1]]
-        for name in ("ulx3s", "ulx3s_three")
+        for name in ("ulx3s", "ulx3s_brushless", "ulx3s_three")
     },
 }  # fmt: skip
 COMMANDS = {"prog": PROGRAMMERS, "flash": FLASHERS}
@@ -577,6 +643,39 @@ def test_programmer_without_a_bitstream(tmp_path, monkeypatch):
     assert result.exit_code == 2
     assert result.stderr == (
         "synthesis: build/synth/ulx3s/ulx3s.bit is not there; run `make bitstream BOARD=ulx3s`\n"
+    )
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    "source",
+    [
+        "boards/ulx3s/board.toml",
+        "boards/ulx3s/fpga.toml",
+        "boards/ulx3s/ulx3s.v",
+        "boards/wh_board_switch.v",
+        "constraints/ulx3s.lpf",
+        "rtl/wh_pwm.v",
+        "rtl/wh_faults.vh",
+        "rtl/words.toml",
+    ],
+)
+def test_a_bitstream_older_than_its_sources_is_refused(tmp_path, monkeypatch, source, command):
+    """Else it is an image of other settings that drives the gates."""
+    board = load_board("ulx3s")
+    for path in synthesis.board_sources(board):
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_bytes((ROOT / path).read_bytes())
+        os.utime(tmp_path / path, (1e9, 1e9))
+    later = max(time.time(), (tmp_path / source).stat().st_mtime) + 60
+    os.utime(tmp_path / source, (later, later))
+    moved = Board(board.name, tmp_path, board.fpga, board.device, board.scene)
+    monkeypatch.setattr(board_commands, "load_board", lambda *_: moved)
+    result = prog(tmp_path, monkeypatch, "ulx3s", True, command)
+    assert result.exit_code == 2
+    assert result.stderr == (
+        f"synthesis: build/synth/ulx3s/ulx3s.bit is older than {source}; "
+        "run `make bitstream BOARD=ulx3s`\n"
     )
 
 
@@ -648,7 +747,8 @@ def test_kept_numbers_keep_the_promises():
         assert board["zero"]
         assert board["anchor"] == (name != "hx8k")
         # The Colorlight's early duty needs half a tick: with link and capture that is 1.2 µs.
-        slower = {"ulx3s": 2, "icebreaker": 0.8, "colorlight_i5": 0.83}
+        # Two ports and their anchors have a way of 72 clocks; a clock of dead time wants 20 ns.
+        slower = {"ulx3s": 2, "icebreaker": 0.8, "colorlight_i5": 0.83, "ulx3s_brushless": 0.5}
         assert board["tick_mhz"] >= slower.get(name, 1)
     for name in board_names():
         pads = kept(name)["pads"]

@@ -494,19 +494,24 @@ def test_what_is_not_there_yet_is_refused_in_one_line(make_scene):
             assert what in message
             assert re.search(r"; .*(leave it out|take `golden`)", message)
             assert "\n" not in message
+        with pytest.raises(SceneError, match=re.escape(what)):
+            refuse(scene, "a board")
 
 
 def test_controllers_of_one_port_refuse_two(make_scene):
     scene = make_scene(*TAP)
-    for name in set(ABILITIES) - set(BRUSHLESS_RUNGS):
+    for name in set(ABILITIES) - {*BRUSHLESS_RUNGS, "a board"}:
         with pytest.raises(SceneError, match=r"yet; take `analog`, `golden`, `core` or `pins`$"):
             refuse(scene, name)
     with pytest.raises(SceneError, match="two ports and this takes one"):
         SampledSimulation(scene, rtl=False)
     board = load_board("ulx3s")
     asking = board.scene.model_copy(update={"motor": scene.motor})
-    with pytest.raises(SceneError, match="is not for `a board` yet"):
+    with pytest.raises(SceneError, match=r'kind = "pmsm" needs 3 half bridges, and .* has 2 \('):
         replace(board, scene=asking).words()
+    brushless = load_board("ulx3s_brushless")
+    with pytest.raises(SceneError, match=r'kind = "dc" needs 2 half bridges, and .* has 3 \('):
+        replace(brushless, scene=board.scene.model_copy(update={"host": None})).words()
 
 
 @pytest.mark.parametrize(

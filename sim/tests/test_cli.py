@@ -190,7 +190,11 @@ def test_out_without_permission(capsys, monkeypatch, runs, tmp_path):
 
 
 def test_check(capsys, monkeypatch):
-    assert call(capsys, monkeypatch, "check", "bench.toml") == (0, "bench.toml: ok\n", "")
+    status, told, err = call(capsys, monkeypatch, "check", "bench.toml")
+    assert (status, err) == (0, "")
+    first, *others = told.splitlines()
+    assert first == "bench.toml: ok"
+    assert all(line.startswith("not on `encoder`: bench.toml:7: servo") for line in others)
 
 
 @pytest.fixture

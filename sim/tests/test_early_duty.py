@@ -4,18 +4,28 @@
 from __future__ import annotations
 
 import pytest
+from wavehaptics.controller.early import _SCALE_Q, slope_fits
 from wavehaptics.controller.tick_layout import scene_frame, timing
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.run import measure
 from wavehaptics.laws.closed_forms import MOST_A
 from wavehaptics.scene import Scene, SceneError, find_scene, load_scene
 from wavehaptics.studies import adcs
+from wavehaptics.words import formats
 
 EARLY = ("controller.early_duty=true", "controller.clock_hz=80e6", "adc.part=AD7276")
 
 
 def load(*settings: str, name: str = "paper_taps") -> Scene:
     return load_scene(find_scene(name), [*EARLY, *settings])
+
+
+def test_the_stiffest_slope_is_the_words_largest():
+    """A slope of the largest word fits, and one more doesn't; R̂ of 0 leaves the current's alone."""
+    places = formats.GAIN.fraction + formats.DUTY.fraction - _SCALE_Q
+    largest = (1 << (formats.DATA_W - 1)) - 1
+    assert slope_fits(0, largest << places, 1)
+    assert not slope_fits(0, largest + 1 << places, 1)
 
 
 def test_stiffest_wall_is_that_of_no_latency():

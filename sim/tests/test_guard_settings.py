@@ -12,7 +12,7 @@ from wavehaptics.controller.guard import Fault, Limits, board_limits, mask, sett
 from wavehaptics.fpga.boards import Board, load_board
 from wavehaptics.motor.sensor import Sensor
 from wavehaptics.runtime.repository import ROOT
-from wavehaptics.scene import load_scene
+from wavehaptics.scene import SceneError, load_scene
 
 FIELDS = {
     name: (int(low), int(high) - int(low) + 1)
@@ -43,12 +43,13 @@ def test_the_guards_limits_are_the_boards():
     assert found["CURRENT"] == round(0.8 * 2**15)  # 2 A of 2.5
     assert found["STUCK"] == 2000  # 1 ms at 2 MHz
     assert found["ZERO_TICKS"] == 4000
-    # 100 K over 17.1 K/W and the hot winding's 3.03 Ω.
-    assert found["HEAT"] / 2**18 == pytest.approx(100 / (17.1 * 2.18 * 1.39), rel=1e-4)
+    # Maxon's 100 °C for this motor: 75 K over 17.1 K/W and the hot winding's 2.82 Ω.
+    assert found["HEAT"] / 2**18 == pytest.approx(75 / (17.1 * 2.18 * 1.2925), rel=1e-4)
     assert found["HEAT_TICKS"] == round(12 / 2**16 * 2e6)
     # Half of what the winding's lasting current takes, as u + v = 2 (e - R̂ i)/s; with an anchor
     # the waves' R̂ is nine tenths of the motor's.
-    lasting_a = math.sqrt(100 / (17.1 * 2.18 * 1.39))
+    lasting_a = math.sqrt(75 / (17.1 * 2.18 * 1.2925))
+    assert lasting_a == pytest.approx(1.24, rel=0.01)  # its nominal current
     lost = 2 * 0.5 * 2.18 * lasting_a / math.sqrt(2 * 0.9 * 2.18)
     assert found["LOST"] == pytest.approx(lost * 2**8, abs=0.6)
     half = fields_of(ulx3s("motor.R_ohm=4.36").words().guard)
@@ -62,13 +63,18 @@ def test_a_winding_of_its_own():
         "thermal.ambient_c=45", "thermal.alpha_per_k=0.004", "thermal.tau_winding_s=20",
     )  # fmt: skip
     limits = board_limits(board.scene, board.words().ports, 1.5)
-    # 80 K over 10 K/W, in 2 Ω · (1 + 0.004 · 100).
-    assert limits.rms_a == pytest.approx(math.sqrt(80 / 10 / 2.8))
+    # 55 K over 10 K/W, in 2 Ω · (1 + 0.004 · 75).
+    assert limits.rms_a == pytest.approx(math.sqrt(55 / 10 / 2.6))
     assert limits.lost_v == pytest.approx(0.5 * 2.0 * limits.rms_a)
     assert limits.winding_s == 20
     assert limits.current_a == 1.5
     unnamed = board_limits(board.scene, board.words().ports)
     assert unnamed.current_a == pytest.approx(0.9 * 2.5)
+
+
+def test_surroundings_as_hot_as_the_winding_may_be_are_refused():
+    with pytest.raises(SceneError, match=r"ambient_c = 100 °C .* bears 100 °C; lower it"):
+        ulx3s("thermal.ambient_c=100").words()
 
 
 @pytest.mark.parametrize("samples", [1, 3])

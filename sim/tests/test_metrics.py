@@ -20,7 +20,16 @@ WALLS = ((-1.0, -0.5), (0.5, 1.0))
 SIDES = [pytest.param(0.5, 1.0, id="at x_min"), pytest.param(-0.5, -1.0, id="at x_max")]
 
 NAMES = {
-    *("scene", "controller", "hand", "duration_s", "wall_clock_s", "ticks", "clock_cycles"),
+    *(
+        "scene",
+        "controller",
+        "hand",
+        "duration_s",
+        "wall_clock_s",
+        "ticks",
+        "tick_hz",
+        "clock_cycles",
+    ),
     *("k_l", "stiffness", "stiffness_zero_rad", "contact_edge_rad", "stiffness_predicted"),
     *("tip_stiffness", "peak_torque", "peak_current_a", "current_ripple_a"),
     *("torque_nrmse_vs_analog", "free_space_torque_rms", "energy_out_max_j"),
@@ -538,7 +547,7 @@ def test_what_a_scene_does_not_define_is_none():
     scene = scene_of(None, hand=None, encoder=None)
     metrics = Metrics(scene, TICK_S, controller="analog")
     nothing = metrics.result()
-    given = {"scene", "controller", "duration_s", "ticks", "k_l"}
+    given = {"scene", "controller", "duration_s", "ticks", "tick_hz", "k_l"}
     assert {name for name, value in nothing.items() if value is not None} == given
     assert set(nothing) == NAMES
     metrics.update(np.zeros((100, len(Column))))

@@ -53,7 +53,9 @@ def test_status_knows_what_the_boards_have():
     rows = {parameter for _, parameter in design.STATUS if parameter}
     assert rows <= set(known)
     given = {name for of_board in options.values() for name in of_board}
-    assert given - {"WALLS", "DELAY_LOG2"} <= rows
+    # Sizes; and the dead time's row is that of boards with brushes, which all make it good.
+    assert given - {"WALLS", "DELAY_LOG2", "DEAD_TIME"} <= rows
+    assert options["ulx3s_brushless"]["SENSE"] == options["ulx3s_brushless"]["ANCHOR"] == 1
 
 
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")

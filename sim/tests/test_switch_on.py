@@ -12,6 +12,7 @@ from wavehaptics.fpga import board_pins, bridge_budget, pad_timing, synthesis
 from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.fpga.pad_timing import Delays, PadTimingError, adc_budget, gate_skew_ns
 from wavehaptics.fpga.synthesis import SynthesisError
+from wavehaptics.ladder.run import measure
 from wavehaptics.parts.adcs import PARTS, PartError, frame
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import load_scene
@@ -48,7 +49,9 @@ def test_the_boards_keep_to_their_budgets(name):
     bridge_budget.check(board)
     board_pins.check(board)
     time = bridge_budget.dead_time(board)
-    assert time.made_s >= time.needed_s >= 20e-9
+    assert time.made_s >= time.needed_s
+    # What is measured at HI and LI is what the AND gates and the FPGA leave of it.
+    assert time.made_s - time.gate_skew_s - time.fpga_skew_s >= 20e-9
     # A pulse that the gates show is a whole clock at least, or kept so long.
     words, shortest_s = board.words().words, 1 / board.words().ports.timing.clock_hz
     if words["min_pulse"]:
@@ -63,11 +66,14 @@ def test_the_boards_keep_to_their_budgets(name):
     [
         # What the Colorlight had: one clock.
         (with_scene("colorlight_i5", "drive.dead_time_s=13.3e-9"),
-         r"boards/colorlight_i5/board\.toml: the dead time is 13\.3 ns in whole clocks, and 20 ns "
-         r"are needed .* raise drive\.dead_time_s"),
+         r"boards/colorlight_i5/board\.toml: the dead time is 13\.3 ns in whole clocks, and 26 ns "
+         r"are needed .* 20 ns at least at HI and LI\); raise drive\.dead_time_s"),
+        # What the HX8K had: one clock, of which HI and LI get 12.8 ns.
+        (with_scene("hx8k", "drive.dead_time_s=21e-9"),
+         r"the dead time is 20\.8 ns in whole clocks, and 28 ns are needed"),
         # It is the whole clocks that count: 20 ns round to one of 70 MHz.
         (with_scene("ulx3s", "drive.dead_time_s=20e-9"), r"the dead time is 14\.3 ns"),
-        (with_fpga("ulx3s", "bridge", mismatch_s=30e-9), r"37 ns are needed \(driver 30"),
+        (with_fpga("ulx3s", "bridge", mismatch_s=30e-9), r"36 ns are needed \(driver 30"),
         (with_scene("hx8k", "drive.min_pulse_s=5e-9"),
          r"drive\.min_pulse_s is 5 ns, and the LMG5200 needs 10 ns"),
         (with_scene("hx8k", "adc.full_scale_a=5"),
@@ -84,6 +90,34 @@ def test_a_build_checks_before_it_begins(tmp_path):
     """Nothing of an earlier build is touched, and no tool is called."""
     with pytest.raises(BoardError, match="dead time"):
         synthesis.build_board(with_scene("ulx3s", "drive.dead_time_s=0"), None)
+
+
+# ---- A wall at the 5 V of the first stages, from an image for 12 V.
+
+
+def wall(*overrides: str) -> dict[str, Any]:
+    overrides = ("scene.duration_s=0.25", *overrides)
+    return measure(with_scene("icebreaker", *overrides).scene, "golden", compare=False)
+
+
+def test_an_image_for_12_volts_is_weak_at_5_and_never_pushes():
+    """What the page of switching on says of its stage 6, and why no image for 5 V is asked for."""
+    page = (ROOT / "docs" / "wiring" / "switching_on.md").read_text()
+    held = wall("drive.bus_actual_v=5")
+    assert held["anchor_fault_s"] is not None
+    assert f"up to some {1e3 * held['peak_torque']:.0f} mN·m" in page
+    assert held["energy_out_max_j"] < 1e-6
+    bare = wall("drive.bus_actual_v=5", "controller.anchor_auto=false")
+    whole = wall("controller.anchor_auto=false")
+    assert bare["energy_out_max_j"] < 1e-6
+    said = f"is {bare['stiffness']:.1f} N·m/rad in place of {whole['stiffness']:.1f}"
+    assert said in " ".join(page.split())
+    # The other way about: an image for 5 V in a board at 12 V.
+    left = wall(
+        "drive.bus_v=5", "drive.limit_v=5", "drive.bus_actual_v=12", "controller.anchor_auto=false"
+    )
+    assert left["energy_out_max_j"] > 0.01
+    assert left["peak_torque"] > 0.1
 
 
 # ---- Pins.
@@ -118,6 +152,16 @@ def planted(tmp_path: Path, name: str, old: str, new: str) -> str:
         ("icebreaker", "-pullup yes adc_sdata", "-pullup no adc_sdata", "adc_sdata is at 2 and fl"),
         ("ulx3s", '"adc_sdata" IO_TYPE=LVCMOS33 PULLMODE=UP', '"adc_sdata" IO_TYPE=LVCMOS33',
          "adc_sdata is at A10 and floats where its wire is off; give it PULLMODE=UP"),
+        # With its wire off a stop that reads closed, a start pressed, a line that may arm.
+        ("ulx3s", '"stop" IO_TYPE=LVCMOS33 PULLMODE=UP', '"stop" IO_TYPE=LVCMOS33 PULLMODE=DOWN',
+         "stop is at B9 and is pulled DOWN where its wire is off; give it PULLMODE=UP"),
+        ("colorlight_i5", '"start_n" IO_TYPE=LVCMOS33 PULLMODE=UP',
+         '"start_n" IO_TYPE=LVCMOS33 PULLMODE=DOWN', "start_n is at E2 and is pulled DOWN"),
+        ("ulx3s", '"uart_rx" IO_TYPE=LVCMOS33 PULLMODE=UP',
+         '"uart_rx" IO_TYPE=LVCMOS33 PULLMODE=NONE', "uart_rx is at M1 and floats"),
+        ("ulx3s", '"button_start" IO_TYPE=LVCMOS33 PULLMODE=DOWN',
+         '"button_start" IO_TYPE=LVCMOS33 PULLMODE=UP',
+         "button_start is at R1 and is pulled UP where its wire is off; give it PULLMODE=DOWN"),
     ],
 )  # fmt: skip
 def test_pins_that_are_not_the_boards(tmp_path, name, old, new, message):
@@ -140,7 +184,7 @@ def test_the_tables_of_pins_contradict_nothing(name):
     text = (ROOT / board.constraints).read_text()
     pins = board_pins.read_pins(text, board.fpga.family)
     driving = [pin.site for pin in pins if pin.port.startswith(("gate_", "alive"))]
-    assert len(driving) == 4 * board.fpga.motors + 1
+    assert len(driving) == 2 * board.fpga.legs * board.fpga.motors + 1
     assert set(driving) <= set(free)
     top = (ROOT / board.folder / f"{name}.v").read_text()
     ports = [owner for owner in board.fpga.taken.values() if re.fullmatch(r"\w*_\w+|clk\w*", owner)]
@@ -151,7 +195,7 @@ def test_the_tables_of_pins_contradict_nothing(name):
         assert re.search(rf"\b{port}\b", top), port
 
 
-@pytest.mark.parametrize("name", ["ulx3s", "ulx3s_three"])
+@pytest.mark.parametrize("name", ["ulx3s", "ulx3s_brushless", "ulx3s_three"])
 def test_the_esp32_is_held_in_reset(name):
     top = (ROOT / "boards" / name / f"{name}.v").read_text()
     assert "assign wifi_en = 1'b0;" in top

@@ -8,6 +8,7 @@ supply falls; a wrong part must be found.
 from __future__ import annotations
 
 import re
+import xml.etree.ElementTree as ElementTree
 
 import pytest
 from typer.testing import CliRunner
@@ -179,8 +180,25 @@ def test_no_wire_and_no_part_ends_at_nothing(sheets, name):
 
 def test_every_part_is_drawn(table, sheets):
     shown = set().union(*(sheet.shown for sheet in sheets.values()))
-    elsewhere = {"R18"}  # at an LED, which only one board's page has
-    assert shown == set(table.parts) - elsewhere
+    assert shown == set(table.parts)
+
+
+@pytest.mark.parametrize("name", drawings.SHEETS)
+def test_no_text_leaves_the_picture(sheets, name):
+    """By a width of 0.55 of the size for a character, more than most of the font have."""
+    root = ElementTree.fromstring(sheets[name].svg())
+    left, _, width, _ = (float(number) for number in root.attrib["viewBox"].split())
+    seen = 0
+    for element in root.iter():
+        if element.tag.endswith("}text"):
+            for line in element:
+                x, size = float(line.attrib["x"]), float(element.attrib["font-size"])
+                long = 0.55 * size * len(line.text or "")
+                part = {"start": 0.0, "middle": 0.5, "end": 1.0}[element.attrib["text-anchor"]]
+                assert left <= x - part * long, line.text
+                assert x + (1 - part) * long <= left + width, line.text
+                seen += 1
+    assert seen > 20
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -224,8 +242,25 @@ def test_both_sides_of_each_gate_are_pulled_down(table, sheets, family):
 def test_emergency_stop_cuts_bus_and_gate_supply(sheets):
     sheet = sheets["power"]
     assert sheet.net_of("PS1.+") == {"PS1.+", "S1a.1"}
-    assert sheet.net_of("PS2.+") == {"PS2.+", "S1b.1"}
+    # An encoder's supply stays, or S1 would take the position away.
+    assert sheet.net_of("PS2.+") == {"PS2.+", "S1b.1", "supply of an encoder of 5 V"}
     assert "S1c.1" in sheets["inputs"].net_of("ground")
+
+
+def test_an_input_whose_wire_is_off_is_held(sheets):
+    """So that it reads as off the scale, or as an encoder that stands."""
+    sense = sheets["sense"]
+    for number, (pin, signal) in enumerate({"CS": "adc_cs_n", "SCLK": "adc_sclk"}.items(), 1):
+        net = sense.net_of(f"U8.{pin}")
+        assert net == {f"U8.{pin}", f"R19#{number}.2", f"R8#{number}.1"}
+        assert f"R19#{number}.1" in sense.net_of("3.3 V")
+        assert sense.net_of(f"R8#{number}.2") == {f"R8#{number}.2", signal}
+    assert {"R23#1.1", "R7#1.2", "C10#1.1"} <= sense.net_of("U8.VIN")
+    assert "R23#1.2" in sense.net_of("ground")
+    inputs = sheets["inputs"]
+    assert {"buffer.in", "encoder's A, 0 to 5 V"} <= inputs.net_of("R22#1.1")
+    assert "R22#1.2" in inputs.net_of("3.3 V")
+    assert "R18#1.1" in inputs.net_of("led_fault")
 
 
 def test_a_wire_that_ends_at_another_without_a_dot_is_found(table):

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // C interface to a whole board at its pins, by the clock: its sources, or its placed netlist. The top
-// is the bench that sim/wavehaptics/fpga/board_simulation.py writes around the board's own.
+// is the bench that sim/wavehaptics/fpga/board_simulation.py writes around the board's own. WH_BOARD_LEGS
+// is how many half bridges it has; with three, for a brushless motor, it has two ADCs.
 
 #include <algorithm>
 #include <cstdint>
@@ -14,6 +15,19 @@ namespace {
 
 // Clocks until reset has given every register that has no beginning its value.
 constexpr int64_t kUnset = 16;
+
+constexpr int kAdcs = WH_BOARD_LEGS - 1;
+constexpr int kGates = 2 * WH_BOARD_LEGS;
+constexpr int64_t kAllGates = (1 << kGates) - 1;
+// Places of the pins behind the gates.
+constexpr int kCsN = kGates, kSclk = kGates + 1, kTick = kGates + 2, kRow = kGates + 3, kFault = kGates + 5;
+
+// The high gates of both legs of a motor with brushes stand before their low ones, those of three
+// before all low ones.
+bool both_on(int64_t gates) {
+    if constexpr (WH_BOARD_LEGS == 2) return (gates & 3) == 3 || (gates & 12) == 12;
+    return gates & gates >> WH_BOARD_LEGS & ((1 << WH_BOARD_LEGS) - 1);
+}
 
 struct Board {
     VerilatedContext context;
@@ -44,9 +58,9 @@ int64_t step(Board &board) {
     top.clk = 1;
     top.eval();
     board.host.clock(top.tx, board.bit_clocks);
-    const int64_t pins = top.gates | top.cs_n << 4 | top.sclk << 5;
-    const int64_t shown = pins | top.alive << 6 | top.running << 7 | top.fault << 8 |
-                          top.contact << 9 | top.tx << 10;
+    const int64_t pins = top.gates | top.cs_n << kCsN | top.sclk << kSclk;
+    const int64_t shown = pins | (top.alive | top.running << 1 | top.fault << 2 | top.contact << 3 |
+                                  top.tx << 4) << kTick;
     top.clk = 0;
     // The oscillator's edges lie between those of the clock, of which it knows nothing.
     board.watch_phase += board.watch_step;
@@ -59,10 +73,17 @@ int64_t step(Board &board) {
     if (board.clocks >= kUnset) {
         board.seen = (board.seen ^ static_cast<uint64_t>(shown)) * 0x100000001b3;
     }
-    board.both_on += (pins & 3) == 3 || (pins & 12) == 12;
-    board.idle_on += (pins & 15) && !top.running && !board.ran;
+    board.both_on += both_on(pins & kAllGates);
+    board.idle_on += (pins & kAllGates) && !top.running && !board.ran;
     board.ran = top.running;
     return pins;
+}
+
+// Bits of the ADCs, then encoder A and B.
+void set_inputs(Vwh_board_bench &top, int64_t inputs) {
+    top.sdata = inputs & ((1 << kAdcs) - 1);
+    top.a = (inputs >> kAdcs) & 1;
+    top.b = (inputs >> (kAdcs + 1)) & 1;
 }
 
 }  // namespace
@@ -76,9 +97,7 @@ void *wh_board_new(int64_t inputs, int64_t tick_clocks, int64_t bit_clocks, doub
     board->tick_clocks = tick_clocks;
     board->bit_clocks = bit_clocks;
     board->watch_step = watch_step;
-    board->top.sdata = inputs & 1;
-    board->top.a = (inputs >> 1) & 1;
-    board->top.b = (inputs >> 2) & 1;
+    set_inputs(board->top, inputs);
     board->top.eval();
     // What the pins show before is no conversion.
     while (board->clocks < kUnset) {
@@ -114,26 +133,24 @@ int64_t wh_board_received(void *model, uint8_t *bytes, int64_t room) {
     return count;
 }
 
-// One clock with bit 0 ADC data, bit 1 encoder A, bit 2 encoder B. Returns bits 0-3 gates AH AL BH
-// BL, 4 CS_n, 5 SCLK, 6 tick, 7 a row is due, 9 the fault's LED. Inside the board nothing is seen:
-// ticks are counted from alive, which changes a clock after each, and a row is due when half of the
-// tick after it is over.
+// One clock with these inputs (set_inputs). Returns the gates, AH AL BH BL or of three legs AH BH CH AL BL
+// CL, from bit 0, and behind them CS_n, SCLK, tick, whether a row is due, and with one free the fault's
+// LED. Inside the board nothing is seen: ticks are counted from alive, which changes a clock after each,
+// and a row is due when half of the tick after it is over.
 int64_t wh_board_clock(int64_t model, int64_t inputs) {
     auto &board = *reinterpret_cast<Board *>(model);
     auto &top = board.top;
-    top.sdata = inputs & 1;
-    top.a = (inputs >> 1) & 1;
-    top.b = (inputs >> 2) & 1;
+    set_inputs(top, inputs);
     int64_t pins = step(board);
     const int64_t since = board.clocks - board.strobe;
     if (board.strobe >= 0 && since == board.tick_clocks) {
-        pins |= 1 << 6;
+        pins |= 1 << kTick;
         board.irregular += !board.told && top.running;
         board.told = false;
         board.marked = true;
         board.strobe = board.clocks;
     }
-    if (board.marked && since == board.tick_clocks / 2) pins |= 1 << 7;
+    if (board.marked && since == board.tick_clocks / 2) pins |= 1 << kRow;
     if (top.alive != board.last_alive && top.running) {
         board.irregular += board.strobe >= 0 && board.strobe != board.clocks - 1;
         board.strobe = board.clocks - 1;
@@ -141,7 +158,7 @@ int64_t wh_board_clock(int64_t model, int64_t inputs) {
         ++board.ticks;
     }
     board.last_alive = top.alive;
-    pins |= static_cast<int64_t>(top.fault) << 9;
+    pins |= static_cast<int64_t>(top.fault) << kFault;
     ++board.clocks;
     return pins;
 }

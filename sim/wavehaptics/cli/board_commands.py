@@ -10,6 +10,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from typing import Annotated, NoReturn
 
 import typer
@@ -55,13 +56,22 @@ def bitstream(board: BoardArgument, device: DeviceOption = None, seed: SeedOptio
 
 
 @app.command()
-def synth() -> None:
+def synth(
+    jobs: Annotated[int, typer.Option(min=1, help="Boards that are made at a time.")] = 1,
+) -> None:
     """Make the bitstreams of all boards, and build/synth/summary.json."""
     results = []
     try:
-        for name in board_names():
-            results.append(synthesis.build_board(load_board(name), Toolchain.of_environment()))
-            typer.echo(synthesis.summary_line(results[-1]))
+        boards, tools = [load_board(name) for name in board_names()], Toolchain.of_environment()
+        # The work is the tools', which are processes of their own.
+        with ThreadPoolExecutor(jobs) as pool:
+            made = [pool.submit(synthesis.build_board, board, tools) for board in boards]
+            try:
+                for each in made:
+                    results.append(each.result())
+                    typer.echo(synthesis.summary_line(results[-1]))
+            finally:
+                pool.shutdown(cancel_futures=True)
         typer.echo(str(synthesis.write_summary(results).relative_to(ROOT)))
     except _ERRORS as error:
         _fail(error)
@@ -94,6 +104,9 @@ def _programmer(board: str, device: str | None, flash: bool) -> NoReturn:
     path = synthesis.bitstream_path(chosen)
     if not (ROOT / path).is_file():
         _fail(BoardError(f"{path} is not there; run `make bitstream BOARD={board}`"))
+    newest = max(synthesis.board_sources(chosen), key=lambda of: (chosen.root / of).stat().st_mtime)
+    if (chosen.root / newest).stat().st_mtime > (ROOT / path).stat().st_mtime:
+        _fail(BoardError(f"{path} is older than {newest}; run `make bitstream BOARD={board}`"))
     words = chosen.fpga.flash if flash else chosen.fpga.program
     command = [word.replace("{bitstream}", str(path)) for word in words]
     if shutil.which(command[0]) is None:

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import difflib
+import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -21,17 +23,55 @@ from wavehaptics.cli.shared import (
     shown_progress,
     shown_stages,
 )
-from wavehaptics.scene import find_scene, first_comment, load_scene, shipped_scenes
+from wavehaptics.scene import (
+    Scene,
+    SceneError,
+    find_scene,
+    first_comment,
+    load_scene,
+    shipped_scenes,
+)
 
 app = typer.Typer()
+
+
+ControllerOption = Annotated[
+    str, typer.Option("--controller", metavar="NAME", help=f"One of {', '.join(CONTROLLERS)}.")
+]
+
+
+def _checked(
+    path: Path, controller: str, overrides: Sequence[str] | None
+) -> tuple[Scene, list[str]]:
+    """A scene that ``controller`` can run, and what a person should know of how it does."""
+    if controller not in CONTROLLERS:
+        near = difflib.get_close_matches(controller, CONTROLLERS, n=1)
+        meant = f"did you mean {near[0]}? " if near else ""
+        known = ", ".join(CONTROLLERS)
+        raise CommandError(
+            f"--controller {controller}: unknown; {meant}the controllers are {known}"
+        )
+    loaded = load_scene(path, overrides or ())
+
+    from wavehaptics.ladder.abilities import left_out
+    from wavehaptics.ladder.refusals import check
+
+    told = []
+    asked_hz, tick_hz = loaded.controller.tick_hz, 1.0 / check(loaded, controller)
+    if not math.isclose(tick_hz, asked_hz, rel_tol=1e-6):
+        told.append(
+            f"`{controller}` ticks at {tick_hz:.6g} Hz, with its carrier, and not at "
+            f"controller.tick_hz = {asked_hz:g} Hz"
+        )
+    if missing := left_out(loaded, controller):
+        told.append(f"`{controller}` leaves out {', '.join(missing)}")
+    return loaded, told
 
 
 @app.command()
 def run(
     scene: SceneArgument,
-    controller: Annotated[
-        str, typer.Option(metavar="NAME", help=f"One of {', '.join(CONTROLLERS)}.")
-    ] = DEFAULT_CONTROLLER,
+    controller: ControllerOption = DEFAULT_CONTROLLER,
     overrides: SetOption = None,
     out: Annotated[
         Path | None,
@@ -42,24 +82,16 @@ def run(
     ] = None,
 ) -> None:
     """Simulate SCENE and write trace.npz, metrics.json and pictures."""
-    if controller not in CONTROLLERS:
-        near = difflib.get_close_matches(controller, CONTROLLERS, n=1)
-        meant = f"did you mean {near[0]}? " if near else ""
-        known = ", ".join(CONTROLLERS)
-        raise CommandError(
-            f"--controller {controller}: unknown; {meant}the controllers are {known}"
-        )
-    loaded = load_scene(find_scene(scene), overrides or ())
+    loaded, told = _checked(find_scene(scene), controller, overrides)
     folder = RUNS_DIR / f"{loaded.scene.name}-{controller}" if out is None else out
     make_folder(folder)
 
-    from wavehaptics.ladder.abilities import left_out
     from wavehaptics.ladder.run import run_scene
 
     with shown_progress(f"{loaded.scene.name} on {controller}") as progress:
         metrics = run_scene(loaded, controller, folder, progress)
-    if missing := left_out(loaded, controller):
-        print(f"`{controller}` leaves out {', '.join(missing)}")
+    for line in told:
+        print(line)
     print(metrics_table(metrics))
     print(f"results in {folder}")
 
@@ -121,11 +153,34 @@ def shaper(scene: SceneArgument, overrides: SetOption = None) -> None:
 
 
 @app.command()
-def check(scene: SceneArgument, overrides: SetOption = None) -> None:
-    """Check SCENE without running it."""
+def check(
+    scene: SceneArgument,
+    controller: ControllerOption = "",
+    overrides: SetOption = None,
+) -> None:
+    """Check SCENE without running it: on a controller, or what of it each can't do."""
     path = find_scene(scene)
-    load_scene(path, overrides or ())
+    if controller:
+        _, told = _checked(path, controller, overrides)
+        print(f"{path}: ok on {controller}")
+        for line in told:
+            print(line)
+        return
+    loaded = load_scene(path, overrides or ())
+
+    from wavehaptics.ladder.refusals import check as check_on
+
+    refused = {}
+    for name in CONTROLLERS:
+        try:
+            check_on(loaded, name)
+        except SceneError as error:
+            refused[name] = error
+    if len(refused) == len(CONTROLLERS):
+        raise refused[DEFAULT_CONTROLLER]
     print(f"{path}: ok")
+    for name, problem in refused.items():
+        print(f"not on `{name}`: {problem}")
 
 
 @app.command()

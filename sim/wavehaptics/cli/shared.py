@@ -29,6 +29,7 @@ RUNS_DIR = Path("build/runs")
 METRIC_UNITS = {
     "duration_s": "s",
     "wall_clock_s": "s",
+    "tick_hz": "Hz",
     "k_l": "N·m/rad",
     "stiffness": "N·m/rad",
     "stiffness_predicted": "N·m/rad",

@@ -97,3 +97,17 @@ def early_tick_clocks(ports: int = 1, anchored: bool = False) -> int:
         step += WAVES_CLOCKS + ANCHOR_CLOCKS - CORE_CLOCKS
     # The sum is there a clock after the word.
     return CURRENT_CLOCKS - 1 + ports - 1 + step + EARLY_PREPARE_CLOCKS
+
+
+def shared_tick_clocks(ports: int = 1, anchored: bool = False) -> int:
+    """Clocks of the shortest tick with SHARED in which all products come in time.
+
+    No voltage of a step asks for one when the next step has begun, and no current before the core
+    has asked for its last. The last port's anchor has time to wait for each of them, and for two of
+    the core's.
+    """
+    needed = (CORE_CLOCKS + 1) * ports + anchored
+    if anchored:
+        waits = 2 + 2 * ports
+        needed = max(needed, CORE_CLOCKS * (ports - 1) + WAVES_CLOCKS + ANCHOR_CLOCKS + waits)
+    return needed

@@ -23,9 +23,9 @@ from wavehaptics.controller.tick_layout import (
 )
 from wavehaptics.motor.hand import hand_path
 from wavehaptics.motor.sensor import Sensor
-from wavehaptics.scene import Scene, SceneError
+from wavehaptics.scene import Scene
 from wavehaptics.scene.tables.drive import THREE_PHASE_REACH
-from wavehaptics.words import formats
+from wavehaptics.words import formats, table
 from wavehaptics.words.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
 from wavehaptics.words.table import WORDS
 
@@ -80,6 +80,13 @@ def controller_ports(
 
     ``frame_at`` takes the place of the scene's ADC, for a board that has its own.
     """
+    walls = len(scene.controller.walls)
+    if walls > table.MOST["wall"]:
+        raise scene.refusal(
+            f"controller.walls has {walls} walls, and the whole RTL takes {table.MOST['wall']}; "
+            "leave some out or take `golden`",
+            "controller.walls",
+        )
     sensor = Sensor.of_scene(scene)
     if sensor.ideal:
         sensor = _fine_sensor(scene)
@@ -87,9 +94,10 @@ def controller_ports(
     time = timing(scene, frame_at or scene_frame(scene), most_samples)
     bus_v = bus_voltage(scene)
     if scene.motor.brushless and time.frame.kind != BRUSHLESS_KIND:
-        raise SceneError(
-            f"{scene.scene.name}: adc.part = {scene.adc and scene.adc.part}: the phases of a "
-            "brushless motor have two serial converters yet; take one of those, such as AD7276"
+        raise scene.refusal(
+            f"adc.part = {scene.adc and scene.adc.part}: the phases of a "
+            "brushless motor have two serial converters yet; take one of those, such as AD7276",
+            "adc.part",
         )
     controller = scene.controller.model_copy(update={"extra_ticks": time.extra_ticks})
     scene = scene.model_copy(update={"controller": controller})
@@ -107,10 +115,12 @@ def controller_ports(
     start_count = math.floor(hand_path(scene).x0 / set_.cell_rad)
     per_volt = time.half_clocks / (2 * leg_v)
     if per_volt > formats.DUTY.largest:
-        raise SceneError(
-            f"{scene.scene.name}: a volt at a bus of {leg_v:g} V is {per_volt:g} clocks of the "
+        raise scene.refusal(
+            f"a volt at a bus of {leg_v:g} V is {per_volt:g} clocks of the "
             f"pulse, and `pins` counts {formats.DUTY.largest:.0f}; take a faster drive.pwm_hz or a "
-            "higher drive.bus_v"
+            "higher drive.bus_v",
+            "drive.pwm_hz",
+            "drive.bus_v",
         )
     words = {
         "half_clocks": time.half_clocks,
@@ -143,9 +153,10 @@ def controller_ports(
         half_bridge = bridge_mode(scene) == HALF_BRIDGE
         largest = bus_scale.clocks_per_volt(time.half_clocks, lowest, half_bridge)
     if time.early and not slope_fits(words["root"], words["gain"], largest):
-        raise SceneError(
-            f"{scene.scene.name}: controller.early_duty: a step of the ADC is worth too many "
-            "clocks of the pulse; take a shorter tick or leave early_duty out"
+        raise scene.refusal(
+            "controller.early_duty: a step of the ADC is worth too many "
+            "clocks of the pulse; take a shorter tick or leave early_duty out",
+            "controller.early_duty",
         )
     return Ports(time, set_, sensor, start_count, words, _port_walls(set_, start_count))
 
@@ -163,10 +174,12 @@ def _min_pulse(scene: Scene, time: Timing) -> int:
     clocks += dead_clocks(scene, time.clock_hz)
     most = min(WORDS["min_pulse"].fixed.raw_max, time.half_clocks // 4)
     if clocks > most:
-        raise SceneError(
-            f"{scene.scene.name}: drive.min_pulse_s = {scene.drive.min_pulse_s:g} s and the dead "
+        raise scene.refusal(
+            f"drive.min_pulse_s = {scene.drive.min_pulse_s:g} s and the dead "
             f"time are {clocks} clocks of `pins`, of which a carrier half of {time.half_clocks} "
-            f"has room for {most}; take a slower drive.pwm_hz or a shorter min_pulse_s"
+            f"has room for {most}; take a slower drive.pwm_hz or a shorter min_pulse_s",
+            "drive.min_pulse_s",
+            "drive.pwm_hz",
         )
     return clocks
 
@@ -175,15 +188,18 @@ def _host_words(scene: Scene, time: Timing) -> dict[str, int]:
     """Words of the link to a host, ``rtl/wh_host_link.v``, where the scene has one."""
     if scene.host is None:
         return {}
-    log2 = round(math.log2(scene.controller.tick_hz / scene.host.rate_hz))
+    tick_hz = 1.0 / time.tick_s
+    log2 = round(math.log2(tick_hz / scene.host.rate_hz))
     most = WORDS["host_period_log2"].fixed.raw_max
     clocks = time.tick_clocks * 2.0**log2
     if not 0 <= log2 <= most or clocks < HOST_CLOCKS:
-        raise SceneError(
-            f"{scene.scene.name}: host.rate_hz = {scene.host.rate_hz:g}: a period is 1 to "
+        raise scene.refusal(
+            f"host.rate_hz = {scene.host.rate_hz:g}: a period is 1 to "
             f"{1 << most} ticks and {HOST_CLOCKS} clocks at least, which is "
-            f"{scene.controller.tick_hz / (1 << most):g} to "
-            f"{min(scene.controller.tick_hz, time.clock_hz / HOST_CLOCKS):g} Hz here"
+            f"{tick_hz / (1 << most):g} to "
+            f"{min(tick_hz, time.clock_hz / HOST_CLOCKS):g} Hz here",
+            "host.rate_hz",
+            "controller.tick_hz",
         )
     return {"host_period_log2": log2, "host_timeout": scene.host.timeout}
 
@@ -194,16 +210,21 @@ def _dead_time_words(
     """Words of the dead time and of its compensation, ``rtl/wh_dead_time.v``."""
     clocks = dead_clocks(scene, time.clock_hz)
     if clocks >= time.half_clocks:
-        raise SceneError(
-            f"{scene.scene.name}: drive.dead_time_s is {clocks} clocks of `pins`, as long as a "
-            f"carrier half of {time.half_clocks}; take a shorter one or a slower drive.pwm_hz"
+        raise scene.refusal(
+            f"drive.dead_time_s is {clocks} clocks of `pins`, as long as a "
+            f"carrier half of {time.half_clocks}; take a shorter one or a slower drive.pwm_hz",
+            "drive.dead_time_s",
+            "drive.pwm_hz",
         )
     compensate = clocks > 0 and scene.drive is not None and scene.drive.compensate
     if compensate and bridge_mode(scene) != UNIPOLAR and not scene.motor.brushless:
-        raise SceneError(
-            f"{scene.scene.name}: drive.compensate: what dead time takes depends on the ripple in "
+        raise scene.refusal(
+            f"drive.compensate: what dead time takes depends on the ripple in "
             f"the mode {bridge_mode(scene)}, and can't be made good; set drive.compensate = false "
-            "or take drive.mode = unipolar"
+            "or take drive.mode = unipolar",
+            "drive.compensate",
+            "drive.mode",
+            "drive.dead_time_s",
         )
     # Half the current that one dead time's voltage changes.
     side_a = 0.5 * bus_v * clocks / time.clock_hz / scene.controller.l_hat
@@ -227,11 +248,14 @@ def _check_sides(scene: Scene, side_a: float, sensor: Sensor) -> None:
     step_a = sensor.full_scale_a / (1 << (sensor.bits - 1))
     error_a = step_a + SIDE_NOISE * sensor.noise_a + abs(sensor.offset_a)
     if error_a > side_a:
-        raise SceneError(
-            f"{scene.scene.name}: drive.compensate: the ADC's step, noise and offset are "
+        raise scene.refusal(
+            f"drive.compensate: the ADC's step, noise and offset are "
             f"{error_a:.2g} A, and half of what a dead time moves a leg's current by is "
             f"{side_a:.2g} A, too little to tell its side; take a finer adc or set "
-            "drive.compensate = false"
+            "drive.compensate = false",
+            "drive.compensate",
+            "drive.dead_time_s",
+            "adc",
         )
 
 

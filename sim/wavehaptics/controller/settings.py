@@ -21,7 +21,7 @@ from wavehaptics.laws.anchor_choice import (
 )
 from wavehaptics.laws.reflection import WishError
 from wavehaptics.motor.supply import reached_v
-from wavehaptics.scene import Scene, SceneError
+from wavehaptics.scene import Scene
 from wavehaptics.scene.tables.controller import Controller
 from wavehaptics.words import formats
 
@@ -135,10 +135,12 @@ def settings(
     root_word = formats.ROOT.to_raw(closed_forms.root(r_hat))
     a_word = formats.A.to_raw(a)
     if a_word == 0:
-        raise SceneError(
-            f"{scene.scene.name}: controller.lambda = {control.lambda_:g} rad/s at a tick of "
+        raise scene.refusal(
+            f"controller.lambda = {control.lambda_:g} rad/s at a tick of "
             f"{tick_s:g} s gives a below the last place {formats.A.step:.1e}; "
-            "take a larger lambda or a slower tick"
+            "take a larger lambda or a slower tick",
+            "controller.lambda",
+            "controller.tick_hz",
         )
     if limit_v is None:
         limit_v = reached_v(scene)
@@ -151,7 +153,7 @@ def settings(
     try:
         shaper = design(scene, tick_s, tau_s, r_hat)
     except WishError as error:
-        raise SceneError(f"{scene.scene.name}: {error}") from None
+        raise scene.refusal(f"{error}", "shaper") from None
     shaped = np.ones(len(wall_min), dtype=np.bool_)
     if scene.shaper is not None and scene.shaper.walls is not None:
         shaped[:] = False
@@ -233,16 +235,20 @@ def _anchor_words(
         try:
             return format_.to_raw(value)
         except OverflowError as problem:
-            raise SceneError(
-                f"{scene.scene.name}: controller.{key} can't be had at this motor, encoder and "
-                f"tick: its word would be {problem}; take a finer encoder or a faster tick"
+            raise scene.refusal(
+                f"controller.{key} can't be had at this motor, encoder and "
+                f"tick: its word would be {problem}; take a finer encoder or a faster tick",
+                f"controller.{key}",
             ) from None
 
     if cells_per_a * most_a > formats.LONG.largest:
-        raise SceneError(
-            f"{scene.scene.name}: controller.anchor_auto can't be had: {most_a:g} A are "
+        raise scene.refusal(
+            f"controller.anchor_auto can't be had: {most_a:g} A are "
             f"{cells_per_a * most_a:.3g} cells of the encoder, more than {formats.LONG.largest:g}; "
-            "take a coarser encoder or a smaller adc.full_scale_a"
+            "take a coarser encoder or a smaller adc.full_scale_a",
+            "controller.anchor_auto",
+            "encoder.counts_per_rev",
+            "adc.full_scale_a",
         )
     flux = closed_forms.root(r_hat) * tick_s / (2.0 * cell_vs)
     owed = flux / formats.A.to_value(a_word) if _holds_position(control, shaper) else 0.0

@@ -26,7 +26,7 @@ from wavehaptics.parts.adcs import (
     modulator_frame,
     plain_frame,
 )
-from wavehaptics.scene import Scene, SceneError
+from wavehaptics.scene import Scene
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import HALF_BRIDGE, LOCKED, UNIPOLAR
 from wavehaptics.words.table import WORDS
@@ -163,18 +163,23 @@ def _soonest(
 
 def _check_early(scene: Scene, tick_clocks: int, made: Frame) -> None:
     """:class:`SceneError` where ``rtl/wh_early.v`` has no time for its words."""
-    place = f"{scene.scene.name}: controller.early_duty"
     if made.conversion_clocks < EARLY_PREPARE_CLOCKS:
-        raise SceneError(
-            f"{place}: the ADC's word is there {made.conversion_clocks} clocks after its frame's "
-            f"start, sooner than the {EARLY_PREPARE_CLOCKS} that are needed; take another adc.part"
+        raise scene.refusal(
+            f"controller.early_duty: the ADC's word is there {made.conversion_clocks} clocks after "
+            f"its frame's start, sooner than the {EARLY_PREPARE_CLOCKS} that are needed; take "
+            "another adc.part",
+            "controller.early_duty",
+            "adc.part",
         )
     needed = early_tick_clocks(anchored=scene.controller.anchored)
     if tick_clocks < needed:
         with_anchor = " with a port anchor" if scene.controller.anchored else ""
-        raise SceneError(
-            f"{place}: a tick of {tick_clocks} clocks is shorter than the {needed} that are "
-            f"needed{with_anchor}; lower controller.tick_hz or take a faster clock_hz"
+        raise scene.refusal(
+            f"controller.early_duty: a tick of {tick_clocks} clocks is shorter than the {needed} "
+            f"that are needed{with_anchor}; lower controller.tick_hz or take a faster clock_hz",
+            "controller.early_duty",
+            "controller.tick_hz",
+            "controller.clock_hz",
         )
 
 
@@ -223,13 +228,18 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
     try:
         tick_clocks, made = _tick_clocks(scene, tick_hz, halves, frame_at)
     except PartError as error:
-        raise SceneError(f"{scene.scene.name}: adc.part: {error}; take another clock_hz") from None
+        raise scene.refusal(
+            f"adc.part: {error}; take another clock_hz", "adc.part", "controller.clock_hz"
+        ) from None
     clock_hz = control.clock_hz if control.clock_hz is not None else tick_hz * tick_clocks
     if pwm_hz is None or pulse_hz is None:
         if tick_clocks % pulse_halves:
-            raise SceneError(
-                f"{scene.scene.name}: drive.mode = {bridge_mode(scene)} needs an even number of "
-                f"clocks in a tick, not {tick_clocks}; take another controller.clock_hz"
+            raise scene.refusal(
+                f"drive.mode = {bridge_mode(scene)} needs an even number of "
+                f"clocks in a tick, not {tick_clocks}; take another controller.clock_hz",
+                "drive.mode",
+                "controller.clock_hz",
+                "controller.tick_hz",
             )
         pulse_clocks = pulse_halves * _whole_part(
             tick_clocks // pulse_halves, SLOW_HALF_CLOCKS // pulse_halves
@@ -241,41 +251,53 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             twice = (
                 "twice pwm_hz" if pulse_halves == 1 else f"with mode = {bridge_mode(scene)} pwm_hz"
             )
-            raise SceneError(
-                f"{scene.scene.name}: drive.pwm_hz = {pwm_hz:g} Hz doesn't fit "
+            raise scene.refusal(
+                f"drive.pwm_hz = {pwm_hz:g} Hz doesn't fit "
                 f"controller.tick_hz = {control.tick_hz:g} Hz on `pins`; "
                 f"{twice} must be slower than tick_hz, or a multiple of it that divides its "
-                f"{tick_clocks} clocks{'' if pulse_halves == 1 else ', in two halves each'}"
+                f"{tick_clocks} clocks{'' if pulse_halves == 1 else ', in two halves each'}",
+                "drive.pwm_hz",
+                "controller.tick_hz",
             )
         pulse_clocks = tick_clocks // pulses
     half_clocks = pulse_clocks // pulse_halves
     limit = (1 << formats.TICK_W) - 1
     if tick_clocks > limit:
-        raise SceneError(
-            f"{scene.scene.name}: a tick of {tick_clocks} clocks is longer than `pins` can count; "
-            f"take controller.clock_hz <= {limit * tick_hz:g}"
+        raise scene.refusal(
+            f"a tick of {tick_clocks} clocks is longer than `pins` can count; "
+            f"take controller.clock_hz <= {limit * tick_hz:g}",
+            "controller.clock_hz",
+            "controller.tick_hz",
         )
     least = _min_tick_clocks(scene)
     if scene.motor.brushless and tick_clocks < least:
         anchors = " and their anchors" if scene.controller.anchored else ""
-        raise SceneError(
-            f"{scene.scene.name}: a tick of {tick_clocks} clocks is shorter than the "
+        raise scene.refusal(
+            f"a tick of {tick_clocks} clocks is shorter than the "
             f"{least} that `pins` needs for two ports{anchors}; take "
-            f"controller.clock_hz >= {least * tick_hz:g}"
+            f"controller.clock_hz >= {least * tick_hz:g}",
+            "controller.tick_hz",
+            "controller.clock_hz",
         )
     if half_clocks < MIN_HALF_CLOCKS:
-        raise SceneError(
-            f"{scene.scene.name}: a carrier half of {half_clocks} clocks of {clock_hz:g} Hz is "
+        raise scene.refusal(
+            f"a carrier half of {half_clocks} clocks of {clock_hz:g} Hz is "
             f"shorter than the {MIN_HALF_CLOCKS} that `pins` needs; lower drive.pwm_hz or "
-            "controller.tick_hz, or take a faster clock_hz"
+            "controller.tick_hz, or take a faster clock_hz",
+            "drive.pwm_hz",
+            "controller.tick_hz",
+            "controller.clock_hz",
         )
     # Without an ADC in the scene it is one of as many bits as a word has, and takes as long.
     if made.cycle_clocks > tick_clocks:
         name = (scene.adc and scene.adc.part) or "the ADC"
-        raise SceneError(
-            f"{scene.scene.name}: {name} needs {made.cycle_clocks} clocks of {clock_hz:g} Hz from "
+        raise scene.refusal(
+            f"{name} needs {made.cycle_clocks} clocks of {clock_hz:g} Hz from "
             f"sample to sample, and controller.tick_hz leaves {tick_clocks}; lower it or take "
-            "another clock_hz"
+            "another clock_hz",
+            "controller.clock_hz",
+            "adc.part",
+            "controller.tick_hz",
         )
     sections = scene.shaper.sections if scene.shaper else 0
 
@@ -320,10 +342,11 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
     latency = latency_clocks(made.conversion_clocks, 1, sections, early, anchored, brushless)
     if extra < natural:
         late = " and a sample" if made.pipeline else ""
-        raise SceneError(
-            f"{scene.scene.name}: controller.extra_ticks = {extra} is less than "
+        raise scene.refusal(
+            f"controller.extra_ticks = {extra} is less than "
             f"`pins` needs: {latency} clocks{late} from sample to duty are {natural} ticks of "
-            f"{tick_clocks} clocks; set extra_ticks = {natural} or more"
+            f"{tick_clocks} clocks; set extra_ticks = {natural} or more",
+            "controller.extra_ticks",
         )
     return Timing(
         clock_hz, half_clocks, tick_clocks // half_clocks, tick_clocks // samples, samples,
@@ -336,15 +359,18 @@ def dead_clocks(scene: Scene, clock_hz: float) -> int:
     dead_s = scene.drive.dead_time_s if scene.drive else 0.0
     clocks = round(dead_s * clock_hz)
     if dead_s and not clocks:
-        raise SceneError(
-            f"{scene.scene.name}: drive.dead_time_s = {dead_s:g} s is less than half a clock of "
-            f"`pins`, which would be none; take {1 / clock_hz:.3g} s or more, or leave it out"
+        raise scene.refusal(
+            f"drive.dead_time_s = {dead_s:g} s is less than half a clock of "
+            f"`pins`, which would be none; take {1 / clock_hz:.3g} s or more, or leave it out",
+            "drive.dead_time_s",
         )
     if clocks > MOST_DEAD_CLOCKS:
-        raise SceneError(
-            f"{scene.scene.name}: drive.dead_time_s = {dead_s:g} s is {clocks} "
+        raise scene.refusal(
+            f"drive.dead_time_s = {dead_s:g} s is {clocks} "
             f"clocks of `pins`, which counts {MOST_DEAD_CLOCKS}; "
-            f"take controller.clock_hz <= {MOST_DEAD_CLOCKS / dead_s:g}"
+            f"take controller.clock_hz <= {MOST_DEAD_CLOCKS / dead_s:g}",
+            "drive.dead_time_s",
+            "controller.clock_hz",
         )
     return clocks
 

@@ -29,8 +29,19 @@ PIN_LINES = {
 _ECP5_BUFFER = re.compile(
     r'^[ \t]*IOBUF[ \t]+PORT[ \t]+"(?P<port>[^"]+)"(?P<rest>[^;]*);', re.MULTILINE
 )
-_INPUTS = re.compile(r"(adc_sdata|enc_a|enc_b|button_start|button_start_n|start_n|stop)(\[\d+\])?")
-"""Ports that come in by a wire or a button."""
+_PULLS = {
+    "UP": re.compile(r"(adc_sdata|enc_a|enc_b|button_start_n|start_n|stop|uart_rx)(\[\d+\])?"),
+    "DOWN": re.compile(r"button_start"),
+}
+"""Ports that come in by a wire or a button, and where one that is off has to leave them."""
+
+_CURES = {
+    "ice40": {
+        "UP": "give it set_io -pullup yes",
+        "DOWN": "an iCE40 pulls up only, so take a button to ground",
+    },
+    "ecp5": {"UP": "give it PULLMODE=UP", "DOWN": "give it PULLMODE=DOWN"},
+}
 
 
 @dataclass(frozen=True)
@@ -59,7 +70,7 @@ def read_pins(text: str, family: str) -> list[Pin]:
 
 
 def check(board: Board, constraints: Path | None = None) -> None:
-    """:class:`BoardError` at the first pin that isn't the board's to use, or that floats."""
+    """:class:`BoardError` at the first pin that isn't the board's to use, or is pulled wrongly."""
     path = constraints or board.root / board.constraints
     name = board.constraints if constraints is None else constraints
     table = f"{Path('boards') / (board.fpga.pins_of or board.name)}/fpga.toml"
@@ -75,6 +86,8 @@ def check(board: Board, constraints: Path | None = None) -> None:
             raise BoardError(f"{place}, which is taken: {owner} ({table}); take a free pin")
         if owner is None and pin.site not in free:
             raise BoardError(f"{place}, unknown to {table}; enter it there as free or taken")
-        if _INPUTS.fullmatch(pin.port) and not pin.pull:
-            cure = "set_io -pullup yes" if board.fpga.family == "ice40" else "PULLMODE=UP"
-            raise BoardError(f"{place} and floats where its wire is off; give it {cure}")
+        wanted = next((pull for pull, of in _PULLS.items() if of.fullmatch(pin.port)), pin.pull)
+        if pin.pull != wanted:
+            found = f"is pulled {pin.pull}" if pin.pull else "floats"
+            cure = _CURES[board.fpga.family][wanted]
+            raise BoardError(f"{place} and {found} where its wire is off; {cure}")

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a board does with a motor before anyone solders: a tap on its wall, and a hold.
 
+A brushless motor is tapped and held with half the torque; what it has no brushes for isn't wrong.
+
 Both are the scene of the board's ``board.toml`` with another hand, on what was flashed
 (:mod:`wavehaptics.fpga.board_simulation`).
 """
@@ -16,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from wavehaptics.controller.ports import bus_voltage
-from wavehaptics.fpga.board_simulation import BoardSimulation, Build, board_scene
+from wavehaptics.fpga.board_simulation import Build, board_scene, on_board
 from wavehaptics.fpga.boards import Board
 from wavehaptics.ladder.run import measure
 from wavehaptics.runtime.files import write_json
@@ -28,16 +30,22 @@ TAP = ("hand.path=taps", "hand.amplitude_rad=0.05", "hand.frequency_hz=10", "han
        "scene.duration_s=0.055", "scene.trace_hz=100e3", "adc.noise_a=1e-3")  # fmt: skip
 """Into the wall and to the deepest point; words without any noise are a stuck ADC to the guard."""
 
-PRESS_NM = 0.014
-"""Torque of the hold, N·m."""
+PRESS_NM = {False: 0.014, True: 0.007}
+"""Torque of the hold, N·m, by whether the motor is brushless."""
 
-RAMP_S, HOLD_S = 0.05, 0.06
+RAMP_S, HOLD_S = 0.05, {False: 0.06, True: 0.2}
 """The press's ramp, and how long it is held after that."""
 
-PRESS = {"path": "press", "amplitude_rad": 0.15, "stiffness": 0.1, "damping": 0.5e-3}
+PRESS = {
+    False: {"path": "press", "amplitude_rad": 0.15, "stiffness": 0.1, "damping": 0.5e-3},
+    True: {"path": "press", "amplitude_rad": 0.15, "stiffness": 0.05, "damping": 0.3e-3},
+}
 
 LAG_S = 0.3e-6
 BRUSH_V = 0.5
+
+MAGNET_RAD = 0.3
+"""Where the magnets of a held brushless motor are, which nobody has told."""
 
 SHOWN = ("stiffness", "stiffness_predicted", "peak_torque", "held_nm", "moved_cells",
          "moved_limit_cells", "hold_ripple_rms", "free_space_torque_rms", "clock_cycles",
@@ -57,9 +65,11 @@ def hold(board: Board, sign: int = 1) -> Scene:
     contact noise, a slow amplifier, a supply that steps; and of R, L, k_T, gain and offset the
     board knows others by ``sign`` times what a motor may be off.
     """
+    if board.brushless:
+        return _brushless_hold(board, sign)
     controller, motor, bus_v = board.scene.controller, board.scene.motor, bus_voltage(board.scene)
     return board_scene(board, (
-        f"scene.duration_s={RAMP_S + HOLD_S}", "scene.trace_hz=100e3",
+        f"scene.duration_s={RAMP_S + HOLD_S[False]}", "scene.trace_hz=100e3",
         # The bitstream's own words, whatever the motor is.
         f"controller.r_hat={controller.r_hat!r}", f"controller.l_hat={controller.l_hat!r}",
         f"controller.k_t_hat={controller.k_t_hat!r}",
@@ -68,10 +78,25 @@ def hold(board: Board, sign: int = 1) -> Scene:
         f"motor.k_t={motor.k_t / (1 + 0.1 * sign)!r}",
         f"brushes.drop_v={BRUSH_V}", "brushes.knee_a=5e-3", "brushes.segments=22",
         f"brushes.ripple={0.04 * sign}", "brushes.contact_noise=0.03", "brushes.noise_s=1e-3",
-        f"drive.step_v={0.05 * sign * bus_v!r}", f"drive.step_s={RAMP_S + 0.5 * HOLD_S}",
+        f"drive.step_v={0.05 * sign * bus_v!r}", f"drive.step_s={RAMP_S + 0.5 * HOLD_S[False]}",
         f"drive.gain_error={0.05 * sign}", f"adc.offset_a={4e-3 * sign}", "adc.noise_a=1e-3",
         f"adc.bandwidth_hz={1 / (2 * math.pi * LAG_S):.6g}",
-    ), PRESS)  # fmt: skip
+    ), PRESS[False])  # fmt: skip
+
+
+def _brushless_hold(board: Board, sign: int) -> Scene:
+    """As :func:`hold`, of a brushless motor.
+
+    R̂ is off by a tenth, the drive's gain, the zero of both phases, and the back-EMF's shape.
+    """
+    controller, motor = board.scene.controller, board.scene.motor
+    return board_scene(board, (
+        f"scene.duration_s={RAMP_S + HOLD_S[True]}", "scene.trace_hz=100e3",
+        f"controller.r_hat={controller.r_hat!r}", f"motor.R_ohm={motor.R_ohm / (1 + 0.1 * sign)!r}",
+        f"controller.magnet_hat_rad={controller.magnet_hat_rad!r}",
+        f"motor.magnet_rad={MAGNET_RAD}", "motor.harmonic_5=0.03",
+        f"drive.gain_error={0.05 * sign}", f"adc.offset_a={2e-3 * sign}", "adc.noise_a=1e-3",
+    ), PRESS[True])  # fmt: skip
 
 
 class _Deepest:
@@ -99,7 +124,7 @@ def run(
     It is started by its button, or ``by_line``.
     With ``out``, a folder, they go into ``<name>.json`` there, and a picture into ``<name>.png``.
     """
-    simulation = BoardSimulation(built, scene, by_line=by_line)
+    simulation = on_board(built, scene, by_line=by_line)
     tick_s = simulation.tick_s
     ticks = max(1, round(scene.scene.duration_s / tick_s))
     trace = None

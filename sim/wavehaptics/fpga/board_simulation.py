@@ -19,20 +19,25 @@ import json
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from wavehaptics.controller.ports import Ports, controller_ports
+from wavehaptics.controller.settings import Settings
 from wavehaptics.fpga import placed, synthesis
+from wavehaptics.fpga.board_words import BoardWords, brushless_words
 from wavehaptics.fpga.boards import Board, BoardError
-from wavehaptics.ladder import pins_loop, verilated
+from wavehaptics.ladder import brushless_pins, pins_loop, verilated
+from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.linked_pins import write_frame
 from wavehaptics.ladder.pins import PinsSimulation, wire
+from wavehaptics.motor.brushless import BrushlessPlant
+from wavehaptics.motor.plant import OMEGA, C, P, R, S, X
 from wavehaptics.motor.sensor import NOISE, sample_code
-from wavehaptics.parts.adcs import PARTS, Frame, frame
+from wavehaptics.parts.adcs import PARTS, Frame, Part, frame
 from wavehaptics.runtime.compiled import compiled_counting
 from wavehaptics.runtime.files import digest_of, write_text
 from wavehaptics.runtime.native_call import call2
@@ -40,7 +45,7 @@ from wavehaptics.runtime.repository import SHIMS
 from wavehaptics.runtime.toolchain import Toolchain
 from wavehaptics.scene import Scene, load_scene
 from wavehaptics.scene.tables.hand import Hand
-from wavehaptics.trace.columns import Column
+from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words.modbus import BAUDS
 from wavehaptics.words.table import WORDS
 
@@ -48,6 +53,12 @@ OUT = Path("build", "netlists")
 """Where the simulated files go, from the root."""
 
 BENCH = "wh_board_bench"
+
+GATES = {
+    False: ("gate_ah", "gate_al", "gate_bh", "gate_bl"),
+    True: ("gate_ah", "gate_bh", "gate_ch", "gate_al", "gate_bl", "gate_cl"),
+}
+"""Ports of a board's gates as the loops have them, by whether its motor is brushless."""
 
 PRESS_CLOCKS = (700, 300, 1500, 100, 2200, 900)
 """How long the start button closes and opens by turns before it stays closed."""
@@ -57,6 +68,12 @@ COUNT_CLOCKS = 400
 
 LONGEST_START = 2_000_000
 """Clocks from pressing the button until the gates go on, at most."""
+
+SWING_TURNS = 6.0
+"""Turns of a brushless motor's magnets in which a board that doesn't know their angle finds it."""
+
+SWING_S, SWING_STIFFNESS, SWING_DAMPING = 0.1, 0.05, 0.5e-3
+"""How long a hand takes for them, and how it holds the rotor, N·m/rad and N·m·s/rad."""
 
 _PIECE = 4096
 _UNSEEN = [Column.ETA, Column.U, Column.V, Column.CORRECTION, Column.X_HAT, Column.OMEGA_HAT,
@@ -103,11 +120,14 @@ def board_scene(
 
 
 def bench(board: Board, ports: dict[str, str]) -> str:
-    """A top with the same pins for each board; ``ports`` are the board's, with their directions."""
+    """A top with the same pins for each board; ``ports`` are the board's, with their directions.
+
+    A brushless motor's has more gates and ADCs.
+    """
     roles = {"adc_sdata": "sdata", "enc_a": "a", "enc_b": "b", "stop": "stop",
              "adc_cs_n": "cs_n", "adc_sclk": "sclk", "alive": "alive",
-             "gate_ah": "gates[0]", "gate_al": "gates[1]", "gate_bh": "gates[2]",
-             "gate_bl": "gates[3]", "uart_rx": "rx", "uart_tx": "tx"}  # fmt: skip
+             **{gate: f"gates[{n}]" for n, gate in enumerate(GATES[board.brushless])},
+             "uart_rx": "rx", "uart_tx": "tx"}  # fmt: skip
     # Nobody presses the reset.
     shown = {"button_start": "start", "start": "start", "button_reset": "1'b0",
              "led_running": "running", "led_fault": "fault", "led_contact": "contact"}  # fmt: skip
@@ -133,11 +153,13 @@ def bench(board: Board, ports: dict[str, str]) -> str:
         )
     lines += [f"    assign {role} = 1'b{level};" for role, level in (("contact", 0), ("tx", 1))
               if role not in found]  # fmt: skip
+    adcs = f" [{len(board.adc_lines) - 1}:0]" if len(board.adc_lines) > 1 else ""
+    gates = len(GATES[board.brushless])
     return "\n".join([
         f"module {BENCH} (",
-        "    input clk, input watch_clk, input start, input stop, input sdata, input a, input b,",
-        "    input rx, output tx, output [3:0] gates, output cs_n, output sclk, output alive,",
-        "    output running, output fault, output contact",
+        f"    input clk, input watch_clk, input start, input stop, input{adcs} sdata, input a,",
+        f"    input b, input rx, output tx, output [{gates - 1}:0] gates, output cs_n,",
+        "    output sclk, output alive, output running, output fault, output contact",
         ");", *lines, f"    {board.name} board (", ",\n".join(pins), "    );", "endmodule", "",
     ])  # fmt: skip
 
@@ -186,6 +208,7 @@ def build(
     arguments = [
         # The libraries' models widen and leave pins open as they like.
         "-Wno-fatal", "-Wno-lint", "-Wno-style", *optimised,
+        "-CFLAGS", f"-DWH_BOARD_LEGS={board.fpga.legs}",
         *(f"-I{path}" for path in includes),
         *(f"-D{name}={value}" for name, value in board.defines.items()),
         str(SHIMS / "board_shim.cpp"), *map(str, sources),
@@ -221,36 +244,57 @@ def _rest(kept, ints, sensor, rng, clocks):
     return clocks
 
 
-class BoardSimulation(PinsSimulation):
-    """``scene`` on a board that was built: at the constructor's end its gates have gone on.
+class BoardSimulation:
+    """What a simulated board has of its own, beside the loop of its kind of motor.
 
-    The scene says what is connected to the board and what the hand does; its walls and what else
-    the bitstream holds must be the board's own. With ``by_line`` nobody presses the button: the
-    word ``arm`` is written over the board's line, and not renewed.
+    :func:`on_board` makes one. At the constructor's end the board's gates have gone on.
     """
 
     PREFIX = "wh_board"
+    _INPUTS_SHIFT: int
+    """Inputs of the shim before the encoder's."""
 
-    def __init__(self, built: Build, scene: Scene, *, by_line: bool = False) -> None:
+    _built: Build
+    _by_line: bool
+    _part: Part
+    _kept: np.ndarray
+    _model: int | None
+    tick_s: float
+    settings: Settings
+
+    def _prepare(self, built: Build, by_line: bool) -> None:
         self._built = built
         self._by_line = by_line
         self._part = PARTS[built.board.fpga.adc]
-        super().__init__(scene)
-        # Of the anchor nothing is seen either.
-        self._ints[pins_loop.ANCHORED] = 0
+
+    def _start(self) -> None:
+        """Switch the board on; the last of a constructor."""
         self._walls = np.array(
             [(low * self.settings.cell_rad, high * self.settings.cell_rad) for low, high in zip(
                 self.settings.wall_min, self.settings.wall_max, strict=True)]
         )  # fmt: skip
         self._switch_on()
         # Until alive has told where ticks begin, rows have no certain length.
-        super().advance(np.zeros((2, len(Column))), np.zeros((2, 4), dtype=np.int64))
+        self._loop(np.zeros((2, len(Column))), np.zeros((2, len(Word)), dtype=np.int64))
 
-    def _ports_of(self, scene: Scene, most_samples: int) -> Ports:
-        del most_samples
-        registers = self._built.board.fpga.pad_registers
+    def _loop(self, rows: np.ndarray, words: np.ndarray) -> None:
+        """Simulate as ``pins`` does."""
+        raise NotImplementedError
+
+    def _rest_for(self, clocks: int) -> bool:
+        """Let ``clocks`` pass with the motor at rest; False if the gates went on before."""
+        raise NotImplementedError
+
+    @property
+    def clock_cycles(self) -> int:
+        """Clocks since its gates went on."""
+        return int(self._kept[pins_loop.NOW])
+
+    def _board_ports(self, scene: Scene) -> Ports:
+        board = self._built.board
+        registers = board.fpga.pad_registers
         ports = controller_ports(scene, lambda clock_hz, _: frame(self._part, clock_hz, registers))
-        _same_settings(self._built.board.words().ports, ports)
+        _same_settings(board.words(), scene, ports)
         return ports
 
     def _wire(self, scene: Scene, frame: Frame) -> tuple[int, int]:
@@ -259,8 +303,10 @@ class BoardSimulation(PinsSimulation):
         shift, level = wire(self._part, frame)
         return shift + frame.pad_clocks, level
 
-    def _begin(self, scene: Scene, ports: Ports, host: bool) -> None:
-        del scene, host
+    def _function(self, name: str) -> Any:
+        return getattr(self._library, f"{self.PREFIX}_{name}")
+
+    def _power_up(self, ports: Ports) -> None:
         self._library = ctypes.CDLL(str(self._built.library))
         verilated.declare_destructor(self._function("delete"))
         self._library.wh_board_press.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]
@@ -273,7 +319,7 @@ class BoardSimulation(PinsSimulation):
             function.restype = ctypes.c_int64
         new.restype = ctypes.c_void_p
         at_reset = self._built.board.words().ports.start_count
-        levels = pins_loop.encoder_levels.py_func(at_reset)
+        levels = pins_loop.encoder_levels.py_func(at_reset) << self._INPUTS_SHIFT
         time = ports.timing
         bit_clocks = round(16 * time.clock_hz / BAUDS[0])
         watch = 2 * self._watch_hz() / time.clock_hz
@@ -289,10 +335,6 @@ class BoardSimulation(PinsSimulation):
         return synthesis.OSCILLATOR_HZ / int(divider[1]) if divider else 0.0
 
     # ---- What a person does.
-
-    def _rest_for(self, clocks: int) -> bool:
-        """Let ``clocks`` pass with the motor at rest; False if the gates went on before."""
-        return _rest(self._kept, self._ints, self._sensor, self._rng, clocks) == clocks
 
     def _switch_on(self) -> None:
         start, at_reset = (int(self._kept[pins_loop.COUNT]),
@@ -353,7 +395,7 @@ class BoardSimulation(PinsSimulation):
 
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """As ``pins`` does; what nobody sees at the pins is NaN, and there are no words."""
-        super().advance(rows, words)
+        self._loop(rows, words)
         x = rows[:, Column.X]
         inside = np.zeros(len(rows), dtype=bool)
         for low, high in self._walls:
@@ -363,11 +405,115 @@ class BoardSimulation(PinsSimulation):
         rows[:, Column.SATURATED] = 0.0
 
 
-def _same_settings(ours: Ports, scenes: Ports) -> None:
-    """What the scene asks for is in the bitstream; its walls are counted from where it begins."""
+class _BrushesOnBoard(BoardSimulation, PinsSimulation):
+    """A board with a motor with brushes."""
+
+    PREFIX = BoardSimulation.PREFIX
+    _INPUTS_SHIFT = 0
+
+    def __init__(self, built: Build, scene: Scene, by_line: bool) -> None:
+        self._prepare(built, by_line)
+        PinsSimulation.__init__(self, scene)
+        # Of the anchor nothing is seen either.
+        self._ints[pins_loop.ANCHORED] = 0
+        self._start()
+
+    def _ports_of(self, scene: Scene, most_samples: int) -> Ports:
+        del most_samples
+        return self._board_ports(scene)
+
+    def _begin(self, scene: Scene, ports: Ports, host: bool) -> None:
+        del scene, host
+        self._power_up(ports)
+
+    def _loop(self, rows: np.ndarray, words: np.ndarray) -> None:
+        PinsSimulation.advance(self, rows, words)
+
+    def _rest_for(self, clocks: int) -> bool:
+        return _rest(self._kept, self._ints, self._sensor, self._rng, clocks) == clocks
+
+
+class _BrushlessOnBoard(BoardSimulation, BrushlessPinsSimulation):
+    """A board with a brushless motor."""
+
+    PREFIX = BoardSimulation.PREFIX
+    _INPUTS_SHIFT = 1
+
+    def __init__(self, built: Build, scene: Scene, by_line: bool) -> None:
+        self._prepare(built, by_line)
+        BrushlessPinsSimulation.__init__(self, scene)
+        self._ints[brushless_pins.ANCHORED] = 0
+        if scene.controller.find_magnet:
+            self._start_with_a_swing(scene)
+        else:
+            self._start()
+
+    def _ports_of(self, scene: Scene) -> Ports:
+        return self._board_ports(scene)
+
+    def _begin(self, scene: Scene, ports: Ports) -> None:
+        del scene
+        self._power_up(ports)
+
+    def _start_with_a_swing(self, scene: Scene) -> None:
+        """Begin some turns of the magnets away, from where a hand brings the rotor once it runs.
+
+        By that the board finds their angle. The hand stops where the scene begins.
+        """
+        scenes, load, steps = self._z.copy(), self._load, self._steps
+        plant = BrushlessPlant.of_scene(scene)
+        way = SWING_TURNS * 2 * math.pi / plant.pole_pairs
+        hand = replace(
+            plant.plant, hand_stiffness=SWING_STIFFNESS, hand_damping=SWING_DAMPING,
+            hand_omega=math.pi / SWING_S, ramp_end_s=math.inf,
+        )  # fmt: skip
+        plant = replace(plant, plant=hand)
+        self._load = plant.words()
+        self._steps = np.stack([plant.step_words(n / self.timing.clock_hz)
+                                for n in range(len(steps))])  # fmt: skip
+        self._z[X] -= way
+        self._z[OMEGA] = 0.0
+        self._z[[P, R, C, S]] = scenes[P] + scenes[C] - 0.5 * way, 0.0, -0.5 * way, 0.0
+        self._kept[pins_loop.COUNT] = math.floor(self._z[X] / self.settings.cell_rad)
+        self.forget_the_past()
+        self._start()
+        ticks = round(SWING_S / self.tick_s)
+        self._loop(np.zeros((ticks, len(Column))), np.zeros((ticks, len(Word)), dtype=np.int64))
+        self._load, self._steps = load, steps
+        self._z[[P, R, C, S]] = scenes[[P, R, C, S]]
+        self.forget_the_past()
+
+    def _loop(self, rows: np.ndarray, words: np.ndarray) -> None:
+        BrushlessPinsSimulation.advance(self, rows, words)
+
+    def _rest_for(self, clocks: int) -> bool:
+        went = brushless_pins.rest(
+            self._z, self._kept, self._ints, self._sensor, self._rng, clocks
+        )  # fmt: skip
+        return went == clocks
+
+
+def on_board(built: Build, scene: Scene, *, by_line: bool = False) -> BoardSimulation:
+    """``scene`` on a board that was built, whose gates have gone on.
+
+    The scene says what is connected to the board and what the hand does; its walls and what else
+    the bitstream holds must be the board's own. With ``by_line`` nobody presses the button: the
+    word ``arm`` is written over the board's line, and not renewed.
+    """
+    kind = _BrushlessOnBoard if built.board.brushless else _BrushesOnBoard
+    return kind(built, scene, by_line)
+
+
+def _same_settings(board: BoardWords, scene: Scene, scenes: Ports) -> None:
+    """What the scene asks for is in the bitstream; its walls are counted from where it begins.
+
+    So is the magnets' angle, but from where the board begins.
+    """
+    ours = board.ports
     moved = scenes.start_count - ours.start_count
-    held = {**ours.words, **ours.settings.words()}
-    asked = {**scenes.words, **scenes.settings.words()}
+    own = brushless_words(scene, scenes, ours.start_count) or {}
+    held = {**ours.words, **ours.settings.words(), **(board.own or {})}
+    asked = {**scenes.words, **scenes.settings.words(), **own}
     different = {key for key in held if asked.get(key) != held[key]}
     if [(low + moved, high + moved) for low, high in scenes.walls] != ours.walls:
         different |= {"walls"}

@@ -1,33 +1,47 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a board's scene to the words that its bitstream holds, as Verilog macros.
 
-A board's top gives ``wh_controller`` constants instead of registers. They are computed here from
-the board's scene and from the data sheet of its ADC, so that no number is typed twice; what they
-leave open has its default of ``rtl/words.toml``.
+A board's top gives ``wh_controller``, or ``wh_brushless``, constants instead of registers. They are
+computed here from the board's scene and from the data sheet of its ADC, so that no number is typed
+twice; what they leave open has its default of ``rtl/words.toml``.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
 
 from wavehaptics.controller import guard
-from wavehaptics.controller.pins_timing import CORE_CLOCKS, SECTION_CLOCKS, early_tick_clocks
+from wavehaptics.controller.pins_timing import (
+    AXES,
+    CORE_CLOCKS,
+    SECTION_CLOCKS,
+    early_tick_clocks,
+    shared_tick_clocks,
+)
 from wavehaptics.controller.ports import Ports, controller_ports
+from wavehaptics.controller.rotor_flux import ANGLE_W
 from wavehaptics.controller.tick_layout import natural_ticks
 from wavehaptics.ladder.abilities import refuse
+from wavehaptics.ladder.brushless import rotor_angles
 from wavehaptics.parts.adcs import Part, frame
-from wavehaptics.scene import Scene, SceneError
+from wavehaptics.scene import Scene
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
-from wavehaptics.words.generated import LICENCE, connections, settings_rom
+from wavehaptics.words.generated import LICENCE, connections, constants, settings_rom
 from wavehaptics.words.memory import apart
 from wavehaptics.words.table import WORDS, Sizes, Values
 
 ZERO_A = 0.1
 """Offset of the current beyond which a board's sensor isn't what the scene says."""
 
+LEGS = 2
+"""Half bridges of a motor with brushes."""
+
+THREE_PHASE_LEGS = 3
+"""Those of a brushless one, whose currents are measured in two phases."""
 
 LINKED_WALLS = 4
 """Walls of a motor, at least, where they can be changed."""
@@ -61,6 +75,11 @@ class BoardWords:
     """Whether live words can be sent as a stream."""
     host: bool = False
     """Whether a computer on the line can have the environment."""
+    own: dict[str, list[tuple[int, int]]] | None = None
+    """What ``rtl/wh_brushless.v`` is told besides the table's words, (word, bits) from the lowest;
+    None for motors with brushes."""
+    shared: bool = False
+    """Whether one multiplier makes the wave core's products as well as all others."""
 
     @property
     def walls(self) -> int:
@@ -72,24 +91,27 @@ def board_words(
     scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False,
     pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
     delay_log2: int = 1, linked: bool = False, capture: int = 0,
-    stream: bool = False,
+    stream: bool = False, legs: int = LEGS, shared: bool = False,
 ) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
+
+    A motor has ``legs`` half bridges; with three it is a brushless one, with two converters.
 
     ``pad_registers`` are those of :func:`wavehaptics.parts.adcs.frame`; a current of ``trip_a``
     takes the gates off, and an offset of more than ``zero_a`` is a fault. :class:`SceneError` where
     the scene's ADC isn't the part, or its clock or tick doesn't suit it. The delay line has
-    2^``delay_log2`` steps or more.
+    2^``delay_log2`` steps or more. ``shared`` is the multiplier, which W has no room in.
     """
     refuse(scene, "a board")
+    _check_legs(scene, legs)
     if scene.adc is None or scene.adc.bits != part.bits:
-        raise SceneError(f"{_at(scene)}the board's ADC has {part.bits} bits; set adc.bits so")
+        raise scene.refusal(f"the board's ADC has {part.bits} bits; set adc.bits so", "adc.bits")
     if scene.adc.part not in (None, part.name):
-        raise SceneError(f"{_at(scene)}the board's ADC is an {part.name}; set adc.part so")
+        raise scene.refusal(f"the board's ADC is an {part.name}; set adc.part so", "adc.part")
     ports = controller_ports(scene, lambda clock_hz, _: frame(part, clock_hz, pad_registers))
     words = {
         **ports.words, **_each_motor(ports.settings.words(), motors),
-        "hold_ticks": _hold_ticks(scene, ports, motors),
+        "hold_ticks": _hold_ticks(scene, ports, motors, shared),
         "zero_limit": min(
             round(zero_a / formats.GAIN.to_value(ports.words["gain"])),
             WORDS["zero_limit"].fixed.raw_max,
@@ -98,13 +120,49 @@ def board_words(
     if trip_a is not None:
         words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
     if scene.host is not None and not linked:
-        raise SceneError(f"{_at(scene)}the board has no link to a host; leave [host] out")
+        raise scene.refusal("the board has no link to a host; leave [host] out", "host")
+    if shared and scene.shaper is not None:
+        raise scene.refusal(
+            "[shaper] needs a multiplier that the wave core has for itself; leave it out, "
+            "or shared_multiplier of the board's fpga.toml",
+            "shaper",
+        )
     delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
     word = _guard(scene, ports, trip_a) if guarded else None
     return BoardWords(
         ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked and stream,
-        scene.host is not None,
+        scene.host is not None, brushless_words(scene, ports, ports.start_count), shared,
     )  # fmt: skip
+
+
+def _check_legs(scene: Scene, legs: int) -> None:
+    """:class:`SceneError` where the scene's motor isn't one for the board's half bridges."""
+    if scene.motor.brushless != (legs == THREE_PHASE_LEGS):
+        needed = THREE_PHASE_LEGS if scene.motor.brushless else LEGS
+        raise scene.refusal(
+            f'motor.kind = "{scene.motor.kind}" needs {needed} half bridges, and the '
+            f"board has {legs} (legs of its fpga.toml); take another motor or another board",
+            "motor.kind", "motor.preset",
+        )  # fmt: skip
+
+
+def brushless_words(
+    scene: Scene, ports: Ports, start_count: int
+) -> dict[str, list[tuple[int, int]]] | None:
+    """What ``rtl/wh_brushless.v`` is told besides; None for a motor with brushes.
+
+    The rotor is at ``start_count`` at reset.
+    """
+    if not scene.motor.brushless:
+        return None
+    turn, zero = rotor_angles(scene, ports.settings, start_count)
+    return {
+        "phase_zero": [(0, formats.SUM_W)] * AXES,
+        "phase_gain": [(ports.words["gain"], formats.COEF_W)] * AXES,
+        "count_angle": [(turn, ANGLE_W)],
+        "zero_angle": [(zero, ANGLE_W)],
+        "find_magnet": [(int(scene.controller.find_magnet), 1)],
+    }
 
 
 def _each_motor(words: Values, motors: int) -> dict[str, Any]:
@@ -114,16 +172,19 @@ def _each_motor(words: Values, motors: int) -> dict[str, Any]:
 
 
 def _guard(scene: Scene, ports: Ports, trip_a: float | None) -> int:
+    if scene.thermal is not None and scene.thermal.ambient_c >= guard.WINDING_MOST_C:
+        raise SceneError(
+            f"{_at(scene)}thermal.ambient_c = {scene.thermal.ambient_c:g} °C leaves a winding "
+            f"nothing that bears {guard.WINDING_MOST_C:g} °C; lower it"
+        )
     limits = guard.board_limits(scene, ports, trip_a)
     return guard.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)
 
 
-def _at(scene: Scene) -> str:
-    return f"{scene.scene.name}: "
-
-
-def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
+def _hold_ticks(scene: Scene, ports: Ports, motors: int, shared: bool) -> int:
     """Ticks that a voltage waits, so that the latency is the scene's ``extra_ticks``."""
+    if scene.motor.brushless:
+        return ports.timing.hold_ticks  # of one motor, whose tick is long enough
     laid, lead = ports.timing, ports.words["sample_lead"] - ports.words["sample_late"]
     sections = len(ports.settings.shaper.words)
     natural = natural_ticks(
@@ -132,17 +193,21 @@ def _hold_ticks(scene: Scene, ports: Ports, motors: int) -> int:
     )  # fmt: skip
     extra = ports.settings.extra_ticks
     if extra < natural:
-        raise SceneError(
-            f"{_at(scene)}controller.extra_ticks = {extra} is less than the board needs: a voltage "
+        raise scene.refusal(
+            f"controller.extra_ticks = {extra} is less than the board needs: a voltage "
             f"is ready {natural} ticks of {laid.tick_clocks} clocks late; set extra_ticks = "
-            f"{natural} or more"
+            f"{natural} or more",
+            "controller.extra_ticks",
         )
     early = early_tick_clocks(motors, ports.settings.anchored)
     needed = early if laid.early else (CORE_CLOCKS + SECTION_CLOCKS * sections) * motors
+    if shared:
+        needed = max(needed, shared_tick_clocks(motors, ports.settings.anchored))
     if needed > laid.tick_clocks:
-        raise SceneError(
-            f"{_at(scene)}a tick of {laid.tick_clocks} clocks is shorter than the "
-            f"{needed} that {motors} motors need; lower controller.tick_hz"
+        raise scene.refusal(
+            f"a tick of {laid.tick_clocks} clocks is shorter than the "
+            f"{needed} that {motors} motors need; lower controller.tick_hz",
+            "controller.tick_hz",
         )
     return extra - natural
 
@@ -182,31 +247,55 @@ def verilog_header(board: BoardWords, source: str) -> str:
     """Text of ``wh_board_settings.vh``; ``source`` is named in it as where the numbers are from."""
     words, timing = board.words, board.ports.timing
     sections = len(board.ports.settings.shaper.words)
-    hardware = {
-        "N": board.motors,
-        "WALLS": board.walls,
-        "MODES": int(words["mode"] != MODE_WORDS[UNIPOLAR]),
-        "SHORTEST": int(words["min_pulse"] > 0),
-        "DELAY_LOG2": board.delay_log2,
-        "EARLY": int(timing.early),
-        "SHAPER": sections,
-        "ANCHOR": int(board.ports.settings.anchored),
-        "GUARDED": int(board.guard is not None),
-        "LINKED": int(board.linked),
-        "CAPTURE": board.capture,
-        "STREAM": int(board.stream),
-        "HOST": int(board.host),
-        "CLOCK_HZ": round(timing.clock_hz),
-        "BUILD": build_number(),
-    }
     sizes = Sizes(board.motors, board.walls, sections, board.delay_log2)
     values = first_values(board, board.motors)
+    driven = ("clear", "zero_start")
+    hardware = {
+        "WALLS": board.walls,
+        "SHORTEST": int(words["min_pulse"] > 0),
+        "DELAY_LOG2": board.delay_log2,
+        "ANCHOR": int(board.ports.settings.anchored),
+        "GUARDED": int(board.guard is not None),
+    }
+    if board.own is not None:
+        top = "wh_brushless"
+        hardware["COMPENSATE"] = words["compensate"]
+        asked = [name for name in inputs_of(top) if name not in (*_BRUSHLESS_PINS, *driven)]
+        told = constants("WH_BOARD", sizes, values, asked, board.own)
+    else:
+        top = "wh_controller"
+        hardware |= {
+            "N": board.motors,
+            "MODES": int(words["mode"] != MODE_WORDS[UNIPOLAR]),
+            "EARLY": int(timing.early),
+            "SHAPER": sections,
+            "SHARED": int(board.shared),
+            "LINKED": int(board.linked),
+            "CAPTURE": board.capture,
+            "STREAM": int(board.stream),
+            "HOST": int(board.host),
+            "CLOCK_HZ": round(timing.clock_hz),
+            "BUILD": build_number(),
+        }
+        told = connections("WH_BOARD", sizes, values, driven)
     return "\n".join(
         [
-            f"{LICENCE}// Settings of wh_controller, made from {source}.",
+            f"{LICENCE}// Settings of {top}, made from {source}.",
             "",
             *(f"`define WH_BOARD_{name} {value}" for name, value in hardware.items()),
             "",
-            connections("WH_BOARD", sizes, values, driven=("clear", "zero_start")),
+            told,
         ]
+    )
+
+
+_BRUSHLESS_PINS = ("enable", "adc_sdata", "enc_a", "enc_b", "stop", "driver_fault")
+"""Inputs of ``rtl/wh_brushless.v`` that are no settings."""
+
+
+def inputs_of(module: str) -> list[str]:
+    """Names of a module's inputs in ``rtl``, without ``_i``, in its order."""
+    text = (formats.RTL_DIR / f"{module}.v").read_text(encoding="utf-8")
+    return re.findall(
+        r"^ *input +wire +(?:signed +)?(?:\[[^\]]*\] +)?(\w+)_i\b", text, re.MULTILINE
     )

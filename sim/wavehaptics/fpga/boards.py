@@ -8,18 +8,28 @@ is made for, ``<name>.v`` is its top, and ``constraints/<name>.pcf`` or ``.lpf``
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import ErrorDetails
 
-from wavehaptics.fpga.board_words import BoardWords, board_words, memory_header, verilog_header
+from wavehaptics.controller.pins_timing import AXES
+from wavehaptics.fpga.board_words import (
+    THREE_PHASE_LEGS,
+    BoardWords,
+    board_words,
+    memory_header,
+    verilog_header,
+)
 from wavehaptics.parts.adcs import PARTS
 from wavehaptics.runtime.files import write_text
 from wavehaptics.runtime.repository import ROOT
-from wavehaptics.runtime.toml_source import TomlError, parse
+from wavehaptics.runtime.toml_source import KeyPath, TomlError, dotted, parse
 from wavehaptics.scene import Scene, load_scene
+from wavehaptics.scene.keys import as_written, nearest
 
 CONSTRAINT_SUFFIX = {"ice40": ".pcf", "ecp5": ".lpf"}
 
@@ -27,6 +37,10 @@ CONSTRAINT_SUFFIX = {"ice40": ".pcf", "ecp5": ".lpf"}
 _DELAY_LOG2 = {"ice40": 6, "ecp5": 1}
 """Steps that a board's delay line has at least, 2 to the power of this: so many make a memory of
 it, where flip-flops are scarce."""
+
+
+CORES = {False: "wh_board_controller", True: "wh_board_brushless"}
+"""By whether the motor is brushless."""
 
 
 class BoardError(ValueError):
@@ -87,10 +101,12 @@ class Fpga(_Table):
     input_hz: float = Field(gt=0)
     adc: str
     motors: int = Field(1, ge=1, le=8)
+    legs: Literal[2, 3] = 2
     guard: bool = False
     link: bool = False
     capture: Literal[0, 9, 10, 11, 12, 13, 14, 15] = 0
     stream: bool = False
+    shared_multiplier: bool = False
     pad_registers: bool = False
     wire_s: float = Field(0.6e-9, ge=0)
     seeds: list[int] = Field(min_length=1)
@@ -127,6 +143,22 @@ class Board:
     def clock_hz(self) -> float:
         return self.words().ports.timing.clock_hz
 
+    @property
+    def brushless(self) -> bool:
+        """Whether its motor is a brushless one, with a core of its own."""
+        return self.fpga.legs == THREE_PHASE_LEGS
+
+    @property
+    def core(self) -> str:
+        """Module of ``boards/`` that has the controller with the board's constants."""
+        return CORES[self.brushless]
+
+    @property
+    def adc_lines(self) -> list[str]:
+        """Ports of the top at which the converters' bits come in."""
+        lines = AXES if self.brushless else self.fpga.motors
+        return ["adc_sdata"] if lines == 1 else [f"adc_sdata[{n}]" for n in range(lines)]
+
     def words(self) -> BoardWords:
         """Words of the controller's settings; :class:`SceneError` where the board can't do them."""
         return board_words(
@@ -134,6 +166,7 @@ class Board:
             pad_registers=self.fpga.pad_registers, trip_a=self.fpga.sense.trip_a,
             zero_a=self.fpga.sense.zero_a, delay_log2=_DELAY_LOG2[self.fpga.family],
             linked=self.fpga.link, capture=self.fpga.capture, stream=self.fpga.stream,
+            legs=self.fpga.legs, shared=self.fpga.shared_multiplier,
         )  # fmt: skip
 
     def headers(self) -> dict[str, str]:
@@ -161,6 +194,28 @@ def board_names(root: Path = ROOT) -> list[str]:
     return sorted(path.parent.name for path in (root / "boards").glob("*/fpga.toml"))
 
 
+def _line(lines: Mapping[KeyPath, int], path: KeyPath) -> int:
+    """Line of a key in its file, or of what holds it."""
+    return next((lines[path[:n]] for n in range(len(path), 0, -1) if path[:n] in lines), 1)
+
+
+def _problem(detail: ErrorDetails) -> str:
+    """What is wrong with a key of ``fpga.toml``, and what would be right."""
+    path = detail["loc"]
+    name = dotted(path)
+    if detail["type"] == "extra_forbidden":
+        tables: dict[str, type[_Table]] = {"bridge": Bridge, "sense": Sense}
+        table = tables.get(str(path[0]), Fpga) if path[1:] else Fpga
+        near = nearest(str(path[-1]), table.model_fields)
+        return f"{name} is no key of a board; " + (
+            f"did you mean {near}?" if near else f"it has {', '.join(table.model_fields)}"
+        )
+    if detail["type"] == "missing":
+        return f"{name} is missing; another board's fpga.toml shows what it says"
+    right = detail["msg"].removeprefix("Input should be ")
+    return f"{name} = {as_written(detail['input'])}: it must be {right}"
+
+
 def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board:
     """Read the board ``name``; :class:`BoardError` or :class:`SceneError` in one line."""
     names = board_names(root)
@@ -168,17 +223,33 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
         raise BoardError(f"there is no board {name!r}; take one of {', '.join(names)}")
     path = root / "boards" / name / "fpga.toml"
     try:
-        data, _ = parse(path.read_bytes())
+        data, lines = parse(path.read_bytes())
         fpga = Fpga.model_validate(data)
     except TomlError as error:
         raise BoardError(f"{path}:{error.line}: {error.problem}") from None
     except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"])
-        raise BoardError(f"{path}: {key}: {first['msg']}") from None
+        first = error.errors(include_url=False)[0]
+        raise BoardError(f"{path}:{_line(lines, first['loc'])}: {_problem(first)}") from None
+    for key in ("capture", "stream"):
+        if getattr(fpga, key) and not fpga.link:
+            raise BoardError(
+                f"{path}:{_line(lines, (key,))}: {key} is told over a link; set link = true or "
+                "leave it out"
+            )
     if fpga.pins_of is not None:
         others = load_board(fpga.pins_of, root=root).fpga
         fpga = fpga.model_copy(update={"free": others.free, "taken": others.taken})
+    if fpga.legs == THREE_PHASE_LEGS:
+        for key, there in (
+            ("link", fpga.link), ("motors", fpga.motors > 1),
+            ("shared_multiplier", fpga.shared_multiplier),
+        ):  # fmt: skip
+            if there:
+                raise BoardError(
+                    f"{path}:{_line(lines, (key,))}: {key}: a board with legs = {fpga.legs} has "
+                    "one brushless motor, a multiplier for its core and no link yet; leave "
+                    f"{key} out"
+                )
     if fpga.adc not in PARTS:
         raise BoardError(f"{path}: adc = {fpga.adc!r} is not known; {', '.join(PARTS)} are")
     device = device or fpga.devices[0]

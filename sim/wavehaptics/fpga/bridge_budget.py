@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from wavehaptics.fpga.boards import Board, BoardError
 
 LEAST_DEAD_S = 20e-9
-"""Shortest dead time of any board: what the maker's forum advises to begin with for an LMG5200."""
+"""Shortest dead time at HI and LI: what the maker's forum advises to begin with for an LMG5200."""
 
 _ROUNDING_S = 1e-12
 
@@ -27,7 +27,8 @@ class DeadTime:
 
     @property
     def needed_s(self) -> float:
-        return max(LEAST_DEAD_S, self.mismatch_s + self.gate_skew_s + self.fpga_skew_s)
+        """At the FPGA's flip-flops: AND gates and FPGA may take of it on the way to HI and LI."""
+        return max(LEAST_DEAD_S, self.mismatch_s) + self.gate_skew_s + self.fpga_skew_s
 
 
 def dead_time(board: Board) -> DeadTime:
@@ -47,7 +48,7 @@ def check(board: Board) -> None:
             f"{scene_file}: the dead time is {1e9 * time.made_s:.3g} ns in whole clocks, and "
             f"{1e9 * time.needed_s:.3g} ns are needed (driver {1e9 * bridge.mismatch_s:g}, AND "
             f"gates {1e9 * bridge.gate_skew_s:g}, FPGA {1e9 * bridge.fpga_skew_s:g} ns, and "
-            f"{1e9 * LEAST_DEAD_S:g} ns at least); raise drive.dead_time_s"
+            f"{1e9 * LEAST_DEAD_S:g} ns at least at HI and LI); raise drive.dead_time_s"
         )
     drive, adc = scene.drive, scene.adc
     assert drive is not None

@@ -225,12 +225,12 @@ def adc_budget(
     return budget
 
 
-def gate_skew_ns(delays: Delays, motors: int) -> float:
+def gate_skew_ns(delays: Delays, motors: int, legs: int = 2) -> float:
     """Most by which the two gates of a leg differ from clock to pad, ns; their pads are alike."""
     skew = 0.0
     for motor in range(motors):
         place = f"[{motor}]" if motors > 1 else ""
-        for leg in "ab":
+        for leg in "abc"[:legs]:
             high, low = (delays.to_pad(f"gate_{leg}{side}{place}") for side in "hl")
             skew = max(skew, abs(high.ns - low.ns))
     return round(skew, 2)

@@ -153,7 +153,7 @@ def _plain_cell(cell: dict[str, Any]) -> dict[str, Any]:
 
 
 def _pad(name: str, cell: dict[str, Any], ports: dict[str, Any]) -> dict[str, Any]:
-    """A pad as an input or output, as the top's port is one; all else has no model."""
+    """A pad as an input or output, as the top's port is one, or has one; all else has no model."""
     parameters = cell["parameters"]
     kind: tuple[Any, ...] = ("SB_IO", int(parameters.get("PIN_TYPE", "0"), 2))
     if cell["type"] == "TRELLIS_IO":
@@ -165,7 +165,7 @@ def _pad(name: str, cell: dict[str, Any], ports: dict[str, Any]) -> dict[str, An
     }
     ends = {
         port["direction"]: port_name for port_name, port in ports.items()
-        if port["bits"] == connections.get("PIN")
+        if connections.get("PIN") in [[bit] for bit in port["bits"]]
     }  # fmt: skip
     if len(connections) != 2 or list(ends) != [direction]:
         raise SynthesisError(f"{name}: no model of the placed pad {kind} at {[*ends.values()]}")
@@ -180,16 +180,21 @@ def _pad(name: str, cell: dict[str, Any], ports: dict[str, Any]) -> dict[str, An
 
 
 def _ice40(top: dict[str, Any]) -> tuple[str, ...]:
-    """Wire the PLL to the pad and the clock network that it has by its place alone."""
+    """Wire the PLL to the clock network, and the pad, that it has by its place alone.
+
+    A pad that isn't the PLL's own (SB_PLL40_CORE) is wired to it already.
+    """
     cells = top["cells"].values()
     fresh = 1 + max(bit for cell in cells for bits in cell["connections"].values() for bit in bits)
     for pll in [cell for cell in cells if cell["type"] == "ICESTORM_PLL"]:
+        networks = [cell for cell in cells if "FOR_PAD_IN" in cell["attributes"]]
+        wired = bool(pll["connections"].get("REFERENCECLK"))
         pad_at = pll["attributes"].get("BEL_PAD_INPUT")
         pads = [cell for cell in cells if cell["attributes"].get("NEXTPNR_BEL") == pad_at]
-        networks = [cell for cell in cells if "FOR_PAD_IN" in cell["attributes"]]
-        if len(pads) != 1 or len(networks) != 1:
+        if (len(pads) != 1 and not wired) or len(networks) != 1:
             raise SynthesisError("the PLL's pad or clock network can't be told")
-        _join(fresh, (pads[0], "D_IN_0", "output"), (pll, "REFERENCECLK", "input"))
+        if not wired:
+            _join(fresh, (pads[0], "D_IN_0", "output"), (pll, "REFERENCECLK", "input"))
         network = networks[0], "USER_SIGNAL_TO_GLOBAL_BUFFER", "input"
         _join(fresh + 1, (pll, "PLLOUT_A_GLOBAL", "output"), network)
     return ("ICESTORM_LC", "ICESTORM_DSP", "ICESTORM_RAM", "ICESTORM_PLL", "SB_GB", "SB_IO")

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from wavehaptics.fpga import board_pins, bridge_budget, multipliers, pad_timing, pll
-from wavehaptics.fpga.boards import Board, write_headers
+from wavehaptics.fpga.boards import CORES, Board, write_headers
 from wavehaptics.parts.adcs import PARTS
 from wavehaptics.runtime.files import write_json
 from wavehaptics.runtime.repository import ROOT
@@ -130,9 +130,11 @@ class Result:
 def board_design(board: Board, out: Path) -> Design:
     """Design of a board, whose settings are in ``out`` already."""
     root = board.root
+    # Another core takes macros that this board's settings don't have.
+    others = {f"{core}.v" for core in CORES.values() if core != board.core}
     sources = [
         *sorted((root / "rtl").glob("*.v")),
-        *sorted((root / "boards").glob("*.v")),
+        *(path for path in sorted((root / "boards").glob("*.v")) if path.name not in others),
         *sorted((root / board.folder).glob("*.v")),
     ]
     return Design(
@@ -154,6 +156,17 @@ def board_design(board: Board, out: Path) -> Design:
         defines=tuple(board.defines.items()),
         board=board,
     )
+
+
+def board_sources(board: Board) -> list[Path]:
+    """Files that a board's bitstream is made of, from the root."""
+    found = [
+        path
+        for pattern in ("rtl/*.v", "rtl/*.vh", "rtl/*.toml", "boards/*.v", f"{board.folder}/*.v")
+        for path in sorted(board.root.glob(pattern))
+    ]
+    files = [path.relative_to(board.root) for path in found]
+    return [*files, board.folder / "board.toml", board.folder / "fpga.toml", board.constraints]
 
 
 def bitstream_path(board: Board) -> Path:
@@ -235,14 +248,13 @@ def board_pads(board: Board, sdf: Path) -> dict[str, Any]:
     words, bridge = board.words(), board.fpga.bridge
     time = bridge_budget.dead_time(board)
     motors, drive = board.fpga.motors, board.scene.drive
-    lines = ["adc_sdata"] if motors == 1 else [f"adc_sdata[{n}]" for n in range(motors)]
     try:
         delays = pad_timing.Delays.of_file(sdf)
         adc = pad_timing.adc_budget(
             delays, board.device, board.fpga.family, PARTS[board.fpga.adc],
-            words.ports.timing.frame, board.clock_hz, board.fpga.wire_s, lines,
+            words.ports.timing.frame, board.clock_hz, board.fpga.wire_s, board.adc_lines,
         )  # fmt: skip
-        skew_ns = pad_timing.gate_skew_ns(delays, motors)
+        skew_ns = pad_timing.gate_skew_ns(delays, motors, board.fpga.legs)
     except pad_timing.PadTimingError as error:
         raise SynthesisError(f"{board.name}: {error}") from None
     if skew_ns > 1e9 * bridge.fpga_skew_s:

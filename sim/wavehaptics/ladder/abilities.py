@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from wavehaptics.scene import Scene, SceneError
+from wavehaptics.scene import Scene
 
 
 class Ability(NamedTuple):
@@ -82,7 +82,7 @@ ABILITIES: dict[str, Ability] = {
 
 
 BRUSHLESS_RUNGS = ("analog", "golden", "core", "pins")
-"""Controllers that a brushless motor runs on."""
+"""Controllers that a brushless motor runs on, besides a board with three legs."""
 
 _LEAVE_OUT = "a brushless motor does without it yet; leave it out"
 
@@ -134,17 +134,18 @@ def refuse(scene: Scene, name: str) -> None:
     asked_for = asked(scene)
     refused = ABILITIES[name].refused
     if scene.motor.brushless:
-        if name not in BRUSHLESS_RUNGS:
+        if name not in (*BRUSHLESS_RUNGS, "a board"):
             *others, last = (f"`{rung}`" for rung in BRUSHLESS_RUNGS)
-            raise SceneError(
-                f'{scene.scene.name}: motor.kind = "pmsm" is not for `{name}` yet; '
-                f"take {', '.join(others)} or {last}"
+            raise scene.refusal(
+                f'motor.kind = "pmsm" is not for `{name}` yet; take {", ".join(others)} or {last}',
+                "motor.kind",
+                "motor.preset",
             )
         refused = {**BRUSHLESS, **refused}
     for what, cure in refused.items():
         if what in asked_for:
             shown = what if "." in what else f"[{what}]"
-            raise SceneError(f"{scene.scene.name}: {shown} is not for `{name}`; {cure}")
+            raise scene.refusal(f"{shown} is not for `{name}`; {cure}", what)
 
 
 def _without_use(scene: Scene, name: str) -> set[str]:

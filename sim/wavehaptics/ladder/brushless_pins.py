@@ -13,12 +13,13 @@ gate is on: the leg floats, as what a turning rotor adds to it is less than a di
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from wavehaptics.controller.anchor import FOLLOWER_TICKS, SEEN_CELLS
 from wavehaptics.controller.pins_timing import GATE_CLOCKS
-from wavehaptics.controller.ports import controller_ports
+from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.controller.settings import Settings
 from wavehaptics.ladder import verilated
 from wavehaptics.ladder.abilities import refuse
@@ -61,7 +62,7 @@ from wavehaptics.motor.brushless import (
 )
 from wavehaptics.motor.plant import TIME, C, I, P, X
 from wavehaptics.motor.sensor import NOISE, NOISE_SEED, sample_code
-from wavehaptics.parts.adcs import PARTS
+from wavehaptics.parts.adcs import PARTS, Frame
 from wavehaptics.runtime.compiled import compiled, compiled_counting
 from wavehaptics.runtime.native_call import call2
 from wavehaptics.scene import Scene, encoder_end
@@ -79,7 +80,7 @@ _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING, _COMPLAINTS = range(6, 12)
 # Places in the loop's integer parameters.
 (
     _MODEL, _CLOCK, _WORDS, _TICK_CLOCKS, _CODE_SHIFT, _DATA_BITS, _U_MAX, _SUBSTEP_CLOCKS,
-    _LAUNCH_LEVEL, _PIPELINE, _ANCHORED, _START_COUNT,
+    _LAUNCH_LEVEL, _PIPELINE, ANCHORED, _START_COUNT,
 ) = range(12)  # fmt: skip
 # Places in the integers that the loop keeps, behind those of pins_loop, whose SHIFT and HELD are of
 # phase a.
@@ -198,7 +199,7 @@ def _emit(row, words, place, pending, angles, waves, floats, ints):
     v = along_q(step[_ALPHA + _STEP_V], step[_BETA + _STEP_V], theta) * _WAVE
     largest = max(abs(step[_ALPHA + _STEP_U]), abs(step[_BETA + _STEP_U]))
     limited = largest >= ints[_U_MAX]
-    if ints[_ANCHORED]:
+    if ints[ANCHORED]:
         limited = step[_LIMITED] != 0  # which isn't the same in every tick
         # The voltage of the measured tick was made in the step before.
         made = waves[(place - 1) % PENDING]
@@ -218,6 +219,50 @@ def _emit(row, words, place, pending, angles, waves, floats, ints):
     words[Word.E] = step[_ALPHA + _STEP_E]
 
 
+@compiled_counting(inline="always")
+def _wires(z, kept, pins, changed, ints, sensor, rng):
+    """What both ADCs do at this change of the pins: they hold their inputs, or put out a bit."""
+    if changed & 1 << _CS_N:
+        if not pins & 1 << _CS_N:
+            middle = 1 << (ints[_DATA_BITS] - 1)
+            noisy = sensor[NOISE] > 0.0
+            noise = rng.standard_normal() if noisy else 0.0
+            code = sample_code(_phase(z, 0), sensor, noise) + middle
+            noise = rng.standard_normal() if noisy else 0.0
+            code_b = sample_code(_phase(z, 1), sensor, noise) + middle
+            # Bit 63 is on the wire; a late part puts out the code that it held before.
+            late = ints[_PIPELINE]
+            kept[SHIFT] = (kept[HELD] if late else code) << ints[_CODE_SHIFT]
+            kept[_SHIFT_B] = (kept[_HELD_B] if late else code_b) << ints[_CODE_SHIFT]
+            kept[HELD], kept[_HELD_B] = code, code_b
+    elif changed & 1 << _SCLK and (pins >> _SCLK) & 1 == ints[_LAUNCH_LEVEL]:
+        kept[SHIFT] <<= 1
+        kept[_SHIFT_B] <<= 1
+
+
+@compiled(inline="always")
+def _inputs(kept):
+    """Levels of the ADCs' wires and of the encoder."""
+    return (
+        ((kept[SHIFT] >> 63) & 1)
+        | ((kept[_SHIFT_B] >> 63) & 1) << 1
+        | encoder_levels(kept[COUNT]) << 1
+    )
+
+
+@compiled_counting()  # which draws from a generator
+def rest(z, kept, ints, sensor, rng, clocks):
+    """Clock a board with the motor at rest; the clocks until a gate went on, else ``clocks``."""
+    for n in range(clocks):
+        pins = call2(ints[_CLOCK], ints[_MODEL], _inputs(kept))
+        changed = kept[PINS] ^ pins
+        kept[PINS] = pins
+        _wires(z, kept, pins, changed, ints, sensor, rng)
+        if pins & _GATES:
+            return n
+    return clocks
+
+
 @compiled_counting()  # which draws from a generator
 def _advance(
     rows, words, z, kept, marks, room, pending, angles, waves, tables, steps, ints, floats, load,
@@ -226,37 +271,18 @@ def _advance(
     """Clock the RTL until ``rows`` are filled; False if its core falls silent."""
     done = 0
     dt, cell, end_s = floats[DT], floats[CELL], floats[ENCODER_END]
-    middle = 1 << (ints[_DATA_BITS] - 1)
     while done < rows.shape[0]:
         if kept[NOW] >= kept[NEXT_LOOK]:
             next_edge(z, kept, cell, dt, end_s, None)
-        inputs = (
-            ((kept[SHIFT] >> 63) & 1)
-            | ((kept[_SHIFT_B] >> 63) & 1) << 1
-            | encoder_levels(kept[COUNT]) << 1
-        )
-        pins = call2(ints[_CLOCK], ints[_MODEL], inputs)
+        pins = call2(ints[_CLOCK], ints[_MODEL], _inputs(kept))
         changed = kept[PINS] ^ pins
         if changed & _GATES:
             _catch_up(z, kept, marks, room, tables, steps, floats, ints, load)
             next_edge(z, kept, cell, dt, end_s, None)
         kept[PINS] = pins
-        if changed & 1 << _CS_N:
-            if not pins & 1 << _CS_N:
-                _catch_up(z, kept, marks, room, tables, steps, floats, ints, load)
-                noisy = sensor[NOISE] > 0.0
-                noise = rng.standard_normal() if noisy else 0.0
-                code = sample_code(_phase(z, 0), sensor, noise) + middle
-                noise = rng.standard_normal() if noisy else 0.0
-                code_b = sample_code(_phase(z, 1), sensor, noise) + middle
-                # Bit 63 is on the wire; a late part puts out the code that it held before.
-                late = ints[_PIPELINE]
-                kept[SHIFT] = (kept[HELD] if late else code) << ints[_CODE_SHIFT]
-                kept[_SHIFT_B] = (kept[_HELD_B] if late else code_b) << ints[_CODE_SHIFT]
-                kept[HELD], kept[_HELD_B] = code, code_b
-        elif changed & 1 << _SCLK and (pins >> _SCLK) & 1 == ints[_LAUNCH_LEVEL]:
-            kept[SHIFT] <<= 1
-            kept[_SHIFT_B] <<= 1
+        if changed & ~pins & 1 << _CS_N:
+            _catch_up(z, kept, marks, room, tables, steps, floats, ints, load)
+        _wires(z, kept, pins, changed, ints, sensor, rng)
         if pins & 1 << _CORE_VALID:
             call2(ints[_WORDS], ints[_MODEL], buffer.ctypes.data)
             step = waves[kept[EMITTED] % PENDING]
@@ -286,10 +312,12 @@ def _advance(
 class BrushlessPinsSimulation:
     """A scene's brushless motor on the whole of its RTL, with a switching bridge of three legs."""
 
+    PREFIX = "wh_brushless"
+    """What the shim's functions begin with."""
+
     def __init__(self, scene: Scene) -> None:
         self._model: int | None = None
-        refuse(scene, "pins")
-        ports = controller_ports(scene)
+        ports = self._ports_of(scene)
         set_, time, sensor = ports.settings, ports.timing, ports.sensor
         self.settings: Settings = set_
         self.timing = time
@@ -297,25 +325,7 @@ class BrushlessPinsSimulation:
         dt = 1.0 / time.clock_hz
         plant = BrushlessPlant.of_scene(scene)
         drive = scene.drive or Drive.model_validate({})
-        places = max(MIN_WALLS, len(ports.walls))
-        parameters = {
-            "WALLS": places,
-            "DELAY_LOG2": DELAY_LOG2,
-            "MIN_PULSE": int(bool(drive.min_pulse_s)),
-            **({"ANCHOR": 1} if set_.anchored else {}),
-        }
-        design = verilated.Design("wh_brushless", "brushless_pins_shim.cpp", parameters)
-        self._library = verilated.load(design)
-        verilated.declare_destructor(self._library.wh_brushless_delete)
-        values = {**ports.words, **set_.words(), **ports.wall_words(places)}
-        levels = encoder_levels.py_func(ports.start_count) << 1
-        self._model = verilated.new_model(
-            self._library.wh_brushless_new, verilated.words_of(design, values), levels,
-            ports.words["gain"], *rotor_angles(scene, set_, ports.start_count),
-            int(scene.controller.find_magnet),
-        )  # fmt: skip
-        if not self._model:
-            raise RuntimeError("the controller's RTL never got its ADC ready")
+        self._begin(scene, ports)
         self._z = plant.start
         self._kept = np.zeros(_DONE + 1, dtype=np.int64)
         self._kept[COUNT] = ports.start_count
@@ -329,12 +339,11 @@ class BrushlessPinsSimulation:
         self._angles = np.zeros(PENDING)
         self._buffer = np.zeros(_CONTACT + 1, dtype=np.int64)
         self._waves = np.zeros((PENDING, len(self._buffer)), dtype=np.int64)
-        part = PARTS.get(scene.adc.part or "") if scene.adc is not None else None
-        code_shift, launch_level = wire(part, time.frame)
+        code_shift, launch_level = self._wire(scene, time.frame)
         longest = min(STEPS, max(1, math.floor(time.clock_hz * plant.longest_step_s)))
         self._ints = np.array(
-            [self._model, verilated.address(self._library.wh_brushless_clock),
-             verilated.address(self._library.wh_brushless_words), time.tick_clocks, code_shift,
+            [self._model, verilated.address(self._function("clock")),
+             verilated.address(self._function("words")), time.tick_clocks, code_shift,
              sensor.bits, set_.u_max, longest, launch_level, time.frame.pipeline, set_.anchored,
              ports.start_count],
             dtype=np.int64,
@@ -350,6 +359,48 @@ class BrushlessPinsSimulation:
         self._room = np.zeros((2, 3))
         self._sensor = sensor.constants()
         self._rng = np.random.default_rng(NOISE_SEED)
+
+    def _ports_of(self, scene: Scene) -> Ports:
+        refuse(scene, "pins")
+        return controller_ports(scene)
+
+    def _wire(self, scene: Scene, frame: Frame) -> tuple[int, int]:
+        """Place of the code on the ADCs' wires, and the level of SCLK that launches a bit."""
+        return wire(PARTS.get(scene.adc.part or "") if scene.adc is not None else None, frame)
+
+    def _begin(self, scene: Scene, ports: Ports) -> None:
+        """Build the RTL, and bring it to where its first tick begins."""
+        drive = scene.drive or Drive.model_validate({})
+        places = max(MIN_WALLS, len(ports.walls))
+        parameters = {
+            "WALLS": places,
+            "DELAY_LOG2": DELAY_LOG2,
+            "MIN_PULSE": int(bool(drive.min_pulse_s)),
+            **({"ANCHOR": 1} if self.settings.anchored else {}),
+        }
+        design = verilated.Design("wh_brushless", "brushless_pins_shim.cpp", parameters)
+        self._library = verilated.load(design)
+        verilated.declare_destructor(self._function("delete"))
+        values = {**ports.words, **self.settings.words(), **ports.wall_words(places)}
+        levels = encoder_levels.py_func(ports.start_count) << 1
+        self._model = verilated.new_model(
+            self._function("new"), verilated.words_of(design, values), levels,
+            ports.words["gain"], *rotor_angles(scene, self.settings, ports.start_count),
+            int(scene.controller.find_magnet),
+        )  # fmt: skip
+        if not self._model:
+            raise RuntimeError("the controller's RTL never got its ADC ready")
+
+    def _function(self, name: str) -> Any:
+        return getattr(self._library, f"{self.PREFIX}_{name}")
+
+    def forget_the_past(self) -> None:
+        """Let time begin with the tick that runs."""
+        before = self._marks[_T0]
+        self._z[TIME] -= before
+        self._marks[_T0] = 0.0
+        self._marks[_X0], self._marks[_HAND0] = self._z[X], self._z[P] + self._z[C]
+        self._pending[:, Column.T] -= before
 
     @property
     def faults(self) -> int:
@@ -375,4 +426,4 @@ class BrushlessPinsSimulation:
 
     def __del__(self) -> None:
         if getattr(self, "_model", None):
-            self._library.wh_brushless_delete(self._model)
+            self._function("delete")(self._model)

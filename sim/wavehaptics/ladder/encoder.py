@@ -25,7 +25,7 @@ from wavehaptics.motor.plant import TIME, C, I, P, Plant, X, load_words, plant_s
 from wavehaptics.motor.step import motor_step
 from wavehaptics.motor.thermal import Winding
 from wavehaptics.runtime.compiled import compiled
-from wavehaptics.scene import Scene, SceneError, drive_gain, encoder_end
+from wavehaptics.scene import Scene, drive_gain, encoder_end
 from wavehaptics.scene.tables.servo import Servo
 from wavehaptics.trace.columns import put_motion, put_port
 
@@ -131,7 +131,7 @@ class EncoderSimulation:
         self.tick_s = self.settings.tick_s
         self.stiffness = servo_stiffness(scene)
         servo = scene.servo or Servo()
-        servo_ticks = _whole_ticks(scene, servo)
+        servo_ticks = whole_ticks(scene, servo)
         delay_ticks = round(servo.delay_s / self.tick_s)
         self.winding = Winding(scene, self.tick_s)
         plant = self.winding.plant
@@ -182,19 +182,23 @@ def servo_stiffness(scene: Scene) -> float:
     return closed_forms.stiffness(motor.k_t, motor.L_h, motor.R_ohm, 1.0 / scene.controller.lambda_)
 
 
-def _whole_ticks(scene: Scene, servo: Servo) -> int:
+def whole_ticks(scene: Scene, servo: Servo) -> int:
     """Ticks of a servo period. :class:`SceneError` where the servo doesn't fit the tick."""
     tick_hz = scene.controller.tick_hz
     ticks = max(1, round(tick_hz / servo.rate_hz))
     if not math.isclose(ticks * servo.rate_hz, tick_hz, rel_tol=1e-6):
-        raise SceneError(
-            f"{scene.scene.name}: servo.rate_hz = {servo.rate_hz:g} does not divide "
-            f"controller.tick_hz = {tick_hz:g} Hz; the nearest that does is {tick_hz / ticks:.9g}"
+        raise scene.refusal(
+            f"servo.rate_hz = {servo.rate_hz:g} does not divide "
+            f"controller.tick_hz = {tick_hz:g} Hz; the nearest that does is {tick_hz / ticks:.9g}",
+            "servo.rate_hz",
+            "controller.tick_hz",
         )
     if servo.amplifier_hz > FASTEST_AMPLIFIER * tick_hz:
-        raise SceneError(
-            f"{scene.scene.name}: servo.amplifier_hz = {servo.amplifier_hz:g} is too fast for "
+        raise scene.refusal(
+            f"servo.amplifier_hz = {servo.amplifier_hz:g} is too fast for "
             f"controller.tick_hz = {tick_hz:g} Hz, with which it is stepped; "
-            f"it may be at most {FASTEST_AMPLIFIER * tick_hz:g} Hz"
+            f"it may be at most {FASTEST_AMPLIFIER * tick_hz:g} Hz",
+            "servo.amplifier_hz",
+            "controller.tick_hz",
         )
     return ticks

@@ -171,13 +171,15 @@ def verilate(
         "--Mdir", str(work / "obj"), "-o", str(work / "model.so"), *arguments,
     ]  # fmt: skip
     log = target.with_suffix(".log")
-    with log.open("w") as out:
-        code = subprocess.run(command, env=environment, stdout=out, stderr=out).returncode
-    if code:
-        raise BuildError(f"building {top} failed with status {code}; see {log}")
-    with replacing(target) as part:
-        shutil.move(work / "model.so", part)
-    shutil.rmtree(work)
+    try:
+        with log.open("w") as out:
+            code = subprocess.run(command, env=environment, stdout=out, stderr=out).returncode
+        if code:
+            raise BuildError(f"building {top} failed with status {code}; see {log}")
+        with replacing(target) as part:
+            shutil.move(work / "model.so", part)
+    finally:
+        shutil.rmtree(work)
     return target
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from wavehaptics.motor.plant import Plant
-from wavehaptics.scene import Scene, SceneError
+from wavehaptics.scene import Scene
 from wavehaptics.trace.columns import Column
 
 REFERENCE_C = 25.0
@@ -38,9 +38,11 @@ class Winding:
 
     def __init__(self, scene: Scene, tick_s: float) -> None:
         if scene.motor.brushless:
-            raise SceneError(
-                f'{scene.scene.name}: motor.kind = "pmsm" has two ports and this takes one; run it '
-                "on `analog` or `golden`, or take a motor with brushes"
+            raise scene.refusal(
+                'motor.kind = "pmsm" has two ports and this takes one; run it '
+                "on `analog` or `golden`, or take a motor with brushes",
+                "motor.kind",
+                "motor.preset",
             )
         self._plant = Plant.of_scene(scene)
         self._tick_s = tick_s

@@ -224,12 +224,16 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
     return _words(("", "found", "by"), ((what, found, f"`{by}`") for what, found, by in rows))
 
 
+_GIVEN = r"(?:define WH_SAME_PARAMETERS|wh_brushless #)(.*?)(?:\n\n|\n    \) brushless)"
 _OPTION = re.compile(r"\.([A-Z][A-Z0-9_]*)\s*\(([^()]*)\)")
+
+_ONE_PORTS = "PWM of a full bridge with dead time made good"
+"""What a brushless motor has no use for."""
 
 STATUS = (
     ("the waves, λ and η: `wh_wave_core`", None),
     ("position, walls, contact: `wh_quadrature`, `wh_contact`", None),
-    ("PWM of a full bridge with dead time made good", None),
+    (_ONE_PORTS, None),
     ("several motors on one core", "N"),
     ("duty ten clocks after the ADC", "EARLY"),
     ("guard with sixteen latched faults", "GUARD"),
@@ -242,18 +246,29 @@ STATUS = (
     ("shortest pulses kept", "MIN_PULSE"),
     ("ADCs other than AD7276 and its like", "ADC"),
 )
-"""What there is, and the parameter of ``wh_controller`` that puts it in; None: always there."""
+"""What there is, and the parameter of ``wh_controller`` that puts it in; None: always there.
+
+``wh_brushless`` has parameters of the same names.
+"""
 
 
 def options_of_boards(root: Path = ROOT) -> dict[str, dict[str, int]]:
-    """Parameters of ``wh_controller`` in each board's bitstream; one that isn't set is left out."""
-    top = (root / "boards" / "wh_board_controller.v").read_text(encoding="utf-8")
-    (given,) = re.findall(r"define WH_SAME_PARAMETERS(.*?)\n\n", top, re.DOTALL)
+    """Parameters of ``wh_controller``, or of ``wh_brushless``, in each board's bitstream.
+
+    One that isn't set is left out.
+    """
     found = {}
     for name in board_names(root):
-        header = load_board(name, root=root).headers()["wh_board_settings.vh"]
-        macros = dict(re.findall(r"^`define (WH_BOARD_\w+) (\d+)$", header, re.MULTILINE))
-        macros["N"] = macros["WH_BOARD_N"]
+        board = load_board(name, root=root)
+        top = (root / "boards" / f"{board.core}.v").read_text(encoding="utf-8")
+        (given,) = re.findall(_GIVEN, top, re.DOTALL)
+        macros = dict(
+            re.findall(
+                r"^`define (WH_BOARD_\w+) (\d+)$", board.headers()["wh_board_settings.vh"],
+                re.MULTILINE,
+            )
+        )  # fmt: skip
+        macros["N"] = str(board.fpga.motors)
         found[name] = {
             parameter: int(macros.get(value.strip(" `"), value))
             for parameter, value in _OPTION.findall(given)
@@ -265,15 +280,19 @@ def options_of_boards(root: Path = ROOT) -> dict[str, dict[str, int]]:
 def _status(numbers: dict[str, Any], table: Table) -> str:
     """Simulated, in a bitstream, on a motor: what has come how far."""
     boards = options_of_boards()
+    brushless = [name for name in boards if load_board(name).brushless]
     rows = []
     for what, parameter in STATUS:
         least = 2 if parameter == "N" else 1
         names = [
             name
             for name, options in boards.items()
-            if parameter is None or options.get(parameter, 0) >= least
+            if (parameter is None or options.get(parameter, 0) >= least)
+            and (what != _ONE_PORTS or name not in brushless)
         ]
-        built = "all boards" if len(names) == len(boards) else ", ".join(f"`{n}`" for n in names)
+        but = " but " + ", ".join(f"`{n}`" for n in brushless) if what == _ONE_PORTS else ""
+        everywhere = len(names) == len(boards) - (len(brushless) if but else 0)
+        built = f"all boards{but}" if everywhere else ", ".join(f"`{n}`" for n in names)
         label = f"{what}, `{parameter}`" if parameter else what
         rows.append((label, "yes", built or "**none**", "no"))
     linked = [name for name in boards if load_board(name).fpga.link]
@@ -286,7 +305,8 @@ def _status(numbers: dict[str, Any], table: Table) -> str:
     streams = [name for name in boards if load_board(name).fpga.stream]
     built = ", ".join(f"`{name}`" for name in streams) or "**none**"
     rows.append(("live words sent while they are asked for: `wh_stream`", "yes", built, "no"))
-    rows.append(("a brushless motor: `wh_brushless`", "yes", "**none**", "no"))
+    built = ", ".join(f"`{name}`" for name in brushless) or "**none**"
+    rows.append(("a brushless motor, without a link: `wh_brushless`", "yes", built, "no"))
     return _words(("", "simulated", "in a bitstream", "tried on a motor"), rows)
 
 

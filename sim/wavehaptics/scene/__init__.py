@@ -13,7 +13,7 @@ from wavehaptics.scene.loading import (
     load_scene,
     shipped_scenes,
 )
-from wavehaptics.scene.messages import SceneError
+from wavehaptics.scene.places import SceneError
 from wavehaptics.scene.schema import TABLES, Scene, drive_gain, encoder_end
 
 __all__ = [

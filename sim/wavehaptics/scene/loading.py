@@ -11,7 +11,8 @@ from typing import Any
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import KeyPath, TomlError, parse, parse_value
 from wavehaptics.scene.keys import as_written, nearest
-from wavehaptics.scene.messages import SceneError, keys_of, refused
+from wavehaptics.scene.messages import keys_of, refused
+from wavehaptics.scene.places import Places, SceneError
 from wavehaptics.scene.schema import TABLES, Scene
 
 SCENES_DIR = ROOT / "sim" / "scenes"
@@ -93,27 +94,16 @@ def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
         overridden[key] = override
         lines = {at: line for at, line in lines.items() if at[: len(key)] != key}
 
-    def place(at: KeyPath) -> tuple[int, str]:
-        """Line (0 for an override) and its label, of ``at`` or of what holds it."""
-        for length in range(len(at), 0, -1):
-            if at[:length] in overridden:
-                return 0, f"--set {overridden[at[:length]]}"
-            if at[:length] in lines:
-                return lines[at[:length]], f"{path}:{lines[at[:length]]}"
-        made_by = [text for key, text in overridden.items() if key[0] == at[0]]
-        return (0, f"--set {made_by[0]}") if made_by else (1, f"{path}:1")
-
+    places = Places(str(path), lines, overridden)
     scene, found = refused(data)
     placed = []
     for refusal in found:
-        places = [place(at) for at in refusal.paths]
-        # What the user changed on the command line is to blame before what stood in the file.
-        line, label = next((p for p in places if p[0] == 0), places[0])
+        line, label = places.blamed(refusal.paths)
         placed.append((refusal.missing, line, f"{label}: {refusal.problem}"))
     if placed:
         raise SceneError(min(placed, key=lambda p: p[:2])[2])
     assert scene is not None
-    return scene
+    return scene.placed(places)
 
 
 def shipped_scenes() -> dict[str, Path]:

@@ -21,14 +21,6 @@ from wavehaptics.scene.keys import (
 from wavehaptics.scene.schema import TABLES, Scene
 from wavehaptics.scene.tables.motor import DC_KEYS
 
-
-class SceneError(ValueError):
-    """A refused scene. The message is one line: where, what is wrong, what would be right."""
-
-    def __init__(self, message: str) -> None:
-        super().__init__("".join(c if c.isprintable() else ascii(c)[1:-1] for c in message))
-
-
 GONE: dict[KeyPath, str] = {
     ("controller", "release_ohm"): (
         "the port anchor needs no rule for the way out; use anchor_auto = true"

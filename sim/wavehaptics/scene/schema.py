@@ -6,12 +6,13 @@ from __future__ import annotations
 import math
 from typing import Any, get_args
 
-from pydantic import model_validator
+from pydantic import PrivateAttr, model_validator
 from pydantic.functional_validators import ModelWrapValidatorHandler
 
 from wavehaptics.laws.anchor_choice import choose_eta_free
 from wavehaptics.laws.closed_forms import matched_a
 from wavehaptics.scene.keys import Table, as_number, broken_rule
+from wavehaptics.scene.places import Places, SceneError
 from wavehaptics.scene.tables.adc import Adc
 from wavehaptics.scene.tables.brushes import Brushes
 from wavehaptics.scene.tables.cogging import Cogging
@@ -55,6 +56,26 @@ class Scene(Table):
     controller: Controller
     shaper: Shaper | None = None
 
+    _places: Places | None = PrivateAttr(default=None)
+
+    def placed(self, places: Places) -> Scene:
+        """The scene as it stands in a file."""
+        scene = self.model_copy()
+        scene._places = places
+        return scene
+
+    def refusal(self, problem: str, *keys: str) -> SceneError:
+        """To be raised where what runs the scene can't do it: one line, and where the cause stands.
+
+        ``keys`` are those involved, ``table`` or ``table.key``, the one to blame first; what is
+        there by default is to blame only where all are.
+        """
+        if self._places is None:
+            return SceneError(f"{self.scene.name}: {problem}")
+        paths = [tuple(key.split(".")) for key in keys]
+        written = [path for path in paths if self._places.written(path)]
+        return SceneError(f"{self._places.blamed(written or paths)[1]}: {problem}")
+
     @model_validator(mode="wrap")
     @classmethod
     def _resolve(cls, data: Any, handler: ModelWrapValidatorHandler[Scene]) -> Scene:
@@ -69,6 +90,13 @@ class Scene(Table):
                 f"it must be at least {as_number(tick_s)} s",
                 ("scene", "duration_s"),
                 ("controller", "tick_hz"),
+            )
+        if scene.controller.edge_hysteresis and scene.encoder is None:
+            broken_rule(
+                "controller.edge_hysteresis is of an encoder's cells; give [encoder] or leave it "
+                "out",
+                ("controller", "edge_hysteresis"),
+                ("encoder",),
             )
         if scene.shaper is not None and scene.controller.early_duty:
             broken_rule(

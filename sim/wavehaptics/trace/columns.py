@@ -150,6 +150,10 @@ def _keep(
     return energy
 
 
+ROW_BYTES = 139
+"""Most that a row of a trace takes, in memory and in the file: with an anchor and its raw words."""
+
+
 class TraceWriter:
     """Collects the rows of a run, thinned, and writes them as ``trace.npz``.
 

@@ -601,6 +601,7 @@ class Metrics:
             "duration_s": round(ticks * self._tick_s, 12),  # 0.1, not 0.09999999999999999
             "wall_clock_s": wall_clock_s,
             "ticks": ticks,
+            "tick_hz": float(f"{1.0 / self._tick_s:.9g}"),
             "clock_cycles": clock_cycles,
             "k_l": closed_forms.k_l(scene.motor.felt_k_t, scene.motor.L_h),
             "stiffness": slope,

@@ -128,6 +128,9 @@ def power(table: Table) -> Sheet:
     gate = s.box("PS2", (-0.4, 0.8), (2.1, 2.2), {"right": {"+": 1.8, "−": 0.4}}, label="PS2")
     s.text((0.65, 1.8), "5 V ± 5 %", align="top", small=True)
     s.wire(gate["+"], (3.0, y))
+    s.dot((2.6, y))
+    s.wire((2.6, y), (2.6, 3.7), (3.0, 3.7))
+    s.tag((3.0, 3.7), "supply of an encoder of 5 V", "right")
     s.switch("S1", (3.0, y), (5.0, y), "S1b", "break contact")
     s.wire((5.0, y), (16.6, y))
     s.tag((16.6, y), "5 V of every bridge (VCC)", "right")
@@ -154,8 +157,8 @@ def power(table: Table) -> Sheet:
     s.wire((x, y), (x - 0.6, y))
     s.ground((x - 0.6, y))
     s.text((x - 1.1, y), "star", align="right")
-    s.text((x + 2.6, y - 2.2), "U1 to U4, U7 and U8 have their ground at the FPGA board: a ground\n"
-           "wire beside each signal's, and this one wire from there to the star.",
+    s.text((x + 2.6, y - 2.2), "U1 to U4 and U7 to U11 have their ground at the FPGA board: a\n"
+           "ground wire beside each signal's, and this one wire from there to the star.",
            align="left", small=True)  # fmt: skip
     return s
 
@@ -271,26 +274,28 @@ def sense(table: Table) -> Sheet:
     s.resistor("R7", (6.4, y), (8.0, y), "top")
     s.dot((5.9, y))
     adc = s.box(
-        "U8", (10.2, 6.4), (3.4, 2.6),
+        "U8", (11.4, 6.4), (3.4, 2.6),
         {
             "left": {"VIN": 1.7}, "top": {"VDD": 1.7}, "bottom": {"GND": 1.7},
-            "right": {"CS": 2.0, "SCLK": 1.3, "SDATA": 0.6},
+            "right": {"CS": 2.2, "SCLK": 1.3, "SDATA": 0.4},
         },
         label="U8",
     )  # fmt: skip
-    s.text((11.9, 7.55), table.text("U8"), align="top", small=True)
+    s.text((13.1, 7.55), table.text("U8"), align="top", small=True)
     s.wire((8.0, y), adc["VIN"])
-    s.to_ground("C10", (8.5, y))
+    s.to_ground("C10", (8.5, y), "left")
+    s.pull_down("R23", (10.0, y))
     s.ground(adc["GND"])
-    s.wire(adc["VDD"], (11.9, 11.7))
-    s.rail((11.9, 11.7), "3.3 V")
-    s.wire((11.9, 11.4), (17.4, 11.4))
-    s.dot((11.9, 11.4), (13.5, 11.4), (15.4, 11.4))
-    s.wire((15.4, 11.4), (15.4, 10.6))
-    s.resistor("R19", (15.4, 10.6), (15.4, 9.2), "right")
-    s.wire((15.4, 9.2), (15.4, adc["CS"][1]))
-    s.dot((15.4, adc["CS"][1]))
-    for x, reference in ((13.5, "C12"), (17.4, "C11")):
+    s.wire(adc["VDD"], (13.1, 11.7))
+    s.rail((13.1, 11.7), "3.3 V")
+    s.wire((13.1, 11.4), (20.4, 11.4))
+    s.dot((13.1, 11.4), (14.7, 11.4))
+    for x, pin in ((16.6, "CS"), (18.2, "SCLK")):
+        s.wire((x, 11.4), (x, 10.6))
+        s.resistor("R19", (x, 10.6), (x, 9.2), "right")
+        s.wire((x, 9.2), (x, adc[pin][1]))
+        s.dot((x, 11.4), (x, adc[pin][1]))
+    for x, reference in ((14.7, "C12"), (20.4, "C11")):
         s.capacitor(reference, (x, 11.4), (x, 10.1), "right")
         s.ground((x, 10.1))
     ends: tuple[tuple[str, str, Side], ...] = (
@@ -299,12 +304,12 @@ def sense(table: Table) -> Sheet:
     )
     for pin, name, side in ends:
         y_pin = adc[pin][1]
-        s.wire(adc[pin], (16.4, y_pin))
-        s.resistor("R8", (16.4, y_pin), (18.2, y_pin), side, "" if side == "bottom" else None)
-        s.tag((18.2, y_pin), name, "right")
-    s.wire(adc["SDATA"], (18.2, adc["SDATA"][1]))
-    s.tag((18.2, adc["SDATA"][1]), "adc_sdata", "right")
-    s.text((15.9, 6.3), "R8 at the FPGA's end", align="left", small=True, grey=True)
+        s.wire(adc[pin], (18.8, y_pin))
+        s.resistor("R8", (18.8, y_pin), (20.6, y_pin), side)
+        s.tag((20.6, y_pin), name, "right")
+    s.wire(adc["SDATA"], (20.6, adc["SDATA"][1]))
+    s.tag((20.6, adc["SDATA"][1]), "adc_sdata", "right")
+    s.text((18.3, 6.2), "R8 at the FPGA's end", align="left", small=True, grey=True)
     # The option: overcurrent in hardware.
     upper = s.comparator("U9a", (9.0, 1.7))
     lower = s.comparator("U9b", (9.0, -0.7))
@@ -345,7 +350,8 @@ def sense(table: Table) -> Sheet:
     s.frame((-1.8, 4.5), (20.6, -3.5), "option: overcurrent shuts the gates until 3.3 V goes")
     s.text((10.9, -2.3), "several motors: the outputs of all U9 joined at one R16\n"
            f"U10 once for a board; {s.value('C14', one_line=True)} at each U9, "
-           f"{s.value('C15', one_line=True)} at U10", align="left", small=True)  # fmt: skip
+           f"{s.value('C15', one_line=True)} at U10\nU9 and U10 on 3.3 V",
+           align="left", small=True)  # fmt: skip
     return s
 
 
@@ -369,8 +375,11 @@ def inputs(table: Table) -> Sheet:
     s.pull_down("R12", (12.8, 6.9))
     s.tag((14.4, 6.9), "enc_a, 0 to 3.3 V", "right")
     s.tag((10.0, 4.3), "encoder's A, 0 to 5 V", "left")
-    end = s.buffer("", (10.4, 4.3))
-    s.wire((10.0, 4.3), (10.4, 4.3))
+    end = s.buffer("", (11.2, 4.3))
+    s.wire((10.0, 4.3), (11.2, 4.3))
+    s.dot((10.6, 4.3))
+    s.resistor("R22", (10.6, 4.3), (10.6, 5.5), "right")
+    s.rail((10.6, 5.5), "3.3 V")
     s.wire(end, (14.4, 4.3))
     s.tag((14.4, 4.3), "enc_a, 0 to 3.3 V", "right")
     half, beside = s.value("U11", one_line=True), s.value("C16", one_line=True)
@@ -397,6 +406,14 @@ def inputs(table: Table) -> Sheet:
     s.text((11.9, 1.7), s.value("S2", one_line=True), align="bottom", small=True)
     s.wire((10.4, 1.0), (10.4, 0.6))
     s.ground((10.4, 0.6))
+    s.text((-2.2, -1.5), "Light for a fault, where the board has none (Colorlight i5)", grey=True)
+    s.tag((0.4, -2.8), "led_fault", "left")
+    s.wire((0.4, -2.8), (0.8, -2.8))
+    s.resistor("R18", (0.8, -2.8), (2.4, -2.8), "top")
+    s.load(elm.LED, "LED", (2.4, -2.8), (4.0, -2.8))
+    s.text((2.6, -3.2), "red; its shorter leg to ground", align="top", small=True)
+    s.wire((4.0, -2.8), (5.4, -2.8), (5.4, -3.2))
+    s.ground((5.4, -3.2))
     return s
 
 

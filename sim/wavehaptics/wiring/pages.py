@@ -10,6 +10,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+from wavehaptics.fpga import bridge_budget
 from wavehaptics.fpga.boards import board_names, load_board
 from wavehaptics.runtime import markers
 from wavehaptics.runtime.files import write_text
@@ -123,7 +124,7 @@ def runs(board: str) -> str:
     return (
         f"{loaded.clock_hz / 1e6:g} MHz by its PLL, a tick of {1e6 / scene.controller.tick_hz:g} µs"
         f"{motors}, a carrier of {drive.pwm_hz / 1e3:g} kHz, "
-        f"a dead time of {drive.dead_time_s * 1e9:.0f} ns.\n"
+        f"a dead time of {bridge_budget.dead_time(loaded).made_s * 1e9:.1f} ns.\n"
     )
 
 

@@ -36,6 +36,8 @@ _TO = {
     "gate_al": "R4, U4 pin 4",
     "gate_bh": "R4, U4 pin 9",
     "gate_bl": "R4, U4 pin 12",
+    "gate_ch": "R4, second U4 pin 1",
+    "gate_cl": "R4, second U4 pin 4",
 }
 """Where the wire of each port of a board's top goes, by the references of the schematic."""
 
@@ -121,8 +123,11 @@ def wires(board: str, root: Path = ROOT) -> Wires:
     return Wires(found, on_board)
 
 
-def goes_to(pin: Pin) -> str:
-    """Where a pin's wire goes; nowhere for one that is not used."""
+def goes_to(pin: Pin, brushless: bool = False) -> str:
+    """Where a pin's wire goes; nowhere for one that is not used.
+
+    Several ports of a name are those of several motors, or of a ``brushless`` one's phases.
+    """
     if pin.port is None:
         if pin.place == "GND":
             return "ground"
@@ -134,12 +139,15 @@ def goes_to(pin: Pin) -> str:
     base, _, index = pin.port.rstrip("]").partition("[")
     if base not in _TO:
         raise WiringError(f"nobody has said where the wire of {pin.port} goes; add it to pins.py")
-    return f"motor {index}: {_TO[base]}" if index else _TO[base]
+    if not index:
+        return _TO[base]
+    owner = f"phase {'abc'[int(index)]}" if brushless else f"motor {index}"
+    return f"{owner}: {_TO[base]}"
 
 
 def table(board: str, root: Path = ROOT) -> str:
     """The headers and the board's own ports as tables of Markdown."""
-    found = wires(board, root)
+    found, brushless = wires(board, root), load_board(board, root=root).brushless
     lines: list[str] = []
     for name, rows in found.headers.items():
         lines += [f"**{name}**, as it is printed, row by row:", ""]
@@ -150,7 +158,8 @@ def table(board: str, root: Path = ROOT) -> str:
                 text
                 for pin in row
                 for text in (
-                    pin.printed, pin.place, f"`{pin.port}`" if pin.port else "–", goes_to(pin)
+                    pin.printed, pin.place, f"`{pin.port}`" if pin.port else "–",
+                    goes_to(pin, brushless),
                 )
             ]  # fmt: skip
             lines.append(f"| {' | '.join(cells)} |")

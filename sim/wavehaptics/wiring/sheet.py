@@ -74,7 +74,7 @@ class Sheet:
         self._table = table
         self._family = family
         self.drawing = schemdraw.Drawing(show=False)
-        self.drawing.config(fontsize=_SIZE, font="sans-serif", lw=1.4, bgcolor="white", margin=0.3)
+        self.drawing.config(fontsize=_SIZE, font="sans-serif", lw=1.4, bgcolor="white", margin=1.0)
 
     def svg(self) -> str:
         return self.drawing.get_imagedata("svg").decode()

@@ -6,7 +6,7 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 
 from wavehaptics.words import formats, table
 from wavehaptics.words.table import ACCESS, MOST, Sizes, Values, Word
@@ -57,6 +57,20 @@ def connections(
         ports.append(f".{port}_o ({port}),")
     wires.append(f"wire unused_words = &{{1'b0, {', '.join(outputs)}}};")
     return _macro(f"{prefix}_WIRES", wires) + "\n" + _macro(f"{prefix}_PORTS", ports)
+
+
+def constants(
+    prefix: str, sizes: Sizes, values: Values, inputs: Collection[str],
+    own: Mapping[str, list[tuple[int, int]]],
+) -> str:  # fmt: skip
+    """The Verilog macro ``<prefix>_PORTS`` that gives ``inputs`` of a module their constants.
+
+    ``inputs`` are without ``_i``. They are words of the table, by ``values``, or the module's
+    ``own``, each (word, bits) from the lowest. :class:`KeyError` for one that is neither.
+    """
+    known = {**table.fields(values, sizes), **own}
+    ports = [f".{port}_i ({_concatenation(known[port])})," for port in inputs]
+    return _macro(f"{prefix}_PORTS", ports)
 
 
 # ---- The settings memory.

@@ -51,7 +51,8 @@ class Drive(Table):
     )
     pwm_hz: float | None = scene_key(
         "Hz",
-        "PWM carrier of `pins`",
+        "PWM carrier of `pins`; where half its period is longer than a tick, that is the tick, and "
+        "the run says so",
         None,
         default_text="chosen by `pins` to fit the tick",
         ge=100,
