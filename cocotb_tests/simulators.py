@@ -17,7 +17,6 @@ their names. In the test module, ``parameters`` and ``defines`` are the environm
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import json
 import os
 import re
@@ -30,6 +29,7 @@ from xml.etree import ElementTree
 import cocotb
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
+from wavehaptics.runtime.files import digest_of
 
 TESTS_DIR = Path(__file__).resolve().parent
 RTL_DIR = TESTS_DIR.parent / "rtl"
@@ -113,10 +113,7 @@ def _build_digest(simulator: str, arguments: object, files: Sequence[Path]) -> s
     program = Path(shutil.which({"icarus": "iverilog"}.get(simulator, simulator)) or "").resolve()
     age = program.stat().st_mtime_ns if program.is_file() else 0
     flags = [os.environ.get(name) for name in ("MAKEFLAGS", "CXX", "WAVES")]
-    digest = hashlib.sha256(repr((program, age, flags, cocotb.__version__, arguments)).encode())
-    for path in files:
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()
+    return digest_of((program, age, flags, cocotb.__version__, arguments), files)
 
 
 def _build_name(toplevel: str, test_module: str, *options: Mapping[str, object] | None) -> str:

@@ -11,7 +11,6 @@ from bench import Bench, random_source
 from cobs_frames import frames, unstuffed
 
 PACKET = 125
-SLOTS = 6
 
 
 class CobsBench(Bench):

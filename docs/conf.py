@@ -27,6 +27,8 @@ root_doc = "README"
 include_patterns = ["*.md", "docs/**.md", "boards/**.md", "formal/*.md", "rtl/*.md",
                     "sim/scenes/*.md", "build/api/**.rst"]  # fmt: skip
 
+# Pictures with a width, two beside each other where there is room, are there what they are here.
+myst_enable_extensions = ["html_image"]
 # What the repository's site does with headings: the places in links are the same.
 myst_heading_anchors = 4
 # Names that a tuple or loop makes; `range`, a type that is also a field's name.

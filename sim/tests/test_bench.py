@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 from rich.console import Console
@@ -132,3 +133,19 @@ def test_tables_of_a_summary():
     text = console.export_text()
     for part in ("golden", "0.15", "it broke", "7.0·10⁶", "1.00 (0.97–1.02)", "1.0·10⁻⁹"):
         assert part in text
+
+
+def test_a_library_is_built_in_the_folder_that_a_profile_is_named_after(tmp_path, monkeypatch):
+    folders = []
+
+    def built(command: list[str], **_: object) -> subprocess.CompletedProcess[str]:
+        folders.append(command[command.index("--Mdir") + 1])
+        Path(command[command.index("-o") + 1]).write_bytes(b"library")
+        return subprocess.CompletedProcess(command, 0)
+
+    monkeypatch.setattr(verilated.subprocess, "run", built)
+    work, target = tmp_path / "work", tmp_path / "model.so"
+    assert verilated.verilate("top", [], target, work=work) == target
+    assert folders == [str(work / "obj")]
+    assert target.read_bytes() == b"library"
+    assert {path.name for path in tmp_path.iterdir()} == {"model.so", "model.log"}

@@ -60,16 +60,31 @@ def test_status_knows_what_the_boards_have():
 
 
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
+IMAGE = re.compile(r'<img src="([^"]+)"')
+NARROW = 44
+"""Characters of code that a telephone, 390 px wide, shows beside each other."""
 
 
 @pytest.mark.parametrize("page", [p for p in filler.pages() if p.suffix == ".md"], ids=str)
 def test_links_lead_to_files(page):
     """On GitHub as well, where nothing checks them; `make docs` checks the places in pages."""
-    links = LINK.findall((ROOT / page).read_text(encoding="utf-8"))
+    text = (ROOT / page).read_text(encoding="utf-8")
+    links = LINK.findall(text) + IMAGE.findall(text)
     here = [link for link in links if "://" not in link]
     missing = [link for link in here if not (ROOT / page.parent / link).exists()]
     assert here or page.parts[0] == "docs"
     assert missing == []
+
+
+def test_code_on_the_front_page_is_narrow():
+    """What a person writes there; a command's output is as wide as it is."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    unmarked = re.sub(r"<!-- begin (\S+) -->\n.*?<!-- end \1 -->", "", text, flags=re.DOTALL)
+    lines = "".join(
+        re.findall(r"^```\n(.*?)^```$", unmarked, re.DOTALL | re.MULTILINE)
+    ).splitlines()
+    assert lines
+    assert [line for line in lines if len(line) > NARROW] == []
 
 
 def test_pages_are_found(tmp_path):
@@ -215,5 +230,6 @@ def test_front_picture_shows_the_first_tap(tmp_path):
     found = front_picture.way_in(trace)
     assert found[0][-1] == pytest.approx(10.0, rel=1e-3)
     assert found[1] == pytest.approx(2.0 * found[0])
-    path = front_picture.draw(tmp_path, {"encoder": 0.25}, 2.28, tmp_path / "walls.png")
-    assert path.read_bytes().startswith(b"\x89PNG")
+    paths = front_picture.draw(tmp_path, {"encoder": 0.25}, 2.28, tmp_path / "pages")
+    assert [path.name for path in paths] == ["tap.png", "walls.png"]
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths)

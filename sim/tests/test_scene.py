@@ -24,7 +24,7 @@ from wavehaptics.scene import (
     shipped_scenes,
 )
 from wavehaptics.scene.keys import field_texts
-from wavehaptics.scene.messages import GONE, NOT_SIMULATED
+from wavehaptics.scene.messages import GONE
 
 BASE = """\
 [scene]
@@ -522,14 +522,6 @@ def test_find_scene(tmp_path, monkeypatch):
     assert find_scene("stiffest").is_file()
     Path("impact").write_text(BASE)
     assert find_scene("impact") == Path("impact")
-
-
-def test_not_simulated_names_what_the_schema_has():
-    for part in NOT_SIMULATED:
-        table = TABLES[part.path[0]]
-        if len(part.path) == 2:
-            field = table.model_fields[part.path[1]]
-            assert field.default == part.off
 
 
 def _described() -> dict[str, list[tuple[str, ...]]]:

@@ -21,7 +21,7 @@ from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.chrome.webdriver import WebDriver
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
-from wavehaptics.cli.board import SCOPE_SCENE
+from wavehaptics.cli.board.scope import SCOPE_SCENE
 from wavehaptics.laws import closed_forms
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import find_scene, load_scene

@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -14,8 +13,7 @@ from wavehaptics.host.capture import Captured
 from wavehaptics.host.client import Client
 from wavehaptics.host.names import places
 from wavehaptics.host.stream import Streamed
-from wavehaptics.runtime.files import replacing
-from wavehaptics.trace.columns import FLOAT_COLUMNS, TRACE_FILE
+from wavehaptics.trace.columns import FLOAT_COLUMNS, TRACE_FILE, write_npz
 
 FOLLOWER_TICKS = 256
 """Ticks over which the word ``lag`` is the rotor's way."""
@@ -105,8 +103,4 @@ def trace_arrays(found: Captured, device: Device) -> dict[str, np.ndarray]:
 
 def save(arrays: dict[str, np.ndarray], folder: Path) -> Path:
     """Write ``trace.npz`` into ``folder``, whole or not at all; its path."""
-    path = folder / TRACE_FILE
-    with replacing(path) as part, part.open("wb") as file:
-        named: dict[str, Any] = {**arrays}
-        np.savez(file, **named)
-    return path
+    return write_npz(folder / TRACE_FILE, arrays)

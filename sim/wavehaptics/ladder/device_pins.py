@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`pins` with the settings memory in the RTL: its words go over the bus, also while it runs."""
+"""`pins` with the settings memory in the RTL: its words go over the bus, also while it runs.
+
+No command runs it: by it tests hold ``wh_device`` to `pins` row by row, without a line between.
+"""
 
 from __future__ import annotations
 

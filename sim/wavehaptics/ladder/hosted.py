@@ -270,7 +270,10 @@ class HostedSimulation:
 
 
 class PinsHostedSimulation:
-    """The same with the whole RTL at its pins, through the ports that a board's link has."""
+    """The same with the whole RTL at its pins, through the ports that a board's link has.
+
+    No command runs it: tests hold the RTL's budget and the port anchor with a host to it.
+    """
 
     def __init__(
         self, scene: Scene, environment: Environment | None, period_log2: int, line: Line,

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from wavehaptics.runtime.files import digest_of
+from wavehaptics.runtime.files import digest_of, replacing
 from wavehaptics.runtime.repository import ROOT, SHIMS
 from wavehaptics.runtime.toolchain import ToolError
 from wavehaptics.words import formats
@@ -44,6 +44,8 @@ DEFAULT_VERILATOR_FLAGS = ("-O3", "--x-assign", "fast", "--x-initial", "fast", "
 # Other flags for a process that is to be measured with them.
 CXX_FLAGS = tuple(os.environ.get("WH_CXX_FLAGS", "").split()) or DEFAULT_CXX_FLAGS
 VERILATOR_FLAGS = tuple(os.environ.get("WH_VERILATOR_FLAGS", "").split()) or DEFAULT_VERILATOR_FLAGS
+BUILD_WORK = os.environ.get("WH_BUILD_WORK", "")
+"""Folder to build in, for a profile, whose files are named after it; "" for one of its own."""
 if COVERAGE_DIR:
     VERILATOR_FLAGS += COVERAGE_FLAGS
     CXX_FLAGS += ("-O1",)  # the last counts: counters make builds long, and few ticks are run
@@ -137,24 +139,29 @@ def build(design: Design) -> Path:
         *(str(SHIMS / name) for name in design.shows),
         str(SHIMS / design.shim), str(_source(design.top)),
     ]  # fmt: skip
-    return verilate(design.top, arguments, target, shim_header(design.sizes))
+    work = Path(BUILD_WORK) if BUILD_WORK else None
+    return verilate(design.top, arguments, target, shim_header(design.sizes), work=work)
 
 
 def verilate(
     top: str, arguments: Sequence[str], target: Path, header: str | None = None, *,
-    covered: bool = True,
+    covered: bool = True, work: Path | None = None,
 ) -> Path:  # fmt: skip
     """Build ``target``, a shared library of a top level and its shim, unless it is there already.
 
     ``arguments`` are Verilator's for the sources, ``header`` the text of the shim's ``words.h``;
-    what isn't ``covered`` counts nothing for WH_COVERAGE.
+    what isn't ``covered`` counts nothing for WH_COVERAGE. ``work`` is a folder to build in, which
+    must not be there yet; it is gone afterwards, as one of its own is.
     """
     if target.exists():
         return target
     program, environment = verilator_environment()
     flags = [flag for flag in VERILATOR_FLAGS if covered or flag not in COVERAGE_FLAGS]
     BUILD_DIR.mkdir(parents=True, exist_ok=True)
-    work = Path(tempfile.mkdtemp(prefix=f"{top}-", dir=BUILD_DIR))
+    if work is None:
+        work = Path(tempfile.mkdtemp(prefix=f"{top}-", dir=BUILD_DIR))
+    else:
+        work.mkdir(parents=True)
     (work / "obj").mkdir()
     if header is not None:
         (work / "obj" / "words.h").write_text(header, encoding="utf-8")
@@ -169,8 +176,8 @@ def verilate(
             code = subprocess.run(command, env=environment, stdout=out, stderr=out).returncode
         if code:
             raise BuildError(f"building {top} failed with status {code}; see {log}")
-        # A rename is atomic: another process that builds the same model sees all of it or nothing.
-        (work / "model.so").replace(target)
+        with replacing(target) as part:
+            shutil.move(work / "model.so", part)
     finally:
         shutil.rmtree(work)
     return target

@@ -30,7 +30,7 @@ from wavehaptics.pages import (
 )
 from wavehaptics.pages import port_anchor as holding_tables
 from wavehaptics.runtime import markers
-from wavehaptics.runtime.files import write_json, write_text
+from wavehaptics.runtime.files import replacing, write_json, write_text
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies import fault_table
 from wavehaptics.studies.adcs import named_rows
@@ -113,16 +113,14 @@ def keep(root: Path = ROOT) -> list[Path]:
         for name in names:
             picture = root / found.with_name(name)
             if found not in parts and picture.exists():
-                (root / MEASURED.parent / name).write_bytes(picture.read_bytes())
+                with replacing(root / MEASURED.parent / name) as shown:
+                    shown.write_bytes(picture.read_bytes())
     if (root / _DEMO / "stiffest" / "trace.npz").exists() and {"demo", "report"} <= set(measured):
         usual = front_picture.usual(measured["report"]["ratios"])
         k_l = measured["demo"][-1]["k_l"]
-        front_picture.draw(root / _DEMO, usual, k_l, root / MEASURED.parent / FRONT_PICTURE)
+        front_picture.draw(root / _DEMO, usual, k_l, root / MEASURED.parent)
     return parts
 
-
-FRONT_PICTURE = "walls.png"
-"""The README's first picture, below ``sim/docs``."""
 
 _STUDIES: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
     _REPORT: ("report", report_and_bench.of_report),

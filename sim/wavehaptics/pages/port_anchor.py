@@ -11,7 +11,6 @@ import numpy as np
 
 from wavehaptics.studies.report.blocks import number, percent
 
-MOTORS_KEPT = ("seed", "r", "l", "k_t", "counts", "tick_hz")
 BOUNCES = tuple(f"bounce_{speed:g}" for speed in (1.0, 3.0, 10.0, 30.0))
 TARGETS = {"hold": 0.01, "swing": 0.01, "soft": 0.02}
 """Part of the depth that a wall may move besides half a cell."""

@@ -21,19 +21,6 @@ from wavehaptics.scene.keys import (
 from wavehaptics.scene.schema import TABLES, Scene
 from wavehaptics.scene.tables.motor import DC_KEYS
 
-
-class NotSimulated(NamedTuple):
-    """A part of the format that this version refuses, because it would have no effect."""
-
-    path: KeyPath
-    what: str
-    off: float | bool | None = None
-    """The value that means "without it", and is taken; ``None`` where only leaving it out does."""
-
-
-NOT_SIMULATED: tuple[NotSimulated, ...] = ()
-"""All that the format has and this version does not simulate; take an entry out to lift it."""
-
 GONE: dict[KeyPath, str] = {
     ("controller", "release_ohm"): (
         "the port anchor needs no rule for the way out; use anchor_auto = true"
@@ -54,7 +41,7 @@ GONE: dict[KeyPath, str] = {
     ("controller", "push_only"): "a wall of the port anchor only pushes; use anchor_auto = true",
     ("controller", "r_hat_free"): "one R̂ serves contact and free space; use r_hat",
 }
-"""Keys that the format had once, and what has taken their place."""
+"""Keys that the format had once, and what has taken their place: for scenes from before 0.1.0."""
 
 # Ways to write a unit in plain letters, all brought to one form before units are compared.
 _UNIT_SPELLINGS = ((r"[·*.\s_^]", ""), ("²", "2"), (r"[Oo]hms?", "Ω"), ("\u2126", "Ω"))
@@ -184,37 +171,18 @@ class _Refusal(NamedTuple):
 
 def refused(data: dict[str, Any]) -> tuple[Scene | None, list[_Refusal]]:
     """The scene, or everything that is found wrong with it."""
-    found = []
-    for part in NOT_SIMULATED:
-        value: Any = data
-        for name in part.path:
-            value = value.get(name) if isinstance(value, dict) else None
-        if value is None or (part.off is not None and value == part.off):
-            continue
-        name = f"[{part.path[0]}]" if len(part.path) == 1 else dotted(part.path)
-        way_out = "leave it out"
-        if part.off is not None:
-            way_out += f" or give {as_written(part.off)}"
-        found.append(_Refusal(f"{name}: {part.what} is not simulated yet; {way_out}", [part.path]))
-    scene = None
     try:
-        scene = Scene.model_validate(data)
+        return Scene.model_validate(data), []
     except ValidationError as error:
-        found.extend(_explain(error))
-    return scene, found
+        return None, list(_explain(error))
 
 
 def _explain(error: ValidationError) -> Iterator[_Refusal]:
-    lifted = [part.path for part in NOT_SIMULATED]
     for detail in error.errors(include_url=False):
         path, kind, value = detail["loc"], detail["type"], detail["input"]
         if kind == "rule":
             rule = detail["ctx"]
             yield _Refusal(rule["problem"], [(*path, *below) for below in rule["paths"]])
-        elif any(path[: len(part)] == part for part in lifted):
-            # Already refused as a whole, unless it is what switches the part off, wrongly written.
-            if kind != "extra_forbidden" and path in lifted and len(path) > 1:
-                yield _Refusal(_wrong_value(kind, path, value), [path])
         elif kind == "extra_forbidden":
             yield _Refusal(_unknown(path, value), [path])
         elif kind == "missing" and len(path) <= 2:

@@ -16,6 +16,7 @@ from wavehaptics.controller.settings import settings
 from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import Scene
 from wavehaptics.studies.impedance import Impedance
+from wavehaptics.trace.pictures import save_figure
 
 _BLUE, _ORANGE, _GREEN, _GREY = "#0072B2", "#E69F00", "#009E73", "#7F7F7F"
 
@@ -82,5 +83,4 @@ def picture(scene: Scene, impedance: Impedance, path: Path) -> Path:
     top.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, fontsize=9)
     text = f"{scene.scene.name} · largest error {100.0 * impedance.errors.max():.2g} %"
     figure.suptitle(text, x=0.01, ha="left", fontsize=11)
-    figure.savefig(path, dpi=160)
-    return path
+    return save_figure(figure, path)

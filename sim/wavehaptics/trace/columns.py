@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
@@ -256,10 +257,15 @@ class TraceWriter:
         ``saturated`` (bool), ``x_hat omega_hat correction flux`` and ``fault`` (bool) where there
         is a port anchor, and ``i_word u_word v_word e_word`` where the controller has words.
         """
-        with replacing(self.path) as part, part.open("wb") as file:
-            arrays: dict[str, Any] = self.arrays()
-            np.savez(file, **arrays)
-        return self.path
+        return write_npz(self.path, self.arrays())
+
+
+def write_npz(path: Path, arrays: Mapping[str, np.ndarray]) -> Path:
+    """Write arrays by name, whole or not at all; returns ``path``. The directory is made."""
+    named: dict[str, Any] = {**arrays}
+    with replacing(path) as part, part.open("wb") as file:
+        np.savez(file, **named)
+    return path
 
 
 def load_trace(path: Path | str) -> dict[str, np.ndarray]:

@@ -20,6 +20,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from scipy.ndimage import uniform_filter1d
 
+from wavehaptics.runtime.files import replacing
+
 Trace = Mapping[str, np.ndarray]
 Walls = Sequence[tuple[float, float]]
 
@@ -68,10 +70,11 @@ def _figure(height_in: float, rows: int = 1, ratios: Sequence[float] | None = No
     return figure, axes
 
 
-def _save(figure: Figure, path: Path | str) -> Path:
+def save_figure(figure: Figure, path: Path | str) -> Path:
+    """Write a figure as PNG, whole or not at all; returns its path. The directory is made."""
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=_DPI)
+    with replacing(path) as part:
+        figure.savefig(part, dpi=figure.dpi, format="png")
     return path
 
 
@@ -260,7 +263,7 @@ def time_plot(
     if error is not None:
         text += f" · RMS torque error {_power(error)} of the analog peak"
     _title(figure, metrics, text)
-    return _save(figure, path)
+    return save_figure(figure, path)
 
 
 def force_plot(
@@ -313,7 +316,7 @@ def force_plot(
             way = "above" if off > 0.0 else "below"
             text += f", {100.0 * abs(off):.2f} % {way} the prediction"
     _title(figure, metrics, text)
-    return _save(figure, path)
+    return save_figure(figure, path)
 
 
 def _spring_lines(ax: Axes, run: Trace, metrics: Mapping[str, Any], edge: float) -> None:
@@ -423,7 +426,7 @@ def run_picture(
     if metrics.get("restitution") is not None:
         text += f" · restitution {_number(metrics['restitution'], '')}"
     _title(figure, metrics, text)
-    return _save(figure, path)
+    return save_figure(figure, path)
 
 
 def strips_picture(
@@ -452,4 +455,4 @@ def strips_picture(
     axes[-1].set_xlabel(time_label)
     _end_time_axis(figure, axes, trace, scale)
     figure.suptitle(title, x=0.01, ha="left", fontsize=11)
-    return _save(figure, path)
+    return save_figure(figure, path)

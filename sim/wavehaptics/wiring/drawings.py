@@ -10,6 +10,7 @@ from pathlib import Path
 
 from schemdraw import elements as elm
 
+from wavehaptics.runtime.files import write_text
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.wiring.parts import FAMILY_NAMES, Family, Table
 from wavehaptics.wiring.sheet import Sheet, Side
@@ -445,10 +446,9 @@ def lines(svg: str) -> list[tuple[float, ...]]:
 
 def write(table: Table, root: Path = ROOT) -> list[Path]:
     """Draw every sheet into ``docs/wiring``."""
-    (root / FOLDER).mkdir(parents=True, exist_ok=True)
     paths = []
     for name, draw in SHEETS.items():
         path = root / FOLDER / f"{name}.svg"
-        path.write_text(draw(table).svg() + "\n", encoding="utf-8")
+        write_text(path, draw(table).svg() + "\n")
         paths.append(path.relative_to(root))
     return paths

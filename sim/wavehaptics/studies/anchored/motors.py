@@ -97,7 +97,10 @@ def random_motor(seed: int) -> dict[str, Any]:
 
 
 def free_after_a_tap(seed: int, settings: tuple[str, ...]) -> dict[str, Any]:
-    """The voltage (RMS, V) in free space of a motor that taps, with more ``settings``."""
+    """The voltage (RMS, V) in free space of a motor that taps, with more ``settings``.
+
+    Only a test asks: η = 1 ends in a swing there, which is why another one is chosen.
+    """
     motor, drawn = draw(seed)
     loaded = runs.load("held_wall", [*_taps(motor, drawn), *settings])
     metrics, rows = runs.run(loaded, part_s=1.0 / motor["tick_hz"])

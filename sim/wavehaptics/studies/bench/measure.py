@@ -79,12 +79,13 @@ class Runner:
         environment = os.environ | {
             "WH_CXX_FLAGS": " ".join(tried.cxx),
             "WH_VERILATOR_FLAGS": " ".join(tried.verilator),
+            "WH_BUILD_WORK": str(work or ""),
         }
         command = [sys.executable, "-m", "wavehaptics.studies.bench.once", what]
         self._errors = errors
         self.process = subprocess.Popen(
-            [*command, *([str(work)] if work else [])], env=environment, stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE, stderr=errors, text=True,
+            command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            stderr=errors, text=True,
         )  # fmt: skip
         self.known = self._answer()
 

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """One thing to measure, in a process of its own, as the flags of the environment say.
 
-``python -m wavehaptics.studies.bench.once WHAT [WORK]`` builds and compiles what WHAT needs and
+``python -m wavehaptics.studies.bench.once WHAT`` builds and compiles what WHAT needs and
 prints a line of JSON; then it measures once for each line that it reads, and prints what it found.
 WHAT is a controller, ``short`` for a short run of ``pins``, or ``alone`` for the Verilated RTL
-without its motor. WORK is a folder to build in, for a profile, whose files are named after the
-folder.
+without its motor.
 
 Seconds are the processor's (``cpu_s``) and the clock's (``wall_s``).
 """
@@ -16,7 +15,6 @@ import json
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numba
@@ -113,11 +111,8 @@ def whole(controller: str, duration_s: float) -> tuple[dict[str, Any], Measureme
     return known, once
 
 
-def main(what: str, work: str = "") -> None:
+def main(what: str) -> None:
     """Get ready, and measure as often as is asked for."""
-    if work:
-        Path(work).mkdir(parents=True)
-        verilated.tempfile.mkdtemp = lambda **_: work  # type: ignore[assignment]
     if what == "alone":
         known, once = alone()
     elif what == "short":

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+
+from wavehaptics.trace.pictures import save_figure
 
 # Okabe and Ito's colours, told apart by colour-blind readers too.
 BLACK, ORANGE, GREEN, BLUE, RED, PINK, SKY, GREY = (
@@ -66,8 +67,4 @@ def legend(ax: Axes, **options) -> None:
         ax.legend(frameon=False, fontsize=9, **options)
 
 
-def save(figure: Figure, path: Path) -> Path:
-    """Write the figure as PNG."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=_DPI)
-    return path
+save = save_figure

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``board capture``: live words at the tick's rate around a trigger."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wavehaptics.cli.board.common import (
+    DEFAULT_TIMEOUT,
+    MotorOption,
+    PortOption,
+    TimeoutOption,
+    UnitOption,
+    asked_to_end,
+    board,
+    connected,
+    finite,
+    refusals,
+)
+from wavehaptics.cli.board.rows import (
+    CountsOption,
+    PresetOption,
+    TorqueOption,
+    channel_lines,
+    keep,
+    torque_constant,
+)
+from wavehaptics.cli.shared import RUNS_DIR, CommandError, make_folder, shown_stages
+
+if TYPE_CHECKING:
+    from wavehaptics.host.capture import Captured, Plan, Progress
+
+
+@board.command()
+def capture(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[NAME]...",
+            help="Up to eight live words, or NAME@MOTOR; by default what a run's picture shows.",
+        ),
+    ] = None,
+    trigger: Annotated[
+        str,
+        typer.Option(
+            metavar="WHEN",
+            help="now, contact, fault, NAME>VALUE, NAME<VALUE, 'NAME rises VALUE', "
+            "'NAME falls VALUE', 'NAME changes'.",
+        ),
+    ] = "now",
+    seconds: Annotated[
+        float | None,
+        typer.Option(min=0, callback=finite, help="Of the device's time; else all that fits."),
+    ] = None,
+    pre: Annotated[
+        float, typer.Option(min=0, callback=finite, help="Seconds of these before the trigger.")
+    ] = 0.0,
+    decimate: Annotated[
+        int | None,
+        typer.Option(min=1, help="Ticks of a row, 1, 2, 4 ...; else the fewest that fit."),
+    ] = None,
+    counts_per_rev: CountsOption = None,
+    preset: PresetOption = None,
+    k_t: TorqueOption = None,
+    out: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for trace.npz and capture.png.")
+    ] = RUNS_DIR / "capture",
+    port: PortOption = "",
+    motor: MotorOption = 0,
+    unit: UnitOption = 1,
+    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+) -> None:
+    """Capture live words at the tick's rate around a trigger; Ctrl-C takes what is there."""
+    from wavehaptics.host import capture as captures
+    from wavehaptics.host.captured_trace import device_of
+
+    constant = torque_constant(preset, k_t)
+    make_folder(out)
+    with refusals():
+        client = connected(port, unit, timeout)
+        plan = captures.plan(
+            client, names or captures.PICTURED, seconds=seconds, decimation=decimate,
+            trigger=trigger, before_s=pre, motor=motor,
+        )  # fmt: skip
+        device = device_of(client, motor, counts_per_rev, constant)
+        with shown_stages() as show, asked_to_end() as asked:
+            captures.start(client, plan)
+
+            def shown(progress: Progress) -> None:
+                waits = progress.state == captures.WAITS
+                show("waits for the trigger" if waits else "captures", progress.part)
+
+            captures.wait(client, plan, shown, asked)
+            found = captures.download(client, plan, lambda part: show("is read", part))
+        if not len(found.t):
+            raise CommandError("stopped before the first row: nothing was captured")
+        keep(plan, found, device, out, "capture.png")
+    for line in _capture_lines(plan, found):
+        print(line)
+
+
+def _capture_lines(plan: Plan, found: Captured) -> Iterator[str]:
+    """What was captured, a line for each channel."""
+    at = "no trigger" if found.trigger_row is None else f"the trigger's is row {found.trigger_row}"
+    yield f"{len(found.t)} rows of {plan.row_s * 1e6:.6g} µs; {at}"
+    yield from channel_lines(plan, found)

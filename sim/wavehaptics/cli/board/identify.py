@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``board identify``: what motor hangs on a board."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wavehaptics.cli.board.common import (
+    DEFAULT_TIMEOUT,
+    MotorOption,
+    PortOption,
+    TimeoutOption,
+    UnitOption,
+    asked_to_end,
+    board,
+    connected,
+    finite,
+    refusals,
+)
+from wavehaptics.cli.shared import CommandError
+
+if TYPE_CHECKING:
+    from wavehaptics.host.identify.result import Row
+
+
+@board.command()
+def identify(
+    counts: Annotated[
+        int,
+        typer.Option(min=4, max=4_000_000, help="Counts a turn of the encoder, all four edges."),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="A scene of it, and words for `load` beside."),
+    ] = None,
+    port: PortOption = "",
+    motor: MotorOption = 0,
+    current: Annotated[
+        float | None, typer.Option(min=0.001, max=60, callback=finite, help="Test current, A.")
+    ] = None,
+    travel: Annotated[
+        float | None,
+        typer.Option(
+            min=0.01, callback=finite, help="Room that the rotor has, rad; else it may turn."
+        ),
+    ] = None,
+    expect: Annotated[
+        str | None, typer.Option(metavar="PRESET", help="The motor that it should be.")
+    ] = None,
+    unit: UnitOption = 1,
+    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+) -> None:
+    """Identify the motor: it turns, for some seconds. Faults of the wiring are told by name."""
+    from wavehaptics.host.identify.driver import Driver, EndedError
+    from wavehaptics.host.identify.procedure import Wishes
+    from wavehaptics.host.identify.procedure import identify as identified
+    from wavehaptics.host.identify.result import rows, write
+    from wavehaptics.parts.motors import PRESETS
+
+    if expect is not None and expect not in PRESETS:
+        raise CommandError(f"--expect {expect}: take {', '.join(PRESETS)}")
+    wishes = Wishes(counts, current, travel, PRESETS[expect] if expect else None)
+    with refusals():
+        client = connected(port, unit, timeout)
+        with asked_to_end() as asked:
+            driver = Driver(client, motor, ended=asked)
+            try:
+                found = identified(driver, wishes, lambda line: print(line, flush=True))
+            except EndedError:
+                raise KeyboardInterrupt from None
+    _identified_table(rows(found))
+    if out is not None:
+        with refusals():
+            print(*write(found, driver, out, motor), sep="\n")
+
+
+def _identified_table(rows: Iterable[Row]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    shown = Table("", "value", "±", "unit")
+    for row in rows:
+        shown.add_row(row.name, row.value, row.spread, row.unit)
+    Console().print(shown)

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``board --virtual``: a board without hardware, on a port of its own."""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wavehaptics.cli.board.common import board, finite
+from wavehaptics.cli.shared import CommandError, SetOption
+from wavehaptics.scene import find_scene, load_scene
+
+
+@board.callback()
+def be_virtual(
+    context: typer.Context,
+    virtual: Annotated[
+        str | None,
+        typer.Option(metavar="SCENE", help="Be a board with this scene's motor and hand."),
+    ] = None,
+    overrides: SetOption = None,
+    paced: Annotated[
+        bool, typer.Option("--paced", help="With --virtual: no faster than real time.")
+    ] = False,
+    seconds: Annotated[
+        float | None,
+        typer.Option(
+            min=0, callback=finite, help="With --virtual: end after so much simulated time, s."
+        ),
+    ] = None,
+    link: Annotated[
+        Path | None,
+        typer.Option(metavar="PATH", help="With --virtual: a symbolic link to its port."),
+    ] = None,
+    hand: Annotated[
+        Path | None,
+        typer.Option(metavar="PATH", help="With --virtual: a socket that leads the scene's hand."),
+    ] = None,
+    tied: Annotated[
+        bool, typer.Option("--tied", help="With --virtual: end with the standard input.")
+    ] = False,
+) -> None:
+    """Be a virtual board, or leave it to the command that follows."""
+    if context.invoked_subcommand is not None:
+        if virtual is not None:
+            raise CommandError(
+                f"board --virtual runs by itself; type `board {context.invoked_subcommand}` "
+                "in another terminal"
+            )
+        return
+    if virtual is None:
+        raise CommandError(
+            "board: give a command, or --virtual SCENE; wavehaptics board --help lists them"
+        )
+    loaded = load_scene(find_scene(virtual), overrides or ())
+    if link is not None and link.exists() and not link.is_symlink():
+        raise CommandError(f"--link {link}: is there and no link; name another path")
+    if hand is not None and (hand.exists() and not hand.is_socket()):
+        raise CommandError(f"--hand {hand}: is there and no socket; name another path")
+    if hand is not None and (loaded.hand is None or loaded.hand.path == "impact"):
+        raise CommandError(f"--hand {hand}: {loaded.scene.name} has no hand that can be led")
+
+    from wavehaptics.host.led_hand import LedHand
+    from wavehaptics.host.virtual import VirtualBoard
+    from wavehaptics.ladder.linked_pins import LinkedPins
+
+    if sys.stderr.isatty():
+        print("building the simulated board: up to a minute the first time", file=sys.stderr)
+    pins = LinkedPins(loaded)
+    pins.elapse(1)  # compiles the loop
+    asked = []
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: asked.append(True))
+    with ExitStack() as kept:
+        led = kept.enter_context(LedHand(hand, pins.hand_rad)) if hand is not None else None
+        running = kept.enter_context(VirtualBoard(pins, link, led))
+        print(running.path, flush=True)
+        running.run(lambda: bool(asked) or (tied and _input_ended()), seconds, paced=paced)
+
+
+def _input_ended() -> bool:
+    """Whether the standard input has ended; what it holds is thrown away."""
+    return bool(select.select([0], [], [], 0.0)[0]) and not os.read(0, 4096)
