@@ -100,7 +100,7 @@ def early_tick_clocks(ports: int = 1, anchored: bool = False) -> int:
 
 
 def shared_tick_clocks(ports: int = 1, anchored: bool = False) -> int:
-    """Clocks of the shortest tick with SHARED in which all products come in time.
+    """Clocks of a tick with SHARED in which all products come in time; a shorter one may do.
 
     No voltage of a step asks for one when the next step has begun, and no current before the core
     has asked for its last. The last port's anchor has time to wait for each of them, and for two of

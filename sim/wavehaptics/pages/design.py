@@ -238,6 +238,7 @@ STATUS = (
     ("duty ten clocks after the ADC", "EARLY"),
     ("guard with sixteen latched faults", "GUARD"),
     ("port anchor: a wall that holds on a real motor", "ANCHOR"),
+    ("one multiplier for all products", "SHARED"),
     ("soft walls, layers, detents with W", "SHAPER"),
     ("an environment on a computer", "HOST"),
     ("zero of the current measured before the gates go on", "SENSE"),
