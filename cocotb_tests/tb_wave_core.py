@@ -46,6 +46,9 @@ def _load_model() -> tuple[ModuleType, ModuleType]:
         (root / "rtl").mkdir(exist_ok=True)
         (root / "rtl" / "wh_formats.vh").write_text(text, encoding="utf-8")
         sys.path.insert(0, str(root / "sim"))
+        # What the benches have of the package is of the header's own widths.
+        for name in [name for name in sys.modules if name.split(".")[0] == "wavehaptics"]:
+            del sys.modules[name]
     formats = importlib.import_module("wavehaptics.words.formats")
     for macro, value in defines().items():
         assert formats.HEADER_VALUES[macro.removeprefix("WH_")] == value
