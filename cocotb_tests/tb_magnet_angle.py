@@ -40,8 +40,8 @@ class AngleBench(Bench):
 
     async def tick(
         self, position: int, contact: bool, cells: tuple[int, int], chi: tuple[int, int], wait: int
-    ) -> None:
-        """A tick whose turn is taken ``wait`` clocks after it is there."""
+    ) -> bool:
+        """A tick whose turn is taken ``wait`` clocks after it is there; whether it counted."""
         before = int(self.state[magnet_angle.KNOWN])
         moved = position - int(self.state[magnet_angle.POSITION])
         counted = (
@@ -82,6 +82,7 @@ class AngleBench(Bench):
             assert clocks <= 2
         assert begun == found - before
         assert self.word("found_o") == found
+        return counted
 
 
 def any_chi(rng: random.Random, near: int) -> int:
@@ -146,3 +147,41 @@ async def a_loop_that_went_far_and_came_back(dut: object) -> None:
                 chi[axis] += jump if n < 100 else -jump
                 await bench.tick(position, False, cells, tuple(chi), 0)
             assert bool(bench.state[magnet_angle.KNOWN]) == (half == 3)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def any_distance_is_a_movement(dut: object) -> None:
+    """Each power of two of counts in one tick, and one less, either way."""
+    bench = AngleBench(dut)
+    for way in (1, -1):
+        for less in (0, 1):
+            position = -way
+            await bench.begin(find=True, turn=1, rest=100, position=position)
+            # The first one may be a turn round.
+            for n, leap in enumerate((1, *((1 << bit) - less for bit in range(less, 31 - less)))):
+                position += way * leap
+                chi = (n * JUMP // 9, 0)
+                assert await bench.tick(position, False, (0, CELL), chi, 0) or n == 0
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_mean_at_its_limit(dut: object) -> None:
+    """Jumps of equal size in sum, shared in any way by the axes: a quarter of a cell is too much.
+
+    From above the mean comes to this size to the bit, and each count is half a turn, so that the
+    one that finds it is told. The turn is taken at any time: the mean is kept till the next count.
+    """
+    rng = random_source("mean")
+    bench = AngleBench(dut)
+    for _ in range(1 if "Icarus" in cocotb.SIM_NAME else 3):
+        share = rng.randrange(magnet_angle.FOUND)
+        for size_b in (share, magnet_angle.FOUND - 1 - share):
+            for size in (magnet_angle.FOUND - 1, magnet_angle.FOUND):
+                await bench.begin(find=True, turn=1 << 31, rest=100, position=0)
+                jump, chi = (size - size_b, size_b), (0, 0)
+                for position in range(1, 601):
+                    way = 1 if position % 2 else -1
+                    chi = tuple(c + way * j for c, j in zip(chi, jump, strict=True))
+                    await bench.tick(position, False, (CELL, 0), chi, rng.randrange(3))
+                known = bool(bench.state[magnet_angle.KNOWN])
+                assert known == (size < magnet_angle.FOUND)
