@@ -39,7 +39,7 @@ def simulate_netlist(
 @pytest.mark.parametrize("device", DEVICES)
 def test_wave_core(device: str) -> None:
     """Word for word the integer model, over corners, resets and overruns."""
-    parameters = {"N": 1, "DELAY_LOG2": 2, "OUTSIDE": 1, "SHAPER": 0, "WITHHELD": 1}
+    parameters = {"N": 1, "DELAY_LOG2": 2, "OUTSIDE": 1, "SHAPER": 0, "WITHHELD": 1, "SHARED": 0}
     bench = {**parameters, "TICKS": TICKS}
     simulate_netlist("wh_wave_core", parameters, device, "bench_wave_core", "tb_wave_core", bench)
 
