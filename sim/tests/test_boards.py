@@ -442,8 +442,8 @@ def test_a_brushless_board_has_one_motor_and_no_link(tmp_path, key, value):
             if (name, file) == ("ulx3s_brushless", "fpga.toml"):
                 text = text.replace("legs = 3\n", f"legs = 3\n{key} = {value}\n")
             (tmp_path / "boards" / name / file).write_text(text)
-    with pytest.raises(BoardError, match=rf"fpga\.toml:\d+: {key}: a board with legs = 3 has one .*; "
-                       rf"leave {key} out$"):  # fmt: skip
+    with pytest.raises(BoardError, match=rf"fpga\.toml:\d+: {key}: a board with legs = 3 has "
+                       rf"one .*; leave {key} out$"):  # fmt: skip
         load_board("ulx3s_brushless", root=tmp_path)
 
 
@@ -497,7 +497,9 @@ def test_shared_multiplier_is_refused_where_it_has_no_time():
     assert "`define WH_BOARD_SHARED 1\n" in board.headers()["wh_board_settings.vh"]
     assert "`define WH_BOARD_SHARED 0\n" in load_board("ulx3s").headers()["wh_board_settings.vh"]
     shaped = ("shaper.feel=spring", "shaper.stiffness=0.3", "shaper.damping=0.1e-3")
-    with pytest.raises(SceneError, match=r"^--set shaper.*: \[shaper\] needs a multiplier that the wave core"):
+    with pytest.raises(
+        SceneError, match=r"^--set shaper.*: \[shaper\] needs a multiplier that the wave core"
+    ):
         replace(board, scene=load_scene(path, shaped)).words()
     short = ("controller.clock_hz=38e6", "controller.extra_ticks=3")
     with pytest.raises(
