@@ -62,7 +62,7 @@ module ulx3s_brushless (
 
     // 19.4 MHz.
     wh_board_oscillator_ecp5 #(
-        .DIV (24)
+        .DIV (28)
     ) oscillator (
         .clk_o (watch_clk)
     );
