@@ -63,6 +63,8 @@ class AdcPart:
         self._din = 0
         self._word = 0
         self._edges = 0
+        self.pulses = 0
+        """Of SCLK, in the last frame."""
         self._ready = -math.inf
         self._cs_rise = -math.inf
         self._cs_fall = -math.inf
@@ -120,7 +122,7 @@ class AdcPart:
     def _frame_ends(self, now: float) -> None:
         part = self.part
         self._cs_rise = now
-        pulses = self._edges // 2
+        pulses = self.pulses = self._edges // 2
         self._invalid = False
         if not self.calibrated and pulses >= part.calibrate_bits:
             # The frame was for the offset, not for a code.

@@ -851,6 +851,7 @@ async def latency_is_the_formula(dut: object) -> None:
             driven_tick = (first - GATE_CLOCKS) // tick_clocks
             assert driven_tick - strobe // tick_clocks - 1 == expected, (part.name, lead)
             bench.check_pulses()
+            assert {part.pulses for part in bench.parts} == {made.frame_bits}
             seen.add(expected)
         # Both sides of the boundary: the formula is right to the clock.
         assert len(seen) == 2
@@ -1083,6 +1084,15 @@ async def sense_flags(dut: object) -> None:
     ):
         seen = await show(code, 3 + settings.frame.pipeline)
         assert seen[-1] == flags, code
+    # A trip is met to the code, with every bit of it 0 and 1.
+    step = 1 << (16 - PART.bits)
+    for trip in (0x5555 // step, 0x2AAA // step):
+        bench.drive(trip_i=trip * step)
+        for code in (trip, trip - 1, -trip, 1 - trip):
+            seen = await show(MID_CODE + code, 3 + settings.frame.pipeline)
+            assert seen[-1] == (0, 0, abs(code) >= trip), code
+    bench.drive(trip_i=settings.trip)
+    await show(MID_CODE - 2, 3 + settings.frame.pipeline)
     assert (await show(MID_CODE - 3, 8))[-1] == (0, 1, 0)
     assert (await show(MID_CODE - 2, 3 + settings.frame.pipeline))[-1] == (0, 0, 0)
 
