@@ -60,7 +60,7 @@ module ulx3s_brushless (
     wire watch_clk;
     wire clock_lost;
 
-    // 19.4 MHz.
+    // 11.1 MHz: a beat of the slower clock lasts longer.
     wh_board_oscillator_ecp5 #(
         .DIV (28)
     ) oscillator (

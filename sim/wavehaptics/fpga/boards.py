@@ -8,7 +8,6 @@ is made for, ``<name>.v`` is its top, and ``constraints/<name>.pcf`` or ``.lpf``
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -27,9 +26,10 @@ from wavehaptics.fpga.board_words import (
 from wavehaptics.parts.adcs import PARTS
 from wavehaptics.runtime.files import write_text
 from wavehaptics.runtime.repository import ROOT
-from wavehaptics.runtime.toml_source import KeyPath, TomlError, dotted, parse
+from wavehaptics.runtime.toml_source import TomlError, dotted, parse
 from wavehaptics.scene import Scene, load_scene
 from wavehaptics.scene.keys import as_written, nearest
+from wavehaptics.scene.places import Places
 
 CONSTRAINT_SUFFIX = {"ice40": ".pcf", "ecp5": ".lpf"}
 
@@ -194,11 +194,6 @@ def board_names(root: Path = ROOT) -> list[str]:
     return sorted(path.parent.name for path in (root / "boards").glob("*/fpga.toml"))
 
 
-def _line(lines: Mapping[KeyPath, int], path: KeyPath) -> int:
-    """Line of a key in its file, or of what holds it."""
-    return next((lines[path[:n]] for n in range(len(path), 0, -1) if path[:n] in lines), 1)
-
-
 def _problem(detail: ErrorDetails) -> str:
     """What is wrong with a key of ``fpga.toml``, and what would be right."""
     path = detail["loc"]
@@ -224,16 +219,17 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
     path = root / "boards" / name / "fpga.toml"
     try:
         data, lines = parse(path.read_bytes())
+        places = Places(str(path), lines, {})
         fpga = Fpga.model_validate(data)
     except TomlError as error:
         raise BoardError(f"{path}:{error.line}: {error.problem}") from None
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        raise BoardError(f"{path}:{_line(lines, first['loc'])}: {_problem(first)}") from None
+        raise BoardError(f"{places.of(first['loc'])[1]}: {_problem(first)}") from None
     for key in ("capture", "stream"):
         if getattr(fpga, key) and not fpga.link:
             raise BoardError(
-                f"{path}:{_line(lines, (key,))}: {key} is told over a link; set link = true or "
+                f"{places.of((key,))[1]}: {key} is told over a link; set link = true or "
                 "leave it out"
             )
     if fpga.pins_of is not None:
@@ -246,7 +242,7 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
         ):  # fmt: skip
             if there:
                 raise BoardError(
-                    f"{path}:{_line(lines, (key,))}: {key}: a board with legs = {fpga.legs} has "
+                    f"{places.of((key,))[1]}: {key}: a board with legs = {fpga.legs} has "
                     "one brushless motor, a multiplier for its core and no link yet; leave "
                     f"{key} out"
                 )

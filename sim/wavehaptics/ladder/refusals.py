@@ -11,7 +11,7 @@ from wavehaptics.controller.settings import settings
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.encoder import check_rates
 from wavehaptics.scene import Scene
-from wavehaptics.trace.columns import ROW_BYTES
+from wavehaptics.trace.columns import ROW_BYTES, thinning
 
 
 def check(scene: Scene, controller: str) -> float:
@@ -33,9 +33,7 @@ def check(scene: Scene, controller: str) -> float:
 
 
 def _check_memory(scene: Scene, tick_s: float) -> None:
-    every_s = tick_s
-    if scene.scene.trace_hz is not None:
-        every_s *= max(1, round(1.0 / (tick_s * scene.scene.trace_hz)))
+    every_s = tick_s * thinning(tick_s, scene.scene.trace_hz)
     needed = scene.scene.duration_s / every_s * ROW_BYTES
     there = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     if needed > there:

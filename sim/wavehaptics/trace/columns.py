@@ -154,6 +154,11 @@ ROW_BYTES = 139
 """Most that a row of a trace takes, in memory and in the file: with an anchor and its raw words."""
 
 
+def thinning(tick_s: float, trace_hz: float | None) -> int:
+    """Ticks from a row that is kept to the next, for a tick in s; without a rate each is kept."""
+    return 1 if trace_hz is None else max(1, round(1.0 / (tick_s * trace_hz)))
+
+
 class TraceWriter:
     """Collects the rows of a run, thinned, and writes them as ``trace.npz``.
 
@@ -183,7 +188,7 @@ class TraceWriter:
             raise ValueError("tick_s and trace_hz must be above zero")
         path = Path(path)
         self.path = path if path.suffix == ".npz" else path / TRACE_FILE
-        self.step = 1 if trace_hz is None else max(1, round(1.0 / (tick_s * trace_hz)))
+        self.step = thinning(tick_s, trace_hz)
         self._ticks = 0
         self._kept = 0
         self._energy = 0.0
