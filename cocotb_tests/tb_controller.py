@@ -229,7 +229,7 @@ class Made:
     flux: int
     lag: int
     fault: int
-    room: int
+    left: int
 
 
 class GateWatch:
@@ -413,7 +413,7 @@ class ControllerBench(Bench):
             eta = made.eta
             assert step.u[n] == waves[-1 - settings.extra_ticks]
             ready = prepare(
-                waves[-1], step.u[n], step.u_max[n] - made.room, port.root, port.a,
+                waves[-1], step.u[n], made.left, port.root, port.a,
                 settings.gain(n),
                 step.clocks_per_volt[n], eta, 0, made.offset, made.correction,
             )  # fmt: skip
@@ -421,7 +421,7 @@ class ControllerBench(Bench):
             goal = wave_core.saturate.py_func(wave_core.truncate.py_func(eta * step.v[n], _ETA_Q))
             error = wave_core.truncate.py_func((goal << _GUARD) - f, _GUARD)
             f += wave_core.truncate.py_func(port.a * wave_core.saturate.py_func(error), _A_SHIFT)
-            limit = (step.u_max[n] - made.room) << _GUARD
+            limit = made.left << _GUARD
             f = min(max(f, -limit), limit)
             waves.append(wave_core.truncate.py_func(f, _GUARD))
         return duties
@@ -433,7 +433,7 @@ class ControllerBench(Bench):
         held, e, result = anchor.new_state(), 0, []
         for step, (_, words) in zip(self.steps, self.currents(), strict=False):
             offset, correction = int(held[anchor.OFFSET]), int(held[anchor.CORRECTION])
-            room = int(held[anchor.ROOM])
+            left = int(anchor.left.py_func(step.u_max[n], held))
             seen = [int(held[place]) >> _GUARDED for place in (anchor.CHI, anchor.LAG)]
             fault = int(held[anchor.FAULT])
             current = wave_core.saturate.py_func(words[n] - offset)
@@ -444,7 +444,7 @@ class ControllerBench(Bench):
             )
             e_before = e
             e, u, v = wave_core.wave_core_step.py_func(
-                state, line, current, eta, 0, port.root, port.a, step.u_max[n] - room,
+                state, line, current, eta, 0, port.root, port.a, left,
                 settings.extra_ticks, settings.hold_ticks,
             )  # fmt: skip
             e, u, v = int(e), int(u), int(v)
@@ -456,7 +456,7 @@ class ControllerBench(Bench):
             voltage = wave_core.saturate.py_func(e + correction)
             saturated = int(state[wave_core.STATE_SATURATED])
             result.append(
-                Made(current, eta, voltage, u, v, saturated, correction, offset, *seen, fault, room)
+                Made(current, eta, voltage, u, v, saturated, correction, offset, *seen, fault, left)
             )
         return result
 

@@ -216,6 +216,7 @@ module wh_axes #(
                 wire signed [DATA_W-1:0] ideal      = $signed(wave_voltage[n*DATA_W +: DATA_W]);
                 wire signed [DATA_W-1:0] correction = $signed(correction_o[n*DATA_W +: DATA_W]);
                 wire signed [DATA_W-1:0] room;
+                wire signed [DATA_W-1:0] left       = $signed(u_max_i) - room;
                 reg  signed [DATA_W-1:0] step_max_q;
                 wire signed [DATA_W:0]   wide_current = $signed({raw[DATA_W-1], raw})
                                                         - $signed({offset[DATA_W-1], offset});
@@ -224,10 +225,11 @@ module wh_axes #(
 
                 assign step_max[n*DATA_W +: DATA_W] = step_max_q;
 
-                // One limit for a step, in which an anchor may take room from the next one.
+                // One limit for a step, in which an anchor may take room from the next one; c may want
+                // more than there is.
                 always @(posedge clk) begin
                     if (start_i) begin
-                        step_max_q <= $signed(u_max_i) - room;
+                        step_max_q <= left[DATA_W-1] ? {DATA_W{1'b0}} : left;
                     end
                 end
 

@@ -13,9 +13,9 @@
 // clk.
 // The settings may change only in reset; or, the table of words says which, while enable_i = 0, with
 // restart_i = 1 in the meantime, or with the end of a clock in which their bit of words_hold_o is low:
-// 0 the core, or with EARLY = 1 wh_early, reads them; 1 an anchor; 2 a sum is under way; 3 a round of
-// the walls. From the clock after that in which the bridges went off only the last one ever is 1. The core needs
-// a tick of a clock more than its steps take, or bit 0 is never low.
+// 0 the core, or with EARLY = 1 wh_early, reads them, or a voltage of its step waits to be scaled; 1 an anchor;
+// 2 a sum is under way; 3 a round of the walls. From the clock after that in which the bridges went off only the
+// last one ever is 1. It takes a tick of N + ANCHOR clocks more than the core's steps, or bit 0 is never low.
 //
 // Latency: the gates show the carrier's phase after 2 clocks, dead time aside, and CS_n falls 1
 // clock after the sample's phase: sample_lead_i = -1 samples in the pulse's middle, and half the
@@ -539,8 +539,11 @@ module wh_controller #(
         end else begin : known_bus
             wire unused_bus = &{1'b0, bus_i, bus_share_i};
 
+            // A voltage is made with the words that then scale it.
+            wire scales = (ANCHOR != 0 && core_valid_o) || (|(drive_request & ~others_grant[N +: N]));
+
             assign core_reads = reading
-                                && (core_start || ((EARLY == 1) ? !core_valid_o : core_busy));
+                                && (core_start || ((EARLY == 1) ? !core_valid_o : core_busy || scales));
 
             assign clocks_per_volt = clocks_per_volt_i;
             assign u_max           = u_max_i;

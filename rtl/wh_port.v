@@ -169,12 +169,13 @@ module wh_port #(
 
             // The position that belongs to the contact, until the port's turn: the anchor may still
             // be at the step before when the core starts. One limit for a step, which takes room
-            // from the next one.
+            // from the next one; c may want more than there is, and a limit below 0 would be a source.
             reg  [`WH_COUNT_W-1:0]   position_q;
             reg  [DATA_W-1:0]        step_max_q;
             wire signed [DATA_W-1:0] room;
+            wire signed [DATA_W-1:0] left = u_max_i - room;
 
-            assign wave_max   = u_max_i - room;
+            assign wave_max   = left[DATA_W-1] ? {DATA_W{1'b0}} : left;
             assign step_max_o = step_max_q;
 
             always @(posedge clk) begin

@@ -8,33 +8,15 @@ import sys
 
 import numpy as np
 import pytest
+from live_device import ANCHOR, BOARD, EARLY, FEEL, OTHER_FEEL, load, run
 from wavehaptics.controller import wave_core
 from wavehaptics.controller.settings import settings
 from wavehaptics.ladder.device_pins import COMMIT, DevicePins
 from wavehaptics.ladder.pins import PinsSimulation
-from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
 from wavehaptics.words.memory import requests
 from wavehaptics.words.table import WORDS
-
-BOARD = ("drive.bus_v=12", "adc.bits=12", "adc.full_scale_a=2.5", "encoder.counts_per_rev=10000")
-EARLY = (
-    "controller.early_duty=true", "controller.extra_ticks=0", "controller.clock_hz=80e6",
-    "adc.part=AD7276", "drive.pwm_hz=500e3",
-)  # fmt: skip
-ANCHOR = ("controller.anchor_auto=true",)
-
-
-def load(*settings: str):
-    return load_scene(find_scene("press_hold"), [*BOARD, *settings])
-
-
-def run(simulation, ticks: int):
-    rows = np.zeros((ticks, len(Column)))
-    words = np.zeros((ticks, len(Word)), dtype=np.int64)
-    simulation.advance(rows, words)
-    return rows, words
 
 
 @pytest.mark.parametrize("more", [(), ANCHOR, (*ANCHOR, *EARLY)])
@@ -96,19 +78,6 @@ def test_a_wall_that_is_moved_is_felt_a_tick_later():
 
 APART = 50
 """Ticks from one change to the next: a copy of the memory takes some 22, and with W 43."""
-
-FEEL = (
-    "controller.extra_ticks=2",
-    "shaper.feel=layer",
-    "shaper.stiffness=0.5",
-    "shaper.damping=0.1e-3",
-)
-OTHER_FEEL = (
-    "controller.extra_ticks=2",
-    "shaper.feel=layer",
-    "shaper.stiffness=0.2",
-    "shaper.damping=0.4e-3",
-)
 
 
 def drawn(rng: np.random.Generator, shaper: list[np.ndarray], root: int) -> dict:

@@ -101,7 +101,7 @@ def _soak(
         eta = 0 if lost else spell[_ETA_IN] if touching else spell[_ETA_OUT]
         current = wave_core.saturate(raw - held[anchor.OFFSET]) if anchored else raw
         withheld, saturated = core[wave_core.STATE_WITHHELD], core[wave_core.STATE_SATURATED] != 0
-        left = u_max - held[anchor.ROOM]
+        left = anchor.left(u_max, held)
         e_id, u, v = wave_core.shaped_core_step(
             core, line, shaper[0], shaper[1], mode, current, eta, 0, root, a, left, extra, extra
         )

@@ -147,6 +147,12 @@ def _data(value):
     return ((value + _DATA_TOP) & _DATA_MASK) - _DATA_TOP
 
 
+@compiled(inline="always")
+def left(u_max, state):
+    """What c leaves the waves of their limit ``u_max``, raw √W: nothing where c takes all of it."""
+    return max(u_max - state[ROOM], 0)
+
+
 @compiled()
 def anchor_step(
     state: np.ndarray,

@@ -135,8 +135,8 @@ def _advance_sampled(
             held_a, held_b = anchored[1][0], anchored[1][1]
             alpha = wave_core.saturate(alpha - held_a[anchor.OFFSET])
             beta = wave_core.saturate(beta - held_b[anchor.OFFSET])
-            left_a -= held_a[anchor.ROOM]
-            left_b -= held_b[anchor.ROOM]
+            left_a = anchor.left(u_max, held_a)
+            left_b = anchor.left(u_max, held_b)
             if held_a[anchor.FAULT] != 0 or held_b[anchor.FAULT] != 0:
                 eta = 0
         if ints[_MODEL] == 0:

@@ -177,7 +177,7 @@ def _period(
         u_max = ints[_U_MAX]
         if anchored is not None:
             current = wave_core.saturate(current - anchored[1][anchor.OFFSET])
-            u_max -= anchored[1][anchor.ROOM]
+            u_max = anchor.left(u_max, anchored[1])
             if anchored[1][anchor.FAULT] != 0:
                 eta, goal = 0, 0
         withheld, saturated = core[wave_core.STATE_WITHHELD], core[wave_core.STATE_SATURATED] != 0

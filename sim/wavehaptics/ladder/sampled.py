@@ -140,7 +140,7 @@ def _advance(
         correction = 0
         left = u_max
         if anchored is not None:
-            left -= anchored[1][anchor.ROOM]
+            left = anchor.left(u_max, anchored[1])
         if ints[_MODEL] == 0:
             withheld, saturated = (
                 core[wave_core.STATE_WITHHELD],
