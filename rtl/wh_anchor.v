@@ -56,7 +56,7 @@ module wh_anchor #(
     output wire                               busy_o,
     output reg                                overrun_o,     // until rst
 
-    input  wire [`WH_ANCHOR_W-1:0]            words_i,       // settings, to be changed in reset
+    input  wire [`WH_ANCHOR_W-1:0]            words_i,       // settings; they hold with waves_i and while busy_o
 
     // The shared multiplier.
     output wire                               request_o,

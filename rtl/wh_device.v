@@ -8,7 +8,8 @@
 // given: core words between two steps, an anchor's likewise and not before those of the core, gain and
 // zero between two ticks' sums, walls between two rounds, all others with the bridges off only, while
 // carrier and ADC begin anew. All words of a group change in one clock; groups of one kind in the same one,
-// but for groups that have to wait for different blocks, which are a tick apart at most.
+// but for groups that have to wait for different blocks, which are a tick apart at most. With BUS = 1 the core's
+// limit is the one of before for as long as wh_bus_scale takes.
 //
 // Nothing on the bus lets the bridges on where enable_i, a pin, is low. With ARM = 0 they are on where it
 // is high, with ARM = 1 where the bus or press_i has armed them as well (wh_arm). They stay off while words
