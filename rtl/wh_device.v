@@ -164,6 +164,7 @@ module wh_device #(
 
     wire       set_arm;
     wire       armed;
+    wire       permitted = enable_i && armed && !loading;  // the bridges
     wire [4:0] arm_refused;
     wire       arm_zero_start;
 
@@ -454,7 +455,7 @@ module wh_device #(
             ) controller (
                 .clk             (clk),
                 .rst             (rst || !ready),
-                .enable_i        (enable_i && armed && !loading),
+                .enable_i        (permitted),
                 .adc_cs_n_o      (adc_cs_n_o),
                 .adc_sclk_o      (adc_sclk_o),
                 .adc_sdata_i     (adc_sdata_i),
@@ -496,7 +497,7 @@ module wh_device #(
             ) controller (
                 .clk            (clk),
                 .rst            (rst || !ready),
-                .enable_i       (enable_i && armed && !loading),
+                .enable_i       (permitted),
                 .adc_cs_n_o     (adc_cs_n_o),
                 .adc_sclk_o     (adc_sclk_o),
                 .adc_din_o      (adc_din_o),
