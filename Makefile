@@ -248,12 +248,16 @@ LINT_CASES := \
     wh_device,-GLIVE=0,-GWALLS=1,-GHOST=1,-GSENSE=1,-GDELAY_LOG2=10 \
     wh_device,-GN=3,-GHOST=1 \
     wh_device,-GN=3,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
+    wh_device,-GLEGS=3,-GWALLS=1,-GMIN_PULSE=1,-GDEAD_TIME=0 \
+    wh_device,-GLEGS=3,-GDELAY_LOG2=10,-DWH_DATA_W=28,-DWH_COEF_W=24 \
+    wh_settings_rom,-GLEGS=3 \
     wh_link,-GCLOCK_HZ=700000 \
     wh_link,-GCLOCK_HZ=125000000,-GUNIT=247,-GFALLBACK=511 \
     wh_linked_device,-GN=3,-GANCHOR=1,-GGUARD=1,-GSENSE=1 \
     wh_linked_device,-GARM=0 \
     wh_linked_device,-GSHARED=1,-GANCHOR=1 \
     wh_linked_device,-GN=3,-GANCHOR=1,-GCAPTURE=12 \
+    wh_linked_device,-GLEGS=3,-GANCHOR=1,-GGUARD=1,-GSENSE=1,-GCAPTURE=12,-GSTREAM=1 \
     wh_capture,-GN=2,-GDEPTH_LOG2=15 \
     wh_capture,-GDEPTH_LOG2=4,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_rows,-GN=3,-GCHANNELS=2 \

@@ -9,6 +9,7 @@
 // which then stand in wh_board_settings_rom.vh, and those of some groups can be changed. Its line arms
 // and disarms, beside the button, and forgets faults that are over, and only where the switch permits
 // it. Without a link the button alone lets the gates on, faults last until reset, and uart_tx_o is high.
+// A brushless motor (WH_BOARD_LEGS 3) has a link, two ADC lines, and two gates each at gate_bh_o and gate_bl_o.
 //
 // start_i, stop_i, clock_lost_i, alive_o and fault_o are the switch's; running_o: the gates are on.
 // Latency: those of the switch, of wh_arm, of wh_controller and of wh_linked_device.
@@ -35,13 +36,13 @@ module wh_board_controller #(
 
     output wire                  adc_cs_n_o,
     output wire                  adc_sclk_o,
-    input  wire [`WH_BOARD_N-1:0] adc_sdata_i,
+    input  wire [`WH_BOARD_PARTS-1:0] adc_sdata_i, // of a motor, or of phase a, lowest
     input  wire [`WH_BOARD_N-1:0] enc_a_i,     // asynchronous
     input  wire [`WH_BOARD_N-1:0] enc_b_i,     // asynchronous
     output wire [`WH_BOARD_N-1:0] gate_ah_o,
     output wire [`WH_BOARD_N-1:0] gate_al_o,
-    output wire [`WH_BOARD_N-1:0] gate_bh_o,
-    output wire [`WH_BOARD_N-1:0] gate_bl_o,
+    output wire [`WH_BOARD_PARTS-1:0] gate_bh_o, // leg b; of three legs b, lowest, and c
+    output wire [`WH_BOARD_PARTS-1:0] gate_bl_o,
 
     output wire                  alive_o,
     output wire                  running_o,
@@ -49,7 +50,14 @@ module wh_board_controller #(
     output wire                  fault_o
 );
 
-    localparam integer N = `WH_BOARD_N;
+    localparam integer N     = `WH_BOARD_N;
+    localparam integer PARTS = `WH_BOARD_PARTS;  // motors, or axes of a brushless one
+
+    generate
+        if (`WH_BOARD_LEGS == 3 && `WH_BOARD_LINKED == 0) begin : illegal
+            wh_illegal_parameter_board_controller_with_three_legs_is_linked stop ();
+        end
+    endgenerate
 
     wire         permit;
     wire         press;
@@ -61,18 +69,18 @@ module wh_board_controller #(
     wire         tick_seen;
     wire         overrun_seen;
     wire         guard_seen;
-    wire [N-1:0] zero_busy_seen;
-    wire [N-1:0] zero_fault_seen;
+    wire [PARTS-1:0] zero_busy_seen;
+    wire [PARTS-1:0] zero_fault_seen;
     wire [N-1:0] anchor_fault_seen;
     wire [N-1:0] encoder_fault_seen;
-    wire [N-1:0] overcurrent_seen;
+    wire [PARTS-1:0] overcurrent_seen;
     wire         adc_din;  // of an ADC that no board has
     wire         unused = &{1'b0, adc_din};
 
     assign running_o = running_seen;
 
     wh_board_switch #(
-        .N               (N),
+        .N               (PARTS),
         .SETTLE_LOG2     (SETTLE_LOG2)
     ) board_switch (
         .clk             (clk),
@@ -85,8 +93,8 @@ module wh_board_controller #(
         .overrun_i       (overrun_seen),
         .zero_busy_i     (zero_busy_seen),
         .zero_fault_i    (zero_fault_seen),
-        .anchor_fault_i  (anchor_fault_seen),
-        .encoder_fault_i (encoder_fault_seen),
+        .anchor_fault_i  ({PARTS/N{anchor_fault_seen}}),
+        .encoder_fault_i ({PARTS/N{encoder_fault_seen}}),
         .overcurrent_i   (overcurrent_seen),
         .guard_fault_i   (guard_seen),
         .clear_i         (forgets_too),
@@ -110,6 +118,7 @@ module wh_board_controller #(
         .ANCHOR          (`WH_BOARD_ANCHOR), \
         .SHARED          (`WH_BOARD_SHARED), \
         .SENSE           (1), \
+        .DEAD_TIME       (`WH_BOARD_DEAD_TIME), \
         .ZERO_LOG2       (ZERO_LOG2), \
         .HOST            (`WH_BOARD_HOST), \
         .GUARD           (`WH_BOARD_GUARDED)
@@ -139,6 +148,7 @@ module wh_board_controller #(
 
             wh_linked_device #(
                 `WH_SAME_PARAMETERS,
+                .LEGS            (`WH_BOARD_LEGS),
                 .ARM             (1),
                 .CAPTURE         (`WH_BOARD_CAPTURE),
                 .STREAM          (`WH_BOARD_STREAM),

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """wh_board_controller: start, stop, faults, and the pin that says that all is well.
 
-So it is for wh_board_brushless, whose both phases measure the same here.
+Both phases of a brushless motor measure the same here.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ ZERO_CLOCKS = (ZERO_TICKS + 6) * TICK
 """More than a zero takes, and what was before it to pass."""
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 HIGH_GATES = GATES[::2]
-if BRUSHLESS:
-    GATES = ("gate_high_o", "gate_low_o")
-    HIGH_GATES = GATES[:1]
-OVERCURRENT = "overcurrent" if BRUSHLESS else "overcurrent_seen"
+OVERCURRENT = "overcurrent_seen"
 ADCS = (1 << len(BOARD.adc_lines)) - 1
 LINKED = BOARD.fpga.link
-SET_CLOCKS = 4 * 2**9 // 3 + 16 if LINKED else 0
+PARTS = len(BOARD.adc_lines)
+PLACES = 2 ** (PARTS.bit_length() + 7)
+"""Words of the settings' memory."""
+SET_CLOCKS = 8 * PLACES // 3 + 16 if LINKED else 0
 """After reset, until SCLK knows where it rests; after three times that all settings are copied."""
 SYNCHRONISER = 3  # clocks until an input is seen, and one to act on it
 
@@ -94,15 +94,12 @@ class Board(Bench):
 
     def inner(self, name: str) -> list[int]:
         """Signed words that the controller tells, and the board doesn't."""
-        if BRUSHLESS:
-            return unpack(int(getattr(self.dut, name).value), formats.DATA_W, 2)
         inside = self.dut.linked.device.device if LINKED else self.dut.alone
-        return [getattr(inside, name).value.to_signed()]
+        return unpack(int(getattr(inside, name).value), formats.DATA_W, PARTS)
 
     async def begin(self, **inputs: int) -> None:
-        quiet = {"start_i": 0, "stop_i": 0, "clock_lost_i": 0, "enc_a_i": 0, "enc_b_i": 0}
-        if not BRUSHLESS:
-            quiet["uart_rx_i"] = 1
+        quiet = {"start_i": 0, "stop_i": 0, "clock_lost_i": 0, "enc_a_i": 0, "enc_b_i": 0,
+                 "uart_rx_i": 1}  # fmt: skip
         await self.start(**{**quiet, **inputs})
         await self.settings_come()
 
@@ -373,9 +370,10 @@ async def high_gates_on(board: Board, ticks: int) -> list[int]:
     on = [0] * BOARD.fpga.legs
     for _ in range(ticks * TICK):
         await board.step()
-        gates = [board.word(gate) for gate in HIGH_GATES]
+        # Those of the legs b and c of a brushless motor stand side by side.
+        gates = board.word(HIGH_GATES[0]) | board.word(HIGH_GATES[1]) << 1
         for leg in range(len(on)):
-            on[leg] += gates[0] >> leg & 1 if BRUSHLESS else gates[leg]
+            on[leg] += gates >> leg & 1
     return on
 
 

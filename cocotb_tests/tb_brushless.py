@@ -34,13 +34,14 @@ from wavehaptics.controller.pins_timing import (
 from wavehaptics.motor.sensor import scale_sum
 from wavehaptics.parts.adcs import PARTS, frame
 from wavehaptics.words import formats, table
-from wavehaptics.words.table import Sizes
+from wavehaptics.words.table import THREE_PHASE_LEGS, Sizes
 
 GUARD = parameters().get("GUARD", 0)
 SENSE = parameters().get("SENSE", 0)
 ZERO_TICKS = 1 << parameters().get("ZERO_LOG2", 10)
 WALLS = 4
 DELAY_LOG2 = 2
+SIZES = Sizes(1, WALLS, 0, DELAY_LOG2, THREE_PHASE_LEGS)
 CLOCK_HZ = 52e6
 PERIOD_NS = 1e9 / CLOCK_HZ
 PINS_NS = 2.0
@@ -110,11 +111,8 @@ def settings(
         "settle_ticks": drive.settle_ticks,
         **others,
     }
-    gain = formats.GAIN.to_raw(FULL_SCALE_A / ((1 << 15) * samples))
-    return {
-        **table.inputs(values, Sizes(1, WALLS, 0, DELAY_LOG2)),
-        "phase_gain_i": pack([gain, gain], formats.COEF_W),
-    }
+    values["gain"] = formats.GAIN.to_raw(FULL_SCALE_A / ((1 << 15) * samples))
+    return table.inputs(values, SIZES)
 
 
 class BrushlessBench(Bench):
@@ -135,12 +133,9 @@ class BrushlessBench(Bench):
         self.gates: list[tuple[int, int]] = []
         self._cs_n = 1
         self._phases: deque[int] = deque(maxlen=2 * CORE_CLOCKS + 1)
-        # Other inputs are those of the words that wh_brushless has.
-        known = {name for name in inputs if hasattr(self.dut, name)}
         await self.start(
             enable_i=1, adc_sdata_i=0, enc_a_i=0, enc_b_i=0, stop_i=0, driver_fault_i=0,
-            phase_zero_i=pack(zeros, formats.SUM_W),
-            **{name: inputs[name] for name in known},
+            **(inputs | {"zero_i": pack(zeros, formats.SUM_W)}),
         )  # fmt: skip
 
     async def clock(self, **inputs: int) -> None:
@@ -338,6 +333,47 @@ async def off_and_on_again(dut: object) -> None:
     assert len(bench.steps) > len(after) > 5
     assert after[0].u == [0, 0]
     assert any(gates[0] for gates in bench.gates[1100:])
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def all_legs_have_the_scale_of_their_step(dut: object) -> None:
+    """clocks_per_volt_i changes with any clock in which words_hold_o lets it.
+
+    The legs' products are made one after another behind the step, and the tick is the shortest.
+    """
+    bench, rng = BrushlessBench(dut), random_source("scale")
+    drive = Drive(25)
+    await bench.begin(settings(drive))
+    scales = [round(drive.per_volt * part) for part in (1.0, 0.7, 0.4)]
+    present, changed = scales[0], 0
+    seen, after, later = set(), None, 0
+    modulators = [dut.three_phase.leg[n].modulator for n in range(3)]
+    for clock in range(200 * drive.tick_clocks):
+        if clock % 31 == 0:
+            bench.codes = [MIDDLE + rng.randint(-1500, 1500) for _ in range(2)]
+        may_change, steps = not bench.word("words_hold_o") & 1, len(bench.steps)
+        await bench.clock()
+        if clock % 3 == 0 and may_change:
+            present = rng.choice(scales)
+            changed += 1
+            bench.drive(clocks_per_volt_i=present)
+        if len(bench.steps) > steps:
+            after, later = present, 0
+        later += 1
+        # Behind the last leg's product, and before the next step's first.
+        if after is not None and later == 30:
+            legs = clarke.centred.py_func(*clarke.phases.py_func(*bench.steps[-1].voltage))
+            duties = [m.pending_q.value.to_signed() + int(m.pending_up_q.value) for m in modulators]
+            fits = [
+                scale for scale in scales
+                if duties == [duty_of.py_func(leg, scale) for leg in legs]
+            ]  # fmt: skip
+            assert fits, (clock, legs, duties)
+            seen |= set(fits) if len(fits) == 1 else set()
+            if any(abs(leg) > 1 << 20 for leg in legs):
+                assert fits == [after]
+    assert seen == set(scales)
+    assert changed > 100
 
 
 if SENSE:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import random
+from typing import Any
 
 import cocotb
 from bench import random_source
@@ -20,11 +21,16 @@ from settings_bus import (
 from simulators import parameters
 from wavehaptics.words import table
 from wavehaptics.words.places import places
-from wavehaptics.words.table import WORDS, Sizes, Word
+from wavehaptics.words.table import AXES, LEGS, THREE_PHASE_LEGS, WORDS, Sizes, Word
 
 _P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, "GUARD": 0, "CAPTURE": 0,
-      **parameters()}  # fmt: skip
-SIZES = Sizes(_P["N"], _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"])
+      "LEGS": LEGS, **parameters()}  # fmt: skip
+SIZES = Sizes(_P["N"], _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"], _P["LEGS"])
+BRUSHLESS = _P["LEGS"] == THREE_PHASE_LEGS
+LINES = AXES if BRUSHLESS else SIZES.motors
+"""Of ADCs."""
+HALVES = 2 if BRUSHLESS else 1
+"""Carrier halves in a tick, at least."""
 EARLY = bool(_P["EARLY"])
 MASK = 0xFFFFFFFF
 SETTINGS = list(places(SIZES, "setting"))
@@ -35,9 +41,10 @@ BESIDE = {
 }
 """Settings that are no ports of the controller, but wires of the device."""
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
-SAFE = {"half_clocks": 150, "sample_clocks": 100, "samples": 1, "guard_mask": 0, "guard_damp": 0,
-        "guard_levels": 0}  # fmt: skip
+SAFE = {"half_clocks": 150, "tick_halves": HALVES, "sample_clocks": 100, "samples": 1,
+        "guard_mask": 0, "guard_damp": 0, "guard_levels": 0}  # fmt: skip
 """Words with which ticks go on and no fault is found."""
+OF = (SIZES.motors, SIZES.legs)
 
 
 class DeviceBench(BusBench):
@@ -52,8 +59,9 @@ class DeviceBench(BusBench):
         await self.rests()
         if enable:
             names = ("a", "gain", "root", "u_max", "clocks_per_volt")
-            for motor in range(SIZES.motors):
-                await self.set(dict.fromkeys(names, 1 << 20), motor)
+            for motor in range(LINES):
+                there = [name for name in names if motor < WORDS[name].parts(*OF)]
+                await self.set(dict.fromkeys(there, 1 << 20), motor)
             await self.set(SAFE)
             self.drive(enable_i=1)
 
@@ -80,7 +88,12 @@ class DeviceBench(BusBench):
     def port(self, name: str) -> int:
         if name[:-2] in BESIDE:
             return int(getattr(self.dut, f"set_{name[:-2]}").value)
-        return int(getattr(self.dut.controller, name).value)
+        return int(getattr(self.controller, name).value)
+
+    @property
+    def controller(self) -> Any:
+        """What stands in the device."""
+        return (self.dut.brushless if BRUSHLESS else self.dut.of_motors).controller
 
     def told(self, word: Word) -> int:
         """What a live word's port says, of the controller or of the device itself."""
@@ -207,10 +220,37 @@ async def live_words_and_commands(dut: object) -> None:
             if bench.word("bus_ready_o"):
                 bench.drive(bus_valid_i=0)
             # As text: other motors' data are undefined until they are first written.
-            shown = str(getattr(bench.dut.controller, word.port).value)
+            shown = str(getattr(bench.controller, word.port).value)
             end = len(shown) - motor * place.bits
             clocks += shown[end - place.bits : end] == f"{value & mask:0{place.bits}b}"
         assert clocks == 1 if place.bits == 1 else clocks > 4, word.name
+
+
+@cocotb.test(timeout_time=500, timeout_unit="ms")
+async def what_the_motor_has_not(dut: object) -> None:
+    """No word at any other address, in this motor's places and in the next one's."""
+    bench = DeviceBench(dut)
+    await bench.begin()
+    kinds = {
+        place.address: kind
+        for kind in ("setting", "command", "live")
+        for place in places(SIZES, kind)
+    }
+    own = {word.at() for word in WORDS.values() if word.block == table.MEMORY}
+    missing = 0
+    for word in WORDS.values():
+        for part in range(1 if word.row.per == "board" else LINES + 1):
+            for index in range(table.MOST[word.row.per] * word.row.count):
+                at = word.at(part, index)
+                kind = kinds.get(at)
+                missing += kind is None
+                _, error = await bench.read(at)
+                assert error == (DONE if kind in ("setting", "live") else UNKNOWN), word.name
+                if kind != "command" and at not in own:
+                    # Of a setting it may be out of range.
+                    found = await bench.write(at, 1)
+                    assert (found == UNKNOWN) == (kind != "setting"), word.name
+    assert missing > 40
 
 
 @cocotb.test(timeout_time=500, timeout_unit="ms")
@@ -265,14 +305,14 @@ async def enable_waits_while_words_are_loaded(dut: object) -> None:
         clocks += 1
         assert clocks < 10_000
     assert clocks > 100
-    # Ticks of 30 clocks, those of the words that came.
-    ticks = []
-    for clock in range(100):
+    # Halves of 30 clocks, those of the words that came.
+    ticks, tick = [], 30 * HALVES
+    for clock in range(100 * HALVES):
         if bench.word("tick_o"):
             ticks.append(clock)
         await bench.step()
     assert len(ticks) >= 3
-    assert ticks == list(range(ticks[0], 100, 30))
+    assert ticks == list(range(ticks[0], 100 * HALVES, tick))
 
 
 @cocotb.test(timeout_time=500, timeout_unit="ms")
@@ -308,13 +348,14 @@ async def words_at_the_pins(dut: object) -> None:
     # Beyond a word's width there is its sign, or nothing; of those that move the lowest bits do.
     await bench.set(SAFE | {"tick_halves": 4, "sample_clocks": 600})
     odd = {"gain": 0x2345, "root": 0x165432, "a": 0x123457, "u_max": 1 << 24}
-    await bench.set(odd | {"clocks_per_volt": 1 << 20, "bus_share": 1 << 20}, motor)
+    odd |= {"clocks_per_volt": 1 << 20, "bus_share": 1 << 20}
+    await bench.set({name: raw for name, raw in odd.items() if WORDS[name].parts(*OF)}, motor)
     bench.drive(enable_i=1)
     told = [p for p in places(SIZES, "live") if p.word.name != "capture_data"]
     moving = {name: [0, MASK] for name in ("voltage", "u", "v", "current")}
     for _ in range(40):
         for _ in range(rng.randint(300, 600)):
-            bench.drive(adc_sdata_i=rng.getrandbits(SIZES.motors))
+            bench.drive(adc_sdata_i=rng.getrandbits(LINES))
             await bench.step(2)
         for place in told:
             raw = await bench.value(place.address)
@@ -338,7 +379,7 @@ async def a_capture_over_the_bus(dut: object) -> None:
     told = [WORDS[name] for name in (*names, "faults")]
     steps: list[list[int]] = []
     stepped = missed = False
-    strobes = [getattr(dut.controller, name) for name in ("core_valid_o", "tick_o")]
+    strobes = [getattr(bench.controller, name) for name in ("core_valid_o", "tick_o")]
 
     def part(word: Word) -> int:
         shift = 0 if word.row.per == "board" else motor * word.width(SIZES)
@@ -356,7 +397,7 @@ async def a_capture_over_the_bus(dut: object) -> None:
             missed = bool(tick and not valid and not stepped)
             stepped = not tick and (stepped or bool(valid))
             turn += 1
-            bench.drive(adc_sdata_i=rng.getrandbits(SIZES.motors), enc_a_i=turn >> 6 & 1,
+            bench.drive(adc_sdata_i=rng.getrandbits(LINES), enc_a_i=turn >> 6 & 1,
                         enc_b_i=turn + 32 >> 6 & 1)  # fmt: skip
 
     listening = cocotb.start_soon(listen())

@@ -37,6 +37,7 @@ class FluxBench(Bench):
         self.drive(rst=0)
         self.still = 0
         self.check()
+        assert self.word("angle_o") == zero
 
     def check(self) -> None:
         """What is shown is the model's, at a position between the last one shown and the pins'."""
@@ -48,6 +49,8 @@ class FluxBench(Bench):
         cells = unpack(self.word("cell_o"), CELL_W, 2)
         want = (self.state[rotor_flux.PLACE_A :] >> rotor_flux.SHIFT).tolist()
         assert [*places, *cells] == want
+        if shown == self.position and self.still > LATENCY:
+            assert self.word("angle_o") == int(self.state[rotor_flux.ANGLE])
 
     async def turn_by(self, by: int) -> None:
         """At rest: the angle of all that comes is another one."""

@@ -24,10 +24,12 @@ from settings_bus import (
 )  # fmt: skip
 from wavehaptics.words import formats
 from wavehaptics.words.places import Place, places
-from wavehaptics.words.table import WORDS, Sizes
+from wavehaptics.words.table import LEGS, WORDS, Sizes
 
-_P = {"WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, **parameters()}
-SIZES = Sizes(_P["N"], _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"])
+_P = {"WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, "LEGS": LEGS, **parameters()}
+# A brushless motor is one, of two axes.
+_MOTORS = _P["N"] if _P["LEGS"] == LEGS else 1
+SIZES = Sizes(_MOTORS, _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"], _P["LEGS"])
 EARLY = bool(_P["EARLY"])
 N = SIZES.motors
 FIRST_CLOCKS = 20_000

@@ -19,6 +19,6 @@ def test_board_controller(simulator, name, monkeypatch):
     # Longer than four ticks.
     parameters = {"SETTLE_LOG2": 9 if board.brushless else 8, "ZERO_LOG2": 2}
     simulate(
-        simulator, board.core, "tb_board_controller", parameters,
+        simulator, "wh_board_controller", "tb_board_controller", parameters,
         name=f"tb_board_controller-{name}", includes=[folder], defines=board.defines,
     )  # fmt: skip

@@ -16,6 +16,7 @@ SIZES = {
         "CAPTURE": 5,
     },
     "early": {"EARLY": 1, "BUS": 1, "ANCHOR": 1, "GUARD": 1},
+    "brushless": {"LEGS": 3, "ANCHOR": 1, "GUARD": 1, "SENSE": 1, "CAPTURE": 5},
 }
 
 

@@ -2,7 +2,7 @@
 //
 // prove_wh_device: the bridges are on only where the pin enable says so and wh_arm does, whatever stands
 // on the bus and whatever the settings are: running_o is low with either, and every gate a clock later; both
-// also while words that want the bridges off are being given.
+// also while words that want the bridges off are being given. With LEGS = 3 of a brushless motor's six gates.
 //
 // Everything inside is as it is, in any state, but for products (any_multiply) and the memory and
 // table of the settings (any_settings_ram, any_settings_rom). Proven by induction, smtbmc z3.
@@ -10,7 +10,10 @@
 `default_nettype none
 `include "wh_formats.vh"
 
-module prove_wh_device (
+module prove_wh_device #(
+    parameter integer LEGS  = 2,
+    parameter integer PARTS = LEGS - 1  // of one motor
+) (
     input wire                 clk,
     input wire                 rst,
     input wire                 enable,
@@ -19,7 +22,7 @@ module prove_wh_device (
     input wire                 bus_check,
     input wire [11:0]          bus_address,
     input wire [31:0]          bus_data,
-    input wire                 adc_sdata,
+    input wire [PARTS-1:0]     adc_sdata,
     input wire                 enc_a,
     input wire                 enc_b,
     input wire [`WH_BUS_W-1:0] bus,
@@ -40,8 +43,8 @@ module prove_wh_device (
     wire        adc_din;
     wire        ah;
     wire        al;
-    wire        bh;
-    wire        bl;
+    wire [PARTS-1:0] bh;
+    wire [PARTS-1:0] bl;
     wire        tick;
     wire        running;
     wire        contact;
@@ -51,6 +54,7 @@ module prove_wh_device (
     wh_device #(
         .WALLS          (1),
         .GUARD          (1),
+        .LEGS           (LEGS),
         .ARM            (1)
     ) block (
         .clk            (clk),
@@ -103,7 +107,7 @@ module prove_wh_device (
         loading_q <= \block.loading ;
         armed_q   <= \block.armed ;
         if (!enable || !\block.armed || \block.loading ) assert (!running);
-        if (begun && (!enable_q || !armed_q || loading_q)) assert (!ah && !al && !bh && !bl);
+        if (begun && (!enable_q || !armed_q || loading_q)) assert (!ah && !al && bh == 0 && bl == 0);
 
         cover (begun && running && (ah || al));
     end

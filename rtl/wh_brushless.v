@@ -15,11 +15,16 @@
 // reach 2/(3 + √3) of it on both at once (docs/brushless.md).
 //
 // enable_i = 0 keeps the gates off and the wave core and the pulses in reset; ADC, currents and position
-// run on, so that phase_zero_i can be measured. enable_i is synchronous to clk.
-// The settings may change only in reset.
+// run on, so that zero_i can be measured. enable_i is synchronous to clk.
+// The settings may change as those of wh_controller do: in reset, with enable_i = 0 and restart_i = 1 in the
+// meantime, or, the table of words says which, with the end of a clock in which their bit of words_hold_o is
+// low: 0 the core reads them; 1 the core or an anchor does; 2 a sum is under way; 3 a round of the walls.
+// The core needs a tick of a clock more than its steps take, or bit 0 is never low, nor, with ANCHOR = 1, bit 1.
+// All legs are driven by the clocks_per_volt_i of their step.
+// The angles, and whether it is to be found, act from a reset or a magnet_start_i on.
 //
 // SENSE = 1: the words of both phases are checked (wh_sense_check), and a zero of each is measured on
-// command with the gates off (wh_zero), to which phase_zero_i is added.
+// command with the gates off (wh_zero), to which zero_i is added.
 //
 // GUARD = 1: wh_guard watches three phases, the third as -a - b, in samples for its limit and in amperes
 // for zero and heat. Its port u + v is that of alpha and beta, which turn with the rotor: a rotor that
@@ -82,13 +87,13 @@ module wh_brushless #(
     input  wire                         read_trailing_i,     // read at the end of a pulse
 
     // Currents of the phases a and b (wh_current), a lowest.
-    input  wire [2*`WH_SUM_W-1:0]       phase_zero_i,        // s24, a tick's sum at 0 A
-    // With SENSE = 1: the checks, and a zero measured on command, to which phase_zero_i is added.
+    input  wire [2*`WH_SUM_W-1:0]       zero_i,              // s24, a tick's sum at 0 A
+    // With SENSE = 1: the checks, and a zero measured on command, to which zero_i is added.
     input  wire [15:0]                  range_i,             // of 2^15, end of the scale
     input  wire [15:0]                  stuck_words_i,       // words that are never all the same
     input  wire                         zero_start_i,        // strobe, while enable_i = 0
     input  wire [`WH_SUM_W-2:0]         zero_limit_i,        // largest permitted |zero|
-    input  wire [2*`WH_COEF_W-1:0]      phase_gain_i,        // s27q35 A per unit of the sum
+    input  wire [2*`WH_COEF_W-1:0]      gain_i,              // s27q35 A per unit of the sum
     input  wire [15:0]                  trip_i,              // of 2^15, full scale; more: never
 
     // Position and contact (wh_quadrature, wh_contact).
@@ -110,8 +115,9 @@ module wh_brushless #(
     // Port anchors (wh_anchor), and the rotor's flux (wh_rotor_flux).
     input  wire [`WH_ANCHOR_W-1:0]      anchor_words_i,
     input  wire [31:0]                  count_angle_i,       // turns of 2^32 by which a count turns the magnets
-    input  wire [31:0]                  zero_angle_i,        // at the position of the reset
+    input  wire [31:0]                  zero_angle_i,        // at the position of the reset, or of the start
     input  wire                         find_magnet_i,       // it isn't known: wh_magnet_angle finds it
+    input  wire                         magnet_start_i,      // strobe, while enable_i = 0: begin anew with both
 
     // Drive (wh_three_phase).
     input  wire [7:0]                   min_pulse_i,         // clocks that a leg stays, or more
@@ -145,9 +151,12 @@ module wh_brushless #(
     output wire                         contact_o,
     output wire [1:0]                   saturated_o,         // the voltage limit was at work
     output wire [2*`WH_DATA_W-1:0]      correction_o,        // s31q23 V: the anchors' part of e
+    output wire [2*`WH_DATA_W-1:0]      offset_o,            // s31q24 A: what the anchors take off
     output wire [2*`WH_DATA_W-1:0]      flux_o,              // s31q16 cells: χ
     output wire [2*`WH_DATA_W-1:0]      lag_o,               // s31q16 cells: ω̂ over 256 ticks
-    output wire                         magnet_found_o,      // the anchors have a say; until rst
+    output wire                         magnet_found_o,      // the anchors have a say; until rst or
+                                                             // magnet_start_i
+    output wire [31:0]                  magnet_angle_o,      // electrical angle in the position's middle
     output wire                         anchor_fault_o,      // waves and encoder have parted; until rst or
                                                              // enable_i = 0
     output wire [1:0]                   adc_range_o,         // last word at the end of the scale
@@ -156,8 +165,12 @@ module wh_brushless #(
     output wire [1:0]                   zero_busy_o,         // a zero is being measured
     output wire [1:0]                   overcurrent_o,       // trip_i is reached, as long as it is
     output wire                         encoder_fault_o,     // illegal move seen; until clear_i
-    output wire                         overrun_o            // a tick is too short for its work, or
-                                                             // ticks pass without; until rst (core:
+    // Its settings.
+    input  wire                         restart_i,           // carrier and ADC begin anew, while the
+                                                             // bridge is off
+    output wire [3:0]                   words_hold_o,        // words are being read: see above
+    output wire                         overrun_o            // a tick is too short for its work, or ticks
+                                                             // pass without; until rst or restart_i (core:
                                                              // or enable_i = 0)
 );
 
@@ -183,9 +196,18 @@ module wh_brushless #(
     endgenerate
 
     wire faulty;  // the guard wants the bridge off
+    reg  off_q;
     wire damp;
-    wire run       = enable_i && !faulty;
+    wire run       = enable_i && !faulty && !off_q;
+    // As in wh_controller: what holds words knows of a fault a clock later.
+    wire reading   = enable_i && !off_q;
     wire drive_rst = rst || !run;
+    wire sense_restart = restart_i && !reading;
+    wire sense_rst     = rst || sense_restart;
+
+    always @(posedge clk) begin
+        off_q <= faulty && !rst;
+    end
 
     assign running_o = run;
 
@@ -201,7 +223,7 @@ module wh_brushless #(
 
     wh_carrier carrier (
         .clk             (clk),
-        .rst             (rst || !adc_ready_o),
+        .rst             (sense_rst || !adc_ready_o),
         .half_clocks_i   (half_clocks_i),
         .tick_halves_i   (tick_halves_i),
         .sample_clocks_i (sample_clocks_i),
@@ -257,7 +279,7 @@ module wh_brushless #(
     ) adc (
         .clk                (clk),
         .rst                (rst),
-        .restart_i          (1'b0),
+        .restart_i          (sense_restart),
         .adc_cs_n_o         (adc_cs_n_o),
         .adc_sclk_o         (adc_sclk_o),
         .adc_din_o          (adc_din),
@@ -289,7 +311,7 @@ module wh_brushless #(
     generate
         for (n = 0; n < 2; n = n + 1) begin : phase_of
             wire signed [`WH_SAMPLE_W-1:0] word  = $signed(adc_sample[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]);
-            wire signed [`WH_SUM_W-1:0]    given = $signed(phase_zero_i[n*`WH_SUM_W +: `WH_SUM_W]);
+            wire signed [`WH_SUM_W-1:0]    given = $signed(zero_i[n*`WH_SUM_W +: `WH_SUM_W]);
             wire signed [`WH_SUM_W-1:0]    zero;
 
             if (SENSE != 0) begin : sense
@@ -364,7 +386,7 @@ module wh_brushless #(
                 .current_o (phase_current_o[n*DATA_W +: DATA_W])
             );
 
-            assign coefficient[(OF_CURRENTS+n)*COEF_W +: COEF_W] = phase_gain_i[n*COEF_W +: COEF_W];
+            assign coefficient[(OF_CURRENTS+n)*COEF_W +: COEF_W] = gain_i[n*COEF_W +: COEF_W];
         end
     endgenerate
 
@@ -432,8 +454,7 @@ module wh_brushless #(
     wire                          turn;
     wire [31:0]                   turn_by;
     wire                          turned;
-    wire                          unused_contact = &{1'b0, direction, encoder_faults, in_round, wall,
-                                                     wall_shaped, depth};
+    wire                          unused_contact = &{1'b0, direction, encoder_faults, wall, wall_shaped, depth};
 
     wh_quadrature quadrature (
         .clk             (clk),
@@ -450,25 +471,35 @@ module wh_brushless #(
         .faults_o        (encoder_faults)
     );
 
+    // Who finds the magnets begins a clock later, at the position that the flux then has.
+    wire magnet_start = magnet_start_i && !reading;
+    reg  magnet_start_q;
+
+    always @(posedge clk) begin
+        magnet_start_q <= magnet_start && !rst;
+    end
+
     generate
         if (ANCHOR == 1) begin : with_its_flux
             wh_rotor_flux rotor_flux (
                 .clk           (clk),
-                .rst           (rst),
+                .rst           (rst || magnet_start),
                 .position_i    (counted),
                 .count_angle_i (count_angle_i),
                 .zero_angle_i  (zero_angle_i),
                 .turn_i        (turn),
                 .by_i          (turn_by),
                 .turned_o      (turned),
+                .angle_o       (magnet_angle_o),
                 .position_o    (position_o),
                 .place_o       (place),
                 .cell_o        (last_cell)
             );
         end else begin : alone
-            wire unused_angle = &{1'b0, zero_angle_i, turn, turn_by};
+            wire unused_angle = &{1'b0, zero_angle_i, turn, turn_by, magnet_start};
 
-            assign turned = 1'b0;
+            assign turned         = 1'b0;
+            assign magnet_angle_o = 32'd0;
 
             assign position_o = counted;
             assign place      = {2*(`WH_PLACE_W+`WH_SINE_Q){1'b0}};
@@ -503,8 +534,7 @@ module wh_brushless #(
     wire                core_overrun;
     wire                anchor_busy;
     wire [2*DATA_W-1:0] next_correction;
-    wire [2*DATA_W-1:0] offset;
-    wire                unused_axes = &{1'b0, anchor_busy, next_correction, offset};
+    wire                unused_axes = &{1'b0, next_correction};
 
     wh_axes #(
         .DELAY_LOG2     (DELAY_LOG2),
@@ -530,7 +560,7 @@ module wh_brushless #(
         .cell_i         (last_cell),
         .contact_i      (contact_o),
         .anchor_words_i (anchor_words_i),
-        .angle_rst_i    (rst),
+        .angle_rst_i    (rst || magnet_start_q),
         .find_magnet_i  (find_magnet_i),
         .count_angle_i  (count_angle_i),
         .turn_o         (turn),
@@ -544,7 +574,7 @@ module wh_brushless #(
         .saturated_o    (saturated_o),
         .correction_o   (correction_o),
         .next_o         (next_correction),
-        .offset_o       (offset),
+        .offset_o       (offset_o),
         .flux_o         (flux_o),
         .lag_o          (lag_o),
         .anchor_fault_o (anchor_fault_o),
@@ -561,7 +591,7 @@ module wh_brushless #(
 
     wh_step_watch step_watch (
         .clk       (clk),
-        .rst       (rst),
+        .rst       (sense_rst),
         .start_i   (core_start),
         .tick_i    (tick_o),
         .overrun_o (missing)
@@ -569,10 +599,33 @@ module wh_brushless #(
 
     assign overrun_o = adc_overrun || core_overrun || missing;
 
-    // ---- Drive.
+    // ---- Who reads words. The core reads some in the first clock of its step, and the sum's words are
+    // read until the last product of both currents has begun.
+    wire summed = |request[OF_CURRENTS +: 2];
+    reg  sum_q;
+
+    always @(posedge clk) begin
+        sum_q <= run && (adc_valid || (sum_q && !summed));
+    end
+
+    // Both anchors of a step have the same words.
+    wire core_reads   = core_start || core_busy;
+    wire anchors_read = (ANCHOR == 1) && (core_reads || anchor_busy);
+
+    assign words_hold_o = {in_round, reading && (adc_valid || sum_q || summed), reading && anchors_read,
+                           reading && core_reads};
+
+    // ---- Drive. All legs have the word of their step, whose products come after it.
 
     wire                legs_valid;
     wire [3*DATA_W-1:0] legs;
+    reg  [COEF_W-1:0]   clocks_per_volt_q;
+
+    always @(posedge clk) begin
+        if (core_valid_o) begin
+            clocks_per_volt_q <= clocks_per_volt_i;
+        end
+    end
 
     wh_inverse_clarke inverse_clarke (
         .clk           (clk),
@@ -603,7 +656,7 @@ module wh_brushless #(
         .half_i            (half),
         .update_i          (update),
         .take_i            (take),
-        .clocks_per_volt_i (clocks_per_volt_i),
+        .clocks_per_volt_i (clocks_per_volt_q),
         .min_pulse_i       (min_pulse_i),
         .dead_clocks_i     (dead_clocks_i),
         .second_order_i    (second_order_i),
@@ -667,7 +720,7 @@ module wh_brushless #(
                 .a_i               ({2{a_i}}),
                 .eta_contact_i     ({2{eta_contact_i}}),
                 .eta_free_i        ({2{eta_free_i}}),
-                .gain_i            (phase_gain_i),
+                .gain_i            (gain_i),
                 .clocks_per_volt_i ({2{clocks_per_volt_i}}),
                 .u_max_i           ({2{u_max_i}}),
                 .illegal_o         (illegal_setting)

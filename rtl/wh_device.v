@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_device: wh_controller with its settings memory: pins, the bus, and little else.
+// wh_device: wh_controller, or wh_brushless, with its settings memory: pins, the bus, and little else.
 //
-//   bus -> wh_settings -> groups (wh_setting_group) -> wh_controller -> pins
+//   bus -> wh_settings -> groups (wh_setting_group) -> wh_controller or wh_brushless -> pins
+//
+// LEGS = 3 is one brushless motor. Its axes alpha and beta, and the phases a and b whose current is measured,
+// stand where other motors have 0 and 1; what there is once of it is at motor 0, and nowhere else. Of
+// wh_controller's parameters it has WALLS, DELAY_LOG2, SENSE, ZERO_LOG2, DEAD_TIME, MIN_PULSE, ANCHOR and GUARD.
 //
 // Every word of rtl/words.toml is on the bus, as wh_settings has it. A word takes effect when it is
 // given: core words between two steps, an anchor's likewise and not before those of the core, gain and
@@ -13,14 +17,14 @@
 //
 // Nothing on the bus lets the bridges on where enable_i, a pin, is low. With ARM = 0 they are on where it
 // is high, with ARM = 1 where the bus or press_i has armed them as well (wh_arm). They stay off while words
-// that want them off are given, (N + 1) 2^9 clocks or so.
+// that want them off are given, (PARTS + 1) 2^9 clocks or so.
 // Live words are those of the clock in which they are read: two of them needn't be of one step. Those of
 // one step, and of many after another, stand in what CAPTURE has them written to (wh_capture), and in what STREAM
 // sends (wh_stream). A packet's number and its v are of one packet where they are read one after the other, less
 // than 64 clocks apart.
 //
-// Latency: of the bus as wh_settings has it, of a command a clock more, of all else as wh_controller has it.
-// Reset: that of wh_controller, which lasts until the settings are what the table says: 4 times 2^7
+// Latency: of the bus as wh_settings has it, of a command a clock more, of all else as the controller has it.
+// Reset: that of the controller, which lasts until the settings are what the table says: 4 times 2^7
 // clocks for each motor and for the board, rounded up to a power of two, and twice as many with a shaper.
 
 `default_nettype none
@@ -51,7 +55,9 @@ module wh_device #(
     parameter integer ARM          = 0,  // 1: the bridges are on by command, while it is renewed, or by press_i
     parameter integer ARM_CLOCKS   = 4800000, // clocks that a command of either lasts, 2...2^30
     parameter integer CAPTURE      = 0,  // words that a capture takes, 2^this, 4...15; 0: there is none
-    parameter integer STREAM       = 0   // 1: with a stream
+    parameter integer STREAM       = 0,  // 1: with a stream
+    parameter integer LEGS         = 2,  // half bridges of a motor: 2, wh_controller; 3, wh_brushless
+    parameter integer PARTS        = (LEGS == 3) ? 2 : N  // derived, leave it: motors, or axes of one
 ) (
     input  wire                 clk,
     input  wire                 rst,
@@ -72,13 +78,13 @@ module wh_device #(
     output wire                 adc_cs_n_o,
     output wire                 adc_sclk_o,
     output wire                 adc_din_o,
-    input  wire [N-1:0]         adc_sdata_i,
+    input  wire [PARTS-1:0]     adc_sdata_i,    // of a motor, or of phase a, lowest
     input  wire [N-1:0]         enc_a_i,        // asynchronous
     input  wire [N-1:0]         enc_b_i,        // asynchronous
     output wire [N-1:0]         gate_ah_o,
     output wire [N-1:0]         gate_al_o,
-    output wire [N-1:0]         gate_bh_o,
-    output wire [N-1:0]         gate_bl_o,
+    output wire [PARTS-1:0]     gate_bh_o,      // leg b; with LEGS = 3 those of b, lowest, and c
+    output wire [PARTS-1:0]     gate_bl_o,
     input  wire [`WH_BUS_W-1:0] bus_i,          // u16q9 V, the measured bus
     input  wire                 stop_i,         // asynchronous
     input  wire [N-1:0]         driver_fault_i, // asynchronous
@@ -93,11 +99,11 @@ module wh_device #(
     output wire                 fault_o,        // the guard found something, or a tick is too short
     output reg                  ready_o,        // since reset all settings were given
     output wire                 clear_o,        // strobe: the bus wants faults forgotten
-    output wire [N-1:0]         zero_busy_o,    // these are wh_controller's
-    output wire [N-1:0]         zero_fault_o,
+    output wire [PARTS-1:0]     zero_busy_o,    // these are wh_controller's
+    output wire [PARTS-1:0]     zero_fault_o,
     output wire [N-1:0]         anchor_fault_o,
     output wire [N-1:0]         encoder_fault_o,
-    output wire [N-1:0]         overcurrent_o,
+    output wire [PARTS-1:0]     overcurrent_o,
 
     // A stream's packets (wh_stream).
     output wire                 stream_credit_o,
@@ -109,6 +115,16 @@ module wh_device #(
 );
 
     localparam integer SECTIONS = (SHAPER > 0) ? SHAPER : 1;
+
+    generate
+        if (LEGS != 2 && LEGS != 3) begin : illegal_legs
+            wh_illegal_parameter_device_legs_must_be_2_or_3 stop ();
+        end
+        if (LEGS == 3 && (N != 1 || ADC != 0 || SHAPER != 0 || EARLY != 0 || MODES != 0 || BUS != 0
+                          || HOST != 0 || SHARED != 0)) begin : illegal_of_brushless
+            wh_illegal_parameter_device_with_three_legs_has_one_motor_and_a_serial_adc_alone stop ();
+        end
+    endgenerate
 
     wire        ready;
     wire        loading;
@@ -149,11 +165,12 @@ module wh_device #(
 
     wire       set_arm;
     wire       armed;
+    wire       permitted = enable_i && armed && !loading;  // the bridges
     wire [4:0] arm_refused;
     wire       arm_zero_start;
 
     reg  [31:0]    ticks;
-    wire [N*8-1:0] flags;
+    wire [PARTS*8-1:0] flags;
     wire           set_capture;
     wire           set_capture_offset;
     wire [31:0]    capture_data;
@@ -165,8 +182,8 @@ module wh_device #(
     wire [1:0]     stream_state;
     wire [15:0]    stream_lost;
 
-    wire [N*8-1:0]          seen_host_sequence;
-    wire [N*`WH_DATA_W-1:0] seen_host_v;
+    wire [PARTS*8-1:0]          seen_host_sequence;
+    wire [PARTS*`WH_DATA_W-1:0] seen_host_v;
 
 `include "wh_device_words.vh"
 
@@ -211,14 +228,14 @@ module wh_device #(
     endgenerate
 
     generate
-        for (n = 0; n < N; n = n + 1) begin : bits_of_motor
+        for (n = 0; n < PARTS; n = n + 1) begin : bits_of_motor
             assign flags[n*8 +: 8] = {host_active[n], anchor_fault[n], encoder_fault[n], adc_range[n],
                                       overcurrent[n], running, saturated[n], contact[n]};
         end
 
         if (CAPTURE != 0) begin : captures
             wh_capture #(
-                .N              (N),
+                .N              (PARTS),
                 .DEPTH_LOG2     (CAPTURE)
             ) recorder (
                 .clk            (clk),
@@ -285,7 +302,7 @@ module wh_device #(
                 end
             end
 
-            for (n = 0; n < N; n = n + 1) begin : packet_of_motor
+            for (n = 0; n < PARTS; n = n + 1) begin : packet_of_motor
                 reg [`WH_DATA_W+7:0] newest_q;
                 reg [`WH_DATA_W+7:0] seen_q;
 
@@ -315,7 +332,7 @@ module wh_device #(
     generate
         if (STREAM != 0) begin : streams
             wh_stream #(
-                .N            (N),
+                .N            (PARTS),
                 .CREDIT       (ARM_CLOCKS)
             ) stream (
                 .clk          (clk),
@@ -380,11 +397,12 @@ module wh_device #(
     end
 
     wh_settings #(
-        .N             (N),
+        .N             (PARTS),
         .WALLS         (WALLS),
         .SHAPER        (SHAPER),
         .DELAY_LOG2    (DELAY_LOG2),
-        .EARLY         (EARLY)
+        .EARLY         (EARLY),
+        .LEGS          (LEGS)
     ) settings (
         .clk           (clk),
         .rst           (rst),
@@ -412,45 +430,92 @@ module wh_device #(
         .changing_i    (changing)
     );
 
-    wh_controller #(
-        .N              (N),
-        .WALLS          (WALLS),
-        .DELAY_LOG2     (DELAY_LOG2),
-        .ADC            (ADC),
-        .OSR            (OSR),
-        .CAPTURE_RISE   (CAPTURE_RISE),
-        .TRIP_OSR       (TRIP_OSR),
-        .SENSE          (SENSE),
-        .ZERO_LOG2      (ZERO_LOG2),
-        .SHAPER         (SHAPER),
-        .DEAD_TIME      (DEAD_TIME),
-        .EARLY          (EARLY),
-        .MODES          (MODES),
-        .MIN_PULSE      (MIN_PULSE),
-        .BUS            (BUS),
-        .HOST           (HOST),
-        .ANCHOR         (ANCHOR),
-        .SHARED         (SHARED),
-        .GUARD          (GUARD)
-    ) controller (
-        .clk            (clk),
-        .rst            (rst || !ready),
-        .enable_i       (enable_i && armed && !loading),
-        .adc_cs_n_o     (adc_cs_n_o),
-        .adc_sclk_o     (adc_sclk_o),
-        .adc_din_o      (adc_din_o),
-        .adc_sdata_i    (adc_sdata_i),
-        .enc_a_i        (enc_a_i),
-        .enc_b_i        (enc_b_i),
-        .gate_ah_o      (gate_ah_o),
-        .gate_al_o      (gate_al_o),
-        .gate_bh_o      (gate_bh_o),
-        .gate_bl_o      (gate_bl_o),
-        `WH_DEVICE_PORTS
-        .stop_i         (stop_i),
-        .driver_fault_i (driver_fault_i),
-        .anchor_fault_i (anchor_fault_i)
-    );
+    generate
+        if (LEGS == 3) begin : brushless
+            // What it tells once, both axes show.
+            `WH_BRUSHLESS_ONCE
+
+            assign host_strobe   = {PARTS{1'b0}};
+            assign host_sequence = {PARTS*8{1'b0}};
+            assign host_v        = {PARTS*`WH_DATA_W{1'b0}};
+            assign host_active   = {PARTS{1'b0}};
+            assign adc_din_o     = 1'b0;
+
+            wire [2*`WH_DATA_W-1:0] phase_current;
+            wire unused_words = &{1'b0, phase_current, anchor_fault_i, `WH_BRUSHLESS_WITHOUT};
+
+            wh_brushless #(
+                .WALLS           (WALLS),
+                .DELAY_LOG2      (DELAY_LOG2),
+                .MIN_PULSE       (MIN_PULSE),
+                .DEAD_TIME       (DEAD_TIME),
+                .SENSE           (SENSE),
+                .ZERO_LOG2       (ZERO_LOG2),
+                .GUARD           (GUARD),
+                .ANCHOR          (ANCHOR)
+            ) controller (
+                .clk             (clk),
+                .rst             (rst || !ready),
+                .enable_i        (permitted),
+                .adc_cs_n_o      (adc_cs_n_o),
+                .adc_sclk_o      (adc_sclk_o),
+                .adc_sdata_i     (adc_sdata_i),
+                .enc_a_i         (enc_a_i[0]),
+                .enc_b_i         (enc_b_i[0]),
+                .gate_high_o     ({gate_bh_o, gate_ah_o}),
+                .gate_low_o      ({gate_bl_o, gate_al_o}),
+                `WH_BRUSHLESS_PORTS
+                .stop_i          (stop_i),
+                .driver_fault_i  (driver_fault_i[0]),
+                .phase_current_o (phase_current)
+            );
+        end else begin : of_motors
+            wire unused_words = &{1'b0, `WH_DEVICE_WITHOUT};
+
+            assign magnet_found = 1'b0;
+            assign magnet_angle = 32'd0;
+
+            wh_controller #(
+                .N              (N),
+                .WALLS          (WALLS),
+                .DELAY_LOG2     (DELAY_LOG2),
+                .ADC            (ADC),
+                .OSR            (OSR),
+                .CAPTURE_RISE   (CAPTURE_RISE),
+                .TRIP_OSR       (TRIP_OSR),
+                .SENSE          (SENSE),
+                .ZERO_LOG2      (ZERO_LOG2),
+                .SHAPER         (SHAPER),
+                .DEAD_TIME      (DEAD_TIME),
+                .EARLY          (EARLY),
+                .MODES          (MODES),
+                .MIN_PULSE      (MIN_PULSE),
+                .BUS            (BUS),
+                .HOST           (HOST),
+                .ANCHOR         (ANCHOR),
+                .SHARED         (SHARED),
+                .GUARD          (GUARD)
+            ) controller (
+                .clk            (clk),
+                .rst            (rst || !ready),
+                .enable_i       (permitted),
+                .adc_cs_n_o     (adc_cs_n_o),
+                .adc_sclk_o     (adc_sclk_o),
+                .adc_din_o      (adc_din_o),
+                .adc_sdata_i    (adc_sdata_i),
+                .enc_a_i        (enc_a_i),
+                .enc_b_i        (enc_b_i),
+                .gate_ah_o      (gate_ah_o),
+                .gate_al_o      (gate_al_o),
+                .gate_bh_o      (gate_bh_o),
+                .gate_bl_o      (gate_bl_o),
+                `WH_DEVICE_PORTS
+                .stop_i         (stop_i),
+                .driver_fault_i (driver_fault_i),
+                .anchor_fault_i (anchor_fault_i)
+            );
+        end
+    endgenerate
 
     assign tick_o    = tick;
     assign running_o = running;
@@ -460,13 +525,17 @@ module wh_device #(
 
     assign zero_busy_o     = zero_busy;
     assign zero_fault_o    = zero_fault;
-    assign anchor_fault_o  = anchor_fault;
-    assign encoder_fault_o = encoder_fault;
+    assign anchor_fault_o  = anchor_fault[N-1:0];
+    assign encoder_fault_o = encoder_fault[N-1:0];
     assign overcurrent_o   = overcurrent;
 
 endmodule
 
 `undef WH_DEVICE_BUS
 `undef WH_DEVICE_PORTS
+`undef WH_DEVICE_WITHOUT
+`undef WH_BRUSHLESS_PORTS
+`undef WH_BRUSHLESS_WITHOUT
+`undef WH_BRUSHLESS_ONCE
 
 `default_nettype wire

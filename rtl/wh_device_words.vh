@@ -28,18 +28,22 @@ wire [15:0] set_stuck_words;
 wire [22:0] set_zero_limit;
 wire [0:0] set_zero_start;
 wire [3:0] set_filter_clocks;
+wire [31:0] set_count_angle;
+wire [31:0] set_zero_angle;
+wire [0:0] set_find_magnet;
+wire [0:0] set_magnet_start;
 wire [3:0] set_host_period_log2;
 wire [7:0] set_host_timeout;
-wire [N*8-1:0] set_host_sequence;
-wire [N*`WH_DATA_W-1:0] set_host_u;
-wire [N-1:0] set_host_strobe;
+wire [PARTS*8-1:0] set_host_sequence;
+wire [PARTS*`WH_DATA_W-1:0] set_host_u;
+wire [PARTS-1:0] set_host_strobe;
 wire [DELAY_LOG2-1:0] set_extra_ticks;
 wire [DELAY_LOG2-1:0] set_hold_ticks;
-wire [N*`WH_COEF_W-1:0] set_eta_contact;
-wire [N*`WH_COEF_W-1:0] set_eta_free;
-wire [N*`WH_COEF_W-1:0] set_root;
-wire [N*`WH_COEF_W-1:0] set_a;
-wire [N*`WH_DATA_W-1:0] set_u_max;
+wire [PARTS*`WH_COEF_W-1:0] set_eta_contact;
+wire [PARTS*`WH_COEF_W-1:0] set_eta_free;
+wire [PARTS*`WH_COEF_W-1:0] set_root;
+wire [PARTS*`WH_COEF_W-1:0] set_a;
+wire [PARTS*`WH_DATA_W-1:0] set_u_max;
 wire [1:0] set_mode;
 wire [7:0] set_min_pulse;
 wire [7:0] set_dead_clocks;
@@ -51,17 +55,17 @@ wire [249:0] set_guard;
 wire [0:0] set_clear;
 wire [0:0] set_host_alive;
 wire [0:0] set_restart;
-wire [N*24-1:0] set_zero;
-wire [N*`WH_COEF_W-1:0] set_gain;
-wire [N*`WH_COEF_W-1:0] set_clocks_per_volt;
-wire [N*`WH_DATA_W-1:0] set_side_current;
-wire [N*(8*`WH_COEF_W + 2*`WH_DATA_W + 22)-1:0] set_anchor_words;
-wire [N-1:0] set_edge_hysteresis;
-wire [N*WALLS*`WH_COUNT_W-1:0] set_wall_min;
-wire [N*WALLS*`WH_COUNT_W-1:0] set_wall_max;
-wire [N*WALLS-1:0] set_wall_enable;
-wire [N*WALLS-1:0] set_wall_shaped;
-wire [N*SECTIONS*(9*`WH_SHAPE_W + 36)-1:0] set_shape_words;
+wire [PARTS*24-1:0] set_zero;
+wire [PARTS*`WH_COEF_W-1:0] set_gain;
+wire [PARTS*`WH_COEF_W-1:0] set_clocks_per_volt;
+wire [PARTS*`WH_DATA_W-1:0] set_side_current;
+wire [PARTS*(8*`WH_COEF_W + 2*`WH_DATA_W + 22)-1:0] set_anchor_words;
+wire [PARTS-1:0] set_edge_hysteresis;
+wire [PARTS*WALLS*`WH_COUNT_W-1:0] set_wall_min;
+wire [PARTS*WALLS*`WH_COUNT_W-1:0] set_wall_max;
+wire [PARTS*WALLS-1:0] set_wall_enable;
+wire [PARTS*WALLS-1:0] set_wall_shaped;
+wire [PARTS*SECTIONS*(9*`WH_SHAPE_W + 36)-1:0] set_shape_words;
 wire [95:0] set_capture_channel;
 wire [3:0] set_capture_channels;
 wire [15:0] set_capture_rows;
@@ -84,23 +88,25 @@ localparam [7:0] SHAPE_W_8 = `WH_SHAPE_W;
 
 // What the controller tells.
 
-wire [N-1:0] overcurrent;
-wire [N-1:0] adc_range;
-wire [N-1:0] adc_stuck;
-wire [N-1:0] zero_fault;
-wire [N-1:0] zero_busy;
-wire [N-1:0] encoder_fault;
-wire [N-1:0] host_strobe;
-wire [N*8-1:0] host_sequence;
-wire [N*`WH_DATA_W-1:0] host_v;
-wire [N-1:0] host_active;
-wire [N*`WH_DATA_W-1:0] voltage;
-wire [N*`WH_DATA_W-1:0] u;
-wire [N*`WH_DATA_W-1:0] v;
-wire [N*`WH_DATA_W-1:0] current;
-wire [N*`WH_COUNT_W-1:0] position;
-wire [N-1:0] contact;
-wire [N-1:0] saturated;
+wire [PARTS-1:0] overcurrent;
+wire [PARTS-1:0] adc_range;
+wire [PARTS-1:0] adc_stuck;
+wire [PARTS-1:0] zero_fault;
+wire [PARTS-1:0] zero_busy;
+wire [PARTS-1:0] encoder_fault;
+wire [0:0] magnet_found;
+wire [31:0] magnet_angle;
+wire [PARTS-1:0] host_strobe;
+wire [PARTS*8-1:0] host_sequence;
+wire [PARTS*`WH_DATA_W-1:0] host_v;
+wire [PARTS-1:0] host_active;
+wire [PARTS*`WH_DATA_W-1:0] voltage;
+wire [PARTS*`WH_DATA_W-1:0] u;
+wire [PARTS*`WH_DATA_W-1:0] v;
+wire [PARTS*`WH_DATA_W-1:0] current;
+wire [PARTS*`WH_COUNT_W-1:0] position;
+wire [PARTS-1:0] contact;
+wire [PARTS-1:0] saturated;
 wire [15:0] faults;
 wire [0:0] running;
 wire [0:0] adc_ready;
@@ -108,11 +114,11 @@ wire [0:0] tick;
 wire [0:0] core_valid;
 wire [0:0] overrun;
 wire [3:0] words_hold;
-wire [N*`WH_DATA_W-1:0] correction;
-wire [N*`WH_DATA_W-1:0] offset;
-wire [N*`WH_DATA_W-1:0] flux;
-wire [N*`WH_DATA_W-1:0] lag;
-wire [N-1:0] anchor_fault;
+wire [PARTS*`WH_DATA_W-1:0] correction;
+wire [PARTS*`WH_DATA_W-1:0] offset;
+wire [PARTS*`WH_DATA_W-1:0] flux;
+wire [PARTS*`WH_DATA_W-1:0] lag;
+wire [PARTS-1:0] anchor_fault;
 
 // The groups.
 
@@ -251,6 +257,28 @@ wh_setting_group #(
 
 assign set_filter_clocks[0 +: 4] = encoder_words[0 +: 4];
 
+wire pending_magnet;
+wire [64:0] magnet_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h21),
+    .STRIDE    (8'd1),
+    .WORDS     (3),
+    .WIDTHS    ({8'd1, 8'd32, 8'd32}),
+    .TOTAL_W   (65)
+) magnet (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_off),
+    .pending_o (pending_magnet),
+    .words_o   (magnet_words)
+);
+
+assign set_count_angle[0 +: 32] = magnet_words[0 +: 32];
+assign set_zero_angle[0 +: 32] = magnet_words[32 +: 32];
+assign set_find_magnet[0 +: 1] = magnet_words[64 +: 1];
+
 wire pending_host;
 wire [11:0] host_words;
 
@@ -293,9 +321,9 @@ wh_setting_group #(
 assign set_extra_ticks[0 +: DELAY_LOG2] = delay_words[0 +: DELAY_LOG2];
 assign set_hold_ticks[0 +: DELAY_LOG2] = delay_words[DELAY_LOG2 +: DELAY_LOG2];
 
-wire [N-1:0] pending_eta;
+wire [PARTS-1:0] pending_eta;
 generate
-    for (n = 0; n < N; n = n + 1) begin : eta_of_motor
+    for (n = 0; n < PARTS; n = n + 1) begin : eta_of_motor
         localparam [31:0] PART = n + 1;
         wire [2*`WH_COEF_W-1:0] eta_words;
 
@@ -319,9 +347,9 @@ generate
     end
 endgenerate
 
-wire [N-1:0] pending_wave;
+wire [PARTS-1:0] pending_wave;
 generate
-    for (n = 0; n < N; n = n + 1) begin : wave_of_motor
+    for (n = 0; n < PARTS; n = n + 1) begin : wave_of_motor
         localparam [31:0] PART = n + 1;
         wire [2*`WH_COEF_W + `WH_DATA_W-1:0] wave_words;
 
@@ -493,9 +521,9 @@ wh_setting_group #(
 
 assign set_stream_shift[0 +: 16] = cut_words[0 +: 16];
 
-wire [N-1:0] pending_current;
+wire [PARTS-1:0] pending_current;
 generate
-    for (n = 0; n < N; n = n + 1) begin : current_of_motor
+    for (n = 0; n < PARTS; n = n + 1) begin : current_of_motor
         localparam [31:0] PART = n + 1;
         wire [`WH_COEF_W + 24-1:0] current_words;
 
@@ -519,9 +547,9 @@ generate
     end
 endgenerate
 
-wire [N-1:0] pending_scale;
+wire [PARTS-1:0] pending_scale;
 generate
-    for (n = 0; n < N; n = n + 1) begin : scale_of_motor
+    for (n = 0; n < PARTS; n = n + 1) begin : scale_of_motor
         localparam [31:0] PART = n + 1;
         wire [`WH_COEF_W-1:0] scale_words;
 
@@ -544,9 +572,9 @@ generate
     end
 endgenerate
 
-wire [N-1:0] pending_side;
+wire [PARTS-1:0] pending_side;
 generate
-    for (n = 0; n < N; n = n + 1) begin : side_of_motor
+    for (n = 0; n < PARTS; n = n + 1) begin : side_of_motor
         localparam [31:0] PART = n + 1;
         wire [`WH_DATA_W-1:0] side_words;
 
@@ -569,9 +597,9 @@ generate
     end
 endgenerate
 
-wire [N-1:0] pending_anchor;
+wire [PARTS-1:0] pending_anchor;
 generate
-    for (n = 0; n < N; n = n + 1) begin : anchor_of_motor
+    for (n = 0; n < PARTS; n = n + 1) begin : anchor_of_motor
         localparam [31:0] PART = n + 1;
         wire [8*`WH_COEF_W + 2*`WH_DATA_W + 22-1:0] anchor_words;
 
@@ -606,9 +634,9 @@ generate
     end
 endgenerate
 
-wire [N-1:0] pending_edges;
+wire [PARTS-1:0] pending_edges;
 generate
-    for (n = 0; n < N; n = n + 1) begin : edges_of_motor
+    for (n = 0; n < PARTS; n = n + 1) begin : edges_of_motor
         localparam [31:0] PART = n + 1;
         wire [0:0] edges_words;
 
@@ -631,9 +659,9 @@ generate
     end
 endgenerate
 
-wire [N*WALLS-1:0] pending_walls;
+wire [PARTS*WALLS-1:0] pending_walls;
 generate
-    for (n = 0; n < N; n = n + 1) begin : walls_of_motor
+    for (n = 0; n < PARTS; n = n + 1) begin : walls_of_motor
         localparam [31:0] PART = n + 1;
         for (k = 0; k < WALLS; k = k + 1) begin : each_copy
             localparam [31:0] K = k;
@@ -662,9 +690,9 @@ generate
     end
 endgenerate
 
-wire [N*SECTIONS-1:0] pending_shape;
+wire [PARTS*SECTIONS-1:0] pending_shape;
 generate
-    for (n = 0; n < N; n = n + 1) begin : shape_of_motor
+    for (n = 0; n < PARTS; n = n + 1) begin : shape_of_motor
         localparam [31:0] PART = n + 1;
         for (k = 0; k < SECTIONS; k = k + 1) begin : each_copy
             localparam [31:0] K = k;
@@ -690,9 +718,9 @@ generate
     end
 endgenerate
 
-wire [N*SECTIONS-1:0] pending_shape_1;
+wire [PARTS*SECTIONS-1:0] pending_shape_1;
 generate
-    for (n = 0; n < N; n = n + 1) begin : shape_1_of_motor
+    for (n = 0; n < PARTS; n = n + 1) begin : shape_1_of_motor
         localparam [31:0] PART = n + 1;
         for (k = 0; k < SECTIONS; k = k + 1) begin : each_copy
             localparam [31:0] K = k;
@@ -719,13 +747,14 @@ generate
 endgenerate
 
 assign changing_core = (|pending_eta) || (|pending_wave) || (|pending_bus) || (|pending_scale) || (|pending_side) || (|pending_shape) || (|pending_shape_1);
-assign changing = (|pending_carrier) || (|pending_frame) || (|pending_trip) || (|pending_sense) || (|pending_zero) || (|pending_encoder) || (|pending_host) || (|pending_delay) || (|pending_eta) || (|pending_wave) || (|pending_bridge) || (|pending_bus) || (|pending_guard) || (|pending_capture) || (|pending_stream) || (|pending_cut) || (|pending_current) || (|pending_scale) || (|pending_side) || (|pending_anchor) || (|pending_edges) || (|pending_walls) || (|pending_shape) || (|pending_shape_1);
+assign changing = (|pending_carrier) || (|pending_frame) || (|pending_trip) || (|pending_sense) || (|pending_zero) || (|pending_encoder) || (|pending_magnet) || (|pending_host) || (|pending_delay) || (|pending_eta) || (|pending_wave) || (|pending_bridge) || (|pending_bus) || (|pending_guard) || (|pending_capture) || (|pending_stream) || (|pending_cut) || (|pending_current) || (|pending_scale) || (|pending_side) || (|pending_anchor) || (|pending_edges) || (|pending_walls) || (|pending_shape) || (|pending_shape_1);
 
 // Commands.
 
 assign set_zero_start = command_q && command_address_q == 12'h01d && command_data_q[0];
+assign set_magnet_start = command_q && command_address_q == 12'h065 && command_data_q[0];
 generate
-    for (n = 0; n < N; n = n + 1) begin : host_answer_sequence_of_motor
+    for (n = 0; n < PARTS; n = n + 1) begin : host_answer_sequence_of_motor
         localparam [31:0] PART = n + 1;
 
         reg [7:0] word_q;
@@ -740,7 +769,7 @@ generate
     end
 endgenerate
 generate
-    for (n = 0; n < N; n = n + 1) begin : host_u_of_motor
+    for (n = 0; n < PARTS; n = n + 1) begin : host_u_of_motor
         localparam [31:0] PART = n + 1;
 
         reg [`WH_DATA_W-1:0] word_q;
@@ -755,7 +784,7 @@ generate
     end
 endgenerate
 generate
-    for (n = 0; n < N; n = n + 1) begin : host_answer_of_motor
+    for (n = 0; n < PARTS; n = n + 1) begin : host_answer_of_motor
         localparam [31:0] PART = n + 1;
 
         assign set_host_strobe[n] = command_q && command_address_q == {PART[3:0], 8'ha3} && command_data_q[0];
@@ -774,6 +803,8 @@ assign set_stream = command_q && command_address_q == 12'h076;
 always @* begin
     live = 33'd0;
     case (bus_address_i)
+        12'h066: live = {32'd0, magnet_found};
+        12'h067: live = {{1{1'b0}}, magnet_angle[0 +: 32]};
         12'h039: live = {{17{1'b0}}, bus_i[0 +: 16]};
         12'h062: live = {{17{1'b0}}, faults[0 +: 16]};
         12'h063: live = {32'd0, running};
@@ -794,7 +825,7 @@ always @* begin
         default: live = 33'd0;
     endcase
     if (bus_address_i[11:6] == 6'h2) live = {{1{1'b0}}, capture_data[0 +: 32]};
-    for (m = 0; m < N; m = m + 1) begin
+    for (m = 0; m < PARTS; m = m + 1) begin
         if (LIVE != 0 && {28'd0, bus_address_i[11:8]} == m + 1) begin
             case (bus_address_i[7:0])
                 8'hd4: live = {32'd0, overcurrent[m]};
@@ -913,5 +944,125 @@ end
     .flux_o (flux), \
     .lag_o (lag), \
     .anchor_fault_o (anchor_fault),
+
+`define WH_DEVICE_WITHOUT \
+    set_count_angle, \
+    set_zero_angle, \
+    set_find_magnet, \
+    set_magnet_start
+
+`define WH_BRUSHLESS_PORTS \
+    .half_clocks_i (set_half_clocks), \
+    .tick_halves_i (set_tick_halves), \
+    .sample_clocks_i (set_sample_clocks), \
+    .samples_i (set_samples), \
+    .sample_lead_i (set_sample_lead), \
+    .sample_late_i (set_sample_late), \
+    .sclk_half_clocks_i (set_sclk_half_clocks), \
+    .frame_bits_i (set_frame_bits), \
+    .lead_bits_i (set_lead_bits), \
+    .data_bits_i (set_data_bits), \
+    .quiet_clocks_i (set_quiet_clocks), \
+    .setup_clocks_i (set_setup_clocks), \
+    .hold_clocks_i (set_hold_clocks), \
+    .calibrate_bits_i (set_calibrate_bits), \
+    .sclk_idle_i (set_sclk_idle), \
+    .read_trailing_i (set_read_trailing), \
+    .trip_i (set_trip), \
+    .range_i (set_range), \
+    .stuck_words_i (set_stuck_words), \
+    .zero_limit_i (set_zero_limit), \
+    .zero_start_i (set_zero_start || zero_start_i || arm_zero_start), \
+    .filter_clocks_i (set_filter_clocks), \
+    .count_angle_i (set_count_angle), \
+    .zero_angle_i (set_zero_angle), \
+    .find_magnet_i (set_find_magnet), \
+    .magnet_start_i (set_magnet_start), \
+    .extra_ticks_i (set_extra_ticks), \
+    .hold_ticks_i (set_hold_ticks), \
+    .eta_contact_i (set_eta_contact[`WH_COEF_W-1:0]), \
+    .eta_free_i (set_eta_free[`WH_COEF_W-1:0]), \
+    .root_i (set_root[`WH_COEF_W-1:0]), \
+    .a_i (set_a[`WH_COEF_W-1:0]), \
+    .u_max_i (set_u_max[`WH_DATA_W-1:0]), \
+    .min_pulse_i (set_min_pulse), \
+    .dead_clocks_i (set_dead_clocks), \
+    .compensate_i (set_compensate), \
+    .settle_ticks_i (set_settle_ticks), \
+    .second_order_i (set_second_order), \
+    .bus_i (bus_i), \
+    .guard_i (set_guard), \
+    .clear_i (set_clear || clear_i), \
+    .host_alive_i (set_host_alive), \
+    .restart_i (set_restart || loading), \
+    .zero_i (set_zero), \
+    .gain_i (set_gain), \
+    .clocks_per_volt_i (set_clocks_per_volt[`WH_COEF_W-1:0]), \
+    .side_current_i (set_side_current[`WH_DATA_W-1:0]), \
+    .anchor_words_i (set_anchor_words[(8*`WH_COEF_W + 2*`WH_DATA_W + 22)-1:0]), \
+    .edge_hysteresis_i (set_edge_hysteresis[0]), \
+    .wall_min_i (set_wall_min[WALLS*`WH_COUNT_W-1:0]), \
+    .wall_max_i (set_wall_max[WALLS*`WH_COUNT_W-1:0]), \
+    .wall_enable_i (set_wall_enable[WALLS-1:0]), \
+    .overcurrent_o (overcurrent), \
+    .adc_range_o (adc_range), \
+    .adc_stuck_o (adc_stuck), \
+    .zero_fault_o (zero_fault), \
+    .zero_busy_o (zero_busy), \
+    .encoder_fault_o (once_encoder_fault), \
+    .magnet_found_o (magnet_found), \
+    .magnet_angle_o (magnet_angle), \
+    .voltage_o (voltage), \
+    .u_o (u), \
+    .v_o (v), \
+    .current_o (current), \
+    .position_o (once_position), \
+    .contact_o (once_contact), \
+    .saturated_o (saturated), \
+    .faults_o (faults), \
+    .running_o (running), \
+    .adc_ready_o (adc_ready), \
+    .tick_o (tick), \
+    .core_valid_o (core_valid), \
+    .overrun_o (overrun), \
+    .words_hold_o (words_hold), \
+    .correction_o (correction), \
+    .offset_o (offset), \
+    .flux_o (flux), \
+    .lag_o (lag), \
+    .anchor_fault_o (once_anchor_fault),
+
+`define WH_BRUSHLESS_WITHOUT \
+    set_host_period_log2, \
+    set_host_timeout, \
+    set_host_sequence, \
+    set_host_u, \
+    set_host_strobe, \
+    set_eta_contact, \
+    set_eta_free, \
+    set_root, \
+    set_a, \
+    set_u_max, \
+    set_mode, \
+    set_bus_share, \
+    set_clocks_per_volt, \
+    set_side_current, \
+    set_anchor_words, \
+    set_edge_hysteresis, \
+    set_wall_min, \
+    set_wall_max, \
+    set_wall_enable, \
+    set_wall_shaped, \
+    set_shape_words
+
+`define WH_BRUSHLESS_ONCE \
+    wire [0:0] once_encoder_fault; \
+    assign encoder_fault = {PARTS{once_encoder_fault}}; \
+    wire [`WH_COUNT_W-1:0] once_position; \
+    assign position = {PARTS{once_position}}; \
+    wire [0:0] once_contact; \
+    assign contact = {PARTS{once_contact}}; \
+    wire [0:0] once_anchor_fault; \
+    assign anchor_fault = {PARTS{once_anchor_fault}};
 
 // <!-- end device-words -->

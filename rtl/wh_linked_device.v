@@ -8,7 +8,7 @@
 // allows: with it, and ARM = 1, the word `arm` lets the bridges on for 200 ms, and press_i until something is
 // against it (wh_arm); with ARM = 0 the pin alone does. Word 2 of the identification, its options, is made here:
 //
-//   3:0 N   8:4 WALLS   10:9 SHAPER   14:11 DELAY_LOG2   16:15 ADC   17 EARLY   18 ANCHOR   19 GUARD
+//   3:0 N   8:4 WALLS   10:9 SHAPER, 3 with LEGS = 3   14:11 DELAY_LOG2   16:15 ADC   17 EARLY   18 ANCHOR   19 GUARD
 //   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME   26 LIVE
 //   27 ARM   31:28 CAPTURE
 //
@@ -43,12 +43,14 @@ module wh_linked_device #(
     parameter integer ARM          = 1,
     parameter integer CAPTURE      = 0,
     parameter integer STREAM       = 0,
+    parameter integer LEGS         = 2,
     parameter integer CLOCK_HZ     = 24000000,
     parameter integer UNIT         = 1,  // 1...247, of the link
     parameter [31:0]  BUILD        = 32'd0,
     parameter integer SILENCE      = CLOCK_HZ / 500,  // these two are wh_modbus's
     parameter integer FALLBACK     = 500,
-    parameter integer CREDIT       = CLOCK_HZ / 5     // clocks that the words `arm` and `stream` last
+    parameter integer CREDIT       = CLOCK_HZ / 5,    // clocks that the words `arm` and `stream` last
+    parameter integer PARTS        = (LEGS == 3) ? 2 : N  // derived, leave it
 ) (
     input  wire                 clk,
     input  wire                 rst,
@@ -62,13 +64,13 @@ module wh_linked_device #(
     output wire                 adc_cs_n_o,
     output wire                 adc_sclk_o,
     output wire                 adc_din_o,
-    input  wire [N-1:0]         adc_sdata_i,
+    input  wire [PARTS-1:0]     adc_sdata_i,    // of a motor, or of phase a, lowest
     input  wire [N-1:0]         enc_a_i,        // asynchronous
     input  wire [N-1:0]         enc_b_i,        // asynchronous
     output wire [N-1:0]         gate_ah_o,
     output wire [N-1:0]         gate_al_o,
-    output wire [N-1:0]         gate_bh_o,
-    output wire [N-1:0]         gate_bl_o,
+    output wire [PARTS-1:0]     gate_bh_o,      // leg b; with LEGS = 3 those of b, lowest, and c
+    output wire [PARTS-1:0]     gate_bl_o,
     input  wire [`WH_BUS_W-1:0] bus_i,          // u16q9 V, the measured bus
     input  wire                 stop_i,         // asynchronous
     input  wire [N-1:0]         driver_fault_i, // asynchronous
@@ -83,16 +85,16 @@ module wh_linked_device #(
     output wire                 fault_o,        // the guard found something, or a tick is too short
     output wire                 ready_o,        // since reset all settings were given
     output wire                 clear_o,        // strobe: the line wants faults forgotten
-    output wire [N-1:0]         zero_busy_o,    // these are wh_controller's
-    output wire [N-1:0]         zero_fault_o,
+    output wire [PARTS-1:0]     zero_busy_o,    // these are wh_controller's
+    output wire [PARTS-1:0]     zero_fault_o,
     output wire [N-1:0]         anchor_fault_o,
     output wire [N-1:0]         encoder_fault_o,
-    output wire [N-1:0]         overcurrent_o
+    output wire [PARTS-1:0]     overcurrent_o
 );
 
     localparam [31:0] N_32      = N;
     localparam [31:0] WALLS_32  = WALLS;
-    localparam [31:0] SHAPER_32 = SHAPER;
+    localparam [31:0] SHAPER_32 = (LEGS == 3) ? 3 : SHAPER;
     localparam [31:0] DELAY_32  = DELAY_LOG2;
     localparam [31:0] ADC_32    = ADC;
     localparam [31:0] CAPTURE_32 = CAPTURE;
@@ -186,7 +188,8 @@ module wh_linked_device #(
         .ARM            (ARM),
         .ARM_CLOCKS     (CREDIT),
         .CAPTURE        (CAPTURE),
-        .STREAM         (STREAM)
+        .STREAM         (STREAM),
+        .LEGS           (LEGS)
     ) device (
         .clk             (clk),
         .rst             (rst),

@@ -28,6 +28,7 @@ module wh_rotor_flux (
     input  wire                                   turn_i,         // the angle is to be turned...
     input  wire [31:0]                            by_i,           // ... by this
     output wire                                   turned_o,       // it is, in this clock
+    output wire [31:0]                            angle_o,        // of the position that comes, in its middle
 
     output reg  signed [`WH_COUNT_W-1:0]          position_o,     // s32, counts
     // Alpha lowest.
@@ -65,6 +66,7 @@ module wh_rotor_flux (
     wire                      takes = !second_q && due_q;
 
     assign turned_o = turn_i && !takes && !rst;
+    assign angle_o  = angle_q;
 
     // Half of a count's angle, the larger one up: so both ways pass the same edge.
     wire [31:0] less = ~{1'b0, count_angle_i[31:1]} + 32'd1;

@@ -40,6 +40,7 @@ module wh_settings #(
     parameter integer SHAPER     = 0,
     parameter integer DELAY_LOG2 = 2,
     parameter integer EARLY      = 0,
+    parameter integer LEGS       = 2,  // as wh_device has it; with 3 there are N = 2 axes
     parameter integer SLOT_W     = (SHAPER > 0) ? 8 : 7  // derived, leave it
 ) (
     input  wire        clk,
@@ -82,6 +83,9 @@ module wh_settings #(
     generate
         if (N < 1 || N > 8) begin : illegal
             wh_illegal_parameter_settings_n_must_be_1_to_8 stop ();
+        end
+        if (LEGS == 3 && N != 2) begin : illegal_axes
+            wh_illegal_parameter_settings_n_must_be_2_with_three_legs stop ();
         end
     endgenerate
 
@@ -131,10 +135,12 @@ module wh_settings #(
         .WALLS      (WALLS),
         .SHAPER     (SHAPER),
         .DELAY_LOG2 (DELAY_LOG2),
-        .EARLY      (EARLY)
+        .EARLY      (EARLY),
+        .LEGS       (LEGS)
     ) rom (
         .clk        (clk),
         .address_i  ({bus_address_i[11:8] != 4'd0, bus_address_i[7:0]}),
+        .second_i   (LEGS == 3 && bus_address_i[11:8] == 4'd2),
         .kind_o     (kind),
         .off_o      (off),
         .signed_o   (has_sign),

@@ -38,14 +38,14 @@ module wh_settings_ram #(
     integer i;
     integer part;
 
-    // A row of the table: `info` is the ROM's. A motor's words stand in each motor's part.
-`define WH_SETTINGS_WORD(FIRST, COPIES, INFO, DEFAULT) \
+    // A row of the table: who has it and `info` are the ROM's. A motor's words stand in each motor's part.
+`define WH_SETTINGS_WORD(FIRST, COPIES, WHO, INFO, DEFAULT) \
         for (i = FIRST; i < FIRST + (COPIES); i = i + 1) begin \
             for (part = (FIRST >> 8); part < ((FIRST < 256) ? 1 : (1 << PART_W)); part = part + 1) begin \
                 memory[2*WORDS + part*(1 << SLOT_W) + (i & ((1 << SLOT_W) - 1))] = DEFAULT; \
             end \
         end
-`define WH_SETTINGS_TOLD(FIRST, COPIES, INFO)
+`define WH_SETTINGS_TOLD(FIRST, COPIES, WHO, INFO)
 `define WH_SETTINGS_BOUNDS(TYPE, LEAST, GREATEST)
 
     initial begin

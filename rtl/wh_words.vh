@@ -7,7 +7,7 @@
 
 // CRC-32 of all that two sides have to agree on: everything but default, port and meaning.
 // <!-- begin words-crc -->
-`define WH_WORDS_CRC 32'hd4a3a74d
+`define WH_WORDS_CRC 32'h9e9da208
 // <!-- end words-crc -->
 
 `endif

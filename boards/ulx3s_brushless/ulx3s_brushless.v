@@ -24,6 +24,8 @@ module ulx3s_brushless (
     output wire       gate_cl,
     output wire       alive,
 
+    input  wire       uart_rx,         // USB serial, 115,200 bits a second at first
+    output wire       uart_tx,
     input  wire       button_start,
     input  wire       stop,            // open, so high, is stop
     output wire       led_running,
@@ -97,19 +99,23 @@ module ulx3s_brushless (
         .adc_sdata_i (adc_sdata)
     );
 
-    wh_board_brushless board_brushless (
+    wh_board_controller board_controller (
         .clk          (clk),
         .rst          (rst),
         .start_i      (button_start),
         .stop_i       (stop),
         .clock_lost_i (clock_lost),
+        .uart_rx_i    (uart_rx),
+        .uart_tx_o    (uart_tx),
         .adc_cs_n_o   (reader_cs_n),
         .adc_sclk_o   (reader_sclk),
         .adc_sdata_i  (reader_sdata),
         .enc_a_i      (enc_a),
         .enc_b_i      (enc_b),
-        .gate_high_o  (bridge_high),
-        .gate_low_o   (bridge_low),
+        .gate_ah_o    (bridge_high[0]),
+        .gate_al_o    (bridge_low[0]),
+        .gate_bh_o    (bridge_high[2:1]),
+        .gate_bl_o    (bridge_low[2:1]),
         .alive_o      (alive),
         .running_o    (led_running),
         .contact_o    (led_contact),

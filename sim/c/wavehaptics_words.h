@@ -7,12 +7,14 @@
 #define WAVEHAPTICS_WORDS_H
 
 // <!-- begin c-words -->
-#define WH_WORDS_CRC 0xd4a3a74du
+#define WH_WORDS_CRC 0x9e9da208u
 
 #define WH_MAP_VERSION 1u
 #define WH_TABLE_REGISTER 0x2000u
 #define WH_MOTOR_STRIDE 0x100u
 #define WH_MOST_READ 62u
+#define WH_BRUSHLESS_SHAPER 3u
+#define WH_AXES 2u
 
 // Words of the identification, from register 0 on.
 #define WH_IDENTIFICATION(X) \
@@ -81,6 +83,9 @@
     X(ZERO_LIMIT, "zero_limit", 0x01c, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 8388607.0, "") \
     X(ZERO_START, "zero_start", 0x01d, WH_COMMAND, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
     X(FILTER_CLOCKS, "filter_clocks", 0x020, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 15.0, "clocks") \
+    X(COUNT_ANGLE, "count_angle", 0x021, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 4294967295.0, "") \
+    X(ZERO_ANGLE, "zero_angle", 0x022, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 4294967295.0, "") \
+    X(FIND_MAGNET, "find_magnet", 0x023, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
     X(HOST_PERIOD_LOG2, "host_period_log2", 0x024, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 15.0, "") \
     X(HOST_TIMEOUT, "host_timeout", 0x025, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 255.0, "") \
     X(EXTRA_TICKS, "extra_ticks", 0x028, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, WH_BY_DELAY, "ticks") \
@@ -124,6 +129,9 @@
     X(FAULTS, "faults", 0x062, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
     X(RUNNING, "running", 0x063, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
     X(TICKS, "ticks", 0x064, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 4294967295.0, "ticks") \
+    X(MAGNET_START, "magnet_start", 0x065, WH_COMMAND, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
+    X(MAGNET_FOUND, "magnet_found", 0x066, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
+    X(MAGNET_ANGLE, "magnet_angle", 0x067, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 4294967295.0, "") \
     X(ADC_READY, "adc_ready", 0x068, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
     X(TICK, "tick", 0x069, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
     X(CORE_VALID, "core_valid", 0x06a, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \

@@ -24,6 +24,7 @@ from wavehaptics.fpga.board_pins import read_pins
 from wavehaptics.fpga.board_words import board_words, verilog_header
 from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import Design, SynthesisError, build
+from wavehaptics.ladder.brushless import magnet_words
 from wavehaptics.ladder.guarded_pins import GuardedPins
 from wavehaptics.pages import filler
 from wavehaptics.parts.adcs import PARTS, frame
@@ -366,6 +367,8 @@ def test_words(name):
     time, ports = words.ports.timing, words.ports
     own = {"hold_ticks": 0, "trip": 0, "zero_limit": 0}
     one_motors = ports.words | ports.settings.words()
+    if board.brushless:
+        one_motors |= magnet_words(board.scene, ports.settings, ports.start_count)
     assert words.words | own == one_motors | own
     assert time.frame == frame(part, time.clock_hz, board.fpga.pad_registers)
     assert time.frame.cycle_clocks <= time.sample_clocks
@@ -427,38 +430,48 @@ def test_ulx3s_has_two_megahertz():
 @pytest.mark.parametrize("name", board_names())
 def test_header_has_every_setting(name):
     text = load_board(name).headers()["wh_board_settings.vh"]
-    top = (ROOT / "boards" / f"{load_board(name).core}.v").read_text()
+    top = (ROOT / "boards" / "wh_board_controller.v").read_text()
     defined = set(re.findall(r"`define (WH_BOARD_\w+)", text))
     assert set(re.findall(r"`(WH_BOARD_\w+)", top)) == defined
 
 
-@pytest.mark.parametrize(("key", "value"), [("link", "true"), ("motors", "2")])
-def test_a_brushless_board_has_one_motor_and_no_link(tmp_path, key, value):
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("link = true\ncapture = 12\nstream = true\n", "", "its settings over a link; .* = true"),
+        ("legs = 3\n", "legs = 3\nmotors = 2\n", "one brushless motor; leave motors out"),
+        ("legs = 3\n", "legs = 3\nshared_multiplier = true\n", "a multiplier for its core; .*"),
+    ],
+)  # fmt: skip
+def test_what_a_brushless_board_has(tmp_path, old, new, told):
     """In one line; the tables of its pins are another board's."""
     for name in ("ulx3s", "ulx3s_brushless"):
         (tmp_path / "boards" / name).mkdir(parents=True)
         for file in ("fpga.toml", "board.toml"):
             text = (ROOT / "boards" / name / file).read_text()
             if (name, file) == ("ulx3s_brushless", "fpga.toml"):
-                text = text.replace("legs = 3\n", f"legs = 3\n{key} = {value}\n")
+                assert old in text
+                text = text.replace(old, new)
             (tmp_path / "boards" / name / file).write_text(text)
-    with pytest.raises(BoardError, match=rf"fpga\.toml:\d+: {key}: a board with legs = 3 has "
-                       rf"one .*; leave {key} out$"):  # fmt: skip
+    with pytest.raises(BoardError, match=rf"fpga\.toml:\d+: a board with legs = 3 has {told}$"):
         load_board("ulx3s_brushless", root=tmp_path)
 
 
 def test_a_brushless_boards_own_words():
-    """Both phases' gain, what a count turns, and that the magnets are to be found."""
+    """What a count turns, and that the magnets are to be found; nothing of a full bridge."""
     board = load_board("ulx3s_brushless")
-    text = board.headers()["wh_board_settings.vh"]
-    words = board.words()
-    gain = f"27'h{words.words['gain']:x}"
-    assert f".phase_gain_i ({{{gain}, {gain}}})," in text
+    headers = board.headers()
     cell = 2 * np.pi / board.scene.encoder.counts_per_rev
     turn = round(board.scene.motor.pole_pairs * cell / (2 * np.pi) * 2**32)
-    assert f".count_angle_i ({{32'h{turn:x}}})," in text
-    assert ".find_magnet_i ({1'h1})," in text
-    assert not re.search(r"\.(zero|gain|mode|wall_shaped)_i \(", text)
+    rom = headers["wh_board_settings_rom.vh"]
+    first = {name: int(raw, 16) for raw, name in re.findall(r"32'h(\w{8})\)  // (\w+)", rom)}
+    assert first["count_angle"] == turn
+    assert first["find_magnet"] == 1
+    assert first["gain"] == board.words().words["gain"]
+    text = headers["wh_board_settings.vh"]
+    made = dict(re.findall(r"`define WH_BOARD_(\w+) (\d+)", text))
+    told = {"LEGS": "3", "N": "1", "PARTS": "2", "LINKED": "1", "MODES": "0", "DEAD_TIME": "0"}
+    assert {name: made[name] for name in told} == told
 
 
 def test_header_keeps_signs_and_order():

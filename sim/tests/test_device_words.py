@@ -11,12 +11,15 @@ import pytest
 from live_device import ANCHOR, BOARD, EARLY, FEEL, OTHER_FEEL, load, run
 from wavehaptics.controller import wave_core
 from wavehaptics.controller.settings import settings
-from wavehaptics.ladder.device_pins import COMMIT, DevicePins
+from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
+from wavehaptics.ladder.device_pins import COMMIT, BrushlessDevicePins, DevicePins
 from wavehaptics.ladder.pins import PinsSimulation
+from wavehaptics.scene import find_scene, load_scene
+from wavehaptics.scene.tables.hand import Hand
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
 from wavehaptics.words.memory import requests
-from wavehaptics.words.table import WORDS
+from wavehaptics.words.table import AXES, THREE_PHASE_LEGS, WORDS
 
 
 @pytest.mark.parametrize("more", [(), ANCHOR, (*ANCHOR, *EARLY)])
@@ -33,6 +36,7 @@ def test_two_models_of_one_design_may_go_in_any_order():
     code = """
 from wavehaptics.ladder.linked_pins import LinkedPins
 from wavehaptics.scene import find_scene, load_scene
+from wavehaptics.scene.tables.hand import Hand
 scene = load_scene(find_scene("press_hold"), SETTINGS)
 first, second = LinkedPins(scene, arm=False), LinkedPins(scene, arm=False)
 del second
@@ -250,3 +254,142 @@ def test_what_a_change_of_r_hat_gives_out():
     # The check can fail: a port with R̂ above R gives out more.
     given, bound = switched_r_hat(1.6)
     assert given > bound
+
+
+# ---- A brushless motor, whose axes have the places of two motors.
+
+BRUSHLESS = {
+    "taps": ("brushless_taps", "controller.clock_hz=60e6", "hand.frequency_hz=50"),
+    "anchors": ("brushless_hold",),
+    # At the wall it hasn't found them yet, and turns while it is pressed.
+    "magnets": ("brushless_hold", "controller.find_magnet=true", "hand.amplitude_rad=0.6"),
+}
+
+
+def brushless(name: str, *settings: str):
+    scene, *own = BRUSHLESS[name]
+    return load_scene(find_scene(scene), [*own, *settings])
+
+
+@pytest.mark.parametrize("name", BRUSHLESS)
+def test_a_brushless_device_that_is_left_alone_is_its_controller(name):
+    """Bit for bit, with all its words from the bus, into the wall."""
+    kinds = (BrushlessPinsSimulation, BrushlessDevicePins)
+    found = [run(kind(brushless(name)), 20_000) for kind in kinds]
+    assert np.abs(found[0][1][:, Word.V]).max() > 1000
+    assert 0.0 < found[0][0][:, Column.CONTACT].mean() < 1.0
+    np.testing.assert_array_equal(found[0][1], found[1][1])
+    np.testing.assert_array_equal(found[0][0], found[1][0])
+
+
+def test_a_brushless_motors_wall_is_moved_with_the_gates_on():
+    """A tick after the commit the rotor is in it, in a tick as short as two anchors need."""
+    simulation = BrushlessDevicePins(brushless("anchors", "controller.walls=[[0.5, 1.0]]"))
+    clocks, cell = simulation.timing.tick_clocks, simulation.settings.cell_rad
+    assert clocks == 72
+    run(simulation, 20_000)
+    rows, _ = run(simulation, 100)
+    assert not rows[:, Column.CONTACT].any()
+    count = int(rows[-1, Column.X] / cell)
+    assert count > 3
+    asked = simulation.bus_clock + 10 * clocks + 17
+    simulation.write({"wall_min": count - 3, "anchor_enable": 1, "a": 1 << 24}, asked)
+    rows, _ = run(simulation, 400)
+    answers = simulation.answers()
+    assert [answer.error for answer in answers] == [0] * 4
+    touched = int(np.argmax(rows[:, Column.CONTACT]))
+    assert rows[touched:, Column.CONTACT].all()
+    given = (answers[-1].clock - simulation.bus_clock) / clocks + len(rows)
+    assert 0.0 < touched + 1 - given < 2.5
+    assert simulation.faults == 0
+
+
+@pytest.mark.parametrize("name", ["mode", "bus_share", "wall_shaped", "host_timeout"])
+def test_a_brushless_device_refuses_what_it_has_not(name):
+    """Also at the places of its second axis, what there is once."""
+    simulation = BrushlessDevicePins(brushless("taps"))
+    once = ("root", "a", "eta_free", "wall_min", "anchor_reach", "position", "edge_hysteresis")
+    asked = [WORDS[name].at(), *(WORDS[each].at(1) for each in once)]
+    both = [WORDS[each].at(1) for each in ("gain", "zero", "voltage", "flags", "current")]
+    for address in (*asked, *both):
+        simulation.ask(address)
+    run(simulation, 100)
+    assert [answer.error for answer in simulation.answers()] == [1] * len(asked) + [0] * len(both)
+
+
+class BothAxes:
+    """Two wave cores in integers, α and β, fed with the currents and contacts of a run."""
+
+    def __init__(self, simulation: BrushlessDevicePins) -> None:
+        values = simulation._values
+        self.ticks = (values["extra_ticks"], values["hold_ticks"])
+        self.cores = [wave_core.new_state() for _ in range(AXES)]
+        self.lines = [wave_core.new_line(max(self.ticks)) for _ in range(AXES)]
+
+    def trial(self, set_: dict, step: list[int]) -> bool:
+        """Step, if both come to what the step's words say; else nothing has happened."""
+        kept = [array.copy() for array in (*self.cores, *self.lines)]
+        eta = set_["eta_contact"] if step[-1] else set_["eta_free"]
+        fits = True
+        for axis in range(AXES):
+            current, u, v, e = step[4 * axis : 4 * axis + 4]
+            found = wave_core.wave_core_step(
+                self.cores[axis], self.lines[axis], current, eta, 0, set_["root"], set_["a"],
+                set_["u_max"], *self.ticks,
+            )  # fmt: skip
+            fits = fits and found == (e, u, v)
+        if not fits:
+            for array, before in zip((*self.cores, *self.lines), kept, strict=True):
+                array[:] = before
+        return fits
+
+
+def test_a_step_of_both_axes_has_old_settings_or_new_ones():
+    """All words of a step changed at each clock of a tick: never α with the old, β with the new.
+
+    Every step is the integers' of both axes, bit for bit, with the settings of before or with
+    those that were given.
+    """
+    rng = np.random.default_rng(20)
+    press = {"path": "press", "amplitude_rad": 0.15, "stiffness": 0.05, "damping": 0.3e-3}
+    scene = load_scene(find_scene("brushless_taps"), ["controller.clock_hz=56e6"])
+    scene = scene.model_copy(update={"hand": Hand.model_validate(press)})
+    simulation = BrushlessDevicePins(scene)
+    clocks, root = simulation.timing.tick_clocks, simulation.settings.root
+    assert clocks == 56
+    replay, present = BothAxes(simulation), dict(simulation._values)
+    before = 30_000
+    steps: list[list[int]] = []
+
+    def go(ticks: int) -> None:
+        for _ in range(ticks):
+            run(simulation, 1)
+            steps.append(simulation.step_words)
+
+    go(before)
+    first, given, changes = simulation.bus_clock, [], 2 * clocks
+    for n in range(changes):
+        at = first + (n + 1) * APART_BRUSHLESS * clocks + n % clocks
+        given.append(drawn(rng, [], root))
+        for address, raw in requests(given[-1], THREE_PHASE_LEGS):
+            simulation.ask(address, raw, at - 4 * clocks)
+        simulation.ask(COMMIT, 1, at)
+    go((changes + 2) * APART_BRUSHLESS)
+    assert simulation.faults == 0
+    assert all(answer.error == 0 for answer in simulation.answers())
+    waiting = list(given)
+    for n, step in enumerate(steps):
+        if replay.trial(present, step):
+            continue
+        assert waiting, n
+        present = waiting.pop(0)
+        assert replay.trial(present, step), n
+    assert not waiting
+    assert np.mean([step[-1] for step in steps[before:]]) > 0.9
+    for axis in range(AXES):
+        limits = np.abs([step[4 * axis + 1] for step in steps[before:]])
+        assert (limits == formats.WAVE.to_raw(0.02)).sum() > 100
+
+
+APART_BRUSHLESS = 80
+"""Ticks from one change to the next: a copy of the memory, which is larger, takes some 40."""

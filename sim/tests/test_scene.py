@@ -494,6 +494,7 @@ def test_shipped_scenes():
         "held_wall",
         "hosted_wall",
         "impact",
+        "live_brushless",
         "live_wall",
         "mass",
         "paper_taps",

@@ -28,11 +28,13 @@ from wavehaptics.host.scope.feed import PATIENCE_S, Feed
 from wavehaptics.host.scope.kept import Kept
 from wavehaptics.host.scope.plug import HandLine, Plug
 from wavehaptics.host.scope.server import Scope, serve
+from wavehaptics.ladder.brushless import magnet_words
 from wavehaptics.ladder.run import stiffness_predicted
 from wavehaptics.ladder.sampled import SampledSimulation
 from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.words import formats, modbus
 from wavehaptics.words.memory import settings_requests
+from wavehaptics.words.table import THREE_PHASE_LEGS
 
 SCENE = "live_wall"
 SHAPE = Shape(1, 4, 1, 10)
@@ -696,3 +698,83 @@ def test_formats_of_the_sliders():
     """The least λ of the slider still has a coefficient."""
     shown = Bench(Device(), Known()).shown()["sliders"]["lambda"]
     assert formats.A.to_raw(1e-6 * shown["min"] * 40) > 0
+
+
+# ---- A brushless motor.
+
+
+class BrushlessDevice(Device):
+    """The device of ``live_brushless``, whose live words a test puts there."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        scene = load_scene(find_scene("live_brushless"))
+        ports = controller_ports(scene)
+        self.shape = Shape(1, 4, 0, 10, THREE_PHASE_LEGS)
+        self.identification.options["shaper"] = 0
+        self.identification.words["clock_hz"] = round(ports.timing.clock_hz)
+        values = {**ports.words, **ports.settings.words(), **ports.wall_words(4),
+                  **magnet_words(scene, ports.settings, ports.start_count)}  # fmt: skip
+        self.words = dict(settings_requests(values, THREE_PHASE_LEGS))
+
+    def tell(self, name: str, value: float, axis: int = 0) -> None:
+        (place,) = places(name, self.shape, axis)
+        self.words[place.address] = place.word.fixed.to_raw(value) & 0xFFFFFFFF
+
+
+def brushless_bench() -> tuple[BrushlessDevice, Bench]:
+    device = BrushlessDevice()
+    return device, Bench(device, Known.of_scene(find_scene("live_brushless"), (), starts=True))
+
+
+def test_a_brushless_motors_torque_is_of_both_axes_by_the_magnets_angle():
+    """From the device's own angle, which nobody knows before it is found."""
+    device, bench = brushless_bench()
+    scene = load_scene(find_scene("live_brushless"))
+    i_q, i_d = 0.2, -0.1
+    count, moved = 700, 37
+    turn = scene.motor.pole_pairs * 2 * math.pi / scene.encoder.counts_per_rev
+    theta = 1.1 + moved * turn
+    currents = (i_d * math.cos(theta) - i_q * math.sin(theta),
+                i_d * math.sin(theta) + i_q * math.cos(theta))  # fmt: skip
+    for axis, current in enumerate(currents):
+        device.tell("current", current, axis)
+    device.tell("position", count)
+    device.tell("magnet_angle", round(1.1 / (2 * math.pi) * 2**32))
+    bench.status()
+    row = bench.row(bench.step(), bench.seen())
+    assert math.isnan(row["torque"])
+    assert row["i_alpha"] == pytest.approx(currents[0], abs=1e-6)
+    assert row["i_beta"] == pytest.approx(currents[1], abs=1e-6)
+    assert bench.shown()["magnet"] is False
+    device.tell("magnet_found", 1)
+    bench.status()
+    device.tell("position", count + moved)
+    row = bench.row(bench.step(), bench.seen())
+    assert row["i"] == pytest.approx(i_q, rel=1e-5)
+    psi = scene.motor.psi_vs
+    assert row["torque"] == pytest.approx(1.5 * scene.motor.pole_pairs * psi * i_q, rel=1e-5)
+    assert bench.shown()["magnet"] is True
+
+
+def test_a_brushless_motors_spring_is_the_closed_form():
+    """K = 1.5 (pψ)²/(L + R̂·τ/2), also for another λ; and K_L; no W."""
+    device, bench = brushless_bench()
+    scene = load_scene(find_scene("live_brushless"))
+    flux = scene.motor.pole_pairs * scene.motor.psi_vs
+    for lambda_ in (None, 3e3):
+        if lambda_:
+            bench.slide("lambda", lambda_)
+        shown = bench.shown()
+        (root,) = places("root", device.shape)
+        r_hat = 0.5 * formats.ROOT.to_value(device.words[root.address]) ** 2
+        wanted = 1.5 * flux**2 / (scene.controller.l_hat + 0.5 * r_hat * shown["tau_s"])
+        assert shown["stiffness"] == pytest.approx(wanted, rel=1e-9)
+    assert shown["k_l"] == pytest.approx(1.5 * flux**2 / scene.motor.L_h)
+    assert (shown["brushless"], shown["pairs"]) == (True, scene.motor.pole_pairs)
+    assert {*shown["sliders"]} == {"lambda", "eta", "wall"}
+
+
+def test_a_brushless_device_isnt_shown_with_a_brushed_motors_scene():
+    with pytest.raises(HostError, match="the device has a brushless motor, and the scene's has"):
+        Bench(BrushlessDevice(), Known.of_scene(find_scene(SCENE), (), starts=True))

@@ -23,9 +23,9 @@ from wavehaptics.cli import board
 from wavehaptics.host import session
 from wavehaptics.host.names import HostError, Shape, number, places, settings
 from wavehaptics.host.virtual import VirtualBoard
-from wavehaptics.ladder.device_pins import DevicePins
-from wavehaptics.ladder.linked_pins import LinkedPins
-from wavehaptics.scene import find_scene, load_scene
+from wavehaptics.ladder.device_pins import BrushlessDevicePins, DevicePins
+from wavehaptics.ladder.linked_pins import LinkedBrushlessPins, LinkedPins
+from wavehaptics.scene import SceneError, find_scene, load_scene
 from wavehaptics.trace.columns import Column, Word, load_trace
 from wavehaptics.words import modbus, table
 from wavehaptics.words.faults import ARM_REFUSALS, FAULTS
@@ -123,11 +123,19 @@ def armed(port: str) -> Iterator[subprocess.Popen]:
 # ---- The simulation.
 
 
-def test_left_alone_it_is_the_device():
+@pytest.mark.parametrize(
+    ("scene", "kinds"),
+    [
+        (("press_hold", BOARD), (DevicePins, LinkedPins)),
+        (("brushless_hold", ()), (BrushlessDevicePins, LinkedBrushlessPins)),
+    ],
+)
+def test_left_alone_it_is_the_device(scene, kinds):
     """Bit for bit, with settings that came as frames over the line, and the bridges on."""
-    scene = load_scene(find_scene("press_hold"), BOARD)
+    name, sets = scene
+    loaded = load_scene(find_scene(name), sets)
     found = []
-    for simulation in (DevicePins(scene), LinkedPins(scene, arm=False)):
+    for simulation in (kinds[0](loaded), kinds[1](loaded, arm=False)):
         rows = np.zeros((20_000, len(Column)))
         words = np.zeros((20_000, len(Word)), dtype=np.int64)
         simulation.advance(rows, words)
@@ -497,3 +505,92 @@ def test_options_that_are_no_numbers(words, text):
         board.app(["board", *words, text], standalone_mode=False)
     problem = error.value.format_message()
     assert re.search(r"is not a finite number|Input should be (less|greater) than", problem)
+
+
+# ---- A brushless motor, whose axes have the places of two.
+
+
+@pytest.fixture(scope="module")
+def brushless_port() -> Iterator[str]:
+    process = command("--virtual", "live_brushless", "--set", "hand.amplitude_rad=0.3")
+    path = process.stdout.readline().strip()
+    assert re.fullmatch(r"/dev/\S+", path), process.stderr.read()
+    yield path
+    assert stop(process) == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("get", "mode"), "mode: this device has none; its bitstream was made without"),
+        (("get", "root", "--motor", "1"), "root: a brushless motor has one, for both axes; leave "
+         "--motor 1 out"),
+        (("get", "gain", "--motor", "2"), "gain: the device has no motor 2; take --motor 0...1"),
+        (("identify", "--counts", "40000"), "a brushless motor can't be identified yet; .*"),
+        (("set", "host_timeout=1"), "host_timeout: this device has none; .*"),
+    ],
+)  # fmt: skip
+def test_what_a_brushless_board_refuses(brushless_port, words, message):
+    assert re.fullmatch(message, refused(brushless_port, *words, "--timeout", "60"))
+
+
+def test_a_brushless_board_over_the_line(brushless_port, tmp_path):
+    """What it is; its settings through a file; armed, tapped, moved a wall, captured, stopped."""
+    port = brushless_port
+    shown = told(port, "info")
+    assert "motors          1, brushless\n" in shown
+    assert "shaper" not in shown
+    assert value(port, "magnet_found") == 1
+    shape = Shape(1, 4, 0, 10, table.THREE_PHASE_LEGS)
+    count, file = len(settings(shape)), tmp_path / "all.toml"
+    assert told(port, "save", str(file)) == f"{file}: {count} words\n"
+    text = file.read_text()
+    assert text.count("\ngain = ") == text.count("[motor.") == 2
+    assert "wall_shaped" not in text
+    told(port, "set", "a=0.25")
+    assert told(port, "load", str(file)) == f"{file}: {count} words, of which 1 were others\n"
+
+    process = command("arm", "--timeout", "60", env={"WH_PORT": port})
+    try:
+        assert process.stdout.readline() == "armed; Ctrl-C disarms\n"
+        assert value(port, "running") == 1
+        problem = refused(port, "set", "find_magnet=1", "--timeout", "60")
+        assert problem.startswith("find_magnet: the device refuses with exception 6: not now")
+        # A current of the wall's, in both axes as the magnets lie.
+        for axis in ("0", "1"):
+            read = ("watch", "--csv", "-n", "60", "--every", "0", "--motor", axis, "current")
+            rows = told(port, *read).splitlines()[1:]
+            assert max(abs(float(row.split(",")[1])) for row in rows) > 0.03
+        told(port, "set", "wall_min[0]=100000", "wall_max[0]=200000")
+        time.sleep(0.5)
+        assert value(port, "contact") == 0
+        rows = told(port, "watch", "--csv", "-n", "30", "--every", "0", "current", "position")
+        currents = [abs(float(line.split(",")[1])) for line in rows.splitlines()[1:]]
+        assert max(currents) < 0.02
+        assert value(port, "running") == 1
+        told(port, "disarm")
+    finally:
+        process.kill()
+        process.communicate()
+    until(port, "running", 0)
+
+
+def test_rows_of_a_brushless_board(brushless_port, tmp_path):
+    """Both axes' words by their own names: none of them is the current that the torque is of."""
+    names = ("current", "current@1", "position", "flags")
+    for kind in ("capture", "stream"):
+        told(brushless_port, kind, *names, "--seconds", "0.05", "--counts-per-rev", "40000",
+             "--out", str(tmp_path))  # fmt: skip
+        trace = load_trace(tmp_path)
+        assert len(trace["t"]) > 20
+        assert np.nanstd(trace["current"]) > 0.0
+        assert np.nanstd(trace["current@1"]) > 0.0
+        assert np.isfinite(trace["x"]).any()
+        assert np.isnan(trace["i"]).all()
+        assert np.isnan(trace["torque"]).all()
+
+
+def test_a_brushless_scene_with_a_host_is_refused():
+    scene = load_scene(find_scene("brushless_hold"), ["host.rate_hz=1000"])
+    with pytest.raises(SceneError, match=r"\[host\] is not for a brushless motor"):
+        LinkedBrushlessPins(scene)

@@ -15,34 +15,40 @@ from wavehaptics.pages import words as pages_words
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.words import formats, generated, table
 from wavehaptics.words.faults import FLAGS
-from wavehaptics.words.table import TABLE, WORDS, Sizes, TableError
+from wavehaptics.words.table import LEGS, TABLE, THREE_PHASE_LEGS, WORDS, Sizes, TableError
 
 PINS = (
-    r"clk|rst|enable_i|adc_(cs_n|sclk|din)_o|adc_sdata_i|enc_[ab]_i|gate_[ab][hl]_o"
-    r"|stop_i|driver_fault_i|anchor_fault_i"
+    r"clk|rst|enable_i|adc_(cs_n|sclk|din)_o|adc_sdata_i|enc_[ab]_i|gate_([ab][hl]|high|low)_o"
+    r"|stop_i|driver_fault_i|anchor_fault_i|phase_current_o"
 )
 """Ports that are no words: clock, pins of the FPGA, and what a board wires."""
 
 
 def controller_ports(tmp_path, sizes):
-    """{port: (direction, bits)} of ``wh_controller``, as Verilator elaborates it."""
+    """{port: (direction, bits)} of ``wh_controller``, or of ``wh_brushless``.
+
+    As Verilator elaborates it.
+    """
     program, environment = verilator_environment()
-    parameters = {"N": sizes.motors, "WALLS": sizes.walls, "DELAY_LOG2": sizes.delay_log2}
-    parameters["SHAPER"] = sizes.sections
+    parameters = {"WALLS": sizes.walls, "DELAY_LOG2": sizes.delay_log2}
+    top = "wh_brushless"
+    if sizes.legs == LEGS:
+        top = "wh_controller"
+        parameters |= {"N": sizes.motors, "SHAPER": sizes.sections}
     subprocess.run(
         [program, "--json-only", "-Wno-lint", "-Wno-style", f"-I{formats.RTL_DIR}",
          *(f"-G{name}={value}" for name, value in parameters.items()),
-         "--Mdir", str(tmp_path), "--top-module", "wh_controller",
-         str(formats.RTL_DIR / "wh_controller.v")],
+         "--Mdir", str(tmp_path), "--top-module", top,
+         str(formats.RTL_DIR / f"{top}.v")],
         env=environment, check=True, capture_output=True,
     )  # fmt: skip
-    tree = json.loads((tmp_path / "Vwh_controller.tree.json").read_text())
+    tree = json.loads((tmp_path / f"V{top}.tree.json").read_text())
     ranges = {
         kind["addr"]: kind.get("range", "0:0").split(":")
         for kind in tree["miscsp"][0]["typesp"]
         if kind["type"] == "BASICDTYPE"
     }
-    top = next(module for module in tree["modulesp"] if module["name"] == "wh_controller")
+    top = next(module for module in tree["modulesp"] if module["name"] == top)
     return {
         port["name"]: (port["direction"], int(ranges[port["dtypep"]][0]) + 1)
         for port in top["stmtsp"]
@@ -50,7 +56,9 @@ def controller_ports(tmp_path, sizes):
     }
 
 
-@pytest.mark.parametrize("sizes", [Sizes(), Sizes(3, 2, 2, 5), Sizes(3, 16, 1, 1)])
+@pytest.mark.parametrize(
+    "sizes", [Sizes(), Sizes(3, 2, 2, 5), Sizes(3, 16, 1, 1), Sizes(1, 7, 0, 3, THREE_PHASE_LEGS)]
+)
 def test_the_controllers_ports(tmp_path, sizes):
     """Every port that is no pin is in the table, with that width, and nothing else is."""
     found = {
@@ -61,7 +69,7 @@ def test_the_controllers_ports(tmp_path, sizes):
     expected = {
         f"{port}_{direction}": (way, table.port_width(words, sizes))
         for direction, way in (("i", "INPUT"), ("o", "OUTPUT"))
-        for port, words in table.ports(direction).items()
+        for port, words in table.ports(direction, legs=sizes.legs).items()
     }
     assert found == expected
 
@@ -312,12 +320,12 @@ def test_what_rows_are_made_of_is_at_its_address():
 def test_the_rom_of_a_board_with_some_groups():
     """Its own words at first; words of other groups are fixed: kind 3, and read from the memory."""
     text = generated.settings_rom({"trip": 0x1234}, {"wh_contact.walls"})
-    rows = dict(re.findall(r"\('h(\w{3}), [^,]+, (8'h\w\w), .*// \w+\n", text))
+    rows = dict(re.findall(r"\('h(\w{3}), [^,]+, 3'b\d+, (8'h\w\w), .*// \w+\n", text))
     assert rows[f"{WORDS['trip'].at():03x}"][3:] >= "e0"
     assert rows[f"{WORDS['wall_min'].at():03x}"][3] in "45"
     assert re.search(r"32'h00001234\)  // trip\n", text)
     text = generated.settings_rom({"wall_min": [1, -2]})
-    walls = re.findall(r"\('h(14\w), (\w+), 8'h\w\w, (\S+)\)", text)
+    walls = re.findall(r"\('h(14\w), (\w+), 3'b\d+, 8'h\w\w, (\S+)\)", text)
     assert walls == [
         ("140", "WALLS", "0"),
         ("140", "1", "32'h00000001"),

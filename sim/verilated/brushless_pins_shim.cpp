@@ -46,18 +46,11 @@ void set_inputs(Vwh_brushless &top, int64_t inputs) {
 extern "C" {
 
 // A controller just before its first tick, or null if its ADC never gets ready. Words are those of
-// rtl/words.toml, as words.h takes them; the gain is that of both phases, of which neither has an
-// offset. A count turns the magnets by `turn`, and they are at the angle `zero`, unless that is to be found.
-void *wh_brushless_new(const uint32_t *words, int64_t inputs, int64_t gain, int64_t turn, int64_t zero,
-                       int64_t finds) {
+// rtl/words.toml, as words.h takes them.
+void *wh_brushless_new(const uint32_t *words, int64_t inputs) {
     Controller *controller = new Controller;
     auto &top = controller->top;
     give_words(top, words);
-    const uint64_t gain_word = gain & ((uint64_t{1} << WH_COEF_W) - 1);
-    top.phase_gain_i = gain_word | gain_word << WH_COEF_W;
-    top.count_angle_i = turn;
-    top.zero_angle_i = zero;
-    top.find_magnet_i = finds;
     set_inputs(top, inputs);
     top.rst = 1;
     top.enable_i = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// C interface to the Verilated wh_device, one port: pins_shim.cpp, with its settings over the bus.
+// C interface to the Verilated wh_device, of one motor: pins_shim.cpp or brushless_pins_shim.cpp, with its
+// settings over the bus.
 
 #include <algorithm>
 #include <cstdint>
@@ -14,6 +15,11 @@
 #include "verilated.h"
 
 WH_EDGES(Vwh_device)
+
+// Signals of the module, which device_shim.vlt shows.
+#define SIGNAL(name) root->wh_device__DOT__##name
+
+#include "device_pins.h"
 
 namespace {
 
@@ -34,6 +40,7 @@ struct Answer {
 struct Device {
     VerilatedContext context;
     Vwh_device top{&context};
+    const Vwh_device___024root *root = top.rootp;
     int64_t clocks = 0;
     std::deque<Request> requests;
     std::vector<Answer> answers;
@@ -41,23 +48,8 @@ struct Device {
     ~Device() { ends(context); }
 };
 
-// Signals of the module, which device_shim.vlt shows.
-#define SIGNAL(name) device->top.rootp->wh_device__DOT__##name
-
 constexpr int kMostSetupClocks = 1 << 20;
 constexpr int kCommandClocks = 6;  // from a request to what it commands
-
-int64_t signed_word(uint64_t raw) {
-    constexpr int kUnused = 64 - WH_DATA_W;
-    return static_cast<int64_t>(raw << kUnused) >> kUnused;
-}
-
-// Bit 0 ADC data, bit 1 encoder A, bit 2 encoder B.
-void set_inputs(Vwh_device &top, int64_t inputs) {
-    top.adc_sdata_i = inputs & 1;
-    top.enc_a_i = (inputs >> 1) & 1;
-    top.enc_b_i = (inputs >> 2) & 1;
-}
 
 // A clock with what is asked of the bus; what is ready ends with it.
 void clock(Device *device) {
@@ -105,10 +97,12 @@ bool pass(Device *device, Done done) {
 extern "C" {
 
 // A device just before its first tick with the bridges on, or null where it never gets there: `count`
-// pairs of address and word are written over the bus, the last of which gives them; `restart` is the
-// address of that command.
-void *wh_device_new(const uint32_t *pairs, int64_t count, int64_t restart, int64_t inputs) {
+// pairs of address and word are written over the bus, the last of which gives them; `restart` and
+// `magnet_start` are the addresses of these commands, the latter for a brushless motor.
+void *wh_device_new(const uint32_t *pairs, int64_t count, int64_t restart, int64_t magnet_start,
+                    int64_t inputs) {
     auto *device = new Device;
+    const auto *root = device->root;
     auto &top = device->top;
     set_inputs(top, inputs);
     top.stop_i = 1;
@@ -117,16 +111,20 @@ void *wh_device_new(const uint32_t *pairs, int64_t count, int64_t restart, int64
     top.eval();
     for (int n = 0; n < 4; ++n) clock(device), end_clock(device);
     top.rst = 0;
-    bool good = pass(device, [device] { return !SIGNAL(busy); });
+    bool good = pass(device, [root] { return !SIGNAL(busy); });
     for (int64_t n = 0; n < count; ++n) {
         device->requests.push_back({0, true, pairs[2 * n], pairs[2 * n + 1]});
     }
     good = good && pass(device, [device] { return device->requests.empty(); });
     for (const Answer &answer : device->answers) good = good && answer.error == 0;
-    good = good && pass(device, [device] { return !SIGNAL(busy); });
+    good = good && pass(device, [root] { return !SIGNAL(busy); });
+    if (kBrushless) {
+        device->requests.push_back({0, true, static_cast<uint32_t>(magnet_start), 1});
+        pass(device, [device] { return device->requests.empty(); });
+    }
     // Carrier and ADC begin anew, with the bridges, in a clock in which the walls' rounds do: as after
     // the reset of wh_controller, so that both run alike.
-    const auto round_ends = [device] { return !SIGNAL(hold_round); };
+    const auto round_ends = [root] { return !SIGNAL(hold_round); };
     pass(device, round_ends);
     const int64_t first = device->clocks;
     clock(device), end_clock(device);
@@ -136,7 +134,7 @@ void *wh_device_new(const uint32_t *pairs, int64_t count, int64_t restart, int64
         {last - kCommandClocks, true, static_cast<uint32_t>(restart), 1, false});
     pass(device, [device, last] { return device->clocks > last; });
     top.enable_i = 1;
-    good = good && pass(device, [device] { return SIGNAL(adc_ready); });
+    good = good && pass(device, [root] { return SIGNAL(adc_ready); });
     device->answers.clear();
     if (!good) {
         delete device;
@@ -175,34 +173,20 @@ int64_t wh_device_bus(int64_t model, int64_t word) {
     return 0;
 }
 
-// As wh_pins_clock.
+// As wh_pins_clock, or wh_brushless_clock.
 int64_t wh_device_clock(int64_t model, int64_t inputs) {
     auto *device = reinterpret_cast<Device *>(model);
-    auto &top = device->top;
-    set_inputs(top, inputs);
+    const auto *root = device->root;
+    set_inputs(device->top, inputs);
     clock(device);
-    const int64_t out = top.gate_ah_o | top.gate_al_o << 1 | top.gate_bh_o << 2 |
-                        top.gate_bl_o << 3 | top.adc_cs_n_o << 4 | top.adc_sclk_o << 5 |
-                        top.tick_o << 6 | SIGNAL(core_valid) << 7 | top.contact_o << 8 |
-                        SIGNAL(overrun) << 9 | SIGNAL(encoder_fault) << 10;
+    const int64_t out = pins_of(device->top, root, SIGNAL(core_valid));
     end_clock(device);
     return out;
 }
 
-// As wh_pins_words.
+// As wh_pins_words, or wh_brushless_words.
 int64_t wh_device_words(int64_t model, int64_t words_address) {
-    auto *device = reinterpret_cast<Device *>(model);
-    int64_t *words = reinterpret_cast<int64_t *>(words_address);
-    words[0] = signed_word(SIGNAL(current));
-    words[1] = signed_word(SIGNAL(u));
-    words[2] = signed_word(SIGNAL(v));
-    words[3] = signed_word(SIGNAL(voltage));
-    words[4] = SIGNAL(saturated);
-    words[5] = signed_word(SIGNAL(correction));
-    words[6] = signed_word(SIGNAL(flux));
-    words[7] = signed_word(SIGNAL(lag));
-    words[8] = SIGNAL(anchor_fault);
-    words[9] = static_cast<int32_t>(SIGNAL(position));
+    words_of(reinterpret_cast<Device *>(model)->root, reinterpret_cast<int64_t *>(words_address));
     return 0;
 }
 

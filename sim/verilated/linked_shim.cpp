@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// C interface to the Verilated wh_linked_device, one port: device_shim.cpp, with a serial line in place
-// of the bus.
+// C interface to the Verilated wh_linked_device, of one motor: device_shim.cpp, with a serial line in
+// place of the bus.
 
 #include <algorithm>
 #include <cstdint>
@@ -15,11 +15,18 @@
 
 WH_EDGES(Vwh_linked_device)
 
+// Signals of the modules, which device_shim.vlt and linked_shim.vlt show.
+#define SIGNAL(name) root->wh_linked_device__DOT__device__DOT__##name
+#define BIT_CLOCKS linked->root->wh_linked_device__DOT__link__DOT__uart__DOT__bit_clocks_i
+
+#include "device_pins.h"
+
 namespace {
 
 struct Linked {
     VerilatedContext context;
     Vwh_linked_device top{&context};
+    const Vwh_linked_device___024root *root = top.rootp;
     int64_t clocks = 0;
     UartHost host;
     int64_t tick_clocks = 0;
@@ -29,25 +36,9 @@ struct Linked {
     ~Linked() { ends(context); }
 };
 
-// Signals of the modules, which device_shim.vlt and linked_shim.vlt show.
-#define SIGNAL(name) linked->top.rootp->wh_linked_device__DOT__device__DOT__##name
-#define BIT_CLOCKS linked->top.rootp->wh_linked_device__DOT__link__DOT__uart__DOT__bit_clocks_i
-
 constexpr int64_t kMostSetupClocks = 1 << 24;
 constexpr int kSilentTicks = 4;
 constexpr int kAnswer = 8;  // bytes, to a write
-
-int64_t signed_word(uint64_t raw) {
-    constexpr int kUnused = 64 - WH_DATA_W;
-    return static_cast<int64_t>(raw << kUnused) >> kUnused;
-}
-
-// As in device_shim.cpp.
-void set_inputs(Vwh_linked_device &top, int64_t inputs) {
-    top.adc_sdata_i = inputs & 1;
-    top.enc_a_i = (inputs >> 1) & 1;
-    top.enc_b_i = (inputs >> 2) & 1;
-}
 
 void clock(Linked *linked) {
     auto &top = linked->top;
@@ -80,7 +71,7 @@ bool pass(Linked *linked, Done done) {
 int64_t restart(Linked *linked, const uint8_t *frame, int64_t count) {
     const int64_t first = linked->clocks;
     linked->host.to_send.insert(linked->host.to_send.end(), frame, frame + count);
-    return pass(linked, [linked] { return SIGNAL(set_restart); }) ? linked->clocks - first : -1;
+    return pass(linked, [root = linked->root] { return SIGNAL(set_restart); }) ? linked->clocks - first : -1;
 }
 
 }  // namespace
@@ -100,7 +91,7 @@ void *wh_linked_new(int64_t inputs, int64_t tick_clocks) {
     top.eval();
     for (int n = 0; n < 4; ++n) clock(linked), end_clock(linked);
     top.rst = 0;
-    pass(linked, [linked] { return !SIGNAL(busy); });
+    pass(linked, [root = linked->root] { return !SIGNAL(busy); });
     return linked;
 }
 
@@ -145,8 +136,8 @@ int64_t wh_linked_begin(void *model, const uint8_t *frame, int64_t count) {
     const int64_t way = restart(linked, frame, count);
     wh_linked_await(model, kAnswer);
     linked->host.received.clear();
-    if (way < 0 || !pass(linked, [linked] { return !SIGNAL(busy); })) return false;
-    const auto round_ends = [linked] { return !SIGNAL(hold_round); };
+    if (way < 0 || !pass(linked, [root = linked->root] { return !SIGNAL(busy); })) return false;
+    const auto round_ends = [root = linked->root] { return !SIGNAL(hold_round); };
     pass(linked, round_ends);
     const int64_t first = linked->clocks;
     clock(linked), end_clock(linked);
@@ -157,7 +148,7 @@ int64_t wh_linked_begin(void *model, const uint8_t *frame, int64_t count) {
     if (restart(linked, frame, count) != way) return false;
     clock(linked), end_clock(linked);
     linked->top.enable_i = 1;
-    return pass(linked, [linked] { return SIGNAL(adc_ready); });
+    return pass(linked, [root = linked->root] { return SIGNAL(adc_ready); });
 }
 
 int64_t wh_linked_running(void *model) { return static_cast<Linked *>(model)->top.running_o; }
@@ -167,11 +158,13 @@ int64_t wh_linked_bus(int64_t model, int64_t word) {
     return 0;
 }
 
-// As wh_pins_clock. With the bridges off, where there are no steps, each tick tells of one, and so do four
-// ticks without: the loop around goes on with its motor, whatever the settings make of the ticks.
+// As wh_pins_clock, or wh_brushless_clock. With the bridges off, where there are no steps, each tick tells of
+// one, and so do four ticks without: the loop around goes on with its motor, whatever the settings make of the
+// ticks.
 int64_t wh_linked_clock(int64_t model, int64_t inputs) {
     auto *linked = reinterpret_cast<Linked *>(model);
     auto &top = linked->top;
+    const auto *root = linked->root;
     set_inputs(top, inputs);
     clock(linked);
     bool step = SIGNAL(core_valid);
@@ -182,28 +175,14 @@ int64_t wh_linked_clock(int64_t model, int64_t inputs) {
                linked->silent_clocks >= kSilentTicks * linked->tick_clocks;
     }
     if (step) linked->silent_clocks = linked->silent_ticks = 0;
-    const int64_t out = top.gate_ah_o | top.gate_al_o << 1 | top.gate_bh_o << 2 |
-                        top.gate_bl_o << 3 | top.adc_cs_n_o << 4 | top.adc_sclk_o << 5 |
-                        top.tick_o << 6 | int64_t{step} << 7 | top.contact_o << 8 |
-                        SIGNAL(overrun) << 9 | SIGNAL(encoder_fault) << 10;
+    const int64_t out = pins_of(top, root, step);
     end_clock(linked);
     return out;
 }
 
-// As wh_pins_words.
+// As wh_pins_words, or wh_brushless_words.
 int64_t wh_linked_words(int64_t model, int64_t words_address) {
-    auto *linked = reinterpret_cast<Linked *>(model);
-    int64_t *words = reinterpret_cast<int64_t *>(words_address);
-    words[0] = signed_word(SIGNAL(current));
-    words[1] = signed_word(SIGNAL(u));
-    words[2] = signed_word(SIGNAL(v));
-    words[3] = signed_word(SIGNAL(voltage));
-    words[4] = SIGNAL(saturated);
-    words[5] = signed_word(SIGNAL(correction));
-    words[6] = signed_word(SIGNAL(flux));
-    words[7] = signed_word(SIGNAL(lag));
-    words[8] = SIGNAL(anchor_fault);
-    words[9] = static_cast<int32_t>(SIGNAL(position));
+    words_of(reinterpret_cast<Linked *>(model)->root, reinterpret_cast<int64_t *>(words_address));
     return 0;
 }
 

@@ -69,7 +69,8 @@ module wh_core_axes #(
     wire [31:0]                                by;
     wire                                       turned;
     wire                                       found;
-    wire                                       unused = &{1'b0, overrun, current, correction, found};
+    wire [31:0]                                angle;
+    wire                                       unused = &{1'b0, overrun, current, correction, found, angle};
 
     wh_rotor_flux rotor_flux (
         .clk           (clk),
@@ -80,6 +81,7 @@ module wh_core_axes #(
         .turn_i        (turn),
         .by_i          (by),
         .turned_o      (turned),
+        .angle_o       (angle),
         .position_o    (position),
         .place_o       (place),
         .cell_o        (last_cell)

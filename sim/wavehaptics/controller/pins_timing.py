@@ -6,6 +6,8 @@ A cocotb test measures each at the RTL.
 
 from __future__ import annotations
 
+from wavehaptics.words.table import AXES, THREE_PHASE_LEGS
+
 CORE_CLOCKS = 24
 """Clocks that one port's step takes in ``wh_wave_core``."""
 
@@ -48,12 +50,6 @@ CLARKE_CLOCKS = 7
 INVERSE_CLARKE_CLOCKS = 8
 """Clocks from the voltages of the axes to those of the legs, ``wh_inverse_clarke``."""
 
-AXES = 2
-"""Ports of a brushless motor; and phases whose current is measured."""
-
-LEGS = 3
-"""Its half bridges."""
-
 
 def latency_clocks(
     conversion_clocks: int, ports: int = 1, sections: int = 0, early: bool = False,
@@ -73,7 +69,7 @@ def latency_clocks(
             conversion_clocks
             + CURRENT_CLOCKS + AXES - 1
             + CLARKE_CLOCKS + CORE_CLOCKS * AXES + INVERSE_CLARKE_CLOCKS
-            + DUTY_CLOCKS + LEGS - 1
+            + DUTY_CLOCKS + THREE_PHASE_LEGS - 1
         )  # fmt: skip
     if early:
         return conversion_clocks + EARLY_CLOCKS

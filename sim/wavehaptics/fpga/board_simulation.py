@@ -28,9 +28,10 @@ import numpy as np
 from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.controller.settings import Settings
 from wavehaptics.fpga import placed, synthesis
-from wavehaptics.fpga.board_words import BoardWords, brushless_words
+from wavehaptics.fpga.board_words import BoardWords
 from wavehaptics.fpga.boards import Board, BoardError
 from wavehaptics.ladder import brushless_pins, pins_loop, verilated
+from wavehaptics.ladder.brushless import magnet_words
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.linked_pins import write_frame
 from wavehaptics.ladder.pins import PinsSimulation, wire
@@ -460,7 +461,7 @@ class _BrushlessOnBoard(BoardSimulation, BrushlessPinsSimulation):
 
         By that the board finds their angle. The hand stops where the scene begins.
         """
-        scenes, load, steps = self._z.copy(), self._load, self._steps
+        scenes, load, steps = self._state.copy(), self._load, self._steps
         plant = BrushlessPlant.of_scene(scene)
         way = SWING_TURNS * 2 * math.pi / plant.pole_pairs
         hand = replace(
@@ -471,16 +472,16 @@ class _BrushlessOnBoard(BoardSimulation, BrushlessPinsSimulation):
         self._load = plant.words()
         self._steps = np.stack([plant.step_words(n / self.timing.clock_hz)
                                 for n in range(len(steps))])  # fmt: skip
-        self._z[X] -= way
-        self._z[OMEGA] = 0.0
-        self._z[[P, R, C, S]] = scenes[P] + scenes[C] - 0.5 * way, 0.0, -0.5 * way, 0.0
-        self._kept[pins_loop.COUNT] = math.floor(self._z[X] / self.settings.cell_rad)
+        self._state[X] -= way
+        self._state[OMEGA] = 0.0
+        self._state[[P, R, C, S]] = scenes[P] + scenes[C] - 0.5 * way, 0.0, -0.5 * way, 0.0
+        self._kept[pins_loop.COUNT] = math.floor(self._state[X] / self.settings.cell_rad)
         self.forget_the_past()
         self._start()
         ticks = round(SWING_S / self.tick_s)
         self._loop(np.zeros((ticks, len(Column))), np.zeros((ticks, len(Word)), dtype=np.int64))
         self._load, self._steps = load, steps
-        self._z[[P, R, C, S]] = scenes[[P, R, C, S]]
+        self._state[[P, R, C, S]] = scenes[[P, R, C, S]]
         self.forget_the_past()
 
     def _loop(self, rows: np.ndarray, words: np.ndarray) -> None:
@@ -488,7 +489,7 @@ class _BrushlessOnBoard(BoardSimulation, BrushlessPinsSimulation):
 
     def _rest_for(self, clocks: int) -> bool:
         went = brushless_pins.rest(
-            self._z, self._kept, self._ints, self._sensor, self._rng, clocks
+            self._state, self._kept, self._ints, self._sensor, self._rng, clocks
         )  # fmt: skip
         return went == clocks
 
@@ -511,9 +512,9 @@ def _same_settings(board: BoardWords, scene: Scene, scenes: Ports) -> None:
     """
     ours = board.ports
     moved = scenes.start_count - ours.start_count
-    own = brushless_words(scene, scenes, ours.start_count) or {}
-    held = {**ours.words, **ours.settings.words(), **(board.own or {})}
-    asked = {**scenes.words, **scenes.settings.words(), **own}
+    angle = magnet_words(scene, scenes.settings, ours.start_count) if scene.motor.brushless else {}
+    held = {**ours.words, **ours.settings.words(), **{name: board.words[name] for name in angle}}
+    asked = {**scenes.words, **scenes.settings.words(), **angle}
     different = {key for key in held if asked.get(key) != held[key]}
     if [(low + moved, high + moved) for low, high in scenes.walls] != ours.walls:
         different |= {"walls"}

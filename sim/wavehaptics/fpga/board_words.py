@@ -1,47 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a board's scene to the words that its bitstream holds, as Verilog macros.
 
-A board's top gives ``wh_controller``, or ``wh_brushless``, constants instead of registers. They are
-computed here from the board's scene and from the data sheet of its ADC, so that no number is typed
-twice; what they leave open has its default of ``rtl/words.toml``.
+A board's top gives ``wh_controller`` constants instead of registers, or ``wh_linked_device`` the
+words that it begins with. They are computed here from the board's scene and from the data sheet of
+its ADC, so that no number is typed twice; what they leave open has its default of
+``rtl/words.toml``.
 """
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
 
 from wavehaptics.controller import guard
 from wavehaptics.controller.pins_timing import (
-    AXES,
     CORE_CLOCKS,
     SECTION_CLOCKS,
     early_tick_clocks,
     shared_tick_clocks,
 )
 from wavehaptics.controller.ports import Ports, controller_ports
-from wavehaptics.controller.rotor_flux import ANGLE_W
 from wavehaptics.controller.tick_layout import natural_ticks
 from wavehaptics.ladder.abilities import refuse
-from wavehaptics.ladder.brushless import rotor_angles
+from wavehaptics.ladder.brushless import magnet_words
 from wavehaptics.parts.adcs import Part, frame
 from wavehaptics.scene import Scene
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
-from wavehaptics.words.generated import LICENCE, connections, constants, settings_rom
+from wavehaptics.words.generated import LICENCE, connections, settings_rom
 from wavehaptics.words.memory import apart
-from wavehaptics.words.table import WORDS, Sizes, Values
+from wavehaptics.words.table import AXES, LEGS, THREE_PHASE_LEGS, WORDS, Sizes, Values
 
 ZERO_A = 0.1
 """Offset of the current beyond which a board's sensor isn't what the scene says."""
-
-LEGS = 2
-"""Half bridges of a motor with brushes."""
-
-THREE_PHASE_LEGS = 3
-"""Those of a brushless one, whose currents are measured in two phases."""
 
 LINKED_WALLS = 4
 """Walls of a motor, at least, where they can be changed."""
@@ -49,7 +41,7 @@ LINKED_WALLS = 4
 CHANGEABLE = (
     "wh_current.current", "wh_wave_core.eta", "wh_wave_core.wave", "wh_anchor.anchor",
     "wh_contact.edges", "wh_contact.walls", "wh_shaper.shape", "wh_capture.capture",
-    "wh_stream.stream", "wh_stream.cut", "wh_host_link.host",
+    "wh_stream.stream", "wh_stream.cut", "wh_host_link.host", "wh_rotor_flux.magnet",
 )  # fmt: skip
 """Groups of words that can be changed on a board: none of the hardware, and none of its limits."""
 
@@ -75,9 +67,8 @@ class BoardWords:
     """Whether live words can be sent as a stream."""
     host: bool = False
     """Whether a computer on the line can have the environment."""
-    own: dict[str, list[tuple[int, int]]] | None = None
-    """What ``rtl/wh_brushless.v`` is told besides the table's words, (word, bits) from the lowest;
-    None for motors with brushes."""
+    legs: int = LEGS
+    """Half bridges of a motor."""
     shared: bool = False
     """Whether one multiplier makes the wave core's products as well as all others."""
 
@@ -117,6 +108,7 @@ def board_words(
     ports = controller_ports(scene, lambda clock_hz, _: frame(part, clock_hz, pad_registers))
     words = {
         **ports.words, **_each_motor(ports.settings.words(), motors),
+        **(magnet_words(scene, ports.settings, ports.start_count) if scene.motor.brushless else {}),
         "hold_ticks": _hold_ticks(scene, ports, motors, shared),
         "zero_limit": min(
             round(zero_a / formats.GAIN.to_value(ports.words["gain"])),
@@ -131,7 +123,7 @@ def board_words(
     word = _guard(scene, ports, trip_a) if guarded else None
     return BoardWords(
         ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked and stream,
-        scene.host is not None, brushless_words(scene, ports, ports.start_count), shared,
+        scene.host is not None, legs, shared,
     )  # fmt: skip
 
 
@@ -144,25 +136,6 @@ def _check_legs(scene: Scene, legs: int) -> None:
             f"board has {legs} (legs of its fpga.toml); take another motor or another board",
             "motor.kind", "motor.preset",
         )  # fmt: skip
-
-
-def brushless_words(
-    scene: Scene, ports: Ports, start_count: int
-) -> dict[str, list[tuple[int, int]]] | None:
-    """What ``rtl/wh_brushless.v`` is told besides; None for a motor with brushes.
-
-    The rotor is at ``start_count`` at reset.
-    """
-    if not scene.motor.brushless:
-        return None
-    turn, zero = rotor_angles(scene, ports.settings, start_count)
-    return {
-        "phase_zero": [(0, formats.SUM_W)] * AXES,
-        "phase_gain": [(ports.words["gain"], formats.COEF_W)] * AXES,
-        "count_angle": [(turn, ANGLE_W)],
-        "zero_angle": [(zero, ANGLE_W)],
-        "find_magnet": [(int(scene.controller.find_magnet), 1)],
-    }
 
 
 def _each_motor(words: Values, motors: int) -> dict[str, Any]:
@@ -248,55 +221,38 @@ def verilog_header(board: BoardWords, source: str) -> str:
     """Text of ``wh_board_settings.vh``; ``source`` is named in it as where the numbers are from."""
     words, timing = board.words, board.ports.timing
     sections = len(board.ports.settings.shaper.words)
+    # With three legs there is a link, and of wh_controller nothing but its ports' names.
     sizes = Sizes(board.motors, board.walls, sections, board.delay_log2)
     values = first_values(board, board.motors)
-    driven = ("clear", "zero_start")
+    brushless = board.legs == THREE_PHASE_LEGS
     hardware = {
+        "N": board.motors,
+        "LEGS": board.legs,
+        "PARTS": AXES if brushless else board.motors,
         "WALLS": board.walls,
+        "MODES": int(words["mode"] != MODE_WORDS[UNIPOLAR] and not brushless),
         "SHORTEST": int(words["min_pulse"] > 0),
+        "DEAD_TIME": words["compensate"] if brushless else 1,
         "DELAY_LOG2": board.delay_log2,
+        "EARLY": int(timing.early),
+        "SHAPER": sections,
         "ANCHOR": int(board.ports.settings.anchored),
+        "SHARED": int(board.shared),
         "GUARDED": int(board.guard is not None),
+        "LINKED": int(board.linked),
+        "CAPTURE": board.capture,
+        "STREAM": int(board.stream),
+        "HOST": int(board.host),
+        "CLOCK_HZ": round(timing.clock_hz),
+        "BUILD": build_number(),
     }
-    if board.own is not None:
-        top = "wh_brushless"
-        hardware["COMPENSATE"] = words["compensate"]
-        asked = [name for name in inputs_of(top) if name not in (*_BRUSHLESS_PINS, *driven)]
-        told = constants("WH_BOARD", sizes, values, asked, board.own)
-    else:
-        top = "wh_controller"
-        hardware |= {
-            "N": board.motors,
-            "MODES": int(words["mode"] != MODE_WORDS[UNIPOLAR]),
-            "EARLY": int(timing.early),
-            "SHAPER": sections,
-            "SHARED": int(board.shared),
-            "LINKED": int(board.linked),
-            "CAPTURE": board.capture,
-            "STREAM": int(board.stream),
-            "HOST": int(board.host),
-            "CLOCK_HZ": round(timing.clock_hz),
-            "BUILD": build_number(),
-        }
-        told = connections("WH_BOARD", sizes, values, driven)
+    told = connections("WH_BOARD", sizes, values, ("clear", "zero_start"))
     return "\n".join(
         [
-            f"{LICENCE}// Settings of {top}, made from {source}.",
+            f"{LICENCE}// Settings of wh_controller, made from {source}.",
             "",
             *(f"`define WH_BOARD_{name} {value}" for name, value in hardware.items()),
             "",
             told,
         ]
-    )
-
-
-_BRUSHLESS_PINS = ("enable", "adc_sdata", "enc_a", "enc_b", "stop", "driver_fault")
-"""Inputs of ``rtl/wh_brushless.v`` that are no settings."""
-
-
-def inputs_of(module: str) -> list[str]:
-    """Names of a module's inputs in ``rtl``, without ``_i``, in its order."""
-    text = (formats.RTL_DIR / f"{module}.v").read_text(encoding="utf-8")
-    return re.findall(
-        r"^ *input +wire +(?:signed +)?(?:\[[^\]]*\] +)?(\w+)_i\b", text, re.MULTILINE
     )

@@ -15,9 +15,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
 
-from wavehaptics.controller.pins_timing import AXES
 from wavehaptics.fpga.board_words import (
-    THREE_PHASE_LEGS,
     BoardWords,
     board_words,
     memory_header,
@@ -30,6 +28,7 @@ from wavehaptics.runtime.toml_source import TomlError, dotted, parse
 from wavehaptics.scene import Scene, load_scene
 from wavehaptics.scene.keys import as_written, nearest
 from wavehaptics.scene.places import Places
+from wavehaptics.words.table import AXES, THREE_PHASE_LEGS
 
 CONSTRAINT_SUFFIX = {"ice40": ".pcf", "ecp5": ".lpf"}
 
@@ -37,10 +36,6 @@ CONSTRAINT_SUFFIX = {"ice40": ".pcf", "ecp5": ".lpf"}
 _DELAY_LOG2 = {"ice40": 6, "ecp5": 1}
 """Steps that a board's delay line has at least, 2 to the power of this: so many make a memory of
 it, where flip-flops are scarce."""
-
-
-CORES = {False: "wh_board_controller", True: "wh_board_brushless"}
-"""By whether the motor is brushless."""
 
 
 class BoardError(ValueError):
@@ -145,13 +140,8 @@ class Board:
 
     @property
     def brushless(self) -> bool:
-        """Whether its motor is a brushless one, with a core of its own."""
+        """Whether its motor is a brushless one."""
         return self.fpga.legs == THREE_PHASE_LEGS
-
-    @property
-    def core(self) -> str:
-        """Module of ``boards/`` that has the controller with the board's constants."""
-        return CORES[self.brushless]
 
     @property
     def adc_lines(self) -> list[str]:
@@ -236,16 +226,15 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
         others = load_board(fpga.pins_of, root=root).fpga
         fpga = fpga.model_copy(update={"free": others.free, "taken": others.taken})
     if fpga.legs == THREE_PHASE_LEGS:
-        for key, there in (
-            ("link", fpga.link), ("motors", fpga.motors > 1),
-            ("shared_multiplier", fpga.shared_multiplier),
+        for key, wrong, right in (
+            ("link", not fpga.link, "its settings over a link; set link = true"),
+            ("motors", fpga.motors > 1, "one brushless motor; leave motors out"),
+            ("shared_multiplier", fpga.shared_multiplier,
+             "a multiplier for its core; leave shared_multiplier out"),
         ):  # fmt: skip
-            if there:
-                raise BoardError(
-                    f"{places.of((key,))[1]}: {key}: a board with legs = {fpga.legs} has "
-                    "one brushless motor, a multiplier for its core and no link yet; leave "
-                    f"{key} out"
-                )
+            if wrong:
+                at = places.of((key,) if key in data else ("legs",))[1]
+                raise BoardError(f"{at}: a board with legs = {fpga.legs} has {right}")
     if fpga.adc not in PARTS:
         raise BoardError(f"{path}: adc = {fpga.adc!r} is not known; {', '.join(PARTS)} are")
     device = device or fpga.devices[0]

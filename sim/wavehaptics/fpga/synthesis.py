@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from wavehaptics.fpga import board_pins, bridge_budget, multipliers, pad_timing, pll
-from wavehaptics.fpga.boards import CORES, Board, write_headers
+from wavehaptics.fpga.boards import Board, write_headers
 from wavehaptics.parts.adcs import PARTS
 from wavehaptics.runtime.files import write_json
 from wavehaptics.runtime.repository import ROOT
@@ -130,11 +130,9 @@ class Result:
 def board_design(board: Board, out: Path) -> Design:
     """Design of a board, whose settings are in ``out`` already."""
     root = board.root
-    # Another core takes macros that this board's settings don't have.
-    others = {f"{core}.v" for core in CORES.values() if core != board.core}
     sources = [
         *sorted((root / "rtl").glob("*.v")),
-        *(path for path in sorted((root / "boards").glob("*.v")) if path.name not in others),
+        *sorted((root / "boards").glob("*.v")),
         *sorted((root / board.folder).glob("*.v")),
     ]
     return Design(

@@ -32,6 +32,8 @@ class Device:
     """Ticks from that of a step's current to the one in which its voltage is applied."""
     cell_rad: float = math.nan
     k_t: float = math.nan
+    brushless: bool = False
+    """Currents, voltages and waves are those of an axis that stands, not what the torque is of."""
 
 
 def device_of(
@@ -39,14 +41,15 @@ def device_of(
 ) -> Device:
     """The motor's side of a device, by its words and by what a person knows of it."""
     names = ("eta_contact", "eta_free", "extra_ticks")
-    found = [places(name, client.shape, motor)[0] for name in names]
+    brushless = client.shape.brushless
+    found = [places(name, client.shape, 0 if brushless else motor)[0] for name in names]
     contact, free, extra = (
         place.value(raw) for place, raw in zip(found, client.read(found), strict=True)
     )
     return Device(
         contact, free, 1 + int(extra),
         2.0 * math.pi / counts_per_rev if counts_per_rev else math.nan,
-        math.nan if k_t is None else k_t,
+        math.nan if k_t is None else k_t, brushless,
     )  # fmt: skip
 
 
@@ -57,7 +60,8 @@ def trace_arrays(found: Captured, device: Device) -> dict[str, np.ndarray]:
     the mean of a row's ends, ``e_a`` the voltage that was applied in a row's ticks. ``energy_out``
     is that of the waves, with R̂ for the winding's resistance, where each tick has its row. Channels
     that a simulation has no array for come under their own names, and ``lost`` says which rows of a
-    stream didn't arrive.
+    stream didn't arrive. So do those of a brushless motor's axes: a simulation has them along the
+    torque.
     """
     rows, plan = len(found.t), found.plan
     nothing = np.full(rows, np.nan)
@@ -67,6 +71,8 @@ def trace_arrays(found: Captured, device: Device) -> dict[str, np.ndarray]:
     arrays["t"] = found.t
     values = found.values
     cell = device.cell_rad
+    if device.brushless:
+        values = {name: values[name] for name in ("position", "flags") if name in values}
     if "current" in values:
         arrays["i"] = values["current"]
         arrays["torque"] = device.k_t * values["current"]
@@ -98,7 +104,9 @@ def trace_arrays(found: Captured, device: Device) -> dict[str, np.ndarray]:
     if isinstance(found, Streamed):
         arrays["lost"] = found.lost
     used = {"current", "voltage", "position", "u", "v", "correction", "flux", "lag"}
-    return arrays | {name: value for name, value in values.items() if name not in used}
+    if device.brushless:
+        used = {"position"}
+    return arrays | {name: value for name, value in found.values.items() if name not in used}
 
 
 def save(arrays: dict[str, np.ndarray], folder: Path) -> Path:

@@ -33,6 +33,7 @@ from pymodbus.pdu.register_message import (
 from wavehaptics.host.framed_line import FramedLine
 from wavehaptics.host.names import HostError, Place, Shape, places
 from wavehaptics.words import modbus, table
+from wavehaptics.words.table import LEGS, THREE_PHASE_LEGS
 
 BAUD = modbus.BAUDS[0]
 """Bits a second that a device begins with."""
@@ -75,16 +76,27 @@ class Identification:
     @property
     def options(self) -> dict[str, int]:
         """What the bitstream was made with."""
+        found = self._options
+        return found | {"shaper": 0} if self.brushless else found
+
+    @property
+    def _options(self) -> dict[str, int]:
         raw = self.words["options"]
         return {name: raw >> low & (1 << bits) - 1 for name, (low, bits) in modbus.OPTIONS.items()}
+
+    @property
+    def brushless(self) -> bool:
+        """Whether its motor is a brushless one."""
+        return self._options["shaper"] == modbus.BRUSHLESS_SHAPER
 
     @property
     def shape(self) -> Shape:
         """Its number of motors and of copies of words."""
         options = self.options
         return Shape(
-            self.words["motors"], options["walls"], options["shaper"], options["delay_log2"]
-        )
+            self.words["motors"], options["walls"], options["shaper"], options["delay_log2"],
+            THREE_PHASE_LEGS if self.brushless else LEGS,
+        )  # fmt: skip
 
 
 class Client:
@@ -179,6 +191,7 @@ class Client:
                 for word in table.WORDS.values()
                 if (word.block, word.group) == (low.word.block, low.word.group)
                 and word.row.kind == "setting"
+                and low.motor < self.shape.has(word)
                 for index in range(self.shape.copies(word))
                 for mate in [Place(word, low.motor, index, self.shape)]
             }

@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from wavehaptics.words.table import MEMORY, MOST, WORDS, Word
+from wavehaptics.words.table import AXES, LEGS, MEMORY, MOST, THREE_PHASE_LEGS, WORDS, Word
 
 _NAME = re.compile(r"(\w+)(?:\[([0-9]{1,9})\])?")
 
@@ -23,12 +23,27 @@ class HostError(ValueError):
 
 @dataclass(frozen=True)
 class Shape:
-    """How many motors, walls, sections and places of a delay a device has."""
+    """How many motors, walls, sections and places of a delay a device has, and a motor of legs."""
 
     motors: int
     walls: int
     sections: int
     delay_log2: int
+    legs: int = LEGS
+
+    @property
+    def brushless(self) -> bool:
+        """Whether its motor is a brushless one, whose axes have the places of two."""
+        return self.legs == THREE_PHASE_LEGS
+
+    @property
+    def parts(self) -> int:
+        """Motors, or axes of a brushless one."""
+        return AXES if self.brushless else self.motors
+
+    def has(self, word: Word) -> int:
+        """Parts that have a word, the first ones; 1 of the board, and 0 where there is none."""
+        return word.parts(self.motors, self.legs)
 
     def copies(self, word: Word) -> int:
         """Words of a row in one motor, or of the board."""
@@ -123,11 +138,15 @@ def places(text: str, shape: Shape, motor: int = 0) -> list[Place]:
         near = difflib.get_close_matches(found[1] if found else text, WORDS, n=1)
         meant = f"did you mean {near[0]}?" if near else "docs/words.md lists the words"
         raise HostError(f"{text}: there is no such word; {meant}")
-    if word.row.per != "board" and not 0 <= motor < shape.motors:
-        last = shape.motors - 1
-        raise HostError(f"{text}: the device has no motor {motor}; take --motor 0...{last}")
+    copies = shape.copies(word) if shape.has(word) else 0
+    if copies and word.row.per != "board" and not 0 <= motor < shape.has(word):
+        last = shape.has(word) - 1
+        raise HostError(
+            f"{text}: a brushless motor has one, for both axes; leave --motor {motor} out"
+            if shape.brushless and 0 <= motor < AXES
+            else f"{text}: the device has no motor {motor}; take --motor 0...{last}"
+        )
     motor = 0 if word.row.per == "board" else motor
-    copies = shape.copies(word)
     if not copies:
         raise HostError(f"{text}: this device has none; its bitstream was made without")
     if found[2] is None:
@@ -157,8 +176,8 @@ def readable(place: Place) -> Place:
 def settings(shape: Shape) -> list[Place]:
     """Every setting of a device."""
     found = []
-    for motor in range(shape.motors):
+    for motor in range(shape.parts):
         for word in WORDS.values():
-            if word.row.kind == "setting" and (motor == 0 or word.row.per != "board"):
+            if word.row.kind == "setting" and motor < shape.has(word):
                 found += [Place(word, motor, n, shape) for n in range(shape.copies(word))]
     return found

@@ -89,11 +89,11 @@ def _tables(document: dict[str, Any], shape: Shape, note: Any) -> Iterable[tuple
             yield name, 0, rows, (name,)
         elif name == MOTOR and isinstance(rows, dict):
             for number, inner in rows.items():
-                known = number.isdigit() and int(number) < shape.motors and isinstance(inner, dict)
+                known = number.isdigit() and int(number) < shape.parts and isinstance(inner, dict)
                 if known:
                     yield f"{name}.{number}", int(number), inner, (name, number)
                 else:
-                    last = shape.motors - 1
+                    last = shape.parts - 1
                     note((name, number), f"[motor.{number}]: the device has motors 0...{last}")
         else:
             note((name,), f"{name}: there are [board] and [motor.0], [motor.1] ... only")

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import TracebackType
 
 from wavehaptics.host.led_hand import LedHand
-from wavehaptics.ladder.linked_pins import LinkedPins
+from wavehaptics.ladder.linked_pins import OnALine
 
 BLOCK_S = 2e-3
 """Wall-clock time that is simulated at a stretch: bytes wait no longer."""
@@ -35,7 +35,7 @@ class VirtualBoard:
     """
 
     def __init__(
-        self, pins: LinkedPins, link: Path | None = None, hand: LedHand | None = None
+        self, pins: OnALine, link: Path | None = None, hand: LedHand | None = None
     ) -> None:
         self._pins = pins
         self._link = link

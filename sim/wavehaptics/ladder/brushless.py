@@ -298,6 +298,16 @@ def rotor_angles(scene: Scene, set_: Settings, position: int) -> tuple[int, int]
     )
 
 
+def magnet_words(scene: Scene, set_: Settings, position: int) -> dict[str, int]:
+    """The table's words of the magnets, with the rotor at a position, counts, at reset."""
+    turn, zero = rotor_angles(scene, set_, position)
+    return {
+        "count_angle": turn,
+        "zero_angle": zero,
+        "find_magnet": int(scene.controller.find_magnet),
+    }
+
+
 def _anchors(set_: Settings, position: int, zero: int, turn: int, known: bool) -> tuple:
     """What :func:`_advance_sampled` takes as ``anchored``."""
     blind = set_.anchor.copy()

@@ -12,18 +12,20 @@ gate is on: the leg floats, as what a turning rotor adds to it is less than a di
 
 from __future__ import annotations
 
+import ctypes
 import math
 from typing import Any
 
 import numpy as np
 
+from wavehaptics.controller import bus_scale
 from wavehaptics.controller.anchor import FOLLOWER_TICKS, SEEN_CELLS
 from wavehaptics.controller.pins_timing import GATE_CLOCKS
 from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.controller.settings import Settings
 from wavehaptics.ladder import verilated
 from wavehaptics.ladder.abilities import refuse
-from wavehaptics.ladder.brushless import clear_sums, put_axes, rotor_angles
+from wavehaptics.ladder.brushless import clear_sums, magnet_words, put_axes
 from wavehaptics.ladder.pins import DELAY_LOG2, MIN_WALLS, STEPS, true_bus_v, wire
 from wavehaptics.ladder.pins_loop import (
     ADVANCED,
@@ -69,6 +71,7 @@ from wavehaptics.scene import Scene, encoder_end
 from wavehaptics.scene.tables.drive import Drive
 from wavehaptics.trace.columns import Column, Word, put_anchor, put_estimate, put_port
 from wavehaptics.words import formats
+from wavehaptics.words.table import THREE_PHASE_LEGS
 
 _WAVE = formats.WAVE.step
 _VOLT = formats.VOLTAGE.step
@@ -312,8 +315,12 @@ def _advance(
 class BrushlessPinsSimulation:
     """A scene's brushless motor on the whole of its RTL, with a switching bridge of three legs."""
 
+    TOP = "wh_brushless"
+    SHIM = "brushless_pins_shim.cpp"
+    SHOWS: tuple[str, ...] = ()
     PREFIX = "wh_brushless"
     """What the shim's functions begin with."""
+    LEGS = THREE_PHASE_LEGS
 
     def __init__(self, scene: Scene) -> None:
         self._model: int | None = None
@@ -321,20 +328,21 @@ class BrushlessPinsSimulation:
         set_, time, sensor = ports.settings, ports.timing, ports.sensor
         self.settings: Settings = set_
         self.timing = time
+        self.sensor = sensor
         self.tick_s = time.tick_s
         dt = 1.0 / time.clock_hz
         plant = BrushlessPlant.of_scene(scene)
         drive = scene.drive or Drive.model_validate({})
         self._begin(scene, ports)
-        self._z = plant.start
+        self._state = plant.start
         self._kept = np.zeros(_DONE + 1, dtype=np.int64)
         self._kept[COUNT] = ports.start_count
         self._kept[TICK_START] = -1
         self._kept[PINS] = 1 << _CS_N | time.frame.sclk_idle << _SCLK
         self._kept[HELD] = self._kept[_HELD_B] = 1 << (sensor.bits - 1)
         self._marks = np.zeros(5)
-        self._marks[_X0] = self._z[X]
-        self._marks[_HAND0] = self._z[P] + self._z[C]
+        self._marks[_X0] = self._state[X]
+        self._marks[_HAND0] = self._state[P] + self._state[C]
         self._pending = np.zeros((PENDING, len(Column)))
         self._angles = np.zeros(PENDING)
         self._buffer = np.zeros(_CONTACT + 1, dtype=np.int64)
@@ -377,19 +385,27 @@ class BrushlessPinsSimulation:
             "DELAY_LOG2": DELAY_LOG2,
             "MIN_PULSE": int(bool(drive.min_pulse_s)),
             **({"ANCHOR": 1} if self.settings.anchored else {}),
+            **self._parameters(),
         }
-        design = verilated.Design("wh_brushless", "brushless_pins_shim.cpp", parameters)
+        design = verilated.Design(self.TOP, self.SHIM, parameters, self.SHOWS)
         self._library = verilated.load(design)
         verilated.declare_destructor(self._function("delete"))
-        values = {**ports.words, **self.settings.words(), **ports.wall_words(places)}
+        self._values = values = {
+            **ports.words, **self.settings.words(), **ports.wall_words(places),
+            **magnet_words(scene, self.settings, ports.start_count),
+            "bus": bus_scale.bus_word(true_bus_v(scene)),
+        }  # fmt: skip
         levels = encoder_levels.py_func(ports.start_count) << 1
-        self._model = verilated.new_model(
-            self._function("new"), verilated.words_of(design, values), levels,
-            ports.words["gain"], *rotor_angles(scene, self.settings, ports.start_count),
-            int(scene.controller.find_magnet),
-        )  # fmt: skip
+        self._model = self._new_model(verilated.words_of(design, values), levels)
         if not self._model:
             raise RuntimeError("the controller's RTL never got its ADC ready")
+
+    def _parameters(self) -> dict[str, int]:
+        """Parameters of the RTL besides the scene's."""
+        return {}
+
+    def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
+        return verilated.new_model(self._function("new"), words, inputs)
 
     def _function(self, name: str) -> Any:
         return getattr(self._library, f"{self.PREFIX}_{name}")
@@ -397,9 +413,9 @@ class BrushlessPinsSimulation:
     def forget_the_past(self) -> None:
         """Let time begin with the tick that runs."""
         before = self._marks[_T0]
-        self._z[TIME] -= before
+        self._state[TIME] -= before
         self._marks[_T0] = 0.0
-        self._marks[_X0], self._marks[_HAND0] = self._z[X], self._z[P] + self._z[C]
+        self._marks[_X0], self._marks[_HAND0] = self._state[X], self._state[P] + self._state[C]
         self._pending[:, Column.T] -= before
 
     @property
@@ -410,6 +426,12 @@ class BrushlessPinsSimulation:
         return int(self._kept[FAULTS])
 
     @property
+    def step_words(self) -> list[int]:
+        """i, u, v and e of α, then of β, and the contact, of the step that made the newest row."""
+        step = self._waves[(int(self._kept[_DONE]) - 1) % PENDING]
+        return [*step[: 2 * _BETA].tolist(), int(step[_CONTACT])]
+
+    @property
     def clock_cycles(self) -> int:
         """Clocks of the RTL so far."""
         return int(self._kept[NOW])
@@ -417,9 +439,9 @@ class BrushlessPinsSimulation:
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
         done = _advance(
-            rows, words, self._z, self._kept, self._marks, self._room, self._pending, self._angles,
-            self._waves, self._tables, self._steps, self._ints, self._floats, self._load,
-            self._sensor, self._rng, self._buffer,
+            rows, words, self._state, self._kept, self._marks, self._room, self._pending,
+            self._angles, self._waves, self._tables, self._steps, self._ints, self._floats,
+            self._load, self._sensor, self._rng, self._buffer,
         )  # fmt: skip
         if not done:
             raise RuntimeError("the controller's RTL stopped answering")

@@ -7,11 +7,12 @@ No command runs it: by it tests hold ``wh_device`` to `pins` row by row, without
 from __future__ import annotations
 
 import ctypes
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.words.memory import requests, settings_requests
-from wavehaptics.words.table import WORDS, Values
+from wavehaptics.words.table import THREE_PHASE_LEGS, WORDS, Values
 
 COMMIT = WORDS["commit"].at()
 DISCARD = WORDS["discard"].at()
@@ -25,18 +26,27 @@ class Answer(NamedTuple):
     error: int
 
 
-class DevicePins(PinsSimulation):
-    """`pins` as ``rtl/wh_device.v``."""
+class _OnTheBus:
+    """``rtl/wh_device.v`` in place of the controller of a simulation at its pins."""
 
     TOP = "wh_device"
     SHIM = "device_shim.cpp"
-    SHOWS = ("device_shim.vlt",)
+    SHOWS: tuple[str, ...] = ("device_shim.vlt",)
     PREFIX = "wh_device"
+    LEGS: int
+    """Half bridges of the motor."""
+
+    _library: Any
+    _model: int | None
+    _values: dict[str, Any]
+
+    def _parameters(self) -> dict[str, int]:
+        return {"LEGS": self.LEGS} if self.LEGS == THREE_PHASE_LEGS else {}
 
     def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
         library = self._library
         new = library.wh_device_new
-        new.argtypes = [ctypes.POINTER(ctypes.c_uint32), *[ctypes.c_int64] * 3]
+        new.argtypes = [ctypes.POINTER(ctypes.c_uint32), *[ctypes.c_int64] * 4]
         new.restype = ctypes.c_void_p
         library.wh_device_request.argtypes = [ctypes.c_void_p, *[ctypes.c_int64] * 4]
         library.wh_device_request.restype = None
@@ -46,10 +56,11 @@ class DevicePins(PinsSimulation):
             ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64), ctypes.c_int64
         ]  # fmt: skip
         library.wh_device_answers.restype = ctypes.c_int64
-        pairs = [*settings_requests(self._values), (COMMIT, 1)]
+        pairs = [*settings_requests(self._values, self.LEGS), (COMMIT, 1)]
         flat = [word for pair in pairs for word in pair]
         words = (ctypes.c_uint32 * len(flat))(*flat)
-        return new(words, len(pairs), WORDS["restart"].at(), inputs)
+        restart, magnet_start = (WORDS[name].at() for name in ("restart", "magnet_start"))
+        return new(words, len(pairs), restart, magnet_start, inputs)
 
     @property
     def bus_clock(self) -> int:
@@ -62,7 +73,7 @@ class DevicePins(PinsSimulation):
 
     def write(self, values: Values, clock: int = 0) -> None:
         """Write words by their names, and give them: from ``clock`` on."""
-        for address, raw in [*requests(values), (COMMIT, 1)]:
+        for address, raw in [*requests(values, self.LEGS), (COMMIT, 1)]:
             self.ask(address, raw, clock)
 
     def answers(self) -> list[Answer]:
@@ -71,3 +82,11 @@ class DevicePins(PinsSimulation):
         words = (ctypes.c_int64 * (3 * room))()
         count = self._library.wh_device_answers(self._model, words, room)
         return [Answer(*words[3 * n : 3 * n + 3]) for n in range(count)]
+
+
+class DevicePins(_OnTheBus, PinsSimulation):
+    """`pins` as ``rtl/wh_device.v``."""
+
+
+class BrushlessDevicePins(_OnTheBus, BrushlessPinsSimulation):
+    """`pins` of a brushless motor as ``rtl/wh_device.v`` with three legs."""

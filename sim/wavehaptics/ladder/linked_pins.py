@@ -4,21 +4,25 @@
 from __future__ import annotations
 
 import ctypes
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pymodbus.framer import FramerRTU
 from pymodbus.pdu import DecodePDU
 from pymodbus.pdu.register_message import WriteMultipleRegistersRequest
 
+from wavehaptics.controller.tick_layout import Timing
 from wavehaptics.ladder import pins_loop
+from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.motor.plant import RAMP_END, C, P, R, S
+from wavehaptics.motor.sensor import Sensor
 from wavehaptics.scene import Scene
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
 from wavehaptics.words.memory import settings_requests
 from wavehaptics.words.modbus import IDENTIFICATION, MOST_WRITTEN, halves, runs, word_register
-from wavehaptics.words.table import WORDS
+from wavehaptics.words.table import THREE_PHASE_LEGS, WORDS
 
 UNIT = 1
 ANSWER_BYTES = 8
@@ -48,29 +52,49 @@ def _write(register: int, registers: list[int]) -> bytes:
     return FramerRTU(DecodePDU(False)).buildFrame(request)
 
 
-class LinkedPins(PinsSimulation):
-    """``wh_linked_device`` with a scene's settings, motor and hand.
+class OnALine:
+    """``rtl/wh_linked_device.v`` in place of the controller of a simulation at its pins.
 
     With ``arm`` the bridges stay off until the line arms them, as the board has it; without, they
-    are on, as those of :class:`~wavehaptics.ladder.device_pins.DevicePins`. enable_i is high. A
-    scene with a ``[host]`` has HOST = 1.
+    are on, as those of :class:`~wavehaptics.ladder.device_pins.DevicePins`. enable_i is high.
     """
 
     TOP = "wh_linked_device"
     SHIM = "linked_shim.cpp"
-    SHOWS = ("device_shim.vlt", "linked_shim.vlt")
+    SHOWS: tuple[str, ...] = ("device_shim.vlt", "linked_shim.vlt")
     PREFIX = "wh_linked"
+    LEGS: int
+    """Half bridges of the motor."""
 
-    def __init__(self, scene: Scene, *, arm: bool = True) -> None:
+    _arm: bool
+    _library: Any
+    _model: int | None
+    _values: dict[str, Any]
+    _state: np.ndarray
+    _load: np.ndarray
+    _kept: np.ndarray
+    timing: Timing
+    sensor: Sensor
+    tick_s: float
+
+    if TYPE_CHECKING:  # what the simulation has
+
+        @property
+        def clock_cycles(self) -> int: ...
+
+        def advance(self, rows: np.ndarray, words: np.ndarray) -> None: ...
+
+    def _prepare(self, arm: bool) -> None:
+        """What a constructor begins with."""
         self._arm = arm
         self._own = 0
-        super().__init__(scene, host=scene.host is not None)
 
     def _parameters(self) -> dict[str, int]:
         clock_hz = round(self.timing.clock_hz)
         return {
             "GUARD": 1, "SENSE": 1, "ARM": int(self._arm), "CLOCK_HZ": clock_hz,
             "CAPTURE": CAPTURE, "STREAM": 1,
+            **({"LEGS": self.LEGS} if self.LEGS == THREE_PHASE_LEGS else {}),
         }  # fmt: skip
 
     def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
@@ -85,9 +109,11 @@ class LinkedPins(PinsSimulation):
         # At the fastest rate that the clock has; that of a reset comes back at the end.
         fastest = sum(self.timing.clock_hz >= least for least in _RATES_HZ)
         self._tell(model, _rate_frame(fastest))
-        for first, raws in runs(settings_requests(values), MOST_WRITTEN):
+        for first, raws in runs(settings_requests(values, self.LEGS), MOST_WRITTEN):
             self._tell(model, write_frame(first, raws))
         self._tell(model, _rate_frame(0))
+        if self.LEGS == THREE_PHASE_LEGS:
+            self._tell(model, write_frame(WORDS["magnet_start"].at(), [1]))
         self._library.wh_linked_bus(model, self._values["bus"])
         frame = write_frame(WORDS["restart"].at(), [1])
         if not self._library.wh_linked_begin(model, frame, len(frame)):
@@ -173,3 +199,30 @@ class LinkedPins(PinsSimulation):
         if not self.running:
             # What stood in for steps may not have been one a tick.
             self._kept[pins_loop.EMITTED] = self._kept[pins_loop.CLOSED]
+
+
+class LinkedPins(OnALine, PinsSimulation):
+    """``wh_linked_device`` with a scene's settings, motor and hand.
+
+    A scene with a ``[host]`` has HOST = 1.
+    """
+
+    def __init__(self, scene: Scene, *, arm: bool = True) -> None:
+        self._prepare(arm)
+        PinsSimulation.__init__(self, scene, host=scene.host is not None)
+
+
+class LinkedBrushlessPins(OnALine, BrushlessPinsSimulation):
+    """``wh_linked_device`` with three legs, and a scene's brushless motor. It knows no host."""
+
+    def __init__(self, scene: Scene, *, arm: bool = True) -> None:
+        if scene.host is not None:
+            raise scene.refusal("[host] is not for a brushless motor yet; leave it out", "host")
+        self._prepare(arm)
+        BrushlessPinsSimulation.__init__(self, scene)
+
+
+def linked_pins(scene: Scene, *, arm: bool = True) -> LinkedPins | LinkedBrushlessPins:
+    """The device with the scene's motor, of either kind."""
+    kind = LinkedBrushlessPins if scene.motor.brushless else LinkedPins
+    return kind(scene, arm=arm)

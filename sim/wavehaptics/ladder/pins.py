@@ -27,6 +27,7 @@ from wavehaptics.scene import Scene, encoder_end
 from wavehaptics.scene.tables.drive import Drive
 from wavehaptics.trace.columns import Column
 from wavehaptics.words.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
+from wavehaptics.words.table import LEGS
 
 DELAY_LOG2 = 10
 MIN_WALLS = 4
@@ -67,6 +68,7 @@ class PinsSimulation:
     SHOWS: tuple[str, ...] = ()
     PREFIX = "wh_pins"
     """What the shim's functions begin with."""
+    LEGS = LEGS
 
     def __init__(
         self, scene: Scene, *, host: bool = False, most_samples: int = MOST_SAMPLES

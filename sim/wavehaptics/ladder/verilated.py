@@ -20,7 +20,7 @@ from wavehaptics.runtime.repository import ROOT, SHIMS
 from wavehaptics.runtime.toolchain import ToolError
 from wavehaptics.words import formats
 from wavehaptics.words.generated import chunks, shim_header
-from wavehaptics.words.table import Sizes, Values
+from wavehaptics.words.table import LEGS, THREE_PHASE_LEGS, Sizes, Values
 
 BUILD_DIR = ROOT / "build" / "verilated"
 
@@ -69,9 +69,11 @@ class Design:
     def sizes(self) -> Sizes:
         """Copies and widths of the words of its ports."""
         walls, delay_log2 = self.parameters.get("WALLS", 4), self.parameters["DELAY_LOG2"]
+        brushless = self.top == "wh_brushless" or self.parameters.get("LEGS") == THREE_PHASE_LEGS
         return Sizes(
-            self.parameters.get("N", 1), walls, self.parameters.get("SHAPER", 0), delay_log2
-        )
+            self.parameters.get("N", 1), walls, self.parameters.get("SHAPER", 0), delay_log2,
+            THREE_PHASE_LEGS if brushless else LEGS,
+        )  # fmt: skip
 
 
 def verilator_environment() -> tuple[str, dict[str, str]]:

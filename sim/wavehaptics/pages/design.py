@@ -224,7 +224,7 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
     return _words(("", "found", "by"), ((what, found, f"`{by}`") for what, found, by in rows))
 
 
-_GIVEN = r"(?:define WH_SAME_PARAMETERS|wh_brushless #)(.*?)(?:\n\n|\n    \) brushless)"
+_GIVEN = r"define WH_SAME_PARAMETERS(.*?)\n\n"
 _OPTION = re.compile(r"\.([A-Z][A-Z0-9_]*)\s*\(([^()]*)\)")
 
 _ONE_PORTS = "PWM of a full bridge with dead time made good"
@@ -261,7 +261,7 @@ def options_of_boards(root: Path = ROOT) -> dict[str, dict[str, int]]:
     found = {}
     for name in board_names(root):
         board = load_board(name, root=root)
-        top = (root / "boards" / f"{board.core}.v").read_text(encoding="utf-8")
+        top = (root / "boards" / "wh_board_controller.v").read_text(encoding="utf-8")
         (given,) = re.findall(_GIVEN, top, re.DOTALL)
         macros = dict(
             re.findall(
@@ -307,7 +307,7 @@ def _status(numbers: dict[str, Any], table: Table) -> str:
     built = ", ".join(f"`{name}`" for name in streams) or "**none**"
     rows.append(("live words sent while they are asked for: `wh_stream`", "yes", built, "no"))
     built = ", ".join(f"`{name}`" for name in brushless) or "**none**"
-    rows.append(("a brushless motor, without a link: `wh_brushless`", "yes", built, "no"))
+    rows.append(("a brushless motor: `wh_brushless`", "yes", built, "no"))
     return _words(("", "simulated", "in a bitstream", "tried on a motor"), rows)
 
 

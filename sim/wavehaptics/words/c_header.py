@@ -43,7 +43,9 @@ def c_words() -> str:
         f"#define WH_MAP_VERSION {modbus.MAP_VERSION}u\n"
         f"#define WH_TABLE_REGISTER 0x{modbus.TABLE:04x}u\n"
         f"#define WH_MOTOR_STRIDE 0x{table.MOTOR_STRIDE:03x}u\n"
-        f"#define WH_MOST_READ {modbus.MOST_READ}u\n",
+        f"#define WH_MOST_READ {modbus.MOST_READ}u\n"
+        f"#define WH_BRUSHLESS_SHAPER {modbus.BRUSHLESS_SHAPER}u\n"
+        f"#define WH_AXES {table.AXES}u\n",
         "// Words of the identification, from register 0 on.\n"
         + _list("WH_IDENTIFICATION", ((name.upper(),) for name in modbus.IDENTIFICATION)),
         "// Of its word `options`: name, lowest bit, bits.\n"

@@ -12,10 +12,18 @@ from collections.abc import Iterable
 
 from wavehaptics.words import table
 from wavehaptics.words.generated import verilog_number
-from wavehaptics.words.table import MEMORY, MOST, Word, format_parts
+from wavehaptics.words.table import (
+    LEGS,
+    MEMORY,
+    MOST,
+    THREE_PHASE_LEGS,
+    Word,
+    format_parts,
+)
 
-_COPIES = {"board": (), "motor": ("N",), "wall": ("N", "WALLS"), "section": ("N", "SECTIONS")}
-"""How many copies of a word a port has, in Verilog."""
+_COPIES = {"board": (), "motor": ("PARTS",), "wall": ("PARTS", "WALLS"),
+           "section": ("PARTS", "SECTIONS")}  # fmt: skip
+"""How many copies of a word a wire has, in Verilog. A part is a motor, or an axis of one."""
 
 
 _ALSO = {
@@ -82,7 +90,7 @@ def _runs(words: list[Word]) -> list[list[Word]]:
 
 def _place(word: Word) -> str:
     """Lowest bit of a word in its port, by the copy (motor n, wall or section k)."""
-    mates = table.ports(beside=word.block in table.BESIDE)[word.port[:-2]]
+    mates = table.ports(beside=word.block in table.BESIDE, legs=None)[word.port[:-2]]
     copy = {"board": "", "motor": "n", "wall": "n*WALLS + k", "section": "n*SECTIONS + k"}
     below = _sum(mates[: mates.index(word)])
     if not copy[word.row.per]:
@@ -143,7 +151,7 @@ def _group(words: list[Word]) -> tuple[list[str], dict[str, str]]:
         if per == "board":
             lines += [*inner, ""]
             continue
-        lines += ["generate", f"    for (n = 0; n < N; n = n + 1) begin : {name}_of_motor"]
+        lines += ["generate", f"    for (n = 0; n < PARTS; n = n + 1) begin : {name}_of_motor"]
         if per == "motor":
             lines += _indented([*part, *inner], 2)
         else:
@@ -173,7 +181,7 @@ def _command(word: Word) -> list[str]:
             f"        word_q <= command_data_q[{_last(bits)}:0];",
             "    end", "end", "", f"assign set_{port}[n*{bits} +: {bits}] = word_q;",
         ]  # fmt: skip
-    loop = f"    for (n = 0; n < N; n = n + 1) begin : {word.name}_of_motor"
+    loop = f"    for (n = 0; n < PARTS; n = n + 1) begin : {word.name}_of_motor"
     return ["generate", loop, *_indented(lines, 2), "    end", "endgenerate"]
 
 
@@ -207,7 +215,7 @@ def _index_bits(word: Word) -> int | None:
 
 def device_words() -> str:
     """``rtl/wh_device_words.vh``."""
-    inputs, outputs = table.ports(), table.ports("o")
+    inputs, outputs = table.ports(legs=None), table.ports("o", legs=None)
     lines = ["// Settings and commands, on their way to the controller and beside it.", ""]
     driven = {port: words for port, words in inputs.items() if words[0].row.kind != "live"}
     beside = {
@@ -248,16 +256,57 @@ def device_words() -> str:
     lines += _indented((_live(word) for word in board if _index_bits(word) is None), 2)
     lines += ["        default: live = 33'd0;", "    endcase"]
     lines += _indented(_live(word) for word in board if _index_bits(word) is not None)
-    lines += ["    for (m = 0; m < N; m = m + 1) begin"]
+    lines += ["    for (m = 0; m < PARTS; m = m + 1) begin"]
     lines += ["        if (LIVE != 0 && {28'd0, bus_address_i[11:8]} == m + 1) begin"]
     lines += ["            case (bus_address_i[7:0])"]
     lines += _indented((_live(word) for word in live if word.row.per == "motor"), 4)
     lines += ["                default: live = 33'd0;", "            endcase"]
     lines += ["        end", "    end", "end", ""]
-    ports = [
-        *(f".{port}_i ({_ALSO.get(port, f'set_{port}' if port in driven else f'{port}_i')}),"
-          for port in inputs),
-        *(f".{port}_o ({port})," for port in outputs),
-    ]  # fmt: skip
-    lines += [" \\\n    ".join(["`define WH_DEVICE_PORTS", *ports])]
-    return "\n".join(lines) + "\n"
+    made = [_connected(name, legs) for name, legs in _CONTROLLERS.items()]
+    return "\n".join(lines) + "\n" + "\n".join(made)
+
+
+_CONTROLLERS = {"WH_DEVICE": LEGS, "WH_BRUSHLESS": THREE_PHASE_LEGS}
+"""What stands in the module, by the beginning of its macros' names."""
+
+
+def _connected(name: str, legs: int) -> str:
+    """``NAME_PORTS``, a controller's connections; ``NAME_WITHOUT``, wires that it leaves out.
+
+    What a brushless motor tells once, all parts have, by ``NAME_ONCE``.
+    """
+    ports, without, once = [], [], []
+    everything = table.ports(legs=None)
+    for port, words in everything.items():
+        if words[0].row.kind == "live":
+            ports.append(f".{port}_i ({port}_i)")
+            continue
+        wire, there = f"set_{port}", words[0].parts(1, legs)
+        one = legs == THREE_PHASE_LEGS and words[0].row.per != "board" and there == 1
+        if not there:
+            without.append(wire)
+        else:
+            part = _first_part(words) if one else ""
+            ports.append(f".{port}_i ({_ALSO.get(port, wire + part)})")
+            without += [wire] if one else []
+    for port, words in table.ports("o", legs=legs).items():
+        one = legs == THREE_PHASE_LEGS and words[0].row.per != "board"
+        one = one and words[0].parts(1, legs) == 1
+        ports.append(f".{port}_o ({'once_' if one else ''}{port})")
+        if one:
+            part = _first_part(words).replace("[0]", "[0:0]")
+            once += [f"wire {part} once_{port};", f"assign {port} = {{PARTS{{once_{port}}}}};"]
+    return (
+        " \\\n    ".join([f"`define {name}_PORTS", *(f"{port}," for port in ports)])
+        + "\n\n"
+        + " \\\n    ".join([f"`define {name}_WITHOUT", ", \\\n    ".join(without)])
+        + "\n"
+        + ("\n" + " \\\n    ".join([f"`define {name}_ONCE", *once]) + "\n" if once else "")
+    )
+
+
+def _first_part(words: list[Word]) -> str:
+    """The bits of a wire that are the first motor's."""
+    factors = [*_COPIES[words[0].row.per][1:], _factor(_sum(words))]
+    bits = "*".join(factors).removesuffix("*1")
+    return "[0]" if bits == "1" else f"[{bits}-1:0]"

@@ -6,7 +6,7 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable
 
 from wavehaptics.words import formats, table
 from wavehaptics.words.table import ACCESS, MOST, Sizes, Values, Word
@@ -51,7 +51,7 @@ def connections(
             wires.append(f"reg{_range(width)} {port}_i = {given};")
             given = f"{port}_i"
         ports.append(f".{port}_i ({given}),")
-    outputs = table.ports("o")
+    outputs = table.ports("o", legs=sizes.legs)
     for port, words in outputs.items():
         wires.append(f"wire{_range(table.port_width(words, sizes))} {port};")
         ports.append(f".{port}_o ({port}),")
@@ -59,23 +59,12 @@ def connections(
     return _macro(f"{prefix}_WIRES", wires) + "\n" + _macro(f"{prefix}_PORTS", ports)
 
 
-def constants(
-    prefix: str, sizes: Sizes, values: Values, inputs: Collection[str],
-    own: Mapping[str, list[tuple[int, int]]],
-) -> str:  # fmt: skip
-    """The Verilog macro ``<prefix>_PORTS`` that gives ``inputs`` of a module their constants.
-
-    ``inputs`` are without ``_i``. They are words of the table, by ``values``, or the module's
-    ``own``, each (word, bits) from the lowest. :class:`KeyError` for one that is neither.
-    """
-    known = {**table.fields(values, sizes), **own}
-    ports = [f".{port}_i ({_concatenation(known[port])})," for port in inputs]
-    return _macro(f"{prefix}_PORTS", ports)
-
-
 # ---- The settings memory.
 
 _KINDS = {"setting": 1, "command": 2, "live": 3}
+_OF_MOTORS = {"none": "3'b001", "one": "3'b011", "two": "3'b111", "only": "3'b010"}
+"""By the row: whether motors with brushes have it (low bit), and a brushless one's first and second
+axis."""
 _SIGNED_TYPES = 20
 _TYPES = 32
 """As ``rtl/wh_settings_rom.v`` has them: ranges of words with a sign come last."""
@@ -159,11 +148,14 @@ def settings_rom(values: Values | None = None, groups: Collection[str] | None = 
             info |= 1 << 5
         text = f"8'h{info:02x}"
         place = f"'h{word.at():03x}, {_copies(word)}"
+        text = f"{_OF_MOTORS[word.row.brushless]}, {text}"
         if not is_setting:
             rows.append(f"`WH_SETTINGS_TOLD({place}, {text})  // {word.name}\n")
             continue
         if not fixed and word.change == "sum":
-            text = f"(8'h{info:02x} | ((EARLY != 0) ? 8'h20 : 8'h00))"
+            text = f"{_OF_MOTORS[word.row.brushless]}, " + (
+                f"(8'h{info:02x} | ((EARLY != 0) ? 8'h20 : 8'h00))"
+            )
         given = (values or {}).get(word.name)
         if given is None:
             first = _scaled(
@@ -206,13 +198,14 @@ def shim_header(sizes: Sizes) -> str:
     A top level may have some of the table's ports only.
     """
     lines, place = [], 0
-    for port, words in table.ports().items():
+    for port, words in table.ports(legs=sizes.legs).items():
         lines.append(
             f"    if constexpr (requires {{ top.{port}_i; }}) give(top.{port}_i, words + {place});"
         )
         place += -(-table.port_width(words, sizes) // 32)
     return (
         LICENCE + "// Made from rtl/words.toml, to be included after give.h.\n\n#pragma once\n\n"
+        f"constexpr int kLegs = {sizes.legs};\n\n"
         "template <class Top>\nvoid give_words(Top &top, const uint32_t *words) {\n"
         + "\n".join(lines)
         + "\n}\n"
@@ -257,7 +250,8 @@ def page_rows() -> list[tuple[str, ...]]:
                 _span(word), f"`{word.name}`", f"`{word.block}`", word.group, word.row.per,
                 ACCESS[word.row.kind] + (", strobe" if word.row.kind == "command" else ""),
                 word.change if word.row.kind == "setting" else "",
-                width, word.row.unit, f"{low}…{high}", f"{word.row.default:g}", word.row.meaning,
+                width, word.row.unit, f"{low}…{high}", f"{word.row.default:g}",
+                word.row.brushless, word.row.meaning,
             )
         )  # fmt: skip
     return rows
@@ -265,5 +259,5 @@ def page_rows() -> list[tuple[str, ...]]:
 
 PAGE_HEAD = (
     "Address", "Word", "Block", "Group", "Per", "Access", "Change", "Format", "Unit", "Range",
-    "Default", "Meaning",
+    "Default", "Brushless", "Meaning",
 )  # fmt: skip

@@ -6,18 +6,25 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from wavehaptics.words import table
-from wavehaptics.words.table import WORDS, Values
+from wavehaptics.words.table import LEGS, WORDS, Values
 
 
-def requests(values: Values) -> list[tuple[int, int]]:
-    """(address, raw word) of each word of one motor, without those that are no settings."""
+def requests(values: Values, legs: int = LEGS) -> list[tuple[int, int]]:
+    """(address, raw word) of each word of one motor, without those that are no settings of it.
+
+    Both axes of a brushless one have the same words.
+    """
     found = []
     for name, value in values.items():
         word = WORDS.get(name)
         if word is None or word.row.kind != "setting":
             continue
         raws = list(value) if isinstance(value, Iterable) else [value]
-        found += [(word.at(0, n), int(raw) & 0xFFFFFFFF) for n, raw in enumerate(raws)]
+        found += [
+            (word.at(part, n), int(raw) & 0xFFFFFFFF)
+            for part in range(word.parts(1, legs))
+            for n, raw in enumerate(raws)
+        ]
     return found
 
 
@@ -42,6 +49,6 @@ def apart(values: Values) -> dict[str, int | list[int]]:
     return found
 
 
-def settings_requests(values: Values) -> list[tuple[int, int]]:
+def settings_requests(values: Values, legs: int = LEGS) -> list[tuple[int, int]]:
     """As :func:`requests`, of words and of ports with several of them."""
-    return requests(apart(values))
+    return requests(apart(values), legs)

@@ -25,6 +25,9 @@ OPTIONS = {
 }  # fmt: skip
 """Lowest bit and number of bits of each option."""
 
+BRUSHLESS_SHAPER = 3
+"""As ``shaper``: the motor is a brushless one, and there is no W."""
+
 IDENTIFICATION = (
     "table", "build", "options", "clock_hz", "motors", "rate", "version", "rates", "frames",
     "crc_errors", "framing_errors", "overruns",

@@ -39,6 +39,13 @@ BESIDE = ("wh_arm", "wh_capture", "wh_device", "wh_stream")
 CHANGES = ("off", "core", "anchor", "sum", "round", "any")
 """When a group's settings may change: with the bridges off, between two of these, or always."""
 
+LEGS, THREE_PHASE_LEGS = 2, 3
+"""Half bridges of a motor with brushes, and of a brushless one: ``LEGS`` of ``rtl/wh_device.v``."""
+
+AXES = 2
+"""Axes of a brushless motor, and phases whose current is measured; words of each have the places of
+motors 0 and 1."""
+
 ACCESS = {"setting": "read, write", "command": "write", "live": "read"}
 
 _FORMAT = re.compile(r"([us])(\d+|[A-Z][A-Z0-9_]*)(?:q(\d+|[A-Z][A-Z0-9_]*))?")
@@ -56,11 +63,12 @@ class Sizes:
     walls: int = 4
     sections: int = 0
     delay_log2: int = 2
+    legs: int = LEGS
 
-    def copies(self, per: str) -> int:
+    def copies(self, word: Word) -> int:
         """Copies of a word in its port, which is never empty."""
-        each = {"wall": self.walls, "section": max(1, self.sections)}.get(per, 1)
-        return each if per == "board" else each * self.motors
+        each = {"wall": self.walls, "section": max(1, self.sections)}.get(word.row.per, 1)
+        return each * word.parts(self.motors, self.legs)
 
 
 class _Row(BaseModel):
@@ -74,6 +82,7 @@ class _Row(BaseModel):
     range: tuple[float, float] = Field((-math.inf, math.inf), strict=False)
     default: float = 0
     port: str = ""
+    brushless: Literal["none", "one", "two", "only"] = "one"
     meaning: str = Field(min_length=1)
 
 
@@ -105,6 +114,14 @@ class Word:
     def default(self) -> int:
         """The word where nothing says otherwise."""
         return self.fixed.to_raw(self.row.default)
+
+    def parts(self, motors: int, legs: int = LEGS) -> int:
+        """Motors, or axes of a brushless one, that have the word; 1 of the board, 0 without it."""
+        if legs == THREE_PHASE_LEGS:
+            return {"none": 0, "two": AXES}.get(self.row.brushless, 1)
+        if self.row.brushless == "only":
+            return 0
+        return 1 if self.row.per == "board" else motors
 
     def width(self, sizes: Sizes) -> int:
         """Bits of one word."""
@@ -185,6 +202,8 @@ def read(path: Path = TABLE) -> dict[str, Word]:
                     per = pers.setdefault(word.port, word.row.per)
                     if per != word.row.per:
                         raise ValueError(f"{word.port} has words per {per} and per {word.row.per}")
+                    if word.row.per != "motor" and word.row.brushless == "two":
+                        raise ValueError("a brushless motor has two of what is a motor's only")
                     _take(taken, word)
                     address += MOST[word.row.per] * word.row.count
             except KeyError:
@@ -215,7 +234,8 @@ def crc(words: Mapping[str, Word] = WORDS) -> int:
     """CRC-32 of all that two sides have to agree on: everything but default, port and meaning."""
     told = [
         [word.address, word.name, word.row.kind, word.row.per, word.row.count,
-         word.fixed.width, word.fixed.fraction, word.fixed.signed, word.row.unit, word.range]
+         word.fixed.width, word.fixed.fraction, word.fixed.signed, word.row.unit, word.range,
+         word.row.brushless]
         for word in sorted(words.values(), key=lambda word: word.address)
     ]  # fmt: skip
     return zlib.crc32(json.dumps(told).encode())
@@ -229,15 +249,18 @@ a port of several words, without ``_i``, gives each copy's words side by side.""
 
 
 def ports(
-    direction: Literal["i", "o"] = "i", words: Mapping[str, Word] = WORDS, *, beside: bool = False
-) -> dict[str, list[Word]]:
+    direction: Literal["i", "o"] = "i", words: Mapping[str, Word] = WORDS, *, beside: bool = False,
+    legs: int | None = LEGS,
+) -> dict[str, list[Word]]:  # fmt: skip
     """The table's inputs or outputs of the controller, without ``_i`` or ``_o``: their words.
 
-    ``beside``: those of the blocks beside it instead.
+    With three ``legs`` it is ``rtl/wh_brushless.v``; None: what either of them has. ``beside``:
+    those of the blocks beside it instead.
     """
     found: dict[str, list[Word]] = {}
     for word in words.values():
         there = word.block != MEMORY and (word.block in BESIDE) == beside
+        there = there and (legs is None or word.parts(1, legs) > 0)
         if there and word.port.endswith(direction):
             found.setdefault(word.port[:-2], []).append(word)
     return found
@@ -245,21 +268,22 @@ def ports(
 
 def port_width(words: Iterable[Word], sizes: Sizes) -> int:
     """Bits of a port with these words."""
-    return sum(sizes.copies(w.row.per) * w.row.count * w.width(sizes) for w in words)
+    return sum(sizes.copies(w) * w.row.count * w.width(sizes) for w in words)
 
 
 def fields(values: Values, sizes: Sizes) -> dict[str, list[tuple[int, int]]]:
     """(word, bits) of everything in each input port, the lowest first; defaults where not given.
 
-    ``ValueError`` for a value that its word can't hold, or that no word is for.
+    Values of words that a motor with so many legs hasn't are left out. ``ValueError`` for one that
+    its word can't hold, or that no word is for.
     """
-    inputs = ports()
-    known = {*inputs, *(word.name for words in inputs.values() for word in words)}
+    inputs, all_inputs = ports(legs=sizes.legs), ports(legs=None)
+    known = {*all_inputs, *(word.name for words in all_inputs.values() for word in words)}
     if unknown := sorted(set(values) - known):
         raise ValueError(f"{TABLE}: there is no setting {unknown[0]}")
     result: dict[str, list[tuple[int, int]]] = {}
     for port, words in inputs.items():
-        copies = sizes.copies(words[0].row.per)
+        copies = sizes.copies(words[0])
         result[port] = found = []
         if port in values and (len(words) > 1 or words[0].name != port):
             width = port_width(words, sizes) // copies

@@ -69,11 +69,11 @@ def be_virtual(
 
     from wavehaptics.host.led_hand import LedHand
     from wavehaptics.host.virtual import VirtualBoard
-    from wavehaptics.ladder.linked_pins import LinkedPins
+    from wavehaptics.ladder.linked_pins import linked_pins
 
     if sys.stderr.isatty():
         print("building the simulated board: up to a minute the first time", file=sys.stderr)
-    pins = LinkedPins(loaded)
+    pins = linked_pins(loaded)
     pins.elapse(1)  # compiles the loop
     asked = []
     for number in (signal.SIGINT, signal.SIGTERM):

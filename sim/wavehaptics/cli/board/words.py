@@ -39,7 +39,7 @@ def info(
         "table of words": f"{words['table']:08x}",
         "build": f"{words['build']:08x}",
         "clock": f"{words['clock_hz'] / 1e6:g} MHz",
-        "motors": words["motors"],
+        "motors": f"{words['motors']}, brushless" if found.brushless else words["motors"],
         "options": ", ".join(f"{name} {value}" for name, value in found.options.items() if value),
         **{
             name.replace("_", " "): words[name]

@@ -102,6 +102,8 @@ class Driver:
         self.identification = device.identification
         options = device.identification.options
         self.arms, self.anchored = bool(options["arm"]), bool(options["anchor"])
+        if device.identification.brushless:
+            raise HostError("a brushless motor can't be identified yet; take its data sheet")
         if options["early"]:
             raise HostError("the device's bitstream has EARLY, with which the word zero can't move")
         capture.depth(self._as_client)

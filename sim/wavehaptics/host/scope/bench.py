@@ -7,7 +7,7 @@ With a scene all is known. Without one what the device itself tells is: amperes 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -44,6 +44,12 @@ STEP = ("voltage", "u", "v", "current", "position", "contact", "saturated")
 ANCHOR = ("correction", "offset", "flux", "lag")
 """Live words of a port anchor, of one frame."""
 
+AXIS = ("voltage", "u", "v", "current")
+"""Live words of a brushless motor's second axis, of one frame; they come as ``voltage@1``, ..."""
+
+_TURN = 2.0 * math.pi / 2.0**32
+"""An angle's last place, rad."""
+
 
 @dataclass(frozen=True)
 class Known:
@@ -57,6 +63,8 @@ class Known:
     cell_rad: float | None = None
     start_count: int = 0
     """Where the device's count is 0, in cells of the scene's angle."""
+    starts: bool = False
+    """Whether that is known."""
 
     @classmethod
     def of_scene(cls, path: Path, overrides: tuple[str, ...], *, starts: bool) -> Known:
@@ -65,7 +73,7 @@ class Known:
         ports = controller_ports(scene)
         return cls(
             scene, path, overrides, scene.motor.k_t, ports.settings.cell_rad,
-            ports.start_count if starts else 0,
+            ports.start_count if starts else 0, starts,
         )  # fmt: skip
 
     def but(self, k_t: float | None, counts: int | None) -> Known:
@@ -100,8 +108,15 @@ class Bench:
         self.arms = bool(options["arm"])
         if not options["live"]:
             raise HostError("this board's bitstream tells no live values; build it with LIVE = 1")
-        self._step = self._all(STEP)
-        self._seen = self._all(ANCHOR) if self.anchored else []
+        self.brushless = client.shape.brushless
+        if self.brushless and known.scene is not None and not known.scene.motor.brushless:
+            raise HostError("the device has a brushless motor, and the scene's has brushes")
+        self._step, self._seen = self._all(STEP), self._all(ANCHOR) if self.anchored else []
+        if self.brushless:
+            self._step += self._all(AXIS, 1)
+            self._seen += self._all((*(ANCHOR if self.anchored else ()), "saturated"), 1)
+        self._magnet: tuple[int, int] | None = None
+        """A position and the electrical angle in its middle, both as raw words."""
         self._status = self._all(("faults", "running", "overrun", "armed", "arm_refused"))
         self._clock_hz = client.identification.words["clock_hz"]
         self._sections = options["shaper"]
@@ -111,6 +126,7 @@ class Bench:
             "wall_min", "wall_max", "wall_enable",
             *(("wall_shaped",) if self._sections else ()),
             *(("anchor_enable", "anchor_flux_gain", "anchor_owed_gain") if self.anchored else ()),
+            *(("count_angle",) if self.brushless else ()),
         )  # fmt: skip
         self.refresh()
         self._owes = self.anchored and bool(self._value("anchor_owed_gain"))
@@ -121,11 +137,12 @@ class Bench:
         if table is not None and spring and self._moves:
             self._wish = self._wished(table.stiffness or 0.0, table.damping, self.tau_s)
 
-    def _all(self, names: tuple[str, ...]) -> list[Place]:
-        return [self._place(name) for name in names]
+    def _all(self, names: Iterable[str], motor: int | None = None) -> list[Place]:
+        return [self._place(name, motor) for name in names]
 
-    def _place(self, name: str) -> Place:
-        return readable(places(name, self._client.shape, self._motor)[0])
+    def _place(self, name: str, motor: int | None = None) -> Place:
+        motor = self._motor if motor is None else motor
+        return readable(places(name, self._client.shape, motor)[0])
 
     def refresh(self) -> None:
         """Read the settings that the page shows."""
@@ -148,12 +165,41 @@ class Bench:
 
     def status(self) -> dict[str, int]:
         """Faults and arming, as raw words."""
+        if self.brushless and self.anchored:
+            self._find_magnet()
         raws = self._client.read(self._status)
         return {p.word.name: raw for p, raw in zip(self._status, raws, strict=True)}
 
     def _live(self, found: list[Place]) -> dict[str, float]:
         raws = self._client.read(found)
-        return {p.word.name: p.value(raw) for p, raw in zip(found, raws, strict=True)}
+        names = (f"{p.word.name}@{p.motor}" if p.motor else p.word.name for p in found)
+        return {name: p.value(raw) for name, p, raw in zip(names, found, raws, strict=True)}
+
+    def _find_magnet(self) -> None:
+        """Take the magnets' angle at a position, once the device knows it and the rotor rests."""
+        (found,) = self._client.read([self._place("magnet_found")])
+        if not found:
+            self._magnet = None
+        elif self._magnet is None:
+            position, angle = self._place("position"), self._place("magnet_angle")
+            before, turned, after = (self._client.read([p])[0] for p in (position, angle, position))
+            if before == after:
+                self._magnet = before, turned
+
+    def _theta(self, position: float) -> float | None:
+        """Electrical angle at a position in counts, rad; None while nobody knows it.
+
+        The device's own, with port anchors; without them that of a scene in which it began.
+        """
+        scene = self.known.scene
+        if self._magnet is not None:
+            at, angle = self._magnet
+            counts = (int(position) - at) * int(self._value("count_angle"))
+            return _TURN * ((angle + counts) % 2**32)
+        if self.anchored or scene is None or not self.known.starts:
+            return None
+        pairs = scene.motor.pole_pairs or 0
+        return pairs * (self.place_rad(position) - scene.controller.magnet_hat_rad)
 
     # ---- What is commanded.
 
@@ -368,7 +414,10 @@ class Bench:
             "tau_s": self.tau_s if self._moves else None,
             "tick_s": self.tick_s,
             "stiffness": self.stiffness,
-            "k_l": closed_forms.k_l(scene.motor.k_t, scene.motor.L_h) if scene else None,
+            "k_l": closed_forms.k_l(scene.motor.felt_k_t, scene.motor.L_h) if scene else None,
+            "brushless": self.brushless,
+            "pairs": scene.motor.pole_pairs if scene and self.brushless else None,
+            "magnet": self._magnet is not None if self.brushless and self.anchored else None,
             "wall": [self._edge(self._value(name)) for name in ("wall_min", "wall_max")],
             "wall_there": bool(self._value("wall_enable")),
             "torque": self.known.k_t is not None,
@@ -377,19 +426,33 @@ class Bench:
         }
 
     def row(self, step: Mapping[str, float], seen: Mapping[str, float]) -> dict[str, float]:
-        """A row of a trace, by the names of a simulation's, of one tick's words."""
+        """A row of a trace, by the names of a simulation's, of one tick's words.
+
+        Of a brushless motor the parts along q, NaN while the magnets' angle isn't known, and both
+        axes' currents; its second axis is read a frame later.
+        """
         k_t, contact = self.known.k_t, bool(step["contact"])
+        told = {**seen, **step}
         row = {
             "x": self.place_rad(step["position"]),
-            "i": step["current"],
-            "e_a": step["voltage"],
-            "torque": math.nan if k_t is None else k_t * step["current"],
             "eta": self._value("eta_contact" if contact else "eta_free"),
-            "u": step["u"],
-            "v": step["v"],
             "contact": float(contact),
-            "saturated": step["saturated"],
+            "saturated": max(step["saturated"], seen.get("saturated@1", 0.0)),
         }
-        if seen:
-            row |= {"correction": seen["correction"], "flux": seen["flux"]}
+        if self.brushless:
+            row |= {"i_alpha": step["current"], "i_beta": step["current@1"]}
+            theta = self._theta(step["position"])
+            cos, sin = (math.nan, math.nan) if theta is None else (math.cos(theta), math.sin(theta))
+            told |= {
+                name: told[f"{name}@1"] * cos - told[name] * sin
+                for name in (*AXIS, *ANCHOR)
+                if name in told
+            }
+        row |= {name: told[word] for name, word in _COLUMNS.items() if word in told}
+        row["torque"] = math.nan if k_t is None else k_t * row["i"]
         return row
+
+
+_COLUMNS = {"i": "current", "e_a": "voltage", "u": "u", "v": "v", "correction": "correction",
+            "flux": "flux"}  # fmt: skip
+"""Columns of a trace by the words that they are."""

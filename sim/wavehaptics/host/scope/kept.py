@@ -18,8 +18,10 @@ NAMES = (
     *(column.name.lower() for column in FLOAT_COLUMNS),
     *FLAGS,
     *(column.name.lower() for column in ANCHOR_COLUMNS),
+    "i_alpha",
+    "i_beta",
 )
-"""Arrays of a simulation's trace that a device could tell."""
+"""Arrays of a trace that a device could tell, and both currents of a brushless motor."""
 
 MOST_ROWS = 2_000_000
 """Some ten hours; then the oldest half is forgotten."""

@@ -13,7 +13,7 @@ export class Phase {
     this.reach = null; // half the view: depth and force, eased
   }
 
-  draw({ rows, fit, edge, through, k, leastDepth, leastForce, unit, forceUnit }) {
+  draw({ rows, fit, edge, through, k, pairs, leastDepth, leastForce, unit, forceUnit }) {
     const { context: c, width, height } = cleared(this.canvas);
     const last = rows.at(-1)?.t ?? 0;
     const shown = rows.filter((row) => row.t >= last - TRAIL_S && row.f !== null);
@@ -41,7 +41,9 @@ export class Phase {
     c.beginPath();
     c.rect(...box);
     c.clip();
-    if (k !== null) this.#line(c, at, up, [edge, x1], (x) => through[1] + k * (x - through[0]), colour("design"), 2, [7, 5]);
+    // A brushless motor's wall is a sine of the magnets' turn, which begins as the straight line.
+    const bent = (way) => (pairs ? Math.sin(pairs * way) / pairs : way);
+    if (k !== null) this.#line(c, at, up, [edge, x1], (x) => through[1] + k * bent(x - through[0]), colour("design"), 2, [7, 5], pairs ? 48 : 1);
     for (const row of shown) {
       const age = (last - row.t) / TRAIL_S;
       c.globalAlpha = 0.1 + 0.75 * (1 - age) ** 2;
@@ -62,13 +64,16 @@ export class Phase {
     c.restore();
   }
 
-  #line(c, at, up, ends, of, stroke, width, dash) {
+  #line(c, at, up, ends, of, stroke, width, dash, parts = 1) {
     c.strokeStyle = stroke;
     c.lineWidth = width;
     c.setLineDash(dash);
     c.beginPath();
     c.moveTo(at(ends[0]), up(of(ends[0])));
-    c.lineTo(at(ends[1]), up(of(ends[1])));
+    for (let n = 1; n <= parts; n++) {
+      const x = ends[0] + (n / parts) * (ends[1] - ends[0]);
+      c.lineTo(at(x), up(of(x)));
+    }
     c.stroke();
     c.setLineDash([]);
   }

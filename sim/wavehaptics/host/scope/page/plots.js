@@ -13,6 +13,7 @@ const AXIS = 58;
 const PLOTS = {
   place: ["Place", "mrad", 1e3, [["x", "rotor", "wave"], ["x_hand", "hand", "hand", [5, 4]]]],
   torque: ["Torque", "mN·m", 1e3, [["torque", "of the motor", "second"]]],
+  axes: ["Currents of both axes", "A", 1, [["i_alpha", "α", "wave"], ["i_beta", "β", "second"]]],
   voltage: ["Voltage", "V", 1, [["e_a", "asked for", "wave"]]],
   waves: ["Waves", "√W", 1, [["u", "u, out", "wave"], ["v", "v, back", "second"]]],
   flux: ["χ, waves against encoder", "cells", 1, [["flux", "χ", "wave"]]],
@@ -27,8 +28,8 @@ export class Plots {
   }
 
   // Choose what is there: without a motor's data amperes and counts.
-  shape({ torque, rad, hand, flux }) {
-    const key = JSON.stringify([torque, rad, hand, flux]);
+  shape({ torque, rad, hand, flux, axes }) {
+    const key = JSON.stringify([torque, rad, hand, flux, axes]);
     if (key === this.key) return;
     this.key = key;
     this.chosen = structuredClone(PLOTS);
@@ -36,6 +37,7 @@ export class Plots {
     if (!rad) [this.chosen.place[1], this.chosen.place[2]] = ["counts", 1];
     if (!hand) this.chosen.place[3].length = 1;
     if (!flux) delete this.chosen.flux;
+    if (!axes) delete this.chosen.axes;
     this.#anew();
   }
 

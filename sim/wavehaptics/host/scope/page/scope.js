@@ -114,12 +114,14 @@ function shape(live) {
   stage.view = [min - room, max + room];
   stage.canvas.setAttribute("aria-valuemin", stage.view[0]);
   stage.canvas.setAttribute("aria-valuemax", stage.view[1]);
-  by("hint").textContent = !stage.led ? "turn the motor by hand" : live && !state.running ? "arm it, then drag the ring into the wall" : "drag the ring, or use ← →";
+  const lost = live && state.running && state.magnet === false;
+  by("hint").textContent = lost ? "turn the rotor briskly in free space: its magnets' angle isn't known yet" : !stage.led ? "turn the motor by hand" : live && !state.running ? "arm it, then drag the ring into the wall" : "drag the ring, or use ← →";
   by("time-unit").textContent = state.virtual || state.speed !== null ? "simulated time" : "";
   by("k-design").textContent = result(state.stiffness);
   by("k-l").textContent = result(state.k_l);
   for (const unit of document.getElementsByClassName("k-unit")) unit.textContent = torque ? (rad ? "N·m/rad" : "N·m/count") : rad ? "A/rad" : "A/count";
-  plots.shape({ torque, rad, hand: stage.led, flux: "flux" in last });
+  by("k-l-is").innerHTML = state.brushless ? "K<sub>L</sub> = 1.5 (pψ)²/L" : "K<sub>L</sub> = k<sub>T</sub>²/L";
+  plots.shape({ torque, rad, hand: stage.led, flux: "flux" in last, axes: state.brushless });
   if (live) sliders.show(state.sliders, rad, state);
 }
 
@@ -134,7 +136,7 @@ function draw(now) {
   const most = Math.max(0.02, ...data.rows.slice(-600).map((row) => Math.abs(row.f ?? 0)));
   stage.draw({ x: last.x, f: last.f, fMost: most, wall: state.wall, there: state.wall_there, alive: there && state.live, counts: !state.rad });
   phase.draw({
-    rows: data.rows, fit: data.fit, edge: state.wall[0], through: data.through(), k: data.k,
+    rows: data.rows, fit: data.fit, edge: state.wall[0], through: data.through(), k: data.k, pairs: state.rad ? state.pairs : null,
     leastDepth: state.rad ? 4e-3 : 10, leastForce: state.torque ? 0.02 : 0.2,
     unit: state.rad ? RAD : COUNTS, forceUnit: state.torque ? TORQUE : CURRENT,
   });
