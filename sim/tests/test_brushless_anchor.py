@@ -221,11 +221,12 @@ def test_free_space_is_free_through_turns_of_the_magnets():
         ("hand.path='sine'", "hand.frequency_hz=5", "hand.amplitude_rad=0.6",
          "controller.tick_hz=20e3", "controller.lambda=1e4"),
         ("drive.limit_v=0.5", "controller.edge_hysteresis=true", "controller.extra_ticks=3"),
+        ("drive.limit_v=0.3", "controller.anchor_limit_v=1.0"),
         ("hand.path='sine'", "hand.frequency_hz=3", "hand.amplitude_rad=0.3", "hand.damping=1e-3",
          "controller.find_magnet=true", "adc.offset_a=0.4e-3", "scene.duration_s=0.25",
          "controller.magnet_hat_rad=0", "motor.magnet_rad=0.05", "controller.walls=[[0.25, 1.0]]"),
     ],
-    ids=["pressed", "counts-in-leaps", "limited", "magnets-to-be-found"],
+    ids=["pressed", "counts-in-leaps", "limited", "no-room-left", "magnets-to-be-found"],
 )  # fmt: skip
 def test_core_is_golden(sets: tuple[str, ...]):
     scene = held("scene.duration_s=0.05", *sets)
