@@ -14,14 +14,7 @@ from importlib.metadata import version
 from typing import Any
 
 from wavehaptics.controller import guard
-from wavehaptics.controller.pins_timing import (
-    CORE_CLOCKS,
-    SECTION_CLOCKS,
-    early_tick_clocks,
-    shared_tick_clocks,
-)
-from wavehaptics.controller.ports import Ports, controller_ports
-from wavehaptics.controller.tick_layout import natural_ticks
+from wavehaptics.controller.ports import Ports, controller_ports, hold_ticks
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.brushless import magnet_words
 from wavehaptics.parts.adcs import Part, frame
@@ -109,7 +102,7 @@ def board_words(
     words = {
         **ports.words, **_each_motor(ports.settings.words(), motors),
         **(magnet_words(scene, ports.settings, ports.start_count) if scene.motor.brushless else {}),
-        "hold_ticks": _hold_ticks(scene, ports, motors, shared),
+        "hold_ticks": hold_ticks(scene, ports, motors, shared=shared),
         "zero_limit": min(
             round(zero_a / formats.GAIN.to_value(ports.words["gain"])),
             WORDS["zero_limit"].fixed.raw_max,
@@ -153,37 +146,6 @@ def _guard(scene: Scene, ports: Ports, trip_a: float | None) -> int:
         )
     limits = guard.board_limits(scene, ports, trip_a)
     return guard.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)
-
-
-def _hold_ticks(scene: Scene, ports: Ports, motors: int, shared: bool) -> int:
-    """Ticks that a voltage waits, so that the latency is the scene's ``extra_ticks``."""
-    if scene.motor.brushless:
-        return ports.timing.hold_ticks  # of one motor, whose tick is long enough
-    laid, lead = ports.timing, ports.words["sample_lead"] - ports.words["sample_late"]
-    sections = len(ports.settings.shaper.words)
-    natural = natural_ticks(
-        laid.tick_clocks, laid.samples, lead, laid.frame, motors, sections, laid.early,
-        ports.settings.anchored,
-    )  # fmt: skip
-    extra = ports.settings.extra_ticks
-    if extra < natural:
-        raise scene.refusal(
-            f"controller.extra_ticks = {extra} is less than the board needs: a voltage "
-            f"is ready {natural} ticks of {laid.tick_clocks} clocks late; set extra_ticks = "
-            f"{natural} or more",
-            "controller.extra_ticks",
-        )
-    early = early_tick_clocks(motors, ports.settings.anchored)
-    needed = early if laid.early else (CORE_CLOCKS + SECTION_CLOCKS * sections) * motors
-    if shared:
-        needed = max(needed, shared_tick_clocks(motors, ports.settings.anchored))
-    if needed > laid.tick_clocks:
-        raise scene.refusal(
-            f"a tick of {laid.tick_clocks} clocks is shorter than the "
-            f"{needed} that {motors} motors need; lower controller.tick_hz",
-            "controller.tick_hz",
-        )
-    return extra - natural
 
 
 def first_values(board: BoardWords, motors: int) -> Values:
