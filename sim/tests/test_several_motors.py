@@ -4,12 +4,16 @@
 from __future__ import annotations
 
 import re
+import time
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
 from test_virtual_board import BOARD, TOP, command, refused, run, start, stop, told, value
 from wavehaptics.host.names import Shape, settings
+from wavehaptics.host.scope.bench import Known
+from wavehaptics.host.scope.feed import Feed
+from wavehaptics.host.scope.plug import Plug
 from wavehaptics.ladder import pins_loop
 from wavehaptics.ladder.linked_motors import LinkedMotors
 from wavehaptics.ladder.linked_pins import LinkedPins
@@ -177,3 +181,57 @@ def test_a_hand_of_no_motor(tmp_path):
                            "--hand-of", "1")  # fmt: skip
     assert (status, out) == (2, "")
     assert err == "wavehaptics: --hand-of 1: there is no such motor; take 0...0\n"
+
+
+# ---- The scope.
+
+
+WALL = ("controller.tick_hz=20e3", "controller.extra_ticks=2")
+"""Of live_wall, whose W takes clocks as well."""
+
+
+def wait(done, end_s: float = 300.0) -> None:
+    end = time.monotonic() + end_s
+    while not done():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def test_the_scope_shows_the_motor_that_was_asked_for(tmp_path):
+    """Streamed: the hand that is led turns motor 2, whose wall is moved, and motor 0 stays."""
+    sets = [word for text in WALL for word in ("--set", text)]
+    link, hand = tmp_path / "board", tmp_path / "hand"
+    process = command("--virtual", "live_wall", *sets, "--motors", "3", "--link", str(link),
+                      "--hand", str(hand), "--hand-of", "2")  # fmt: skip
+    feeds = []
+    try:
+        assert process.stdout.readline().startswith("/dev/")
+        known = Known.of_scene(find_scene("live_wall"), WALL, starts=True)
+        places_ = {}
+        for motor in (2, 0):
+            plug = Plug(str(link), hand if motor == 2 else None)
+            feed = Feed(plug, known, unit=1, motor=motor, timeout_s=60.0)
+            feeds.append(feed)
+            feed.start()
+            wait(lambda feed=feed: feed.state()["row_hz"])
+            if motor == 2:
+                wait(lambda feed=feed: feed.state()["hand"] is not None)
+                feed.ask(lambda bench: bench.slide("wall", 0.05)).result(300.0)
+                feed.lead(-0.02)
+            else:
+                assert feed.state()["wall"][0] == pytest.approx(0.0, abs=1e-9)
+            count = len(feed.kept)
+            wait(lambda feed=feed, count=count: len(feed.kept) > count + 300)
+            places_[motor] = feed.fresh()[-1]["x"]
+            feed.end()
+        assert feeds[0].state()["wall"][0] == pytest.approx(0.05, abs=1e-3)
+        assert places_[2] == pytest.approx(-0.02, abs=5e-3)
+        assert abs(places_[0] - places_[2]) > 0.01
+        unknown = Feed(Plug(str(link)), known, unit=1, motor=3, timeout_s=60.0)
+        feeds.append(unknown)
+        unknown.start()
+        wait(lambda: "no motor 3; take --motor 0...2" in unknown.state()["problem"])
+    finally:
+        for feed in feeds:
+            feed.end()
+        assert stop(process) == 0
