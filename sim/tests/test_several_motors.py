@@ -69,7 +69,7 @@ def test_each_motor_has_its_own_settings_and_hand():
 def test_requests_of_a_further_motor():
     """They are its own words, as many as the first one's, and none of the board's."""
     values = {"root": 5, "wall_min": [1, 2], "half_clocks": 24}
-    first, second = (dict(settings_requests(values, motor)) for motor in (0, 1))
+    first, second = (dict(settings_requests(values, motor=motor)) for motor in (0, 1))
     assert second == {WORDS["root"].at(1): 5, WORDS["wall_min"].at(1): 1,
                       WORDS["wall_min"].at(1, 1): 2}  # fmt: skip
     assert first == {WORDS["root"].at(): 5, WORDS["wall_min"].at(): 1,

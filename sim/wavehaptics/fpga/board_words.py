@@ -29,7 +29,7 @@ ZERO_A = 0.1
 """Offset of the current beyond which a board's sensor isn't what the scene says."""
 
 LINKED_WALLS = 4
-"""Walls of a motor, at least, where they can be changed."""
+"""Walls of a motor, at least, where they can be changed, unless a board says another number."""
 
 CHANGEABLE = (
     "wh_current.current", "wh_wave_core.eta", "wh_wave_core.wave", "wh_anchor.anchor",
@@ -56,6 +56,8 @@ class BoardWords:
     """Whether there is a line over which some of the words can be changed."""
     capture: int = 0
     """Words that a capture takes, 2^this; 0 where there is none."""
+    linked_walls: int = LINKED_WALLS
+    """Walls of a motor, at least, where there is a line over which they are changed."""
     stream: bool = False
     """Whether live words can be sent as a stream."""
     host: bool = False
@@ -68,7 +70,7 @@ class BoardWords:
     @property
     def walls(self) -> int:
         """Walls of a motor, some of them empty where the scene has fewer."""
-        return max(LINKED_WALLS if self.linked else 1, len(self.ports.walls))
+        return max(self.linked_walls if self.linked else 1, len(self.ports.walls))
 
 
 def board_words(
@@ -76,6 +78,7 @@ def board_words(
     pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
     delay_log2: int = 1, linked: bool = False, capture: int = 0,
     stream: bool = False, legs: int = LEGS, shared: bool = False,
+    linked_walls: int = LINKED_WALLS,
 ) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
 
@@ -115,8 +118,8 @@ def board_words(
     delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
     word = _guard(scene, ports, trip_a) if guarded else None
     return BoardWords(
-        ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked and stream,
-        scene.host is not None, legs, shared,
+        ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked_walls,
+        linked and stream, scene.host is not None, legs, shared,
     )  # fmt: skip
 
 

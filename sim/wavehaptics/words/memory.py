@@ -50,8 +50,6 @@ def apart(values: Values) -> dict[str, int | list[int]]:
     return found
 
 
-def settings_requests(
-    values: Values, legs: int = LEGS, motor: int = 0
-) -> list[tuple[int, int]]:
+def settings_requests(values: Values, legs: int = LEGS, motor: int = 0) -> list[tuple[int, int]]:
     """As :func:`requests`, of words and of ports with several of them."""
     return requests(apart(values), legs, motor)
