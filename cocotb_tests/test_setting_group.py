@@ -2,9 +2,29 @@
 """Runs :mod:`tb_setting_group` on each simulator."""
 
 import pytest
-from simulators import simulate
+from simulators import BUILD_DIR, simulate
+
+HEADER = """
+`WH_SETTINGS_WORD('h140, 1, 3'b111, 8'h41, 32'd1)
+`WH_SETTINGS_WORD('h144, 1, 3'b111, (8'he1 | ((EARLY != 0) ? 8'h01 : 8'h00)), 32'hffffffed)
+`WH_SETTINGS_WORD('h044, 1, 3'b111, 8'he1, 32'd3)
+`WH_SETTINGS_TOLD('h148, 2 * WALLS, 3'b111, 8'hc1)
+`WH_SETTINGS_BOUNDS(1, 0, DELAY_LOG2)
+"""
+"""Of a board that has the group's second word as fixed, at what it takes of a word of 5 bits."""
 
 
 @pytest.mark.parametrize("staged", [1, 0])
 def test_setting_group(simulator: str, staged: int) -> None:
     simulate(simulator, "bench_setting_group", "tb_setting_group", {"STAGED": staged})
+
+
+@pytest.mark.parametrize("staged", [1, 0])
+def test_a_boards_fixed_words_are_constants(simulator: str, staged: int) -> None:
+    folder = BUILD_DIR / "setting_group-fixed"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "wh_board_settings_rom.vh").write_text(HEADER, encoding="utf-8")
+    simulate(
+        simulator, "bench_setting_group", "tb_setting_group", {"STAGED": staged},
+        includes=[folder], defines={"WH_BOARD_FIXED": 1},
+    )  # fmt: skip

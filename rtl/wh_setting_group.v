@@ -9,6 +9,9 @@
 // STAGED = 0, for words that change with the bridges off only: nothing is staged, and a word becomes
 // active as wh_settings copies it, if hold_i is low. That takes half the flip-flops.
 //
+// With the macro WH_BOARD_FIXED a word that a board's wh_board_settings_rom.vh has as fixed is a constant:
+// nothing can write it, and the logic behind it is made for the one value.
+//
 // Latency: words_o change with the clock edge behind that of change_i or copy_i.
 // Reset: nothing is pending. The words stay what they are, or unknown; wh_settings gives them all.
 
@@ -56,6 +59,35 @@ module wh_setting_group #(
         end
     endgenerate
 
+`ifdef WH_BOARD_FIXED
+    // What rows of words that can change are written with; these are not fixed, whatever it is.
+    localparam integer WALLS  = 1;
+    localparam integer SHAPER = 1;
+    localparam integer EARLY  = 0;
+
+    // A word, below whether it is fixed: one of the board's, or of a motor's, in all of which it is the same.
+    function [32:0] fixed_word;
+        input integer address;  // in its part; 0x100 more for a motor's
+        integer i;
+        begin
+            fixed_word = 33'd0;
+`define WH_SETTINGS_WORD(FIRST, COPIES, WHO, INFO, DEFAULT) \
+            for (i = FIRST; i < FIRST + (COPIES); i = i + 1) begin \
+                if (i == address) begin \
+                    fixed_word[32]   = (((INFO) & 8'he0) == 8'he0); \
+                    fixed_word[31:0] = DEFAULT; \
+                end \
+            end
+`define WH_SETTINGS_TOLD(FIRST, COPIES, WHO, INFO)
+`define WH_SETTINGS_BOUNDS(TYPE, LEAST, GREATEST)
+`include "wh_board_settings_rom.vh"
+`undef WH_SETTINGS_WORD
+`undef WH_SETTINGS_TOLD
+`undef WH_SETTINGS_BOUNDS
+        end
+    endfunction
+`endif
+
     wire here = (address_i[11:8] == PART);
     wire change;
 
@@ -83,13 +115,23 @@ module wh_setting_group #(
             localparam [31:0]    OFFSET  = n * {24'd0, STRIDE};
             localparam [7:0]     ADDRESS = FIRST + OFFSET[7:0];
 
-            reg  [WIDTH-1:0] active_q;
-            wire             mine = here && (address_i[7:0] == ADDRESS);
+`ifdef WH_BOARD_FIXED
+            localparam [32:0]    FIXED   = fixed_word({23'd0, PART != 4'd0, ADDRESS});
+`else
+            localparam [32:0]    FIXED   = 33'd0;
+`endif
 
-            assign words_o[LOW +: WIDTH] = active_q;
+            wire mine = here && (address_i[7:0] == ADDRESS);
 
-            if (STAGED != 0) begin : staged
+            if (FIXED[32]) begin : fixed
+                wire unused_bus = &{1'b0, mine, change, data_i[WIDTH-1:0]};
+
+                assign words_o[LOW +: WIDTH] = FIXED[WIDTH-1:0];
+            end else if (STAGED != 0) begin : staged
                 reg [WIDTH-1:0] staged_q;
+                reg [WIDTH-1:0] active_q;
+
+                assign words_o[LOW +: WIDTH] = active_q;
 
                 always @(posedge clk) begin
                     if ((write_i || copy_i) && mine) begin
@@ -100,6 +142,10 @@ module wh_setting_group #(
                     end
                 end
             end else begin : direct
+                reg [WIDTH-1:0] active_q;
+
+                assign words_o[LOW +: WIDTH] = active_q;
+
                 always @(posedge clk) begin
                     if (change && mine) begin
                         active_q <= data_i[WIDTH-1:0];

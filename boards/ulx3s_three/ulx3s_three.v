@@ -2,7 +2,7 @@
 //
 // ulx3s_three: three motors on a ULX3S (ECP5): pads, PLL, oscillator and reset.
 //
-// The clock is 75 MHz, an eighth of the VCO's 25 MHz * 24. README.md has the wiring.
+// The clock is 60 MHz, a tenth of the VCO's 25 MHz * 24. README.md has the wiring.
 // Reset: until the PLL has been locked for 2^16 clocks.
 
 `default_nettype none
@@ -22,6 +22,8 @@ module ulx3s_three (
     output wire [2:0] gate_bl,
     output wire       alive,
 
+    input  wire       uart_rx,       // USB serial, 115,200 bits a second at first
+    output wire       uart_tx,
     input  wire       button_start,
     input  wire       stop,          // open, so high, is stop
     output wire       led_running,
@@ -40,7 +42,7 @@ module ulx3s_three (
         .CLKI_DIV  (1),
         .CLKFB_DIV (1),
         .CLKOP_DIV (24),
-        .CLKOS_DIV (8)
+        .CLKOS_DIV (10)
     ) pll (
         .clk_i     (clk_25mhz),
         .clk_o     (clk),
@@ -97,16 +99,13 @@ module ulx3s_three (
         .adc_sdata_i (adc_sdata)
     );
 
-    wire uart_tx;
-    wire unused = &{1'b0, uart_tx};
-
     wh_board_controller board_controller (
         .clk          (clk),
         .rst          (rst),
         .start_i      (button_start),
         .stop_i       (stop),
         .clock_lost_i (clock_lost),
-        .uart_rx_i    (1'b1),
+        .uart_rx_i    (uart_rx),
         .uart_tx_o    (uart_tx),
         .adc_cs_n_o   (reader_cs_n),
         .adc_sclk_o   (reader_sclk),

@@ -271,13 +271,13 @@ def test_sliders_write_what_a_scene_would(slides, overrides):
 
 def test_back_and_forth(bench):
     """η through damping and λ through its range leave no trace."""
-    before = dict(bench._client.words)
+    before = dict(bench.client.words)
     for name, value in {"eta": 0.0, "lambda": 200.0, "wall": 0.1, "soft": 1.0}.items():
         kept = bench.shown()["sliders"][name]["value"]
         bench.slide(name, value)
         assert bench.shown()["sliders"][name]["value"] == pytest.approx(value, abs=2e-4, rel=1e-3)
         bench.slide(name, kept)
-    now = bench._client.words
+    now = bench.client.words
     assert {a for a in before if abs(before[a] - now[a]) > 1} == set()
 
 
@@ -295,11 +295,11 @@ def test_back_and_forth(bench):
     ],
 )
 def test_sliders_that_are_refused(bench, name, value, message):
-    before = dict(bench._client.words)
+    before = dict(bench.client.words)
     with pytest.raises(HostError, match=message) as error:
         bench.slide(name, value)
     assert "\n" not in str(error.value)
-    assert bench._client.words == before
+    assert bench.client.words == before
 
 
 def test_words_by_name(bench):
@@ -326,7 +326,7 @@ def test_words_with_which_nothing_is_rendered(bench, text, soft):
     assert "stiffness" not in shown["sliders"]
     with pytest.raises(HostError):
         bench.slide("eta", -0.5)
-    again = Bench(bench._client, bench.known)
+    again = Bench(bench.client, bench.known)
     json.dumps(again.shown(), allow_nan=False)
     bench.set_word("root=2")
     bench.slide("lambda", 1e3)

@@ -238,6 +238,30 @@ def test_positions_go_on_beyond_16_bits():
     assert negative["position"][0] == -3 * 65_536 + 67_500 - 65_536 + 65_536 * (67_000 < 65_536)
 
 
+def test_a_stream_that_lasts_is_taken_in_parts():
+    """Together they are what one call gives: times, positions, packets lost between two parts."""
+    numbers = [0, 1, 3, 4, 8]
+    packets = [packet(number, [[(4000 * number + n) % 30_000, 7] for n in range(30)])
+               for number in numbers]  # fmt: skip
+    whole = taken(packets, "position", "current", position=(1 << 32) - 2)
+    live = Stream(Streams([], position=(1 << 32) - 2), ("position", "current"))
+    parts = []
+    with live:
+        for several in (packets[:2], packets[2:3], [], packets[3:]):
+            for each in several:
+                live._take(each)
+            parts.append(live.fresh())
+            assert live._packets == []
+    assert [part.lost_packets for part in parts] == [0, 1, 0, 3]
+    assert live.lost == whole.lost_packets == 4
+    assert live.seconds == pytest.approx(len(whole.t) * whole.plan.row_s)
+    for values in (lambda found: found.t, lambda found: found.lost,
+                   lambda found: found["position"], lambda found: found["current"]):  # fmt: skip
+        np.testing.assert_array_equal(np.concatenate([values(part) for part in parts]),
+                                      values(whole))  # fmt: skip
+    assert len(live.found().t) == 0
+
+
 def test_words_at_their_ends_are_told():
     rows = [[0x7FFF, -0x8000]] * 2 + [[5, 6]] * 28
     found = taken([packet(0, rows)], "current:4", "u")
@@ -285,6 +309,9 @@ def test_the_line_sets_the_decimation():
     slow = Streams([])
     slow._baud = modbus.BAUDS[0]
     assert stream.plan(slow, ["u", "v", "current", "position"]).rows.decimation == 1024
+    for most_hz, ticks in ((1e3, 1024), (2e5, 32)):
+        fewer = stream.plan(Streams([]), ["u", "v", "current", "position"], most_hz=most_hz)
+        assert fewer.rows.decimation == ticks
     one = stream.plan(Streams([]), ["bus"])
     assert (one.rows.decimation, one.shifts, one.packet_rows) == (8, (1,), PACKET_WORDS)
 

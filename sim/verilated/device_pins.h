@@ -13,10 +13,21 @@
 
 constexpr bool kBrushless = kLegs == 3;
 
+// The lowest 64 bits of a signal, in which the first motor's word is, or both axes'.
+template <class Signal>
+uint64_t lowest(const Signal &signal) {
+    if constexpr (requires { signal[0]; }) {
+        return signal[0] | static_cast<uint64_t>(signal[1]) << 32;
+    } else {
+        return signal;
+    }
+}
+
 // The signed word of a motor, or of an axis, out of all.
-inline int64_t signed_word(uint64_t raw, int part = 0) {
+template <class Signal>
+int64_t signed_word(const Signal &signal, int part = 0) {
     constexpr int kUnused = 64 - WH_DATA_W;
-    return static_cast<int64_t>(raw >> part * WH_DATA_W << kUnused) >> kUnused;
+    return static_cast<int64_t>(lowest(signal) >> part * WH_DATA_W << kUnused) >> kUnused;
 }
 
 // Bits of the ADCs, then encoder A and B.
@@ -43,7 +54,7 @@ int64_t pins_of(const Top &top, const Root *root, bool step) {
 // The words of the newest step.
 template <class Root>
 void words_of(const Root *root, int64_t *words) {
-    const auto both = [&words](uint64_t raw) {
+    const auto both = [&words](const auto &raw) {
         *words++ = signed_word(raw);
         if (kBrushless) *words++ = signed_word(raw, 1);
     };
@@ -58,5 +69,5 @@ void words_of(const Root *root, int64_t *words) {
     both(SIGNAL(flux));
     both(SIGNAL(lag));
     *words++ = SIGNAL(anchor_fault) & 1;
-    *words++ = static_cast<int32_t>(SIGNAL(position));
+    *words++ = static_cast<int32_t>(lowest(SIGNAL(position)));
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// C interface to the Verilated wh_linked_device, of one motor: device_shim.cpp, with a serial line in
-// place of the bus.
+// C interface to the Verilated wh_linked_device, of one motor or several: device_shim.cpp, with a serial
+// line in place of the bus.
 
 #include <algorithm>
 #include <cstdint>
@@ -30,6 +30,7 @@ struct Linked {
     int64_t clocks = 0;
     UartHost host;
     int64_t tick_clocks = 0;
+    int motors = 1;
     int64_t silent_clocks = 0;  // since the last step, or what stands in for one
     int silent_ticks = 0;
 
@@ -39,6 +40,30 @@ struct Linked {
 constexpr int64_t kMostSetupClocks = 1 << 24;
 constexpr int kSilentTicks = 4;
 constexpr int kAnswer = 8;  // bytes, to a write
+
+constexpr int kMotorInputs = 3;
+constexpr int kMotorGates = 4;
+constexpr int kGates = 9;  // place of the first motor's, where there are several
+
+// A bit for each line of an ADC.
+int all_lines(const Linked *linked) { return kBrushless ? 1 : (1 << linked->motors) - 1; }
+
+// Of several motors: those of each, as set_inputs has them of one.
+void set_all_inputs(Linked *linked, int64_t inputs) {
+    if (linked->motors == 1) {
+        set_inputs(linked->top, inputs);
+        return;
+    }
+    int sdata = 0, a = 0, b = 0;
+    for (int n = 0; n < linked->motors; ++n, inputs >>= kMotorInputs) {
+        sdata |= (inputs & 1) << n;
+        a |= (inputs >> 1 & 1) << n;
+        b |= (inputs >> 2 & 1) << n;
+    }
+    linked->top.adc_sdata_i = sdata;
+    linked->top.enc_a_i = a;
+    linked->top.enc_b_i = b;
+}
 
 void clock(Linked *linked) {
     auto &top = linked->top;
@@ -59,7 +84,7 @@ bool pass(Linked *linked, Done done) {
     bool sclk = top.adc_sclk_o;
     for (int64_t n = 0; n < kMostSetupClocks; ++n) {
         if (done()) return true;
-        if (top.adc_sclk_o && !sclk) top.adc_sdata_i = !top.adc_sdata_i;
+        if (top.adc_sclk_o && !sclk) top.adc_sdata_i = top.adc_sdata_i ? 0 : all_lines(linked);
         sclk = top.adc_sclk_o;
         clock(linked);
         end_clock(linked);
@@ -79,13 +104,14 @@ int64_t restart(Linked *linked, const uint8_t *frame, int64_t count) {
 extern "C" {
 
 // A device after reset, with its defaults and the bridges off.
-void *wh_linked_new(int64_t inputs, int64_t tick_clocks) {
+void *wh_linked_new(int64_t inputs, int64_t tick_clocks, int64_t motors) {
     auto *linked = new Linked;
     auto &top = linked->top;
     linked->tick_clocks = tick_clocks;
-    set_inputs(top, inputs);
+    linked->motors = motors;
+    set_all_inputs(linked, inputs);
     top.stop_i = 1;
-    top.driver_fault_i = 1;
+    top.driver_fault_i = (1 << motors) - 1;
     top.uart_rx_i = 1;
     top.rst = 1;
     top.eval();
@@ -180,7 +206,24 @@ int64_t wh_linked_clock(int64_t model, int64_t inputs) {
     return out;
 }
 
-// As wh_pins_words, or wh_brushless_words.
+// One clock of several motors, with three inputs and four gates of each, these from bit 9 on; what they
+// share stands where the loop of one motor has it.
+int64_t wh_linked_clock_all(int64_t model, int64_t inputs) {
+    auto *linked = reinterpret_cast<Linked *>(model);
+    auto &top = linked->top;
+    set_all_inputs(linked, inputs);
+    clock(linked);
+    int64_t out = top.adc_cs_n_o << 4 | top.adc_sclk_o << 5 | top.tick_o << 6;
+    for (int n = 0; n < linked->motors; ++n) {
+        const int64_t gates = (top.gate_ah_o >> n & 1) | (top.gate_al_o >> n & 1) << 1 |
+                              (top.gate_bh_o >> n & 1) << 2 | (top.gate_bl_o >> n & 1) << 3;
+        out |= gates << (kGates + kMotorGates * n);
+    }
+    end_clock(linked);
+    return out;
+}
+
+// As wh_pins_words, of the first motor, or wh_brushless_words.
 int64_t wh_linked_words(int64_t model, int64_t words_address) {
     words_of(reinterpret_cast<Linked *>(model)->root, reinterpret_cast<int64_t *>(words_address));
     return 0;

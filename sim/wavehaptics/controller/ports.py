@@ -9,6 +9,12 @@ from dataclasses import dataclass
 from wavehaptics.controller import bus_scale
 from wavehaptics.controller.early import slope_fits
 from wavehaptics.controller.modulator import width_bounds
+from wavehaptics.controller.pins_timing import (
+    CORE_CLOCKS,
+    SECTION_CLOCKS,
+    early_tick_clocks,
+    shared_tick_clocks,
+)
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.controller.tick_layout import (
     MOST_SAMPLES,
@@ -16,6 +22,7 @@ from wavehaptics.controller.tick_layout import (
     Timing,
     bridge_mode,
     dead_clocks,
+    natural_ticks,
     pulse_delay,
     sample_lead,
     scene_frame,
@@ -159,6 +166,41 @@ def controller_ports(
             "controller.early_duty",
         )
     return Ports(time, set_, sensor, start_count, words, _port_walls(set_, start_count))
+
+
+def hold_ticks(scene: Scene, ports: Ports, motors: int, *, shared: bool = False) -> int:
+    """Ticks that a voltage of ``motors`` on one core waits, so that the latency is the scene's.
+
+    ``shared`` is the multiplier. :class:`SceneError` where the tick is too short for them, or the
+    scene's ``extra_ticks``.
+    """
+    if scene.motor.brushless:
+        return ports.timing.hold_ticks  # of one motor, whose tick is long enough
+    laid, lead = ports.timing, ports.words["sample_lead"] - ports.words["sample_late"]
+    sections = len(ports.settings.shaper.words)
+    natural = natural_ticks(
+        laid.tick_clocks, laid.samples, lead, laid.frame, motors, sections, laid.early,
+        ports.settings.anchored,
+    )  # fmt: skip
+    extra = ports.settings.extra_ticks
+    if extra < natural:
+        raise scene.refusal(
+            f"controller.extra_ticks = {extra} is less than the board needs: a voltage "
+            f"is ready {natural} ticks of {laid.tick_clocks} clocks late; set extra_ticks = "
+            f"{natural} or more",
+            "controller.extra_ticks",
+        )
+    early = early_tick_clocks(motors, ports.settings.anchored)
+    needed = early if laid.early else (CORE_CLOCKS + SECTION_CLOCKS * sections) * motors
+    if shared:
+        needed = max(needed, shared_tick_clocks(motors, ports.settings.anchored))
+    if needed > laid.tick_clocks:
+        raise scene.refusal(
+            f"a tick of {laid.tick_clocks} clocks is shorter than the "
+            f"{needed} that {motors} motors need; lower controller.tick_hz",
+            "controller.tick_hz",
+        )
+    return extra - natural
 
 
 def _min_pulse(scene: Scene, time: Timing) -> int:

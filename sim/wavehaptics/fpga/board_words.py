@@ -14,14 +14,7 @@ from importlib.metadata import version
 from typing import Any
 
 from wavehaptics.controller import guard
-from wavehaptics.controller.pins_timing import (
-    CORE_CLOCKS,
-    SECTION_CLOCKS,
-    early_tick_clocks,
-    shared_tick_clocks,
-)
-from wavehaptics.controller.ports import Ports, controller_ports
-from wavehaptics.controller.tick_layout import natural_ticks
+from wavehaptics.controller.ports import Ports, controller_ports, hold_ticks
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.brushless import magnet_words
 from wavehaptics.parts.adcs import Part, frame
@@ -36,7 +29,7 @@ ZERO_A = 0.1
 """Offset of the current beyond which a board's sensor isn't what the scene says."""
 
 LINKED_WALLS = 4
-"""Walls of a motor, at least, where they can be changed."""
+"""Walls of a motor, at least, where they can be changed, unless a board says another number."""
 
 CHANGEABLE = (
     "wh_current.current", "wh_wave_core.eta", "wh_wave_core.wave", "wh_anchor.anchor",
@@ -63,6 +56,8 @@ class BoardWords:
     """Whether there is a line over which some of the words can be changed."""
     capture: int = 0
     """Words that a capture takes, 2^this; 0 where there is none."""
+    linked_walls: int = LINKED_WALLS
+    """Walls of a motor, at least, where there is a line over which they are changed."""
     stream: bool = False
     """Whether live words can be sent as a stream."""
     host: bool = False
@@ -75,7 +70,7 @@ class BoardWords:
     @property
     def walls(self) -> int:
         """Walls of a motor, some of them empty where the scene has fewer."""
-        return max(LINKED_WALLS if self.linked else 1, len(self.ports.walls))
+        return max(self.linked_walls if self.linked else 1, len(self.ports.walls))
 
 
 def board_words(
@@ -83,6 +78,7 @@ def board_words(
     pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
     delay_log2: int = 1, linked: bool = False, capture: int = 0,
     stream: bool = False, legs: int = LEGS, shared: bool = False,
+    linked_walls: int = LINKED_WALLS,
 ) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
 
@@ -109,7 +105,7 @@ def board_words(
     words = {
         **ports.words, **_each_motor(ports.settings.words(), motors),
         **(magnet_words(scene, ports.settings, ports.start_count) if scene.motor.brushless else {}),
-        "hold_ticks": _hold_ticks(scene, ports, motors, shared),
+        "hold_ticks": hold_ticks(scene, ports, motors, shared=shared),
         "zero_limit": min(
             round(zero_a / formats.GAIN.to_value(ports.words["gain"])),
             WORDS["zero_limit"].fixed.raw_max,
@@ -122,8 +118,8 @@ def board_words(
     delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
     word = _guard(scene, ports, trip_a) if guarded else None
     return BoardWords(
-        ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked and stream,
-        scene.host is not None, legs, shared,
+        ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked_walls,
+        linked and stream, scene.host is not None, legs, shared,
     )  # fmt: skip
 
 
@@ -153,37 +149,6 @@ def _guard(scene: Scene, ports: Ports, trip_a: float | None) -> int:
         )
     limits = guard.board_limits(scene, ports, trip_a)
     return guard.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)
-
-
-def _hold_ticks(scene: Scene, ports: Ports, motors: int, shared: bool) -> int:
-    """Ticks that a voltage waits, so that the latency is the scene's ``extra_ticks``."""
-    if scene.motor.brushless:
-        return ports.timing.hold_ticks  # of one motor, whose tick is long enough
-    laid, lead = ports.timing, ports.words["sample_lead"] - ports.words["sample_late"]
-    sections = len(ports.settings.shaper.words)
-    natural = natural_ticks(
-        laid.tick_clocks, laid.samples, lead, laid.frame, motors, sections, laid.early,
-        ports.settings.anchored,
-    )  # fmt: skip
-    extra = ports.settings.extra_ticks
-    if extra < natural:
-        raise scene.refusal(
-            f"controller.extra_ticks = {extra} is less than the board needs: a voltage "
-            f"is ready {natural} ticks of {laid.tick_clocks} clocks late; set extra_ticks = "
-            f"{natural} or more",
-            "controller.extra_ticks",
-        )
-    early = early_tick_clocks(motors, ports.settings.anchored)
-    needed = early if laid.early else (CORE_CLOCKS + SECTION_CLOCKS * sections) * motors
-    if shared:
-        needed = max(needed, shared_tick_clocks(motors, ports.settings.anchored))
-    if needed > laid.tick_clocks:
-        raise scene.refusal(
-            f"a tick of {laid.tick_clocks} clocks is shorter than the "
-            f"{needed} that {motors} motors need; lower controller.tick_hz",
-            "controller.tick_hz",
-        )
-    return extra - natural
 
 
 def first_values(board: BoardWords, motors: int) -> Values:

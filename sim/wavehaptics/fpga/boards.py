@@ -16,6 +16,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
 
 from wavehaptics.fpga.board_words import (
+    LINKED_WALLS,
     BoardWords,
     board_words,
     memory_header,
@@ -28,7 +29,7 @@ from wavehaptics.runtime.toml_source import TomlError, dotted, parse
 from wavehaptics.scene import Scene, load_scene
 from wavehaptics.scene.keys import as_written, nearest
 from wavehaptics.scene.places import Places
-from wavehaptics.words.table import AXES, THREE_PHASE_LEGS
+from wavehaptics.words.table import AXES, MOST, THREE_PHASE_LEGS
 
 CONSTRAINT_SUFFIX = {"ice40": ".pcf", "ecp5": ".lpf"}
 
@@ -101,6 +102,8 @@ class Fpga(_Table):
     link: bool = False
     capture: Literal[0, 9, 10, 11, 12, 13, 14, 15] = 0
     stream: bool = False
+    constants: bool = False
+    walls: int = Field(LINKED_WALLS, ge=1, le=MOST["wall"])
     shared_multiplier: bool = False
     pad_registers: bool = False
     wire_s: float = Field(0.6e-9, ge=0)
@@ -156,6 +159,7 @@ class Board:
             pad_registers=self.fpga.pad_registers, trip_a=self.fpga.sense.trip_a,
             zero_a=self.fpga.sense.zero_a, delay_log2=_DELAY_LOG2[self.fpga.family],
             linked=self.fpga.link, capture=self.fpga.capture, stream=self.fpga.stream,
+            linked_walls=self.fpga.walls,
             legs=self.fpga.legs, shared=self.fpga.shared_multiplier,
         )  # fmt: skip
 
@@ -170,7 +174,9 @@ class Board:
     @property
     def defines(self) -> dict[str, int]:
         """Macros that the board's design is read with."""
-        return {"WH_BOARD_ROM": 1} if self.fpga.link else {}
+        if not self.fpga.link:
+            return {}
+        return {"WH_BOARD_ROM": 1, **({"WH_BOARD_FIXED": 1} if self.fpga.constants else {})}
 
 
 def write_headers(board: Board, folder: Path) -> None:
@@ -216,11 +222,10 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         raise BoardError(f"{places.of(first['loc'])[1]}: {_problem(first)}") from None
-    for key in ("capture", "stream"):
-        if getattr(fpga, key) and not fpga.link:
+    for key in ("capture", "stream", "constants", "walls"):
+        if key in fpga.model_fields_set and getattr(fpga, key) and not fpga.link:
             raise BoardError(
-                f"{places.of((key,))[1]}: {key} is told over a link; set link = true or "
-                "leave it out"
+                f"{places.of((key,))[1]}: {key} goes with a link; set link = true or leave it out"
             )
     if fpga.pins_of is not None:
         others = load_board(fpga.pins_of, root=root).fpga

@@ -199,6 +199,12 @@ class Client:
                 found += [mates[address] for address in gap]
         return found
 
+    @property
+    def awaited(self) -> bool:
+        """Whether somebody else waits for the port."""
+        with socket.socket(socket.AF_UNIX) as place:
+            return not _is_next(place, self._port)
+
     @contextmanager
     def hurry(self) -> Iterator[None]:
         """Keep the port, at the fastest rate of the device, for the exchanges within.
@@ -443,12 +449,18 @@ def _next(port: str, until: float) -> Iterator[None]:
     a name of the kernel's, which is free again when its process is gone, however it went.
     """
     with socket.socket(socket.AF_UNIX) as place:
-        while time.monotonic() < until:
-            with suppress(OSError):
-                place.bind(f"\0wavehaptics waits for {os.path.realpath(port)}")
-                break
+        while time.monotonic() < until and not _is_next(place, port):
             time.sleep(_TURN_S)
         yield
+
+
+def _is_next(place: socket.socket, port: str) -> bool:
+    """Take the place of the one who waits for a port, if nobody has it."""
+    try:
+        place.bind(f"\0wavehaptics waits for {os.path.realpath(port)}")
+    except OSError:
+        return False
+    return True
 
 
 def _reason(error: Exception) -> str:

@@ -86,14 +86,16 @@ def row_hz(client: Client, channels: int, baud: int) -> float:
 
 
 def plan(
-    client: Client, channels: Sequence[str], *, decimation: int | None = None, motor: int = 0
-) -> Wanted:
+    client: Client, channels: Sequence[str], *, decimation: int | None = None, motor: int = 0,
+    most_hz: float | None = None,
+) -> Wanted:  # fmt: skip
     """What a stream of ``channels`` is to be; :class:`HostError` for what the device can't do.
 
     A channel is a name of :data:`~wavehaptics.host.capture.WORDS`, of ``motor``, or ``NAME@MOTOR``;
     with ``:RANGE`` behind it the largest magnitude that its 16 bits have to hold, in its unit, by
     default that of the word. A row is of ``decimation`` ticks, a power of two, by default the
-    fewest that the line carries, at the rate that it has.
+    fewest that the line carries, at the rate that it has, and that make no more than ``most_hz``
+    rows a second.
     """
     if not is_there(client):
         raise HostError("the device has no stream; its bitstream was made without")
@@ -105,20 +107,27 @@ def plan(
     if len({*names}) < len(names):
         raise HostError(f"{', '.join(texts)}: a word is there twice; leave one out")
     baud, tick = client.baud, tick_s(client)
-    most_hz = row_hz(client, len(found), baud)
-    least = 1
-    while 1 / (least * tick) > most_hz:
-        least *= 2
-    decimation = least if decimation is None else decimation
+    carried_hz = row_hz(client, len(found), baud)
+    least = _ticks(tick, carried_hz)
+    if decimation is None:
+        decimation = least if most_hz is None else max(least, _ticks(tick, most_hz))
     if not 1 <= decimation <= MOST_DECIMATION or decimation & (decimation - 1):
         raise HostError(f"decimation {decimation}: take 1, 2, 4 ... {MOST_DECIMATION} ticks a row")
     if decimation < least:
         raise HostError(
             f"decimation {decimation}: {1 / (decimation * tick):.0f} rows of {len(found)} words a "
-            f"second, and {baud} bits a second carry {most_hz:.0f}; take {least} or more"
+            f"second, and {baud} bits a second carry {carried_hz:.0f}; take {least} or more"
         )
     rows = Plan(tuple(place for _, place, _ in found), names, 0, 0, decimation, NOW, tick)
     return Wanted(rows, tuple(shift for _, _, shift in found), baud)
+
+
+def _ticks(tick_s_: float, most_hz: float) -> int:
+    """Ticks of a row, a power of two, with which there are at most so many rows a second."""
+    ticks = 1
+    while 1 / (ticks * tick_s_) > most_hz:
+        ticks *= 2
+    return ticks
 
 
 def _channel(client: Client, text: str, motor: int) -> tuple[str, Place, int]:
@@ -149,10 +158,11 @@ class Stream:
     It keeps the port, at the fastest rate of the device; nobody else has it meanwhile.
     """
 
-    def __init__(self, client: Client, channels: Sequence[str], **options: int | None) -> None:
+    def __init__(self, client: Client, channels: Sequence[str], **options: float | None) -> None:
         self._client, self._channels, self._options = client, channels, options
         self._packets: list[bytes] = []
         self._last = -1  # number of the last one
+        self._taken = self._before = 0  # packets that were taken away, and numbers before the next
         self._kept = ExitStack()
         self._positions: dict[str, int] = {}
         self._left_out = 0
@@ -207,30 +217,53 @@ class Stream:
     @property
     def lost(self) -> int:
         """Packets that didn't come."""
-        return self._last + 1 - len(self._packets)
+        return self._last + 1 - len(self._packets) - self._taken
+
+    @property
+    def lapsed(self) -> bool:
+        """Whether credit ran out; :class:`HostError` if the port is gone."""
+        if self._line.error is not None:
+            raise HostError(f"the port is gone: {self._line.error}; was it unplugged?")
+        return self._line.lapsed
 
     def check(self) -> None:
         """:class:`HostError` if the stream is over: the port is gone, or credit ran out."""
-        if self._line.error is not None:
-            raise HostError(f"the port is gone: {self._line.error}; was it unplugged?")
-        if self._line.lapsed:
+        if self.lapsed:
             raise HostError(
                 "the stream has ended: 200 ms without a renewal; is this machine too busy?"
             )
 
     def found(self) -> Streamed:
-        """What came."""
-        packets, wanted = [*self._packets], self.wanted
+        """What came, but for what :meth:`fresh` has taken away."""
+        return self._made([*self._packets])
+
+    def fresh(self) -> Streamed:
+        """What came since the last time. It is not kept: a stream may last for hours."""
+        packets = self._packets[:]
+        found = self._made(packets)
+        del self._packets[: len(packets)]
+        self._taken += len(packets)
+        self._before += len(found.t) // self.wanted.packet_rows
+        for name in self._positions:
+            last = found.values[name][~found.lost][-1:]
+            if len(last):
+                self._positions[name] = int(last[0]) & 0xFFFFFFFF
+        return found
+
+    def _made(self, packets: list[bytes]) -> Streamed:
+        """Rows of successive packets, and of those between that are lost."""
+        wanted, before = self.wanted, self._before
         channels, each = len(wanted.shifts), wanted.packet_rows
-        count, numbers = 0, []
+        count, numbers = before, []
         for packet in packets:
             numbers.append(_after(count - 1, packet))
             count = numbers[-1] + 1
-        table = np.zeros((count, each, channels), dtype=np.int16)
-        lost = np.ones((count, each), dtype=bool)
+        table = np.zeros((count - before, each, channels), dtype=np.int16)
+        lost = np.ones((count - before, each), dtype=bool)
         for number, packet in zip(numbers, packets, strict=True):
             words = np.frombuffer(packet, dtype=">i2", offset=3, count=PACKET_WORDS)
-            table[number], lost[number] = words.reshape(each, channels), False
+            table[number - before] = words.reshape(each, channels)
+            lost[number - before] = False
         rows, gone = table.reshape(-1, channels), lost.reshape(-1)
         values, at_end = {}, {}
         for n, (name, place) in enumerate(
@@ -240,9 +273,9 @@ class Stream:
             ends = np.isin(rows[:, n], (-0x8000, 0x7FFF)) & ~gone
             if place.word.name not in (*_BITS, "position") and ends.any():
                 at_end[name] = int(ends.sum())
-        t = np.arange(len(rows)) * wanted.rows.row_s
+        t = (before * each + np.arange(len(rows))) * wanted.rows.row_s
         return Streamed(
-            wanted.rows, t, values, None, gone, count - len(packets), self._left_out,
+            wanted.rows, t, values, None, gone, count - before - len(packets), self._left_out,
             self._line.broken, at_end,
         )  # fmt: skip
 

@@ -12,7 +12,7 @@ from pymodbus.pdu import DecodePDU
 from pymodbus.pdu.register_message import WriteMultipleRegistersRequest
 
 from wavehaptics.controller.tick_layout import Timing
-from wavehaptics.ladder import pins_loop
+from wavehaptics.ladder import pins_loop, verilated
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.motor.plant import RAMP_END, C, P, R, S
@@ -65,6 +65,7 @@ class OnALine:
     PREFIX = "wh_linked"
     LEGS: int
     """Half bridges of the motor."""
+    motors = 1
 
     _arm: bool
     _library: Any
@@ -97,9 +98,13 @@ class OnALine:
             **({"LEGS": self.LEGS} if self.LEGS == THREE_PHASE_LEGS else {}),
         }  # fmt: skip
 
+    def _port_words(self, design: verilated.Design) -> ctypes.Array:
+        return (ctypes.c_uint32 * 0)()  # it has none: settings come by the line
+
     def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
         self._declare()
-        model = self._library.wh_linked_new(inputs, self.timing.tick_clocks)
+        inputs = sum(inputs << pins_loop.MOTOR_INPUTS * n for n in range(self.motors))
+        model = self._library.wh_linked_new(inputs, self.timing.tick_clocks, self.motors)
         gain = self._values["gain"]
         assert isinstance(gain, int)
         largest = WORDS["zero_limit"].fixed.raw_max
@@ -109,8 +114,9 @@ class OnALine:
         # At the fastest rate that the clock has; that of a reset comes back at the end.
         fastest = sum(self.timing.clock_hz >= least for least in _RATES_HZ)
         self._tell(model, _rate_frame(fastest))
-        for first, raws in runs(settings_requests(values, self.LEGS), MOST_WRITTEN):
-            self._tell(model, write_frame(first, raws))
+        for motor in range(self.motors):
+            for first, raws in runs(settings_requests(values, self.LEGS, motor), MOST_WRITTEN):
+                self._tell(model, write_frame(first, raws))
         self._tell(model, _rate_frame(0))
         if self.LEGS == THREE_PHASE_LEGS:
             self._tell(model, write_frame(WORDS["magnet_start"].at(), [1]))
@@ -135,7 +141,7 @@ class OnALine:
         library, model, count = self._library, ctypes.c_void_p, ctypes.c_int64
         text = ctypes.c_char_p
         for name, arguments in (
-            ("new", [count, count]),
+            ("new", [count, count, count]),
             ("send", [model, text, count]),
             ("waiting", [model]),
             ("received", [model, text, count]),

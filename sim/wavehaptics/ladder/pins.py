@@ -157,15 +157,19 @@ class PinsSimulation:
         )
         self._library = verilated.load(design)
         verilated.declare_destructor(self._function("delete"))
-        self._values = values = {
+        self._values = {
             **ports.words, **set_.words(), **ports.wall_words(places),
             "wall_shaped": [*set_.shaped.tolist(), *[0] * (places - len(set_.shaped))],
             "bus": bus_scale.bus_word(true_bus_v(scene)),
         }  # fmt: skip
         levels = pins_loop.encoder_levels.py_func(ports.start_count)
-        self._model = self._new_model(verilated.words_of(design, values), levels)
+        self._model = self._new_model(self._port_words(design), levels)
         if not self._model:
             raise RuntimeError("the controller's RTL never got its ADC ready")
+
+    def _port_words(self, design: verilated.Design) -> ctypes.Array:
+        """The settings as ports of the RTL take them."""
+        return verilated.words_of(design, self._values)
 
     def connect_host(self, period_log2: int, timeout: int) -> None:
         """Say how long a period of the link to a host is, and how many may pass in silence."""

@@ -96,6 +96,14 @@ def _true_bus(time, floats, real):
 
 
 @compiled()
+def _end_load(real, tick_s):
+    """The bus has the mean load of the tick that ends from now on."""
+    if real is not None:
+        real[LAG][LOAD] = real[LAG][DRAWN] / tick_s
+        real[LAG][DRAWN] = 0.0
+
+
+@compiled()
 def _sensed(state, sensor, real):
     """The current as the ADC gets it, A, but for noise and offset."""
     current = state[I]
@@ -271,6 +279,35 @@ def _level(current, sensor, osr, rng):
     return (current + sensor[OFFSET]) / sensor[FULL_SCALE]
 
 
+@compiled_counting(inline="always")
+def _follow(
+    changed, pins, state, kept, sums, tables, ints, floats, load, sensor, rng, bits, real
+):  # fmt: skip
+    """What a motor and its ADC make of the pins, of which these have changed in this clock."""
+    if changed & 15:
+        _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
+        next_edge(state, kept, floats[CELL], floats[DT], floats[ENCODER_END], real)
+    kept[PINS] = pins
+    if ints[OSR]:
+        if changed & pins & 1 << SCLK:
+            _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
+            level = _level(_sensed(state, sensor, real), sensor, ints[OSR], rng)
+            kept[SHIFT] = next_bit(bits, level) << 63
+    elif changed & (1 << CS_N | 1 << SCLK):
+        if changed & 1 << CS_N:
+            if not pins & 1 << CS_N:
+                _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
+                noise = rng.standard_normal() if sensor[NOISE] > 0.0 else 0.0
+                current = _sensed(state, sensor, real)
+                code = sample_code(current, sensor, noise) + (1 << (ints[DATA_BITS] - 1))
+                # Bit 63 is on the wire; a late part puts out the code that it held before.
+                shown = kept[HELD] if ints[PIPELINE] else code
+                kept[SHIFT] = shown << ints[CODE_SHIFT]
+                kept[HELD] = code
+        elif (pins >> SCLK) & 1 == ints[LAUNCH_LEVEL]:
+            kept[SHIFT] <<= 1
+
+
 @compiled_counting()  # which draws from a generator
 def advance(
     rows, words, state, kept, sums, pending, tables, ints, floats, load, sensor, rng, buffer, bits,
@@ -279,7 +316,6 @@ def advance(
     """Clock the RTL until ``rows`` are filled; False if its core falls silent."""
     done = 0
     dt, cell, end_s = floats[DT], floats[CELL], floats[ENCODER_END]
-    data_bits = ints[DATA_BITS]
     silent = 0
     while done < rows.shape[0]:
         if kept[NOW] >= kept[NEXT_LOOK]:
@@ -288,28 +324,9 @@ def advance(
         pins = call2(ints[CLOCK], ints[MODEL], inputs)
         old = kept[PINS]
         changed = old ^ pins
-        if changed & 15:
-            _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
-            next_edge(state, kept, cell, dt, end_s, real)
-        kept[PINS] = pins
-        if ints[OSR]:
-            if changed & pins & 1 << SCLK:
-                _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
-                level = _level(_sensed(state, sensor, real), sensor, ints[OSR], rng)
-                kept[SHIFT] = next_bit(bits, level) << 63
-        elif changed & (1 << CS_N | 1 << SCLK):
-            if changed & 1 << CS_N:
-                if not pins & 1 << CS_N:
-                    _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
-                    noise = rng.standard_normal() if sensor[NOISE] > 0.0 else 0.0
-                    current = _sensed(state, sensor, real)
-                    code = sample_code(current, sensor, noise) + (1 << (data_bits - 1))
-                    # Bit 63 is on the wire; a late part puts out the code that it held before.
-                    shown = kept[HELD] if ints[PIPELINE] else code
-                    kept[SHIFT] = shown << ints[CODE_SHIFT]
-                    kept[HELD] = code
-            elif (pins >> SCLK) & 1 == ints[LAUNCH_LEVEL]:
-                kept[SHIFT] <<= 1
+        _follow(
+            changed, pins, state, kept, sums, tables, ints, floats, load, sensor, rng, bits, real
+        )
         if pins & 1 << CORE_VALID:
             call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
             kept[WAITS] = 1
@@ -332,12 +349,52 @@ def advance(
                 _emit(rows, words, done, kept, pending, floats, ints, buffer)
                 done += 1
                 silent = 0
-            if real is not None:
-                real[LAG][LOAD] = real[LAG][DRAWN] / (ints[TICK_CLOCKS] * dt)
-                real[LAG][DRAWN] = 0.0
+            _end_load(real, ints[TICK_CLOCKS] * dt)
             if ints[SET_BUS]:
                 word = int(np.round(_true_bus(state[TIME], floats, real) * _BUS_SCALE))
                 call2(ints[SET_BUS], ints[MODEL], word)
             if silent > PENDING - 2:
                 return False
     return True
+
+
+MOTOR_INPUTS = 3
+"""Inputs of a motor, as :func:`advance` gives them."""
+MOTOR_GATES = 4
+GATES = 9
+"""Place of the first motor's gates where there are several, behind the pins that they share."""
+
+
+@compiled_counting()
+def pass_clocks(count, motors, tables, ints, floats, sensor, rng):
+    """Clock the RTL of several motors; ``motors`` are their (state, kept, sums, load, bits, real).
+
+    No rows are made of it. Each motor has a bus of its own, as ``floats`` and its ``real`` say.
+    """
+    dt, cell, end_s = floats[DT], floats[CELL], floats[ENCODER_END]
+    shared = 0
+    for _ in range(count):
+        inputs = 0
+        for n in range(len(motors)):
+            state, kept, _, _, _, real = motors[n]
+            if kept[NOW] >= kept[NEXT_LOOK]:
+                next_edge(state, kept, cell, dt, end_s, real)
+            own = ((kept[SHIFT] >> 63) & 1) | encoder_levels(kept[COUNT])
+            inputs |= own << MOTOR_INPUTS * n
+        told = call2(ints[CLOCK], ints[MODEL], inputs)
+        shared = told & ((1 << GATES) - 1) & ~15
+        for n in range(len(motors)):
+            state, kept, sums, load, bits, real = motors[n]
+            pins = shared | (told >> (GATES + MOTOR_GATES * n)) & 15
+            changed = kept[PINS] ^ pins
+            if changed:
+                _follow(
+                    changed, pins, state, kept, sums, tables, ints, floats, load, sensor, rng,
+                    bits, real,
+                )  # fmt: skip
+            if pins & 1 << TICK:
+                kept[TICK_START] = kept[NOW] + 1 + GATE_CLOCKS
+            kept[NOW] += 1
+            if kept[NOW] == kept[TICK_START]:
+                _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
+                _end_load(real, ints[TICK_CLOCKS] * dt)

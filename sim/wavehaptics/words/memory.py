@@ -9,19 +9,20 @@ from wavehaptics.words import table
 from wavehaptics.words.table import LEGS, WORDS, Values
 
 
-def requests(values: Values, legs: int = LEGS) -> list[tuple[int, int]]:
+def requests(values: Values, legs: int = LEGS, motor: int = 0) -> list[tuple[int, int]]:
     """(address, raw word) of each word of one motor, without those that are no settings of it.
 
-    Both axes of a brushless one have the same words.
+    Both axes of a brushless one have the same words. Of a motor that isn't the first they are its
+    own alone, without the board's.
     """
     found = []
     for name, value in values.items():
         word = WORDS.get(name)
-        if word is None or word.row.kind != "setting":
+        if word is None or word.row.kind != "setting" or (motor and word.row.per == "board"):
             continue
         raws = list(value) if isinstance(value, Iterable) else [value]
         found += [
-            (word.at(part, n), int(raw) & 0xFFFFFFFF)
+            (word.at(motor + part, n), int(raw) & 0xFFFFFFFF)
             for part in range(word.parts(1, legs))
             for n, raw in enumerate(raws)
         ]
@@ -49,6 +50,6 @@ def apart(values: Values) -> dict[str, int | list[int]]:
     return found
 
 
-def settings_requests(values: Values, legs: int = LEGS) -> list[tuple[int, int]]:
+def settings_requests(values: Values, legs: int = LEGS, motor: int = 0) -> list[tuple[int, int]]:
     """As :func:`requests`, of words and of ports with several of them."""
-    return requests(apart(values), legs)
+    return requests(apart(values), legs, motor)

@@ -87,7 +87,7 @@ def scope(
         known = Known.of_scene(path, sets, starts=not port or hand is not None)
     known = known.but(k_t, counts)
     with refusals():
-        plug = Plug(port, hand) if port else VirtualPlug(str(path), sets)
+        plug = Plug(port, hand) if port else VirtualPlug(str(path), sets, motor)
         command.run(
             plug, known, http_port=http_port, browser=not no_browser, unit=unit, motor=motor,
             timeout_s=timeout,

@@ -15,6 +15,7 @@ import typer
 
 from wavehaptics.cli.board.common import board, finite
 from wavehaptics.cli.shared import CommandError, SetOption
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import find_scene, load_scene
 
 
@@ -43,6 +44,18 @@ def be_virtual(
         Path | None,
         typer.Option(metavar="PATH", help="With --virtual: a socket that leads the scene's hand."),
     ] = None,
+    motors: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            max=8,
+            help="With --virtual: so many motors, each as the scene has it; by default as many as "
+            "the board whose board.toml it is, else one.",
+        ),
+    ] = None,
+    hand_of: Annotated[
+        int, typer.Option(min=0, max=7, help="With --hand: the motor whose hand is led.")
+    ] = 0,
     tied: Annotated[
         bool, typer.Option("--tied", help="With --virtual: end with the standard input.")
     ] = False,
@@ -59,7 +72,11 @@ def be_virtual(
         raise CommandError(
             "board: give a command, or --virtual SCENE; wavehaptics board --help lists them"
         )
-    loaded = load_scene(find_scene(virtual), overrides or ())
+    path = find_scene(virtual)
+    loaded = load_scene(path, overrides or ())
+    count = _motors_of(path) if motors is None else motors
+    if hand_of >= count:
+        raise CommandError(f"--hand-of {hand_of}: there is no such motor; take 0...{count - 1}")
     if link is not None and link.exists() and not link.is_symlink():
         raise CommandError(f"--link {link}: is there and no link; name another path")
     if hand is not None and (hand.exists() and not hand.is_socket()):
@@ -69,11 +86,12 @@ def be_virtual(
 
     from wavehaptics.host.led_hand import LedHand
     from wavehaptics.host.virtual import VirtualBoard
+    from wavehaptics.ladder.linked_motors import LinkedMotors
     from wavehaptics.ladder.linked_pins import linked_pins
 
     if sys.stderr.isatty():
         print("building the simulated board: up to a minute the first time", file=sys.stderr)
-    pins = linked_pins(loaded)
+    pins = linked_pins(loaded) if count == 1 else LinkedMotors(loaded, count, led=hand_of)
     pins.elapse(1)  # compiles the loop
     asked = []
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -83,6 +101,16 @@ def be_virtual(
         running = kept.enter_context(VirtualBoard(pins, link, led))
         print(running.path, flush=True)
         running.run(lambda: bool(asked) or (tied and _input_ended()), seconds, paced=paced)
+
+
+def _motors_of(path: Path) -> int:
+    """Motors of the board whose scene this is; 1 where it is no board's."""
+    from wavehaptics.fpga.boards import load_board
+
+    folder = path.resolve().parent
+    if path.name != "board.toml" or folder.parent != (ROOT / "boards").resolve():
+        return 1
+    return load_board(folder.name).fpga.motors
 
 
 def _input_ended() -> bool:

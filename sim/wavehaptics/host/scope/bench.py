@@ -20,6 +20,7 @@ from wavehaptics.host.names import HostError, Place, number, places, readable, s
 from wavehaptics.ladder.run import rendered_stiffness
 from wavehaptics.laws import closed_forms
 from wavehaptics.laws.reflection import WishError
+from wavehaptics.parts.adcs import KINDS
 from wavehaptics.scene import Scene, SceneError, load_scene
 from wavehaptics.words import formats
 
@@ -102,7 +103,7 @@ class Bench:
     """
 
     def __init__(self, client: Client, known: Known, motor: int = 0) -> None:
-        self._client, self.known, self._motor = client, known, motor
+        self.client, self.known, self.motor = client, known, motor
         options = client.identification.options
         self.anchored = bool(options["anchor"])
         self.arms = bool(options["arm"])
@@ -122,7 +123,8 @@ class Bench:
         self._sections = options["shaper"]
         self._wish: _Wish | None = None
         self._names = (
-            "half_clocks", "tick_halves", "extra_ticks", "root", "a", "eta_contact", "eta_free",
+            "half_clocks", "tick_halves", "extra_ticks", "samples", "gain", "root", "a", "u_max",
+            "eta_contact", "eta_free",
             "wall_min", "wall_max", "wall_enable",
             *(("wall_shaped",) if self._sections else ()),
             *(("anchor_enable", "anchor_flux_gain", "anchor_owed_gain") if self.anchored else ()),
@@ -141,13 +143,13 @@ class Bench:
         return [self._place(name, motor) for name in names]
 
     def _place(self, name: str, motor: int | None = None) -> Place:
-        motor = self._motor if motor is None else motor
-        return readable(places(name, self._client.shape, motor)[0])
+        motor = self.motor if motor is None else motor
+        return readable(places(name, self.client.shape, motor)[0])
 
     def refresh(self) -> None:
         """Read the settings that the page shows."""
         found = self._all(self._names)
-        raws = self._client.read(found)
+        raws = self.client.read(found)
         self._values = {p.word.name: p.value(raw) for p, raw in zip(found, raws, strict=True)}
 
     def _value(self, name: str) -> float:
@@ -167,22 +169,22 @@ class Bench:
         """Faults and arming, as raw words."""
         if self.brushless and self.anchored:
             self._find_magnet()
-        raws = self._client.read(self._status)
+        raws = self.client.read(self._status)
         return {p.word.name: raw for p, raw in zip(self._status, raws, strict=True)}
 
     def _live(self, found: list[Place]) -> dict[str, float]:
-        raws = self._client.read(found)
+        raws = self.client.read(found)
         names = (f"{p.word.name}@{p.motor}" if p.motor else p.word.name for p in found)
         return {name: p.value(raw) for name, p, raw in zip(names, found, raws, strict=True)}
 
     def _find_magnet(self) -> None:
         """Take the magnets' angle at a position, once the device knows it and the rotor rests."""
-        (found,) = self._client.read([self._place("magnet_found")])
+        (found,) = self.client.read([self._place("magnet_found")])
         if not found:
             self._magnet = None
         elif self._magnet is None:
             position, angle = self._place("position"), self._place("magnet_angle")
-            before, turned, after = (self._client.read([p])[0] for p in (position, angle, position))
+            before, turned, after = (self.client.read([p])[0] for p in (position, angle, position))
             if before == after:
                 self._magnet = before, turned
 
@@ -205,11 +207,11 @@ class Bench:
 
     def arm(self, value: int) -> None:
         """Write the word ``arm``."""
-        self._client.write([(places("arm", self._client.shape)[0], value)])
+        self.client.write([(places("arm", self.client.shape)[0], value)])
 
     def clear(self) -> None:
         """Forget faults that are over."""
-        self._client.write([(places("clear", self._client.shape)[0], 1)])
+        self.client.write([(places("clear", self.client.shape)[0], 1)])
 
     def set_word(self, text: str) -> None:
         """Write ``NAME=VALUE``, in the word's unit."""
@@ -218,10 +220,10 @@ class Bench:
             given = number(value.strip())
         except ValueError:
             raise HostError(f"{text}: write NAME=NUMBER, as in root=2.0") from None
-        found = [settable(p) for p in places(name.strip(), self._client.shape, self._motor)]
+        found = [settable(p) for p in places(name.strip(), self.client.shape, self.motor)]
         if len(found) > 1:
             raise HostError(f"{text}: which one? Take {found[0].text}...{found[-1].text}")
-        self._client.write([(found[0], found[0].raw(given))])
+        self.client.write([(found[0], found[0].raw(given))])
         self.refresh()
 
     def slide(self, name: str, value: float) -> None:
@@ -236,7 +238,7 @@ class Bench:
         if name in ("stiffness", "damping", "soft") and self._wish is None:
             raise HostError(f"{name}: W of this device isn't known; it takes a scene's [shaper]")
         words, wish = found(value)
-        self._client.write((place, place.raw(word)) for place, word in words.items())
+        self.client.write((place, place.raw(word)) for place, word in words.items())
         self._values |= {p.word.name: word for p, word in words.items() if not p.index}
         self._wish = wish
 
@@ -314,7 +316,7 @@ class Bench:
             ("shape_coefficient", words[:, : wave_core.LOSS1].ravel()),
             ("shape_loss", words[:, wave_core.LOSS1 :].ravel()),
         ):
-            there = places(name, self._client.shape, self._motor)
+            there = places(name, self.client.shape, self.motor)
             found |= {
                 p: p.value(int(raw) & 0xFFFFFFFF) for p, raw in zip(there, raws, strict=False)
             }
@@ -338,9 +340,26 @@ class Bench:
         return closed_forms.tau(self.tick_s, a, self._extra_ticks) if a else math.inf
 
     @property
+    def root(self) -> float:
+        """s of the port, √Ω."""
+        return self._value("root")
+
+    @property
+    def u_max(self) -> float:
+        """Largest u that the port asks for, √W."""
+        return self._value("u_max")
+
+    @property
+    def full_scale_a(self) -> float | None:
+        """Current at the end of the ADC's scale; None where a word of it isn't the whole scale."""
+        if self.client.identification.options.get("adc", 0) >= KINDS.index("sigma_delta"):
+            return None
+        return self._value("gain") * self._value("samples") * 2.0 ** (formats.SAMPLE_W - 1)
+
+    @property
     def _r_hat(self) -> float:
         """R̂ of the port, Ω."""
-        return 0.5 * self._value("root") ** 2
+        return 0.5 * self.root**2
 
     @property
     def _moves(self) -> bool:

@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """The thread that has the line: it polls, writes what is asked for, and renews the arming.
 
-One exchange at a time. The arming is renewed only while the page that asked for it gives signs of
-life; without them it is ended here, and without this thread the device ends it by itself.
+Where the device has a stream the rows come by that, and nobody else has the port, until somebody
+waits for it: then it is shared again for a while, and rows are polled. One exchange at a time. The
+arming is renewed only while the page that asked for it gives signs of life; without them it is
+ended here, and without this thread the device ends it by itself.
 """
 
 from __future__ import annotations
 
 import contextlib
+import math
 import queue
 import threading
 import time
@@ -17,7 +20,9 @@ from typing import Any
 
 from wavehaptics.host.client import RENEWAL_S, ZERO_S, Client
 from wavehaptics.host.names import HostError
+from wavehaptics.host.scope import fast
 from wavehaptics.host.scope.bench import Bench, Known
+from wavehaptics.host.scope.fast import Fast
 from wavehaptics.host.scope.kept import Kept
 from wavehaptics.host.scope.plug import Plug
 from wavehaptics.words.faults import FAULTS, arm_refusal, bits_of
@@ -31,6 +36,13 @@ STOPPED = "stopped while it was being armed; arm it again if that is still wante
 
 _STATUS_S = 0.1
 _SEEN_EVERY = 2
+_SEEN_S = 0.04
+"""From one poll of the anchor to the next beside a stream."""
+_TURN_S = 0.01
+"""From one look at what a stream has brought to the next."""
+SHARED_S = 1.0
+"""How long the port is shared after somebody was seen to want it, or a stream has lapsed: who
+renews an arming does it some twenty times meanwhile."""
 _AGAIN_S = 0.5
 """From one try to reach the device to the next."""
 _MOST_FRESH = 4096
@@ -64,10 +76,14 @@ class Feed(threading.Thread):
         self._stops = self._stops_done = 0
         self._owner: object = None
         self._asker: object = None
-        self._beat = self._armed_at = self._renewed = self._last_t = 0.0
+        self._beat = self._armed_at = self._renewed = self._last_t = self._status_at = 0.0
         self._was_armed = self._watches = False
         self._begun = time.monotonic()
         self._offset = 0.0
+        self._streams = False
+        self._shared_until = 0.0
+        self._fast: Fast | None = None
+        self._lost = 0
 
     # ---- For other threads.
 
@@ -79,7 +95,7 @@ class Feed(threading.Thread):
 
     def state(self) -> dict[str, Any]:
         """What a page shows besides rows."""
-        status, hand = self._status, self._plug.hand
+        status, hand, live = self._status, self._plug.hand, self._fast
         told = hand.told if hand is not None else None
         return {
             "live": self._live,
@@ -98,6 +114,8 @@ class Feed(threading.Thread):
             "recording": self.kept.recording,
             "recorded": self.kept.recorded,
             "rows": len(self.kept),
+            "row_hz": live.row_hz if live is not None else None,
+            "lost": self._lost,
             **self._shown,
         }
 
@@ -205,24 +223,71 @@ class Feed(threading.Thread):
         client.before_each = lambda: self._watch(bench)
         self._plug.connect_hand()
         self._shown = bench.shown()
+        self._streams = not bench.brushless and fast.is_worth(client)
+        if self._streams:
+            # Where the way there can't bear the fast rate, that takes a second: now, nothing is on.
+            with client.hurry():
+                pass
+            self._share()
         return bench
 
+    def _share(self) -> None:
+        """Leave the port to others between exchanges, for a while."""
+        self._shared_until = time.monotonic() + SHARED_S
+
     def _serve(self, bench: Bench) -> None:
-        status_at, turn, seen = 0.0, 0, {}
+        turn, seen = 0, {}
         while not self._ended.is_set():
-            if self._plug.problem:
-                raise HostError(self._plug.problem)
-            self._watch(bench)
-            self._do_one(bench)
-            if time.monotonic() - status_at >= _STATUS_S:
-                status_at = time.monotonic()
-                self._status = bench.status()
-                self._judge()
+            if self._streams and time.monotonic() >= self._shared_until:
+                self._stream(bench)
+                continue
+            self._attend(bench)
+            if self._streams and bench.client.awaited:
+                self._share()
             if turn % _SEEN_EVERY == 0:
                 seen = bench.seen()
             turn += 1
-            self._keep(bench.row(bench.step(), seen))
+            row = bench.row(bench.step(), seen)
+            moment = self._time_s()
+            if moment is not None:
+                self._keep(row, moment)
         bench.arm(0)
+
+    def _stream(self, bench: Bench) -> None:
+        """Rows by the device's stream, until somebody waits for the port, or the credit lapses."""
+        with Fast(bench) as live:
+            self._fast, lost = live, self._lost
+            seen_at, seen = -math.inf, {}
+            begin_s = None
+            try:
+                while not self._ended.wait(_TURN_S):
+                    self._attend(bench)
+                    if time.monotonic() - seen_at >= _SEEN_S:
+                        seen_at, seen = time.monotonic(), bench.seen()
+                    if begin_s is None and live.seconds:
+                        moment = self._time_s()
+                        begin_s = None if moment is None else moment - live.seconds
+                    for since_s, row in live.rows(seen):
+                        if begin_s is not None:
+                            self._keep(row, begin_s + since_s)
+                    self._lost = lost + live.lost
+                    if live.is_over or bench.client.awaited:
+                        self._share()
+                        return
+                bench.arm(0)
+            finally:
+                self._fast = None
+
+    def _attend(self, bench: Bench) -> None:
+        """What goes before rows: a stop, what is asked for, and now and then the status."""
+        if self._plug.problem:
+            raise HostError(self._plug.problem)
+        self._watch(bench)
+        self._do_one(bench)
+        if time.monotonic() - self._status_at >= _STATUS_S:
+            self._status_at = time.monotonic()
+            self._status = bench.status()
+            self._judge()
 
     def _watch(self, bench: Bench) -> None:
         """Off, if somebody wants that or nobody is there; else renewed in time.
@@ -297,11 +362,13 @@ class Feed(threading.Thread):
             if future.set_running_or_notify_cancel():
                 future.set_exception(HostError("the board doesn't answer"))
 
-    def _keep(self, row: dict[str, float]) -> None:
+    def _time_s(self) -> float | None:
+        """Time of the device, s, or of this machine; None until a virtual board tells it."""
         hand = self._plug.hand
-        time_s = hand.time_s() if hand is not None else time.monotonic() - self._begun
-        if time_s is None:
-            return
+        return hand.time_s() if hand is not None else time.monotonic() - self._begun
+
+    def _keep(self, row: dict[str, float], time_s: float) -> None:
+        hand = self._plug.hand
         if hand is not None and hand.told is not None:
             row["x_hand"] = hand.told.hand_rad
         # A board that was plugged in anew begins at 0 again; time goes on.

@@ -14,9 +14,12 @@ import numpy as np
 from wavehaptics.trace.columns import ANCHOR_COLUMNS, FLOAT_COLUMNS
 
 FLAGS = ("contact", "saturated")
+LOST = "lost"
+"""Of a stream: 1 where a row didn't arrive, 0 where it did."""
 NAMES = (
     *(column.name.lower() for column in FLOAT_COLUMNS),
     *FLAGS,
+    LOST,
     *(column.name.lower() for column in ANCHOR_COLUMNS),
     "i_alpha",
     "i_beta",
@@ -70,14 +73,15 @@ class Kept:
     def arrays(self) -> dict[str, np.ndarray]:
         """The recording, or all that is kept where there is none: arrays as of a trace.
 
-        What the device never told is left out.
+        What the device never told is left out. Rows of a stream that were lost have no numbers.
         """
         first, last = self._first or 0, len(self) if self._last is None else self._last
         part = slice(max(0, first - self._forgotten), max(0, last - self._forgotten))
         found = {name: np.array(column[part]) for name, column in self._columns.items()}
         for name in FLAGS:
             found[name] = found[name] == 1.0
-        return {name: values for name, values in found.items() if not np.isnan(values).all()}
+        told = {name: values for name, values in found.items() if not np.isnan(values).all()}
+        return told | {LOST: told[LOST] == 1.0} if LOST in told else told
 
     def npz(self) -> bytes:
         """The arrays as the file of a trace, ``trace.npz``."""
@@ -92,7 +96,7 @@ class Kept:
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(arrays)
         columns = [
-            [int(v) if name in FLAGS else f"{v:.9g}" for v in values]
+            [int(v) if name in (*FLAGS, LOST) else f"{v:.9g}" for v in values]
             for name, values in arrays.items()
         ]
         writer.writerows(zip(*columns, strict=True))

@@ -125,11 +125,14 @@ class Plug:
 
 
 class VirtualPlug(Plug):
-    """A virtual board with a scene, in a process that ends with this one, however that is."""
+    """A virtual board with a scene, in a process that ends with this one, however that is.
+
+    The hand is that of ``motor``.
+    """
 
     virtual = True
 
-    def __init__(self, scene: str, overrides: tuple[str, ...]) -> None:
+    def __init__(self, scene: str, overrides: tuple[str, ...], motor: int = 0) -> None:
         self._folder = tempfile.TemporaryDirectory(prefix="wavehaptics-")
         folder = Path(self._folder.name)
         super().__init__(str(folder / "port"), folder / "hand")
@@ -137,6 +140,7 @@ class VirtualPlug(Plug):
         self._command = [
             sys.executable, "-m", "wavehaptics", "board", "--virtual", scene, *sets, "--paced",
             "--tied", "--link", self.port, "--hand", str(folder / "hand"),
+            "--hand-of", str(motor),
         ]  # fmt: skip
         self._process: subprocess.Popen[str] | None = None
         self._wanted = True

@@ -10,8 +10,11 @@ const JUMP = 0.25; // of the contact's force: between two rows the rotor was out
 
 export class Data {
   constructor() {
-    this.rows = []; // {t, x, f, ...}: f is what the wall pushes back with
+    this.rows = []; // {n, t, x, f, ...}: f is what the wall pushes back with; of a lost row t alone
+    this.last = null; // the newest that wasn't lost
+    this.count = 0;
     this.contact = []; // rows of the newest contact since the last change of a setting
+    this.most = 0; // force of it
     this.fit = null; // {k, x0, from, to}
     this.cell = 0;
     this.ended = true;
@@ -19,15 +22,18 @@ export class Data {
   }
 
   add(columns) {
-    const count = columns.t.length;
+    const count = columns.t.length, before = this.contact.length;
     for (let n = 0; n < count; n++) {
-      const row = {};
+      const row = { n: this.count++ };
       for (const name in columns) row[name] = columns[name][n];
-      const push = row.torque ?? row.i;
+      const push = row.torque ?? row.i ?? null;
       row.f = push === null ? null : -push;
-      this.#judge(row);
       this.rows.push(row);
+      if (row.lost) continue;
+      this.#judge(row);
+      this.last = row;
     }
+    if (this.contact.length !== before) this.#line();
     const first = (this.rows.at(-1)?.t ?? 0) - KEPT_S;
     let old = 0;
     while (this.rows[old]?.t < first) old++;
@@ -36,7 +42,7 @@ export class Data {
 
   // A setting has changed: what was measured before is of another spring.
   changed() {
-    this.contact = [];
+    this.#anew();
     this.fit = null;
     this.bent = !this.ended;
   }
@@ -48,14 +54,19 @@ export class Data {
     return this.bent && first ? [first.x, first.f] : [this.edge ?? 0, 0];
   }
 
+  #anew() {
+    this.contact = [];
+    this.most = 0;
+  }
+
   #judge(row) {
-    const before = this.rows.at(-1);
+    const before = this.last;
     if (!row.contact) {
       this.ended = true;
       return;
     }
     if (this.ended || this.#jumped(row, before)) {
-      this.contact = [];
+      this.#anew();
       this.ended = this.bent = false;
     }
     const step = before ? row.t - before.t : 0;
@@ -63,14 +74,13 @@ export class Data {
     const slow = this.unit === "counts" ? Infinity : SLOW;
     if (Math.abs(row.x - before.x) > slow * step + this.cell) return;
     this.contact.push(row);
-    this.#line();
+    this.most = Math.max(this.most, Math.abs(row.f));
   }
 
   #jumped(row, before) {
     if (!this.k || !before) return false;
-    const most = this.contact.reduce((found, { f }) => Math.max(found, Math.abs(f)), 0);
     const off = Math.abs(row.f - before.f - this.k * (row.x - before.x));
-    return most > 0 && off > JUMP * most + LEAST_DEPTH_CELLS * this.k * this.cell;
+    return this.most > 0 && off > JUMP * this.most + LEAST_DEPTH_CELLS * this.k * this.cell;
   }
 
   // The straight line through the contact's rows by least squares.

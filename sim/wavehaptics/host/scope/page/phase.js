@@ -6,6 +6,7 @@ import { cleared, colour, figures, ticks } from "./canvas.js";
 const TRAIL_S = 12;
 const LEFT = 52, RIGHT = 12, TOP = 12, FOOT = 34;
 const EASE = 0.15;
+const MOST_POINTS = 1500; // of a stream there are many more than a picture has room for
 
 export class Phase {
   constructor(canvas) {
@@ -44,7 +45,9 @@ export class Phase {
     // A brushless motor's wall is a sine of the magnets' turn, which begins as the straight line.
     const bent = (way) => (pairs ? Math.sin(pairs * way) / pairs : way);
     if (k !== null) this.#line(c, at, up, [edge, x1], (x) => through[1] + k * bent(x - through[0]), colour("design"), 2, [7, 5], pairs ? 48 : 1);
+    const every = 2 ** Math.max(0, Math.ceil(Math.log2(shown.length / MOST_POINTS)));
     for (const row of shown) {
+      if (row.n % every) continue;
       const age = (last - row.t) / TRAIL_S;
       c.globalAlpha = 0.1 + 0.75 * (1 - age) ** 2;
       c.fillStyle = row.contact ? colour("wave") : colour("muted");

@@ -82,7 +82,7 @@ export class Plots {
           { ...axis, size: last ? 24 : 0, values: last ? (_, all) => all.map((t) => `${figures(t)} s`) : () => [] },
           { ...axis, size: AXIS, space: 26, values: (_, all) => all.map((v) => figures(v)) },
         ],
-        series: [{}, ...series.map(([, , paint, dash]) => ({ stroke: colour(paint), width: 1.6, dash, points: { show: false }, spanGaps: true }))],
+        series: [{}, ...series.map(([, , paint, dash]) => ({ stroke: colour(paint), width: 1.6, dash, points: { show: false } }))],
       },
       [[], ...series.map(() => [])],
       box,
@@ -108,7 +108,8 @@ export class Plots {
         plot.setData([time, ...columns], false);
         plot.setScale("x", { min: begin, max: end });
       });
-      value.value = `${columns.map((all) => figures(all.at(-1))).join(" · ")} ${unit}`;
+      const newest = columns.map((all) => figures(all.findLast((one) => one !== null) ?? null));
+      value.value = `${newest.join(" · ")} ${unit}`;
     }
   }
 }

@@ -14,6 +14,7 @@ const RAD = { name: "mrad", scale: 1e3 }, COUNTS = { name: "counts", scale: 1 };
 const TORQUE = { name: "mN·m", scale: 1e3 }, CURRENT = { name: "A", scale: 1 };
 const DRAWN_MS = 33;
 const TOLD_MS = 8000;
+const FORCE_S = 6; // what the arrow's scale looks back on
 
 const data = new Data();
 let state = null, told = "", toldAt = -Infinity, there = false;
@@ -101,7 +102,7 @@ function show() {
 }
 
 function shape(live) {
-  const last = data.rows.at(-1) ?? {};
+  const last = data.last ?? {};
   const rad = state.rad, torque = state.torque;
   data.unit = rad ? "rad" : "counts";
   data.cell = state.cell;
@@ -116,7 +117,11 @@ function shape(live) {
   stage.canvas.setAttribute("aria-valuemax", stage.view[1]);
   const lost = live && state.running && state.magnet === false;
   by("hint").textContent = lost ? "turn the rotor briskly in free space: its magnets' angle isn't known yet" : !stage.led ? "turn the motor by hand" : live && !state.running ? "arm it, then drag the ring into the wall" : "drag the ring, or use ← →";
-  by("time-unit").textContent = state.virtual || state.speed !== null ? "simulated time" : "";
+  by("time-unit").textContent = [
+    live && (state.row_hz ? `${state.row_hz.toFixed(0)} rows a second by stream` : "polled"),
+    state.lost && `${state.lost} packets lost`,
+    (state.virtual || state.speed !== null) && "simulated time",
+  ].filter(Boolean).join(" · ");
   by("k-design").textContent = result(state.stiffness);
   by("k-l").textContent = result(state.k_l);
   for (const unit of document.getElementsByClassName("k-unit")) unit.textContent = torque ? (rad ? "N·m/rad" : "N·m/count") : rad ? "A/rad" : "A/count";
@@ -130,10 +135,11 @@ function draw(now) {
   requestAnimationFrame(draw);
   if (now - drawn < DRAWN_MS || !state?.sliders) return;
   drawn = now;
-  const last = data.rows.at(-1) ?? {};
+  const last = data.last ?? {};
   document.body.dataset.time = last.t ?? "";
   by("k-fit").textContent = data.fit ? result(data.fit.k) : "–";
-  const most = Math.max(0.02, ...data.rows.slice(-600).map((row) => Math.abs(row.f ?? 0)));
+  let most = 0.02;
+  for (let n = data.rows.length - 1; n >= 0 && data.rows[n].t > last.t - FORCE_S; n--) most = Math.max(most, Math.abs(data.rows[n].f ?? 0));
   stage.draw({ x: last.x, f: last.f, fMost: most, wall: state.wall, there: state.wall_there, alive: there && state.live, counts: !state.rad });
   phase.draw({
     rows: data.rows, fit: data.fit, edge: state.wall[0], through: data.through(), k: data.k, pairs: state.rad ? state.pairs : null,
