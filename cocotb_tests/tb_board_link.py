@@ -46,7 +46,7 @@ async def it_begins_with_the_scenes_words(dut: object) -> None:
     found = whole((await bench.ask(read(0, 16))).registers)
     assert (found[0], found[3], found[4]) == (table.crc(), round(HZ), BOARD.fpga.motors)
     assert found[2] >> 27 & 1 == 1, "it is armed over the line"
-    for address, word in settings_requests(first_values(BOARD.words(), 1)):
+    for address, word in settings_requests(first_values(BOARD.words(), 1), BOARD.fpga.legs):
         assert await bench.value(address) == word, f"{address:#05x}"
 
 

@@ -12,7 +12,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from types import SimpleNamespace
 
@@ -22,6 +22,9 @@ import typer
 from wavehaptics.cli import board
 from wavehaptics.host import session
 from wavehaptics.host.names import HostError, Shape, number, places, settings
+from wavehaptics.host.scope.bench import Known
+from wavehaptics.host.scope.feed import Feed
+from wavehaptics.host.scope.plug import VirtualPlug
 from wavehaptics.host.virtual import VirtualBoard
 from wavehaptics.ladder.device_pins import BrushlessDevicePins, DevicePins
 from wavehaptics.ladder.linked_pins import LinkedBrushlessPins, LinkedPins
@@ -588,6 +591,56 @@ def test_rows_of_a_brushless_board(brushless_port, tmp_path):
         assert np.isfinite(trace["x"]).any()
         assert np.isnan(trace["i"]).all()
         assert np.isnan(trace["torque"]).all()
+
+
+def test_the_scope_shows_a_brushless_motors_wall():
+    """Led into the wall place by place: torque by both axes' currents, and the closed form's K."""
+    path = find_scene("live_brushless")
+    scene = load_scene(path)
+    known = Known.of_scene(path, (), starts=True)
+    feed = Feed(VirtualPlug(str(path), ()), known, unit=1, motor=0, timeout_s=60.0)
+    feed.start()
+    try:
+        page = object()
+
+        def wait(done: Callable[[], bool]) -> None:
+            end = time.monotonic() + END_S
+            while not done():
+                assert time.monotonic() < end, feed.state()
+                feed.beat(page)
+                time.sleep(0.05)
+
+        def elapse(device_s: float) -> list[dict[str, float]]:
+            """The newest rows after so much of the device's time."""
+            rows: list[dict[str, float]] = []
+
+            def passed() -> bool:
+                rows.extend(feed.fresh())
+                return bool(rows) and rows[-1]["t"] - rows[0]["t"] > device_s
+
+            wait(passed)
+            return rows[-8:]
+
+        wait(lambda: feed.state()["live"])
+        feed.lead(-0.05)
+        elapse(0.2)
+        feed.arm(page).result(END_S)
+        wait(lambda: feed.state()["running"])
+        places, torques = [], []
+        for place in (0.06, 0.1, 0.14):
+            feed.lead(place)
+            rows = elapse(0.8)
+            places.append(np.mean([row["x"] for row in rows]))
+            torques.append(-np.mean([row["torque"] for row in rows]))
+            pushed = scene.hand.stiffness * (place - places[-1])
+            # Some places of the ADC, of 0.5 mA, and as much that the anchors take for an offset.
+            assert torques[-1] == pytest.approx(pushed, abs=scene.motor.k_t * 4e-3)
+        slope = np.polyfit(places, torques, 1)[0]
+        assert slope == pytest.approx(feed.state()["stiffness"], rel=0.04)
+        feed.stop()
+        wait(lambda: not feed.state()["armed"])
+    finally:
+        feed.end()
 
 
 def test_a_brushless_scene_with_a_host_is_refused():
