@@ -10,7 +10,7 @@ from bench import Bench, random_source
 from simulators import defines, parameters
 
 STAGED = parameters()["STAGED"]
-FIXED = {1: 0x0D} if "WH_BOARD_FIXED" in defines() else {}
+FIXED = {1: 0x0D} if "WH_BOARD_ROM" in defines() else {}
 """Words, by their places in the group, that test_setting_group.py's header has as fixed."""
 PART, FIRST, STRIDE, WIDTHS = 2, 0x40, 4, (1, 5, 32)  # bench_setting_group.v
 QUIET = {"write_i": 0, "copy_i": 0, "address_i": 0, "data_i": 0, "change_i": 0, "hold_i": 0}

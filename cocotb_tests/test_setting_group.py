@@ -26,5 +26,5 @@ def test_a_boards_fixed_words_are_constants(simulator: str, staged: int) -> None
     (folder / "wh_board_settings_rom.vh").write_text(HEADER, encoding="utf-8")
     simulate(
         simulator, "bench_setting_group", "tb_setting_group", {"STAGED": staged},
-        includes=[folder], defines={"WH_BOARD_FIXED": 1},
+        includes=[folder], defines={"WH_BOARD_ROM": 1},
     )  # fmt: skip

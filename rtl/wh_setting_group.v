@@ -9,7 +9,7 @@
 // STAGED = 0, for words that change with the bridges off only: nothing is staged, and a word becomes
 // active as wh_settings copies it, if hold_i is low. That takes half the flip-flops.
 //
-// With the macro WH_BOARD_FIXED a word that a board's wh_board_settings_rom.vh has as fixed is a constant:
+// With the macro WH_BOARD_ROM (wh_settings_rom) a word that the board's header has as fixed is a constant:
 // nothing can write it, and the logic behind it is made for the one value.
 //
 // Latency: words_o change with the clock edge behind that of change_i or copy_i.
@@ -59,7 +59,7 @@ module wh_setting_group #(
         end
     endgenerate
 
-`ifdef WH_BOARD_FIXED
+`ifdef WH_BOARD_ROM
     // What rows of words that can change are written with; these are not fixed, whatever it is.
     localparam integer WALLS  = 1;
     localparam integer SHAPER = 1;
@@ -115,7 +115,7 @@ module wh_setting_group #(
             localparam [31:0]    OFFSET  = n * {24'd0, STRIDE};
             localparam [7:0]     ADDRESS = FIRST + OFFSET[7:0];
 
-`ifdef WH_BOARD_FIXED
+`ifdef WH_BOARD_ROM
             localparam [32:0]    FIXED   = fixed_word({23'd0, PART != 4'd0, ADDRESS});
 `else
             localparam [32:0]    FIXED   = 33'd0;

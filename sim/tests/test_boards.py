@@ -474,11 +474,9 @@ def test_a_brushless_boards_own_words():
     assert {name: made[name] for name in told} == told
 
 
-def test_a_board_says_how_many_walls_and_what_is_constant():
-    """Three motors have two walls each, and what can't be written is no flip-flop."""
+def test_a_board_says_how_many_walls():
+    """Three motors have two each."""
     three, one = load_board("ulx3s_three"), load_board("ulx3s")
-    assert three.defines == {"WH_BOARD_ROM": 1, "WH_BOARD_FIXED": 1}
-    assert one.defines == {"WH_BOARD_ROM": 1}
     assert (three.words().walls, one.words().walls) == (2, 4)
     assert "`define WH_BOARD_WALLS 2\n" in three.headers()["wh_board_settings.vh"]
     many = replace(three.words(), linked_walls=1)
@@ -559,7 +557,6 @@ LINK = "link = true\ncapture = 12\nstream = true"
         ("guard = true", "gaurd = true", "gaurd is no key of a board; did you mean guard?"),
         ("capture = 12", "capture = 16", "capture = 16: it must be 0, 9, 10, "),
         ("link = true", "link = false", "capture goes with a link; set link = true or leave it"),
-        (LINK, "constants = true", "constants goes with a link; set link = true or leave it out"),
         (LINK, "walls = 2", "walls goes with a link; set link = true or leave it out"),
         ("link = true", "link = true\nwalls = 0", "walls = 0: it must be greater than or equal"),
         ("motors", "motor", "motor is no key of a board; did you mean motors?"),

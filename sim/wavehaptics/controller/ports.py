@@ -168,11 +168,15 @@ def controller_ports(
     return Ports(time, set_, sensor, start_count, words, _port_walls(set_, start_count))
 
 
-def hold_ticks(scene: Scene, ports: Ports, motors: int, *, shared: bool = False) -> int:
+def hold_ticks(
+    scene: Scene, ports: Ports, motors: int, *, shared: bool = False, linked: bool = False
+) -> int:
     """Ticks that a voltage of ``motors`` on one core waits, so that the latency is the scene's.
 
-    ``shared`` is the multiplier. :class:`SceneError` where the tick is too short for them, or the
-    scene's ``extra_ticks``.
+    ``shared`` is the multiplier; ``linked`` says that the core's words change while it runs, for
+    which a tick has to have a clock in which nobody reads them (``words_hold_o`` of
+    ``rtl/wh_controller.v``). :class:`SceneError` where the tick is too short for them, or the scene's
+    ``extra_ticks``.
     """
     if scene.motor.brushless:
         return ports.timing.hold_ticks  # of one motor, whose tick is long enough
@@ -192,6 +196,8 @@ def hold_ticks(scene: Scene, ports: Ports, motors: int, *, shared: bool = False)
         )
     early = early_tick_clocks(motors, ports.settings.anchored)
     needed = early if laid.early else (CORE_CLOCKS + SECTION_CLOCKS * sections) * motors
+    if linked and not laid.early:
+        needed += motors + ports.settings.anchored
     if shared:
         needed = max(needed, shared_tick_clocks(motors, ports.settings.anchored))
     if needed > laid.tick_clocks:

@@ -102,7 +102,6 @@ class Fpga(_Table):
     link: bool = False
     capture: Literal[0, 9, 10, 11, 12, 13, 14, 15] = 0
     stream: bool = False
-    constants: bool = False
     walls: int = Field(LINKED_WALLS, ge=1, le=MOST["wall"])
     shared_multiplier: bool = False
     pad_registers: bool = False
@@ -174,9 +173,7 @@ class Board:
     @property
     def defines(self) -> dict[str, int]:
         """Macros that the board's design is read with."""
-        if not self.fpga.link:
-            return {}
-        return {"WH_BOARD_ROM": 1, **({"WH_BOARD_FIXED": 1} if self.fpga.constants else {})}
+        return {"WH_BOARD_ROM": 1} if self.fpga.link else {}
 
 
 def write_headers(board: Board, folder: Path) -> None:
@@ -222,7 +219,7 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         raise BoardError(f"{places.of(first['loc'])[1]}: {_problem(first)}") from None
-    for key in ("capture", "stream", "constants", "walls"):
+    for key in ("capture", "stream", "walls"):
         if key in fpga.model_fields_set and getattr(fpga, key) and not fpga.link:
             raise BoardError(
                 f"{places.of((key,))[1]}: {key} goes with a link; set link = true or leave it out"
