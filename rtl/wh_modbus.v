@@ -275,6 +275,7 @@ module wh_modbus #(
     wire       reads_out = (state_q == SEND) && (step_q[2:1] != 2'd0);
     wire       has_next = reads_out && tx_ready_i;
     wire       last     = (count_q == 7'd1);
+    wire       drops    = skip_q || (closes && !mine_q);  // what ended was no frame for this unit
 
     assign pop     = (state_q == TAKE) && !breaks;
     assign owns_up = (state_q == GET) && !there && lost_q && !rx_valid_i;
@@ -308,6 +309,8 @@ module wh_modbus #(
         ones_q <= &read_data_q;
     end
 
+    wire       ripples = ones_q && !(&place_q[1:0]);  // a counter's next byte counts as well
+
     reg        refuses;
     reg  [2:0] code;
 
@@ -322,12 +325,12 @@ module wh_modbus #(
             SHIFT:  state_d = (step_q != 3'd7) ? SHIFT : sends_q ? SENT : NEXT;
             NEXT:   state_d = whole_q ? ((good && !mine_q) ? GET : COUNT)
                             : (&place_q) ? COUNT : GET;
-            END:    state_d = (skip_q || (closes && !mine_q)) ? GET : COUNT;
+            END:    state_d = drops ? GET : COUNT;
             COUNT:  state_d = CARRY;
             CARRY: begin
                 if (!carries) begin
                     state_d = CARRY;
-                end else if (ones_q && !(&place_q[1:0])) begin
+                end else if (ripples) begin
                     state_d = COUNT;
                 end else if (counter_q != FRAMES) begin
                     state_d = GET;
@@ -522,14 +525,14 @@ module wh_modbus #(
                 END: begin
                     skip_q    <= 1'b0;
                     counter_q <= closes ? FRAMES : CRCS;
-                    place_q   <= (state_d == GET) ? 8'd0 : {4'b0010, closes ? FRAMES : CRCS, 2'd0};
+                    place_q   <= drops ? 8'd0 : {4'b0010, closes ? FRAMES : CRCS, 2'd0};
                     if (closes) begin
                         unheard_q <= 9'd0;
                     end
                 end
                 CARRY: begin
-                    if (state_d != CARRY) begin
-                        place_q <= (state_d == COUNT) ? place_q + 8'd1
+                    if (carries) begin
+                        place_q <= ripples ? place_q + 8'd1
                                  : (counter_q == FRAMES) ? 8'd2 : 8'd0;
                     end
                 end

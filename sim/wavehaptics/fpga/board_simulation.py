@@ -332,7 +332,7 @@ class BoardSimulation:
         """The FPGA's own oscillator, 0 where the board's top uses none."""
         board = self._built.board
         text = (board.root / board.folder / f"{board.name}.v").read_text(encoding="utf-8")
-        divider = re.search(r"wh_board_oscillator_ecp5 #\(\s*\.DIV\s*\((\d+)\)", text)
+        divider = re.search(r"\.WATCH_DIV\s*\((\d+)\)", text)
         return synthesis.OSCILLATOR_HZ / int(divider[1]) if divider else 0.0
 
     # ---- What a person does.
