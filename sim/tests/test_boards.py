@@ -770,10 +770,10 @@ def test_the_watch_fits_both_clocks(name):
     board, shown = load_board(name), kept(name)
     top = (ROOT / board.folder / f"{name}.v").read_text()
     watched = board.fpga.family == "ecp5"
-    assert ("wh_board_clock_watch" in top) == watched == (shown["watch_mhz"] is not None)
+    assert ("wh_board_ecp5" in top) == watched == (shown["watch_mhz"] is not None)
     if not watched:
         return
-    hz = synthesis.OSCILLATOR_HZ / int(re.search(r"\.DIV +\((\d+)\)", top)[1])
+    hz = synthesis.OSCILLATOR_HZ / int(re.search(r"\.WATCH_DIV +\((\d+)\)", top)[1])
     assert shown["watch_mhz"] == pytest.approx(hz / 1e6, abs=0.01)
     verilog = (ROOT / "boards" / "wh_board_clock_watch.v").read_text()
     beat, patience = (

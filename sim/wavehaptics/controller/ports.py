@@ -175,8 +175,8 @@ def hold_ticks(
 
     ``shared`` is the multiplier; ``linked`` says that the core's words change while it runs, for
     which a tick has to have a clock in which nobody reads them (``words_hold_o`` of
-    ``rtl/wh_controller.v``). :class:`SceneError` where the tick is too short for them, or the scene's
-    ``extra_ticks``.
+    ``rtl/wh_controller.v``). :class:`SceneError` where the tick is too short for them, or the
+    scene's ``extra_ticks``.
     """
     if scene.motor.brushless:
         return ports.timing.hold_ticks  # of one motor, whose tick is long enough
