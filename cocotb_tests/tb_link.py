@@ -34,7 +34,7 @@ class LinkBench(LineBench):
 
     def last_root(self) -> int:
         """s of the last motor at the controller's port."""
-        port = self.dut.device.controller.root_i
+        port = self.dut.device.of_motors.controller.root_i
         return int(port.value) >> len(port) // _P["N"] * (_P["N"] - 1)
 
     async def values(self, address: int, count: int = 1) -> list[int]:
