@@ -195,6 +195,8 @@ def sources(job: Job, root: Path = ROOT) -> dict[str, str]:
         texts[name] = path.read_text(encoding="utf-8")
         code = re.sub(r"//.*", "", texts[name])
         for header in re.findall(r'`include "(\w+\.vh)"', code):
+            if not (root / "rtl" / header).exists():
+                continue  # a board's, which is read with a macro that no proof has
             texts[header] = (root / "rtl" / header).read_text(encoding="utf-8")
             code += re.sub(r"//.*", "", texts[header])
         for found in sorted(set(re.findall(r"\bwh_\w+\b", code)) - {module}):
