@@ -127,7 +127,9 @@ module wh_setting_group #(
                 wire unused_bus = &{1'b0, mine, change, data_i[WIDTH-1:0]};
 
                 assign words_o[LOW +: WIDTH] = FIXED[WIDTH-1:0];
-            end else if (STAGED != 0) begin : staged
+            end
+
+            if (!FIXED[32] && STAGED != 0) begin : staged
                 reg [WIDTH-1:0] staged_q;
                 reg [WIDTH-1:0] active_q;
 
@@ -141,7 +143,9 @@ module wh_setting_group #(
                         active_q <= staged_q;
                     end
                 end
-            end else begin : direct
+            end
+
+            if (!FIXED[32] && STAGED == 0) begin : direct
                 reg [WIDTH-1:0] active_q;
 
                 assign words_o[LOW +: WIDTH] = active_q;
