@@ -11,6 +11,7 @@ from wavehaptics.controller.early import slope_fits
 from wavehaptics.controller.modulator import width_bounds
 from wavehaptics.controller.pins_timing import (
     CORE_CLOCKS,
+    LINKED_ANCHOR_CLOCKS,
     SECTION_CLOCKS,
     early_tick_clocks,
     shared_tick_clocks,
@@ -197,7 +198,7 @@ def hold_ticks(
     early = early_tick_clocks(motors, ports.settings.anchored)
     needed = early if laid.early else (CORE_CLOCKS + SECTION_CLOCKS * sections) * motors
     if linked and not laid.early:
-        needed += motors + ports.settings.anchored
+        needed += motors * (LINKED_ANCHOR_CLOCKS if ports.settings.anchored else 1)
     if shared:
         needed = max(needed, shared_tick_clocks(motors, ports.settings.anchored))
     if needed > laid.tick_clocks:
