@@ -15,7 +15,7 @@ SECTION_CLOCKS = 5
 """Clocks that each section of W adds to it."""
 
 LINKED_ANCHOR_CLOCKS = 4
-"""Clocks a port more that a tick has with anchors, so that the core's words can change while it runs.
+"""Clocks a port more of a tick with anchors in which the core's words can change as it runs.
 
 A voltage's product waits for those of the anchors, and ``words_hold_o`` is high until it is made.
 Measured with three motors: with a clock less no word was ever taken (``test_several_motors.py``).
