@@ -8,10 +8,11 @@
 // allows: with it, and ARM = 1, the word `arm` lets the bridges on for 200 ms, and press_i until something is
 // against it (wh_arm); with ARM = 0 the pin alone does. Word 2 of the identification, its options, is made here:
 //
-//   3:0 N   8:4 WALLS   10:9 SHAPER, 3 with LEGS = 3   14:11 DELAY_LOG2   16:15 ADC   17 EARLY   18 ANCHOR   19 GUARD
+//   3:0 N   8:4 WALLS   10:9 SHAPER   14:11 DELAY_LOG2   16:15 ADC   17 EARLY   18 ANCHOR   19 GUARD
 //   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME   26 LIVE
 //   27 ARM   31:28 CAPTURE
 //
+// SHAPER is 3 there with LEGS = 3, which has none.
 // All its bits are taken: whether there is a STREAM, the word stream_state says, which is 0 without.
 //
 // Latency and reset: those of wh_modbus and of wh_device.
