@@ -6,7 +6,7 @@
 //   clk      = osc_i * CLKFB_DIV * CLKOP_DIV / (CLKI_DIV * CLKOS_DIV)  (wh_board_pll_ecp5 has the bounds)
 //   watch    = 310 MHz / WATCH_DIV within 30 %                         (wh_board_clock_watch has them)
 //
-// All ports but osc_i are what wh_board_controller has by these names.
+// All ports but osc_i and reset_n_i are what wh_board_controller has by these names.
 // Latency: that of wh_board_controller, and a clock more each way at a converter's pads.
 // Reset: until the PLL has been locked, and reset_n_i high, for 2^16 clocks.
 

@@ -15,7 +15,8 @@
 // restart_i = 1 in the meantime, or with the end of a clock in which their bit of words_hold_o is low:
 // 0 the core, or with EARLY = 1 wh_early, reads them, or a voltage of its step waits to be scaled; 1 an anchor;
 // 2 a sum is under way; 3 a round of the walls. From the clock after that in which the bridges went off only the
-// last one ever is 1. It takes a tick of N + ANCHOR clocks more than the core's steps, or bit 0 is never low.
+// last one ever is 1. In too short a tick bit 0 is never low: it takes N clocks more than the core's steps, and
+// with anchors, whose products come first, 4 N (LINKED_ANCHOR_CLOCKS, measured with three motors).
 //
 // Latency: the gates show the carrier's phase after 2 clocks, dead time aside, and CS_n falls 1
 // clock after the sample's phase: sample_lead_i = -1 samples in the pulse's middle, and half the
