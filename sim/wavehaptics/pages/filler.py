@@ -338,6 +338,37 @@ def _resources(
     return render
 
 
+_OF_MOTORS = {
+    "ports": "bare",
+    "whole-ports": "with measured zero, guard and anchors",
+    "line-ports": "with settings memory, line, capture and stream as well",
+}
+
+
+def _motors(numbers: dict[str, Any]) -> str:
+    """What so many motors take, and each but the first on the average."""
+    counts: dict[str, dict[int, tuple[int, int]]] = {table: {} for table in _OF_MOTORS}
+    for row in numbers.get("resources", ()):
+        if row["table"] in counts:
+            motors = int(row["option"].rsplit(maxsplit=1)[-1])
+            counts[row["table"]][motors] = (row["lut"], row["ff"])
+    head = ("Motors", *(f"{what}: LUT / FF" for what in _OF_MOTORS.values()))
+    lines = [
+        (str(motors), *(_pair(of.get(motors)) for of in counts.values()))
+        for motors in sorted({motors for of in counts.values() for motors in of})
+    ]
+    each = [
+        _pair(tuple((most - least) // (max(of) - 1) for least, most in zip(of[1], of[max(of)])))
+        if len(of) > 1 else "–"
+        for of in counts.values()
+    ]  # fmt: skip
+    return _table(head, [*lines, ("each but the first", *each)])
+
+
+def _pair(counts: tuple[int, ...] | None) -> str:
+    return "–" if counts is None else " / ".join(map(str, counts))
+
+
 def _adcs(numbers: dict[str, Any]) -> str:
     """What each converter is worth: times, the stiffness that is felt, the torque's error."""
     head = ("ADC", "Bits", "Clock, SCLK", "kS/s at most", "Sample to last bit", "Last bit to duty",
@@ -391,7 +422,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "energies": _energies,
     "faults": lambda numbers: faults.table(numbers["faults"]),
     "block-resources": _resources("blocks", "Block", lambda row: f"`{row['block']}`"),
-    "port-resources": _resources("ports", "Motors", lambda row: row["option"].split()[-1]),
+    "port-resources": _motors,
     "option-resources": _resources(
         "options", "`wh_controller` with", lambda row: row["option"], _more
     ),
