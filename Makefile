@@ -259,9 +259,9 @@ LINT_CASES := \
     wh_linked_device,-GN=3,-GANCHOR=1,-GCAPTURE=12 \
     wh_linked_device,-GLEGS=3,-GANCHOR=1,-GGUARD=1,-GSENSE=1,-GCAPTURE=12,-GSTREAM=1 \
     wh_capture,-GN=2,-GDEPTH_LOG2=15 \
-    wh_capture,-GDEPTH_LOG2=4,-DWH_DATA_W=28,-DWH_COEF_W=24 \
-    wh_rows,-GN=3,-GCHANNELS=2 \
-    wh_stream,-GN=3,-DWH_DATA_W=28,-DWH_COEF_W=24 \
+    wh_capture,-GDEPTH_LOG2=4 \
+    wh_rows,-GCHANNELS=2 \
+    wh_tick_words,-GN=3,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_linked_device,-GN=3,-GCAPTURE=9,-GSTREAM=1 \
     wh_arm,-GSENSE=1,-GCREDIT=2 \
     wh_board_switch \

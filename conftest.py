@@ -59,6 +59,7 @@ BLOCKS = {
     "wh_shaper": "test_briefly.py::test_briefly[shaper]",
     "wh_sinc3": "test_sinc3.py::test_sinc3[icarus-4-0-2-1]",
     "wh_step_watch": "test_step_watch.py::test_step_watch[icarus]",
+    "wh_tick_words": "test_tick_words.py::test_tick_words[1-icarus]",
     "wh_stream": "test_briefly.py::test_briefly[stream]",
     "wh_synchroniser": "test_synchroniser.py::test_synchroniser[icarus]",
     "wh_three_phase": "test_briefly.py::test_briefly[three_phase]",

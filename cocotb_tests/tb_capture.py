@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_capture.v``: rows, rings and triggers against a model of its page."""
+"""Bench of ``rtl/wh_capture.v`` behind ``wh_tick_words.v``: rows and triggers against a model.
+
+The model is made of their pages. With a credit that lasts, a stream chooses its four words as well.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +17,10 @@ from simulators import parameters
 from wavehaptics.words import formats
 from wavehaptics.words.table import WORDS
 
-_P = {"N": 1, "DEPTH_LOG2": 6, **parameters()}
+LONG_CREDIT = 1 << 20
+_P = {"N": 1, "DEPTH_LOG2": 6, "CREDIT": 4000, **parameters()}
 N, DEPTH = _P["N"], 1 << _P["DEPTH_LOG2"]
+BESIDE = _P["CREDIT"] > LONG_CREDIT
 DATA_W, COUNT_W = formats.DATA_W, formats.COUNT_W
 MEANS = ("voltage", "u", "v", "current", "correction", "offset", "flux", "lag")
 WIDTHS = {**dict.fromkeys(MEANS, DATA_W), "position": COUNT_W, "flags": 8}
@@ -28,11 +33,42 @@ REST, FILLS, WAITS, TRIGGERED, DONE = range(5)
 START, TRIGGER, STOP = 1, 2, 0
 PASS_CLOCKS = 12
 """In which a tick is worked off, after that of its strobe."""
+CHOOSES = (8, 4)
+"""Clocks in which a reader chooses its words: the capture, and the one beside it."""
+BESIDE_CLOCKS = 8
+"""In which a stream works a tick off."""
 
 
 def word32(raw: int) -> int:
     """The 32 bits of a word as a number with a sign."""
     return (raw + (1 << 31)) % (1 << 32) - (1 << 31)
+
+
+NO_STREAM = {
+    "stream_channel_i": 0, "stream_last_i": 3, "stream_shift_i": 0, "stream_decimation_i": 0,
+    "stream_hold_i": 0, "stream_write_i": 0, "stream_data_i": 0, "stream_room_i": 1,
+}  # fmt: skip
+
+
+class Turns:
+    """Who is given a tick's words (``rtl/wh_tick_words.v``), the capture at first."""
+
+    def __init__(self) -> None:
+        self.chooses = [0, 0]  # clocks left
+        self.waits = False  # the other one
+        self.busy = 0  # the other one, clocks
+
+    def clock(self, strobe: bool, wanted: bool) -> bool:
+        """Whether the capture is given a tick's in this clock."""
+        free = strobe and not self.waits and not any(self.chooses)
+        other = BESIDE and not self.busy
+        first = free and wanted
+        second = (free and other and not wanted) or (self.waits and not self.chooses[0])
+        self.waits = (first and other) or (self.waits and not second)
+        given = zip((first, second), CHOOSES, self.chooses, strict=True)
+        self.chooses = [clocks if takes else max(0, left - 1) for takes, clocks, left in given]
+        self.busy = BESIDE_CLOCKS if second else max(0, self.busy - 1)
+        return first
 
 
 @dataclass
@@ -174,6 +210,7 @@ class CaptureBench(Bench):
         self.taken = 0
         self.seen: set[int] = set()
         self.stepped = self.missed = False
+        self.turns = Turns()
         self.quiet = 0.9  # how often words and bits stay as they are
         self.spread = 1 << 20
         self.words = dict.fromkeys(CODES.values(), 0)
@@ -184,7 +221,12 @@ class CaptureBench(Bench):
         await self.start(
             tick_i=0, valid_i=0, hold_i=0, write_i=0, write_offset_i=0, data_i=0, read_i=0,
             contact_i=0, fault_i=0, **self._inputs(self._garbage()), **self._settings(Settings()),
+            **NO_STREAM,
         )  # fmt: skip
+        if BESIDE:
+            await self.step(stream_write_i=1, stream_data_i=1)
+            await self.step(8, stream_write_i=0)
+            assert self.word("stream_state_o") == 2
         assert self.word("state_o") == REST
 
     def _settings(self, given: Settings) -> dict[str, int]:
@@ -231,7 +273,7 @@ class CaptureBench(Bench):
         strobe = valid or self.missed
         self.missed = tick and not valid and not self.stepped
         self.stepped = not tick and (valid or self.stepped)
-        taken = strobe and self.model.active and not self.busy
+        taken = self.turns.clock(strobe, self.model.active and not self.busy)
         obeys = self.order is not None and not strobe and not self.busy and not self.hold
         if strobe:
             self._next_words()
@@ -277,6 +319,11 @@ class CaptureBench(Bench):
     async def write(self, order: int) -> None:
         await self.clock(write_i=1, data_i=order)
         while self.order is not None:
+            await self.clock()
+
+    async def rest(self) -> None:
+        """Until nobody chooses words any more."""
+        for _ in range(PASS_CLOCKS + BESIDE_CLOCKS):
             await self.clock()
 
     async def read(self, count: int) -> list[int | None]:
@@ -329,7 +376,8 @@ async def captures_of_every_kind(dut: object) -> None:
         bench.quiet = rng.choice((0.0, 0.5, 0.9))
         bench.spread = rng.choice((1 << 20, 1 << 31))
         given = bench.give(**settings)
-        await bench.step(2)
+        await bench.clock()
+        await bench.clock()
         await bench.write(START)
         assert bench.model.given is given
         clocks = rng.choice((14, 15, 17, 26))
@@ -346,11 +394,13 @@ async def captures_of_every_kind(dut: object) -> None:
             kinds.add(given.trigger if by_itself else 0)
         else:
             await bench.write(STOP)
+        await bench.rest()
         await bench.check_memory()
         before = await bench.read(DEPTH)
         await bench.ticks(3, clocks)
         await bench.write(TRIGGER)
         await bench.ticks(3, clocks)
+        await bench.rest()
         assert await bench.read(DEPTH) == before
     assert done > 13
     assert len(kinds) > 5
@@ -367,7 +417,8 @@ async def each_word_in_each_channel(dut: object) -> None:
     for first in range(len(codes)):
         turned = [codes[(first + n) % len(codes)] for n in range(8)]
         bench.give(codes=turned, channels=8, rows=rows)
-        await bench.step(2)
+        await bench.clock()
+        await bench.clock()
         await bench.write(START)
         await bench.write(TRIGGER)
         await bench.ticks(rows + 1, 15)
@@ -423,11 +474,12 @@ async def what_does_not_fit(dut: object) -> None:
             await bench.write(STOP)
 
 
-@cocotb.test(timeout_time=50, timeout_unit="ms", skip=not cocotb.SIM_NAME.startswith("Veri"))
+@cocotb.test(timeout_time=50, timeout_unit="ms",
+             skip=BESIDE or not cocotb.SIM_NAME.startswith("Veri"))  # fmt: skip
 async def longest_rows(dut: object) -> None:
     """A row of 2^15 ticks: least and greatest words don't wrap in their sums.
 
-    A strobe in every clock is a tick for each that is worked off.
+    A strobe in every clock is a tick for each that is worked off; beside a stream some are not.
     """
     bench, rng = CaptureBench(dut), random_source("long")
     await bench.begin(rng)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_stream.v``: its packets against a model of its page, and its credit."""
+"""Bench of ``rtl/wh_stream.v``: its packets against a model of its page, and its credit.
+
+Beside a memory of 16 words a capture, which never ends, chooses eight of a tick's before it.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +13,13 @@ import cocotb
 from bench import Bench, pack, random_source
 from cobs_frames import WORDS, Packet, packet
 from simulators import parameters
-from tb_capture import CODES, MEANS, NONE, WIDTHS
+from tb_capture import CODES, MEANS, NO_STREAM, NONE, WAITS, WIDTHS
 
-_P = {"N": 1, "CREDIT": 4000, **parameters()}
-N, CREDIT = _P["N"], _P["CREDIT"]
+_P = {"N": 1, "DEPTH_LOG2": 6, "CREDIT": 4000, **parameters()}
+N, CREDIT, BESIDE = _P["N"], _P["CREDIT"], _P["DEPTH_LOG2"] == 4
 REST, RUNS = 1, 2
 START, RENEW, STOP = 1, 2, 0
-PASS_CLOCKS = 9
+PASS_CLOCKS = 14 if BESIDE else 9
 """In which a tick is worked off."""
 Words = dict[tuple[str, int], int]
 
@@ -34,16 +37,23 @@ class StreamBench(Bench):
         self.room = 1
         self.codes, self.shifts, self.channels, self.decimation = [0] * 4, [0] * 4, 1, 0
         await self.start(
-            tick_i=0, valid_i=0, hold_i=0, write_i=0, data_i=0, room_i=1, channel_i=0, shift_i=0,
-            last_i=0, decimation_i=0, **self._inputs(self.words),
+            tick_i=0, valid_i=0, **NO_STREAM, **self._inputs(self.words), contact_i=0, fault_i=0,
+            channel_i=pack([*CODES][:8], 12), channels_i=8, rows_i=1, pre_i=0, decimation_i=0,
+            trigger_i=0, level_i=0, hold_i=0, write_i=0, write_offset_i=0, data_i=0, read_i=0,
         )  # fmt: skip
-        assert self.word("state_o") == REST
+        assert self.word("stream_state_o") == REST
+        if BESIDE:
+            await self.step(write_i=1, data_i=1)
+            await self.step(4, write_i=0)
+            assert self.word("state_o") == WAITS
 
     def give(self, codes: list[int], shifts: list[int], channels: int, decimation: int) -> None:
         self.codes, self.shifts, self.channels = codes, shifts, channels
         self.decimation = decimation
-        self.drive(channel_i=pack(codes, 12), shift_i=pack(shifts, 4), last_i=channels - 1,
-                   decimation_i=decimation)  # fmt: skip
+        self.drive(
+            stream_channel_i=pack(codes, 12), stream_shift_i=pack(shifts, 4),
+            stream_last_i=channels - 1, stream_decimation_i=decimation,
+        )  # fmt: skip
 
     def _inputs(self, words: Words) -> dict[str, int]:
         found = {
@@ -54,13 +64,13 @@ class StreamBench(Bench):
 
     async def clock(self, **inputs: int) -> None:
         """A clock, and the bytes of it."""
-        await self.step(room_i=self.room, **inputs)
-        self.drive(tick_i=0, valid_i=0, write_i=0)
-        if self.word("byte_valid_o"):
-            if self.word("byte_first_o"):
+        await self.step(stream_room_i=self.room, **inputs)
+        self.drive(tick_i=0, valid_i=0, stream_write_i=0)
+        if self.word("stream_valid_o"):
+            if self.word("stream_first_o"):
                 self.bytes.clear()
-            self.bytes.append(self.word("byte_o"))
-        if self.word("packet_o"):
+            self.bytes.append(self.word("stream_byte_o"))
+        if self.word("stream_packet_o"):
             self.packets.append(bytes(self.bytes))
             self.bytes.clear()
 
@@ -92,7 +102,7 @@ class StreamBench(Bench):
         self.ticks.append(dict(self.words))
 
     async def write(self, value: int) -> None:
-        await self.clock(write_i=1, data_i=value)
+        await self.clock(stream_write_i=1, stream_data_i=value)
 
     def row(self, ticks: Iterable[Words]) -> tuple[int, ...]:
         """A row's words without signs, by the page."""
@@ -149,10 +159,10 @@ async def packets_of_every_kind(dut: object) -> None:
                 if n % 16 == 0:
                     await bench.write(RENEW)
         await bench.tick(clocks, steps=True)
-        assert bench.word("lost_o") == rooms.count(0)
+        assert bench.word("stream_lost_o") == rooms.count(0)
         await bench.write(STOP)
         await bench.step(20)
-        assert bench.word("state_o") == REST
+        assert bench.word("stream_state_o") == REST
         rows, each = bench.rows(), WORDS // channels
         wanted = [
             Packet(n, rows[n * each : (n + 1) * each]) for n, room in enumerate(rooms) if room
@@ -198,7 +208,7 @@ async def rows_that_come_too_fast(dut: object) -> None:
     found = [packet(data) for data in bench.packets]
     rows = bench.rows()
     assert [each.number for each in found] == [0, 4, 5] or [each.number for each in found] == [0, 5]
-    assert bench.word("lost_o") == 6 - len(found)
+    assert bench.word("stream_lost_o") == 6 - len(found)
     for each in found:
         assert each.rows == rows[15 * each.number : 15 * each.number + 15]
 
@@ -210,27 +220,27 @@ async def credit_lasts_so_long(dut: object) -> None:
     await bench.begin(rng)
     await bench.write(RENEW)
     await bench.step(5)
-    assert (bench.word("credit_o"), bench.word("state_o")) == (0, REST)
+    assert (bench.word("stream_credit_o"), bench.word("stream_state_o")) == (0, REST)
     for renewals in range(3):
         await bench.write(START)
         lasts = 0
         for _ in range(renewals):
             await bench.step(CREDIT - 7)
-            assert bench.word("credit_o")
+            assert bench.word("stream_credit_o")
             await bench.write(RENEW)
-        while bench.word("credit_o"):
+        while bench.word("stream_credit_o"):
             await bench.clock()
             lasts += 1
         assert lasts == CREDIT
         await bench.step(3)
-        assert bench.word("state_o") == REST
+        assert bench.word("stream_state_o") == REST
         assert not bench.packets
-    await bench.step(hold_i=1)
+    await bench.step(stream_hold_i=1)
     await bench.write(START)
     await bench.step(30)
-    assert (bench.word("credit_o"), bench.word("state_o")) == (1, REST)
-    await bench.step(2, hold_i=0)
-    assert bench.word("state_o") == RUNS
+    assert (bench.word("stream_credit_o"), bench.word("stream_state_o")) == (1, REST)
+    await bench.step(2, stream_hold_i=0)
+    assert bench.word("stream_state_o") == RUNS
     await bench.write(STOP)
     await bench.step(2)
-    assert (bench.word("credit_o"), bench.word("state_o")) == (0, REST)
+    assert (bench.word("stream_credit_o"), bench.word("stream_state_o")) == (0, REST)

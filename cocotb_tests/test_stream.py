@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs :mod:`tb_stream` on each simulator, with one motor and several."""
+"""Runs :mod:`tb_stream` on each simulator: one motor and several, alone and beside a capture."""
 
 import pytest
 from simulators import simulate
 
 
-@pytest.mark.parametrize("motors", [1, 3])
-def test_stream(simulator: str, motors: int) -> None:
-    simulate(simulator, "wh_stream", "tb_stream", {"N": motors, "CREDIT": 4000})
+@pytest.mark.parametrize(("motors", "depth_log2"), [(1, 6), (3, 6), (1, 4)])
+def test_stream(simulator: str, motors: int, depth_log2: int) -> None:
+    size = {"N": motors, "DEPTH_LOG2": depth_log2, "CREDIT": 4000}
+    simulate(simulator, "bench_listeners", "tb_stream", size)
 
 
 def test_stream_over_the_line(simulator: str) -> None:

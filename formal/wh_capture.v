@@ -7,17 +7,15 @@
 // For a memory of 16 words. Proven by induction, smtbmc z3.
 
 `default_nettype none
-`include "wh_formats.vh"
-`include "wh_faults.vh"
 
 module prove_wh_capture (
     input wire                   clk,
     input wire                   rst,
-    input wire                   tick,
-    input wire                   valid,
-    input wire [9*`WH_DATA_W-1:0] words,
-    input wire [`WH_COUNT_W-1:0] position,
-    input wire [7:0]             flags,
+    input wire                   strobe,
+    input wire                   take,
+    input wire [31:0]            word,
+    input wire                   mean,
+    input wire                   any,
     input wire                   contact,
     input wire                   fault,
     input wire [95:0]            channel,
@@ -45,26 +43,23 @@ module prove_wh_capture (
     wire [15:0] first;
     wire [15:0] left;
     wire [31:0] read_data;
+    wire        want;
+    wire        reads;
+    wire [11:0] code;
 
     wh_capture #(
         .DEPTH_LOG2     (4)
     ) block (
         .clk            (clk),
         .rst            (rst),
-        .tick_i         (tick),
-        .valid_i        (valid),
-        .voltage_i      (words[0*`WH_DATA_W +: `WH_DATA_W]),
-        .u_i            (words[1*`WH_DATA_W +: `WH_DATA_W]),
-        .v_i            (words[2*`WH_DATA_W +: `WH_DATA_W]),
-        .current_i      (words[3*`WH_DATA_W +: `WH_DATA_W]),
-        .position_i     (position),
-        .correction_i   (words[4*`WH_DATA_W +: `WH_DATA_W]),
-        .offset_i       (words[5*`WH_DATA_W +: `WH_DATA_W]),
-        .flux_i         (words[6*`WH_DATA_W +: `WH_DATA_W]),
-        .lag_i          (words[7*`WH_DATA_W +: `WH_DATA_W]),
-        .flags_i        (flags),
-        .bus_i          (words[8*`WH_DATA_W +: `WH_BUS_W]),
-        .faults_i       (position[`WH_FAULTS-1:0]),
+        .strobe_i       (strobe),
+        .want_o         (want),
+        .take_i         (take),
+        .reads_o        (reads),
+        .code_o         (code),
+        .word_i         (word),
+        .mean_i         (mean),
+        .any_i          (any),
         .contact_i      (contact),
         .fault_i        (fault),
         .channel_i      (channel),
@@ -167,6 +162,8 @@ module prove_wh_capture (
         if (!begun) begin
             assume (rst);
         end else begin
+            // wh_tick_words gives a tick's words to who wants them, in its strobe.
+            if (take) assume (strobe && want);
             // wh_settings says so: nothing changes but while something is about to.
             if (!hold) assume (settings_q == {rows, channels, pre, decimation});
 

@@ -26,8 +26,6 @@
 // Reset: at rest, the offset 0; what is in the memory stays.
 
 `default_nettype none
-`include "wh_formats.vh"
-`include "wh_faults.vh"
 
 module wh_capture #(
     parameter integer N          = 1,  // motors, 1...8
@@ -36,21 +34,15 @@ module wh_capture #(
     input  wire                         clk,
     input  wire                         rst,
 
-    // What it listens to.
-    input  wire                         tick_i,           // strobe, last clock of a tick
-    input  wire                         valid_i,          // strobe, a step's words are new
-    input  wire [N*`WH_DATA_W-1:0]      voltage_i,        // s31q23 V
-    input  wire [N*`WH_DATA_W-1:0]      u_i,              // s31q23 √W
-    input  wire [N*`WH_DATA_W-1:0]      v_i,              // s31q23 √W
-    input  wire [N*`WH_DATA_W-1:0]      current_i,        // s31q24 A
-    input  wire [N*`WH_COUNT_W-1:0]     position_i,       // s32 counts
-    input  wire [N*`WH_DATA_W-1:0]      correction_i,     // s31q23 V
-    input  wire [N*`WH_DATA_W-1:0]      offset_i,         // s31q24 A
-    input  wire [N*`WH_DATA_W-1:0]      flux_i,           // s31q16 cells
-    input  wire [N*`WH_DATA_W-1:0]      lag_i,            // s31q16 cells
-    input  wire [N*8-1:0]               flags_i,          // bits of the word `flags`
-    input  wire [`WH_BUS_W-1:0]         bus_i,            // u16q9 V
-    input  wire [`WH_FAULTS-1:0]        faults_i,
+    // What it listens to: the words of a tick (wh_tick_words), contact and faults as they are with its strobe.
+    input  wire                         strobe_i,         // strobe, once a tick
+    output wire                         want_o,
+    input  wire                         take_i,           // strobe, with strobe_i
+    output wire                         reads_o,
+    output wire [11:0]                  code_o,
+    input  wire [31:0]                  word_i,
+    input  wire                         mean_i,
+    input  wire                         any_i,
     input  wire [N-1:0]                 contact_i,
     input  wire                         fault_i,          // something is wrong
 
@@ -101,8 +93,7 @@ module wh_capture #(
 
     // ---- The rows: eight channels, one after another.
 
-    wire        strobe;
-    wire        take;
+    wire        idle;
     wire        fresh;
     wire [3:0]  turn;
     wire        last;
@@ -111,38 +102,29 @@ module wh_capture #(
     wire        unused_mean;
 
     wh_rows #(
-        .N            (N),
         .CHANNELS     (8)
     ) rows (
         .clk          (clk),
         .rst          (rst),
-        .tick_i       (tick_i),
-        .valid_i      (valid_i),
-        .voltage_i    (voltage_i),
-        .u_i          (u_i),
-        .v_i          (v_i),
-        .current_i    (current_i),
-        .position_i   (position_i),
-        .correction_i (correction_i),
-        .offset_i     (offset_i),
-        .flux_i       (flux_i),
-        .lag_i        (lag_i),
-        .flags_i      (flags_i),
-        .bus_i        (bus_i),
-        .faults_i     (faults_i),
+        .take_i       (take_i),
+        .idle_o       (idle),
+        .reads_o      (reads_o),
+        .code_o       (code_o),
+        .word_i       (word_i),
+        .mean_i       (mean_i),
+        .any_i        (any_i),
         .start_i      (starts),
         .channel_i    (channel_i),
         .decimation_i (decimation_i),
         .shift_i      (4'd0),
-        .active_i     (active),
-        .strobe_o     (strobe),
-        .take_o       (take),
         .fresh_o      (fresh),
         .turn_o       (turn),
         .last_o       (last),
         .mean_o       (unused_mean),
         .value_o      (value)
     );
+
+    assign want_o = active && idle;
 
     wire [3:0] written = turn - 4'd4;
 
@@ -203,10 +185,10 @@ module wh_capture #(
     end
 
     always @(posedge clk) begin
-        if (strobe) begin
+        if (strobe_i) begin
             contact_q <= contact_i;
         end
-        if (take) begin
+        if (take_i) begin
             touched_q <= (|(contact_i & ~contact_q)) || (touched_q && !fresh);
             wrong_q   <= fault_i || (wrong_q && !fresh);
         end
@@ -231,7 +213,7 @@ module wh_capture #(
     reg  [15:0] left_q;
     reg  [19:0] needed_q;   // words, of the settings as they are
 
-    wire obeys = ordered_q && !hold_i && !strobe && (turn == 4'd0);
+    wire obeys = ordered_q && !hold_i && !strobe_i && idle;
 
     assign starts = obeys && (order_q == 2'd1);
 

@@ -227,12 +227,64 @@ module wh_device #(
         end
     endgenerate
 
+    // ---- The words of a tick, of which a capture (0) and a stream (1) choose theirs.
+    wire        kept_strobe;
+    wire [1:0]  kept_want;
+    wire [1:0]  kept_take;
+    wire [1:0]  kept_reads;
+    wire [23:0] kept_code;
+    wire [31:0] kept_word;
+    wire        kept_mean;
+    wire        kept_any;
+
     generate
         for (n = 0; n < PARTS; n = n + 1) begin : bits_of_motor
             assign flags[n*8 +: 8] = {host_active[n], anchor_fault[n], encoder_fault[n], adc_range[n],
                                       overcurrent[n], running, saturated[n], contact[n]};
         end
 
+        if (CAPTURE != 0 || STREAM != 0) begin : keeps
+            wh_tick_words #(
+                .N            (PARTS)
+            ) tick_words (
+                .clk          (clk),
+                .rst          (rst || !ready),
+                .tick_i       (tick),
+                .valid_i      (core_valid),
+                .voltage_i    (voltage),
+                .u_i          (u),
+                .v_i          (v),
+                .current_i    (current),
+                .position_i   (position),
+                .correction_i (correction),
+                .offset_i     (offset),
+                .flux_i       (flux),
+                .lag_i        (lag),
+                .flags_i      (flags),
+                .bus_i        (bus_i),
+                .faults_i     (faults),
+                .want_i       (kept_want),
+                .reads_i      (kept_reads),
+                .code_i       (kept_code),
+                .strobe_o     (kept_strobe),
+                .take_o       (kept_take),
+                .word_o       (kept_word),
+                .mean_o       (kept_mean),
+                .any_o        (kept_any)
+            );
+        end else begin : keeps_none
+            assign kept_strobe = 1'b0;
+            assign kept_take   = 2'b00;
+            assign kept_word   = 32'd0;
+            assign kept_mean   = 1'b0;
+            assign kept_any    = 1'b0;
+        end
+    endgenerate
+
+    wire unused_kept = &{1'b0, kept_strobe, kept_want, kept_take, kept_reads, kept_code, kept_word, kept_mean,
+                         kept_any};
+
+    generate
         if (CAPTURE != 0) begin : captures
             wh_capture #(
                 .N              (PARTS),
@@ -240,20 +292,14 @@ module wh_device #(
             ) recorder (
                 .clk            (clk),
                 .rst            (rst || !ready),
-                .tick_i         (tick),
-                .valid_i        (core_valid),
-                .voltage_i      (voltage),
-                .u_i            (u),
-                .v_i            (v),
-                .current_i      (current),
-                .position_i     (position),
-                .correction_i   (correction),
-                .offset_i       (offset),
-                .flux_i         (flux),
-                .lag_i          (lag),
-                .flags_i        (flags),
-                .bus_i          (bus_i),
-                .faults_i       (faults),
+                .strobe_i       (kept_strobe),
+                .want_o         (kept_want[0]),
+                .take_i         (kept_take[0]),
+                .reads_o        (kept_reads[0]),
+                .code_o         (kept_code[11:0]),
+                .word_i         (kept_word),
+                .mean_i         (kept_mean),
+                .any_i          (kept_any),
                 .contact_i      (contact),
                 .fault_i        (fault_o),
                 .channel_i      (set_capture_channel),
@@ -279,6 +325,9 @@ module wh_device #(
                                     set_capture_pre, set_capture_decimation, set_capture_trigger,
                                     set_capture_level, set_capture, set_capture_offset, busy};
 
+            assign kept_want[0]    = 1'b0;
+            assign kept_reads[0]   = 1'b0;
+            assign kept_code[11:0] = 12'd0;
             assign capture_data  = 32'd0;
             assign capture_state = 3'd0;
             assign capture_count = 16'd0;
@@ -332,25 +381,18 @@ module wh_device #(
     generate
         if (STREAM != 0) begin : streams
             wh_stream #(
-                .N            (PARTS),
                 .CREDIT       (ARM_CLOCKS)
             ) stream (
                 .clk          (clk),
                 .rst          (rst || !ready),
-                .tick_i       (tick),
-                .valid_i      (core_valid),
-                .voltage_i    (voltage),
-                .u_i          (u),
-                .v_i          (v),
-                .current_i    (current),
-                .position_i   (position),
-                .correction_i (correction),
-                .offset_i     (offset),
-                .flux_i       (flux),
-                .lag_i        (lag),
-                .flags_i      (flags),
-                .bus_i        (bus_i),
-                .faults_i     (faults),
+                .strobe_i     (kept_strobe),
+                .want_o       (kept_want[1]),
+                .take_i       (kept_take[1]),
+                .reads_o      (kept_reads[1]),
+                .code_o       (kept_code[23:12]),
+                .word_i       (kept_word),
+                .mean_i       (kept_mean),
+                .any_i        (kept_any),
                 .channel_i    (set_stream_channel),
                 .last_i       (set_stream_last),
                 .shift_i      (set_stream_shift),
@@ -371,6 +413,9 @@ module wh_device #(
             wire unused_stream = &{1'b0, set_stream_channel, set_stream_last, set_stream_shift,
                                    set_stream_decimation, set_stream, stream_room_i};
 
+            assign kept_want[1]     = 1'b0;
+            assign kept_reads[1]    = 1'b0;
+            assign kept_code[23:12] = 12'd0;
             assign stream_state    = 2'd0;
             assign stream_lost     = 16'd0;
             assign stream_credit_o = 1'b0;

@@ -22,35 +22,26 @@
 // state_o: 1 at rest, 2 rows are made.
 //
 // Latency: a row is written within 9 clocks for each of its bytes, and five more in a packet, from the 9th
-// clock after its last step on. A tick has to be 10 clocks or longer; what ends sooner is left out. Credit
-// begins and ends as armed_o of wh_arm does. Reset: no credit.
+// clock after its tick was taken on, which may be 9 after its step (wh_tick_words). A tick has to be 10 clocks or longer, 14
+// with another reader; what ends sooner is left out. Credit begins and ends as armed_o of wh_arm does. Reset: no credit.
 
 `default_nettype none
-`include "wh_formats.vh"
-`include "wh_faults.vh"
 
 module wh_stream #(
-    parameter integer N      = 1,       // motors, 1...8
     parameter integer CREDIT = 4800000  // clocks, 2...2^30
 ) (
     input  wire                         clk,
     input  wire                         rst,
 
-    // What it listens to.
-    input  wire                         tick_i,           // strobe, last clock of a tick
-    input  wire                         valid_i,          // strobe, a step's words are new
-    input  wire [N*`WH_DATA_W-1:0]      voltage_i,        // s31q23 V
-    input  wire [N*`WH_DATA_W-1:0]      u_i,              // s31q23 √W
-    input  wire [N*`WH_DATA_W-1:0]      v_i,              // s31q23 √W
-    input  wire [N*`WH_DATA_W-1:0]      current_i,        // s31q24 A
-    input  wire [N*`WH_COUNT_W-1:0]     position_i,       // s32 counts
-    input  wire [N*`WH_DATA_W-1:0]      correction_i,     // s31q23 V
-    input  wire [N*`WH_DATA_W-1:0]      offset_i,         // s31q24 A
-    input  wire [N*`WH_DATA_W-1:0]      flux_i,           // s31q16 cells
-    input  wire [N*`WH_DATA_W-1:0]      lag_i,            // s31q16 cells
-    input  wire [N*8-1:0]               flags_i,          // bits of the word `flags`
-    input  wire [`WH_BUS_W-1:0]         bus_i,            // u16q9 V
-    input  wire [`WH_FAULTS-1:0]        faults_i,
+    // The words of a tick (wh_tick_words).
+    input  wire                         strobe_i,         // strobe, once a tick
+    output wire                         want_o,
+    input  wire                         take_i,           // strobe, with strobe_i or later
+    output wire                         reads_o,
+    output wire [11:0]                  code_o,
+    input  wire [31:0]                  word_i,
+    input  wire                         mean_i,
+    input  wire                         any_i,
 
     // Settings, taken over with the first credit.
     input  wire [47:0]                  channel_i,        // four addresses, the first lowest
@@ -108,50 +99,40 @@ module wh_stream #(
     reg  [1:0]  last_q;
     reg  [15:0] shifts_q;
     reg  [5:0]  last_row_q;  // of a packet
-    wire        strobe;
-    wire        unused_take;
+    wire        idle;
     wire        unused_fresh;
     wire [3:0]  turn;
     wire        last;
     wire        is_mean;
     wire [31:0] value;
-    wire        starts = credit && !runs_q && !hold_i && !strobe && (turn == 4'd0);
+    wire        starts = credit && !runs_q && !hold_i && !strobe_i && idle;
 
     wire [3:0]  summed = turn - 4'd3;
 
     wh_rows #(
-        .N            (N),
         .CHANNELS     (4)
     ) rows (
         .clk          (clk),
         .rst          (rst),
-        .tick_i       (tick_i),
-        .valid_i      (valid_i),
-        .voltage_i    (voltage_i),
-        .u_i          (u_i),
-        .v_i          (v_i),
-        .current_i    (current_i),
-        .position_i   (position_i),
-        .correction_i (correction_i),
-        .offset_i     (offset_i),
-        .flux_i       (flux_i),
-        .lag_i        (lag_i),
-        .flags_i      (flags_i),
-        .bus_i        (bus_i),
-        .faults_i     (faults_i),
+        .take_i       (take_i),
+        .idle_o       (idle),
+        .reads_o      (reads_o),
+        .code_o       (code_o),
+        .word_i       (word_i),
+        .mean_i       (mean_i),
+        .any_i        (any_i),
         .start_i      (starts),
         .channel_i    (channel_i),
         .decimation_i (decimation_i),
         .shift_i      (shifts_q[4*summed[1:0] +: 4]),
-        .active_i     (runs_q),
-        .strobe_o     (strobe),
-        .take_o       (unused_take),
         .fresh_o      (unused_fresh),
         .turn_o       (turn),
         .last_o       (last),
         .mean_o       (is_mean),
         .value_o      (value)
     );
+
+    assign want_o = runs_q && idle;
 
     wire        fits = (value[31:15] == {17{value[31]}}) || !is_mean;
     wire [15:0] word = fits ? value[15:0] : {value[31], {15{!value[31]}}};

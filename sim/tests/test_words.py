@@ -301,7 +301,7 @@ def test_words_of_the_memory_are_no_ports():
 
 def test_what_rows_are_made_of_is_at_its_address():
     """In the RTL and in Python; and the bits of ``flags`` in both."""
-    rtl = (formats.RTL_DIR / "wh_rows.v").read_text(encoding="utf-8")
+    rtl = (formats.RTL_DIR / "wh_tick_words.v").read_text(encoding="utf-8")
     found = {
         name.lower(): int(address, 16)
         for name, _, address in re.findall(

@@ -357,12 +357,15 @@ def _motors(numbers: dict[str, Any]) -> str:
         (str(motors), *(_pair(of.get(motors)) for of in counts.values()))
         for motors in sorted({motors for of in counts.values() for motors in of})
     ]
-    each = [
-        _pair(tuple((most - least) // (max(of) - 1) for least, most in zip(of[1], of[max(of)])))
-        if len(of) > 1 else "–"
-        for of in counts.values()
-    ]  # fmt: skip
+    each = [_pair(_each(of)) for of in counts.values()]
     return _table(head, [*lines, ("each but the first", *each)])
+
+
+def _each(of: dict[int, tuple[int, int]]) -> tuple[int, ...] | None:
+    if len(of) < 2:
+        return None
+    others = max(of) - 1
+    return tuple((of[max(of)][n] - of[1][n]) // others for n in range(2))
 
 
 def _pair(counts: tuple[int, ...] | None) -> str:
