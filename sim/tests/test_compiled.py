@@ -180,7 +180,7 @@ def test_a_loop_that_draws_leaves_its_generator_as_it_was():
 
 
 def test_loops_that_clock_an_rtl_count_no_references():
-    """Not once in each clock: more than half of the time of `pins` was spent on that."""
+    """Not once in each clock: half of the time of `pins` was spent on that."""
     loops = (
         pins_loop.advance, pins_loop.pass_clocks, brushless_pins.rest, brushless_pins._advance,
         board_simulation._rest,
