@@ -136,9 +136,12 @@ module wh_wave_core #(
     reg              busy_q;
     reg [PORT_W-1:0] port_q;
 
+    // Where there is but one its number is constant, and nothing is selected by it.
+    wire [PORT_W-1:0] port = (N > 1) ? port_q : {PORT_W{1'b0}};
+
     // The strobe's own clock is the first of the first turn.
     wire running   = busy_q || start_i;
-    wire last_port = (port_q == LAST[PORT_W-1:0]);
+    wire last_port = (port == LAST[PORT_W-1:0]);
     wire step_ends = at_q[TAKE_E] && last_port;
 
     assign busy_o = busy_q;
@@ -166,13 +169,13 @@ module wh_wave_core #(
     end
 
     // ---- What belongs to the port whose turn it is.
-    wire signed [DATA_W-1:0]  current = $signed(current_i[port_q*DATA_W +: DATA_W]);
-    wire signed [COEF_W-1:0]  eta     = $signed(eta_i[port_q*COEF_W +: COEF_W]);
-    wire signed [COEF_W-1:0]  root    = $signed(root_i[port_q*COEF_W +: COEF_W]);
-    wire signed [COEF_W-1:0]  a       = $signed(a_i[port_q*COEF_W +: COEF_W]);
-    wire signed [DATA_W-1:0]  u_max   = $signed(u_max_i[port_q*DATA_W +: DATA_W]);
-    wire signed [DATA_W-1:0]  u_n     = $signed(u_o[port_q*DATA_W +: DATA_W]);
-    wire signed [STATE_W-1:0] f       = f_q[port_q];
+    wire signed [DATA_W-1:0]  current = $signed(current_i[port*DATA_W +: DATA_W]);
+    wire signed [COEF_W-1:0]  eta     = $signed(eta_i[port*COEF_W +: COEF_W]);
+    wire signed [COEF_W-1:0]  root    = $signed(root_i[port*COEF_W +: COEF_W]);
+    wire signed [COEF_W-1:0]  a       = $signed(a_i[port*COEF_W +: COEF_W]);
+    wire signed [DATA_W-1:0]  u_max   = $signed(u_max_i[port*DATA_W +: DATA_W]);
+    wire signed [DATA_W-1:0]  u_n     = $signed(u_o[port*DATA_W +: DATA_W]);
+    wire signed [STATE_W-1:0] f       = f_q[port];
 
     // ---- The multiplier, given what is due.
     wire signed [DATA_W-1:0]    shaped;
@@ -250,7 +253,7 @@ module wh_wave_core #(
                 .clk       (clk),
                 .rst       (rst),
                 .turn_i    (running && at_q[GIVE_SI]),
-                .port_i    (port_q),
+                .port_i    (port),
                 .mode_i    (shape_mode_i),
                 .words_i   (shape_words_i),
                 .value_i   (v),
@@ -355,7 +358,7 @@ module wh_wave_core #(
 
     generate
         if (OUTSIDE == 1) begin : added
-            wire signed [DATA_W-1:0] outside = $signed(outside_i[port_q*DATA_W +: DATA_W]);
+            wire signed [DATA_W-1:0] outside = $signed(outside_i[port*DATA_W +: DATA_W]);
             reg signed [ERROR_W-1:0] base_q;
 
             always @(posedge clk) begin
@@ -515,8 +518,8 @@ module wh_wave_core #(
 
     generate
         if (N > 1) begin : many_ports
-            assign write_place = {port_q, new_head};
-            assign read_place  = {port_q, read_slot};
+            assign write_place = {port, new_head};
+            assign read_place  = {port, read_slot};
         end else begin : one_port
             assign write_place = new_head;
             assign read_place  = read_slot;
@@ -559,7 +562,7 @@ module wh_wave_core #(
                 (over_q || u_max[DATA_W-1]) ? $signed(past_high_q[F_SUM_W-1:GUARD])
                                             : $signed(past_low_q[F_SUM_W-1:GUARD]);
             wire signed [DATA_W-1:0]     withheld;
-            wire        [GUARD:0]        lost     = {1'b0, lost_q[port_q*GUARD +: GUARD]}
+            wire        [GUARD:0]        lost     = {1'b0, lost_q[port*GUARD +: GUARD]}
                                                     + {1'b0, f[GUARD-1:0]};
 
             wh_saturate #(
@@ -577,8 +580,8 @@ module wh_wave_core #(
                     withheld_q <= 0;
                     lost_q     <= 0;
                 end else if (at_q[TAKE_U]) begin
-                    lost_q[port_q*GUARD +: GUARD]        <= lost[GUARD-1:0];
-                    withheld_q[port_q*DATA_W +: DATA_W] <=
+                    lost_q[port*GUARD +: GUARD]        <= lost[GUARD-1:0];
+                    withheld_q[port*DATA_W +: DATA_W] <=
                         (over_q || under_q) ? withheld
                         : {{DATA_W-1{u_up_q && !lost[GUARD]}}, u_up_q ^ lost[GUARD]};
                 end
@@ -598,7 +601,7 @@ module wh_wave_core #(
     always @(posedge clk) begin
         waves_q <= 0;
         if (!rst && at_q[TAKE_V]) begin
-            waves_q[port_q] <= 1'b1;
+            waves_q[port] <= 1'b1;
         end
     end
 
@@ -616,10 +619,10 @@ module wh_wave_core #(
                     next_u_q   <= 0;
                 end else begin
                     if (at_q[TAKE_U]) begin
-                        newest_u_q[port_q*DATA_W +: DATA_W] <= u;
+                        newest_u_q[port*DATA_W +: DATA_W] <= u;
                     end
                     if (at_q[TAKE_E]) begin
-                        next_u_q[port_q*DATA_W +: DATA_W] <=
+                        next_u_q[port*DATA_W +: DATA_W] <=
                             ({1'b0, extra_ticks_i} <= filled_q) ? line_q : {DATA_W{1'b0}};
                     end
                 end
@@ -648,17 +651,17 @@ module wh_wave_core #(
             end
         end else begin
             if (at_q[TAKE_U_N]) begin
-                u_o[port_q*DATA_W +: DATA_W] <= u_n_is_there ? line_q : {DATA_W{1'b0}};
+                u_o[port*DATA_W +: DATA_W] <= u_n_is_there ? line_q : {DATA_W{1'b0}};
             end
             if (at_q[TAKE_V]) begin
-                v_o[port_q*DATA_W +: DATA_W] <= v;
+                v_o[port*DATA_W +: DATA_W] <= v;
             end
             if (at_q[TAKE_F]) begin
-                f_q[port_q]         <= f_clamped;
-                saturated_o[port_q] <= over_q || under_q;
+                f_q[port]         <= f_clamped;
+                saturated_o[port] <= over_q || under_q;
             end
             if (at_q[TAKE_E]) begin
-                voltage_o[port_q*DATA_W +: DATA_W] <= e;
+                voltage_o[port*DATA_W +: DATA_W] <= e;
             end
         end
     end

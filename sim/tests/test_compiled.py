@@ -11,9 +11,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 import wavehaptics
 from numba.core.dispatcher import Dispatcher
+from wavehaptics.fpga import board_simulation
+from wavehaptics.ladder import brushless_pins, pins_loop
 from wavehaptics.runtime import compiled
 
 TIMEOUT_S = 120
@@ -153,6 +156,38 @@ def test_other_word_lengths_are_other_code():
     assert digests[0] == digests[1]
     assert digests[0][0] != digests[2][0]
     assert digests[0][1] == digests[2][1]
+
+
+@compiled.compiled_drawing
+def drawn(rng, most, below):
+    """The first draw below ``below``, and how many there were."""
+    value, draws = rng.standard_normal(), 1
+    while draws < most and value >= below:
+        value, draws = rng.standard_normal(), draws + 1
+    return value, draws
+
+
+def test_a_loop_that_draws_leaves_its_generator_as_it_was():
+    """But for what it has drawn: as numpy draws, and no count of it is kept or lost."""
+    rng, same = np.random.default_rng(5), np.random.default_rng(5)
+    first, count = drawn(rng, 100, -1.0)
+    assert count > 1
+    assert [same.standard_normal() for _ in range(count)][-1] == first
+    counts = sys.getrefcount(rng), sys.getrefcount(rng.bit_generator)
+    for _ in range(100):
+        drawn(rng, 2, 0.0)
+    assert (sys.getrefcount(rng), sys.getrefcount(rng.bit_generator)) == counts
+
+
+def test_loops_that_clock_an_rtl_count_no_references():
+    """Not once in each clock: half of the time of `pins` was spent on that."""
+    loops = (
+        pins_loop.advance, pins_loop.pass_clocks, brushless_pins.rest, brushless_pins._advance,
+        board_simulation._rest,
+    )  # fmt: skip
+    for entered in loops:
+        (inner,) = [cell.cell_contents for cell in entered.py_func.__closure__]
+        assert inner.targetoptions["_nrt"] is False, entered
 
 
 PLAIN = """

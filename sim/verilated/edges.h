@@ -6,6 +6,8 @@
 //
 //   WH_EDGES(Vwh_controller)  declares, for tops that eval() has seen once:
 //   rise(top)   as `top.clk = 1; top.eval();`
+//   again(top)  as rise(top) and fall(top), where no input has changed since the last rise(top): it saves
+//               what hangs on inputs alone
 //   fall(top)   as `top.clk = 0; top.eval();`, but for what an input changed since shows: that comes
 //               with the next rise
 
@@ -24,8 +26,20 @@ bool forget_level(Root &root) {
     }
 }
 
+// Evaluates what the only trigger there is, the clock's rise, changes.
+template <class Root>
+void evaluate_edge(Root &root, void (*triggered)(Root *)) {
+    root.__VnbaTriggered[0] = 1;
+    triggered(&root);
+    root.__VnbaTriggered[0] = 0;
+}
+
 #define WH_EDGES(Top)                                       \
     void Top##___024root___eval(Top##___024root *);         \
+    void Top##___024root___eval_nba(Top##___024root *);     \
+    inline void again(Top &top) {                           \
+        evaluate_edge(*top.rootp, Top##___024root___eval_nba); \
+    }                                                       \
     inline void rise(Top &top) {                            \
         top.clk = 1;                                        \
         Top##___024root___eval(top.rootp);                  \

@@ -106,6 +106,7 @@ int64_t wh_guarded_clock(int64_t model, int64_t inputs) {
     if (top.rst) --guarded->reset_clocks;
     top.clear_i = guarded->clear_clocks > 0;
     if (top.clear_i) --guarded->clear_clocks;
+    guarded->controller->inputs = kOthers;
     const int64_t out = wh_pins_clock(reinterpret_cast<int64_t>(guarded->controller),
                                       inputs ^ guarded->encoder_flips);
     ++guarded->clocks;

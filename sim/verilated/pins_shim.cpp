@@ -16,10 +16,13 @@ WH_EDGES(Vwh_controller)
 
 namespace {
 
+constexpr int64_t kOthers = -1;
+
 struct Controller {
     VerilatedContext context;
     Vwh_controller top{&context};
     int64_t packets = 0;
+    int64_t inputs = kOthers;  // at the last clock; kOthers: others than set_inputs() has changed since
 
     ~Controller() { ends(context); }
 };
@@ -79,14 +82,18 @@ void *wh_pins_new(const uint32_t *words, int64_t inputs) {
 
 // The link to a host, HOST = 1: periods of 2^log2 ticks, silence after so many of them.
 void wh_pins_host(void *model, int64_t log2, int64_t timeout) {
-    auto &top = static_cast<Controller *>(model)->top;
+    auto *controller = static_cast<Controller *>(model);
+    auto &top = controller->top;
+    controller->inputs = kOthers;
     top.host_period_log2_i = log2;
     top.host_timeout_i = timeout;
 }
 
 // An answer to packet `sequence`, for the next clock.
 void wh_pins_answer(void *model, int64_t sequence, int64_t u) {
-    auto &top = static_cast<Controller *>(model)->top;
+    auto *controller = static_cast<Controller *>(model);
+    auto &top = controller->top;
+    controller->inputs = kOthers;
     top.host_strobe_i = 1;
     top.host_sequence_i = sequence;
     top.host_u_i = u & mask(WH_DATA_W);
@@ -103,7 +110,9 @@ void wh_pins_packet(void *model, int64_t *words) {
 
 // The measured bus, BUS = 1, from the next clock on.
 int64_t wh_pins_bus(int64_t model, int64_t word) {
-    reinterpret_cast<Controller *>(model)->top.bus_i = word;
+    auto *controller = reinterpret_cast<Controller *>(model);
+    controller->inputs = kOthers;
+    controller->top.bus_i = word;
     return 0;
 }
 
@@ -114,16 +123,19 @@ void wh_pins_delete(void *model) { delete static_cast<Controller *>(model); }
 int64_t wh_pins_clock(int64_t model, int64_t inputs) {
     auto *controller = reinterpret_cast<Controller *>(model);
     auto &top = controller->top;
-    set_inputs(top, inputs);
-    rise(top);
+    if (inputs == controller->inputs) {
+        again(top);
+    } else {
+        set_inputs(top, inputs);
+        rise(top);
+        fall(top);
+        controller->inputs = top.host_strobe_i ? kOthers : inputs;
+        top.host_strobe_i = 0;
+    }
     controller->packets += top.host_strobe_o;
-    top.host_strobe_i = 0;
-    const int64_t out = top.gate_ah_o | top.gate_al_o << 1 | top.gate_bh_o << 2 |
-                        top.gate_bl_o << 3 | top.adc_cs_n_o << 4 | top.adc_sclk_o << 5 |
-                        top.tick_o << 6 | top.core_valid_o << 7 | top.contact_o << 8 |
-                        top.overrun_o << 9 | top.encoder_fault_o << 10;
-    fall(top);
-    return out;
+    return top.gate_ah_o | top.gate_al_o << 1 | top.gate_bh_o << 2 | top.gate_bl_o << 3 |
+           top.adc_cs_n_o << 4 | top.adc_sclk_o << 5 | top.tick_o << 6 | top.core_valid_o << 7 |
+           top.contact_o << 8 | top.overrun_o << 9 | top.encoder_fault_o << 10;
 }
 
 // The words of the newest step into words[0..9]: i, u_n, v_n, e, whether the voltage limit acted, and

@@ -32,7 +32,7 @@ from wavehaptics.runtime.repository import ROOT
 OUT = Path("build", "coverage")
 """Where everything stands, from the root."""
 
-_COMPILERS = {"compiled", "compiled_counting", "njit", "intrinsic"}
+_COMPILERS = {"compiled", "compiled_counting", "compiled_drawing", "njit", "intrinsic"}
 """Decorators of functions whose lines run as machine code."""
 
 

@@ -39,7 +39,7 @@ from wavehaptics.motor.brushless import BrushlessPlant
 from wavehaptics.motor.plant import OMEGA, C, P, R, S, X
 from wavehaptics.motor.sensor import NOISE, sample_code
 from wavehaptics.parts.adcs import PARTS, Frame, Part, frame
-from wavehaptics.runtime.compiled import compiled_counting
+from wavehaptics.runtime.compiled import compiled_drawing
 from wavehaptics.runtime.files import digest_of, write_text
 from wavehaptics.runtime.native_call import call2
 from wavehaptics.runtime.repository import SHIMS
@@ -218,7 +218,7 @@ def build(
     return Build(board, verilated.verilate(BENCH, arguments, target, covered=False))
 
 
-@compiled_counting()  # which draws from a generator
+@compiled_drawing
 def _rest(kept, ints, sensor, rng, clocks):
     """Clock the board with the motor at rest; the clocks until a gate went on, else ``clocks``."""
     data_bits = ints[pins_loop.DATA_BITS]

@@ -65,7 +65,7 @@ from wavehaptics.motor.brushless import (
 from wavehaptics.motor.plant import TIME, C, I, P, X
 from wavehaptics.motor.sensor import NOISE, NOISE_SEED, sample_code
 from wavehaptics.parts.adcs import PARTS, Frame
-from wavehaptics.runtime.compiled import compiled, compiled_counting
+from wavehaptics.runtime.compiled import compiled, compiled_drawing
 from wavehaptics.runtime.native_call import call2
 from wavehaptics.scene import Scene, encoder_end
 from wavehaptics.scene.tables.drive import Drive
@@ -222,7 +222,7 @@ def _emit(row, words, place, pending, angles, waves, floats, ints):
     words[Word.E] = step[_ALPHA + _STEP_E]
 
 
-@compiled_counting(inline="always")
+@compiled(inline="always")
 def _wires(z, kept, pins, changed, ints, sensor, rng):
     """What both ADCs do at this change of the pins: they hold their inputs, or put out a bit."""
     if changed & 1 << _CS_N:
@@ -253,7 +253,7 @@ def _inputs(kept):
     )
 
 
-@compiled_counting()  # which draws from a generator
+@compiled_drawing
 def rest(z, kept, ints, sensor, rng, clocks):
     """Clock a board with the motor at rest; the clocks until a gate went on, else ``clocks``."""
     for n in range(clocks):
@@ -266,7 +266,7 @@ def rest(z, kept, ints, sensor, rng, clocks):
     return clocks
 
 
-@compiled_counting()  # which draws from a generator
+@compiled_drawing
 def _advance(
     rows, words, z, kept, marks, room, pending, angles, waves, tables, steps, ints, floats, load,
     sensor, rng, buffer,

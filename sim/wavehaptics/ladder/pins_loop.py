@@ -42,7 +42,7 @@ from wavehaptics.motor.sensor import (
 from wavehaptics.motor.sigma_delta import next_bit
 from wavehaptics.motor.step import motor_step
 from wavehaptics.motor.supply import BUS_V, SAG_OHM, STEP_PART, STEP_S
-from wavehaptics.runtime.compiled import compiled, compiled_counting
+from wavehaptics.runtime.compiled import compiled, compiled_drawing
 from wavehaptics.runtime.native_call import call2
 from wavehaptics.trace.columns import Word, put_anchor, put_estimate, put_motion, put_port
 from wavehaptics.words import formats
@@ -239,7 +239,7 @@ def _close_tick(state, kept, sums, pending, floats, ints):
     sums[X0], sums[HAND0], sums[T0] = state[X], hand, state[TIME]
 
 
-@compiled_counting()  # which copies a row
+@compiled()
 def _emit(rows, words, done, kept, pending, floats, ints, buffer):
     """The oldest tick that has ended, with the words of its step."""
     cell = floats[CELL]
@@ -262,7 +262,8 @@ def _emit(rows, words, done, kept, pending, floats, ints, buffer):
         if buffer[8]:
             eta = 0.0
     put_port(row, eta, buffer[1] * _WAVE, buffer[2] * _WAVE, touching, limited)
-    rows[done] = row
+    for column in range(row.shape[0]):  # a slice's copy would count references
+        rows[done, column] = row[column]
     words[done, Word.I] = buffer[0]
     words[done, Word.U] = buffer[1]
     words[done, Word.V] = buffer[2]
@@ -271,7 +272,7 @@ def _emit(rows, words, done, kept, pending, floats, ints, buffer):
     kept[WAITS] = 0
 
 
-@compiled_counting(inline="always")
+@compiled(inline="always")
 def _level(current, sensor, osr, rng):
     """Input of a modulator in parts of its full scale; the noise of a bit makes that of a word."""
     if sensor[NOISE] > 0.0:
@@ -279,7 +280,7 @@ def _level(current, sensor, osr, rng):
     return (current + sensor[OFFSET]) / sensor[FULL_SCALE]
 
 
-@compiled_counting(inline="always")
+@compiled(inline="always")
 def _follow(
     changed, pins, state, kept, sums, tables, ints, floats, load, sensor, rng, bits, real
 ):  # fmt: skip
@@ -308,7 +309,7 @@ def _follow(
             kept[SHIFT] <<= 1
 
 
-@compiled_counting()  # which draws from a generator
+@compiled_drawing
 def advance(
     rows, words, state, kept, sums, pending, tables, ints, floats, load, sensor, rng, buffer, bits,
     real,
@@ -365,7 +366,7 @@ GATES = 9
 """Place of the first motor's gates where there are several, behind the pins that they share."""
 
 
-@compiled_counting()
+@compiled_drawing
 def pass_clocks(count, motors, tables, ints, floats, sensor, rng):
     """Clock the RTL of several motors; ``motors`` are their (state, kept, sums, load, bits, real).
 

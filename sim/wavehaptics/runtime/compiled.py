@@ -4,7 +4,8 @@
 A loop's arrays belong to its caller, who keeps them until it returns. To count references to them
 in each tick would take four fifths of the integer model's time, as every count may write to memory
 and so stands in the way of keeping numbers in registers. A function that makes arrays of its own
-can't do without, and takes :data:`compiled_counting`.
+can't do without, and takes :data:`compiled_counting`; one that draws from a generator takes
+:func:`compiled_drawing`.
 
 numba by itself keeps a function for as long as its file stays as it is, whatever those that it
 calls, in other files, have become. Here what is kept bears the digest of all that was compiled: the
@@ -20,7 +21,7 @@ import enum
 import functools
 import sys
 import types
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,7 @@ _PYTHON = sys.implementation.cache_tag
 class _KeptBySources(FunctionCache):
     """numba's cache of one function, in files named after :func:`sources_digest`."""
 
-    def __init__(self, function: types.FunctionType, dispatcher: Dispatcher) -> None:
+    def __init__(self, function: Callable[..., Any], dispatcher: Dispatcher) -> None:
         super().__init__(function)
         self._dispatcher = dispatcher
         self._found = False
@@ -163,7 +164,7 @@ def _whole_package() -> str:
     return digest_of("package", sorted(_PACKAGE.rglob("*.py")), _PACKAGE)
 
 
-def _compile(function: types.FunctionType | None = None, **options: Any) -> Any:
+def _compile(function: Callable[..., Any] | None = None, **options: Any) -> Any:
     """``numba.njit`` with these options, kept by sources."""
     if function is None:
         return functools.partial(_compile, **options)
@@ -179,4 +180,20 @@ compiled = functools.partial(_compile, _nrt=False)
 """``numba.njit`` for functions that make no arrays; ``@compiled()`` takes its options too."""
 
 compiled_counting = _compile
-"""The same for functions that make arrays of their own, or draw from a generator."""
+"""The same for functions that make arrays of their own."""
+
+
+def compiled_drawing(function: Callable[..., Any]) -> Any:
+    """The same for a loop that draws from a generator.
+
+    A generator comes in from Python with a count of its own, which would be lost without. So what
+    Python calls counts, once, and the loop itself doesn't.
+    """
+    loop = compiled(function)
+
+    def enter(*arguments: Any) -> Any:
+        return loop(*arguments)
+
+    for name in ("__doc__", "__module__", "__name__", "__qualname__"):
+        setattr(enter, name, getattr(function, name))
+    return compiled_counting(enter)
