@@ -14,6 +14,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from wavehaptics.controller import wave_core
 from wavehaptics.controller.pins_timing import CORE_CLOCKS, SECTION_CLOCKS, latency_clocks
+from wavehaptics.controller.rendered import fragment
+from wavehaptics.controller.settings import settings
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.brushless import BrushlessSimulation
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
@@ -148,6 +150,31 @@ def test_a_soft_wall_is_the_sine_that_a_rigid_one_is(make_scene, theta):
     torque = -rows[-1000:, Column.TORQUE].mean()
     assert torque == pytest.approx(0.22 / PAIRS * math.sin(PAIRS * depth), rel=2e-3)
     assert torque < 0.93 * 0.22 * depth
+
+
+def test_a_mass_is_the_same_at_any_angle(make_scene):
+    """Swung slowly through more than an electrical turn, a flywheel of that inertia is felt."""
+    mass, damping, hertz = 5e-6, 5e-5, 1.5
+    scene = make_scene(
+        "hand.path='taps'", "hand.amplitude_rad=0.5", f"hand.frequency_hz={hertz}",
+        "hand.stiffness=0.2", "hand.damping=1e-3", EVERYWHERE, "shaper.feel=mass",
+        f"shaper.mass_kgm2={mass}", f"shaper.damping={damping}", magnets_at(0.4),
+    )  # fmt: skip
+    period = round(1.0 / hertz / TICK_S)
+    rows, _ = run(BrushlessSimulation(scene, rtl=False), 2.5 / hertz)
+    x, torque = rows[-period:, Column.X], rows[-period:, Column.TORQUE]
+    assert np.ptp(x) * PAIRS > 2 * math.pi
+    turn = 2 * math.pi * hertz
+    wave = np.exp(-1j * turn * TICK_S * np.arange(period))
+    impedance = -(torque @ wave) / (1j * turn * (x @ wave))
+    assert impedance == pytest.approx(damping + 1j * turn * mass, rel=0.01)
+
+
+def test_what_is_said_of_w_is_for_the_felt_constant(make_scene):
+    """√1.5·pψ: what `wavehaptics shaper` finds is off the wish by what the words' places are."""
+    scene = make_scene(EVERYWHERE, *SPRING)
+    (percent,) = re.findall(r"off the wish by (\S+) % at most", fragment(scene, settings(scene)))
+    assert float(percent) < 1.0
 
 
 LAYERS = ("controller.walls=[[0.0, 0.006], [0.006, 1.0]]", "shaper.walls=[0]")
