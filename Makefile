@@ -207,6 +207,9 @@ LINT_CASES := \
     wh_brushless,-GSENSE=1,-GGUARD=1,-GANCHOR=1 \
     wh_brushless,-GSENSE=1,-GZERO_LOG2=2,-GMIN_PULSE=1 \
     wh_axes,-GANCHOR=1,-GDELAY_LOG2=10 \
+    wh_axes,-GSHAPER=1 \
+    wh_brushless,-GSHAPER=2,-GANCHOR=1 \
+    wh_brushless,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_anchor,-GAXIS=1 \
     wh_brushless,-GWALLS=1,-GDELAY_LOG2=10,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_sinc3,-GLINES=2,-GOSR=20,-GTRIP_OSR=2 \

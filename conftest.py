@@ -17,7 +17,7 @@ BLOCKS = {
     "wh_adc_serial": "test_adc_serial.py::test_adc_serial[icarus-1]",
     "wh_anchor": "test_briefly.py::test_briefly[anchor]",
     "wh_arm": "test_arm.py::test_arm[icarus-0]",
-    "wh_axes": "test_brushless_controller.py::test_brushless_controller[icarus-0]",
+    "wh_axes": "test_axes.py::test_axes[icarus-1]",
     "wh_brushless": "test_brushless_controller.py::test_brushless_controller[icarus-0]",
     "wh_bus_scale": "test_bus_scale.py::test_bus_scale[icarus-1]",
     "wh_capture": "test_briefly.py::test_briefly[capture]",

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cocotb
+import numpy as np
 from adc_part import AdcPart
 from bench import Bench, pack, random_source, unpack
 from lost_encoder import LostEncoder
@@ -22,6 +23,7 @@ from tb_three_phase import Drive, gates_of
 from wavehaptics.controller import clarke, wave_core
 from wavehaptics.controller.guard import Fault
 from wavehaptics.controller.modulator import duty_of, new_dead_time
+from wavehaptics.controller.normalised import quantise, realise
 from wavehaptics.controller.pins_timing import (
     CENTRED_LEAD,
     CLARKE_CLOCKS,
@@ -29,15 +31,18 @@ from wavehaptics.controller.pins_timing import (
     CURRENT_CLOCKS,
     GATE_CLOCKS,
     HOLD_CLOCKS,
+    SECTION_CLOCKS,
     latency_clocks,
 )
+from wavehaptics.laws.reflection import Wish, reflection
 from wavehaptics.motor.sensor import scale_sum
 from wavehaptics.parts.adcs import PARTS, frame
 from wavehaptics.words import formats, table
-from wavehaptics.words.table import THREE_PHASE_LEGS, Sizes
+from wavehaptics.words.table import AXES, THREE_PHASE_LEGS, Sizes
 
 GUARD = parameters().get("GUARD", 0)
 SENSE = parameters().get("SENSE", 0)
+SHAPER = parameters().get("SHAPER", 0)
 ZERO_TICKS = 1 << parameters().get("ZERO_LOG2", 10)
 WALLS = 4
 DELAY_LOG2 = 2
@@ -60,7 +65,10 @@ A = formats.A.to_raw(0.7)
 U_MAX = formats.WAVE.to_raw(4.0 / math.sqrt(2 * R_OHM))
 EXTRA_CLOCKS = 7
 """Clocks from a current to the end of a period that it counts for: wh_dead_time, wh_modulator."""
-LATENCY = latency_clocks(FRAME.conversion_clocks, brushless=True)
+LATENCY = latency_clocks(FRAME.conversion_clocks, sections=SHAPER, brushless=True)
+STEP_CLOCKS = AXES * (CORE_CLOCKS + SECTION_CLOCKS * SHAPER)
+HALF = STEP_CLOCKS // 2 + 2
+"""Clocks of a carrier half, of which a tick has two."""
 
 
 @dataclass
@@ -82,9 +90,19 @@ class Step:
     position: int
 
 
+def wave_filter() -> np.ndarray:
+    """Words of W: a soft wall's sections, which differ."""
+    wishes = [Wish(0.0, 1e-4, spring, 1.117) for spring in (0.3, 0.8)[:SHAPER]]
+    sections = [quantise(realise(*reflection(wish, 2.28e-4), 3e-5)) for wish in wishes]
+    return np.array(sections, dtype=np.int64).reshape(SHAPER, wave_core.SECTION_WORDS)
+
+
+W = wave_filter()
+
+
 def settings(
     drive: Drive, samples: int = 1, extra: int = 2, walls: Walls = (WALL,) * WALLS,
-    enable: Sequence[int] = (1, 0, 0, 0), **others: int,
+    enable: Sequence[int] = (1, 0, 0, 0), shaped: Sequence[int] = (0,) * WALLS, **others: int,
 ) -> dict[str, int]:  # fmt: skip
     """The controller's inputs, as words."""
     values = {
@@ -112,7 +130,14 @@ def settings(
         **others,
     }
     values["gain"] = formats.GAIN.to_raw(FULL_SCALE_A / ((1 << 15) * samples))
-    return table.inputs(values, SIZES)
+    shape = {
+        "shape_coefficient": W[:, : wave_core.LOSS1].ravel().tolist(),
+        "shape_loss": W[:, wave_core.LOSS1 :].ravel().tolist(),
+    }
+    words = table.inputs(shape if SHAPER else {}, Sizes(1, WALLS, SHAPER))["shape_words_i"]
+    return table.inputs(values, SIZES) | {
+        "shape_words_i": words, "wall_shaped_i": pack(shaped, 1)
+    }  # fmt: skip
 
 
 class BrushlessBench(Bench):
@@ -132,7 +157,7 @@ class BrushlessBench(Bench):
         self.ticks: list[int] = []
         self.gates: list[tuple[int, int]] = []
         self._cs_n = 1
-        self._phases: deque[int] = deque(maxlen=2 * CORE_CLOCKS + 1)
+        self._phases: deque[int] = deque(maxlen=STEP_CLOCKS + 1)
         await self.start(
             enable_i=1, adc_sdata_i=0, enc_a_i=0, enc_b_i=0, stop_i=0, driver_fault_i=0,
             **(inputs | {"zero_i": pack(zeros, formats.SUM_W)}),
@@ -182,16 +207,20 @@ class BrushlessBench(Bench):
 
     def _out_of_the_legs(self, step: Step) -> list[tuple[int, int]]:
         """Clock and current of each leg, of which b's begins the step's transform."""
-        b_at = step.clock - 2 * CORE_CLOCKS - CLARKE_CLOCKS
+        b_at = step.clock - STEP_CLOCKS - CLARKE_CLOCKS
         a, b = step.phases
         c = wave_core.saturate.py_func(-a - b)
         return [(b_at - 1, a), (b_at, b), (b_at + 1, c)]
 
-    def check(self, drive: Drive, samples: int, extra: int) -> list[list[int]]:
-        """Every step by the models, and every gate; the widths of each leg."""
+    def check(self, drive: Drive, samples: int, extra: int, soft: bool) -> list[list[int]]:
+        """Every step by the models, and every gate; the widths of each leg.
+
+        ``soft``: all walls feel as W, or none.
+        """
         gain = formats.GAIN.to_raw(FULL_SCALE_A / ((1 << 15) * samples))
         ports = [wave_core.new_state() for _ in range(2)]
         lines = [wave_core.new_line(extra) for _ in range(2)]
+        states = [wave_core.new_shaper_state(SHAPER) for _ in range(2)]
         legs_of: list[tuple[int, int, int]] = []
         for n, step in enumerate(self.steps):
             group = self.conversions[n * samples : (n + 1) * samples]
@@ -202,15 +231,18 @@ class BrushlessBench(Bench):
             assert tuple(step.current) == clarke.currents.py_func(*step.phases)
             assert step.anchored == 0
             eta = ETA_CONTACT if step.contact else ETA_FREE
+            touched = wave_core.SHAPE if soft else wave_core.HOLD
+            mode = touched if step.contact else wave_core.CLEAR
             for m in range(2):
-                found = wave_core.wave_core_step.py_func(
-                    ports[m], lines[m], step.current[m], eta, 0, ROOT, A, U_MAX, extra, 0
-                )
+                found = wave_core.shaped_core_step.py_func(
+                    ports[m], lines[m], W, states[m], mode, step.current[m], eta, 0, ROOT, A,
+                    U_MAX, extra, 0,
+                )  # fmt: skip
                 assert (step.voltage[m], step.u[m], step.v[m]) == found
                 assert step.saturated >> m & 1 == ports[m][wave_core.STATE_SATURATED]
             began = group[-1][0] + FRAME.conversion_clocks
             began += CURRENT_CLOCKS + 1 + CLARKE_CLOCKS
-            assert step.clock == began + 2 * CORE_CLOCKS
+            assert step.clock == began + STEP_CLOCKS
             legs_of.append(clarke.centred.py_func(*clarke.phases.py_func(*step.voltage)))
         # What each tick drives, by the latency that the settings count on, and what its dead time
         # takes, by the currents that were there in time.
@@ -261,16 +293,19 @@ async def equals_the_models(dut: object) -> None:
     rng = random_source("brushless")
     widths, touched, judged, limited = set(), set(), set(), 0
     for drive, samples, extra, zeros in (
-        (Drive(26), 1, 2, (0, 0)),
-        (Drive(26, 12.0, 4, 2, second_order=True), 2, 1, (700, -1234)),
-        (Drive(25, 36.0, 4, 1), 1, 1, (-5, 0)),
-        (Drive(26, 29.7, 2, 4, 0, False, True, 200_000, 2), 1, 2, (0, 0)),
-        (Drive(26, 17.3, 2, 3, 0, False, True, 3_000_000, 0), 1, 2, (90, 0)),
+        (Drive(HALF), 1, 2, (0, 0)),
+        (Drive(HALF, 12.0, 4, 2, second_order=True), 2, 1, (700, -1234)),
+        (Drive(HALF - 1, 36.0, 4, 1), 1, 1, (-5, 0)),
+        (Drive(HALF, 29.7, 2, 4, 0, False, True, 200_000, 2), 1, 2, (0, 0)),
+        (Drive(HALF, 17.3, 2, 3, 0, False, True, 3_000_000, 0), 1, 2, (90, 0)),
     ):
         lows = [rng.randint(-6, 5) for _ in range(WALLS)]
         walls = [(low, low + rng.randint(1, 5)) for low in lows]
         enable = rng.sample((1, 1, 1, 0), WALLS)
-        await bench.begin(settings(drive, samples, extra, walls, enable), zeros)
+        # A wall that isn't there may be whatever it is.
+        soft = samples == 1
+        shaped = [int(soft == bool(on)) for on in enable]
+        await bench.begin(settings(drive, samples, extra, walls, enable, shaped), zeros)
         size = rng.uniform(0.2, 1.0) * MIDDLE
         for clock in range(60 * drive.tick_clocks):
             angle = 0.003 * clock
@@ -292,7 +327,7 @@ async def equals_the_models(dut: object) -> None:
                 )
                 assert step.contact == inside
                 judged.add(inside)
-        found = bench.check(drive, samples, extra)
+        found = bench.check(drive, samples, extra, soft)
         widths |= {width for leg in found for width in leg}
         touched |= {step.contact for step in bench.steps}
         limited += sum(step.saturated != 0 for step in bench.steps)
@@ -306,13 +341,13 @@ async def shortest_tick(dut: object) -> None:
     """Two clocks more than two ports' steps go on without an overrun, with late samples as well."""
     bench = BrushlessBench(dut)
     for late in (0, 1):
-        await bench.begin(settings(Drive(25), sample_late=late))
-        for _ in range(2000):
+        await bench.begin(settings(Drive(HALF - 1), sample_late=late))
+        for _ in range(40 * Drive(HALF - 1).tick_clocks):
             await bench.clock()
         assert not bench.word("overrun_o")
         assert len(bench.steps) > 30
     # One fewer than they take is told.
-    await bench.begin(settings(Drive(23)))
+    await bench.begin(settings(Drive(HALF - 3)))
     for _ in range(1000):
         await bench.clock()
     assert bench.word("overrun_o")
@@ -322,7 +357,7 @@ async def shortest_tick(dut: object) -> None:
 async def off_and_on_again(dut: object) -> None:
     """enable_i = 0 takes all six gates in the next clock; f begins at 0 after it."""
     bench = BrushlessBench(dut)
-    await bench.begin(settings(Drive(26, dead_clocks=2)))
+    await bench.begin(settings(Drive(HALF, dead_clocks=2)))
     bench.codes = [MIDDLE + 300, MIDDLE - 100]
     for clock in range(1500):
         off = 700 <= clock < 1000
@@ -342,7 +377,7 @@ async def all_legs_have_the_scale_of_their_step(dut: object) -> None:
     The legs' products are made one after another behind the step, and the tick is the shortest.
     """
     bench, rng = BrushlessBench(dut), random_source("scale")
-    drive = Drive(25)
+    drive = Drive(HALF - 1)
     await bench.begin(settings(drive))
     scales = [round(drive.per_volt * part) for part in (1.0, 0.7, 0.4)]
     present, changed = scales[0], 0
@@ -377,7 +412,7 @@ async def all_legs_have_the_scale_of_their_step(dut: object) -> None:
 
 
 if SENSE:
-    SENSED = Drive(26)
+    SENSED = Drive(HALF)
 
     async def ticks(bench: BrushlessBench, number: int) -> None:
         for _ in range(number * SENSED.tick_clocks):
@@ -492,7 +527,7 @@ if GUARD:
         words = {
             "guard_mask": mask, "guard_damp": damp, "guard_current": LIMIT, "guard_bus_max": 0xFFFF,
         }  # fmt: skip
-        return settings(Drive(26), **words, **others)
+        return settings(Drive(HALF), **words, **others)
 
     @cocotb.test(timeout_time=20, timeout_unit="ms")
     async def each_phase_has_its_limit(dut: object) -> None:
@@ -562,7 +597,7 @@ if GUARD:
     async def each_port_tells_that_the_encoder_is_lost(dut: object) -> None:
         """Waves that turn and no counts: told in the tick in which integers have it."""
         bench, rng = BrushlessBench(dut), random_source("lost")
-        drive = Drive(26)
+        drive = Drive(HALF)
         behind, ports = set(), set()
         for trial in range(8):
             limit, enough = rng.randint(20, 100), rng.randint(1, 8)

@@ -14,6 +14,8 @@ from simulators import SimulationError, simulate
         ("wh_controller", {"SHARED": 1, "SHAPER": 1}, {}, "shared_must_be_0_or_1_and_0_with"),
         ("wh_device", {"LEGS": 4}, {}, "device_legs_must_be_2_or_3"),
         ("wh_device", {"LEGS": 3, "HOST": 1}, {}, "device_with_three_legs_has_one_motor_and"),
+        ("wh_device", {"LEGS": 3, "SHAPER": 1}, {}, "device_with_three_legs_has_one_motor_and"),
+        ("wh_axes", {"SHAPER": 3}, {}, "wave_core_n_delay_log2_outside_shaper"),
         ("wh_settings", {"LEGS": 3, "N": 3}, {}, "settings_n_must_be_2_with_three_legs"),
         ("wh_brushless", {"GUARD": 2}, {}, "brushless_guard_must_be_0_or_1"),
         ("wh_brushless", {"SENSE": 2}, {}, "brushless_sense_must_be_0_or_1"),

@@ -6,11 +6,11 @@
 //   waves, flux by the encoder (wh_rotor_flux) -> wh_anchor -> correction, offset, room
 //   jumps of the anchors' χ -> wh_magnet_angle -> the angle that is wrong, before the anchors have a say
 //
-// Both ports have the same words and the same eta. sim/wavehaptics/ladder/brushless.py puts the integer
+// Both ports have the same words, the same eta and the same W, with states of W each. sim/wavehaptics/ladder/brushless.py puts the integer
 // models together in the same way. ANCHOR = 0: no anchors; the position and the flux mean nothing.
 //
 // Formats: those of the blocks.
-// Latency: the wave core's, 48 clocks; the anchors go on behind it, anchor_busy_o. A step that starts
+// Latency: the wave core's, 48 clocks and 10 for each section of W; the anchors go on behind it, anchor_busy_o. A step that starts
 // before they are done is an overrun, as what they find acts in it.
 // Reset: the blocks'; with angle_rst_i, at power-up, the magnets are to be found anew.
 
@@ -19,7 +19,10 @@
 
 module wh_axes #(
     parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
-    parameter integer ANCHOR     = 0   // 1: there are port anchors
+    parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
+    parameter integer ANCHOR     = 0,  // 1: there are port anchors
+    parameter integer SHAPE_BITS = ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
+                                   * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W)
 ) (
     input  wire                              clk,
     input  wire                              rst,
@@ -39,6 +42,10 @@ module wh_axes #(
     input  wire [`WH_DATA_W-1:0]             u_max_i,         // s31q23 √W
     input  wire [DELAY_LOG2-1:0]             extra_ticks_i,
     input  wire [DELAY_LOG2-1:0]             hold_ticks_i,
+
+    // W of both axes (wh_shaper): its words, and whether the wall in contact feels so.
+    input  wire [SHAPE_BITS-1:0]             shape_words_i,
+    input  wire                              shaped_i,        // for all of the core's step
 
     // The rotor (wh_rotor_flux), as it is in the clock of start_i.
     input  wire signed [`WH_COUNT_W-1:0]     position_i,      // s32, counts
@@ -102,6 +109,7 @@ module wh_axes #(
     wire [DATA_W-1:0]   core_factor;
     wire [COEF_W-1:0]   core_coefficient;
     wire [2*DATA_W-1:0] current;       // without the offset, in the clock of start_i
+    wire [1:0]          shape_mode  = !contact_i ? 2'd0 : shaped_i ? 2'd2 : 2'd1;
     wire [COEF_W-1:0]   eta         = (damp_i || anchor_fault_o) ? {COEF_W{1'b0}} : eta_i;
     wire                unused_core = &{1'b0, newest_u, next_u, core_request, core_factor,
                                             core_coefficient};
@@ -109,6 +117,7 @@ module wh_axes #(
     wh_wave_core #(
         .N             (2),
         .DELAY_LOG2    (DELAY_LOG2),
+        .SHAPER        (SHAPER),
         .WITHHELD      (ANCHOR)
     ) wave_core (
         .clk           (clk),
@@ -120,8 +129,8 @@ module wh_axes #(
         .current_i     (start_i ? current : current_o),
         .eta_i         ({2{eta}}),
         .outside_i     ({2*DATA_W{1'b0}}),
-        .shape_mode_i  (4'd0),
-        .shape_words_i ({2*(9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W){1'b0}}),
+        .shape_mode_i  ({2{shape_mode}}),
+        .shape_words_i ({2{shape_words_i}}),
         .root_i        ({2{root_i}}),
         .a_i           ({2{a_i}}),
         .u_max_i       (step_max),
@@ -285,8 +294,8 @@ module wh_axes #(
                 );
             end
         end else begin : by_their_waves_alone
-            wire unused = &{1'b0, withheld, waves, position_i, place_i, cell_i, contact_i,
-                            anchor_words_i, angle_rst_i, find_magnet_i, count_angle_i,
+            wire unused = &{1'b0, withheld, waves, position_i, place_i, cell_i, anchor_words_i,
+                            angle_rst_i, find_magnet_i, count_angle_i,
                             turned_i, grant_i,
                             done_i, product_i};
 

@@ -32,9 +32,10 @@
 // eta 0 on both axes. A third phase beyond the ADC's scale counts as a word at its end.
 //
 // Latency: the last sample of a tick reaches the gates with the next tick that ends
-//     conversion + 80 clocks
+//     conversion + 80 + 10 SHAPER clocks
 // after its sample strobe or later (latency_clocks in
-// sim/wavehaptics/controller/pins_timing.py); a tick has 52 clocks or more, in whole carrier periods.
+// sim/wavehaptics/controller/pins_timing.py); a tick has 52 + 10 SHAPER clocks or more, in whole
+// carrier periods.
 // The gates show the carrier's phase after 2 clocks, dead time aside; CS_n falls 1 clock after the
 // sample's phase.
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
@@ -47,11 +48,14 @@ module wh_brushless #(
     parameter integer WALLS      = 4,  // 1...16
     parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
     parameter integer MIN_PULSE  = 0,  // 1: min_pulse_i counts; 0: pulses may be of one clock
+    parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
     parameter integer DEAD_TIME  = 1,  // 1: dead time can be made good
     parameter integer SENSE      = 0,  // 1: sense checks and a measured zero; 0: their inputs mean nothing
     parameter integer ZERO_LOG2  = 10, // SENSE = 1: ticks of a zero, 2^ZERO_LOG2; 2...16
     parameter integer GUARD      = 0,  // 1: wh_guard watches; 0: its inputs mean nothing
-    parameter integer ANCHOR     = 0   // 1: port anchors; 0: their inputs mean nothing
+    parameter integer ANCHOR     = 0,  // 1: port anchors; 0: their inputs mean nothing
+    parameter integer SHAPE_BITS = ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
+                                   * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W)
 ) (
     input  wire                         clk,
     input  wire                         rst,
@@ -111,6 +115,10 @@ module wh_brushless #(
     input  wire [`WH_DATA_W-1:0]        u_max_i,             // s31q23 √W, of each axis
     input  wire [DELAY_LOG2-1:0]        extra_ticks_i,       // ticks
     input  wire [DELAY_LOG2-1:0]        hold_ticks_i,        // ticks
+
+    // W of both axes (wh_shaper): its words, and the walls that feel so; in others it stands still.
+    input  wire [SHAPE_BITS-1:0]        shape_words_i,
+    input  wire [WALLS-1:0]             wall_shaped_i,
 
     // Port anchors (wh_anchor), and the rotor's flux (wh_rotor_flux).
     input  wire [`WH_ANCHOR_W-1:0]      anchor_words_i,
@@ -454,7 +462,7 @@ module wh_brushless #(
     wire                          turn;
     wire [31:0]                   turn_by;
     wire                          turned;
-    wire                          unused_contact = &{1'b0, direction, encoder_faults, wall, wall_shaped, depth};
+    wire                          unused_contact = &{1'b0, direction, encoder_faults, wall, depth};
 
     wh_quadrature quadrature (
         .clk             (clk),
@@ -517,7 +525,7 @@ module wh_brushless #(
         .wall_min_i    (wall_min_i),
         .wall_max_i    (wall_max_i),
         .wall_enable_i (wall_enable_i),
-        .wall_shaped_i ({WALLS{1'b0}}),
+        .wall_shaped_i (wall_shaped_i),
         .hysteresis_i  (edge_hysteresis_i),
         .eta_contact_i (eta_contact_i),
         .eta_free_i    (eta_free_i),
@@ -538,6 +546,7 @@ module wh_brushless #(
 
     wh_axes #(
         .DELAY_LOG2     (DELAY_LOG2),
+        .SHAPER         (SHAPER),
         .ANCHOR         (ANCHOR)
     ) axes (
         .clk            (clk),
@@ -555,6 +564,8 @@ module wh_brushless #(
         .u_max_i        (u_max_i),
         .extra_ticks_i  (extra_ticks_i),
         .hold_ticks_i   (hold_ticks_i),
+        .shape_words_i  (shape_words_i),
+        .shaped_i       (wall_shaped),
         .position_i     (position_o),
         .place_i        (place),
         .cell_i         (last_cell),

@@ -510,6 +510,8 @@ module wh_device #(
                 .gate_high_o     ({gate_bh_o, gate_ah_o}),
                 .gate_low_o      ({gate_bl_o, gate_al_o}),
                 `WH_BRUSHLESS_PORTS
+                .shape_words_i   ({9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W{1'b0}}),
+                .wall_shaped_i   ({WALLS{1'b0}}),
                 .stop_i          (stop_i),
                 .driver_fault_i  (driver_fault_i[0]),
                 .phase_current_o (phase_current)

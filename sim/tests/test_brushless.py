@@ -465,7 +465,6 @@ ASKING = {
     "brushes": ("brushes.drop_v=0.1",),
     "winding": ("winding.saturation_a=1",),
     "thermal": ("thermal.start_c=60",),
-    "shaper": ("shaper.feel=spring", "shaper.stiffness=0.3"),
     "transmission.cable_stiffness": (*TAP, "transmission.cable_stiffness=1"),
     "encoder.stops_at_s": ("encoder.counts_per_rev=4000", "encoder.stops_at_s=1"),
     "encoder.reverses_at_s": ("encoder.counts_per_rev=4000", "encoder.reverses_at_s=1"),

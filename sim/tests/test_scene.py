@@ -485,6 +485,7 @@ def test_shipped_scenes():
     assert set(shipped) == {
         "bounce",
         "brushless_hold",
+        "brushless_soft",
         "brushless_taps",
         "brushless_wall",
         "damped",

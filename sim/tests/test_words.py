@@ -4,6 +4,7 @@
 import json
 import re
 import subprocess
+from dataclasses import replace
 
 import pytest
 from wavehaptics.controller import anchor, wave_core
@@ -32,9 +33,10 @@ def controller_ports(tmp_path, sizes):
     program, environment = verilator_environment()
     parameters = {"WALLS": sizes.walls, "DELAY_LOG2": sizes.delay_log2}
     top = "wh_brushless"
+    parameters["SHAPER"] = sizes.sections
     if sizes.legs == LEGS:
         top = "wh_controller"
-        parameters |= {"N": sizes.motors, "SHAPER": sizes.sections}
+        parameters["N"] = sizes.motors
     subprocess.run(
         [program, "--json-only", "-Wno-lint", "-Wno-style", f"-I{formats.RTL_DIR}",
          *(f"-G{name}={value}" for name, value in parameters.items()),
@@ -57,8 +59,12 @@ def controller_ports(tmp_path, sizes):
 
 
 @pytest.mark.parametrize(
-    "sizes", [Sizes(), Sizes(3, 2, 2, 5), Sizes(3, 16, 1, 1), Sizes(1, 7, 0, 3, THREE_PHASE_LEGS)]
-)
+    "sizes",
+    [
+        Sizes(), Sizes(3, 2, 2, 5), Sizes(3, 16, 1, 1), Sizes(1, 7, 0, 3, THREE_PHASE_LEGS),
+        Sizes(1, 5, 2, 2, THREE_PHASE_LEGS),
+    ],
+)  # fmt: skip
 def test_the_controllers_ports(tmp_path, sizes):
     """Every port that is no pin is in the table, with that width, and nothing else is."""
     found = {
@@ -71,6 +77,9 @@ def test_the_controllers_ports(tmp_path, sizes):
         for direction, way in (("i", "INPUT"), ("o", "OUTPUT"))
         for port, words in table.ports(direction, legs=sizes.legs).items()
     }
+    for port in table.SHAPER_PORTS:  # which no brushless device has words for
+        of_brushes = replace(sizes, legs=LEGS)
+        expected[f"{port}_i"] = "INPUT", table.port_width(table.ports()[port], of_brushes)
     assert found == expected
 
 

@@ -47,11 +47,15 @@ void set_inputs(Vwh_brushless &top, int64_t inputs) {
 extern "C" {
 
 // A controller just before its first tick, or null if its ADC never gets ready. Words are those of
-// rtl/words.toml, as words.h takes them.
-void *wh_brushless_new(const uint32_t *words, int64_t inputs) {
+// rtl/words.toml, as words.h takes them; `shape` are those of W, which are no words of the table here, and
+// behind them which walls feel so, each a word of 32 bits or more.
+void *wh_brushless_new(const uint32_t *words, int64_t inputs, int64_t shape) {
     Controller *controller = new Controller;
     auto &top = controller->top;
     give_words(top, words);
+    const uint32_t *shape_words = reinterpret_cast<const uint32_t *>(shape);
+    give(top.shape_words_i, shape_words);
+    give(top.wall_shaped_i, shape_words + sizeof(top.shape_words_i) / sizeof(uint32_t));
     set_inputs(top, inputs);
     top.rst = 1;
     top.enable_i = 0;

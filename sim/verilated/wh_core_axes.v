@@ -10,7 +10,10 @@
 
 module wh_core_axes #(
     parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
-    parameter integer ANCHOR     = 0   // 1: there are port anchors
+    parameter integer SHAPER     = 0,  // sections of W, 0...2
+    parameter integer ANCHOR     = 0,  // 1: there are port anchors
+    parameter integer SHAPE_BITS = ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
+                                   * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W)
 ) (
     input  wire                         clk,
     input  wire                         rst,
@@ -24,6 +27,8 @@ module wh_core_axes #(
     input  wire                         contact_i,
     input  wire [`WH_COEF_W-1:0]        eta_contact_i,   // s27q25
     input  wire [`WH_COEF_W-1:0]        eta_free_i,      // s27q25
+    input  wire [SHAPE_BITS-1:0]        shape_words_i,
+    input  wire                         shaped_i,        // W is of the wall in contact
     input  wire [`WH_COEF_W-1:0]        root_i,          // s27q22 √Ω
     input  wire [`WH_COEF_W-1:0]        a_i,             // s27q25
     input  wire [`WH_DATA_W-1:0]        u_max_i,         // s31q23 √W
@@ -105,6 +110,7 @@ module wh_core_axes #(
 
     wh_axes #(
         .DELAY_LOG2     (DELAY_LOG2),
+        .SHAPER         (SHAPER),
         .ANCHOR         (ANCHOR)
     ) axes (
         .clk            (clk),
@@ -122,6 +128,8 @@ module wh_core_axes #(
         .u_max_i        (u_max_i),
         .extra_ticks_i  (extra_ticks_i),
         .hold_ticks_i   (hold_ticks_i),
+        .shape_words_i  (shape_words_i),
+        .shaped_i       (shaped_i),
         .position_i     (position),
         .place_i        (place),
         .cell_i         (last_cell),

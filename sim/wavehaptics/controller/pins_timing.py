@@ -69,13 +69,15 @@ def latency_clocks(
     core's step for each port, and the duty; currents and duties of several ports pass one
     multiplier in turn. ``sections`` are those of W, SHAPER. The strobe meant is the carrier's that
     brings the tick's last word. ``early`` is ``wh_controller``'s EARLY, ``anchored`` its ANCHOR.
-    ``brushless`` are the two ports of ``wh_brushless``, for which none of the others means a thing.
+    ``brushless`` are the two ports of ``wh_brushless``, for which of the others ``sections`` alone
+    means a thing.
     """
+    step = CORE_CLOCKS + SECTION_CLOCKS * sections
     if brushless:
         return (
             conversion_clocks
             + CURRENT_CLOCKS + AXES - 1
-            + CLARKE_CLOCKS + CORE_CLOCKS * AXES + INVERSE_CLARKE_CLOCKS
+            + CLARKE_CLOCKS + step * AXES + INVERSE_CLARKE_CLOCKS
             + DUTY_CLOCKS + THREE_PHASE_LEGS - 1
         )  # fmt: skip
     if early:
@@ -84,7 +86,7 @@ def latency_clocks(
     return (
         conversion_clocks
         + CURRENT_CLOCKS + in_turn
-        + (CORE_CLOCKS + SECTION_CLOCKS * sections) * ports
+        + step * ports
         + CORRECTION_CLOCKS * anchored
         + DUTY_CLOCKS + in_turn
     )  # fmt: skip

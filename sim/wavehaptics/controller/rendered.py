@@ -81,7 +81,7 @@ def fragment(scene: Scene, set_: Settings) -> str:
     for key, value in table.model_dump(exclude_unset=True).items():
         if value is not None:
             lines.append(f"{key} = {_toml(value)}")
-    found = report(set_, scene.motor.k_t, scene.motor.L_h)
+    found = report(set_, scene.motor.felt_k_t, scene.motor.L_h)
     lines += [
         f"# a tick of {set_.tick_s:g} s, R̂ = {set_.r_hat:g} Ω, a delay of {set_.tau:g} s",
         f"# contractive, so passive in every tick; largest |D| {found.worst_gain:.9f} at "

@@ -13,6 +13,7 @@ from wavehaptics.controller.pins_timing import (
     CORE_CLOCKS,
     EARLY_PREPARE_CLOCKS,
     GATE_CLOCKS,
+    SECTION_CLOCKS,
     WAVES_CLOCKS,
     early_tick_clocks,
     latency_clocks,
@@ -101,7 +102,16 @@ def bridge_mode(scene: Scene) -> str:
 def _min_tick_clocks(scene: Scene) -> int:
     if not scene.motor.brushless:
         return MIN_TICK_CLOCKS
-    return MIN_AXES_CLOCKS if scene.controller.anchored else MIN_BRUSHLESS_CLOCKS
+    # Each section of W makes every turn of the core longer, of which the last anchor waits for one.
+    anchored = scene.controller.anchored
+    least, turns = (MIN_AXES_CLOCKS, 1) if anchored else (MIN_BRUSHLESS_CLOCKS, AXES)
+    least += SECTION_CLOCKS * _sections(scene) * turns
+    return least + -least % 4
+
+
+def _sections(scene: Scene) -> int:
+    """Sections of the scene's W."""
+    return scene.shaper.sections if scene.shaper else 0
 
 
 def _pulse_halves(scene: Scene) -> int:
@@ -272,9 +282,10 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
     least = _min_tick_clocks(scene)
     if scene.motor.brushless and tick_clocks < least:
         anchors = " and their anchors" if scene.controller.anchored else ""
+        shaper = " with W" if _sections(scene) else ""
         raise scene.refusal(
             f"a tick of {tick_clocks} clocks is shorter than the "
-            f"{least} that `pins` needs for two ports{anchors}; take "
+            f"{least} that `pins` needs for two ports{shaper}{anchors}; take "
             f"controller.clock_hz >= {least * tick_hz:g}",
             "controller.tick_hz",
             "controller.clock_hz",
@@ -299,7 +310,7 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             "adc.part",
             "controller.tick_hz",
         )
-    sections = scene.shaper.sections if scene.shaper else 0
+    sections = _sections(scene)
 
     # The scene's latency, or without one in it, as much as is needed.
     lead = sample_lead(made, (pulse_delay(scene, clock_hz, half_clocks) + 1) // 2)

@@ -94,7 +94,7 @@ BRUSHLESS: dict[str, str] = {
     "controller.early_duty": "a brushless motor does without it yet; leave it out",
     "drive.mode": "a brushless motor has a bridge of three legs; leave it out",
     **dict.fromkeys(
-        ("winding", "thermal", "shaper", "transmission.cable_stiffness", "encoder.stops_at_s",
+        ("winding", "thermal", "transmission.cable_stiffness", "encoder.stops_at_s",
          "encoder.reverses_at_s", "encoder.uneven", "encoder.skips_per_rev", "adc.bandwidth_hz",
          "adc.common_mode_a", "adc.drift_a_per_s", "drive.bus_measured", "drive.step_v",
          "drive.sag_ohm"),
@@ -102,6 +102,12 @@ BRUSHLESS: dict[str, str] = {
     ),
 }  # fmt: skip
 """What is refused besides where the motor is a ``pmsm``, with the cure."""
+
+BRUSHLESS_DEVICE: dict[str, str] = {
+    "shaper": "a device with three legs does without it yet; leave it out",
+}
+"""And what besides that where its controller is in ``rtl/wh_device.v``: on a board, real or
+virtual."""
 
 
 def asked(scene: Scene) -> set[str]:
@@ -132,8 +138,11 @@ def asked(scene: Scene) -> set[str]:
     return found
 
 
-def refuse(scene: Scene, name: str) -> None:
-    """:class:`SceneError` where ``name`` of ABILITIES can't do what the scene asks for."""
+def refuse(scene: Scene, name: str, *, device: bool = False) -> None:
+    """:class:`SceneError` where ``name`` of ABILITIES can't do what the scene asks for.
+
+    ``device``: its controller is in ``rtl/wh_device.v``, as a board's always is.
+    """
     asked_for = asked(scene)
     refused = ABILITIES[name].refused
     if scene.motor.brushless:
@@ -145,6 +154,8 @@ def refuse(scene: Scene, name: str) -> None:
                 "motor.preset",
             )
         refused = {**BRUSHLESS, **refused}
+        if device or name == "a board":
+            refused |= BRUSHLESS_DEVICE
     for what, cure in refused.items():
         if what in asked_for:
             shown = what if "." in what else f"[{what}]"

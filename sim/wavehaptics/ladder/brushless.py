@@ -6,7 +6,8 @@ rotor's angle: the encoder's count only says which η both have. A port anchor i
 it alone is told the electrical angle. A row's ``i`` is the current that
 the torque is k_T times of, its ``e_a``, ``u`` and ``v`` are the parts of both axes along q at the
 tick's middle, and the raw words are those of port α. One loop serves ``golden`` and ``core``: its
-steps are those of the integer model, or of the Verilated core with two ports.
+steps are those of the integer model, or of the Verilated core with two ports. W is the same on
+both axes, each with states of its own.
 
 The voltage limit is each axis' own. The converter measures the phases a and b. What a scene
 can't have here yet is refused (:mod:`wavehaptics.ladder.abilities`).
@@ -96,15 +97,17 @@ def _seen(word):
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance_sampled(
-    rows, words, z, kept, ports, lines, contact, wall_min, wall_max, anchored, ints, floats, load,
-    table, step, sensor, noise, buffer,
+    rows, words, z, kept, ports, lines, contact, wall_min, wall_max, shaper, anchored, ints, floats,
+    load, table, step, sensor, noise, buffer,
 ):  # fmt: skip
     """Fill ``rows`` and ``words``; False when the RTL never answered.
 
-    ``anchored`` has an anchor's words, both axes' states, what a count turns, table and state of
-    the flux that the encoder tells of, an anchor's words without a say, and the state of what finds
-    the magnets; None without one.
+    ``shaper`` holds the words of W, both axes' states and which walls it is for. ``anchored`` has
+    an anchor's words, both axes' states, what a count turns, table and state of the flux that the
+    encoder tells of, an anchor's words without a say, and the state of what finds the magnets; None
+    without one.
     """
+    shaper_words, shaper_states, shaped = shaper
     substeps, extra, root, u_max = ints[_SUBSTEPS], ints[_EXTRA], ints[_ROOT], ints[_U_MAX]
     tick = step[0] * substeps
     for n in range(rows.shape[0]):
@@ -129,6 +132,7 @@ def _advance_sampled(
             contact, position, wall_min, wall_max, ints[_HYSTERESIS] != 0
         )
         eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
+        mode = wave_core.shaper_mode(contact[0], shaped)
         raw_a, raw_b = alpha, beta
         left_a = left_b = u_max
         if anchored is not None:
@@ -144,12 +148,22 @@ def _advance_sampled(
             withheld_b = ports[1, wave_core.STATE_WITHHELD]
             saturated_a = ports[0, wave_core.STATE_SATURATED] != 0
             saturated_b = ports[1, wave_core.STATE_SATURATED] != 0
-            next_a, u_a, v_a = wave_core.wave_core_step(
-                ports[0], lines[0], alpha, eta, 0, root, ints[_A], left_a, extra, extra
-            )
-            next_b, u_b, v_b = wave_core.wave_core_step(
-                ports[1], lines[1], beta, eta, 0, root, ints[_A], left_b, extra, extra
-            )
+            if shaper_words.shape[0] == 0:
+                next_a, u_a, v_a = wave_core.wave_core_step(
+                    ports[0], lines[0], alpha, eta, 0, root, ints[_A], left_a, extra, extra
+                )
+                next_b, u_b, v_b = wave_core.wave_core_step(
+                    ports[1], lines[1], beta, eta, 0, root, ints[_A], left_b, extra, extra
+                )
+            else:
+                next_a, u_a, v_a = wave_core.shaped_core_step(
+                    ports[0], lines[0], shaper_words, shaper_states[0], mode, alpha, eta, 0, root,
+                    ints[_A], left_a, extra, extra,
+                )  # fmt: skip
+                next_b, u_b, v_b = wave_core.shaped_core_step(
+                    ports[1], lines[1], shaper_words, shaper_states[1], mode, beta, eta, 0, root,
+                    ints[_A], left_b, extra, extra,
+                )  # fmt: skip
             if anchored is not None:
                 gains, _, turn, sines, rotor, blind, magnet = anchored
                 finds = magnet[magnet_angle.KNOWN] == 0
@@ -181,6 +195,7 @@ def _advance_sampled(
                 next_b = wave_core.saturate(next_b + c_b)
         else:
             buffer[0], buffer[1], buffer[2], buffer[3] = raw_a, raw_b, touching, position
+            buffer[4] = mode == wave_core.SHAPE
             clocks = call2(ints[_STEP], ints[_MODEL], buffer.ctypes.data)
             if clocks < 0:
                 return False
@@ -254,6 +269,9 @@ class BrushlessSimulation:
         self._buffer = np.zeros(16, dtype=np.int64)
         self._ports = np.stack([wave_core.new_state() for _ in range(2)])
         self._lines = np.stack([wave_core.new_line(set_.extra_ticks) for _ in range(2)])
+        sections = len(set_.shaper.words)
+        states = np.stack([wave_core.new_shaper_state(sections) for _ in range(2)])
+        self._shaper = (set_.shaper.words, states, set_.shaped)
         self._contact = np.array([-1, 0], dtype=np.int64)
         self._ints = np.array(
             [set_.a, set_.extra_ticks, set_.eta_contact, set_.eta_free, substeps,
@@ -275,8 +293,8 @@ class BrushlessSimulation:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
         done = _advance_sampled(
             rows, words, self._z, self._kept, self._ports, self._lines, self._contact,
-            self.settings.wall_min, self.settings.wall_max, self._anchored, self._ints,
-            self._floats, self._load, self._table, self._step, self._sensor,
+            self.settings.wall_min, self.settings.wall_max, self._shaper, self._anchored,
+            self._ints, self._floats, self._load, self._table, self._step, self._sensor,
             draw_noise(self._rng, self._sensor, 2 * len(rows)), self._buffer,
         )  # fmt: skip
         if not done:
@@ -331,7 +349,11 @@ def _load_axes(set_: Settings, *angles: int):
     design = verilated.Design(
         "wh_core_axes",
         "brushless_core_shim.cpp",
-        {"DELAY_LOG2": CORE_DELAY_LOG2, "ANCHOR": int(set_.anchored)},
+        {
+            "DELAY_LOG2": CORE_DELAY_LOG2,
+            "SHAPER": len(set_.shaper.words),
+            "ANCHOR": int(set_.anchored),
+        },
     )
     library = verilated.load(design)
     verilated.declare_destructor(library.wh_axes_delete)

@@ -95,6 +95,8 @@ _LOW, _HIGH, _X0, _HAND0, _T0 = range(5)
 _ALPHA, _BETA, _LIMITED, _C, _CHI, _LAG, _LOST, _PLACE, _CONTACT = 0, 4, 8, 9, 11, 13, 15, 16, 17
 _STEP_I, _STEP_U, _STEP_V, _STEP_E = range(4)
 
+BRUSHLESS_TOP = "wh_brushless"
+
 _RUN_OUT_A = 1e-12
 """A current that rounding leaves of none."""
 
@@ -315,7 +317,7 @@ def _advance(
 class BrushlessPinsSimulation:
     """A scene's brushless motor on the whole of its RTL, with a switching bridge of three legs."""
 
-    TOP = "wh_brushless"
+    TOP = BRUSHLESS_TOP
     SHIM = "brushless_pins_shim.cpp"
     SHOWS: tuple[str, ...] = ()
     PREFIX = "wh_brushless"
@@ -369,7 +371,7 @@ class BrushlessPinsSimulation:
         self._rng = np.random.default_rng(NOISE_SEED)
 
     def _ports_of(self, scene: Scene) -> Ports:
-        refuse(scene, "pins")
+        refuse(scene, "pins", device=self.TOP != BRUSHLESS_TOP)
         return controller_ports(scene)
 
     def _wire(self, scene: Scene, frame: Frame) -> tuple[int, int]:
@@ -380,19 +382,22 @@ class BrushlessPinsSimulation:
         """Build the RTL, and bring it to where its first tick begins."""
         drive = scene.drive or Drive.model_validate({})
         places = max(MIN_WALLS, len(ports.walls))
+        shaped, sections = self.settings.shaped, len(self.settings.shaper.words)
         parameters = {
             "WALLS": places,
             "DELAY_LOG2": DELAY_LOG2,
             "MIN_PULSE": int(bool(drive.min_pulse_s)),
+            **({"SHAPER": sections} if sections else {}),
             **({"ANCHOR": 1} if self.settings.anchored else {}),
             **self._parameters(),
         }
-        design = verilated.Design(self.TOP, self.SHIM, parameters, self.SHOWS)
+        self._design = design = verilated.Design(self.TOP, self.SHIM, parameters, self.SHOWS)
         self._library = verilated.load(design)
         verilated.declare_destructor(self._function("delete"))
         self._values = values = {
             **ports.words, **self.settings.words(), **ports.wall_words(places),
             **magnet_words(scene, self.settings, ports.start_count),
+            "wall_shaped": [*shaped.tolist(), *[0] * (places - len(shaped))],
             "bus": bus_scale.bus_word(true_bus_v(scene)),
         }  # fmt: skip
         levels = encoder_levels.py_func(ports.start_count) << 1
@@ -405,7 +410,8 @@ class BrushlessPinsSimulation:
         return {}
 
     def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
-        return verilated.new_model(self._function("new"), words, inputs)
+        shape = verilated.shaper_words(self._design.sizes, self._values)
+        return verilated.new_model(self._function("new"), words, inputs, ctypes.addressof(shape))
 
     def _function(self, name: str) -> Any:
         return getattr(self._library, f"{self.PREFIX}_{name}")

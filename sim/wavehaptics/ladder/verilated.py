@@ -11,15 +11,15 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from wavehaptics.runtime.files import digest_of, replacing
 from wavehaptics.runtime.repository import ROOT, SHIMS
 from wavehaptics.runtime.toolchain import ToolError
-from wavehaptics.words import formats
-from wavehaptics.words.generated import chunks, shim_header
+from wavehaptics.words import formats, table
+from wavehaptics.words.generated import chunks, in_chunks, shim_header
 from wavehaptics.words.table import LEGS, THREE_PHASE_LEGS, Sizes, Values
 
 BUILD_DIR = ROOT / "build" / "verilated"
@@ -203,6 +203,15 @@ def address(function: Any) -> int:
 def words_of(design: Design, values: Values) -> ctypes.Array[ctypes.c_uint32]:
     """The table's words as the library's functions take them; defaults where not given."""
     words = chunks(values, design.sizes)
+    return (ctypes.c_uint32 * len(words))(*words)
+
+
+def shaper_words(sizes: Sizes, values: Values) -> ctypes.Array[ctypes.c_uint32]:
+    """Words of W for a top level that has no other words of motors with brushes (SHAPER_PORTS)."""
+    names = {word.name for port in table.SHAPER_PORTS for word in table.ports()[port]}
+    own = {name: value for name, value in values.items() if name in names}
+    fields = table.fields(own, replace(sizes, legs=LEGS))
+    words = [raw for port in table.SHAPER_PORTS for raw in in_chunks(fields[port])]
     return (ctypes.c_uint32 * len(words))(*words)
 
 

@@ -185,11 +185,13 @@ def _word(raw: int) -> str:
 
 def chunks(values: Values, sizes: Sizes) -> list[int]:
     """Every input port of the table in turn, each in as many words of 32 bits as it takes."""
-    result = []
-    for found in table.fields(values, sizes).values():
-        raw, width = table.side_by_side(found), sum(bits for _, bits in found)
-        result += [raw >> place & 0xFFFFFFFF for place in range(0, width, 32)]
-    return result
+    return [part for found in table.fields(values, sizes).values() for part in in_chunks(found)]
+
+
+def in_chunks(found: list[tuple[int, int]]) -> list[int]:
+    """(word, bits) side by side, in as many words of 32 bits as they take."""
+    raw, width = table.side_by_side(found), sum(bits for _, bits in found)
+    return [raw >> place & 0xFFFFFFFF for place in range(0, width, 32)]
 
 
 def shim_header(sizes: Sizes) -> str:

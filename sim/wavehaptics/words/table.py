@@ -46,6 +46,10 @@ AXES = 2
 """Axes of a brushless motor, and phases whose current is measured; words of each have the places of
 motors 0 and 1."""
 
+SHAPER_PORTS = ("shape_words", "wall_shaped")
+"""Inputs of W, without ``_i``. ``rtl/wh_brushless.v`` has them as well, but no device gives them to
+it, so that of a brushless motor they are no words."""
+
 ACCESS = {"setting": "read, write", "command": "write", "live": "read"}
 
 _FORMAT = re.compile(r"([us])(\d+|[A-Z][A-Z0-9_]*)(?:q(\d+|[A-Z][A-Z0-9_]*))?")
