@@ -26,20 +26,23 @@ bool forget_level(Root &root) {
     }
 }
 
-// Evaluates what the only trigger there is, the clock's rise, changes.
+// Evaluates what the only trigger there is, the clock's rise, changes; where Verilator has another name
+// for it, nothing.
 template <class Root>
-void evaluate_edge(Root &root, void (*triggered)(Root *)) {
-    root.__VnbaTriggered[0] = 1;
-    triggered(&root);
-    root.__VnbaTriggered[0] = 0;
+bool evaluate_edge(Root &root, void (*triggered)(Root *)) {
+    if constexpr (requires { root.__VnbaTriggered[0] = 1; }) {
+        root.__VnbaTriggered[0] = 1;
+        triggered(&root);
+        root.__VnbaTriggered[0] = 0;
+        return true;
+    } else {
+        return false;
+    }
 }
 
 #define WH_EDGES(Top)                                       \
     void Top##___024root___eval(Top##___024root *);         \
     void Top##___024root___eval_nba(Top##___024root *);     \
-    inline void again(Top &top) {                           \
-        evaluate_edge(*top.rootp, Top##___024root___eval_nba); \
-    }                                                       \
     inline void rise(Top &top) {                            \
         top.clk = 1;                                        \
         Top##___024root___eval(top.rootp);                  \
@@ -47,4 +50,10 @@ void evaluate_edge(Root &root, void (*triggered)(Root *)) {
     inline void fall(Top &top) {                            \
         top.clk = 0;                                        \
         if (!forget_level(*top.rootp)) Top##___024root___eval(top.rootp); \
+    }                                                       \
+    inline void again(Top &top) {                           \
+        if (!evaluate_edge(*top.rootp, Top##___024root___eval_nba)) { \
+            rise(top);                                      \
+            fall(top);                                      \
+        }                                                   \
     }
