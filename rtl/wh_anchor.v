@@ -11,10 +11,10 @@
 //
 // c is a voltage in series with the port: it is added to e_id = s u behind the wave core, which does
 // not see it, and what it takes of the drive's limit, room_o, is the wave's no more. A contact's first
-// edge sets χ to a quarter of a cell; in contact, what the voltage limit or rounding withholds from the
-// waves counts as flux. In free space and at rest c shows the sensor's offset, which is summed up. A c
-// that wants to go beyond its limit by strange, with the waves below theirs, tells that waves and
-// encoder don't follow the same motor: fault_o, and c = 0.
+// edge sets χ to a quarter of a cell and what is in the λ filter then, which its u tells; in contact, what
+// the voltage limit or rounding withholds from the waves counts as flux. In free space and at rest c shows
+// the sensor's offset, which is summed up. A c that wants to go beyond its limit by strange, with the waves
+// below theirs, tells that waves and encoder don't follow the same motor: fault_o, and c = 0.
 //
 // AXIS = 1: the port is one of a brushless motor's two axes, whose flux a count changes by a part of a cell
 // (wh_rotor_flux): its place comes from there, the dead zone is half of that part, and so is what a contact
@@ -364,8 +364,8 @@ module wh_anchor #(
             ADD_OWED: begin
                 sum_too = 1'b1;
                 b_from  = B_FAR;
-                b_none  = begins_q || !contact_q;
-                minus   = 1'b1;
+                b_none  = !contact_q;
+                minus   = !begins_q;
             end
             ADD_U, ADD_V: begin
                 sum_too = 1'b1;
@@ -551,7 +551,7 @@ module wh_anchor #(
             after_q <= 3'd2;
         end else if (granted) begin
             case (give_q)
-                G_ZERO:    after_q <= saturated_q ? 3'd3 : 3'd4;
+                G_ZERO:    after_q <= (saturated_q || begins_q) ? 3'd3 : 3'd4;
                 G_CURRENT: after_q <= 3'd4;
                 G_OWED:    after_q <= 3'd4;
                 G_U:       after_q <= 3'd5;
@@ -562,8 +562,8 @@ module wh_anchor #(
         if (placed || (granted && !give_q[2])) begin
             factor_q <= placed                ? $signed(sum_q[LONG_W-1:CUT])
                       : (give_q == G_ZERO)    ? current_i
-                      : (give_q == G_CURRENT) ? withheld_i
-                      : (give_q == G_OWED)    ? u_i : v_i;
+                      : (give_q == G_CURRENT && !begins_q) ? withheld_i
+                      : (give_q != G_U)       ? u_i : v_i;  // as a contact begins, u is owed
         end
         if (granted || !open_q[0]) begin
             case (gain)

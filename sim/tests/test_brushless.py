@@ -339,6 +339,20 @@ def test_harmonics_are_felt_in_the_stiffness(make_scene, theta):
     assert result["stiffness"] == pytest.approx(expected, rel=0.01)
 
 
+def test_harmonics_are_felt_in_the_torque_for_an_ampere():
+    """Of three phases' back-EMFs, each a sine with its harmonics, by Clarke and along q."""
+    fifth, seventh = 0.1, -0.04
+    for theta in np.linspace(0.0, 2.0 * math.pi, 37):
+        a, b, c = (
+            -math.sin(phi) - fifth * math.sin(5.0 * phi) - seventh * math.sin(7.0 * phi)
+            for phi in (theta, theta - 2.0 * math.pi / 3.0, theta + 2.0 * math.pi / 3.0)
+        )
+        alpha, beta = (2.0 * a - b - c) / 3.0, (b - c) / math.sqrt(3.0)
+        along = math.cos(theta) * beta - math.sin(theta) * alpha
+        own = closed_forms.brushless_own_k_t(theta, fifth, seventh)
+        assert own == pytest.approx(along, abs=1e-12)
+
+
 def test_a_wall_is_of_the_axis_q(make_scene):
     """With L_d ≠ L_q a shallow contact feels L_q, on both controllers."""
     scene = make_scene(*TAP, "motor.l_d_part=0.6", magnets_at(0.7))

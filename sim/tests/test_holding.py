@@ -35,6 +35,44 @@ def test_a_wall_holds_whatever_is_wrong(name):
     assert row["correction_out_max_j"] <= row["correction_bound_j"]
 
 
+@pytest.mark.parametrize(("motor", "begun"), [("re25-118743", 0.25), ("gbm2804-100t", 0.5)])
+def test_the_speed_of_a_rotor_does_not_move_its_wall(motor, begun, tmp_path):
+    """Where a contact begins the λ filter holds a way of ω·τ/2, more than half a cell here.
+
+    x̂ is where the spring of the force that is held says, but for what χ begins with.
+    """
+    path = tmp_path / "slow_filter.toml"
+    path.write_text(f"""
+        [scene]
+        name = "slow_filter"
+        duration_s = 0.4
+        [motor]
+        preset = "{motor}"
+        [hand]
+        path = "press"
+        amplitude_rad = 0.4
+        stiffness = 0.02
+        damping = 0.5e-3
+        [encoder]
+        counts_per_rev = 10000
+        [drive]
+        bus_v = 12
+        [controller]
+        tick_hz = 1e6
+        lambda = 1e4
+        walls = [[0.0, 1.0]]
+        anchor_auto = true
+    """)
+    scene = load_scene(path)
+    metrics, rows = runs.run(scene, "golden", 1e-4)
+    cell = runs.cell_of(scene)
+    first = np.flatnonzero(rows[:, Column.CONTACT])[0]
+    assert 0.5e-4 * rows[first, Column.OMEGA] > 0.5 * cell
+    end = rows[-200:]
+    believed = end[:, Column.X_HAT] + end[:, Column.TORQUE] / metrics["stiffness_predicted"]
+    assert abs(believed.mean() / cell - (0.5 - begun)) < 0.06
+
+
 @pytest.mark.parametrize("name", ["brush 0.5 V, knee 5 mA", "R̂ +10 %", "everything, ++++"])
 def test_without_the_anchor_it_is_lost(name):
     row = hold(name, runs.PLAIN, "scene.duration_s=0.5")

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from wavehaptics.laws import closed_forms
 from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import Scene
 from wavehaptics.trace.columns import Column
@@ -33,7 +34,8 @@ NAMES = {
     *("k_l", "stiffness", "stiffness_zero_rad", "contact_edge_rad", "stiffness_predicted"),
     *("tip_stiffness", "peak_torque", "peak_current_a", "current_ripple_a"),
     *("torque_nrmse_vs_analog", "free_space_torque_rms", "energy_out_max_j"),
-    *("hold_offset_rad", "hold_error", "hold_ripple_rms", "restitution", "saturated_fraction"),
+    *("hold_offset_rad", "hold_error", "hold_torque", "hold_ripple_rms", "restitution"),
+    "saturated_fraction",
 }
 ANCHOR_NAMES = {
     *("correction_out_max_j", "correction_bound_j", "x_hat_error_rms_rad"),
@@ -87,11 +89,13 @@ def result_of(
     size: int | None = None,
     predicted: float | None = K,
     root: float | None = None,
+    **further,
 ) -> dict:
     scene = scene_of(ticks=len(rows)) if scene is None else scene
     metrics = Metrics(
-        scene, TICK_S, controller="golden", stiffness_predicted=predicted, walls=WALLS, root=root
-    )
+        scene, TICK_S, controller="golden", stiffness_predicted=predicted, walls=WALLS, root=root,
+        **further,
+    )  # fmt: skip
     for start in range(0, len(rows), size or len(rows)):
         part = slice(start, start + (size or len(rows)))
         metrics.update(rows[part], None if reference is None else reference[part])
@@ -326,7 +330,25 @@ def test_hold_tells_how_far_the_wall_has_moved(edge, side, moved):
     result = result_of(rows, scene_of("press", len(rows)))
     assert result["hold_offset_rad"] == pytest.approx(side * moved, abs=1e-12)
     assert result["hold_error"] == pytest.approx(moved / 12e-3, abs=1e-10)
+    assert result["hold_torque"] == pytest.approx(-side * K * (12e-3 - moved), rel=1e-9)
     assert result["hold_ripple_rms"] == pytest.approx(2e-5, rel=1e-9)
+
+
+@pytest.mark.parametrize("power", [1, 2])
+@pytest.mark.parametrize("turn", [0.0, 0.1, 0.5])
+def test_a_wall_of_less_torque_for_an_ampere_has_not_moved(turn, power):
+    """The motor's own k_T where it rests, by the shape of its back-EMF."""
+    pairs, moved, place = 7, 2e-4, 0.5 + 12e-3
+    magnet = place - 2.0 * math.pi * turn / 6.0 / pairs
+    motor = {"preset": "gbm2804-100t", "harmonic_5": 0.03, "harmonic_7": -0.02,
+             "magnet_rad": magnet}  # fmt: skip
+    own = closed_forms.brushless_own_k_t(pairs * (place - magnet), 0.03, -0.02)
+    assert own == pytest.approx(1.0 - 0.05 * math.cos(2.0 * math.pi * turn))
+    rows = press(0.5, 1.0, moved, 0.0)
+    rows[:, Column.TORQUE] *= own**power
+    result = result_of(rows, scene_of("press", len(rows), motor=motor), shape_power=power)
+    assert result["hold_offset_rad"] == pytest.approx(moved, abs=1e-12)
+    assert result["hold_torque"] == pytest.approx(-(own**power) * K * (12e-3 - moved), rel=1e-9)
 
 
 def test_a_drift_counts_as_ripple():

@@ -42,6 +42,7 @@ METRIC_UNITS = {
     "free_space_torque_rms": "N·m",
     "energy_out_max_j": "J",
     "hold_offset_rad": "rad",
+    "hold_torque": "N·m",
     "hold_ripple_rms": "N·m",
 }
 """Units of the metrics that have one."""

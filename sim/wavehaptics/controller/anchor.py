@@ -21,11 +21,14 @@ the waves don't see:
   wave is below its limit means that waves and encoder don't follow the same motor.
 
 The edge with which a contact begins tells x exactly, and sets χ without L̂·i to a quarter of a
-cell: at the surface a wall has no current, so what flows there is pulled away. What a limit
-withholds from the waves in contact, w, is added to the flux, ``χ −= g_w·w``: so the wall stands
-where it was when the limit has done its work. So is what truncation takes from u: half a place a
-tick would move a held wall by some cells an hour. In free space the current is zero but for the
-sensor's offset, which c then shows: ``offset −= g_z·c`` while the rotor rests.
+cell: at the surface a wall has no current, so what flows there is pulled away. Nor is its surface
+where the λ filter, which still tells of the free rotor's speed, would have it: what it holds counts
+as flux, ``g_w·u``, else a wall stands deeper by ω·T/2a.
+
+What a limit withholds from the waves in contact, w, is added to the flux, ``χ −= g_w·w``: so the
+wall stands where it was when the limit has done its work. So is what truncation takes from u: half
+a place a tick would move a held wall by some cells an hour. In free space the current is zero but
+for the sensor's offset, which c then shows: ``offset −= g_z·c`` while the rotor rests.
 
 Words found in a tick act in the next.
 
@@ -259,7 +262,10 @@ def _turn(
     y = long_word((words[CELLS_GAIN] * current) >> _NEAR_SHIFT)
     zero_step = (words[ZERO_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
     if begins:
-        flux = 0 if moved == 0 else -start if moved < 0 else start
+        flux = (words[OWED_GAIN] * u) >> _FAR_SHIFT
+        if moved != 0:
+            flux += -start if moved < 0 else start
+        flux = long_word(flux)
     else:
         flux = long_word(flux + moved_flux)
     state[FLUX] = flux

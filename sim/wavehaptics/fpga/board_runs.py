@@ -33,8 +33,12 @@ TAP = ("hand.path=taps", "hand.amplitude_rad=0.05", "hand.frequency_hz=10", "han
 PRESS_NM = {False: 0.014, True: 0.007}
 """Torque of the hold, N·m, by whether the motor is brushless."""
 
-RAMP_S, HOLD_S = 0.05, {False: 0.06, True: 0.2}
-"""The press's ramp, and how long it is held after that."""
+RAMP_S, HOLD_S = 0.05, {False: 0.06, True: 0.45}
+"""The press's ramp, and how long it is held after that: a brushless motor's until it has settled.
+
+Within a cell c_I learns with a 256th of the error; a fifth of a second after the ramp a rotor may
+still drift from one edge of a cell to the other.
+"""
 
 PRESS = {
     False: {"path": "press", "amplitude_rad": 0.15, "stiffness": 0.1, "damping": 0.5e-3},
@@ -159,7 +163,7 @@ def moved(board: Board, metrics: dict[str, Any], deepest: np.ndarray) -> dict[st
     found = {}
     if offset is not None and part:
         depth = offset / part
-        found["held_nm"] = spring * abs(depth - offset)
+        found["held_nm"] = abs(metrics["hold_torque"])
     elif edge is not None:
         depth = deepest[Column.X] - edge
         offset = deepest[Column.TORQUE] / spring + depth

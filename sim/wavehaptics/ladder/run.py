@@ -176,6 +176,7 @@ def _measure(
         scene, tick_s, controller=controller, walls=list(edges),
         stiffness_predicted=stiffness_predicted(scene, simulation),
         root=set_.s if _anchored(controller, simulation) else None,
+        shape_power=_shape_power(simulation),
     )  # fmt: skip
     rows = np.zeros((min(ticks, CHUNK_TICKS), len(Column)))
     reference_rows = np.zeros_like(rows)
@@ -215,6 +216,13 @@ def _seen(simulation: Simulation) -> dict[str, str]:
 def _anchored(controller: str, simulation: Simulation) -> bool:
     """Whether the rows have what a port anchor adds."""
     return simulation.settings.anchored and controller not in WITHOUT_WORDS
+
+
+def _shape_power(simulation: Simulation) -> int:
+    """By which power of the motor's own k_T a wall's spring goes: see :class:`Metrics`."""
+    own = isinstance(simulation, AnalogSimulation | BrushlessAnalogSimulation)
+    servo = isinstance(simulation, EncoderSimulation | FieldOrientedSimulation)
+    return 1 if servo or (simulation.settings.anchored and not own) else 2
 
 
 def _ticks(scene: Scene, tick_s: float) -> int:

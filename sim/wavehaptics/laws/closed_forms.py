@@ -148,6 +148,16 @@ def brushless_k_t(pole_pairs: int, psi_vs: float) -> float:
     return math.sqrt(1.5) * pole_pairs * psi_vs
 
 
+def brushless_own_k_t(theta: float, fifth: float, seventh: float) -> float:
+    """Torque for an ampere along q at the electrical angle ``theta``, over ``1.5 pψ``.
+
+    A phase's back-EMF with a fifth and a seventh harmonic of these parts is, as a vector, ``jψpω
+    (e^{jθ} − fifth·e^{−5jθ} + seventh·e^{7jθ})``; of that the part along q is ``1 − (fifth −
+    seventh) cos 6θ``.
+    """
+    return 1.0 - (fifth - seventh) * math.cos(6.0 * theta)
+
+
 def brushless_wall_torque(
     pole_pairs: int, psi_vs: float, inductance: float, resistance: float, tau_s: float, depth: float
 ) -> float:

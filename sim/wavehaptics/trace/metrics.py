@@ -25,6 +25,12 @@ the controller's filter at the start is in it. None with fewer than three ticks.
 ``stiffness_zero_rad`` is the x where that line crosses zero torque, ``contact_edge_rad`` the x_w of
 the first contact.
 
+**A hold** compares F and x with the design spring. Where the back-EMF of a brushless motor has
+harmonics, its torque for an ampere swings with the angle
+(:func:`~wavehaptics.laws.closed_forms.brushless_own_k_t`); the spring's k_T is the motor's own
+where it rests, as it is the motor's own where ``k_t`` and ``k_t_hat`` differ: neither says that the
+wall has moved.
+
 **A port anchor** puts c in series with a port whose voltage is ``E = s(u + v)/2``, against all that
 is wrong with the motor, as a voltage d. With the port's flux by the true motor and rotor, ``χ =
 L i + k_T x − ∫E dt``, it is ``c − d = dχ/dt``, and its work ``∫ i dχ = [iχ] − ∫ χ di``: as if the
@@ -93,6 +99,10 @@ _RUN = np.dtype(
         ("impact", "i8"),
         ("cell", "f8"),
         ("compliance", "f8"),  # 1/K of the design spring
+        ("swing", "f8"),  # of the motor's own k_T, six times an electrical turn
+        ("pole_pairs", "f8"),
+        ("magnet", "f8"),
+        ("shape_power", "f8"),
         # sums over the run
         ("ticks", "i8"),
         ("saturated", "i8"),
@@ -391,7 +401,11 @@ def _gather(
                 run.hold_first = torque
             run.hold_ticks += 1
             run.hold_contact += contact
-            run.hold_offset += torque * run.compliance + x - run.edge
+            own = 1.0
+            if run.swing != 0.0:
+                theta = run.pole_pairs * (x - run.magnet)
+                own = (1.0 + run.swing * math.cos(6.0 * theta)) ** run.shape_power
+            run.hold_offset += torque * run.compliance / own + x - run.edge
             run.hold_depth += x - run.edge
             # About the first value: the mean is far larger than the ripple.
             run.hold_sum += torque - run.hold_first
@@ -405,7 +419,9 @@ class Metrics:
     ``tick_s`` is T in s. ``stiffness_predicted`` is the K of the design spring in N·m/rad, computed
     with the coefficients as the controller holds them; None where the controller has none, and then
     the metrics of a hold are None too. ``walls`` are the intervals (x_min, x_max) in rad as the
-    encoder quantises them. ``root`` is s of a port with an anchor, √Ω; None without one.
+    encoder quantises them. ``root`` is s of a port with an anchor, √Ω; None without one. Of the
+    motor's own k_T over the nominal one the design spring has the power ``shape_power``: 1 where
+    the controller's position makes the current, 2 where the winding's own flux does.
     """
 
     def __init__(
@@ -417,6 +433,7 @@ class Metrics:
         stiffness_predicted: float | None = None,
         walls: Sequence[tuple[float, float]] = (),
         root: float | None = None,
+        shape_power: int = 1,
     ) -> None:
         self._scene = scene
         self._tick_s = tick_s
@@ -443,6 +460,11 @@ class Metrics:
             else 2.0 * math.pi / scene.encoder.counts_per_rev
         )
         run["compliance"] = 1.0 / stiffness_predicted if stiffness_predicted else 0.0
+        motor = scene.motor
+        if motor.brushless:
+            run["swing"] = motor.harmonic_7 - motor.harmonic_5
+            run["pole_pairs"], run["magnet"] = motor.pole_pairs, motor.magnet_rad
+            run["shape_power"] = shape_power
         holds = path == "press" and bool(stiffness_predicted)
         run["anchored"] = root is not None
         run["half_root"] = 0.5 * (root or 0.0)
@@ -520,15 +542,16 @@ class Metrics:
         )
         return float(np.mean(self._bin_sums[middle] / self._bin_counts[middle]))
 
-    def _hold(self) -> tuple[float | None, float | None, float | None]:
-        """Offset in rad, offset over depth, and RMS of the torque about its mean."""
+    def _hold(self) -> tuple[float | None, float | None, float | None, float | None]:
+        """Offset in rad, offset over depth, mean torque, and its RMS about that."""
         run = self._runs[0]
         n = int(run["hold_ticks"])
         if n == 0 or run["hold_contact"] < n:
-            return None, None, None
+            return None, None, None, None
         offset, depth = run["hold_offset"] / n, run["hold_depth"] / n
-        square = run["hold_square"] / n - (run["hold_sum"] / n) ** 2
-        return offset, offset / depth if depth else None, math.sqrt(max(square, 0.0))
+        mean = run["hold_sum"] / n
+        ripple = math.sqrt(max(run["hold_square"] / n - mean**2, 0.0))
+        return offset, offset / depth if depth else None, run["hold_first"] + mean, ripple
 
     def result(
         self, *, wall_clock_s: float | None = None, clock_cycles: int | None = None
@@ -561,6 +584,7 @@ class Metrics:
         ``hold_offset_rad``           mean of F/K + x − x_w with the design spring's K: how far the
                                       wall has moved, towards larger x if above zero
         ``hold_error``                that over the mean of x − x_w
+        ``hold_torque``               mean of F, N·m
         ``hold_ripple_rms``           RMS of the torque about its mean, N·m; a drift counts
         ``restitution``               mean speed in the first tick after the first contact over that
                                       in the last tick before it
@@ -573,7 +597,7 @@ class Metrics:
         ``anchor_fault_s``            time at which the anchor gave up, or None
         ============================  ==========================================================
 
-        The three of a hold need the path ``press`` and contact in every one of the last tenth of
+        The four of a hold need the path ``press`` and contact in every one of the last tenth of
         the scene's ticks. ``restitution`` needs the path ``impact``, an entry after the first tick
         and a rotor that came back: it is None where the rotor went through the wall or stayed in
         it. A contact shorter than ``LEAST_TICKS`` that did not turn the rotor round is passed over.
@@ -593,7 +617,7 @@ class Metrics:
         free = None
         if run["free_ticks"]:
             free = math.sqrt(run["free_square"] / run["free_ticks"])
-        offset, offset_part, ripple = self._hold()
+        offset, offset_part, held, ripple = self._hold()
         metrics: dict[str, Any] = {
             "scene": scene.scene.name,
             "controller": self._controller,
@@ -617,6 +641,7 @@ class Metrics:
             "energy_out_max_j": run["energy_peak"] if ticks else None,
             "hold_offset_rad": offset,
             "hold_error": offset_part,
+            "hold_torque": held,
             "hold_ripple_rms": ripple,
             "restitution": run["restitution"] if run["bounce"] == _KNOWN else None,
             "saturated_fraction": run["saturated"] / ticks if ticks else None,
