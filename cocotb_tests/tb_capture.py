@@ -474,6 +474,25 @@ async def what_does_not_fit(dut: object) -> None:
             await bench.write(STOP)
 
 
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_bit_that_differs(dut: object) -> None:
+    """Trigger 5 waits for as long as a word stays, and finds each bit of it."""
+    bench, rng = CaptureBench(dut), random_source("differs")
+    await bench.begin(rng)
+    bench.quiet = 1.0
+    position = WORDS["position"].at()
+    for bit in range(COUNT_W):
+        bench.give(codes=[position] * 8, rows=1, trigger=5)
+        await bench.clock()
+        await bench.clock()
+        await bench.write(START)
+        await bench.ticks(4, 14)
+        assert bench.model.state == WAITS
+        bench.words["position", 0] = word32(bench.words["position", 0] ^ 1 << bit)
+        await bench.ticks(3, 14)
+        assert bench.model.state == DONE
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms",
              skip=BESIDE or not cocotb.SIM_NAME.startswith("Veri"))  # fmt: skip
 async def longest_rows(dut: object) -> None:
