@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import random
 import re
@@ -45,6 +46,7 @@ SHAPE = Shape(1, 4, 0, 10)
 START_S = 600
 """The RTL is built first, where that hasn't been done."""
 END_S = 300
+TRIES = 20
 """A simulated board on a busy machine is slow."""
 
 
@@ -562,8 +564,10 @@ def test_a_brushless_board_over_the_line(brushless_port, tmp_path):
         # A current of the wall's, in both axes as the magnets lie.
         for axis in ("0", "1"):
             read = ("watch", "--csv", "-n", "60", "--every", "0", "--motor", axis, "current")
-            rows = told(port, *read).splitlines()[1:]
-            assert max(abs(float(row.split(",")[1])) for row in rows) > 0.03
+            # A busy machine's board may come no further than free space in so many reads.
+            tries = (told(port, *read).splitlines()[1:] for _ in range(TRIES))
+            rows = itertools.chain.from_iterable(tries)
+            assert any(abs(float(row.split(",")[1])) > 0.03 for row in rows)
         told(port, "set", "wall_min[0]=100000", "wall_max[0]=200000")
         time.sleep(0.5)
         assert value(port, "contact") == 0
