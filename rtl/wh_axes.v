@@ -6,12 +6,12 @@
 //   waves, flux by the encoder (wh_rotor_flux) -> wh_anchor -> correction, offset, room
 //   jumps of the anchors' χ -> wh_magnet_angle -> the angle that is wrong, before the anchors have a say
 //
-// Both ports have the same words, the same eta and the same W, with states of W each. sim/wavehaptics/ladder/brushless.py puts the integer
-// models together in the same way. ANCHOR = 0: no anchors; the position and the flux mean nothing.
+// Both ports have the same words, the same eta and the same W, with states of W each.
+// sim/wavehaptics/ladder/brushless.py puts the integer models together in the same way. ANCHOR = 0: no anchors; the position and the flux mean nothing.
 //
 // Formats: those of the blocks.
-// Latency: the wave core's, 48 clocks and 10 for each section of W; the anchors go on behind it, anchor_busy_o. A step that starts
-// before they are done is an overrun, as what they find acts in it.
+// Latency: the wave core's, 48 clocks and 10 for each section of W; the anchors go on behind it,
+// anchor_busy_o. A step that starts before they are done is an overrun, as what they find acts in it.
 // Reset: the blocks'; with angle_rst_i, at power-up, the magnets are to be found anew.
 
 `default_nettype none

@@ -83,15 +83,14 @@ module wh_tick_words #(
     // ---- Whose turn it is.
 
     reg  second_q;  // reader 1 waits for reader 0
-    wire free  = !second_q && (reads_i == 2'b00);
-    wire keeps = strobe && free && (want_i != 2'b00);
+    wire begins = strobe && !second_q && (reads_i == 2'b00);
 
     assign strobe_o  = strobe;
-    assign take_o[0] = strobe && free && want_i[0];
-    assign take_o[1] = (strobe && free && want_i == 2'b10) || (second_q && !reads_i[0] && want_i[1]);
+    assign take_o[0] = begins && want_i[0];
+    assign take_o[1] = (begins && want_i == 2'b10) || (second_q && !reads_i[0] && want_i[1]);
 
     always @(posedge clk) begin
-        second_q <= !rst && ((strobe && free && want_i == 2'b11) || (second_q && reads_i[0]));
+        second_q <= !rst && ((begins && want_i == 2'b11) || (second_q && reads_i[0]));
     end
 
     // ---- What the words are then.
@@ -110,7 +109,7 @@ module wh_tick_words #(
     reg  [`WH_FAULTS-1:0]  faults_q;
 
     always @(posedge clk) begin
-        if (keeps) begin
+        if (begins && want_i != 2'b00) begin
             voltage_q    <= voltage_i;
             u_q          <= u_i;
             v_q          <= v_i;
