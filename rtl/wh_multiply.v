@@ -58,13 +58,23 @@ module wh_multiply #(
             reg signed [LIMB_W:0]        dl_q;
             reg signed [LIMB_W:0]        cl_q;
 
-            reg signed [DATA_HIGH_W+COEF_HIGH_W-1:0] dh_ch_q;
+            // dh ch without its highest bit, which is the next one's copy but for the most negative
+            // of both. Where a coefficient's sign is known to be 0 Yosys makes the product a bit
+            // narrower, and ice40_dsp loses that bit of a register as wide as the whole product.
+            reg signed [DATA_HIGH_W+COEF_HIGH_W-2:0] dh_ch_q;
+            reg                                      most_q;
             reg signed [DH_CL_W-1:0]                 dh_cl_q;
             reg signed [DL_CH_W-1:0]                 dl_ch_q;
             reg signed [2*LIMB_W+1:0]                dl_cl_q;
 
             // dl cl >= 0 has 2 LIMB_W bits and fits below dh ch without a sum.
             wire unused = &{1'b0, dl_cl_q[2*LIMB_W+1:2*LIMB_W]};
+
+            wire most        = dh_q[DATA_HIGH_W-1] && !(|dh_q[DATA_HIGH_W-2:0])
+                     && ch_q[COEF_HIGH_W-1] && !(|ch_q[COEF_HIGH_W-2:0]);
+            wire signed [DATA_HIGH_W+COEF_HIGH_W-1:0] dh_ch = dh_q * ch_q;
+            wire highest     = dh_ch_q[DATA_HIGH_W+COEF_HIGH_W-2] && !most_q;
+            wire unused_copy = &{1'b0, dh_ch[DATA_HIGH_W+COEF_HIGH_W-1]};
 
             always @(posedge clk) begin
                 dh_q <= $signed(data_i[DATA_W-1:LIMB_W]);
@@ -73,7 +83,8 @@ module wh_multiply #(
                 cl_q <= $signed({1'b0, coef_i[LIMB_W-1:0]});
 
                 if (take_i) begin
-                    dh_ch_q <= dh_q * ch_q;
+                    dh_ch_q <= dh_ch[DATA_HIGH_W+COEF_HIGH_W-2:0];
+                    most_q  <= most;
                     dh_cl_q <= dh_q * cl_q;
                     dl_ch_q <= dl_q * ch_q;
                     dl_cl_q <= dl_q * cl_q;
@@ -81,7 +92,7 @@ module wh_multiply #(
 
                 // In this order no sum is of two products alone: Yosys' ice40_dsp would take the
                 // registers of both for one multiplier, and lose the other.
-                product_o <= $signed({dh_ch_q, dl_cl_q[2*LIMB_W-1:0]})
+                product_o <= $signed({highest, dh_ch_q, dl_cl_q[2*LIMB_W-1:0]})
                            + $signed({{(PRODUCT_W - DH_CL_W - LIMB_W){dh_cl_q[DH_CL_W-1]}},
                                       dh_cl_q, {LIMB_W{1'b0}}})
                            + $signed({{(PRODUCT_W - DL_CH_W - LIMB_W){dl_ch_q[DL_CH_W-1]}},
