@@ -9,7 +9,6 @@ import subprocess
 from pathlib import Path
 
 import pytest
-
 from wavehaptics.fpga.synthesis import synthesis_command
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
@@ -23,7 +22,8 @@ module known_sign #(
     input wire [BITS-1:0] coef, output wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product
 );
     wh_multiply multiply (
-        .clk(clk), .take_i(take), .data_i(data), .coef_i({{(`WH_COEF_W - BITS){1'b0}}, coef}), .product_o(product)
+        .clk(clk), .take_i(take), .data_i(data), .product_o(product),
+        .coef_i({{(`WH_COEF_W - BITS){1'b0}}, coef})
     );
 endmodule
 """
