@@ -7,7 +7,8 @@
 //   jumps of the anchors' χ -> wh_magnet_angle -> the angle that is wrong, before the anchors have a say
 //
 // Both ports have the same words, the same eta and the same W, with states of W each.
-// sim/wavehaptics/ladder/brushless.py puts the integer models together in the same way. ANCHOR = 0: no anchors; the position and the flux mean nothing.
+// sim/wavehaptics/ladder/brushless.py puts the integer models together in the same way.
+// ANCHOR = 0: no anchors; the position and the flux mean nothing.
 //
 // Formats: those of the blocks.
 // Latency: the wave core's, 48 clocks and 10 for each section of W; the anchors go on behind it,

@@ -70,11 +70,14 @@ module wh_multiply #(
             // dl cl >= 0 has 2 LIMB_W bits and fits below dh ch without a sum.
             wire unused = &{1'b0, dl_cl_q[2*LIMB_W+1:2*LIMB_W]};
 
-            wire most        = dh_q[DATA_HIGH_W-1] && !(|dh_q[DATA_HIGH_W-2:0])
+            // By the factors, as a block's product is not seen before its register.
+            wire most = dh_q[DATA_HIGH_W-1] && !(|dh_q[DATA_HIGH_W-2:0])
                      && ch_q[COEF_HIGH_W-1] && !(|ch_q[COEF_HIGH_W-2:0]);
+
             wire signed [DATA_HIGH_W+COEF_HIGH_W-1:0] dh_ch = dh_q * ch_q;
-            wire highest     = dh_ch_q[DATA_HIGH_W+COEF_HIGH_W-2] && !most_q;
             wire unused_copy = &{1'b0, dh_ch[DATA_HIGH_W+COEF_HIGH_W-1]};
+
+            wire highest = dh_ch_q[DATA_HIGH_W+COEF_HIGH_W-2] && !most_q;
 
             always @(posedge clk) begin
                 dh_q <= $signed(data_i[DATA_W-1:LIMB_W]);
