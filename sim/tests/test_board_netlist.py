@@ -23,6 +23,7 @@ from wavehaptics.fpga.board_simulation import (
 )
 from wavehaptics.fpga.boards import BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import SynthesisError
+from wavehaptics.ladder import sampled
 from wavehaptics.ladder.linked_pins import write_frame
 from wavehaptics.ladder.run import measure
 from wavehaptics.laws import closed_forms
@@ -77,11 +78,20 @@ def refuses_other_settings(built: Build) -> None:
 
 
 def taps(built: Build) -> None:
-    """The stiffness of the first contact, as `golden` renders it."""
+    """The stiffness of the first contact, as `golden` renders it.
+
+    Whether a tap's deepest point is one cell of the encoder deeper is the ADC's noise's to say, and
+    by the time that its gates go on a board has had other noise: it's one draw more of it.
+    """
     scene = board_runs.tap(built.board)
-    golden = measure(scene, "golden", compare=False)
+    drawn = []
+    with pytest.MonkeyPatch.context() as patch:
+        for seed in range(24):
+            patch.setattr(sampled, "NOISE_SEED", seed)
+            drawn.append(measure(scene, "golden", compare=False)["stiffness"])
+    assert max(drawn) < 1.03 * min(drawn)
     found = board_runs.run(built, scene)
-    assert found["stiffness"] == pytest.approx(golden["stiffness"], rel=0.01)
+    assert 0.995 * min(drawn) < found["stiffness"] < 1.005 * max(drawn)
     assert found["stiffness"] > 0.9 * found["stiffness_predicted"]
     assert_quiet(found["pins"])
 
@@ -119,16 +129,13 @@ def obeys_the_line(built: Build) -> None:
 
 
 def holds(built: Build, sign: int) -> None:
-    """14 mN·m with all that may be wrong with a motor, as `golden` holds it.
-
-    60 ms after the ramp the anchor is still settling, so that the limits of a settled hold are
-    no measure here: what the board may add to the integers' hold is a quarter of a cell.
-    """
+    """14 mN·m with all that may be wrong with a motor: where the spring says, as `golden` does."""
     scene = board_runs.hold(built.board, sign)
     golden = measure(scene, "golden", compare=False)
     found = board_runs.run(built, scene, by_line=built.board.fpga.link)
     cell = found["hold_offset_rad"] / found["moved_cells"]
     assert found["held_nm"] == pytest.approx(board_runs.PRESS_NM[False], rel=0.03)
+    assert found["moved_cells"] <= found["moved_limit_cells"]
     assert found["hold_offset_rad"] == pytest.approx(
         golden["hold_offset_rad"], abs=0.25 * abs(cell)
     )
@@ -194,6 +201,19 @@ def test_what_is_flashed(name, tools):
 
 
 # --- Without a bitstream.
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(
+    "name", [name for name in board_names() if not load_board(name).brushless]
+)
+def test_a_wall_is_held_with_all_that_may_be_wrong(name, sign):
+    """The press of what is flashed on the integers: half a cell and 1 % from where it should be."""
+    board = load_board(name)
+    held = measure(board_runs.hold(board, sign), "golden", compare=False)
+    held |= board_runs.moved(board, held, np.zeros(len(Column)))
+    assert held["held_nm"] == pytest.approx(board_runs.PRESS_NM[False], rel=0.03)
+    assert held["moved_cells"] <= held["moved_limit_cells"]
 
 
 @pytest.mark.parametrize("sign", [1, -1])

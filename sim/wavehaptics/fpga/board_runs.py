@@ -33,8 +33,8 @@ TAP = ("hand.path=taps", "hand.amplitude_rad=0.05", "hand.frequency_hz=10", "han
 PRESS_NM = {False: 0.014, True: 0.007}
 """Torque of the hold, N·m, by whether the motor is brushless."""
 
-RAMP_S, HOLD_S = 0.05, {False: 0.06, True: 0.45}
-"""The press's ramp, and how long it is held after that: a brushless motor's until it has settled.
+RAMP_S, HOLD_S = 0.05, 0.45
+"""The press's ramp, and how long it is held after that: until the anchor has settled.
 
 Within a cell c_I learns with a 256th of the error; a fifth of a second after the ramp a rotor may
 still drift from one edge of a cell to the other.
@@ -73,7 +73,7 @@ def hold(board: Board, sign: int = 1) -> Scene:
         return _brushless_hold(board, sign)
     controller, motor, bus_v = board.scene.controller, board.scene.motor, bus_voltage(board.scene)
     return board_scene(board, (
-        f"scene.duration_s={RAMP_S + HOLD_S[False]}", "scene.trace_hz=100e3",
+        f"scene.duration_s={RAMP_S + HOLD_S}", "scene.trace_hz=100e3",
         # The bitstream's own words, whatever the motor is.
         f"controller.r_hat={controller.r_hat!r}", f"controller.l_hat={controller.l_hat!r}",
         f"controller.k_t_hat={controller.k_t_hat!r}",
@@ -82,7 +82,7 @@ def hold(board: Board, sign: int = 1) -> Scene:
         f"motor.k_t={motor.k_t / (1 + 0.1 * sign)!r}",
         f"brushes.drop_v={BRUSH_V}", "brushes.knee_a=5e-3", "brushes.segments=22",
         f"brushes.ripple={0.04 * sign}", "brushes.contact_noise=0.03", "brushes.noise_s=1e-3",
-        f"drive.step_v={0.05 * sign * bus_v!r}", f"drive.step_s={RAMP_S + 0.5 * HOLD_S[False]}",
+        f"drive.step_v={0.05 * sign * bus_v!r}", f"drive.step_s={RAMP_S + 0.5 * HOLD_S}",
         f"drive.gain_error={0.05 * sign}", f"adc.offset_a={4e-3 * sign}", "adc.noise_a=1e-3",
         f"adc.bandwidth_hz={1 / (2 * math.pi * LAG_S):.6g}",
     ), PRESS[False])  # fmt: skip
@@ -95,7 +95,7 @@ def _brushless_hold(board: Board, sign: int) -> Scene:
     """
     controller, motor = board.scene.controller, board.scene.motor
     return board_scene(board, (
-        f"scene.duration_s={RAMP_S + HOLD_S[True]}", "scene.trace_hz=100e3",
+        f"scene.duration_s={RAMP_S + HOLD_S}", "scene.trace_hz=100e3",
         f"controller.r_hat={controller.r_hat!r}", f"motor.R_ohm={motor.R_ohm / (1 + 0.1 * sign)!r}",
         f"controller.magnet_hat_rad={controller.magnet_hat_rad!r}",
         f"motor.magnet_rad={MAGNET_RAD}", "motor.harmonic_5=0.03",
