@@ -252,7 +252,8 @@ class AnchorBench(Bench):
             for name, happened in {
                 "begins up": begins and moved > 0,
                 "begins down": begins and moved < 0,
-                "begins unmoved": begins and moved == 0,
+                "begins late": begins and moved == 0 and state[anchor.FRESH] > 0,
+                "begins unmoved": begins and state[anchor.FRESH] == 0,
                 "correction": state[anchor.CORRECTION] != 0,
                 "disabled": not words[anchor.ENABLE],
                 "outside above": state[anchor.CHI] >= half,
@@ -280,9 +281,9 @@ class AnchorBench(Bench):
 
 EVERYTHING = frozenset(
     (
-        "begins up", "begins down", "begins unmoved", "correction", "disabled", "outside above",
-        "outside below", "inside", "clipped above", "clipped below", "not clipped",
-        "clipped with the waves", "room", "fault", "mean", "offset", "forgotten",
+        "begins up", "begins down", "begins late", "begins unmoved", "correction", "disabled",
+        "outside above", "outside below", "inside", "clipped above", "clipped below",
+        "not clipped", "clipped with the waves", "room", "fault", "mean", "offset", "forgotten",
         "learned at rest", "learned on the move", "one unit of rest", "withheld",
     )
 )  # fmt: skip

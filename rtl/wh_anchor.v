@@ -11,10 +11,11 @@
 //
 // c is a voltage in series with the port: it is added to e_id = s u behind the wave core, which does
 // not see it, and what it takes of the drive's limit, room_o, is the wave's no more. A contact's first
-// edge sets χ to a quarter of a cell and what is in the λ filter then, which its u tells; in contact, what
-// the voltage limit or rounding withholds from the waves counts as flux. In free space and at rest c shows
-// the sensor's offset, which is summed up. A c that wants to go beyond its limit by strange, with the waves
-// below theirs, tells that waves and encoder don't follow the same motor: fault_o, and c = 0.
+// edge, in the tick that tells of the contact or one of the two before, sets χ to a quarter of a cell and
+// what is in the λ filter then, which its u tells; in contact, what the voltage limit or rounding withholds
+// from the waves counts as flux. In free space and at rest c shows the sensor's offset, which is summed up.
+// A c that wants to go beyond its limit by strange, with the waves below theirs, tells that waves and encoder
+// don't follow the same motor: fault_o, and c = 0.
 //
 // AXIS = 1: the port is one of a brushless motor's two axes, whose flux a count changes by a part of a cell
 // (wh_rotor_flux): its place comes from there, the dead zone is half of that part, and so is what a contact
@@ -128,6 +129,7 @@ module wh_anchor #(
     reg                      begins_q;    // the contact
     reg                      over_q;      // the contact, in this tick
     reg                      back_q;      // direction of the last edge
+    reg [1:0]                fresh_q;     // ticks for which that edge is one that a contact can begin with
     reg [REST_W-1:0]         ticks_q;     // left of a unit of rest
     reg [UNIT_W-1:0]         units_q;     // since the last edge the same way as the one before
     reg [4:0]                phase_q;     // ticks, modulo 32
@@ -139,6 +141,7 @@ module wh_anchor #(
     wire                     one      = back ? (&moved_q) : (moved_q[MOVE_W-1:1] == 0);
     wire                     same_way = moves && (back == back_q || !one);
     wire                     unit     = (ticks_q[REST_W-1:1] == 0);
+    wire                     edged    = (fresh_q != 2'd0);
 
     always @(posedge clk) begin
         if (rst) begin
@@ -148,6 +151,7 @@ module wh_anchor #(
             begins_q  <= 1'b0;
             over_q    <= 1'b0;
             back_q    <= 1'b0;
+            fresh_q   <= 2'd0;
             ticks_q   <= rest_ticks;
             units_q   <= {UNIT_W{1'b1}};
             phase_q   <= 5'd0;
@@ -162,6 +166,7 @@ module wh_anchor #(
             end
             if (start_q) begin
                 back_q  <= moves ? back : back_q;
+                fresh_q <= moves ? 2'd3 : edged ? fresh_q - 2'd1 : 2'd0;
                 ticks_q <= (same_way || unit) ? rest_ticks : ticks_q - 1'b1;
                 if (same_way) begin
                     units_q <= {UNIT_W{1'b0}};
@@ -204,7 +209,7 @@ module wh_anchor #(
             wire unused_motor = &{1'b0, position_q[PLACE_W-1:MOVE_W]};
 
             wire signed [SINE_Q+1:0] size = cell_q[SINE_Q+1] ? -cell_q : cell_q;
-            wire signed [SINE_Q+1:0] way  = !moves ? {SINE_Q+2{1'b0}} : back ? -cell_q : cell_q;
+            wire signed [SINE_Q+1:0] way  = !edged ? {SINE_Q+2{1'b0}} : back_q ? -cell_q : cell_q;
             wire signed [HALF_W-1:0] half = $signed({{(HALF_W - SINE_Q - 2){1'b0}}, size});
             wire signed [HALF_W-1:0] chi  = $signed(sum_q[LONG_W-1:LONG_Q-SINE_Q-1]);
 
@@ -220,7 +225,7 @@ module wh_anchor #(
             assign place      = $signed({position_q, {LONG_Q{1'b0}}});
             assign moved_flux = $signed({{(LONG_W - LONG_Q - MOVE_W){moved_q[MOVE_W-1]}}, moved_q,
                                          {LONG_Q{1'b0}}});
-            assign start_flux = $signed({{(LONG_W - LONG_Q + 1){moved_q[MOVE_W-1]}}, |moved_q,
+            assign start_flux = $signed({{(LONG_W - LONG_Q + 1){edged && back_q}}, edged,
                                          {(LONG_Q - 2){1'b0}}});
             assign half_flux  = $signed({{(LONG_W - LONG_Q){1'b0}}, 1'b1, {(LONG_Q - 1){1'b0}}});
             assign out        = back_sum ? !(&sum_q[LONG_W-2:LONG_Q-1])

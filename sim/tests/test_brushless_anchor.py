@@ -86,14 +86,13 @@ def test_an_axis_that_a_count_moves_by_a_cell_is_a_motor_with_brushes():
         contact, saturated = chance.random() < 0.9, chance.random() < 0.1
         tick = (contact, current, u, v, withheld // 16, voltage, saturated)
         place = (position & ((1 << (formats.LONG.width - formats.LONG.fraction)) - 1)) * CELL
-        first = port[anchor.STARTED] == 0
         anchor.anchor_step(port, words, position, *tick)
         anchor.anchor_axis_step(axis, words, position, place, CELL, *tick)
         axis[anchor.PLACE] = 0
         assert axis[anchor.STARTED] == 1
-        if port[anchor.TOUCHING] and not touching and moved and not first:
+        if port[anchor.TOUCHING] and not touching and port[anchor.FRESH]:
             # Half a cell where the other has a quarter, besides what the filter holds.
-            begun = (-1 if moved < 0 else 1) * CELL
+            begun = (-1 if port[anchor.NEGATIVE] else 1) * CELL
             assert axis[anchor.FLUX] - port[anchor.FLUX] == (begun >> 1) - (begun >> 2)
             axis[:] = port
         touching = bool(port[anchor.TOUCHING])

@@ -48,6 +48,29 @@ def held(controller: str, *settings: str) -> tuple[float, float, float, float]:
 
 
 @pytest.mark.parametrize(
+    ("name", "begun"),
+    [("held_wall", 0.25), ("brushless_hold", 0.5)],
+    ids=["brushes", "brushless"],
+)
+def test_a_contact_begins_with_its_edge_whenever_that_comes(name: str, begun: float):
+    """Walls are looked at in turn, so that a contact may be told a tick after its edge.
+
+    χ is then what it is on `golden`, which is told of both at once; without the edge it is less by
+    all of ``begun``. Of hits at one speed no two meet the same part of a tick.
+    """
+    base = load_scene(find_scene(name))
+    for n in range(12):
+        hand = f"hand.amplitude_rad={base.hand.amplitude_rad * (1 + 0.003 * n)}"
+        scene = load_scene(find_scene(name), [hand, "scene.duration_s=0.006"])
+        found = {}
+        for controller in ("golden", "pins"):
+            rows = advanced(CONTROLLERS[controller](scene), scene.scene.duration_s)
+            (first,) = np.flatnonzero(np.diff(rows[:, Column.CONTACT]) > 0)[:1]
+            found[controller] = rows[first + 1, Column.FLUX]
+        assert found["pins"] == pytest.approx(found["golden"], abs=0.4 * begun)
+
+
+@pytest.mark.parametrize(
     ("settings", "pressed_nm"),
     [
         (("controller.early_duty=true", "controller.extra_ticks=0"), 0.014),

@@ -21,7 +21,8 @@ the waves don't see:
   wave is below its limit means that waves and encoder don't follow the same motor.
 
 The edge with which a contact begins tells x exactly, and sets χ without L̂·i to a quarter of a
-cell: at the surface a wall has no current, so what flows there is pulled away. Nor is its surface
+cell: at the surface a wall has no current, so what flows there is pulled away. At the pins walls
+are looked at in turn, so that a contact is told up to two ticks after its edge. Nor is its surface
 where the λ filter, which still tells of the free rotor's speed, would have it: what it holds counts
 as flux, ``g_w·u``, else a wall stands deeper by ω·T/2a.
 
@@ -77,9 +78,13 @@ assert len(_WORDS) == SETTINGS
     STARTED,  # 0 until the first tick, which has no tick before
     ROOM,  # s31q23 √W, 0...: what c takes of the limit of the next tick's wave
     PLACE,  # s48q33 cells, of an axis: its flux by the encoder in the tick before
-) = range(20)
+    FRESH,  # ticks for which the last edge is still one that a contact can begin with
+) = range(21)
 """Places in an anchor's state."""
-STATES = 20
+STATES = 21
+
+FRESH_TICKS = 3
+"""An edge begins a contact that is told in its own tick or in the next two."""
 
 INNER_SHIFT = 8
 """2^-8 of χ counts inside the dead zone too: what drifts within a cell dies out."""
@@ -236,6 +241,9 @@ def _turn(
         back = 1 if moved < 0 else 0
         same_way = back == state[NEGATIVE] or (moved != 1 and moved != -1)
         state[NEGATIVE] = back
+        state[FRESH] = FRESH_TICKS
+    elif state[FRESH] > 0:
+        state[FRESH] -= 1
     if same_way:
         state[TICKS] = 0
         state[UNITS] = 0
@@ -263,8 +271,8 @@ def _turn(
     zero_step = (words[ZERO_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
     if begins:
         flux = (words[OWED_GAIN] * u) >> _FAR_SHIFT
-        if moved != 0:
-            flux += -start if moved < 0 else start
+        if state[FRESH] > 0:
+            flux += -start if state[NEGATIVE] != 0 else start
         flux = long_word(flux)
     else:
         flux = long_word(flux + moved_flux)
