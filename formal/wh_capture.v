@@ -95,6 +95,8 @@ module prove_wh_capture (
     (* hierconn *) wire [1:0]  \block.order_q ;
     (* hierconn *) wire        \block.ordered_q ;
     (* hierconn *) wire [19:0] \block.needed_q ;
+    (* hierconn *) wire        \block.ring_ends_q ;
+    (* hierconn *) wire        \block.filled_q ;
     (* hierconn *) wire [31:0] \block.memory[5] ;
 
     wire [3:0]  turn  = \block.rows.turn_q ;
@@ -192,6 +194,10 @@ module prove_wh_capture (
             if (active) begin
                 assert (\block.place_q == place[3:0]);
                 if (\block.stores ) assert (place < 5'd16 && turn - 4'd4 < each && turn >= 4'd4);
+            end
+            if (active && turn != 4'd0) begin
+                assert (\block.ring_ends_q == (row + 16'd1 == all));
+                assert (\block.filled_q == (count + 16'd1 == early));
             end
             if (state == FILLS) assert (count < early && left == all - early);
             if (state == WAITS) assert (count >= early && left == all - early);

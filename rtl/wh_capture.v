@@ -212,6 +212,9 @@ module wh_capture #(
     reg  [15:0] count_q;
     reg  [15:0] left_q;
     reg  [19:0] needed_q;   // words, of the settings as they are
+    // A row takes many clocks, so that these may be one late: what they compare is long.
+    reg         ring_ends_q;  // the row is the ring's last
+    reg         filled_q;     // with it there are as many as go before the trigger
 
     wire obeys = ordered_q && !hold_i && !strobe_i && idle;
 
@@ -231,6 +234,8 @@ module wh_capture #(
         needed_q <= (channels_i[0] ? {4'd0, rows_i} : 20'd0) + (channels_i[1] ? {3'd0, rows_i, 1'd0} : 20'd0)
                     + (channels_i[2] ? {2'd0, rows_i, 2'd0} : 20'd0)
                     + (channels_i[3] ? {1'd0, rows_i, 3'd0} : 20'd0);
+        ring_ends_q <= (next_row == rows_q);
+        filled_q    <= (count_q + 16'd1 == pre_q);
         if (rst) begin
             state_q   <= REST;
             ordered_q <= 1'b0;
@@ -252,14 +257,14 @@ module wh_capture #(
             if (ends_row) begin
                 known_q <= 1'b1;
                 row_q   <= next_row;
-                if (next_row == rows_q) begin
+                if (ring_ends_q) begin
                     row_q   <= 16'd0;
                     place_q <= {DEPTH_LOG2{1'b0}};
                 end
                 if (!full) begin
                     count_q <= count_q + 16'd1;
                 end
-                if (state_q == FILLS && count_q + 16'd1 == pre_q) begin
+                if (state_q == FILLS && filled_q) begin
                     state_q <= WAITS;
                 end
                 if (state_q == TRIGGERED || (state_q == WAITS && (hit || told_q))) begin
