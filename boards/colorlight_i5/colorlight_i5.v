@@ -2,7 +2,7 @@
 //
 // colorlight_i5: the wave controller on a Colorlight i5 (ECP5): its pads.
 //
-// The clock is 75 MHz, an eighth of the VCO's 25 MHz * 24. README.md has the wiring.
+// The clock is 70 MHz, a tenth of the VCO's 25 MHz * 28. README.md has the wiring.
 // Reset: until the PLL has been locked for 2^16 clocks.
 
 `default_nettype none
@@ -35,8 +35,8 @@ module colorlight_i5 (
 
     // The watch has 19.4 MHz.
     wh_board_ecp5 #(
-        .CLKOP_DIV  (24),
-        .CLKOS_DIV  (8),
+        .CLKOP_DIV  (28),
+        .CLKOS_DIV  (10),
         .WATCH_DIV  (16)
     ) board (
         .osc_i       (clk_25mhz),
