@@ -20,7 +20,7 @@ module bench_wave_core #(
     parameter integer SHAPER     = 0,
     parameter integer WITHHELD   = 0,
     parameter integer SHARED     = 0,
-    parameter integer TICKS      = 1024  // room in the memories, and for EIGHTHS of tb_wave_core more
+    parameter integer TICKS      = 1024  // room in the memories, and for more: see EIGHTHS and LIMITS
 ) (
     input  wire        go_i,
     input  wire [31:0] ticks_i,
@@ -42,9 +42,10 @@ module bench_wave_core #(
     localparam integer WAVES = 6;
 
     localparam integer EIGHTHS = 200;
+    localparam integer LIMITS  = 60;
 
-    reg [STIMULUS_W-1:0] stimulus [0:TICKS+EIGHTHS-1];
-    reg [RESPONSE_W-1:0] response [0:TICKS+EIGHTHS-1];
+    reg [STIMULUS_W-1:0] stimulus [0:TICKS+EIGHTHS+LIMITS-1];
+    reg [RESPONSE_W-1:0] response [0:TICKS+EIGHTHS+LIMITS-1];
 
     reg clk = 1'b0;
     reg rst = 1'b1;

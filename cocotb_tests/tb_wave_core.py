@@ -26,6 +26,8 @@ WITHHELD = parameters().get("WITHHELD", 0)
 CLOCKS_A_PORT = 24 + 5 * SHAPER
 EIGHTHS = 200
 """Ticks of small waves through W, behind the TICKS; the bench has room for them."""
+LIMITS = 60
+"""Ticks behind all others that come out at the limit or a place beside it; there is room, too."""
 AGE_MAX = (1 << DELAY_LOG2) - 1
 
 
@@ -198,7 +200,7 @@ class Bench:
         self.dut = dut
 
     async def run(self, stream: Stream) -> Answers:
-        """The core's answers to a stream of at most TICKS + EIGHTHS ticks."""
+        """The core's answers to a stream of at most TICKS + EIGHTHS + LIMITS ticks."""
         text = "\n".join(f"{word:x}" for word in stream.words())
         Path("stimulus.hex").write_text(text + "\n")
         self.dut.ticks_i.value = stream.ticks
@@ -339,7 +341,7 @@ def small_waves_through_eighths(stream: Stream, seed: int) -> Stream:
     Their waves are so small that one less in a coefficient is next to nothing in the sum.
     """
     rng = np.random.default_rng([seed, 1])
-    more = {name: words[:EIGHTHS].copy() for name, words in vars(stream).items()}
+    more = first_ticks(stream, EIGHTHS)
     size = more["shape"].shape
     eighths = rng.integers(-7, 8, size) << (FORMATS.SHAPE.fraction - 3)
     more["shape"] = eighths - rng.integers(0, 2, size)
@@ -349,8 +351,37 @@ def small_waves_through_eighths(stream: Stream, seed: int) -> Stream:
     largest = 1 << rng.integers(1, FORMATS.DATA_W - 11, (EIGHTHS, PORTS))
     for name in ("outside", "current"):
         more[name] = rng.integers(-largest, largest)
-    both = {name: np.concatenate([words, more[name]]) for name, words in vars(stream).items()}
-    return Stream(**both)
+    return joined(stream, more)
+
+
+def at_the_limit(stream: Stream, seed: int) -> Stream:
+    """The stream and LIMITS ticks more, in which f comes out at ±u_max or a guarded place beside it.
+
+    Each begins at f = 0 with a goal from outside alone, of which a power of two is taken.
+    """
+    rng = np.random.default_rng([seed, 2])
+    more = first_ticks(stream, LIMITS)
+    shift = rng.integers(0, FORMATS.STATE_GUARD + 1, (LIMITS, PORTS))
+    more["a"] = (1 << FORMATS.A.fraction) >> shift
+    more["u_max"] = rng.integers(0, FORMATS.WAVE.raw_max >> FORMATS.STATE_GUARD, (LIMITS, PORTS))
+    goal = (more["u_max"] << shift) + rng.integers(-1, 2, (LIMITS, PORTS))
+    more["outside"] = goal * rng.choice((-1, 1), (LIMITS, PORTS))
+    more["eta"][:] = 0
+    more["reset"][:] = True
+    more["abort"][:] = more["poke"][:] = False
+    return joined(stream, more)
+
+
+def first_ticks(stream: Stream, ticks: int) -> dict[str, np.ndarray]:
+    """Words of a stream's first ticks, to be changed."""
+    return {name: words[:ticks].copy() for name, words in vars(stream).items()}
+
+
+def joined(stream: Stream, more: dict[str, np.ndarray]) -> Stream:
+    """The stream with more ticks behind it."""
+    return Stream(
+        **{name: np.concatenate([words, more[name]]) for name, words in vars(stream).items()}
+    )
 
 
 @cocotb.test(timeout_time=60, timeout_unit="sec")
@@ -362,8 +393,18 @@ async def equals_the_integer_model(dut) -> None:
     stream = random_stream(seed)
     if SHAPER:
         stream = small_waves_through_eighths(stream, seed)
+    stream = at_the_limit(stream, seed)
     answers = await bench.run(stream)
     bench.check(stream, answers)
+    if OUTSIDE:
+        # Whole guarded places: only what is beyond the limit is limited.
+        last = {name: words[-LIMITS:] for name, words in vars(stream).items()}
+        places = last["a"] >> (FORMATS.A.fraction - FORMATS.STATE_GUARD)
+        f = np.abs(last["outside"]) * places
+        limit = last["u_max"] << FORMATS.STATE_GUARD
+        assert np.array_equal(answers.saturated[-LIMITS:] != 0, f > limit)
+        assert (f == limit).any()
+        assert (f == limit + 1).any()
     # The stream has gone where it was meant to.
     assert answers.saturated.any()
     assert not answers.saturated.all()
