@@ -46,6 +46,7 @@ PLACE_W = formats.LONG.width - rotor_flux.SHIFT
 CELL_W = rotor_flux.SINE_Q + 2
 COUNT_ANGLE = rotor_flux.angle_word(1.0 / 90.0)
 
+
 def any_words(rng: random.Random) -> np.ndarray:
     """Words of SHAPER sections: a soft wall's, or whatever fits."""
     sections = []
@@ -353,17 +354,16 @@ if ANCHOR and SHAPER < 2:
         gains = motor_settings()
         gains[anchor.REST_TICKS] = 100
         largest = formats.CURRENT.to_raw(0.05)
+
+        async def ticks(number: int, way: int, still: bool, largest: int) -> None:
+            for _ in range(number):
+                currents = [rng.randint(-largest, largest) for _ in range(AXES)]
+                moved = way * rng.choice((0, 1, 1))
+                await bench.tick(currents, 0, 0, 0, words, moved=moved, still=still)
+
         for way in (1, -1):
             await bench.begin(formats.WAVE.to_raw(100.0), gains, find=True)
-
-            async def ticks(number: int, still: bool, largest: int) -> None:
-                for _ in range(number):
-                    currents = [rng.randint(-largest, largest) for _ in range(AXES)]
-                    await bench.tick(
-                        currents, 0, 0, 0, words, moved=way * rng.choice((0, 1, 1)), still=still
-                    )
-
-            await ticks(40, False, largest)
+            await ticks(40, way, False, largest)
             assert "turned" in bench.seen
             assert not bench.known
             assert not bench.seen & {"correction 0", "correction 1"}
@@ -371,12 +371,12 @@ if ANCHOR and SHAPER < 2:
             for _ in range(400):
                 if bench.known:
                     break
-                await ticks(1, True, 0)
+                await ticks(1, way, True, 0)
             assert bench.known
-            await ticks(40, False, largest)
+            await ticks(40, way, False, largest)
             assert bench.seen >= {"correction 0", "correction 1"}
             await bench.stop()
-            await ticks(10, False, largest)
+            await ticks(10, way, False, largest)
             bench.seen.clear()
 
 

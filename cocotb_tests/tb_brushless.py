@@ -18,7 +18,7 @@ from adc_part import AdcPart
 from bench import Bench, pack, random_source, unpack
 from lost_encoder import LostEncoder
 from simulators import parameters
-from tb_quadrature import levels
+from tb_quadrature import SETTLE_CLOCKS, levels
 from tb_three_phase import Drive, gates_of
 from wavehaptics.controller import clarke, wave_core
 from wavehaptics.controller.guard import Fault
@@ -57,6 +57,8 @@ SHIFT = formats.SAMPLE_W - PART.bits
 R_OHM = 4.7
 FULL_SCALE_A = 2.0
 WALL = (0, 1000)
+PLACES = [(5, 10), (21, 42), (53, 64), (73, 86)]
+"""Walls; of their places and of those mirrored every bit is set in some and clear in others."""
 Walls = Sequence[tuple[int, int]]
 ETA_CONTACT = formats.ETA.to_raw(-0.9)
 ETA_FREE = formats.ETA.to_raw(0.8)
@@ -100,6 +102,11 @@ def wave_filter() -> np.ndarray:
 W = wave_filter()
 
 
+def lead(drive: Drive) -> int:
+    """Clocks that samples come early, for the middle of the gates' pulse."""
+    return CENTRED_LEAD - drive.dead_clocks // 2
+
+
 def settings(
     drive: Drive, samples: int = 1, extra: int = 2, walls: Walls = (WALL,) * WALLS,
     enable: Sequence[int] = (1, 0, 0, 0), shaped: Sequence[int] = (0,) * WALLS, **others: int,
@@ -110,7 +117,7 @@ def settings(
         "tick_halves": drive.tick_halves,
         "sample_clocks": drive.tick_clocks // samples,
         "samples": samples,
-        "sample_lead": CENTRED_LEAD - drive.dead_clocks // 2,
+        "sample_lead": lead(drive),
         **FRAME.words(),
         "eta_contact": ETA_CONTACT,
         "eta_free": ETA_FREE,
@@ -213,7 +220,7 @@ class BrushlessBench(Bench):
         return [(b_at - 1, a), (b_at, b), (b_at + 1, c)]
 
     def check(self, drive: Drive, samples: int, extra: int, soft: bool) -> list[list[int]]:
-        """Every step by the models, and every gate; the widths of each leg.
+        """Every sample's instant, every step by the models, every gate; the widths of each leg.
 
         ``soft``: all walls feel as W, or none.
         """
@@ -222,9 +229,14 @@ class BrushlessBench(Bench):
         lines = [wave_core.new_line(extra) for _ in range(2)]
         states = [wave_core.new_shaper_state(SHAPER) for _ in range(2)]
         legs_of: list[tuple[int, int, int]] = []
+        # The carrier starts a clock behind the end of a tick that wasn't there.
+        started = self.ticks[0] - drive.tick_clocks + 1
+        between = drive.tick_clocks // samples
         for n, step in enumerate(self.steps):
             group = self.conversions[n * samples : (n + 1) * samples]
             assert len(group) == samples
+            first = started + n * drive.tick_clocks + between // 2 - lead(drive)
+            assert [clock for clock, _ in group] == [first + m * between for m in range(samples)]
             for m in range(2):
                 total = sum((codes[m] - MIDDLE) << SHIFT for _, codes in group)
                 assert step.phases[m] == scale_sum.py_func(total - self.zeros[m], gain)
@@ -334,6 +346,33 @@ async def equals_the_models(dut: object) -> None:
     assert len(widths) > 10
     assert touched == judged == {0, 1}
     assert limited > 5
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def each_wall_is_where_it_is_said(dut: object) -> None:
+    """Four walls apart from each other, at each of their edges, on either side of 0."""
+    bench = BrushlessBench(dut)
+    drive = Drive(HALF)
+    for side in (1, -1):
+        edges = [sorted((side * near, side * far)) for near, far in PLACES]
+        await bench.begin(settings(drive, walls=edges, enable=(1,) * WALLS))
+        for _ in range(SETTLE_CLOCKS):
+            await bench.clock()
+        inside = 0
+        for position in sorted(
+            {edge - back for wall in edges for edge in wall for back in range(2)}, key=abs
+        ):
+            while bench.position != position:
+                bench.position += 1 if bench.position < position else -1
+                for _ in range(4):
+                    await bench.clock()
+            for _ in range(3 * drive.tick_clocks):
+                await bench.clock()
+            touched = any(low <= position < high for low, high in edges)
+            assert bench.word("contact_o") == touched, (position, edges)
+            inside += touched
+        assert inside == 2 * WALLS
+        assert bench.signed("position_o") == bench.position
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -569,6 +608,20 @@ if GUARD:
                 await bench.clock()
             assert bench.word("faults_o") == 1 << SETTING_FAULT
             assert bench.gates[-1] == (0, 0)
+        # Both ends of what is permitted.
+        one = 1 << formats.ETA.fraction
+        for end in (one, -one):
+            await bench.begin(guarded(eta_contact=end, eta_free=-end))
+            for _ in range(60):
+                await bench.clock()
+            assert bench.word("faults_o") == 0
+            assert bench.word("running_o")
+        for word in ("eta_contact", "eta_free"):
+            for beyond in (one + 1, -one - 1):
+                await bench.begin(guarded(**{word: beyond}))
+                for _ in range(60):
+                    await bench.clock()
+                assert bench.word("faults_o") == 1 << SETTING_FAULT
         await bench.begin(guarded(damp=1 << ENCODER_FAULT))
         for _ in range(100):
             await bench.clock()

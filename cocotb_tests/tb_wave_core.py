@@ -355,7 +355,7 @@ def small_waves_through_eighths(stream: Stream, seed: int) -> Stream:
 
 
 def at_the_limit(stream: Stream, seed: int) -> Stream:
-    """The stream and LIMITS ticks more, in which f comes out at ±u_max or a guarded place beside it.
+    """The stream and LIMITS ticks more, whose f comes out at ±u_max or a guarded place beside it.
 
     Each begins at f = 0 with a goal from outside alone, of which a power of two is taken.
     """

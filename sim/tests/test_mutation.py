@@ -85,6 +85,16 @@ def test_a_block_with_parameters_stands_behind_the_original_head():
     assert "module wh_saturate_original" in text
 
 
+def test_a_word_put_among_others_takes_its_sign_to_none_of_them():
+    """`words[port*W +: W] <= word`: as Verilog a $shift of Yosys' has the sign of its wire."""
+    block = next(block for block in TABLE.blocks if block.name == "axes")
+    folder = ROOT / "build" / "test_mutation_shift"
+    commands, files = rtl.mutated(block, 20, Toolchain.of_environment(), folder)
+    assert len(commands) == block.mutants
+    assert "cell $shift " in (folder / "prepared.il").read_text()
+    assert " << - " not in files[0].read_text()
+
+
 def test_a_part_without_parameters_is_no_part_of_rtl():
     text = "module wh_x(a);\n  wh_part one (a);\n  \\$p\\wh_part two (a);\nmodule wh_part(a);\n"
     assert rtl.with_parts(text, "wh_x") == (

@@ -85,6 +85,8 @@ def mutated(
         f"mutate -list {block.mutants} -seed {seed} -ctrl mutant_i 16 1 -module {inner}"
         f" -o {where}/mutants.ys"
     )
+    # A word that is put into one of several by a variable is a $shift without a sign, which
+    # write_verilog would give that of its wire: behind the word would be a negative one's sign.
     script = f"""
         read_verilog -defer -Irtl {" ".join(map(str, rtl_files(block.module)))}
         hierarchy -top {block.module}{parameters}
@@ -93,6 +95,7 @@ def mutated(
         write_rtlil {where}/prepared.il
         {choice}
         script {where}/mutants.ys
+        techmap t:$shift
         write_json {where}/ports.json
         write_verilog -noattr {where}/{inner}.v
     """
