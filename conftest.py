@@ -30,7 +30,7 @@ BLOCKS = {
     "wh_dead_time": "test_dead_time.py::test_dead_time[icarus]",
     "wh_device": "test_briefly.py::test_briefly[device]",
     "wh_early": "test_early.py::test_early[icarus]",
-    "wh_environment": "test_closed_loop.py::test_closed_loop[icarus]",
+    "wh_environment": "test_environment.py::test_environment[icarus-0]",
     "wh_guard": "test_briefly.py::test_briefly[guard]",
     "wh_half_bridge": "test_half_bridge.py::test_half_bridge[icarus]",
     "wh_host_link": "test_briefly.py::test_briefly[host_link]",

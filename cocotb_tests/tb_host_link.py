@@ -6,6 +6,7 @@ The model is :mod:`wavehaptics.controller.host_link`.
 
 from __future__ import annotations
 
+import math
 import random
 
 import cocotb
@@ -145,13 +146,56 @@ async def what_came_in_is_there_later(dut: object) -> None:
         assert shown == late, size
 
 
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_full_budget_to_its_last_place(dut: object) -> None:
+    """As much as it holds is paid out, wave by wave, until nothing is left."""
+    bench = LinkBench(dut)
+    await bench.begin(3, 100)
+    largest = -WAVE.raw_min
+    for _ in range(8):
+        await bench.period([-largest] * 8, {10: (int(bench.state[host_link.SEQUENCE]), 0)})
+    left, periods = 4 * largest * largest - 1, 0
+    while left:
+        wave = min(math.isqrt(left), largest)
+        left -= wave * wave
+        periods += 1
+        await bench.period([0] * 8, {10: (int(bench.state[host_link.SEQUENCE]), -wave)})
+        assert bench.shown() == (1, -wave)
+    assert periods > 5
+    await bench.period([0] * 8, {10: (int(bench.state[host_link.SEQUENCE]), 1)})
+    assert bench.shown() == (1, 0)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def the_mean_of_long_periods(dut: object) -> None:
+    """Of up to 2^15 ticks, a tick in each clock: the whole sum's, toward zero."""
+    bench, rng = LinkBench(dut), random_source("long")
+    for log2 in range(6, 16):
+        await bench.begin(log2, 5)
+        for number in range(1, 5):
+            left, total = 1 << log2, 0
+            shift = rng.choice((0, 0, 7))
+            while left:
+                ticks, wave = min(left, rng.randint(1, 1 << (log2 - 3))), some_wave(rng) >> shift
+                await bench.step(ticks, valid_i=1, v_i=wave)
+                left, total = left - ticks, total + ticks * wave
+            await bench.step(2 + log2, valid_i=0)
+            assert not bench.word("strobe_o")
+            await bench.step()
+            assert bench.word("strobe_o")
+            assert bench.word("sequence_o") == number
+            mean = abs(total) >> log2
+            assert bench.signed("v_mean_o") == (-mean if total < 0 else mean), log2
+            await bench.step(150)
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_late_answer_waits_for_the_next_period(dut: object) -> None:
     """At every clock before the period's end: it counts in this one or the next, never in none."""
     bench = LinkBench(dut)
     clocks = 8 * TICK_CLOCKS
     taken = []
-    for before in range(1, LATE_CLOCKS + 10, 9):
+    for before in (1, 2, 3, *range(10, LATE_CLOCKS + 10, 9)):
         await bench.begin(3, 100)
         bench.expected = None
         for _ in range(3):

@@ -125,6 +125,19 @@ async def edges_between_two_entries(dut: object) -> None:
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_leap_of_any_size(dut: object) -> None:
+    """However far the position is, it is followed, and by the shorter way."""
+    bench = FluxBench(dut)
+    await bench.start(position_i=0, count_angle_i=0, zero_angle_i=0, turn_i=0, by_i=0)
+    for bit in range(formats.COUNT_W - 1):
+        for way in (1, -1):
+            await bench.begin(3007477, 1 << 29, 0)
+            for _ in range(LATENCY):
+                await bench.clock(way << bit)
+            assert bench.signed("position_o") == way
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_count_takes_six_clocks(dut: object) -> None:
     """From rest: its words are there so many clocks later, and not before."""
     bench = FluxBench(dut)
