@@ -1053,6 +1053,51 @@ async def faults_show(dut: object) -> None:
     assert (bench.word("overrun_o"), bench.word("encoder_fault_o")) == (0, 0)
 
 
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def each_motor_trips_by_itself(dut: object) -> None:
+    """Any of them beyond the trip, beside any others."""
+    bench = ControllerBench(dut)
+    settings = Settings(trip=1 << 14)
+    await bench.begin(settings)
+    beyond = (1 << PART.bits) // 3
+    for trips in range(1 << N):
+        bench.codes = [MID_CODE + beyond * (trips >> n & 1) for n in range(N)]
+        await bench.run((3 + settings.frame.pipeline) * TICK_CLOCKS)
+        assert bench.word("overcurrent_o") == trips
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def both_zero_vectors_take_turns(dut: object) -> None:
+    """Without a voltage each leg's upper gate is on as long as its lower one, half by half."""
+    bench = ControllerBench(dut)
+    bench.codes = [MID_CODE] * N
+    dead_clocks = 2
+    await bench.begin(
+        Settings(half_clocks=TICK_CLOCKS // 2, tick_halves=2, dead_clocks=dead_clocks)
+    )
+    await bench.run(3 * TICK_CLOCKS)
+    on = [0] * len(GATES) * N
+    for _ in range(20 * TICK_CLOCKS):
+        await bench.clock()
+        for place, name in enumerate(GATES):
+            for n in range(N):
+                on[place * N + n] += bench.word(name) >> n & 1
+    assert on == [20 * (TICK_CLOCKS // 2 - dead_clocks)] * len(on)
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def walls_may_change_between_two_rounds(dut: object) -> None:
+    """Whatever else goes on, in one clock of as many as there are walls."""
+    bench = ControllerBench(dut)
+    await bench.begin(Settings())
+    for _ in range(60):
+        lets = 0
+        for _ in range(WALLS):
+            await bench.clock()
+            lets += not bench.word("words_hold_o") >> 3 & 1
+        assert lets == 1
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms", skip=not SENSE)
 async def sense_flags(dut: object) -> None:
     """Words at the end of the scale, words that never change and a word beyond the trip."""
