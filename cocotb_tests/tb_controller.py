@@ -25,6 +25,7 @@ from wavehaptics.controller import anchor, bus_scale, wave_core
 from wavehaptics.controller.early import prepare
 from wavehaptics.controller.modulator import duty_of, width_bounds
 from wavehaptics.controller.pins_timing import (
+    ANCHOR_CLOCKS,
     CENTRED_LEAD,
     CORE_CLOCKS,
     GATE_CLOCKS,
@@ -1096,6 +1097,22 @@ async def walls_may_change_between_two_rounds(dut: object) -> None:
             await bench.clock()
             lets += not bench.word("words_hold_o") >> 3 & 1
         assert lets == 1
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms", skip=not ANCHOR)
+async def words_of_anchors_hold_while_one_works(dut: object) -> None:
+    """From the first port's waves to the end of the last one's anchor, behind the core's step."""
+    bench = ControllerBench(dut)
+    await bench.begin(Settings())
+    behind = WAVES_CLOCKS + ANCHOR_CLOCKS - 1 - _STEP_CLOCKS
+    lets = 0
+    for _ in range(4):
+        while not await bench.clock():
+            lets += not bench.word("words_hold_o") >> 1 & 1
+        for _ in range(behind):
+            assert bench.word("words_hold_o") >> 1 & 1
+            await bench.clock()
+    assert lets > 0
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms", skip=not SENSE)
