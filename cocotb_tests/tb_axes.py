@@ -338,9 +338,7 @@ async def the_next_step_comes_too_early(dut: object) -> None:
     assert told >= STEP_CLOCKS // 2
 
 
-# With two sections the anchor of alpha ends before that of beta begins, and what finds the magnets
-# takes that for the tick's end: it sees beta's χ a count late, and counts ticks twice.
-if ANCHOR and SHAPER < 2:
+if ANCHOR:
 
     @cocotb.test(timeout_time=20, timeout_unit="ms")
     async def the_magnets_are_found(dut: object) -> None:

@@ -169,7 +169,7 @@ module wh_axes #(
             wire [`WH_ANCHOR_W-1:0] words = {anchor_words_i[`WH_ANCHOR_W-1:1],
                                              anchor_words_i[0] && magnet_found_o};
             reg                late_q;
-            reg                working_q;     // the anchors
+            reg                working_q;     // beta's anchor
             reg                contact_q;     // of the step
             reg [COUNT_W-1:0]  position_q;
             reg [2*FLUX_W-1:0] place_q;
@@ -195,9 +195,12 @@ module wh_axes #(
                 end
             end
 
-            // An anchor begins before the other one ends.
+            // Beta's anchor begins and ends last: with it the tick is done, once, though alpha's may have
+            // ended long before and neither works while they are in reset.
+            wire               works = anchor_busy[1] || waves[1];
+
             always @(posedge clk) begin
-                working_q <= !rst && (|{anchor_busy, waves});
+                working_q <= !rst && works;
                 contact_q <= (|waves) ? contact_i : contact_q;
             end
 
@@ -207,7 +210,7 @@ module wh_axes #(
                 .find_i        (find_magnet_i),
                 .count_angle_i (count_angle_i),
                 .rest_ticks_i  (anchor_words_i[`WH_ANCHOR_W-1-`WH_REST_UNIT_W -: `WH_REST_W]),
-                .done_i        (working_q && !(|{anchor_busy, waves})),
+                .done_i        (working_q && !works),
                 .position_i    (angle_rst_i ? position_i : position_q),
                 .contact_i     (contact_q),
                 .cell_i        (cell_q),
