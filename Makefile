@@ -75,7 +75,7 @@ $(READY_BENCH): requirements-bench.lock $(READY)
 	@rm -rf .venv-bench
 	@.venv/bin/python -m venv .venv-bench
 	@.venv-bench/bin/python -m pip --disable-pip-version-check --no-input install --quiet --retries 5 \
-	    --require-hashes --only-binary :all: -r requirements-bench.lock </dev/null
+	    --require-hashes --no-deps --only-binary :all: -r requirements-bench.lock </dev/null
 	@touch $@
 
 # The generator of the pages' site: it reads the package, and needs nothing of it installed.

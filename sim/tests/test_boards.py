@@ -741,6 +741,7 @@ def test_stale_page_is_noticed(tmp_path):
     page.write_text("before\n<!-- begin boards -->\n<!-- end boards -->\nafter\n")
     assert filler.stale_pages(tmp_path) == [Path("README.md")]
     assert filler.write(tmp_path) == [Path("README.md")]
+    assert filler.write(tmp_path) == []
     assert filler.stale_pages(tmp_path) == []
     page.write_text(page.read_text().replace("| `ulx3s` |", "| `ulx4s` |"))
     assert filler.stale_pages(tmp_path) == [Path("README.md")]

@@ -32,6 +32,13 @@ lambda = 1e3
 TIMEOUT_S = 60
 
 
+class Interrupted:
+    """Ctrl-C comes while this is thrown away: Python reports it, and would go on."""
+
+    def __del__(self) -> None:
+        raise KeyboardInterrupt
+
+
 @pytest.fixture(autouse=True)
 def in_own_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -51,6 +58,10 @@ def runs(monkeypatch):
             raise SceneError("refused: this controller can't; take another")
         if scene.scene.name == "interrupted":
             raise KeyboardInterrupt
+        if scene.scene.name == "reported":
+            interrupted = Interrupted()
+            del interrupted
+            time.sleep(TIMEOUT_S)
         if scene.scene.name == "full":
             raise OSError(28, "No space left on device", str(out))
         return {"scene": scene.scene.name, "peak_torque": 0.0212345, "hold_error": None, "ticks": 7}
@@ -133,6 +144,7 @@ def test_progress_on_a_terminal_only(capsys, monkeypatch, runs):
         ("refused", 2, "wavehaptics: refused: this controller can't; take another"),
         ("full", 2, "No space left on device"),
         ("interrupted", 130, "wavehaptics: interrupted"),
+        ("reported", 130, "wavehaptics: interrupted"),
     ],
 )
 def test_runs_that_end_early(capsys, monkeypatch, runs, name, status, fragment):

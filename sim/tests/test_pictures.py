@@ -82,7 +82,7 @@ def test_the_picture_of_a_run(tmp_path, hand):
     assert size_of(path)[0] == 1600
 
 
-@pytest.mark.parametrize("ticks", [2, 100])
+@pytest.mark.parametrize("ticks", [1, 2, 100])
 def test_a_run_in_which_nothing_happens(tmp_path, ticks):
     trace = still(ticks)
     for draw in (pictures.fig10, pictures.fig11):

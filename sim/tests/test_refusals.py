@@ -12,8 +12,9 @@ from typer.testing import CliRunner
 from wavehaptics.cli.main import app
 from wavehaptics.controller.ports import controller_ports
 from wavehaptics.fpga.boards import load_board
+from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.refusals import check
-from wavehaptics.scene import SceneError, load_scene
+from wavehaptics.scene import SceneError, find_scene, load_scene
 
 SCENE = """\
 [scene]
@@ -66,6 +67,7 @@ def changed(path: Path, key: str, value: str) -> int:
         ("pins", "controller.extra_ticks", "0"),
         ("pins", "controller.clock_hz", "20e6"),
         ("pins", "controller.walls", WALLS),
+        ("golden", "controller.walls", "[[0.0, 1e-12]]"),
         ("golden", "controller.lambda", "1e-3"),
         ("golden", "scene.duration_s", "1e7"),
         ("analog", "shaper.sos", "[[0.5, 0.0, 0.0, 1.0, 0.0, 0.0]]"),
@@ -88,6 +90,23 @@ def test_a_refusal_names_the_line_of_its_cause(odd, controller, key, value):
         f"--set {override}", f"{odd}:{line}", 1
     )
     assert "\n" not in str(in_the_file.value)
+
+
+def test_a_wall_that_no_count_is_in_is_refused(odd):
+    changed(odd, "encoder.counts_per_rev", "400")
+    between = ("controller.walls=[[0.0, 1.0], [2.001, 2.002]]",)
+    with pytest.raises(
+        SceneError, match=r"walls: \[2\.001, 2\.002\] lies between two counts of 0\.0157"
+    ):
+        check(load_scene(odd, between), "golden")
+    check(load_scene(odd, ("controller.walls=[[0.0, 1.0], [2.001, 2.02]]",)), "golden")
+
+
+def test_a_board_is_named_where_it_can_do_less_than_its_controller():
+    scene = load_scene(find_scene("brushless_soft"))
+    refuse(scene, "pins")
+    with pytest.raises(SceneError, match=r"\[shaper\] is not for a board; with a brushless motor"):
+        refuse(scene, "pins", device=True)
 
 
 def test_a_default_is_to_blame_only_where_nothing_else_is(odd):

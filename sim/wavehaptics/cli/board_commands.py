@@ -168,8 +168,11 @@ def write_numbers() -> None:
     try:
         for path in filler.keep():
             typer.echo(f"{path}: not of a whole run, its numbers are left out")
-        for path in filler.write():
+        written = filler.write()
+        for path in written:
             typer.echo(f"{path}: numbers written")
+        if not written:
+            typer.echo("the pages have these numbers already")
     except _ERRORS as error:
         _fail(error)
 

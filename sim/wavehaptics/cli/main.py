@@ -9,8 +9,11 @@ known to be right.
 from __future__ import annotations
 
 import io
+import os
+import signal
 import sys
 from importlib.metadata import version
+from threading import Timer
 from typing import Annotated, Any
 
 import typer
@@ -53,8 +56,22 @@ def _options(
     """Options of the command itself; its help is the app's."""
 
 
+AGAIN_S = 0.01
+"""How long after an interruption that was swallowed it is asked for once more."""
+
+
+def _interrupt_again(unraisable: Any) -> None:
+    """Ctrl-C within a destructor or a callback, where Python only reports it: ask once more."""
+    if issubclass(unraisable.exc_type, KeyboardInterrupt):
+        # What is raised in here is swallowed as well.
+        Timer(AGAIN_S, os.kill, (os.getpid(), signal.SIGINT)).start()
+    else:
+        sys.__unraisablehook__(unraisable)
+
+
 def main() -> None:
     """Run the command line and exit with its status."""
+    sys.unraisablehook = _interrupt_again
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

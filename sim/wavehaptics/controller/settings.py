@@ -149,6 +149,13 @@ def settings(
         limit_v = min(limit_v, scene.drive.limit_v)
     u_max = _wave_limit(limit_v, r_hat)
     wall_min, wall_max = walls_in_cells(scene, cell_rad)
+    for n in np.flatnonzero(wall_min == wall_max).tolist():
+        low, high = control.walls[n]
+        raise scene.refusal(
+            f"controller.walls: [{low:g}, {high:g}] lies between two counts of {cell_rad:.3g} rad "
+            "and would never be felt; make it wider, or raise encoder.counts_per_rev",
+            "controller.walls",
+        )
     tau_s = closed_forms.tau(tick_s, formats.A.to_value(a_word), control.extra_ticks)
     try:
         shaper = design(scene, tick_s, tau_s, r_hat)

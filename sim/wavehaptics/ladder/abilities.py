@@ -104,7 +104,7 @@ BRUSHLESS: dict[str, str] = {
 """What is refused besides where the motor is a ``pmsm``, with the cure."""
 
 BRUSHLESS_DEVICE: dict[str, str] = {
-    "shaper": "a device with three legs does without it yet; leave it out",
+    "shaper": "with a brushless motor it does without it yet; leave it out, or `run` the scene",
 }
 """And what besides that where its controller is in ``rtl/wh_device.v``: on a board, real or
 virtual."""
@@ -159,7 +159,8 @@ def refuse(scene: Scene, name: str, *, device: bool = False) -> None:
     for what, cure in refused.items():
         if what in asked_for:
             shown = what if "." in what else f"[{what}]"
-            raise scene.refusal(f"{shown} is not for `{name}`; {cure}", what)
+            by = "a board" if device and what in BRUSHLESS_DEVICE else f"`{name}`"
+            raise scene.refusal(f"{shown} is not for {by}; {cure}", what)
 
 
 def _without_use(scene: Scene, name: str) -> set[str]:

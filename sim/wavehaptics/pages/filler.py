@@ -105,7 +105,7 @@ def keep(root: Path = ROOT) -> list[Path]:
         raise NumbersError("there are no numbers yet; run `make synth`")
     for path, numbers in ((KEPT, kept), (MEASURED, measured)):
         if numbers:
-            write_json(root / path, numbers, indent=1)
+            write_json(root / path, _shortened(numbers), indent=1)
     for found, names in (
         (_REPORT, report_and_bench.PICTURES),
         (_HOLDING, holding_pictures.PICTURES),
@@ -168,17 +168,25 @@ def _last_measured(root: Path) -> tuple[dict[str, Any], list[Path]]:
     return measured, parts
 
 
+def _shortened(numbers: Any) -> Any:
+    """With eight places: another machine's rounding changes no file."""
+    if isinstance(numbers, dict):
+        return {name: _shortened(value) for name, value in numbers.items()}
+    if isinstance(numbers, list):
+        return [_shortened(value) for value in numbers]
+    return float(f"{numbers:.8g}") if isinstance(numbers, float) else numbers
+
+
 def write(root: Path = ROOT) -> list[Path]:
-    """Fill the markers of every page; the pages that have some. :class:`NumbersError`."""
+    """Fill the markers of every page; the pages that change by it. :class:`NumbersError`."""
     numbers = _read(root)
     written = []
     for page in pages(root):
         old = (root / page).read_text(encoding="utf-8")
         new = filled(old, numbers, str(page))
-        if markers.tables_of(old):
-            written.append(page)
         if new != old:
             write_text(root / page, new)
+            written.append(page)
     return written
 
 

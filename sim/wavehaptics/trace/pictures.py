@@ -131,7 +131,8 @@ def _shade_contact(axes: Sequence[Axes], scale: float, trace: Trace) -> None:
 def _end_time_axis(figure: Figure, axes: Sequence[Axes], trace: Trace, scale: float) -> None:
     first, last = trace["t"][0], trace["t"][-1]
     first = 0.0 if 0.0 < first < 0.01 * last else first  # the first row is half a tick late
-    axes[-1].set_xlim(first * scale, last * scale)
+    if first < last:  # a trace may have one row
+        axes[-1].set_xlim(first * scale, last * scale)
     figure.align_ylabels(axes)
 
 
