@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wavehaptics.ladder.run import run_scene
+from wavehaptics.ladder.run import measure, run_scene
 from wavehaptics.ladder.sampled import SampledSimulation
 from wavehaptics.scene import SceneError, find_scene, load_scene
 from wavehaptics.trace.columns import Column, Word
@@ -60,6 +60,16 @@ def test_soft_layer_over_a_rigid_wall():
     back = back[(back[:, Column.X] > 0.008) & (back[:, Column.X] < 0.019)]
     assert slope(back) == pytest.approx(layer, rel=0.1)
     assert np.cumsum(rows[:, Column.ENERGY_OUT]).max() <= 0.0
+
+
+@pytest.mark.parametrize(("soft", "spring"), [(0, False), (1, True)])
+def test_a_wall_is_compared_with_its_own_spring(soft: int, spring: bool):
+    """Of two walls one is soft: what is predicted is the one that the hand comes to first."""
+    wish = ("shaper.feel=spring", "shaper.stiffness=0.6", f"shaper.walls=[{soft}]")
+    found = measure(load("two_walls", *wish, "controller.extra_ticks=2"), "golden", compare=False)
+    assert found["contact_edge_rad"] > 0.0
+    assert (found["stiffness_predicted"] == pytest.approx(0.6)) == spring
+    assert found["stiffness"] == pytest.approx(found["stiffness_predicted"], rel=0.005)
 
 
 def test_two_walls_with_free_space_between():

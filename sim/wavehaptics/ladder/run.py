@@ -92,8 +92,10 @@ WITHOUT_WORDS = ("analog", "encoder", "a board")
 """Controllers that compute in real numbers, or don't show theirs."""
 
 
-def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
+def stiffness_predicted(scene: Scene, simulation: Simulation, shaped: bool | None = None) -> float:
     """K of the design spring for contact (:func:`closed_forms.stiffness`), N·m/rad.
+
+    Of a wall that is ``shaped`` by W or isn't; by default of any that is, where there is one.
 
     The lag of the controller acts on R̂, its own estimate; the analog circuit has τ = 1/λ. A port
     anchor renders the spring that the controller believes in, ``k_T k̂_T/L̂_eff``, as its flux is of
@@ -107,7 +109,8 @@ def stiffness_predicted(scene: Scene, simulation: Simulation) -> float:
     set_ = simulation.settings
     continuous = isinstance(simulation, AnalogSimulation | BrushlessAnalogSimulation)
     tau = 1.0 / scene.controller.lambda_ if continuous else set_.tau
-    wish = set_.shaper.wish if set_.shaped.any() else None
+    shaped = bool(set_.shaped.any()) if shaped is None else shaped
+    wish = set_.shaper.wish if shaped else None
     return rendered_stiffness(
         scene, set_.r_hat, tau, scene.controller.eta_contact, set_.anchored and not continuous,
         wish.spring if wish is not None else None,
@@ -175,6 +178,7 @@ def _measure(
     metrics = Metrics(
         scene, tick_s, controller=controller, walls=list(edges),
         stiffness_predicted=stiffness_predicted(scene, simulation),
+        springs=[stiffness_predicted(scene, simulation, shaped) for shaped in set_.shaped.tolist()],
         root=set_.s if _anchored(controller, simulation) else None,
         shape_power=_shape_power(simulation),
     )  # fmt: skip

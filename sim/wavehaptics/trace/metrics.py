@@ -98,7 +98,7 @@ _RUN = np.dtype(
         ("hold_start", "i8"),  # tick; past every run where the scene has no hold
         ("impact", "i8"),
         ("cell", "f8"),
-        ("compliance", "f8"),  # 1/K of the design spring
+        ("compliance", "f8"),  # 1/K of the design spring, of the wall that is touched
         ("swing", "f8"),  # of the motor's own k_T, six times an electrical turn
         ("pole_pairs", "f8"),
         ("magnet", "f8"),
@@ -167,6 +167,7 @@ _FIT = np.dtype(
     [
         ("edge", "f8"),
         ("side", "f8"),
+        ("spring", "f8"),
         ("length", "i8"),
         ("deepest", "f8"),
         ("push_peak", "f8"),
@@ -188,24 +189,24 @@ _LEVEL_FIELDS = 6  # level n x f xx xf
 
 
 @compiled_counting()
-def _find_edge(walls: np.ndarray, x: float) -> tuple[float, float]:
+def _find_edge(walls: np.ndarray, x: float) -> tuple[float, float, float]:
     """Edge through which a rotor that is at ``x`` in its first tick of contact came in.
 
-    Returns (x_w, side), side = +1 for a lower edge and −1 for an upper one.
+    Returns (x_w, side, K), side = +1 for a lower edge and −1 for an upper one, K the wall's.
     """
     for n in range(walls.shape[0]):
         if walls[n, 0] <= x < walls[n, 1]:
             if x - walls[n, 0] <= walls[n, 1] - x:
-                return walls[n, 0], 1.0
-            return walls[n, 1], -1.0
+                return walls[n, 0], 1.0, walls[n, 2]
+            return walls[n, 1], -1.0, walls[n, 2]
     # The tick's mean position may still lie outside.
-    edge, side, nearest = x, 1.0, np.inf
+    edge, side, spring, nearest = x, 1.0, 0.0, np.inf
     for n in range(walls.shape[0]):
         for end in range(2):
             if abs(x - walls[n, end]) < nearest:
                 nearest = abs(x - walls[n, end])
-                edge, side = walls[n, end], 1.0 - 2.0 * end
-    return edge, side
+                edge, side, spring = walls[n, end], 1.0 - 2.0 * end, walls[n, 2]
+    return edge, side, spring
 
 
 @compiled_counting()
@@ -264,7 +265,9 @@ def _enter(run: Any, fits: np.ndarray, walls: np.ndarray, x: float) -> None:
     run.in_contact = 1
     run.contacts += 1
     run.length = 0
-    run.edge, run.side = _find_edge(walls, x)
+    run.edge, run.side, spring = _find_edge(walls, x)
+    if spring > 0.0:
+        run.compliance = 1.0 / spring
     run.omega_in = run.omega_last
     if run.ticks == 0:
         run.fit = _INITIAL
@@ -276,6 +279,7 @@ def _enter(run: Any, fits: np.ndarray, walls: np.ndarray, x: float) -> None:
     fit = fits[run.fit]
     fit.edge = run.edge
     fit.side = run.side
+    fit.spring = spring
     fit.length = 0
     fit.deepest = 0.0
     fit.push_peak = 0.0
@@ -419,8 +423,9 @@ class Metrics:
     ``tick_s`` is T in s. ``stiffness_predicted`` is the K of the design spring in N·m/rad, computed
     with the coefficients as the controller holds them; None where the controller has none, and then
     the metrics of a hold are None too. ``walls`` are the intervals (x_min, x_max) in rad as the
-    encoder quantises them. ``root`` is s of a port with an anchor, √Ω; None without one. Of the
-    motor's own k_T over the nominal one the design spring has the power ``shape_power``: 1 where
+    encoder quantises them, and ``springs`` the K of each, where they aren't all that one. ``root``
+    is s of a port with an anchor, √Ω; None without one. Of the motor's own k_T over the nominal one
+    the design spring has the power ``shape_power``: 1 where
     the controller's position makes the current, 2 where the winding's own flux does.
     """
 
@@ -432,6 +437,7 @@ class Metrics:
         controller: str,
         stiffness_predicted: float | None = None,
         walls: Sequence[tuple[float, float]] = (),
+        springs: Sequence[float] | None = None,
         root: float | None = None,
         shape_power: int = 1,
     ) -> None:
@@ -439,7 +445,11 @@ class Metrics:
         self._tick_s = tick_s
         self._controller = controller
         self._predicted = stiffness_predicted
-        self._walls = np.array(walls, dtype=np.float64).reshape(-1, 2)
+        each = [stiffness_predicted or 0.0] * len(walls) if springs is None else springs
+        self._walls = np.array(
+            [(low, high, spring) for (low, high), spring in zip(walls, each, strict=True)],
+            dtype=np.float64,
+        ).reshape(-1, 3)
         self._has_reference: bool | None = None
         self._runs = np.zeros(1, dtype=_RUN)
         self._fits = np.zeros(2, dtype=_FIT)
@@ -542,6 +552,12 @@ class Metrics:
         )
         return float(np.mean(self._bin_sums[middle] / self._bin_counts[middle]))
 
+    def _predicted_of(self, slot: int | None) -> float | None:
+        """K of the design spring of the wall that was touched, N·m/rad."""
+        if slot is None or self._predicted is None or self._fits[slot]["spring"] == 0.0:
+            return self._predicted
+        return float(self._fits[slot]["spring"])
+
     def _hold(self) -> tuple[float | None, float | None, float | None, float | None]:
         """Offset in rad, offset over depth, mean torque, and its RMS about that."""
         run = self._runs[0]
@@ -572,7 +588,7 @@ class Metrics:
         ``stiffness``                 measured, N·m/rad: see the head of the module
         ``stiffness_zero_rad``        where the fitted line crosses zero torque
         ``contact_edge_rad``          x_w of the first contact
-        ``stiffness_predicted``       as given, N·m/rad
+        ``stiffness_predicted``       of the wall of the first contact; as given without one
         ``tip_stiffness``             ``stiffness`` · (ratio/lever)², N/m, with a transmission
         ``peak_torque``               largest magnitude in the run, N·m
         ``peak_current_a``            largest magnitude of a tick's mean in the run
@@ -631,7 +647,7 @@ class Metrics:
             "stiffness": slope,
             "stiffness_zero_rad": zero,
             "contact_edge_rad": None if slot is None else self._fits[slot]["edge"],
-            "stiffness_predicted": self._predicted,
+            "stiffness_predicted": self._predicted_of(slot),
             "tip_stiffness": tip,
             "peak_torque": run["torque_peak"] if ticks else None,
             "peak_current_a": run["current_peak"] if ticks else None,
