@@ -22,7 +22,7 @@ KILLED, EQUIVALENT, SURVIVED = "killed", "equivalent", "survived"
 
 @dataclass(frozen=True)
 class Mutant:
-    """``what`` was changed at ``place`` (file:line), and what became of it and ``by`` what."""
+    """``what`` was changed at ``place`` (``file:line``), and what became of it and ``by`` what."""
 
     block: str
     number: int
