@@ -31,6 +31,7 @@ from wavehaptics.host.scope.plug import VirtualPlug
 from wavehaptics.host.virtual import VirtualBoard
 from wavehaptics.ladder.device_pins import BrushlessDevicePins, DevicePins
 from wavehaptics.ladder.linked_pins import LinkedBrushlessPins, LinkedPins
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import SceneError, find_scene, load_scene
 from wavehaptics.trace.columns import Column, Word, load_trace
 from wavehaptics.words import modbus, table
@@ -280,7 +281,8 @@ def test_a_fault_disarms_and_refuses(port):
         assert "BUS_LOW" in told(port, "faults", "--clear")
     finally:
         told(port, "set", "guard_mask=0", "guard_bus_min=0")
-    assert "no faults" in told(port, "faults", "--clear")
+    lines = told(port, "faults", "--clear").splitlines()
+    assert lines == ["no faults", "a fault was against arming, and is over", "the bridges are off"]
 
 
 # ---- A capture.
@@ -399,6 +401,51 @@ def test_how_a_board_ends(tmp_path):
 
 
 # ---- What needs no board.
+
+
+@pytest.mark.parametrize(
+    ("refused", "there", "lines"),
+    [
+        (0, {}, ["no faults"]),
+        (2, {}, ["no faults", "a fault was against arming, and is over"]),
+        (2, {"faults": 1 << 10}, ["BUS_LOW", "not armed: there is a fault"]),
+        (2, {"overrun": 1}, ["a tick is too short.*", "not armed: there is a fault"]),
+        (18, {}, ["no faults", "not armed: it wasn't renewed in time",
+                  "a fault was against arming, and is over"]),
+        (16, {}, ["no faults", "not armed: it wasn't renewed in time"]),
+    ],
+)  # fmt: skip
+def test_a_fault_that_is_over_is_told_as_such(capsys, monkeypatch, refused, there, lines):
+    """``arm_refused`` keeps its reasons until the next arming; faults are what there is now."""
+    now = {"arm_refused": refused, **there}
+    device = SimpleNamespace(
+        shape=SHAPE, read=lambda found: [now.get(place.word.name, 0) for place in found]
+    )
+    monkeypatch.setattr(board.faults, "connected", lambda *_: device)
+    board.app(["board", "faults", "--port", "x"], standalone_mode=False)
+    shown = capsys.readouterr().out.splitlines()
+    assert shown[-1] == "the bridges are off"
+    for line, wanted in zip(shown[:-1], lines, strict=True):
+        assert re.match(rf"{wanted}(:|$)", line), line
+
+
+def test_a_table_that_is_piped_ends_with_its_line(capsys, monkeypatch):
+    device = SimpleNamespace(shape=SHAPE, read=lambda found: [0 for _ in found])
+    monkeypatch.setattr(board.words, "connected", lambda *_: device)
+    told = ["board", "watch", "-n", "2", "--every", "0", "root", "--port", "x"]
+    board.app(told, standalone_mode=False)
+    out = capsys.readouterr().out
+    assert out.count("root") == 1
+    assert re.search(r"\S\n$", out)
+
+
+def test_every_command_is_on_the_page():
+    """The table of docs/board.md has each once."""
+    page = (ROOT / "docs" / "board.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`[^|]*) \|", page.partition("## The scope")[0], re.M)
+    listed = [name for row in rows for name in re.findall(r"`([a-z]+)[^`]*`", row)]
+    commands = board.common.board.registered_commands
+    assert sorted(listed) == sorted(c.name or c.callback.__name__ for c in commands)
 
 
 def test_every_setting_goes_through_a_file(tmp_path):
