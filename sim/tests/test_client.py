@@ -184,6 +184,22 @@ def test_a_refusal_is_not_asked_again(board, client):
     assert len(board.asked) == before + 1
 
 
+def test_a_port_that_goes(board, tmp_path):
+    """Where it was there, it is the plug that is asked for; else its name as well."""
+    port = tmp_path / "port"
+    with pytest.raises(HostError, match=r"port: can't be opened: No such file or directory; is it "
+                       r"plugged in\? Else name its port with --port$"):  # fmt: skip
+        Client(str(port), timeout_s=TIMEOUT_S)
+    port.symlink_to(board.path)
+    client = Client(str(port), timeout_s=TIMEOUT_S)
+    port.unlink()
+    with pytest.raises(HostError, match=r"port: can't be opened: No such file or directory; was "
+                       r"it unplugged\?$"):  # fmt: skip
+        client.read([place(client, "root")])
+    port.symlink_to(board.path)
+    assert client.read([place(client, "root")]) == [0]
+
+
 @pytest.mark.parametrize("error", [ValueError("rate"), termios.error(22, "rate"), OSError("rate")])
 def test_a_rate_that_the_driver_refuses(board, client, monkeypatch, error):
     """It stays at the first rate, now and later."""

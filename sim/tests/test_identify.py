@@ -18,7 +18,7 @@ from wavehaptics.host import capture, session
 from wavehaptics.host.identify import result
 from wavehaptics.host.identify.driver import Driver, EndedError
 from wavehaptics.host.identify.procedure import Found, NotPlausible, Wishes, identify
-from wavehaptics.host.identify.segments import Estimate, Segment
+from wavehaptics.host.identify.segments import Estimate, Segment, best_harmonic, harmonics
 from wavehaptics.host.names import HostError, Place
 from wavehaptics.ladder.run import measure
 from wavehaptics.parts.motors import PRESETS
@@ -221,6 +221,48 @@ def test_a_record():
     assert np.allclose(record.speed, 2.0, atol=0.5)
     assert result.rounded(2.17962, 0.0002) == "2.17962"
     assert result.Row("R", Estimate(2.0, 0.5), 1, "Ω").spread == "0.5"
+
+
+ROWS = 150
+TRIALS = 60
+COGGING = 300.0
+
+
+def spun(rng: np.random.Generator, cogging: float) -> tuple[list, list, list, list]:
+    """Records as of a rotor that spins: twenty of short pulses, six in which it coasts far.
+
+    The torque's errors are noise of each record's own, which adds up twice in its position.
+    """
+    wanted, columns, pairs, free = [], [], [], []
+    for span in [*rng.uniform(0.5, 2.0, 20), *rng.uniform(5.0, 20.0, 6)]:
+        angle = rng.uniform(0.0, 2 * np.pi) + np.linspace(0.0, span, ROWS)
+        waves = np.cumsum(np.cumsum(harmonics(angle), axis=0), axis=0) * span**2 / ROWS**2
+        drive = np.cumsum(np.cumsum(rng.choice([-1.0, 1.0]) * (angle < angle[ROWS // 3])))
+        error = np.cumsum(np.cumsum(rng.standard_normal(ROWS))) * span**2 / ROWS**2
+        wanted.append(drive + error + cogging * (waves[:, 13] @ (0.6, 0.8)))
+        columns.append([drive])
+        pairs.append(waves)
+        free.append(np.arange(float(ROWS)))
+    return wanted, columns, pairs, free
+
+
+def test_a_harmonic_is_more_than_the_best_of_noise():
+    """The best of all periods explains half of noise often enough; that is no harmonic."""
+    rng = np.random.default_rng(1)
+    found = [best_harmonic(*spun(rng, 0.0)).periods for _ in range(TRIALS)]
+    assert found == [0] * TRIALS
+
+
+def test_a_harmonic_that_is_there_is_found():
+    """Its size to the spread that it is told with, which is no more than the noise leaves."""
+    rng = np.random.default_rng(2)
+    sizes = []
+    for _ in range(TRIALS):
+        found = best_harmonic(*spun(rng, COGGING))
+        assert found.periods == 14
+        sizes.append((found.size.value - COGGING) / found.size.sd)
+        assert found.size.sd < 0.05 * COGGING
+    assert 0.5 < np.sqrt(np.mean(np.square(sizes))) < 1.5
 
 
 # ---- Over a line.

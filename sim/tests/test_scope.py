@@ -305,12 +305,19 @@ def test_sliders_that_are_refused(bench, name, value, message):
 def test_words_by_name(bench):
     bench.set_word("a = 0.5")
     assert bench.shown()["a"] == 0.5
+    before = dict(bench.client.words)
     for text, message in (
-        ("a", "write NAME=NUMBER"), ("a=2", "out of range"), ("wall_min=1", "which one"),
+        ("a", r"^a: write NAME=NUMBER"), ("a=2", "out of range"), ("wall_min=1", "which one"),
         ("position=1", "can't be set"), ("b=1", "no such word"),
+        ("", r"^write NAME=NUMBER, as in root=2.0"), ("  ", r"^write NAME=NUMBER"),
+        ("=1", r"^=1: write NAME=NUMBER"),
+        ("arm=1", r"^arm is a command and no setting; Arm and Stop on this page do that$"),
+        ("clear=1", r"^clear is a command and no setting; Forget what is over on this page does"),
+        ("capture=1", r"^capture is a command and no setting; `board set` writes it$"),
     ):  # fmt: skip
         with pytest.raises(HostError, match=message):
             bench.set_word(text)
+    assert bench.client.words == before
 
 
 @pytest.mark.parametrize("text", ["a=0", "root=0"])

@@ -260,9 +260,18 @@ def test_as_a_newcomer_has_it(page):
     assert pushed == pytest.approx(scene.hand.stiffness * MOST, rel=0.1)
     times = [float(row["t"]) for row in rows]
     assert times == sorted(times)
+    browser.execute_script("""window.shown = new Set();
+        const show = () => window.shown.add(document.body.textContent);
+        new MutationObserver(show).observe(
+            document.body, {subtree: true, childList: true, characterData: true});""")
     page.click("plug")
     page.until(lambda: page["link"] == "off")
     page.until(lambda: page.time_s > times[-1])
+    page.until(lambda: re.fullmatch(r"simulated, [\d.]+ of real time", page["speed"]))
+    # Nor was there anything meanwhile, in sight or not, that is no value.
+    shown = browser.execute_script("return [...window.shown]")
+    assert len(shown) > 1
+    assert [text for text in shown if re.search(r"undefined|NaN|null", text)] == []
 
     # Nothing was refused that the page itself wanted.
     assert [line["message"] for line in browser.get_log("browser")] == []

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import errno
 import itertools
 import os
 import random
@@ -21,6 +22,7 @@ import numpy as np
 import pytest
 import typer
 from wavehaptics.cli import board
+from wavehaptics.cli.shared import CommandError
 from wavehaptics.host import session
 from wavehaptics.host.names import HostError, Shape, number, places, settings
 from wavehaptics.host.scope.bench import Known
@@ -29,6 +31,7 @@ from wavehaptics.host.scope.plug import VirtualPlug
 from wavehaptics.host.virtual import VirtualBoard
 from wavehaptics.ladder.device_pins import BrushlessDevicePins, DevicePins
 from wavehaptics.ladder.linked_pins import LinkedBrushlessPins, LinkedPins
+from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import SceneError, find_scene, load_scene
 from wavehaptics.trace.columns import Column, Word, load_trace
 from wavehaptics.words import modbus, table
@@ -43,6 +46,8 @@ TOP = round(AMPLITUDE_RAD * COUNTS / (2 * np.pi))
 """Counts at which the hand turns round."""
 SWINGS = (*BOARD, "hand.path=sine", f"hand.amplitude_rad={AMPLITUDE_RAD}", "hand.frequency_hz=50")
 SHAPE = Shape(1, 4, 0, 10)
+TABLE = f'table = "{table.crc():08x}"\n'
+"""The first line of a file of settings."""
 START_S = 600
 """The RTL is built first, where that hasn't been done."""
 END_S = 300
@@ -215,13 +220,13 @@ def test_a_session(port, tmp_path):
     told(port, "set", "a=0.25", "wall_max[3]=-7")
     assert told(port, "load", str(file)) == f"{file}: {count} words, of which 2 were others\n"
     assert (value(port, "a"), value(port, "wall_max[3]")) == (before, 0)
-    bad.write_text("[motor.0]\na = 0.5\nroot = 99\nposition = 1\n[board]\ntrip = 'x'\n")
+    bad.write_text(f"{TABLE}[motor.0]\na = 0.5\nroot = 99\nposition = 1\n[board]\ntrip = 'x'\n")
     status, _, err = run(port, "load", str(bad), "--timeout", "60")
     assert status == 2
     assert [line.split(": ")[-2:] for line in err.splitlines()] == [
-        [f"{bad}:3", "root = 99 is out of range; it takes 0...16 √Ω"],
-        [f"{bad}:4", "position is no setting"],
-        [f"{bad}:6", "trip = x is no number; it takes 0...65535"],
+        [f"{bad}:4", "root = 99 is out of range; it takes 0...16 √Ω"],
+        [f"{bad}:5", "position is no setting"],
+        [f"{bad}:7", 'trip = "x" is no number; it takes 0...65535'],
     ]
     assert value(port, "a") == before
 
@@ -276,7 +281,8 @@ def test_a_fault_disarms_and_refuses(port):
         assert "BUS_LOW" in told(port, "faults", "--clear")
     finally:
         told(port, "set", "guard_mask=0", "guard_bus_min=0")
-    assert "no faults" in told(port, "faults", "--clear")
+    lines = told(port, "faults", "--clear").splitlines()
+    assert lines == ["no faults", "a fault was against arming, and is over", "the bridges are off"]
 
 
 # ---- A capture.
@@ -397,6 +403,51 @@ def test_how_a_board_ends(tmp_path):
 # ---- What needs no board.
 
 
+@pytest.mark.parametrize(
+    ("refused", "there", "lines"),
+    [
+        (0, {}, ["no faults"]),
+        (2, {}, ["no faults", "a fault was against arming, and is over"]),
+        (2, {"faults": 1 << 10}, ["BUS_LOW", "not armed: there is a fault"]),
+        (2, {"overrun": 1}, ["a tick is too short.*", "not armed: there is a fault"]),
+        (18, {}, ["no faults", "not armed: it wasn't renewed in time",
+                  "a fault was against arming, and is over"]),
+        (16, {}, ["no faults", "not armed: it wasn't renewed in time"]),
+    ],
+)  # fmt: skip
+def test_a_fault_that_is_over_is_told_as_such(capsys, monkeypatch, refused, there, lines):
+    """``arm_refused`` keeps its reasons until the next arming; faults are what there is now."""
+    now = {"arm_refused": refused, **there}
+    device = SimpleNamespace(
+        shape=SHAPE, read=lambda found: [now.get(place.word.name, 0) for place in found]
+    )
+    monkeypatch.setattr(board.faults, "connected", lambda *_: device)
+    board.app(["board", "faults", "--port", "x"], standalone_mode=False)
+    shown = capsys.readouterr().out.splitlines()
+    assert shown[-1] == "the bridges are off"
+    for line, wanted in zip(shown[:-1], lines, strict=True):
+        assert re.match(rf"{wanted}(:|$)", line), line
+
+
+def test_a_table_that_is_piped_ends_with_its_line(capsys, monkeypatch):
+    device = SimpleNamespace(shape=SHAPE, read=lambda found: [0 for _ in found])
+    monkeypatch.setattr(board.words, "connected", lambda *_: device)
+    told = ["board", "watch", "-n", "2", "--every", "0", "root", "--port", "x"]
+    board.app(told, standalone_mode=False)
+    out = capsys.readouterr().out
+    assert out.count("root") == 1
+    assert re.search(r"\S\n$", out)
+
+
+def test_every_command_is_on_the_page():
+    """The table of docs/board.md has each once."""
+    page = (ROOT / "docs" / "board.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`[^|]*) \|", page.partition("## The scope")[0], re.M)
+    listed = [name for row in rows for name in re.findall(r"`([a-z]+)[^`]*`", row)]
+    commands = board.common.board.registered_commands
+    assert sorted(listed) == sorted(c.name or c.callback.__name__ for c in commands)
+
+
 def test_every_setting_goes_through_a_file(tmp_path):
     """Words at both ends of their ranges come back as they were, whatever the sizes."""
     shape = Shape(2, 3, 2, 5)
@@ -417,15 +468,25 @@ def test_every_setting_goes_through_a_file(tmp_path):
     ("text", "message"),
     [
         ('table = "0"\n', r':1: table = "0" is another table of words than'),
-        ("[motor.1]\na = 1\n", r":1: \[motor.1\]: the device has motors 0...0"),
-        ("[more]\n", r":1: more: there are \[board\] and"),
-        ("[board]\nroot = 1\n", r":2: root stands in \[motor.0\]"),
-        ("[motor.0]\nwall_min = [1, 2]\n", r":2: wall_min takes a list of 4 numbers"),
-        ("[motor.0]\nwall_min = 1\n", r":2: wall_min takes a list of 4 numbers"),
+        ("table = true\n", r":1: table = true is another table of words than"),
+        ("[motor.0]\na = 1\n", r":1: no table = .* tells of which table of words .*save .*"),
+        ("", r": there is no word in it; take a file that `board save` wrote"),
+        (TABLE, r": there is no word in it; take a file that `board save` wrote"),
+        (TABLE + "[motor.0]\n[board]\n", r": there is no word in it; take a file"),
+        (TABLE + "[motor.1]\na = 1\n", r":2: \[motor.1\]: the device has motors 0...0"),
+        (TABLE + "[more]\n", r":2: more: there are \[board\] and"),
+        (TABLE + "[board]\nroot = 1\n", r":3: root stands in \[motor.0\]"),
+        (TABLE + "[motor.0]\nwall_min = [1, 2]\n", r":3: wall_min takes a list of 4 numbers"),
+        (TABLE + "[motor.0]\nwall_min = 1\n", r":3: wall_min takes a list of 4 numbers"),
+        (TABLE + '[motor.0]\nroot = "2"\n', r':3: root = "2" is no number'),
+        (TABLE + "[motor.0]\nroot = true\n", r":3: root = true is no number"),
+        (TABLE + "[motor.0]\nroot = [2]\n", r":3: root = an array is no number"),
+        (TABLE + "[motor.0]\nroot = nan\n", r":3: root = nan is no number"),
+        (TABLE + "[motor.0]\nwall_min = [1, '2', 3, 4]\n", r':3: wall_min\[1\] = "2" is no'),
         ("[board\n", r":1: "),
         (
-            '[motor.0]\nwall_min = [1, 2, 3, 4]\n"wall_min[2]" = [5]\n',
-            r":3: wall_min\[2\] is given twice",
+            TABLE + '[motor.0]\nwall_min = [1, 2, 3, 4]\n"wall_min[2]" = [5]\n',
+            r":4: wall_min\[2\] is given twice",
         ),
     ],
 )
@@ -435,6 +496,67 @@ def test_files_that_are_refused(tmp_path, text, message):
     with pytest.raises(HostError, match=message) as error:
         session.read(file, SHAPE)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("", r"{}: is a folder; name a file in it, as in {}/settings.toml$"),
+        ("file/x", r"{}/file/x: can't be written: {}/file is a file and no folder; name another"),
+        ("file/x/y", r"{}/file/x/y: can't be written: {}/file is a file and no folder; name"),
+        ("x" * 300, r"{}/x+: can't be written: File name too long; name another file$"),
+    ],
+)
+def test_files_that_cant_be_saved(tmp_path, name, message):
+    """One line with the path and the cure, before the device is asked; what is there stays."""
+    (tmp_path / "file").write_text("kept")
+    device = SimpleNamespace(shape=SHAPE, read=lambda _: pytest.fail("it was asked"))
+    with pytest.raises(HostError, match=message.replace("{}", re.escape(str(tmp_path)))) as error:
+        session.save(device, tmp_path / name)
+    assert "\n" not in str(error.value)
+    assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("file", "kept")]
+
+
+def test_an_identification_that_couldnt_be_kept(tmp_path):
+    """Its file is tried before anything turns, and before the port."""
+    words = ["board", "identify", "--counts", "4", "--out", str(tmp_path), "--port", "/nowhere"]
+    with pytest.raises(CommandError, match=rf"^{re.escape(str(tmp_path))}: is a folder; name a"):
+        board.app(words, standalone_mode=False)
+
+
+def test_a_disk_that_fills_meanwhile(tmp_path, monkeypatch):
+    """What the check before can't know is one line as well, and the old file stays."""
+    file = tmp_path / "all.toml"
+    file.write_text("kept")
+
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(session, "write_text", full)
+    device = SimpleNamespace(shape=SHAPE, read=lambda found: [0 for _ in found])
+    with pytest.raises(HostError, match=r"all.toml: can't be written: No space left on device; "):
+        session.save(device, file)
+    assert file.read_text() == "kept"
+
+
+@pytest.mark.parametrize(
+    ("option", "name", "message"),
+    [
+        ("--link", "none/x", r"--link {}/none/x: there is no folder {}/none; make it, or name"),
+        ("--hand", "none/h", r"--hand {}/none/h: there is no folder {}/none; make it, or name"),
+        ("--link", "file/x", r"--link {}/file/x: {}/file is no folder; name another path$"),
+        ("--hand", "file", r"--hand {}/file: is there and no socket; name another path$"),
+        ("--hand", "h" * 200, r"--hand {}/h+: is too long for a socket; name a shorter path$"),
+        ("--link", "l" * 300, r"--link {}/l+: can't be made: File name too long; name another"),
+    ],
+)
+def test_places_where_a_board_cant_be(tmp_path, option, name, message):
+    """One line that names the option, before anything is built."""
+    (tmp_path / "file").write_text("")
+    words = ["board", "--virtual", "press_hold", option, str(tmp_path / name)]
+    with pytest.raises(CommandError, match=message.replace("{}", re.escape(str(tmp_path)))):
+        board.app(words, standalone_mode=False)
+    assert [p.name for p in tmp_path.iterdir()] == ["file"]
 
 
 def test_two_boards_with_one_link(tmp_path):

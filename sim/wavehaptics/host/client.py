@@ -434,9 +434,13 @@ class Client:
                 except (OSError, ValueError) as error:
                     busy = "lock" in str(error)
                     if not busy or time.monotonic() > until:
-                        reason = "somebody else has it" if busy else _reason(error)
+                        reason, cure = _reason(error), "was it unplugged?"
+                        if not self._known:
+                            cure = "is it plugged in? Else name its port with --port"
+                        if busy:
+                            reason, cure = "somebody else has it", "name the port with --port"
                         raise HostError(
-                            f"{self._port}: can't be opened: {reason}; name the port with --port"
+                            f"{self._port}: can't be opened: {reason}; {cure}"
                         ) from None
                 time.sleep(_TURN_S)
 

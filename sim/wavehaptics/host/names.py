@@ -9,6 +9,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from wavehaptics.scene.keys import as_written
 from wavehaptics.words.table import AXES, LEGS, MEMORY, MOST, THREE_PHASE_LEGS, WORDS, Word
 
 _NAME = re.compile(r"(\w+)(?:\[([0-9]{1,9})\])?")
@@ -100,9 +101,10 @@ class Place:
         """
         if isinstance(value, int) and not abs(value) < _FAR:
             raise HostError(f"{self.text} is out of range; it takes {self.range_text}")
-        fixed, named = self.word.fixed, f"{self.text} = {value}"
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise HostError(f"{named} is no number; it takes {self.range_text}")
+            shown = as_written(value)
+            raise HostError(f"{self.text} = {shown} is no number; it takes {self.range_text}")
+        fixed, named = self.word.fixed, f"{self.text} = {value}"
         whole = is_raw or not fixed.fraction
         low, high = self.range
         if not math.isfinite(value) or (whole and value != int(value)):

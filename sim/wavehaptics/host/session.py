@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import os
+import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -11,6 +13,7 @@ from wavehaptics.host.client import Client
 from wavehaptics.host.names import HostError, Place, Shape, places, settings
 from wavehaptics.runtime.files import write_text
 from wavehaptics.runtime.toml_source import TomlError, parse
+from wavehaptics.scene.keys import as_written
 from wavehaptics.words import table
 from wavehaptics.words.table import MOST, WORDS
 
@@ -21,10 +24,41 @@ MOTOR = "motor"
 
 def save(client: Client, path: Path) -> int:
     """Write all settings of the device to ``path``, in their units; their number."""
+    check_writable(path)
     found = settings(client.shape)
-    text = to_text(zip(found, client.read(found), strict=True))
-    write_text(path, text)
+    write_file(path, to_text(zip(found, client.read(found), strict=True)))
     return len(found)
+
+
+def check_writable(path: Path) -> None:
+    """:class:`HostError` with the cure where no file can be written; before what takes long.
+
+    Its folder is made.
+    """
+    try:
+        if path.is_dir():
+            raise HostError(f"{path}: is a folder; name a file in it, as in {path}/settings.toml")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}."):
+            pass
+    except OSError as error:
+        raise _unwritable(path, error) from None
+
+
+def write_file(path: Path, text: str) -> None:
+    """Write a file whole or not at all; :class:`HostError` where that can't be."""
+    try:
+        write_text(path, text)
+    except OSError as error:
+        raise _unwritable(path, error) from None
+
+
+def _unwritable(path: Path, error: OSError) -> HostError:
+    reason = error.strerror or str(error)
+    if isinstance(error, (FileExistsError, NotADirectoryError)):
+        files = (part for part in path.parents if os.path.lexists(part) and not part.is_dir())
+        reason = f"{next(files, path.parent)} is a file and no folder"
+    return HostError(f"{path}: can't be written: {reason}; name another file")
 
 
 def to_text(words: Iterable[tuple[Place, int]]) -> str:
@@ -61,9 +95,12 @@ def read(path: Path, shape: Shape) -> list[tuple[Place, int]]:
     def note(key: tuple[str, ...], problem: str) -> None:
         problems.append(f"{path}:{lines.get(key, 1)}: {problem}")
 
-    told = document.pop("table", None)
-    if told is not None and told != f"{table.crc():08x}":
-        note(("table",), f'table = "{told}" is another table of words than {table.crc():08x}; '
+    told, crc = document.pop("table", None), f"{table.crc():08x}"
+    if told is None and document:
+        note((), f'no table = "{crc}" tells of which table of words its words are; save the '
+             "settings anew, or write that as its first line if they are of this one")  # fmt: skip
+    elif told not in (None, crc):
+        note(("table",), f"table = {as_written(told)} is another table of words than {crc}; "
              "save the settings anew, with the package of their bitstream")  # fmt: skip
     for name, motor, rows, key in _tables(document, shape, note):
         for row, value in rows.items():
@@ -79,6 +116,8 @@ def read(path: Path, shape: Shape) -> list[tuple[Place, int]]:
             found += words
     if problems:
         raise HostError("\n".join(problems))
+    if not found:
+        raise HostError(f"{path}: there is no word in it; take a file that `board save` wrote")
     return found
 
 

@@ -26,6 +26,9 @@ ARM_REFUSALS = (
 )
 """By the bit of the word ``arm_refused``, of ``rtl/wh_arm.v``."""
 
+REFUSED_BY_FAULT = 1 << ARM_REFUSALS.index("there is a fault")
+"""Bit of the word ``arm_refused``; :data:`FAULTS` say which."""
+
 FLAGS = (
     "contact", "saturated", "running", "overcurrent", "adc_range", "encoder_fault", "anchor_fault",
     "host_active",

@@ -27,7 +27,7 @@ def faults(
 ) -> None:
     """Tell what the guard found, and what disarmed the device."""
     from wavehaptics.host.names import places
-    from wavehaptics.words.faults import FAULTS, arm_refusal, bits_of
+    from wavehaptics.words.faults import FAULTS, REFUSED_BY_FAULT, arm_refusal, bits_of
 
     with refusals():
         client = connected(port, unit, timeout)
@@ -42,9 +42,16 @@ def faults(
         print(f"{name}: {meaning}" if meaning else name)
     if found["overrun"]:
         print("a tick is too short for its work, or ticks pass without")
-    if found["arm_refused"]:
-        print(f"not armed: {arm_refusal(found['arm_refused'])}")
+    refused = found["arm_refused"]
     if not found["faults"] and not found["overrun"]:
         print("no faults")
+        # The reasons are those of the last time, and stay until it is armed anew.
+        over, refused = refused & REFUSED_BY_FAULT, refused & ~REFUSED_BY_FAULT
+    else:
+        over = 0
+    if refused:
+        print(f"not armed: {arm_refusal(refused)}")
+    if over:
+        print("a fault was against arming, and is over")
     state = "on" if found["running"] else "armed, but off" if found["armed"] else "off"
     print(f"the bridges are {state}")

@@ -55,6 +55,7 @@ def identify(
     timeout: TimeoutOption = DEFAULT_TIMEOUT,
 ) -> None:
     """Identify the motor: it turns, for some seconds. Faults of the wiring are told by name."""
+    from wavehaptics.host import session
     from wavehaptics.host.identify.driver import Driver, EndedError
     from wavehaptics.host.identify.procedure import Wishes
     from wavehaptics.host.identify.procedure import identify as identified
@@ -65,6 +66,8 @@ def identify(
         raise CommandError(f"--expect {expect}: take {', '.join(PRESETS)}")
     wishes = Wishes(counts, current, travel, PRESETS[expect] if expect else None)
     with refusals():
+        if out is not None:
+            session.check_writable(out)
         client = connected(port, unit, timeout)
         with asked_to_end() as asked:
             driver = Driver(client, motor, ended=asked)

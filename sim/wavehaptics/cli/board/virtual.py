@@ -7,6 +7,8 @@ import os
 import select
 import signal
 import sys
+import tempfile
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
@@ -17,6 +19,9 @@ from wavehaptics.cli.board.common import board, finite
 from wavehaptics.cli.shared import CommandError, SetOption
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import find_scene, load_scene
+
+_LONGEST_SOCKET = 107
+"""Bytes of a socket's path, ``sun_path`` of unix(7) without its end."""
 
 
 @board.callback()
@@ -77,10 +82,12 @@ def be_virtual(
     count = _motors_of(path) if motors is None else motors
     if hand_of >= count:
         raise CommandError(f"--hand-of {hand_of}: there is no such motor; take 0...{count - 1}")
-    if link is not None and link.exists() and not link.is_symlink():
-        raise CommandError(f"--link {link}: is there and no link; name another path")
-    if hand is not None and (hand.exists() and not hand.is_socket()):
-        raise CommandError(f"--hand {hand}: is there and no socket; name another path")
+    if link is not None:
+        _check_place("--link", link, "link", Path.is_symlink)
+    if hand is not None:
+        _check_place("--hand", hand, "socket", Path.is_socket)
+        if len(os.fsencode(hand)) > _LONGEST_SOCKET:
+            raise CommandError(f"--hand {hand}: is too long for a socket; name a shorter path")
     if hand is not None and (loaded.hand is None or loaded.hand.path == "impact"):
         raise CommandError(f"--hand {hand}: {loaded.scene.name} has no hand that can be led")
 
@@ -101,6 +108,24 @@ def be_virtual(
         running = kept.enter_context(VirtualBoard(pins, link, led))
         print(running.path, flush=True)
         running.run(lambda: bool(asked) or (tied and _input_ended()), seconds, paced=paced)
+
+
+def _check_place(option: str, path: Path, kind: str, fits: Callable[[Path], bool]) -> None:
+    """Refuse a place where nothing of its kind can be made: before what takes a minute."""
+    folder = path.parent
+    try:
+        if os.path.lexists(path) and not fits(path):
+            raise CommandError(f"{option} {path}: is there and no {kind}; name another path")
+        if not folder.exists():
+            reason = f"there is no folder {folder}; make it, or name another path"
+            raise CommandError(f"{option} {path}: {reason}")
+        if not folder.is_dir():
+            raise CommandError(f"{option} {path}: {folder} is no folder; name another path")
+        with tempfile.NamedTemporaryFile(dir=folder, prefix=f".{path.name}."):
+            pass
+    except OSError as error:
+        reason = f"can't be made: {error.strerror}; name another path"
+        raise CommandError(f"{option} {path}: {reason}") from None
 
 
 def _motors_of(path: Path) -> int:

@@ -184,12 +184,19 @@ def watch(
 
 
 def _watch_table(found: list[Place], raw: bool, samples: Iterator[tuple[float, list[str]]]) -> None:
+    from rich.console import Console
     from rich.live import Live
     from rich.table import Table
 
-    with Live() as live:
-        for moment, texts in samples:
-            shown = Table("word", f"at {moment:.1f} s", "unit")
-            for place, text in zip(found, texts, strict=True):
-                shown.add_row(place.text, text, "" if raw else place.word.row.unit)
-            live.update(shown, refresh=True)
+    console, shown = Console(), None
+    try:
+        with Live(console=console) as live:
+            for moment, texts in samples:
+                shown = Table("word", f"at {moment:.1f} s", "unit")
+                for place, text in zip(found, texts, strict=True):
+                    shown.add_row(place.text, text, "" if raw else place.word.row.unit)
+                live.update(shown, refresh=True)
+    finally:
+        # The last table, which is all that is not for a terminal, comes without its line's end.
+        if shown is not None and not console.is_terminal:
+            console.line()

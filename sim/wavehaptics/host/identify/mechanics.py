@@ -67,16 +67,14 @@ def mechanics(segments: Sequence[Segment], k_t: Estimate, cell_rad: float) -> Me
     free = [s.t for s in parts]
     columns = [_columns(s) for s in parts]
     pairs = [_waves(s) for s in parts]
-    per_rev, found = best_harmonic(wanted, columns, pairs, free)
+    wave = best_harmonic(wanted, columns, pairs, free)
+    per_rev, found = wave.periods, wave.fit
     pull = found.factors[0]
     if pull <= 0.0:
         return None
     inertia = k_t.value / pull
     spread = float(np.hypot(np.sqrt(found.covariance[0, 0]) / pull, k_t.sd / k_t.value))
-    cogging = Estimate(0.0, 0.0)
-    if per_rev:
-        size = float(np.hypot(*found.factors[-2:]))
-        cogging = Estimate(float(inertia * size), found.estimate(-1, inertia).sd)
+    cogging = Estimate(inertia * wave.size.value, inertia * wave.size.sd)
     # A pulse is much stronger than friction, and its least error would be friction's.
     slow = [n for n, s in enumerate(parts) if _coasts(s, parts)]
     friction = found

@@ -10,7 +10,6 @@ the current times R, is V_0. R(θ) is looked for as one harmonic of the angle.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -67,12 +66,11 @@ def resistance(segments: Sequence[Segment]) -> Resistance:
     for s in segments:
         waves = harmonics(s.angle) * s.current[:, None, None]
         pairs.append(s.step_s * np.cumsum(waves[: len(s)], axis=0))
-    bars, found = best_harmonic(wanted, columns, pairs)
+    wave = best_harmonic(wanted, columns, pairs)
+    bars, found = wave.periods, wave.fit
     ohm = found.estimate(0)
-    ripple, along, across = Estimate(0.0, 0.0), 0.0, 0.0
-    if bars:
-        along, across = map(float, found.factors[-2:])
-        ripple = Estimate(math.hypot(along, across) / ohm.value, found.estimate(-1).sd / ohm.value)
+    ripple = Estimate(wave.size.value / ohm.value, wave.size.sd / ohm.value)
+    along, across = map(float, found.factors[-2:]) if bars else (0.0, 0.0)
     return Resistance(
         ohm, found.estimate(1), found.estimate(3), bars, ripple, found.estimate(4),
         found.estimate(2), (along, across),

@@ -14,7 +14,6 @@ from wavehaptics.host.identify.driver import Driver
 from wavehaptics.host.identify.procedure import Found
 from wavehaptics.host.identify.segments import Estimate
 from wavehaptics.host.names import HostError, Place, Shape, places
-from wavehaptics.runtime.files import write_text
 from wavehaptics.scene import Scene, SceneError, load_scene
 from wavehaptics.words import formats
 from wavehaptics.words.table import ports
@@ -138,12 +137,12 @@ def _place(name: str, shape: Shape, motor: int) -> Place:
 
 def write(found: Found, driver: Driver, path: Path, motor: int) -> tuple[Path, Path]:
     """The scene into ``path``, and the words for ``board load`` beside it: both paths."""
-    write_text(path, scene_text(found, driver, path.stem[:60]))
+    session.write_file(path, scene_text(found, driver, path.stem[:60]))
     beside = path.with_suffix(WORDS_SUFFIX)
     try:
         scene = load_scene(path)
         given = words(scene, driver, motor)
     except SceneError as error:
         raise HostError(f"{path} is written, but there are no words for it: {error}") from None
-    write_text(beside, session.to_text((p, raw & 0xFFFFFFFF) for p, raw in given))
+    session.write_file(beside, session.to_text((p, raw & 0xFFFFFFFF) for p, raw in given))
     return path, beside

@@ -156,23 +156,47 @@ LEAST_HARMONIC = 3
 CLEARLY = 0.5
 """Part of the squares that a harmonic has to take away, to be one."""
 
+FALSELY = 1e-3
+"""How often noise alone may be taken for a harmonic, of all periods that are tried together."""
+
+SPREADS = 4.0
+"""Spreads that a harmonic's size has to be above zero."""
+
+
+FEWEST_RECORDS = 4
+"""Of which a spread can be told."""
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """The best harmonic of the angle, with ``periods`` a revolution; 0 where there is none.
+
+    ``size`` is in the unit of the columns' factors. ``fit`` is with its two columns behind the
+    others, or without, where there is none.
+    """
+
+    periods: int
+    size: Estimate
+    fit: Fit
+
 
 def best_harmonic(
     wanted: Columns,
     columns: Sequence[Columns],
     pairs: Sequence[np.ndarray],
     free: Columns | None = None,
-) -> tuple[int, Fit]:
-    """The number of periods a revolution that explains most, or 0, and the fit with it.
+) -> Harmonic:
+    """The harmonic that explains most, if it is more than noise has at the best of all periods.
 
-    ``pairs`` holds for each record the columns of all harmonics, (rows, MOST_HARMONIC, 2). The
-    harmonic's two columns stand behind the others.
+    ``pairs`` holds for each record the columns of all harmonics, (rows, MOST_HARMONIC, 2).
     """
     plain = fit(wanted, columns, free)
+    none = Harmonic(0, Estimate(0.0, 0.0), plain)
     flat = [list(pair.reshape(len(pair), -1).T) for pair in pairs]
     goals, tables = _freed(wanted, columns, free)
     basis, _ = np.linalg.qr(np.concatenate(tables))
-    waves = np.concatenate(_freed(wanted, flat, free)[1])
+    parts = _freed(wanted, flat, free)[1]
+    waves = np.concatenate(parts)
     waves -= basis @ (basis.T @ waves)
     goal = np.concatenate(goals)
     goal -= basis @ (basis.T @ goal)
@@ -181,13 +205,52 @@ def best_harmonic(
         wave, _ = np.linalg.qr(waves[:, 2 * n - 2 : 2 * n])
         squares[n] = plain.square - float(np.sum((wave.T @ goal) ** 2))
     best = min(squares, key=squares.__getitem__)
-    if squares[best] > (1.0 - CLEARLY) * plain.square:
-        return 0, plain
+    if len(wanted) < FEWEST_RECORDS or squares[best] >= (1.0 - CLEARLY) * plain.square:
+        return none
     more = [
         [*table, pair[:, best - 1, 0], pair[:, best - 1, 1]]
         for table, pair in zip(columns, pairs, strict=True)
     ]
-    return best, fit(wanted, more, free)
+    found = fit(wanted, more, free)
+    covariance = _jackknifed(wanted, more, free)[-2:, -2:]
+    along = found.factors[-2:]
+    size = float(np.hypot(*along))
+    sd = float(np.sqrt(max(0.0, along @ covariance @ along))) / size
+    ends = np.cumsum([len(part) for part in parts])[:-1]
+    own = np.array([np.sum(part**2) for part in np.split(waves[:, 2 * best - 2 : 2 * best], ends)])
+    records = float(own.sum() ** 2 / np.sum(own**2))
+    square = float(along @ np.linalg.pinv(covariance, hermitian=True) @ along)
+    if size < SPREADS * sd or len(squares) * _by_chance(square, records) > FALSELY:
+        return none
+    return Harmonic(best, Estimate(size, sd), found)
+
+
+def _jackknifed(
+    wanted: Columns, columns: Sequence[Columns], free: Columns | None = None
+) -> np.ndarray:
+    """Covariance of the factors by leaving out one record after another.
+
+    Where a few records weigh most, :attr:`Fit.covariance` is too small: the fit follows them.
+    """
+    count = len(wanted)
+    each = []
+    for n in range(count):
+        kept = [m for m in range(count) if m != n]
+        others = [free[m] for m in kept] if free is not None else None
+        each.append(fit([wanted[m] for m in kept], [columns[m] for m in kept], others).factors)
+    apart = np.array(each) - np.mean(each, axis=0)
+    return (count - 1) / count * apart.T @ apart
+
+
+def _by_chance(square: float, records: float) -> float:
+    """Probability that a harmonic's two factors, all noise, are as far from zero, or farther.
+
+    ``square`` is Hotelling's T², of factors whose covariance is from ``records``. These are the
+    effective ones, (Σw)²/Σw² of what each weighs (Carter, Schnepel, Steigerwald: Asymptotic
+    behavior of a t-test robust to cluster heterogeneity, 2017): a few long ones may be nearly all.
+    """
+    left = max(0.0, records - 1.0)
+    return float((1.0 + square / left) ** (-0.5 * (left - 1.0))) if left > 1.0 else 1.0
 
 
 def harmonics(angle: np.ndarray) -> np.ndarray:

@@ -48,6 +48,12 @@ ANCHOR = ("correction", "offset", "flux", "lag")
 AXIS = ("voltage", "u", "v", "current")
 """Live words of a brushless motor's second axis, of one frame; they come as ``voltage@1``, ..."""
 
+_INSTEAD = {
+    "arm": "Arm and Stop on this page do that",
+    "clear": "Forget what is over on this page does that",
+}
+"""Of the commands that the page has, where they are."""
+
 _TURN = 2.0 * math.pi / 2.0**32
 """An angle's last place, rad."""
 
@@ -214,13 +220,20 @@ class Bench:
         self.client.write([(places("clear", self.client.shape)[0], 1)])
 
     def set_word(self, text: str) -> None:
-        """Write ``NAME=VALUE``, in the word's unit."""
+        """Write ``NAME=VALUE``, in the word's unit. Settings alone: what arms is to be renewed."""
         name, _, value = text.partition("=")
         try:
-            given = number(value.strip())
+            given = number(value.strip()) if name.strip() else None
         except ValueError:
-            raise HostError(f"{text}: write NAME=NUMBER, as in root=2.0") from None
+            given = None
+        if given is None:
+            what = f"{text.strip()}: " if text.strip() else ""
+            raise HostError(f"{what}write NAME=NUMBER, as in root=2.0")
         found = [settable(p) for p in places(name.strip(), self.client.shape, self.motor)]
+        if found[0].word.row.kind == "command":
+            word = found[0].word.name
+            instead = _INSTEAD.get(word, "`board set` writes it")
+            raise HostError(f"{word} is a command and no setting; {instead}")
         if len(found) > 1:
             raise HostError(f"{text}: which one? Take {found[0].text}...{found[-1].text}")
         self.client.write([(found[0], found[0].raw(given))])

@@ -90,8 +90,9 @@ function show() {
   const old = performance.now() - toldAt > TOLD_MS;
   const gone = "the scope has ended: what was seen stays here; start it anew for another address";
   by("line").textContent = !there ? gone : state.problem || (old ? "" : told) || state.note;
-  by("speed").hidden = !live || state.speed === null;
-  by("speed").textContent = `simulated, ${state.speed?.toFixed(2)} of real time`;
+  const speed = live ? state.speed : null; // a board that begins anew has none yet
+  by("speed").hidden = speed === null;
+  by("speed").textContent = speed === null ? "" : `simulated, ${speed.toFixed(2)} of real time`;
   by("plug").hidden = !state.virtual;
   by("plug").textContent = state.plugged ? "Pull the plug" : "Plug it in";
   by("record").dataset.on = state.recording ? "1" : "0";
