@@ -231,6 +231,12 @@ def test_a_session(port, tmp_path):
     assert value(port, "a") == before
 
 
+def test_what_a_board_leaves_out_is_told():
+    process, _ = start("--set", "servo.rate_hz=5000", "--seconds", "0.001")
+    _, err = process.communicate(timeout=END_S)
+    assert "the board leaves out [servo]\n" in err
+
+
 # ---- Arming.
 
 

@@ -93,9 +93,13 @@ def be_virtual(
 
     from wavehaptics.host.led_hand import LedHand
     from wavehaptics.host.virtual import VirtualBoard
+    from wavehaptics.ladder.abilities import left_out
     from wavehaptics.ladder.linked_motors import LinkedMotors
     from wavehaptics.ladder.linked_pins import linked_pins
 
+    if missing := left_out(loaded, "pins"):
+        # The first line of the output is the port's path, which others read.
+        print(f"the board leaves out {', '.join(missing)}", file=sys.stderr)
     if sys.stderr.isatty():
         print("building the simulated board: up to a minute the first time", file=sys.stderr)
     pins = linked_pins(loaded) if count == 1 else LinkedMotors(loaded, count, led=hand_of)
