@@ -23,6 +23,7 @@ from wavehaptics.host.names import HostError, Place
 from wavehaptics.ladder.run import measure
 from wavehaptics.parts.motors import PRESETS
 from wavehaptics.scene import Scene, load_scene
+from wavehaptics.words import table
 
 COUNTS = 10_000
 REAL = (
@@ -44,6 +45,8 @@ MOTORS = {
                   "controller.tick_hz=5e5", "adc.full_scale_a=6", "drive.gain_error=0",
                   "encoder.counts_per_rev=40000"),
 }  # fmt: skip
+
+SETTINGS = {name for name, word in table.WORDS.items() if word.row.kind == "setting"}
 
 Maker = Callable[..., Scene]
 
@@ -100,10 +103,10 @@ def test_the_board_is_left_as_it_was(make_scene: Maker, tmp_path: Path):
     told: list[str] = []
     found = identify(driver, Wishes(COUNTS), told.append)
     assert not quick.running
-    changed = {name for name, raw in quick.settings.items() if before[name] != raw}
-    assert {name for name, _ in changed if not name.startswith("capture")} == set()
+    changed = {name[0] for name, raw in quick.settings.items() if before[name] != raw}
+    assert changed & SETTINGS == set()
     assert [line.split(":")[0] for line in told] == [
-        "zero", "sign", "pulses", "coasting", "R", "k_T", "J", "L"
+        "zero", "sign", "pulses", "coasting", "steps", "R", "k_T", "J", "L"
     ]  # fmt: skip
     path, beside = result.write(found, driver, tmp_path / "motor.toml", 0)
     again = load_scene(path)
@@ -116,6 +119,35 @@ def test_the_board_is_left_as_it_was(make_scene: Maker, tmp_path: Path):
     assert given["root"] == pytest.approx((2 * found.resistance.ohm.value) ** 0.5, rel=1e-3)
     assert given["root"] * given["u_max"] == pytest.approx(12, rel=1e-3)
     assert tomllib.loads(path.read_text("utf-8"))["motor"]["J_kgm2"] > 0
+
+
+def test_progress_from_the_beginning(make_scene: Maker):
+    """Each stage says what it is before it is made, and how far it is, in simulated time."""
+    quick = QuickBoard(make_scene(*REAL))
+    driver = Driver(quick, clock=lambda: quick.time_s)
+    seen: list[tuple[str, float, float]] = []
+    told: dict[str, float] = {}
+
+    def shows(stage: str, part: float) -> None:
+        seen.append((stage, part, quick.time_s))
+
+    def tells(line: str) -> None:
+        told[line.split(":")[0]] = quick.time_s
+
+    identify(driver, Wishes(COUNTS), tells, shows)
+    end = quick.time_s
+    assert seen[0][2] < 0.1 * end
+    stages = list(dict.fromkeys(stage for stage, _, _ in seen))
+    assert stages == ["zero", "sign", "pulses", "coasting", "steps"]
+    for stage in stages:
+        parts = [part for s, part, _ in seen if s == stage]
+        assert parts == sorted(parts)
+        assert (parts[0], parts[-1]) == (0.0, 1.0)
+    # Of those that last: how long they will, before they do.
+    for stage in ("pulses", "coasting", "steps"):
+        assert told[stage] <= min(at for s, part, at in seen if s == stage and part > 0.0)
+    moments = [at for _, _, at in seen] + [end]
+    assert max(np.diff(moments)) < 0.15 * end
 
 
 def test_a_wall_so_identified_holds(make_scene: Maker):
@@ -187,8 +219,8 @@ def test_it_is_ended_from_outside(make_scene: Maker, switched: bool, deaf: bool)
         given = list(words)
         if deaf and given[0][0].word.name == "arm" and given[0][1] == 0:
             raise HostError("no answer")
-        if given[0][0].word.name == "zero" and quick.running:
-            asked.append(True)
+        if given[0][0].word.name == "zero" and quick.settings["capture_state", 0]:
+            asked.append(True)  # in the midst of a record
         return write(given)
 
     quick.write = wrong
@@ -196,8 +228,8 @@ def test_it_is_ended_from_outside(make_scene: Maker, switched: bool, deaf: bool)
     with pytest.raises(HostError if deaf and not switched else EndedError):
         identify(driver, Wishes(COUNTS))
     assert asked
-    changed = {name for name, raw in quick.settings.items() if before[name] != raw}
-    assert {name for name, _ in changed if not name.startswith("capture")} == set()
+    changed = {name[0] for name, raw in quick.settings.items() if before[name] != raw}
+    assert changed & SETTINGS == set()
     assert quick.running == (switched or deaf)
 
 
@@ -307,7 +339,9 @@ def test_jammed_over_the_line(tmp_path: Path):
     status, out, err = over_the_line(scene, (*REAL, "friction.coulomb_nm=1"))
     assert status == 2
     assert re.fullmatch(r"wavehaptics: jammed: [^\n]+\n", err)
-    assert out.startswith("zero: ")
+    first, second = out.splitlines()[:2]
+    assert first == "the rotor turns: seconds on a board, minutes on a simulated one"
+    assert second.startswith("zero: ")
 
 
 def test_identified_over_the_line(tmp_path: Path):

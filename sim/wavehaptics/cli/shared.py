@@ -96,7 +96,9 @@ def shown_stages() -> Iterator[Callable[[str, float], None]]:
     from rich.progress import Progress
 
     tasks = {}
-    with Progress(console=Console(stderr=True), transient=True) as bars:
+    # What is printed meanwhile stands above the bars; a pipe gets it all the same.
+    above = sys.stdout.isatty()
+    with Progress(console=Console(stderr=True), transient=True, redirect_stdout=above) as bars:
 
         def show(stage: str, part: float) -> None:
             if stage not in tasks:

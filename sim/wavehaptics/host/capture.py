@@ -32,6 +32,12 @@ BOARD_WORDS = ("faults", "bus")
 WORDS = (*MOTOR_WORDS, *BOARD_WORDS)
 """Words that can be captured."""
 
+SETTINGS = (
+    "capture_channel", "capture_channels", "capture_rows", "capture_pre", "capture_decimation",
+    "capture_trigger", "capture_level",
+)  # fmt: skip
+"""Settings that a start takes over, all of which :func:`start` writes."""
+
 PICTURED = ("position", "current", "voltage", "u", "v", "flags")
 """Of these, what the picture of a run is drawn from."""
 

@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,10 +24,13 @@ from wavehaptics.cli.board.common import (
     finite,
     refusals,
 )
-from wavehaptics.cli.shared import CommandError
+from wavehaptics.cli.shared import CommandError, shown_stages
 
 if TYPE_CHECKING:
     from wavehaptics.host.identify.result import Row
+
+TOLD_S = 10.0
+"""From one line about the progress to the next, where there is no terminal."""
 
 
 @board.command()
@@ -54,7 +60,10 @@ def identify(
     unit: UnitOption = 1,
     timeout: TimeoutOption = DEFAULT_TIMEOUT,
 ) -> None:
-    """Identify the motor: it turns, for some seconds. Faults of the wiring are told by name."""
+    """Identify the motor: it turns, for some seconds; simulated, for minutes.
+
+    Faults of the wiring are told by name.
+    """
     from wavehaptics.host import session
     from wavehaptics.host.identify.driver import Driver, EndedError
     from wavehaptics.host.identify.procedure import Wishes
@@ -69,16 +78,36 @@ def identify(
         if out is not None:
             session.check_writable(out)
         client = connected(port, unit, timeout)
-        with asked_to_end() as asked:
+        with asked_to_end() as asked, _shown() as show:
             driver = Driver(client, motor, ended=asked)
+            print("the rotor turns: seconds on a board, minutes on a simulated one", flush=True)
             try:
-                found = identified(driver, wishes, lambda line: print(line, flush=True))
+                found = identified(driver, wishes, lambda line: print(line, flush=True), show)
             except EndedError:
                 raise KeyboardInterrupt from None
     _identified_table(rows(found))
     if out is not None:
         with refusals():
             print(*write(found, driver, out, motor), sep="\n")
+
+
+@contextmanager
+def _shown() -> Iterator[Callable[[str, float], None]]:
+    """A function that takes a stage and its part done, 0 to 1, and shows them.
+
+    As bars on a terminal; elsewhere a line now and then, which a board is too fast to see.
+    """
+    with shown_stages() as bars:
+        last = time.monotonic()
+
+        def show(stage: str, part: float) -> None:
+            nonlocal last
+            bars(stage, part)
+            if not sys.stderr.isatty() and time.monotonic() - last >= TOLD_S:
+                last = time.monotonic()
+                print(f"{stage}: {100 * part:.0f} %", flush=True)
+
+        yield show
 
 
 def _identified_table(rows: Iterable[Row]) -> None:

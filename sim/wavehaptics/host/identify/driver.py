@@ -56,7 +56,7 @@ TRIGGER_PART = 0.1
 """Of a shift, which the waves make good within a row or two."""
 
 _WAVES = ("root", "a", "u_max")
-_RESTORED = ("zero", "eta_contact", "eta_free", *_WAVES, "wall_enable")
+_RESTORED = ("zero", "eta_contact", "eta_free", *_WAVES, "wall_enable", *capture.SETTINGS)
 
 
 class Device(Protocol):

@@ -7,7 +7,7 @@ docs/identify.md says what each measures, and how.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -113,22 +113,25 @@ class Wishes:
 
 
 Told = Callable[[str], None]
+Shown = Callable[[str, float], None]
 
 
-def identify(driver: Driver, wishes: Wishes, tell: Told = lambda _: None) -> Found:
-    """Every step in turn. ``tell`` takes a line for each.
+def identify(
+    driver: Driver, wishes: Wishes, tell: Told = lambda _: None, show: Shown = lambda _, __: None
+) -> Found:
+    """Every step in turn. ``tell`` takes a line for each, ``show`` a stage and its part done.
 
     :class:`NotPlausible` for what can't be a motor that is well wired, :class:`HostError` else.
     """
-    procedure = _Procedure(driver, wishes, tell)
+    procedure = _Procedure(driver, wishes, tell, show)
     with driver:
         procedure.record()
     return procedure.estimate()
 
 
 class _Procedure:
-    def __init__(self, driver: Driver, wishes: Wishes, tell: Told) -> None:
-        self._driver, self._wishes, self._tell = driver, wishes, tell
+    def __init__(self, driver: Driver, wishes: Wishes, tell: Told, show: Shown) -> None:
+        self._driver, self._wishes, self._tell, self._show = driver, wishes, tell, show
         self._cell = 2 * math.pi / wishes.counts
         self._steps: list[Segment] = []
         self._pulses: list[Segment] = []
@@ -139,6 +142,7 @@ class _Procedure:
     def record(self) -> None:
         """All that needs the bridges."""
         driver = self._driver
+        self._show("zero", 0.0)
         driver.measure_cells(self._cell)
         driver.measure_exchange()
         most = driver.most_current()
@@ -150,18 +154,27 @@ class _Procedure:
         driver.prepare()
         self._offset = self._zero()
         driver.arm()
+        self._show("zero", 1.0)
         try:
             self._rough()
             self._pulse_all()
             self._coast_all()
             volts = self._ohm * self._amps
             seconds = RISES * self._henry / self._ohm
+            self._tell(f"steps: {2 * STEP_PAIRS} of {volts:.2g} V")
             self._rises = [
                 self._step(self._sign(n) * volts, self._r_hat, seconds)
-                for n in range(2 * STEP_PAIRS)
+                for n in self._staged("steps", 2 * STEP_PAIRS)
             ]
         except OffError as error:
             raise self._switched_off(error) from None
+
+    def _staged(self, stage: str, count: int) -> Iterator[int]:
+        """Numbers of a stage's records, shown as they are done."""
+        for n in range(count):
+            self._show(stage, n / count)
+            yield n
+        self._show(stage, 1.0)
 
     def estimate(self) -> Found:
         """What the records tell; the bridges are off."""
@@ -205,9 +218,12 @@ class _Procedure:
     def _rough(self) -> None:
         driver, amps = self._driver, self._amps
         sign, volts = 1.0, FIRST_OHM * amps
+        # Doubled up to the limit at most, and once more the other way.
+        most = 2 + max(0, math.ceil(math.log2(max(driver.limit_v, volts) / volts)))
         nothing = max(NOTHING * amps, SIGMA * self._offset.sd / math.sqrt(SMOOTH))
         while True:
             volts = min(volts, driver.limit_v)
+            self._show("sign", len(self._steps) / most)
             step = self._step(sign * volts, resistances.LEAST_OHM)
             self._steps.append(step)
             smooth = np.convolve(step.current, np.full(SMOOTH, 1.0 / SMOOTH), "valid")
@@ -230,6 +246,7 @@ class _Procedure:
                 break
             sign, volts = -sign, 2.0 * volts
         self._steps.append(self._step(-sign * volts, resistances.LEAST_OHM))
+        self._show("sign", 1.0)
         first = rough(self._steps)
         self._check_ohm(first.ohm.value)
         self._ohm = first.ohm.value
@@ -276,9 +293,9 @@ class _Procedure:
                 break
         self._check_turns()
         seconds = self._pulse_time(most_v)
-        for n in range(PULSES):
-            self._pulse(self._sign(n) * self._amps * LEVELS[n // 2 % len(LEVELS)], seconds)
         self._tell(f"pulses: {PULSES} of {1e3 * seconds:.0f} ms")
+        for n in self._staged("pulses", PULSES):
+            self._pulse(self._sign(n) * self._amps * LEVELS[n // 2 % len(LEVELS)], seconds)
 
     def _brake_for(self, emf_v: float) -> None:
         """A brake in which a back-EMF drives no more than the test current."""
@@ -429,7 +446,8 @@ class _Procedure:
         pulse = self._pulses[-1]
         spin_s = pulse.step_s * len(pulse.position)
         driver.loop(self._r_hat, self._a)
-        for n in range(2 * COASTS):
+        self._tell(f"coasting: {2 * COASTS} times")
+        for n in self._staged("coasting", 2 * COASTS):
             # From two speeds, or viscous friction couldn't be told from the other.
             amps = self._sign(n) * self._amps * LEVELS[n // 2 % len(LEVELS)]
             driver.release()
@@ -442,7 +460,6 @@ class _Procedure:
             driver.record_free(seconds, COAST_ROWS, amps)
             driver.brake(self._eta)
             self._coasts.append(self._fetched())
-        self._tell(f"coasting: {2 * COASTS} times")
 
     def _mechanics(self, turn: BackEmf) -> Mechanics:
         found = mechanics([*self._pulses, *self._coasts], turn.k_t, self._cell)
