@@ -32,13 +32,6 @@ lambda = 1e3
 TIMEOUT_S = 60
 
 
-class Interrupted:
-    """Ctrl-C comes while this is thrown away: Python reports it, and would go on."""
-
-    def __del__(self) -> None:
-        raise KeyboardInterrupt
-
-
 @pytest.fixture(autouse=True)
 def in_own_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -58,10 +51,6 @@ def runs(monkeypatch):
             raise SceneError("refused: this controller can't; take another")
         if scene.scene.name == "interrupted":
             raise KeyboardInterrupt
-        if scene.scene.name == "reported":
-            interrupted = Interrupted()
-            del interrupted
-            time.sleep(TIMEOUT_S)
         if scene.scene.name == "full":
             raise OSError(28, "No space left on device", str(out))
         return {"scene": scene.scene.name, "peak_torque": 0.0212345, "hold_error": None, "ticks": 7}
@@ -79,6 +68,34 @@ def call(capsys, monkeypatch, *arguments: str) -> tuple[int, str, str]:
         main.main()
     captured = capsys.readouterr()
     return ended.value.code, captured.out, captured.err
+
+
+SWALLOWED = """
+import time
+from wavehaptics.cli import main
+
+class Interrupted:
+    def __del__(self):
+        raise KeyboardInterrupt
+
+def app(**options):
+    interrupted = Interrupted()
+    del interrupted
+    time.sleep(30)
+
+main.app = app
+main.main()
+"""
+
+
+def test_ctrl_c_that_python_only_reports_ends_the_command():
+    """It came while something was thrown away, where an exception can't leave."""
+    ended = subprocess.run(
+        [sys.executable, "-c", SWALLOWED], capture_output=True, text=True, timeout=TIMEOUT_S,
+        check=False,
+    )  # fmt: skip
+    assert ended.returncode == 130
+    assert ended.stderr == "wavehaptics: interrupted\n"
 
 
 def call_process(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -144,7 +161,6 @@ def test_progress_on_a_terminal_only(capsys, monkeypatch, runs):
         ("refused", 2, "wavehaptics: refused: this controller can't; take another"),
         ("full", 2, "No space left on device"),
         ("interrupted", 130, "wavehaptics: interrupted"),
-        ("reported", 130, "wavehaptics: interrupted"),
     ],
 )
 def test_runs_that_end_early(capsys, monkeypatch, runs, name, status, fragment):

@@ -65,8 +65,8 @@ def test_the_boards_keep_to_their_budgets(name):
     ("board", "message"),
     [
         # What the Colorlight had: one clock.
-        (with_scene("colorlight_i5", "drive.dead_time_s=13.3e-9"),
-         r"boards/colorlight_i5/board\.toml: the dead time is 13\.3 ns in whole clocks, and 26 ns "
+        (with_scene("colorlight_i5", "drive.dead_time_s=14.3e-9"),
+         r"boards/colorlight_i5/board\.toml: the dead time is 14\.3 ns in whole clocks, and 26 ns "
          r"are needed .* 20 ns at least at HI and LI\); raise drive\.dead_time_s"),
         # What the HX8K had: one clock, of which HI and LI get 12.8 ns.
         (with_scene("hx8k", "drive.dead_time_s=21e-9"),
