@@ -122,6 +122,7 @@ class AnchorBench(Bench):
             "offset": state[anchor.OFFSET],
             "flux": state[anchor.CHI] >> formats.LONG_GUARD,
             "lag": state[anchor.LAG] >> formats.LONG_GUARD,
+            "rebound_eta": self.settings[anchor.REBOUND_ETA],
         }
 
     def check(self) -> None:
@@ -129,6 +130,7 @@ class AnchorBench(Bench):
         for name, value in self.want().items():
             assert self.signed(f"{name}_o") == value, f"{name} of step {self.steps}"
         assert self.word("fault_o") == state[anchor.FAULT], f"step {self.steps}"
+        assert self.word("rebounds_o") == state[anchor.REBOUNDS], f"step {self.steps}"
         assert self.word("overrun_o") == self.overrun, f"step {self.steps}"
 
     async def begin_tick(self, tick: Tick, gap: int) -> None:
@@ -274,6 +276,8 @@ class AnchorBench(Bench):
                 ),
                 "one unit of rest": state[anchor.UNITS] == 1 and tick.contact,
                 "withheld": tick.withheld and tick.contact,
+                "rebounds": gone[anchor.REBOUNDS] > 0,
+                "rebounds no more": gone[anchor.REBOUNDS] < 0 and tick.contact and not moved,
             }.items()
             if happened
         }
@@ -285,6 +289,7 @@ EVERYTHING = frozenset(
         "outside above", "outside below", "inside", "clipped above", "clipped below",
         "not clipped", "clipped with the waves", "room", "fault", "mean", "offset", "forgotten",
         "learned at rest", "learned on the move", "one unit of rest", "withheld",
+        "rebounds", "rebounds no more",
     )
 )  # fmt: skip
 
@@ -309,6 +314,7 @@ def random_settings(rng: random.Random) -> np.ndarray:
         words[place] = DATA.raw_max if calm else any_word(rng, DATA)
     words[anchor.REST_TICKS] = rng.choice((0, 1, 1, 2, 5, (1 << formats.REST_W) - 1))
     words[anchor.SLOW_UNITS] = rng.choice((0, 1, 2, 16, 31))
+    words[anchor.REBOUND_ETA] = any_word(rng, COEF)
     return words
 
 
@@ -316,11 +322,11 @@ def random_ticks(rng: random.Random, count: int) -> list[Tick]:
     """Walks and jumps in and out of contact, with any words as currents, waves and voltages."""
     ticks = []
     position = any_word(rng, COUNT)
-    contact, loud = 0, rng.random()
+    contact, loud, changes = 0, rng.random(), rng.choice((0.2, 0.2, 0.01))
     for _ in range(count):
         move = rng.choice((0, 0, 0, 0, 0, 0, 1, 1, -1, -1, 2, -2, 5, any_word(rng, COUNT)))
         position = wrapped(position + move, COUNT)
-        contact ^= rng.random() < 0.2
+        contact ^= rng.random() < changes
         tick = Tick(position, contact, saturated=rng.random() < 0.1)
         tick.cell = rng.choice((CELL, -CELL, 0, 1, -1, rng.randint(-CELL, CELL)))
         tick.turned = rng.choice((0, 0, rng.randint(-CELL, CELL), rng.getrandbits(PLACE.width)))

@@ -177,6 +177,7 @@ class AxesBench(Bench):
         gains = self.gains.copy()
         gains[anchor.ENABLE] &= self.known
         found = [self.words(name) for name in ("voltage", "u", "v", "current", "correction")]
+        answers = anchor.returned(eta, bool(contact), gains, self.anchors[-1]) if ANCHOR else eta
         for n, held in enumerate(self.anchors):
             port = self.ports[n]
             withheld, saturated = port[wave_core.STATE_WITHHELD], port[wave_core.STATE_SATURATED]
@@ -184,7 +185,7 @@ class AxesBench(Bench):
             correction = int(held[anchor.CORRECTION])
             e, u, v = wave_core.shaped_core_step(
                 port, self.lines[n], words, self.states[n], mode, current,
-                0 if damp or lost[n] else eta, 0, ROOT, A, anchor.left(self.u_max, gives[n]), EXTRA,
+                0 if damp or lost[n] else answers, 0, ROOT, A, anchor.left(self.u_max, gives[n]), EXTRA,
                 HOLD,
             )  # fmt: skip
             wanted = (wave_core.saturate(e + correction), u, v, current, correction)
@@ -258,7 +259,7 @@ class AxesBench(Bench):
         """What an anchor does."""
         places = {
             "correction": anchor.CORRECTION, "offset": anchor.OFFSET, "room": anchor.ROOM,
-            "fault": anchor.FAULT,
+            "fault": anchor.FAULT, "rebounds": anchor.REBOUNDS,
         }  # fmt: skip
         self.seen |= {
             f"{name} {axis}" for name, place in places.items() if self.anchors[axis][place]
@@ -275,7 +276,8 @@ def any_gains(rng: random.Random) -> np.ndarray:
 
 
 EVERYTHING = {
-    f"{name} {axis}" for name in ("correction", "offset", "room", "fault") for axis in range(AXES)
+    f"{name} {axis}" for name in ("correction", "offset", "room", "fault", "rebounds")
+    for axis in range(AXES)
 }
 
 

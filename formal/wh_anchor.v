@@ -25,13 +25,14 @@ module prove_wh_anchor #(
     (* anyconst *) wire signed [DATA_W-1:0]     strange;
     (* anyconst *) wire [`WH_REST_W-1:0]        rest_ticks;
     (* anyconst *) wire [`WH_REST_UNIT_W-1:0]   slow_units;
+    (* anyconst *) wire [COEF_W-1:0]            rebound_eta;
     (* anyconst *) wire signed [DATA_W-1:0]     voltage;
     (* anyconst *) wire                         saturated;
     (* anyseq *)   wire signed [DATA_W+COEF_W-1:0] product;
 
     reg [5:0] at = 6'd0;
 
-    wire                     busy, overrun, request, fault;
+    wire                     busy, overrun, request, fault, rebounds;
     wire signed [DATA_W-1:0] factor, correction, next, room, offset, flux, lag;
     wire signed [COEF_W-1:0] coefficient;
 
@@ -52,7 +53,7 @@ module prove_wh_anchor #(
         .saturated_i   (saturated),
         .busy_o        (busy),
         .overrun_o     (overrun),
-        .words_i       ({slow_units, rest_ticks, strange, reach, gains, enable}),
+        .words_i       ({rebound_eta, slow_units, rest_ticks, strange, reach, gains, enable}),
         .request_o     (request),
         .factor_o      (factor),
         .coefficient_o (coefficient),
@@ -65,6 +66,8 @@ module prove_wh_anchor #(
         .offset_o      (offset),
         .flux_o        (flux),
         .lag_o         (lag),
+        .rebounds_o    (rebounds),
+        .rebound_eta_o (),
         .fault_o       (fault)
     );
 
@@ -113,6 +116,7 @@ module prove_wh_anchor #(
                 if (enable && fault_before) assert (fault);
                 if (!enable && fault) assert (fault_before);
                 assert (\block.contact_q || room == 0);
+                if (!enable || !\block.contact_q ) assert (!rebounds);
             end
         end
         // The third step has been made. Nothing touches its word until the last ones

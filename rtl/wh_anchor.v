@@ -8,12 +8,15 @@
 //                                             on when a contact ends
 //   c   = c_I - g_ρ p - g_d (L̂ i - its mean)  the last in contact, at rest and below 4 cells
 //   |c| <= c_0 + |e_id|/2                     c_0/2 out of contact
+//   rebounds_o                                within 16 rest_ticks of a contact: back the way it began
 //
 // c is a voltage in series with the port: it is added to e_id = s u behind the wave core, which does
 // not see it, and what it takes of the drive's limit, room_o, is the wave's no more. A contact's first
 // edge, in the tick that tells of the contact or one of the two before, sets χ to a quarter of a cell and
 // what is in the λ filter then, which its u tells; in contact, what the voltage limit or rounding withholds
 // from the waves counts as flux. In free space and at rest c shows the sensor's offset, which is summed up.
+// While a rotor that hit a wall goes back out of it, the environment returns less, rebound_eta_o, so that
+// a hit comes back with no more than it had whatever c gives.
 // A c that wants to go beyond its limit by strange, with the waves below theirs, tells that waves and encoder
 // don't follow the same motor: fault_o, and c = 0.
 //
@@ -73,6 +76,8 @@ module wh_anchor #(
     output reg  signed [`WH_DATA_W-1:0]       offset_o,      // s31q24 A: to be taken off the current
     output reg  signed [`WH_DATA_W-1:0]       flux_o,        // s31q16 cells: χ; x̂ = x + 1/2 - χ
     output reg  signed [`WH_DATA_W-1:0]       lag_o,         // s31q16 cells: ω̂ over 256 ticks
+    output reg                                rebounds_o,    // of the step to come
+    output wire signed [`WH_COEF_W-1:0]       rebound_eta_o, // s27q25: η of such a step, the word
     output reg                                fault_o        // until rst
 );
 
@@ -117,7 +122,7 @@ module wh_anchor #(
     wire        [REST_W-1:0] rest_ticks;   // ticks, 1...
     wire        [UNIT_W-1:0] slow_units;   // of rest_ticks
 
-    assign {slow_units, rest_ticks, strange, reach, room_gain, zero_gain, learn_gain,
+    assign {rebound_eta_o, slow_units, rest_ticks, strange, reach, room_gain, zero_gain, learn_gain,
             damp_gain, pull_gain, cells_gain, owed_gain, flux_gain, enable} = words_i;
 
     // ---- What the tick brought.
@@ -133,6 +138,8 @@ module wh_anchor #(
     reg [REST_W-1:0]         ticks_q;     // left of a unit of rest
     reg [UNIT_W-1:0]         units_q;     // since the last edge the same way as the one before
     reg [4:0]                phase_q;     // ticks, modulo 32
+    reg                      into_q;      // direction of the edge with which the contact began
+    reg [REST_W-2:0]         young_q;     // the contact is, for 32 ticks as many times
 
     wire signed [MOVE_W-1:0] moved    =
         started_q ? $signed(position_i[MOVE_W-1:0] - position_q[MOVE_W-1:0]) : {MOVE_W{1'b0}};
@@ -155,6 +162,8 @@ module wh_anchor #(
             ticks_q   <= rest_ticks;
             units_q   <= {UNIT_W{1'b1}};
             phase_q   <= 5'd0;
+            into_q    <= 1'b0;
+            young_q   <= {(REST_W - 1){1'b0}};
         end else begin
             start_q <= start_i;
             if (start_i) begin
@@ -172,6 +181,12 @@ module wh_anchor #(
                     units_q <= {UNIT_W{1'b0}};
                 end else if (unit && !(&units_q)) begin
                     units_q <= units_q + 1'b1;
+                end
+                if (begins_q) begin
+                    into_q  <= moves ? back : back_q;
+                    young_q <= rest_ticks[REST_W-1:1];  // 16 units of them
+                end else if (phase_q == 5'd0 && (|young_q)) begin
+                    young_q <= young_q - 1'b1;
                 end
             end
         end
@@ -630,6 +645,7 @@ module wh_anchor #(
             offset_o     <= {DATA_W{1'b0}};
             flux_o       <= {DATA_W{1'b0}};
             lag_o        <= {DATA_W{1'b0}};
+            rebounds_o   <= 1'b0;
         end else begin
             if ((waves_i && !accepts) || (start_i && step_q != BEGIN && step_q <= DAMP)) begin
                 overrun_o <= 1'b1;
@@ -664,6 +680,7 @@ module wh_anchor #(
                     end
                     INNER:   flux_o    <= $signed(sum_q[LONG_W-1:CUT]);
                     FOLLOW:  lag_o     <= $signed(sum_q[LONG_W-1:CUT]);
+                    DAMP:    rebounds_o <= enable && contact_q && (|young_q) && back_q != into_q;
                     STRANGE: clipped_q <= past;
                     CHOOSE: begin
                         fault_o <= lost;

@@ -64,7 +64,7 @@
 `define WH_MOVE_W      12                 // counts that the rotor may move in a tick
 `define WH_PLACE_W     (`WH_LONG_W - `WH_LONG_Q)  // cells that the anchor's positions hold, modulo
 `define WH_SINE_Q      15                 // of a cell's parts in the two axes of a brushless motor
-`define WH_ANCHOR_W (8 * `WH_COEF_W + 2 * `WH_DATA_W + `WH_REST_W + `WH_REST_UNIT_W + 1)  // settings
+`define WH_ANCHOR_W (9 * `WH_COEF_W + 2 * `WH_DATA_W + `WH_REST_W + `WH_REST_UNIT_W + 1)  // settings
 
 // Current sensing.
 `define WH_SAMPLE_W 16  // ADC word, signed, left-justified: full scale is +-2^15 at any resolution

@@ -147,6 +147,7 @@
 `WH_SETTINGS_WORD('h12a, 1, 3'b011, 8'h59, 32'd0)  // anchor_strange
 `WH_SETTINGS_WORD('h12b, 1, 3'b011, 8'h48, 32'd0)  // anchor_rest_ticks
 `WH_SETTINGS_WORD('h12c, 1, 3'b011, 8'h53, 32'd0)  // anchor_slow_units
+`WH_SETTINGS_WORD('h12d, 1, 3'b011, 8'h56, 32'd0)  // anchor_rebound_eta
 `WH_SETTINGS_TOLD('h1c0, 1, 3'b111, 8'hd5)  // correction
 `WH_SETTINGS_TOLD('h1c1, 1, 3'b111, 8'hd5)  // offset
 `WH_SETTINGS_TOLD('h1c2, 1, 3'b111, 8'hd5)  // flux

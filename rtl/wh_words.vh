@@ -7,7 +7,7 @@
 
 // CRC-32 of all that two sides have to agree on: everything but default, port and meaning.
 // <!-- begin words-crc -->
-`define WH_WORDS_CRC 32'h9e9da208
+`define WH_WORDS_CRC 32'ha3babfab
 // <!-- end words-crc -->
 
 `endif

@@ -7,7 +7,7 @@
 #define WAVEHAPTICS_WORDS_H
 
 // <!-- begin c-words -->
-#define WH_WORDS_CRC 0x9e9da208u
+#define WH_WORDS_CRC 0xa3babfabu
 
 #define WH_MAP_VERSION 1u
 #define WH_TABLE_REGISTER 0x2000u
@@ -177,6 +177,7 @@
     X(ANCHOR_STRANGE, "anchor_strange", 0x12a, WH_SETTING, WH_OF_MOTOR, 1, 23, 1, 0.0, 127.99999988079071, "V") \
     X(ANCHOR_REST_TICKS, "anchor_rest_ticks", 0x12b, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 65535.0, "ticks") \
     X(ANCHOR_SLOW_UNITS, "anchor_slow_units", 0x12c, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 31.0, "") \
+    X(ANCHOR_REBOUND_ETA, "anchor_rebound_eta", 0x12d, WH_SETTING, WH_OF_MOTOR, 1, 25, 1, -1.0, 1.0, "") \
     X(EDGE_HYSTERESIS, "edge_hysteresis", 0x130, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 1.0, "") \
     X(WALL_MIN, "wall_min", 0x140, WH_SETTING, WH_OF_WALL, 1, 0, 1, -2147483648.0, 2147483647.0, "counts") \
     X(WALL_MAX, "wall_max", 0x150, WH_SETTING, WH_OF_WALL, 1, 0, 1, -2147483648.0, 2147483647.0, "counts") \

@@ -221,8 +221,13 @@ def test_without_anchors_the_wall_is_lost():
     assert abs(cells) > 1.0 or ripple > 1e-3
 
 
+@pytest.mark.parametrize("magnet_rad", [0.0, 0.11, 0.45, 0.75])
+@pytest.mark.parametrize("sign", [1, 0, -1])
 @pytest.mark.parametrize("speed", [3.0, 10.0, 30.0])
-def test_a_bare_rotor_comes_back_no_faster(speed: float, tmp_path: Path):
+def test_a_bare_rotor_comes_back_no_faster(
+    speed: float, sign: int, magnet_rad: float, tmp_path: Path
+):
+    """With R̂, gain, offset and the back-EMF's shape wrong, or none of it."""
     scene = tmp_path / "bounce.toml"
     scene.write_text(f"""
         [scene]
@@ -230,24 +235,31 @@ def test_a_bare_rotor_comes_back_no_faster(speed: float, tmp_path: Path):
         duration_s = {0.04 / speed + 0.02}
         [motor]
         preset = "gbm2804-100t"
-        magnet_rad = 0.45
+        magnet_rad = {magnet_rad}
+        harmonic_5 = {0.03 * abs(sign)}
         [hand]
         path = "impact"
         amplitude_rad = 0.02
         speed_rad_s = {speed}
         [encoder]
         counts_per_rev = 10000
+        [adc]
+        bits = 12
+        full_scale_a = 2.5
+        noise_a = 0.5e-3
+        offset_a = {2e-3 * sign}
         [drive]
         bus_v = 24
+        gain_error = {0.05 * sign}
         [controller]
         tick_hz = 1e6
         lambda = 5e5
         walls = [[0.0, 1.0]]
-        r_hat = 5.17
+        r_hat = {4.7 * (1 + 0.1 * sign)}
         anchor_auto = true
     """)
     metrics = measure(load_scene(scene), "golden")
-    assert 0.85 < metrics["restitution"] < 1.005
+    assert 0.85 < metrics["restitution"] <= 1.0
     assert metrics["correction_out_max_j"] < metrics["correction_bound_j"]
 
 

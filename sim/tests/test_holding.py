@@ -7,9 +7,11 @@ import json
 
 import numpy as np
 import pytest
+from wavehaptics.controller import anchor
 from wavehaptics.ladder.run import measure
 from wavehaptics.laws.anchor_choice import choose_eta_free
 from wavehaptics.pages import port_anchor
+from wavehaptics.parts.motors import PRESETS
 from wavehaptics.scene import SCENES_DIR, load_scene
 from wavehaptics.studies.anchored import cases, lost, motors, pictures, runs
 from wavehaptics.trace.columns import Column
@@ -85,12 +87,53 @@ def test_a_bar_of_less_resistance_swings_by_less_than_half_a_cell():
     assert row["anchor_fault_s"] is None
 
 
-@pytest.mark.parametrize("preset", ["re25-118743", "re40-148877"])
-def test_a_bounce_throws_nobody(preset):
-    points = cases.bounces(preset, "nothing")
-    assert all(point["restitution"] <= 1.0 for point in points)
-    assert points[cases.SPEEDS.index(10.0)]["restitution"] >= 0.95
+@pytest.mark.parametrize("wrong", cases.BOUNCED)
+@pytest.mark.parametrize("preset", PRESETS)
+def test_a_bounce_throws_nobody(preset, wrong):
+    points = cases.bounces(preset, wrong)
+    # At a hit of two cells a rotor may stay at the wall.
+    backs = [point["restitution"] for point in points if point["restitution"] is not None]
+    assert len(backs) >= len(points) - 1
+    assert max(backs) <= 1.0
+    assert wrong != "nothing" or points[cases.SPEEDS.index(10.0)]["restitution"] >= 0.95
     assert all(point["anchor_fault_s"] is None for point in points)
+
+
+def test_a_rebound_loses_what_it_should():
+    """Of an ideal motor's hit by 30 rad/s, so many cells deep that the way out begins with one."""
+
+    def back(loss: float) -> float:
+        settings = [
+            *cases.NOTHING[:1], "hand.speed_rad_s=30", "scene.duration_s=0.01",
+            "encoder.counts_per_rev=200000",
+            "controller.r_hat_part=1", f"controller.rebound_loss={loss}",
+        ]  # fmt: skip
+        return runs.bounce("bounce", settings)["restitution"]
+
+    for loss in (0.02, 0.05):
+        assert 1.0 - back(loss) / back(0.0) == pytest.approx(loss, rel=0.15)
+
+
+def test_a_rebound_is_young_and_goes_out():
+    """What the integers take for one: not the way in, not a contact of 16 units of rest."""
+    words = np.zeros(anchor.SETTINGS, dtype=np.int64)
+    words[anchor.ENABLE], words[anchor.REST_TICKS] = 1, 20
+    words[anchor.REBOUND_ETA] = -5
+    state = anchor.new_state()
+
+    def tick(position: int, contact: bool) -> int:
+        anchor.anchor_step(state, words, position, contact, 0, 0, 0, 0, 0, False)
+        return int(anchor.returned(-9, contact, words, state))
+
+    assert [tick(0, False), tick(1, True), tick(2, True), tick(2, True)] == [-9] * 4
+    assert [tick(1, True), tick(1, True), tick(2, True), tick(1, True)] == [-5, -5, -9, -5]
+    answers = [tick(1, True) for _ in range(400)]
+    assert 320 - 32 - 8 <= answers.index(-9) <= 320
+    assert set(answers[answers.index(-9) :]) == {-9}
+    assert [tick(0, True), tick(-1, False), tick(-2, False)] == [-9] * 3
+    assert [tick(0, True), tick(1, True), tick(0, True)] == [-9, -9, -5]
+    words[anchor.ENABLE] = 0
+    assert tick(0, True) == -9
 
 
 def test_a_stopped_encoder_leaves_a_held_force_as_it_was():

@@ -49,10 +49,10 @@ from wavehaptics.words.table import ports, side_by_side
 
 (
     ENABLE, FLUX_GAIN, OWED_GAIN, CELLS_GAIN, PULL_GAIN, DAMP_GAIN, LEARN_GAIN, ZERO_GAIN,
-    ROOM_GAIN, REACH, STRANGE, REST_TICKS, SLOW_UNITS,
-) = range(13)  # fmt: skip
+    ROOM_GAIN, REACH, STRANGE, REST_TICKS, SLOW_UNITS, REBOUND_ETA,
+) = range(14)  # fmt: skip
 """Places in an anchor's settings, in the order of ``rtl/words.toml``, which says what they are."""
-SETTINGS = 13
+SETTINGS = 14
 
 _WORDS = ports()["anchor_words"]
 assert len(_WORDS) == SETTINGS
@@ -79,9 +79,12 @@ assert len(_WORDS) == SETTINGS
     ROOM,  # s31q23 √W, 0...: what c takes of the limit of the next tick's wave
     PLACE,  # s48q33 cells, of an axis: its flux by the encoder in the tick before
     FRESH,  # ticks for which the last edge is still one that a contact can begin with
-) = range(21)
+    INTO,  # direction of the edge with which the contact began
+    YOUNG,  # the contact is, for as many times 32 ticks
+    REBOUNDS,  # a rotor that hit the wall is on its way out
+) = range(24)
 """Places in an anchor's state."""
-STATES = 21
+STATES = 24
 
 FRESH_TICKS = 3
 """An edge begins a contact that is told in its own tick or in the next two."""
@@ -95,6 +98,8 @@ MOVING_PHASE = 7
 """While the rotor moves c_I learns in one tick of 8."""
 STILL_UNITS = 16
 """Units of REST_TICKS until it counts as still, and c_I learns in every tick."""
+REBOUND_UNITS = 16
+"""Units of REST_TICKS, in parts of PHASE, from a contact's beginning in which it may be a hit."""
 FREE_SHIFT = 1
 """Out of contact c may be 2^-1 of c_0: where only the sensor's offset flows, R has no voltage and a
 brush not all of its own."""
@@ -159,6 +164,12 @@ def _data(value):
 def left(u_max, state):
     """What c leaves the waves of their limit ``u_max``, raw √W: nothing where c takes all of it."""
     return max(u_max - state[ROOM], 0)
+
+
+@compiled(inline="always")
+def returned(eta, contact, words, state):
+    """η of the next step, raw: less of it comes back to a rotor that rebounds."""
+    return words[REBOUND_ETA] if contact and state[REBOUNDS] != 0 else eta
 
 
 @compiled()
@@ -253,6 +264,11 @@ def _turn(
     else:
         state[TICKS] += 1
     state[PHASE] = (state[PHASE] + 1) & MEAN_PHASE
+    if begins:
+        state[INTO] = state[NEGATIVE]
+        state[YOUNG] = (words[REST_TICKS] * REBOUND_UNITS) // (MEAN_PHASE + 1)
+    elif state[PHASE] == 0 and state[YOUNG] > 0:
+        state[YOUNG] -= 1
 
     e = -voltage if voltage < 0 else voltage
     reach = words[REACH] if contact else words[REACH] >> FREE_SHIFT
@@ -315,6 +331,8 @@ def _turn(
     strange = long_word(past + strange) if negative else long_word(past - strange)
     if words[ENABLE] != 0 and clipped and (strange < 0) == negative and not saturated:
         state[FAULT] = 1
+    out = contact and state[YOUNG] > 0 and state[NEGATIVE] != state[INTO]
+    state[REBOUNDS] = 1 if words[ENABLE] != 0 and out else 0
     active = words[ENABLE] != 0 and state[FAULT] == 0
     state[CORRECTION] = _data(c >> _VOLT_SHIFT) if active else 0
     state[OFFSET] = _data(state[ZERO] >> _AMPERE_SHIFT)

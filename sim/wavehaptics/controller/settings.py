@@ -18,6 +18,7 @@ from wavehaptics.laws.anchor_choice import (
     STRANGE_PART,
     ZERO_PER_S,
     choose_anchor,
+    choose_rebound,
 )
 from wavehaptics.laws.reflection import WishError
 from wavehaptics.motor.supply import reached_v
@@ -273,4 +274,8 @@ def _anchor_words(
     words[anchor.STRANGE] = min(round(strange_v / formats.VOLTAGE.step), formats.VOLTAGE.raw_max)
     words[anchor.REST_TICKS] = rest_ticks
     words[anchor.SLOW_UNITS] = min(max(slow, 1), _MOST_UNITS)
+    rebound = control.eta_contact * choose_rebound(
+        r_hat, control.l_hat, control.k_t_hat, scene.motor.J_kgm2, control.rebound_loss
+    )
+    words[anchor.REBOUND_ETA] = formats.ETA.to_raw(rebound)
     return words

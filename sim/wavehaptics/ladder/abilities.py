@@ -31,7 +31,8 @@ _PINS = frozenset(
 """Of clocks and gates."""
 
 _ANCHOR = frozenset(
-    f"controller.{key}" for key in ("anchor_ohm", "anchor_ohm_per_s", "swing_ohm", "anchor_limit_v")
+    f"controller.{key}"
+    for key in ("anchor_ohm", "anchor_ohm_per_s", "swing_ohm", "anchor_limit_v", "rebound_loss")
 )
 
 _MAGNET = frozenset({"controller.magnet_hat_rad", "controller.find_magnet"})

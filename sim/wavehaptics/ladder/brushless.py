@@ -133,7 +133,7 @@ def _advance_sampled(
         )
         eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
         mode = wave_core.shaper_mode(contact[0], shaped)
-        raw_a, raw_b = alpha, beta
+        raw_a, raw_b, answers = alpha, beta, eta
         left_a = left_b = u_max
         if anchored is not None:
             held_a, held_b = anchored[1][0], anchored[1][1]
@@ -141,8 +141,9 @@ def _advance_sampled(
             beta = wave_core.saturate(beta - held_b[anchor.OFFSET])
             left_a = anchor.left(u_max, held_a)
             left_b = anchor.left(u_max, held_b)
+            answers = anchor.returned(eta, touching, anchored[0], held_b)
             if held_a[anchor.FAULT] != 0 or held_b[anchor.FAULT] != 0:
-                eta = 0
+                eta = answers = 0
         if ints[_MODEL] == 0:
             withheld_a = ports[0, wave_core.STATE_WITHHELD]
             withheld_b = ports[1, wave_core.STATE_WITHHELD]
@@ -150,18 +151,18 @@ def _advance_sampled(
             saturated_b = ports[1, wave_core.STATE_SATURATED] != 0
             if shaper_words.shape[0] == 0:
                 next_a, u_a, v_a = wave_core.wave_core_step(
-                    ports[0], lines[0], alpha, eta, 0, root, ints[_A], left_a, extra, extra
+                    ports[0], lines[0], alpha, answers, 0, root, ints[_A], left_a, extra, extra
                 )
                 next_b, u_b, v_b = wave_core.wave_core_step(
-                    ports[1], lines[1], beta, eta, 0, root, ints[_A], left_b, extra, extra
+                    ports[1], lines[1], beta, answers, 0, root, ints[_A], left_b, extra, extra
                 )
             else:
                 next_a, u_a, v_a = wave_core.shaped_core_step(
-                    ports[0], lines[0], shaper_words, shaper_states[0], mode, alpha, eta, 0, root,
+                    ports[0], lines[0], shaper_words, shaper_states[0], mode, alpha, answers, 0, root,
                     ints[_A], left_a, extra, extra,
                 )  # fmt: skip
                 next_b, u_b, v_b = wave_core.shaped_core_step(
-                    ports[1], lines[1], shaper_words, shaper_states[1], mode, beta, eta, 0, root,
+                    ports[1], lines[1], shaper_words, shaper_states[1], mode, beta, answers, 0, root,
                     ints[_A], left_b, extra, extra,
                 )  # fmt: skip
             if anchored is not None:

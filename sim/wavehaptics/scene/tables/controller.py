@@ -163,10 +163,18 @@ class Controller(Table):
     r_hat_part: float = scene_key(
         "–",
         "Part of `r_hat` that the waves of a port with an anchor are made for",
-        0.9,
-        default_text="0.9",
+        0.87,
+        default_text="0.87",
         ge=0.1,
         le=1.5,
+    )
+    rebound_loss: float = scene_key(
+        "–",
+        "Part of its speed that a port with an anchor takes from a rotor that bounces off a wall",
+        0.035,
+        default_text="0.035",
+        ge=0,
+        le=0.5,
     )
 
     @property
@@ -178,7 +186,9 @@ class Controller(Table):
     def _check(self) -> Controller:
         _check_walls(self.walls)
         if not self.anchored:
-            for key in ("anchor_ohm_per_s", "swing_ohm", "anchor_limit_v", "r_hat_part"):
+            for key in (
+                "anchor_ohm_per_s", "swing_ohm", "anchor_limit_v", "r_hat_part", "rebound_loss",
+            ):  # fmt: skip
                 if key in self.model_fields_set:
                     broken_rule(
                         f"controller.{key} belongs to a port anchor; add anchor_auto = true", key
