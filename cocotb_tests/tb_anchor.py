@@ -246,6 +246,7 @@ class AnchorBench(Bench):
         if self.axis:
             half = abs(tick.cell) << rotor_flux.SHIFT >> 1
         begins = tick.contact and not before[anchor.TOUCHING]
+        anew = gone[anchor.BOUNCED] < 0 and tick.contact
         ends = before[anchor.TOUCHING] and not tick.contact
         moved = gone[anchor.POSITION] if before[anchor.STARTED] else 0
         strange = words[anchor.ENABLE] and state[anchor.CLIPPED] and not before[anchor.FAULT]
@@ -276,6 +277,7 @@ class AnchorBench(Bench):
                 ),
                 "one unit of rest": state[anchor.UNITS] == 1 and tick.contact,
                 "withheld": tick.withheld and tick.contact,
+                "turns in": before[anchor.BOUNCED] and anew and not begins,
                 "rebounds": gone[anchor.REBOUNDS] > 0,
                 "rebounds no more": gone[anchor.REBOUNDS] < 0 and tick.contact and not moved,
             }.items()
@@ -289,7 +291,7 @@ EVERYTHING = frozenset(
         "outside above", "outside below", "inside", "clipped above", "clipped below",
         "not clipped", "clipped with the waves", "room", "fault", "mean", "offset", "forgotten",
         "learned at rest", "learned on the move", "one unit of rest", "withheld",
-        "rebounds", "rebounds no more",
+        "rebounds", "rebounds no more", "turns in",
     )
 )  # fmt: skip
 
@@ -314,7 +316,7 @@ def random_settings(rng: random.Random) -> np.ndarray:
         words[place] = DATA.raw_max if calm else any_word(rng, DATA)
     words[anchor.REST_TICKS] = rng.choice((0, 1, 1, 2, 5, (1 << formats.REST_W) - 1))
     words[anchor.SLOW_UNITS] = rng.choice((0, 1, 2, 16, 31))
-    words[anchor.REBOUND_ETA] = any_word(rng, COEF)
+    words[anchor.REBOUND_ETA] = any_word(rng, COEF) if rng.random() < 0.9 else 0
     return words
 
 

@@ -16,7 +16,8 @@
 // what is in the λ filter then, which its u tells; in contact, what the voltage limit or rounding withholds
 // from the waves counts as flux. In free space and at rest c shows the sensor's offset, which is summed up.
 // While a rotor that hit a wall goes back out of it, the environment returns less, rebound_eta_o, so that
-// a hit comes back with no more than it had whatever c gives.
+// a hit comes back with no more than it had whatever c gives; that is flux which the wall lacks, and with the
+// edge with which the rotor turns in again χ is what it would be if the contact began there.
 // A c that wants to go beyond its limit by strange, with the waves below theirs, tells that waves and encoder
 // don't follow the same motor: fault_o, and c = 0.
 //
@@ -121,8 +122,10 @@ module wh_anchor #(
     wire signed [DATA_W-1:0] strange;      // s31q23 V
     wire        [REST_W-1:0] rest_ticks;   // ticks, 1...
     wire        [UNIT_W-1:0] slow_units;   // of rest_ticks
+    wire signed [COEF_W-1:0] rebound_eta;  // s27q25; 0: no contact is told from another
 
-    assign {rebound_eta_o, slow_units, rest_ticks, strange, reach, room_gain, zero_gain, learn_gain,
+    assign rebound_eta_o = rebound_eta;
+    assign {rebound_eta, slow_units, rest_ticks, strange, reach, room_gain, zero_gain, learn_gain,
             damp_gain, pull_gain, cells_gain, owed_gain, flux_gain, enable} = words_i;
 
     // ---- What the tick brought.
@@ -140,6 +143,8 @@ module wh_anchor #(
     reg [4:0]                phase_q;     // ticks, modulo 32
     reg                      into_q;      // direction of the edge with which the contact began
     reg [REST_W-2:0]         young_q;     // the contact is, for 32 ticks as many times
+    reg                      bounced_q;   // it has been a rebound
+    reg                      returns_q;   // the rotor turns in again, in this tick
 
     wire signed [MOVE_W-1:0] moved    =
         started_q ? $signed(position_i[MOVE_W-1:0] - position_q[MOVE_W-1:0]) : {MOVE_W{1'b0}};
@@ -149,6 +154,11 @@ module wh_anchor #(
     wire                     same_way = moves && (back == back_q || !one);
     wire                     unit     = (ticks_q[REST_W-1:1] == 0);
     wire                     edged    = (fresh_q != 2'd0);
+    wire                     young    = |young_q;
+    wire                     hits     = enable && (|rebound_eta);
+    wire                     turns    = hits && contact_q && !begins_q && moves;
+    wire                     returns  = start_q ? (turns && bounced_q && back == into_q) : returns_q;
+    wire                     anew     = begins_q || returns;
 
     always @(posedge clk) begin
         if (rst) begin
@@ -164,6 +174,8 @@ module wh_anchor #(
             phase_q   <= 5'd0;
             into_q    <= 1'b0;
             young_q   <= {(REST_W - 1){1'b0}};
+            bounced_q <= 1'b0;
+            returns_q <= 1'b0;
         end else begin
             start_q <= start_i;
             if (start_i) begin
@@ -185,9 +197,12 @@ module wh_anchor #(
                 if (begins_q) begin
                     into_q  <= moves ? back : back_q;
                     young_q <= rest_ticks[REST_W-1:1];  // 16 units of them
-                end else if (phase_q == 5'd0 && (|young_q)) begin
+                end else if (phase_q == 5'd0 && young) begin
                     young_q <= young_q - 1'b1;
                 end
+                bounced_q <= begins_q ? 1'b0 : !turns ? bounced_q
+                           : (back != into_q && (young || bounced_q));
+                returns_q <= returns;
             end
         end
         if (start_i) begin
@@ -267,7 +282,7 @@ module wh_anchor #(
                      CLIP = 25, STRANGE = 26, CHOOSE = 27;
 
     // The memory's words.
-    localparam [3:0] M_FLUX = 0, M_LEARNED = 1, M_MEAN = 2, M_ZERO = 3, M_FOLLOWER = 4,
+    localparam [3:0] M_FLUX = 0, M_LEARNED = 1, M_MEAN = 2, M_ZERO = 3, M_FOLLOWER = 4, M_BEGUN = 8,
                      M_LIMIT = 9, M_CURRENT = 10, M_WANTED = 12, M_CHI = 13;
 
     reg [4:0] step_q;
@@ -379,18 +394,25 @@ module wh_anchor #(
             BASE: begin
                 memory_too = !begins_q;
                 fresh      = 1'b1;
-                read_from  = M_FLUX;
+                minus      = returns;
+                read_from  = returns ? M_BEGUN : M_FLUX;
             end
             ADD_OWED: begin
                 sum_too = 1'b1;
                 b_from  = B_FAR;
                 b_none  = !contact_q;
-                minus   = !begins_q;
+                minus   = !anew;
             end
-            ADD_U, ADD_V: begin
+            ADD_U: begin
+                sum_too = 1'b1;
+                b_from  = returns ? B_INPUT : B_FAR;
+                b_none  = begins_q;
+                minus   = !returns;
+            end
+            ADD_V: begin
                 sum_too = 1'b1;
                 b_from  = B_FAR;
-                b_none  = begins_q;
+                b_none  = anew;
                 minus   = 1'b1;
             end
             EDGE: begin
@@ -416,7 +438,11 @@ module wh_anchor #(
                 b_none  = !out_q;
                 minus   = !negative_q;
             end
-            PLACE: b_none = 1'b0;
+            PLACE: begin
+                b_none   = 1'b0;
+                writes   = begins_q;
+                write_to = M_BEGUN;
+            end
             X_HAT: begin
                 sum_too    = 1'b1;
                 memory_too = 1'b1;
@@ -490,9 +516,9 @@ module wh_anchor #(
         case (step_q)
             LIMIT:   given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT + 1){e_back}}, voltage_q,
                                       {(VOLT_SHIFT - 1){1'b0}}});
-            EDGE:    given = begins_q ? start_flux : moved_flux;
+            EDGE:    given = anew ? start_flux : moved_flux;
             HALF:    given = half_flux;
-            PLACE:   given = place;
+            ADD_U, PLACE: given = place;
             default: given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT){setting[DATA_W]}}, setting,
                                       {(VOLT_SHIFT - 1){1'b0}}});
         endcase
@@ -571,7 +597,7 @@ module wh_anchor #(
             after_q <= 3'd2;
         end else if (granted) begin
             case (give_q)
-                G_ZERO:    after_q <= (saturated_q || begins_q) ? 3'd3 : 3'd4;
+                G_ZERO:    after_q <= (saturated_q || anew) ? 3'd3 : 3'd4;
                 G_CURRENT: after_q <= 3'd4;
                 G_OWED:    after_q <= 3'd4;
                 G_U:       after_q <= 3'd5;
@@ -582,8 +608,8 @@ module wh_anchor #(
         if (placed || (granted && !give_q[2])) begin
             factor_q <= placed                ? $signed(sum_q[LONG_W-1:CUT])
                       : (give_q == G_ZERO)    ? current_i
-                      : (give_q == G_CURRENT && !begins_q) ? withheld_i
-                      : (give_q != G_U)       ? u_i : v_i;  // as a contact begins, u is owed
+                      : (give_q == G_CURRENT && !anew) ? withheld_i
+                      : (give_q != G_U)       ? u_i : v_i;  // where χ is set, u is owed
         end
         if (granted || !open_q[0]) begin
             case (gain)
@@ -680,7 +706,7 @@ module wh_anchor #(
                     end
                     INNER:   flux_o    <= $signed(sum_q[LONG_W-1:CUT]);
                     FOLLOW:  lag_o     <= $signed(sum_q[LONG_W-1:CUT]);
-                    DAMP:    rebounds_o <= enable && contact_q && (|young_q) && back_q != into_q;
+                    DAMP:    rebounds_o <= hits && contact_q && young && back_q != into_q;
                     STRANGE: clipped_q <= past;
                     CHOOSE: begin
                         fault_o <= lost;

@@ -20,7 +20,7 @@
 // made of the sign if the word has one, else 0. `commit` and `discard` themselves can't be written.
 //
 // Exceptions: 1 function, 2 address, 3 quantity or value, 4 the bus doesn't answer, 6 not now (the
-// bus's error 3, or the memory busy for 2 SILENCE or more). Broadcasts are done without an answer, to
+// bus's error 3, or the memory busy for SILENCE to 2 SILENCE). Broadcasts are done without an answer, to
 // others nothing is done. Counters go on through a reset, and can't be written.
 //
 // rate_o, 0 at first, is written by word 5; it changes after the answer, and back to 0 after FALLBACK

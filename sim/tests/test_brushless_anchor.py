@@ -78,7 +78,7 @@ def test_an_axis_that_a_count_moves_by_a_cell_is_a_motor_with_brushes():
     words = settings(load_scene(SCENES_DIR / "held_wall.toml")).anchor
     axis, port = anchor.new_state(), anchor.new_state()
     position = 0
-    touching = False
+    touching = bounced = False
     for _ in range(20_000):
         moved = int(chance.choice([0, 0, 0, 0, 1, -1, 2]))
         position += moved
@@ -90,12 +90,14 @@ def test_an_axis_that_a_count_moves_by_a_cell_is_a_motor_with_brushes():
         anchor.anchor_axis_step(axis, words, position, place, CELL, *tick)
         axis[anchor.PLACE] = 0
         assert axis[anchor.STARTED] == 1
-        if port[anchor.TOUCHING] and not touching and port[anchor.FRESH]:
+        begins = port[anchor.TOUCHING] and not touching
+        turns_in = bounced and port[anchor.TOUCHING] and not port[anchor.BOUNCED]
+        if (begins or turns_in) and port[anchor.FRESH]:
             # Half a cell where the other has a quarter, besides what the filter holds.
             begun = (-1 if port[anchor.NEGATIVE] else 1) * CELL
             assert axis[anchor.FLUX] - port[anchor.FLUX] == (begun >> 1) - (begun >> 2)
             axis[:] = port
-        touching = bool(port[anchor.TOUCHING])
+        touching, bounced = bool(port[anchor.TOUCHING]), bool(port[anchor.BOUNCED])
         assert (axis == port).all()
         axis[anchor.PLACE] = place
 

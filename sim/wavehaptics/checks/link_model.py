@@ -27,6 +27,7 @@ RATE, COUNTERS = 0x0A, 0x10
 OBJECTS = {0: b"wave haptics", 1: b"controller", 2: f"v{version('wavehaptics')}".encode()}
 """What function 43/14 tells."""
 COMMIT, DISCARD = WORDS["commit"].at(), WORDS["discard"].at()
+UNDER_WAY = WORDS["settings_busy"].at()
 LONGEST = 256
 """Bytes of a frame."""
 
@@ -205,7 +206,8 @@ class Slave:
                 raise Refused(ADDRESS)
             word = self.memory.get(place.address)
             if place.word.block == MEMORY:
-                word = 0  # nothing is under way, and nothing waits
+                # Nothing waits; words may still be under way that were just written.
+                word = None if place.address == UNDER_WAY else 0
         if word is None:
             return [None, None]
         half = word & 0xFFFF if register & 1 else word >> 16 & 0xFFFF

@@ -82,9 +82,11 @@ assert len(_WORDS) == SETTINGS
     INTO,  # direction of the edge with which the contact began
     YOUNG,  # the contact is, for as many times 32 ticks
     REBOUNDS,  # a rotor that hit the wall is on its way out
-) = range(24)
+    BOUNCED,  # it was, since the contact began or the wall was set anew
+    BEGUN,  # s48q33 cells: the flux by the encoder where the contact began
+) = range(26)
 """Places in an anchor's state."""
-STATES = 24
+STATES = 26
 
 FRESH_TICKS = 3
 """An edge begins a contact that is told in its own tick or in the next two."""
@@ -264,11 +266,19 @@ def _turn(
     else:
         state[TICKS] += 1
     state[PHASE] = (state[PHASE] + 1) & MEAN_PHASE
+    anew = begins
     if begins:
         state[INTO] = state[NEGATIVE]
         state[YOUNG] = (words[REST_TICKS] * REBOUND_UNITS) // (MEAN_PHASE + 1)
-    elif state[PHASE] == 0 and state[YOUNG] > 0:
-        state[YOUNG] -= 1
+        state[BOUNCED] = 0
+        state[BEGUN] = place
+    else:
+        if contact and moved != 0 and words[ENABLE] != 0 and words[REBOUND_ETA] != 0:
+            inward = state[NEGATIVE] == state[INTO]
+            anew = inward and state[BOUNCED] != 0
+            state[BOUNCED] = 0 if inward else 1 if state[YOUNG] > 0 else state[BOUNCED]
+        if state[PHASE] == 0 and state[YOUNG] > 0:
+            state[YOUNG] -= 1
 
     e = -voltage if voltage < 0 else voltage
     reach = words[REACH] if contact else words[REACH] >> FREE_SHIFT
@@ -285,11 +295,10 @@ def _turn(
         flux = long_word(flux - ((owed * withheld) >> _FAR_SHIFT))
     y = long_word((words[CELLS_GAIN] * current) >> _NEAR_SHIFT)
     zero_step = (words[ZERO_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
-    if begins:
-        flux = (words[OWED_GAIN] * u) >> _FAR_SHIFT
+    if anew:
+        flux = long_word(((words[OWED_GAIN] * u) >> _FAR_SHIFT) + place - state[BEGUN])
         if state[FRESH] > 0:
-            flux += -start if state[NEGATIVE] != 0 else start
-        flux = long_word(flux)
+            flux = long_word(flux + (-start if state[NEGATIVE] != 0 else start))
     else:
         flux = long_word(flux + moved_flux)
     state[FLUX] = flux
@@ -332,7 +341,7 @@ def _turn(
     if words[ENABLE] != 0 and clipped and (strange < 0) == negative and not saturated:
         state[FAULT] = 1
     out = contact and state[YOUNG] > 0 and state[NEGATIVE] != state[INTO]
-    state[REBOUNDS] = 1 if words[ENABLE] != 0 and out else 0
+    state[REBOUNDS] = 1 if words[ENABLE] != 0 and words[REBOUND_ETA] != 0 and out else 0
     active = words[ENABLE] != 0 and state[FAULT] == 0
     state[CORRECTION] = _data(c >> _VOLT_SHIFT) if active else 0
     state[OFFSET] = _data(state[ZERO] >> _AMPERE_SHIFT)

@@ -71,10 +71,10 @@ class Settings:
     def for_a_host(self) -> Settings:
         """The same for a port whose environment a host may have, which need not hold a position.
 
-        What the voltage limit withholds is then no flux.
+        What the voltage limit withholds is then no flux, and no wall is set anew after a rebound.
         """
         words = self.anchor.copy()
-        words[anchor.OWED_GAIN] = 0
+        words[anchor.OWED_GAIN] = words[anchor.REBOUND_ETA] = 0
         return replace(self, anchor=words)
 
     def words(self) -> dict[str, int | list[int]]:
@@ -274,8 +274,10 @@ def _anchor_words(
     words[anchor.STRANGE] = min(round(strange_v / formats.VOLTAGE.step), formats.VOLTAGE.raw_max)
     words[anchor.REST_TICKS] = rest_ticks
     words[anchor.SLOW_UNITS] = min(max(slow, 1), _MOST_UNITS)
-    rebound = control.eta_contact * choose_rebound(
-        r_hat, control.l_hat, control.k_t_hat, scene.motor.J_kgm2, control.rebound_loss
-    )
-    words[anchor.REBOUND_ETA] = formats.ETA.to_raw(rebound)
+    # Of a wall that it can't set anew none is lost.
+    if control.rebound_loss and 0.0 < owed <= formats.FLUX.largest:
+        rebound = control.eta_contact * choose_rebound(
+            r_hat, control.l_hat, control.k_t_hat, scene.motor.J_kgm2, control.rebound_loss
+        )
+        words[anchor.REBOUND_ETA] = formats.ETA.to_raw(rebound)
     return words

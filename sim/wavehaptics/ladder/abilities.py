@@ -64,7 +64,7 @@ ABILITIES: dict[str, Ability] = {
         _NO_W | {"controller.find_magnet": "a servo has to know the angle; leave it out"},
     ),
     "hosted": Ability(
-        _PINS | _BESIDE | {"controller.early_duty"},
+        _PINS | _BESIDE | {"controller.early_duty", "controller.rebound_loss"},
         _NO_EDGES
         | {
             "shaper": "the environment is the host's; leave it out",
