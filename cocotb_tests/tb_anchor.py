@@ -279,7 +279,6 @@ class AnchorBench(Bench):
                 "withheld": tick.withheld and tick.contact,
                 "turns in": before[anchor.BOUNCED] and anew and not begins,
                 "rebounds": gone[anchor.REBOUNDS] > 0,
-                "rebounds no more": gone[anchor.REBOUNDS] < 0 and tick.contact and not moved,
             }.items()
             if happened
         }
@@ -291,7 +290,7 @@ EVERYTHING = frozenset(
         "outside above", "outside below", "inside", "clipped above", "clipped below",
         "not clipped", "clipped with the waves", "room", "fault", "mean", "offset", "forgotten",
         "learned at rest", "learned on the move", "one unit of rest", "withheld",
-        "rebounds", "rebounds no more", "turns in",
+        "rebounds", "turns in",
     )
 )  # fmt: skip
 
@@ -314,7 +313,7 @@ def random_settings(rng: random.Random) -> np.ndarray:
             words[place] >>= 8
     for place in LIMITS:
         words[place] = DATA.raw_max if calm else any_word(rng, DATA)
-    words[anchor.REST_TICKS] = rng.choice((0, 1, 1, 2, 5, (1 << formats.REST_W) - 1))
+    words[anchor.REST_TICKS] = rng.choice((0, 1, 2, 2, 5, (1 << formats.REST_W) - 1))
     words[anchor.SLOW_UNITS] = rng.choice((0, 1, 2, 16, 31))
     words[anchor.REBOUND_ETA] = any_word(rng, COEF) if rng.random() < 0.9 else 0
     return words
@@ -475,6 +474,31 @@ async def a_swing_of_four_cells(dut: object) -> None:
         await bench.tick(Tick(contact=1))
         await bench.tick(Tick(contact=1, current=current))
         assert (bench.state[anchor.CORRECTION] != 0) == (current in (four - 1, -four))
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_rebound_grows_old(dut: object) -> None:
+    """It is none any more 16 units of rest after the contact's beginning, in 32 ticks or so."""
+    rng = random_source("rebound")
+    bench = AnchorBench(dut, rng)
+    await bench.power_up()
+    for units in (1, 2, 3):
+        words = random_settings(rng)
+        words[anchor.ENABLE], words[anchor.REST_TICKS] = 1, 2 * units
+        words[anchor.REBOUND_ETA] = rng.choice((1, -1)) * rng.randint(1, COEF.raw_max)
+        await bench.begin(words)
+        for position, contact in ((0, 0), (1, 1), (2, 1), (1, 1)):
+            await bench.tick(Tick(position, contact))
+        assert bench.word("rebounds_o")
+        ticks = 3
+        while bench.word("rebounds_o"):
+            await bench.tick(Tick(1, 1))
+            ticks += 1
+        assert 32 * (units - 1) < ticks <= 32 * units
+        await bench.tick(Tick(2, 1))  # the wall is set anew all the same
+        assert not bench.state[anchor.BOUNCED]
+        await bench.tick(Tick(1, 1))
+        assert not bench.word("rebounds_o")
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

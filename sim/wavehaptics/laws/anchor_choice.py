@@ -13,8 +13,8 @@ Everything is in proportion to the motor's own numbers, so that one choice serve
 - **For swings ρ/2.** A bar of the commutator of 4 % less R, just where the rotor rests, feeds a
   swing of 1.3 mN·m; with this it is a tenth of that. It counts only while the rotor rests, or it
   would take from a bounce.
-- **R̂ at 0.87 of the winding's**: too little only damps, too much swings. With R̂ 10 % and the drive's
-  gain 5 % too high that is still no more than R.
+- **R̂ at 0.86 of the winding's**: too little only damps, too much swings. With R̂ 10 % and the drive's
+  gain 5 % too high that is less than R.
 - **A rebound loses 3.5 % of its speed**: what c gives late, with all of L̂, k̂_T, R̂ and gain wrong, is
   no more than that on a motor with brushes.
 - **c_0 = 0.8 V**: brushes of 0.5 V and a rest of dead time; what grows with the current, a wrong R̂
