@@ -77,6 +77,15 @@ module prove_wh_anchor #(
 
     (* hierconn *) wire [4:0] \block.adds_q ;
     (* hierconn *) wire       \block.writes_q ;
+    (* hierconn *) wire       \block.stores_q ;
+    (* hierconn *) wire [3:0] \block.store_to_q ;
+    (* hierconn *) wire [4:0] \block.ahead_q ;
+    (* hierconn *) wire       \block.waits_q ;
+    (* hierconn *) wire       \block.bare_q ;
+    (* hierconn *) wire [2:0] \block.b_from_q ;
+    (* hierconn *) wire       \block.chosen_q ;
+    (* hierconn *) wire       \block.none_q ;
+    (* hierconn *) wire       \block.halves_q ;
     (* hierconn *) wire signed [DATA_W-1:0]      \block.voltage_q ;
     (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[9] ;
     (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[12] ;
@@ -96,22 +105,30 @@ module prove_wh_anchor #(
 
     // c_0 + |e_id|/2 in a long word's places.
     wire signed [`WH_LONG_W-1:0] limit_long = $signed({halves, {(VOLT_SHIFT - 1){1'b0}}});
+    // At rest the first step, which waits for no product and takes a setting, is known already.
+    wire first_known  = \block.ahead_q == 5'd1 && !\block.waits_q && !\block.bare_q
+                        && \block.b_from_q == 3'd2;
     wire limit_stands = \block.memory[9] == limit_long && busy && \block.voltage_q == voltage;
 
     always @(posedge clk) begin
         at <= (at == 6'd40) ? 6'd40 : at + 6'd1;
         assume (!reach[DATA_W-1] && !reach[DATA_W-2] && !strange[DATA_W-1]);
         if (at == 6'd0) begin
-            if (PART <= 1) assume (\block.step_q == 5'd0 && !\block.go_q && !busy);
+            if (PART <= 1) assume (\block.step_q == 5'd0 && !\block.go_q && !busy && first_known);
+            if (PART <= 1) assume (!\block.chosen_q && !\block.none_q );
             else assume (\block.go_q && \block.adds_q == \block.step_q - 5'd1 && limit_stands);
-            // CORRECT, the step that is added up meanwhile, writes nothing.
-            if (PART == 2) assume (\block.step_q == 5'd24 && !\block.writes_q );
+            // CORRECT, the step that is added up meanwhile, writes nothing, and LEARN before it c_I.
+            if (PART == 2) begin
+                assume (\block.step_q == 5'd24 && \block.ahead_q == 5'd25 && !\block.writes_q );
+                assume (!\block.stores_q || \block.store_to_q == 4'd1);
+                assume (!\block.halves_q && !\block.chosen_q && !\block.none_q );
+            end
             assume (!overrun);
             fault_before <= fault;
         end
         if (at == 6'd29) begin
             if (PART == 0) begin
-                assert (\block.step_q == 5'd0 && !\block.go_q && !busy && !overrun);
+                assert (\block.step_q == 5'd0 && !\block.go_q && !busy && !overrun && first_known);
                 if (!enable || fault) assert (next == 0);
                 if (enable && fault_before) assert (fault);
                 if (!enable && fault) assert (fault_before);
@@ -119,9 +136,9 @@ module prove_wh_anchor #(
                 if (!enable || !\block.contact_q ) assert (!rebounds);
             end
         end
-        // The third step has been made. Nothing touches its word until the last ones
+        // The third step has been made and written. Nothing touches its word until the last ones
         // (formal/wh_anchor_turns.v).
-        if (PART == 1 && at == 6'd4) assert (\block.step_q == 5'd4 && limit_stands);
+        if (PART == 1 && at == 6'd5) assert (\block.step_q == 5'd5 && limit_stands);
         if (PART == 2 && at == 6'd5) begin
             assert (c_size <= limit);
             // What was wanted is in the last of the words.

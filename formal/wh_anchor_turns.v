@@ -70,6 +70,10 @@ module prove_wh_anchor_turns #(
     (* hierconn *) wire [2:0] \block.open_q ;
     (* hierconn *) wire       \block.go_q ;
     (* hierconn *) wire       \block.writes_q ;
+    (* hierconn *) wire       \block.stores_q ;
+    (* hierconn *) wire [3:0] \block.store_to_q ;
+    (* hierconn *) wire [4:0] \block.ahead_q ;
+    (* hierconn *) wire       \block.waits_q ;
     (* hierconn *) wire signed [DATA_W-1:0]     \block.voltage_q ;
     (* hierconn *) wire signed [`WH_LONG_W-1:0] \block.memory[9] ;
 
@@ -101,7 +105,7 @@ module prove_wh_anchor_turns #(
         rst_q   <= rst;
         way     <= rst ? 3'd0 : {way[1:0], granted};
         refused <= (rst || !request || grant) ? 4'd0 : refused + 4'd1;
-        makes_q    <= !begun || rst || !in_turn || \block.adds_q < 5'd3;
+        makes_q    <= !begun || rst || !in_turn || \block.adds_q < 5'd4;
             voltage_q  <= \block.voltage_q ;
         word_9_q   <= \block.memory[9] ;
         turn    <= (rst || !in_turn) ? 10'd0 : (turn == 10'd1000) ? turn : turn + 10'd1;
@@ -115,6 +119,8 @@ module prove_wh_anchor_turns #(
                                && correction == 0 && next == 0 && !request);
             assert (busy == (step != 5'd0 || (\block.go_q && \block.adds_q == 5'd27)));
             assert (step <= 5'd27);
+            assert (\block.ahead_q == (step == 5'd27 ? 5'd0 : step + 5'd1));
+            assert (\block.waits_q == waits);
             assert (\block.open_q == {step > 5'd18, step > 5'd5, step > 5'd0});
             // Each step waits for its own product, and none is lost or taken for another.
             if (in_turn) begin

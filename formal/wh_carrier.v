@@ -48,6 +48,7 @@ module prove_wh_carrier #(
     (* hierconn *) wire [`WH_TICK_W-1:0] \block.halves_left_q ;
     (* hierconn *) wire [`WH_TICK_W-1:0] \block.wait_q ;
     (* hierconn *) wire [8:0]            \block.left_q ;
+    (* hierconn *) wire                  \block.due_q ;
 
     wire signed [15:0] first_place = $signed({9'd0, gap}) / 2 - lead;
     wire        [15:0] length      = half * halves;
@@ -102,6 +103,7 @@ module prove_wh_carrier #(
             assert (place + 1 + togo == length && togo < length);
             assert (\block.left_q + seen == samples && seen <= samples);
             assert (\block.first_q == (seen == 0));
+            assert (\block.due_q == (\block.wait_q == 0 && \block.left_q != 0));
             if (\block.left_q != 0) begin
                 if (seen == 0) assert (place + \block.wait_q == first_place + (late && \block.odd_q )
                                        && \block.wait_q < gap);

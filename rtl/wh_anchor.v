@@ -271,12 +271,13 @@ module wh_anchor #(
     wire slow  = (units_q >= slow_units);
 
     // ---- The steps: what is added to what, and where the sum goes. A step's words are fetched in one
-    // clock (step_q), where the sums with a product wait for it, and added in the next (adds_q).
+    // clock (step_q), where the sums with a product wait for it, and added in the next (adds_q). What
+    // would have to be found out from step_q, and then go to every bit of a word, is known a clock before.
     // BEGIN, while there is nothing to do: the tick's words are there a clock later.
     localparam [4:0] BEGIN = 0, REACH = 1, LIMIT = 2,
                      TAKE_ZERO = 3, ZERO = 4, CURRENT = 5, SWING = 6, MEAN = 7,
                      BASE = 8, ADD_OWED = 9, ADD_U = 10, ADD_V = 11, EDGE = 12, FLUX = 13,
-                     INNER = 14, OUTER = 15, HALF = 16,
+                     INNER = 14, HALF = 15, OUTER = 16,
                      PLACE = 17, X_HAT = 18, LAG = 19, FOLLOW = 20,
                      TAKE_LEARNED = 21, LEARN = 22, CORRECT = 23, DAMP = 24,
                      CLIP = 25, STRANGE = 26, CHOOSE = 27;
@@ -286,22 +287,23 @@ module wh_anchor #(
                      M_LIMIT = 9, M_CURRENT = 10, M_WANTED = 12, M_CHI = 13;
 
     reg [4:0] step_q;
+    reg [4:0] ahead_q;    // the step after step_q
+    reg       waits_q;    // step_q takes a product
     reg [4:0] adds_q;
     reg       go_q;       // adds_q is to be done
     reg       busy_q;
     reg       first_q;    // no step has been made: the memory's state reads as 0
     reg       tracked_q;  // the offset's word is in the memory, else it is 0
 
-    wire waits   = (step_q == ZERO || step_q == CURRENT || step_q == ADD_OWED || step_q == ADD_U
-                    || step_q == ADD_V || step_q == LEARN || step_q == CORRECT || step_q == DAMP);
     wire ends    = go_q && adds_q == CHOOSE;
     wire accepts = waves_i && (!busy_q || ends);
-    wire fetches = (step_q == BEGIN) ? accepts : (!waits || done_i);
+    wire fetches = (step_q == BEGIN) ? accepts : (!waits_q || done_i);
 
     assign busy_o = busy_q;
 
     // ---- The words of a step.
-    localparam [1:0] B_NEAR = 0, B_FAR = 1, B_INPUT = 2;
+    localparam [2:0] B_NEAR = 0, B_FAR = 1,  // products
+                     B_REACH = 2, B_STRANGE = 3, B_VOLTAGE = 4, B_EDGE = 5, B_HALF = 6, B_PLACE = 7;
 
     // No word is read for a sum in the clock in which it is written, so that it doesn't matter what a
     // block RAM would give then: else Yosys adds logic that knows.
@@ -312,22 +314,25 @@ module wh_anchor #(
     reg signed [LONG_W-1:0] b_q;
     reg signed [DATA_W-1:0] voltage_q;
     reg                     saturated_q;
-    reg signed [LONG_W-1:0] given;
     reg        [3:0]        read_from;
     reg        [3:0]        write_to_q;
     reg        [3:0]        write_to;
     reg                     writes_q, writes;
+    reg        [3:0]        store_to_q;
+    reg                     stores_q;                // sum_q is to be written
     reg                     sum_too_q, sum_too;      // a: the sum, or
     reg                     inner_q, inner;          // its 256th, or 0
     reg                     memory_too_q, memory_too;  // b: what was read, or b_q
     reg                     fresh;                   // what is read is 0 in the first step
-    reg        [1:0]        b_from;
-    reg                     b_none;
+    reg        [2:0]        b_from_q, b_from;
+    reg                     waits;
+    reg                     bare_q, bare;            // b_q is 0
+    reg                     halves_q;                // nothing is added if χ isn't outside
     reg                     minus_q, minus;
     reg                     to_zero_q;               // minus if the sum isn't
     reg                     out_q;                   // χ is outside the dead zone
     reg                     clipped_q;
-    reg                     negative_q;              // χ, or the correction that is wanted
+    reg                     negative_q;              // the correction that is wanted
 
     wire e_back = voltage_q[DATA_W-1];
     wire back_sum = sum_q[LONG_W-1];
@@ -339,21 +344,14 @@ module wh_anchor #(
         inner      = 1'b0;
         memory_too = 1'b0;
         fresh      = 1'b0;
-        b_from     = B_INPUT;
-        b_none     = 1'b1;
         minus      = 1'b0;
         read_from  = M_FOLLOWER;
         writes     = 1'b0;
         write_to   = M_FLUX;
         case (step_q)
-            BEGIN: b_none = 1'b0;
-            REACH: begin
-                sum_too = 1'b1;
-                b_none  = !contact_q;
-            end
+            REACH: sum_too = 1'b1;
             LIMIT: begin
                 sum_too  = 1'b1;
-                b_none   = 1'b0;
                 minus    = e_back;
                 writes   = 1'b1;
                 write_to = M_LIMIT;
@@ -364,15 +362,11 @@ module wh_anchor #(
             end
             ZERO: begin
                 sum_too  = 1'b1;
-                b_from   = B_FAR;
-                b_none   = !contact_q && !slow;
                 minus    = !contact_q || next_q[DATA_W-1];
                 writes   = !contact_q;
                 write_to = M_ZERO;
             end
             CURRENT: begin
-                b_from   = B_NEAR;
-                b_none   = 1'b0;
                 writes   = 1'b1;
                 write_to = M_CURRENT;
             end
@@ -399,25 +393,18 @@ module wh_anchor #(
             end
             ADD_OWED: begin
                 sum_too = 1'b1;
-                b_from  = B_FAR;
-                b_none  = !contact_q;
                 minus   = !anew;
             end
             ADD_U: begin
                 sum_too = 1'b1;
-                b_from  = returns ? B_INPUT : B_FAR;
-                b_none  = begins_q;
                 minus   = !returns;
             end
             ADD_V: begin
                 sum_too = 1'b1;
-                b_from  = B_FAR;
-                b_none  = anew;
                 minus   = 1'b1;
             end
             EDGE: begin
                 sum_too = 1'b1;
-                b_none  = 1'b0;
                 writes  = 1'b1;
             end
             FLUX: begin
@@ -428,18 +415,16 @@ module wh_anchor #(
                 write_to   = M_CHI;
             end
             INNER: inner = 1'b1;
-            OUTER: begin
-                sum_too    = 1'b1;
-                memory_too = out;
-                read_from  = M_CHI;
-            end
             HALF: begin
                 sum_too = 1'b1;
-                b_none  = !out_q;
-                minus   = !negative_q;
+                minus   = !back_sum;
+            end
+            OUTER: begin
+                sum_too    = 1'b1;
+                memory_too = out_q;
+                read_from  = M_CHI;
             end
             PLACE: begin
-                b_none   = 1'b0;
                 writes   = begins_q;
                 write_to = M_BEGUN;
             end
@@ -469,22 +454,16 @@ module wh_anchor #(
             end
             LEARN: begin
                 sum_too  = 1'b1;
-                b_from   = B_FAR;
-                b_none   = !learns;
                 minus    = 1'b1;
                 writes   = 1'b1;
                 write_to = M_LEARNED;
             end
             CORRECT: begin
                 sum_too = 1'b1;
-                b_from  = B_NEAR;
-                b_none  = 1'b0;
                 minus   = 1'b1;
             end
             DAMP: begin
                 sum_too  = 1'b1;
-                b_from   = B_NEAR;
-                b_none   = !contact_q || !rests || !small_q;
                 minus    = 1'b1;
                 writes   = 1'b1;
                 write_to = M_WANTED;
@@ -496,7 +475,6 @@ module wh_anchor #(
             end
             STRANGE: begin
                 sum_too = 1'b1;
-                b_none  = 1'b0;
                 minus   = !back_sum;
             end
             CHOOSE: begin
@@ -504,36 +482,81 @@ module wh_anchor #(
                 read_from  = past ? M_LIMIT : M_WANTED;
                 minus      = past && negative_q;
             end
-            default: b_none = 1'b1;
+            default: ;
+        endcase
+    end
+
+    // Of the step after this one: where b_q is from, and whether for that a product has to come.
+    always @* begin
+        waits  = 1'b0;
+        bare   = 1'b0;
+        b_from = B_REACH;
+        case (ahead_q)
+            BEGIN:   ;
+            REACH:   bare = !touches;
+            LIMIT:   b_from = B_VOLTAGE;
+            ZERO: begin
+                waits  = 1'b1;
+                bare   = !contact_q && !slow;
+                b_from = B_FAR;
+            end
+            CURRENT, CORRECT: begin
+                waits  = 1'b1;
+                b_from = B_NEAR;
+            end
+            ADD_OWED: begin
+                waits  = 1'b1;
+                bare   = !contact_q;
+                b_from = B_FAR;
+            end
+            ADD_U: begin
+                waits  = 1'b1;
+                bare   = begins_q;
+                b_from = returns ? B_PLACE : B_FAR;
+            end
+            ADD_V: begin
+                waits  = 1'b1;
+                bare   = anew;
+                b_from = B_FAR;
+            end
+            EDGE:    b_from = B_EDGE;
+            HALF:    b_from = B_HALF;
+            PLACE:   b_from = B_PLACE;
+            LEARN: begin
+                waits  = 1'b1;
+                bare   = !learns;
+                b_from = B_FAR;
+            end
+            DAMP: begin
+                waits  = 1'b1;
+                bare   = !contact_q || !rests || !small_q;
+                b_from = B_NEAR;
+            end
+            STRANGE: b_from = B_STRANGE;
+            default: bare = 1'b1;
         endcase
     end
 
     // What comes from outside. c_0 comes as two halves: out of contact the second stays away.
-    wire signed [DATA_W:0] setting = (step_q == STRANGE)
+    wire signed [DATA_W:0] setting = (b_from_q == B_STRANGE)
         ? $signed({strange, 1'b0}) : $signed({reach[DATA_W-1], reach[DATA_W-1:1], reach[0] && touches});
 
-    always @* begin
-        case (step_q)
-            LIMIT:   given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT + 1){e_back}}, voltage_q,
-                                      {(VOLT_SHIFT - 1){1'b0}}});
-            EDGE:    given = anew ? start_flux : moved_flux;
-            HALF:    given = half_flux;
-            ADD_U, PLACE: given = place;
-            default: given = $signed({{(LONG_W - DATA_W - VOLT_SHIFT){setting[DATA_W]}}, setting,
-                                      {(VOLT_SHIFT - 1){1'b0}}});
-        endcase
-    end
-
     always @(posedge clk) begin
-        if (b_none) begin
+        if (bare_q) begin
             b_q <= {LONG_W{1'b0}};
         end else begin
-            case (b_from)
-                B_NEAR:  b_q <= $signed(product_i[NEAR_SHIFT +: LONG_W]);
-                B_FAR:   b_q <= $signed({{(LONG_W - DATA_W - COEF_W + FAR_SHIFT)
-                                              {product_i[DATA_W+COEF_W-1]}},
-                                         product_i[DATA_W+COEF_W-1:FAR_SHIFT]});
-                default: b_q <= given;
+            case (b_from_q)
+                B_NEAR:    b_q <= $signed(product_i[NEAR_SHIFT +: LONG_W]);
+                B_FAR:     b_q <= $signed({{(LONG_W - DATA_W - COEF_W + FAR_SHIFT)
+                                                {product_i[DATA_W+COEF_W-1]}},
+                                           product_i[DATA_W+COEF_W-1:FAR_SHIFT]});
+                B_VOLTAGE: b_q <= $signed({{(LONG_W - DATA_W - VOLT_SHIFT + 1){e_back}}, voltage_q,
+                                           {(VOLT_SHIFT - 1){1'b0}}});
+                B_EDGE:    b_q <= anew ? start_flux : moved_flux;
+                B_HALF:    b_q <= half_flux;
+                B_PLACE:   b_q <= place;
+                default:   b_q <= $signed({{(LONG_W - DATA_W - VOLT_SHIFT){setting[DATA_W]}}, setting,
+                                           {(VOLT_SHIFT - 1){1'b0}}});
             endcase
         end
         read_q       <= memory[read_from];
@@ -543,11 +566,13 @@ module wh_anchor #(
         memory_too_q <= memory_too && !(fresh && first_q);
         minus_q      <= minus;
         to_zero_q    <= (step_q == CLIP);
+        halves_q     <= (step_q == HALF);
         writes_q     <= writes;
         write_to_q   <= write_to;
     end
 
-    // ---- The adder. What a step writes, the one after it can't read.
+    // ---- The adder. Its sum goes to sum_q alone, and from there on, so that sum and register are one
+    // cell of an FPGA. What a step writes, the two after it can't read.
     wire                     takes_off = to_zero_q ? !back_sum : minus_q;
     wire signed [LONG_W-1:0] part = sum_q >>> INNER_SHIFT;
     wire signed [LONG_W-1:0] a    = ({LONG_W{sum_too_q}} & sum_q) | ({LONG_W{inner_q}} & part);
@@ -558,11 +583,13 @@ module wh_anchor #(
     wire unused = &{1'b0, product_i[NEAR_SHIFT-1:0], position_i[`WH_COUNT_W-1:PLACE_W]};
 
     always @(posedge clk) begin
-        if (go_q) begin
+        if (go_q && (out_q || !halves_q)) begin
             sum_q <= sum;
         end
-        if (go_q && writes_q) begin
-            memory[write_to_q] <= sum;
+        stores_q   <= go_q && writes_q;
+        store_to_q <= write_to_q;
+        if (stores_q) begin
+            memory[store_to_q] <= sum_q;
         end
     end
 
@@ -589,7 +616,7 @@ module wh_anchor #(
     reg  [2:0] after_q;  // gain of the product after this one
     wire [2:0] gain    = open_q[0] ? after_q : {2'b00, touches};
 
-    assign factor_o      = (give_q == G_ZERO) ? next_q : (give_q == G_DAMP) ? swing_q : factor_q;
+    assign factor_o      = (give_q == G_ZERO) ? next_o : (give_q == G_DAMP) ? swing_q : factor_q;
     assign coefficient_o = coefficient_q;
 
     always @(posedge clk) begin
@@ -637,11 +664,8 @@ module wh_anchor #(
                     swing_q <= $signed(sum_q[LONG_W-1:CUT]);
                     small_q <= (&sum_q[LONG_W-1:LONG_Q+SWING_W]) || !(|sum_q[LONG_W-1:LONG_Q+SWING_W]);
                 end
-                INNER: begin
-                    out_q      <= out;
-                    negative_q <= back_sum;
-                end
-                CLIP:      negative_q <= back_sum;
+                INNER:   out_q      <= out;
+                CLIP:    negative_q <= back_sum;
                 default: ;
             endcase
         end
@@ -649,13 +673,19 @@ module wh_anchor #(
 
     // ---- Steps and results.
     reg  signed [DATA_W-1:0] next_q;
+    reg                      chosen_q;  // c is still in sum_q, and
+    reg                      none_q;    // it is not wanted
     wire                     lost = enable && (fault_o || (clipped_q && past && !saturated_q));
 
-    assign next_o = next_q;
+    assign next_o = none_q ? {DATA_W{1'b0}} : chosen_q ? $signed(sum_q[VOLT_SHIFT +: DATA_W]) : next_q;
 
     always @(posedge clk) begin
         if (rst) begin
             step_q       <= BEGIN;
+            ahead_q      <= REACH;
+            waits_q      <= 1'b0;
+            bare_q       <= 1'b0;
+            b_from_q     <= B_REACH;
             go_q         <= 1'b0;
             busy_q       <= 1'b0;
             first_q      <= 1'b1;
@@ -666,6 +696,8 @@ module wh_anchor #(
             clipped_q    <= 1'b0;
             fault_o      <= 1'b0;
             next_q       <= {DATA_W{1'b0}};
+            chosen_q     <= 1'b0;
+            none_q       <= 1'b0;
             correction_o <= {DATA_W{1'b0}};
             room_o       <= {DATA_W{1'b0}};
             offset_o     <= {DATA_W{1'b0}};
@@ -676,13 +708,20 @@ module wh_anchor #(
             if ((waves_i && !accepts) || (start_i && step_q != BEGIN && step_q <= DAMP)) begin
                 overrun_o <= 1'b1;
             end
-            go_q <= fetches;
+            go_q     <= fetches;
+            chosen_q <= ends;
+            none_q   <= ends && (!enable || lost);
+            next_q   <= next_o;
             if (fetches) begin
-                step_q <= (step_q == CHOOSE) ? BEGIN : step_q + 5'd1;
-                open_q <= (step_q == CHOOSE)  ? 3'b000
-                        : (step_q == BEGIN)   ? 3'b001
-                        : (step_q == CURRENT) ? 3'b011
-                        : (step_q == X_HAT)   ? 3'b111 : open_q;
+                step_q   <= ahead_q;
+                ahead_q  <= (ahead_q == CHOOSE) ? BEGIN : ahead_q + 5'd1;
+                waits_q  <= waits;
+                bare_q   <= bare;
+                b_from_q <= b_from;
+                open_q   <= (step_q == CHOOSE)  ? 3'b000
+                          : (step_q == BEGIN)   ? 3'b001
+                          : (step_q == CURRENT) ? 3'b011
+                          : (step_q == X_HAT)   ? 3'b111 : open_q;
             end
             if (accepts) begin
                 busy_q <= 1'b1;
@@ -695,10 +734,9 @@ module wh_anchor #(
             end
             if (go_q) begin
                 case (adds_q)
-                    BEGIN:   correction_o <= next_q;
-                    ZERO:    room_o <= contact_q ? $signed(sum[VOLT_SHIFT +: DATA_W])
-                                                 : {DATA_W{1'b0}};
+                    BEGIN:   correction_o <= next_o;
                     CURRENT: begin
+                        room_o <= contact_q ? $signed(sum_q[VOLT_SHIFT +: DATA_W]) : {DATA_W{1'b0}};
                         if (!contact_q) begin
                             tracked_q <= 1'b1;
                             offset_o  <= $signed(sum_q[AMP_SHIFT +: DATA_W]);
@@ -710,8 +748,6 @@ module wh_anchor #(
                     STRANGE: clipped_q <= past;
                     CHOOSE: begin
                         fault_o <= lost;
-                        next_q  <= (enable && !lost) ? $signed(sum[VOLT_SHIFT +: DATA_W])
-                                                     : {DATA_W{1'b0}};
                         first_q <= 1'b0;
                     end
                     default: ;

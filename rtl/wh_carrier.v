@@ -45,6 +45,7 @@ module wh_carrier (
     reg                  running_q;
     reg [`WH_TICK_W-1:0] phase_q;
     reg [`WH_TICK_W-1:0] remaining_q;
+    reg                  ends_q;         // remaining_q is 0: a comparison is asked a clock ahead
     reg                  half_q;
     reg [`WH_TICK_W-1:0] halves_left_q;  // after this one
 
@@ -55,7 +56,7 @@ module wh_carrier (
     assign phase_o     = phase_q;
     assign remaining_o = remaining_q;
     assign half_o      = half_q;
-    assign update_o    = running_q && (remaining_q == {`WH_TICK_W{1'b0}});
+    assign update_o    = running_q && ends_q;
     assign take_o      = take_q;
     assign tick_o      = update_o && last_half;
 
@@ -67,9 +68,11 @@ module wh_carrier (
         if (rst || !running_q || update_o) begin
             phase_q     <= {`WH_TICK_W{1'b0}};
             remaining_q <= half_clocks_i - ONE;
+            ends_q      <= (half_clocks_i == ONE);
         end else begin
             phase_q     <= phase_q + ONE;
             remaining_q <= remaining_q - ONE;
+            ends_q      <= (remaining_q == ONE);
         end
         if (rst || !running_q) begin
             half_q        <= 1'b0;
@@ -82,6 +85,7 @@ module wh_carrier (
 
     reg [`WH_TICK_W-1:0] wait_q;    // clocks to the next sample
     reg [8:0]            left_q;    // samples of this tick still to come
+    reg                  due_q;     // wait_q is 0, and left_q is not
     reg                  first_q;
 
     reg                   odd_q;     // this tick's parity
@@ -90,7 +94,7 @@ module wh_carrier (
                                        - {{`WH_TICK_W-8{sample_lead_i[7]}}, sample_lead_i}
                                        + {{`WH_TICK_W-1{1'b0}}, sample_late_i && running_q && !odd_q};
 
-    assign sample_o       = running_q && (wait_q == {`WH_TICK_W{1'b0}}) && (left_q != 9'd0);
+    assign sample_o       = running_q && due_q;
     assign sample_first_o = first_q;
 
     always @(posedge clk) begin
@@ -105,13 +109,16 @@ module wh_carrier (
         if (!running_q || tick_o) begin
             wait_q  <= first_wait;
             left_q  <= samples_i;
+            due_q   <= (first_wait == {`WH_TICK_W{1'b0}}) && (samples_i != 9'd0);
             first_q <= 1'b1;
         end else if (sample_o) begin
             wait_q  <= sample_clocks_i - ONE;
             left_q  <= left_q - 9'd1;
+            due_q   <= (sample_clocks_i == ONE) && (left_q != 9'd1);
             first_q <= 1'b0;
         end else begin
             wait_q  <= wait_q - ONE;
+            due_q   <= (wait_q == ONE) && (left_q != 9'd0);
         end
     end
 

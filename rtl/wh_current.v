@@ -43,7 +43,8 @@ module wh_current (
     localparam integer PRODUCT_W    = DIFFERENCE_W + `WH_COEF_W;  // as far as product_i is used
     localparam integer SHIFT        = `WH_GAIN_Q - `WH_CURRENT_Q;
     localparam integer ROUND_W      = PRODUCT_W - SHIFT + 1;
-    localparam integer LESS_W       = 1 + ((ROUND_W > `WH_DATA_W) ? ROUND_W : `WH_DATA_W);
+    localparam integer NEAR_W       = `WH_DATA_W + 1;
+    localparam integer WIDE_W       = (ROUND_W > NEAR_W) ? ROUND_W : NEAR_W;
 
     generate
         if (`WH_DATA_W < DIFFERENCE_W) begin : illegal
@@ -102,12 +103,19 @@ module wh_current (
         .value_o (rounded)
     );
 
-    wire signed [LESS_W-1:0] less =
-        $signed({{(LESS_W - ROUND_W){rounded_q[ROUND_W-1]}}, rounded_q})
-        - $signed({{(LESS_W - `WH_DATA_W){offset_i[`WH_DATA_W-1]}}, offset_i});
+    // What doesn't fit NEAR_W bits is saturated whatever the offset, so that no more are subtracted:
+    // their carry would be the slowest path of an iCE40.
+    wire signed [WIDE_W-1:0] wide = {{(WIDE_W - ROUND_W + 1){rounded_q[ROUND_W-1]}},
+                                     rounded_q[ROUND_W-2:0]};
+    wire                     back = wide[WIDE_W-1];
+    wire                     far  = (wide[WIDE_W-1:NEAR_W-1] != {(WIDE_W - NEAR_W + 1){back}});
+    wire signed [NEAR_W:0]   near = $signed({wide[NEAR_W-1], wide[NEAR_W-1:0]})
+                                    - $signed({{2{offset_i[`WH_DATA_W-1]}}, offset_i});
+    wire signed [NEAR_W:0]   less = $signed({far ? {back, !back} : near[NEAR_W:NEAR_W-1],
+                                             near[NEAR_W-2:0]});
 
     wh_saturate #(
-        .IN_W    (LESS_W),
+        .IN_W    (NEAR_W + 1),
         .OUT_W   (`WH_DATA_W)
     ) saturate (
         .value_i (less),
