@@ -185,8 +185,8 @@ class AxesBench(Bench):
             correction = int(held[anchor.CORRECTION])
             e, u, v = wave_core.shaped_core_step(
                 port, self.lines[n], words, self.states[n], mode, current,
-                0 if damp or lost[n] else answers, 0, ROOT, A, anchor.left(self.u_max, gives[n]), EXTRA,
-                HOLD,
+                0 if damp or lost[n] else answers, 0, ROOT, A, anchor.left(self.u_max, gives[n]),
+                EXTRA, HOLD,
             )  # fmt: skip
             wanted = (wave_core.saturate(e + correction), u, v, current, correction)
             assert tuple(outputs[n] for outputs in found) == wanted, (n, mode)
@@ -276,7 +276,8 @@ def any_gains(rng: random.Random) -> np.ndarray:
 
 
 EVERYTHING = {
-    f"{name} {axis}" for name in ("correction", "offset", "room", "fault", "rebounds")
+    f"{name} {axis}"
+    for name in ("correction", "offset", "room", "fault", "rebounds")
     for axis in range(AXES)
 }
 

@@ -22,7 +22,8 @@ NUMBERS = 8
 async def begin(bench: Bench) -> None:
     await bench.start(
         damps_i=0, contact_i=0, shaped_i=0, eta_i=0, rebounds_i=0, rebound_eta_i=0,
-        host_period_log2_i=PERIOD_LOG2, host_timeout_i=100, valid_i=0, v_i=0, host_strobe_i=0, host_sequence_i=0, host_u_i=0,
+        host_period_log2_i=PERIOD_LOG2, host_timeout_i=100, valid_i=0, v_i=0, host_strobe_i=0,
+        host_sequence_i=0, host_u_i=0,
     )  # fmt: skip
 
 

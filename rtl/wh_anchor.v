@@ -99,6 +99,7 @@ module wh_anchor #(
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
     localparam integer INNER_SHIFT = 8;  // of χ within the dead zone, of both means
     localparam integer SWING_W     = 2;  // swings are smaller than 2^2 cells
+    localparam [1:0]   FRESH_TICKS = 3;  // a contact is told in its edge's tick or in the next two
 
     generate
         if (NEAR_SHIFT < 1 || NEAR_SHIFT != `WH_PULL_Q - CUT || FAR_SHIFT != `WH_LEARN_Q - CUT
@@ -187,7 +188,7 @@ module wh_anchor #(
             end
             if (start_q) begin
                 back_q  <= moves ? back : back_q;
-                fresh_q <= moves ? 2'd3 : edged ? fresh_q - 2'd1 : 2'd0;
+                fresh_q <= moves ? FRESH_TICKS : edged ? fresh_q - 2'd1 : 2'd0;
                 ticks_q <= (same_way || unit) ? rest_ticks : ticks_q - 1'b1;
                 if (same_way) begin
                     units_q <= {UNIT_W{1'b0}};

@@ -42,8 +42,8 @@ WHOLE_BYTES = 100_000_000
 __all__ = ["STORE", "Task", "soak", "summary", "tasks"]
 
 CLOCK_HZ, SILENCE, FALLBACK, BUILD, UNIT = 18_000_000, 3000, 511, 0x20261122, 1
-"""The slowest clock with all rates, at which a bit of the fastest takes 6 clocks; a silence longer than the
-2,200 that the memory is busy for with what it is given."""
+"""The slowest clock with all rates, at which a bit of the fastest takes 6 clocks; a silence
+longer than the 2,200 that the memory is busy for with what it is given."""
 RATES = (115_200, 1_000_000, 1_500_000, 3_000_000)
 FASTEST = 3
 SIZES = Sizes(motors=1, walls=4, sections=0, delay_log2=2)

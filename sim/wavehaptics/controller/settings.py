@@ -13,6 +13,7 @@ from wavehaptics.controller.normalised import response
 from wavehaptics.controller.shaper import Shaper, design
 from wavehaptics.laws import closed_forms
 from wavehaptics.laws.anchor_choice import (
+    MOST_HELD_UP,
     SLOW_RAD_S,
     STRANGE_CELLS,
     STRANGE_PART,
@@ -275,7 +276,8 @@ def _anchor_words(
     words[anchor.REST_TICKS] = rest_ticks
     words[anchor.SLOW_UNITS] = min(max(slow, 1), _MOST_UNITS)
     # Of a wall that it can't set anew none is lost.
-    if control.rebound_loss and 0.0 < owed <= formats.FLUX.largest:
+    held_up = control.extra_ticks * tick_s * r_hat / (2.0 * control.l_hat)
+    if control.rebound_loss and 0.0 < owed <= formats.FLUX.largest and held_up <= MOST_HELD_UP:
         rebound = control.eta_contact * choose_rebound(
             r_hat, control.l_hat, control.k_t_hat, scene.motor.J_kgm2, control.rebound_loss
         )

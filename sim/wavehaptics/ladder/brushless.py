@@ -158,12 +158,12 @@ def _advance_sampled(
                 )
             else:
                 next_a, u_a, v_a = wave_core.shaped_core_step(
-                    ports[0], lines[0], shaper_words, shaper_states[0], mode, alpha, answers, 0, root,
-                    ints[_A], left_a, extra, extra,
+                    ports[0], lines[0], shaper_words, shaper_states[0], mode, alpha, answers, 0,
+                    root, ints[_A], left_a, extra, extra,
                 )  # fmt: skip
                 next_b, u_b, v_b = wave_core.shaped_core_step(
-                    ports[1], lines[1], shaper_words, shaper_states[1], mode, beta, answers, 0, root,
-                    ints[_A], left_b, extra, extra,
+                    ports[1], lines[1], shaper_words, shaper_states[1], mode, beta, answers, 0,
+                    root, ints[_A], left_b, extra, extra,
                 )  # fmt: skip
             if anchored is not None:
                 gains, _, turn, sines, rotor, blind, magnet = anchored

@@ -13,10 +13,10 @@ Everything is in proportion to the motor's own numbers, so that one choice serve
 - **For swings ρ/2.** A bar of the commutator of 4 % less R, just where the rotor rests, feeds a
   swing of 1.3 mN·m; with this it is a tenth of that. It counts only while the rotor rests, or it
   would take from a bounce.
-- **R̂ at 0.86 of the winding's**: too little only damps, too much swings. With R̂ 10 % and the drive's
-  gain 5 % too high that is less than R.
-- **A rebound loses 3.5 % of its speed**: what c gives late, with all of L̂, k̂_T, R̂ and gain wrong, is
-  no more than that on a motor with brushes.
+- **R̂ at 0.85 of the winding's**: too little only damps, too much swings. With R̂ 10 % and the
+  drive's gain 5 % too high that is less than R.
+- **A rebound loses 3.5 % of its speed**: what c gives late, with all of L̂, k̂_T, R̂ and gain wrong,
+  is no more than that on a motor with brushes.
 - **c_0 = 0.8 V**: brushes of 0.5 V and a rest of dead time; what grows with the current, a wrong R̂
   and a wrong gain, is in the half of the waves' voltage that is added: R̂ at 0.81 R, R(θ) + 4 %
   and a gain that lacks 5 % ask for a third of it.
@@ -59,6 +59,8 @@ resistance for swings may want."""
 STRANGE_PART = 0.5
 """What c may want beyond its limit at least, in parts of the drive's: cells may be small, and in a
 hit a wrong L̂ asks for as much of the force as it is wrong, four times."""
+MOST_HELD_UP = 0.02
+"""Part of the depth that may be on its way in k ticks, k·T·R̂/2L̂, where a wall is set anew."""
 LEAST_ETA_FREE = 0.9
 WRONG_L = 0.1
 """Part by which L̂ may be wrong."""

@@ -163,8 +163,8 @@ class Controller(Table):
     r_hat_part: float = scene_key(
         "–",
         "Part of `r_hat` that the waves of a port with an anchor are made for",
-        0.86,
-        default_text="0.86",
+        0.85,
+        default_text="0.85",
         ge=0.1,
         le=1.5,
     )
