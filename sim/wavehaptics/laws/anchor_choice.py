@@ -18,8 +18,8 @@ Everything is in proportion to the motor's own numbers, so that one choice serve
 - **A rebound loses 3.5 % of its speed**: what c gives late, with all of L̂, k̂_T, R̂ and gain wrong,
   is no more than that on a motor with brushes.
 - **c_0 = 0.8 V**: brushes of 0.5 V and a rest of dead time; what grows with the current, a wrong R̂
-  and a wrong gain, is in the half of the waves' voltage that is added: R̂ at 0.81 R, R(θ) + 4 %
-  and a gain that lacks 5 % ask for a third of it.
+  and a wrong gain, is in the half of the waves' voltage that is added: R̂ at 0.77 R, R(θ) + 4 %
+  and a gain that lacks 5 % ask for 0.43 of it.
 - **η in free space a little below 1.** The waves hold the current at zero, and the winding swings
   on their delay at ``ω² = 2R̂/(L̂·(k + 1)·T)``, which nothing damps but what R̂ lacks of R. There an L̂
   that is too small by 10 % makes of ρ a negative resistance of ρ/10, and an amplifier's lag one of
