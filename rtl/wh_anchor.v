@@ -146,6 +146,7 @@ module wh_anchor #(
     reg [REST_W-2:0]         young_q;     // the contact is, for 32 ticks as many times
     reg                      bounced_q;   // it has been a rebound
     reg                      returns_q;   // the rotor turns in again, in this tick
+    reg                      anew_q;      // χ is set, as that or as the contact begins
 
     wire signed [MOVE_W-1:0] moved    =
         started_q ? $signed(position_i[MOVE_W-1:0] - position_q[MOVE_W-1:0]) : {MOVE_W{1'b0}};
@@ -158,8 +159,8 @@ module wh_anchor #(
     wire                     young    = |young_q;
     wire                     hits     = enable && (|rebound_eta);
     wire                     turns    = hits && contact_q && !begins_q && moves;
-    wire                     returns  = start_q ? (turns && bounced_q && back == into_q) : returns_q;
-    wire                     anew     = begins_q || returns;
+    wire                     returns  = turns && bounced_q && back == into_q;
+    wire                     anew     = start_q ? begins_q || returns : anew_q;
 
     always @(posedge clk) begin
         if (rst) begin
@@ -177,6 +178,7 @@ module wh_anchor #(
             young_q   <= {(REST_W - 1){1'b0}};
             bounced_q <= 1'b0;
             returns_q <= 1'b0;
+            anew_q    <= 1'b0;
         end else begin
             start_q <= start_i;
             if (start_i) begin
@@ -203,6 +205,7 @@ module wh_anchor #(
                 end
                 bounced_q <= begins_q ? 1'b0 : !turns ? bounced_q
                            : (back != into_q && (young || bounced_q));
+                anew_q    <= anew;
                 returns_q <= returns;
             end
         end
@@ -389,16 +392,16 @@ module wh_anchor #(
             BASE: begin
                 memory_too = !begins_q;
                 fresh      = 1'b1;
-                minus      = returns;
-                read_from  = returns ? M_BEGUN : M_FLUX;
+                minus      = returns_q;
+                read_from  = returns_q ? M_BEGUN : M_FLUX;
             end
             ADD_OWED: begin
                 sum_too = 1'b1;
-                minus   = !anew;
+                minus   = !anew_q;
             end
             ADD_U: begin
                 sum_too = 1'b1;
-                minus   = !returns;
+                minus   = !returns_q;
             end
             ADD_V: begin
                 sum_too = 1'b1;
@@ -513,11 +516,11 @@ module wh_anchor #(
             ADD_U: begin
                 waits  = 1'b1;
                 bare   = begins_q;
-                b_from = returns ? B_PLACE : B_FAR;
+                b_from = returns_q ? B_PLACE : B_FAR;
             end
             ADD_V: begin
                 waits  = 1'b1;
-                bare   = anew;
+                bare   = anew_q;
                 b_from = B_FAR;
             end
             EDGE:    b_from = B_EDGE;
@@ -553,7 +556,7 @@ module wh_anchor #(
                                            product_i[DATA_W+COEF_W-1:FAR_SHIFT]});
                 B_VOLTAGE: b_q <= $signed({{(LONG_W - DATA_W - VOLT_SHIFT + 1){e_back}}, voltage_q,
                                            {(VOLT_SHIFT - 1){1'b0}}});
-                B_EDGE:    b_q <= anew ? start_flux : moved_flux;
+                B_EDGE:    b_q <= anew_q ? start_flux : moved_flux;
                 B_HALF:    b_q <= half_flux;
                 B_PLACE:   b_q <= place;
                 default:   b_q <= $signed({{(LONG_W - DATA_W - VOLT_SHIFT){setting[DATA_W]}}, setting,
@@ -636,7 +639,7 @@ module wh_anchor #(
         if (placed || (granted && !give_q[2])) begin
             factor_q <= placed                ? $signed(sum_q[LONG_W-1:CUT])
                       : (give_q == G_ZERO)    ? current_i
-                      : (give_q == G_CURRENT && !anew) ? withheld_i
+                      : (give_q == G_CURRENT && !anew_q) ? withheld_i
                       : (give_q != G_U)       ? u_i : v_i;  // where χ is set, u is owed
         end
         if (granted || !open_q[0]) begin
