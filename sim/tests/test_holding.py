@@ -114,6 +114,14 @@ def test_a_rebound_loses_what_it_should():
         assert 1.0 - back(loss) / back(0.0) == pytest.approx(loss, rel=0.15)
 
 
+@pytest.mark.parametrize("seed", [84, 198])
+def test_no_soft_wall_is_set_anew(seed):
+    """W holds more back than the filter tells: these motors' walls were lost by it."""
+    row = motors.soft_wall(seed)
+    assert row["anchor_fault_s"] is None
+    assert row["moved_cells"] < 30.0
+
+
 def test_a_rebound_is_young_and_goes_out():
     """What the integers take for one: not the way in, not a contact of 16 units of rest."""
     words = np.zeros(anchor.SETTINGS, dtype=np.int64)

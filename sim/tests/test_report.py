@@ -132,6 +132,13 @@ def test_longer_words_are_better(tmp_path):
     assert widths.show(data, tmp_path)
 
 
+@pytest.mark.parametrize("name", widths.WIDTHS)
+def test_the_shortest_words_run(name):
+    """Quickly: those of the whole report, not only of its quick form."""
+    error = widths.at_width(name, min(widths.WIDTHS[name]), widths.SCENE, ["scene.duration_s=0.02"])
+    assert set(error) == {"torque_error", "stiffness", "free_space_torque_rms"}
+
+
 def test_more_bits_are_better(tmp_path):
     data = collect(converters, lambda t: re.search(r"adc.bits=(8|16)$", settings_of(t)))
     coarse, fine = data["adc"]

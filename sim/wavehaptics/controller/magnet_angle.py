@@ -34,8 +34,9 @@ SEEN_Q = formats.LONG.fraction - formats.LONG_GUARD
 LOOP_SHIFT = ANGLE_W - SEEN_Q - 6
 """E in cells, which is about δ in rad, is turned into an angle of a tenth of it: 2^-6 of a turn."""
 MEAN_SHIFT = 6
-LEVEL_TOP = 1 << SEEN_Q
-"""The mean at first: a cell."""
+LEVEL_TOP = int(2.0**SEEN_Q)
+"""The mean at first: a cell; with words so short that χ shows no part of one, which a study of a motor
+with brushes takes, there is none."""
 FOUND = LEVEL_TOP // 4
 """Below it the magnets are found."""
 LEAST_NET = 1 << (ANGLE_W - 3)
@@ -45,7 +46,7 @@ HALF_TURN = 1 << (ANGLE_W - 1)
 _MASK = (1 << ANGLE_W) - 1
 _TOP = 1 << (formats.DATA_W - 1)
 _WORD = (1 << formats.DATA_W) - 1
-_BIG = 2 << SEEN_Q
+_BIG = int(2.0 ** (SEEN_Q + 1))
 
 
 def new_state(known: bool, position: int) -> np.ndarray:

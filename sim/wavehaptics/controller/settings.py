@@ -275,9 +275,10 @@ def _anchor_words(
     words[anchor.STRANGE] = min(round(strange_v / formats.VOLTAGE.step), formats.VOLTAGE.raw_max)
     words[anchor.REST_TICKS] = rest_ticks
     words[anchor.SLOW_UNITS] = min(max(slow, 1), _MOST_UNITS)
-    # Of a wall that it can't set anew none is lost.
+    # Of a wall that it can't set anew none is lost: with W more is held back than the filter tells.
     held_up = control.extra_ticks * tick_s * r_hat / (2.0 * control.l_hat)
-    if control.rebound_loss and 0.0 < owed <= formats.FLUX.largest and held_up <= MOST_HELD_UP:
+    settable = not len(shaper.words) and 0.0 < owed <= formats.FLUX.largest
+    if control.rebound_loss and settable and held_up <= MOST_HELD_UP:
         rebound = control.eta_contact * choose_rebound(
             r_hat, control.l_hat, control.k_t_hat, scene.motor.J_kgm2, control.rebound_loss
         )

@@ -67,17 +67,8 @@ def random_motor(seed: int) -> dict[str, Any]:
     press = [*settings, *_hand(motor), "scene.duration_s=0.6"]
     held = _tried(runs.hold, "held_wall", "golden", press)
     found["hold"] = held
-    taps = _taps(motor, settings)
-    found["swing"] = _tried(runs.swing, "held_wall", taps)
-    soft = [
-        "controller.extra_ticks=2", "shaper.feel=spring",
-        f"shaper.stiffness={0.2 * motor['stiffness']}",
-        # A soft wall without a damper rings with the winding at some 10 kHz, and the anchor beside
-        # it at a slow tick; a quarter of B_R takes that.
-        f"shaper.damping={0.25 * motor['k_t'] ** 2 / motor['r']}",
-        f"hand.amplitude_rad={_amplitude(motor) + 4 * deep}",
-    ]  # fmt: skip
-    found["soft"] = _tried(runs.swing, "held_wall", [*taps, *soft])
+    found["swing"] = _tried(runs.swing, "held_wall", _taps(motor, settings))
+    found["soft"] = soft_wall(seed)
     contact_s = math.pi * math.sqrt(motor["j"] * motor["l"]) / motor["k_t"]
     for speed in SPEEDS:
         peak_a = speed * math.sqrt(motor["j"] / motor["l"])
@@ -94,6 +85,21 @@ def random_motor(seed: int) -> dict[str, Any]:
         ]  # fmt: skip
         found[f"bounce_{speed:g}"] = _tried(runs.bounce, "bounce", [*settings, *hit])
     return found
+
+
+def soft_wall(seed: int) -> dict[str, Any]:
+    """How far a spring of a fifth of the motor's own moves under taps."""
+    motor, settings = draw(seed)
+    deep = motor["force"] / motor["stiffness"]
+    soft = [
+        "controller.extra_ticks=2", "shaper.feel=spring",
+        f"shaper.stiffness={0.2 * motor['stiffness']}",
+        # A soft wall without a damper rings with the winding at some 10 kHz, and the anchor beside
+        # it at a slow tick; a quarter of B_R takes that.
+        f"shaper.damping={0.25 * motor['k_t'] ** 2 / motor['r']}",
+        f"hand.amplitude_rad={_amplitude(motor) + 4 * deep}",
+    ]  # fmt: skip
+    return _tried(runs.swing, "held_wall", [*_taps(motor, settings), *soft])
 
 
 def free_after_a_tap(seed: int, settings: tuple[str, ...]) -> dict[str, Any]:
