@@ -62,7 +62,6 @@ def draw(seed: int) -> tuple[dict[str, float], list[str]]:
 def random_motor(seed: int) -> dict[str, Any]:
     """What the motor of a seed does in each of PARTS."""
     motor, settings = draw(seed)
-    deep = motor["force"] / motor["stiffness"]
     found: dict[str, Any] = {"seed": seed, "motor": motor}
     press = [*settings, *_hand(motor), "scene.duration_s=0.6"]
     held = _tried(runs.hold, "held_wall", "golden", press)
