@@ -35,8 +35,8 @@ LOOP_SHIFT = ANGLE_W - SEEN_Q - 6
 """E in cells, which is about δ in rad, is turned into an angle of a tenth of it: 2^-6 of a turn."""
 MEAN_SHIFT = 6
 LEVEL_TOP = int(2.0**SEEN_Q)
-"""The mean at first: a cell. Words may be so short that χ shows no part of one; a motor with brushes
-is studied with such."""
+"""The mean at first: a cell. Words may be so short that χ shows no part of one; a motor with
+brushes is studied with such."""
 FOUND = LEVEL_TOP // 4
 """Below it the magnets are found."""
 LEAST_NET = 1 << (ANGLE_W - 3)
