@@ -69,6 +69,7 @@ module prove_wh_pwm (
     );
 
     (* hierconn *) wire              \carrier.running_q ;
+    (* hierconn *) wire              \carrier.ends_q ;
     (* hierconn *) wire [TICK_W-1:0] \block.magnitude_q ;
     (* hierconn *) wire              \block.negative_q ;
 
@@ -140,6 +141,7 @@ module prove_wh_pwm (
             assert (\block.magnitude_q < 16'd64);
             assert (run_a >= 8'd1 && run_b >= 8'd1 && run_a <= LONG && run_b <= LONG);
             if (rst_q) assert (!\carrier.running_q );
+            assert (\carrier.ends_q == (remaining == 16'd0));
             if (!\carrier.running_q ) begin
                 assert (rst_q);
                 assert (m == 8'd0 && !half && phase == 16'd0 && remaining + 16'd1 == half_clocks);
