@@ -2,7 +2,7 @@
 //
 // ulx3s_three: three motors on a ULX3S (ECP5): its pads.
 //
-// The clock is 65 MHz, a tenth of the VCO's 25 MHz * 26. README.md has the wiring.
+// The clock is 60 MHz, a tenth of the VCO's 25 MHz * 24. README.md has the wiring.
 // Reset: until the PLL has been locked for 2^16 clocks.
 
 `default_nettype none
@@ -36,7 +36,7 @@ module ulx3s_three (
 
     // The watch has 19.4 MHz.
     wh_board_ecp5 #(
-        .CLKOP_DIV  (26),
+        .CLKOP_DIV  (24),
         .CLKOS_DIV  (10),
         .WATCH_DIV  (16)
     ) board (
