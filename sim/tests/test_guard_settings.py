@@ -47,10 +47,10 @@ def test_the_guards_limits_are_the_boards():
     assert found["HEAT"] / 2**18 == pytest.approx(75 / (17.1 * 2.18 * 1.2925), rel=1e-4)
     assert found["HEAT_TICKS"] == round(12 / 2**16 * 2e6)
     # Half of what the winding's lasting current takes, as u + v = 2 (e - R̂ i)/s; with an anchor
-    # the waves' R̂ is nine tenths of the motor's.
+    # the waves' R̂ is 0.85 of the motor's.
     lasting_a = math.sqrt(75 / (17.1 * 2.18 * 1.2925))
     assert lasting_a == pytest.approx(1.24, rel=0.01)  # its nominal current
-    lost = 2 * 0.5 * 2.18 * lasting_a / math.sqrt(2 * 0.9 * 2.18)
+    lost = 2 * 0.5 * 2.18 * lasting_a / math.sqrt(2 * 0.85 * 2.18)
     assert found["LOST"] == pytest.approx(lost * 2**8, abs=0.6)
     half = fields_of(ulx3s("motor.R_ohm=4.36").words().guard)
     assert half["HEAT"] == pytest.approx(found["HEAT"] / 2, rel=1e-4)
