@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from wavehaptics.controller import wave_core
+from wavehaptics.controller import anchor, wave_core
 from wavehaptics.controller.ports import controller_ports
+from wavehaptics.controller.settings import settings
 from wavehaptics.controller.shaper import Shaper, design
 from wavehaptics.host.client import Client
 from wavehaptics.host.names import HostError, Place, number, places, readable, settable
@@ -133,7 +134,7 @@ class Bench:
             "eta_contact", "eta_free",
             "wall_min", "wall_max", "wall_enable",
             *(("wall_shaped",) if self._sections else ()),
-            *(("anchor_enable", "anchor_flux_gain", "anchor_owed_gain") if self.anchored else ()),
+            *(("anchor_enable", "anchor_flux_gain", "anchor_owed_gain", "anchor_rebound_eta") if self.anchored else ()),
             *(("count_angle",) if self.brushless else ()),
         )  # fmt: skip
         self.refresh()
@@ -278,10 +279,16 @@ class Bench:
         tau_s = closed_forms.tau(self.tick_s, a, self._extra_ticks)
         if self.known.scene is not None:
             try:
-                control = self._scene(f"controller.lambda={1.0 / tau_s!r}").controller
+                scene = self._scene(
+                    f"controller.lambda={1.0 / tau_s!r}", f"controller.eta_contact={eta!r}"
+                )
+                control = scene.controller
             except SceneError as error:
                 raise HostError(" ".join(str(error).split())) from None
             words[self._place("eta_free")] = control.eta_free
+            if self._owes:
+                rebound = int(settings(scene).anchor[anchor.REBOUND_ETA])
+                words[self._place("anchor_rebound_eta")] = formats.ETA.to_value(rebound)
         if self._wish is None:
             return words, None
         wish = self._wished(self._wish.stiffness, self._wish.damping, tau_s)
