@@ -179,8 +179,10 @@ def followed(device: Run, sets: list[Set], accepted: list[int]) -> tuple[np.ndar
 
 @pytest.mark.parametrize(
     "scene",
-    [(), ANCHOR, (*ANCHOR, "controller.clock_hz=36e6", "controller.extra_ticks=2"), EARLY,
-     (*ANCHOR, *EARLY), FEEL],
+    # One η in contact: a rebound's would be taken for a word that was given.
+    [(), (*ANCHOR, "controller.rebound_loss=0"),
+     (*ANCHOR, "controller.rebound_loss=0", "controller.clock_hz=36e6", "controller.extra_ticks=2"), EARLY,
+     (*ANCHOR, "controller.rebound_loss=0", *EARLY), FEEL],
     ids=["plain", "anchor", "short", "early", "early-anchor", "w"],
 )  # fmt: skip
 def test_a_tick_is_made_with_old_words_or_with_new_ones(scene):
