@@ -160,7 +160,8 @@ def settings(
         )
     tau_s = closed_forms.tau(tick_s, formats.A.to_value(a_word), control.extra_ticks)
     try:
-        shaper = design(scene, tick_s, tau_s, r_hat)
+        # For the port as its words have it, τ and R̂ alike.
+        shaper = design(scene, tick_s, tau_s, formats.ROOT.to_value(root_word) ** 2 / 2.0)
     except WishError as error:
         raise scene.refusal(f"{error}", "shaper") from None
     shaped = np.ones(len(wall_min), dtype=np.bool_)

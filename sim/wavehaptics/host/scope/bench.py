@@ -12,9 +12,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from wavehaptics.controller import anchor, wave_core
+from wavehaptics.controller import wave_core
 from wavehaptics.controller.ports import controller_ports
-from wavehaptics.controller.settings import settings
 from wavehaptics.controller.shaper import Shaper, design
 from wavehaptics.host.client import Client
 from wavehaptics.host.names import HostError, Place, number, places, readable, settable
@@ -139,6 +138,7 @@ class Bench:
         )  # fmt: skip
         self.refresh()
         self._owes = self.anchored and bool(self._value("anchor_owed_gain"))
+        self._rebound = self._value("anchor_rebound_eta") if self._owes else 0.0
         self._wall_at = self._value("wall_min")
         table = known.scene.shaper if known.scene else None
         spring = table is not None and self._sections and table.feel == "spring"
@@ -276,19 +276,16 @@ class Bench:
         if self._owes:
             owed = self._value("anchor_flux_gain") / a if eta == -1.0 else 0.0
             words[self._place("anchor_owed_gain")] = min(owed, formats.FLUX.largest)
+            # A wall that can't be set anew is left as it was told.
+            settable = 0.0 < owed <= formats.FLUX.largest
+            words[self._place("anchor_rebound_eta")] = self._rebound if settable else 0.0
         tau_s = closed_forms.tau(self.tick_s, a, self._extra_ticks)
         if self.known.scene is not None:
             try:
-                scene = self._scene(
-                    f"controller.lambda={1.0 / tau_s!r}", f"controller.eta_contact={eta!r}"
-                )
-                control = scene.controller
+                control = self._scene(f"controller.lambda={1.0 / tau_s!r}").controller
             except SceneError as error:
                 raise HostError(" ".join(str(error).split())) from None
             words[self._place("eta_free")] = control.eta_free
-            if self._owes:
-                rebound = int(settings(scene).anchor[anchor.REBOUND_ETA])
-                words[self._place("anchor_rebound_eta")] = formats.ETA.to_value(rebound)
         if self._wish is None:
             return words, None
         wish = self._wished(self._wish.stiffness, self._wish.damping, tau_s)
