@@ -36,6 +36,9 @@ WALL_SPAN_COUNTS = 1000
 _SHAPE_PARTS = (0.05, 0.9)
 """Stiffness of W on the slider, in parts of what motor and delay have in front."""
 
+_ANCHOR = ("anchor_enable", "anchor_flux_gain", "anchor_owed_gain", "anchor_rebound_eta")
+"""Words of an anchor that are looked at."""
+
 _DAMPERS = 4.0
 """Largest damping of W on the slider, in parts of k_T²/R."""
 
@@ -133,7 +136,7 @@ class Bench:
             "eta_contact", "eta_free",
             "wall_min", "wall_max", "wall_enable",
             *(("wall_shaped",) if self._sections else ()),
-            *(("anchor_enable", "anchor_flux_gain", "anchor_owed_gain", "anchor_rebound_eta") if self.anchored else ()),
+            *(_ANCHOR if self.anchored else ()),
             *(("count_angle",) if self.brushless else ()),
         )  # fmt: skip
         self.refresh()
