@@ -26,6 +26,10 @@ are looked at in turn, so that a contact is told up to two ticks after its edge.
 where the λ filter, which still tells of the free rotor's speed, would have it: what it holds counts
 as flux, ``g_w·u``, else a wall stands deeper by ω·T/2a.
 
+A rotor that hit a wall and goes back out gets less of its wave returned, by an η of its own, so
+that a hit comes back with no more than it had. What the wall lets go by it is given back with the
+edge with which the rotor turns in again: χ is set as at the first, with the way since.
+
 What a limit withholds from the waves in contact, w, is added to the flux, ``χ −= g_w·w``: so the
 wall stands where it was when the limit has done its work. So is what truncation takes from u: half
 a place a tick would move a held wall by some cells an hour. In free space the current is zero but
