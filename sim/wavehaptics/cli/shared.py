@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import sys
-import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+
+from wavehaptics.runtime.files import try_file
 
 CONTROLLERS = {
     "analog": "the paper's circuit in continuous time: the reference",
@@ -65,8 +66,7 @@ def make_folder(folder: Path) -> None:
     """Make ``folder`` and try to write there, so that no long run ends in a refusal."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
+        try_file(folder / "metrics.json")
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         if isinstance(error, FileExistsError):

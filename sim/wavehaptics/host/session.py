@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from wavehaptics.host.client import Client
 from wavehaptics.host.names import HostError, Place, Shape, places, settings
-from wavehaptics.runtime.files import write_text
+from wavehaptics.runtime.files import try_file, write_text
 from wavehaptics.runtime.toml_source import TomlError, parse
 from wavehaptics.scene.keys import as_written
 from wavehaptics.words import table
@@ -39,8 +38,7 @@ def check_writable(path: Path) -> None:
         if path.is_dir():
             raise HostError(f"{path}: is a folder; name a file in it, as in {path}/settings.toml")
         path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}."):
-            pass
+        try_file(path)
     except OSError as error:
         raise _unwritable(path, error) from None
 

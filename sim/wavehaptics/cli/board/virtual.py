@@ -7,7 +7,6 @@ import os
 import select
 import signal
 import sys
-import tempfile
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
@@ -17,6 +16,7 @@ import typer
 
 from wavehaptics.cli.board.common import board, finite
 from wavehaptics.cli.shared import CommandError, SetOption
+from wavehaptics.runtime.files import try_file
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import find_scene, load_scene
 
@@ -125,8 +125,7 @@ def _check_place(option: str, path: Path, kind: str, fits: Callable[[Path], bool
             raise CommandError(f"{option} {path}: {reason}")
         if not folder.is_dir():
             raise CommandError(f"{option} {path}: {folder} is no folder; name another path")
-        with tempfile.NamedTemporaryFile(dir=folder, prefix=f".{path.name}."):
-            pass
+        try_file(path)
     except OSError as error:
         reason = f"can't be made: {error.strerror}; name another path"
         raise CommandError(f"{option} {path}: {reason}") from None
