@@ -9,6 +9,14 @@
 // change of M can break that: sim/wavehaptics/controller/normalised.py makes such words, and says why. A state
 // is rounded to the nearest for the multiplier. What the bits below could have added, and what is
 // cut, is taken back: each result is brought nearer to zero by its loss, but not past it.
+//
+// Words needn't be contractive: whoever can write them can write others. So W pays for what it gives,
+//
+//   budget += v^2 - y^2                              of each tick in which W is at work; 0 at first
+//
+// and while the budget is below 0, y is 0. Whatever M is, no more has come out than went in but for
+// one tick's y^2. With a contractive M the budget is |x|^2 or more, and nobody ever meets it.
+//
 // sim/wavehaptics/controller/wave_core.py says the same with integers (shaper_step).
 //
 // mode_i: 0 W = 1 and the states become 0, 1 W = 1 and they stay as they are, 2 W.
@@ -16,12 +24,13 @@
 // words_i of a section, from its lowest bit: e11 e12 e21 e22 b1 b2 c1 c2 d, s31q29 each, with
 // M = [1 + e11, e12, b1; e21, 1 + e22, b2; c1, c2, d]; then the losses of x1 and x2 in last places
 // of a state, and of y in those of a wave, 12 bits each.
-// Formats: waves s31q23 √W; states s40q28 √W, ±2048 √W.
+// Formats: waves s31q23 √W; states s40q28 √W, ±2048 √W; the budget s71q46 W, limited at 2^24 W, which is
+// more than states can hold.
 // Latency, in clocks after turn_i, the first clock of a turn: value_i is taken at VALUE, value_o
 // holds from VALUE + 5 SECTIONS to the next turn's. The multiplier is wanted where give_o is high,
 // from 3 on, never at VALUE + 5 SECTIONS nor 6 clocks later, and for the last time at
-// 8 + 5 SECTIONS at one section, 14 + 5 SECTIONS at two. The last state is written 4 clocks later.
-// Reset: all states 0.
+// 10 + 5 SECTIONS at one section, 16 + 5 SECTIONS at two. The budget has it 4 clocks later.
+// Reset: all states and the budget 0.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -67,7 +76,8 @@ module wh_shaper #(
         if (N < 1 || SECTIONS < 1 || SECTIONS > 2) begin : illegal_parameter
             wh_illegal_parameter_shaper_n_or_sections stop ();
         end
-        if (SHIFT < 1 || Y_SHIFT < 1 || GUARD < 2 || PRODUCT_W < DATA_W + SHAPE_W) begin : illegal
+        if (SHIFT < 1 || Y_SHIFT < 1 || GUARD < 2 || PRODUCT_W < DATA_W + SHAPE_W
+            || SHAPE_W < DATA_W) begin : illegal
             wh_illegal_parameter_shaper_formats stop ();
         end
     endgenerate
@@ -76,6 +86,9 @@ module wh_shaper #(
     // result: two with the states, the third with the wave that comes in.
     localparam integer VALUE = 5;   // clock of the turn at which value_i is there
     localparam integer LAST  = (SECTIONS == 1) ? 18 : 29;
+
+    // Then the square of what came in, and in the next clock that of what comes out.
+    localparam integer SQUARE = (SECTIONS == 1) ? 14 : 25;
 
     reg  [LAST:1] at_q;
 
@@ -119,7 +132,9 @@ module wh_shaper #(
     wire [2:0] any   = y_at | x1_at | x2_at;
     wire       second = |(y1_at | x1_of_1_at | x2_of_1_at);  // section of the slot
 
-    assign give_o = |any;
+    wire [1:0] square_at = {at_q[SQUARE+1], at_q[SQUARE]};
+
+    assign give_o = (|any) || (|square_at);
 
     // ---- What belongs to the port and to the slot's section.
     reg  signed [STATE_W-1:0] x1_q [0:N*SECTIONS-1];
@@ -199,8 +214,11 @@ module wh_shaper #(
         endcase
     end
 
-    assign data_o = any[2] ? wave : $signed(rounded[STATE_W-1:GUARD]);
-    assign coef_o = coef;
+    wire signed [DATA_W-1:0] squared = square_at[1] ? y_q : wave0_q;
+
+    assign data_o = (|square_at) ? squared : any[2] ? wave : $signed(rounded[STATE_W-1:GUARD]);
+    assign coef_o = (|square_at) ? $signed({{(SHAPE_W - DATA_W + 1){squared[DATA_W-1]}},
+                                            squared[DATA_W-2:0]}) : coef;
 
     wire unused_rounded = &{1'b0, rounded[GUARD-1:0]};
 
@@ -290,14 +308,44 @@ module wh_shaper #(
     wire [GUARD-1:0]          x_guard = (x_fits && !at_the_top) ? kept[GUARD-1:0] : {GUARD{1'b0}};
     wire signed [STATE_W-1:0] x_next  = clear ? {STATE_W{1'b0}} : $signed({x_limited, x_guard});
 
+    // ---- What W was paid, less what it has given, of the port.
+    localparam integer BUDGET_W = 2 * DATA_W + 2 * HEADROOM + 1;
+
+    reg  signed [BUDGET_W-1:0] budget_q [0:N-1];
+    reg         [1:0]          square_q1, square_q2, square_q3;  // a square is due: of v, of y
+
+    wire signed [BUDGET_W-1:0] budget = budget_q[port_i];
+    wire                       owes   = budget[BUDGET_W-1];
+    wire        [BUDGET_W:0]   due    = {{(BUDGET_W + 1 - 2 * DATA_W){1'b0}}, product_i[2*DATA_W-1:0]};
+    wire signed [BUDGET_W:0]   rest   = $signed({budget[BUDGET_W-1], budget})
+                                      + $signed(square_q3[1] ? ~due : due)
+                                      + $signed({{BUDGET_W{1'b0}}, square_q3[1]});
+    wire                       full   = !rest[BUDGET_W] && rest[BUDGET_W-1];
+
     integer n;
+
+    always @(posedge clk) begin
+        if (rst) begin
+            {square_q3, square_q2, square_q1} <= 6'd0;
+            for (n = 0; n < N; n = n + 1) begin
+                budget_q[n] <= {BUDGET_W{1'b0}};
+            end
+        end else begin
+            {square_q3, square_q2, square_q1} <= {square_q2, square_q1, square_at & {2{runs}}};
+            if (|square_q3) begin
+                budget_q[port_i] <= full ? {1'b0, {(BUDGET_W - 1){1'b1}}} : $signed(rest[BUDGET_W-1:0]);
+            end
+        end
+    end
+
+    wire last = (SECTIONS == 1) || place_q4[0];  // section, whose y is W's
 
     always @(posedge clk) begin
         if (at_q[VALUE]) begin
             wave0_q <= value_i;
         end
         if (kind_q4[0]) begin
-            y_q <= runs ? y_limited : passed_on;
+            y_q <= !runs ? passed_on : (last && owes) ? {DATA_W{1'b0}} : y_limited;
         end
         if (rst) begin
             for (n = 0; n < N * SECTIONS; n = n + 1) begin

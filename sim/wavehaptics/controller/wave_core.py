@@ -23,6 +23,8 @@ _SHAPE_X_SHIFT = formats.SHAPE.fraction - formats.STATE_GUARD
 # The largest state without guard bits: rounded to the nearest, it still fits the multiplier.
 _SHAPE_X_MAX, _SHAPE_X_MIN = _DATA_MAX << _GUARD, _DATA_MIN << _GUARD
 _HALF = 1 << (_GUARD - 1)
+_DATA_MASK = (1 << formats.DATA_W) - 1
+_BUDGET_HIGH = 1 << (formats.DATA_W + 2 * formats.SHAPE_HEADROOM)
 _SU_SHIFT = formats.ROOT.fraction + formats.WAVE.fraction - formats.VOLTAGE.fraction
 
 STATE_F, STATE_HEAD, STATE_FILLED, STATE_SATURATED, STATE_WITHHELD, STATE_LOST = range(6)
@@ -74,8 +76,12 @@ def line_read(line: np.ndarray, state: np.ndarray, age: int) -> int:
 
 
 def new_shaper_state(sections: int) -> np.ndarray:
-    """States of a port's shaper after reset: int64, shape (sections, 2)."""
-    return np.zeros((sections, 2), dtype=np.int64)
+    """States of a port's shaper after reset: int64, shape (sections + 1, 2).
+
+    The last row is its budget in squares of a wave's last place: words above and below
+    2^``formats.DATA_W``.
+    """
+    return np.zeros((sections + 1, 2), dtype=np.int64)
 
 
 @compiled(inline="always")
@@ -113,6 +119,16 @@ def shaper_section(words: np.ndarray, x: np.ndarray, v: int) -> int:
 
 
 @compiled(inline="always")
+def _pay(budget: np.ndarray, square: int) -> None:
+    """Add ``square`` to a budget in two words, int64 (2,), which ends below more than states hold."""
+    low = budget[1] + (square & _DATA_MASK)
+    high = budget[0] + (square >> formats.DATA_W) + (low >> formats.DATA_W)
+    full = high >= _BUDGET_HIGH
+    budget[0] = _BUDGET_HIGH - 1 if full else high
+    budget[1] = _DATA_MASK if full else low & _DATA_MASK
+
+
+@compiled(inline="always")
 def shaper_mode(wall: int, shaped: np.ndarray) -> int:
     """SHAPE in a wall of those ``shaped``, bool (walls,); HOLD in another; CLEAR outside (-1).
 
@@ -127,13 +143,23 @@ def shaper_mode(wall: int, shaped: np.ndarray) -> int:
 def shaper_step(words: np.ndarray, states: np.ndarray, mode: int, v: int) -> int:
     """W{v} through every section; ``words`` int64 (sections, SECTION_WORDS).
 
-    ``states`` int64 (sections, 2) is updated; ``mode`` is CLEAR, HOLD or SHAPE.
+    ``states`` of :func:`new_shaper_state` is updated; ``mode`` is CLEAR, HOLD or SHAPE. W pays for
+    what it gives: while the budget, the sum of v² − y², is below zero, y is 0. So words that
+    aren't contractive give out no more than came in but for one tick's y²; of those that are, the
+    budget is never below |x|².
     """
+    sections = words.shape[0]
     if mode == SHAPE:
-        for section in range(words.shape[0]):
-            v = shaper_section(words[section], states[section], v)
-    elif mode == CLEAR:
-        states[:] = 0
+        y = v
+        for section in range(sections):
+            y = shaper_section(words[section], states[section], y)
+        if states[sections, 0] < 0:
+            y = 0
+        _pay(states[sections], v * v)
+        _pay(states[sections], -y * y)
+        return y
+    if mode == CLEAR:
+        states[:sections] = 0
     return v
 
 
