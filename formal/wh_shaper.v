@@ -5,12 +5,15 @@
 // asserted as it stands, for the states by the words that it leads to. So, of a matrix that
 // doesn't let |x'|^2 + y^2 grow, rounding and limits make none that does. The loss covers what the
 // rounded states and the words of the matrix could have added (sim/wavehaptics/controller/normalised.py).
+//
+// And whatever the words are: the squares of what came in and of y are asked for, and the budget has
+// them; y is 0 while it is below 0, so that it is never below a tick's largest square.
 
 `default_nettype none
 `include "wh_formats.vh"
 
 module prove_wh_shaper #(
-    parameter integer PART = 0  // 0: y, 1: x1, 2: x2, 3: the other modes
+    parameter integer PART = 0  // 0: y, 1: x1, 2: x2, 3: the other modes, 4: the budget
 ) (
     input wire clk
 );
@@ -23,6 +26,7 @@ module prove_wh_shaper #(
     localparam integer STATE_W   = DATA_W + GUARD;
     localparam integer SHIFT     = `WH_SHAPE_Q - GUARD;
     localparam integer PRODUCT_W = DATA_W + SHAPE_W;
+    localparam integer BUDGET_W  = 2 * DATA_W + 2 * HEADROOM + 1;
 
     (* anyconst *) wire        [1:0]                      mode;
     (* anyconst *) wire        [9*SHAPE_W+3*LOSS_W-1:0]   words;
@@ -53,6 +57,10 @@ module prove_wh_shaper #(
 
     (* hierconn *) wire signed [STATE_W-1:0] \block.x1_q[0] ;
     (* hierconn *) wire signed [STATE_W-1:0] \block.x2_q[0] ;
+    (* hierconn *) wire signed [BUDGET_W-1:0] \block.budget_q[0] ;
+    (* hierconn *) wire [1:0]  \block.square_q1 ;
+    (* hierconn *) wire [1:0]  \block.square_q2 ;
+    (* hierconn *) wire [1:0]  \block.square_q3 ;
     (* hierconn *) wire [18:1] \block.at_q ;
     (* hierconn *) wire [2:0]  \block.any_q1 ;
     (* hierconn *) wire [2:0]  \block.any_q2 ;
@@ -96,6 +104,14 @@ module prove_wh_shaper #(
     wire [LOSS_W-1:0] loss_x2 = words[9*SHAPE_W+LOSS_W +: LOSS_W];
     wire [LOSS_W-1:0] loss_y  = words[9*SHAPE_W+2*LOSS_W +: LOSS_W];
 
+    // A square of a wave, and a budget, in squares of a wave's last place.
+    localparam signed [BUDGET_W+1:0] SQUARE = {{(BUDGET_W + 2 - 2 * DATA_W){1'b0}}, 2'b01, {(2 * DATA_W - 2){1'b0}}};
+    localparam signed [BUDGET_W+1:0] MOST   = {3'b000, {(BUDGET_W - 1){1'b1}}};
+
+    wire signed [BUDGET_W+1:0] budget = \block.budget_q[0] ;
+    wire signed [BUDGET_W+1:0] square = product;
+    reg signed [BUDGET_W+1:0]  paid;  // the budget with what came in, and then without what came out
+
     reg signed [STATE_W-1:0] x1_before, x2_before;
     reg signed [W-1:0]       sum_y, sum_x1, sum_x2;   // of the products
     // A wave's product with a state's place, as the sum has it: its own lowest bits are no more there.
@@ -111,6 +127,9 @@ module prove_wh_shaper #(
             assume (\block.any_q1 == 0 && \block.any_q2 == 0 && \block.any_q3 == 0);
             assume (\block.kind_q1 == 0 && \block.kind_q2 == 0 && \block.kind_q3 == 0
                     && \block.kind_q4 == 0);
+            assume (\block.square_q1 == 0 && \block.square_q2 == 0 && \block.square_q3 == 0);
+            assume (budget >= -SQUARE);
+            paid <= budget;
             assume (x1 <= LARGEST && x2 <= LARGEST);
             x1_before <= x1;
             x2_before <= x2;
@@ -144,6 +163,28 @@ module prove_wh_shaper #(
             assert (\block.at_q == 18'd0 || \block.at_q == 18'h20000);
             assert (!give);
         end
+
+        if (PART == 4 && at == 5'd14) begin
+            assert (give && data == value && coef == $signed(value));
+        end
+        if (PART == 4 && at == 5'd15) begin
+            assert (give && data == y && coef == $signed(y));
+            assert (!mode[1] || paid >= 0 || y == 0);
+        end
+        if (at == 5'd17) begin
+            assume (square >= 0 && square <= SQUARE);
+            if (mode[1]) paid <= (paid + square > MOST) ? MOST : paid + square;
+        end
+        if (at == 5'd18) begin
+            assume (square >= 0 && square <= SQUARE && (y != 0 || square == 0));
+            if (mode[1]) paid <= paid - square;
+        end
+        if (PART == 4 && at == 5'd19) begin
+            assert (budget == paid);
+            assert (budget >= -SQUARE);
+            assert (\block.square_q1 == 0 && \block.square_q2 == 0 && \block.square_q3 == 0);
+        end
+        cover (PART == 0 && at == 5'd19 && mode[1] && budget < 0 && y > 0);
 
         cover (PART == 0 && at == 5'd18 && mode[1] && y > 0 && x1 < 0 && x2 > 0 && x1 != x1_before);
         cover (PART == 0 && at == 5'd18 && mode[1] && y == WORD && x1 == LARGEST);

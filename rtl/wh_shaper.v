@@ -322,13 +322,13 @@ module wh_shaper #(
                                       + $signed({{BUDGET_W{1'b0}}, square_q3[1]});
     wire                       full   = !rest[BUDGET_W] && rest[BUDGET_W-1];
 
-    integer n;
+    integer m;
 
     always @(posedge clk) begin
         if (rst) begin
             {square_q3, square_q2, square_q1} <= 6'd0;
-            for (n = 0; n < N; n = n + 1) begin
-                budget_q[n] <= {BUDGET_W{1'b0}};
+            for (m = 0; m < N; m = m + 1) begin
+                budget_q[m] <= {BUDGET_W{1'b0}};
             end
         end else begin
             {square_q3, square_q2, square_q1} <= {square_q2, square_q1, square_at & {2{runs}}};
@@ -338,7 +338,8 @@ module wh_shaper #(
         end
     end
 
-    wire last = (SECTIONS == 1) || place_q4[0];  // section, whose y is W's
+    wire    last = (SECTIONS == 1) || place_q4[0];  // section, whose y is W's
+    integer n;
 
     always @(posedge clk) begin
         if (at_q[VALUE]) begin
