@@ -450,6 +450,26 @@ def test_no_energy_is_made_of_a_change(state, every):
             assert moved < 2 * device.simulation.settings.cell_rad, name
 
 
+@pytest.mark.parametrize("gain", [1.999, -2.0, -1.1])
+def test_no_words_of_w_make_the_port_a_source(gain):
+    """W = 2 would be a source: 0.4 mJ in 40 ms. It pays for what it gives, but for one tick's wave.
+
+    Whatever is written, Σ y² ≤ Σ v² + y², and as |u| ≤ u_max no more than ½T·u_max² comes out.
+    """
+    device = Run(*QUIET, *STATES["soft"], prefix=2000)
+    words = [0] * len(device.base["shape_coefficient"])
+    words[wave_core.D] = formats.SHAPE.to_raw(gain)
+    loss = [0] * len(device.base["shape_loss"])
+    device.change(
+        [(10 * device.clocks, {"shape_coefficient": words, "shape_loss": loss})], 100_000
+    )
+    assert device.contact[-1]
+    assert device.words[-1, Word.V] != 0
+    u_max = formats.WAVE.to_value(device.base["u_max"])
+    out = np.cumsum(device.column(Column.ENERGY_OUT))
+    assert out.max() < 0.5 * device.tick_s * u_max**2
+
+
 def test_a_port_that_gives_energy_is_seen():
     """The check can fail: with h·g·R̂ = 1.6 R, against (4), more comes out than was there."""
     device = Run(*QUIET, *STATES["worked"], prefix=60_000)

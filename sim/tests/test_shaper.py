@@ -152,6 +152,11 @@ sections = st.sampled_from([words_of(wish) for wish in WISHES.values()]) | st.sa
 )
 
 
+def budget(states: np.ndarray) -> int:
+    """What W was paid less what it gave, in squares of a wave's last place."""
+    return (int(states[-1, 0]) << formats.DATA_W) + int(states[-1, 1])
+
+
 def energy(x: np.ndarray, wave: int) -> int:
     """|x|² + wave², in the squares of a state's last place, without rounding."""
     return sum(int(word) ** 2 for word in x) + (int(wave) << GUARD_IN_WAVE) ** 2
@@ -167,6 +172,61 @@ def test_no_tick_gives_out_energy(words, x1, x2, v):
     assert energy(x, y) <= before
     assert WAVE.raw_min <= y <= WAVE.raw_max
     assert all(STATE_MIN <= word <= STATE_MAX for word in x.tolist())
+
+
+@pytest.mark.parametrize("tick_s", [TICK_S, 1e-4])
+@pytest.mark.parametrize("name", WISHES)
+def test_words_of_a_wish_never_owe(name, tick_s):
+    """The budget of a contractive W is what its states hold, or more: nobody ever meets it."""
+    words = words_of(WISHES[name], tick_s)[None]
+    states = wave_core.new_shaper_state(1)
+    rng = np.random.default_rng(SEED)
+    for size in (2, 10, 20, WAVE.width - 1):
+        for _ in range(3000):
+            v = int(rng.integers(-(1 << size), 1 << size))
+            wave_core.shaper_step(words, states, wave_core.SHAPE, v)
+            held = sum(int(word) ** 2 for word in states[0])
+            assert budget(states) << (2 * GUARD_IN_WAVE) >= held
+
+
+@given(
+    st.lists(st.integers(formats.SHAPE.raw_min, formats.SHAPE.raw_max), min_size=9, max_size=9),
+    st.lists(waves, min_size=1, max_size=60),
+    st.lists(st.sampled_from([wave_core.SHAPE, wave_core.HOLD, wave_core.CLEAR]), min_size=60,
+             max_size=60),
+)  # fmt: skip
+@hypothesis_settings(deadline=None, max_examples=500)
+def test_no_words_give_out_more_than_came_in(words, taken, modes):
+    """Σ y² ≤ Σ v² and one wave's square, whatever W's words are and whenever it stands still."""
+    section = np.array([[*words, 0, 0, 0]])
+    states = wave_core.new_shaper_state(1)
+    rest = 0
+    for v, mode in zip(taken, modes, strict=False):
+        y = int(wave_core.shaper_step(section, states, mode, v))
+        rest += v**2 - y**2
+        assert rest >= -(WAVE.raw_min**2)
+        assert budget(states) == rest
+
+
+def test_a_section_alone_would():
+    """The check can fail: W = 2 gives out four times what came in."""
+    words = np.zeros((1, wave_core.SECTION_WORDS), dtype=np.int64)
+    words[0, wave_core.D] = formats.SHAPE.raw_max
+    y = wave_core.shaper_section(words[0], np.zeros(2, dtype=np.int64), 1 << 20)
+    assert y == pytest.approx(2 << 20, rel=1e-6)
+    states = wave_core.new_shaper_state(1)
+    given_back = [wave_core.shaper_step(words, states, wave_core.SHAPE, 1 << 20) for _ in range(8)]
+    assert given_back == [y, 0, 0, 0] * 2
+
+
+def test_a_budget_ends_above_what_states_can_hold():
+    words = np.zeros((1, wave_core.SECTION_WORDS), dtype=np.int64)
+    states = wave_core.new_shaper_state(1)
+    most = 1 << (2 * formats.DATA_W + 2 * formats.SHAPE_HEADROOM)
+    for _ in range(3000):
+        wave_core.shaper_step(words, states, wave_core.SHAPE, WAVE.raw_min)
+    assert budget(states) == most - 1
+    assert most << (2 * GUARD_IN_WAVE) > 2 * STATE_MIN**2
 
 
 def test_a_rounding_of_less_loss_would_give_out_energy():

@@ -17,9 +17,9 @@ from wavehaptics.laws.anchor_choice import (
     SLOW_RAD_S,
     STRANGE_CELLS,
     STRANGE_PART,
-    ZERO_PER_S,
     choose_anchor,
     choose_rebound,
+    choose_zero_rate,
 )
 from wavehaptics.laws.reflection import WishError
 from wavehaptics.motor.supply import reached_v
@@ -262,6 +262,7 @@ def _anchor_words(
         )
     flux = closed_forms.root(r_hat) * tick_s / (2.0 * cell_vs)
     owed = flux / formats.A.to_value(a_word) if _holds_position(control, shaper) else 0.0
+    zero_rate = choose_zero_rate(r_hat, cell_vs, most_a)
     words[anchor.ENABLE] = 1
     words[anchor.FLUX_GAIN] = word(formats.FLUX, flux, "anchor_auto")
     words[anchor.OWED_GAIN] = min(round(owed / formats.FLUX.step), formats.FLUX.raw_max)
@@ -269,7 +270,7 @@ def _anchor_words(
     words[anchor.PULL_GAIN] = word(formats.PULL, ohm / cells_per_a, "anchor_ohm")
     words[anchor.DAMP_GAIN] = word(formats.PULL, swing / cells_per_a, "swing_ohm")
     words[anchor.LEARN_GAIN] = word(formats.LEARN, learn * tick_s / cells_per_a, "anchor_ohm_per_s")
-    words[anchor.ZERO_GAIN] = word(formats.FLUX, ZERO_PER_S * tick_s / r_hat, "anchor_auto")
+    words[anchor.ZERO_GAIN] = word(formats.FLUX, zero_rate * tick_s / r_hat, "anchor_auto")
     words[anchor.REACH] = formats.VOLTAGE.to_raw(reach_v)
     words[anchor.ROOM_GAIN] = word(formats.FLUX, 1.0 / closed_forms.root(r_hat), "anchor_auto")
     strange_v = reach_v + max(STRANGE_CELLS * ohm / cells_per_a, STRANGE_PART * limit_v)

@@ -52,7 +52,11 @@ REST_OF_SWING = 0.4
 SLOW_RAD_S = 1.0
 """Speed below which the sensor's offset is tracked, rad/s."""
 ZERO_PER_S = 200.0
-"""Rate with which the offset follows c/R̂: a rotor that it pushes must not get faster than that."""
+"""Largest rate with which the offset follows c/R̂: a rotor that it pushes must not get faster than
+that."""
+TAUGHT_OF_SCALE = 8e-4
+"""What a rotor that begins to move may teach of an offset, in parts of the sensor's full scale:
+until its edges tell of motion, its k_T·ω looks like R·offset."""
 STRANGE_CELLS = 4.5
 """Error of the flux beyond the limit of c, in cells, that no motor makes; two of them are what the
 resistance for swings may want."""
@@ -123,6 +127,14 @@ def choose_rebound(
     """
     ohm = 4.0 / math.pi * loss * k_t_hat * math.sqrt(l_hat / inertia)
     return (r_hat - ohm) / (r_hat + ohm)
+
+
+def choose_zero_rate(r_hat: float, cell_vs: float, full_scale_a: float) -> float:
+    """Rate with which the offset follows c/R̂, 1/s; ``cell_vs`` is a cell's flux, k̂_T·Δ, in V·s.
+
+    From rest a rotor goes a cell, whatever its speed, before it is known to move.
+    """
+    return min(ZERO_PER_S, TAUGHT_OF_SCALE * full_scale_a * r_hat / cell_vs)
 
 
 def _usual_ohm(r_hat: float, l_hat: float, tick_s: float, extra_ticks: int) -> float:
