@@ -236,8 +236,8 @@ def shaper_words(rng: np.random.Generator, ticks: int) -> np.ndarray:
     """Words of W, at times constant: any, corners, eighths, or like real ones of low frequencies.
 
     With eighths alone, or a bit less, sums end on whole places or just below, where each bit below
-    decides. Half of them are brought to matrices that give out no more than they get, or W would owe
-    most of the time.
+    decides. Half of them are brought to matrices that give out no more than they get, or W would
+    owe most of the time.
     """
     shape = (ticks if rng.random() < 0.3 else 1, PORTS, max(SHAPER, 1), GOLDEN.SECTION_WORDS)
     format_ = FORMATS.SHAPE
@@ -261,7 +261,7 @@ def shaper_words(rng: np.random.Generator, ticks: int) -> np.ndarray:
 
 
 def contractive(words: np.ndarray) -> np.ndarray:
-    """Coefficients (..., 9) of matrices like those given, scaled to a norm of 1 where it is more."""
+    """Coefficients (..., 9) of matrices like those given, brought to a norm of 1 where it is more."""
     places = [[GOLDEN.E11, GOLDEN.E12, GOLDEN.B1], [GOLDEN.E21, GOLDEN.E22, GOLDEN.B2],
               [GOLDEN.C1, GOLDEN.C2, GOLDEN.D]]  # fmt: skip
     one = 1 << FORMATS.SHAPE.fraction

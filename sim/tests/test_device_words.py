@@ -110,32 +110,33 @@ class Replay:
         values = simulation._values
         self.ticks = (values["extra_ticks"], values["hold_ticks"])
         self.line = wave_core.new_line(max(self.ticks))
-        self.sections = wave_core.new_shaper_state(len(simulation.settings.shaper.words))
+        self.sections = len(simulation.settings.shaper.words)
+        self.shaper = wave_core.new_shaper_state(self.sections)
 
     def step(self, set_: dict, current: int, contact: bool) -> tuple[int, int, int]:
         """(u, v, e) of a step with these settings."""
         eta = set_["eta_contact"] if contact else set_["eta_free"]
-        if not len(self.sections):
+        if not self.sections:
             e, u, v = wave_core.wave_core_step(
                 self.core, self.line, current, eta, 0, set_["root"], set_["a"], set_["u_max"],
                 *self.ticks,
             )  # fmt: skip
             return u, v, e
-        coefficients = np.array(set_["shape_coefficient"]).reshape(len(self.sections), -1)
-        losses = np.array(set_["shape_loss"]).reshape(len(self.sections), -1)
+        coefficients = np.array(set_["shape_coefficient"]).reshape(self.sections, -1)
+        losses = np.array(set_["shape_loss"]).reshape(self.sections, -1)
         mode = wave_core.SHAPE if contact else wave_core.CLEAR
         e, u, v = wave_core.shaped_core_step(
-            self.core, self.line, np.hstack([coefficients, losses]), self.sections, mode, current,
+            self.core, self.line, np.hstack([coefficients, losses]), self.shaper, mode, current,
             eta, 0, set_["root"], set_["a"], set_["u_max"], *self.ticks,
         )  # fmt: skip
         return u, v, e
 
     def trial(self, set_: dict, current: int, contact: bool, wanted: tuple) -> bool:
         """Step, if that comes to what is wanted; else nothing has happened."""
-        kept = [array.copy() for array in (self.core, self.line, self.sections)]
+        kept = [array.copy() for array in (self.core, self.line, self.shaper)]
         if self.step(set_, current, contact) == wanted:
             return True
-        self.core[:], self.line[:], self.sections[:] = kept
+        self.core[:], self.line[:], self.shaper[:] = kept
         return False
 
 

@@ -460,9 +460,7 @@ def test_no_words_of_w_make_the_port_a_source(gain):
     words = [0] * len(device.base["shape_coefficient"])
     words[wave_core.D] = formats.SHAPE.to_raw(gain)
     loss = [0] * len(device.base["shape_loss"])
-    device.change(
-        [(10 * device.clocks, {"shape_coefficient": words, "shape_loss": loss})], 100_000
-    )
+    device.change([(10 * device.clocks, {"shape_coefficient": words, "shape_loss": loss})], 100_000)
     assert device.contact[-1]
     assert device.words[-1, Word.V] != 0
     u_max = formats.WAVE.to_value(device.base["u_max"])

@@ -111,7 +111,8 @@ def test_a_boards_words_make_sense(name):
     for key, raw in words.items():
         low, high = WORDS[key].range
         if key not in ("extra_ticks", "hold_ticks"):  # as many as the board's delay line counts
-            assert low <= WORDS[key].fixed.to_value(raw) <= high, key
+            each = raw if isinstance(raw, list) else [raw]
+            assert all(low <= WORDS[key].fixed.to_value(one) <= high for one in each), key
 
 
 def test_values_and_words():

@@ -120,7 +120,7 @@ def shaper_section(words: np.ndarray, x: np.ndarray, v: int) -> int:
 
 @compiled(inline="always")
 def _pay(budget: np.ndarray, square: int) -> None:
-    """Add ``square`` to a budget in two words, int64 (2,), which ends below more than states hold."""
+    """Add ``square`` to a budget in two words, int64 (2,), up to more than states can hold."""
     low = budget[1] + (square & _DATA_MASK)
     high = budget[0] + (square >> formats.DATA_W) + (low >> formats.DATA_W)
     full = high >= _BUDGET_HIGH

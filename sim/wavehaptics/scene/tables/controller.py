@@ -83,7 +83,7 @@ class Controller(Table):
         "N·m/A",
         "The controller's estimate k̂_T of the torque constant",
         None,
-        default_text="k_T of the motor",
+        default_text="k_T of the motor, √1.5·p·ψ of a brushless one",
         ge=1e-4,
         le=10,
     )
