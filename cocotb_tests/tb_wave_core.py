@@ -261,7 +261,7 @@ def shaper_words(rng: np.random.Generator, ticks: int) -> np.ndarray:
 
 
 def contractive(words: np.ndarray) -> np.ndarray:
-    """Coefficients (..., 9) of matrices like those given, brought to a norm of 1 where it is more."""
+    """Coefficients (..., 9) of matrices like those given, brought to a norm of 1 or less."""
     places = [[GOLDEN.E11, GOLDEN.E12, GOLDEN.B1], [GOLDEN.E21, GOLDEN.E22, GOLDEN.B2],
               [GOLDEN.C1, GOLDEN.C2, GOLDEN.D]]  # fmt: skip
     one = 1 << FORMATS.SHAPE.fraction
