@@ -358,7 +358,7 @@ def random_stream(seed: int) -> Stream:
         modes = rng.integers(0, 3, (ticks, PORTS))
         part["mode"] = modes if rng.random() < 0.2 else np.full((ticks, PORTS), modes[0])
         part["shape"] = shaper_words(rng, ticks)
-        if rng.random() < 0.5:
+        if rng.random() < 0.8:
             paid_at_first(part)
         part["pause"] = np.where(rng.random(ticks) < 0.1, rng.integers(0, 40, ticks), 0)
         part["at"] = rng.integers(1, CLOCKS_A_PORT * PORTS, ticks)
@@ -385,6 +385,7 @@ def small_waves_through_eighths(stream: Stream, seed: int) -> Stream:
     largest = 1 << rng.integers(1, FORMATS.DATA_W - 11, (EIGHTHS, PORTS))
     for name in ("outside", "current"):
         more[name] = rng.integers(-largest, largest)
+    more["reset"][:] = more["abort"][:] = False
     paid_at_first(more)
     return joined(stream, more)
 
