@@ -253,7 +253,7 @@ def shaper_words(rng: np.random.Generator, ticks: int) -> np.ndarray:
         small = 1 << int(rng.integers(1, format_.fraction))
         words = rng.integers(-small, small, shape)
         words[..., GOLDEN.D] = rng.integers(-1 << format_.fraction, 1 << format_.fraction)
-    if rng.random() < 0.5:
+    if SHAPER and rng.random() < 0.5:
         words[..., : GOLDEN.LOSS1] = contractive(words[..., : GOLDEN.LOSS1])
     largest = 1 << int(rng.integers(0, FORMATS.SHAPE_LOSS_W, endpoint=True))
     words[..., GOLDEN.LOSS1 :] = rng.integers(0, largest, (*shape[:3], 3)) if kind != 2 else 0
@@ -358,7 +358,7 @@ def random_stream(seed: int) -> Stream:
         modes = rng.integers(0, 3, (ticks, PORTS))
         part["mode"] = modes if rng.random() < 0.2 else np.full((ticks, PORTS), modes[0])
         part["shape"] = shaper_words(rng, ticks)
-        if rng.random() < 0.8:
+        if SHAPER and rng.random() < 0.8:
             paid_at_first(part)
         part["pause"] = np.where(rng.random(ticks) < 0.1, rng.integers(0, 40, ticks), 0)
         part["at"] = rng.integers(1, CLOCKS_A_PORT * PORTS, ticks)
