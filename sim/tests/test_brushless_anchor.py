@@ -12,6 +12,7 @@ from wavehaptics.controller import anchor, rotor_flux
 from wavehaptics.controller.settings import settings
 from wavehaptics.ladder.run import CONTROLLERS, measure
 from wavehaptics.laws import closed_forms
+from wavehaptics.laws.anchor_choice import ZERO_PER_S, choose_zero_rate
 from wavehaptics.parts.motors import BRUSHLESS_PRESETS
 from wavehaptics.scene import SCENES_DIR, Scene, SceneError, load_scene
 from wavehaptics.trace.columns import Column, Word
@@ -263,6 +264,56 @@ def test_a_bare_rotor_comes_back_no_faster(
     metrics = measure(load_scene(scene), "golden")
     assert 0.85 < metrics["restitution"] <= 1.0
     assert metrics["correction_out_max_j"] < metrics["correction_bound_j"]
+
+
+def test_a_cell_of_motion_teaches_little_of_an_offset():
+    """Rate times k_T·Δ/R̂: what is learned of any motion from rest, in parts of the full scale."""
+    assert choose_zero_rate(2.18, 23.4e-3 * CELL_RAD, 2.5) == ZERO_PER_S
+    cell_vs = 0.098 * 2 * math.pi / 4020
+    coarse = choose_zero_rate(0.57, cell_vs, 9.6)
+    assert coarse * cell_vs / 0.57 == pytest.approx(8e-4 * 9.6)
+    assert coarse < ZERO_PER_S / 5
+
+
+def test_a_free_rotor_of_coarse_cells_keeps_its_speed(tmp_path: Path):
+    """Of a strong motor, whose first cell looks like an offset: it went 1.3 to 2.5 rad/s from 2."""
+    scene = tmp_path / "free.toml"
+    scene.write_text("""
+        [scene]
+        name = "free_rotor"
+        duration_s = 0.3
+        [motor]
+        kind = "pmsm"
+        R_ohm = 0.6743
+        L_h = 1.976e-4
+        pole_pairs = 14
+        psi_vs = 7.029e-3
+        J_kgm2 = 1.399e-4
+        magnet_rad = 0.003
+        [hand]
+        path = "impact"
+        amplitude_rad = 0.01
+        speed_rad_s = 2.0
+        [encoder]
+        counts_per_rev = 4020
+        [adc]
+        bits = 12
+        full_scale_a = 9.627
+        noise_a = 4.8e-3
+        [drive]
+        bus_v = 24
+        [controller]
+        tick_hz = 5e5
+        lambda = 1e4
+        walls = [[90.0, 91.0]]
+        anchor_auto = true
+    """)
+    simulation = CONTROLLERS["golden"](load_scene(scene))
+    rows = np.zeros((150_000, len(Column)))
+    simulation.advance(rows, np.zeros((len(rows), len(Word)), dtype=np.int64))
+    omega = rows[1000:, Column.OMEGA]
+    assert omega.min() > 0.93 * 2.0
+    assert omega.max() < 1.05 * 2.0
 
 
 def test_free_space_is_free_through_turns_of_the_magnets():
