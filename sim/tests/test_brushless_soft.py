@@ -24,6 +24,7 @@ from wavehaptics.ladder.linked_pins import linked_pins
 from wavehaptics.ladder.run import CONTROLLERS, measure
 from wavehaptics.scene import SCENES_DIR, Scene, SceneError, load_scene
 from wavehaptics.trace.columns import Column, Word
+from wavehaptics.words import formats
 
 # A gimbal's motor, as its page has it: what the computations below know of it.
 R, L, PAIRS, PSI, J = 4.7, 0.96e-3, 7, 3.82e-3, 23e-7
@@ -217,7 +218,7 @@ def test_modes_are_those_of_one_port(make_scene):
     """Free: the states are emptied; in the rigid wall below the layer they stand still."""
     scene = make_scene(*TAP, *SPRING, *LAYERS, *DEEP, magnets_at(0.3))
     simulation = BrushlessSimulation(scene, rtl=False)
-    states = simulation._shaper[1]
+    states = simulation._shaper[1][:, :-1]  # without their budgets
     before, seen = states.copy(), set()
     rows, words = np.zeros((1, len(Column))), np.zeros((1, len(Word)), dtype=np.int64)
     for _ in range(50_000):
@@ -259,14 +260,16 @@ def test_ports_give_no_energy(make_scene, seed):
     assert np.count_nonzero(np.diff(rows[:, Column.CONTACT])) >= 2
 
 
-def test_a_filter_that_is_not_contractive_gives_energy(make_scene):
-    """What the test before looks at can be above 0."""
+@pytest.mark.parametrize("paid", [False, True])
+def test_a_filter_that_is_not_contractive_gives_what_was_paid(make_scene, paid):
+    """What the test before looks at can be above 0: of a budget that was full from the start."""
     simulation = BrushlessSimulation(make_scene(*pushes(1), EVERYWHERE, "shaper.walls=[0]"),
                                      rtl=False)  # fmt: skip
     words = simulation._shaper[0]
     words[:, wave_core.B1 : wave_core.LOSS1] = words[:, wave_core.B1 : wave_core.LOSS1] * 1.1
+    simulation._shaper[1][:, -1, 0] = (1 << formats.DATA_W) if paid else 0
     rows, _ = run(simulation, 0.2)
-    assert np.cumsum(rows[:, Column.ENERGY_OUT]).max() > 1e-6
+    assert (np.cumsum(rows[:, Column.ENERGY_OUT]).max() > 1e-6) == paid
 
 
 # ---- The whole RTL at its pins.
