@@ -47,7 +47,7 @@ def switched(
     that the correction goes on.
     """
     root, a, u_max, extra = ints
-    states = np.zeros((1, 2), dtype=np.int64)
+    states = np.zeros((words.shape[0] + 1, 2), dtype=np.int64)
     for n in range(rows.shape[0]):
         if kept[0] == 0:
             kept[0] = np.random.randint(1, 4000)
