@@ -38,8 +38,8 @@ def seed_generator(seed):
 
 @compiled_counting(error_model="numpy")
 def switched(
-    rows, kept, words, ints, state, core, line, held, held_words, load, matrix, parts, dt, cell,
-    gain, sensor, noise,
+    rows, kept, words, states, ints, state, core, line, held, held_words, load, matrix, parts, dt,
+    cell, gain, sensor, noise,
 ):  # fmt: skip
     """Fill rows; every 1 to 4000 ticks other settings: contact, η, W, whose state is emptied.
 
@@ -47,7 +47,6 @@ def switched(
     that the correction goes on.
     """
     root, a, u_max, extra = ints
-    states = np.zeros((words.shape[0] + 1, 2), dtype=np.int64)
     for n in range(rows.shape[0]):
         if kept[0] == 0:
             kept[0] = np.random.randint(1, 4000)
@@ -104,9 +103,9 @@ def run(make_scene, *sets: str, ticks: int = TICKS):
     fastest, most, corrected = 0.0, 0.0, 0
     for _ in range(ticks // CHUNK):
         switched(
-            rows, kept, words, ints, state, core, line, held, set_.anchor, load_words(plant),
-            plant.transition(dt), motor_parts(plant), dt, set_.cell_rad, gain,
-            Sensor.of_scene(scene).constants(), rng.standard_normal(CHUNK),
+            rows, kept, words, wave_core.new_shaper_state(len(words)), ints, state, core, line,
+            held, set_.anchor, load_words(plant), plant.transition(dt), motor_parts(plant), dt,
+            set_.cell_rad, gain, Sensor.of_scene(scene).constants(), rng.standard_normal(CHUNK),
         )  # fmt: skip
         metrics.update(rows)
         fastest = max(fastest, abs(state[OMEGA]))
