@@ -7,7 +7,7 @@
 #define WAVEHAPTICS_WORDS_H
 
 // <!-- begin c-words -->
-#define WH_WORDS_CRC 0xa3babfabu
+#define WH_WORDS_CRC 0xd781c164u
 
 #define WH_MAP_VERSION 1u
 #define WH_TABLE_REGISTER 0x2000u
@@ -165,14 +165,14 @@
     X(CLOCKS_PER_VOLT, "clocks_per_volt", 0x118, WH_SETTING, WH_OF_MOTOR, 1, 16, 1, 0.0, 1023.9999847412109, "clocks/V") \
     X(SIDE_CURRENT, "side_current", 0x11a, WH_SETTING, WH_OF_MOTOR, 1, 24, 1, 0.0, 63.999999940395355, "A") \
     X(ANCHOR_ENABLE, "anchor_enable", 0x120, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 1.0, "") \
-    X(ANCHOR_FLUX_GAIN, "anchor_flux_gain", 0x121, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, -16.0, 15.999999761581421, "cells/√W") \
-    X(ANCHOR_OWED_GAIN, "anchor_owed_gain", 0x122, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, -16.0, 15.999999761581421, "cells/√W") \
-    X(ANCHOR_CELLS_GAIN, "anchor_cells_gain", 0x123, WH_SETTING, WH_OF_MOTOR, 1, 12, 1, -16384.0, 16383.999755859375, "cells/A") \
-    X(ANCHOR_PULL_GAIN, "anchor_pull_gain", 0x124, WH_SETTING, WH_OF_MOTOR, 1, 20, 1, -64.0, 63.999999046325684, "V/cell") \
-    X(ANCHOR_DAMP_GAIN, "anchor_damp_gain", 0x125, WH_SETTING, WH_OF_MOTOR, 1, 20, 1, -64.0, 63.999999046325684, "V/cell") \
-    X(ANCHOR_LEARN_GAIN, "anchor_learn_gain", 0x126, WH_SETTING, WH_OF_MOTOR, 1, 29, 1, -0.125, 0.12499999813735485, "V/cell") \
-    X(ANCHOR_ZERO_GAIN, "anchor_zero_gain", 0x127, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, -16.0, 15.999999761581421, "A/V") \
-    X(ANCHOR_ROOM_GAIN, "anchor_room_gain", 0x128, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, -16.0, 15.999999761581421, "√W/V") \
+    X(ANCHOR_FLUX_GAIN, "anchor_flux_gain", 0x121, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, 0.0, 15.999999761581421, "cells/√W") \
+    X(ANCHOR_OWED_GAIN, "anchor_owed_gain", 0x122, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, 0.0, 15.999999761581421, "cells/√W") \
+    X(ANCHOR_CELLS_GAIN, "anchor_cells_gain", 0x123, WH_SETTING, WH_OF_MOTOR, 1, 12, 1, 0.0, 16383.999755859375, "cells/A") \
+    X(ANCHOR_PULL_GAIN, "anchor_pull_gain", 0x124, WH_SETTING, WH_OF_MOTOR, 1, 20, 1, 0.0, 63.999999046325684, "V/cell") \
+    X(ANCHOR_DAMP_GAIN, "anchor_damp_gain", 0x125, WH_SETTING, WH_OF_MOTOR, 1, 20, 1, 0.0, 63.999999046325684, "V/cell") \
+    X(ANCHOR_LEARN_GAIN, "anchor_learn_gain", 0x126, WH_SETTING, WH_OF_MOTOR, 1, 29, 1, 0.0, 0.12499999813735485, "V/cell") \
+    X(ANCHOR_ZERO_GAIN, "anchor_zero_gain", 0x127, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, 0.0, 15.999999761581421, "A/V") \
+    X(ANCHOR_ROOM_GAIN, "anchor_room_gain", 0x128, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, 0.0, 15.999999761581421, "√W/V") \
     X(ANCHOR_REACH, "anchor_reach", 0x129, WH_SETTING, WH_OF_MOTOR, 1, 23, 1, 0.0, 64.0, "V") \
     X(ANCHOR_STRANGE, "anchor_strange", 0x12a, WH_SETTING, WH_OF_MOTOR, 1, 23, 1, 0.0, 127.99999988079071, "V") \
     X(ANCHOR_REST_TICKS, "anchor_rest_ticks", 0x12b, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 65535.0, "ticks") \

@@ -37,6 +37,8 @@ STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshado
 SANITIZERS = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 CC = shutil.which("cc") or shutil.which("gcc")
 TIMEOUT_S = 0.15
+FASTEST = 0.05
+"""Seconds of a simulated board in one of real time, which the hosts' timeouts keep to."""
 PATIENT_S = 60
 
 pytestmark = pytest.mark.skipif(CC is None, reason="there is no C compiler")
@@ -552,7 +554,8 @@ class Bench:
 
     def run(self, ended: Callable[[], bool], seconds: float = 20.0) -> None:
         first = self.pins.time_s
-        self.board.run(ended, seconds)
+        # Else a fast machine's board is off before a host, which waits half a second, asks again.
+        self.board.run(ended, seconds, fastest=FASTEST)
         assert self.pins.time_s - first < seconds, "the host never ended"
 
     @property
@@ -585,7 +588,7 @@ def missed(words: np.ndarray, scene, settings) -> np.ndarray:
 def test_the_wall_of_a_computer(wall):
     """Taps on a spring of 0.5 N·m/rad: passive, and as stiff as its delays let it.
 
-    What stands before the spring is what two to five periods of delay make of the motor:
+    What stands before the spring is what one to five periods of delay make of the motor:
     K = k_T²/(L + R τ/2).
     """
     with Bench() as bench:
@@ -611,7 +614,7 @@ def test_the_wall_of_a_computer(wall):
     assert deepest[Column.X] > 0.03
     soft, stiff = (
         1 / (1 / 0.5 + 1 / closed_forms.stiffness(motor.k_t, motor.L_h, motor.R_ohm, n * period_s))
-        for n in (5, 2)
+        for n in (5, 1)
     )
     assert soft < -deepest[Column.TORQUE] / deepest[Column.X] < stiff
     free = rows[rows[:, Column.X] < -0.02]
@@ -658,9 +661,9 @@ def test_a_bad_line_and_a_killed_host(wall, seed):
 
 
 def in_force(bench: Bench) -> bool:
-    """Whether the last periods weren't the port's own."""
-    last = bench.pins.latest(4 * bench.period_ticks)
-    return bool((missed(last, bench.scene, bench.pins.settings) > 1e-4).any())
+    """Whether the last tick wasn't the port's own."""
+    last = bench.pins.latest(bench.period_ticks)
+    return bool(missed(last, bench.scene, bench.pins.settings)[-1] > 1e-4)
 
 
 def test_a_host_that_steals_gets_what_went_in(built):

@@ -743,7 +743,7 @@ def test_the_scope_shows_a_brushless_motors_wall():
                 time.sleep(0.05)
 
         def elapse(device_s: float) -> list[dict[str, float]]:
-            """The newest rows after so much of the device's time."""
+            """Rows of the later half of so much of the device's time: eight are an ADC's noise."""
             rows: list[dict[str, float]] = []
 
             def passed() -> bool:
@@ -751,7 +751,7 @@ def test_the_scope_shows_a_brushless_motors_wall():
                 return bool(rows) and rows[-1]["t"] - rows[0]["t"] > device_s
 
             wait(passed)
-            return rows[-8:]
+            return [row for row in rows if row["t"] > rows[-1]["t"] - device_s / 2]
 
         wait(lambda: feed.state()["live"])
         feed.lead(-0.05)
@@ -759,7 +759,7 @@ def test_the_scope_shows_a_brushless_motors_wall():
         feed.arm(page).result(END_S)
         wait(lambda: feed.state()["running"])
         places, torques = [], []
-        for place in (0.06, 0.1, 0.14):
+        for place in (0.1, 0.2, 0.3):
             feed.lead(place)
             rows = elapse(0.8)
             places.append(np.mean([row["x"] for row in rows]))
@@ -768,7 +768,7 @@ def test_the_scope_shows_a_brushless_motors_wall():
             # Some places of the ADC, of 0.5 mA, and as much that the anchors take for an offset.
             assert torques[-1] == pytest.approx(pushed, abs=scene.motor.k_t * 4e-3)
         slope = np.polyfit(places, torques, 1)[0]
-        assert slope == pytest.approx(feed.state()["stiffness"], rel=0.04)
+        assert slope == pytest.approx(feed.state()["stiffness"], rel=0.025)
         feed.stop()
         wait(lambda: not feed.state()["armed"])
     finally:

@@ -296,6 +296,17 @@ def test_every_setting_says_when_it_may_change():
     assert kinds["sum"] == {"wh_current.current"}
 
 
+def test_what_scales_cannot_be_written_below_zero():
+    """Such a gain or limit would turn what damps or holds into what pushes."""
+    scales = {
+        word.name for word in WORDS.values()
+        if word.row.kind == "setting" and word.fixed.signed and word.row.unit
+        and word.row.unit not in ("counts", "clocks", "ticks")
+    }  # fmt: skip
+    assert scales > {"gain", "root", "u_max", "clocks_per_volt", "anchor_pull_gain", "anchor_reach"}
+    assert {name: WORDS[name].range[0] for name in scales} == dict.fromkeys(scales, 0.0)
+
+
 def test_words_of_the_memory_are_no_ports():
     own = {word.name for word in WORDS.values() if word.block == table.MEMORY}
     assert own == {"commit", "discard", "settings_busy", "settings_staged"}

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import errno
+import math
 import os
 import select
 import time
@@ -69,35 +70,40 @@ class VirtualBoard:
         os.close(self._master)
 
     def run(
-        self, ended: Callable[[], bool], seconds: float | None = None, *, paced: bool = False
+        self,
+        ended: Callable[[], bool],
+        seconds: float | None = None,
+        *,
+        fastest: float = math.inf,
     ) -> None:
         """Simulate until ``ended`` says so, or for ``seconds`` of simulated time.
 
-        ``paced``: no faster than real time.
+        ``fastest``: seconds that are simulated in one of real time, at most.
         """
         first, start = self._pins.time_s, time.monotonic()
+        most = max(1, round(min(_MOST_TICKS, fastest * BLOCK_S / self._pins.tick_s)))
+        self._ticks = min(self._ticks, most)
         while not ended():
             before = time.monotonic()
-            self._take(0.0)
+            ahead = (self._pins.time_s - first) / fastest - (before - start)
+            if ahead > 0:
+                select.select([], [], [], min(ahead, BLOCK_S))
+                continue
+            self._take()
             if self._hand is not None:
                 step_s = self._ticks * self._pins.tick_s
                 self._pins.lead_hand(self._hand.speed(self._pins.time_s, step_s))
             self._pins.elapse(self._ticks)
             self._give()
             passed = time.monotonic() - before
-            self._ticks = round(min(max(1, self._ticks * BLOCK_S / passed), _MOST_TICKS))
-            simulated = self._pins.time_s - first
-            if seconds is not None and simulated >= seconds:
+            self._ticks = round(min(max(1, self._ticks * BLOCK_S / passed), most))
+            if seconds is not None and self._pins.time_s - first >= seconds:
                 return
-            if paced:
-                ahead = start + simulated - time.monotonic()
-                if ahead > 0:
-                    select.select([], [], [], min(ahead, BLOCK_S))
 
-    def _take(self, wait_s: float) -> None:
+    def _take(self) -> None:
         if self._pins.waiting >= _MOST_WAITING:
             return
-        if select.select([self._master], [], [], wait_s)[0]:
+        if select.select([self._master], [], [], 0.0)[0]:
             self._pins.send(os.read(self._master, _MOST_BYTES))
 
     def _give(self) -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import select
 import signal
@@ -111,7 +112,8 @@ def be_virtual(
         led = kept.enter_context(LedHand(hand, pins.hand_rad)) if hand is not None else None
         running = kept.enter_context(VirtualBoard(pins, link, led))
         print(running.path, flush=True)
-        running.run(lambda: bool(asked) or (tied and _input_ended()), seconds, paced=paced)
+        fastest = 1.0 if paced else math.inf
+        running.run(lambda: bool(asked) or (tied and _input_ended()), seconds, fastest=fastest)
 
 
 def _check_place(option: str, path: Path, kind: str, fits: Callable[[Path], bool]) -> None:
