@@ -460,6 +460,7 @@ def test_overrides(tmp_path):
         ("controller.walls=[[1,0]]", "walls[0] = [1, 0] is empty"),
         ("controller.lambda=1\n[adc]", "is not a TOML value"),
         ('scene.name="x', "is not a TOML value"),
+        ("motor.kind=bldc", 'motor.kind "bldc" is unknown; did you mean "pmsm"? known: dc, pmsm'),
         ("controller.nope=1", "unknown key controller.nope"),
         ("nope.x=1", "unknown table [nope]"),
         ("tick_hz=1", "names no table; did you mean controller.tick_hz?"),

@@ -118,9 +118,16 @@ def as_written(value: Any) -> str:
     return text if len(text) <= 60 else f'{text[:56]}..."'
 
 
+_ALSO_CALLED = {"bldc": "pmsm", "brushless": "pmsm", "ec": "pmsm", "brushed": "dc"}
+"""What others call a known name."""
+
+
 def nearest(name: str, known: Sequence[str] | Mapping[str, Any]) -> str | None:
     """The known name that ``name`` was most likely meant to be."""
     by_lower = {k.lower(): k for k in known}
+    other = _ALSO_CALLED.get(name.lower())
+    if other in known:
+        return other
     near = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=0.6)
     if not near and name:
         near = [k for k in by_lower if k.startswith(f"{name.lower()}_")]
