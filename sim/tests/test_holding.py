@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from wavehaptics.controller import anchor
 from wavehaptics.ladder.run import measure
-from wavehaptics.laws.anchor_choice import choose_eta_free
+from wavehaptics.laws.anchor_choice import choose_eta_free, choose_swing
 from wavehaptics.pages import port_anchor
 from wavehaptics.parts.motors import PRESETS
 from wavehaptics.scene import SCENES_DIR, load_scene
@@ -85,6 +85,36 @@ def test_a_bar_of_less_resistance_swings_by_less_than_half_a_cell():
     row = cases.bar(-0.04, 0.0, cases.HANDS["hand"])
     assert row["hold_ripple_rms"] <= 0.7e-3
     assert row["anchor_fault_s"] is None
+
+
+@pytest.mark.parametrize(
+    ("inertia", "tick_hz"), [(1.07e-6, 1e6), (1.07e-6, 2e6), (3e-6, 1e6), (10e-6, 1e6)]
+)
+def test_a_light_hand_does_not_swing(inertia, tick_hz):
+    """With ρ/2 for swings it did, but for the first of these: 0.14 to 0.6 mN·m, 1 to 3 cells."""
+    damping = 1e-4 * np.sqrt(inertia / 1.07e-6)
+    scene = load_scene(
+        SCENES_DIR / "held_wall.toml",
+        [*cases.NOTHING, "scene.duration_s=1.5", f"motor.J_kgm2={inertia}",
+         f"controller.tick_hz={tick_hz}", f"hand.damping={damping:.3g}"],
+    )  # fmt: skip
+    _, rows = runs.run(scene, "golden", 1e-4)
+    rest = rows[-len(rows) // 3 :]
+    assert np.std(rest[:, Column.TORQUE]) <= 60e-6
+    assert np.ptp(rest[:, Column.X]) < 0.5 * runs.cell_of(scene)
+
+
+@pytest.mark.parametrize("mean_s", [8e-3, 2e-3, 0.8e-3])
+def test_a_swing_loses_most_at_the_rotors_frequency(mean_s):
+    """The wall within a cell, K/(1 + (R_s/L)·τ/(1 + sτ)), turns most where the rotor swings."""
+    motor = PRESETS["re25-118743"]
+    ohm = choose_swing(100.0, motor.L_h, motor.k_t, motor.J_kgm2, mean_s)
+    omega = motor.k_t / np.sqrt(motor.L_h * motor.J_kgm2)
+    swings = omega * np.geomspace(0.1, 10, 2001)
+    softer = 1 + ohm / motor.L_h * mean_s / (1 + 1j * swings * mean_s)
+    assert swings[np.argmax(-np.angle(softer))] == pytest.approx(omega, rel=0.01)
+    assert choose_swing(1.0, motor.L_h, motor.k_t, motor.J_kgm2, 8e-3) == 0.5
+    assert choose_swing(1.0, motor.L_h, motor.k_t, motor.J_kgm2, 0.9 / omega) == 0.0
 
 
 @pytest.mark.parametrize("wrong", cases.BOUNCED)

@@ -99,6 +99,7 @@ INNER_SHIFT = 8
 """2^-8 of χ counts inside the dead zone too: what drifts within a cell dies out."""
 MEAN_SHIFT = 8
 MEAN_PHASE = 31
+MEAN_TICKS = (MEAN_PHASE + 1) << MEAN_SHIFT
 """ȳ takes 2^-8 of its distance to y in one tick of 32: 8 ms at 1 MHz."""
 MOVING_PHASE = 7
 """While the rotor moves c_I learns in one tick of 8."""

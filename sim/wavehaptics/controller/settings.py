@@ -19,6 +19,7 @@ from wavehaptics.laws.anchor_choice import (
     STRANGE_PART,
     choose_anchor,
     choose_rebound,
+    choose_swing,
     choose_zero_rate,
 )
 from wavehaptics.laws.reflection import WishError
@@ -233,7 +234,12 @@ def _anchor_words(
 
     ohm = given("anchor_ohm", chosen.ohm)
     learn = given("anchor_ohm_per_s", chosen.ohm_per_s * ohm / chosen.ohm)
-    swing = given("swing_ohm", chosen.swing_ohm * ohm / chosen.ohm)
+    swing = given(
+        "swing_ohm",
+        choose_swing(
+            ohm, control.l_hat, control.k_t_hat, scene.motor.J_kgm2, anchor.MEAN_TICKS * tick_s
+        ),
+    )
     reach_v = given("anchor_limit_v", chosen.limit_v)
     cells_per_a = control.l_hat / cell_vs
     most_a = formats.CURRENT.largest if scene.adc is None else scene.adc.full_scale_a

@@ -147,7 +147,7 @@ class Controller(Table):
         "Ω",
         "Resistance that the port anchor has for swings within a cell, in contact and at rest",
         None,
-        default_text="ρ/2",
+        default_text="what loses most at the rotor's frequency on the wall, at most ρ/2",
         ge=0,
         le=1000,
     )
