@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import struct
 import termios
 import threading
@@ -37,6 +38,7 @@ class Board(threading.Thread):
     def __init__(self) -> None:
         super().__init__(daemon=True)
         self._master, self._slave = os.openpty()
+        self._open = True
         tty.setraw(self._slave)
         self.path = os.ttyname(self._slave)
         self.registers: dict[int, int] = {}
@@ -82,9 +84,14 @@ class Board(threading.Thread):
             with contextlib.suppress(OSError):  # the port was pulled
                 os.write(self._master, answer)
 
-    def close(self) -> None:
+    def gone(self) -> None:
         os.close(self._slave)
         os.close(self._master)
+        self._open = False
+
+    def close(self) -> None:
+        if self._open:
+            self.gone()
 
 
 @pytest.fixture
@@ -198,6 +205,18 @@ def test_a_port_that_goes(board, tmp_path):
         client.read([place(client, "root")])
     port.symlink_to(board.path)
     assert client.read([place(client, "root")]) == [0]
+
+
+def test_a_port_that_goes_while_it_is_held(client, board):
+    """Each exchange says so, also those that give settings back."""
+    found = []
+    with client.hurry():
+        board.gone()
+        for _ in range(3):
+            with pytest.raises(HostError) as problem:
+                client.read([place(client, "root")])
+            found.append(str(problem.value))
+    assert all(re.search(r"was it unplugged\?|no answer within", text) for text in found), found
 
 
 @pytest.mark.parametrize("error", [ValueError("rate"), termios.error(22, "rate"), OSError("rate")])

@@ -94,6 +94,55 @@ def test_motors(make_scene: Maker, name: str):
     assert found.offset_a.value == pytest.approx(scene.adc.offset_a, abs=2e-3)
 
 
+@pytest.mark.parametrize("noise_a", ["0", "0.5e-3"])
+@pytest.mark.parametrize(
+    "sets",
+    [
+        ("motor.R_ohm=20", "motor.L_h=2e-3", "motor.k_t=0.1", "motor.J_kgm2=6e-6",
+         "controller.tick_hz=5e4", "encoder.counts_per_rev=40000", "brushes.segments=9",
+         "friction.coulomb_nm=1.5e-3", "cogging.torque_nm=1e-3", "cogging.per_rev=12",
+         "drive.limit_v=44", "adc.full_scale_a=2"),
+        ("motor.R_ohm=10", "motor.L_h=0.1e-3", "motor.k_t=10e-3", "motor.J_kgm2=1e-7",
+         "controller.tick_hz=2.5e5", "encoder.counts_per_rev=16384", "brushes.segments=7",
+         "drive.limit_v=11", "adc.full_scale_a=1"),
+    ],
+)  # fmt: skip
+def test_a_winding_of_few_ticks(make_scene: Maker, sets: tuple[str, ...], noise_a: str):
+    """L/R is 5 and 2.5 ticks. The first one has cogging, too little beside friction to be found.
+
+    Records of the step that went on for a dozen time constants told of friction as of L.
+    """
+    scene = make_scene(*REAL, *sets, f"adc.noise_a={noise_a}")
+    found, _, _ = identified(scene)
+    motor = scene.motor
+    assert found.resistance.ohm.value == pytest.approx(motor.R_ohm, rel=0.005)
+    assert found.inductance.value == pytest.approx(motor.L_h, rel=0.015)
+    assert found.back_emf.k_t.value == pytest.approx(motor.k_t, rel=0.005)
+    assert found.mechanics.inertia.value == pytest.approx(motor.J_kgm2, rel=0.02)
+
+
+def test_a_current_that_is_noise_is_refused(make_scene: Maker):
+    scene = make_scene(*REAL, "adc.noise_a=5e-3")
+    with pytest.raises(HostError, match=r"--current 0\.01 A is too little beside .*; take 0\.0\d+"):
+        identified(scene, current=0.01)
+
+
+@pytest.mark.parametrize(
+    ("name", "beside"),
+    [
+        ("m.toml", "m.words.toml"),
+        ("m.left", "m.left.words.toml"),
+        ('a"b\\c.toml', 'a"b\\c.words.toml'),
+    ],
+)
+def test_names_of_what_is_written(make_scene: Maker, tmp_path: Path, name: str, beside: str):
+    found, _, driver = identified(make_scene(*REAL))
+    paths = result.write(found, driver, tmp_path / name, 0)
+    assert [path.name for path in paths] == [name, beside]
+    assert load_scene(paths[0]).motor.R_ohm == pytest.approx(found.resistance.ohm.value, rel=1e-3)
+    assert session.read(paths[1], driver.shape)
+
+
 def test_the_board_is_left_as_it_was(make_scene: Maker, tmp_path: Path):
     """Disarmed, with the settings of before; and what is found goes back into scene and device."""
     scene = make_scene(*REAL)

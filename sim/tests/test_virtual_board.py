@@ -480,6 +480,8 @@ def test_every_setting_goes_through_a_file(tmp_path):
         (TABLE, r": there is no word in it; take a file that `board save` wrote"),
         (TABLE + "[motor.0]\n[board]\n", r": there is no word in it; take a file"),
         (TABLE + "[motor.1]\na = 1\n", r":2: \[motor.1\]: the device has motors 0...0"),
+        (TABLE + '[motor."²"]\na = 1\n', r":2: \[motor.²\]: the device has motors 0...0"),
+        (TABLE + "[motor.00]\na = 1\n", r":2: \[motor.00\]: the device has motors 0...0"),
         (TABLE + "[more]\n", r":2: more: there are \[board\] and"),
         (TABLE + "[board]\nroot = 1\n", r":3: root stands in \[motor.0\]"),
         (TABLE + "[motor.0]\nwall_min = [1, 2]\n", r":3: wall_min takes a list of 4 numbers"),

@@ -351,6 +351,8 @@ class Client:
         )  # fmt: skip
         client.socket = line
         try:
+            if not line.is_open:  # Modbus' client closed it, as it had gone
+                raise OSError("the port has gone")
             if self._astray and not self._settled(line):
                 if blindly:
                     with suppress(ModbusException, struct.error):

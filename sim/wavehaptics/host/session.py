@@ -126,7 +126,8 @@ def _tables(document: dict[str, Any], shape: Shape, note: Any) -> Iterable[tuple
             yield name, 0, rows, (name,)
         elif name == MOTOR and isinstance(rows, dict):
             for number, inner in rows.items():
-                known = number.isdigit() and int(number) < shape.parts and isinstance(inner, dict)
+                motors = [str(motor) for motor in range(shape.parts)]
+                known = number in motors and isinstance(inner, dict)
                 if known:
                     yield f"{name}.{number}", int(number), inner, (name, number)
                 else:

@@ -29,6 +29,9 @@ from wavehaptics.cli.shared import CommandError, shown_stages
 if TYPE_CHECKING:
     from wavehaptics.host.identify.result import Row
 
+BEFORE_SUFFIX = ".before.toml"
+"""Of the file of a device's settings that couldn't be given back."""
+
 TOLD_S = 10.0
 """From one line about the progress to the next, where there is no terminal."""
 
@@ -68,7 +71,8 @@ def identify(
     from wavehaptics.host.identify.driver import Driver, EndedError
     from wavehaptics.host.identify.procedure import Wishes
     from wavehaptics.host.identify.procedure import identify as identified
-    from wavehaptics.host.identify.result import rows, write
+    from wavehaptics.host.identify.result import beside, rows, write
+    from wavehaptics.host.names import HostError
     from wavehaptics.parts.motors import PRESETS
 
     if expect is not None and expect not in PRESETS:
@@ -76,7 +80,8 @@ def identify(
     wishes = Wishes(counts, current, travel, PRESETS[expect] if expect else None)
     with refusals():
         if out is not None:
-            session.check_writable(out)
+            for path in (out, beside(out)):
+                session.check_writable(path)
         client = connected(port, unit, timeout)
         with asked_to_end() as asked, _shown() as show:
             driver = Driver(client, motor, ended=asked)
@@ -85,6 +90,15 @@ def identify(
                 found = identified(driver, wishes, lambda line: print(line, flush=True), show)
             except EndedError:
                 raise KeyboardInterrupt from None
+            except HostError as error:
+                if driver.restored:
+                    raise
+                kept = (out or Path("motor.toml")).with_suffix(BEFORE_SUFFIX)
+                session.write_file(kept, session.to_text(driver.before))
+                raise HostError(
+                    f"{error} (the device may still have the test's settings: "
+                    f"`board load {kept}` gives it those that it had)"
+                ) from None
     _identified_table(rows(found))
     if out is not None:
         with refusals():

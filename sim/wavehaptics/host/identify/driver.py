@@ -83,6 +83,7 @@ class Driver:
 
     ``full_scale_a``, ``limit_v``, ``lambda_a`` (the λ filter's coefficient), ``extra_ticks`` and
     ``dead_time_volt_s`` (what is made good of it, V·s) are the device's as it was found.
+    ``restored`` says whether they have come back.
     ``clock`` gives the seconds by which the arming is renewed. It stands for a client as well, and
     renews before each exchange. Once ``ended`` says so, the next exchange is :class:`EndedError`;
     those that switch off and give the settings back are made all the same.
@@ -97,6 +98,7 @@ class Driver:
     ) -> None:
         self._device, self._motor, self._clock, self._ended = device, motor, clock, ended
         self._armed = False
+        self.restored = True
         self._renewed = 0.0
         self._as_client = cast(Client, self)
         self.identification = device.identification
@@ -132,7 +134,13 @@ class Driver:
         """The device's."""
         return self._device.shape
 
+    @property
+    def before(self) -> list[tuple[Place, int]]:
+        """The settings that come back, as they were found: raw words without signs."""
+        return list(zip(self._kept, self._before, strict=True))
+
     def __enter__(self) -> Driver:
+        self.restored = False
         self._line = ExitStack()
         self._line.enter_context(self._device.hurry())
         return self
@@ -148,8 +156,9 @@ class Driver:
                 # Also where that failed: on a board that stays on, it is what ends the current.
                 self._device.write(
                     (place, raw - (1 << 32) if place.word.fixed.signed and raw >> 31 else raw)
-                    for place, raw in zip(self._kept, self._before, strict=True)
+                    for place, raw in self.before
                 )
+                self.restored = True
 
     # ---- Exchanges, which renew.
 

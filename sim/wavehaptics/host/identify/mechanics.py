@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wavehaptics.host.identify.segments import (
+    Columns,
     Estimate,
     Fit,
     Segment,
@@ -69,36 +70,58 @@ def mechanics(segments: Sequence[Segment], k_t: Estimate, cell_rad: float) -> Me
     pairs = [_waves(s) for s in parts]
     wave = best_harmonic(wanted, columns, pairs, free)
     per_rev, found = wave.periods, wave.fit
-    pull = found.factors[0]
-    if pull <= 0.0:
+    goals = [
+        goal - (pair[:, per_rev - 1] @ found.factors[3:] if per_rev else 0.0)
+        for goal, pair in zip(wanted, pairs, strict=True)
+    ]
+    pull, friction = found.estimate(0), found
+    coasts = [n for n, s in enumerate(parts) if _coasts(s, parts)]
+    ramps = [n for n in range(len(parts)) if n not in coasts]
+    if len(coasts) >= FEWEST_PARTS and len(ramps) >= FEWEST_PARTS:
+        for _ in range(TURNS):
+            friction = _friction(coasts, goals, columns, free, pull.value)
+            pull = _pull(ramps, goals, columns, free, friction)
+    if pull.value <= 0.0:
         return None
-    inertia = k_t.value / pull
-    spread = float(np.hypot(np.sqrt(found.covariance[0, 0]) / pull, k_t.sd / k_t.value))
-    cogging = Estimate(inertia * wave.size.value, inertia * wave.size.sd)
-    # A pulse is much stronger than friction, and its least error would be friction's.
-    slow = [n for n, s in enumerate(parts) if _coasts(s, parts)]
-    friction = found
-    if len(slow) >= 2:
-        waves = found.factors[3:]
-        coasting = [
-            wanted[n]
-            - pull * columns[n][0]
-            - (pairs[n][:, per_rev - 1] @ waves if per_rev else 0.0)
-            for n in slow
-        ]
-        still = [np.zeros_like(goal) for goal in coasting]
-        friction = fit(
-            coasting,
-            [[none, *columns[n][1:]] for none, n in zip(still, slow, strict=True)],
-            [free[n] for n in slow],
-        )
+    inertia = k_t.value / pull.value
+    spread = float(np.hypot(pull.sd / pull.value, k_t.sd / k_t.value))
     return Mechanics(
         Estimate(inertia, inertia * spread),
         _positive(friction, 1, inertia),
         _positive(friction, 2, inertia),
-        cogging,
+        Estimate(inertia * wave.size.value, inertia * wave.size.sd),
         per_rev,
     )
+
+
+FEWEST_PARTS = 2
+"""Ramps, and records of coasting, of which each tells its own."""
+
+TURNS = 2
+"""The ramps need the friction, a little, and coasting the current that there still is."""
+
+
+def _friction(
+    coasts: Sequence[int], goals: Columns, columns: Sequence[Columns], free: Columns, pull: float
+) -> Fit:
+    """c/J and b/J, columns 1 and 2: a ramp's least error would be friction's."""
+    return fit(
+        [goals[n] - pull * columns[n][0] for n in coasts],
+        [[np.zeros_like(goals[n]), *columns[n][1:]] for n in coasts],
+        [free[n] for n in coasts],
+    )
+
+
+def _pull(
+    ramps: Sequence[int], goals: Columns, columns: Sequence[Columns], free: Columns, friction: Fit
+) -> Estimate:
+    """k_T/J: coasting lasts long, and what of cogging isn't found in it would be in J."""
+    known = friction.factors[1:]
+    return fit(
+        [goals[n] - np.stack(columns[n][1:], axis=1) @ known for n in ramps],
+        [columns[n][:1] for n in ramps],
+        [free[n] for n in ramps],
+    ).estimate(0)
 
 
 COASTS = 0.05

@@ -52,11 +52,11 @@ PART_OF_LIMIT = 0.4
 R_HAT_PART = 0.25
 """R̂ of the waves while identifying, of R: low is well damped."""
 
+LEAST_OF_NOISE = 10.0
+"""Least test current, of a reading's noise."""
+
 NOTHING = 0.02
 """Part of the test current that is none."""
-
-RISES = 3.0
-"""Time constants that the record of a step lasts: R and L are told apart by then."""
 
 SMOOTH = 16
 """Rows that a step's current is smoothed over."""
@@ -153,6 +153,12 @@ class _Procedure:
             )
         driver.prepare()
         self._offset = self._zero()
+        least = LEAST_OF_NOISE * self._offset.sd
+        if self._amps < least:
+            raise HostError(
+                f"--current {self._amps:g} A is too little beside the sensor's noise of "
+                f"{self._offset.sd:.2g} A; take {least:.2g} A or more"
+            )
         driver.arm()
         self._show("zero", 1.0)
         try:
@@ -160,7 +166,7 @@ class _Procedure:
             self._pulse_all()
             self._coast_all()
             volts = self._ohm * self._amps
-            seconds = RISES * self._henry / self._ohm
+            seconds = inductances.RISES * self._henry / self._ohm
             self._tell(f"steps: {2 * STEP_PAIRS} of {volts:.2g} V")
             self._rises = [
                 self._step(self._sign(n) * volts, self._r_hat, seconds)
@@ -247,7 +253,7 @@ class _Procedure:
             sign, volts = -sign, 2.0 * volts
         self._steps.append(self._step(-sign * volts, resistances.LEAST_OHM))
         self._show("sign", 1.0)
-        first = rough(self._steps)
+        first = rough(inductances.rises(self._steps))
         self._check_ohm(first.ohm.value)
         self._ohm = first.ohm.value
         self._henry = min(max(first.inductance.value, inductances.LEAST_H), inductances.MOST_H)
@@ -339,7 +345,7 @@ class _Procedure:
         if encoder.turns_unseen(newest[-1], encoder.emf_rate(newest), self._ohm):
             raise NotPlausible(
                 "encoder silent", f"the motor turns, and the encoder tells {cells:.0f} counts",
-                "the encoder's plug, its supply, and A and B each",
+                "the encoder's plug, its supply, and A and B each, or allow more by --current",
             )  # fmt: skip
         raise NotPlausible(
             "jammed", f"the rotor moves by {cells:.0f} counts at {self._amps:.2g} A",

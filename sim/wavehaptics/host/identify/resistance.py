@@ -49,7 +49,7 @@ class Resistance:
 
 
 def rough(segments: Sequence[Segment]) -> Resistance:
-    """Of short records of voltage steps, in which the rotor hardly turns."""
+    """Of records of voltage steps as they rise, in which the rotor hardly turns."""
     found = fit([s.sum(s.voltage) for s in segments], [_still(s) for s in segments])
     none = Estimate(0.0, 0.0)
     return Resistance(

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -89,7 +90,8 @@ def scene_text(found: Found, driver: Driver, name: str) -> str:
     drop_v = Estimate(max(0.0, winding.drop_v.value), winding.drop_v.sd)
     lines = [
         "# Identified over the link by `wavehaptics board identify`; ± is one standard deviation.",
-        "", "[scene]", f'name = "{name}"', f"duration_s = {DURATION_S}",
+        "", "[scene]", f"name = {json.dumps(name, ensure_ascii=False)}",
+        f"duration_s = {DURATION_S}",
         "", "[motor]", line("R_ohm", winding.ohm), line("L_h", found.inductance),
         line("k_t", found.back_emf.k_t), line("J_kgm2", motion.inertia),
         "", "[brushes]", line("drop_v", drop_v),
@@ -135,14 +137,25 @@ def _place(name: str, shape: Shape, motor: int) -> Place:
     return places(name, shape, motor)[0]
 
 
+def _scene_name(path: Path) -> str:
+    """A scene's name of its file's: printable, and none of a path's parts."""
+    kept = (c if c.isprintable() and c not in "/\\" else "_" for c in path.stem)
+    return "".join(kept).strip()[:60] or "motor"
+
+
+def beside(path: Path) -> Path:
+    """The file of words beside a scene's ``path``."""
+    return path.with_name((path.stem if path.suffix == ".toml" else path.name) + WORDS_SUFFIX)
+
+
 def write(found: Found, driver: Driver, path: Path, motor: int) -> tuple[Path, Path]:
     """The scene into ``path``, and the words for ``board load`` beside it: both paths."""
-    session.write_file(path, scene_text(found, driver, path.stem[:60]))
-    beside = path.with_suffix(WORDS_SUFFIX)
+    session.write_file(path, scene_text(found, driver, _scene_name(path)))
+    words_path = beside(path)
     try:
         scene = load_scene(path)
         given = words(scene, driver, motor)
     except SceneError as error:
         raise HostError(f"{path} is written, but there are no words for it: {error}") from None
-    session.write_file(beside, session.to_text((p, raw & 0xFFFFFFFF) for p, raw in given))
-    return path, beside
+    session.write_file(words_path, session.to_text((p, raw & 0xFFFFFFFF) for p, raw in given))
+    return path, words_path
