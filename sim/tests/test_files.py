@@ -53,3 +53,16 @@ def test_a_digest_counts_words_names_and_contents(tmp_path):
     below = write_text(tmp_path / "below" / "a", "changed")
     assert digest_of("told", [below]) == digests[-1]
     assert digest_of("told", [below], tmp_path) != digest_of("told", [first], tmp_path)
+
+
+def test_a_link_stays_one(tmp_path):
+    """What it points to is replaced, in its own folder."""
+    (tmp_path / "there").mkdir()
+    target = tmp_path / "there" / "a.txt"
+    target.write_text("old")
+    link = tmp_path / "a.txt"
+    link.symlink_to(target)
+    assert write_text(link, "new") == link
+    assert link.is_symlink()
+    assert target.read_text() == "new"
+    assert [path.name for path in target.parent.iterdir()] == ["a.txt"]

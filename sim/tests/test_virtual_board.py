@@ -525,10 +525,22 @@ def test_files_that_cant_be_saved(tmp_path, name, message):
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("file", "kept")]
 
 
+def test_what_is_no_file_is_not_replaced(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    device = SimpleNamespace(shape=SHAPE, read=lambda _: pytest.fail("it was asked"))
+    with pytest.raises(HostError, match="pipe: is no file that can be replaced; name another one$"):
+        session.save(device, tmp_path / "pipe")
+
+
 def test_an_identification_that_couldnt_be_kept(tmp_path):
     """Its file is tried before anything turns, and before the port."""
     words = ["board", "identify", "--counts", "4", "--out", str(tmp_path), "--port", "/nowhere"]
     with pytest.raises(CommandError, match=rf"^{re.escape(str(tmp_path))}: is a folder; name a"):
+        board.app(words, standalone_mode=False)
+    words[words.index("--out") + 1] = str(tmp_path / "m.toml")
+    beside = tmp_path / "m.words.toml"
+    beside.mkdir()
+    with pytest.raises(CommandError, match=rf"^{re.escape(str(beside))}: is a folder; name a"):
         board.app(words, standalone_mode=False)
 
 

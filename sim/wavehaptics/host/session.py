@@ -37,6 +37,8 @@ def check_writable(path: Path) -> None:
     try:
         if path.is_dir():
             raise HostError(f"{path}: is a folder; name a file in it, as in {path}/settings.toml")
+        if path.exists() and not path.is_file():
+            raise HostError(f"{path}: is no file that can be replaced; name another one")
         path.parent.mkdir(parents=True, exist_ok=True)
         try_file(path)
     except OSError as error:

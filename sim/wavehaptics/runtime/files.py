@@ -17,8 +17,10 @@ from typing import Any
 def replacing(path: Path) -> Iterator[Path]:
     """A file beside ``path``, to be written; it takes its place unless something is raised.
 
-    Its directory is made. Nobody ever sees a part of it, and no two processes share it.
+    Its directory is made. Nobody ever sees a part of it, and no two processes share it. Of a
+    symbolic link it is what that points to.
     """
+    path = Path(os.path.realpath(path))
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:

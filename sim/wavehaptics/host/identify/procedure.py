@@ -247,7 +247,7 @@ class _Procedure:
                 if abs(peak) < nothing:
                     raise NotPlausible(
                         "unplugged", f"no current at the limit of {volts:.3g} V",
-                        "the motor's plug, its leads and its brushes",
+                        "the motor's plug, its leads and brushes, and the bus",
                     )  # fmt: skip
                 break
             sign, volts = -sign, 2.0 * volts
