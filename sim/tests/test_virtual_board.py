@@ -528,7 +528,7 @@ def test_files_that_cant_be_saved(tmp_path, name, message):
 def test_what_is_no_file_is_not_replaced(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     device = SimpleNamespace(shape=SHAPE, read=lambda _: pytest.fail("it was asked"))
-    with pytest.raises(HostError, match="pipe: is no file that can be replaced; name another one$"):
+    with pytest.raises(HostError, match=r"pipe: is no file that can be replaced; name"):
         session.save(device, tmp_path / "pipe")
 
 
