@@ -71,8 +71,12 @@ def call(capsys, monkeypatch, *arguments: str) -> tuple[int, str, str]:
 
 
 SWALLOWED = """
+import signal
 import time
 from wavehaptics.cli import main
+
+# A shell has its children in the background ignore it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 class Interrupted:
     def __del__(self):
