@@ -525,6 +525,21 @@ def test_files_that_cant_be_saved(tmp_path, name, message):
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("file", "kept")]
 
 
+def test_a_link_is_tried_where_it_points_to(tmp_path):
+    """Its folder is made, as the write would."""
+    link = tmp_path / "all.toml"
+    link.symlink_to(tmp_path / "there" / "all.toml")
+    session.save(SimpleNamespace(shape=SHAPE, read=lambda found: [0 for _ in found]), link)
+    assert link.is_symlink()
+    assert (tmp_path / "there" / "all.toml").is_file()
+    (tmp_path / "file").write_text("kept")
+    link.unlink()
+    link.symlink_to(tmp_path / "file" / "all.toml")
+    device = SimpleNamespace(shape=SHAPE, read=lambda _: pytest.fail("it was asked"))
+    with pytest.raises(HostError, match=r"all\.toml: can't be written: "):
+        session.save(device, link)
+
+
 def test_what_is_no_file_is_not_replaced(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     device = SimpleNamespace(shape=SHAPE, read=lambda _: pytest.fail("it was asked"))

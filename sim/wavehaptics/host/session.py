@@ -10,7 +10,7 @@ from typing import Any
 
 from wavehaptics.host.client import Client
 from wavehaptics.host.names import HostError, Place, Shape, places, settings
-from wavehaptics.runtime.files import try_file, write_text
+from wavehaptics.runtime.files import replaced, try_file, write_text
 from wavehaptics.runtime.toml_source import TomlError, parse
 from wavehaptics.scene.keys import as_written
 from wavehaptics.words import table
@@ -39,8 +39,9 @@ def check_writable(path: Path) -> None:
             raise HostError(f"{path}: is a folder; name a file in it, as in {path}/settings.toml")
         if path.exists() and not path.is_file():
             raise HostError(f"{path}: is no file that can be replaced; name another one")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try_file(path)
+        target = replaced(path)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        try_file(target)
     except OSError as error:
         raise _unwritable(path, error) from None
 
@@ -127,8 +128,8 @@ def _tables(document: dict[str, Any], shape: Shape, note: Any) -> Iterable[tuple
         if name == BOARD and isinstance(rows, dict):
             yield name, 0, rows, (name,)
         elif name == MOTOR and isinstance(rows, dict):
+            motors = [str(motor) for motor in range(shape.parts)]
             for number, inner in rows.items():
-                motors = [str(motor) for motor in range(shape.parts)]
                 known = number in motors and isinstance(inner, dict)
                 if known:
                     yield f"{name}.{number}", int(number), inner, (name, number)

@@ -13,14 +13,19 @@ from pathlib import Path
 from typing import Any
 
 
+def replaced(path: Path) -> Path:
+    """The file that a write to ``path`` replaces: of a symbolic link what it points to."""
+    return Path(os.path.realpath(path))
+
+
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """A file beside ``path``, to be written; it takes its place unless something is raised.
 
-    Its directory is made. Nobody ever sees a part of it, and no two processes share it. Of a
-    symbolic link it is what that points to.
+    Its directory is made. Nobody ever sees a part of it, and no two processes share it. A
+    symbolic link stays one.
     """
-    path = Path(os.path.realpath(path))
+    path = replaced(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:

@@ -93,7 +93,7 @@ def identify(
             except HostError as error:
                 if driver.restored:
                     raise
-                kept = (out or Path("motor.toml")).with_suffix(BEFORE_SUFFIX)
+                kept = beside(out or Path("motor.toml"), BEFORE_SUFFIX)
                 session.write_file(kept, session.to_text(driver.before))
                 raise HostError(
                     f"{error} (the device may still have the test's settings: "

@@ -143,9 +143,9 @@ def _scene_name(path: Path) -> str:
     return "".join(kept).strip()[:60] or "motor"
 
 
-def beside(path: Path) -> Path:
-    """The file of words beside a scene's ``path``."""
-    return path.with_name((path.stem if path.suffix == ".toml" else path.name) + WORDS_SUFFIX)
+def beside(path: Path, suffix: str = WORDS_SUFFIX) -> Path:
+    """The file with another suffix beside a scene's ``path``: of words, or what else is named."""
+    return path.with_name((path.stem if path.suffix == ".toml" else path.name) + suffix)
 
 
 def write(found: Found, driver: Driver, path: Path, motor: int) -> tuple[Path, Path]:
