@@ -35,12 +35,17 @@ ARMED_S = 0.2
 ZERO_TICKS = 1024
 """As ``rtl/wh_arm.v`` and ``rtl/wh_zero.v`` have it."""
 
+CLOCK_HZ = 48e6
+STEP_CLOCKS = 1 + 28 + 6 + 24 - 5 - 2
+"""From the middle of a tick until its step ends, with the AD7276's frame, but for those that the
+encoder's filter and the gates take."""
+
 _SAMPLE_W = formats.SAMPLE_W
 _VOLT = formats.VOLTAGE.step
 (
     _RUNNING, _ROOT, _A, _U_MAX, _ETA, _EXTRA, _ZERO, _GAIN, _SUBSTEPS, _OPEN, _LINES,
 ) = range(11)  # fmt: skip
-_DT, _CELL, _DRIVE_GAIN, _K_T = range(4)
+_DT, _CELL, _DRIVE_GAIN, _K_T, _LATE = range(5)
 
 
 @compiled()
@@ -84,7 +89,8 @@ def _ticks(state, core, line, ints, floats, load, matrix, real, sensor, noise, l
             )  # fmt: skip
         else:
             e_word = 0
-        position = ints[_LINES] * int(np.floor(state[X] / floats[_CELL]))
+        seen = state[X] + floats[_LATE] * state[OMEGA]
+        position = ints[_LINES] * int(np.floor(seen / floats[_CELL]))
         log[n, 0], log[n, 1], log[n, 2] = u, current, position
     core[-1] = e_word
 
@@ -112,7 +118,8 @@ class QuickBoard:
         self._state, self._load = plant.start.copy(), load_words(plant)
         self._matrix = plant.transition(dt)
         self._real = real_parts(scene, plant, set_.cell_rad, [dt])
-        self._floats = np.array([dt, set_.cell_rad, drive_gain(scene), plant.k_t])
+        late_s = STEP_CLOCKS / CLOCK_HZ - 0.5 * self._tick_s
+        self._floats = np.array([dt, set_.cell_rad, drive_gain(scene), plant.k_t, late_s])
         self._extra, self._substeps = set_.extra_ticks, substeps
         self._open, self._lines = unplugged, encoder
         self._rng = np.random.default_rng(NOISE_SEED)
@@ -120,15 +127,15 @@ class QuickBoard:
         self.shape = Shape(1, 4, 0, 10)
         options = {"motors": 1, "walls": 4, "delay_log2": 10, "sense": 1, "dead_time": 1,
                    "guard": 1, "live": 1, "arm": int(not switched), "capture": 12}  # fmt: skip
-        clock_hz = 48e6
         self.identification = Identification({
-            "table": table.crc(), "clock_hz": round(clock_hz), "motors": 1,
+            "table": table.crc(), "clock_hz": round(CLOCK_HZ), "motors": 1,
             "options": sum(v << modbus.OPTIONS[k][0] for k, v in options.items()),
         })  # fmt: skip
-        half_clocks = round(clock_hz * self._tick_s)
+        half_clocks = round(CLOCK_HZ * self._tick_s)
         gain = sensor.gain_word(1)
         self._words: dict[tuple[str, int], int] = {}
-        values = {"half_clocks": half_clocks, "tick_halves": 1, "samples": 1, "gain": gain,
+        values = {"half_clocks": half_clocks, "tick_halves": 1, "samples": 1,
+                  "sample_clocks": half_clocks, "gain": gain,
                   "extra_ticks": set_.extra_ticks, **set_.words(), "anchor_words": 0,
                   "wall_min": [0] * 4, "wall_max": [0] * 4, "wall_enable": [0] * 4}  # fmt: skip
         for word in table.WORDS.values():

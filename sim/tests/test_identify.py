@@ -18,7 +18,7 @@ from wavehaptics.host import capture, session
 from wavehaptics.host.identify import result
 from wavehaptics.host.identify.driver import Driver, EndedError
 from wavehaptics.host.identify.procedure import Found, NotPlausible, Wishes, identify
-from wavehaptics.host.identify.segments import Estimate, Segment, best_harmonic, harmonics
+from wavehaptics.host.identify.segments import Estimate, Segment, best_harmonic, earlier, harmonics
 from wavehaptics.host.names import HostError, Place
 from wavehaptics.ladder.run import measure
 from wavehaptics.parts.motors import PRESETS
@@ -327,6 +327,15 @@ def spun(rng: np.random.Generator, cogging: float) -> tuple[list, list, list, li
     return wanted, columns, pairs, free
 
 
+def test_a_position_that_came_late():
+    """A straight line and a square, by parts of rows either way, and by whole ones."""
+    n = np.arange(10.0)
+    for late in (0.0, 0.4, 1.0, 2.5, -0.4, -1.7):
+        assert earlier(3 * (n + late), late) == pytest.approx(3 * n)
+    squares = earlier((n + 0.5) ** 2, 0.5)
+    assert squares[1:] == pytest.approx(n[1:] ** 2, abs=0.25)
+
+
 def test_a_harmonic_is_more_than_the_best_of_noise():
     """The best of all periods explains half of noise often enough; that is no harmonic."""
     rng = np.random.default_rng(1)
@@ -406,3 +415,58 @@ def test_identified_over_the_line(tmp_path: Path):
     assert motor.k_t == pytest.approx(23.4e-3, rel=0.03)
     assert motor.J_kgm2 == pytest.approx(10.3e-7, rel=0.1)
     assert load_scene(file).brushes.drop_v == pytest.approx(0.3, rel=0.1)
+
+
+SLOW = """
+[scene]
+name = "slow"
+duration_s = 1.0
+[motor]
+R_ohm = 0.5
+L_h = 80e-6
+k_t = 12e-3
+J_kgm2 = 1.2e-6
+[brushes]
+drop_v = 0.4
+[friction]
+coulomb_nm = 0.6e-3
+viscous = 1e-6
+[encoder]
+counts_per_rev = 10_000
+[adc]
+bits = 12
+full_scale_a = 10
+noise_a = 4e-3
+offset_a = 30e-3
+[drive]
+bus_v = 12
+limit_v = 9
+[controller]
+tick_hz = 1e5
+clock_hz = 5e6
+lambda = 1e6
+"""
+
+
+def test_spreads_over_the_line(tmp_path: Path):
+    """What the RTL's words are late by, and what a sample isn't the mean of, is in the spreads.
+
+    A position half a tick too young made R 19 spreads too low, V_b at the samples friction 112.
+    """
+    scene, file = tmp_path / "slow.toml", tmp_path / "found.toml"
+    scene.write_text(SLOW)
+    status, _, err = over_the_line(scene, (), "--out", str(file))
+    assert (status, err) == (0, "")
+    told = re.findall(r"^(\w+) = (\S+) # ± (\S+)$", file.read_text(), re.MULTILINE)
+    found = {name: (float(value), float(spread)) for name, value, spread in told}
+    true = {
+        key: value
+        for table in ("motor", "brushes", "friction")
+        for key, value in tomllib.loads(SLOW)[table].items()
+    }
+    assert found.keys() == true.keys()
+    for name, (value, spread) in found.items():
+        assert abs(value - true[name]) < 4 * spread, name
+    for name, part in (("R_ohm", 1e-3), ("L_h", 0.01), ("k_t", 2e-3), ("J_kgm2", 0.02)):
+        assert found[name][0] == pytest.approx(true[name], rel=part), name
+        assert found[name][1] < 0.5 * part * true[name], name

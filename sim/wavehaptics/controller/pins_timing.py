@@ -51,6 +51,9 @@ CORRECTION_CLOCKS = 1
 DUTY_CLOCKS = 8
 """Clocks from a step's voltage to the soonest tick that it can drive, ``wh_modulator``."""
 
+ENCODER_CLOCKS = 3
+"""Clocks from an encoder's pin to ``position_o``, its filter aside: ``wh_quadrature``."""
+
 CLARKE_CLOCKS = 7
 """Clocks from the currents of the phases to those of the axes, ``wh_clarke``."""
 

@@ -11,7 +11,9 @@ from wavehaptics.controller.pins_timing import (
     AXES,
     CENTRED_LEAD,
     CORE_CLOCKS,
+    CURRENT_CLOCKS,
     EARLY_PREPARE_CLOCKS,
+    ENCODER_CLOCKS,
     GATE_CLOCKS,
     SECTION_CLOCKS,
     WAVES_CLOCKS,
@@ -141,11 +143,31 @@ def natural_ticks(
     early: bool = False, anchored: bool = False, brushless: bool = False,
 ) -> int:  # fmt: skip
     """Whole ticks from a tick's end until the voltage made of its samples can be driven."""
+    latency = latency_clocks(frame.conversion_clocks, ports, sections, early, anchored, brushless)
+    return (_word_strobe(tick_clocks, samples, lead, frame) + latency) // tick_clocks
+
+
+def _word_strobe(tick_clocks: int, samples: int, lead: int, frame: Frame) -> int:
+    """Clocks from a tick's start to the carrier's strobe that brings its last word."""
     sample_clocks = tick_clocks // samples
     last_sample = tick_clocks - sample_clocks + sample_clocks // 2 - lead
-    word_strobe = last_sample + frame.pipeline * sample_clocks
-    latency = latency_clocks(frame.conversion_clocks, ports, sections, early, anchored, brushless)
-    return (word_strobe + latency) // tick_clocks
+    return last_sample + frame.pipeline * sample_clocks
+
+
+def position_late_clocks(
+    tick_clocks: int, samples: int, lead: int, frame: Frame, filter_clocks: int, ports: int = 1,
+    sections: int = 0,
+) -> int:  # fmt: skip
+    """By how much a tick's ``position`` is younger than the end of what its ``current`` is of.
+
+    The words of a tick are kept as the step ends that its samples make. The current is the mean of
+    the tick as the gates had it, in whose middle it was sampled, and the position is the pins' of
+    some clocks before. Less than 0 where the step ends within the tick.
+    """
+    samples_brought = _word_strobe(tick_clocks, samples, lead, frame) + frame.conversion_clocks
+    step = (CORE_CLOCKS + SECTION_CLOCKS * sections) * ports
+    step_end = samples_brought + CURRENT_CLOCKS + ports - 1 + step
+    return step_end - (ENCODER_CLOCKS + filter_clocks) - (tick_clocks + GATE_CLOCKS)
 
 
 def sample_lead(made: Frame, pulse_delay: int) -> int:

@@ -10,6 +10,7 @@ on it.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -19,11 +20,20 @@ KINDS: tuple[Kind, ...] = ("serial", "command", "sigma_delta")
 """Readers in the order of ``wh_controller``'s parameter ADC: ``wh_adc_serial``,
 ``wh_adc_max11125``, ``wh_sinc3``."""
 
+FRAME_WORDS = (
+    "sclk_half_clocks", "frame_bits", "lead_bits", "data_bits", "quiet_clocks", "setup_clocks",
+    "hold_clocks", "calibrate_bits", "sclk_idle", "read_trailing",
+)  # fmt: skip
+"""Settings of a frame, in the order of ``wh_adc_serial``'s ports."""
+
 SINC_CLOCKS = 4
 """Clocks from a start to the word in ``wh_sinc3``."""
 
 SINC_PIPELINE = 2
 """Starts from the one that a word of ``wh_sinc3`` belongs to, to the one that brings it."""
+
+PIPELINES: dict[Kind, int] = {"serial": 0, "command": 1, "sigma_delta": SINC_PIPELINE}
+"""Starts from the one that holds the input to the one that brings its word, of each reader."""
 
 WANTED_OSR = 16
 """Fewest bits that are made a word where there is a choice."""
@@ -166,19 +176,8 @@ class Frame:
         return 1 + self.setup_clocks + (edge - 1) * self.sclk_half_clocks
 
     def words(self) -> dict[str, int]:
-        """The ports' words, in the order of the ports."""
-        return {
-            "sclk_half_clocks": self.sclk_half_clocks,
-            "frame_bits": self.frame_bits,
-            "lead_bits": self.lead_bits,
-            "data_bits": self.data_bits,
-            "quiet_clocks": self.quiet_clocks,
-            "setup_clocks": self.setup_clocks,
-            "hold_clocks": self.hold_clocks,
-            "calibrate_bits": self.calibrate_bits,
-            "sclk_idle": self.sclk_idle,
-            "read_trailing": self.read_trailing,
-        }
+        """The ports' words."""
+        return {name: getattr(self, name) for name in FRAME_WORDS}
 
 
 def _ad(name: str, bits: int, lead: int, frame: int, **figures: Any) -> Part:
@@ -339,6 +338,14 @@ def modulator_frame(part: Modulator, clock_hz: float, tick_clocks: int) -> Frame
         sclk_half_clocks=half, frame_bits=part.bits, lead_bits=0, data_bits=part.bits,
         sclk_idle=0, kind="sigma_delta", pipeline=SINC_PIPELINE, osr=osr,
     )  # fmt: skip
+
+
+def frame_of_words(words: Mapping[str, int], kind: Kind, sample_clocks: int) -> Frame:
+    """What :meth:`Frame.words` were made of, whose words come ``sample_clocks`` apart."""
+    own = {name: words[name] for name in FRAME_WORDS}
+    period = 2 * own["sclk_half_clocks"]
+    osr = sample_clocks // period if kind == "sigma_delta" else 0
+    return Frame(**own, kind=kind, pipeline=PIPELINES[kind], osr=osr)
 
 
 def plain_frame(lead_bits: int, data_bits: int) -> Frame:

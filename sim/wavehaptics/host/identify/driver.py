@@ -18,12 +18,15 @@ from typing import Any, Protocol, cast
 
 import numpy as np
 
+from wavehaptics.controller.tick_layout import position_late_clocks
 from wavehaptics.host import capture
 from wavehaptics.host.client import Client, Identification
-from wavehaptics.host.identify.segments import Segment
+from wavehaptics.host.identify.segments import Segment, earlier
 from wavehaptics.host.names import HostError, Place, Shape, places
 from wavehaptics.laws import closed_forms
+from wavehaptics.parts.adcs import FRAME_WORDS, KINDS, frame_of_words
 from wavehaptics.words import formats
+from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.words.faults import FAULTS, arm_refusal, bits_of
 
 RENEWAL_S = 0.04
@@ -43,6 +46,7 @@ LONGEST_STOP_S = 0.5
 """Time without a count after which a rotor that is braked stands, and the longest wait for that."""
 
 CHANNELS = ("current", "u", "position")
+_LAYOUT = ("half_clocks", "tick_halves", "sample_clocks", "samples", "filter_clocks")
 _BEFORE = 1
 _FULL_SCALE = 1 << (formats.SAMPLE_W - 1)
 _BEYOND = 1.5
@@ -81,8 +85,9 @@ class Device(Protocol):
 class Driver:
     """A motor of a device, whose settings come back at the end. A context.
 
-    ``full_scale_a``, ``limit_v``, ``lambda_a`` (the λ filter's coefficient), ``extra_ticks`` and
-    ``dead_time_volt_s`` (what is made good of it, V·s) are the device's as it was found.
+    ``full_scale_a``, ``limit_v``, ``lambda_a`` (the λ filter's coefficient), ``extra_ticks``,
+    ``dead_time_volt_s`` (what is made good of it, V·s) and ``pulse_s`` (the time in which the
+    bridge makes one) are the device's as it was found.
     ``restored`` says whether they have come back.
     ``clock`` gives the seconds by which the arming is renewed. It stands for a client as well, and
     renews before each exchange. Once ``ended`` says so, the next exchange is :class:`EndedError`;
@@ -124,10 +129,32 @@ class Driver:
         half = self.value("half_clocks")
         bus_v = half / (2.0 * max(self.value("clocks_per_volt"), formats.DUTY.step))
         self.dead_time_volt_s = lost_s * bus_v if self.value("compensate") else 0.0
+        unipolar = not options["modes"] or self.value("mode") == MODE_WORDS[UNIPOLAR]
+        self.pulse_s = (1.0 if unipolar else 2.0) * half / device.identification.words["clock_hz"]
+        self._late_s = self._position_late_s()
         self._shift = 0
         self._root = 1.0
         self._cell_rad = 1.0
         self.exchange_s = 0.0
+
+    def _position_late_s(self) -> float:
+        """By how much a row's position is younger than the row's end."""
+        identification = self.identification
+        names = (*_LAYOUT, *FRAME_WORDS)
+        raws = self.read([self._places(name)[0] for name in names])
+        words = dict(zip(names, raws, strict=True))
+        lead = self.value("sample_lead")  # which has a sign
+        kind = KINDS[identification.options["adc"]]
+        late = position_late_clocks(
+            words["half_clocks"] * words["tick_halves"],
+            words["samples"],
+            round(lead),
+            frame_of_words(words, kind, words["sample_clocks"]),
+            words["filter_clocks"],
+            identification.words["motors"],
+            identification.options["shaper"],
+        )
+        return late / identification.words["clock_hz"]
 
     @property
     def shape(self) -> Shape:
@@ -366,11 +393,12 @@ class Driver:
         found = capture.download(self._as_client, self._plan)
         assert found.trigger_row is not None
         first = found.trigger_row + self._skipped
+        position = earlier(found["position"], self._late_s / self._plan.row_s)
         return Segment(
             self._plan.row_s,
             self._root * found["u"][first:],
             found["current"][first:] + self._shift_a,
-            self._cell_rad * found["position"][first:],
+            self._cell_rad * position[first:],
             self._wanted,
         )
 

@@ -20,6 +20,7 @@ from wavehaptics.host.identify.driver import Driver, OffError
 from wavehaptics.host.identify.inductance import inductance
 from wavehaptics.host.identify.mechanics import LEAST_J, MOST_J, Mechanics, mechanics
 from wavehaptics.host.identify.resistance import Resistance, resistance, rough
+from wavehaptics.host.identify.sampling import Sampling
 from wavehaptics.host.identify.segments import Estimate, Segment
 from wavehaptics.host.names import HostError
 from wavehaptics.parts.motors import MotorConstants
@@ -385,6 +386,9 @@ class _Procedure:
         winding = resistance(self._pulses)
         self._check_ohm(winding.ohm.value)
         turn = back_emf(self._pulses, winding)
+        least = LEVELS[-1] * self._amps
+        self._sampling = sampling = Sampling(self._driver.pulse_s, winding, self._henry, least)
+        winding, turn = sampling.winding(), sampling.back_emf(turn)
         k_t, spread = turn.k_t.value, turn.k_t.sd
         if encoder.is_reversed(turn.k_t):
             raise NotPlausible(
@@ -432,6 +436,7 @@ class _Procedure:
 
     def _inductance(self, winding: Resistance, motion: Mechanics) -> Estimate:
         found = inductance(self._rises, winding, motion.inertia.value)
+        found = self._sampling.inductance(found)
         if not inductances.LEAST_H < found.value < inductances.MOST_H:
             raise NotPlausible(
                 "inductance", f"L is {found.value:.3g} H", "the current's amplifier and its filter"
@@ -481,6 +486,7 @@ class _Procedure:
                 f"J is {found.inertia.value / expected.J_kgm2:.2f} times the rotor's own",
                 "--counts and the motor's type",
             )  # fmt: skip
+        found = self._sampling.mechanics(found)
         friction = found.coulomb
         self._tell(f"J: {found.inertia.value:.3g} ± {found.inertia.sd:.1g} kg·m², friction "
                    f"{1e3 * friction.value:.2g} ± {1e3 * friction.sd:.1g} mN·m")  # fmt: skip

@@ -9,6 +9,7 @@ converter are noise that doesn't add up.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -21,6 +22,10 @@ class Estimate:
 
     value: float
     sd: float
+
+    def widened(self, error: float) -> Estimate:
+        """With another error, that goes its own way."""
+        return Estimate(self.value, math.hypot(self.sd, error))
 
 
 @dataclass(frozen=True)
@@ -82,6 +87,13 @@ class Segment:
         return Segment(
             self.step_s, self.voltage[rows], self.current[rows], self.position[rows], self.wanted
         )
+
+
+def earlier(values: np.ndarray, rows: float) -> np.ndarray:
+    """Rows' values as they were so much earlier, on straight lines between them and beyond."""
+    beyond = math.ceil(abs(rows))
+    long = np.pad(values.astype(float), beyond, "reflect", reflect_type="odd")
+    return np.interp(np.arange(beyond, beyond + len(values)) - rows, np.arange(len(long)), long)
 
 
 @dataclass(frozen=True)
