@@ -3,10 +3,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -14,10 +11,12 @@ import numpy as np
 import pytest
 import tomllib
 from quick_board import QuickBoard
+from virtual_boards import told, virtual_board
 from wavehaptics.host import capture, session
 from wavehaptics.host.identify import result
 from wavehaptics.host.identify.driver import Driver, EndedError
-from wavehaptics.host.identify.procedure import Found, NotPlausible, Wishes, identify
+from wavehaptics.host.identify.identification import identify
+from wavehaptics.host.identify.procedure import Found, NotPlausible, Wishes
 from wavehaptics.host.identify.segments import Estimate, Segment, best_harmonic, earlier, harmonics
 from wavehaptics.host.names import HostError, Place
 from wavehaptics.ladder.run import measure
@@ -358,24 +357,10 @@ def test_a_harmonic_that_is_there_is_found():
 # ---- Over a line.
 
 
-def board(*words: str, port: str = "") -> subprocess.Popen:
-    return subprocess.Popen(
-        [sys.executable, "-m", "wavehaptics", "board", *words], text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, "WH_PORT": port},
-    )  # fmt: skip
-
-
 def over_the_line(scene: Path, sets: tuple[str, ...], *words: str) -> tuple[int, str, str]:
     """Status, stdout and stderr of an identification of a virtual board."""
-    there = board("--virtual", str(scene), *(w for text in sets for w in ("--set", text)))
-    try:
-        path = there.stdout.readline().strip()
-        asking = board("identify", "--counts", str(COUNTS), "--timeout", "60", *words, port=path)
-        out, err = asking.communicate(timeout=900)
-        return asking.returncode, out, err
-    finally:
-        there.terminate()
-        there.communicate()
+    with virtual_board(scene, sets) as port:
+        return told(port, "identify", "--counts", str(COUNTS), "--timeout", "60", *words)
 
 
 SCENE = """
@@ -457,8 +442,8 @@ def test_spreads_over_the_line(tmp_path: Path):
     scene.write_text(SLOW)
     status, _, err = over_the_line(scene, (), "--out", str(file))
     assert (status, err) == (0, "")
-    told = re.findall(r"^(\w+) = (\S+) # ± (\S+)$", file.read_text(), re.MULTILINE)
-    found = {name: (float(value), float(spread)) for name, value, spread in told}
+    given = re.findall(r"^(\w+) = (\S+) # ± (\S+)$", file.read_text(), re.MULTILINE)
+    found = {name: (float(value), float(spread)) for name, value, spread in given}
     true = {
         key: value
         for table in ("motor", "brushes", "friction")

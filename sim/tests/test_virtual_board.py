@@ -688,7 +688,7 @@ def brushless_port() -> Iterator[str]:
         (("get", "root", "--motor", "1"), "root: a brushless motor has one, for both axes; leave "
          "--motor 1 out"),
         (("get", "gain", "--motor", "2"), "gain: the device has no motor 2; take --motor 0...1"),
-        (("identify", "--counts", "40000"), "a brushless motor can't be identified yet; .*"),
+        (("identify", "--counts", "40000", "--motor", "1"), "root: a brushless motor has one, .*"),
         (("set", "host_timeout=1"), "host_timeout: this device has none; .*"),
     ],
 )  # fmt: skip

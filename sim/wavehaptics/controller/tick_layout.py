@@ -10,6 +10,7 @@ from wavehaptics.controller.pins_timing import (
     ANCHOR_CLOCKS,
     AXES,
     CENTRED_LEAD,
+    CLARKE_CLOCKS,
     CORE_CLOCKS,
     CURRENT_CLOCKS,
     EARLY_PREPARE_CLOCKS,
@@ -156,7 +157,7 @@ def _word_strobe(tick_clocks: int, samples: int, lead: int, frame: Frame) -> int
 
 def position_late_clocks(
     tick_clocks: int, samples: int, lead: int, frame: Frame, filter_clocks: int, ports: int = 1,
-    sections: int = 0,
+    sections: int = 0, brushless: bool = False,
 ) -> int:  # fmt: skip
     """By how much a tick's ``position`` is younger than the end of what its ``current`` is of.
 
@@ -165,6 +166,8 @@ def position_late_clocks(
     some clocks before. Less than 0 where the step ends within the tick.
     """
     samples_brought = _word_strobe(tick_clocks, samples, lead, frame) + frame.conversion_clocks
+    if brushless:
+        ports, samples_brought = AXES, samples_brought + CLARKE_CLOCKS
     step = (CORE_CLOCKS + SECTION_CLOCKS * sections) * ports
     step_end = samples_brought + CURRENT_CLOCKS + ports - 1 + step
     return step_end - (ENCODER_CLOCKS + filter_clocks) - (tick_clocks + GATE_CLOCKS)

@@ -69,15 +69,21 @@ def identify(
     """
     from wavehaptics.host import session
     from wavehaptics.host.identify.driver import Driver, EndedError
+    from wavehaptics.host.identify.identification import identify as identified
     from wavehaptics.host.identify.procedure import Wishes
-    from wavehaptics.host.identify.procedure import identify as identified
     from wavehaptics.host.identify.result import beside, rows, write
     from wavehaptics.host.names import HostError
-    from wavehaptics.parts.motors import PRESETS
+    from wavehaptics.parts.motors import (
+        BRUSHLESS_PRESETS,
+        PRESETS,
+        BrushlessConstants,
+        MotorConstants,
+    )
 
-    if expect is not None and expect not in PRESETS:
-        raise CommandError(f"--expect {expect}: take {', '.join(PRESETS)}")
-    wishes = Wishes(counts, current, travel, PRESETS[expect] if expect else None)
+    presets: dict[str, MotorConstants | BrushlessConstants] = {**PRESETS, **BRUSHLESS_PRESETS}
+    if expect is not None and expect not in presets:
+        raise CommandError(f"--expect {expect}: take {', '.join(presets)}")
+    wishes = Wishes(counts, current, travel, presets[expect] if expect else None)
     with refusals():
         if out is not None:
             for path in (out, beside(out)):

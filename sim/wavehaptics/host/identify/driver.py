@@ -5,6 +5,9 @@ In free space, η = 1, the waves hold the current at zero as the sensor has it. 
 is shifted by I is a sensor that shows −I where nothing flows: so the waves hold the motor's
 current at I, with a bandwidth that R̂ and λ set. Shifted beyond all currents it is a voltage at its
 limit, which u_max sets. With η < 1 the port is a resistor, which brakes.
+
+A brushless motor is two ports, whose currents and voltages are one complex number each here,
+α + jβ; what is shifted are the zeros of the phases a and b.
 """
 
 from __future__ import annotations
@@ -12,12 +15,13 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from typing import Any, Protocol, cast
 
 import numpy as np
 
+from wavehaptics.controller.rotor_flux import count_word, zero_word
 from wavehaptics.controller.tick_layout import position_late_clocks
 from wavehaptics.host import capture
 from wavehaptics.host.client import Client, Identification
@@ -28,6 +32,7 @@ from wavehaptics.parts.adcs import FRAME_WORDS, KINDS, frame_of_words
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.words.faults import FAULTS, arm_refusal, bits_of
+from wavehaptics.words.table import AXES, WORDS
 
 RENEWAL_S = 0.04
 """Time after which the arming is renewed."""
@@ -48,6 +53,7 @@ LONGEST_STOP_S = 0.5
 CHANNELS = ("current", "u", "position")
 _LAYOUT = ("half_clocks", "tick_halves", "sample_clocks", "samples", "filter_clocks")
 _BEFORE = 1
+_TRIES = 10
 _FULL_SCALE = 1 << (formats.SAMPLE_W - 1)
 _BEYOND = 1.5
 """Shift that is beyond all currents, of full scale."""
@@ -109,18 +115,18 @@ class Driver:
         self.identification = device.identification
         options = device.identification.options
         self.arms, self.anchored = bool(options["arm"]), bool(options["anchor"])
-        if device.identification.brushless:
-            raise HostError("a brushless motor can't be identified yet; take its data sheet")
+        self.brushless = device.identification.brushless
+        self._sensors = range(AXES) if self.brushless else range(motor, motor + 1)
         if options["early"]:
             raise HostError("the device's bitstream has EARLY, with which the word zero can't move")
         capture.depth(self._as_client)
         self.tick_s = capture.tick_s(self._as_client)
         restored = [*_RESTORED, *(["anchor_enable"] if self.anchored else [])]
-        self._kept = [place for name in restored for place in self._places(name)]
+        self._kept = [place for name in restored for place in self._all_places(name)]
         self._before = device.read(self._kept)
-        self._gain_a = self.value("gain")
-        self._zero = round(self.value("zero"))
-        self.full_scale_a = self._gain_a * self.value("samples") * _FULL_SCALE
+        self._gains_a = [self._value(place) for place in self._all_places("gain")]
+        self._zeros = [round(self._value(place)) for place in self._all_places("zero")]
+        self.full_scale_a = min(self._gains_a) * self.value("samples") * _FULL_SCALE
         self.limit_v = self.value("root") * self.value("u_max")
         self.lambda_a = self.value("a")
         self.extra_ticks = round(self.value("extra_ticks"))
@@ -132,7 +138,8 @@ class Driver:
         unipolar = not options["modes"] or self.value("mode") == MODE_WORDS[UNIPOLAR]
         self.pulse_s = (1.0 if unipolar else 2.0) * half / device.identification.words["clock_hz"]
         self._late_s = self._position_late_s()
-        self._shift = 0
+        self._shifts = [0 for _ in self._zeros]
+        self._shift_a: complex = 0.0
         self._root = 1.0
         self._cell_rad = 1.0
         self.exchange_s = 0.0
@@ -153,6 +160,7 @@ class Driver:
             words["filter_clocks"],
             identification.words["motors"],
             identification.options["shaper"],
+            self.brushless,
         )
         return late / identification.words["clock_hz"]
 
@@ -176,9 +184,7 @@ class Driver:
         """The bridges off, or without a current, and the settings as they were."""
         with self._line:
             try:
-                if self._armed:
-                    self._armed = False
-                    self._device.write([(self._places("arm")[0], 0)])
+                self.disarm()
             finally:
                 # Also where that failed: on a board that stays on, it is what ends the current.
                 self._device.write(
@@ -213,9 +219,17 @@ class Driver:
     def _places(self, name: str) -> list[Place]:
         return places(name, self.shape, self._motor)
 
+    def _all_places(self, name: str) -> list[Place]:
+        """Those of every sensor, where a word has so many."""
+        shape = self.shape
+        owners = [n for n in self._sensors if n < shape.has(WORDS[name])] or [self._motor]
+        return [place for n in owners for place in places(name, shape, n)]
+
     def value(self, name: str) -> float:
         """A word in SI units."""
-        place = self._places(name)[0]
+        return self._value(self._places(name)[0])
+
+    def _value(self, place: Place) -> float:
         return place.value(self.read([place])[0])
 
     def _set(self, **values: float) -> None:
@@ -276,6 +290,12 @@ class Driver:
                     "`board faults` tells more"
                 )
 
+    def disarm(self) -> None:
+        """The bridges off, where the line has armed them."""
+        if self._armed:
+            self._armed = False
+            self._device.write([(self._places("arm")[0], 0)])
+
     def check(self) -> None:
         """:class:`HostError` with what switched the bridges off, if they are."""
         if self.running:
@@ -293,22 +313,46 @@ class Driver:
 
     def release(self) -> None:
         """Free space without a current."""
-        self._aim(0.0)
+        self.push(0.0)
         self._set(eta_contact=1.0, eta_free=1.0)
 
     def brake(self, eta: float) -> None:
         """A resistor, with no current of its own."""
         self._set(eta_contact=eta, eta_free=eta)
-        self._aim(0.0)
+        self.push(0.0)
 
-    def _aim(self, amps: float) -> None:
-        self._shift = round(amps / self._gain_a)
-        self._set(zero=self._zero + self._shift)
+    def push(self, amps: complex) -> None:
+        """A current from now on, A, of a port that :meth:`release` has made.
+
+        That of a phase after that of another, some exchanges apart.
+        """
+        phases = _to_phases(amps)[: len(self._zeros)]
+        shifts = [round(i / gain) for i, gain in zip(phases, self._gains_a, strict=True)]
+        words = zip(self._all_places("zero"), self._zeros, shifts, self._shifts, strict=True)
+        self.write((p, p.raw(zero + new)) for p, zero, new, old in words if new != old)
+        self._shifts = shifts
+        shifted = [shift * gain for shift, gain in zip(shifts, self._gains_a, strict=True)]
+        self._shift_a = _from_phases(*shifted)
 
     @property
     def beyond_a(self) -> float:
         """A shift that no current reaches."""
         return min(_BEYOND * self.full_scale_a, _MOST_SHIFT_A)
+
+    def give_magnets(self, pole_pairs: int, counts: int, magnet_rad: float) -> bool:
+        """Tell the device its electrical angle, in place of a search; the bridges have to be off.
+
+        Whether the rotor stood still meanwhile.
+        """
+        cell_rad = 2.0 * math.pi / counts
+        for _ in range(_TRIES):
+            position = round(self.value("position"))
+            zero = zero_word(pole_pairs, cell_rad, magnet_rad, position)
+            self._set(count_angle=count_word(pole_pairs, cell_rad), zero_angle=zero, find_magnet=0)
+            self._set(magnet_start=1)
+            if round(self.value("position")) == position:
+                return True
+        return False
 
     # ---- Records.
 
@@ -318,7 +362,12 @@ class Driver:
 
     def currents(self, count: int) -> np.ndarray:
         """Readings of the current, A."""
-        return np.array([self.value("current") for _ in range(count)])
+        found = self._all_places("current")
+        readings = [
+            [place.value(raw) for place, raw in zip(found, self.read(found), strict=True)]
+            for _ in range(count)
+        ]
+        return _axes([*np.array(readings).T])
 
     def _plan_for(self, seconds: float, rows: int, before: int, trigger: str) -> capture.Plan:
         """Up to ``rows`` rows that last ``seconds``, and so many before a trigger."""
@@ -327,8 +376,8 @@ class Driver:
             decimation *= 2
         kept = max(8, min(rows, math.ceil(seconds / (decimation * self.tick_s))))
         return capture.plan(
-            self._as_client, CHANNELS, rows=kept + before, decimation=decimation, before=before,
-            trigger=trigger, motor=self._motor,
+            self._as_client, self._channels, rows=kept + before, decimation=decimation,
+            before=before, trigger=trigger, motor=self._motor,
         )  # fmt: skip
 
     def _wait(self, state: int) -> None:
@@ -347,26 +396,35 @@ class Driver:
             elif time.monotonic() - since > WAIT_S:
                 raise HostError("there are no ticks; is the ADC there? `board info` tells its kind")
 
-    def record(self, amps: float, seconds: float, rows: int, wanted: float | None = None) -> None:
+    @property
+    def _channels(self) -> list[str]:
+        if not self.brushless:
+            return [*CHANNELS]
+        return [f"{name}@{axis}" for name in CHANNELS[:2] for axis in self._sensors] + ["position"]
+
+    def record(self, amps: complex, seconds: float, rows: int, wanted: float | None = None) -> None:
         """The current's target from none to ``amps``, and a record of what follows.
 
         What is aimed at stays; who calls ends it, and downloads by :meth:`fetch` after that.
         ``wanted`` is what the record is said to be of, if not the current.
         """
-        level = -TRIGGER_PART * amps
+        parts = [amps.real, amps.imag]
+        axis = int(abs(amps.imag) > abs(amps.real))
+        level = -TRIGGER_PART * parts[axis]
+        name = f"current@{axis}" if self.brushless else "current"
         plan = self._plan_for(
-            seconds, rows, _BEFORE, f"current{'>' if level > 0 else '<'}{level:.6g}"
+            seconds, rows, _BEFORE, f"{name}{'>' if level > 0 else '<'}{level:.6g}"
         )
         capture.start(self._as_client, plan)
         self._wait(capture.WAITS)
-        self._aim(amps)
+        self.push(amps)
         self._wait(capture.DONE)
         # A row of several ticks has the shift in it somewhere.
-        self._recorded(plan, amps if wanted is None else wanted, plan.decimation > 1)
+        self._recorded(plan, parts[axis] if wanted is None else wanted, plan.decimation > 1)
 
     def record_free(self, seconds: float, rows: int, wanted: float) -> None:
         """No current from now on, and a record of how the rotor coasts."""
-        self._aim(0.0)
+        self.push(0.0)
         plan = self._plan_for(seconds, rows, 0, "now")
         capture.start(self._as_client, plan)
         self._wait(capture.DONE)
@@ -374,7 +432,16 @@ class Driver:
 
     def _recorded(self, plan: capture.Plan, wanted: float, skipped: bool) -> None:
         self._plan, self._wanted, self._skipped = plan, wanted, int(skipped)
-        self._shift_a = self._shift * self._gain_a
+        self._recorded_a = self._shift_a
+
+    def place(self) -> float:
+        """Where the rotor is, rad."""
+        return self._cell_rad * self.value("position")
+
+    def linger(self, seconds: float) -> None:
+        """Exchanges that last as long, on the device's clock, and one at least."""
+        for _ in range(max(1, round(seconds / self.exchange_s))):
+            self.value("running")
 
     def still(self) -> None:
         """Wait until the rotor stands, or no longer than it may take."""
@@ -394,13 +461,31 @@ class Driver:
         assert found.trigger_row is not None
         first = found.trigger_row + self._skipped
         position = earlier(found["position"], self._late_s / self._plan.row_s)
+        current, u = (
+            _axes([found[c] for c in self._channels if c.partition("@")[0] == name])
+            for name in CHANNELS[:2]
+        )
         return Segment(
             self._plan.row_s,
-            self._root * found["u"][first:],
-            found["current"][first:] + self._shift_a,
+            self._root * u[first:],
+            current[first:] + self._recorded_a,
             self._cell_rad * position[first:],
             self._wanted,
         )
+
+
+def _to_phases(amps: complex) -> tuple[float, float]:
+    """Currents of the phases a and b for those of the axes; a motor with brushes has the first."""
+    return amps.real, 0.5 * (math.sqrt(3.0) * amps.imag - amps.real)
+
+
+def _from_phases(a: float, b: float | None = None) -> complex:
+    return a if b is None else complex(a, (a + 2.0 * b) / math.sqrt(3.0))
+
+
+def _axes(values: Sequence[np.ndarray]) -> np.ndarray:
+    """A port's values, or those of two as complex numbers."""
+    return values[0] if len(values) == 1 else values[0] + 1j * values[1]
 
 
 class EndedError(HostError):

@@ -38,13 +38,13 @@ def inductance(segments: Sequence[Segment], known: Resistance, inertia: float) -
     for s in rises(segments):
         goal = s.sum(s.voltage - np.sign(s.wanted) * known.drop_v.value)
         goal -= spring * s.sum(s.step_s * np.cumsum(s.current))
-        first = _begins(s)
+        first = begins(s)
         wanted.append(goal[first:])
-        columns.append([_ends(s)[first:], s.sum(s.current)[first:]])
+        columns.append([row_ends(s)[first:], s.sum(s.current)[first:]])
     return fit(wanted, columns).estimate(0)
 
 
-def _ends(s: Segment) -> np.ndarray:
+def row_ends(s: Segment) -> np.ndarray:
     """The current at the rows' ends, A, by the four means around: of few rows a rise is no line."""
     ends = s.ends
     ends[1:-1] = (7.0 * (s.current[1:-2] + s.current[2:-1]) - s.current[:-3] - s.current[3:]) / 12.0
@@ -55,12 +55,12 @@ def rises(segments: Sequence[Segment]) -> list[Segment]:
     """The records of steps up to RISES time constants, as the largest step has them."""
     largest = max(segments, key=lambda s: float(np.max(np.abs(s.current))))
     size = np.abs(largest.current)
-    first = _begins(largest)
+    first = begins(largest)
     risen = int(np.argmax(size >= (1.0 - np.exp(-1.0)) * np.max(size)))
     rows = max(FEWEST_ROWS, round(RISES * (risen - first + 2)))
     return [s.part(0, first + rows) for s in segments]
 
 
-def _begins(s: Segment) -> int:
+def begins(s: Segment) -> int:
     """The first row that is all in the rise, behind the amplifier's lag and the brushes' knee."""
     return 1 + int(np.argmax(np.abs(s.current) >= BEGUN * np.max(np.abs(s.current))))

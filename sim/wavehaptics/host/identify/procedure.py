@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from wavehaptics.host.identify.resistance import Resistance, resistance, rough
 from wavehaptics.host.identify.sampling import Sampling
 from wavehaptics.host.identify.segments import Estimate, Segment
 from wavehaptics.host.names import HostError
-from wavehaptics.parts.motors import MotorConstants
+from wavehaptics.parts.motors import BrushlessConstants, MotorConstants
 
 READINGS = 16
 """Of the current with the bridges off."""
@@ -110,29 +111,31 @@ class Wishes:
     counts: int
     current_a: float | None = None
     travel_rad: float | None = None
-    expected: MotorConstants | None = None
+    expected: MotorConstants | BrushlessConstants | None = None
+
+
+Constants = TypeVar("Constants", MotorConstants, BrushlessConstants)
+
+
+def expected_of(wishes: Wishes, kind: type[Constants]) -> Constants | None:
+    """The motor that is expected; :class:`HostError` where it is none of the device's kind."""
+    expected = wishes.expected
+    if expected is None or isinstance(expected, kind):
+        return expected
+    drives = "a brushless motor" if kind is BrushlessConstants else "a motor with brushes"
+    raise HostError(f"--expect: the device drives {drives}; name one, or leave it out")
 
 
 Told = Callable[[str], None]
 Shown = Callable[[str, float], None]
 
 
-def identify(
-    driver: Driver, wishes: Wishes, tell: Told = lambda _: None, show: Shown = lambda _, __: None
-) -> Found:
-    """Every step in turn. ``tell`` takes a line for each, ``show`` a stage and its part done.
+class Procedure:
+    """Of a motor with brushes: :meth:`record` with the bridges on, then :meth:`estimate`."""
 
-    :class:`NotPlausible` for what can't be a motor that is well wired, :class:`HostError` else.
-    """
-    procedure = _Procedure(driver, wishes, tell, show)
-    with driver:
-        procedure.record()
-    return procedure.estimate()
-
-
-class _Procedure:
     def __init__(self, driver: Driver, wishes: Wishes, tell: Told, show: Shown) -> None:
         self._driver, self._wishes, self._tell, self._show = driver, wishes, tell, show
+        self._expected = expected_of(wishes, MotorConstants)
         self._cell = 2 * math.pi / wishes.counts
         self._steps: list[Segment] = []
         self._pulses: list[Segment] = []
@@ -414,7 +417,7 @@ class _Procedure:
         return winding, turn
 
     def _expect_winding(self, winding: Resistance, turn: BackEmf) -> None:
-        expected = self._wishes.expected
+        expected = self._expected
         if expected is None:
             return
         by_r = winding.ohm.value / expected.R_ohm
@@ -441,7 +444,7 @@ class _Procedure:
             raise NotPlausible(
                 "inductance", f"L is {found.value:.3g} H", "the current's amplifier and its filter"
             )
-        expected = self._wishes.expected
+        expected = self._expected
         if expected is not None and abs(found.value / expected.L_h - 1.0) > L_PART:
             raise NotPlausible(
                 "wrong motor", f"L is {found.value / expected.L_h:.2f} times what was expected",
@@ -479,7 +482,7 @@ class _Procedure:
                 "inertia", "the rotor's motion doesn't follow the current",
                 "what the shaft is coupled to; it has to turn freely",
             )  # fmt: skip
-        expected = self._wishes.expected
+        expected = self._expected
         if expected is not None and found.inertia.value < (1.0 - J_PART) * expected.J_kgm2:
             raise NotPlausible(
                 "inertia",

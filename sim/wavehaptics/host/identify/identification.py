@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A motor of a device identified, whichever of the two kinds it is of."""
+
+from __future__ import annotations
+
+from wavehaptics.host.identify.brushless import BrushlessProcedure, FoundBrushless
+from wavehaptics.host.identify.driver import Driver
+from wavehaptics.host.identify.procedure import Found, Procedure, Shown, Told, Wishes
+
+
+def identify(
+    driver: Driver, wishes: Wishes, tell: Told = lambda _: None, show: Shown = lambda _, __: None
+) -> Found | FoundBrushless:
+    """Every step in turn. ``tell`` takes a line for each, ``show`` a stage and its part done.
+
+    A brushless motor's device knows its magnets' angle after that, if its bridges are off then.
+    :class:`~wavehaptics.host.identify.procedure.NotPlausible` for what can't be a motor that is
+    well wired, :class:`~wavehaptics.host.names.HostError` else.
+    """
+    kind = BrushlessProcedure if driver.brushless else Procedure
+    procedure = kind(driver, wishes, tell, show)
+    with driver:
+        procedure.record()
+    found = procedure.estimate()
+    if isinstance(found, FoundBrushless) and driver.anchored and not driver.running:
+        pairs, place = found.magnets.pole_pairs, found.magnet_place.value
+        given = driver.give_magnets(pairs, found.counts, place)
+        tell(f"magnets: {'the device knows' if given else 'the rotor moves, and nobody knows'} "
+             "where they are")  # fmt: skip
+    return found

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A brushless motor's winding and magnets, in the stationary frame; complex numbers are α + jβ.
+
+    ∫v dt = R ∫i dt + V_d ∫d(i) dt + V_0 t + L i + ψ exp(jp(x − x_m)) + const
+
+The magnets' flux is a function of the place alone, so that no speed is needed, and with p given all
+is linear in R, V_d, V_0, L and ψ exp(−jp x_m). p is the one that leaves least. d is what dead time
+leaves of each leg, by the sign of its current.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wavehaptics.host.identify.inductance import row_ends
+from wavehaptics.host.identify.resistance import KNEE_A, UNSETTLED
+from wavehaptics.host.identify.segments import SPREADS, Estimate, Segment, fit
+
+MOST_PAIRS = 60
+"""Pole pairs that are looked for."""
+
+_TURN = np.exp(2j * np.pi / 3.0)
+
+
+@dataclass(frozen=True)
+class Magnets:
+    """R and V_d of a phase in Ω and V, ψ in V·s, and the place x_m in rad where θ is 0.
+
+    ``pole_pairs`` is below 0 where the encoder counts against the phases. x_m is within the turn
+    of the magnets around 0.
+    """
+
+    ohm: Estimate
+    dead_v: Estimate
+    inductance: Estimate
+    flux: Estimate
+    pole_pairs: int
+    place: Estimate
+
+    def angle(self, position: np.ndarray) -> np.ndarray:
+        """θ at places in rad."""
+        return self.pole_pairs * (position - self.place.value)
+
+    @property
+    def k_t(self) -> Estimate:
+        """Torque for an ampere across the magnets, N·m/A: 1.5 pψ."""
+        factor = 1.5 * abs(self.pole_pairs)
+        return Estimate(factor * self.flux.value, factor * self.flux.sd)
+
+
+def magnets(segments: Sequence[Segment]) -> Magnets:
+    """Of records in which the rotor turns, with currents in all directions."""
+    segments = [s.part(UNSETTLED, len(s.current)) for s in segments]
+    wanted = [part for s in segments for part in _both(s.sum(s.voltage))]
+    plain = [columns for s in segments for columns in _still(s)]
+
+    def found(pairs: int):
+        turning = [c for s in segments for c in _turning(pairs * s.turned)]
+        return fit(wanted, [[*a, *b] for a, b in zip(plain, turning, strict=True)])
+
+    every = [n for n in range(-MOST_PAIRS, MOST_PAIRS + 1) if n]
+    pairs = min(every, key=lambda n: found(n).square)
+    best = found(pairs)
+    along, across = best.factors[-2:]
+    flux = math.hypot(along, across)
+    covariance = best.covariance[-2:, -2:]
+    ray, side = np.array([along, across]) / flux, np.array([-across, along]) / flux
+    # ψ exp(−jp x_m) = along + j across.
+    place = -math.atan2(across, along) / pairs
+    spread = math.sqrt(max(0.0, side @ covariance @ side)) / flux / abs(pairs)
+    return Magnets(
+        best.estimate(0),
+        best.estimate(1),
+        best.estimate(2),
+        Estimate(flux, math.sqrt(max(0.0, ray @ covariance @ ray))),
+        pairs,
+        Estimate(place, spread),
+    )
+
+
+def _both(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return values.real, values.imag
+
+
+def legs(current: np.ndarray) -> np.ndarray:
+    """d of a current: the vector of the signs of its three legs' parts."""
+    parts = [np.tanh((current * _TURN**-n).real / KNEE_A) * _TURN**n for n in range(3)]
+    return 2.0 / 3.0 * np.sum(parts, axis=0)
+
+
+def _still(s: Segment) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Columns of R, V_d, L and both V_0, of α and of β."""
+    shared = [_both(values) for values in (s.sum(s.current), s.sum(legs(s.current)), s.ends)]
+    nothing = np.zeros_like(s.t)
+    return (
+        [*(a for a, _ in shared), s.t, nothing],
+        [*(b for _, b in shared), nothing, s.t],
+    )
+
+
+def _turning(angle: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Columns of the flux along and across where θ is ``angle``, of α and of β."""
+    return [np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]
+
+
+def along(s: Segment, direction: complex, known: Magnets) -> Segment:
+    """A record as seen along a direction, without the magnets' voltage and the dead time's."""
+    flux = known.flux.value * np.exp(1j * known.angle(s.position))
+    moved = np.diff(flux, prepend=flux[:1]) / s.step_s
+    voltage = s.voltage - moved - known.dead_v.value * legs(s.current)
+    turn = np.conj(direction)
+    return replace(s, voltage=(turn * voltage).real, current=(turn * s.current).real, wanted=1.0)
+
+
+def across(s: Segment, known: Magnets) -> Segment:
+    """A record with the current that makes the torque, A, in place of both axes' ones."""
+    sign = math.copysign(1.0, known.pole_pairs)
+    current = (s.current * np.exp(-1j * known.angle(s.angle))).imag * sign
+    return replace(s, voltage=s.voltage.real, current=current)
+
+
+def inductances(
+    rises: Sequence[Segment], known: Magnets, directions: Sequence[complex], firsts: Sequence[int]
+) -> tuple[Estimate, Estimate]:
+    """L_q and L_d in H, of steps along directions: ``rises`` as :func:`along` has them.
+
+    Seen at δ from the magnets L is (L_d + L_q)/2 + (L_d − L_q)/2 cos 2δ. R is free. Both are the
+    same where they aren't SPREADS apart.
+    """
+    wanted, columns = [], []
+    for s, direction, first in zip(rises, directions, firsts, strict=True):
+        apart = np.angle(direction) - float(known.angle(s.position[:1])[0])
+        ends = row_ends(s)[first:]
+        wanted.append(s.sum(s.voltage)[first:])
+        columns.append([ends, s.sum(s.current)[first:], ends * math.cos(2.0 * apart)])
+    found, alike = fit(wanted, columns), fit(wanted, [table[:2] for table in columns]).estimate(0)
+    difference = found.estimate(2)
+    if abs(difference.value) < SPREADS * difference.sd:
+        return alike, alike
+    mean, half = found.factors[[0, 2]]
+    covariance = found.covariance[np.ix_([0, 2], [0, 2])]
+
+    def value(sign: float) -> Estimate:
+        along_axis = np.array([1.0, sign])
+        return Estimate(float(mean + sign * half), math.sqrt(along_axis @ covariance @ along_axis))
+
+    return value(-1.0), value(1.0)
