@@ -14,10 +14,11 @@ from quick_board import QuickBoard
 from virtual_boards import told, virtual_board
 from wavehaptics.host import capture, session
 from wavehaptics.host.identify import result
+from wavehaptics.host.identify.brushed import Found
 from wavehaptics.host.identify.driver import Driver, EndedError
 from wavehaptics.host.identify.identification import identify
-from wavehaptics.host.identify.procedure import Found, NotPlausible, Wishes
 from wavehaptics.host.identify.segments import Estimate, Segment, best_harmonic, earlier, harmonics
+from wavehaptics.host.identify.steps import NotPlausible, Wishes
 from wavehaptics.host.names import HostError, Place
 from wavehaptics.ladder.run import measure
 from wavehaptics.parts.motors import PRESETS

@@ -13,7 +13,7 @@ from virtual_boards import told, virtual_board
 from wavehaptics.host.identify import result
 from wavehaptics.host.identify.brushless import FoundBrushless
 from wavehaptics.host.identify.identification import identify
-from wavehaptics.host.identify.procedure import NotPlausible, Wishes
+from wavehaptics.host.identify.steps import NotPlausible, Wishes
 from wavehaptics.host.names import HostError
 from wavehaptics.ladder.run import measure
 from wavehaptics.parts.motors import BRUSHLESS_PRESETS, PRESETS
@@ -97,7 +97,7 @@ def test_another_kind_of_motor_is_not_expected():
 
 
 def test_little_room():
-    with pytest.raises(HostError, match=r"out of --travel 0\.1; each pulse may turn it by half a"):
+    with pytest.raises(HostError, match=r"out of --travel 0\.1; take less than"):
         identified(QuickBrushless(), Wishes(40_000, travel_rad=0.1))
 
 

@@ -70,8 +70,8 @@ def identify(
     from wavehaptics.host import session
     from wavehaptics.host.identify.driver import Driver, EndedError
     from wavehaptics.host.identify.identification import identify as identified
-    from wavehaptics.host.identify.procedure import Wishes
     from wavehaptics.host.identify.result import beside, rows, write
+    from wavehaptics.host.identify.steps import Wishes
     from wavehaptics.host.names import HostError
     from wavehaptics.parts.motors import (
         BRUSHLESS_PRESETS,

@@ -15,42 +15,35 @@ import numpy as np
 from wavehaptics.host.identify import inductance as inductances
 from wavehaptics.host.identify import magnets as magnet
 from wavehaptics.host.identify import resistance as resistances
-from wavehaptics.host.identify import zero
-from wavehaptics.host.identify.driver import Driver, OffError
+from wavehaptics.host.identify.driver import Driver
 from wavehaptics.host.identify.magnets import Magnets, magnets
-from wavehaptics.host.identify.mechanics import LEAST_J, MOST_J, Mechanics, mechanics
-from wavehaptics.host.identify.procedure import (
+from wavehaptics.host.identify.mechanics import Mechanics, mechanics
+from wavehaptics.host.identify.resistance import rough
+from wavehaptics.host.identify.segments import Estimate, Segment
+from wavehaptics.host.identify.steps import (
     CAREFUL,
     COAST_ROWS,
     COASTS,
     FIRST_OHM,
-    J_PART,
     K_PART,
-    L_PART,
-    LEAST_OF_NOISE,
     LEVELS,
     MANY_CELLS,
     MOST_COAST_S,
     MOST_PULSE_S,
     NOTHING,
-    PART_OF_LIMIT,
     PULSE_ROWS,
     PULSES,
     R_HAT_PART,
-    R_PART,
-    READINGS,
     SIGMA,
-    STEP_ROWS,
     TRIALS,
     NotPlausible,
     Shown,
+    Steps,
     Told,
     Wishes,
     expected_of,
+    shorted,
 )
-from wavehaptics.host.identify.resistance import rough
-from wavehaptics.host.identify.segments import Estimate, Segment
-from wavehaptics.host.names import HostError
 from wavehaptics.parts.motors import BrushlessConstants
 
 DIRECTIONS = tuple(cmath.rect(1.0, math.radians(degrees)) for degrees in (30, 90, 210, 270))
@@ -106,91 +99,40 @@ class FoundBrushless:
         return self.inductance_d.value != self.inductance.value
 
 
-class BrushlessProcedure:
-    """:meth:`record` with the bridges on, then :meth:`estimate`; as for motors with brushes."""
+class BrushlessProcedure(Steps):
+    """The steps of a brushless motor."""
 
     def __init__(self, driver: Driver, wishes: Wishes, tell: Told, show: Shown) -> None:
-        self._driver, self._wishes, self._tell, self._show = driver, wishes, tell, show
         self._expected = expected_of(wishes, BrushlessConstants)
-        self._cell = 2 * math.pi / wishes.counts
-        self._steps: list[tuple[Segment, complex]] = []
-        self._pulses: list[Segment] = []
-        self._coasts: list[Segment] = []
-        self._start: float | None = None
+        super().__init__(driver, wishes, tell, show, self._expected)
+        self._ways: list[complex] = []
 
-    def record(self) -> None:
-        """All that needs the bridges."""
+    def _excite(self) -> None:
         driver = self._driver
-        driver.measure_cells(self._cell)
-        driver.measure_exchange()
-        most = driver.most_current()
-        self._amps = most if self._wishes.current_a is None else self._wishes.current_a
-        if self._amps > most * (1 + 1e-9):
-            raise HostError(
-                f"--current {self._amps:g} A is more than the board's settings permit, {most:.3g} A"
-            )
-        driver.prepare()
-        self._offset = self._zero()
-        least = LEAST_OF_NOISE * self._offset.sd
-        if self._amps < least:
-            raise HostError(
-                f"--current {self._amps:g} A is too little beside the sensors' noise of "
-                f"{self._offset.sd:.2g} A; take {least:.2g} A or more"
-            )
+        self._rough()
+        self._pulse_all()
+        # Which may take longer than an arming lasts.
+        driver.disarm()
+        self._magnets = magnets(self._pulses)
         driver.arm()
-        try:
-            self._rough()
-            self._pulse_all()
-            # Which may take longer than an arming lasts.
-            driver.disarm()
-            self._magnets = magnets(self._pulses)
-            driver.arm()
-            self._coast_all()
-            self._step_all()
-        except OffError as error:
-            if len(self._steps) < 2 and error.faults:
-                raise _shorted(str(error)) from None
-            raise
+        self._coast_all()
+        self._step_all()
 
     def estimate(self) -> FoundBrushless:
         """What the records tell; the bridges are off."""
-        found = self._turning()
+        found = magnets([*self._pulses, *self._coasts])
+        self._check_ohm(found.ohm.value)
         q, d = self._inductances(found)
+        # Part by which a sampled current isn't its pulse's mean, as :mod:`.sampling` has it.
+        part = (self._driver.pulse_s * found.ohm.value / q.value) ** 2 / 24.0
+        found, q, d = found.widened(part), q.widened(part * q.value), d.widened(part * d.value)
+        self._check_magnets(found)
+        self._tell(f"L: {1e3 * q.value:.4g} ± {1e3 * q.sd:.2g} mH along q, "
+                   f"{1e3 * d.value:.4g} ± {1e3 * d.sd:.2g} along d")  # fmt: skip
         motion = self._mechanics(found)
         return FoundBrushless(self._offset, found, q, d, motion, self._wishes.counts, self._amps)
 
-    # ---- Zero.
-
-    def _zero(self) -> Estimate:
-        driver = self._driver
-        self._show("zero", 0.0)
-        if not driver.arms:  # whose bridges are on, and which has measured its zeros itself
-            driver.release()
-            return Estimate(0.0, 0.0)
-        readings = driver.currents(READINGS)
-        found = Estimate(float(abs(np.mean(readings))), float(np.std(readings)))
-        if found.value > zero.MOST * driver.full_scale_a:
-            raise NotPlausible(
-                "zero", f"the sensors show {found.value:.3g} A with the bridges off",
-                "the shunts' amplifiers and their reference",
-            )  # fmt: skip
-        self._tell(f"zero: {1e3 * found.value:.2f} mA, noise {1e3 * found.sd:.2f} mA")
-        self._show("zero", 1.0)
-        return found
-
     # ---- Signs of the currents, and the first R and L, by small voltages.
-
-    def _step(self, volts: complex, r_hat: float, seconds: float = 0.0) -> Segment:
-        driver = self._driver
-        driver.still()
-        driver.loop(r_hat, 0.5, abs(volts))
-        driver.release()
-        driver.record(
-            driver.beyond_a * volts / abs(volts), max(seconds, STEP_ROWS * driver.tick_s),
-            STEP_ROWS, abs(volts),
-        )  # fmt: skip
-        driver.brake(0.0)
-        return self._fetched()
 
     def _rough(self) -> None:
         driver, amps = self._driver, self._amps
@@ -204,8 +146,9 @@ class BrushlessProcedure:
             step = self._step(volts * direction, resistances.LEAST_OHM)
             peak = float(np.max(np.abs(step.current)))
             if not self._steps and peak > amps:
-                raise _shorted(f"{volts:.2g} V drive {peak:.2g} A")
-            self._steps.append((step, direction))
+                raise shorted(f"{volts:.2g} V drive {peak:.2g} A")
+            self._steps.append(step)
+            self._ways.append(direction)
             if peak >= CLEAR * amps or (volts >= driver.limit_v and peak > nothing):
                 self._check_direction(step, direction, volts)
             elif volts >= driver.limit_v:
@@ -218,13 +161,8 @@ class BrushlessProcedure:
             else:
                 volts *= 2.0
         self._show("sign", 1.0)
-        first = rough(inductances.rises([_seen(s, d) for s, d in self._steps]))
-        self._check_ohm(first.ohm.value)
-        self._ohm = first.ohm.value
-        self._henry = min(max(first.inductance.value, inductances.LEAST_H), inductances.MOST_H)
-        if self._wishes.current_a is None:
-            self._amps = min(self._amps, PART_OF_LIMIT * driver.limit_v / self._ohm)
-        self._tell(f"sign: right; R about {self._ohm:.2g} Ω, test current {self._amps:.2g} A")
+        seen = [_seen(s, way) for s, way in zip(self._steps, self._ways, strict=True)]
+        self._know_roughly(rough(inductances.rises(seen)))
 
     def _check_direction(self, step: Segment, direction: complex, volts: float) -> None:
         """The current begins along the voltage, or two of the six wires are swapped."""
@@ -239,12 +177,6 @@ class BrushlessProcedure:
         raise NotPlausible(
             "phases", found, "which shunt is whose phase's, and that all three leads are plugged in"
         )
-
-    def _check_ohm(self, ohm: float) -> None:
-        if ohm < resistances.LEAST_OHM:
-            raise _shorted(f"R is {ohm:.2g} Ω")
-        if ohm > resistances.MOST_OHM:
-            raise NotPlausible("no motor", f"R is {ohm:.3g} Ω", "the motor's three leads")
 
     # ---- Pulses, for R, the magnets and J.
 
@@ -274,47 +206,16 @@ class BrushlessProcedure:
         driver.brake(BRAKE)
         self._pulses.append(self._fetched())
 
-    def _fetched(self) -> Segment:
-        """The newest record; :class:`HostError` if the rotor has left the room that it has."""
-        record = self._driver.fetch()
-        if self._start is None:
-            self._start = float(record.position[0])
-        travel, place = self._wishes.travel_rad, float(record.position[-1]) - self._start
-        if travel is not None and abs(place) > 0.5 * travel:
-            raise HostError(
-                f"the rotor turned by {place:.2g} rad, out of --travel {travel:g}; each pulse may "
-                "turn it by half a turn of the magnets: give it more room"
-            )
-        return record
-
-    def _cells(self, segments: list[Segment]) -> float:
-        return max(float(np.ptp(s.position)) for s in segments) / self._cell
-
     def _check_turns(self) -> None:
         newest = self._pulses[-3:]
         cells = self._cells(newest)
         if cells >= MANY_CELLS:
             return
         left = [np.abs(s.voltage - self._ohm * s.current)[len(s.voltage) // 4 :] for s in newest]
-        if max(float(np.ptp(volts)) for volts in left) > TURNED * self._ohm * self._amps:
-            raise NotPlausible(
-                "encoder silent", f"the motor turns, and the encoder tells {cells:.0f} counts",
-                "the encoder's plug, its supply, and A and B each, or allow more by --current",
-            )  # fmt: skip
-        raise NotPlausible(
-            "jammed", f"the rotor moves by {cells:.0f} counts at {self._amps:.2g} A",
-            "what holds the shaft, or allow more by --current",
-        )  # fmt: skip
+        most = max(float(np.ptp(volts)) for volts in left)
+        raise self._at_rest(cells, most > TURNED * self._ohm * self._amps)
 
-    def _turning(self) -> Magnets:
-        found = magnets([*self._pulses, *self._coasts])
-        self._check_ohm(found.ohm.value)
-        part = self._sampled
-        flux = found.flux.widened(part * found.flux.value)
-        found = Magnets(
-            found.ohm.widened(part * found.ohm.value), found.dead_v, found.inductance, flux,
-            found.pole_pairs, found.place,
-        )  # fmt: skip
+    def _check_magnets(self, found: Magnets) -> None:
         psi = found.flux.value
         if not LEAST_PSI < psi < MOST_PSI or found.flux.sd > 0.1 * psi:
             raise NotPlausible(
@@ -333,23 +234,12 @@ class BrushlessProcedure:
         self._tell(f"ψ: {1e3 * psi:.4g} ± {1e3 * found.flux.sd:.2g} mV·s; encoder's sign: right; "
                    f"magnets to {degrees:.1g}°")  # fmt: skip
         self._expect(found)
-        return found
-
-    @property
-    def _sampled(self) -> float:
-        """Part by which a sampled current isn't its pulse's mean: :mod:`.sampling`."""
-        return (self._driver.pulse_s * self._ohm / self._henry) ** 2 / 24.0
 
     def _expect(self, found: Magnets) -> None:
         expected = self._expected
         if expected is None:
             return
-        by_r = found.ohm.value / expected.R_ohm
-        if abs(by_r - 1.0) > R_PART:
-            raise NotPlausible(
-                "wrong motor", f"R is {by_r:.2f} times what was expected",
-                "the motor's type and wires, the shunts and the bus",
-            )  # fmt: skip
+        self._check_expected_ohm(found.ohm.value)
         by_psi = found.flux.value / expected.psi_vs
         if found.pole_pairs != expected.pole_pairs:
             counts = self._wishes.counts * expected.pole_pairs / found.pole_pairs
@@ -386,23 +276,7 @@ class BrushlessProcedure:
 
     def _mechanics(self, found: Magnets) -> Mechanics:
         records = [magnet.across(s, found) for s in [*self._pulses, *self._coasts]]
-        motion = mechanics(records, found.k_t, self._cell)
-        if motion is None or not LEAST_J < motion.inertia.value < MOST_J:
-            raise NotPlausible(
-                "inertia", "the rotor's motion doesn't follow the current",
-                "what the shaft is coupled to; it has to turn freely",
-            )  # fmt: skip
-        expected = self._expected
-        if expected is not None and motion.inertia.value < (1.0 - J_PART) * expected.J_kgm2:
-            raise NotPlausible(
-                "inertia",
-                f"J is {motion.inertia.value / expected.J_kgm2:.2f} times the rotor's own",
-                "--counts and the motor's type",
-            )  # fmt: skip
-        friction = motion.coulomb
-        self._tell(f"J: {motion.inertia.value:.3g} ± {motion.inertia.sd:.1g} kg·m², friction "
-                   f"{1e3 * friction.value:.2g} ± {1e3 * friction.sd:.1g} mN·m")  # fmt: skip
-        return motion
+        return self._checked_motion(mechanics(records, found.k_t, self._cell))
 
     # ---- L.
 
@@ -421,24 +295,8 @@ class BrushlessProcedure:
         directions = [direction for _, direction in self._rises]
         seen = inductances.rises([magnet.along(s, d, found) for s, d in self._rises])
         firsts = [inductances.begins(s) for s in seen]
-        q, d = (
-            value.widened(self._sampled * value.value)
-            for value in magnet.inductances(seen, found, directions, firsts)
-        )
-        for value in (q, d):
-            if not inductances.LEAST_H < value.value < inductances.MOST_H:
-                raise NotPlausible(
-                    "inductance", f"L is {value.value:.3g} H",
-                    "the currents' amplifiers and their filters",
-                )  # fmt: skip
-        expected = self._expected
-        if expected is not None and abs(q.value / expected.L_h - 1.0) > L_PART:
-            raise NotPlausible(
-                "wrong motor", f"L is {q.value / expected.L_h:.2f} times what was expected",
-                "the motor's type, and filters in its leads",
-            )  # fmt: skip
-        self._tell(f"L: {1e3 * q.value:.4g} ± {1e3 * q.sd:.2g} mH along q, "
-                   f"{1e3 * d.value:.4g} ± {1e3 * d.sd:.2g} along d")  # fmt: skip
+        q, d = magnet.inductances(seen, found, directions, firsts)
+        self._check_henry(q.value)
         return q, d
 
 
@@ -448,9 +306,3 @@ def _seen(s: Segment, direction: complex) -> Segment:
     return Segment(
         s.step_s, (turn * s.voltage).real, (turn * s.current).real, s.position, s.wanted
     )  # fmt: skip
-
-
-def _shorted(found: str) -> NotPlausible:
-    return NotPlausible(
-        "shorted", found, "the motor's leads against each other and against the case"
-    )

@@ -329,7 +329,9 @@ class Driver:
         phases = _to_phases(amps)[: len(self._zeros)]
         shifts = [round(i / gain) for i, gain in zip(phases, self._gains_a, strict=True)]
         words = zip(self._all_places("zero"), self._zeros, shifts, self._shifts, strict=True)
-        self.write((p, p.raw(zero + new)) for p, zero, new, old in words if new != old)
+        changed = [(p, p.raw(zero + new)) for p, zero, new, old in words if new != old]
+        if changed:
+            self.write(changed)
         self._shifts = shifts
         shifted = [shift * gain for shift, gain in zip(shifts, self._gains_a, strict=True)]
         self._shift_a = _from_phases(*shifted)

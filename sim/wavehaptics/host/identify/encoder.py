@@ -23,11 +23,6 @@ SIGMA = 4.0
 """Spreads from zero at which a sign is one."""
 
 
-def cells(segments: Sequence[Segment], cell_rad: float) -> float:
-    """By how many cells the rotor moves in a record, at most."""
-    return max(float(np.ptp(s.position)) for s in segments) / cell_rad
-
-
 def emf_rate(segments: Sequence[Segment]) -> float:
     """How fast the voltage of pulses rises for an ampere, V/(A·s): k_T²/J, without the encoder."""
     rates = []

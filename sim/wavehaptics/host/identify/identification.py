@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+from wavehaptics.host.identify.brushed import BrushedProcedure, Found
 from wavehaptics.host.identify.brushless import BrushlessProcedure, FoundBrushless
 from wavehaptics.host.identify.driver import Driver
-from wavehaptics.host.identify.procedure import Found, Procedure, Shown, Told, Wishes
+from wavehaptics.host.identify.steps import Shown, Told, Wishes
 
 
 def identify(
@@ -14,10 +15,10 @@ def identify(
     """Every step in turn. ``tell`` takes a line for each, ``show`` a stage and its part done.
 
     A brushless motor's device knows its magnets' angle after that, if its bridges are off then.
-    :class:`~wavehaptics.host.identify.procedure.NotPlausible` for what can't be a motor that is
+    :class:`~wavehaptics.host.identify.steps.NotPlausible` for what can't be a motor that is
     well wired, :class:`~wavehaptics.host.names.HostError` else.
     """
-    kind = BrushlessProcedure if driver.brushless else Procedure
+    kind = BrushlessProcedure if driver.brushless else BrushedProcedure
     procedure = kind(driver, wishes, tell, show)
     with driver:
         procedure.record()

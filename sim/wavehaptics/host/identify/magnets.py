@@ -45,6 +45,13 @@ class Magnets:
         """θ at places in rad."""
         return self.pole_pairs * (position - self.place.value)
 
+    def widened(self, part: float) -> Magnets:
+        """With R and ψ known to no more than such a part."""
+        ohm, flux = self.ohm, self.flux
+        return replace(
+            self, ohm=ohm.widened(part * ohm.value), flux=flux.widened(part * flux.value)
+        )
+
     @property
     def k_t(self) -> Estimate:
         """Torque for an ampere across the magnets, N·m/A: 1.5 pψ."""

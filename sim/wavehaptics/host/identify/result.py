@@ -12,9 +12,9 @@ from typing import NamedTuple, TypeAlias
 from wavehaptics.controller.rotor_flux import count_word
 from wavehaptics.controller.settings import settings
 from wavehaptics.host import session
+from wavehaptics.host.identify.brushed import Found
 from wavehaptics.host.identify.brushless import FoundBrushless
 from wavehaptics.host.identify.driver import Driver
-from wavehaptics.host.identify.procedure import Found
 from wavehaptics.host.identify.segments import Estimate
 from wavehaptics.host.names import HostError, Place, Shape, places
 from wavehaptics.scene import Scene, SceneError, load_scene

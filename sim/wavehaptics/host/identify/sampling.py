@@ -21,20 +21,20 @@ from wavehaptics.host.identify.segments import Estimate
 
 @dataclass(frozen=True)
 class Sampling:
-    """Pulses ``pulse_s`` apart, the winding as found, a rough L in H and the least test current.
+    """Pulses ``pulse_s`` apart, the winding as found, L in H, and the least test current.
 
     Each method gives what was found with its spread so much larger.
     """
 
     pulse_s: float
     found: Resistance
-    rough_h: float
+    henry: float
     least_a: float
 
     @property
     def part(self) -> float:
         """(T R/L)²/24: most of it that a small current is seen too small."""
-        return (self.pulse_s * self.found.ohm.value / self.rough_h) ** 2 / 24.0
+        return (self.pulse_s * self.found.ohm.value / self.henry) ** 2 / 24.0
 
     def winding(self) -> Resistance:
         """R, and V_b by R's error at the least current."""
@@ -49,9 +49,9 @@ class Sampling:
         """k_T either way."""
         return BackEmf(*map(self._by_part, (turn.k_t, turn.forward, turn.backward)))
 
-    def inductance(self, henry: Estimate) -> Estimate:
+    def inductance(self, found: Estimate) -> Estimate:
         """L."""
-        return self._by_part(henry)
+        return self._by_part(found)
 
     def mechanics(self, motion: Mechanics) -> Mechanics:
         """Friction by the torque of a current that isn't seen, the back-EMF's and V_b's, and J.
@@ -59,7 +59,7 @@ class Sampling:
         What is said to be friction is no part of the torque that J has at the least current.
         """
         k_t, ohm = self.found.k_t.value, self.found.ohm.value
-        unseen_a = self.pulse_s * abs(self.found.drop_v.value) / (4.0 * self.rough_h)
+        unseen_a = self.pulse_s * abs(self.found.drop_v.value) / (4.0 * self.henry)
         part_of_j = unseen_a / self.least_a
         return replace(
             motion,

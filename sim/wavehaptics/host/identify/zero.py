@@ -12,5 +12,7 @@ MOST = 1 / 16
 
 
 def offset(currents: np.ndarray) -> Estimate:
-    """Offset of readings of the current, A; the spread is a reading's."""
-    return Estimate(float(np.mean(currents)), float(np.std(currents)))
+    """Offset of readings of the current, A; the spread is a reading's. Of vectors, their size."""
+    mean = np.mean(currents)
+    value = abs(mean) if np.iscomplexobj(currents) else mean
+    return Estimate(float(value), float(np.std(currents)))
