@@ -128,8 +128,11 @@ class Line:
     def clocks(self) -> int:
         return self.library.wh_link_clocks(self.model)
 
+    def count(self, which: int) -> int:
+        return self.library.wh_link_count(self.model, ctypes.c_int64(which))
+
     def take(self, which: int) -> list[int]:
-        count = self.library.wh_link_count(self.model, ctypes.c_int64(which))
+        count = self.count(which)
         found = np.zeros(count, dtype=np.int64)
         self.library.wh_link_take(
             self.model, ctypes.c_int64(which), ctypes.c_void_p(found.ctypes.data)
@@ -178,8 +181,10 @@ class Line:
     def hear(self) -> None:
         """Take the answers and the words, and compare them."""
         wanted = [one for body, codes in self.slave.answers for one in _tailed(body, codes)]
+        due = ((_ANSWERED, len(wanted)), (_WRITTEN, len(self.slave.written)))
         for _ in range(_GIVES_UP):
-            if self.library.wh_link_count(self.model, ctypes.c_int64(_ANSWERED)) >= len(wanted):
+            # A broadcast behind others waits for the memory as they do, and nobody answers it.
+            if all(self.count(which) >= least for which, least in due):
                 break
             self.wait(1000)
         self.wait(2 * BYTE_BITS * int(self.bit + 1))
@@ -225,7 +230,7 @@ class Line:
             self.send(Burst(read(0x2000 + 2 * group, 6) + sent[-1][1] + read(0, 24)))
         self.wait(_REST)
         count = -1
-        while count != (count := self.library.wh_link_count(self.model, ctypes.c_int64(_ANSWERED))):
+        while count != (count := self.count(_ANSWERED)):
             self.wait(100 * BYTE_BITS * 6)
         self.wait(_REST)
         self.take(_RECEIVED)
