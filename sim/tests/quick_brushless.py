@@ -2,7 +2,8 @@
 """A brushless motor behind what an identification's driver does, without words, line or RTL.
 
 The bridge's port is a proportional current source in the stationary frame, with the voltage's
-limit as a circle. Complex numbers are α + jβ. L_d that isn't L_q is so for a rotor that stands.
+limit that of each axis. Complex numbers are α + jβ. L_d that isn't L_q is so for a rotor that
+stands.
 """
 
 from __future__ import annotations
@@ -84,8 +85,8 @@ class QuickBrushless:
         volts = 0j
         if self._target is not None:
             volts = self._gain * (self._target - self._sensed(self._i)) + self._ohm * self._target
-        if abs(volts) > self._most_v:
-            volts *= self._most_v / abs(volts)
+        most = self._most_v
+        volts = complex(min(max(volts.real, -most), most), min(max(volts.imag, -most), most))
         emf = 1j * self._flux * self._pairs * self._omega * cmath.exp(1j * theta)
         drives = self._leads(volts - emf)
         self._i = self._leads(self._i)

@@ -76,6 +76,7 @@ def test_motors(name: str):
         ("shorted", Wiring(), {"ohm": 0.02, "flux": 1e-5, "henry": 2e-5}),
         ("jammed", Wiring(), {"friction": 1.0}),
         ("zero", Wiring(), {"offset_a": 0.1}),
+        ("pole pairs", Wiring(), {"inertia": 4e-4}),
         ("wrong counts", Wiring(counts=20_000), {}),
         ("wrong motor", Wiring(), {"ohm": 9.0}),
     ],
@@ -118,7 +119,7 @@ def test_what_is_told():
     rows = {row.name: row for row in result.rows(found)}
     assert "L" in rows
     assert rows["pole pairs"].value == "7"
-    turns = float(rows["θ at count 0"].value) / 360 + 7 * 0.3 / (2 * math.pi)
+    turns = float(rows["θ at x = 0"].value) / 360 + 7 * 0.3 / (2 * math.pi)
     assert abs(turns - round(turns)) < 2e-3
 
 

@@ -24,7 +24,6 @@ from wavehaptics.host.identify.steps import (
     CAREFUL,
     COAST_ROWS,
     COASTS,
-    FIRST_OHM,
     K_PART,
     LEVELS,
     MANY_CELLS,
@@ -35,6 +34,7 @@ from wavehaptics.host.identify.steps import (
     PULSES,
     R_HAT_PART,
     SIGMA,
+    SMOOTH,
     TRIALS,
     NotPlausible,
     Shown,
@@ -64,11 +64,17 @@ SPIN_S = 4e-3
 CLEAR = 0.25
 """Part of the test current from which on a direction can be told."""
 
-ASIDE_RAD = 0.3
-"""By which a current may stand beside the voltage that drives it: L_d isn't L_q."""
+ASIDE_RAD = 0.6
+"""By which a current may stand beside the voltage that drives it.
+
+L_d of 0.5 L_q makes up to 20°, two wires that are swapped, or one that is open, 60° or more.
+"""
 
 LEAST_PSI, MOST_PSI = 1e-5, 0.5
 """ψ of a motor, V·s."""
+
+CLEARLY = 2.0
+"""By how many times every other p has to leave more."""
 
 TURNED = 0.15
 """Part of R i by which the voltage of a pulse changes if the rotor turns."""
@@ -136,7 +142,9 @@ class BrushlessProcedure(Steps):
 
     def _rough(self) -> None:
         driver, amps = self._driver, self._amps
-        volts, nothing = FIRST_OHM * amps, max(NOTHING * amps, SIGMA * self._offset.sd)
+        # A voltage's limit is that of each axis: both may come to a third more.
+        volts = resistances.LEAST_OHM * amps
+        nothing = max(NOTHING * amps, SIGMA * self._offset.sd / math.sqrt(SMOOTH))
         most = 4 + max(0, math.ceil(math.log2(max(driver.limit_v, volts) / volts)))
         left = [DIRECTIONS[n] for n in (0, 2, 1, 3)]
         while left:
@@ -144,13 +152,14 @@ class BrushlessProcedure(Steps):
             volts = min(volts, driver.limit_v)
             direction = left[0]
             step = self._step(volts * direction, resistances.LEAST_OHM)
-            peak = float(np.max(np.abs(step.current)))
+            smooth = np.convolve(step.current, np.full(SMOOTH, 1.0 / SMOOTH), "valid")
+            peak = float(np.max(np.abs(smooth)))
             if not self._steps and peak > amps:
                 raise shorted(f"{volts:.2g} V drive {peak:.2g} A")
             self._steps.append(step)
             self._ways.append(direction)
             if peak >= CLEAR * amps or (volts >= driver.limit_v and peak > nothing):
-                self._check_direction(step, direction, volts)
+                self._check_direction(step, volts)
             elif volts >= driver.limit_v:
                 raise NotPlausible(
                     "unplugged", f"no current at the limit of {volts:.3g} V",
@@ -164,11 +173,11 @@ class BrushlessProcedure(Steps):
         seen = [_seen(s, way) for s, way in zip(self._steps, self._ways, strict=True)]
         self._know_roughly(rough(inductances.rises(seen)))
 
-    def _check_direction(self, step: Segment, direction: complex, volts: float) -> None:
+    def _check_direction(self, step: Segment, volts: float) -> None:
         """The current begins along the voltage, or two of the six wires are swapped."""
         size = np.abs(step.current)
-        begins = int(np.argmax(size > 0.5 * np.max(size)))
-        aside = cmath.phase(np.mean(step.current[begins : begins + 2]) / direction)
+        first = slice(begins := int(np.argmax(size > CLEAR * np.max(size))), begins + 2)
+        aside = cmath.phase(np.mean(step.current[first]) / np.mean(step.voltage[: begins + 2]))
         if abs(aside) < ASIDE_RAD:
             return
         found = f"{volts:.2g} V drive a current {math.degrees(aside):.0f}° beside them"
@@ -192,11 +201,9 @@ class BrushlessProcedure(Steps):
                 break
         self._check_turns()
         self._tell(f"pulses: {PULSES} of {1e3 * MOST_PULSE_S:.0f} ms")
-        for n in range(PULSES):
-            self._show("pulses", n / PULSES)
+        for n in self._staged("pulses", PULSES):
             amps = self._amps * LEVELS[n // len(DIRECTIONS) % len(LEVELS)]
             self._pulse(amps * DIRECTIONS[n % len(DIRECTIONS)], MOST_PULSE_S)
-        self._show("pulses", 1.0)
 
     def _pulse(self, amps: complex, seconds: float) -> None:
         driver = self._driver
@@ -217,6 +224,11 @@ class BrushlessProcedure(Steps):
 
     def _check_magnets(self, found: Magnets) -> None:
         psi = found.flux.value
+        if found.clear < CLEARLY:
+            raise NotPlausible(
+                "pole pairs", f"{abs(found.pole_pairs)} and others do as well, the rotor turns too "
+                "little", "what is fixed to the shaft, or allow more by --current",
+            )  # fmt: skip
         if not LEAST_PSI < psi < MOST_PSI or found.flux.sd > 0.1 * psi:
             raise NotPlausible(
                 "back-EMF", f"ψ is {1e3 * psi:.3g} ± {1e3 * found.flux.sd:.2g} mV·s, no motor's",
@@ -242,10 +254,8 @@ class BrushlessProcedure(Steps):
         self._check_expected_ohm(found.ohm.value)
         by_psi = found.flux.value / expected.psi_vs
         if found.pole_pairs != expected.pole_pairs:
-            counts = self._wishes.counts * expected.pole_pairs / found.pole_pairs
             raise NotPlausible(
-                "wrong counts", f"{found.pole_pairs} pole pairs in place of {expected.pole_pairs}, "
-                f"as if there were {counts:.0f} counts a revolution",
+                "wrong counts", f"{found.pole_pairs} pole pairs in place of {expected.pole_pairs}",
                 f"--counts {self._wishes.counts}, all four edges counted, or the motor's type",
             )  # fmt: skip
         if abs(by_psi - 1.0) > K_PART:
@@ -259,8 +269,7 @@ class BrushlessProcedure(Steps):
         driver = self._driver
         driver.loop(self._r_hat, self._a)
         self._tell(f"coasting: {2 * COASTS} times")
-        for n in range(2 * COASTS):
-            self._show("coasting", n / (2 * COASTS))
+        for n in self._staged("coasting", 2 * COASTS):
             driver.still()
             driver.release()
             theta = self._magnets.pole_pairs * (driver.place() - self._magnets.place.value)
@@ -272,7 +281,6 @@ class BrushlessProcedure(Steps):
             driver.record_free(MOST_COAST_S, COAST_ROWS, way)
             driver.brake(BRAKE)
             self._coasts.append(self._fetched())
-        self._show("coasting", 1.0)
 
     def _mechanics(self, found: Magnets) -> Mechanics:
         records = [magnet.across(s, found) for s in [*self._pulses, *self._coasts]]
@@ -285,15 +293,15 @@ class BrushlessProcedure(Steps):
         seconds = inductances.RISES * self._henry / self._ohm
         steps = [*DIRECTIONS] * STEP_ROUNDS
         self._tell(f"steps: {len(steps)} of {volts:.2g} V")
-        self._rises: list[tuple[Segment, complex]] = []
-        for n, direction in enumerate(steps):
-            self._show("steps", n / len(steps))
-            self._rises.append((self._step(volts * direction, self._r_hat, seconds), direction))
-        self._show("steps", 1.0)
+        self._rises = [
+            self._step(volts * steps[n], self._r_hat, seconds)
+            for n in self._staged("steps", len(steps))
+        ]
 
     def _inductances(self, found: Magnets) -> tuple[Estimate, Estimate]:
-        directions = [direction for _, direction in self._rises]
-        seen = inductances.rises([magnet.along(s, d, found) for s, d in self._rises])
+        directions = [magnet.direction(s) for s in self._rises]
+        pairs = zip(self._rises, directions, strict=True)
+        seen = inductances.rises([magnet.along(s, d, found) for s, d in pairs])
         firsts = [inductances.begins(s) for s in seen]
         q, d = magnet.inductances(seen, found, directions, firsts)
         self._check_henry(q.value)

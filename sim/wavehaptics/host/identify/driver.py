@@ -344,9 +344,12 @@ class Driver:
     def give_magnets(self, pole_pairs: int, counts: int, magnet_rad: float) -> bool:
         """Tell the device its electrical angle, in place of a search; the bridges have to be off.
 
-        Whether the rotor stood still meanwhile.
+        Whether the rotor stood still meanwhile; if not, the device's own are as before, and what it
+        searches it searches anew.
         """
         cell_rad = 2.0 * math.pi / counts
+        found = [self._places(name)[0] for name in ("count_angle", "zero_angle", "find_magnet")]
+        before = self.read(found)
         for _ in range(_TRIES):
             position = round(self.value("position"))
             zero = zero_word(pole_pairs, cell_rad, magnet_rad, position)
@@ -354,6 +357,8 @@ class Driver:
             self._set(magnet_start=1)
             if round(self.value("position")) == position:
                 return True
+        self.write(zip(found, before, strict=True))
+        self._set(magnet_start=1)
         return False
 
     # ---- Records.
@@ -459,6 +464,7 @@ class Driver:
 
     def fetch(self) -> Segment:
         """The record that was made last."""
+        self.check()
         found = capture.download(self._as_client, self._plan)
         assert found.trigger_row is not None
         first = found.trigger_row + self._skipped

@@ -8,6 +8,8 @@ from wavehaptics.host.identify.brushless import BrushlessProcedure, FoundBrushle
 from wavehaptics.host.identify.driver import Driver
 from wavehaptics.host.identify.steps import Shown, Told, Wishes
 
+_MOVES = "the rotor moves, and the device isn't told where they are"
+
 
 def identify(
     driver: Driver, wishes: Wishes, tell: Told = lambda _: None, show: Shown = lambda _, __: None
@@ -26,6 +28,5 @@ def identify(
     if isinstance(found, FoundBrushless) and driver.anchored and not driver.running:
         pairs, place = found.magnets.pole_pairs, found.magnet_place.value
         given = driver.give_magnets(pairs, found.counts, place)
-        tell(f"magnets: {'the device knows' if given else 'the rotor moves, and nobody knows'} "
-             "where they are")  # fmt: skip
+        tell(f"magnets: {'the device knows where they are' if given else _MOVES}")
     return found

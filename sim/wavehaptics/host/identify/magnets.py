@@ -18,7 +18,7 @@ import numpy as np
 
 from wavehaptics.host.identify.inductance import row_ends
 from wavehaptics.host.identify.resistance import KNEE_A, UNSETTLED
-from wavehaptics.host.identify.segments import SPREADS, Estimate, Segment, fit
+from wavehaptics.host.identify.segments import SPREADS, Estimate, Fit, Segment, fit
 
 MOST_PAIRS = 60
 """Pole pairs that are looked for."""
@@ -40,6 +40,8 @@ class Magnets:
     flux: Estimate
     pole_pairs: int
     place: Estimate
+    clear: float
+    """By how many times any other p leaves more, of squares."""
 
     def angle(self, position: np.ndarray) -> np.ndarray:
         """θ at places in rad."""
@@ -65,13 +67,13 @@ def magnets(segments: Sequence[Segment]) -> Magnets:
     wanted = [part for s in segments for part in _both(s.sum(s.voltage))]
     plain = [columns for s in segments for columns in _still(s)]
 
-    def found(pairs: int):
+    def found(pairs: int) -> Fit:
         turning = [c for s in segments for c in _turning(pairs * s.turned)]
         return fit(wanted, [[*a, *b] for a, b in zip(plain, turning, strict=True)])
 
-    every = [n for n in range(-MOST_PAIRS, MOST_PAIRS + 1) if n]
-    pairs = min(every, key=lambda n: found(n).square)
-    best = found(pairs)
+    fits = {n: found(n) for n in range(-MOST_PAIRS, MOST_PAIRS + 1) if n}
+    pairs, second = sorted(fits, key=lambda n: fits[n].square)[:2]
+    best = fits[pairs]
     along, across = best.factors[-2:]
     flux = math.hypot(along, across)
     covariance = best.covariance[-2:, -2:]
@@ -86,6 +88,7 @@ def magnets(segments: Sequence[Segment]) -> Magnets:
         Estimate(flux, math.sqrt(max(0.0, ray @ covariance @ ray))),
         pairs,
         Estimate(place, spread),
+        fits[second].square / best.square,
     )
 
 
@@ -114,12 +117,18 @@ def _turning(angle: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray]]:
     return [np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]
 
 
-def along(s: Segment, direction: complex, known: Magnets) -> Segment:
+def direction(s: Segment) -> complex:
+    """That of a step's voltage: of both axes each has its own limit."""
+    mean = complex(np.mean(s.voltage))
+    return mean / abs(mean)
+
+
+def along(s: Segment, way: complex, known: Magnets) -> Segment:
     """A record as seen along a direction, without the magnets' voltage and the dead time's."""
     flux = known.flux.value * np.exp(1j * known.angle(s.position))
     moved = np.diff(flux, prepend=flux[:1]) / s.step_s
     voltage = s.voltage - moved - known.dead_v.value * legs(s.current)
-    turn = np.conj(direction)
+    turn = np.conj(way)
     return replace(s, voltage=(turn * voltage).real, current=(turn * s.current).real, wanted=1.0)
 
 
@@ -131,7 +140,7 @@ def across(s: Segment, known: Magnets) -> Segment:
 
 
 def inductances(
-    rises: Sequence[Segment], known: Magnets, directions: Sequence[complex], firsts: Sequence[int]
+    rises: Sequence[Segment], known: Magnets, ways: Sequence[complex], firsts: Sequence[int]
 ) -> tuple[Estimate, Estimate]:
     """L_q and L_d in H, of steps along directions: ``rises`` as :func:`along` has them.
 
@@ -139,8 +148,8 @@ def inductances(
     same where they aren't SPREADS apart.
     """
     wanted, columns = [], []
-    for s, direction, first in zip(rises, directions, firsts, strict=True):
-        apart = np.angle(direction) - float(known.angle(s.position[:1])[0])
+    for s, way, first in zip(rises, ways, firsts, strict=True):
+        apart = np.angle(way) - float(known.angle(s.position[:1])[0])
         ends = row_ends(s)[first:]
         wanted.append(s.sum(s.voltage)[first:])
         columns.append([ends, s.sum(s.current)[first:], ends * math.cos(2.0 * apart)])

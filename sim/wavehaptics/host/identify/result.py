@@ -95,7 +95,7 @@ def _phases(found: FoundBrushless) -> Iterator[Row]:
     yield Row("ψ", turning.flux, 1e3, "mV·s")
     yield Row("k_T = 1.5 pψ", turning.k_t, 1e3, "mN·m/A")
     yield Row("K_L = 1.5 (pψ)²/L", spring(turning.k_t, found.inductance, 1.5), 1, "N·m/rad")
-    yield Row("θ at count 0", found.magnet_place, -turning.pole_pairs * _DEGREES, "°")
+    yield Row("θ at x = 0", found.magnet_place, -turning.pole_pairs * _DEGREES, "°")
 
 
 _DEGREES = 180.0 / math.pi

@@ -74,6 +74,9 @@ EXCHANGES_LATE = 4
 SIGMA = 4.0
 """Spreads that two values may be apart."""
 
+MOST_SPREAD = 0.3
+"""Spread of J that is none, of J."""
+
 R_PART, L_PART, K_PART, J_PART = 0.35, 0.5, 0.15, 0.6
 """By how much a motor may differ from what was expected: R of a warm one with its wires, the
 inductance at another frequency, k_T of a lot, J with what is fixed to the shaft."""
@@ -241,6 +244,11 @@ class Steps(ABC):
         self._henry = min(max(first.inductance.value, inductances.LEAST_H), inductances.MOST_H)
         if self._wishes.current_a is None:
             self._amps = min(self._amps, PART_OF_LIMIT * self._driver.limit_v / self._ohm)
+            if self._amps < LEAST_OF_NOISE * self._offset.sd:
+                raise HostError(
+                    f"the voltage's limit leaves a test current of {self._amps:.2g} A, too little "
+                    f"beside the sensor's noise of {self._offset.sd:.2g} A; raise u_max"
+                )
         self._tell(f"sign: right; R about {self._ohm:.2g} Ω, test current {self._amps:.2g} A")
 
     def _check_henry(self, henry: float) -> None:
@@ -266,6 +274,11 @@ class Steps(ABC):
             raise NotPlausible(
                 "inertia", "the rotor's motion doesn't follow the current",
                 "what the shaft is coupled to; it has to turn freely",
+            )  # fmt: skip
+        if found.inertia.sd > MOST_SPREAD * found.inertia.value:
+            raise NotPlausible(
+                "inertia", f"J is {found.inertia.value:.2g} ± {found.inertia.sd:.1g} kg·m²",
+                "what holds or moves the shaft; it has to turn freely, without a hand",
             )  # fmt: skip
         expected = self._motor
         if expected is not None and found.inertia.value < (1.0 - J_PART) * expected.J_kgm2:
