@@ -133,8 +133,9 @@ class BrushlessProcedure(Steps):
         part = (self._driver.pulse_s * found.ohm.value / q.value) ** 2 / 24.0
         found, q, d = found.widened(part), q.widened(part * q.value), d.widened(part * d.value)
         self._check_magnets(found)
-        self._tell(f"L: {1e3 * q.value:.4g} ± {1e3 * q.sd:.2g} mH along q, "
-                   f"{1e3 * d.value:.4g} ± {1e3 * d.sd:.2g} along d")  # fmt: skip
+        told = f"L: {1e3 * q.value:.4g} ± {1e3 * q.sd:.2g} mH"
+        along_d = f" along q, {1e3 * d.value:.4g} ± {1e3 * d.sd:.2g} along d"
+        self._tell(told + (along_d if q != d else ""))
         motion = self._mechanics(found)
         return FoundBrushless(self._offset, found, q, d, motion, self._wishes.counts, self._amps)
 
