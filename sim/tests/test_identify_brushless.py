@@ -10,14 +10,17 @@ from pathlib import Path
 import pytest
 from quick_brushless import QuickBrushless, Wiring
 from virtual_boards import told, virtual_board
+from wavehaptics.controller import rotor_flux
 from wavehaptics.host.identify import result
 from wavehaptics.host.identify.brushless import FoundBrushless
+from wavehaptics.host.identify.driver import Driver
 from wavehaptics.host.identify.identification import identify
 from wavehaptics.host.identify.steps import NotPlausible, Wishes
-from wavehaptics.host.names import HostError
+from wavehaptics.host.names import HostError, Shape
 from wavehaptics.ladder.run import measure
 from wavehaptics.parts.motors import BRUSHLESS_PRESETS, PRESETS
 from wavehaptics.scene import load_scene
+from wavehaptics.words.table import THREE_PHASE_LEGS
 
 GIMBAL = BRUSHLESS_PRESETS["gbm2804-100t"]
 MOTORS = {
@@ -193,3 +196,47 @@ def test_identified_over_the_line(tmp_path: Path):
     held = measure(press, "golden", compare=False)
     depth = held["peak_torque"] / held["stiffness_predicted"]
     assert abs(held["hold_offset_rad"]) < 0.5 * 2 * math.pi / 40_000 + 0.01 * depth
+
+
+class Restless:
+    """A device with the magnets' words, whose rotor has moved at every look but the last few."""
+
+    shape = Shape(1, 4, 0, 10, THREE_PHASE_LEGS)
+
+    def __init__(self, moves: int) -> None:
+        self.words = {"count_angle": 5, "zero_angle": 6, "find_magnet": 1, "position": 0}
+        self.moves, self.starts = moves, 0
+
+    def read(self, places):
+        found = [place.word.name for place in places]
+        if found == ["position"] and self.moves:
+            self.moves -= 1
+            self.words["position"] += 1
+        return [self.words[name] for name in found]
+
+    def write(self, words) -> int:
+        for place, raw in words:
+            if place.word.name == "magnet_start":
+                self.starts += 1
+            else:
+                self.words[place.word.name] = raw
+        return 1
+
+
+@pytest.mark.parametrize("moves", [0, 5, 1000])
+def test_magnets_of_a_rotor_that_moves(moves: int):
+    """The angle is that of where it stands at last, or the device has its own words again."""
+    device = Restless(moves)
+    driver = object.__new__(Driver)
+    driver._device, driver._motor, driver._sensors = device, 0, range(2)
+    driver._armed, driver.arms, driver._ended = False, True, lambda: False
+    given = driver.give_magnets(7, 40_000, 0.3)
+    assert given == (moves < 1000)
+    found = [device.words[name] for name in ("count_angle", "zero_angle", "find_magnet")]
+    if given:
+        cell = 2 * math.pi / 40_000
+        zero = rotor_flux.zero_word(7, cell, 0.3, device.words["position"])
+        assert found == [rotor_flux.count_word(7, cell), zero, 0]
+    else:
+        assert found == [5, 6, 1]
+    assert device.starts >= 1
