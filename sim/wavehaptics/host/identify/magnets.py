@@ -5,7 +5,8 @@
 
 The magnets' flux is a function of the place alone, so that no speed is needed, and with p given all
 is linear in R, V_d, V_0, L and ψ exp(−jp x_m). p is the one that leaves least. d is what dead time
-leaves of each leg, by the sign of its current.
+leaves of each leg, by the sign of its current. Where L_d isn't L_q, L i is of their mean, and
+(L_d − L_q)/2 times the mirror image of i at the magnets, i* exp(2jθ), comes to it.
 """
 
 from __future__ import annotations
@@ -26,6 +27,9 @@ MOST_PAIRS = 60
 _TURN = np.exp(2j * np.pi / 3.0)
 
 
+NO_SALIENCY = Estimate(0.0, 0.0)
+
+
 @dataclass(frozen=True)
 class Magnets:
     """R and V_d of a phase in Ω and V, ψ in V·s, and the place x_m in rad where θ is 0.
@@ -42,6 +46,8 @@ class Magnets:
     place: Estimate
     clear: float
     """By how many times any other p leaves more, of squares."""
+    saliency: Estimate = NO_SALIENCY
+    """L_d − L_q, H; 0 where it isn't SPREADS above that."""
 
     def angle(self, position: np.ndarray) -> np.ndarray:
         """θ at places in rad."""
@@ -67,13 +73,35 @@ def magnets(segments: Sequence[Segment]) -> Magnets:
     wanted = [part for s in segments for part in _both(s.sum(s.voltage))]
     plain = [columns for s in segments for columns in _still(s)]
 
-    def found(pairs: int) -> Fit:
+    def found(pairs: int, mirrored: Sequence[np.ndarray] | None = None) -> Fit:
+        more = [[]] * len(plain) if mirrored is None else [[column] for column in mirrored]
         turning = [c for s in segments for c in _turning(pairs * s.turned)]
-        return fit(wanted, [[*a, *b] for a, b in zip(plain, turning, strict=True)])
+        columns = [[*a, *m, *b] for a, m, b in zip(plain, more, turning, strict=True)]
+        return fit(wanted, columns)
 
     fits = {n: found(n) for n in range(-MOST_PAIRS, MOST_PAIRS + 1) if n}
     pairs, second = sorted(fits, key=lambda n: fits[n].square)[:2]
-    best = fits[pairs]
+    known = _of_fit(fits[pairs], pairs, fits[second].square / fits[pairs].square)
+    for _ in range(PASSES):
+        mirrored = [part for s in segments for part in _both(_mirrored(s, known))]
+        salient = found(pairs, mirrored)
+        half = salient.estimate(MIRRORED)
+        if abs(half.value) < SPREADS * half.sd:
+            break
+        known = replace(
+            _of_fit(salient, pairs, known.clear), saliency=Estimate(2 * half.value, 2 * half.sd)
+        )
+    return known
+
+
+PASSES = 2
+"""With the magnets' place, which the mirror takes from the pass before."""
+
+MIRRORED = 5
+"""Column of the mirror image, behind those of :func:`_still`."""
+
+
+def _of_fit(best: Fit, pairs: int, clear: float) -> Magnets:
     along, across = best.factors[-2:]
     flux = math.hypot(along, across)
     covariance = best.covariance[-2:, -2:]
@@ -88,8 +116,12 @@ def magnets(segments: Sequence[Segment]) -> Magnets:
         Estimate(flux, math.sqrt(max(0.0, ray @ covariance @ ray))),
         pairs,
         Estimate(place, spread),
-        fits[second].square / best.square,
+        clear,
     )
+
+
+def _mirrored(s: Segment, known: Magnets) -> np.ndarray:
+    return np.conj(s.ends) * np.exp(2j * known.angle(s.turned))
 
 
 def _both(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -133,10 +165,14 @@ def along(s: Segment, way: complex, known: Magnets) -> Segment:
 
 
 def across(s: Segment, known: Magnets) -> Segment:
-    """A record with the current that makes the torque, A, in place of both axes' ones."""
+    """A record with the current that makes the torque, A, in place of both axes' ones.
+
+    What L_d − L_q makes of both currents is torque as well.
+    """
     sign = math.copysign(1.0, known.pole_pairs)
-    current = (s.current * np.exp(-1j * known.angle(s.angle))).imag * sign
-    return replace(s, voltage=s.voltage.real, current=current)
+    current = s.current * np.exp(-1j * known.angle(s.angle))
+    more = 1.0 + known.saliency.value * current.real / known.flux.value
+    return replace(s, voltage=s.voltage.real, current=sign * more * current.imag)
 
 
 def inductances(
