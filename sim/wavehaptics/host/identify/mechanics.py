@@ -21,6 +21,7 @@ from wavehaptics.host.identify.segments import (
     Segment,
     best_harmonic,
     fit,
+    freed,
     harmonics,
 )
 
@@ -117,11 +118,18 @@ def _pull(
 ) -> Estimate:
     """k_T/J: coasting lasts long, and what of cogging isn't found in it would be in J."""
     known = friction.factors[1:]
-    return fit(
+    own = [free[n] for n in ramps]
+    found = fit(
         [goals[n] - np.stack(columns[n][1:], axis=1) @ known for n in ramps],
         [columns[n][:1] for n in ramps],
-        [free[n] for n in ramps],
+        own,
     ).estimate(0)
+    # What isn't known of the friction: its columns, as far as they look like that of k_T/J.
+    tables = freed([goals[n] for n in ramps], [columns[n] for n in ramps], own)[1]
+    pulled, *others = np.concatenate(tables).T
+    alike = np.array([pulled @ other for other in others]) / (pulled @ pulled)
+    covariance = friction.covariance[1:, 1:]
+    return found.widened(float(np.sqrt(max(0.0, alike @ covariance @ alike))))
 
 
 COASTS = 0.05

@@ -126,7 +126,7 @@ def fit(wanted: Columns, columns: Sequence[Columns], free: Columns | None = None
     ``columns`` holds for each record its columns; ``free`` may hold one more for each record,
     whose factor is the record's own.
     """
-    goals, tables = _freed(wanted, columns, free)
+    goals, tables = freed(wanted, columns, free)
     goal, matrix = np.concatenate(goals), np.concatenate(tables)
     scale = np.linalg.norm(matrix, axis=0)
     scale[scale == 0.0] = 1.0
@@ -145,7 +145,7 @@ def fit(wanted: Columns, columns: Sequence[Columns], free: Columns | None = None
     return Fit(factors / scale, covariance, float(left @ left), len(goal))
 
 
-def _freed(
+def freed(
     wanted: Columns, columns: Sequence[Columns], free: Columns | None
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Goals and tables of the records without what is each record's own."""
@@ -205,9 +205,9 @@ def best_harmonic(
     plain = fit(wanted, columns, free)
     none = Harmonic(0, Estimate(0.0, 0.0), plain)
     flat = [list(pair.reshape(len(pair), -1).T) for pair in pairs]
-    goals, tables = _freed(wanted, columns, free)
+    goals, tables = freed(wanted, columns, free)
     basis, _ = np.linalg.qr(np.concatenate(tables))
-    parts = _freed(wanted, flat, free)[1]
+    parts = freed(wanted, flat, free)[1]
     waves = np.concatenate(parts)
     waves -= basis @ (basis.T @ waves)
     goal = np.concatenate(goals)
