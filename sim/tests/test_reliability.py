@@ -22,6 +22,10 @@ HOLDING = {
 BENCH = dict.fromkeys(
     ("machine", "compiler", "verilator", "controllers", "rtl_alone", "tried", "others")
 )
+LINK_SOAK = {
+    "bytes": 100_000_000, "bursts": 200_000, "frames": 250_000, "clocks": 9_900_000_000,
+    "wrong": [],
+}  # fmt: skip
 SOAK = {"ticks": soak.WHOLE_TICKS, "episodes": 2000, "resets": 4000, "wrong": []}
 COVERAGE = {
     "python": {"total": {"lines": 200, "lines_covered": 150, "branches": 40, "compiled": 30,
@@ -66,6 +70,7 @@ def test_rows_say_what_the_commands_found(tmp_path):
                 run("a.cover", "cover", "cover"), run("c", "proof", met=False)]  # fmt: skip
     proofs.write_summary(outcomes, "tools", tmp_path)
     write(tmp_path, "soak/summary.json", SOAK | {"wrong": ["seed 3, tick 4: u"]})
+    write(tmp_path, "soak-link/summary.json", LINK_SOAK)
     write(tmp_path, "mutate/summary.json", MUTATION)
     write(tmp_path, "coverage/summary.json", COVERAGE)
     write(tmp_path, "tests/quick.xml", TESTS.format(100, 0))
@@ -75,6 +80,8 @@ def test_rows_say_what_the_commands_found(tmp_path):
     proven = "2 properties proven with z3, 1 by induction, 1 over a bounded number of clocks; "
     assert f"{proven}1 planted faults found, 1 covers reached | c |" in found["proofs"]
     assert "100,000,000 ticks, 2,000 episodes, 4,000 resets | seed 3, tick 4: u |" in found["soak"]
+    line = "100,000,000 bytes in 200,000 bursts, 250,000 frames that were right, 9.9e+09 clocks |"
+    assert f"{line} nothing |" in found["soak of the link"]
     planted = found["planted changes of RTL and models"]
     assert "1,500 planted changes: 1,490 killed, 8 equivalent | 2 survived |" in planted
     python = found["coverage of the Python"]
@@ -96,6 +103,7 @@ def test_half_the_tests_are_not_taken_for_all(tmp_path):
     [
         ("report/report.json", NONE | {"quick": False}, NONE | {"quick": True, "seconds": 2.0}),
         ("bench/summary.json", BENCH | {"tried": [1]}, BENCH | {"quick": True}),
+        ("soak-link/summary.json", LINK_SOAK, LINK_SOAK | {"bytes": 1_000_000}),
         ("soak/summary.json", SOAK, SOAK | {"ticks": 1_000_000, "episodes": 20}),
         ("mutate/summary.json", MUTATION,
          MUTATION | {"quick": True, "mutants": 3}),

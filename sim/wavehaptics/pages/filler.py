@@ -17,7 +17,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from wavehaptics.checks import soak
+from wavehaptics.checks import link_soak, soak
 from wavehaptics.fpga.synthesis import Result
 from wavehaptics.pages import (
     design,
@@ -72,6 +72,7 @@ _TABLED = Path("build", "tables", "tables.json")
 _DEMO = Path("build", "demo")
 _FORMAL = Path("build", "formal", "summary.json")
 _SOAK = Path("build", "soak", "summary.json")
+_LINK_SOAK = Path("build", "soak-link", "summary.json")
 _MUTATION = Path("build", "mutate", "summary.json")
 _COVERAGE = Path("build", "coverage", "summary.json")
 _DEVICE_NAMES = {
@@ -131,6 +132,7 @@ _STUDIES: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
 _CHECKS: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
     _FORMAL: ("proofs", reliability.of_formal),
     _SOAK: ("soak", reliability.of_soak),
+    _LINK_SOAK: ("link soak", reliability.of_link_soak),
     _MUTATION: ("mutation", reliability.of_mutation),
     _COVERAGE: ("coverage", reliability.of_coverage),
 }
@@ -141,6 +143,8 @@ def _is_part(path: Path, found: dict[str, Any]) -> bool:
     """Whether a file is of a quick run, or of a part of one."""
     if path == _SOAK:
         return found["ticks"] < soak.WHOLE_TICKS
+    if path == _LINK_SOAK:
+        return found["bytes"] < link_soak.WHOLE_BYTES
     return bool(found.get("quick", path == _FORMAL))
 
 

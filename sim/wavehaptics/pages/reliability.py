@@ -39,6 +39,11 @@ def of_soak(summary: dict[str, Any]) -> dict[str, Any]:
     return {key: summary[key] for key in ("ticks", "episodes", "resets", "wrong")}
 
 
+def of_link_soak(summary: dict[str, Any]) -> dict[str, Any]:
+    """The numbers of the link's soak, of ``build/soak-link/summary.json``."""
+    return {key: summary[key] for key in ("bytes", "bursts", "frames", "clocks", "wrong")}
+
+
 def of_mutation(summary: dict[str, Any]) -> dict[str, int]:
     """What became of each planted change, of ``build/mutate/summary.json``."""
     return {key: summary[key] for key in ("mutants", "killed", "equivalent", "survived")}
@@ -75,6 +80,14 @@ def _proofs(found: dict[str, Any]) -> tuple[str, str]:
 def _soak(found: dict[str, Any]) -> tuple[str, str]:
     return (
         f"{found['ticks']:,} ticks, {found['episodes']:,} episodes, {found['resets']:,} resets",
+        "; ".join(found["wrong"]),
+    )
+
+
+def _link_soak(found: dict[str, Any]) -> tuple[str, str]:
+    return (
+        f"{found['bytes']:,} bytes in {found['bursts']:,} bursts, "
+        f"{found['frames']:,} frames that were right, {found['clocks']:.2g} clocks",
         "; ".join(found["wrong"]),
     )
 
@@ -116,6 +129,7 @@ _ROWS = (
     ("planted changes of RTL and models", "mutation", "make mutate", _mutation),
     ("proofs", "proofs", "make formal", _proofs),
     ("soak", "soak", "make soak", _soak),
+    ("soak of the link", "link soak", "make soak-link", _link_soak),
 )
 
 
