@@ -61,6 +61,16 @@ INVERSE_CLARKE_CLOCKS = 8
 """Clocks from the voltages of the axes to those of the legs, ``wh_inverse_clarke``."""
 
 
+def step_end_clocks(
+    conversion_clocks: int, ports: int = 1, sections: int = 0, brushless: bool = False
+) -> int:
+    """Clocks from the sample strobe that :func:`latency_clocks` means to the last step's end."""
+    if brushless:
+        ports, conversion_clocks = AXES, conversion_clocks + CLARKE_CLOCKS
+    step = CORE_CLOCKS + SECTION_CLOCKS * sections
+    return conversion_clocks + CURRENT_CLOCKS + ports - 1 + step * ports
+
+
 def latency_clocks(
     conversion_clocks: int, ports: int = 1, sections: int = 0, early: bool = False,
     anchored: bool = False, brushless: bool = False,
@@ -75,24 +85,12 @@ def latency_clocks(
     ``brushless`` are the two ports of ``wh_brushless``, for which of the others ``sections`` alone
     means a thing.
     """
-    step = CORE_CLOCKS + SECTION_CLOCKS * sections
-    if brushless:
-        return (
-            conversion_clocks
-            + CURRENT_CLOCKS + AXES - 1
-            + CLARKE_CLOCKS + step * AXES + INVERSE_CLARKE_CLOCKS
-            + DUTY_CLOCKS + THREE_PHASE_LEGS - 1
-        )  # fmt: skip
-    if early:
+    if early and not brushless:
         return conversion_clocks + EARLY_CLOCKS
-    in_turn = ports - 1
-    return (
-        conversion_clocks
-        + CURRENT_CLOCKS + in_turn
-        + step * ports
-        + CORRECTION_CLOCKS * anchored
-        + DUTY_CLOCKS + in_turn
-    )  # fmt: skip
+    step_end = step_end_clocks(conversion_clocks, ports, sections, brushless)
+    if brushless:
+        return step_end + INVERSE_CLARKE_CLOCKS + DUTY_CLOCKS + THREE_PHASE_LEGS - 1
+    return step_end + CORRECTION_CLOCKS * anchored + DUTY_CLOCKS + ports - 1
 
 
 def early_tick_clocks(ports: int = 1, anchored: bool = False) -> int:

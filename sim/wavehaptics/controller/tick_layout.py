@@ -10,9 +10,7 @@ from wavehaptics.controller.pins_timing import (
     ANCHOR_CLOCKS,
     AXES,
     CENTRED_LEAD,
-    CLARKE_CLOCKS,
     CORE_CLOCKS,
-    CURRENT_CLOCKS,
     EARLY_PREPARE_CLOCKS,
     ENCODER_CLOCKS,
     GATE_CLOCKS,
@@ -20,6 +18,7 @@ from wavehaptics.controller.pins_timing import (
     WAVES_CLOCKS,
     early_tick_clocks,
     latency_clocks,
+    step_end_clocks,
 )
 from wavehaptics.parts.adcs import (
     MODULATORS,
@@ -165,11 +164,9 @@ def position_late_clocks(
     the tick as the gates had it, in whose middle it was sampled, and the position is the pins' of
     some clocks before. Less than 0 where the step ends within the tick.
     """
-    samples_brought = _word_strobe(tick_clocks, samples, lead, frame) + frame.conversion_clocks
-    if brushless:
-        ports, samples_brought = AXES, samples_brought + CLARKE_CLOCKS
-    step = (CORE_CLOCKS + SECTION_CLOCKS * sections) * ports
-    step_end = samples_brought + CURRENT_CLOCKS + ports - 1 + step
+    step_end = _word_strobe(tick_clocks, samples, lead, frame) + step_end_clocks(
+        frame.conversion_clocks, ports, sections, brushless
+    )
     return step_end - (ENCODER_CLOCKS + filter_clocks) - (tick_clocks + GATE_CLOCKS)
 
 

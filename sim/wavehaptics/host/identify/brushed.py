@@ -33,14 +33,11 @@ from wavehaptics.host.identify.steps import (
     MANY_CELLS,
     MOST_COAST_S,
     MOST_PULSE_S,
-    NOTHING,
     PART_OF_LIMIT,
     PULSE_ROWS,
     PULSES,
-    R_HAT_PART,
     ROOM,
     SIGMA,
-    SMOOTH,
     STEP_PAIRS,
     TRIALS,
     NotPlausible,
@@ -48,8 +45,8 @@ from wavehaptics.host.identify.steps import (
     Steps,
     Told,
     Wishes,
-    expected_of,
     shorted,
+    smooth_peak,
 )
 from wavehaptics.host.names import HostError
 from wavehaptics.parts.motors import MotorConstants
@@ -69,12 +66,11 @@ class Found:
     """The test current."""
 
 
-class BrushedProcedure(Steps):
+class BrushedProcedure(Steps[MotorConstants]):
     """The steps of a motor with brushes."""
 
     def __init__(self, driver: Driver, wishes: Wishes, tell: Told, show: Shown) -> None:
-        self._expected = expected_of(wishes, MotorConstants)
-        super().__init__(driver, wishes, tell, show, self._expected)
+        super().__init__(driver, wishes, tell, show, MotorConstants)
 
     def _excite(self) -> None:
         self._rough()
@@ -104,14 +100,13 @@ class BrushedProcedure(Steps):
         sign, volts = 1.0, FIRST_OHM * amps
         # Doubled up to the limit at most, and once more the other way.
         most = 2 + max(0, math.ceil(math.log2(max(driver.limit_v, volts) / volts)))
-        nothing = max(NOTHING * amps, SIGMA * self._offset.sd / math.sqrt(SMOOTH))
+        nothing = self._nothing
         while True:
             volts = min(volts, driver.limit_v)
             self._show("sign", len(self._steps) / most)
             step = self._step(sign * volts, resistances.LEAST_OHM)
             self._steps.append(step)
-            smooth = np.convolve(step.current, np.full(SMOOTH, 1.0 / SMOOTH), "valid")
-            peak = float(smooth[np.argmax(np.abs(smooth))])
+            peak = smooth_peak(step).real
             if abs(peak) > nothing and peak * sign < 0:
                 raise NotPlausible(
                     "current reversed", f"{sign * volts:.2g} V drive {peak:.2g} A",
@@ -137,11 +132,7 @@ class BrushedProcedure(Steps):
 
     def _pulse_all(self) -> None:
         driver = self._driver
-        ohm, henry = self._ohm, self._henry
-        a = min(ohm / henry * driver.tick_s, 0.1 / (driver.extra_ticks + 1))
-        self._a = a
-        self._r_hat = R_HAT_PART * ohm
-        driver.loop(self._r_hat, a)
+        self._regulate()
         most_v = PART_OF_LIMIT * driver.limit_v
         self._brake_for(most_v)
         # With little room, from small ones on until the rotor moves.
@@ -275,7 +266,7 @@ class BrushedProcedure(Steps):
         driver = self._driver
         pulse = self._pulses[-1]
         spin_s = pulse.step_s * len(pulse.position)
-        driver.loop(self._r_hat, self._a)
+        self._regulate()
         self._tell(f"coasting: {2 * COASTS} times")
         for n in self._staged("coasting", 2 * COASTS):
             # From two speeds, or viscous friction couldn't be told from the other.

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wavehaptics.host.identify import encoder
 from wavehaptics.host.identify import inductance as inductances
 from wavehaptics.host.identify import magnets as magnet
 from wavehaptics.host.identify import resistance as resistances
@@ -19,6 +20,7 @@ from wavehaptics.host.identify.driver import Driver
 from wavehaptics.host.identify.magnets import Magnets, magnets
 from wavehaptics.host.identify.mechanics import Mechanics, mechanics
 from wavehaptics.host.identify.resistance import rough
+from wavehaptics.host.identify.sampling import unseen_part
 from wavehaptics.host.identify.segments import Estimate, Segment
 from wavehaptics.host.identify.steps import (
     CAREFUL,
@@ -29,20 +31,16 @@ from wavehaptics.host.identify.steps import (
     MANY_CELLS,
     MOST_COAST_S,
     MOST_PULSE_S,
-    NOTHING,
     PULSE_ROWS,
     PULSES,
-    R_HAT_PART,
-    SIGMA,
-    SMOOTH,
     TRIALS,
     NotPlausible,
     Shown,
     Steps,
     Told,
     Wishes,
-    expected_of,
     shorted,
+    smooth_peak,
 )
 from wavehaptics.parts.motors import BrushlessConstants
 
@@ -76,9 +74,6 @@ LEAST_PSI, MOST_PSI = 1e-5, 0.5
 CLEARLY = 2.0
 """By how many times every other p has to leave more."""
 
-TURNED = 0.15
-"""Part of R i by which the voltage of a pulse changes if the rotor turns."""
-
 
 @dataclass(frozen=True)
 class FoundBrushless:
@@ -105,12 +100,11 @@ class FoundBrushless:
         return self.inductance_d.value != self.inductance.value
 
 
-class BrushlessProcedure(Steps):
+class BrushlessProcedure(Steps[BrushlessConstants]):
     """The steps of a brushless motor."""
 
     def __init__(self, driver: Driver, wishes: Wishes, tell: Told, show: Shown) -> None:
-        self._expected = expected_of(wishes, BrushlessConstants)
-        super().__init__(driver, wishes, tell, show, self._expected)
+        super().__init__(driver, wishes, tell, show, BrushlessConstants)
         self._ways: list[complex] = []
 
     def _excite(self) -> None:
@@ -129,8 +123,7 @@ class BrushlessProcedure(Steps):
         found = magnets([*self._pulses, *self._coasts])
         self._check_ohm(found.ohm.value)
         q, d = self._inductances(found)
-        # Part by which a sampled current isn't its pulse's mean, as :mod:`.sampling` has it.
-        part = (self._driver.pulse_s * found.ohm.value / q.value) ** 2 / 24.0
+        part = unseen_part(self._driver.pulse_s, found.ohm.value, q.value)
         found, q, d = found.widened(part), q.widened(part * q.value), d.widened(part * d.value)
         self._check_magnets(found)
         told = f"L: {1e3 * q.value:.4g} ± {1e3 * q.sd:.2g} mH"
@@ -145,7 +138,7 @@ class BrushlessProcedure(Steps):
         driver, amps = self._driver, self._amps
         # A voltage's limit is that of each axis: both may come to a third more.
         volts = resistances.LEAST_OHM * amps
-        nothing = max(NOTHING * amps, SIGMA * self._offset.sd / math.sqrt(SMOOTH))
+        nothing = self._nothing
         most = 4 + max(0, math.ceil(math.log2(max(driver.limit_v, volts) / volts)))
         left = [DIRECTIONS[n] for n in (0, 2, 1, 3)]
         while left:
@@ -153,8 +146,7 @@ class BrushlessProcedure(Steps):
             volts = min(volts, driver.limit_v)
             direction = left[0]
             step = self._step(volts * direction, resistances.LEAST_OHM)
-            smooth = np.convolve(step.current, np.full(SMOOTH, 1.0 / SMOOTH), "valid")
-            peak = float(np.max(np.abs(smooth)))
+            peak = abs(smooth_peak(step))
             if not self._steps and peak > amps:
                 raise shorted(f"{volts:.2g} V drive {peak:.2g} A")
             self._steps.append(step)
@@ -171,7 +163,7 @@ class BrushlessProcedure(Steps):
             else:
                 volts *= 2.0
         self._show("sign", 1.0)
-        seen = [_seen(s, way) for s, way in zip(self._steps, self._ways, strict=True)]
+        seen = [magnet.seen(s, way) for s, way in zip(self._steps, self._ways, strict=True)]
         self._know_roughly(rough(inductances.rises(seen)))
 
     def _check_direction(self, step: Segment, volts: float) -> None:
@@ -191,10 +183,7 @@ class BrushlessProcedure(Steps):
     # ---- Pulses, for R, the magnets and J.
 
     def _pulse_all(self) -> None:
-        driver = self._driver
-        self._a = min(self._ohm / self._henry * driver.tick_s, 0.1 / (driver.extra_ticks + 1))
-        self._r_hat = R_HAT_PART * self._ohm
-        driver.loop(self._r_hat, self._a)
+        self._regulate()
         for part, seconds in TRIALS[CAREFUL:]:
             for n in range(3):
                 self._pulse(part * self._amps * DIRECTIONS[n], seconds)
@@ -221,7 +210,7 @@ class BrushlessProcedure(Steps):
             return
         left = [np.abs(s.voltage - self._ohm * s.current)[len(s.voltage) // 4 :] for s in newest]
         most = max(float(np.ptp(volts)) for volts in left)
-        raise self._at_rest(cells, most > TURNED * self._ohm * self._amps)
+        raise self._at_rest(cells, most > encoder.TURNS * self._ohm * self._amps)
 
     def _check_magnets(self, found: Magnets) -> None:
         psi = found.flux.value
@@ -268,7 +257,7 @@ class BrushlessProcedure(Steps):
 
     def _coast_all(self) -> None:
         driver = self._driver
-        driver.loop(self._r_hat, self._a)
+        self._regulate()
         self._tell(f"coasting: {2 * COASTS} times")
         for n in self._staged("coasting", 2 * COASTS):
             driver.still()
@@ -307,11 +296,3 @@ class BrushlessProcedure(Steps):
         q, d = magnet.inductances(seen, found, directions, firsts)
         self._check_henry(q.value)
         return q, d
-
-
-def _seen(s: Segment, direction: complex) -> Segment:
-    """A record along a direction."""
-    turn = np.conj(direction)
-    return Segment(
-        s.step_s, (turn * s.voltage).real, (turn * s.current).real, s.position, s.wanted
-    )  # fmt: skip

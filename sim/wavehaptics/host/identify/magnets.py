@@ -155,13 +155,18 @@ def direction(s: Segment) -> complex:
     return mean / abs(mean)
 
 
+def seen(s: Segment, way: complex) -> Segment:
+    """A record as seen along a direction."""
+    turn = np.conj(way)
+    return replace(s, voltage=(turn * s.voltage).real, current=(turn * s.current).real)
+
+
 def along(s: Segment, way: complex, known: Magnets) -> Segment:
-    """A record as seen along a direction, without the magnets' voltage and the dead time's."""
+    """As :func:`seen`, without the magnets' voltage and the dead time's."""
     flux = known.flux.value * np.exp(1j * known.angle(s.position))
     moved = np.diff(flux, prepend=flux[:1]) / s.step_s
     voltage = s.voltage - moved - known.dead_v.value * legs(s.current)
-    turn = np.conj(way)
-    return replace(s, voltage=(turn * voltage).real, current=(turn * s.current).real, wanted=1.0)
+    return seen(replace(s, voltage=voltage), way)
 
 
 def across(s: Segment, known: Magnets) -> Segment:

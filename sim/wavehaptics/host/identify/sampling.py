@@ -19,6 +19,11 @@ from wavehaptics.host.identify.resistance import Resistance
 from wavehaptics.host.identify.segments import Estimate
 
 
+def unseen_part(pulse_s: float, ohm: float, henry: float) -> float:
+    """(T R/L)²/24: most of it that a small current is seen too small."""
+    return (pulse_s * ohm / henry) ** 2 / 24.0
+
+
 @dataclass(frozen=True)
 class Sampling:
     """Pulses ``pulse_s`` apart, the winding as found, L in H, and the least test current.
@@ -33,8 +38,8 @@ class Sampling:
 
     @property
     def part(self) -> float:
-        """(T R/L)²/24: most of it that a small current is seen too small."""
-        return (self.pulse_s * self.found.ohm.value / self.henry) ** 2 / 24.0
+        """:func:`unseen_part` of it."""
+        return unseen_part(self.pulse_s, self.found.ohm.value, self.henry)
 
     def winding(self) -> Resistance:
         """R, and V_b by R's error at the least current."""

@@ -10,7 +10,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -103,7 +103,7 @@ class Wishes:
 Constants = TypeVar("Constants", MotorConstants, BrushlessConstants)
 
 
-def expected_of(wishes: Wishes, kind: type[Constants]) -> Constants | None:
+def _expected(wishes: Wishes, kind: type[Constants]) -> Constants | None:
     """The motor that is expected; :class:`HostError` where it is none of the device's kind."""
     expected = wishes.expected
     if expected is None or isinstance(expected, kind):
@@ -116,15 +116,14 @@ Told = Callable[[str], None]
 Shown = Callable[[str, float], None]
 
 
-class Steps(ABC):
+class Steps(ABC, Generic[Constants]):
     """:meth:`record` with the bridges on, then ``estimate`` what the records tell."""
 
     def __init__(
-        self, driver: Driver, wishes: Wishes, tell: Told, show: Shown,
-        expected: MotorConstants | BrushlessConstants | None,
-    ) -> None:  # fmt: skip
+        self, driver: Driver, wishes: Wishes, tell: Told, show: Shown, kind: type[Constants]
+    ) -> None:
         self._driver, self._wishes, self._tell, self._show = driver, wishes, tell, show
-        self._motor = expected
+        self._expected: Constants | None = _expected(wishes, kind)
         self._cell = 2 * math.pi / wishes.counts
         self._pulses: list[Segment] = []
         self._coasts: list[Segment] = []
@@ -194,7 +193,7 @@ class Steps(ABC):
         driver.release()
         driver.record(
             driver.beyond_a * volts / size, max(seconds, STEP_ROWS * driver.tick_s), STEP_ROWS,
-            size if isinstance(volts, complex) else volts,
+            volts.real,
         )  # fmt: skip
         driver.brake(0.0)
         return self._fetched()
@@ -212,6 +211,18 @@ class Steps(ABC):
                 f"take less than --current {self._amps:.2g}, and begin in the middle"
             )
         return record
+
+    @property
+    def _nothing(self) -> float:
+        """A step's smoothed current that is none, A."""
+        return max(NOTHING * self._amps, SIGMA * self._offset.sd / math.sqrt(SMOOTH))
+
+    def _regulate(self) -> None:
+        """The port as a source of current, by R and L as they are known roughly."""
+        driver = self._driver
+        self._r_hat = R_HAT_PART * self._ohm
+        a = min(self._ohm / self._henry * driver.tick_s, 0.1 / (driver.extra_ticks + 1))
+        driver.loop(self._r_hat, a)
 
     def _cells(self, segments: list[Segment]) -> float:
         """By how many cells the rotor moves in a record, at most."""
@@ -256,16 +267,16 @@ class Steps(ABC):
             raise NotPlausible(
                 "inductance", f"L is {henry:.3g} H", "the current's amplifier and its filter"
             )
-        if self._motor is not None and abs(henry / self._motor.L_h - 1.0) > L_PART:
+        if self._expected is not None and abs(henry / self._expected.L_h - 1.0) > L_PART:
             raise NotPlausible(
-                "wrong motor", f"L is {henry / self._motor.L_h:.2f} times what was expected",
+                "wrong motor", f"L is {henry / self._expected.L_h:.2f} times what was expected",
                 "the motor's type, and filters in its leads",
             )  # fmt: skip
 
     def _check_expected_ohm(self, ohm: float) -> None:
-        if self._motor is not None and abs(ohm / self._motor.R_ohm - 1.0) > R_PART:
+        if self._expected is not None and abs(ohm / self._expected.R_ohm - 1.0) > R_PART:
             raise NotPlausible(
-                "wrong motor", f"R is {ohm / self._motor.R_ohm:.2f} times what was expected",
+                "wrong motor", f"R is {ohm / self._expected.R_ohm:.2f} times what was expected",
                 "the motor's type and wires, the shunt and the bus",
             )  # fmt: skip
 
@@ -280,7 +291,7 @@ class Steps(ABC):
                 "inertia", f"J is {found.inertia.value:.2g} ± {found.inertia.sd:.1g} kg·m²",
                 "what holds or moves the shaft; it has to turn freely, without a hand",
             )  # fmt: skip
-        expected = self._motor
+        expected = self._expected
         if expected is not None and found.inertia.value < (1.0 - J_PART) * expected.J_kgm2:
             raise NotPlausible(
                 "inertia",
@@ -291,6 +302,12 @@ class Steps(ABC):
         self._tell(f"J: {found.inertia.value:.3g} ± {found.inertia.sd:.1g} kg·m², friction "
                    f"{1e3 * friction.value:.2g} ± {1e3 * friction.sd:.1g} mN·m")  # fmt: skip
         return found
+
+
+def smooth_peak(step: Segment) -> complex:
+    """The largest of a step's currents, A, each a mean of SMOOTH rows; of vectors by their size."""
+    smooth = np.convolve(step.current, np.full(SMOOTH, 1.0 / SMOOTH), "valid")
+    return complex(smooth[np.argmax(np.abs(smooth))])
 
 
 def shorted(found: str) -> NotPlausible:
