@@ -35,7 +35,7 @@ NAMES = {
     *("tip_stiffness", "peak_torque", "peak_current_a", "current_ripple_a"),
     *("torque_nrmse_vs_analog", "free_space_torque_rms", "energy_out_max_j"),
     *("hold_offset_rad", "hold_error", "hold_torque", "hold_ripple_rms", "restitution"),
-    "saturated_fraction",
+    *("saturated_fraction", "contact_energy_j", "contact_energy_ratio", "swing_rad", "swing_hz"),
 }
 ANCHOR_NAMES = {
     *("correction_out_max_j", "correction_bound_j", "x_hat_error_rms_rad"),
@@ -389,6 +389,134 @@ def test_only_a_press_holds_and_only_against_a_known_spring():
         assert result["hold_ripple_rms"] is None
 
 
+@pytest.mark.parametrize(("edge", "side"), SIDES)
+@pytest.mark.parametrize("hertz", [7.0, 25.0, 50.0])
+@pytest.mark.parametrize("drift", [0.0, 0.2])
+def test_swing_of_a_hold_is_that_of_its_sine_whatever_the_wall_drifts(edge, side, hertz, drift):
+    t = (np.arange(50_000) + 0.5) * TICK_S
+    depth = 20e-3 + drift * (t - t[-1]) * 1e-3
+    rows = rows_of(depth, spring(depth), edge, side)
+    turn = 2.0 * math.pi * hertz
+    ends = 3e-4 * np.sin(turn * (np.arange(50_001) * TICK_S) + 0.7)
+    rows[:, Column.X] += 0.5 * (ends[1:] + ends[:-1])
+    rows[:, Column.OMEGA] += (ends[1:] - ends[:-1]) / TICK_S
+    result = result_of(rows, scene_of("press", len(rows)))
+    assert result["swing_hz"] == pytest.approx(hertz, rel=1e-3)
+    # The line takes some of a sine that isn't there a whole number of times: 3.5 times at 7 Hz.
+    whole = (hertz * 5000 * TICK_S) % 1.0 == 0.0
+    assert result["swing_rad"] == pytest.approx(3e-4, rel=5e-3 if whole else 0.06)
+
+
+def test_a_rotor_at_rest_or_on_its_way_does_not_swing():
+    rows = press(0.5, 1.0, 0.0, 2e-5)
+    result = result_of(rows, scene_of("press", len(rows)))
+    assert (result["swing_rad"], result["swing_hz"]) == (0.0, None)
+    t = np.arange(500) * TICK_S
+    rows[-500:, Column.X] += 1e-3 * np.expm1(20.0 * t)  # it runs away
+    rows[-500:, Column.OMEGA] += 20e-3 * np.exp(20.0 * t)
+    result = result_of(rows, scene_of("press", len(rows)))
+    assert result["swing_rad"] > 5e-5
+    assert result["swing_hz"] is None
+    assert result_of(rows, scene_of("taps", len(rows)))["swing_rad"] is None
+
+
+# Energy of contacts
+
+
+def moved(depth: np.ndarray, push: np.ndarray, edge: float = 0.5, side: float = 1.0) -> np.ndarray:
+    """Rows of ``depth`` at the ticks' ends, one more than there are rows; ``push`` in the ticks."""
+    rows = rows_of(0.5 * (depth[1:] + depth[:-1]), push, edge, side)
+    rows[:, Column.OMEGA] = side * np.diff(depth) / TICK_S
+    rows[:, Column.CONTACT] = depth[1:] >= 0.0
+    return rows
+
+
+def swings(turns: float, deep: float, ticks: int = 4000) -> tuple[np.ndarray, np.ndarray]:
+    """Depth at the ends of ticks, and in their middles, of a rotor that dips in and out."""
+    ends = -deep * np.cos(2.0 * np.pi * turns * np.arange(ticks + 1) / ticks)
+    return ends, 0.5 * (ends[1:] + ends[:-1])
+
+
+@pytest.mark.parametrize(("edge", "side"), SIDES)
+def test_a_spring_gives_back_what_it_took(edge, side):
+    ends, middle = swings(2.0, 12e-3)
+    result = result_of(moved(ends, spring(middle), edge, side))
+    assert result["contact_energy_j"] == pytest.approx(0.0, abs=1e-4 * 0.5 * K * 12e-3**2)
+    assert result["contact_energy_ratio"] == pytest.approx(0.0, abs=1e-4)
+
+
+@pytest.mark.parametrize(("edge", "side"), SIDES)
+@pytest.mark.parametrize("extra", [0.25, -0.4])
+def test_a_wall_that_pushes_harder_on_the_way_out_gives_the_difference(edge, side, extra):
+    ends, middle = swings(1.0, 12e-3)
+    out = np.where(np.diff(ends) < 0.0, 1.0 + extra, 1.0)
+    result = result_of(moved(ends, out * spring(middle), edge, side))
+    held = 0.5 * K * 12e-3**2
+    assert result["contact_energy_j"] == pytest.approx(extra * held, rel=1e-3)
+    most = max(1.0, 1.0 + extra) ** 2
+    assert result["contact_energy_ratio"] == pytest.approx(extra / most, rel=2e-3)
+
+
+def test_the_largest_of_the_contacts_counts_each_against_its_own_spring():
+    """A deep press that loses 1 %, and a shallower one that gives 30 % of less."""
+    deep, middle_deep = swings(1.0, 20e-3)
+    less, middle = swings(1.0, 6e-3)
+    lossy = np.where(np.diff(deep) < 0.0, 0.99, 1.0) * spring(middle_deep)
+    active = np.where(np.diff(less) < 0.0, 1.3, 1.0) * spring(middle)
+    rows = np.concatenate([moved(deep, lossy), moved(less, active), moved(deep, lossy)])
+    result = result_of(rows)
+    assert result["contact_energy_j"] == pytest.approx(0.3 * 0.5 * K * 6e-3**2, rel=1e-2)
+    assert result["contact_energy_ratio"] == pytest.approx(0.3 / 1.69, rel=1e-2)
+
+
+def test_chatter_at_the_edge_belongs_to_its_contact():
+    """Hits within two counts of the edge, each of which gives something, are one contact."""
+    deep, middle = swings(1.0, 12e-3)
+    turned = int(np.flatnonzero(deep >= 0.0)[-1])
+    depth = 1.2 * CELL * np.sin(2.0 * np.pi * np.arange(1, 2001) / 100)
+    ends = np.concatenate([deep[: turned + 1], depth, deep[turned + 1 :]])
+    middle = 0.5 * (ends[1:] + ends[:-1])
+    push = spring(middle)
+    push[turned : turned + 2000] = np.where(np.diff(depth, prepend=0.0) < 0.0, 1.0, 0.2) * 1e-3
+    push[turned : turned + 2000][depth < 0.0] = 0.0
+    rows = moved(ends, push)
+    entries = np.count_nonzero(np.diff(rows[:, Column.CONTACT]) > 0.0)
+    assert entries > 15
+    given = float(np.sum(rows[:, Column.TORQUE] * rows[:, Column.OMEGA]) * TICK_S)
+    result = result_of(rows)
+    assert given > 2e-6
+    assert result["contact_energy_j"] == pytest.approx(given, rel=1e-6)
+    assert result["contact_energy_ratio"] == pytest.approx(given / (0.5 * K * 12e-3**2), rel=1e-3)
+
+
+def test_a_touch_of_less_than_two_counts_is_not_judged_by_its_own_depth():
+    deep = 0.1 * CELL
+    ends, middle = swings(1.0, 12e-3)
+    ends, middle = ends - 12e-3 + deep, middle - 12e-3 + deep
+    out = np.where(np.diff(ends) < 0.0, 3.0, 1.0)
+    result = result_of(moved(ends, out * spring(middle)))
+    given = 2.0 * 0.5 * K * deep**2
+    assert result["contact_energy_j"] == pytest.approx(given, rel=0.05)
+    assert result["contact_energy_ratio"] == pytest.approx(2.0 * 0.1**2 / 2.0**2, rel=0.05)
+
+
+@pytest.mark.parametrize("late", [1.0, 1.5])
+def test_a_contact_that_is_still_open_counts_with_what_its_spring_holds(late):
+    """One that only holds is not above zero; one that now pushes harder has more to give."""
+    ends = np.minimum(np.linspace(-2e-3, 0.1, 5001), 12e-3)
+    push = spring(0.5 * (ends[1:] + ends[:-1]))
+    push[-1000:] *= late
+    result = result_of(moved(ends, push))
+    assert result["contact_energy_ratio"] == pytest.approx(1.0 - 1.0 / late**2, abs=2e-3)
+
+
+def test_a_wall_without_a_spring_has_an_energy_and_no_ratio():
+    ends, middle = swings(1.0, 12e-3)
+    result = result_of(moved(ends, 2.0 * spring(middle)), predicted=0.0)
+    assert result["contact_energy_j"] == pytest.approx(0.0, abs=1e-8)
+    assert result["contact_energy_ratio"] is None
+
+
 # Bounce
 
 
@@ -553,8 +681,8 @@ def test_all_names_are_there_and_json_takes_them(tmp_path):
     result = metrics.result(wall_clock_s=1.25, clock_cycles=240_000)
     assert set(result) == NAMES
     assert {name for name, value in result.items() if value is None} == ANCHOR_NAMES | {
-        "restitution"
-    }
+        "restitution", "swing_hz",
+    }  # fmt: skip
     path = write_json(tmp_path / "out" / "metrics.json", result)
     assert json.loads(path.read_text(encoding="utf-8")) == result
     assert result["scene"] == "synthetic"

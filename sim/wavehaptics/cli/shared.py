@@ -42,9 +42,12 @@ METRIC_UNITS = {
     "current_ripple_a": "A",
     "free_space_torque_rms": "N·m",
     "energy_out_max_j": "J",
+    "contact_energy_j": "J",
     "hold_offset_rad": "rad",
     "hold_torque": "N·m",
     "hold_ripple_rms": "N·m",
+    "swing_rad": "rad",
+    "swing_hz": "Hz",
 }
 """Units of the metrics that have one."""
 

@@ -25,11 +25,30 @@ the controller's filter at the start is in it. None with fewer than three ticks.
 ``stiffness_zero_rad`` is the x where that line crosses zero torque, ``contact_edge_rad`` the x_w of
 the first contact.
 
+**The energy of a contact** is what the motor's torque did to the shaft in it, ``∫ F dx``, from the
+tick's mean torque and the way that the shaft moved: above zero the wall gave energy out. A wall
+that is a spring gives back as much as it took, and a real one less. ``contact_energy_j`` is the
+largest of any contact, ``contact_energy_ratio`` the largest of this energy over the most that the
+wall's design spring held in the same contact, ``½F²/K``. Both may be negative.
+
+- An encoder can't tell what happens within a count or two of the edge. So a contact's account stays
+  open while the rotor is out of contact but within ``EDGE_COUNTS`` counts of x_w: a rotor that
+  chatters at an edge is one contact, with the energy of all its hits. And no contact is judged
+  against less than what the spring holds at a depth of ``EDGE_COUNTS``: touches that are shallower
+  than that count with their energy, and not with a ratio to nothing.
+- A contact still open when the run ends counts with what its spring then holds, ``½F²/K``, as if
+  all of that came back: a wall that only holds is not above zero, one that works on a hand is.
+
 **A hold** compares F and x with the design spring. Where the back-EMF of a brushless motor has
 harmonics, its torque for an ampere swings with the angle
 (:func:`~wavehaptics.laws.closed_forms.brushless_own_k_t`); the spring's k_T is the motor's own
 where it rests, as it is the motor's own where ``k_t`` and ``k_t_hat`` differ: neither says that the
 wall has moved.
+
+``swing_rad`` is the amplitude of a sine with the RMS of the rotor's position about a straight line
+in the last tenth of a ``press``: slow drift is no swing. ``swing_hz`` is the frequency Ω/2π with
+which the acceleration is ``−Ω²`` times that position, by least squares; it is None where nothing
+pulls the rotor back. Both are reported whether the wall still holds or not.
 
 **A port anchor** puts c in series with a port whose voltage is ``E = s(u + v)/2``, against all that
 is wrong with the motor, as a voltage d. With the port's flux by the true motor and rotor, ``χ =
@@ -62,6 +81,9 @@ LEAST_TICKS = 4
 """A shorter contact is chatter."""
 IDEAL_DEPTH_RAD = 1e-5
 """Takes the encoder cell's place where the scene has no encoder: 23 µN·m on the paper's motor."""
+EDGE_COUNTS = 2.0
+"""Encoder counts beside an edge within which a contact's account of energy stays open, and the
+depth whose stored energy it is compared with at least."""
 PEAK_PART = 0.9
 """The fit ends where the push first reaches this part of its peak."""
 _LEVEL_STEP = 1e-4
@@ -137,6 +159,17 @@ _RUN = np.dtype(
         ("hold_first", "f8"),
         ("hold_sum", "f8"),
         ("hold_square", "f8"),
+        ("hold_x", "f8"),
+        ("hold_omega", "f8"),
+        # of the rotor from a tick's middle to the next: sums of x, with the number, and squared,
+        ("swing_last", "f8"),
+        ("swing_sum", "f8"),
+        ("swing_moment", "f8"),
+        ("swing_square", "f8"),
+        # and of the change of ω, with the number, and with x
+        ("pull_sum", "f8"),
+        ("pull_moment", "f8"),
+        ("pull_product", "f8"),
         # a port anchor: of the scene
         ("anchored", "i8"),
         ("half_root", "f8"),  # s/2
@@ -150,6 +183,16 @@ _RUN = np.dtype(
         ("x_hat_square", "f8"),
         ("omega_hat_square", "f8"),
         ("fault_s", "f8"),
+        # the account of a contact's energy, and of those closed
+        ("account", "i8"),
+        ("account_edge", "f8"),
+        ("account_compliance", "f8"),
+        ("account_j", "f8"),
+        ("account_held_j", "f8"),  # ½F²/K of the latest tick ...
+        ("account_most_j", "f8"),  # ... and the most of any
+        ("accounts", "i8"),
+        ("contact_j", "f8"),
+        ("contact_ratio", "f8"),
         # of the contact, or the way between, and of those before
         ("bound", "f8"),
         ("chi_low", "f8"),
@@ -312,6 +355,54 @@ def _leave(run: Any, fits: np.ndarray, omega: float) -> None:
 
 
 @compiled_counting()
+def _open_account(run: Any) -> None:
+    """First tick of a contact whose energy is to be counted."""
+    run.account = 1
+    run.account_edge = run.edge
+    run.account_compliance = run.compliance
+    run.account_j = 0.0
+    run.account_held_j = 0.0
+    # What the spring holds at EDGE_COUNTS, 0 where there is no spring.
+    run.account_most_j = 0.0
+    if run.compliance > 0.0:
+        run.account_most_j = 0.5 * (EDGE_COUNTS * run.cell) ** 2 / run.compliance
+
+
+@compiled_counting()
+def _close_account(run: Any) -> None:
+    """The rotor is away from the edge: the contact's energy is known."""
+    energy = run["account_j"]
+    ratio = energy / run["account_most_j"] if run["account_most_j"] > 0.0 else 0.0
+    if run["accounts"] == 0:
+        run["contact_j"], run["contact_ratio"] = energy, ratio
+    run["contact_j"] = max(run["contact_j"], energy)
+    run["contact_ratio"] = max(run["contact_ratio"], ratio)
+    run["accounts"] += 1
+    run["account"] = 0
+
+
+@compiled_counting()
+def _account(run: Any, omega: float, torque: float) -> None:
+    """A tick of a contact, or close to the edge of one."""
+    run.account_j += torque * omega * run.tick_s
+    run.account_held_j = 0.5 * torque * torque * run.account_compliance
+    run.account_most_j = max(run.account_most_j, run.account_held_j)
+
+
+@compiled_counting()
+def _swing(run: Any, swung: float, pull: float) -> None:
+    """From the middle of a hold's tick to that of the next, with ``pull`` the change of ω."""
+    middle = 0.5 * (swung + run.swing_last)
+    run.swing_last = swung
+    run.swing_sum += middle
+    run.swing_moment += run.hold_ticks * middle
+    run.swing_square += middle * middle
+    run.pull_sum += pull
+    run.pull_moment += run.hold_ticks * pull
+    run.pull_product += pull * middle
+
+
+@compiled_counting()
 def _part_bound(run: Any) -> float:
     """Most work of c − d in the contact under way, or on the way between two."""
     half_range = 0.5 * (run["chi_high"] - run["chi_low"])
@@ -388,14 +479,20 @@ def _gather(
         if contact:
             if not run.in_contact:
                 _enter(run, fits, walls, x)
+                if not run.account:
+                    _open_account(run)
             run.length += 1
             if run.fit >= 0:
                 _compress(fits[run.fit], rings[run.fit], x, torque, saturated, run.cell)
         else:
             if run.in_contact:
                 _leave(run, fits, omega)
+            if run.account and abs(x - run.account_edge) > EDGE_COUNTS * run.cell:
+                _close_account(run)
             run.free_ticks += 1
             run.free_square += torque * torque
+        if run.account:
+            _account(run, omega, torque)
         run.omega_last = omega
         if run.anchored:
             _correct(run, rows[n], contact)
@@ -403,6 +500,10 @@ def _gather(
         if run.ticks >= run.hold_start:
             if run.hold_ticks == 0:
                 run.hold_first = torque
+                run.hold_x, run.swing_last = x, 0.0
+            else:
+                _swing(run, x - run.hold_x, omega - run.hold_omega)
+            run.hold_omega = omega
             run.hold_ticks += 1
             run.hold_contact += contact
             own = 1.0
@@ -475,14 +576,13 @@ class Metrics:
             run["swing"] = motor.harmonic_7 - motor.harmonic_5
             run["pole_pairs"], run["magnet"] = motor.pole_pairs, motor.magnet_rad
             run["shape_power"] = shape_power
-        holds = path == "press" and bool(stiffness_predicted)
         run["anchored"] = root is not None
         run["half_root"] = 0.5 * (root or 0.0)
         run["tick_s"] = tick_s
         run["inductance"] = scene.motor.L_h
         run["k_t"] = scene.motor.k_t
         run["fault_s"] = -1.0
-        run["hold_start"] = ticks - ticks // 10 if holds else np.iinfo(np.int64).max
+        run["hold_start"] = ticks - ticks // 10 if path == "press" else np.iinfo(np.int64).max
 
     def update(self, rows: np.ndarray, reference_rows: np.ndarray | None = None) -> None:
         """Take the next ticks: ``rows`` float64 (n, len(Column)), in order.
@@ -562,12 +662,39 @@ class Metrics:
         """Offset in rad, offset over depth, mean torque, and its RMS about that."""
         run = self._runs[0]
         n = int(run["hold_ticks"])
-        if n == 0 or run["hold_contact"] < n:
+        if n == 0 or run["hold_contact"] < n or not self._predicted:
             return None, None, None, None
         offset, depth = run["hold_offset"] / n, run["hold_depth"] / n
         mean = run["hold_sum"] / n
         ripple = math.sqrt(max(run["hold_square"] / n - mean**2, 0.0))
         return offset, offset / depth if depth else None, run["hold_first"] + mean, ripple
+
+    def _swing(self) -> tuple[float | None, float | None]:
+        """Amplitude in rad and frequency in Hz of a hold's swing."""
+        run = self._runs[0]
+        n = int(run["hold_ticks"]) - 1
+        if n < LEAST_TICKS:
+            return None, None
+        # About the straight line of least squares, whose middle is at the number (n + 1)/2.
+        middle, square = 0.5 * (n + 1), (n * n - 1.0) / 12.0 * n
+        moment = run["swing_moment"] - middle * run["swing_sum"]
+        swing = run["swing_square"] - run["swing_sum"] ** 2 / n - moment**2 / square
+        pull = run["pull_product"] - run["swing_sum"] * run["pull_sum"] / n
+        pull -= moment * (run["pull_moment"] - middle * run["pull_sum"]) / square
+        if swing <= 0.0:
+            return 0.0, None
+        hertz = math.sqrt(-pull / self._tick_s / swing) / (2.0 * math.pi) if pull < 0.0 else None
+        return math.sqrt(2.0 * swing / n), hertz
+
+    def _contact_energy(self) -> tuple[float | None, float | None]:
+        """Largest energy that a contact delivered, J, and largest over what its spring held."""
+        run = self._runs[0].copy()
+        if run["account"]:
+            run["account_j"] += run["account_held_j"]
+            _close_account.py_func(run)
+        if not run["accounts"]:
+            return None, None
+        return run["contact_j"], run["contact_ratio"] if self._predicted else None
 
     def result(
         self, *, wall_clock_s: float | None = None, clock_cycles: int | None = None
@@ -602,6 +729,12 @@ class Metrics:
         ``hold_error``                that over the mean of x − x_w
         ``hold_torque``               mean of F, N·m
         ``hold_ripple_rms``           RMS of the torque about its mean, N·m; a drift counts
+        ``contact_energy_j``          the most energy that a contact delivered to the shaft: see the
+                                      head of the module; None without a contact
+        ``contact_energy_ratio``      the largest of these over the most that the contact's spring
+                                      held
+        ``swing_rad``, ``swing_hz``   amplitude and frequency of the rotor in the last tenth of a
+                                      ``press``
         ``restitution``               mean speed in the first tick after the first contact over that
                                       in the last tick before it
         ``saturated_fraction``        of all ticks
@@ -634,6 +767,8 @@ class Metrics:
         if run["free_ticks"]:
             free = math.sqrt(run["free_square"] / run["free_ticks"])
         offset, offset_part, held, ripple = self._hold()
+        delivered, delivered_part = self._contact_energy()
+        swing, swing_hz = self._swing()
         metrics: dict[str, Any] = {
             "scene": scene.scene.name,
             "controller": self._controller,
@@ -659,6 +794,10 @@ class Metrics:
             "hold_error": offset_part,
             "hold_torque": held,
             "hold_ripple_rms": ripple,
+            "contact_energy_j": delivered,
+            "contact_energy_ratio": delivered_part,
+            "swing_rad": swing,
+            "swing_hz": swing_hz,
             "restitution": run["restitution"] if run["bounce"] == _KNOWN else None,
             "saturated_fraction": run["saturated"] / ticks if ticks else None,
         }
