@@ -63,6 +63,7 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "motor.harmonic_5": ((*BRUSHLESS, *SERVO), ("motor.harmonic_5=0.05",)),
     "motor.harmonic_7": ((*BRUSHLESS, *SERVO), ("motor.harmonic_7=0.05",)),
     "motor.magnet_rad": ((*BRUSHLESS, *SERVO), ("motor.magnet_rad=0.1",)),
+    "load.inertia_kgm2": ((), ("load.inertia_kgm2=1e-6",)),
     "friction.coulomb_nm": ((), ("friction.coulomb_nm=1e-3",)),
     "friction.viscous": ((), ("friction.viscous=1e-4",)),
     "brushes.drop_v": ((), ("brushes.drop_v=0.3",)),
@@ -89,6 +90,7 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "hand.frequency_hz": ((), ("hand.frequency_hz=30",)),
     "hand.stiffness": ((), ("hand.stiffness=0.3",)),
     "hand.damping": ((), ("hand.damping=1e-3",)),
+    "hand.inertia_kgm2": ((), ("hand.inertia_kgm2=1e-6",)),
     "encoder.counts_per_rev": (ENCODER, ("encoder.counts_per_rev=700",)),
     "encoder.stops_at_s": (ENCODER, ("encoder.stops_at_s=0.005",)),
     "encoder.uneven": (ENCODER, ("encoder.uneven=0.2",)),
@@ -170,6 +172,7 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "controller.r_hat": ((), ("controller.r_hat=2.0",)),
     "controller.l_hat": (ANCHORED, ("controller.l_hat=0.3e-3",)),
     "controller.k_t_hat": (ANCHORED, ("controller.k_t_hat=0.03",)),
+    "controller.j_hat": (ANCHORED, ("controller.j_hat=4e-6",)),
     "controller.magnet_hat_rad": (
         (*ANCHORED, *BRUSHLESS, *SERVO),
         ("controller.magnet_hat_rad=0.3",),

@@ -174,7 +174,8 @@ def test_a_mass_is_the_same_at_any_angle(make_scene):
 def test_what_is_said_of_w_is_for_the_felt_constant(make_scene):
     """√1.5·pψ: what `wavehaptics shaper` finds is off the wish by what the words' places are."""
     scene = make_scene(EVERYWHERE, *SPRING)
-    (percent,) = re.findall(r"off the wish by (\S+) % at most", fragment(scene, settings(scene)))
+    text = fragment(scene, settings(scene), scene.motor.felt_k_t, scene.motor.L_h)
+    (percent,) = re.findall(r"off the wish by (\S+) % at most", text)
     assert float(percent) < 1.0
 
 

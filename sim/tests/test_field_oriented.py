@@ -246,8 +246,8 @@ def test_refused_by_the_format(make_scene):
 def test_what_is_left_out_is_told(make_scene):
     """The currents are sampled; an angle for the servo is nobody else's."""
     sets = ("adc.bits=12", "servo.rate_hz=1e3", "controller.magnet_hat_rad=0.1")
-    scene = make_scene(*sets, "controller.r_hat=5")
-    assert left_out(scene, "encoder") == ["controller.r_hat"]
+    scene = make_scene(*sets, "controller.r_hat=5", "controller.eta_contact=-0.9")
+    assert left_out(scene, "encoder") == ["controller.eta_contact"]
     assert "controller.magnet_hat_rad" in left_out(scene, "golden")
     brushes = make_scene("adc.bits=12", "motor.preset=re25-118743")
     assert left_out(brushes, "encoder") == ["[adc]"]

@@ -9,9 +9,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from wavehaptics.ladder.hosted import HostedSimulation, Line
+from wavehaptics.ladder.run import CONTROLLERS
 from wavehaptics.motor.brushes import NOISE_POINTS, PARTS_OF_NOISE_S, noise_course
 from wavehaptics.motor.plant import OMEGA, I, Plant, X, load_words
 from wavehaptics.motor.step import MEMORY, SERIES_OHM, motor_parts, motor_step, warm_parts
+from wavehaptics.trace.columns import Column, Word
 
 TICK_S = 1e-6
 R, L, K_T, J = 2.18, 0.24e-3, 23.4e-3, 10.3e-7
@@ -308,6 +311,80 @@ def test_cable_against_scipy(make_scene, backlash):
     errors = compare(plant, slope, (plant.start[X],))
     print(f"cable, backlash {backlash:g}: {errors}")
     assert max(errors) < (2e-3 if backlash else 2e-4)
+
+
+@pytest.mark.parametrize("backlash", [0.0, 4e-3])
+@pytest.mark.parametrize("mass", [1e-7, 4e-6])
+def test_a_hand_with_a_mass_at_its_cable_against_scipy(make_scene, backlash, mass):
+    """Rotor, cable, mass, the hand's spring and damper, its path."""
+    plant = Plant.of_scene(
+        make_scene(*HAND, *CABLE, f"transmission.backlash_rad={backlash}",
+                   f"hand.inertia_kgm2={mass}")
+    )  # fmt: skip
+    assert plant.inertia == J
+
+    def slope(t, y, e):
+        i, omega, x, end, speed = y
+        gap = 0.5 * backlash
+        stretched = x - end
+        torque = 0.0
+        if backlash == 0.0 or abs(stretched) > gap:
+            side = math.copysign(gap, stretched) if backlash else 0.0
+            torque = 5 * (stretched - side) + 3e-4 * (omega - speed)
+            if backlash and torque * stretched < 0.0:
+                torque = 0.0
+        di = (e - R * i - K_T * omega) / L
+        pull = hand_pull(plant, t, end, speed)
+        return [di, (K_T * i - torque) / J, omega, speed, (torque - pull) / mass]
+
+    errors = compare(plant, slope, (plant.start[X], 0.0))
+    print(f"mass {mass:g}, backlash {backlash:g}: {errors}")
+    assert max(errors) < (2e-3 if backlash else 2e-4)
+
+
+def test_a_mass_on_a_stiff_cable_is_one_on_the_rotor(make_scene):
+    mass = "hand.inertia_kgm2=2e-6"
+    direct = Plant.of_scene(make_scene(*HAND, mass))
+    assert direct.inertia == J + 2e-6
+    assert not direct.real
+    stiff = Plant.of_scene(
+        make_scene(*HAND, mass, "transmission.cable_stiffness=2e3",
+                   "transmission.cable_damping=5e-3")
+    )  # fmt: skip
+    volts = np.repeat(SWUNG, 500)
+    assert off(run(stiff, volts)[:, 2], run(direct, volts)[:, 2]) < 2e-3
+    # And a vanishing one is none.
+    none = Plant.of_scene(make_scene(*HAND, *CABLE))
+    tiny = Plant.of_scene(make_scene(*HAND, *CABLE, "hand.inertia_kgm2=1e-11"))
+    assert off(run(tiny, volts)[:, 2], run(none, volts)[:, 2]) < 1e-5
+
+
+@pytest.mark.parametrize("controller", ["analog", "golden", "encoder", "hosted"])
+@pytest.mark.parametrize("kind", ["brushed", "brushless"])
+def test_a_load_and_a_hand_add_to_the_rotors_inertia(make_scene, controller, kind):
+    """Rotor, load and mass are one inertia on every controller, which knows of none of it."""
+    if (controller, kind) == ("hosted", "brushless"):
+        pytest.skip("a host has no brushless motor")
+    motor = ("motor.preset=gbm2804-100t", "servo.foc_hz=25e3") if kind == "brushless" else ()
+    common = (*HAND, *motor, "controller.tick_hz=50e3", "controller.j_hat=1e-6",
+              "encoder.counts_per_rev=4000", "controller.walls=[[0.0, 1.0]]",
+              "controller.anchor_auto=true", "scene.duration_s=0.02")  # fmt: skip
+    split = make_scene(*common, "motor.J_kgm2=1e-6", "load.inertia_kgm2=2e-6",
+                       "hand.inertia_kgm2=3e-6")  # fmt: skip
+    whole = make_scene(*common, "motor.J_kgm2=6e-6")
+    first, second = (rows_of(scene, controller) for scene in (split, whole))
+    assert np.ptp(first[:, Column.X]) > 0.01
+    np.testing.assert_allclose(first, second, rtol=1e-9, atol=1e-12)
+
+
+def rows_of(scene, controller: str) -> np.ndarray:
+    """Rows of a scene on a controller."""
+    ticks = round(scene.scene.duration_s * scene.controller.tick_hz)
+    if controller == "hosted":
+        return HostedSimulation(scene, None, 4, Line()).advance(ticks >> 4)
+    rows = np.zeros((ticks, len(Column)))
+    CONTROLLERS[controller](scene).advance(rows, np.zeros((ticks, len(Word)), dtype=np.int64))
+    return rows
 
 
 def test_stiff_cable_is_the_hand_itself(make_scene):

@@ -356,7 +356,7 @@ def test_a_scenes_spring_is_felt_as_wished(make_scene):
     assert found.static_stiffness == pytest.approx(0.5)
     assert found.felt_error < 0.005
     assert found.worst_gain <= 1.0
-    text = fragment(scene, settings(scene))
+    text = fragment(scene, settings(scene), scene.motor.felt_k_t, scene.motor.L_h)
     assert 'feel = "spring"\nstiffness = 0.5\ndamping = 0.0001\n' in text
     assert "contractive" in text
 

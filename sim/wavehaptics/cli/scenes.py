@@ -149,7 +149,7 @@ def shaper(scene: SceneArgument, overrides: SetOption = None) -> None:
     from wavehaptics.controller.rendered import fragment
     from wavehaptics.controller.settings import settings
 
-    print(fragment(loaded, settings(loaded)), end="")
+    print(fragment(loaded, settings(loaded), loaded.motor.felt_k_t, loaded.motor.L_h), end="")
 
 
 @app.command()

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wavehaptics.controller.ports import Ports
 from wavehaptics.motor.sensor import Sensor
-from wavehaptics.motor.thermal import REFERENCE_C
 from wavehaptics.scene import Scene
-from wavehaptics.scene.tables.thermal import Thermal
+from wavehaptics.scene.tables.thermal import REFERENCE_C, Thermal
 from wavehaptics.words import formats, table
 from wavehaptics.words.formats import RTL_DIR
 
@@ -116,18 +115,18 @@ WINDING_MOST_C = 100.0
 def board_limits(scene: Scene, ports: Ports, trip_a: float | None = None) -> Limits:
     """What the guard of a board allows, from its scene and the controller's settings for it.
 
-    The current is ``trip_a``, or a part of the ADC's scale. The winding is that of ``[thermal]``,
-    or of its defaults.
+    The current is ``trip_a``, or a part of the ADC's scale. The winding is one of R̂ that bears what
+    ``[thermal]`` says, or its defaults: of a motor's data sheet, which protection has to know.
     """
     thermal = scene.thermal or Thermal()
     rise_c = WINDING_MOST_C - thermal.ambient_c
-    hot_ohm = scene.motor.R_ohm * (1.0 + thermal.alpha_per_k * (WINDING_MOST_C - REFERENCE_C))
+    hot_ohm = scene.controller.r_hat * (1.0 + thermal.alpha_per_k * (WINDING_MOST_C - REFERENCE_C))
     rms_a = math.sqrt(rise_c / (hot_ohm * (thermal.rth_winding + thermal.rth_housing)))
     return Limits(
         watched=BOARD_FAULTS,
         current_a=trip_a or CURRENT_OF_SCALE * ports.sensor.full_scale_a,
         stuck_samples=round(STUCK_S / ports.timing.tick_s) * ports.timing.samples,
-        lost_v=LOST_OF_R * scene.motor.R_ohm * rms_a,
+        lost_v=LOST_OF_R * scene.controller.r_hat * rms_a,
         rms_a=rms_a,
         winding_s=thermal.tau_winding_s,
     )

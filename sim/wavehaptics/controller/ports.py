@@ -315,9 +315,12 @@ def bus_voltage(scene: Scene) -> float:
 
 
 def _fine_sensor(scene: Scene) -> Sensor:
-    """The finest ADC that the reader takes, for a scene without one: 16 bits."""
+    """The finest ADC that the reader takes, for a scene without one: 16 bits.
+
+    Its scale is twice what drives through R̂, or through what the waves take for it if that is less.
+    """
     set_ = settings(scene)
-    largest = 2 * min(set_.limit_v, bus_voltage(scene)) / min(scene.motor.R_ohm, set_.r_hat)
+    largest = 2 * min(set_.limit_v, bus_voltage(scene)) / min(scene.controller.r_hat, set_.r_hat)
     return Sensor(ideal=False, full_scale_a=min(largest, 0.99 * formats.CURRENT.largest))
 
 

@@ -73,15 +73,18 @@ def report(set_: Settings, k_t: float, inductance: float) -> Report:
     )
 
 
-def fragment(scene: Scene, set_: Settings) -> str:
-    """The scene's ``[shaper]`` as TOML, with its words and what was found of it as comments."""
+def fragment(scene: Scene, set_: Settings, k_t: float, inductance: float) -> str:
+    """The scene's ``[shaper]`` as TOML, with its words and what was found of it as comments.
+
+    What is felt is that of a motor of ``k_t`` and ``inductance``.
+    """
     table = scene.shaper
     assert table is not None
     lines = ["[shaper]"]
     for key, value in table.model_dump(exclude_unset=True).items():
         if value is not None:
             lines.append(f"{key} = {_toml(value)}")
-    found = report(set_, scene.motor.felt_k_t, scene.motor.L_h)
+    found = report(set_, k_t, inductance)
     lines += [
         f"# a tick of {set_.tick_s:g} s, R̂ = {set_.r_hat:g} Ω, a delay of {set_.tau:g} s",
         f"# contractive, so passive in every tick; largest |D| {found.worst_gain:.9f} at "

@@ -224,7 +224,7 @@ def _anchor_words(
     # A brushless motor's axis has pψ, of which both together feel as √1.5 times as much.
     cell_vs = control.k_t_hat * cell_rad / (math.sqrt(1.5) if scene.motor.brushless else 1.0)
     chosen = choose_anchor(
-        control.r_hat, control.l_hat, control.k_t_hat, scene.motor.J_kgm2, tick_s,
+        control.r_hat, control.l_hat, control.k_t_hat, control.j_hat, tick_s,
         control.extra_ticks, limit_v,
     )  # fmt: skip
 
@@ -237,7 +237,7 @@ def _anchor_words(
     swing = given(
         "swing_ohm",
         choose_swing(
-            ohm, control.l_hat, control.k_t_hat, scene.motor.J_kgm2, anchor.MEAN_TICKS * tick_s
+            ohm, control.l_hat, control.k_t_hat, control.j_hat, anchor.MEAN_TICKS * tick_s
         ),
     )
     reach_v = given("anchor_limit_v", chosen.limit_v)
@@ -288,7 +288,7 @@ def _anchor_words(
     settable = not len(shaper.words) and 0.0 < owed <= formats.FLUX.largest
     if control.rebound_loss and settable and held_up <= MOST_HELD_UP:
         rebound = control.eta_contact * choose_rebound(
-            r_hat, control.l_hat, control.k_t_hat, scene.motor.J_kgm2, control.rebound_loss
+            r_hat, control.l_hat, control.k_t_hat, control.j_hat, control.rebound_loss
         )
         words[anchor.REBOUND_ETA] = formats.ETA.to_raw(rebound)
     return words

@@ -32,7 +32,14 @@ _PINS = frozenset(
 
 _ANCHOR = frozenset(
     f"controller.{key}"
-    for key in ("anchor_ohm", "anchor_ohm_per_s", "swing_ohm", "anchor_limit_v", "rebound_loss")
+    for key in (
+        "anchor_ohm",
+        "anchor_ohm_per_s",
+        "swing_ohm",
+        "anchor_limit_v",
+        "rebound_loss",
+        "j_hat",
+    )
 )
 
 _MAGNET = frozenset({"controller.magnet_hat_rad", "controller.find_magnet"})
@@ -60,7 +67,7 @@ ABILITIES: dict[str, Ability] = {
     "encoder": Ability(
         _PINS | _ANCHOR | _DIGITAL
         | {"adc", "host", "encoder.uneven", "controller.eta_contact", "controller.eta_free",
-           "controller.r_hat", "controller.anchor_auto", "controller.r_hat_part"},
+           "controller.anchor_auto", "controller.r_hat_part"},
         _NO_W | {"controller.find_magnet": "a servo has to know the angle; leave it out"},
     ),
     "hosted": Ability(
@@ -114,11 +121,12 @@ virtual."""
 def asked(scene: Scene) -> set[str]:
     """Tables and keys (``table``, ``table.key``) in which a scene asks for more than their default.
 
-    What the loader fills in is none of it: R̂, L̂ and k̂_T that are the motor's, an anchor's η.
+    What the loader fills in is none of it: estimates that are the motor's own, an anchor's η.
     """
     usual = {
         "controller.l_hat": scene.motor.L_h,
         "controller.k_t_hat": scene.motor.felt_k_t,
+        "controller.j_hat": scene.motor.J_kgm2,
         "controller.magnet_hat_rad": scene.motor.magnet_rad,
         "controller.r_hat": scene.motor.R_ohm,
         "controller.eta_free": scene.controller.eta_free if scene.controller.anchored else 1.0,
@@ -169,7 +177,7 @@ def _without_use(scene: Scene, name: str) -> set[str]:
     control = scene.controller
     if name == "encoder":
         return set()
-    unused = set() if control.anchored else {"controller.magnet_hat_rad"}
+    unused = set() if control.anchored else {"controller.magnet_hat_rad", "controller.j_hat"}
     if control.anchored or scene.shaper is not None:
         return unused
     corrects = name == "pins" and scene.drive is not None and scene.drive.compensate

@@ -5,7 +5,7 @@ It is what the paper's Fig. 1 shows, and what people use today: a servo reads th
 rate, asks for the torque ``−K·(x − x_w) − B·ω`` inside a wall and for none outside, and after a
 delay an analog PI amplifier makes the current of it. Its zero cancels the winding's pole, so that
 without back-EMF the current follows like a low-pass filter of the stated bandwidth. It measures the
-current without error, takes L for the controller's L̂, and the servo k_T for k̂_T. The amplifier
+current without error, and knows of the motor R̂, L̂ and k̂_T. The amplifier
 is stepped with the scene's tick, which therefore has to be far shorter than its response; the servo
 period and the delay are whole ticks.
 """
@@ -154,7 +154,7 @@ class EncoderSimulation:
             [*servo_floats(self.settings.cell_rad, self.stiffness, servo.damping,
                            servo_ticks * self.tick_s),
              dt, drive_gain(scene), plant.k_t, plant.resistance,
-             omega_c * scene.controller.l_hat, omega_c * plant.resistance,
+             omega_c * scene.controller.l_hat, omega_c * scene.controller.r_hat,
              self.settings.limit_v, encoder_end(scene), scene.controller.k_t_hat]
         )  # fmt: skip
         self._load = load_words(plant)
@@ -188,11 +188,16 @@ def servo_floats(
 
 
 def servo_stiffness(scene: Scene) -> float:
-    """The servo's K, N·m/rad: the scene's, or else what its wave wall has on the analog circuit."""
+    """The servo's K, N·m/rad: the scene's, or else what its wave wall has on the analog circuit.
+
+    Of a motor as the controller knows it.
+    """
     if scene.servo is not None and scene.servo.stiffness is not None:
         return scene.servo.stiffness
-    motor, tau_s = scene.motor, 1.0 / scene.controller.lambda_
-    return closed_forms.stiffness(motor.felt_k_t, motor.L_h, motor.R_ohm, tau_s)
+    control = scene.controller
+    return closed_forms.stiffness(
+        control.k_t_hat, control.l_hat, control.r_hat, 1.0 / control.lambda_
+    )
 
 
 def _whole_ticks(scene: Scene, key: str, rate_hz: float) -> int:

@@ -5,7 +5,7 @@ At the rate of ``[servo] foc_hz`` a sampled current control turns the currents o
 by the encoder's angle into the rotor's frame (Clarke, Park), where two PI controllers hold i_d at
 zero and i_q at what the servo asks for,
 
-    v = K_p (i* − i) + I        I += K_i T (i* − i)        K_p = ω_c L̂,  K_i = ω_c R
+    v = K_p (i* − i) + I        I += K_i T (i* − i)        K_p = ω_c L̂,  K_i = ω_c R̂
 
 so that the zero cancels the winding's pole, as the amplifier of a motor with brushes does it. As in
 the open design FPGA-FOC nothing decouples the axes or feeds the back-EMF forward. What a sample
@@ -174,7 +174,7 @@ class FieldOrientedSimulation:
         self._ints = np.array([substeps, servo_ticks, delay_ticks, foc_ticks], dtype=np.int64)
         own = [
             drive_gain(scene), 1.0 / torque_constant, omega_c * control.l_hat,
-            omega_c * scene.motor.R_ohm * foc_ticks * self.tick_s,
+            omega_c * control.r_hat * foc_ticks * self.tick_s,
             SPACE_VECTOR_REACH * self.settings.limit_v, plant.pole_pairs * cell,
             plant.pole_pairs * control.magnet_hat_rad,
         ]  # fmt: skip

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What ``controller.anchor_auto`` chooses, and why; SI values.
 
-Everything is in proportion to the motor's own numbers, so that one choice serves all:
+Everything is in proportion to the motor's numbers as the controller knows them, R̂, L̂, k̂_T and Ĵ,
+so that one choice serves all:
 
 - **ρ = 4 R̂.** It pulls an error of the flux back with the rate ρ/L. The larger, the less a voltage
   moves the wall, by ``V/ρ·L/(k_T Δ)`` cells, and the shorter the lag with which a wrong L̂ or k̂_T
@@ -86,10 +87,10 @@ class AnchorChoice(NamedTuple):
 
 
 def choose_anchor(
-    r_hat: float, l_hat: float, k_t_hat: float, inertia: float, tick_s: float, extra_ticks: int,
+    r_hat: float, l_hat: float, k_t_hat: float, j_hat: float, tick_s: float, extra_ticks: int,
     drive_v: float,
 ) -> AnchorChoice:  # fmt: skip
-    """The values for a motor as the controller knows it; ``inertia`` in kg·m², ``drive_v`` in V.
+    """The values for a motor as the controller knows it; ``j_hat`` in kg·m², ``drive_v`` in V.
 
     ``r_hat`` is the winding's, not the port's.
     """
@@ -98,7 +99,7 @@ def choose_anchor(
         ohm=ohm,
         ohm_per_s=LEARN_PER_S * ohm,
         limit_v=min(LIMIT_V, LIMIT_PART * drive_v),
-        rest_s=REST_OF_SWING * math.sqrt(inertia * l_hat) / k_t_hat,
+        rest_s=REST_OF_SWING * math.sqrt(j_hat * l_hat) / k_t_hat,
     )
 
 
@@ -120,21 +121,19 @@ def choose_eta_free(
     return min(1.0, max(LEAST_ETA_FREE, 1.0 - given + 1.0 - left))
 
 
-def choose_swing(ohm: float, l_hat: float, k_t_hat: float, inertia: float, mean_s: float) -> float:
+def choose_swing(ohm: float, l_hat: float, k_t_hat: float, j_hat: float, mean_s: float) -> float:
     """Resistance for swings, Ω, beside an anchor of ρ = ``ohm``; ``mean_s`` is the mean's τ."""
-    loses_most = k_t_hat**2 * mean_s / inertia - l_hat / mean_s
+    loses_most = k_t_hat**2 * mean_s / j_hat - l_hat / mean_s
     return min(SWING_OF_ANCHOR * ohm, max(0.0, loses_most))
 
 
-def choose_rebound(
-    r_hat: float, l_hat: float, k_t_hat: float, inertia: float, loss: float
-) -> float:
+def choose_rebound(r_hat: float, l_hat: float, k_t_hat: float, j_hat: float, loss: float) -> float:
     """Magnitude of η of a rebound that leaves ``loss`` of its speed; ``r_hat`` is the port's.
 
     A quarter of a period of the rotor on its wall, and only that, sees the resistance
     ``R̂(1 − g)/(1 + g)`` beside the inductor's L̂·ω: π/4 of what they are to each other is lost.
     """
-    ohm = 4.0 / math.pi * loss * k_t_hat * math.sqrt(l_hat / inertia)
+    ohm = 4.0 / math.pi * loss * k_t_hat * math.sqrt(l_hat / j_hat)
     return (r_hat - ohm) / (r_hat + ohm)
 
 

@@ -2,7 +2,8 @@
 """The motor with its load, advanced exactly between two switching instants.
 
 ``e_a = R i + L di/dt + k_T ω`` and ``J dω/dt = k_T i − b ω − τ_c − F_H``, with the hand's torque
-``F_H = K_h (x − x_h) + B_h (ω − dx_h/dt)``. For a constant voltage and a constant Coulomb torque
+``F_H = K_h (x − x_h) + B_h (ω − dx_h/dt)``; J is the rotor's with what is fixed to it, the mass of
+a hand that holds it as well. For a constant voltage and a constant Coulomb torque
 τ_c this is linear, the hand's path included, so a step of any length is one product with a
 tabulated matrix exponential. Only Coulomb friction has to be looked at between steps.
 What else a scene says of a real motor is in :mod:`wavehaptics.motor.step`, which steps it.
@@ -70,6 +71,8 @@ class Plant:
     """Transmission with a cable; the hand's spring and damper are then behind it."""
     cable_hand_stiffness: float = 0.0
     cable_hand_damping: float = 0.0
+    cable_end_inertia: float = 0.0
+    """Mass of a hand that holds the cable's end, kg·m²; one that holds the rotor is in its J."""
     sag_ohm: float = 0.0
 
     @classmethod
@@ -94,11 +97,13 @@ class Plant:
         if cable is not None and cable.cable_stiffness is None:
             cable = None
         direct = cable is None
+        mass = hand.inertia_kgm2 if hand is not None else 0.0
+        load = scene.load.inertia_kgm2 if scene.load else 0.0
         return cls(
             resistance=scene.motor.R_ohm,
             inductance=scene.motor.L_h * (1.0 - bypassed),
             k_t=scene.motor.k_t,
-            inertia=scene.motor.J_kgm2,
+            inertia=scene.motor.J_kgm2 + load + (mass if direct else 0.0),
             coulomb=friction.coulomb_nm if friction else 0.0,
             viscous=friction.viscous if friction else 0.0,
             hand_stiffness=stiffness if direct else 0.0,
@@ -112,6 +117,7 @@ class Plant:
             cable=cable,
             cable_hand_stiffness=0.0 if direct else stiffness,
             cable_hand_damping=0.0 if direct else damping,
+            cable_end_inertia=0.0 if direct else mass,
             sag_ohm=scene.drive.sag_ohm if scene.drive else 0.0,
         )
 
@@ -175,6 +181,9 @@ class Plant:
         spring, damper = 0.0, 0.0
         if cable is not None:
             spring, damper = cable.cable_stiffness or 0.0, cable.cable_damping
+        if self.cable_end_inertia:
+            held = spring + self.cable_hand_stiffness
+            longest = min(longest, PART_OF_CABLE * math.sqrt(self.cable_end_inertia / held))
         if self.cogging is not None:
             spring += self.cogging.torque_nm * self.cogging.per_rev
         if spring:

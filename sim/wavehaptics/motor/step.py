@@ -20,7 +20,13 @@ from __future__ import annotations
 import numpy as np
 
 from wavehaptics.motor.brushes import brush_drop, brush_words, contact_ohm, noise_course
-from wavehaptics.motor.cable import CABLE_K, cable_torque, cable_words
+from wavehaptics.motor.cable import (
+    CABLE_K,
+    END_INERTIA,
+    cable_torque,
+    cable_words,
+    massive_end_torque,
+)
 from wavehaptics.motor.cogging import cogging_torque, cogging_words
 from wavehaptics.motor.iron import EDDY_OHM, SATURATION, eddy_share, iron_words, missing_flux
 from wavehaptics.motor.plant import (
@@ -43,9 +49,9 @@ from wavehaptics.runtime.compiled import compiled
 BRUSHES, NOISE, IRON, COGGING, CABLE, MEMORY = range(6)
 """Places of the arrays in :func:`motor_parts`."""
 
-VOLTAGE, SERIES_OHM, EDDY_CURRENT, CABLE_END, ACCELERATION, RESISTANCE = range(6)
+VOLTAGE, SERIES_OHM, EDDY_CURRENT, CABLE_END, END_SPEED, ACCELERATION, RESISTANCE = range(7)
 """Places in the memory of a motor: w of the last step; Ω in series, which the supply sets; i_e; y
-of the cable; dω/dt of the last step; R."""
+of the cable, and how fast a mass there is; dω/dt of the last step; R."""
 
 NEWTON_STEPS = 40
 TOLERANCE_V = 1e-7
@@ -60,7 +66,7 @@ def motor_parts(plant: Plant) -> tuple[np.ndarray, ...]:
     if not plant.real:
         return (np.zeros(0),) * 6
     memory = np.zeros(RESISTANCE + 1)
-    memory[CABLE_END] = plant.start[X]
+    memory[CABLE_END], memory[END_SPEED] = plant.start[X], plant.start[OMEGA]
     memory[RESISTANCE] = plant.resistance
     return (
         brush_words(plant.brushes, plant.resistance),
@@ -124,8 +130,14 @@ def load_torque(state, step_s, parts):
     memory = parts[MEMORY]
     omega = state[OMEGA] + 0.5 * step_s * memory[ACCELERATION]
     torque = cogging_torque(state[X] + 0.5 * step_s * omega, parts[COGGING])
-    if parts[CABLE][CABLE_K] != 0.0:
-        pull, end = cable_torque(state, state[X], omega, memory[CABLE_END], step_s, parts[CABLE])
+    cable = parts[CABLE]
+    if cable[CABLE_K] != 0.0 and cable[END_INERTIA] != 0.0:
+        pull, memory[CABLE_END], memory[END_SPEED] = massive_end_torque(
+            state, state[X], omega, memory[CABLE_END], memory[END_SPEED], step_s, cable
+        )
+        torque += pull
+    elif cable[CABLE_K] != 0.0:
+        pull, end = cable_torque(state, state[X], omega, memory[CABLE_END], step_s, cable)
         torque += pull
         memory[CABLE_END] = end
     return torque

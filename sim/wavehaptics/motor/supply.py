@@ -41,12 +41,12 @@ def supply_words(scene: Scene, made_good: bool) -> np.ndarray:
 def reached_v(scene: Scene) -> float:
     """Largest voltage that a controller can ask for which knows its bus, V: what it always has.
 
-    The bus sags most where the rotor stands still.
+    The bus sags most where the rotor stands still; the controller takes the winding to be of R̂.
     """
     drive = scene.drive
     if drive is None:
         return math.inf
-    sags = drive.sag_ohm / scene.motor.R_ohm
+    sags = drive.sag_ohm / scene.controller.r_hat
     return drive.reached_v / (1.0 + sags * drive.reach**2)
 
 

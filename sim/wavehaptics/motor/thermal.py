@@ -20,10 +20,8 @@ from scipy.linalg import expm
 
 from wavehaptics.motor.plant import Plant
 from wavehaptics.scene import Scene
+from wavehaptics.scene.tables.thermal import REFERENCE_C
 from wavehaptics.trace.columns import Column
-
-REFERENCE_C = 25.0
-"""Temperature at which ``[motor] R_ohm`` holds, °C."""
 
 PIECE_S = 0.05
 """Longest time in which R is taken as constant, s."""

@@ -23,6 +23,7 @@ from wavehaptics.scene.tables.friction import Friction
 from wavehaptics.scene.tables.general import SceneTable
 from wavehaptics.scene.tables.hand import Hand
 from wavehaptics.scene.tables.host import Host
+from wavehaptics.scene.tables.load import Load
 from wavehaptics.scene.tables.motor import Motor
 from wavehaptics.scene.tables.servo import Servo
 from wavehaptics.scene.tables.shaper import Shaper
@@ -34,13 +35,14 @@ from wavehaptics.scene.tables.winding import Winding
 class Scene(Table):
     """A whole scene; a table that the file does not have is ``None`` and is not simulated.
 
-    ``controller.r_hat``, ``l_hat``, ``k_t_hat``, ``eta_free`` and ``adc.full_scale_a`` are never
-    ``None``: defaults are filled in.
+    ``controller.r_hat``, ``l_hat``, ``k_t_hat``, ``j_hat``, ``eta_free`` and ``adc.full_scale_a``
+    are never ``None``: defaults are filled in.
     ``drive.bus_v`` is ``None`` only if ``drive.limit_v`` is, which then means no limit.
     """
 
     scene: SceneTable
     motor: Motor
+    load: Load | None = None
     friction: Friction | None = None
     brushes: Brushes | None = None
     winding: Winding | None = None
@@ -114,9 +116,6 @@ class Scene(Table):
                         ("shaper", "walls", n),
                         ("controller", "walls"),
                     )
-        if scene.adc is not None:
-            adc = scene.adc.resolved(scene.motor, scene.drive, scene.scene.duration_s)
-            scene = scene.model_copy(update={"adc": adc})
         cable = scene.transmission is not None and scene.transmission.cable_stiffness is not None
         if cable and (scene.hand is None or scene.hand.path == "impact"):
             broken_rule(
@@ -145,10 +144,13 @@ class Scene(Table):
             )
         known = {
             "r_hat": motor.R_ohm, "l_hat": motor.L_h, "k_t_hat": motor.felt_k_t,
-            "magnet_hat_rad": motor.magnet_rad,
+            "j_hat": motor.J_kgm2, "magnet_hat_rad": motor.magnet_rad,
         }  # fmt: skip
         missing = {key: value for key, value in known.items() if getattr(controller, key) is None}
         controller = controller.model_copy(update=missing)
+        if scene.adc is not None:
+            adc = scene.adc.resolved(controller.r_hat, scene.drive, scene.scene.duration_s)
+            scene = scene.model_copy(update={"adc": adc})
         if controller.eta_free is None:
             controller = controller.model_copy(update={"eta_free": _eta_free(controller, scene)})
         return scene.model_copy(update={"controller": controller})

@@ -184,7 +184,7 @@ def words(scene: Scene, driver: Driver, motor: int) -> list[tuple[Place, int]]:
     if scene.motor.pole_pairs is not None:
         raws["count_angle"] = count_word(scene.motor.pole_pairs, set_.cell_rad)
     elif driver.dead_time_volt_s:
-        side_a = 0.5 * driver.dead_time_volt_s / scene.motor.L_h
+        side_a = 0.5 * driver.dead_time_volt_s / scene.controller.l_hat
         raws["side_current"] = formats.CURRENT.to_raw(min(side_a, 0.5 * formats.CURRENT.largest))
     return [(_place(name, driver.shape, motor), int(raw)) for name, raw in raws.items()]
 

@@ -18,7 +18,6 @@ from wavehaptics.scene.keys import (
     unknown_choice,
 )
 from wavehaptics.scene.tables.drive import USUAL_BUSES_V, Drive
-from wavehaptics.scene.tables.motor import Motor
 
 
 class Adc(Table):
@@ -36,7 +35,7 @@ class Adc(Table):
         "A",
         "Largest current either way: the range is ± this",
         None,
-        default_text="twice what the voltage limit drives through R",
+        default_text="twice what the voltage limit drives through `r_hat`",
         ge=1e-3,
         le=CURRENT_MAX_A,
     )
@@ -93,12 +92,15 @@ class Adc(Table):
             )
         return {**data, "bits": bits}
 
-    def resolved(self, motor: Motor, drive: Drive | None, duration_s: float) -> Adc:
-        """With the full scale filled in: room for twice the largest current that can last."""
+    def resolved(self, r_hat: float, drive: Drive | None, duration_s: float) -> Adc:
+        """With the full scale filled in: room for twice the largest current that can last.
+
+        ``r_hat`` is what whoever makes the amplifier takes the winding's resistance for, Ω.
+        """
         limit_v = drive.limit_v if drive and drive.limit_v else USUAL_BUSES_V[0]
         full_scale_a = self.full_scale_a
         if full_scale_a is None:
-            full_scale_a = min(2 * limit_v / motor.R_ohm, CURRENT_MAX_A)
+            full_scale_a = min(2 * limit_v / r_hat, CURRENT_MAX_A)
         if abs(self.offset_a) >= full_scale_a:
             broken_rule(
                 f"adc.offset_a = {as_number(self.offset_a)} leaves the range of "

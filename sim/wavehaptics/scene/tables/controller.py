@@ -87,6 +87,14 @@ class Controller(Table):
         ge=1e-4,
         le=10,
     )
+    j_hat: float = scene_key(
+        "kg·m²",
+        "The controller's estimate Ĵ of the inertia on the shaft, for the port anchor",
+        None,
+        default_text="J of the motor, without load and hand",
+        ge=1e-9,
+        le=10,
+    )
     magnet_hat_rad: float = scene_key(
         "rad",
         "Where the controller takes x to be when the magnets of a brushless motor lie along phase "

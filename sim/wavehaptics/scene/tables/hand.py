@@ -18,7 +18,8 @@ _NEEDS: dict[str, tuple[str, ...]] = {
     "impact": ("speed_rad_s",),
 }
 _TAKES = {
-    path: {*needs, *(() if path == "impact" else ("damping",))} for path, needs in _NEEDS.items()
+    path: {*needs, *(() if path == "impact" else ("damping", "inertia_kgm2"))}
+    for path, needs in _NEEDS.items()
 }
 
 
@@ -45,6 +46,9 @@ class Hand(Table):
     damping: float = scene_key(
         "N·m·s/rad", "Damper of the hand; not with `impact`", 0.0, ge=0, le=1000
     )
+    inertia_kgm2: float = scene_key(
+        "kg·m²", "Mass of the hand where it holds; not with `impact`", 0.0, ge=0, le=1
+    )
     speed_rad_s: float | None = scene_key(
         "rad/s",
         "Speed of the rotor at the start of an `impact`, which alone needs it; not 0",
@@ -58,7 +62,7 @@ class Hand(Table):
     def _check(self) -> Hand:
         shown = f'path = "{self.path}"'
         takes = _TAKES[self.path]
-        for key in ("frequency_hz", "stiffness", "damping", "speed_rad_s"):
+        for key in ("frequency_hz", "stiffness", "damping", "inertia_kgm2", "speed_rad_s"):
             if key in self.model_fields_set and key not in takes:
                 wanted = ", ".join(["amplitude_rad", *sorted(takes)])
                 why = "has no hand" if self.path == "impact" else "does not use it"

@@ -5,6 +5,9 @@ from __future__ import annotations
 
 from wavehaptics.scene.keys import Table, scene_key
 
+REFERENCE_C = 25.0
+"""Temperature at which the constants of ``[motor]`` hold, °C."""
+
 
 class Thermal(Table):
     """Warming of the winding; without this table R is constant. Defaults are the RE 25's."""
