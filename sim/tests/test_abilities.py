@@ -69,7 +69,9 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "brushes.drop_v": ((), ("brushes.drop_v=0.3",)),
     "brushes.knee_a": (("brushes.drop_v=0.3",), ("brushes.knee_a=0.1",)),
     "brushes.contact_noise": ((), ("brushes.contact_noise=0.03",)),
-    "brushes.noise_s": (("brushes.contact_noise=0.03",), ("brushes.noise_s=1e-4",)),
+    "brushes.noise_rad": (("brushes.contact_noise=0.03",), ("brushes.noise_rad=1e-3",)),
+    "brushes.flicker_noise": ((), ("brushes.flicker_noise=0.03",)),
+    "brushes.flicker_s": (("brushes.flicker_noise=0.03",), ("brushes.flicker_s=1e-4",)),
     "brushes.segments": (("brushes.segments=11", "brushes.ripple=0.04"), ("brushes.segments=5",)),
     "brushes.ripple": (("brushes.segments=11",), ("brushes.ripple=0.04",)),
     "brushes.step": (("brushes.segments=11",), ("brushes.step=0.04",)),
@@ -131,6 +133,7 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "thermal.tau_winding_s": (HOT, ("thermal.tau_winding_s=0.5",)),
     "thermal.tau_housing_s": ((*HOT, "thermal.tau_winding_s=0.5"), ("thermal.tau_housing_s=0.5",)),
     "thermal.alpha_per_k": (HOT, ("thermal.alpha_per_k=0.001",)),
+    "thermal.magnet_per_k": (HOT, ("thermal.magnet_per_k=-0.002",)),
     "thermal.ambient_c": ((*HOT, "thermal.tau_winding_s=0.5"), ("thermal.ambient_c=100",)),
     "thermal.start_c": (
         ("scene.duration_s=0.2", "controller.tick_hz=50e3"),

@@ -11,7 +11,13 @@ import pytest
 from scipy.integrate import solve_ivp
 from wavehaptics.ladder.hosted import HostedSimulation, Line
 from wavehaptics.ladder.run import CONTROLLERS
-from wavehaptics.motor.brushes import NOISE_POINTS, PARTS_OF_NOISE_S, noise_course
+from wavehaptics.motor.brushes import (
+    FLICKER_SEED,
+    NOISE_POINTS,
+    NOISE_SEED,
+    POINTS_CORRELATED,
+    noise_course,
+)
 from wavehaptics.motor.plant import OMEGA, I, Plant, X, load_words
 from wavehaptics.motor.step import MEMORY, SERIES_OHM, motor_parts, motor_step, warm_parts
 from wavehaptics.trace.columns import Column, Word
@@ -175,9 +181,9 @@ def test_step_rises_at_its_edge_and_falls_a_bar_later(make_scene):
         assert i == pytest.approx(1e-3 / (R * (1 + part)), rel=1e-6)
 
 
-def test_contact_noise_has_its_rms_and_its_correlation_time(make_scene):
-    brushes = make_scene("brushes.contact_noise=0.1").brushes
-    course = noise_course(brushes)
+@pytest.mark.parametrize("seed", [NOISE_SEED, FLICKER_SEED])
+def test_a_noise_has_its_rms_and_its_correlation(seed):
+    course = noise_course(seed)
     assert len(course) == NOISE_POINTS
     fine = np.repeat(course, 8) + np.tile(np.arange(8) / 8, NOISE_POINTS) * np.repeat(
         np.roll(course, -1) - course, 8
@@ -185,7 +191,7 @@ def test_contact_noise_has_its_rms_and_its_correlation_time(make_scene):
     # 4096 correlation times give the variance to 1/sqrt(4096/2) or so.
     assert np.sqrt(np.mean(fine**2)) == pytest.approx(1.0, abs=0.04)
     for times in (0.25, 0.5, 1.0, 2.0):
-        shifted = np.roll(course, round(times * PARTS_OF_NOISE_S))
+        shifted = np.roll(course, round(times * POINTS_CORRELATED))
         found = np.mean(course * shifted) / np.mean(course**2)
         assert found == pytest.approx(math.exp(-times), abs=0.06)
     # The round closes: the last kick is no larger than the others.
@@ -193,15 +199,52 @@ def test_contact_noise_has_its_rms_and_its_correlation_time(make_scene):
     assert kicks[0] < 5 * kicks.std()
 
 
-def test_contact_noise_is_of_r(make_scene):
+def test_flicker_is_of_r(make_scene):
     plant = Plant.of_scene(
-        make_scene("brushes.contact_noise=0.03", "brushes.noise_s=1e-3", "motor.J_kgm2=1.0")
+        make_scene("brushes.flicker_noise=0.03", "brushes.flicker_s=1e-3", "motor.J_kgm2=1.0")
     )
     i = run(plant, [1.0] * 200_000, 1e-5)[2000:, 0]
     r = 1.0 / i
     assert r.mean() == pytest.approx(R, rel=5e-3)
     # The winding's 0.11 ms smooth it a little.
     assert r.std() == pytest.approx(0.03 * R, rel=0.12)
+
+
+NOISY = ("brushes.contact_noise=0.03", "brushes.noise_rad=5e-3", "motor.J_kgm2=1.0",
+         "motor.k_t=1e-4", "hand.path='impact'", "hand.amplitude_rad=1")  # fmt: skip
+"""A rotor that nothing slows down."""
+
+
+def test_contact_noise_is_of_the_angle_and_of_r(make_scene):
+    """At 10 rad/s the RMS of R, and the same R at the same angle at any speed and either way."""
+    courses = {}
+    for speed in (10.0, 2.0, -10.0):
+        plant = Plant.of_scene(make_scene(*NOISY, f"hand.speed_rad_s={speed}"))
+        plant.start[X] = -1.0 if speed > 0.0 else 1.0
+        rows = run(plant, [1.0] * round(2.0 / abs(speed) / 1e-5), 1e-5)[300:]
+        r = (1.0 - L * np.gradient(rows[:, 0], 1e-5)) / rows[:, 0]
+        courses[speed] = (rows[:, 2], r)
+        assert r.mean() == pytest.approx(R, rel=5e-3)
+        assert r.std() == pytest.approx(0.03 * R, rel=0.15)
+    places = np.linspace(-0.8, 0.8, 2000)
+    fast = np.interp(places, *courses[10.0])
+    slow = np.interp(places, *courses[2.0])
+    back = np.interp(places, *(column[::-1] for column in courses[-10.0]))
+    assert np.std(slow - fast) < 0.1 * np.std(fast)
+    assert np.std(back - fast) < 0.1 * np.std(fast)
+
+
+def test_contact_noise_is_still_where_the_rotor_is(make_scene):
+    """At rest R is some constant: other than flicker the noise of sliding doesn't move a wall."""
+    found = []
+    for place in (0.3, 0.4, -0.5):
+        plant = Plant.of_scene(make_scene(*NOISY, "hand.speed_rad_s=1e-9"))
+        plant.start[X] = place
+        i = run(plant, [0.1] * 20_000, 1e-5)[2000:, 0]
+        assert np.ptp(i) < 1e-3 * 0.03 * i.mean()  # it drifts by 0.1 µrad
+        found.append(0.1 / i.mean())
+    assert max(abs(r / R - 1.0) for r in found) < 0.12
+    assert np.ptp(found) > 0.005 * R
 
 
 def test_eddy_currents_against_scipy(make_scene):
@@ -405,7 +448,7 @@ def test_steps_are_short_enough_for_what_is_there(make_scene):
     assert (
         Plant.of_scene(make_scene("brushes.drop_v=0.5", "brushes.knee_a=5e-4")).substeps(1e-6) > 5
     )
-    noisy = make_scene("brushes.contact_noise=0.03", "brushes.noise_s=1e-5")
+    noisy = make_scene("brushes.flicker_noise=0.03", "brushes.flicker_s=1e-5")
     assert Plant.of_scene(noisy).longest_step_s <= 1.25e-6
 
 

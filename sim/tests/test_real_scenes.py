@@ -461,7 +461,8 @@ def test_the_servo_makes_torque_with_its_k_t(make_scene):
         (("brushes.ripple=0.04",), "brushes.ripple needs to know the bars of the commutator"),
         (("brushes.step=0.04",), "brushes.step needs to know the bars"),
         (("brushes.knee_a=0.01",), "brushes.knee_a does nothing without drop_v"),
-        (("brushes.noise_s=0.01",), "brushes.noise_s does nothing without contact_noise"),
+        (("brushes.noise_rad=0.01",), "brushes.noise_rad does nothing without contact_noise"),
+        (("brushes.flicker_s=0.01",), "brushes.flicker_s does nothing without flicker_noise"),
         (("winding.eddy_ohm=10",), "winding.eddy_ohm does nothing without eddy_part"),
         (("winding.eddy_part=0.1",), "winding.eddy_part does nothing without eddy_ohm"),
         (("winding.saturation_a=0",), "winding.saturation_a = 0 is out of range"),
@@ -500,7 +501,8 @@ def test_tip_needs_both_and_cable_alone_has_none(make_scene):
 def test_core_is_golden_with_everything_on(make_scene):
     scene = make_scene(
         *PRESS, *BRUSHES, "brushes.segments=11", "brushes.step=-0.04", "brushes.contact_noise=0.03",
-        "winding.eddy_ohm=50", "winding.eddy_part=0.2", "winding.saturation_a=2",
+        "brushes.flicker_noise=0.01", "winding.eddy_ohm=50", "winding.eddy_part=0.2",
+        "winding.saturation_a=2",
         "cogging.torque_nm=1e-4", "cogging.per_rev=22", "adc.bits=12", "adc.bandwidth_hz=530e3",
         "adc.common_mode_a=1e-3", "adc.drift_a_per_s=0.01", "drive.bus_v=12", "drive.step_v=-1",
         "drive.step_s=0.003", "drive.sag_ohm=0.3", "encoder.counts_per_rev=10000",

@@ -555,7 +555,9 @@ def _described() -> dict[str, list[tuple[str, ...]]]:
 def test_a_key_that_is_gone_names_what_took_its_place(tmp_path, path):
     table, key = path
     told = f"{table}.{key} is gone: {GONE[path]}"
-    assert refusal(tmp_path, f"{BASE}{key} = 0.5\n") == f"bench.toml:{AFTER_BASE}: {told}"
+    lines = f"[{table}]\n" if f"[{table}]" not in BASE else ""
+    line = AFTER_BASE + lines.count("\n")
+    assert refusal(tmp_path, f"{BASE}{lines}{key} = 0.5\n") == f"bench.toml:{line}: {told}"
     override = f"{table}.{key}=true"
     assert refusal(tmp_path, BASE, override) == f"--set {override}: {told}"
     (instead,) = re.findall(r"; use (\w+)", GONE[path])

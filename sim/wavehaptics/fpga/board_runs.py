@@ -81,7 +81,7 @@ def hold(board: Board, sign: int = 1) -> Scene:
         f"motor.L_h={motor.L_h / (1 + 0.1 * sign)!r}",
         f"motor.k_t={motor.k_t / (1 + 0.1 * sign)!r}",
         f"brushes.drop_v={BRUSH_V}", "brushes.knee_a=5e-3", "brushes.segments=22",
-        f"brushes.ripple={0.04 * sign}", "brushes.contact_noise=0.03", "brushes.noise_s=1e-3",
+        f"brushes.ripple={0.04 * sign}", "brushes.flicker_noise=0.03", "brushes.flicker_s=1e-3",
         f"drive.step_v={0.05 * sign * bus_v!r}", f"drive.step_s={RAMP_S + 0.5 * HOLD_S}",
         f"drive.gain_error={0.05 * sign}", f"adc.offset_a={4e-3 * sign}", "adc.noise_a=1e-3",
         f"adc.bandwidth_hz={1 / (2 * math.pi * LAG_S):.6g}",

@@ -326,7 +326,8 @@ class AnalogSimulation:
     def _warm(self, plant: Plant) -> None:
         self._plant = plant
         self._steps = self._transitions(plant)
-        self._floats[_RESISTANCE] = plant.resistance
+        self._load = load_words(plant)
+        self._floats[_RESISTANCE], self._floats[_K_T] = plant.resistance, plant.k_t
         warm_real(self._real, plant)
 
     def _advance(self, rows: np.ndarray) -> None:

@@ -169,7 +169,8 @@ class EncoderSimulation:
 
     def _warm(self, plant: Plant) -> None:
         self._matrix = plant.transition(self._dt)
-        self._floats[_RESISTANCE] = plant.resistance
+        self._load = load_words(plant)
+        self._floats[_RESISTANCE], self._floats[_K_T] = plant.resistance, plant.k_t
         warm_real(self._real, plant)
 
     def _advance(self, rows: np.ndarray) -> None:

@@ -219,7 +219,8 @@ class PinsSimulation:
 
     def _warm(self, plant: Plant) -> None:
         self._tables = self._transitions(plant)
-        self._floats[pins_loop.RESISTANCE] = plant.resistance
+        self._load = load_words(plant)
+        self._floats[[pins_loop.RESISTANCE, pins_loop.K_T]] = plant.resistance, plant.k_t
         warm_real(self._real, plant)
 
     def _advance(self, rows: np.ndarray, words: np.ndarray) -> None:

@@ -43,7 +43,7 @@ PART_OF_SLOPE = 0.5
 PART_OF_SATURATION = 0.25
 """Longest step where L falls, in parts of that of the full L."""
 PARTS_OF_NOISE = 8
-"""Steps within the correlation time of the brushes' noise, at least."""
+"""Steps within the correlation time of the brushes' noise over time, at least."""
 PART_OF_CABLE = 0.05
 """Longest step in parts of the time constants of the rotor on its cable and of its cogging."""
 
@@ -171,8 +171,8 @@ class Plant:
         slope, longest = self.resistance + self.sag_ohm, math.inf
         if brushes is not None:
             slope += brushes.drop_v / brushes.knee_a
-            if brushes.contact_noise:
-                longest = brushes.noise_s / PARTS_OF_NOISE
+            if brushes.flicker_noise:
+                longest = brushes.flicker_s / PARTS_OF_NOISE
         if winding is not None and winding.eddy_ohm is not None:
             slope += winding.eddy_ohm
         longest = min(longest, PART_OF_SLOPE * self.inductance / slope)

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wavehaptics.motor.brushes import brush_drop, brush_words, contact_ohm, noise_course
+from wavehaptics.motor.brushes import brush_drop, brush_words, contact_ohm, noise_courses
 from wavehaptics.motor.cable import (
     CABLE_K,
     END_INERTIA,
@@ -46,7 +46,7 @@ from wavehaptics.motor.plant import (
 )
 from wavehaptics.runtime.compiled import compiled
 
-BRUSHES, NOISE, IRON, COGGING, CABLE, MEMORY = range(6)
+BRUSHES, NOISE, FLICKER, IRON, COGGING, CABLE, MEMORY = range(7)
 """Places of the arrays in :func:`motor_parts`."""
 
 VOLTAGE, SERIES_OHM, EDDY_CURRENT, CABLE_END, END_SPEED, ACCELERATION, RESISTANCE = range(7)
@@ -59,18 +59,18 @@ TOLERANCE_V = 1e-7
 
 
 def motor_parts(plant: Plant) -> tuple[np.ndarray, ...]:
-    """What :func:`motor_step` takes besides the plant's words: six float64 arrays.
+    """What :func:`motor_step` takes besides the plant's words: seven float64 arrays.
 
     All are empty where the scene's motor is linear.
     """
     if not plant.real:
-        return (np.zeros(0),) * 6
+        return (np.zeros(0),) * (MEMORY + 1)
     memory = np.zeros(RESISTANCE + 1)
     memory[CABLE_END], memory[END_SPEED] = plant.start[X], plant.start[OMEGA]
     memory[RESISTANCE] = plant.resistance
     return (
         brush_words(plant.brushes, plant.resistance),
-        noise_course(plant.brushes),
+        *noise_courses(plant.brushes),
         iron_words(plant.winding, plant.inductance),
         cogging_words(plant.cogging),
         cable_words(plant),
@@ -146,7 +146,8 @@ def load_torque(state, step_s, parts):
 @compiled(inline="always")
 def series_ohm(x, time, parts):
     """What lies in series besides R at an angle and a time, Ω."""
-    return parts[MEMORY][SERIES_OHM] + contact_ohm(x, time, parts[BRUSHES], parts[NOISE])
+    brushes = contact_ohm(x, time, parts[BRUSHES], parts[NOISE], parts[FLICKER])
+    return parts[MEMORY][SERIES_OHM] + brushes
 
 
 @compiled(inline="always")

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Warming of the winding: two heat capacities, and the resistance that follows the first.
+"""Warming of winding and magnets: two heat capacities, R that follows the first, k_T the second.
 
     C_w dθ_w/dt = P − (θ_w − θ_h)/R_wh        winding, C_w = τ_w/R_wh
     C_h dθ_h/dt = (θ_w − θ_h)/R_wh − (θ_h − θ_a)/R_ha      housing, C_h = τ_h/R_ha
     R = R_25 (1 + α (θ_w − 25 °C))
+    k_T = k_25 (1 + β (θ_h − 25 °C))      magnets in the housing, β below zero
 
 The names are those of a motor's data sheet. Between two updates the heat P is constant and the
 solution is exact; the winding is slow enough (seconds) for an update every PIECE_S.
@@ -24,13 +25,13 @@ from wavehaptics.scene.tables.thermal import REFERENCE_C
 from wavehaptics.trace.columns import Column
 
 PIECE_S = 0.05
-"""Longest time in which R is taken as constant, s."""
+"""Longest time in which R and k_T are taken as constant, s."""
 
 
 class Winding:
-    """Temperature and resistance of one scene's winding, and the plant that it belongs to.
+    """Temperatures of one scene's motor, and the plant as they have it.
 
-    Without a ``[thermal]`` table the resistance is the motor's for good. ``SceneError`` where the
+    Without a ``[thermal]`` table R and k_T are the motor's for good. ``SceneError`` where the
     motor is brushless, of which there is no winding alone.
     """
 
@@ -68,14 +69,23 @@ class Winding:
         return cold * (1.0 + self._thermal.alpha_per_k * (self.temperature - REFERENCE_C))
 
     @property
+    def k_t(self) -> float:
+        """k_T of the motor as it is now, N·m/A."""
+        cold = self._plant.k_t
+        if self._thermal is None:
+            return cold
+        warmer = float(self._theta[1]) - REFERENCE_C
+        return cold * (1.0 + self._thermal.magnet_per_k * warmer)
+
+    @property
     def temperature(self) -> float:
         """θ_w, °C; without a ``[thermal]`` table that at which R holds."""
         return REFERENCE_C if self._thermal is None else float(self._theta[0])
 
     @property
     def plant(self) -> Plant:
-        """The scene's plant with the winding as it is now."""
-        return replace(self._plant, resistance=self.resistance)
+        """The scene's plant with winding and magnets as they are now."""
+        return replace(self._plant, resistance=self.resistance, k_t=self.k_t)
 
     def advance(
         self,
@@ -83,7 +93,7 @@ class Winding:
         simulate: Callable[[slice], None],
         warm: Callable[[Plant], None],
     ) -> None:
-        """Let the ticks of ``rows`` pass, in parts in which R is taken as constant.
+        """Let the ticks of ``rows`` pass, in parts in which R and k_T are taken as constant.
 
         ``simulate`` fills a part of the rows, and ``warm`` takes the plant that holds from there
         on, where it has changed.
@@ -102,7 +112,7 @@ class Winding:
         """Let ticks pass: ``rows`` of :class:`~wavehaptics.trace.columns.Column`, in order.
 
         The heat is R i² of the ticks' mean currents; the carrier's ripple adds nothing to it.
-        Returns whether R has changed.
+        Returns whether R and k_T have changed.
         """
         if self._thermal is None or not len(rows):
             return False

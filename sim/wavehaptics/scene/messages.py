@@ -22,6 +22,9 @@ from wavehaptics.scene.schema import TABLES, Scene
 from wavehaptics.scene.tables.motor import DC_KEYS
 
 GONE: dict[KeyPath, str] = {
+    ("brushes", "noise_s"): (
+        "contact_noise is over the angle; use noise_rad, or flicker_noise for noise over time"
+    ),
     ("controller", "release_ohm"): (
         "the port anchor needs no rule for the way out; use anchor_auto = true"
     ),

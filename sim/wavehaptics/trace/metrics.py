@@ -41,9 +41,9 @@ wall's design spring held in the same contact, ``½F²/K``. Both may be negative
 
 **A hold** compares F and x with the design spring. Where the back-EMF of a brushless motor has
 harmonics, its torque for an ampere swings with the angle
-(:func:`~wavehaptics.laws.closed_forms.brushless_own_k_t`); the spring's k_T is the motor's own
-where it rests, as it is the motor's own where ``k_t`` and ``k_t_hat`` differ: neither says that the
-wall has moved.
+(:func:`~wavehaptics.laws.closed_forms.brushless_own_k_t`), and warm magnets make less of it; the
+spring's k_T is the motor's own where and as it rests, as it is the motor's own where ``k_t`` and
+``k_t_hat`` differ: none of it says that the wall has moved.
 
 ``swing_rad`` is the amplitude of a sine with the RMS of the rotor's position about a straight line
 in the last tenth of a ``press``: slow drift is no swing. ``swing_hz`` is the frequency Ω/2π with
@@ -125,6 +125,7 @@ _RUN = np.dtype(
         ("pole_pairs", "f8"),
         ("magnet", "f8"),
         ("shape_power", "f8"),
+        ("warm", "i8"),  # whether k_T changes with the magnets' temperature
         # sums over the run
         ("ticks", "i8"),
         ("saturated", "i8"),
@@ -382,10 +383,22 @@ def _close_account(run: Any) -> None:
 
 
 @compiled_counting()
-def _account(run: Any, omega: float, torque: float) -> None:
+def _own_spring(run: Any, x: float, i: float, torque: float) -> float:
+    """The spring of a wall with the motor's k_T as it is, in parts of the design spring."""
+    own = 1.0
+    if run.swing != 0.0:
+        theta = run.pole_pairs * (x - run.magnet)
+        own += run.swing * math.cos(6.0 * theta)
+    if run.warm and i != 0.0:
+        own = torque / (run.k_t * i)
+    return own**run.shape_power
+
+
+@compiled_counting()
+def _account(run: Any, omega: float, torque: float, spring_part: float) -> None:
     """A tick of a contact, or close to the edge of one."""
     run.account_j += torque * omega * run.tick_s
-    run.account_held_j = 0.5 * torque * torque * run.account_compliance
+    run.account_held_j = 0.5 * torque * torque * run.account_compliance / spring_part
     run.account_most_j = max(run.account_most_j, run.account_held_j)
 
 
@@ -491,8 +504,11 @@ def _gather(
                 _close_account(run)
             run.free_ticks += 1
             run.free_square += torque * torque
+        spring_part = 1.0
+        if run.swing != 0.0 or run.warm:
+            spring_part = _own_spring(run, x, rows[n, _I], torque)
         if run.account:
-            _account(run, omega, torque)
+            _account(run, omega, torque, spring_part)
         run.omega_last = omega
         if run.anchored:
             _correct(run, rows[n], contact)
@@ -506,11 +522,7 @@ def _gather(
             run.hold_omega = omega
             run.hold_ticks += 1
             run.hold_contact += contact
-            own = 1.0
-            if run.swing != 0.0:
-                theta = run.pole_pairs * (x - run.magnet)
-                own = (1.0 + run.swing * math.cos(6.0 * theta)) ** run.shape_power
-            run.hold_offset += torque * run.compliance / own + x - run.edge
+            run.hold_offset += torque * run.compliance / spring_part + x - run.edge
             run.hold_depth += x - run.edge
             # About the first value: the mean is far larger than the ripple.
             run.hold_sum += torque - run.hold_first
@@ -575,13 +587,14 @@ class Metrics:
         if motor.brushless:
             run["swing"] = motor.harmonic_7 - motor.harmonic_5
             run["pole_pairs"], run["magnet"] = motor.pole_pairs, motor.magnet_rad
-            run["shape_power"] = shape_power
         run["anchored"] = root is not None
         run["half_root"] = 0.5 * (root or 0.0)
         run["tick_s"] = tick_s
         run["inductance"] = scene.motor.L_h
         run["k_t"] = scene.motor.k_t
         run["fault_s"] = -1.0
+        run["shape_power"] = shape_power
+        run["warm"] = scene.thermal is not None and scene.thermal.magnet_per_k != 0.0
         run["hold_start"] = ticks - ticks // 10 if path == "press" else np.iinfo(np.int64).max
 
     def update(self, rows: np.ndarray, reference_rows: np.ndarray | None = None) -> None:
@@ -740,7 +753,7 @@ class Metrics:
         ``saturated_fraction``        of all ticks
         ``correction_out_max_j``      most net work of c less what it cancels: see the module's head
         ``correction_bound_j``        what that can't exceed; None with ``[winding]``, whose flux is
-                                      not L·i
+                                      not L·i, and where magnets warm
         ``x_hat_error_rms_rad``       of x̂ against x at the ticks' ends
         ``omega_hat_error_rms``       of ω̂ against the tick's mean ω, rad/s
         ``anchor_fault_s``            time at which the anchor gave up, or None
@@ -811,10 +824,11 @@ class Metrics:
                  "omega_hat_error_rms", "anchor_fault_s")  # fmt: skip
         if not (run["anchored"] and ticks):
             return dict.fromkeys(names)
-        iron = self._scene.winding is not None
+        # Its flux is not L i + k_T x.
+        otherwise = self._scene.winding is not None or bool(run["warm"])
         values = (
             run["work_peak"],
-            None if iron else run["bound"] + _part_bound.py_func(run),
+            None if otherwise else run["bound"] + _part_bound.py_func(run),
             math.sqrt(run["x_hat_square"] / ticks),
             math.sqrt(run["omega_hat_square"] / ticks),
             run["fault_s"] if run["fault_s"] >= 0.0 else None,

@@ -15,8 +15,15 @@ class Brushes(Table):
         "V", "Voltage drop V_b: V_b·tanh(i/`knee_a`) in series with the winding", 0.0, ge=0, le=10
     )
     knee_a: float = scene_key("A", "Current at which the drop bends", 5e-3, ge=1e-4, le=100)
-    contact_noise: float = scene_key("–", "Noise of the contact, RMS, part of R", 0.0, ge=0, le=0.5)
-    noise_s: float = scene_key("s", "Correlation time of that noise", 1e-3, ge=1e-5, le=10)
+    contact_noise: float = scene_key(
+        "–", "Noise of the sliding contact over the angle, none at rest: RMS, part of R", 0.0,
+        ge=0, le=0.5,
+    )  # fmt: skip
+    noise_rad: float = scene_key("rad", "Correlation angle of that noise", 5e-3, ge=1e-4, le=10)
+    flicker_noise: float = scene_key(
+        "–", "Noise of the contact over time, at rest as well: RMS, part of R", 0.0, ge=0, le=0.5
+    )
+    flicker_s: float = scene_key("s", "Correlation time of that noise", 1e-3, ge=1e-5, le=10)
     segments: int = scene_key(
         "bars", "Bars of the commutator; `ripple` and `step` need it", 0,
         default_text="none", ge=1, le=1000,
@@ -41,8 +48,8 @@ class Brushes(Table):
                 broken_rule(
                     f"brushes.{key} needs to know the bars of the commutator; give segments", key
                 )
-        for key, needed in (("knee_a", "drop_v"), ("noise_s", "contact_noise"),
-                            ("step_at_rad", "step")):  # fmt: skip
+        for key, needed in (("knee_a", "drop_v"), ("noise_rad", "contact_noise"),
+                            ("flicker_s", "flicker_noise"), ("step_at_rad", "step")):  # fmt: skip
             if key in self.model_fields_set and needed not in self.model_fields_set:
                 broken_rule(f"brushes.{key} does nothing without {needed}; give {needed}", key)
         return self

@@ -30,7 +30,8 @@ def _supply(part: float) -> tuple[str, ...]:
 
 
 def _noise(noise_s: float) -> tuple[str, ...]:
-    return ("brushes.contact_noise=0.03", f"brushes.noise_s={noise_s:g}")
+    """Of the contact over time, which is there at rest as well: that of sliding is still there."""
+    return ("brushes.flicker_noise=0.03", f"brushes.flicker_s={noise_s:g}")
 
 
 ALONE: dict[str, tuple[str, ...]] = {
