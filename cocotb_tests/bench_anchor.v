@@ -27,6 +27,7 @@ module bench_anchor #(
     input  wire signed [`WH_DATA_W-1:0]  withheld_i,
     input  wire signed [`WH_DATA_W-1:0]  voltage_i,
     input  wire                          saturated_i,
+    input  wire                          blind_i,
     output wire                          busy_o,
     output wire                          overrun_o,
 
@@ -89,6 +90,7 @@ module bench_anchor #(
         .withheld_i    (withheld_i),
         .voltage_i     (voltage_i),
         .saturated_i   (saturated_i),
+        .blind_i       (blind_i),
         .busy_o        (busy_o),
         .overrun_o     (overrun_o),
         .words_i       (words_i),

@@ -32,10 +32,10 @@ module bench_wave_core #(
     // In stimulus.hex's words, from the top: reset, abort, poke, clock, pause; the core's inputs.
     localparam integer SHAPE_N = N * ((SHAPER > 0) ? SHAPER : 1)
                                  * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W);
-    localparam integer STIMULUS_W = 3 + 8 + 8 + 2 * DELAY_LOG2 + 2 * N + SHAPE_N
+    localparam integer STIMULUS_W = 3 + 8 + 8 + 2 * DELAY_LOG2 + 4 * N + SHAPE_N
                                     + 3 * DATA_N + 3 * COEF_N;
     // In response.hex's words, from the top: faults, clocks, overrun; the core's outputs.
-    localparam integer RESPONSE_W = 8 + 16 + 1 + N + 4 * DATA_N;
+    localparam integer RESPONSE_W = 8 + 16 + 1 + 2 * N + 4 * DATA_N;
 
     // Clocks of a port's turn, and from its first one until its waves are there.
     localparam integer TURN  = 24 + 5 * SHAPER;
@@ -61,6 +61,7 @@ module bench_wave_core #(
     reg [DELAY_LOG2-1:0] hold_ticks = {DELAY_LOG2{1'b0}};
     reg [DATA_N-1:0] current = {DATA_N{1'b0}};
     reg [DATA_N-1:0] outside = {DATA_N{1'b0}};
+    reg [2*N-1:0]    ends = {2*N{1'b0}};
     reg [2*N-1:0]    mode = {2*N{1'b0}};
     reg [SHAPE_N-1:0] shape = {SHAPE_N{1'b0}};
     reg [DATA_N-1:0] u_max = {DATA_N{1'b0}};
@@ -76,6 +77,7 @@ module bench_wave_core #(
     wire [DATA_N-1:0] v;
     wire [N-1:0]      saturated;
     wire [DATA_N-1:0] withheld;
+    wire [N-1:0]      clipped;
     wire [N-1:0]      waves;
 
     wire                                    request;
@@ -120,6 +122,7 @@ module bench_wave_core #(
         .current_i     (current),
         .eta_i         (busy ? eta : ~eta),          // not read in a step's first clock
         .outside_i     (busy ? outside : ~outside),
+        .ends_i        (ends),
         .shape_mode_i  (busy ? mode : ~mode),
         .shape_words_i (shape),
         .root_i        (root),
@@ -132,6 +135,7 @@ module bench_wave_core #(
         .v_o           (v),
         .saturated_o   (saturated),
         .withheld_o    (withheld),
+        .clipped_o     (clipped),
         .waves_o       (waves),
         .request_o     (request),
         .factor_o      (factor),
@@ -150,6 +154,7 @@ module bench_wave_core #(
     // The waves of each port when their strobe came.
     reg [DATA_N-1:0] strobed_u;
     reg [DATA_N-1:0] strobed_v;
+    reg [N-1:0]      strobed_clipped;
 
     initial begin
         done_o = 1'b0;
@@ -159,7 +164,7 @@ module bench_wave_core #(
         rst = 1'b0;
         for (tick = 0; tick < ticks_i; tick = tick + 1) begin
             {reset_first, abort, poke, at, pause,
-             extra_ticks, hold_ticks, mode, shape, u_max, a, root, outside, eta, current} = stimulus[tick];
+             extra_ticks, hold_ticks, ends, mode, shape, u_max, a, root, outside, eta, current} = stimulus[tick];
             faults = 8'd0;
             if (reset_first) begin
                 rst = 1'b1;
@@ -183,6 +188,7 @@ module bench_wave_core #(
                     if (waves[port]) begin
                         strobed_u[port*`WH_DATA_W +: `WH_DATA_W] = u[port*`WH_DATA_W +: `WH_DATA_W];
                         strobed_v[port*`WH_DATA_W +: `WH_DATA_W] = v[port*`WH_DATA_W +: `WH_DATA_W];
+                        strobed_clipped[port] = clipped[port];
                     end
                 end
                 if (abort && clocks == {8'd0, at}) begin
@@ -194,8 +200,9 @@ module bench_wave_core #(
                 if (busy !== !(valid || (abort && clocks == {8'd0, at}))) faults = faults + 8'd1;
                 going = busy === 1'b1 && clocks != 16'hFFFF;
             end
-            if (!abort && {strobed_u, strobed_v} !== {u, v}) faults = faults + 8'd1;
-            response[tick] = {faults, clocks, overrun, saturated, withheld, v, u, voltage};
+            if (!abort && {strobed_clipped, strobed_u, strobed_v} !== {clipped, u, v})
+                faults = faults + 8'd1;
+            response[tick] = {faults, clocks, overrun, clipped, saturated, withheld, v, u, voltage};
         end
         $writememh("response.hex", response);
         done_o = 1'b1;

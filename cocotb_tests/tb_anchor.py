@@ -47,6 +47,7 @@ class Tick:
     withheld: int = 0
     voltage: int = 0
     saturated: int = 0
+    blind: int = 0
     cell: int = CELL
     """Of an axis: what the last count changed of its flux."""
     turned: int = 0
@@ -87,8 +88,8 @@ class AnchorBench(Bench):
     async def power_up(self) -> None:
         await self.start(
             rst_multiplier=1, start_i=0, position_i=0, place_i=0, cell_i=0, contact_i=0, waves_i=0,
-            current_i=0, u_i=0, v_i=0, withheld_i=0, voltage_i=0, saturated_i=0, words_i=0,
-            other_i=0, other_data_i=0, other_coef_i=0,
+            current_i=0, u_i=0, v_i=0, withheld_i=0, voltage_i=0, saturated_i=0, blind_i=0,
+            words_i=0, other_i=0, other_data_i=0, other_coef_i=0,
         )  # fmt: skip
         self.drive(rst_multiplier=0)
 
@@ -156,10 +157,13 @@ class AnchorBench(Bench):
             await self.begin_tick(tick, gap)
         self.drive(
             waves_i=1, current_i=tick.current, u_i=tick.u, v_i=tick.v, withheld_i=tick.withheld,
-            voltage_i=tick.voltage, saturated_i=tick.saturated,
+            voltage_i=tick.voltage, saturated_i=tick.saturated, blind_i=tick.blind,
         )  # fmt: skip
         await self.step()
-        self.drive(start_i=0, waves_i=0, voltage_i=self.noise(), saturated_i=self.noise(1))
+        self.drive(
+            start_i=0, waves_i=0, voltage_i=self.noise(), saturated_i=self.noise(1),
+            blind_i=self.noise(1),
+        )  # fmt: skip
         self.started = False
         assert self.word("busy_o")
         self.check()
@@ -181,7 +185,7 @@ class AnchorBench(Bench):
         before, shown = self.state.copy(), self.want()
         words = (
             bool(tick.contact), tick.current, tick.u, tick.v, tick.withheld, tick.voltage,
-            bool(tick.saturated),
+            bool(tick.saturated), bool(tick.blind),
         )  # fmt: skip
         if self.axis:
             flux, cell = (word << rotor_flux.SHIFT for word in (tick.place, tick.cell))
@@ -279,6 +283,9 @@ class AnchorBench(Bench):
                 "withheld": tick.withheld and tick.contact,
                 "turns in": before[anchor.BOUNCED] and anew and not begins,
                 "rebounds": gone[anchor.REBOUNDS] > 0,
+                "blind": tick.blind and state[anchor.CLIPPED] and words[anchor.ENABLE],
+                "overloaded": not tick.blind and state[anchor.OVERLOADED],
+                "far": gone[anchor.FAULT] and not state[anchor.CLIPPED],
             }.items()
             if happened
         }
@@ -290,7 +297,7 @@ EVERYTHING = frozenset(
         "outside above", "outside below", "inside", "clipped above", "clipped below",
         "not clipped", "clipped with the waves", "room", "fault", "mean", "offset", "forgotten",
         "learned at rest", "learned on the move", "one unit of rest", "withheld",
-        "rebounds", "turns in",
+        "rebounds", "turns in", "blind", "overloaded", "far",
     )
 )  # fmt: skip
 
@@ -328,7 +335,7 @@ def random_ticks(rng: random.Random, count: int) -> list[Tick]:
         move = rng.choice((0, 0, 0, 0, 0, 0, 1, 1, -1, -1, 2, -2, 5, any_word(rng, COUNT)))
         position = wrapped(position + move, COUNT)
         contact ^= rng.random() < changes
-        tick = Tick(position, contact, saturated=rng.random() < 0.1)
+        tick = Tick(position, contact, saturated=rng.random() < 0.1, blind=rng.random() < 0.1)
         tick.cell = rng.choice((CELL, -CELL, 0, 1, -1, rng.randint(-CELL, CELL)))
         tick.turned = rng.choice((0, 0, rng.randint(-CELL, CELL), rng.getrandbits(PLACE.width)))
         if rng.random() < loud:

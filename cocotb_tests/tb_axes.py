@@ -86,7 +86,7 @@ class AxesBench(Bench):
         self.magnet = magnet_angle.new_state(not find, 0)
         self._forget()
         await self.start(
-            damp_i=0, start_i=0, current_i=0, eta_i=0, root_i=ROOT, a_i=A, u_max_i=u_max,
+            damp_i=0, start_i=0, current_i=0, ends_i=0, eta_i=0, root_i=ROOT, a_i=A, u_max_i=u_max,
             extra_ticks_i=EXTRA, hold_ticks_i=HOLD, shape_words_i=0, shaped_i=0, position_i=0,
             place_i=0, cell_i=0, contact_i=0, anchor_words_i=anchor.packed(self.gains),
             angle_rst_i=1, find_magnet_i=find, count_angle_i=COUNT_ANGLE, turned_i=0, other_i=0,
@@ -145,6 +145,7 @@ class AxesBench(Bench):
             "place_i": self._rotor(rotor_flux.PLACE_A, PLACE_W),
             "cell_i": self._rotor(rotor_flux.CELL_A, CELL_W),
             "current_i": pack(currents, formats.DATA_W),
+            "ends_i": (ends := self.rng.choice((0, 0, 0, 0, self.rng.getrandbits(4)))),
         }
         # What says the mode may still be another in a step's first clock; currents and rotor are
         # others in all that follow.
@@ -186,16 +187,20 @@ class AxesBench(Bench):
             e, u, v = wave_core.shaped_core_step(
                 port, self.lines[n], words, self.states[n], mode, current,
                 0 if damp or lost[n] else answers, 0, ROOT, A, anchor.left(self.u_max, gives[n]),
-                EXTRA, HOLD,
+                EXTRA, HOLD, ends >> 2 * n & 3,
             )  # fmt: skip
             wanted = (wave_core.saturate(e + correction), u, v, current, correction)
             assert tuple(outputs[n] for outputs in found) == wanted, (n, mode)
             assert self.word("saturated_o") >> n & 1 == port[wave_core.STATE_SATURATED]
+            clipped = bool(port[wave_core.STATE_CLIPPED])
+            assert self.word("clipped_o") >> n & 1 == clipped
+            self.seen |= {f"clipped {n}"} if clipped else set()
             if ANCHOR and not damp:
                 anchor.anchor_axis_step(
                     held, gains, int(self.rotor[rotor_flux.POSITION]),
                     int(self.rotor[rotor_flux.PLACE_A + n]), int(self.rotor[rotor_flux.CELL_A + n]),
                     bool(contact), current, u, v, withheld, self.waves[n], bool(saturated),
+                    clipped,
                 )  # fmt: skip
             self.waves[n] = e
             self._note(n)
@@ -277,7 +282,7 @@ def any_gains(rng: random.Random) -> np.ndarray:
 
 EVERYTHING = {
     f"{name} {axis}"
-    for name in ("correction", "offset", "room", "fault", "rebounds")
+    for name in ("correction", "offset", "room", "fault", "rebounds", "clipped")
     for axis in range(AXES)
 }
 

@@ -54,6 +54,8 @@ PART = PARTS["AD7276"]
 FRAME = frame(PART, CLOCK_HZ)
 MIDDLE = 1 << (PART.bits - 1)
 SHIFT = formats.SAMPLE_W - PART.bits
+RANGE = (MIDDLE // 2) << SHIFT
+"""A converter that may be trusted up to half of its scale, so that some words are clipped."""
 R_OHM = 4.7
 FULL_SCALE_A = 2.0
 WALL = (0, 1000)
@@ -85,6 +87,7 @@ class Step:
     voltage: list[int]
     contact: int
     saturated: int
+    clipped: int
     anchored: int
     """Whatever only anchors make."""
     rests: int
@@ -100,6 +103,13 @@ def wave_filter() -> np.ndarray:
 
 
 W = wave_filter()
+
+
+def ends_of(codes: list[int]) -> int:
+    """At which ends of the range a sum's codes are."""
+    words = [(code - MIDDLE) << SHIFT for code in codes]
+    high, low = max(words) >= RANGE, min(words) <= -RANGE
+    return high * formats.AT_HIGH | low * formats.AT_LOW
 
 
 def lead(drive: Drive) -> int:
@@ -118,6 +128,7 @@ def settings(
         "sample_clocks": drive.tick_clocks // samples,
         "samples": samples,
         "sample_lead": lead(drive),
+        "range": RANGE,
         **FRAME.words(),
         "eta_contact": ETA_CONTACT,
         "eta_free": ETA_FREE,
@@ -206,6 +217,7 @@ class BrushlessBench(Bench):
                     ),
                     self.word("contact_o"),
                     self.word("saturated_o"),
+                    self.word("clipped_o"),
                     self.word("correction_o") | self.word("flux_o") | self.word("lag_o"),
                     self._rests,
                     self.position,
@@ -241,6 +253,8 @@ class BrushlessBench(Bench):
                 total = sum((codes[m] - MIDDLE) << SHIFT for _, codes in group)
                 assert step.phases[m] == scale_sum.py_func(total - self.zeros[m], gain)
             assert tuple(step.current) == clarke.currents.py_func(*step.phases)
+            phase_ends = [ends_of([codes[m] for _, codes in group]) for m in range(2)]
+            ends = phase_ends[0], phase_ends[0] | phase_ends[1]
             assert step.anchored == 0
             eta = ETA_CONTACT if step.contact else ETA_FREE
             touched = wave_core.SHAPE if soft else wave_core.HOLD
@@ -248,10 +262,11 @@ class BrushlessBench(Bench):
             for m in range(2):
                 found = wave_core.shaped_core_step.py_func(
                     ports[m], lines[m], W, states[m], mode, step.current[m], eta, 0, ROOT, A,
-                    U_MAX, extra, 0,
+                    U_MAX, extra, 0, ends[m],
                 )  # fmt: skip
                 assert (step.voltage[m], step.u[m], step.v[m]) == found
                 assert step.saturated >> m & 1 == ports[m][wave_core.STATE_SATURATED]
+                assert step.clipped >> m & 1 == ports[m][wave_core.STATE_CLIPPED]
             began = group[-1][0] + FRAME.conversion_clocks
             began += CURRENT_CLOCKS + 1 + CLARKE_CLOCKS
             assert step.clock == began + STEP_CLOCKS
@@ -303,7 +318,7 @@ async def equals_the_models(dut: object) -> None:
     """Random currents, an encoder that crosses an edge: every word of every step, every gate."""
     bench = BrushlessBench(dut)
     rng = random_source("brushless")
-    widths, touched, judged, limited = set(), set(), set(), 0
+    widths, touched, judged, limited, clipped = set(), set(), set(), 0, 0
     for drive, samples, extra, zeros in (
         (Drive(HALF), 1, 2, (0, 0)),
         (Drive(HALF, 12.0, 4, 2, second_order=True), 2, 1, (700, -1234)),
@@ -343,9 +358,11 @@ async def equals_the_models(dut: object) -> None:
         widths |= {width for leg in found for width in leg}
         touched |= {step.contact for step in bench.steps}
         limited += sum(step.saturated != 0 for step in bench.steps)
+        clipped += sum(step.clipped != 0 for step in bench.steps)
     assert len(widths) > 10
     assert touched == judged == {0, 1}
     assert limited > 5
+    assert clipped > 5
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

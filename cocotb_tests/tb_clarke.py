@@ -55,6 +55,7 @@ class ClarkeBench(Bench):
         assert self.clocks - began == LATENCY + grant_after
         found = self.signed("alpha_o"), self.signed("beta_o")
         assert found == clarke.currents.py_func(a, b)
+        assert self.word("beta_ends_o") == clarke.ends.py_func(found[1])
         await self.step()
         assert self.word("valid_o") == 0
         assert (self.signed("alpha_o"), self.signed("beta_o")) == found

@@ -205,6 +205,7 @@ class Step:
     voltage: list[int]
     contact: list[int]
     saturated: list[int]
+    clipped: list[int]
     position: list[int]
     correction: list[int]
     before: list[tuple[int, int, int, int, int]]
@@ -225,6 +226,7 @@ class Made:
     u: int
     v: int
     saturated: int
+    clipped: int
     correction: int
     offset: int
     flux: int
@@ -331,6 +333,7 @@ class ControllerBench(Bench):
             ),
             [(self.word("contact_o") >> n) & 1 for n in range(N)],
             [(self.word("saturated_o") >> n) & 1 for n in range(N)],
+            [(self.word("clipped_o") >> n) & 1 for n in range(N)],
             unpack(self.word("position_o"), formats.COUNT_W, N),
             unpack(self.word("correction_o"), formats.DATA_W, N),
             [self._before(n) for n in range(N)] if ANCHOR else [],
@@ -399,6 +402,26 @@ class ControllerBench(Bench):
             result.append((group[-1][0] + late, words))
         return result
 
+    def ends(self) -> list[list[int]]:
+        """Per tick: at which ends of the range its N sums have words."""
+        settings = self.settings
+        shift, middle = formats.SAMPLE_W - settings.part.bits, 1 << (settings.part.bits - 1)
+        result = []
+        for first in range(0, len(self.conversions), settings.samples):
+            group = [codes for _, codes in self.conversions[first : first + settings.samples]]
+            words = [
+                [(code - middle) << shift for code in line] for line in zip(*group, strict=True)
+            ]
+            high = [max(line) >= settings.range_word for line in words]
+            low = [min(line) <= -settings.range_word for line in words]
+            result.append(
+                [
+                    up * formats.AT_HIGH | down * formats.AT_LOW
+                    for up, down in zip(high, low, strict=True)
+                ]
+            )
+        return result
+
     def currents(self) -> list[tuple[int, list[int]]]:
         """The same with the N current words."""
         return [
@@ -410,7 +433,9 @@ class ControllerBench(Bench):
         """The duty that ``wh_early`` makes of each step, from the state before it."""
         settings, port = self.settings, self.settings.ports[n]
         f, waves, duties = 0, [0] * (settings.extra_ticks + 1), []
-        for step, made, (_, sums) in zip(self.steps, self.made(n), self.sums(), strict=False):
+        for step, made, (_, sums), ends in zip(
+            self.steps, self.made(n), self.sums(), self.ends(), strict=False
+        ):
             eta = made.eta
             assert step.u[n] == waves[-1 - settings.extra_ticks]
             ready = prepare(
@@ -418,7 +443,7 @@ class ControllerBench(Bench):
                 settings.gain(n),
                 step.clocks_per_volt[n], eta, 0, made.offset, made.correction,
             )  # fmt: skip
-            duties.append(ready.duty(sums[n]))
+            duties.append(ready.duty(sums[n], ends[n]))
             goal = wave_core.saturate.py_func(wave_core.truncate.py_func(eta * step.v[n], _ETA_Q))
             error = wave_core.truncate.py_func((goal << _GUARD) - f, _GUARD)
             f += wave_core.truncate.py_func(port.a * wave_core.saturate.py_func(error), _A_SHIFT)
@@ -432,7 +457,7 @@ class ControllerBench(Bench):
         settings, port = self.settings, self.settings.ports[n]
         state, line = wave_core.new_state(), wave_core.new_line(settings.extra_ticks)
         held, e, result = anchor.new_state(), 0, []
-        for step, (_, words) in zip(self.steps, self.currents(), strict=False):
+        for step, (_, words), ends in zip(self.steps, self.currents(), self.ends(), strict=False):
             offset, correction = int(held[anchor.OFFSET]), int(held[anchor.CORRECTION])
             left = int(anchor.left.py_func(step.u_max[n], held))
             seen = [int(held[place]) >> _GUARDED for place in (anchor.CHI, anchor.LAG)]
@@ -446,19 +471,23 @@ class ControllerBench(Bench):
             e_before = e
             e, u, v = wave_core.wave_core_step.py_func(
                 state, line, current, eta, 0, port.root, port.a, left,
-                settings.extra_ticks, settings.hold_ticks,
+                settings.extra_ticks, settings.hold_ticks, ends[n],
             )  # fmt: skip
             e, u, v = int(e), int(u), int(v)
+            clipped = int(state[wave_core.STATE_CLIPPED])
             if ANCHOR:
                 anchor.anchor_step(
                     held, port.anchor, step.before[n][0], bool(step.contact[n]), current, u, v,
-                    withheld, e_before, bool(saturated),
+                    withheld, e_before, bool(saturated), bool(clipped),
                 )  # fmt: skip
             voltage = wave_core.saturate.py_func(e + correction)
             saturated = int(state[wave_core.STATE_SATURATED])
             result.append(
-                Made(current, eta, voltage, u, v, saturated, correction, offset, *seen, fault, left)
-            )
+                Made(
+                    current, eta, voltage, u, v, saturated, clipped, correction, offset, *seen,
+                    fault, left,
+                )
+            )  # fmt: skip
         return result
 
     def check_steps(self, one_bus: bool = True) -> None:
@@ -480,6 +509,7 @@ class ControllerBench(Bench):
                 shown = (step.voltage[n], step.u[n], step.v[n])
                 assert shown == (made.voltage, made.u, made.v)
                 assert step.saturated[n] == made.saturated
+                assert step.clipped[n] == made.clipped
                 assert step.correction[n] == made.correction
                 if ANCHOR:
                     assert step.before[n][1:] == (made.offset, made.flux, made.lag, made.fault)
@@ -592,6 +622,7 @@ def random_settings(rng: random.Random) -> Settings:
         min_pulse=rng.choice((0, 3, 6)) if MIN_PULSE else 0,
         extra_ticks=extra,
         hold_ticks=0 if EARLY else rng.randint(0, min(extra, max(0, extra - latency + 1))),
+        range_word=rng.choice((0x7FF0, 0x6000)),
         ports=[random_port(rng) for _ in range(N)],
     )
 
@@ -601,7 +632,7 @@ async def open_loop_equals_the_models(dut: object) -> None:
     """Random currents and encoders through walls: currents, waves, voltages, contact, pulses."""
     bench = ControllerBench(dut)
     rng = random_source("open loop")
-    pulses = contacts = moves = saturated = corrected = tracked = strange = 0
+    pulses = contacts = moves = saturated = clipped = corrected = tracked = strange = 0
     for _ in range(12 if ANCHOR else 6):
         await bench.begin(random_settings(rng))
         contact_states = [np.array([-1, 0]) for _ in range(N)]
@@ -623,6 +654,7 @@ async def open_loop_equals_the_models(dut: object) -> None:
                 assert shown.contact[n] == contact
                 contacts += contact
                 saturated += shown.saturated[n]
+                clipped += shown.clipped[n]
                 corrected += shown.correction[n] != 0
                 if ANCHOR:
                     tracked += shown.before[n][1] != 0
@@ -638,6 +670,7 @@ async def open_loop_equals_the_models(dut: object) -> None:
     assert contacts > 30
     assert moves > 100
     assert saturated > 10
+    assert clipped > 10
     if ANCHOR:
         assert min(corrected, tracked) > 30 * N
         assert strange > 3 * N

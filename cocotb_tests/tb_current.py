@@ -18,6 +18,7 @@ class CurrentBench(Bench):
     """Feeds sums of samples and plays the shared multiplier."""
 
     gain = 0
+    range_word = 0xFFFF
 
     async def begin(self) -> None:
         await self.start(
@@ -25,6 +26,7 @@ class CurrentBench(Bench):
             first_i=0,
             sample_i=0,
             samples_i=1,
+            range_i=self.range_word,
             zero_i=0,
             grant_i=0,
             done_i=0,
@@ -67,10 +69,25 @@ class CurrentBench(Bench):
         assert self.word("valid_o") == 1
         word = self.signed("current_o")
         assert word == scale_sum.py_func(factor, gain)
+        ends = self.ends_of(samples)
+        assert self.word("sum_ends_o") == ends
+        if word in (formats.CURRENT.raw_max, formats.CURRENT.raw_min):
+            # One unit of the gain is less than half a place: a word there may be just there.
+            beyond = abs(factor * gain) / 2.0 ** (formats.GAIN.fraction - formats.CURRENT.fraction)
+            if beyond > abs(word) + 0.5:
+                ends |= formats.AT_HIGH if word > 0 else formats.AT_LOW
+        assert self.word("ends_o") == ends
         await self.step()
         assert self.word("valid_o") == 0
         assert self.signed("current_o") == word
+        assert self.word("ends_o") == ends
         return word
+
+    def ends_of(self, samples: list[int]) -> int:
+        """Which ends of the range the samples reach."""
+        high = max(samples) >= self.range_word
+        low = min(samples) <= -self.range_word
+        return high * formats.AT_HIGH | low * formats.AT_LOW
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
@@ -112,6 +129,26 @@ async def random_ticks(dut: object) -> None:
         )
         words.add(word)
     assert len(words) > 100
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def ends_of_the_range(dut: object) -> None:
+    """One word at an end of the range, wherever in the sum, and beside it; both ends in a sum."""
+    bench = CurrentBench(dut)
+    rng = random_source("ends")
+    seen = set()
+    for bits in (8, 12, 16):
+        bench.range_word = SAMPLE_MAX + 1 - (1 << (formats.SAMPLE_W - bits))
+        await bench.begin()
+        end = bench.range_word
+        for count in (1, 2, 5):
+            for ends in ([end], [end - 1], [-end], [1 - end], [SAMPLE_MIN], [end, -end], []):
+                samples = [rng.randint(-100, 100) for _ in range(count)]
+                for place, word in zip(rng.sample(range(count), count), ends, strict=False):
+                    samples[place] = word
+                await bench.word_of(samples, rng.randint(-9, 9), 77, grant_after=rng.randint(0, 3))
+                seen.add(bench.ends_of(samples))
+    assert seen == {0, formats.AT_HIGH, formats.AT_LOW, formats.AT_HIGH | formats.AT_LOW}
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")

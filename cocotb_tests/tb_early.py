@@ -38,6 +38,7 @@ class Tick:
     total: int
     offset: int = 0
     correction: int = 0
+    ends: int = 0
 
     def words(self) -> Early:
         return prepare(
@@ -51,6 +52,10 @@ class Tick:
             "correction",
         )  # fmt: skip
         return {f"{name}_i": getattr(self, name) for name in names}
+
+    def duty(self) -> int:
+        """The duty of its sum."""
+        return self.words().duty(self.total, self.ends)
 
 
 def any_tick(rng: random.Random) -> Tick:
@@ -67,7 +72,7 @@ def any_tick(rng: random.Random) -> Tick:
         gain=word(coef, 0), clocks_per_volt=word(coef, 0), eta=word(coef), wave=word(data),
         # A small sum as well: with large slopes it alone is within the limits.
         total=word(formats.SUM_W + 1) >> rng.choice((0, 0, 8, 16)), offset=word(data),
-        correction=word(data),
+        correction=word(data), ends=rng.choice((0, 0, 0, 1, 2, 3)),
     )  # fmt: skip
 
 
@@ -96,6 +101,7 @@ def real_tick(rng: random.Random) -> Tick:
         total=rng.randint(-(1 << 15), 1 << 15) * samples,
         offset=formats.CURRENT.to_raw(anchored * rng.uniform(-0.1, 0.1) * full_scale_a),
         correction=formats.VOLTAGE.to_raw(anchored * rng.uniform(-0.2, 0.2) * bus_v),
+        ends=rng.choice((0, 0, 0, 1, 2, 3)),
     )
 
 
@@ -110,8 +116,9 @@ def in_turn(tick: Tick) -> tuple[int, bool]:
     current = (abs(product) + (1 << (shift - 1))) >> shift
     current = wave_core.saturate.py_func((current if product >= 0 else -current) - tick.offset)
     voltage, *_ = wave_core.wave_core_step(
-        state, line, current, tick.eta, tick.wave, tick.root, tick.a, tick.u_max, 0, 0
-    )
+        state, line, current, tick.eta, tick.wave, tick.root, tick.a, tick.u_max, 0, 0,
+        tick.ends,
+    )  # fmt: skip
     limited = bool(state[wave_core.STATE_SATURATED])
     voltage = wave_core.saturate.py_func(int(voltage) + tick.correction)
     return duty_of.py_func(voltage, tick.clocks_per_volt), limited
@@ -124,7 +131,7 @@ class EarlyBench(Bench):
         names = Tick(*[0] * 10).inputs()
         await self.start(
             frame_i=0, word_valid_i=0, word_first_i=0, samples_i=1, busy_i=0, sum_valid_i=0,
-            sum_i=0, **names,
+            sum_i=0, sum_ends_i=0, **names,
         )  # fmt: skip
         assert self.word("duty_valid_o") == 0
         assert self.signed("eta_o") == self.signed("wave_o") == 0
@@ -158,7 +165,7 @@ class EarlyBench(Bench):
         assert self.signed("wave_o") == tick.wave
         await self.step(EARLY_PREPARE_CLOCKS - 2 + spare)
         await self.step(word_valid_i=1, word_first_i=int(samples == 1))
-        await self.step(word_valid_i=0, sum_valid_i=1, sum_i=tick.total)
+        await self.step(word_valid_i=0, sum_valid_i=1, sum_i=tick.total, sum_ends_i=tick.ends)
         # The multiplier of the current isn't free at once: the sum stays.
         await self.step(2)
         self.drive(sum_valid_i=0, sum_i=~tick.total)
@@ -174,17 +181,22 @@ class EarlyBench(Bench):
 async def equals_the_integers(dut: object) -> None:
     bench, rng = EarlyBench(dut), random_source("early")
     await bench.begin()
-    kinds = set()
+    kinds, ends = set(), set()
     for n in range(600):
         tick = any_tick(rng) if n % 3 else real_tick(rng)
         words = tick.words()
-        expected = words.duty(tick.total)
+        expected = tick.duty()
         limits = {words.low: -2, words.high: 2}
         kinds.add(limits.get(expected, (expected > 0) - (expected < 0)))
+        ends.add((tick.ends, words.back, expected == words.still, words.low < words.still))
         samples, busy = rng.choice((1, 1, 2, 5)), rng.choice((0, 0, 1, 2, 9))
         duty = await bench.tick(tick, samples, busy, spare=rng.choice((0, 0, 1, 7)))
         assert duty == expected, (tick, duty, expected)
     assert kinds >= {-2, -1, 1, 2}
+    for back in (False, True):
+        # The side that is known, and the other, within limits that leave both.
+        assert {(end, back, held, True) for end in (1, 2) for held in (False, True)} <= ends
+        assert (3, back, True, True) in ends
     assert bench.word("overrun_o") == 0
 
 
@@ -201,7 +213,7 @@ async def is_what_the_core_makes_in_turn(_dut: object) -> None:
         words = tick.words()
         duty, saturated = in_turn(tick)
         limited += saturated
-        assert abs(words.duty(tick.total) - duty) <= 8 + 1e-5 * (words.high - words.low), tick
+        assert abs(tick.duty() - duty) <= 8 + 1e-5 * (words.high - words.low), tick
     assert limited > 100
     assert refused < 600
 
@@ -214,7 +226,7 @@ async def a_sum_that_comes_too_soon_is_told(dut: object) -> None:
     assert bench.word("overrun_o") == 1
     await bench.step(20)
     tick = real_tick(rng)
-    assert await bench.tick(tick) == tick.words().duty(tick.total)
+    assert await bench.tick(tick) == tick.duty()
     assert bench.word("overrun_o") == 1
     await bench.step(rst=1)
     await bench.step(rst=0)

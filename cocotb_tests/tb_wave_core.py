@@ -69,6 +69,8 @@ class Stream:
     current: np.ndarray
     eta: np.ndarray
     outside: np.ndarray
+    ends: np.ndarray
+    """At which ends of its range the current is."""
     mode: np.ndarray
     shape: np.ndarray
     """Words of W: int64, shape (ticks, ports, max(SHAPER, 1), SECTION_WORDS)."""
@@ -91,7 +93,8 @@ class Stream:
         """A word a tick, in the bench's layout."""
         fields = [(getattr(self, name).astype(bool), 1) for name in ("reset", "abort", "poke")]
         fields += [(self.at, 8), (self.pause, 8), (self.extra, DELAY_LOG2), (self.hold, DELAY_LOG2)]
-        fields += [(self.mode[:, port], 2) for port in reversed(range(PORTS))]
+        for words in (self.ends, self.mode):
+            fields += [(words[:, port], 2) for port in reversed(range(PORTS))]
         widths = [FORMATS.SHAPE.width] * GOLDEN.LOSS1 + [FORMATS.SHAPE_LOSS_W] * 3
         for port in reversed(range(PORTS)):
             for section in reversed(range(self.shape.shape[2])):
@@ -125,13 +128,14 @@ class Answers:
     v: np.ndarray
     withheld: np.ndarray
     saturated: np.ndarray
+    clipped: np.ndarray
     overrun: np.ndarray
     clocks: np.ndarray
     faults: np.ndarray
 
     @classmethod
     def empty(cls, ticks: int) -> Answers:
-        several = [np.zeros((ticks, PORTS), dtype=np.int64) for _ in range(5)]
+        several = [np.zeros((ticks, PORTS), dtype=np.int64) for _ in range(6)]
         return cls(*several, *(np.zeros(ticks, dtype=np.int64) for _ in range(3)))
 
     @classmethod
@@ -148,8 +152,9 @@ class Answers:
         for values in (self.voltage, self.u, self.v, self.withheld):
             for port in range(PORTS):
                 values[:, port] = take(FORMATS.DATA_W, signed=True)
-        for port in range(PORTS):
-            self.saturated[:, port] = take(1, signed=False)
+        for values in (self.saturated, self.clipped):
+            for port in range(PORTS):
+                values[:, port] = take(1, signed=False)
         self.overrun = take(1, signed=False)
         self.clocks = take(16, signed=False)
         self.faults = take(8, signed=False)
@@ -186,10 +191,11 @@ def expected(stream: Stream) -> tuple[Answers, np.ndarray]:
             owes[tick, port] = shaper[SHAPER, 0] < 0
             words = GOLDEN.shaped_core_step(
                 state, line, stream.shape[tick, port, :SHAPER], shaper, stream.mode[tick, port],
-                *inputs[tick][port], u_max, *ages[tick],
+                *inputs[tick][port], u_max, *ages[tick], int(stream.ends[tick, port]),
             )  # fmt: skip
             answers.voltage[tick, port], answers.u[tick, port], answers.v[tick, port] = words
             answers.saturated[tick, port] = state[GOLDEN.STATE_SATURATED]
+            answers.clipped[tick, port] = state[GOLDEN.STATE_CLIPPED]
             if WITHHELD:
                 answers.withheld[tick, port] = state[GOLDEN.STATE_WITHHELD]
     return answers, owes
@@ -221,7 +227,9 @@ class Bench:
         # What W gives is seen, and that it gives nothing while it owes.
         assert SHAPER == 0 or 0.02 < owes[shapes].mean() < 0.5
         checked = 0
-        for name in ("faults", "clocks", "overrun", "u", "v", "voltage", "withheld", "saturated"):
+        names = ("faults", "clocks", "overrun", "u", "v", "voltage", "withheld", "saturated",
+                 "clipped")  # fmt: skip
+        for name in names:
             got, want = getattr(answers, name), getattr(model, name)
             wrong = np.flatnonzero((got != want).reshape(stream.ticks, -1).any(axis=1))
             assert wrong.size == 0, (
@@ -229,7 +237,7 @@ class Bench:
                 f"and {wrong.size - 1} more are wrong"
             )
             checked += got.size
-        assert checked == stream.ticks * (3 + 5 * PORTS) > 0
+        assert checked == stream.ticks * (3 + 6 * PORTS) > 0
 
 
 def shaper_words(rng: np.random.Generator, ticks: int) -> np.ndarray:
@@ -276,8 +284,9 @@ def contractive(words: np.ndarray) -> np.ndarray:
 
 def paid_at_first(part: dict[str, np.ndarray]) -> None:
     """Let the first tick of a stretch pay for more: a large wave of which W gives nothing back."""
-    for name in ("mode", "shape", "current", "root"):
+    for name in ("ends", "mode", "shape", "current", "root"):
         part[name] = part[name].copy()
+    part["ends"][0] = 0
     part["mode"][0] = GOLDEN.SHAPE
     part["shape"][0] = 0
     part["current"][0] = FORMATS.CURRENT.raw_max
@@ -355,6 +364,8 @@ def random_stream(seed: int) -> Stream:
         for name in ("extra", "hold"):
             ages = rng.integers(0, AGE_MAX, ticks, endpoint=True)
             part[name] = ages if rng.random() < 0.3 else np.full(ticks, ages[0])
+        ends = rng.integers(0, 4, (ticks, PORTS))
+        part["ends"] = ends * (rng.random((ticks, PORTS)) < rng.choice((0.0, 0.0, 0.1, 0.9)))
         modes = rng.integers(0, 3, (ticks, PORTS))
         part["mode"] = modes if rng.random() < 0.2 else np.full((ticks, PORTS), modes[0])
         part["shape"] = shaper_words(rng, ticks)
@@ -453,6 +464,12 @@ async def equals_the_integer_model(dut) -> None:
         assert answers.withheld.min() == FORMATS.WAVE.raw_min
         assert np.isin((-1, 1), answers.withheld).all()
     assert SHAPER == 0 or set(np.unique(stream.mode)) == {0, 1, 2}
+    # Clipped with either sign of v and v at 0, and by v alone.
+    ended = stream.ends != 0
+    assert answers.clipped[ended & ~stream.abort[:, None]].all()
+    assert {-1, 0, 1} == set(np.unique(np.sign(answers.v[ended])))
+    assert answers.clipped[~ended].any()
+    assert not answers.clipped.all()
     assert stream.abort.any()
     assert stream.reset.any()
     assert answers.overrun.any()

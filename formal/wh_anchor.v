@@ -28,6 +28,7 @@ module prove_wh_anchor #(
     (* anyconst *) wire [COEF_W-1:0]            rebound_eta;
     (* anyconst *) wire signed [DATA_W-1:0]     voltage;
     (* anyconst *) wire                         saturated;
+    (* anyconst *) wire                         blind;
     (* anyseq *)   wire signed [DATA_W+COEF_W-1:0] product;
 
     reg [5:0] at = 6'd0;
@@ -51,6 +52,7 @@ module prove_wh_anchor #(
         .withheld_i    ({DATA_W{1'b0}}),
         .voltage_i     (voltage),
         .saturated_i   (saturated),
+        .blind_i       (blind),
         .busy_o        (busy),
         .overrun_o     (overrun),
         .words_i       ({rebound_eta, slow_units, rest_ticks, strange, reach, gains, enable}),
@@ -129,7 +131,7 @@ module prove_wh_anchor #(
         if (at == 6'd29) begin
             if (PART == 0) begin
                 assert (\block.step_q == 5'd0 && !\block.go_q && !busy && !overrun && first_known);
-                if (!enable || fault) assert (next == 0);
+                if (!enable || fault || blind) assert (next == 0);
                 if (enable && fault_before) assert (fault);
                 if (!enable && fault) assert (fault_before);
                 assert (\block.contact_q || room == 0);

@@ -46,6 +46,7 @@ module prove_wh_anchor_turns #(
         .withheld_i    ({DATA_W{1'b0}}),
         .voltage_i     ({DATA_W{1'b0}}),
         .saturated_i   (1'b0),
+        .blind_i       (1'b0),
         .busy_o        (busy),
         .overrun_o     (overrun),
         .words_i       (words),

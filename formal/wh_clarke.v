@@ -22,6 +22,7 @@ module prove_wh_clarke (
 
     wire                     request, valid;
     wire signed [DATA_W-1:0] factor, alpha, beta;
+    wire [1:0]               beta_ends;
 
     reg [3:0] clock = 4'd0;   // 0 is the reset's, 1 valid_i's
 
@@ -39,7 +40,8 @@ module prove_wh_clarke (
         .product_i     (product),
         .valid_o       (valid),
         .alpha_o       (alpha),
-        .beta_o        (beta)
+        .beta_o        (beta),
+        .beta_ends_o   (beta_ends)
     );
 
     // Toward zero by sizes, then the nearest word; wide enough that nothing here can wrap.
@@ -72,6 +74,7 @@ module prove_wh_clarke (
         if (clock == 4'd8 || clock == 4'd9) begin
             assert (alpha == a);
             assert (beta == nearest(cut(wide_product, COEF_Q)));
+            assert (beta_ends == {beta == -most - one, beta == most});
         end
         cover (clock == 4'd8 && valid && beta == most);
         cover (clock == 4'd8 && valid && beta == -3 && factor == -5);

@@ -33,12 +33,13 @@ module prove_wh_wave_core #(
     (* anyconst *) wire signed [COEF_W-1:0] root;
     (* anyconst *) wire signed [COEF_W-1:0] a;
     (* anyconst *) wire signed [DATA_W-1:0] u_max;
+    (* anyconst *) wire        [1:0]        ends;
     (* anyconst *) wire        [1:0]        extra_ticks;
     (* anyconst *) wire        [1:0]        hold_ticks;
 
     reg [4:0] at = 5'd0;
 
-    wire                     busy, valid, overrun, saturated;
+    wire                     busy, valid, overrun, saturated, clipped;
     wire signed [DATA_W-1:0] voltage, u_n, v;
 
     wire                        request;
@@ -69,6 +70,7 @@ module prove_wh_wave_core #(
         .current_i     (current),
         .eta_i         (eta),
         .outside_i     (outside),
+        .ends_i        (ends),
         .shape_mode_i  (2'd0),
         .shape_words_i ({(9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W){1'b0}}),
         .root_i        (root),
@@ -81,6 +83,7 @@ module prove_wh_wave_core #(
         .v_o           (v),
         .saturated_o   (saturated),
         .withheld_o    (),
+        .clipped_o     (clipped),
         .waves_o       (),
         .request_o     (request),
         .factor_o      (factor),
@@ -120,6 +123,13 @@ module prove_wh_wave_core #(
                                   input signed [W-1:0] high);
         clamp = (x < low) ? low : (x > high) ? high : x;
     endfunction
+
+    // What is known of the current, and v by it.
+    wire at_high = ends[0] || current == WORD;
+    wire at_low  = ends[1] || current == ~WORD;
+    wire signed [W-1:0] wide_v = u_n - toward_zero(si, SI_SHIFT);
+    wire above   = wide_v > 0;
+    wire below   = wide_v < 0;
 
     reg signed [STATE_W-1:0]   f_before;
     reg signed [PRODUCT_W-1:0] si, eta_v, step, su;
@@ -163,7 +173,9 @@ module prove_wh_wave_core #(
                     assert (valid && !busy && !overrun);
                     assert (\block.at_q == 24'd1 && !\block.port_q );
                     // v and e are limited, and don't wrap.
-                    assert (v == clamp(u_n - toward_zero(si, SI_SHIFT), -LOWEST, WORD));
+                    assert (v == (((above && at_high) || (below && at_low)) ? 0
+                                  : clamp(wide_v, -LOWEST, WORD)));
+                    assert (clipped == (at_high || at_low || wide_v > WORD || wide_v < -LOWEST));
                     assert (voltage == clamp(toward_zero(su, SU_SHIFT), -LOWEST, WORD));
                 end
                 1: begin

@@ -19,7 +19,9 @@
 // a hit comes back with no more than it had whatever c gives; that is flux which the wall lacks, and with the
 // edge with which the rotor turns in again χ is what it would be if the contact began there.
 // A c that wants to go beyond its limit by strange, with the waves below theirs, tells that waves and encoder
-// don't follow the same motor: fault_o, and c = 0.
+// don't follow the same motor: fault_o, and c = 0. So does a χ in the outer half of its range.
+// In a tick whose current or v is at the end of its range, blind_i, nothing is learned, and the next c is
+// 0; χ counts on. While c is at its limit since, that is no fault.
 //
 // AXIS = 1: the port is one of a brushless motor's two axes, whose flux a count changes by a part of a cell
 // (wh_rotor_flux): its place comes from there, the dead zone is half of that part, and so is what a contact
@@ -58,6 +60,7 @@ module wh_anchor #(
     input  wire signed [`WH_DATA_W-1:0]       withheld_i,    // s31q23 √W
     input  wire signed [`WH_DATA_W-1:0]       voltage_i,     // s31q23 V: e_id
     input  wire                               saturated_i,
+    input  wire                               blind_i,       // with waves_i: i_n or v_n is at its end
     output wire                               busy_o,
     output reg                                overrun_o,     // until rst
 
@@ -318,6 +321,9 @@ module wh_anchor #(
     reg signed [LONG_W-1:0] b_q;
     reg signed [DATA_W-1:0] voltage_q;
     reg                     saturated_q;
+    reg                     blind_q;                 // nothing is learned, and c is 0
+    reg                     overloaded_q;            // it was so, and c has been at its limit since
+    reg                     far_q;                   // χ is in the outer half of its range
     reg        [3:0]        read_from;
     reg        [3:0]        write_to_q;
     reg        [3:0]        write_to;
@@ -340,7 +346,7 @@ module wh_anchor #(
 
     wire e_back = voltage_q[DATA_W-1];
     wire back_sum = sum_q[LONG_W-1];
-    wire learns = (still || phase_q[2:0] == 3'd0) && !clipped_q && !saturated_q;
+    wire learns = (still || phase_q[2:0] == 3'd0) && !clipped_q && !saturated_q && !blind_q;
     wire past   = (back_sum == negative_q);
 
     always @* begin
@@ -382,7 +388,7 @@ module wh_anchor #(
                 minus      = 1'b1;
             end
             MEAN: begin
-                inner      = (phase_q == 5'd0);
+                inner      = (phase_q == 5'd0) && !blind_q;
                 memory_too = 1'b1;
                 fresh      = 1'b1;
                 read_from  = M_MEAN;
@@ -501,7 +507,7 @@ module wh_anchor #(
             LIMIT:   b_from = B_VOLTAGE;
             ZERO: begin
                 waits  = 1'b1;
-                bare   = !contact_q && !slow;
+                bare   = !contact_q && (!slow || blind_q);
                 b_from = B_FAR;
             end
             CURRENT, CORRECT: begin
@@ -661,6 +667,7 @@ module wh_anchor #(
         if (accepts) begin
             voltage_q   <= voltage_i;
             saturated_q <= saturated_i;
+            blind_q     <= blind_i;
         end
         if (go_q) begin
             case (adds_q)
@@ -668,7 +675,10 @@ module wh_anchor #(
                     swing_q <= $signed(sum_q[LONG_W-1:CUT]);
                     small_q <= (&sum_q[LONG_W-1:LONG_Q+SWING_W]) || !(|sum_q[LONG_W-1:LONG_Q+SWING_W]);
                 end
-                INNER:   out_q      <= out;
+                INNER: begin
+                    out_q <= out;
+                    far_q <= (sum_q[LONG_W-1] != sum_q[LONG_W-2]);
+                end
                 CLIP:    negative_q <= back_sum;
                 default: ;
             endcase
@@ -679,7 +689,8 @@ module wh_anchor #(
     reg  signed [DATA_W-1:0] next_q;
     reg                      chosen_q;  // c is still in sum_q, and
     reg                      none_q;    // it is not wanted
-    wire                     lost = enable && (fault_o || (clipped_q && past && !saturated_q));
+    wire                     strange_c = clipped_q && past && !saturated_q && !overloaded_q;
+    wire                     lost = enable && (fault_o || far_q || strange_c);
 
     assign next_o = none_q ? {DATA_W{1'b0}} : chosen_q ? $signed(sum_q[VOLT_SHIFT +: DATA_W]) : next_q;
 
@@ -698,6 +709,7 @@ module wh_anchor #(
             open_q       <= 3'b000;
             overrun_o    <= 1'b0;
             clipped_q    <= 1'b0;
+            overloaded_q <= 1'b0;
             fault_o      <= 1'b0;
             next_q       <= {DATA_W{1'b0}};
             chosen_q     <= 1'b0;
@@ -714,7 +726,7 @@ module wh_anchor #(
             end
             go_q     <= fetches;
             chosen_q <= ends;
-            none_q   <= ends && (!enable || lost);
+            none_q   <= ends && (!enable || lost || blind_q);
             next_q   <= next_o;
             if (fetches) begin
                 step_q   <= ahead_q;
@@ -749,7 +761,10 @@ module wh_anchor #(
                     INNER:   flux_o    <= $signed(sum_q[LONG_W-1:CUT]);
                     FOLLOW:  lag_o     <= $signed(sum_q[LONG_W-1:CUT]);
                     DAMP:    rebounds_o <= hits && contact_q && young && back_q != into_q;
-                    STRANGE: clipped_q <= past;
+                    STRANGE: begin
+                        clipped_q    <= past;
+                        overloaded_q <= blind_q || (past && overloaded_q);
+                    end
                     CHOOSE: begin
                         fault_o <= lost;
                         first_q <= 1'b0;

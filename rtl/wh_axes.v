@@ -37,6 +37,7 @@ module wh_axes #(
 
     // Of two words, alpha's lowest.
     input  wire [2*`WH_DATA_W-1:0]           current_i,       // s31q24 A
+    input  wire [3:0]                        ends_i,          // at the high, low end of its range, each axis
     input  wire [`WH_COEF_W-1:0]             eta_i,           // s27q25
     input  wire [`WH_COEF_W-1:0]             root_i,          // s27q22 √Ω
     input  wire [`WH_COEF_W-1:0]             a_i,             // s27q25
@@ -69,6 +70,7 @@ module wh_axes #(
     output wire [2*`WH_DATA_W-1:0]           u_o,             // s31q23 √W: u_n
     output wire [2*`WH_DATA_W-1:0]           v_o,             // s31q23 √W: v_n
     output wire [1:0]                        saturated_o,
+    output wire [1:0]                        clipped_o,       // i_n or v_n is at the end of its range
     output wire [2*`WH_DATA_W-1:0]           correction_o,    // s31q23 V: c, in this step's voltage
     output wire [2*`WH_DATA_W-1:0]           next_o,          // s31q23 V: c of the next
     output wire [2*`WH_DATA_W-1:0]           offset_o,        // s31q24 A
@@ -110,6 +112,7 @@ module wh_axes #(
     wire [DATA_W-1:0]   core_factor;
     wire [COEF_W-1:0]   core_coefficient;
     wire [2*DATA_W-1:0] current;       // without the offset, in the clock of start_i
+    reg  [3:0]          ends_q;        // of the step's current
     wire [1:0]          shape_mode  = !contact_i ? 2'd0 : shaped_i ? 2'd2 : 2'd1;
     wire [1:0]          rebounds;      // both anchors say the same, alpha's while beta's step goes on
     wire [2*COEF_W-1:0] rebound_eta;
@@ -133,6 +136,7 @@ module wh_axes #(
         .current_i     (start_i ? current : current_o),
         .eta_i         ({2{eta}}),
         .outside_i     ({2*DATA_W{1'b0}}),
+        .ends_i        (start_i ? ends_i : ends_q),
         .shape_mode_i  ({2{shape_mode}}),
         .shape_words_i ({2{shape_words_i}}),
         .root_i        ({2{root_i}}),
@@ -145,6 +149,7 @@ module wh_axes #(
         .v_o           (v_o),
         .saturated_o   (saturated_o),
         .withheld_o    (withheld),
+        .clipped_o     (clipped_o),
         .waves_o       (waves),
         .request_o     (core_request),
         .factor_o      (core_factor),
@@ -157,6 +162,7 @@ module wh_axes #(
     always @(posedge clk) begin
         if (start_i) begin
             current_o <= current;
+            ends_q    <= ends_i;
         end
     end
 
@@ -282,6 +288,7 @@ module wh_axes #(
                     .withheld_i    (withheld[n*DATA_W +: DATA_W]),
                     .voltage_i     (ideal),
                     .saturated_i   (saturated_o[n]),
+                    .blind_i       (clipped_o[n]),
                     .busy_o        (anchor_busy[n]),
                     .overrun_o     (anchor_overrun[n]),
                     .words_i       (words),

@@ -92,8 +92,8 @@ module wh_brushless #(
 
     // Currents of the phases a and b (wh_current), a lowest.
     input  wire [2*`WH_SUM_W-1:0]       zero_i,              // s24, a tick's sum at 0 A
+    input  wire [15:0]                  range_i,             // of 2^15, end of the ADC's range
     // With SENSE = 1: the checks, and a zero measured on command, to which zero_i is added.
-    input  wire [15:0]                  range_i,             // of 2^15, end of the scale
     input  wire [15:0]                  stuck_words_i,       // words that are never all the same
     input  wire                         zero_start_i,        // strobe, while enable_i = 0
     input  wire [`WH_SUM_W-2:0]         zero_limit_i,        // largest permitted |zero|
@@ -158,6 +158,7 @@ module wh_brushless #(
     output wire [`WH_COUNT_W-1:0]       position_o,          // s32, counts
     output wire                         contact_o,
     output wire [1:0]                   saturated_o,         // the voltage limit was at work
+    output wire [1:0]                   clipped_o,           // a sample, i_n or v_n at the end of its range
     output wire [2*`WH_DATA_W-1:0]      correction_o,        // s31q23 V: the anchors' part of e
     output wire [2*`WH_DATA_W-1:0]      offset_o,            // s31q24 A: what the anchors take off
     output wire [2*`WH_DATA_W-1:0]      flux_o,              // s31q16 cells: χ
@@ -314,6 +315,7 @@ module wh_brushless #(
     );
 
     wire [1:0] current_valid;
+    wire [3:0] phase_ends;
 
     genvar n;
     generate
@@ -367,7 +369,7 @@ module wh_brushless #(
                     .fault_o       (zero_fault_o[n])
                 );
             end else begin : plain
-                wire unused = &{1'b0, range_i, stuck_words_i, zero_start_i, zero_limit_i};
+                wire unused = &{1'b0, stuck_words_i, zero_start_i, zero_limit_i};
 
                 assign zero            = given;
                 assign adc_range_o[n]  = 1'b0;
@@ -376,22 +378,28 @@ module wh_brushless #(
                 assign zero_busy_o[n]  = 1'b0;
             end
 
+            wire [1:0] sum_ends;
+            wire       unused_ends = &{1'b0, sum_ends};
+
             wh_current current (
-                .clk       (clk),
-                .rst       (rst),
-                .valid_i   (adc_valid),
-                .first_i   (adc_first),
-                .sample_i  (word),
-                .samples_i (samples_i),
-                .zero_i    (zero),
-                .request_o (request[OF_CURRENTS+n]),
-                .grant_i   (grant[OF_CURRENTS+n]),
-                .factor_o  (factor[(OF_CURRENTS+n)*DATA_W +: DATA_W]),
-                .done_i    (done[OF_CURRENTS+n]),
-                .product_i (product),
-                .offset_i  ({DATA_W{1'b0}}),
-                .valid_o   (current_valid[n]),
-                .current_o (phase_current_o[n*DATA_W +: DATA_W])
+                .clk        (clk),
+                .rst        (rst),
+                .valid_i    (adc_valid),
+                .first_i    (adc_first),
+                .sample_i   (word),
+                .samples_i  (samples_i),
+                .range_i    (range_i),
+                .zero_i     (zero),
+                .request_o  (request[OF_CURRENTS+n]),
+                .grant_i    (grant[OF_CURRENTS+n]),
+                .factor_o   (factor[(OF_CURRENTS+n)*DATA_W +: DATA_W]),
+                .done_i     (done[OF_CURRENTS+n]),
+                .product_i  (product),
+                .offset_i   ({DATA_W{1'b0}}),
+                .sum_ends_o (sum_ends),
+                .valid_o    (current_valid[n]),
+                .current_o  (phase_current_o[n*DATA_W +: DATA_W]),
+                .ends_o     (phase_ends[2*n +: 2])
             );
 
             assign coefficient[(OF_CURRENTS+n)*COEF_W +: COEF_W] = gain_i[n*COEF_W +: COEF_W];
@@ -425,6 +433,7 @@ module wh_brushless #(
 
     wire                core_start;
     wire [2*DATA_W-1:0] axes_current;
+    wire [1:0]          beta_ends;
 
     wh_clarke clarke (
         .clk           (clk),
@@ -440,7 +449,8 @@ module wh_brushless #(
         .product_i     (product),
         .valid_o       (core_start),
         .alpha_o       (axes_current[DATA_W-1:0]),
-        .beta_o        (axes_current[2*DATA_W-1:DATA_W])
+        .beta_o        (axes_current[2*DATA_W-1:DATA_W]),
+        .beta_ends_o   (beta_ends)
     );
 
     // ---- Position and contact. Nothing is read of it in a step's first clock, in which it may still
@@ -558,6 +568,7 @@ module wh_brushless #(
         .valid_o        (core_valid_o),
         .overrun_o      (core_overrun),
         .current_i      (axes_current),
+        .ends_i         ({phase_ends[3:2] | phase_ends[1:0] | beta_ends, phase_ends[1:0]}),
         .eta_i          (contact_eta),
         .root_i         (root_i),
         .a_i            (a_i),
@@ -583,6 +594,7 @@ module wh_brushless #(
         .u_o            (u_o),
         .v_o            (v_o),
         .saturated_o    (saturated_o),
+        .clipped_o      (clipped_o),
         .correction_o   (correction_o),
         .next_o         (next_correction),
         .offset_o       (offset_o),

@@ -8,6 +8,8 @@
 // Amplitude-invariant. sim/wavehaptics/controller/clarke.py, currents, says the same with integers, and
 // this module equals it bit for bit: cut toward zero twice, with a coefficient that is rounded down,
 // so that the vector never gets longer; sums saturate.
+// A current beyond its word is at the end of its range (ends_o, as wh_current has it): beta's, where
+// the saturated sum takes beta to its end.
 // The product is made by a multiplier shared with other blocks (wh_multiply_shared), as in
 // wh_current. a_i and b_i hold from valid_i until valid_o.
 //
@@ -34,7 +36,8 @@ module wh_clarke (
 
     output reg                                     valid_o,        // strobe
     output reg  signed [`WH_DATA_W-1:0]            alpha_o,        // s31q24 A, +-64 A
-    output reg  signed [`WH_DATA_W-1:0]            beta_o          // s31q24 A, +-64 A
+    output reg  signed [`WH_DATA_W-1:0]            beta_o,         // s31q24 A, +-64 A
+    output wire [1:0]                              beta_ends_o     // it is the largest, the least word
 );
 
     localparam integer DATA_W = `WH_DATA_W;
@@ -142,6 +145,9 @@ module wh_clarke (
             end
         end
     end
+
+    assign beta_ends_o = {beta_o[DATA_W-1] && !(|beta_o[DATA_W-2:0]),
+                          !beta_o[DATA_W-1] && (&beta_o[DATA_W-2:0])};
 
 endmodule
 

@@ -99,8 +99,8 @@ module wh_controller #(
 
     // Current (wh_current).
     input  wire [N*`WH_SUM_W-1:0]       zero_i,              // s24, a tick's sum at 0 A
+    input  wire [15:0]                  range_i,             // of 2^15, end of the ADC's range
     // With SENSE = 1: the checks, and a zero measured on command, to which zero_i is added.
-    input  wire [15:0]                  range_i,             // of 2^15, end of the scale
     input  wire [15:0]                  stuck_words_i,       // words that are never all the same
     input  wire                         zero_start_i,        // strobe, while enable_i = 0
     input  wire [`WH_SUM_W-2:0]         zero_limit_i,        // largest permitted |zero|
@@ -179,6 +179,7 @@ module wh_controller #(
     output wire [N*`WH_COUNT_W-1:0]     position_o,          // s32, counts
     output wire [N-1:0]                 contact_o,
     output wire [N-1:0]                 saturated_o,         // the voltage limit was at work
+    output wire [N-1:0]                 clipped_o,           // a sample, i_n or v_n at the end of its range
     output wire [N-1:0]                 adc_range_o,         // last word at the end of the scale
     output wire [N-1:0]                 adc_stuck_o,         // last stuck_words_i words the same
     output wire [N-1:0]                 zero_fault_o,        // no permitted zero was found
@@ -401,6 +402,8 @@ module wh_controller #(
     // ---- Wave core. The currents of a tick come in turn, so the last port's starts it.
 
     wire                core_start = current_valid[N-1];
+    wire [2*N-1:0]      current_ends;
+    wire [2*N-1:0]      sum_ends;
     wire                core_busy;
     wire                core_overrun;
     wire [N*DATA_W-1:0] wave_voltage; // e_id
@@ -435,6 +438,7 @@ module wh_controller #(
         .current_i     (current_o),
         .eta_i         (eta),
         .outside_i     (outside),
+        .ends_i        (current_ends),
         .shape_mode_i  (shape_mode),
         .shape_words_i (shape_words_i),
         .root_i        (root_i),
@@ -447,6 +451,7 @@ module wh_controller #(
         .v_o           (v_o),
         .saturated_o   (saturated_o),
         .withheld_o    (withheld),
+        .clipped_o     (clipped_o),
         .waves_o       (waves),
         .request_o     (core_request),
         .factor_o      (core_factor),
@@ -684,6 +689,8 @@ module wh_controller #(
                 .offset_i            (offset_o[n*DATA_W +: DATA_W]),
                 .current_valid_o     (current_valid[n]),
                 .current_o           (current_o[n*DATA_W +: DATA_W]),
+                .current_ends_o      (current_ends[2*n +: 2]),
+                .sum_ends_o          (sum_ends[2*n +: 2]),
                 .adc_range_o         (adc_range_o[n]),
                 .adc_stuck_o         (adc_stuck_o[n]),
                 .zero_fault_o        (zero_fault_o[n]),
@@ -747,6 +754,7 @@ module wh_controller #(
                 .core_busy_i        (core_busy),
                 .core_valid_i       (core_valid_o),
                 .waves_i            (waves[n]),
+                .clipped_i          (clipped_o[n]),
                 .current_i          (current_o[n*DATA_W +: DATA_W]),
                 .u_i                (u_o[n*DATA_W +: DATA_W]),
                 .v_i                (v_o[n*DATA_W +: DATA_W]),
@@ -790,6 +798,7 @@ module wh_controller #(
                 .samples_i          (samples_i),
                 .sum_valid_i        (current_request[n]),
                 .sum_i              (current_factor[n*DATA_W +: DATA_W]),
+                .sum_ends_i         (sum_ends[2*n +: 2]),
                 .step_due_i         (step_due),
                 .root_i             (root_i[n*COEF_W +: COEF_W]),
                 .a_i                (a_i[n*COEF_W +: COEF_W]),

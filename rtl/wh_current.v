@@ -7,6 +7,9 @@
 // zero is the sum that stands for 0 A, measured with the bridge off; gain holds the amperes of an
 // ADC step and the division by the number of samples. Rounding is to the nearest word, halves away
 // from zero, and the result saturates. offset is what the port anchor finds besides zero.
+// ends_o says that the current is not known: a word of its sum had range_i or more, either way, or the
+// result was saturated. At the high end (bit 0) the true current may be larger, at the low end (bit 1)
+// smaller.
 // The product is made by a multiplier shared with other blocks (wh_multiply_shared): request_o
 // stays until grant_i, factor_o and gain_i are the operands, done_i says that product_i is the
 // product.
@@ -25,6 +28,7 @@ module wh_current (
     input  wire signed [`WH_SAMPLE_W-1:0]          sample_i,   // s16, +-2^15 is full scale
 
     input  wire [8:0]                              samples_i,  // words in a sum, 1...256
+    input  wire [15:0]                             range_i,    // of 2^15, end of the range; more: none
     input  wire signed [`WH_SUM_W-1:0]             zero_i,     // s24, the sum at 0 A
 
     output wire                                    request_o,
@@ -35,8 +39,10 @@ module wh_current (
 
     input  wire signed [`WH_DATA_W-1:0]            offset_i,   // s31q24 A, taken off
 
+    output wire [1:0]                              sum_ends_o, // with request_o: of the sum's words
     output reg                                     valid_o,    // strobe
-    output reg  signed [`WH_DATA_W-1:0]            current_o   // s31q24 A, +-64 A
+    output reg  signed [`WH_DATA_W-1:0]            current_o,  // s31q24 A, +-64 A
+    output reg  [1:0]                              ends_o      // of current_o
 );
 
     localparam integer DIFFERENCE_W = `WH_SUM_W + 1;
@@ -83,6 +89,24 @@ module wh_current (
         end
     end
 
+    // Whether a word is at an end of the range, and which words of the sum were.
+    reg  [1:0]              sum_ends_q;
+    reg  [1:0]              ends_q;       // of the sum whose product was asked for
+    wire [`WH_SAMPLE_W-1:0] magnitude = sample_i[`WH_SAMPLE_W-1] ? -sample_i : sample_i;
+    wire                    at_end    = (magnitude >= range_i);
+    wire [1:0]              word_ends = {at_end && sample_i[`WH_SAMPLE_W-1],
+                                         at_end && !sample_i[`WH_SAMPLE_W-1]};
+
+    always @(posedge clk) begin
+        if (valid_i) begin
+            sum_ends_q <= word_ends | (first_i ? 2'b00 : sum_ends_q);
+        end
+        if (grant_i) begin
+            ends_q <= sum_ends_q;
+        end
+    end
+
+    assign sum_ends_o = sum_ends_q;
     assign request_o = request_q;
     assign factor_o  = {{`WH_DATA_W-DIFFERENCE_W{sum_q[DIFFERENCE_W-1]}}, sum_q};
 
@@ -122,17 +146,22 @@ module wh_current (
         .value_o (saturated)
     );
 
+    wire high = !less[NEAR_W] && (|less[NEAR_W-1:`WH_DATA_W-1]);
+    wire low  = less[NEAR_W] && !(&less[NEAR_W-1:`WH_DATA_W-1]);
+
     always @(posedge clk) begin
         rounded_q <= rounded;
         if (rst) begin
             rounded_valid_q <= 1'b0;
             valid_o         <= 1'b0;
             current_o       <= {`WH_DATA_W{1'b0}};
+            ends_o          <= 2'b00;
         end else begin
             rounded_valid_q <= done_i;
             valid_o         <= rounded_valid_q;
             if (rounded_valid_q) begin
                 current_o <= saturated;
+                ends_o    <= ends_q | {low, high};
             end
         end
     end

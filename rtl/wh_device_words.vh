@@ -107,6 +107,7 @@ wire [PARTS*`WH_DATA_W-1:0] current;
 wire [PARTS*`WH_COUNT_W-1:0] position;
 wire [PARTS-1:0] contact;
 wire [PARTS-1:0] saturated;
+wire [PARTS-1:0] clipped;
 wire [15:0] faults;
 wire [0:0] running;
 wire [0:0] adc_ready;
@@ -846,6 +847,7 @@ always @* begin
                 8'hb4: live = {{33-`WH_COUNT_W{position[m*`WH_COUNT_W + `WH_COUNT_W - 1]}}, position[m*`WH_COUNT_W +: `WH_COUNT_W]};
                 8'hb5: live = {32'd0, contact[m]};
                 8'hb6: live = {32'd0, saturated[m]};
+                8'hb7: live = {32'd0, clipped[m]};
                 8'hd6: live = {{25{1'b0}}, flags[m*8 +: 8]};
                 8'hc0: live = {{33-`WH_DATA_W{correction[m*`WH_DATA_W + `WH_DATA_W - 1]}}, correction[m*`WH_DATA_W +: `WH_DATA_W]};
                 8'hc1: live = {{33-`WH_DATA_W{offset[m*`WH_DATA_W + `WH_DATA_W - 1]}}, offset[m*`WH_DATA_W +: `WH_DATA_W]};
@@ -933,6 +935,7 @@ end
     .position_o (position), \
     .contact_o (contact), \
     .saturated_o (saturated), \
+    .clipped_o (clipped), \
     .faults_o (faults), \
     .running_o (running), \
     .adc_ready_o (adc_ready), \
@@ -1020,6 +1023,7 @@ end
     .position_o (once_position), \
     .contact_o (once_contact), \
     .saturated_o (saturated), \
+    .clipped_o (clipped), \
     .faults_o (faults), \
     .running_o (running), \
     .adc_ready_o (adc_ready), \

@@ -10,7 +10,10 @@
 //   base  = clocks_per_volt (s f + s a (η (u_n + s offset) + x - f)) + clocks_per_volt c
 //   slope = (gain clocks_per_volt s) (s a η)
 //   high  = clocks_per_volt s u_max + clocks_per_volt c,  low = the same with -u_max
+//   still = clocks_per_volt (s f + s a (x - f)) + clocks_per_volt c, the duty of v = 0
 //
+// Where a word of the sum is at an end of its range, v is known from one side only, and 0 or of that sign
+// (wh_wave_core): still takes high's place or low's.
 // offset and c are the port anchor's, 0 without one. So base, slope and limits are made while the
 // last word is converted, and a sample passes one multiplication. The core makes its step as ever,
 // with the same η, x and u_max. η and x are taken over here when the frame of the last word begins,
@@ -60,6 +63,7 @@ module wh_early (
 
     input  wire                         sum_valid_i,        // its first clock counts
     input  wire signed [`WH_DATA_W-1:0] sum_i,              // s31q0: the tick's sum - zero
+    input  wire        [1:0]            sum_ends_i,         // of its words: one is at the high, the low end
 
     output wire                         duty_valid_o,       // strobe
     output wire signed [`WH_DATA_W+`WH_COEF_W-`WH_VOLTAGE_Q-1:0] duty_o,  // s35q16 clocks
@@ -168,6 +172,10 @@ module wh_early (
     reg signed [DUTY_W-1:0]  limit_q;
     reg signed [DUTY_W-1:0]  added_q;      // clocks_per_volt c
     reg signed [DUTY_W-1:0]  base_q;       // without it
+    reg signed [DATA_W-1:0]  still_error_q;
+    reg signed [DATA_W-1:0]  still_volt_q;
+    reg signed [DUTY_W-1:0]  still_q;      // without it
+    reg                      last_q;       // the first clock of the last step
 
     reg  signed [DATA_W-1:0]    data;
     reg  signed [COEF_W-1:0]    coef;
@@ -212,6 +220,10 @@ module wh_early (
                 data = scale_q;
                 coef = root_i;
             end
+            5'd9: begin
+                data = still_error_q;
+                coef = sa_cut_q;
+            end
             5'd10: begin
                 data = error_q;
                 coef = sa_cut_q;
@@ -225,11 +237,15 @@ module wh_early (
                 coef = sae_q;
             end
             5'd13: begin
-                data = correction_q;
+                data = still_volt_q;
                 coef = clocks_per_volt_i;
             end
             5'd14: begin
                 data = volt_q;
+                coef = clocks_per_volt_i;
+            end
+            5'd15: begin
+                data = correction_q;
                 coef = clocks_per_volt_i;
             end
             default: begin
@@ -359,7 +375,20 @@ module wh_early (
         .value_o (error)
     );
 
-    // s f + s a (...)
+    // x - f
+    wire signed [DATA_W:0]   wide_still = $signed({wave_o[DATA_W-1], wave_o})
+                                        - $signed({f_i[DATA_W-1], f_i});
+    wire signed [DATA_W-1:0] still_error;
+
+    wh_saturate #(
+        .IN_W    (DATA_W + 1),
+        .OUT_W   (DATA_W)
+    ) saturate_still (
+        .value_i (wide_still),
+        .value_o (still_error)
+    );
+
+    // s f + s a (...), of either
     wire signed [DATA_W:0]   wide_volt = $signed({volt_q[DATA_W-1], volt_q})
                                        + $signed({as_volt[DATA_W-1], as_volt});
     wire signed [DATA_W-1:0] volt;
@@ -376,8 +405,9 @@ module wh_early (
         case (step_q)
             5'd4:  wave_q       <= wave;
             5'd5: begin
-                sa_q     <= as_sa;
-                sa_cut_q <= as_sa_cut;
+                sa_q          <= as_sa;
+                sa_cut_q      <= as_sa_cut;
+                still_error_q <= still_error;
             end
             5'd6:  volt_q       <= as_volt;
             5'd7:  scale_q      <= as_scale;
@@ -388,22 +418,33 @@ module wh_early (
             end
             5'd10: sae_q        <= as_sae;
             5'd11: ss_q         <= as_ss;
+            5'd12: still_volt_q <= volt;
             5'd13: volt_q       <= volt;
             5'd14: limit_q      <= $signed(product[PRODUCT_W-1:`WH_VOLTAGE_Q]);
             5'd15: slope_q      <= as_slope;
-            5'd16: added_q      <= $signed(product[PRODUCT_W-1:`WH_VOLTAGE_Q]);
+            5'd16: still_q      <= $signed(product[PRODUCT_W-1:`WH_VOLTAGE_Q]);
             5'd17: base_q       <= $signed(product[PRODUCT_W-1:`WH_VOLTAGE_Q]);
             default: begin
             end
         endcase
+        // The last product is there with the first clock of the last step, which may be its only one.
+        last_q <= (step_q == LAST - 5'd1);
+        if (last_q) begin
+            added_q <= $signed(product[PRODUCT_W-1:`WH_VOLTAGE_Q]);
+        end
     end
 
     // ---- Limits and base with c. They are registered twice on their way to the sample's product,
     // which comes 3 clocks after the sum.
+    // What isn't known of the current is known of the duty: on one side of v = 0.
+    reg  signed [DUTY_W-1:0] within_q;     // still, within the limits
+    wire                     back      = eta_o[COEF_W-1];
+    wire signed [DUTY_W-1:0] most      = (back ? sum_ends_i[1] : sum_ends_i[0]) ? within_q : limit_q;
+    wire signed [DUTY_W-1:0] least     = (back ? sum_ends_i[0] : sum_ends_i[1]) ? within_q : -limit_q;
     wire signed [DUTY_W:0]   wide_high = $signed({added_q[DUTY_W-1], added_q})
-                                       + $signed({limit_q[DUTY_W-1], limit_q});
+                                       + $signed({most[DUTY_W-1], most});
     wire signed [DUTY_W:0]   wide_low  = $signed({added_q[DUTY_W-1], added_q})
-                                       - $signed({limit_q[DUTY_W-1], limit_q});
+                                       + $signed({least[DUTY_W-1], least});
     wire signed [DUTY_W-1:0] high;
     wire signed [DUTY_W-1:0] low;
 
@@ -445,6 +486,7 @@ module wh_early (
     wire signed [SUM_W-1:0] from_high  = below_high_q - pass;
 
     always @(posedge clk) begin
+        within_q     <= (still_q > limit_q) ? limit_q : (still_q < -limit_q) ? -limit_q : still_q;
         high_q       <= high;
         low_q        <= low;
         whole_q      <= $signed({base_q[DUTY_W-1], base_q}) + $signed({added_q[DUTY_W-1], added_q});

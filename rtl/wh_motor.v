@@ -50,13 +50,15 @@ module wh_motor #(
     input  wire signed [`WH_SAMPLE_W-1:0]    word_i,
     input  wire [8:0]                        samples_i,
     input  wire signed [`WH_SUM_W-1:0]       zero_i,
-    input  wire [15:0]                       range_i,          // these four with SENSE = 1
-    input  wire [15:0]                       stuck_words_i,
+    input  wire [15:0]                       range_i,
+    input  wire [15:0]                       stuck_words_i,    // these three with SENSE = 1
     input  wire                              zero_start_i,
     input  wire [`WH_SUM_W-2:0]              zero_limit_i,
     input  wire signed [`WH_DATA_W-1:0]      offset_i,         // s31q24 A, taken off
     output wire                              current_valid_o,
     output wire signed [`WH_DATA_W-1:0]      current_o,        // s31q24 A
+    output wire [1:0]                        current_ends_o,   // at the high, at the low end of its range
+    output wire [1:0]                        sum_ends_o,       // with current_request_o: of the words
     output wire                              adc_range_o,
     output wire                              adc_stuck_o,
     output wire                              zero_fault_o,
@@ -167,7 +169,7 @@ module wh_motor #(
                 .fault_o       (zero_fault_o)
             );
         end else begin : plain
-            wire unused = &{1'b0, range_i, stuck_words_i, zero_start_i, zero_limit_i, enable_i};
+            wire unused = &{1'b0, stuck_words_i, zero_start_i, zero_limit_i, enable_i};
 
             assign zero         = zero_i;
             assign adc_range_o  = 1'b0;
@@ -178,21 +180,24 @@ module wh_motor #(
     endgenerate
 
     wh_current current (
-        .clk       (clk),
-        .rst       (rst),
-        .valid_i   (word_valid_i),
-        .first_i   (word_first_i),
-        .sample_i  (word_i),
-        .samples_i (samples_i),
-        .zero_i    (zero),
-        .request_o (current_request_o),
-        .grant_i   (current_grant_i),
-        .factor_o  (current_factor_o),
-        .done_i    (current_done_i),
-        .product_i (product_i),
-        .offset_i  (offset_i),
-        .valid_o   (current_valid_o),
-        .current_o (current_o)
+        .clk        (clk),
+        .rst        (rst),
+        .valid_i    (word_valid_i),
+        .first_i    (word_first_i),
+        .sample_i   (word_i),
+        .samples_i  (samples_i),
+        .range_i    (range_i),
+        .zero_i     (zero),
+        .request_o  (current_request_o),
+        .grant_i    (current_grant_i),
+        .factor_o   (current_factor_o),
+        .done_i     (current_done_i),
+        .product_i  (product_i),
+        .offset_i   (offset_i),
+        .sum_ends_o (sum_ends_o),
+        .valid_o    (current_valid_o),
+        .current_o  (current_o),
+        .ends_o     (current_ends_o)
     );
 
     // ---- Position and contact.

@@ -29,6 +29,7 @@ module wh_port #(
     input  wire                              core_busy_i,
     input  wire                              core_valid_i,
     input  wire                              waves_i,            // strobe, this port's waves are new
+    input  wire                              clipped_i,          // current or v at the end of its range
     input  wire signed [`WH_DATA_W-1:0]      current_i,
     input  wire signed [`WH_DATA_W-1:0]      u_i,
     input  wire signed [`WH_DATA_W-1:0]      v_i,
@@ -80,6 +81,7 @@ module wh_port #(
     input  wire [8:0]                        samples_i,
     input  wire                              sum_valid_i,
     input  wire signed [`WH_DATA_W-1:0]      sum_i,
+    input  wire [1:0]                        sum_ends_i,         // of its words, as wh_current has them
     input  wire                              step_due_i,         // a step is yet to start
     input  wire signed [`WH_COEF_W-1:0]      root_i,
     input  wire signed [`WH_COEF_W-1:0]      a_i,
@@ -205,6 +207,7 @@ module wh_port #(
                 .withheld_i    (withheld_i),
                 .voltage_i     (wave_voltage_i),
                 .saturated_i   (saturated_i),
+                .blind_i       (clipped_i),
                 .busy_o        (anchor_busy),
                 .overrun_o     (anchor_overrun_o),
                 .words_i       (anchor_words_i),
@@ -226,7 +229,7 @@ module wh_port #(
             );
         end else begin : by_its_waves_alone
             wire unused_anchor = &{1'b0, core_start_i, position_i, current_i, u_i, withheld_i,
-                                   saturated_i, anchor_words_i, grant_i, done_i, product_i};
+                                   saturated_i, clipped_i, anchor_words_i, grant_i, done_i, product_i};
 
             assign driven_valid_o   = core_valid_i;
             assign driven_o         = wave_voltage_i;
@@ -276,6 +279,7 @@ module wh_port #(
                 .wave_o            (wave_o),
                 .sum_valid_i       (sum_valid_i),
                 .sum_i             (sum_i),
+                .sum_ends_i        (sum_ends_i),
                 .duty_valid_o      (early_valid_o),
                 .duty_o            (early_duty_o),
                 .overrun_o         (early_overrun_o)
@@ -283,7 +287,7 @@ module wh_port #(
         end else begin : in_turn
             wire unused_early = &{1'b0, core_busy_i, newest_u_i, next_u_i, wave_max, anchor_busy,
                                   next_correction, frame_i, word_valid_i, word_first_i, samples_i,
-                                  sum_valid_i, sum_i, step_due_i, root_i, a_i, gain_i,
+                                  sum_valid_i, sum_i, sum_ends_i, step_due_i, root_i, a_i, gain_i,
                                   clocks_per_volt_i};
 
             assign wave_o          = present_wave;

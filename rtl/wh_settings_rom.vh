@@ -67,6 +67,7 @@
 `WH_SETTINGS_TOLD('h1b4, 1, 3'b011, 8'hc0)  // position
 `WH_SETTINGS_TOLD('h1b5, 1, 3'b011, 8'hc2)  // contact
 `WH_SETTINGS_TOLD('h1b6, 1, 3'b111, 8'hc2)  // saturated
+`WH_SETTINGS_TOLD('h1b7, 1, 3'b111, 8'hc2)  // clipped
 `WH_SETTINGS_WORD('h030, 1, 3'b001, 8'h6d, 32'd0)  // mode
 `WH_SETTINGS_WORD('h031, 1, 3'b011, 8'h67, 32'd0)  // min_pulse
 `WH_SETTINGS_WORD('h032, 1, 3'b011, 8'h67, 32'd0)  // dead_clocks

@@ -11,6 +11,11 @@
 // sim/wavehaptics/controller/wave_core.py says the same with integers, and this module equals it bit for bit.
 // Rounding is toward zero everywhere, sums saturate. f has WH_STATE_GUARD bits below a wave's last.
 //
+// Of an i_n at an end of its range (ends_i, or the largest or least word) only one bound of v is known.
+// v is then the smallest value within it: 0, unless its sign is against that of the current. So |v| is
+// never more than the true one, and a port with |η| <= 1 is passive, whatever the true current is.
+// clipped_o tells of it, and of a v that was saturated.
+//
 // extra_ticks_i is the age, in steps, of the u that was applied in the measured tick, seen from the
 // newest u that is in the line when the step starts. hold_ticks_i is the age of the u that this
 // step puts out, seen from the one that it computes: 0 puts that one out at once.
@@ -49,6 +54,7 @@ module wh_wave_core #(
     input wire signed [N*`WH_DATA_W-1:0] current_i,      // s31q24 A, ±64 A: the tick's mean i_n
     input wire signed [N*`WH_COEF_W-1:0] eta_i,          // s27q25 η, used in [-1, 1]
     input wire signed [N*`WH_DATA_W-1:0] outside_i,      // s31q23 √W, ±128 √W: x
+    input wire        [2*N-1:0]          ends_i,         // i_n is at the high (bit 0), low end of its range
     input wire        [2*N-1:0]          shape_mode_i,   // as wh_shaper has it
     input wire        [SHAPE_BITS-1:0]   shape_words_i,  // as wh_shaper has it, port 0 lowest
     input wire signed [N*`WH_COEF_W-1:0] root_i,         // s27q22 √Ω, ±16: s = √(2R̂)
@@ -63,7 +69,8 @@ module wh_wave_core #(
     output reg        [N-1:0]            saturated_o,    // f was outside ±u_max in this step
     output wire       [N*`WH_DATA_W-1:0] withheld_o,     // s31q23 √W: by how much; else -1, 0 or 1,
                                                          // the sum of what u lacks of f
-    output wire       [N-1:0]            waves_o,        // strobe: u_o and v_o are this step's
+    output reg        [N-1:0]            clipped_o,      // i_n or v_n is at the end of its range
+    output wire       [N-1:0]            waves_o,        // strobe: u_o, v_o, clipped_o are this step's
 
     // The shared multiplier, SHARED = 1 (wh_multiply_shared). The schedule doesn't wait: what it asks
     // for is to be granted in the same clock, and product_i is the product 3 clocks later.
@@ -293,6 +300,7 @@ module wh_wave_core #(
     reg                       si_up_q;
     wire signed [V_SUM_W:0]   v_sum;
     reg  signed [V_SUM_W-1:0] v_sum_q;
+    wire signed [DATA_W-1:0]  v_near;
     wire signed [DATA_W-1:0]  v;
 
     wh_truncate #(
@@ -312,10 +320,20 @@ module wh_wave_core #(
         .OUT_W   (DATA_W)
     ) saturate_v (
         .value_i (v_sum_q),
-        .value_o (v)
+        .value_o (v_near)
     );
 
+    // At which end i_n is, known some clocks before v.
+    wire [1:0] most   = {current[DATA_W-1] && !(|current[DATA_W-2:0]),
+                         !current[DATA_W-1] && (&current[DATA_W-2:0])};
+    reg  [1:0] ends_q;
+    wire       v_back = v_sum_q[V_SUM_W-1];
+    wire       v_far  = (v_sum_q[V_SUM_W-1:DATA_W-1] != {(V_SUM_W - DATA_W + 1){v_back}});
+
+    assign v = $signed(v_near & ~{DATA_W{v_back ? ends_q[1] : ends_q[0]}});
+
     always @(posedge clk) begin
+        ends_q     <= ends_i[2*port +: 2] | most;
         si_floor_q <= si_floor;
         si_up_q    <= si_up;
         v_sum_q    <= $signed(v_sum[V_SUM_W:1]);
@@ -646,6 +664,7 @@ module wh_wave_core #(
             u_o         <= 0;
             v_o         <= 0;
             saturated_o <= 0;
+            clipped_o   <= 0;
             for (n = 0; n < N; n = n + 1) begin
                 f_q[n] <= {STATE_W{1'b0}};
             end
@@ -655,6 +674,7 @@ module wh_wave_core #(
             end
             if (at_q[TAKE_V]) begin
                 v_o[port*DATA_W +: DATA_W] <= v;
+                clipped_o[port]            <= (|ends_q) || v_far;
             end
             if (at_q[TAKE_F]) begin
                 f_q[port]         <= f_clamped;

@@ -7,7 +7,7 @@
 #define WAVEHAPTICS_WORDS_H
 
 // <!-- begin c-words -->
-#define WH_WORDS_CRC 0xd781c164u
+#define WH_WORDS_CRC 0xb4071dffu
 
 #define WH_MAP_VERSION 1u
 #define WH_TABLE_REGISTER 0x2000u
@@ -199,6 +199,7 @@
     X(POSITION, "position", 0x1b4, WH_LIVE, WH_OF_MOTOR, 1, 0, 1, -2147483648.0, 2147483647.0, "counts") \
     X(CONTACT, "contact", 0x1b5, WH_LIVE, WH_OF_MOTOR, 1, 0, 0, 0.0, 1.0, "") \
     X(SATURATED, "saturated", 0x1b6, WH_LIVE, WH_OF_MOTOR, 1, 0, 0, 0.0, 1.0, "") \
+    X(CLIPPED, "clipped", 0x1b7, WH_LIVE, WH_OF_MOTOR, 1, 0, 0, 0.0, 1.0, "") \
     X(CORRECTION, "correction", 0x1c0, WH_LIVE, WH_OF_MOTOR, 1, 23, 1, -128.0, 127.99999988079071, "V") \
     X(OFFSET, "offset", 0x1c1, WH_LIVE, WH_OF_MOTOR, 1, 24, 1, -64.0, 63.999999940395355, "A") \
     X(FLUX, "flux", 0x1c2, WH_LIVE, WH_OF_MOTOR, 1, 16, 1, -16384.0, 16383.999984741211, "cells") \

@@ -47,6 +47,12 @@ def state_with(f: int, newest: int) -> tuple[np.ndarray, np.ndarray]:
     return state, line
 
 
+def s_times(root: int, current: int) -> int:
+    """s·i as the core cuts it; Python's integers, as a current may be of any size."""
+    shift = formats.ROOT.fraction + formats.CURRENT.fraction - WAVE.fraction
+    return wave_core.truncate.py_func(root * current, shift)
+
+
 def goal_of(eta: int, v: int) -> int:
     return int(wave_core.saturate(wave_core.truncate(eta * v, formats.ETA.fraction)))
 
@@ -83,6 +89,11 @@ def test_every_word_stays_in_its_format_with_the_right_sign(
     exact = u_n - root * current / 2 ** (
         formats.ROOT.fraction + formats.CURRENT.fraction - WAVE.fraction
     )
+    # Of the largest and the least current only one bound of v is known.
+    if current == formats.CURRENT.raw_max:
+        exact = min(exact, 0.0)
+    if current == formats.CURRENT.raw_min:
+        exact = max(exact, 0.0)
     assert abs(v_n - min(max(exact, WAVE.raw_min), WAVE.raw_max)) <= 1
     applied = wave_core.truncate(int(state[wave_core.STATE_F]), GUARD) if hold == 0 else newest
     assert e * applied >= 0
@@ -104,6 +115,32 @@ def test_f_never_exceeds_what_it_was_and_what_it_follows(
     # f' lies between f and its goal, or at the limit.
     low, high = sorted((f, goal << GUARD))
     assert low <= after <= high or abs(after) == u_max << GUARD
+
+
+@given(currents, st.integers(0, 1 << 40), st.integers(0, 3), roots, waves)
+@settings(deadline=None, max_examples=2000)
+def test_v_is_no_longer_than_it_is_where_the_current_is_clipped(
+    current, beyond, ends, root, newest
+) -> None:
+    """|v| is at most that of any current that may be the true one, and on the same side of 0."""
+    state, line = state_with(0, newest)
+    _, u_n, v_n = wave_core.wave_core_step(
+        state, line, current, -ETA_ONE, 0, root, A_ONE, U_MAX, 0, 0, ends
+    )
+    assert u_n == newest
+    high = ends & formats.AT_HIGH or current == formats.CURRENT.raw_max
+    low = ends & formats.AT_LOW or current == formats.CURRENT.raw_min
+    told = u_n - s_times(root, current)
+    assert state[wave_core.STATE_CLIPPED] == bool(
+        high or low or not WAVE.raw_min <= told <= WAVE.raw_max
+    )
+    for side in [+1] * bool(high) + [-1] * bool(low) + [0]:
+        if side or not (high or low):
+            true = u_n - s_times(root, current + side * beyond)
+            assert abs(v_n) <= abs(true)
+            assert v_n * true >= 0
+    if not (high or low):
+        assert v_n == min(max(told, WAVE.raw_min), WAVE.raw_max)
 
 
 @given(currents, etas, roots, waves, waves)

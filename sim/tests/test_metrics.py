@@ -36,6 +36,7 @@ NAMES = {
     *("torque_nrmse_vs_analog", "free_space_torque_rms", "energy_out_max_j"),
     *("hold_offset_rad", "hold_error", "hold_torque", "hold_ripple_rms", "restitution"),
     *("saturated_fraction", "contact_energy_j", "contact_energy_ratio", "swing_rad", "swing_hz"),
+    "clipped_fraction",
 }
 ANCHOR_NAMES = {
     *("correction_out_max_j", "correction_bound_j", "x_hat_error_rms_rad"),
@@ -156,6 +157,7 @@ def test_the_fit_ends_where_the_voltage_saturates(edge, side):
     result = result_of(rows)
     assert result["stiffness"] == pytest.approx(K, rel=1e-9)
     assert result["saturated_fraction"] == pytest.approx(rows[:, Column.SATURATED].mean())
+    assert result["clipped_fraction"] == pytest.approx(rows[:, Column.CLIPPED].mean())
 
 
 def test_saturated_from_the_first_tick_on_there_is_no_stiffness():
@@ -642,6 +644,7 @@ def everything(path: str) -> tuple[np.ndarray, np.ndarray]:
     rows[rng.integers(0, 2500, 40), Column.CONTACT] = 0.0
     rows[-260:, Column.CONTACT] = 1.0
     rows[:, Column.SATURATED] = rng.random(2500) < 0.001
+    rows[:, Column.CLIPPED] = rng.random(2500) < 0.01
     rows[:, Column.ENERGY_OUT] = rng.normal(size=2500)
     rows[:, Column.RIPPLE] = rng.random(2500)
     if path == "impact":
@@ -703,7 +706,7 @@ def test_what_a_scene_does_not_define_is_none():
     metrics.update(np.zeros((100, len(Column))))
     result = metrics.result()
     zero = {"peak_torque", "peak_current_a", "current_ripple_a", "free_space_torque_rms"}
-    zero |= {"energy_out_max_j", "saturated_fraction"}
+    zero |= {"energy_out_max_j", "saturated_fraction", "clipped_fraction"}
     assert {name for name, value in result.items() if value is not None} == given | zero
     assert all(result[name] == 0.0 for name in zero)
     json.dumps(result, allow_nan=False)

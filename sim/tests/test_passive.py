@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 
 import numpy as np
 import pytest
@@ -42,16 +43,17 @@ def wishes(motor, cheat: float = 1.0) -> np.ndarray:
 
 @compiled_counting(error_model="numpy")
 def switched(
-    ticks, seed, words, shaper, ints, state, core, line, link, load, matrix, dt, sensor, noise
+    ticks, seed, words, shaper, ints, state, core, line, link, load, matrix, dt, sensor, noise, end
 ):  # fmt: skip
     """(most and last net energy out of the port in J, ticks of each mode, fastest the rotor was).
 
     Every 1 to 400 ticks another setting is drawn: η, W in force, held or empty, its words, or a
     host, which answers in good time or late, twice, or with as much as fits into a word.
-    ``shaper`` is W's state.
+    ``shaper`` is W's state. The current's word ends at ±``end``.
     """
     np.random.seed(seed)
     root, a, u_max, extra = ints
+    clipped = 0
     modes = np.zeros(4)
     left, mode, eta, feel = 0, 0, 0, 0
     voltage, v_n, packet, number = 0, 0, 0, 0
@@ -69,7 +71,9 @@ def switched(
         charge, square = plant_step(state, matrix, dt, e_a, load)
         energy += e_a * charge - R_OHM * square
         most = max(most, energy)
-        current = current_word(charge / dt, sensor, noise[n])
+        current = min(max(current_word(charge / dt, sensor, noise[n]), -end), end)
+        ends = formats.AT_HIGH if current == end else formats.AT_LOW if current == -end else 0
+        clipped += ends != 0
         if mode == HOST and np.random.random() < 0.02:
             u = packet
             if np.random.random() < 0.3:
@@ -80,18 +84,19 @@ def switched(
         shape = wave_core.CLEAR if active else min(mode, wave_core.SHAPE)
         voltage, _, v_n = wave_core.shaped_core_step(
             core, line, words[feel], shaper, shape, current, 0 if active else eta,
-            link[host_link.U] if active else 0, root, a, u_max, extra, extra,
+            link[host_link.U] if active else 0, root, a, u_max, extra, extra, ends,
         )  # fmt: skip
         modes[HOST if active else min(mode, LOCAL_SHAPE)] += 1
         sent, sequence, mean = host_link.tick(link, v_n, 5, 3)
         if sent:
             number, packet = sequence, mean
         fastest = max(fastest, abs(state[OMEGA]))
-    return most, energy, modes, fastest
+    return most, energy, modes, fastest, clipped
 
 
 def run(
-    make_scene, lambda_: str, seed: int, cheat: float = 1.0, ticks: int = TICKS, paid: int = 0
+    make_scene, lambda_: str, seed: int, cheat: float = 1.0, ticks: int = TICKS, paid: int = 0,
+    end_a: float = math.inf,
 ):  # fmt: skip
     scene = make_scene(*HAND, f"controller.lambda={lambda_}")
     assert scene.motor.R_ohm == R_OHM
@@ -108,13 +113,14 @@ def run(
         wave_core.new_line(set_.extra_ticks), host_link.new_state(), load_words(plant),
         plant.transition(dt), dt, Sensor.of_scene(scene).constants(),
         np.random.default_rng(seed).standard_normal(ticks),
+        min(formats.CURRENT.raw_max, math.floor(min(end_a, 100.0) / formats.CURRENT.step)),
     )  # fmt: skip
 
 
 @pytest.mark.parametrize("lambda_", ["1e9", "3e4"])
 def test_nothing_passive_switched_at_random_gives_out_energy(make_scene, lambda_):
     """η, W in force, held and emptied, its words, hosts good and bad: never a joule out."""
-    most, last, modes, fastest = run(make_scene, lambda_, SEED)
+    most, last, modes, fastest, _ = run(make_scene, lambda_, SEED)
     assert most <= 0.0
     assert last < -1e-2
     assert fastest > 1.0
@@ -124,10 +130,21 @@ def test_nothing_passive_switched_at_random_gives_out_energy(make_scene, lambda_
 def test_a_filter_that_is_not_contractive_is_seen(make_scene):
     """The check can fail: W's gains a tenth too large, and energy comes out, if it was paid for."""
     paid = 1 << formats.DATA_W
-    most, _, _, _ = run(make_scene, "1e9", SEED, cheat=1.1, ticks=TICKS // 5, paid=paid)
+    most, *_ = run(make_scene, "1e9", SEED, cheat=1.1, ticks=TICKS // 5, paid=paid)
     assert most > 1e-6
 
 
 def test_a_filter_that_is_not_contractive_gives_no_more_than_it_got(make_scene):
-    most, _, _, _ = run(make_scene, "1e9", SEED, cheat=1.1, ticks=TICKS // 5)
+    most, *_ = run(make_scene, "1e9", SEED, cheat=1.1, ticks=TICKS // 5)
     assert most <= 0.0
+
+
+@pytest.mark.parametrize("lambda_", ["1e9", "3e4"])
+def test_a_current_at_its_end_gives_out_no_energy(make_scene, lambda_):
+    """Nor does any of that where the current's word ends long before the current does."""
+    most, last, modes, fastest, clipped = run(make_scene, lambda_, SEED, end_a=0.2)
+    assert clipped > TICKS / 10
+    assert most <= 0.0
+    assert last < -1e-2
+    assert fastest > 1.0
+    assert (modes > TICKS / 50).all(), modes

@@ -25,6 +25,7 @@ def run_of(ticks: int, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
     rows[:, Column.T] = (np.arange(ticks) + 0.5) * TICK_S
     rows[:, Column.CONTACT] = rng.integers(0, 2, ticks)
     rows[:, Column.SATURATED] = rng.integers(0, 2, ticks)
+    rows[:, Column.CLIPPED] = rng.integers(0, 2, ticks)
     words = rng.integers(-(1 << 30), 1 << 30, size=(ticks, len(Word)))
     words[0], words[-1] = -(1 << 30), (1 << 30) - 1
     return rows, words
@@ -45,13 +46,13 @@ def test_every_tick_comes_back(tmp_path):
     loaded = load_trace(path.parent)
     assert set(loaded) == {
         *("t", "x", "omega", "i", "e_a", "torque", "eta", "u", "v", "x_hand", "energy_out"),
-        *("contact", "saturated", "i_word", "u_word", "v_word", "e_word"),
+        *("contact", "saturated", "clipped", "i_word", "u_word", "v_word", "e_word"),
     }
     for column in FLOAT_COLUMNS:
         assert np.array_equal(loaded[column.name.lower()], rows[:, column])
     for word in Word:
         assert np.array_equal(loaded[f"{word.name.lower()}_word"], words[:, word])
-    for column in (Column.CONTACT, Column.SATURATED):
+    for column in (Column.CONTACT, Column.SATURATED, Column.CLIPPED):
         flag = loaded[column.name.lower()]
         assert flag.dtype == np.bool_
         assert np.array_equal(flag, rows[:, column] == 1.0)
@@ -157,14 +158,15 @@ def test_a_tick_is_written_whole():
     row, parts = np.full(len(Column), np.nan), []
     for put, values in (
         (put_motion, (1.0, 0.5, 2.0, 3.0, 0.25, 6.0, 0.125, 7.0, 8.0, 9.0)),
-        (put_port, (-1.0, 10.0, 11.0, True, False)),
+        (put_port, (-1.0, 10.0, 11.0, True, False, True)),
         (put_anchor, (12.0, 1)),
         (put_estimate, (13.0, 14.0, 15.0)),
     ):
         before = np.isnan(row)
         put.py_func(row, *values)
         parts.append(int(np.count_nonzero(before & ~np.isnan(row))))
-    assert parts == [9, 5, 2, 3]
+    assert parts == [9, 6, 2, 3]
     assert not np.isnan(row).any()
     assert row[[Column.T, Column.X, Column.OMEGA]].tolist() == [1.25, 2.5, 2.0]
-    assert row[[Column.CONTACT, Column.SATURATED]].tolist() == [1.0, 0.0]
+    flags = row[[Column.CONTACT, Column.SATURATED, Column.CLIPPED]]
+    assert flags.tolist() == [1.0, 0.0, 1.0]

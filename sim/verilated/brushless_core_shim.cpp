@@ -66,9 +66,10 @@ void *wh_axes_new(const uint32_t *words, int64_t position, int64_t zero, int64_t
 
 void wh_axes_delete(void *model) { delete static_cast<Core *>(model); }
 
-// One tick. words: the currents of α and β, contact, position and whether the wall feels as W; on return e, u_n and v_n of α and then
-// of β, of both anchors c, offset, flux and lag, each of α and then of β, whether they have lost the rotor,
-// and whether a limit acted. Returns the clocks from start to the end of all, or -1 when that never came.
+// One tick. words: the currents of α and β, contact, position, whether the wall feels as W, and the ends of
+// both currents' ranges; on return e, u_n and v_n of α and then of β, of both anchors c, offset, flux and
+// lag, each of α and then of β, whether they have lost the rotor, whether a limit acted and whether a value
+// was at its end. Returns the clocks from start to the end of all, or -1 when that never came.
 int64_t wh_axes_step(int64_t model, int64_t words_address) {
     Core *core = reinterpret_cast<Core *>(model);
     int64_t *words = reinterpret_cast<int64_t *>(words_address);
@@ -76,6 +77,7 @@ int64_t wh_axes_step(int64_t model, int64_t words_address) {
     core->top.contact_i = words[2] != 0;
     core->top.position_i = words[3];
     core->top.shaped_i = words[4] != 0;
+    core->top.ends_i = words[5];
     core->top.eval();
     while (core->top.moving_o) clock(core);
     core->top.start_i = 1;
@@ -97,6 +99,7 @@ int64_t wh_axes_step(int64_t model, int64_t words_address) {
     }
     words[14] = core->top.fault_o;
     words[15] = core->top.saturated_o;
+    words[16] = core->top.clipped_o;
     return clocks;
 }
 

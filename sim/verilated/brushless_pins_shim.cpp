@@ -99,9 +99,9 @@ int64_t wh_brushless_clock(int64_t model, int64_t inputs) {
            top.encoder_fault_o << 12;
 }
 
-// The words of the newest step into words[0..16]: i, u_n, v_n, e of alpha, then of beta, whether the
+// The words of the newest step into words[0..17]: i, u_n, v_n, e of alpha, then of beta, whether the
 // voltage limit acted on either; of the anchors c, χ and ω̂'s lag, of alpha and then of beta, whether they
-// have lost the rotor, and the position.
+// have lost the rotor, the position, and whether a value of either was at its end.
 int64_t wh_brushless_words(int64_t model, int64_t words_address) {
     auto &top = reinterpret_cast<Controller *>(model)->top;
     int64_t *words = reinterpret_cast<int64_t *>(words_address);
@@ -119,6 +119,7 @@ int64_t wh_brushless_words(int64_t model, int64_t words_address) {
     }
     words[15] = top.anchor_fault_o;
     words[16] = static_cast<int32_t>(top.position_o);
+    words[17] = top.clipped_o;
     return 0;
 }
 

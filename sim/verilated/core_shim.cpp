@@ -71,9 +71,9 @@ void *wh_core_new(const uint32_t *words) {
 
 void wh_core_delete(void *model) { delete static_cast<Core *>(model); }
 
-// One tick. words: current, contact, the shaper's mode, position; on return e, u_n, v_n, and of the
-// anchor c, offset, flux, lag and fault, and whether the limit acted. Returns the clocks from start to the end of both, or -1 when
-// that never came.
+// One tick. words: current, contact, the shaper's mode, position, the ends of the current's range; on
+// return e, u_n, v_n, of the anchor c, offset, flux, lag and fault, and whether the limit acted and a
+// value was at its end. Returns the clocks from start to the end of both, or -1 when that never came.
 int64_t wh_core_step(int64_t model, int64_t words_address) {
     Core *core = reinterpret_cast<Core *>(model);
     int64_t *words = reinterpret_cast<int64_t *>(words_address);
@@ -81,6 +81,7 @@ int64_t wh_core_step(int64_t model, int64_t words_address) {
     core->top.contact_i = words[1] != 0;
     core->top.shape_mode_i = words[2];
     core->top.position_i = words[3];
+    core->top.ends_i = words[4];
     core->top.start_i = 1;
     clock(core);
     core->top.start_i = 0;
@@ -98,6 +99,7 @@ int64_t wh_core_step(int64_t model, int64_t words_address) {
     words[6] = signed_word(core->top.lag_o);
     words[7] = core->top.fault_o;
     words[8] = core->top.saturated_o;
+    words[9] = core->top.clipped_o;
     return clocks;
 }
 

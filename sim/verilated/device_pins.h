@@ -70,4 +70,5 @@ void words_of(const Root *root, int64_t *words) {
     both(SIGNAL(lag));
     *words++ = SIGNAL(anchor_fault) & 1;
     *words++ = static_cast<int32_t>(lowest(SIGNAL(position)));
+    *words++ = SIGNAL(clipped) & (kBrushless ? 3 : 1);
 }

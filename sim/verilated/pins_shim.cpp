@@ -138,8 +138,8 @@ int64_t wh_pins_clock(int64_t model, int64_t inputs) {
            top.contact_o << 8 | top.overrun_o << 9 | top.encoder_fault_o << 10;
 }
 
-// The words of the newest step into words[0..9]: i, u_n, v_n, e, whether the voltage limit acted, and
-// of the port anchor c, χ, ω̂'s lag, its fault, and the position.
+// The words of the newest step into words[0..10]: i, u_n, v_n, e, whether the voltage limit acted, of
+// the port anchor c, χ, ω̂'s lag, its fault, and the position, and whether a value was at its end.
 int64_t wh_pins_words(int64_t model, int64_t words_address) {
     auto &top = reinterpret_cast<Controller *>(model)->top;
     int64_t *words = reinterpret_cast<int64_t *>(words_address);
@@ -153,6 +153,7 @@ int64_t wh_pins_words(int64_t model, int64_t words_address) {
     words[7] = signed_word(top.lag_o);
     words[8] = top.anchor_fault_o;
     words[9] = static_cast<int32_t>(top.position_o);
+    words[10] = top.clipped_o;
     return 0;
 }
 

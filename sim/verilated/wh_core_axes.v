@@ -24,6 +24,7 @@ module wh_core_axes #(
 
     // Of two words, alpha's lowest.
     input  wire [2*`WH_DATA_W-1:0]      current_i,       // s31q24 A
+    input  wire [3:0]                   ends_i,          // at the high, low end of its range, each axis
     input  wire                         contact_i,
     input  wire [`WH_COEF_W-1:0]        eta_contact_i,   // s27q25
     input  wire [`WH_COEF_W-1:0]        eta_free_i,      // s27q25
@@ -45,6 +46,7 @@ module wh_core_axes #(
     output wire [2*`WH_DATA_W-1:0]      u_o,             // s31q23 √W: u_n
     output wire [2*`WH_DATA_W-1:0]      v_o,             // s31q23 √W: v_n
     output wire [1:0]                   saturated_o,
+    output wire [1:0]                   clipped_o,       // i_n or v_n is at the end of its range
     output wire [2*`WH_DATA_W-1:0]      next_o,          // s31q23 V: c of the next tick
     output wire [2*`WH_DATA_W-1:0]      offset_o,        // s31q24 A
     output wire [2*`WH_DATA_W-1:0]      flux_o,          // s31q16 cells
@@ -122,6 +124,7 @@ module wh_core_axes #(
         .valid_o        (valid),
         .overrun_o      (overrun),
         .current_i      (current_i),
+        .ends_i         (ends_i),
         .eta_i          (contact_i ? eta_contact_i : eta_free_i),
         .root_i         (root_i),
         .a_i            (a_i),
@@ -147,6 +150,7 @@ module wh_core_axes #(
         .u_o            (u_o),
         .v_o            (v_o),
         .saturated_o    (saturated_o),
+        .clipped_o      (clipped_o),
         .correction_o   (correction),
         .next_o         (next_o),
         .offset_o       (offset_o),

@@ -22,6 +22,7 @@ module wh_core_port #(
     output wire                              done_o,        // strobe
 
     input  wire signed [`WH_DATA_W-1:0]      current_i,     // s31q24 A: i_n
+    input  wire        [1:0]                 ends_i,        // it is at the high (bit 0), low end of its range
     input  wire                              contact_i,
     input  wire signed [`WH_COEF_W-1:0]      eta_contact_i, // s27q25
     input  wire signed [`WH_COEF_W-1:0]      eta_free_i,    // s27q25
@@ -42,6 +43,7 @@ module wh_core_port #(
     output wire signed [`WH_DATA_W-1:0]      v_o,           // s31q23 √W: v_n
     output wire signed [`WH_DATA_W-1:0]      next_o,        // s31q23 V: c of the next tick
     output wire                              saturated_o,   // the limit acted in this step
+    output wire                              clipped_o,     // i_n or v_n is at the end of its range
     output wire signed [`WH_DATA_W-1:0]      offset_o,      // s31q24 A
     output wire signed [`WH_DATA_W-1:0]      flux_o,        // s31q16 cells
     output wire signed [`WH_DATA_W-1:0]      lag_o,         // s31q16 cells
@@ -117,6 +119,7 @@ module wh_core_port #(
         .eta_i         (fault_o ? {COEF_W{1'b0}} : !contact_i ? eta_free_i
                         : rebounds ? rebound_eta : eta_contact_i),
         .outside_i     ({DATA_W{1'b0}}),
+        .ends_i        (ends_i),
         .shape_mode_i  (shape_mode_i),
         .shape_words_i (shape_words_i),
         .root_i        (root_i),
@@ -129,6 +132,7 @@ module wh_core_port #(
         .v_o           (v_o),
         .saturated_o   (saturated_o),
         .withheld_o    (withheld),
+        .clipped_o     (clipped_o),
         .waves_o       (waves),
         .request_o     (core_request),
         .factor_o      (core_factor),
@@ -179,6 +183,7 @@ module wh_core_port #(
                 .withheld_i    (withheld),
                 .voltage_i     (wave_voltage),
                 .saturated_i   (saturated_o),
+                .blind_i       (clipped_o),
                 .busy_o        (anchor_busy),
                 .overrun_o     (anchor_overrun),
                 .words_i       (anchor_words_i),

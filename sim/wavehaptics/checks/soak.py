@@ -30,7 +30,7 @@ from wavehaptics.controller import anchor, wave_core
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.ladder.sampled import core_words, load_core
 from wavehaptics.motor.plant import Plant, X, load_words
-from wavehaptics.motor.sensor import Sensor, current_word, draw_noise, noise_at
+from wavehaptics.motor.sensor import Sensor, current_word, draw_noise, noise_at, range_ends
 from wavehaptics.motor.step import motor_parts, motor_step
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.runtime.native_call import call2
@@ -91,6 +91,7 @@ def _soak(
         position = int(np.floor(state[X] / cell))
         if spell[_WILD_CURRENT] != 0:
             raw = wild[n]
+        ends = range_ends(raw, sensor)
         if spell[_WILD_POSITION] != 0:
             position += wild[n] & 0xFFFF
         touching, _ = wave_core.contact_step(contact, position, walls[0], walls[1])
@@ -103,15 +104,17 @@ def _soak(
         withheld, saturated = core[wave_core.STATE_WITHHELD], core[wave_core.STATE_SATURATED] != 0
         left = anchor.left(u_max, held)
         e_id, u, v = wave_core.shaped_core_step(
-            core, line, shaper[0], shaper[1], mode, current, eta, 0, root, a, left, extra, extra
-        )
+            core, line, shaper[0], shaper[1], mode, current, eta, 0, root, a, left, extra, extra,
+            ends,
+        )  # fmt: skip
         e = e_id
         if anchored:
             e = wave_core.saturate(e_id + held[anchor.CORRECTION])
             volts = kept[_WAVE_VOLTAGE]
             anchor.anchor_step(
-                held, words, position, touching, current, u, v, withheld, volts, saturated
-            )
+                held, words, position, touching, current, u, v, withheld, volts, saturated,
+                core[wave_core.STATE_CLIPPED] != 0,
+            )  # fmt: skip
             kept[_WAVE_VOLTAGE] = e_id
             size = abs(volts)
             reach = words[anchor.REACH] >> (0 if touching else anchor.FREE_SHIFT)
@@ -124,10 +127,13 @@ def _soak(
                     return CORRECTION, n
 
         buffer[0], buffer[1], buffer[2], buffer[3] = raw, touching, mode, position
+        buffer[4] = ends
         clocks = call2(step, model, buffer.ctypes.data)
         if clocks < 0 or clocks > most_clocks:
             return CLOCKS, n
         if buffer[0] != e or buffer[1] != u or buffer[2] != v:
+            return WORDS, n
+        if buffer[9] != core[wave_core.STATE_CLIPPED]:
             return WORDS, n
         if anchored and (
             buffer[3] != held[anchor.CORRECTION] or buffer[4] != held[anchor.OFFSET]
@@ -237,7 +243,7 @@ def _episode(scene: Any, set_: Settings, rng: np.random.Generator, found: dict[s
     state, parts = plant.start.copy(), motor_parts(plant)
     contact = np.array([-1, 0], dtype=np.int64)
     kept = np.zeros(7, dtype=np.int64)
-    buffer = np.zeros(9, dtype=np.int64)
+    buffer = np.zeros(10, dtype=np.int64)
     clean, done = True, 0
     core = line = held = states = None
     try:

@@ -35,6 +35,12 @@ wall stands where it was when the limit has done its work. So is what truncation
 a place a tick would move a held wall by some cells an hour. In free space the current is zero but
 for the sensor's offset, which c then shows: ``offset −= g_z·c`` while the rotor rests.
 
+A tick whose current or v is at the end of its range (``blind``) teaches nothing: c_I, the offset
+and ȳ stay, and the next c is 0, as it would push against what isn't known. χ counts on: the flux
+that the environment was given and the way of the rotor are known all the same, so that a wall which
+gave way is where it stood once it can. As long as c is at its limit since, that is no lost rotor.
+But a χ in the outer half of its range is, before it wraps.
+
 Words found in a tick act in the next.
 
 A brushless motor has an anchor for each axis of the stationary frame, whose flux a count changes by
@@ -88,9 +94,10 @@ assert len(_WORDS) == SETTINGS
     REBOUNDS,  # a rotor that hit the wall is on its way out
     BOUNCED,  # it was, since the contact began or the wall was set anew
     BEGUN,  # s48q33 cells: the flux by the encoder where the contact began
-) = range(26)
+    OVERLOADED,  # the current was at the end of its range, and c has been at its limit since
+) = range(27)
 """Places in an anchor's state."""
-STATES = 26
+STATES = 27
 
 FRESH_TICKS = 3
 """An edge begins a contact that is told in its own tick or in the next two."""
@@ -128,6 +135,7 @@ assert formats.PULL.fraction - _GUARD == _NEAR_SHIFT
 assert formats.LEARN.fraction - _GUARD == _FAR_SHIFT
 _VOLT_SHIFT = formats.LONG.fraction - formats.VOLTAGE.fraction
 _AMPERE_SHIFT = formats.LONG.fraction - formats.CURRENT.fraction
+_FAR = 1 << (formats.LONG.width - 2)
 _LONG_TOP = 1 << (formats.LONG.width - 1)
 _LONG_MASK = (1 << formats.LONG.width) - 1
 _DATA_TOP = 1 << (formats.DATA_W - 1)
@@ -191,18 +199,20 @@ def anchor_step(
     withheld: int,
     voltage: int,
     saturated: bool,
+    blind: bool = False,
 ) -> None:
     """One tick of the anchor beside one port; ``state`` int64 (STATES,) is updated.
 
     ``words`` int64 (SETTINGS,); ``position`` in counts and ``contact`` are the tick's; ``current``,
     ``u`` and ``v`` those of its core step (i_n without the offset, u_n, v_n); ``withheld`` (√W),
     ``voltage`` (e_id) and ``saturated`` of the core's step before
-    (:data:`wavehaptics.controller.wave_core.STATE_WITHHELD`).
+    (:data:`wavehaptics.controller.wave_core.STATE_WITHHELD`). ``blind`` says that the current or v
+    is at the end of its range (``STATE_CLIPPED``).
     """
     moved = _moved(state, position)
     _turn(
         state, words, moved, moved * _CELL, _CELL, _CELL >> 2, (position & _TURN) * _CELL, contact,
-        current, u, v, withheld, voltage, saturated,
+        current, u, v, withheld, voltage, saturated, blind,
     )  # fmt: skip
 
 
@@ -220,6 +230,7 @@ def anchor_axis_step(
     withheld: int,
     voltage: int,
     saturated: bool,
+    blind: bool = False,
 ) -> None:
     """One tick of the anchor of a brushless motor's axis, as :func:`anchor_step`.
 
@@ -230,7 +241,7 @@ def anchor_axis_step(
     state[PLACE] = place
     _turn(
         state, words, _moved(state, position), moved_flux, cell, cell >> 1, place, contact, current,
-        u, v, withheld, voltage, saturated,
+        u, v, withheld, voltage, saturated, blind,
     )  # fmt: skip
 
 
@@ -248,7 +259,7 @@ def _moved(state, position):
 @compiled(inline="always")
 def _turn(
     state, words, moved, moved_flux, cell, start, place, contact, current, u, v, withheld, voltage,
-    saturated,
+    saturated, blind,
 ):  # fmt: skip
     begins = contact and state[TOUCHING] == 0
     ends = not contact and state[TOUCHING] != 0
@@ -311,7 +322,7 @@ def _turn(
     state[CHI] = chi
 
     swing = long_word(y - state[MEAN])
-    if state[PHASE] == 0:
+    if state[PHASE] == 0 and not blind:
         state[MEAN] = long_word(state[MEAN] + (swing >> MEAN_SHIFT))
 
     half = (-cell if cell < 0 else cell) >> 1
@@ -322,13 +333,13 @@ def _turn(
         beyond = chi + half
     p = _data((beyond + (chi >> INNER_SHIFT)) >> _GUARD)
 
-    if not contact and state[UNITS] >= words[SLOW_UNITS]:
+    if not contact and state[UNITS] >= words[SLOW_UNITS] and not blind:
         state[ZERO] = long_word(state[ZERO] - zero_step)
 
     learns = state[UNITS] >= STILL_UNITS or state[PHASE] & MOVING_PHASE == 0
     if ends:
         state[LEARNED] = 0
-    if learns and state[CLIPPED] == 0 and not saturated:
+    if learns and state[CLIPPED] == 0 and not saturated and not blind:
         state[LEARNED] = long_word(state[LEARNED] - ((words[LEARN_GAIN] * p) >> _FAR_SHIFT))
     wanted = long_word(state[LEARNED] - ((words[PULL_GAIN] * p) >> _NEAR_SHIFT))
     if contact and state[UNITS] >= 1 and -SWING_CELLS <= swing < SWING_CELLS:
@@ -341,13 +352,16 @@ def _turn(
     if clipped:
         c = -limit if negative else limit
     state[CLIPPED] = 1 if clipped else 0
+    state[OVERLOADED] = 1 if blind or (clipped and state[OVERLOADED] != 0) else 0
     strange = words[STRANGE] << _VOLT_SHIFT
     strange = long_word(past + strange) if negative else long_word(past - strange)
-    if words[ENABLE] != 0 and clipped and (strange < 0) == negative and not saturated:
+    lost = clipped and (strange < 0) == negative and not saturated and state[OVERLOADED] == 0
+    lost = lost or chi >= _FAR or chi < -_FAR
+    if words[ENABLE] != 0 and lost:
         state[FAULT] = 1
     out = contact and state[YOUNG] > 0 and state[NEGATIVE] != state[INTO]
     state[REBOUNDS] = 1 if words[ENABLE] != 0 and words[REBOUND_ETA] != 0 and out else 0
-    active = words[ENABLE] != 0 and state[FAULT] == 0
+    active = words[ENABLE] != 0 and state[FAULT] == 0 and not blind
     state[CORRECTION] = _data(c >> _VOLT_SHIFT) if active else 0
     state[OFFSET] = _data(state[ZERO] >> _AMPERE_SHIFT)
 

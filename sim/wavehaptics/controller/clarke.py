@@ -27,6 +27,7 @@ TWO_OVER_ROOT3 = math.floor(2.0 / math.sqrt(3.0) / COEFFICIENT.step)
 HALF_ROOT3 = math.floor(0.5 * math.sqrt(3.0) / COEFFICIENT.step)
 
 _Q = COEFFICIENT.fraction
+_MOST, _LEAST = formats.CURRENT.raw_max, formats.CURRENT.raw_min
 
 
 @compiled(inline="always")
@@ -37,6 +38,15 @@ def currents(a: int, b: int) -> tuple[int, int]:
     """
     half_sum = saturate(truncate(a + 2 * b, 1))
     return a, saturate(truncate(TWO_OVER_ROOT3 * half_sum, _Q))
+
+
+@compiled(inline="always")
+def ends(beta: int) -> int:
+    """Which end of its range β has reached: bits ``formats.AT_HIGH`` and ``formats.AT_LOW``.
+
+    A half sum at its end takes β to its own.
+    """
+    return formats.AT_HIGH if beta == _MOST else formats.AT_LOW if beta == _LEAST else 0
 
 
 @compiled(inline="always")

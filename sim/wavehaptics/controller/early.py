@@ -16,19 +16,26 @@ _DUTY_W = formats.DATA_W + formats.COEF_W - formats.VOLTAGE.fraction
 class Early(NamedTuple):
     """What is ready before the tick's last word: ``base − slope·(sum − zero)``, in limits.
 
-    ``slope`` has DATA_W + 2 fraction bits, clocks per unit of the sum; ``base``, ``low`` and
-    ``high`` are in 2⁻¹⁶ clocks of half width.
+    ``slope`` has DATA_W + 2 fraction bits, clocks per unit of the sum; ``base``, ``low``, ``high``
+    and ``still``, the duty of v = 0, are in 2⁻¹⁶ clocks of half width. ``back`` is η < 0.
     """
 
     base: int
     slope: int
     low: int
     high: int
+    still: int
+    back: bool
 
-    def duty(self, total: int) -> int:
-        """Half width in 2⁻¹⁶ clocks for a tick's sum less its zero."""
+    def duty(self, total: int, ends: int = 0) -> int:
+        """Half width in 2⁻¹⁶ clocks for a tick's sum less its zero, with words at these ends."""
         wide = self.base - (self.slope * total >> _SLOPE_Q - formats.DUTY.fraction)
-        return min(max(wide, self.low), self.high)
+        above, below = formats.AT_HIGH, formats.AT_LOW
+        if self.back:
+            above, below = below, above
+        high = self.still if ends & above else self.high
+        low = self.still if ends & below else self.low
+        return high if wide >= high else max(wide, low)
 
 
 def _limited(value: int, shift: int, width: int) -> int:
@@ -48,8 +55,12 @@ def prepare(
     sa_cut = _limited(root * a, formats.A.fraction, coef)
     drop_q = root_q + formats.CURRENT.fraction - formats.WAVE.fraction
     u_n = _limited(u_n + _limited(offset * root, drop_q, data), 0, data)
-    error = _limited(_limited(u_n * eta, eta_q, data) + wave - f, 0, data)
-    volt = _limited(f * root, root_q, data) + _limited(error * sa_cut, root_q, data)
+    f_volt = _limited(f * root, root_q, data)
+
+    def volt(error: int) -> int:
+        made = f_volt + _limited(_limited(error, 0, data) * sa_cut, root_q, data)
+        return _limited(made, 0, data) * clocks_per_volt >> formats.VOLTAGE.fraction
+
     scale = _limited(
         gain * clocks_per_volt, formats.GAIN.fraction + formats.DUTY.fraction - _SCALE_Q, data
     )
@@ -58,11 +69,14 @@ def prepare(
     limit_v = _limited(u_max * root, root_q, data)
     limit = limit_v * clocks_per_volt >> formats.VOLTAGE.fraction
     added = correction * clocks_per_volt >> formats.VOLTAGE.fraction
+    still = min(max(volt(wave - f), -limit), limit)
     return Early(
-        base=(_limited(volt, 0, data) * clocks_per_volt >> formats.VOLTAGE.fraction) + added,
+        base=volt(_limited(u_n * eta, eta_q, data) + wave - f) + added,
         slope=_limited(scale_s * sae, root_q, data),
         low=_limited(added - limit, 0, _DUTY_W),
         high=_limited(added + limit, 0, _DUTY_W),
+        still=_limited(added + still, 0, _DUTY_W),
+        back=eta < 0,
     )
 
 

@@ -139,15 +139,13 @@ def settings(limits: Limits, tick_s: float, sensor: Sensor, s: float) -> int:
     def ticks(seconds: float) -> int:
         return max(1, round(seconds / tick_s))
 
-    # The highest code of a coarse ADC is a step below the sample's full scale.
-    top = full - (1 << (formats.SAMPLE_W - sensor.bits))
     return pack(
         {
             "MASK": mask(limits.watched),
             "DAMP": mask(limits.damp),
             "LEVELS": limits.stop_level | limits.driver_level << 1,
             "CURRENT": min(full, round(limits.current_a / sensor.full_scale_a * full)),
-            "RANGE": top - 1,
+            "RANGE": sensor.range_word() - 1,
             "STUCK": limits.stuck_samples,
             "ZERO": round(limits.zero_a * 2**CURRENT_Q),
             "ZERO_TICKS": ticks(limits.zero_s),

@@ -139,6 +139,7 @@ def controller_ports(
         "sample_late": 0 if time.frame.osr else delay % 2,
         **time.frame.words(),
         "gain": sensor.gain_word(time.samples * time.frame.unity),
+        "range": sensor.range_word(time.frame.unity),
         "eta_contact": set_.eta_contact,
         "eta_free": set_.eta_free,
         "root": set_.root,

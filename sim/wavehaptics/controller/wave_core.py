@@ -27,11 +27,13 @@ _DATA_MASK = (1 << formats.DATA_W) - 1
 _BUDGET_HIGH = 1 << (formats.DATA_W + 2 * formats.SHAPE_HEADROOM)
 _SU_SHIFT = formats.ROOT.fraction + formats.WAVE.fraction - formats.VOLTAGE.fraction
 
-STATE_F, STATE_HEAD, STATE_FILLED, STATE_SATURATED, STATE_WITHHELD, STATE_LOST = range(6)
+(
+    STATE_F, STATE_HEAD, STATE_FILLED, STATE_SATURATED, STATE_WITHHELD, STATE_LOST, STATE_CLIPPED,
+) = range(7)  # fmt: skip
 """Places in a core's state: the λ filter's f, the newest place of the delay line, its fill, whether
 f was beyond ±u_max in the newest step, and what u lacks, s31q23 √W: by how much f was beyond,
 rounded down, or else −1, 0 or 1, whose sum is what all truncations of f to u have taken; of that
-sum the part of a place."""
+sum the part of a place; whether i_n or v_n of the newest step was at the end of its range."""
 
 CLEAR, HOLD, SHAPE = range(3)
 """What the shaper does with a wave: nothing and its states are 0; nothing and they stay; W."""
@@ -46,8 +48,8 @@ NO_SHAPER = np.zeros((0, SECTION_WORDS), dtype=np.int64)
 
 
 def new_state() -> np.ndarray:
-    """State of one port after reset: int64, shape (6,)."""
-    return np.zeros(6, dtype=np.int64)
+    """State of one port after reset: int64, shape (7,)."""
+    return np.zeros(7, dtype=np.int64)
 
 
 def new_line(extra_ticks: int) -> np.ndarray:
@@ -164,10 +166,22 @@ def shaper_step(words: np.ndarray, states: np.ndarray, mode: int, v: int) -> int
 
 
 @compiled(inline="always")
-def _incoming(state, line, current, root, extra_ticks):
-    """The waves of the measured tick: u_n, and v_n = u_n − s·i_n."""
+def _incoming(state, line, current, root, extra_ticks, ends):
+    """The waves of the measured tick: u_n, and v_n = u_n − s·i_n.
+
+    Of a current at the high end of its range the true one may be larger by any amount, and so v
+    smaller; at the low end the other way round. v_n is then the smallest magnitude that the true
+    one can have: so a port of |η| ≤ 1 stays passive, whatever the true current is.
+    """
     u_n = line_read(line, state, extra_ticks)
-    return u_n, saturate(u_n - truncate(root * current, _SI_SHIFT))
+    wide = u_n - truncate(root * current, _SI_SHIFT)
+    v_n = saturate(wide)
+    high = ends & formats.AT_HIGH != 0 or current == _DATA_MAX
+    low = ends & formats.AT_LOW != 0 or current == _DATA_MIN
+    state[STATE_CLIPPED] = 1 if high or low or v_n != wide else 0
+    if (high and v_n > 0) or (low and v_n < 0):
+        v_n = 0
+    return u_n, v_n
 
 
 @compiled(inline="always")
@@ -207,6 +221,7 @@ def shaped_core_step(
     u_max: int,
     extra_ticks: int,
     hold_ticks: int,
+    ends: int = 0,
 ) -> tuple[int, int, int]:
     """One tick of one port: the paper's wave transform and D(s), discrete.
 
@@ -214,11 +229,12 @@ def shaped_core_step(
     ``current`` is the tick's mean i_n, ``outside`` a wave that is added to the goal η·v, a host's
     (0: none), ``root`` is s, ``u_max`` the voltage limit over s,
     ``extra_ticks`` the age of the u that was applied in the measured tick and ``hold_ticks`` the
-    age of the u to be applied next; both are smaller than the line's length. All are raw words of
-    :mod:`wavehaptics.words.formats`. Returns the words (e, u_n, v_n): the voltage to apply, and the
-    waves of the measured tick.
+    age of the u to be applied next; both are smaller than the line's length. ``ends`` has the bits
+    ``formats.AT_HIGH`` and ``AT_LOW`` where the current, or a sample of it, is at that end of its
+    range. All are raw words of :mod:`wavehaptics.words.formats`. Returns the words (e, u_n, v_n):
+    the voltage to apply, and the waves of the measured tick.
     """
-    u_n, v_n = _incoming(state, line, current, root, extra_ticks)
+    u_n, v_n = _incoming(state, line, current, root, extra_ticks, ends)
     shaped = shaper_step(shaper, shaper_states, mode, v_n)
     return _outgoing(state, line, shaped, eta, outside, root, a, u_max, hold_ticks), u_n, v_n
 
@@ -235,9 +251,10 @@ def wave_core_step(
     u_max: int,
     extra_ticks: int,
     hold_ticks: int,
+    ends: int = 0,
 ) -> tuple[int, int, int]:
     """:func:`shaped_core_step` of a core without a shaper, W = 1."""
-    u_n, v_n = _incoming(state, line, current, root, extra_ticks)
+    u_n, v_n = _incoming(state, line, current, root, extra_ticks, ends)
     return _outgoing(state, line, v_n, eta, outside, root, a, u_max, hold_ticks), u_n, v_n
 
 

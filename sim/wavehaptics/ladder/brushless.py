@@ -43,7 +43,14 @@ from wavehaptics.motor.brushless import (
     electrical_angle,
 )
 from wavehaptics.motor.plant import K_T, TIME, C, I, P, X
-from wavehaptics.motor.sensor import NOISE_SEED, Sensor, current_word, draw_noise, noise_at
+from wavehaptics.motor.sensor import (
+    NOISE_SEED,
+    Sensor,
+    current_word,
+    draw_noise,
+    noise_at,
+    range_ends,
+)
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.runtime.native_call import call2
 from wavehaptics.scene import Scene, drive_gain
@@ -123,10 +130,11 @@ def _advance_sampled(
             brushless_step(z, table, table, step, load)
             low, high = min(low, z[I]), max(high, z[I])
         mean_a, mean_b = z[Q_A] / tick, z[Q_B] / tick
-        alpha, beta = clarke.currents(
-            current_word(mean_a, sensor, noise_at(noise, 2 * n)),
-            current_word(0.5 * (_ROOT3 * mean_b - mean_a), sensor, noise_at(noise, 2 * n + 1)),
-        )
+        phase_a = current_word(mean_a, sensor, noise_at(noise, 2 * n))
+        phase_b = current_word(0.5 * (_ROOT3 * mean_b - mean_a), sensor, noise_at(noise, 2 * n + 1))
+        alpha, beta = clarke.currents(phase_a, phase_b)
+        ends_a = range_ends(phase_a, sensor)
+        ends_b = ends_a | range_ends(phase_b, sensor) | clarke.ends(beta)
         position = int(np.floor(z[X] / floats[_CELL]))
         touching, _ = wave_core.contact_step(
             contact, position, wall_min, wall_max, ints[_HYSTERESIS] != 0
@@ -151,19 +159,39 @@ def _advance_sampled(
             saturated_b = ports[1, wave_core.STATE_SATURATED] != 0
             if shaper_words.shape[0] == 0:
                 next_a, u_a, v_a = wave_core.wave_core_step(
-                    ports[0], lines[0], alpha, answers, 0, root, ints[_A], left_a, extra, extra
+                    ports[0],
+                    lines[0],
+                    alpha,
+                    answers,
+                    0,
+                    root,
+                    ints[_A],
+                    left_a,
+                    extra,
+                    extra,
+                    ends_a,
                 )
                 next_b, u_b, v_b = wave_core.wave_core_step(
-                    ports[1], lines[1], beta, answers, 0, root, ints[_A], left_b, extra, extra
+                    ports[1],
+                    lines[1],
+                    beta,
+                    answers,
+                    0,
+                    root,
+                    ints[_A],
+                    left_b,
+                    extra,
+                    extra,
+                    ends_b,
                 )
             else:
                 next_a, u_a, v_a = wave_core.shaped_core_step(
                     ports[0], lines[0], shaper_words, shaper_states[0], mode, alpha, answers, 0,
-                    root, ints[_A], left_a, extra, extra,
+                    root, ints[_A], left_a, extra, extra, ends_a,
                 )  # fmt: skip
                 next_b, u_b, v_b = wave_core.shaped_core_step(
                     ports[1], lines[1], shaper_words, shaper_states[1], mode, beta, answers, 0,
-                    root, ints[_A], left_b, extra, extra,
+                    root, ints[_A], left_b, extra, extra, ends_b,
                 )  # fmt: skip
             if anchored is not None:
                 gains, _, turn, sines, rotor, blind, magnet = anchored
@@ -175,10 +203,12 @@ def _advance_sampled(
                 anchor.anchor_axis_step(
                     held_a, gains, position, rotor[rotor_flux.PLACE_A], rotor[rotor_flux.CELL_A],
                     touching, alpha, u_a, v_a, withheld_a, kept[_WAVE_A], saturated_a,
+                    ports[0, wave_core.STATE_CLIPPED] != 0,
                 )  # fmt: skip
                 anchor.anchor_axis_step(
                     held_b, gains, position, rotor[rotor_flux.PLACE_B], rotor[rotor_flux.CELL_B],
                     touching, beta, u_b, v_b, withheld_b, kept[_WAVE_B], saturated_b,
+                    ports[1, wave_core.STATE_CLIPPED] != 0,
                 )  # fmt: skip
                 if finds:
                     by = magnet_angle.magnet_angle_step(
@@ -196,7 +226,7 @@ def _advance_sampled(
                 next_b = wave_core.saturate(next_b + c_b)
         else:
             buffer[0], buffer[1], buffer[2], buffer[3] = raw_a, raw_b, touching, position
-            buffer[4] = mode == wave_core.SHAPE
+            buffer[4], buffer[5] = mode == wave_core.SHAPE, ends_a | ends_b << 2
             clocks = call2(ints[_STEP], ints[_MODEL], buffer.ctypes.data)
             if clocks < 0:
                 return False
@@ -225,7 +255,12 @@ def _advance_sampled(
                     ports[0, wave_core.STATE_SATURATED] != 0
                     or ports[1, wave_core.STATE_SATURATED] != 0
                 )
-        put_port(rows[n], eta * _ETA, u, v, touching, limited)
+        clipped = buffer[16] != 0
+        if ints[_MODEL] == 0:
+            clipped = (
+                ports[0, wave_core.STATE_CLIPPED] != 0 or ports[1, wave_core.STATE_CLIPPED] != 0
+            )
+        put_port(rows[n], eta * _ETA, u, v, touching, limited, clipped)
         if anchored is not None:
             fault = held_a[anchor.FAULT] != 0 or held_b[anchor.FAULT] != 0
             put_anchor(rows[n], along_q(kept[_C_A], kept[_C_B], theta) * _VOLT, fault)
@@ -267,7 +302,7 @@ class BrushlessSimulation:
         self._kept = np.zeros(7, dtype=np.int64)
         known = not scene.controller.find_magnet
         self._anchored = _anchors(set_, position, zero, turn, known) if set_.anchored else None
-        self._buffer = np.zeros(16, dtype=np.int64)
+        self._buffer = np.zeros(17, dtype=np.int64)
         self._ports = np.stack([wave_core.new_state() for _ in range(2)])
         self._lines = np.stack([wave_core.new_line(set_.extra_ticks) for _ in range(2)])
         sections = len(set_.shaper.words)

@@ -91,8 +91,9 @@ _SHIFT_B, _HELD_B, _DONE = range(CORRECTION + 1, CORRECTION + 4)
 # Places in what it keeps of the tick that is running.
 _LOW, _HIGH, _X0, _HAND0, _T0 = range(5)
 # Places in the words of a step: i, u, v and e of alpha and of beta, the limit, of the anchors c, χ
-# and the lag of both, their fault, the position, and the contact.
-_ALPHA, _BETA, _LIMITED, _C, _CHI, _LAG, _LOST, _PLACE, _CONTACT = 0, 4, 8, 9, 11, 13, 15, 16, 17
+# and the lag of both, their fault, the position, whether a value was at its end, and the contact.
+_ALPHA, _BETA, _LIMITED, _C, _CHI, _LAG, _LOST, _PLACE = 0, 4, 8, 9, 11, 13, 15, 16
+_CLIPPED, _CONTACT = 17, 18
 _STEP_I, _STEP_U, _STEP_V, _STEP_E = range(4)
 
 BRUSHLESS_TOP = "wh_brushless"
@@ -217,7 +218,7 @@ def _emit(row, words, place, pending, angles, waves, floats, ints):
         )  # fmt: skip
         if step[_LOST]:
             eta = 0.0
-    put_port(row, eta, u, v, step[_CONTACT], limited)
+    put_port(row, eta, u, v, step[_CONTACT], limited, step[_CLIPPED] != 0)
     words[Word.I] = step[_ALPHA + _STEP_I]
     words[Word.U] = step[_ALPHA + _STEP_U]
     words[Word.V] = step[_ALPHA + _STEP_V]

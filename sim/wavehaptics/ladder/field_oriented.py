@@ -65,7 +65,8 @@ _GAIN, _AMPS, _KP, _KI, _LIMIT, _TURN, _ZERO = range(SERVO_FLOATS, SERVO_FLOATS 
 # newest vector was too long.
 (
     _ON_A, _ON_B, _NEXT_A, _NEXT_B, _SUM_D, _SUM_Q, _COMMAND, _TOUCHING, _COUNT, _TICKS, _LIMITED,
-) = range(11)  # fmt: skip
+    _CLIPPED,
+) = range(12)  # fmt: skip
 
 
 @compiled(inline="always")
@@ -75,6 +76,13 @@ def _measured(current, sensor, noise):
         return current
     code = sample_code(current, sensor, noise)
     return code * sensor[FULL_SCALE] / (1 << (int(sensor[BITS]) - 1))
+
+
+@compiled(inline="always")
+def _at_end(measured, sensor):
+    """Whether a current of :func:`_measured` is at the end of the converter's range."""
+    half = 1 << (int(sensor[BITS]) - 1)
+    return sensor[IDEAL] == 0.0 and abs(measured) * half > (half - 1.5) * sensor[FULL_SCALE]
 
 
 @compiled(inline="always")
@@ -130,15 +138,21 @@ def _advance(
         line[ticks % line.shape[0]] = kept[_COMMAND]
         if ticks % ints[_FOC_TICKS] == 0:
             phase_b = 0.5 * (_ROOT3 * z[I_B] - z[I_A])
+            seen_a = _measured(z[I_A], sensor, noise_at(noise, 2 * n))
+            seen_b = _measured(phase_b, sensor, noise_at(noise, 2 * n + 1))
+            clipped = _at_end(seen_a, sensor) or _at_end(seen_b, sensor)
+            kept[_CLIPPED] = 1.0 if clipped else 0.0
             field_oriented_step(
-                kept, floats, _measured(z[I_A], sensor, noise_at(noise, 2 * n)),
-                _measured(phase_b, sensor, noise_at(noise, 2 * n + 1)),
+                kept, floats, seen_a, seen_b,
                 floats[_TURN] * (position + 0.5) - floats[_ZERO],
                 line[(ticks - ints[_DELAY_TICKS]) % line.shape[0]],
             )  # fmt: skip
         kept[_TICKS] = ticks + 1
         put_axes(rows[n], z, load, z[TIME] - tick, tick, before, hand, e_a, e_b, high - low)
-        put_port(rows[n], 0.0, 0.0, 0.0, kept[_TOUCHING] != 0.0, kept[_LIMITED] != 0.0)
+        put_port(
+            rows[n], 0.0, 0.0, 0.0, kept[_TOUCHING] != 0.0, kept[_LIMITED] != 0.0,
+            kept[_CLIPPED] != 0.0,
+        )  # fmt: skip
 
 
 class FieldOrientedSimulation:
@@ -167,7 +181,7 @@ class FieldOrientedSimulation:
         # k̂_T is what both axes feel as together; an ampere of a phase's amplitude makes √1.5 of it.
         torque_constant = math.sqrt(1.5) * control.k_t_hat
         self._z = plant.start
-        self._kept = np.zeros(_LIMITED + 1)
+        self._kept = np.zeros(_CLIPPED + 1)
         self._kept[_COUNT] = math.floor(self._z[X] / cell)
         self._line = np.zeros(delay_ticks + 1)
         self._contact = np.array([-1, 0], dtype=np.int64)

@@ -41,6 +41,7 @@ from wavehaptics.motor.sensor import (
     draw_noise,
     lagged,
     noise_at,
+    range_ends,
 )
 from wavehaptics.motor.step import motor_step
 from wavehaptics.runtime.compiled import compiled
@@ -161,6 +162,7 @@ def _period(
         if real is not None:
             sensed = amplified(mean, 0, lag_before, tick, e_a, state[TIME], sensor, real)
         current = current_word(sensed, sensor, noise_at(noise, n))
+        ends = range_ends(current, sensor)
         if real is not None:
             kept[_POSITION] = counted(
                 kept[_POSITION], state[X], state[TIME], cell, encoder_end_s, real
@@ -183,7 +185,7 @@ def _period(
                 eta, answers, goal = 0, 0, 0
         withheld, saturated = core[wave_core.STATE_WITHHELD], core[wave_core.STATE_SATURATED] != 0
         voltage, u_n, v_n = wave_core.wave_core_step(
-            core, line, current, answers, goal, ints[_ROOT], ints[_A], u_max, extra, extra
+            core, line, current, answers, goal, ints[_ROOT], ints[_A], u_max, extra, extra, ends
         )
         sent, number, packet = host_link.tick(link, v_n, ints[_PERIOD_LOG2], ints[_TIMEOUT])
         if sent:
@@ -196,14 +198,15 @@ def _period(
         limited = abs(u_n) >= u_max
         if anchored is not None:  # whose limit is not the same in every tick
             limited = core[wave_core.STATE_SATURATED] != 0
-        put_port(row, eta * _ETA, u_n * _WAVE, v_n * _WAVE, active, limited)
+        clipped = core[wave_core.STATE_CLIPPED] != 0
+        put_port(row, eta * _ETA, u_n * _WAVE, v_n * _WAVE, active, limited, clipped)
         if anchored is not None:
             held = anchored[1]
             applied = kept[_CORRECTION] * _VOLT
             kept[_CORRECTION] = held[anchor.CORRECTION]
             anchor.anchor_step(
                 held, anchored[0], position, touching or active != 0, current, u_n, v_n, withheld,
-                kept[_WAVE_VOLTAGE], saturated,
+                kept[_WAVE_VOLTAGE], saturated, clipped,
             )  # fmt: skip
             kept[_WAVE_VOLTAGE] = voltage
             voltage = wave_core.saturate(voltage + kept[_CORRECTION])

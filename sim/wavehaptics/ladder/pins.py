@@ -120,7 +120,7 @@ class PinsSimulation:
         self._real = real_parts(scene, plant, set_.cell_rad, steps_s, switching=True)
         self._sensor = sensor.constants()
         self._rng = np.random.default_rng(NOISE_SEED)
-        self._buffer = np.zeros(10, dtype=np.int64)
+        self._buffer = np.zeros(11, dtype=np.int64)
         self._bits = sigma_delta.new_state()
 
     def _ports_of(self, scene: Scene, most_samples: int) -> Ports:

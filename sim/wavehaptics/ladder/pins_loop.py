@@ -261,7 +261,9 @@ def _emit(rows, words, done, kept, pending, floats, ints, buffer):
         )  # fmt: skip
         if buffer[8]:
             eta = 0.0
-    put_port(row, eta, buffer[1] * _WAVE, buffer[2] * _WAVE, touching, limited)
+    put_port(
+        row, eta, buffer[1] * _WAVE, buffer[2] * _WAVE, touching, limited, buffer[10] != 0
+    )  # fmt: skip
     for column in range(row.shape[0]):  # a slice's copy would count references
         rows[done, column] = row[column]
     words[done, Word.I] = buffer[0]

@@ -35,6 +35,7 @@ from wavehaptics.motor.sensor import (
     draw_noise,
     lagged,
     noise_at,
+    range_ends,
 )
 from wavehaptics.motor.step import motor_step
 from wavehaptics.motor.thermal import Winding
@@ -119,6 +120,7 @@ def _advance(
                 sensed, ints[_POINT], lag_before, tick, e_a, state[TIME], sensor, real
             )
         current = current_word(sensed, sensor, noise_at(noise, n))
+        ends = range_ends(current, sensor)
         if real is not None:
             kept[_POSITION] = counted(
                 kept[_POSITION], state[X], state[TIME], cell, floats[_ENCODER_END], real
@@ -149,25 +151,25 @@ def _advance(
             )
             if shaper_words.shape[0] == 0:
                 e_next, u_n, v_n = wave_core.wave_core_step(
-                    core, line, current, answers, 0, root, ints[_A], left, extra, extra
+                    core, line, current, answers, 0, root, ints[_A], left, extra, extra, ends
                 )
             else:
                 e_next, u_n, v_n = wave_core.shaped_core_step(
                     core, line, shaper_words, shaper_states, mode, current, answers, 0, root,
-                    ints[_A], left, extra, extra,
+                    ints[_A], left, extra, extra, ends,
                 )  # fmt: skip
             if anchored is not None:
                 held = anchored[1]
                 correction = held[anchor.CORRECTION]
                 anchor.anchor_step(
                     held, anchored[0], position, touching, current, u_n, v_n, withheld,
-                    kept[_WAVE_VOLTAGE], saturated,
+                    kept[_WAVE_VOLTAGE], saturated, core[wave_core.STATE_CLIPPED] != 0,
                 )  # fmt: skip
                 kept[_WAVE_VOLTAGE] = e_next
                 e_next = wave_core.saturate(e_next + correction)
         else:
             buffer[0], buffer[1], buffer[2] = raw, touching, mode
-            buffer[3] = position
+            buffer[3], buffer[4] = position, ends
             clocks = call2(ints[_STEP], ints[_MODEL], buffer.ctypes.data)
             if clocks < 0:
                 return False
@@ -191,7 +193,8 @@ def _advance(
         limited = abs(u_n) >= u_max
         if anchored is not None:  # whose limit is not the same in every tick
             limited = (core[wave_core.STATE_SATURATED] if ints[_MODEL] == 0 else buffer[8]) != 0
-        put_port(row, eta * _ETA, u_n * _ROOT_WATT, v_n * _ROOT_WATT, touching, limited)
+        clipped = (core[wave_core.STATE_CLIPPED] if ints[_MODEL] == 0 else buffer[9]) != 0
+        put_port(row, eta * _ETA, u_n * _ROOT_WATT, v_n * _ROOT_WATT, touching, limited, clipped)
         if anchored is not None:
             held = anchored[1]
             put_anchor(row, kept[_CORRECTION] * _VOLT, held[anchor.FAULT])
@@ -253,7 +256,7 @@ class SampledSimulation:
         self._real = real_parts(scene, plant, set_.cell_rad, [dt])
         self._sensor = Sensor.of_scene(scene).constants()
         self._rng = np.random.default_rng(NOISE_SEED)
-        self._buffer = np.zeros(9, dtype=np.int64)
+        self._buffer = np.zeros(10, dtype=np.int64)
         self._anchored = (set_.anchor, anchor.new_state()) if set_.anchored else None
 
     @property

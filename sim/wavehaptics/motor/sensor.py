@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wavehaptics.parts.adcs import MODULATORS
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.scene import Scene
 from wavehaptics.words import formats
@@ -21,9 +22,11 @@ _SAMPLE_HALF = 1 << (formats.SAMPLE_W - 1)
 NOISE_SEED = 20_260_101
 """Seed of the ADC's noise: the same scene gives the same noise on every controller and run."""
 
-IDEAL, BITS, FULL_SCALE, NOISE, OFFSET, GAIN, LAG_RATE, COMMON_MODE, DRIFT, SETTLE_RATE = range(10)
+(
+    IDEAL, BITS, FULL_SCALE, NOISE, OFFSET, GAIN, LAG_RATE, COMMON_MODE, DRIFT, SETTLE_RATE, END,
+) = range(11)  # fmt: skip
 """Places in :meth:`Sensor.constants`; LAG_RATE in rad/s is 0 without a lag, and SETTLE_RATE in 1/s
-where COMMON_MODE goes by the voltage's sign."""
+where COMMON_MODE goes by the voltage's sign. END is the current word at the end of the range."""
 
 SETTLED = 0.01
 """Part of what an edge adds that is left after ``edge_settle_s``."""
@@ -39,7 +42,8 @@ class Sensor:
     ``bits`` and ``full_scale_a`` (± that current) describe the ADC, the others the amplifier before
     it: ``noise_a`` (RMS), ``offset_a`` and its ``drift_a_per_s``, ``common_mode_a`` by the sign of
     the motor's voltage or with ``edge_settle_s`` by each edge of lead A, all in A, and
-    ``bandwidth_hz``, infinite without a lag.
+    ``bandwidth_hz``, infinite without a lag. ``linear`` is the part of the full scale up to which
+    the converter's words can be trusted.
     """
 
     ideal: bool
@@ -51,6 +55,7 @@ class Sensor:
     common_mode_a: float = 0.0
     drift_a_per_s: float = 0.0
     edge_settle_s: float | None = None
+    linear: float = 1.0
 
     @classmethod
     def of_scene(cls, scene: Scene) -> Sensor:
@@ -59,9 +64,11 @@ class Sensor:
             return cls(ideal=True)
         adc = scene.adc
         bandwidth_hz = math.inf if adc.bandwidth_hz is None else adc.bandwidth_hz
+        modulator = MODULATORS.get(adc.part or "")
         return cls(
             False, adc.bits, adc.full_scale_a, adc.noise_a, adc.offset_a, bandwidth_hz,
             adc.common_mode_a, adc.drift_a_per_s, adc.edge_settle_s,
+            1.0 if modulator is None else modulator.linear,
         )  # fmt: skip
 
     def gain_word(self, samples: float) -> int:
@@ -71,12 +78,21 @@ class Sensor:
         """
         return formats.GAIN.to_raw(self.full_scale_a / (_SAMPLE_HALF * samples))
 
+    def range_word(self, unity: float = 1.0) -> int:
+        """Magnitude of an ADC word at the end of the range, of 2¹⁵: ``wh_current``'s ``range_i``.
+
+        ``unity`` is the word of full scale, in parts of 2¹⁵. The highest code is a step below that.
+        """
+        top = _SAMPLE_HALF - (1 << (formats.SAMPLE_W - self.bits))
+        return min(top, math.floor(self.linear * unity * _SAMPLE_HALF))
+
     def constants(self) -> np.ndarray:
-        """For the functions below: float64 (10,)."""
+        """For the functions below: float64 (11,)."""
         gain = 0 if self.ideal else self.gain_word(1)
+        end = _CURRENT_MAX if self.ideal else scale_sum.py_func(self.range_word(), gain)
         return np.array(
             [self.ideal, self.bits, self.full_scale_a, self.noise_a, self.offset_a, gain,
-             self._lag_rate, self.common_mode_a, self.drift_a_per_s, self._settle_rate],
+             self._lag_rate, self.common_mode_a, self.drift_a_per_s, self._settle_rate, end],
             float,
         )  # fmt: skip
 
@@ -166,3 +182,9 @@ def current_word(current, sensor, noise):
         return int(min(max(word, -_CURRENT_MAX - 1), _CURRENT_MAX))
     code = sample_code(current, sensor, noise) << (formats.SAMPLE_W - int(sensor[BITS]))
     return scale_sum(code, int(sensor[GAIN]))
+
+
+@compiled(inline="always")
+def range_ends(word, sensor):
+    """At which end of the range a :func:`current_word` is: ``formats.AT_HIGH``, ``AT_LOW`` or 0."""
+    return formats.AT_HIGH if word >= sensor[END] else formats.AT_LOW if word <= -sensor[END] else 0

@@ -39,6 +39,7 @@ class Column(IntEnum):
     OMEGA_HAT = 16  # rad/s, how fast, as a mean of some 256 ticks
     FLUX = 17  # cells, χ of the port anchor
     FAULT = 18  # 1 once the port anchor has found that waves and encoder don't agree
+    CLIPPED = 19  # 1 where a sample, the current's word or v was at the end of its range
 
 
 @compiled(inline="always")
@@ -61,13 +62,14 @@ def put_motion(
 
 
 @compiled(inline="always")
-def put_port(row, eta, u, v, contact, saturated):
-    """The port's part of a tick's row: waves in √W, and two flags."""
+def put_port(row, eta, u, v, contact, saturated, clipped=False):
+    """The port's part of a tick's row: waves in √W, and three flags."""
     row[Column.ETA] = eta
     row[Column.U] = u
     row[Column.V] = v
     row[Column.CONTACT] = 1.0 if contact else 0.0
     row[Column.SATURATED] = 1.0 if saturated else 0.0
+    row[Column.CLIPPED] = 1.0 if clipped else 0.0
 
 
 @compiled(inline="always")
@@ -117,6 +119,7 @@ _CONTACT = int(Column.CONTACT)
 _SATURATED = int(Column.SATURATED)
 _ENERGY_OUT = int(Column.ENERGY_OUT)
 _FAULT = int(Column.FAULT)
+_CLIPPED = int(Column.CLIPPED)
 _ANCHOR = tuple(int(column) for column in ANCHOR_COLUMNS)
 _WORD_TYPE = np.int32 if formats.DATA_W <= 32 else np.int64
 
@@ -141,16 +144,17 @@ def _keep(
             floats[_N_FLOAT, at] = energy
             flags[0, at] = rows[n, _CONTACT] != 0.0
             flags[1, at] = rows[n, _SATURATED] != 0.0
+            flags[2, at] = rows[n, _CLIPPED] != 0.0
             if floats.shape[0] > _N_FLOAT + 1:
                 for place in range(len(_ANCHOR)):
                     floats[_N_FLOAT + 1 + place, at] = rows[n, _ANCHOR[place]]
-                flags[2, at] = rows[n, _FAULT] != 0.0
+                flags[3, at] = rows[n, _FAULT] != 0.0
             at += 1
             due += step
     return energy
 
 
-ROW_BYTES = 139
+ROW_BYTES = 140
 """Most that a row of a trace takes, in memory and in the file: with an anchor and its raw words."""
 
 
@@ -168,7 +172,7 @@ class TraceWriter:
     memory is reserved for it at once, and grows if there are more. ``anchored`` keeps what a port
     anchor adds to a row.
 
-    A row takes 90 bytes, 33 more with an anchor and 16 more with its raw words, in memory and in
+    A row takes 91 bytes, 33 more with an anchor and 16 more with its raw words, in memory and in
     the file: 4 million rows (4 s at 1 MHz unthinned) take 0.4 GB. ``trace_hz`` is what keeps a
     long run small.
 
@@ -196,7 +200,7 @@ class TraceWriter:
         room = max(1, -(-ticks // self.step))
         self._anchored = anchored
         self._floats = np.empty((_N_FLOAT + 1 + anchored * len(ANCHOR_COLUMNS), room))
-        self._flags = np.empty((3, room), dtype=np.bool_)
+        self._flags = np.empty((4, room), dtype=np.bool_)
         self._words = np.empty((len(Word), 0), dtype=_WORD_TYPE)
 
     @property
@@ -244,11 +248,11 @@ class TraceWriter:
             column.name.lower(): self._floats[column, kept] for column in FLOAT_COLUMNS
         }
         named["energy_out"] = self._floats[_N_FLOAT, kept]
-        named["contact"], named["saturated"] = self._flags[:2, kept]
+        named["contact"], named["saturated"], named["clipped"] = self._flags[:3, kept]
         if self._anchored:
             for place, column in enumerate(ANCHOR_COLUMNS, _N_FLOAT + 1):
                 named[column.name.lower()] = self._floats[place, kept]
-            named["fault"] = self._flags[2, kept]
+            named["fault"] = self._flags[3, kept]
         if self._has_words:
             for word in Word:
                 named[f"{word.name.lower()}_word"] = self._words[word, kept]
@@ -258,9 +262,10 @@ class TraceWriter:
         """Write the file, whole or not at all, and return its path; the directory is made.
 
         Arrays: ``t x omega i e_a torque eta u v x_hand`` (:class:`Column`), ``energy_out`` (J, what
-        the port has given out up to the end of that tick, summed at full rate), ``contact`` and
-        ``saturated`` (bool), ``x_hat omega_hat correction flux`` and ``fault`` (bool) where there
-        is a port anchor, and ``i_word u_word v_word e_word`` where the controller has words.
+        the port has given out up to the end of that tick, summed at full rate), ``contact``,
+        ``saturated`` and ``clipped`` (bool), ``x_hat omega_hat correction flux`` and ``fault``
+        (bool) where there is a port anchor, and ``i_word u_word v_word e_word`` where the
+        controller has words.
         """
         return write_npz(self.path, self.arrays())
 

@@ -102,6 +102,7 @@ _I = int(Column.I)
 _TORQUE = int(Column.TORQUE)
 _CONTACT = int(Column.CONTACT)
 _SATURATED = int(Column.SATURATED)
+_CLIPPED = int(Column.CLIPPED)
 _ENERGY_OUT = int(Column.ENERGY_OUT)
 _RIPPLE = int(Column.RIPPLE)
 _U = int(Column.U)
@@ -129,6 +130,7 @@ _RUN = np.dtype(
         # sums over the run
         ("ticks", "i8"),
         ("saturated", "i8"),
+        ("clipped", "i8"),
         ("unfit", "f8"),  # 0 while every number is finite, then NaN
         ("torque_peak", "f8"),
         ("current_peak", "f8"),
@@ -479,6 +481,7 @@ def _gather(
         run.torque_peak = max(run.torque_peak, abs(torque))
         run.current_peak = max(run.current_peak, abs(rows[n, _I]))
         run.saturated += saturated
+        run.clipped += rows[n, _CLIPPED] != 0.0
         run.unfit += 0.0 * (x + omega + torque + ripple + rows[n, _I] + energy)
 
         at = min(max((bits[n, _RIPPLE] >> _BIN_SHIFT) - _BIN_BASE, 0), _BINS - 1)
@@ -751,6 +754,8 @@ class Metrics:
         ``restitution``               mean speed in the first tick after the first contact over that
                                       in the last tick before it
         ``saturated_fraction``        of all ticks
+        ``clipped_fraction``          of all ticks: those with a sample, a current or a wave v at
+                                      the end of its range
         ``correction_out_max_j``      most net work of c less what it cancels: see the module's head
         ``correction_bound_j``        what that can't exceed; None with ``[winding]``, whose flux is
                                       not L·i, and where magnets warm
@@ -813,6 +818,7 @@ class Metrics:
             "swing_hz": swing_hz,
             "restitution": run["restitution"] if run["bounce"] == _KNOWN else None,
             "saturated_fraction": run["saturated"] / ticks if ticks else None,
+            "clipped_fraction": run["clipped"] / ticks if ticks else None,
         }
         metrics |= self._correction()
         return {name: _plain(value) for name, value in metrics.items()}

@@ -113,6 +113,9 @@ SUM_W = HEADER_VALUES["SUM_W"]
 TICK_W = HEADER_VALUES["TICK_W"]
 MODE_W = HEADER_VALUES["MODE_W"]
 
+AT_HIGH, AT_LOW = 1, 2
+"""Bits that say at which end of its range a current is, or a sample that it is made of."""
+
 CURRENT = Fixed(DATA_W, HEADER_VALUES["CURRENT_Q"])
 """Current, A."""
 VOLTAGE = Fixed(DATA_W, HEADER_VALUES["VOLTAGE_Q"])
