@@ -465,9 +465,8 @@ static int set_rate(struct wh_board *board, unsigned rate) {
     char why[WH_MESSAGE];
     memcpy(why, board->message, sizeof why);
     board->astray = true;
-    if (go_back(board) == WH_OK && settle_once(board) == WH_OK) {
-        memcpy(board->message, why, sizeof why);
-    }
+    if (go_back(board) == WH_OK) (void)settle_once(board);
+    memcpy(board->message, why, sizeof why);  // the first error, whatever became of the way back
     return result;
 }
 
@@ -475,8 +474,8 @@ static int raise_rate(struct wh_board *board, unsigned baud) {
     const uint32_t has = board->identity.words[ID_RATES];
     unsigned most = has < RATES ? (unsigned)has : RATES;
     if (baud == 0) {
-        if (most > 1 && set_rate(board, most - 1) != WH_OK && board->astray) return silent(board);
-        return WH_OK;
+        const int result = most > 1 ? set_rate(board, most - 1) : WH_OK;
+        return board->astray ? result : WH_OK;
     }
     unsigned rate = 0;
     while (rate < RATES && rates[rate] != baud) ++rate;
@@ -495,13 +494,16 @@ static int raise_rate(struct wh_board *board, unsigned baud) {
 static int open_line(struct wh_board *board, const char *path) {
     board->file = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (board->file < 0) {
-        return fail(board, WH_PORT, "%s: can't be opened: %s", board->path, strerror(errno));
+        return fail(board, WH_PORT, "%s: can't be opened: %s; is it plugged in? Else name the device's port",
+                    board->path, strerror(errno));
     }
     if (!isatty(board->file)) {
         return fail(board, WH_PORT, "%s: is no serial line; name the device's port", board->path);
     }
     if (flock(board->file, LOCK_EX | LOCK_NB) != 0) {
-        return fail(board, WH_PORT, "%s: can't be opened: somebody else has it", board->path);
+        return fail(board, WH_PORT,
+                    "%s: can't be opened: somebody else has it; end that program, or name another port",
+                    board->path);
     }
     const int result = speak(board, 0);
     if (result) return result;

@@ -205,7 +205,10 @@ def one_line(session: Session, *words: object) -> str:
 
 def test_ports_that_are_none(session, tmp_path):
     told = one_line(session, tmp_path / "none")
-    assert told == f"{tmp_path / 'none'}: can't be opened: No such file or directory"
+    assert told == (
+        f"{tmp_path / 'none'}: can't be opened: No such file or directory; is it plugged in? Else "
+        "name the device's port"
+    )
     (tmp_path / "file").write_text("")
     assert "is no serial line" in one_line(session, tmp_path / "file")
     assert "can't be opened" in one_line(session, tmp_path)
@@ -219,7 +222,9 @@ def test_ports_that_are_none(session, tmp_path):
 def test_a_port_that_somebody_has(built, session, board):
     opened(session, board)
     other = Session(built(Path(__file__).with_name("c_session.c")))
-    assert other.call("open", board.path)[1].endswith("can't be opened: somebody else has it")
+    assert other.call("open", board.path)[1].endswith(
+        "can't be opened: somebody else has it; end that program, or name another port"
+    )
     session.get("close")
     assert other.call("open", board.path, 1, 115200, TIMEOUT_S)[0] == 0
     assert other.close() == ""
@@ -294,12 +299,53 @@ def test_a_device_without_a_host(session, board):
 
 def test_a_port_that_is_pulled(session, board):
     opened(session, board)
-    os.close(board._slave)
-    os.close(board._master)
+    board.gone()
     result, told = session.call("get", "ROOT", 0, 0)
     assert result == -1
     assert told.endswith("was it unplugged?")
-    board._master, board._slave = os.openpty()
+
+
+@pytest.mark.parametrize(("question", "baud"), [(1, 0), (2, 0), (3, 0), (3, 3_000_000)])
+def test_a_port_that_is_pulled_while_it_is_opened(session, board, question, baud):
+    """At the write of the rate, and at the questions behind it: the first error is reported."""
+    asked: list[bytes] = []
+
+    def pulled_by(frame: bytes) -> bool:
+        rate = 2 * modbus.IDENTIFICATION.index("rate")
+        if asked or (frame[1] == 16 and frame[2:4] == rate.to_bytes(2, "big")):
+            asked.append(frame)
+        if len(asked) == 2 and question == 3:
+            board.instead = [None]
+        return len(asked) == question
+
+    board.pulled_by = pulled_by
+    result, told = session.call("open", board.path, 1, baud, TIMEOUT_S)
+    if question == 3:
+        assert (result, told[: told.find(" within")]) == (-2, f"{board.path}: no answer")
+    else:
+        assert (result, told[-len("was it unplugged?") :]) == (-1, "was it unplugged?")
+        assert told.startswith(f"{board.path}: ")
+
+
+def test_a_wall_whose_port_is_pulled(wall, board):
+    """What was served is told, then the error, and the status is 2."""
+    put(board, "armed", 1, 0)
+    put(board, "running", 1)
+    numbers = iter(range(10**6))
+
+    def pulled_by(frame: bytes) -> bool:
+        number = next(numbers)
+        put(board, "host_packet_sequence", number & 0xFF, 0, 1)
+        return number == 300
+
+    board.pulled_by = pulled_by
+    host = subprocess.run(
+        [wall, board.path, "-t", "1", "-x", "100"], capture_output=True, text=True,
+        timeout=PATIENT_S,
+    )  # fmt: skip
+    assert host.returncode == 2
+    assert re.fullmatch(rf"wall: {board.path}: [^\n]*; was it unplugged\?\n", host.stderr)
+    assert int(re.match(r"(\d+) packets, \d+ missed, ", host.stdout)[1]) > 50
 
 
 # ---- Answers.

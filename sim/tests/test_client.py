@@ -6,12 +6,13 @@ from __future__ import annotations
 import contextlib
 import os
 import re
+import select
 import struct
 import termios
 import threading
 import time
 import tty
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import pytest
 import serial
@@ -32,15 +33,21 @@ class Board(threading.Thread):
     """A board on a pseudo-terminal: registers, answered one question after another.
 
     ``late`` are delays of the next answers, s; ``instead`` what comes in the place of the next
-    ones, None for nothing.
+    ones, None for nothing. The plug is pulled by :meth:`gone`, or by the first question that
+    ``pulled_by`` is true of, in place of its answer.
     """
+
+    IDLE_S = 1.0
+    """From one call of :meth:`idle` to the next, while nobody asks."""
 
     def __init__(self) -> None:
         super().__init__(daemon=True)
         self._master, self._slave = os.openpty()
-        self._open = True
+        self._waker, self._woken = os.pipe()
         tty.setraw(self._slave)
         self.path = os.ttyname(self._slave)
+        self.pulled_by: Callable[[bytes], bool] = lambda frame: False
+        self.pulled = False
         self.registers: dict[int, int] = {}
         self.late: list[float] = []
         self.instead: list[bytes | None] = []
@@ -56,17 +63,28 @@ class Board(threading.Thread):
 
     def run(self) -> None:
         found = b""
-        while True:
-            try:
+        while not self.pulled:
+            ready, _, _ = select.select([self._master, self._waker], [], [], self.IDLE_S)
+            if self._waker in ready:
+                break
+            if self._master in ready:
                 found += os.read(self._master, 4096)
-            except OSError:
-                return
-            while len(found) >= 8:
+            self.idle()
+            while len(found) >= 8 and not self.pulled:
                 length = 9 + found[6] if found[1] == 16 else 8
                 if len(found) < length:
                     break
                 frame, found = found[:length], found[length:]
-                self._answer(frame)
+                if self.pulled_by(frame):
+                    self.pulled = True
+                else:
+                    self._answer(frame)
+        # A read that another thread waits in would keep the pseudo-terminal open.
+        os.close(self._slave)
+        os.close(self._master)
+
+    def idle(self) -> None:
+        """What the board does by itself."""
 
     def _answer(self, frame: bytes) -> None:
         self.asked.append(frame)
@@ -81,17 +99,22 @@ class Board(threading.Thread):
         time.sleep(self.late.pop(0) if self.late else 0.0)
         answer = self.instead.pop(0) if self.instead else sealed(body)
         if answer:
-            with contextlib.suppress(OSError):  # the port was pulled
-                os.write(self._master, answer)
+            self.send(answer)
+
+    def send(self, data: bytes) -> None:
+        os.write(self._master, data)
 
     def gone(self) -> None:
-        os.close(self._slave)
-        os.close(self._master)
-        self._open = False
+        """Pull the plug: both ends of the pseudo-terminal are closed."""
+        self.pulled = True
+        os.write(self._woken, b"x")
+        self.join()
 
     def close(self) -> None:
-        if self._open:
+        if self.is_alive():
             self.gone()
+        os.close(self._waker)
+        os.close(self._woken)
 
 
 @pytest.fixture

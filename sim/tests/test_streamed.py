@@ -97,8 +97,9 @@ class Port:
         self.path = os.ttyname(self._slave)
 
     def close(self) -> None:
-        os.close(self.master)
-        os.close(self._slave)
+        for end in (self.master, self._slave) if self.master >= 0 else ():
+            os.close(end)
+        self.master = -1
 
 
 @pytest.fixture
@@ -174,11 +175,26 @@ def test_credit_is_renewed_by_itself(port):
 
 
 def test_a_port_that_is_pulled(port):
+    """While nothing is asked; then nobody waits for an answer."""
     line = framed(port, [])
-    line.error = OSError("gone")
-    with pytest.raises(OSError, match="gone"):
+    line.renew(QUESTION, 10.0)
+    port.close()
+    until(lambda: line.error is not None)
+    with pytest.raises(OSError, match=r"Input/output error|returned no data"):
         _ = line.in_waiting
-    assert not line.end(QUESTION, 0.1)
+    began = time.monotonic()
+    assert not line.end(QUESTION, 20.0)
+    assert time.monotonic() - began < 15.0
+
+
+def test_a_port_that_is_pulled_meanwhile(port):
+    """Between the question that ends the frames and its answer."""
+    line = framed(port, [])
+    threading.Timer(0.3, port.close).start()
+    began = time.monotonic()
+    assert not line.end(QUESTION, 20.0)
+    assert time.monotonic() - began < 15.0
+    assert line.error is not None
 
 
 class Streams(Told):

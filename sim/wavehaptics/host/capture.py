@@ -140,7 +140,7 @@ class Captured:
     t: np.ndarray
     values: Mapping[str, np.ndarray]
     trigger_row: int | None
-    """Row of the trigger; None where it was stopped before."""
+    """Row of the trigger; None where it was stopped before. Not there, if it was cut off before."""
 
     def __getitem__(self, name: str) -> np.ndarray:
         """The values of a channel."""
@@ -149,6 +149,14 @@ class Captured:
     def flag(self, name: str, channel: str = "flags") -> np.ndarray:
         """A bit of ``flags``, bool, by its name in :data:`wavehaptics.words.faults.FLAGS`."""
         return (self.values[channel] >> FLAGS.index(name) & 1).astype(bool)
+
+
+class CutOffError(HostError):
+    """A download that failed; ``found`` has the first of its rows, which had come before."""
+
+    def __init__(self, problem: str, found: Captured) -> None:
+        self.found = found
+        super().__init__(problem)
 
 
 class Progress(NamedTuple):
@@ -316,29 +324,46 @@ def wait(
 def download(
     client: Client, wanted: Plan, progress: Callable[[float], None] = lambda _: None
 ) -> Captured:
-    """What the device has captured, once it is done. ``progress`` takes the part that is here."""
+    """What the device has captured, once it is done. ``progress`` takes the part that is here.
+
+    :class:`CutOffError` where the line fails behind the first row.
+    """
     state, count, first, left, armed = _state(client, "armed")
     if state != DONE:
         raise HostError("the capture isn't done; wait for it, or stop it")
     total = count * len(wanted.channels)
+    came = wanted.rows - wanted.before - left
+    trigger_row = count - came if came else None
     raws: list[int] = []
-    while len(raws) < total:
-        with client.hurry():
-            reads = 0
-            while len(raws) < total and not (armed and reads == _ARMED_BURST):
-                raws += _window(client, len(raws), min(MOST_READ, total - len(raws)))
-                reads += 1
-                progress(len(raws) / total)
-        if armed:
-            time.sleep(_GIVE_WAY_S)
-    shape = (count, len(wanted.channels))  # of no row as well
-    table = np.roll(np.array(raws, dtype=np.uint32).reshape(shape), -first, axis=0)
+    try:
+        while len(raws) < total:
+            with client.hurry():
+                reads = 0
+                while len(raws) < total and not (armed and reads == _ARMED_BURST):
+                    # In the order of time, round the ring.
+                    at = (first * len(wanted.channels) + len(raws)) % total
+                    most = min(MOST_READ, total - len(raws), total - at)
+                    raws += _window(client, at, most)
+                    reads += 1
+                    progress(len(raws) / total)
+            if armed:
+                time.sleep(_GIVE_WAY_S)
+    except HostError as error:
+        if len(raws) < len(wanted.channels):
+            raise
+        raise CutOffError(str(error), _rows(wanted, raws, trigger_row)) from None
+    return _rows(wanted, raws, trigger_row)
+
+
+def _rows(wanted: Plan, raws: list[int], trigger_row: int | None) -> Captured:
+    """Whole rows of words that stand side by side, from the first row on."""
+    count = len(raws) // len(wanted.channels)
+    table = np.array(raws[: count * len(wanted.channels)], dtype=np.uint32)
+    table = table.reshape(count, len(wanted.channels))  # of no row as well
     values = {
         name: _values(place, table[:, n])
         for n, (name, place) in enumerate(zip(wanted.names, wanted.channels, strict=True))
     }
-    came = wanted.rows - wanted.before - left
-    trigger_row = count - came if came else None
     t = (np.arange(count) - (trigger_row or 0)) * wanted.row_s
     return Captured(wanted, t, values, trigger_row)
 

@@ -7,9 +7,11 @@ the arming while another one sets words.
 
 from __future__ import annotations
 
+import errno
 import logging
 import os
 import socket
+import stat
 import struct
 import termios
 import threading
@@ -17,6 +19,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import TypeAlias
 
@@ -31,7 +34,8 @@ from pymodbus.pdu.register_message import (
 )
 
 from wavehaptics.host.framed_line import FramedLine
-from wavehaptics.host.names import HostError, Place, Shape, places
+from wavehaptics.host.names import HostError, Place, Shape, places, readable, settable
+from wavehaptics.runtime.ends import ending
 from wavehaptics.words import modbus, table
 from wavehaptics.words.table import LEGS, THREE_PHASE_LEGS
 
@@ -127,6 +131,11 @@ class Client:
         return self.identification.shape
 
     @property
+    def port(self) -> str:
+        """Where it is."""
+        return self._port
+
+    @property
     def baud(self) -> int:
         """Bits a second of the line, as it is now."""
         return self._baud
@@ -153,9 +162,12 @@ class Client:
             )
         return found
 
-    def read(self, places: Iterable[Place]) -> list[int]:
-        """Raw words without signs, in the order of ``places``; successive ones by one frame."""
-        wanted = list(places)
+    def read(self, places: Iterable[Place | str]) -> list[int]:
+        """Raw words without signs, in the order of ``places``; successive ones by one frame.
+
+        A name is motor 0's word, and all its copies where it has several.
+        """
+        wanted = [found for place in _listed(places) for found in self._places(place, readable)]
         found: dict[int, int] = {}
         pairs = {(place.address, 0) for place in wanted}
         names = {place.address: place.text for place in wanted}
@@ -164,12 +176,23 @@ class Client:
             found |= zip(range(first, first + len(raws)), modbus.whole(registers), strict=True)
         return [found[place.address] for place in wanted]
 
-    def write(self, words: Iterable[tuple[Place, int]]) -> int:
+    def _places(self, place: Place | str, checked: Callable[[Place], Place]) -> list[Place]:
+        if isinstance(place, Place):
+            return [place]
+        return [checked(found) for found in places(str(place), self.shape)]
+
+    def write(self, words: Iterable[tuple[Place | str, int]]) -> int:
         """Write raw words; successive ones in one frame. The number of frames is returned.
 
-        Words between two of one group that aren't named are read, and written as they are.
+        A name is motor 0's word. Words between two of one group that aren't named are read, and
+        written as they are.
         """
-        given = {place.address: (place, raw) for place, raw in words}
+        given: dict[int, tuple[Place, int]] = {}
+        for word, raw in words:
+            meant = self._places(word, settable)
+            if len(meant) > 1:
+                raise HostError(f"{word}: which one? Take {meant[0].text}...{meant[-1].text}")
+            given[meant[0].address] = meant[0], raw
         filled = {address: raw for address, (_, raw) in given.items()}
         for place in self._between(place for place, _ in given.values()):
             filled[place.address] = self.read([place])[0]
@@ -213,46 +236,49 @@ class Client:
         the way there can't bear the rate, it stays at the first one, then and later.
         """
         rate = min(self.identification.words["rates"], len(modbus.BAUDS)) - 1
-        with self._taken() as line:
-            self._held = line
-            try:
-                if rate > 0 and self._hurries:
-                    self._set_rate(rate)
-                elif rate > 0 and self._hurries is None:
-                    self._try_rate(rate)
-                yield
-            finally:
-                try:
-                    if self._baud != BAUD:
-                        with suppress(HostError):
-                            self._set_rate(0)
-                    if self._baud != BAUD:
-                        self._go_back()
-                finally:
-                    self._held = None
+        with self._taken() as line, ending(self._slow_down, partial(self._hold, None)):
+            self._hold(line)
+            if rate > 0 and self._hurries:
+                self._set_rate(rate)
+            elif rate > 0 and self._hurries is None:
+                self._try_rate(rate)
+            yield
+
+    def _hold(self, line: Line | None) -> None:
+        self._held = line
+
+    def _slow_down(self) -> None:
+        """To the first rate, by a word or by silence."""
+        if self._baud != BAUD:
+            with suppress(HostError):
+                self._set_rate(0)
+        if self._baud != BAUD:
+            self._go_back()
 
     @contextmanager
     def streaming(self, packet: Callable[[bytes], None]) -> Iterator[FramedLine]:
         """Within :meth:`hurry`: the device streams, and ``packet`` is called with what comes.
 
-        Exchanges go on meanwhile, from any thread. Credit is renewed by a thread of its own.
+        Exchanges go on meanwhile, from any thread. Credit is renewed by a thread of its own. If the
+        port has gone, the end raises that.
         """
         line = self._held
         assert isinstance(line, serial.Serial)
         place = places("stream", self.shape)[0]
         framed = FramedLine(line, packet)
-        try:
-            self._held = framed
+
+        def end() -> None:
+            # Behind an answer without a frame nothing comes any more; without it nobody knows.
+            if not framed.end(self._question(place, _STREAM_OFF), self._timeout_s):
+                self._astray = True
+            if framed.error is not None:
+                raise self.gone(framed.error)
+
+        with ending(end, partial(self._hold, line)):
+            self._hold(framed)
             self.write([(place, _STREAM)])
             framed.renew(self._question(place, _STREAM_ON), RENEWAL_S)
             yield framed
-        finally:
-            # Behind an answer without a frame nothing comes any more; without it nobody knows.
-            try:
-                if not framed.end(self._question(place, _STREAM_OFF), self._timeout_s):
-                    self._astray = True
-            finally:
-                self._held = line
 
     def _question(self, place: Place, raw: int) -> bytes:
         """A write of a word, as it stands on the line."""
@@ -268,9 +294,12 @@ class Client:
             self._set_rate(rate)
             self.identify()
             self._hurries = True
-        except HostError:
+        except HostError as error:
             self._hurries = False
-            self._go_back()
+            try:
+                self._go_back()
+            except HostError:
+                raise error from None
 
     def _set_rate(self, rate: int) -> None:
         self._write(_RATE, [0, rate], "rate")
@@ -282,8 +311,11 @@ class Client:
         self._baud = baud
         try:
             self._held.baudrate = baud
-        except (ValueError, OSError, termios.error):
-            raise HostError(f"{self._port}: can't be set to {baud} bits a second") from None
+        except (ValueError, OSError, termios.error) as error:
+            raise HostError(
+                f"{self._port}: can't be set to {baud} bits a second: {_reason(error)}; "
+                "was it unplugged?"
+            ) from None
 
     def _go_back(self) -> None:
         """Wait until the device has gone back to its first rate by itself."""
@@ -352,7 +384,7 @@ class Client:
         client.socket = line
         try:
             if not line.is_open:  # Modbus' client closed it, as it had gone
-                raise OSError("the port has gone")
+                raise OSError(errno.EIO, os.strerror(errno.EIO))
             if self._astray and not self._settled(line):
                 if blindly:
                     with suppress(ModbusException, struct.error):
@@ -361,13 +393,20 @@ class Client:
             # Until the right answer is here; a Ctrl-C may come before.
             self._astray = True
             return ask(client)
-        except ConnectionException:
+        except ConnectionException as error:
+            # What Modbus' client makes of an error of the port.
+            found = error.__context__
+            if isinstance(found, OSError) and not isinstance(found, serial.SerialTimeoutException):
+                raise self.gone(found) from None
             raise HostError(self._silence()) from None
         except (ModbusException, struct.error):
             return None
         except OSError as error:
-            reason = error.strerror or error
-            raise HostError(f"{self._port}: {reason}; was it unplugged?") from None
+            raise self.gone(error) from None
+
+    def gone(self, error: BaseException) -> HostError:
+        """What an error of the port is to a user."""
+        return HostError(f"{self._port}: {_reason(error)}; was it unplugged?")
 
     def _settled(self, line: Line) -> bool:
         """Whether nothing of earlier questions can come any more.
@@ -433,18 +472,27 @@ class Client:
                         self._port, BAUD, timeout=self._timeout_s, write_timeout=self._timeout_s,
                         exclusive=True,
                     )  # fmt: skip
-                except (OSError, ValueError) as error:
-                    busy = "lock" in str(error)
-                    if not busy or time.monotonic() > until:
-                        reason, cure = _reason(error), "was it unplugged?"
-                        if not self._known:
-                            cure = "is it plugged in? Else name its port with --port"
-                        if busy:
-                            reason, cure = "somebody else has it", "name the port with --port"
-                        raise HostError(
-                            f"{self._port}: can't be opened: {reason}; {cure}"
-                        ) from None
+                except (OSError, ValueError, termios.error) as error:
+                    if not _is_busy(error) or time.monotonic() > until:
+                        raise HostError(f"{self._port}: {self._closed(error)}") from None
                 time.sleep(_TURN_S)
+
+    def _closed(self, error: Exception) -> str:
+        """Why the port can't be opened, and the cure."""
+        with suppress(OSError, ValueError):
+            if not stat.S_ISCHR(os.stat(self._port).st_mode):
+                return "is no serial port; name the device's with --port"
+        number = _number(error)
+        if number == errno.ENOTTY:
+            return "is no serial port; name the device's with --port"
+        if _is_busy(error):
+            return "can't be opened: somebody else has it; name the port with --port"
+        cure = "was it unplugged?"
+        if number in (errno.EACCES, errno.EPERM):
+            cure = "let your user into the port's group, which often is dialout"
+        elif not self._known:
+            cure = "is it plugged in? Else name its port with --port"
+        return f"can't be opened: {_reason(error)}; {cure}"
 
 
 @contextmanager
@@ -469,6 +517,29 @@ def _is_next(place: socket.socket, port: str) -> bool:
     return True
 
 
-def _reason(error: Exception) -> str:
-    number = getattr(error, "errno", None)
-    return os.strerror(number) if number else str(error)
+def _listed(places: Iterable[Place | str]) -> Iterable[Place | str]:
+    """A name alone is no list of its letters."""
+    return [places] if isinstance(places, str) else places
+
+
+def _number(error: BaseException | None) -> int | None:
+    """``errno`` of an error, or of that which pyserial has made a text of."""
+    while error is not None:
+        number = error.args[0] if error.args else None
+        if isinstance(number, int):
+            return number
+        error = error.__context__
+    return None
+
+
+def _is_busy(error: Exception) -> bool:
+    """Whether somebody else has the port for himself."""
+    return _number(error) in (errno.EWOULDBLOCK, errno.EBUSY)
+
+
+def _reason(error: BaseException) -> str:
+    number = _number(error)
+    if number is not None:
+        return os.strerror(number)
+    # Of a port that has gone pyserial says that it reads nothing.
+    return str(error) if isinstance(error, ValueError) else "the line has ended"

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import select
 import threading
 from collections.abc import Callable
 
@@ -41,7 +42,8 @@ class FramedLine:
     ``packet`` is called by the thread with each packet whose CRC is right; answers are what
     :meth:`read` gives. ``question`` is sent every ``every_s``, and its answer, an echo of six bytes
     and the CRC, is kept from the client. One that comes without a frame says that frames are over:
-    ``lapsed``. ``broken`` counts frames that can't be read.
+    ``lapsed``. ``broken`` counts frames that can't be read, and ``error`` is why nothing comes any
+    more.
     """
 
     def __init__(self, line: serial.Serial, packet: Callable[[bytes], None]) -> None:
@@ -56,11 +58,9 @@ class FramedLine:
         self._waits = False  # for the last one
         self._ending = False
         self._ended = threading.Event()
-        self._was_timeout = line.timeout
         self.broken = 0
         self.lapsed = False
         self.error: OSError | None = None
-        line.timeout = _POLL_S
         self._threads[0].start()
 
     # ---- What a Modbus client asks of a port.
@@ -111,15 +111,23 @@ class FramedLine:
             most, passed = (2 * most if self._waits else 2), 1
             with self._lock:
                 self._owed, self._waits = self._owed + 1, True
-                try:
-                    self._line.write(self._question)
-                except OSError as error:
-                    self.error = error
+                self._send(self._question)
+
+    def _send(self, question: bytes) -> None:
+        try:
+            self._line.write(question)
+        except OSError as error:
+            self._fail(error)
+
+    def _fail(self, error: OSError) -> None:
+        """Nothing comes any more, and nobody has to wait for it."""
+        self.error = self.error or error
+        self._ended.set()
 
     def end(self, question: bytes, timeout_s: float) -> bool:
         """Send the question that ends the frames; whether it was answered, without a frame.
 
-        The port is then whoever's it was.
+        The port is then whoever's it was. What goes wrong is in ``error``.
         """
         self._closing.set()
         for thread in self._threads[1:]:
@@ -127,29 +135,30 @@ class FramedLine:
         if self.error is None and not self.lapsed:
             with self._lock:
                 self._echo, self._ending = echo(question), True
-                self._line.write(question)
+                self._send(question)
             self._ended.wait(timeout_s)
         answered = self._ended.is_set()
         self._ended.set()
         self._threads[0].join()
-        self._line.timeout = self._was_timeout
         return answered and self.error is None
 
     def _listen(self) -> None:
         """The thread that reads, until the frames are over."""
         while not self._ended.is_set():
             try:
+                if not select.select([self._line], [], [], _POLL_S)[0]:
+                    continue
+                # One that has gone seems to have bytes, and has none.
                 data = self._line.read(max(1, self._line.in_waiting))
             except OSError as error:
-                self.error = error
+                self._fail(error)
                 return
             except TypeError:  # pyserial, of a port that was closed meanwhile
-                self.error = OSError("the port was closed")
+                self._fail(OSError("the port was closed"))
                 return
-            if data:
-                with self._lock:
-                    self._buffer += data
-                    self._take()
+            with self._lock:
+                self._buffer += data
+                self._take()
 
     def _take(self) -> None:
         """What the buffer holds: whole frames, and behind them a plain answer."""

@@ -176,7 +176,12 @@ def load(client: Client, path: Path) -> tuple[int, int]:
         )
     try:
         client.write((place, raw) for place, raw, _ in differs)
-    except HostError:
-        client.write((place, old) for place, _, old in differs)
+    except HostError as error:
+        try:
+            client.write((place, old) for place, _, old in differs)
+        except HostError:
+            raise HostError(
+                f"{error} (the device may have some of the file's words; load it again)"
+            ) from None
         raise
     return len(differs), len(wanted)

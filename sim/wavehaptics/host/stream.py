@@ -24,6 +24,7 @@ from wavehaptics.host.capture import MOST_DECIMATION, NOW, Captured, Plan, chann
 from wavehaptics.host.client import Client
 from wavehaptics.host.framed_line import FIRST_PACKET, FramedLine
 from wavehaptics.host.names import HostError, Place, places
+from wavehaptics.runtime.ends import ending
 
 MOST_CHANNELS = 4
 MOST_SHIFT = 15
@@ -155,7 +156,8 @@ def _channel(client: Client, text: str, motor: int) -> tuple[str, Place, int]:
 class Stream:
     """A stream, as a context: it begins and ends with it. The client can be used within.
 
-    It keeps the port, at the fastest rate of the device; nobody else has it meanwhile.
+    It keeps the port, at the fastest rate of the device; nobody else has it meanwhile. Its end
+    raises :class:`HostError` where the port has gone; what had come is there all the same.
     """
 
     def __init__(self, client: Client, channels: Sequence[str], **options: float | None) -> None:
@@ -184,6 +186,7 @@ class Stream:
             }
             client.write((places(name, client.shape)[0], raw) for name, raw in words.items())
             self._line = kept.enter_context(client.streaming(self._take))
+            kept.enter_context(ending(self._count_left_out))
             # A stream has the lowest 16 bits of a position.
             for name, place in zip(wanted.rows.names, places_, strict=True):
                 if place.word.name == "position":
@@ -197,17 +200,21 @@ class Stream:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        try:
-            if not self._line.lapsed and self._line.error is None:
-                lost = places("stream_lost", self._client.shape)[:1]
-                self._left_out = self._client.read(lost)[0]
-        finally:
-            self._kept.close()
+        self._kept.__exit__(kind, error, trace)
+
+    def _count_left_out(self) -> None:
+        if not self._line.lapsed and self._line.error is None:
+            self._left_out = self._client.read(places("stream_lost", self._client.shape)[:1])[0]
 
     def _take(self, packet: bytes) -> None:
         if packet[0] == FIRST_PACKET + len(self.wanted.shifts) - 1:
             self._last = _after(self._last, packet)
             self._packets.append(packet)
+
+    @property
+    def came(self) -> bool:
+        """Whether there is a row in :meth:`found`."""
+        return bool(self._packets)
 
     @property
     def seconds(self) -> float:
@@ -223,14 +230,15 @@ class Stream:
     def lapsed(self) -> bool:
         """Whether credit ran out; :class:`HostError` if the port is gone."""
         if self._line.error is not None:
-            raise HostError(f"the port is gone: {self._line.error}; was it unplugged?")
+            raise self._client.gone(self._line.error)
         return self._line.lapsed
 
     def check(self) -> None:
         """:class:`HostError` if the stream is over: the port is gone, or credit ran out."""
         if self.lapsed:
             raise HostError(
-                "the stream has ended: 200 ms without a renewal; is this machine too busy?"
+                f"{self._client.port}: the stream has ended: 200 ms without a renewal; is this "
+                "machine too busy?"
             )
 
     def found(self) -> Streamed:

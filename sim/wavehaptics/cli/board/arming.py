@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -20,6 +21,7 @@ from wavehaptics.cli.board.common import (
     finite,
     refusals,
 )
+from wavehaptics.runtime.ends import ending
 
 if TYPE_CHECKING:
     from wavehaptics.host.client import Client
@@ -38,11 +40,8 @@ def arm(
     """Let the bridges on, and renew that until Ctrl-C; then disarm."""
     with refusals():
         client = connected(port, unit, timeout)
-        with asked_to_end() as asked:
-            try:
-                stay_armed(client, asked, seconds)
-            finally:
-                write_arm(client, 0)
+        with asked_to_end() as asked, ending(partial(write_arm, client, 0)):
+            stay_armed(client, asked, seconds)
     print("disarmed")
 
 

@@ -30,6 +30,7 @@ from wavehaptics.cli.board.rows import (
     torque_constant,
 )
 from wavehaptics.cli.shared import RUNS_DIR, CommandError, make_folder, shown_stages
+from wavehaptics.runtime.ends import ending
 
 if TYPE_CHECKING:
     from wavehaptics.host.capture import Captured, Plan, Progress
@@ -87,7 +88,16 @@ def capture(
             trigger=trigger, before_s=pre, motor=motor,
         )  # fmt: skip
         device = device_of(client, motor, counts_per_rev, constant)
-        with shown_stages() as show, asked_to_end() as asked:
+        came: list[Captured] = []
+
+        def written() -> None:
+            for found in came:
+                if not len(found.t):
+                    raise CommandError("stopped before the first row: nothing was captured")
+                keep(plan, found, device, out, "capture.png")
+                print(*_capture_lines(plan, found), sep="\n")
+
+        with ending(written), shown_stages() as show, asked_to_end() as asked:
             captures.start(client, plan)
 
             def shown(progress: Progress) -> None:
@@ -95,16 +105,17 @@ def capture(
                 show("waits for the trigger" if waits else "captures", progress.part)
 
             captures.wait(client, plan, shown, asked)
-            found = captures.download(client, plan, lambda part: show("is read", part))
-        if not len(found.t):
-            raise CommandError("stopped before the first row: nothing was captured")
-        keep(plan, found, device, out, "capture.png")
-    for line in _capture_lines(plan, found):
-        print(line)
+            try:
+                came.append(captures.download(client, plan, lambda part: show("is read", part)))
+            except captures.CutOffError as error:
+                came.append(error.found)
+                raise
 
 
 def _capture_lines(plan: Plan, found: Captured) -> Iterator[str]:
     """What was captured, a line for each channel."""
     at = "no trigger" if found.trigger_row is None else f"the trigger's is row {found.trigger_row}"
-    yield f"{len(found.t)} rows of {plan.row_s * 1e6:.6g} µs; {at}"
+    count = len(found.t)
+    rows = f"{count} rows" if count == plan.rows else f"{count} of {plan.rows} rows"
+    yield f"{rows} of {plan.row_s * 1e6:.6g} µs; {at}"
     yield from channel_lines(plan, found)

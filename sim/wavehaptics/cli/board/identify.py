@@ -25,9 +25,10 @@ from wavehaptics.cli.board.common import (
     refusals,
 )
 from wavehaptics.cli.shared import CommandError, shown_stages
+from wavehaptics.runtime.ends import ending
 
 if TYPE_CHECKING:
-    from wavehaptics.host.identify.result import Row
+    from wavehaptics.host.identify.result import AnyFound, Row
 
 BEFORE_SUFFIX = ".before.toml"
 """Of the file of a device's settings that couldn't be given back."""
@@ -89,26 +90,35 @@ def identify(
             for path in (out, beside(out)):
                 session.check_writable(path)
         client = connected(port, unit, timeout)
-        with asked_to_end() as asked, _shown() as show:
+        results: list[AnyFound] = []
+
+        def written() -> None:
+            for found in results:
+                _identified_table(rows(found))
+                if out is not None:
+                    print(*write(found, driver, out, motor), sep="\n")
+
+        with ending(written), asked_to_end() as asked, _shown() as show:
             driver = Driver(client, motor, ended=asked)
             print("the rotor turns: seconds on a board, minutes on a simulated one", flush=True)
             try:
-                found = identified(driver, wishes, lambda line: print(line, flush=True), show)
+                identified(
+                    driver, wishes, lambda line: print(line, flush=True), show, results.append
+                )
             except EndedError:
                 raise KeyboardInterrupt from None
             except HostError as error:
                 if driver.restored:
                     raise
                 kept = beside(out or Path("motor.toml"), BEFORE_SUFFIX)
-                session.write_file(kept, session.to_text(driver.before))
+                gives_back = f"`board load {kept}` gives it those that it had"
+                try:
+                    session.write_file(kept, session.to_text(driver.before))
+                except HostError as more:
+                    gives_back = str(more)
                 raise HostError(
-                    f"{error} (the device may still have the test's settings: "
-                    f"`board load {kept}` gives it those that it had)"
+                    f"{error} (the device may still have the test's settings: {gives_back})"
                 ) from None
-    _identified_table(rows(found))
-    if out is not None:
-        with refusals():
-            print(*write(found, driver, out, motor), sep="\n")
 
 
 @contextmanager

@@ -32,6 +32,7 @@ from wavehaptics.cli.board.rows import (
     torque_constant,
 )
 from wavehaptics.cli.shared import RUNS_DIR, CommandError, make_folder, shown_stages
+from wavehaptics.runtime.ends import ending
 
 if TYPE_CHECKING:
     from wavehaptics.host.client import Client
@@ -84,16 +85,17 @@ def stream(
     with refusals():
         client = connected(port, unit, timeout)
         device = device_of(client, motor, counts_per_rev, constant)
-        with shown_stages() as show, asked_to_end() as asked:
-            live = Stream(client, names or STREAMED, decimation=decimate, motor=motor)
-            with live:
-                _receive(client, live, show, asked, seconds, arms=arms)
-        found = live.found()
-        if not len(found.t):
-            raise CommandError("stopped before the first packet: nothing was received")
-        keep(found.plan, found, device, out, "stream.png")
-    for line in _stream_lines(found):
-        print(line)
+        live = Stream(client, names or STREAMED, decimation=decimate, motor=motor)
+
+        def written() -> None:
+            if not live.came:
+                raise CommandError("stopped before the first packet: nothing was received")
+            found = live.found()
+            keep(found.plan, found, device, out, "stream.png")
+            print(*_stream_lines(found), sep="\n")
+
+        with ending(written), shown_stages() as show, asked_to_end() as asked, live:
+            _receive(client, live, show, asked, seconds, arms=arms)
 
 
 def _receive(
@@ -108,27 +110,28 @@ def _receive(
     """Wait until a stream is as long as it has to be, or somebody asks to end."""
     from concurrent.futures import ThreadPoolExecutor
 
-    with ThreadPoolExecutor(1) as pool:
-        over: list[bool] = []
-        try:
-            arming = pool.submit(stay_armed, client, lambda: bool(over), None) if arms else None
-            came, since = 0.0, time.monotonic()
-            while not asked() and (seconds is None or live.seconds < seconds):
-                live.check()
-                if arming is not None and arming.done():
-                    arming.result()
-                if live.seconds > came:
-                    came, since = live.seconds, time.monotonic()
-                elif time.monotonic() - since > STILL_S:
-                    raise CommandError("no packet comes; are there ticks, and is the ADC there?")
-                stage = f"receives, {live.lost} packets lost" if live.lost else "receives"
-                show(stage, live.seconds / seconds if seconds else 0.0)
-                time.sleep(0.02)
-        finally:
-            over.append(True)
-            if arms:
-                pool.shutdown()
-                write_arm(client, 0)
+    over: list[bool] = []
+
+    def disarmed() -> None:
+        over.append(True)
+        pool.shutdown()
+        if arms:
+            write_arm(client, 0)
+
+    with ThreadPoolExecutor(1) as pool, ending(disarmed):
+        arming = pool.submit(stay_armed, client, lambda: bool(over), None) if arms else None
+        came, since = 0.0, time.monotonic()
+        while not asked() and (seconds is None or live.seconds < seconds):
+            live.check()
+            if arming is not None and arming.done():
+                arming.result()
+            if live.seconds > came:
+                came, since = live.seconds, time.monotonic()
+            elif time.monotonic() - since > STILL_S:
+                raise CommandError("no packet comes; are there ticks, and is the ADC there?")
+            stage = f"receives, {live.lost} packets lost" if live.lost else "receives"
+            show(stage, live.seconds / seconds if seconds else 0.0)
+            time.sleep(0.02)
 
 
 def _stream_lines(found: Streamed) -> Iterator[str]:

@@ -17,6 +17,7 @@ import math
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
+from types import TracebackType
 from typing import Any, Protocol, cast
 
 import numpy as np
@@ -29,6 +30,7 @@ from wavehaptics.host.identify.segments import Segment, earlier
 from wavehaptics.host.names import HostError, Place, Shape, places
 from wavehaptics.laws import closed_forms
 from wavehaptics.parts.adcs import FRAME_WORDS, KINDS, frame_of_words
+from wavehaptics.runtime.ends import ending
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.words.faults import FAULTS, arm_refusal, bits_of
@@ -178,20 +180,31 @@ class Driver:
         self.restored = False
         self._line = ExitStack()
         self._line.enter_context(self._device.hurry())
+        # Also where the bridges stay on: to give the settings back is what ends the current then.
+        self._line.enter_context(ending(self.disarm, self._restore))
         return self
 
-    def __exit__(self, *_: object) -> None:
-        """The bridges off, or without a current, and the settings as they were."""
-        with self._line:
-            try:
-                self.disarm()
-            finally:
-                # Also where that failed: on a board that stays on, it is what ends the current.
-                self._device.write(
-                    (place, raw - (1 << 32) if place.word.fixed.signed and raw >> 31 else raw)
-                    for place, raw in self.before
-                )
-                self.restored = True
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """The bridges off, or without a current, and the settings as they were.
+
+        To be asked to end is no error: what goes wrong here comes before it.
+        """
+        if isinstance(error, EndedError):
+            self._line.close()
+        else:
+            self._line.__exit__(kind, error, trace)
+
+    def _restore(self) -> None:
+        self._device.write(
+            (place, raw - (1 << 32) if place.word.fixed.signed and raw >> 31 else raw)
+            for place, raw in self.before
+        )
+        self.restored = True
 
     # ---- Exchanges, which renew.
 

@@ -14,26 +14,29 @@ from wavehaptics.host.scope.bench import Known
 from wavehaptics.host.scope.feed import Feed
 from wavehaptics.host.scope.plug import Plug
 from wavehaptics.host.scope.server import Scope, serve
+from wavehaptics.runtime.ends import ending
 
 
 def run(
     plug: Plug, known: Known, *, http_port: int, browser: bool, unit: int, motor: int,
     timeout_s: float,
 ) -> None:  # fmt: skip
-    """Serve the page until SIGINT or SIGTERM; then the bridges are switched off."""
+    """Serve the page until it is asked to end; then the bridges are switched off.
+
+    :class:`HostError` where that isn't heard.
+    """
     feed = Feed(plug, known, unit=unit, motor=motor, timeout_s=timeout_s)
     scope = Scope(feed, plug)
     feed.start()
-    try:
-        asyncio.run(_serve(scope, http_port, browser))
-    except OSError as error:
-        if error.errno != errno.EADDRINUSE:
-            raise
-        raise HostError(
-            f"port {http_port} is taken; name another one with --http-port, or 0 for any"
-        ) from None
-    finally:
-        feed.end()
+    with ending(feed.end):
+        try:
+            asyncio.run(_serve(scope, http_port, browser))
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise
+            raise HostError(
+                f"port {http_port} is taken; name another one with --http-port, or 0 for any"
+            ) from None
 
 
 async def _serve(scope: Scope, http_port: int, browser: bool) -> None:

@@ -16,6 +16,7 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
+from functools import partial
 from typing import Any
 
 from wavehaptics.host.client import RENEWAL_S, ZERO_S, Client
@@ -25,6 +26,7 @@ from wavehaptics.host.scope.bench import Bench, Known
 from wavehaptics.host.scope.fast import Fast
 from wavehaptics.host.scope.kept import Kept
 from wavehaptics.host.scope.plug import Plug
+from wavehaptics.runtime.ends import ending
 from wavehaptics.words.faults import FAULTS, arm_refusal, bits_of
 
 PATIENCE_S = 1.0
@@ -71,6 +73,7 @@ class Feed(threading.Thread):
         self._status: dict[str, int] = {}
         self._shown: dict[str, Any] = {}
         self._problem, self._note = "", ""
+        self._unheard = ""
         self._live = False
         # Counted, as a flag could be cleared by what was asked for before the stop.
         self._stops = self._stops_done = 0
@@ -178,9 +181,11 @@ class Feed(threading.Thread):
             hand.lead(place_rad)
 
     def end(self) -> None:
-        """Switch off, and end the thread."""
+        """Switch off, and end the thread; :class:`HostError` where the board didn't hear that."""
         self._ended.set()
         self.join()
+        if self._unheard:
+            raise HostError(f"{self._unheard} (the bridges go off by themselves, 200 ms later)")
 
     # ---- The thread.
 
@@ -201,6 +206,8 @@ class Feed(threading.Thread):
             self._serve(bench)
         except (HostError, OSError) as error:
             self._problem = str(error)
+            if self._ended.is_set() and self._owner is not None:
+                self._unheard = self._problem
         except Exception as error:
             # Whatever it is, the thread that switches off may not end by it.
             self._problem = _line_of(error)
@@ -256,27 +263,36 @@ class Feed(threading.Thread):
     def _stream(self, bench: Bench) -> None:
         """Rows by the device's stream, until somebody waits for the port, or the credit lapses."""
         with Fast(bench) as live:
-            self._fast, lost = live, self._lost
-            seen_at, seen = -math.inf, {}
-            begin_s = None
-            try:
+            lost = self._lost
+            seen_at = -math.inf
+            seen: dict[str, float] = {}
+            begin_s: float | None = None
+
+            def keep() -> None:
+                """Rows that have come, once it is known when they began."""
+                nonlocal begin_s
+                if begin_s is None and live.seconds:
+                    moment = self._time_s()
+                    begin_s = None if moment is None else moment - live.seconds
+                for since_s, row in live.rows(seen):
+                    if begin_s is not None:
+                        self._keep(row, begin_s + since_s)
+                self._lost = lost + live.lost
+
+            with ending(keep, partial(self._show, None)):
+                self._show(live)
                 while not self._ended.wait(_TURN_S):
                     self._attend(bench)
                     if time.monotonic() - seen_at >= _SEEN_S:
                         seen_at, seen = time.monotonic(), bench.seen()
-                    if begin_s is None and live.seconds:
-                        moment = self._time_s()
-                        begin_s = None if moment is None else moment - live.seconds
-                    for since_s, row in live.rows(seen):
-                        if begin_s is not None:
-                            self._keep(row, begin_s + since_s)
-                    self._lost = lost + live.lost
+                    keep()
                     if live.is_over or bench.client.awaited:
                         self._share()
                         return
                 bench.arm(0)
-            finally:
-                self._fast = None
+
+    def _show(self, live: Fast | None) -> None:
+        self._fast = live
 
     def _attend(self, bench: Bench) -> None:
         """What goes before rows: a stop, what is asked for, and now and then the status."""

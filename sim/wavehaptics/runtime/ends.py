@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How something ends that can fail at its end as well."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def ending(*steps: Callable[[], object]) -> Iterator[None]:
+    """Do the ``steps`` after the block, however it ends, and each whatever the others raise.
+
+    The first error is raised: the block's, or else that of the first step that failed. So no
+    clean-up hides why it had to be done.
+    """
+    first: BaseException | None = None
+    try:
+        yield
+    except BaseException as error:
+        first = error
+    for step in steps:
+        try:
+            step()
+        except Exception as error:
+            first = first or error
+    if first is not None:
+        raise first
