@@ -190,7 +190,7 @@ def test_an_error_of_ones_own(board, client):
 def test_a_host_of_a_port(board, client):
     board.pulled_by = writes("host_u", 3)
     port = HostPort(client, 0.02)
-    port._sequence, port.next = 7, lambda: None
+    port._sequence, port.next = 7, lambda: SimpleNamespace(v=0.1)
     with pytest.raises(HostError) as problem, client.hurry():
         port.serve(SimpleNamespace(step=lambda v: v), lambda: False)
     unplugged(board, problem.value)
@@ -497,3 +497,19 @@ def test_a_scope_that_cant_switch_off(board):
     with pytest.raises(HostError) as problem:
         feed.end()
     unplugged(board, problem.value)
+
+
+@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGTERM])
+def test_signals_that_end_the_scope(board, number):
+    """The terminal is closed, or somebody kills it: switched off by its own hand."""
+    board.put(at("stream_state"), [0])
+    words = ("scope", "--port", board.path, "--http-port", "0", "--no-browser")
+    process = command(*words)
+    assert process.stdout.readline().startswith("http://")
+    end = time.monotonic() + END_S
+    while len(board.asked) < 20:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    assert stop(process, number) == 0
+    off = [f for f in board.asked if f[1] == 16 and at("arm") in registers(f) and not f[-3]]
+    assert off

@@ -11,11 +11,13 @@ import re
 import select
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,6 +26,7 @@ import typer
 from wavehaptics.cli import board
 from wavehaptics.cli.shared import CommandError
 from wavehaptics.host import session
+from wavehaptics.host.led_hand import LedHand
 from wavehaptics.host.names import HostError, Shape, number, places, settings
 from wavehaptics.host.scope.bench import Known
 from wavehaptics.host.scope.feed import Feed
@@ -383,12 +386,13 @@ def test_a_master_that_is_not_ours(port):
 
 def test_how_a_board_ends(tmp_path):
     """Killed, it leaves hosts with one line; asked to end, no link and status 0."""
-    link = tmp_path / "port"
-    process, path = start("--link", str(link), "--paced")
-    assert os.readlink(link) == path
-    assert told(str(link), "get", "armed") == "armed  0\n"
-    assert stop(process, signal.SIGINT) == 0
-    assert not link.is_symlink()
+    link, hand = tmp_path / "port", tmp_path / "hand"
+    for number in (signal.SIGINT, signal.SIGHUP):
+        process, path = start("--link", str(link), "--hand", str(hand), "--paced")
+        assert os.readlink(link) == path
+        assert told(str(link), "get", "armed") == "armed  0\n"
+        assert stop(process, number) == 0
+        assert [*tmp_path.iterdir()] == []
     process, path = start()
     stop(process, signal.SIGKILL)
     assert re.match(rf"{path}: (can't be opened|no answer|.*was it unplugged)",
@@ -606,6 +610,32 @@ def test_two_boards_with_one_link(tmp_path):
     assert not link.is_symlink()
     with VirtualBoard(pins, link):
         link.unlink()
+
+
+def test_two_boards_with_one_hand(tmp_path):
+    """The socket is the later one's, and stays when the earlier one ends."""
+    path = tmp_path / "hand"
+    with ExitStack() as later:
+        with LedHand(path, 0.0):
+            later.enter_context(LedHand(path, 0.0))
+        with socket.socket(socket.AF_UNIX) as guide:
+            guide.connect(str(path))
+    assert not path.exists()
+    with LedHand(path, 0.0):
+        path.unlink()
+
+
+def test_an_error_is_told_though_the_socket_cant_be_removed(tmp_path):
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    with pytest.raises(ZeroDivisionError), LedHand(folder / "hand", 0.0):
+        fails_without(folder)
+
+
+def fails_without(folder: Path) -> None:
+    shutil.rmtree(folder)
+    folder.write_text("no folder")
+    raise ZeroDivisionError
 
 
 def test_numbers_and_names():

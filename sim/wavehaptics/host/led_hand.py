@@ -11,6 +11,7 @@ import math
 import os
 import socket
 import time
+from contextlib import suppress
 from pathlib import Path
 
 SETTLE_S = 0.01
@@ -50,9 +51,10 @@ class Follower:
 
 
 class LedHand:
-    """The socket at ``path`` for one guide at a time, as a context; the path is removed at the end.
+    """The socket at ``path`` for one guide at a time, as a context.
 
-    ``OSError`` where there is something else than a socket.
+    The path is removed at the end, unless it is another board's by then. ``OSError`` where there is
+    something else than a socket.
     """
 
     def __init__(self, path: Path, position: float) -> None:
@@ -67,6 +69,7 @@ class LedHand:
             self._path.unlink()
         self._door = socket.socket(socket.AF_UNIX)
         self._door.bind(os.fspath(self._path))
+        self._own = os.stat(self._path).st_ino
         self._door.listen(1)
         self._door.setblocking(False)
         return self
@@ -74,7 +77,10 @@ class LedHand:
     def __exit__(self, *_: object) -> None:
         self._leave()
         self._door.close()
-        self._path.unlink(missing_ok=True)
+        # Another board may have taken the path over, or removed it.
+        with suppress(OSError):
+            if os.stat(self._path).st_ino == self._own:
+                self._path.unlink()
 
     def speed(self, time_s: float, step_s: float) -> float:
         """How fast the hand goes in the ``step_s`` after ``time_s``, rad/s; tells its guide."""

@@ -1,10 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How something ends that can fail at its end as well."""
+"""How something ends: by which signals, and that the end can fail as well."""
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+
+def end_signals() -> list[signal.Signals]:
+    """Signals that ask for an end: of Ctrl-C, of `kill`, and of a terminal that is closed."""
+    asks = [signal.SIGINT, signal.SIGTERM]
+    nohup = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    return asks if nohup else [*asks, signal.SIGHUP]
 
 
 @contextmanager

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wavehaptics.cli.shared import CommandError
+from wavehaptics.runtime.ends import end_signals
 
 if TYPE_CHECKING:
     from wavehaptics.host.client import Client
@@ -64,13 +65,9 @@ def connected(port: str, unit: int, timeout: float) -> Client:
 
 @contextmanager
 def asked_to_end() -> Iterator[Callable[[], bool]]:
-    """Whether SIGINT, SIGTERM or SIGHUP, of a terminal that is closed, came since."""
+    """Whether a signal has asked for the end since."""
     asked: list[bool] = []
-    kept = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
-    if kept[signal.SIGHUP] is signal.SIG_IGN:  # by nohup
-        del kept[signal.SIGHUP]
-    for number in kept:
-        signal.signal(number, lambda *_: asked.append(True))
+    kept = {n: signal.signal(n, lambda *_: asked.append(True)) for n in end_signals()}
     try:
         yield lambda: bool(asked)
     finally:

@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 import os
 import select
-import signal
 import sys
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -15,7 +14,7 @@ from typing import Annotated
 
 import typer
 
-from wavehaptics.cli.board.common import board, finite
+from wavehaptics.cli.board.common import asked_to_end, board, finite
 from wavehaptics.cli.shared import CommandError, SetOption
 from wavehaptics.runtime.files import try_file
 from wavehaptics.runtime.repository import ROOT
@@ -105,15 +104,12 @@ def be_virtual(
         print("building the simulated board: up to a minute the first time", file=sys.stderr)
     pins = linked_pins(loaded) if count == 1 else LinkedMotors(loaded, count, led=hand_of)
     pins.elapse(1)  # compiles the loop
-    asked = []
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: asked.append(True))
-    with ExitStack() as kept:
+    with asked_to_end() as asked, ExitStack() as kept:
         led = kept.enter_context(LedHand(hand, pins.hand_rad)) if hand is not None else None
         running = kept.enter_context(VirtualBoard(pins, link, led))
         print(running.path, flush=True)
         fastest = 1.0 if paced else math.inf
-        running.run(lambda: bool(asked) or (tied and _input_ended()), seconds, fastest=fastest)
+        running.run(lambda: asked() or (tied and _input_ended()), seconds, fastest=fastest)
 
 
 def _check_place(option: str, path: Path, kind: str, fits: Callable[[Path], bool]) -> None:

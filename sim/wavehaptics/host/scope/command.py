@@ -6,7 +6,6 @@ from __future__ import annotations
 import asyncio
 import errno
 import os
-import signal
 import webbrowser
 
 from wavehaptics.host.names import HostError
@@ -14,7 +13,7 @@ from wavehaptics.host.scope.bench import Known
 from wavehaptics.host.scope.feed import Feed
 from wavehaptics.host.scope.plug import Plug
 from wavehaptics.host.scope.server import Scope, serve
-from wavehaptics.runtime.ends import ending
+from wavehaptics.runtime.ends import end_signals, ending
 
 
 def run(
@@ -41,7 +40,7 @@ def run(
 
 async def _serve(scope: Scope, http_port: int, browser: bool) -> None:
     ended = asyncio.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in end_signals():
         asyncio.get_running_loop().add_signal_handler(number, ended.set)
 
     def tell(address: str) -> None:
