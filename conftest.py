@@ -7,6 +7,8 @@ half an hour of two cores. `make test` runs them, unless in CI, which names them
 
 from __future__ import annotations
 
+import os
+from collections.abc import Generator
 from pathlib import Path
 
 import pytest
@@ -203,6 +205,39 @@ def pytest_configure(config: pytest.Config) -> None:
     if blocks != set(BLOCKS):
         wrong = ", ".join(sorted(blocks ^ set(BLOCKS)))
         raise pytest.UsageError(f"conftest.py: a quick test for each block of rtl/, but: {wrong}")
+    if problem := _without_terminals():
+        os.openpty = lambda: pytest.skip(problem)
+
+
+def _without_terminals() -> str:
+    """Why the machine has no pseudo-terminals; "" if it has."""
+    from wavehaptics.runtime.terminals import check_terminals
+    from wavehaptics.runtime.toolchain import ToolError
+
+    try:
+        check_terminals()
+    except ToolError as error:
+        return str(error)
+    except pytest.skip.Exception as error:  # after this file's own function
+        return str(error)
+    return ""
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Count the skipped tests in one line at the end, as if all were skipped here."""
+    report = yield
+    if report.skipped and isinstance(report.longrepr, tuple) and (why := _without_terminals()):
+        reason = report.longrepr[2]
+        if why in reason:
+            report.longrepr = __file__, 1, reason
+    return report
+
+
+def pytest_report_header() -> str | None:
+    """Say at the beginning that tests will be skipped for want of them."""
+    problem = _without_terminals()
+    return f"tests that need a pseudo-terminal are skipped: {problem}" if problem else None
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:

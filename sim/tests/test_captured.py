@@ -224,6 +224,11 @@ def test_a_device_without_a_capture():
         capture.plan(Told(0), ["u"])
 
 
+def test_one_word_by_its_name():
+    """It is no list of its letters."""
+    assert capture.plan(Told(), "current").names == ("current",)
+
+
 def test_seconds_choose_the_decimation():
     plan = capture.plan(Told(), ["u", "v", "current"], seconds=0.01, before_s=0.002)
     assert (plan.decimation, plan.rows, plan.before) == (8, 1250, 250)

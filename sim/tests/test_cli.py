@@ -270,6 +270,31 @@ def test_report_refuses_workers_of_a_cluster(capsys, monkeypatch):
     assert_refused(*ended, "--workers 3")
 
 
+@pytest.mark.parametrize(
+    ("words", "fragment"),
+    [
+        (("board", "get", "x", "--virtual"), "--virtual; it belongs to `wavehaptics board "
+         "--virtual SCENE`, which runs by itself in another terminal; `get` reaches it by --port"),
+        (("board", "get", "x", "--virtual", "press_hold"), "`wavehaptics board --virtual SCENE`"),
+        (("board", "arm", "--link", "x"), "it belongs to `wavehaptics board --link PATH`"),
+        (("board", "identify", "--counts", "9", "--paced"), "to `wavehaptics board --paced`"),
+        (("run", "bench.toml", "--version"), "it belongs to `wavehaptics --version`"),
+        (("board", "info", "--version"), "it belongs to `wavehaptics --version`"),
+        (("board", "--port", "x", "get", "root"), "--port; write it behind the command, as in "
+         "`wavehaptics board get --port`"),
+        (("board", "--counts", "9", "identify"), "`wavehaptics board identify --counts`"),
+        (("--controller", "pins", "run", "bench.toml"), "`wavehaptics run --controller`"),
+        (("--port", "x", "board", "get", "root"), "`wavehaptics board get --port`"),
+        (("--virtual", "press_hold", "board"), "`wavehaptics board --virtual`"),
+        (("board", "get", "x", "--no-such"), "--no-such; wavehaptics --help shows the use"),
+        (("--no-such",), "--no-such; wavehaptics --help shows the use"),
+    ],
+)  # fmt: skip
+def test_an_option_in_the_wrong_place(capsys, monkeypatch, words, fragment):
+    """It is told where it belongs."""
+    assert_refused(*call(capsys, monkeypatch, *words), fragment)
+
+
 def test_scenes(capsys, monkeypatch):
     status, out, _ = call(capsys, monkeypatch, "scenes")
     assert status == 0

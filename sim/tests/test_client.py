@@ -4,15 +4,18 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import re
 import select
+import socket
 import struct
 import termios
 import threading
 import time
 import tty
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 import serial
@@ -212,6 +215,81 @@ def test_a_refusal_is_not_asked_again(board, client):
     with pytest.raises(HostError, match="a: the device refuses with exception 6: not now"):
         client.write([(place(client, "a"), 5)])
     assert len(board.asked) == before + 1
+
+
+def test_words_by_their_names(board, client):
+    """As places are, and what no name means is one line."""
+    there(board, client, root=7, a=8, position=0xFFFFFFFF)
+    board.put(modbus.word_register(place(client, "wall_min").address), [1, 2, 3, 4])
+    assert client.read(["position"]) == [0xFFFFFFFF]
+    assert client.read("root") == [7]
+    wanted = ["wall_min", place(client, "a"), "wall_min[2]"]
+    assert client.read(wanted) == [1, 2, 3, 4, 8, 3]
+    client.write([("root", 9), (place(client, "a"), 5)])
+    assert client.read(["root", "a"]) == [9, 5]
+    for wrong, message in (
+        ("rot", "rot: there is no such word; did you mean root"),
+        ("arm", "arm can't be read; it is a command"),
+        (7, "7: there is no such word"),
+    ):
+        with pytest.raises(HostError, match=message):
+            client.read([wrong])
+    for wrong, message in (
+        ("wall_min", r"wall_min: which one\? Take wall_min\[0\]...wall_min\[3\]"),
+        ("position", "position can't be set"),
+    ):
+        with pytest.raises(HostError, match=message):
+            client.write([(wrong, 1)])
+
+
+@pytest.mark.parametrize("kind", ["file", "folder", "pipe", "socket", "/dev/null"])
+def test_a_port_that_is_none(tmp_path, kind):
+    """One line that says so, at once, and no tuple of a library's."""
+    path = tmp_path / "a lock"  # a name that a message of the system's could have
+    if kind == "file":
+        path.write_text("")
+    elif kind == "folder":
+        path.mkdir()
+    elif kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "socket":
+        with socket.socket(socket.AF_UNIX) as door:
+            door.bind(str(path))
+    else:
+        path = Path(kind)
+    with pytest.raises(HostError) as error:
+        Client(str(path), timeout_s=TIMEOUT_S)
+    assert str(error.value) == f"{path}: is no serial port; name the device's with --port"
+
+
+@pytest.mark.parametrize(
+    ("number", "message"),
+    [
+        (errno.ENOENT, "No such file or directory; is it plugged in? Else name its port with"),
+        (errno.EACCES, "Permission denied; let your user into the port's group, which often is"),
+        (errno.EBUSY, "somebody else has it; name the port with --port"),
+        (errno.EIO, "Input/output error; is it plugged in? Else name its port with --port"),
+    ],
+)
+def test_a_port_that_cant_be_opened(board, monkeypatch, number, message):
+    opens = os.open
+
+    def refuse(path, *more, **others):
+        if path == board.path:
+            raise OSError(number, os.strerror(number), path)
+        return opens(path, *more, **others)
+
+    monkeypatch.setattr(os, "open", refuse)
+    with pytest.raises(HostError, match=re.escape(f"{board.path}: can't be opened: {message}")):
+        Client(board.path, timeout_s=TIMEOUT_S)
+
+
+def test_a_port_named_after_a_lock(tmp_path):
+    """It isn't taken for one that somebody has, which is waited for."""
+    began = time.monotonic()
+    with pytest.raises(HostError, match="can't be opened: No such file"):
+        Client(str(tmp_path / "clock"), timeout_s=60.0)
+    assert time.monotonic() - began < 30.0
 
 
 def test_a_port_that_goes(board, tmp_path):

@@ -24,6 +24,7 @@ from selenium.webdriver.common.by import By
 from wavehaptics.cli.board.scope import SCOPE_SCENE
 from wavehaptics.laws import closed_forms
 from wavehaptics.runtime.repository import ROOT
+from wavehaptics.runtime.terminals import check_terminals
 from wavehaptics.scene import find_scene, load_scene
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
@@ -149,6 +150,7 @@ def children(pid: int) -> list[int]:
 
 @pytest.fixture
 def page(tmp_path) -> Iterator[Page]:
+    check_terminals()
     command = subprocess.Popen(
         [sys.executable, "-m", "wavehaptics", "board", "scope", "--no-browser", "--http-port", "0"],
         text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,

@@ -328,7 +328,7 @@ def test_the_line_sets_the_decimation():
     for most_hz, ticks in ((1e3, 1024), (2e5, 32)):
         fewer = stream.plan(Streams([]), ["u", "v", "current", "position"], most_hz=most_hz)
         assert fewer.rows.decimation == ticks
-    one = stream.plan(Streams([]), ["bus"])
+    one = stream.plan(Streams([]), "bus")
     assert (one.rows.decimation, one.shifts, one.packet_rows) == (8, (1,), PACKET_WORDS)
 
 

@@ -14,6 +14,7 @@ from wavehaptics.trace.columns import (
     put_estimate,
     put_motion,
     put_port,
+    write_npz,
 )
 
 TICK_S = 1e-6
@@ -170,3 +171,16 @@ def test_a_tick_is_written_whole():
     assert row[[Column.T, Column.X, Column.OMEGA]].tolist() == [1.25, 2.5, 2.0]
     flags = row[[Column.CONTACT, Column.SATURATED, Column.CLIPPED]]
     assert flags.tolist() == [1.0, 0.0, 1.0]
+
+
+def test_a_trace_that_was_cut(tmp_path):
+    """Wherever: one line with its path."""
+    path = write_npz(tmp_path / "trace.npz", {"t": np.arange(300.0), "x": np.zeros(300)})
+    whole = path.read_bytes()
+    for length in (*range(0, len(whole), 101), len(whole) - 1):
+        path.write_bytes(whole[:length])
+        with pytest.raises(
+            ValueError, match=r"trace.npz: is no whole trace; was it cut\?"
+        ) as error:
+            load_trace(tmp_path)
+        assert "\n" not in str(error.value)

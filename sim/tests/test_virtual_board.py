@@ -23,7 +23,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import typer
-from wavehaptics.cli import board
+from wavehaptics.cli import board, shared
 from wavehaptics.cli.shared import CommandError
 from wavehaptics.host import session
 from wavehaptics.host.led_hand import LedHand
@@ -35,6 +35,8 @@ from wavehaptics.host.virtual import VirtualBoard
 from wavehaptics.ladder.device_pins import BrushlessDevicePins, DevicePins
 from wavehaptics.ladder.linked_pins import LinkedBrushlessPins, LinkedPins
 from wavehaptics.runtime.repository import ROOT
+from wavehaptics.runtime.terminals import check_terminals
+from wavehaptics.runtime.toolchain import ToolError
 from wavehaptics.scene import SceneError, find_scene, load_scene
 from wavehaptics.trace.columns import Column, Word, load_trace
 from wavehaptics.words import modbus, table
@@ -59,6 +61,8 @@ TRIES = 20
 
 
 def command(*words: str, env: dict[str, str] | None = None) -> subprocess.Popen:
+    if "--virtual" in words:
+        check_terminals()
     return subprocess.Popen(
         [sys.executable, "-m", "wavehaptics", "board", *words], text=True, stdin=subprocess.PIPE,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
@@ -206,6 +210,9 @@ def test_set_and_get(port):
         ((), r"board: give a command, or --virtual SCENE"),
         (("--virtual", "no_such"), r"no_such.*"),
         (("--virtual", "press_hold", "info"), r"board --virtual runs by itself"),
+        (("--link", "x", "info"), r"--link goes with --virtual; leave it out, .*board info"),
+        (("--set", "a.b=1", "info"), r"--set goes with --virtual; leave it out"),
+        (("--paced",), r"--paced goes with --virtual; leave it out, or name a scene with"),
     ],
 )
 def test_refusals(port, words, message):
@@ -235,9 +242,114 @@ def test_a_session(port, tmp_path):
 
 
 def test_what_a_board_leaves_out_is_told():
-    process, _ = start("--set", "servo.rate_hz=5000", "--seconds", "0.001")
-    _, err = process.communicate(timeout=END_S)
-    assert "the board leaves out [servo]\n" in err
+    """And nothing that it does: it has the link of a scene with [host]."""
+    words = ("--virtual", "hosted_wall", "--seconds", "0.001")
+    for more, told in (((), ""), (("--set", "servo.rate_hz=5000"), "[servo]")):
+        process = command(*words, *more)
+        _, err = process.communicate(timeout=END_S)
+        assert process.returncode == 0
+        assert re.findall(r"the board leaves out (.*)", err) == [told] * bool(told)
+
+
+# ---- What takes long.
+
+
+def test_progress_while_a_board_is_built(monkeypatch, capsys, tmp_path):
+    """Also where there is no terminal: what it does, and for how long."""
+    monkeypatch.setattr(shared, "FIRST_TOLD_S", 0.05)
+    monkeypatch.setattr(shared, "TOLD_S", 0.05)
+
+    def built(*_: object) -> None:
+        time.sleep(0.5)
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("wavehaptics.ladder.linked_pins.linked_pins", built)
+    with pytest.raises(ZeroDivisionError):
+        board.app(["board", "--virtual", "press_hold"], standalone_mode=False)
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("building the simulated board, which takes minutes the first time: ") > 3
+    shown = capsys.readouterr().err
+    time.sleep(0.2)
+    assert capsys.readouterr().err == shown == ""
+
+
+def test_the_scope_shows_what_its_board_does(monkeypatch, tmp_path):
+    """While it starts, and once it has ended."""
+    script = tmp_path / "board.sh"
+    script.write_text("#!/bin/sh\necho building >&2\nread line\necho /dev/x\nread line\nexit 1\n")
+    script.chmod(0o755)
+    monkeypatch.setattr(VirtualPlug, "_start", lambda plug: None)
+    plug = VirtualPlug("press_hold", ())
+    monkeypatch.undo()
+    plug._command = [str(script)]
+    plug._start()
+
+    def wait(problem: str) -> None:
+        end = time.monotonic() + END_S
+        while plug.problem != problem:
+            assert time.monotonic() < end, plug.problem
+            time.sleep(0.01)
+
+    try:
+        wait("the virtual board starts: building")
+        for problem in ("", "the virtual board has ended: building"):
+            plug._process.stdin.write("\n")
+            plug._process.stdin.flush()
+            wait(problem)
+    finally:
+        plug.close()
+
+
+# ---- A machine without pseudo-terminals.
+
+
+def test_a_virtual_board_without_pseudo_terminals(monkeypatch):
+    """One line with the cure, before anything is built."""
+
+    def none() -> None:
+        raise OSError(errno.ENODEV, os.strerror(errno.ENODEV))
+
+    monkeypatch.setattr(os, "openpty", none)
+    line = r"^there are no pseudo-terminals here \(No such device\); mount them: mount -t devpts .*"
+    for words in (("--virtual", "press_hold"), ("scope",), ("scope", "--virtual", "press_hold")):
+        with pytest.raises(ToolError, match=line) as error:
+            board.app(["board", *words], standalone_mode=False)
+        assert "\n" not in str(error.value)
+    with pytest.raises(ToolError, match=line), VirtualBoard(SimpleNamespace()):
+        pass
+
+
+WITHOUT = """
+import errno, os, sys
+
+def none():
+    raise OSError(errno.ENODEV, os.strerror(errno.ENODEV))
+
+os.openpty = none
+import pytest
+sys.exit(pytest.main(sys.argv[1:]))
+"""
+
+
+def test_tests_without_pseudo_terminals():
+    """One line at the beginning, one at the end, and no failure; what needs none is run."""
+    files = ("test_client.py", "test_streamed.py", "test_several_motors.py", "test_scope_stream.py")
+    chosen = "board or port or answer or three or words or lost"
+    ended = subprocess.run(
+        [sys.executable, "-c", WITHOUT, "-p", "no:cacheprovider", "-k", chosen,
+         *(f"sim/tests/{file}" for file in files)],
+        cwd=ROOT, capture_output=True, text=True, timeout=END_S,
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stdout
+    found = re.search(r"(\d+) passed, (\d+) skipped", ended.stdout)
+    passed, skipped = map(int, found.groups())
+    assert passed > 2
+    assert skipped > 20
+    lines = [line for line in ended.stdout.splitlines() if "no pseudo-terminals" in line]
+    begin, end = lines
+    assert begin.startswith("tests that need a pseudo-terminal are skipped: ")
+    assert end.startswith(f"SKIPPED [{skipped}] conftest.py:1: ")
 
 
 # ---- Arming.
@@ -387,11 +499,11 @@ def test_a_master_that_is_not_ours(port):
 def test_how_a_board_ends(tmp_path):
     """Killed, it leaves hosts with one line; asked to end, no link and status 0."""
     link, hand = tmp_path / "port", tmp_path / "hand"
-    for number in (signal.SIGINT, signal.SIGHUP):
+    for asks in (signal.SIGINT, signal.SIGHUP):
         process, path = start("--link", str(link), "--hand", str(hand), "--paced")
         assert os.readlink(link) == path
         assert told(str(link), "get", "armed") == "armed  0\n"
-        assert stop(process, number) == 0
+        assert stop(process, asks) == 0
         assert [*tmp_path.iterdir()] == []
     process, path = start()
     stop(process, signal.SIGKILL)
@@ -483,6 +595,10 @@ def test_every_setting_goes_through_a_file(tmp_path):
         ("", r": there is no word in it; take a file that `board save` wrote"),
         (TABLE, r": there is no word in it; take a file that `board save` wrote"),
         (TABLE + "[motor.0]\n[board]\n", r": there is no word in it; take a file"),
+        (TABLE + "words = 2\n[motor.0]\na = 1\n", r":2: it has 1 of its 2 words; was it cut\?"),
+        (TABLE + "words = 1\n[motor.0]\na = 1", r":2: its last line has no end; was it cut\?"),
+        (TABLE + "words = 1\n[motor.0]\na = 1\nroot = 1\n", r":2: words = 1, but it has 2;"),
+        (TABLE + "words = 1.5\n[motor.0]\na = 1\n", r":2: words = 1.5 is no number of words"),
         (TABLE + "[motor.1]\na = 1\n", r":2: \[motor.1\]: the device has motors 0...0"),
         (TABLE + '[motor."²"]\na = 1\n', r":2: \[motor.²\]: the device has motors 0...0"),
         (TABLE + "[motor.00]\na = 1\n", r":2: \[motor.00\]: the device has motors 0...0"),
@@ -508,6 +624,31 @@ def test_files_that_are_refused(tmp_path, text, message):
     with pytest.raises(HostError, match=message) as error:
         session.read(file, SHAPE)
     assert "\n" not in str(error.value)
+
+
+def test_a_file_that_was_cut(tmp_path):
+    """Wherever: refused as a whole, also within its last number, and nothing is written."""
+    file = tmp_path / "all.toml"
+    text = session.to_text((place, place.raw(place.range[1])) for place in settings(SHAPE))
+    file.write_text(text)
+    count = len(session.read(file, SHAPE))
+    assert count == len(settings(SHAPE))
+    size = len(text.encode())
+    device = SimpleNamespace(
+        shape=SHAPE, read=lambda _: pytest.fail("it was asked"),
+        write=lambda _: pytest.fail("it was written"),
+    )  # fmt: skip
+    for length in (*range(0, size, 23), *range(size - 40, size)):
+        file.write_bytes(text.encode()[:length])
+        with pytest.raises(HostError, match=rf"^{re.escape(str(file))}") as error:
+            session.load(device, file)
+        assert "\n" not in str(error.value), length
+    half = text.encode()[: size // 2].rpartition(b"\n")[0] + b"\n"
+    file.write_bytes(half)
+    with pytest.raises(HostError, match=rf"it has \d+ of its {count} words; was it cut\? Save it"):
+        session.load(device, file)
+    file.write_text(text.replace(f"words = {count}\n", ""))  # by a person
+    assert len(session.read(file, SHAPE)) == count
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from wavehaptics.runtime.terminals import check_terminals
+
 
 def _board(*words: str, port: str = "") -> subprocess.Popen:
     return subprocess.Popen(
@@ -21,6 +23,7 @@ def _board(*words: str, port: str = "") -> subprocess.Popen:
 @contextmanager
 def virtual_board(scene: Path, sets: tuple[str, ...] = ()) -> Iterator[str]:
     """The port of one, which is gone at the end."""
+    check_terminals()
     there = _board("--virtual", str(scene), *(w for text in sets for w in ("--set", text)))
     try:
         yield there.stdout.readline().strip()

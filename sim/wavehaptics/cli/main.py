@@ -19,6 +19,7 @@ from typing import Annotated, Any
 import typer
 
 from wavehaptics.cli import board, checks, scenes, studies
+from wavehaptics.cli.options import home
 from wavehaptics.cli.shared import CommandError
 from wavehaptics.runtime.toolchain import ToolError
 from wavehaptics.scene import SceneError
@@ -86,7 +87,7 @@ def main() -> None:
         status = _refuse(str(error))
     except _UsageError as error:
         problem = " ".join(error.format_message().split()).rstrip(".")
-        status = _refuse(f"{problem}; wavehaptics --help shows the use")
+        status = _refuse(f"{problem}; {home(error) or 'wavehaptics --help shows the use'}")
     except (OSError, MemoryError) as error:
         status = _refuse(str(error) or "out of memory")
     if status == INTERRUPTED_STATUS:

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -79,10 +81,35 @@ def make_folder(folder: Path) -> None:
         ) from None
 
 
+FIRST_TOLD_S, TOLD_S = 2.0, 10.0
+"""Time until the first line of :func:`told_waiting`, and from one to the next."""
+
+
+@contextmanager
+def told_waiting(what: str) -> Iterator[None]:
+    """While the block lasts: lines on stderr of ``what`` it does, and for how long."""
+    over, start = threading.Event(), time.monotonic()
+
+    def tell() -> None:
+        wait_s = FIRST_TOLD_S
+        while not over.wait(wait_s):
+            wait_s = TOLD_S
+            print(f"{what}: {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
+
+    teller = threading.Thread(target=tell, daemon=True)
+    teller.start()
+    try:
+        yield
+    finally:
+        over.set()
+        teller.join()
+
+
 @contextmanager
 def shown_progress(title: str) -> Iterator[Callable[[float], None]]:
     """A function that takes the part done, 0 to 1, and shows it if stderr is a terminal."""
     with shown_stages() as show:
+        show(title, 0.0)  # before the first part is done, what is simulated may have to be built
         yield lambda part: show(title, part)
 
 

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wavehaptics.host.client import Client
-from wavehaptics.host.names import HostError, Place, places
+from wavehaptics.host.names import HostError, Place, listed, places
 from wavehaptics.words.faults import FLAGS
 from wavehaptics.words.modbus import MOST_READ
 
@@ -204,7 +204,7 @@ def plan(
         if time_s is not None and not math.isfinite(time_s):
             raise HostError(f"{time_s} {what}: take a number of seconds")
     wanted = trigger_of(trigger) if isinstance(trigger, str) else trigger
-    names = [*dict.fromkeys(channels)]
+    names = [*dict.fromkeys(listed(channels))]
     if wanted.channel:
         names = [wanted.channel, *(name for name in names if name != wanted.channel)]
     if not 1 <= len(names) <= MOST_CHANNELS:

@@ -34,7 +34,7 @@ from pymodbus.pdu.register_message import (
 )
 
 from wavehaptics.host.framed_line import FramedLine
-from wavehaptics.host.names import HostError, Place, Shape, places, readable, settable
+from wavehaptics.host.names import HostError, Place, Shape, listed, places, readable, settable
 from wavehaptics.runtime.ends import ending
 from wavehaptics.words import modbus, table
 from wavehaptics.words.table import LEGS, THREE_PHASE_LEGS
@@ -167,7 +167,7 @@ class Client:
 
         A name is motor 0's word, and all its copies where it has several.
         """
-        wanted = [found for place in _listed(places) for found in self._places(place, readable)]
+        wanted = [found for place in listed(places) for found in self._places(place, readable)]
         found: dict[int, int] = {}
         pairs = {(place.address, 0) for place in wanted}
         names = {place.address: place.text for place in wanted}
@@ -515,11 +515,6 @@ def _is_next(place: socket.socket, port: str) -> bool:
     except OSError:
         return False
     return True
-
-
-def _listed(places: Iterable[Place | str]) -> Iterable[Place | str]:
-    """A name alone is no list of its letters."""
-    return [places] if isinstance(places, str) else places
 
 
 def _number(error: BaseException | None) -> int | None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import difflib
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -157,6 +158,11 @@ def places(text: str, shape: Shape, motor: int = 0) -> list[Place]:
     if index >= copies:
         raise HostError(f"{text}: the device has no such one; take {word.name}[0...{copies - 1}]")
     return [Place(word, motor, index, shape)]
+
+
+def listed(names: Iterable[Any]) -> Iterable[Any]:
+    """Names and places; a name alone is no list of its letters."""
+    return [names] if isinstance(names, str) else names
 
 
 def settable(place: Place) -> Place:

@@ -70,7 +70,8 @@ def to_text(words: Iterable[tuple[Place, int]]) -> str:
         rows = tables.setdefault(BOARD if board else f"{MOTOR}.{place.motor}", {})
         rows.setdefault(place.word.name, []).append(place.value(raw))
     lines = ["# Settings of a wave haptics controller, in the units of docs/words.md."]
-    lines += [f'table = "{table.crc():08x}"']
+    count = sum(len(values) for rows in tables.values() for values in rows.values())
+    lines += [f'table = "{table.crc():08x}"', f"words = {count}"]
     for name, rows in tables.items():
         lines += ["", f"[{name}]"]
         for key, values in rows.items():
@@ -84,7 +85,8 @@ def to_text(words: Iterable[tuple[Place, int]]) -> str:
 def read(path: Path, shape: Shape) -> list[tuple[Place, int]]:
     """(place, raw word) of a file. :class:`HostError` with a line for each word that is wrong."""
     try:
-        document, lines = parse(path.read_bytes())
+        content = path.read_bytes()
+        document, lines = parse(content)
     except TomlError as error:
         raise HostError(f"{path}:{error.line}: {error.problem}") from None
     except OSError as error:
@@ -103,6 +105,7 @@ def read(path: Path, shape: Shape) -> list[tuple[Place, int]]:
     elif told not in (None, crc):
         note(("table",), f"table = {as_written(told)} is another table of words than {crc}; "
              "save the settings anew, with the package of their bitstream")  # fmt: skip
+    count = document.pop("words", None)
     for name, motor, rows, key in _tables(document, shape, note):
         for row, value in rows.items():
             try:
@@ -115,11 +118,27 @@ def read(path: Path, shape: Shape) -> list[tuple[Place, int]]:
                 note((*key, row), f"{row} is given twice; take one of them out")
             given |= addresses
             found += words
+    if count is not None and not problems:
+        _check_whole(count, len(found), content, note)
     if problems:
         raise HostError("\n".join(problems))
     if not found:
         raise HostError(f"{path}: there is no word in it; take a file that `board save` wrote")
     return found
+
+
+def _check_whole(count: Any, there: int, content: bytes, note: Any) -> None:
+    """Note it where a file isn't whole any more, by the number of words that it had."""
+    key = ("words",)
+    if isinstance(count, bool) or not isinstance(count, int):
+        note(key, f"words = {as_written(count)} is no number of words; take the line out")
+    elif there < count:
+        note(key, f"it has {there} of its {count} words; was it cut? Save it anew, or correct "
+             f"words = {count}")  # fmt: skip
+    elif there > count:
+        note(key, f"words = {count}, but it has {there}; correct that number")
+    elif not content.endswith(b"\n"):
+        note(key, "its last line has no end; was it cut? Save it anew")
 
 
 def _tables(document: dict[str, Any], shape: Shape, note: Any) -> Iterable[tuple]:

@@ -23,7 +23,7 @@ import numpy as np
 from wavehaptics.host.capture import MOST_DECIMATION, NOW, Captured, Plan, channel, tick_s
 from wavehaptics.host.client import Client
 from wavehaptics.host.framed_line import FIRST_PACKET, FramedLine
-from wavehaptics.host.names import HostError, Place, places
+from wavehaptics.host.names import HostError, Place, listed, places
 from wavehaptics.runtime.ends import ending
 
 MOST_CHANNELS = 4
@@ -100,7 +100,7 @@ def plan(
     """
     if not is_there(client):
         raise HostError("the device has no stream; its bitstream was made without")
-    texts = [*dict.fromkeys(channels)]
+    texts = [*dict.fromkeys(listed(channels))]
     if not 1 <= len(texts) <= MOST_CHANNELS:
         raise HostError(f"{len(texts)} words: a stream takes 1 to {MOST_CHANNELS}")
     found = [_channel(client, text, motor) for text in texts]

@@ -16,6 +16,7 @@ from types import TracebackType
 
 from wavehaptics.host.led_hand import LedHand
 from wavehaptics.ladder.linked_pins import OnALine
+from wavehaptics.runtime.terminals import open_terminal
 
 BLOCK_S = 2e-3
 """Wall-clock time that is simulated at a stretch: bytes wait no longer."""
@@ -44,11 +45,10 @@ class VirtualBoard:
         self._ticks = 16
 
     def __enter__(self) -> VirtualBoard:
-        self._master, self._slave = os.openpty()
+        self._master, self._slave, self.path = open_terminal()
         # Kept open, so that the line outlives its hosts.
         tty.setraw(self._slave)
         os.set_blocking(self._master, False)
-        self.path = os.ttyname(self._slave)
         if self._link is not None:
             if self._link.is_symlink():
                 self._link.unlink()

@@ -48,7 +48,7 @@ _DIGITAL = frozenset(("controller.extra_ticks", "controller.edge_hysteresis",
                       "controller.early_duty"))  # fmt: skip
 
 _BESIDE = frozenset({"servo", "host"})
-"""Of the encoder's servo, and of a virtual board: a port whose host is silent has its own walls."""
+"""Of the encoder's servo, and of what has a line: a port whose host is silent has its own walls."""
 
 _NO_W = {"shaper": "leave it out or take `golden`"}
 _NO_EDGES = {"adc.edge_settle_s": "it has no edges of a bridge; leave it out or take `pins`"}
@@ -184,10 +184,15 @@ def _without_use(scene: Scene, name: str) -> set[str]:
     return unused | {"controller.k_t_hat"} | (set() if corrects else {"controller.l_hat"})
 
 
-def left_out(scene: Scene, name: str) -> list[str]:
-    """What the scene asks for and ``name`` of ABILITIES leaves out, in alphabetical order."""
+def left_out(scene: Scene, name: str, *, linked: bool = False) -> list[str]:
+    """What the scene asks for and ``name`` of ABILITIES leaves out, in alphabetical order.
+
+    ``linked``: it has a line, as a virtual board has, and so a host.
+    """
     asked_for = asked(scene)
     without = ABILITIES[name].left_out | _without_use(scene, name)
+    if linked:
+        without -= {"host"}
     if scene.motor.brushless:
         without -= BRUSHLESS_USES.get(name, frozenset())
     tables = {what for what in without if "." not in what} & asked_for

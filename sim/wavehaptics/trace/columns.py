@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -281,10 +282,14 @@ def write_npz(path: Path, arrays: Mapping[str, np.ndarray]) -> Path:
 def load_trace(path: Path | str) -> dict[str, np.ndarray]:
     """Arrays of a ``trace.npz`` by name, as :meth:`TraceWriter.save` lists them.
 
-    ``path`` is the file or the directory that holds ``trace.npz``.
+    ``path`` is the file or the directory that holds ``trace.npz``. ``ValueError`` for a file that is
+    none, or was cut.
     """
     path = Path(path)
     if path.is_dir():
         path = path / TRACE_FILE
-    with np.load(path, allow_pickle=False) as file:
-        return {name: file[name] for name in file.files}
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except (ValueError, EOFError, BadZipFile):
+        raise ValueError(f"{path}: is no whole trace; was it cut? Write it anew") from None

@@ -15,9 +15,10 @@ from typing import Annotated
 import typer
 
 from wavehaptics.cli.board.common import asked_to_end, board, finite
-from wavehaptics.cli.shared import CommandError, SetOption
+from wavehaptics.cli.shared import CommandError, SetOption, told_waiting
 from wavehaptics.runtime.files import try_file
 from wavehaptics.runtime.repository import ROOT
+from wavehaptics.runtime.terminals import check_terminals
 from wavehaptics.scene import find_scene, load_scene
 
 _LONGEST_SOCKET = 107
@@ -66,11 +67,17 @@ def be_virtual(
     ] = False,
 ) -> None:
     """Be a virtual board, or leave it to the command that follows."""
-    if context.invoked_subcommand is not None:
+    command = context.invoked_subcommand
+    if virtual is None:
+        for option in _given(context):
+            there = f"and give its own behind `board {command}`" if command else (
+                "or name a scene with --virtual SCENE"
+            )  # fmt: skip
+            raise CommandError(f"{option} goes with --virtual; leave it out, {there}")
+    if command is not None:
         if virtual is not None:
             raise CommandError(
-                f"board --virtual runs by itself; type `board {context.invoked_subcommand}` "
-                "in another terminal"
+                f"board --virtual runs by itself; type `board {command}` in another terminal"
             )
         return
     if virtual is None:
@@ -90,6 +97,7 @@ def be_virtual(
             raise CommandError(f"--hand {hand}: is too long for a socket; name a shorter path")
     if hand is not None and (loaded.hand is None or loaded.hand.path == "impact"):
         raise CommandError(f"--hand {hand}: {loaded.scene.name} has no hand that can be led")
+    check_terminals()
 
     from wavehaptics.host.led_hand import LedHand
     from wavehaptics.host.virtual import VirtualBoard
@@ -97,19 +105,26 @@ def be_virtual(
     from wavehaptics.ladder.linked_motors import LinkedMotors
     from wavehaptics.ladder.linked_pins import linked_pins
 
-    if missing := left_out(loaded, "pins"):
+    if missing := left_out(loaded, "pins", linked=True):
         # The first line of the output is the port's path, which others read.
         print(f"the board leaves out {', '.join(missing)}", file=sys.stderr)
-    if sys.stderr.isatty():
-        print("building the simulated board: up to a minute the first time", file=sys.stderr)
-    pins = linked_pins(loaded) if count == 1 else LinkedMotors(loaded, count, led=hand_of)
-    pins.elapse(1)  # compiles the loop
+    with told_waiting("building the simulated board, which takes minutes the first time"):
+        pins = linked_pins(loaded) if count == 1 else LinkedMotors(loaded, count, led=hand_of)
+        pins.elapse(1)  # compiles the loop
     with asked_to_end() as asked, ExitStack() as kept:
         led = kept.enter_context(LedHand(hand, pins.hand_rad)) if hand is not None else None
         running = kept.enter_context(VirtualBoard(pins, link, led))
         print(running.path, flush=True)
         fastest = 1.0 if paced else math.inf
         running.run(lambda: asked() or (tied and _input_ended()), seconds, fastest=fastest)
+
+
+def _given(context: typer.Context) -> list[str]:
+    """Options of a virtual board that were given."""
+    sources = {
+        p.opts[0]: context.get_parameter_source(p.name or "") for p in context.command.params
+    }
+    return [name for name, source in sources.items() if source and source.name == "COMMANDLINE"]
 
 
 def _check_place(option: str, path: Path, kind: str, fits: Callable[[Path], bool]) -> None:

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wavehaptics.host.names import HostError
+from wavehaptics.runtime.terminals import check_terminals
 
 _MOST_AHEAD_S = 0.05
 """How long after its last word the simulated time is taken to go on."""
@@ -127,13 +128,16 @@ class Plug:
 class VirtualPlug(Plug):
     """A virtual board with a scene, in a process that ends with this one, however that is.
 
-    The hand is that of ``motor``.
+    The hand is that of ``motor``. :class:`ToolError` where there can't be such a board.
     """
 
     virtual = True
 
     def __init__(self, scene: str, overrides: tuple[str, ...], motor: int = 0) -> None:
-        self._folder = tempfile.TemporaryDirectory(prefix="wavehaptics-")
+        check_terminals()
+        self._folder = tempfile.TemporaryDirectory(
+            prefix="wavehaptics-", ignore_cleanup_errors=True
+        )
         folder = Path(self._folder.name)
         super().__init__(str(folder / "port"), folder / "hand")
         sets = [word for text in overrides for word in ("--set", text)]
@@ -154,17 +158,24 @@ class VirtualPlug(Plug):
             stderr=subprocess.PIPE, text=True, start_new_session=True,
         )  # fmt: skip
         self._process, self._last_words = process, ""
-        threading.Thread(target=self._await, args=(process,), name="board", daemon=True).start()
+        for work in (self._await, self._listen):
+            threading.Thread(target=work, args=(process,), name="board", daemon=True).start()
 
     def _await(self, process: subprocess.Popen[str]) -> None:
+        """Its first line is the port's path."""
         assert process.stdout is not None
-        assert process.stderr is not None
         if process.stdout.readline() and process is self._process:
             self._ready = True
-        words = process.stderr.read().strip().splitlines()
+
+    def _listen(self, process: subprocess.Popen[str]) -> None:
+        """What it says of itself, until it has ended."""
+        assert process.stderr is not None
+        for line in process.stderr:
+            if process is self._process:
+                self._last_words = line.strip()
         process.wait()
         if process is self._process:
-            self._ready, self._last_words = False, words[-1] if words else ""
+            self._ready = False
 
     @property
     def pid(self) -> int | None:
@@ -182,7 +193,9 @@ class VirtualPlug(Plug):
             return "the plug is out"
         if self.pid is None:
             return f"the virtual board has ended: {self._last_words or 'nobody knows why'}"
-        return "" if self._ready else "the virtual board starts; the first time it is built"
+        if self._ready:
+            return ""
+        return f"the virtual board starts: {self._last_words or 'the first time it is built'}"
 
     def set_in(self, there: bool) -> None:
         if there and self.pid is None:
