@@ -282,8 +282,8 @@ def write_npz(path: Path, arrays: Mapping[str, np.ndarray]) -> Path:
 def load_trace(path: Path | str) -> dict[str, np.ndarray]:
     """Arrays of a ``trace.npz`` by name, as :meth:`TraceWriter.save` lists them.
 
-    ``path`` is the file or the directory that holds ``trace.npz``. ``ValueError`` for a file that is
-    none, or was cut.
+    ``path`` is the file or the directory that holds ``trace.npz``. ``ValueError`` for a file that
+    is none, or was cut.
     """
     path = Path(path)
     if path.is_dir():
