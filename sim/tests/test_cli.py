@@ -14,7 +14,7 @@ from types import ModuleType
 import pytest
 import typer
 from wavehaptics.cli import main
-from wavehaptics.cli.shared import CONTROLLERS
+from wavehaptics.cli.shared import CONTROLLERS, shown_progress
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import parse
 from wavehaptics.scene import SceneError, shipped_scenes
@@ -157,6 +157,15 @@ def test_progress_on_a_terminal_only(capsys, monkeypatch, runs):
     assert status == 0
     assert "bench on golden" in err
     assert "bench on golden" not in out
+
+
+def test_progress_before_the_first_part(capsys, monkeypatch):
+    """While what is simulated is built there is a bar as well."""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setenv("TERM", "xterm")
+    with shown_progress("press_hold on pins"):
+        pass
+    assert "press_hold on pins" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
