@@ -155,7 +155,6 @@ LONG = (
     "sim/tests/test_c_library.py::test_the_wall_of_a_computer",
     "sim/tests/test_device_words.py::test_a_device_that_is_left_alone_is_the_controller[more2]",
     "sim/tests/test_device_words.py::test_a_device_that_is_left_alone_is_the_controller[more1]",
-    "sim/tests/test_docs.py::test_pages_build_without_a_warning_and_need_no_network",
     "sim/tests/test_identify.py::test_identified_over_the_line",
     "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[held-every]",
     "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[free-every]",
@@ -196,6 +195,7 @@ SLOWEST = (
     "cocotb_tests/test_sinc3.py",
     "cocotb_tests/test_board_controller.py",
     "sim/tests/test_boards.py",
+    "sim/tests/test_docs.py",
 )
 """Begun first, so that none of them ends alone."""
 

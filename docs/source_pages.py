@@ -74,6 +74,13 @@ def folders(app: Sphinx, docname: str, source: list[str]) -> None:
             source[0] += f"\n```{{toctree}}\n:hidden:\n:caption: {caption}\n\n{entries}\n```\n"
 
 
+def sidebar(app: Sphinx, page: str, template: str, context: dict[str, Any], tree: Any) -> None:
+    """Beside a page are the branches that lead to it. The theme wants the whole tree: each of
+    hundreds of modules in each of hundreds of pages, which takes most of a build's time."""
+    if whole := context.get("toctree"):
+        context["toctree"] = lambda **options: whole(**{**options, "collapse": True})
+
+
 def breaks(app: Sphinx, page: str, template: str, context: dict[str, Any], tree: Any) -> None:
     """In cells of tables names may break behind an underscore: on a narrow screen, not anywhere."""
 
@@ -96,6 +103,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.add_transform(SourceLinks)
     app.connect("source-read", folders)
     app.connect("html-collect-pages", pages)
+    app.connect("html-page-context", sidebar, priority=400)  # before the theme asks
     app.connect("html-page-context", breaks)
     app.connect("build-finished", index)
     return {"parallel_read_safe": False}

@@ -148,7 +148,7 @@ def shaper_step(words: np.ndarray, states: np.ndarray, mode: int, v: int) -> int
     ``states`` of :func:`new_shaper_state` is updated; ``mode`` is CLEAR, HOLD or SHAPE. W pays for
     what it gives: while the budget, the sum of v² − y², is below zero, y is 0. So words that
     aren't contractive give out no more than came in but for one tick's y²; of those that are, the
-    budget is never below |x|².
+    budget is never below ``|x|²``.
     """
     sections = words.shape[0]
     if mode == SHAPE:

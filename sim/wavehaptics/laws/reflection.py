@@ -98,6 +98,6 @@ def worst_frequency(top: np.ndarray, bottom: np.ndarray) -> tuple[float, float]:
 
 
 def _square(p: np.ndarray) -> np.ndarray:
-    """|p(jω)|² of a quadratic p(s), as a quadratic of ω²."""
+    """``|p(jω)|²`` of a quadratic p(s), as a quadratic of ω²."""
     p2, p1, p0 = p
     return np.array([p2 * p2, p1 * p1 - 2.0 * p0 * p2, p0 * p0])
