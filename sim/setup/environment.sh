@@ -48,6 +48,11 @@ done
 # Nothing may come from the network here: all dependencies and the build back end are in the lock.
 pip_install --no-index --no-deps --no-build-isolation -e .
 
+# In the C locale, Python reads no path with an umlaut from there. One from the file's folder has none.
+for path in .venv/lib/python*/site-packages/__editable__.wavehaptics-*.pth; do
+    echo ../../../../sim >"$path"
+done
+
 sh sim/setup/verilator.sh
 pwd -P >.venv/.ready
 rm "$unfinished"

@@ -26,7 +26,6 @@ need() { # need COMMAND PACKAGE
 need g++ g++
 need make make
 need ccache ccache
-need perl perl
 need iverilog iverilog
 need ngspice ngspice
 need mbpoll mbpoll

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from distributed import Client, LocalCluster
-from wavehaptics.runtime.repository import ROOT
+from wavehaptics.runtime.repository import PACKAGE, ROOT
 from wavehaptics.studies import sweeps
 from wavehaptics.studies.sweeps import SweepError, Task, sweep
 from wavehaptics.words import formats
@@ -135,8 +135,12 @@ def test_every_source_counts(tmp_path):
             ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__")
         )
     (tmp_path / "sim" / "verilated" / "more.vh").write_text("// a header of the Verilog there\n")
-    digests = {sweeps.digest_of(tmp_path)}
-    assert digests == {sweeps.digest_of(tmp_path)}
+
+    def digest_of_copy() -> str:
+        return sweeps.digest_of(tmp_path, tmp_path / "sim" / "wavehaptics")
+
+    digests = {digest_of_copy()}
+    assert digests == {digest_of_copy()}
     files = [path for folder in SOURCES for path in (tmp_path / folder).rglob("*")]
     files = [path for path in files if path.suffix in (".py", ".cpp", ".h", ".v", ".vh", ".toml")]
     assert {path.suffix for path in files} == {".py", ".cpp", ".h", ".v", ".vh", ".toml"}
@@ -144,22 +148,22 @@ def test_every_source_counts(tmp_path):
     for path in files:
         kept = path.read_bytes()
         path.write_bytes(kept + b"\n")
-        digest = sweeps.digest_of(tmp_path)
+        digest = digest_of_copy()
         if digest in digests:
             unseen.append(path.relative_to(tmp_path))
         digests.add(digest)
         path.write_bytes(kept)
     assert unseen == []
-    assert sweeps.sources_digest() != sweeps.digest_of(tmp_path)  # which has more.vh
+    assert sweeps.sources_digest() != digest_of_copy()  # which has more.vh
     (tmp_path / "sim" / "verilated" / "more.vh").unlink()
-    assert sweeps.sources_digest() == sweeps.digest_of(tmp_path)
+    assert sweeps.sources_digest() == digest_of_copy()
 
 
 def test_other_word_lengths_count(monkeypatch):
     """Those that the environment sets."""
-    before = sweeps.digest_of(ROOT)
+    before = sweeps.digest_of(ROOT, PACKAGE)
     monkeypatch.setitem(formats.HEADER_VALUES, "DATA_W", formats.HEADER_VALUES["DATA_W"] - 1)
-    assert sweeps.digest_of(ROOT) != before
+    assert sweeps.digest_of(ROOT, PACKAGE) != before
 
 
 def test_workers_with_other_sources_are_refused(monkeypatch):

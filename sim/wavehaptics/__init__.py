@@ -4,15 +4,16 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
+
+from wavehaptics.runtime.repository import BUILD
 
 
 def _cache_in_the_tree() -> None:
-    """Keep what numba compiles in ``build/numba``, unless the user has a place for it.
+    """Keep what numba compiles where all builds go, unless the user has a place for it.
 
     How it is found there again is said in :mod:`wavehaptics.runtime.compiled`.
     """
-    cache = Path(__file__).resolve().parents[2] / "build" / "numba"
+    cache = BUILD / "numba"
     try:
         cache.mkdir(parents=True, exist_ok=True)
     except OSError:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wavehaptics.cli.shared import CommandError, make_folder, shown_stages
+from wavehaptics.runtime.repository import INSTALLED
 
 if TYPE_CHECKING:
     from wavehaptics.studies.sweeps import Task
@@ -105,6 +106,9 @@ def mutate(
 
     An interrupted run goes on where it stopped. Ends with 1 if fewer than 95 % are found.
     """
+    if INSTALLED:
+        raise CommandError("mutate changes the repository's RTL; run it in a checkout")
+
     from wavehaptics.checks.mutation.run import mutate as run_mutants
     from wavehaptics.checks.mutation.table import MutationError
 

@@ -88,6 +88,11 @@ def main() -> None:
     except _UsageError as error:
         problem = " ".join(error.format_message().split()).rstrip(".")
         status = _refuse(f"{problem}; {home(error) or 'wavehaptics --help shows the use'}")
+    except ModuleNotFoundError as error:
+        package = (error.name or "").partition(".")[0]
+        if package in ("", "wavehaptics"):
+            raise
+        status = _refuse(f"this needs the Python package {package}; run `pip install {package}`")
     except (OSError, MemoryError) as error:
         status = _refuse(str(error) or "out of memory")
     if status == INTERRUPTED_STATUS:

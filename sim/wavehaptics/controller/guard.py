@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wavehaptics.controller.ports import Ports
 from wavehaptics.motor.sensor import Sensor
+from wavehaptics.runtime.repository import RTL_DIR
 from wavehaptics.scene import Scene
 from wavehaptics.scene.tables.thermal import REFERENCE_C, Thermal
 from wavehaptics.words import formats, table
-from wavehaptics.words.formats import RTL_DIR
 
 _HEADER = (RTL_DIR / "wh_faults.vh").read_text(encoding="utf-8")
 

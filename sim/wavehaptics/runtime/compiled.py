@@ -22,7 +22,6 @@ import functools
 import sys
 import types
 from collections.abc import Callable, Iterable, Iterator
-from pathlib import Path
 from typing import Any
 
 import numba
@@ -32,8 +31,8 @@ from numba.core.dispatcher import Dispatcher
 from numba.extending import _Intrinsic
 
 from wavehaptics.runtime.files import digest_of
+from wavehaptics.runtime.repository import PACKAGE
 
-_PACKAGE = Path(__file__).resolve().parents[1]
 _PYTHON = sys.implementation.cache_tag
 
 
@@ -161,7 +160,7 @@ def _is_ours(module: str) -> bool:
 @functools.cache
 def _whole_package() -> str:
     """For what can't be looked into: everything."""
-    return digest_of("package", sorted(_PACKAGE.rglob("*.py")), _PACKAGE)
+    return digest_of("package", sorted(PACKAGE.rglob("*.py")), PACKAGE)
 
 
 def _compile(function: Callable[..., Any] | None = None, **options: Any) -> Any:

@@ -16,6 +16,8 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from wavehaptics.runtime.plain_paths import plain
+
 TOOLCHAINS = ("wheel", "native")
 TIMEOUT_S = 1200
 """Longest run of a tool, s: nextpnr's router may chase the same wires for ever. The largest board
@@ -29,6 +31,11 @@ OLDEST = {"yosys": (0, 70), "nextpnr-ice40": (0, 11), "nextpnr-ecp5": (0, 11)}
 
 class ToolError(RuntimeError):
     """A tool is missing, or doesn't come to an end. The message is one line."""
+
+
+def _own_programs() -> Path:
+    """Folder of the virtual environment's programs. SBY puts their paths into shell commands."""
+    return plain(Path(sys.prefix, "bin"))
 
 
 @dataclass(frozen=True)
@@ -50,7 +57,7 @@ class Toolchain:
         name = _PREFIX[self.name] + tool
         places = os.environ.get("PATH", os.defpath)
         if self.name == "wheel":
-            places = f"{Path(sys.prefix, 'bin')}{os.pathsep}{places}"
+            places = f"{_own_programs()}{os.pathsep}{places}"
         found = shutil.which(name, path=places)
         if found is None:
             cure = "run `make setup-synth`" if self.name == "wheel" else "install it"
@@ -59,7 +66,7 @@ class Toolchain:
 
     def solver(self, name: str) -> str:
         """Path of a solver such as ``z3``; :class:`ToolError` where there is none."""
-        places = f"{Path(sys.prefix, 'bin')}{os.pathsep}{os.environ.get('PATH', os.defpath)}"
+        places = f"{_own_programs()}{os.pathsep}{os.environ.get('PATH', os.defpath)}"
         found = shutil.which(name, path=places)
         if found is None:
             raise ToolError(f"{name} is not there; run `make setup-synth`, or install it")

@@ -8,15 +8,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from wavehaptics.runtime.repository import ROOT
+from wavehaptics.runtime.repository import SCENES_DIR
 from wavehaptics.runtime.toml_source import KeyPath, TomlError, parse, parse_value
 from wavehaptics.scene.keys import as_written, nearest
 from wavehaptics.scene.messages import keys_of, refused
 from wavehaptics.scene.places import Places, SceneError
 from wavehaptics.scene.schema import TABLES, Scene
-
-SCENES_DIR = ROOT / "sim" / "scenes"
-"""Where the shipped scenes stand."""
 
 LARGEST_FILE = 1 << 20
 """Bytes in a scene; whatever is larger is no scene."""

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wavehaptics.runtime import files
-from wavehaptics.runtime.repository import ROOT
+from wavehaptics.runtime.repository import PACKAGE, ROOT
 from wavehaptics.words import formats
 
 if TYPE_CHECKING:
@@ -31,7 +31,6 @@ PATIENCE_S = 600
 """How long an answer from this machine's processes may take: others may keep the machine busy."""
 
 _SOURCES = (
-    ("sim/wavehaptics", "**/*.py"),
     ("sim/verilated", "*"),
     ("rtl", "*.v*"),
     ("rtl", "*.toml"),
@@ -60,17 +59,18 @@ class Task:
 @cache
 def sources_digest() -> str:
     """:func:`digest_of` the repository as it is when this process asks first."""
-    return digest_of(ROOT)
+    return digest_of(ROOT, PACKAGE)
 
 
-def digest_of(root: Path) -> str:
+def digest_of(root: Path, package: Path) -> str:
     """Digest of all that a result may depend on: package, shims, RTL, scenes and word lengths."""
+    code = files.digest_of(formats.HEADER_VALUES, sorted(package.rglob("*.py")), package)
     sources = (
         path
         for folder, pattern in _SOURCES
         for path in sorted(filter(Path.is_file, (root / folder).glob(pattern)))
     )
-    return files.digest_of(formats.HEADER_VALUES, sources, root)
+    return files.digest_of(code, sources, root)
 
 
 def sweep(

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 
-from wavehaptics.words.formats import RTL_DIR
+from wavehaptics.runtime.repository import RTL_DIR
 
 _LINE = r"^`define WH_FAULT_(\w+)[ \t]+(\d+)[ \t]*(?://[ \t]*(.*))?$"
 

@@ -15,9 +15,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from wavehaptics.runtime.repository import ROOT as _REPOSITORY
+from wavehaptics.runtime.repository import RTL_DIR
 
-RTL_DIR = _REPOSITORY / "rtl"
 HEADER = RTL_DIR / "wh_formats.vh"
 
 _DEFINE = re.compile(r"^\s*`define\s+WH_(\w+)\s+([^/\n]+?)\s*(?://.*)?$", re.MULTILINE)

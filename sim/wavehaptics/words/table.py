@@ -18,11 +18,12 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from wavehaptics.runtime.repository import RTL_DIR
 from wavehaptics.runtime.toml_source import TomlError, parse
 from wavehaptics.words import formats
 from wavehaptics.words.formats import Fixed
 
-TABLE = formats.RTL_DIR / "words.toml"
+TABLE = RTL_DIR / "words.toml"
 
 MOST = {"board": 1, "motor": 1, "wall": 16, "section": 2}
 """Most copies of a word that one motor has."""

@@ -15,7 +15,6 @@ import math
 import secrets
 from collections.abc import Awaitable, Callable
 from concurrent.futures import Future
-from pathlib import Path
 from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
@@ -23,10 +22,11 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from wavehaptics.host.names import HostError
 from wavehaptics.host.scope.feed import Feed
 from wavehaptics.host.scope.plug import Plug
+from wavehaptics.runtime.repository import PACKAGE
 from wavehaptics.words.faults import FAULTS
 
 ADDRESS = "127.0.0.1"
-PAGE = Path(__file__).parent / "page"
+PAGE = PACKAGE / "host" / "scope" / "page"
 FRAME_S = 0.03
 """From one message with rows to the next."""
 _STATE_FRAMES = 5

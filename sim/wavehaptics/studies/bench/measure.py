@@ -27,6 +27,7 @@ from rich.table import Table
 
 from wavehaptics.ladder import verilated
 from wavehaptics.runtime.files import write_json
+from wavehaptics.runtime.plain_paths import workplace
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies.report.blocks import number, percent
 
@@ -214,7 +215,7 @@ def _tried(
     """Everything that was tried with `pins`, against what is shipped, which is tried as well."""
     rows = []
     with (
-        tempfile.TemporaryDirectory(dir=verilated.BUILD_DIR.parent) as name,
+        tempfile.TemporaryDirectory(dir=workplace(verilated.BUILD_DIR)) as name,
         _runner("short") as base,
     ):
         folder = Path(name)
@@ -255,7 +256,6 @@ def bench(
 ) -> dict[str, Any]:
     """Measure everything and write ``summary.json`` into ``out``; ``quick`` tries nothing new."""
     rounds = QUICK_ROUNDS if quick else ROUNDS
-    verilated.BUILD_DIR.mkdir(parents=True, exist_ok=True)
     controllers = _controllers(rounds, progress)
     summary = {
         "machine": {

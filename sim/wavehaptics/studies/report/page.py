@@ -6,11 +6,11 @@ from __future__ import annotations
 import base64
 import re
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from wavehaptics.runtime.repository import PACKAGE
 from wavehaptics.studies.report.blocks import Block, Picture, Table, Text
 
 _NUMBER = re.compile(r"[–−+±]?[\d.,·⁰¹²³⁴⁵⁶⁷⁸⁹⁻]*( ?%)?|yes|no|–")
@@ -22,7 +22,9 @@ def render(
 ) -> str:
     """The page of ``sections``, each a name, a title and its blocks."""
     environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined
+        loader=FileSystemLoader(PACKAGE / "studies" / "report"),
+        autoescape=True,
+        undefined=StrictUndefined,
     )
     shown = [
         {"name": name, "title": heading, "blocks": [_shown(block) for block in blocks]}

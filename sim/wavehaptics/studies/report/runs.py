@@ -6,11 +6,11 @@ from __future__ import annotations
 from typing import Any
 
 from wavehaptics.ladder.run import measure
-from wavehaptics.runtime.repository import ROOT
+from wavehaptics.runtime.repository import BUILD
 from wavehaptics.scene import Scene, find_scene, load_scene
 from wavehaptics.studies.sweeps import Task
 
-STORE = ROOT / "build" / "sweeps"
+STORE = BUILD / "sweeps"
 """Where finished tasks are kept, so that an interrupted report goes on."""
 
 FIRST_CONTACT_S = 0.26

