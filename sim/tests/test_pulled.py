@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 import signal
 import struct
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -23,6 +24,7 @@ from test_identify import COUNTS, REAL
 from test_streamed import packet, stuffed
 from test_virtual_board import command, start, stop
 from wavehaptics.cli import board as commands
+from wavehaptics.cli import main
 from wavehaptics.cli.shared import CommandError
 from wavehaptics.host import capture, session
 from wavehaptics.host.client import Client
@@ -267,20 +269,26 @@ def test_a_stream_that_falls_silent(board, tmp_path, monkeypatch):
     assert len(load_trace(tmp_path)["t"]) == 30 * ROWS
 
 
-def test_a_killed_board(tmp_path):
+def test_a_killed_board(tmp_path, capsys, monkeypatch):
     """The RTL's process, with SIGKILL: rows, one line and status 2."""
     process, path = start()
-    host = command("stream", "current:4", "position", "--timeout", "60", "--out", str(tmp_path),
-                   env={"WH_PORT": path})  # fmt: skip
+    takes = Stream._take
+
+    def take(live: Stream, data: bytes) -> None:
+        takes(live, data)
+        if live.seconds > 0.001:
+            process.kill()
+
+    monkeypatch.setattr(Stream, "_take", take)
+    words = ("stream", "current:4", "position", "--port", path, "--timeout", "60")
+    monkeypatch.setattr(sys, "argv", ["wavehaptics", "board", *words, "--out", str(tmp_path)])
     try:
-        time.sleep(6.0)
-        assert host.poll() is None, host.stderr.read()
-        stop(process, signal.SIGKILL)
-        out, err = host.communicate(timeout=END_S)
+        with pytest.raises(SystemExit) as ended:
+            main.main()
     finally:
-        host.kill()
         stop(process, signal.SIGKILL)
-    assert host.returncode == 2
+    out, err = capsys.readouterr()
+    assert ended.value.code == 2
     assert re.fullmatch(rf"wavehaptics: {path}: [^\n]*; was it unplugged\?\n", err), err
     rows = len(load_trace(tmp_path)["t"])
     assert rows > 0
