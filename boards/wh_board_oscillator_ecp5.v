@@ -14,6 +14,12 @@ module wh_board_oscillator_ecp5 #(
     output wire clk_o
 );
 
+    generate
+        if (DIV < 2 || DIV > 128) begin : illegal_div
+            wh_illegal_parameter_board_oscillator_ecp5_div_must_be_2_to_128 stop ();
+        end
+    endgenerate
+
     OSCG #(
         .DIV (DIV)
     ) oscillator (

@@ -217,8 +217,11 @@ def ecp5_pll(i: int = 1, fb: int = 1, op: int = 28, os: int = 10, **parameters: 
     [
         ("ulx3s", ecp5_pll(), None),
         ("icebreaker", ice40_pll(), None),
-        # What the boards had: 25 MHz / 5 at the phase detector.
-        ("ulx3s", ecp5_pll(5, 1, 140, 10), "phase detector runs at 5 MHz; .* lower CLKI_DIV"),
+        ("ulx3s", ecp5_pll(5, 1, 120, 10), "phase detector runs at 5 MHz; .* lower CLKI_DIV"),
+        ("ulx3s", ecp5_pll(5, 1, 140, 10), "CLKOP_DIV is 140; it must be 1 to 128"),
+        ("ulx3s", ecp5_pll(os=0), "CLKOS_DIV is 0; it must be 1 to 128"),
+        ("ulx3s", ecp5_pll(i=0), "CLKI_DIV is 0; it must be 1 to 128"),
+        ("icebreaker", ice40_pll(divq=7), "DIVQ is 7; it must be 1 to 6"),
         ("ulx3s", ecp5_pll(op=14, os=5), r"VCO runs at 350 MHz; it must be 400 to 800 MHz"),
         ("ulx3s", ecp5_pll(fb=2, op=21, os=15), "VCO runs at 1050 MHz"),
         ("ulx3s", ecp5_pll(op=24, os=8), r"clock is 75 MHz, but controller\.clock_hz .* 70 MHz"),

@@ -63,6 +63,8 @@ def synth(
     results = []
     try:
         boards, tools = [load_board(name) for name in board_names()], Toolchain.of_environment()
+        for board in boards:
+            synthesis.check_board(board)
         # The work is the tools', which are processes of their own.
         with ThreadPoolExecutor(jobs) as pool:
             made = [pool.submit(synthesis.build_board, board, tools) for board in boards]

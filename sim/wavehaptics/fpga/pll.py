@@ -81,6 +81,29 @@ class Pll:
                 )
 
 
+DIVIDERS = {
+    "DIVR": (0, 15), "DIVF": (0, 127), "DIVQ": (1, 6),
+    "CLKI_DIV": (1, 128), "CLKFB_DIV": (1, 128), "CLKOP_DIV": (1, 128), "CLKOS_DIV": (1, 128),
+}  # fmt: skip
+"""Least and most of each divider's parameter, by the same data sheets."""
+
+
+def is_whole(cell: dict[str, Any]) -> bool:
+    """Whether a cell says each divider, so that none of them may have been misspelt."""
+    said = cell["parameters"].keys()
+    if cell["type"].startswith("SB_PLL40"):
+        return {"DIVR", "DIVF", "DIVQ", "FILTER_RANGE"} <= said
+    more = {"CLKOS_DIV"} if cell["connections"].get("CLKOS") else set()
+    return {"CLKI_DIV", "CLKFB_DIV", "CLKOP_DIV"} | more <= said
+
+
+def _divider(cell: dict[str, Any], name: str, default: int) -> int:
+    value, (least, most) = parameter(cell, name, default), DIVIDERS[name]
+    if not least <= value <= most:
+        raise PllError(f"the PLL's {name} is {value}; it must be {least} to {most}")
+    return value
+
+
 def parameter(cell: dict[str, Any], name: str, default: int) -> int:
     """A number among a cell's parameters, which Yosys writes in binary."""
     text = cell["parameters"].get(name)
@@ -91,20 +114,21 @@ def of_cell(cell: dict[str, Any], input_hz: float) -> Pll:
     """What a PLL cell of Yosys' netlist makes of ``input_hz``.
 
     An ECP5's is fed back from CLKOP; its clock is CLKOS where that is used, CLKOP otherwise.
+    :class:`PllError` where it has no such divider.
     """
     if cell["type"].startswith("SB_PLL40"):
-        detector_hz = input_hz / (parameter(cell, "DIVR", 0) + 1)
-        vco_hz = detector_hz * (parameter(cell, "DIVF", 0) + 1)
-        clock_hz = vco_hz / 2 ** parameter(cell, "DIVQ", 0)
+        detector_hz = input_hz / (_divider(cell, "DIVR", 0) + 1)
+        vco_hz = detector_hz * (_divider(cell, "DIVF", 0) + 1)
+        clock_hz = vco_hz / 2 ** _divider(cell, "DIVQ", 0)
         return Pll(
             "ice40", input_hz, detector_hz, vco_hz, clock_hz, parameter(cell, "FILTER_RANGE", 0)
         )
     feedback = cell["parameters"].get("FEEDBK_PATH", "CLKOP")
     if feedback != "CLKOP":
         raise PllError(f"the PLL's FEEDBK_PATH is {feedback}; take CLKOP")
-    detector_hz = input_hz / parameter(cell, "CLKI_DIV", 1)
-    back_div = parameter(cell, "CLKOP_DIV", 8)
-    vco_hz = detector_hz * parameter(cell, "CLKFB_DIV", 1) * back_div
+    detector_hz = input_hz / _divider(cell, "CLKI_DIV", 1)
+    back_div = _divider(cell, "CLKOP_DIV", 8)
+    vco_hz = detector_hz * _divider(cell, "CLKFB_DIV", 1) * back_div
     used = cell.get("connections", {}).get("CLKOS")
-    out_div = parameter(cell, "CLKOS_DIV", 8) if used else back_div
+    out_div = _divider(cell, "CLKOS_DIV", 8) if used else back_div
     return Pll("ecp5", input_hz, detector_hz, vco_hz, vco_hz / out_div, None)

@@ -17,7 +17,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from wavehaptics.fpga import board_pins, bridge_budget, multipliers, pad_timing, pll
+from wavehaptics.fpga import board_pins, bridge_budget, multipliers, pad_timing, pll, tops
 from wavehaptics.fpga.boards import Board, write_headers
 from wavehaptics.parts.adcs import PARTS
 from wavehaptics.runtime.files import write_json
@@ -172,6 +172,33 @@ def bitstream_path(board: Board) -> Path:
     return OUT / board.name / f"{board.name}{BITSTREAM_SUFFIX[board.fpga.family]}"
 
 
+def check_board(board: Board) -> None:
+    """What can be said of a board without a tool; ``BoardError``, ``SceneError``, SynthesisError.
+
+    It takes a second, and a build begins with it.
+    """
+    bridge_budget.check(board)
+    board_pins.check(board)
+    check_sources(board_design(board, OUT / board.name))
+
+
+def check_sources(design: Design) -> None:
+    """Pins, parameters and PLLs, as far as the text of the sources says them."""
+    _check_constraints(design)
+    headers = {} if design.board is None else design.board.headers()
+    sources = {
+        path.as_posix(): (design.root / path).read_text(encoding="utf-8") for path in design.sources
+    }
+    try:
+        told = tops.netlist(design.top, sources, headers)
+    except tops.TopError as error:
+        raise SynthesisError(f"{design.name}: {error}") from None
+    if told["ports"] is not None:
+        _check_pins(design, told)
+    if told["cells"] is not None:
+        _check_pll(design, told)
+
+
 def build_board(
     board: Board, tools: Toolchain, seed: int | None = None, say: Callable[[str], None] = print,
     out: Path | None = None,
@@ -180,8 +207,7 @@ def build_board(
 
     ``seed`` takes the place of the board's own ones, ``out`` that of its folder, from the root.
     """
-    bridge_budget.check(board)
-    board_pins.check(board)
+    check_board(board)
     out = out or OUT / board.name
     folder = board.root / out
     _clear(folder)
@@ -210,10 +236,12 @@ def build(
 
 def _build(design: Design, out: Path, tools: Toolchain, say: Callable[[str], None]) -> Result:
     folder = design.root / out
+    check_sources(design)
     placer, packer = PLACERS[design.family], PACKERS[design.family]
     versions = {tool: tools.check_age(tool) for tool in ("yosys", placer)}
     named = ", ".join(f"{tool} {version}" for tool, version in versions.items())
     say(f"{design.name}: {named} ({tools.name})")
+    _check_part(design, tools, folder)
     netlist = _checked_netlist(design, out, tools)
     placed = _first_that_meets(design, netlist, out, tools, say)
     pads = None if design.board is None else board_pads(design.board, folder / _DELAYS)
@@ -285,7 +313,6 @@ def _placed_path(design: Design, out: Path) -> Path:
 
 def _checked_netlist(design: Design, out: Path, tools: Toolchain) -> dict[str, Any]:
     """The top of the design's netlist, which holds what can be said before it is placed."""
-    _check_constraints(design)
     path = _netlist_path(design, out)
     synthesise(design, path, tools, design.root / out / "yosys.log")
     netlist = json.loads((design.root / path).read_bytes())["modules"][design.top]
@@ -363,6 +390,7 @@ def survey_seeds(
     try:
         write_headers(board, folder)
         design = board_design(board, out)
+        check_sources(design)
         netlist = _checked_netlist(design, out, tools)
         found = []
         for seed in seeds:
@@ -401,6 +429,10 @@ _YOSYS_FAULTS: tuple[tuple[str, str], ...] = (
         "{0} is driven more than once; leave it one driver",
     ),
     (r"Wire (\S+) is used but has no driver\.?", "{0} is used, but nothing drives it"),
+)
+
+_YOSYS_ERRORS: tuple[tuple[str, str], ...] = (
+    (r"Module `\\?wh_illegal_parameter_(\w+)' referenced in .*", "an illegal parameter: {0}"),
 )
 
 
@@ -449,7 +481,7 @@ def synthesise(design: Design, netlist: Path, tools: Toolchain, log: Path) -> No
     status = tools.run("yosys", ["-p", yosys_script(design, netlist)], design.root, log)
     warnings: list[str] = []
     errors: list[str] = []
-    for line in log.read_text(encoding="utf-8", errors="replace").splitlines():
+    for line in _text(log).splitlines():
         found = re.match(r"(?:\S+:\d+: )?(Warning|ERROR|Lexer warning|Parser warning)\b:?\s*", line)
         if not found or any(re.match(expected, line) for expected in _EXPECTED_WARNINGS):
             continue
@@ -459,6 +491,11 @@ def synthesise(design: Design, netlist: Path, tools: Toolchain, log: Path) -> No
             fault = re.fullmatch(pattern, problem)
             if fault:
                 raise SynthesisError(f"{design.name}: {text.format(_plain(fault[1]))}")
+    if errors:
+        for pattern, text in _YOSYS_ERRORS:
+            fault = re.match(pattern, errors[0])
+            if fault:
+                raise SynthesisError(f"{design.name}: {text.format(fault[1].replace('_', ' '))}")
     if errors or status:
         raise SynthesisError(f"{design.name}: yosys: {(errors or [_last_line(log)])[0]}")
     if warnings:
@@ -542,6 +579,27 @@ def _check_pins(design: Design, netlist: dict[str, Any]) -> None:
         )
 
 
+def _check_part(design: Design, tools: Toolchain, folder: Path) -> None:
+    """The placer knows device, package and speed: without a design it says so at once."""
+    log = folder / "nextpnr.log"
+    if tools.run(PLACERS[design.family], _part(design), design.root, log):
+        said = re.search(r"^(?:ERROR: )?(unrecognised option .*|Unsupported .*)$", _text(log), re.M)
+        problem = said[1].rstrip(".") if said else _last_line(log)
+        raise SynthesisError(
+            f"{design.name}: nextpnr: {problem}; fpga.toml has devices, package and speed"
+        )
+
+
+def _part(design: Design) -> list[str]:
+    """The FPGA, as nextpnr is told."""
+    part = [f"--{design.device}", "--package", design.package]
+    return part if design.speed is None else [*part, "--speed", str(design.speed)]
+
+
+def _text(log: Path) -> str:
+    return log.read_text(encoding="utf-8", errors="replace")
+
+
 def _dsp_hz(design: Design, netlist: dict[str, Any], delays: Path) -> float | None:
     """Clock in Hz that the paths through multiplier blocks allow, None where there are none."""
     if design.family != "ice40":
@@ -570,7 +628,7 @@ def place(
 ) -> None:
     """Place and route; :class:`SynthesisError` at any error or warning."""
     arguments = [
-        f"--{design.device}", "--package", design.package, "--json", str(netlist),
+        *_part(design), "--json", str(netlist),
         "--seed", str(seed), "--freq", f"{(1 + SPARE) * design.clock_hz / 1e6:.6f}",
         "--report", str(report), "--sdf", str(delays),
         "--write", str(netlist.with_name(f"{netlist.stem}{PLACED_NETLIST}")),
@@ -582,10 +640,9 @@ def place(
         arguments += ["--asc", str(placed)]
     else:
         arguments += ["--lpf", str(design.constraints), "--textcfg", str(placed)]
-        arguments += ["--speed", str(design.speed)]
     log = folder / "nextpnr.log"
     status = tools.run(PLACERS[design.family], arguments, design.root, log)
-    text = log.read_text(encoding="utf-8", errors="replace")
+    text = _text(log)
     problems = re.findall(r"^(ERROR|Warning): (.*)$", text, re.MULTILINE)
     errors = [problem for kind, problem in problems if kind == "ERROR"]
     for problem in errors:
@@ -751,6 +808,6 @@ def _last_line(log: Path) -> str:
 
 
 def _lines(log: Path) -> Iterator[str]:
-    for line in log.read_text(encoding="utf-8", errors="replace").splitlines():
+    for line in _text(log).splitlines():
         if line.strip():
             yield line.strip()
