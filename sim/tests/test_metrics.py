@@ -10,7 +10,7 @@ from wavehaptics.laws import closed_forms
 from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import Scene
 from wavehaptics.trace.columns import Column
-from wavehaptics.trace.metrics import LEAST_TICKS, Metrics
+from wavehaptics.trace.metrics import LEAST_COUNTS, LEAST_R2, LEAST_TICKS, Metrics
 
 TICK_S = 1e-4
 COUNTS = 10_000
@@ -37,6 +37,7 @@ NAMES = {
     *("hold_offset_rad", "hold_error", "hold_torque", "hold_ripple_rms", "restitution"),
     *("saturated_fraction", "contact_energy_j", "contact_energy_ratio", "swing_rad", "swing_hz"),
     "clipped_fraction",
+    "reasons",
 }
 ANCHOR_NAMES = {
     *("correction_out_max_j", "correction_bound_j", "x_hat_error_rms_rad"),
@@ -198,9 +199,75 @@ def test_chatter_at_the_edge_is_not_the_first_contact():
     push = np.concatenate([np.where(wild > 0.0, 7.0 * wild + 1e-3, 0.0), spring(depth)])
     result = result_of(rows_of(both, push, 0.5, 1.0))
     assert result["stiffness"] == pytest.approx(K, rel=1e-9)
+    assert result["reasons"]["stiffness"] == (
+        "52 contacts before, shorter than 4 ticks or less deep than 4 counts, passed over"
+    )
     only = result_of(rows_of(wild, np.where(wild > 0.0, 7.0 * wild, 0.0), 0.5, 1.0))
     assert only["stiffness"] is None
     assert only["contact_edge_rad"] is None
+    assert only["reasons"]["stiffness"] == (
+        "no contact lasts 4 ticks and is 1 counts deep; the deepest is 20 counts"
+    )
+
+
+def test_a_contact_of_a_few_counts_is_not_the_first():
+    """A chattering one, whose force has nothing of a spring, comes before a tap."""
+    rng = np.random.default_rng(5)
+    free = np.full(50, -1e-3)
+    few = taps(800, (LEAST_COUNTS - 0.5) * CELL)
+    depth = np.concatenate([free, few, free, taps(), free])
+    push = spring(depth)
+    push[50:850] = rng.normal(size=800) * (few > 0.0)
+    result = result_of(rows_of(depth, push, 0.5, 1.0))
+    assert result["stiffness"] == pytest.approx(K, rel=1e-9)
+    assert result["reasons"]["stiffness"].startswith("2 contacts before, ")
+    # Alone it is taken as far as it is a line.
+    alone = result_of(rows_of(depth[:900], push[:900], 0.5, 1.0))
+    assert alone["stiffness"] is None
+    assert alone["reasons"]["stiffness"].startswith("the force ")
+    assert "of a contact of only 3.5 counts" in alone["reasons"]["stiffness"]
+    line = result_of(rows_of(depth[:900], spring(depth[:900]), 0.5, 1.0))
+    assert line["stiffness"] == pytest.approx(K, rel=1e-9)
+    assert line["reasons"]["stiffness"] == "of a contact of only 3.5 counts"
+
+
+def test_of_several_that_are_not_deep_the_deepest_is_taken():
+    free = np.full(50, -1e-3)
+    parts = [taps(400, n * CELL) for n in (2.0, 3.0, 1.5)]
+    depth = np.concatenate([free, parts[0], free, parts[1], free, parts[2], free])
+    push = np.concatenate([np.zeros(50)] + [
+        part for n, one in zip((1.0, 2.0, 3.0), parts, strict=True)
+        for part in (n * spring(one), np.zeros(50))
+    ])  # fmt: skip
+    result = result_of(rows_of(depth, push, 0.5, 1.0))
+    assert result["stiffness"] == pytest.approx(2.0 * K, rel=1e-9)
+    assert result["reasons"]["stiffness"] == "of a contact of only 3 counts"
+
+
+def test_a_fit_ends_where_the_current_is_clipped():
+    depth = taps()
+    push = np.minimum(spring(depth), 0.5 * K * 12e-3)
+    rows = rows_of(depth, push, 0.5, 1.0)
+    rows[:, Column.CLIPPED] = push >= 0.5 * K * 12e-3
+    assert result_of(rows)["stiffness"] == pytest.approx(K, rel=1e-6)
+
+
+def test_what_has_no_value_has_a_reason():
+    """Where the scene defines a metric and the run has none."""
+    free = rows_of(np.full(2500, -1e-3), np.zeros(2500), 0.5, 1.0)
+    held = result_of(free, scene_of("press", 2500))
+    assert held["reasons"] == {
+        "stiffness": "the rotor never came into a wall",
+        "hold_error": "the rotor isn't in contact in all of the last tenth",
+    }
+    missed = result_of(free, scene_of("impact", 2500))
+    assert missed["reasons"]["restitution"] == "the rotor never came into a wall"
+    depth = taps()
+    closed = rows_of(depth, spring(depth), 0.5, 1.0)
+    closed[:, Column.SATURATED] = 1.0
+    assert result_of(closed)["reasons"]["stiffness"].startswith("voltage or current were at their")
+    pulls = result_of(rows_of(depth, -spring(depth), 0.5, 1.0))
+    assert pulls["reasons"]["stiffness"] == "the wall never pushed outwards in the first contact"
 
 
 def test_without_an_encoder_a_shallow_contact_counts():
@@ -233,14 +300,15 @@ def test_a_wall_that_grows_while_held_does_not_move_the_fit(edge, side):
     assert result["stiffness"] == pytest.approx(K, rel=0.02)
 
 
-def fitted_afterwards(rows: np.ndarray, edge: float, side: float) -> float:
-    """The definition of ``stiffness`` applied to a whole run that is one contact."""
+def fitted_afterwards(rows: np.ndarray, edge: float, side: float) -> tuple[float, float]:
+    """The definition of ``stiffness``, and r², applied to a whole run that is one contact."""
     depth, push = side * (rows[:, Column.X] - edge), -side * rows[:, Column.TORQUE]
     peak = push[: depth.argmax() + 1].max()
     end = int(np.argmax(push >= 0.9 * peak)) + 1
     if rows[:end, Column.SATURATED].any():
         end = int(rows[:, Column.SATURATED].argmax())
-    return np.polyfit(rows[:end, Column.X], -rows[:end, Column.TORQUE], 1)[0]
+    x, f = rows[:end, Column.X], -rows[:end, Column.TORQUE]
+    return np.polyfit(x, f, 1)[0], np.corrcoef(x, f)[0, 1] ** 2
 
 
 @pytest.mark.parametrize(("edge", "side"), SIDES)
@@ -260,14 +328,21 @@ def test_ringing_growing_saturating_contacts_are_fitted_as_defined(edge, side, s
     result = result_of(np.concatenate([free, rows]))
     if result["stiffness"] is None:
         pushes = push[: depth.argmax() + 1]
-        assert pushes.max() <= 0.0 or int(np.argmax(pushes >= 0.9 * pushes.max())) < 2
+        short = pushes.max() <= 0.0 or int(np.argmax(pushes >= 0.9 * pushes.max())) < 2
+        assert short or fitted_afterwards(rows, edge, side)[1] < LEAST_R2
+        assert result["reasons"]["stiffness"]
     else:
-        assert result["stiffness"] == pytest.approx(fitted_afterwards(rows, edge, side), rel=1e-6)
+        slope, explained = fitted_afterwards(rows, edge, side)
+        assert result["stiffness"] == pytest.approx(slope, rel=1e-6)
+        assert explained >= LEAST_R2
+        assert "stiffness" not in result["reasons"]
 
 
 @pytest.mark.parametrize("later", [12e-3, 12.1e-3])
 @pytest.mark.parametrize("grows", [30_000, 31_500, 33_000, 34_500])  # to four places of the ring
-def test_a_push_that_grew_past_the_ring_counts_once_the_rotor_goes_deeper(later, grows):
+def test_a_push_that_grew_past_the_ring_counts_once_the_rotor_goes_deeper(
+    later, grows, monkeypatch
+):
     # Fine steps up while the rotor is not at its deepest; at the end it goes deeper, or does not.
     depth = np.concatenate(
         [np.linspace(-1e-3, 12e-3, 2000), np.full(grows, 11e-3), [later] * 10, np.full(9, -1e-3)]
@@ -279,9 +354,15 @@ def test_a_push_that_grew_past_the_ring_counts_once_the_rotor_goes_deeper(later,
     if later == 12e-3:
         assert result["stiffness"] == pytest.approx(K, rel=1e-9)
     else:
-        expected = fitted_afterwards(rows[int(np.argmax(depth > 0.0)) : -9], 0.5, 1.0)
-        assert result["stiffness"] == pytest.approx(expected, rel=1e-3)
+        expected, explained = fitted_afterwards(rows[int(np.argmax(depth > 0.0)) : -9], 0.5, 1.0)
         assert expected > 2.0 * K
+        assert explained < LEAST_R2
+        assert result["stiffness"] is None
+        assert result["reasons"]["stiffness"] == (
+            f"the force is no line over the depth: r² is {explained:.2g}"
+        )
+        monkeypatch.setattr("wavehaptics.trace.metrics.LEAST_R2", 0.0)
+        assert result_of(rows)["stiffness"] == pytest.approx(expected, rel=1e-3)
 
 
 def test_a_wall_that_only_pulls_has_no_stiffness():
@@ -701,13 +782,13 @@ def test_what_a_scene_does_not_define_is_none():
     metrics = Metrics(scene, TICK_S, controller="analog")
     nothing = metrics.result()
     given = {"scene", "controller", "duration_s", "ticks", "tick_hz", "k_l"}
-    assert {name for name, value in nothing.items() if value is not None} == given
+    assert {name for name, value in nothing.items() if value not in (None, {})} == given
     assert set(nothing) == NAMES
     metrics.update(np.zeros((100, len(Column))))
     result = metrics.result()
     zero = {"peak_torque", "peak_current_a", "current_ripple_a", "free_space_torque_rms"}
     zero |= {"energy_out_max_j", "saturated_fraction", "clipped_fraction"}
-    assert {name for name, value in result.items() if value is not None} == given | zero
+    assert {name for name, value in result.items() if value not in (None, {})} == given | zero
     assert all(result[name] == 0.0 for name in zero)
     json.dumps(result, allow_nan=False)
 

@@ -22,6 +22,7 @@ from wavehaptics.cli.shared import (
     metrics_table,
     shown_progress,
     shown_stages,
+    warn,
 )
 from wavehaptics.scene import (
     Scene,
@@ -68,6 +69,13 @@ def _checked(
     return loaded, told
 
 
+def _beyond(loaded: Scene, controller: str) -> list[str]:
+    """What the scene may ask for beyond a range, a line each."""
+    from wavehaptics.ladder.ranges import exceeded
+
+    return [f"warning: {one}" for one in exceeded(loaded, controller)]
+
+
 @app.command()
 def run(
     scene: SceneArgument,
@@ -86,13 +94,22 @@ def run(
     folder = RUNS_DIR / f"{loaded.scene.name}-{controller}" if out is None else out
     make_folder(folder)
 
+    from wavehaptics.ladder.ranges import CURRENT, exceeded
     from wavehaptics.ladder.run import run_scene
 
+    for beyond in exceeded(loaded, controller):
+        if beyond.quantity != CURRENT:  # whether it was is known after the run
+            warn(str(beyond))
     with shown_progress(f"{loaded.scene.name} on {controller}") as progress:
         metrics = run_scene(loaded, controller, folder, progress)
     for line in told:
         print(line)
     print(metrics_table(metrics))
+    if clipped := metrics.get("clipped_fraction"):
+        warn(
+            f"in {100 * clipped:.2g} % of the ticks the current, a sample of it or v was at the "
+            "end of its range (clipped_fraction): the port gave way there, or only damped"
+        )
     print(f"results in {folder}")
 
 
@@ -161,9 +178,9 @@ def check(
     """Check SCENE without running it: on a controller, or what of it each can't do."""
     path = find_scene(scene)
     if controller:
-        _, told = _checked(path, controller, overrides)
+        checked, told = _checked(path, controller, overrides)
         print(f"{path}: ok on {controller}")
-        for line in told:
+        for line in told + _beyond(checked, controller):
             print(line)
         return
     loaded = load_scene(path, overrides or ())
@@ -181,6 +198,9 @@ def check(
     print(f"{path}: ok")
     for name, problem in refused.items():
         print(f"not on `{name}`: {problem}")
+    if DEFAULT_CONTROLLER not in refused:
+        for line in _beyond(loaded, DEFAULT_CONTROLLER):
+            print(line)
 
 
 @app.command()

@@ -138,13 +138,35 @@ def shown_stages() -> Iterator[Callable[[str, float], None]]:
         yield show
 
 
+def warn(problem: str) -> None:
+    """One line on stderr for what doesn't end the command."""
+    print(f"wavehaptics: warning: {problem}", file=sys.stderr)
+
+
 def metrics_table(metrics: Mapping[str, Any]) -> str:
-    """Metrics that the scene defines, a line each: name, value, unit."""
-    rows = [(name, _value(value)) for name, value in metrics.items() if value is not None]
-    names = max((len(name) for name, _ in rows), default=0)
-    values = max((len(value) for _, value in rows), default=0)
-    lines = (f"{n:<{names}}  {v:>{values}}  {METRIC_UNITS.get(n, '')}".rstrip() for n, v in rows)
+    """Metrics that the scene defines, a line each: name, value, unit, and what there is to say.
+
+    A metric that is None for a reason is a line as well.
+    """
+    reasons = metrics.get("reasons", {})
+    rows = [
+        (name, "null" if value is None else _value(value), METRIC_UNITS.get(name, ""))
+        for name, value in metrics.items()
+        if name != "reasons" and (value is not None or name in reasons)
+    ]
+    names = max((len(name) for name, _, _ in rows), default=0)
+    values = max((len(value) for _, value, _ in rows), default=0)
+    lines = (
+        f"{name:<{names}}  {value:>{values}}  {_with_reason(unit, reasons.get(name))}".rstrip()
+        for name, value, unit in rows
+    )
     return "\n".join(lines)
+
+
+def _with_reason(unit: str, reason: str | None) -> str:
+    if reason is None:
+        return unit
+    return f"{unit}  ({reason})" if unit else f"({reason})"
 
 
 def _value(value: Any) -> str:

@@ -172,6 +172,19 @@ def quantise(matrix: np.ndarray) -> np.ndarray:
 
 def response(words: np.ndarray, turn: np.ndarray) -> np.ndarray:
     """W of one section's words at ``turn`` = ωT, complex, of the same shape."""
+    x1, x2 = _states(words, turn)
+    w = np.asarray(words[:LOSS1], dtype=float) / float(1 << formats.SHAPE.fraction)
+    return w[C1] * x1 + w[C2] * x2 + w[D]
+
+
+def state_gain(words: np.ndarray) -> float:
+    """Largest magnitude of a section's state over that of its wave, at whatever frequency."""
+    # From below the lowest corner that words can have to half a turn a tick.
+    return float(np.max(np.abs(_states(words, np.geomspace(1e-9, math.pi, 4000)))))
+
+
+def _states(words: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Both states of a section for a wave of 1 at ``turn`` = ωT, complex, of the same shape."""
     one = float(1 << formats.SHAPE.fraction)
     w = np.asarray(words[:LOSS1], dtype=float) / one
     # z − 1 without losing its digits near zero
@@ -180,7 +193,7 @@ def response(words: np.ndarray, turn: np.ndarray) -> np.ndarray:
     determinant = p * t - q * r
     x1 = (t * w[B1] - q * w[B2]) / determinant
     x2 = (p * w[B2] - r * w[B1]) / determinant
-    return w[C1] * x1 + w[C2] * x2 + w[D]
+    return x1, x2
 
 
 def noise_gain(words: np.ndarray) -> tuple[float, float]:

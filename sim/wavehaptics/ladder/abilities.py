@@ -58,7 +58,7 @@ ABILITIES: dict[str, Ability] = {
         _PINS | _ANCHOR | _MAGNET | _DIGITAL | _BESIDE
         | {"encoder.stops_at_s", "encoder.reverses_at_s", "encoder.uneven",
            "encoder.skips_per_rev", "adc", "controller.l_hat", "controller.k_t_hat",
-           "controller.anchor_auto"},
+           "controller.anchor_auto", "controller.r_hat_part"},
         _NO_W,
     ),
     "golden": Ability(_PINS | _BESIDE | {"controller.early_duty"}, _NO_EDGES),

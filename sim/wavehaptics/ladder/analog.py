@@ -52,9 +52,8 @@ from wavehaptics.motor.step import (
 from wavehaptics.motor.supply import SAG_OHM, STEP_PART, STEP_S, sag_in_series, supply_part
 from wavehaptics.motor.thermal import Winding
 from wavehaptics.runtime.compiled import compiled
-from wavehaptics.scene import Scene, drive_gain
+from wavehaptics.scene import Scene, drive_gain, without_anchor
 from wavehaptics.trace.columns import put_motion, put_port
-from wavehaptics.words import formats
 
 F = E
 """The filter's f stands where the plant has its voltage: e_a = s·f."""
@@ -286,8 +285,9 @@ class AnalogSimulation:
     def __init__(
         self, scene: Scene, tick_s: float | None = None, cell_rad: float | None = None
     ) -> None:
-        control = scene.controller
         refuse(scene, "analog")
+        scene = without_anchor(scene)
+        control = scene.controller
         set_ = settings(scene, tick_s, cell_rad)
         self.settings = set_
         self.tick_s = set_.tick_s
@@ -307,7 +307,7 @@ class AnalogSimulation:
         self._kept = np.zeros(3)
         self._floats = np.array(
             [dt, set_.cell_rad, s, gain, plant.k_t, plant.resistance,
-             min(set_.limit_v / s, formats.WAVE.largest), control.eta_contact, control.eta_free]
+             set_.limit_v / s, control.eta_contact, control.eta_free]
         )  # fmt: skip
         self._load = load_words(plant)
         self._wall_min = set_.wall_min * set_.cell_rad

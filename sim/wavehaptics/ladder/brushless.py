@@ -53,7 +53,7 @@ from wavehaptics.motor.sensor import (
 )
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.runtime.native_call import call2
-from wavehaptics.scene import Scene, drive_gain
+from wavehaptics.scene import Scene, drive_gain, without_anchor
 from wavehaptics.trace.columns import Word, put_anchor, put_estimate, put_motion, put_port
 from wavehaptics.words import formats
 
@@ -516,8 +516,9 @@ class BrushlessAnalogSimulation:
     def __init__(
         self, scene: Scene, tick_s: float | None = None, cell_rad: float | None = None
     ) -> None:
-        control = scene.controller
         refuse(scene, "analog")
+        scene = without_anchor(scene)
+        control = scene.controller
         self.settings = set_ = settings(scene, tick_s, cell_rad)
         self.tick_s = set_.tick_s
         plant = BrushlessPlant.of_scene(scene)
@@ -537,9 +538,8 @@ class BrushlessAnalogSimulation:
         self._steps = np.array([plant.step_words(part) for part in parts])
         self._z = plant.start
         self._kept = np.zeros(3)
-        limit = min(set_.limit_v / s, formats.WAVE.largest)
         self._floats = np.array(
-            [self.tick_s, s, drive, limit, control.eta_contact, control.eta_free]
+            [self.tick_s, s, drive, set_.limit_v / s, control.eta_contact, control.eta_free]
         )
         self._load = plant.words()
         self._wall_min = set_.wall_min * set_.cell_rad

@@ -25,7 +25,7 @@ from wavehaptics.motor.plant import TIME, C, I, P, Plant, X, load_words, plant_s
 from wavehaptics.motor.step import motor_step
 from wavehaptics.motor.thermal import Winding
 from wavehaptics.runtime.compiled import compiled
-from wavehaptics.scene import Scene, drive_gain, encoder_end
+from wavehaptics.scene import Scene, drive_gain, encoder_end, without_anchor
 from wavehaptics.scene.tables.servo import Servo
 from wavehaptics.trace.columns import put_motion, put_port
 
@@ -133,7 +133,7 @@ class EncoderSimulation:
             raise scene.refusal(
                 "a brushless motor has three phases and this amplifier one", "motor.kind"
             )
-        self.settings: Settings = settings(scene)
+        self.settings: Settings = settings(without_anchor(scene))
         self.tick_s = self.settings.tick_s
         self.stiffness = servo_stiffness(scene)
         servo = scene.servo or Servo()

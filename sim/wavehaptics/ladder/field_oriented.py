@@ -48,7 +48,7 @@ from wavehaptics.motor.sensor import (
     sample_code,
 )
 from wavehaptics.runtime.compiled import compiled
-from wavehaptics.scene import Scene, drive_gain
+from wavehaptics.scene import Scene, drive_gain, without_anchor
 from wavehaptics.scene.tables.servo import Servo
 from wavehaptics.trace.columns import put_port
 
@@ -166,7 +166,7 @@ class FieldOrientedSimulation:
 
     def __init__(self, scene: Scene) -> None:
         refuse(scene, "encoder")
-        self.settings: Settings = settings(scene)
+        self.settings: Settings = settings(without_anchor(scene))
         self.tick_s = self.settings.tick_s
         self.stiffness = servo_stiffness(scene)
         servo = scene.servo or Servo()

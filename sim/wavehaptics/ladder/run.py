@@ -181,6 +181,7 @@ def _measure(
         springs=[stiffness_predicted(scene, simulation, shaped) for shaped in set_.shaped.tolist()],
         root=set_.s if _anchored(controller, simulation) else None,
         shape_power=_shape_power(simulation),
+        reference_spring=_reference_spring(scene, controller, simulation, reference),
     )  # fmt: skip
     rows = np.zeros((min(ticks, CHUNK_TICKS), len(Column)))
     reference_rows = np.zeros_like(rows)
@@ -203,6 +204,8 @@ def _measure(
         if progress is not None:
             progress((first + part.stop) / ticks)
     result = metrics.result(wall_clock_s=wall_clock_s, clock_cycles=simulation.clock_cycles)
+    if compare and controller != "analog" and scene.shaper is not None:
+        result["reasons"]["torque_nrmse_vs_analog"] = "the analog circuit has no W"
     return result | estimate.result() | _seen(simulation)
 
 
@@ -220,6 +223,18 @@ def _seen(simulation: Simulation) -> dict[str, str]:
 def _anchored(controller: str, simulation: Simulation) -> bool:
     """Whether the rows have what a port anchor adds."""
     return simulation.settings.anchored and controller not in WITHOUT_WORDS
+
+
+def _reference_spring(
+    scene: Scene,
+    controller: str,
+    simulation: Simulation,
+    reference: AnalogSimulation | BrushlessAnalogSimulation | None,
+) -> float | None:
+    """K of the reference's wall, beside a controller that holds its own by the encoder."""
+    if reference is None or not (controller == "encoder" or _anchored(controller, simulation)):
+        return None
+    return stiffness_predicted(scene, reference)
 
 
 def _shape_power(simulation: Simulation) -> int:

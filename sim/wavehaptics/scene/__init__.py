@@ -14,7 +14,7 @@ from wavehaptics.scene.loading import (
     shipped_scenes,
 )
 from wavehaptics.scene.places import SceneError
-from wavehaptics.scene.schema import TABLES, Scene, drive_gain, encoder_end
+from wavehaptics.scene.schema import TABLES, Scene, drive_gain, encoder_end, without_anchor
 
 __all__ = [
     "SCENES_DIR",
@@ -27,4 +27,5 @@ __all__ = [
     "first_comment",
     "load_scene",
     "shipped_scenes",
+    "without_anchor",
 ]

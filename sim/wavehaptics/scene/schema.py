@@ -171,6 +171,20 @@ def _eta_free(controller: Controller, scene: Scene) -> float:
     )  # fmt: skip
 
 
+def without_anchor(scene: Scene) -> Scene:
+    """The scene of a controller that has no port anchor, and for which there is no choice for one.
+
+    η in free space is 1 again where it was chosen for the anchor.
+    """
+    control = scene.controller
+    if not control.anchored:
+        return scene
+    changes: dict[str, Any] = {"anchor_auto": False, "anchor_ohm": None}
+    if control.eta_free == _eta_free(control, scene):
+        changes["eta_free"] = 1.0
+    return scene.model_copy(update={"controller": control.model_copy(update=changes)})
+
+
 def _table_of(annotation: Any) -> type[Table]:
     """The table in a field's annotation, which may be None besides."""
     parts = get_args(annotation) or (annotation,)

@@ -9,19 +9,21 @@ controller finds it: the nearer edge of the wall that holds the position in the 
 lower one if both are as near. Walls are taken not to touch each other. *Depth* is the way from x_w
 inwards, *push* the torque outwards, so that both sides of a wall read the same.
 
-**The first contact** is the first that *counts*: at least ``LEAST_TICKS`` long and at least one
-encoder cell deep (``IDEAL_DEPTH_RAD`` without an encoder), so that chatter on the edge is passed
-over. A bare rotor (path ``impact``) has no chatter to fear and may hit softly: there the depth does
-not matter. A contact under way in the run's first tick has no way in; it is used only if no other
-one counts.
+**The first contact** is the first that *counts*: at least ``LEAST_TICKS`` long and at least
+``LEAST_COUNTS`` counts deep (``IDEAL_DEPTH_RAD`` without an encoder), so that chatter on the edge
+is passed over. Where none is so deep it is the deepest of a count or more, and ``reasons`` says so.
+A bare rotor (path ``impact``) has no chatter to fear and may hit softly: there the depth does not
+matter. A contact under way in the run's first tick has no way in; it is used only if no other one
+counts.
 
 **Its compression** runs from its first tick to its deepest, so that a wall which grows while it is
 held, and pushes the rotor out, does not count with its later torque.
 
 ``stiffness`` is the slope of the least-squares line of −TORQUE over X, each tick alike, from the
 first tick of the compression to the first in which the push reaches 90 % of the compression's peak
-(found to 0.01 %), or to the last before the voltage saturates, whichever comes first. The lag of
-the controller's filter at the start is in it. None with fewer than three ticks.
+(found to 0.01 %), or to the last before the voltage saturates or the current is clipped, whichever
+comes first. The lag of the controller's filter at the start is in it. None with fewer than three
+ticks, or where the line explains less than ``LEAST_R2`` of the force.
 ``stiffness_zero_rad`` is the x where that line crosses zero torque, ``contact_edge_rad`` the x_w of
 the first contact.
 
@@ -79,8 +81,18 @@ if TYPE_CHECKING:
 
 LEAST_TICKS = 4
 """A shorter contact is chatter."""
+LEAST_COUNTS = 4
+"""So many counts of the encoder less deep, it may be chatter on the edge as well."""
+LEAST_FIT = 3
+"""Ticks that a line takes."""
+LOST_REFERENCE = 0.25
+"""What the reference's force lacks of the spring's, as a mean over its peak, from which on it has
+lost its wall. One that is held is at 0.02 or below, up to 0.17 where the voltage saturates."""
+LEAST_R2 = 0.8
+"""A line explains this part of the force's variance, or it is none. A wall with an anchor has 0.86
+over 4 counts, and the right slope; over 2 counts it has 0.5, and half of the slope."""
 IDEAL_DEPTH_RAD = 1e-5
-"""Takes the encoder cell's place where the scene has no encoder: 23 µN·m on the paper's motor."""
+"""Takes their place where the scene has no encoder: 23 µN·m on the paper's motor."""
 EDGE_COUNTS = 2.0
 """Encoder counts beside an edge within which a contact's account of energy stays open, and the
 depth whose stored energy it is compared with at least."""
@@ -112,7 +124,8 @@ _X_HAT = int(Column.X_HAT)
 _OMEGA_HAT = int(Column.OMEGA_HAT)
 _FAULT = int(Column.FAULT)
 
-_FRESH, _INITIAL, _NONE = 0, 1, -1
+# Slots of fits: two by turns for contacts that began in the run, one for that of its beginning.
+_FIRST_FRESH, _INITIAL, _OTHER_FRESH, _NONE = 0, 1, 2, -1
 _PENDING, _KNOWN, _REFUSED = 0, 1, 2
 
 _RUN = np.dtype(
@@ -121,6 +134,7 @@ _RUN = np.dtype(
         ("hold_start", "i8"),  # tick; past every run where the scene has no hold
         ("impact", "i8"),
         ("cell", "f8"),
+        ("least", "f8"),  # depth of a contact that counts
         ("compliance", "f8"),  # 1/K of the design spring, of the wall that is touched
         ("swing", "f8"),  # of the motor's own k_T, six times an electrical turn
         ("pole_pairs", "f8"),
@@ -140,6 +154,13 @@ _RUN = np.dtype(
         ("free_square", "f8"),
         ("error_square", "f8"),
         ("reference_peak", "f8"),
+        # of the reference's contacts: where the rotor came in, and how far its force is from the
+        # spring's
+        ("reference_contact", "i8"),
+        ("reference_edge", "f8"),
+        ("reference_spring", "f8"),
+        ("reference_ticks", "i8"),
+        ("reference_lack", "f8"),
         # the contact under way
         ("in_contact", "i8"),
         ("contacts", "i8"),
@@ -151,6 +172,12 @@ _RUN = np.dtype(
         # which fit it feeds, and whether the fresh one is settled
         ("fit", "i8"),
         ("settled", "i8"),
+        # slot of the contact under way, or of the one that counts, and of the deepest that doesn't
+        ("fresh", "i8"),
+        ("shallow", "i8"),
+        # contacts that don't count, before the one that does
+        ("passed", "i8"),
+        ("passed_depth", "f8"),
         # bounce
         ("bounce", "i8"),
         ("restitution", "f8"),
@@ -218,7 +245,7 @@ _FIT = np.dtype(
         ("deepest", "f8"),
         ("push_peak", "f8"),
         ("peak", "f8"),  # of the compression: up to the deepest tick so far
-        ("closed", "i8"),  # the voltage has saturated: no more ticks into the sums
+        ("closed", "i8"),  # voltage or current at its limit: no more ticks into the sums
         ("level", "f8"),
         ("levels", "i8"),
         ("end", "i8"),  # the first level at 90 % of the peak, or the next one to come
@@ -228,10 +255,11 @@ _FIT = np.dtype(
         ("f", "f8"),
         ("xx", "f8"),
         ("xf", "f8"),
+        ("ff", "f8"),
     ],
     align=True,
 )
-_LEVEL_FIELDS = 6  # level n x f xx xf
+_LEVEL_FIELDS = 7  # level n x f xx xf ff
 
 
 @compiled_counting()
@@ -256,14 +284,12 @@ def _find_edge(walls: np.ndarray, x: float) -> tuple[float, float, float]:
 
 
 @compiled_counting()
-def _counts(fit: Any, cell: float, impact: int) -> bool:
-    return fit["length"] >= LEAST_TICKS and (impact != 0 or fit["deepest"] >= cell)
+def _counts(fit: Any, least: float, impact: int) -> bool:
+    return fit["length"] >= LEAST_TICKS and (impact != 0 or fit["deepest"] >= least)
 
 
 @compiled_counting()
-def _compress(
-    fit: Any, ring: np.ndarray, x: float, torque: float, saturated: bool, cell: float
-) -> None:
+def _compress(fit: Any, ring: np.ndarray, x: float, torque: float, limited: bool) -> None:
     """One tick of the contact that ``fit`` follows.
 
     The end of the fit, 90 % of the peak, is known only when the peak is. So the sums up to each new
@@ -274,7 +300,7 @@ def _compress(
     depth = fit.side * (x - fit.edge)
     push = -fit.side * torque
     fit.push_peak = max(fit.push_peak, push)
-    if saturated:
+    if limited:
         fit.closed = 1
     if not fit.closed:
         # Both about the edge and outwards, which leaves the slope as it is.
@@ -283,6 +309,7 @@ def _compress(
         fit.f += push
         fit.xx += depth * depth
         fit.xf += depth * push
+        fit.ff += push * push
         if push > fit.level * (1.0 + _LEVEL_STEP):
             fit.level = push
             at = fit.levels % _LEVELS
@@ -293,6 +320,7 @@ def _compress(
             ring[at, 3] = fit.f
             ring[at, 4] = fit.xx
             ring[at, 5] = fit.xf
+            ring[at, 6] = fit.ff
     if depth > fit.deepest:
         fit.deepest = depth
         fit.peak = fit.push_peak
@@ -319,7 +347,7 @@ def _enter(run: Any, fits: np.ndarray, walls: np.ndarray, x: float) -> None:
         run.fit = _INITIAL
         run.bounce = _REFUSED  # no speed of entry
     elif not run.settled:
-        run.fit = _FRESH
+        run.fit = run.fresh
     else:
         return
     fit = fits[run.fit]
@@ -340,14 +368,25 @@ def _enter(run: Any, fits: np.ndarray, walls: np.ndarray, x: float) -> None:
     fit.f = 0.0
     fit.xx = 0.0
     fit.xf = 0.0
+    fit.ff = 0.0
 
 
 @compiled_counting()
 def _leave(run: Any, fits: np.ndarray, omega: float) -> None:
     """First tick out of contact, in which the mean speed is ``omega``."""
     run.in_contact = 0
-    if run.fit == _FRESH and _counts(fits[_FRESH], run.cell, run.impact):
-        run.settled = 1
+    if run.fit == run.fresh:
+        fit = fits[run.fresh]
+        if _counts(fit, run.least, run.impact):
+            run.settled = 1
+        else:
+            run.passed += 1
+            run.passed_depth = max(run.passed_depth, fit.deepest)
+            if _counts(fit, run.cell, 0) and (
+                run.shallow == _NONE or fit.deepest > fits[run.shallow].deepest
+            ):
+                run.shallow = run.fresh
+                run.fresh = _FIRST_FRESH + _OTHER_FRESH - run.fresh
     run.fit = _NONE
     if run.bounce == _PENDING:
         if run.side * omega < 0.0 and run.omega_in != 0.0:
@@ -453,6 +492,21 @@ def _correct(run: Any, row: np.ndarray, contact: bool) -> None:
 
 
 @compiled_counting()
+def _refer(run: Any, walls: np.ndarray, row: np.ndarray) -> None:
+    """A tick of the reference: what its force lacks of the spring's, towards its peak."""
+    if row[_CONTACT] == 0.0:
+        run.reference_contact = 0
+        return
+    if not run.reference_contact:
+        run.reference_contact = 1
+        run.reference_edge, _, _ = _find_edge(walls, row[_X])
+    depth = row[_X] - run.reference_edge
+    wanted = -run.reference_spring * depth
+    run.reference_ticks += 1
+    run.reference_lack += (wanted - row[_TORQUE]) * (1.0 if wanted > 0.0 else -1.0)
+
+
+@compiled_counting()
 def _gather(
     runs: np.ndarray,
     fits: np.ndarray,
@@ -474,6 +528,7 @@ def _gather(
         ripple = rows[n, _RIPPLE]
         contact = rows[n, _CONTACT] != 0.0
         saturated = rows[n, _SATURATED] != 0.0
+        clipped = rows[n, _CLIPPED] != 0.0
 
         energy = run.energy + rows[n, _ENERGY_OUT]
         run.energy = energy
@@ -481,7 +536,7 @@ def _gather(
         run.torque_peak = max(run.torque_peak, abs(torque))
         run.current_peak = max(run.current_peak, abs(rows[n, _I]))
         run.saturated += saturated
-        run.clipped += rows[n, _CLIPPED] != 0.0
+        run.clipped += clipped
         run.unfit += 0.0 * (x + omega + torque + ripple + rows[n, _I] + energy)
 
         at = min(max((bits[n, _RIPPLE] >> _BIN_SHIFT) - _BIN_BASE, 0), _BINS - 1)
@@ -491,6 +546,7 @@ def _gather(
         if compared:
             run.error_square += (torque - reference[n, _TORQUE]) ** 2
             run.reference_peak = max(run.reference_peak, abs(reference[n, _TORQUE]))
+            _refer(run, walls, reference[n])
 
         if contact:
             if not run.in_contact:
@@ -499,7 +555,7 @@ def _gather(
                     _open_account(run)
             run.length += 1
             if run.fit >= 0:
-                _compress(fits[run.fit], rings[run.fit], x, torque, saturated, run.cell)
+                _compress(fits[run.fit], rings[run.fit], x, torque, saturated or clipped)
         else:
             if run.in_contact:
                 _leave(run, fits, omega)
@@ -543,6 +599,8 @@ class Metrics:
     is s of a port with an anchor, √Ω; None without one. Of the motor's own k_T over the nominal one
     the design spring has the power ``shape_power``: 1 where
     the controller's position makes the current, 2 where the winding's own flux does.
+    ``reference_spring`` is the K of the reference's wall, N·m/rad, where it may lose that and the
+    run doesn't.
     """
 
     def __init__(
@@ -556,6 +614,7 @@ class Metrics:
         springs: Sequence[float] | None = None,
         root: float | None = None,
         shape_power: int = 1,
+        reference_spring: float | None = None,
     ) -> None:
         self._scene = scene
         self._tick_s = tick_s
@@ -568,8 +627,8 @@ class Metrics:
         ).reshape(-1, 3)
         self._has_reference: bool | None = None
         self._runs = np.zeros(1, dtype=_RUN)
-        self._fits = np.zeros(2, dtype=_FIT)
-        self._rings = np.zeros((2, _LEVELS + 1, _LEVEL_FIELDS))
+        self._fits = np.zeros(3, dtype=_FIT)
+        self._rings = np.zeros((3, _LEVELS + 1, _LEVEL_FIELDS))
         self._bin_counts = np.zeros(_BINS, dtype=np.int64)
         self._bin_sums = np.zeros(_BINS)
         self._nothing = np.zeros((0, len(Column)))
@@ -577,14 +636,14 @@ class Metrics:
         path = None if scene.hand is None else scene.hand.path
         ticks = round(scene.scene.duration_s / tick_s)
         run = self._runs[0]
-        run["fit"] = _NONE
+        run["fit"] = run["shallow"] = _NONE
+        run["fresh"] = _FIRST_FRESH
         run["impact"] = path == "impact"
         run["bounce"] = _PENDING if path == "impact" else _REFUSED
-        run["cell"] = (
-            IDEAL_DEPTH_RAD
-            if scene.encoder is None
-            else 2.0 * math.pi / scene.encoder.counts_per_rev
-        )
+        run["cell"] = run["least"] = IDEAL_DEPTH_RAD
+        if scene.encoder is not None:
+            run["cell"] = 2.0 * math.pi / scene.encoder.counts_per_rev
+            run["least"] = LEAST_COUNTS * run["cell"]
         run["compliance"] = 1.0 / stiffness_predicted if stiffness_predicted else 0.0
         motor = scene.motor
         if motor.brushless:
@@ -592,6 +651,7 @@ class Metrics:
             run["pole_pairs"], run["magnet"] = motor.pole_pairs, motor.magnet_rad
         run["anchored"] = root is not None
         run["half_root"] = 0.5 * (root or 0.0)
+        run["reference_spring"] = reference_spring or 0.0
         run["tick_s"] = tick_s
         run["inductance"] = scene.motor.L_h
         run["k_t"] = scene.motor.k_t
@@ -637,27 +697,79 @@ class Metrics:
 
     def _first_contact(self) -> int | None:
         run = self._runs[0]
-        for slot in (_FRESH, _INITIAL):
-            if _counts.py_func(self._fits[slot], run["cell"], run["impact"]):
-                return slot
+        fresh, shallow = int(run["fresh"]), int(run["shallow"])
+        if shallow != _NONE and self._fits[fresh]["deepest"] < self._fits[shallow]["deepest"]:
+            fresh = shallow
+        for least in (run["least"], run["cell"]):
+            for slot in (fresh, _INITIAL):
+                if _counts.py_func(self._fits[slot], least, run["impact"]):
+                    return slot
         return None
 
-    def _line(self, slot: int) -> tuple[float | None, float | None]:
-        """Slope of −F over x and the x of its zero, of the contact in ``slot``."""
+    def _stiffness(self, slot: int | None) -> tuple[float | None, float | None, str | None]:
+        """Slope of −F over x and x of its zero, of the contact in ``slot``; what to say of it."""
+        if slot is None:
+            return None, None, self._no_contact()
         fit = self._fits[slot]
         if fit["peak"] <= 0.0:
-            return None, None
+            return None, None, "the wall never pushed outwards in the first contact"
         if fit["end"] == fit["aside"]:
-            n, x, f, xx, xf = self._rings[slot, _LEVELS, 1:]
-        else:  # the voltage saturated before
-            n, x, f, xx, xf = (float(fit[name]) for name in ("n", "x", "f", "xx", "xf"))
-        if n < 3:
-            return None, None
-        variance = xx - x * x / n
-        slope = (xf - x * f / n) / variance if variance > 0.0 else 0.0
-        if slope == 0.0:
-            return None, None
-        return slope, fit["edge"] + fit["side"] * (x - f / slope) / n
+            n, x, f, xx, xf, ff = self._rings[slot, _LEVELS, 1:]
+        else:  # voltage or current came to their limit before
+            n, x, f, xx, xf, ff = (float(fit[name]) for name in ("n", "x", "f", "xx", "xf", "ff"))
+        if n < LEAST_FIT:
+            return None, None, (
+                f"voltage or current were at their limit from tick {int(n) + 1} of the first "
+                "contact on"
+            )  # fmt: skip
+        variance, spread, common = xx - x * x / n, ff - f * f / n, xf - x * f / n
+        if variance <= 0.0 or common <= 0.0:
+            return None, None, f"the force doesn't grow with the depth{self._only(slot)}"
+        explained = common * common / (variance * spread)
+        if explained < LEAST_R2:
+            return None, None, (
+                f"the force is no line over the depth{self._only(slot)}: r² is {explained:.2g}"
+            )  # fmt: skip
+        slope = common / variance
+        return slope, fit["edge"] + fit["side"] * (x - f / slope) / n, self._passed_over(slot)
+
+    def _no_contact(self) -> str | None:
+        """Why no contact counts; None where the scene has no wall."""
+        run = self._runs[0]
+        if not self._walls.size:
+            return None
+        if not run["contacts"]:
+            return "the rotor never came into a wall"
+        deepest = max(run["passed_depth"], *(float(fit["deepest"]) for fit in self._fits))
+        return (
+            f"no contact lasts {LEAST_TICKS} ticks and is {self._depth(run['cell'])} deep; the "
+            f"deepest is {self._depth(deepest)}"
+        )
+
+    def _only(self, slot: int) -> str:
+        """That the contact in ``slot`` is one of those that are hardly deep enough."""
+        run, deepest = self._runs[0], float(self._fits[slot]["deepest"])
+        if run["impact"] or deepest >= run["least"]:
+            return ""
+        return f" of a contact of only {self._depth(deepest)}"
+
+    def _passed_over(self, slot: int) -> str | None:
+        passed = int(self._runs[0]["passed"])
+        if only := self._only(slot):
+            return only[1:]
+        if not passed:
+            return None
+        several = "contacts" if passed > 1 else "contact"
+        return (
+            f"{passed} {several} before, shorter than {LEAST_TICKS} ticks or less deep than "
+            f"{self._depth(self._runs[0]['least'])}, passed over"
+        )
+
+    def _depth(self, depth: float) -> str:
+        """A depth in rad, in counts where there is an encoder."""
+        if self._scene.encoder is None:
+            return f"{depth:.2g} rad"
+        return f"{depth * self._scene.encoder.counts_per_rev / (2.0 * math.pi):.2g} counts"
 
     def _ripple_median(self) -> float | None:
         total = int(self._bin_counts.sum())
@@ -762,18 +874,24 @@ class Metrics:
         ``x_hat_error_rms_rad``       of x̂ against x at the ticks' ends
         ``omega_hat_error_rms``       of ω̂ against the tick's mean ω, rad/s
         ``anchor_fault_s``            time at which the anchor gave up, or None
+        ``reasons``                   by metric: why it is None though the scene defines it, or what
+                                      was left out of it
         ============================  ==========================================================
 
         The four of a hold need the path ``press`` and contact in every one of the last tenth of
         the scene's ticks. ``restitution`` needs the path ``impact``, an entry after the first tick
         and a rotor that came back: it is None where the rotor went through the wall or stayed in
         it. A contact shorter than ``LEAST_TICKS`` that did not turn the rotor round is passed over.
-        The last five need a port anchor.
+        Those of the correction and of the anchor need a port anchor. ``stiffness`` speaks in
+        ``reasons`` for all that are made of it, ``hold_error`` for the four of a hold.
         """
         scene, run = self._scene, self._runs[0]
         ticks = int(run["ticks"])
         slot = self._first_contact()
-        slope, zero = (None, None) if slot is None else self._line(slot)
+        reasons: dict[str, str] = {}
+        slope, zero, said = self._stiffness(slot)
+        if said is not None:
+            reasons["stiffness"] = said
         tip = None
         arm = scene.transmission
         if slope is not None and arm is not None and arm.ratio and arm.lever_m:
@@ -781,12 +899,21 @@ class Metrics:
         error = None
         if self._has_reference and run["reference_peak"] > 0.0:
             error = math.sqrt(run["error_square"] / ticks) / run["reference_peak"]
+            if (lost := self._lost_reference()) is not None:
+                error, reasons["torque_nrmse_vs_analog"] = None, lost
         free = None
         if run["free_ticks"]:
             free = math.sqrt(run["free_square"] / run["free_ticks"])
         offset, offset_part, held, ripple = self._hold()
         delivered, delivered_part = self._contact_energy()
         swing, swing_hz = self._swing()
+        if held is None and run["hold_ticks"]:
+            reasons["hold_error"] = "the rotor isn't in contact in all of the last tenth"
+        if run["impact"] and run["bounce"] != _KNOWN and ticks:
+            reasons["restitution"] = (
+                "the rotor went through the wall or stayed in it"
+                if run["contacts"] else "the rotor never came into a wall"
+            )  # fmt: skip
         metrics: dict[str, Any] = {
             "scene": scene.scene.name,
             "controller": self._controller,
@@ -821,7 +948,29 @@ class Metrics:
             "clipped_fraction": run["clipped"] / ticks if ticks else None,
         }
         metrics |= self._correction()
+        if run["anchored"] and ticks and scene.winding is not None:
+            reasons["correction_bound_j"] = "the flux of [winding] isn't L·i"
+        metrics["reasons"] = reasons
         return {name: _plain(value) for name, value in metrics.items()}
+
+    def _lost_reference(self) -> str | None:
+        """Why the reference isn't the wall that was asked for; None where it is.
+
+        Beside a controller that holds its wall by the encoder stands a circuit that doesn't. That
+        loses the wall where R̂ isn't the motor's R, or where the motor has brushes.
+        """
+        run, scene = self._runs[0], self._scene
+        judged = run["reference_spring"] > 0.0 and run["reference_ticks"]
+        if not judged or scene.controller.eta_contact > -1.0:
+            return None
+        lack = run["reference_lack"] / run["reference_ticks"] / run["reference_peak"]
+        if abs(lack) <= LOST_REFERENCE:
+            return None
+        drive = scene.drive
+        estimate = scene.controller.r_hat * (1.0 if drive is None else drive.gain)
+        off = 100.0 * (estimate / scene.motor.R_ohm - 1.0)
+        cause = f" (R̂ with the drive's gain is {off:+.2g} % off R)" if abs(off) > 1e-4 else ""
+        return f"the analog circuit has no port anchor and loses this wall{cause}"
 
     def _correction(self) -> dict[str, Any]:
         run = self._runs[0]
