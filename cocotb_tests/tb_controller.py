@@ -627,7 +627,7 @@ def random_settings(rng: random.Random) -> Settings:
         min_pulse=rng.choice((0, 3, 6)) if MIN_PULSE else 0,
         extra_ticks=extra,
         hold_ticks=0 if EARLY else rng.randint(0, min(extra, max(0, extra - latency + 1))),
-        range_word=rng.choice((0x7FF0, 0x6000)),
+        range_word=(0x7FF0, 0x6000)[extra & 1],
         ports=[random_port(rng) for _ in range(N)],
     )
 
