@@ -191,11 +191,11 @@ module wh_anchor #(
                 started_q <= 1'b1;
                 contact_q <= contact_i;
                 begins_q  <= contact_i && !contact_q;
+            end
+            if (start_q) begin
                 follows_q <= (phase_q == {FOLLOW_W{1'b0}});
                 phase_q   <= (phase_q != {FOLLOW_W{1'b0}})      ? phase_q - 1'b1
                            : (follow_ticks != {FOLLOW_W{1'b0}}) ? follow_ticks - 1'b1 : {FOLLOW_W{1'b0}};
-            end
-            if (start_q) begin
                 back_q    <= moves ? back : back_q;
                 sinks_q   <= moves ? sinks : sinks_q;
                 same_q    <= begins_q || (moves ? same_way : same_q);
