@@ -5,11 +5,11 @@
 //   χ  = L̂ i + k̂_T x - Σ (s T/2)(u + v)       flux of the port, in counts of k̂_T Δ; 0 if all is ideal
 //   z  = χ, or a quarter of a count more in the direction of an edge that is the second the same way
 //   p  = z beyond ±1/2, z/256 within; or z - χ_b if the last edge's bound isn't kept yet
-//   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2; 0...learn_max
+//   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2; 0...learn_max, at first a quarter
 //   c  = θ (y' + sgn y' y_b) - g_ρ p           the first term in contact only
 //   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
-// y' is the mean of L̂ i while the rotor travels, y_b stands for the brushes and shrinks by half of what y'
+// y' is the mean of L̂ i while the rotor travels, three counts and more the same way, y_b stands for the brushes and shrinks by half of what y'
 // falls. The bound χ_b: after an edge upwards z must come down to the χ from before the last edge downwards,
 // and the other way round; so a rotor that crosses back over an edge meets no more force on its way out, and
 // no less on its way in, than it met there before.
@@ -143,7 +143,7 @@ module wh_anchor #(
     reg                      back_q;      // direction of the last edge
     reg                      same_q;      // it was that of the edge before it
     reg                      counted_q;   // direction of the last edge of which that was so
-    reg                      travels_q;   // and it was that of the one before with which that was so
+    reg [1:0]                travels_q;   // and as many before it had the same direction, up to 2
     reg                      sinks_q;     // the last edge lessened the flux
     reg [1:0]                fresh_q;     // ticks for which that edge is one that a contact can begin with
     reg [REST_W-1:0]         quiet_q;     // ticks left until a rotor without two edges the same way is slow
@@ -174,7 +174,7 @@ module wh_anchor #(
             back_q       <= 1'b0;
             same_q       <= 1'b1;
             counted_q    <= 1'b0;
-            travels_q    <= 1'b0;
+            travels_q    <= 2'd0;
             sinks_q      <= 1'b0;
             fresh_q      <= 2'd0;
             quiet_q      <= {REST_W{1'b0}};
@@ -201,7 +201,8 @@ module wh_anchor #(
                 same_q    <= begins_q || (moves ? same_way : same_q);
                 fresh_q   <= moves ? FRESH_TICKS : edged ? fresh_q - 2'd1 : 2'd0;
                 quiet_q   <= same_way ? slow_ticks : (|quiet_q) ? quiet_q - 1'b1 : quiet_q;
-                travels_q <= begins_q || (same_way ? (moves ? back : back_q) == counted_q : travels_q);
+                travels_q <= begins_q ? 2'd2 : !same_way ? travels_q : (back != counted_q) ? 2'd0
+                           : travels_q[1] ? 2'd2 : travels_q + 2'd1;
                 counted_q <= (begins_q || same_way) ? (moves ? back : back_q) : counted_q;
             end
             if (start_q && begins_q) begin
@@ -322,7 +323,8 @@ module wh_anchor #(
 
     // ---- The words of a step.
     localparam [3:0] B_NEAR = 0, B_FAR = 1,  // products
-                     B_REACH = 2, B_STRANGE = 3, B_VOLTAGE = 4, B_EDGE = 5, B_HALF = 6, B_PLACE = 7, B_AHEAD = 8;
+                     B_REACH = 2, B_STRANGE = 3, B_VOLTAGE = 4, B_EDGE = 5, B_HALF = 6, B_PLACE = 7, B_AHEAD = 8,
+                     B_THETA = 9;  // a quarter of the largest
 
     // No word is read for a sum in the clock in which it is written, so that it doesn't matter what a
     // block RAM would give then: else Yosys adds logic that knows.
@@ -367,7 +369,7 @@ module wh_anchor #(
 
     wire e_back = voltage_q[DATA_W-1];
     wire back_sum = sum_q[LONG_W-1];
-    wire moves_mean = follows_q && contact_q && travels_q && !blind_q && !begins_q;
+    wire moves_mean = follows_q && contact_q && travels_q[1] && !blind_q && !begins_q;
 
     wire grows  = (factor_q[DATA_W-1] != presses_q);
     wire learns = contact_q && out_q && !clipped_q && !saturated_q && !blind_q && !(grows ? full_q : void_q);
@@ -419,6 +421,7 @@ module wh_anchor #(
             MEAN: begin
                 inner      = moves_mean;
                 memory_too = !begins_q;
+                minus      = begins_q;  // begins with what presses against the rotor's way
                 fresh      = 1'b1;
                 read_from  = M_MEAN;
                 writes     = 1'b1;
@@ -561,6 +564,14 @@ module wh_anchor #(
                 b_from = B_FAR;
             end
             EDGE:    b_from = B_EDGE;
+            MEAN: begin
+                bare   = !begins_q;
+                b_from = B_EDGE;
+            end
+            TAKE_THETA: begin
+                bare   = !first_q;
+                b_from = B_THETA;
+            end
             AHEAD: begin
                 bare   = !contact_q || !same_q;
                 b_from = B_AHEAD;
@@ -599,6 +610,8 @@ module wh_anchor #(
                                            {(VOLT_SHIFT - 1){1'b0}}});
                 B_EDGE:    b_q <= begins_q ? start_flux : moved_flux;
                 B_AHEAD:   b_q <= ahead_flux;
+                B_THETA:   b_q <= $signed({{(LONG_W - COEF_W - THETA_CUT + 2){learn_max[COEF_W-1]}}, learn_max,
+                                           {(THETA_CUT - 2){1'b0}}});
                 B_HALF:    b_q <= half_flux;
                 B_PLACE:   b_q <= place;
                 default:   b_q <= $signed({{(LONG_W - DATA_W - VOLT_SHIFT){setting[DATA_W]}}, setting,

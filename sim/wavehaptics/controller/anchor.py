@@ -16,9 +16,9 @@ position needs no gain. A voltage c in series with the port, which the waves don
   edge of each direction. After an edge upwards z must not exceed DOWN, after one downwards not fall
   below UP, until it has been there once.
 - ``p`` is q, or z/256 within the zone, and ``c = θ·(y' + sgn(y')·y_b) − g_ρ·p``. y = L̂·i, y' is its mean of some
-  milliseconds, which follows only while the rotor travels: while its last two full counts had the
-  same direction. θ is a resistance that is learned from p where z is out of the zone:
-  ``θ −= g_θ·p·sgn(y')``. It is kept from contact to contact.
+  milliseconds, which follows only while the rotor travels: while its last three full counts had the
+  same direction. θ is a resistance that is learned from p where z is out of the zone,
+  ``θ −= g_θ·p·sgn(y')``, from a quarter of the largest on. It is kept from contact to contact.
 - y_b stands for the brushes' voltage. It shrinks by half of what y' falls, so that c falls at least as
   fast as what it compensates: a press never gets back more than it gave.
 - ``g_ρ·p`` is limited to ``c_0 + |e_id|/2``, out of contact with a half of c_0, and θ by a largest. In contact what c takes of the drive's limit is no longer the wave's: ``|u| ≤ u_max − |c|/s``. An error
@@ -72,7 +72,7 @@ assert len(_WORDS) == SETTINGS
     NEGATIVE,  # direction of the last edge
     SAME,  # it was that of the edge before it
     COUNTED,  # direction of the last edge of which that was so
-    TRAVELS,  # and it was that of the one before with which that was so
+    TRAVELS,  # and as many before it had the same direction, up to 2
     QUIET,  # periods left until a rotor without such an edge is slow
     PHASE,  # periods left until y' moves
     COEFFICIENT,  # s27q20 V a count: θ, 0 to LEARN_MAX
@@ -94,10 +94,11 @@ assert len(_WORDS) == SETTINGS
     ROOM,  # s31q23 √W, 0...: what c takes of the limit of the next period's wave
     PLACE,  # s48q33 counts, of an axis: its flux by the encoder in the period before
     FRESH,  # periods for which the last edge is still one that a contact can begin with
+    LOADED,  # θ is there: at first a quarter of the largest
     OVERLOADED,  # the current was at the end of its range, and c has been at its limit since
-) = range(33)
+) = range(34)
 """Indices of an anchor's state."""
-STATES = 33
+STATES = 34
 
 FRESH_TICKS = 3
 """An edge begins a contact that is reported in its own period or in the next two."""
@@ -108,6 +109,8 @@ AHEAD_SHIFT = 2
 """The zone of a rotor that goes on is a quarter of a count ahead."""
 MEAN_SHIFT = 8
 """y' takes 2^-8 of its distance to y in one period of FOLLOW_TICKS."""
+FIRST_SHIFT = 2
+"""θ begins with a quarter of the largest."""
 SHRINK_SHIFT = 1
 """y_b shrinks by half of what y' falls."""
 FREE_SHIFT = 1
@@ -126,7 +129,9 @@ _MOVE = 1 << (formats.MOVE_W - 1)
 _NEAR_SHIFT = formats.CURRENT.fraction + formats.CELLS.fraction - formats.LONG.fraction
 _FAR_SHIFT = formats.WAVE.fraction + formats.FLUX.fraction - formats.LONG.fraction
 assert formats.PULL.fraction - _GUARD == _NEAR_SHIFT
-_THETA_CUT = formats.LEARN.fraction + formats.LONG.fraction - _GUARD - _FAR_SHIFT - formats.PULL.fraction
+_THETA_CUT = (
+    formats.LEARN.fraction + formats.LONG.fraction - _GUARD - _FAR_SHIFT - formats.PULL.fraction
+)
 """Bits of θ below a coefficient's."""
 _VOLT_SHIFT = formats.LONG.fraction - formats.VOLTAGE.fraction
 _AMPERE_SHIFT = formats.LONG.fraction - formats.CURRENT.fraction
@@ -264,13 +269,13 @@ def _turn(
     elif state[FRESH] > 0:
         state[FRESH] -= 1
     if same_way:
-        state[TRAVELS] = 1 if state[NEGATIVE] == state[COUNTED] else 0
+        state[TRAVELS] = min(state[TRAVELS] + 1, 2) if state[NEGATIVE] == state[COUNTED] else 0
         state[COUNTED] = state[NEGATIVE]
         state[QUIET] = words[SLOW_TICKS]
     elif state[QUIET] > 0:
         state[QUIET] -= 1
     if begins:
-        state[SAME] = state[TRAVELS] = 1
+        state[SAME], state[TRAVELS] = 1, 2
         state[COUNTED] = state[NEGATIVE]
     follows = state[PHASE] == 0
     state[PHASE] = max(words[FOLLOW_TICKS] - 1, 0) if follows else state[PHASE] - 1
@@ -344,9 +349,12 @@ def _turn(
         state[ZERO] = long_word(state[ZERO] - zero_step)
 
     if begins:
+        # With what presses against the rotor's way in, so that y_b has its sign.
         state[MEAN] = 0
+        if state[FRESH] > 0:
+            state[MEAN] = start if state[NEGATIVE] != 0 else -start
         state[BRUSH_LEFT] = words[BRUSH]
-    elif contact and follows and state[TRAVELS] != 0 and not blind:
+    elif contact and follows and state[TRAVELS] == 2 and not blind:
         swing = long_word(y - state[MEAN])
         if (swing < 0) != (state[MEAN] < 0):
             shrinks = (~swing if swing < 0 else swing) >> _FEW
@@ -357,7 +365,12 @@ def _turn(
     held = 0
     if contact:
         told = -state[BRUSH_LEFT] if presses_down else state[BRUSH_LEFT]
-        held = long_word((state[COEFFICIENT] * _data((state[MEAN] >> _GUARD) + told)) >> _NEAR_SHIFT)
+        held = long_word(
+            (state[COEFFICIENT] * _data((state[MEAN] >> _GUARD) + told)) >> _NEAR_SHIFT
+        )
+    if state[LOADED] == 0:
+        state[LOADED] = 1
+        state[THETA] = words[LEARN_MAX] << (_THETA_CUT - FIRST_SHIFT)
     grows = (p < 0) != presses_down
     stops = state[FULL] != 0 if grows else state[THETA] < 0
     learns = contact and (over or under) and state[CLIPPED] == 0 and not saturated and not blind

@@ -168,6 +168,7 @@ class Controller(Table):
         ge=0.1,
         le=1.5,
     )
+
     @property
     def anchored(self) -> bool:
         """Whether there is a port anchor."""
