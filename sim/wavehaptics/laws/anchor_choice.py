@@ -7,15 +7,15 @@ Everything is in proportion to the motor's own R̂ and L̂, so that one choice s
   moves the wall, and the shorter the lag L/ρ with which the force changes at an edge. That lag is
   negative damping: with 4 R̂ a lever of ten times the rotor's inertia never came to rest. Beyond a fraction of
   the control rate the loop swings by itself, so a slow period takes less.
-- **R̂ at 0.75 of the winding's.** Too little only damps, too much swings. With R̂ 10 % and the drive's
-  gain 5 % too high, and R(θ) 4 % too low at that angle, that is still less than R. What it lacks is learned as θ.
-- **γ = 16 ρ a second** at a current of 1.4·c_0/R̂: what stays is learned within 60 ms.
+- **R̂ at 0.7 of the winding's.** Too little only damps, too much swings. With R̂ 10 % and the drive's
+  gain 5 % too high, and a winding at −20 °C, that is still less than R. What it lacks is learned as θ.
+- **γ = 16 ρ a second** at a current of 0.93·c_0/R̂: what stays is learned within 60 ms.
 - **θ ≤ 1.5 R̂ of the port**: a winding of 125 °C has 1.41 R. With R̂ and gain too low that lacks 0.8 R,
   and brushes ask for the rest. A quarter of it is what a new port begins with.
 - **y' follows within 8 ms**: fast beside a hand's press (4 Hz), slow beside the slowest load on its wall.
-- **Brushes: 0.825·c_0 as a current of R̂.** θ then has to supply less at small currents than at
+- **Brushes: 0.55·c_0 as a current of R̂.** θ then has to supply less at small currents than at
   large ones. A brushless motor has none.
-- **c_0 = 0.8 V**: brushes of 0.5 V and a rest of dead time.
+- **c_0 = 1.2 V**: with it the first press holds a winding of 125 °C at rated torque, before θ is learned.
 - **η in free space a little below 1.** The waves hold the current at zero, and the winding swings
   on their delay at ``ω² = 2R̂/(L̂·(k + 1)·T)``, which nothing damps but what R̂ lacks of R. There an L̂
   that is too small by 10 % makes of ρ a negative resistance of ρ/10, and an amplifier's lag one of
@@ -38,15 +38,15 @@ LESS_BY_LATENCY = 1.45
 limit from 0.075 on with k = 2, from 0.06 with 3 and from 0.03 with 4."""
 LEARN_PER_S = 16.0
 """γ over ρ."""
-LEARN_OF_LIMIT = 1.4
+LEARN_OF_LIMIT = 0.93
 """R̂ times the current at which it is so, over c_0."""
-BRUSH_OF_LIMIT = 0.825
+BRUSH_OF_LIMIT = 0.55
 """R̂ times the current that stands for the brushes, over c_0."""
 MOST_LEARNED = 1.5
 """Largest θ over the port's R̂."""
 FOLLOW_S = 8e-3
 """Time constant of y', s."""
-LIMIT_V = 0.8
+LIMIT_V = 1.2
 LIMIT_PART = 1.0 / 3.0
 """Largest c_0: this, or that part of the drive's limit."""
 SLOW_RAD_S = 1.0

@@ -156,15 +156,15 @@ class Controller(Table):
         "Largest correction of the port anchor besides what it has learned, where the waves ask for "
         "no voltage; it grows by half of theirs",
         None,
-        default_text="0.8, or a third of the drive's limit",
+        default_text="1.2, or a third of the drive's limit",
         ge=0,
         le=63,
     )
     r_hat_part: float = scene_key(
         "–",
         "Part of `r_hat` that the waves of a port with an anchor are made for",
-        0.75,
-        default_text="0.75",
+        0.7,
+        default_text="0.7",
         ge=0.1,
         le=1.5,
     )
