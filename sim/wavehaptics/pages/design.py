@@ -169,7 +169,7 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
             (
                 f"the same on {runs} random motors",
                 f"{len(motors['lost']['hold'])} lost, "
-                f"{len(motors['over']['hold'])} beyond half a cell and 1 % of the depth",
+                f"{len(motors['missed']['hold_cells'])} beyond a count and 1 % of the depth",
                 "make holding",
             )
         )
