@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the port anchor comes to: the numbers and pictures of ``docs/holding.md``.
 
-Holds, slow presses, loads, heat, soft walls, bounces, free space, overloads and lost encoders of one
-motor with one thing wrong or everything, and random motors in random hands with everything wrong.
+Holds, slow presses, loads, heat, soft walls, bounces, free space, overloads and lost encoders of
+one motor with one thing wrong or everything; random motors in random hands with everything wrong.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random motors in random hands, all wrong at once: does one choice of the anchor's values serve?"""
+"""Random motors in random hands, all wrong: does one choice of the anchor's values serve?"""
 
 from __future__ import annotations
 
