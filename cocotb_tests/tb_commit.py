@@ -13,7 +13,16 @@ from wavehaptics.controller.pins_timing import shortest_tick_clocks
 from wavehaptics.controller.tick_layout import MIN_AXES_CLOCKS, MIN_BRUSHLESS_CLOCKS
 from wavehaptics.words.table import THREE_PHASE_LEGS, WORDS
 
-_P = {"N": 1, "LEGS": 2, "ANCHOR": 0, "SHAPER": 0, "SHARED": 0, "BUS": 0, "EARLY": 0, **parameters()}
+_P = {
+    "N": 1,
+    "LEGS": 2,
+    "ANCHOR": 0,
+    "SHAPER": 0,
+    "SHARED": 0,
+    "BUS": 0,
+    "EARLY": 0,
+    **parameters(),
+}
 BRUSHLESS = _P["LEGS"] == THREE_PHASE_LEGS
 ANCHORED, EARLY, BUS = (bool(_P[name]) for name in ("ANCHOR", "EARLY", "BUS"))
 HALVES = 2 if BRUSHLESS else 1
@@ -56,7 +65,9 @@ async def commit(dut: Any, tick: int, commits: int, kinds: int = ALL) -> Found:
     await Timer(1, "ns")  # for the bench to begin
     dut.go_i.value = not int(dut.done_o.value)
     await with_timeout(ValueChange(dut.done_o), 500, "ms")
-    return Found(**{field.name: int(getattr(dut, f"{field.name}_o").value) for field in fields(Found)})
+    return Found(
+        **{field.name: int(getattr(dut, f"{field.name}_o").value) for field in fields(Found)}
+    )
 
 
 def periods() -> list[int]:

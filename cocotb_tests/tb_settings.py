@@ -309,7 +309,9 @@ async def groups_wait_for_their_own_readers(dut: object) -> None:
         assert (bench.wave() == old) == bool(held & 1)
         if SIZES.walls > 1:
             assert (bench.word("wall_o") & MASK == old_wall) == bool(held & 2)
-        waited_for = held if SIZES.walls > 1 else held & 1  # the second wall isn't there to be written
+        waited_for = (
+            held if SIZES.walls > 1 else held & 1
+        )  # the second wall isn't there to be written
         assert bench.word("busy_o") or not waited_for
         if waited_for:
             assert await bench.write(ROOT, 1) == NOT_NOW

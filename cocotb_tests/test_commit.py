@@ -21,7 +21,9 @@ OTHERS = {
 @pytest.mark.parametrize("anchor", [0, 1])
 @pytest.mark.parametrize("motors", range(1, 9))
 def test_commit(motors: int, anchor: int) -> None:
-    simulate("verilator", "bench_commit", "tb_commit", {"N": motors, "ANCHOR": anchor}, sources=BENCH)
+    simulate(
+        "verilator", "bench_commit", "tb_commit", {"N": motors, "ANCHOR": anchor}, sources=BENCH
+    )
 
 
 @pytest.mark.parametrize("design", OTHERS)
