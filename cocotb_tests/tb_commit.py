@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commits while the bridges are on, in periods of any length that a tool accepts (bench_commit.v)."""
+"""Commits while the bridges are on, in periods of any length that a tool accepts."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def periods() -> list[int]:
 
 @cocotb.test(timeout_time=20, timeout_unit="sec")
 async def a_commit_ends_in_every_period(dut: Any) -> None:
-    """Within three periods, with every word of a step of one commit; nobody waits who has nothing."""
+    """Within three periods, all words of a step of one commit; nobody waits who has nothing."""
     for tick in periods():
         found = await commit(dut, tick, 4)
         cocotb.log.info("%d clocks: %s", tick, found)

@@ -95,7 +95,7 @@ async def words_change_together_and_never_while_held(dut: object) -> None:
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def after_a_reset_all_words_are_to_come(dut: object) -> None:
-    """What was on its way is not made active by the reset, and what comes then waits for the readers."""
+    """The reset makes nothing active that was on its way; what comes then waits for the readers."""
     bench = Group(dut)
     await bench.begin(random_source("reset"))
     assert bench.word("pending_o") == 0

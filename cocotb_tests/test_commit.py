@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs :mod:`tb_commit`: every number of motors, with anchors and without, and each kind of design."""
+"""Runs :mod:`tb_commit`: every number of motors, with and without anchors, each kind of design."""
 
 import pytest
 from simulators import TESTS_DIR, simulate
 
 BENCH = (TESTS_DIR / "bench_commit.v",)
-"""As a source, so that the test sees the bench's own signals only: that compiles in half the time."""
+"""As a source: the test sees the bench's own signals only, and compiles in half the time."""
 
 OTHERS = {
     "shared": {"N": 3, "ANCHOR": 1, "SHARED": 1},

@@ -22,7 +22,7 @@ PINS = (
     r"clk|rst|enable_i|adc_(cs_n|sclk|din)_o|adc_sdata_i|enc_[ab]_i|gate_([ab][hl]|high|low)_o"
     r"|stop_i|driver_fault_i|anchor_fault_i|phase_current_o|(scale|anchor)_hold_o"
 )
-"""Ports that are no words: clock, pins of the FPGA, what a board wires, and what ``wh_device`` needs."""
+"""Ports that are no words: clock, pins, what a board wires, and what ``wh_device`` needs."""
 
 
 def controller_ports(tmp_path, sizes):

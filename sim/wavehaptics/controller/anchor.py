@@ -5,42 +5,46 @@ The waves and the encoder both know where the rotor is. On an ideal motor the fl
 
 ``χ = L̂·i + k̂_T·x − ∫ (e_id − R̂·i) dt``,  ``e_id − R̂·i = s(u + v)/2``,
 
-stays constant whatever the environment does (docs/port_anchor.md). What moves it is everything that
-differs on the real motor, as a voltage. χ is counted in encoder counts, ``k̂_T·Δ`` each, so that the
-position needs no gain. A voltage c in series with the port, which the waves don't see, holds χ:
+stays constant whatever the environment does (docs/port_anchor.md). What moves it is everything
+that differs on the real motor, as a voltage. χ is counted in encoder counts, ``k̂_T·Δ`` each, so
+that the position needs no gain. A voltage c in series with the port, which the waves don't see,
+holds χ:
 
-- **Zone.** ``z = χ + σ/4`` if the last edge had the direction σ of the one before it, else ``z = χ``.
-  ``q`` is the part of z beyond ± half a count: within it the inductor knows better than the encoder.
-- **Nothing given twice.** A rotor that crosses back over an edge meets no more force on its way out,
-  and no less on its way in, than it met there before. ``UP`` and ``DOWN`` are χ just before the last
-  edge of each direction. After an edge upwards z must not exceed DOWN, after one downwards not fall
-  below UP, until it has been there once.
-- ``p`` is q, or z/256 within the zone, and ``c = θ·(y' + sgn(y')·y_b) − g_ρ·p``. y = L̂·i, y' is its mean of some
-  milliseconds, which follows only while the rotor travels: while its last three full counts had the
-  same direction. θ is a resistance that is learned from p where z is out of the zone,
-  ``θ −= g_θ·p·sgn(y')``, from a quarter of the largest on. It is kept from contact to contact.
-- y_b stands for the brushes' voltage. It shrinks by half of what y' falls, so that c falls at least as
-  fast as what it compensates: a press never gets back more than it gave.
-- ``g_ρ·p`` is limited to ``c_0 + |e_id|/2``, out of contact with a half of c_0, and θ by a largest. In contact what c takes of the drive's limit is no longer the wave's: ``|u| ≤ u_max − |c|/s``. An error
-  of the flux that c can't hold while the wave is below its limit means that waves and encoder don't
-  follow the same motor.
+- **Zone.** ``z = χ + σ/4`` if the last edge had the direction σ of the one before it, else ``z =
+  χ``. ``q`` is the part of z beyond ± half a count: within it the inductor knows better than the
+  encoder.
+- **Nothing given twice.** A rotor that crosses back over an edge meets no more force on its way
+  out, and no less on its way in, than it met there before. ``UP`` and ``DOWN`` are χ just before
+  the last edge of each direction. After an edge upwards z must not exceed DOWN, after one
+  downwards not fall below UP, until it has been there once.
+- ``p`` is q, or z/256 within the zone, and ``c = θ·(y' + sgn(y')·y_b) − g_ρ·p``. y = L̂·i, y' is
+  its mean of some milliseconds, which follows only while the rotor travels: while its last three
+  full counts had the same direction. θ is a resistance that is learned from p where z is out of
+  the zone, ``θ −= g_θ·p·sgn(y')``, from a quarter of the largest on. It is kept from contact to
+  contact.
+- y_b stands for the brushes' voltage. It shrinks by half of what y' falls, so that c falls at
+  least as fast as what it compensates: a press never gets back more than it gave.
+- ``g_ρ·p`` is limited to ``c_0 + |e_id|/2``, out of contact with a half of c_0, and θ by a
+  largest. In contact what c takes of the drive's limit is no longer the wave's: ``|u| ≤ u_max −
+  |c|/s``. An error of the flux that c can't hold while the wave is below its limit means that
+  waves and encoder don't follow the same motor.
 
-The edge with which a contact begins gives x exactly, and sets χ without L̂·i to a quarter of a count:
-at the surface a wall has no current, so what flows there is pulled away. At the pins a contact is
-reported up to two periods after its edge. What the λ filter holds then counts as flux, ``g_w·u``,
-else a wall stands deeper by ω·T/2a.
+The edge with which a contact begins gives x exactly, and sets χ without L̂·i to a quarter of a
+count: at the surface a wall has no current, so what flows there is pulled away. At the pins a
+contact is reported up to two periods after its edge. What the λ filter holds then counts as flux,
+``g_w·u``, else a wall stands deeper by ω·T/2a.
 
 What a limit withholds from the waves in contact, w, is added to the flux, ``χ −= g_w·w``: so the
-wall stands where it was when the limit has done its work. So is what truncation takes from u: half an
-LSB a period would move a held wall by some counts an hour. In free space the current is zero but
-for the sensor's offset, which c then shows: ``offset −= g_z·c`` while the rotor is slow.
+wall stands where it was when the limit has done its work. So is what truncation takes from u:
+half an LSB a period would move a held wall by some counts an hour. In free space the current is
+zero but for the sensor's offset, which c then shows: ``offset −= g_z·c`` while the rotor is slow.
 
 Values found in a period act in the next.
 
-A brushless motor has an anchor for each axis of the stationary frame, whose flux a count changes by
-a fraction of a count, along q (:mod:`wavehaptics.controller.rotor_flux`): that fraction is ``cell``
-below, and within half of it the inductor knows better. There χ begins at half of it, as with
-a quarter a held wall stood 0.7 counts off at four angles of eight.
+A brushless motor has an anchor for each axis of the stationary frame, whose flux a count changes
+by a fraction of a count, along q (:mod:`wavehaptics.controller.rotor_flux`): that fraction is
+``cell`` below, and within half of it the inductor knows better. There χ begins at half of it, as
+with a quarter a held wall stood 0.7 counts off at four angles of eight.
 """
 
 from __future__ import annotations

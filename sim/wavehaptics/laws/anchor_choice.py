@@ -1,26 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
 """What ``controller.anchor_auto`` chooses, and why; SI values.
 
-Everything is in proportion to the motor's own R̂ and L̂, so that one choice serves all. No inertia is needed:
+Everything is in proportion to the motor's own R̂ and L̂, so that one choice serves all. No
+inertia is needed:
 
-- **ρ = 8 R̂.** It pulls an error of the flux back with the rate ρ/L. The larger, the less a voltage
-  moves the wall, and the shorter the lag L/ρ with which the force changes at an edge. That lag is
-  negative damping: with 4 R̂ a lever of ten times the rotor's inertia never came to rest. Beyond a fraction of
-  the control rate the loop swings by itself, so a slow period takes less.
-- **R̂ at 0.7 of the winding's.** Too little only damps, too much swings. With R̂ 10 % and the drive's
-  gain 5 % too high, and a winding at −20 °C, that is still less than R. What it lacks is learned as θ.
+- **ρ = 8 R̂.** It pulls an error of the flux back with the rate ρ/L. The larger, the less a
+  voltage moves the wall, and the shorter the lag L/ρ with which the force changes at an edge.
+  That lag is negative damping: with 4 R̂ a lever of ten times the rotor's inertia never came to
+  rest. Beyond a fraction of the control rate the loop swings by itself, so a slow period takes
+  less.
+- **R̂ at 0.7 of the winding's.** Too little only damps, too much swings. With R̂ 10 % and the
+  drive's gain 5 % too high, and a winding at −20 °C, that is still less than R. What it lacks is
+  learned as θ.
 - **γ = 16 ρ a second** at a current of 0.93·c_0/R̂: what stays is learned within 60 ms.
-- **θ ≤ 1.5 R̂ of the port**: a winding of 125 °C has 1.41 R. With R̂ and gain too low that lacks 0.8 R,
-  and brushes ask for the rest. A quarter of it is what a new port begins with.
-- **y' follows within 8 ms**: fast beside a hand's press (4 Hz), slow beside the slowest load on its wall.
+- **θ ≤ 1.5 R̂ of the port**: a winding of 125 °C has 1.41 R. With R̂ and gain too low that lacks
+  0.8 R, and brushes ask for the rest. A quarter of it is what a new port begins with.
+- **y' follows within 8 ms**: fast beside a hand's press (4 Hz), slow beside the slowest load on
+  its wall.
 - **Brushes: 0.55·c_0 as a current of R̂.** θ then has to supply less at small currents than at
   large ones. A brushless motor has none.
-- **c_0 = 1.2 V**: with it the first press holds a winding of 125 °C at rated torque, before θ is learned.
+- **c_0 = 1.2 V**: with it the first press holds a winding of 125 °C at rated torque, before θ is
+  learned.
 - **η in free space a little below 1.** The waves hold the current at zero, and the winding swings
-  on their delay at ``ω² = 2R̂/(L̂·(k + 1)·T)``, which nothing damps but what R̂ lacks of R. There an L̂
-  that is too small by 10 % makes of ρ a negative resistance of ρ/10, and an amplifier's lag one of
-  ``ω²·L̂·lag``: once begun, as by a contact's end, the swing goes on at the voltage limit. What
-  returns has to be less by as much as they give, but for what the λ filter takes there.
+  on their delay at ``ω² = 2R̂/(L̂·(k + 1)·T)``, which nothing damps but what R̂ lacks of R. There
+  an L̂ that is too small by 10 % makes of ρ a negative resistance of ρ/10, and an amplifier's lag
+  one of ``ω²·L̂·lag``: once begun, as by a contact's end, the swing goes on at the voltage limit.
+  What returns has to be less by as much as they give, but for what the λ filter takes there.
 """
 
 from __future__ import annotations
@@ -32,7 +37,7 @@ from typing import NamedTuple
 ANCHOR_OF_R = 8.0
 """ρ over R̂."""
 MOST_OF_TICK = 0.15
-"""Largest ρ·T/L̂ with no more than one period of extra latency: the correction acts two periods late."""
+"""Largest ρ·T/L̂ with at most one period of extra latency: the correction acts two periods late."""
 LESS_BY_LATENCY = 1.45
 """With k of them it is less by k to this power. Held walls at 10 to 100 kHz swung at the voltage
 limit from 0.075 on with k = 2, from 0.06 with 3 and from 0.03 with 4."""
