@@ -46,8 +46,8 @@ def test_kept_bars_swing_by_less_than_half_a_cell(kept):
 
 
 def test_kept_motors_are_all_there(kept):
-    assert kept["motors"]["seeds"] in ([0, anchored.MOTORS - 1], [0, anchored.QUICK_MOTORS - 1])
-    assert set(kept["motors"]["faults"]) == {*port_anchor.WALLS, *port_anchor.BOUNCES}
+    assert kept["in_hands"]["seeds"] in ([0, anchored.MOTORS - 1], [0, anchored.QUICK_MOTORS - 1])
+    assert set(kept["in_hands"]["faults"]) == {*port_anchor.WALLS, *port_anchor.BOUNCES}
 
 
 def test_every_table_has_its_marker_on_its_page():

@@ -163,7 +163,8 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
                 "make holding",
             )
         )
-        motors = numbers["holding"]["motors"]
+    if "in_hands" in numbers.get("holding", {}):
+        motors = numbers["holding"]["in_hands"]
         runs = motors["spreads"]["hold_cells"]["n"]
         rows.append(
             (

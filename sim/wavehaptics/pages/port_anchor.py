@@ -46,7 +46,7 @@ def of_holding(found: dict[str, Any]) -> dict[str, Any]:
         }
         for run in found["bounces"]
     ]
-    kept["motors"] = _motors(found["motors"])
+    kept["in_hands"] = _motors(found["motors"])
     return kept
 
 
@@ -442,7 +442,7 @@ _NAMES = {
 
 
 def _random(numbers: dict[str, Any], table: Table) -> str:
-    motors = numbers["holding"]["motors"]
+    motors = numbers["holding"]["in_hands"]
     head = ("", "runs", "median", "90 %", "worst", "its seed", "missed", "lost", "faults")
     rows = []
     for key, name in _NAMES.items():
@@ -465,27 +465,27 @@ def _random(numbers: dict[str, Any], table: Table) -> str:
     return table(head, rows)
 
 
-def _once_measured(render: Callable[..., str]) -> Callable[..., str]:
-    """``render``, which makes nothing before the first study."""
+def _once_measured(group: str, render: Callable[..., str]) -> Callable[..., str]:
+    """``render``, which makes nothing before the first study that measures ``group``."""
 
     def rendered(numbers: dict[str, Any], table: Table) -> str:
-        return render(numbers, table) if "holding" in numbers else ""
+        return render(numbers, table) if group in numbers.get("holding", {}) else ""
 
     return rendered
 
 
 TABLES = {
-    "holds": _once_measured(_holds),
-    "bars": _once_measured(_bars),
-    "feels": _once_measured(_feels),
-    "bounces": _once_measured(_bounces),
-    "free": _once_measured(_free),
-    "overloads": _once_measured(_overloads),
-    "lost": _once_measured(_lost),
-    "presses": _once_measured(_presses),
-    "loads": _once_measured(_loads),
-    "throws": _once_measured(_throws),
-    "heat": _once_measured(_heat),
-    "motors": _once_measured(_random),
+    "holds": _once_measured("holds", _holds),
+    "bars": _once_measured("bars", _bars),
+    "feels": _once_measured("feels", _feels),
+    "bounces": _once_measured("bounces", _bounces),
+    "free": _once_measured("free", _free),
+    "overloads": _once_measured("overloads", _overloads),
+    "lost": _once_measured("lost", _lost),
+    "presses": _once_measured("presses", _presses),
+    "loads": _once_measured("loads", _loads),
+    "throws": _once_measured("throws", _throws),
+    "heat": _once_measured("heat", _heat),
+    "motors": _once_measured("in_hands", _random),
 }
 """Tables of Markdown by marker, made with the given function of head and rows."""
