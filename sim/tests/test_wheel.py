@@ -20,7 +20,7 @@ from wavehaptics.scene import find_scene, load_scene, shipped_scenes
 
 TIMEOUT_S = 900
 SDIST = "import sys; from setuptools.build_meta import build_sdist; build_sdist(sys.argv[1])"
-PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check", "--no-input")
+PIP = ("-m", "pip", "--disable-pip-version-check", "--no-input")
 OFFLINE = ("--no-index", "--no-deps")
 
 WATCH = """
@@ -55,7 +55,17 @@ def made(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("made")
     ran(sys.executable, "-c", SDIST, folder, cwd=ROOT)
     (sdist,) = folder.glob("*.tar.gz")
-    ran(*PIP, "wheel", sdist, *OFFLINE, "--no-build-isolation", "-w", folder, cwd=folder)
+    ran(
+        sys.executable,
+        *PIP,
+        "wheel",
+        sdist,
+        *OFFLINE,
+        "--no-build-isolation",
+        "-w",
+        folder,
+        cwd=folder,
+    )
     (wheel,) = folder.glob("*.whl")
     return wheel
 
@@ -67,9 +77,8 @@ def elsewhere(made, tmp_path_factory) -> Path:
     Other packages come from this environment, so that none has to be fetched.
     """
     folder = tmp_path_factory.mktemp("elsewhere") / "a place (ü)"
-    venv.create(folder / "env", with_pip=False)
-    python = folder / "env" / "bin" / "python"
-    ran(*PIP, "--python", python, "install", *OFFLINE, made, cwd=folder)
+    venv.create(folder / "env", with_pip=True)
+    ran(folder / "env" / "bin" / "python", *PIP, "install", *OFFLINE, made, cwd=folder)
     (site,) = (folder / "env" / "lib").glob("python*/site-packages")
     (site / "others.pth").write_text(sysconfig.get_path("purelib") + "\n")
     watch = WATCH.format(root=f"{ROOT.resolve()}/", venv=f"{Path(sys.prefix).resolve()}/")
