@@ -87,6 +87,9 @@ ABILITIES: dict[str, Ability] = {
 """By what runs a scene."""
 
 
+WITHOUT_WORDS = ("analog", "encoder", "a board")
+"""Controllers that compute in real numbers, or don't show theirs."""
+
 BRUSHLESS_RUNGS = ("analog", "golden", "core", "pins", "encoder")
 """Controllers that a brushless motor runs on, besides a board with three legs."""
 

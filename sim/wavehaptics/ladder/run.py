@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -11,8 +10,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from wavehaptics.controller.design_spring import rendered_stiffness
 from wavehaptics.controller.settings import Settings
-from wavehaptics.ladder.abilities import refuse
+from wavehaptics.ladder.abilities import WITHOUT_WORDS, refuse
 from wavehaptics.ladder.analog import AnalogSimulation
 from wavehaptics.ladder.brushless import BrushlessAnalogSimulation, BrushlessSimulation
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
@@ -21,7 +21,6 @@ from wavehaptics.ladder.field_oriented import FieldOrientedSimulation
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.r_hat_error import Estimate
 from wavehaptics.ladder.sampled import SampledSimulation
-from wavehaptics.laws import closed_forms
 from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import Scene
 from wavehaptics.trace.columns import TRACE_FILE, Column, TraceWriter, Word
@@ -88,9 +87,6 @@ CONTROLLERS: dict[str, Callable[[Scene], Simulation]] = {
 }
 """The fidelity ladder by name."""
 
-WITHOUT_WORDS = ("analog", "encoder", "a board")
-"""Controllers that compute in real numbers, or don't show theirs."""
-
 
 def stiffness_predicted(scene: Scene, simulation: Simulation, shaped: bool | None = None) -> float:
     """K of the design spring for contact (:func:`closed_forms.stiffness`), N·m/rad.
@@ -115,28 +111,6 @@ def stiffness_predicted(scene: Scene, simulation: Simulation, shaped: bool | Non
         scene, set_.r_hat, tau, scene.controller.eta_contact, set_.anchored and not continuous,
         wish.spring if wish is not None else None,
     )  # fmt: skip
-
-
-def rendered_stiffness(
-    scene: Scene, r_hat: float, tau_s: float, eta: float, anchored: bool, spring: float | None
-) -> float:
-    """K of the design spring for a contact with ``eta``, N·m/rad; 0 where nothing is pushed back.
-
-    ``r_hat`` in Ω and the delay ``tau_s`` are the port's; ``spring`` is W's, N·m/rad, or None.
-    """
-    k_t, inductance, k_t_hat = scene.motor.felt_k_t, scene.motor.L_h, scene.controller.k_t_hat
-    wished = (k_t / k_t_hat) ** 2
-    if anchored:
-        wished = k_t / k_t_hat
-        k_t, inductance = math.sqrt(k_t * k_t_hat), scene.controller.l_hat
-    g = -eta
-    if g <= -1.0:
-        return 0.0
-    if spring is not None:
-        spring *= wished
-        front = closed_forms.stiffness(k_t, inductance, r_hat, tau_s)
-        return spring * front / (spring + front)
-    return closed_forms.stiffness(k_t, inductance, r_hat, tau_s, g)
 
 
 def measure(
