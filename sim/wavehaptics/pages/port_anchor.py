@@ -89,7 +89,7 @@ def _motors(rows: list[dict[str, Any]]) -> dict[str, Any]:
     gather("hold_ripple", "hold", _ripple)
     gather("press_error", "press", error_of_press)
     for which in ("first", "later"):
-        gather(f"press_{which}", "press", lambda row, which=which: row.get(which))
+        gather(f"press_{which}", "press", _of(which))
     for part in BOUNCES:
         gather(part, part, lambda row: row.get("restitution"))
     parts = (*WALLS, *BOUNCES)
@@ -117,9 +117,7 @@ def _motors(rows: list[dict[str, Any]]) -> dict[str, Any]:
             "press_error": missed("press", error_of_press, SWING_TARGET),
         }
         | {
-            f"press_{which}": missed(
-                "press", lambda row, which=which: row.get(which), ENERGY_TARGETS["all"]
-            )
+            f"press_{which}": missed("press", _of(which), ENERGY_TARGETS["all"])
             for which in ("first", "later")
         }
         | {part: missed(part, lambda row: row.get("restitution"), 1.0) for part in BOUNCES},
@@ -133,6 +131,11 @@ def _refused(row: dict[str, Any]) -> bool:
 
 def _is_lost(row: dict[str, Any]) -> bool:
     return "lost" in row or ("refused" not in row and row.get("moved_cells") is None)
+
+
+def _of(key: str) -> Callable[[dict[str, Any]], float | None]:
+    """What takes ``key`` of a row, or None where there is none."""
+    return lambda row: row.get(key)
 
 
 def _absolute(value: float | None) -> float | None:

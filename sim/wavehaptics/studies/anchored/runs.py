@@ -155,7 +155,7 @@ def swing(scene: str, settings: list[str]) -> dict[str, Any]:
     metrics, rows = run(loaded, part_s=part_s)
     touching, moved, depth = deviations(rows, loaded)
     cell = cell_of(loaded)
-    found = {"touched": int(np.count_nonzero(touching)), "cell_rad": cell}
+    found: dict[str, Any] = {"touched": int(np.count_nonzero(touching)), "cell_rad": cell}
     found |= {key: metrics[key] for key in KEPT}
     given = energies(rows, loaded, part_s)
     found["first"] = given[0] if given else None
