@@ -40,6 +40,7 @@ module bench_closed_loop #(
     wh_controller controller (
         .clk(clk), .rst(rst), .enable_i(enable),
         .adc_cs_n_o(cs_n), .adc_sclk_o(sclk), .adc_din_o(), .adc_sdata_i(shift[31]),
+        .scale_hold_o(), .anchor_hold_o(),
         .enc_a_i(enc_a), .enc_b_i(enc_b),
         .gate_ah_o(gates[0]), .gate_al_o(gates[1]), .gate_bh_o(gates[2]), .gate_bl_o(gates[3]),
         `WH_BENCH_PORTS

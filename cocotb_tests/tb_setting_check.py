@@ -15,7 +15,6 @@ PORT = {
     "a_i": (formats.COEF_W, lambda word: 0 < word <= ONE),
     "eta_contact_i": (formats.COEF_W, lambda word: -ONE <= word <= ONE),
     "eta_free_i": (formats.COEF_W, lambda word: -ONE <= word <= ONE),
-    "eta_rebound_i": (formats.COEF_W, lambda word: -ONE <= word <= ONE),
     "root_i": (formats.COEF_W, lambda word: word > 0),
     "gain_i": (formats.COEF_W, lambda word: word > 0),
     "clocks_per_volt_i": (formats.COEF_W, lambda word: word > 0),
@@ -23,8 +22,24 @@ PORT = {
 }
 """Width of a port's word, and what it may be."""
 
-LEADS = [(2, -1, 0), (2, 1, 0), (7, 3, 0), (7, 4, 0), (7, -3, 0), (7, -3, 1), (7, -4, 0), (300, -128, 0)]
-LEADS += [(250, -124, 0), (250, -124, 1), (250, -125, 0), (250, 125, 1), (250, 126, 0), (TICK_MAX, 127, 1)]
+LEADS = [
+    (2, -1, 0),
+    (2, 1, 0),
+    (7, 3, 0),
+    (7, 4, 0),
+    (7, -3, 0),
+    (7, -3, 1),
+    (7, -4, 0),
+    (300, -128, 0),
+]
+LEADS += [
+    (250, -124, 0),
+    (250, -124, 1),
+    (250, -125, 0),
+    (250, 125, 1),
+    (250, 126, 0),
+    (TICK_MAX, 127, 1),
+]
 """Clocks from sample to sample, by how many they come early, and whether later in odd ticks."""
 
 PULSES = [(half, spare, least) for half in (6, 7, 48, 49) for spare in (0, 2, 3, 4, 23, 24, 128)
