@@ -14,6 +14,7 @@ module bench_setting_group #(
     input  wire [11:0] address_i,
     input  wire [31:0] data_i,
     input  wire        change_i,
+    input  wire        discard_i,
     input  wire        hold_i,
     output wire        pending_o,
     output wire [37:0] words_o
@@ -35,6 +36,7 @@ module bench_setting_group #(
         .address_i (address_i),
         .data_i    (data_i),
         .change_i  (change_i),
+        .discard_i (discard_i),
         .hold_i    (hold_i),
         .pending_o (pending_o),
         .words_o   (words_o)

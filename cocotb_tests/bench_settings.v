@@ -34,6 +34,7 @@ module bench_settings #(
     output wire                     busy_o,
     output wire                     write_o,
     output wire                     change_o,
+    output wire                     now_o,
     output wire [N*(2*`WH_COEF_W+`WH_DATA_W)-1:0] wave_o,    // root, a, u_max of each motor
     output wire [66-1:0]            wall_o,     // min, max, enable, shaped of motor 0's wall 1
     output wire [57-1:0]            frame_o     // the ADC's
@@ -44,6 +45,7 @@ module bench_settings #(
     localparam [7:0]     DATA_8 = `WH_DATA_W;
 
     wire        copy;
+    wire        discard;
     wire [11:0] address;
     wire [31:0] data;
     wire [N:0]  pending;
@@ -81,6 +83,8 @@ module bench_settings #(
         .address_o     (address),
         .data_o        (data),
         .change_o      (change_o),
+        .now_o         (now_o),
+        .discard_o     (discard),
         .changing_i    (|pending || never)
     );
 
@@ -103,7 +107,8 @@ module bench_settings #(
                 .address_i (address),
                 .data_i    (data),
                 .change_i  (change_o),
-                .hold_i    (hold_i[0]),
+                .discard_i (discard),
+                .hold_i    (hold_i[0] && !now_o),
                 .pending_o (pending[n]),
                 .words_o   (wave_o[n*WAVE_W +: WAVE_W])
             );
@@ -125,7 +130,8 @@ module bench_settings #(
         .address_i (address),
         .data_i    (data),
         .change_i  (change_o),
-        .hold_i    (hold_i[1]),
+        .discard_i (discard),
+        .hold_i    (hold_i[1] && !now_o),
         .pending_o (pending[N]),
         .words_o   (wall_o)
     );
@@ -144,6 +150,7 @@ module bench_settings #(
         .address_i (address),
         .data_i    (data),
         .change_i  (change_o),
+        .discard_i (discard),
         .hold_i    (running),
         .pending_o (never),
         .words_o   (frame_o)

@@ -3,7 +3,8 @@
 // prove_wh_anchor: a tick's 28 steps with any products, which come at once. Part 0: from any state of
 // rest to the next, and c is 0 if it isn't enabled or after a fault. Part 1: the first steps make the
 // limit of c. Part 2: in the last steps it holds c, whatever the state is otherwise. reach is taken
-// for 0 or more and below half a word's largest, as its setting is.
+// for 0 or more and below half a word's largest, as its setting is. Where reads_o is low, the settings may be
+// anything.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -32,7 +33,8 @@ module prove_wh_anchor #(
 
     reg [5:0] at = 6'd0;
 
-    wire                     busy, overrun, request, fault, rebounds;
+    wire                     busy, reads, overrun, request, fault, rebounds;
+    (* anyseq *) wire [`WH_ANCHOR_W-1:0] any_words;
     wire signed [DATA_W-1:0] factor, correction, next, room, offset, flux, lag;
     wire signed [COEF_W-1:0] coefficient;
 
@@ -52,8 +54,10 @@ module prove_wh_anchor #(
         .voltage_i     (voltage),
         .saturated_i   (saturated),
         .busy_o        (busy),
+        .reads_o       (reads),
         .overrun_o     (overrun),
-        .words_i       ({rebound_eta, slow_units, rest_ticks, strange, reach, gains, enable}),
+        .words_i       (reads ? {rebound_eta, slow_units, rest_ticks, strange, reach, gains, enable}
+                              : any_words),
         .request_o     (request),
         .factor_o      (factor),
         .coefficient_o (coefficient),
@@ -74,6 +78,7 @@ module prove_wh_anchor #(
     (* hierconn *) wire [4:0] \block.step_q ;
     (* hierconn *) wire       \block.go_q ;
     (* hierconn *) wire       \block.contact_q ;
+    (* hierconn *) wire       \block.enable_q ;
 
     (* hierconn *) wire [4:0] \block.adds_q ;
     (* hierconn *) wire       \block.writes_q ;
@@ -124,6 +129,7 @@ module prove_wh_anchor #(
                 assume (!\block.halves_q && !\block.chosen_q && !\block.none_q );
             end
             assume (!overrun);
+            if (PART == 2) assume (\block.enable_q == enable);
             fault_before <= fault;
         end
         if (at == 6'd29) begin

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // prove_wh_setting_group: of a staged group, its words change together in one clock, to those that were
-// accepted or copied last for their addresses, once for each change_i and never while hold_i is
-// high; until then pending_o is. Of a group without staging, a word changes when it is copied, alone,
-// and never while hold_i is high. Whatever write_i, copy_i, change_i and hold_i do.
+// accepted or copied last for their addresses, while change_i is high and never while hold_i is. pending_o
+// is high from a write of one of its words (or reset) until then, or until discard_i, and at no other time.
+// Of a group without staging, a word changes when it is copied, alone, and never while hold_i is high.
+// Whatever write_i, copy_i, change_i, discard_i and hold_i do.
 // Proven by induction, smtbmc z3.
 
 `default_nettype none
@@ -16,6 +17,7 @@ module prove_wh_setting_group (
     input wire [11:0] address,
     input wire [31:0] data,
     input wire        change,
+    input wire        discard,
     input wire        hold
 );
 
@@ -42,6 +44,7 @@ module prove_wh_setting_group (
         .address_i (address),
         .data_i    (data),
         .change_i  (change),
+        .discard_i (discard),
         .hold_i    (hold),
         .pending_o (pending),
         .words_o   (words)
@@ -63,6 +66,7 @@ module prove_wh_setting_group (
         .address_i (address),
         .data_i    (data),
         .change_i  (change),
+        .discard_i (discard),
         .hold_i    (hold),
         .pending_o (no_pending),
         .words_o   (plain)
@@ -72,13 +76,13 @@ module prove_wh_setting_group (
     reg         begun = 1'b0;
     reg  [40:0] told_q;
     reg  [2:0]  known_q;    // told since reset
-    reg         due_q;      // a change has been asked for and not made
+    reg         due_q;      // written, and neither changed nor discarded
     reg  [40:0] words_q;
     reg  [40:0] plain_q;
     reg  [40:0] before_q;   // told, a clock before
     reg  [2:0]  known_before_q;
     reg         hold_q;
-    reg         asked_q;    // a change was due in the clock before
+    reg         asked_q;    // change_i a clock before
     reg         copied_q;
     reg  [40:0] copied_words_q;
     reg         rst_q;
@@ -105,8 +109,8 @@ module prove_wh_setting_group (
         known_q        <= !begun ? 3'd0 : listen ? known_q | mine : known_q;
         before_q       <= told_q;
         known_before_q <= !begun ? 3'd0 : known_q;
-        due_q          <= !rst && (due_q || change) && hold;
-        asked_q        <= due_q || change;
+        due_q          <= rst || (write && (|mine)) || (due_q && !(change && !hold) && !discard);
+        asked_q        <= change;
         hold_q         <= hold;
         words_q        <= words;
         plain_q        <= plain;
@@ -114,7 +118,7 @@ module prove_wh_setting_group (
         copied_words_q <= copy ? (plain & ~mask) | (value & mask) : plain;
 
         if (!begun) begin
-            assume (rst && !due_q && !pending && known_q == 3'd0);
+            assume (rst && due_q == pending && known_q == 3'd0);
         end else begin
             assert (no_pending == 1'b0);
             assert (pending == due_q);
@@ -128,7 +132,8 @@ module prove_wh_setting_group (
 
         cover (begun && known_q == 3'd7 && !rst_q && asked_q && !hold_q && words != words_q
                && words[7:0] != words_q[7:0] && words[39:8] != words_q[39:8]);
-        cover (begun && due_q && hold_q && pending);
+        cover (begun && due_q && asked_q && hold_q && pending);
+        cover (begun && asked_q && hold_q && !pending && !rst_q);
         cover (begun && copied_q && plain != plain_q);
     end
 

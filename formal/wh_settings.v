@@ -4,7 +4,8 @@
 // stored, in either bank, and never goes to the groups. Every request ends, within CLOCKS clocks once reset's words
 // are given. What is read is what is in force; that changes with a change-over only, to what was written;
 // after its copy both banks are the same. A request that ends in an error writes nothing.
-// What is judged only is never stored.
+// What is judged only is never stored. A change-over waits for the groups (changing) for PATIENCE ticks at
+// most: then now_o has them change.
 // A word that wants the bridges off is accepted while they are off only, and so is the commit that gives
 // it, from which on loading_o is high until all words are copied. Nothing on the bus can raise loading_o's
 // opposite: the bridges (running) are what enable and loading_o make of them, and enable may be anything.
@@ -29,6 +30,7 @@ module prove_wh_settings (
 );
 
     localparam integer CLOCKS = 9;
+    localparam [3:0] PATIENCE = 4'd15;
 
     localparam [3:0] IDLE  = 4'd0;
     localparam [3:0] LEAST = 4'd1;
@@ -53,6 +55,8 @@ module prove_wh_settings (
     wire [11:0] address;
     wire [31:0] data;
     wire        change;
+    wire        now;
+    wire        discard;
     wire        running = enable && !loading;
 
     wh_settings block (
@@ -79,6 +83,8 @@ module prove_wh_settings (
         .address_o     (address),
         .data_o        (data),
         .change_o      (change),
+        .now_o         (now),
+        .discard_o     (discard),
         .changing_i    (changing)
     );
 
@@ -88,6 +94,8 @@ module prove_wh_settings (
     (* hierconn *) wire [7:0]  \block.place_q ;
     (* hierconn *) wire        \block.wait_q ;
     (* hierconn *) wire        \block.settle_q ;
+    (* hierconn *) wire        \block.change_q ;
+    (* hierconn *) wire [3:0]  \block.ticks_q ;
     (* hierconn *) wire        \block.force_q ;
     (* hierconn *) wire        \block.loading_q ;
     (* hierconn *) wire        \block.off_q ;
@@ -149,6 +157,9 @@ module prove_wh_settings (
     reg         in_force_q;
     reg         running_q;
     reg         tick_q;
+    reg         now_q;
+    reg         now_q2;
+    reg  [3:0]  ticks_q;      // of this change-over
     reg         accepts_q;    // the watched word was accepted in the clock before
     reg         copies_q;
     reg  [3:0]  waits_q;      // clocks of a request
@@ -160,6 +171,7 @@ module prove_wh_settings (
     wire       pass     = \block.pass_q ;
     wire       waits    = \block.wait_q ;
     wire       settles  = \block.settle_q ;
+    wire       begins   = \block.change_q ;
     wire       accepts  = write && here;
     wire       copied   = !pass || at > place;
     wire       commits  = \block.commits_q ;
@@ -182,6 +194,9 @@ module prove_wh_settings (
         in_force_q    <= in_force;
         running_q     <= running;
         tick_q        <= tick;
+        now_q         <= now && !rst;
+        now_q2        <= now_q && !rst;
+        ticks_q       <= !settles ? 4'd0 : (tick && ticks_q != PATIENCE) ? ticks_q + 4'd1 : ticks_q;
         accepts_q     <= accepts && !rst;
         copies_q      <= copy && !rst;
         waits_q       <= (rst || !bus_valid || bus_ready || !ready) ? 4'd0 : waits_q + 4'd1;
@@ -198,10 +213,11 @@ module prove_wh_settings (
         // left of both.
         if (!begun) begin
             assume (rst || (state == IDLE && !fresh && !pass && !waits && !settles && at == 8'd0
-                            && !write && !commits && !discards && !command && !change
+                            && !write && !commits && !discards && !command && !begins
                             && !loading && !\block.staged_q && !\block.off_q && fits(current)
                             && resting == current));
             assume (!asked_q && waits_q == 4'd0 && !off_here_q && !off_given_q && !accepts_q);
+            assume (!now_q && !now_q2 && ticks_q == 4'd0 && (rst || \block.ticks_q == 4'd0));
         end else begin
             if (asked_q) begin
                 assume (bus_valid && bus_write == bus_write_q && bus_address == bus_address_q
@@ -234,8 +250,16 @@ module prove_wh_settings (
             if (accepts && off) assert (!running_q);
             if (commits && off_here_q) assert (!running_q);
             if (off_given_q) assert (loading && !running);
-            if (change && running_q) assert (tick_q && !off_given_q && !off_here_q);
-            if (change) assert (waits);
+            if (begins && running_q) assert (tick_q && !off_given_q && !off_here_q);
+            if (begins) assert (waits);
+            assert (change == (begins || settles));
+            assert (discard == discards);
+
+            // A change-over waits for PATIENCE ticks; then no group is held, nor pending a clock later.
+            assert (now == (settles && ticks_q == PATIENCE));
+            if (now_q) assume (!changing);
+            assert (!(now && now_q && now_q2));
+            assert (\block.ticks_q == ticks_q || !settles);
             if (!ready) assert (loading);
 
             // What makes that inductive.

@@ -2,7 +2,7 @@
 //
 // prove_wh_wave_core: one step from any state of rest, with any products (any_multiply.v). What it
 // leaves is such a state again, so the proof holds for all steps. |eta| <= 1, 0 <= a <= 1 and
-// u_max >= 0, as the ports ask for. The claims are proven one by one; part 3 follows from 1 and 2,
+// u_max >= 0, as the ports ask for. Where reads_o is low, root, a and u_max may be anything. The claims are proven one by one; part 3 follows from 1 and 2,
 // and is proven by itself at short words. With SHARED = 1 the multiplier is outside, and what it
 // makes is any word at all where the core hasn't asked three clocks before.
 
@@ -38,7 +38,10 @@ module prove_wh_wave_core #(
 
     reg [4:0] at = 5'd0;
 
-    wire                     busy, valid, overrun, saturated;
+    wire                     busy, reads, valid, overrun, saturated;
+    (* anyseq *) wire signed [COEF_W-1:0] any_root;
+    (* anyseq *) wire signed [COEF_W-1:0] any_a;
+    (* anyseq *) wire signed [DATA_W-1:0] any_u_max;
     wire signed [DATA_W-1:0] voltage, u_n, v;
 
     wire                        request;
@@ -64,6 +67,7 @@ module prove_wh_wave_core #(
         .rst           (1'b0),
         .start_i       (at == 5'd0),
         .busy_o        (busy),
+        .reads_o       (reads),
         .valid_o       (valid),
         .overrun_o     (overrun),
         .current_i     (current),
@@ -71,9 +75,9 @@ module prove_wh_wave_core #(
         .outside_i     (outside),
         .shape_mode_i  (2'd0),
         .shape_words_i ({(9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W){1'b0}}),
-        .root_i        (root),
-        .a_i           (a),
-        .u_max_i       (u_max),
+        .root_i        (reads ? root : any_root),
+        .a_i           (reads ? a : any_a),
+        .u_max_i       (reads ? u_max : any_u_max),
         .extra_ticks_i (extra_ticks),
         .hold_ticks_i  (hold_ticks),
         .voltage_o     (voltage),
@@ -156,6 +160,8 @@ module prove_wh_wave_core #(
             if (at == 5'd11) assert (factor == \block.error  && coefficient == a);
             if (at == 5'd19) assert (factor == \block.u_held_q  && coefficient == root);
         end
+
+        assert (reads == (at < 5'd20));
 
         if (at == 5'd24) begin
             case (PART)

@@ -32,7 +32,8 @@
 // Latency: 28 clocks from waves_i, and those that the multiplier makes it wait. c of one tick is
 // correction_o from the next waves_i on, two clocks later. The next waves_i may come in the last of the
 // 28, the next start_i in the last four, or together with its waves_i. A waves_i before is ignored and
-// a start_i before spoils what is under way; both show as overrun_o.
+// a start_i before spoils what is under way; both show as overrun_o. reads_o is 0 in at least two clocks of
+// every step, the last two before the next waves_i at the latest.
 // Reset: χ, c_I, mean, offset, room and c are 0, at rest, no contact, no fault; of any length, at any clock.
 
 `default_nettype none
@@ -59,9 +60,10 @@ module wh_anchor #(
     input  wire signed [`WH_DATA_W-1:0]       voltage_i,     // s31q23 V: e_id
     input  wire                               saturated_i,
     output wire                               busy_o,
+    output wire                               reads_o,
     output reg                                overrun_o,     // until rst
 
-    input  wire [`WH_ANCHOR_W-1:0]            words_i,       // settings; they hold with waves_i and while busy_o
+    input  wire [`WH_ANCHOR_W-1:0]            words_i,       // settings; they hold while reads_o
 
     // The shared multiplier.
     output wire                               request_o,
@@ -296,6 +298,7 @@ module wh_anchor #(
     reg [4:0] adds_q;
     reg       go_q;       // adds_q is to be done
     reg       busy_q;
+    reg       enable_q;   // the step's own
     reg       first_q;    // no step has been made: the memory's state reads as 0
     reg       tracked_q;  // the offset's word is in the memory, else it is 0
 
@@ -303,7 +306,8 @@ module wh_anchor #(
     wire accepts = waves_i && (!busy_q || ends);
     wire fetches = (step_q == BEGIN) ? accepts : (!waits_q || done_i);
 
-    assign busy_o = busy_q;
+    assign busy_o  = busy_q;
+    assign reads_o = waves_i || (busy_q && step_q != BEGIN && step_q < STRANGE);
 
     // ---- The words of a step.
     localparam [2:0] B_NEAR = 0, B_FAR = 1,  // products
@@ -661,6 +665,7 @@ module wh_anchor #(
         if (accepts) begin
             voltage_q   <= voltage_i;
             saturated_q <= saturated_i;
+            enable_q    <= enable;
         end
         if (go_q) begin
             case (adds_q)
@@ -679,7 +684,7 @@ module wh_anchor #(
     reg  signed [DATA_W-1:0] next_q;
     reg                      chosen_q;  // c is still in sum_q, and
     reg                      none_q;    // it is not wanted
-    wire                     lost = enable && (fault_o || (clipped_q && past && !saturated_q));
+    wire                     lost = enable_q && (fault_o || (clipped_q && past && !saturated_q));
 
     assign next_o = none_q ? {DATA_W{1'b0}} : chosen_q ? $signed(sum_q[VOLT_SHIFT +: DATA_W]) : next_q;
 
@@ -714,7 +719,7 @@ module wh_anchor #(
             end
             go_q     <= fetches;
             chosen_q <= ends;
-            none_q   <= ends && (!enable || lost);
+            none_q   <= ends && (!enable_q || lost);
             next_q   <= next_o;
             if (fetches) begin
                 step_q   <= ahead_q;

@@ -31,7 +31,8 @@ module wh_axes #(
     input  wire                              damp_i,          // eta is 0, and the anchors in reset
     input  wire                              start_i,         // strobe
     output wire                              busy_o,          // the wave core
-    output wire                              anchor_busy_o,   // an anchor
+    output wire                              reads_o,         // it reads settings
+    output wire                              anchor_reads_o,  // an anchor does
     output wire                              valid_o,         // strobe, the core's
     output wire                              overrun_o,
 
@@ -128,6 +129,7 @@ module wh_axes #(
         .rst           (rst),
         .start_i       (start_i),
         .busy_o        (busy_o),
+        .reads_o       (reads_o),
         .valid_o       (valid_o),
         .overrun_o     (core_overrun),
         .current_i     (start_i ? current : current_o),
@@ -178,17 +180,18 @@ module wh_axes #(
             reg [2*FLUX_W-1:0] place_q;
             reg [2*CELL_W-1:0] cell_q;
             wire [1:0]         anchor_busy;
+            wire [1:0]         anchor_reads;
             wire [1:0]         anchor_overrun;
             wire [1:0]         anchor_fault;
 
-            assign anchor_busy_o  = |{anchor_busy, waves, magnet_busy};
+            assign anchor_reads_o = |anchor_reads;
             assign overrun_o      = core_overrun || (|anchor_overrun) || late_q;
             assign anchor_fault_o = |anchor_fault;
 
             always @(posedge clk) begin
                 if (rst) begin
                     late_q <= 1'b0;
-                end else if (start_i && anchor_busy_o) begin
+                end else if (start_i && (|{anchor_busy, waves, magnet_busy})) begin
                     late_q <= 1'b1;
                 end
                 if (start_i) begin
@@ -283,6 +286,7 @@ module wh_axes #(
                     .voltage_i     (ideal),
                     .saturated_i   (saturated_o[n]),
                     .busy_o        (anchor_busy[n]),
+                    .reads_o       (anchor_reads[n]),
                     .overrun_o     (anchor_overrun[n]),
                     .words_i       (words),
                     .request_o     (request_o[n]),
@@ -311,7 +315,7 @@ module wh_axes #(
             assign step_max       = {2{u_max_i}};
             assign current        = current_i;
             assign voltage_o      = wave_voltage;
-            assign anchor_busy_o  = 1'b0;
+            assign anchor_reads_o = 1'b0;
             assign overrun_o      = core_overrun;
             assign anchor_fault_o = 1'b0;
             assign turn_o         = 1'b0;

@@ -16,11 +16,8 @@
 //
 // enable_i = 0 keeps the gates off and the wave core and the pulses in reset; ADC, currents and position
 // run on, so that zero_i can be measured. enable_i is synchronous to clk.
-// The settings may change as those of wh_controller do: in reset, with enable_i = 0 and restart_i = 1 in the
-// meantime, or, the table of words says which, with the end of a clock in which their bit of words_hold_o is
-// low: 0 the core reads them; 1 the core or an anchor does; 2 a sum is under way; 3 a round of the walls.
-// The core needs a tick of a clock more than its steps take, or bit 0 is never low, nor, with ANCHOR = 1, bit 1.
-// All legs are driven by the clocks_per_volt_i of their step.
+// The settings may change as those of wh_controller do. anchor_hold_o is of both anchors, which have the same
+// settings. All legs are driven by the clocks_per_volt_i of their step.
 // The angles, and whether it is to be found, act from a reset or a magnet_start_i on.
 //
 // SENSE = 1: the words of both phases are checked (wh_sense_check), and a zero of each is measured on
@@ -176,7 +173,9 @@ module wh_brushless #(
     // Its settings.
     input  wire                         restart_i,           // carrier and ADC begin anew, while the
                                                              // bridge is off
-    output wire [3:0]                   words_hold_o,        // words are being read: see above
+    output wire [3:0]                   words_hold_o,        // settings are being read: see above
+    output wire                         scale_hold_o,
+    output wire                         anchor_hold_o,
     output wire                         overrun_o            // a tick is too short for its work, or ticks
                                                              // pass without; until rst or restart_i (core:
                                                              // or enable_i = 0)
@@ -540,7 +539,8 @@ module wh_brushless #(
     // ---- Ports of both axes, with the same words and the same eta.
 
     wire                core_overrun;
-    wire                anchor_busy;
+    wire                core_reads;
+    wire                anchors_read;
     wire [2*DATA_W-1:0] next_correction;
     wire                unused_axes = &{1'b0, next_correction};
 
@@ -554,7 +554,8 @@ module wh_brushless #(
         .damp_i         (damp),
         .start_i        (core_start),
         .busy_o         (core_busy),
-        .anchor_busy_o  (anchor_busy),
+        .reads_o        (core_reads),
+        .anchor_reads_o (anchors_read),
         .valid_o        (core_valid_o),
         .overrun_o      (core_overrun),
         .current_i      (axes_current),
@@ -610,8 +611,8 @@ module wh_brushless #(
 
     assign overrun_o = adc_overrun || core_overrun || missing;
 
-    // ---- Who reads words. The core reads some in the first clock of its step, and the sum's words are
-    // read until the last product of both currents has begun.
+    // ---- Who reads settings. Those of the sum are read until the last product of both currents has begun;
+    // what scales voltages is read with core_valid_o, behind the clocks in which the core reads none any more.
     wire summed = |request[OF_CURRENTS +: 2];
     reg  sum_q;
 
@@ -619,12 +620,10 @@ module wh_brushless #(
         sum_q <= run && (adc_valid || (sum_q && !summed));
     end
 
-    // Both anchors of a step have the same words.
-    wire core_reads   = core_start || core_busy;
-    wire anchors_read = (ANCHOR == 1) && (core_reads || anchor_busy);
-
-    assign words_hold_o = {in_round, reading && (adc_valid || sum_q || summed), reading && anchors_read,
-                           reading && core_reads};
+    assign words_hold_o  = {in_round, reading && (adc_valid || sum_q || summed), anchor_hold_o,
+                            reading && core_reads};
+    assign scale_hold_o  = reading && core_busy && !core_reads;
+    assign anchor_hold_o = reading && anchors_read;
 
     // ---- Drive. All legs have the word of their step, whose products come after it.
 

@@ -11,12 +11,17 @@
 // enable_i = 0 keeps the gates off and the wave core and the pulse width in reset; the ADC, the
 // currents and the positions run on, so that zero_i can be measured. enable_i is synchronous to
 // clk.
-// The settings may change only in reset; or, the table of words says which, while enable_i = 0, with
-// restart_i = 1 in the meantime, or with the end of a clock in which their bit of words_hold_o is low:
-// 0 the core, or with EARLY = 1 wh_early, reads them, or a voltage of its step waits to be scaled; 1 an anchor;
-// 2 a sum is under way; 3 a round of the walls. From the clock after that in which the bridges went off only the
-// last one ever is 1. In too short a tick bit 0 is never low: it takes N clocks more than the core's steps, and
-// with anchors, whose products come first, 4 N (LINKED_ANCHOR_CLOCKS, measured with three motors).
+// A setting may change (a) in reset, (b) while enable_i = 0 and restart_i = 1, or (c), the table of words says
+// which, on a clock edge where its hold is 0:
+//   words_hold_o[0]  the core, or with EARLY = 1 wh_early, reads its settings
+//   scale_hold_o     a voltage is still to be scaled by the settings of its step
+//   anchor_hold_o    the anchor of that motor reads its settings
+//   words_hold_o[2]  a sum is under way
+//   words_hold_o[3]  a round of the walls is under way
+// words_hold_o[1] is the OR of anchor_hold_o. In every tick that is long enough for the core's and the anchors'
+// steps each of them is 0 at least once. Settings of the core change first: what scales voltages and the
+// anchors still need those of the step that ends. From the clock after that in which the bridges went off
+// only words_hold_o[3] ever is 1.
 //
 // Latency: the gates show the carrier's phase after 2 clocks, dead time aside, and CS_n falls 1
 // clock after the sample's phase: sample_lead_i = -1 samples in the pulse's middle, and half the
@@ -187,7 +192,9 @@ module wh_controller #(
     output wire [N-1:0]                 encoder_fault_o,     // illegal move seen; until clear_i
     input  wire                         restart_i,           // carrier and ADC begin anew, while the
                                                              // bridges are off
-    output wire [3:0]                   words_hold_o,        // words are being read: see above
+    output wire [3:0]                   words_hold_o,        // settings are being read: see above
+    output wire                         scale_hold_o,
+    output wire [N-1:0]                 anchor_hold_o,
     output wire                         overrun_o            // a tick is too short for its work, or ticks
                                                              // pass without; until rst or restart_i
                                                              // (core: or enable_i = 0)
@@ -402,6 +409,7 @@ module wh_controller #(
 
     wire                core_start = current_valid[N-1];
     wire                core_busy;
+    wire                core_looks;   // it reads settings
     wire                core_overrun;
     wire [N*DATA_W-1:0] wave_voltage; // e_id
     wire [N*DATA_W-1:0] withheld;
@@ -430,6 +438,7 @@ module wh_controller #(
         .rst           (drive_rst),
         .start_i       (core_start),
         .busy_o        (core_busy),
+        .reads_o       (core_looks),
         .valid_o       (core_valid_o),
         .overrun_o     (core_overrun),
         .current_i     (current_o),
@@ -480,10 +489,12 @@ module wh_controller #(
         due_q <= !rst && (summed || (due_q && !core_start));
     end
 
-    // ---- Who reads words. The core reads one in the first clock of its step.
+    // ---- Who reads settings.
 
     wire         core_reads;
+    wire         scale_reads;
     wire [N-1:0] anchor_reads;
+    wire         core_ends = core_busy && !core_looks;  // its step does, and reads none any more
     wire [N-1:0] in_round;
     reg          sum_q;  // words of a sum have come, and its products have not all begun
 
@@ -491,8 +502,10 @@ module wh_controller #(
         sum_q <= run && (adc_valid || (sum_q && !summed));
     end
 
-    assign words_hold_o = {|in_round, reading && (adc_valid || sum_q || summed),
-                           reading && (|anchor_reads), core_reads};
+    assign words_hold_o  = {|in_round, reading && (adc_valid || sum_q || summed), |anchor_hold_o,
+                            reading && core_reads};
+    assign scale_hold_o  = reading && scale_reads;
+    assign anchor_hold_o = {N{reading}} & anchor_reads;
 
     // ---- The bridge's pattern.
 
@@ -515,11 +528,12 @@ module wh_controller #(
         if (BUS == 1) begin : measured_bus
             wire bus_gives;
 
-            assign core_reads = reading && (core_start || !bus_gives);
+            assign core_reads  = !bus_gives;
+            assign scale_reads = !bus_gives;
 
-            // One u_max for a step, not read in its first clock. wh_early's words of a step are made
-            // before it starts, from the end of the step before on.
-            wire words_hold = !drive_rst && ((EARLY == 1) ? !core_valid_o : core_busy);
+            // One u_max for a step. wh_early's words of a step are made before it starts, from the end of
+            // the step before on.
+            wire words_hold = !drive_rst && ((EARLY == 1) ? !core_ends : core_looks);
 
             wh_bus_scale #(
                 .N                 (N)
@@ -540,11 +554,11 @@ module wh_controller #(
         end else begin : known_bus
             wire unused_bus = &{1'b0, bus_i, bus_share_i};
 
-            // A voltage is made with the words that then scale it.
+            // A voltage is scaled by the settings of the step that made it.
             wire scales = (ANCHOR != 0 && core_valid_o) || (|(drive_request & ~others_grant[N +: N]));
 
-            assign core_reads = reading
-                                && (core_start || ((EARLY == 1) ? !core_valid_o : core_busy || scales));
+            assign core_reads  = (EARLY == 1) ? !core_ends : core_looks;
+            assign scale_reads = (EARLY == 1) ? !core_ends : core_ends || scales;
 
             assign clocks_per_volt = clocks_per_volt_i;
             assign u_max           = u_max_i;

@@ -134,8 +134,9 @@ module wh_device #(
     wire [11:0] address;
     wire [31:0] data;
     wire        change;
+    wire        discard;
+    wire        now;
     wire        changing;
-    wire        changing_core;
     wire        command;
     reg         command_q;          // a clock late: the way from the bus to all that takes one is long
     reg  [11:0] command_address_q;
@@ -154,14 +155,18 @@ module wh_device #(
     .copy_i    (copy), \
     .address_i (address), \
     .data_i    (data), \
-    .change_i  (change),
+    .change_i  (change), \
+    .discard_i (discard),
 
-    wire hold_off;
-    wire hold_core;
-    wire hold_anchor;
-    wire hold_sum;
-    wire hold_round;
-    wire hold_any;
+    wire             hold_off;
+    wire             hold_core;
+    wire             hold_scale;
+    wire [PARTS-1:0] hold_anchor;
+    wire             hold_sum;
+    wire             hold_round;
+    wire             hold_any;
+    wire             scale_hold;
+    wire [PARTS-1:0] anchor_hold;
 
     wire       set_arm;
     wire       armed;
@@ -187,13 +192,21 @@ module wh_device #(
 
 `include "wh_device_words.vh"
 
-    // A step is made with one set of words: an anchor's wait until the core's have changed, which
-    // is before the step whose waves the anchor gets next.
+    // A step is made with the settings of one commit: an anchor's, and those that scale its voltages, wait
+    // until the core's may change. That is before the step whose waves and voltages they are for.
+    reg  passed_q;
+    wire core_first = words_hold[0] && !passed_q;
+
+    always @(posedge clk) begin
+        passed_q <= change && (passed_q || !words_hold[0]);
+    end
+
     assign hold_off    = running;
-    assign hold_core   = words_hold[0];
-    assign hold_anchor = words_hold[1] || (words_hold[0] && (change || changing_core));
-    assign hold_sum    = (EARLY != 0) ? running : words_hold[2];
-    assign hold_round  = words_hold[3];
+    assign hold_core   = words_hold[0] && !now;
+    assign hold_scale  = (scale_hold || core_first) && !now;
+    assign hold_anchor = (anchor_hold | {PARTS{core_first}}) & {PARTS{!now}};
+    assign hold_sum    = (EARLY != 0) ? running : (words_hold[2] && !now);
+    assign hold_round  = words_hold[3] && !now;
     assign hold_any    = 1'b0;
 
     generate
@@ -472,6 +485,8 @@ module wh_device #(
         .address_o     (address),
         .data_o        (data),
         .change_o      (change),
+        .now_o         (now),
+        .discard_o     (discard),
         .changing_i    (changing)
     );
 
@@ -480,6 +495,7 @@ module wh_device #(
             // What it tells once, both axes show.
             `WH_BRUSHLESS_ONCE
 
+            assign anchor_hold[PARTS-1] = 1'b0;  // both axes' settings are at the first
             assign host_strobe   = {PARTS{1'b0}};
             assign host_sequence = {PARTS*8{1'b0}};
             assign host_v        = {PARTS*`WH_DATA_W{1'b0}};
@@ -510,6 +526,8 @@ module wh_device #(
                 .gate_high_o     ({gate_bh_o, gate_ah_o}),
                 .gate_low_o      ({gate_bl_o, gate_al_o}),
                 `WH_BRUSHLESS_PORTS
+                .scale_hold_o    (scale_hold),
+                .anchor_hold_o   (anchor_hold[0]),
                 .shape_words_i   ({9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W{1'b0}}),
                 .wall_shaped_i   ({WALLS{1'b0}}),
                 .stop_i          (stop_i),
@@ -557,6 +575,8 @@ module wh_device #(
                 .gate_bh_o      (gate_bh_o),
                 .gate_bl_o      (gate_bl_o),
                 `WH_DEVICE_PORTS
+                .scale_hold_o   (scale_hold),
+                .anchor_hold_o  (anchor_hold),
                 .stop_i         (stop_i),
                 .driver_fault_i (driver_fault_i),
                 .anchor_fault_i (anchor_fault_i)

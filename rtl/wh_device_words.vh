@@ -563,7 +563,7 @@ generate
             .TOTAL_W   (`WH_COEF_W)
         ) scale (
             `WH_DEVICE_BUS
-            .hold_i    (hold_core),
+            .hold_i    (hold_scale),
             .pending_o (pending_scale[n]),
             .words_o   (scale_words)
         );
@@ -613,7 +613,7 @@ generate
             .TOTAL_W   (9*`WH_COEF_W + 2*`WH_DATA_W + 22)
         ) anchor (
             `WH_DEVICE_BUS
-            .hold_i    (hold_anchor),
+            .hold_i    (hold_anchor[n]),
             .pending_o (pending_anchor[n]),
             .words_o   (anchor_words)
         );
@@ -747,7 +747,6 @@ generate
     end
 endgenerate
 
-assign changing_core = (|pending_eta) || (|pending_wave) || (|pending_bus) || (|pending_scale) || (|pending_side) || (|pending_shape) || (|pending_shape_1);
 assign changing = (|pending_carrier) || (|pending_frame) || (|pending_trip) || (|pending_sense) || (|pending_zero) || (|pending_encoder) || (|pending_magnet) || (|pending_host) || (|pending_delay) || (|pending_eta) || (|pending_wave) || (|pending_bridge) || (|pending_bus) || (|pending_guard) || (|pending_capture) || (|pending_stream) || (|pending_cut) || (|pending_current) || (|pending_scale) || (|pending_side) || (|pending_anchor) || (|pending_edges) || (|pending_walls) || (|pending_shape) || (|pending_shape_1);
 
 // Commands.

@@ -144,8 +144,6 @@ module wh_port #(
     wire [DATA_W-1:0] next_correction;
     wire [DATA_W-1:0] wave_max;        // what the anchor leaves of u_max_i
 
-    assign anchor_reads_o = anchor_busy || waves_i;
-
     generate
         if (ANCHOR != 0) begin : anchored
             wire signed [DATA_W:0] wide_voltage =
@@ -206,6 +204,7 @@ module wh_port #(
                 .voltage_i     (wave_voltage_i),
                 .saturated_i   (saturated_i),
                 .busy_o        (anchor_busy),
+                .reads_o       (anchor_reads_o),
                 .overrun_o     (anchor_overrun_o),
                 .words_i       (anchor_words_i),
                 .request_o     (request_o),
@@ -225,7 +224,7 @@ module wh_port #(
                 .fault_o       (anchor_fault_o)
             );
         end else begin : by_its_waves_alone
-            wire unused_anchor = &{1'b0, core_start_i, position_i, current_i, u_i, withheld_i,
+            wire unused_anchor = &{1'b0, core_start_i, waves_i, position_i, current_i, u_i, withheld_i,
                                    saturated_i, anchor_words_i, grant_i, done_i, product_i};
 
             assign driven_valid_o   = core_valid_i;
@@ -241,6 +240,7 @@ module wh_port #(
             assign wave_max         = u_max_i;
             assign step_max_o       = u_max_i;
             assign anchor_busy      = 1'b0;
+            assign anchor_reads_o   = 1'b0;
             assign anchor_overrun_o = 1'b0;
             assign anchor_fault_o   = 1'b0;
             assign request_o        = 1'b0;

@@ -3,9 +3,9 @@
 // wh_setting_group: words of the settings memory that a block needs side by side, in flip-flops.
 //
 // STAGED = 1: every word that is accepted is staged here (wh_settings gives it with write_i, and once
-// more with copy_i when it copies its banks). With change_i all staged words become active in one
-// clock: in the first one, from that of change_i on, in which hold_i is low. pending_o says that they
-// are still to.
+// more with copy_i when it copies its banks). While change_i is high, all staged words become active
+// together on the first clock edge where hold_i is 0. pending_o is 1 from the first write on until then,
+// or until discard_i: a group that nobody has written is never pending, whatever hold_i is.
 // STAGED = 0, for words that change with the bridges off only: nothing is staged, and a word becomes
 // active as wh_settings copies it, if hold_i is low. That takes half the flip-flops.
 //
@@ -13,7 +13,7 @@
 // nothing can write it, and the logic behind it is made for the one value.
 //
 // Latency: words_o change with the clock edge behind that of change_i or copy_i.
-// Reset: nothing is pending. The words stay what they are, or unknown; wh_settings gives them all.
+// Reset: pending. The words stay what they are, or unknown; wh_settings gives them all.
 
 `default_nettype none
 
@@ -34,7 +34,8 @@ module wh_setting_group #(
     input  wire [11:0]        address_i,
     input  wire [31:0]        data_i,
 
-    input  wire               change_i,   // strobe
+    input  wire               change_i,   // staged words are to become active
+    input  wire               discard_i,  // strobe, the words in force will be copied over those staged
     input  wire               hold_i,     // the words are being read
     output wire               pending_o,
 
@@ -88,8 +89,9 @@ module wh_setting_group #(
     endfunction
 `endif
 
-    wire here = (address_i[11:8] == PART);
-    wire change;
+    wire             here = (address_i[11:8] == PART);
+    wire [WORDS-1:0] mine;
+    wire             change;
 
     genvar n;
     generate
@@ -97,13 +99,17 @@ module wh_setting_group #(
             reg pending_q;
 
             always @(posedge clk) begin
-                pending_q <= !rst && (pending_q || change_i) && hold_i;
+                if (rst || (write_i && (|mine))) begin
+                    pending_q <= 1'b1;
+                end else if (change || discard_i) begin
+                    pending_q <= 1'b0;
+                end
             end
 
             assign pending_o = pending_q;
-            assign change    = (pending_q || change_i) && !hold_i;
+            assign change    = change_i && !hold_i;
         end else begin : when_copied
-            wire unused = &{1'b0, rst, change_i, write_i};
+            wire unused = &{1'b0, rst, change_i, discard_i, write_i};
 
             assign pending_o = 1'b0;
             assign change    = copy_i && !hold_i;
@@ -121,10 +127,10 @@ module wh_setting_group #(
             localparam [32:0]    FIXED   = 33'd0;
 `endif
 
-            wire mine = here && (address_i[7:0] == ADDRESS);
+            assign mine[n] = here && (address_i[7:0] == ADDRESS);
 
             if (FIXED[32]) begin : fixed
-                wire unused_bus = &{1'b0, mine, change, data_i[WIDTH-1:0]};
+                wire unused_bus = &{1'b0, mine[n], change, data_i[WIDTH-1:0]};
 
                 assign words_o[LOW +: WIDTH] = FIXED[WIDTH-1:0];
             end
@@ -136,7 +142,7 @@ module wh_setting_group #(
                 assign words_o[LOW +: WIDTH] = active_q;
 
                 always @(posedge clk) begin
-                    if ((write_i || copy_i) && mine) begin
+                    if ((write_i || copy_i) && mine[n]) begin
                         staged_q <= data_i[WIDTH-1:0];
                     end
                     if (change) begin
@@ -151,7 +157,7 @@ module wh_setting_group #(
                 assign words_o[LOW +: WIDTH] = active_q;
 
                 always @(posedge clk) begin
-                    if (change && mine) begin
+                    if (change && mine[n]) begin
                         active_q <= data_i[WIDTH-1:0];
                     end
                 end

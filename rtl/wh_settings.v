@@ -13,11 +13,13 @@
 // bus_signed_o, with bus_ready_o, says that the word has a sign.
 //
 // Of two banks one is in force and is read; what is written goes into the other one, and to the
-// groups (wh_setting_group) by write_o. A write of 1 to `commit` gives it: with change_o, a clock after
-// a tick, or at once with the bridges off (running_i = 0), every group takes its new words over as
-// soon as nobody reads the old ones. Once all have (changing_i), the banks change places, and the new
-// resting bank is brought up to date by a copy of all words, which go by the groups with copy_o as well.
-// A write of 1 to `discard` copies them so without a change-over.
+// groups (wh_setting_group) by write_o. A write of 1 to `commit` gives it: from a clock after a tick on,
+// or at once with the bridges off (running_i = 0), change_o is 1, and every group that was written takes
+// its new words over as soon as nobody reads the old ones. Once all have (changing_i), the banks change
+// places, and the new resting bank is brought up to date by a copy of all words, which go by the groups
+// with copy_o as well. A write of 1 to `discard` (discard_o) copies them so without a change-over.
+// After PATIENCE further ticks no group waits any more (now_o), so that every commit ends whatever the
+// settings are; readers that keep up with their ticks have let all words change long before.
 // Words that change with the bridges off only are given as they are copied; meanwhile loading_o says
 // that the bridges have to stay off, and that what reads such words has to begin anew. With such words
 // written and the bridges on, `commit` is refused with error 3.
@@ -73,7 +75,9 @@ module wh_settings #(
     output wire        copy_o,         // strobe, a word is copied
     output wire [11:0] address_o,
     output wire [31:0] data_o,
-    output wire        change_o,       // strobe
+    output wire        change_o,       // groups take their words over
+    output wire        now_o,          // also those whose words are being read
+    output wire        discard_o,      // strobe
     input  wire        changing_i      // a group has still to change
 );
 
@@ -109,12 +113,16 @@ module wh_settings #(
     localparam [3:0] TAKE  = 4'd7;
     localparam [3:0] WRITE = 4'd8;
 
+    // Longer than wh_bus_scale takes in ticks of 24 clocks.
+    localparam [3:0] PATIENCE = 4'd15;
+
     reg  [3:0]         state_q;
     reg                fresh_q;    // since reset: the defaults are still to be given
     reg                pass_q;     // words are copied
     reg  [PLACE_W-1:0] place_q;    // the next one
     reg                wait_q;     // the change-over waits for a tick's end
     reg                settle_q;   // the groups change
+    reg  [3:0]         ticks_q;    // since then, PATIENCE at most
     reg                force_q;    // the bank in force
     reg                loading_q;
     reg                staged_q;   // something was written
@@ -243,7 +251,17 @@ module wh_settings #(
     reg  change_q;
     wire change = wait_q && !change_q && (tick_i || !running_i);
 
-    assign change_o = change_q;
+    assign change_o  = change_q || settle_q;
+    assign now_o     = settle_q && (ticks_q == PATIENCE);
+    assign discard_o = discards_q;
+
+    always @(posedge clk) begin
+        if (!settle_q) begin
+            ticks_q <= 4'd0;
+        end else if (tick_i && !now_o) begin
+            ticks_q <= ticks_q + 4'd1;
+        end
+    end
 
     always @(posedge clk) begin
         read_q <= read_data;

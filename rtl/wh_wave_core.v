@@ -20,7 +20,9 @@
 // overrun_o tells of it until reset.
 // All other inputs are held from start_i until valid_o; a port's are read during its own turn, and
 // eta_i, outside_i, shape_mode_i and u_max_i not in the clock of start_i, in which busy_o is still 0:
-// these may change whenever it is. The outputs hold from valid_o to the next start_i.
+// these may change whenever it is. root_i, a_i and shape_words_i, and these, may also change on a clock
+// edge where reads_o is 0, as it is in the last 4 clocks of every step. The outputs hold from valid_o to
+// the next start_i.
 // Reset: f = 0, the delay line reads as 0 until it has been filled, outputs 0, a step in progress
 // is dropped.
 
@@ -43,6 +45,7 @@ module wh_wave_core #(
 
     input  wire start_i,
     output wire busy_o,
+    output wire reads_o,
     output reg  valid_o,
     output reg  overrun_o,
 
@@ -144,7 +147,8 @@ module wh_wave_core #(
     wire last_port = (port == LAST[PORT_W-1:0]);
     wire step_ends = at_q[TAKE_E] && last_port;
 
-    assign busy_o = busy_q;
+    assign busy_o  = busy_q;
+    assign reads_o = running && !(last_port && (|at_q[TAKE_E:GIVE_SU+1]));
 
     always @(posedge clk) begin
         if (rst) begin

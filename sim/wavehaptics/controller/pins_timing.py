@@ -14,13 +14,6 @@ CORE_CLOCKS = 24
 SECTION_CLOCKS = 5
 """Clocks that each section of W adds to it."""
 
-LINKED_ANCHOR_CLOCKS = 4
-"""Clocks a port more of a tick with anchors in which the core's words can change as it runs.
-
-A voltage's product waits for those of the anchors, and ``words_hold_o`` is high until it is made.
-Measured with three motors: with a clock less no word was ever taken (``test_several_motors.py``).
-"""
-
 GATE_CLOCKS = 2
 """Clocks from the carrier's phase to the gates, dead time aside: ``wh_pwm``, ``wh_half_bridge``."""
 
@@ -103,6 +96,24 @@ def early_tick_clocks(ports: int = 1, anchored: bool = False) -> int:
         step += WAVES_CLOCKS + ANCHOR_CLOCKS - CORE_CLOCKS
     # The sum is there a clock after the word.
     return CURRENT_CLOCKS - 1 + ports - 1 + step + EARLY_PREPARE_CLOCKS
+
+
+def shortest_tick_clocks(
+    ports: int = 1, sections: int = 0, anchored: bool = False, early: bool = False,
+    shared: bool = False,
+) -> int:  # fmt: skip
+    """Clocks of the shortest tick of motors with brushes: the steps of all ports, or of an anchor.
+
+    ``sections`` are those of W; ``early`` and ``shared`` are ``wh_controller``'s EARLY and SHARED.
+    """
+    needed = (CORE_CLOCKS + SECTION_CLOCKS * sections) * ports
+    if anchored:
+        needed = max(needed, ANCHOR_CLOCKS)
+    if early:
+        needed = max(needed, early_tick_clocks(ports, anchored))
+    if shared:
+        needed = max(needed, shared_tick_clocks(ports, anchored))
+    return needed
 
 
 def shared_tick_clocks(ports: int = 1, anchored: bool = False) -> int:

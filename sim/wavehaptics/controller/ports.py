@@ -9,13 +9,7 @@ from dataclasses import dataclass
 from wavehaptics.controller import bus_scale
 from wavehaptics.controller.early import slope_fits
 from wavehaptics.controller.modulator import width_bounds
-from wavehaptics.controller.pins_timing import (
-    CORE_CLOCKS,
-    LINKED_ANCHOR_CLOCKS,
-    SECTION_CLOCKS,
-    early_tick_clocks,
-    shared_tick_clocks,
-)
+from wavehaptics.controller.pins_timing import shortest_tick_clocks
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.controller.tick_layout import (
     MOST_SAMPLES,
@@ -169,14 +163,10 @@ def controller_ports(
     return Ports(time, set_, sensor, start_count, words, _port_walls(set_, start_count))
 
 
-def hold_ticks(
-    scene: Scene, ports: Ports, motors: int, *, shared: bool = False, linked: bool = False
-) -> int:
+def hold_ticks(scene: Scene, ports: Ports, motors: int, *, shared: bool = False) -> int:
     """Ticks that a voltage of ``motors`` on one core waits, so that the latency is the scene's.
 
-    ``shared`` is the multiplier; ``linked`` says that the core's words change while it runs, for
-    which a tick has to have a clock in which nobody reads them (``words_hold_o`` of
-    ``rtl/wh_controller.v``). :class:`SceneError` where the tick is too short for them, or the
+    ``shared`` is the multiplier. :class:`SceneError` where the tick is too short for them, or the
     scene's ``extra_ticks``.
     """
     if scene.motor.brushless:
@@ -195,12 +185,7 @@ def hold_ticks(
             f"{natural} or more",
             "controller.extra_ticks",
         )
-    early = early_tick_clocks(motors, ports.settings.anchored)
-    needed = early if laid.early else (CORE_CLOCKS + SECTION_CLOCKS * sections) * motors
-    if linked and not laid.early:
-        needed += motors * (LINKED_ANCHOR_CLOCKS if ports.settings.anchored else 1)
-    if shared:
-        needed = max(needed, shared_tick_clocks(motors, ports.settings.anchored))
+    needed = shortest_tick_clocks(motors, sections, ports.settings.anchored, laid.early, shared)
     if needed > laid.tick_clocks:
         raise scene.refusal(
             f"a tick of {laid.tick_clocks} clocks is shorter than the "

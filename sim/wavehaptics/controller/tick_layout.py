@@ -18,6 +18,7 @@ from wavehaptics.controller.pins_timing import (
     WAVES_CLOCKS,
     early_tick_clocks,
     latency_clocks,
+    shortest_tick_clocks,
     step_end_clocks,
 )
 from wavehaptics.parts.adcs import (
@@ -102,8 +103,12 @@ def bridge_mode(scene: Scene) -> str:
 
 
 def _min_tick_clocks(scene: Scene) -> int:
-    if not scene.motor.brushless:
-        return MIN_TICK_CLOCKS
+    """Clocks of a tick of a clock that the scene doesn't name, at least."""
+    return _axes_clocks(scene) if scene.motor.brushless else MIN_TICK_CLOCKS
+
+
+def _axes_clocks(scene: Scene) -> int:
+    """Clocks of the shortest tick of a brushless motor."""
     # Each section of W makes every turn of the core longer, of which the last anchor waits for one.
     anchored = scene.controller.anchored
     least, turns = (MIN_AXES_CLOCKS, 1) if anchored else (MIN_BRUSHLESS_CLOCKS, AXES)
@@ -301,23 +306,27 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             "controller.clock_hz",
             "controller.tick_hz",
         )
-    least = _min_tick_clocks(scene)
-    if scene.motor.brushless and tick_clocks < least:
-        anchors = " and their anchors" if scene.controller.anchored else ""
-        shaper = " with W" if _sections(scene) else ""
-        raise scene.refusal(
-            f"a tick of {tick_clocks} clocks is shorter than the "
-            f"{least} that `pins` needs for two ports{shaper}{anchors}; take "
-            f"controller.clock_hz >= {least * tick_hz:g}",
-            "controller.tick_hz",
-            "controller.clock_hz",
-        )
     if half_clocks < MIN_HALF_CLOCKS:
         raise scene.refusal(
             f"a carrier half of {half_clocks} clocks of {clock_hz:g} Hz is "
             f"shorter than the {MIN_HALF_CLOCKS} that `pins` needs; lower drive.pwm_hz or "
             "controller.tick_hz, or take a faster clock_hz",
             "drive.pwm_hz",
+            "controller.tick_hz",
+            "controller.clock_hz",
+        )
+    anchored = control.anchored
+    brushless = scene.motor.brushless
+    sections = _sections(scene)
+    least = _axes_clocks(scene) if brushless else shortest_tick_clocks(1, sections, anchored)
+    if tick_clocks < least:
+        ports = "two ports" if brushless else "a port"
+        shaper = " with W" if sections else ""
+        anchors = f" and {'their anchors' if brushless else 'its anchor'}" if anchored else ""
+        raise scene.refusal(
+            f"a tick of {tick_clocks} clocks is shorter than the "
+            f"{least} that `pins` needs for {ports}{shaper}{anchors}; take "
+            f"controller.clock_hz >= {least * tick_hz:g}",
             "controller.tick_hz",
             "controller.clock_hz",
         )
@@ -332,16 +341,12 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             "adc.part",
             "controller.tick_hz",
         )
-    sections = _sections(scene)
-
     # The scene's latency, or without one in it, as much as is needed.
     lead = sample_lead(made, (pulse_delay(scene, clock_hz, half_clocks) + 1) // 2)
     extra = control.extra_ticks
     early = control.early_duty
     if early:
         _check_early(scene, tick_clocks, made)
-    anchored = control.anchored
-    brushless = scene.motor.brushless
     soonest = _soonest(tick_clocks, made, lead, sections, early, anchored, brushless)
     if "extra_ticks" not in control.model_fields_set:
         extra = soonest if early else max(extra, soonest)

@@ -105,7 +105,7 @@ def board_words(
     words = {
         **ports.words, **_each_motor(ports.settings.words(), motors),
         **(magnet_words(scene, ports.settings, ports.start_count) if scene.motor.brushless else {}),
-        "hold_ticks": hold_ticks(scene, ports, motors, shared=shared, linked=linked),
+        "hold_ticks": hold_ticks(scene, ports, motors, shared=shared),
         "zero_limit": min(
             round(zero_a / formats.GAIN.to_value(ports.words["gain"])),
             WORDS["zero_limit"].fixed.raw_max,

@@ -40,7 +40,7 @@ class LinkedMotors(LinkedPins):
 
     def _ports_of(self, scene: Scene, most_samples: int) -> Ports:
         ports = super()._ports_of(scene, most_samples)
-        held = hold_ticks(scene, ports, self.motors, linked=True)
+        held = hold_ticks(scene, ports, self.motors)
         return replace(ports, words={**ports.words, "hold_ticks": held})
 
     def _parameters(self) -> dict[str, int]:

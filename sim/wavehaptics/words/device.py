@@ -121,7 +121,7 @@ def _instance(name: str, words: list[Word]) -> list[str]:
         f"    .TOTAL_W   ({_sum(words)})",
         f") {name} (",
         "    `WH_DEVICE_BUS",
-        f"    .hold_i    (hold_{words[0].change}),",
+        f"    .hold_i    (hold_{words[0].change}{'[n]' if words[0].change == 'anchor' else ''}),",
         f"    .pending_o (pending_{name}{pending[row.per]}),",
         f"    .words_o   ({name}_words)",
         ");",
@@ -138,12 +138,12 @@ def _indented(lines: Iterable[str], depth: int = 1) -> list[str]:
     return [f"{'    ' * depth}{line}" if line else "" for line in lines]
 
 
-def _group(words: list[Word]) -> tuple[list[str], dict[str, str]]:
-    """Lines of a group, and its wires of ``pending_o`` with the kind of its change."""
-    per, lines, pendings = words[0].row.per, [], {}
+def _group(words: list[Word]) -> tuple[list[str], list[str]]:
+    """Lines of a group, and its wires of ``pending_o``."""
+    per, lines, pendings = words[0].row.per, [], []
     for number, run in enumerate(_runs(words)):
         name = run[0].group if number == 0 else f"{run[0].group}_{number}"
-        pendings[f"pending_{name}"] = run[0].change
+        pendings.append(f"pending_{name}")
         copies = "*".join(_COPIES[per])
         lines.append(f"wire{f' [{copies}-1:0]' if copies else ''} pending_{name};")
         inner = _instance(name, run)
@@ -235,15 +235,12 @@ def device_words() -> str:
     lines += ["", "// What the controller tells.", ""]
     lines += [_wire(port, words) for port, words in outputs.items()]
     lines += ["", "// The groups.", ""]
-    pendings: dict[str, str] = {}
+    pendings: list[str] = []
     for words in _groups().values():
         made, found = _group(words)
         lines += made
-        pendings |= found
-    for kind in ("core", ""):
-        name = f"changing_{kind}" if kind else "changing"
-        terms = [f"(|{wire})" for wire, change in pendings.items() if kind in ("", change)]
-        lines += [f"assign {name} = {' || '.join(terms)};"]
+        pendings += found
+    lines += [f"assign changing = {' || '.join(f'(|{wire})' for wire in pendings)};"]
     lines += ["", "// Commands.", ""]
     words = [word for word in table.WORDS.values() if word.block != MEMORY]
     for word in words:

@@ -36,7 +36,7 @@ MEMORY = "wh_settings"
 BESIDE = ("wh_arm", "wh_capture", "wh_device", "wh_stream")
 """Blocks beside the controller, whose words are no ports of it either."""
 
-CHANGES = ("off", "core", "anchor", "sum", "round", "any")
+CHANGES = ("off", "core", "scale", "anchor", "sum", "round", "any")
 """When a group's settings may change: with the bridges off, between two of these, or always."""
 
 LEGS, THREE_PHASE_LEGS = 2, 3
