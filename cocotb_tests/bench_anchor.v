@@ -57,6 +57,15 @@ module bench_anchor #(
 
     assign request_o = request;
 
+    localparam integer LOW_W = `WH_ANCHOR_W - `WH_COEF_W;
+
+    // Settings change with the end of a clock in which none is read.
+    wire reads;
+    reg  reads_q;
+    wire held = reads || reads_q || rst;
+
+    always @(posedge clk) reads_q <= reads;
+
     // The other user comes first.
     wh_multiply_shared #(
         .USERS     (2)
@@ -90,8 +99,10 @@ module bench_anchor #(
         .voltage_i     (voltage_i),
         .saturated_i   (saturated_i),
         .busy_o        (busy_o),
+        .reads_o       (reads),
         .overrun_o     (overrun_o),
-        .words_i       (words_i),
+        .words_i       ({words_i[`WH_ANCHOR_W-1:LOW_W],  // the highest one is an output as well
+                         held ? words_i[LOW_W-1:0] : ~words_i[LOW_W-1:0]}),
         .request_o     (request),
         .factor_o      (factor),
         .coefficient_o (coefficient),

@@ -66,6 +66,8 @@ module bench_axes #(
     wire [2:0]                              grant;
     wire [2:0]                              done;
     wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product;
+    wire                                    reads;
+    wire                                    anchor_reads;
 
     // The other user comes first; its product is nobody's.
     wh_multiply_shared #(
@@ -92,13 +94,15 @@ module bench_axes #(
         .damp_i         (damp_i),
         .start_i        (start_i),
         .busy_o         (busy_o),
+        .reads_o        (reads),
         .anchor_busy_o  (anchor_busy_o),
+        .anchor_reads_o (anchor_reads),
         .valid_o        (valid_o),
         .overrun_o      (overrun_o),
         .current_i      (current_i),
         .eta_i          (eta_i),
-        .root_i         (root_i),
-        .a_i            (a_i),
+        .root_i         (reads ? root_i : ~root_i),
+        .a_i            (reads ? a_i : ~a_i),
         .u_max_i        (u_max_i),
         .extra_ticks_i  (extra_ticks_i),
         .hold_ticks_i   (hold_ticks_i),

@@ -69,6 +69,7 @@ module bench_wave_core #(
     reg [COEF_N-1:0] a = {COEF_N{1'b0}};
 
     wire              busy;
+    wire              reads;
     wire              valid;
     wire              overrun;
     wire [DATA_N-1:0] voltage;
@@ -115,16 +116,17 @@ module bench_wave_core #(
         .rst           (rst),
         .start_i       (start),
         .busy_o        (busy),
+        .reads_o       (reads),
         .valid_o       (valid),
         .overrun_o     (overrun),
         .current_i     (current),
         .eta_i         (busy ? eta : ~eta),          // not read in a step's first clock
         .outside_i     (busy ? outside : ~outside),
         .shape_mode_i  (busy ? mode : ~mode),
-        .shape_words_i (shape),
-        .root_i        (root),
-        .a_i           (a),
-        .u_max_i       (busy ? u_max : ~u_max),
+        .shape_words_i (reads ? shape : ~shape),     // nor these in its last ones
+        .root_i        (reads ? root : ~root),
+        .a_i           (reads ? a : ~a),
+        .u_max_i       ((busy && reads) ? u_max : ~u_max),
         .extra_ticks_i (extra_ticks),
         .hold_ticks_i  (hold_ticks),
         .voltage_o     (voltage),

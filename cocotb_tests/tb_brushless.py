@@ -411,7 +411,7 @@ async def off_and_on_again(dut: object) -> None:
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def all_legs_have_the_scale_of_their_step(dut: object) -> None:
-    """clocks_per_volt_i changes with any clock in which words_hold_o lets it.
+    """clocks_per_volt_i changes with any clock in which scale_hold_o lets it.
 
     The legs' products are made one after another behind the step, and the tick is the shortest.
     """
@@ -425,7 +425,7 @@ async def all_legs_have_the_scale_of_their_step(dut: object) -> None:
     for clock in range(200 * drive.tick_clocks):
         if clock % 31 == 0:
             bench.codes = [MIDDLE + rng.randint(-1500, 1500) for _ in range(2)]
-        may_change, steps = not bench.word("words_hold_o") & 1, len(bench.steps)
+        may_change, steps = not bench.word("scale_hold_o"), len(bench.steps)
         await bench.clock()
         if clock % 3 == 0 and may_change:
             present = rng.choice(scales)

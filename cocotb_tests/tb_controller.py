@@ -286,6 +286,8 @@ class ControllerBench(Bench):
         """For each clock the voltage of each port's bridge, in parts of the bus."""
         self.recent: deque[tuple[int, ...]] = deque(maxlen=_STEP_CLOCKS * N + 1)
         """The anchors' words of the last clocks, the newest last."""
+        self.scaled: deque[tuple[int, int]] = deque(maxlen=6)
+        """What the bus has scaled, in the last clocks: a step reads none of it in its last ones."""
         self.watches = [GateWatch(settings.dead_clocks, settings.min_pulse) for _ in range(2 * N)]
         self.disabled = True
         self._cs_n = 1
@@ -319,10 +321,13 @@ class ControllerBench(Bench):
         clock = len(self.bridge) - 1
         if ANCHOR:
             self.recent.append(tuple(self.word(name) for name in ANCHOR_WORDS))
+        if BUS or self.word("core_valid_o"):
+            self.scaled.append((self._scaled("u_max"), self._scaled("clocks_per_volt")))
         if self.word("tick_o"):
             self.ticks.append(clock)
         if not self.word("core_valid_o"):
             return None
+        u_max, clocks_per_volt = self.scaled[0]
         shown = Step(
             clock,
             *(
@@ -334,8 +339,8 @@ class ControllerBench(Bench):
             unpack(self.word("position_o"), formats.COUNT_W, N),
             unpack(self.word("correction_o"), formats.DATA_W, N),
             [self._before(n) for n in range(N)] if ANCHOR else [],
-            unpack(self._scaled("u_max"), formats.DATA_W, N),
-            unpack(self._scaled("clocks_per_volt"), formats.COEF_W, N),
+            unpack(u_max, formats.DATA_W, N),
+            unpack(clocks_per_volt, formats.COEF_W, N),
         )
         self.steps.append(shown)
         return shown
@@ -1100,19 +1105,24 @@ async def walls_may_change_between_two_rounds(dut: object) -> None:
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms", skip=not ANCHOR)
-async def words_of_anchors_hold_while_one_works(dut: object) -> None:
-    """From the first port's waves to the end of the last one's anchor, behind the core's step."""
+async def words_of_an_anchor_hold_while_it_reads_them(dut: object) -> None:
+    """From its port's waves to the last setting of its step, each motor's for itself."""
     bench = ControllerBench(dut)
     await bench.begin(Settings())
-    behind = WAVES_CLOCKS + ANCHOR_CLOCKS - 1 - _STEP_CLOCKS
-    lets = 0
+    # Two more steps of the last port's anchor, and the clock in which it ends, read none.
+    behind = WAVES_CLOCKS + ANCHOR_CLOCKS - 1 - _STEP_CLOCKS - 3
+    free = [0] * N
     for _ in range(4):
+        before = list(free)
         while not await bench.clock():
-            lets += not bench.word("words_hold_o") >> 1 & 1
+            holds = bench.word("anchor_hold_o")
+            assert bench.word("words_hold_o") >> 1 & 1 == (holds != 0)
+            for n in range(N):
+                free[n] += not holds >> n & 1
         for _ in range(behind):
-            assert bench.word("words_hold_o") >> 1 & 1
+            assert bench.word("anchor_hold_o") >> (N - 1) & 1
             await bench.clock()
-    assert lets > 0
+        assert all(now - then >= 2 for now, then in zip(free, before, strict=True))
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms", skip=not SENSE)

@@ -3,8 +3,8 @@
 // prove_wh_anchor: a tick's 28 steps with any products, which come at once. Part 0: from any state of
 // rest to the next, and c is 0 if it isn't enabled or after a fault. Part 1: the first steps make the
 // limit of c. Part 2: in the last steps it holds c, whatever the state is otherwise. reach is taken
-// for 0 or more and below half a word's largest, as its setting is. Where reads_o is low, the settings may be
-// anything.
+// for 0 or more and below half a word's largest, as its setting is. From the end of a clock on in which reads_o is
+// low, the settings may be anything, until it is high.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -56,7 +56,7 @@ module prove_wh_anchor #(
         .busy_o        (busy),
         .reads_o       (reads),
         .overrun_o     (overrun),
-        .words_i       (reads ? {rebound_eta, slow_units, rest_ticks, strange, reach, gains, enable}
+        .words_i       ((reads || reads_q) ? {rebound_eta, slow_units, rest_ticks, strange, reach, gains, enable}
                               : any_words),
         .request_o     (request),
         .factor_o      (factor),
@@ -98,6 +98,7 @@ module prove_wh_anchor #(
     localparam integer VOLT_SHIFT = `WH_LONG_Q - `WH_VOLTAGE_Q;
 
     reg fault_before;
+    reg reads_q = 1'b1;
 
     // One bit more than a word, and more for a half's fraction.
     wire signed [DATA_W+3:0] size   = voltage[DATA_W-1] ? -$signed({{4{voltage[DATA_W-1]}}, voltage})
@@ -117,6 +118,7 @@ module prove_wh_anchor #(
 
     always @(posedge clk) begin
         at <= (at == 6'd40) ? 6'd40 : at + 6'd1;
+        reads_q <= reads;
         assume (!reach[DATA_W-1] && !reach[DATA_W-2] && !strange[DATA_W-1]);
         if (at == 6'd0) begin
             if (PART <= 1) assume (\block.step_q == 5'd0 && !\block.go_q && !busy && first_known);

@@ -307,7 +307,7 @@ module wh_anchor #(
     wire fetches = (step_q == BEGIN) ? accepts : (!waits_q || done_i);
 
     assign busy_o  = busy_q;
-    assign reads_o = waves_i || (busy_q && step_q != BEGIN && step_q < STRANGE);
+    assign reads_o = waves_i || start_q || (busy_q && step_q != BEGIN && step_q < STRANGE);
 
     // ---- The words of a step.
     localparam [2:0] B_NEAR = 0, B_FAR = 1,  // products

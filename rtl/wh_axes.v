@@ -32,7 +32,8 @@ module wh_axes #(
     input  wire                              start_i,         // strobe
     output wire                              busy_o,          // the wave core
     output wire                              reads_o,         // it reads settings
-    output wire                              anchor_reads_o,  // an anchor does
+    output wire                              anchor_busy_o,   // an anchor
+    output wire                              anchor_reads_o,  // one reads settings
     output wire                              valid_o,         // strobe, the core's
     output wire                              overrun_o,
 
@@ -184,6 +185,7 @@ module wh_axes #(
             wire [1:0]         anchor_overrun;
             wire [1:0]         anchor_fault;
 
+            assign anchor_busy_o  = |{anchor_busy, waves, magnet_busy};
             assign anchor_reads_o = |anchor_reads;
             assign overrun_o      = core_overrun || (|anchor_overrun) || late_q;
             assign anchor_fault_o = |anchor_fault;
@@ -191,7 +193,7 @@ module wh_axes #(
             always @(posedge clk) begin
                 if (rst) begin
                     late_q <= 1'b0;
-                end else if (start_i && (|{anchor_busy, waves, magnet_busy})) begin
+                end else if (start_i && anchor_busy_o) begin
                     late_q <= 1'b1;
                 end
                 if (start_i) begin
@@ -315,6 +317,7 @@ module wh_axes #(
             assign step_max       = {2{u_max_i}};
             assign current        = current_i;
             assign voltage_o      = wave_voltage;
+            assign anchor_busy_o  = 1'b0;
             assign anchor_reads_o = 1'b0;
             assign overrun_o      = core_overrun;
             assign anchor_fault_o = 1'b0;

@@ -541,8 +541,9 @@ module wh_brushless #(
     wire                core_overrun;
     wire                core_reads;
     wire                anchors_read;
+    wire                anchors_busy;
     wire [2*DATA_W-1:0] next_correction;
-    wire                unused_axes = &{1'b0, next_correction};
+    wire                unused_axes = &{1'b0, next_correction, anchors_busy};
 
     wh_axes #(
         .DELAY_LOG2     (DELAY_LOG2),
@@ -555,6 +556,7 @@ module wh_brushless #(
         .start_i        (core_start),
         .busy_o         (core_busy),
         .reads_o        (core_reads),
+        .anchor_busy_o  (anchors_busy),
         .anchor_reads_o (anchors_read),
         .valid_o        (core_valid_o),
         .overrun_o      (core_overrun),

@@ -79,7 +79,7 @@ def test_requests_of_a_further_motor():
 @pytest.mark.parametrize(
     ("sets", "message"),
     [
-        ((*BOARD, SLOW[1]), r"a tick of 48 clocks is shorter than the 75 that 3 motors need"),
+        ((*BOARD, SLOW[1]), r"a tick of 48 clocks is shorter than the 72 that 3 motors need"),
         ((*BOARD, *SLOW, "thermal.ambient_c=25"), r"thermal is simulated for one motor, and"),
         ((*BOARD, *SLOW, *MEASURED), r"drive.bus_measured is simulated for one motor, and"),
     ],

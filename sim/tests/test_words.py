@@ -20,9 +20,9 @@ from wavehaptics.words.table import LEGS, TABLE, THREE_PHASE_LEGS, WORDS, Sizes,
 
 PINS = (
     r"clk|rst|enable_i|adc_(cs_n|sclk|din)_o|adc_sdata_i|enc_[ab]_i|gate_([ab][hl]|high|low)_o"
-    r"|stop_i|driver_fault_i|anchor_fault_i|phase_current_o"
+    r"|stop_i|driver_fault_i|anchor_fault_i|phase_current_o|(scale|anchor)_hold_o"
 )
-"""Ports that are no words: clock, pins of the FPGA, and what a board wires."""
+"""Ports that are no words: clock, pins of the FPGA, what a board wires, and what ``wh_device`` needs."""
 
 
 def controller_ports(tmp_path, sizes):

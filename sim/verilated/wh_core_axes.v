@@ -57,6 +57,7 @@ module wh_core_axes #(
 
     wire                                       busy;
     wire                                       anchor_busy;
+    wire [1:0]                                 reads;
     wire                                       valid;
     wire                                       overrun;
     wire signed [`WH_COUNT_W-1:0]              position;
@@ -75,7 +76,7 @@ module wh_core_axes #(
     wire                                       turned;
     wire                                       found;
     wire [31:0]                                angle;
-    wire                                       unused = &{1'b0, overrun, current, correction, found, angle};
+    wire                                       unused = &{1'b0, overrun, current, correction, found, angle, reads};
 
     wh_rotor_flux rotor_flux (
         .clk           (clk),
@@ -118,7 +119,9 @@ module wh_core_axes #(
         .damp_i         (1'b0),
         .start_i        (start_i),
         .busy_o         (busy),
+        .reads_o        (reads[0]),
         .anchor_busy_o  (anchor_busy),
+        .anchor_reads_o (reads[1]),
         .valid_o        (valid),
         .overrun_o      (overrun),
         .current_i      (current_i),

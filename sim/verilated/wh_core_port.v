@@ -52,6 +52,7 @@ module wh_core_port #(
     localparam integer COEF_W = `WH_COEF_W;
 
     wire                     core_busy;
+    wire                     core_reads;
     wire                     core_valid;
     wire                     core_overrun;
     wire                     waves;
@@ -67,7 +68,7 @@ module wh_core_port #(
     wire                     core_request;  // of a shared multiplier
     wire        [DATA_W-1:0] core_factor;
     wire        [COEF_W-1:0] core_coefficient;
-    wire                     unused = &{1'b0, core_overrun, newest_u, next_u, core_request,
+    wire                     unused = &{1'b0, core_reads, core_overrun, newest_u, next_u, core_request,
                                         core_factor, core_coefficient};
 
     wire signed [DATA_W:0] wide_current = $signed({current_i[DATA_W-1], current_i})
@@ -111,6 +112,7 @@ module wh_core_port #(
         .rst           (rst),
         .start_i       (start_i),
         .busy_o        (core_busy),
+        .reads_o       (core_reads),
         .valid_o       (core_valid),
         .overrun_o     (core_overrun),
         .current_i     (current),
@@ -141,6 +143,7 @@ module wh_core_port #(
     generate
         if (ANCHOR == 1) begin : anchored
             wire                            anchor_busy;
+            wire                            anchor_reads;
             wire                            anchor_overrun;
             wire                            request;
             wire signed [DATA_W-1:0]        factor;
@@ -148,7 +151,7 @@ module wh_core_port #(
             wire                            grant;
             wire                            done;
             wire signed [DATA_W+COEF_W-1:0] product;
-            wire                            unused_anchor = &{1'b0, anchor_overrun};
+            wire                            unused_anchor = &{1'b0, anchor_reads, anchor_overrun};
 
             wh_multiply_shared #(
                 .USERS     (1)
@@ -180,6 +183,7 @@ module wh_core_port #(
                 .voltage_i     (wave_voltage),
                 .saturated_i   (saturated_o),
                 .busy_o        (anchor_busy),
+                .reads_o       (anchor_reads),
                 .overrun_o     (anchor_overrun),
                 .words_i       (anchor_words_i),
                 .request_o     (request),

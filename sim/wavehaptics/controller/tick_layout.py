@@ -315,6 +315,17 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             "controller.tick_hz",
             "controller.clock_hz",
         )
+    # Without an ADC in the scene it is one of as many bits as a word has, and takes as long.
+    if made.cycle_clocks > tick_clocks:
+        name = (scene.adc and scene.adc.part) or "the ADC"
+        raise scene.refusal(
+            f"{name} needs {made.cycle_clocks} clocks of {clock_hz:g} Hz from "
+            f"sample to sample, and controller.tick_hz leaves {tick_clocks}; lower it or take "
+            "another clock_hz",
+            "controller.clock_hz",
+            "adc.part",
+            "controller.tick_hz",
+        )
     anchored = control.anchored
     brushless = scene.motor.brushless
     sections = _sections(scene)
@@ -329,17 +340,6 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             f"controller.clock_hz >= {least * tick_hz:g}",
             "controller.tick_hz",
             "controller.clock_hz",
-        )
-    # Without an ADC in the scene it is one of as many bits as a word has, and takes as long.
-    if made.cycle_clocks > tick_clocks:
-        name = (scene.adc and scene.adc.part) or "the ADC"
-        raise scene.refusal(
-            f"{name} needs {made.cycle_clocks} clocks of {clock_hz:g} Hz from "
-            f"sample to sample, and controller.tick_hz leaves {tick_clocks}; lower it or take "
-            "another clock_hz",
-            "controller.clock_hz",
-            "adc.part",
-            "controller.tick_hz",
         )
     # The scene's latency, or without one in it, as much as is needed.
     lead = sample_lead(made, (pulse_delay(scene, clock_hz, half_clocks) + 1) // 2)
