@@ -48,8 +48,11 @@ module bench_modbus #(
     wire [11:0] given_address;
     wire [31:0] given_data;
     wire        change;
+    wire        now;
+    wire        discard;
 
     reg         trapped_q;
+    reg         change_q;
 
     wh_modbus #(
         .SILENCE       (SILENCE),
@@ -105,12 +108,15 @@ module bench_modbus #(
         .address_o     (given_address),
         .data_o        (given_data),
         .change_o      (change),
+        .now_o         (now),
+        .discard_o     (discard),
         .changing_i    (1'b0)
     );
 
-    wire unused = &{1'b0, busy, copy, given_address, given_data};
+    wire unused = &{1'b0, busy, copy, given_address, given_data, now, discard};
 
     always @(posedge clk) begin
+        change_q <= change;
         if (rst) begin
             writes_o   <= 16'd0;
             commands_o <= 16'd0;
@@ -120,7 +126,7 @@ module bench_modbus #(
         end else begin
             writes_o   <= writes_o + {15'd0, written};
             commands_o <= commands_o + {15'd0, command};
-            changes_o  <= changes_o + {15'd0, change};
+            changes_o  <= changes_o + {15'd0, change && !change_q};
             judged_o   <= judged_o + {15'd0, bus_ready && write && check};
             trapped_q  <= trap_i && (trapped_q || written);
         end

@@ -46,6 +46,7 @@ COUNTERS = 16
 """Register of the first of them: frames, wrong CRCs, framing errors, overruns."""
 
 SIGNED, NARROW, ROOT, U_MAX = (WORDS[n].at() for n in ("zero", "trip", "root", "u_max"))
+ZERO_START = WORDS["zero_start"].at()
 RANDOM_BYTES = 3000
 """Here, where a simulated clock takes long; :mod:`wavehaptics.checks.link_soak` sends millions."""
 
@@ -340,13 +341,27 @@ async def words_of_a_frame_belong_together(dut: object) -> None:
 
 @cocotb.test(timeout_time=200, timeout_unit="ms")
 async def a_memory_that_is_busy_or_gone(dut: object) -> None:
-    """Busy for long: 6; without an answer: 4. It goes on afterwards."""
+    """Busy for long: 6, to settings alone; without an answer: 4. It goes on afterwards."""
     bench = ModbusBench(dut)
     await bench.begin()
     bench.drive(enable_i=1)
     await bench.written(ROOT, [5])  # is given with the next tick, which doesn't come
     await bench.refused(words(ROOT, [6]), NOT_NOW)
+    await bench.refused(words(ZERO_START - 1, [5, 1]), NOT_NOW)  # a setting and a command
     assert await bench.values(ROOT) == [0]
+    # Whatever else a master may want waits for nothing.
+    for place in COMMANDS:
+        for frame in (words(place.address, [1]), write_one(TABLE + 2 * place.address + 1, 0)):
+            before, clocks = bench.done(), 0
+            await bench.send(frame)
+            while bench.done() == before:
+                await bench.step()
+                clocks += 1
+                assert clocks < SILENCE // 2, place.word.name
+            assert not decode(await bench.answer()).isError(), place.word.name
+            assert bench.done() == (before[0], before[1] + 1, before[2]), place.word.name
+    assert (await bench.registers(TABLE + 2 * WORDS["settings_busy"].at() + 1, 1)) == [1]
+    assert not (await bench.ask(write_one(11, 1))).isError()
     bench.drive(tick_i=1)
     assert await bench.values(ROOT) == [5]
     bench.drive(dead_i=1)

@@ -18,10 +18,12 @@
 // bridges have come on in between, `discard` forgets the others. Every half of a word that is read
 // comes from one reading of it. Function 6 writes a word's low register; its high half is
 // made of the sign if the word has one, else 0. `commit` and `discard` themselves can't be written.
+// Where the bus has error 3 for a setting, the frame waits until the memory isn't busy and is judged once
+// more. Frames of commands wait for nothing.
 //
 // Exceptions: 1 function, 2 address, 3 quantity or value, 4 the bus doesn't answer, 6 not now (the
-// bus's error 3, or the memory busy for SILENCE to 2 SILENCE). Broadcasts are done without an answer, to
-// others nothing is done. Counters go on through a reset, and can't be written.
+// bus's error 3, after up to SILENCE to 2 SILENCE of a busy memory). Broadcasts are done without an answer,
+// to others nothing is done. Counters go on through a reset, and can't be written.
 //
 // rate_o, 0 at first, is written by word 5; it changes after the answer, and back to 0 after FALLBACK
 // times SILENCE clocks without a whole frame whose CRC was right.
@@ -201,7 +203,7 @@ module wh_modbus #(
     localparam [4:0] END    = 5'd4;   // there was silence
     localparam [4:0] COUNT  = 5'd5;   // a counter's byte is read
     localparam [4:0] CARRY  = 5'd6;   // and written
-    localparam [4:0] POLL   = 5'd7;   // wait until the memory isn't busy
+    localparam [4:0] POLL   = 5'd7;   // a setting is refused: wait until the memory isn't busy
     localparam [4:0] HEAD   = 5'd8;   // the frame's bytes 2 to 5 are read
     localparam [4:0] JUDGE  = 5'd9;
     localparam [4:0] LENGTH = 5'd10;  // the answer's number of bytes is written
@@ -258,6 +260,7 @@ module wh_modbus #(
     reg         sends_q;
     reg  [1:0]  tail_q;      // bytes of the CRC, 1 and 2
     reg         extend_q;    // the sign of function 6
+    reg         waited_q;    // the memory isn't busy any more
     reg         refused_q;
     reg  [2:0]  code_q;
     reg  [1:0]  counter_q;
@@ -272,6 +275,7 @@ module wh_modbus #(
     wire       breaks   = gap && begun;
     wire       stores   = (state_q == TAKE) && !breaks && !broken && !skip_q;
     wire       hangs    = (&late_q) && !bus_ready_i;
+    wire       waits    = (state_q == ASK) && bus_ready_i && (bus_error_i == 2'd3) && (pass_q == 2'd1) && !waited_q;
     wire       reads_out = (state_q == SEND) && (step_q[2:1] != 2'd0);
     wire       has_next = reads_out && tx_ready_i;
     wire       last     = (count_q == 7'd1);
@@ -334,11 +338,9 @@ module wh_modbus #(
                     state_d = COUNT;
                 end else if (counter_q != FRAMES) begin
                     state_d = GET;
-                end else if (writes_q) begin
-                    state_d = POLL;
-                end else if (all_q) begin
+                end else if (all_q && !writes_q) begin
                     state_d = REST;
-                end else if (reads_q || names_q) begin
+                end else if (reads_q || names_q || writes_q) begin
                     state_d = HEAD;
                 end else begin
                     state_d = ANSWER;
@@ -381,10 +383,10 @@ module wh_modbus #(
             end
             ASK: begin
                 if (bus_ready_i || hangs) begin
-                    refuses = hangs || (bus_error_i != 2'd0 && !(writes_q && pass_q == 2'd0));
+                    refuses = hangs || (bus_error_i != 2'd0 && !(writes_q && pass_q == 2'd0) && !waits);
                     code    = hangs ? FAILURE : (bus_error_i == 2'd1) ? ADDRESS
                                               : (bus_error_i == 2'd2) ? VALUE : NOT_NOW;
-                    state_d = refuses ? (pass_q[1] ? STAGED : ANSWER)
+                    state_d = waits ? POLL : refuses ? (pass_q[1] ? STAGED : ANSWER)
                             : writes_q ? STEP : address_q[0] ? DROP : EMIT;
                 end
             end
@@ -467,6 +469,7 @@ module wh_modbus #(
                 end
                 TAKE: begin
                     refused_q <= 1'b0;
+                    waited_q  <= 1'b0;
                     pass_q    <= 2'd0;
                     extend_q  <= 1'b0;
                     tail_q    <= 2'd0;
@@ -557,6 +560,11 @@ module wh_modbus #(
                 ASK: begin
                     if (bus_ready_i && pass_q == 2'd0) begin
                         extend_q <= one_q && bus_signed_i && data_q[15];
+                    end
+                    if (waits) begin
+                        waited_q <= 1'b1;
+                        pass_q   <= 2'd0;
+                        place_q  <= 8'd2;
                     end
                 end
                 RATE: begin
