@@ -19,7 +19,12 @@ from settings_bus import (
     BusBench,
 )  # fmt: skip
 from simulators import parameters
+from wavehaptics.controller.guard import Fault
+from wavehaptics.controller.modulator import width_bounds
 from wavehaptics.words import table
+from wavehaptics.words.bridge_modes import HALF_BRIDGE as HALF_BRIDGE_NAME
+from wavehaptics.words.bridge_modes import MODE_WORDS
+from wavehaptics.words.bridge_modes import UNIPOLAR as UNIPOLAR_NAME
 from wavehaptics.words.places import places
 from wavehaptics.words.table import AXES, LEGS, THREE_PHASE_LEGS, WORDS, Sizes, Word
 
@@ -314,6 +319,74 @@ async def enable_waits_while_words_are_loaded(dut: object) -> None:
         await bench.step()
     assert len(ticks) >= 3
     assert ticks == list(range(ticks[0], 100 * HALVES, tick))
+
+
+PULSES: list[dict[str, int]] = [
+    {"min_pulse": 12}, {"min_pulse": 16}, {"min_pulse": 17}, {"min_pulse": 40}, {"min_pulse": 46},
+    {"min_pulse": 47}, {"min_pulse": 100}, {"min_pulse": 255},
+    {"dead_clocks": 10}, {"dead_clocks": 47}, {"dead_clocks": 48}, {"dead_clocks": 255},
+    {"dead_clocks": 10, "compensate": 1}, {"dead_clocks": 38, "compensate": 1},
+    {"dead_clocks": 39, "compensate": 1}, {"dead_clocks": 60, "compensate": 1},
+    {"dead_clocks": 100, "min_pulse": 100, "compensate": 1},
+    {"dead_clocks": 20, "min_pulse": 24, "compensate": 1},
+]  # fmt: skip
+"""What the bridge may be told; some of it leaves no pulse."""
+HALF_CLOCKS = 48
+HALF_BRIDGE, UNIPOLAR = (MODE_WORDS[name] for name in (HALF_BRIDGE_NAME, UNIPOLAR_NAME))
+
+
+def drives(mode: int, words: dict[str, int]) -> bool:
+    """Whether these words leave the bridge a pulse for every voltage."""
+    name = next(name for name, word in MODE_WORDS.items() if word == mode)
+    least, spare = width_bounds(name, words["min_pulse"])
+    widest, dead = HALF_CLOCKS // 2 - spare, words["dead_clocks"]
+    fits = widest >= max(1, least) and dead < HALF_CLOCKS
+    if words["compensate"] and (5 * dead >= 8 * widest or (mode != UNIPOLAR and not BRUSHLESS)):
+        return False
+    return fits
+
+
+@cocotb.test(timeout_time=500, timeout_unit="ms", skip=not (_P["GUARD"] and _P["MIN_PULSE"]))
+async def no_voltage_where_none_is_asked_for(dut: object) -> None:
+    """At 0 V the bridge gives none, in each mode; settings that leave it no pulse are a fault."""
+    bench = DeviceBench(dut)
+    await bench.begin(enable=1)
+    for motor in range(LINES):  # all that the waves ask for is less than a microvolt
+        there = [name for name in ("root", "gain", "u_max") if motor < WORDS[name].parts(*OF)]
+        bench.drive(enable_i=0)
+        await bench.set(dict.fromkeys(there, 1), motor)
+    found = {True: 0, False: 0}
+    for mode in (HALF_BRIDGE,) if BRUSHLESS else MODE_WORDS.values():
+        for pulse in PULSES:
+            words = {"min_pulse": 0, "dead_clocks": 0, "compensate": 0} | pulse
+            bench.drive(enable_i=0)
+            await bench.set(words | ({} if BRUSHLESS else {"mode": mode}) | {
+                "half_clocks": HALF_CLOCKS, "tick_halves": 2, "sample_clocks": 2 * HALF_CLOCKS,
+                "guard_mask": 1 << Fault.SETTING,
+            })  # fmt: skip
+            assert await bench.write(WORDS["clear"].at(), 1) == DONE
+            bench.drive(enable_i=1)
+            await bench.step(400)
+            legs = [0] * 3
+            for _ in range(20 * 2 * HALF_CLOCKS):
+                await bench.step()
+                high, low = (
+                    bench.word(f"gate_b{side}_o") << 1 | bench.word(f"gate_a{side}_o")
+                    for side in "hl"
+                )
+                legs = [leg + (high >> n & 1) - (low >> n & 1) for n, leg in enumerate(legs)]
+            fits = drives(mode, words)
+            found[fits] += 1
+            assert await bench.value(WORDS["faults"].at()) == (not fits) << Fault.SETTING
+            assert bench.word("running_o") == fits, (mode, words)
+            if mode == HALF_BRIDGE and not BRUSHLESS:
+                legs[1] = 0
+            others = legs[: 3 if BRUSHLESS else 2]
+            if words["compensate"] and fits:  # the half pulse that the dead time takes away again
+                assert max(others) - min(others) <= 20 * 2 * 5 * words["dead_clocks"] // 2, words
+            else:
+                assert max(others) == min(others), (mode, words, legs)
+    assert min(found.values()) > 3
 
 
 @cocotb.test(timeout_time=500, timeout_unit="ms")

@@ -222,6 +222,21 @@ async def no_pulse_is_too_short(dut: object) -> None:
     assert (stretched if MIN_PULSE else short) >= 4
 
 
+@cocotb.test(timeout_time=20, timeout_unit="ms", skip=not MIN_PULSE)
+async def where_no_pulse_fits_there_is_none(dut: object) -> None:
+    """Legs that have to stay for longer than half a half: no width, whatever is asked for."""
+    bench = ModulatorBench(dut)
+    low, high = formats.VOLTAGE.raw_min, formats.VOLTAGE.raw_max
+    for half_clocks, least, spare in (
+        (48, 100, 50), (48, 0, 24), (48, 0, 25), (49, 255, 128), (6, 4, 3), (7, 0, 4),
+    ):  # fmt: skip
+        for second_order in (False, True):
+            ticks = [Tick(voltage, extra=extra) for voltage in (0, low, high, 1 << 20, 0)
+                     for extra in (0, 1 << 13, -(1 << 13))]  # fmt: skip
+            shown = await bench.run(half_clocks, 1, STEP, ticks, second_order, least, spare)
+            assert shown.widths == [0] * len(ticks), (half_clocks, least, spare)
+
+
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def order_of_the_feedback(dut: object) -> None:
     """A constant duty: the error's sum, or with order 2 the sum of its sums, stays bounded."""

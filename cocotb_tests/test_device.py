@@ -4,8 +4,11 @@
 import pytest
 from simulators import simulate
 
+# fmt: off
 SIZES = {
-    "one": {"WALLS": 1, "GUARD": 1, "HOST": 1, "SENSE": 1, "CAPTURE": 5},
+    "one": {
+        "WALLS": 1, "GUARD": 1, "HOST": 1, "SENSE": 1, "CAPTURE": 5, "MODES": 1, "MIN_PULSE": 1,
+    },
     "three": {
         "N": 3,
         "WALLS": 2,
@@ -16,8 +19,11 @@ SIZES = {
         "CAPTURE": 5,
     },
     "early": {"EARLY": 1, "BUS": 1, "ANCHOR": 1, "GUARD": 1},
-    "brushless": {"LEGS": 3, "ANCHOR": 1, "GUARD": 1, "SENSE": 1, "CAPTURE": 5},
+    "brushless": {
+        "LEGS": 3, "ANCHOR": 1, "GUARD": 1, "SENSE": 1, "CAPTURE": 5, "MIN_PULSE": 1,
+    },
 }
+# fmt: on
 
 
 @pytest.mark.parametrize("size", SIZES)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// prove_wh_modulator: a width is within its limit, and 0 or least_i clocks at the least; what it is off
-// by is owed, to the last place, unless it was clipped; what is owed is bounded, and no sum of the
+// prove_wh_modulator: a width is within its limit, whatever the settings are, and 0 or least_i clocks at the
+// least if that is no more than the limit; what it is off by is owed, to the last place, unless it was clipped; what is owed is bounded, and no sum of the
 // error feedback wraps. The duty comes from wh_early's port, which takes any word, at any clock.
 
 `default_nettype none
@@ -72,7 +72,8 @@ module prove_wh_modulator #(
 
     wire signed [W-1:0] least  = (MIN_PULSE != 0) ? $signed({1'b0, least_in}) : 9'sd0;
     wire signed [W-1:0] spare  = (MIN_PULSE != 0) ? $signed({1'b0, spare_in}) : 9'sd0;
-    wire signed [W-1:0] limit  = $signed({1'b0, half_clocks[15:1]}) - spare;
+    wire signed [W-1:0] room   = $signed({1'b0, half_clocks[15:1]}) - spare;
+    wire signed [W-1:0] limit  = (room < 0) ? 0 : room;
     wire signed [W-1:0] long_width = width;
     wire signed [W-1:0] rest   = \block.next_rest_q ;
     wire signed [W-1:0] older  = \block.older_q ;
@@ -104,7 +105,6 @@ module prove_wh_modulator #(
         active_q1 <= active + active_up;
 
         assume (half_clocks >= 16'd6);
-        assume (limit >= least && limit >= 0);
         // wh_dead_time's: 5/8 of the longest dead time.
         assume (extra <= 17'sd40960 && extra >= -17'sd40960);
         begun <= 1'b1;
@@ -122,7 +122,7 @@ module prove_wh_modulator #(
             assert (rests <= 3 * bound && rests >= -3 * bound);
         end
         if (age == 2'd3) begin
-            if (MIN_PULSE != 0) assert (size == 0 || size >= least);
+            if (MIN_PULSE != 0 && limit >= least) assert (size == 0 || size >= least);
             // What it is off by is owed, unless the total was beyond the limit.
             assert (rest == off
                     || (rest == 0 && size == limit && (off < 0) == (total_q2 < 0)

@@ -704,6 +704,7 @@ module wh_brushless #(
             reg  signed [SAMPLE_W-1:0] sample_c_q;
             reg                        sampled_q;
             wire                       illegal_setting;
+            wire        [7:0]          spare = (min_pulse_i >> 1) + {7'd0, min_pulse_i[0]};
 
             always @(posedge clk) begin
                 sampled_q  <= adc_valid && !rst;
@@ -727,7 +728,14 @@ module wh_brushless #(
                 .tick_halves_i     (tick_halves_i),
                 .sample_clocks_i   (sample_clocks_i),
                 .samples_i         (samples_i),
+                .sample_lead_i     (sample_lead_i),
+                .sample_late_i     (sample_late_i),
                 .whole_i           (1'b1),
+                .least_i           (8'd0),
+                .spare_i           ((MIN_PULSE != 0) ? spare : 8'd0),
+                .dead_clocks_i     (dead_clocks_i),
+                .compensate_i      (compensate_i && DEAD_TIME != 0),
+                .compensable_i     (1'b1),
                 .root_i            ({2{root_i}}),
                 .a_i               ({2{a_i}}),
                 .eta_contact_i     ({2{eta_contact_i}}),

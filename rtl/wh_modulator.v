@@ -4,7 +4,7 @@
 //
 //   duty  = truncate(voltage * clocks_per_volt),  clocks_per_volt = half_clocks / (2 Vbus)
 //   total = duty + extra + owed
-//   width = round(total), clipped to +- limit,    limit = half_clocks / 2 (rounded down) - spare
+//   width = round(total), clipped to +- limit,    limit = half_clocks / 2 (rounded down) - spare, or 0
 //   rest  = total - width, or 0 if the width was clipped
 //   owed  = rest                         order 1: the width's error is shaped by 1 - z^-1
 //         = 2 rest - rest of the half before        order 2: by (1 - z^-1)^2
@@ -46,7 +46,7 @@ module wh_modulator #(
     input  wire                                    second_order_i,     // 1: order 2
     input  wire signed [`WH_EXTRA_W-1:0]           extra_i,            // s17q8 clocks
     input  wire        [7:0]                       least_i,            // clocks, width that isn't 0
-    input  wire        [7:0]                       spare_i,            // clocks, below half_clocks / 2
+    input  wire        [7:0]                       spare_i,            // clocks
 
     output wire                                    request_o,
     input  wire                                    grant_i,
@@ -204,9 +204,11 @@ module wh_modulator #(
 
     // The limits come from settings, which stand still while it runs: they are made one and two clocks
     // before they are compared with. Half of an odd half_clocks_i is rounded down.
+    // Legs that have to stay for longer than that have no pulse.
     wire        [7:0]            spare;
-    wire signed [`WH_TICK_W-1:0] limit      = $signed({1'b0, half_clocks_i[`WH_TICK_W-1:1]})
+    wire signed [`WH_TICK_W-1:0] room       = $signed({1'b0, half_clocks_i[`WH_TICK_W-1:1]})
                                               - $signed({{`WH_TICK_W-8{1'b0}}, spare});
+    wire signed [`WH_TICK_W-1:0] limit      = room[`WH_TICK_W-1] ? {`WH_TICK_W{1'b0}} : room;
     reg  signed [`WH_TICK_W-1:0] limit_q;
     reg  signed [`WH_TICK_W-1:0] minus_limit_q;
     wire signed [ROUND_W-1:0]    limit_long = {{ROUND_W-`WH_TICK_W{1'b0}}, limit_q};

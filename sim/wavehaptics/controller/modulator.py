@@ -55,7 +55,7 @@ def half_width(
 
     What the whole clocks leave over is owed to the next halves; what a clipped half can't give is
     not. A width below ``least`` clocks is 0 or ``least``; the largest is ``spare`` clocks less than
-    half of ``half_clocks``.
+    half of ``half_clocks``, or 0.
     """
     owed = 2 * state[REST] - state[OLDER] if second_order else state[REST]
     total = duty + (extra << _EXTRA_SHIFT) + owed
@@ -63,7 +63,7 @@ def half_width(
     if magnitude < least:
         magnitude = 0 if 2 * magnitude < least else least
     width = magnitude if total >= 0 else -magnitude
-    limit = half_clocks // 2 - spare
+    limit = max(half_clocks // 2 - spare, 0)
     state[OLDER] = state[REST]
     if abs(width) > limit:
         state[REST] = 0

@@ -103,15 +103,15 @@ def controller_ports(
         )
     controller = scene.controller.model_copy(update={"extra_ticks": time.extra_ticks})
     scene = scene.model_copy(update={"controller": controller})
-    dead = _dead_time_words(scene, time, bus_v, sensor)
+    shortest = _min_pulse(scene, time)
+    # What the pulse is longer by and what a leg's shortest pulse takes, the voltage can't have.
+    _, spare = width_bounds(bridge_mode(scene), shortest)
+    dead = _dead_time_words(scene, time, bus_v, sensor, time.half_clocks // 2 - spare)
     delay = pulse_delay(scene, time.clock_hz, time.half_clocks)
     # What a leg reaches makes clocks of volts; what the motor does, the limit.
     reach_v = leg_v = bus_v * (scene.drive.reach if scene.drive else 1.0)
     if scene.motor.brushless:
         reach_v, leg_v = bus_v * THREE_PHASE_REACH, 0.5 * bus_v
-    shortest = _min_pulse(scene, time)
-    # What the pulse is longer by and what a leg's shortest pulse takes, the voltage can't have.
-    _, spare = width_bounds(bridge_mode(scene), shortest)
     lost = (dead["dead_clocks"] if dead["compensate"] else 0) + 2 * spare
     set_ = settings(scene, time.tick_s, cell_rad, reach_v * (1.0 - lost / time.half_clocks))
     start_count = math.floor(hand_path(scene).x0 / set_.cell_rad)
@@ -239,9 +239,12 @@ def _host_words(scene: Scene, time: Timing) -> dict[str, int]:
 
 
 def _dead_time_words(
-    scene: Scene, time: Timing, bus_v: float, sensor: Sensor
+    scene: Scene, time: Timing, bus_v: float, sensor: Sensor, widest: int
 ) -> dict[str, int]:  # fmt: skip
-    """Words of the dead time and of its compensation, ``rtl/wh_dead_time.v``."""
+    """Words of the dead time and of its compensation, ``rtl/wh_dead_time.v``.
+
+    ``widest`` is the longest half pulse in clocks, beyond which nothing is compensated.
+    """
     clocks = dead_clocks(scene, time.clock_hz)
     if clocks >= time.half_clocks:
         raise scene.refusal(
@@ -259,6 +262,15 @@ def _dead_time_words(
             "drive.compensate",
             "drive.mode",
             "drive.dead_time_s",
+        )
+    if compensate and 5 * clocks >= 8 * widest:
+        raise scene.refusal(
+            f"drive.compensate: a dead time of {clocks} clocks of `pins` makes a half pulse up to "
+            f"{5 * clocks / 8:g} clocks longer, and the longest has {widest}; take a shorter "
+            "dead_time_s, a slower drive.pwm_hz or set drive.compensate = false",
+            "drive.dead_time_s",
+            "drive.compensate",
+            "drive.pwm_hz",
         )
     # Half the current that one dead time's voltage changes.
     side_a = 0.5 * bus_v * clocks / time.clock_hz / scene.controller.l_hat
