@@ -100,6 +100,7 @@ MODES = [mode for mode in MODE_WORDS if mode != UNIPOLAR]
             "the ADC needs 34 clocks of 2e[+]06 Hz .* leaves 20; lower it",
         ),
         (("drive.dead_time_s=1e-6",), "48 clocks of `pins`, as long as a carrier half of 48; take"),
+        (("drive.dead_time_s=0.82e-6",), "dead time of 39 clocks .* 24.375 clocks longer, and the"),
         (("drive.pwm_hz=1e3", "drive.bus_v=6"), "a volt at a bus of 6 V is 2000 clocks of the"),
     ],
 )

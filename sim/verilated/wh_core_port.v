@@ -93,11 +93,12 @@ module wh_core_port #(
     );
 
     // What the anchor leaves of the limit, one word for a step.
-    reg signed [DATA_W-1:0] u_max_q;
+    wire signed [DATA_W-1:0] left = u_max_i - room;
+    reg  signed [DATA_W-1:0] u_max_q;
 
     always @(posedge clk) begin
         if (start_i) begin
-            u_max_q <= u_max_i - room;
+            u_max_q <= left[DATA_W-1] ? {DATA_W{1'b0}} : left;
         end
     end
 
