@@ -20,7 +20,7 @@
 //                        the encoder doesn't
 //   HOST                 so many ticks without host_alive_i
 //   BUS_LOW, BUS_HIGH    bus_i outside its limits
-//   HEAT                 h > limit, h += (i² - h) / 2^16 every so many ticks: a winding of the
+//   HEAT                 h > limit, h += (i² - h) / 2^16 every so many ticks, 0 as 1: a winding of the
 //                        time constant 2^16 squares
 //   SETTING              an illegal word, found outside (setting_i)
 //   OVERRUN              a tick too short for its work, or ticks without (overrun_i)
@@ -132,12 +132,13 @@ module wh_guard #(
 
     reg  [15:0] pace_q;
     wire        square = valid_i && pace_q == 16'd0;
+    wire [15:0] pace   = settings_i[`WH_GUARD_HEAT_TICKS];
 
     always @(posedge clk) begin
         if (rst) begin
             pace_q <= 16'd0;
         end else if (valid_i) begin
-            pace_q <= square ? settings_i[`WH_GUARD_HEAT_TICKS] - 16'd1 : pace_q - 16'd1;
+            pace_q <= !square ? pace_q - 16'd1 : (pace == 16'd0) ? 16'd0 : pace - 16'd1;
         end
     end
 
