@@ -125,7 +125,7 @@ module prove_wh_modulator #(
             if (MIN_PULSE != 0 && limit >= least) assert (size == 0 || size >= least);
             // What it is off by is owed, unless the total was beyond the limit.
             assert (rest == off
-                    || (rest == 0 && size == limit && (off < 0) == (total_q2 < 0)
+                    || (rest == 0 && size == limit && ((off < 0) == (total_q2 < 0) || limit < least)
                         && ((total_q2 < 0) == (long_width < 0) || limit == 0)));
             // Sums are exact.
             assert (owed == rests_q1 + extra_q1);
