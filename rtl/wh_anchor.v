@@ -819,7 +819,9 @@ module wh_anchor #(
                 case (adds_q)
                     BEGIN:   correction_o <= next_o;
                     CURRENT: begin
-                        room_o <= contact_q ? $signed(sum_q[VOLT_SHIFT +: DATA_W]) : {DATA_W{1'b0}};
+                        room_o <= (!contact_q || back_sum) ? {DATA_W{1'b0}}
+                                : (|sum_q[LONG_W-2:VOLT_SHIFT+DATA_W-1]) ? {1'b0, {(DATA_W - 1){1'b1}}}
+                                : $signed(sum_q[VOLT_SHIFT +: DATA_W]);
                         if (!contact_q) begin
                             tracked_q <= 1'b1;
                             offset_o  <= $signed(sum_q[AMP_SHIFT +: DATA_W]);

@@ -290,7 +290,8 @@ def _turn(
     state[ROOM] = 0
     if contact:
         room = (words[ROOM_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
-        state[ROOM] = _data(long_word(-room if state[CORRECTION] < 0 else room) >> _VOLT_SHIFT)
+        room = long_word(-room if state[CORRECTION] < 0 else room) >> _VOLT_SHIFT
+        state[ROOM] = min(max(room, 0), _DATA_TOP - 1)
 
     flux = long_word(state[FLUX] - ((words[FLUX_GAIN] * u) >> _FAR_SHIFT))
     flux = long_word(flux - ((words[FLUX_GAIN] * v) >> _FAR_SHIFT))
