@@ -69,6 +69,7 @@ module wh_board_controller #(
     wire         tick_seen;
     wire         overrun_seen;
     wire         guard_seen;
+    wire         guard_lasts;
     wire [PARTS-1:0] zero_busy_seen;
     wire [PARTS-1:0] zero_fault_seen;
     wire [N-1:0] anchor_fault_seen;
@@ -97,6 +98,7 @@ module wh_board_controller #(
         .encoder_fault_i ({PARTS/N{encoder_fault_seen}}),
         .overcurrent_i   (overcurrent_seen),
         .guard_fault_i   (guard_seen),
+        .guard_lasts_i   (guard_lasts),
         .clear_i         (forgets_too),
         .forget_o        (forget),
         .zero_start_o    (first_zero),
@@ -166,6 +168,7 @@ module wh_board_controller #(
                 .running_o       (running_seen),
                 .contact_o       (contact_o),
                 .fault_o         (guard_seen),
+                .fault_lasts_o   (guard_lasts),
                 .ready_o         (ready),
                 .clear_o         (forgets_too),
                 .zero_busy_o     (zero_busy_seen),
@@ -178,6 +181,7 @@ module wh_board_controller #(
             `WH_BOARD_WIRES
             wire armed;
             wire arm_zero;
+            localparam [`WH_FAULTS-1:0] ZERO = {{`WH_FAULTS-1{1'b0}}, 1'b1} << `WH_FAULT_ZERO;
             wire [4:0] refused;
             wire unused_too = &{1'b0, uart_rx_i, refused};
 
@@ -190,6 +194,7 @@ module wh_board_controller #(
                 .rst          (rst),
                 .enable_i     (permit),
                 .fault_i      (1'b0),
+                .zero_i       (|(faults & ZERO)),
                 .loading_i    (1'b0),
                 .write_i      (1'b0),
                 .value_i      (2'd0),
@@ -209,6 +214,7 @@ module wh_board_controller #(
             assign tick_seen          = tick;
             assign overrun_seen       = overrun;
             assign guard_seen         = |faults;
+            assign guard_lasts        = |(faults & ~ZERO);
             assign zero_busy_seen     = zero_busy;
             assign zero_fault_seen    = zero_fault;
             assign anchor_fault_seen  = anchor_fault;

@@ -4,9 +4,10 @@
 //
 // press_o tells that start_i has risen; permit_o that the gates may be on: stop_i is low and there was no
 // fault: of the encoder, of waves and encoder that don't agree, of a tick too short for its work, of a sample
-// of the current at trip, which lies below what clips, of a zero beyond zero_limit, of what the guard finds
-// where the board has one, and of a lost clock. A fault lasts until clear_i, a strobe, or reset; a lost
-// clock until reset. Whether the gates are on is wh_arm's to say, which gets both.
+// of the current at trip, which lies below what clips, of what the guard finds where the board has one, and of
+// a lost clock. A fault lasts until clear_i, a strobe, or reset; a lost clock until reset. Whether the gates
+// are on is wh_arm's to say, which gets both. A zero beyond zero_limit is shown by fault_o and keeps the gates
+// off, but it doesn't last: the next press, or a 1 over the line, measures it anew.
 //
 // start_i and stop_i are asynchronous, and start_i believed once it has been still for 2^SETTLE_LOG2
 // clocks; off needs no patience. A first zero of the currents is measured unasked. What encoder, current and
@@ -41,6 +42,7 @@ module wh_board_switch #(
     input  wire [N-1:0] encoder_fault_i,
     input  wire [N-1:0] overcurrent_i,
     input  wire         guard_fault_i,  // any
+    input  wire         guard_lasts_i,  // but a zero's
     input  wire         clear_i,        // strobe
 
     output wire         forget_o,       // faults, as long as it is high
@@ -114,9 +116,9 @@ module wh_board_switch #(
             end
             clock_lost_q <= clock_lost_q || clock_lost;
             clear_q      <= {clear_q[1:0], clear_i};
-            fault_q      <= (fault_q && !clear_q[2]) || overrun_i || (|zero_fault_i) || (|anchor_fault_i)
-                            || (((|encoder_fault_i) || (|overcurrent_i) || guard_fault_i) && awake);
-            permit_q     <= awake && !stop && !fault_o;
+            fault_q      <= (fault_q && !clear_q[2]) || overrun_i || (|anchor_fault_i)
+                            || (((|encoder_fault_i) || (|overcurrent_i) || guard_lasts_i) && awake);
+            permit_q     <= awake && !stop && !fault_q && !clock_lost_q;
         end
     end
 
@@ -124,7 +126,7 @@ module wh_board_switch #(
     assign zero_start_o = zero_start_q;
     assign press_o      = press_q;
     assign permit_o     = permit_q;
-    assign fault_o      = fault_q || clock_lost_q;
+    assign fault_o      = fault_q || clock_lost_q || (|zero_fault_i) || (guard_fault_i && awake);
 
     reg alive_q;
 

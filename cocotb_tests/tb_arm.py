@@ -12,6 +12,8 @@ SENSE, CREDIT = _P["SENSE"], _P["CREDIT"]
 ENABLE, FAULT, LOADING, ZERO, CREDIT_OUT = (1 << bit for bit in range(5))
 ZERO_CLOCKS = 7
 REASONS = {ENABLE: {"enable_i": 0}, FAULT: {"fault_i": 1}, LOADING: {"loading_i": 1}}
+ANEW = {"zero_i": 1}
+"""A fault that measuring forgets; without a zero it is one as any other."""
 
 
 class ArmBench(Bench):
@@ -22,7 +24,7 @@ class ArmBench(Bench):
         self.starts = 0
         await self.start(
             enable_i=1, fault_i=0, loading_i=0, write_i=0, value_i=0, press_i=0, zero_busy_i=0,
-            zero_fault_i=0,
+            zero_fault_i=0, zero_i=0,
         )  # fmt: skip
 
     async def step(self, clocks: int = 1, **inputs: int) -> None:
@@ -170,6 +172,33 @@ async def the_zero(dut: object) -> None:
         assert bench.state == (0, 0)
     await bench.step()
     assert bench.state == (0, CREDIT_OUT)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_fault_of_the_zero(dut: object) -> None:
+    """It ends what is armed. A 1 or a press measures anew, and arms if the fault is gone by then."""
+    bench = ArmBench(dut)
+    await bench.begin()
+    for order in (bench.press, lambda: bench.write(1)):
+        await bench.arm()
+        await bench.step(**ANEW)
+        assert bench.state == (0, FAULT)
+        starts = bench.starts
+        await order()
+        if not SENSE:
+            assert bench.state == (0, FAULT)
+            bench.drive(zero_i=0)
+            continue
+        await bench.step(2, zero_i=0)
+        assert bench.starts == starts + 1
+        await bench.measured()
+        await bench.write(0)
+        # It is there again before the zero is.
+        await bench.step(**ANEW)
+        await order()
+        await bench.step(ZERO_CLOCKS + 2)
+        assert bench.state == (0, FAULT)
+        bench.drive(zero_i=0)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

@@ -217,6 +217,10 @@ async def live_words_and_commands(dut: object) -> None:
         value = rng.randint(max(1, place.limits[0]), place.limits[1])
         mask = (1 << place.bits) - 1
         clocks = 0
+        if word.row.off:
+            assert await bench.write(place.address, value & MASK) == NOT_NOW, word.name
+            bench.drive(enable_i=0)
+            await bench.step(2)
         bench.drive(
             bus_valid_i=1, bus_write_i=1, bus_address_i=place.address, bus_data_i=value & MASK
         )
@@ -229,6 +233,8 @@ async def live_words_and_commands(dut: object) -> None:
             end = len(shown) - motor * place.bits
             clocks += shown[end - place.bits : end] == f"{value & mask:0{place.bits}b}"
         assert clocks == 1 if place.bits == 1 else clocks > 4, word.name
+        bench.drive(enable_i=1)
+        await bench.step(2)
 
 
 @cocotb.test(timeout_time=500, timeout_unit="ms")

@@ -51,7 +51,7 @@ class GuardBench(Bench):
         await self.start(
             settings_i=settings(fields), clear_i=0, running_i=running_i, stop_i=0, driver_i=0,
             host_alive_i=0, bus_i=100, sample_valid_i=0, sample_i=0, trip_i=0, encoder_i=0,
-            range_i=0, stuck_i=0, zero_i=0,
+            range_i=0, stuck_i=0, zero_i=0, zero_start_i=0, zero_busy_i=0,
             moved_i=0, anchor_i=0, setting_i=0, overrun_i=0, tick_i=0, valid_i=0, current_i=0,
             u_i=0, v_i=0,
         )  # fmt: skip
@@ -292,6 +292,39 @@ async def limits_of_the_rest(dut: object) -> None:
             assert await bench.tick(sign * 3000) == 0, "the current is still dying away"
         assert await bench.tick(sign * 50) == 0
         assert await bench.tick(sign * 51) == 1 << Fault.ZERO
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_zero_that_is_measured_anew(dut: object) -> None:
+    """Its start forgets ZERO and nothing else; until it counts, no current is judged by the old one."""
+    bench = GuardBench(dut)
+    zero, other = 1 << Fault.ZERO, 1 << Fault.TRIP
+    await bench.begin(running_i=0, ZERO=50, ZERO_TICKS=0)
+    bench.drive(zero_i=1)
+    await bench.step(trip_i=1)
+    await bench.step(trip_i=0)
+    assert bench.word("faults_o") == zero | other
+    await bench.step(zero_start_i=1)
+    await bench.step(zero_start_i=0, zero_i=0)
+    assert bench.word("faults_o") == other
+    # Neither while it is measured, nor in the tick that had begun with the old one.
+    await bench.begin(running_i=0, ZERO=50, ZERO_TICKS=0)
+    assert await bench.tick(60) == zero
+    await bench.step(zero_start_i=1)
+    await bench.step(zero_start_i=0, zero_busy_i=1)
+    for _ in range(4):
+        assert await bench.tick(60) == 0
+    bench.drive(zero_busy_i=0)
+    assert await bench.tick(60) == 0
+    assert await bench.tick(50) == 0
+    assert await bench.tick(-51) == zero
+    # A zero that is none is a fault as soon as that is known.
+    await bench.step(zero_start_i=1)
+    await bench.step(2, zero_start_i=0, zero_busy_i=1)
+    await bench.step(zero_busy_i=0, zero_i=1 << LAST)
+    assert bench.word("faults_o") == zero
+    await bench.clear()
+    assert bench.word("faults_o") == zero
 
 
 def warmer(total: int, current: int) -> int:

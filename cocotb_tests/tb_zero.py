@@ -140,6 +140,27 @@ async def bridge_goes_on(dut: object) -> None:
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_start_forgets_the_fault(dut: object) -> None:
+    """Whatever it was, from the next clock on; the zero of before is still there."""
+    bench = ZeroBench(dut)
+    rng = random_source("forgets")
+    await bench.begin(limit=100)
+    await bench.measure(rng, 1, 9, 9)
+    for strange in (True, False):
+        if strange:
+            await bench.measure(rng, 1, 101, 101)
+        else:
+            await bench.step(start_i=1)
+            await bench.step(2, start_i=0, bridge_off_i=0)
+            bench.drive(bridge_off_i=1)
+        assert (bench.word("fault_o"), bench.signed("zero_o")) == (1, 9)
+        await bench.step(start_i=1)
+        bench.drive(start_i=0)
+        assert (bench.word("fault_o"), bench.word("busy_o")) == (0, 1)
+    assert (bench.signed("zero_o"), bench.word("measured_o")) == (9, 1)
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
 async def again_and_reset(dut: object) -> None:
     """A start in mid-measurement begins anew; a reset leaves no zero."""
     bench = ZeroBench(dut)

@@ -4,7 +4,9 @@
 // at most after the last write of 1 or 2 unless it was pressed for since it began, and no longer than to the
 // clock after enable_i was low, a fault was there, settings were given or 0 was written; it comes by a write of 1
 // or a press only, in a clock without these, and with a zero only after one that was asked for since and found good,
-// with no renewal too late. What ends it but a 0, or refuses a 1 or a press, stands in refused_o. Proven by induction, smtbmc z3.
+// with no renewal too late. What ends it but a 0, or refuses a 1 or a press, stands in refused_o. A fault of the
+// zero is one as any other without a zero; with one it doesn't keep a new one from being measured, and counts
+// as that ends and from then on. Proven by induction, smtbmc z3.
 
 `default_nettype none
 
@@ -13,6 +15,7 @@ module prove_wh_arm (
     input wire       rst,
     input wire       enable,
     input wire       fault,
+    input wire       old_zero,
     input wire       loading,
     input wire       write,
     input wire [1:0] value,
@@ -47,6 +50,7 @@ module prove_wh_arm (
         .rst          (rst),
         .enable_i     (enable),
         .fault_i      (fault),
+        .zero_i       (old_zero),
         .loading_i    (loading),
         .write_i      (write),
         .value_i      (value),
@@ -66,6 +70,7 @@ module prove_wh_arm (
         .rst          (rst),
         .enable_i     (enable),
         .fault_i      (fault),
+        .zero_i       (old_zero),
         .loading_i    (loading),
         .write_i      (write),
         .value_i      (value),
@@ -87,7 +92,7 @@ module prove_wh_arm (
     reg       rst_q;
     reg       wrote_0_q;
     reg       wrote_1_q;    // or pressed
-    reg [2:0] against_q;
+    reg [2:0] against_q [0:1];
     reg       zero_good_q;  // no zero is being measured, and the last one was good
     reg       zero_bad_q;
     reg [1:0] armed_q;
@@ -101,6 +106,7 @@ module prove_wh_arm (
     wire drop  = write && value == 2'd0;
     wire push  = press && !drop;
     wire renew = push || (write && (value == 2'd1 || value == 2'd2));
+    wire counts = armed[1] || (measuring[1] && !start[1] && !zero_busy);  // the zero's fault does
 
     integer k;
 
@@ -109,7 +115,8 @@ module prove_wh_arm (
         rst_q       <= rst;
         wrote_0_q   <= drop;
         wrote_1_q   <= push || (write && value == 2'd1);
-        against_q   <= {loading, fault, !enable};
+        against_q[0] <= {loading, fault || old_zero, !enable};
+        against_q[1] <= {loading, fault || (old_zero && counts), !enable};
         zero_good_q <= !zero_busy && !zero_fault && !start[1];
         zero_bad_q  <= !zero_busy && zero_fault && !start[1];
         armed_q     <= armed;
@@ -130,7 +137,7 @@ module prove_wh_arm (
                 if (armed[k] || measuring[k]) begin
                     assert (stays[k] == wanted[k]);
                     assert (wanted[k] || (since_q < CREDIT && left[k] == CREDIT - 3'd1 - since_q));
-                    assert (!rst_q && !wrote_0_q && against_q == 3'd0 && refused[k] == 5'd0);
+                    assert (!rst_q && !wrote_0_q && against_q[k] == 3'd0 && refused[k] == 5'd0);
                 end
                 assert (!(armed[k] && measuring[k]));
                 if (rst_q) begin
@@ -139,13 +146,13 @@ module prove_wh_arm (
                 // Why it ended, or why it didn't begin.
                 if (!rst_q && (armed_q[k] || measuring_q[k]) && !(armed[k] || measuring[k])) begin
                     assert (wrote_0_q ? refused[k] == 5'd0
-                            : refused[k][2:0] == against_q
+                            : refused[k][2:0] == against_q[k]
                               && refused[k][4] == (since_q == CREDIT && !wanted_q[k])
                               && refused[k][3] == (measuring_q[k] && zero_bad_q)
                               && refused[k] != 5'd0);
                 end
                 if (!rst_q && !(armed_q[k] || measuring_q[k])) begin
-                    assert (refused[k] == (wrote_1_q ? {2'd0, against_q} : refused_q[k]));
+                    assert (refused[k] == (wrote_1_q ? {2'd0, against_q[k]} : refused_q[k]));
                 end
                 cover (armed[k] && armed_q[k] && since_q == 3'd0);
                 cover (!armed[k] && armed_q[k] && refused[k] == 5'b10000);
@@ -165,6 +172,8 @@ module prove_wh_arm (
                 assert (measuring_q[1] && !start_q && zero_good_q);
             end
             cover (armed[1] && refused_q[1] == 5'd0 && since_q == 3'd4);
+            cover (measuring[1] && measuring_q[1] && old_zero);
+            cover (!armed[1] && armed_q[1] && refused[1] == 5'b00010 && !fault);
             cover (!measuring[1] && measuring_q[1] && refused[1] == 5'b01000);
         end
     end

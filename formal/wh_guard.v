@@ -21,6 +21,8 @@ module prove_wh_guard (
     input wire                           sampled,
     input wire signed [`WH_SAMPLE_W-1:0] sample,
     input wire [7:0]                     inputs,   // faults found outside, as below
+    input wire                           zero_start,
+    input wire                           zero_busy,
     input wire                           moved,
     input wire                           tick,
     input wire                           valid,
@@ -54,6 +56,8 @@ module prove_wh_guard (
         .range_i        (inputs[0]),
         .stuck_i        (inputs[1]),
         .zero_i         (inputs[2]),
+        .zero_start_i   (zero_start),
+        .zero_busy_i    (zero_busy),
         .trip_i         (inputs[3]),
         .encoder_i      (inputs[4]),
         .moved_i        (moved),
@@ -90,7 +94,8 @@ module prove_wh_guard (
 
     // Inputs that are causes as they are.
     wire [`WH_FAULTS-1:0] direct = inputs[3] << `WH_FAULT_TRIP    | inputs[1] << `WH_FAULT_ADC_STUCK
-                                 | inputs[0] << `WH_FAULT_ADC_RANGE | inputs[2] << `WH_FAULT_ZERO
+                                 | inputs[0] << `WH_FAULT_ADC_RANGE
+                                 | (inputs[2] && !zero_start) << `WH_FAULT_ZERO
                                  | inputs[4] << `WH_FAULT_ENCODER | inputs[5] << `WH_FAULT_ANCHOR
                                  | inputs[6] << `WH_FAULT_SETTING | inputs[7] << `WH_FAULT_OVERRUN;
 
@@ -103,7 +108,7 @@ module prove_wh_guard (
     wire [`WH_FAULTS-1:0] says = judged(sample[`WH_SAMPLE_W-1] ? -sample : sample);
 
     reg                  begun = 1'b0;
-    reg                  rst_q, clear_q, sampled_q, run_q, stops_q;
+    reg                  rst_q, clear_q, zero_start_q, sampled_q, run_q, stops_q;
     reg [`WH_FAULTS-1:0] faults_q, causes_q, direct_q, said_q, said_q2;
 
     localparam [`WH_FAULTS-1:0] SAMPLES = 1 << `WH_FAULT_CURRENT;
@@ -112,6 +117,7 @@ module prove_wh_guard (
         begun     <= 1'b1;
         rst_q     <= rst;
         clear_q   <= clear;
+        zero_start_q <= zero_start;
         sampled_q <= sampled;
         run_q     <= run;
         faults_q  <= faults;
@@ -129,7 +135,7 @@ module prove_wh_guard (
             if (rst_q) begin
                 assert (faults == 0);
             end else begin
-                assert (faults == ((clear_q ? 0 : faults_q) | (causes_q & mask)));
+                assert (faults == ((clear_q ? 0 : faults_q & ~(zero_start_q << `WH_FAULT_ZERO)) | (causes_q & mask)));
                 assert ((direct_q & mask & ~faults) == 0);
                 assert ((said_q2 & mask & ~faults) == 0);
                 // What makes that inductive.
@@ -146,7 +152,8 @@ module prove_wh_guard (
                     assert (causes[`WH_FAULT_ADC_STUCK]);
                 end
             end
-            if (!rst_q && !run_q && !run && !\block.motor[0].measured_q
+            // One of a current with the gates off, by a zero that stands.
+            if (!rst_q && !run_q && !run && !zero_start && !zero_busy && !\block.motor[0].measured_q
                 && causes_q[`WH_FAULT_ZERO] && !direct_q[`WH_FAULT_ZERO]) begin
                 assert (causes[`WH_FAULT_ZERO]);
             end

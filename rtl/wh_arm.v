@@ -15,7 +15,8 @@
 // While there is one of the first three, a 1 or a press is refused with it. Nothing but one of these after
 // the reason has gone arms again: a renewing 2 doesn't. Of a press and a 0 in one clock the 0 counts.
 // With SENSE = 1 the zero of the currents is measured first, as wh_zero does it with the bridges off:
-// it is armed where that ends with a permitted zero. The credit runs meanwhile.
+// it is armed where that ends with a permitted zero. The credit runs meanwhile. So a zero that was none
+// before, zero_i, is no reason against measuring it, which forgets it.
 //
 // Latency: armed_o and refused_o change a clock after what they follow from.
 // Reset: not armed, no reason.
@@ -31,6 +32,7 @@ module wh_arm #(
 
     input  wire       enable_i,      // the board lets it
     input  wire       fault_i,       // the guard's, or a tick's
+    input  wire       zero_i,        // a fault as well: the guard's of the zero
     input  wire       loading_i,     // settings are being given
 
     input  wire       write_i,       // strobe
@@ -70,7 +72,8 @@ module wh_arm #(
     wire measured = measuring_q && !start_q && !zero_busy_i;
     wire spent    = (credit_q == {CREDIT_W{1'b0}}) && !renews && !stays_q;
 
-    wire [2:0] against = {loading_i, fault_i, !enable_i};
+    wire       counts  = (SENSE == 0) || armed_q || measured;  // zero_i does
+    wire [2:0] against = {loading_i, fault_i || (zero_i && counts), !enable_i};
     wire [4:0] ends    = {spent, measured && zero_fault_i, against};
 
     always @(posedge clk) begin

@@ -92,7 +92,7 @@ module wh_brushless #(
     input  wire [15:0]                  range_i,             // of 2^15, end of the ADC's range
     // With SENSE = 1: the checks, and a zero measured on command, to which zero_i is added.
     input  wire [15:0]                  stuck_words_i,       // words that are never all the same
-    input  wire                         zero_start_i,        // strobe, while enable_i = 0
+    input  wire                         zero_start_i,        // strobe; nothing while the bridge is on
     input  wire [`WH_SUM_W-2:0]         zero_limit_i,        // largest permitted |zero|
     input  wire [2*`WH_COEF_W-1:0]      gain_i,              // s27q35 A per unit of the sum
     input  wire [15:0]                  trip_i,              // of 2^15, full scale; more: never
@@ -210,6 +210,7 @@ module wh_brushless #(
     // As in wh_controller: what holds words knows of a fault a clock later.
     wire reading   = enable_i && !off_q;
     wire drive_rst = rst || !run;
+    wire zero_begins = zero_start_i && !run && SENSE != 0;
     wire sense_restart = restart_i && !reading;
     wire sense_rst     = rst || sense_restart;
 
@@ -358,8 +359,8 @@ module wh_brushless #(
                     .valid_i       (adc_valid),
                     .first_i       (adc_first),
                     .sample_i      (word),
-                    .start_i       (zero_start_i),
-                    .bridge_off_i  (!enable_i),
+                    .start_i       (zero_begins),
+                    .bridge_off_i  (!run),
                     .limit_i       (zero_limit_i),
                     .busy_o        (zero_busy_o[n]),
                     .done_o        (zero_done),
@@ -776,6 +777,8 @@ module wh_brushless #(
                 .range_i        ({1'b0, adc_range_o}),
                 .stuck_i        ({1'b0, adc_stuck_o}),
                 .zero_i         ({1'b0, zero_fault_o}),
+                .zero_start_i   (zero_begins),
+                .zero_busy_i    (|zero_busy_o),
                 .trip_i         ({1'b0, overcurrent_o}),
                 .encoder_i      ({2'd0, illegal_move}),
                 .moved_i        ({3{moved}}),

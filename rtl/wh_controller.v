@@ -107,7 +107,7 @@ module wh_controller #(
     input  wire [15:0]                  range_i,             // of 2^15, end of the ADC's range
     // With SENSE = 1: the checks, and a zero measured on command, to which zero_i is added.
     input  wire [15:0]                  stuck_words_i,       // words that are never all the same
-    input  wire                         zero_start_i,        // strobe, while enable_i = 0
+    input  wire                         zero_start_i,        // strobe; nothing while the bridges are on
     input  wire [`WH_SUM_W-2:0]         zero_limit_i,        // largest permitted |zero|
     input  wire [N*`WH_COEF_W-1:0]      gain_i,              // s27q35 A per unit of the sum
 
@@ -238,6 +238,7 @@ module wh_controller #(
     // What holds words knows of a fault a clock later; the bridges come on again a clock later too.
     wire reading   = enable_i && !off_q;
     wire drive_rst = rst || !run;
+    wire zero_begins = zero_start_i && !run && SENSE != 0;
     wire sense_restart = restart_i && !reading;
     wire sense_rst     = rst || sense_restart;
 
@@ -632,6 +633,8 @@ module wh_controller #(
                 .range_i        (adc_range_o),
                 .stuck_i        (adc_stuck_o),
                 .zero_i         (zero_fault_o),
+                .zero_start_i   (zero_begins),
+                .zero_busy_i    (|zero_busy_o),
                 .trip_i         (overcurrent_o),
                 .encoder_i      (illegal_move),
                 .moved_i        (moved),
@@ -685,7 +688,6 @@ module wh_controller #(
             ) motor (
                 .clk                 (clk),
                 .rst                 (rst),
-                .enable_i            (enable_i),
                 .run_i               (run),
                 .enc_a_i             (enc_a_i[n]),
                 .enc_b_i             (enc_b_i[n]),
@@ -705,7 +707,7 @@ module wh_controller #(
                 .zero_i              (zero_i[n*`WH_SUM_W +: `WH_SUM_W]),
                 .range_i             (range_i),
                 .stuck_words_i       (stuck_words_i),
-                .zero_start_i        (zero_start_i),
+                .zero_start_i        (zero_begins),
                 .zero_limit_i        (zero_limit_i),
                 .offset_i            (offset_o[n*DATA_W +: DATA_W]),
                 .current_valid_o     (current_valid[n]),

@@ -8,12 +8,15 @@
 // stand where other motors have 0 and 1; what there is once of it is at motor 0, and nowhere else. Of
 // wh_controller's parameters it has WALLS, DELAY_LOG2, SENSE, ZERO_LOG2, DEAD_TIME, MIN_PULSE, ANCHOR and GUARD.
 //
-// Every word of rtl/words.toml is on the bus, as wh_settings has it. A word takes effect when it is
-// given: core words between two steps, an anchor's likewise and not before those of the core, gain and
+// Every word of rtl/words.toml is on the bus, as wh_settings has it. A setting takes effect with a commit:
+// the core's between two steps, the anchors' and those that scale voltages from the same step on, gain and
 // zero between two ticks' sums, walls between two rounds, all others with the bridges off only, while
-// carrier and ADC begin anew. All words of a group change in one clock; groups of one kind in the same one,
-// but for groups that have to wait for different blocks, which are a tick apart at most. With BUS = 1 the core's
-// limit is the one of before for as long as wh_bus_scale takes.
+// carrier and ADC begin anew. All words of a group change in one clock. A commit completes at every period
+// (wh_settings), within three ticks where they are long enough for their work; a group that wasn't written is
+// not waited for. With BUS = 1 the core's limit is the one of before for as long as wh_bus_scale takes.
+//
+// SENSE = 1: the zero of the currents is measured as wh_arm arms, with a rise of clear while the bridges are off,
+// and by zero_start, which is refused while they are on.
 //
 // Nothing on the bus lets the bridges on where enable_i, a pin, is low. With ARM = 0 they are on where it
 // is high, with ARM = 1 where the bus or press_i has armed them as well (wh_arm). They stay off while words
@@ -89,7 +92,7 @@ module wh_device #(
     input  wire                 stop_i,         // asynchronous
     input  wire [N-1:0]         driver_fault_i, // asynchronous
     input  wire [N-1:0]         anchor_fault_i,
-    input  wire                 clear_i,        // these two do what their words do
+    input  wire                 clear_i,        // these two do what their words do, a rise of the first
     input  wire                 zero_start_i,
     input  wire                 press_i,        // strobe: arm, until something is against it; with ARM = 1
 
@@ -97,6 +100,7 @@ module wh_device #(
     output wire                 running_o,      // the bridges are on
     output wire                 contact_o,      // any motor is in a wall
     output wire                 fault_o,        // the guard found something, or a tick is too short
+    output wire                 fault_lasts_o,  // the same but for a zero, which arming measures anew
     output reg                  ready_o,        // since reset all settings were given
     output wire                 clear_o,        // strobe: the bus wants faults forgotten
     output wire [PARTS-1:0]     zero_busy_o,    // these are wh_controller's
@@ -115,6 +119,7 @@ module wh_device #(
 );
 
     localparam integer SECTIONS = (SHAPER > 0) ? SHAPER : 1;
+    localparam [`WH_FAULTS-1:0] ZERO = {{`WH_FAULTS-1{1'b0}}, 1'b1} << `WH_FAULT_ZERO;
 
     generate
         if (LEGS != 2 && LEGS != 3) begin : illegal_legs
@@ -173,6 +178,7 @@ module wh_device #(
     wire       permitted = enable_i && armed && !loading;  // the bridges
     wire [4:0] arm_refused;
     wire       arm_zero_start;
+    wire       clear_zero;  // strobe, a clear that begins with the bridges off
 
     reg  [31:0]    ticks;
     wire [PARTS*8-1:0] flags;
@@ -201,6 +207,16 @@ module wh_device #(
         passed_q <= change && (passed_q || !words_hold[0]);
     end
 
+    // A clear measures the zero anew, once however long it lasts.
+    reg  clears_q;
+    wire clears = set_clear || clear_i;
+
+    assign clear_zero = clears && !clears_q && !permitted;
+
+    always @(posedge clk) begin
+        clears_q <= rst || !ready || clears;
+    end
+
     assign hold_off    = running;
     assign hold_core   = words_hold[0] && !now;
     assign hold_scale  = (scale_hold || core_first) && !now;
@@ -211,7 +227,7 @@ module wh_device #(
 
     generate
         if (ARM != 0) begin : by_command
-            wire [`WH_FAULTS-1:0] damps = set_guard[`WH_GUARD_DAMP] & `WH_FAULTS_DAMPABLE;
+            wire [`WH_FAULTS-1:0] stops = faults & ~(set_guard[`WH_GUARD_DAMP] & `WH_FAULTS_DAMPABLE);
 
             wh_arm #(
                 .SENSE        (SENSE),
@@ -220,7 +236,8 @@ module wh_device #(
                 .clk          (clk),
                 .rst          (rst || !ready),
                 .enable_i     (enable_i),
-                .fault_i      (overrun || (|(faults & ~damps))),
+                .fault_i      (overrun || (|(stops & ~ZERO))),
+                .zero_i       (|(stops & ZERO)),
                 .loading_i    (loading),
                 .write_i      (set_arm),
                 .value_i      (command_data_q[1:0]),
@@ -588,6 +605,7 @@ module wh_device #(
     assign running_o = running;
     assign contact_o = |contact;
     assign fault_o   = overrun || |faults;
+    assign fault_lasts_o = overrun || |(faults & ~ZERO);
     assign clear_o   = set_clear;
 
     assign zero_busy_o     = zero_busy;

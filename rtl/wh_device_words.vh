@@ -880,7 +880,7 @@ end
     .range_i (set_range), \
     .stuck_words_i (set_stuck_words), \
     .zero_limit_i (set_zero_limit), \
-    .zero_start_i (set_zero_start || zero_start_i || arm_zero_start), \
+    .zero_start_i (set_zero_start || zero_start_i || arm_zero_start || clear_zero), \
     .filter_clocks_i (set_filter_clocks), \
     .host_period_log2_i (set_host_period_log2), \
     .host_timeout_i (set_host_timeout), \
@@ -975,7 +975,7 @@ end
     .range_i (set_range), \
     .stuck_words_i (set_stuck_words), \
     .zero_limit_i (set_zero_limit), \
-    .zero_start_i (set_zero_start || zero_start_i || arm_zero_start), \
+    .zero_start_i (set_zero_start || zero_start_i || arm_zero_start || clear_zero), \
     .filter_clocks_i (set_filter_clocks), \
     .count_angle_i (set_count_angle), \
     .zero_angle_i (set_zero_angle), \

@@ -27,9 +27,12 @@
 //   ENCODER              an illegal move, a strobe from outside
 //   the rest             inputs; stop_i and driver_i pass synchronisers here
 //
+// ZERO is forgotten as well where a zero begins to be measured, zero_start_i: what is measured then says it
+// anew. A current with the bridge off is judged by a zero that stands: not while one is measured, and in the
+// ticks that had begun by then.
+//
 // What a clear needs before it: LOST, ANCHOR and a core's OVERRUN are seen in a bridge that is on, so
-// they are over once it is off or damped, and found anew; ZERO by zero_i lasts until a zero is
-// measured well; OVERRUN of an ADC's reader or of ticks without a step lasts until rst. All others end with what they say.
+// they are over once it is off or damped, and found anew; OVERRUN of an ADC's reader or of ticks without a step lasts until rst. All others end with what they say.
 //
 // Formats: in wh_faults.vh and below. Latency: a cause that is a level is latched in the next clock
 // (pins: 2 clocks later), and one clock after it off_o has switched the gates off (wh_half_bridge).
@@ -60,7 +63,9 @@ module wh_guard #(
     input  wire [N*`WH_SAMPLE_W-1:0]  sample_i,        // s16
     input  wire [N-1:0]               range_i,         // these three found outside
     input  wire [N-1:0]               stuck_i,
-    input  wire [N-1:0]               zero_i,
+    input  wire [N-1:0]               zero_i,          // no permitted zero was found
+    input  wire                       zero_start_i,    // strobe: a zero is measured
+    input  wire                       zero_busy_i,     // from the next clock on, until it is
     input  wire [N-1:0]               trip_i,
     input  wire [N-1:0]               encoder_i,       // strobe, illegal move
     input  wire [N-1:0]               moved_i,         // a count
@@ -128,6 +133,23 @@ module wh_guard #(
         end
     end
 
+    // ---- Ticks until currents are made with the zero that was measured.
+
+    localparam [1:0] OLD_TICKS = 2'd2;
+
+    reg  [1:0] old_q;
+    wire       stands = !zero_start_i && !zero_busy_i && (old_q == 2'd0);
+
+    always @(posedge clk) begin
+        if (rst) begin
+            old_q <= 2'd0;
+        end else if (zero_busy_i) begin
+            old_q <= OLD_TICKS;
+        end else if (valid_i && !stands) begin
+            old_q <= old_q - 2'd1;
+        end
+    end
+
     // ---- Ticks from one square to the next.
 
     reg  [15:0] pace_q;
@@ -192,20 +214,20 @@ module wh_guard #(
                 current_size_q <= current[15] ? -current : current;
             end
 
-            // A judgement ends with the next, or as the bridge goes on.
+            // A judgement ends with the next, as the bridge goes on, or with a new zero.
             wire zero_judged = rested && !running_i
                                && current_size_q > settings_i[`WH_GUARD_ZERO];
             reg  zero_q;
 
             always @(posedge clk) begin
-                if (rst || running_i) begin
+                if (rst || running_i || !stands) begin
                     zero_q <= 1'b0;
                 end else if (measured_q) begin
                     zero_q <= zero_judged;
                 end
             end
 
-            assign zero_cause[n] = measured_q ? zero_judged : zero_q && !running_i;
+            assign zero_cause[n] = stands && (measured_q ? zero_judged : zero_q && !running_i);
 
             // u + v against the counts.
             wire signed [15:0] u_high = $signed(u_i[n*DATA_W + DATA_W - 1 -: 16]);
@@ -292,7 +314,7 @@ module wh_guard #(
     assign causes[`WH_FAULT_TRIP]      = |trip_i;
     assign causes[`WH_FAULT_ADC_STUCK] = |stuck_cause || |stuck_i;
     assign causes[`WH_FAULT_ADC_RANGE] = |range_cause || |range_i;
-    assign causes[`WH_FAULT_ZERO]      = |zero_cause || |zero_i;
+    assign causes[`WH_FAULT_ZERO]      = |zero_cause || (|zero_i && !zero_start_i);
     assign causes[`WH_FAULT_ENCODER]   = |encoder_i;
     assign causes[`WH_FAULT_LOST]      = |lost_cause;
     assign causes[`WH_FAULT_HOST]      = silent;
@@ -306,7 +328,9 @@ module wh_guard #(
     assign causes[`WH_FAULT_ANCHOR]    = |anchor_i;
 
     // off_o is made beside the faults and not of them: all that it stops hangs on it in the same clock.
-    wire [`WH_FAULTS-1:0] faults = (clear_i ? {`WH_FAULTS{1'b0}} : faults_o)
+    wire [`WH_FAULTS-1:0] zero   = zero_start_i ? ({{`WH_FAULTS-1{1'b0}}, 1'b1} << `WH_FAULT_ZERO)
+                                                : {`WH_FAULTS{1'b0}};
+    wire [`WH_FAULTS-1:0] faults = (clear_i ? {`WH_FAULTS{1'b0}} : faults_o & ~zero)
                                    | (causes & settings_i[`WH_GUARD_MASK]);
 
     always @(posedge clk) begin

@@ -84,6 +84,7 @@ module wh_linked_device #(
     output wire                 running_o,      // the bridges are on
     output wire                 contact_o,      // any motor is in a wall
     output wire                 fault_o,        // the guard found something, or a tick is too short
+    output wire                 fault_lasts_o,  // the same but for a zero, which arming measures anew
     output wire                 ready_o,        // since reset all settings were given
     output wire                 clear_o,        // strobe: the line wants faults forgotten
     output wire [PARTS-1:0]     zero_busy_o,    // these are wh_controller's
@@ -222,6 +223,7 @@ module wh_linked_device #(
         .running_o       (running_o),
         .contact_o       (contact_o),
         .fault_o         (fault_o),
+        .fault_lasts_o   (fault_lasts_o),
         .clear_i         (clear_i),
         .zero_start_i    (zero_start_i),
         .press_i         (press_i),

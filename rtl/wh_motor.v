@@ -26,8 +26,7 @@ module wh_motor #(
 ) (
     input  wire                              clk,
     input  wire                              rst,
-    input  wire                              enable_i,         // the bridges may be on
-    input  wire                              run_i,            // they are: enable_i, and no fault
+    input  wire                              run_i,            // the bridges are on
 
     // Pins.
     input  wire                              enc_a_i,          // asynchronous
@@ -160,7 +159,7 @@ module wh_motor #(
                 .first_i       (word_first_i),
                 .sample_i      (word_i),
                 .start_i       (zero_start_i),
-                .bridge_off_i  (!enable_i),
+                .bridge_off_i  (!run_i),
                 .limit_i       (zero_limit_i),
                 .busy_o        (zero_busy_o),
                 .done_o        (zero_done),
@@ -169,7 +168,7 @@ module wh_motor #(
                 .fault_o       (zero_fault_o)
             );
         end else begin : plain
-            wire unused = &{1'b0, stuck_words_i, zero_start_i, zero_limit_i, enable_i};
+            wire unused = &{1'b0, stuck_words_i, zero_start_i, zero_limit_i};
 
             assign zero         = zero_i;
             assign adc_range_o  = 1'b0;

@@ -7,8 +7,8 @@
 // bus_data_o from it, which is valid with bus_ready_o. Addresses, kinds and ranges are those of
 // rtl/words.toml (wh_settings_rom). A word with a sign is sign-extended to 32 bits.
 // bus_error_o: 0 done; 1 there is no such word, or it can't be written or read; 2 the value is outside
-// of its range; 3 not now: the word changes with the bridges off only, or, with busy_o, words are being
-// given and none can be written. What ends in an error changes nothing.
+// of its range; 3 not now: the word changes, or the command acts, with the bridges off only, or, with busy_o,
+// words are being given and no setting can be written. What ends in an error changes nothing.
 // With bus_check_i a word to be written is judged only: the answer is the same, and nothing changes.
 // bus_signed_o, with bus_ready_o, says that the word has a sign.
 //
@@ -177,8 +177,8 @@ module wh_settings #(
     assign busy_o = wait_q || settle_q || pass_q;
 
     wire known   = bus_write_i ? (setting || command) : (setting || fixed || live);
-    wire not_now = setting ? (busy_o || (off && running_i))
-                           : ((commit && (busy_o || (off_q && running_i))) || (discard && busy_o));
+    wire not_now = (off && running_i) || (setting && busy_o)
+                   || (commit && (busy_o || (off_q && running_i))) || (discard && busy_o);
     wire [1:0] verdict = !known                   ? 2'd1
                        : !bus_write_i             ? 2'd0
                        : !in_range                ? 2'd2

@@ -33,7 +33,7 @@
 `WH_SETTINGS_TOLD('h1d0, 1, 3'b111, 8'hc2)  // adc_range
 `WH_SETTINGS_TOLD('h1d1, 1, 3'b111, 8'hc2)  // adc_stuck
 `WH_SETTINGS_WORD('h01c, 1, 3'b011, 8'h69, 32'd0)  // zero_limit
-`WH_SETTINGS_TOLD('h01d, 1, 3'b011, 8'h82)  // zero_start
+`WH_SETTINGS_TOLD('h01d, 1, 3'b011, 8'ha2)  // zero_start
 `WH_SETTINGS_TOLD('h1d2, 1, 3'b111, 8'hc2)  // zero_fault
 `WH_SETTINGS_TOLD('h1d3, 1, 3'b111, 8'hc2)  // zero_busy
 `WH_SETTINGS_WORD('h020, 1, 3'b011, 8'h6a, 32'd2)  // filter_clocks
@@ -41,7 +41,7 @@
 `WH_SETTINGS_WORD('h021, 1, 3'b010, 8'h6b, 32'd0)  // count_angle
 `WH_SETTINGS_WORD('h022, 1, 3'b010, 8'h6b, 32'd0)  // zero_angle
 `WH_SETTINGS_WORD('h023, 1, 3'b010, 8'h62, 32'd0)  // find_magnet
-`WH_SETTINGS_TOLD('h065, 1, 3'b010, 8'h82)  // magnet_start
+`WH_SETTINGS_TOLD('h065, 1, 3'b010, 8'ha2)  // magnet_start
 `WH_SETTINGS_TOLD('h066, 1, 3'b010, 8'hc2)  // magnet_found
 `WH_SETTINGS_TOLD('h067, 1, 3'b010, 8'hcb)  // magnet_angle
 `WH_SETTINGS_WORD('h024, 1, 3'b001, 8'h6a, 32'd0)  // host_period_log2
@@ -100,7 +100,7 @@
 `WH_SETTINGS_TOLD('h06a, 1, 3'b011, 8'hc2)  // core_valid
 `WH_SETTINGS_TOLD('h06b, 1, 3'b011, 8'hc2)  // overrun
 `WH_SETTINGS_TOLD('h06c, 1, 3'b011, 8'hca)  // words_hold
-`WH_SETTINGS_TOLD('h06d, 1, 3'b011, 8'h82)  // restart
+`WH_SETTINGS_TOLD('h06d, 1, 3'b011, 8'ha2)  // restart
 `WH_SETTINGS_TOLD('h064, 1, 3'b011, 8'hcb)  // ticks
 `WH_SETTINGS_TOLD('h070, 1, 3'b011, 8'h82)  // commit
 `WH_SETTINGS_TOLD('h071, 1, 3'b011, 8'h82)  // discard

@@ -79,6 +79,7 @@ module wh_stream #(
         .rst          (rst),
         .enable_i     (1'b1),
         .fault_i      (1'b0),
+        .zero_i       (1'b0),
         .loading_i    (1'b0),
         .write_i      (write_i),
         .value_i      (data_i),

@@ -4,10 +4,10 @@
 //
 //   zero = round(sum of all words of 2^LOG2_TICKS ticks / 2^LOG2_TICKS)
 //
-// start_i begins with the next tick's first word. If bridge_off_i falls before the last word has
-// come, nothing is measured, and fault_o rises; so it does where |zero| is above limit_i, which is
-// a sensor that has drifted or a bridge that isn't off. zero_o is the last zero that was permitted,
-// and measured_o tells that there is one.
+// start_i begins with the next tick's first word, and forgets the fault of before. If bridge_off_i falls
+// before the last word has come, nothing is measured, and fault_o rises; so it does where |zero| is above
+// limit_i, which is a sensor that has drifted or a bridge that isn't off. zero_o is the last zero that was
+// permitted, and measured_o tells that there is one.
 //
 // Formats: words s16, zero s24 as wh_current takes it, rounded to the nearest, halves away from
 // zero. Latency: done_o comes 3 clocks after the first word of the tick that follows.
@@ -34,7 +34,7 @@ module wh_zero #(
     output reg                            done_o,        // strobe: zero_o or fault_o is new
     output reg                            measured_o,
     output reg  signed [`WH_SUM_W-1:0]    zero_o,        // s24
-    output reg                            fault_o        // until a start that ends well
+    output reg                            fault_o        // until the next start
 );
 
     localparam integer TOTAL_W = `WH_SUM_W + LOG2_TICKS;
@@ -83,6 +83,7 @@ module wh_zero #(
             busy_o     <= 1'b1;
             running_q  <= 1'b0;
             closing_q  <= 2'b00;
+            fault_o    <= 1'b0;
         end else if (busy_o && !bridge_off_i) begin
             busy_o     <= 1'b0;
             closing_q  <= 2'b00;

@@ -29,7 +29,7 @@ _COPIES = {"board": (), "motor": ("PARTS",), "wall": ("PARTS", "WALLS"),
 _ALSO = {
     "restart": "set_restart || loading",
     "clear": "set_clear || clear_i",
-    "zero_start": "set_zero_start || zero_start_i || arm_zero_start",
+    "zero_start": "set_zero_start || zero_start_i || arm_zero_start || clear_zero",
 }
 """Inputs that the module itself drives as well."""
 

@@ -144,7 +144,7 @@ def settings_rom(values: Values | None = None, groups: Collection[str] | None = 
         is_setting = word.row.kind == "setting"
         fixed = is_setting and groups is not None and f"{word.block}.{word.group}" not in groups
         info = _KINDS["live" if fixed else word.row.kind] << 6 | types.get(bounds, 0)
-        if fixed or (is_setting and word.change == "off"):
+        if fixed or (is_setting and word.change == "off") or word.row.off:
             info |= 1 << 5
         text = f"8'h{info:02x}"
         place = f"'h{word.at():03x}, {_copies(word)}"
@@ -251,7 +251,7 @@ def page_rows() -> list[tuple[str, ...]]:
             (
                 _span(word), f"`{word.name}`", f"`{word.block}`", word.group, word.row.per,
                 ACCESS[word.row.kind] + (", strobe" if word.row.kind == "command" else ""),
-                word.change if word.row.kind == "setting" else "",
+                word.change if word.row.kind == "setting" else "off" if word.row.off else "",
                 width, word.row.unit, f"{low}…{high}", f"{word.row.default:g}",
                 word.row.brushless, word.row.meaning,
             )

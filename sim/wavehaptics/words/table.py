@@ -87,6 +87,7 @@ class _Row(BaseModel):
     range: tuple[float, float] = Field((-math.inf, math.inf), strict=False)
     default: float = 0
     port: str = ""
+    off: bool = False
     brushless: Literal["none", "one", "two", "only"] = "one"
     meaning: str = Field(min_length=1)
 

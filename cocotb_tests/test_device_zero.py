@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs :mod:`tb_device_zero` on each simulator, of both kinds of motors."""
+
+import pytest
+from simulators import simulate
+
+SIZES = {
+    "one": {},
+    "brushless": {"LEGS": 3},
+    "by_pin": {"ARM": 0},
+    "unguarded": {"GUARD": 0},
+}
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_device_zero(simulator: str, size: str) -> None:
+    simulate(simulator, "bench_zero", "tb_device_zero", SIZES[size])
