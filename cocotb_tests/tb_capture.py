@@ -204,7 +204,8 @@ class CaptureBench(Bench):
         self.rng = rng
         self.model = Model()
         self.given = Settings()
-        self.order: int | None = None
+        self.orders: set[int] = set()
+        """That wait."""
         self.busy = 0  # clocks until the tick is worked off
         self.hold = 0
         self.taken = 0
@@ -274,7 +275,9 @@ class CaptureBench(Bench):
         self.missed = tick and not valid and not self.stepped
         self.stepped = not tick and (valid or self.stepped)
         taken = self.turns.clock(strobe, self.model.active and not self.busy)
-        obeys = self.order is not None and not strobe and not self.busy and not self.hold
+        # A start first, which waits for settings as well; what was told before it is forgotten.
+        starts = START in self.orders
+        obeys = bool(self.orders) and not strobe and not self.busy and not (starts and self.hold)
         if strobe:
             self._next_words()
             # Words that come a clock earlier or later than the strobe are others.
@@ -287,8 +290,11 @@ class CaptureBench(Bench):
         else:
             await self.step(**inputs)
         if obeys:
-            self.model.obey(self.order, self.given)
-            self.order = None
+            done = {START} if starts else set(self.orders)
+            for order in (START, TRIGGER, STOP):
+                if order in done:
+                    self.model.obey(order, self.given)
+            self.orders -= done
         self.seen.add(self.model.state)
         self.busy = PASS_CLOCKS if taken else max(0, self.busy - 1)
         if not self.busy:
@@ -296,7 +302,8 @@ class CaptureBench(Bench):
             assert {name: self.word(name) for name in told} == told
         self.drive(tick_i=0, valid_i=0, write_i=0)
         if inputs.get("write_i"):
-            self.order = inputs["data_i"]
+            order = inputs["data_i"]
+            self.orders = {START} if order == START else self.orders | {order}
 
     async def tick(self, clocks: int, step: int | None, order: int | None = None) -> None:
         """A tick of so many clocks with its step in one of them; an order in any of them."""
@@ -306,6 +313,11 @@ class CaptureBench(Bench):
             if n == at:
                 inputs |= {"write_i": 1, "data_i": order}
             await self.clock(**inputs)
+
+    async def tick_of(self, clocks: int, **inputs: int) -> None:
+        """A clock of ticks of so many, each with its step in the fifth."""
+        at = self.clocks % clocks
+        await self.clock(tick_i=int(at == clocks - 1), valid_i=int(at == 4), **inputs)
 
     async def ticks(self, count: int, clocks: int, orders: float = 0.0) -> None:
         """Ticks with steps at one phase for a while, and without for another while."""
@@ -318,7 +330,7 @@ class CaptureBench(Bench):
 
     async def write(self, order: int) -> None:
         await self.clock(write_i=1, data_i=order)
-        while self.order is not None:
+        while self.orders:
             await self.clock()
 
     async def rest(self) -> None:
@@ -434,7 +446,7 @@ async def orders_at_any_time(dut: object) -> None:
     bench.quiet = 0.5
     for _ in range(40):
         # They are taken over by a start, which may come at any time from here on.
-        while bench.order is not None or bench.busy:
+        while bench.orders or bench.busy:
             await bench.clock()
         settings = random_settings(rng, 10)
         if rng.random() < 0.2:
@@ -450,10 +462,48 @@ async def orders_at_any_time(dut: object) -> None:
         for _ in range(rng.randint(1, 4)):
             await bench.ticks(rng.randint(1, 8), rng.choice((14, 20, 33)), orders=0.15)
     assert bench.seen == {REST, FILLS, WAITS, TRIGGERED, DONE}
-    while bench.order is not None or bench.busy:
+    while bench.orders or bench.busy:
         await bench.clock()
     await bench.write(STOP)
     await bench.check_memory()
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def orders_that_follow_at_once(dut: object) -> None:
+    """A trigger or a stop some clocks behind a start, at every phase of a tick: none is lost.
+
+    Nor is one during a commit, for which a start waits.
+    """
+    bench, rng = CaptureBench(dut), random_source("at once")
+    await bench.begin(rng)
+    rows = 3
+    bench.give(codes=[WORDS["position"].at()] * 8, channels=1, rows=rows)
+    await bench.rest()
+    for apart in (1, 2, 5, 13):
+        for phase in range(14):
+            for orders in ((START, TRIGGER), (START, STOP), (START, TRIGGER, STOP), (TRIGGER, START)):
+                for hold in (0, 6):
+                    while bench.clocks % 14 != phase:
+                        await bench.tick_of(14)
+                    for order in orders:
+                        bench.hold = int(hold > 0)
+                        await bench.tick_of(14, write_i=1, data_i=order, hold_i=bench.hold)
+                        for _ in range(apart - 1):
+                            await bench.tick_of(14)
+                    for _ in range(hold):
+                        await bench.tick_of(14)
+                    bench.hold = 0
+                    bench.drive(hold_i=0)
+                    for _ in range((rows + 2) * 14):
+                        await bench.tick_of(14)
+                    if orders[-1] == START:
+                        assert bench.model.state == WAITS
+                    else:
+                        assert bench.model.state == DONE
+                    started = orders == (START, TRIGGER)
+                    assert (bench.word("count_o") == rows) or not started, (apart, phase)
+                    await bench.write(STOP)
+                    await bench.rest()
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")

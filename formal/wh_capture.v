@@ -92,8 +92,10 @@ module prove_wh_capture (
     (* hierconn *) wire        \block.told_q ;
     (* hierconn *) wire        \block.stores ;
     (* hierconn *) wire        \block.obeys ;
-    (* hierconn *) wire [1:0]  \block.order_q ;
-    (* hierconn *) wire        \block.ordered_q ;
+    (* hierconn *) wire        \block.starts ;
+    (* hierconn *) wire        \block.starts_q ;
+    (* hierconn *) wire        \block.triggers_q ;
+    (* hierconn *) wire        \block.stops_q ;
     (* hierconn *) wire [19:0] \block.needed_q ;
     (* hierconn *) wire        \block.ring_ends_q ;
     (* hierconn *) wire        \block.filled_q ;
@@ -141,6 +143,8 @@ module prove_wh_capture (
     reg  [3:0] place_q;
     reg [31:0] memory_q;
     reg        told;        // a trigger was written since the start
+    reg  [2:0] wanted;      // start, trigger, stop: written and not done
+    wire       obeys = \block.obeys ;
     reg [19:0] needed;
     reg [39:0] settings_q;
 
@@ -148,14 +152,24 @@ module prove_wh_capture (
         begun      <= 1'b1;
         rst_q      <= rst;
         state_q    <= state;
-        started_q  <= \block.obeys && \block.order_q == 2'd1;
+        started_q  <= \block.starts ;
         stores_q   <= \block.stores ;
         place_q    <= \block.place_q ;
         memory_q   <= \block.memory[5] ;
         needed     <= times(rows, channels);
         settings_q <= {rows, channels, pre, decimation};
-        if (\block.obeys ) begin
-            told <= (\block.order_q == 2'd2) || (told && \block.order_q != 2'd1);
+        // Orders as they are written: a start forgets those before it, and no other is forgotten.
+        if (rst) begin
+            wanted <= 3'd0;
+        end else begin
+            wanted <= (write && data[1:0] == 2'd1) ? 3'b001
+                    : (wanted & ~{{2{obeys}}, \block.starts })
+                      | {write && data[1:0] == 2'd0, write && data[1:0] == 2'd2, 1'b0};
+        end
+        if (\block.starts ) begin
+            told <= 1'b0;
+        end else if (obeys && wanted[1]) begin
+            told <= 1'b1;
         end
         if (turn == 4'd12 && last && state == WAITS) begin
             trigger_row <= row;
@@ -171,7 +185,11 @@ module prove_wh_capture (
 
             assert (state <= DONE && turn <= 4'd12);
             assert (\block.needed_q == needed);
-            if (rst_q) assert (state == REST && turn == 4'd0 && !\block.ordered_q );
+            if (rst_q) assert (state == REST && turn == 4'd0);
+            assert (wanted == {\block.stops_q , \block.triggers_q , \block.starts_q });
+            // What waits is done as soon as no tick is worked off, but a start while settings may change.
+            assert (obeys == (!strobe && turn == 4'd0 && !wanted[0]));
+            assert (\block.starts == (!strobe && turn == 4'd0 && wanted[0] && !hold));
 
             // At rest, or done: nothing is written, and nothing becomes of it but by a start.
             if (!active) assert (turn == 4'd0 && !\block.stores );

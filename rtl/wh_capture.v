@@ -21,7 +21,8 @@
 // count_o: rows that are there; left_o: rows that are to come from the trigger on, that row included.
 //
 // Latency: a row stands in the memory 12 clocks after its last step. A tick has to be 14 clocks or longer;
-// what ends sooner is left out. A write acts when no tick is worked off and hold_i is low. read_data_o is the word
+// what ends sooner is left out. A write acts when no tick is worked off, a start also not while hold_i is high;
+// a trigger and a stop behind a start wait for it, and a start forgets those before it. read_data_o is the word
 // offset + read_i of the memory, 3 clocks after read_i.
 // Reset: at rest, the offset 0; what is in the memory stays.
 
@@ -54,7 +55,7 @@ module wh_capture #(
     input  wire [3:0]                   decimation_i,     // a row is of 2^this ticks
     input  wire [2:0]                   trigger_i,
     input  wire signed [31:0]           level_i,          // in the format of the first channel's word
-    input  wire                         hold_i,           // they are about to change
+    input  wire                         hold_i,           // they are about to change: no start
 
     // Commands.
     input  wire                         write_i,          // strobe
@@ -204,8 +205,9 @@ module wh_capture #(
 
     // ---- What it does.
 
-    reg         ordered_q;
-    reg  [1:0]  order_q;
+    reg         starts_q;   // orders that wait
+    reg         triggers_q;
+    reg         stops_q;
     reg  [15:0] rows_q;
     reg  [15:0] pre_q;
     reg  [15:0] row_q;      // of the ring, the next one
@@ -216,9 +218,13 @@ module wh_capture #(
     reg         ring_ends_q;  // the row is the ring's last
     reg         filled_q;     // with it there are as many as go before the trigger
 
-    wire obeys = ordered_q && !hold_i && !strobe_i && idle;
+    wire order_0 = write_i && (data_i[1:0] == 2'd0);
+    wire order_1 = write_i && (data_i[1:0] == 2'd1);
+    wire order_2 = write_i && (data_i[1:0] == 2'd2);
+    wire free    = !strobe_i && idle;
+    wire obeys   = free && !starts_q;  // what isn't a start
 
-    assign starts = obeys && (order_q == 2'd1);
+    assign starts = free && starts_q && !hold_i;
 
     wire fits  = (needed_q <= WORDS) && (channels_i != 4'd0) && (channels_i <= 4'd8) && (pre_i < rows_i);
 
@@ -237,17 +243,18 @@ module wh_capture #(
         ring_ends_q <= (next_row == rows_q);
         filled_q    <= (count_q + 16'd1 == pre_q);
         if (rst) begin
-            state_q   <= REST;
-            ordered_q <= 1'b0;
-            count_q   <= 16'd0;
-            rows_q    <= 16'd0;
-            row_q     <= 16'd0;
-            left_q    <= 16'd0;
+            state_q    <= REST;
+            starts_q   <= 1'b0;
+            triggers_q <= 1'b0;
+            stops_q    <= 1'b0;
+            count_q    <= 16'd0;
+            rows_q     <= 16'd0;
+            row_q      <= 16'd0;
+            left_q     <= 16'd0;
         end else begin
-            ordered_q <= write_i || (ordered_q && !obeys);
-            if (write_i) begin
-                order_q <= data_i[1:0];
-            end
+            starts_q   <= order_1 || (starts_q && !starts);
+            triggers_q <= order_2 || (triggers_q && !order_1 && !obeys);
+            stops_q    <= order_0 || (stops_q && !order_1 && !obeys);
 
             if (stores) begin
                 place_q <= place_q + {{DEPTH_LOG2-1{1'b0}}, 1'b1};
@@ -274,28 +281,25 @@ module wh_capture #(
             end
 
             // The commands.
-            if (obeys) begin
-                case (order_q)
-                    2'd0: if (active) begin
-                        state_q <= DONE;
-                    end
-                    2'd1: begin
-                        state_q      <= !fits ? REST : (pre_i == 16'd0) ? WAITS : FILLS;
-                        channels_q   <= channels_i;
-                        rows_q       <= rows_i;
-                        pre_q        <= pre_i;
-                        left_q       <= rows_i - pre_i;
-                        trigger_q    <= trigger_i;
-                        level_q      <= level_i;
-                        row_q        <= 16'd0;
-                        place_q      <= {DEPTH_LOG2{1'b0}};
-                        count_q      <= 16'd0;
-                        known_q      <= 1'b0;
-                        told_q       <= 1'b0;
-                    end
-                    2'd2: told_q <= 1'b1;
-                    default: ;
-                endcase
+            if (obeys && stops_q && active) begin
+                state_q <= DONE;
+            end
+            if (obeys && triggers_q) begin
+                told_q <= 1'b1;
+            end
+            if (starts) begin
+                state_q      <= !fits ? REST : (pre_i == 16'd0) ? WAITS : FILLS;
+                channels_q   <= channels_i;
+                rows_q       <= rows_i;
+                pre_q        <= pre_i;
+                left_q       <= rows_i - pre_i;
+                trigger_q    <= trigger_i;
+                level_q      <= level_i;
+                row_q        <= 16'd0;
+                place_q      <= {DEPTH_LOG2{1'b0}};
+                count_q      <= 16'd0;
+                known_q      <= 1'b0;
+                told_q       <= 1'b0;
             end
         end
     end
