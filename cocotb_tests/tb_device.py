@@ -28,7 +28,7 @@ from wavehaptics.words.bridge_modes import UNIPOLAR as UNIPOLAR_NAME
 from wavehaptics.words.places import places
 from wavehaptics.words.table import AXES, LEGS, THREE_PHASE_LEGS, WORDS, Sizes, Word
 
-_P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, "GUARD": 0, "CAPTURE": 0,
+_P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, "GUARD": 0, "CAPTURE": 0, "MIN_PULSE": 0,
       "LEGS": LEGS, **parameters()}  # fmt: skip
 SIZES = Sizes(_P["N"], _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"], _P["LEGS"])
 BRUSHLESS = _P["LEGS"] == THREE_PHASE_LEGS

@@ -26,6 +26,7 @@ MIN_PULSE = parameters().get("MIN_PULSE", 0)
 DEAD_TIME = parameters().get("DEAD_TIME", 1)
 MULTIPLY_CLOCKS = 3
 PACE = 3
+SETTLE_MOST = 255 - 2 * PACE
 """Ticks that each leg waits longer between two changes of side than the one before it."""
 CURRENT_AT = 1
 """Clock of a tick with its currents: they count at its first end of a period."""
@@ -64,7 +65,7 @@ class Drive:
         """What leg ``n`` is longer by from a tick's current on."""
         if not (DEAD_TIME and self.compensate):
             return 0
-        settle = self.settle_ticks + PACE * n
+        settle = min(self.settle_ticks, SETTLE_MOST) + PACE * n
         return dead_time_extra.py_func(state, current, self.dead_clocks, self.side_current, settle)
 
     def period(self, width: int) -> list[int]:
@@ -268,6 +269,23 @@ async def legs_without_a_side_try_apart(dut: object) -> None:
     widths = await bench.run(drive, [(0, 0, 0)] * ticks, currents=[(0, 0, 0)] * ticks)
     sides = {tuple(width[n] > 0 for width in widths) for n in range(2, ticks)}
     assert len(sides) == 8
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms", skip=not DEAD_TIME)
+async def the_longest_settling(dut: object) -> None:
+    """No leg changes its side any sooner, and the later legs still wait for longer than the first."""
+    bench = ThreePhaseBench(dut)
+    for settle in (SETTLE_MOST, SETTLE_MOST + 1, 255):
+        drive = Drive(13, dead_clocks=2, compensate=True, side_current=1000, settle_ticks=settle)
+        ticks = 2 * 255 + 20
+        widths = await bench.run(drive, [(0, 0, 0)] * ticks, currents=[(0, 0, 0)] * ticks)
+        changes = [
+            [at for at in range(1, len(leg)) if leg[at] * leg[at - 1] < 0] for leg in widths
+        ]
+        assert all(1 <= len(at) <= 3 for at in changes), (settle, changes)
+        apart = [at[-1] - at[0] for at in changes if len(at) > 1]
+        assert apart == sorted(set(apart)), (settle, changes)
+        assert min(apart) >= SETTLE_MOST
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

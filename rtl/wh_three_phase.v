@@ -53,8 +53,8 @@ module wh_three_phase #(
     input  wire                                    compensate_i,       // the dead time
     input  wire signed [`WH_DATA_W-1:0]            side_current_i,     // s31q24 A, 0...: where a
                                                                        // leg's current has a side
-    input  wire        [7:0]                       settle_ticks_i,     // between changes of side of
-                                                                       // leg a, up to 255 - 2 PACE
+    input  wire        [7:0]                       settle_ticks_i,     // between changes of side of leg
+                                                                       // a; more than 255 - 2 PACE: that
 
     input  wire        [2:0]                       current_valid_i,    // strobes, leg a lowest
     input  wire        [3*`WH_DATA_W-1:0]          currents_i,         // s31q24 A, out of the legs
@@ -87,6 +87,10 @@ module wh_three_phase #(
 
     wire drive_rst = rst || !enable_i;
 
+    // Leg c's still fits into its word.
+    localparam [7:0] SETTLE_MOST = 8'd255 - 2 * PACE[7:0];
+    wire       [7:0] settle      = (settle_ticks_i > SETTLE_MOST) ? SETTLE_MOST : settle_ticks_i;
+
     // Enough from either end of the scale for a leg's shortest pulse.
     wire [7:0] spare = (min_pulse_i >> 1) + {7'd0, min_pulse_i[0]};
 
@@ -109,13 +113,13 @@ module wh_three_phase #(
                     .compensate_i   (compensate_i),
                     .dead_clocks_i  (dead_clocks_i),
                     .threshold_i    (side_current_i),
-                    .settle_ticks_i (settle_ticks_i + LONGER),
+                    .settle_ticks_i (settle + LONGER),
                     .valid_i        (current_valid_i[n]),
                     .current_i      (currents_i[n*DATA_W +: DATA_W]),
                     .extra_o        (extra)
                 );
             end else begin : as_it_is
-                wire unused_dead = &{1'b0, compensate_i, side_current_i, settle_ticks_i,
+                wire unused_dead = &{1'b0, compensate_i, side_current_i, settle,
                                      current_valid_i[n], currents_i[n*DATA_W +: DATA_W]};
 
                 assign extra = {`WH_EXTRA_W{1'b0}};
