@@ -225,6 +225,8 @@ module wh_board_controller #(
                 `WH_SAME_PARAMETERS
             ) controller (
                 `WH_BOARD_PORTS
+                .scale_hold_o    (),
+                .anchor_hold_o   (),
                 .enable_i        (permit && armed),
                 .zero_start_i    (first_zero || arm_zero),
                 `WH_SAME_PINS

@@ -369,7 +369,7 @@ module wh_brushless #(
                     .fault_o       (zero_fault_o[n])
                 );
             end else begin : plain
-                wire unused = &{1'b0, stuck_words_i, zero_start_i, zero_limit_i};
+                wire unused = &{1'b0, stuck_words_i, zero_begins, zero_limit_i};
 
                 assign zero            = given;
                 assign adc_range_o[n]  = 1'b0;

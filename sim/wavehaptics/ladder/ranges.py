@@ -12,11 +12,11 @@ import math
 from dataclasses import dataclass
 
 from wavehaptics.controller import anchor
-from wavehaptics.controller.design_spring import rendered_stiffness
 from wavehaptics.controller.normalised import state_gain
 from wavehaptics.controller.ports import controller_ports
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.ladder.abilities import WITHOUT_WORDS
+from wavehaptics.ladder.design_spring import rendered_stiffness
 from wavehaptics.laws.anchor_choice import choose_anchor
 from wavehaptics.laws.closed_forms import root
 from wavehaptics.motor.hand import PRESS_RAMP_S

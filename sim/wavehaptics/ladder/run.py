@@ -10,12 +10,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from wavehaptics.controller.design_spring import rendered_stiffness
 from wavehaptics.controller.settings import Settings
 from wavehaptics.ladder.abilities import WITHOUT_WORDS, refuse
 from wavehaptics.ladder.analog import AnalogSimulation
 from wavehaptics.ladder.brushless import BrushlessAnalogSimulation, BrushlessSimulation
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
+from wavehaptics.ladder.design_spring import rendered_stiffness
 from wavehaptics.ladder.encoder import EncoderSimulation
 from wavehaptics.ladder.field_oriented import FieldOrientedSimulation
 from wavehaptics.ladder.pins import PinsSimulation

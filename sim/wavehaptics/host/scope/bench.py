@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from wavehaptics.controller import wave_core
-from wavehaptics.controller.design_spring import rendered_stiffness
 from wavehaptics.controller.ports import controller_ports
 from wavehaptics.controller.shaper import Shaper, design
 from wavehaptics.host.client import Client
 from wavehaptics.host.names import HostError, Place, number, places, readable, settable
+from wavehaptics.ladder.design_spring import rendered_stiffness
 from wavehaptics.laws import closed_forms
 from wavehaptics.laws.reflection import WishError
 from wavehaptics.parts.adcs import KINDS
