@@ -176,7 +176,7 @@ async def the_zero(dut: object) -> None:
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_fault_of_the_zero(dut: object) -> None:
-    """It ends what is armed. A 1 or a press measures anew, and arms if the fault is gone by then."""
+    """It ends what is armed. A 1 or a press measures anew, and arms if the fault is gone then."""
     bench = ArmBench(dut)
     await bench.begin()
     for order in (bench.press, lambda: bench.write(1)):

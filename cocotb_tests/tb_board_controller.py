@@ -404,7 +404,7 @@ async def the_zero_is_measured_before_the_gates_go_on(dut):
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def a_zero_that_is_none_is_a_fault(dut):
-    """More than an offset may be, with the gates off: after reset, or later. The next press measures anew."""
+    """More than an offset may be, gates off: after reset, or later. A press measures anew."""
     for sign in (1, -1):
         for late in (False, True):
             board = Board(dut)

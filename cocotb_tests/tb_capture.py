@@ -479,9 +479,10 @@ async def orders_that_follow_at_once(dut: object) -> None:
     rows = 3
     bench.give(codes=[WORDS["position"].at()] * 8, channels=1, rows=rows)
     await bench.rest()
+    sequences = (START, TRIGGER), (START, STOP), (START, TRIGGER, STOP), (TRIGGER, START)
     for apart in (1, 2, 5, 13):
         for phase in range(14):
-            for orders in ((START, TRIGGER), (START, STOP), (START, TRIGGER, STOP), (TRIGGER, START)):
+            for orders in sequences:
                 for hold in (0, 6):
                     while bench.clocks % 14 != phase:
                         await bench.tick_of(14)

@@ -15,6 +15,7 @@ from settings_bus import (
     DONE,
     NOT_NOW,
     RANGE,
+    REQUEST_CLOCKS,
     UNKNOWN,
     BusBench,
 )  # fmt: skip
@@ -28,8 +29,8 @@ from wavehaptics.words.bridge_modes import UNIPOLAR as UNIPOLAR_NAME
 from wavehaptics.words.places import places
 from wavehaptics.words.table import AXES, LEGS, THREE_PHASE_LEGS, WORDS, Sizes, Word
 
-_P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, "GUARD": 0, "CAPTURE": 0, "MIN_PULSE": 0,
-      "LEGS": LEGS, **parameters()}  # fmt: skip
+_P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, "GUARD": 0, "CAPTURE": 0,
+      "MIN_PULSE": 0, "LEGS": LEGS, **parameters()}  # fmt: skip
 SIZES = Sizes(_P["N"], _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"], _P["LEGS"])
 BRUSHLESS = _P["LEGS"] == THREE_PHASE_LEGS
 LINES = AXES if BRUSHLESS else SIZES.motors
@@ -325,6 +326,38 @@ async def enable_waits_while_words_are_loaded(dut: object) -> None:
         await bench.step()
     assert len(ticks) >= 3
     assert ticks == list(range(ticks[0], 100 * HALVES, tick))
+
+
+@cocotb.test(timeout_time=500, timeout_unit="ms")
+async def a_restart_forgets_the_samples_before_it(dut: object) -> None:
+    """Wherever in a tick it comes, the first step has a current that was sampled after it."""
+    bench = DeviceBench(dut)
+    await bench.begin(enable=1)
+    tick, steps = SAFE["half_clocks"] * HALVES, 0
+    for phase in range(0, tick, 2):
+        bench.drive(enable_i=0)
+        await bench.begin_ticks()
+        await bench.step(phase)
+        bench.drive(bus_valid_i=1, bus_write_i=1, bus_address_i=WORDS["restart"].at(), bus_data_i=1)
+        for _ in range(REQUEST_CLOCKS):
+            await bench.step()
+            if bench.word("bus_ready_o"):
+                bench.drive(bus_valid_i=0)
+            if bench.word("set_restart"):
+                break
+        assert bench.word("set_restart")
+        await bench.step(bus_valid_i=0)
+        bench.drive(enable_i=1)
+        frames, selected = 0, bench.word("adc_cs_n_o")
+        for _ in range(2 * tick):
+            if bench.word("core_valid"):
+                assert frames > 0, phase
+                steps += 1
+                break
+            await bench.step()
+            before, selected = selected, bench.word("adc_cs_n_o")
+            frames += before and not selected
+    assert steps == tick // 2
 
 
 PULSES: list[dict[str, int]] = [

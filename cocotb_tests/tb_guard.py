@@ -296,7 +296,7 @@ async def limits_of_the_rest(dut: object) -> None:
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def a_zero_that_is_measured_anew(dut: object) -> None:
-    """Its start forgets ZERO and nothing else; until it counts, no current is judged by the old one."""
+    """Its start forgets ZERO alone; until it counts, no current is judged by the old one."""
     bench = GuardBench(dut)
     zero, other = 1 << Fault.ZERO, 1 << Fault.TRIP
     await bench.begin(running_i=0, ZERO=50, ZERO_TICKS=0)

@@ -273,15 +273,13 @@ async def legs_without_a_side_try_apart(dut: object) -> None:
 
 @cocotb.test(timeout_time=20, timeout_unit="ms", skip=not DEAD_TIME)
 async def the_longest_settling(dut: object) -> None:
-    """No leg changes its side any sooner, and the later legs still wait for longer than the first."""
+    """No leg changes its side any sooner, and later legs still wait for longer than the first."""
     bench = ThreePhaseBench(dut)
     for settle in (SETTLE_MOST, SETTLE_MOST + 1, 255):
         drive = Drive(13, dead_clocks=2, compensate=True, side_current=1000, settle_ticks=settle)
         ticks = 2 * 255 + 20
         widths = await bench.run(drive, [(0, 0, 0)] * ticks, currents=[(0, 0, 0)] * ticks)
-        changes = [
-            [at for at in range(1, len(leg)) if leg[at] * leg[at - 1] < 0] for leg in widths
-        ]
+        changes = [[at for at in range(1, len(leg)) if leg[at] * leg[at - 1] < 0] for leg in widths]
         assert all(1 <= len(at) <= 3 for at in changes), (settle, changes)
         apart = [at[-1] - at[0] for at in changes if len(at) > 1]
         assert apart == sorted(set(apart)), (settle, changes)

@@ -1,8 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a block can't be built for stops its build, and the message says which parameter it is."""
 
+import re
+import shutil
+import subprocess
+from collections import defaultdict
+from collections.abc import Iterator
+
 import pytest
 from simulators import SimulationError, simulate
+from wavehaptics.ladder.verilated import verilator_environment
+from wavehaptics.runtime.repository import ROOT, RTL_DIR
 
 
 @pytest.mark.parametrize(
@@ -54,3 +62,73 @@ def test_build_stops(
 ) -> None:
     with pytest.raises(SimulationError, match=f"wh_illegal_[^ ]*{message}"):
         simulate(simulator, toplevel, "tb_none", parameters, defines)
+
+
+PARAMETER = re.compile(r"parameter integer +(\w+) *= *([^,/]*?)[ ,]*(?://(.*))?")
+SWITCH = re.compile(r"\s*[01]: ")
+"""How a comment begins that says what 0 or 1 means."""
+RANGE = re.compile(r"\.\.\.|derived")
+NEITHER = {
+    "ADC": "a choice of three",
+    "MOTORS": "motors that the device has",
+    "PART_W": "a width",
+    "WORDS": "a number of words",
+}
+"""Parameters with 0 or 1 as default, and neither meaning nor range in a comment."""
+
+LATER = {"EARLY"}
+"""Switches that are going to be removed."""
+
+
+def rtl_parameters() -> Iterator[tuple[str, str, str, str]]:
+    """(Module, parameter, default, comment) of all that the RTL has."""
+    for path in sorted(RTL_DIR.glob("wh_*.v")):
+        for line in path.read_text(encoding="utf-8").splitlines():
+            if found := PARAMETER.fullmatch(line.strip()):
+                yield path.stem, found[1], found[2], found[3] or ""
+
+
+def switches() -> list[tuple[str, str]]:
+    """(Module, parameter) of each that is 0 or 1, as a comment of it in any module says."""
+    names = {name for _, name, _, comment in rtl_parameters() if SWITCH.match(comment)} - LATER
+    return [(module, name) for module, name, _, _ in rtl_parameters() if name in names]
+
+
+def test_every_parameter_says_what_it_may_be() -> None:
+    told = defaultdict(str)
+    for _, name, default, comment in rtl_parameters():
+        if default in ("0", "1"):
+            told[name] += f"{comment}\n"
+    unknown = {
+        name
+        for name, comments in told.items()
+        if not RANGE.search(comments) and not any(map(SWITCH.match, comments.splitlines()))
+    }
+    assert unknown == set(NEITHER)
+
+
+def elaborate(simulator: str, module: str, parameter: str) -> str:
+    """What the simulator says of a module whose ``parameter`` is 2."""
+    program, environment = verilator_environment()
+    command = {
+        "icarus": [shutil.which("iverilog"), "-o", "/dev/null", "-I", "rtl", "-y", "rtl",
+                   "-s", module, f"-P{module}.{parameter}=2"],
+        "verilator": [program, "--lint-only", "-Wno-lint", "-Wno-style", "-Irtl",
+                      "--top-module", module, f"-G{parameter}=2"],
+    }[simulator]  # fmt: skip
+    run = subprocess.run(
+        [*command, f"rtl/{module}.v"], cwd=ROOT, env=environment, capture_output=True, text=True
+    )
+    return run.stdout + run.stderr if run.returncode else ""
+
+
+def test_no_switch_is_2(simulator: str) -> None:
+    assert len(switches()) > 60
+    built = [
+        f"{module} {name}"
+        for module, name in switches()
+        if not re.search(
+            f"wh_illegal_parameter_\\w*{name.lower()}", elaborate(simulator, module, name)
+        )
+    ]
+    assert not built, "\n".join(built)

@@ -58,6 +58,9 @@ module wh_adc #(
         if (ADC < 0 || ADC > 2) begin : illegal
             wh_illegal_parameter_adc_adc_must_be_0_to_2 stop ();
         end
+        if (CAPTURE_RISE != 0 && CAPTURE_RISE != 1) begin : illegal_capture_rise
+            wh_illegal_parameter_adc_capture_rise_must_be_0_or_1 stop ();
+        end
 
         if (ADC == 0) begin : serial
             wire busy;

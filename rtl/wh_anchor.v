@@ -112,6 +112,9 @@ module wh_anchor #(
             || (AXIS == 1 && LONG_Q < SINE_Q + 1)) begin : illegal_format
             wh_illegal_parameter_anchor_formats stop ();
         end
+        if (AXIS != 0 && AXIS != 1) begin : illegal_axis
+            wh_illegal_parameter_anchor_axis_must_be_0_or_1 stop ();
+        end
     endgenerate
 
     // ---- Settings, the last one highest: as sim/wavehaptics/controller/anchor.py has their places.

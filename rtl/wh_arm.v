@@ -52,6 +52,9 @@ module wh_arm #(
     localparam [CREDIT_W-1:0] LAST = LAST_32[CREDIT_W-1:0];
 
     generate
+        if (SENSE != 0 && SENSE != 1) begin : illegal_sense
+            wh_illegal_parameter_arm_sense_must_be_0_or_1 stop ();
+        end
         if (CREDIT < 2 || CREDIT > (1 << 30)) begin : illegal
             wh_illegal_parameter_arm_credit_must_be_2_to_2_30 stop ();
         end

@@ -173,7 +173,8 @@ module wh_brushless #(
     output wire                         encoder_fault_o,     // illegal move seen; until clear_i
     // Its settings.
     input  wire                         restart_i,           // carrier and ADC begin anew, while the
-                                                             // bridge is off
+                                                             // bridge is off; what was sampled before
+                                                             // it is forgotten
     output wire [3:0]                   words_hold_o,        // settings are being read: see above
     output wire                         scale_hold_o,
     output wire                         anchor_hold_o,
@@ -264,7 +265,7 @@ module wh_brushless #(
     ) multiply_shared (
         .clk       (clk),
         .rst       (rst),
-        .drop_i    ({{(USERS - OF_INVERSE){drive_rst}}, {OF_INVERSE{rst}}}),
+        .drop_i    ({{(USERS - OF_INVERSE){drive_rst}}, {OF_INVERSE{sense_rst}}}),
         .request_i (request),
         .data_i    (factor),
         .coef_i    (coefficient),
@@ -383,7 +384,7 @@ module wh_brushless #(
 
             wh_current current (
                 .clk        (clk),
-                .rst        (rst),
+                .rst        (sense_rst),
                 .valid_i    (adc_valid),
                 .first_i    (adc_first),
                 .sample_i   (word),
@@ -437,7 +438,7 @@ module wh_brushless #(
 
     wh_clarke clarke (
         .clk           (clk),
-        .rst           (rst),
+        .rst           (sense_rst),
         .valid_i       (current_valid[1]),
         .a_i           (phase_current_o[DATA_W-1:0]),
         .b_i           (phase_current_o[2*DATA_W-1:DATA_W]),

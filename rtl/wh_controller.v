@@ -192,7 +192,8 @@ module wh_controller #(
     output wire [N-1:0]                 overcurrent_o,       // trip_i is reached, as long as it is
     output wire [N-1:0]                 encoder_fault_o,     // illegal move seen; until clear_i
     input  wire                         restart_i,           // carrier and ADC begin anew, while the
-                                                             // bridges are off
+                                                             // bridges are off; what was sampled before
+                                                             // it is forgotten
     output wire [3:0]                   words_hold_o,        // settings are being read: see above
     output wire                         scale_hold_o,
     output wire [N-1:0]                 anchor_hold_o,
@@ -389,7 +390,7 @@ module wh_controller #(
 
     generate
         if (ANCHOR != 0) begin : with_anchors
-            assign others_drop    = {{N{anchor_rst}}, {N{drive_rst}}, {N{rst}}};
+            assign others_drop    = {{N{anchor_rst}}, {N{drive_rst}}, {N{sense_rst}}};
             assign others_request = {anchor_request, drive_request, current_request};
             assign others_data    = {anchor_factor, drive_factor, current_factor};
             assign others_coef    = {anchor_coefficient, drive_coefficient, gain_i};
@@ -398,7 +399,7 @@ module wh_controller #(
         end else begin : without
             wire unused = &{1'b0, anchor_rst, anchor_request, anchor_factor, anchor_coefficient};
 
-            assign others_drop    = {{N{drive_rst}}, {N{rst}}};
+            assign others_drop    = {{N{drive_rst}}, {N{sense_rst}}};
             assign others_request = {drive_request, current_request};
             assign others_data    = {drive_factor, current_factor};
             assign others_coef    = {drive_coefficient, gain_i};
@@ -492,7 +493,7 @@ module wh_controller #(
     wire step_due = adc_valid || summed || due_q || core_start;
 
     always @(posedge clk) begin
-        due_q <= !rst && (summed || (due_q && !core_start));
+        due_q <= !sense_rst && (summed || (due_q && !core_start));
     end
 
     // ---- Who reads settings.
@@ -688,6 +689,7 @@ module wh_controller #(
             ) motor (
                 .clk                 (clk),
                 .rst                 (rst),
+                .sense_rst_i         (sense_rst),
                 .run_i               (run),
                 .enc_a_i             (enc_a_i[n]),
                 .enc_b_i             (enc_b_i[n]),

@@ -125,6 +125,15 @@ module wh_device #(
         if (LEGS != 2 && LEGS != 3) begin : illegal_legs
             wh_illegal_parameter_device_legs_must_be_2_or_3 stop ();
         end
+        if (LIVE != 0 && LIVE != 1) begin : illegal_live
+            wh_illegal_parameter_device_live_must_be_0_or_1 stop ();
+        end
+        if (ARM != 0 && ARM != 1) begin : illegal_arm
+            wh_illegal_parameter_device_arm_must_be_0_or_1 stop ();
+        end
+        if (STREAM != 0 && STREAM != 1) begin : illegal_stream
+            wh_illegal_parameter_device_stream_must_be_0_or_1 stop ();
+        end
         if (LEGS == 3 && (N != 1 || ADC != 0 || SHAPER != 0 || EARLY != 0 || MODES != 0 || BUS != 0
                           || HOST != 0 || SHARED != 0)) begin : illegal_of_brushless
             wh_illegal_parameter_device_with_three_legs_has_one_motor_and_a_serial_adc_alone stop ();

@@ -57,6 +57,10 @@ module wh_environment #(
     wire signed [DATA_W-1:0] goal;
 
     generate
+        if (HOST != 0 && HOST != 1) begin : illegal_host
+            wh_illegal_parameter_environment_host_must_be_0_or_1 stop ();
+        end
+
         if (HOST == 1) begin : hosted
             wh_host_link host_link (
                 .clk           (clk),

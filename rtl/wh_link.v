@@ -52,6 +52,9 @@ module wh_link #(
         if (CLOCK_HZ < 700000 || CLOCK_HZ > 400000000) begin : illegal
             wh_illegal_parameter_link_clock_hz_must_be_700000_to_400000000 stop ();
         end
+        if (STREAM != 0 && STREAM != 1) begin : illegal_stream
+            wh_illegal_parameter_link_stream_must_be_0_or_1 stop ();
+        end
     endgenerate
 
     localparam integer RATES = (CLOCK_HZ >= 18000000) ? 4 : (CLOCK_HZ >= 9000000) ? 3

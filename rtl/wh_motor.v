@@ -26,6 +26,7 @@ module wh_motor #(
 ) (
     input  wire                              clk,
     input  wire                              rst,
+    input  wire                              sense_rst_i,      // carrier and ADC begin anew, so do currents
     input  wire                              run_i,            // the bridges are on
 
     // Pins.
@@ -116,6 +117,15 @@ module wh_motor #(
 
     localparam integer WALL_W = (WALLS < 2) ? 1 : $clog2(WALLS);
 
+    generate
+        if (SENSE != 0 && SENSE != 1) begin : illegal_sense
+            wh_illegal_parameter_motor_sense_must_be_0_or_1 stop ();
+        end
+        if (DEAD_TIME != 0 && DEAD_TIME != 1) begin : illegal_dead_time
+            wh_illegal_parameter_motor_dead_time_must_be_0_or_1 stop ();
+        end
+    endgenerate
+
     wire drive_rst = rst || !run_i;
 
     // ---- Current.
@@ -180,7 +190,7 @@ module wh_motor #(
 
     wh_current current (
         .clk        (clk),
-        .rst        (rst),
+        .rst        (sense_rst_i),
         .valid_i    (word_valid_i),
         .first_i    (word_first_i),
         .sample_i   (word_i),

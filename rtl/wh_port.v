@@ -103,6 +103,12 @@ module wh_port #(
     localparam integer DATA_W = `WH_DATA_W;
     localparam integer COEF_W = `WH_COEF_W;
 
+    generate
+        if (ANCHOR != 0 && ANCHOR != 1) begin : illegal_anchor
+            wh_illegal_parameter_port_anchor_must_be_0_or_1 stop ();
+        end
+    endgenerate
+
     wire drive_rst = rst || !run_i;
     wire calm_rst  = drive_rst || damp_i;
 

@@ -18,7 +18,7 @@
 `default_nettype none
 
 module wh_setting_group #(
-    parameter integer           STAGED  = 1,
+    parameter integer           STAGED  = 1,     // 1: words become active together; 0: as each is copied
     parameter [3:0]             PART    = 4'd0,  // 0 the board's words, n + 1 those of motor n
     parameter [7:0]             FIRST   = 8'd0,  // address of the first word in its part
     parameter [7:0]             STRIDE  = 8'd1,  // from word to word
@@ -57,6 +57,9 @@ module wh_setting_group #(
     generate
         if (TOTAL_W != below(WORDS)) begin : illegal
             wh_illegal_parameter_setting_group_total_w_must_be_the_sum_of_widths stop ();
+        end
+        if (STAGED != 0 && STAGED != 1) begin : illegal_staged
+            wh_illegal_parameter_setting_group_staged_must_be_0_or_1 stop ();
         end
     endgenerate
 

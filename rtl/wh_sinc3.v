@@ -70,6 +70,9 @@ module wh_sinc3 #(
             && TRIP_OSR != 32) begin : illegal_trip_osr
             wh_illegal_parameter_sinc3_trip_osr_must_be_2_4_8_16_or_32 stop ();
         end
+        if (CAPTURE_RISE != 0 && CAPTURE_RISE != 1) begin : illegal_capture_rise
+            wh_illegal_parameter_sinc3_capture_rise_must_be_0_or_1 stop ();
+        end
         if (LINES < 1) begin : illegal_lines
             wh_illegal_parameter_sinc3_lines_must_be_1_or_more stop ();
         end

@@ -334,7 +334,7 @@ def test_free_space_is_free_through_turns_of_the_magnets():
 @pytest.mark.parametrize(
     "sets",
     [
-        ("motor.magnet_rad=0.7", "encoder.counts_per_rev=4096"),
+        ("motor.magnet_rad=0.7", "controller.magnet_hat_rad=0.687", "encoder.counts_per_rev=4096"),
         ("hand.path='sine'", "hand.frequency_hz=5", "hand.amplitude_rad=0.6",
          "controller.tick_hz=20e3", "controller.lambda=1e4"),
         ("drive.limit_v=0.5", "controller.edge_hysteresis=true", "controller.extra_ticks=3"),
