@@ -198,3 +198,24 @@ def test_an_adc_too_slow_for_the_tick_is_refused(tmp_path: Path):
             "pins",
             tmp_path,
         )  # fmt: skip
+
+
+@pytest.mark.parametrize("anchored", ["true", "false"])
+@pytest.mark.parametrize(
+    ("amplitude_rad", "hertz"), [(0.15, 2.0), (0.02, 20.0), (0.002, 20.0)]
+)  # fmt: skip
+def test_stiffness_of_a_sine_is_the_walls_or_none(tmp_path, amplitude_rad, hertz, anchored):
+    """A slow hand chatters at the edge first, and a small one never comes a count deep."""
+    scene = load_scene(
+        find_scene("press_hold"),
+        ("hand.path=sine", f"hand.amplitude_rad={amplitude_rad}", f"hand.frequency_hz={hertz}",
+         "hand.stiffness=0.05", f"controller.anchor_auto={anchored}", "scene.duration_s=0.3"),
+    )  # fmt: skip
+    run_scene(scene, "golden", tmp_path)
+    metrics = json.loads((tmp_path / "metrics.json").read_text())
+    if metrics["stiffness"] is None:
+        assert amplitude_rad < 0.1
+        assert metrics["reasons"]["stiffness"].startswith(("the force is no line", "no contact "))
+    else:
+        assert amplitude_rad > 0.01
+        assert metrics["stiffness"] == pytest.approx(metrics["stiffness_predicted"], rel=0.15)
