@@ -232,8 +232,8 @@ async def expect_fault_until_reset(board: Board, clocks: int) -> None:
         await board.step()
         waited += 1
         assert waited <= clocks
-    # fault_o shows the guard's fault in the clock in which it is latched. The gates are off one clock
-    # later, and by the board's own fault, of the trip, two.
+    # fault_o shows the guard's fault in the clock in which it is latched. The gates are off one
+    # clock later, and by the board's own fault, of the trip, two.
     await board.step(1 if GUARDED and clocks > 2 * TICK + 8 else 2)
     assert not any(board.word(gate) for gate in GATES)
     await board.expect_off()
