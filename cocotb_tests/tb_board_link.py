@@ -14,6 +14,7 @@ from wavehaptics.fpga.board_words import CHANGEABLE, first_values
 from wavehaptics.fpga.boards import load_board
 from wavehaptics.words import table
 from wavehaptics.words.memory import settings_requests
+from wavehaptics.words.modbus import MOST_READ, runs
 from wavehaptics.words.table import WORDS
 
 BOARD = load_board(os.environ["WH_BOARD"])
@@ -46,8 +47,10 @@ async def it_begins_with_the_scenes_words(dut: object) -> None:
     found = whole((await bench.ask(read(0, 16))).registers)
     assert (found[0], found[3], found[4]) == (table.crc(), round(HZ), BOARD.fpga.motors)
     assert found[2] >> 27 & 1 == 1, "it is armed over the line"
-    for address, word in settings_requests(first_values(BOARD.words(), 1), BOARD.fpga.legs):
-        assert await bench.value(address) == word, f"{address:#05x}"
+    settings = settings_requests(first_values(BOARD.words(), 1), BOARD.fpga.legs)
+    for first, raws in runs(settings, MOST_READ):
+        answer = await bench.ask(read(TABLE + 2 * first, 2 * len(raws)))
+        assert whole(answer.registers) == raws, f"{first:#05x}"
 
 
 @cocotb.test(timeout_time=500, timeout_unit="ms")
