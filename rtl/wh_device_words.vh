@@ -529,7 +529,7 @@ generate
         wire [`WH_COEF_W + 24-1:0] current_words;
 
         wh_setting_group #(
-            .STAGED    ((EARLY != 0) ? 0 : 1),
+            .STAGED    (1),
             .PART      (PART[3:0]),
             .FIRST     (8'h00),
             .STRIDE    (8'd1),

@@ -38,7 +38,6 @@
     X(shaper, 9, 2) \
     X(delay_log2, 11, 4) \
     X(adc, 15, 2) \
-    X(early, 17, 1) \
     X(anchor, 18, 1) \
     X(guard, 19, 1) \
     X(sense, 20, 1) \

@@ -38,7 +38,7 @@ _SEEN = {"host_sequence": "seen_host_sequence", "host_v": "seen_host_v"}
 """Outputs of the controller that the module keeps while a frame reads them."""
 
 
-_STAGED = {"off": "0", "any": "0", "sum": "(EARLY != 0) ? 0 : 1"}
+_STAGED = {"off": "0", "any": "0"}
 """By the kind of change: words that nobody reads meanwhile wait for no reader."""
 
 
