@@ -53,7 +53,6 @@ module wh_device #(
     parameter integer ANCHOR       = 0,
     parameter integer SHARED       = 0,
     parameter integer GUARD        = 0,
-    parameter integer LIVE         = 1,  // 1: live words of motors are on the bus; 0: they read 0
     parameter integer ARM          = 0,  // 1: the bridges are on by command, while it is renewed, or by press_i
     parameter integer ARM_CLOCKS   = 4800000, // clocks that a command of either lasts, 2...2^30
     parameter integer CAPTURE      = 0,  // words that a capture takes, 2^this, 4...15; 0: there is none

@@ -46,7 +46,6 @@
     X(modes, 23, 1) \
     X(min_pulse, 24, 1) \
     X(dead_time, 25, 1) \
-    X(live, 26, 1) \
     X(arm, 27, 1) \
     X(capture, 28, 4)
 

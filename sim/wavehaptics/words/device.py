@@ -254,7 +254,7 @@ def device_words() -> str:
     lines += ["        default: live = 33'd0;", "    endcase"]
     lines += _indented(_live(word) for word in board if _index_bits(word) is not None)
     lines += ["    for (m = 0; m < PARTS; m = m + 1) begin"]
-    lines += ["        if (LIVE != 0 && {28'd0, bus_address_i[11:8]} == m + 1) begin"]
+    lines += ["        if ({28'd0, bus_address_i[11:8]} == m + 1) begin"]
     lines += ["            case (bus_address_i[7:0])"]
     lines += _indented((_live(word) for word in live if word.row.per == "motor"), 4)
     lines += ["                default: live = 33'd0;", "            endcase"]
