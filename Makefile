@@ -230,29 +230,25 @@ LINT_CASES := \
     wh_bus_scale,-GN=3 \
     wh_bus_scale,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_controller,-GN=3,-GBUS=1,-GMODES=1 \
-    wh_controller,-GEARLY=1,-GBUS=1,-GGUARD=1 \
     wh_zero,-GLOG2_TICKS=16 \
     wh_controller,-GN=3,-GADC=1 \
     wh_controller,-GN=3,-GSHAPER=2 \
     wh_controller,-GN=3,-GHOST=1 \
-    wh_controller,-GN=3,-GEARLY=1 \
-    wh_controller,-GEARLY=1,-GADC=1 \
     wh_controller,-GANCHOR=1 \
     wh_controller,-GN=3,-GANCHOR=1,-GHOST=1 \
     wh_controller,-GSHARED=1 \
     wh_controller,-GN=3,-GSHARED=1,-GANCHOR=1 \
-    wh_controller,-GSHARED=1,-GANCHOR=1,-GEARLY=1,-GGUARD=1 \
+    wh_controller,-GSHARED=1,-GANCHOR=1,-GGUARD=1 \
     wh_controller,-GANCHOR=1,-GSHAPER=2 \
-    wh_controller,-GANCHOR=1,-GEARLY=1,-GGUARD=1,-GBUS=1 \
-    wh_early,-DWH_COEF_W=31 \
+    wh_controller,-GANCHOR=1,-GGUARD=1,-GBUS=1 \
     wh_controller,-GN=1,-GWALLS=1,-GDELAY_LOG2=1 \
     wh_controller,-GN=3,-GWALLS=16,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_controller,-GN=1,-GDELAY_LOG2=10,-DWH_DATA_W=31,-DWH_COEF_W=31 \
     wh_settings,-GN=8,-GWALLS=16,-GSHAPER=2,-GDELAY_LOG2=10 \
     wh_setting_group,-GSTAGED=0 \
     wh_device,-GN=3,-GANCHOR=1,-GSHAPER=2,-GWALLS=16 \
-    wh_device,-GEARLY=1,-GANCHOR=1,-GGUARD=1,-GBUS=1 \
-    wh_device,-GLIVE=0,-GWALLS=1,-GHOST=1,-GSENSE=1,-GDELAY_LOG2=10 \
+    wh_device,-GANCHOR=1,-GGUARD=1,-GBUS=1 \
+    wh_device,-GWALLS=1,-GHOST=1,-GSENSE=1,-GDELAY_LOG2=10 \
     wh_device,-GN=3,-GHOST=1 \
     wh_device,-GN=3,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_device,-GLEGS=3,-GWALLS=1,-GMIN_PULSE=1,-GDEAD_TIME=0 \

@@ -115,7 +115,6 @@ module wh_board_controller #(
         .DELAY_LOG2      (`WH_BOARD_DELAY_LOG2), \
         .MODES           (`WH_BOARD_MODES), \
         .MIN_PULSE       (`WH_BOARD_SHORTEST), \
-        .EARLY           (`WH_BOARD_EARLY), \
         .SHAPER          (`WH_BOARD_SHAPER), \
         .ANCHOR          (`WH_BOARD_ANCHOR), \
         .SHARED          (`WH_BOARD_SHARED), \

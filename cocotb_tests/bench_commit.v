@@ -17,7 +17,6 @@ module bench_commit #(
     parameter integer SHAPER = 0,
     parameter integer SHARED = 0,
     parameter integer BUS    = 0,
-    parameter integer EARLY  = 0,
     parameter integer PARTS  = (LEGS == 3) ? 2 : N  // derived, leave it
 ) (
     input  wire        go_i,
@@ -77,8 +76,7 @@ module bench_commit #(
         .ANCHOR          (ANCHOR),
         .SHAPER          (SHAPER),
         .SHARED          (SHARED),
-        .BUS             (BUS),
-        .EARLY           (EARLY)
+        .BUS             (BUS)
     ) dut (
         .clk             (clk),
         .rst             (rst),
@@ -320,12 +318,12 @@ module bench_commit #(
                         && (dut.set_root[g*`WH_COEF_W +: 16] != step
                             || dut.set_a[g*`WH_COEF_W +: 16] != step
                             || dut.set_u_max[g*`WH_DATA_W +: 16] != step
-                            || (EARLY == 0 && eta != 0 && works && port == g
+                            || (eta != 0 && works && port == g
                                 && dut.of_motors.controller.wave_core.at_q[5 + 5 * SHAPER]
                                 && eta[15:0] != step))) begin
                         mixed_o <= mixed_o + 32'd1;
                     end
-                    if (enable && BUS == 0 && EARLY == 0 && asks && scale != made) begin
+                    if (enable && BUS == 0 && asks && scale != made) begin
                         mixed_o <= mixed_o + 32'd1;
                     end
                 end

@@ -10,7 +10,6 @@ module bench_settings #(
     parameter integer WALLS      = 4,
     parameter integer SHAPER     = 0,
     parameter integer DELAY_LOG2 = 2,
-    parameter integer EARLY      = 0,
     parameter integer LEGS       = 2
 ) (
     input  wire                     clk,
@@ -57,7 +56,6 @@ module bench_settings #(
         .WALLS         (WALLS),
         .SHAPER        (SHAPER),
         .DELAY_LOG2    (DELAY_LOG2),
-        .EARLY         (EARLY),
         .LEGS          (LEGS)
     ) settings (
         .clk           (clk),

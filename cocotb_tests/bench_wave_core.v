@@ -142,9 +142,7 @@ module bench_wave_core #(
         .request_o     (request),
         .factor_o      (factor),
         .coefficient_o (coefficient),
-        .product_i     (product),
-        .newest_u_o    (),
-        .next_u_o      ()
+        .product_i     (product)
     );
 
     integer    tick;

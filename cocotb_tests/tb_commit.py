@@ -11,7 +11,7 @@ from cocotb.triggers import Timer, ValueChange, with_timeout
 from simulators import parameters
 from wavehaptics.controller.pins_timing import shortest_tick_clocks
 from wavehaptics.controller.tick_layout import MIN_AXES_CLOCKS, MIN_BRUSHLESS_CLOCKS
-from wavehaptics.words.table import THREE_PHASE_LEGS, WORDS
+from wavehaptics.words.table import THREE_PHASE_LEGS
 
 _P = {
     "N": 1,
@@ -20,22 +20,21 @@ _P = {
     "SHAPER": 0,
     "SHARED": 0,
     "BUS": 0,
-    "EARLY": 0,
     **parameters(),
 }
 BRUSHLESS = _P["LEGS"] == THREE_PHASE_LEGS
-ANCHORED, EARLY, BUS = (bool(_P[name]) for name in ("ANCHOR", "EARLY", "BUS"))
+ANCHORED, BUS = bool(_P["ANCHOR"]), bool(_P["BUS"])
 HALVES = 2 if BRUSHLESS else 1
 LEAST = (
     (MIN_AXES_CLOCKS if ANCHORED else MIN_BRUSHLESS_CLOCKS)
     if BRUSHLESS
-    else shortest_tick_clocks(_P["N"], _P["SHAPER"], ANCHORED, EARLY, bool(_P["SHARED"]))
+    else shortest_tick_clocks(_P["N"], _P["SHAPER"], ANCHORED, bool(_P["SHARED"]))
 )
-FRAME_BITS = WORDS["frame_bits"].default if EARLY else 6
-"""Short ones fit into the shortest tick; ``wh_early`` needs time before the word comes."""
+FRAME_BITS = 6
+"""Short ones fit into the shortest tick."""
 CORE, SCALE, ANCHORS, OTHERS = 1, 2, 4, 8
 """What is written, as in ``kinds_i``."""
-ALL = CORE | SCALE | ANCHORS | (0 if EARLY else OTHERS)
+ALL = CORE | SCALE | ANCHORS | OTHERS
 BUS_CLOCKS = 119
 """Of ``wh_bus_scale``, at most."""
 PATIENCE = 15

@@ -22,7 +22,6 @@ from simulators import parameters
 from tb_modulator import Model as Modulator
 from tb_quadrature import levels
 from wavehaptics.controller import anchor, bus_scale, wave_core
-from wavehaptics.controller.early import prepare
 from wavehaptics.controller.modulator import duty_of, width_bounds
 from wavehaptics.controller.pins_timing import (
     ANCHOR_CLOCKS,
@@ -32,7 +31,6 @@ from wavehaptics.controller.pins_timing import (
     HOLD_CLOCKS,
     SECTION_CLOCKS,
     WAVES_CLOCKS,
-    early_tick_clocks,
     latency_clocks,
     shared_tick_clocks,
 )
@@ -50,7 +48,6 @@ MODES = parameters().get("MODES", 0)
 MIN_PULSE = parameters().get("MIN_PULSE", 0)
 BUS = parameters().get("BUS", 0)
 KIND = KINDS[parameters().get("ADC", 0)]
-EARLY = parameters().get("EARLY", 0)
 ANCHOR = parameters().get("ANCHOR", 0)
 SHARED = parameters().get("SHARED", 0)
 SHAPER = parameters().get("SHAPER", 0)
@@ -81,8 +78,8 @@ ANCHOR_WORDS = ("position_o", "offset_o", "flux_o", "lag_o", "anchor_fault_o")
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 
 # A tick long enough for the steps of N ports, and for the encoder to settle between two of them.
-TICK_CLOCKS = 160 if N > 1 and EARLY else 48 if N == 1 and KIND == "serial" and not EARLY else 96
-if ANCHOR and N > 1 and not EARLY:
+TICK_CLOCKS = 48 if N == 1 and KIND == "serial" else 96
+if ANCHOR and N > 1:
     TICK_CLOCKS = CORE_CLOCKS * N + 12
 
 
@@ -138,7 +135,7 @@ class Settings:
 
     @property
     def latency(self) -> int:
-        return latency_clocks(self.frame.conversion_clocks, N, SHAPER, bool(EARLY), bool(ANCHOR))
+        return latency_clocks(self.frame.conversion_clocks, N, SHAPER, bool(ANCHOR))
 
     def gain(self, port: int) -> int:
         return formats.GAIN.to_raw(self.ports[port].gain_a / ((1 << 15) * self.samples))
@@ -434,29 +431,6 @@ class ControllerBench(Bench):
             for strobe, sums in self.sums()
         ]
 
-    def early_duties(self, n: int) -> list[int]:
-        """The duty that ``wh_early`` makes of each step, from the state before it."""
-        settings, port = self.settings, self.settings.ports[n]
-        f, waves, duties = 0, [0] * (settings.extra_ticks + 1), []
-        for step, made, (_, sums), ends in zip(
-            self.steps, self.made(n), self.sums(), self.ends(), strict=False
-        ):
-            eta = made.eta
-            assert step.u[n] == waves[-1 - settings.extra_ticks]
-            ready = prepare(
-                waves[-1], step.u[n], made.left, port.root, port.a,
-                settings.gain(n),
-                step.clocks_per_volt[n], eta, 0, made.offset, made.correction,
-            )  # fmt: skip
-            duties.append(ready.duty(sums[n], ends[n]))
-            goal = wave_core.saturate.py_func(wave_core.truncate.py_func(eta * step.v[n], _ETA_Q))
-            error = wave_core.truncate.py_func((goal << _GUARD) - f, _GUARD)
-            f += wave_core.truncate.py_func(port.a * wave_core.saturate.py_func(error), _A_SHIFT)
-            limit = made.left << _GUARD
-            f = min(max(f, -limit), limit)
-            waves.append(wave_core.truncate.py_func(f, _GUARD))
-        return duties
-
     def made(self, n: int) -> list[Made]:
         """Each step of one port as the integer models have it, from the ADC's codes and contact."""
         settings, port = self.settings, self.settings.ports[n]
@@ -533,15 +507,10 @@ class ControllerBench(Bench):
         pulses = 0
         for n in range(N):
             # The formula is for the last port; the ports before it are served before it.
-            latency = settings.latency - (0 if EARLY else N - 1 - n)
-            made = (
-                self.early_duties(n)
-                if EARLY
-                else [
-                    duty_of.py_func(step.voltage[n], settings.clocks_per_volt(n))
-                    for step in self.steps
-                ]
-            )
+            latency = settings.latency - (N - 1 - n)
+            made = [
+                duty_of.py_func(step.voltage[n], settings.clocks_per_volt(n)) for step in self.steps
+            ]
             duties = [(strobe + latency, duty) for strobe, duty in zip(strobes, made, strict=False)]
             least, spare = width_bounds(settings.mode, settings.min_pulse)
             modulator, duty = Modulator(settings.half_clocks, False, least, spare), 0
@@ -626,7 +595,7 @@ def random_settings(rng: random.Random) -> Settings:
         mode=mode,
         min_pulse=rng.choice((0, 3, 6)) if MIN_PULSE else 0,
         extra_ticks=extra,
-        hold_ticks=0 if EARLY else rng.randint(0, min(extra, max(0, extra - latency + 1))),
+        hold_ticks=rng.randint(0, min(extra, max(0, extra - latency + 1))),
         range_word=(0x7FF0, 0x6000)[extra & 1],
         ports=[random_port(rng) for _ in range(N)],
     )
@@ -681,28 +650,7 @@ async def open_loop_equals_the_models(dut: object) -> None:
         assert strange > 3 * N
 
 
-@cocotb.test(timeout_time=50, timeout_unit="ms", skip=not EARLY)
-async def shortest_tick_of_the_early_duty_is_the_formula(dut: object) -> None:
-    """A clock less, and the words of a tick aren't ready for its sum."""
-    bench = ControllerBench(dut)
-    rng = random_source("shortest")
-    shortest = early_tick_clocks(N, bool(ANCHOR))
-    assert shortest > PART_FRAME.cycle_clocks + 1
-    for clocks, late in ((shortest, 0), (shortest - 1, 1)):
-        settings = Settings(
-            half_clocks=clocks, extra_ticks=1, ports=[random_port(rng) for _ in range(N)]
-        )
-        await bench.begin(settings)
-        for _ in range(30):
-            bench.codes = [random_code(rng) for _ in range(N)]
-            await bench.run(clocks)
-        assert bench.word("overrun_o") == late
-        if not late:
-            bench.check_steps()
-            assert bench.check_pulses() > 10
-
-
-@cocotb.test(timeout_time=50, timeout_unit="ms", skip=not SHARED or EARLY)
+@cocotb.test(timeout_time=50, timeout_unit="ms", skip=not SHARED)
 async def a_shared_multiplier_is_in_time_in_the_shortest_tick(dut: object) -> None:
     """Currents, steps and voltages come as they would with two multipliers, anchors soon enough."""
     bench = ControllerBench(dut)
@@ -721,32 +669,6 @@ async def a_shared_multiplier_is_in_time_in_the_shortest_tick(dut: object) -> No
         bench.check_steps()
         pulses += bench.check_pulses()
     assert pulses > 30 * N
-
-
-@cocotb.test(timeout_time=50, timeout_unit="ms", skip=not EARLY or KIND != "serial")
-async def a_frame_that_fills_the_tick_has_an_early_duty(dut: object) -> None:
-    """The next frame begins before the step of the last one's word does, and waits for its end."""
-    bench = ControllerBench(dut)
-    rng = random_source("full tick")
-    pulses = 0
-    needed = early_tick_clocks(N, bool(ANCHOR)) + 1
-    for quiet_clocks in range(1, 12):
-        half, made = 1, PART_FRAME
-        while made.cycle_clocks < needed:
-            half += 1
-            made = dataclasses.replace(PART_FRAME, sclk_half_clocks=half, quiet_clocks=quiet_clocks)
-        settings = Settings(
-            half_clocks=made.cycle_clocks, frame=made, extra_ticks=1,
-            ports=[random_port(rng) for _ in range(N)],
-        )  # fmt: skip
-        await bench.begin(settings)
-        for _ in range(20):
-            bench.codes = [random_code(rng) for _ in range(N)]
-            await bench.run(settings.tick_clocks)
-        assert not bench.word("overrun_o")
-        bench.check_steps()
-        pulses += bench.check_pulses()
-    assert pulses > 100
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms", skip=not BUS)
@@ -776,16 +698,16 @@ async def the_measured_bus_scales_the_pulse_and_the_limit(dut: object) -> None:
     assert saturated > 10
 
 
-# In turn, the pulse is made of the voltage after the step, by the bus that is the newest then.
+# The pulse is made of the voltage after the step, by the bus that is the newest then.
 @cocotb.test(timeout_time=50, timeout_unit="ms", skip=not BUS)
 async def a_step_is_made_with_one_bus(dut: object) -> None:
     """A bus that changes at any clock: what the models make of the words at a step's end, it is.
 
-    Both words are of one bus. So a limit never raises u, and the early duty has the core's.
+    Both words are of one bus. So a limit never raises u.
     """
     bench = ControllerBench(dut)
     rng = random_source("one bus")
-    saturated = changed = pulses = 0
+    saturated = changed = 0
     for _ in range(3):
         settings = random_settings(rng)
         settings.mode, settings.min_pulse = UNIPOLAR, 0
@@ -803,8 +725,6 @@ async def a_step_is_made_with_one_bus(dut: object) -> None:
                 bench.codes = [random_code(rng) for _ in range(N)]
             await bench.clock()
         bench.check_steps(one_bus=False)
-        if EARLY:
-            pulses += bench.check_pulses()
         words = [dataclasses.replace(settings, bus=bus) for bus in (settings.bus, *buses)]
         allowed = {
             tuple((of_bus.clocks_per_volt(n), of_bus.u_max(n)) for n in range(N))
@@ -816,7 +736,6 @@ async def a_step_is_made_with_one_bus(dut: object) -> None:
         changed += sum(a.u_max != b.u_max for a, b in pairwise(bench.steps))
     assert saturated > 100
     assert changed > 100
-    assert pulses > 100 or not EARLY
 
 
 def random_code(rng: random.Random) -> int:
@@ -824,8 +743,7 @@ def random_code(rng: random.Random) -> int:
     return rng.choice((0, top, MID_CODE, rng.randint(0, top), rng.randint(0, top)))
 
 
-# With EARLY a step's contact is that of its frame's start, which the bench doesn't see.
-@cocotb.test(timeout_time=50, timeout_unit="ms", skip=bool(EARLY))
+@cocotb.test(timeout_time=50, timeout_unit="ms")
 async def contact_at_any_time(dut: object) -> None:
     """A wall that is met while the core is at work changes the next step, not half of this one."""
     bench = ControllerBench(dut)
@@ -950,9 +868,8 @@ async def enable(dut: object) -> None:
         enabled = len(bench.bridge)
         while len(bench.steps) == steps:
             await bench.clock()
-        # Nothing of the voltage before is left; an early duty may be there before its step.
-        quiet = next(tick for tick in bench.ticks if tick >= enabled) if EARLY else None
-        assert not any(any(row) for row in bench.bridge[enabled:quiet])
+        # Nothing of the voltage before is left.
+        assert not any(any(row) for row in bench.bridge[enabled:])
         # The waves start from rest: the first step's u_n is 0.
         assert bench.steps[-1].u == [0] * N
     assert not bench.word("overrun_o")

@@ -29,15 +29,14 @@ from wavehaptics.words.bridge_modes import UNIPOLAR as UNIPOLAR_NAME
 from wavehaptics.words.places import places
 from wavehaptics.words.table import AXES, LEGS, THREE_PHASE_LEGS, WORDS, Sizes, Word
 
-_P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, "GUARD": 0, "CAPTURE": 0,
-      "MIN_PULSE": 0, "LEGS": LEGS, **parameters()}  # fmt: skip
+_P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "GUARD": 0, "CAPTURE": 0, "MIN_PULSE": 0,
+      "LEGS": LEGS, **parameters()}  # fmt: skip
 SIZES = Sizes(_P["N"], _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"], _P["LEGS"])
 BRUSHLESS = _P["LEGS"] == THREE_PHASE_LEGS
 LINES = AXES if BRUSHLESS else SIZES.motors
 """Of ADCs."""
 HALVES = 2 if BRUSHLESS else 1
 """Carrier halves in a tick, at least."""
-EARLY = bool(_P["EARLY"])
 MASK = 0xFFFFFFFF
 SETTINGS = list(places(SIZES, "setting"))
 BESIDE = {
@@ -164,7 +163,7 @@ async def words_while_the_bridges_run(dut: object) -> None:
     changes = 0
     for place in SETTINGS:
         value = rng.randint(*place.limits) & MASK
-        off = place.word.change == "off" or (EARLY and place.word.change == "sum")
+        off = place.word.change == "off"
         assert await bench.write(place.address, value) == (NOT_NOW if off else DONE)
         if not off:
             raw[place.address] = value

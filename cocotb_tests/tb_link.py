@@ -47,7 +47,7 @@ async def the_device_answers(dut: object) -> None:
     bench = LinkBench(dut)
     await bench.begin()
     found = whole((await bench.ask(read(0, 16))).registers)
-    options = _P["N"] | _P["WALLS"] << 4 | 2 << 11 | _P["GUARD"] << 19 | 1 << 25 | 1 << 26 | 1 << 27
+    options = _P["N"] | _P["WALLS"] << 4 | 2 << 11 | _P["GUARD"] << 19 | 1 << 25 | 1 << 27
     assert found == [table.crc(), 0, options, HZ, _P["N"], 0, 1, 4]
     assert (await bench.ask(identify())).information[0] == b"wave haptics"
     if _P["N"] == 1:  # whose work a tick of the table's defaults is long enough for

@@ -72,7 +72,7 @@ class ModulatorBench(Bench):
     ) -> Shown:  # fmt: skip
         await self.start(
             valid_i=0, voltage_i=0, clocks_per_volt_i=clocks_per_volt, half_clocks_i=half_clocks,
-            grant_i=0, done_i=0, product_i=0, take_i=0, update_i=0, early_valid_i=0, early_i=0,
+            grant_i=0, done_i=0, product_i=0, take_i=0, update_i=0,
             second_order_i=int(second_order), extra_i=0, least_i=least, spare_i=spare,
         )  # fmt: skip
         if not MIN_PULSE:

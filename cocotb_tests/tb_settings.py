@@ -26,11 +26,10 @@ from wavehaptics.words import formats
 from wavehaptics.words.places import Place, places
 from wavehaptics.words.table import LEGS, WORDS, Sizes
 
-_P = {"WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "EARLY": 0, "LEGS": LEGS, **parameters()}
+_P = {"WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "LEGS": LEGS, **parameters()}
 # A brushless motor is one, of two axes.
 _MOTORS = _P["N"] if _P["LEGS"] == LEGS else 1
 SIZES = Sizes(_MOTORS, _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"], _P["LEGS"])
-EARLY = bool(_P["EARLY"])
 N = SIZES.motors
 FIRST_CLOCKS = 20_000
 MASK = 0xFFFFFFFF
@@ -41,7 +40,7 @@ SETTINGS = list(places(SIZES, "setting"))
 
 
 def wants_off(place: Place) -> bool:
-    return place.word.change == "off" or (EARLY and place.word.change == "sum")
+    return place.word.change == "off"
 
 
 class SettingsBench(BusBench):

@@ -24,7 +24,7 @@ BENCHES = {
     "guard": ("wh_guard", {"N": 1}, "latches|off_or_damp|any_value|a_judgement|clear|rest|heat"),
     "host_link": ("wh_host_link", {}, "never_pays|a_late_answer|reset_in_mid_stream"),
     "modulator": ("wh_modulator", {"MIN_PULSE": 0}, "random_voltages|clips|latency|reset"),
-    "settings": ("bench_settings", MEMORIES["early"], "defaults|range|off|readers|handed_on"),
+    "settings": ("bench_settings", MEMORIES["one"], "defaults|range|off|readers|handed_on"),
     "shaper": ("bench_wave_core", {**PORT, "SHAPER": 2, "WITHHELD": 1, "TICKS": 2000}, "equals"),
     "stream": ("bench_listeners", {"N": 1, "CREDIT": 4000}, "too_fast|lasts_so_long"),
     "three_phase": ("wh_three_phase", {"MIN_PULSE": 0}, "mean_is|equal_legs|off_in_any_clock"),

@@ -10,8 +10,7 @@ BENCH = (TESTS_DIR / "bench_commit.v",)
 OTHERS = {
     "shared": {"N": 3, "ANCHOR": 1, "SHARED": 1},
     "bus": {"ANCHOR": 1, "BUS": 1},
-    "early": {"ANCHOR": 1, "EARLY": 1},
-    "early_bus": {"EARLY": 1, "BUS": 1},
+    "bus_alone": {"BUS": 1},
     "shaper": {"N": 2, "ANCHOR": 1, "SHAPER": 2},
     "brushless": {"LEGS": 3, "ANCHOR": 1},
     "brushless_alone": {"LEGS": 3},

@@ -18,7 +18,7 @@ SIZES = {
         "HOST": 1,
         "CAPTURE": 5,
     },
-    "early": {"EARLY": 1, "BUS": 1, "ANCHOR": 1, "GUARD": 1},
+    "bus": {"BUS": 1, "ANCHOR": 1, "GUARD": 1},
     "brushless": {
         "LEGS": 3, "ANCHOR": 1, "GUARD": 1, "SENSE": 1, "CAPTURE": 5, "MIN_PULSE": 1,
     },

@@ -76,9 +76,6 @@ NEITHER = {
 }
 """Parameters with 0 or 1 as default, and neither meaning nor range in a comment."""
 
-LATER = {"EARLY"}
-"""Switches that are going to be removed."""
-
 
 def rtl_parameters() -> Iterator[tuple[str, str, str, str]]:
     """(Module, parameter, default, comment) of all that the RTL has."""
@@ -90,7 +87,7 @@ def rtl_parameters() -> Iterator[tuple[str, str, str, str]]:
 
 def switches() -> list[tuple[str, str]]:
     """(Module, parameter) of each that is 0 or 1, as a comment of it in any module says."""
-    names = {name for _, name, _, comment in rtl_parameters() if SWITCH.match(comment)} - LATER
+    names = {name for _, name, _, comment in rtl_parameters() if SWITCH.match(comment)}
     return [(module, name) for module, name, _, _ in rtl_parameters() if name in names]
 
 

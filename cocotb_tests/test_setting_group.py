@@ -6,7 +6,7 @@ from simulators import BUILD_DIR, simulate
 
 HEADER = """
 `WH_SETTINGS_WORD('h140, 1, 3'b111, 8'h41, 32'd1)
-`WH_SETTINGS_WORD('h144, 1, 3'b111, (8'he1 | ((EARLY != 0) ? 8'h01 : 8'h00)), 32'hffffffed)
+`WH_SETTINGS_WORD('h144, 1, 3'b111, 8'he1, 32'hffffffed)
 `WH_SETTINGS_WORD('h044, 1, 3'b111, 8'he1, 32'd3)
 `WH_SETTINGS_TOLD('h148, 2 * WALLS, 3'b111, 8'hc1)
 `WH_SETTINGS_BOUNDS(1, 0, DELAY_LOG2)

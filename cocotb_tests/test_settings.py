@@ -7,7 +7,7 @@ from simulators import simulate
 SIZES = {
     "two": {"N": 2},
     "large": {"N": 3, "WALLS": 16, "SHAPER": 2, "DELAY_LOG2": 5},
-    "early": {"N": 1, "WALLS": 1, "EARLY": 1},
+    "one": {"N": 1, "WALLS": 1},
     "brushless": {"N": 2, "LEGS": 3},
 }
 

@@ -6,7 +6,6 @@
 `include "wh_formats.vh"
 
 module wh_modulator #(
-    parameter integer EARLY     = 0,
     parameter integer MIN_PULSE = 0
 ) (
     input  wire                                    clk,
@@ -25,8 +24,6 @@ module wh_modulator #(
     output wire signed [`WH_COEF_W-1:0]            coefficient_o,
     input  wire                                    done_i,
     input  wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_i,
-    input  wire                                    early_valid_i,
-    input  wire signed [`WH_DATA_W+`WH_COEF_W-`WH_VOLTAGE_Q-1:0] early_i,
     input  wire                                    take_i,
     input  wire                                    update_i,
     output wire signed [`WH_TICK_W-1:0]            width_o
@@ -41,8 +38,7 @@ module wh_modulator #(
     assign coefficient_o = clocks_per_volt_i;
 
     wire unused = &{1'b0, clk, rst, valid_i, half_clocks_i, second_order_i, extra_i, least_i, spare_i,
-                    grant_i, done_i, product_i, early_valid_i, early_i, take_i, update_i, EARLY[0],
-                    MIN_PULSE[0]};
+                    grant_i, done_i, product_i, take_i, update_i, MIN_PULSE[0]};
 
 endmodule
 

@@ -11,7 +11,6 @@ module wh_settings_rom #(
     parameter integer WALLS      = 4,
     parameter integer SHAPER     = 0,
     parameter integer DELAY_LOG2 = 2,
-    parameter integer EARLY      = 0,
     parameter integer LEGS       = 2
 ) (
     input  wire        clk,

@@ -2,7 +2,7 @@
 //
 // prove_wh_modulator: a width is within its limit, whatever the settings are, and 0 or least_i clocks at the
 // least if that is no more than the limit; what it is off by is owed, to the last place, unless it was clipped; what is owed is bounded, and no sum of the
-// error feedback wraps. The duty comes from wh_early's port, which takes any word, at any clock.
+// error feedback wraps. The product may be any, at any clock.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -12,8 +12,8 @@ module prove_wh_modulator #(
 ) (
     input wire                          clk,
     input wire                          rst,
-    input wire                          early_valid,
-    input wire signed [`WH_DATA_W+`WH_COEF_W-`WH_VOLTAGE_Q-1:0] early,
+    input wire                          done,
+    input wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product,
     input wire signed [`WH_EXTRA_W-1:0] extra,
     input wire                          second_order,
     input wire                          take,
@@ -35,7 +35,6 @@ module prove_wh_modulator #(
     wire signed [`WH_TICK_W-1:0] width;
 
     wh_modulator #(
-        .EARLY             (1),
         .MIN_PULSE         (MIN_PULSE)
     ) block (
         .clk               (clk),
@@ -52,10 +51,8 @@ module prove_wh_modulator #(
         .grant_i           (1'b0),
         .factor_o          (),
         .coefficient_o     (),
-        .done_i            (1'b0),
-        .product_i         ({PRODUCT_W{1'b0}}),
-        .early_valid_i     (early_valid),
-        .early_i           (early),
+        .done_i            (done),
+        .product_i         (product),
         .take_i            (take),
         .update_i          (update),
         .width_o           (width)

@@ -8,15 +8,11 @@
 `include "wh_formats.vh"
 
 // The block's parameters: Yosys' -chparam fails on a top with two copies of a block.
-`ifndef PROVE_EARLY
-`define PROVE_EARLY 0
-`endif
 `ifndef PROVE_MIN_PULSE
 `define PROVE_MIN_PULSE 0
 `endif
 
 module prove_wh_modulator_reset #(
-    parameter integer EARLY     = `PROVE_EARLY,
     parameter integer MIN_PULSE = `PROVE_MIN_PULSE
 ) (
     input wire                                    clk,
@@ -27,8 +23,6 @@ module prove_wh_modulator_reset #(
     input wire                                    grant,
     input wire                                    done,
     input wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product,
-    input wire                                    early_valid,
-    input wire signed [`WH_DATA_W+`WH_COEF_W-`WH_VOLTAGE_Q-1:0] early,
     input wire                                    take,
     input wire                                    update
 );
@@ -55,7 +49,6 @@ module prove_wh_modulator_reset #(
             wire signed [`WH_COEF_W-1:0] coefficient;
 
             wh_modulator #(
-                .EARLY             (EARLY),
                 .MIN_PULSE         (MIN_PULSE)
             ) block (
                 .clk               (clk),
@@ -74,8 +67,6 @@ module prove_wh_modulator_reset #(
                 .coefficient_o     (coefficient),
                 .done_i            (done),
                 .product_i         (product),
-                .early_valid_i     (early_valid),
-                .early_i           (early),
                 .take_i            (take),
                 .update_i          (update),
                 .width_o           (width[n])

@@ -92,9 +92,7 @@ module prove_wh_wave_core #(
         .request_o     (request),
         .factor_o      (factor),
         .coefficient_o (coefficient),
-        .product_i     (asked[2] ? asked_for : another),
-        .newest_u_o    (),
-        .next_u_o      ()
+        .product_i     (asked[2] ? asked_for : another)
     );
 
     (* hierconn *) wire [CLOCKS-1:0]           \block.at_q ;

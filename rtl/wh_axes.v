@@ -108,8 +108,6 @@ module wh_axes #(
     wire [2*DATA_W-1:0] wave_voltage;  // e_id
     wire [2*DATA_W-1:0] withheld;
     wire [1:0]          waves;
-    wire [2*DATA_W-1:0] newest_u;
-    wire [2*DATA_W-1:0] next_u;
     wire                core_request;  // of a shared multiplier
     wire [DATA_W-1:0]   core_factor;
     wire [COEF_W-1:0]   core_coefficient;
@@ -120,7 +118,7 @@ module wh_axes #(
     wire [2*COEF_W-1:0] rebound_eta;
     wire [COEF_W-1:0]   eta         = (damp_i || anchor_fault_o) ? {COEF_W{1'b0}}
                                     : (contact_i && rebounds[1]) ? rebound_eta[COEF_W +: COEF_W] : eta_i;
-    wire                unused_core = &{1'b0, newest_u, next_u, core_request, core_factor,
+    wire                unused_core = &{1'b0, core_request, core_factor,
                                             core_coefficient, rebounds[0], rebound_eta[COEF_W-1:0]};
 
     wh_wave_core #(
@@ -157,9 +155,7 @@ module wh_axes #(
         .request_o     (core_request),
         .factor_o      (core_factor),
         .coefficient_o (core_coefficient),
-        .product_i     ({DATA_W + COEF_W{1'b0}}),
-        .newest_u_o    (newest_u),
-        .next_u_o      (next_u)
+        .product_i     ({DATA_W + COEF_W{1'b0}})
     );
 
     always @(posedge clk) begin

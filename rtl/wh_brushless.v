@@ -379,9 +379,6 @@ module wh_brushless #(
                 assign zero_busy_o[n]  = 1'b0;
             end
 
-            wire [1:0] sum_ends;
-            wire       unused_ends = &{1'b0, sum_ends};
-
             wh_current current (
                 .clk        (clk),
                 .rst        (sense_rst),
@@ -397,7 +394,6 @@ module wh_brushless #(
                 .done_i     (done[OF_CURRENTS+n]),
                 .product_i  (product),
                 .offset_i   ({DATA_W{1'b0}}),
-                .sum_ends_o (sum_ends),
                 .valid_o    (current_valid[n]),
                 .current_o  (phase_current_o[n*DATA_W +: DATA_W]),
                 .ends_o     (phase_ends[2*n +: 2])

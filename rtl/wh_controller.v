@@ -13,7 +13,7 @@
 // clk.
 // A setting may change (a) in reset, (b) while enable_i = 0 and restart_i = 1, or (c), the table of words says
 // which, on a clock edge where its hold is 0:
-//   words_hold_o[0]  the core, or with EARLY = 1 wh_early, reads its settings
+//   words_hold_o[0]  the core reads its settings
 //   scale_hold_o     a voltage is still to be scaled by the settings of its step
 //   anchor_hold_o    the anchor of that motor reads its settings
 //   words_hold_o[2]  a sum is under way
@@ -30,8 +30,6 @@
 //     conversion + 14 + (24 + 5 SHAPER) N + 2 (N - 1) + ANCHOR clocks
 // after its sample strobe or later, conversion being the reader's own latency (latency_clocks in
 // sim/wavehaptics/controller/pins_timing.py).
-// With EARLY = 1 it is conversion + 10 clocks, for a conversion of 18 clocks or more and a tick of
-// 22 + 25 N or more; with ANCHOR = 1 as well 35 + 25 N (early_tick_clocks).
 // SHARED = 1 is half the multipliers, and changes no word. The core's products come first: in a tick
 // of fewer clocks than shared_tick_clocks some others would be late.
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
@@ -52,7 +50,6 @@ module wh_controller #(
     parameter integer ZERO_LOG2  = 10, // SENSE = 1: ticks of a zero, 2^ZERO_LOG2; 2...16
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
     parameter integer DEAD_TIME  = 1,  // 1: dead time can be compensated
-    parameter integer EARLY      = 0,  // 1: wh_early makes the duty; SHAPER and hold_ticks_i are 0
     parameter integer MODES      = 0,  // 1: mode_i chooses the bridge's pattern; 0: unipolar
     parameter integer MIN_PULSE  = 0,  // 1: min_pulse_i counts; 0: pulses may be of one clock
     parameter integer BUS        = 0,  // 1: bus_i scales the drive; 0: clocks_per_volt_i does
@@ -210,9 +207,6 @@ module wh_controller #(
     generate
         if (N < 1 || N > 8) begin : illegal
             wh_illegal_parameter_controller_n_must_be_1_to_8 stop ();
-        end
-        if ((EARLY != 0 && EARLY != 1) || (EARLY == 1 && SHAPER != 0)) begin : illegal_early
-            wh_illegal_parameter_controller_early_must_be_0_or_1_and_0_with_a_shaper stop ();
         end
         if (ANCHOR != 0 && ANCHOR != 1) begin : illegal_anchor
             wh_illegal_parameter_controller_anchor_must_be_0_or_1 stop ();
@@ -412,7 +406,6 @@ module wh_controller #(
 
     wire                core_start = current_valid[N-1];
     wire [2*N-1:0]      current_ends;
-    wire [2*N-1:0]      sum_ends;
     wire                core_busy;
     wire                core_looks;   // it reads settings
     wire                core_overrun;
@@ -426,16 +419,12 @@ module wh_controller #(
     wire [N*DATA_W-1:0] step_max;     // and the port anchors of that, for the step that has begun
     wire [N*COEF_W-1:0] clocks_per_volt;
     wire [2*N-1:0]      shape_mode;
-    wire [N*DATA_W-1:0] newest_u;
-    wire [N*DATA_W-1:0] next_u;
-    wire [N-1:0]        early_overrun;
 
     wh_wave_core #(
         .N             (N),
         .DELAY_LOG2    (DELAY_LOG2),
         .OUTSIDE       (HOST),
         .SHAPER        (SHAPER),
-        .AHEAD         (EARLY),
         .WITHHELD      (ANCHOR),
         .SHARED        (SHARED)
     ) wave_core (
@@ -467,9 +456,7 @@ module wh_controller #(
         .request_o     (core_request),
         .factor_o      (core_factor),
         .coefficient_o (core_coefficient),
-        .product_i     (product),
-        .newest_u_o    (newest_u),
-        .next_u_o      (next_u)
+        .product_i     (product)
     );
 
     // Currents are made, and steps asked for, while the drive is off as well.
@@ -483,26 +470,15 @@ module wh_controller #(
         .overrun_o (missing)
     );
 
-    assign overrun_o = adc_overrun || core_overrun || (|anchor_overrun) || (|early_overrun)
-                       || missing;
-
-    // From a word that may be a tick's last to the start of the step that it belongs to, what wh_early
-    // needs of that step is yet to come: the next frame may begin there.
-    reg  due_q;
-    wire summed   = |current_request;
-    wire step_due = adc_valid || summed || due_q || core_start;
-
-    always @(posedge clk) begin
-        due_q <= !sense_rst && (summed || (due_q && !core_start));
-    end
+    assign overrun_o = adc_overrun || core_overrun || (|anchor_overrun) || missing;
 
     // ---- Who reads settings.
 
     wire         core_reads;
     wire         scale_reads;
     wire [N-1:0] anchor_reads;
-    wire         core_ends = core_busy && !core_looks;  // its step does, and reads none any more
     wire [N-1:0] in_round;
+    wire         summed    = |current_request;
     reg          sum_q;  // words of a sum have come, and its products have not all begun
 
     always @(posedge clk) begin
@@ -538,9 +514,8 @@ module wh_controller #(
             assign core_reads  = !bus_gives;
             assign scale_reads = !bus_gives;
 
-            // One u_max for a step. wh_early's words of a step are made before it starts, from the end of
-            // the step before on.
-            wire words_hold = !drive_rst && ((EARLY == 1) ? !core_ends : core_looks);
+            // One u_max for a step.
+            wire words_hold = !drive_rst && core_looks;
 
             wh_bus_scale #(
                 .N                 (N)
@@ -561,11 +536,13 @@ module wh_controller #(
         end else begin : known_bus
             wire unused_bus = &{1'b0, bus_i, bus_share_i};
 
-            // A voltage is scaled by the settings of the step that made it.
+            // A voltage is scaled by the settings of the step that made it. The step ends: it reads none
+            // any more.
+            wire core_ends = core_busy && !core_looks;
             wire scales = (ANCHOR != 0 && core_valid_o) || (|(drive_request & ~others_grant[N +: N]));
 
-            assign core_reads  = (EARLY == 1) ? !core_ends : core_looks;
-            assign scale_reads = (EARLY == 1) ? !core_ends : core_ends || scales;
+            assign core_reads  = core_looks;
+            assign scale_reads = core_ends || scales;
 
             assign clocks_per_volt = clocks_per_volt_i;
             assign u_max           = u_max_i;
@@ -663,14 +640,10 @@ module wh_controller #(
 
     // ---- What each motor, and each port, has of its own.
 
-    localparam integer DUTY_W = DATA_W + COEF_W - `WH_VOLTAGE_Q;
-
     wire [N-1:0]        shaped;
     wire [N*COEF_W-1:0] contact_eta;
     wire [N-1:0]        driven_valid;
     wire [N*DATA_W-1:0] driven;
-    wire [N-1:0]        early_valid;
-    wire [N*DUTY_W-1:0] early_duty;
 
     genvar n;
     generate
@@ -683,7 +656,6 @@ module wh_controller #(
                 .SENSE               (SENSE),
                 .ZERO_LOG2           (ZERO_LOG2),
                 .DEAD_TIME           (DEAD_TIME),
-                .EARLY               (EARLY),
                 .MODES               (MODES),
                 .MIN_PULSE           (MIN_PULSE)
             ) motor (
@@ -715,7 +687,6 @@ module wh_controller #(
                 .current_valid_o     (current_valid[n]),
                 .current_o           (current_o[n*DATA_W +: DATA_W]),
                 .current_ends_o      (current_ends[2*n +: 2]),
-                .sum_ends_o          (sum_ends[2*n +: 2]),
                 .adc_range_o         (adc_range_o[n]),
                 .adc_stuck_o         (adc_stuck_o[n]),
                 .zero_fault_o        (zero_fault_o[n]),
@@ -740,8 +711,6 @@ module wh_controller #(
                 .eta_o               (contact_eta[n*COEF_W +: COEF_W]),
                 .voltage_valid_i     (driven_valid[n]),
                 .voltage_i           (driven[n*DATA_W +: DATA_W]),
-                .early_valid_i       (early_valid[n]),
-                .early_duty_i        (early_duty[n*DUTY_W +: DUTY_W]),
                 .half_clocks_i       (half_clocks_i),
                 .mode_i              (mode_i),
                 .half_bridge_i       (half_bridge),
@@ -767,7 +736,6 @@ module wh_controller #(
             );
 
             wh_port #(
-                .EARLY              (EARLY),
                 .HOST               (HOST),
                 .ANCHOR             (ANCHOR)
             ) port (
@@ -776,7 +744,6 @@ module wh_controller #(
                 .run_i              (run),
                 .damp_i             (damp),
                 .core_start_i       (core_start),
-                .core_busy_i        (core_busy),
                 .core_valid_i       (core_valid_o),
                 .waves_i            (waves[n]),
                 .clipped_i          (clipped_o[n]),
@@ -786,8 +753,6 @@ module wh_controller #(
                 .withheld_i         (withheld[n*DATA_W +: DATA_W]),
                 .wave_voltage_i     (wave_voltage[n*DATA_W +: DATA_W]),
                 .saturated_i        (saturated_o[n]),
-                .newest_u_i         (newest_u[n*DATA_W +: DATA_W]),
-                .next_u_i           (next_u[n*DATA_W +: DATA_W]),
                 .u_max_i            (u_max[n*DATA_W +: DATA_W]),
                 .step_max_o         (step_max[n*DATA_W +: DATA_W]),
                 .eta_o              (eta[n*COEF_W +: COEF_W]),
@@ -817,21 +782,6 @@ module wh_controller #(
                 .anchor_reads_o     (anchor_reads[n]),
                 .anchor_overrun_o   (anchor_overrun[n]),
                 .anchor_fault_o     (anchor_fault_o[n]),
-                .frame_i            (sample),
-                .word_valid_i       (adc_valid),
-                .word_first_i       (adc_first),
-                .samples_i          (samples_i),
-                .sum_valid_i        (current_request[n]),
-                .sum_i              (current_factor[n*DATA_W +: DATA_W]),
-                .sum_ends_i         (sum_ends[2*n +: 2]),
-                .step_due_i         (step_due),
-                .root_i             (root_i[n*COEF_W +: COEF_W]),
-                .a_i                (a_i[n*COEF_W +: COEF_W]),
-                .gain_i             (gain_i[n*COEF_W +: COEF_W]),
-                .clocks_per_volt_i  (clocks_per_volt[n*COEF_W +: COEF_W]),
-                .early_valid_o      (early_valid[n]),
-                .early_duty_o       (early_duty[n*DUTY_W +: DUTY_W]),
-                .early_overrun_o    (early_overrun[n]),
                 .request_o          (anchor_request[n]),
                 .factor_o           (anchor_factor[n*DATA_W +: DATA_W]),
                 .coefficient_o      (anchor_coefficient[n*COEF_W +: COEF_W]),

@@ -39,7 +39,6 @@ module wh_current (
 
     input  wire signed [`WH_DATA_W-1:0]            offset_i,   // s31q24 A, taken off
 
-    output wire [1:0]                              sum_ends_o, // with request_o: of the sum's words
     output reg                                     valid_o,    // strobe
     output reg  signed [`WH_DATA_W-1:0]            current_o,  // s31q24 A, +-64 A
     output reg  [1:0]                              ends_o      // of current_o
@@ -106,7 +105,6 @@ module wh_current (
         end
     end
 
-    assign sum_ends_o = sum_ends_q;
     assign request_o = request_q;
     assign factor_o  = {{`WH_DATA_W-DIFFERENCE_W{sum_q[DIFFERENCE_W-1]}}, sum_q};
 

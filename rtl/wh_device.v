@@ -46,7 +46,6 @@ module wh_device #(
     parameter integer ZERO_LOG2    = 10,
     parameter integer SHAPER       = 0,
     parameter integer DEAD_TIME    = 1,
-    parameter integer EARLY        = 0,
     parameter integer MODES        = 0,
     parameter integer MIN_PULSE    = 0,
     parameter integer BUS          = 0,
@@ -54,7 +53,6 @@ module wh_device #(
     parameter integer ANCHOR       = 0,
     parameter integer SHARED       = 0,
     parameter integer GUARD        = 0,
-    parameter integer LIVE         = 1,  // 1: live words of motors are on the bus; 0: they read 0
     parameter integer ARM          = 0,  // 1: the bridges are on by command, while it is renewed, or by press_i
     parameter integer ARM_CLOCKS   = 4800000, // clocks that a command of either lasts, 2...2^30
     parameter integer CAPTURE      = 0,  // words that a capture takes, 2^this, 4...15; 0: there is none
@@ -125,16 +123,13 @@ module wh_device #(
         if (LEGS != 2 && LEGS != 3) begin : illegal_legs
             wh_illegal_parameter_device_legs_must_be_2_or_3 stop ();
         end
-        if (LIVE != 0 && LIVE != 1) begin : illegal_live
-            wh_illegal_parameter_device_live_must_be_0_or_1 stop ();
-        end
         if (ARM != 0 && ARM != 1) begin : illegal_arm
             wh_illegal_parameter_device_arm_must_be_0_or_1 stop ();
         end
         if (STREAM != 0 && STREAM != 1) begin : illegal_stream
             wh_illegal_parameter_device_stream_must_be_0_or_1 stop ();
         end
-        if (LEGS == 3 && (N != 1 || ADC != 0 || SHAPER != 0 || EARLY != 0 || MODES != 0 || BUS != 0
+        if (LEGS == 3 && (N != 1 || ADC != 0 || SHAPER != 0 || MODES != 0 || BUS != 0
                           || HOST != 0 || SHARED != 0)) begin : illegal_of_brushless
             wh_illegal_parameter_device_with_three_legs_has_one_motor_and_a_serial_adc_alone stop ();
         end
@@ -230,7 +225,7 @@ module wh_device #(
     assign hold_core   = words_hold[0] && !now;
     assign hold_scale  = (scale_hold || core_first) && !now;
     assign hold_anchor = (anchor_hold | {PARTS{core_first}}) & {PARTS{!now}};
-    assign hold_sum    = (EARLY != 0) ? running : (words_hold[2] && !now);
+    assign hold_sum    = words_hold[2] && !now;
     assign hold_round  = words_hold[3] && !now;
     assign hold_any    = 1'b0;
 
@@ -485,7 +480,6 @@ module wh_device #(
         .WALLS         (WALLS),
         .SHAPER        (SHAPER),
         .DELAY_LOG2    (DELAY_LOG2),
-        .EARLY         (EARLY),
         .LEGS          (LEGS)
     ) settings (
         .clk           (clk),
@@ -578,7 +572,6 @@ module wh_device #(
                 .ZERO_LOG2      (ZERO_LOG2),
                 .SHAPER         (SHAPER),
                 .DEAD_TIME      (DEAD_TIME),
-                .EARLY          (EARLY),
                 .MODES          (MODES),
                 .MIN_PULSE      (MIN_PULSE),
                 .BUS            (BUS),

@@ -529,7 +529,7 @@ generate
         wire [`WH_COEF_W + 24-1:0] current_words;
 
         wh_setting_group #(
-            .STAGED    ((EARLY != 0) ? 0 : 1),
+            .STAGED    (1),
             .PART      (PART[3:0]),
             .FIRST     (8'h00),
             .STRIDE    (8'd1),
@@ -827,7 +827,7 @@ always @* begin
     endcase
     if (bus_address_i[11:6] == 6'h2) live = {{1{1'b0}}, capture_data[0 +: 32]};
     for (m = 0; m < PARTS; m = m + 1) begin
-        if (LIVE != 0 && {28'd0, bus_address_i[11:8]} == m + 1) begin
+        if ({28'd0, bus_address_i[11:8]} == m + 1) begin
             case (bus_address_i[7:0])
                 8'hd4: live = {32'd0, overcurrent[m]};
                 8'hd0: live = {32'd0, adc_range[m]};

@@ -8,12 +8,12 @@
 // allows: with it, and ARM = 1, the word `arm` lets the bridges on for 200 ms, and press_i until something is
 // against it (wh_arm); with ARM = 0 the pin alone does. Word 2 of the identification, its options, is made here:
 //
-//   3:0 N   8:4 WALLS   10:9 SHAPER   14:11 DELAY_LOG2   16:15 ADC   17 EARLY   18 ANCHOR   19 GUARD
-//   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME   26 LIVE
+//   3:0 N   8:4 WALLS   10:9 SHAPER   14:11 DELAY_LOG2   16:15 ADC   18 ANCHOR   19 GUARD
+//   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME
 //   27 ARM   31:28 CAPTURE
 //
 // SHAPER is 3 there with LEGS = 3, which has none.
-// All its bits are taken: whether there is a STREAM, the word stream_state says, which is 0 without.
+// Bits 17 and 26 are 0. Whether there is a STREAM, the word stream_state says, which is 0 without.
 //
 // Latency and reset: those of wh_modbus and of wh_device.
 
@@ -32,7 +32,6 @@ module wh_linked_device #(
     parameter integer ZERO_LOG2    = 10,
     parameter integer SHAPER       = 0,
     parameter integer DEAD_TIME    = 1,
-    parameter integer EARLY        = 0,
     parameter integer MODES        = 0,
     parameter integer MIN_PULSE    = 0,
     parameter integer BUS          = 0,
@@ -40,7 +39,6 @@ module wh_linked_device #(
     parameter integer ANCHOR       = 0,
     parameter integer SHARED       = 0,
     parameter integer GUARD        = 0,
-    parameter integer LIVE         = 1,
     parameter integer ARM          = 1,
     parameter integer CAPTURE      = 0,
     parameter integer STREAM       = 0,
@@ -101,8 +99,8 @@ module wh_linked_device #(
     localparam [31:0] ADC_32    = ADC;
     localparam [31:0] CAPTURE_32 = CAPTURE;
     localparam [31:0] OPTIONS = {
-        CAPTURE_32[3:0], ARM != 0, LIVE != 0, DEAD_TIME != 0, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0, SENSE != 0,
-        GUARD != 0, ANCHOR != 0, EARLY != 0, ADC_32[1:0], DELAY_32[3:0], SHAPER_32[1:0],
+        CAPTURE_32[3:0], ARM != 0, 1'b0, DEAD_TIME != 0, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0, SENSE != 0,
+        GUARD != 0, ANCHOR != 0, 1'b0, ADC_32[1:0], DELAY_32[3:0], SHAPER_32[1:0],
         WALLS_32[4:0], N_32[3:0]
     };
 
@@ -178,7 +176,6 @@ module wh_linked_device #(
         .ZERO_LOG2      (ZERO_LOG2),
         .SHAPER         (SHAPER),
         .DEAD_TIME      (DEAD_TIME),
-        .EARLY          (EARLY),
         .MODES          (MODES),
         .MIN_PULSE      (MIN_PULSE),
         .BUS            (BUS),
@@ -186,7 +183,6 @@ module wh_linked_device #(
         .ANCHOR         (ANCHOR),
         .SHARED         (SHARED),
         .GUARD          (GUARD),
-        .LIVE           (LIVE),
         .ARM            (ARM),
         .ARM_CLOCKS     (CREDIT),
         .CAPTURE        (CAPTURE),

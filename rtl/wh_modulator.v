@@ -17,9 +17,9 @@
 // side of the half from getting too short. extra is what the bridge takes away (wh_dead_time): it is
 // used from the next half on.
 //
-// A voltage becomes the pending duty, or with EARLY = 1 what wh_early has made of it; take_i, 4 clocks
-// before the tick's last update_i, makes it that of the tick to come. width_o belongs to the half
-// that begins after update_i, and is ready 5 clocks after the update_i before.
+// A voltage becomes the pending duty; take_i, 4 clocks before the tick's last update_i, makes it that
+// of the tick to come. width_o belongs to the half that begins after update_i, and is ready 5 clocks
+// after the update_i before.
 // The product is made by a multiplier shared with other blocks (wh_multiply_shared), as in
 // wh_current; voltage_i holds from valid_i until grant_i.
 //
@@ -32,7 +32,6 @@
 `include "wh_formats.vh"
 
 module wh_modulator #(
-    parameter integer EARLY     = 0,  // 1: the duty comes from wh_early, and a voltage makes none
     parameter integer MIN_PULSE = 0   // 1: least_i and spare_i count; 0: both are 0
 ) (
     input  wire                                    clk,
@@ -54,9 +53,6 @@ module wh_modulator #(
     output wire signed [`WH_COEF_W-1:0]            coefficient_o,      // s27q16 clocks/V
     input  wire                                    done_i,
     input  wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_i,          // s58q39 clocks
-
-    input  wire                                    early_valid_i,      // strobe, EARLY = 1
-    input  wire signed [`WH_DATA_W+`WH_COEF_W-`WH_VOLTAGE_Q-1:0] early_i,  // s35q16 clocks
 
     input  wire                                    take_i,             // strobe, tick_o - 4 clocks
     input  wire                                    update_i,           // strobe, end of a half, or
@@ -85,14 +81,14 @@ module wh_modulator #(
     reg waiting_q;
 
     always @(posedge clk) begin
-        if (rst || grant_i || EARLY == 1) begin
+        if (rst || grant_i) begin
             waiting_q <= 1'b0;
         end else if (valid_i) begin
             waiting_q <= 1'b1;
         end
     end
 
-    assign request_o     = (valid_i || waiting_q) && EARLY == 0;
+    assign request_o     = valid_i || waiting_q;
     assign factor_o      = voltage_i;
     assign coefficient_o = clocks_per_volt_i;
 
@@ -113,26 +109,6 @@ module wh_modulator #(
         .up_o    (duty_up)
     );
 
-    wire                     duty_valid;
-    wire signed [DUTY_W-1:0] duty_next;
-    wire                     duty_next_up;
-
-    generate
-        if (EARLY == 1) begin : early
-            wire unused_duty = &{1'b0, done_i, duty_floor, duty_up};
-
-            assign duty_valid   = early_valid_i;
-            assign duty_next    = early_i;
-            assign duty_next_up = 1'b0;
-        end else begin : of_voltage
-            wire unused_early = &{1'b0, early_valid_i, early_i};
-
-            assign duty_valid   = done_i;
-            assign duty_next    = duty_floor;
-            assign duty_next_up = duty_up;
-        end
-    endgenerate
-
     always @(posedge clk) begin
         if (rst) begin
             pending_q    <= {DUTY_W{1'b0}};
@@ -140,9 +116,9 @@ module wh_modulator #(
             active_q     <= {DUTY_W{1'b0}};
             active_up_q  <= 1'b0;
         end else begin
-            if (duty_valid) begin
-                pending_q    <= duty_next;
-                pending_up_q <= duty_next_up;
+            if (done_i) begin
+                pending_q    <= duty_floor;
+                pending_up_q <= duty_up;
             end
             if (take_i) begin
                 active_q    <= pending_q;

@@ -20,7 +20,6 @@ module wh_motor #(
     parameter integer SENSE      = 0,
     parameter integer ZERO_LOG2  = 10,
     parameter integer DEAD_TIME  = 1,
-    parameter integer EARLY      = 0,
     parameter integer MODES      = 0,
     parameter integer MIN_PULSE  = 0
 ) (
@@ -58,7 +57,6 @@ module wh_motor #(
     output wire                              current_valid_o,
     output wire signed [`WH_DATA_W-1:0]      current_o,        // s31q24 A
     output wire [1:0]                        current_ends_o,   // at the high, at the low end of its range
-    output wire [1:0]                        sum_ends_o,       // with current_request_o: of the words
     output wire                              adc_range_o,
     output wire                              adc_stuck_o,
     output wire                              zero_fault_o,
@@ -87,8 +85,6 @@ module wh_motor #(
     // A voltage to the gates.
     input  wire                              voltage_valid_i,
     input  wire signed [`WH_DATA_W-1:0]      voltage_i,        // s31q23 V
-    input  wire                              early_valid_i,
-    input  wire signed [`WH_DATA_W+`WH_COEF_W-`WH_VOLTAGE_Q-1:0] early_duty_i,
     input  wire [`WH_TICK_W-1:0]             half_clocks_i,
     input  wire [`WH_MODE_W-1:0]             mode_i,
     input  wire                              half_bridge_i,    // leg B is not used
@@ -203,7 +199,6 @@ module wh_motor #(
         .done_i     (current_done_i),
         .product_i  (product_i),
         .offset_i   (offset_i),
-        .sum_ends_o (sum_ends_o),
         .valid_o    (current_valid_o),
         .current_o  (current_o),
         .ends_o     (current_ends_o)
@@ -284,7 +279,6 @@ module wh_motor #(
     endgenerate
 
     wh_modulator #(
-        .EARLY             (EARLY),
         .MIN_PULSE         (MIN_PULSE)
     ) modulator (
         .clk               (clk),
@@ -303,8 +297,6 @@ module wh_motor #(
         .coefficient_o     (drive_coefficient_o),
         .done_i            (drive_done_i),
         .product_i         (product_i),
-        .early_valid_i     (early_valid_i),
-        .early_i           (early_duty_i),
         .take_i            (take_i),
         .update_i          (update_i && (half_i || !whole_i)),
         .width_o           (width)

@@ -4,7 +4,7 @@
 //
 //   contact, a host's answers -> wh_environment -> eta, wave, mode -> wave core
 //   the core's waves, position -> wh_anchor -> correction, the limit that it leaves the waves
-//   e_id + correction -> voltage          a word of the ADC -> wh_early -> a duty without the core
+//   e_id + correction -> voltage
 //
 // Formats: those of the blocks.
 // Latency: the voltage follows the core's in the same clock, driven_* a clock later with ANCHOR = 1:
@@ -15,8 +15,7 @@
 `include "wh_formats.vh"
 
 module wh_port #(
-    parameter integer EARLY  = 0,  // these are wh_controller's
-    parameter integer HOST   = 0,
+    parameter integer HOST   = 0,  // these are wh_controller's
     parameter integer ANCHOR = 0
 ) (
     input  wire                              clk,
@@ -26,7 +25,6 @@ module wh_port #(
 
     // The step of the wave core.
     input  wire                              core_start_i,
-    input  wire                              core_busy_i,
     input  wire                              core_valid_i,
     input  wire                              waves_i,            // strobe, this port's waves are new
     input  wire                              clipped_i,          // current or v at the end of its range
@@ -36,8 +34,6 @@ module wh_port #(
     input  wire signed [`WH_DATA_W-1:0]      withheld_i,
     input  wire signed [`WH_DATA_W-1:0]      wave_voltage_i,     // e_id
     input  wire                              saturated_i,
-    input  wire signed [`WH_DATA_W-1:0]      newest_u_i,         // these two for wh_early
-    input  wire signed [`WH_DATA_W-1:0]      next_u_i,
     input  wire signed [`WH_DATA_W-1:0]      u_max_i,            // what the bus allows
     output wire signed [`WH_DATA_W-1:0]      step_max_o,         // what a step's waves may have of it
     output wire signed [`WH_COEF_W-1:0]      eta_o,
@@ -74,23 +70,6 @@ module wh_port #(
     output wire                              anchor_overrun_o,
     output wire                              anchor_fault_o,
 
-    // A duty that doesn't wait for the core, EARLY = 1.
-    input  wire                              frame_i,            // strobe, the ADC's frame begins
-    input  wire                              word_valid_i,
-    input  wire                              word_first_i,
-    input  wire [8:0]                        samples_i,
-    input  wire                              sum_valid_i,
-    input  wire signed [`WH_DATA_W-1:0]      sum_i,
-    input  wire [1:0]                        sum_ends_i,         // of its words, as wh_current has them
-    input  wire                              step_due_i,         // a step is yet to start
-    input  wire signed [`WH_COEF_W-1:0]      root_i,
-    input  wire signed [`WH_COEF_W-1:0]      a_i,
-    input  wire signed [`WH_COEF_W-1:0]      gain_i,
-    input  wire signed [`WH_COEF_W-1:0]      clocks_per_volt_i,
-    output wire                              early_valid_o,
-    output wire signed [`WH_DATA_W+`WH_COEF_W-`WH_VOLTAGE_Q-1:0] early_duty_o,
-    output wire                              early_overrun_o,
-
     // The shared multiplier, for the anchor.
     output wire                              request_o,
     output wire signed [`WH_DATA_W-1:0]      factor_o,
@@ -114,8 +93,6 @@ module wh_port #(
 
     // ---- Environment. An anchor that has lost the rotor leaves a port that only damps.
 
-    wire [COEF_W-1:0] present_eta;
-    wire [DATA_W-1:0] present_wave;
     wire              rebounds;
     wire [COEF_W-1:0] rebound_eta;
 
@@ -141,16 +118,12 @@ module wh_port #(
         .host_sequence_o    (host_sequence_o),
         .host_v_o           (host_v_o),
         .host_active_o      (host_active_o),
-        .eta_o              (present_eta),
-        .wave_o             (present_wave),
+        .eta_o              (eta_o),
+        .wave_o             (wave_o),
         .mode_o             (shape_mode_o)
     );
 
     // ---- Port anchor.
-
-    wire              anchor_busy;
-    wire [DATA_W-1:0] next_correction;
-    wire [DATA_W-1:0] wave_max;        // what the anchor leaves of u_max_i
 
     generate
         if (ANCHOR != 0) begin : anchored
@@ -185,15 +158,18 @@ module wh_port #(
             wire signed [DATA_W-1:0] room;
             wire signed [DATA_W-1:0] left = u_max_i - room;
 
-            assign wave_max   = left[DATA_W-1] ? {DATA_W{1'b0}} : left;
             assign step_max_o = step_max_q;
 
             always @(posedge clk) begin
                 if (core_start_i) begin
                     position_q <= position_i;
-                    step_max_q <= wave_max;
+                    step_max_q <= left[DATA_W-1] ? {DATA_W{1'b0}} : left;
                 end
             end
+
+            wire              anchor_busy;
+            wire [DATA_W-1:0] next_correction;
+            wire              unused_anchor = &{1'b0, anchor_busy, next_correction};
 
             // A host's environment counts as contact: its current may be what it likes.
             wh_anchor anchor (
@@ -245,62 +221,13 @@ module wh_port #(
             assign lag_o            = {DATA_W{1'b0}};
             assign rebounds         = 1'b0;
             assign rebound_eta      = {COEF_W{1'b0}};
-            assign next_correction  = {DATA_W{1'b0}};
-            assign wave_max         = u_max_i;
             assign step_max_o       = u_max_i;
-            assign anchor_busy      = 1'b0;
             assign anchor_reads_o   = 1'b0;
             assign anchor_overrun_o = 1'b0;
             assign anchor_fault_o   = 1'b0;
             assign request_o        = 1'b0;
             assign factor_o         = {DATA_W{1'b0}};
             assign coefficient_o    = {COEF_W{1'b0}};
-        end
-    endgenerate
-
-    // ---- A duty that doesn't wait for the core. What it is made with, the core uses too.
-
-    generate
-        if (EARLY == 1) begin : early
-            wh_early early (
-                .clk               (clk),
-                .rst               (drive_rst),
-                .frame_i           (frame_i),
-                .word_valid_i      (word_valid_i),
-                .word_first_i      (word_first_i),
-                .samples_i         (samples_i),
-                .busy_i            (step_due_i || core_busy_i || anchor_busy),
-                .f_i               (newest_u_i),
-                .u_n_i             (next_u_i),
-                .u_max_i           (wave_max),
-                .root_i            (root_i),
-                .a_i               (a_i),
-                .gain_i            (gain_i),
-                .clocks_per_volt_i (clocks_per_volt_i),
-                .eta_i             (present_eta),
-                .wave_i            (present_wave),
-                .offset_i          (offset_o),
-                .correction_i      (next_correction),
-                .eta_o             (eta_o),
-                .wave_o            (wave_o),
-                .sum_valid_i       (sum_valid_i),
-                .sum_i             (sum_i),
-                .sum_ends_i        (sum_ends_i),
-                .duty_valid_o      (early_valid_o),
-                .duty_o            (early_duty_o),
-                .overrun_o         (early_overrun_o)
-            );
-        end else begin : in_turn
-            wire unused_early = &{1'b0, core_busy_i, newest_u_i, next_u_i, wave_max, anchor_busy,
-                                  next_correction, frame_i, word_valid_i, word_first_i, samples_i,
-                                  sum_valid_i, sum_i, sum_ends_i, step_due_i, root_i, a_i, gain_i,
-                                  clocks_per_volt_i};
-
-            assign wave_o          = present_wave;
-            assign eta_o           = present_eta;
-            assign early_valid_o   = 1'b0;
-            assign early_duty_o    = {DATA_W+COEF_W-`WH_VOLTAGE_Q{1'b0}};
-            assign early_overrun_o = 1'b0;
         end
     endgenerate
 

@@ -67,7 +67,6 @@ module wh_setting_group #(
     // What rows of words that can change are written with; these are not fixed, whatever it is.
     localparam integer WALLS  = 1;
     localparam integer SHAPER = 1;
-    localparam integer EARLY  = 0;
 
     // A word, below whether it is fixed: one of the board's, or of a motor's, in all of which it is the same.
     function [32:0] fixed_word;

@@ -41,7 +41,6 @@ module wh_settings #(
     parameter integer WALLS      = 4,
     parameter integer SHAPER     = 0,
     parameter integer DELAY_LOG2 = 2,
-    parameter integer EARLY      = 0,
     parameter integer LEGS       = 2,  // as wh_device has it; with 3 there are N = 2 axes
     parameter integer SLOT_W     = (SHAPER > 0) ? 8 : 7  // derived, leave it
 ) (
@@ -143,7 +142,6 @@ module wh_settings #(
         .WALLS      (WALLS),
         .SHAPER     (SHAPER),
         .DELAY_LOG2 (DELAY_LOG2),
-        .EARLY      (EARLY),
         .LEGS       (LEGS)
     ) rom (
         .clk        (clk),

@@ -17,7 +17,6 @@ module wh_settings_rom #(
     parameter integer WALLS      = 4,  // as wh_controller has them
     parameter integer SHAPER     = 0,
     parameter integer DELAY_LOG2 = 2,
-    parameter integer EARLY      = 0,
     parameter integer LEGS       = 2   // as wh_device has it
 ) (
     input  wire        clk,

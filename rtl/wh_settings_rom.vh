@@ -131,8 +131,8 @@
 `WH_SETTINGS_TOLD('h076, 1, 3'b011, 8'h8f)  // stream
 `WH_SETTINGS_TOLD('h0c4, 1, 3'b011, 8'hcd)  // stream_state
 `WH_SETTINGS_TOLD('h0c5, 1, 3'b011, 8'hc8)  // stream_lost
-`WH_SETTINGS_WORD('h100, 1, 3'b111, (8'h5b | ((EARLY != 0) ? 8'h20 : 8'h00)), 32'd0)  // zero
-`WH_SETTINGS_WORD('h101, 1, 3'b111, (8'h57 | ((EARLY != 0) ? 8'h20 : 8'h00)), 32'd0)  // gain
+`WH_SETTINGS_WORD('h100, 1, 3'b111, 8'h5b, 32'd0)  // zero
+`WH_SETTINGS_WORD('h101, 1, 3'b111, 8'h57, 32'd0)  // gain
 `WH_SETTINGS_WORD('h118, 1, 3'b011, 8'h57, 32'd0)  // clocks_per_volt
 `WH_SETTINGS_WORD('h11a, 1, 3'b011, 8'h59, 32'd0)  // side_current
 `WH_SETTINGS_WORD('h120, 1, 3'b011, 8'h42, 32'd0)  // anchor_enable

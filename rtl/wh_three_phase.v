@@ -75,7 +75,6 @@ module wh_three_phase #(
 
     localparam integer DATA_W = `WH_DATA_W;
     localparam integer COEF_W = `WH_COEF_W;
-    localparam integer DUTY_W = DATA_W + COEF_W - `WH_VOLTAGE_Q;
     localparam integer PACE   = 3;
     localparam [`WH_MODE_W-1:0] HALF_BRIDGE = `WH_MODE_HALF_BRIDGE;
 
@@ -144,8 +143,6 @@ module wh_three_phase #(
                 .coefficient_o     (coefficient_o[n*COEF_W +: COEF_W]),
                 .done_i            (done_i[n]),
                 .product_i         (product_i),
-                .early_valid_i     (1'b0),
-                .early_i           ({DUTY_W{1'b0}}),
                 .take_i            (take_i),
                 .update_i          (update_i && half_i),
                 .width_o           (width)

@@ -39,7 +39,6 @@ module wh_wave_core #(
     parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
     parameter integer OUTSIDE    = 0,  // 1: outside_i is added to the goal, 0: it is not looked at
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
-    parameter integer AHEAD      = 0,  // 1: newest_u_o and next_u_o are there, 0: they are 0
     parameter integer WITHHELD   = 0,  // 1: withheld_o is there, 0: it is 0
     parameter integer SHARED     = 0,  // 1: the multiplier is outside, and SHAPER is 0
     parameter integer SHAPE_BITS = N * ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
@@ -80,12 +79,7 @@ module wh_wave_core #(
     output wire                                    request_o,
     output wire signed [`WH_DATA_W-1:0]            factor_o,       // of whatever is due: i_n, W{v},
     output wire signed [`WH_COEF_W-1:0]            coefficient_o,  // η W{v} + x - f, u; s, η, a, s
-    input  wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_i,
-
-    // For who works ahead (wh_early), s31q23 √W: the u that this step computed, which is f without
-    // its guard bits, and u_n of the step to come.
-    output wire       [N*`WH_DATA_W-1:0] newest_u_o,
-    output wire       [N*`WH_DATA_W-1:0] next_u_o
+    input  wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product_i
 );
 
     // ---- Word lengths. A product keeps all its bits; each is then brought to its sum's place.
@@ -115,9 +109,8 @@ module wh_wave_core #(
 
     generate
         if (N < 1 || DELAY_LOG2 < 1 || OUTSIDE < 0 || OUTSIDE > 1
-            || SHAPER < 0 || SHAPER > 2 || AHEAD < 0 || AHEAD > 1
-            || WITHHELD < 0 || WITHHELD > 1) begin : illegal_parameter
-            wh_illegal_parameter_wave_core_n_delay_log2_outside_shaper_ahead_or_withheld stop ();
+            || SHAPER < 0 || SHAPER > 2 || WITHHELD < 0 || WITHHELD > 1) begin : illegal_parameter
+            wh_illegal_parameter_wave_core_n_delay_log2_outside_shaper_or_withheld stop ();
         end
         if (SHARED < 0 || SHARED > 1 || (SHARED == 1 && SHAPER != 0)) begin : illegal_shared
             wh_illegal_parameter_wave_core_shared_must_be_0_or_1_and_0_with_a_shaper stop ();
@@ -532,9 +525,7 @@ module wh_wave_core #(
 
     wire [DELAY_LOG2-1:0] new_head  = head_q + 1'b1;
     wire [DELAY_LOG2-1:0] read_slot =
-        at_q[GIVE_SI]                      ? head_q - extra_ticks_i
-        : (AHEAD == 1 && at_q[TAKE_E - 1]) ? new_head - extra_ticks_i
-                                           : new_head - hold_ticks_i;
+        at_q[GIVE_SI] ? head_q - extra_ticks_i : new_head - hold_ticks_i;
     wire [LINE_W-1:0]     write_place;
     wire [LINE_W-1:0]     read_place;
 
@@ -628,35 +619,6 @@ module wh_wave_core #(
     end
 
     assign waves_o = waves_q;
-
-    // ---- What the step to come begins with.
-    generate
-        if (AHEAD == 1) begin : ahead
-            reg [N*DATA_W-1:0] newest_u_q;
-            reg [N*DATA_W-1:0] next_u_q;
-
-            always @(posedge clk) begin
-                if (rst) begin
-                    newest_u_q <= 0;
-                    next_u_q   <= 0;
-                end else begin
-                    if (at_q[TAKE_U]) begin
-                        newest_u_q[port*DATA_W +: DATA_W] <= u;
-                    end
-                    if (at_q[TAKE_E]) begin
-                        next_u_q[port*DATA_W +: DATA_W] <=
-                            ({1'b0, extra_ticks_i} <= filled_q) ? line_q : {DATA_W{1'b0}};
-                    end
-                end
-            end
-
-            assign newest_u_o = newest_u_q;
-            assign next_u_o   = next_u_q;
-        end else begin : not_ahead
-            assign newest_u_o = {N*DATA_W{1'b0}};
-            assign next_u_o   = {N*DATA_W{1'b0}};
-        end
-    endgenerate
 
     // ---- State and results.
     reg signed [STATE_W-1:0] f_q [0:N-1];

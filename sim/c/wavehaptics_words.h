@@ -38,7 +38,6 @@
     X(shaper, 9, 2) \
     X(delay_log2, 11, 4) \
     X(adc, 15, 2) \
-    X(early, 17, 1) \
     X(anchor, 18, 1) \
     X(guard, 19, 1) \
     X(sense, 20, 1) \
@@ -47,7 +46,6 @@
     X(modes, 23, 1) \
     X(min_pulse, 24, 1) \
     X(dead_time, 25, 1) \
-    X(live, 26, 1) \
     X(arm, 27, 1) \
     X(capture, 28, 4)
 

@@ -9,10 +9,6 @@ from wavehaptics.scene import Scene, find_scene, load_scene
 from wavehaptics.trace.columns import Column, Word
 
 BOARD = ("drive.bus_v=12", "adc.bits=12", "adc.full_scale_a=2.5", "encoder.counts_per_rev=10000")
-EARLY = (
-    "controller.early_duty=true", "controller.extra_ticks=0", "controller.clock_hz=80e6",
-    "adc.part=AD7276", "drive.pwm_hz=500e3",
-)  # fmt: skip
 ANCHOR = ("controller.anchor_auto=true",)
 FEEL = (
     "controller.extra_ticks=2",

@@ -126,7 +126,7 @@ class QuickBoard:
         self._reset()
         self.shape = Shape(1, 4, 0, 10)
         options = {"motors": 1, "walls": 4, "delay_log2": 10, "sense": 1, "dead_time": 1,
-                   "guard": 1, "live": 1, "arm": int(not switched), "capture": 12}  # fmt: skip
+                   "guard": 1, "arm": int(not switched), "capture": 12}  # fmt: skip
         self.identification = Identification({
             "table": table.crc(), "clock_hz": round(CLOCK_HZ), "motors": 1,
             "options": sum(v << modbus.OPTIONS[k][0] for k, v in options.items()),

@@ -182,10 +182,6 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     ),
     "controller.find_magnet": ((*ANCHORED, *BRUSHLESS), ("controller.find_magnet=true",)),
     "controller.clock_hz": ((), ("controller.clock_hz=25e6",)),
-    "controller.early_duty": (
-        ("controller.extra_ticks=0",),
-        ("controller.early_duty=true",),
-    ),
     "controller.anchor_auto": ((*ENCODER, *SENSED, *DRIVEN), ("controller.anchor_auto=true",)),
     "controller.anchor_ohm": (ANCHORED, ("controller.anchor_ohm=2",)),
     "controller.anchor_ohm_per_s": (ANCHORED, ("controller.anchor_ohm_per_s=500",)),

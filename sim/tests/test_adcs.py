@@ -119,10 +119,6 @@ def test_kept_numbers_keep_the_promises():
         if row["bits"] >= 10:  # eight are too few for the target, as the page says
             assert row["torque_error"] <= 5e-3, row["part"]
             assert row["tau_us"] == pytest.approx(row["tau_set_us"], rel=0.02), row["part"]
-    for row in kept["early"]:
-        assert row["digital_ns"] <= 125 * (1 + 1e-9), row["part"]
-        assert row["extra_ticks"] == 0
-        assert row["torque_error"] <= 5e-3
     slowest = kept["energies"][-1]
     assert slowest["mean_j"] <= 0 < slowest["point_j"]
     assert slowest["several_j"] < 0.01 * slowest["one_j"]

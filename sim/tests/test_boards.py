@@ -385,7 +385,6 @@ def test_words(name):
         + latency_clocks(
             time.frame.conversion_clocks,
             words.motors,
-            early=time.early,
             anchored=words.ports.settings.anchored,
             brushless=board.brushless,
         )
@@ -798,10 +797,9 @@ def test_kept_numbers_keep_the_promises():
             assert board["watch_reached_mhz"] >= (1 + synthesis.SPARE) * fastest
         assert board["zero"]
         assert board["anchor"]
-        # The Colorlight's early duty needs half a tick: with link and capture that is 1.29 µs.
         # The brushless board: a dead time of one clock, and little of it in a tick.
         # Three motors with a link fill four fifths of the FPGA: 60 MHz, and 84 clocks a tick.
-        slower = {"ulx3s": 2, "colorlight_i5": 0.77, "ulx3s_brushless": 0.4, "ulx3s_three": 0.71}
+        slower = {"ulx3s": 2, "colorlight_i5": 2, "ulx3s_brushless": 0.4, "ulx3s_three": 0.71}
         assert board["tick_mhz"] >= slower.get(name, 1)
     for name in board_names():
         pads = kept(name)["pads"]

@@ -491,7 +491,6 @@ ASKING = {
     "drive.bus_measured": ("drive.bus_v=12", "drive.bus_measured=true"),
     "drive.step_v": ("drive.bus_v=12", "drive.step_v=1", "drive.step_s=0.1"),
     "drive.sag_ohm": ("drive.bus_v=12", "drive.sag_ohm=1"),
-    "controller.early_duty": ("controller.early_duty=true",),
 }
 
 

@@ -21,7 +21,6 @@ PAPER_TAPS = SCENES_DIR / "paper_taps.toml"
 LOW = ("drive.bus_v=12", "drive.bus_actual_v=9.5")
 RIPPLE = ("drive.bus_ripple_v=0.5", "drive.bus_ripple_hz=100")
 MEASURED = ("drive.bus_measured=true",)
-EARLY = ("controller.early_duty=true", "controller.clock_hz=80e6", "adc.part=AD7276")
 TAP = ("scene.duration_s=0.5",)
 
 # Both signs in one run: a wall on either side of a hand that swings.
@@ -102,16 +101,6 @@ def test_every_mode_is_scaled(mode):
     found = measure(scene, "pins")
     assert found["torque_nrmse_vs_analog"] < 5e-3
     assert found["stiffness"] == pytest.approx(found["stiffness_predicted"], rel=0.01)
-
-
-def test_the_early_duty_is_scaled_as_well():
-    """Pulses made ahead, and a limit that the bus can't reach."""
-    found = measure(load(*LOW, *RIPPLE, *MEASURED, *SWING, *EARLY), "pins")
-    assert found["torque_nrmse_vs_analog"] < 5e-3
-    hard = load("drive.bus_v=12", "drive.bus_actual_v=6", *MEASURED, *HARD, *EARLY)
-    found = measure(hard, "pins")
-    assert found["saturated_fraction"] > 0.3
-    assert found["energy_out_max_j"] < 1e-8
 
 
 def test_the_word_of_the_limit():

@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from live_device import ANCHOR, BOARD, EARLY, FEEL, OTHER_FEEL, load, run
+from live_device import ANCHOR, BOARD, FEEL, OTHER_FEEL, load, run
 from wavehaptics.controller import wave_core
 from wavehaptics.controller.settings import settings
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
@@ -22,7 +22,7 @@ from wavehaptics.words.memory import requests
 from wavehaptics.words.table import AXES, THREE_PHASE_LEGS, WORDS
 
 
-@pytest.mark.parametrize("more", [(), ANCHOR, (*ANCHOR, *EARLY)])
+@pytest.mark.parametrize("more", [(), ANCHOR])
 def test_a_device_that_is_left_alone_is_the_controller(more):
     """Bit for bit, with all its words from the bus."""
     found = [run(kind(load(*more)), 30_000) for kind in (PinsSimulation, DevicePins)]

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from live_device import ANCHOR, BOARD, EARLY, FEEL, OTHER_FEEL, load, run
+from live_device import ANCHOR, BOARD, FEEL, OTHER_FEEL, load, run
 from wavehaptics.controller import anchor, wave_core
 from wavehaptics.controller.settings import settings
 from wavehaptics.ladder.device_pins import COMMIT, DevicePins
@@ -166,8 +166,6 @@ def followed(device: Run, sets: list[Set], accepted: list[int]) -> tuple[np.ndar
     held = np.zeros(len(u))
     now = 0
     begin = int(np.flatnonzero(~device.contact)[-1]) + 1
-    if not late:  # an early duty may be made before the round of the walls that tells of a contact
-        begin += 1
     for n in range(begin, len(u) - late - 2):
         off, after = wrong(n, sets[now])
         if off > STEP and now < len(accepted):
@@ -184,11 +182,9 @@ def followed(device: Run, sets: list[Set], accepted: list[int]) -> tuple[np.ndar
 
 @pytest.mark.parametrize(
     "scene",
-    [(), ONE_ETA,
-     (*ONE_ETA, "controller.clock_hz=36e6", "controller.extra_ticks=2"), EARLY,
-     (*ONE_ETA, *EARLY), FEEL],
-    ids=["plain", "anchor", "short", "early", "early-anchor", "w"],
-)  # fmt: skip
+    [(), ONE_ETA, (*ONE_ETA, "controller.clock_hz=36e6", "controller.extra_ticks=2"), FEEL],
+    ids=["plain", "anchor", "short", "w"],
+)
 def test_a_tick_is_made_with_old_words_or_with_new_ones(scene):
     """(1) to (3) and the bridge, each by the words of before or each by those that were given.
 

@@ -52,8 +52,8 @@ def _modules_below(top: str) -> set[str]:
 def test_a_choice_is_of_known_blocks():
     assert [block.name for block in run.chosen(TABLE, ["wh_trip"], False)] == ["trip"]
     assert run.chosen(TABLE, [], False) == [*TABLE.blocks, *TABLE.models]
-    assert [model.module for model in run.chosen(TABLE, ["early.py"], False)] == [
-        "controller/early"
+    assert [model.module for model in run.chosen(TABLE, ["wave_core.py"], False)] == [
+        "controller/wave_core"
     ]
     quick = run.chosen(TABLE, [], True)
     assert quick

@@ -73,7 +73,6 @@ def test_a_contact_begins_with_its_edge_whenever_that_comes(name: str, begun: fl
 @pytest.mark.parametrize(
     ("settings", "pressed_nm"),
     [
-        (("controller.early_duty=true", "controller.extra_ticks=0"), 0.014),
         (("controller.extra_ticks=1",), 0.014),
         (("controller.extra_ticks=1", "drive.bus_actual_v=10", "drive.bus_measured=true"), 0.014),
         (
@@ -88,9 +87,8 @@ def test_a_contact_begins_with_its_edge_whenever_that_comes(name: str, begun: fl
 def test_pins_hold_what_golden_holds(settings, pressed_nm):
     """Brushes of 0.3 V, 5 % too little voltage and 3 mA: within a cell, and quiet."""
     settings = (*settings, "scene.duration_s=0.4")
-    early = "controller.early_duty=true"
     x, torque, ripple, fault = held("pins", *settings)
-    expected_x, expected, _, _ = held("golden", *(s for s in settings if s != early))
+    expected_x, expected, _, _ = held("golden", *settings)
     assert fault == 0
     assert x == pytest.approx(expected_x, abs=1.0)
     assert torque == pytest.approx(expected, rel=0.02, abs=2e-5)

@@ -84,7 +84,7 @@ class Device(Board):
 
     def __init__(self) -> None:
         super().__init__()
-        options = {"motors": 1, "walls": 4, "delay_log2": 10, "host": 1, "live": 1, "arm": 1,
+        options = {"motors": 1, "walls": 4, "delay_log2": 10, "host": 1, "arm": 1,
                    "guard": 1, "capture": 12}  # fmt: skip
         raw = sum(value << modbus.OPTIONS[name][0] for name, value in options.items())
         self.put(2 * modbus.IDENTIFICATION.index("options"), [raw])

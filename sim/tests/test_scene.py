@@ -325,7 +325,6 @@ def test_refused_in_motor(tmp_path, lines, line, fragments):
             ["rebound_loss belongs to a port anchor; add anchor_auto = true"],
         ),
         ("r_hat_part = 0.8", 0, ["r_hat_part belongs to a port anchor; add anchor_auto = true"]),
-        ('early_duty = true\n[shaper]\nfeel = "spring"\nstiffness = 1', 1, ["no [shaper]"]),
         ('shaper = "notch"', 0, ["controller.shaper", "[controller] takes"]),
         # order of the file
         ("eta_free = 2\n[motr]\n[drive]\nbus_v = 0", 0, ["controller.eta_free"]),

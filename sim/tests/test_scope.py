@@ -63,7 +63,7 @@ class Device:
     def __init__(self, *overrides: str, port: str = "") -> None:
         scene = load_scene(find_scene(SCENE), overrides)
         clock_hz = round(controller_ports(scene).timing.clock_hz)
-        options = {"anchor": 1, "arm": 1, "live": 1, "shaper": 1}
+        options = {"anchor": 1, "arm": 1, "shaper": 1}
         self.identification = SimpleNamespace(options=options, words={"clock_hz": clock_hz})
         self.shape = SHAPE
         self.words = scene_words(*overrides)
@@ -567,13 +567,6 @@ def test_a_board_with_its_own_switch(running):
         running.arm(object()).result(END_S)
     running.stop()
     wait(lambda: "by its own switch" in running.state()["note"])
-
-
-def test_a_board_without_live_words():
-    device = Device()
-    device.identification.options["live"] = 0
-    with pytest.raises(HostError, match="tells no live values"):
-        Bench(device, Known())
 
 
 def test_a_refusal_doesnt_end_it(running):

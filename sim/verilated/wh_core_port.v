@@ -65,13 +65,11 @@ module wh_core_port #(
     wire signed [DATA_W-1:0] room;
     wire                     rebounds;
     wire        [COEF_W-1:0] rebound_eta;
-    wire        [DATA_W-1:0] newest_u;
-    wire        [DATA_W-1:0] next_u;
     wire                     core_request;  // of a shared multiplier
     wire        [DATA_W-1:0] core_factor;
     wire        [COEF_W-1:0] core_coefficient;
-    wire                     unused = &{1'b0, core_reads, core_overrun, newest_u, next_u, core_request,
-                                        core_factor, core_coefficient};
+    wire                     unused = &{1'b0, core_reads, core_overrun, core_request, core_factor,
+                                        core_coefficient};
 
     wire signed [DATA_W:0] wide_current = $signed({current_i[DATA_W-1], current_i})
                                         - $signed({offset_o[DATA_W-1], offset_o});
@@ -140,9 +138,7 @@ module wh_core_port #(
         .request_o     (core_request),
         .factor_o      (core_factor),
         .coefficient_o (core_coefficient),
-        .product_i     ({DATA_W + COEF_W{1'b0}}),
-        .newest_u_o    (newest_u),
-        .next_u_o      (next_u)
+        .product_i     ({DATA_W + COEF_W{1'b0}})
     );
 
     generate

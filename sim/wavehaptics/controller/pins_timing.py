@@ -23,12 +23,6 @@ HOLD_CLOCKS = 1
 CENTRED_LEAD = HOLD_CLOCKS - GATE_CLOCKS
 """``sample_lead_i`` with which the ADC holds its input in the exact middle of the gates' pulse."""
 
-EARLY_CLOCKS = 10
-"""Clocks from the tick's last word to the duty's tick with ``wh_early``, for every port."""
-
-EARLY_PREPARE_CLOCKS = 18
-"""Clocks before the sum that ``wh_early`` needs the frame's start and the end of the last step."""
-
 WAVES_CLOCKS = 6
 """Clocks from the start of a port's step to the start of its anchor's, ``wh_anchor``."""
 
@@ -65,8 +59,8 @@ def step_end_clocks(
 
 
 def latency_clocks(
-    conversion_clocks: int, ports: int = 1, sections: int = 0, early: bool = False,
-    anchored: bool = False, brushless: bool = False,
+    conversion_clocks: int, ports: int = 1, sections: int = 0, anchored: bool = False,
+    brushless: bool = False,
 ) -> int:  # fmt: skip
     """Clocks from a sample strobe to the soonest tick strobe after which its voltage is driven.
 
@@ -74,43 +68,26 @@ def latency_clocks(
     (:attr:`wavehaptics.parts.adcs.Frame.conversion_clocks`). Then come the mean current, the wave
     core's step for each port, and the duty; currents and duties of several ports pass one
     multiplier in turn. ``sections`` are those of W, SHAPER. The strobe meant is the carrier's that
-    brings the tick's last word. ``early`` is ``wh_controller``'s EARLY, ``anchored`` its ANCHOR.
+    brings the tick's last word. ``anchored`` is ``wh_controller``'s ANCHOR.
     ``brushless`` are the two ports of ``wh_brushless``, for which of the others ``sections`` alone
     means a thing.
     """
-    if early and not brushless:
-        return conversion_clocks + EARLY_CLOCKS
     step_end = step_end_clocks(conversion_clocks, ports, sections, brushless)
     if brushless:
         return step_end + INVERSE_CLARKE_CLOCKS + DUTY_CLOCKS + THREE_PHASE_LEGS - 1
     return step_end + CORRECTION_CLOCKS * anchored + DUTY_CLOCKS + ports - 1
 
 
-def early_tick_clocks(ports: int = 1, anchored: bool = False) -> int:
-    """Clocks of the shortest tick with EARLY: the last step and then the words of this one.
-
-    ``anchored``: with port anchors, the last of which ends after the core.
-    """
-    step = CORE_CLOCKS * ports
-    if anchored:
-        step += WAVES_CLOCKS + ANCHOR_CLOCKS - CORE_CLOCKS
-    # The sum is there a clock after the word.
-    return CURRENT_CLOCKS - 1 + ports - 1 + step + EARLY_PREPARE_CLOCKS
-
-
 def shortest_tick_clocks(
-    ports: int = 1, sections: int = 0, anchored: bool = False, early: bool = False,
-    shared: bool = False,
-) -> int:  # fmt: skip
+    ports: int = 1, sections: int = 0, anchored: bool = False, shared: bool = False
+) -> int:
     """Clocks of the shortest tick of motors with brushes: the steps of all ports, or of an anchor.
 
-    ``sections`` are those of W; ``early`` and ``shared`` are ``wh_controller``'s EARLY and SHARED.
+    ``sections`` are those of W; ``shared`` is ``wh_controller``'s SHARED.
     """
     needed = (CORE_CLOCKS + SECTION_CLOCKS * sections) * ports
     if anchored:
         needed = max(needed, ANCHOR_CLOCKS)
-    if early:
-        needed = max(needed, early_tick_clocks(ports, anchored))
     if shared:
         needed = max(needed, shared_tick_clocks(ports, anchored))
     return needed

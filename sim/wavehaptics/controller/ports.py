@@ -7,7 +7,6 @@ import math
 from dataclasses import dataclass
 
 from wavehaptics.controller import bus_scale
-from wavehaptics.controller.early import slope_fits
 from wavehaptics.controller.modulator import width_bounds
 from wavehaptics.controller.pins_timing import shortest_tick_clocks
 from wavehaptics.controller.settings import Settings, settings
@@ -28,7 +27,7 @@ from wavehaptics.motor.sensor import Sensor
 from wavehaptics.scene import Scene
 from wavehaptics.scene.tables.drive import THREE_PHASE_REACH
 from wavehaptics.words import formats, table
-from wavehaptics.words.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
+from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.words.table import WORDS
 
 BRUSHLESS_KIND = "serial"
@@ -150,17 +149,6 @@ def controller_ports(
         **dead,
         **_host_words(scene, time),
     }
-    largest = words["clocks_per_volt"]
-    if scene.drive and scene.drive.bus_measured and scene.drive.true_bus_v is not None:
-        lowest = bus_scale.bus_word(scene.drive.true_bus_v - scene.drive.bus_ripple_v)
-        half_bridge = bridge_mode(scene) == HALF_BRIDGE
-        largest = bus_scale.clocks_per_volt(time.half_clocks, lowest, half_bridge)
-    if time.early and not slope_fits(words["root"], words["gain"], largest):
-        raise scene.refusal(
-            "controller.early_duty: a step of the ADC is worth too many "
-            "clocks of the pulse; take a shorter tick or leave early_duty out",
-            "controller.early_duty",
-        )
     return Ports(time, set_, sensor, start_count, words, _port_walls(set_, start_count))
 
 
@@ -175,7 +163,7 @@ def hold_ticks(scene: Scene, ports: Ports, motors: int, *, shared: bool = False)
     laid, lead = ports.timing, ports.words["sample_lead"] - ports.words["sample_late"]
     sections = len(ports.settings.shaper.words)
     natural = natural_ticks(
-        laid.tick_clocks, laid.samples, lead, laid.frame, motors, sections, laid.early,
+        laid.tick_clocks, laid.samples, lead, laid.frame, motors, sections,
         ports.settings.anchored,
     )  # fmt: skip
     extra = ports.settings.extra_ticks
@@ -186,7 +174,7 @@ def hold_ticks(scene: Scene, ports: Ports, motors: int, *, shared: bool = False)
             f"{natural} or more",
             "controller.extra_ticks",
         )
-    needed = shortest_tick_clocks(motors, sections, ports.settings.anchored, laid.early, shared)
+    needed = shortest_tick_clocks(motors, sections, ports.settings.anchored, shared)
     if needed > laid.tick_clocks:
         raise scene.refusal(
             f"a tick of {laid.tick_clocks} clocks is shorter than the "

@@ -11,12 +11,10 @@ from wavehaptics.controller.pins_timing import (
     AXES,
     CENTRED_LEAD,
     CORE_CLOCKS,
-    EARLY_PREPARE_CLOCKS,
     ENCODER_CLOCKS,
     GATE_CLOCKS,
     SECTION_CLOCKS,
     WAVES_CLOCKS,
-    early_tick_clocks,
     latency_clocks,
     shortest_tick_clocks,
     step_end_clocks,
@@ -70,10 +68,7 @@ FrameAt = Callable[[float, int], Frame]
 
 @dataclass(frozen=True)
 class Timing:
-    """How ticks, carrier and ADC are laid on the clock; see ``rtl/wh_carrier.v``.
-
-    ``early`` is whether ``rtl/wh_early.v`` makes the duty.
-    """
+    """How ticks, carrier and ADC are laid on the clock; see ``rtl/wh_carrier.v``."""
 
     clock_hz: float
     half_clocks: int
@@ -84,7 +79,6 @@ class Timing:
     hold_ticks: int
     latency_clocks: int
     frame: Frame
-    early: bool
 
     @property
     def tick_clocks(self) -> int:
@@ -145,10 +139,10 @@ def scene_frame(scene: Scene) -> FrameAt:
 
 def natural_ticks(
     tick_clocks: int, samples: int, lead: int, frame: Frame, ports: int = 1, sections: int = 0,
-    early: bool = False, anchored: bool = False, brushless: bool = False,
+    anchored: bool = False, brushless: bool = False,
 ) -> int:  # fmt: skip
     """Whole ticks from a tick's end until the voltage made of its samples can be driven."""
-    latency = latency_clocks(frame.conversion_clocks, ports, sections, early, anchored, brushless)
+    latency = latency_clocks(frame.conversion_clocks, ports, sections, anchored, brushless)
     return (_word_strobe(tick_clocks, samples, lead, frame) + latency) // tick_clocks
 
 
@@ -190,34 +184,11 @@ def sample_lead(made: Frame, pulse_delay: int) -> int:
 
 
 def _soonest(
-    tick_clocks: int, made: Frame, lead: int, sections: int, early: bool, anchored: bool,
-    brushless: bool,
-) -> int:  # fmt: skip
+    tick_clocks: int, made: Frame, lead: int, sections: int, anchored: bool, brushless: bool
+) -> int:
     """Fewest ticks of latency that the ADC allows."""
     samples = tick_clocks // made.cycle_clocks if made.osr else 1
-    return natural_ticks(tick_clocks, samples, lead, made, 1, sections, early, anchored, brushless)
-
-
-def _check_early(scene: Scene, tick_clocks: int, made: Frame) -> None:
-    """:class:`SceneError` where ``rtl/wh_early.v`` has no time for its words."""
-    if made.conversion_clocks < EARLY_PREPARE_CLOCKS:
-        raise scene.refusal(
-            f"controller.early_duty: the ADC's word is there {made.conversion_clocks} clocks after "
-            f"its frame's start, sooner than the {EARLY_PREPARE_CLOCKS} that are needed; take "
-            "another adc.part",
-            "controller.early_duty",
-            "adc.part",
-        )
-    needed = early_tick_clocks(anchored=scene.controller.anchored)
-    if tick_clocks < needed:
-        with_anchor = " with a port anchor" if scene.controller.anchored else ""
-        raise scene.refusal(
-            f"controller.early_duty: a tick of {tick_clocks} clocks is shorter than the {needed} "
-            f"that are needed{with_anchor}; lower controller.tick_hz or take a faster clock_hz",
-            "controller.early_duty",
-            "controller.tick_hz",
-            "controller.clock_hz",
-        )
+    return natural_ticks(tick_clocks, samples, lead, made, 1, sections, anchored, brushless)
 
 
 def _tick_clocks(scene: Scene, tick_hz: float, halves: int, frame_at: FrameAt) -> tuple[int, Frame]:
@@ -344,14 +315,8 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
     # The scene's latency, or without one in it, as much as is needed.
     lead = sample_lead(made, (pulse_delay(scene, clock_hz, half_clocks) + 1) // 2)
     extra = control.extra_ticks
-    early = control.early_duty
-    if early:
-        _check_early(scene, tick_clocks, made)
-    soonest = _soonest(tick_clocks, made, lead, sections, early, anchored, brushless)
     if "extra_ticks" not in control.model_fields_set:
-        extra = soonest if early else max(extra, soonest)
-    # A voltage that has to wait is made in turn.
-    early = early and extra <= soonest
+        extra = max(extra, _soonest(tick_clocks, made, lead, sections, anchored, brushless))
     # As many samples as the ADC can make and the latency allows, but each in the middle of
     # as many whole pulses as any other, or several within the only one. A modulator has its own
     # number, of words that follow each other.
@@ -365,19 +330,15 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             and (
                 parts % n == 0
                 and tick_clocks // n >= made.cycle_clocks
-                and natural_ticks(
-                    tick_clocks, n, lead, made, 1, sections, early, anchored, brushless
-                )
+                and natural_ticks(tick_clocks, n, lead, made, 1, sections, anchored, brushless)
                 <= extra
             )
         )
     )
     if made.osr:
         samples = tick_clocks // made.cycle_clocks
-    natural = natural_ticks(
-        tick_clocks, samples, lead, made, 1, sections, early, anchored, brushless
-    )
-    latency = latency_clocks(made.conversion_clocks, 1, sections, early, anchored, brushless)
+    natural = natural_ticks(tick_clocks, samples, lead, made, 1, sections, anchored, brushless)
+    latency = latency_clocks(made.conversion_clocks, 1, sections, anchored, brushless)
     if extra < natural:
         late = " and a sample" if made.pipeline else ""
         raise scene.refusal(
@@ -388,7 +349,7 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
         )
     return Timing(
         clock_hz, half_clocks, tick_clocks // half_clocks, tick_clocks // samples, samples,
-        extra, extra - natural, latency, made, early,
+        extra, extra - natural, latency, made,
     )  # fmt: skip
 
 

@@ -199,7 +199,6 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "SHORTEST": int(words["min_pulse"] > 0),
         "DEAD_TIME": words["compensate"] if brushless else 1,
         "DELAY_LOG2": board.delay_log2,
-        "EARLY": int(timing.early),
         "SHAPER": sections,
         "ANCHOR": int(board.ports.settings.anchored),
         "SHARED": int(board.shared),

@@ -39,7 +39,6 @@ OPTIONS: tuple[Mapping[str, int], ...] = (
     {"SHAPER": 1},
     {"SHAPER": 2},
     {"DEAD_TIME": 0},
-    {"EARLY": 1},
     {"MODES": 1},
     {"MIN_PULSE": 1},
     {"BUS": 1},

@@ -44,8 +44,7 @@ _ANCHOR = frozenset(
 
 _MAGNET = frozenset({"controller.magnet_hat_rad", "controller.find_magnet"})
 
-_DIGITAL = frozenset(("controller.extra_ticks", "controller.edge_hysteresis",
-                      "controller.early_duty"))  # fmt: skip
+_DIGITAL = frozenset(("controller.extra_ticks", "controller.edge_hysteresis"))
 
 _BESIDE = frozenset({"servo", "host"})
 """Of the encoder's servo, and of what has a line: a port whose host is silent has its own walls."""
@@ -61,8 +60,8 @@ ABILITIES: dict[str, Ability] = {
            "controller.anchor_auto", "controller.r_hat_part"},
         _NO_W,
     ),
-    "golden": Ability(_PINS | _BESIDE | {"controller.early_duty"}, _NO_EDGES),
-    "core": Ability(_PINS | _BESIDE | {"controller.early_duty"}, _NO_EDGES),
+    "golden": Ability(_PINS | _BESIDE, _NO_EDGES),
+    "core": Ability(_PINS | _BESIDE, _NO_EDGES),
     "pins": Ability(_BESIDE),
     "encoder": Ability(
         _PINS | _ANCHOR | _DIGITAL
@@ -71,7 +70,7 @@ ABILITIES: dict[str, Ability] = {
         _NO_W | {"controller.find_magnet": "a servo has to know the angle; leave it out"},
     ),
     "hosted": Ability(
-        _PINS | _BESIDE | {"controller.early_duty", "controller.rebound_loss"},
+        _PINS | _BESIDE | {"controller.rebound_loss"},
         _NO_EDGES
         | {
             "shaper": "the environment is the host's; leave it out",
@@ -102,7 +101,6 @@ _LEAVE_OUT = "a brushless motor does without it yet; leave it out"
 
 BRUSHLESS: dict[str, str] = {
     "brushes": "a brushless motor has none; leave it out",
-    "controller.early_duty": "a brushless motor does without it yet; leave it out",
     "drive.mode": "a brushless motor has a bridge of three legs; leave it out",
     **dict.fromkeys(
         ("winding", "thermal", "transmission.cable_stiffness", "encoder.stops_at_s",

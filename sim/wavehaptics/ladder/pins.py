@@ -146,7 +146,6 @@ class PinsSimulation:
                 "ADC": KINDS.index(time.frame.kind),
                 "SHAPER": len(set_.shaper.words),
                 **_bridge_parameters(ports.words),
-                **({"EARLY": 1} if time.early else {}),
                 **({"OSR": time.frame.osr} if time.frame.osr else {}),
                 **({"BUS": 1} if drive.bus_measured else {}),
                 **({"HOST": 1} if host else {}),

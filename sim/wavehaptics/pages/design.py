@@ -106,15 +106,6 @@ def _latency(numbers: dict[str, Any], table: Table) -> str:
         (what, f"[`{block}`](../rtl/{block}.v)", clocks, f"{1e9 * clocks / clock_hz:.0f} ns")
         for what, block, clocks in steps
     ]
-    early = pins_timing.EARLY_CLOCKS
-    rows.append(
-        (
-            "with `EARLY = 1`, in place of current, step and width",
-            "[`wh_early`](../rtl/wh_early.v)",
-            early,
-            f"{1e9 * early / clock_hz:.0f} ns",
-        )
-    )
     return table(("step", "file", "clocks", "at 80 MHz"), rows)
 
 
@@ -195,7 +186,7 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
             )
         )
     if "boards" in numbers:
-        fastest = max(numbers["boards"], key=lambda board: board["tick_mhz"])
+        fastest = max(numbers["boards"], key=lambda board: (board["tick_mhz"], board["spare"]))
         rows.append(
             (
                 f"control rate in a bitstream, `{fastest['board']}`",
@@ -204,7 +195,7 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
             )
         )
     if "adcs" in numbers:
-        soonest = min(numbers["adcs"]["early"], key=lambda row: row["digital_ns"])
+        soonest = min(numbers["adcs"]["parts"], key=lambda row: row["digital_ns"])
         rows.append(
             (
                 "from the last ADC bit to the new duty",
@@ -235,7 +226,6 @@ STATUS = (
     ("position, walls, contact: `wh_quadrature`, `wh_contact`", None),
     (_ONE_PORTS, None),
     ("several motors on one core", "N"),
-    ("duty ten clocks after the ADC", "EARLY"),
     ("guard with sixteen latched faults", "GUARD"),
     ("port anchor: a wall that holds on a real motor", "ANCHOR"),
     ("one multiplier for all products", "SHARED"),

@@ -33,7 +33,6 @@ from wavehaptics.runtime import markers
 from wavehaptics.runtime.files import replacing, write_json, write_text
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies import fault_table
-from wavehaptics.studies.adcs import named_rows
 from wavehaptics.studies.anchored import pictures as holding_pictures
 from wavehaptics.studies.demo import RUNS as DEMO_RUNS
 
@@ -390,10 +389,10 @@ def _adcs(numbers: dict[str, Any]) -> str:
             "Sample to gate edge", "k", "τ, measured of set", "τ at a = 0.99",
             "Torque error", "Energy out")  # fmt: skip
     rows = []
-    for name, row in named_rows(numbers.get("adcs", {})):
+    for row in numbers.get("adcs", {}).get("parts", ()):
         rows.append(
             (
-                name,
+                row["part"],
                 row["bits"],
                 f"{row['clock_mhz']:g}, {row['sclk_mhz']:.3g} MHz",
                 f"{row['rate_hz'] / 1e3:.0f}",

@@ -43,8 +43,12 @@ GONE: dict[KeyPath, str] = {
     ),
     ("controller", "push_only"): "a wall of the port anchor only pushes; use anchor_auto = true",
     ("controller", "r_hat_free"): "one R̂ serves contact and free space; use r_hat",
+    ("controller", "early_duty"): (
+        "the pins compute each duty from the finished step; use extra_ticks = 1, or leave it "
+        "out for what they need"
+    ),
 }
-"""Keys that the format had once, and what has taken their place: for scenes from before 0.1.0."""
+"""Keys that the format had once, and what has taken their place."""
 
 # Ways to write a unit in plain letters, all brought to one form before units are compared.
 _UNIT_SPELLINGS = ((r"[·*.\s_^]", ""), ("²", "2"), (r"[Oo]hms?", "Ω"), ("\u2126", "Ω"))

@@ -100,12 +100,6 @@ class Scene(Table):
                 ("controller", "edge_hysteresis"),
                 ("encoder",),
             )
-        if scene.shaper is not None and scene.controller.early_duty:
-            broken_rule(
-                "controller.early_duty has no time for W: no [shaper]; take one of the two out",
-                ("shaper",),
-                ("controller", "early_duty"),
-            )
         if scene.shaper is not None and scene.shaper.walls:
             walls = len(scene.controller.walls)
             for n, wall in enumerate(scene.shaper.walls):

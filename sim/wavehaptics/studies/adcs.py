@@ -47,7 +47,7 @@ def delays(timing: Timing) -> dict[str, float]:
     """
     ns = 1e9 / timing.clock_hz
     made = timing.frame
-    digital = latency_clocks(0, early=timing.early)
+    digital = latency_clocks(0)
     if made.osr:
         # The word stands one and a half of its intervals after the middle of its bits.
         conversion = 1.5 * made.cycle_clocks + made.conversion_clocks
@@ -134,36 +134,17 @@ def energies(path: Path, settings: Sequence[str], progress: Progress) -> list[di
     return rows
 
 
-EARLY_PARTS = ("AD7276", "ADS7046")
-EARLY = ("controller.early_duty=true", "controller.clock_hz=80e6")
-"""The early duty on the clock of the ECP5 boards, with parts that are quick enough for k = 0."""
-
-
 def compare(path: Path, settings: Sequence[str], out: Path, progress: Progress) -> dict[str, Any]:
     """Run the scene with every ADC, and write what came of it into ``out`` as JSON."""
     parts = [_part(path, settings, name, partial(progress, name)) for name in ALL_BITS]
-    early = [
-        _part(
-            path, [*settings, *EARLY], name,
-            partial(progress, f"{name}, early duty"),
-        )
-        for name in EARLY_PARTS
-    ]  # fmt: skip
     found = {
         "scene": path.stem,
         "settings": list(settings),
         "parts": parts,
-        "early": early,
         "energies": energies(path, settings, progress),
     }
     write_json(out, found, indent=1)
     return found
-
-
-def named_rows(found: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
-    """Every row of :func:`compare` with its name."""
-    rows = [(row["part"], row) for row in found.get("parts", ())]
-    return rows + [(f"{row['part']}, early duty", row) for row in found.get("early", ())]
 
 
 def adc_table(found: dict[str, Any]) -> Table:
@@ -172,9 +153,9 @@ def adc_table(found: dict[str, Any]) -> Table:
     table.add_column("ADC")
     for heading in ("sample to gate, ns", "τ, µs", "τ at a = 0.99, µs", "torque error"):
         table.add_column(heading, justify="right")
-    for name, row in named_rows(found):
+    for row in found["parts"]:
         table.add_row(
-            name,
+            row["part"],
             f"{row['gate_ns']:.0f}",
             "no wall" if row["tau_us"] is None else f"{row['tau_us']:.1f}",
             "no wall" if row["stiff_tau_us"] is None else f"{row['stiff_tau_us']:.2f}",

@@ -38,7 +38,7 @@ _SEEN = {"host_sequence": "seen_host_sequence", "host_v": "seen_host_v"}
 """Outputs of the controller that the module keeps while a frame reads them."""
 
 
-_STAGED = {"off": "0", "any": "0", "sum": "(EARLY != 0) ? 0 : 1"}
+_STAGED = {"off": "0", "any": "0"}
 """By the kind of change: words that nobody reads meanwhile wait for no reader."""
 
 
@@ -254,7 +254,7 @@ def device_words() -> str:
     lines += ["        default: live = 33'd0;", "    endcase"]
     lines += _indented(_live(word) for word in board if _index_bits(word) is not None)
     lines += ["    for (m = 0; m < PARTS; m = m + 1) begin"]
-    lines += ["        if (LIVE != 0 && {28'd0, bus_address_i[11:8]} == m + 1) begin"]
+    lines += ["        if ({28'd0, bus_address_i[11:8]} == m + 1) begin"]
     lines += ["            case (bus_address_i[7:0])"]
     lines += _indented((_live(word) for word in live if word.row.per == "motor"), 4)
     lines += ["                default: live = 33'd0;", "            endcase"]

@@ -152,10 +152,6 @@ def settings_rom(values: Values | None = None, groups: Collection[str] | None = 
         if not is_setting:
             rows.append(f"`WH_SETTINGS_TOLD({place}, {text})  // {word.name}\n")
             continue
-        if not fixed and word.change == "sum":
-            text = f"{_OF_MOTORS[word.row.brushless]}, " + (
-                f"(8'h{info:02x} | ((EARLY != 0) ? 8'h20 : 8'h00))"
-            )
         given = (values or {}).get(word.name)
         if given is None:
             first = _scaled(

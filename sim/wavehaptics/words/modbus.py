@@ -19,8 +19,8 @@ BAUDS = (115_200, 1_000_000, 1_500_000, 3_000_000)
 
 OPTIONS = {
     "motors": (0, 4), "walls": (4, 5), "shaper": (9, 2), "delay_log2": (11, 4), "adc": (15, 2),
-    "early": (17, 1), "anchor": (18, 1), "guard": (19, 1), "sense": (20, 1), "host": (21, 1),
-    "bus": (22, 1), "modes": (23, 1), "min_pulse": (24, 1), "dead_time": (25, 1), "live": (26, 1),
+    "anchor": (18, 1), "guard": (19, 1), "sense": (20, 1), "host": (21, 1),
+    "bus": (22, 1), "modes": (23, 1), "min_pulse": (24, 1), "dead_time": (25, 1),
     "arm": (27, 1), "capture": (28, 4),
 }  # fmt: skip
 """Lowest bit and number of bits of each option."""

@@ -26,7 +26,7 @@ Progress = Callable[[str, float], None]
 def chosen(table: Table, names: Iterable[str], quick: bool) -> list[Block | Model]:
     """Blocks and models by name, all without one; ``quick`` takes the marked ones only.
 
-    A block goes by its module's name, a model by its file's: `early`, `wh_early` or `early.py`.
+    A block goes by its module's name, a model by its file's: `anchor`, `wh_anchor` or `anchor.py`.
     """
     entries: list[Block | Model] = [*table.blocks, *table.models]
     wanted = {name.removeprefix("wh_") for name in names}

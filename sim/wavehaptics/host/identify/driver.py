@@ -119,8 +119,6 @@ class Driver:
         self.arms, self.anchored = bool(options["arm"]), bool(options["anchor"])
         self.brushless = device.identification.brushless
         self._sensors = range(AXES) if self.brushless else range(motor, motor + 1)
-        if options["early"]:
-            raise HostError("the device's bitstream has EARLY, with which the word zero can't move")
         capture.depth(self._as_client)
         self.tick_s = capture.tick_s(self._as_client)
         restored = [*_RESTORED, *(["anchor_enable"] if self.anchored else [])]

@@ -116,8 +116,6 @@ class Bench:
         options = client.identification.options
         self.anchored = bool(options["anchor"])
         self.arms = bool(options["arm"])
-        if not options["live"]:
-            raise HostError("this board's bitstream tells no live values; build it with LIVE = 1")
         self.brushless = client.shape.brushless
         if self.brushless and known.scene is not None and not known.scene.motor.brushless:
             raise HostError("the device has a brushless motor, and the scene's has brushes")

@@ -120,13 +120,6 @@ class Controller(Table):
         ge=1e6,
         le=1e9,
     )
-    early_duty: bool = scene_key(
-        "–",
-        "`pins` makes the duty 10 clocks after the last ADC bit, for one tick of latency less",
-        False,
-        default_text="false",
-        range_text="`true` or `false`",
-    )
     anchor_auto: bool = scene_key(
         "–",
         "The port anchor, which holds walls by the encoder, with what suits the motor's data",
