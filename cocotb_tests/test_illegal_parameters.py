@@ -120,7 +120,7 @@ def elaborate(simulator: str, module: str, parameter: str) -> str:
 
 
 def test_no_switch_is_2(simulator: str) -> None:
-    assert len(switches()) > 60
+    assert len(switches()) > 50
     built = [
         f"{module} {name}"
         for module, name in switches()
