@@ -240,7 +240,7 @@ def _build(design: Design, out: Path, tools: Toolchain, say: Callable[[str], Non
     placer, packer = PLACERS[design.family], PACKERS[design.family]
     versions = {tool: tools.check_age(tool) for tool in ("yosys", placer)}
     named = ", ".join(f"{tool} {version}" for tool, version in versions.items())
-    say(f"{design.name}: {named} ({tools.name})")
+    say(f"{design.name}: {named} ({tools.name}), some minutes")
     _check_part(design, tools, folder)
     netlist = _checked_netlist(design, out, tools)
     placed = _first_that_meets(design, netlist, out, tools, say)
