@@ -11,7 +11,8 @@
 `include "wh_formats.vh"
 
 module prove_wh_anchor #(
-    parameter integer PART = 0
+    parameter integer PART  = 0,
+    parameter integer SHOWN = 0   // 1: few products, from memories of 0: for faults that are to be found
 ) (
     input wire                         clk,
     input wire signed [`WH_COUNT_W-1:0] position
@@ -152,6 +153,14 @@ module prove_wh_anchor #(
         reads_q <= reads;
         assume (!reach[DATA_W-1] && !reach[DATA_W-2] && !strange[DATA_W-1] && !learn_max[COEF_W-1]
                 && !brush[DATA_W-1]);
+        if (SHOWN == 1) begin
+            assume (product == 1 << 30 && position == 0 && voltage == 1 << 20 && reach == 1 << 20 && strange == 0
+                    && brush == 0 && gains == 0 && follow_ticks == 1 && slow_ticks == 1);
+            if (at == 6'd0) begin
+                assume (\block.first_q && !\block.clipped_q );
+                assume (\block.brush_q == 0 && \block.theta_q == 0);
+            end
+        end
         if (at == 6'd0) begin
             if (PART != 2) assume (\block.step_q == 5'd0 && !\block.go_q && !busy && first_known);
             // LEARN, the step that is added up meanwhile, writes θ, and the one before it nothing.
