@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // prove_wh_anchor: a period's 28 steps with any products, which come at once. Part 0: from any state of
-// rest to the next; c is 0 if it isn't enabled or after a fault. Part 3: θ as a coefficient is 0 to learn_max, and nothing
-// is learned while blind, clipped or saturated. Part 1: the first steps make the limit of c. Part 2: the last steps
-// make c = limited(θ (y' + sgn y' y_b) + clamp(-g_ρ p, ± limit)), the first term in contact only, whatever the state is
-// otherwise. reach is 0 or more and below half a word's largest, strange, learn_max and brush 0 or more, as
-// their settings are. After a clock in which reads_o is low, the settings may be anything, until it is high.
+// rest to the next; c is 0 if it isn't enabled or after a fault. Part 3: θ as a coefficient is 0 to learn_max,
+// and nothing is learned while blind, clipped or saturated. Part 1: the first steps make the limit of c. Part 2:
+// the last steps make c = limited(θ (y' + sgn y' y_b) + clamp(-g_ρ p, ± limit)), the first term in contact only,
+// whatever the state is otherwise. reach is 0 or more and below half a word's largest, strange, learn_max and
+// brush 0 or more, as their settings are. After a clock in which reads_o is low, the settings may be anything,
+// until it is high.
 
 `default_nettype none
 `include "wh_formats.vh"

@@ -9,17 +9,18 @@
 //   c  = θ (y' + sgn y' y_b) - g_ρ p           the first term in contact only
 //   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
-// y' is the mean of L̂ i while the rotor travels, two counts and more the same way, y_b stands for the brushes and shrinks by half of what y'
-// falls. The bound χ_b: after an edge upwards z must come down to the χ from before the last edge downwards,
-// and the other way round; so a rotor that crosses back over an edge meets no more force on its way out, and
-// no less on its way in, than it met there before.
-// c is a voltage in series with the port, limited to the range of its word: it is added to e_id = s u behind the wave core, which does
-// not see it, and what it takes of the drive's limit, room_o, is no longer the wave's. A contact's first
-// edge, in the period that reports the contact or one of the two before, sets χ to a quarter of a count and
-// what is in the λ filter then, which its u shows; in contact, what the voltage limit or rounding withholds
+// y' is the mean of L̂ i while the rotor travels, two counts and more the same way. y_b stands for the brushes
+// and shrinks by half of what y' falls. The bound χ_b: after an edge upwards z must come down to the χ from
+// before the last edge downwards, and the other way round; so a rotor that crosses back over an edge meets no
+// more force on its way out, and no less on its way in, than it met there before.
+// c is a voltage in series with the port, limited to its word: it is added to e_id = s u behind the wave core,
+// which does not see it, and what it takes of the drive's limit, room_o, is no longer the wave's. A contact's
+// first edge, in the period that reports the contact or one of the two before, sets χ to a quarter of a count
+// and what is in the λ filter then, which its u shows; in contact, what the voltage limit or rounding withholds
 // from the waves counts as flux. In free space, when the rotor is slow, c shows the sensor's offset, which is
-// summed up, up to the end of its word. A g_ρ p beyond its limit by strange, with the waves below theirs, shows that waves
-// and encoder don't follow the same motor: fault_o, and c = 0. So does a χ or an L̂ i in the outer half of its range.
+// summed up as far as its word goes. A g_ρ p beyond its limit by strange, with the waves below theirs, shows
+// that waves and encoder don't follow the same motor: fault_o, and c = 0. So does a χ or an L̂ i in the outer
+// half of its range.
 // In a period whose current or v is at the end of its range, blind_i, nothing is learned, and the next c is
 // 0; χ counts on. While c is at its limit since, that is no fault.
 //
@@ -31,10 +32,11 @@
 // One adder works through the steps below, one in a clock, with its state in a memory; the products
 // come from a multiplier that others use as well (wh_multiply_shared), eight in a period.
 // Formats: long words s48q33, counts, V or A, and θ s48q37 V a count; factors are their upper bits, s31q16.
-// Latency: 28 clocks from waves_i, and those that the multiplier makes it wait. c of one period is next_o a clock
-// later, and correction_o from the next waves_i on, three clocks later. The next waves_i may come in the last of
-// the 28. One before is ignored and shows as overrun_o. reads_o is 0 in at least two clocks of
-// every step, the last two before the next waves_i at the latest.
+// reach, strange, learn_max and brush are 0 or more.
+// Latency: 28 clocks from waves_i, and those that the multiplier makes it wait. c of one period is next_o a
+// clock later, and correction_o from the next waves_i on, three clocks later. The next waves_i may come in the
+// last of the 28. One before is ignored and shows as overrun_o. reads_o is 0 in at least two clocks of every
+// step, the last two before the next waves_i at the latest.
 // Reset: χ, θ, mean, offset, room and c are 0, slow, no contact, no fault; of any length, at any clock.
 
 `default_nettype none
@@ -595,9 +597,10 @@ module wh_anchor #(
         endcase
     end
 
-    // b_q's words are chosen by chains, of which each link is a LUT: it gives the second of its two words where the one
-    // before gives 1, the first where that gives 0, or what that gives. A chain's first link gives NEAR, FAR, 1 or 0. The lowest places
-    // have products only, the middle ones nothing of the encoder, the highest no setting.
+    // What comes from outside is chosen by chains, of which each link is a LUT for two words: it gives the
+    // second of them where the one before gives 1, the first where that gives 0, or what that gives. A chain's
+    // first link gives a product, 1 or 0. The lowest places have products only, the middle ones nothing of the
+    // encoder, the highest no setting.
     localparam integer LOW_W   = VOLT_SHIFT - 1;
     localparam integer COUNT_Q = (AXIS == 1) ? LONG_Q - SINE_Q - 2 : LONG_Q - 2;
     localparam integer THETA_Q = THETA_CUT - 2;  // of a quarter of the largest θ
@@ -612,32 +615,46 @@ module wh_anchor #(
                                    product_i[DATA_W+COEF_W-1:FAR_SHIFT]};
     wire [LONG_W-1:0] voltage_b = {{(LONG_W - DATA_W - VOLT_SHIFT + 1){voltage_i[DATA_W-1]}}, voltage_i,
                                    {(VOLT_SHIFT - 1){1'b0}}};
-    wire [TOP_Q-1:0]  reach_b   = {{(TOP_Q - VOLT_SHIFT - DATA_W + 1){1'b0}}, reach[DATA_W-2:0], {VOLT_SHIFT{1'b0}}};
-    wire [TOP_Q-1:0]  free_b    = {{(TOP_Q - VOLT_SHIFT - DATA_W + 2){1'b0}}, reach[DATA_W-2:1], {VOLT_SHIFT{1'b0}}};
-    wire [TOP_Q-1:0]  strange_b = {{(TOP_Q - VOLT_SHIFT - DATA_W + 1){1'b0}}, strange[DATA_W-2:0], {VOLT_SHIFT{1'b0}}};
-    wire [TOP_Q-1:0]  theta_b   = {{(TOP_Q - THETA_Q - COEF_W + 1){1'b0}}, learn_max[COEF_W-2:0], {THETA_Q{1'b0}}};
+    wire [TOP_Q-1:0]  reach_b   = {{(TOP_Q - VOLT_SHIFT - DATA_W + 1){1'b0}}, reach[DATA_W-2:0],
+                                   {VOLT_SHIFT{1'b0}}};
+    wire [TOP_Q-1:0]  free_b    = {{(TOP_Q - VOLT_SHIFT - DATA_W + 2){1'b0}}, reach[DATA_W-2:1],
+                                   {VOLT_SHIFT{1'b0}}};
+    wire [TOP_Q-1:0]  strange_b = {{(TOP_Q - VOLT_SHIFT - DATA_W + 1){1'b0}}, strange[DATA_W-2:0],
+                                   {VOLT_SHIFT{1'b0}}};
+    wire [TOP_Q-1:0]  theta_b   = {{(TOP_Q - THETA_Q - COEF_W + 1){1'b0}}, learn_max[COEF_W-2:0],
+                                   {THETA_Q{1'b0}}};
 
-    wire [LOW_W-1:0]  b_low = ({LOW_W{low_q[0]}} & near_b[LOW_W-1:0]) | ({LOW_W{low_q[1]}} & far_b[LOW_W-1:0]);
+    wire [LOW_W-1:0]  b_low  = ({LOW_W{low_q[0]}} & near_b[LOW_W-1:0]) | ({LOW_W{low_q[1]}} & far_b[LOW_W-1:0]);
 
-    wire [MID_W-1:0]  mid_0 = ({MID_W{mid_q[0]}} & (near_b[LOW_W +: MID_W] | {MID_W{mid_q[1]}}))
-                            | ({MID_W{mid_q[1] && !mid_q[0]}} & far_b[LOW_W +: MID_W]);
-    wire [MID_W-1:0]  mid_1 = high_by_q[0] ? (mid_0 & theta_b[LOW_W +: MID_W]) | (~mid_0 & voltage_b[LOW_W +: MID_W]) : mid_0;
-    wire [MID_W-1:0]  mid_2 = high_by_q[1] ? (mid_1 & free_b[LOW_W +: MID_W]) | (~mid_1 & reach_b[LOW_W +: MID_W]) : mid_1;
-    wire [MID_W-1:0]  b_mid = high_by_q[2] ? ~mid_2 & strange_b[LOW_W +: MID_W] : mid_2;
+    wire [MID_W-1:0]  mid_0  = ({MID_W{mid_q[0]}} & (near_b[LOW_W +: MID_W] | {MID_W{mid_q[1]}}))
+                             | ({MID_W{mid_q[1] && !mid_q[0]}} & far_b[LOW_W +: MID_W]);
+    wire [MID_W-1:0]  mid_1  = high_by_q[0] ? (mid_0 & theta_b[LOW_W +: MID_W])
+                                              | (~mid_0 & voltage_b[LOW_W +: MID_W]) : mid_0;
+    wire [MID_W-1:0]  mid_2  = high_by_q[1] ? (mid_1 & free_b[LOW_W +: MID_W])
+                                              | (~mid_1 & reach_b[LOW_W +: MID_W]) : mid_1;
+    wire [MID_W-1:0]  b_mid  = high_by_q[2] ? ~mid_2 & strange_b[LOW_W +: MID_W] : mid_2;
 
     wire [HIGH_W-1:0] high_0 = ({HIGH_W{high_q[0]}} & (near_b[COUNT_Q +: HIGH_W] | {HIGH_W{high_q[1]}}))
                              | ({HIGH_W{high_q[1] && !high_q[0]}} & far_b[COUNT_Q +: HIGH_W]);
-    wire [HIGH_W-1:0] high_1 = high_by_q[0] ? (high_0 & theta_b[COUNT_Q +: HIGH_W]) | (~high_0 & voltage_b[COUNT_Q +: HIGH_W]) : high_0;
-    wire [HIGH_W-1:0] high_2 = high_by_q[1] ? (high_1 & free_b[COUNT_Q +: HIGH_W]) | (~high_1 & reach_b[COUNT_Q +: HIGH_W]) : high_1;
-    wire [HIGH_W-1:0] high_3 = high_by_q[2] ? (high_2 & half_flux[COUNT_Q +: HIGH_W]) | (~high_2 & strange_b[COUNT_Q +: HIGH_W]) : high_2;
-    wire [HIGH_W-1:0] high_4 = high_by_q[3] ? (high_3 & place[COUNT_Q +: HIGH_W]) | (~high_3 & moved_flux[COUNT_Q +: HIGH_W]) : high_3;
-    wire [HIGH_W-1:0] b_high = high_by_q[4] ? (high_4 & ahead_flux[COUNT_Q +: HIGH_W]) | (~high_4 & start_flux[COUNT_Q +: HIGH_W]) : high_4;
+    wire [HIGH_W-1:0] high_1 = high_by_q[0] ? (high_0 & theta_b[COUNT_Q +: HIGH_W])
+                                              | (~high_0 & voltage_b[COUNT_Q +: HIGH_W]) : high_0;
+    wire [HIGH_W-1:0] high_2 = high_by_q[1] ? (high_1 & free_b[COUNT_Q +: HIGH_W])
+                                              | (~high_1 & reach_b[COUNT_Q +: HIGH_W]) : high_1;
+    wire [HIGH_W-1:0] high_3 = high_by_q[2] ? (high_2 & half_flux[COUNT_Q +: HIGH_W])
+                                              | (~high_2 & strange_b[COUNT_Q +: HIGH_W]) : high_2;
+    wire [HIGH_W-1:0] high_4 = high_by_q[3] ? (high_3 & place[COUNT_Q +: HIGH_W])
+                                              | (~high_3 & moved_flux[COUNT_Q +: HIGH_W]) : high_3;
+    wire [HIGH_W-1:0] b_high = high_by_q[4] ? (high_4 & ahead_flux[COUNT_Q +: HIGH_W])
+                                              | (~high_4 & start_flux[COUNT_Q +: HIGH_W]) : high_4;
 
-    wire [TOP_W-1:0]  top_0 = ({TOP_W{top_q[0]}} & (near_b[TOP_Q +: TOP_W] | {TOP_W{top_q[1]}}))
-                            | ({TOP_W{top_q[1] && !top_q[0]}} & far_b[TOP_Q +: TOP_W]);
-    wire [TOP_W-1:0]  top_1 = top_by_q[0] ? (top_0 & moved_flux[TOP_Q +: TOP_W]) | (~top_0 & voltage_b[TOP_Q +: TOP_W]) : top_0;
-    wire [TOP_W-1:0]  b_top = top_by_q[1] ? (top_1 & place[TOP_Q +: TOP_W]) | (~top_1 & start_flux[TOP_Q +: TOP_W]) : top_1;
+    wire [TOP_W-1:0]  top_0  = ({TOP_W{top_q[0]}} & (near_b[TOP_Q +: TOP_W] | {TOP_W{top_q[1]}}))
+                             | ({TOP_W{top_q[1] && !top_q[0]}} & far_b[TOP_Q +: TOP_W]);
+    wire [TOP_W-1:0]  top_1  = top_by_q[0] ? (top_0 & moved_flux[TOP_Q +: TOP_W])
+                                             | (~top_0 & voltage_b[TOP_Q +: TOP_W]) : top_0;
+    wire [TOP_W-1:0]  b_top  = top_by_q[1] ? (top_1 & place[TOP_Q +: TOP_W])
+                                             | (~top_1 & start_flux[TOP_Q +: TOP_W]) : top_1;
 
+    // A product of the outer half of a long word's range, or beyond it.
     wire outer = !(&product_i[DATA_W+COEF_W-1:NEAR_SHIFT+LONG_W-2])
                  && (|product_i[DATA_W+COEF_W-1:NEAR_SHIFT+LONG_W-2]);
 
@@ -682,13 +699,13 @@ module wh_anchor #(
         end
     end
 
-    // ---- The products, in the order in which they are asked for, in two runs and one that follows. A run's products
+    // ---- The products, in the order in which they are asked for, in two runs and one more. A run's products
     // come one after the other, as its steps do, and so that none comes before its step: the first
-    // step is as many clocks from where they are asked for as a product takes, or more. HELD is two steps
-    // behind its run's last, and so is its product asked for. No step before
-    // the first run takes a product, so none that was asked for before a reset is taken for another.
-    localparam [3:0] G_V = 0, G_U = 1, G_OWED = 2, G_ZERO = 3, G_CURRENT = 4, G_LEARN = 5, G_PULL = 6, G_HELD = 7,
-                     G_NONE = 8;
+    // step is as many clocks from where they are asked for as a product takes, or more. HELD is three steps
+    // behind CORRECT, and its product as many clocks behind that one's. No step before the first run takes a
+    // product, so none that was asked for before a reset is taken for another.
+    localparam [3:0] G_V = 0, G_U = 1, G_OWED = 2, G_ZERO = 3, G_CURRENT = 4, G_LEARN = 5, G_PULL = 6,
+                     G_HELD = 7, G_NONE = 8;
 
     reg        [3:0]        give_q;         // one of them
     reg        [2:0]        open_q;         // runs that may be asked for
@@ -698,34 +715,35 @@ module wh_anchor #(
     assign request_o = (open_q[0] && give_q <= G_CURRENT) || (open_q[1] && give_q <= G_PULL)
                        || (open_q[2] && give_q <= G_HELD);
 
-    // With a grant come the next product's operands. p = s31q16 counts, which is there just in time, is G_LEARN's and
-    // G_PULL's factor.
+    // With a grant come the next product's operands. p = s31q16 counts, which is there just in time, is
+    // G_LEARN's and G_PULL's factor.
     wire       granted = request_o && grant_i;
     wire       placed  = go_q && adds_q == PLACE;
 
     assign factor_o      = factor_q;
     assign coefficient_o = coefficient_q;
 
-    // Each LUT of such a chain takes two words more: it gives the second of them where the one before gives 1,
-    // the first where that gives 0, or what that gives. Codes: which of these LUTs chooses, and the first one's two bits.
-    localparam [4:0] C_FLUX = 5'b000_01, C_OWED = 5'b000_10, C_ZERO = 5'b001_00, C_ROOM = 5'b001_11, C_CELLS = 5'b010_00,
-                     C_LEARN = 5'b010_11, C_PULL = 5'b100_00, C_THETA = 5'b100_11;
-    localparam [4:0] F_V = 5'b000_01, F_U = 5'b000_10, F_WITHHELD = 5'b001_00, F_C = 5'b001_11, F_CURRENT = 5'b010_00,
-                     F_TOLD = 5'b010_11, F_P = 5'b100_00;
+    // Chains choose these as well. Codes: which of the links chooses, and two bits of the first one.
+    localparam [4:0] C_FLUX = 5'b000_01, C_OWED = 5'b000_10, C_ZERO = 5'b001_00, C_ROOM = 5'b001_11,
+                     C_CELLS = 5'b010_00, C_LEARN = 5'b010_11, C_PULL = 5'b100_00, C_THETA = 5'b100_11;
+    localparam [4:0] F_V = 5'b000_01, F_U = 5'b000_10, F_WITHHELD = 5'b001_00, F_C = 5'b001_11,
+                     F_CURRENT = 5'b010_00, F_TOLD = 5'b010_11, F_P = 5'b100_00;
 
     (* fsm_encoding = "none" *)
-    reg [4:0] gain_q;    // of the product after this one
+    reg [4:0] gain_q;     // of the product after this one
     (* fsm_encoding = "none" *)
     reg [4:0] operand_q;  // that factor_q takes next
 
     wire loads = accepts || placed || (granted && give_q != G_CURRENT && give_q != G_LEARN);
 
-    wire [COEF_W-1:0] gain_0 = ({COEF_W{gain_q[0]}} & (flux_gain | {COEF_W{gain_q[1]}})) | ({COEF_W{gain_q[1] && !gain_q[0]}} & owed_gain);
+    wire [COEF_W-1:0] gain_0 = ({COEF_W{gain_q[0]}} & (flux_gain | {COEF_W{gain_q[1]}}))
+                             | ({COEF_W{gain_q[1] && !gain_q[0]}} & owed_gain);
     wire [COEF_W-1:0] gain_1 = gain_q[2] ? (gain_0 & room_gain)  | (~gain_0 & zero_gain)  : gain_0;
     wire [COEF_W-1:0] gain_2 = gain_q[3] ? (gain_1 & learn_gain) | (~gain_1 & cells_gain) : gain_1;
     wire [COEF_W-1:0] gain_3 = gain_q[4] ? (gain_2 & theta_q)    | (~gain_2 & pull_gain)  : gain_2;
 
-    wire [DATA_W-1:0] operand_0 = ({DATA_W{operand_q[0]}} & (v_i | {DATA_W{operand_q[1]}})) | ({DATA_W{operand_q[1] && !operand_q[0]}} & u_i);
+    wire [DATA_W-1:0] operand_0 = ({DATA_W{operand_q[0]}} & (v_i | {DATA_W{operand_q[1]}}))
+                                | ({DATA_W{operand_q[1] && !operand_q[0]}} & u_i);
     wire [DATA_W-1:0] operand_1 = operand_q[2] ? (operand_0 & next_o) | (~operand_0 & withheld_i) : operand_0;
     wire [DATA_W-1:0] operand_2 = operand_q[3] ? (operand_1 & told_q) | (~operand_1 & current_i) : operand_1;
     wire [DATA_W-1:0] operand_3 = operand_q[4] ? sum_q[LONG_W-1:CUT] : operand_2;
@@ -815,20 +833,26 @@ module wh_anchor #(
     wire signed [DATA_W-1:0] limited = beyond ? $signed({low, {(DATA_W - 1){!low}}})
                                               : $signed(sum_q[VOLT_SHIFT +: DATA_W]);
 
-    // A second adder: of the sum of the step SWING y_b less what it shrinks by, of MEAN's y' + sgn y' y_b, and of LEARN's θ less
-    // its largest. What y_b shrinks by is taken off as -(-y_b + ...) where that is above 0.
+    // A second adder: of the sum of the step SWING y_b less what it shrinks by, of MEAN's y' + sgn y' y_b, and
+    // of LEARN's θ less its largest. What y_b shrinks by is taken off as -(-y_b + ...) where that is above 0.
     localparam integer SIDE_W = (THETA_W > DATA_W + 1) ? THETA_W : DATA_W + 1;
 
-    wire                     shrinks = (adds_q == MEAN);
-    wire                     caps    = (adds_q == CORRECT);
-    wire                     turned  = back_sum ^ shrinks;
-    wire signed [SIDE_W-1:0] side_a  = caps ? ~$signed({{(SIDE_W - COEF_W){1'b0}}, learn_max})
+    // Which of them, known before as it goes to every bit.
+    reg shrinks_q, caps_q;
+
+    always @(posedge clk) begin
+        shrinks_q <= (step_q == MEAN);
+        caps_q    <= (step_q == CORRECT);
+    end
+
+    wire                     turned  = shrinks_q ? presses_q : back_sum;
+    wire signed [SIDE_W-1:0] side_a  = caps_q ? ~$signed({{(SIDE_W - COEF_W){1'b0}}, learn_max})
                                      : $signed({{(SIDE_W - DATA_W){1'b0}}, brush_q} ^ {SIDE_W{turned}});
     wire signed [SIDE_W-1:0] side_b  =
-        shrinks ? $signed({{(SIDE_W - LONG_W + FEW_SHIFT){back_sum}}, sum_q[LONG_W-1:FEW_SHIFT]})
-        : caps  ? $signed({{(SIDE_W - THETA_W + 1){back_sum}}, sum_q[LONG_W-2:THETA_CUT]})
+        shrinks_q ? $signed({{(SIDE_W - LONG_W + FEW_SHIFT){back_sum}}, sum_q[LONG_W-1:FEW_SHIFT]})
+        : caps_q  ? $signed({{(SIDE_W - THETA_W + 1){back_sum}}, sum_q[LONG_W-2:THETA_CUT]})
                 : $signed({{(SIDE_W - DATA_W + 1){back_sum}}, sum_q[LONG_W-2:CUT]});
-    wire signed [SIDE_W-1:0] side    = side_a + side_b + $signed({{(SIDE_W - 1){1'b0}}, caps || back_sum});
+    wire signed [SIDE_W-1:0] side    = side_a + side_b + $signed({{(SIDE_W - 1){1'b0}}, caps_q || back_sum});
     wire                     full    = !side[SIDE_W-1];
 
     // ---- Steps and results.
@@ -838,8 +862,8 @@ module wh_anchor #(
 
     // Words that are 0 or limited: 0 is a flip-flop's own reset.
     wire rooms   = go_q && adds_q == CURRENT;
-    wire follow  = go_q && adds_q == MEAN && moves_mean && back_sum != presses_q;
-    wire learned = go_q && caps;
+    wire follow  = go_q && shrinks_q && moves_mean && back_sum != presses_q;
+    wire learned = go_q && caps_q;
 
     always @(posedge clk) begin
         if (rst || (chosen_q && none_q)) begin
@@ -852,9 +876,9 @@ module wh_anchor #(
         end else if (rooms) begin
             room_o <= limited;
         end
-        if (rst || (follow && side[SIDE_W-1] == back_sum)) begin
+        if (rst || (follow && side[SIDE_W-1] != presses_q)) begin
             brush_q <= {DATA_W{1'b0}};
-        end else if (follow || (shrinks && begins_q)) begin
+        end else if (follow || (shrinks_q && begins_q)) begin
             brush_q <= begins_q ? brush : $signed(side[DATA_W-1:0] ^ {DATA_W{turned}});
         end
         if (rst || (learned && back_sum)) begin
