@@ -13,7 +13,7 @@
 
 module prove_wh_anchor #(
     parameter integer PART  = 0,
-    parameter integer SHOWN = 0   // 1: few products, from memories of 0: for faults that are to be found
+    parameter integer SHOWN = 0   // for faults that are to be found: 1: one product, the first step; 2: another
 ) (
     input wire                         clk,
     input wire signed [`WH_COUNT_W-1:0] position
@@ -154,12 +154,15 @@ module prove_wh_anchor #(
         reads_q <= reads;
         assume (!reach[DATA_W-1] && !reach[DATA_W-2] && !strange[DATA_W-1] && !learn_max[COEF_W-1]
                 && !brush[DATA_W-1]);
-        if (SHOWN == 1) begin
+        if (SHOWN != 0) begin
             assume (product == 1 << 30 && position == 0 && voltage == 1 << 20 && reach == 1 << 20 && strange == 0
-                    && brush == 0 && gains == 0 && follow_ticks == 1 && slow_ticks == 1);
-            if (at == 6'd0) begin
-                assume (\block.first_q && !\block.clipped_q );
-                assume (\block.brush_q == 0 && \block.theta_q == 0);
+                    && brush == 0 && follow_ticks == 1 && slow_ticks == 1);
+            if (at == 6'd0) assume (\block.first_q == (SHOWN == 1) && \block.brush_q == 0 && \block.theta_q == 0);
+            if (SHOWN == 1) assume (gains == 0 && (at != 6'd0 || !\block.clipped_q ));
+            if (SHOWN == 2) begin
+                assume (learn_max == 1 << 20);
+                if (at == 6'd0) assume (\block.memory[0] == 0 && \block.memory[2] == 0 && \block.memory[3] == 0
+                                        && \block.memory[4] == 0);
             end
         end
         if (at == 6'd0) begin

@@ -334,6 +334,8 @@ module wh_anchor #(
     reg signed [LONG_W-1:0] memory [0:15];
     reg signed [LONG_W-1:0] read_q;
     reg signed [LONG_W-1:0] sum_q;
+    reg                     turns_q;                 // what the second adder takes off is y_b, of the steps SWING and MEAN
+    reg                     swings_q;
     reg signed [LONG_W-1:0] b_q;
     reg                     saturated_q;
     reg                     blind_q;                 // nothing is learned, and c is 0
@@ -669,6 +671,7 @@ module wh_anchor #(
         memory_too_q <= memory_too && !(fresh && first_q);
         minus_q      <= minus;
         to_zero_q    <= (step_q == CLIP);
+        swings_q     <= (step_q == SWING);
         writes_q     <= writes;
         write_to_q   <= write_to;
     end
@@ -680,7 +683,10 @@ module wh_anchor #(
     wire signed [LONG_W-1:0] a    = ({LONG_W{sum_too_q}} & sum_q) | ({LONG_W{inner_q}} & part);
     wire signed [LONG_W-1:0] b    =
         (b_q | ({LONG_W{memory_too_q}} & read_q)) ^ {LONG_W{takes_off}};
-    wire signed [LONG_W-1:0] sum  = a + b + $signed({{(LONG_W - 1){1'b0}}, takes_off});
+    // The sign once more, for where it goes to every bit of a word again; of the step SWING its opposite.
+    wire                     turns;
+    wire signed [LONG_W-1:0] sum;
+    assign {turns, sum} = {a[LONG_W-1], a} + {b[LONG_W-1] ^ swings_q, b} + {{LONG_W{1'b0}}, takes_off};
 
     wire unused = &{1'b0, product_i[NEAR_SHIFT-1:0], position_i[`WH_COUNT_W-1:PLACE_W], reach[DATA_W-1],
                     strange[DATA_W-1], learn_max[COEF_W-1], place[COUNT_Q-1:0], moved_flux[COUNT_Q-1:0],
@@ -690,7 +696,8 @@ module wh_anchor #(
 
     always @(posedge clk) begin
         if (go_q) begin
-            sum_q <= sum;
+            sum_q   <= sum;
+            turns_q <= turns;
         end
         stores_q   <= go_q && writes_q;
         store_to_q <= write_to_q;
@@ -799,7 +806,7 @@ module wh_anchor #(
         if (go_q) begin
             case (adds_q)
                 LIMIT:   huge_q <= 1'b0;
-                FLUX:    told_q <= side[DATA_W-1:0];
+                FLUX:    told_q <= $signed(side[DATA_W-1:0]);
                 CURRENT: far_q  <= over_q;
                 AHEAD:   far_q  <= far_q || sum_q[LONG_W-1] != sum_q[LONG_W-2];
                 BOUND: begin
@@ -835,7 +842,8 @@ module wh_anchor #(
 
     // A second adder: of the sum of the step SWING y_b less what it shrinks by, of MEAN's y' + sgn y' y_b, and
     // of LEARN's θ less its largest. What y_b shrinks by is taken off as -(-y_b + ...) where that is above 0.
-    localparam integer SIDE_W = (THETA_W > DATA_W + 1) ? THETA_W : DATA_W + 1;
+    // Of its sums the carry says whether they are 0 or more.
+    localparam integer SIDE_W = (THETA_W > DATA_W) ? THETA_W : DATA_W;
 
     // Which of them, known before as it goes to every bit.
     reg shrinks_q, caps_q;
@@ -845,15 +853,16 @@ module wh_anchor #(
         caps_q    <= (step_q == CORRECT);
     end
 
-    wire                     turned  = shrinks_q ? presses_q : back_sum;
-    wire signed [SIDE_W-1:0] side_a  = caps_q ? ~$signed({{(SIDE_W - COEF_W){1'b0}}, learn_max})
-                                     : $signed({{(SIDE_W - DATA_W){1'b0}}, brush_q} ^ {SIDE_W{turned}});
-    wire signed [SIDE_W-1:0] side_b  =
-        shrinks_q ? $signed({{(SIDE_W - LONG_W + FEW_SHIFT){back_sum}}, sum_q[LONG_W-1:FEW_SHIFT]})
-        : caps_q  ? $signed({{(SIDE_W - THETA_W + 1){back_sum}}, sum_q[LONG_W-2:THETA_CUT]})
-                : $signed({{(SIDE_W - DATA_W + 1){back_sum}}, sum_q[LONG_W-2:CUT]});
-    wire signed [SIDE_W-1:0] side    = side_a + side_b + $signed({{(SIDE_W - 1){1'b0}}, caps_q || back_sum});
-    wire                     full    = !side[SIDE_W-1];
+    wire [SIDE_W-1:0] side_a = caps_q ? ~{{(SIDE_W - COEF_W){1'b0}}, learn_max}
+                             : {{(SIDE_W - DATA_W){1'b0}}, brush_q} ^ {SIDE_W{turns_q}};
+    wire [SIDE_W-1:0] side_b =
+        shrinks_q ? {{(SIDE_W - LONG_W + FEW_SHIFT){back_sum}}, sum_q[LONG_W-1:FEW_SHIFT]}
+        : caps_q  ? {{(SIDE_W - THETA_W + 1){back_sum}}, sum_q[LONG_W-2:THETA_CUT]}
+                  : {{(SIDE_W - DATA_W + 1){back_sum}}, sum_q[LONG_W-2:CUT]};
+    wire [SIDE_W-1:0] side;
+    wire              carry;
+    assign {carry, side} = {1'b0, side_a} + {1'b0, side_b} + {{SIDE_W{1'b0}}, caps_q || back_sum};
+    wire              full   = carry && !back_sum;
 
     // ---- Steps and results.
     reg  chosen_q;  // c is still in sum_q, and
@@ -876,10 +885,10 @@ module wh_anchor #(
         end else if (rooms) begin
             room_o <= limited;
         end
-        if (rst || (follow && side[SIDE_W-1] != presses_q)) begin
+        if (rst || (follow && carry == turns_q)) begin
             brush_q <= {DATA_W{1'b0}};
         end else if (follow || (shrinks_q && begins_q)) begin
-            brush_q <= begins_q ? brush : $signed(side[DATA_W-1:0] ^ {DATA_W{turned}});
+            brush_q <= begins_q ? brush : $signed(side[DATA_W-1:0] ^ {DATA_W{turns_q}});
         end
         if (rst || (learned && back_sum)) begin
             theta_q <= {COEF_W{1'b0}};
