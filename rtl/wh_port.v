@@ -93,7 +93,6 @@ module wh_port #(
 
     // ---- Environment. An anchor that has lost the rotor leaves a port that only damps.
 
-
     wh_environment #(
         .HOST               (HOST)
     ) environment (

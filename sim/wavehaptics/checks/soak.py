@@ -71,9 +71,7 @@ _VOLT, _ROOT_WATT, _ETA = formats.VOLTAGE.step, formats.WAVE.step, formats.ETA.s
 _ONE = 1 << formats.ETA.fraction
 _DATA_TOP = 1 << (formats.DATA_W - 1)
 _LONG_GUARD = formats.LONG_GUARD
-_HELD_SHIFT = (
-    formats.PULL.fraction + formats.LONG.fraction - _LONG_GUARD - formats.VOLTAGE.fraction
-)
+_HELD_SHIFT = formats.PULL.fraction + formats.LONG.fraction - _LONG_GUARD - formats.VOLTAGE.fraction
 _LIMB = 40  # bits of the lower part of Σ(v² − u²)
 
 ANCHORED_CLOCKS = WAVES_CLOCKS + ANCHOR_CLOCKS + 2
