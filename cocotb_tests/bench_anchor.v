@@ -44,8 +44,6 @@ module bench_anchor #(
     output wire signed [`WH_DATA_W-1:0]  offset_o,
     output wire signed [`WH_DATA_W-1:0]  flux_o,
     output wire signed [`WH_DATA_W-1:0]  lag_o,
-    output wire                          rebounds_o,
-    output wire [`WH_COEF_W-1:0]         rebound_eta_o,
     output wire                          fault_o
 );
 
@@ -117,8 +115,6 @@ module bench_anchor #(
         .offset_o      (offset_o),
         .flux_o        (flux_o),
         .lag_o         (lag_o),
-        .rebounds_o    (rebounds_o),
-        .rebound_eta_o (rebound_eta_o),
         .fault_o       (fault_o)
     );
 

@@ -22,10 +22,10 @@ from wavehaptics.words import formats
 
 # Clocks since waves_i of a step whose multiplier never makes it wait; with it, since the last of
 # its products was granted.
-STEP_CLOCKS = 28
+STEP_CLOCKS = 29
 FROM_LAST_GRANT = 7
 START_FROM_LAST_GRANT = 4  # from here on the next tick may start
-GRANTS = ("c", "current_i", "withheld_i", "u_i", "v_i", "learn", "pull", "damp")
+GRANTS = ("c", "current_i", "withheld_i", "u_i", "v_i", "learn", "held", "pull")
 
 COUNT = formats.Fixed(formats.COUNT_W, 0)
 DATA, COEF = formats.CURRENT, formats.ROOT
@@ -123,7 +123,6 @@ class AnchorBench(Bench):
             "offset": state[anchor.OFFSET],
             "flux": state[anchor.CHI] >> formats.LONG_GUARD,
             "lag": state[anchor.LAG] >> formats.LONG_GUARD,
-            "rebound_eta": self.settings[anchor.REBOUND_ETA],
         }
 
     def check(self) -> None:
@@ -131,7 +130,6 @@ class AnchorBench(Bench):
         for name, value in self.want().items():
             assert self.signed(f"{name}_o") == value, f"{name} of step {self.steps}"
         assert self.word("fault_o") == state[anchor.FAULT], f"step {self.steps}"
-        assert self.word("rebounds_o") == state[anchor.REBOUNDS], f"step {self.steps}"
         assert self.word("overrun_o") == self.overrun, f"step {self.steps}"
 
     async def begin_tick(self, tick: Tick, gap: int) -> None:
@@ -250,8 +248,9 @@ class AnchorBench(Bench):
         if self.axis:
             half = abs(tick.cell) << rotor_flux.SHIFT >> 1
         begins = tick.contact and not before[anchor.TOUCHING]
-        anew = gone[anchor.BOUNCED] < 0 and tick.contact
-        ends = before[anchor.TOUCHING] and not tick.contact
+        kept = tick.contact and gone[anchor.BOUND] < 0 and not begins
+        bound = tick.contact and state[anchor.BOUND]
+        sinks = state[anchor.SINKS]
         moved = gone[anchor.POSITION] if before[anchor.STARTED] else 0
         strange = words[anchor.ENABLE] and state[anchor.CLIPPED] and not before[anchor.FAULT]
         self.seen |= {
@@ -274,15 +273,19 @@ class AnchorBench(Bench):
                 "fault": gone[anchor.FAULT],
                 "mean": gone[anchor.MEAN],
                 "offset": gone[anchor.OFFSET],
-                "forgotten": ends and gone[anchor.LEARNED],
-                "learned at rest": not ends and gone[anchor.LEARNED] and state[anchor.PHASE] & 7,
-                "learned on the move": (
-                    not ends and gone[anchor.LEARNED] and state[anchor.UNITS] < 16
-                ),
-                "one unit of rest": state[anchor.UNITS] == 1 and tick.contact,
+                "learned": gone[anchor.THETA],
+                "θ above all": state[anchor.FULL] and state[anchor.THETA] > 0,
+                "θ below 0": state[anchor.THETA] < 0,
+                "held": tick.contact and before[anchor.COEFFICIENT] and state[anchor.MEAN],
+                "brushes shrink": gone[anchor.BRUSH_LEFT] < 0 and state[anchor.BRUSH_LEFT] > 0,
+                "brushes gone": gone[anchor.BRUSH_LEFT] < 0 and state[anchor.BRUSH_LEFT] == 0,
+                "travels": gone[anchor.TRAVELS] > 0 and state[anchor.TRAVELS] == 2 and not begins,
+                "turns": gone[anchor.TRAVELS] < 0,
+                "slow": gone[anchor.QUIET] < 0 and state[anchor.QUIET] == 0,
+                "bound below": bound and sinks,
+                "bound above": bound and not sinks,
+                "bound kept": kept and (state[anchor.KNOWS_UP] or state[anchor.KNOWS_DOWN]),
                 "withheld": tick.withheld and tick.contact,
-                "turns in": before[anchor.BOUNCED] and anew and not begins,
-                "rebounds": gone[anchor.REBOUNDS] > 0,
                 "blind": tick.blind and state[anchor.CLIPPED] and words[anchor.ENABLE],
                 "overloaded": not tick.blind and state[anchor.OVERLOADED],
                 "far": gone[anchor.FAULT] and not state[anchor.CLIPPED],
@@ -295,9 +298,10 @@ EVERYTHING = frozenset(
     (
         "begins up", "begins down", "begins late", "begins unmoved", "correction", "disabled",
         "outside above", "outside below", "inside", "clipped above", "clipped below",
-        "not clipped", "clipped with the waves", "room", "fault", "mean", "offset", "forgotten",
-        "learned at rest", "learned on the move", "one unit of rest", "withheld",
-        "rebounds", "turns in", "blind", "overloaded", "far",
+        "not clipped", "clipped with the waves", "room", "fault", "mean", "offset", "learned",
+        "θ above all", "θ below 0", "held", "brushes shrink", "brushes gone", "travels", "turns",
+        "slow", "bound below", "bound above", "bound kept", "withheld", "blind", "overloaded",
+        "far",
     )
 )  # fmt: skip
 
@@ -316,13 +320,14 @@ def random_settings(rng: random.Random) -> np.ndarray:
     calm = rng.random() < 0.5
     for place in GAINS:
         words[place] = any_word(rng, COEF)
-        if calm and place in (anchor.PULL_GAIN, anchor.DAMP_GAIN):
+        if calm and place == anchor.PULL_GAIN:
             words[place] >>= 8
     for place in LIMITS:
         words[place] = DATA.raw_max if calm else any_word(rng, DATA)
-    words[anchor.REST_TICKS] = rng.choice((0, 1, 2, 2, 5, (1 << formats.REST_W) - 1))
-    words[anchor.SLOW_UNITS] = rng.choice((0, 1, 2, 16, 31))
-    words[anchor.REBOUND_ETA] = any_word(rng, COEF) if rng.random() < 0.9 else 0
+    words[anchor.LEARN_MAX] = any_word(rng, COEF)
+    words[anchor.BRUSH] = any_word(rng, DATA)
+    words[anchor.FOLLOW_TICKS] = rng.choice((0, 1, 2, 5, (1 << formats.FOLLOW_W) - 1))
+    words[anchor.SLOW_TICKS] = rng.choice((0, 1, 2, 5, (1 << formats.REST_W) - 1))
     return words
 
 
@@ -374,14 +379,16 @@ def motor_settings() -> np.ndarray:
     words[anchor.OWED_GAIN] = formats.FLUX.to_raw(flux / 0.99)
     words[anchor.CELLS_GAIN] = formats.CELLS.to_raw(L_H / CELL_VS)
     words[anchor.PULL_GAIN] = formats.PULL.to_raw(4 * CELL_VS / L_H)
-    words[anchor.DAMP_GAIN] = formats.PULL.to_raw(2 * CELL_VS / L_H)
-    words[anchor.LEARN_GAIN] = formats.LEARN.to_raw(100 * TICK_S * CELL_VS / L_H)
+    cells_per_a = L_H / CELL_VS
+    words[anchor.LEARN_GAIN] = formats.LEARN.to_raw(100 * TICK_S / cells_per_a**2)
+    words[anchor.LEARN_MAX] = formats.PULL.to_raw(3 / cells_per_a)
+    words[anchor.BRUSH] = round(0.3 * cells_per_a / anchor.SEEN_CELLS)
     words[anchor.ZERO_GAIN] = formats.LEARN.to_raw(2000 * TICK_S / R_OHM)
     words[anchor.REACH] = formats.VOLTAGE.to_raw(1.0)
     words[anchor.ROOM_GAIN] = formats.FLUX.to_raw(1 / ROOT)
     words[anchor.STRANGE] = formats.VOLTAGE.to_raw(0.8)
-    words[anchor.REST_TICKS] = 6
-    words[anchor.SLOW_UNITS] = 20
+    words[anchor.FOLLOW_TICKS] = 2
+    words[anchor.SLOW_TICKS] = 60
     return words
 
 
@@ -437,7 +444,7 @@ async def a_motor(dut: object, side: int) -> None:
         if n < 1000:
             assert abs(bench.state[anchor.CHI]) < 20 << formats.LONG.fraction
     assert max(map(abs, corrections)) > 0.1
-    assert bench.seen >= {"learned at rest", "learned on the move", "inside", "mean", "offset"}
+    assert bench.seen >= {"learned", "held", "inside", "mean", "offset"}
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
@@ -462,50 +469,6 @@ async def a_reset_at_any_clock(dut: object) -> None:
                 await bench.begin(settings, clocks, products=products)
                 for tick in ticks[2:]:
                     await bench.tick(tick, gap=rng.choice((0, 1, 7)))
-
-
-@cocotb.test(timeout_time=5, timeout_unit="ms")
-async def a_swing_of_four_cells(dut: object) -> None:
-    """It is none any more, and nothing is damped: to the last place, either way."""
-    bench = AnchorBench(dut, random_source("swing"))
-    await bench.power_up()
-    near = formats.CURRENT.fraction + formats.CELLS.fraction - formats.LONG.fraction
-    words = np.zeros(anchor.SETTINGS, dtype=np.int64)
-    words[anchor.ENABLE] = words[anchor.REST_TICKS] = 1
-    words[anchor.CELLS_GAIN] = 1 << (near + 6)
-    words[anchor.DAMP_GAIN] = formats.PULL.to_raw(1.0)
-    words[anchor.REACH] = words[anchor.STRANGE] = formats.VOLTAGE.to_raw(60.0)
-    four = anchor.SWING_CELLS >> 6
-    for current in (four - 1, four, -four, -four - 1):
-        await bench.begin(words)
-        await bench.tick(Tick(contact=1))
-        await bench.tick(Tick(contact=1, current=current))
-        assert (bench.state[anchor.CORRECTION] != 0) == (current in (four - 1, -four))
-
-
-@cocotb.test(timeout_time=20, timeout_unit="ms")
-async def a_rebound_grows_old(dut: object) -> None:
-    """It is none any more 16 units of rest after the contact's beginning, in 32 ticks or so."""
-    rng = random_source("rebound")
-    bench = AnchorBench(dut, rng)
-    await bench.power_up()
-    for units in (1, 2, 3):
-        words = random_settings(rng)
-        words[anchor.ENABLE], words[anchor.REST_TICKS] = 1, 2 * units
-        words[anchor.REBOUND_ETA] = rng.choice((1, -1)) * rng.randint(1, COEF.raw_max)
-        await bench.begin(words)
-        for position, contact in ((0, 0), (1, 1), (2, 1), (1, 1)):
-            await bench.tick(Tick(position, contact))
-        assert bench.word("rebounds_o")
-        ticks = 3
-        while bench.word("rebounds_o"):
-            await bench.tick(Tick(1, 1))
-            ticks += 1
-        assert 32 * (units - 1) < ticks <= 32 * units
-        await bench.tick(Tick(2, 1))  # the wall is set anew all the same
-        assert not bench.state[anchor.BOUNCED]
-        await bench.tick(Tick(1, 1))
-        assert not bench.word("rebounds_o")
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

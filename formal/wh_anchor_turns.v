@@ -80,7 +80,7 @@ module prove_wh_anchor_turns #(
 
     // Products that the steps before this one have taken.
     function [3:0] taken_before(input [4:0] step);
-        taken_before = (step > 24) ? 4'd8 : (step > 23) ? 4'd7 : (step > 22) ? 4'd6
+        taken_before = (step > 25) ? 4'd8 : (step > 24) ? 4'd7 : (step > 23) ? 4'd6
                      : (step > 11) ? 4'd5 : (step > 10) ? 4'd4 : (step > 9) ? 4'd3
                      : (step > 5) ? 4'd2 : (step > 4) ? 4'd1 : 4'd0;
     endfunction
@@ -90,7 +90,7 @@ module prove_wh_anchor_turns #(
     wire [3:0] used    = taken_before(step);
     wire [3:0] coming  = {3'd0, way[0]} + {3'd0, way[1]} + {3'd0, way[2]};
     wire       waits   = step == 4 || step == 5 || step == 9 || step == 10 || step == 11
-                         || step == 22 || step == 23 || step == 24;
+                         || step == 23 || step == 24 || step == 25;
 
     reg        begun = 1'b0;
     reg        rst_q;
@@ -107,7 +107,7 @@ module prove_wh_anchor_turns #(
         way     <= rst ? 3'd0 : {way[1:0], granted};
         refused <= (rst || !request || grant) ? 4'd0 : refused + 4'd1;
         makes_q    <= !begun || rst || !in_turn || \block.adds_q < 5'd4;
-            voltage_q  <= \block.voltage_q ;
+        voltage_q  <= \block.voltage_q ;
         word_9_q   <= \block.memory[9] ;
         turn    <= (rst || !in_turn) ? 10'd0 : (turn == 10'd1000) ? turn : turn + 10'd1;
         stall   <= (rst || !in_turn || !waits || way[2]) ? 6'd0 : stall + 6'd1;
@@ -118,11 +118,11 @@ module prove_wh_anchor_turns #(
         if (begun) begin
             if (rst_q) assert (!busy && !overrun && !fault && step == 5'd0 && !\block.go_q
                                && correction == 0 && next == 0 && !request);
-            assert (busy == (step != 5'd0 || (\block.go_q && \block.adds_q == 5'd27)));
-            assert (step <= 5'd27);
-            assert (\block.ahead_q == (step == 5'd27 ? 5'd0 : step + 5'd1));
+            assert (busy == (step != 5'd0 || (\block.go_q && \block.adds_q == 5'd28)));
+            assert (step <= 5'd28);
+            assert (\block.ahead_q == (step == 5'd28 ? 5'd0 : step + 5'd1));
             assert (\block.waits_q == waits);
-            assert (\block.open_q == {step > 5'd18, step > 5'd5, step > 5'd0});
+            assert (\block.open_q == {step > 5'd19, step > 5'd5, step > 5'd0});
             // Each step waits for its own product, and none is lost or taken for another.
             if (in_turn) begin
                 assert (\block.give_q == used + coming);
@@ -132,17 +132,17 @@ module prove_wh_anchor_turns #(
                 assert (way == 3'd0);
             end
             // So it ends: 8 products, each waited for no longer than that.
-            if (\block.go_q && \block.adds_q == 5'd23) assert (!\block.writes_q );
+            if (\block.go_q && \block.adds_q == 5'd24) assert (!\block.writes_q );
             if (!makes_q && in_turn) begin
                 assert (\block.voltage_q == voltage_q);
                 assert (\block.memory[9] == word_9_q);
             end
             // Behind the step of CHOOSE comes one clock more.
             if (in_turn) assert (turn <= 10'd2 + step + used * (6'd4 + PATIENCE) + stall);
-            assert (turn <= 10'd31 + 8 * (6'd4 + PATIENCE));
+            assert (turn <= 10'd32 + 8 * (6'd4 + PATIENCE));
         end
 
-        cover (begun && busy && step == 5'd27);
+        cover (begun && busy && step == 5'd28);
     end
 
 endmodule

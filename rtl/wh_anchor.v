@@ -2,41 +2,41 @@
 //
 // wh_anchor: the port anchor, which holds what a port feels like to where the encoder sees the rotor.
 //
-//   χ   = L̂ i + k̂_T x - Σ (s T/2)(u + v)      flux of the port, in cells of k̂_T Δ; 0 if all is ideal
-//   p   = dz(χ, 1/2) + χ/256                  a cell's half is left alone, but for a 256th
-//   c_I -= g_γ p                              every tick at rest, one in 8 while the rotor moves; from 0
-//                                             on when a contact ends
-//   c   = c_I - g_ρ p - g_d (L̂ i - its mean)  the last in contact, at rest and below 4 cells
-//   |c| <= c_0 + |e_id|/2                     c_0/2 out of contact
-//   rebounds_o                                within 16 rest_ticks of a contact: back the way it began
+//   χ  = L̂ i + k̂_T x - Σ (s T/2)(u + v)       flux of the port, in counts of k̂_T Δ; 0 if all is ideal
+//   z  = χ, or a quarter of a count more in the direction of an edge that is the second the same way
+//   p  = z beyond ±1/2, z/256 within; or z - χ_b if the last edge's bound isn't kept yet
+//   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2; 0...learn_max, at first a quarter
+//   c  = θ (y' + sgn y' y_b) - g_ρ p           the first term in contact only
+//   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
+// y' is the mean of L̂ i while the rotor travels, three counts and more the same way, y_b stands for the brushes and shrinks by half of what y'
+// falls. The bound χ_b: after an edge upwards z must come down to the χ from before the last edge downwards,
+// and the other way round; so a rotor that crosses back over an edge meets no more force on its way out, and
+// no less on its way in, than it met there before.
 // c is a voltage in series with the port: it is added to e_id = s u behind the wave core, which does
-// not see it, and what it takes of the drive's limit, room_o, is the wave's no more. A contact's first
-// edge, in the tick that tells of the contact or one of the two before, sets χ to a quarter of a cell and
-// what is in the λ filter then, which its u tells; in contact, what the voltage limit or rounding withholds
-// from the waves counts as flux. In free space and at rest c shows the sensor's offset, which is summed up.
-// While a rotor that hit a wall goes back out of it, the environment returns less, rebound_eta_o, so that
-// a hit comes back with no more than it had whatever c gives; that is flux which the wall lacks, and with the
-// edge with which the rotor turns in again χ is what it would be if the contact began there.
-// A c that wants to go beyond its limit by strange, with the waves below theirs, tells that waves and encoder
-// don't follow the same motor: fault_o, and c = 0. So does a χ in the outer half of its range.
-// In a tick whose current or v is at the end of its range, blind_i, nothing is learned, and the next c is
+// not see it, and what it takes of the drive's limit, room_o, is no longer the wave's. A contact's first
+// edge, in the period that reports the contact or one of the two before, sets χ to a quarter of a count and
+// what is in the λ filter then, which its u shows; in contact, what the voltage limit or rounding withholds
+// from the waves counts as flux. In free space, when the rotor is slow, c shows the sensor's offset, which is
+// summed up. A c that asks for more than its limit by strange, with the waves below theirs, shows that waves
+// and encoder don't follow the same motor: fault_o, and c = 0. So does a χ in the outer half of its range.
+// In a period whose current or v is at the end of its range, blind_i, nothing is learned, and the next c is
 // 0; χ counts on. While c is at its limit since, that is no fault.
 //
-// AXIS = 1: the port is one of a brushless motor's two axes, whose flux a count changes by a part of a cell
-// (wh_rotor_flux): its place comes from there, the dead zone is half of that part, and so is what a contact
+// AXIS = 1: the port is one of a brushless motor's two axes, whose flux a count changes by a fraction of a count
+// (wh_rotor_flux): its place comes from there, the zone is half of that fraction, and so is what a contact
 // begins with.
 //
 // sim/wavehaptics/controller/anchor.py says the same with integers, and this module equals it bit for bit.
 // One adder works through the steps below, one in a clock, with its state in a memory; the products
-// come from a multiplier that others use as well (wh_multiply_shared), eight in a tick.
-// Formats: long words s48q33, cells, V or A; factors are their upper bits, s31q16.
-// Latency: 28 clocks from waves_i, and those that the multiplier makes it wait. c of one tick is
+// come from a multiplier that others use as well (wh_multiply_shared), eight in a period.
+// Formats: long words s48q33, counts, V or A, and θ s48q37 V a count; factors are their upper bits, s31q16.
+// Latency: 29 clocks from waves_i, and those that the multiplier makes it wait. c of one period is
 // correction_o from the next waves_i on, two clocks later. The next waves_i may come in the last of the
-// 28, the next start_i in the last four, or together with its waves_i. A waves_i before is ignored and
+// 29, the next start_i in the last four, or together with its waves_i. A waves_i before is ignored and
 // a start_i before spoils what is under way; both show as overrun_o. reads_o is 0 in at least two clocks of
 // every step, the last two before the next waves_i at the latest.
-// Reset: χ, c_I, mean, offset, room and c are 0, at rest, no contact, no fault; of any length, at any clock.
+// Reset: χ, θ, mean, offset, room and c are 0, slow, no contact, no fault; of any length, at any clock.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -82,8 +82,6 @@ module wh_anchor #(
     output reg  signed [`WH_DATA_W-1:0]       offset_o,      // s31q24 A: to be taken off the current
     output reg  signed [`WH_DATA_W-1:0]       flux_o,        // s31q16 cells: χ; x̂ = x + 1/2 - χ
     output reg  signed [`WH_DATA_W-1:0]       lag_o,         // s31q16 cells: ω̂ over 256 ticks
-    output reg                                rebounds_o,    // of the step to come
-    output wire signed [`WH_COEF_W-1:0]       rebound_eta_o, // s27q25: η of such a step, the word
     output reg                                fault_o        // until rst
 );
 
@@ -96,18 +94,20 @@ module wh_anchor #(
     localparam integer SINE_Q    = `WH_SINE_Q;
     localparam integer MOVE_W    = `WH_MOVE_W;
     localparam integer REST_W    = `WH_REST_W;
-    localparam integer UNIT_W    = `WH_REST_UNIT_W;
+    localparam integer FOLLOW_W  = `WH_FOLLOW_W;
 
     localparam integer NEAR_SHIFT = `WH_CURRENT_Q + `WH_CELLS_Q - LONG_Q;
     localparam integer FAR_SHIFT  = `WH_WAVE_Q + `WH_FLUX_Q - LONG_Q;
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
-    localparam integer INNER_SHIFT = 8;  // of χ within the dead zone, of both means
-    localparam integer SWING_W     = 2;  // swings are smaller than 2^2 cells
+    localparam integer INNER_SHIFT = 8;  // of z within the zone, of both means
+    localparam integer FEW_SHIFT   = INNER_SHIFT + 1 + CUT;  // by half of a step of y' shrinks y_b
+    localparam integer THETA_CUT   = `WH_LEARN_Q + LONG_Q - CUT - FAR_SHIFT - `WH_PULL_Q;  // of θ below a coefficient
+    localparam integer THETA_W     = LONG_W - THETA_CUT;
     localparam [1:0]   FRESH_TICKS = 3;  // a contact is told in its edge's tick or in the next two
 
     generate
-        if (NEAR_SHIFT < 1 || NEAR_SHIFT != `WH_PULL_Q - CUT || FAR_SHIFT != `WH_LEARN_Q - CUT
+        if (NEAR_SHIFT < 1 || NEAR_SHIFT != `WH_PULL_Q - CUT || THETA_CUT < 1 || THETA_W < COEF_W
             || DATA_W + COEF_W - NEAR_SHIFT < LONG_W || VOLT_SHIFT < 2
             || (AXIS == 1 && LONG_Q < SINE_Q + 1)) begin : illegal_format
             wh_illegal_parameter_anchor_formats stop ();
@@ -120,19 +120,18 @@ module wh_anchor #(
     wire signed [COEF_W-1:0] owed_gain;    // s27q22 cells a √W
     wire signed [COEF_W-1:0] cells_gain;   // s27q12 cells an A
     wire signed [COEF_W-1:0] pull_gain;    // s27q20 V a cell: g_ρ
-    wire signed [COEF_W-1:0] damp_gain;    // s27q20 V a cell: g_d
-    wire signed [COEF_W-1:0] learn_gain;   // s27q29 V a cell: g_γ
+    wire signed [COEF_W-1:0] learn_gain;   // s27q33 V a count, per count: g_θ
+    wire signed [COEF_W-1:0] learn_max;    // s27q20 V a count: largest θ
     wire signed [COEF_W-1:0] zero_gain;    // s27q22 A a V
     wire signed [COEF_W-1:0] room_gain;    // s27q22 √W a V: 1/s
     wire signed [DATA_W-1:0] reach;        // s31q23 V, 0...64 V: c_0
     wire signed [DATA_W-1:0] strange;      // s31q23 V
-    wire        [REST_W-1:0] rest_ticks;   // ticks, 1...
-    wire        [UNIT_W-1:0] slow_units;   // of rest_ticks
-    wire signed [COEF_W-1:0] rebound_eta;  // s27q25; 0: no contact is told from another
+    wire signed [DATA_W-1:0] brush;        // s31q16 counts, 0...: y_b of a new contact
+    wire      [FOLLOW_W-1:0] follow_ticks; // periods, 1...: from one step of y' to the next
+    wire        [REST_W-1:0] slow_ticks;   // periods without two edges the same way: the rotor is slow
 
-    assign rebound_eta_o = rebound_eta;
-    assign {rebound_eta, slow_units, rest_ticks, strange, reach, room_gain, zero_gain, learn_gain,
-            damp_gain, pull_gain, cells_gain, owed_gain, flux_gain, enable} = words_i;
+    assign {slow_ticks, follow_ticks, brush, strange, reach, room_gain, zero_gain, learn_max, learn_gain,
+            pull_gain, cells_gain, owed_gain, flux_gain, enable} = words_i;
 
     // ---- What the tick brought.
     reg        [PLACE_W-1:0] position_q;
@@ -141,17 +140,20 @@ module wh_anchor #(
     reg                      start_q;     // moved_q is a new tick's: its rest is counted in this clock
     reg                      contact_q;
     reg                      begins_q;    // the contact
-    reg                      over_q;      // the contact, in this tick
     reg                      back_q;      // direction of the last edge
+    reg                      same_q;      // it was that of the edge before it
+    reg                      counted_q;   // direction of the last edge of which that was so
+    reg [1:0]                travels_q;   // and as many before it had the same direction, up to 2
+    reg                      sinks_q;     // the last edge lessened the flux
     reg [1:0]                fresh_q;     // ticks for which that edge is one that a contact can begin with
-    reg [REST_W-1:0]         ticks_q;     // left of a unit of rest
-    reg [UNIT_W-1:0]         units_q;     // since the last edge the same way as the one before
-    reg [4:0]                phase_q;     // ticks, modulo 32
-    reg                      into_q;      // direction of the edge with which the contact began
-    reg [REST_W-2:0]         young_q;     // the contact is, for 32 ticks as many times
-    reg                      bounced_q;   // it has been a rebound
-    reg                      returns_q;   // the rotor turns in again, in this tick
-    reg                      anew_q;      // χ is set, as that or as the contact begins
+    reg [REST_W-1:0]         quiet_q;     // ticks left until a rotor without two edges the same way is slow
+    reg [FOLLOW_W-1:0]       phase_q;     // ticks left until y' moves
+    reg                      follows_q;   // it does in this tick
+    reg [1:0]                chi_at_q;    // where in the memory χ is, 1 to 3,
+    reg [1:0]                up_at_q;     // χ before the last edge that raised the flux,
+    reg [1:0]                down_at_q;   // and that before the last one that lessened it
+    reg                      knows_up_q;  // these are of this contact, and the rotor moved by single counts since
+    reg                      knows_down_q;
 
     wire signed [MOVE_W-1:0] moved    =
         started_q ? $signed(position_i[MOVE_W-1:0] - position_q[MOVE_W-1:0]) : {MOVE_W{1'b0}};
@@ -159,59 +161,61 @@ module wh_anchor #(
     wire                     back     = moved_q[MOVE_W-1];
     wire                     one      = back ? (&moved_q) : (moved_q[MOVE_W-1:1] == 0);
     wire                     same_way = moves && (back == back_q || !one);
-    wire                     unit     = (ticks_q[REST_W-1:1] == 0);
     wire                     edged    = (fresh_q != 2'd0);
-    wire                     young    = |young_q;
-    wire                     hits     = enable && (|rebound_eta);
-    wire                     turns    = hits && contact_q && !begins_q && moves;
-    wire                     returns  = turns && bounced_q && back == into_q;
-    wire                     anew     = start_q ? begins_q || returns : anew_q;
+    wire                     sinks;       // this tick's edge lessens the flux
+    wire                     steps    = start_q && moves && !begins_q;
 
     always @(posedge clk) begin
         if (rst) begin
-            started_q <= 1'b0;
-            start_q   <= 1'b0;
-            contact_q <= 1'b0;
-            begins_q  <= 1'b0;
-            over_q    <= 1'b0;
-            back_q    <= 1'b0;
-            fresh_q   <= 2'd0;
-            ticks_q   <= rest_ticks;
-            units_q   <= {UNIT_W{1'b1}};
-            phase_q   <= 5'd0;
-            into_q    <= 1'b0;
-            young_q   <= {(REST_W - 1){1'b0}};
-            bounced_q <= 1'b0;
-            returns_q <= 1'b0;
-            anew_q    <= 1'b0;
+            started_q    <= 1'b0;
+            start_q      <= 1'b0;
+            contact_q    <= 1'b0;
+            begins_q     <= 1'b0;
+            back_q       <= 1'b0;
+            same_q       <= 1'b1;
+            counted_q    <= 1'b0;
+            travels_q    <= 2'd0;
+            sinks_q      <= 1'b0;
+            fresh_q      <= 2'd0;
+            quiet_q      <= {REST_W{1'b0}};
+            phase_q      <= {FOLLOW_W{1'b0}};
+            follows_q    <= 1'b0;
+            chi_at_q     <= 2'd1;
+            up_at_q      <= 2'd2;
+            down_at_q    <= 2'd3;
+            knows_up_q   <= 1'b0;
+            knows_down_q <= 1'b0;
         end else begin
             start_q <= start_i;
             if (start_i) begin
                 started_q <= 1'b1;
                 contact_q <= contact_i;
                 begins_q  <= contact_i && !contact_q;
-                over_q    <= !contact_i && contact_q;
-                phase_q   <= phase_q + 5'd1;
             end
             if (start_q) begin
-                back_q  <= moves ? back : back_q;
-                fresh_q <= moves ? FRESH_TICKS : edged ? fresh_q - 2'd1 : 2'd0;
-                ticks_q <= (same_way || unit) ? rest_ticks : ticks_q - 1'b1;
-                if (same_way) begin
-                    units_q <= {UNIT_W{1'b0}};
-                end else if (unit && !(&units_q)) begin
-                    units_q <= units_q + 1'b1;
+                follows_q <= (phase_q == {FOLLOW_W{1'b0}});
+                phase_q   <= (phase_q != {FOLLOW_W{1'b0}})      ? phase_q - 1'b1
+                           : (follow_ticks != {FOLLOW_W{1'b0}}) ? follow_ticks - 1'b1 : {FOLLOW_W{1'b0}};
+                back_q    <= moves ? back : back_q;
+                sinks_q   <= moves ? sinks : sinks_q;
+                same_q    <= begins_q || (moves ? same_way : same_q);
+                fresh_q   <= moves ? FRESH_TICKS : edged ? fresh_q - 2'd1 : 2'd0;
+                quiet_q   <= same_way ? slow_ticks : (|quiet_q) ? quiet_q - 1'b1 : quiet_q;
+                travels_q <= begins_q ? 2'd2 : !same_way ? travels_q : (back != counted_q) ? 2'd0
+                           : travels_q[1] ? 2'd2 : travels_q + 2'd1;
+                counted_q <= (begins_q || same_way) ? (moves ? back : back_q) : counted_q;
+            end
+            if (start_q && begins_q) begin
+                knows_up_q   <= 1'b0;
+                knows_down_q <= 1'b0;
+            end else if (steps) begin
+                knows_up_q   <= one && (!sinks || knows_up_q);
+                knows_down_q <= one && (sinks || knows_down_q);
+                if (one) begin
+                    chi_at_q  <= sinks ? down_at_q : up_at_q;
+                    up_at_q   <= sinks ? up_at_q : chi_at_q;
+                    down_at_q <= sinks ? chi_at_q : down_at_q;
                 end
-                if (begins_q) begin
-                    into_q  <= moves ? back : back_q;
-                    young_q <= rest_ticks[REST_W-1:1];  // 16 units of them
-                end else if (phase_q == 5'd0 && young) begin
-                    young_q <= young_q - 1'b1;
-                end
-                bounced_q <= begins_q ? 1'b0 : !turns ? bounced_q
-                           : (back != into_q && (young || bounced_q));
-                anew_q    <= anew;
-                returns_q <= returns;
             end
         end
         if (start_i) begin
@@ -220,12 +224,13 @@ module wh_anchor #(
         end
     end
 
-    // What the encoder tells of the flux: all of it, what the tick changed, what a contact begins with,
-    // and whether χ, sum_q of the step INNER, is beyond half of what a count changes.
+    // What the encoder tells of the flux: all of it, what the tick changed, what a contact begins with, half
+    // and a quarter of what a count changes, and whether z, sum_q of the step BOUND, is beyond that half.
     wire signed [LONG_W-1:0] place;
     wire signed [LONG_W-1:0] moved_flux;
     wire signed [LONG_W-1:0] start_flux;
     wire signed [LONG_W-1:0] half_flux;
+    wire signed [LONG_W-1:0] ahead_flux;
     wire                     out;
 
     generate
@@ -257,6 +262,8 @@ module wh_anchor #(
             assign start_flux = $signed({{(HALF_W - SINE_Q - 2){way[SINE_Q+1]}}, way,
                                          {(LONG_Q - SINE_Q - 1){1'b0}}});
             assign half_flux  = $signed({half, {(LONG_Q - SINE_Q - 1){1'b0}}});
+            assign ahead_flux = $signed({{1{1'b0}}, half, {(LONG_Q - SINE_Q - 2){1'b0}}});
+            assign sinks      = moved_flux_q[FLUX_W-1];
             assign out        = back_sum ? (chi < -half) : (chi >= half);
         end else begin : motor
             wire unused_axis = &{1'b0, place_i, cell_i};
@@ -267,6 +274,8 @@ module wh_anchor #(
             assign start_flux = $signed({{(LONG_W - LONG_Q + 1){edged && back_q}}, edged,
                                          {(LONG_Q - 2){1'b0}}});
             assign half_flux  = $signed({{(LONG_W - LONG_Q){1'b0}}, 1'b1, {(LONG_Q - 1){1'b0}}});
+            assign ahead_flux = $signed({{(LONG_W - LONG_Q + 1){1'b0}}, 1'b1, {(LONG_Q - 2){1'b0}}});
+            assign sinks      = back;
             assign out        = back_sum ? !(&sum_q[LONG_W-2:LONG_Q-1])
                                          : (|sum_q[LONG_W-2:LONG_Q-1]);
         end
@@ -275,9 +284,7 @@ module wh_anchor #(
     // The tick's own, also in the clock of its start.
     wire touches = start_i ? contact_i : contact_q;
 
-    wire rests = |units_q;
-    wire still = units_q[UNIT_W-1];
-    wire slow  = (units_q >= slow_units);
+    wire slow = (quiet_q == {REST_W{1'b0}});
 
     // ---- The steps: what is added to what, and where the sum goes. A step's words are fetched in one
     // clock (step_q), where the sums with a product wait for it, and added in the next (adds_q). What
@@ -286,14 +293,16 @@ module wh_anchor #(
     localparam [4:0] BEGIN = 0, REACH = 1, LIMIT = 2,
                      TAKE_ZERO = 3, ZERO = 4, CURRENT = 5, SWING = 6, MEAN = 7,
                      BASE = 8, ADD_OWED = 9, ADD_U = 10, ADD_V = 11, EDGE = 12, FLUX = 13,
-                     INNER = 14, HALF = 15, OUTER = 16,
-                     PLACE = 17, X_HAT = 18, LAG = 19, FOLLOW = 20,
-                     TAKE_LEARNED = 21, LEARN = 22, CORRECT = 23, DAMP = 24,
-                     CLIP = 25, STRANGE = 26, CHOOSE = 27;
+                     AHEAD = 14, BOUND = 15, BACK = 16, BEYOND = 17,
+                     PLACE = 18, X_HAT = 19, LAG = 20, FOLLOW = 21,
+                     TAKE_THETA = 22, LEARN = 23, HELD = 24, CORRECT = 25,
+                     CLIP = 26, STRANGE = 27, CHOOSE = 28;
 
-    // The memory's words.
-    localparam [3:0] M_FLUX = 0, M_LEARNED = 1, M_MEAN = 2, M_ZERO = 3, M_FOLLOWER = 4, M_BEGUN = 8,
-                     M_LIMIT = 9, M_CURRENT = 10, M_WANTED = 12, M_CHI = 13;
+    // The memory's words; χ and its two bounds take turns in the last three.
+    localparam [3:0] M_FLUX = 0, M_THETA = 1, M_MEAN = 2, M_ZERO = 3, M_FOLLOWER = 4,
+                     M_LIMIT = 9, M_CURRENT = 10, M_WANTED = 12;
+    wire [3:0] m_chi   = {2'b11, chi_at_q};
+    wire [3:0] m_bound = {2'b11, sinks_q ? up_at_q : down_at_q};
 
     reg [4:0] step_q;
     reg [4:0] ahead_q;    // the step after step_q
@@ -313,8 +322,9 @@ module wh_anchor #(
     assign reads_o = waves_i || start_q || (busy_q && step_q != BEGIN && step_q < STRANGE);
 
     // ---- The words of a step.
-    localparam [2:0] B_NEAR = 0, B_FAR = 1,  // products
-                     B_REACH = 2, B_STRANGE = 3, B_VOLTAGE = 4, B_EDGE = 5, B_HALF = 6, B_PLACE = 7;
+    localparam [3:0] B_NEAR = 0, B_FAR = 1,  // products
+                     B_REACH = 2, B_STRANGE = 3, B_VOLTAGE = 4, B_EDGE = 5, B_HALF = 6, B_PLACE = 7, B_AHEAD = 8,
+                     B_THETA = 9;  // a quarter of the largest
 
     // No word is read for a sum in the clock in which it is written, so that it doesn't matter what a
     // block RAM would give then: else Yosys adds logic that knows.
@@ -338,19 +348,36 @@ module wh_anchor #(
     reg                     inner_q, inner;          // its 256th, or 0
     reg                     memory_too_q, memory_too;  // b: what was read, or b_q
     reg                     fresh;                   // what is read is 0 in the first step
-    reg        [2:0]        b_from_q, b_from;
+    reg        [3:0]        b_from_q, b_from;
     reg                     waits;
     reg                     bare_q, bare;            // b_q is 0
-    reg                     halves_q;                // nothing is added if χ isn't outside
     reg                     minus_q, minus;
     reg                     to_zero_q;               // minus if the sum isn't
-    reg                     out_q;                   // χ is outside the dead zone
+    reg                     out_q;                   // z is outside the zone,
+    reg                     above_q;                 // above it
+    reg signed [DATA_W-1:0] brush_q;                 // s31q16 counts, 0...: y_b
+    reg signed [DATA_W-1:0] told_q;                  // s31q16 counts: y' + sgn y' y_b
+    reg                     presses_q;               // y' is below 0
+    reg signed [COEF_W-1:0] theta_q;                 // s27q20 V a count: θ, 0...learn_max
+    reg signed [DATA_W-1:0] held_q;                  // s31q23 V: θ (y' + sgn y' y_b)
+    reg                     full_q;                  // it is the largest
+    reg                     void_q;                  // it is below 0
+    reg                     bound_q;                 // the last edge's bound is still to be reached
+    reg                     touched_q;               // the step's contact
     reg                     clipped_q;
     reg                     negative_q;              // the correction that is wanted
 
     wire e_back = voltage_q[DATA_W-1];
     wire back_sum = sum_q[LONG_W-1];
-    wire learns = (still || phase_q[2:0] == 3'd0) && !clipped_q && !saturated_q && !blind_q;
+    wire moves_mean = follows_q && contact_q && travels_q[1] && !blind_q && !begins_q;
+
+    wire grows  = (factor_q[DATA_W-1] != presses_q);
+    wire learns = contact_q && out_q && !clipped_q && !saturated_q && !blind_q && !(grows ? full_q : void_q);
+
+    // Whether the last edge's bound isn't kept yet: of z less the bound, sum_q of the step BACK.
+    wire known  = sinks_q ? knows_up_q : knows_down_q;
+    wire beside = bound_q && contact_q && known && (back_sum == sinks_q) 
+                  && !(out_q && above_q == sinks_q);
     wire past   = (back_sum == negative_q);
 
     always @* begin
@@ -392,8 +419,9 @@ module wh_anchor #(
                 minus      = 1'b1;
             end
             MEAN: begin
-                inner      = (phase_q == 5'd0) && !blind_q;
-                memory_too = 1'b1;
+                inner      = moves_mean;
+                memory_too = !begins_q;
+                minus      = begins_q;  // begins with what presses against the rotor's way
                 fresh      = 1'b1;
                 read_from  = M_MEAN;
                 writes     = 1'b1;
@@ -402,16 +430,15 @@ module wh_anchor #(
             BASE: begin
                 memory_too = !begins_q;
                 fresh      = 1'b1;
-                minus      = returns_q;
-                read_from  = returns_q ? M_BEGUN : M_FLUX;
+                read_from  = M_FLUX;
             end
             ADD_OWED: begin
                 sum_too = 1'b1;
-                minus   = !anew_q;
+                minus   = !begins_q;
             end
             ADD_U: begin
                 sum_too = 1'b1;
-                minus   = !returns_q;
+                minus   = 1'b1;
             end
             ADD_V: begin
                 sum_too = 1'b1;
@@ -426,26 +453,34 @@ module wh_anchor #(
                 memory_too = 1'b1;
                 read_from  = M_CURRENT;
                 writes     = 1'b1;
-                write_to   = M_CHI;
+                write_to   = m_chi;
             end
-            INNER: inner = 1'b1;
-            HALF: begin
+            AHEAD: begin
                 sum_too = 1'b1;
-                minus   = !back_sum;
+                minus   = sinks_q;
             end
-            OUTER: begin
+            BOUND: begin
                 sum_too    = 1'b1;
-                memory_too = out_q;
-                read_from  = M_CHI;
+                memory_too = known;
+                read_from  = m_bound;
+                minus      = 1'b1;
             end
-            PLACE: begin
-                writes   = begins_q;
-                write_to = M_BEGUN;
+            BACK: begin
+                sum_too    = 1'b1;
+                memory_too = known;
+                read_from  = m_bound;
+            end
+            BEYOND: begin
+                sum_too    = beside || out_q;
+                inner      = !beside && !out_q;
+                memory_too = beside;
+                read_from  = m_bound;
+                minus      = beside || above_q;
             end
             X_HAT: begin
                 sum_too    = 1'b1;
                 memory_too = 1'b1;
-                read_from  = M_CHI;
+                read_from  = m_chi;
                 minus      = 1'b1;
             end
             LAG: begin
@@ -461,23 +496,18 @@ module wh_anchor #(
                 writes     = 1'b1;
                 write_to   = M_FOLLOWER;
             end
-            TAKE_LEARNED: begin
-                memory_too = !over_q;
+            TAKE_THETA: begin
+                memory_too = 1'b1;
                 fresh      = 1'b1;
-                read_from  = M_LEARNED;
+                read_from  = M_THETA;
             end
             LEARN: begin
                 sum_too  = 1'b1;
-                minus    = 1'b1;
+                minus    = !presses_q;
                 writes   = 1'b1;
-                write_to = M_LEARNED;
+                write_to = M_THETA;
             end
-            CORRECT: begin
-                sum_too = 1'b1;
-                minus   = 1'b1;
-            end
-            DAMP: begin
-                sum_too  = 1'b1;
+            CORRECT: begin  // held_q is HELD's sum
                 minus    = 1'b1;
                 writes   = 1'b1;
                 write_to = M_WANTED;
@@ -526,24 +556,36 @@ module wh_anchor #(
             ADD_U: begin
                 waits  = 1'b1;
                 bare   = begins_q;
-                b_from = returns_q ? B_PLACE : B_FAR;
+                b_from = B_FAR;
             end
             ADD_V: begin
                 waits  = 1'b1;
-                bare   = anew_q;
+                bare   = begins_q;
                 b_from = B_FAR;
             end
             EDGE:    b_from = B_EDGE;
-            HALF:    b_from = B_HALF;
+            MEAN: begin
+                bare   = !begins_q;
+                b_from = B_EDGE;
+            end
+            TAKE_THETA: begin
+                bare   = !first_q;
+                b_from = B_THETA;
+            end
+            AHEAD: begin
+                bare   = !contact_q || !same_q;
+                b_from = B_AHEAD;
+            end
+            BEYOND:  b_from = B_HALF;
             PLACE:   b_from = B_PLACE;
             LEARN: begin
                 waits  = 1'b1;
                 bare   = !learns;
                 b_from = B_FAR;
             end
-            DAMP: begin
+            HELD: begin
                 waits  = 1'b1;
-                bare   = !contact_q || !rests || !small_q;
+                bare   = !touched_q;
                 b_from = B_NEAR;
             end
             STRANGE: b_from = B_STRANGE;
@@ -556,7 +598,7 @@ module wh_anchor #(
         ? $signed({strange, 1'b0}) : $signed({reach[DATA_W-1], reach[DATA_W-1:1], reach[0] && touches});
 
     always @(posedge clk) begin
-        if (bare_q) begin
+        if (bare_q || (step_q == BEYOND && (beside || !out_q))) begin
             b_q <= {LONG_W{1'b0}};
         end else begin
             case (b_from_q)
@@ -566,7 +608,10 @@ module wh_anchor #(
                                            product_i[DATA_W+COEF_W-1:FAR_SHIFT]});
                 B_VOLTAGE: b_q <= $signed({{(LONG_W - DATA_W - VOLT_SHIFT + 1){e_back}}, voltage_q,
                                            {(VOLT_SHIFT - 1){1'b0}}});
-                B_EDGE:    b_q <= anew_q ? start_flux : moved_flux;
+                B_EDGE:    b_q <= begins_q ? start_flux : moved_flux;
+                B_AHEAD:   b_q <= ahead_flux;
+                B_THETA:   b_q <= $signed({{(LONG_W - COEF_W - THETA_CUT + 2){learn_max[COEF_W-1]}}, learn_max,
+                                           {(THETA_CUT - 2){1'b0}}});
                 B_HALF:    b_q <= half_flux;
                 B_PLACE:   b_q <= place;
                 default:   b_q <= $signed({{(LONG_W - DATA_W - VOLT_SHIFT){setting[DATA_W]}}, setting,
@@ -580,7 +625,6 @@ module wh_anchor #(
         memory_too_q <= memory_too && !(fresh && first_q);
         minus_q      <= minus;
         to_zero_q    <= (step_q == CLIP);
-        halves_q     <= (step_q == HALF);
         writes_q     <= writes;
         write_to_q   <= write_to;
     end
@@ -594,10 +638,11 @@ module wh_anchor #(
         (b_q | ({LONG_W{memory_too_q}} & read_q)) ^ {LONG_W{takes_off}};
     wire signed [LONG_W-1:0] sum  = a + b + $signed({{(LONG_W - 1){1'b0}}, takes_off});
 
-    wire unused = &{1'b0, product_i[NEAR_SHIFT-1:0], position_i[`WH_COUNT_W-1:PLACE_W]};
+    wire unused = &{1'b0, product_i[NEAR_SHIFT-1:0], position_i[`WH_COUNT_W-1:PLACE_W],
+                     size[FEW_SHIFT-1:0]};
 
     always @(posedge clk) begin
-        if (go_q && (out_q || !halves_q)) begin
+        if (go_q) begin
             sum_q <= sum;
         end
         stores_q   <= go_q && writes_q;
@@ -611,17 +656,14 @@ module wh_anchor #(
     // come one after the other, as its steps do, and so that none comes before its step: the first
     // step is as many clocks from where they are asked for as a product takes, or more. No step before
     // the first run takes a product, so none that was asked for before a reset is taken for another.
-    localparam [3:0] G_ZERO = 0, G_CURRENT = 1, G_OWED = 2, G_U = 3, G_V = 4, G_DAMP = 7;  // 8: none
+    localparam [3:0] G_ZERO = 0, G_CURRENT = 1, G_OWED = 2, G_U = 3, G_V = 4, G_HELD = 6, G_PULL = 7;  // 8: none
 
     reg        [3:0]        give_q;         // one of them
     reg        [2:0]        open_q;         // runs that may be asked for
-    reg signed [DATA_W-1:0] factor_q;       // of give_q, but for G_ZERO's and G_DAMP's
+    reg signed [DATA_W-1:0] factor_q;       // of give_q, but for G_ZERO's and G_HELD's
     reg signed [COEF_W-1:0] coefficient_q;  // of give_q
-    reg signed [DATA_W-1:0] swing_q;        // s31q16 cells
-    reg                     small_q;        // it is a swing, and no move
-
     assign request_o = (open_q[0] && give_q <= G_CURRENT) || (open_q[1] && give_q <= G_V)
-                       || (open_q[2] && give_q <= G_DAMP);
+                       || (open_q[2] && give_q <= G_PULL);
 
     // With a grant come the next product's operands; G_ZERO's gain waits, its factor is there too late
     // for that. p = s31q16 cells, which is there just in time, is G_LEARN's and G_PULL's factor.
@@ -630,7 +672,7 @@ module wh_anchor #(
     reg  [2:0] after_q;  // gain of the product after this one
     wire [2:0] gain    = open_q[0] ? after_q : {2'b00, touches};
 
-    assign factor_o      = (give_q == G_ZERO) ? next_o : (give_q == G_DAMP) ? swing_q : factor_q;
+    assign factor_o      = (give_q == G_ZERO) ? next_o : (give_q == G_HELD) ? told_q : factor_q;
     assign coefficient_o = coefficient_q;
 
     always @(posedge clk) begin
@@ -638,18 +680,18 @@ module wh_anchor #(
             after_q <= 3'd2;
         end else if (granted) begin
             case (give_q)
-                G_ZERO:    after_q <= (saturated_q || anew) ? 3'd3 : 3'd4;
+                G_ZERO:    after_q <= (saturated_q || begins_q) ? 3'd3 : 3'd4;
                 G_CURRENT: after_q <= 3'd4;
                 G_OWED:    after_q <= 3'd4;
                 G_U:       after_q <= 3'd5;
                 G_V:       after_q <= 3'd6;
-                default:   after_q <= 3'd7;  // of the two that learn and pull, G_DAMP's comes last
+                default:   after_q <= 3'd7;  // of the last run G_PULL's comes last
             endcase
         end
         if (placed || (granted && !give_q[2])) begin
             factor_q <= placed                ? $signed(sum_q[LONG_W-1:CUT])
                       : (give_q == G_ZERO)    ? current_i
-                      : (give_q == G_CURRENT && !anew_q) ? withheld_i
+                      : (give_q == G_CURRENT && !begins_q) ? withheld_i
                       : (give_q != G_U)       ? u_i : v_i;  // where χ is set, u is owed
         end
         if (granted || !open_q[0]) begin
@@ -660,8 +702,8 @@ module wh_anchor #(
                 3'd3:    coefficient_q <= owed_gain;
                 3'd4:    coefficient_q <= flux_gain;
                 3'd5:    coefficient_q <= learn_gain;
-                3'd6:    coefficient_q <= pull_gain;
-                default: coefficient_q <= damp_gain;
+                3'd6:    coefficient_q <= theta_q;
+                default: coefficient_q <= pull_gain;
             endcase
         end
     end
@@ -676,19 +718,28 @@ module wh_anchor #(
         end
         if (go_q) begin
             case (adds_q)
-                MEAN: begin
-                    swing_q <= $signed(sum_q[LONG_W-1:CUT]);
-                    small_q <= (&sum_q[LONG_W-1:LONG_Q+SWING_W]) || !(|sum_q[LONG_W-1:LONG_Q+SWING_W]);
+                BASE: begin
+                    touched_q <= contact_q;
+                    told_q    <= $signed(sum_q[LONG_W-1:CUT]) + (back_sum ? -brush_q : brush_q);
                 end
-                INNER: begin
-                    out_q <= out;
-                    far_q <= (sum_q[LONG_W-1] != sum_q[LONG_W-2]);
+                AHEAD:   far_q <= (sum_q[LONG_W-1] != sum_q[LONG_W-2]);
+                BOUND: begin
+                    out_q   <= out;
+                    above_q <= !back_sum;
                 end
                 CLIP:    negative_q <= back_sum;
                 default: ;
             endcase
         end
     end
+
+    // θ as a coefficient, sum_q of the step HELD, and y_b less what it shrinks by, of the step MEAN.
+    wire                     full = ($signed(sum_q[LONG_W-1:THETA_CUT])
+                                     >= $signed({{(THETA_W - COEF_W){learn_max[COEF_W-1]}}, learn_max}));
+    wire                     none = full ? learn_max[COEF_W-1] : back_sum;
+    wire [LONG_W-1:0]        size = sum_q ^ {LONG_W{back_sum}};
+    wire signed [DATA_W:0]   less = $signed({brush_q[DATA_W-1], brush_q})
+                                  - $signed({{(DATA_W + 1 - LONG_W + FEW_SHIFT){1'b0}}, size[LONG_W-1:FEW_SHIFT]});
 
     // ---- Steps and results.
     reg  signed [DATA_W-1:0] next_q;
@@ -697,7 +748,9 @@ module wh_anchor #(
     wire                     strange_c = clipped_q && past && !saturated_q && !overloaded_q;
     wire                     lost = enable_q && (fault_o || far_q || strange_c);
 
-    assign next_o = none_q ? {DATA_W{1'b0}} : chosen_q ? $signed(sum_q[VOLT_SHIFT +: DATA_W]) : next_q;
+    wire signed [DATA_W-1:0] chosen = $signed(sum_q[VOLT_SHIFT +: DATA_W]) + held_q;
+
+    assign next_o = none_q ? {DATA_W{1'b0}} : chosen_q ? chosen : next_q;
 
     always @(posedge clk) begin
         if (rst) begin
@@ -724,9 +777,15 @@ module wh_anchor #(
             offset_o     <= {DATA_W{1'b0}};
             flux_o       <= {DATA_W{1'b0}};
             lag_o        <= {DATA_W{1'b0}};
-            rebounds_o   <= 1'b0;
+            brush_q      <= {DATA_W{1'b0}};
+            bound_q      <= 1'b0;
+            theta_q      <= {COEF_W{1'b0}};
+            held_q       <= {DATA_W{1'b0}};
+            full_q       <= 1'b0;
+            void_q       <= 1'b0;
+            presses_q    <= 1'b0;
         end else begin
-            if ((waves_i && !accepts) || (start_i && step_q != BEGIN && step_q <= DAMP)) begin
+            if ((waves_i && !accepts) || (start_i && step_q != BEGIN && step_q <= CORRECT)) begin
                 overrun_o <= 1'b1;
             end
             go_q     <= fetches;
@@ -744,6 +803,9 @@ module wh_anchor #(
                           : (step_q == CURRENT) ? 3'b011
                           : (step_q == X_HAT)   ? 3'b111 : open_q;
             end
+            if (start_q && (begins_q || moves)) begin
+                bound_q <= !begins_q;
+            end
             if (accepts) begin
                 busy_q <= 1'b1;
                 give_q <= G_ZERO;
@@ -757,15 +819,34 @@ module wh_anchor #(
                 case (adds_q)
                     BEGIN:   correction_o <= next_o;
                     CURRENT: begin
-                        room_o <= contact_q ? $signed(sum_q[VOLT_SHIFT +: DATA_W]) : {DATA_W{1'b0}};
+                        room_o <= (!contact_q || back_sum) ? {DATA_W{1'b0}}
+                                : (|sum_q[LONG_W-2:VOLT_SHIFT+DATA_W-1]) ? {1'b0, {(DATA_W - 1){1'b1}}}
+                                : $signed(sum_q[VOLT_SHIFT +: DATA_W]);
                         if (!contact_q) begin
                             tracked_q <= 1'b1;
                             offset_o  <= $signed(sum_q[AMP_SHIFT +: DATA_W]);
                         end
                     end
-                    INNER:   flux_o    <= $signed(sum_q[LONG_W-1:CUT]);
+                    AHEAD:   flux_o    <= $signed(sum_q[LONG_W-1:CUT]);
                     FOLLOW:  lag_o     <= $signed(sum_q[LONG_W-1:CUT]);
-                    DAMP:    rebounds_o <= hits && contact_q && young && back_q != into_q;
+                    BASE:    presses_q <= back_sum;
+                    MEAN: begin
+                        if (begins_q) begin
+                            brush_q <= brush;
+                        end else if (moves_mean && back_sum != presses_q) begin
+                            brush_q <= less[DATA_W] ? {DATA_W{1'b0}} : $signed(less[DATA_W-1:0]);
+                        end
+                    end
+                    BACK: begin
+                        bound_q <= bound_q && (beside || !contact_q);
+                    end
+                    CORRECT: held_q <= $signed(sum_q[VOLT_SHIFT +: DATA_W]);
+                    HELD: begin
+                        theta_q <= none ? {COEF_W{1'b0}} : full ? learn_max
+                                 : $signed(sum_q[THETA_CUT +: COEF_W]);
+                        full_q  <= full;
+                        void_q  <= back_sum;
+                    end
                     STRANGE: begin
                         clipped_q    <= past;
                         overloaded_q <= blind_q || (past && overloaded_q);

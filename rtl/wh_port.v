@@ -110,8 +110,6 @@ module wh_port #(
 
     wire [COEF_W-1:0] present_eta;
     wire [DATA_W-1:0] present_wave;
-    wire              rebounds;
-    wire [COEF_W-1:0] rebound_eta;
 
     wh_environment #(
         .HOST               (HOST)
@@ -122,8 +120,6 @@ module wh_port #(
         .contact_i          (contact_i),
         .shaped_i           (shaped_i),
         .eta_i              (contact_eta_i),
-        .rebounds_i         (rebounds),
-        .rebound_eta_i      (rebound_eta),
         .host_period_log2_i (host_period_log2_i),
         .host_timeout_i     (host_timeout_i),
         .valid_i            (core_valid_i),
@@ -222,8 +218,6 @@ module wh_port #(
                 .offset_o      (offset_o),
                 .flux_o        (flux_o),
                 .lag_o         (lag_o),
-                .rebounds_o    (rebounds),
-                .rebound_eta_o (rebound_eta),
                 .fault_o       (anchor_fault_o)
             );
         end else begin : by_its_waves_alone
@@ -237,8 +231,6 @@ module wh_port #(
             assign offset_o         = {DATA_W{1'b0}};
             assign flux_o           = {DATA_W{1'b0}};
             assign lag_o            = {DATA_W{1'b0}};
-            assign rebounds         = 1'b0;
-            assign rebound_eta      = {COEF_W{1'b0}};
             assign next_correction  = {DATA_W{1'b0}};
             assign wave_max         = u_max_i;
             assign step_max_o       = u_max_i;

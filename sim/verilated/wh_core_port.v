@@ -63,8 +63,6 @@ module wh_core_port #(
     wire signed [DATA_W-1:0] correction;
     wire signed [DATA_W-1:0] current;
     wire signed [DATA_W-1:0] room;
-    wire                     rebounds;
-    wire        [COEF_W-1:0] rebound_eta;
     wire        [DATA_W-1:0] newest_u;
     wire        [DATA_W-1:0] next_u;
     wire                     core_request;  // of a shared multiplier
@@ -119,8 +117,7 @@ module wh_core_port #(
         .valid_o       (core_valid),
         .overrun_o     (core_overrun),
         .current_i     (current),
-        .eta_i         (fault_o ? {COEF_W{1'b0}} : !contact_i ? eta_free_i
-                        : rebounds ? rebound_eta : eta_contact_i),
+        .eta_i         (fault_o ? {COEF_W{1'b0}} : !contact_i ? eta_free_i : eta_contact_i),
         .outside_i     ({DATA_W{1'b0}}),
         .ends_i        (ends_i),
         .shape_mode_i  (shape_mode_i),
@@ -204,8 +201,6 @@ module wh_core_port #(
                 .offset_o      (offset_o),
                 .flux_o        (flux_o),
                 .lag_o         (lag_o),
-                .rebounds_o    (rebounds),
-                .rebound_eta_o (rebound_eta),
                 .fault_o       (fault_o)
             );
 
@@ -230,8 +225,6 @@ module wh_core_port #(
             assign offset_o   = {DATA_W{1'b0}};
             assign flux_o     = {DATA_W{1'b0}};
             assign lag_o      = {DATA_W{1'b0}};
-            assign rebounds   = 1'b0;
-            assign rebound_eta = {COEF_W{1'b0}};
             assign fault_o    = 1'b0;
         end
     endgenerate
