@@ -17,7 +17,7 @@ from wavehaptics.controller.normalised import state_gain
 from wavehaptics.controller.ports import controller_ports
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.ladder.abilities import WITHOUT_WORDS
-from wavehaptics.laws.anchor_choice import SLOW_RAD_S, choose_anchor
+from wavehaptics.laws.anchor_choice import SLOW_RAD_S
 from wavehaptics.laws.closed_forms import root
 from wavehaptics.motor.hand import PRESS_RAMP_S
 from wavehaptics.motor.sensor import Sensor
