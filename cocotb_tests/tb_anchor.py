@@ -279,7 +279,7 @@ class AnchorBench(Bench):
                 "held": tick.contact and before[anchor.COEFFICIENT] and state[anchor.MEAN],
                 "brushes shrink": gone[anchor.BRUSH_LEFT] < 0 and state[anchor.BRUSH_LEFT] > 0,
                 "brushes gone": gone[anchor.BRUSH_LEFT] < 0 and state[anchor.BRUSH_LEFT] == 0,
-                "travels": gone[anchor.TRAVELS] > 0 and state[anchor.TRAVELS] == 2 and not begins,
+                "travels": gone[anchor.TRAVELS] > 0 and state[anchor.TRAVELS] == 1 and not begins,
                 "turns": gone[anchor.TRAVELS] < 0,
                 "slow": gone[anchor.QUIET] < 0 and state[anchor.QUIET] == 0,
                 "bound below": bound and sinks,

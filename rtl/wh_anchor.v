@@ -9,7 +9,7 @@
 //   c  = θ (y' + sgn y' y_b) - g_ρ p           the first term in contact only
 //   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
-// y' is the mean of L̂ i while the rotor travels, three counts and more the same way, y_b stands for the brushes and shrinks by half of what y'
+// y' is the mean of L̂ i while the rotor travels, two counts and more the same way, y_b stands for the brushes and shrinks by half of what y'
 // falls. The bound χ_b: after an edge upwards z must come down to the χ from before the last edge downwards,
 // and the other way round; so a rotor that crosses back over an edge meets no more force on its way out, and
 // no less on its way in, than it met there before.
@@ -143,7 +143,7 @@ module wh_anchor #(
     reg                      back_q;      // direction of the last edge
     reg                      same_q;      // it was that of the edge before it
     reg                      counted_q;   // direction of the last edge of which that was so
-    reg [1:0]                travels_q;   // and as many before it had the same direction, up to 2
+    reg                      travels_q;   // and the one before it had the same direction
     reg                      sinks_q;     // the last edge lessened the flux
     reg [1:0]                fresh_q;     // ticks for which that edge is one that a contact can begin with
     reg [REST_W-1:0]         quiet_q;     // ticks left until a rotor without two edges the same way is slow
@@ -174,7 +174,7 @@ module wh_anchor #(
             back_q       <= 1'b0;
             same_q       <= 1'b1;
             counted_q    <= 1'b0;
-            travels_q    <= 2'd0;
+            travels_q    <= 1'b0;
             sinks_q      <= 1'b0;
             fresh_q      <= 2'd0;
             quiet_q      <= {REST_W{1'b0}};
@@ -201,8 +201,7 @@ module wh_anchor #(
                 same_q    <= begins_q || (moves ? same_way : same_q);
                 fresh_q   <= moves ? FRESH_TICKS : edged ? fresh_q - 2'd1 : 2'd0;
                 quiet_q   <= same_way ? slow_ticks : (|quiet_q) ? quiet_q - 1'b1 : quiet_q;
-                travels_q <= begins_q ? 2'd2 : !same_way ? travels_q : (back != counted_q) ? 2'd0
-                           : travels_q[1] ? 2'd2 : travels_q + 2'd1;
+                travels_q <= begins_q || (same_way ? back == counted_q : travels_q);
                 counted_q <= (begins_q || same_way) ? (moves ? back : back_q) : counted_q;
             end
             if (start_q && begins_q) begin
@@ -369,7 +368,7 @@ module wh_anchor #(
 
     wire e_back = voltage_q[DATA_W-1];
     wire back_sum = sum_q[LONG_W-1];
-    wire moves_mean = follows_q && contact_q && travels_q[1] && !blind_q && !begins_q;
+    wire moves_mean = follows_q && contact_q && travels_q && !blind_q && !begins_q;
 
     wire grows  = (factor_q[DATA_W-1] != presses_q);
     wire learns = contact_q && out_q && !clipped_q && !saturated_q && !blind_q && !(grows ? full_q : void_q);

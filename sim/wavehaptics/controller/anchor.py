@@ -18,7 +18,7 @@ holds χ:
   the last edge of each direction. After an edge upwards z must not exceed DOWN, after one
   downwards not fall below UP, until it has been there once.
 - ``p`` is q, or z/256 within the zone, and ``c = θ·(y' + sgn(y')·y_b) − g_ρ·p``. y = L̂·i, y' is
-  its mean of some milliseconds, which follows only while the rotor travels: while its last three
+  its mean of some milliseconds, which follows only while the rotor travels: while its last two
   full counts had the same direction. θ is a resistance that is learned from p where z is out of
   the zone, ``θ −= g_θ·p·sgn(y')``, from a quarter of the largest on. It is kept from contact to
   contact.
@@ -76,7 +76,7 @@ assert len(_WORDS) == SETTINGS
     NEGATIVE,  # direction of the last edge
     SAME,  # it was that of the edge before it
     COUNTED,  # direction of the last edge of which that was so
-    TRAVELS,  # and as many before it had the same direction, up to 2
+    TRAVELS,  # and the one before it had the same direction
     QUIET,  # periods left until a rotor without such an edge is slow
     PHASE,  # periods left until y' moves
     COEFFICIENT,  # s27q20 V a count: θ, 0 to LEARN_MAX
@@ -273,13 +273,13 @@ def _turn(
     elif state[FRESH] > 0:
         state[FRESH] -= 1
     if same_way:
-        state[TRAVELS] = min(state[TRAVELS] + 1, 2) if state[NEGATIVE] == state[COUNTED] else 0
+        state[TRAVELS] = 1 if state[NEGATIVE] == state[COUNTED] else 0
         state[COUNTED] = state[NEGATIVE]
         state[QUIET] = words[SLOW_TICKS]
     elif state[QUIET] > 0:
         state[QUIET] -= 1
     if begins:
-        state[SAME], state[TRAVELS] = 1, 2
+        state[SAME], state[TRAVELS] = 1, 1
         state[COUNTED] = state[NEGATIVE]
     follows = state[PHASE] == 0
     state[PHASE] = max(words[FOLLOW_TICKS] - 1, 0) if follows else state[PHASE] - 1
@@ -359,7 +359,7 @@ def _turn(
         if state[FRESH] > 0:
             state[MEAN] = start if state[NEGATIVE] != 0 else -start
         state[BRUSH_LEFT] = words[BRUSH]
-    elif contact and follows and state[TRAVELS] == 2 and not blind:
+    elif contact and follows and state[TRAVELS] != 0 and not blind:
         swing = long_word(y - state[MEAN])
         if (swing < 0) != (state[MEAN] < 0):
             shrinks = (~swing if swing < 0 else swing) >> _FEW
