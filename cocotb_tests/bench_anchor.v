@@ -15,7 +15,6 @@ module bench_anchor #(
     input  wire                          rst,
     input  wire                          rst_multiplier,
 
-    input  wire                          start_i,
     input  wire signed [`WH_COUNT_W-1:0] position_i,
     input  wire signed [`WH_PLACE_W+`WH_SINE_Q-1:0] place_i,
     input  wire signed [`WH_SINE_Q+1:0]  cell_i,
@@ -56,8 +55,6 @@ module bench_anchor #(
 
     assign request_o = request;
 
-    localparam integer LOW_W = `WH_ANCHOR_W - `WH_COEF_W;
-
     // Settings change with the end of a clock in which none is read.
     wire reads;
     reg  reads_q;
@@ -85,7 +82,6 @@ module bench_anchor #(
     ) anchor (
         .clk           (clk),
         .rst           (rst),
-        .start_i       (start_i),
         .position_i    (position_i),
         .place_i       (place_i),
         .cell_i        (cell_i),
@@ -101,8 +97,7 @@ module bench_anchor #(
         .busy_o        (busy_o),
         .reads_o       (reads),
         .overrun_o     (overrun_o),
-        .words_i       ({words_i[`WH_ANCHOR_W-1:LOW_W],  // the highest one is an output as well
-                         held ? words_i[LOW_W-1:0] : ~words_i[LOW_W-1:0]}),
+        .words_i       (held ? words_i : ~words_i),
         .request_o     (request),
         .factor_o      (factor),
         .coefficient_o (coefficient),

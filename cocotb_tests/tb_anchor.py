@@ -18,14 +18,14 @@ from bench import Bench, random_source
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # compiling would take longer than it saves
 
 from wavehaptics.controller import anchor, rotor_flux
+from wavehaptics.controller.pins_timing import ANCHOR_CLOCKS
 from wavehaptics.words import formats
 
 # Clocks since waves_i of a step whose multiplier never makes it wait; with it, since the last of
 # its products was granted.
-STEP_CLOCKS = 29
-FROM_LAST_GRANT = 7
-START_FROM_LAST_GRANT = 4  # from here on the next tick may start
-GRANTS = ("c", "current_i", "withheld_i", "u_i", "v_i", "learn", "held", "pull")
+STEP_CLOCKS = ANCHOR_CLOCKS - 1
+FROM_LAST_GRANT = 5
+GRANTS = ("v_i", "u_i", "withheld_i", "c", "current_i", "learn", "pull", "held")
 
 COUNT = formats.Fixed(formats.COUNT_W, 0)
 DATA, COEF = formats.CURRENT, formats.ROOT
@@ -33,6 +33,13 @@ PLACE = formats.Fixed(formats.LONG.width - formats.LONG.fraction + rotor_flux.SI
 CELL = 1 << rotor_flux.SINE_Q
 GAINS = range(anchor.FLUX_GAIN, anchor.ROOM_GAIN + 1)
 LIMITS = range(anchor.REACH, anchor.STRANGE + 1)
+MOST = {
+    anchor.REACH: 1 << (formats.DATA_W - 2),
+    anchor.STRANGE: DATA.raw_max,
+    anchor.LEARN_MAX: COEF.raw_max,
+    anchor.BRUSH: 1 << (formats.DATA_W - 2),
+}
+"""Settings that are 0 or more, and the largest word of each."""
 
 
 @dataclass
@@ -76,9 +83,8 @@ class AnchorBench(Bench):
         self.axis = bool(dut.AXIS.value)
         self.settings = np.zeros(anchor.SETTINGS, dtype=np.int64)
         self.state = anchor.new_state()
-        self.correction = 0
+        self.correction = self.last_next = 0
         self.overrun = 0
-        self.started = False
         self.steps = 0
         self.seen: set[str] = set()
 
@@ -87,7 +93,7 @@ class AnchorBench(Bench):
 
     async def power_up(self) -> None:
         await self.start(
-            rst_multiplier=1, start_i=0, position_i=0, place_i=0, cell_i=0, contact_i=0, waves_i=0,
+            rst_multiplier=1, position_i=0, place_i=0, cell_i=0, contact_i=0, waves_i=0,
             current_i=0, u_i=0, v_i=0, withheld_i=0, voltage_i=0, saturated_i=0, blind_i=0,
             words_i=0, other_i=0, other_data_i=0, other_coef_i=0,
         )  # fmt: skip
@@ -101,15 +107,14 @@ class AnchorBench(Bench):
         """
         self.settings = settings
         self.state = anchor.new_state()
-        self.correction = self.overrun = 0
-        self.started = False
+        self.correction = self.overrun = self.last_next = 0
         self.drive(rst=1, rst_multiplier=not products, words_i=anchor.packed(settings))
         for _ in range(clocks):
             await self.step(
-                waves_i=self.rng.random() < 0.3, start_i=self.rng.random() < 0.3,
-                position_i=self.noise(), contact_i=self.noise(1), other_i=self.noise(1),
+                waves_i=self.rng.random() < 0.3, position_i=self.noise(),
+                contact_i=self.noise(1), other_i=self.noise(1),
             )  # fmt: skip
-        self.drive(rst=0, rst_multiplier=0, start_i=0, waves_i=0, other_i=0)
+        self.drive(rst=0, rst_multiplier=0, waves_i=0, other_i=0)
         assert not self.word("busy_o")
         self.check()
 
@@ -132,54 +137,41 @@ class AnchorBench(Bench):
         assert self.word("fault_o") == state[anchor.FAULT], f"step {self.steps}"
         assert self.word("overrun_o") == self.overrun, f"step {self.steps}"
 
-    async def begin_tick(self, tick: Tick, gap: int) -> None:
-        """The start of a tick; the waves' words come ``gap`` clocks later."""
-        self.started = True
+    def give(self, tick: Tick) -> None:
+        """A tick's words."""
         self.drive(
-            start_i=1, position_i=tick.position, place_i=tick.place, cell_i=tick.cell,
-            contact_i=tick.contact,
-        )  # fmt: skip
-        if gap:
-            await self.step()
-            self.end_start()
-            await self.step(gap - 1)
-
-    def end_start(self) -> None:
-        self.drive(
-            start_i=0, position_i=self.noise(), place_i=self.noise(PLACE.width),
-            cell_i=self.noise(rotor_flux.SINE_Q + 2), contact_i=self.noise(1),
+            waves_i=1, position_i=tick.position, place_i=tick.place, cell_i=tick.cell,
+            contact_i=tick.contact, current_i=tick.current, u_i=tick.u, v_i=tick.v,
+            withheld_i=tick.withheld, voltage_i=tick.voltage, saturated_i=tick.saturated,
+            blind_i=tick.blind,
         )  # fmt: skip
 
-    async def give_waves(self, tick: Tick, gap: int) -> None:
-        if not self.started:
-            await self.begin_tick(tick, gap)
-        self.drive(
-            waves_i=1, current_i=tick.current, u_i=tick.u, v_i=tick.v, withheld_i=tick.withheld,
-            voltage_i=tick.voltage, saturated_i=tick.saturated, blind_i=tick.blind,
-        )  # fmt: skip
+    async def take(self) -> None:
+        """The clock in which they are taken."""
         await self.step()
         self.drive(
-            start_i=0, waves_i=0, voltage_i=self.noise(), saturated_i=self.noise(1),
-            blind_i=self.noise(1),
+            waves_i=0, position_i=self.noise(), place_i=self.noise(PLACE.width),
+            cell_i=self.noise(rotor_flux.SINE_Q + 2), contact_i=self.noise(1),
+            voltage_i=self.noise(), saturated_i=self.noise(1), blind_i=self.noise(1),
         )  # fmt: skip
-        self.started = False
         assert self.word("busy_o")
-        self.check()
-        self.correction = int(self.state[anchor.CORRECTION])
 
     async def tick(
-        self, tick: Tick, *, gap: int = 7, crowd: float = 0.0, following: Tick | None = None,
-        ahead: int = 0, poke: int = 0,
+        self, tick: Tick, *, crowd: float = 0.0, following: Tick | None = None,
+        given: bool = False, poke: int = 0,
     ) -> None:  # fmt: skip
-        """One step of the anchor, with its tick's start if that has not been given yet.
+        """One step of the anchor.
 
-        The waves come ``gap`` clocks after the start. Another user has the multiplier in a share
-        ``crowd`` of all clocks. The start of the tick ``following`` comes so early that, with
-        ``ahead`` 0...3, the step has so many clocks to go; its waves then come in the last. At
-        clock ``poke`` there is another waves_i.
+        Another user has the multiplier in a share ``crowd`` of all clocks. The words of the tick
+        ``following`` come in the step's last clock; its own call has ``given`` set. At clock
+        ``poke`` there is another waves_i.
         """
+        if not given:
+            self.check()
+            self.give(tick)
+        await self.take()
         earlier = self.correction
-        await self.give_waves(tick, gap)
+        self.correction = int(self.state[anchor.CORRECTION])
         before, shown = self.state.copy(), self.want()
         words = (
             bool(tick.contact), tick.current, tick.u, tick.v, tick.withheld, tick.voltage,
@@ -194,6 +186,7 @@ class AnchorBench(Bench):
         self._note(tick, before)
         either = {name: (old, self.want()[name]) for name, old in shown.items()}
         either["correction"] = earlier, self.correction
+        either["next"] = self.last_next, either["next"][0]
         clock, grants, last = 1, 0, 0
         while self.word("busy_o"):
             assert clock < 400, "the anchor doesn't come to an end"
@@ -206,38 +199,38 @@ class AnchorBench(Bench):
             to_go = last + FROM_LAST_GRANT - clock if grants == len(GRANTS) else STEP_CLOCKS
             self.drive(
                 other_i=other, other_data_i=self.noise(), other_coef_i=self.noise(),
-                waves_i=clock == poke, start_i=0,
+                waves_i=clock == poke,
             )  # fmt: skip
             self.overrun |= clock == poke
-            if following and to_go == ahead:
-                await self.begin_tick(following, 0)
             if following and to_go == 0:
+                self.last_next = shown["next"]
+                self.give(following)
                 return
             await self.step()
             clock += 1
             if granted.endswith("_i"):
                 self.drive(**{granted: self.noise()})
-            if following and to_go == ahead:
-                self.end_start()
         assert grants == len(GRANTS)
         assert clock == last + FROM_LAST_GRANT + 1
         assert crowd or clock == STEP_CLOCKS + 1
         self.drive(waves_i=0, other_i=0)
+        assert self.signed("next_o") == shown["next"]
+        await self.step()
+        self.last_next = int(self.state[anchor.CORRECTION])
         self.check()
 
     async def ticks(self, ticks: list[Tick]) -> None:
         """Ticks at random distances, the next one's start often before the end of a step."""
-        following = None
+        given = False
         for place, tick in enumerate(ticks):
             early = place + 1 < len(ticks) and self.rng.random() < 0.5
-            following = ticks[place + 1] if early else None
             await self.tick(
                 tick,
-                gap=self.rng.choice((0, 1, 7, 7, self.rng.randint(1, 20))),
+                given=given,
                 crowd=self.rng.choice((0.0, 0.0, 0.3, 0.7, 0.9)),
-                following=following,
-                ahead=self.rng.randint(0, FROM_LAST_GRANT - START_FROM_LAST_GRANT),
+                following=ticks[place + 1] if early else None,
             )
+            given = early
             if not early:
                 await self.step(self.rng.choice((0, 0, 1, 5)))
 
@@ -314,7 +307,7 @@ def any_word(rng: random.Random, format_: formats.Fixed) -> int:
 
 
 def random_settings(rng: random.Random) -> np.ndarray:
-    """Any words, or gains so small and limits so wide that little is clipped."""
+    """Any words that are legal, or gains so small and limits so wide that little is clipped."""
     words = np.zeros(anchor.SETTINGS, dtype=np.int64)
     words[anchor.ENABLE] = rng.random() < 0.85
     calm = rng.random() < 0.5
@@ -322,10 +315,8 @@ def random_settings(rng: random.Random) -> np.ndarray:
         words[place] = any_word(rng, COEF)
         if calm and place == anchor.PULL_GAIN:
             words[place] >>= 8
-    for place in LIMITS:
-        words[place] = DATA.raw_max if calm else any_word(rng, DATA)
-    words[anchor.LEARN_MAX] = any_word(rng, COEF)
-    words[anchor.BRUSH] = any_word(rng, DATA)
+    for place, most in MOST.items():
+        words[place] = most if calm and place in LIMITS else min(abs(any_word(rng, DATA)), most)
     words[anchor.FOLLOW_TICKS] = rng.choice((0, 1, 2, 5, (1 << formats.FOLLOW_W) - 1))
     words[anchor.SLOW_TICKS] = rng.choice((0, 1, 2, 5, (1 << formats.REST_W) - 1))
     return words
@@ -461,19 +452,20 @@ async def a_reset_at_any_clock(dut: object) -> None:
                 await bench.begin(settings)
                 for tick in ticks[: rng.randint(0, 2)]:
                     await bench.tick(tick)
-                await bench.give_waves(ticks[2], 1)
+                bench.give(ticks[2])
+                await bench.take()
                 for _ in range(clock):
                     await bench.step(other_i=rng.random() < rng.choice((0.0, 0.5)))
                 if rng.random() < 0.5:
                     settings = random_settings(rng)
                 await bench.begin(settings, clocks, products=products)
                 for tick in ticks[2:]:
-                    await bench.tick(tick, gap=rng.choice((0, 1, 7)))
+                    await bench.tick(tick)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def waves_while_busy(dut: object) -> None:
-    """They are told and otherwise ignored at every clock; a start that comes too early is told."""
+    """They are reported and otherwise ignored at every clock."""
     rng = random_source("busy")
     bench = AnchorBench(dut, rng)
     await bench.power_up()
@@ -485,11 +477,3 @@ async def waves_while_busy(dut: object) -> None:
         assert bench.word("overrun_o")
         await bench.tick(random_ticks(rng, 1)[0])
         assert bench.word("overrun_o")
-    for clock in range(1, STEP_CLOCKS + 2):
-        await bench.begin(random_settings(rng))
-        await bench.give_waves(random_ticks(rng, 1)[0], 1)
-        await bench.step(clock - 1)
-        await bench.step(start_i=1)
-        bench.drive(start_i=0)
-        too_early = clock < STEP_CLOCKS - FROM_LAST_GRANT + START_FROM_LAST_GRANT
-        assert bench.word("overrun_o") == too_early, clock

@@ -278,7 +278,6 @@ module wh_axes #(
                 ) anchor (
                     .clk           (clk),
                     .rst           (calm_rst),
-                    .start_i       (waves[n]),
                     .position_i    (position_q),
                     .place_i       (place_q[n*FLUX_W +: FLUX_W]),
                     .cell_i        (cell_q[n*CELL_W +: CELL_W]),

@@ -189,7 +189,6 @@ module wh_port #(
             wh_anchor anchor (
                 .clk           (clk),
                 .rst           (calm_rst),
-                .start_i       (waves_i),
                 .position_i    (position_q),
                 .place_i       ({(`WH_PLACE_W+`WH_SINE_Q){1'b0}}),
                 .cell_i        ({(`WH_SINE_Q+2){1'b0}}),

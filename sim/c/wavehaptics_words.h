@@ -7,7 +7,7 @@
 #define WAVEHAPTICS_WORDS_H
 
 // <!-- begin c-words -->
-#define WH_WORDS_CRC 0x3cd05c08u
+#define WH_WORDS_CRC 0xd5d31276u
 
 #define WH_MAP_VERSION 1u
 #define WH_TABLE_REGISTER 0x2000u
@@ -175,7 +175,7 @@
     X(ANCHOR_ROOM_GAIN, "anchor_room_gain", 0x128, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, 0.0, 15.999999761581421, "√W/V") \
     X(ANCHOR_REACH, "anchor_reach", 0x129, WH_SETTING, WH_OF_MOTOR, 1, 23, 1, 0.0, 64.0, "V") \
     X(ANCHOR_STRANGE, "anchor_strange", 0x12a, WH_SETTING, WH_OF_MOTOR, 1, 23, 1, 0.0, 127.99999988079071, "V") \
-    X(ANCHOR_BRUSH, "anchor_brush", 0x12b, WH_SETTING, WH_OF_MOTOR, 1, 16, 1, 0.0, 16383.999984741211, "counts") \
+    X(ANCHOR_BRUSH, "anchor_brush", 0x12b, WH_SETTING, WH_OF_MOTOR, 1, 16, 1, 0.0, 8192.0, "counts") \
     X(ANCHOR_FOLLOW_TICKS, "anchor_follow_ticks", 0x12c, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 4095.0, "periods") \
     X(ANCHOR_SLOW_TICKS, "anchor_slow_ticks", 0x12d, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 1048575.0, "periods") \
     X(EDGE_HYSTERESIS, "edge_hysteresis", 0x130, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 1.0, "") \

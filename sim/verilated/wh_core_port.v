@@ -172,7 +172,6 @@ module wh_core_port #(
             wh_anchor anchor (
                 .clk           (clk),
                 .rst           (rst),
-                .start_i       (start_i),
                 .position_i    (position_i),
                 .place_i       ({(`WH_PLACE_W+`WH_SINE_Q){1'b0}}),
                 .cell_i        ({(`WH_SINE_Q+2){1'b0}}),
@@ -204,14 +203,16 @@ module wh_core_port #(
                 .fault_o       (fault_o)
             );
 
-            // The core may be done before the anchor, and the other way round.
-            reg working_q;
+            // The core may be done before the anchor, and the other way round; next_o is there a clock later.
+            wire works = start_i || core_busy || anchor_busy;
+            reg  works_q, ends_q;
 
             always @(posedge clk) begin
-                working_q <= !rst && (start_i || core_busy || anchor_busy);
+                works_q <= !rst && works;
+                ends_q  <= !rst && works_q && !works;
             end
 
-            assign done_o = working_q && !core_busy && !anchor_busy;
+            assign done_o = ends_q;
 
             wire unused_valid = &{1'b0, core_valid};
         end else begin : plain

@@ -27,6 +27,12 @@ from typing import Any
 import numpy as np
 
 from wavehaptics.controller import anchor, wave_core
+from wavehaptics.controller.pins_timing import (
+    ANCHOR_CLOCKS,
+    CORE_CLOCKS,
+    SECTION_CLOCKS,
+    WAVES_CLOCKS,
+)
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.ladder.sampled import core_words, load_core
 from wavehaptics.motor.plant import Plant, X, load_words
@@ -67,8 +73,8 @@ _DATA_TOP = 1 << (formats.DATA_W - 1)
 _LONG_GUARD = formats.LONG_GUARD
 _LIMB = 40  # bits of the lower part of Σ(v² − u²)
 
-CORE_CLOCKS, SECTION_CLOCKS, ANCHOR_CLOCKS = 24, 5, 37
-"""From a step's start to its end: the core's, those of a section of W, and all with an anchor."""
+ANCHORED_CLOCKS = WAVES_CLOCKS + ANCHOR_CLOCKS + 2
+"""From a step's start until ``wh_core_port`` shows its end and the anchor's next voltage."""
 
 
 @compiled(error_model="numpy")
@@ -236,7 +242,7 @@ def _episode(scene: Any, set_: Settings, rng: np.random.Generator, found: dict[s
     sections = len(set_.shaper.words)
     most = CORE_CLOCKS + SECTION_CLOCKS * sections
     if set_.anchored:
-        most = max(most, ANCHOR_CLOCKS + SECTION_CLOCKS * sections)
+        most = max(most, ANCHORED_CLOCKS + SECTION_CLOCKS * sections)
     ints = (set_.root, set_.a, set_.u_max, set_.extra_ticks, model, step, most)
     sensor = Sensor.of_scene(scene).constants()
     metrics = Metrics(scene, set_.tick_s, controller="golden", walls=[(0.0, 1.0)], root=set_.s)

@@ -298,7 +298,9 @@ def _turn(
     if contact:
         owed = words[OWED_GAIN] if saturated else words[FLUX_GAIN]
         flux = long_word(flux - ((owed * withheld) >> _FAR_SHIFT))
-    y = long_word((words[CELLS_GAIN] * current) >> _NEAR_SHIFT)
+    y = (words[CELLS_GAIN] * current) >> _NEAR_SHIFT
+    far = y >= _FAR or y < -_FAR
+    y = long_word(y)
     zero_step = (words[ZERO_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
     before = state[CHI]
     if begins:
@@ -351,7 +353,9 @@ def _turn(
     p = _data(long_word(beyond) >> _GUARD)
 
     if not contact and state[QUIET] == 0 and not blind:
-        state[ZERO] = long_word(state[ZERO] - zero_step)
+        zero = state[ZERO] - zero_step
+        if _data(zero >> _AMPERE_SHIFT) == zero >> _AMPERE_SHIFT:
+            state[ZERO] = zero
 
     if begins:
         # With what presses against the rotor's way in, so that y_b has its sign.
@@ -359,7 +363,7 @@ def _turn(
         if state[FRESH] > 0:
             state[MEAN] = start if state[NEGATIVE] != 0 else -start
         state[BRUSH_LEFT] = words[BRUSH]
-    elif contact and follows and state[TRAVELS] != 0 and not blind:
+    elif contact and follows and state[TRAVELS] != 0 and not blind and not far:
         swing = long_word(y - state[MEAN])
         if (swing < 0) != (state[MEAN] < 0):
             shrinks = (~swing if swing < 0 else swing) >> _FEW
@@ -370,9 +374,7 @@ def _turn(
     held = 0
     if contact:
         told = -state[BRUSH_LEFT] if presses_down else state[BRUSH_LEFT]
-        held = long_word(
-            (state[COEFFICIENT] * _data((state[MEAN] >> _GUARD) + told)) >> _NEAR_SHIFT
-        )
+        held = (state[COEFFICIENT] * _data((state[MEAN] >> _GUARD) + told)) >> _NEAR_SHIFT
     if state[LOADED] == 0:
         state[LOADED] = 1
         state[THETA] = words[LEARN_MAX] << (_THETA_CUT - FIRST_SHIFT)
@@ -385,10 +387,10 @@ def _turn(
     theta = state[THETA] >> _THETA_CUT
     state[FULL] = 1 if theta >= words[LEARN_MAX] else 0
     state[COEFFICIENT] = max(words[LEARN_MAX] if state[FULL] != 0 else theta, 0)
-    wanted = long_word(-((words[PULL_GAIN] * p) >> _NEAR_SHIFT))
+    wanted = -((words[PULL_GAIN] * p) >> _NEAR_SHIFT)
 
     negative = wanted < 0
-    past = long_word(wanted + limit) if negative else long_word(wanted - limit)
+    past = wanted + limit if negative else wanted - limit
     clipped = (past < 0) == negative
     c = wanted
     if clipped:
@@ -396,15 +398,15 @@ def _turn(
     state[CLIPPED] = 1 if clipped else 0
     state[OVERLOADED] = 1 if blind or (clipped and state[OVERLOADED] != 0) else 0
     strange = words[STRANGE] << _VOLT_SHIFT
-    strange = long_word(past + strange) if negative else long_word(past - strange)
+    strange = past + strange if negative else past - strange
     lost = clipped and (strange < 0) == negative and not saturated and state[OVERLOADED] == 0
-    lost = lost or chi >= _FAR or chi < -_FAR
+    lost = lost or far or chi >= _FAR or chi < -_FAR
     if words[ENABLE] != 0 and lost:
         state[FAULT] = 1
     active = words[ENABLE] != 0 and state[FAULT] == 0 and not blind
-    voltage = _data((c >> _VOLT_SHIFT) + _data(held >> _VOLT_SHIFT))
+    voltage = min(max((c + held) >> _VOLT_SHIFT, -_DATA_TOP), _DATA_TOP - 1)
     state[CORRECTION] = voltage if active else 0
-    state[OFFSET] = _data(state[ZERO] >> _AMPERE_SHIFT)
+    state[OFFSET] = state[ZERO] >> _AMPERE_SHIFT
 
     lag = long_word(place - chi - state[FOLLOWER])
     state[LAG] = lag

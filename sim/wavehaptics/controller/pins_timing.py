@@ -32,7 +32,7 @@ EARLY_PREPARE_CLOCKS = 18
 WAVES_CLOCKS = 6
 """Clocks from the start of a port's step to the start of its anchor's, ``wh_anchor``."""
 
-ANCHOR_CLOCKS = 30
+ANCHOR_CLOCKS = 29
 """Clocks from there until it is done, if the shared multiplier lets it."""
 
 CURRENT_CLOCKS = 6

@@ -269,7 +269,7 @@ def _anchor_words(
     words[anchor.LEARN_GAIN] = word(formats.LEARN, per_count, "anchor_ohm_per_s")
     words[anchor.LEARN_MAX] = word(formats.PULL, chosen.most_ohm / cells_per_a, "anchor_auto")
     words[anchor.BRUSH] = min(
-        round(chosen.brush_a * cells_per_a / anchor.SEEN_CELLS), (1 << (formats.DATA_W - 1)) - 1
+        round(chosen.brush_a * cells_per_a / anchor.SEEN_CELLS), 1 << (formats.DATA_W - 2)
     )
     words[anchor.ZERO_GAIN] = word(formats.FLUX, zero_rate * tick_s / r_hat, "anchor_auto")
     words[anchor.REACH] = formats.VOLTAGE.to_raw(reach_v)
