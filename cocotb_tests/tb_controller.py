@@ -1143,8 +1143,8 @@ async def words_of_an_anchor_hold_while_it_reads_them(dut: object) -> None:
     """From its port's waves to the last setting of its step, each motor's for itself."""
     bench = ControllerBench(dut)
     await bench.begin(Settings())
-    # Two more steps of the last port's anchor, and the clock in which it ends, read none.
-    behind = WAVES_CLOCKS + ANCHOR_CLOCKS - 1 - _STEP_CLOCKS - 3
+    # Three more steps of the last port's anchor, and the clock in which it ends, read none.
+    behind = WAVES_CLOCKS + ANCHOR_CLOCKS - 1 - _STEP_CLOCKS - 4
     free = [0] * N
     for _ in range(4):
         before = list(free)

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// prove_wh_anchor: a period's 29 steps with any products, which come at once. Part 0: from any state of
-// rest to the next; c is 0 if it isn't enabled or after a fault, θ as a coefficient is 0 to learn_max, out of
-// contact nothing of it is in c, and nothing is learned while blind, clipped or saturated. Part 1: the first
-// steps make the limit of c. Part 2: in the last steps it limits all of c but the held voltage θ (y' + sgn y' y_b),
-// whatever the state is otherwise. reach is 0 or more and below half a word's largest, learn_max 0 or more, as
+// prove_wh_anchor: a period's 28 steps with any products, which come at once. Part 0: from any state of
+// rest to the next; c is 0 if it isn't enabled or after a fault. Part 3: θ as a coefficient is 0 to learn_max, and nothing
+// is learned while blind, clipped or saturated. Part 1: the first steps make the limit of c. Part 2: the last steps
+// make c = limited(θ (y' + sgn y' y_b) + clamp(-g_ρ p, ± limit)), the first term in contact only, whatever the state is
+// otherwise. reach is 0 or more and below half a word's largest, strange, learn_max and brush 0 or more, as
 // their settings are. After a clock in which reads_o is low, the settings may be anything, until it is high.
 
 `default_nettype none
@@ -14,8 +14,7 @@ module prove_wh_anchor #(
     parameter integer PART = 0
 ) (
     input wire                         clk,
-    input wire signed [`WH_COUNT_W-1:0] position,
-    input wire                         start
+    input wire signed [`WH_COUNT_W-1:0] position
 );
 
     localparam integer DATA_W = `WH_DATA_W;
@@ -28,6 +27,7 @@ module prove_wh_anchor #(
     (* anyconst *) wire signed [DATA_W-1:0]     brush;
     (* anyconst *) wire [`WH_FOLLOW_W-1:0]      follow_ticks;
     (* anyconst *) wire [`WH_REST_W-1:0]        slow_ticks;
+    (* anyconst *) wire                         contact;
     (* anyconst *) wire signed [DATA_W-1:0]     voltage;
     (* anyconst *) wire                         saturated;
     (* anyconst *) wire                         blind;
@@ -43,11 +43,10 @@ module prove_wh_anchor #(
     wh_anchor block (
         .clk           (clk),
         .rst           (1'b0),
-        .start_i       (1'b0),
         .position_i    (position),
         .place_i       ({(`WH_PLACE_W+`WH_SINE_Q){1'b0}}),
         .cell_i        ({(`WH_SINE_Q+2){1'b0}}),
-        .contact_i     (1'b0),
+        .contact_i     (contact),
         .waves_i       (at == 6'd0),
         .current_i     ({DATA_W{1'b0}}),
         .u_i           ({DATA_W{1'b0}}),
@@ -88,7 +87,14 @@ module prove_wh_anchor #(
     (* hierconn *) wire [4:0] \block.ahead_q ;
     (* hierconn *) wire       \block.waits_q ;
     (* hierconn *) wire       \block.bare_q ;
-    (* hierconn *) wire [3:0] \block.b_from_q ;
+    (* hierconn *) wire [3:0] \block.write_to_q ;
+    (* hierconn *) wire [1:0] \block.low_q ;
+    (* hierconn *) wire [1:0] \block.mid_q ;
+    (* hierconn *) wire [1:0] \block.high_q ;
+    (* hierconn *) wire [1:0] \block.top_q ;
+    (* hierconn *) wire [4:0] \block.high_by_q ;
+    (* hierconn *) wire [1:0] \block.top_by_q ;
+    (* hierconn *) wire       \block.near_q ;
     (* hierconn *) wire       \block.chosen_q ;
     (* hierconn *) wire       \block.none_q ;
     (* hierconn *) wire       \block.first_q ;
@@ -96,21 +102,21 @@ module prove_wh_anchor #(
     (* hierconn *) wire       \block.tracked_q ;
     (* hierconn *) wire       \block.clipped_q ;
     (* hierconn *) wire signed [DATA_W-1:0]      \block.brush_q ;
-    (* hierconn *) wire signed [DATA_W-1:0]      \block.held_q ;
     (* hierconn *) wire signed [COEF_W-1:0]      \block.theta_q ;
     (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[1] ;
     (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[2] ;
     (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[3] ;
-    (* hierconn *) wire signed [DATA_W-1:0]      \block.voltage_q ;
     (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[9] ;
-    (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[12] ;
 
     localparam integer VOLT_SHIFT = `WH_LONG_Q - `WH_VOLTAGE_Q;
+    localparam integer NEAR_SHIFT = `WH_CURRENT_Q + `WH_CELLS_Q - `WH_LONG_Q;
+    localparam integer WIDE_W     = DATA_W + COEF_W + 2;
 
     // The setting, of the eight gains the sixth.
     wire signed [COEF_W-1:0] learn_max = gains[5*COEF_W +: COEF_W];
 
     reg fault_before;
+    reg none;
     reg reads_q = 1'b1;
 
     // What is learned, before the steps.
@@ -121,40 +127,40 @@ module prove_wh_anchor #(
     // One bit more than a word, and more for a half's fraction.
     wire signed [DATA_W+3:0] size   = voltage[DATA_W-1] ? -$signed({{4{voltage[DATA_W-1]}}, voltage})
                                                         : $signed({{4{voltage[DATA_W-1]}}, voltage});
-    // c without what is held, and c, held and all, which is 0 where it isn't wanted.
-    wire signed [DATA_W-1:0] held   = \block.held_q ;
-    wire signed [DATA_W-1:0] pulled = next - held;
-    wire signed [DATA_W+3:0] c      = $signed({{4{pulled[DATA_W-1]}}, pulled});
-    wire signed [DATA_W+3:0] all    = $signed({{4{next[DATA_W-1]}}, next});
-    wire signed [DATA_W+3:0] share  = $signed({{4{held[DATA_W-1]}}, held});
-    wire signed [DATA_W+3:0] c_size     = c[DATA_W+3] ? -c : c;
-    wire signed [DATA_W+3:0] all_size   = all[DATA_W+3] ? -all : all;
-    wire signed [DATA_W+3:0] share_size = share[DATA_W+3] ? -share : share;
-    // Out of contact the reach is half, and the limit's fraction of a place goes up.
+    // Out of contact the reach is half.
     wire signed [DATA_W+3:0] halves = 2 * (\block.contact_q ? reach : reach >>> 1) + size;
-    wire signed [DATA_W+3:0] limit  = (halves + 1) >>> 1;
 
     // c_0 + |e_id|/2 in a long word's places.
     wire signed [`WH_LONG_W-1:0] limit_long = $signed({halves, {(VOLT_SHIFT - 1){1'b0}}});
-    // At rest the first step, which waits for no product and takes a setting, is known already.
-    wire first_known  = \block.ahead_q == 5'd1 && !\block.waits_q && !\block.bare_q
-                        && \block.b_from_q == 4'd2;
-    wire limit_stands = \block.memory[9] == limit_long && busy && \block.voltage_q == voltage;
+    // At rest the first step, which waits for no product and takes the voltage, is known already.
+    wire first_known  = \block.ahead_q == 5'd1 && !\block.waits_q && !\block.bare_q && !\block.near_q
+                        && \block.low_q == 0 && \block.mid_q == 0 && \block.high_q == 0 && \block.top_q == 0
+                        && \block.high_by_q == 5'b00001 && \block.top_by_q == 2'b01;
+    wire limit_stands = \block.memory[9] == limit_long && busy;
+
+    // c as it is meant, of the products of the steps CORRECT and HELD.
+    reg  signed [WIDE_W-1:0] wanted, held;
+    wire signed [WIDE_W-1:0] share = product >>> NEAR_SHIFT;
+    wire signed [WIDE_W-1:0] most  = limit_long;
+    wire signed [WIDE_W-1:0] pull  = (wanted > most) ? most : (wanted < -most) ? -most : wanted;
+    wire signed [WIDE_W-1:0] all   = (held + pull) >>> VOLT_SHIFT;
+    wire signed [WIDE_W-1:0] top   = {{(WIDE_W - DATA_W + 1){1'b0}}, {(DATA_W - 1){1'b1}}};
+    wire signed [WIDE_W-1:0] meant = (all > top) ? top : (all < ~top) ? ~top : all;
 
     always @(posedge clk) begin
         at <= (at == 6'd40) ? 6'd40 : at + 6'd1;
         reads_q <= reads;
-        assume (!reach[DATA_W-1] && !reach[DATA_W-2] && !strange[DATA_W-1] && !learn_max[COEF_W-1]);
+        assume (!reach[DATA_W-1] && !reach[DATA_W-2] && !strange[DATA_W-1] && !learn_max[COEF_W-1]
+                && !brush[DATA_W-1]);
         if (at == 6'd0) begin
-            if (PART <= 1) assume (\block.step_q == 5'd0 && !\block.go_q && !busy && first_known);
-            if (PART <= 1) assume (!\block.chosen_q && !\block.none_q );
-            else assume (\block.go_q && \block.adds_q == \block.step_q - 5'd1 && limit_stands);
-            // HELD, the step that is added up meanwhile, writes nothing, and LEARN before it θ.
-            if (PART == 2) begin
-                assume (\block.step_q == 5'd25 && \block.ahead_q == 5'd26 && !\block.writes_q );
-                assume (!\block.stores_q || \block.store_to_q == 4'd1);
-                assume (!\block.chosen_q && !\block.none_q );
-            end
+            if (PART != 2) assume (\block.step_q == 5'd0 && !\block.go_q && !busy && first_known);
+            // LEARN, the step that is added up meanwhile, writes θ, and the one before it nothing.
+            else assume (\block.step_q == 5'd23 && \block.ahead_q == 5'd24 && \block.go_q && \block.adds_q == 5'd22
+                         && \block.write_to_q == 4'd1 && !\block.stores_q && limit_stands
+                         && \block.waits_q && !\block.bare_q && \block.near_q
+                         && \block.low_q == 1 && \block.mid_q == 1 && \block.high_q == 1 && \block.top_q == 1
+                         && \block.high_by_q == 0 && \block.top_by_q == 0);
+            assume (!\block.chosen_q && !\block.none_q );
             assume (!overrun);
             if (PART == 2) assume (\block.enable_q == enable);
             fault_before <= fault;
@@ -175,8 +181,9 @@ module prove_wh_anchor #(
                 if (enable && fault_before) assert (fault);
                 if (!enable && fault) assert (fault_before);
                 assert (\block.contact_q || room == 0);
+            end
+            if (PART == 3) begin
                 assert (!\block.theta_q [COEF_W-1] && \block.theta_q <= learn_max);
-                assert (\block.contact_q || held == 0);
                 if (!first_before && (blind || clipped_before || saturated || !\block.contact_q ))
                     assert (\block.memory[1] == theta_before);
                 if (!first_before && blind && !\block.begins_q )
@@ -185,20 +192,23 @@ module prove_wh_anchor #(
                     assert (\block.memory[3] == zero_before);
             end
         end
-        // The third step has been made and written. Nothing touches its word until the last ones
+        // The second step has been made and written. Nothing touches its word until the last ones
         // (formal/wh_anchor_turns.v).
-        if (PART == 1 && at == 6'd5) assert (\block.step_q == 5'd5 && limit_stands);
-        if (PART == 2 && at == 6'd5) begin
-            if (!\block.none_q ) assert (c_size <= limit);
-            assert (all_size <= limit + share_size);
-            assert (!\block.none_q || next == 0);
-            // What was wanted is in the last of the words.
-            assert (\block.none_q || pulled == 0 || pulled[DATA_W-1] == \block.memory[12] [`WH_LONG_W-1]);
-            cover (next > 0 && voltage < 0 && c_size == limit);
-            cover (next < 0 && saturated && c_size == limit && held > 0);
-            cover (fault && !fault_before && next == 0 && held != 0);
-            cover (!\block.none_q && next != 0 && held != 0 && all_size == limit + share_size);
-            cover (!\block.none_q && pulled != 0 && c_size < limit);
+        if (PART == 1 && at == 6'd4) assert (\block.step_q == 5'd4 && limit_stands);
+        if (PART == 2) begin
+            if (at == 6'd0) wanted <= -share;
+            if (at == 6'd3) held   <= \block.contact_q ? share : {WIDE_W{1'b0}};
+            if (at == 6'd6) none   <= \block.none_q ;
+            if (at == 6'd7) begin
+                assert (none ? next == 0 : next == meant);
+                cover (!none && next > 0 && voltage < 0 && pull == most && held < 0);
+                cover (!none && next < 0 && saturated && pull == -most && held > 0);
+                cover (fault && !fault_before && next == 0 && held != 0);
+                cover (!none && pull != most && pull != -most && held != 0 && all < top && all > ~top);
+                cover (!none && all > top);
+                cover (!none && all < ~top);
+                cover (!none && wanted > (most <<< 8));
+            end
         end
     end
 

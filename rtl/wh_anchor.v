@@ -106,7 +106,7 @@ module wh_anchor #(
     localparam [1:0]   FRESH_TICKS = 3;  // a contact is told in its edge's tick or in the next two
 
     generate
-        if (NEAR_SHIFT < 1 || NEAR_SHIFT != `WH_PULL_Q - CUT || THETA_CUT < 1 || THETA_W < COEF_W
+        if (NEAR_SHIFT < 1 || NEAR_SHIFT != `WH_PULL_Q - CUT || THETA_CUT < VOLT_SHIFT + 1 || THETA_W < COEF_W
             || DATA_W + COEF_W - NEAR_SHIFT < LONG_W || VOLT_SHIFT < 2
             || (AXIS == 1 && LONG_Q < SINE_Q + 1)) begin : illegal_format
             wh_illegal_parameter_anchor_formats stop ();
