@@ -128,9 +128,6 @@ def energy(states: States) -> float:
     return sum(x * x + y * y for x, y in states)
 
 
-ONE_ETA = (*ANCHOR, "controller.rebound_loss=0")
-"""An anchor, and one η in contact: a rebound's would be taken for a word that was given."""
-
 BUS_V = 12.0
 assert f"drive.bus_v={BUS_V:g}" in BOARD
 
@@ -182,7 +179,7 @@ def followed(device: Run, sets: list[Set], accepted: list[int]) -> tuple[np.ndar
 
 @pytest.mark.parametrize(
     "scene",
-    [(), ONE_ETA, (*ONE_ETA, "controller.clock_hz=36e6", "controller.extra_ticks=2"), FEEL],
+    [(), ANCHOR, (*ANCHOR, "controller.clock_hz=36e6", "controller.extra_ticks=2"), FEEL],
     ids=["plain", "anchor", "short", "w"],
 )
 def test_a_tick_is_made_with_old_words_or_with_new_ones(scene):
