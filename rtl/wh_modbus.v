@@ -18,8 +18,8 @@
 // bridges have come on in between, `discard` forgets the others. Every half of a word that is read
 // comes from one reading of it. Function 6 writes a word's low register; its high half is
 // made of the sign if the word has one, else 0. `commit` and `discard` themselves can't be written.
-// Where the bus has error 3 for a setting, the frame waits until the memory isn't busy and is judged once
-// more. Frames of commands wait for nothing.
+// Where the bus has error 3, for a setting or a command that acts with the bridges off, the frame waits until
+// the memory isn't busy and is judged once more. Other frames of commands wait for nothing.
 //
 // Exceptions: 1 function, 2 address, 3 quantity or value, 4 the bus doesn't answer, 6 not now (the
 // bus's error 3, after up to SILENCE to 2 SILENCE of a busy memory). Broadcasts are done without an answer,
