@@ -4,15 +4,15 @@
 //
 //   χ  = L̂ i + k̂_T x - Σ (s T/2)(u + v)       flux of the port, in counts of k̂_T Δ; 0 if all is ideal
 //   z  = χ, or a quarter of a count more in the direction of an edge that is the second the same way
-//   p  = z beyond ±1/2, z/256 within; or z - χ_b if the last edge's bound isn't kept yet
+//   p  = z beyond ±1/2, z/256 within; the last edge's bound χ_b replaces an end of ±1/2
 //   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2; 0...learn_max, at first a quarter
 //   c  = θ (y' + sgn y' y_b) - g_ρ p           the first term in contact only
 //   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
 // y' is the mean of L̂ i while the rotor travels, two counts and more the same way, y_b stands for the brushes and shrinks by half of what y'
-// falls. The bound χ_b: after an edge upwards z must come down to the χ from before the last edge downwards,
-// and the other way round; so a rotor that crosses back over an edge meets no more force on its way out, and
-// no less on its way in, than it met there before.
+// falls. The bound χ_b: after an edge upwards z may not exceed the χ from before the last edge downwards, and the other
+// way round, to 1/32 of a count; so a rotor that crosses back over an edge meets no more force on its way out, and no less on its way
+// in, than it met there before. It is in force until the next edge; after an edge inwards, or with AXIS = 1, until z has been there once.
 // c is a voltage in series with the port, limited to the range of its word: it is added to e_id = s u behind the wave core, which does
 // not see it, and what it takes of the drive's limit, room_o, is no longer the wave's. A contact's first
 // edge, in the period that reports the contact or one of the two before, sets χ to a quarter of a count and
@@ -154,8 +154,12 @@ module wh_anchor #(
     reg [1:0]                chi_at_q;    // where in the memory χ is, 1 to 3,
     reg [1:0]                up_at_q;     // χ before the last edge that raised the flux,
     reg [1:0]                down_at_q;   // and that before the last one that lessened it
-    reg                      knows_up_q;  // these are of this contact, and the rotor moved by single counts since
-    reg                      knows_down_q;
+    reg                      knows_up_q;  // these are of this contact, the rotor moved by single counts since, and
+    reg                      knows_down_q; // they aren't beyond the zone's end that they would replace
+    reg                      up_all_q;    // they are beyond its other end, so that nothing of the zone is left
+    reg                      down_all_q;
+    reg                      chi_above_q; // χ of the tick before is above the zone
+    reg                      chi_below_q; // or below it
 
     wire                     accepts;     // waves_i
     wire signed [MOVE_W-1:0] moved    =
@@ -212,14 +216,18 @@ module wh_anchor #(
                 knows_up_q   <= 1'b0;
                 knows_down_q <= 1'b0;
             end else if (steps) begin
-                knows_up_q   <= one && (!sinks || knows_up_q);
-                knows_down_q <= one && (sinks || knows_down_q);
+                knows_up_q   <= one && (sinks ? knows_up_q : !chi_below_q);
+                knows_down_q <= one && (sinks ? !chi_above_q : knows_down_q);
                 if (one) begin
                     chi_at_q  <= sinks ? down_at_q : up_at_q;
                     up_at_q   <= sinks ? up_at_q : chi_at_q;
                     down_at_q <= sinks ? chi_at_q : down_at_q;
                 end
             end
+        end
+        if (steps) begin
+            up_all_q   <= sinks ? up_all_q : chi_above_q;
+            down_all_q <= sinks ? chi_below_q : down_all_q;
         end
         if (accepts) begin
             position_q <= position_i[PLACE_W-1:0];
@@ -228,7 +236,7 @@ module wh_anchor #(
     end
 
     // What the encoder tells of the flux: all of it, what the tick changed, what a contact begins with, half
-    // and a quarter of what a count changes, and whether z, sum_q of the step BOUND, is beyond that half.
+    // and a quarter of what a count changes, and whether χ or z, sum_q of the steps AHEAD and BOUND, is beyond that half.
     wire signed [LONG_W-1:0] place;
     wire signed [LONG_W-1:0] moved_flux;
     wire signed [LONG_W-1:0] start_flux;
@@ -357,8 +365,11 @@ module wh_anchor #(
     reg                     waits;
     reg                     bare_q, bare;            // b_q is 0
     reg                     minus_q, minus;
+    reg                     fine;                    // of what is read, the places that count
+    reg                     memory_low_q;            // of the others: memory_too_q,
+    reg                     minus_low_q;             // and minus_q
     reg                     to_zero_q;               // minus if the sum isn't
-    reg                     out_q;                   // z is outside the zone,
+    reg                     out_q;                   // z is outside the zone, or beyond the bound
     reg                     above_q;                 // above it
     reg signed [DATA_W-1:0] brush_q;                 // s31q16 counts, 0...: y_b
     reg signed [DATA_W-1:0] told_q;                  // s31q16 counts: y' + sgn y' y_b
@@ -366,7 +377,7 @@ module wh_anchor #(
     reg signed [COEF_W-1:0] theta_q;                 // s27q20 V a count: θ, 0...learn_max
     reg                     full_q;                  // it is the largest
     reg                     void_q;                  // it is below 0
-    reg                     bound_q;                 // the last edge's bound is still to be reached
+    reg                     bound_q;                 // the last edge's bound is in force
     reg                     clipped_q;               // c is at its limit
     reg                     strange_q;               // and wants to be beyond it by strange
     reg                     negative_q;              // the correction that is wanted, g_ρ p,
@@ -382,9 +393,11 @@ module wh_anchor #(
     wire grows  = (sinks_p_q != presses_q);
     wire learns = contact_q && out_q && !clipped_q && !saturated_q && !blind_q && !(grows ? full_q : void_q);
 
-    // Whether the last edge's bound isn't kept yet: of z less the bound, sum_q of the step BACK.
+    // Whether z is beyond the last edge's bound: of z less the bound, sum_q of the step BACK.
+    localparam integer FINE_W = LONG_Q - 5;  // places of a bound that don't count: below 1/32 of a count
     wire known  = sinks_q ? knows_up_q : knows_down_q;
-    wire beside = bound_q && contact_q && known && (back_sum == sinks_q)
+    wire all    = sinks_q ? up_all_q : down_all_q;
+    wire beside = bound_q && contact_q && known && (all || back_sum == sinks_q)
                   && !(out_q && above_q == sinks_q);
     wire past   = wild_q || (back_sum == negative_q);
 
@@ -394,6 +407,7 @@ module wh_anchor #(
         memory_too = 1'b0;
         fresh      = 1'b0;
         minus      = 1'b0;
+        fine       = 1'b0;
         read_from  = M_FOLLOWER;
         writes     = 1'b0;
         write_to   = M_FLUX;
@@ -467,18 +481,21 @@ module wh_anchor #(
                 memory_too = known;
                 read_from  = m_bound;
                 minus      = 1'b1;
+                fine       = 1'b1;
             end
             BACK: begin
                 sum_too    = 1'b1;
                 memory_too = known;
                 read_from  = m_bound;
+                fine       = 1'b1;
             end
             BEYOND: begin
                 sum_too    = beside || out_q;
                 inner      = !beside && !out_q;
-                memory_too = beside;
+                memory_too = beside && !all;
                 read_from  = m_bound;
-                minus      = beside || above_q;
+                minus      = !beside ? above_q : !all || sinks_q;
+                fine       = 1'b1;
             end
             X_HAT: begin
                 sum_too    = 1'b1;
@@ -642,7 +659,7 @@ module wh_anchor #(
                  && (|product_i[DATA_W+COEF_W-1:NEAR_SHIFT+LONG_W-2]);
 
     always @(posedge clk) begin
-        b_q <= (bare_q || (step_q == BEYOND && (beside || !out_q))) ? {LONG_W{1'b0}} : {b_top, b_high, b_mid, b_low};
+        b_q <= (bare_q || (step_q == BEYOND && (beside ? !all : !out_q))) ? {LONG_W{1'b0}} : {b_top, b_high, b_mid, b_low};
         over_q       <= !bare_q && near_q && outer;
         below_q      <= product_i[DATA_W+COEF_W-1];
         read_q       <= memory[read_from];
@@ -651,6 +668,8 @@ module wh_anchor #(
         inner_q      <= inner;
         memory_too_q <= memory_too && !(fresh && first_q);
         minus_q      <= minus;
+        memory_low_q <= memory_too && !(fresh && first_q) && !fine;
+        minus_low_q  <= minus ^ (fine && memory_too && !sinks_q);
         to_zero_q    <= (step_q == CLIP);
         writes_q     <= writes;
         write_to_q   <= write_to;
@@ -661,8 +680,10 @@ module wh_anchor #(
     wire                     takes_off = to_zero_q ? !back_sum : minus_q;
     wire signed [LONG_W-1:0] part = sum_q >>> INNER_SHIFT;
     wire signed [LONG_W-1:0] a    = ({LONG_W{sum_too_q}} & sum_q) | ({LONG_W{inner_q}} & part);
+    wire                     takes_low = to_zero_q ? !back_sum : minus_low_q;
     wire signed [LONG_W-1:0] b    =
-        (b_q | ({LONG_W{memory_too_q}} & read_q)) ^ {LONG_W{takes_off}};
+        (b_q | ({{(LONG_W - FINE_W){memory_too_q}}, {FINE_W{memory_low_q}}} & read_q))
+        ^ {{(LONG_W - FINE_W){takes_off}}, {FINE_W{takes_low}}};
     wire signed [LONG_W-1:0] sum  = a + b + $signed({{(LONG_W - 1){1'b0}}, takes_off});
 
     wire unused = &{1'b0, product_i[NEAR_SHIFT-1:0], position_i[`WH_COUNT_W-1:PLACE_W], reach[DATA_W-1],
@@ -783,11 +804,16 @@ module wh_anchor #(
                 LIMIT:   huge_q <= 1'b0;
                 FLUX:    told_q <= side[DATA_W-1:0];
                 CURRENT: far_q  <= over_q;
-                AHEAD:   far_q  <= far_q || sum_q[LONG_W-1] != sum_q[LONG_W-2];
+                AHEAD: begin
+                    far_q       <= far_q || sum_q[LONG_W-1] != sum_q[LONG_W-2];
+                    chi_above_q <= out && !back_sum;
+                    chi_below_q <= out && back_sum;
+                end
                 BOUND: begin
                     out_q   <= out;
                     above_q <= !back_sum;
                 end
+                BACK:    out_q <= out_q || beside;
                 CORRECT: begin
                     wild_q     <= over_q;
                     negative_q <= !below_q;
@@ -956,7 +982,7 @@ module wh_anchor #(
                     end
                     AHEAD:   flux_o    <= $signed(sum_q[LONG_W-1:CUT]);
                     FOLLOW:  lag_o     <= $signed(sum_q[LONG_W-1:CUT]);
-                    BACK:    bound_q   <= bound_q && (beside || !contact_q);
+                    BACK:    bound_q   <= bound_q && (beside || !contact_q || (AXIS == 0 && sinks_q == presses_q));
                     CORRECT: begin
                         full_q  <= full;
                         void_q  <= back_sum;
