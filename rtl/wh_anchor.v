@@ -11,7 +11,7 @@
 //
 // y' is the mean of L̂ i while the rotor travels, two counts and more the same way, y_b stands for the brushes and shrinks by half of what y'
 // falls. The bound χ_b: after an edge upwards z may not exceed the χ from before the last edge downwards, and the other
-// way round, to 1/32 of a count; so a rotor that crosses back over an edge meets no more force on its way out, and no less on its way
+// way round; so a rotor that crosses back over an edge meets no more force on its way out, and no less on its way
 // in, than it met there before. It is in force until the next edge; after an edge inwards, or with AXIS = 1, until z has been there once.
 // c is a voltage in series with the port, limited to the range of its word: it is added to e_id = s u behind the wave core, which does
 // not see it, and what it takes of the drive's limit, room_o, is no longer the wave's. A contact's first
@@ -365,8 +365,8 @@ module wh_anchor #(
     reg                     waits;
     reg                     bare_q, bare;            // b_q is 0
     reg                     minus_q, minus;
-    reg                     fine;                    // of what is read, the places that count
-    reg                     memory_low_q;            // of the others: memory_too_q,
+    reg                     fine;                    // the low places of b are all 1 or all 0
+    reg                     memory_low_q;            // of the low places: memory_too_q,
     reg                     minus_low_q;             // and minus_q
     reg                     to_zero_q;               // minus if the sum isn't
     reg                     out_q;                   // z is outside the zone, or beyond the bound
@@ -393,12 +393,12 @@ module wh_anchor #(
     wire grows  = (sinks_p_q != presses_q);
     wire learns = contact_q && out_q && !clipped_q && !saturated_q && !blind_q && !(grows ? full_q : void_q);
 
-    // Whether z is beyond the last edge's bound: of z less the bound, sum_q of the step BACK.
-    localparam integer FINE_W = LONG_Q - 5;  // places of a bound that don't count: below 1/32 of a count
-    wire known  = sinks_q ? knows_up_q : knows_down_q;
+    // Whether z is beyond the last edge's bound: of z less the bound, sum_q of the step BACK. What is pulled goes up to 1/32 of a
+    // count beyond it: FINE_W places of what BACK adds are those that weaken it most.
+    localparam integer FINE_W = LONG_Q - 5;
+    wire bounds = bound_q && contact_q && (sinks_q ? knows_up_q : knows_down_q);
     wire all    = sinks_q ? up_all_q : down_all_q;
-    wire beside = bound_q && contact_q && known && (all || back_sum == sinks_q)
-                  && !(out_q && above_q == sinks_q);
+    wire beside = bounds && (all || back_sum == sinks_q) && !(out_q && above_q == sinks_q);
     wire past   = wild_q || (back_sum == negative_q);
 
     always @* begin
@@ -478,14 +478,13 @@ module wh_anchor #(
             end
             BOUND: begin
                 sum_too    = 1'b1;
-                memory_too = known;
+                memory_too = bounds;
                 read_from  = m_bound;
                 minus      = 1'b1;
-                fine       = 1'b1;
             end
             BACK: begin
                 sum_too    = 1'b1;
-                memory_too = known;
+                memory_too = bounds;
                 read_from  = m_bound;
                 fine       = 1'b1;
             end
@@ -495,7 +494,6 @@ module wh_anchor #(
                 memory_too = beside && !all;
                 read_from  = m_bound;
                 minus      = !beside ? above_q : !all || sinks_q;
-                fine       = 1'b1;
             end
             X_HAT: begin
                 sum_too    = 1'b1;
@@ -669,7 +667,7 @@ module wh_anchor #(
         memory_too_q <= memory_too && !(fresh && first_q);
         minus_q      <= minus;
         memory_low_q <= memory_too && !(fresh && first_q) && !fine;
-        minus_low_q  <= minus ^ (fine && memory_too && !sinks_q);
+        minus_low_q  <= minus ^ (fine && memory_too && sinks_q);
         to_zero_q    <= (step_q == CLIP);
         writes_q     <= writes;
         write_to_q   <= write_to;

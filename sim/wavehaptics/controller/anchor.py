@@ -368,19 +368,23 @@ def _turn(
         z = long_word(chi - ahead if sinks else chi + ahead)
     over = z - half >= 0
     under = not over and z + half < 0
-    beyond = z - half if over else z + half if under else z >> INNER_SHIFT
     bound = False
-    if contact and state[BOUND] != 0:
+    if contact and state[BOUND] != 0 and state[KNOWS_UP if sinks else KNOWS_DOWN] != 0:
+        # What is pulled goes up to 1/32 of a count beyond the bound, else rotors bounce on an edge
+        # that neither gains nor loses.
         if sinks:
-            past = long_word(z - (state[UP] & ~_FINE))
-            bound = state[KNOWS_UP] != 0 and not over and (state[UP_ALL] != 0 or past < 0)
-            past = z - half if state[UP_ALL] != 0 else past
+            last, none_left = state[UP], state[UP_ALL] != 0
+            bound = not over and (none_left or long_word(z - last) < 0)
+            z = long_word(z + (~last & _FINE))
         else:
-            past = long_word(z - (state[DOWN] | _FINE))
-            bound = state[KNOWS_DOWN] != 0 and not under and (state[DOWN_ALL] != 0 or past >= 0)
-            past = z + half if state[DOWN_ALL] != 0 else past
-        beyond = past if bound else beyond
-        if not bound and (axis or sinks != presses_down):
+            last, none_left = state[DOWN], state[DOWN_ALL] != 0
+            bound = not under and (none_left or long_word(z - last) >= 0)
+            z = long_word(z - (last & _FINE))
+        end = half if sinks else -half
+        beyond = z - end if none_left else z - last
+    if not bound:
+        beyond = z - half if over else z + half if under else z >> INNER_SHIFT
+        if contact and (axis or sinks != presses_down):
             state[BOUND] = 0
     p = _data(long_word(beyond) >> _GUARD)
 
