@@ -548,6 +548,7 @@ def test_a_board_that_falls_silent(running):
     running.device.silent = False
     wait(lambda: running.state()["live"])
     assert not running.state()["wanted"]
+    assert running.state()["note"] == "switched off: no answer"
     wait(lambda: len(running.kept) > kept)
     times = running.kept.arrays()["t"]
     assert (np.diff(times) >= 0).all()

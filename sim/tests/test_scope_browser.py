@@ -98,12 +98,20 @@ class Page:
         self._at = None
 
     def arm(self) -> None:
-        """Arm, where it isn't; the mouse that drags lets go for that."""
-        if self["link"] != "on":
+        """Arm, where it isn't; the mouse that drags lets go for that.
+
+        Once more where a busy machine kept the board from answering in time, which the page says.
+        """
+        for _ in range(TRIES):
+            self.until(lambda: self["link"] in ("on", "off"))
+            if self["link"] == "on":
+                return
             if self._at is not None:
                 self.release()
+            before = self["line"]
             self.click("arm")
-            self.until(lambda: self["link"] == "on")
+            self.until(lambda: self["link"] == "on" or self["line"] not in ("", before))
+        raise AssertionError(self["line"])
 
     def press(self) -> None:
         """Into the wall, deeper and less deep, slowly: a pressing finger takes a second.

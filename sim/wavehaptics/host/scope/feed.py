@@ -216,6 +216,9 @@ class Feed(threading.Thread):
                     bench.arm(0)
         finally:
             self._live = False
+            if self._owner is not None:
+                # It stays when the board answers again: nothing else says why the bridges are off.
+                self._note = f"switched off: {self._problem}"
             self._disarmed()
             self._status = {}
             self._refuse_all()
