@@ -35,9 +35,7 @@ _ANCHOR = frozenset(
     for key in (
         "anchor_ohm",
         "anchor_ohm_per_s",
-        "swing_ohm",
         "anchor_limit_v",
-        "rebound_loss",
         "j_hat",
     )
 )
@@ -70,7 +68,7 @@ ABILITIES: dict[str, Ability] = {
         _NO_W | {"controller.find_magnet": "a servo has to know the angle; leave it out"},
     ),
     "hosted": Ability(
-        _PINS | _BESIDE | {"controller.rebound_loss"},
+        _PINS | _BESIDE,
         _NO_EDGES
         | {
             "shaper": "the environment is the host's; leave it out",
