@@ -241,9 +241,8 @@ class AnchorBench(Bench):
         if self.axis:
             half = abs(tick.cell) << rotor_flux.SHIFT >> 1
         begins = tick.contact and not before[anchor.TOUCHING]
-        kept = tick.contact and gone[anchor.BOUND] < 0 and not begins
-        bound = tick.contact and state[anchor.BOUND]
         sinks = state[anchor.SINKS]
+        bound = tick.contact and state[anchor.KNOWS_UP if sinks else anchor.KNOWS_DOWN]
         moved = gone[anchor.POSITION] if before[anchor.STARTED] else 0
         strange = words[anchor.ENABLE] and state[anchor.CLIPPED] and not before[anchor.FAULT]
         self.seen |= {
@@ -277,7 +276,8 @@ class AnchorBench(Bench):
                 "slow": gone[anchor.QUIET] < 0 and state[anchor.QUIET] == 0,
                 "bound below": bound and sinks,
                 "bound above": bound and not sinks,
-                "bound kept": kept and (state[anchor.KNOWS_UP] or state[anchor.KNOWS_DOWN]),
+                "bound at the other end": bound
+                and state[anchor.UP_ALL if sinks else anchor.DOWN_ALL],
                 "withheld": tick.withheld and tick.contact,
                 "blind": tick.blind and state[anchor.CLIPPED] and words[anchor.ENABLE],
                 "overloaded": not tick.blind and state[anchor.OVERLOADED],
@@ -293,8 +293,8 @@ EVERYTHING = frozenset(
         "outside above", "outside below", "inside", "clipped above", "clipped below",
         "not clipped", "clipped with the waves", "room", "fault", "mean", "offset", "learned",
         "θ above all", "θ below 0", "held", "brushes shrink", "brushes gone", "travels", "turns",
-        "slow", "bound below", "bound above", "bound kept", "withheld", "blind", "overloaded",
-        "far",
+        "slow", "bound below", "bound above", "bound at the other end", "withheld", "blind",
+        "overloaded", "far",
     )
 )  # fmt: skip
 

@@ -161,8 +161,7 @@ module prove_wh_anchor #(
             if (SHOWN == 1) assume (gains == 0 && (at != 6'd0 || !\block.clipped_q ));
             if (SHOWN == 2) begin
                 assume (learn_max == 1 << 20);
-                if (at == 6'd0) assume (\block.memory[0] == 0 && \block.memory[2] == 0 && \block.memory[3] == 0
-                                        && \block.memory[4] == 0);
+                if (at == 6'd0) assume (\block.memory[2] == 0 && \block.memory[3] == 0);
             end
         end
         if (at == 6'd0) begin

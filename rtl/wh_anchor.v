@@ -3,16 +3,18 @@
 // wh_anchor: the port anchor, which holds what a port feels like to where the encoder sees the rotor.
 //
 //   χ  = L̂ i + k̂_T x - Σ (s T/2)(u + v)       flux of the port, in counts of k̂_T Δ; 0 if all is ideal
-//   z  = χ, or a quarter of a count more in the direction of an edge that is the second the same way
-//   p  = z beyond ±1/2, z/256 within; or z - χ_b if the last edge's bound isn't kept yet
-//   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2; 0...learn_max, at first a quarter
+//   z  = χ and a quarter of a count in the direction of an edge that is the second the same way, else -1/32
+//   p  = z beyond ±1/2, z/256 within; the last edge's bound χ_b replaces an end of ±1/2
+//   θ -= g_θ p sgn y'                          in contact, where z is beyond an end; 0...learn_max, at first a quarter
 //   c  = θ (y' + sgn y' y_b) - g_ρ p           the first term in contact only
 //   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
 // y' is the mean of L̂ i while the rotor travels, two counts and more the same way. y_b stands for the brushes
-// and shrinks by half of what y' falls. The bound χ_b: after an edge upwards z must come down to the χ from
-// before the last edge downwards, and the other way round; so a rotor that crosses back over an edge meets no
-// more force on its way out, and no less on its way in, than it met there before.
+// and shrinks by half of what y' falls. The bound χ_b: after an edge upwards z stays below the χ from before
+// the last edge downwards, and the other way round; so a rotor that crosses back over an edge meets no more
+// force on its way out, and no less on its way in, than it met there before. Where χ_b is beyond the zone's
+// other end, that end is the bound. It is in force until the next edge; with AXIS = 1, until z has been there
+// once.
 // c is a voltage in series with the port, limited to its word: it is added to e_id = s u behind the wave core,
 // which does not see it, and what it takes of the drive's limit, room_o, is no longer the wave's. A contact's
 // first edge, in the period that reports the contact or one of the two before, sets χ to a quarter of a count
@@ -102,6 +104,7 @@ module wh_anchor #(
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
     localparam integer INNER_SHIFT = 8;  // of z within the zone, of both means
+    localparam integer BEHIND_SHIFT = 5; // of the count by which z is behind χ after a turn
     localparam integer FEW_SHIFT   = INNER_SHIFT + 1 + CUT;  // by half of a step of y' shrinks y_b
     localparam integer THETA_CUT   = `WH_LEARN_Q + LONG_Q - CUT - FAR_SHIFT - `WH_PULL_Q;  // of θ below a coefficient
     localparam integer THETA_W     = LONG_W - THETA_CUT;
@@ -156,8 +159,12 @@ module wh_anchor #(
     reg [1:0]                chi_at_q;    // where in the memory χ is, 1 to 3,
     reg [1:0]                up_at_q;     // χ before the last edge that raised the flux,
     reg [1:0]                down_at_q;   // and that before the last one that lessened it
-    reg                      knows_up_q;  // these are of this contact, and the rotor moved by single counts since
-    reg                      knows_down_q;
+    reg                      knows_up_q;  // these are of this contact, the rotor moved by single counts since, and
+    reg                      knows_down_q;  // they aren't beyond the end of the zone that they would replace
+    reg                      up_all_q;    // they are beyond its other end
+    reg                      down_all_q;
+    reg                      chi_above_q; // χ of the tick before is above the zone,
+    reg                      chi_below_q; // or below it
 
     wire                     accepts;     // waves_i
     wire signed [MOVE_W-1:0] moved    =
@@ -214,14 +221,18 @@ module wh_anchor #(
                 knows_up_q   <= 1'b0;
                 knows_down_q <= 1'b0;
             end else if (steps) begin
-                knows_up_q   <= one && (!sinks || knows_up_q);
-                knows_down_q <= one && (sinks || knows_down_q);
+                knows_up_q   <= one && (sinks ? knows_up_q : !chi_below_q);
+                knows_down_q <= one && (sinks ? !chi_above_q : knows_down_q);
                 if (one) begin
                     chi_at_q  <= sinks ? down_at_q : up_at_q;
                     up_at_q   <= sinks ? up_at_q : chi_at_q;
                     down_at_q <= sinks ? chi_at_q : down_at_q;
                 end
             end
+        end
+        if (steps) begin
+            up_all_q   <= sinks ? up_all_q : chi_above_q;
+            down_all_q <= sinks ? chi_below_q : down_all_q;
         end
         if (accepts) begin
             position_q <= position_i[PLACE_W-1:0];
@@ -230,7 +241,8 @@ module wh_anchor #(
     end
 
     // What the encoder tells of the flux: all of it, what the tick changed, what a contact begins with, half
-    // and a quarter of what a count changes, and whether z, sum_q of the step BOUND, is beyond that half.
+    // of what a count changes, how far z is from χ, and whether χ or z, sum_q of the steps AHEAD and BOUND,
+    // is beyond that half.
     wire signed [LONG_W-1:0] place;
     wire signed [LONG_W-1:0] moved_flux;
     wire signed [LONG_W-1:0] start_flux;
@@ -267,7 +279,9 @@ module wh_anchor #(
             assign start_flux = $signed({{(HALF_W - SINE_Q - 2){way[SINE_Q+1]}}, way,
                                          {(LONG_Q - SINE_Q - 1){1'b0}}});
             assign half_flux  = $signed({half, {(LONG_Q - SINE_Q - 1){1'b0}}});
-            assign ahead_flux = $signed({{1{1'b0}}, half, {(LONG_Q - SINE_Q - 2){1'b0}}});
+            assign ahead_flux = same_q ? $signed({1'b0, half, {(LONG_Q - SINE_Q - 2){1'b0}}})
+                                : $signed({{(LONG_W - LONG_Q + BEHIND_SHIFT - 1){1'b0}}, 1'b1,
+                                           {(LONG_Q - BEHIND_SHIFT){1'b0}}});
             assign sinks      = moved_flux_q[FLUX_W-1];
             assign out        = back_sum ? (chi < -half) : (chi >= half);
         end else begin : motor
@@ -279,7 +293,8 @@ module wh_anchor #(
             assign start_flux = $signed({{(LONG_W - LONG_Q + 1){edged && back_q}}, edged,
                                          {(LONG_Q - 2){1'b0}}});
             assign half_flux  = $signed({{(LONG_W - LONG_Q){1'b0}}, 1'b1, {(LONG_Q - 1){1'b0}}});
-            assign ahead_flux = $signed({{(LONG_W - LONG_Q + 1){1'b0}}, 1'b1, {(LONG_Q - 2){1'b0}}});
+            assign ahead_flux = $signed({{(LONG_W - LONG_Q + 1){1'b0}}, same_q, {(BEHIND_SHIFT - 3){1'b0}}, !same_q,
+                                         {(LONG_Q - BEHIND_SHIFT){1'b0}}});
             assign sinks      = back;
             assign out        = back_sum ? !(&sum_q[LONG_W-2:LONG_Q-1])
                                          : (|sum_q[LONG_W-2:LONG_Q-1]);
@@ -362,15 +377,15 @@ module wh_anchor #(
     reg                     bare_q, bare;            // b_q is 0
     reg                     minus_q, minus;
     reg                     to_zero_q;               // minus if the sum isn't
-    reg                     out_q;                   // z is outside the zone,
-    reg                     above_q;                 // above it
+    reg                     out_q;                   // z is outside the zone, or beyond the bound
+    reg                     above_q;                 // it is above the zone, where it is outside
     reg signed [DATA_W-1:0] brush_q;                 // s31q16 counts, 0...: y_b
     reg signed [DATA_W-1:0] told_q;                  // s31q16 counts: y' + sgn y' y_b
     reg                     presses_q;               // y' is below 0
     reg signed [COEF_W-1:0] theta_q;                 // s27q20 V a count: θ, 0...learn_max
     reg                     full_q;                  // it is the largest
     reg                     void_q;                  // it is below 0
-    reg                     bound_q;                 // the last edge's bound is still to be reached
+    reg                     bound_q;                 // the last edge's bound is in force
     reg                     clipped_q;               // c is at its limit
     reg                     strange_q;               // and wants to be beyond it by strange
     reg                     negative_q;              // the correction that is wanted, g_ρ p,
@@ -386,9 +401,10 @@ module wh_anchor #(
     wire grows  = (sinks_p_q != presses_q);
     wire learns = contact_q && out_q && !clipped_q && !saturated_q && !blind_q && !(grows ? full_q : void_q);
 
-    // Whether the last edge's bound isn't kept yet: of z less the bound, sum_q of the step BACK.
+    // Whether z is beyond the last edge's bound: of z less the bound, sum_q of the step BACK.
     wire known  = sinks_q ? knows_up_q : knows_down_q;
-    wire beside = bound_q && contact_q && known && (back_sum == sinks_q)
+    wire all    = sinks_q ? up_all_q : down_all_q;
+    wire beside = bound_q && contact_q && known && (all || back_sum == sinks_q)
                   && !(out_q && above_q == sinks_q);
     wire past   = wild_q || (back_sum == negative_q);
 
@@ -464,7 +480,7 @@ module wh_anchor #(
             end
             AHEAD: begin
                 sum_too = 1'b1;
-                minus   = sinks_q;
+                minus   = (sinks_q == same_q);
             end
             BOUND: begin
                 sum_too    = 1'b1;
@@ -480,9 +496,9 @@ module wh_anchor #(
             BEYOND: begin
                 sum_too    = beside || out_q;
                 inner      = !beside && !out_q;
-                memory_too = beside;
+                memory_too = beside && !all;
                 read_from  = m_bound;
-                minus      = beside || above_q;
+                minus      = !beside ? above_q : !all || sinks_q;
             end
             X_HAT: begin
                 sum_too    = 1'b1;
@@ -579,7 +595,7 @@ module wh_anchor #(
                 b_from = B_THETA;
             end
             AHEAD: begin
-                bare   = !contact_q || !same_q;
+                bare   = !contact_q;
                 b_from = B_AHEAD;
             end
             BEYOND:  b_from = B_HALF;
@@ -604,7 +620,7 @@ module wh_anchor #(
     // first link gives a product, 1 or 0. The lowest places have products only, the middle ones nothing of the
     // encoder, the highest no setting.
     localparam integer LOW_W   = VOLT_SHIFT - 1;
-    localparam integer COUNT_Q = (AXIS == 1) ? LONG_Q - SINE_Q - 2 : LONG_Q - 2;
+    localparam integer COUNT_Q = (AXIS == 1) ? LONG_Q - SINE_Q - 2 : LONG_Q - BEHIND_SHIFT;
     localparam integer THETA_Q = THETA_CUT - 2;  // of a quarter of the largest θ
     localparam integer TOP_Q   = (VOLT_SHIFT + DATA_W > THETA_Q + COEF_W) ? VOLT_SHIFT + DATA_W - 1
                                                                           : THETA_Q + COEF_W - 1;
@@ -661,7 +677,8 @@ module wh_anchor #(
                  && (|product_i[DATA_W+COEF_W-1:NEAR_SHIFT+LONG_W-2]);
 
     always @(posedge clk) begin
-        b_q <= (bare_q || (step_q == BEYOND && (beside || !out_q))) ? {LONG_W{1'b0}} : {b_top, b_high, b_mid, b_low};
+        b_q <= (bare_q || (step_q == BEYOND && (beside ? !all : !out_q))) ? {LONG_W{1'b0}}
+               : {b_top, b_high, b_mid, b_low};
         over_q       <= !bare_q && near_q && outer;
         below_q      <= product_i[DATA_W+COEF_W-1];
         read_q       <= memory[read_from];
@@ -808,11 +825,16 @@ module wh_anchor #(
                 LIMIT:   huge_q <= 1'b0;
                 FLUX:    told_q <= $signed(side[DATA_W-1:0]);
                 CURRENT: far_q  <= over_q;
-                AHEAD:   far_q  <= far_q || sum_q[LONG_W-1] != sum_q[LONG_W-2];
+                AHEAD: begin
+                    far_q       <= far_q || sum_q[LONG_W-1] != sum_q[LONG_W-2];
+                    chi_above_q <= out && !back_sum;
+                    chi_below_q <= out && back_sum;
+                end
                 BOUND: begin
                     out_q   <= out;
                     above_q <= !back_sum;
                 end
+                BACK:    out_q <= out_q || beside;
                 CORRECT: begin
                     wild_q     <= over_q;
                     negative_q <= !below_q;
@@ -989,7 +1011,7 @@ module wh_anchor #(
                     end
                     AHEAD:   flux_o    <= $signed(sum_q[LONG_W-1:CUT]);
                     FOLLOW:  lag_o     <= $signed(sum_q[LONG_W-1:CUT]);
-                    BACK:    bound_q   <= bound_q && (beside || !contact_q);
+                    BACK:    bound_q   <= bound_q && (AXIS == 0 || beside || !contact_q);
                     CORRECT: begin
                         full_q  <= full;
                         void_q  <= back_sum;

@@ -23,7 +23,7 @@ TABLE = rotor_flux.sine_table()
 COUNTS, PAIRS = 10_000, 7
 CELL_RAD = 2 * math.pi / COUNTS
 ANGLES = [n * math.pi / 4 for n in range(8)]
-AXES_CLOCKS = 60
+AXES_CLOCKS = 61
 """Of a step of both ports and, behind it, both anchors."""
 GIMBAL = BRUSHLESS_PRESETS["gbm2804-100t"]
 
@@ -98,6 +98,9 @@ def test_an_axis_that_a_count_moves_by_a_cell_is_a_motor_with_brushes():
             assert axis[anchor.FLUX] - port[anchor.FLUX] == (begun >> 1) - (begun >> 2)
             axis[:] = port
         touching = bool(port[anchor.TOUCHING])
+        # A bound lasts until the next edge, an axis' own until it has been kept.
+        assert axis[anchor.BOUND] <= port[anchor.BOUND]
+        axis[anchor.BOUND] = port[anchor.BOUND]
         assert (axis == port).all()
         axis[anchor.PLACE] = place
 

@@ -11,12 +11,14 @@ that the position needs no gain. A voltage c in series with the port, which the 
 holds χ:
 
 - **Zone.** ``z = χ + σ/4`` if the last edge had the direction σ of the one before it, else ``z =
-  χ``. ``q`` is the part of z beyond ± half a count: within it the inductor knows better than the
-  encoder.
+  χ − σ/32``. ``q`` is the part of z beyond ± half a count: within it the inductor knows better than
+  the encoder.
 - **Nothing given twice.** A rotor that crosses back over an edge meets no more force on its way
   out, and no less on its way in, than it met there before. ``UP`` and ``DOWN`` are χ just before
-  the last edge of each direction. After an edge upwards z must not exceed DOWN, after one
-  downwards not fall below UP, until it has been there once.
+  the last edge of each direction. After an edge upwards DOWN replaces the zone's upper end, after
+  one downwards UP its lower end, where they lie within the zone; where they lie beyond its other
+  end, that end does. This lasts until the next edge; of a brushless motor's axis, which an edge
+  hardly moves at some angles, until z has been there once.
 - ``p`` is q, or z/256 within the zone, and ``c = θ·(y' + sgn(y')·y_b) − g_ρ·p``. y = L̂·i, y' is
   its mean of some milliseconds, which follows only while the rotor travels: while its last two
   full counts had the same direction. θ is a resistance that is learned from p where z is out of
@@ -84,10 +86,15 @@ assert len(_WORDS) == SETTINGS
     BRUSH_LEFT,  # s31q16 counts, 0...: y_b
     UP,  # s48q33 counts: χ of the period before the last edge upwards
     DOWN,  # s48q33 counts: the same downwards
-    KNOWS_UP,  # UP is of this contact, and the rotor went by single counts since
-    KNOWS_DOWN,
+    KNOWS_UP,  # UP is of this contact, the rotor went by single counts since, and it isn't below
+    # the zone: there the zone alone asks for more
+    KNOWS_DOWN,  # the same of DOWN, which isn't above the zone
+    UP_ALL,  # UP is above the zone: nothing of the zone is left
+    DOWN_ALL,  # DOWN is below the zone
+    ABOVE,  # χ is above the zone
+    BELOW,  # χ is below the zone
     SINKS,  # the last edge lessened the flux
-    BOUND,  # the last edge's bound is still to be reached
+    BOUND,  # the last edge's bound is in force
     CLIPPED,  # c was at its limit
     FAULT,  # 1: waves and encoder don't follow the same motor; latched
     CHI,  # s48q33 counts: χ
@@ -100,9 +107,9 @@ assert len(_WORDS) == SETTINGS
     FRESH,  # periods for which the last edge is still one that a contact can begin with
     LOADED,  # θ is there: at first a quarter of the largest
     OVERLOADED,  # the current was at the end of its range, and c has been at its limit since
-) = range(34)
+) = range(38)
 """Indices of an anchor's state."""
-STATES = 34
+STATES = 38
 
 FRESH_TICKS = 3
 """An edge begins a contact that is reported in its own period or in the next two."""
@@ -111,6 +118,9 @@ INNER_SHIFT = 8
 """Inside the zone 2^-8 of z counts: what drifts within a count dies out."""
 AHEAD_SHIFT = 2
 """The zone of a rotor that goes on is a quarter of a count ahead."""
+BEHIND_SHIFT = 5
+"""That of a rotor that has turned is 1/32 of a count behind: so much a bound gives way at each
+edge, as a rotor that neither gained nor lost by an edge would bounce on it for ever."""
 MEAN_SHIFT = 8
 """y' takes 2^-8 of its distance to y in one period of FOLLOW_TICKS."""
 FIRST_SHIFT = 2
@@ -144,6 +154,7 @@ _LONG_TOP = 1 << (formats.LONG.width - 1)
 _LONG_MASK = (1 << formats.LONG.width) - 1
 _DATA_TOP = 1 << (formats.DATA_W - 1)
 _DATA_MASK = (1 << formats.DATA_W) - 1
+_BEHIND = _CELL >> BEHIND_SHIFT
 _FEW = _GUARD + MEAN_SHIFT + SHRINK_SHIFT
 
 
@@ -210,7 +221,7 @@ def anchor_step(
     moved = _moved(state, position)
     _turn(
         state, words, moved, moved * _CELL, _CELL, _CELL >> 2, (position & _TURN) * _CELL, contact,
-        current, u, v, withheld, voltage, saturated, blind,
+        current, u, v, withheld, voltage, saturated, blind, False,
     )  # fmt: skip
 
 
@@ -239,7 +250,7 @@ def anchor_axis_step(
     state[PLACE] = place
     _turn(
         state, words, _moved(state, position), moved_flux, cell, cell >> 1, place, contact, current,
-        u, v, withheld, voltage, saturated, blind,
+        u, v, withheld, voltage, saturated, blind, True,
     )  # fmt: skip
 
 
@@ -257,7 +268,7 @@ def _moved(state, position):
 @compiled(inline="always")
 def _turn(
     state, words, moved, moved_flux, cell, start, place, contact, current, u, v, withheld, voltage,
-    saturated, blind,
+    saturated, blind, axis,
 ):  # fmt: skip
     begins = contact and state[TOUCHING] == 0
     state[TOUCHING] = 1 if contact else 0
@@ -324,32 +335,44 @@ def _turn(
             state[KNOWS_UP] = state[KNOWS_DOWN] = 0
         elif down:
             state[DOWN] = before
-            state[KNOWS_DOWN] = 1
+            state[KNOWS_DOWN] = 1 - state[ABOVE]
+            state[DOWN_ALL] = state[BELOW]
         else:
             state[UP] = before
-            state[KNOWS_UP] = 1
+            state[KNOWS_UP] = 1 - state[BELOW]
+            state[UP_ALL] = state[ABOVE]
     if moved != 0:
         state[SINKS] = 1 if down else 0
     sinks = state[SINKS] != 0
 
     size = -cell if cell < 0 else cell
     half = size >> 1
+    state[ABOVE] = 1 if chi - half >= 0 else 0
+    state[BELOW] = 1 if chi + half < 0 else 0
     z = chi
-    if contact and state[SAME] != 0:
-        ahead = size >> AHEAD_SHIFT
+    if contact:
+        ahead = size >> AHEAD_SHIFT if state[SAME] != 0 else -_BEHIND
         z = long_word(chi - ahead if sinks else chi + ahead)
     over = z - half >= 0
     under = not over and z + half < 0
     beyond = z - half if over else z + half if under else z >> INNER_SHIFT
-    if contact and state[BOUND] != 0:
-        if sinks:
-            bound = state[KNOWS_UP] != 0 and long_word(z - state[UP]) < 0 and not over
-            beyond = z - state[UP] if bound else beyond
-        else:
-            bound = state[KNOWS_DOWN] != 0 and long_word(z - state[DOWN]) >= 0 and not under
-            beyond = z - state[DOWN] if bound else beyond
-        if not bound:
-            state[BOUND] = 0
+    bound = contact and state[BOUND] != 0
+    if not bound:
+        past = z
+    elif sinks and state[KNOWS_UP] != 0 and not over:
+        past = long_word(z - state[UP])
+        bound = state[UP_ALL] != 0 or past < 0
+        past = z - half if state[UP_ALL] != 0 else past
+    elif not sinks and state[KNOWS_DOWN] != 0 and not under:
+        past = long_word(z - state[DOWN])
+        bound = state[DOWN_ALL] != 0 or past >= 0
+        past = z + half if state[DOWN_ALL] != 0 else past
+    else:
+        bound = False
+    if bound:
+        beyond = past
+    elif contact and axis:
+        state[BOUND] = 0
     p = _data(long_word(beyond) >> _GUARD)
 
     if not contact and state[QUIET] == 0 and not blind:
@@ -380,7 +403,9 @@ def _turn(
         state[THETA] = words[LEARN_MAX] << (_THETA_CUT - FIRST_SHIFT)
     grows = (p < 0) != presses_down
     stops = state[FULL] != 0 if grows else state[THETA] < 0
-    learns = contact and (over or under) and state[CLIPPED] == 0 and not saturated and not blind
+    learns = (
+        contact and (over or under or bound) and state[CLIPPED] == 0 and not saturated and not blind
+    )
     if learns and not stops:
         step = (words[LEARN_GAIN] * p) >> _FAR_SHIFT
         state[THETA] = long_word(state[THETA] + (step if presses_down else -step))

@@ -89,7 +89,7 @@ class Controller(Table):
     )
     j_hat: float = scene_key(
         "kg·m²",
-        "The controller's estimate Ĵ of the inertia on the shaft, for the port anchor",
+        "The controller's estimate Ĵ of the inertia on the shaft; no law needs it today",
         None,
         default_text="J of the motor, without load and hand",
         ge=1e-9,
