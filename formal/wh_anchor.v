@@ -2,7 +2,7 @@
 //
 // prove_wh_anchor: a period's 28 steps with any products, which come at once. Part 0: from any state of
 // rest to the next; c is 0 if it isn't enabled or after a fault. Part 3: θ as a coefficient is 0 to learn_max,
-// and nothing is learned while blind, clipped or saturated. Part 1: the first steps make the limit of c. Part 2:
+// nothing is learned while blind or saturated, and θ doesn't grow while clipped. Part 1: the first steps make the limit of c. Part 2:
 // the last steps make c = limited(θ (y' + sgn y' y_b) + clamp(-g_ρ p, ± limit)), the first term in contact only,
 // whatever the state is otherwise. reach is 0 or more and below half a word's largest, strange, learn_max and
 // brush 0 or more, as their settings are. After a clock in which reads_o is low, the settings may be anything,
@@ -186,6 +186,9 @@ module prove_wh_anchor #(
             mean_before    <= \block.memory[2] ;
             zero_before    <= \block.memory[3] ;
         end
+        // g_θ is 0 or more, so g_θ p, which the step LEARN takes, has p's sign.
+        if (PART == 3 && \block.step_q == 5'd22)
+            assume (product[DATA_W+COEF_W-1] == \block.sinks_p_q || product == 0);
         if (at == 6'd30) begin
             if (PART == 0) begin
                 assert (\block.step_q == 5'd0 && !\block.go_q && !busy && !overrun && first_known);
@@ -196,8 +199,9 @@ module prove_wh_anchor #(
             end
             if (PART == 3) begin
                 assert (!\block.theta_q [COEF_W-1] && \block.theta_q <= learn_max);
-                if (!first_before && (blind || clipped_before || saturated || !\block.contact_q ))
+                if (!first_before && (blind || saturated || !\block.contact_q ))
                     assert (\block.memory[1] == theta_before);
+                if (!first_before && clipped_before) assert ($signed(\block.memory[1] ) <= theta_before);
                 if (!first_before && blind && !\block.begins_q )
                     assert (\block.memory[2] == mean_before && \block.brush_q == brush_before);
                 if (blind && (tracked_before || \block.contact_q ))

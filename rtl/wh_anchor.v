@@ -5,7 +5,7 @@
 //   χ  = L̂ i + k̂_T x - Σ (s T/2)(u + v)       flux of the port, in counts of k̂_T Δ; 0 if all is ideal
 //   z  = χ and a quarter of a count in the direction of an edge that is the second the same way, else -1/32
 //   p  = z beyond ±1/2, z/256 within; the last edge's bound χ_b replaces an end of ±1/2
-//   θ -= g_θ p sgn y'                          in contact, where z is beyond an end; 0...learn_max, at first a quarter
+//   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2; 0...learn_max, at first a quarter
 //   c  = θ (y' + sgn y' y_b) - g_ρ p           the first term in contact only
 //   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
@@ -377,8 +377,8 @@ module wh_anchor #(
     reg                     bare_q, bare;            // b_q is 0
     reg                     minus_q, minus;
     reg                     to_zero_q;               // minus if the sum isn't
-    reg                     out_q;                   // z is outside the zone, or beyond the bound
-    reg                     above_q;                 // it is above the zone, where it is outside
+    reg                     out_q;                   // z is outside the zone,
+    reg                     above_q;                 // above it
     reg signed [DATA_W-1:0] brush_q;                 // s31q16 counts, 0...: y_b
     reg signed [DATA_W-1:0] told_q;                  // s31q16 counts: y' + sgn y' y_b
     reg                     presses_q;               // y' is below 0
@@ -399,7 +399,7 @@ module wh_anchor #(
     wire moves_mean = follows_q && contact_q && travels_q && !blind_q && !far_q && !begins_q;
 
     wire grows  = (sinks_p_q != presses_q);
-    wire learns = contact_q && out_q && !clipped_q && !saturated_q && !blind_q && !(grows ? full_q : void_q);
+    wire learns = contact_q && out_q && !saturated_q && !blind_q && !(grows ? full_q || clipped_q : void_q);
 
     // Whether z is beyond the last edge's bound: of z less the bound, sum_q of the step BACK.
     wire known  = sinks_q ? knows_up_q : knows_down_q;
@@ -834,7 +834,6 @@ module wh_anchor #(
                     out_q   <= out;
                     above_q <= !back_sum;
                 end
-                BACK:    out_q <= out_q || beside;
                 CORRECT: begin
                     wild_q     <= over_q;
                     negative_q <= !below_q;

@@ -402,10 +402,8 @@ def _turn(
         state[LOADED] = 1
         state[THETA] = words[LEARN_MAX] << (_THETA_CUT - FIRST_SHIFT)
     grows = (p < 0) != presses_down
-    stops = state[FULL] != 0 if grows else state[THETA] < 0
-    learns = (
-        contact and (over or under or bound) and state[CLIPPED] == 0 and not saturated and not blind
-    )
+    stops = state[FULL] != 0 or state[CLIPPED] != 0 if grows else state[THETA] < 0
+    learns = contact and (over or under) and not saturated and not blind
     if learns and not stops:
         step = (words[LEARN_GAIN] * p) >> _FAR_SHIFT
         state[THETA] = long_word(state[THETA] + (step if presses_down else -step))
