@@ -103,6 +103,7 @@ module prove_wh_anchor #(
     (* hierconn *) wire       \block.begins_q ;
     (* hierconn *) wire       \block.tracked_q ;
     (* hierconn *) wire       \block.clipped_q ;
+    (* hierconn *) wire       \block.sinks_p_q ;
     (* hierconn *) wire signed [DATA_W-1:0]      \block.brush_q ;
     (* hierconn *) wire signed [COEF_W-1:0]      \block.theta_q ;
     (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[1] ;

@@ -101,7 +101,7 @@ def test_an_overloaded_wall_holds_with_what_it_has(clipped_scene, name, rung):
     assert 0.3 < result["clipped_fraction"] < 1.0
     assert result["saturated_fraction"] == 0.0
     # Of the force times the way of the hand no more than rounding and noise.
-    assert result["energy_out_max_j"] < 1e-3 * force * 0.3
+    assert result["energy_out_max_j"] < 1.3e-3 * force * 0.3
     assert result["hold_torque"] == pytest.approx(-force, rel=0.05)
     assert result["hold_ripple_rms"] < 0.02 * force
     assert result["hold_error"] > 0.5
@@ -147,7 +147,7 @@ def test_an_overload_gives_back_what_it_took(clipped_scene, name):
     out."""
     scene = clipped_scene(name, "hand.path=sine", "hand.frequency_hz=2", "scene.duration_s=0.8")
     (stored, returned), *_ = works(scene)
-    assert stored > 0.2 * SCENES[name] * scene.hand.amplitude_rad
+    assert stored > 0.19 * SCENES[name] * scene.hand.amplitude_rad
     assert 0.95 < returned / stored <= 1.0
 
 
