@@ -8,10 +8,15 @@ half an hour of two cores. `make test` runs them, unless in CI, which names them
 from __future__ import annotations
 
 import os
+import signal
 from collections.abc import Generator
 from pathlib import Path
 
 import pytest
+
+# Tests send these to commands, which inherit it where they are ignored, as under nohup.
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 BLOCKS = {
     "wh_adc": "test_closed_loop.py::test_closed_loop[icarus]",
@@ -167,6 +172,9 @@ LONG = (
     "sim/tests/test_c_library.py::test_the_wall_of_a_computer",
     "sim/tests/test_device_words.py::test_a_device_that_is_left_alone_is_the_controller[more1]",
     "sim/tests/test_identify.py::test_identified_over_the_line",
+    "sim/tests/test_identify_brushless.py::test_identified_over_the_line",
+    "sim/tests/test_several_motors.py::test_a_board_that_is_a_board_has_its_motors",
+    "cocotb_tests/test_board_link.py::test_board_link[ulx3s_three]",
     "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[held-every]",
     "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[free-every]",
     "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[limited-every]",

@@ -110,7 +110,7 @@ class Page:
                 self.release()
             before = self["line"]
             self.click("arm")
-            self.until(lambda: self["link"] == "on" or self["line"] not in ("", before))
+            self.until(lambda told=("", before): self["link"] == "on" or self["line"] not in told)
         raise AssertionError(self["line"])
 
     def press(self) -> None:
