@@ -750,7 +750,6 @@ module wh_brushless #(
                 .a_i               ({2{a_i}}),
                 .eta_contact_i     ({2{eta_contact_i}}),
                 .eta_free_i        ({2{eta_free_i}}),
-                .eta_rebound_i     ({2{anchor_words_i[`WH_ANCHOR_W-1 -: COEF_W]}}),  // the highest of the words
                 .gain_i            (gain_i),
                 .clocks_per_volt_i ({2{clocks_per_volt_i}}),
                 .u_max_i           ({2{u_max_i}}),

@@ -562,7 +562,6 @@ module wh_controller #(
     wire [N-1:0] illegal_move;
     wire         illegal_setting;
 
-    wire [N*COEF_W-1:0] eta_rebound;  // the highest of an anchor's words
 
     wh_setting_check #(
         .N                 (N)
@@ -585,7 +584,6 @@ module wh_controller #(
         .a_i               (a_i),
         .eta_contact_i     (eta_contact_i),
         .eta_free_i        (eta_free_i),
-        .eta_rebound_i     (eta_rebound),
         .gain_i            (gain_i),
         .clocks_per_volt_i (clocks_per_volt_i),
         .u_max_i           (u_max_i),
@@ -648,8 +646,6 @@ module wh_controller #(
     genvar n;
     generate
         for (n = 0; n < N; n = n + 1) begin : each
-            assign eta_rebound[n*COEF_W +: COEF_W] =
-                (ANCHOR != 0) ? anchor_words_i[(n+1)*`WH_ANCHOR_W-1 -: COEF_W] : {COEF_W{1'b0}};
 
             wh_motor #(
                 .WALLS               (WALLS),

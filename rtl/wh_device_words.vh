@@ -59,7 +59,7 @@ wire [PARTS*24-1:0] set_zero;
 wire [PARTS*`WH_COEF_W-1:0] set_gain;
 wire [PARTS*`WH_COEF_W-1:0] set_clocks_per_volt;
 wire [PARTS*`WH_DATA_W-1:0] set_side_current;
-wire [PARTS*(9*`WH_COEF_W + 2*`WH_DATA_W + 22)-1:0] set_anchor_words;
+wire [PARTS*(8*`WH_COEF_W + 3*`WH_DATA_W + 33)-1:0] set_anchor_words;
 wire [PARTS-1:0] set_edge_hysteresis;
 wire [PARTS*WALLS*`WH_COUNT_W-1:0] set_wall_min;
 wire [PARTS*WALLS*`WH_COUNT_W-1:0] set_wall_max;
@@ -602,7 +602,7 @@ wire [PARTS-1:0] pending_anchor;
 generate
     for (n = 0; n < PARTS; n = n + 1) begin : anchor_of_motor
         localparam [31:0] PART = n + 1;
-        wire [9*`WH_COEF_W + 2*`WH_DATA_W + 22-1:0] anchor_words;
+        wire [8*`WH_COEF_W + 3*`WH_DATA_W + 33-1:0] anchor_words;
 
         wh_setting_group #(
             .STAGED    (1),
@@ -610,8 +610,8 @@ generate
             .FIRST     (8'h20),
             .STRIDE    (8'd1),
             .WORDS     (14),
-            .WIDTHS    ({COEF_W_8, 8'd5, 8'd16, DATA_W_8, DATA_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, 8'd1}),
-            .TOTAL_W   (9*`WH_COEF_W + 2*`WH_DATA_W + 22)
+            .WIDTHS    ({8'd20, 8'd12, DATA_W_8, DATA_W_8, DATA_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, 8'd1}),
+            .TOTAL_W   (8*`WH_COEF_W + 3*`WH_DATA_W + 33)
         ) anchor (
             `WH_DEVICE_BUS
             .hold_i    (hold_anchor[n]),
@@ -619,20 +619,20 @@ generate
             .words_o   (anchor_words)
         );
 
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) +: 1] = anchor_words[0 +: 1];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 1 +: `WH_COEF_W] = anchor_words[1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + `WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[`WH_COEF_W + 1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 2*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[2*`WH_COEF_W + 1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 3*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[3*`WH_COEF_W + 1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 4*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[4*`WH_COEF_W + 1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 5*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[5*`WH_COEF_W + 1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 6*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[6*`WH_COEF_W + 1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 7*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[7*`WH_COEF_W + 1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 8*`WH_COEF_W + 1 +: `WH_DATA_W] = anchor_words[8*`WH_COEF_W + 1 +: `WH_DATA_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 8*`WH_COEF_W + `WH_DATA_W + 1 +: `WH_DATA_W] = anchor_words[8*`WH_COEF_W + `WH_DATA_W + 1 +: `WH_DATA_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 8*`WH_COEF_W + 2*`WH_DATA_W + 1 +: 16] = anchor_words[8*`WH_COEF_W + 2*`WH_DATA_W + 1 +: 16];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 8*`WH_COEF_W + 2*`WH_DATA_W + 17 +: 5] = anchor_words[8*`WH_COEF_W + 2*`WH_DATA_W + 17 +: 5];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 8*`WH_COEF_W + 2*`WH_DATA_W + 22 +: `WH_COEF_W] = anchor_words[8*`WH_COEF_W + 2*`WH_DATA_W + 22 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) +: 1] = anchor_words[0 +: 1];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 1 +: `WH_COEF_W] = anchor_words[1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + `WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 2*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[2*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 3*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[3*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 4*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[4*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 5*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[5*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 6*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[6*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 7*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[7*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 8*`WH_COEF_W + 1 +: `WH_DATA_W] = anchor_words[8*`WH_COEF_W + 1 +: `WH_DATA_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 8*`WH_COEF_W + `WH_DATA_W + 1 +: `WH_DATA_W] = anchor_words[8*`WH_COEF_W + `WH_DATA_W + 1 +: `WH_DATA_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 8*`WH_COEF_W + 2*`WH_DATA_W + 1 +: `WH_DATA_W] = anchor_words[8*`WH_COEF_W + 2*`WH_DATA_W + 1 +: `WH_DATA_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 8*`WH_COEF_W + 3*`WH_DATA_W + 1 +: 12] = anchor_words[8*`WH_COEF_W + 3*`WH_DATA_W + 1 +: 12];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 8*`WH_COEF_W + 3*`WH_DATA_W + 13 +: 20] = anchor_words[8*`WH_COEF_W + 3*`WH_DATA_W + 13 +: 20];
     end
 endgenerate
 
@@ -1002,7 +1002,7 @@ end
     .gain_i (set_gain), \
     .clocks_per_volt_i (set_clocks_per_volt[`WH_COEF_W-1:0]), \
     .side_current_i (set_side_current[`WH_DATA_W-1:0]), \
-    .anchor_words_i (set_anchor_words[(9*`WH_COEF_W + 2*`WH_DATA_W + 22)-1:0]), \
+    .anchor_words_i (set_anchor_words[(8*`WH_COEF_W + 3*`WH_DATA_W + 33)-1:0]), \
     .edge_hysteresis_i (set_edge_hysteresis[0]), \
     .wall_min_i (set_wall_min[WALLS*`WH_COUNT_W-1:0]), \
     .wall_max_i (set_wall_max[WALLS*`WH_COUNT_W-1:0]), \

@@ -93,9 +93,6 @@ module wh_port #(
 
     // ---- Environment. An anchor that has lost the rotor leaves a port that only damps.
 
-    wire              rebounds;
-    wire [COEF_W-1:0] rebound_eta;
-
     wh_environment #(
         .HOST               (HOST)
     ) environment (
@@ -105,8 +102,6 @@ module wh_port #(
         .contact_i          (contact_i),
         .shaped_i           (shaped_i),
         .eta_i              (contact_eta_i),
-        .rebounds_i         (rebounds),
-        .rebound_eta_i      (rebound_eta),
         .host_period_log2_i (host_period_log2_i),
         .host_timeout_i     (host_timeout_i),
         .valid_i            (core_valid_i),
@@ -175,7 +170,6 @@ module wh_port #(
             wh_anchor anchor (
                 .clk           (clk),
                 .rst           (calm_rst),
-                .start_i       (waves_i),
                 .position_i    (position_q),
                 .place_i       ({(`WH_PLACE_W+`WH_SINE_Q){1'b0}}),
                 .cell_i        ({(`WH_SINE_Q+2){1'b0}}),
@@ -204,8 +198,6 @@ module wh_port #(
                 .offset_o      (offset_o),
                 .flux_o        (flux_o),
                 .lag_o         (lag_o),
-                .rebounds_o    (rebounds),
-                .rebound_eta_o (rebound_eta),
                 .fault_o       (anchor_fault_o)
             );
         end else begin : by_its_waves_alone
@@ -219,8 +211,6 @@ module wh_port #(
             assign offset_o         = {DATA_W{1'b0}};
             assign flux_o           = {DATA_W{1'b0}};
             assign lag_o            = {DATA_W{1'b0}};
-            assign rebounds         = 1'b0;
-            assign rebound_eta      = {COEF_W{1'b0}};
             assign step_max_o       = u_max_i;
             assign anchor_reads_o   = 1'b0;
             assign anchor_overrun_o = 1'b0;

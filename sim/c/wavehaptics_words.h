@@ -7,7 +7,7 @@
 #define WAVEHAPTICS_WORDS_H
 
 // <!-- begin c-words -->
-#define WH_WORDS_CRC 0xb4071dffu
+#define WH_WORDS_CRC 0xd5d31276u
 
 #define WH_MAP_VERSION 1u
 #define WH_TABLE_REGISTER 0x2000u
@@ -167,15 +167,15 @@
     X(ANCHOR_OWED_GAIN, "anchor_owed_gain", 0x122, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, 0.0, 15.999999761581421, "cells/√W") \
     X(ANCHOR_CELLS_GAIN, "anchor_cells_gain", 0x123, WH_SETTING, WH_OF_MOTOR, 1, 12, 1, 0.0, 16383.999755859375, "cells/A") \
     X(ANCHOR_PULL_GAIN, "anchor_pull_gain", 0x124, WH_SETTING, WH_OF_MOTOR, 1, 20, 1, 0.0, 63.999999046325684, "V/cell") \
-    X(ANCHOR_DAMP_GAIN, "anchor_damp_gain", 0x125, WH_SETTING, WH_OF_MOTOR, 1, 20, 1, 0.0, 63.999999046325684, "V/cell") \
-    X(ANCHOR_LEARN_GAIN, "anchor_learn_gain", 0x126, WH_SETTING, WH_OF_MOTOR, 1, 29, 1, 0.0, 0.12499999813735485, "V/cell") \
+    X(ANCHOR_LEARN_GAIN, "anchor_learn_gain", 0x125, WH_SETTING, WH_OF_MOTOR, 1, 33, 1, 0.0, 0.007812499883584678, "V/count²") \
+    X(ANCHOR_LEARN_MAX, "anchor_learn_max", 0x126, WH_SETTING, WH_OF_MOTOR, 1, 20, 1, 0.0, 63.999999046325684, "V/count") \
     X(ANCHOR_ZERO_GAIN, "anchor_zero_gain", 0x127, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, 0.0, 15.999999761581421, "A/V") \
     X(ANCHOR_ROOM_GAIN, "anchor_room_gain", 0x128, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, 0.0, 15.999999761581421, "√W/V") \
     X(ANCHOR_REACH, "anchor_reach", 0x129, WH_SETTING, WH_OF_MOTOR, 1, 23, 1, 0.0, 64.0, "V") \
     X(ANCHOR_STRANGE, "anchor_strange", 0x12a, WH_SETTING, WH_OF_MOTOR, 1, 23, 1, 0.0, 127.99999988079071, "V") \
-    X(ANCHOR_REST_TICKS, "anchor_rest_ticks", 0x12b, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 65535.0, "ticks") \
-    X(ANCHOR_SLOW_UNITS, "anchor_slow_units", 0x12c, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 31.0, "") \
-    X(ANCHOR_REBOUND_ETA, "anchor_rebound_eta", 0x12d, WH_SETTING, WH_OF_MOTOR, 1, 25, 1, -1.0, 1.0, "") \
+    X(ANCHOR_BRUSH, "anchor_brush", 0x12b, WH_SETTING, WH_OF_MOTOR, 1, 16, 1, 0.0, 8192.0, "counts") \
+    X(ANCHOR_FOLLOW_TICKS, "anchor_follow_ticks", 0x12c, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 4095.0, "periods") \
+    X(ANCHOR_SLOW_TICKS, "anchor_slow_ticks", 0x12d, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 1048575.0, "periods") \
     X(EDGE_HYSTERESIS, "edge_hysteresis", 0x130, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 1.0, "") \
     X(WALL_MIN, "wall_min", 0x140, WH_SETTING, WH_OF_WALL, 1, 0, 1, -2147483648.0, 2147483647.0, "counts") \
     X(WALL_MAX, "wall_max", 0x150, WH_SETTING, WH_OF_WALL, 1, 0, 1, -2147483648.0, 2147483647.0, "counts") \

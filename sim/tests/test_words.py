@@ -228,8 +228,8 @@ def test_a_new_row_at_the_end_of_its_group_moves_nothing(tmp_path):
     ("old", "new", "changes"),
     [
         ("measured bus, by the board", "something else", False),
-        ('uREST_W", unit = "ticks"', 'u12", unit = "ticks"', True),
-        ('uREST_W", unit = "ticks"', 'uREST_W", unit = "s"', True),
+        ('uREST_W", unit = "periods"', 'u12", unit = "periods"', True),
+        ('uREST_W", unit = "periods"', 'uREST_W", unit = "s"', True),
         ("address = 0x1d0", "address = 0x1d8", True),
         ("compensate =", "compensated =", True),
     ],

@@ -154,13 +154,14 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
                 "make holding",
             )
         )
-        motors = numbers["holding"]["motors"]
+    if "in_hands" in numbers.get("holding", {}):
+        motors = numbers["holding"]["in_hands"]
         runs = motors["spreads"]["hold_cells"]["n"]
         rows.append(
             (
                 f"the same on {runs} random motors",
                 f"{len(motors['lost']['hold'])} lost, "
-                f"{len(motors['over']['hold'])} beyond half a cell and 1 % of the depth",
+                f"{len(motors['missed']['hold_cells'])} beyond a count and 1 % of the depth",
                 "make holding",
             )
         )

@@ -155,8 +155,8 @@ CELLS = Fixed(COEF_W, HEADER_VALUES["CELLS_Q"])
 PULL = Fixed(COEF_W, HEADER_VALUES["PULL_Q"])
 """Correction of the port anchor, V per cell."""
 LEARN = Fixed(COEF_W, HEADER_VALUES["LEARN_Q"])
-"""What the port anchor learns in a tick, V per cell, or A per V."""
+"""What the port anchor learns in a period, V per count and count."""
 REST_W = HEADER_VALUES["REST_W"]
-REST_UNIT_W = HEADER_VALUES["REST_UNIT_W"]
+FOLLOW_W = HEADER_VALUES["FOLLOW_W"]
 MOVE_W = HEADER_VALUES["MOVE_W"]
 ANCHOR_W = HEADER_VALUES["ANCHOR_W"]

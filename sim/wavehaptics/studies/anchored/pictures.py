@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pictures of the study: a held wall, bounces and random motors, a press beyond the limit."""
+"""The pictures of the study: a held wall, energy, random motors, a press beyond the limit."""
 
 from __future__ import annotations
 
 import math
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from wavehaptics.ladder.run import CONTROLLERS, stiffness_predicted
 from wavehaptics.studies.anchored import cases
@@ -17,8 +15,10 @@ from wavehaptics.studies.report.runs import load
 from wavehaptics.studies.sweeps import Task
 from wavehaptics.trace.columns import Column
 
-HELD, MOTORS, OVERLOAD = "held_wall.png", "random_motors.png", "overload.png"
-PICTURES = (HELD, MOTORS, OVERLOAD)
+HELD, ENERGY, MOTORS, OVERLOAD = (
+    "held_wall.png", "press_energy.png", "random_motors.png", "overload.png",
+)  # fmt: skip
+PICTURES = (HELD, ENERGY, MOTORS, OVERLOAD)
 """Pictures that the pages show, below ``sim/docs``."""
 
 _WRONG = cases.all_wrong(cases.SIGNS[0])
@@ -58,6 +58,7 @@ def draw(found: dict[str, Any], out: Path) -> None:
     """All pictures of ``holding.json``'s numbers into the folder ``out``."""
     courses = {run["name"]: run for run in found["courses"]}
     _draw_held(courses, out / HELD)
+    _draw_energy(found["presses"], out / ENERGY)
     _draw_motors(found["motors"], out / MOTORS)
     _draw_overload(courses["pressed"], out / OVERLOAD)
 
@@ -82,29 +83,88 @@ def _draw_held(courses: dict[str, Any], path: Path) -> None:
     figures.save(figure, path)
 
 
-def _draw_motors(rows: list[dict[str, Any]], path: Path) -> None:
-    figure, (left, right) = figures.panels(2, 3.8)
-    for n, (part, name) in enumerate((("hold", "hold"), ("swing", "swing"), ("soft", "soft wall"))):
-        points = [
-            (row[part]["depth_cells"], abs(row[part]["moved_cells"]))
-            for row in rows
-            if row[part].get("moved_cells") is not None
-        ]
-        if points:
-            left.loglog(*np.array(points).T, "o", ms=3, color=figures.COLOURS[n], label=name)
-    depth = np.geomspace(0.5, 1000, 50)
-    left.loglog(depth, 0.5 + 0.02 * depth, color=figures.GREY, lw=0.9, ls=":")
-    figures.label(left, "Depth, cells", "Moved at most, cells", "Half a cell and 2 % dotted")
-    figures.legend(left)
-    speeds = [float(key.split("_")[1]) for key in rows[0] if key.startswith("bounce_")]
-    for speed in speeds:
-        backs = [row[f"bounce_{speed:g}"].get("restitution") for row in rows]
-        backs = [back for back in backs if back is not None]
-        spread = speed * np.exp(np.random.default_rng(1).uniform(-0.2, 0.2, len(backs)))
-        right.semilogx(spread, backs, "o", ms=3, color=figures.BLUE)
-    right.axhline(1.0, color=figures.GREY, lw=0.9, ls=":")
-    figures.label(right, "Speed of the hit, rad/s", "Speed out over speed in", "Bounces")
+ENERGY_TARGETS = {"nothing": 0.02, "all": 0.10}
+"""What a press may give of the energy that the wall held at most: without errors, with all."""
+KINDS = ("nothing", "one error, the worst", "all errors, the worst")
+
+
+def kind_of(wrong: str) -> str:
+    """Of KINDS."""
+    return {"nothing": KINDS[0]}.get(
+        wrong, KINDS[2] if wrong.startswith("everything") else KINDS[1]
+    )
+
+
+def worst_energies(
+    presses: list[dict[str, Any]], wall: str, which: str
+) -> dict[str, dict[float, float]]:
+    """By kind of error and frequency the largest energy of the ``first`` or ``later`` presses."""
+    found: dict[str, dict[float, float]] = {}
+    for row in presses:
+        if row["wall"] == wall and row[which] is not None:
+            of = found.setdefault(kind_of(row["wrong"]), {})
+            of[row["frequency"]] = max(of.get(row["frequency"], -math.inf), row[which])
+    return found
+
+
+def _draw_energy(presses: list[dict[str, Any]], path: Path) -> None:
+    walls = ("rigid", "soft")
+    figure, axes = figures.panels(2, 3.8)
+    for ax, wall in zip(axes, walls, strict=True):
+        for which, style in (("first", "--"), ("later", "-")):
+            worst = worst_energies(presses, wall, which)
+            for n, kind in enumerate(KINDS):
+                points = sorted(worst.get(kind, {}).items())
+                if points:
+                    ax.semilogx(*zip(*points, strict=True), style, marker="o", ms=3, lw=1.3,
+                                color=figures.COLOURS[n],
+                                label=kind if which == "later" else None)  # fmt: skip
+        for target in ENERGY_TARGETS.values():
+            ax.axhline(target, color=figures.GREY, lw=0.8, ls=":")
+        figures.label(ax, "Presses a second, Hz", "Energy given over the most held",
+                      f"A {wall} wall; first press dashed, targets dotted")  # fmt: skip
+        figures.legend(ax)
     figures.save(figure, path)
+
+
+def _draw_motors(rows: list[dict[str, Any]], path: Path) -> None:
+    """What each random motor makes of three targets, over its load."""
+    figure, (left, middle, right) = figures.panels(3, 3.8)
+
+    def draw(ax, part: str, value, colour: str, name: str) -> None:
+        points = [(row["motor"]["load"], value(row[part])) for row in rows]
+        points = [(load, at) for load, at in points if at is not None]
+        if points:
+            ax.semilogx(*zip(*points, strict=True), "o", ms=3, color=colour, label=name)
+
+    for n, which in enumerate(("first", "later")):
+        draw(left, "press", lambda row, which=which: row.get(which), figures.COLOURS[n],
+             f"{which} press")  # fmt: skip
+    left.axhline(ENERGY_TARGETS["all"], color=figures.GREY, lw=0.9, ls=":")
+    figures.label(left, "Inertia on the shaft, J", "Energy given over held", "Presses")
+    figures.legend(left)
+    draw(middle, "press", error_of_press, figures.BLUE, "press")
+    middle.axhline(SWING_TARGET, color=figures.GREY, lw=0.9, ls=":")
+    figures.label(middle, "Inertia on the shaft, J", "Largest error over the force", "Presses")
+    for n, key in enumerate(key for key in rows[0] if key.startswith("bounce_")):
+        draw(right, key, lambda row: row.get("restitution"),
+             figures.COLOURS[n % len(figures.COLOURS)],
+             f"{key.removeprefix('bounce_')} rad/s")  # fmt: skip
+    right.axhline(1.0, color=figures.GREY, lw=0.9, ls=":")
+    figures.label(right, "Inertia on the shaft, J", "Speed out over speed in", "Bounces")
+    figures.legend(right)
+    figures.save(figure, path)
+
+
+SWING_TARGET = 0.04
+"""Largest error of a press over its force."""
+
+
+def error_of_press(row: dict[str, Any]) -> float | None:
+    """How far force and depth of a press are off the design spring at most, over the depth."""
+    if row.get("moved_cells") is None or not row["depth_cells"]:
+        return None
+    return row["moved_cells"] / row["depth_cells"]
 
 
 def _draw_overload(run: dict[str, Any], path: Path) -> None:
