@@ -3,7 +3,8 @@
 // wh_anchor: the port anchor, which holds what a port feels like to where the encoder sees the rotor.
 //
 //   χ  = L̂ i + k̂_T x - Σ (s T/2)(u + v)       flux of the port, in counts of k̂_T Δ; 0 if all is ideal
-//   z  = χ and a quarter of a count in the direction of an edge that is the second the same way, else -1/32
+//   z  = χ and a quarter of a count in the direction of an edge that is the second the same way, else -1/32 (-1/16
+//        with AXIS = 1)
 //   p  = z beyond ±1/2, z/256 within; the last edge's bound χ_b replaces an end of ±1/2
 //   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2; 0...learn_max, at first a quarter
 //   c  = θ (y' + sgn y' y_b) - g_ρ p           the first term in contact only
@@ -104,7 +105,7 @@ module wh_anchor #(
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
     localparam integer INNER_SHIFT = 8;  // of z within the zone, of both means
-    localparam integer BEHIND_SHIFT = 5; // of the count by which z is behind χ after a turn
+    localparam integer BEHIND_SHIFT = (AXIS == 1) ? 4 : 5;  // of the count by which z is behind χ after a turn
     localparam integer FEW_SHIFT   = INNER_SHIFT + 1 + CUT;  // by half of a step of y' shrinks y_b
     localparam integer THETA_CUT   = `WH_LEARN_Q + LONG_Q - CUT - FAR_SHIFT - `WH_PULL_Q;  // of θ below a coefficient
     localparam integer THETA_W     = LONG_W - THETA_CUT;

@@ -78,10 +78,12 @@ def test_an_axis_that_a_count_moves_by_a_cell_is_a_motor_with_brushes():
     chance = np.random.default_rng(2)
     words = settings(load_scene(SCENES_DIR / "held_wall.toml")).anchor
     axis, port = anchor.new_state(), anchor.new_state()
-    position = 0
+    position, way = 0, 1
     touching = False
     for _ in range(20_000):
-        moved = int(chance.choice([0, 0, 0, 0, 1, -1, 2]))
+        # Leaps turn it, single counts don't: at such a turn an axis gives more way.
+        moved = way * int(chance.choice([0, 0, 0, 0, 1, 2, -2]))
+        way = -1 if moved < 0 else 1 if moved > 0 else way
         position += moved
         current, u, v, withheld, voltage = chance.integers(-(1 << 24), 1 << 24, 5).tolist()
         contact, saturated = chance.random() < 0.9, chance.random() < 0.1
@@ -142,7 +144,7 @@ def test_a_held_wall_with_everything_wrong(theta: float):
     )  # fmt: skip
     assert end[:, Column.CONTACT].all()
     assert not end[:, Column.FAULT].any()
-    assert abs(cells) < 0.6 + 0.01 * end[:, Column.X].mean() / CELL_RAD
+    assert abs(cells) < 1.0 + 0.01 * end[:, Column.X].mean() / CELL_RAD
     assert ripple < 0.01 * abs(end[:, Column.TORQUE].mean())
 
 

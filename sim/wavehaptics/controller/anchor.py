@@ -11,7 +11,7 @@ that the position needs no gain. A voltage c in series with the port, which the 
 holds χ:
 
 - **Zone.** ``z = χ + σ/4`` if the last edge had the direction σ of the one before it, else ``z =
-  χ − σ/32``. ``q`` is the part of z beyond ± half a count: within it the inductor knows better than
+  χ − σ/32`` (an axis: σ/16). ``q`` is the part of z beyond ± half a count: within it the inductor knows better than
   the encoder.
 - **Nothing given twice.** A rotor that crosses back over an edge meets no more force on its way
   out, and no less on its way in, than it met there before. ``UP`` and ``DOWN`` are χ just before
@@ -120,7 +120,8 @@ AHEAD_SHIFT = 2
 """The zone of a rotor that goes on is a quarter of a count ahead."""
 BEHIND_SHIFT = 5
 """That of a rotor that has turned is 1/32 of a count behind: so much a bound gives way at each
-edge, as a rotor that neither gained nor lost by an edge would bounce on it for ever."""
+edge, as a rotor that neither gained nor lost by an edge would bounce on it for ever. An axis, on
+which such a bounce is stronger, is 1/16 of a count behind."""
 MEAN_SHIFT = 8
 """y' takes 2^-8 of its distance to y in one period of FOLLOW_TICKS."""
 FIRST_SHIFT = 2
@@ -155,6 +156,7 @@ _LONG_MASK = (1 << formats.LONG.width) - 1
 _DATA_TOP = 1 << (formats.DATA_W - 1)
 _DATA_MASK = (1 << formats.DATA_W) - 1
 _BEHIND = _CELL >> BEHIND_SHIFT
+_AXIS_BEHIND = _BEHIND << 1
 _FEW = _GUARD + MEAN_SHIFT + SHRINK_SHIFT
 
 
@@ -351,7 +353,8 @@ def _turn(
     state[BELOW] = 1 if chi + half < 0 else 0
     z = chi
     if contact:
-        ahead = size >> AHEAD_SHIFT if state[SAME] != 0 else -_BEHIND
+        behind = _AXIS_BEHIND if axis else _BEHIND
+        ahead = size >> AHEAD_SHIFT if state[SAME] != 0 else -behind
         z = long_word(chi - ahead if sinks else chi + ahead)
     over = z - half >= 0
     under = not over and z + half < 0
