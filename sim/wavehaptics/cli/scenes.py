@@ -170,6 +170,45 @@ def shaper(scene: SceneArgument, overrides: SetOption = None) -> None:
 
 
 @app.command()
+def registers(
+    scene: SceneArgument,
+    form: Annotated[str, typer.Option("--format", metavar="NAME", help="c, verilog or json.")],
+    overrides: SetOption = None,
+    motors: Annotated[int, typer.Option(min=1, max=8, help="Equal motors of the device.")] = 1,
+    trip: Annotated[
+        float | None,
+        typer.Option(metavar="A", help="Current that switches the gates off at once; none: never."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="File to write; by default stdout.")
+    ] = None,
+) -> None:
+    """Write the registers of wh_device for SCENE: a C header, a Verilog include, or JSON."""
+    from wavehaptics.fpga.scene_registers import FORMATS, as_text, scene_registers
+
+    if form not in FORMATS:
+        raise CommandError(f"--format {form}: unknown; take one of {', '.join(FORMATS)}")
+    loaded = load_scene(find_scene(scene), overrides or ())
+    if trip is not None and not (math.isfinite(trip) and trip > 0):
+        raise CommandError(f"--trip {trip:g}: must be a current in A above 0")
+    made = scene_registers(loaded, motors, trip)
+    text = as_text(made, form)
+    if out is None:
+        print(text, end="")
+        return
+
+    from wavehaptics.runtime.files import write_text
+
+    try:
+        write_text(out, text)
+    except OSError as error:
+        raise CommandError(
+            f"--out {out}: can't be written: {error.strerror}; name a file that can"
+        ) from None
+    print(f"{out}: {len(made.registers)} registers of {made.scene}")
+
+
+@app.command()
 def check(
     scene: SceneArgument,
     controller: ControllerOption = "",

@@ -10,14 +10,16 @@ its ADC, so that no number is typed twice; what they leave open has its default 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import version
 from typing import Any
 
 from wavehaptics.controller import guard
 from wavehaptics.controller.ports import Ports, controller_ports, hold_ticks
+from wavehaptics.controller.tick_layout import FrameAt
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.brushless import magnet_words
-from wavehaptics.parts.adcs import Part, frame
+from wavehaptics.parts.adcs import KINDS, Frame, Part, frame
 from wavehaptics.scene import Scene
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
@@ -74,13 +76,15 @@ class BoardWords:
 
 
 def board_words(
-    scene: Scene, part: Part, motors: int = 1, *, guarded: bool = False,
+    scene: Scene, part: Part | None, motors: int = 1, *, guarded: bool = False,
     pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
     delay_log2: int = 1, linked: bool = False, capture: int = 0,
     stream: bool = False, legs: int = LEGS, shared: bool = False,
     linked_walls: int = LINKED_WALLS,
 ) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
+
+    None: the converter is the scene's own, as `pins` has it.
 
     A motor has ``legs`` half bridges; with three it is a brushless one, with two converters.
 
@@ -91,17 +95,18 @@ def board_words(
     """
     refuse(scene, "a board")
     _check_legs(scene, legs)
-    if scene.adc is None or scene.adc.bits != part.bits:
-        raise scene.refusal(f"the board's ADC has {part.bits} bits; set adc.bits so", "adc.bits")
-    if scene.adc.part not in (None, part.name):
-        raise scene.refusal(f"the board's ADC is an {part.name}; set adc.part so", "adc.part")
+    if part is not None:
+        _check_part(scene, part)
     if shared and scene.shaper is not None:
         raise scene.refusal(
             "[shaper] needs a multiplier that the wave core has for itself; leave it out, "
             "or shared_multiplier of the board's fpga.toml",
             "shaper",
         )
-    ports = controller_ports(scene, lambda clock_hz, _: frame(part, clock_hz, pad_registers))
+    frame_at: FrameAt | None = None
+    if part is not None:
+        frame_at = partial(_part_frame, part, pad_registers)
+    ports = controller_ports(scene, frame_at)
     words = {
         **ports.words, **_each_motor(ports.settings.words(), motors),
         **(magnet_words(scene, ports.settings, ports.start_count) if scene.motor.brushless else {}),
@@ -121,6 +126,19 @@ def board_words(
         ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked_walls,
         linked and stream, scene.host is not None, legs, shared,
     )  # fmt: skip
+
+
+def _part_frame(part: Part, pad_registers: bool, clock_hz: float, _: int) -> Frame:
+    """The part's frame on a clock, whatever the clocks between two samples."""
+    return frame(part, clock_hz, pad_registers)
+
+
+def _check_part(scene: Scene, part: Part) -> None:
+    """:class:`SceneError` where the scene's ADC isn't the board's."""
+    if scene.adc is None or scene.adc.bits != part.bits:
+        raise scene.refusal(f"the board's ADC has {part.bits} bits; set adc.bits so", "adc.bits")
+    if scene.adc.part not in (None, part.name):
+        raise scene.refusal(f"the board's ADC is an {part.name}; set adc.part so", "adc.part")
 
 
 def _check_legs(scene: Scene, legs: int) -> None:
@@ -182,32 +200,51 @@ def memory_header(board: BoardWords, source: str) -> str:
     )
 
 
-def verilog_header(board: BoardWords, source: str) -> str:
-    """Text of ``wh_board_settings.vh``; ``source`` is named in it as where the numbers are from."""
-    words, timing = board.words, board.ports.timing
-    sections = len(board.ports.settings.shaper.words)
-    # With three legs there is a link, and of wh_controller nothing but its ports' names.
-    sizes = Sizes(board.motors, board.walls, sections, board.delay_log2)
-    values = first_values(board, board.motors)
+def parameters(board: BoardWords) -> dict[str, int]:
+    """Parameters of ``rtl/wh_device.v`` that follow from the scene, by their names."""
+    words, time_frame = board.words, board.ports.timing.frame
     brushless = board.legs == THREE_PHASE_LEGS
-    hardware = {
+    return {
         "N": board.motors,
         "LEGS": board.legs,
-        "PARTS": AXES if brushless else board.motors,
         "WALLS": board.walls,
-        "MODES": int(words["mode"] != MODE_WORDS[UNIPOLAR] and not brushless),
-        "SHORTEST": int(words["min_pulse"] > 0),
-        "DEAD_TIME": words["compensate"] if brushless else 1,
         "DELAY_LOG2": board.delay_log2,
-        "SHAPER": sections,
+        "ADC": KINDS.index(time_frame.kind),
+        **({"OSR": time_frame.osr} if time_frame.osr else {}),
+        "SHAPER": len(board.ports.settings.shaper.words),
         "ANCHOR": int(board.ports.settings.anchored),
+        "HOST": int(board.host),
+        "MODES": int(words["mode"] != MODE_WORDS[UNIPOLAR] and not brushless),
+        "MIN_PULSE": int(words["min_pulse"] > 0),
+        "DEAD_TIME": words["compensate"] if brushless else 1,
+        "GUARD": int(board.guard is not None),
+    }
+
+
+def verilog_header(board: BoardWords, source: str) -> str:
+    """Text of ``wh_board_settings.vh``; ``source`` is named in it as where the numbers are from."""
+    made = parameters(board)
+    # With three legs there is a link, and of wh_controller nothing but its ports' names.
+    sizes = Sizes(board.motors, board.walls, made["SHAPER"], board.delay_log2)
+    values = first_values(board, board.motors)
+    hardware = {
+        "N": made["N"],
+        "LEGS": made["LEGS"],
+        "PARTS": AXES if board.legs == THREE_PHASE_LEGS else board.motors,
+        "WALLS": made["WALLS"],
+        "MODES": made["MODES"],
+        "SHORTEST": made["MIN_PULSE"],
+        "DEAD_TIME": made["DEAD_TIME"],
+        "DELAY_LOG2": made["DELAY_LOG2"],
+        "SHAPER": made["SHAPER"],
+        "ANCHOR": made["ANCHOR"],
         "SHARED": int(board.shared),
-        "GUARDED": int(board.guard is not None),
+        "GUARDED": made["GUARD"],
         "LINKED": int(board.linked),
         "CAPTURE": board.capture,
         "STREAM": int(board.stream),
-        "HOST": int(board.host),
-        "CLOCK_HZ": round(timing.clock_hz),
+        "HOST": made["HOST"],
+        "CLOCK_HZ": round(board.ports.timing.clock_hz),
         "BUILD": build_number(),
     }
     told = connections("WH_BOARD", sizes, values, ("clear", "zero_start"))
