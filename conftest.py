@@ -73,6 +73,7 @@ BLOCKS = {
     "wh_truncate": "test_arithmetic.py::test_every_small_word[icarus]",
     "wh_uart": "test_briefly.py::test_briefly[uart]",
     "wh_wave_core": "test_briefly.py::test_briefly[wave_core]",
+    "wh_wishbone": "test_briefly.py::test_briefly[wishbone]",
     "wh_zero": "test_zero.py::test_zero[icarus]",
 }
 """A quick test of each block, in ``cocotb_tests``."""

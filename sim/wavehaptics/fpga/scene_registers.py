@@ -222,7 +222,7 @@ def _verilog(made: SceneRegisters) -> str:
             "`wavehaptics registers`.",
             "//",
             "// Include it twice. At the top of a file it defines the parameters of wh_device,",
-            "// addresses for a start-up sequence and the number of registers, WH_SCENE_COUNT. Where",
+            "// addresses for a start-up sequence, and WH_SCENE_COUNT, the number of registers. Where",
             "// a macro WH_SCENE_WRITE(number, address, raw) is defined, it is a row for each",
             "// register: `address` counts words of 32 bits, `raw` is what is written there. The",
             "// settings take effect when 1 is written to WH_SCENE_AT_COMMIT.",
