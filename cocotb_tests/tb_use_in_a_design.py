@@ -39,9 +39,7 @@ class Template(Bench):
         return MIDDLE + self._frames % 2
 
     async def begin(self) -> None:
-        await self.start(
-            enable_i=0, press_i=0, stop_i=0, clear_i=0, adc_sdata_i=0, enc_a_i=0, enc_b_i=0
-        )
+        await self.start(enable_i=0, press_i=0, clear_i=0, adc_sdata_i=0, enc_a_i=0, enc_b_i=0)
 
     async def starts_up(self) -> int:
         """Clocks until the registers are written; no gate is on meanwhile."""

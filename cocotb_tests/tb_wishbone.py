@@ -7,6 +7,7 @@ import cocotb
 from bench import Bench, random_source
 from settings_bus import BUSY, COMMIT, DISCARD, STAGED
 from simulators import parameters
+from wavehaptics.runtime.repository import ROOT as ROOT_DIR
 from wavehaptics.words.places import places
 from wavehaptics.words.table import WORDS, Sizes
 
@@ -231,3 +232,40 @@ async def any_master(dut: object) -> None:
             bench.idle()
             await bench.step(rng.randrange(1, 4))
     assert min(counts.values()) > 10, counts
+
+
+WAVE = ("cyc_i", "we_i", "ack_o", "err_o", "valid", "ready")
+
+
+@cocotb.test()
+async def the_page_shows_these_cycles(dut: object) -> None:
+    """``docs/use_in_your_design.md``: a write, a read right after it, a pause, a partial write."""
+    bench = WishboneBench(dut)
+    await bench.begin()
+    levels: dict[str, list[int]] = {name: [] for name in WAVE}
+
+    async def clocks(count: int, **inputs: int) -> None:
+        bench.drive(**inputs)
+        for _ in range(count):
+            await bench.settle()
+            for name in WAVE:
+                levels[name].append(bench.word(name))
+            await bench.step()
+
+    on = {"cyc_i": 1, "stb_i": 1, "sel_i": WHOLE}
+    off = {"cyc_i": 0, "stb_i": 0, "we_i": 0}
+    await clocks(1, **off)
+    await clocks(ANSWER_CLOCKS + 1, **on, we_i=1, adr_i=ROOT, dat_i=1 << 20)
+    await clocks(ANSWER_CLOCKS + 1, **on, we_i=0)
+    await clocks(2, **off)
+    await clocks(2, **{**on, "sel_i": 1}, we_i=1)
+    await clocks(1, **off)
+    count = len(levels["cyc_i"])
+    shown = {"cyc_i": "cyc_i, stb_i", "valid": "bus_valid_o", "ready": "bus_ready_i"}
+    lines = ["clock".ljust(14) + "".join(f"{n:<3}" for n in range(count)).rstrip()]
+    for name, row in levels.items():
+        bits = "".join("‾‾‾" if level else "___" for level in row)
+        lines.append(shown.get(name, name).ljust(14) + bits)
+    wave = "\n".join(lines)
+    page = (ROOT_DIR / "docs" / "use_in_your_design.md").read_text(encoding="utf-8")
+    assert f"```\n{wave}\n```\n" in page, f"the page's waveform is another; this is it:\n{wave}"

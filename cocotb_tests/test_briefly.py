@@ -30,7 +30,7 @@ BENCHES = {
     "three_phase": ("wh_three_phase", {"MIN_PULSE": 0}, "mean_is|equal_legs|off_in_any_clock"),
     "uart": ("wh_uart", {}, "every_byte_is_sent|what_is_no_byte|reset_in_a_byte"),
     "wave_core": ("bench_wave_core", {**PORT, "OUTSIDE": 0, "TICKS": 2000}, "equals"),
-    "wishbone": ("bench_wishbone", {}, "is_not_there|partial|alone|given_up"),
+    "wishbone": ("bench_wishbone", {}, "is_not_there|partial|alone|given_up|page"),
 }
 """Top, parameters and which of the tests."""
 

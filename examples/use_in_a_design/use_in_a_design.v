@@ -21,9 +21,8 @@ module use_in_a_design #(
     input  wire             clk,             // WH_SCENE_CLOCK_HZ
     input  wire             rst,
 
-    input  wire             enable_i,        // synchronous; low: the gates are off
+    input  wire             enable_i,        // synchronous to clk; low: the gates are off
     input  wire             press_i,         // strobe: measure the current's zero, then switch on
-    input  wire             stop_i,          // asynchronous; high: stop, if the guard's settings say so
     input  wire             clear_i,         // a rise: forget faults that are over
 
     output wire             adc_cs_n_o,
@@ -159,7 +158,7 @@ module use_in_a_design #(
         .gate_bh_o       (gate_bh_o),
         .gate_bl_o       (gate_bl_o),
         .bus_i           ({`WH_BUS_W{1'b0}}),
-        .stop_i          (stop_i),
+        .stop_i          (1'b0),  // a scene's guard_mask leaves it out: stop by enable_i
         .driver_fault_i  ({N{1'b0}}),
         .anchor_fault_i  ({N{1'b0}}),
         .clear_i         (clear_i),
