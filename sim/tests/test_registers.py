@@ -28,11 +28,15 @@ STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
 SLOW = ("controller.tick_hz=500e3", "controller.extra_ticks=2")
 """Ticks that are long enough for three motors."""
 
+SHAPED = ("shaper.feel=spring", "shaper.stiffness=0.45", "shaper.damping=0.2e-3",
+          "shaper.walls=[0]")  # fmt: skip
+
 CASES: dict[str, tuple[str, tuple[str, ...], int]] = {
     "plain": ("press_hold", (), 1),
     "anchored": ("held_wall", (), 1),
     "host": ("hosted_wall", (), 1),
     "walls": ("press_hold", ("controller.walls=[[0.0,0.5],[0.7,0.9]]",), 1),
+    "shaped": ("press_hold", (*SHAPED, "controller.extra_ticks=2"), 1),
     "three": ("press_hold", SLOW, 3),
     "brushless": ("brushless_hold", (), 1),
     "sigma-delta": (

@@ -43,6 +43,24 @@ def test_the_port_tables_are_the_rtl(module):
     assert len(ports) > 15
 
 
+@pytest.mark.parametrize("module", ["wh_wishbone", "wh_device"])
+def test_litex_connects_every_input(module):
+    """And no port that isn't there, as far as its text says without LiteX."""
+    wrapper = (ROOT / "examples" / "litex" / "wave_haptics.py").read_text(encoding="utf-8")
+    part = wrapper[wrapper.index(f'"{module}"') :].partition("# fmt: skip")[0]
+    given = {("in" if way == "i" else "out", name)
+             for way, name in re.findall(r"\b([io])_(\w+)=", part)}  # fmt: skip
+    text = (ROOT / "rtl" / f"{module}.v").read_text(encoding="utf-8")
+    header = text[text.index(f"\nmodule {module}") : text.index("\n);")]
+    ports = {
+        ({"input": "in", "output": "out"}[direction], name)
+        for direction, _, name in PORT.findall(header)
+    }
+    assert given <= ports
+    inputs = {name for way, name in ports if way == "in"}
+    assert inputs - {name for way, name in given if way == "in"} == {"clk", "rst"}
+
+
 def test_parameters_are_the_devices():
     """Those of the scene and those of one's choice; SHARED and sizes of the ADC's paths have use
     elsewhere."""
