@@ -104,6 +104,7 @@ module prove_wh_anchor #(
     (* hierconn *) wire       \block.tracked_q ;
     (* hierconn *) wire       \block.clipped_q ;
     (* hierconn *) wire       \block.sinks_p_q ;
+    (* hierconn *) wire       \block.void_q ;
     (* hierconn *) wire signed [DATA_W-1:0]      \block.brush_q ;
     (* hierconn *) wire signed [COEF_W-1:0]      \block.theta_q ;
     (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[1] ;
@@ -127,14 +128,14 @@ module prove_wh_anchor #(
     reg signed [DATA_W-1:0]      brush_before;
     reg signed [`WH_LONG_W-1:0]  theta_before, mean_before, zero_before;
 
-    // One bit more than a word, and more for a half's fraction.
+    // One bit more than a word, and more for the sum.
     wire signed [DATA_W+3:0] size   = voltage[DATA_W-1] ? -$signed({{4{voltage[DATA_W-1]}}, voltage})
                                                         : $signed({{4{voltage[DATA_W-1]}}, voltage});
     // Out of contact the reach is half.
-    wire signed [DATA_W+3:0] halves = 2 * (\block.contact_q ? reach : reach >>> 1) + size;
+    wire signed [DATA_W+3:0] whole  = (\block.contact_q ? reach : reach >>> 1) + size;
 
-    // c_0 + |e_id|/2 in a long word's places.
-    wire signed [`WH_LONG_W-1:0] limit_long = $signed({halves, {(VOLT_SHIFT - 1){1'b0}}});
+    // c_0 + |e_id| in a long word's places.
+    wire signed [`WH_LONG_W-1:0] limit_long = $signed({whole, {VOLT_SHIFT{1'b0}}});
     // At rest the first step, which waits for no product and takes the voltage, is known already.
     wire first_known  = \block.ahead_q == 5'd1 && !\block.waits_q && !\block.bare_q && !\block.near_q
                         && \block.low_q == 0 && \block.mid_q == 0 && \block.high_q == 0 && \block.top_q == 0
@@ -176,6 +177,8 @@ module prove_wh_anchor #(
             assume (!\block.chosen_q && !\block.none_q );
             assume (!overrun);
             if (PART == 2) assume (\block.enable_q == enable);
+            // void_q is θ's sign, as the last clock below shows, but before the first period.
+            if (PART == 3) assume (\block.first_q || \block.void_q == \block.memory[1] [`WH_LONG_W-1]);
             fault_before <= fault;
         end
         if (at == 6'd1) begin
@@ -199,6 +202,7 @@ module prove_wh_anchor #(
                 assert (\block.contact_q || room == 0);
             end
             if (PART == 3) begin
+                assert (\block.void_q == \block.memory[1] [`WH_LONG_W-1]);
                 assert (!\block.theta_q [COEF_W-1] && \block.theta_q <= learn_max);
                 if (!first_before && (blind || saturated || !\block.contact_q ))
                     assert (\block.memory[1] == theta_before);

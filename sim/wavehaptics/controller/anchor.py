@@ -11,8 +11,8 @@ that the position needs no gain. A voltage c in series with the port, which the 
 holds χ:
 
 - **Zone.** ``z = χ + σ/4`` if the last edge had the direction σ of the one before it, else ``z =
-  χ − σ/32`` (an axis: σ/16). ``q`` is the part of z beyond ± half a count: within it the inductor knows better than
-  the encoder.
+  χ − σ/32`` (an axis: σ/16). ``q`` is the part of z beyond ± half a count: within it the inductor
+  knows better than the encoder.
 - **Nothing given twice.** A rotor that crosses back over an edge meets no more force on its way
   out, and no less on its way in, than it met there before. ``UP`` and ``DOWN`` are χ just before
   the last edge of each direction. After an edge upwards DOWN replaces the zone's upper end, after
@@ -26,7 +26,7 @@ holds χ:
   contact.
 - y_b stands for the brushes' voltage. It shrinks by half of what y' falls, so that c falls at
   least as fast as what it compensates: a press never gets back more than it gave.
-- ``g_ρ·p`` is limited to ``c_0 + |e_id|/2``, out of contact with a half of c_0, and θ by a
+- ``g_ρ·p`` is limited to ``c_0 + |e_id|``, out of contact with a half of c_0, and θ by a
   largest. In contact what c takes of the drive's limit is no longer the wave's: ``|u| ≤ u_max −
   |c|/s``. An error of the flux that c can't hold while the wave is below its limit means that
   waves and encoder don't follow the same motor.
@@ -299,7 +299,7 @@ def _turn(
 
     e = -voltage if voltage < 0 else voltage
     reach = words[REACH] if contact else words[REACH] >> FREE_SHIFT
-    limit = (reach << _VOLT_SHIFT) + (e << (_VOLT_SHIFT - 1))
+    limit = (reach << _VOLT_SHIFT) + (e << _VOLT_SHIFT)
     state[ROOM] = 0
     if contact:
         room = (words[ROOM_GAIN] * state[CORRECTION]) >> _FAR_SHIFT

@@ -156,11 +156,11 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
         )
     if "in_hands" in numbers.get("holding", {}):
         motors = numbers["holding"]["in_hands"]
-        runs = motors["spreads"]["hold_cells"]["n"]
+        first, last = motors["seeds"]
         rows.append(
             (
-                f"the same on {runs} random motors",
-                f"{len(motors['lost']['hold'])} lost, "
+                f"{last - first + 1} random motors in random hands, everything wrong",
+                f"{len(motors['lost']['hold'])} not held after the time that a hand needs, "
                 f"{len(motors['missed']['hold_cells'])} beyond a count and 1 % of the depth",
                 "make holding",
             )

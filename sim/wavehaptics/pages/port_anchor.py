@@ -354,7 +354,7 @@ def _of_kind(rows: list[dict[str, Any]], everything: bool) -> list[dict[str, Any
 
 def _worst(values: list[float | None], show: Callable[[float], str]) -> str:
     if any(value is None for value in values):
-        return "lost"
+        return "bounces"
     return show(max(abs(value) for value in values if value is not None))
 
 
@@ -446,7 +446,7 @@ _NAMES = {
 
 def _random(numbers: dict[str, Any], table: Table) -> str:
     motors = numbers["holding"]["in_hands"]
-    head = ("", "runs", "median", "90 %", "worst", "its seed", "missed", "lost", "faults")
+    head = ("", "runs", "median", "90 %", "worst", "its seed", "missed", "not held", "faults")
     rows = []
     for key, name in _NAMES.items():
         spread = motors["spreads"][key]

@@ -9,16 +9,17 @@ from typing import Any
 
 from wavehaptics.ladder.run import CONTROLLERS, stiffness_predicted
 from wavehaptics.studies.anchored import cases
+from wavehaptics.studies.anchored.hand import FREQUENCIES
 from wavehaptics.studies.anchored.runs import PLAIN, cell_of, run
 from wavehaptics.studies.report import figures
 from wavehaptics.studies.report.runs import load
 from wavehaptics.studies.sweeps import Task
 from wavehaptics.trace.columns import Column
 
-HELD, ENERGY, MOTORS, OVERLOAD = (
-    "held_wall.png", "press_energy.png", "random_motors.png", "overload.png",
+HELD, LOOP, ENERGY, MOTORS, OVERLOAD = (
+    "held_wall.png", "press_loop.png", "press_energy.png", "random_motors.png", "overload.png",
 )  # fmt: skip
-PICTURES = (HELD, ENERGY, MOTORS, OVERLOAD)
+PICTURES = (HELD, LOOP, ENERGY, MOTORS, OVERLOAD)
 """Pictures that the pages show, below ``sim/docs``."""
 
 _WRONG = cases.all_wrong(cases.SIGNS[0])
@@ -26,8 +27,12 @@ COURSES: dict[str, tuple[float, tuple[str, ...]]] = {
     "with the anchor": (100e-6, (*_WRONG, "scene.duration_s=0.2")),
     "without": (100e-6, (*_WRONG, "scene.duration_s=0.2", PLAIN)),
     "held": (10e-3, (*_WRONG, "scene.duration_s=10")),
+    "press": (200e-6, ("hand.path=taps", "hand.frequency_hz=1", "hand.amplitude_rad=0.15",
+                       *(s for s in cases.all_wrong(cases.SIGNS[1])
+                         if not s.startswith(("drive.bus_v", "drive.step"))),
+                       "scene.duration_s=2")),
     "pressed": (1e-3, ("hand.path=taps", *cases.PRESSED["2.1 V"], "scene.duration_s=2")),
-}
+}  # fmt: skip
 """Means over so long, and settings, by name."""
 
 
@@ -58,6 +63,7 @@ def draw(found: dict[str, Any], out: Path) -> None:
     """All pictures of ``holding.json``'s numbers into the folder ``out``."""
     courses = {run["name"]: run for run in found["courses"]}
     _draw_held(courses, out / HELD)
+    _draw_loop(courses["press"], out / LOOP)
     _draw_energy(found["presses"], out / ENERGY)
     _draw_motors(found["motors"], out / MOTORS)
     _draw_overload(courses["pressed"], out / OVERLOAD)
@@ -76,10 +82,30 @@ def _draw_held(courses: dict[str, Any], path: Path) -> None:
     late = [n for n, t in enumerate(held["t"]) if t > 0.1]
     right.plot([held["t"][n] for n in late], [held["moved"][n] for n in late], lw=1.2,
                color=figures.BLUE)  # fmt: skip
-    for edge in (-0.5, 0.5):
+    for edge in (-1, 1):
         right.axhline(edge, color=figures.GREY, lw=0.8, ls=":")
-    right.set_ylim(-1, 1)
-    figures.label(right, "Time, s", "Wall moved, encoder cells", "Held on; half a cell dotted")
+    right.set_ylim(-1.5, 1.5)
+    figures.label(right, "Time, s", "Wall moved, counts", "Held on; one count dotted")
+    figures.save(figure, path)
+
+
+def _draw_loop(run: dict[str, Any], path: Path) -> None:
+    """Force over depth of the first press and of the second, all of it and three counts."""
+    figure, (left, right) = figures.panels(2, 4.2)
+    deepest = max(run["x"])
+    for ax in (left, right):
+        ax.plot([0, deepest], [0, deepest], color=figures.GREY, lw=1, ls=":", label="the spring")
+        for n, name in enumerate(("first press", "second press")):
+            at = [k for k, t in enumerate(run["t"]) if n <= t < n + 1 and run["contact"][k] == 1]
+            ax.plot([run["x"][k] for k in at], [run["force_cells"][k] for k in at], lw=1.1,
+                    color=figures.COLOURS[n], label=name)  # fmt: skip
+    middle = math.floor(0.6 * deepest)
+    right.set_xlim(middle - 1.5, middle + 1.5)
+    right.set_ylim(middle - 2.5, middle + 2.5)
+    right.set_xticks([middle - 1, middle, middle + 1])
+    figures.label(left, "Depth, counts", "Force over stiffness, counts", "Presses, all errors")
+    figures.label(right, "Depth, counts", "", "Three counts of them; edges at whole numbers")
+    figures.legend(left)
     figures.save(figure, path)
 
 
@@ -121,6 +147,8 @@ def _draw_energy(presses: list[dict[str, Any]], path: Path) -> None:
                                 label=kind if which == "later" else None)  # fmt: skip
         for target in ENERGY_TARGETS.values():
             ax.axhline(target, color=figures.GREY, lw=0.8, ls=":")
+        ax.set_xticks(FREQUENCIES, [f"{at:g}" for at in FREQUENCIES])
+        ax.minorticks_off()
         figures.label(ax, "Presses a second, Hz", "Energy given over the most held",
                       f"A {wall} wall; first press dashed, targets dotted")  # fmt: skip
         figures.legend(ax)
