@@ -2,15 +2,19 @@
 //
 // wh_energy: observes the energy that a contact delivers to the shaft, count by count.
 //
-//   E     = sum of i_n (x_n - x_(n-1))   over the periods n of a contact; times k_T Δ it is joules
+//   E     = sum of +-i_n   over the counts of a contact, each with the current of its period; times k_T Δ it
+//           is joules
 //   peak  = the largest E of the contact, 0 or more
 //   over  = in contact, and peak > limit, in the limit's places
 //
-// x_n and i_n are the position and the mean current of period n as the port takes them. Force along the motion
-// makes E larger: a spring that is pressed has E < 0, and E > 0 is energy that nobody put in. A contact's first
-// period sets E and peak to 0. A period counts if the period before was in contact: the contact's last count is in
-// E, and the count that began it is not. Out of contact, and while run_i = 0, both stay as the last contact left
-// them; the next period in contact begins a new contact.
+// Position and mean current i_n of a period n are as the port takes them. Force along the motion makes E larger: a
+// spring that is pressed has E < 0, and E > 0 is energy that nobody put in. A count in the direction of the one
+// before has crossed the whole of what lies between two edges, and is added. A count after a turn has not: the
+// rotor goes back through the edge that it came in by, and no way has been made. So a rotor that chatters at an
+// edge adds nothing.
+// A contact's first period sets E and peak to 0. A period counts if the period before was in contact: the contact's
+// last count is in E, and the count that began it is not. Out of contact, and while run_i = 0, both stay as the
+// last contact left them; the next period in contact begins a new contact.
 // Each count takes a clock, so that a leap of several needs no multiplier. A period may have as many counts as it
 // has clocks, less two, and less than 2^(WH_MOVE_W-1). An encoder has at most two in filter_clocks_i + 1 clocks.
 // Formats: E and peak s24q10 A·counts, of a current that is cut to as many places downwards: what that takes on
@@ -56,8 +60,8 @@ module wh_energy (
     reg              counts_q;   // of the one before: what the newest has moved counts
     reg [MOVE_W-1:0] goal_q;     // position of the newest period
     reg [MOVE_W-1:0] place_q;    // follows it
-    reg              step_q;     // a count to be added ...
-    reg              back_q;     // ... downwards
+    reg              back_q;     // the last count was downwards,
+    reg              step_q;     // and is to be added
 
     wire              begins = start_i && contact_i && !contact_q;
     wire [MOVE_W-1:0] way    = goal_q - place_q;
@@ -72,9 +76,12 @@ module wh_energy (
             if (start_i) begin
                 goal_q <= position_i;
             end
-            if (moves) begin
-                place_q <= place_q + {{MOVE_W-1{back}}, 1'b1};
-            end
+            place_q <= place_q + {{MOVE_W-1{back}}, moves};  // without a way to go back is 0
+        end
+        if (rst) begin
+            back_q <= 1'b0;
+        end else if (moves) begin
+            back_q <= back;
         end
         if (rst || !run_i) begin
             contact_q <= 1'b0;
@@ -85,9 +92,8 @@ module wh_energy (
                 contact_q <= contact_i;
                 counts_q  <= contact_q;
             end
-            step_q <= moves && counts_q;
+            step_q <= moves && counts_q && (back == back_q);
         end
-        back_q <= back;
     end
 
     // ---- Their energy.
