@@ -131,9 +131,7 @@ GAIN = Fixed(COEF_W, HEADER_VALUES["GAIN_Q"])
 """Amperes per unit of a tick's sum of ADC words."""
 ENERGY = Fixed(HEADER_VALUES["ENERGY_W"], HEADER_VALUES["ENERGY_Q"])
 """Energy of a contact, A·counts."""
-ENERGY_LIMIT = Fixed(
-    HEADER_VALUES["ENERGY_LIMIT_W"], HEADER_VALUES["ENERGY_LIMIT_Q"], signed=False
-)
+ENERGY_LIMIT = Fixed(HEADER_VALUES["ENERGY_LIMIT_W"], HEADER_VALUES["ENERGY_LIMIT_Q"], signed=False)
 """Most that a contact may deliver, A·counts."""
 DUTY = Fixed(COEF_W, HEADER_VALUES["DUTY_Q"])
 """Clocks of half pulse width per volt."""
