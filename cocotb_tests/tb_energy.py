@@ -82,7 +82,7 @@ async def random_contacts(dut: object) -> None:
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def sign_begin_and_end(dut: object) -> None:
-    """Force along the motion is positive; what begins and ends a contact, with an edge and without."""
+    """Force along the motion is positive; what begins and ends a contact, and turns in it."""
     bench = EnergyBench(dut)
     for way in (1, -1):
         for amperes in (1, -1):
@@ -152,8 +152,7 @@ async def leaps_and_ends_of_the_word(dut: object) -> None:
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def over_the_limit(dut: object) -> None:
-    """Up to the last place of the limit, for as long as the contact lasts; a bridge that is off ends
-    it."""
+    """From one place beyond the limit on, for as long as the contact lasts and the bridge is on."""
     bench = EnergyBench(dut)
     rng = random_source("limit")
     cut = formats.ENERGY.fraction - formats.ENERGY_LIMIT.fraction

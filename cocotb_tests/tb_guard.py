@@ -54,8 +54,8 @@ class GuardBench(Bench):
             settings_i=settings(fields), clear_i=0, running_i=running_i, stop_i=0, driver_i=0,
             host_alive_i=0, bus_i=100, sample_valid_i=0, sample_i=0, trip_i=0, encoder_i=0,
             range_i=0, stuck_i=0, zero_i=0, zero_start_i=0, zero_busy_i=0,
-            moved_i=0, anchor_i=0, energy_i=0, setting_i=0, overrun_i=0, tick_i=0, valid_i=0, current_i=0,
-            u_i=0, v_i=0,
+            moved_i=0, anchor_i=0, energy_i=0, setting_i=0, overrun_i=0, tick_i=0, valid_i=0,
+            current_i=0, u_i=0, v_i=0,
         )  # fmt: skip
         await self.step(3)
         assert self.faults() == (0, 0, 0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The energy that the RTL observes at its pins, against the physics, and the fault that it raises."""
+"""The energy that the RTL observes at its pins, against the physics; the fault that it raises."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 from wavehaptics.controller.guard import Fault, Limits, board_limits
 from wavehaptics.controller.ports import controller_ports
+from wavehaptics.host.names import HostError, Shape, places
 from wavehaptics.ladder.guarded_pins import GuardedPins, Injection
 from wavehaptics.scene import Scene
 from wavehaptics.scene.tables.hand import Hand
-from wavehaptics.studies.anchored.cases import BRUSHES, NOTHING, all_wrong
+from wavehaptics.studies.anchored.cases import NOTHING, all_wrong
 from wavehaptics.studies.report.runs import load
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
+from wavehaptics.words.table import LEGS, THREE_PHASE_LEGS
 
 CHUNK = 500
 """Ticks from one look at the guard to the next."""
@@ -67,8 +69,10 @@ class Run:
     ids=lambda it: "-".join(map(str, it[:1])) if isinstance(it, tuple) else str(it),
 )  # fmt: skip
 def test_honest_contacts(settings, speed):
-    """A press up to the end of the ADC and a bounce at 30 rad/s: what is observed is what the torque
-    did, within one count at the contact's largest current; and it is no fault."""
+    """A press as hard as the ADC can see and a bounce at 30 rad/s are no fault.
+
+    What is observed is what the torque did, within one count at the contact's largest current.
+    """
     if speed is None:
         run = Run(load("held_wall", [*settings, *PRESS]), PRESS_S)
     else:
@@ -101,3 +105,13 @@ def test_a_wall_that_runs_away_is_switched_off(part):
     assert run.pins.report().faults == 0
     assert run.pins.report().running
     assert before == run.report.energy > 0
+
+
+def test_a_limit_for_a_brushless_motor_is_refused():
+    """In one line; 0, no check, is what it has."""
+    place = {legs: places("guard_energy", Shape(1, 4, 0, 2, legs))[0]
+             for legs in (LEGS, THREE_PHASE_LEGS)}  # fmt: skip
+    assert place[LEGS].raw(5.125) == 41
+    assert place[THREE_PHASE_LEGS].raw(0) == 0
+    with pytest.raises(HostError, match=r"= 5.125 can't be had: .* not observed; set it to 0$"):
+        place[THREE_PHASE_LEGS].raw(5.125)

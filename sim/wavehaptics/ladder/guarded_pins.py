@@ -28,8 +28,8 @@ RESET last as many clocks as their value."""
 
 class Report(NamedTuple):
     """Clocks of the newest cause and of the gates' going off for a fault, −1 for not yet; state,
-    clocks so far, those with a gate on since the cause, and raw words of what the contact, or the last one,
-    delivered to the shaft and of the most that it was."""
+    clocks so far, those with a gate on since the cause, and what the contact, or the last one,
+    delivered to the shaft and the most that it was, as raw words."""
 
     cause: int
     off: int
