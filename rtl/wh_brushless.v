@@ -779,6 +779,7 @@ module wh_brushless #(
                 .encoder_i      ({2'd0, illegal_move}),
                 .moved_i        ({3{moved}}),
                 .anchor_i       ({2'd0, anchor_fault_o}),
+                .energy_i       (3'd0),
                 .setting_i      (illegal_setting),
                 .overrun_i      (overrun_o),
                 .tick_i         (tick_o),

@@ -51,7 +51,7 @@ wire [0:0] set_compensate;
 wire [7:0] set_settle_ticks;
 wire [0:0] set_second_order;
 wire [`WH_COEF_W-1:0] set_bus_share;
-wire [249:0] set_guard;
+wire [281:0] set_guard;
 wire [0:0] set_clear;
 wire [0:0] set_host_alive;
 wire [0:0] set_restart;
@@ -108,7 +108,7 @@ wire [PARTS*`WH_COUNT_W-1:0] position;
 wire [PARTS-1:0] contact;
 wire [PARTS-1:0] saturated;
 wire [PARTS-1:0] clipped;
-wire [15:0] faults;
+wire [23:0] faults;
 wire [0:0] running;
 wire [0:0] adc_ready;
 wire [0:0] tick;
@@ -120,6 +120,8 @@ wire [PARTS*`WH_DATA_W-1:0] offset;
 wire [PARTS*`WH_DATA_W-1:0] flux;
 wire [PARTS*`WH_DATA_W-1:0] lag;
 wire [PARTS-1:0] anchor_fault;
+wire [PARTS*24-1:0] contact_energy;
+wire [PARTS*24-1:0] contact_energy_peak;
 
 // The groups.
 
@@ -421,16 +423,16 @@ wh_setting_group #(
 assign set_bus_share[0 +: `WH_COEF_W] = bus_words[0 +: `WH_COEF_W];
 
 wire pending_guard;
-wire [249:0] guard_words;
+wire [281:0] guard_words;
 
 wh_setting_group #(
     .STAGED    (0),
     .PART      (4'd0),
     .FIRST     (8'h40),
     .STRIDE    (8'd1),
-    .WORDS     (15),
-    .WIDTHS    ({8'd32, 8'd16, 8'd16, 8'd16, 8'd24, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd2, 8'd16, 8'd16}),
-    .TOTAL_W   (250)
+    .WORDS     (16),
+    .WIDTHS    ({8'd16, 8'd32, 8'd16, 8'd16, 8'd16, 8'd24, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd2, 8'd24, 8'd24}),
+    .TOTAL_W   (282)
 ) guard (
     `WH_DEVICE_BUS
     .hold_i    (hold_off),
@@ -438,21 +440,22 @@ wh_setting_group #(
     .words_o   (guard_words)
 );
 
-assign set_guard[0 +: 16] = guard_words[0 +: 16];
-assign set_guard[16 +: 16] = guard_words[16 +: 16];
-assign set_guard[32 +: 2] = guard_words[32 +: 2];
-assign set_guard[34 +: 16] = guard_words[34 +: 16];
+assign set_guard[0 +: 24] = guard_words[0 +: 24];
+assign set_guard[24 +: 24] = guard_words[24 +: 24];
+assign set_guard[48 +: 2] = guard_words[48 +: 2];
 assign set_guard[50 +: 16] = guard_words[50 +: 16];
 assign set_guard[66 +: 16] = guard_words[66 +: 16];
 assign set_guard[82 +: 16] = guard_words[82 +: 16];
 assign set_guard[98 +: 16] = guard_words[98 +: 16];
 assign set_guard[114 +: 16] = guard_words[114 +: 16];
 assign set_guard[130 +: 16] = guard_words[130 +: 16];
-assign set_guard[146 +: 24] = guard_words[146 +: 24];
-assign set_guard[170 +: 16] = guard_words[170 +: 16];
+assign set_guard[146 +: 16] = guard_words[146 +: 16];
+assign set_guard[162 +: 24] = guard_words[162 +: 24];
 assign set_guard[186 +: 16] = guard_words[186 +: 16];
 assign set_guard[202 +: 16] = guard_words[202 +: 16];
-assign set_guard[218 +: 32] = guard_words[218 +: 32];
+assign set_guard[218 +: 16] = guard_words[218 +: 16];
+assign set_guard[234 +: 32] = guard_words[234 +: 32];
+assign set_guard[266 +: 16] = guard_words[266 +: 16];
 
 wire pending_capture;
 wire [170:0] capture_words;
@@ -807,7 +810,7 @@ always @* begin
         12'h066: live = {32'd0, magnet_found};
         12'h067: live = {{1{1'b0}}, magnet_angle[0 +: 32]};
         12'h039: live = {{17{1'b0}}, bus_i[0 +: 16]};
-        12'h062: live = {{17{1'b0}}, faults[0 +: 16]};
+        12'h062: live = {{9{1'b0}}, faults[0 +: 24]};
         12'h063: live = {32'd0, running};
         12'h068: live = {32'd0, adc_ready};
         12'h069: live = {32'd0, tick};
@@ -853,6 +856,8 @@ always @* begin
                 8'hc2: live = {{33-`WH_DATA_W{flux[m*`WH_DATA_W + `WH_DATA_W - 1]}}, flux[m*`WH_DATA_W +: `WH_DATA_W]};
                 8'hc3: live = {{33-`WH_DATA_W{lag[m*`WH_DATA_W + `WH_DATA_W - 1]}}, lag[m*`WH_DATA_W +: `WH_DATA_W]};
                 8'hc4: live = {32'd0, anchor_fault[m]};
+                8'hb8: live = {{9{contact_energy[m*24 + 24 - 1]}}, contact_energy[m*24 +: 24]};
+                8'hb9: live = {{9{contact_energy_peak[m*24 + 24 - 1]}}, contact_energy_peak[m*24 +: 24]};
                 default: live = 33'd0;
             endcase
         end
@@ -946,7 +951,9 @@ end
     .offset_o (offset), \
     .flux_o (flux), \
     .lag_o (lag), \
-    .anchor_fault_o (anchor_fault),
+    .anchor_fault_o (anchor_fault), \
+    .contact_energy_o (contact_energy), \
+    .contact_energy_peak_o (contact_energy_peak),
 
 `define WH_DEVICE_WITHOUT \
     set_count_angle, \

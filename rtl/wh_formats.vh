@@ -76,6 +76,12 @@
 `define WH_COUNT_W 32
 `endif
 
+// Energy of a contact, A·counts.
+`define WH_ENERGY_W       24
+`define WH_ENERGY_Q       10  // A·counts, full scale +-8192
+`define WH_ENERGY_LIMIT_W 16
+`define WH_ENERGY_LIMIT_Q 3   // A·counts
+
 // Drive: half width of the bridge's pulse in clocks.
 `define WH_DUTY_Q   16  // clocks per volt in a coefficient word, and the fraction of the half width
 `define WH_BUS_W    16  // a measured bus, without sign

@@ -136,7 +136,7 @@ def test_ports_hold_their_words_side_by_side():
     assert found["wall_min_i"] == 0x00000004_00000003_00000002_FFFFFFFF
     assert found["samples_i"] == 5
     assert found["zero_i"] == 0x000007_FFFFFF
-    assert found["guard_i"] == 0xBEEF0000
+    assert found["guard_i"] == 0xBEEF << 24  # behind guard_mask
     assert found["anchor_words_i"] == 2 << formats.ANCHOR_W | 1
     assert found["range_i"] == 0xFFFF
     section = 9 * formats.SHAPE.width + 3 * formats.SHAPE_LOSS_W

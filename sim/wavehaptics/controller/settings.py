@@ -193,7 +193,7 @@ def _wave_limit(limit_v: float, r_hat: float) -> int:
     )
 
 
-def _holds_position(control: Controller, shaper: Shaper) -> bool:
+def holds_position(control: Controller, shaper: Shaper) -> bool:
     """Whether contact pushes back for good: η·W is −1 at rest, in every wall."""
     at_rest = control.eta_contact
     for words in shaper.words:
@@ -258,7 +258,7 @@ def _anchor_words(
             "adc.full_scale_a",
         )
     flux = closed_forms.root(r_hat) * tick_s / (2.0 * cell_vs)
-    owed = flux / formats.A.to_value(a_word) if _holds_position(control, shaper) else 0.0
+    owed = flux / formats.A.to_value(a_word) if holds_position(control, shaper) else 0.0
     zero_rate = choose_zero_rate(r_hat, cell_vs, most_a)
     words[anchor.ENABLE] = 1
     words[anchor.FLUX_GAIN] = word(formats.FLUX, flux, "anchor_auto")

@@ -227,7 +227,7 @@ STATUS = (
     ("position, walls, contact: `wh_quadrature`, `wh_contact`", None),
     (_ONE_PORTS, None),
     ("several motors on one core", "N"),
-    ("guard with sixteen latched faults", "GUARD"),
+    ("guard with seventeen latched faults", "GUARD"),
     ("port anchor: a wall that holds on a real motor", "ANCHOR"),
     ("one multiplier for all products", "SHARED"),
     ("soft walls, layers, detents with W", "SHAPER"),

@@ -129,6 +129,10 @@ A = Fixed(COEF_W, HEADER_VALUES["A_Q"])
 """The λ filter's coefficient a, no unit."""
 GAIN = Fixed(COEF_W, HEADER_VALUES["GAIN_Q"])
 """Amperes per unit of a tick's sum of ADC words."""
+ENERGY = Fixed(HEADER_VALUES["ENERGY_W"], HEADER_VALUES["ENERGY_Q"])
+"""Energy of a contact, A·counts."""
+ENERGY_LIMIT = Fixed(HEADER_VALUES["ENERGY_LIMIT_W"], HEADER_VALUES["ENERGY_LIMIT_Q"], signed=False)
+"""Most that a contact may deliver, A·counts."""
 DUTY = Fixed(COEF_W, HEADER_VALUES["DUTY_Q"])
 """Clocks of half pulse width per volt."""
 BUS_W = HEADER_VALUES["BUS_W"]
