@@ -128,14 +128,14 @@ module prove_wh_anchor #(
     reg signed [DATA_W-1:0]      brush_before;
     reg signed [`WH_LONG_W-1:0]  theta_before, mean_before, zero_before;
 
-    // One bit more than a word, and more for the sum.
+    // One bit more than a word, and more for a half's fraction.
     wire signed [DATA_W+3:0] size   = voltage[DATA_W-1] ? -$signed({{4{voltage[DATA_W-1]}}, voltage})
                                                         : $signed({{4{voltage[DATA_W-1]}}, voltage});
     // Out of contact the reach is half.
-    wire signed [DATA_W+3:0] whole  = (\block.contact_q ? reach : reach >>> 1) + size;
+    wire signed [DATA_W+3:0] halves = 2 * (\block.contact_q ? reach : reach >>> 1) + size;
 
-    // c_0 + |e_id| in a long word's places.
-    wire signed [`WH_LONG_W-1:0] limit_long = $signed({whole, {VOLT_SHIFT{1'b0}}});
+    // c_0 + |e_id|/2 in a long word's places.
+    wire signed [`WH_LONG_W-1:0] limit_long = $signed({halves, {(VOLT_SHIFT - 1){1'b0}}});
     // At rest the first step, which waits for no product and takes the voltage, is known already.
     wire first_known  = \block.ahead_q == 5'd1 && !\block.waits_q && !\block.bare_q && !\block.near_q
                         && \block.low_q == 0 && \block.mid_q == 0 && \block.high_q == 0 && \block.top_q == 0

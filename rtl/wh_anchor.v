@@ -8,7 +8,7 @@
 //   p  = z beyond ±1/2, z/256 within; the last edge's bound χ_b replaces an end of ±1/2
 //   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2; 0...learn_max, at first a quarter
 //   c  = θ (y' + sgn y' y_b) - g_ρ p           the first term in contact only
-//   |g_ρ p| <= c_0 + |e_id|                    c_0/2 out of contact
+//   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
 // y' is the mean of L̂ i while the rotor travels, two counts and more the same way. y_b stands for the brushes
 // and shrinks by half of what y' falls. The bound χ_b: after an edge upwards z stays below the χ from before
@@ -632,8 +632,8 @@ module wh_anchor #(
     wire [LONG_W-1:0] near_b    = product_i[NEAR_SHIFT +: LONG_W];
     wire [LONG_W-1:0] far_b     = {{(LONG_W - DATA_W - COEF_W + FAR_SHIFT){product_i[DATA_W+COEF_W-1]}},
                                    product_i[DATA_W+COEF_W-1:FAR_SHIFT]};
-    wire [LONG_W-1:0] voltage_b = {{(LONG_W - DATA_W - VOLT_SHIFT){voltage_i[DATA_W-1]}}, voltage_i,
-                                   {VOLT_SHIFT{1'b0}}};
+    wire [LONG_W-1:0] voltage_b = {{(LONG_W - DATA_W - VOLT_SHIFT + 1){voltage_i[DATA_W-1]}}, voltage_i,
+                                   {(VOLT_SHIFT - 1){1'b0}}};
     wire [TOP_Q-1:0]  reach_b   = {{(TOP_Q - VOLT_SHIFT - DATA_W + 1){1'b0}}, reach[DATA_W-2:0],
                                    {VOLT_SHIFT{1'b0}}};
     wire [TOP_Q-1:0]  free_b    = {{(TOP_Q - VOLT_SHIFT - DATA_W + 2){1'b0}}, reach[DATA_W-2:1],

@@ -281,11 +281,8 @@ HOLDS = ("lambda", "R up", "R down", "limit down", "limit up", "gain up", "gain 
          "volts down", "hysteresis", "wall moved over the rotor")  # fmt: skip
 """What leaves a wall as hard as it was, or nearly, and where it was."""
 
-LEFT_OUT = {("worked", "limit down"), ("worked", "no limit"), ("worked", "wall's other side")}
-"""What the anchor takes for a lost encoder (test_a_limit_that_is_raised…).
-
-The last throws a rotor out of the wall with all that the drive has, and clips its samples.
-"""
+LEFT_OUT = {("worked", "limit down"), ("worked", "no limit")}
+"""What the anchor takes for a lost encoder (test_a_limit_that_is_raised…)."""
 
 
 def changes(device: Run, scene: tuple[str, ...]) -> dict[str, Values]:

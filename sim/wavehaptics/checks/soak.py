@@ -10,7 +10,7 @@ the next reset. In every tick is watched that
 - the waves have given out no more than they took in since the reset, ``Σ(v² − u²) ≥ 0`` without
   any rounding, as ``|η| ≤ 1`` and W is passive;
 - ``|u|`` is within its limit;
-- c is within its own, ``c_0 + |e_id|``, c_0/2 out of contact, and 0 after a
+- c is within its own, ``c_0 + |e_id|/2``, c_0/2 out of contact, and 0 after a
   fault;
 - the RTL answers within the stated clocks;
 
@@ -131,7 +131,7 @@ def _soak(
                 told = abs(held[anchor.MEAN] >> _LONG_GUARD) + held[anchor.BRUSH_LEFT]
                 share = (coefficient * told) >> _HELD_SHIFT
             # A word for each floor: of the half, of what θ holds and of c.
-            if abs(held[anchor.CORRECTION]) > reach + size + share + 3:
+            if abs(held[anchor.CORRECTION]) > reach + (size >> 1) + share + 3:
                 return CORRECTION, n
             if held[anchor.FAULT] != 0:
                 kept[_FAULTS] += 0 if lost else 1

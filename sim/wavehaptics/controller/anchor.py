@@ -26,7 +26,7 @@ holds χ:
   contact.
 - y_b stands for the brushes' voltage. It shrinks by half of what y' falls, so that c falls at
   least as fast as what it compensates: a press never gets back more than it gave.
-- ``g_ρ·p`` is limited to ``c_0 + |e_id|``, out of contact with a half of c_0, and θ by a
+- ``g_ρ·p`` is limited to ``c_0 + |e_id|/2``, out of contact with a half of c_0, and θ by a
   largest. In contact what c takes of the drive's limit is no longer the wave's: ``|u| ≤ u_max −
   |c|/s``. An error of the flux that c can't hold while the wave is below its limit means that
   waves and encoder don't follow the same motor.
@@ -299,7 +299,7 @@ def _turn(
 
     e = -voltage if voltage < 0 else voltage
     reach = words[REACH] if contact else words[REACH] >> FREE_SHIFT
-    limit = (reach << _VOLT_SHIFT) + (e << _VOLT_SHIFT)
+    limit = (reach << _VOLT_SHIFT) + (e << (_VOLT_SHIFT - 1))
     state[ROOM] = 0
     if contact:
         room = (words[ROOM_GAIN] * state[CORRECTION]) >> _FAR_SHIFT

@@ -147,7 +147,7 @@ class Controller(Table):
     anchor_limit_v: float | None = scene_key(
         "V",
         "Largest correction of the port anchor besides what it has learned, where the waves ask "
-        "for no voltage; it grows by theirs",
+        "for no voltage; it grows by half of theirs",
         None,
         default_text="1.2, or a third of the drive's limit",
         ge=0,
