@@ -337,7 +337,7 @@ module bench_commit #(
 
                     always @(posedge clk) begin
                         own_q <= own;
-                        if (enable && (begins || (busy && at_step != 5'd0 && at_step < 5'd27))
+                        if (enable && (begins || (busy && at_step != 5'd0 && at_step < 5'd26))
                             && (words[16:1] != own || words[1+7*`WH_COEF_W +: 16] != own
                                 || words[`WH_ANCHOR_W-`WH_REST_W +: 16] != own)) begin
                             mixed_o <= mixed_o + 32'd1;
@@ -382,7 +382,7 @@ module bench_commit #(
 
                     always @(posedge clk) begin
                         own_q <= own;
-                        if (enable && (begins || (busy && at_step != 5'd0 && at_step < 5'd27))
+                        if (enable && (begins || (busy && at_step != 5'd0 && at_step < 5'd26))
                             && (words[16:1] != own || words[1+7*`WH_COEF_W +: 16] != own
                                 || words[`WH_ANCHOR_W-`WH_REST_W +: 16] != own)) begin
                             mixed_o <= mixed_o + 32'd1;
