@@ -160,7 +160,7 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
         rows.append(
             (
                 f"{last - first + 1} random motors in random hands, everything wrong",
-                f"{len(motors['lost']['hold'])} not held after the time that a hand needs, "
+                f"{len(motors['lost']['hold'])} still bouncing after 0.6 s, "
                 f"{len(motors['missed']['hold_cells'])} beyond a count and 1 % of the depth",
                 "make holding",
             )

@@ -13,8 +13,6 @@ from wavehaptics.studies.anchored import runs
 from wavehaptics.trace.columns import Column
 
 SPEEDS = (0.3, 1.0, 3.0, 10.0, 30.0)
-SHORTEST_S, LONGEST_S, SETTLED = 0.6, 4.0, 8.0
-"""Of a hold, and its least number of time constants between these."""
 PARTS = ("hold", "press", "soft", *(f"bounce_{speed:g}" for speed in SPEEDS))
 """What each motor does; ``part`` of :func:`random_motor`."""
 
@@ -75,7 +73,7 @@ def random_motor(seed: int) -> dict[str, Any]:
     """What the motor of a seed does in each of PARTS."""
     motor, settings = draw(seed)
     found: dict[str, Any] = {"seed": seed, "motor": motor}
-    press = [*settings, *_hand(motor), f"scene.duration_s={_held_s(motor):.6g}"]
+    press = [*settings, *_hand(motor), "scene.duration_s=0.6"]
     held = _tried(runs.hold, "held_wall", "golden", press)
     found["hold"] = held
     pressed = [
@@ -135,12 +133,6 @@ def free_after_a_tap(seed: int, settings: tuple[str, ...]) -> dict[str, Any]:
 
 def _amplitude(motor: dict[str, float]) -> float:
     return motor["force"] / motor["hand_k"] + motor["force"] / motor["stiffness"]
-
-
-def _held_s(motor: dict[str, float]) -> float:
-    """Time in which the hand's damping alone takes all of a bounce, within bounds, s."""
-    fades_s = 2.0 * (motor["j"] * motor["load"] + motor["mass"]) / motor["hand_b"]
-    return min(LONGEST_S, max(SHORTEST_S, SETTLED * fades_s))
 
 
 def _hand(motor: dict[str, float]) -> list[str]:
