@@ -78,7 +78,7 @@ def test_headers_are_included_and_all_else_is_read(core):
 
 
 def test_blocks_outside_the_rtl_are_in_its_own_filesets(core):
-    """No vendor's cell in what every FPGA gets."""
+    """No vendor primitive in what every FPGA gets."""
     for path in _files(core, "rtl", "boards"):
         text = re.sub(r"//.*", "", (ROOT / path).read_text(encoding="utf-8"))
         assert not re.search(r"\b(SB_\w+|EHXPLLL|OSCG|MULT18X18D|DCCA|IFS1P3DX)\b", text), path

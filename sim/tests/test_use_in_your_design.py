@@ -29,14 +29,19 @@ def _width(bits: str) -> str:
     return first.removesuffix("-1") if "-" in first else str(int(first) + 1)
 
 
-@pytest.mark.parametrize("module", ["wh_wishbone", "wh_device"])
-def test_the_port_tables_are_the_rtl(module):
+def _ports(module: str) -> list[tuple[str, str, str]]:
+    """(name, in or out, width) of the RTL's ports, in its order."""
     text = (ROOT / "rtl" / f"{module}.v").read_text(encoding="utf-8")
     header = text[text.index(f"\nmodule {module}") : text.index("\n);")]
-    ports = [
+    return [
         (name, {"input": "in", "output": "out"}[direction], _width(bits))
         for direction, bits, name in PORT.findall(header)
     ]
+
+
+@pytest.mark.parametrize("module", ["wh_wishbone", "wh_device"])
+def test_the_port_tables_are_the_rtl(module):
+    ports = _ports(module)
     found = re.search(SECTION.format(module=module), PAGE, re.MULTILINE | re.DOTALL)
     assert found is not None
     assert ROW.findall(found[0]) == ports
@@ -50,12 +55,7 @@ def test_litex_connects_every_input(module):
     part = wrapper[wrapper.index(f'"{module}"') :].partition("# fmt: skip")[0]
     given = {("in" if way == "i" else "out", name)
              for way, name in re.findall(r"\b([io])_(\w+)=", part)}  # fmt: skip
-    text = (ROOT / "rtl" / f"{module}.v").read_text(encoding="utf-8")
-    header = text[text.index(f"\nmodule {module}") : text.index("\n);")]
-    ports = {
-        ({"input": "in", "output": "out"}[direction], name)
-        for direction, _, name in PORT.findall(header)
-    }
+    ports = {(way, name) for name, way, _ in _ports(module)}
     assert given <= ports
     inputs = {name for way, name in ports if way == "in"}
     assert inputs - {name for way, name in given if way == "in"} == {"clk", "rst"}

@@ -32,7 +32,6 @@ FORMATS = ("c", "verilog", "json")
 COMMANDS = ("commit", "restart", "clear", "zero_start", "arm", "magnet_start", "settings_busy")
 """Registers, besides the settings, that a start-up sequence needs."""
 
-
 _NEEDED = {"adc": "adc.bits and adc.full_scale_a", "encoder": "encoder.counts_per_rev"}
 
 
@@ -127,9 +126,10 @@ def _registers(board: BoardWords) -> list[Register]:
         board.legs,
     )  # fmt: skip
     words = {place.address: place.word for place in places(sizes, "setting")}
+    values = first_values(board, 1)
     pairs: dict[int, int] = {}
     for motor in range(board.motors):
-        pairs |= dict(settings_requests(first_values(board, 1), board.legs, motor))
+        pairs |= dict(settings_requests(values, board.legs, motor))
     found = []
     for address, raw in sorted(pairs.items()):
         word = words[address]
