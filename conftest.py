@@ -36,6 +36,7 @@ BLOCKS = {
     "wh_current": "test_current.py::test_current[icarus]",
     "wh_dead_time": "test_dead_time.py::test_dead_time[icarus]",
     "wh_device": "test_briefly.py::test_briefly[device]",
+    "wh_energy": "test_energy.py::test_energy[icarus]",
     "wh_environment": "test_environment.py::test_environment[icarus-0]",
     "wh_guard": "test_briefly.py::test_briefly[guard]",
     "wh_half_bridge": "test_half_bridge.py::test_half_bridge[icarus]",

@@ -15,7 +15,6 @@ module bench_anchor #(
     input  wire                          rst,
     input  wire                          rst_multiplier,
 
-    input  wire                          start_i,
     input  wire signed [`WH_COUNT_W-1:0] position_i,
     input  wire signed [`WH_PLACE_W+`WH_SINE_Q-1:0] place_i,
     input  wire signed [`WH_SINE_Q+1:0]  cell_i,
@@ -44,8 +43,6 @@ module bench_anchor #(
     output wire signed [`WH_DATA_W-1:0]  offset_o,
     output wire signed [`WH_DATA_W-1:0]  flux_o,
     output wire signed [`WH_DATA_W-1:0]  lag_o,
-    output wire                          rebounds_o,
-    output wire [`WH_COEF_W-1:0]         rebound_eta_o,
     output wire                          fault_o
 );
 
@@ -57,8 +54,6 @@ module bench_anchor #(
     wire signed [`WH_DATA_W+`WH_COEF_W-1:0] product;
 
     assign request_o = request;
-
-    localparam integer LOW_W = `WH_ANCHOR_W - `WH_COEF_W;
 
     // Settings change with the end of a clock in which none is read.
     wire reads;
@@ -87,7 +82,6 @@ module bench_anchor #(
     ) anchor (
         .clk           (clk),
         .rst           (rst),
-        .start_i       (start_i),
         .position_i    (position_i),
         .place_i       (place_i),
         .cell_i        (cell_i),
@@ -103,8 +97,7 @@ module bench_anchor #(
         .busy_o        (busy_o),
         .reads_o       (reads),
         .overrun_o     (overrun_o),
-        .words_i       ({words_i[`WH_ANCHOR_W-1:LOW_W],  // the highest one is an output as well
-                         held ? words_i[LOW_W-1:0] : ~words_i[LOW_W-1:0]}),
+        .words_i       (held ? words_i : ~words_i),
         .request_o     (request),
         .factor_o      (factor),
         .coefficient_o (coefficient),
@@ -117,8 +110,6 @@ module bench_anchor #(
         .offset_o      (offset_o),
         .flux_o        (flux_o),
         .lag_o         (lag_o),
-        .rebounds_o    (rebounds_o),
-        .rebound_eta_o (rebound_eta_o),
         .fault_o       (fault_o)
     );
 

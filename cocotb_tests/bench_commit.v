@@ -39,7 +39,7 @@ module bench_commit #(
     localparam [31:0] A       = 32'h01000000;
     localparam [31:0] U_MAX   = 32'h06000000;
     localparam [31:0] ETA     = 32'h01000000;
-    localparam [31:0] REBOUND = 32'h00800000;
+    localparam [31:0] SLOW    = 32'h00080000;
     localparam [31:0] SCALE   = 32'h00020000;
     localparam [31:0] GAIN    = 32'h00001000;
 
@@ -195,7 +195,7 @@ module bench_commit #(
                         for (k = 33; k <= 40; k = k + 1) ask(1'b1, at + k[11:0], ROOT + each);
                         ask(1'b1, at + 12'h029, U_MAX + each);
                         ask(1'b1, at + 12'h02a, U_MAX + each);
-                        ask(1'b1, at + 12'h02d, REBOUND + each);
+                        ask(1'b1, at + 12'h02d, SLOW + each);
                     end
                     if (kinds[3]) begin
                         ask(1'b1, at + 12'h040, each - 32'd40);
@@ -339,7 +339,7 @@ module bench_commit #(
                         own_q <= own;
                         if (enable && (begins || (busy && at_step != 5'd0 && at_step < 5'd26))
                             && (words[16:1] != own || words[1+7*`WH_COEF_W +: 16] != own
-                                || words[`WH_ANCHOR_W-`WH_COEF_W +: 16] != own)) begin
+                                || words[`WH_ANCHOR_W-`WH_REST_W +: 16] != own)) begin
                             mixed_o <= mixed_o + 32'd1;
                         end
                     end
@@ -384,7 +384,7 @@ module bench_commit #(
                         own_q <= own;
                         if (enable && (begins || (busy && at_step != 5'd0 && at_step < 5'd26))
                             && (words[16:1] != own || words[1+7*`WH_COEF_W +: 16] != own
-                                || words[`WH_ANCHOR_W-`WH_COEF_W +: 16] != own)) begin
+                                || words[`WH_ANCHOR_W-`WH_REST_W +: 16] != own)) begin
                             mixed_o <= mixed_o + 32'd1;
                         end
                     end

@@ -18,14 +18,14 @@ from bench import Bench, random_source
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # compiling would take longer than it saves
 
 from wavehaptics.controller import anchor, rotor_flux
+from wavehaptics.controller.pins_timing import ANCHOR_CLOCKS
 from wavehaptics.words import formats
 
 # Clocks since waves_i of a step whose multiplier never makes it wait; with it, since the last of
 # its products was granted.
-STEP_CLOCKS = 28
-FROM_LAST_GRANT = 7
-START_FROM_LAST_GRANT = 4  # from here on the next tick may start
-GRANTS = ("c", "current_i", "withheld_i", "u_i", "v_i", "learn", "pull", "damp")
+STEP_CLOCKS = ANCHOR_CLOCKS - 1
+FROM_LAST_GRANT = 5
+GRANTS = ("v_i", "u_i", "withheld_i", "c", "current_i", "learn", "pull", "held")
 
 COUNT = formats.Fixed(formats.COUNT_W, 0)
 DATA, COEF = formats.CURRENT, formats.ROOT
@@ -33,6 +33,13 @@ PLACE = formats.Fixed(formats.LONG.width - formats.LONG.fraction + rotor_flux.SI
 CELL = 1 << rotor_flux.SINE_Q
 GAINS = range(anchor.FLUX_GAIN, anchor.ROOM_GAIN + 1)
 LIMITS = range(anchor.REACH, anchor.STRANGE + 1)
+MOST = {
+    anchor.REACH: 1 << (formats.DATA_W - 2),
+    anchor.STRANGE: DATA.raw_max,
+    anchor.LEARN_MAX: COEF.raw_max,
+    anchor.BRUSH: 1 << (formats.DATA_W - 2),
+}
+"""Settings that are 0 or more, and the largest word of each."""
 
 
 @dataclass
@@ -76,9 +83,8 @@ class AnchorBench(Bench):
         self.axis = bool(dut.AXIS.value)
         self.settings = np.zeros(anchor.SETTINGS, dtype=np.int64)
         self.state = anchor.new_state()
-        self.correction = 0
+        self.correction = self.last_next = 0
         self.overrun = 0
-        self.started = False
         self.steps = 0
         self.seen: set[str] = set()
 
@@ -87,7 +93,7 @@ class AnchorBench(Bench):
 
     async def power_up(self) -> None:
         await self.start(
-            rst_multiplier=1, start_i=0, position_i=0, place_i=0, cell_i=0, contact_i=0, waves_i=0,
+            rst_multiplier=1, position_i=0, place_i=0, cell_i=0, contact_i=0, waves_i=0,
             current_i=0, u_i=0, v_i=0, withheld_i=0, voltage_i=0, saturated_i=0, blind_i=0,
             words_i=0, other_i=0, other_data_i=0, other_coef_i=0,
         )  # fmt: skip
@@ -101,15 +107,14 @@ class AnchorBench(Bench):
         """
         self.settings = settings
         self.state = anchor.new_state()
-        self.correction = self.overrun = 0
-        self.started = False
+        self.correction = self.overrun = self.last_next = 0
         self.drive(rst=1, rst_multiplier=not products, words_i=anchor.packed(settings))
         for _ in range(clocks):
             await self.step(
-                waves_i=self.rng.random() < 0.3, start_i=self.rng.random() < 0.3,
-                position_i=self.noise(), contact_i=self.noise(1), other_i=self.noise(1),
+                waves_i=self.rng.random() < 0.3, position_i=self.noise(),
+                contact_i=self.noise(1), other_i=self.noise(1),
             )  # fmt: skip
-        self.drive(rst=0, rst_multiplier=0, start_i=0, waves_i=0, other_i=0)
+        self.drive(rst=0, rst_multiplier=0, waves_i=0, other_i=0)
         assert not self.word("busy_o")
         self.check()
 
@@ -123,7 +128,6 @@ class AnchorBench(Bench):
             "offset": state[anchor.OFFSET],
             "flux": state[anchor.CHI] >> formats.LONG_GUARD,
             "lag": state[anchor.LAG] >> formats.LONG_GUARD,
-            "rebound_eta": self.settings[anchor.REBOUND_ETA],
         }
 
     def check(self) -> None:
@@ -131,57 +135,43 @@ class AnchorBench(Bench):
         for name, value in self.want().items():
             assert self.signed(f"{name}_o") == value, f"{name} of step {self.steps}"
         assert self.word("fault_o") == state[anchor.FAULT], f"step {self.steps}"
-        assert self.word("rebounds_o") == state[anchor.REBOUNDS], f"step {self.steps}"
         assert self.word("overrun_o") == self.overrun, f"step {self.steps}"
 
-    async def begin_tick(self, tick: Tick, gap: int) -> None:
-        """The start of a tick; the waves' words come ``gap`` clocks later."""
-        self.started = True
+    def give(self, tick: Tick) -> None:
+        """A tick's words."""
         self.drive(
-            start_i=1, position_i=tick.position, place_i=tick.place, cell_i=tick.cell,
-            contact_i=tick.contact,
-        )  # fmt: skip
-        if gap:
-            await self.step()
-            self.end_start()
-            await self.step(gap - 1)
-
-    def end_start(self) -> None:
-        self.drive(
-            start_i=0, position_i=self.noise(), place_i=self.noise(PLACE.width),
-            cell_i=self.noise(rotor_flux.SINE_Q + 2), contact_i=self.noise(1),
+            waves_i=1, position_i=tick.position, place_i=tick.place, cell_i=tick.cell,
+            contact_i=tick.contact, current_i=tick.current, u_i=tick.u, v_i=tick.v,
+            withheld_i=tick.withheld, voltage_i=tick.voltage, saturated_i=tick.saturated,
+            blind_i=tick.blind,
         )  # fmt: skip
 
-    async def give_waves(self, tick: Tick, gap: int) -> None:
-        if not self.started:
-            await self.begin_tick(tick, gap)
-        self.drive(
-            waves_i=1, current_i=tick.current, u_i=tick.u, v_i=tick.v, withheld_i=tick.withheld,
-            voltage_i=tick.voltage, saturated_i=tick.saturated, blind_i=tick.blind,
-        )  # fmt: skip
+    async def take(self) -> None:
+        """The clock in which they are taken."""
         await self.step()
         self.drive(
-            start_i=0, waves_i=0, voltage_i=self.noise(), saturated_i=self.noise(1),
-            blind_i=self.noise(1),
+            waves_i=0, position_i=self.noise(), place_i=self.noise(PLACE.width),
+            cell_i=self.noise(rotor_flux.SINE_Q + 2), contact_i=self.noise(1),
+            voltage_i=self.noise(), saturated_i=self.noise(1), blind_i=self.noise(1),
         )  # fmt: skip
-        self.started = False
         assert self.word("busy_o")
-        self.check()
-        self.correction = int(self.state[anchor.CORRECTION])
 
     async def tick(
-        self, tick: Tick, *, gap: int = 7, crowd: float = 0.0, following: Tick | None = None,
-        ahead: int = 0, poke: int = 0,
+        self, tick: Tick, *, crowd: float = 0.0, following: Tick | None = None,
+        given: bool = False, poke: int = 0,
     ) -> None:  # fmt: skip
-        """One step of the anchor, with its tick's start if that has not been given yet.
+        """One step of the anchor.
 
-        The waves come ``gap`` clocks after the start. Another user has the multiplier in a share
-        ``crowd`` of all clocks. The start of the tick ``following`` comes so early that, with
-        ``ahead`` 0...3, the step has so many clocks to go; its waves then come in the last. At
-        clock ``poke`` there is another waves_i.
+        Another user has the multiplier in a share ``crowd`` of all clocks. The words of the tick
+        ``following`` come in the step's last clock; its own call has ``given`` set. At clock
+        ``poke`` there is another waves_i.
         """
+        if not given:
+            self.check()
+            self.give(tick)
+        await self.take()
         earlier = self.correction
-        await self.give_waves(tick, gap)
+        self.correction = int(self.state[anchor.CORRECTION])
         before, shown = self.state.copy(), self.want()
         words = (
             bool(tick.contact), tick.current, tick.u, tick.v, tick.withheld, tick.voltage,
@@ -196,6 +186,7 @@ class AnchorBench(Bench):
         self._note(tick, before)
         either = {name: (old, self.want()[name]) for name, old in shown.items()}
         either["correction"] = earlier, self.correction
+        either["next"] = self.last_next, either["next"][0]
         clock, grants, last = 1, 0, 0
         while self.word("busy_o"):
             assert clock < 400, "the anchor doesn't come to an end"
@@ -208,38 +199,38 @@ class AnchorBench(Bench):
             to_go = last + FROM_LAST_GRANT - clock if grants == len(GRANTS) else STEP_CLOCKS
             self.drive(
                 other_i=other, other_data_i=self.noise(), other_coef_i=self.noise(),
-                waves_i=clock == poke, start_i=0,
+                waves_i=clock == poke,
             )  # fmt: skip
             self.overrun |= clock == poke
-            if following and to_go == ahead:
-                await self.begin_tick(following, 0)
             if following and to_go == 0:
+                self.last_next = shown["next"]
+                self.give(following)
                 return
             await self.step()
             clock += 1
             if granted.endswith("_i"):
                 self.drive(**{granted: self.noise()})
-            if following and to_go == ahead:
-                self.end_start()
         assert grants == len(GRANTS)
         assert clock == last + FROM_LAST_GRANT + 1
         assert crowd or clock == STEP_CLOCKS + 1
         self.drive(waves_i=0, other_i=0)
+        assert self.signed("next_o") == shown["next"]
+        await self.step()
+        self.last_next = int(self.state[anchor.CORRECTION])
         self.check()
 
     async def ticks(self, ticks: list[Tick]) -> None:
         """Ticks at random distances, the next one's start often before the end of a step."""
-        following = None
+        given = False
         for place, tick in enumerate(ticks):
             early = place + 1 < len(ticks) and self.rng.random() < 0.5
-            following = ticks[place + 1] if early else None
             await self.tick(
                 tick,
-                gap=self.rng.choice((0, 1, 7, 7, self.rng.randint(1, 20))),
+                given=given,
                 crowd=self.rng.choice((0.0, 0.0, 0.3, 0.7, 0.9)),
-                following=following,
-                ahead=self.rng.randint(0, FROM_LAST_GRANT - START_FROM_LAST_GRANT),
+                following=ticks[place + 1] if early else None,
             )
+            given = early
             if not early:
                 await self.step(self.rng.choice((0, 0, 1, 5)))
 
@@ -250,8 +241,8 @@ class AnchorBench(Bench):
         if self.axis:
             half = abs(tick.cell) << rotor_flux.SHIFT >> 1
         begins = tick.contact and not before[anchor.TOUCHING]
-        anew = gone[anchor.BOUNCED] < 0 and tick.contact
-        ends = before[anchor.TOUCHING] and not tick.contact
+        sinks = state[anchor.SINKS]
+        bound = tick.contact and state[anchor.KNOWS_UP if sinks else anchor.KNOWS_DOWN]
         moved = gone[anchor.POSITION] if before[anchor.STARTED] else 0
         strange = words[anchor.ENABLE] and state[anchor.CLIPPED] and not before[anchor.FAULT]
         self.seen |= {
@@ -274,15 +265,20 @@ class AnchorBench(Bench):
                 "fault": gone[anchor.FAULT],
                 "mean": gone[anchor.MEAN],
                 "offset": gone[anchor.OFFSET],
-                "forgotten": ends and gone[anchor.LEARNED],
-                "learned at rest": not ends and gone[anchor.LEARNED] and state[anchor.PHASE] & 7,
-                "learned on the move": (
-                    not ends and gone[anchor.LEARNED] and state[anchor.UNITS] < 16
-                ),
-                "one unit of rest": state[anchor.UNITS] == 1 and tick.contact,
+                "learned": gone[anchor.THETA],
+                "θ above all": state[anchor.FULL] and state[anchor.THETA] > 0,
+                "θ below 0": state[anchor.THETA] < 0,
+                "held": tick.contact and before[anchor.COEFFICIENT] and state[anchor.MEAN],
+                "brushes shrink": gone[anchor.BRUSH_LEFT] < 0 and state[anchor.BRUSH_LEFT] > 0,
+                "brushes gone": gone[anchor.BRUSH_LEFT] < 0 and state[anchor.BRUSH_LEFT] == 0,
+                "travels": gone[anchor.TRAVELS] > 0 and state[anchor.TRAVELS] == 1 and not begins,
+                "turns": gone[anchor.TRAVELS] < 0,
+                "slow": gone[anchor.QUIET] < 0 and state[anchor.QUIET] == 0,
+                "bound below": bound and sinks,
+                "bound above": bound and not sinks,
+                "bound at the other end": bound
+                and state[anchor.UP_ALL if sinks else anchor.DOWN_ALL],
                 "withheld": tick.withheld and tick.contact,
-                "turns in": before[anchor.BOUNCED] and anew and not begins,
-                "rebounds": gone[anchor.REBOUNDS] > 0,
                 "blind": tick.blind and state[anchor.CLIPPED] and words[anchor.ENABLE],
                 "overloaded": not tick.blind and state[anchor.OVERLOADED],
                 "far": gone[anchor.FAULT] and not state[anchor.CLIPPED],
@@ -295,9 +291,10 @@ EVERYTHING = frozenset(
     (
         "begins up", "begins down", "begins late", "begins unmoved", "correction", "disabled",
         "outside above", "outside below", "inside", "clipped above", "clipped below",
-        "not clipped", "clipped with the waves", "room", "fault", "mean", "offset", "forgotten",
-        "learned at rest", "learned on the move", "one unit of rest", "withheld",
-        "rebounds", "turns in", "blind", "overloaded", "far",
+        "not clipped", "clipped with the waves", "room", "fault", "mean", "offset", "learned",
+        "θ above all", "θ below 0", "held", "brushes shrink", "brushes gone", "travels", "turns",
+        "slow", "bound below", "bound above", "bound at the other end", "withheld", "blind",
+        "overloaded", "far",
     )
 )  # fmt: skip
 
@@ -310,19 +307,18 @@ def any_word(rng: random.Random, format_: formats.Fixed) -> int:
 
 
 def random_settings(rng: random.Random) -> np.ndarray:
-    """Any words, or gains so small and limits so wide that little is clipped."""
+    """Any words that are legal, or gains so small and limits so wide that little is clipped."""
     words = np.zeros(anchor.SETTINGS, dtype=np.int64)
     words[anchor.ENABLE] = rng.random() < 0.85
     calm = rng.random() < 0.5
     for place in GAINS:
         words[place] = any_word(rng, COEF)
-        if calm and place in (anchor.PULL_GAIN, anchor.DAMP_GAIN):
+        if calm and place == anchor.PULL_GAIN:
             words[place] >>= 8
-    for place in LIMITS:
-        words[place] = DATA.raw_max if calm else any_word(rng, DATA)
-    words[anchor.REST_TICKS] = rng.choice((0, 1, 2, 2, 5, (1 << formats.REST_W) - 1))
-    words[anchor.SLOW_UNITS] = rng.choice((0, 1, 2, 16, 31))
-    words[anchor.REBOUND_ETA] = any_word(rng, COEF) if rng.random() < 0.9 else 0
+    for place, most in MOST.items():
+        words[place] = most if calm and place in LIMITS else min(abs(any_word(rng, DATA)), most)
+    words[anchor.FOLLOW_TICKS] = rng.choice((0, 1, 2, 5, (1 << formats.FOLLOW_W) - 1))
+    words[anchor.SLOW_TICKS] = rng.choice((0, 1, 2, 5, (1 << formats.REST_W) - 1))
     return words
 
 
@@ -374,14 +370,16 @@ def motor_settings() -> np.ndarray:
     words[anchor.OWED_GAIN] = formats.FLUX.to_raw(flux / 0.99)
     words[anchor.CELLS_GAIN] = formats.CELLS.to_raw(L_H / CELL_VS)
     words[anchor.PULL_GAIN] = formats.PULL.to_raw(4 * CELL_VS / L_H)
-    words[anchor.DAMP_GAIN] = formats.PULL.to_raw(2 * CELL_VS / L_H)
-    words[anchor.LEARN_GAIN] = formats.LEARN.to_raw(100 * TICK_S * CELL_VS / L_H)
+    cells_per_a = L_H / CELL_VS
+    words[anchor.LEARN_GAIN] = formats.LEARN.to_raw(100 * TICK_S / cells_per_a**2)
+    words[anchor.LEARN_MAX] = formats.PULL.to_raw(3 / cells_per_a)
+    words[anchor.BRUSH] = round(0.3 * cells_per_a / anchor.SEEN_CELLS)
     words[anchor.ZERO_GAIN] = formats.LEARN.to_raw(2000 * TICK_S / R_OHM)
     words[anchor.REACH] = formats.VOLTAGE.to_raw(1.0)
     words[anchor.ROOM_GAIN] = formats.FLUX.to_raw(1 / ROOT)
     words[anchor.STRANGE] = formats.VOLTAGE.to_raw(0.8)
-    words[anchor.REST_TICKS] = 6
-    words[anchor.SLOW_UNITS] = 20
+    words[anchor.FOLLOW_TICKS] = 2
+    words[anchor.SLOW_TICKS] = 60
     return words
 
 
@@ -437,7 +435,7 @@ async def a_motor(dut: object, side: int) -> None:
         if n < 1000:
             assert abs(bench.state[anchor.CHI]) < 20 << formats.LONG.fraction
     assert max(map(abs, corrections)) > 0.1
-    assert bench.seen >= {"learned at rest", "learned on the move", "inside", "mean", "offset"}
+    assert bench.seen >= {"learned", "held", "inside", "mean", "offset"}
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
@@ -454,63 +452,20 @@ async def a_reset_at_any_clock(dut: object) -> None:
                 await bench.begin(settings)
                 for tick in ticks[: rng.randint(0, 2)]:
                     await bench.tick(tick)
-                await bench.give_waves(ticks[2], 1)
+                bench.give(ticks[2])
+                await bench.take()
                 for _ in range(clock):
                     await bench.step(other_i=rng.random() < rng.choice((0.0, 0.5)))
                 if rng.random() < 0.5:
                     settings = random_settings(rng)
                 await bench.begin(settings, clocks, products=products)
                 for tick in ticks[2:]:
-                    await bench.tick(tick, gap=rng.choice((0, 1, 7)))
-
-
-@cocotb.test(timeout_time=5, timeout_unit="ms")
-async def a_swing_of_four_cells(dut: object) -> None:
-    """It is none any more, and nothing is damped: to the last place, either way."""
-    bench = AnchorBench(dut, random_source("swing"))
-    await bench.power_up()
-    near = formats.CURRENT.fraction + formats.CELLS.fraction - formats.LONG.fraction
-    words = np.zeros(anchor.SETTINGS, dtype=np.int64)
-    words[anchor.ENABLE] = words[anchor.REST_TICKS] = 1
-    words[anchor.CELLS_GAIN] = 1 << (near + 6)
-    words[anchor.DAMP_GAIN] = formats.PULL.to_raw(1.0)
-    words[anchor.REACH] = words[anchor.STRANGE] = formats.VOLTAGE.to_raw(60.0)
-    four = anchor.SWING_CELLS >> 6
-    for current in (four - 1, four, -four, -four - 1):
-        await bench.begin(words)
-        await bench.tick(Tick(contact=1))
-        await bench.tick(Tick(contact=1, current=current))
-        assert (bench.state[anchor.CORRECTION] != 0) == (current in (four - 1, -four))
-
-
-@cocotb.test(timeout_time=20, timeout_unit="ms")
-async def a_rebound_grows_old(dut: object) -> None:
-    """It is none any more 16 units of rest after the contact's beginning, in 32 ticks or so."""
-    rng = random_source("rebound")
-    bench = AnchorBench(dut, rng)
-    await bench.power_up()
-    for units in (1, 2, 3):
-        words = random_settings(rng)
-        words[anchor.ENABLE], words[anchor.REST_TICKS] = 1, 2 * units
-        words[anchor.REBOUND_ETA] = rng.choice((1, -1)) * rng.randint(1, COEF.raw_max)
-        await bench.begin(words)
-        for position, contact in ((0, 0), (1, 1), (2, 1), (1, 1)):
-            await bench.tick(Tick(position, contact))
-        assert bench.word("rebounds_o")
-        ticks = 3
-        while bench.word("rebounds_o"):
-            await bench.tick(Tick(1, 1))
-            ticks += 1
-        assert 32 * (units - 1) < ticks <= 32 * units
-        await bench.tick(Tick(2, 1))  # the wall is set anew all the same
-        assert not bench.state[anchor.BOUNCED]
-        await bench.tick(Tick(1, 1))
-        assert not bench.word("rebounds_o")
+                    await bench.tick(tick)
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
 async def waves_while_busy(dut: object) -> None:
-    """They are told and otherwise ignored at every clock; a start that comes too early is told."""
+    """They are reported and otherwise ignored at every clock."""
     rng = random_source("busy")
     bench = AnchorBench(dut, rng)
     await bench.power_up()
@@ -522,11 +477,3 @@ async def waves_while_busy(dut: object) -> None:
         assert bench.word("overrun_o")
         await bench.tick(random_ticks(rng, 1)[0])
         assert bench.word("overrun_o")
-    for clock in range(1, STEP_CLOCKS + 2):
-        await bench.begin(random_settings(rng))
-        await bench.give_waves(random_ticks(rng, 1)[0], 1)
-        await bench.step(clock - 1)
-        await bench.step(start_i=1)
-        bench.drive(start_i=0)
-        too_early = clock < STEP_CLOCKS - FROM_LAST_GRANT + START_FROM_LAST_GRANT
-        assert bench.word("overrun_o") == too_early, clock

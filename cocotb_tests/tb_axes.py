@@ -178,7 +178,6 @@ class AxesBench(Bench):
         gains = self.gains.copy()
         gains[anchor.ENABLE] &= self.known
         found = [self.words(name) for name in ("voltage", "u", "v", "current", "correction")]
-        answers = anchor.returned(eta, bool(contact), gains, self.anchors[-1]) if ANCHOR else eta
         for n, held in enumerate(self.anchors):
             port = self.ports[n]
             withheld, saturated = port[wave_core.STATE_WITHHELD], port[wave_core.STATE_SATURATED]
@@ -186,7 +185,7 @@ class AxesBench(Bench):
             correction = int(held[anchor.CORRECTION])
             e, u, v = wave_core.shaped_core_step(
                 port, self.lines[n], words, self.states[n], mode, current,
-                0 if damp or lost[n] else answers, 0, ROOT, A, anchor.left(self.u_max, gives[n]),
+                0 if damp or lost[n] else eta, 0, ROOT, A, anchor.left(self.u_max, gives[n]),
                 EXTRA, HOLD, ends >> 2 * n & 3,
             )  # fmt: skip
             wanted = (wave_core.saturate(e + correction), u, v, current, correction)
@@ -220,7 +219,7 @@ class AxesBench(Bench):
         """The anchors come to an end, and the angle is turned as far as the magnets' model says."""
         before = self.known
         by = magnet_angle.magnet_angle_step(
-            self.magnet, COUNT_ANGLE, int(self.gains[anchor.REST_TICKS]),
+            self.magnet, COUNT_ANGLE, int(self.gains[anchor.SLOW_TICKS]),
             int(self.rotor[rotor_flux.POSITION]), bool(contact),
             int(self.rotor[rotor_flux.CELL_A]), int(self.rotor[rotor_flux.CELL_B]),
             *(int(held[anchor.CHI]) >> formats.LONG_GUARD for held in self.anchors),
@@ -264,7 +263,7 @@ class AxesBench(Bench):
         """What an anchor does."""
         places = {
             "correction": anchor.CORRECTION, "offset": anchor.OFFSET, "room": anchor.ROOM,
-            "fault": anchor.FAULT, "rebounds": anchor.REBOUNDS,
+            "fault": anchor.FAULT,
         }  # fmt: skip
         self.seen |= {
             f"{name} {axis}" for name, place in places.items() if self.anchors[axis][place]
@@ -282,7 +281,7 @@ def any_gains(rng: random.Random) -> np.ndarray:
 
 EVERYTHING = {
     f"{name} {axis}"
-    for name in ("correction", "offset", "room", "fault", "rebounds", "clipped")
+    for name in ("correction", "offset", "room", "fault", "clipped")
     for axis in range(AXES)
 }
 
@@ -358,7 +357,7 @@ if ANCHOR:
         bench = AxesBench(dut, rng)
         words = any_words(rng)
         gains = motor_settings()
-        gains[anchor.REST_TICKS] = 100
+        gains[anchor.SLOW_TICKS] = 100
         largest = formats.CURRENT.to_raw(0.05)
 
         async def ticks(number: int, way: int, still: bool, largest: int) -> None:

@@ -560,14 +560,15 @@ def random_anchor(rng: random.Random, ohm: float) -> np.ndarray:
     words[anchor.OWED_GAIN] = rng.choice((0, words[anchor.FLUX_GAIN]))
     words[anchor.CELLS_GAIN] = formats.CELLS.to_raw(rng.uniform(0.02, 2.0))
     words[anchor.PULL_GAIN] = formats.PULL.to_raw(rng.uniform(0.1, 3.0))
-    words[anchor.DAMP_GAIN] = formats.PULL.to_raw(rng.uniform(0.0, 1.0))
-    words[anchor.LEARN_GAIN] = formats.LEARN.to_raw(10.0 ** rng.uniform(-3.0, -1.0))
+    words[anchor.LEARN_GAIN] = formats.LEARN.to_raw(10.0 ** rng.uniform(-5.0, -2.2))
+    words[anchor.LEARN_MAX] = formats.PULL.to_raw(rng.uniform(0.0, 1.0))
+    words[anchor.BRUSH] = round(rng.uniform(0.0, 1.0) / anchor.SEEN_CELLS)
     words[anchor.ZERO_GAIN] = formats.FLUX.to_raw(10.0 ** rng.uniform(-3.0, -1.0) / ohm)
     words[anchor.ROOM_GAIN] = formats.FLUX.to_raw(1.0 / math.sqrt(2 * ohm))
     words[anchor.REACH] = formats.VOLTAGE.to_raw(rng.uniform(0.1, 2.0))
     words[anchor.STRANGE] = formats.VOLTAGE.to_raw(rng.choice((5.0, 100.0)))
-    words[anchor.REST_TICKS] = rng.randint(1, 4)
-    words[anchor.SLOW_UNITS] = rng.randint(0, 4)
+    words[anchor.FOLLOW_TICKS] = rng.randint(1, 4)
+    words[anchor.SLOW_TICKS] = rng.randint(0, 9)
     return words
 
 
@@ -1059,8 +1060,8 @@ async def words_of_an_anchor_hold_while_it_reads_them(dut: object) -> None:
     """From its port's waves to the last setting of its step, each motor's for itself."""
     bench = ControllerBench(dut)
     await bench.begin(Settings())
-    # Two more steps of the last port's anchor, and the clock in which it ends, read none.
-    behind = WAVES_CLOCKS + ANCHOR_CLOCKS - 1 - _STEP_CLOCKS - 3
+    # Three more steps of the last port's anchor, and the clock in which it ends, read none.
+    behind = WAVES_CLOCKS + ANCHOR_CLOCKS - 1 - _STEP_CLOCKS - 4
     free = [0] * N
     for _ in range(4):
         before = list(free)

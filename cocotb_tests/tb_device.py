@@ -185,7 +185,15 @@ async def live_words_and_commands(dut: object) -> None:
     bench.drive(enc_a_i=1)
     seen = set()
     own = ("settings_busy", "settings_staged", "tick", "core_valid", "words_hold", "capture_data")
+
+    def told(word: Word, motor: int, bits: int) -> int:
+        part = bench.told(word) >> motor * bits & (1 << bits) - 1
+        if word.fixed.signed and part >> bits - 1:
+            part -= 1 << bits
+        return part & MASK
+
     for _ in range(4):
+        packet: dict[int, set[int]] = {}
         await bench.step(rng.randint(1, 100))
         for place in places(SIZES, "live"):
             word = place.word
@@ -193,12 +201,13 @@ async def live_words_and_commands(dut: object) -> None:
                 continue
             motor = max(0, (place.address >> 8) - 1)
             bench.drive(bus_valid_i=1, bus_write_i=0, bus_address_i=place.address)
-            stood = set()
+            # A packet's v is the one that stood when its number was read.
+            stood = packet.pop(motor) if word.name == "host_v" else set()
             for _ in range(8):
-                part = bench.told(word) >> motor * place.bits & (1 << place.bits) - 1
-                if word.fixed.signed and part >> place.bits - 1:
-                    part -= 1 << place.bits
-                stood.add(part & MASK)
+                stood.add(told(word, motor, place.bits))
+                if word.name == "host_packet_sequence":
+                    v = WORDS["host_v"]
+                    packet.setdefault(motor, set()).add(told(v, motor, v.fixed.width))
                 await bench.step()
                 if bench.word("bus_ready_o"):
                     break

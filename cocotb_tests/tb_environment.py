@@ -21,31 +21,26 @@ NUMBERS = 8
 
 async def begin(bench: Bench) -> None:
     await bench.start(
-        damps_i=0, contact_i=0, shaped_i=0, eta_i=0, rebounds_i=0, rebound_eta_i=0,
+        damps_i=0, contact_i=0, shaped_i=0, eta_i=0,
         host_period_log2_i=PERIOD_LOG2, host_timeout_i=100, valid_i=0, v_i=0, host_strobe_i=0,
         host_sequence_i=0, host_u_i=0,
     )  # fmt: skip
 
 
 async def every_case(bench: Bench) -> None:
-    """Contact, kind of wall, damping, a rebound and any η."""
+    """Contact, kind of wall, damping and any η."""
     rng = random_source("eta")
     active = bench.word("host_active_o")
-    for contact, shaped, damps, rebounds in itertools.product((0, 1), repeat=4):
+    for contact, shaped, damps in itertools.product((0, 1), repeat=3):
         mode = (wave_core.SHAPE if shaped else wave_core.HOLD) if contact else wave_core.CLEAR
         word = formats.ETA
         random = [rng.randint(word.raw_min, word.raw_max) for _ in range(NUMBERS)]
         for eta in (word.raw_min, -1, 0, 1, word.raw_max, *random):
-            other = rng.randint(word.raw_min, word.raw_max)
-            back = contact and rebounds
-            await bench.step(
-                contact_i=contact, shaped_i=shaped, damps_i=damps, rebounds_i=rebounds,
-                eta_i=other if back else eta, rebound_eta_i=eta if back else other,
-            )  # fmt: skip
+            await bench.step(contact_i=contact, shaped_i=shaped, damps_i=damps, eta_i=eta)
             assert bench.word("mode_o") == (wave_core.CLEAR if active else mode)
             assert bench.signed("eta_o") == (0 if active or damps else eta)
             assert bench.signed("wave_o") == (GOAL if active and not damps else 0)
-    await bench.step(damps_i=0, rebounds_i=0)
+    await bench.step(damps_i=0)
 
 
 async def periods(bench: Bench, number: int, v: int) -> None:

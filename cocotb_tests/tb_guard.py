@@ -10,20 +10,21 @@ from bench import CLOCK_NS, Bench, pack, random_source
 from cocotb.triggers import Timer
 from lost_encoder import LostEncoder
 from simulators import parameters
-from wavehaptics.controller.guard import DAMPABLE, HEAT_SQUARES, Fault
+from wavehaptics.controller.guard import DAMPABLE, FIELDS, HEAT_SQUARES, Fault
 from wavehaptics.controller.guard import pack as settings
 from wavehaptics.words import formats
 
 N = parameters().get("N", 1)
 LAST = N - 1
 TOP = (1 << 16) - 1
+MASK_TOP = FIELDS["MASK"].fixed.raw_max
 LEVELS = 0b11  # a pin that is high is a fault
 
 # Limits that nothing reaches, but for the faults of the test.
 CALM = {
     "LEVELS": LEVELS, "CURRENT": TOP, "RANGE": TOP, "STUCK": TOP, "ZERO": TOP, "ZERO_TICKS": TOP,
     "LOST": TOP, "LOST_TICKS": TOP, "HOST": (1 << 24) - 1, "BUS_MIN": 0, "BUS_MAX": TOP,
-    "HEAT_TICKS": 1, "HEAT": (1 << 32) - 1,
+    "HEAT_TICKS": 1, "HEAT": (1 << 32) - 1, "ENERGY": 1,
 }  # fmt: skip
 
 # Causes at an input, by turns: its value at fault, and clocks until the fault shows.
@@ -38,6 +39,7 @@ LEVEL_CAUSES = {
     Fault.SETTING: ("setting_i", 1, 1),
     Fault.OVERRUN: ("overrun_i", 1, 1),
     Fault.ANCHOR: ("anchor_i", 1 << LAST, 1),
+    Fault.ENERGY: ("energy_i", 1 << LAST, 1),
 }
 
 
@@ -45,15 +47,15 @@ class GuardBench(Bench):
     """Plays everything around the guard; a word is the last motor's."""
 
     async def begin(
-        self, mask: int = TOP, damp: int = 0, running_i: int = 1, **limits: int
+        self, mask: int = MASK_TOP, damp: int = 0, running_i: int = 1, **limits: int
     ) -> None:
         fields = {**CALM, "MASK": mask, "DAMP": damp, **limits}
         await self.start(
             settings_i=settings(fields), clear_i=0, running_i=running_i, stop_i=0, driver_i=0,
             host_alive_i=0, bus_i=100, sample_valid_i=0, sample_i=0, trip_i=0, encoder_i=0,
             range_i=0, stuck_i=0, zero_i=0, zero_start_i=0, zero_busy_i=0,
-            moved_i=0, anchor_i=0, setting_i=0, overrun_i=0, tick_i=0, valid_i=0, current_i=0,
-            u_i=0, v_i=0,
+            moved_i=0, anchor_i=0, energy_i=0, setting_i=0, overrun_i=0, tick_i=0, valid_i=0,
+            current_i=0, u_i=0, v_i=0,
         )  # fmt: skip
         await self.step(3)
         assert self.faults() == (0, 0, 0)
@@ -104,7 +106,7 @@ async def latches_until_cleared(dut: object) -> None:
         await bench.clear()
         assert bench.faults() == (0, 0, 0)
         # Left out by the mask, it is none; reset forgets, too.
-        await bench.begin(mask=TOP & ~(1 << fault))
+        await bench.begin(mask=MASK_TOP & ~(1 << fault))
         await bench.step(4, **{name: value})
         assert bench.faults() == (0, 0, 0)
         await bench.begin()
@@ -121,7 +123,8 @@ async def off_or_damp(dut: object) -> None:
     direct = [fault for fault, (_, _, clocks) in LEVEL_CAUSES.items() if clocks == 1]
     seen = set()
     for _ in range(40):
-        mask, damp = rng.randint(0, TOP), rng.choice((0, TOP, DAMPABLE, rng.randint(0, TOP)))
+        mask = rng.randint(0, MASK_TOP)
+        damp = rng.choice((0, MASK_TOP, DAMPABLE, rng.randint(0, MASK_TOP)))
         await bench.begin(mask=mask, damp=damp)
         latched = 0
         for _ in range(30):
@@ -174,13 +177,13 @@ async def limits_of_any_value(dut: object) -> None:
         width = 1 + n % 16
         limit = rng.getrandbits(width) | 1 << (width - 1)
         await bench.begin()
-        bench.drive(settings_i=settings({**CALM, "MASK": TOP, "BUS_MAX": limit}), bus_i=limit)
+        bench.drive(settings_i=settings({**CALM, "MASK": MASK_TOP, "BUS_MAX": limit}), bus_i=limit)
         await bench.step(2)
         assert bench.faults()[0] == 0
         await bench.step(2, bus_i=min(TOP, limit + 1))
         assert bench.faults()[0] == (limit < TOP) << Fault.BUS_HIGH
         await bench.begin()
-        bench.drive(settings_i=settings({**CALM, "MASK": TOP, "BUS_MIN": limit}), bus_i=limit)
+        bench.drive(settings_i=settings({**CALM, "MASK": MASK_TOP, "BUS_MIN": limit}), bus_i=limit)
         await bench.step(2)
         assert bench.faults()[0] == 0
         await bench.step(2, bus_i=limit - 1)
@@ -236,9 +239,9 @@ async def a_judgement_stands_until_the_next(dut: object) -> None:
     await bench.begin(CURRENT=0, RANGE=0, STUCK=0, ZERO=0)
     await bench.step(5)
     assert bench.faults() == (0, 0, 0)
-    await bench.begin(mask=TOP & ~(1 << Fault.ZERO), running_i=0, ZERO=50, ZERO_TICKS=0)
+    await bench.begin(mask=MASK_TOP & ~(1 << Fault.ZERO), running_i=0, ZERO=50, ZERO_TICKS=0)
     await bench.tick(51)
-    await bench.step(3, running_i=1, settings_i=settings({**CALM, "MASK": TOP, "ZERO": 50}))
+    await bench.step(3, running_i=1, settings_i=settings({**CALM, "MASK": MASK_TOP, "ZERO": 50}))
     assert bench.faults() == (0, 0, 0)
 
 
@@ -263,6 +266,16 @@ async def what_comes_with_the_clear_is_kept(dut: object) -> None:
             assert bench.faults() == (1 << fault, 1, 0), (fault, at)
             await bench.clear()
             assert bench.faults() == (0, 0, 0)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_limit_of_0_for_the_energy_is_no_check(dut: object) -> None:
+    """Any other counts, whichever of its bits it has."""
+    bench = GuardBench(dut)
+    for bit in range(-1, FIELDS["ENERGY"].fixed.width):
+        await bench.begin(ENERGY=0 if bit < 0 else 1 << bit)
+        await bench.step(3, energy_i=1 << LAST)
+        assert bench.faults()[0] == (bit >= 0) << Fault.ENERGY
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")

@@ -15,7 +15,6 @@ PORT = {
     "a_i": (formats.COEF_W, lambda word: 0 < word <= ONE),
     "eta_contact_i": (formats.COEF_W, lambda word: -ONE <= word <= ONE),
     "eta_free_i": (formats.COEF_W, lambda word: -ONE <= word <= ONE),
-    "eta_rebound_i": (formats.COEF_W, lambda word: -ONE <= word <= ONE),
     "root_i": (formats.COEF_W, lambda word: word > 0),
     "gain_i": (formats.COEF_W, lambda word: word > 0),
     "clocks_per_volt_i": (formats.COEF_W, lambda word: word > 0),

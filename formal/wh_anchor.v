@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// prove_wh_anchor: a tick's 28 steps with any products, which come at once. Part 0: from any state of
-// rest to the next, and c is 0 if it isn't enabled or after a fault. Part 1: the first steps make the
-// limit of c. Part 2: in the last steps it holds c, whatever the state is otherwise. reach is taken
-// for 0 or more and below half a word's largest, as its setting is. From the end of a clock on in which reads_o is
-// low, the settings may be anything, until it is high.
+// prove_wh_anchor: a period's 28 steps with any products, which come at once. Part 0: from any state of
+// rest to the next; c is 0 if it isn't enabled or after a fault. Part 3: θ as a coefficient is 0 to learn_max,
+// nothing is learned while blind or saturated, and θ doesn't grow while clipped. Part 1: the first steps make the limit of c. Part 2:
+// the last steps make c = limited(θ (y' + sgn y' y_b) + clamp(-g_ρ p, ± limit)), the first term in contact only,
+// whatever the state is otherwise. reach is 0 or more and below half a word's largest, strange, learn_max and
+// brush 0 or more, as their settings are. After a clock in which reads_o is low, the settings may be anything,
+// until it is high.
 
 `default_nettype none
 `include "wh_formats.vh"
 
 module prove_wh_anchor #(
-    parameter integer PART = 0
+    parameter integer PART  = 0,
+    parameter integer SHOWN = 0   // for faults that are to be found: 1: one product, the first step; 2: another
 ) (
     input wire                         clk,
-    input wire signed [`WH_COUNT_W-1:0] position,
-    input wire                         start
+    input wire signed [`WH_COUNT_W-1:0] position
 );
 
     localparam integer DATA_W = `WH_DATA_W;
@@ -24,9 +26,10 @@ module prove_wh_anchor #(
     (* anyconst *) wire signed [8*COEF_W-1:0]   gains;
     (* anyconst *) wire signed [DATA_W-1:0]     reach;
     (* anyconst *) wire signed [DATA_W-1:0]     strange;
-    (* anyconst *) wire [`WH_REST_W-1:0]        rest_ticks;
-    (* anyconst *) wire [`WH_REST_UNIT_W-1:0]   slow_units;
-    (* anyconst *) wire [COEF_W-1:0]            rebound_eta;
+    (* anyconst *) wire signed [DATA_W-1:0]     brush;
+    (* anyconst *) wire [`WH_FOLLOW_W-1:0]      follow_ticks;
+    (* anyconst *) wire [`WH_REST_W-1:0]        slow_ticks;
+    (* anyconst *) wire                         contact;
     (* anyconst *) wire signed [DATA_W-1:0]     voltage;
     (* anyconst *) wire                         saturated;
     (* anyconst *) wire                         blind;
@@ -34,7 +37,7 @@ module prove_wh_anchor #(
 
     reg [5:0] at = 6'd0;
 
-    wire                     busy, reads, overrun, request, fault, rebounds;
+    wire                     busy, reads, overrun, request, fault;
     (* anyseq *) wire [`WH_ANCHOR_W-1:0] any_words;
     wire signed [DATA_W-1:0] factor, correction, next, room, offset, flux, lag;
     wire signed [COEF_W-1:0] coefficient;
@@ -42,11 +45,10 @@ module prove_wh_anchor #(
     wh_anchor block (
         .clk           (clk),
         .rst           (1'b0),
-        .start_i       (1'b0),
         .position_i    (position),
         .place_i       ({(`WH_PLACE_W+`WH_SINE_Q){1'b0}}),
         .cell_i        ({(`WH_SINE_Q+2){1'b0}}),
-        .contact_i     (1'b0),
+        .contact_i     (contact),
         .waves_i       (at == 6'd0),
         .current_i     ({DATA_W{1'b0}}),
         .u_i           ({DATA_W{1'b0}}),
@@ -58,7 +60,7 @@ module prove_wh_anchor #(
         .busy_o        (busy),
         .reads_o       (reads),
         .overrun_o     (overrun),
-        .words_i       ((reads || reads_q) ? {rebound_eta, slow_units, rest_ticks, strange, reach, gains, enable}
+        .words_i       ((reads || reads_q) ? {slow_ticks, follow_ticks, brush, strange, reach, gains, enable}
                               : any_words),
         .request_o     (request),
         .factor_o      (factor),
@@ -72,8 +74,6 @@ module prove_wh_anchor #(
         .offset_o      (offset),
         .flux_o        (flux),
         .lag_o         (lag),
-        .rebounds_o    (rebounds),
-        .rebound_eta_o (),
         .fault_o       (fault)
     );
 
@@ -89,74 +89,147 @@ module prove_wh_anchor #(
     (* hierconn *) wire [4:0] \block.ahead_q ;
     (* hierconn *) wire       \block.waits_q ;
     (* hierconn *) wire       \block.bare_q ;
-    (* hierconn *) wire [2:0] \block.b_from_q ;
+    (* hierconn *) wire [3:0] \block.write_to_q ;
+    (* hierconn *) wire [1:0] \block.low_q ;
+    (* hierconn *) wire [1:0] \block.mid_q ;
+    (* hierconn *) wire [1:0] \block.high_q ;
+    (* hierconn *) wire [1:0] \block.top_q ;
+    (* hierconn *) wire [4:0] \block.high_by_q ;
+    (* hierconn *) wire [1:0] \block.top_by_q ;
+    (* hierconn *) wire       \block.near_q ;
     (* hierconn *) wire       \block.chosen_q ;
     (* hierconn *) wire       \block.none_q ;
-    (* hierconn *) wire       \block.halves_q ;
-    (* hierconn *) wire signed [DATA_W-1:0]      \block.voltage_q ;
+    (* hierconn *) wire       \block.first_q ;
+    (* hierconn *) wire       \block.begins_q ;
+    (* hierconn *) wire       \block.tracked_q ;
+    (* hierconn *) wire       \block.clipped_q ;
+    (* hierconn *) wire       \block.sinks_p_q ;
+    (* hierconn *) wire       \block.void_q ;
+    (* hierconn *) wire signed [DATA_W-1:0]      \block.brush_q ;
+    (* hierconn *) wire signed [COEF_W-1:0]      \block.theta_q ;
+    (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[1] ;
+    (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[2] ;
+    (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[3] ;
     (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[9] ;
-    (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[12] ;
 
     localparam integer VOLT_SHIFT = `WH_LONG_Q - `WH_VOLTAGE_Q;
+    localparam integer NEAR_SHIFT = `WH_CURRENT_Q + `WH_CELLS_Q - `WH_LONG_Q;
+    localparam integer WIDE_W     = DATA_W + COEF_W + 2;
+
+    // The setting, of the eight gains the sixth.
+    wire signed [COEF_W-1:0] learn_max = gains[5*COEF_W +: COEF_W];
 
     reg fault_before;
+    reg none;
     reg reads_q = 1'b1;
+
+    // What is learned, before the steps.
+    reg                          first_before, tracked_before, clipped_before;
+    reg signed [DATA_W-1:0]      brush_before;
+    reg signed [`WH_LONG_W-1:0]  theta_before, mean_before, zero_before;
 
     // One bit more than a word, and more for a half's fraction.
     wire signed [DATA_W+3:0] size   = voltage[DATA_W-1] ? -$signed({{4{voltage[DATA_W-1]}}, voltage})
                                                         : $signed({{4{voltage[DATA_W-1]}}, voltage});
-    wire signed [DATA_W+3:0] c      = next;
-    wire signed [DATA_W+3:0] c_size = c[DATA_W+3] ? -c : c;
-    // Out of contact the reach is half, and the limit's fraction of a place goes up.
+    // Out of contact the reach is half.
     wire signed [DATA_W+3:0] halves = 2 * (\block.contact_q ? reach : reach >>> 1) + size;
-    wire signed [DATA_W+3:0] limit  = (halves + 1) >>> 1;
 
     // c_0 + |e_id|/2 in a long word's places.
     wire signed [`WH_LONG_W-1:0] limit_long = $signed({halves, {(VOLT_SHIFT - 1){1'b0}}});
-    // At rest the first step, which waits for no product and takes a setting, is known already.
-    wire first_known  = \block.ahead_q == 5'd1 && !\block.waits_q && !\block.bare_q
-                        && \block.b_from_q == 3'd2;
-    wire limit_stands = \block.memory[9] == limit_long && busy && \block.voltage_q == voltage;
+    // At rest the first step, which waits for no product and takes the voltage, is known already.
+    wire first_known  = \block.ahead_q == 5'd1 && !\block.waits_q && !\block.bare_q && !\block.near_q
+                        && \block.low_q == 0 && \block.mid_q == 0 && \block.high_q == 0 && \block.top_q == 0
+                        && \block.high_by_q == 5'b00001 && \block.top_by_q == 2'b01;
+    wire limit_stands = \block.memory[9] == limit_long && busy;
+
+    // c as it is meant, of the products of the steps CORRECT and HELD.
+    reg  signed [WIDE_W-1:0] wanted, held;
+    wire signed [WIDE_W-1:0] share = product >>> NEAR_SHIFT;
+    wire signed [WIDE_W-1:0] most  = limit_long;
+    wire signed [WIDE_W-1:0] pull  = (wanted > most) ? most : (wanted < -most) ? -most : wanted;
+    wire signed [WIDE_W-1:0] all   = (held + pull) >>> VOLT_SHIFT;
+    wire signed [WIDE_W-1:0] top   = {{(WIDE_W - DATA_W + 1){1'b0}}, {(DATA_W - 1){1'b1}}};
+    wire signed [WIDE_W-1:0] meant = (all > top) ? top : (all < ~top) ? ~top : all;
 
     always @(posedge clk) begin
         at <= (at == 6'd40) ? 6'd40 : at + 6'd1;
         reads_q <= reads;
-        assume (!reach[DATA_W-1] && !reach[DATA_W-2] && !strange[DATA_W-1]);
-        if (at == 6'd0) begin
-            if (PART <= 1) assume (\block.step_q == 5'd0 && !\block.go_q && !busy && first_known);
-            if (PART <= 1) assume (!\block.chosen_q && !\block.none_q );
-            else assume (\block.go_q && \block.adds_q == \block.step_q - 5'd1 && limit_stands);
-            // CORRECT, the step that is added up meanwhile, writes nothing, and LEARN before it c_I.
-            if (PART == 2) begin
-                assume (\block.step_q == 5'd24 && \block.ahead_q == 5'd25 && !\block.writes_q );
-                assume (!\block.stores_q || \block.store_to_q == 4'd1);
-                assume (!\block.halves_q && !\block.chosen_q && !\block.none_q );
+        assume (!reach[DATA_W-1] && !reach[DATA_W-2] && !strange[DATA_W-1] && !learn_max[COEF_W-1]
+                && !brush[DATA_W-1]);
+        if (SHOWN != 0) begin
+            assume (product == 1 << 30 && position == 0 && voltage == 1 << 20 && reach == 1 << 20 && strange == 0
+                    && brush == 0 && follow_ticks == 1 && slow_ticks == 1);
+            if (at == 6'd0) assume (\block.first_q == (SHOWN == 1) && \block.brush_q == 0 && \block.theta_q == 0);
+            if (SHOWN == 1) assume (gains == 0 && (at != 6'd0 || !\block.clipped_q ));
+            if (SHOWN == 2) begin
+                assume (learn_max == 1 << 20);
+                if (at == 6'd0) assume (\block.memory[2] == 0 && \block.memory[3] == 0);
             end
+        end
+        if (at == 6'd0) begin
+            if (PART != 2) assume (\block.step_q == 5'd0 && !\block.go_q && !busy && first_known);
+            // LEARN, the step that is added up meanwhile, writes θ, and the one before it nothing.
+            else assume (\block.step_q == 5'd23 && \block.ahead_q == 5'd24 && \block.go_q && \block.adds_q == 5'd22
+                         && \block.write_to_q == 4'd1 && !\block.stores_q && limit_stands
+                         && \block.waits_q && !\block.bare_q && \block.near_q
+                         && \block.low_q == 1 && \block.mid_q == 1 && \block.high_q == 1 && \block.top_q == 1
+                         && \block.high_by_q == 0 && \block.top_by_q == 0);
+            assume (!\block.chosen_q && !\block.none_q );
             assume (!overrun);
             if (PART == 2) assume (\block.enable_q == enable);
+            // void_q is θ's sign, as the last clock below shows, but before the first period.
+            if (PART == 3) assume (\block.first_q || \block.void_q == \block.memory[1] [`WH_LONG_W-1]);
             fault_before <= fault;
         end
-        if (at == 6'd29) begin
+        if (at == 6'd1) begin
+            first_before   <= \block.first_q ;
+            tracked_before <= \block.tracked_q ;
+            clipped_before <= \block.clipped_q ;
+            brush_before   <= \block.brush_q ;
+            theta_before   <= \block.memory[1] ;
+            mean_before    <= \block.memory[2] ;
+            zero_before    <= \block.memory[3] ;
+        end
+        // g_θ is 0 or more, so g_θ p, which the step LEARN takes, has p's sign.
+        if (PART == 3 && \block.step_q == 5'd22)
+            assume (product[DATA_W+COEF_W-1] == \block.sinks_p_q || product == 0);
+        if (at == 6'd30) begin
             if (PART == 0) begin
                 assert (\block.step_q == 5'd0 && !\block.go_q && !busy && !overrun && first_known);
                 if (!enable || fault || blind) assert (next == 0);
                 if (enable && fault_before) assert (fault);
                 if (!enable && fault) assert (fault_before);
                 assert (\block.contact_q || room == 0);
-                if (!enable || !\block.contact_q ) assert (!rebounds);
+            end
+            if (PART == 3) begin
+                assert (\block.void_q == \block.memory[1] [`WH_LONG_W-1]);
+                assert (!\block.theta_q [COEF_W-1] && \block.theta_q <= learn_max);
+                if (!first_before && (blind || saturated || !\block.contact_q ))
+                    assert (\block.memory[1] == theta_before);
+                if (!first_before && clipped_before) assert ($signed(\block.memory[1] ) <= theta_before);
+                if (!first_before && blind && !\block.begins_q )
+                    assert (\block.memory[2] == mean_before && \block.brush_q == brush_before);
+                if (blind && (tracked_before || \block.contact_q ))
+                    assert (\block.memory[3] == zero_before);
             end
         end
-        // The third step has been made and written. Nothing touches its word until the last ones
+        // The second step has been made and written. Nothing touches its word until the last ones
         // (formal/wh_anchor_turns.v).
-        if (PART == 1 && at == 6'd5) assert (\block.step_q == 5'd5 && limit_stands);
-        if (PART == 2 && at == 6'd5) begin
-            assert (c_size <= limit);
-            // What was wanted is in the last of the words.
-            assert (next == 0 || next[DATA_W-1] == \block.memory[12] [`WH_LONG_W-1]);
-            cover (next > 0 && voltage < 0 && c_size == limit);
-            cover (next < 0 && saturated && c_size == limit);
-            cover (fault && !fault_before && next == 0);
-            cover (next != 0 && c_size < limit);
+        if (PART == 1 && at == 6'd4) assert (\block.step_q == 5'd4 && limit_stands);
+        if (PART == 2) begin
+            if (at == 6'd0) wanted <= -share;
+            if (at == 6'd3) held   <= \block.contact_q ? share : {WIDE_W{1'b0}};
+            if (at == 6'd6) none   <= \block.none_q ;
+            if (at == 6'd7) begin
+                assert (none ? next == 0 : next == meant);
+                cover (!none && next > 0 && voltage < 0 && pull == most && held < 0);
+                cover (!none && next < 0 && saturated && pull == -most && held > 0);
+                cover (fault && !fault_before && next == 0 && held != 0);
+                cover (!none && pull != most && pull != -most && held != 0 && all < top && all > ~top);
+                cover (!none && all > top);
+                cover (!none && all < ~top);
+                cover (!none && wanted > (most <<< 8));
+            end
         end
     end
 

@@ -12,8 +12,6 @@ module prove_wh_environment (
     input wire                         contact,
     input wire                         shaped,
     input wire signed [`WH_COEF_W-1:0] eta,
-    input wire                         rebounds,
-    input wire signed [`WH_COEF_W-1:0] rebound_eta,
     input wire                         valid,
     input wire        [`WH_DATA_W-1:0] v,
     input wire                         answer,
@@ -41,8 +39,6 @@ module prove_wh_environment (
         .contact_i          (contact),
         .shaped_i           (shaped),
         .eta_i              (eta),
-        .rebounds_i         (rebounds),
-        .rebound_eta_i      (rebound_eta),
         .host_period_log2_i (period_log2),
         .host_timeout_i     (timeout),
         .valid_i            (valid),
@@ -63,7 +59,7 @@ module prove_wh_environment (
         // Never what v makes and what a host wants at once: each alone is passive, their sum isn't.
         assert (eta_out == 0 || wave == 0);
         if (damps) assert (eta_out == 0 && wave == 0);
-        if (!damps && !active) assert (eta_out == ((contact && rebounds) ? rebound_eta : eta) && wave == 0);
+        if (!damps && !active) assert (eta_out == eta && wave == 0);
         if (active) assert (eta_out == 0);
         // W moves in a shaped wall only, and begins at rest whenever there is none.
         assert (mode != 2'd3);

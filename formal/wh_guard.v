@@ -20,6 +20,7 @@ module prove_wh_guard (
     input wire [`WH_BUS_W-1:0]           bus,
     input wire                           sampled,
     input wire signed [`WH_SAMPLE_W-1:0] sample,
+    input wire                           energy,
     input wire [7:0]                     inputs,   // faults found outside, as below
     input wire                           zero_start,
     input wire                           zero_busy,
@@ -62,6 +63,7 @@ module prove_wh_guard (
         .encoder_i      (inputs[4]),
         .moved_i        (moved),
         .anchor_i       (inputs[5]),
+        .energy_i       (energy),
         .setting_i      (inputs[6]),
         .overrun_i      (inputs[7]),
         .tick_i         (tick),
@@ -97,6 +99,7 @@ module prove_wh_guard (
                                  | inputs[0] << `WH_FAULT_ADC_RANGE
                                  | (inputs[2] && !zero_start) << `WH_FAULT_ZERO
                                  | inputs[4] << `WH_FAULT_ENCODER | inputs[5] << `WH_FAULT_ANCHOR
+                                 | (energy && settings[`WH_GUARD_ENERGY] != 0) << `WH_FAULT_ENERGY
                                  | inputs[6] << `WH_FAULT_SETTING | inputs[7] << `WH_FAULT_OVERRUN;
 
     // What the last sample says, found apart from the block.

@@ -114,12 +114,8 @@ module wh_axes #(
     wire [2*DATA_W-1:0] current;       // without the offset, in the clock of start_i
     reg  [3:0]          ends_q;        // of the step's current
     wire [1:0]          shape_mode  = !contact_i ? 2'd0 : shaped_i ? 2'd2 : 2'd1;
-    wire [1:0]          rebounds;      // both anchors say the same, alpha's while beta's step goes on
-    wire [2*COEF_W-1:0] rebound_eta;
-    wire [COEF_W-1:0]   eta         = (damp_i || anchor_fault_o) ? {COEF_W{1'b0}}
-                                    : (contact_i && rebounds[1]) ? rebound_eta[COEF_W +: COEF_W] : eta_i;
-    wire                unused_core = &{1'b0, core_request, core_factor,
-                                            core_coefficient, rebounds[0], rebound_eta[COEF_W-1:0]};
+    wire [COEF_W-1:0]   eta         = (damp_i || anchor_fault_o) ? {COEF_W{1'b0}} : eta_i;
+    wire                unused_core = &{1'b0, core_request, core_factor, core_coefficient};
 
     wh_wave_core #(
         .N             (2),
@@ -219,7 +215,7 @@ module wh_axes #(
                 .rst           (angle_rst_i),
                 .find_i        (find_magnet_i),
                 .count_angle_i (count_angle_i),
-                .rest_ticks_i  (anchor_words_i[`WH_ANCHOR_W-1-COEF_W-`WH_REST_UNIT_W -: `WH_REST_W]),
+                .rest_ticks_i  (anchor_words_i[`WH_ANCHOR_W-1 -: `WH_REST_W]),
                 .done_i        (working_q && !works),
                 .position_i    (angle_rst_i ? position_i : position_q),
                 .contact_i     (contact_q),
@@ -277,7 +273,6 @@ module wh_axes #(
                 ) anchor (
                     .clk           (clk),
                     .rst           (calm_rst),
-                    .start_i       (waves[n]),
                     .position_i    (position_q),
                     .place_i       (place_q[n*FLUX_W +: FLUX_W]),
                     .cell_i        (cell_q[n*CELL_W +: CELL_W]),
@@ -306,8 +301,6 @@ module wh_axes #(
                     .offset_o      (offset_o[n*DATA_W +: DATA_W]),
                     .flux_o        (flux_o[n*DATA_W +: DATA_W]),
                     .lag_o         (lag_o[n*DATA_W +: DATA_W]),
-                    .rebounds_o    (rebounds[n]),
-                    .rebound_eta_o (rebound_eta[n*COEF_W +: COEF_W]),
                     .fault_o       (anchor_fault[n])
                 );
             end
@@ -332,8 +325,6 @@ module wh_axes #(
             assign offset_o       = {2*DATA_W{1'b0}};
             assign flux_o         = {2*DATA_W{1'b0}};
             assign lag_o          = {2*DATA_W{1'b0}};
-            assign rebounds       = 2'b00;
-            assign rebound_eta    = {2*COEF_W{1'b0}};
             assign request_o      = 2'b00;
             assign factor_o       = {2*DATA_W{1'b0}};
             assign coefficient_o  = {2*COEF_W{1'b0}};

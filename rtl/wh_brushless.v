@@ -750,7 +750,6 @@ module wh_brushless #(
                 .a_i               ({2{a_i}}),
                 .eta_contact_i     ({2{eta_contact_i}}),
                 .eta_free_i        ({2{eta_free_i}}),
-                .eta_rebound_i     ({2{anchor_words_i[`WH_ANCHOR_W-1 -: COEF_W]}}),  // the highest of the words
                 .gain_i            (gain_i),
                 .clocks_per_volt_i ({2{clocks_per_volt_i}}),
                 .u_max_i           ({2{u_max_i}}),
@@ -780,6 +779,7 @@ module wh_brushless #(
                 .encoder_i      ({2'd0, illegal_move}),
                 .moved_i        ({3{moved}}),
                 .anchor_i       ({2'd0, anchor_fault_o}),
+                .energy_i       (3'd0),
                 .setting_i      (illegal_setting),
                 .overrun_i      (overrun_o),
                 .tick_i         (tick_o),

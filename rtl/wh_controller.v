@@ -175,6 +175,8 @@ module wh_controller #(
     output wire [N*`WH_DATA_W-1:0]      lag_o,               // s31q16 cells: ω̂ over 256 ticks
     output wire [N-1:0]                 anchor_fault_o,      // waves and encoder don't agree; until rst
                                                              // or enable_i = 0
+    output wire [N*`WH_ENERGY_W-1:0]    contact_energy_o,    // s24q10 A·counts: of a contact to the shaft
+    output wire [N*`WH_ENERGY_W-1:0]    contact_energy_peak_o, // s24q10 A·counts: its most
     output wire [N*`WH_DATA_W-1:0]      u_o,                 // s31q23 √W: u_n, measured tick
     output wire [N*`WH_DATA_W-1:0]      v_o,                 // s31q23 √W: v_n, measured tick
     output wire [N*`WH_DATA_W-1:0]      current_o,           // s31q24 A, +-64 A: i_n
@@ -561,8 +563,7 @@ module wh_controller #(
     wire [N-1:0] moved;
     wire [N-1:0] illegal_move;
     wire         illegal_setting;
-
-    wire [N*COEF_W-1:0] eta_rebound;  // the highest of an anchor's words
+    wire [N-1:0] energy_over;
 
     wh_setting_check #(
         .N                 (N)
@@ -585,7 +586,6 @@ module wh_controller #(
         .a_i               (a_i),
         .eta_contact_i     (eta_contact_i),
         .eta_free_i        (eta_free_i),
-        .eta_rebound_i     (eta_rebound),
         .gain_i            (gain_i),
         .clocks_per_volt_i (clocks_per_volt_i),
         .u_max_i           (u_max_i),
@@ -617,6 +617,7 @@ module wh_controller #(
                 .encoder_i      (illegal_move),
                 .moved_i        (moved),
                 .anchor_i       (anchor_fault_i | anchor_fault_o),
+                .energy_i       (energy_over),
                 .setting_i      (illegal_setting),
                 .overrun_i      (overrun_o),
                 .tick_i         (tick_o),
@@ -630,7 +631,8 @@ module wh_controller #(
             );
         end else begin : unguarded
             wire unused_guard = &{1'b0, guard_i, stop_i, driver_fault_i, host_alive_i, bus_i,
-                                  anchor_fault_i, illegal_setting, moved, illegal_move};
+                                  anchor_fault_i, illegal_setting, moved, illegal_move,
+                                  energy_over};
 
             assign faults_o = {`WH_FAULTS{1'b0}};
             assign faulty   = 1'b0;
@@ -648,8 +650,6 @@ module wh_controller #(
     genvar n;
     generate
         for (n = 0; n < N; n = n + 1) begin : each
-            assign eta_rebound[n*COEF_W +: COEF_W] =
-                (ANCHOR != 0) ? anchor_words_i[(n+1)*`WH_ANCHOR_W-1 -: COEF_W] : {COEF_W{1'b0}};
 
             wh_motor #(
                 .WALLS               (WALLS),
@@ -772,6 +772,10 @@ module wh_controller #(
                 .host_v_o           (host_v_o[n*DATA_W +: DATA_W]),
                 .host_active_o      (host_active_o[n]),
                 .anchor_words_i     (anchor_words_i[n*`WH_ANCHOR_W +: `WH_ANCHOR_W]),
+                .energy_limit_i     (guard_i[`WH_GUARD_ENERGY]),
+                .energy_o           (contact_energy_o[n*`WH_ENERGY_W +: `WH_ENERGY_W]),
+                .energy_peak_o      (contact_energy_peak_o[n*`WH_ENERGY_W +: `WH_ENERGY_W]),
+                .energy_over_o      (energy_over[n]),
                 .driven_valid_o     (driven_valid[n]),
                 .driven_o           (driven[n*DATA_W +: DATA_W]),
                 .voltage_o          (voltage_o[n*DATA_W +: DATA_W]),

@@ -520,6 +520,8 @@ module wh_device #(
             assign host_sequence = {PARTS*8{1'b0}};
             assign host_v        = {PARTS*`WH_DATA_W{1'b0}};
             assign host_active   = {PARTS{1'b0}};
+            assign contact_energy      = {PARTS*`WH_ENERGY_W{1'b0}};
+            assign contact_energy_peak = {PARTS*`WH_ENERGY_W{1'b0}};
             assign adc_din_o     = 1'b0;
 
             wire [2*`WH_DATA_W-1:0] phase_current;

@@ -51,7 +51,7 @@ wire [0:0] set_compensate;
 wire [7:0] set_settle_ticks;
 wire [0:0] set_second_order;
 wire [`WH_COEF_W-1:0] set_bus_share;
-wire [249:0] set_guard;
+wire [281:0] set_guard;
 wire [0:0] set_clear;
 wire [0:0] set_host_alive;
 wire [0:0] set_restart;
@@ -59,7 +59,7 @@ wire [PARTS*24-1:0] set_zero;
 wire [PARTS*`WH_COEF_W-1:0] set_gain;
 wire [PARTS*`WH_COEF_W-1:0] set_clocks_per_volt;
 wire [PARTS*`WH_DATA_W-1:0] set_side_current;
-wire [PARTS*(9*`WH_COEF_W + 2*`WH_DATA_W + 22)-1:0] set_anchor_words;
+wire [PARTS*(8*`WH_COEF_W + 3*`WH_DATA_W + 33)-1:0] set_anchor_words;
 wire [PARTS-1:0] set_edge_hysteresis;
 wire [PARTS*WALLS*`WH_COUNT_W-1:0] set_wall_min;
 wire [PARTS*WALLS*`WH_COUNT_W-1:0] set_wall_max;
@@ -108,7 +108,7 @@ wire [PARTS*`WH_COUNT_W-1:0] position;
 wire [PARTS-1:0] contact;
 wire [PARTS-1:0] saturated;
 wire [PARTS-1:0] clipped;
-wire [15:0] faults;
+wire [23:0] faults;
 wire [0:0] running;
 wire [0:0] adc_ready;
 wire [0:0] tick;
@@ -120,6 +120,8 @@ wire [PARTS*`WH_DATA_W-1:0] offset;
 wire [PARTS*`WH_DATA_W-1:0] flux;
 wire [PARTS*`WH_DATA_W-1:0] lag;
 wire [PARTS-1:0] anchor_fault;
+wire [PARTS*24-1:0] contact_energy;
+wire [PARTS*24-1:0] contact_energy_peak;
 
 // The groups.
 
@@ -421,16 +423,16 @@ wh_setting_group #(
 assign set_bus_share[0 +: `WH_COEF_W] = bus_words[0 +: `WH_COEF_W];
 
 wire pending_guard;
-wire [249:0] guard_words;
+wire [281:0] guard_words;
 
 wh_setting_group #(
     .STAGED    (0),
     .PART      (4'd0),
     .FIRST     (8'h40),
     .STRIDE    (8'd1),
-    .WORDS     (15),
-    .WIDTHS    ({8'd32, 8'd16, 8'd16, 8'd16, 8'd24, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd2, 8'd16, 8'd16}),
-    .TOTAL_W   (250)
+    .WORDS     (16),
+    .WIDTHS    ({8'd16, 8'd32, 8'd16, 8'd16, 8'd16, 8'd24, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd2, 8'd24, 8'd24}),
+    .TOTAL_W   (282)
 ) guard (
     `WH_DEVICE_BUS
     .hold_i    (hold_off),
@@ -438,21 +440,22 @@ wh_setting_group #(
     .words_o   (guard_words)
 );
 
-assign set_guard[0 +: 16] = guard_words[0 +: 16];
-assign set_guard[16 +: 16] = guard_words[16 +: 16];
-assign set_guard[32 +: 2] = guard_words[32 +: 2];
-assign set_guard[34 +: 16] = guard_words[34 +: 16];
+assign set_guard[0 +: 24] = guard_words[0 +: 24];
+assign set_guard[24 +: 24] = guard_words[24 +: 24];
+assign set_guard[48 +: 2] = guard_words[48 +: 2];
 assign set_guard[50 +: 16] = guard_words[50 +: 16];
 assign set_guard[66 +: 16] = guard_words[66 +: 16];
 assign set_guard[82 +: 16] = guard_words[82 +: 16];
 assign set_guard[98 +: 16] = guard_words[98 +: 16];
 assign set_guard[114 +: 16] = guard_words[114 +: 16];
 assign set_guard[130 +: 16] = guard_words[130 +: 16];
-assign set_guard[146 +: 24] = guard_words[146 +: 24];
-assign set_guard[170 +: 16] = guard_words[170 +: 16];
+assign set_guard[146 +: 16] = guard_words[146 +: 16];
+assign set_guard[162 +: 24] = guard_words[162 +: 24];
 assign set_guard[186 +: 16] = guard_words[186 +: 16];
 assign set_guard[202 +: 16] = guard_words[202 +: 16];
-assign set_guard[218 +: 32] = guard_words[218 +: 32];
+assign set_guard[218 +: 16] = guard_words[218 +: 16];
+assign set_guard[234 +: 32] = guard_words[234 +: 32];
+assign set_guard[266 +: 16] = guard_words[266 +: 16];
 
 wire pending_capture;
 wire [170:0] capture_words;
@@ -602,7 +605,7 @@ wire [PARTS-1:0] pending_anchor;
 generate
     for (n = 0; n < PARTS; n = n + 1) begin : anchor_of_motor
         localparam [31:0] PART = n + 1;
-        wire [9*`WH_COEF_W + 2*`WH_DATA_W + 22-1:0] anchor_words;
+        wire [8*`WH_COEF_W + 3*`WH_DATA_W + 33-1:0] anchor_words;
 
         wh_setting_group #(
             .STAGED    (1),
@@ -610,8 +613,8 @@ generate
             .FIRST     (8'h20),
             .STRIDE    (8'd1),
             .WORDS     (14),
-            .WIDTHS    ({COEF_W_8, 8'd5, 8'd16, DATA_W_8, DATA_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, 8'd1}),
-            .TOTAL_W   (9*`WH_COEF_W + 2*`WH_DATA_W + 22)
+            .WIDTHS    ({8'd20, 8'd12, DATA_W_8, DATA_W_8, DATA_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, COEF_W_8, 8'd1}),
+            .TOTAL_W   (8*`WH_COEF_W + 3*`WH_DATA_W + 33)
         ) anchor (
             `WH_DEVICE_BUS
             .hold_i    (hold_anchor[n]),
@@ -619,20 +622,20 @@ generate
             .words_o   (anchor_words)
         );
 
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) +: 1] = anchor_words[0 +: 1];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 1 +: `WH_COEF_W] = anchor_words[1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + `WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[`WH_COEF_W + 1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 2*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[2*`WH_COEF_W + 1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 3*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[3*`WH_COEF_W + 1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 4*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[4*`WH_COEF_W + 1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 5*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[5*`WH_COEF_W + 1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 6*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[6*`WH_COEF_W + 1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 7*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[7*`WH_COEF_W + 1 +: `WH_COEF_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 8*`WH_COEF_W + 1 +: `WH_DATA_W] = anchor_words[8*`WH_COEF_W + 1 +: `WH_DATA_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 8*`WH_COEF_W + `WH_DATA_W + 1 +: `WH_DATA_W] = anchor_words[8*`WH_COEF_W + `WH_DATA_W + 1 +: `WH_DATA_W];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 8*`WH_COEF_W + 2*`WH_DATA_W + 1 +: 16] = anchor_words[8*`WH_COEF_W + 2*`WH_DATA_W + 1 +: 16];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 8*`WH_COEF_W + 2*`WH_DATA_W + 17 +: 5] = anchor_words[8*`WH_COEF_W + 2*`WH_DATA_W + 17 +: 5];
-        assign set_anchor_words[n*(9*`WH_COEF_W + 2*`WH_DATA_W + 22) + 8*`WH_COEF_W + 2*`WH_DATA_W + 22 +: `WH_COEF_W] = anchor_words[8*`WH_COEF_W + 2*`WH_DATA_W + 22 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) +: 1] = anchor_words[0 +: 1];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 1 +: `WH_COEF_W] = anchor_words[1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + `WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 2*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[2*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 3*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[3*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 4*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[4*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 5*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[5*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 6*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[6*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 7*`WH_COEF_W + 1 +: `WH_COEF_W] = anchor_words[7*`WH_COEF_W + 1 +: `WH_COEF_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 8*`WH_COEF_W + 1 +: `WH_DATA_W] = anchor_words[8*`WH_COEF_W + 1 +: `WH_DATA_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 8*`WH_COEF_W + `WH_DATA_W + 1 +: `WH_DATA_W] = anchor_words[8*`WH_COEF_W + `WH_DATA_W + 1 +: `WH_DATA_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 8*`WH_COEF_W + 2*`WH_DATA_W + 1 +: `WH_DATA_W] = anchor_words[8*`WH_COEF_W + 2*`WH_DATA_W + 1 +: `WH_DATA_W];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 8*`WH_COEF_W + 3*`WH_DATA_W + 1 +: 12] = anchor_words[8*`WH_COEF_W + 3*`WH_DATA_W + 1 +: 12];
+        assign set_anchor_words[n*(8*`WH_COEF_W + 3*`WH_DATA_W + 33) + 8*`WH_COEF_W + 3*`WH_DATA_W + 13 +: 20] = anchor_words[8*`WH_COEF_W + 3*`WH_DATA_W + 13 +: 20];
     end
 endgenerate
 
@@ -807,7 +810,7 @@ always @* begin
         12'h066: live = {32'd0, magnet_found};
         12'h067: live = {{1{1'b0}}, magnet_angle[0 +: 32]};
         12'h039: live = {{17{1'b0}}, bus_i[0 +: 16]};
-        12'h062: live = {{17{1'b0}}, faults[0 +: 16]};
+        12'h062: live = {{9{1'b0}}, faults[0 +: 24]};
         12'h063: live = {32'd0, running};
         12'h068: live = {32'd0, adc_ready};
         12'h069: live = {32'd0, tick};
@@ -853,6 +856,8 @@ always @* begin
                 8'hc2: live = {{33-`WH_DATA_W{flux[m*`WH_DATA_W + `WH_DATA_W - 1]}}, flux[m*`WH_DATA_W +: `WH_DATA_W]};
                 8'hc3: live = {{33-`WH_DATA_W{lag[m*`WH_DATA_W + `WH_DATA_W - 1]}}, lag[m*`WH_DATA_W +: `WH_DATA_W]};
                 8'hc4: live = {32'd0, anchor_fault[m]};
+                8'hb8: live = {{9{contact_energy[m*24 + 24 - 1]}}, contact_energy[m*24 +: 24]};
+                8'hb9: live = {{9{contact_energy_peak[m*24 + 24 - 1]}}, contact_energy_peak[m*24 +: 24]};
                 default: live = 33'd0;
             endcase
         end
@@ -946,7 +951,9 @@ end
     .offset_o (offset), \
     .flux_o (flux), \
     .lag_o (lag), \
-    .anchor_fault_o (anchor_fault),
+    .anchor_fault_o (anchor_fault), \
+    .contact_energy_o (contact_energy), \
+    .contact_energy_peak_o (contact_energy_peak),
 
 `define WH_DEVICE_WITHOUT \
     set_count_angle, \
@@ -1002,7 +1009,7 @@ end
     .gain_i (set_gain), \
     .clocks_per_volt_i (set_clocks_per_volt[`WH_COEF_W-1:0]), \
     .side_current_i (set_side_current[`WH_DATA_W-1:0]), \
-    .anchor_words_i (set_anchor_words[(9*`WH_COEF_W + 2*`WH_DATA_W + 22)-1:0]), \
+    .anchor_words_i (set_anchor_words[(8*`WH_COEF_W + 3*`WH_DATA_W + 33)-1:0]), \
     .edge_hysteresis_i (set_edge_hysteresis[0]), \
     .wall_min_i (set_wall_min[WALLS*`WH_COUNT_W-1:0]), \
     .wall_max_i (set_wall_max[WALLS*`WH_COUNT_W-1:0]), \

@@ -4,8 +4,7 @@
 //
 //   w = eta_o v + wave_o, shaped as mode_o says
 //
-//   in a wall          eta of contact, W as the wall wants it: mode 2 it shapes, 1 it stands still;
-//                      eta of a rebound while rebounds_i (wh_anchor)
+//   in a wall          eta of contact, W as the wall wants it: mode 2 it shapes, 1 it stands still
 //   in free space      eta of free space, mode 0: W begins at rest
 //   a host has it      eta 0, its goal (wh_host_link), HOST = 1
 //   damps_i            eta 0 and wave 0: the port takes in all that comes
@@ -28,10 +27,6 @@ module wh_environment #(
     input  wire                         contact_i,
     input  wire                         shaped_i,
     input  wire signed [`WH_COEF_W-1:0] eta_i,
-
-    // What a hit is (wh_anchor).
-    input  wire                         rebounds_i,
-    input  wire signed [`WH_COEF_W-1:0] rebound_eta_i,
 
     // A host's (wh_host_link).
     input  wire [3:0]                   host_period_log2_i,
@@ -93,8 +88,7 @@ module wh_environment #(
     // While a host has it v is the host's, and W may not keep a part of it.
     assign mode_o = (!contact_i || host_active_o) ? 2'd0 : shaped_i ? 2'd2 : 2'd1;
     assign wave_o = (host_active_o && !damps_i) ? goal : {DATA_W{1'b0}};
-    assign eta_o  = (host_active_o || damps_i) ? {COEF_W{1'b0}}
-                  : (contact_i && rebounds_i)  ? rebound_eta_i : eta_i;
+    assign eta_o  = (host_active_o || damps_i) ? {COEF_W{1'b0}} : eta_i;
 
 endmodule
 

@@ -6,7 +6,7 @@
 `ifndef WH_FAULTS_VH
 `define WH_FAULTS_VH
 
-`define WH_FAULTS            16
+`define WH_FAULTS            24  // bits of the word; those without a name are 0
 `define WH_FAULT_CURRENT     0   // a sample beyond the limit
 `define WH_FAULT_TRIP        1   // the trip of the current's fast path
 `define WH_FAULT_ADC_STUCK   2   // the ADC says the same all the time
@@ -23,28 +23,30 @@
 `define WH_FAULT_SETTING     13  // a parameter that means nothing
 `define WH_FAULT_OVERRUN     14  // a tick too short for its work, or ticks without
 `define WH_FAULT_ANCHOR      15  // waves and counts don't agree on where the rotor is
+`define WH_FAULT_ENERGY      16  // a contact delivered more energy than its limit
 
 // Faults after which the current can still be trusted: these alone may end in damping.
-`define WH_FAULTS_DAMPABLE   16'h80e0
+`define WH_FAULTS_DAMPABLE   24'h0080e0
 
 // Fields of the settings, as high:low, of words.toml; `make numbers` writes them.
 // <!-- begin guard-fields -->
-`define WH_GUARD_W           250
-`define WH_GUARD_MASK        15:0     // u16, the faults that count
-`define WH_GUARD_DAMP        31:16    // u16, of these, those that damp instead of switching off
-`define WH_GUARD_LEVELS      33:32    // u2, level of a stop (low bit) and of a driver's fault
-`define WH_GUARD_CURRENT     49:34    // u16, magnitude of a sample, of 2^15
-`define WH_GUARD_RANGE       65:50    // u16, magnitude of a sample at the end of the scale, of 2^15
-`define WH_GUARD_STUCK       81:66    // u16 samples, that are never all the same; 0: no check
-`define WH_GUARD_ZERO        97:82    // u16q9 A, with the bridge off
-`define WH_GUARD_ZERO_TICKS  113:98   // u16 ticks, after the bridge went off
-`define WH_GUARD_LOST        129:114  // u16q8 √W, of u + v
-`define WH_GUARD_LOST_TICKS  145:130  // u16 ticks, with so much of it and no edge
-`define WH_GUARD_HOST        169:146  // u24 ticks, without a sign of the host
-`define WH_GUARD_BUS_MIN     185:170  // u16q9 V, lowest bus
-`define WH_GUARD_BUS_MAX     201:186  // u16q9 V, highest bus
-`define WH_GUARD_HEAT_TICKS  217:202  // u16 ticks, from one square to the next
-`define WH_GUARD_HEAT        249:218  // u32q18 A², mean square that the winding bears
+`define WH_GUARD_W           282
+`define WH_GUARD_MASK        23:0     // u24, the faults that count
+`define WH_GUARD_DAMP        47:24    // u24, of these, those that damp instead of switching off
+`define WH_GUARD_LEVELS      49:48    // u2, level of a stop (low bit) and of a driver's fault
+`define WH_GUARD_CURRENT     65:50    // u16, magnitude of a sample, of 2^15
+`define WH_GUARD_RANGE       81:66    // u16, magnitude of a sample at the end of the scale, of 2^15
+`define WH_GUARD_STUCK       97:82    // u16 samples, that are never all the same; 0: no check
+`define WH_GUARD_ZERO        113:98   // u16q9 A, with the bridge off
+`define WH_GUARD_ZERO_TICKS  129:114  // u16 ticks, after the bridge went off
+`define WH_GUARD_LOST        145:130  // u16q8 √W, of u + v
+`define WH_GUARD_LOST_TICKS  161:146  // u16 ticks, with so much of it and no edge
+`define WH_GUARD_HOST        185:162  // u24 ticks, without a sign of the host
+`define WH_GUARD_BUS_MIN     201:186  // u16q9 V, lowest bus
+`define WH_GUARD_BUS_MAX     217:202  // u16q9 V, highest bus
+`define WH_GUARD_HEAT_TICKS  233:218  // u16 ticks, from one square to the next
+`define WH_GUARD_HEAT        265:234  // u32q18 A², mean square that the winding bears
+`define WH_GUARD_ENERGY      281:266  // u16q3 A·counts, most that a contact may deliver to the shaft; 0: no check. Without effect for a brushless motor
 // <!-- end guard-fields -->
 
 `define WH_GUARD_CURRENT_Q   9        // of currents; the bus has WH_BUS_Q

@@ -58,13 +58,13 @@
 `define WH_FLUX_Q      (`WH_COEF_W - 5)   // cells a √W and tick, full scale +-16
 `define WH_CELLS_Q     (`WH_COEF_W - 15)  // cells an A, full scale +-2^14
 `define WH_PULL_Q      (`WH_COEF_W - 7)   // V a cell, full scale +-64
-`define WH_LEARN_Q     (`WH_COEF_W + 2)   // V a cell, or A a V, and tick, full scale +-1/8
-`define WH_REST_W      16                 // ticks
-`define WH_REST_UNIT_W 5                  // multiples of them
+`define WH_LEARN_Q     (`WH_COEF_W + 6)   // V a count, per count and period, full scale +-2^-7
+`define WH_REST_W      20                 // periods between two edges of a slow rotor
+`define WH_FOLLOW_W    12                 // periods from one step of a mean to the next
 `define WH_MOVE_W      12                 // counts that the rotor may move in a tick
 `define WH_PLACE_W     (`WH_LONG_W - `WH_LONG_Q)  // cells that the anchor's positions hold, modulo
 `define WH_SINE_Q      15                 // of a cell's parts in the two axes of a brushless motor
-`define WH_ANCHOR_W (9 * `WH_COEF_W + 2 * `WH_DATA_W + `WH_REST_W + `WH_REST_UNIT_W + 1)  // settings
+`define WH_ANCHOR_W (8 * `WH_COEF_W + 3 * `WH_DATA_W + `WH_FOLLOW_W + `WH_REST_W + 1)  // settings
 
 // Current sensing.
 `define WH_SAMPLE_W 16  // ADC word, signed, left-justified: full scale is +-2^15 at any resolution
@@ -75,6 +75,12 @@
 `ifndef WH_COUNT_W
 `define WH_COUNT_W 32
 `endif
+
+// Energy of a contact, A·counts.
+`define WH_ENERGY_W       24
+`define WH_ENERGY_Q       10  // A·counts, full scale +-8192
+`define WH_ENERGY_LIMIT_W 16
+`define WH_ENERGY_LIMIT_Q 3   // A·counts
 
 // Drive: half width of the bridge's pulse in clocks.
 `define WH_DUTY_Q   16  // clocks per volt in a coefficient word, and the fraction of the half width

@@ -23,6 +23,7 @@
 //   HEAT                 h > limit, h += (i² - h) / 2^16 every so many ticks, 0 as 1: a winding of the
 //                        time constant 2^16 squares
 //   SETTING              an illegal word, found outside (setting_i)
+//   ENERGY               a contact delivered more than its limit (wh_energy); a limit of 0: no check
 //   OVERRUN              a tick too short for its work, or ticks without (overrun_i)
 //   ENCODER              an illegal move, a strobe from outside
 //   the rest             inputs; stop_i and driver_i pass synchronisers here
@@ -31,7 +32,7 @@
 // anew. A current with the bridge off is judged by a zero that stands: not while one is measured, and in the
 // ticks that had begun by then.
 //
-// What a clear needs before it: LOST, ANCHOR and a core's OVERRUN are seen in a bridge that is on, so
+// What a clear needs before it: LOST, ANCHOR, ENERGY and a core's OVERRUN are seen in a bridge that is on, so
 // they are over once it is off or damped, and found anew; OVERRUN of an ADC's reader or of ticks without a step lasts until rst. All others end with what they say.
 //
 // Formats: in wh_faults.vh and below. Latency: a cause that is a level is latched in the next clock
@@ -70,6 +71,7 @@ module wh_guard #(
     input  wire [N-1:0]               encoder_i,       // strobe, illegal move
     input  wire [N-1:0]               moved_i,         // a count
     input  wire [N-1:0]               anchor_i,        // waves and counts don't agree
+    input  wire [N-1:0]               energy_i,        // more than a contact's limit
     input  wire                       setting_i,       // illegal word
     input  wire                       overrun_i,
 
@@ -326,6 +328,8 @@ module wh_guard #(
     assign causes[`WH_FAULT_SETTING]   = setting_i;
     assign causes[`WH_FAULT_OVERRUN]   = overrun_i;
     assign causes[`WH_FAULT_ANCHOR]    = |anchor_i;
+    assign causes[`WH_FAULT_ENERGY]    = |energy_i && |settings_i[`WH_GUARD_ENERGY];
+    assign causes[`WH_FAULTS-1:`WH_FAULT_ENERGY+1] = {`WH_FAULTS-1-`WH_FAULT_ENERGY{1'b0}};
 
     // off_o is made beside the faults and not of them: all that it stops hangs on it in the same clock.
     wire [`WH_FAULTS-1:0] zero   = zero_start_i ? ({{`WH_FAULTS-1{1'b0}}, 1'b1} << `WH_FAULT_ZERO)

@@ -5,6 +5,7 @@
 //   contact, a host's answers -> wh_environment -> eta, wave, mode -> wave core
 //   the core's waves, position -> wh_anchor -> correction, the limit that it leaves the waves
 //   e_id + correction -> voltage
+//   current, position, contact -> wh_energy -> what a contact of its own walls delivers
 //
 // Formats: those of the blocks.
 // Latency: the voltage follows the core's in the same clock, driven_* a clock later with ANCHOR = 1:
@@ -57,6 +58,12 @@ module wh_port #(
     output wire signed [`WH_DATA_W-1:0]      host_v_o,
     output wire                              host_active_o,
 
+    // What a contact delivers (wh_energy).
+    input  wire [`WH_ENERGY_LIMIT_W-1:0]     energy_limit_i,
+    output wire signed [`WH_ENERGY_W-1:0]    energy_o,
+    output wire signed [`WH_ENERGY_W-1:0]    energy_peak_o,
+    output wire                              energy_over_o,
+
     // The voltage, and what an anchor makes of it.
     input  wire [`WH_ANCHOR_W-1:0]           anchor_words_i,
     output wire                              driven_valid_o,     // strobe
@@ -93,9 +100,6 @@ module wh_port #(
 
     // ---- Environment. An anchor that has lost the rotor leaves a port that only damps.
 
-    wire              rebounds;
-    wire [COEF_W-1:0] rebound_eta;
-
     wh_environment #(
         .HOST               (HOST)
     ) environment (
@@ -105,8 +109,6 @@ module wh_port #(
         .contact_i          (contact_i),
         .shaped_i           (shaped_i),
         .eta_i              (contact_eta_i),
-        .rebounds_i         (rebounds),
-        .rebound_eta_i      (rebound_eta),
         .host_period_log2_i (host_period_log2_i),
         .host_timeout_i     (host_timeout_i),
         .valid_i            (core_valid_i),
@@ -121,6 +123,33 @@ module wh_port #(
         .eta_o              (eta_o),
         .wave_o             (wave_o),
         .mode_o             (shape_mode_o)
+    );
+
+    // ---- The position that belongs to the contact, until the port's turn: anchor and observer may still be
+    // at the step before when the core starts.
+
+    reg [`WH_COUNT_W-1:0] position_q;
+
+    always @(posedge clk) begin
+        if (core_start_i) begin
+            position_q <= position_i;
+        end
+    end
+
+    // ---- Energy. What a host's environment delivers is the host's.
+
+    wh_energy energy (
+        .clk        (clk),
+        .rst        (rst),
+        .run_i      (run_i),
+        .start_i    (waves_i),
+        .contact_i  (contact_i && !host_active_o),
+        .position_i (position_q[`WH_MOVE_W-1:0]),
+        .current_i  (current_i),
+        .limit_i    (energy_limit_i),
+        .energy_o   (energy_o),
+        .peak_o     (energy_peak_o),
+        .over_o     (energy_over_o)
     );
 
     // ---- Port anchor.
@@ -150,10 +179,8 @@ module wh_port #(
                 driven_q       <= voltage_o;
             end
 
-            // The position that belongs to the contact, until the port's turn: the anchor may still
-            // be at the step before when the core starts. One limit for a step, which takes room
-            // from the next one; c may want more than there is, and a limit below 0 would be a source.
-            reg  [`WH_COUNT_W-1:0]   position_q;
+            // One limit for a step, which takes room from the next one; c may want more than there is, and a
+            // limit below 0 would be a source.
             reg  [DATA_W-1:0]        step_max_q;
             wire signed [DATA_W-1:0] room;
             wire signed [DATA_W-1:0] left = u_max_i - room;
@@ -162,7 +189,6 @@ module wh_port #(
 
             always @(posedge clk) begin
                 if (core_start_i) begin
-                    position_q <= position_i;
                     step_max_q <= left[DATA_W-1] ? {DATA_W{1'b0}} : left;
                 end
             end
@@ -175,7 +201,6 @@ module wh_port #(
             wh_anchor anchor (
                 .clk           (clk),
                 .rst           (calm_rst),
-                .start_i       (waves_i),
                 .position_i    (position_q),
                 .place_i       ({(`WH_PLACE_W+`WH_SINE_Q){1'b0}}),
                 .cell_i        ({(`WH_SINE_Q+2){1'b0}}),
@@ -204,12 +229,10 @@ module wh_port #(
                 .offset_o      (offset_o),
                 .flux_o        (flux_o),
                 .lag_o         (lag_o),
-                .rebounds_o    (rebounds),
-                .rebound_eta_o (rebound_eta),
                 .fault_o       (anchor_fault_o)
             );
         end else begin : by_its_waves_alone
-            wire unused_anchor = &{1'b0, core_start_i, waves_i, position_i, current_i, u_i, withheld_i,
+            wire unused_anchor = &{1'b0, position_q[`WH_COUNT_W-1:`WH_MOVE_W], u_i, withheld_i,
                                    saturated_i, clipped_i, anchor_words_i, grant_i, done_i, product_i};
 
             assign driven_valid_o   = core_valid_i;
@@ -219,8 +242,6 @@ module wh_port #(
             assign offset_o         = {DATA_W{1'b0}};
             assign flux_o           = {DATA_W{1'b0}};
             assign lag_o            = {DATA_W{1'b0}};
-            assign rebounds         = 1'b0;
-            assign rebound_eta      = {COEF_W{1'b0}};
             assign step_max_o       = u_max_i;
             assign anchor_reads_o   = 1'b0;
             assign anchor_overrun_o = 1'b0;

@@ -36,7 +36,6 @@ module wh_setting_check #(
     input  wire [N*`WH_COEF_W-1:0] a_i,
     input  wire [N*`WH_COEF_W-1:0] eta_contact_i,
     input  wire [N*`WH_COEF_W-1:0] eta_free_i,
-    input  wire [N*`WH_COEF_W-1:0] eta_rebound_i,
     input  wire [N*`WH_COEF_W-1:0] gain_i,
     input  wire [N*`WH_COEF_W-1:0] clocks_per_volt_i,
     input  wire [N*`WH_DATA_W-1:0] u_max_i,
@@ -89,7 +88,6 @@ module wh_setting_check #(
                       || not_positive(a_i[n*COEF_W +: COEF_W])
                       || illegal_part(eta_contact_i[n*COEF_W +: COEF_W])
                       || illegal_part(eta_free_i[n*COEF_W +: COEF_W])
-                      || illegal_part(eta_rebound_i[n*COEF_W +: COEF_W])
                       || not_positive(root_i[n*COEF_W +: COEF_W])
                       || not_positive(clocks_per_volt_i[n*COEF_W +: COEF_W])
                       || not_positive(gain_i[n*COEF_W +: COEF_W])

@@ -76,8 +76,8 @@
 `WH_SETTINGS_WORD('h035, 1, 3'b011, 8'h62, 32'd0)  // second_order
 `WH_SETTINGS_WORD('h038, 1, 3'b001, 8'h57, 32'd0)  // bus_share
 `WH_SETTINGS_TOLD('h039, 1, 3'b011, 8'hc8)  // bus
-`WH_SETTINGS_WORD('h040, 1, 3'b011, 8'h68, 32'd0)  // guard_mask
-`WH_SETTINGS_WORD('h041, 1, 3'b011, 8'h68, 32'd0)  // guard_damp
+`WH_SETTINGS_WORD('h040, 1, 3'b011, 8'h6e, 32'd0)  // guard_mask
+`WH_SETTINGS_WORD('h041, 1, 3'b011, 8'h6e, 32'd0)  // guard_damp
 `WH_SETTINGS_WORD('h042, 1, 3'b011, 8'h6d, 32'd0)  // guard_levels
 `WH_SETTINGS_WORD('h043, 1, 3'b011, 8'h68, 32'd0)  // guard_current
 `WH_SETTINGS_WORD('h044, 1, 3'b011, 8'h68, 32'd0)  // guard_range
@@ -91,9 +91,10 @@
 `WH_SETTINGS_WORD('h04c, 1, 3'b011, 8'h68, 32'd0)  // guard_bus_max
 `WH_SETTINGS_WORD('h04d, 1, 3'b011, 8'h68, 32'd0)  // guard_heat_ticks
 `WH_SETTINGS_WORD('h04e, 1, 3'b011, 8'h6b, 32'd0)  // guard_heat
+`WH_SETTINGS_WORD('h04f, 1, 3'b011, 8'h68, 32'd0)  // guard_energy
 `WH_SETTINGS_TOLD('h060, 1, 3'b011, 8'h82)  // clear
 `WH_SETTINGS_TOLD('h061, 1, 3'b011, 8'h82)  // host_alive
-`WH_SETTINGS_TOLD('h062, 1, 3'b011, 8'hc8)  // faults
+`WH_SETTINGS_TOLD('h062, 1, 3'b011, 8'hce)  // faults
 `WH_SETTINGS_TOLD('h063, 1, 3'b011, 8'hc2)  // running
 `WH_SETTINGS_TOLD('h068, 1, 3'b011, 8'hc2)  // adc_ready
 `WH_SETTINGS_TOLD('h069, 1, 3'b011, 8'hc2)  // tick
@@ -140,27 +141,29 @@
 `WH_SETTINGS_WORD('h122, 1, 3'b011, 8'h57, 32'd0)  // anchor_owed_gain
 `WH_SETTINGS_WORD('h123, 1, 3'b011, 8'h57, 32'd0)  // anchor_cells_gain
 `WH_SETTINGS_WORD('h124, 1, 3'b011, 8'h57, 32'd0)  // anchor_pull_gain
-`WH_SETTINGS_WORD('h125, 1, 3'b011, 8'h57, 32'd0)  // anchor_damp_gain
-`WH_SETTINGS_WORD('h126, 1, 3'b011, 8'h57, 32'd0)  // anchor_learn_gain
+`WH_SETTINGS_WORD('h125, 1, 3'b011, 8'h57, 32'd0)  // anchor_learn_gain
+`WH_SETTINGS_WORD('h126, 1, 3'b011, 8'h57, 32'd0)  // anchor_learn_max
 `WH_SETTINGS_WORD('h127, 1, 3'b011, 8'h57, 32'd0)  // anchor_zero_gain
 `WH_SETTINGS_WORD('h128, 1, 3'b011, 8'h57, 32'd0)  // anchor_room_gain
 `WH_SETTINGS_WORD('h129, 1, 3'b011, 8'h5c, 32'd0)  // anchor_reach
 `WH_SETTINGS_WORD('h12a, 1, 3'b011, 8'h59, 32'd0)  // anchor_strange
-`WH_SETTINGS_WORD('h12b, 1, 3'b011, 8'h48, 32'd0)  // anchor_rest_ticks
-`WH_SETTINGS_WORD('h12c, 1, 3'b011, 8'h53, 32'd0)  // anchor_slow_units
-`WH_SETTINGS_WORD('h12d, 1, 3'b011, 8'h56, 32'd0)  // anchor_rebound_eta
+`WH_SETTINGS_WORD('h12b, 1, 3'b011, 8'h5d, 32'd0)  // anchor_brush
+`WH_SETTINGS_WORD('h12c, 1, 3'b011, 8'h50, 32'd0)  // anchor_follow_ticks
+`WH_SETTINGS_WORD('h12d, 1, 3'b011, 8'h53, 32'd0)  // anchor_slow_ticks
 `WH_SETTINGS_TOLD('h1c0, 1, 3'b111, 8'hd5)  // correction
 `WH_SETTINGS_TOLD('h1c1, 1, 3'b111, 8'hd5)  // offset
 `WH_SETTINGS_TOLD('h1c2, 1, 3'b111, 8'hd5)  // flux
 `WH_SETTINGS_TOLD('h1c3, 1, 3'b111, 8'hd5)  // lag
 `WH_SETTINGS_TOLD('h1c4, 1, 3'b011, 8'hc2)  // anchor_fault
 `WH_SETTINGS_WORD('h130, 1, 3'b011, 8'h42, 32'd0)  // edge_hysteresis
-`WH_SETTINGS_WORD('h140, WALLS, 3'b011, 8'h5d, 32'd0)  // wall_min
-`WH_SETTINGS_WORD('h150, WALLS, 3'b011, 8'h5d, 32'd0)  // wall_max
+`WH_SETTINGS_WORD('h140, WALLS, 3'b011, 8'h5e, 32'd0)  // wall_min
+`WH_SETTINGS_WORD('h150, WALLS, 3'b011, 8'h5e, 32'd0)  // wall_max
 `WH_SETTINGS_WORD('h160, WALLS, 3'b011, 8'h42, 32'd0)  // wall_enable
 `WH_SETTINGS_WORD('h170, WALLS, 3'b001, 8'h42, 32'd0)  // wall_shaped
-`WH_SETTINGS_WORD('h180, 9 * SHAPER, 3'b001, 8'h5e, 32'd0)  // shape_coefficient
+`WH_SETTINGS_WORD('h180, 9 * SHAPER, 3'b001, 8'h5f, 32'd0)  // shape_coefficient
 `WH_SETTINGS_WORD('h192, 3 * SHAPER, 3'b001, 8'h50, 32'd0)  // shape_loss
+`WH_SETTINGS_TOLD('h1b8, 1, 3'b001, 8'hdb)  // contact_energy
+`WH_SETTINGS_TOLD('h1b9, 1, 3'b001, 8'hdb)  // contact_energy_peak
 `WH_SETTINGS_BOUNDS(0, 32'd1, (32'hffffffff >> (32 - 16)))
 `WH_SETTINGS_BOUNDS(1, 32'd1, 32'd256)
 `WH_SETTINGS_BOUNDS(20, (32'h80000000 + (32'd0 - (32'd1 << (8 - 1)))), (32'h80000000 + ((32'd1 << (8 - 1)) - 32'd1)))
@@ -189,7 +192,8 @@
 `WH_SETTINGS_BOUNDS(26, (32'h80000000 + (32'd0 - (32'd1 << (32 - 1)))), (32'h80000000 + ((32'd1 << (32 - 1)) - 32'd1)))
 `WH_SETTINGS_BOUNDS(27, (32'h80000000 + (32'd0 - (32'd1 << (24 - 1)))), (32'h80000000 + ((32'd1 << (24 - 1)) - 32'd1)))
 `WH_SETTINGS_BOUNDS(28, (32'h80000000 + 32'd0), (32'h80000000 + (32'd64 << `WH_VOLTAGE_Q)))
-`WH_SETTINGS_BOUNDS(19, 32'd0, (32'hffffffff >> (32 - 5)))
-`WH_SETTINGS_BOUNDS(29, (32'h80000000 + (32'd0 - (32'd1 << (`WH_COUNT_W - 1)))), (32'h80000000 + ((32'd1 << (`WH_COUNT_W - 1)) - 32'd1)))
-`WH_SETTINGS_BOUNDS(30, (32'h80000000 + (32'd0 - (32'd1 << (`WH_SHAPE_W - 1)))), (32'h80000000 + ((32'd1 << (`WH_SHAPE_W - 1)) - 32'd1)))
+`WH_SETTINGS_BOUNDS(29, (32'h80000000 + 32'd0), (32'h80000000 + (32'd8192 << `WH_SEEN_Q)))
+`WH_SETTINGS_BOUNDS(19, 32'd0, (32'hffffffff >> (32 - 20)))
+`WH_SETTINGS_BOUNDS(30, (32'h80000000 + (32'd0 - (32'd1 << (`WH_COUNT_W - 1)))), (32'h80000000 + ((32'd1 << (`WH_COUNT_W - 1)) - 32'd1)))
+`WH_SETTINGS_BOUNDS(31, (32'h80000000 + (32'd0 - (32'd1 << (`WH_SHAPE_W - 1)))), (32'h80000000 + ((32'd1 << (`WH_SHAPE_W - 1)) - 32'd1)))
 // <!-- end settings-rom -->

@@ -785,9 +785,11 @@ int wh_read_state(struct wh_port *port, struct wh_state *state) {
     uint32_t raw[32];
     struct wh_board *board = port->board;
     const unsigned motor = port->motor * WH_MOTOR_STRIDE;
+    const bool brushless = board->identity.shaper == WH_BRUSHLESS_SHAPER;
+    const int last = brushless ? WH_WORD_SATURATED : WH_WORD_CONTACT_ENERGY;
     struct question asked[2] = {
         {.function = READ, .at = word_register(step + motor), .what = "the state", .found = raw,
-         .count = rows[WH_WORD_SATURATED].address - step + 1u},
+         .count = rows[last].address - step + 1u},
         {.function = READ, .at = word_register(seen + motor), .what = "the anchor's state",
          .found = raw + (seen - step), .count = rows[WH_WORD_ANCHOR_FAULT].address - seen + 1u}};
     const int result = ask(board, asked, board->identity.anchor ? 2 : 1);
@@ -799,6 +801,7 @@ int wh_read_state(struct wh_port *port, struct wh_state *state) {
     state->torque = port->k_t * state->current;
     state->contact = WH_HERE(CONTACT) != 0.0;
     state->saturated = WH_HERE(SATURATED) != 0.0;
+    state->contact_energy = brushless ? 0.0 : WH_HERE(CONTACT_ENERGY) * port->k_t * port->count_rad;
     if (board->identity.anchor) {
         state->x = (cells - WH_HERE(FLUX)) * port->count_rad;
         state->omega = WH_HERE(LAG) * port->count_rad / (FOLLOWER_TICKS * port->tick_s);

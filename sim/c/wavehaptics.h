@@ -131,6 +131,7 @@ struct wh_state {
     bool contact;      // in one of the device's own walls
     bool saturated;
     bool anchor_fault;
+    double contact_energy;  // J, delivered to the shaft by the contact, or by the last one; brushless: 0
 };
 
 struct wh_packet {

@@ -7,7 +7,7 @@
 #define WAVEHAPTICS_WORDS_H
 
 // <!-- begin c-words -->
-#define WH_WORDS_CRC 0xb4071dffu
+#define WH_WORDS_CRC 0x3b6ee501u
 
 #define WH_MAP_VERSION 1u
 #define WH_TABLE_REGISTER 0x2000u
@@ -100,8 +100,8 @@
     X(BUS_SHARE, "bus_share", 0x038, WH_SETTING, WH_OF_BOARD, 1, 24, 1, 0.0, 3.9999999403953552, "1/V") \
     X(BUS, "bus", 0x039, WH_LIVE, WH_OF_BOARD, 1, 9, 0, 0.0, 127.998046875, "V") \
     X(STREAM_SHIFT, "stream_shift", 0x03a, WH_SETTING, WH_OF_BOARD, 4, 0, 0, 0.0, 15.0, "") \
-    X(GUARD_MASK, "guard_mask", 0x040, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
-    X(GUARD_DAMP, "guard_damp", 0x041, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
+    X(GUARD_MASK, "guard_mask", 0x040, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 16777215.0, "") \
+    X(GUARD_DAMP, "guard_damp", 0x041, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 16777215.0, "") \
     X(GUARD_LEVELS, "guard_levels", 0x042, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 3.0, "") \
     X(GUARD_CURRENT, "guard_current", 0x043, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
     X(GUARD_RANGE, "guard_range", 0x044, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
@@ -115,6 +115,7 @@
     X(GUARD_BUS_MAX, "guard_bus_max", 0x04c, WH_SETTING, WH_OF_BOARD, 1, 9, 0, 0.0, 127.998046875, "V") \
     X(GUARD_HEAT_TICKS, "guard_heat_ticks", 0x04d, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "ticks") \
     X(GUARD_HEAT, "guard_heat", 0x04e, WH_SETTING, WH_OF_BOARD, 1, 18, 0, 0.0, 16383.999996185303, "A²") \
+    X(GUARD_ENERGY, "guard_energy", 0x04f, WH_SETTING, WH_OF_BOARD, 1, 3, 0, 0.0, 8191.875, "A·counts") \
     X(CAPTURE_CHANNEL, "capture_channel", 0x050, WH_SETTING, WH_OF_BOARD, 8, 0, 0, 0.0, 4095.0, "") \
     X(CAPTURE_CHANNELS, "capture_channels", 0x058, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 1.0, 8.0, "") \
     X(CAPTURE_ROWS, "capture_rows", 0x059, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 1.0, 65535.0, "") \
@@ -124,7 +125,7 @@
     X(CAPTURE_LEVEL, "capture_level", 0x05d, WH_SETTING, WH_OF_BOARD, 1, 0, 1, -2147483648.0, 2147483647.0, "") \
     X(CLEAR, "clear", 0x060, WH_COMMAND, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
     X(HOST_ALIVE, "host_alive", 0x061, WH_COMMAND, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
-    X(FAULTS, "faults", 0x062, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
+    X(FAULTS, "faults", 0x062, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 16777215.0, "") \
     X(RUNNING, "running", 0x063, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
     X(TICKS, "ticks", 0x064, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 4294967295.0, "ticks") \
     X(MAGNET_START, "magnet_start", 0x065, WH_COMMAND, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
@@ -167,15 +168,15 @@
     X(ANCHOR_OWED_GAIN, "anchor_owed_gain", 0x122, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, 0.0, 15.999999761581421, "cells/√W") \
     X(ANCHOR_CELLS_GAIN, "anchor_cells_gain", 0x123, WH_SETTING, WH_OF_MOTOR, 1, 12, 1, 0.0, 16383.999755859375, "cells/A") \
     X(ANCHOR_PULL_GAIN, "anchor_pull_gain", 0x124, WH_SETTING, WH_OF_MOTOR, 1, 20, 1, 0.0, 63.999999046325684, "V/cell") \
-    X(ANCHOR_DAMP_GAIN, "anchor_damp_gain", 0x125, WH_SETTING, WH_OF_MOTOR, 1, 20, 1, 0.0, 63.999999046325684, "V/cell") \
-    X(ANCHOR_LEARN_GAIN, "anchor_learn_gain", 0x126, WH_SETTING, WH_OF_MOTOR, 1, 29, 1, 0.0, 0.12499999813735485, "V/cell") \
+    X(ANCHOR_LEARN_GAIN, "anchor_learn_gain", 0x125, WH_SETTING, WH_OF_MOTOR, 1, 33, 1, 0.0, 0.007812499883584678, "V/count²") \
+    X(ANCHOR_LEARN_MAX, "anchor_learn_max", 0x126, WH_SETTING, WH_OF_MOTOR, 1, 20, 1, 0.0, 63.999999046325684, "V/count") \
     X(ANCHOR_ZERO_GAIN, "anchor_zero_gain", 0x127, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, 0.0, 15.999999761581421, "A/V") \
     X(ANCHOR_ROOM_GAIN, "anchor_room_gain", 0x128, WH_SETTING, WH_OF_MOTOR, 1, 22, 1, 0.0, 15.999999761581421, "√W/V") \
     X(ANCHOR_REACH, "anchor_reach", 0x129, WH_SETTING, WH_OF_MOTOR, 1, 23, 1, 0.0, 64.0, "V") \
     X(ANCHOR_STRANGE, "anchor_strange", 0x12a, WH_SETTING, WH_OF_MOTOR, 1, 23, 1, 0.0, 127.99999988079071, "V") \
-    X(ANCHOR_REST_TICKS, "anchor_rest_ticks", 0x12b, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 65535.0, "ticks") \
-    X(ANCHOR_SLOW_UNITS, "anchor_slow_units", 0x12c, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 31.0, "") \
-    X(ANCHOR_REBOUND_ETA, "anchor_rebound_eta", 0x12d, WH_SETTING, WH_OF_MOTOR, 1, 25, 1, -1.0, 1.0, "") \
+    X(ANCHOR_BRUSH, "anchor_brush", 0x12b, WH_SETTING, WH_OF_MOTOR, 1, 16, 1, 0.0, 8192.0, "counts") \
+    X(ANCHOR_FOLLOW_TICKS, "anchor_follow_ticks", 0x12c, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 4095.0, "periods") \
+    X(ANCHOR_SLOW_TICKS, "anchor_slow_ticks", 0x12d, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 1048575.0, "periods") \
     X(EDGE_HYSTERESIS, "edge_hysteresis", 0x130, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 1.0, "") \
     X(WALL_MIN, "wall_min", 0x140, WH_SETTING, WH_OF_WALL, 1, 0, 1, -2147483648.0, 2147483647.0, "counts") \
     X(WALL_MAX, "wall_max", 0x150, WH_SETTING, WH_OF_WALL, 1, 0, 1, -2147483648.0, 2147483647.0, "counts") \
@@ -198,6 +199,8 @@
     X(CONTACT, "contact", 0x1b5, WH_LIVE, WH_OF_MOTOR, 1, 0, 0, 0.0, 1.0, "") \
     X(SATURATED, "saturated", 0x1b6, WH_LIVE, WH_OF_MOTOR, 1, 0, 0, 0.0, 1.0, "") \
     X(CLIPPED, "clipped", 0x1b7, WH_LIVE, WH_OF_MOTOR, 1, 0, 0, 0.0, 1.0, "") \
+    X(CONTACT_ENERGY, "contact_energy", 0x1b8, WH_LIVE, WH_OF_MOTOR, 1, 10, 1, -8192.0, 8191.9990234375, "A·counts") \
+    X(CONTACT_ENERGY_PEAK, "contact_energy_peak", 0x1b9, WH_LIVE, WH_OF_MOTOR, 1, 10, 1, -8192.0, 8191.9990234375, "A·counts") \
     X(CORRECTION, "correction", 0x1c0, WH_LIVE, WH_OF_MOTOR, 1, 23, 1, -128.0, 127.99999988079071, "V") \
     X(OFFSET, "offset", 0x1c1, WH_LIVE, WH_OF_MOTOR, 1, 24, 1, -64.0, 63.999999940395355, "A") \
     X(FLUX, "flux", 0x1c2, WH_LIVE, WH_OF_MOTOR, 1, 16, 1, -16384.0, 16383.999984741211, "cells") \
@@ -228,7 +231,8 @@
     X(12, HEAT, "the winding's losses over its time constant") \
     X(13, SETTING, "a parameter that means nothing") \
     X(14, OVERRUN, "a tick too short for its work, or ticks without") \
-    X(15, ANCHOR, "waves and counts don't agree on where the rotor is")
+    X(15, ANCHOR, "waves and counts don't agree on where the rotor is") \
+    X(16, ENERGY, "a contact delivered more energy than its limit")
 
 // Bits of the word `arm_refused`.
 #define WH_ARM_REFUSALS(X) \

@@ -64,8 +64,8 @@ int main(void) {
         } else if (strcmp(name, "state") == 0) {
             struct wh_state state = {0};
             result = wh_read_state(&port, &state);
-            (void)snprintf(told, sizeof told, "%ld %.12g %.12g %.12g %d", (long)state.count, state.x, state.omega,
-                           state.torque, state.contact);
+            (void)snprintf(told, sizeof told, "%ld %.12g %.12g %.12g %d %.12g", (long)state.count, state.x, state.omega,
+                           state.torque, state.contact, state.contact_energy);
         } else if (strcmp(name, "next") == 0) {
             result = wh_next(&port, &packet);
             (void)snprintf(told, sizeof told, "%u %u %.12g %d", packet.sequence, packet.periods, packet.v, packet.active);

@@ -185,13 +185,8 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "controller.anchor_auto": ((*ENCODER, *SENSED, *DRIVEN), ("controller.anchor_auto=true",)),
     "controller.anchor_ohm": (ANCHORED, ("controller.anchor_ohm=2",)),
     "controller.anchor_ohm_per_s": (ANCHORED, ("controller.anchor_ohm_per_s=500",)),
-    "controller.swing_ohm": (ANCHORED, ("controller.swing_ohm=1",)),
     "controller.anchor_limit_v": (ANCHORED, ("controller.anchor_limit_v=0.05",)),
     "controller.r_hat_part": (ANCHORED, ("controller.r_hat_part=0.8",)),
-    "controller.rebound_loss": (
-        (*ANCHORED, "hand.frequency_hz=30", "hand.stiffness=0.1", "hand.damping=0.5e-3"),
-        ("controller.rebound_loss=0.1",),
-    ),
 }
 """For each key what else is set, and the settings that change it."""
 

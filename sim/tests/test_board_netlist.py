@@ -211,7 +211,7 @@ def test_what_is_flashed(name, tools):
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("name", [name for name in board_names() if not load_board(name).brushless])
 def test_a_wall_is_held_with_all_that_may_be_wrong(name, sign):
-    """The press of what is flashed on the integers: half a cell and 1 % from where it should be."""
+    """The press of what is flashed on the integers: a count and 1 % from where it should be."""
     board = load_board(name)
     held = measure(board_runs.hold(board, sign), "golden", compare=False)
     held |= board_runs.moved(board, held, np.zeros(len(Column)))

@@ -415,11 +415,13 @@ def test_what_a_port_knows(session, board):
     assert period == pytest.approx(32 * 1500 / 48e6)
     assert timeout == 20
     put(board, "voltage", 0, 1 << 22, 1 << 21, 1 << 24, -3, 1, 0)
-    count, x, omega, torque, contact = map(float, session.get("state").split())
+    put(board, "contact_energy", formats.ENERGY.to_raw(-5.25))
+    count, x, omega, torque, contact, energy = map(float, session.get("state").split())
     assert (count, contact) == (-3, 1)
     assert x == pytest.approx(-2.5 * 2 * np.pi / 10000)
     assert omega == pytest.approx(s * (0.5 + 0.25) / (2 * 0.06))
     assert torque == pytest.approx(0.06)
+    assert energy == pytest.approx(-5.25 * 0.06 * 2 * np.pi / 10000)
 
 
 def closed_forms_r(s: float) -> float:

@@ -47,10 +47,10 @@ def test_the_guards_limits_are_the_boards():
     assert found["HEAT"] / 2**18 == pytest.approx(75 / (17.1 * 2.18 * 1.2925), rel=1e-4)
     assert found["HEAT_TICKS"] == round(12 / 2**16 * 2e6)
     # Half of what the winding's lasting current takes, as u + v = 2 (e - R̂ i)/s; with an anchor
-    # the waves' R̂ is 0.85 of the motor's.
+    # the waves' R̂ is 0.7 of the motor's.
     lasting_a = math.sqrt(75 / (17.1 * 2.18 * 1.2925))
     assert lasting_a == pytest.approx(1.24, rel=0.01)  # its nominal current
-    lost = 2 * 0.5 * 2.18 * lasting_a / math.sqrt(2 * 0.85 * 2.18)
+    lost = 2 * 0.5 * 2.18 * lasting_a / math.sqrt(2 * 0.7 * 2.18)
     assert found["LOST"] == pytest.approx(lost * 2**8, abs=0.6)
     half = fields_of(ulx3s("motor.R_ohm=4.36").words().guard)
     assert half["HEAT"] == pytest.approx(found["HEAT"] / 2, rel=1e-4)
@@ -72,6 +72,33 @@ def test_a_winding_of_its_own():
     assert unnamed.current_a == pytest.approx(0.9 * 2.5)
 
 
+def test_the_energy_of_a_contact_has_what_its_spring_holds_as_limit():
+    """½ L_eff i² at the trip's current; without a spring there is none."""
+    board = ulx3s()
+    ports, motor = board.words().ports, board.scene.motor
+    joule = 0.5 * (motor.L_h + 0.5 * motor.R_ohm * ports.settings.tau) * 2.0**2
+    count_rad = 2 * math.pi / board.scene.encoder.counts_per_rev
+    limits = board_limits(board.scene, ports, 2.0)
+    assert limits.energy == pytest.approx(joule / (motor.k_t * count_rad), rel=1e-6)
+    found = fields_of(board.words().guard)
+    assert found["ENERGY"] == math.ceil(8 * limits.energy)
+    assert fields_of(ulx3s("controller.k_t_hat=0.0117").words().guard)["ENERGY"] == pytest.approx(
+        2 * found["ENERGY"], abs=2
+    )
+    damps = ulx3s("controller.eta_contact=0")
+    assert fields_of(damps.words().guard)["ENERGY"] == 0
+    soft = ulx3s("shaper.feel=spring", "shaper.stiffness=0.05")
+    held = 0.5 * (2.0 * motor.k_t) ** 2 / 0.05
+    assert fields_of(soft.words().guard)["ENERGY"] == pytest.approx(
+        8 * held / (motor.k_t * count_rad), rel=0.01
+    )
+
+
+def test_no_limit_is_more_than_its_word():
+    word = settings(Limits((), energy=1e6), 1e-6, Sensor(ideal=False), s=2.0)
+    assert fields_of(word)["ENERGY"] == 0xFFFF
+
+
 def test_surroundings_as_hot_as_the_winding_may_be_are_refused():
     with pytest.raises(SceneError, match=r"ambient_c = 100 °C .* bears 100 °C; lower it"):
         ulx3s("thermal.ambient_c=100").words()
@@ -89,7 +116,7 @@ def test_each_field_has_its_own_number():
     limits = Limits(
         (Fault.CURRENT, Fault.BUS_LOW), damp=(Fault.BUS_LOW,), current_a=3.0, stuck_samples=123,
         zero_a=0.25, zero_s=3e-3, lost_v=0.75, lost_s=4e-3, host_s=5e-3, bus_min_v=9.5,
-        bus_max_v=15.25, rms_a=1.5, winding_s=65.536, stop_level=0, driver_level=1,
+        bus_max_v=15.25, rms_a=1.5, winding_s=65.536, stop_level=0, driver_level=1, energy=70.01,
     )  # fmt: skip
     word = settings(limits, 1e-6, Sensor(ideal=False, bits=12, full_scale_a=4.0), s=2.0)
     assert fields_of(word) == {
@@ -108,6 +135,7 @@ def test_each_field_has_its_own_number():
         "BUS_MAX": 61 << 7,
         "HEAT_TICKS": 1000,
         "HEAT": 9 << 16,  # 2.25 A² of 2^18
+        "ENERGY": 561,  # eighths, the next above
     }
 
 

@@ -149,13 +149,19 @@ def test_no_key_of_the_plant_changes_a_controller(base: Path) -> None:
     assert compared == set(plant_keys())
 
 
-@pytest.mark.parametrize("hat", ["r_hat", "l_hat", "k_t_hat", "j_hat", "magnet_hat_rad"])
+@pytest.mark.parametrize("hat", ["r_hat", "l_hat", "k_t_hat", "magnet_hat_rad"])
 def test_every_hat_does_change_one(base: Path, hat: str) -> None:
     variant = VARIANTS["brushless" if hat == "magnet_hat_rad" else "anchored"]
     first = known(load_scene(base, variant))
     (given,) = (float(key.partition("=")[2]) for key in variant if f".{hat}=" in key)
     second = known(load_scene(base, (*variant, f"controller.{hat}={1.3 * given}")))
     assert any(not same(first[setting], second[setting]) for setting in first)
+
+
+def test_no_law_needs_an_inertia(base: Path) -> None:
+    first = known(load_scene(base, VARIANTS["anchored"]))
+    second = known(load_scene(base, (*VARIANTS["anchored"], "controller.j_hat=5e-5")))
+    assert all(same(first[setting], second[setting]) for setting in first)
 
 
 def test_by_default_the_hats_are_the_bare_motors(base: Path) -> None:

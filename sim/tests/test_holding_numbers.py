@@ -19,12 +19,12 @@ def kept():
 
 
 def test_kept_holds_are_held_and_lost_without_the_anchor(kept):
-    """No fault, no lost wall, `core` as `golden`; 60 µN·m but for contact noise."""
+    """No fault, no lost wall, `core` as `golden`; 60 µN·m but for a loose contact's noise."""
     twins: dict[tuple[str, float], list[dict]] = {}
     for row in kept["holds"]:
         assert row["anchor_fault_s"] is None
         assert row["moved_cells"] is not None
-        if "noise" not in row["name"]:
+        if "flicker" not in row["name"]:
             assert row["hold_ripple_rms"] <= 60e-6
         assert row["correction_out_max_j"] <= row["correction_bound_j"]
         twins.setdefault((row["name"], row["duration_s"]), []).append(row)
@@ -46,8 +46,8 @@ def test_kept_bars_swing_by_less_than_half_a_cell(kept):
 
 
 def test_kept_motors_are_all_there(kept):
-    assert kept["motors"]["seeds"] in ([0, anchored.MOTORS - 1], [0, anchored.QUICK_MOTORS - 1])
-    assert set(kept["motors"]["faults"]) == {*port_anchor.TARGETS, *port_anchor.BOUNCES}
+    assert kept["in_hands"]["seeds"] in ([0, anchored.MOTORS - 1], [0, anchored.QUICK_MOTORS - 1])
+    assert set(kept["in_hands"]["faults"]) == {*port_anchor.WALLS, *port_anchor.BOUNCES}
 
 
 def test_every_table_has_its_marker_on_its_page():

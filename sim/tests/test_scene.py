@@ -318,12 +318,6 @@ def test_refused_in_motor(tmp_path, lines, line, fragments):
         # anchor
         ("anchor_auto = 0", 0, ["controller.anchor_auto = 0", "`true`, `false`"]),
         ("anchor_ohm = 0", 0, ["controller.anchor_ohm = 0", "0.001 to 1000"]),
-        ("swing_ohm = 2", 0, ["swing_ohm belongs to a port anchor; add anchor_auto = true"]),
-        (
-            "rebound_loss = 0.1",
-            0,
-            ["rebound_loss belongs to a port anchor; add anchor_auto = true"],
-        ),
         ("r_hat_part = 0.8", 0, ["r_hat_part belongs to a port anchor; add anchor_auto = true"]),
         ('shaper = "notch"', 0, ["controller.shaper", "[controller] takes"]),
         # order of the file

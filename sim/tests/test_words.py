@@ -136,7 +136,7 @@ def test_ports_hold_their_words_side_by_side():
     assert found["wall_min_i"] == 0x00000004_00000003_00000002_FFFFFFFF
     assert found["samples_i"] == 5
     assert found["zero_i"] == 0x000007_FFFFFF
-    assert found["guard_i"] == 0xBEEF0000
+    assert found["guard_i"] == 0xBEEF << 24  # behind guard_mask
     assert found["anchor_words_i"] == 2 << formats.ANCHOR_W | 1
     assert found["range_i"] == 0xFFFF
     section = 9 * formats.SHAPE.width + 3 * formats.SHAPE_LOSS_W
@@ -228,8 +228,8 @@ def test_a_new_row_at_the_end_of_its_group_moves_nothing(tmp_path):
     ("old", "new", "changes"),
     [
         ("measured bus, by the board", "something else", False),
-        ('uREST_W", unit = "ticks"', 'u12", unit = "ticks"', True),
-        ('uREST_W", unit = "ticks"', 'uREST_W", unit = "s"', True),
+        ('uREST_W", unit = "periods"', 'u12", unit = "periods"', True),
+        ('uREST_W", unit = "periods"', 'uREST_W", unit = "s"', True),
         ("address = 0x1d0", "address = 0x1d8", True),
         ("compensate =", "compensated =", True),
     ],

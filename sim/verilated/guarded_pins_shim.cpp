@@ -149,7 +149,8 @@ void wh_guarded_inject(void *model, int64_t kind, int64_t value) {
 }
 
 // Clock of the newest cause, first clock after it with the gates off for a fault or -1, faults,
-// whether the bridges are on, the clock now, and the clocks with a gate on since the cause.
+// whether the bridges are on, the clock now, the clocks with a gate on since the cause, and what the contact
+// delivered, and the most of it.
 void wh_guarded_report(void *model, int64_t *report) {
     auto *guarded = static_cast<Guarded *>(model);
     report[0] = guarded->cause;
@@ -158,6 +159,10 @@ void wh_guarded_report(void *model, int64_t *report) {
     report[3] = guarded->controller->top.running_o;
     report[4] = guarded->clocks;
     report[5] = guarded->on;
+    constexpr int kUnused = 64 - WH_ENERGY_W;
+    const auto &top = guarded->controller->top;
+    report[6] = static_cast<int64_t>(uint64_t{top.contact_energy_o} << kUnused) >> kUnused;
+    report[7] = top.contact_energy_peak_o;
 }
 
 }  // extern "C"

@@ -170,13 +170,16 @@ module wh_core_axes #(
 
     generate
         if (ANCHOR == 1) begin : anchored
-            reg working_q;
+            // next_o is there a clock after the anchors are done.
+            wire works = start_i || busy || anchor_busy;
+            reg  works_q, ends_q;
 
             always @(posedge clk) begin
-                working_q <= !rst && (start_i || busy || anchor_busy);
+                works_q <= !rst && works;
+                ends_q  <= !rst && works_q && !works;
             end
 
-            assign done_o = working_q && !busy && !anchor_busy;
+            assign done_o = ends_q;
 
             wire unused_valid = &{1'b0, valid};
         end else begin : plain

@@ -63,8 +63,6 @@ module wh_core_port #(
     wire signed [DATA_W-1:0] correction;
     wire signed [DATA_W-1:0] current;
     wire signed [DATA_W-1:0] room;
-    wire                     rebounds;
-    wire        [COEF_W-1:0] rebound_eta;
     wire                     core_request;  // of a shared multiplier
     wire        [DATA_W-1:0] core_factor;
     wire        [COEF_W-1:0] core_coefficient;
@@ -117,8 +115,7 @@ module wh_core_port #(
         .valid_o       (core_valid),
         .overrun_o     (core_overrun),
         .current_i     (current),
-        .eta_i         (fault_o ? {COEF_W{1'b0}} : !contact_i ? eta_free_i
-                        : rebounds ? rebound_eta : eta_contact_i),
+        .eta_i         (fault_o ? {COEF_W{1'b0}} : !contact_i ? eta_free_i : eta_contact_i),
         .outside_i     ({DATA_W{1'b0}}),
         .ends_i        (ends_i),
         .shape_mode_i  (shape_mode_i),
@@ -171,7 +168,6 @@ module wh_core_port #(
             wh_anchor anchor (
                 .clk           (clk),
                 .rst           (rst),
-                .start_i       (start_i),
                 .position_i    (position_i),
                 .place_i       ({(`WH_PLACE_W+`WH_SINE_Q){1'b0}}),
                 .cell_i        ({(`WH_SINE_Q+2){1'b0}}),
@@ -200,19 +196,19 @@ module wh_core_port #(
                 .offset_o      (offset_o),
                 .flux_o        (flux_o),
                 .lag_o         (lag_o),
-                .rebounds_o    (rebounds),
-                .rebound_eta_o (rebound_eta),
                 .fault_o       (fault_o)
             );
 
-            // The core may be done before the anchor, and the other way round.
-            reg working_q;
+            // The core may be done before the anchor, and the other way round; next_o is there a clock later.
+            wire works = start_i || core_busy || anchor_busy;
+            reg  works_q, ends_q;
 
             always @(posedge clk) begin
-                working_q <= !rst && (start_i || core_busy || anchor_busy);
+                works_q <= !rst && works;
+                ends_q  <= !rst && works_q && !works;
             end
 
-            assign done_o = working_q && !core_busy && !anchor_busy;
+            assign done_o = ends_q;
 
             wire unused_valid = &{1'b0, core_valid};
         end else begin : plain
@@ -226,8 +222,6 @@ module wh_core_port #(
             assign offset_o   = {DATA_W{1'b0}};
             assign flux_o     = {DATA_W{1'b0}};
             assign lag_o      = {DATA_W{1'b0}};
-            assign rebounds   = 1'b0;
-            assign rebound_eta = {COEF_W{1'b0}};
             assign fault_o    = 1'b0;
         end
     endgenerate

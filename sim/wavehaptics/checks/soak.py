@@ -27,6 +27,12 @@ from typing import Any
 import numpy as np
 
 from wavehaptics.controller import anchor, wave_core
+from wavehaptics.controller.pins_timing import (
+    ANCHOR_CLOCKS,
+    CORE_CLOCKS,
+    SECTION_CLOCKS,
+    WAVES_CLOCKS,
+)
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.ladder.sampled import core_words, load_core
 from wavehaptics.motor.plant import Plant, X, load_words
@@ -65,10 +71,11 @@ _VOLT, _ROOT_WATT, _ETA = formats.VOLTAGE.step, formats.WAVE.step, formats.ETA.s
 _ONE = 1 << formats.ETA.fraction
 _DATA_TOP = 1 << (formats.DATA_W - 1)
 _LONG_GUARD = formats.LONG_GUARD
+_HELD_SHIFT = formats.PULL.fraction + formats.LONG.fraction - _LONG_GUARD - formats.VOLTAGE.fraction
 _LIMB = 40  # bits of the lower part of Σ(v² − u²)
 
-CORE_CLOCKS, SECTION_CLOCKS, ANCHOR_CLOCKS = 24, 5, 37
-"""From a step's start to its end: the core's, those of a section of W, and all with an anchor."""
+ANCHORED_CLOCKS = WAVES_CLOCKS + ANCHOR_CLOCKS + 2
+"""From a step's start until ``wh_core_port`` shows its end and the anchor's next voltage."""
 
 
 @compiled(error_model="numpy")
@@ -101,6 +108,7 @@ def _soak(
         lost = held[anchor.FAULT] != 0
         eta = 0 if lost else spell[_ETA_IN] if touching else spell[_ETA_OUT]
         current = wave_core.saturate(raw - held[anchor.OFFSET]) if anchored else raw
+        coefficient = held[anchor.COEFFICIENT]
         withheld, saturated = core[wave_core.STATE_WITHHELD], core[wave_core.STATE_SATURATED] != 0
         left = anchor.left(u_max, held)
         e_id, u, v = wave_core.shaped_core_step(
@@ -118,8 +126,12 @@ def _soak(
             kept[_WAVE_VOLTAGE] = e_id
             size = abs(volts)
             reach = words[anchor.REACH] >> (0 if touching else anchor.FREE_SHIFT)
-            # A word for the floor of the half, and one for that of c.
-            if abs(held[anchor.CORRECTION]) > reach + (size >> 1) + 2:
+            share = 0
+            if touching:
+                told = abs(held[anchor.MEAN] >> _LONG_GUARD) + held[anchor.BRUSH_LEFT]
+                share = (coefficient * told) >> _HELD_SHIFT
+            # A word for each floor: of the half, of what θ holds and of c.
+            if abs(held[anchor.CORRECTION]) > reach + (size >> 1) + share + 3:
                 return CORRECTION, n
             if held[anchor.FAULT] != 0:
                 kept[_FAULTS] += 0 if lost else 1
@@ -236,7 +248,7 @@ def _episode(scene: Any, set_: Settings, rng: np.random.Generator, found: dict[s
     sections = len(set_.shaper.words)
     most = CORE_CLOCKS + SECTION_CLOCKS * sections
     if set_.anchored:
-        most = max(most, ANCHOR_CLOCKS + SECTION_CLOCKS * sections)
+        most = max(most, ANCHORED_CLOCKS + SECTION_CLOCKS * sections)
     ints = (set_.root, set_.a, set_.u_max, set_.extra_ticks, model, step, most)
     sensor = Sensor.of_scene(scene).constants()
     metrics = Metrics(scene, set_.tick_s, controller="golden", walls=[(0.0, 1.0)], root=set_.s)
@@ -273,6 +285,7 @@ def _episode(scene: Any, set_: Settings, rng: np.random.Generator, found: dict[s
                 found["wrong"] = f"episode {found['episodes']}, tick {done + at}: {WHAT[wrong]}"
                 break
             done += count
+            rows[:, Column.TORQUE] = plant.k_t * rows[:, Column.I]
             metrics.update(rows)
     finally:
         library.wh_core_delete(model)

@@ -5,48 +5,48 @@ The waves and the encoder both know where the rotor is. On an ideal motor the fl
 
 ``χ = L̂·i + k̂_T·x − ∫ (e_id − R̂·i) dt``,  ``e_id − R̂·i = s(u + v)/2``,
 
-stays what it is whatever the environment does (docs/port_anchor.md); what moves it is all that is
-wrong with the real one, as a voltage. It is counted here in cells of the encoder, ``k̂_T·Δ`` each,
-so that the position needs no gain, and held at zero by a voltage c in series with the port, which
-the waves don't see:
+stays constant whatever the environment does (docs/port_anchor.md). What moves it is everything
+that differs on the real motor, as a voltage. χ is counted in encoder counts, ``k̂_T·Δ`` each, so
+that the position needs no gain. A voltage c in series with the port, which the waves don't see,
+holds χ:
 
-- ``p = dz(χ, ½) + χ/256``: within half a cell the inductor knows better than the encoder;
-- ``c = c_I − g_ρ·p``, ``c_I −= g_γ·p``, the latter in full only while the rotor rests;
-- ``c −= g_d·(y − ȳ)``, ``y = L̂·i`` and ȳ its slow mean, in contact while the rotor rests, up to
-  four cells: a resistance for swings alone, which no edge of the encoder tells of;
-- what c_I has learned of a contact's current is wrong without one: it is 0 when a contact ends;
-- ``|c|`` is limited by ``c_0 + |e_id|/2``, out of contact with a half of c_0. In contact what it
-  takes of the drive's limit is the wave's no more: ``|u| ≤ u_max − |c|/s``, so that at the limit it
-  is the wave that stops, whose share is counted. An error of the flux that c can't hold while the
-  wave is below its limit means that waves and encoder don't follow the same motor.
+- **Zone.** ``z = χ + σ/4`` if the last edge had the direction σ of the one before it, else ``z =
+  χ − σ/32`` (an axis: σ/16). ``q`` is the part of z beyond ± half a count: within it the inductor
+  knows better than the encoder.
+- **Nothing given twice.** A rotor that crosses back over an edge meets no more force on its way
+  out, and no less on its way in, than it met there before. ``UP`` and ``DOWN`` are χ just before
+  the last edge of each direction. After an edge upwards DOWN replaces the zone's upper end, after
+  one downwards UP its lower end, where they lie within the zone; where they lie beyond its other
+  end, that end does. This lasts until the next edge; of a brushless motor's axis, which an edge
+  hardly moves at some angles, until z has been there once.
+- ``p`` is q, or z/256 within the zone, and ``c = θ·(y' + sgn(y')·y_b) − g_ρ·p``. y = L̂·i, y' is
+  its mean of some milliseconds, which follows only while the rotor travels: while its last two
+  full counts had the same direction. θ is a resistance that is learned from p where z is out of
+  the zone, ``θ −= g_θ·p·sgn(y')``, from a quarter of the largest on. It is kept from contact to
+  contact.
+- y_b stands for the brushes' voltage. It shrinks by half of what y' falls, so that c falls at
+  least as fast as what it compensates: a press never gets back more than it gave.
+- ``g_ρ·p`` is limited to ``c_0 + |e_id|/2``, out of contact with a half of c_0, and θ by a
+  largest. In contact what c takes of the drive's limit is no longer the wave's: ``|u| ≤ u_max −
+  |c|/s``. An error of the flux that c can't hold while the wave is below its limit means that
+  waves and encoder don't follow the same motor.
 
-The edge with which a contact begins tells x exactly, and sets χ without L̂·i to a quarter of a
-cell: at the surface a wall has no current, so what flows there is pulled away. At the pins walls
-are looked at in turn, so that a contact is told up to two ticks after its edge. Nor is its surface
-where the λ filter, which still tells of the free rotor's speed, would have it: what it holds counts
-as flux, ``g_w·u``, else a wall stands deeper by ω·T/2a.
-
-A rotor that hit a wall and goes back out gets less of its wave returned, by an η of its own, so
-that a hit comes back with no more than it had. What the wall lets go by it is given back with the
-edge with which the rotor turns in again: χ is set as at the first, with the way since.
+The edge with which a contact begins gives x exactly, and sets χ without L̂·i to a quarter of a
+count: at the surface a wall has no current, so what flows there is pulled away. At the pins a
+contact is reported up to two periods after its edge. What the λ filter holds then counts as flux,
+``g_w·u``, else a wall stands deeper by ω·T/2a.
 
 What a limit withholds from the waves in contact, w, is added to the flux, ``χ −= g_w·w``: so the
-wall stands where it was when the limit has done its work. So is what truncation takes from u: half
-a place a tick would move a held wall by some cells an hour. In free space the current is zero but
-for the sensor's offset, which c then shows: ``offset −= g_z·c`` while the rotor rests.
+wall stands where it was when the limit has done its work. So is what truncation takes from u:
+half an LSB a period would move a held wall by some counts an hour. In free space the current is
+zero but for the sensor's offset, which c then shows: ``offset −= g_z·c`` while the rotor is slow.
 
-A tick whose current or v is at the end of its range (``blind``) teaches nothing: c_I, the offset
-and ȳ stay, and the next c is 0, as it would push against what isn't known. χ counts on: the flux
-that the environment was given and the way of the rotor are known all the same, so that a wall which
-gave way is where it stood once it can. As long as c is at its limit since, that is no lost rotor.
-But a χ in the outer half of its range is, before it wraps.
+Values found in a period act in the next.
 
-Words found in a tick act in the next.
-
-A brushless motor has an anchor for each axis of the stationary frame, whose flux a count changes by
-a part of a cell, along q (:mod:`wavehaptics.controller.rotor_flux`): that part is what ``cell``
-says below, and within half of it the inductor knows better. There χ begins at half of it, as with
-a quarter a held wall stood 0.7 cells off at four angles of eight.
+A brushless motor has an anchor for each axis of the stationary frame, whose flux a count changes
+by a fraction of a count, along q (:mod:`wavehaptics.controller.rotor_flux`): that fraction is
+``cell`` below, and within half of it the inductor knows better. There χ begins at half of it, as
+with a quarter a held wall stood 0.7 counts off at four angles of eight.
 """
 
 from __future__ import annotations
@@ -58,67 +58,79 @@ from wavehaptics.words import formats
 from wavehaptics.words.table import ports, side_by_side
 
 (
-    ENABLE, FLUX_GAIN, OWED_GAIN, CELLS_GAIN, PULL_GAIN, DAMP_GAIN, LEARN_GAIN, ZERO_GAIN,
-    ROOM_GAIN, REACH, STRANGE, REST_TICKS, SLOW_UNITS, REBOUND_ETA,
+    ENABLE, FLUX_GAIN, OWED_GAIN, CELLS_GAIN, PULL_GAIN, LEARN_GAIN, LEARN_MAX, ZERO_GAIN,
+    ROOM_GAIN, REACH, STRANGE, BRUSH, FOLLOW_TICKS, SLOW_TICKS,
 ) = range(14)  # fmt: skip
-"""Places in an anchor's settings, in the order of ``rtl/words.toml``, which says what they are."""
+"""Indices of an anchor's settings, in the order of ``rtl/words.toml``, which explains them."""
 SETTINGS = 14
 
 _WORDS = ports()["anchor_words"]
 assert len(_WORDS) == SETTINGS
 
 (
-    FLUX,  # s48q33 cells: χ without L̂·i
-    LEARNED,  # s48q33 V: c_I
-    MEAN,  # s48q33 cells: ȳ
+    FLUX,  # s48q33 counts: χ without L̂·i
+    THETA,  # s48q37 V a count: θ
+    MEAN,  # s48q33 counts: y'
     ZERO,  # s48q33 A: the offset
-    FOLLOWER,  # s48q33 cells: a slow copy of x̂, modulo 2^15
-    POSITION,  # counts, of the tick before
-    TOUCHING,  # contact of the tick before
+    FOLLOWER,  # s48q33 counts: a slow copy of x̂, modulo 2^15
+    POSITION,  # counts, of the period before
+    TOUCHING,  # contact of the period before
     NEGATIVE,  # direction of the last edge
-    TICKS,  # ticks within a unit of rest
-    UNITS,  # units of REST_TICKS since the last edge the same way as the one before it
-    PHASE,  # ticks, modulo 32
+    SAME,  # it was that of the edge before it
+    COUNTED,  # direction of the last edge of which that was so
+    TRAVELS,  # and the one before it had the same direction
+    QUIET,  # periods left until a rotor without such an edge is slow
+    PHASE,  # periods left until y' moves
+    COEFFICIENT,  # s27q20 V a count: θ, 0 to LEARN_MAX
+    FULL,  # it is the largest
+    BRUSH_LEFT,  # s31q16 counts, 0...: y_b
+    UP,  # s48q33 counts: χ of the period before the last edge upwards
+    DOWN,  # s48q33 counts: the same downwards
+    KNOWS_UP,  # UP is of this contact, the rotor went by single counts since, and it isn't below
+    # the zone: there the zone alone asks for more
+    KNOWS_DOWN,  # the same of DOWN, which isn't above the zone
+    UP_ALL,  # UP is above the zone: nothing of the zone is left
+    DOWN_ALL,  # DOWN is below the zone
+    ABOVE,  # χ is above the zone
+    BELOW,  # χ is below the zone
+    SINKS,  # the last edge lessened the flux
+    BOUND,  # the last edge's bound is in force
     CLIPPED,  # c was at its limit
     FAULT,  # 1: waves and encoder don't follow the same motor; latched
-    CHI,  # s48q33 cells: χ
-    CORRECTION,  # s31q23 V: c, for the voltage that the next tick computes
-    OFFSET,  # s31q24 A: to be taken off the next tick's current
-    LAG,  # s48q33 cells: x̂ less its slow copy, ω̂ over 2^8 ticks
-    STARTED,  # 0 until the first tick, which has no tick before
-    ROOM,  # s31q23 √W, 0...: what c takes of the limit of the next tick's wave
-    PLACE,  # s48q33 cells, of an axis: its flux by the encoder in the tick before
-    FRESH,  # ticks for which the last edge is still one that a contact can begin with
-    INTO,  # direction of the edge with which the contact began
-    YOUNG,  # the contact is, for as many times 32 ticks
-    REBOUNDS,  # a rotor that hit the wall is on its way out
-    BOUNCED,  # it was, since the contact began or the wall was set anew
-    BEGUN,  # s48q33 cells: the flux by the encoder where the contact began
+    CHI,  # s48q33 counts: χ
+    CORRECTION,  # s31q23 V: c, for the voltage that the next period computes
+    OFFSET,  # s31q24 A: to be taken off the next period's current
+    LAG,  # s48q33 counts: x̂ less its slow copy, ω̂ over 2^8 periods
+    STARTED,  # 0 until the first period, which has none before
+    ROOM,  # s31q23 √W, 0...: what c takes of the limit of the next period's wave
+    PLACE,  # s48q33 counts, of an axis: its flux by the encoder in the period before
+    FRESH,  # periods for which the last edge is still one that a contact can begin with
+    LOADED,  # θ is there: at first a quarter of the largest
     OVERLOADED,  # the current was at the end of its range, and c has been at its limit since
-) = range(27)
-"""Places in an anchor's state."""
-STATES = 27
+) = range(38)
+"""Indices of an anchor's state."""
+STATES = 38
 
 FRESH_TICKS = 3
-"""An edge begins a contact that is told in its own tick or in the next two."""
+"""An edge begins a contact that is reported in its own period or in the next two."""
 
 INNER_SHIFT = 8
-"""2^-8 of χ counts inside the dead zone too: what drifts within a cell dies out."""
+"""Inside the zone 2^-8 of z counts: what drifts within a count dies out."""
+AHEAD_SHIFT = 2
+"""The zone of a rotor that goes on is a quarter of a count ahead."""
+BEHIND_SHIFT = 5
+"""That of a rotor that has turned is 1/32 of a count behind: so much a bound gives way at each
+edge, as a rotor that neither gained nor lost by an edge would bounce on it for ever. An axis, on
+which such a bounce is stronger, is 1/16 of a count behind."""
 MEAN_SHIFT = 8
-MEAN_PHASE = 31
-MEAN_TICKS = (MEAN_PHASE + 1) << MEAN_SHIFT
-"""ȳ takes 2^-8 of its distance to y in one tick of 32: 8 ms at 1 MHz."""
-MOVING_PHASE = 7
-"""While the rotor moves c_I learns in one tick of 8."""
-STILL_UNITS = 16
-"""Units of REST_TICKS until it counts as still, and c_I learns in every tick."""
-REBOUND_UNITS = 16
-"""Units of REST_TICKS, in parts of PHASE, from a contact's beginning in which it may be a hit."""
+"""y' takes 2^-8 of its distance to y in one period of FOLLOW_TICKS."""
+FIRST_SHIFT = 2
+"""θ begins with a quarter of the largest."""
+SHRINK_SHIFT = 1
+"""y_b shrinks by half of what y' falls."""
 FREE_SHIFT = 1
 """Out of contact c may be 2^-1 of c_0: where only the sensor's offset flows, R has no voltage and a
 brush not all of its own."""
-SWING_CELLS = 4 << formats.LONG.fraction
-"""What moves the current by more is no swing, but a move or a bounce."""
 FOLLOWER_SHIFT = 8
 """x̂'s slow copy takes 2^-8 of its distance in each tick."""
 FOLLOWER_TICKS = 1 << FOLLOWER_SHIFT
@@ -132,7 +144,10 @@ _MOVE = 1 << (formats.MOVE_W - 1)
 _NEAR_SHIFT = formats.CURRENT.fraction + formats.CELLS.fraction - formats.LONG.fraction
 _FAR_SHIFT = formats.WAVE.fraction + formats.FLUX.fraction - formats.LONG.fraction
 assert formats.PULL.fraction - _GUARD == _NEAR_SHIFT
-assert formats.LEARN.fraction - _GUARD == _FAR_SHIFT
+_THETA_CUT = (
+    formats.LEARN.fraction + formats.LONG.fraction - _GUARD - _FAR_SHIFT - formats.PULL.fraction
+)
+"""Bits of θ below a coefficient's."""
 _VOLT_SHIFT = formats.LONG.fraction - formats.VOLTAGE.fraction
 _AMPERE_SHIFT = formats.LONG.fraction - formats.CURRENT.fraction
 _FAR = 1 << (formats.LONG.width - 2)
@@ -140,7 +155,9 @@ _LONG_TOP = 1 << (formats.LONG.width - 1)
 _LONG_MASK = (1 << formats.LONG.width) - 1
 _DATA_TOP = 1 << (formats.DATA_W - 1)
 _DATA_MASK = (1 << formats.DATA_W) - 1
-_MOST_UNITS = (1 << formats.REST_UNIT_W) - 1
+_BEHIND = _CELL >> BEHIND_SHIFT
+_AXIS_BEHIND = _BEHIND << 1
+_FEW = _GUARD + MEAN_SHIFT + SHRINK_SHIFT
 
 
 def packed(settings: np.ndarray) -> int:
@@ -160,7 +177,7 @@ def new_state() -> np.ndarray:
 def reset(state: np.ndarray) -> None:
     """Make a state that after reset; int64 (STATES,)."""
     state[:] = 0
-    state[UNITS] = _MOST_UNITS
+    state[SAME] = 1
 
 
 @compiled(inline="always")
@@ -179,12 +196,6 @@ def _data(value):
 def left(u_max, state):
     """What c leaves the waves of their limit ``u_max``, raw √W: nothing where c takes all of it."""
     return max(u_max - state[ROOM], 0)
-
-
-@compiled(inline="always")
-def returned(eta, contact, words, state):
-    """η of the next step, raw: less of it comes back to a rotor that rebounds."""
-    return words[REBOUND_ETA] if contact and state[REBOUNDS] != 0 else eta
 
 
 @compiled()
@@ -212,7 +223,7 @@ def anchor_step(
     moved = _moved(state, position)
     _turn(
         state, words, moved, moved * _CELL, _CELL, _CELL >> 2, (position & _TURN) * _CELL, contact,
-        current, u, v, withheld, voltage, saturated, blind,
+        current, u, v, withheld, voltage, saturated, blind, False,
     )  # fmt: skip
 
 
@@ -241,7 +252,7 @@ def anchor_axis_step(
     state[PLACE] = place
     _turn(
         state, words, _moved(state, position), moved_flux, cell, cell >> 1, place, contact, current,
-        u, v, withheld, voltage, saturated, blind,
+        u, v, withheld, voltage, saturated, blind, True,
     )  # fmt: skip
 
 
@@ -259,42 +270,32 @@ def _moved(state, position):
 @compiled(inline="always")
 def _turn(
     state, words, moved, moved_flux, cell, start, place, contact, current, u, v, withheld, voltage,
-    saturated, blind,
+    saturated, blind, axis,
 ):  # fmt: skip
     begins = contact and state[TOUCHING] == 0
-    ends = not contact and state[TOUCHING] != 0
     state[TOUCHING] = 1 if contact else 0
 
+    one = moved == 1 or moved == -1
     same_way = False
     if moved != 0:
         back = 1 if moved < 0 else 0
-        same_way = back == state[NEGATIVE] or (moved != 1 and moved != -1)
+        same_way = back == state[NEGATIVE] or not one
         state[NEGATIVE] = back
+        state[SAME] = 1 if same_way else 0
         state[FRESH] = FRESH_TICKS
     elif state[FRESH] > 0:
         state[FRESH] -= 1
     if same_way:
-        state[TICKS] = 0
-        state[UNITS] = 0
-    elif state[TICKS] + 1 >= words[REST_TICKS]:
-        state[TICKS] = 0
-        state[UNITS] = min(state[UNITS] + 1, _MOST_UNITS)
-    else:
-        state[TICKS] += 1
-    state[PHASE] = (state[PHASE] + 1) & MEAN_PHASE
-    anew = begins
+        state[TRAVELS] = 1 if state[NEGATIVE] == state[COUNTED] else 0
+        state[COUNTED] = state[NEGATIVE]
+        state[QUIET] = words[SLOW_TICKS]
+    elif state[QUIET] > 0:
+        state[QUIET] -= 1
     if begins:
-        state[INTO] = state[NEGATIVE]
-        state[YOUNG] = (words[REST_TICKS] * REBOUND_UNITS) // (MEAN_PHASE + 1)
-        state[BOUNCED] = 0
-        state[BEGUN] = place
-    else:
-        if contact and moved != 0 and words[ENABLE] != 0 and words[REBOUND_ETA] != 0:
-            inward = state[NEGATIVE] == state[INTO]
-            anew = inward and state[BOUNCED] != 0
-            state[BOUNCED] = 0 if inward else 1 if state[YOUNG] > 0 else state[BOUNCED]
-        if state[PHASE] == 0 and state[YOUNG] > 0:
-            state[YOUNG] -= 1
+        state[SAME], state[TRAVELS] = 1, 1
+        state[COUNTED] = state[NEGATIVE]
+    follows = state[PHASE] == 0
+    state[PHASE] = max(words[FOLLOW_TICKS] - 1, 0) if follows else state[PHASE] - 1
 
     e = -voltage if voltage < 0 else voltage
     reach = words[REACH] if contact else words[REACH] >> FREE_SHIFT
@@ -302,51 +303,120 @@ def _turn(
     state[ROOM] = 0
     if contact:
         room = (words[ROOM_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
-        state[ROOM] = _data(long_word(-room if state[CORRECTION] < 0 else room) >> _VOLT_SHIFT)
+        room = long_word(-room if state[CORRECTION] < 0 else room) >> _VOLT_SHIFT
+        state[ROOM] = min(max(room, 0), _DATA_TOP - 1)
 
     flux = long_word(state[FLUX] - ((words[FLUX_GAIN] * u) >> _FAR_SHIFT))
     flux = long_word(flux - ((words[FLUX_GAIN] * v) >> _FAR_SHIFT))
     if contact:
         owed = words[OWED_GAIN] if saturated else words[FLUX_GAIN]
         flux = long_word(flux - ((owed * withheld) >> _FAR_SHIFT))
-    y = long_word((words[CELLS_GAIN] * current) >> _NEAR_SHIFT)
+    y = (words[CELLS_GAIN] * current) >> _NEAR_SHIFT
+    far = y >= _FAR or y < -_FAR
+    y = long_word(y)
     zero_step = (words[ZERO_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
-    if anew:
-        flux = long_word(((words[OWED_GAIN] * u) >> _FAR_SHIFT) + place - state[BEGUN])
+    before = state[CHI]
+    if begins:
+        flux = (words[OWED_GAIN] * u) >> _FAR_SHIFT
         if state[FRESH] > 0:
-            flux = long_word(flux + (-start if state[NEGATIVE] != 0 else start))
+            flux += -start if state[NEGATIVE] != 0 else start
+        flux = long_word(flux)
     else:
         flux = long_word(flux + moved_flux)
     state[FLUX] = flux
     chi = long_word(flux + y)
     state[CHI] = chi
 
-    swing = long_word(y - state[MEAN])
-    if state[PHASE] == 0 and not blind:
+    # The last edge upwards or downwards, as the flux has it.
+    down = moved_flux < 0
+    if begins:
+        state[KNOWS_UP] = state[KNOWS_DOWN] = state[BOUND] = 0
+    elif moved != 0:
+        state[BOUND] = 1
+        if not one:
+            state[KNOWS_UP] = state[KNOWS_DOWN] = 0
+        elif down:
+            state[DOWN] = before
+            state[KNOWS_DOWN] = 1 - state[ABOVE]
+            state[DOWN_ALL] = state[BELOW]
+        else:
+            state[UP] = before
+            state[KNOWS_UP] = 1 - state[BELOW]
+            state[UP_ALL] = state[ABOVE]
+    if moved != 0:
+        state[SINKS] = 1 if down else 0
+    sinks = state[SINKS] != 0
+
+    size = -cell if cell < 0 else cell
+    half = size >> 1
+    state[ABOVE] = 1 if chi - half >= 0 else 0
+    state[BELOW] = 1 if chi + half < 0 else 0
+    z = chi
+    if contact:
+        behind = _AXIS_BEHIND if axis else _BEHIND
+        ahead = size >> AHEAD_SHIFT if state[SAME] != 0 else -behind
+        z = long_word(chi - ahead if sinks else chi + ahead)
+    over = z - half >= 0
+    under = not over and z + half < 0
+    beyond = z - half if over else z + half if under else z >> INNER_SHIFT
+    bound = contact and state[BOUND] != 0
+    if not bound:
+        past = z
+    elif sinks and state[KNOWS_UP] != 0 and not over:
+        past = long_word(z - state[UP])
+        bound = state[UP_ALL] != 0 or past < 0
+        past = z - half if state[UP_ALL] != 0 else past
+    elif not sinks and state[KNOWS_DOWN] != 0 and not under:
+        past = long_word(z - state[DOWN])
+        bound = state[DOWN_ALL] != 0 or past >= 0
+        past = z + half if state[DOWN_ALL] != 0 else past
+    else:
+        bound = False
+    if bound:
+        beyond = past
+    elif contact and axis:
+        state[BOUND] = 0
+    p = _data(long_word(beyond) >> _GUARD)
+
+    if not contact and state[QUIET] == 0 and not blind:
+        zero = state[ZERO] - zero_step
+        if _data(zero >> _AMPERE_SHIFT) == zero >> _AMPERE_SHIFT:
+            state[ZERO] = zero
+
+    if begins:
+        # With what presses against the rotor's way in, so that y_b has its sign.
+        state[MEAN] = 0
+        if state[FRESH] > 0:
+            state[MEAN] = start if state[NEGATIVE] != 0 else -start
+        state[BRUSH_LEFT] = words[BRUSH]
+    elif contact and follows and state[TRAVELS] != 0 and not blind and not far:
+        swing = long_word(y - state[MEAN])
+        if (swing < 0) != (state[MEAN] < 0):
+            shrinks = (~swing if swing < 0 else swing) >> _FEW
+            state[BRUSH_LEFT] = max(state[BRUSH_LEFT] - shrinks, 0)
         state[MEAN] = long_word(state[MEAN] + (swing >> MEAN_SHIFT))
+    presses_down = state[MEAN] < 0
 
-    half = (-cell if cell < 0 else cell) >> 1
-    beyond = 0
-    if chi - half >= 0:
-        beyond = chi - half
-    elif chi + half < 0:
-        beyond = chi + half
-    p = _data((beyond + (chi >> INNER_SHIFT)) >> _GUARD)
-
-    if not contact and state[UNITS] >= words[SLOW_UNITS] and not blind:
-        state[ZERO] = long_word(state[ZERO] - zero_step)
-
-    learns = state[UNITS] >= STILL_UNITS or state[PHASE] & MOVING_PHASE == 0
-    if ends:
-        state[LEARNED] = 0
-    if learns and state[CLIPPED] == 0 and not saturated and not blind:
-        state[LEARNED] = long_word(state[LEARNED] - ((words[LEARN_GAIN] * p) >> _FAR_SHIFT))
-    wanted = long_word(state[LEARNED] - ((words[PULL_GAIN] * p) >> _NEAR_SHIFT))
-    if contact and state[UNITS] >= 1 and -SWING_CELLS <= swing < SWING_CELLS:
-        wanted = long_word(wanted - ((words[DAMP_GAIN] * _data(swing >> _GUARD)) >> _NEAR_SHIFT))
+    held = 0
+    if contact:
+        told = -state[BRUSH_LEFT] if presses_down else state[BRUSH_LEFT]
+        held = (state[COEFFICIENT] * _data((state[MEAN] >> _GUARD) + told)) >> _NEAR_SHIFT
+    if state[LOADED] == 0:
+        state[LOADED] = 1
+        state[THETA] = words[LEARN_MAX] << (_THETA_CUT - FIRST_SHIFT)
+    grows = (p < 0) != presses_down
+    stops = state[FULL] != 0 or state[CLIPPED] != 0 if grows else state[THETA] < 0
+    learns = contact and (over or under) and not saturated and not blind
+    if learns and not stops:
+        step = (words[LEARN_GAIN] * p) >> _FAR_SHIFT
+        state[THETA] = long_word(state[THETA] + (step if presses_down else -step))
+    theta = state[THETA] >> _THETA_CUT
+    state[FULL] = 1 if theta >= words[LEARN_MAX] else 0
+    state[COEFFICIENT] = max(words[LEARN_MAX] if state[FULL] != 0 else theta, 0)
+    wanted = -((words[PULL_GAIN] * p) >> _NEAR_SHIFT)
 
     negative = wanted < 0
-    past = long_word(wanted + limit) if negative else long_word(wanted - limit)
+    past = wanted + limit if negative else wanted - limit
     clipped = (past < 0) == negative
     c = wanted
     if clipped:
@@ -354,16 +424,15 @@ def _turn(
     state[CLIPPED] = 1 if clipped else 0
     state[OVERLOADED] = 1 if blind or (clipped and state[OVERLOADED] != 0) else 0
     strange = words[STRANGE] << _VOLT_SHIFT
-    strange = long_word(past + strange) if negative else long_word(past - strange)
+    strange = past + strange if negative else past - strange
     lost = clipped and (strange < 0) == negative and not saturated and state[OVERLOADED] == 0
-    lost = lost or chi >= _FAR or chi < -_FAR
+    lost = lost or far or chi >= _FAR or chi < -_FAR
     if words[ENABLE] != 0 and lost:
         state[FAULT] = 1
-    out = contact and state[YOUNG] > 0 and state[NEGATIVE] != state[INTO]
-    state[REBOUNDS] = 1 if words[ENABLE] != 0 and words[REBOUND_ETA] != 0 and out else 0
     active = words[ENABLE] != 0 and state[FAULT] == 0 and not blind
-    state[CORRECTION] = _data(c >> _VOLT_SHIFT) if active else 0
-    state[OFFSET] = _data(state[ZERO] >> _AMPERE_SHIFT)
+    voltage = min(max((c + held) >> _VOLT_SHIFT, -_DATA_TOP), _DATA_TOP - 1)
+    state[CORRECTION] = voltage if active else 0
+    state[OFFSET] = state[ZERO] >> _AMPERE_SHIFT
 
     lag = long_word(place - chi - state[FOLLOWER])
     state[LAG] = lag

@@ -10,6 +10,8 @@ from enum import EnumMeta, IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wavehaptics.controller.ports import Ports
+from wavehaptics.controller.settings import holds_position
+from wavehaptics.laws import closed_forms
 from wavehaptics.motor.sensor import Sensor
 from wavehaptics.runtime.repository import RTL_DIR
 from wavehaptics.scene import Scene
@@ -85,6 +87,8 @@ class Limits(NamedTuple):
     bus_max_v: float = 14.0
     rms_a: float = 1.24
     """Current that the winding carries for ever."""
+    energy: float = 0.0
+    """Most that a contact may deliver to the shaft, A·counts; 0: no check."""
     winding_s: float = 12.0
     """Time constant of the winding."""
     stop_level: int = 0
@@ -94,7 +98,7 @@ class Limits(NamedTuple):
 
 BOARD_FAULTS = (
     Fault.CURRENT, Fault.ADC_STUCK, Fault.ADC_RANGE, Fault.ZERO, Fault.ENCODER, Fault.LOST,
-    Fault.HEAT, Fault.SETTING, Fault.OVERRUN, Fault.ANCHOR,
+    Fault.HEAT, Fault.SETTING, Fault.OVERRUN, Fault.ANCHOR, Fault.ENERGY,
 )  # fmt: skip
 """What a board watches: it has no host, no driver's fault pin and no measured bus, and its own
 stop."""
@@ -112,6 +116,21 @@ WINDING_MOST_C = 100.0
 """Temperature that a winding bears for ever: Maxon's data sheet of the RE 25 118743."""
 
 
+def _energy_limit(scene: Scene, ports: Ports, most_a: float) -> float:
+    """What the spring of a wall holds at the largest current, ½F²/K, in A·counts.
+
+    0, no check, where contact doesn't push back for good: a damper that is moved for ever makes
+    energy of any offset. And for a brushless motor, whose energy is not observed.
+    """
+    control, set_ = scene.controller, ports.settings
+    if scene.motor.brushless or not holds_position(control, set_.shaper):
+        return 0.0
+    henry = closed_forms.l_eff(control.l_hat, control.r_hat, set_.tau)
+    if set_.shaper.wish is not None:
+        henry += control.k_t_hat**2 / set_.shaper.wish.spring
+    return 0.5 * henry * most_a**2 / (control.k_t_hat * set_.cell_rad)
+
+
 def board_limits(scene: Scene, ports: Ports, trip_a: float | None = None) -> Limits:
     """What the guard of a board allows, from its scene and the controller's settings for it.
 
@@ -122,9 +141,11 @@ def board_limits(scene: Scene, ports: Ports, trip_a: float | None = None) -> Lim
     rise_c = WINDING_MOST_C - thermal.ambient_c
     hot_ohm = scene.controller.r_hat * (1.0 + thermal.alpha_per_k * (WINDING_MOST_C - REFERENCE_C))
     rms_a = math.sqrt(rise_c / (hot_ohm * (thermal.rth_winding + thermal.rth_housing)))
+    current_a = trip_a or CURRENT_OF_SCALE * ports.sensor.full_scale_a
     return Limits(
         watched=BOARD_FAULTS,
-        current_a=trip_a or CURRENT_OF_SCALE * ports.sensor.full_scale_a,
+        current_a=current_a,
+        energy=_energy_limit(scene, ports, current_a),
         stuck_samples=round(STUCK_S / ports.timing.tick_s) * ports.timing.samples,
         lost_v=LOST_OF_R * scene.controller.r_hat * rms_a,
         rms_a=rms_a,
@@ -156,5 +177,8 @@ def settings(limits: Limits, tick_s: float, sensor: Sensor, s: float) -> int:
             "BUS_MAX": round(limits.bus_max_v * 2**formats.BUS_Q),
             "HEAT_TICKS": ticks(limits.winding_s / HEAT_SQUARES),
             "HEAT": round(limits.rms_a**2 * 2**HEAT_Q),
+            "ENERGY": min(
+                math.ceil(limits.energy / formats.ENERGY_LIMIT.step), formats.ENERGY_LIMIT.raw_max
+            ),
         }
     )

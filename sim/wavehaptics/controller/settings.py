@@ -13,13 +13,10 @@ from wavehaptics.controller.normalised import response
 from wavehaptics.controller.shaper import Shaper, design
 from wavehaptics.laws import closed_forms
 from wavehaptics.laws.anchor_choice import (
-    MOST_HELD_UP,
     SLOW_RAD_S,
     STRANGE_CELLS,
     STRANGE_PART,
     choose_anchor,
-    choose_rebound,
-    choose_swing,
     choose_zero_rate,
 )
 from wavehaptics.laws.reflection import WishError
@@ -39,7 +36,7 @@ HOLDS = 1e-3
 
 _SLOW_TURN = 1e-9
 _MOST_REST = (1 << formats.REST_W) - 1
-_MOST_UNITS = (1 << formats.REST_UNIT_W) - 1
+_MOST_FOLLOW = (1 << formats.FOLLOW_W) - 1
 
 
 @dataclass(frozen=True)
@@ -73,10 +70,10 @@ class Settings:
     def for_a_host(self) -> Settings:
         """The same for a port whose environment a host may have, which need not hold a position.
 
-        What the voltage limit withholds is then no flux, and no wall is set anew after a rebound.
+        What the voltage limit withholds is then no flux.
         """
         words = self.anchor.copy()
-        words[anchor.OWED_GAIN] = words[anchor.REBOUND_ETA] = 0
+        words[anchor.OWED_GAIN] = 0
         return replace(self, anchor=words)
 
     def words(self) -> dict[str, int | list[int]]:
@@ -196,7 +193,7 @@ def _wave_limit(limit_v: float, r_hat: float) -> int:
     )
 
 
-def _holds_position(control: Controller, shaper: Shaper) -> bool:
+def holds_position(control: Controller, shaper: Shaper) -> bool:
     """Whether contact pushes back for good: η·W is −1 at rest, in every wall."""
     at_rest = control.eta_contact
     for words in shaper.words:
@@ -224,8 +221,8 @@ def _anchor_words(
     # A brushless motor's axis has pψ, of which both together feel as √1.5 times as much.
     cell_vs = control.k_t_hat * cell_rad / (math.sqrt(1.5) if scene.motor.brushless else 1.0)
     chosen = choose_anchor(
-        control.r_hat, control.l_hat, control.k_t_hat, control.j_hat, tick_s,
-        control.extra_ticks, limit_v,
+        control.r_hat, r_hat, control.l_hat, tick_s, control.extra_ticks, limit_v,
+        brushed=not scene.motor.brushless,
     )  # fmt: skip
 
     def given(key: str, otherwise: float) -> float:
@@ -234,18 +231,12 @@ def _anchor_words(
 
     ohm = given("anchor_ohm", chosen.ohm)
     learn = given("anchor_ohm_per_s", chosen.ohm_per_s * ohm / chosen.ohm)
-    swing = given(
-        "swing_ohm",
-        choose_swing(
-            ohm, control.l_hat, control.k_t_hat, control.j_hat, anchor.MEAN_TICKS * tick_s
-        ),
-    )
     reach_v = given("anchor_limit_v", chosen.limit_v)
     cells_per_a = control.l_hat / cell_vs
     most_a = formats.CURRENT.largest if scene.adc is None else scene.adc.full_scale_a
     most_a = min(most_a, 4.0 * limit_v / control.r_hat)
-    rest_ticks = min(max(round(chosen.rest_s / tick_s), 1), _MOST_REST)
-    slow = round(cell_rad / SLOW_RAD_S / (rest_ticks * tick_s))
+    slow = round(cell_rad / SLOW_RAD_S / tick_s)
+    follow = round(chosen.follow_s / (tick_s * (1 << anchor.MEAN_SHIFT)))
 
     def word(format_: formats.Fixed, value: float, key: str) -> int:
         try:
@@ -267,28 +258,24 @@ def _anchor_words(
             "adc.full_scale_a",
         )
     flux = closed_forms.root(r_hat) * tick_s / (2.0 * cell_vs)
-    owed = flux / formats.A.to_value(a_word) if _holds_position(control, shaper) else 0.0
+    owed = flux / formats.A.to_value(a_word) if holds_position(control, shaper) else 0.0
     zero_rate = choose_zero_rate(r_hat, cell_vs, most_a)
     words[anchor.ENABLE] = 1
     words[anchor.FLUX_GAIN] = word(formats.FLUX, flux, "anchor_auto")
     words[anchor.OWED_GAIN] = min(round(owed / formats.FLUX.step), formats.FLUX.raw_max)
     words[anchor.CELLS_GAIN] = word(formats.CELLS, cells_per_a, "anchor_auto")
     words[anchor.PULL_GAIN] = word(formats.PULL, ohm / cells_per_a, "anchor_ohm")
-    words[anchor.DAMP_GAIN] = word(formats.PULL, swing / cells_per_a, "swing_ohm")
-    words[anchor.LEARN_GAIN] = word(formats.LEARN, learn * tick_s / cells_per_a, "anchor_ohm_per_s")
+    per_count = learn * tick_s / cells_per_a / (chosen.learn_a * cells_per_a)
+    words[anchor.LEARN_GAIN] = word(formats.LEARN, per_count, "anchor_ohm_per_s")
+    words[anchor.LEARN_MAX] = word(formats.PULL, chosen.most_ohm / cells_per_a, "anchor_auto")
+    words[anchor.BRUSH] = min(
+        round(chosen.brush_a * cells_per_a / anchor.SEEN_CELLS), 1 << (formats.DATA_W - 2)
+    )
     words[anchor.ZERO_GAIN] = word(formats.FLUX, zero_rate * tick_s / r_hat, "anchor_auto")
     words[anchor.REACH] = formats.VOLTAGE.to_raw(reach_v)
     words[anchor.ROOM_GAIN] = word(formats.FLUX, 1.0 / closed_forms.root(r_hat), "anchor_auto")
     strange_v = reach_v + max(STRANGE_CELLS * ohm / cells_per_a, STRANGE_PART * limit_v)
     words[anchor.STRANGE] = min(round(strange_v / formats.VOLTAGE.step), formats.VOLTAGE.raw_max)
-    words[anchor.REST_TICKS] = rest_ticks
-    words[anchor.SLOW_UNITS] = min(max(slow, 1), _MOST_UNITS)
-    # Of a wall that it can't set anew none is lost: with W more is held back than the filter tells.
-    held_up = control.extra_ticks * tick_s * r_hat / (2.0 * control.l_hat)
-    settable = not len(shaper.words) and 0.0 < owed <= formats.FLUX.largest
-    if control.rebound_loss and settable and held_up <= MOST_HELD_UP:
-        rebound = control.eta_contact * choose_rebound(
-            r_hat, control.l_hat, control.k_t_hat, control.j_hat, control.rebound_loss
-        )
-        words[anchor.REBOUND_ETA] = formats.ETA.to_raw(rebound)
+    words[anchor.FOLLOW_TICKS] = min(max(follow, 1), _MOST_FOLLOW)
+    words[anchor.SLOW_TICKS] = min(max(slow, 1), _MOST_REST)
     return words

@@ -36,8 +36,8 @@ PRESS_NM = {False: 0.014, True: 0.007}
 RAMP_S, HOLD_S = 0.05, 0.45
 """The press's ramp, and how long it is held after that: until the anchor has settled.
 
-Within a cell c_I learns with a 256th of the error; a fifth of a second after the ramp a rotor may
-still drift from one edge of a cell to the other.
+Within a count the anchor corrects a 256th of the error. A fifth of a second after the ramp a rotor
+may still drift from one edge of a count to the other.
 """
 
 PRESS = {
@@ -153,7 +153,7 @@ def run(
 def moved(board: Board, metrics: dict[str, Any], deepest: np.ndarray) -> dict[str, Any]:
     """How far the wall is from where its spring says, in cells, and how far it may be.
 
-    That is half a cell and 1 % of the depth. Of a hold in the last tenth of the run, with the force
+    That is a count and 1 % of the depth. Of a hold in the last tenth of the run, with the force
     held; else where the rotor was deepest, ``deepest`` (Column).
     """
     assert board.scene.encoder is not None
@@ -171,5 +171,5 @@ def moved(board: Board, metrics: dict[str, Any], deepest: np.ndarray) -> dict[st
         return {}
     return found | {
         "moved_cells": float(abs(offset) / cell),
-        "moved_limit_cells": float(0.5 + 0.01 * abs(depth) / cell),
+        "moved_limit_cells": float(1.0 + 0.01 * abs(depth) / cell),
     }

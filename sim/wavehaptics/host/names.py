@@ -114,6 +114,11 @@ class Place:
         if abs(value) >= _FAR:
             raise HostError(f"{named} is out of range; it takes {self.range_text}")
         found = int(value) if whole else round(value * 2.0**fixed.fraction)
+        if found and self.shape.brushless and self.word.name == "guard_energy":
+            raise HostError(
+                f"{named} can't be had: the energy of a brushless motor's contacts is not "
+                "observed; set it to 0"
+            )
         # A bound that is no word itself is met by the word next to it.
         least, most = math.ceil(low * 2.0**fixed.fraction), math.floor(high * 2.0**fixed.fraction)
         if not least <= found <= most:

@@ -35,12 +35,12 @@ _ANCHOR = frozenset(
     for key in (
         "anchor_ohm",
         "anchor_ohm_per_s",
-        "swing_ohm",
         "anchor_limit_v",
-        "rebound_loss",
-        "j_hat",
     )
 )
+
+_INERTIA = frozenset({"controller.j_hat"})
+"""No law needs it."""
 
 _MAGNET = frozenset({"controller.magnet_hat_rad", "controller.find_magnet"})
 
@@ -54,23 +54,23 @@ _NO_EDGES = {"adc.edge_settle_s": "it has no edges of a bridge; leave it out or 
 
 ABILITIES: dict[str, Ability] = {
     "analog": Ability(
-        _PINS | _ANCHOR | _MAGNET | _DIGITAL | _BESIDE
+        _PINS | _ANCHOR | _INERTIA | _MAGNET | _DIGITAL | _BESIDE
         | {"encoder.stops_at_s", "encoder.reverses_at_s", "encoder.uneven",
            "encoder.skips_per_rev", "adc", "controller.l_hat", "controller.k_t_hat",
            "controller.anchor_auto", "controller.r_hat_part"},
         _NO_W,
     ),
-    "golden": Ability(_PINS | _BESIDE, _NO_EDGES),
-    "core": Ability(_PINS | _BESIDE, _NO_EDGES),
-    "pins": Ability(_BESIDE),
+    "golden": Ability(_PINS | _INERTIA | _BESIDE, _NO_EDGES),
+    "core": Ability(_PINS | _INERTIA | _BESIDE, _NO_EDGES),
+    "pins": Ability(_INERTIA | _BESIDE),
     "encoder": Ability(
-        _PINS | _ANCHOR | _DIGITAL
+        _PINS | _ANCHOR | _INERTIA | _DIGITAL
         | {"adc", "host", "encoder.uneven", "controller.eta_contact", "controller.eta_free",
            "controller.anchor_auto", "controller.r_hat_part"},
         _NO_W | {"controller.find_magnet": "a servo has to know the angle; leave it out"},
     ),
     "hosted": Ability(
-        _PINS | _BESIDE | {"controller.rebound_loss"},
+        _PINS | _INERTIA | _BESIDE,
         _NO_EDGES
         | {
             "shaper": "the environment is the host's; leave it out",
@@ -79,6 +79,7 @@ ABILITIES: dict[str, Ability] = {
         },
     ),
     "a board": Ability(
+        _INERTIA,
         refused={
             "servo": "leave it out",
             "drive.bus_measured": "no board measures its bus yet; set it to false",
@@ -178,7 +179,7 @@ def _without_use(scene: Scene, name: str) -> set[str]:
     control = scene.controller
     if name == "encoder":
         return set()
-    unused = set() if control.anchored else {"controller.magnet_hat_rad", "controller.j_hat"}
+    unused = set() if control.anchored else {"controller.magnet_hat_rad"}
     if control.anchored or scene.shaper is not None:
         return unused
     corrects = name == "pins" and scene.drive is not None and scene.drive.compensate

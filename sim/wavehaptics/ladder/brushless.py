@@ -141,7 +141,7 @@ def _advance_sampled(
         )
         eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
         mode = wave_core.shaper_mode(contact[0], shaped)
-        raw_a, raw_b, answers = alpha, beta, eta
+        raw_a, raw_b = alpha, beta
         left_a = left_b = u_max
         if anchored is not None:
             held_a, held_b = anchored[1][0], anchored[1][1]
@@ -149,9 +149,8 @@ def _advance_sampled(
             beta = wave_core.saturate(beta - held_b[anchor.OFFSET])
             left_a = anchor.left(u_max, held_a)
             left_b = anchor.left(u_max, held_b)
-            answers = anchor.returned(eta, touching, anchored[0], held_b)
             if held_a[anchor.FAULT] != 0 or held_b[anchor.FAULT] != 0:
-                eta = answers = 0
+                eta = 0
         if ints[_MODEL] == 0:
             withheld_a = ports[0, wave_core.STATE_WITHHELD]
             withheld_b = ports[1, wave_core.STATE_WITHHELD]
@@ -162,7 +161,7 @@ def _advance_sampled(
                     ports[0],
                     lines[0],
                     alpha,
-                    answers,
+                    eta,
                     0,
                     root,
                     ints[_A],
@@ -175,7 +174,7 @@ def _advance_sampled(
                     ports[1],
                     lines[1],
                     beta,
-                    answers,
+                    eta,
                     0,
                     root,
                     ints[_A],
@@ -186,11 +185,11 @@ def _advance_sampled(
                 )
             else:
                 next_a, u_a, v_a = wave_core.shaped_core_step(
-                    ports[0], lines[0], shaper_words, shaper_states[0], mode, alpha, answers, 0,
+                    ports[0], lines[0], shaper_words, shaper_states[0], mode, alpha, eta, 0,
                     root, ints[_A], left_a, extra, extra, ends_a,
                 )  # fmt: skip
                 next_b, u_b, v_b = wave_core.shaped_core_step(
-                    ports[1], lines[1], shaper_words, shaper_states[1], mode, beta, answers, 0,
+                    ports[1], lines[1], shaper_words, shaper_states[1], mode, beta, eta, 0,
                     root, ints[_A], left_b, extra, extra, ends_b,
                 )  # fmt: skip
             if anchored is not None:
@@ -212,7 +211,7 @@ def _advance_sampled(
                 )  # fmt: skip
                 if finds:
                     by = magnet_angle.magnet_angle_step(
-                        magnet, turn, gains[anchor.REST_TICKS], position, touching,
+                        magnet, turn, gains[anchor.SLOW_TICKS], position, touching,
                         rotor[rotor_flux.CELL_A], rotor[rotor_flux.CELL_B],
                         held_a[anchor.CHI] >> formats.LONG_GUARD,
                         held_b[anchor.CHI] >> formats.LONG_GUARD,

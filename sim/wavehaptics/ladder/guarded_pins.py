@@ -28,7 +28,8 @@ RESET last as many clocks as their value."""
 
 class Report(NamedTuple):
     """Clocks of the newest cause and of the gates' going off for a fault, −1 for not yet; state,
-    clocks so far, and those with a gate on since the cause."""
+    clocks so far, those with a gate on since the cause, and what the contact, or the last one,
+    delivered to the shaft and the most that it was, as raw words."""
 
     cause: int
     off: int
@@ -36,6 +37,8 @@ class Report(NamedTuple):
     running: bool
     clocks: int
     on: int
+    energy: int
+    peak: int
 
 
 class GuardedPins(PinsSimulation):
@@ -73,9 +76,9 @@ class GuardedPins(PinsSimulation):
 
     def report(self) -> Report:
         """What came of it."""
-        words = (ctypes.c_int64 * 6)()
+        words = (ctypes.c_int64 * 8)()
         self._library.wh_guarded_report(self._model, words)
-        return Report(words[0], words[1], words[2], bool(words[3]), words[4], words[5])
+        return Report(words[0], words[1], words[2], bool(words[3]), *words[4:])
 
     @property
     def motor(self) -> np.ndarray:

@@ -176,16 +176,15 @@ def _period(
         goal = link[host_link.U] if active else 0
         if active:
             eta = 0
-        u_max, answers = ints[_U_MAX], eta
+        u_max = ints[_U_MAX]
         if anchored is not None:
             current = wave_core.saturate(current - anchored[1][anchor.OFFSET])
             u_max = anchor.left(u_max, anchored[1])
-            answers = anchor.returned(eta, touching and not active, anchored[0], anchored[1])
             if anchored[1][anchor.FAULT] != 0:
-                eta, answers, goal = 0, 0, 0
+                eta, goal = 0, 0
         withheld, saturated = core[wave_core.STATE_WITHHELD], core[wave_core.STATE_SATURATED] != 0
         voltage, u_n, v_n = wave_core.wave_core_step(
-            core, line, current, answers, goal, ints[_ROOT], ints[_A], u_max, extra, extra, ends
+            core, line, current, eta, goal, ints[_ROOT], ints[_A], u_max, extra, extra, ends
         )
         sent, number, packet = host_link.tick(link, v_n, ints[_PERIOD_LOG2], ints[_TIMEOUT])
         if sent:

@@ -17,7 +17,7 @@ from wavehaptics.controller.ports import controller_ports
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.ladder.abilities import WITHOUT_WORDS
 from wavehaptics.ladder.design_spring import rendered_stiffness
-from wavehaptics.laws.anchor_choice import choose_anchor
+from wavehaptics.laws.anchor_choice import SLOW_RAD_S
 from wavehaptics.laws.closed_forms import root
 from wavehaptics.motor.hand import PRESS_RAMP_S
 from wavehaptics.motor.sensor import Sensor
@@ -64,7 +64,7 @@ def exceeded(scene: Scene, controller: str) -> list[Exceeded]:
     push = _push(scene, set_)
     found = [_current(scene, sensor, push), _voltage(scene, set_, push), _wave(scene, set_, push)]
     if set_.anchored:
-        found += [_moves(scene, set_), _flux(scene, set_, sensor, push), *_gains(scene, set_)]
+        found += [_moves(scene, set_), _flux(scene, set_, sensor, push), *_gains(set_)]
     found += _filter_states(scene, set_, push)
     return [one for one in found if one is not None]
 
@@ -217,9 +217,9 @@ def _flux(scene: Scene, set_: Settings, sensor: Sensor, push: _Push) -> Exceeded
     )  # fmt: skip
 
 
-def _gains(scene: Scene, set_: Settings) -> list[Exceeded]:
+def _gains(set_: Settings) -> list[Exceeded]:
     """Settings of the port anchor that are limited to their words."""
-    words, control = set_.anchor, scene.controller
+    words = set_.anchor
     found = []
     if words[anchor.OWED_GAIN] == formats.FLUX.raw_max:
         owed = formats.FLUX.to_value(int(words[anchor.FLUX_GAIN])) / formats.A.to_value(set_.a)
@@ -229,14 +229,11 @@ def _gains(scene: Scene, set_: Settings) -> list[Exceeded]:
             "or a coarser encoder",
         ))  # fmt: skip
     most = (1 << formats.REST_W) - 1
-    chosen = choose_anchor(
-        control.r_hat, control.l_hat, control.k_t_hat, scene.motor.J_kgm2, set_.tick_s,
-        control.extra_ticks, set_.limit_v,
-    )  # fmt: skip
-    if chosen.rest_s > most * set_.tick_s:
+    slow_s = set_.cell_rad / SLOW_RAD_S
+    if slow_s > most * set_.tick_s:
         found.append(Exceeded(
-            "the time after which a rotor rests", chosen.rest_s / set_.tick_s, most, "ticks",
-            "where its word ends", "a slow rotor counts as resting; take a slower tick",
+            "the time between two edges of a slow rotor", slow_s / set_.tick_s, most, "ticks",
+            "where its word ends", "the offset is tracked at higher speeds; take a slower tick",
         ))  # fmt: skip
     return found
 

@@ -132,13 +132,12 @@ def _advance(
             contact, position, wall_min, wall_max, ints[_HYSTERESIS] != 0
         )
         eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
-        raw, answers = current, eta
+        raw = current
         if anchored is not None:
             held = anchored[1]
             current = wave_core.saturate(current - held[anchor.OFFSET])
-            answers = anchor.returned(eta, touching, anchored[0], held)
             if held[anchor.FAULT] != 0:
-                eta = answers = 0
+                eta = 0
         mode = wave_core.shaper_mode(contact[0], shaped)
         correction = 0
         left = u_max
@@ -151,11 +150,11 @@ def _advance(
             )
             if shaper_words.shape[0] == 0:
                 e_next, u_n, v_n = wave_core.wave_core_step(
-                    core, line, current, answers, 0, root, ints[_A], left, extra, extra, ends
+                    core, line, current, eta, 0, root, ints[_A], left, extra, extra, ends
                 )
             else:
                 e_next, u_n, v_n = wave_core.shaped_core_step(
-                    core, line, shaper_words, shaper_states, mode, current, answers, 0, root,
+                    core, line, shaper_words, shaper_states, mode, current, eta, 0, root,
                     ints[_A], left, extra, extra, ends,
                 )  # fmt: skip
             if anchored is not None:

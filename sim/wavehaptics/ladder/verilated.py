@@ -152,7 +152,9 @@ def build(design: Design) -> Path:
     """Path of the design's shared library, built if these very sources have not been built yet."""
     program, _ = verilator_environment()
     target = BUILD_DIR / f"{design.top}-{_digest(design, program)}.so"
-    widths = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in ("DATA_W", "COEF_W")]
+    widths = [
+        f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in ("DATA_W", "COEF_W", "ENERGY_W")
+    ]
     chosen = [f"-DWH_{name}={formats.HEADER_VALUES[name]}" for name in formats.SETTABLE]
     arguments = [
         *chosen, "-CFLAGS", " ".join(widths), "-I" + str(RTL_DIR),

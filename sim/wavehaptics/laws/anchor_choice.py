@@ -1,36 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
 """What ``controller.anchor_auto`` chooses, and why; SI values.
 
-Everything is in proportion to the motor's numbers as the controller knows them, R̂, L̂, k̂_T and Ĵ,
-so that one choice serves all:
+Everything is in proportion to the motor's own R̂ and L̂, so that one choice serves all. No
+inertia is needed:
 
-- **ρ = 4 R̂.** It pulls an error of the flux back with the rate ρ/L. The larger, the less a voltage
-  moves the wall, by ``V/ρ·L/(k_T Δ)`` cells, and the shorter the lag with which a wrong L̂ or k̂_T
-  is made good: that lag is negative damping, 1 % of the speed in a bounce at L̂ −10 %.
-  Beyond a fraction of the tick rate the loop swings by itself, so a slow tick takes less.
-- **γ = 22.5 ρ a second**: what stays is learned within 44 ms, a dozen periods of a motor on its
-  wall. While the rotor moves it learns an eighth as fast, or what it learns on the way in pushes on
-  the way out.
-- **For swings the resistance that loses most.** A bar of the commutator of 4 % less R, just where
-  the rotor rests, feeds a swing of 1.3 mN·m; with this it is a tenth of that. It counts only while
-  the rotor rests, or it would take from a bounce. Beside the inductor, on ``i`` less its mean of a
-  time τ, it makes of the wall a spring that is softer for what is slow, inside a cell:
-  ``K(s) = K/(1 + (R_s/L̂)·τ/(1 + sτ))``. Most is lost at ``ω = √(1 + R_s·τ/L̂)/τ``, and that is to
-  be the rotor's ω on the wall. With more a light hand swings by a cell, over a wall that gives
-  way: 0.25 mN·m on an RE 25 at 2 MHz, 9 % of the force on a motor that is slow on its wall. More
-  than ρ/2 it needn't be.
-- **R̂ at 0.85 of the winding's**: too little only damps, too much swings. With R̂ 10 % and the
-  drive's gain 5 % too high that is less than R.
-- **A rebound loses 3.5 % of its speed**: what c gives late, with all of L̂, k̂_T, R̂ and gain wrong,
-  is no more than that on a motor with brushes.
-- **c_0 = 0.8 V**: brushes of 0.5 V and a rest of dead time; what grows with the current, a wrong R̂
-  and a wrong gain, is in the half of the waves' voltage that is added: R̂ at 0.77 R, R(θ) + 4 %
-  and a gain that lacks 5 % ask for 0.43 of it.
+- **ρ = 8 R̂.** It pulls an error of the flux back with the rate ρ/L. The larger, the less a
+  voltage moves the wall, and the shorter the lag L/ρ with which the force changes at an edge.
+  That lag is negative damping: with 4 R̂ a lever of ten times the rotor's inertia never came to
+  rest. Beyond a fraction of the control rate the loop swings by itself, so a slow period takes
+  less.
+- **R̂ at 0.7 of the winding's.** Too little only damps, too much swings. With R̂ 10 % and the
+  drive's gain 5 % too high, and a winding at −20 °C, that is still less than R. What it lacks is
+  learned as θ.
+- **γ = 16 ρ a second** at a current of 0.93·c_0/R̂: what stays is learned within 60 ms.
+- **θ ≤ 1.5 R̂ of the port**: a winding of 125 °C has 1.41 R. With R̂ and gain too low that lacks
+  0.8 R, and brushes ask for the rest. A quarter of it is what a new port begins with.
+- **y' follows within 8 ms**: fast beside a hand's press (4 Hz), slow beside the slowest load on
+  its wall.
+- **Brushes: 0.55·c_0 as a current of R̂.** θ then has to supply less at small currents than at
+  large ones. A brushless motor has none.
+- **c_0 = 1.2 V**: with it the first press holds a winding of 125 °C at rated torque, before θ is
+  learned.
 - **η in free space a little below 1.** The waves hold the current at zero, and the winding swings
-  on their delay at ``ω² = 2R̂/(L̂·(k + 1)·T)``, which nothing damps but what R̂ lacks of R. There an L̂
-  that is too small by 10 % makes of ρ a negative resistance of ρ/10, and an amplifier's lag one of
-  ``ω²·L̂·lag``: once begun, as by a contact's end, the swing goes on at the voltage limit. What
-  returns has to be less by as much as they give, but for what the λ filter takes there.
+  on their delay at ``ω² = 2R̂/(L̂·(k + 1)·T)``, which nothing damps but what R̂ lacks of R. There
+  an L̂ that is too small by 10 % makes of ρ a negative resistance of ρ/10, and an amplifier's lag
+  one of ``ω²·L̂·lag``: once begun, as by a contact's end, the swing goes on at the voltage limit.
+  What returns has to be less by as much as they give, but for what the λ filter takes there.
 """
 
 from __future__ import annotations
@@ -39,22 +34,26 @@ import cmath
 import math
 from typing import NamedTuple
 
-ANCHOR_OF_R = 4.0
+ANCHOR_OF_R = 8.0
 """ρ over R̂."""
 MOST_OF_TICK = 0.15
-"""Largest ρ·T/L̂ with no more than one tick of extra latency: the correction acts two ticks late."""
+"""Largest ρ·T/L̂ with at most one period of extra latency: the correction acts two periods late."""
 LESS_BY_LATENCY = 1.45
 """With k of them it is less by k to this power. Held walls at 10 to 100 kHz swung at the voltage
 limit from 0.075 on with k = 2, from 0.06 with 3 and from 0.03 with 4."""
-LEARN_PER_S = 22.5
+LEARN_PER_S = 16.0
 """γ over ρ."""
-SWING_OF_ANCHOR = 0.5
-"""Largest resistance for swings over ρ."""
-LIMIT_V = 0.8
+LEARN_OF_LIMIT = 0.93
+"""R̂ times the current at which it is so, over c_0."""
+BRUSH_OF_LIMIT = 0.55
+"""R̂ times the current that stands for the brushes, over c_0."""
+MOST_LEARNED = 1.5
+"""Largest θ over the port's R̂."""
+FOLLOW_S = 8e-3
+"""Time constant of y', s."""
+LIMIT_V = 1.2
 LIMIT_PART = 1.0 / 3.0
 """Largest c_0: this, or that part of the drive's limit."""
-REST_OF_SWING = 0.4
-"""Shortest time between two edges the same way of a rotor at rest, times its ω on the wall."""
 SLOW_RAD_S = 1.0
 """Speed below which the sensor's offset is tracked, rad/s."""
 ZERO_PER_S = 200.0
@@ -69,8 +68,6 @@ resistance for swings may want."""
 STRANGE_PART = 0.5
 """What c may want beyond its limit at least, in parts of the drive's: cells may be small, and in a
 hit a wrong L̂ asks for as much of the force as it is wrong, four times."""
-MOST_HELD_UP = 0.02
-"""Part of the depth that may be on its way in k ticks, k·T·R̂/2L̂, where a wall is set anew."""
 LEAST_ETA_FREE = 0.9
 WRONG_L = 0.1
 """Part by which L̂ may be wrong."""
@@ -81,25 +78,32 @@ class AnchorChoice(NamedTuple):
 
     ohm: float
     ohm_per_s: float
+    learn_a: float
+    """Current at which θ·i is learned with ``ohm_per_s``."""
+    most_ohm: float
+    brush_a: float
     limit_v: float
-    rest_s: float
-    """Two edges the same way within this: the rotor moves."""
+    follow_s: float
 
 
 def choose_anchor(
-    r_hat: float, l_hat: float, k_t_hat: float, j_hat: float, tick_s: float, extra_ticks: int,
-    drive_v: float,
+    r_hat: float, port_ohm: float, l_hat: float, tick_s: float, extra_ticks: int, drive_v: float,
+    *, brushed: bool,
 ) -> AnchorChoice:  # fmt: skip
-    """The values for a motor as the controller knows it; ``j_hat`` in kg·m², ``drive_v`` in V.
+    """The values for a motor as the controller knows it; ``drive_v`` in V.
 
-    ``r_hat`` is the winding's, not the port's.
+    ``r_hat`` is the winding's, ``port_ohm`` the port's.
     """
     ohm = _usual_ohm(r_hat, l_hat, tick_s, extra_ticks)
+    limit_v = min(LIMIT_V, LIMIT_PART * drive_v)
     return AnchorChoice(
         ohm=ohm,
         ohm_per_s=LEARN_PER_S * ohm,
-        limit_v=min(LIMIT_V, LIMIT_PART * drive_v),
-        rest_s=REST_OF_SWING * math.sqrt(j_hat * l_hat) / k_t_hat,
+        learn_a=LEARN_OF_LIMIT * limit_v / r_hat,
+        most_ohm=MOST_LEARNED * port_ohm,
+        brush_a=BRUSH_OF_LIMIT * limit_v / r_hat if brushed else 0.0,
+        limit_v=limit_v,
+        follow_s=FOLLOW_S,
     )
 
 
@@ -119,22 +123,6 @@ def choose_eta_free(
     turn = tick_s * math.sqrt(2.0 * r_hat / (l_hat * loop_s))
     left = a / abs(1.0 - (1.0 - a) * cmath.exp(-1j * turn))
     return min(1.0, max(LEAST_ETA_FREE, 1.0 - given + 1.0 - left))
-
-
-def choose_swing(ohm: float, l_hat: float, k_t_hat: float, j_hat: float, mean_s: float) -> float:
-    """Resistance for swings, Ω, beside an anchor of ρ = ``ohm``; ``mean_s`` is the mean's τ."""
-    loses_most = k_t_hat**2 * mean_s / j_hat - l_hat / mean_s
-    return min(SWING_OF_ANCHOR * ohm, max(0.0, loses_most))
-
-
-def choose_rebound(r_hat: float, l_hat: float, k_t_hat: float, j_hat: float, loss: float) -> float:
-    """Magnitude of η of a rebound that leaves ``loss`` of its speed; ``r_hat`` is the port's.
-
-    A quarter of a period of the rotor on its wall, and only that, sees the resistance
-    ``R̂(1 − g)/(1 + g)`` beside the inductor's L̂·ω: π/4 of what they are to each other is lost.
-    """
-    ohm = 4.0 / math.pi * loss * k_t_hat * math.sqrt(l_hat / j_hat)
-    return (r_hat - ohm) / (r_hat + ohm)
 
 
 def choose_zero_rate(r_hat: float, cell_vs: float, full_scale_a: float) -> float:

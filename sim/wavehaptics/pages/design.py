@@ -154,13 +154,14 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
                 "make holding",
             )
         )
-        motors = numbers["holding"]["motors"]
-        runs = motors["spreads"]["hold_cells"]["n"]
+    if "in_hands" in numbers.get("holding", {}):
+        motors = numbers["holding"]["in_hands"]
+        first, last = motors["seeds"]
         rows.append(
             (
-                f"the same on {runs} random motors",
-                f"{len(motors['lost']['hold'])} lost, "
-                f"{len(motors['over']['hold'])} beyond half a cell and 1 % of the depth",
+                f"{last - first + 1} random motors in random hands, everything wrong",
+                f"{len(motors['lost']['hold'])} still bouncing after 0.6 s, "
+                f"{len(motors['missed']['hold_cells'])} beyond a count and 1 % of the depth",
                 "make holding",
             )
         )
@@ -226,7 +227,7 @@ STATUS = (
     ("position, walls, contact: `wh_quadrature`, `wh_contact`", None),
     (_ONE_PORTS, None),
     ("several motors on one core", "N"),
-    ("guard with sixteen latched faults", "GUARD"),
+    ("guard with seventeen latched faults", "GUARD"),
     ("port anchor: a wall that holds on a real motor", "ANCHOR"),
     ("one multiplier for all products", "SHARED"),
     ("soft walls, layers, detents with W", "SHAPER"),

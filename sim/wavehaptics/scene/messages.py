@@ -41,6 +41,11 @@ GONE: dict[KeyPath, str] = {
     ("controller", "dead_zone_cells"): (
         "the port anchor's dead zone is always half a cell; use anchor_auto = true"
     ),
+    (
+        "controller",
+        "swing_ohm",
+    ): "the port anchor needs no resistance for swings; use anchor_auto = true",
+    ("controller", "rebound_loss"): "a rebound needs no rule of its own; use anchor_auto = true",
     ("controller", "push_only"): "a wall of the port anchor only pushes; use anchor_auto = true",
     ("controller", "r_hat_free"): "one R̂ serves contact and free space; use r_hat",
     ("controller", "early_duty"): (

@@ -9,6 +9,7 @@ with which ``rtl/faults.md`` is filled; a test measures them again.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -77,6 +78,10 @@ def _offset(pins: GuardedPins) -> None:
     pins.inject(Injection.OUTSIDE)
 
 
+def _too_large_r_hat(pins: GuardedPins) -> None:
+    pins.inject(Injection.ROOT_WORD, round(math.sqrt(2.0) * pins.settings.root))
+
+
 # A tick is 48 clocks, and a sample is taken in each: a conversion is over 29 clocks after it.
 TICK_CLOCKS = 48
 _PINS = 4  # two of the synchroniser, the latch, the gates
@@ -106,6 +111,8 @@ CASES = (
     Case(Fault.OVERRUN, "an ADC frame longer than a tick", _inject(Injection.SCLK_HALF, 3),
          4 * TICK_CLOCKS),
     Case(Fault.ANCHOR, "the anchor's fault input", _inject(Injection.ANCHOR), 2),
+    Case(Fault.ENERGY, "R̂ is doubled in a contact, limit 5 A·counts", _too_large_r_hat,
+         500 * TICK_CLOCKS, {"energy": 5.0}),
 )  # fmt: skip
 """One for each fault, by its bit."""
 

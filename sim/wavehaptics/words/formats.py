@@ -129,6 +129,10 @@ A = Fixed(COEF_W, HEADER_VALUES["A_Q"])
 """The λ filter's coefficient a, no unit."""
 GAIN = Fixed(COEF_W, HEADER_VALUES["GAIN_Q"])
 """Amperes per unit of a tick's sum of ADC words."""
+ENERGY = Fixed(HEADER_VALUES["ENERGY_W"], HEADER_VALUES["ENERGY_Q"])
+"""Energy of a contact, A·counts."""
+ENERGY_LIMIT = Fixed(HEADER_VALUES["ENERGY_LIMIT_W"], HEADER_VALUES["ENERGY_LIMIT_Q"], signed=False)
+"""Most that a contact may deliver, A·counts."""
 DUTY = Fixed(COEF_W, HEADER_VALUES["DUTY_Q"])
 """Clocks of half pulse width per volt."""
 BUS_W = HEADER_VALUES["BUS_W"]
@@ -155,8 +159,8 @@ CELLS = Fixed(COEF_W, HEADER_VALUES["CELLS_Q"])
 PULL = Fixed(COEF_W, HEADER_VALUES["PULL_Q"])
 """Correction of the port anchor, V per cell."""
 LEARN = Fixed(COEF_W, HEADER_VALUES["LEARN_Q"])
-"""What the port anchor learns in a tick, V per cell, or A per V."""
+"""What the port anchor learns in a period, V per count and count."""
 REST_W = HEADER_VALUES["REST_W"]
-REST_UNIT_W = HEADER_VALUES["REST_UNIT_W"]
+FOLLOW_W = HEADER_VALUES["FOLLOW_W"]
 MOVE_W = HEADER_VALUES["MOVE_W"]
 ANCHOR_W = HEADER_VALUES["ANCHOR_W"]

@@ -36,7 +36,7 @@ WALL_SPAN_COUNTS = 1000
 _SHAPE_PARTS = (0.05, 0.9)
 """Stiffness of W on the slider, in parts of what motor and delay have in front."""
 
-_ANCHOR = ("anchor_enable", "anchor_flux_gain", "anchor_owed_gain", "anchor_rebound_eta")
+_ANCHOR = ("anchor_enable", "anchor_flux_gain", "anchor_owed_gain")
 """Words of an anchor that are looked at."""
 
 _DAMPERS = 4.0
@@ -139,7 +139,6 @@ class Bench:
         )  # fmt: skip
         self.refresh()
         self._owes = self.anchored and bool(self._value("anchor_owed_gain"))
-        self._rebound = self._value("anchor_rebound_eta") if self._owes else 0.0
         self._wall_at = self._value("wall_min")
         table = known.scene.shaper if known.scene else None
         spring = table is not None and self._sections and table.feel == "spring"
@@ -277,9 +276,6 @@ class Bench:
         if self._owes:
             owed = self._value("anchor_flux_gain") / a if eta == -1.0 else 0.0
             words[self._place("anchor_owed_gain")] = min(owed, formats.FLUX.largest)
-            # A wall that can't be set anew is left as it was told.
-            settable = 0.0 < owed <= formats.FLUX.largest
-            words[self._place("anchor_rebound_eta")] = self._rebound if settable else 0.0
         tau_s = closed_forms.tau(self.tick_s, a, self._extra_ticks)
         if self.known.scene is not None:
             try:

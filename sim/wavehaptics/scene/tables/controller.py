@@ -89,7 +89,7 @@ class Controller(Table):
     )
     j_hat: float = scene_key(
         "kg·m²",
-        "The controller's estimate Ĵ of the inertia on the shaft, for the port anchor",
+        "The controller's estimate Ĵ of the inertia on the shaft; no law needs it today",
         None,
         default_text="J of the motor, without load and hand",
         ge=1e-9,
@@ -132,50 +132,34 @@ class Controller(Table):
         "Resistance ρ with which the port anchor pulls waves and encoder together; given, there is "
         "an anchor",
         None,
-        default_text="4 `r_hat`, less at a slow tick",
+        default_text="8 `r_hat`, less at a slow tick",
         ge=1e-3,
         le=1000,
     )
     anchor_ohm_per_s: float | None = scene_key(
         "Ω/s",
-        "How fast the port anchor learns a voltage that stays, γ",
+        "How fast the port anchor learns what `r_hat` lacks, γ",
         None,
-        default_text="22.5 ρ",
+        default_text="16 ρ",
         ge=0,
         le=1e6,
     )
-    swing_ohm: float | None = scene_key(
-        "Ω",
-        "Resistance that the port anchor has for swings within a cell, in contact and at rest",
-        None,
-        default_text="what loses most at the rotor's frequency on the wall, at most ρ/2",
-        ge=0,
-        le=1000,
-    )
     anchor_limit_v: float | None = scene_key(
         "V",
-        "Largest correction of the port anchor where the waves ask for no voltage; it grows by "
-        "half of theirs",
+        "Largest correction of the port anchor besides what it has learned, where the waves ask "
+        "for no voltage; it grows by half of theirs",
         None,
-        default_text="0.8, or a third of the drive's limit",
+        default_text="1.2, or a third of the drive's limit",
         ge=0,
         le=63,
     )
     r_hat_part: float = scene_key(
         "–",
         "Part of `r_hat` that the waves of a port with an anchor are made for",
-        0.85,
-        default_text="0.85",
+        0.7,
+        default_text="0.7",
         ge=0.1,
         le=1.5,
-    )
-    rebound_loss: float = scene_key(
-        "–",
-        "Part of its speed that a port with an anchor takes from a rotor that bounces off a wall",
-        0.035,
-        default_text="0.035",
-        ge=0,
-        le=0.5,
     )
 
     @property
@@ -187,9 +171,7 @@ class Controller(Table):
     def _check(self) -> Controller:
         _check_walls(self.walls)
         if not self.anchored:
-            for key in (
-                "anchor_ohm_per_s", "swing_ohm", "anchor_limit_v", "r_hat_part", "rebound_loss",
-            ):  # fmt: skip
+            for key in ("anchor_ohm_per_s", "anchor_limit_v", "r_hat_part"):
                 if key in self.model_fields_set:
                     broken_rule(
                         f"controller.{key} belongs to a port anchor; add anchor_auto = true", key

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the port anchor comes to: the numbers and pictures of ``docs/holding.md``.
 
-Holds, swings, soft walls, bounces, free space, overloads and lost encoders of one motor with one
-thing wrong or everything, and random motors with everything wrong.
+Holds, slow presses, loads, heat, soft walls, bounces, free space, overloads and lost encoders of
+one motor with one thing wrong or everything; random motors in random hands with everything wrong.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from wavehaptics.runtime.files import write_json
-from wavehaptics.studies.anchored import cases, lost, motors, pictures
+from wavehaptics.studies.anchored import cases, hand, lost, motors, pictures
 from wavehaptics.studies.report.runs import STORE
 from wavehaptics.studies.sweeps import Task, sweep
 
@@ -27,6 +27,7 @@ def tasks(quick: bool = False) -> dict[str, list[Task]]:
     motors_asked = QUICK_MOTORS if quick else MOTORS
     return (
         cases.tasks(quick)
+        | hand.tasks(quick)
         | lost.tasks()
         | {
             "motors": [Task(motors.random_motor, {"seed": seed}) for seed in range(motors_asked)],

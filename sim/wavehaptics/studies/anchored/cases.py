@@ -29,8 +29,12 @@ def _supply(part: float) -> tuple[str, ...]:
     return ("drive.bus_v=24", f"drive.step_v={24 * part:g}", "drive.step_s=0.5")
 
 
-def _noise(noise_s: float) -> tuple[str, ...]:
-    """Of the contact over time, which is there at rest as well: that of sliding is still there."""
+SLIDING = ("brushes.contact_noise=0.03",)
+"""Noise of the sliding contact, over the angle: none at rest."""
+
+
+def _flicker(noise_s: float) -> tuple[str, ...]:
+    """Noise of a loose contact over time, at rest as well."""
     return ("brushes.flicker_noise=0.03", f"brushes.flicker_s={noise_s:g}")
 
 
@@ -40,9 +44,10 @@ ALONE: dict[str, tuple[str, ...]] = {
     "brush 0.5 V, knee 50 mA": ("brushes.drop_v=0.5", "brushes.knee_a=50e-3"),
     "R(θ) +4 %, 22 bars": ("brushes.segments=22", "brushes.ripple=0.04"),
     "R(θ) −4 %, 22 bars": ("brushes.segments=22", "brushes.ripple=-0.04"),
-    "contact noise 3 %, 10 µs": _noise(1e-5),
-    "contact noise 3 %, 0.1 ms": _noise(1e-4),
-    "contact noise 3 %, 1 ms": _noise(1e-3),
+    "contact noise 3 %, over the angle": SLIDING,
+    "contact noise 3 %, flicker of 10 µs": _flicker(1e-5),
+    "contact noise 3 %, flicker of 0.1 ms": _flicker(1e-4),
+    "contact noise 3 %, flicker of 1 ms": _flicker(1e-3),
     "supply steps by +5 %": _supply(0.05),
     "supply steps by −5 %": _supply(-0.05),
     "lag 0.3 µs": (LAG,),
@@ -84,13 +89,14 @@ def sign_text(signs: tuple[int, ...]) -> str:
 
 EVERYTHING = {f"everything, {sign_text(signs)}": all_wrong(signs) for signs in SIGNS}
 NOISY = {
-    f"{name}, contact noise 3 %": (*settings, *_noise(1e-3))
+    f"{name}, contact noise 3 %, {kind}": (*settings, *noise)
     for name, settings in itertools.islice(EVERYTHING.items(), 2)
+    for kind, noise in (("over the angle", SLIDING), ("flicker of 1 ms", _flicker(1e-3)))
 }
 
-SHORT_S, LONG_S, QUICK_S = 3.0, 60.0, 5.0
+SHORT_S, LONG_S, QUICK_S = 3.0, 30.0, 5.0
 LONG = ("nothing", "everything, ++++", "everything, −−−−")
-"""What is held for a minute."""
+"""What is held for LONG_S."""
 
 # ---- The bar of a commutator whose edge lies where the rotor rests.
 
@@ -113,16 +119,10 @@ def bar(part: float, place: float, damping: float) -> dict[str, Any]:
     return {"part": part, "place": place, "damping": damping} | found
 
 
-# ---- Swings, taps, soft walls.
+# ---- Taps, soft walls, layers, detents.
 
 SOFT = ("controller.lambda=1e6", "controller.extra_ticks=2")
 FEELS: dict[str, tuple[str, tuple[str, ...], float]] = {
-    "swing in the wall, 0.5 Hz": ("held_wall", ("hand.path=taps", "hand.frequency_hz=0.5",
-        "hand.amplitude_rad=0.15", "scene.duration_s=4"), 0.01),
-    "swing in the wall, 1.5 Hz": ("held_wall", ("hand.path=taps", "hand.frequency_hz=1.5",
-        "hand.amplitude_rad=0.15", "scene.duration_s=2"), 0.01),
-    "swing in the wall, 4 Hz": ("held_wall", ("hand.path=taps", "hand.frequency_hz=4",
-        "hand.amplitude_rad=0.15", "scene.duration_s=1"), 0.01),
     "taps, 2 Hz": ("held_wall", ("hand.path=taps", "hand.frequency_hz=2",
         "hand.amplitude_rad=0.05", "hand.stiffness=0.5", "hand.damping=2e-3",
         "scene.duration_s=2"), 0.01),
@@ -150,7 +150,7 @@ FELT = {
 
 
 def feel(name: str, wrong: str) -> dict[str, Any]:
-    """A swing of FEELS under FELT."""
+    """What the hand of FEELS does, under FELT."""
     scene, settings, part = FEELS[name]
     found = runs.swing(scene, [*NOTHING, *settings, *FELT[wrong]])
     return {"name": name, "wrong": wrong, "part": part} | found
@@ -158,19 +158,29 @@ def feel(name: str, wrong: str) -> dict[str, Any]:
 
 # ---- Bounces.
 
-SPEEDS = (1.0, 3.0, 10.0, 30.0)
+
+def loaded(load: float, preset: str = "re25-118743") -> list[str]:
+    """Settings of ``load`` times the rotor's inertia on the shaft, its own included."""
+    return [f"load.inertia_kgm2={(load - 1.0) * PRESETS[preset].J_kgm2:.9g}"] if load > 1 else []
+
+
+SPEEDS = (0.3, 1.0, 3.0, 10.0, 30.0)
 BOUNCED = {"nothing": None} | {sign_text(signs): signs for signs in SIGNS[:4]}
 
 
-def bounces(preset: str, wrong: str) -> list[dict[str, Any]]:
-    """Bounces of a preset's bare rotor at SPEEDS; 12 bits for twice the hit's current."""
+def bounces(preset: str, wrong: str, load: float = 1.0) -> list[dict[str, Any]]:
+    """Bounces of a preset's rotor at SPEEDS; 12 bits for twice the hit's current.
+
+    On the shaft is ``load`` times the rotor's own inertia, its own included.
+    """
     motor = PRESETS[preset]
+    inertia = motor.J_kgm2 * load
     signs = BOUNCED[wrong]
     found = []
     for speed in SPEEDS:
         way = min(0.05, 0.01 * speed)
-        peak_a = speed * math.sqrt(motor.J_kgm2 / motor.L_h)
-        contact_s = math.pi * math.sqrt(motor.J_kgm2 * motor.L_h) / motor.k_t
+        peak_a = speed * math.sqrt(inertia / motor.L_h)
+        contact_s = math.pi * math.sqrt(inertia * motor.L_h) / motor.k_t
         limit_v = min(127.0, max(12.0, 2.0 * motor.R_ohm * peak_a))
         settings = [
             f"motor.preset={preset}", f"hand.speed_rad_s={speed}", f"hand.amplitude_rad={way}",
@@ -179,6 +189,7 @@ def bounces(preset: str, wrong: str) -> list[dict[str, Any]]:
             f"drive.bus_v={limit_v}", f"drive.limit_v={limit_v}",
             f"controller.r_hat={motor.R_ohm}",
         ]  # fmt: skip
+        settings += loaded(load, preset)
         if signs is not None:
             settings += [s for s in all_wrong(signs, preset) if not s.startswith(
                 ("drive.bus_v", "drive.step"))]  # fmt: skip

@@ -19,9 +19,11 @@ PLAIN = "controller.anchor_auto=false"
 KEPT = ("hold_offset_rad", "hold_error", "hold_ripple_rms", "restitution", "energy_out_max_j",
         "correction_out_max_j", "correction_bound_j", "anchor_fault_s", "saturated_fraction",
         "free_space_torque_rms", "peak_torque", "x_hat_error_rms_rad",
-        "omega_hat_error_rms")  # fmt: skip
+        "omega_hat_error_rms", "contact_energy_ratio", "swing_rad", "swing_hz")  # fmt: skip
 
 
+LEAST_COUNTS = 2.0
+"""An encoder can't tell what a shallower press does."""
 AT_LIMIT = 0.97
 """Part of the voltage limit from which on it counts as at work."""
 
@@ -120,14 +122,44 @@ def deviations(rows: np.ndarray, scene: Scene) -> tuple[np.ndarray, np.ndarray, 
     return touching, moved[touching], np.abs(depth[touching])
 
 
+def energies(rows: np.ndarray, scene: Scene, part_s: float) -> list[float]:
+    """Of each of the hand's periods what the wall gave to the shaft, over the most that it held.
+
+    ``∫ F dx`` of all touches of that period over its largest ``½F²/K``; below zero it took some. A
+    period in which the wall is less than LEAST_COUNTS deep, or that the run ends in, is left out.
+    """
+    assert scene.hand is not None
+    assert scene.hand.frequency_hz is not None
+    k = stiffness_predicted(scene, CONTROLLERS["golden"](scene))
+    touching = rows[:, Column.CONTACT] > 0.0
+    torque = np.where(touching, rows[:, Column.TORQUE], 0.0)
+    given = torque * rows[:, Column.OMEGA] * part_s
+    # Half a step of a row early, as a row is the mean of its time.
+    period = np.floor((rows[:, Column.T] - 0.5 * part_s) * scene.hand.frequency_hz).astype(int)
+    found = []
+    for n in range(math.floor(scene.scene.duration_s * scene.hand.frequency_hz + 1e-9)):
+        force = float(np.max(np.abs(torque[period == n]), initial=0.0))
+        if force > LEAST_COUNTS * k * cell_of(scene):
+            found.append(float(np.sum(given[period == n])) / (0.5 * force**2 / k))
+    return found
+
+
 def swing(scene: str, settings: list[str]) -> dict[str, Any]:
-    """How far a wall that is pressed and left moves at most, in cells and over its depth."""
+    """How far a wall that is pressed and left moves at most, and what energy it gives.
+
+    In cells and over its depth; ``first`` is the energy of the first press, when nothing is
+    learned, ``later`` the largest of the others (:func:`energies`).
+    """
     loaded = load(scene, settings)
-    metrics, rows = run(loaded, part_s=max(50e-6, 1.0 / loaded.controller.tick_hz))
+    part_s = max(50e-6, 1.0 / loaded.controller.tick_hz)
+    metrics, rows = run(loaded, part_s=part_s)
     touching, moved, depth = deviations(rows, loaded)
     cell = cell_of(loaded)
-    found = {"touched": int(np.count_nonzero(touching)), "cell_rad": cell}
+    found: dict[str, Any] = {"touched": int(np.count_nonzero(touching)), "cell_rad": cell}
     found |= {key: metrics[key] for key in KEPT}
+    given = energies(rows, loaded, part_s)
+    found["first"] = given[0] if given else None
+    found["later"] = max(given[1:], default=None)
     if not len(moved):
         return found | dict.fromkeys(("moved_cells", "rms_cells", "depth_cells"))
     return found | {
