@@ -33,6 +33,7 @@ from wavehaptics.controller.pins_timing import (
     WAVES_CLOCKS,
     latency_clocks,
     shared_tick_clocks,
+    shortest_tick_clocks,
 )
 from wavehaptics.motor.sensor import scale_sum
 from wavehaptics.parts.adcs import KINDS, PARTS, Frame, Part, frame
@@ -754,7 +755,8 @@ async def contact_at_any_time(dut: object) -> None:
         settings = random_settings(rng)
         if run == 3:
             # A step's currents come as the one before ends; the anchors are still at that one.
-            settings.half_clocks = max(PART_FRAME.cycle_clocks, _STEP_CLOCKS * N + N)
+            shortest = shortest_tick_clocks(N, SHAPER, bool(ANCHOR), bool(SHARED))
+            settings.half_clocks = max(PART_FRAME.cycle_clocks, _STEP_CLOCKS * N + N, shortest)
             settings.tick_halves = settings.samples = 1
             settings.mode, settings.hold_ticks = UNIPOLAR, 0
         await bench.begin(settings)

@@ -192,24 +192,30 @@ async def live_words_and_commands(dut: object) -> None:
             part -= 1 << bits
         return part & MASK
 
+    # A packet's words are those that stood when the first of them was read, or two clocks before.
+    packet = ("host_packet_sequence", "host_v")
     for _ in range(4):
-        packet: dict[int, set[int]] = {}
+        of_packet: dict[tuple[str, int], set[int]] = {}
         await bench.step(rng.randint(1, 100))
         for place in places(SIZES, "live"):
             word = place.word
             if word.name in own:
                 continue
             motor = max(0, (place.address >> 8) - 1)
-            bench.drive(bus_valid_i=1, bus_write_i=0, bus_address_i=place.address)
-            # A packet's v is the one that stood when its number was read.
-            stood = packet.pop(motor) if word.name == "host_v" else set()
-            for _ in range(8):
-                stood.add(told(word, motor, place.bits))
-                if word.name == "host_packet_sequence":
-                    v = WORDS["host_v"]
-                    packet.setdefault(motor, set()).add(told(v, motor, v.fixed.width))
+            lead = 2 if word.name == "host_packet" else 0
+            stood = of_packet.get((word.name, motor), set())
+            for clock in range(lead + 8):
+                if clock == lead:
+                    bench.drive(bus_valid_i=1, bus_write_i=0, bus_address_i=place.address)
+                if word.name not in packet:
+                    stood.add(told(word, motor, place.bits))
+                if word.name == "host_packet":
+                    for name in packet:
+                        other = WORDS[name]
+                        seen_of = of_packet.setdefault((name, motor), set())
+                        seen_of.add(told(other, motor, other.fixed.width))
                 await bench.step()
-                if bench.word("bus_ready_o"):
+                if clock >= lead and bench.word("bus_ready_o"):
                     break
             assert bench.word("bus_error_o") == DONE
             raw = bench.word("bus_data_o")

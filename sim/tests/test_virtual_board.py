@@ -810,7 +810,8 @@ def test_an_index_that_is_no_number():
 def test_bits_that_the_rtl_has():
     """Faults and refusals by the files that make them; the options' places by their list."""
     assert FAULTS[10][0] == "BUS_LOW"
-    assert sorted(FAULTS) == list(range(16))
+    assert FAULTS[16][0] == "ENERGY"
+    assert sorted(FAULTS) == list(range(17))
     rtl = (RTL_DIR / "wh_arm.v").read_text(encoding="utf-8")
     width = re.search(r"output wire \[(\d+):0\] refused_o", rtl)[1]
     assert int(width) + 1 == len(ARM_REFUSALS)
