@@ -217,7 +217,7 @@ def test_as_a_newcomer_has_it(page):
     # wrong within some tens of ms: 5 % are above these together, and far below what λ changes.
     most = 1 / (scene.controller.extra_ticks + 1 / closed_forms.MOST_A) * scene.controller.tick_hz
     found, designed = measured()
-    assert designed == pytest.approx(predicted(most), rel=0.002)
+    assert designed == pytest.approx(predicted(most), rel=0.005)  # three digits of 10.03
     assert found == pytest.approx(designed, rel=0.05)
 
     # Another λ: the closed form says another spring, and the wall is it.

@@ -190,9 +190,12 @@ def test_a_port_that_is_pulled(port):
 def test_a_port_that_is_pulled_meanwhile(port):
     """Between the question that ends the frames and its answer."""
     line = framed(port, [])
-    threading.Timer(0.3, port.close).start()
+    puller = threading.Timer(0.3, port.close)
+    puller.start()
     began = time.monotonic()
-    assert not line.end(QUESTION, 20.0)
+    ended = line.end(QUESTION, 20.0)
+    puller.join()
+    assert not ended
     assert time.monotonic() - began < 15.0
     assert line.error is not None
 
