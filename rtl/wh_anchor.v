@@ -824,7 +824,8 @@ module wh_anchor #(
         if (go_q) begin
             case (adds_q)
                 LIMIT:   huge_q <= 1'b0;
-                FLUX:    told_q <= $signed(side[DATA_W-1:0]);
+                FLUX:    told_q <= $signed(sum_q[CUT +: DATA_W]);
+                CHI:     told_q <= presses_q ? told_q - brush_q : told_q + brush_q;
                 CURRENT: far_q  <= over_q;
                 AHEAD: begin
                     far_q       <= far_q || sum_q[LONG_W-1] != sum_q[LONG_W-2];
@@ -862,9 +863,9 @@ module wh_anchor #(
     wire signed [DATA_W-1:0] limited = beyond ? $signed({low, {(DATA_W - 1){!low}}})
                                               : $signed(sum_q[VOLT_SHIFT +: DATA_W]);
 
-    // A second adder: of the sum of the step SWING y_b less what it shrinks by, of MEAN's y' + sgn y' y_b, and
-    // of LEARN's θ less its largest. What y_b shrinks by is taken off as -(-y_b + ...) where that is above 0.
-    // Of its sums the carry says whether they are 0 or more.
+    // A second adder: of the sum of the step SWING y_b less what it shrinks by, and of LEARN's θ less its
+    // largest. What y_b shrinks by is taken off as -(-y_b + ...) where that is above 0. Of its sums the carry
+    // says whether they are 0 or more; what follows from that for a whole word waits for a clock.
     localparam integer SIDE_W = (THETA_W > DATA_W) ? THETA_W : DATA_W;
 
     // Which of them, known before as it goes to every bit.
@@ -879,8 +880,7 @@ module wh_anchor #(
                              : {{(SIDE_W - DATA_W){1'b0}}, brush_q} ^ {SIDE_W{turns_q}};
     wire [SIDE_W-1:0] side_b =
         shrinks_q ? {{(SIDE_W - LONG_W + FEW_SHIFT){back_sum}}, sum_q[LONG_W-1:FEW_SHIFT]}
-        : caps_q  ? {{(SIDE_W - THETA_W + 1){back_sum}}, sum_q[LONG_W-2:THETA_CUT]}
-                  : {{(SIDE_W - DATA_W + 1){back_sum}}, sum_q[LONG_W-2:CUT]};
+                  : {{(SIDE_W - THETA_W + 1){back_sum}}, sum_q[LONG_W-2:THETA_CUT]};
     wire [SIDE_W-1:0] side;
     wire              carry;
     assign {carry, side} = {1'b0, side_a} + {1'b0, side_b} + {{SIDE_W{1'b0}}, caps_q || back_sum};
@@ -896,6 +896,14 @@ module wh_anchor #(
     wire follow  = go_q && shrinks_q && moves_mean && back_sum != presses_q;
     wire learned = go_q && caps_q;
 
+    reg  brush_none_q;  // y_b has shrunk to less than nothing
+    reg  theta_all_q;   // θ was learned and is the largest
+
+    always @(posedge clk) begin
+        brush_none_q <= follow && carry == turns_q;
+        theta_all_q  <= learned && full;
+    end
+
     always @(posedge clk) begin
         if (rst || (chosen_q && none_q)) begin
             next_o <= {DATA_W{1'b0}};
@@ -907,15 +915,15 @@ module wh_anchor #(
         end else if (rooms) begin
             room_o <= limited;
         end
-        if (rst || (follow && carry == turns_q)) begin
+        if (rst || brush_none_q) begin
             brush_q <= {DATA_W{1'b0}};
         end else if (follow || (shrinks_q && begins_q)) begin
             brush_q <= begins_q ? brush : $signed(side[DATA_W-1:0] ^ {DATA_W{turns_q}});
         end
         if (rst || (learned && back_sum)) begin
             theta_q <= {COEF_W{1'b0}};
-        end else if (learned) begin
-            theta_q <= full ? learn_max : $signed(sum_q[THETA_CUT +: COEF_W]);
+        end else if (learned || theta_all_q) begin
+            theta_q <= theta_all_q ? learn_max : $signed(sum_q[THETA_CUT +: COEF_W]);
         end
     end
 
