@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // prove_wh_anchor: a period's 28 steps with any products, which come at once. Part 0: from any state of
-// rest to the next; c is 0 if it isn't enabled or after a fault. Part 3: θ as a coefficient is 0 to learn_max,
-// nothing is learned while blind or saturated, and θ doesn't grow while clipped. Part 1: the first steps make the limit of c. Part 2:
-// the last steps make c = limited(θ (y' + sgn y' y_b) + clamp(-g_ρ p, ± limit)), the first term in contact only,
-// whatever the state is otherwise. reach is 0 or more and below half a word's largest, strange, learn_max and
-// brush 0 or more, as their settings are. After a clock in which reads_o is low, the settings may be anything,
-// until it is high.
+// rest, in which nothing is left to be written, to the next; c is 0 if it isn't enabled or after a fault.
+// Part 3: θ as a coefficient is 0 to learn_max, nothing is learned while blind or saturated, and θ doesn't grow
+// while clipped. Part 1: the first steps make the limit of c. Part 2: the last steps make
+// c = limited(θ (y' + sgn y' y_b) + clamp(-g_ρ p, ± limit)), the first term in contact only, whatever the state is
+// otherwise. reach is 0 or more and below half a word's largest, strange, learn_max and brush 0 or more, as their
+// settings are. After a clock in which reads_o is low, the settings may be anything, until it is high.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -170,11 +170,11 @@ module prove_wh_anchor #(
             if (PART != 2) assume (\block.step_q == 5'd0 && !\block.go_q && !busy && first_known);
             // LEARN, the step that is added up meanwhile, writes θ, and the one before it nothing.
             else assume (\block.step_q == 5'd23 && \block.ahead_q == 5'd24 && \block.go_q && \block.adds_q == 5'd22
-                         && \block.write_to_q == 4'd1 && !\block.stores_q && limit_stands
+                         && \block.write_to_q == 4'd1 && limit_stands
                          && \block.waits_q && !\block.bare_q && \block.near_q
                          && \block.low_q == 1 && \block.mid_q == 1 && \block.high_q == 1 && \block.top_q == 1
                          && \block.high_by_q == 0 && \block.top_by_q == 0);
-            assume (!\block.chosen_q && !\block.none_q );
+            assume (!\block.chosen_q && !\block.none_q && !\block.stores_q );
             assume (!overrun);
             if (PART == 2) assume (\block.enable_q == enable);
             // void_q is θ's sign, as the last clock below shows, but before the first period.
@@ -196,6 +196,7 @@ module prove_wh_anchor #(
         if (at == 6'd30) begin
             if (PART == 0) begin
                 assert (\block.step_q == 5'd0 && !\block.go_q && !busy && !overrun && first_known);
+                assert (!\block.chosen_q && !\block.none_q && !\block.stores_q );
                 if (!enable || fault || blind) assert (next == 0);
                 if (enable && fault_before) assert (fault);
                 if (!enable && fault) assert (fault_before);
