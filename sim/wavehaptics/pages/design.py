@@ -149,7 +149,7 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
             (
                 f"a wall pressed for {held['duration_s']:.0f} s with everything wrong "
                 "that a real motor has",
-                f"moved by {number(abs(held['moved_cells']), 2)} of an encoder's cell, "
+                f"moved by {number(abs(held['moved_cells']), 2)} of an encoder count, "
                 f"ripple {percent(held['hold_ripple_rms'] / held['force'])} of the force",
                 "make holding",
             )
