@@ -381,7 +381,7 @@ module wh_anchor #(
     reg                     out_q;                   // z is outside the zone,
     reg                     above_q;                 // above it
     reg signed [DATA_W-1:0] brush_q;                 // s31q16 counts, 0...: y_b
-    reg signed [DATA_W-1:0] told_q;                  // s31q16 counts: y' + sgn y' y_b
+    reg signed [DATA_W-1:0] told_q;                  // s31q16 counts: y' + sgn y' y_b - 2 (y - y')
     reg                     presses_q;               // y' is below 0
     reg signed [COEF_W-1:0] theta_q;                 // s27q20 V a count: θ, 0...learn_max
     reg                     full_q;                  // it is the largest
@@ -824,8 +824,6 @@ module wh_anchor #(
         if (go_q) begin
             case (adds_q)
                 LIMIT:   huge_q <= 1'b0;
-                FLUX:    told_q <= $signed(sum_q[CUT +: DATA_W]);
-                CHI:     told_q <= presses_q ? told_q - brush_q : told_q + brush_q;
                 CURRENT: far_q  <= over_q;
                 AHEAD: begin
                     far_q       <= far_q || sum_q[LONG_W-1] != sum_q[LONG_W-2];
@@ -885,6 +883,24 @@ module wh_anchor #(
     wire              carry;
     assign {carry, side} = {1'b0, side_a} + {1'b0, side_b} + {{SIDE_W{1'b0}}, caps_q || back_sum};
     wire              full   = carry && !back_sum;
+
+    // What θ acts on is added up from the sum of the step SWING, of a rotor that doesn't travel, that of MEAN and
+    // y_b, which by then has shrunk.
+    reg                       adds_brush_q;
+    wire                      damps = !travels_q && !begins_q && !blind_q && !far_q;
+    wire                      takes = shrinks_q || (adds_brush_q && presses_q);
+    wire signed [DATA_W-1:0]  tells = adds_brush_q  ? brush_q
+                                      : shrinks_q ? $signed({sum_q[CUT +: DATA_W-1], 1'b0})
+                                                      : $signed(sum_q[CUT +: DATA_W]);
+
+    always @(posedge clk) begin
+        adds_brush_q <= (step_q == CHI);
+        if (go_q && (adds_q == SWING || (shrinks_q && !damps))) begin
+            told_q <= {DATA_W{1'b0}};
+        end else if (go_q && (shrinks_q || adds_q == FLUX || adds_brush_q)) begin
+            told_q <= told_q + (tells ^ {DATA_W{takes}}) + {{(DATA_W - 1){1'b0}}, takes};
+        end
+    end
 
     // ---- Steps and results.
     reg  chosen_q;  // c is still in sum_q, and

@@ -24,6 +24,8 @@ holds χ:
   full counts had the same direction. θ is a resistance that is learned from p where z is out of
   the zone, ``θ −= g_θ·p·sgn(y')``, from a quarter of the largest on. It is kept from contact to
   contact.
+- While the rotor doesn't travel, twice θ resists what swings about y': ``c = θ·(y' + sgn(y')·y_b −
+  2·(y − y')) − g_ρ·p``.
 - y_b stands for the brushes' voltage. It shrinks by half of what y' falls, so that c falls at
   least as fast as what it compensates: a press never gets back more than it gave.
 - ``g_ρ·p`` is limited to ``c_0 + |e_id|/2``, out of contact with a half of c_0, and θ by a
@@ -107,9 +109,10 @@ assert len(_WORDS) == SETTINGS
     FRESH,  # periods for which the last edge is still one that a contact can begin with
     LOADED,  # θ is there: at first a quarter of the largest
     OVERLOADED,  # the current was at the end of its range, and c has been at its limit since
-) = range(38)
+    TOLD,  # s31q16 counts: what θ acts on, of the last period in contact
+) = range(39)
 """Indices of an anchor's state."""
-STATES = 38
+STATES = 39
 
 FRESH_TICKS = 3
 """An edge begins a contact that is reported in its own period or in the next two."""
@@ -128,6 +131,8 @@ FIRST_SHIFT = 2
 """θ begins with a quarter of the largest."""
 SHRINK_SHIFT = 1
 """y_b shrinks by half of what y' falls."""
+DAMP_SHIFT = 1
+"""A rotor that doesn't travel swings against 2^1 of θ."""
 FREE_SHIFT = 1
 """Out of contact c may be 2^-1 of c_0: where only the sensor's offset flows, R has no voltage and a
 brush not all of its own."""
@@ -399,8 +404,13 @@ def _turn(
 
     held = 0
     if contact:
-        told = -state[BRUSH_LEFT] if presses_down else state[BRUSH_LEFT]
-        held = (state[COEFFICIENT] * _data((state[MEAN] >> _GUARD) + told)) >> _NEAR_SHIFT
+        told = (state[MEAN] >> _GUARD) + (
+            -state[BRUSH_LEFT] if presses_down else state[BRUSH_LEFT]
+        )
+        if state[TRAVELS] == 0 and not begins and not blind and not far:
+            told -= (long_word(y - state[MEAN]) >> _GUARD) << DAMP_SHIFT
+        state[TOLD] = _data(told)
+        held = (state[COEFFICIENT] * state[TOLD]) >> _NEAR_SHIFT
     if state[LOADED] == 0:
         state[LOADED] = 1
         state[THETA] = words[LEARN_MAX] << (_THETA_CUT - FIRST_SHIFT)
