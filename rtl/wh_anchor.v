@@ -104,7 +104,9 @@ module wh_anchor #(
     localparam integer FAR_SHIFT  = `WH_WAVE_Q + `WH_FLUX_Q - LONG_Q;
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
-    localparam integer INNER_SHIFT = 8;  // of z within the zone, of both means
+    localparam integer INNER_SHIFT = 6;  // of z within the zone, of both means
+    localparam [3:0]   HURRY_IN    = 3;  // ticks more in which y' moves after a count that the rotor travels,
+    localparam [3:0]   HURRY_OUT   = 15; // and on its way out
     localparam integer BEHIND_SHIFT = (AXIS == 1) ? 4 : 5;  // of the count by which z is behind χ after a turn
     localparam integer FEW_SHIFT   = INNER_SHIFT + 1 + CUT;  // by half of a step of y' shrinks y_b
     localparam integer THETA_CUT   = `WH_LEARN_Q + LONG_Q - CUT - FAR_SHIFT - `WH_PULL_Q;  // of θ below a coefficient
@@ -153,10 +155,13 @@ module wh_anchor #(
     reg                      counted_q;   // direction of the last edge of which that was so
     reg                      travels_q;   // and the one before it had the same direction
     reg                      sinks_q;     // the last edge lessened the flux
+    reg                      presses_q;   // y' is below 0
     reg [1:0]                fresh_q;     // ticks for which that edge is one that a contact can begin with
     reg [REST_W-1:0]         quiet_q;     // ticks left until a rotor without two edges the same way is slow
     reg [FOLLOW_W-1:0]       phase_q;     // y' moves in the tick that finds 1 or 0
+    reg [3:0]                hurries_q;   // ticks left in which it does as well
     reg                      follows_q;   // it does in this tick
+    reg [1:0]                copies_q;    // x̂'s slow copy moves in the tick that finds 0
     reg [1:0]                chi_at_q;    // where in the memory χ is, 1 to 3,
     reg [1:0]                up_at_q;     // χ before the last edge that raised the flux,
     reg [1:0]                down_at_q;   // and that before the last one that lessened it
@@ -177,6 +182,7 @@ module wh_anchor #(
     wire                     edged    = (fresh_q != 2'd0);
     wire                     slow     = (quiet_q == {REST_W{1'b0}});
     wire                     follows  = (phase_q[FOLLOW_W-1:1] == {(FOLLOW_W - 1){1'b0}});
+    wire                     hurries  = (hurries_q != 4'd0);
     wire                     sinks;       // this tick's edge lessens the flux
     wire                     steps    = start_q && moves && !begins_q;
 
@@ -194,7 +200,9 @@ module wh_anchor #(
             fresh_q      <= 2'd0;
             quiet_q      <= {REST_W{1'b0}};
             phase_q      <= {FOLLOW_W{1'b0}};
+            hurries_q    <= 4'd0;
             follows_q    <= 1'b0;
+            copies_q     <= 2'd0;
             chi_at_q     <= 2'd1;
             up_at_q      <= 2'd2;
             down_at_q    <= 2'd3;
@@ -204,11 +212,14 @@ module wh_anchor #(
             start_q <= accepts;
             if (accepts) begin
                 started_q <= 1'b1;
+                copies_q  <= copies_q - {1'b0, started_q};
                 contact_q <= contact_i;
                 begins_q  <= contact_i && !contact_q;
             end
             if (start_q) begin
-                follows_q <= follows;
+                follows_q <= follows || same_way || hurries;
+                hurries_q <= same_way ? (back == presses_q ? HURRY_OUT : HURRY_IN)
+                             : hurries_q - {3'd0, hurries};
                 phase_q   <= follows ? follow_ticks : phase_q - 1'b1;
                 back_q    <= moves ? back : back_q;
                 sinks_q   <= moves ? sinks : sinks_q;
@@ -382,7 +393,6 @@ module wh_anchor #(
     reg                     above_q;                 // above it
     reg signed [DATA_W-1:0] brush_q;                 // s31q16 counts, 0...: y_b
     reg signed [DATA_W-1:0] told_q;                  // s31q16 counts: y' + sgn y' y_b - 2 (y - y')
-    reg                     presses_q;               // y' is below 0
     reg signed [COEF_W-1:0] theta_q;                 // s27q20 V a count: θ, 0...learn_max
     reg                     full_q;                  // it is the largest
     reg                     void_q;                  // it is below 0
@@ -395,12 +405,13 @@ module wh_anchor #(
     reg                     sign_q;                  // below 0
     wire                    loses;                   // sum_q is not to be written
     reg                     sinks_p_q;               // p is below 0
+    reg                     hits_q;                  // the rotor travels, and p is beyond half a count
 
     wire back_sum = sum_q[LONG_W-1];
     wire moves_mean = follows_q && contact_q && travels_q && !blind_q && !far_q && !begins_q;
 
     wire grows  = (sinks_p_q != presses_q);
-    wire learns = contact_q && out_q && !saturated_q && !blind_q && !(grows ? full_q || clipped_q : void_q);
+    wire learns = contact_q && out_q && !hits_q && !saturated_q && !blind_q && !(grows ? full_q || clipped_q : void_q);
 
     // Whether z is beyond the last edge's bound: of z less the bound, sum_q of the step BACK.
     wire known  = sinks_q ? knows_up_q : knows_down_q;
@@ -517,7 +528,7 @@ module wh_anchor #(
                 inner      = 1'b1;
                 memory_too = 1'b1;
                 fresh      = 1'b1;
-                writes     = 1'b1;
+                writes     = (copies_q == 2'd0);
                 write_to   = M_FOLLOWER;
             end
             TAKE_THETA: begin
@@ -820,6 +831,7 @@ module wh_anchor #(
         end
         if (placed) begin
             sinks_p_q <= back_sum;
+            hits_q    <= travels_q && out;
         end
         if (go_q) begin
             case (adds_q)

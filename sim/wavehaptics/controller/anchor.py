@@ -19,11 +19,13 @@ holds χ:
   one downwards UP its lower end, where they lie within the zone; where they lie beyond its other
   end, that end does. This lasts until the next edge; of a brushless motor's axis, which an edge
   hardly moves at some angles, until z has been there once.
-- ``p`` is q, or z/256 within the zone, and ``c = θ·(y' + sgn(y')·y_b) − g_ρ·p``. y = L̂·i, y' is
-  its mean of some milliseconds, which follows only while the rotor travels: while its last two
-  full counts had the same direction. θ is a resistance that is learned from p where z is out of
-  the zone, ``θ −= g_θ·p·sgn(y')``, from a quarter of the largest on. It is kept from contact to
-  contact.
+- ``p`` is q, or z/64 within the zone, and ``c = θ·(y' + sgn(y')·y_b) − g_ρ·p``. y = L̂·i, y' is
+  its mean of some milliseconds. It follows only while the rotor travels: while its last two full
+  counts had the same direction. With each such count it takes a sixteenth of its distance besides,
+  a quarter on the way out, so that it keeps up with a fast hit.
+- θ is a resistance. It is learned from p where z is out of the zone, ``θ −= g_θ·p·sgn(y')``, from a
+  quarter of the largest on, and kept from contact to contact. While the rotor travels, nothing is
+  learned where p is beyond half a count: a resistance that grows within a hit gives out energy.
 - While the rotor doesn't travel, twice θ resists what swings about y': ``c = θ·(y' + sgn(y')·y_b −
   2·(y − y')) − g_ρ·p``.
 - y_b stands for the brushes' voltage. It shrinks by half of what y' falls, so that c falls at
@@ -110,23 +112,29 @@ assert len(_WORDS) == SETTINGS
     LOADED,  # θ is there: at first a quarter of the largest
     OVERLOADED,  # the current was at the end of its range, and c has been at its limit since
     TOLD,  # s31q16 counts: what θ acts on, of the last period in contact
-) = range(39)
+    HURRIES,  # periods left in each of which y' moves
+    COPIES,  # periods left until x̂'s slow copy moves
+) = range(41)
 """Indices of an anchor's state."""
-STATES = 39
+STATES = 41
 
 FRESH_TICKS = 3
 """An edge begins a contact that is reported in its own period or in the next two."""
 
-INNER_SHIFT = 8
-"""Inside the zone 2^-8 of z counts: what drifts within a count dies out."""
+INNER_SHIFT = 6
+"""Inside the zone 2^-6 of z counts: what drifts within a count dies out."""
 AHEAD_SHIFT = 2
 """The zone of a rotor that goes on is a quarter of a count ahead."""
 BEHIND_SHIFT = 5
 """That of a rotor that has turned is 1/32 of a count behind: so much a bound gives way at each
 edge, as a rotor that neither gained nor lost by an edge would bounce on it for ever. An axis, on
 which such a bounce is stronger, is 1/16 of a count behind."""
-MEAN_SHIFT = 8
-"""y' takes 2^-8 of its distance to y in one period of FOLLOW_TICKS."""
+MEAN_SHIFT = 6
+"""y' takes 2^-6 of its distance to y in one period of FOLLOW_TICKS, and"""
+HURRY_IN = 4
+"""in as many periods after each count that the rotor travels,"""
+HURRY_OUT = 16
+"""in as many on its way out."""
 FIRST_SHIFT = 2
 """θ begins with a quarter of the largest."""
 SHRINK_SHIFT = 1
@@ -136,9 +144,10 @@ DAMP_SHIFT = 1
 FREE_SHIFT = 1
 """Out of contact c may be 2^-1 of c_0: where only the sensor's offset flows, R has no voltage and a
 brush not all of its own."""
-FOLLOWER_SHIFT = 8
-"""x̂'s slow copy takes 2^-8 of its distance in each tick."""
-FOLLOWER_TICKS = 1 << FOLLOWER_SHIFT
+FOLLOWER_SHIFT = 6
+"""x̂'s slow copy takes 2^-6 of its distance in one period of COPY_TICKS."""
+COPY_TICKS = 4
+FOLLOWER_TICKS = COPY_TICKS << FOLLOWER_SHIFT
 SEEN_CELLS = formats.LONG.step * 2.0**formats.LONG_GUARD
 """Cells of the last place of the RTL's ``flux_o`` and ``lag_o``, χ and x̂ less its slow copy."""
 
@@ -301,6 +310,12 @@ def _turn(
         state[COUNTED] = state[NEGATIVE]
     follows = state[PHASE] == 0
     state[PHASE] = max(words[FOLLOW_TICKS] - 1, 0) if follows else state[PHASE] - 1
+    if same_way:
+        outward = (state[NEGATIVE] != 0) == (state[MEAN] < 0)
+        state[HURRIES] = HURRY_OUT if outward else HURRY_IN
+    if state[HURRIES] > 0:
+        state[HURRIES] -= 1
+        follows = True
 
     e = -voltage if voltage < 0 else voltage
     reach = words[REACH] if contact else words[REACH] >> FREE_SHIFT
@@ -381,7 +396,8 @@ def _turn(
         beyond = past
     elif contact and axis:
         state[BOUND] = 0
-    p = _data(long_word(beyond) >> _GUARD)
+    beyond = long_word(beyond)
+    p = _data(beyond >> _GUARD)
 
     if not contact and state[QUIET] == 0 and not blind:
         zero = state[ZERO] - zero_step
@@ -416,7 +432,8 @@ def _turn(
         state[THETA] = words[LEARN_MAX] << (_THETA_CUT - FIRST_SHIFT)
     grows = (p < 0) != presses_down
     stops = state[FULL] != 0 or state[CLIPPED] != 0 if grows else state[THETA] < 0
-    learns = contact and (over or under) and not saturated and not blind
+    hits = state[TRAVELS] != 0 and (beyond - half >= 0 or beyond + half < 0)
+    learns = contact and (over or under) and not hits and not saturated and not blind
     if learns and not stops:
         step = (words[LEARN_GAIN] * p) >> _FAR_SHIFT
         state[THETA] = long_word(state[THETA] + (step if presses_down else -step))
@@ -446,4 +463,7 @@ def _turn(
 
     lag = long_word(place - chi - state[FOLLOWER])
     state[LAG] = lag
-    state[FOLLOWER] = long_word(state[FOLLOWER] + (lag >> FOLLOWER_SHIFT))
+    if state[COPIES] == 0:
+        state[COPIES] = COPY_TICKS
+        state[FOLLOWER] = long_word(state[FOLLOWER] + (lag >> FOLLOWER_SHIFT))
+    state[COPIES] -= 1
