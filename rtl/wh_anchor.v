@@ -5,13 +5,16 @@
 //   χ  = L̂ i + k̂_T x - Σ (s T/2)(u + v)       flux of the port, in counts of k̂_T Δ; 0 if all is ideal
 //   z  = χ and a quarter of a count in the direction of an edge that is the second the same way, else -1/32 (-1/16
 //        with AXIS = 1)
-//   p  = z beyond ±1/2, z/256 within; the last edge's bound χ_b replaces an end of ±1/2
-//   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2; 0...learn_max, at first a quarter
-//   c  = θ (y' + sgn y' y_b) - g_ρ p           the first term in contact only
+//   p  = z beyond ±1/2, z/64 within; the last edge's bound χ_b replaces an end of ±1/2
+//   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2, and of a rotor that travels,
+//                                              |p| < 1/2; 0...learn_max, at first a quarter
+//   c  = θ (y' + sgn y' y_b - d) - g_ρ p       the first term in contact only
+//   d  = 2 (y - y')                            y = L̂ i; 0 while the rotor travels
 //   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
-// y' is the mean of L̂ i while the rotor travels, two counts and more the same way. y_b stands for the brushes
-// and shrinks by half of what y' falls. The bound χ_b: after an edge upwards z stays below the χ from before
+// The rotor travels while its last two full counts, edges with the direction of the edge before, had the same
+// direction. Only then y' follows y: in one tick of follow_ticks, and in 4 ticks after each full count, on its way
+// out in 16. y_b stands for the brushes and shrinks by half of what y' falls. The bound χ_b: after an edge upwards z stays below the χ from before
 // the last edge downwards, and the other way round; so a rotor that crosses back over an edge meets no more
 // force on its way out, and no less on its way in, than it met there before. Where χ_b is beyond the zone's
 // other end, that end is the bound. It is in force until the next edge; with AXIS = 1, until z has been there
@@ -392,7 +395,7 @@ module wh_anchor #(
     reg                     out_q;                   // z is outside the zone,
     reg                     above_q;                 // above it
     reg signed [DATA_W-1:0] brush_q;                 // s31q16 counts, 0...: y_b
-    reg signed [DATA_W-1:0] told_q;                  // s31q16 counts: y' + sgn y' y_b - 2 (y - y')
+    reg signed [DATA_W-1:0] told_q;                  // s31q16 counts: y' + sgn y' y_b - d
     reg signed [COEF_W-1:0] theta_q;                 // s27q20 V a count: θ, 0...learn_max
     reg                     full_q;                  // it is the largest
     reg                     void_q;                  // it is below 0
@@ -401,7 +404,7 @@ module wh_anchor #(
     reg                     strange_q;               // and wants to be beyond it by strange
     reg                     negative_q;              // the correction that is wanted, g_ρ p,
     reg                     wild_q;                  // and it is more than a word
-    reg                     huge_q;                  // so is θ (y' + sgn y' y_b), which is
+    reg                     huge_q;                  // so is θ's product, which is
     reg                     sign_q;                  // below 0
     wire                    loses;                   // sum_q is not to be written
     reg                     sinks_p_q;               // p is below 0
