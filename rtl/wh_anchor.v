@@ -5,7 +5,7 @@
 //   χ  = L̂ i + k̂_T x - Σ (s T/2)(u + v)       flux of the port, in counts of k̂_T Δ; 0 if all is ideal
 //   z  = χ and a quarter of a count in the direction of an edge that is the second the same way, else -1/32 (-1/16
 //        with AXIS = 1)
-//   p  = z beyond ±1/2, z/64 within; the last edge's bound χ_b replaces an end of ±1/2
+//   p  = z beyond ±1/2, z/128 within; the last edge's bound χ_b replaces an end of ±1/2
 //   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2, and of a rotor that travels,
 //                                              |p| < 1/2; 0...learn_max, at first a quarter
 //   c  = θ (y' + sgn y' y_b - d) - g_ρ p       the first term in contact only
@@ -13,8 +13,8 @@
 //   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
 // The rotor travels while its last two full counts, edges with the direction of the edge before, had the same
-// direction. Only then y' follows y: in one tick of follow_ticks, and in 4 ticks after each full count, on its way
-// out in 16. y_b stands for the brushes and shrinks by half of what y' falls. The bound χ_b: after an edge upwards z stays below the χ from before
+// direction. Only then y' follows y: in one tick of follow_ticks, and in 8 ticks after each full count, on its way
+// out in 32. y_b stands for the brushes and shrinks by half of what y' falls. The bound χ_b: after an edge upwards z stays below the χ from before
 // the last edge downwards, and the other way round; so a rotor that crosses back over an edge meets no more
 // force on its way out, and no less on its way in, than it met there before. Where χ_b is beyond the zone's
 // other end, that end is the bound. It is in force until the next edge; with AXIS = 1, until z has been there
@@ -107,9 +107,9 @@ module wh_anchor #(
     localparam integer FAR_SHIFT  = `WH_WAVE_Q + `WH_FLUX_Q - LONG_Q;
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
-    localparam integer INNER_SHIFT = 6;  // of z within the zone, of both means
-    localparam [3:0]   HURRY_IN    = 3;  // ticks more in which y' moves after a count that the rotor travels,
-    localparam [3:0]   HURRY_OUT   = 15; // and on its way out
+    localparam integer INNER_SHIFT = 7;  // of z within the zone, of both means
+    localparam [4:0]   HURRY_IN    = 7;  // ticks more in which y' moves after a count that the rotor travels,
+    localparam [4:0]   HURRY_OUT   = 31; // and on its way out
     localparam integer BEHIND_SHIFT = (AXIS == 1) ? 4 : 5;  // of the count by which z is behind χ after a turn
     localparam integer FEW_SHIFT   = INNER_SHIFT + 1 + CUT;  // by half of a step of y' shrinks y_b
     localparam integer THETA_CUT   = `WH_LEARN_Q + LONG_Q - CUT - FAR_SHIFT - `WH_PULL_Q;  // of θ below a coefficient
@@ -162,9 +162,9 @@ module wh_anchor #(
     reg [1:0]                fresh_q;     // ticks for which that edge is one that a contact can begin with
     reg [REST_W-1:0]         quiet_q;     // ticks left until a rotor without two edges the same way is slow
     reg [FOLLOW_W-1:0]       phase_q;     // y' moves in the tick that finds 1 or 0
-    reg [3:0]                hurries_q;   // ticks left in which it does as well
+    reg [4:0]                hurries_q;   // ticks left in which it does as well
     reg                      follows_q;   // it does in this tick
-    reg [1:0]                copies_q;    // x̂'s slow copy moves in the tick that finds 0
+    reg                      copies_q;    // x̂'s slow copy moves in the tick that finds 0
     reg [1:0]                chi_at_q;    // where in the memory χ is, 1 to 3,
     reg [1:0]                up_at_q;     // χ before the last edge that raised the flux,
     reg [1:0]                down_at_q;   // and that before the last one that lessened it
@@ -185,7 +185,7 @@ module wh_anchor #(
     wire                     edged    = (fresh_q != 2'd0);
     wire                     slow     = (quiet_q == {REST_W{1'b0}});
     wire                     follows  = (phase_q[FOLLOW_W-1:1] == {(FOLLOW_W - 1){1'b0}});
-    wire                     hurries  = (hurries_q != 4'd0);
+    wire                     hurries  = (hurries_q != 5'd0);
     wire                     sinks;       // this tick's edge lessens the flux
     wire                     steps    = start_q && moves && !begins_q;
 
@@ -203,9 +203,9 @@ module wh_anchor #(
             fresh_q      <= 2'd0;
             quiet_q      <= {REST_W{1'b0}};
             phase_q      <= {FOLLOW_W{1'b0}};
-            hurries_q    <= 4'd0;
+            hurries_q    <= 5'd0;
             follows_q    <= 1'b0;
-            copies_q     <= 2'd0;
+            copies_q     <= 1'b0;
             chi_at_q     <= 2'd1;
             up_at_q      <= 2'd2;
             down_at_q    <= 2'd3;
@@ -215,14 +215,14 @@ module wh_anchor #(
             start_q <= accepts;
             if (accepts) begin
                 started_q <= 1'b1;
-                copies_q  <= copies_q - {1'b0, started_q};
+                copies_q  <= started_q && !copies_q;
                 contact_q <= contact_i;
                 begins_q  <= contact_i && !contact_q;
             end
             if (start_q) begin
                 follows_q <= follows || same_way || hurries;
                 hurries_q <= same_way ? (back == presses_q ? HURRY_OUT : HURRY_IN)
-                             : hurries_q - {3'd0, hurries};
+                             : hurries_q - {4'd0, hurries};
                 phase_q   <= follows ? follow_ticks : phase_q - 1'b1;
                 back_q    <= moves ? back : back_q;
                 sinks_q   <= moves ? sinks : sinks_q;
@@ -531,7 +531,7 @@ module wh_anchor #(
                 inner      = 1'b1;
                 memory_too = 1'b1;
                 fresh      = 1'b1;
-                writes     = (copies_q == 2'd0);
+                writes     = !copies_q;
                 write_to   = M_FOLLOWER;
             end
             TAKE_THETA: begin

@@ -19,7 +19,7 @@ holds χ:
   one downwards UP its lower end, where they lie within the zone; where they lie beyond its other
   end, that end does. This lasts until the next edge; of a brushless motor's axis, which an edge
   hardly moves at some angles, until z has been there once.
-- ``p`` is q, or z/64 within the zone, and ``c = θ·(y' + sgn(y')·y_b) − g_ρ·p``. y = L̂·i, y' is
+- ``p`` is q, or z/128 within the zone, and ``c = θ·(y' + sgn(y')·y_b) − g_ρ·p``. y = L̂·i, y' is
   its mean of some milliseconds. It follows only while the rotor travels: while its last two full
   counts had the same direction. With each such count it takes a sixteenth of its distance besides,
   a quarter on the way out, so that it keeps up with a fast hit.
@@ -121,19 +121,19 @@ STATES = 41
 FRESH_TICKS = 3
 """An edge begins a contact that is reported in its own period or in the next two."""
 
-INNER_SHIFT = 6
-"""Inside the zone 2^-6 of z counts: what drifts within a count dies out."""
+INNER_SHIFT = 7
+"""Inside the zone 2^-7 of z counts: what drifts within a count dies out."""
 AHEAD_SHIFT = 2
 """The zone of a rotor that goes on is a quarter of a count ahead."""
 BEHIND_SHIFT = 5
 """That of a rotor that has turned is 1/32 of a count behind: so much a bound gives way at each
 edge, as a rotor that neither gained nor lost by an edge would bounce on it for ever. An axis, on
 which such a bounce is stronger, is 1/16 of a count behind."""
-MEAN_SHIFT = 6
-"""y' takes 2^-6 of its distance to y in one period of FOLLOW_TICKS, and"""
-HURRY_IN = 4
+MEAN_SHIFT = 7
+"""y' takes 2^-7 of its distance to y in one period of FOLLOW_TICKS, and"""
+HURRY_IN = 8
 """in as many periods after each count that the rotor travels,"""
-HURRY_OUT = 16
+HURRY_OUT = 32
 """in as many on its way out."""
 FIRST_SHIFT = 2
 """θ begins with a quarter of the largest."""
@@ -144,9 +144,9 @@ DAMP_SHIFT = 1
 FREE_SHIFT = 1
 """Out of contact c may be 2^-1 of c_0: where only the sensor's offset flows, R has no voltage and a
 brush not all of its own."""
-FOLLOWER_SHIFT = 6
-"""x̂'s slow copy takes 2^-6 of its distance in one period of COPY_TICKS."""
-COPY_TICKS = 4
+FOLLOWER_SHIFT = 7
+"""x̂'s slow copy takes 2^-7 of its distance in one period of COPY_TICKS."""
+COPY_TICKS = 2
 FOLLOWER_TICKS = COPY_TICKS << FOLLOWER_SHIFT
 SEEN_CELLS = formats.LONG.step * 2.0**formats.LONG_GUARD
 """Cells of the last place of the RTL's ``flux_o`` and ``lag_o``, χ and x̂ less its slow copy."""
@@ -420,9 +420,7 @@ def _turn(
 
     held = 0
     if contact:
-        told = (state[MEAN] >> _GUARD) + (
-            -state[BRUSH_LEFT] if presses_down else state[BRUSH_LEFT]
-        )
+        told = (state[MEAN] >> _GUARD) + (-state[BRUSH_LEFT] if presses_down else state[BRUSH_LEFT])
         if state[TRAVELS] == 0 and not begins and not blind and not far:
             told -= (long_word(y - state[MEAN]) >> _GUARD) << DAMP_SHIFT
         state[TOLD] = _data(told)
