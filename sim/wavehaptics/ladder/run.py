@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -22,7 +23,7 @@ from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.r_hat_error import Estimate
 from wavehaptics.ladder.sampled import SampledSimulation
 from wavehaptics.runtime.files import write_json
-from wavehaptics.scene import Scene
+from wavehaptics.scene import Device, Scene
 from wavehaptics.trace.columns import TRACE_FILE, Column, TraceWriter, Word
 from wavehaptics.trace.metrics import Metrics
 from wavehaptics.trace.pictures import run_picture
@@ -240,4 +241,33 @@ def run_scene(
     trace.save()
     write_json(out / "metrics.json", result)
     run_picture(trace.arrays(), result, out / "run.png", scene.controller.walls)
+    return result
+
+
+def run_device(
+    device: Device,
+    controller: str,
+    out: Path,
+    progress: Callable[[str, float], None] = lambda motor, part: None,
+) -> dict[str, Any]:
+    """Run each motor as :func:`run_scene`, into a folder of its name in ``out``.
+
+    The motors have nothing between them, so they run one after another. ``out`` gets a
+    ``metrics.json`` of all: what they have in common, and in ``motors`` the metrics of each.
+    ``progress`` is called with the motor's name and the part of its run that is done.
+    """
+    for scene in device.scenes:
+        refuse(scene, controller)
+    motors = {
+        name: run_scene(scene, controller, out / name, partial(progress, name))
+        for name, scene in device.motors.items()
+    }
+    result = {
+        "scene": device.name,
+        "controller": controller,
+        "duration_s": max(one["duration_s"] for one in motors.values()),
+        "wall_clock_s": sum(one["wall_clock_s"] for one in motors.values()),
+        "motors": motors,
+    }
+    write_json(out / "metrics.json", result)
     return result

@@ -58,27 +58,26 @@ class Device:
         """Name of the scene, which all motors share."""
         return self.scenes[0].scene.name
 
-    def one(self, motor: str | None, cure: str) -> Scene:
-        """The scene of the motor of that name or number, or without either of the only one.
-
-        :class:`SceneError` where there is none, or where there are several; ``cure`` then says
-        what to do.
-        """
-        known = ", ".join(self.motors)
-        if motor is None:
-            if len(self.motors) > 1:
-                raise SceneError(
-                    f"{self.place}: the scene has {len(self.motors)} motors, {known}; {cure}"
-                )
-            return self.scenes[0]
+    def only(self, motor: str) -> Device:
+        """The device of the motor of that name or number alone; :class:`SceneError` without it."""
         for number, (name, scene) in enumerate(self.motors.items()):
             if motor in (name, str(number)):
-                return scene
+                return Device({name: scene}, self.place)
         near = nearest(motor, self.motors)
         meant = f"did you mean {near}? " if near else ""
+        known = ", ".join(self.motors)
         raise SceneError(
             f"--motor {motor}: {self.place}: there is no such motor; {meant}known: {known}"
         )
+
+    def one(self, cure: str) -> Scene:
+        """The scene of the only motor; :class:`SceneError` ending in ``cure`` where it isn't."""
+        if len(self.motors) > 1:
+            known = ", ".join(self.motors)
+            raise SceneError(
+                f"{self.place}: the scene has {len(self.motors)} motors, {known}; {cure}"
+            )
+        return self.scenes[0]
 
 
 @dataclass
@@ -106,7 +105,7 @@ def shared(path: KeyPath) -> str | None:
     """Why ``path``, a key or table of one motor, belongs to all; ``None`` where it doesn't."""
     for at, why in SHARED.items():
         if path[: len(at)] == at:
-            return f"{dotted(path)} is the same for every motor: {why}; move it to [{at[0]}]"
+            return f"{dotted(path)} is the same for every motor: {why}"
     return None
 
 
@@ -167,7 +166,7 @@ def _motor(
         keys: list[KeyPath] = [(key, below) for below in value] if isinstance(value, dict) else []
         for path in keys or [(key,)]:
             if why := shared(path):
-                raise MotorsError((*at, *path), f"{MOTORS}.{name}: {why}")
+                raise MotorsError((*at, *path), f"{MOTORS}.{name}: {why}; move it to [{key}]")
         merged = isinstance(value, dict) and isinstance(data.get(key), dict)
         data[key] = {**data[key], **value} if merged else value
         own += keys if merged else [(key,)]

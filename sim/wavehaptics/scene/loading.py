@@ -79,7 +79,7 @@ def _of_one(
         )
     at = path[2:] if len(path) == 4 else ("motor", path[2])
     if why := shared(at):
-        raise SceneError(f"{where}: {why}")
+        raise SceneError(f"{where}: {why}; write {'.'.join(at)}=value")
     return found, at
 
 
@@ -157,13 +157,14 @@ def load_scene(
     path: str | Path,
     overrides: Sequence[str] = (),
     motor: str | None = None,
-    cure: str = "one is simulated here: leave one in the file",
+    cure: str = "one is taken here; leave one of them in the file",
 ) -> Scene:
     """The scene of one motor of the file: the only one, or ``motor`` by its name or number.
 
     As :func:`load_device`, and ``SceneError`` ending in ``cure`` where there are several.
     """
-    return load_device(path, overrides).one(motor, cure)
+    device = load_device(path, overrides)
+    return (device if motor is None else device.only(motor)).one(cure)
 
 
 def shipped_scenes() -> dict[str, Path]:
