@@ -20,6 +20,7 @@ from wavehaptics.scene import (
     Scene,
     SceneError,
     find_scene,
+    load_device,
     load_scene,
     shipped_scenes,
 )
@@ -504,11 +505,12 @@ def test_shipped_scenes():
         "soft_layer",
         "spring_damper",
         "stiffest",
+        "two_motors",
         "two_walls",
         "warm_winding",
     }
     for name, path in shipped.items():
-        assert load_scene(path).scene.name == name
+        assert load_device(path).name == name
         assert find_scene(name) == path
     stiffest = load_scene(shipped["stiffest"]).controller
     assert stiffest.lambda_ == stiffest.tick_hz / (1 + stiffest.extra_ticks)
@@ -572,10 +574,13 @@ def test_description_has_the_presets():
         assert tuple(float(cell) for cell in row.split("|")) == pytest.approx(tuple(motor))
 
 
-def test_example_of_the_description_is_a_scene(tmp_path):
+def test_examples_of_the_description_are_scenes(tmp_path):
     page = (SCENES_DIR / "README.md").read_text(encoding="utf-8")
-    (example,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    example, motors = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     assert load_text(tmp_path, example).scene.name == "my_taps"
+    path = tmp_path / "motors.toml"
+    path.write_text(motors + re.sub(r"\[motor\]\n.*\n", "", BASE))
+    assert list(load_device(path).motors) == ["shoulder", "elbow"]
 
 
 def _loads_or_refuses(folder: Path, content: bytes, *overrides: str) -> None:

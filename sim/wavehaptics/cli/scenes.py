@@ -117,13 +117,11 @@ def run(
         for beyond in exceeded(loaded, controller):
             if beyond.quantity != CURRENT:  # whether it was is known after the run
                 warn(f"{_of(device, name)}{beyond}")
-    found = _run(device, controller, folder)
+    found = _run(device, controller, folder, named=motor is not None)
     for line in told:
         print(line)
-    for name, metrics in found.items():
-        if len(found) > 1:
-            print(f"motor {name}")
-        print(metrics_table(metrics))
+    for number, (name, metrics) in enumerate(found.items()):
+        print(metrics_table(metrics), end="\n" if number == len(found) - 1 else "\n\n")
         if clipped := metrics.get("clipped_fraction"):
             warn(
                 f"{_of(device, name)}in {100 * clipped:.2g} % of the ticks the current, a sample "
@@ -138,14 +136,17 @@ def _folder(name: str, motor: str | None) -> Path:
     return RUNS_DIR / name if motor is None else RUNS_DIR / name / motor
 
 
-def _run(device: Device, controller: str, folder: Path) -> dict[str, dict[str, Any]]:
-    """Metrics of each motor, whose files are written."""
+def _run(
+    device: Device, controller: str, folder: Path, *, named: bool
+) -> dict[str, dict[str, Any]]:
+    """Metrics of each motor, whose files are written; ``named``: one alone says its name."""
     if len(device.motors) == 1:
         from wavehaptics.ladder.run import run_scene
 
         ((name, loaded),) = device.motors.items()
         with shown_progress(f"{device.name} on {controller}") as progress:
-            return {name: run_scene(loaded, controller, folder, progress)}
+            motor = name if named else None
+            return {name: run_scene(loaded, controller, folder, progress, motor)}
 
     from wavehaptics.ladder.run import run_device
 

@@ -224,11 +224,16 @@ def _ticks(scene: Scene, tick_s: float) -> int:
 
 
 def run_scene(
-    scene: Scene, controller: str, out: Path, progress: Callable[[float], None] | None = None
+    scene: Scene,
+    controller: str,
+    out: Path,
+    progress: Callable[[float], None] | None = None,
+    motor: str | None = None,
 ) -> dict[str, Any]:
     """Run a scene as :func:`measure`, and write ``trace.npz``, ``metrics.json`` and ``run.png``.
 
-    The files go into ``out``. Returns the metrics.
+    The files go into ``out``. ``motor`` is its name where the scene is of one of several. Returns
+    the metrics.
     """
     refuse(scene, controller)
     simulation = CONTROLLERS[controller](scene)
@@ -238,6 +243,8 @@ def run_scene(
         anchored=_anchored(controller, simulation),
     )  # fmt: skip
     result = _measure(scene, controller, simulation, trace, progress)
+    if motor is not None:
+        result = {"motor": motor, **result}
     trace.save()
     write_json(out / "metrics.json", result)
     run_picture(trace.arrays(), result, out / "run.png", scene.controller.walls)
@@ -259,7 +266,7 @@ def run_device(
     for scene in device.scenes:
         refuse(scene, controller)
     motors = {
-        name: run_scene(scene, controller, out / name, partial(progress, name))
+        name: run_scene(scene, controller, out / name, partial(progress, name), name)
         for name, scene in device.motors.items()
     }
     result = {
