@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from test_abilities import BASE, DRIVEN, ENCODER, KEYS, SENSED
 from wavehaptics.cli import main
 from wavehaptics.fpga.scene_registers import scene_registers
 from wavehaptics.ladder.run import run_device, run_scene
@@ -25,7 +26,7 @@ from wavehaptics.scene import (
     load_scene,
     shipped_scenes,
 )
-from wavehaptics.scene.device import SHARED
+from wavehaptics.scene.device import SHARED, shared
 from wavehaptics.trace.columns import load_trace
 
 COMMON = """\
@@ -272,42 +273,38 @@ def test_what_a_controller_refuses_names_the_motor(tmp_path, capsys, monkeypatch
     assert f"arm.toml:{SECOND + 2}: motors.motor_1: " in err
 
 
-REGISTER_KEYS = {
-    "controller.tick_hz=500e3", "controller.clock_hz=60e6", "controller.extra_ticks=4",
-    "drive.pwm_hz=125e3", "drive.mode=sign-magnitude", "drive.dead_time_s=200e-9",
-    "drive.compensate=false", "drive.min_pulse_s=300e-9", "adc.part=MAX11125", "adc.bits=10",
-    "motor.R_ohm=3", "motor.L_h=1e-3", "motor.k_t=0.03", "motor.J_kgm2=2e-6",
-    "load.inertia_kgm2=1e-5", "encoder.counts_per_rev=400", "adc.full_scale_a=3",
-    "adc.noise_a=2e-3", "adc.offset_a=1e-3", "drive.bus_v=13", "drive.limit_v=6",
-    "drive.gain_error=0.01", "hand.amplitude_rad=0.1", "controller.lambda=2e3",
-    "controller.eta_contact=-0.5", "controller.eta_free=0.9", "controller.walls=[[0.1, 0.2]]",
-    "controller.edge_hysteresis=true", "controller.r_hat=2", "controller.l_hat=2e-4",
-    "controller.k_t_hat=0.02", "controller.j_hat=2e-6", "controller.anchor_ohm=8",
-    "controller.r_hat_part=0.8", "friction.coulomb_nm=1e-3", "brushes.drop_v=0.1",
-}  # fmt: skip
-OF_NO_MOTOR = ("wh_guard", "wh_trip", "wh_sense_check", "wh_zero", "wh_bus_scale")
-"""Blocks with registers once per board that follow from motors all the same: one guard watches all,
-and the scale of a bus counts only where it is measured."""
+OF_NO_MOTOR = (
+    # One guard watches all motors, ...
+    "wh_guard", "wh_trip", "wh_sense_check", "wh_zero",
+    # ... and these count only where a bus is measured, or a motor is brushless.
+    "wh_bus_scale", "wh_rotor_flux",
+)  # fmt: skip
+"""Blocks whose registers a device has once, though they follow from a motor."""
+SOLDERED = ("ADC", "OSR", "MODES", "DEAD_TIME", "MIN_PULSE", "HOST")
+"""Parameters of ``wh_device`` that are no station which some motors use and others don't."""
+NO_BOARD = ("servo.", "drive.bus_measured", "motor.kind")
+"""Keys that no board takes; a brushless motor's registers are others."""
 
 
-@pytest.mark.parametrize("setting", sorted(REGISTER_KEYS))
-def test_what_is_once_per_board_is_shared(tmp_path, setting):
-    """A key that may differ from motor to motor changes no register that they have in common."""
-    path = write(tmp_path, f"{HEAD}[motor]\n{ELBOW}{COMMON}")
+@pytest.mark.parametrize("key", [key for key in KEYS if not key.startswith(NO_BOARD)])
+def test_what_a_device_has_once_is_shared(tmp_path, key):
+    """A key may differ from motor to motor if and only if no register that is all motors' does."""
+    path = write(tmp_path, BASE)
+    common = (*ENCODER, *SENSED, *DRIVEN, "controller.extra_ticks=4")
 
     def once(*sets: str) -> dict[str, int]:
-        made = scene_registers(load_scene(path, sets))
-        return {
+        made = scene_registers(load_scene(path, [s for s in sets if not s.startswith(NO_BOARD)]))
+        registers = {
             one.name: one.raw for one in made.registers
             if one.word.row.per == "board" and one.word.block not in OF_NO_MOTOR
         }  # fmt: skip
+        return registers | {name: made.parameters.get(name, 0) for name in SOLDERED}
 
-    base = ("controller.extra_ticks=3",)
-    if "compensate" in setting:
-        base += ("drive.dead_time_s=100e-9",)
-    changed = once(*base) != once(*base, setting)
-    key = tuple(setting.partition("=")[0].split("."))
-    assert changed <= (key in SHARED)
+    before, after = KEYS[key]
+    if key == "thermal.ambient_c":
+        after = ("thermal.ambient_c=40",)  # at KEYS' 100 °C a winding bears nothing more
+    changed = once(*common, *before) != once(*common, *before, *after)
+    assert changed == (shared(tuple(key.split("."))) is not None)
 
 
 # ---- What runs.

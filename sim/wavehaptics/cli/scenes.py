@@ -150,12 +150,14 @@ def _run(
 
     from wavehaptics.ladder.run import run_device
 
-    with shown_stages() as show:
-        metrics = run_device(
-            device, controller, folder,
-            lambda name, part: show(f"{device.name}, {name} on {controller}", part),
-        )  # fmt: skip
-    return metrics["motors"]
+    with shown_stages() as stages:
+
+        def show(name: str, part: float) -> None:
+            stages(f"{device.name}, {name} on {controller}", part)
+
+        for name in device.motors:  # what is simulated may have to be built first
+            show(name, 0.0)
+        return run_device(device, controller, folder, show)["motors"]
 
 
 @app.command()

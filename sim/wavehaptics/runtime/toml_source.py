@@ -91,7 +91,7 @@ def parse(content: bytes) -> tuple[dict[str, Any], dict[KeyPath, int]]:
         return data, _index(text).lines
     except RecursionError:
         raise TomlError(
-            1, "arrays or tables are nested too deeply; a scene needs two levels"
+            1, "arrays or tables are nested too deeply; a scene needs three levels"
         ) from None
 
 
