@@ -127,6 +127,12 @@ def test_a_motor_is_chosen_by_name_or_number(tmp_path):
             load_scene(path, motor=motor)
 
 
+def test_a_scene_of_one_motor_has_none_to_choose(tmp_path):
+    path = write(tmp_path, ALONE["motor_1"])
+    with pytest.raises(SceneError, match=r"the scene has one, so leave --motor out$"):
+        load_scene(path, motor="elbow")
+
+
 def test_nothing_takes_only_the_first(tmp_path):
     with pytest.raises(SceneError, match=r"arm\.toml:4: the scene has 2 motors, shoulder, motor_1"):
         load_scene(write(tmp_path, TEXT))

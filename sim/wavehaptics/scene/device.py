@@ -65,10 +65,10 @@ class Device:
                 return Device({name: scene}, self.place)
         near = nearest(motor, self.motors)
         meant = f"did you mean {near}? " if near else ""
-        known = ", ".join(self.motors)
-        raise SceneError(
-            f"--motor {motor}: {self.place}: there is no such motor; {meant}known: {known}"
-        )
+        cure = f"{meant}known: {', '.join(self.motors)}"
+        if len(self.motors) == 1:
+            cure = "the scene has one, so leave --motor out"
+        raise SceneError(f"--motor {motor}: {self.place}: there is no such motor; {cure}")
 
     def one(self, cure: str) -> Scene:
         """The scene of the only motor; :class:`SceneError` ending in ``cure`` where it isn't."""
