@@ -42,7 +42,7 @@ def runs(monkeypatch):
     """Calls of a stand-in for the simulation, which takes seconds to import."""
     calls = []
 
-    def run_scene(scene, controller, out, progress):
+    def run_scene(scene, controller, out, progress, motor):
         calls.append((scene, controller, out))
         progress(0.5)
         assert out.is_dir()

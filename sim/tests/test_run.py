@@ -11,7 +11,7 @@ import pytest
 from wavehaptics.controller import tick_layout
 from wavehaptics.ladder import pins
 from wavehaptics.ladder.run import CONTROLLERS, measure, run_scene
-from wavehaptics.scene import SceneError, find_scene, load_scene, shipped_scenes
+from wavehaptics.scene import SceneError, find_scene, load_device, load_scene, shipped_scenes
 from wavehaptics.trace.columns import Column, Word, load_trace
 
 WALL_SCENES = ("paper_taps", "stiffest", "press_hold", "impact", "phantom")
@@ -36,19 +36,20 @@ def load(name: str, *settings: str):
 @pytest.mark.parametrize("name", sorted(shipped_scenes()))
 def test_core_and_golden_are_the_same_integers(name, tmp_path):
     """Every word of every tick of every shipped scene; of holds that last, of their first part."""
-    scene = load(name)
-    if scene.scene.duration_s > LONGEST_S:
-        scene = load(name, f"scene.duration_s={LONGEST_S}")
-    traces = {}
-    for controller in ("golden", "core"):
-        metrics = run_scene(scene, controller, tmp_path / controller)
-        traces[controller] = load_trace(tmp_path / controller)
-        assert metrics["ticks"] == round(scene.scene.duration_s * scene.controller.tick_hz)
-    assert traces["core"].keys() == traces["golden"].keys()
-    assert {"i_word", "u_word", "v_word", "e_word"} <= traces["core"].keys()
-    for key, values in traces["golden"].items():
-        np.testing.assert_array_equal(traces["core"][key], values, err_msg=key)
-    assert np.unique(traces["core"]["u_word"]).size > 100
+    device = load_device(find_scene(name))
+    if device.scenes[0].scene.duration_s > LONGEST_S:
+        device = load_device(find_scene(name), [f"scene.duration_s={LONGEST_S}"])
+    for scene in device.scenes:
+        traces = {}
+        for controller in ("golden", "core"):
+            metrics = run_scene(scene, controller, tmp_path / controller)
+            traces[controller] = load_trace(tmp_path / controller)
+            assert metrics["ticks"] == round(scene.scene.duration_s * scene.controller.tick_hz)
+        assert traces["core"].keys() == traces["golden"].keys()
+        assert {"i_word", "u_word", "v_word", "e_word"} <= traces["core"].keys()
+        for key, values in traces["golden"].items():
+            np.testing.assert_array_equal(traces["core"][key], values, err_msg=key)
+        assert np.unique(traces["core"]["u_word"]).size > 100
 
 
 def test_torque_error_against_analog_on_the_papers_taps(tmp_path):

@@ -20,6 +20,7 @@ from wavehaptics.scene import (
     Scene,
     SceneError,
     find_scene,
+    load_device,
     load_scene,
     shipped_scenes,
 )
@@ -504,11 +505,12 @@ def test_shipped_scenes():
         "soft_layer",
         "spring_damper",
         "stiffest",
+        "two_motors",
         "two_walls",
         "warm_winding",
     }
     for name, path in shipped.items():
-        assert load_scene(path).scene.name == name
+        assert load_device(path).name == name
         assert find_scene(name) == path
     stiffest = load_scene(shipped["stiffest"]).controller
     assert stiffest.lambda_ == stiffest.tick_hz / (1 + stiffest.extra_ticks)
@@ -572,10 +574,13 @@ def test_description_has_the_presets():
         assert tuple(float(cell) for cell in row.split("|")) == pytest.approx(tuple(motor))
 
 
-def test_example_of_the_description_is_a_scene(tmp_path):
+def test_examples_of_the_description_are_scenes(tmp_path):
     page = (SCENES_DIR / "README.md").read_text(encoding="utf-8")
-    (example,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    example, motors = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     assert load_text(tmp_path, example).scene.name == "my_taps"
+    path = tmp_path / "motors.toml"
+    path.write_text(motors + re.sub(r"\[motor\]\n.*\n", "", BASE))
+    assert list(load_device(path).motors) == ["shoulder", "elbow"]
 
 
 def _loads_or_refuses(folder: Path, content: bytes, *overrides: str) -> None:
@@ -608,7 +613,9 @@ _names = st.sampled_from(
 )
 _pieces = st.one_of(
     _names,
-    st.sampled_from([*"[]{}=.,#\"'\n\\ ", '"""', "[[", "]]", " = ", "\n[", "nan", "-inf"]),
+    st.sampled_from(
+        [*"[]{}=.,#\"'\n\\ ", '"""', "[[", "]]", "\n[[motors]]\n", " = ", "\n[", "nan", "-inf"]
+    ),
     st.sampled_from(['"taps"', '"re25-118743"', '"0.24 mH"', "true", "1e4", "[[0.0, 1.0]]"]),
     st.integers().map(str),
     st.floats().map(repr),
@@ -643,19 +650,28 @@ _values = st.recursive(
 _tables = st.dictionaries(
     st.sampled_from([*TABLES, "zzz"]), st.dictionaries(_names, _values, max_size=5), max_size=6
 )
+_motors = st.lists(
+    st.dictionaries(_names | st.sampled_from(["name", *TABLES]), _values, max_size=3), max_size=2
+)
 
 
-@given(_tables, st.lists(st.tuples(_names, _names, _values), max_size=2), st.booleans())
+@given(_tables, st.lists(st.tuples(_names, _names, _values), max_size=2), _motors, st.booleans())
 @settings(deadline=None, max_examples=300)
-def test_random_documents_are_taken_or_refused_in_words(fuzz_folder, tables, overrides, complete):
+def test_random_documents_are_taken_or_refused_in_words(
+    fuzz_folder, tables, overrides, further, complete
+):
     if complete:  # so that what needs a valid rest is reached
         given_tables, _ = parse(BASE.encode())
         for name, keys in given_tables.items():
             known = {key: f'"{v}"' if isinstance(v, str) else repr(v) for key, v in keys.items()}
             tables = {**tables, name: {**known, **tables.get(name, {})}}
+        if further:
+            del tables["motor"]
+            further = [{"preset": '"re25-118743"', **keys} for keys in further]
     text = "".join(
-        f"[{name}]\n" + "".join(f"{key} = {value}\n" for key, value in keys.items())
-        for name, keys in tables.items()
+        (f"[{name}]\n" if name in tables else "[[motors]]\n")
+        + "".join(f"{key} = {value}\n" for key, value in keys.items())
+        for name, keys in (*tables.items(), *[("motors", keys) for keys in further])
     )
     parse(text.encode())  # the generator makes valid TOML
     settings_ = [f"{table}.{key}={value}" for table, key, value in overrides]

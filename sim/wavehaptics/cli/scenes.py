@@ -7,7 +7,7 @@ import difflib
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -17,19 +17,21 @@ from wavehaptics.cli.shared import (
     RUNS_DIR,
     CommandError,
     SceneArgument,
+    SceneMotorOption,
     SetOption,
     make_folder,
     metrics_table,
+    scene_of_one,
     shown_progress,
     shown_stages,
     warn,
 )
 from wavehaptics.scene import (
-    Scene,
+    Device,
     SceneError,
     find_scene,
     first_comment,
-    load_scene,
+    load_device,
     shipped_scenes,
 )
 
@@ -42,9 +44,9 @@ ControllerOption = Annotated[
 
 
 def _checked(
-    path: Path, controller: str, overrides: Sequence[str] | None
-) -> tuple[Scene, list[str]]:
-    """A scene that ``controller`` can run, and what a person should know of how it does."""
+    path: Path, controller: str, overrides: Sequence[str] | None, motor: str | None
+) -> tuple[Device, list[str]]:
+    """Motors that ``controller`` can run, and what a person should know of how it does."""
     if controller not in CONTROLLERS:
         near = difflib.get_close_matches(controller, CONTROLLERS, n=1)
         meant = f"did you mean {near[0]}? " if near else ""
@@ -52,28 +54,41 @@ def _checked(
         raise CommandError(
             f"--controller {controller}: unknown; {meant}the controllers are {known}"
         )
-    loaded = load_scene(path, overrides or ())
+    device = load_device(path, overrides or ())
+    if motor is not None:
+        device = device.only(motor)
 
     from wavehaptics.ladder.abilities import left_out
     from wavehaptics.ladder.refusals import check
 
     told = []
-    asked_hz, tick_hz = loaded.controller.tick_hz, 1.0 / check(loaded, controller)
-    if not math.isclose(tick_hz, asked_hz, rel_tol=1e-6):
-        told.append(
-            f"`{controller}` ticks at {tick_hz:.6g} Hz, with its carrier, and not at "
-            f"controller.tick_hz = {asked_hz:g} Hz"
-        )
-    if missing := left_out(loaded, controller):
-        told.append(f"`{controller}` leaves out {', '.join(missing)}")
-    return loaded, told
+    for name, loaded in device.motors.items():
+        of = _of(device, name)
+        asked_hz, tick_hz = loaded.controller.tick_hz, 1.0 / check(loaded, controller)
+        if not math.isclose(tick_hz, asked_hz, rel_tol=1e-6):
+            told.append(
+                f"{of}`{controller}` ticks at {tick_hz:.6g} Hz, with its carrier, and not at "
+                f"controller.tick_hz = {asked_hz:g} Hz"
+            )
+        if missing := left_out(loaded, controller):
+            told.append(f"{of}`{controller}` leaves out {', '.join(missing)}")
+    return device, told
 
 
-def _beyond(loaded: Scene, controller: str) -> list[str]:
-    """What the scene may ask for beyond a range, a line each."""
+def _of(device: Device, motor: str) -> str:
+    """What a line says of the motor first, where there are several."""
+    return f"{motor}: " if len(device.motors) > 1 else ""
+
+
+def _beyond(device: Device, controller: str) -> list[str]:
+    """What the motors' scenes may ask for beyond a range, a line each."""
     from wavehaptics.ladder.ranges import exceeded
 
-    return [f"warning: {one}" for one in exceeded(loaded, controller)]
+    return [
+        f"warning: {_of(device, name)}{one}"
+        for name, loaded in device.motors.items()
+        for one in exceeded(loaded, controller)
+    ]
 
 
 @app.command()
@@ -81,6 +96,7 @@ def run(
     scene: SceneArgument,
     controller: ControllerOption = DEFAULT_CONTROLLER,
     overrides: SetOption = None,
+    motor: SceneMotorOption = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -89,34 +105,69 @@ def run(
         ),
     ] = None,
 ) -> None:
-    """Simulate SCENE and write trace.npz, metrics.json and pictures."""
-    loaded, told = _checked(find_scene(scene), controller, overrides)
-    folder = RUNS_DIR / f"{loaded.scene.name}-{controller}" if out is None else out
-    make_folder(folder)
+    """Simulate SCENE and write trace.npz, metrics.json and pictures, of each motor of several."""
+    device, told = _checked(find_scene(scene), controller, overrides, motor)
+    folder = _folder(f"{device.name}-{controller}", motor) if out is None else out
+    for below in [folder] if len(device.motors) == 1 else [folder / name for name in device.motors]:
+        make_folder(below)
 
     from wavehaptics.ladder.ranges import CURRENT, exceeded
-    from wavehaptics.ladder.run import run_scene
 
-    for beyond in exceeded(loaded, controller):
-        if beyond.quantity != CURRENT:  # whether it was is known after the run
-            warn(str(beyond))
-    with shown_progress(f"{loaded.scene.name} on {controller}") as progress:
-        metrics = run_scene(loaded, controller, folder, progress)
+    for name, loaded in device.motors.items():
+        for beyond in exceeded(loaded, controller):
+            if beyond.quantity != CURRENT:  # whether it was is known after the run
+                warn(f"{_of(device, name)}{beyond}")
+    found = _run(device, controller, folder, named=motor is not None)
     for line in told:
         print(line)
-    print(metrics_table(metrics))
-    if clipped := metrics.get("clipped_fraction"):
-        warn(
-            f"in {100 * clipped:.2g} % of the ticks the current, a sample of it or v was at the "
-            "end of its range (clipped_fraction): the port gave way there, or only damped"
-        )
+    for number, (name, metrics) in enumerate(found.items()):
+        print(metrics_table(metrics), end="\n" if number == len(found) - 1 else "\n\n")
+        if clipped := metrics.get("clipped_fraction"):
+            warn(
+                f"{_of(device, name)}in {100 * clipped:.2g} % of the ticks the current, a sample "
+                "of it or v was at the end of its range (clipped_fraction): the port gave way "
+                "there, or only damped"
+            )
     print(f"results in {folder}")
 
 
+def _folder(name: str, motor: str | None) -> Path:
+    """Where results go by default: those of one motor of several where a run of all has them."""
+    return RUNS_DIR / name if motor is None else RUNS_DIR / name / motor
+
+
+def _run(
+    device: Device, controller: str, folder: Path, *, named: bool
+) -> dict[str, dict[str, Any]]:
+    """Metrics of each motor, whose files are written; ``named``: one alone says its name."""
+    if len(device.motors) == 1:
+        from wavehaptics.ladder.run import run_scene
+
+        ((name, loaded),) = device.motors.items()
+        with shown_progress(f"{device.name} on {controller}") as progress:
+            motor = name if named else None
+            return {name: run_scene(loaded, controller, folder, progress, motor)}
+
+    from wavehaptics.ladder.run import run_device
+
+    with shown_stages() as stages:
+
+        def show(name: str, part: float) -> None:
+            stages(f"{device.name}, {name} on {controller}", part)
+
+        for name in device.motors:  # what is simulated may have to be built first
+            show(name, 0.0)
+        return run_device(device, controller, folder, show)["motors"]
+
+
 @app.command()
-def speed(scene: SceneArgument = "paper_taps", overrides: SetOption = None) -> None:
+def speed(
+    scene: SceneArgument = "paper_taps",
+    overrides: SetOption = None,
+    motor: SceneMotorOption = None,
+) -> None:
     """Run SCENE on every controller, and tell how fast and how exact each is."""
-    loaded = load_scene(find_scene(scene), overrides or ())
+    loaded = scene_of_one(scene, overrides, motor)
 
     from rich.console import Console
 
@@ -132,6 +183,7 @@ def impedance(
     scene: SceneArgument,
     controller: Annotated[str, typer.Option(metavar="NAME", help="golden or core.")] = "golden",
     overrides: SetOption = None,
+    motor: SceneMotorOption = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help=f"Folder; {RUNS_DIR}/<scene name>-impedance by default."),
@@ -140,8 +192,8 @@ def impedance(
     """Sweep a hand over contact in SCENE: what it feels like against what was designed."""
     if controller not in ("golden", "core"):
         raise CommandError(f"--controller {controller}: has no sweep; take golden or core")
-    loaded = load_scene(find_scene(scene), overrides or ())
-    folder = RUNS_DIR / f"{loaded.scene.name}-impedance" if out is None else out
+    loaded = scene_of_one(scene, overrides, motor)
+    folder = _folder(f"{loaded.scene.name}-impedance", motor) if out is None else out
     make_folder(folder)
 
     from wavehaptics.studies.impedance import measure
@@ -154,9 +206,11 @@ def impedance(
 
 
 @app.command()
-def shaper(scene: SceneArgument, overrides: SetOption = None) -> None:
+def shaper(
+    scene: SceneArgument, overrides: SetOption = None, motor: SceneMotorOption = None
+) -> None:
     """Design W for what SCENE's \\[shaper] wishes, prove it passive and say what will be felt."""
-    loaded = load_scene(find_scene(scene), overrides or ())
+    loaded = scene_of_one(scene, overrides, motor)
     if loaded.shaper is None:
         raise CommandError(
             f"{loaded.scene.name}: the scene wishes for nothing; give it a [shaper], or "
@@ -174,6 +228,7 @@ def registers(
     scene: SceneArgument,
     form: Annotated[str, typer.Option("--format", metavar="NAME", help="c, verilog or json.")],
     overrides: SetOption = None,
+    motor: SceneMotorOption = None,
     motors: Annotated[int, typer.Option(min=1, max=8, help="Equal motors of the device.")] = 1,
     trip: Annotated[
         float | None,
@@ -188,7 +243,7 @@ def registers(
 
     if form not in FORMATS:
         raise CommandError(f"--format {form}: unknown; take one of {', '.join(FORMATS)}")
-    loaded = load_scene(find_scene(scene), overrides or ())
+    loaded = scene_of_one(scene, overrides, motor)
     if trip is not None and not (math.isfinite(trip) and trip > 0):
         raise CommandError(f"--trip {trip:g}: must be a current in A above 0")
     made = scene_registers(loaded, motors, trip)
@@ -217,19 +272,20 @@ def check(
     """Check SCENE without running it: on a controller, or what of it each can't do."""
     path = find_scene(scene)
     if controller:
-        checked, told = _checked(path, controller, overrides)
+        checked, told = _checked(path, controller, overrides, None)
         print(f"{path}: ok on {controller}")
         for line in told + _beyond(checked, controller):
             print(line)
         return
-    loaded = load_scene(path, overrides or ())
+    device = load_device(path, overrides or ())
 
     from wavehaptics.ladder.refusals import check as check_on
 
     refused = {}
     for name in CONTROLLERS:
         try:
-            check_on(loaded, name)
+            for loaded in device.scenes:
+                check_on(loaded, name)
         except SceneError as error:
             refused[name] = error
     if len(refused) == len(CONTROLLERS):
@@ -238,7 +294,7 @@ def check(
     for name, problem in refused.items():
         print(f"not on `{name}`: {problem}")
     if DEFAULT_CONTROLLER not in refused:
-        for line in _beyond(loaded, DEFAULT_CONTROLLER):
+        for line in _beyond(device, DEFAULT_CONTROLLER):
             print(line)
 
 

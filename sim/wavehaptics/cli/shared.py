@@ -6,7 +6,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import typer
 
 from wavehaptics.runtime.files import try_file
+from wavehaptics.scene import Scene, find_scene, load_scene
 
 CONTROLLERS = {
     "analog": "the paper's circuit in continuous time: the reference",
@@ -65,6 +66,18 @@ SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Replace or add a key; repeatable."),
 ]
+SceneMotorOption = Annotated[
+    str | None,
+    typer.Option(
+        "--motor", metavar="NAME", help="One motor of SCENE's \\[\\[motors]], by name or number."
+    ),
+]
+
+
+def scene_of_one(scene: str, overrides: Sequence[str] | None, motor: str | None) -> Scene:
+    """The scene of its only motor, or of ``motor``, for a command that has SceneMotorOption."""
+    cure = "one is taken here; choose it with --motor NAME"
+    return load_scene(find_scene(scene), overrides or (), motor, cure)
 
 
 def make_folder(folder: Path) -> None:

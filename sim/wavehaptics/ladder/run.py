@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -22,7 +23,7 @@ from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.r_hat_error import Estimate
 from wavehaptics.ladder.sampled import SampledSimulation
 from wavehaptics.runtime.files import write_json
-from wavehaptics.scene import Scene
+from wavehaptics.scene import Device, Scene
 from wavehaptics.trace.columns import TRACE_FILE, Column, TraceWriter, Word
 from wavehaptics.trace.metrics import Metrics
 from wavehaptics.trace.pictures import run_picture
@@ -223,11 +224,16 @@ def _ticks(scene: Scene, tick_s: float) -> int:
 
 
 def run_scene(
-    scene: Scene, controller: str, out: Path, progress: Callable[[float], None] | None = None
+    scene: Scene,
+    controller: str,
+    out: Path,
+    progress: Callable[[float], None] | None = None,
+    motor: str | None = None,
 ) -> dict[str, Any]:
     """Run a scene as :func:`measure`, and write ``trace.npz``, ``metrics.json`` and ``run.png``.
 
-    The files go into ``out``. Returns the metrics.
+    The files go into ``out``. ``motor`` is its name where the scene is of one of several. Returns
+    the metrics.
     """
     refuse(scene, controller)
     simulation = CONTROLLERS[controller](scene)
@@ -237,7 +243,38 @@ def run_scene(
         anchored=_anchored(controller, simulation),
     )  # fmt: skip
     result = _measure(scene, controller, simulation, trace, progress)
+    if motor is not None:
+        result = {"motor": motor, **result}
     trace.save()
     write_json(out / "metrics.json", result)
     run_picture(trace.arrays(), result, out / "run.png", scene.controller.walls)
+    return result
+
+
+def run_device(
+    device: Device,
+    controller: str,
+    out: Path,
+    progress: Callable[[str, float], None] = lambda motor, part: None,
+) -> dict[str, Any]:
+    """Run each motor as :func:`run_scene`, into a folder of its name in ``out``.
+
+    The motors have nothing between them, so they run one after another. ``out`` gets a
+    ``metrics.json`` of all: what they have in common, and in ``motors`` the metrics of each.
+    ``progress`` is called with the motor's name and the part of its run that is done.
+    """
+    for scene in device.scenes:
+        refuse(scene, controller)
+    motors = {
+        name: run_scene(scene, controller, out / name, partial(progress, name), name)
+        for name, scene in device.motors.items()
+    }
+    result = {
+        "scene": device.name,
+        "controller": controller,
+        "duration_s": max(one["duration_s"] for one in motors.values()),
+        "wall_clock_s": sum(one["wall_clock_s"] for one in motors.values()),
+        "motors": motors,
+    }
+    write_json(out / "metrics.json", result)
     return result

@@ -91,7 +91,7 @@ def parse(content: bytes) -> tuple[dict[str, Any], dict[KeyPath, int]]:
         return data, _index(text).lines
     except RecursionError:
         raise TomlError(
-            1, "arrays or tables are nested too deeply; a scene needs two levels"
+            1, "arrays or tables are nested too deeply; a scene needs three levels"
         ) from None
 
 
@@ -100,12 +100,14 @@ class _Index:
     lines: dict[KeyPath, int] = field(default_factory=dict)
     explicit: set[KeyPath] = field(default_factory=set)
     repeated: list[tuple[int, str]] = field(default_factory=list)
+    elements: dict[KeyPath, int] = field(default_factory=dict)
+    """Number of the newest table of each array of tables."""
 
     def add(self, prefix: KeyPath, parts: list[str], line: int, form: str = "{}") -> KeyPath:
         """Note a key below ``prefix``; what its dots make on the way is noted as implied."""
         path = prefix
         for part in parts:
-            path = (*path, part)
+            path = (*self._newest(path), part)
             self.lines.setdefault(path, line)
         if path in self.explicit:
             name = form.format(dotted(path))
@@ -115,6 +117,21 @@ class _Index:
             self.explicit.add(path)
             self.lines[path] = line
         return path
+
+    def add_element(self, parts: list[str], line: int) -> KeyPath:
+        """Note a further table of the array of tables that ``parts`` name."""
+        path: KeyPath = ()
+        for part in parts:
+            path = (*self._newest(path), part)
+            self.lines.setdefault(path, line)
+        self.elements[path] = self.elements.get(path, -1) + 1
+        path = self._newest(path)
+        self.lines[path] = line
+        return path
+
+    def _newest(self, path: KeyPath) -> KeyPath:
+        """The path below which the keys of an array of tables go on."""
+        return (*path, self.elements[path]) if path in self.elements else path
 
 
 def _line(node: tree_sitter.Node) -> int:
@@ -168,9 +185,8 @@ def _index(text: str) -> _Index:
             )
             _index_pairs(index, path, table)
         elif table.type == "table_array_element" and table.named_children:
-            # No scene has arrays of tables: the place of the first one is all that is told.
-            path = tuple(_key_names(table.named_children[0]))
-            index.lines.setdefault(path, _line(table))
+            path = index.add_element(list(_key_names(table.named_children[0])), _line(table))
+            _index_pairs(index, path, table)
     return index
 
 

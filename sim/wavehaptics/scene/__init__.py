@@ -6,10 +6,12 @@ Every angle, speed and torque is the rotor's. Units are SI and stand in each key
 A further table is a module in ``tables`` and a field of ``schema``'s Scene.
 """
 
+from wavehaptics.scene.device import Device
 from wavehaptics.scene.loading import (
     SCENES_DIR,
     find_scene,
     first_comment,
+    load_device,
     load_scene,
     shipped_scenes,
 )
@@ -19,12 +21,14 @@ from wavehaptics.scene.schema import TABLES, Scene, drive_gain, encoder_end, wit
 __all__ = [
     "SCENES_DIR",
     "TABLES",
+    "Device",
     "Scene",
     "SceneError",
     "drive_gain",
     "encoder_end",
     "find_scene",
     "first_comment",
+    "load_device",
     "load_scene",
     "shipped_scenes",
     "without_anchor",

@@ -6,12 +6,13 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 from wavehaptics.runtime.repository import SCENES_DIR
-from wavehaptics.runtime.toml_source import KeyPath, TomlError, parse, parse_value
+from wavehaptics.runtime.toml_source import TomlError, parse, parse_value
+from wavehaptics.scene.device import MOTORS, Device, MotorData, MotorsError, shared, split
 from wavehaptics.scene.keys import as_written, nearest
-from wavehaptics.scene.messages import keys_of, refused
+from wavehaptics.scene.messages import Refusal, keys_of, refused
 from wavehaptics.scene.places import Places, SceneError
 from wavehaptics.scene.schema import TABLES, Scene
 
@@ -25,8 +26,10 @@ def first_comment(path: Path) -> str:
     return next((line.lstrip("# ") for line in comments if "SPDX" not in line), "")
 
 
-def _apply(data: dict[str, Any], override: str) -> KeyPath:
-    """Put one ``table.key=value`` into ``data``; ``SceneError`` if it has another form."""
+def _apply(motors: list[MotorData], override: str) -> None:
+    """Put one ``table.key=value`` into the scenes of ``motors``, or ``motors.NAME.key=value`` and
+    ``motors.NAME.table.key=value`` into that of one; ``SceneError`` if it has another form.
+    """
     where = f"--set {override}"
     key, equals, text = override.partition("=")
     path = tuple(part.strip() for part in key.split("."))
@@ -35,7 +38,9 @@ def _apply(data: dict[str, Any], override: str) -> KeyPath:
         raise SceneError(f"{where}: is not UTF-8; it must be table.key=value")
     if not equals:
         raise SceneError(f"{where}: no value; it must be table.key=value")
-    if len(path) == 1:
+    if path[0] == MOTORS:
+        motors, path = _of_one(motors, path, where)
+    elif len(path) == 1:
         homes = [f"{name}.{key.strip()}" for name, t in TABLES.items() if path[0] in keys_of(t)]
         meant = f"did you mean {' or '.join(homes)}?" if homes else "it must be table.key=value"
         raise SceneError(f"{where}: {as_written(key)} names no table; {meant}")
@@ -50,10 +55,32 @@ def _apply(data: dict[str, Any], override: str) -> KeyPath:
                 'write a number, "a string", or [[x_min, x_max]]'
             ) from None
         value = text
-    table = data.setdefault(path[0], {})
-    if isinstance(table, dict):
-        table[path[1]] = value
-    return path
+    for motor in motors:
+        table = motor.data.setdefault(path[0], {})
+        if isinstance(table, dict):
+            table[path[1]] = value
+        motor.overridden[path] = override
+        motor.lines = {at: line for at, line in motor.lines.items() if at[:2] != path}
+
+
+def _of_one(
+    motors: list[MotorData], path: tuple[str, ...], where: str
+) -> tuple[list[MotorData], tuple[str, ...]]:
+    """The motor that ``motors.NAME.key`` is of, by its name or number, and the key in its scene."""
+    found = [
+        motor for number, motor in enumerate(motors)
+        if motor.several and path[1:2] in ((motor.name,), (str(number),))
+    ]  # fmt: skip
+    if not found or len(path) not in (3, 4):
+        known = ", ".join(motor.name for motor in motors if motor.several)
+        cure = f"NAME one of {known}" if known else "where the scene has [[motors]]; it has [motor]"
+        raise SceneError(
+            f"{where}: it must be motors.NAME.key=value or motors.NAME.table.key=value, {cure}"
+        )
+    at = path[2:] if len(path) == 4 else ("motor", path[2])
+    if why := shared(at):
+        raise SceneError(f"{where}: {why}; write {'.'.join(at)}=value")
+    return found, at
 
 
 def _read(path: Path) -> bytes:
@@ -73,34 +100,71 @@ def _read(path: Path) -> bytes:
     return content
 
 
-def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
-    """Read and check the scene in the TOML file ``path``.
+def load_device(path: str | Path, overrides: Sequence[str] = ()) -> Device:
+    """Read and check the scene in the TOML file ``path``: the scene of each of its motors.
 
-    ``overrides`` are strings ``table.key=value`` that replace or add keys; values are TOML, and
-    bare words are strings. ``SceneError`` where anything is wrong: of several faults it tells the
-    first in the order of the file, overrides before the file and missing keys last.
+    ``overrides`` are strings ``table.key=value`` that replace or add keys, of every motor, and
+    ``motors.NAME.key=value`` of one; values are TOML, and bare words are strings. ``SceneError``
+    where anything is wrong: of several faults it tells the first in the order of the file,
+    overrides before the file and missing keys last.
     """
     path = Path(path)
     try:
         data, lines = parse(_read(path))
     except TomlError as error:
         raise SceneError(f"{path}:{error.line}: {error.problem}") from None
-    overridden: dict[KeyPath, str] = {}
+    try:
+        motors = split(data, lines)
+    except MotorsError as error:
+        label = Places(str(path), lines, {}).of(error.at)[1]
+        raise SceneError(f"{label}: {error.problem}") from None
     for override in overrides:
-        key = _apply(data, override)
-        overridden[key] = override
-        lines = {at: line for at, line in lines.items() if at[: len(key)] != key}
+        _apply(motors, override)
 
-    places = Places(str(path), lines, overridden)
-    scene, found = refused(data)
-    placed = []
-    for refusal in found:
-        line, label = places.blamed(refusal.paths)
-        placed.append((refusal.missing, line, f"{label}: {refusal.problem}"))
-    if placed:
-        raise SceneError(min(placed, key=lambda p: p[:2])[2])
-    assert scene is not None
-    return scene.placed(places)
+    scenes: dict[str, Scene] = {}
+    wrong: list[list[_Told]] = []
+    for motor in motors:
+        of_motor = f"{MOTORS}.{motor.name}: " if len(motors) > 1 else ""
+        places = Places(str(path), motor.lines, motor.overridden, of_motor)
+        scene, found = refused(motor.data)
+        if scene is not None:
+            scenes[motor.name] = scene.placed(places)
+        wrong.append([_told(refusal, places) for refusal in found])
+    if any(wrong):
+        first = min((told for each in wrong for told in each), key=lambda told: told[:2])
+        names = [motor.name for motor, each in zip(motors, wrong, strict=True) if first in each]
+        # What is wrong with every motor, at one place, is no matter of one.
+        of_motor = "" if len(names) == len(motors) else f"{MOTORS}.{names[0]}: "
+        raise SceneError(f"{first.label}: {of_motor}{first.problem}")
+    return Device(scenes, Places(str(path), lines, {}).of((MOTORS,))[1])
+
+
+class _Told(NamedTuple):
+    """A refusal and its place."""
+
+    missing: bool
+    line: int
+    label: str
+    problem: str
+
+
+def _told(refusal: Refusal, places: Places) -> _Told:
+    line, label = places.blamed(refusal.paths)
+    return _Told(refusal.missing, line, label, refusal.problem)
+
+
+def load_scene(
+    path: str | Path,
+    overrides: Sequence[str] = (),
+    motor: str | None = None,
+    cure: str = "one is taken here; leave one of them in the file",
+) -> Scene:
+    """The scene of one motor of the file: the only one, or ``motor`` by its name or number.
+
+    As :func:`load_device`, and ``SceneError`` ending in ``cure`` where there are several.
+    """
+    device = load_device(path, overrides)
+    return (device if motor is None else device.only(motor)).one(cure)
 
 
 def shipped_scenes() -> dict[str, Path]:

@@ -115,10 +115,11 @@ def _unknown(path: KeyPath, value: Any) -> str:
         tables = ", ".join(f"[{table}]" for table in TABLES)
         if homes and not isinstance(value, dict):
             return f"key {dotted(path)} stands in no table; it belongs in {' or '.join(homes)}"
-        near = nearest(name, TABLES)
-        meant = f"did you mean [{near}]? " if near else ""
+        near = nearest(name, (*TABLES, "motors"))
+        shown = "[[motors]]" if near == "motors" else f"[{near}]"
+        meant = f"did you mean {shown}? " if near else ""
         kind = "table [{}]" if isinstance(value, dict | list) else "key {} outside the tables"
-        return f"unknown {kind.format(dotted(path))}; {meant}the tables are {tables}"
+        return f"unknown {kind.format(dotted(path))}; {meant}the tables are {tables}, [[motors]]"
     table = str(path[0])
     known = keys_of(TABLES[table])
     near = nearest(name, known)
@@ -133,7 +134,8 @@ def _unknown(path: KeyPath, value: Any) -> str:
 
 def _missing(path: KeyPath) -> str:
     if len(path) == 1:
-        return f"table [{path[0]}] is missing; a scene needs [scene], [motor] and [controller]"
+        needed = "[scene], [motor] or [[motors]], and [controller]"
+        return f"table [{path[0]}] is missing; a scene needs {needed}"
     if path[0] == "motor":
         return f"{dotted(path)} is missing; give preset, or all of {', '.join(DC_KEYS)}"
     texts = _field(path)
@@ -173,7 +175,7 @@ def _wrong_value(kind: str, path: KeyPath, value: Any) -> str:
     return f"{name} = {shown} is out of range; it must be {wanted}"
 
 
-class _Refusal(NamedTuple):
+class Refusal(NamedTuple):
     """One thing wrong: what, and the keys that have to do with it, the one to blame first."""
 
     problem: str
@@ -181,7 +183,7 @@ class _Refusal(NamedTuple):
     missing: bool = False
 
 
-def refused(data: dict[str, Any]) -> tuple[Scene | None, list[_Refusal]]:
+def refused(data: dict[str, Any]) -> tuple[Scene | None, list[Refusal]]:
     """The scene, or everything that is found wrong with it."""
     try:
         return Scene.model_validate(data), []
@@ -189,23 +191,23 @@ def refused(data: dict[str, Any]) -> tuple[Scene | None, list[_Refusal]]:
         return None, list(_explain(error))
 
 
-def _explain(error: ValidationError) -> Iterator[_Refusal]:
+def _explain(error: ValidationError) -> Iterator[Refusal]:
     for detail in error.errors(include_url=False):
         path, kind, value = detail["loc"], detail["type"], detail["input"]
         if kind == "rule":
             rule = detail["ctx"]
-            yield _Refusal(rule["problem"], [(*path, *below) for below in rule["paths"]])
+            yield Refusal(rule["problem"], [(*path, *below) for below in rule["paths"]])
         elif kind == "extra_forbidden":
-            yield _Refusal(_unknown(path, value), [path])
+            yield Refusal(_unknown(path, value), [path])
         elif kind == "missing" and len(path) <= 2:
-            yield _Refusal(_missing(path), [path], missing=True)
+            yield Refusal(_missing(path), [path], missing=True)
         elif kind == "missing":  # one edge of a wall
-            yield _Refusal(_wrong_value(kind, path[:-1], value), [path[:-1]])
+            yield Refusal(_wrong_value(kind, path[:-1], value), [path[:-1]])
         elif kind == "model_type":
             name = dotted(path)
-            problem = (
-                f"{name} must be a table, not {as_written(value)}; write [{name}] above its keys"
-            )
-            yield _Refusal(problem, [path])
+            wanted = f"write [{name}] above its keys"
+            if path == ("motor",) and isinstance(value, list):
+                wanted = "write [[motors]] above the keys of each of several"
+            yield Refusal(f"{name} must be a table, not {as_written(value)}; {wanted}", [path])
         else:
-            yield _Refusal(_wrong_value(kind, path, value), [path])
+            yield Refusal(_wrong_value(kind, path, value), [path])

@@ -26,6 +26,8 @@ class Places:
     path: str
     lines: Mapping[KeyPath, int]
     overridden: Mapping[KeyPath, str]
+    of_motor: str = ""
+    """What a message says of the motor before the problem, where there are several."""
 
     def __eq__(self, other: object) -> bool:
         return other is None or isinstance(other, Places)

@@ -76,7 +76,8 @@ class Scene(Table):
             return SceneError(f"{self.scene.name}: {problem}")
         paths = [tuple(key.split(".")) for key in keys]
         written = [path for path in paths if self._places.written(path)]
-        return SceneError(f"{self._places.blamed(written or paths)[1]}: {problem}")
+        place = self._places.blamed(written or paths)[1]
+        return SceneError(f"{place}: {self._places.of_motor}{problem}")
 
     @model_validator(mode="wrap")
     @classmethod

@@ -93,8 +93,9 @@ def _legend(ax: Axes, columns: int = 4) -> None:
 
 
 def _title(figure: Figure, metrics: Mapping[str, Any], text: str) -> None:
+    motor = f", {metrics['motor']}" if "motor" in metrics else ""
     figure.suptitle(
-        f"{metrics['scene']} · controller {metrics['controller']} · {text}",
+        f"{metrics['scene']}{motor} · controller {metrics['controller']} · {text}",
         x=0.01,
         ha="left",
         fontsize=11,
