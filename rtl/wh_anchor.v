@@ -6,8 +6,7 @@
 //   z  = χ and a quarter of a count in the direction of an edge that is the second the same way, else -1/32 (-1/16
 //        with AXIS = 1)
 //   p  = z beyond ±1/2, z/128 within; the last edge's bound χ_b replaces an end of ±1/2
-//   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2, and of a rotor that travels,
-//                                              |p| < 1/2; 0...learn_max, at first a quarter
+//   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2; 0...learn_max, at first a quarter
 //   c  = θ (y' + sgn y' y_b - d) - g_ρ p       the first term in contact only
 //   d  = 2 (y - y')                            y = L̂ i; 0 while the rotor travels
 //   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
@@ -408,13 +407,12 @@ module wh_anchor #(
     reg                     sign_q;                  // below 0
     wire                    loses;                   // sum_q is not to be written
     reg                     sinks_p_q;               // p is below 0
-    reg                     hits_q;                  // the rotor travels, and p is beyond half a count
 
     wire back_sum = sum_q[LONG_W-1];
     wire moves_mean = follows_q && contact_q && travels_q && !blind_q && !far_q && !begins_q;
 
     wire grows  = (sinks_p_q != presses_q);
-    wire learns = contact_q && out_q && !hits_q && !saturated_q && !blind_q && !(grows ? full_q || clipped_q : void_q);
+    wire learns = contact_q && out_q && !saturated_q && !blind_q && !(grows ? full_q || clipped_q : void_q);
 
     // Whether z is beyond the last edge's bound: of z less the bound, sum_q of the step BACK.
     wire known  = sinks_q ? knows_up_q : knows_down_q;
@@ -834,7 +832,6 @@ module wh_anchor #(
         end
         if (placed) begin
             sinks_p_q <= back_sum;
-            hits_q    <= travels_q && out;
         end
         if (go_q) begin
             case (adds_q)

@@ -24,8 +24,7 @@ holds χ:
   counts had the same direction. With each such count it takes a sixteenth of its distance besides,
   a quarter on the way out, so that it keeps up with a fast hit.
 - θ is a resistance. It is learned from p where z is out of the zone, ``θ −= g_θ·p·sgn(y')``, from a
-  quarter of the largest on, and kept from contact to contact. While the rotor travels, nothing is
-  learned where p is beyond half a count: a resistance that grows within a hit gives out energy.
+  quarter of the largest on, and kept from contact to contact.
 - While the rotor doesn't travel, twice θ resists what swings about y': ``c = θ·(y' + sgn(y')·y_b −
   2·(y − y')) − g_ρ·p``.
 - y_b stands for the brushes' voltage. It shrinks by half of what y' falls, so that c falls at
@@ -396,8 +395,7 @@ def _turn(
         beyond = past
     elif contact and axis:
         state[BOUND] = 0
-    beyond = long_word(beyond)
-    p = _data(beyond >> _GUARD)
+    p = _data(long_word(beyond) >> _GUARD)
 
     if not contact and state[QUIET] == 0 and not blind:
         zero = state[ZERO] - zero_step
@@ -430,8 +428,7 @@ def _turn(
         state[THETA] = words[LEARN_MAX] << (_THETA_CUT - FIRST_SHIFT)
     grows = (p < 0) != presses_down
     stops = state[FULL] != 0 or state[CLIPPED] != 0 if grows else state[THETA] < 0
-    hits = state[TRAVELS] != 0 and (beyond - half >= 0 or beyond + half < 0)
-    learns = contact and (over or under) and not hits and not saturated and not blind
+    learns = contact and (over or under) and not saturated and not blind
     if learns and not stops:
         step = (words[LEARN_GAIN] * p) >> _FAR_SHIFT
         state[THETA] = long_word(state[THETA] + (step if presses_down else -step))
