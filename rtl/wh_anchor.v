@@ -5,7 +5,7 @@
 //   χ  = L̂ i + k̂_T x - Σ (s T/2)(u + v)       flux of the port, in counts of k̂_T Δ; 0 if all is ideal
 //   z  = χ and a quarter of a count in the direction of an edge that is the second the same way, else -1/32 (-1/16
 //        with AXIS = 1)
-//   p  = z beyond ±1/2, z/128 within; the last edge's bound χ_b replaces an end of ±1/2
+//   p  = z beyond ±1/2, z/128 (AXIS = 1: z/256) within; the last edge's bound χ_b replaces an end of ±1/2
 //   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2; 0...learn_max, at first a quarter
 //   c  = θ (y' + sgn y' y_b - d) - g_ρ p       the first term in contact only
 //   d  = 2 (y - y')                            y = L̂ i; 0 while the rotor travels
@@ -13,7 +13,7 @@
 //
 // The rotor travels while its last two full counts, edges with the direction of the edge before, had the same
 // direction. Only then y' follows y: in one tick of follow_ticks, and in 8 ticks after each full count, on its way
-// out in 32. y_b stands for the brushes and shrinks by half of what y' falls. The bound χ_b: after an edge upwards z stays below the χ from before
+// out in 32 (not with AXIS = 1). y_b stands for the brushes and shrinks by half of what y' falls. The bound χ_b: after an edge upwards z stays below the χ from before
 // the last edge downwards, and the other way round; so a rotor that crosses back over an edge meets no more
 // force on its way out, and no less on its way in, than it met there before. Where χ_b is beyond the zone's
 // other end, that end is the bound. It is in force until the next edge; with AXIS = 1, until z has been there
@@ -106,7 +106,7 @@ module wh_anchor #(
     localparam integer FAR_SHIFT  = `WH_WAVE_Q + `WH_FLUX_Q - LONG_Q;
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
-    localparam integer INNER_SHIFT = 7;  // of z within the zone, of both means
+    localparam integer INNER_SHIFT = (AXIS == 1) ? 8 : 7;  // of z within the zone, of both means
     localparam [4:0]   HURRY_IN    = 7;  // ticks more in which y' moves after a count that the rotor travels,
     localparam [4:0]   HURRY_OUT   = 31; // and on its way out
     localparam integer BEHIND_SHIFT = (AXIS == 1) ? 4 : 5;  // of the count by which z is behind χ after a turn
@@ -185,6 +185,7 @@ module wh_anchor #(
     wire                     slow     = (quiet_q == {REST_W{1'b0}});
     wire                     follows  = (phase_q[FOLLOW_W-1:1] == {(FOLLOW_W - 1){1'b0}});
     wire                     hurries  = (hurries_q != 5'd0);
+    wire                     counts   = same_way && AXIS == 0;  // a count moves y' besides
     wire                     sinks;       // this tick's edge lessens the flux
     wire                     steps    = start_q && moves && !begins_q;
 
@@ -214,13 +215,13 @@ module wh_anchor #(
             start_q <= accepts;
             if (accepts) begin
                 started_q <= 1'b1;
-                copies_q  <= started_q && !copies_q;
+                copies_q  <= started_q && !copies_q && AXIS == 0;
                 contact_q <= contact_i;
                 begins_q  <= contact_i && !contact_q;
             end
             if (start_q) begin
-                follows_q <= follows || same_way || hurries;
-                hurries_q <= same_way ? (back == presses_q ? HURRY_OUT : HURRY_IN)
+                follows_q <= follows || counts || hurries;
+                hurries_q <= counts ? (back == presses_q ? HURRY_OUT : HURRY_IN)
                              : hurries_q - {4'd0, hurries};
                 phase_q   <= follows ? follow_ticks : phase_q - 1'b1;
                 back_q    <= moves ? back : back_q;
