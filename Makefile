@@ -273,6 +273,14 @@ LINT_CASES := \
     wh_anchor_ports,-GN=3 \
     wh_core,-GN=3,-GOUTSIDE=1 \
     wh_core,-GN=3,-DWH_DATA_W=24,-DWH_COEF_W=18 \
+    wh_sense,-GN=3 \
+    wh_contact_ports,-GN=3,-GWALLS=1 \
+    wh_drive,-GN=3 \
+    wh_guard_ports,-GN=3 \
+    wh_slots,-GN=3 \
+    wh_ports,-GN=3 \
+    wh_ports,-GN=8,-GADC=2 \
+    wh_ports,-GN=3,-GADC=1,-GWALLS=7,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_board_switch \
     wh_board_switch,-GN=3 \
     wh_board_reset \

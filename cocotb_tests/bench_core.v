@@ -83,6 +83,8 @@ module bench_core #(
     wire [DATA_W-1:0] outside  = outside_i[turn_q*DATA_W +: DATA_W] ^ {DATA_W{at < 8'd8 || at > 8'd10}};
 
     wire                            request, core_valid, clipped, saturated, saturated_before;
+    wire                            waves_valid, bank;
+    wire                            unused_turn = &{1'b0, waves_valid, bank};
     wire [PORT_W-1:0]               whose;
     wire signed [DATA_W-1:0]        factor, voltage, u, v, voltage_before, withheld_before;
     wire signed [COEF_W-1:0]        coefficient;
@@ -116,7 +118,9 @@ module bench_core #(
         .coefficient_o      (coefficient),
         .product_i          (product),
         .valid_o            (core_valid),
+        .waves_valid_o      (waves_valid),
         .port_o             (whose),
+        .bank_o             (bank),
         .voltage_o          (voltage),
         .u_o                (u),
         .v_o                (v),

@@ -70,7 +70,9 @@ module wh_core #(
 
     // The step.
     output reg                              valid_o,         // strobe
-    output wire        [PORT_W-1:0]         port_o,          // whose turn it is
+    output wire                             waves_valid_o,   // strobe, the clock before v_o is there
+    output wire        [PORT_W-1:0]         port_o,          // whose turn it is,
+    output wire                             bank_o,          // and with which settings
     output reg  signed [`WH_DATA_W-1:0]     voltage_o,       // s31q23 V, ±128 V: e to be applied
     output reg  signed [`WH_DATA_W-1:0]     u_o,             // s31q23 √W, ±128 √W: u_n, measured period
     output reg  signed [`WH_DATA_W-1:0]     v_o,             // s31q23 √W, ±128 √W: v_n, measured period
@@ -136,7 +138,9 @@ module wh_core #(
 
     wire ends = at_q[TAKE_E] && port_q == LAST[PORT_W-1:0];
 
-    assign port_o = port_q;
+    assign port_o        = port_q;
+    assign bank_o        = bank_q;
+    assign waves_valid_o = at_q[TAKE_V];
 
     always @(posedge clk) begin
         if (valid_i) begin

@@ -17,6 +17,7 @@ module wh_port_settings #(
     parameter integer WORDS_LOG2 = 4,                       // words of a port, 2^this: 0...6
     parameter integer W          = 31,                      // bits of a word, 1...32
     parameter integer FIRST      = 0,                       // place of the first, a multiple of the words: 0...255
+    parameter integer BLOCK      = 1,                       // 1: in a block RAM, 0: in the FPGA's LUTs
     parameter integer PORT_W     = (N > 1) ? $clog2(N) : 1, // these two are derived, leave them
     parameter integer WORD_W     = (WORDS_LOG2 > 0) ? WORDS_LOG2 : 1
 ) (
@@ -43,6 +44,9 @@ module wh_port_settings #(
         if (N < 1 || N > 8 || W < 1 || W > 32 || WORDS_LOG2 < 0 || WORDS_LOG2 > 6 || FIRST < 0 || FIRST > 255
             || FIRST % (1 << WORDS_LOG2) != 0) begin : illegal
             wh_illegal_parameter_port_settings_n_w_words_log2_or_first stop ();
+        end
+        if (BLOCK != 0 && BLOCK != 1) begin : illegal_block
+            wh_illegal_parameter_port_settings_block_must_be_0_or_1 stop ();
         end
     endgenerate
 
@@ -74,21 +78,35 @@ module wh_port_settings #(
         end
     endgenerate
 
-    // Never written where it is read: these are two banks.
-    (* ram_style = "block", no_rw_check *)
-    reg [W-1:0] words [0:(1<<PLACE_W)-1];
+    // Never written where it is read: these are two banks. A few short words aren't worth a block RAM.
     reg [W-1:0] word_q;
 
-    always @(posedge clk) begin
-        if (write_i && here) begin
-            words[write_place] <= data_i[W-1:0];
-        end
-        if (read_i) begin
-            word_q <= words[read_place];
-        end
-    end
-
     generate
+        if (BLOCK == 1) begin : in_block_ram
+            (* ram_style = "block", no_rw_check *)
+            reg [W-1:0] words [0:(1<<PLACE_W)-1];
+
+            always @(posedge clk) begin
+                if (write_i && here) begin
+                    words[write_place] <= data_i[W-1:0];
+                end
+                if (read_i) begin
+                    word_q <= words[read_place];
+                end
+            end
+        end else begin : in_luts
+            (* no_rw_check *)
+            reg [W-1:0] words [0:(1<<PLACE_W)-1];
+
+            always @(posedge clk) begin
+                if (write_i && here) begin
+                    words[write_place] <= data_i[W-1:0];
+                end
+                if (read_i) begin
+                    word_q <= words[read_place];
+                end
+            end
+        end
         if (W < 32) begin : short_words
             wire unused_high = &{1'b0, data_i[31:W]};
         end
