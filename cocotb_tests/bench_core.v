@@ -106,6 +106,7 @@ module bench_core #(
         .outside_i          ($signed(outside)),
         .extra_ticks_i      (extra_ticks_i),
         .hold_ticks_i       (hold_ticks_i),
+        .room_rst_i         (1'b0),
         .room_valid_i       (room_valid_i),
         .room_port_i        (room_port_i),
         .room_i             ($signed(room_i)),

@@ -31,7 +31,8 @@ EDGES = LAST_SLOT + 50
 BUS_V = 24.0
 RESULTS = ("u", "v", "i", "position", "flags", "e", "c", "offset", "χ", "ω̂")
 MID = 1 << 11
-DAMPABLE = 0x0080E0
+DAMPABLE = 0x0080E0 if N == 1 else 0x0080A0
+"""Faults that may damp; LOST, where it is found in the turns of several ports, switches off here."""
 NEVER = (1 << 13) | (1 << 16)
 """Faults that wh_ports doesn't have yet: illegal settings, the energy of a contact."""
 

@@ -52,6 +52,7 @@ module wh_core #(
     input  wire        [DELAY_LOG2-1:0]     hold_ticks_i,
 
     // What the port anchor takes of u_max (wh_anchor_ports).
+    input  wire                             room_rst_i,      // nothing, of all ports
     input  wire                             room_valid_i,    // strobe
     input  wire        [PORT_W-1:0]         room_port_i,
     input  wire signed [`WH_DATA_W-1:0]     room_i,          // s31q23 √W, 0...
@@ -190,7 +191,7 @@ module wh_core #(
         .W           (DATA_W)
     ) room_state (
         .clk         (clk),
-        .rst         (rst),
+        .rst         (rst || room_rst_i),
         .port_i      (port_q),
         .save_i      (room_valid_i),
         .save_port_i (room_port_i),

@@ -11,7 +11,8 @@
 // Each station is there once. wh_slots begins a port's turn, and port and bank go from station to station with
 // valid and data; a port's state is in each station's memories, as are its settings, in two banks. One
 // multiplier serves all by the schedule in wh_slots' header: nobody waits, and nobody else asks.
-// What it does for each port is what wh_controller with SENSE, GUARD and ANCHOR does, in every bit.
+// What it does for each port is what wh_controller with SENSE, GUARD and ANCHOR does, in every bit. A fault that is
+// found in a port's turn and damps does so from then on: the ports before it have made their step without.
 //
 // Signs, enable_i and restart_i are those of wh_controller. The port's settings change with force_i, from the next
 // slot on; those of all ports, the packed ones, in reset or as wh_controller has it.
@@ -386,10 +387,11 @@ module wh_ports #(
         .bank_i             (current_bank),
         .current_i          (current),
         .ends_i             (current_ends),
-        .eta_i              ($signed(eta)),
-        .outside_i          ($signed(outside)),
+        .eta_i              (eta),
+        .outside_i          (outside),
         .extra_ticks_i      (extra_ticks),
         .hold_ticks_i       (hold_ticks),
+        .room_rst_i         (calm_rst),
         .room_valid_i       (room_valid),
         .room_port_i        (anchor_port),
         .room_i             (anchor_data),

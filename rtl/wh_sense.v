@@ -237,7 +237,7 @@ module wh_sense #(
         .IN_W    (SUM_W + 1),
         .OUT_W   (SUM_W)
     ) saturate_zero (
-        .value_i ($signed({measured[SUM_W-1], measured} + {zero_setting[SUM_W-1], zero_setting})),
+        .value_i ({measured[SUM_W-1], measured} + {zero_setting[SUM_W-1], zero_setting}),
         .value_o (zero)
     );
 
