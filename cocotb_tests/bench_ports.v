@@ -70,6 +70,7 @@ module bench_ports #(
     output wire                         round_o,          // strobe, the first port's slot begins
     output wire                         adc_ready_o,
     output wire [1:0]                   running_o,        // wh_ports, controller
+    output wire                         damp_o,           // of wh_ports
     output wire [`WH_FAULTS-1:0]        faults_o,         // of wh_ports
     output wire [`WH_FAULTS-1:0]        controller_faults_o,
     output wire [10*N-1:0]              differs_o,
@@ -177,6 +178,7 @@ module bench_ports #(
         .faults_o        (faults_o)
     );
 
+    assign damp_o  = ports.damp;
     assign round_o = ports.slot_valid && ports.slot_port == {PORT_W{1'b0}};
 
     wire [4:0] requests = {ports.sense_request, ports.core_request, ports.anchor_request, ports.drive_request,
