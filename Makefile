@@ -280,7 +280,7 @@ LINT_CASES := \
     wh_slots,-GN=3 \
     wh_ports,-GN=3 \
     wh_ports,-GN=8,-GADC=2 \
-    wh_ports,-GN=3,-GADC=1,-GWALLS=7,-DWH_DATA_W=28,-DWH_COEF_W=24 \
+    wh_ports,-GN=3,-GADC=1,-GWALLS=7 \
     wh_board_switch \
     wh_board_switch,-GN=3 \
     wh_board_reset \

@@ -18,7 +18,7 @@
 // slot on; those of all ports, the packed ones, in reset or as wh_controller has it.
 //
 // Latency: the last sample of a period reaches the gates with the next tick that ends
-//     conversion + 32 (N - 1) + 41 + N + 4 clocks
+//     conversion + 32 (N - 1) + 45 + N clocks
 // after its sample strobe or later, and a period has 32 (N - 1) + 38 clocks or more. A half has N + 8 or more.
 // Live values: live_valid_o strobes with the port, which value it is, and the value, all of them once a period.
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
