@@ -7,14 +7,13 @@ import json
 import math
 import os
 import re
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from test_abilities import BASE, DRIVEN, ENCODER, KEYS, SENSED
-from wavehaptics.cli import main
+from test_cli import call
 from wavehaptics.fpga.scene_registers import scene_registers
 from wavehaptics.ladder.run import run_device, run_scene
 from wavehaptics.scene import (
@@ -370,15 +369,6 @@ def test_with_brushes_and_without(tmp_path, controller):
 
 
 # ---- The commands.
-
-
-def call(capsys, monkeypatch, *arguments: str) -> tuple[int, str, str]:
-    """Exit status, stdout and stderr of the command, run in this process."""
-    monkeypatch.setattr(sys, "argv", ["wavehaptics", *arguments])
-    with pytest.raises(SystemExit) as ended:
-        main.main()
-    captured = capsys.readouterr()
-    return ended.value.code, captured.out, captured.err
 
 
 def files(folder: Path) -> set[str]:

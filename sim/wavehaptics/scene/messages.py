@@ -10,6 +10,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 from pydantic import ValidationError
 
 from wavehaptics.runtime.toml_source import KeyPath, dotted
+from wavehaptics.scene.device import MOTORS
 from wavehaptics.scene.keys import (
     FieldTexts,
     Table,
@@ -115,8 +116,8 @@ def _unknown(path: KeyPath, value: Any) -> str:
         tables = ", ".join(f"[{table}]" for table in TABLES)
         if homes and not isinstance(value, dict):
             return f"key {dotted(path)} stands in no table; it belongs in {' or '.join(homes)}"
-        near = nearest(name, (*TABLES, "motors"))
-        shown = "[[motors]]" if near == "motors" else f"[{near}]"
+        near = nearest(name, (*TABLES, MOTORS))
+        shown = f"[[{MOTORS}]]" if near == MOTORS else f"[{near}]"
         meant = f"did you mean {shown}? " if near else ""
         kind = "table [{}]" if isinstance(value, dict | list) else "key {} outside the tables"
         return f"unknown {kind.format(dotted(path))}; {meant}the tables are {tables}, [[motors]]"
