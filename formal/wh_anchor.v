@@ -4,8 +4,8 @@
 // rest, in which nothing is left to be written, to the next; c is 0 if it isn't enabled or after a fault.
 // Part 3: θ as a coefficient is 0 to learn_max, nothing is learned while blind or saturated, and θ doesn't grow
 // while clipped. Part 1: the first steps make the limit of c. Part 2: the last steps make
-// c = limited(θ (y' + sgn y' y_b) + clamp(-g_ρ p, ± limit)), the first term in contact only, whatever the state is
-// otherwise. reach is 0 or more and below half a word's largest, strange, learn_max and brush 0 or more, as their
+// c = limited(θ (y' + sgn y' y_b - d) + clamp(-g_ρ p, ± limit)), the first term in contact only, whatever the state
+// is otherwise. reach is 0 or more and below half a word's largest, strange, learn_max and brush 0 or more, as their
 // settings are. After a clock in which reads_o is low, the settings may be anything, until it is high.
 
 `default_nettype none

@@ -5,13 +5,15 @@
 //   χ  = L̂ i + k̂_T x - Σ (s T/2)(u + v)       flux of the port, in counts of k̂_T Δ; 0 if all is ideal
 //   z  = χ and a quarter of a count in the direction of an edge that is the second the same way, else -1/32 (-1/16
 //        with AXIS = 1)
-//   p  = z beyond ±1/2, z/256 within; the last edge's bound χ_b replaces an end of ±1/2
+//   p  = z beyond ±1/2, z/128 (AXIS = 1: z/256) within; the last edge's bound χ_b replaces an end of ±1/2
 //   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2; 0...learn_max, at first a quarter
-//   c  = θ (y' + sgn y' y_b) - g_ρ p           the first term in contact only
+//   c  = θ (y' + sgn y' y_b - d) - g_ρ p       the first term in contact only
+//   d  = 2 (y - y')                            y = L̂ i; 0 while the rotor travels
 //   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
-// y' is the mean of L̂ i while the rotor travels, two counts and more the same way. y_b stands for the brushes
-// and shrinks by half of what y' falls. The bound χ_b: after an edge upwards z stays below the χ from before
+// The rotor travels while its last two full counts, edges with the direction of the edge before, had the same
+// direction. Only then y' follows y: in one tick of follow_ticks, and in 8 ticks after each full count, on its way
+// out in 32 (not with AXIS = 1). y_b stands for the brushes and shrinks by half of what y' falls. The bound χ_b: after an edge upwards z stays below the χ from before
 // the last edge downwards, and the other way round; so a rotor that crosses back over an edge meets no more
 // force on its way out, and no less on its way in, than it met there before. Where χ_b is beyond the zone's
 // other end, that end is the bound. It is in force until the next edge; with AXIS = 1, until z has been there
@@ -104,7 +106,9 @@ module wh_anchor #(
     localparam integer FAR_SHIFT  = `WH_WAVE_Q + `WH_FLUX_Q - LONG_Q;
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
-    localparam integer INNER_SHIFT = 8;  // of z within the zone, of both means
+    localparam integer INNER_SHIFT = (AXIS == 1) ? 8 : 7;  // of z within the zone, of both means
+    localparam [4:0]   HURRY_IN    = 7;  // ticks more in which y' moves after a count that the rotor travels,
+    localparam [4:0]   HURRY_OUT   = 31; // and on its way out
     localparam integer BEHIND_SHIFT = (AXIS == 1) ? 4 : 5;  // of the count by which z is behind χ after a turn
     localparam integer FEW_SHIFT   = INNER_SHIFT + 1 + CUT;  // by half of a step of y' shrinks y_b
     localparam integer THETA_CUT   = `WH_LEARN_Q + LONG_Q - CUT - FAR_SHIFT - `WH_PULL_Q;  // of θ below a coefficient
@@ -153,10 +157,13 @@ module wh_anchor #(
     reg                      counted_q;   // direction of the last edge of which that was so
     reg                      travels_q;   // and the one before it had the same direction
     reg                      sinks_q;     // the last edge lessened the flux
+    reg                      presses_q;   // y' is below 0
     reg [1:0]                fresh_q;     // ticks for which that edge is one that a contact can begin with
     reg [REST_W-1:0]         quiet_q;     // ticks left until a rotor without two edges the same way is slow
     reg [FOLLOW_W-1:0]       phase_q;     // y' moves in the tick that finds 1 or 0
+    reg [4:0]                hurries_q;   // ticks left in which it does as well
     reg                      follows_q;   // it does in this tick
+    reg                      copies_q;    // x̂'s slow copy moves in the tick that finds 0
     reg [1:0]                chi_at_q;    // where in the memory χ is, 1 to 3,
     reg [1:0]                up_at_q;     // χ before the last edge that raised the flux,
     reg [1:0]                down_at_q;   // and that before the last one that lessened it
@@ -177,6 +184,8 @@ module wh_anchor #(
     wire                     edged    = (fresh_q != 2'd0);
     wire                     slow     = (quiet_q == {REST_W{1'b0}});
     wire                     follows  = (phase_q[FOLLOW_W-1:1] == {(FOLLOW_W - 1){1'b0}});
+    wire                     hurries  = (hurries_q != 5'd0);
+    wire                     counts   = same_way && AXIS == 0;  // a count moves y' besides
     wire                     sinks;       // this tick's edge lessens the flux
     wire                     steps    = start_q && moves && !begins_q;
 
@@ -194,7 +203,9 @@ module wh_anchor #(
             fresh_q      <= 2'd0;
             quiet_q      <= {REST_W{1'b0}};
             phase_q      <= {FOLLOW_W{1'b0}};
+            hurries_q    <= 5'd0;
             follows_q    <= 1'b0;
+            copies_q     <= 1'b0;
             chi_at_q     <= 2'd1;
             up_at_q      <= 2'd2;
             down_at_q    <= 2'd3;
@@ -204,11 +215,14 @@ module wh_anchor #(
             start_q <= accepts;
             if (accepts) begin
                 started_q <= 1'b1;
+                copies_q  <= started_q && !copies_q && AXIS == 0;
                 contact_q <= contact_i;
                 begins_q  <= contact_i && !contact_q;
             end
             if (start_q) begin
-                follows_q <= follows;
+                follows_q <= follows || counts || hurries;
+                hurries_q <= counts ? (back == presses_q ? HURRY_OUT : HURRY_IN)
+                             : hurries_q - {4'd0, hurries};
                 phase_q   <= follows ? follow_ticks : phase_q - 1'b1;
                 back_q    <= moves ? back : back_q;
                 sinks_q   <= moves ? sinks : sinks_q;
@@ -381,8 +395,7 @@ module wh_anchor #(
     reg                     out_q;                   // z is outside the zone,
     reg                     above_q;                 // above it
     reg signed [DATA_W-1:0] brush_q;                 // s31q16 counts, 0...: y_b
-    reg signed [DATA_W-1:0] told_q;                  // s31q16 counts: y' + sgn y' y_b
-    reg                     presses_q;               // y' is below 0
+    reg signed [DATA_W-1:0] told_q;                  // s31q16 counts: y' + sgn y' y_b - d
     reg signed [COEF_W-1:0] theta_q;                 // s27q20 V a count: θ, 0...learn_max
     reg                     full_q;                  // it is the largest
     reg                     void_q;                  // it is below 0
@@ -391,7 +404,7 @@ module wh_anchor #(
     reg                     strange_q;               // and wants to be beyond it by strange
     reg                     negative_q;              // the correction that is wanted, g_ρ p,
     reg                     wild_q;                  // and it is more than a word
-    reg                     huge_q;                  // so is θ (y' + sgn y' y_b), which is
+    reg                     huge_q;                  // so is θ's product, which is
     reg                     sign_q;                  // below 0
     wire                    loses;                   // sum_q is not to be written
     reg                     sinks_p_q;               // p is below 0
@@ -517,7 +530,7 @@ module wh_anchor #(
                 inner      = 1'b1;
                 memory_too = 1'b1;
                 fresh      = 1'b1;
-                writes     = 1'b1;
+                writes     = !copies_q;
                 write_to   = M_FOLLOWER;
             end
             TAKE_THETA: begin
@@ -824,8 +837,6 @@ module wh_anchor #(
         if (go_q) begin
             case (adds_q)
                 LIMIT:   huge_q <= 1'b0;
-                FLUX:    told_q <= $signed(sum_q[CUT +: DATA_W]);
-                CHI:     told_q <= presses_q ? told_q - brush_q : told_q + brush_q;
                 CURRENT: far_q  <= over_q;
                 AHEAD: begin
                     far_q       <= far_q || sum_q[LONG_W-1] != sum_q[LONG_W-2];
@@ -885,6 +896,24 @@ module wh_anchor #(
     wire              carry;
     assign {carry, side} = {1'b0, side_a} + {1'b0, side_b} + {{SIDE_W{1'b0}}, caps_q || back_sum};
     wire              full   = carry && !back_sum;
+
+    // What θ acts on is added up from the sum of the step SWING, of a rotor that doesn't travel, that of MEAN and
+    // y_b, which by then has shrunk.
+    reg                       adds_brush_q;
+    wire                      damps = !travels_q && !begins_q && !blind_q && !far_q;
+    wire                      takes = shrinks_q || (adds_brush_q && presses_q);
+    wire signed [DATA_W-1:0]  tells = adds_brush_q  ? brush_q
+                                      : shrinks_q ? $signed({sum_q[CUT +: DATA_W-1], 1'b0})
+                                                      : $signed(sum_q[CUT +: DATA_W]);
+
+    always @(posedge clk) begin
+        adds_brush_q <= (step_q == CHI);
+        if (go_q && (adds_q == SWING || (shrinks_q && !damps))) begin
+            told_q <= {DATA_W{1'b0}};
+        end else if (go_q && (shrinks_q || adds_q == FLUX || adds_brush_q)) begin
+            told_q <= told_q + (tells ^ {DATA_W{takes}}) + {{(DATA_W - 1){1'b0}}, takes};
+        end
+    end
 
     // ---- Steps and results.
     reg  chosen_q;  // c is still in sum_q, and

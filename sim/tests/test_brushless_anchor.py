@@ -74,7 +74,16 @@ def test_a_leap_is_its_counts_one_after_the_other():
     assert (one == many).all()
 
 
-def test_an_axis_that_a_count_moves_by_a_cell_is_a_motor_with_brushes():
+OF_THE_MEANS = [
+    anchor.MEAN, anchor.HURRIES, anchor.BRUSH_LEFT, anchor.TOLD, anchor.THETA, anchor.COEFFICIENT,
+    anchor.FULL, anchor.CORRECTION, anchor.CLIPPED, anchor.OVERLOADED, anchor.FAULT, anchor.ROOM,
+    anchor.ZERO, anchor.OFFSET, anchor.FOLLOWER, anchor.LAG, anchor.COPIES, anchor.PHASE,
+]  # fmt: skip
+"""What follows from an axis' slower means and from what it takes of z within the zone."""
+
+
+def test_an_axis_that_a_count_moves_by_a_cell_has_the_flux_of_a_motor_with_brushes():
+    """Its flux, edges, zone and bounds; its means are slower."""
     chance = np.random.default_rng(2)
     words = settings(load_scene(SCENES_DIR / "held_wall.toml")).anchor
     axis, port = anchor.new_state(), anchor.new_state()
@@ -103,6 +112,7 @@ def test_an_axis_that_a_count_moves_by_a_cell_is_a_motor_with_brushes():
         # A bound lasts until the next edge, an axis' own until it has been kept.
         assert axis[anchor.BOUND] <= port[anchor.BOUND]
         axis[anchor.BOUND] = port[anchor.BOUND]
+        axis[OF_THE_MEANS] = port[OF_THE_MEANS]
         assert (axis == port).all()
         axis[anchor.PLACE] = place
 

@@ -126,10 +126,7 @@ def _soak(
             kept[_WAVE_VOLTAGE] = e_id
             size = abs(volts)
             reach = words[anchor.REACH] >> (0 if touching else anchor.FREE_SHIFT)
-            share = 0
-            if touching:
-                told = abs(held[anchor.MEAN] >> _LONG_GUARD) + held[anchor.BRUSH_LEFT]
-                share = (coefficient * told) >> _HELD_SHIFT
+            share = (coefficient * abs(held[anchor.TOLD])) >> _HELD_SHIFT if touching else 0
             # A word for each floor: of the half, of what θ holds and of c.
             if abs(held[anchor.CORRECTION]) > reach + (size >> 1) + share + 3:
                 return CORRECTION, n

@@ -19,11 +19,14 @@ holds χ:
   one downwards UP its lower end, where they lie within the zone; where they lie beyond its other
   end, that end does. This lasts until the next edge; of a brushless motor's axis, which an edge
   hardly moves at some angles, until z has been there once.
-- ``p`` is q, or z/256 within the zone, and ``c = θ·(y' + sgn(y')·y_b) − g_ρ·p``. y = L̂·i, y' is
-  its mean of some milliseconds, which follows only while the rotor travels: while its last two
-  full counts had the same direction. θ is a resistance that is learned from p where z is out of
-  the zone, ``θ −= g_θ·p·sgn(y')``, from a quarter of the largest on. It is kept from contact to
-  contact.
+- ``p`` is q, or z/128 within the zone (an axis: z/256), and ``c = θ·(y' + sgn(y')·y_b) − g_ρ·p``.
+  y = L̂·i, y' is its mean of some milliseconds. It follows only while the rotor travels: while
+  its last two full counts had the same direction. With each such count it takes a sixteenth of its
+  distance besides, a quarter on the way out, so that it keeps up with a fast hit (not an axis).
+- θ is a resistance. It is learned from p where z is out of the zone, ``θ −= g_θ·p·sgn(y')``, from a
+  quarter of the largest on, and kept from contact to contact.
+- While the rotor doesn't travel, twice θ resists what swings about y': ``c = θ·(y' + sgn(y')·y_b −
+  2·(y − y')) − g_ρ·p``.
 - y_b stands for the brushes' voltage. It shrinks by half of what y' falls, so that c falls at
   least as fast as what it compensates: a press never gets back more than it gave.
 - ``g_ρ·p`` is limited to ``c_0 + |e_id|/2``, out of contact with a half of c_0, and θ by a
@@ -107,33 +110,42 @@ assert len(_WORDS) == SETTINGS
     FRESH,  # periods for which the last edge is still one that a contact can begin with
     LOADED,  # θ is there: at first a quarter of the largest
     OVERLOADED,  # the current was at the end of its range, and c has been at its limit since
-) = range(38)
+    TOLD,  # s31q16 counts: what θ acts on, of the last period in contact
+    HURRIES,  # periods left in each of which y' moves
+    COPIES,  # periods left until x̂'s slow copy moves
+) = range(41)
 """Indices of an anchor's state."""
-STATES = 38
+STATES = 41
 
 FRESH_TICKS = 3
 """An edge begins a contact that is reported in its own period or in the next two."""
 
-INNER_SHIFT = 8
-"""Inside the zone 2^-8 of z counts: what drifts within a count dies out."""
+INNER_SHIFT = 7
+AXIS_INNER_SHIFT = 8
+"""Inside the zone 2^-7 of z counts, an axis' 2^-8: what drifts within a count dies out. By as much
+both means take of their distance."""
 AHEAD_SHIFT = 2
 """The zone of a rotor that goes on is a quarter of a count ahead."""
 BEHIND_SHIFT = 5
 """That of a rotor that has turned is 1/32 of a count behind: so much a bound gives way at each
 edge, as a rotor that neither gained nor lost by an edge would bounce on it for ever. An axis, on
 which such a bounce is stronger, is 1/16 of a count behind."""
-MEAN_SHIFT = 8
-"""y' takes 2^-8 of its distance to y in one period of FOLLOW_TICKS."""
+HURRY_IN = 8
+"""y' moves in one period of FOLLOW_TICKS, and in as many after a count of a rotor that travels,"""
+HURRY_OUT = 32
+"""in as many on its way out."""
 FIRST_SHIFT = 2
 """θ begins with a quarter of the largest."""
 SHRINK_SHIFT = 1
 """y_b shrinks by half of what y' falls."""
+DAMP_SHIFT = 1
+"""A rotor that doesn't travel swings against 2^1 of θ."""
 FREE_SHIFT = 1
 """Out of contact c may be 2^-1 of c_0: where only the sensor's offset flows, R has no voltage and a
 brush not all of its own."""
-FOLLOWER_SHIFT = 8
-"""x̂'s slow copy takes 2^-8 of its distance in each tick."""
-FOLLOWER_TICKS = 1 << FOLLOWER_SHIFT
+FOLLOWER_TICKS = 1 << AXIS_INNER_SHIFT
+COPY_TICKS = FOLLOWER_TICKS >> INNER_SHIFT
+"""x̂'s slow copy moves in one period of as many, an axis' in each: a mean of FOLLOWER_TICKS."""
 SEEN_CELLS = formats.LONG.step * 2.0**formats.LONG_GUARD
 """Cells of the last place of the RTL's ``flux_o`` and ``lag_o``, χ and x̂ less its slow copy."""
 
@@ -157,7 +169,6 @@ _DATA_TOP = 1 << (formats.DATA_W - 1)
 _DATA_MASK = (1 << formats.DATA_W) - 1
 _BEHIND = _CELL >> BEHIND_SHIFT
 _AXIS_BEHIND = _BEHIND << 1
-_FEW = _GUARD + MEAN_SHIFT + SHRINK_SHIFT
 
 
 def packed(settings: np.ndarray) -> int:
@@ -272,6 +283,7 @@ def _turn(
     state, words, moved, moved_flux, cell, start, place, contact, current, u, v, withheld, voltage,
     saturated, blind, axis,
 ):  # fmt: skip
+    inner = AXIS_INNER_SHIFT if axis else INNER_SHIFT
     begins = contact and state[TOUCHING] == 0
     state[TOUCHING] = 1 if contact else 0
 
@@ -296,6 +308,12 @@ def _turn(
         state[COUNTED] = state[NEGATIVE]
     follows = state[PHASE] == 0
     state[PHASE] = max(words[FOLLOW_TICKS] - 1, 0) if follows else state[PHASE] - 1
+    if same_way and not axis:
+        outward = (state[NEGATIVE] != 0) == (state[MEAN] < 0)
+        state[HURRIES] = HURRY_OUT if outward else HURRY_IN
+    if state[HURRIES] > 0:
+        state[HURRIES] -= 1
+        follows = True
 
     e = -voltage if voltage < 0 else voltage
     reach = words[REACH] if contact else words[REACH] >> FREE_SHIFT
@@ -358,7 +376,7 @@ def _turn(
         z = long_word(chi - ahead if sinks else chi + ahead)
     over = z - half >= 0
     under = not over and z + half < 0
-    beyond = z - half if over else z + half if under else z >> INNER_SHIFT
+    beyond = z - half if over else z + half if under else z >> inner
     bound = contact and state[BOUND] != 0
     if not bound:
         past = z
@@ -392,15 +410,18 @@ def _turn(
     elif contact and follows and state[TRAVELS] != 0 and not blind and not far:
         swing = long_word(y - state[MEAN])
         if (swing < 0) != (state[MEAN] < 0):
-            shrinks = (~swing if swing < 0 else swing) >> _FEW
+            shrinks = (~swing if swing < 0 else swing) >> (_GUARD + inner + SHRINK_SHIFT)
             state[BRUSH_LEFT] = max(state[BRUSH_LEFT] - shrinks, 0)
-        state[MEAN] = long_word(state[MEAN] + (swing >> MEAN_SHIFT))
+        state[MEAN] = long_word(state[MEAN] + (swing >> inner))
     presses_down = state[MEAN] < 0
 
     held = 0
     if contact:
-        told = -state[BRUSH_LEFT] if presses_down else state[BRUSH_LEFT]
-        held = (state[COEFFICIENT] * _data((state[MEAN] >> _GUARD) + told)) >> _NEAR_SHIFT
+        told = (state[MEAN] >> _GUARD) + (-state[BRUSH_LEFT] if presses_down else state[BRUSH_LEFT])
+        if state[TRAVELS] == 0 and not begins and not blind and not far:
+            told -= (long_word(y - state[MEAN]) >> _GUARD) << DAMP_SHIFT
+        state[TOLD] = _data(told)
+        held = (state[COEFFICIENT] * state[TOLD]) >> _NEAR_SHIFT
     if state[LOADED] == 0:
         state[LOADED] = 1
         state[THETA] = words[LEARN_MAX] << (_THETA_CUT - FIRST_SHIFT)
@@ -436,4 +457,7 @@ def _turn(
 
     lag = long_word(place - chi - state[FOLLOWER])
     state[LAG] = lag
-    state[FOLLOWER] = long_word(state[FOLLOWER] + (lag >> FOLLOWER_SHIFT))
+    if state[COPIES] == 0:
+        state[COPIES] = 1 if axis else COPY_TICKS
+        state[FOLLOWER] = long_word(state[FOLLOWER] + (lag >> inner))
+    state[COPIES] -= 1

@@ -236,7 +236,8 @@ def _anchor_words(
     most_a = formats.CURRENT.largest if scene.adc is None else scene.adc.full_scale_a
     most_a = min(most_a, 4.0 * limit_v / control.r_hat)
     slow = round(cell_rad / SLOW_RAD_S / tick_s)
-    follow = round(chosen.follow_s / (tick_s * (1 << anchor.MEAN_SHIFT)))
+    mean = anchor.AXIS_INNER_SHIFT if scene.motor.brushless else anchor.INNER_SHIFT
+    follow = round(chosen.follow_s / (tick_s * (1 << mean)))
 
     def word(format_: formats.Fixed, value: float, key: str) -> int:
         try:

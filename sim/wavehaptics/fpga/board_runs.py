@@ -36,8 +36,8 @@ PRESS_NM = {False: 0.014, True: 0.007}
 RAMP_S, HOLD_S = 0.05, 0.45
 """The press's ramp, and how long it is held after that: until the anchor has settled.
 
-Within a count the anchor corrects a 256th of the error. A fifth of a second after the ramp a rotor
-may still drift from one edge of a count to the other.
+Within a count the anchor corrects a 128th of the error, that of an axis a 256th. A fifth of a
+second after the ramp a rotor may still drift from one edge of a count to the other.
 """
 
 PRESS = {

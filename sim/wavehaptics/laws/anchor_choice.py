@@ -16,7 +16,7 @@ inertia is needed:
 - **θ ≤ 1.5 R̂ of the port**: a winding of 125 °C has 1.41 R. With R̂ and gain too low that lacks
   0.8 R, and brushes ask for the rest. A quarter of it is what a new port begins with.
 - **y' follows within 8 ms**: fast beside a hand's press (4 Hz), slow beside the slowest load on
-  its wall.
+  its wall. In a fast hit it also follows with each count (:mod:`wavehaptics.controller.anchor`).
 - **Brushes: 0.55·c_0 as a current of R̂.** θ then has to supply less at small currents than at
   large ones. A brushless motor has none.
 - **c_0 = 1.2 V**: with it the first press holds a winding of 125 °C at rated torque, before θ is
