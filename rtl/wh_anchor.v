@@ -415,11 +415,17 @@ module wh_anchor #(
     wire grows  = (sinks_p_q != presses_q);
     wire learns = contact_q && out_q && !saturated_q && !blind_q && !(grows ? full_q || clipped_q : void_q);
 
-    // Whether z is beyond the last edge's bound: of z less the bound, sum_q of the step BACK.
-    wire known  = sinks_q ? knows_up_q : knows_down_q;
-    wire all    = sinks_q ? up_all_q : down_all_q;
-    wire beside = bound_q && contact_q && known && (all || back_sum == sinks_q)
-                  && !(out_q && above_q == sinks_q);
+    // Whether z is beyond the last edge's bound: of z less the bound, sum_q of the step BACK. What is known of the
+    // bound stands since the tick's first clocks.
+    reg  known_q;  // it is in force,
+    reg  all_q;    // and beyond the zone's other end
+    wire beside = known_q && (all_q || back_sum == sinks_q) && !(out_q && above_q == sinks_q);
+
+    always @(posedge clk) begin
+        known_q <= bound_q && contact_q && (sinks_q ? knows_up_q : knows_down_q);
+        all_q   <= sinks_q ? up_all_q : down_all_q;
+    end
+
     wire past   = wild_q || (back_sum == negative_q);
 
     always @* begin
@@ -498,21 +504,21 @@ module wh_anchor #(
             end
             BOUND: begin
                 sum_too    = 1'b1;
-                memory_too = known;
+                memory_too = known_q;
                 read_from  = m_bound;
                 minus      = 1'b1;
             end
             BACK: begin
                 sum_too    = 1'b1;
-                memory_too = known;
+                memory_too = known_q;
                 read_from  = m_bound;
             end
             BEYOND: begin
                 sum_too    = beside || out_q;
                 inner      = !beside && !out_q;
-                memory_too = beside && !all;
+                memory_too = beside && !all_q;
                 read_from  = m_bound;
-                minus      = !beside ? above_q : !all || sinks_q;
+                minus      = !beside ? above_q : !all_q || sinks_q;
             end
             X_HAT: begin
                 sum_too    = 1'b1;
@@ -691,7 +697,7 @@ module wh_anchor #(
                  && (|product_i[DATA_W+COEF_W-1:NEAR_SHIFT+LONG_W-2]);
 
     always @(posedge clk) begin
-        b_q <= (bare_q || (step_q == BEYOND && (beside ? !all : !out_q))) ? {LONG_W{1'b0}}
+        b_q <= (bare_q || (step_q == BEYOND && (beside ? !all_q : !out_q))) ? {LONG_W{1'b0}}
                : {b_top, b_high, b_mid, b_low};
         over_q       <= !bare_q && near_q && outer;
         below_q      <= product_i[DATA_W+COEF_W-1];
