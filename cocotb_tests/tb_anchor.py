@@ -438,6 +438,33 @@ async def a_motor(dut: object, side: int) -> None:
     assert bench.seen >= {"learned", "held", "inside", "mean", "offset"}
 
 
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def edges_about_the_zone(dut: object) -> None:
+    """Single edges while χ is anywhere within two counts: every bound, and those that aren't kept."""
+    rng = random_source("edges")
+    bench = AnchorBench(dut, rng)
+    await bench.power_up()
+    words = motor_settings()
+    words[anchor.REACH] = MOST[anchor.REACH]  # every p shows in c
+    await bench.begin(words)
+    count = 1 << formats.LONG.fraction
+    gain = formats.FLUX.to_value(words[anchor.FLUX_GAIN])
+    position, kept, ahead = 0, set(), set()
+    for _ in range(300 if "Icarus" in cocotb.SIM_NAME else 2000):
+        moved = rng.choice((0, 0, 0, 1, -1))
+        position += moved
+        chi = bench.state[anchor.CHI] / count + moved
+        tick = Tick(position, contact=rng.random() < 0.99)
+        tick.u = formats.WAVE.to_raw((chi - rng.uniform(-2.0, 2.0)) / gain)
+        goes_on = tick.contact and bench.state[anchor.TOUCHING]
+        await bench.tick(tick)
+        state = bench.state
+        if moved and goes_on:
+            up = state[anchor.SINKS]  # which of the two bounds is asked for
+            (kept if state[anchor.KNOWS_UP if up else anchor.KNOWS_DOWN] else ahead).add(int(up))
+    assert kept == ahead == {0, 1}
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def a_reset_at_any_clock(dut: object) -> None:
     """After a reset of any length it is as after power-up, also if its products still come."""
