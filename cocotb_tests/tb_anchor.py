@@ -440,7 +440,7 @@ async def a_motor(dut: object, side: int) -> None:
 
 @cocotb.test(timeout_time=100, timeout_unit="ms")
 async def edges_about_the_zone(dut: object) -> None:
-    """Single edges while χ is anywhere within two counts: every bound, and those that aren't kept."""
+    """Single edges, χ anywhere within two counts: each bound, and where there is none."""
     rng = random_source("edges")
     bench = AnchorBench(dut, rng)
     await bench.power_up()
