@@ -15,6 +15,8 @@ from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import parse
 
 LONGEST_README = 200
+WIDEST_PROSE = 120
+PROSE = ("*.md", "boards/**/*.md", "docs/**/*.md", "formal/*.md", "rtl/*.md", "sim/scenes/*.md")
 
 TYPED = re.compile(r"\d[.,]\d|·10|\d ?%")
 """What a measured number looks like in a table."""
@@ -22,6 +24,21 @@ TYPED = re.compile(r"\d[.,]\d|·10|\d ?%")
 
 def test_readme_is_short():
     assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= LONGEST_README
+
+
+def test_prose_is_no_wider_than_an_editor():
+    """Tables, code and a picture's text may be."""
+    found = [path for pattern in PROSE for path in ROOT.glob(pattern)]
+    assert len(found) > 30
+    wide = []
+    for path in found:
+        text = re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.M | re.S)
+        wide += [
+            f"{path.relative_to(ROOT)}: {line}"
+            for line in text.splitlines()
+            if len(line) > WIDEST_PROSE and not line.lstrip().startswith(("|", "![", "<!"))
+        ]
+    assert wide == []
 
 
 @pytest.mark.parametrize("name", filler.TABLES)

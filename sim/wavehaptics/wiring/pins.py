@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+import textwrap
 from pathlib import Path
 from typing import NamedTuple
 
@@ -166,4 +167,5 @@ def table(board: str, root: Path = ROOT) -> str:
         lines.append("")
     lines += ["On the board:", "", "| signal | FPGA | what |", "|---|---|---|"]
     lines += [f"| `{port}` | {site} | {what} |" for port, site, what in found.on_board]
-    return "\n".join([*lines, "", f"Source: {_headers(board, root).source}.", ""])
+    source = textwrap.fill(f"Source: {_headers(board, root).source}.", 120, break_on_hyphens=False)
+    return "\n".join([*lines, "", source, ""])
