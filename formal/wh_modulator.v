@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // prove_wh_modulator: a width is within its limit, whatever the settings are, and 0 or least_i clocks at the
-// least if that is no more than the limit; what it is off by is owed, to the last place, unless it was clipped; what is owed is bounded, and no sum of the
-// error feedback wraps. The product may be any, at any clock.
+// least if that is no more than the limit; what it is off by is owed, to the last place, unless it was clipped;
+// what is owed is bounded, and no sum of the error feedback wraps. The product may be any, at any clock.
 
 `default_nettype none
 `include "wh_formats.vh"

@@ -2,8 +2,8 @@
 //
 // prove_wh_wave_core: one step from any state of rest, with any products (any_multiply.v). What it
 // leaves is such a state again, so the proof holds for all steps. |eta| <= 1, 0 <= a <= 1 and
-// u_max >= 0, as the ports ask for. Where reads_o is low, root, a and u_max may be anything. The claims are proven one by one; part 3 follows from 1 and 2,
-// and is proven by itself at short words. With SHARED = 1 the multiplier is outside, and what it
+// u_max >= 0, as the ports ask for. Where reads_o is low, root, a and u_max may be anything. The claims are proven
+// one by one; part 3 follows from 1 and 2, and is proven by itself at short words. With SHARED = 1 the multiplier is outside, and what it
 // makes is any word at all where the core hasn't asked three clocks before.
 
 `default_nettype none

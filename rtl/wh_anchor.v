@@ -11,13 +11,13 @@
 //   d  = 2 (y - y')                            y = L̂ i; 0 while the rotor travels
 //   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
-// The rotor travels while its last two full counts, edges with the direction of the edge before, had the same
-// direction. Only then y' follows y: in one tick of follow_ticks, and in 8 ticks after each full count, on its way
-// out in 32 (not with AXIS = 1). y_b stands for the brushes and shrinks by half of what y' falls. The bound χ_b: after an edge upwards z stays below the χ from before
-// the last edge downwards, and the other way round; so a rotor that crosses back over an edge meets no more
-// force on its way out, and no less on its way in, than it met there before. Where χ_b is beyond the zone's
-// other end, that end is the bound. It is in force until the next edge; with AXIS = 1, until z has been there
-// once.
+// An edge with the direction of the edge before is a full count. The rotor travels while its last two full counts
+// had the same direction. Only then y' follows y: in one tick of follow_ticks, and in 8 ticks after each full count,
+// on its way out in 32 (not with AXIS = 1). y_b stands for the brushes and shrinks by half of what y' falls.
+// The bound χ_b: after an edge upwards z stays below the χ from before the last edge downwards, and the other way
+// round. So a rotor that crosses back over an edge meets no more force on its way out, and no less on its way in,
+// than it met there before. Where χ_b is beyond the zone's other end, that end is the bound. It is in force until
+// the next edge; with AXIS = 1, until z has been there once.
 // c is a voltage in series with the port, limited to its word: it is added to e_id = s u behind the wave core,
 // which does not see it, and what it takes of the drive's limit, room_o, is no longer the wave's. A contact's
 // first edge, in the period that reports the contact or one of the two before, sets χ to a quarter of a count
@@ -364,7 +364,7 @@ module wh_anchor #(
     reg signed [LONG_W-1:0] memory [0:15];
     reg signed [LONG_W-1:0] read_q;
     reg signed [LONG_W-1:0] sum_q;
-    reg                     turns_q;                 // what the second adder takes off is y_b, of the steps SWING and MEAN
+    reg                     turns_q;                 // the second adder takes y_b off
     reg                     swings_q;
     reg signed [LONG_W-1:0] b_q;
     reg                     saturated_q;

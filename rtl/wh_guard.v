@@ -33,7 +33,8 @@
 // ticks that had begun by then.
 //
 // What a clear needs before it: LOST, ANCHOR, ENERGY and a core's OVERRUN are seen in a bridge that is on, so
-// they are over once it is off or damped, and found anew; OVERRUN of an ADC's reader or of ticks without a step lasts until rst. All others end with what they say.
+// they are over once it is off or damped, and found anew; OVERRUN of an ADC's reader or of ticks without a step
+// lasts until rst. All others end with what they say.
 //
 // Formats: in wh_faults.vh and below. Latency: a cause that is a level is latched in the next clock
 // (pins: 2 clocks later), and one clock after it off_o has switched the gates off (wh_half_bridge).

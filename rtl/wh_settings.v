@@ -29,7 +29,8 @@
 //
 // Latency: 5 clocks from bus_valid_i to bus_ready_o, 1 to 3 more while words are copied: what comes from
 // block RAM, late in its clock, is compared and handed on in the next one. A copy takes 4 clocks a word of
-// the memory, (N + 1) 2^SLOT_W of them or the next power of two, and 5 more for each request meanwhile. A change-over takes no clock with no group held.
+// the memory, (N + 1) 2^SLOT_W of them or the next power of two, and 5 more for each request meanwhile. A
+// change-over takes no clock with no group held.
 // Reset: the defaults are given, as with a change-over; until then no request ends. ready_o says that
 // they are: before, the groups' words mean nothing.
 

@@ -22,8 +22,9 @@
 // state_o: 1 at rest, 2 rows are made.
 //
 // Latency: a row is written within 9 clocks for each of its bytes, and five more in a packet, from the 9th
-// clock after its tick was taken on, which may be 9 after its step (wh_tick_words). A tick has to be 10 clocks or longer, 14
-// with another reader; what ends sooner is left out. Credit begins and ends as armed_o of wh_arm does. Reset: no credit.
+// clock after its tick was taken on, which may be 9 after its step (wh_tick_words). A tick has to be 10 clocks or
+// longer, 14 with another reader; what ends sooner is left out. Credit begins and ends as armed_o of wh_arm does.
+// Reset: no credit.
 
 `default_nettype none
 
