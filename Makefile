@@ -45,7 +45,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$$PWD/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo scope wall adcs holding tables docs report bench soak soak-link coverage check test lint lint-rtl lint-python clean distclean
+.PHONY: help setup setup-synth system lock demo scope wall adcs sensing holding tables docs report bench soak soak-link coverage check test lint lint-rtl lint-python clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -117,6 +117,10 @@ NUMBERS = $(WITH_TOOLS) .venv/bin/python -m wavehaptics.cli.board_commands numbe
 
 adcs: $(READY) ## run the paper's taps with every ADC, and write their numbers into the pages
 	@$(WITH_TOOLS) .venv/bin/wavehaptics adcs --out build/adcs
+	@$(NUMBERS)
+
+sensing: $(READY) ## press a wall with every part that senses the current, and write the pages' table (2 minutes)
+	@$(WITH_TOOLS) .venv/bin/wavehaptics sensing --out build/sensing
 	@$(NUMBERS)
 
 holding: $(READY) ## hold, tap and bounce with everything wrong, with the pages' numbers (20 minutes; QUICK=1)

@@ -14,7 +14,7 @@ from setuptools.command.build_py import build_py
 
 READ_BY_SIMULATIONS = (
     "rtl/*.v", "rtl/*.vh", "rtl/*.toml", "sim/verilated/*", "sim/scenes/*.toml",
-    "boards/summary.json",
+    "boards/sensing.toml", "boards/summary.json",
 )  # fmt: skip
 
 

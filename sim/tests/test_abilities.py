@@ -109,6 +109,11 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         (*SENSED, *DRIVEN, "adc.common_mode_a=5e-3"),
         ("adc.edge_settle_s=1e-6",),
     ),
+    "adc.edge_hold_s": ((*SENSED, *DRIVEN), ("adc.edge_hold_s=10e-6",)),
+    "adc.edge_hold_restarts": (
+        (*SENSED, *DRIVEN, "adc.edge_hold_s=10e-6"),
+        ("adc.edge_hold_restarts=false",),
+    ),
     "adc.drift_a_per_s": (SENSED, ("adc.drift_a_per_s=0.5",)),
     "drive.mode": (DRIVEN, ("drive.mode=sign-magnitude",)),
     "drive.bus_v": (DRIVEN, ("drive.bus_v=1",)),
@@ -271,6 +276,7 @@ def test_what_is_refused_is_told_in_one_line(base: Path, name: str) -> None:
         "controller.find_magnet": (*ANCHORED, *BRUSHLESS, "controller.find_magnet=true"),
         "controller.edge_hysteresis": (*ENCODER, "controller.edge_hysteresis=true"),
         "adc.edge_settle_s": (*SENSED, "adc.common_mode_a=5e-3", "adc.edge_settle_s=1e-6"),
+        "adc.edge_hold_s": (*SENSED, "adc.edge_hold_s=1e-6"),
         "drive.bus_measured": (*DRIVEN, "drive.bus_measured=true"),
     }
     refuse(load_scene(base), name)

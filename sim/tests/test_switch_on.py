@@ -3,17 +3,21 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 from typing import Any
 
 import pytest
+from typer.testing import CliRunner
+from wavehaptics.cli import board_commands
 from wavehaptics.fpga import board_pins, bridge_budget, pad_timing, synthesis
 from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.fpga.pad_timing import Delays, PadTimingError, adc_budget, gate_skew_ns
 from wavehaptics.fpga.synthesis import SynthesisError
 from wavehaptics.ladder.run import measure
-from wavehaptics.parts.adcs import PARTS, PartError, frame
+from wavehaptics.parts.adcs import MODULATORS, PARTS, PartError, frame
+from wavehaptics.parts.sensing import sensing_parts
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import load_scene
 
@@ -334,3 +338,94 @@ def test_registers_at_the_pads_are_a_zero_more():
     with pytest.raises(PartError, match="a part without commands"):
         frame(PARTS["MAX11125"], 30e6, pad_registers=True)
     assert pad_timing.PAD_TIMES["ecp5"].out_registered == 4.1
+
+
+# ---- Carrier and amplifier.
+
+
+@pytest.mark.parametrize(
+    ("board", "message"),
+    [
+        (with_fpga("ulx3s", "sense", known_too_fast=None),
+         r"boards/ulx3s/board\.toml: the INA241 may not follow the carrier of 1000 kHz: it holds "
+         r"its output for 1 µs after an edge, give or take 20%, and at 0 V there is one each "
+         r"0\.5 µs; lower drive\.pwm_hz to 416\.7 kHz or less, or name another amplifier in "
+         r"\[sense\] of boards/ulx3s/fpga\.toml$"),
+        # No tolerance is left of a hold that ends with the next edge.
+        (with_fpga("icebreaker", "sense", known_too_fast=None), r"of 500 kHz: .* one each 1 µs;"),
+        (with_fpga("ulx3s", "sense", known_too_fast=None, amplifier="MAX40056"),
+         r"the MAX40056 .* it settles for 0\.5 µs after an edge, and the sample comes 0\.25 µs "
+         r"after it; lower drive\.pwm_hz to 500 kHz or less"),
+        (with_fpga("ulx3s_three", "sense", amplifier="INA240"),
+         r"the INA240 may not follow the carrier of 357\.1 kHz: it settles for 9\.6 µs"),
+        (with_fpga("ulx3s_three", "sense", amplifier="low-side"),
+         r"it sees one half of each carrier period, and a tick is 1\.4 µs; name another amplifier"),
+        (with_fpga("ulx3s", "sense", amplifier="ACS70331"),
+         r"boards/ulx3s/fpga\.toml: sense\.known_too_fast is there, but the ACS70331 follows the "
+         r"carrier of 1000 kHz; leave it out$"),
+        (with_fpga("ulx3s", "sense", amplifier="INA24"),
+         r'sense\.amplifier "INA24" is unknown; did you mean "INA24[01]"\? known: INA241, .* with '
+         r"its figures$"),
+    ],
+)  # fmt: skip
+def test_carriers_that_the_amplifier_may_not_follow(board, message):
+    assert re.search(message, refusal(bridge_budget.check, board))
+
+
+@pytest.mark.parametrize(
+    ("board", "amplifier"),
+    [("icebreaker", "MAX40056"), ("ulx3s", "ACS70331"), ("ulx3s_three", "INA241"),
+     ("ulx3s_brushless", "INA241"), ("ulx3s_three", "MAX40056")],
+)  # fmt: skip
+def test_carriers_that_it_follows(board, amplifier):
+    chosen = with_fpga(board, "sense", known_too_fast=None, amplifier=amplifier)
+    bridge_budget.check(chosen)
+    assert bridge_budget.warning(chosen) is None
+
+
+def test_a_bad_carrier_ends_the_build_with_one_line_and_2(monkeypatch):
+    bad = with_fpga("hx8k", "sense", known_too_fast=None)
+    monkeypatch.setattr(board_commands, "load_board", lambda *_: bad)
+    ended = CliRunner().invoke(board_commands.app, ["bitstream", "hx8k"])
+    assert ended.exit_code == 2
+    assert ended.output.count("\n") == 1
+    assert ended.output.startswith("synthesis: boards/hx8k/board.toml: the INA241 may not follow")
+
+
+@pytest.mark.parametrize("name", board_names())
+def test_a_carrier_that_is_known_to_be_too_fast_is_told(name, monkeypatch):
+    """All but the boards of three motors and of a brushless one warn, before a tool is called."""
+    board, said = load_board(name), []
+
+    class StopError(Exception):
+        pass
+
+    def stop(_):
+        raise StopError
+
+    monkeypatch.setattr(synthesis, "_clear", stop)
+    with pytest.raises(StopError):
+        synthesis.build_board(board, None, say=said.append)
+    carrier_hz = bridge_budget.sensing(board).carrier_hz
+    assert len(said) == (carrier_hz > sensing_parts()["INA241"].carrier_hz)
+    assert (name in ("ulx3s_three", "ulx3s_brushless")) == (said == [])
+    if said:
+        assert re.match(rf"{name}: warning: boards/{name}/fpga\.toml: the INA241 may", said[0])
+
+
+def test_the_table_of_parts_gives_figures_and_sources():
+    """Of each key that no data sheet has, the sources say so, and the scene takes the others."""
+    for name, part in sensing_parts().items():
+        assert part.sources, name
+        assert set(part.unverified) <= set(type(part).model_fields), name
+        assert part.modulator is None or part.modulator in MODULATORS
+        settings = [key for key in part.settings(12.0, 0.033) if not key.startswith("adc.part")]
+        load_scene(ROOT / "sim" / "scenes" / "held_wall.toml", settings)
+    assert sensing_parts()["INA241"].carrier_hz == pytest.approx(0.5 / 1.2e-6)
+    assert sensing_parts()["MAX40056"].carrier_hz == pytest.approx(500e3)
+    edge_a = 12.0 * 10 ** (-60 / 20) / 0.033  # 60 dB
+    assert f"adc.common_mode_a={edge_a}" in sensing_parts()["MAX40056"].settings(12.0, 0.033)
+    # A lag that reaches 90 % of a step after 535 ns.
+    lag_hz = sensing_parts()["ACS70331"].lag_hz
+    assert lag_hz < 1e6
+    assert 1 - math.exp(-2 * math.pi * lag_hz * 535e-9) == pytest.approx(0.9)

@@ -94,6 +94,26 @@ def adcs(
 
 
 @app.command()
+def sensing(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for sensing.json.")] = Path(
+        "build/sensing"
+    ),
+    overrides: SetOption = None,
+) -> None:
+    """Press a wall on pins with every part that senses the current, at every carrier; 2 minutes."""
+    make_folder(out)
+
+    from rich.console import Console
+
+    from wavehaptics.studies.sensing import compare, sensing_table
+
+    with shown_stages() as progress:
+        found = compare(out / "sensing.json", tuple(overrides or ()), progress)
+    Console().print(sensing_table(found))
+    print(f"numbers: {out / 'sensing.json'}")
+
+
+@app.command()
 def holding(
     quick: Annotated[
         bool, typer.Option("--quick", help="Holds of seconds, few random motors: 5 minutes.")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a board's bridge and current sensor ask of its scene: dead time, pulse, scale and trip.
+"""What a board's bridge and current sensor ask of its scene: dead time, pulse, carrier, scale.
 
-The figures are those of ``fpga.toml``, where their sources stand.
+The figures are those of ``fpga.toml`` and ``boards/sensing.toml``, where their sources stand.
 """
 
 from __future__ import annotations
@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from wavehaptics.fpga.boards import Board, BoardError
+from wavehaptics.parts.sensing import TABLE, sensing_parts
+from wavehaptics.scene.keys import unknown_choice
 
 LEAST_DEAD_S = 20e-9
 """Shortest dead time at HI and LI: what the maker's forum advises to begin with for an LMG5200."""
@@ -36,6 +38,60 @@ def dead_time(board: Board) -> DeadTime:
     bridge, words = board.fpga.bridge, board.words()
     made_s = words.words["dead_clocks"] / words.ports.timing.clock_hz
     return DeadTime(made_s, bridge.mismatch_s, bridge.gate_skew_s, bridge.fpga_skew_s)
+
+
+@dataclass(frozen=True)
+class Sensing:
+    """A board's carrier and the fastest that its amplifier follows, Hz; why not, where it can't."""
+
+    amplifier: str
+    carrier_hz: float
+    fastest_hz: float
+    refusal: str | None
+
+
+def sensing(board: Board) -> Sensing:
+    """Whether a board's amplifier follows its carrier; :class:`BoardError` for one not known."""
+    parts, name = sensing_parts(), board.fpga.sense.amplifier
+    if name not in parts:
+        raise BoardError(
+            f"{board.folder}/fpga.toml: sense.amplifier {unknown_choice(name, parts)}, or enter it "
+            f"in boards/{TABLE.name} with its figures"
+        )
+    part, timing = parts[name], board.words().ports.timing
+    carrier_hz = timing.clock_hz / (2 * timing.half_clocks)
+    return Sensing(name, carrier_hz, part.carrier_hz, part.refusal(carrier_hz, timing.tick_s))
+
+
+def warning(board: Board) -> str | None:
+    """One line where a board's carrier is known to be too fast for its amplifier."""
+    found = sensing(board)
+    if found.refusal is None:
+        return None
+    return (
+        f"{board.folder}/fpga.toml: the {found.amplifier} may not follow the carrier of "
+        f"{1e-3 * found.carrier_hz:.4g} kHz: {found.refusal}. {board.fpga.sense.known_too_fast}"
+    )
+
+
+def _check_sensing(board: Board) -> None:
+    file, sense, found = f"{board.folder}/fpga.toml", board.fpga.sense, sensing(board)
+    if found.refusal is not None and sense.known_too_fast is None:
+        raise BoardError(
+            f"{board.folder}/board.toml: the {found.amplifier} may not follow the carrier of "
+            f"{1e-3 * found.carrier_hz:.4g} kHz: {found.refusal}; "
+            + (
+                f"lower drive.pwm_hz to {1e-3 * found.fastest_hz:.4g} kHz or less, or "
+                if found.carrier_hz > found.fastest_hz
+                else ""
+            )
+            + f"name another amplifier in [sense] of {file}"
+        )
+    if found.refusal is None and sense.known_too_fast is not None:
+        raise BoardError(
+            f"{file}: sense.known_too_fast is there, but the {found.amplifier} follows the carrier "
+            f"of {1e-3 * found.carrier_hz:.4g} kHz; leave it out"
+        )
 
 
 def check(board: Board) -> None:
@@ -70,3 +126,4 @@ def check(board: Board) -> None:
             f"{file}: sense.trip_a is {sense.trip_a:g} A, but the {sense.amplifier} clips at "
             f"{sense.clip_a:.3g} A, so that it would never trip; lower it"
         )
+    _check_sensing(board)

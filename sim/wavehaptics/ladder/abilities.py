@@ -50,7 +50,10 @@ _BESIDE = frozenset({"servo", "host"})
 """Of the encoder's servo, and of what has a line: a port whose host is silent has its own walls."""
 
 _NO_W = {"shaper": "leave it out or take `golden`"}
-_NO_EDGES = {"adc.edge_settle_s": "it has no edges of a bridge; leave it out or take `pins`"}
+_NO_EDGES = dict.fromkeys(
+    ("adc.edge_settle_s", "adc.edge_hold_s"),
+    "it has no edges of a bridge; leave it out or take `pins`",
+)
 
 ABILITIES: dict[str, Ability] = {
     "analog": Ability(
@@ -97,6 +100,9 @@ BRUSHLESS_RUNGS = ("analog", "golden", "core", "pins", "encoder")
 
 BRUSHLESS_USES = {"encoder": frozenset({"adc"})}
 """What is left out with brushes alone: the usual way of a brushless motor samples its currents."""
+
+BRUSHLESS_REFUSES = {"encoder": _NO_EDGES}
+"""What is refused with a brushless motor alone."""
 
 _LEAVE_OUT = "a brushless motor does without it yet; leave it out"
 
@@ -164,7 +170,7 @@ def refuse(scene: Scene, name: str, *, device: bool = False) -> None:
                 "motor.kind",
                 "motor.preset",
             )
-        refused = {**BRUSHLESS, **refused}
+        refused = {**BRUSHLESS, **refused, **BRUSHLESS_REFUSES.get(name, {})}
         if device or name == "a board":
             refused |= BRUSHLESS_DEVICE
     for what, cure in refused.items():

@@ -63,7 +63,16 @@ from wavehaptics.motor.brushless import (
     brushless_step,
 )
 from wavehaptics.motor.plant import TIME, C, I, P, X
-from wavehaptics.motor.sensor import NOISE, NOISE_SEED, sample_code
+from wavehaptics.motor.sensor import (
+    HOLD_S,
+    NOISE,
+    NOISE_SEED,
+    RESTARTS,
+    held_output,
+    hold_at_edge,
+    new_holds,
+    sample_code,
+)
 from wavehaptics.parts.adcs import PARTS, Frame
 from wavehaptics.runtime.compiled import compiled, compiled_drawing
 from wavehaptics.runtime.native_call import call2
@@ -155,8 +164,40 @@ def _end_run_out(z, pins, before):
 
 
 @compiled()
-def _catch_up(z, kept, marks, room, tables, steps, floats, ints, load):
-    """Advance the motor to the present clock. ``room`` is for three currents and three voltages."""
+def _sensed(z, kept, n, holds):
+    """The current of phase ``n`` as its ADC gets it, A, but for noise and offset."""
+    if holds is None:
+        return _phase(z, n)
+    else:
+        return held_output(holds, n, kept[NOW], _phase(z, n))
+
+
+@compiled()
+def leads_move(pins, currents, clock, dt, sensor, holds):
+    """Let the amplifiers of phases a and b hold their outputs at the edges of their own leads.
+
+    A leg that floats is no edge: its lead is not driven.
+    """
+    if holds is not None:
+        for n in range(2):
+            high, low = (pins >> n) & 1, (pins >> (n + 3)) & 1
+            if high or (not low and currents[n] < -_RUN_OUT_A):
+                level = 1.0
+            elif low or currents[n] > _RUN_OUT_A:
+                level = -1.0
+            else:
+                continue
+            hold_at_edge(
+                holds, n, level, clock, currents[n], sensor[HOLD_S] / dt, sensor[RESTARTS]
+            )  # fmt: skip
+
+
+@compiled()
+def _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, holds):
+    """Advance the motor to the present clock. ``room`` is for three currents and three voltages.
+
+    ``holds`` is the memory of amplifiers that hold, None without.
+    """
     clocks = kept[NOW] - kept[ADVANCED]
     pins = kept[PINS]
     currents, volts = room[0], room[1]
@@ -168,6 +209,7 @@ def _catch_up(z, kept, marks, room, tables, steps, floats, ints, load):
             currents[n] = _phase(z, n)
         bus = floats[GAIN] * bus_at(z[TIME] + 0.5 * part * floats[DT], floats)
         _bridge(pins, currents, bus, volts)
+        leads_move(pins, currents, kept[NOW] - clocks, floats[DT], sensor, holds)
         z[F_A] = (2.0 * volts[0] - volts[1] - volts[2]) / 3.0
         z[F_B] = (volts[1] - volts[2]) / _ROOT3
         brushless_step(z, tables[part], tables[part], steps[part], load)
@@ -226,16 +268,16 @@ def _emit(row, words, place, pending, angles, waves, floats, ints):
 
 
 @compiled(inline="always")
-def _wires(z, kept, pins, changed, ints, sensor, rng):
+def _wires(z, kept, pins, changed, ints, sensor, rng, holds):
     """What both ADCs do at this change of the pins: they hold their inputs, or put out a bit."""
     if changed & 1 << _CS_N:
         if not pins & 1 << _CS_N:
             middle = 1 << (ints[_DATA_BITS] - 1)
             noisy = sensor[NOISE] > 0.0
             noise = rng.standard_normal() if noisy else 0.0
-            code = sample_code(_phase(z, 0), sensor, noise) + middle
+            code = sample_code(_sensed(z, kept, 0, holds), sensor, noise) + middle
             noise = rng.standard_normal() if noisy else 0.0
-            code_b = sample_code(_phase(z, 1), sensor, noise) + middle
+            code_b = sample_code(_sensed(z, kept, 1, holds), sensor, noise) + middle
             # Bit 63 is on the wire; a late part puts out the code that it held before.
             late = ints[_PIPELINE]
             kept[SHIFT] = (kept[HELD] if late else code) << ints[_CODE_SHIFT]
@@ -263,7 +305,7 @@ def rest(z, kept, ints, sensor, rng, clocks):
         pins = call2(ints[_CLOCK], ints[_MODEL], _inputs(kept))
         changed = kept[PINS] ^ pins
         kept[PINS] = pins
-        _wires(z, kept, pins, changed, ints, sensor, rng)
+        _wires(z, kept, pins, changed, ints, sensor, rng, None)
         if pins & _GATES:
             return n
     return clocks
@@ -272,7 +314,7 @@ def rest(z, kept, ints, sensor, rng, clocks):
 @compiled_drawing
 def _advance(
     rows, words, z, kept, marks, room, pending, angles, waves, tables, steps, ints, floats, load,
-    sensor, rng, buffer,
+    sensor, rng, buffer, holds,
 ):  # fmt: skip
     """Clock the RTL until ``rows`` are filled; False if its core falls silent."""
     done = 0
@@ -283,12 +325,12 @@ def _advance(
         pins = call2(ints[_CLOCK], ints[_MODEL], _inputs(kept))
         changed = kept[PINS] ^ pins
         if changed & _GATES:
-            _catch_up(z, kept, marks, room, tables, steps, floats, ints, load)
+            _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, holds)
             next_edge(z, kept, cell, dt, end_s, None)
         kept[PINS] = pins
         if changed & ~pins & 1 << _CS_N:
-            _catch_up(z, kept, marks, room, tables, steps, floats, ints, load)
-        _wires(z, kept, pins, changed, ints, sensor, rng)
+            _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, holds)
+        _wires(z, kept, pins, changed, ints, sensor, rng, holds)
         if pins & 1 << _CORE_VALID:
             call2(ints[_WORDS], ints[_MODEL], buffer.ctypes.data)
             step = waves[kept[EMITTED] % PENDING]
@@ -302,7 +344,7 @@ def _advance(
             kept[TICK_START] = kept[NOW] + 1 + GATE_CLOCKS
         kept[NOW] += 1
         if kept[NOW] == kept[TICK_START]:
-            _catch_up(z, kept, marks, room, tables, steps, floats, ints, load)
+            _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, holds)
             _close_tick(z, kept, marks, pending, angles, floats, ints, load)
             if kept[CLOSED] - kept[EMITTED] > PENDING - 2:
                 return False
@@ -369,6 +411,7 @@ class BrushlessPinsSimulation:
         self._steps = np.stack([plant.step_words(n * dt) for n in range(longest + 1)])
         self._room = np.zeros((2, 3))
         self._sensor = sensor.constants()
+        self._holds = new_holds(2) if sensor.edge_hold_s else None
         self._rng = np.random.default_rng(NOISE_SEED)
 
     def _ports_of(self, scene: Scene) -> Ports:
@@ -448,7 +491,7 @@ class BrushlessPinsSimulation:
         done = _advance(
             rows, words, self._state, self._kept, self._marks, self._room, self._pending,
             self._angles, self._waves, self._tables, self._steps, self._ints, self._floats,
-            self._load, self._sensor, self._rng, self._buffer,
+            self._load, self._sensor, self._rng, self._buffer, self._holds,
         )  # fmt: skip
         if not done:
             raise RuntimeError("the controller's RTL stopped answering")

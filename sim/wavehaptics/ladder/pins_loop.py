@@ -16,6 +16,7 @@ from wavehaptics.motor.encoder_lines import FAULTY, cell_of, edge_place, line_co
 from wavehaptics.motor.imperfections import (
     AMPLIFIED,
     DRAWN,
+    HOLDS,
     LAG,
     LAG_TABLE,
     LEAD,
@@ -31,11 +32,15 @@ from wavehaptics.motor.plant import OMEGA, TIME, C, I, P, X, plant_step
 from wavehaptics.motor.sensor import (
     COMMON_MODE,
     FULL_SCALE,
+    HOLD_S,
     LAG_RATE,
     NOISE,
     OFFSET,
+    RESTARTS,
     SETTLE_RATE,
     disturbed,
+    held_output,
+    hold_at_edge,
     lagged,
     sample_code,
 )
@@ -104,13 +109,22 @@ def _end_load(real, tick_s):
 
 
 @compiled()
-def _sensed(state, sensor, real):
-    """The current as the ADC gets it, A, but for noise and offset."""
+def _followed(state, sensor, real):
+    """The amplifier's output where it isn't held, A."""
     current = state[I]
     if real is not None:
         if sensor[LAG_RATE] != 0.0:
             current = real[LAG][AMPLIFIED]
         current = disturbed(current, real[LAG][VOLTS], state[TIME], sensor) + real[LAG][LEAD_EDGE]
+    return current
+
+
+@compiled()
+def _sensed(state, clock, sensor, real):
+    """The current as the ADC gets it, A, but for noise and offset."""
+    current = _followed(state, sensor, real)
+    if real is not None and sensor[HOLD_S] != 0.0:
+        current = held_output(real[HOLDS], 0, clock, current)
     return current
 
 
@@ -166,7 +180,13 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
                 e = floats[GAIN] * bridge_voltage(kept[PINS], before, bus)
             if real is not None and bus > 0.0:
                 legs = e / (floats[GAIN] * bus)
-                _lead_moves(half_bridge_voltage(kept[PINS], before, 1.0), sensor, real[LAG])
+                lead = half_bridge_voltage(kept[PINS], before, 1.0)
+                if sensor[HOLD_S] != 0.0:
+                    hold_at_edge(
+                        real[HOLDS], 0, lead, kept[NOW] - clocks, _followed(state, sensor, real),
+                        sensor[HOLD_S] / floats[DT], sensor[RESTARTS],
+                    )  # fmt: skip
+                _lead_moves(lead, sensor, real[LAG])
         charge, square = _step(state, tables[part], step_s, part, e, legs, load, sensor, real)
         if floating and before * state[I] <= 0.0:
             # The current ran out within the step and stays at zero: a triangle is left of it.
@@ -294,14 +314,15 @@ def _follow(
     if ints[OSR]:
         if changed & pins & 1 << SCLK:
             _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
-            level = _level(_sensed(state, sensor, real), sensor, ints[OSR], rng)
+            sensed = _sensed(state, kept[NOW], sensor, real)
+            level = _level(sensed, sensor, ints[OSR], rng)
             kept[SHIFT] = next_bit(bits, level) << 63
     elif changed & (1 << CS_N | 1 << SCLK):
         if changed & 1 << CS_N:
             if not pins & 1 << CS_N:
                 _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
                 noise = rng.standard_normal() if sensor[NOISE] > 0.0 else 0.0
-                current = _sensed(state, sensor, real)
+                current = _sensed(state, kept[NOW], sensor, real)
                 code = sample_code(current, sensor, noise) + (1 << (ints[DATA_BITS] - 1))
                 # Bit 63 is on the wire; a late part puts out the code that it held before.
                 shown = kept[HELD] if ints[PIPELINE] else code

@@ -14,16 +14,26 @@ import numpy as np
 
 from wavehaptics.motor.encoder_lines import FAULTY, line_count, line_words, new_lines
 from wavehaptics.motor.plant import Plant, X
-from wavehaptics.motor.sensor import COMMON_MODE, DRIFT, LAG_RATE, Sensor, disturbed
+from wavehaptics.motor.sensor import (
+    COMMON_MODE,
+    DRIFT,
+    HOLD_S,
+    LAG_RATE,
+    Sensor,
+    disturbed,
+    new_holds,
+)
 from wavehaptics.motor.step import MEMORY, SERIES_OHM, motor_parts, warm_parts
 from wavehaptics.motor.supply import SAG_OHM, STEP_PART, sag_in_series, supply_part, supply_words
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.scene import Scene
 
-MOTOR, SUPPLY, LINES, LINE_MEMORY, LAG_TABLE, LAG = range(6)
+MOTOR, SUPPLY, LINES, LINE_MEMORY, LAG_TABLE, LAG, HOLDS = range(7)
 """Places in :func:`real_parts`."""
 
-Real = tuple[tuple[np.ndarray, ...], np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+Real = tuple[
+    tuple[np.ndarray, ...], np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray
+]
 
 
 AMPLIFIED, VOLTS, DRAWN, LOAD, LEAD, LEAD_EDGE = range(6)
@@ -47,6 +57,7 @@ def real_parts(
         or supply[STEP_PART] != 1.0
         or lines[FAULTY]
         or np.any(words[[LAG_RATE, COMMON_MODE, DRIFT]])
+        or (switching and words[HOLD_S])
     ):
         return None
     memory = new_lines(plant.start[X], cell_rad, lines)
@@ -57,6 +68,7 @@ def real_parts(
         memory,
         sensor.lag_table(np.asarray(steps_s)),
         np.zeros(6),
+        new_holds(1),
     )
 
 

@@ -24,15 +24,24 @@ NOISE_SEED = 20_260_101
 
 (
     IDEAL, BITS, FULL_SCALE, NOISE, OFFSET, GAIN, LAG_RATE, COMMON_MODE, DRIFT, SETTLE_RATE, END,
-) = range(11)  # fmt: skip
+    HOLD_S, RESTARTS,
+) = range(13)  # fmt: skip
 """Places in :meth:`Sensor.constants`; LAG_RATE in rad/s is 0 without a lag, and SETTLE_RATE in 1/s
-where COMMON_MODE goes by the voltage's sign. END is the current word at the end of the range."""
+where COMMON_MODE goes by the voltage's sign. END is the current word at the end of the range.
+HOLD_S is 0 where the amplifier never holds its output, RESTARTS whether an edge begins it anew."""
 
 SETTLED = 0.01
 """Part of what an edge adds that is left after ``edge_settle_s``."""
 
 KEEP, FIRST, SLOPE, CURVE = range(4)
 """Places in a row of :meth:`Sensor.lag_table`."""
+
+LEVEL, UNTIL, HELD_A = range(3)
+"""Columns of :func:`new_holds`: the lead's level, 0 before the first, the clock at which the hold
+ends, and the output that is held, A."""
+
+_TIE_CLOCKS = 1e-6
+"""A hold that ends with an edge or a sample is over then, however its length is rounded."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +51,9 @@ class Sensor:
     ``bits`` and ``full_scale_a`` (± that current) describe the ADC, the others the amplifier before
     it: ``noise_a`` (RMS), ``offset_a`` and its ``drift_a_per_s``, ``common_mode_a`` by the sign of
     the motor's voltage or with ``edge_settle_s`` by each edge of lead A, all in A, and
-    ``bandwidth_hz``, infinite without a lag. ``linear`` is the part of the full scale up to which
-    the converter's words can be trusted.
+    ``bandwidth_hz``, infinite without a lag. For ``edge_hold_s`` after an edge of its lead the
+    amplifier holds its output; with ``edge_hold_restarts`` an edge in that time begins it anew.
+    ``linear`` is the part of the full scale up to which the converter's words can be trusted.
     """
 
     ideal: bool
@@ -55,6 +65,8 @@ class Sensor:
     common_mode_a: float = 0.0
     drift_a_per_s: float = 0.0
     edge_settle_s: float | None = None
+    edge_hold_s: float = 0.0
+    edge_hold_restarts: bool = True
     linear: float = 1.0
 
     @classmethod
@@ -67,7 +79,8 @@ class Sensor:
         modulator = MODULATORS.get(adc.part or "")
         return cls(
             False, adc.bits, adc.full_scale_a, adc.noise_a, adc.offset_a, bandwidth_hz,
-            adc.common_mode_a, adc.drift_a_per_s, adc.edge_settle_s,
+            adc.common_mode_a, adc.drift_a_per_s, adc.edge_settle_s, adc.edge_hold_s,
+            adc.edge_hold_restarts,
             1.0 if modulator is None else modulator.linear,
         )  # fmt: skip
 
@@ -87,12 +100,13 @@ class Sensor:
         return min(top, math.floor(self.linear * unity * _SAMPLE_HALF))
 
     def constants(self) -> np.ndarray:
-        """For the functions below: float64 (11,)."""
+        """For the functions below: float64 (13,)."""
         gain = 0 if self.ideal else self.gain_word(1)
         end = _CURRENT_MAX if self.ideal else scale_sum.py_func(self.range_word(), gain)
         return np.array(
             [self.ideal, self.bits, self.full_scale_a, self.noise_a, self.offset_a, gain,
-             self._lag_rate, self.common_mode_a, self.drift_a_per_s, self._settle_rate, end],
+             self._lag_rate, self.common_mode_a, self.drift_a_per_s, self._settle_rate, end,
+             self.edge_hold_s, self.edge_hold_restarts],
             float,
         )  # fmt: skip
 
@@ -150,6 +164,34 @@ def disturbed(current, volts, time, sensor):
     if sensor[DRIFT] != 0.0:
         current += sensor[DRIFT] * time
     return current
+
+
+def new_holds(leads: int) -> np.ndarray:
+    """Memory of the amplifiers in ``leads`` leads before the first edge: float64 (leads, 3)."""
+    return np.zeros((leads, 3))
+
+
+@compiled(inline="always")
+def hold_at_edge(holds, lead, level, clock, output, hold_clocks, restarts):
+    """Let an amplifier hold its ``output`` in A from ``clock`` on, if ``level`` is a new one.
+
+    ``level`` is the lead's from then on, either sign; its first is no edge. An edge in a hold
+    begins it anew with the same output where ``restarts`` isn't 0, and is ignored otherwise.
+    """
+    before = holds[lead, LEVEL]
+    if level != before:
+        holds[lead, LEVEL] = level
+        holding = clock < holds[lead, UNTIL] - _TIE_CLOCKS
+        if before != 0.0 and (restarts != 0.0 or not holding):
+            holds[lead, UNTIL] = clock + hold_clocks
+            if not holding:
+                holds[lead, HELD_A] = output
+
+
+@compiled(inline="always")
+def held_output(holds, lead, clock, output):
+    """What the converter gets at ``clock``, A, of an amplifier that would follow to ``output``."""
+    return holds[lead, HELD_A] if clock < holds[lead, UNTIL] - _TIE_CLOCKS else output
 
 
 @compiled(inline="always")

@@ -68,6 +68,7 @@ _REPORT = Path("build", "report", "report.json")
 _BENCH = Path("build", "bench", "summary.json")
 _HOLDING = Path("build", "holding", "holding.json")
 _TABLED = Path("build", "tables", "tables.json")
+_SENSING = Path("build", "sensing", "sensing.json")
 _DEMO = Path("build", "demo")
 _FORMAL = Path("build", "formal", "summary.json")
 _SOAK = Path("build", "soak", "summary.json")
@@ -127,6 +128,7 @@ _STUDIES: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
     _BENCH: ("bench", report_and_bench.of_bench),
     _HOLDING: ("holding", holding_tables.of_holding),
     _TABLED: ("tables", runs.of_tables),
+    _SENSING: ("sensing", runs.of_sensing),
 }
 _CHECKS: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
     _FORMAL: ("proofs", reliability.of_formal),
@@ -139,11 +141,13 @@ _CHECKS: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
 
 
 def _is_part(path: Path, found: dict[str, Any]) -> bool:
-    """Whether a file is of a quick run, or of a part of one."""
+    """Whether a file is of a quick run, of a part of one, or of another scene."""
     if path == _SOAK:
         return found["ticks"] < soak.WHOLE_TICKS
     if path == _LINK_SOAK:
         return found["bytes"] < link_soak.WHOLE_BYTES
+    if path == _SENSING:
+        return bool(found["settings"])
     return bool(found.get("quick", path == _FORMAL))
 
 

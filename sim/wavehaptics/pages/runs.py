@@ -8,8 +8,14 @@ from typing import Any
 
 from wavehaptics.laws import closed_forms
 from wavehaptics.scene import find_scene, first_comment, load_scene
+from wavehaptics.studies import sensing
 from wavehaptics.studies.report.blocks import number, percent
 from wavehaptics.trace import pictures
+
+
+def of_sensing(found: dict[str, Any]) -> dict[str, Any]:
+    """What is kept of ``sensing.json``: all of it."""
+    return found
 
 
 def of_tables(found: dict[str, Any]) -> dict[str, Any]:
@@ -53,6 +59,10 @@ def _dead_time(numbers: dict[str, Any], table: Table) -> str:
         for row in _rows(numbers, "dead-time")
     ]  # fmt: skip
     return table(head, rows)
+
+
+def _sensing(numbers: dict[str, Any], table: Table) -> str:
+    return table(*sensing.lines(numbers["sensing"])) if "sensing" in numbers else ""
 
 
 _SWITCHING = {
@@ -170,6 +180,7 @@ TABLES = {
     "brushless-angles": _brushless,
     "brushless-held": _brushless_held,
     "dead-time": _dead_time,
+    "sensing": _sensing,
     "modes": _modes,
     "bus": _bus,
     "carriers": _carriers,

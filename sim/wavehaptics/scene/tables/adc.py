@@ -70,6 +70,20 @@ class Adc(Table):
         ge=1e-9,
         le=1e-3,
     )
+    edge_hold_s: float = scene_key(
+        "s",
+        "On `pins`: after an edge of its lead the amplifier holds its output for so long; 0: never",
+        0.0,
+        ge=0,
+        le=1e-3,
+    )
+    edge_hold_restarts: bool = scene_key(
+        "–",
+        "Whether an edge in a hold begins it anew, with the same output; otherwise it is ignored",
+        True,
+        default_text="true",
+        range_text="true, false",
+    )
     drift_a_per_s: float = scene_key(
         "A/s", "How fast the constant error grows", 0.0, ge=-CURRENT_MAX_A, le=CURRENT_MAX_A
     )
@@ -113,6 +127,12 @@ class Adc(Table):
                 f"adc.edge_settle_s = {as_number(self.edge_settle_s)} has nothing to settle; set "
                 "adc.common_mode_a, what an edge adds, or leave it out",
                 ("adc", "edge_settle_s"),
+            )
+        if "edge_hold_restarts" in self.model_fields_set and self.edge_hold_s == 0.0:
+            broken_rule(
+                f"adc.edge_hold_restarts = {as_written(self.edge_hold_restarts)} has no hold to "
+                "restart; set adc.edge_hold_s, or leave it out",
+                ("adc", "edge_hold_restarts"),
             )
         drifted = self.offset_a + self.drift_a_per_s * duration_s
         if abs(drifted) >= full_scale_a:
