@@ -26,6 +26,7 @@ from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import Design, SynthesisError, build
 from wavehaptics.ladder.brushless import magnet_words
 from wavehaptics.ladder.guarded_pins import GuardedPins
+from wavehaptics.ladder.run import measure
 from wavehaptics.pages import filler
 from wavehaptics.parts.adcs import PARTS, frame
 from wavehaptics.runtime.repository import ROOT
@@ -535,9 +536,17 @@ def test_shared_multiplier_is_refused_where_it_has_no_time():
 
 
 def test_slow_adc():
-    scene = load_scene(ROOT / "boards" / "icebreaker" / "board.toml", [])
+    scene = load_scene(ROOT / "boards" / "icebreaker" / "board.toml", ["adc.part=AD7476A"])
     with pytest.raises(SceneError, match=r"needs \d+ clocks of 3e\+07 Hz from sample to sample"):
         board_words(scene, PARTS["AD7476A"])
+
+
+@pytest.mark.parametrize("name", board_names())
+def test_the_scene_of_a_board_runs_by_its_own_command(name):
+    """``wavehaptics run boards/<name>/board.toml --controller pins``, as its page has it."""
+    path = ROOT / "boards" / name / "board.toml"
+    found = measure(load_scene(path, ["scene.duration_s=2e-3"]), "pins", compare=False)
+    assert "faults" not in found
 
 
 def test_boards_that_are_not_there():
