@@ -2,8 +2,9 @@
 //
 // prove_wh_anchor: a period's 28 steps with any products, which come at once. Part 0: from any state of
 // rest, in which nothing is left to be written, to the next; c is 0 if it isn't enabled or after a fault.
-// Part 3: θ as a coefficient is 0 to learn_max, nothing is learned while blind or saturated, and θ doesn't grow
-// while clipped. Part 1: the first steps make the limit of c. Part 2: the last steps make
+// Part 3: the steps from TAKE_THETA on leave θ as a coefficient 0 to learn_max; nothing is learned while blind or
+// saturated, and θ doesn't grow while clipped, whatever the state is otherwise. Part 4: from any state of rest, y',
+// y_b and the offset stay while blind. Part 1: the first steps make the limit of c. Part 2: the last steps make
 // c = limited(θ (y' + sgn y' y_b - d) + clamp(-g_ρ p, ± limit)), the first term in contact only, whatever the state
 // is otherwise. reach is 0 or more and below half a word's largest, strange, learn_max and brush 0 or more, as their
 // settings are. After a clock in which reads_o is low, the settings may be anything, until it is high.
@@ -105,6 +106,8 @@ module prove_wh_anchor #(
     (* hierconn *) wire       \block.clipped_q ;
     (* hierconn *) wire       \block.sinks_p_q ;
     (* hierconn *) wire       \block.void_q ;
+    (* hierconn *) wire       \block.blind_q ;
+    (* hierconn *) wire       \block.saturated_q ;
     (* hierconn *) wire signed [DATA_W-1:0]      \block.brush_q ;
     (* hierconn *) wire signed [COEF_W-1:0]      \block.theta_q ;
     (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[1] ;
@@ -167,7 +170,13 @@ module prove_wh_anchor #(
             end
         end
         if (at == 6'd0) begin
-            if (PART != 2) assume (\block.step_q == 5'd0 && !\block.go_q && !busy && first_known);
+            if (PART == 3)  // the step before TAKE_THETA is added up meanwhile, and may write x̂'s slow copy
+                assume (\block.step_q == 5'd21 && \block.ahead_q == 5'd22 && \block.go_q && \block.adds_q == 5'd20
+                        && \block.write_to_q == 4'd4 && busy
+                        && !\block.waits_q && \block.bare_q == !\block.first_q && !\block.near_q
+                        && \block.low_q == 0 && \block.mid_q == 3 && \block.high_q == 3 && \block.top_q == 0
+                        && \block.high_by_q == 5'b00001 && \block.top_by_q == 0);
+            else if (PART != 2) assume (\block.step_q == 5'd0 && !\block.go_q && !busy && first_known);
             // LEARN, the step that is added up meanwhile, writes θ, and the one before it nothing.
             else assume (\block.step_q == 5'd23 && \block.ahead_q == 5'd24 && \block.go_q && \block.adds_q == 5'd22
                          && \block.write_to_q == 4'd1 && limit_stands
@@ -193,26 +202,28 @@ module prove_wh_anchor #(
         // g_θ is 0 or more, so g_θ p, which the step LEARN takes, has p's sign.
         if (PART == 3 && \block.step_q == 5'd22)
             assume (product[DATA_W+COEF_W-1] == \block.sinks_p_q || product == 0);
-        if (at == 6'd30) begin
-            if (PART == 0) begin
-                assert (\block.step_q == 5'd0 && !\block.go_q && !busy && !overrun && first_known);
-                assert (!\block.chosen_q && !\block.none_q && !\block.stores_q );
-                if (!enable || fault || blind) assert (next == 0);
-                if (enable && fault_before) assert (fault);
-                if (!enable && fault) assert (fault_before);
-                assert (\block.contact_q || room == 0);
-            end
-            if (PART == 3) begin
-                assert (\block.void_q == \block.memory[1] [`WH_LONG_W-1]);
-                assert (!\block.theta_q [COEF_W-1] && \block.theta_q <= learn_max);
-                if (!first_before && (blind || saturated || !\block.contact_q ))
-                    assert (\block.memory[1] == theta_before);
-                if (!first_before && clipped_before) assert ($signed(\block.memory[1] ) <= theta_before);
-                if (!first_before && blind && !\block.begins_q )
-                    assert (\block.memory[2] == mean_before && \block.brush_q == brush_before);
-                if (blind && (tracked_before || \block.contact_q ))
-                    assert (\block.memory[3] == zero_before);
-            end
+        if (PART == 0 && at == 6'd30) begin
+            assert (\block.step_q == 5'd0 && !\block.go_q && !busy && !overrun && first_known);
+            assert (!\block.chosen_q && !\block.none_q && !\block.stores_q );
+            if (!enable || fault || blind) assert (next == 0);
+            if (enable && fault_before) assert (fault);
+            if (!enable && fault) assert (fault_before);
+            assert (\block.contact_q || room == 0);
+        end
+        if (PART == 3 && at == 6'd6) begin
+            assert (\block.step_q == 5'd27);
+            assert (\block.void_q == \block.memory[1] [`WH_LONG_W-1]);
+            assert (!\block.theta_q [COEF_W-1] && \block.theta_q <= learn_max);
+            if (!first_before && (\block.blind_q || \block.saturated_q || !\block.contact_q ))
+                assert (\block.memory[1] == theta_before);
+            if (!first_before && clipped_before) assert ($signed(\block.memory[1] ) <= theta_before);
+        end
+        if (PART == 4 && at == 6'd17) begin
+            assert (\block.step_q == 5'd17);
+            if (!first_before && blind && !\block.begins_q )
+                assert (\block.memory[2] == mean_before && \block.brush_q == brush_before);
+            if (blind && (tracked_before || \block.contact_q ))
+                assert (\block.memory[3] == zero_before);
         end
         // The second step has been made and written. Nothing touches its word until the last ones
         // (formal/wh_anchor_turns.v).
