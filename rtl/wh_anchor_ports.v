@@ -88,7 +88,9 @@ module wh_anchor_ports #(
     localparam integer FAR_SHIFT  = `WH_WAVE_Q + `WH_FLUX_Q - LONG_Q;
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
-    localparam integer INNER_SHIFT = 8;  // of z within the zone, of both means
+    localparam integer INNER_SHIFT = 7;  // of z within the zone, of both means
+    localparam [4:0]   HURRY_IN    = 7;  // turns more in which y' moves after a count that the rotor travels,
+    localparam [4:0]   HURRY_OUT   = 31; // and on its way out
     localparam integer BEHIND_SHIFT = 5;  // of the count by which z is behind χ after a turn
     localparam integer FEW_SHIFT   = INNER_SHIFT + 1 + CUT;  // by half of a step of y' shrinks y_b
     localparam integer THETA_CUT   = `WH_LEARN_Q + LONG_Q - CUT - FAR_SHIFT - `WH_PULL_Q;  // of θ below a coefficient
@@ -207,6 +209,7 @@ module wh_anchor_ports #(
     wire                     up_all_q;    // they are beyond its other end
     wire                     down_all_q;
     wire                     bound_q;     // the last edge's bound is in force
+    wire                     copies_q;    // x̂'s slow copy stays in this turn
 
     reg  signed [MOVE_W-1:0] moved_q;
     reg                      begins_q;    // the contact
@@ -237,7 +240,7 @@ module wh_anchor_ports #(
         end
     end
 
-    localparam integer EDGES_W = PLACE_W + 20;
+    localparam integer EDGES_W = PLACE_W + 21;
 
     // Where χ and its bounds are before the first edge: bits of theirs that are stored inverted.
     localparam [5:0] PLACES = {2'd1, 2'd2, 2'd3};
@@ -270,9 +273,10 @@ module wh_anchor_ports #(
                    !begins_q && (steps ? one && (back ? !chi_above_q : knows_down_q) : knows_down_q),
                    (steps && !back) ? chi_above_q : up_all_q,
                    (steps && back) ? chi_below_q : down_all_q,
-                   (begins_q || moves) ? !begins_q : bound_q}),
+                   (begins_q || moves) ? !begins_q : bound_q,
+                   started_q && !copies_q}),
         .value_o ({position_q, started_q, contact_q, back_q, turned_q, counted_q, travels_q, sinks_q, fresh_q,
-                   places, knows_up_q, knows_down_q, up_all_q, down_all_q, bound_q})
+                   places, knows_up_q, knows_down_q, up_all_q, down_all_q, bound_q, copies_q})
     );
 
     wire same_q = !turned_q;
@@ -280,10 +284,12 @@ module wh_anchor_ports #(
     // ---- What periods change, as their settings are there.
     wire   [REST_W-1:0] quiet_q;    // periods left until a rotor without two edges the same way is slow
     wire [FOLLOW_W-1:0] phase_q;    // y' moves in the turn that finds 1 or 0
+    wire          [4:0] hurries_q;  // turns left in which it does as well
     reg                 follows_q;  // it does in this turn
 
     wire slow    = (quiet_q == {REST_W{1'b0}});
     wire follows = (phase_q[FOLLOW_W-1:1] == {(FOLLOW_W - 1){1'b0}});
+    wire hurries = (hurries_q != 5'd0);
 
     wh_port_state #(
         .N       (N),
@@ -300,20 +306,21 @@ module wh_anchor_ports #(
 
     wh_port_state #(
         .N       (N),
-        .W       (FOLLOW_W)
+        .W       (5 + FOLLOW_W)
     ) phase_state (
         .clk     (clk),
         .rst     (rst),
         .port_i  (port_q),
         .save_i  (step_q == 5'd6),
         .save_port_i (port_q),
-        .value_i (follows ? setting[FOLLOW_W-1:0] : phase_q - 1'b1),
-        .value_o (phase_q)
+        .value_i ({same_way_q ? (back_q == presses_q ? HURRY_OUT : HURRY_IN) : hurries_q - {4'd0, hurries},
+                   follows ? setting[FOLLOW_W-1:0] : phase_q - 1'b1}),
+        .value_o ({hurries_q, phase_q})
     );
 
     always @(posedge clk) begin
         if (step_q == 5'd6) begin
-            follows_q <= follows;
+            follows_q <= follows || hurries || same_way_q;
         end
     end
 
@@ -389,7 +396,7 @@ module wh_anchor_ports #(
     reg        [3:0]        store_to_q;
     reg                     stores_q;                // sum_q is to be written
     reg                     sum_too_q, sum_too;      // a: the sum, or
-    reg                     inner_q, inner;          // its 256th, or 0
+    reg                     inner_q, inner;          // its 128th, or 0
     reg                     memory_too_q, memory_too;  // b: what was read, or b_q
     reg                     fresh;                   // what is read is 0 in the first turn
     reg        [3:0]        b_from;
@@ -421,11 +428,17 @@ module wh_anchor_ports #(
     wire grows  = (sinks_p_q != presses_q);
     wire learns = contact_q && out_q && !saturated_q && !blind_q && !(grows ? full_q || clipped_q : void_q);
 
-    // Whether z is beyond the last edge's bound: of z less the bound, sum_q of the step BACK.
-    wire known  = sinks_q ? knows_up_q : knows_down_q;
-    wire all    = sinks_q ? up_all_q : down_all_q;
-    wire beside = bound_q && contact_q && known && (all || back_sum == sinks_q)
-                  && !(out_q && above_q == sinks_q);
+    // Whether z is beyond the last edge's bound: of z less the bound, sum_q of the step BACK. What is known of the
+    // bound stands since the turn's first clocks.
+    reg  known_q;  // it is in force,
+    reg  all_q;    // and beyond the zone's other end
+    wire beside = known_q && (all_q || back_sum == sinks_q) && !(out_q && above_q == sinks_q);
+
+    always @(posedge clk) begin
+        known_q <= bound_q && contact_q && (sinks_q ? knows_up_q : knows_down_q);
+        all_q   <= sinks_q ? up_all_q : down_all_q;
+    end
+
     wire past   = wild_q || (back_sum == negative_q);
 
     always @* begin
@@ -504,21 +517,21 @@ module wh_anchor_ports #(
             end
             BOUND: begin
                 sum_too    = 1'b1;
-                memory_too = known;
+                memory_too = known_q;
                 read_from  = m_bound;
                 minus      = 1'b1;
             end
             BACK: begin
                 sum_too    = 1'b1;
-                memory_too = known;
+                memory_too = known_q;
                 read_from  = m_bound;
             end
             BEYOND: begin
                 sum_too    = beside || out_q;
                 inner      = !beside && !out_q;
-                memory_too = beside && !all;
+                memory_too = beside && !all_q;
                 read_from  = m_bound;
-                minus      = !beside ? above_q : !all || sinks_q;
+                minus      = !beside ? above_q : !all_q || sinks_q;
             end
             X_HAT: begin
                 sum_too    = 1'b1;
@@ -536,7 +549,7 @@ module wh_anchor_ports #(
                 inner      = 1'b1;
                 memory_too = 1'b1;
                 fresh      = 1'b1;
-                writes     = 1'b1;
+                writes     = !copies_q;
                 write_to   = M_FOLLOWER;
             end
             TAKE_THETA: begin
@@ -685,7 +698,7 @@ module wh_anchor_ports #(
                  && (|product_i[DATA_W+COEF_W-1:NEAR_SHIFT+LONG_W-2]);
 
     always @(posedge clk) begin
-        b_q <= (bare_q || (step_q == BEYOND && (beside ? !all : !out_q))) ? {LONG_W{1'b0}}
+        b_q <= (bare_q || (step_q == BEYOND && (beside ? !all_q : !out_q))) ? {LONG_W{1'b0}}
                : {b_top, b_high, b_mid, b_low};
         over_q       <= !bare_q && near_q && outer;
         below_q      <= product_i[DATA_W+COEF_W-1];
