@@ -287,6 +287,10 @@ LINT_CASES := \
     wh_ports,-GN=3 \
     wh_ports,-GN=3,-GSHAPER=1 \
     wh_ports,-GN=3,-GSHAPER=2 \
+    wh_ports,-GN=3,-GSHAPER=1,-GHOST=1 \
+    wh_ports,-GN=3,-GMODES=1,-GMIN_PULSE=1 \
+    wh_drive,-GN=3,-GMIN_PULSE=1 \
+    wh_environment_ports,-GN=3,-GHOST=1 \
     wh_ports,-GN=8,-GADC=2 \
     wh_ports,-GN=3,-GADC=1,-GWALLS=7 \
     wh_board_switch \

@@ -6,8 +6,9 @@
 // wh_ports gets the same bits, and frames_differ_o says that it has asked for them at another time. gates_differ_o
 // says that gates were not the same in some clock, while both had had their bridges on for some clocks.
 // Live values of wh_ports are gathered until they are compared; differs_o has those of each port that aren't the
-// controller's: largest energy of a contact, energy, ω̂, χ, offset, c, e, flags, position, current, v, u from the
-// highest on. What was looked at as the core's step started is kept here for that of the controller.
+// controller's: the host's packet and whether it has the port, largest energy of a contact, energy, ω̂, χ, offset, c,
+// e, flags, position, current, v, u from the highest on. What was looked at as the core's step started is kept here
+// for that of the controller.
 // Energies are not compared once the bridges went off in the midst of a step, which some ports have made with the one
 // and not with the other: until rst, energy_unknown_o. One that leaves its word isn't either, until the next contact.
 
@@ -21,6 +22,9 @@ module bench_ports #(
     parameter integer DELAY_LOG2 = 2,
     parameter integer ZERO_LOG2  = 3,
     parameter integer SHAPER     = 0,
+    parameter integer HOST       = 0,
+    parameter integer MODES      = 0,
+    parameter integer MIN_PULSE  = 0,
     parameter integer SHAPE_BITS = N * ((SHAPER > 0) ? SHAPER : 1) * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W),
     parameter integer PORT_W     = (N > 1) ? $clog2(N) : 1
 ) (
@@ -41,7 +45,7 @@ module bench_ports #(
     input  wire [70:0]                  sense_i,
     input  wire [3:0]                   filter_clocks_i,
     input  wire [2*DELAY_LOG2-1:0]      delay_i,
-    input  wire [17:0]                  bridge_i,
+    input  wire [27:0]                  bridge_i,
     input  wire [`WH_GUARD_W-1:0]       guard_i,
 
     input  wire [N*`WH_SUM_W-1:0]       zero_i,           // of the controller
@@ -71,6 +75,10 @@ module bench_ports #(
     input  wire                         host_alive_i,
     input  wire                         zero_start_i,
     input  wire                         restart_i,
+    input  wire [11:0]                  host_i,
+    input  wire [N-1:0]                 host_strobe_i,
+    input  wire [7:0]                   host_sequence_i,
+    input  wire [`WH_DATA_W-1:0]        host_u_i,
 
     output wire                         tick_o,
     output wire                         round_o,          // strobe, the first port's slot begins
@@ -79,7 +87,9 @@ module bench_ports #(
     output wire                         damp_o,           // of wh_ports
     output wire [`WH_FAULTS-1:0]        faults_o,         // of wh_ports
     output wire [`WH_FAULTS-1:0]        controller_faults_o,
-    output wire [12*N-1:0]              differs_o,
+    output wire [13*N-1:0]              differs_o,
+    output wire [N-1:0]                 host_active_o,
+    output wire [N*8-1:0]               host_sequence_o,  // of the controller
     output reg                          energy_unknown_o,
     output wire [N-1:0]                 energy_o,         // of a contact, but 0
     output reg                          frames_differ_o,  // until rst
@@ -137,13 +147,17 @@ module bench_ports #(
     wire              ports_cs_n, ports_sclk, ports_din;
     wire [N-1:0]      ports_ah, ports_al, ports_bh, ports_bl;
     wire              ports_tick, ports_ready;
+    wire [N-1:0]      ports_packet;
 
     wh_ports #(
         .N               (N),
         .WALLS           (WALLS),
         .DELAY_LOG2      (DELAY_LOG2),
         .ZERO_LOG2       (ZERO_LOG2),
-        .SHAPER          (SHAPER)
+        .SHAPER          (SHAPER),
+        .HOST            (HOST),
+        .MODES           (MODES),
+        .MIN_PULSE       (MIN_PULSE)
     ) ports (
         .clk             (clk),
         .rst             (rst),
@@ -177,6 +191,11 @@ module bench_ports #(
         .host_alive_i    (host_alive_i),
         .zero_start_i    (zero_start_i),
         .restart_i       (restart_i),
+        .host_i          (host_i),
+        .host_strobe_i   (host_strobe_i),
+        .host_sequence_i (host_sequence_i),
+        .host_u_i        (host_u_i),
+        .host_strobe_o   (ports_packet),
         .live_valid_o    (live_valid),
         .live_port_o     (live_port),
         .live_word_o     (live_word),
@@ -254,14 +273,13 @@ module bench_ports #(
     wire [N*DATA_W-1:0]       flux, lag, u, v, current;
     wire [N*`WH_COUNT_W-1:0]  position;
     wire [N-1:0]              contact, saturated, clipped, adc_range, adc_stuck, zero_fault, zero_busy, overcurrent,
-                              encoder_fault, host_strobe, host_active, anchor_hold;
-    wire [N*8-1:0]            host_sequence;
+                              encoder_fault, host_strobe, anchor_hold;
     wire [N*DATA_W-1:0]       host_v;
     wire [N*`WH_ENERGY_W-1:0] energy, energy_peak;
     wire [3:0]                words_hold;
     wire                      unused = &{1'b0, din, ports_din, overrun, scale_hold, saturated, adc_range, adc_stuck,
-                                         zero_fault, zero_busy, overcurrent, encoder_fault, host_strobe, host_active,
-                                         anchor_hold, host_sequence, host_v, words_hold};
+                                         zero_fault, zero_busy, overcurrent, encoder_fault, host_strobe,
+                                         anchor_hold, words_hold};
 
     wh_controller #(
         .N                  (N),
@@ -269,6 +287,9 @@ module bench_ports #(
         .DELAY_LOG2         (DELAY_LOG2),
         .SENSE              (1),
         .SHAPER             (SHAPER),
+        .HOST               (HOST),
+        .MODES              (MODES),
+        .MIN_PULSE          (MIN_PULSE),
         .ZERO_LOG2          (ZERO_LOG2),
         .ANCHOR             (1),
         .GUARD              (1)
@@ -318,30 +339,30 @@ module bench_ports #(
         .eta_free_i         (eta_free_i),
         .shape_words_i      (shape_words_i),
         .wall_shaped_i      (wall_shaped_i),
-        .host_period_log2_i (4'd0),
-        .host_timeout_i     (8'd0),
-        .host_strobe_i      ({N{1'b0}}),
-        .host_sequence_i    ({N*8{1'b0}}),
-        .host_u_i           ({N*DATA_W{1'b0}}),
+        .host_period_log2_i (host_i[3:0]),
+        .host_timeout_i     (host_i[11:4]),
+        .host_strobe_i      (host_strobe_i),
+        .host_sequence_i    ({N{host_sequence_i}}),
+        .host_u_i           ({N{host_u_i}}),
         .host_strobe_o      (host_strobe),
-        .host_sequence_o    (host_sequence),
+        .host_sequence_o    (host_sequence_o),
         .host_v_o           (host_v),
-        .host_active_o      (host_active),
+        .host_active_o      (host_active_o),
         .root_i             (root_i),
         .a_i                (a_i),
         .u_max_i            (u_max_i),
         .anchor_words_i     (anchor_words_i),
         .extra_ticks_i      (delay_i[DELAY_LOG2-1:0]),
         .hold_ticks_i       (delay_i[2*DELAY_LOG2-1:DELAY_LOG2]),
-        .mode_i             ({`WH_MODE_W{1'b0}}),
-        .min_pulse_i        (8'd0),
+        .mode_i             (bridge_i[1:0]),
+        .min_pulse_i        (bridge_i[9:2]),
         .clocks_per_volt_i  (clocks_per_volt_i),
         .bus_share_i        ({COEF_W{1'b0}}),
-        .dead_clocks_i      (bridge_i[7:0]),
-        .compensate_i       (bridge_i[8]),
+        .dead_clocks_i      (bridge_i[17:10]),
+        .compensate_i       (bridge_i[18]),
         .side_current_i     (side_current_i),
-        .settle_ticks_i     (bridge_i[16:9]),
-        .second_order_i     (bridge_i[17]),
+        .settle_ticks_i     (bridge_i[26:19]),
+        .second_order_i     (bridge_i[27]),
         .bus_i              (bus_i),
         .guard_i            (guard_i),
         .clear_i            (clear_i),
@@ -386,6 +407,9 @@ module bench_ports #(
     reg [N*`WH_COUNT_W-1:0] position_q;
     reg [N-1:0]             contact_q;
     reg                     stepped_q;
+    reg [N*(DATA_W+9)-1:0]  host_q;     // whether a host has it, its packet
+    reg [N-1:0]             packet_q;   // packets since, of the two
+    reg [N-1:0]             ports_packet_q;
 
     always @(posedge clk) begin
         if (!running_o[1] || !running_o[0] || rst) begin
@@ -393,10 +417,19 @@ module bench_ports #(
         end else if (core_valid) begin
             stepped_q <= 1'b1;
         end
+        // A packet comes some clocks after the step that ends a host's period.
+        if (rst || round_o) begin
+            packet_q       <= {N{1'b0}};
+            ports_packet_q <= {N{1'b0}};
+        end else begin
+            packet_q       <= packet_q | host_strobe;
+            ports_packet_q <= ports_packet_q | ports_packet;
+        end
         if (rst) begin
             contact_q  <= {N{1'b0}};
         end else if (core_valid) begin
             position_q <= position;
+            host_q     <= {host_active_o, host_sequence_o, host_v};
             contact_q  <= contact;
         end
     end
@@ -440,7 +473,15 @@ module bench_ports #(
 
             assign energy_o[n] = judged && (|energy[n*`WH_ENERGY_W +: `WH_ENERGY_W]);
 
-            assign differs_o[12*n +: 12] = {
+            // Before the first packet there is no mean.
+            wire [8:0]        host = {host_q[N*(DATA_W+8) + n], host_q[N*DATA_W + 8*n +: 8]};
+            wire [DATA_W-1:0] mean = host_q[n*DATA_W +: DATA_W];
+
+            assign differs_o[13*n +: 13] = {
+                HOST == 1 && stepped_q
+                && (host != {live[32*`WH_LIVE_FLAGS+6], live[32*`WH_LIVE_HOST_SEQUENCE +: 8]}
+                    || (host[7:0] != 8'd0 && mean != live[32*`WH_LIVE_HOST_V +: DATA_W])
+                    || packet_q[n] != ports_packet_q[n]),
                 judged && live[32*`WH_LIVE_ENERGY_PEAK +: `WH_ENERGY_W]
                           != energy_peak[n*`WH_ENERGY_W +: `WH_ENERGY_W],
                 judged && live[32*`WH_LIVE_ENERGY +: `WH_ENERGY_W] != energy[n*`WH_ENERGY_W +: `WH_ENERGY_W],

@@ -26,8 +26,8 @@
 // multiplier of its own; shape_mode_i counts from clock 9 to 21, or to 32 with two sections.
 // All ports make a step in a period, the last one's last: the place in the delay line is one for all.
 //
-// State, by port, in LUT RAM (wh_port_state), beside that of W: f (40 bits), withheld (31), rounded off (9), e (31), room (31),
-// saturated; the delay line is a RAM. Settings: s, a, u_max (wh_port_settings).
+// State, by port, in LUT RAM (wh_port_state), beside that of W: f (40 bits), withheld (31), rounded off (9), e (31),
+// room (31), saturated; the delay line is a RAM. Settings: s, a, u_max (wh_port_settings).
 // Latency: above. Reset: as wh_wave_core, for all ports; a turn under way is dropped.
 
 `default_nettype none

@@ -6,7 +6,7 @@
 //   width  = round(driven * clocks_per_volt + extra + owed), once a carrier half
 //
 // It does for each port what wh_port, wh_dead_time and wh_modulator do for one, in every bit; equations and formats
-// are in their headers. The bridge is unipolar, and pulses may be of one clock.
+// are in their headers.
 //
 // Turns, in clocks: current_valid_i, 2 later the side of the dead time is there. voltage_valid_i, which has the sum
 // in its own clock (voltage_o); 1 later its product is asked for, and nobody else may ask then; 5 later the
@@ -23,8 +23,9 @@
 `include "wh_formats.vh"
 
 module wh_drive #(
-    parameter integer N      = 1,                        // ports, 1...8
-    parameter integer PORT_W = (N > 1) ? $clog2(N) : 1   // derived, leave it
+    parameter integer N         = 1,                     // ports, 1...8
+    parameter integer MIN_PULSE = 0,                     // 1: least_i and spare_i count; 0: both are 0
+    parameter integer PORT_W    = (N > 1) ? $clog2(N) : 1 // derived, leave it
 ) (
     input  wire                          clk,
     input  wire                          rst,
@@ -55,6 +56,8 @@ module wh_drive #(
     input  wire [7:0]                    dead_clocks_i,   // clocks
     input  wire [7:0]                    settle_ticks_i,  // ticks between its changes of side
     input  wire                          second_order_i,  // error feedback of order 2
+    input  wire [7:0]                    least_i,         // clocks, width that isn't 0
+    input  wire [7:0]                    spare_i,         // clocks
 
     // The register bus (wh_port_settings).
     input  wire                          write_i,
@@ -80,8 +83,9 @@ module wh_drive #(
     localparam integer PRODUCT_W = `WH_DATA_W + `WH_COEF_W;
     localparam integer FRACTION  = `WH_DUTY_Q;
     localparam integer DUTY_W    = PRODUCT_W - `WH_VOLTAGE_Q;   // s35q16
-    localparam integer REST_W    = FRACTION + 1;                // s17q16
-    localparam integer OWED_W    = `WH_EXTRA_W + FRACTION - `WH_EXTRA_Q + 1;  // s26q16
+    localparam integer REST_W    = FRACTION + ((MIN_PULSE != 0) ? 9 : 1);     // s17q16
+    localparam integer OWED_W    = `WH_EXTRA_W + FRACTION - `WH_EXTRA_Q
+                                   + ((MIN_PULSE != 0) ? 2 : 1);              // s26q16
     localparam integer TOTAL_W   = DUTY_W + 1;                  // s36q16
     localparam integer ROUND_W   = TOTAL_W - FRACTION + 1;      // s21
     localparam integer LAST      = N - 1;
@@ -92,6 +96,9 @@ module wh_drive #(
         end
         if (ROUND_W < `WH_TICK_W + 1) begin : illegal_format
             wh_illegal_WH_DATA_W_or_WH_COEF_W_too_small_for_a_pulse_width stop ();
+        end
+        if (MIN_PULSE != 0 && MIN_PULSE != 1) begin : illegal_min_pulse
+            wh_illegal_parameter_drive_min_pulse_must_be_0_or_1 stop ();
         end
     endgenerate
 
@@ -364,17 +371,70 @@ module wh_drive #(
         .value_o (rounded)
     );
 
-    // Half of an odd half_clocks_i is rounded down.
+    // Half of an odd half_clocks_i is rounded down. Legs that have to stay for longer than that have no pulse.
     reg  signed [`WH_TICK_W-1:0] limit_q;
     reg  signed [`WH_TICK_W-1:0] minus_limit_q;
-    wire signed [`WH_TICK_W-1:0] limit      = $signed({1'b0, half_clocks_i[`WH_TICK_W-1:1]});
+    wire        [7:0]            spare      = (MIN_PULSE != 0) ? spare_i : 8'd0;
+    wire signed [`WH_TICK_W-1:0] room       = $signed({1'b0, half_clocks_i[`WH_TICK_W-1:1]})
+                                              - $signed({{`WH_TICK_W-8{1'b0}}, spare});
+    wire signed [`WH_TICK_W-1:0] limit      = room[`WH_TICK_W-1] ? {`WH_TICK_W{1'b0}} : room;
     wire signed [ROUND_W-1:0]    limit_long = {{ROUND_W-`WH_TICK_W{1'b0}}, limit_q};
     wire signed [ROUND_W-1:0]    minus_long = $signed({{ROUND_W-`WH_TICK_W{minus_limit_q[`WH_TICK_W-1]}},
                                                        minus_limit_q});
     wire                         above      = rounded_q > limit_long;
     wire                         below      = rounded_q < minus_long;
-    wire                         unused_odd = &{1'b0, half_clocks_i[0]};
-    wire signed [REST_W-1:0]     rest       = (above || below) ? {REST_W{1'b0}} : rest_q;
+    wire                         unused_odd = &{1'b0, half_clocks_i[0], least_i, spare_i};
+    wire signed [`WH_TICK_W-1:0] bounded    = above ? limit_q : below ? minus_limit_q
+                                            : $signed(rounded_q[`WH_TICK_W-1:0]);
+    wire signed [REST_W-1:0]     rest_wide  = $signed({{REST_W-FRACTION{rest_q[FRACTION]}}, rest_q[FRACTION-1:0]});
+    wire signed [`WH_TICK_W-1:0] chosen;
+    wire                         clipped;
+    wire signed [REST_W-1:0]     left;    // total - chosen
+
+    // What is too short becomes 0 or least_i, as wh_modulator has it.
+    generate
+        if (MIN_PULSE != 0) begin : minimum
+            localparam integer CLOCKS_W = REST_W - FRACTION;
+
+            reg         [7:0]            least_q;
+            reg  signed [8:0]            minus_least_q;
+            reg                          wide_q;        // least_i is longer than the limit
+            reg  signed [`WH_TICK_W-1:0] size_q;
+            reg  signed [`WH_TICK_W-1:0] minus_size_q;
+            wire signed [ROUND_W-1:0]    least       = $signed({{ROUND_W-8{1'b0}}, least_q});
+            wire signed [ROUND_W-1:0]    minus_least = $signed({{ROUND_W-9{minus_least_q[8]}}, minus_least_q});
+            wire                         wide        = least > limit_long;
+
+            always @(posedge clk) begin
+                least_q       <= least_i;
+                minus_least_q <= -$signed({1'b0, least_i});
+                wide_q        <= wide;
+                size_q        <= wide ? limit_q : $signed(least[`WH_TICK_W-1:0]);
+                minus_size_q  <= wide ? minus_limit_q : $signed(minus_least[`WH_TICK_W-1:0]);
+            end
+
+            wire signed [ROUND_W:0]      twice   = $signed({rounded_q, 1'b0});
+            wire                         short   = rounded_q < least && rounded_q > minus_least;
+            wire                         up      = twice >= $signed({1'b0, least});
+            wire                         down    = twice <= $signed({minus_least[ROUND_W-1], minus_least});
+            wire signed [`WH_TICK_W-1:0] instead = up ? size_q : down ? minus_size_q : {`WH_TICK_W{1'b0}};
+            // total - chosen: its whole clocks, of which rest_q is one below where it is negative.
+            wire signed [CLOCKS_W-1:0]   few     = $signed(rounded_q[CLOCKS_W-1:0])
+                                                   + $signed({CLOCKS_W{rest_q[FRACTION]}});
+            wire signed [CLOCKS_W-1:0]   taken   = $signed({{CLOCKS_W-8{1'b0}}, least_q});
+            wire signed [CLOCKS_W-1:0]   clocks  = up ? few - taken : down ? few + taken : few;
+
+            assign chosen  = short ? instead : bounded;
+            assign clipped = short ? wide_q && (up || down) : above || below;
+            assign left    = short ? $signed({clocks, rest_q[FRACTION-1:0]}) : rest_wide;
+        end else begin : any_pulse
+            assign chosen  = bounded;
+            assign clipped = above || below;
+            assign left    = rest_wide;
+        end
+    endgenerate
+
+    wire signed [REST_W-1:0]     rest       = clipped ? {REST_W{1'b0}} : left;
     wire signed [REST_W:0]       rest_long  = $signed({rest[REST_W-1], rest});
     wire signed [REST_W:0]       older_long = $signed({older_4_q[REST_W-1], older_4_q});
 
@@ -394,7 +454,7 @@ module wh_drive #(
         rests_5_q     <= second_order_i ? (rest_long <<< 1) - older_long : rest_long;
         width_valid_o <= walk_q[4] && !rst;
         width_port_o  <= port_4_q;
-        width_o       <= above ? limit_q : below ? minus_limit_q : $signed(rounded_q[`WH_TICK_W-1:0]);
+        width_o       <= chosen;
     end
 
 endmodule

@@ -9,8 +9,8 @@
 // of a word, wh_sense finds; ZERO, LOST and HEAT are judged in the port's turn.
 //
 // The turn, in clocks since valid_i, which comes with current_i: 1, its magnitude; 2, u + v of the turn before and
-// whether a count came since are judged; 15, the product of i_n^2 is asked for, if there is a square in this period, and
-// nobody else may ask then. waves_valid_i, in between, is the clock before u_i and v_i of this turn are there.
+// whether a count came since are judged; 15, the product of i_n^2 is asked for, if there is a square in this period,
+// and nobody else may ask then. waves_valid_i, in between, is the clock before u_i and v_i of this turn are there.
 // The next valid_i may come 20 clocks after this one.
 //
 // State, by port: u + v (17 bits), its mean (25), the periods of turning (17), the heat (48) in LUT RAM

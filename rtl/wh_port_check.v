@@ -6,7 +6,7 @@
 //
 // The words are judged as they are written, and a bit for each is kept, by port and bank. When the bank in force
 // changes, or a word in it, the ports are looked at one a clock.
-// Formats: those of the settings (wh_port_settings). Latency: N + 2 clocks, and no less than 2.
+// Formats: those of the settings (wh_port_settings). Latency: 2 to N + 1 clocks.
 // State, by port and bank, in LUT RAM: 7 bits. As the settings, these have no reset: a word that nobody wrote is
 // not known to be legal. Reset: nothing is wrong; all is looked at after it.
 

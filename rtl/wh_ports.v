@@ -4,14 +4,16 @@
 //
 //   wh_pins[N] - encoder, pattern, gates: all that exists once for each motor
 //       |
-//   wh_adc -> wh_sense -> wh_core -> wh_drive -> (wh_pins)       wh_guard_ports latches faults,
-//   wh_contact_ports -> wh_environment -^  |                     wh_port_check finds settings without a meaning,
-//       `------------> wh_anchor_ports <---'                     wh_carrier times everything,
-//                      wh_energy_ports watches contacts          wh_slots says whose turn it is
+//   wh_adc -> wh_sense ----------------------> wh_core -> wh_drive -> (wh_pins)
+//   wh_contact_ports -> wh_environment_ports -^   |
+//       `------------------> wh_anchor_ports <----'
+//
+// wh_guard_ports latches faults, wh_energy_ports observes contacts, wh_port_check finds settings without a meaning,
+// wh_carrier times everything, and wh_slots says whose turn it is.
 //
 // Each station is there once. wh_slots begins a port's turn, and port and bank go from station to station with
 // valid and data; a port's state is in each station's memories, as are its settings, in two banks. One
-// multiplier serves all by the schedule in wh_slots' header: nobody waits, and nobody else asks.
+// multiplier serves all, but W, by the schedule in wh_slots' header: nobody waits, and nobody else asks.
 // What it does for each port is what wh_controller with SENSE, GUARD and ANCHOR does, in every bit. A fault switches
 // off at once, but damps from the next round on: a round is damped for all ports or for none. wh_controller damps in
 // the midst of a step.
@@ -38,6 +40,9 @@ module wh_ports #(
     parameter integer OSR        = 32, // ADC = 2: bits a word, 4...256
     parameter integer ZERO_LOG2  = 10, // ticks of a zero, 2^ZERO_LOG2; 2...16
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper_ports), 0...2; 0: W = 1
+    parameter integer HOST       = 0,  // 1: a computer can have the environment (wh_host_link)
+    parameter integer MODES      = 0,  // 1: mode chooses the bridges' pattern; 0: unipolar
+    parameter integer MIN_PULSE  = 0,  // 1: min_pulse counts; 0: pulses may be of one clock
     parameter integer PORT_W     = (N > 1) ? $clog2(N) : 1  // derived, leave it
 ) (
     input  wire                         clk,
@@ -65,8 +70,10 @@ module wh_ports #(
     input  wire [70:0]                  sense_i,          // trip, range, stuck_words, zero_limit
     input  wire [3:0]                   filter_clocks_i,  // wh_quadrature
     input  wire [2*DELAY_LOG2-1:0]      delay_i,          // extra_ticks, hold_ticks
-    input  wire [17:0]                  bridge_i,         // dead_clocks, compensate, settle_ticks, second_order
+    input  wire [27:0]                  bridge_i,         // mode, min_pulse, dead_clocks, compensate, settle_ticks,
+                                                          // second_order
     input  wire [`WH_GUARD_W-1:0]       guard_i,          // wh_faults.vh
+    input  wire [11:0]                  host_i,           // host_period_log2, host_timeout
 
     // Settings of each port (wh_port_settings).
     input  wire                         force_i,          // the bank in force
@@ -80,6 +87,12 @@ module wh_ports #(
     input  wire                         host_alive_i,
     input  wire                         zero_start_i,     // nothing while the bridges are on
     input  wire                         restart_i,        // nothing while the bridges are on
+
+    // A computer's environment, HOST = 1 (wh_host_link). What its packets have are live values.
+    input  wire [N-1:0]                 host_strobe_i,    // an answer for that port
+    input  wire [7:0]                   host_sequence_i,  // of the packet that it answers
+    input  wire [`WH_DATA_W-1:0]        host_u_i,         // s31q23 √W
+    output wire [N-1:0]                 host_strobe_o,    // a packet
 
     // What it sees and does.
     output wire                         live_valid_o,     // strobe
@@ -104,6 +117,9 @@ module wh_ports #(
         if (WALLS < 1 || WALLS > 7) begin : illegal_walls
             wh_illegal_parameter_ports_walls_must_be_1_to_7 stop ();
         end
+        if (MODES != 0 && MODES != 1) begin : illegal_modes
+            wh_illegal_parameter_ports_modes_must_be_0_or_1 stop ();
+        end
     endgenerate
 
     // ---- Settings of all ports.
@@ -118,7 +134,8 @@ module wh_ports #(
     wire        [15:0]           trip, range, stuck_words;
     wire        [`WH_SUM_W-2:0]  zero_limit;
     wire        [DELAY_LOG2-1:0] extra_ticks, hold_ticks;
-    wire        [7:0]            dead_clocks, settle_ticks;
+    wire        [`WH_MODE_W-1:0] mode;
+    wire        [7:0]            min_pulse, dead_clocks, settle_ticks;
     wire                         compensate, second_order;
 
     assign {sample_late, sample_lead, samples, sample_clocks, tick_halves, half_clocks} = carrier_i;
@@ -126,7 +143,15 @@ module wh_ports #(
             frame_bits, sclk_half_clocks} = frame_i;
     assign {zero_limit, stuck_words, range, trip} = sense_i;
     assign {hold_ticks, extra_ticks} = delay_i;
-    assign {second_order, settle_ticks, compensate, dead_clocks} = bridge_i;
+    assign {second_order, settle_ticks, compensate, dead_clocks, min_pulse, mode} = bridge_i;
+
+    // Widths that keep every leg where it is for min_pulse, as wh_controller has them.
+    wire       half_bridge = MODES != 0 && mode == `WH_MODE_HALF_BRIDGE;
+    wire       whole       = MODES != 0 && mode != `WH_MODE_UNIPOLAR;  // one width for both halves of a period
+    wire [7:0] spare       = (MIN_PULSE != 0) ? (min_pulse >> 1) + {7'd0, min_pulse[0]} : 8'd0;
+    wire [7:0] least       = (MIN_PULSE == 0)                  ? 8'd0
+                           : !whole                          ? min_pulse
+                           : (mode == `WH_MODE_SIGN_MAGNITUDE) ? spare : 8'd0;
 
     // ---- On and off.
     wire faulty;      // the guard wants the bridges off,
@@ -354,30 +379,35 @@ module wh_ports #(
     );
 
     // ---- Environment. An anchor that has lost the rotor leaves a port that only damps.
-    wire [COEF_W-1:0] eta;
-    wire [DATA_W-1:0] outside;
-    wire [1:0]        shape_mode;
-    wire              host_strobe, host_active;
-    wire [7:0]        host_sequence;
-    wire [DATA_W-1:0] host_v;
-    wire              unused_environment = &{1'b0, host_strobe, host_active, host_sequence, host_v};
-    wire [PORT_W-1:0] core_port;
+    wire [COEF_W-1:0]        eta;
+    wire [DATA_W-1:0]        outside;
+    wire [1:0]               shape_mode;
+    wire                     host_active;
+    wire [7:0]               host_sequence;
+    wire [DATA_W-1:0]        host_v;
+    wire                     core_valid;
+    wire [PORT_W-1:0]        core_port;
+    wire signed [DATA_W-1:0] u, v;
 
-    wh_environment environment (
+    wh_environment_ports #(
+        .N                  (N),
+        .HOST               (HOST)
+    ) environment (
         .clk                (clk),
         .rst                (calm_rst),
+        .port_i             (core_port),
         .damps_i            (damp || anchor_faults[core_port]),
         .contact_i          (contact),
         .shaped_i           (shaped),
         .eta_i              (contact_eta),
-        .host_period_log2_i (4'd0),
-        .host_timeout_i     (8'd0),
-        .valid_i            (1'b0),
-        .v_i                ({DATA_W{1'b0}}),
-        .host_strobe_i      (1'b0),
-        .host_sequence_i    (8'd0),
-        .host_u_i           ({DATA_W{1'b0}}),
-        .host_strobe_o      (host_strobe),
+        .step_valid_i       (core_valid),
+        .v_i                (v),
+        .host_period_log2_i (host_i[3:0]),
+        .host_timeout_i     (host_i[11:4]),
+        .host_strobe_i      (host_strobe_i),
+        .host_sequence_i    (host_sequence_i),
+        .host_u_i           (host_u_i),
+        .host_strobe_o      (host_strobe_o),
         .host_sequence_o    (host_sequence),
         .host_v_o           (host_v),
         .host_active_o      (host_active),
@@ -387,12 +417,13 @@ module wh_ports #(
     );
 
     // ---- Core: waves, e_id.
-    wire                     core_valid, core_bank, waves_valid, clipped, saturated, saturated_before;
-    wire signed [DATA_W-1:0] wave_voltage, u, v, voltage_before, withheld_before;
+    wire                     core_bank, waves_valid, clipped, saturated, saturated_before;
+    wire signed [DATA_W-1:0] wave_voltage, voltage_before, withheld_before;
 
     wh_core #(
         .N                  (N),
         .DELAY_LOG2         (DELAY_LOG2),
+        .OUTSIDE            (HOST),
         .SHAPER             (SHAPER)
     ) core (
         .clk                (clk),
@@ -443,7 +474,7 @@ module wh_ports #(
         .port_i             (core_port),
         .bank_i             (core_bank),
         .position_i         (position),
-        .contact_i          (contact),
+        .contact_i          (contact || host_active),  // its current may be what a host likes
         .blind_i            (clipped),
         .current_i          (current),
         .u_i                (u),
@@ -497,15 +528,17 @@ module wh_ports #(
         .over_o         (energy_over)
     );
 
-    // ---- Drive: widths, of all ports in time for the end of each half.
-    wire                         walk = !(sense_rst || !adc_ready_o) && remaining == LAST[`WH_TICK_W-1:0] + 16'd6;
+    // ---- Drive: widths, of all ports in time for the end of each half, or of each period.
+    wire                         walk = !(sense_rst || !adc_ready_o) && remaining == LAST[`WH_TICK_W-1:0] + 16'd6
+                                                 && (half || !whole);
     wire signed [DATA_W-1:0]     voltage, correction;
     wire                         width_valid;
     wire [PORT_W-1:0]            width_port;
     wire signed [`WH_TICK_W-1:0] width;
 
     wh_drive #(
-        .N                  (N)
+        .N                  (N),
+        .MIN_PULSE          (MIN_PULSE)
     ) drive (
         .clk                (clk),
         .rst                (drive_rst),
@@ -528,6 +561,8 @@ module wh_ports #(
         .dead_clocks_i      (dead_clocks),
         .settle_ticks_i     (settle_ticks),
         .second_order_i     (second_order),
+        .least_i            (least),
+        .spare_i            (spare),
         .write_i            (write_i),
         .write_bank_i       (write_bank_i),
         .address_i          (address_i),
@@ -555,12 +590,12 @@ module wh_ports #(
         .samples_i         (samples),
         .sample_lead_i     (sample_lead),
         .sample_late_i     (sample_late),
-        .whole_i           (1'b0),
-        .least_i           (8'd0),
-        .spare_i           (8'd0),
+        .whole_i           (whole),
+        .least_i           (least),
+        .spare_i           (spare),
         .dead_clocks_i     (dead_clocks),
         .compensate_i      (compensate),
-        .compensable_i     (1'b1),
+        .compensable_i     (!whole),
         .root_i            (ONE_STEP),
         .a_i               (ONE_STEP),
         .eta_contact_i     (ONE_STEP),
@@ -644,7 +679,9 @@ module wh_ports #(
     genvar n;
     generate
         for (n = 0; n < N; n = n + 1) begin : motor
-            wh_pins pins (
+            wh_pins #(
+                .MODES           (MODES)
+            ) pins (
                 .clk             (clk),
                 .rst             (rst),
                 .run_i           (run),
@@ -667,16 +704,16 @@ module wh_ports #(
                 .width_valid_i   (width_valid && {{(32 - PORT_W){1'b0}}, width_port} == n),
                 .width_i         (width),
                 .half_clocks_i   (half_clocks),
-                .mode_i          ({`WH_MODE_W{1'b0}}),
-                .half_bridge_i   (1'b0),
+                .mode_i          (mode),
+                .half_bridge_i   (half_bridge),
                 .dead_clocks_i   (dead_clocks)
             );
         end
     endgenerate
 
-    // ---- Live values, each in a clock of the slot that no other has: 8 current, 9 position, 13 u, 14 v, 15 flags,
-    // 19, 20 energy of the contact and its most, 32, 33 e and c of it, with W later; 27 offset, 29 χ, 36 ω̂. They are
-    // all held until then.
+    // ---- Live values, each in a clock of the slot that no other has: 8 current, 9 position, 10, 11 a host's packet,
+    // 13 u, 14 v, 15 flags, 19, 20 energy of the contact and its most, 32, 33 e and c of it, with W later; 27 offset,
+    // 29 χ, 36 ω̂. They are all held until then.
     reg [9:1] since_q;  // the current was there so many clocks ago
     reg [2:1] drove_q;  // the voltage, of this port
     reg [PORT_W-1:0] drove_port_q;
@@ -693,7 +730,7 @@ module wh_ports #(
         end
     end
 
-    wire [31:0] flags = {24'd0, shaped, 1'b0, encoder_faults[current_port], ranges[current_port],
+    wire [31:0] flags = {24'd0, shaped, host_active, encoder_faults[current_port], ranges[current_port],
                          anchor_faults[current_port], clipped, saturated_before, contact};
     wire        waves_1 = since_q[7] && !core_rst;
     wire        waves_2 = since_q[8] && !core_rst;
@@ -723,6 +760,11 @@ module wh_ports #(
             word_now  = `WH_LIVE_V;
         end else if (since_q[3]) begin
             word_now  = `WH_LIVE_POSITION;
+        end else if (since_q[4]) begin
+            value_now = $signed(host_v);
+            word_now  = `WH_LIVE_HOST_V;
+        end else if (since_q[5]) begin
+            word_now  = `WH_LIVE_HOST_SEQUENCE;
         end else if (since_q[9]) begin
             word_now  = `WH_LIVE_FLAGS;
         end
@@ -735,6 +777,8 @@ module wh_ports #(
             data_now = {{(32 - `WH_ENERGY_W){1'b0}}, energy_peak};
         end else if (word_now == `WH_LIVE_POSITION) begin
             data_now = position;
+        end else if (word_now == `WH_LIVE_HOST_SEQUENCE) begin
+            data_now = {24'd0, host_sequence};
         end else if (word_now == `WH_LIVE_FLAGS) begin
             data_now = flags;
         end
@@ -746,8 +790,8 @@ module wh_ports #(
     reg [31:0]       live_data_q;
 
     always @(posedge clk) begin
-        live_valid_q <= since_q[2] || since_q[3] || since_q[9] || waves_1 || waves_2 || (|drove_q)
-                        || energy_valid || peak_valid || anchored;
+        live_valid_q <= (|since_q[3:2]) || (HOST == 1 && (|since_q[5:4])) || since_q[9] || waves_1 || waves_2
+                        || (|drove_q) || energy_valid || peak_valid || anchored;
         live_port_q  <= anchored                       ? anchor_port
                         : (|drove_q)                   ? drove_port_q
                         : (energy_valid || peak_valid) ? core_port : current_port;
