@@ -282,7 +282,8 @@ module prove_wh_registers (
                   && (!(before && source == WRITTEN) || written == goal_q)
                   && (!(before && source == IN_FORCE) || forced == goal_q)
                   && (before || (current == goal_q && forced == goal_q && (\block.staged_q || written == goal_q)));
-    wire bus   = state <= AT_DONE && (!looks || (asked_q && ready)) && (ready ? !(busy && source == DEFAULTS) : busy && loading && source == DEFAULTS)
+    wire bus   = state <= AT_DONE && (!looks || (asked_q && ready))
+                 && (ready ? !(busy && source == DEFAULTS) : busy && loading && source == DEFAULTS)
                  && (!looks || state == AT_LEAST || \block.rom.told_q [3:2] != 2'd1 || !excluded)
                  && (!(writes || commits || discards) || (state == AT_DONE && !busy && ready))
                  && (writes + commits + discards <= 2'd1) && waits_q == ((state == AT_IDLE) ? 3'd0 : state)
