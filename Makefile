@@ -284,6 +284,8 @@ LINT_CASES := \
     wh_energy_ports,-GN=3 \
     wh_port_check,-GN=3 \
     wh_slots,-GN=3 \
+    wh_registers,-GN=3,-GSHAPER=2 \
+    wh_registers,-GN=8,-GWALLS=7,-GDELAY_LOG2=10 \
     wh_ports,-GN=3 \
     wh_ports,-GN=3,-GSHAPER=1 \
     wh_ports,-GN=3,-GSHAPER=2 \

@@ -65,6 +65,8 @@ BLOCKS = {
     "wh_ports": "test_ports.py::test_ports[icarus-2-0-0-0]",
     "wh_pwm": "test_pwm.py::test_pwm[icarus-0]",
     "wh_quadrature": "test_quadrature.py::test_quadrature[icarus]",
+    "wh_register_ram": "test_registers.py::test_registers[icarus-1-0]",
+    "wh_registers": "test_registers.py::test_registers[icarus-1-0]",
     "wh_rotor_flux": "test_rotor_flux.py::test_rotor_flux[icarus]",
     "wh_round": "test_round.py::test_round[icarus-3-2]",
     "wh_rows": "test_briefly.py::test_briefly[capture]",
