@@ -170,22 +170,25 @@ def _draw_motors(rows: list[dict[str, Any]], path: Path) -> None:
              f"{which} press")  # fmt: skip
     left.axhline(ENERGY_TARGETS["all"], color=figures.GREY, lw=0.9, ls=":")
     figures.label(left, "Inertia on the shaft, J", "Energy given over held", "Presses")
-    figures.legend(left)
+    figures.legend(left, **ABOVE)
     draw(middle, "press", error_of_press, figures.BLUE, "press")
     middle.axhline(SWING_TARGET, color=figures.GREY, lw=0.9, ls=":")
     figures.label(middle, "Inertia on the shaft, J", "Largest error over the force", "Presses")
     for n, key in enumerate(key for key in rows[0] if key.startswith("bounce_")):
         draw(right, key, lambda row: row.get("restitution"),
              figures.COLOURS[n % len(figures.COLOURS)],
-             f"{key.removeprefix('bounce_')} rad/s")  # fmt: skip
+             key.removeprefix("bounce_"))  # fmt: skip
     right.axhline(1.0, color=figures.GREY, lw=0.9, ls=":")
-    figures.label(right, "Inertia on the shaft, J", "Speed out over speed in", "Bounces")
-    figures.legend(right)
+    figures.label(right, "Inertia on the shaft, J", "Speed out over speed in", "Bounces, rad/s")
+    figures.legend(right, **ABOVE, ncols=5)
     figures.save(figure, path)
 
 
 SWING_TARGET = 0.04
 """Largest error of a press over its force."""
+ABOVE = {"loc": "lower right", "bbox_to_anchor": (1.02, 0.99), "borderaxespad": 0.0,
+         "handlelength": 0.8, "handletextpad": 0.1, "columnspacing": 0.3, "labelspacing": 0.1}  # fmt: skip
+"""A legend's place where points are all over the axes."""
 
 
 def error_of_press(row: dict[str, Any]) -> float | None:
