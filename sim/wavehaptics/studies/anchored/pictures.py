@@ -186,8 +186,10 @@ def _draw_motors(rows: list[dict[str, Any]], path: Path) -> None:
 
 SWING_TARGET = 0.04
 """Largest error of a press over its force."""
-ABOVE = {"loc": "lower right", "bbox_to_anchor": (1.02, 0.99), "borderaxespad": 0.0,
-         "handlelength": 0.8, "handletextpad": 0.1, "columnspacing": 0.3, "labelspacing": 0.1}  # fmt: skip
+ABOVE = {
+    "loc": "lower right", "bbox_to_anchor": (1.02, 0.99), "borderaxespad": 0.0,
+    "handlelength": 0.8, "handletextpad": 0.1, "columnspacing": 0.3, "labelspacing": 0.1,
+}  # fmt: skip
 """A legend's place where points are all over the axes."""
 
 
