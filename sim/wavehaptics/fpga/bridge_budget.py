@@ -49,6 +49,14 @@ class Sensing:
     fastest_hz: float
     refusal: str | None
 
+    @property
+    def told(self) -> str:
+        """The refusal with part and carrier."""
+        return (
+            f"the {self.amplifier} may not follow the carrier of {1e-3 * self.carrier_hz:.4g} kHz: "
+            f"{self.refusal}"
+        )
+
 
 def sensing(board: Board) -> Sensing:
     """Whether a board's amplifier follows its carrier; :class:`BoardError` for one not known."""
@@ -68,18 +76,14 @@ def warning(board: Board) -> str | None:
     found = sensing(board)
     if found.refusal is None:
         return None
-    return (
-        f"{board.folder}/fpga.toml: the {found.amplifier} may not follow the carrier of "
-        f"{1e-3 * found.carrier_hz:.4g} kHz: {found.refusal}. {board.fpga.sense.known_too_fast}"
-    )
+    return f"{board.folder}/fpga.toml: {found.told}. {board.fpga.sense.known_too_fast}"
 
 
 def _check_sensing(board: Board) -> None:
     file, sense, found = f"{board.folder}/fpga.toml", board.fpga.sense, sensing(board)
     if found.refusal is not None and sense.known_too_fast is None:
         raise BoardError(
-            f"{board.folder}/board.toml: the {found.amplifier} may not follow the carrier of "
-            f"{1e-3 * found.carrier_hz:.4g} kHz: {found.refusal}; "
+            f"{board.folder}/board.toml: {found.told}; "
             + (
                 f"lower drive.pwm_hz to {1e-3 * found.fastest_hz:.4g} kHz or less, or "
                 if found.carrier_hz > found.fastest_hz
