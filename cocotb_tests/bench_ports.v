@@ -479,7 +479,7 @@ module bench_ports #(
 
             assign differs_o[13*n +: 13] = {
                 HOST == 1 && stepped_q
-                && (host != {live[32*`WH_LIVE_FLAGS+6], live[32*`WH_LIVE_HOST_SEQUENCE +: 8]}
+                && (host != {live[32*`WH_LIVE_FLAGS+7], live[32*`WH_LIVE_HOST_SEQUENCE +: 8]}
                     || (host[7:0] != 8'd0 && mean != live[32*`WH_LIVE_HOST_V +: DATA_W])
                     || packet_q[n] != ports_packet_q[n]),
                 judged && live[32*`WH_LIVE_ENERGY_PEAK +: `WH_ENERGY_W]
@@ -491,7 +491,7 @@ module bench_ports #(
                 live[32*`WH_LIVE_CORRECTION +: DATA_W] != correction_o[n*DATA_W +: DATA_W],
                 live[32*`WH_LIVE_VOLTAGE +: DATA_W] != voltage_q[n*DATA_W +: DATA_W],
                 ports.anchor_faults[n] != anchor_fault_o[n]
-                || (stepped_q && {live[32*`WH_LIVE_FLAGS+2], live[32*`WH_LIVE_FLAGS]} != {clipped[n], contact_q[n]}),
+                || (stepped_q && {live[32*`WH_LIVE_FLAGS+`WH_FLAG_CLIPPED], live[32*`WH_LIVE_FLAGS]} != {clipped[n], contact_q[n]}),
                 stepped_q && live[32*`WH_LIVE_POSITION +: 32] != position_q[n*`WH_COUNT_W +: `WH_COUNT_W],
                 live[32*`WH_LIVE_CURRENT +: DATA_W] != current[n*DATA_W +: DATA_W],
                 live[32*`WH_LIVE_V +: DATA_W] != v[n*DATA_W +: DATA_W],

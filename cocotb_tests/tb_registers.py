@@ -48,7 +48,7 @@ WINDOW = 32
 """Reads of each in a slot."""
 GROUPS = (
     ("half_clocks", 6), ("sclk_half_clocks", 10), ("trip", 1), ("range", 3), ("filter_clocks", 1),
-    ("extra_ticks", 2), ("dead_clocks", 4), ("guard_mask", 16),
+    ("extra_ticks", 2), ("mode", 6), ("guard_mask", 16),
 )  # fmt: skip
 """Settings of all ports as they are packed: the first of each group, and how many it has."""
 STROBES = {"clear": 1, "host_alive": 2, "zero_start": 4, "restart": 8}
@@ -59,12 +59,10 @@ LIVE_WORDS = {
     "contact_energy_peak": 7, "correction": 8, "offset": 9, "flux": 10, "lag": 11,
 }  # fmt: skip
 FLAGS = {
-    "contact": 0, "saturated": 1, "clipped": 2, "anchor_fault": 3, "adc_range": 4,
-    "encoder_fault": 5,
+    "contact": 0, "saturated": 1, "clipped": 8, "anchor_fault": 6, "adc_range": 4,
+    "encoder_fault": 5, "overcurrent": 3, "adc_stuck": 10,
 }  # fmt: skip
 FLAG_WORD, CORRECTION = 5, 8
-FLAG_PLACES = ((0, 0), (1, 1), (4, 4), (5, 5), (6, 3))
-"""Bits of the register `flags`, and of the word; 2 is `running`, the others are 0."""
 
 Settings = dict[int, int]
 KINDS = ("write",) * 6 + ("read",) * 3 + ("command",) * 3 + ("commit", "discard", "any")
@@ -187,8 +185,7 @@ class RegistersBench(BusBench):
         if word in FLAGS:
             return live[FLAG_WORD] >> FLAGS[word] & 1
         if word == "flags":
-            bits = sum((live[FLAG_WORD] >> old & 1) << new for new, old in FLAG_PLACES)
-            return bits | self.running << 2
+            return live[FLAG_WORD] & 0xFF
         value = live[LIVE_WORDS[word]]
         return value if word in HELD or self.stepped[port] else 0
 

@@ -102,7 +102,10 @@
 `define WH_LIVE_V          2
 `define WH_LIVE_CURRENT    3
 `define WH_LIVE_POSITION   4
-`define WH_LIVE_FLAGS      5  // contact, saturated, clipped, anchor_fault, adc_range, encoder_fault, host_active, shaped
+`define WH_LIVE_FLAGS      5  // the register `flags`, and three bits more:
+`define WH_FLAG_CLIPPED    8
+`define WH_FLAG_SHAPED     9
+`define WH_FLAG_STUCK      10
 `define WH_LIVE_ENERGY     6
 `define WH_LIVE_ENERGY_PEAK 7
 `define WH_LIVE_CORRECTION 8

@@ -102,6 +102,8 @@ module wh_ports #(
     output wire                         tick_o,           // strobe, last clock of a tick
     output wire                         adc_ready_o,      // the ADC is set up: ticks go on
     output wire                         running_o,        // the bridges are on
+    output wire                         zero_busy_o,      // zeros are measured
+    output wire [N-1:0]                 zero_faults_o,    // no permitted zero was found
     output wire [`WH_FAULTS-1:0]        faults_o          // latched
 );
 
@@ -298,8 +300,7 @@ module wh_ports #(
     wire [PORT_W-1:0]        current_port;
     wire signed [DATA_W-1:0] current;
     wire [1:0]               current_ends;
-    wire [N-1:0]             ranges, stucks, guard_currents, guard_ranges, guard_stucks, zero_faults;
-    wire                     zero_busy;
+    wire [N-1:0]             ranges, stucks, guard_currents, guard_ranges, guard_stucks;
 
     wh_sense #(
         .N               (N),
@@ -326,8 +327,8 @@ module wh_ports #(
         .zero_start_i    (zero_begins),
         .bridge_off_i    (!run),
         .zero_limit_i    (zero_limit),
-        .zero_busy_o     (zero_busy),
-        .zero_fault_o    (zero_faults),
+        .zero_busy_o     (zero_busy_o),
+        .zero_fault_o    (zero_faults_o),
         .valid_i         (slot_valid),
         .port_i          (slot_port),
         .bank_i          (slot_bank),
@@ -649,9 +650,9 @@ module wh_ports #(
         .stuck_cause_i   (guard_stucks),
         .range_i         (ranges),
         .stuck_i         (stucks),
-        .zero_i          (zero_faults),
+        .zero_i          (zero_faults_o),
         .zero_start_i    (zero_begins),
-        .zero_busy_i     (zero_busy),
+        .zero_busy_i     (zero_busy_o),
         .trip_i          (trips),
         .encoder_i       (illegal_moves),
         .moved_i         (moved),
@@ -730,8 +731,8 @@ module wh_ports #(
         end
     end
 
-    wire [31:0] flags = {24'd0, shaped, host_active, encoder_faults[current_port], ranges[current_port],
-                         anchor_faults[current_port], clipped, saturated_before, contact};
+    wire [31:0] flags = {21'd0, stucks[current_port], shaped, clipped, host_active, anchor_faults[current_port], encoder_faults[current_port],
+                         ranges[current_port], trips[current_port], run, saturated_before, contact};
     wire        waves_1 = since_q[7] && !core_rst;
     wire        waves_2 = since_q[8] && !core_rst;
 

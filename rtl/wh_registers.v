@@ -69,7 +69,7 @@ module wh_registers #(
     output wire [70:0]              sense_o,
     output wire [3:0]               filter_clocks_o,
     output wire [2*DELAY_LOG2-1:0]  delay_o,
-    output wire [17:0]              bridge_o,
+    output wire [27:0]              bridge_o,
     output wire [`WH_GUARD_W-1:0]   guard_o,
 
     // Settings of each port.
@@ -102,7 +102,7 @@ module wh_registers #(
     input  wire [PORT_W-1:0]        live_port_i,
     input  wire [3:0]               live_word_i,    // WH_LIVE_...
     input  wire [31:0]              live_data_i,
-    input  wire [31:0]              other_i         // of other modules, for bus_address_i, up to 3 clocks late
+    input  wire [31:0]              other_i         // of other modules, for bus_address_i, up to 4 clocks late
 );
 
     localparam integer   PART_W  = (N > 1) ? PORT_W : 0;
@@ -329,21 +329,21 @@ module wh_registers #(
 
     // The groups of their settings: first address, number, and bits of each, the first one lowest.
     localparam integer GROUPS  = 7;
-    localparam integer ALL     = 44;
+    localparam integer ALL     = 46;
     localparam [7:0]   DELAY_W = DELAY_LOG2[7:0];
-    localparam [GROUPS*16-1:0] ADDRESSES = {8'h40, 8'd16, 8'h32, 8'd4, 8'h28, 8'd2, 8'h20, 8'd1, 8'h18, 8'd5,
+    localparam [GROUPS*16-1:0] ADDRESSES = {8'h40, 8'd16, 8'h30, 8'd6, 8'h28, 8'd2, 8'h20, 8'd1, 8'h18, 8'd5,
                                             8'h08, 8'd10, 8'h00, 8'd6};
     localparam [ALL*8-1:0] WIDTHS = {
         8'd16, 8'd32, 8'd16, 8'd16, 8'd16, 8'd24, 8'd16, 8'd16,  // guard
         8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd2, 8'd24, 8'd24,
-        8'd1, 8'd8, 8'd1, 8'd8,                                  // bridge
+        8'd1, 8'd8, 8'd1, 8'd8, 8'd8, 8'd2,                      // bridge
         DELAY_W, DELAY_W,                                        // delay
         8'd4,                                                    // filter_clocks
         8'd23, 8'd16, 8'd16, 8'd0, 8'd16,                        // sense; 0x19 is none
         8'd1, 8'd1, 8'd6, 8'd8, 8'd8, 8'd8, 8'd5, 8'd6, 8'd6, 8'd8,  // frame
         8'd1, 8'd8, 8'd9, 8'd16, 8'd16, 8'd16                    // carrier
     };
-    localparam integer ALL_W = 66 + 57 + 71 + 4 + 2 * DELAY_LOG2 + 18 + `WH_GUARD_W;
+    localparam integer ALL_W = 66 + 57 + 71 + 4 + 2 * DELAY_LOG2 + 28 + `WH_GUARD_W;
 
     // Bits below setting `count`, and its address.
     function integer below;
@@ -477,11 +477,13 @@ module wh_registers #(
                 8'hb3, 8'hb4, 8'hb8, 8'hb9:        answer = live_q;
                 8'hb5:   answer = {31'd0, live_q[0]};  // contact
                 8'hb6:   answer = {31'd0, live_q[1]};  // saturated
-                8'hb7:   answer = {31'd0, live_q[2]};  // clipped
-                8'hc4:   answer = {31'd0, live_q[3]};  // anchor_fault
+                8'hb7:   answer = {31'd0, live_q[`WH_FLAG_CLIPPED]};
+                8'hc4:   answer = {31'd0, live_q[6]};  // anchor_fault
                 8'hd0:   answer = {31'd0, live_q[4]};  // adc_range
+                8'hd1:   answer = {31'd0, live_q[`WH_FLAG_STUCK]};
+                8'hd4:   answer = {31'd0, live_q[3]};  // overcurrent
                 8'hd5:   answer = {31'd0, live_q[5]};  // encoder_fault
-                8'hd6:   answer = {25'd0, live_q[3], live_q[5], live_q[4], 1'b0, running_i, live_q[1:0]};  // flags
+                8'hd6:   answer = {24'd0, live_q[7:0]};  // flags
                 default: answer = other_i;
             endcase
         end
