@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// bench_zero: wh_device with an ADC of 12 bits on each line, whose codes stand at code_i.
+// bench_zero: wh_motor_device with an ADC of 12 bits on each line, whose codes stand at code_i.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -48,7 +48,7 @@ module bench_zero #(
     wire             unused = &{1'b0, din, ah, al, bh, bl, overcurrent, contact, ready, clears, anchor_fault,
                                 encoder_fault, credit, byte_valid, byte_first, packet, one_byte};
 
-    wh_device #(
+    wh_motor_device #(
         .LEGS            (LEGS),
         .SENSE           (1),
         .ZERO_LOG2       (ZERO_LOG2),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_ports_device: wh_ports with its registers: pins, the bus, and little else. It is wh_device for several motors.
+// wh_ports_device: wh_ports with its registers: wh_device of several motors.
 //
 //   bus -> wh_registers -> settings, commands -> wh_ports -> pins
 //               ^                                   |
@@ -526,7 +526,7 @@ module wh_ports_device #(
     assign fault_lasts_o = |(faults & ~ZERO);
     assign clear_o       = set_clear;
 
-    wire unused = &{1'b0, unused_strobe, command_data, part, round, take, word, mean, any};
+    wire unused = &{1'b0, unused_strobe, command, command_address, command_data, busy, part, round, take, word, mean, any};
 
 endmodule
 

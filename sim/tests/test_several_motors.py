@@ -23,7 +23,7 @@ from wavehaptics.words.memory import settings_requests
 from wavehaptics.words.table import WORDS
 
 MOTORS = 3
-SLOW = ("controller.tick_hz=500e3", "controller.extra_ticks=2")
+SLOW = ("controller.tick_hz=400e3", "controller.extra_ticks=2")
 """Ticks that are long enough for three motors."""
 MEASURED = ("drive.bus_measured=true", "drive.bus_actual_v=11")
 SHAPE = Shape(MOTORS, 4, 0, 10)
@@ -79,7 +79,7 @@ def test_requests_of_a_further_motor():
 @pytest.mark.parametrize(
     ("sets", "message"),
     [
-        ((*BOARD, SLOW[1]), r"a tick of 48 clocks is shorter than the 72 that 3 motors need"),
+        ((*BOARD, SLOW[1]), r"a tick of 48 clocks is shorter than the 102 that 3 motors need"),
         ((*BOARD, *SLOW, "thermal.ambient_c=25"), r"thermal is simulated for one motor, and"),
         ((*BOARD, *SLOW, *MEASURED), r"drive.bus_measured is simulated for one motor, and"),
     ],
