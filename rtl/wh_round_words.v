@@ -12,8 +12,8 @@
 // code_i: the address of rtl/words.toml that a reader chooses, 0 lowest; word_o is the register there of who reads,
 // in the next clock, sign-extended, and one that is none of those below is 0. mean_o: of several periods the mean is
 // meant, as of numbers with a sign and of the bus; any_o: bits, of which those count that were there in any period;
-// neither: the last one, as of the position. What a step makes is 0 in a round without one. contact_o: by port, as its
-// flags last had it.
+// neither: the last one, as of the position. What a step makes is 0 in a round without one, and in a round in which
+// the bridges went off before its end. contact_o: by port, as its flags last had it.
 //
 // Latency: as above. Reset: nobody is given anything.
 
@@ -56,8 +56,8 @@ module wh_round_words #(
     wire       of_last = live_valid_i && live_port_i == LAST[PORT_W-1:0];
     reg  [4:0] tail_q;     // clocks that are left
     reg        bank_q;     // which is written
-    reg        step_q;     // the round's last port made a step
-    reg        stepped_q;  // that of the other bank
+    reg  [1:0] step_q;     // of the last port's step, ω̂ and c came, the last two of its values
+    reg        stepped_q;  // both of the other bank
 
     assign strobe_o = (tail_q == 5'd1);
 
@@ -65,13 +65,14 @@ module wh_round_words #(
         if (rst) begin
             tail_q <= 5'd0;
             bank_q <= 1'b0;
-            step_q <= 1'b0;
+            step_q <= 2'b00;
         end else begin
             tail_q <= (of_last && live_word_i == `WH_LIVE_FLAGS) ? TAIL : (tail_q == 5'd0) ? 5'd0 : tail_q - 5'd1;
-            step_q <= (of_last && live_word_i == `WH_LIVE_CORRECTION) || (step_q && !strobe_o);
+            step_q <= {of_last && live_word_i == `WH_LIVE_LAG, of_last && live_word_i == `WH_LIVE_CORRECTION}
+                      | (strobe_o ? 2'b00 : step_q);
             if (strobe_o) begin
                 bank_q    <= !bank_q;
-                stepped_q <= step_q;
+                stepped_q <= &step_q;
             end
         end
     end
@@ -150,7 +151,7 @@ module wh_round_words #(
         if (live_valid_i && live_word_i == `WH_LIVE_FLAGS) begin
             contact_o[live_port_i] <= live_data_i[0];
         end
-        port_q      <= of_port && (!of_step || (strobe_o ? step_q : stepped_q));
+        port_q      <= of_port && (!of_step || (strobe_o ? &step_q : stepped_q));
         flags_q     <= of_port && (chosen == `WH_LIVE_FLAGS);
         position_q  <= of_port && (chosen == `WH_LIVE_POSITION);
         is_bus_q    <= (code == 12'h039);
