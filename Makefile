@@ -251,6 +251,7 @@ LINT_CASES := \
     wh_settings,-GN=8,-GWALLS=16,-GSHAPER=2,-GDELAY_LOG2=10 \
     wh_setting_group,-GSTAGED=0 \
     wh_device,-GN=3,-GSHAPER=2,-GCAPTURE=8,-GSTREAM=1,-GARM=1 \
+    wh_device,-GN=2,-GHOST=1 \
     wh_motor_device,-GN=3,-GANCHOR=1,-GSHAPER=2,-GWALLS=16 \
     wh_device,-GANCHOR=1,-GGUARD=1,-GBUS=1 \
     wh_device,-GWALLS=1,-GHOST=1,-GSENSE=1,-GDELAY_LOG2=10 \

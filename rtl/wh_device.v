@@ -6,7 +6,7 @@
 //   one motor        wh_motor_device: wh_controller, or wh_brushless with LEGS = 3
 //   several motors   wh_ports_device: wh_ports, where they take turns
 //
-// Several motors always have ANCHOR, GUARD, SENSE and DEAD_TIME, and neither BUS, HOST, SHARED nor CAPTURE_RISE.
+// Several motors always have ANCHOR, GUARD, SENSE and DEAD_TIME, and neither BUS, SHARED nor CAPTURE_RISE.
 // Nothing is at their outputs anchor_fault_o, encoder_fault_o and overcurrent_o, which the register `faults` tells.
 //
 // Latency and reset: those of the module.
@@ -107,8 +107,8 @@ module wh_device #(
             assign encoder_fault_o = {N{1'b0}};
             assign overcurrent_o   = {PARTS{1'b0}};
 
-            if (BUS != 0 || HOST != 0 || SHARED != 0 || CAPTURE_RISE != 0) begin : illegal
-                wh_illegal_parameter_device_of_several_has_no_bus_no_host_no_shared_no_capture_rise stop ();
+            if (BUS != 0 || SHARED != 0 || CAPTURE_RISE != 0) begin : illegal
+                wh_illegal_parameter_device_of_several_has_no_bus_no_shared_no_capture_rise stop ();
             end
 
             wh_ports_device #(
@@ -121,6 +121,7 @@ module wh_device #(
                 .SHAPER     (SHAPER),
                 .MODES      (MODES),
                 .MIN_PULSE  (MIN_PULSE),
+                .HOST       (HOST),
                 .ARM        (ARM),
                 .ARM_CLOCKS (ARM_CLOCKS),
                 .CAPTURE    (CAPTURE),

@@ -13,7 +13,7 @@
 //   27 ARM   31:28 CAPTURE
 //
 // SHAPER is 3 there with LEGS = 3, which has none. Several motors have ANCHOR, GUARD, SENSE and DEAD_TIME, whatever
-// these are here, and neither BUS, HOST nor SHARED.
+// these are here, and neither BUS nor SHARED.
 // Bits 17 and 26 are 0. Whether there is a STREAM, the word stream_state says, which is 0 without.
 //
 // Latency and reset: those of wh_modbus and of wh_device.
