@@ -250,11 +250,13 @@ LINT_CASES := \
     wh_controller,-GN=1,-GDELAY_LOG2=10,-DWH_DATA_W=31,-DWH_COEF_W=31 \
     wh_settings,-GN=8,-GWALLS=16,-GSHAPER=2,-GDELAY_LOG2=10 \
     wh_setting_group,-GSTAGED=0 \
-    wh_device,-GN=3,-GANCHOR=1,-GSHAPER=2,-GWALLS=16 \
+    wh_device,-GN=3,-GSHAPER=2,-GCAPTURE=8,-GSTREAM=1,-GARM=1 \
+    wh_device,-GN=2,-GHOST=1 \
+    wh_motor_device,-GN=3,-GANCHOR=1,-GSHAPER=2,-GWALLS=16 \
     wh_device,-GANCHOR=1,-GGUARD=1,-GBUS=1 \
     wh_device,-GWALLS=1,-GHOST=1,-GSENSE=1,-GDELAY_LOG2=10 \
-    wh_device,-GN=3,-GHOST=1 \
-    wh_device,-GN=3,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
+    wh_motor_device,-GN=3,-GHOST=1 \
+    wh_motor_device,-GN=3,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_device,-GLEGS=3,-GWALLS=1,-GMIN_PULSE=1,-GDEAD_TIME=0 \
     wh_device,-GLEGS=3,-GDELAY_LOG2=10,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_settings_rom,-GLEGS=3 \

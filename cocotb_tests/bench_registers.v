@@ -21,7 +21,7 @@ module bench_registers #(
     parameter integer DELAY_LOG2 = 2,
     parameter integer SHAPER     = 0,
     parameter integer PORT_W     = (N > 1) ? $clog2(N) : 1,
-    parameter integer ALL_W      = 226 + 2 * DELAY_LOG2 + `WH_GUARD_W
+    parameter integer ALL_W      = 238 + 2 * DELAY_LOG2 + `WH_GUARD_W
 ) (
     input  wire                   clk,
     input  wire                   rst,
@@ -112,6 +112,7 @@ module bench_registers #(
         .delay_o           (all_o[198 +: 2*DELAY_LOG2]),
         .bridge_o          (all_o[198 + 2*DELAY_LOG2 +: 28]),
         .guard_o           (all_o[226 + 2*DELAY_LOG2 +: `WH_GUARD_W]),
+        .host_o            (all_o[226 + 2*DELAY_LOG2 + `WH_GUARD_W +: 12]),
         .force_o           (force_now),
         .write_o           (write),
         .write_bank_o      (write_bank),

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// bench_zero: wh_device, or wh_ports_device of PORTS motors, with an ADC of 12 bits on each line, whose codes stand at
-// code_i.
+// bench_zero: wh_device with an ADC of 12 bits on each line, whose codes stand at code_i.
 
 `default_nettype none
 `include "wh_formats.vh"
 
 module bench_zero #(
+    parameter integer N         = 1,
     parameter integer LEGS      = 2,
-    parameter integer PORTS     = 0,  // 0: wh_device
     parameter integer ARM       = 1,
     parameter integer GUARD     = 1,
     parameter integer ZERO_LOG2 = 3,
-    parameter integer LINES     = (LEGS == 3) ? 2 : (PORTS > 0) ? PORTS : 1  // derived, leave it
+    parameter integer LINES     = (LEGS == 3) ? 2 : N  // derived, leave it
 ) (
     input  wire                clk,
     input  wire                rst,
@@ -42,131 +41,71 @@ module bench_zero #(
     wire             sclk;
     wire             din;
     wire [LINES-1:0] sdata;
-    wire             contact, ready, clears, credit, byte_valid, byte_first, packet;
+    wire [N-1:0]     ah, al, anchor_fault, encoder_fault;
+    wire [LINES-1:0] bh, bl, overcurrent;
+    wire             contact, ready, clears;
+    wire             credit, byte_valid, byte_first, packet;
     wire [7:0]       one_byte;
-    wire             unused = &{1'b0, din, contact, ready, clears, credit, byte_valid, byte_first, packet, one_byte};
+    wire             unused = &{1'b0, din, ah, al, bh, bl, overcurrent, contact, ready, clears, anchor_fault,
+                                encoder_fault, credit, byte_valid, byte_first, packet, one_byte};
 
-    generate
-        if (PORTS > 0) begin : of_ports
-            wire             zero_busy;
-            wire [LINES-1:0] ah, al, bh, bl;
-            wire             unused_gates = &{1'b0, ah, al, bh, bl};
-
-            assign zero_busy_o = {LINES{zero_busy}};
-
-            wh_ports_device #(
-                .N               (PORTS),
-                .ZERO_LOG2       (ZERO_LOG2),
-                .ARM             (ARM),
-                .ARM_CLOCKS      (100000000)
-            ) dut (
-                .clk             (clk),
-                .rst             (rst),
-                .enable_i        (enable_i),
-                .bus_valid_i     (bus_valid_i),
-                .bus_write_i     (bus_write_i),
-                .bus_check_i     (bus_check_i),
-                .bus_address_i   (bus_address_i),
-                .bus_data_i      (bus_data_i),
-                .bus_ready_o     (bus_ready_o),
-                .bus_data_o      (bus_data_o),
-                .bus_error_o     (bus_error_o),
-                .bus_signed_o    (bus_signed_o),
-                .adc_cs_n_o      (cs_n),
-                .adc_sclk_o      (sclk),
-                .adc_din_o       (din),
-                .adc_sdata_i     (sdata),
-                .enc_a_i         ({LINES{1'b0}}),
-                .enc_b_i         ({LINES{1'b0}}),
-                .gate_ah_o       (ah),
-                .gate_al_o       (al),
-                .gate_bh_o       (bh),
-                .gate_bl_o       (bl),
-                .bus_i           (16'd6144),
-                .stop_i          (1'b0),
-                .driver_fault_i  ({LINES{1'b0}}),
-                .clear_i         (clear_i),
-                .zero_start_i    (zero_start_i),
-                .press_i         (press_i),
-                .tick_o          (tick_o),
-                .running_o       (running_o),
-                .contact_o       (contact),
-                .fault_o         (fault_o),
-                .fault_lasts_o   (fault_lasts_o),
-                .ready_o         (ready),
-                .clear_o         (clears),
-                .zero_busy_o     (zero_busy),
-                .zero_fault_o    (zero_fault_o),
-                .stream_credit_o (credit),
-                .stream_valid_o  (byte_valid),
-                .stream_first_o  (byte_first),
-                .stream_byte_o   (one_byte),
-                .stream_packet_o (packet),
-                .stream_room_i   (1'b0)
-            );
-        end else begin : of_motor
-            wire             ah, al, anchor_fault, encoder_fault;
-            wire [LINES-1:0] bh, bl, overcurrent;
-            wire             unused_gates = &{1'b0, ah, al, bh, bl, anchor_fault, encoder_fault, overcurrent};
-
-            wh_device #(
-                .LEGS            (LEGS),
-                .SENSE           (1),
-                .ZERO_LOG2       (ZERO_LOG2),
-                .GUARD           (GUARD),
-                .ARM             (ARM),
-                .ARM_CLOCKS      (100000000)
-            ) dut (
-                .clk             (clk),
-                .rst             (rst),
-                .enable_i        (enable_i),
-                .bus_valid_i     (bus_valid_i),
-                .bus_write_i     (bus_write_i),
-                .bus_check_i     (bus_check_i),
-                .bus_address_i   (bus_address_i),
-                .bus_data_i      (bus_data_i),
-                .bus_ready_o     (bus_ready_o),
-                .bus_data_o      (bus_data_o),
-                .bus_error_o     (bus_error_o),
-                .bus_signed_o    (bus_signed_o),
-                .adc_cs_n_o      (cs_n),
-                .adc_sclk_o      (sclk),
-                .adc_din_o       (din),
-                .adc_sdata_i     (sdata),
-                .enc_a_i         (1'b0),
-                .enc_b_i         (1'b0),
-                .gate_ah_o       (ah),
-                .gate_al_o       (al),
-                .gate_bh_o       (bh),
-                .gate_bl_o       (bl),
-                .bus_i           (16'd6144),
-                .stop_i          (1'b0),
-                .driver_fault_i  (1'b0),
-                .anchor_fault_i  (1'b0),
-                .clear_i         (clear_i),
-                .zero_start_i    (zero_start_i),
-                .press_i         (press_i),
-                .tick_o          (tick_o),
-                .running_o       (running_o),
-                .contact_o       (contact),
-                .fault_o         (fault_o),
-                .fault_lasts_o   (fault_lasts_o),
-                .ready_o         (ready),
-                .clear_o         (clears),
-                .zero_busy_o     (zero_busy_o),
-                .zero_fault_o    (zero_fault_o),
-                .anchor_fault_o  (anchor_fault),
-                .encoder_fault_o (encoder_fault),
-                .overcurrent_o   (overcurrent),
-                .stream_credit_o (credit),
-                .stream_valid_o  (byte_valid),
-                .stream_first_o  (byte_first),
-                .stream_byte_o   (one_byte),
-                .stream_packet_o (packet),
-                .stream_room_i   (1'b0)
-            );
-        end
-    endgenerate
+    wh_device #(
+        .N               (N),
+        .LEGS            (LEGS),
+        .SENSE           (1),
+        .ZERO_LOG2       (ZERO_LOG2),
+        .GUARD           (GUARD),
+        .ARM             (ARM),
+        .ARM_CLOCKS      (100000000)
+    ) dut (
+        .clk             (clk),
+        .rst             (rst),
+        .enable_i        (enable_i),
+        .bus_valid_i     (bus_valid_i),
+        .bus_write_i     (bus_write_i),
+        .bus_check_i     (bus_check_i),
+        .bus_address_i   (bus_address_i),
+        .bus_data_i      (bus_data_i),
+        .bus_ready_o     (bus_ready_o),
+        .bus_data_o      (bus_data_o),
+        .bus_error_o     (bus_error_o),
+        .bus_signed_o    (bus_signed_o),
+        .adc_cs_n_o      (cs_n),
+        .adc_sclk_o      (sclk),
+        .adc_din_o       (din),
+        .adc_sdata_i     (sdata),
+        .enc_a_i         ({N{1'b0}}),
+        .enc_b_i         ({N{1'b0}}),
+        .gate_ah_o       (ah),
+        .gate_al_o       (al),
+        .gate_bh_o       (bh),
+        .gate_bl_o       (bl),
+        .bus_i           (16'd6144),
+        .stop_i          (1'b0),
+        .driver_fault_i  ({N{1'b0}}),
+        .anchor_fault_i  ({N{1'b0}}),
+        .clear_i         (clear_i),
+        .zero_start_i    (zero_start_i),
+        .press_i         (press_i),
+        .tick_o          (tick_o),
+        .running_o       (running_o),
+        .contact_o       (contact),
+        .fault_o         (fault_o),
+        .fault_lasts_o   (fault_lasts_o),
+        .ready_o         (ready),
+        .clear_o         (clears),
+        .zero_busy_o     (zero_busy_o),
+        .zero_fault_o    (zero_fault_o),
+        .anchor_fault_o  (anchor_fault),
+        .encoder_fault_o (encoder_fault),
+        .overcurrent_o   (overcurrent),
+        .stream_credit_o (credit),
+        .stream_valid_o  (byte_valid),
+        .stream_first_o  (byte_first),
+        .stream_byte_o   (one_byte),
+        .stream_packet_o (packet),
+        .stream_room_i   (1'b0)
+    );
 
     // Two zeros and the code, highest bit first, each read as SCLK rises.
     reg  [4:0] bit_q;

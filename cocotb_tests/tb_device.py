@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_device.v``: each word of the table from the bus to its port, and back."""
+"""Bench of ``rtl/wh_motor_device.v``: each word of the table from the bus to its port, and back."""
 
 from __future__ import annotations
 

@@ -12,9 +12,9 @@ from wavehaptics.words import formats
 from wavehaptics.words.faults import ARM_REFUSALS
 from wavehaptics.words.table import AXES, LEGS, THREE_PHASE_LEGS, WORDS
 
-_P = {"LEGS": LEGS, "PORTS": 0, "ARM": 1, "GUARD": 1, "ZERO_LOG2": 3, **parameters()}
+_P = {"LEGS": LEGS, "N": 1, "ARM": 1, "GUARD": 1, "ZERO_LOG2": 3, **parameters()}
 BRUSHLESS = _P["LEGS"] == THREE_PHASE_LEGS
-LINES = AXES if BRUSHLESS else max(1, _P["PORTS"])
+LINES = AXES if BRUSHLESS else _P["N"]
 ARM, GUARD = _P["ARM"], _P["GUARD"]
 HALVES = 2 if BRUSHLESS else 1
 TICK = 96

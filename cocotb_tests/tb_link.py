@@ -35,8 +35,8 @@ class LinkBench(LineBench):
     def last_root(self) -> int:
         """s of the last motor as the controller has it, of several motors as it is in force."""
         if _P["N"] == 1:
-            return int(self.dut.of_motor.device.of_motors.controller.root_i.value)
-        in_force = self.dut.of_ports.device.registers.in_force_ram.memory
+            return int(self.dut.device.of_motor.device.of_motors.controller.root_i.value)
+        in_force = self.dut.device.of_ports.device.registers.in_force_ram.memory
         return int(in_force[ROOT - 0x100 + 0x100 * (_P["N"] - 1)].value)
 
     async def values(self, address: int, count: int = 1) -> list[int]:

@@ -49,18 +49,20 @@ WINDOW = 32
 GROUPS = (
     ("half_clocks", 6), ("sclk_half_clocks", 10), ("trip", 1), ("range", 3), ("filter_clocks", 1),
     ("extra_ticks", 2), ("mode", 6), ("guard_mask", 16),
+    ("host_period_log2", 2),
 )  # fmt: skip
 """Settings of all ports as they are packed: the first of each group, and how many it has."""
 STROBES = {"clear": 1, "host_alive": 2, "zero_start": 4, "restart": 8}
 STEPPED = ("voltage", "u", "v", "correction", "offset", "flux", "lag")
-HELD = ("current", "position", "contact_energy", "contact_energy_peak")
+HELD = ("current", "position", "contact_energy", "contact_energy_peak", "host_packet_sequence",
+        "host_v")  # fmt: skip
 LIVE_WORDS = {
     "voltage": 0, "u": 1, "v": 2, "current": 3, "position": 4, "contact_energy": 6,
-    "contact_energy_peak": 7, "correction": 8, "offset": 9, "flux": 10, "lag": 11,
+    "contact_energy_peak": 7, "correction": 8, "offset": 9, "flux": 10, "lag": 11, "host_v": 12, "host_packet_sequence": 13,
 }  # fmt: skip
 FLAGS = {
     "contact": 0, "saturated": 1, "clipped": 8, "anchor_fault": 6, "adc_range": 4,
-    "encoder_fault": 5, "overcurrent": 3, "adc_stuck": 10,
+    "encoder_fault": 5, "overcurrent": 3, "adc_stuck": 10, "host_active": 7,
 }  # fmt: skip
 FLAG_WORD, CORRECTION = 5, 8
 

@@ -9,8 +9,8 @@ SIZES = {
     "brushless": {"LEGS": 3},
     "by_pin": {"ARM": 0},
     "unguarded": {"GUARD": 0},
-    "ports": {"PORTS": 2},
-    "ports_by_pin": {"PORTS": 2, "ARM": 0},
+    "ports": {"N": 2},
+    "ports_by_pin": {"N": 2, "ARM": 0},
 }
 
 

@@ -60,6 +60,7 @@ module prove_wh_registers (
     wire [3:0]  filter_clocks;
     wire [3:0]  delay;
     wire [27:0] bridge;
+    wire [11:0] host;
     wire [`WH_GUARD_W-1:0] guard;
     wire        in_force;
     wire        write;
@@ -98,6 +99,7 @@ module prove_wh_registers (
         .filter_clocks_o   (filter_clocks),
         .delay_o           (delay),
         .bridge_o          (bridge),
+        .host_o            (host),
         .guard_o           (guard),
         .force_o           (in_force),
         .write_o           (write),
@@ -185,7 +187,7 @@ module prove_wh_registers (
     wire        before   = busy && settle == 9'd0;  // the bank in force changes
     wire        looks    = (state != AT_IDLE);
     wire         reads_here = looks && here && !bus_write;
-    wire [229+`WH_GUARD_W:0] all = {carrier, frame, sense, filter_clocks, delay, bridge, guard};
+    wire [241+`WH_GUARD_W:0] all = {carrier, frame, sense, filter_clocks, delay, bridge, guard, host};
 
     // ---- What is kept here.
     reg         begun = 1'b0;
@@ -200,7 +202,7 @@ module prove_wh_registers (
     reg  [31:0] goal_q;       // what the pass is to bring, or has brought
     reg  [31:0] forced_q;     // a clock before
     reg         in_force_q;
-    reg  [229+`WH_GUARD_W:0] all_q;
+    reg  [241+`WH_GUARD_W:0] all_q;
     reg         flips_q;
     reg  [9:0]  clocks_q;     // of busy
     reg  [9:0]  stalls_q;     // of these, such that a request took

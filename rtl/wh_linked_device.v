@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_linked_device: wh_device, or wh_ports_device of several motors, with a serial line in place of its bus.
+// wh_linked_device: wh_device with a serial line in place of its bus.
 //
-//   uart_rx_i -> wh_link -> wh_device or wh_ports_device -> pins
+//   uart_rx_i -> wh_link -> wh_device -> pins
 //
 // What stands on the line, and what of it does nothing, is said by wh_modbus. enable_i is a pin that
 // allows: with it, and ARM = 1, the word `arm` lets the bridges on for 200 ms, and press_i until something is
@@ -12,7 +12,8 @@
 //   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME
 //   27 ARM   31:28 CAPTURE
 //
-// SHAPER is 3 there with LEGS = 3, which has none.
+// SHAPER is 3 there with LEGS = 3, which has none. Several motors have ANCHOR, GUARD, SENSE and DEAD_TIME, whatever
+// these are here, and neither BUS nor SHARED.
 // Bits 17 and 26 are 0. Whether there is a STREAM, the word stream_state says, which is 0 without.
 //
 // Latency and reset: those of wh_modbus and of wh_device.
@@ -99,8 +100,8 @@ module wh_linked_device #(
     localparam [31:0] ADC_32    = ADC;
     localparam [31:0] CAPTURE_32 = CAPTURE;
     localparam [31:0] OPTIONS = {
-        CAPTURE_32[3:0], ARM != 0, 1'b0, DEAD_TIME != 0, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0, SENSE != 0,
-        GUARD != 0, ANCHOR != 0, 1'b0, ADC_32[1:0], DELAY_32[3:0], SHAPER_32[1:0],
+        CAPTURE_32[3:0], ARM != 0, 1'b0, DEAD_TIME != 0 || N > 1, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0,
+        SENSE != 0 || N > 1, GUARD != 0 || N > 1, ANCHOR != 0 || N > 1, 1'b0, ADC_32[1:0], DELAY_32[3:0], SHAPER_32[1:0],
         WALLS_32[4:0], N_32[3:0]
     };
 
@@ -164,156 +165,79 @@ module wh_linked_device #(
         .stream_room_o   (stream_room)
     );
 
-    generate
-        if (N > 1) begin : of_ports
-            wire zero_busy;
-            wire unused_anchor = &{1'b0, anchor_fault_i};
-
-            // What these would tell, faults tell.
-            assign zero_busy_o     = {PARTS{zero_busy}};
-            assign anchor_fault_o  = {N{1'b0}};
-            assign encoder_fault_o = {N{1'b0}};
-            assign overcurrent_o   = {PARTS{1'b0}};
-
-            if (LEGS != 2 || SENSE != 1 || GUARD != 1 || ANCHOR != 1 || BUS != 0 || HOST != 0 || SHARED != 0) begin : illegal
-                wh_illegal_parameter_linked_device_of_several_has_sense_guard_anchor_and_two_legs stop ();
-            end
-
-            wh_ports_device #(
-                .N              (N),
-                .WALLS          (WALLS),
-                .DELAY_LOG2     (DELAY_LOG2),
-                .ADC            (ADC),
-                .OSR            (OSR),
-                .ZERO_LOG2      (ZERO_LOG2),
-                .SHAPER         (SHAPER),
-                .MODES          (MODES),
-                .MIN_PULSE      (MIN_PULSE),
-                .ARM            (ARM),
-                .ARM_CLOCKS     (CREDIT),
-                .CAPTURE        (CAPTURE),
-                .STREAM         (STREAM)
-            ) device (
-                .clk             (clk),
-                .rst             (rst),
-                .enable_i        (enable_i),
-                .bus_valid_i     (bus_valid && !ready_q),
-                .bus_write_i     (bus_write),
-                .bus_check_i     (bus_check),
-                .bus_address_i   (bus_address),
-                .bus_data_i      (bus_data),
-                .bus_ready_o     (bus_ready),
-                .bus_data_o      (bus_read),
-                .bus_error_o     (bus_error),
-                .bus_signed_o    (bus_signed),
-                .adc_cs_n_o      (adc_cs_n_o),
-                .adc_sclk_o      (adc_sclk_o),
-                .adc_din_o       (adc_din_o),
-                .adc_sdata_i     (adc_sdata_i),
-                .enc_a_i         (enc_a_i),
-                .enc_b_i         (enc_b_i),
-                .gate_ah_o       (gate_ah_o),
-                .gate_al_o       (gate_al_o),
-                .gate_bh_o       (gate_bh_o),
-                .gate_bl_o       (gate_bl_o),
-                .bus_i           (bus_i),
-                .stop_i          (stop_i),
-                .driver_fault_i  (driver_fault_i),
-                .tick_o          (tick_o),
-                .running_o       (running_o),
-                .contact_o       (contact_o),
-                .fault_o         (fault_o),
-                .fault_lasts_o   (fault_lasts_o),
-                .clear_i         (clear_i),
-                .zero_start_i    (zero_start_i),
-                .press_i         (press_i),
-                .ready_o         (ready_o),
-                .clear_o         (clear_o),
-                .zero_busy_o     (zero_busy),
-                .zero_fault_o    (zero_fault_o),
-                .stream_credit_o (stream_credit),
-                .stream_valid_o  (stream_valid),
-                .stream_first_o  (stream_first),
-                .stream_byte_o   (stream_byte),
-                .stream_packet_o (stream_packet),
-                .stream_room_i   (stream_room)
-            );
-        end else begin : of_motor
-            wh_device #(
-                .N              (N),
-                .WALLS          (WALLS),
-                .DELAY_LOG2     (DELAY_LOG2),
-                .ADC            (ADC),
-                .OSR            (OSR),
-                .CAPTURE_RISE   (CAPTURE_RISE),
-                .TRIP_OSR       (TRIP_OSR),
-                .SENSE          (SENSE),
-                .ZERO_LOG2      (ZERO_LOG2),
-                .SHAPER         (SHAPER),
-                .DEAD_TIME      (DEAD_TIME),
-                .MODES          (MODES),
-                .MIN_PULSE      (MIN_PULSE),
-                .BUS            (BUS),
-                .HOST           (HOST),
-                .ANCHOR         (ANCHOR),
-                .SHARED         (SHARED),
-                .GUARD          (GUARD),
-                .ARM            (ARM),
-                .ARM_CLOCKS     (CREDIT),
-                .CAPTURE        (CAPTURE),
-                .STREAM         (STREAM),
-                .LEGS           (LEGS)
-            ) device (
-                .clk             (clk),
-                .rst             (rst),
-                .enable_i        (enable_i),
-                .bus_valid_i     (bus_valid && !ready_q),
-                .bus_write_i     (bus_write),
-                .bus_check_i     (bus_check),
-                .bus_address_i   (bus_address),
-                .bus_data_i      (bus_data),
-                .bus_ready_o     (bus_ready),
-                .bus_data_o      (bus_read),
-                .bus_error_o     (bus_error),
-                .bus_signed_o    (bus_signed),
-                .adc_cs_n_o      (adc_cs_n_o),
-                .adc_sclk_o      (adc_sclk_o),
-                .adc_din_o       (adc_din_o),
-                .adc_sdata_i     (adc_sdata_i),
-                .enc_a_i         (enc_a_i),
-                .enc_b_i         (enc_b_i),
-                .gate_ah_o       (gate_ah_o),
-                .gate_al_o       (gate_al_o),
-                .gate_bh_o       (gate_bh_o),
-                .gate_bl_o       (gate_bl_o),
-                .bus_i           (bus_i),
-                .stop_i          (stop_i),
-                .driver_fault_i  (driver_fault_i),
-                .anchor_fault_i  (anchor_fault_i),
-                .tick_o          (tick_o),
-                .running_o       (running_o),
-                .contact_o       (contact_o),
-                .fault_o         (fault_o),
-                .fault_lasts_o   (fault_lasts_o),
-                .clear_i         (clear_i),
-                .zero_start_i    (zero_start_i),
-                .press_i         (press_i),
-                .ready_o         (ready_o),
-                .clear_o         (clear_o),
-                .zero_busy_o     (zero_busy_o),
-                .zero_fault_o    (zero_fault_o),
-                .anchor_fault_o  (anchor_fault_o),
-                .encoder_fault_o (encoder_fault_o),
-                .overcurrent_o   (overcurrent_o),
-                .stream_credit_o (stream_credit),
-                .stream_valid_o  (stream_valid),
-                .stream_first_o  (stream_first),
-                .stream_byte_o   (stream_byte),
-                .stream_packet_o (stream_packet),
-                .stream_room_i   (stream_room)
-            );
-        end
-    endgenerate
+    wh_device #(
+        .N              (N),
+        .WALLS          (WALLS),
+        .DELAY_LOG2     (DELAY_LOG2),
+        .ADC            (ADC),
+        .OSR            (OSR),
+        .CAPTURE_RISE   (CAPTURE_RISE),
+        .TRIP_OSR       (TRIP_OSR),
+        .SENSE          (SENSE),
+        .ZERO_LOG2      (ZERO_LOG2),
+        .SHAPER         (SHAPER),
+        .DEAD_TIME      (DEAD_TIME),
+        .MODES          (MODES),
+        .MIN_PULSE      (MIN_PULSE),
+        .BUS            (BUS),
+        .HOST           (HOST),
+        .ANCHOR         (ANCHOR),
+        .SHARED         (SHARED),
+        .GUARD          (GUARD),
+        .ARM            (ARM),
+        .ARM_CLOCKS     (CREDIT),
+        .CAPTURE        (CAPTURE),
+        .STREAM         (STREAM),
+        .LEGS           (LEGS)
+    ) device (
+        .clk             (clk),
+        .rst             (rst),
+        .enable_i        (enable_i),
+        .bus_valid_i     (bus_valid && !ready_q),
+        .bus_write_i     (bus_write),
+        .bus_check_i     (bus_check),
+        .bus_address_i   (bus_address),
+        .bus_data_i      (bus_data),
+        .bus_ready_o     (bus_ready),
+        .bus_data_o      (bus_read),
+        .bus_error_o     (bus_error),
+        .bus_signed_o    (bus_signed),
+        .adc_cs_n_o      (adc_cs_n_o),
+        .adc_sclk_o      (adc_sclk_o),
+        .adc_din_o       (adc_din_o),
+        .adc_sdata_i     (adc_sdata_i),
+        .enc_a_i         (enc_a_i),
+        .enc_b_i         (enc_b_i),
+        .gate_ah_o       (gate_ah_o),
+        .gate_al_o       (gate_al_o),
+        .gate_bh_o       (gate_bh_o),
+        .gate_bl_o       (gate_bl_o),
+        .bus_i           (bus_i),
+        .stop_i          (stop_i),
+        .driver_fault_i  (driver_fault_i),
+        .anchor_fault_i  (anchor_fault_i),
+        .tick_o          (tick_o),
+        .running_o       (running_o),
+        .contact_o       (contact_o),
+        .fault_o         (fault_o),
+        .fault_lasts_o   (fault_lasts_o),
+        .clear_i         (clear_i),
+        .zero_start_i    (zero_start_i),
+        .press_i         (press_i),
+        .ready_o         (ready_o),
+        .clear_o         (clear_o),
+        .zero_busy_o     (zero_busy_o),
+        .zero_fault_o    (zero_fault_o),
+        .anchor_fault_o  (anchor_fault_o),
+        .encoder_fault_o (encoder_fault_o),
+        .overcurrent_o   (overcurrent_o),
+        .stream_credit_o (stream_credit),
+        .stream_valid_o  (stream_valid),
+        .stream_first_o  (stream_first),
+        .stream_byte_o   (stream_byte),
+        .stream_packet_o (stream_packet),
+        .stream_room_i   (stream_room)
+    );
 
 endmodule
 

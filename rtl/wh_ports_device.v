@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_ports_device: wh_ports with its registers: pins, the bus, and little else. It is wh_device for several motors.
+// wh_ports_device: wh_ports with its registers: wh_device of several motors.
 //
 //   bus -> wh_registers -> settings, commands -> wh_ports -> pins
 //               ^                                   |
@@ -32,6 +32,7 @@ module wh_ports_device #(
     parameter integer SHAPER     = 0,
     parameter integer MODES      = 0,
     parameter integer MIN_PULSE  = 0,
+    parameter integer HOST       = 0,
     parameter integer ARM        = 0,  // 1: the bridges are on by command, while it is renewed, or by press_i
     parameter integer ARM_CLOCKS = 4800000, // clocks that a command of either lasts, 2...2^30
     parameter integer CAPTURE    = 0,  // values that a capture takes, 2^this, 4...15; 0: there is none
@@ -97,6 +98,9 @@ module wh_ports_device #(
     localparam [11:0] CAPTURE_OFFSET = 12'h075;
     localparam [11:0] STREAM_GO      = 12'h076;
     localparam [11:0] ARM_GO         = 12'h078;
+    localparam [7:0]  ANSWER_SEQUENCE = 8'ha1;  // of a port
+    localparam [7:0]  ANSWER_U       = 8'ha2;
+    localparam [7:0]  ANSWER         = 8'ha3;
 
     generate
         if (ARM != 0 && ARM != 1) begin : illegal_arm
@@ -115,6 +119,7 @@ module wh_ports_device #(
     wire [2*DELAY_LOG2-1:0] delay;
     wire [27:0]             bridge;
     wire [`WH_GUARD_W-1:0]  guard;
+    wire [11:0]             host;
     wire                    in_force, write, write_bank;
     wire [11:0]             address;
     wire [31:0]             data;
@@ -155,6 +160,7 @@ module wh_ports_device #(
         .delay_o           (delay),
         .bridge_o          (bridge),
         .guard_o           (guard),
+        .host_o            (host),
         .force_o           (in_force),
         .write_o           (write),
         .write_bank_o      (write_bank),
@@ -226,8 +232,29 @@ module wh_ports_device #(
         end
     endgenerate
 
+    // ---- A computer's answer: what was written last of its number and u, for any port.
+    wire [3:0]            command_port = command_address[11:8] - 4'd1;
+    reg  [7:0]            answer_sequence_q;
+    reg  [`WH_DATA_W-1:0] answer_u_q;
+    reg  [N-1:0]          answers_q;
+
+    always @(posedge clk) begin
+        answers_q <= {N{1'b0}};
+        if (command && command_address[11:8] != 4'd0) begin
+            if (command_address[7:0] == ANSWER_SEQUENCE) begin
+                answer_sequence_q <= command_data[7:0];
+            end
+            if (command_address[7:0] == ANSWER_U) begin
+                answer_u_q <= command_data[`WH_DATA_W-1:0];
+            end
+            if (command_address[7:0] == ANSWER) begin
+                answers_q <= {{N-1{1'b0}}, command_data[0]} << command_port;
+            end
+        end
+    end
+
     // ---- The controller.
-    wire [N-1:0] unused_strobe;
+    wire [N-1:0] unused_strobe;  // packets: live values
 
     wh_ports #(
         .N               (N),
@@ -238,7 +265,8 @@ module wh_ports_device #(
         .ZERO_LOG2       (ZERO_LOG2),
         .SHAPER          (SHAPER),
         .MODES           (MODES),
-        .MIN_PULSE       (MIN_PULSE)
+        .MIN_PULSE       (MIN_PULSE),
+        .HOST            (HOST)
     ) ports (
         .clk             (clk),
         .rst             (rst || !ready_o),
@@ -263,7 +291,7 @@ module wh_ports_device #(
         .delay_i         (delay),
         .bridge_i        (bridge),
         .guard_i         (guard),
-        .host_i          (12'd0),
+        .host_i          (host),
         .force_i         (in_force),
         .write_i         (write),
         .write_bank_i    (write_bank),
@@ -273,9 +301,9 @@ module wh_ports_device #(
         .host_alive_i    (host_alive),
         .zero_start_i    (set_zero_start || zero_start_i || arm_zero_start || clear_zero),
         .restart_i       (set_restart),
-        .host_strobe_i   ({N{1'b0}}),
-        .host_sequence_i (8'd0),
-        .host_u_i        ({`WH_DATA_W{1'b0}}),
+        .host_strobe_i   (answers_q),
+        .host_sequence_i (answer_sequence_q),
+        .host_u_i        (answer_u_q),
         .host_strobe_o   (unused_strobe),
         .live_valid_o    (live_valid),
         .live_port_o     (live_port),

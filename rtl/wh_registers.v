@@ -28,7 +28,8 @@
 // Settings of all ports need the bridges off. From a commit of such a one until its end loading_o is high: then the
 // bridges have to stay off, and restart_o makes carrier and ADC begin anew.
 //
-// Commands and reads never wait. Live values: those of a step read 0 while the bridges are off.
+// Commands and reads never wait. Live values: those of a step read 0 while the bridges are off. A packet's number and
+// its v are of one packet where they are read less than 64 clocks apart.
 //
 // Latency: 5 clocks from bus_valid_i to bus_ready_o, always; a command's strobe comes a clock later. busy_o is high
 // from the clock after the answer to `commit` on, for
@@ -71,6 +72,7 @@ module wh_registers #(
     output wire [2*DELAY_LOG2-1:0]  delay_o,
     output wire [27:0]              bridge_o,
     output wire [`WH_GUARD_W-1:0]   guard_o,
+    output wire [11:0]              host_o,
 
     // Settings of each port.
     output wire                     force_o,
@@ -329,12 +331,13 @@ module wh_registers #(
     assign data_o       = word_q;
 
     // The groups of their settings: first address, number, and bits of each, the first one lowest.
-    localparam integer GROUPS  = 7;
-    localparam integer ALL     = 46;
+    localparam integer GROUPS  = 8;
+    localparam integer ALL     = 48;
     localparam [7:0]   DELAY_W = DELAY_LOG2[7:0];
-    localparam [GROUPS*16-1:0] ADDRESSES = {8'h40, 8'd16, 8'h30, 8'd6, 8'h28, 8'd2, 8'h20, 8'd1, 8'h18, 8'd5,
+    localparam [GROUPS*16-1:0] ADDRESSES = {8'h24, 8'd2, 8'h40, 8'd16, 8'h30, 8'd6, 8'h28, 8'd2, 8'h20, 8'd1, 8'h18, 8'd5,
                                             8'h08, 8'd10, 8'h00, 8'd6};
     localparam [ALL*8-1:0] WIDTHS = {
+        8'd8, 8'd4,                                              // host
         8'd16, 8'd32, 8'd16, 8'd16, 8'd16, 8'd24, 8'd16, 8'd16,  // guard
         8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd2, 8'd24, 8'd24,
         8'd1, 8'd8, 8'd1, 8'd8, 8'd8, 8'd2,                      // bridge
@@ -344,7 +347,7 @@ module wh_registers #(
         8'd1, 8'd1, 8'd6, 8'd8, 8'd8, 8'd8, 8'd5, 8'd6, 8'd6, 8'd8,  // frame
         8'd1, 8'd8, 8'd9, 8'd16, 8'd16, 8'd16                    // carrier
     };
-    localparam integer ALL_W = 66 + 57 + 71 + 4 + 2 * DELAY_LOG2 + 28 + `WH_GUARD_W;
+    localparam integer ALL_W = 66 + 57 + 71 + 4 + 2 * DELAY_LOG2 + 28 + `WH_GUARD_W + 12;
 
     // Bits below setting `count`, and its address.
     function integer below;
@@ -376,7 +379,7 @@ module wh_registers #(
 
     wire [ALL_W-1:0] all;
 
-    assign {guard_o, bridge_o, delay_o, filter_clocks_o, sense_o, frame_o, carrier_o} = all;
+    assign {host_o, guard_o, bridge_o, delay_o, filter_clocks_o, sense_o, frame_o, carrier_o} = all;
 
     genvar n;
     generate
@@ -418,6 +421,8 @@ module wh_registers #(
     always @* begin
         casez (address)
             8'b1011_00??: live_word = {2'd0, address[1:0]};
+            8'ha5:        live_word = `WH_LIVE_HOST_SEQUENCE;
+            8'ha6:        live_word = `WH_LIVE_HOST_V;
             8'hb4:        live_word = `WH_LIVE_POSITION;
             8'hb8:        live_word = `WH_LIVE_ENERGY;
             8'hb9:        live_word = `WH_LIVE_ENERGY_PEAK;
@@ -436,11 +441,26 @@ module wh_registers #(
     reg  [31:0] answer;
     wire        unused_live = &{1'b0, live_to, live_from};
 
+    // A packet to a host is its number and its v, one clock after the other. While a host reads one, it stays.
+    wire        of_v      = (live_word_i == `WH_LIVE_HOST_V);
+    wire        of_packet = of_v || (live_word_i == `WH_LIVE_HOST_SEQUENCE);
+    wire        reads_one = bus_valid_i && !bus_write_i && !of_board && (address[7:2] == 6'h29);
+    reg  [5:0]  reading_q;  // clocks in which the next register of a frame may be read
+    reg         skips_q;
+    wire        skips     = of_v ? (reads_one || reading_q != 6'd0) : skips_q;
+
+    always @(posedge clk) begin
+        reading_q <= rst ? 6'd0 : reads_one ? 6'd63 : (reading_q == 6'd0) ? 6'd0 : reading_q - 6'd1;
+        if (live_valid_i && of_v) begin
+            skips_q <= skips;
+        end
+    end
+
     wh_register_ram #(
         .PLACE_W       (PART_W + 4)
     ) live_ram (
         .clk           (clk),
-        .write_i       (!ready_q || live_valid_i),
+        .write_i       (!ready_q || (live_valid_i && !(of_packet && skips))),
         .write_place_i (live_to[PART_W+3:0]),
         .write_data_i  (ready_q ? live_data_i : 32'd0),
         .read_place_i  (live_from[PART_W+3:0]),
@@ -475,6 +495,8 @@ module wh_registers #(
         end else begin
             casez (address)
                 8'b1011_000?, 8'hb2, 8'b1100_00??: answer = stepped_q[bus_part[2:0]] ? live_q : 32'd0;
+                8'ha5, 8'ha6:                      answer = live_q;
+                8'ha7:                             answer = {31'd0, live_q[7]};  // host_active
                 8'hb3, 8'hb4, 8'hb8, 8'hb9:        answer = live_q;
                 8'hb5:   answer = {31'd0, live_q[0]};  // contact
                 8'hb6:   answer = {31'd0, live_q[1]};  // saturated

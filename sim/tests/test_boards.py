@@ -18,7 +18,12 @@ import pytest
 from typer.testing import CliRunner
 from wavehaptics.cli import board_commands
 from wavehaptics.controller.guard import board_limits
-from wavehaptics.controller.pins_timing import CORE_CLOCKS, latency_clocks
+from wavehaptics.controller.pins_timing import (
+    CORE_CLOCKS,
+    latency_clocks,
+    turns_clocks,
+    turns_latency_clocks,
+)
 from wavehaptics.fpga import multipliers, pll, synthesis
 from wavehaptics.fpga.board_pins import read_pins
 from wavehaptics.fpga.board_words import board_words, verilog_header
@@ -377,17 +382,21 @@ def test_words(name):
     assert time.frame == frame(part, time.clock_hz, board.fpga.pad_registers)
     assert time.frame.cycle_clocks <= time.sample_clocks
     assert time.clock_hz / time.tick_clocks == board.scene.controller.tick_hz
-    assert CORE_CLOCKS * words.motors <= time.tick_clocks
+    least = turns_clocks(words.motors) if words.motors > 1 else CORE_CLOCKS
+    assert least <= time.tick_clocks
     # The voltage takes the scene's latency, in whole ticks.
     ready = (
         (time.samples - 1) * time.sample_clocks
         + time.sample_clocks // 2
         - words.words["sample_lead"]
-        + latency_clocks(
-            time.frame.conversion_clocks,
-            words.motors,
-            anchored=words.ports.settings.anchored,
-            brushless=board.brushless,
+        + (
+            turns_latency_clocks(time.frame.conversion_clocks, words.motors)
+            if words.motors > 1
+            else latency_clocks(
+                time.frame.conversion_clocks,
+                anchored=words.ports.settings.anchored,
+                brushless=board.brushless,
+            )
         )
     )
     ticks = ready // time.tick_clocks + words.words["hold_ticks"]

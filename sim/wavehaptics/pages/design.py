@@ -226,7 +226,7 @@ STATUS = (
     ("the waves, λ and η: `wh_wave_core`", None),
     ("position, walls, contact: `wh_quadrature`, `wh_contact`", None),
     (_ONE_PORTS, None),
-    ("several motors on one core", "N"),
+    ("two to eight motors that take turns", "N"),
     ("guard with seventeen latched faults", "GUARD"),
     ("port anchor: a wall that holds on a real motor", "ANCHOR"),
     ("one multiplier for all products", "SHARED"),
