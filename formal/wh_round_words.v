@@ -82,8 +82,22 @@ module prove_wh_round_words (
 
     wire        flags    = live_valid && live_word == `WH_LIVE_FLAGS;
     wire        its      = live_valid && live_word == value;
-    wire        there    = of_step ? &step_q : came_q;  // the round has the value
     wire [31:0] expected = (of_step && !whole_q) ? 32'd0 : last_q;
+
+    // ---- The invariant.
+    wire clocks = age_q != 6'd0 && age_q <= AGAIN && reading_q != 6'd0 && reading_q <= AGAIN
+                  && (!ended_q || (age_q <= TAIL ? reading_q == AGAIN || reading_q >= age_q + 6'd9
+                                   : reading_q >= age_q - TAIL));
+    wire turns  = (!(|reads || second) || ended_q) && (!reads[0] || (second_at && reading_q <= 6'd9))
+                  && (!second || (second_at && reading_q <= 6'd10)) && (!reads[1] || reading_q <= 6'd18)
+                  && reads != 2'b11 && !(second && reads[1]);
+    wire tail   = \block.tail_q == ((age_q <= TAIL) ? TAIL[4:0] + 5'd1 - age_q[4:0] : 5'd0);
+    wire step   = \block.step_q == step_q && (!ended_q || \block.stepped_q == whole_q);
+    wire came   = of_step ? came_q == step_q[1] : age_q > TAIL || came_q;
+    wire stands = (!came_q || \block.values.place [4] != bank || \block.values.word_q == now_q)
+                  && (!ended_q || (of_step && !whole_q) || \block.values.place [4] == bank
+                      || \block.values.word_q == last_q);
+    wire invariant = clocks && turns && tail && step && came && stands;
 
     always @(posedge clk) begin
         begun  <= 1'b1;
@@ -117,26 +131,23 @@ module prove_wh_round_words (
         if (reading_q >= 6'd18) assume ((reads & more) == 2'b00);
 
         if (!begun) begin
-            assume (rst);
+            assume (rst || invariant);
         end else begin
             if (rst_q) assert (!second && reads == 2'b00 && !strobe);
 
             assert ((take & ~want) == 2'b00);
-            assert (take != 2'b11 && reads != 2'b11 && !(second && reads[1]));
+            assert (take != 2'b11);
             if (take[0]) assert (strobe && reads == 2'b00 && !second);
             if (take[1]) assert (!reads[0] && (strobe || second));
             if (strobe && reads == 2'b00 && !second) assert (want == 2'b00 || take == (want[0] ? 2'b01 : 2'b10));
             if (second && !reads[0] && want[1]) assert (take[1]);
 
-            // The round's end, and what stands at the place.
-            assert (\block.tail_q == ((age_q <= TAIL) ? TAIL[4:0] + 5'd1 - age_q[4:0] : 5'd0));
-            assert (\block.step_q == step_q && (!ended_q || \block.stepped_q == whole_q));
-            if (|reads || second) assert (ended_q && reading_q <= 6'd20);
-            if (age_q < TAIL && !of_step) assert (came_q);
-            if (there && \block.values.place [4] == bank) assert (\block.values.word_q == now_q);
-            if (ended_q && (!of_step || whole_q) && \block.values.place [4] != bank) begin
-                assert (\block.values.word_q == last_q);
-            end
+            assert (clocks);
+            assert (turns);
+            assert (tail);
+            assert (step);
+            assert (came);
+            assert (stands);
 
             // What is read.
             if (|reads && chosen == its_code && watched) begin
