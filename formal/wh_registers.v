@@ -292,7 +292,7 @@ module prove_wh_registers (
                  && (source != 2'd3);
     wire offs  = (!off_here_q || (\block.off_q && off)) && (!off_given_q || (busy && loading && off))
                  && (!\block.staged_q || !busy) && (!\block.off_q || \block.staged_q );
-    wire banks = since_q == SETTLE - settle;
+    wire banks = settle <= SETTLE && since_q == SETTLE - settle;
     wire told  = (!looks || ( \block.rom.here_q == known && (!known || \block.rom.info_q == \block.rom.info )))
                  && (!looks || \block.rom.info_q [3:2] != 2'd1 || !excluded)
                  && (state <= AT_LEAST || !known || \block.rom.told_q == \block.rom.info )
