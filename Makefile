@@ -301,6 +301,9 @@ LINT_CASES := \
     wh_environment_ports,-GN=3,-GHOST=1 \
     wh_ports,-GN=8,-GADC=2 \
     wh_ports,-GN=3,-GADC=1,-GWALLS=7 \
+    wh_ports_device,-GN=3,-GARM=1,-GCAPTURE=10,-GSTREAM=1 \
+    wh_linked_device,-GN=3,-GSENSE=1,-GGUARD=1,-GANCHOR=1,-GSTREAM=1 \
+    wh_round_words,-GN=3 \
     wh_board_switch \
     wh_board_switch,-GN=3 \
     wh_board_reset \

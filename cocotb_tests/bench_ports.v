@@ -148,6 +148,9 @@ module bench_ports #(
     wire [N-1:0]      ports_ah, ports_al, ports_bh, ports_bl;
     wire              ports_tick, ports_ready;
     wire [N-1:0]      ports_packet;
+    wire              ports_zero_busy;
+    wire [N-1:0]      ports_zero_faults;
+    wire              unused_zero = &{1'b0, ports_zero_busy, ports_zero_faults};  // faults_o has them
 
     wh_ports #(
         .N               (N),
@@ -203,6 +206,8 @@ module bench_ports #(
         .tick_o          (ports_tick),
         .adc_ready_o     (ports_ready),
         .running_o       (running_o[0]),
+        .zero_busy_o     (ports_zero_busy),
+        .zero_faults_o   (ports_zero_faults),
         .faults_o        (faults_o)
     );
 

@@ -9,7 +9,7 @@
 //   sum_o = sum of word * (address + 1) * FACTOR, modulo 2^64, over all reads of the slot, with sum_valid_o
 //
 // generation_o is how often the bank in force has changed since the reset, sum_generation_o what it was as the
-// slot began.
+// slot's round began.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -168,13 +168,16 @@ module bench_registers #(
     reg                      force_q;
     wire                     flipped     = ready_o && force_now != force_q;
     wire [15:0]              generation  = generation_o + {15'd0, flipped};
+    reg  [15:0]              round_q;
+    wire [15:0]              of_round    = (valid && port == {PORT_W{1'b0}}) ? generation : round_q;
     wire                     unused      = &{1'b0, slots_run, slots_damp, slots_overrun, ports};
 
     always @(posedge clk) begin
         valid_q      <= (rst || !ready_o) ? {SUM_AT{1'b0}} : valids[SUM_AT-1:0];
         bank_q       <= banks[SUM_AT-1:0];
         port_q       <= ports[SUM_AT*PORT_W-1:0];
-        generation_q <= {generation_q[(SUM_AT-1)*16-1:0], generation};
+        generation_q <= {generation_q[(SUM_AT-1)*16-1:0], of_round};
+        round_q      <= of_round;
         force_q      <= force_now;
         generation_o <= rst ? 16'd0 : generation;
     end

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_registers.v``: what a slot reads is of one commit, whatever the bus does.
+"""Bench of ``rtl/wh_registers.v``: what a round reads is of one commit, whatever the bus does.
 
 bench_registers.v has the stations' memories and ``wh_slots``. Of each slot it adds up all that is
 read in it; the model here has that sum for each commit and port. Requests, live values, rounds and
@@ -31,7 +31,7 @@ MASK = 0xFFFFFFFF
 FIRST_CLOCKS = 3000
 ANSWER_CLOCKS = 5
 COPIED = 96 + N * (152 if _P["SHAPER"] else 128)
-SETTLE = 63
+SETTLE = 27 + 36 * N
 LEAST_CLOCKS = COPIED + 2 + SETTLE
 """Clocks of ``busy_o`` without a request in the meantime."""
 MOST_CLOCKS = COPIED + COPIED // 5 + 3 + SETTLE
@@ -146,7 +146,7 @@ class RegistersBench(BusBench):
         self.live_rate, self.round_rate = 0.2, 1 / (16 * N)
 
     async def watch_slots(self) -> None:
-        """Each slot's words are of the commit that was in force as it began."""
+        """Each slot's words are of the commit that was in force as its round began."""
         while True:
             await RisingEdge(self.dut.sum_valid_o)
             await cocotb.triggers.FallingEdge(self.dut.clk)

@@ -24,6 +24,8 @@ from wavehaptics.runtime.repository import ROOT, RTL_DIR
         ("wh_motor_device", {"LEGS": 4}, {}, "device_legs_must_be_2_or_3"),
         ("wh_motor_device", {"LEGS": 3, "HOST": 1}, {}, "device_with_three_legs_has_one_motor_and"),
         ("wh_motor_device", {"LEGS": 3, "SHAPER": 1}, {}, "device_with_three_legs_has_one_motor_and"),
+        ("wh_ports_device", {"N": 9}, {}, "n_must_be_1_to_8"),
+        ("wh_ports_device", {"CAPTURE": 3}, {}, "capture_depth_log2_must_be_4_to_15"),
         ("wh_axes", {"SHAPER": 3}, {}, "wave_core_n_delay_log2_outside_shaper"),
         ("wh_settings", {"LEGS": 3, "N": 3}, {}, "settings_n_must_be_2_with_three_legs"),
         ("wh_brushless", {"GUARD": 2}, {}, "brushless_guard_must_be_0_or_1"),

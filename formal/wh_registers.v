@@ -4,7 +4,7 @@
 //
 // A commit ends: busy_o is high for MOST clocks at most, whatever the bus does. The bank in force changes once in it,
 // when the other bank has the setting as it was written as the commit began (for `discard`: as it is in force); else
-// neither that bank's word nor a setting of all ports changes. A bank isn't written for 63 clocks after it was in
+// neither that bank's word nor a setting of all ports changes. A bank isn't written for 135 clocks after it was in
 // force. Every request is answered in 5 clocks, a command that is accepted is there a clock after. A read gives what
 // was written, and with `discard` under way what is in force. A setting that needs the bridges off is written, and
 // committed, while they are off: from the commit on until its end loading_o is high.
@@ -35,8 +35,8 @@ module prove_wh_registers (
 
     localparam integer N      = 3;
     localparam integer COPIED = 96 + 128 * N;
-    localparam integer MOST   = COPIED + COPIED / 5 + 3 + 63;
-    localparam [5:0]   SETTLE = 6'd63;
+    localparam integer MOST   = COPIED + COPIED / 5 + 3 + 135;
+    localparam [8:0]   SETTLE = 9'd135;
     localparam [7:0]   BOARD  = 8'ha0;
 
     localparam [2:0] AT_IDLE  = 3'd0;
@@ -130,7 +130,7 @@ module prove_wh_registers (
     (* hierconn *) wire [2:0]  \block.state_q ;
     (* hierconn *) wire        \block.copies_q ;
     (* hierconn *) wire [1:0]  \block.source_q ;
-    (* hierconn *) wire [5:0]  \block.settle_q ;
+    (* hierconn *) wire [8:0]  \block.settle_q ;
     (* hierconn *) wire        \block.staged_q ;
     (* hierconn *) wire        \block.off_q ;
     (* hierconn *) wire [2:0]  \block.part_q ;
@@ -174,7 +174,7 @@ module prove_wh_registers (
     wire [2:0]  state    = \block.state_q ;
     wire        copies   = \block.copies_q ;
     wire [1:0]  source   = \block.source_q ;
-    wire [5:0]  settle   = \block.settle_q ;
+    wire [8:0]  settle   = \block.settle_q ;
     wire [2:0]  part     = \block.part_q ;
     wire [7:0]  slot     = \block.slot_q ;
     wire        read     = \block.read_q ;
@@ -184,7 +184,7 @@ module prove_wh_registers (
     wire [31:0] written  = \block.written_ram.word_q ;
     wire [31:0] forced   = \block.in_force_ram.word_q ;
     wire        flips    = write && \block.last_q ;
-    wire        before   = busy && settle == 6'd0;  // the bank in force changes
+    wire        before   = busy && settle == 9'd0;  // the bank in force changes
     wire        looks    = (state != AT_IDLE);
     wire         reads_here = looks && here && !bus_write;
     wire [241+`WH_GUARD_W:0] all = {carrier, frame, sense, filter_clocks, delay, bridge, guard, host};
@@ -206,7 +206,7 @@ module prove_wh_registers (
     reg         flips_q;
     reg  [9:0]  clocks_q;     // of busy
     reg  [9:0]  stalls_q;     // of these, such that a request took
-    reg  [5:0]  since_q;      // clocks since the bank changed, 63 at most
+    reg  [8:0]  since_q;      // clocks since the bank changed, 135 at most
     reg  [2:0]  waits_q;      // clocks of a request
     reg         commanded_q;  // a command was accepted
     reg         running_q;
@@ -254,9 +254,9 @@ module prove_wh_registers (
         if (source == DEFAULTS && reading) goal_q <= \block.default_q ;
         clocks_q      <= (rst || !busy) ? 10'd0 : clocks_q + 10'd1;
         stalls_q      <= (rst || !busy) ? 10'd0 : stalls_q + {9'd0, copies && state == AT_MOST};
-        since_q       <= rst ? SETTLE : flips ? 6'd0 : (since_q == SETTLE) ? SETTLE : since_q + 6'd1;
+        since_q       <= rst ? SETTLE : flips ? 9'd0 : (since_q == SETTLE) ? SETTLE : since_q + 9'd1;
         off_here_q    <= !rst && (off_here_q || (writes && here && off)) && !commits && !discards;
-        off_given_q   <= !rst && ((commits && off_here_q) || off_given_q) && !(busy && settle == 6'd1);
+        off_given_q   <= !rst && ((commits && off_here_q) || off_given_q) && !(busy && settle == 9'd1);
     end
 
     // ---- The invariant.
@@ -267,13 +267,13 @@ module prove_wh_registers (
 
     wire walks = (!busy || (copies ? walked({part, slot}) : part == 3'd3 && slot == 8'd0))
                  && (!read || walked(\block.read_place_q )) && (!write || walked(\block.place_q ));
-    wire stage = (!busy || (copies && settle == 6'd0 && !(read && \block.read_last_q ) && !flips)
-                  || (!copies && settle == 6'd0 && read && \block.read_last_q && !flips)
-                  || (!copies && settle == 6'd0 && !read && flips)
-                  || (!copies && settle != 6'd0 && !read && !write));
-    wire rests = busy || (!copies && !read && !write && settle == 6'd0);
+    wire stage = (!busy || (copies && settle == 9'd0 && !(read && \block.read_last_q ) && !flips)
+                  || (!copies && settle == 9'd0 && read && \block.read_last_q && !flips)
+                  || (!copies && settle == 9'd0 && !read && flips)
+                  || (!copies && settle != 9'd0 && !read && !write));
+    wire rests = busy || (!copies && !read && !write && settle == 9'd0);
     wire times = !busy || (copies             ? clocks_q == index + stalls_q
-                           : settle != 6'd0   ? clocks_q == 10'd480 + 10'd2 + stalls_q + {4'd0, SETTLE - settle}
+                           : settle != 9'd0   ? clocks_q == 10'd480 + 10'd2 + stalls_q + {1'd0, SETTLE - settle}
                            : write && flips   ? clocks_q == 10'd480 + 10'd1 + stalls_q
                            : clocks_q == 10'd480 + stalls_q);
     wire stall = !busy || (stalls_q <= 10'd97 && fives <= (copies ? index + room : 10'd485));
@@ -292,7 +292,7 @@ module prove_wh_registers (
                  && (source != 2'd3);
     wire offs  = (!off_here_q || (\block.off_q && off)) && (!off_given_q || (busy && loading && off))
                  && (!\block.staged_q || !busy) && (!\block.off_q || \block.staged_q );
-    wire banks = since_q == SETTLE - settle;
+    wire banks = settle <= SETTLE && since_q == SETTLE - settle;
     wire told  = (!looks || ( \block.rom.here_q == known && (!known || \block.rom.info_q == \block.rom.info )))
                  && (!looks || \block.rom.info_q [3:2] != 2'd1 || !excluded)
                  && (state <= AT_LEAST || !known || \block.rom.told_q == \block.rom.info )
@@ -338,7 +338,7 @@ module prove_wh_registers (
             if (!rst_q && in_force != in_force_q) assert (flips_q && current == goal_q);
             if (!flips_q) assert (all == all_q);
 
-            // Nothing is written where a slot may still read.
+            // Nothing is written where a round may still read.
             if (write) assert (write_bank != in_force && since_q == SETTLE);
 
             // Requests, reads, commands.

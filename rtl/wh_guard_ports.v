@@ -331,7 +331,7 @@ module wh_guard_ports #(
     assign causes[`WH_FAULT_TRIP]      = |trip_i;
     assign causes[`WH_FAULT_ADC_STUCK] = |stuck_cause_i || |stuck_i;
     assign causes[`WH_FAULT_ADC_RANGE] = |range_cause_i || |range_i;
-    assign causes[`WH_FAULT_ZERO]      = zero_cause || (|zero_i && !zero_start_i);
+    assign causes[`WH_FAULT_ZERO]      = zero_cause || (|zero_i && !zero_start_i && !zero_busy_i);  // of all ports
     assign causes[`WH_FAULT_ENCODER]   = |encoder_i;
     assign causes[`WH_FAULT_LOST]      = |lost_q;
     assign causes[`WH_FAULT_HOST]      = silent;

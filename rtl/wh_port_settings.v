@@ -5,7 +5,7 @@
 //   word_o = word word_i of port port_i in bank bank_i, as of the last read_i
 //
 // The register bus writes one bank while a station reads the other one: wh_slots says which bank a slot has,
-// so what a commit changes, it changes between two slots. A write goes to part 1 + port, as the register map
+// so what a commit changes, it changes between two rounds. A write goes to part 1 + port, as the register map
 // has it, from the place FIRST on.
 // Formats: words of W bits, the lowest of data_i. Latency: 1 clock from read_i; word_o then holds until the
 // next. A word that is written can be read a clock later. No reset: what nobody wrote means nothing.

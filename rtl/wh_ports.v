@@ -19,13 +19,14 @@
 // the midst of a step.
 //
 // Signs, enable_i and restart_i are those of wh_controller. The port's settings change with force_i, from the next
-// slot on; those of all ports, the packed ones, in reset or as wh_controller has it.
+// round on; those of all ports, the packed ones, in reset or as wh_controller has it.
 //
 // Latency: the last sample of a period reaches the gates with the next tick that ends
 //     conversion + 32 (N - 1) + 45 + N + 5 SHAPER clocks
 // after its sample strobe or later, and a period has 32 (N - 1) + 38 clocks or more. A half has N + 8 or more.
 // With SHAPER = 2, a port takes 36 clocks instead of 32, and the last one 42 instead of 38.
-// Live values: live_valid_o strobes with the port, which value it is, and the value, all of them once a period.
+// Live values: live_valid_o strobes with the port, which value it is, and the value, all of them once a period, and an
+// offset that changes in a step once more.
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
 
 `default_nettype none
@@ -298,7 +299,7 @@ module wh_ports #(
     // ---- Sense: currents.
     wire                     current_valid, current_bank;
     wire [PORT_W-1:0]        current_port;
-    wire signed [DATA_W-1:0] current;
+    wire signed [DATA_W-1:0] current, current_offset;
     wire [1:0]               current_ends;
     wire [N-1:0]             ranges, stucks, guard_currents, guard_ranges, guard_stucks;
 
@@ -341,6 +342,7 @@ module wh_ports #(
         .offset_port_i   (anchor_port),
         .offset_i        (anchor_data),
         .offset_rst_i    (calm_rst),
+        .offset_o        (current_offset),
         .force_i         (force_i),
         .write_i         (write_i),
         .write_bank_i    (write_bank_i),
@@ -714,15 +716,16 @@ module wh_ports #(
 
     // ---- Live values, each in a clock of the slot that no other has: 8 current, 9 position, 10, 11 a host's packet,
     // 13 u, 14 v, 15 flags, 19, 20 energy of the contact and its most, 32, 33 e and c of it, with W later; 27 offset,
-    // 29 χ, 36 ω̂. They are all held until then.
-    reg [9:1] since_q;  // the current was there so many clocks ago
+    // 29 χ, 36 ω̂. They are all held until then. 16 the offset
+    // as it was, 17, 18 χ and ω̂ where they are damped: 0.
+    reg [12:1] since_q;  // the current was there so many clocks ago
     reg [2:1] drove_q;  // the voltage, of this port
     reg [PORT_W-1:0] drove_port_q;
     reg signed [DATA_W-1:0] voltage_q;
     reg signed [DATA_W-1:0] correction_q;
 
     always @(posedge clk) begin
-        since_q      <= sense_rst ? 9'd0 : {since_q[8:1], current_valid};
+        since_q      <= sense_rst ? 12'd0 : {since_q[11:1], current_valid};
         drove_q      <= core_rst ? 2'd0 : {drove_q[1], core_valid};
         if (core_valid) begin
             drove_port_q <= core_port;
@@ -735,6 +738,8 @@ module wh_ports #(
                          ranges[current_port], trips[current_port], run, saturated_before, contact};
     wire        waves_1 = since_q[7] && !core_rst;
     wire        waves_2 = since_q[8] && !core_rst;
+    wire        waves_3 = since_q[10] && !core_rst;
+    wire        damped  = (|since_q[12:11]) && damp && !core_rst;
 
     reg  [3:0]               word_now;
     reg  [31:0]              data_now;
@@ -768,6 +773,12 @@ module wh_ports #(
             word_now  = `WH_LIVE_HOST_SEQUENCE;
         end else if (since_q[9]) begin
             word_now  = `WH_LIVE_FLAGS;
+        end else if (since_q[10]) begin
+            value_now = current_offset;
+            word_now  = `WH_LIVE_OFFSET;
+        end else if (damped) begin
+            value_now = {DATA_W{1'b0}};
+            word_now  = since_q[11] ? `WH_LIVE_FLUX : `WH_LIVE_LAG;
         end
         data_now = {{(32 - DATA_W){value_now[DATA_W-1]}}, value_now};
         if (energy_valid) begin
@@ -791,8 +802,8 @@ module wh_ports #(
     reg [31:0]       live_data_q;
 
     always @(posedge clk) begin
-        live_valid_q <= (|since_q[3:2]) || (HOST == 1 && (|since_q[5:4])) || since_q[9] || waves_1 || waves_2
-                        || (|drove_q) || energy_valid || peak_valid || anchored;
+        live_valid_q <= (|since_q[3:2]) || (HOST == 1 && (|since_q[5:4])) || since_q[9] || waves_1 || waves_2 || waves_3
+                        || (|drove_q) || energy_valid || peak_valid || anchored || damped;
         live_port_q  <= anchored                       ? anchor_port
                         : (|drove_q)                   ? drove_port_q
                         : (energy_valid || peak_valid) ? core_port : current_port;

@@ -554,7 +554,8 @@ module wh_ports_device #(
     assign fault_lasts_o = |(faults & ~ZERO);
     assign clear_o       = set_clear;
 
-    wire unused = &{1'b0, unused_strobe, command, command_address, command_data, busy, part, round, take, word, mean, any};
+    wire unused = &{1'b0, unused_strobe, command, command_address, command_data, busy, part, round, take, word, mean,
+                    any};
 
 endmodule
 

@@ -20,11 +20,11 @@
 // A pass reads one of these from its first setting to its last, one a clock, and writes each into the others, into
 // the stations' bank that isn't in force (wh_port_settings), and into the shadow registers of the settings of all
 // ports. With the last one, force_o changes over to that bank, and the settings of all ports change in the same
-// clock: wh_slots takes force_i as a slot begins, so each slot has the settings of one commit. A pass writes every
+// clock: wh_slots takes force_i as a round begins, so each round has the settings of one commit. A pass writes every
 // setting, so it doesn't matter what the other bank had. `commit` starts a pass from what is written, `discard` one
 // from what is in force, a reset one from the defaults.
 //
-// After a pass, slots that began before still use the old bank: the next pass waits SETTLE clocks.
+// After a pass, a round that began before still uses the old bank: the next pass waits SETTLE clocks.
 // Settings of all ports need the bridges off. From a commit of such a one until its end loading_o is high: then the
 // bridges have to stay off, and restart_o makes carrier and ADC begin anew.
 //
@@ -34,7 +34,7 @@
 // Latency: 5 clocks from bus_valid_i to bus_ready_o, always; a command's strobe comes a clock later. busy_o is high
 // from the clock after the answer to `commit` on, for
 //     COPIED + 2 + SETTLE ... COPIED + COPIED / 5 + 3 + SETTLE clocks,
-// COPIED = 96 + 128 N, or 96 + 152 N with a shaper, SETTLE = 63; force_o changes SETTLE clocks before the end. A
+// COPIED = 96 + 128 N, or 96 + 152 N with a shaper, SETTLE = 27 + 36 N; force_o changes SETTLE clocks before the end. A
 // request takes a clock of the pass; nothing else that bus or ports do delays it.
 // Reset: a pass from the defaults; ready_o says that it has ended. Until then no request ends, and the ports have to
 // be in reset.
@@ -112,7 +112,8 @@ module wh_registers #(
     localparam integer   LAST    = N - 1;
     localparam [7:0]     BOARD   = 8'ha0;  // where the first port's part of a memory has the settings of all ports
     localparam [7:0]     LAST_SLOT = (SHAPER > 0) ? 8'h97 : 8'h7f;  // of a port's settings
-    localparam [5:0]     SETTLE  = 6'd63;
+    localparam integer   ROUND   = 27 + 36 * N;  // clocks until a round that has begun reads no setting any more
+    localparam [8:0]     SETTLE  = ROUND[8:0];
 
     generate
         if (N < 1 || N > 8) begin : illegal
@@ -148,7 +149,7 @@ module wh_registers #(
     reg       pass_q;     // from its begin until it has settled
     reg       copies_q;   // settings are still to be read
     reg [1:0] source_q;
-    reg [5:0] settle_q;   // clocks until it has settled
+    reg [8:0] settle_q;   // clocks until it has settled
     reg       force_q;
     reg       loading_q;
     reg       staged_q;   // something was written since the last pass
@@ -528,7 +529,7 @@ module wh_registers #(
     assign busy_o    = pass_q;
 
     wire begins  = commits_q || discards_q;
-    wire settled = pass_q && settle_q == 6'd1;
+    wire settled = pass_q && settle_q == 9'd1;
 
     always @(posedge clk) begin
         if (rst) begin
@@ -537,7 +538,7 @@ module wh_registers #(
             pass_q    <= 1'b1;
             copies_q  <= 1'b1;
             source_q  <= DEFAULTS;
-            settle_q  <= 6'd0;
+            settle_q  <= 9'd0;
             force_q   <= 1'b0;
             loading_q <= 1'b1;
             staged_q  <= 1'b0;
@@ -573,8 +574,8 @@ module wh_registers #(
             if (flips) begin
                 force_q  <= !force_q;
                 settle_q <= SETTLE;
-            end else if (settle_q != 6'd0) begin
-                settle_q <= settle_q - 6'd1;
+            end else if (settle_q != 9'd0) begin
+                settle_q <= settle_q - 9'd1;
             end
             if (settled) begin
                 pass_q    <= 1'b0;

@@ -72,6 +72,7 @@ module wh_sense #(
     input  wire [PORT_W-1:0]             offset_port_i,
     input  wire signed [`WH_DATA_W-1:0]  offset_i,       // s31q24 A
     input  wire                          offset_rst_i,   // all are 0
+    output wire signed [`WH_DATA_W-1:0]  offset_o,       // of the turn's port, until the next turn
 
     // The register bus (wh_port_settings), and the bank in force.
     input  wire                          force_i,
@@ -373,6 +374,7 @@ module wh_sense #(
 
     assign port_o = port_q;
     assign bank_o = bank_q;
+    assign offset_o = offset;
 
     always @(posedge clk) begin
         if (valid_i) begin

@@ -3,7 +3,7 @@
 // wh_slots: whose turn it is. A round of slots, one for each port, begins as soon as a period's sums are there.
 //
 // A slot begins every PITCH clocks, with valid_o, port_o and the bank of its settings; the stations hand these on
-// with their data. The slot of a port, in clocks since its valid_o; what it asks the multiplier for in
+// with their data. The bank is that in force as the round begins: all ports of a round have settings of one commit. The slot of a port, in clocks since its valid_o; what it asks the multiplier for in
 // brackets. A slot's tail runs beside the next one's beginning:
 //
 //    0  wh_sense, wh_contact_ports begin     [1] sum * gain
@@ -64,6 +64,7 @@ module wh_slots #(
     reg [PORT_W-1:0] slot_q;
     reg              due_q;    // a round waits
     reg              run_q;
+    reg              bank_q;   // the round's
 
     wire last   = (slot_q == LAST[PORT_W-1:0]);
     wire begins = (summed_i || due_q) && last && clock_q == TAIL;
@@ -71,7 +72,7 @@ module wh_slots #(
 
     assign valid_o = !rst && (begins || next);
     assign port_o  = begins ? {PORT_W{1'b0}} : slot_q + 1'b1;
-    assign bank_o  = force_i;
+    assign bank_o  = begins ? force_i : bank_q;
     assign run_o   = run_q && run_i;
 
     always @(posedge clk) begin
@@ -84,6 +85,7 @@ module wh_slots #(
         end else begin
             if (begins) begin
                 damp_o <= damp_i;
+                bank_q <= force_i;
             end
             if (valid_o) begin
                 clock_q <= 6'd1;
