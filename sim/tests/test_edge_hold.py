@@ -225,7 +225,8 @@ FAST = ("controller.tick_hz=2e6", "drive.pwm_hz=1e6", "controller.extra_ticks=2"
 def tapped(board: str, *settings: str) -> dict[str, Any]:
     """A tap on a board's wall, or what its anchor finds before."""
     path = ROOT / load_board(board).folder / "board.toml"
-    scene = load_scene(path, ("scene.duration_s=0.2", "adc.noise_a=0", *settings))
+    alone = ("adc.noise_a=0", "adc.bandwidth_hz=1e9", "guard.watch=false")
+    scene = load_scene(path, ("scene.duration_s=0.2", *alone, *settings))
     return measure(scene, "pins", compare=False)
 
 
