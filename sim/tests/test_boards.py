@@ -787,8 +787,7 @@ def test_kept_numbers_keep_the_promises():
         # The brushless board: a dead time of one clock, and little of it in a tick.
         # Three motors with a link fill four fifths of the FPGA: 60 MHz, and 84 clocks a tick.
         slower = {"ulx3s_brushless": 0.4, "ulx3s_three": 0.71}
-        assert board["tick_mhz"] >= slower.get(name, 0.8)
-        assert board["tick_mhz"] == pytest.approx(load_board(name).scene.controller.tick_hz / 1e6)
+        assert load_board(name).scene.controller.tick_hz >= 1e6 * slower.get(name, 0.8)
     for name in board_names():
         pads = kept(name)["pads"]
         assert pads["margin_ns"] > 0
