@@ -480,25 +480,28 @@ def test_header_keeps_signs_and_order():
     assert len(re.search(r"\.gain_i \(\{(.*)\}\)", text)[1].split(",")) == 3
 
 
+TWO_MHZ = ("controller.tick_hz=2e6", "drive.pwm_hz=1e6")
+
+
 @pytest.mark.parametrize(
-    ("override", "message"),
+    ("overrides", "message"),
     [
-        ("controller.clock_hz=100e6", "needs 57 clocks of 1e\\+08 Hz from sample to sample"),
-        ("adc.part=ADS7042", "the board's ADC is an AD7276"),
-        ("adc.bits=10", "the board's ADC has 12 bits"),
-        ("controller.extra_ticks=0", "extra_ticks"),
+        (("controller.clock_hz=100e6", *TWO_MHZ), "needs 57 clocks of 1e\\+08 Hz from sample to sample"),
+        (("adc.part=ADS7042",), "the board's ADC is an AD7276"),
+        (("adc.part=AD7277",), "the board's ADC has 12 bits"),
+        (("controller.extra_ticks=0",), "extra_ticks"),
     ],
 )
-def test_refused_scenes(override, message):
-    scene = load_scene(ROOT / "boards" / "ulx3s" / "board.toml", [override])
+def test_refused_scenes(overrides, message):
+    scene = load_scene(ROOT / "boards" / "ulx3s" / "board.toml", overrides)
     with pytest.raises(SceneError, match=message):
         board_words(scene, PARTS["AD7276"])
 
 
 def test_too_many_motors_for_a_tick():
     scene = load_scene(ROOT / "boards" / "ulx3s" / "board.toml", ["controller.extra_ticks=3"])
-    with pytest.raises(SceneError, match=r"shorter than the \d+ that 2 motors need"):
-        board_words(scene, PARTS["AD7276"], motors=2)
+    with pytest.raises(SceneError, match=r"shorter than the \d+ that 4 motors need"):
+        board_words(scene, PARTS["AD7276"], motors=4)
 
 
 def test_shared_multiplier_is_refused_where_it_has_no_time():
@@ -512,7 +515,10 @@ def test_shared_multiplier_is_refused_where_it_has_no_time():
         SceneError, match=r"^--set shaper.*: \[shaper\] needs a multiplier that the wave core"
     ):
         replace(board, scene=load_scene(path, shaped)).words()
-    short = ("controller.clock_hz=38e6", "controller.extra_ticks=3")
+    short = (
+        "controller.clock_hz=38e6", "controller.tick_hz=1e6", "drive.pwm_hz=500e3",
+        "controller.extra_ticks=3",
+    )  # fmt: skip
     with pytest.raises(
         SceneError, match="a tick of 38 clocks is shorter than the 39 that 1 motors"
     ):
@@ -522,7 +528,8 @@ def test_shared_multiplier_is_refused_where_it_has_no_time():
 
 
 def test_slow_adc():
-    scene = load_scene(ROOT / "boards" / "icebreaker" / "board.toml", ["adc.part=AD7476A"])
+    slow = ["adc.part=AD7476A", "controller.tick_hz=1e6", "drive.pwm_hz=500e3"]
+    scene = load_scene(ROOT / "boards" / "icebreaker" / "board.toml", slow)
     with pytest.raises(SceneError, match=r"needs \d+ clocks of 3e\+07 Hz from sample to sample"):
         board_words(scene, PARTS["AD7476A"])
 
