@@ -250,7 +250,7 @@ def _boards(numbers: dict[str, Any]) -> str:
                 f"`{board['board']}`",
                 _DEVICE_NAMES.get(board["device"], board["device"]),
                 f"{board['clock_mhz']:g} MHz",
-                f"{board['tick_mhz']:g} MHz"
+                f"{design.control_rate_hz(board) / 1e6:.4g} MHz"
                 + (f" × {board['motors']}" if board["motors"] > 1 else ""),
                 f"{board['logic_cells']} ({part:.0%})",
                 board["ff"],
