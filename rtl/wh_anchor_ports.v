@@ -869,28 +869,21 @@ module wh_anchor_ports #(
     wire signed [DATA_W-1:0] limited = beyond ? $signed({low, {(DATA_W - 1){!low}}})
                                               : $signed(sum_q[VOLT_SHIFT +: DATA_W]);
 
-    // A second adder: of the sum of the step SWING y_b less what it shrinks by, and of LEARN's θ less its
-    // largest. What y_b shrinks by is taken off as -(-y_b + ...) where that is above 0. Of its sums the carry
-    // says whether they are 0 or more; what follows from that for a whole word waits for a clock.
-    localparam integer SIDE_W = (THETA_W > DATA_W) ? THETA_W : DATA_W;
-
-    // Which of them, known before as it goes to every bit.
-    reg shrinks_q, caps_q;
+    // A second adder: of the sum of the step SWING y_b less what it shrinks by, taken off as -(-y_b + ...) where
+    // that is above 0. Its carry says whether the sum is 0 or more. LEARN's θ is compared with the largest one
+    // beside it: a setting comes late in its clock. What follows from either for a whole word waits for a clock.
+    reg shrinks_q, caps_q;  // which of them, known before
 
     always @(posedge clk) begin
         shrinks_q <= (step_q == MEAN);
         caps_q    <= (step_q == CORRECT);
     end
 
-    wire [SIDE_W-1:0] side_a = caps_q ? ~{{(SIDE_W - COEF_W){1'b0}}, learn_max}
-                             : {{(SIDE_W - DATA_W){1'b0}}, brush_q} ^ {SIDE_W{turns_q}};
-    wire [SIDE_W-1:0] side_b =
-        shrinks_q ? {{(SIDE_W - LONG_W + FEW_SHIFT){back_sum}}, sum_q[LONG_W-1:FEW_SHIFT]}
-                  : {{(SIDE_W - THETA_W + 1){back_sum}}, sum_q[LONG_W-2:THETA_CUT]};
-    wire [SIDE_W-1:0] side;
+    wire [DATA_W-1:0] side_b = {{(DATA_W - LONG_W + FEW_SHIFT){back_sum}}, sum_q[LONG_W-1:FEW_SHIFT]};
+    wire [DATA_W-1:0] side;
     wire              carry;
-    assign {carry, side} = {1'b0, side_a} + {1'b0, side_b} + {{SIDE_W{1'b0}}, caps_q || back_sum};
-    wire              full   = carry && !back_sum;
+    assign {carry, side} = {1'b0, brush_q ^ {DATA_W{turns_q}}} + {1'b0, side_b} + {{DATA_W{1'b0}}, back_sum};
+    wire              full   = !back_sum && sum_q[LONG_W-2:THETA_CUT] >= {{(THETA_W - 1 - COEF_W){1'b0}}, learn_max};
 
     // What θ acts on is added up from the sum of the step SWING, of a rotor that doesn't travel, that of MEAN and
     // y_b, which by then has shrunk.
@@ -979,7 +972,7 @@ module wh_anchor_ports #(
         .save_i  (brush_none_q || follow || (go_q && shrinks_q && begins_q)),
         .save_port_i (port_q),
         .value_i (brush_none_q ? {DATA_W{1'b0}} : begins_q ? setting
-                  : side[DATA_W-1:0] ^ {DATA_W{turns_q}}),
+                  : side ^ {DATA_W{turns_q}}),
         .value_o (brush_q)
     );
 

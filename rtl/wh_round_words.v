@@ -88,34 +88,24 @@ module wh_round_words #(
         second_q <= !rst && ((begins && want_i == 2'b11) || (second_q && reads_i[0]));
     end
 
-    // ---- What is chosen: whose it is, and which value.
-    wire [11:0] code = (take_o[1] || reads_i[1]) ? code_i[23:12] : code_i[11:0];
-    wire [3:0]  part = code[11:8] - 4'd1;
-    reg  [3:0]  chosen;
-    reg         of_step;
-    reg         of_port;
+    // ---- What is chosen: whose it is, and which value. Whose turn it will be is known before a reader is given
+    // anything. A value's place follows from few bits of the address, whether it is one comes a clock later.
+    wire         chooser = reads_i[1] || (!reads_i[0] && (second_q || !want_i[0]));
+    wire [11:0]  code    = chooser ? code_i[23:12] : code_i[11:0];
+    wire [3:0]   part    = code[11:8] - 4'd1;
+    wire [3:0]   chosen  = !code[6] ? {1'b0, code[2:0]} : code[4] ? `WH_LIVE_FLAGS : {2'b10, code[1:0]};
+    reg  [11:0]  code_q;
+    reg          of_step;  // of code_q
+    reg          of_port;
 
     always @* begin
         of_step = 1'b0;
-        of_port = 1'b1;
-        casez (code[7:0])
-            8'hb0, 8'hb1, 8'hb2: begin
-                chosen  = {2'd0, code[1:0]};
-                of_step = 1'b1;
-            end
-            8'hb3:        chosen = `WH_LIVE_CURRENT;
-            8'hb4:        chosen = `WH_LIVE_POSITION;
-            8'b1100_00??: begin
-                chosen  = {2'd2, code[1:0]};
-                of_step = 1'b1;
-            end
-            8'hd6:        chosen = `WH_LIVE_FLAGS;
-            default: begin
-                chosen  = 4'd0;
-                of_port = 1'b0;
-            end
+        of_port = (code_q[11:8] != 4'd0) && ({28'd0, code_q[11:8]} <= N);
+        casez (code_q[7:0])
+            8'hb0, 8'hb1, 8'hb2, 8'b1100_00??: of_step = 1'b1;
+            8'hb3, 8'hb4, 8'hd6:               of_step = 1'b0;
+            default:                           of_port = 1'b0;
         endcase
-        of_port = of_port && (code[11:8] != 4'd0) && ({28'd0, code[11:8]} <= N);
     end
 
     // ---- The values, in two banks.
@@ -135,15 +125,11 @@ module wh_round_words #(
         .read_data_o   (read)
     );
 
-    reg                   port_q;
-    reg                   flags_q;
-    reg                   position_q;
-    reg                   is_bus_q;
-    reg                   is_faults_q;
     reg  [`WH_BUS_W-1:0]  bus_q;
     reg  [`WH_FAULTS-1:0] faults_q;
 
     always @(posedge clk) begin
+        code_q <= code;
         if (strobe_o) begin
             bus_q    <= bus_i;
             faults_q <= faults_i;
@@ -151,22 +137,20 @@ module wh_round_words #(
         if (live_valid_i && live_word_i == `WH_LIVE_FLAGS) begin
             contact_o[live_port_i] <= live_data_i[0];
         end
-        port_q      <= of_port && (!of_step || (strobe_o ? &step_q : stepped_q));
-        flags_q     <= of_port && (chosen == `WH_LIVE_FLAGS);
-        position_q  <= of_port && (chosen == `WH_LIVE_POSITION);
-        is_bus_q    <= (code == 12'h039);
-        is_faults_q <= (code == 12'h062);
         if (rst) begin
             contact_o <= {N{1'b0}};
         end
     end
 
-    assign word_o = is_bus_q    ? {{32-`WH_BUS_W{1'b0}}, bus_q}
-                  : is_faults_q ? {{32-`WH_FAULTS{1'b0}}, faults_q}
-                  : !port_q     ? 32'd0
-                  : flags_q     ? {24'd0, read[7:0]} : read;
-    assign any_o  = is_faults_q || flags_q;
-    assign mean_o = !any_o && !position_q;
+    wire is_flags  = of_port && code_q[7:0] == 8'hd6;
+    wire is_faults = (code_q == 12'h062);
+
+    assign word_o = (code_q == 12'h039)                  ? {{32-`WH_BUS_W{1'b0}}, bus_q}
+                  : is_faults                            ? {{32-`WH_FAULTS{1'b0}}, faults_q}
+                  : !of_port || (of_step && !stepped_q)  ? 32'd0
+                  : is_flags                             ? {24'd0, read[7:0]} : read;
+    assign any_o  = is_faults || is_flags;
+    assign mean_o = !any_o && !(of_port && code_q[7:0] == 8'hb4);
 
 endmodule
 

@@ -152,6 +152,10 @@ def planted(tmp_path: Path, name: str, old: str, new: str) -> str:
         ("colorlight_i5", '"alive" SITE "B19"', '"alive" SITE "P17"', "unknown to boards/color"),
         ("orangecrab", '"gate_al" SITE "H2"', '"gate_al" SITE "R17"', "R17, which is taken: start"),
         ("icesugar_pro", '"alive" SITE "R5"', '"alive" SITE "T6"', "taken: configuration, D7"),
+        ("icesugar_pro_eight", '"gate_bl[3]" SITE "R4"', '"gate_bl[3]" SITE "R6"',
+         r"taken: configuration, D6 \(boards/icesugar_pro/fpga\.toml\)"),
+        ("icesugar_pro_eight", '"enc_b[7]" SITE "L14"', '"enc_b[7]" SITE "E14"',
+         "taken: programmer of the extension board"),
         ("ecp5_evn", '"stop" SITE "U17"', '"stop" SITE "P2"', "taken: USB serial, sends where R34"),
         ("hx8k", "-pullup yes enc_b  ", "enc_b", "floats where its wire is off; give it set_io"),
         ("icebreaker", "-pullup yes adc_sdata", "-pullup no adc_sdata", "adc_sdata is at 2 and fl"),
@@ -285,6 +289,11 @@ def test_registers_in_the_pads_leave_the_data_sheets_times():
     assert found.margin_ns == pytest.approx(2e3 / 70 - 4.1 - 1.2 - 15 - 0.85, abs=0.01)
 
 
+def test_the_slowest_of_several_pins_of_sclk_counts():
+    found = budget(ice40_delays(low_ns=4.5), "hx8k", 48e6, clocks=["adc_sclk", "gate_al"])
+    assert found.out_ns == pytest.approx(1.4 + 4.5 + 4.59, abs=0.01)
+
+
 def test_logic_before_a_pad_is_counted():
     found = budget(ecp5_delays(registered=False), "25k", 50e6)
     assert found.out_ns == pytest.approx(0.525 + 0.7 + 0.236 + 1.9 + 4.1, abs=0.01)
@@ -394,7 +403,7 @@ def test_a_bad_carrier_ends_the_build_with_one_line_and_2(monkeypatch):
 
 @pytest.mark.parametrize("name", board_names())
 def test_a_carrier_that_is_known_to_be_too_fast_is_told(name, monkeypatch):
-    """All but the boards of three motors and of a brushless one warn, before a tool is called."""
+    """All but the boards of several motors and of a brushless one warn, before a tool is called."""
     board, said = load_board(name), []
 
     class StopError(Exception):
@@ -408,7 +417,7 @@ def test_a_carrier_that_is_known_to_be_too_fast_is_told(name, monkeypatch):
         synthesis.build_board(board, None, say=said.append)
     carrier_hz = bridge_budget.sensing(board).carrier_hz
     assert len(said) == (carrier_hz > sensing_parts()["INA241"].carrier_hz)
-    assert (name in ("ulx3s_three", "ulx3s_brushless")) == (said == [])
+    assert (board.fpga.motors > 1 or board.brushless) == (said == [])
     if said:
         assert re.match(rf"{name}: warning: boards/{name}/fpga\.toml: the INA241 may", said[0])
 
