@@ -65,7 +65,6 @@ class PortsDeviceBench(DeviceBench):
         self.given = Settings()
         self.streamed: list[dict[tuple[str, int], int]] = []
         self.bytes, self.packets = bytearray(), []
-        self.room = 1
         self.drive(clear_i=0, zero_start_i=0, stream_room_i=1, rst=1)
         await super().begin(enable=1)
         self.drive(stop_i=0, driver_fault_i=0)
