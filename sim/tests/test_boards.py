@@ -506,7 +506,10 @@ TWO_MHZ = ("controller.tick_hz=2e6", "drive.pwm_hz=1e6")
 @pytest.mark.parametrize(
     ("overrides", "message"),
     [
-        (("controller.clock_hz=100e6", *TWO_MHZ), "needs 57 clocks of 1e\\+08 Hz from sample to sample"),
+        (
+            ("controller.clock_hz=100e6", *TWO_MHZ),
+            "needs 57 clocks of 1e\\+08 Hz from sample to sample",
+        ),
         (("adc.part=ADS7042",), "the board's ADC is an AD7276"),
         (("adc.part=AD7277",), "the board's ADC has 12 bits"),
         (("controller.extra_ticks=0",), "extra_ticks"),

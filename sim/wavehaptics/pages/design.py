@@ -192,13 +192,12 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
             )
         )
     if "boards" in numbers:
-        fastest = max(
-            numbers["boards"], key=lambda board: (control_rate_hz(board), board["spare"])
-        )
+        fastest = max(numbers["boards"], key=lambda board: (control_rate_hz(board), board["spare"]))
         rows.append(
             (
                 f"control rate in a bitstream, as fast as its current sensor, `{fastest['board']}`",
-                f"{control_rate_hz(fastest) / 1e6:.4g} MHz, {percent(fastest['spare'])} of timing to spare",
+                f"{control_rate_hz(fastest) / 1e6:.4g} MHz, "
+                f"{percent(fastest['spare'])} of timing to spare",
                 "make synth",
             )
         )
