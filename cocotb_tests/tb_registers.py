@@ -58,7 +58,8 @@ HELD = ("current", "position", "contact_energy", "contact_energy_peak", "host_pa
         "host_v")  # fmt: skip
 LIVE_WORDS = {
     "voltage": 0, "u": 1, "v": 2, "current": 3, "position": 4, "contact_energy": 6,
-    "contact_energy_peak": 7, "correction": 8, "offset": 9, "flux": 10, "lag": 11, "host_v": 12, "host_packet_sequence": 13,
+    "contact_energy_peak": 7, "correction": 8, "offset": 9, "flux": 10, "lag": 11,
+    "host_v": 12, "host_packet_sequence": 13,
 }  # fmt: skip
 FLAGS = {
     "contact": 0, "saturated": 1, "clipped": 8, "anchor_fault": 6, "adc_range": 4,

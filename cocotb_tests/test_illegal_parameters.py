@@ -23,7 +23,12 @@ from wavehaptics.runtime.repository import ROOT, RTL_DIR
         ("wh_device", {"N": 2, "BUS": 1}, {}, "device_of_several_has_no_bus"),
         ("wh_motor_device", {"LEGS": 4}, {}, "device_legs_must_be_2_or_3"),
         ("wh_motor_device", {"LEGS": 3, "HOST": 1}, {}, "device_with_three_legs_has_one_motor_and"),
-        ("wh_motor_device", {"LEGS": 3, "SHAPER": 1}, {}, "device_with_three_legs_has_one_motor_and"),
+        (
+            "wh_motor_device",
+            {"LEGS": 3, "SHAPER": 1},
+            {},
+            "device_with_three_legs_has_one_motor_and",
+        ),
         ("wh_ports_device", {"N": 9}, {}, "n_must_be_1_to_8"),
         ("wh_ports_device", {"CAPTURE": 3}, {}, "capture_depth_log2_must_be_4_to_15"),
         ("wh_axes", {"SHAPER": 3}, {}, "wave_core_n_delay_log2_outside_shaper"),

@@ -79,7 +79,10 @@ def test_requests_of_a_further_motor():
 @pytest.mark.parametrize(
     ("sets", "message"),
     [
-        ((*BOARD, "controller.extra_ticks=4"), r"a tick of 48 clocks is shorter than the 102 that 3 motors need"),
+        (
+            (*BOARD, "controller.extra_ticks=4"),
+            r"a tick of 48 clocks is shorter than the 102 that 3 motors need",
+        ),
         ((*BOARD, *SLOW, "thermal.ambient_c=25"), r"thermal is simulated for one motor, and"),
         ((*BOARD, *SLOW, *MEASURED), r"drive.bus_measured is simulated for one motor, and"),
     ],

@@ -17,8 +17,8 @@ from wavehaptics.controller.pins_timing import (
     WAVES_CLOCKS,
     latency_clocks,
     shortest_tick_clocks,
-    turns_latency_clocks,
     step_end_clocks,
+    turns_latency_clocks,
 )
 from wavehaptics.parts.adcs import (
     MODULATORS,
