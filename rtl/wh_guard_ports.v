@@ -241,9 +241,12 @@ module wh_guard_ports #(
         (negative ? backward_q : forward_q) ? ((still == 16'hffff) ? still : still + 16'd1)
                                             : ((still == 16'd0) ? still : still - 16'd1);
 
+    reg signed [16+MEAN_LOG2:0] kept_q;  // of the sum, what isn't forgotten
+
     always @(posedge clk) begin
         forward_q  <= forward;
         backward_q <= backward;
+        kept_q     <= sum - $signed({{MEAN_LOG2{turning[16]}}, turning});
     end
 
     wh_port_state #(
@@ -255,7 +258,7 @@ module wh_guard_ports #(
         .port_i      (port_q),
         .save_i      (at_q[2]),
         .save_port_i (port_q),
-        .value_i     (sum + $signed({{MEAN_LOG2{both[16]}}, both}) - $signed({{MEAN_LOG2{turning[16]}}, turning})),
+        .value_i     (kept_q + $signed({{MEAN_LOG2{both[16]}}, both})),
         .value_o     (sum)
     );
 
@@ -294,6 +297,15 @@ module wh_guard_ports #(
     wire [31:0]                     mean = heat[31+`WH_GUARD_HEAT_LOG2:`WH_GUARD_HEAT_LOG2];
     wire                            unused_product = &{1'b0, product_i[DATA_W+`WH_COEF_W-1:32]};
     reg  [N-1:0]                    heat_q;
+    // The turn's heat is known long before, and judged two clocks after it was saved.
+    reg  [31+`WH_GUARD_HEAT_LOG2:0] cooled_q;
+    reg  [31:0]                     mean_q;
+    reg  [1:0]                      judge_q;
+
+    always @(posedge clk) begin
+        cooled_q <= heat - {{`WH_GUARD_HEAT_LOG2{1'b0}}, mean};
+        mean_q   <= mean;
+    end
 
     assign request_o     = at_q[GIVE] && square_q;
     assign factor_o      = $signed({{DATA_W-16{1'b0}}, size_q});
@@ -308,18 +320,16 @@ module wh_guard_ports #(
         .port_i      (port_q),
         .save_i      (at_q[HEAT] && square_q),
         .save_port_i (port_q),
-        .value_i     (heat + {{`WH_GUARD_HEAT_LOG2{1'b0}}, product_i[31:0]} - {{`WH_GUARD_HEAT_LOG2{1'b0}}, mean}),
+        .value_i     (cooled_q + {{`WH_GUARD_HEAT_LOG2{1'b0}}, product_i[31:0]}),
         .value_o     (heat)
     );
 
-    reg judge_q;
-
     always @(posedge clk) begin
-        judge_q <= at_q[HEAT] && !rst;
+        judge_q <= {judge_q[0], at_q[HEAT]} & {2{!rst}};
         if (rst) begin
             heat_q <= {N{1'b0}};
-        end else if (judge_q) begin
-            heat_q[port_q] <= mean > settings_i[`WH_GUARD_HEAT];
+        end else if (judge_q[1]) begin
+            heat_q[port_q] <= mean_q > settings_i[`WH_GUARD_HEAT];
         end
     end
 

@@ -40,13 +40,6 @@ The supply steps in the middle. After ramp and step the anchor takes a quarter o
 the rotor may bounce from one edge of a count to the other.
 """
 
-REST_CELLS = 1.25
-"""How far from where its spring says a wall may be at rest, in counts.
-
-The port anchor's zone ends half a count to either side and leads by a quarter, and the rotor may be
-anywhere in its count.
-"""
-
 QUIET_NM = 60e-6
 """Ripple of the hold at most, N·m RMS: 0.4 % of the press, of which a hand feels 7 %."""
 
@@ -169,7 +162,7 @@ def run(
 def moved(board: Board, metrics: dict[str, Any], deepest: np.ndarray) -> dict[str, Any]:
     """How far the wall is from where its spring says, in cells, and how far it may be.
 
-    That is :data:`REST_CELLS` and 1 % of the depth. Of a hold in the last tenth of the run, with
+    That is a count and 1 % of the depth. Of a hold in the last tenth of the run, with
     the force held; else where the rotor was deepest, ``deepest`` (Column).
     """
     assert board.scene.encoder is not None
@@ -187,5 +180,5 @@ def moved(board: Board, metrics: dict[str, Any], deepest: np.ndarray) -> dict[st
         return {}
     return found | {
         "moved_cells": float(abs(offset) / cell),
-        "moved_limit_cells": float(REST_CELLS + 0.01 * abs(depth) / cell),
+        "moved_limit_cells": float(1.0 + 0.01 * abs(depth) / cell),
     }
