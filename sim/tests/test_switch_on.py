@@ -387,9 +387,9 @@ TOO_FAST = with_carrier("hx8k", 48)
          r"the INA240 .* it settles for 9\.6 µs after an edge, and the sample comes 0\.6 µs "
          r"after it; lower drive\.pwm_hz to 26\.04 kHz or less"),
         (with_fpga("ulx3s_three", "sense", amplifier="INA240"),
-         r"the INA240 may not follow the carrier of 357\.1 kHz: it settles for 9\.6 µs"),
+         r"the INA240 may not follow the carrier of 352\.3 kHz: it settles for 9\.6 µs"),
         (with_fpga("ulx3s_three", "sense", amplifier="low-side"),
-         r"it sees one half of each carrier period, and a tick is 1\.4 µs; name another amplifier"),
+         r"it sees one half of each carrier period, and a tick is 1\.42 µs; name another amplifier"),
         (with_fpga("ulx3s", "sense", amplifier="INA24"),
          r'sense\.amplifier "INA24" is unknown; did you mean "INA24[01]"\? known: INA241, .* with '
          r"its figures$"),
