@@ -2,7 +2,7 @@
 //
 // icesugar_pro_eight: eight motors on an iCESugar-pro (ECP5): its pads.
 //
-// The clock is 71.875 MHz, an eighth of the VCO's 25 MHz * 23. README.md has the wiring.
+// The clock is 68.75 MHz, an eighth of the VCO's 25 MHz * 22. README.md has the wiring.
 // Reset: until the PLL has been locked for 2^16 clocks.
 
 `default_nettype none
@@ -36,7 +36,7 @@ module icesugar_pro_eight (
 
     // The watch has 19.4 MHz.
     wh_board_ecp5 #(
-        .CLKOP_DIV  (23),
+        .CLKOP_DIV  (22),
         .CLKOS_DIV  (8),
         .WATCH_DIV  (16),
         .SCLK_PINS (4)
