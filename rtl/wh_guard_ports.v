@@ -233,8 +233,10 @@ module wh_guard_ports #(
     wire                         moved = moved_q[port_q];
     wire                         negative_before;
     wire [15:0]                  still_before;  // turns of turning, less those of not
-    wire                         negative = !moved && negative_before;
-    wire [15:0]                  still    = moved ? 16'd0 : still_before;
+    reg                          negative_q;    // of the clock before, as the turn has begun
+    reg  [15:0]                  still_q;
+    wire                         negative = !moved && negative_q;
+    wire [15:0]                  still    = moved ? 16'd0 : still_q;
     reg                          forward_q;
     reg                          backward_q;
     wire [15:0]                  next     =
@@ -246,6 +248,8 @@ module wh_guard_ports #(
     always @(posedge clk) begin
         forward_q  <= forward;
         backward_q <= backward;
+        negative_q <= negative_before;
+        still_q    <= still_before;
         kept_q     <= sum - $signed({{MEAN_LOG2{turning[16]}}, turning});
     end
 
