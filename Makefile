@@ -250,11 +250,13 @@ LINT_CASES := \
     wh_controller,-GN=1,-GDELAY_LOG2=10,-DWH_DATA_W=31,-DWH_COEF_W=31 \
     wh_settings,-GN=8,-GWALLS=16,-GSHAPER=2,-GDELAY_LOG2=10 \
     wh_setting_group,-GSTAGED=0 \
-    wh_device,-GN=3,-GANCHOR=1,-GSHAPER=2,-GWALLS=16 \
+    wh_device,-GN=3,-GSHAPER=2,-GCAPTURE=8,-GSTREAM=1,-GARM=1 \
+    wh_device,-GN=2,-GHOST=1 \
+    wh_motor_device,-GN=3,-GANCHOR=1,-GSHAPER=2,-GWALLS=16 \
     wh_device,-GANCHOR=1,-GGUARD=1,-GBUS=1 \
     wh_device,-GWALLS=1,-GHOST=1,-GSENSE=1,-GDELAY_LOG2=10 \
-    wh_device,-GN=3,-GHOST=1 \
-    wh_device,-GN=3,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
+    wh_motor_device,-GN=3,-GHOST=1 \
+    wh_motor_device,-GN=3,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_device,-GLEGS=3,-GWALLS=1,-GMIN_PULSE=1,-GDEAD_TIME=0 \
     wh_device,-GLEGS=3,-GDELAY_LOG2=10,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_settings_rom,-GLEGS=3 \
@@ -271,6 +273,37 @@ LINT_CASES := \
     wh_tick_words,-GN=3,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_linked_device,-GN=3,-GCAPTURE=9,-GSTREAM=1 \
     wh_arm,-GSENSE=1,-GCREDIT=2 \
+    wh_port_state,-GN=3 \
+    wh_port_settings,-GN=3 \
+    wh_port_settings,-GN=3,-GWORDS_LOG2=0 \
+    wh_anchor_ports,-GN=3 \
+    wh_core,-GN=3,-GOUTSIDE=1 \
+    wh_core,-GN=3,-DWH_DATA_W=24,-DWH_COEF_W=18 \
+    wh_core,-GN=3,-GSHAPER=1,-GOUTSIDE=1 \
+    wh_core,-GN=3,-GSHAPER=2 \
+    wh_shaper_ports,-GN=3 \
+    wh_shaper_ports,-GSECTIONS=2 \
+    wh_sense,-GN=3 \
+    wh_contact_ports,-GN=3,-GWALLS=1 \
+    wh_drive,-GN=3 \
+    wh_guard_ports,-GN=3 \
+    wh_energy_ports,-GN=3 \
+    wh_port_check,-GN=3 \
+    wh_slots,-GN=3 \
+    wh_registers,-GN=3,-GSHAPER=2 \
+    wh_registers,-GN=8,-GWALLS=7,-GDELAY_LOG2=10 \
+    wh_ports,-GN=3 \
+    wh_ports,-GN=3,-GSHAPER=1 \
+    wh_ports,-GN=3,-GSHAPER=2 \
+    wh_ports,-GN=3,-GSHAPER=1,-GHOST=1 \
+    wh_ports,-GN=3,-GMODES=1,-GMIN_PULSE=1 \
+    wh_drive,-GN=3,-GMIN_PULSE=1 \
+    wh_environment_ports,-GN=3,-GHOST=1 \
+    wh_ports,-GN=8,-GADC=2 \
+    wh_ports,-GN=3,-GADC=1,-GWALLS=7 \
+    wh_ports_device,-GN=3,-GARM=1,-GCAPTURE=10,-GSTREAM=1 \
+    wh_linked_device,-GN=3,-GSENSE=1,-GGUARD=1,-GANCHOR=1,-GSTREAM=1 \
+    wh_round_words,-GN=3 \
     wh_board_switch \
     wh_board_switch,-GN=3 \
     wh_board_reset \

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// bench_commit: wh_device with its clock, an ADC that says anything and rotors that turn, in periods of
+// bench_commit: wh_motor_device with its clock, an ADC that says anything and rotors that turn, in periods of
 // any length, and a master that commits settings while the bridges are on.
 //
 // A run begins with a change of go_i and ends with done_o equal to it. In commit r every setting that may
@@ -70,7 +70,7 @@ module bench_commit #(
                                 running, anchor_fault, encoder_fault, zero_busy, zero_fault, overcurrent,
                                 credit, byte_valid, byte_first, packet, one_byte};
 
-    wh_device #(
+    wh_motor_device #(
         .N               (N),
         .LEGS            (LEGS),
         .ANCHOR          (ANCHOR),

@@ -6,11 +6,12 @@
 `include "wh_formats.vh"
 
 module bench_zero #(
+    parameter integer N         = 1,
     parameter integer LEGS      = 2,
     parameter integer ARM       = 1,
     parameter integer GUARD     = 1,
     parameter integer ZERO_LOG2 = 3,
-    parameter integer LINES     = (LEGS == 3) ? 2 : 1  // derived, leave it
+    parameter integer LINES     = (LEGS == 3) ? 2 : N  // derived, leave it
 ) (
     input  wire                clk,
     input  wire                rst,
@@ -40,15 +41,16 @@ module bench_zero #(
     wire             sclk;
     wire             din;
     wire [LINES-1:0] sdata;
-    wire             ah, al;
+    wire [N-1:0]     ah, al, anchor_fault, encoder_fault;
     wire [LINES-1:0] bh, bl, overcurrent;
-    wire             contact, ready, clears, anchor_fault, encoder_fault;
+    wire             contact, ready, clears;
     wire             credit, byte_valid, byte_first, packet;
     wire [7:0]       one_byte;
     wire             unused = &{1'b0, din, ah, al, bh, bl, overcurrent, contact, ready, clears, anchor_fault,
                                 encoder_fault, credit, byte_valid, byte_first, packet, one_byte};
 
     wh_device #(
+        .N               (N),
         .LEGS            (LEGS),
         .SENSE           (1),
         .ZERO_LOG2       (ZERO_LOG2),
@@ -72,16 +74,16 @@ module bench_zero #(
         .adc_sclk_o      (sclk),
         .adc_din_o       (din),
         .adc_sdata_i     (sdata),
-        .enc_a_i         (1'b0),
-        .enc_b_i         (1'b0),
+        .enc_a_i         ({N{1'b0}}),
+        .enc_b_i         ({N{1'b0}}),
         .gate_ah_o       (ah),
         .gate_al_o       (al),
         .gate_bh_o       (bh),
         .gate_bl_o       (bl),
         .bus_i           (16'd6144),
         .stop_i          (1'b0),
-        .driver_fault_i  (1'b0),
-        .anchor_fault_i  (1'b0),
+        .driver_fault_i  ({N{1'b0}}),
+        .anchor_fault_i  ({N{1'b0}}),
         .clear_i         (clear_i),
         .zero_start_i    (zero_start_i),
         .press_i         (press_i),

@@ -94,7 +94,7 @@ class Board(Bench):
 
     def inner(self, name: str) -> list[int]:
         """Signed words that the controller tells, and the board doesn't."""
-        inside = self.dut.linked.device.device if LINKED else self.dut.alone
+        inside = self.dut.linked.device.device.of_motor.device if LINKED else self.dut.alone
         return unpack(int(getattr(inside, name).value), formats.DATA_W, PARTS)
 
     async def begin(self, **inputs: int) -> None:

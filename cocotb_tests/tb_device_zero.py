@@ -12,10 +12,11 @@ from wavehaptics.words import formats
 from wavehaptics.words.faults import ARM_REFUSALS
 from wavehaptics.words.table import AXES, LEGS, THREE_PHASE_LEGS, WORDS
 
-_P = {"LEGS": LEGS, "ARM": 1, "GUARD": 1, "ZERO_LOG2": 3, **parameters()}
-LINES = AXES if _P["LEGS"] == THREE_PHASE_LEGS else 1
+_P = {"LEGS": LEGS, "N": 1, "ARM": 1, "GUARD": 1, "ZERO_LOG2": 3, **parameters()}
+BRUSHLESS = _P["LEGS"] == THREE_PHASE_LEGS
+LINES = AXES if BRUSHLESS else _P["N"]
 ARM, GUARD = _P["ARM"], _P["GUARD"]
-HALVES = LINES
+HALVES = 2 if BRUSHLESS else 1
 TICK = 96
 ZERO_CLOCKS = ((1 << _P["ZERO_LOG2"]) + 6) * TICK
 MIDDLE = 1 << 11
@@ -41,9 +42,10 @@ class ZeroBench(BusBench):
         }  # fmt: skip
         for line in range(LINES):
             words_of = {"gain": 1 << 14}
-            if not line:
+            if not (line and BRUSHLESS):
                 words_of |= {"root": 1 << 22, "a": 1 << 24, "u_max": 1 << 24,
-                             "clocks_per_volt": 1 << 16} | words  # fmt: skip
+                             "clocks_per_volt": 1 << 16}  # fmt: skip
+            words_of |= {} if line else words
             for name, raw in words_of.items():
                 assert await self.write(WORDS[name].at(line), raw) == DONE, name
         assert await self.write(COMMIT, 1) == DONE
@@ -168,7 +170,7 @@ async def no_zero_is_measured_while_the_bridges_are_on(dut: object) -> None:
     if ARM:
         await bench.arm()
     assert bench.word("running_o")
-    for name in ("zero_start", "restart", *(("magnet_start",) if LINES > 1 else ())):
+    for name in ("zero_start", "restart", *(("magnet_start",) if BRUSHLESS else ())):
         ticks = await bench.word_of("ticks")
         assert await bench.command(name) == NOT_NOW, name
         await bench.step(3 * TICK)

@@ -24,6 +24,25 @@ PASS_CLOCKS = 14 if BESIDE else 9
 Words = dict[tuple[str, int], int]
 
 
+def row(codes: list[int], shifts: list[int], ticks: Iterable[Words]) -> tuple[int, ...]:
+    """The words of a row of these ticks without signs, by the page."""
+    found, given = [], list(ticks)
+    for code, shift in zip(codes, shifts, strict=False):
+        name, motor = CODES.get(code, ("", 0))
+        values = [tick[name, motor] for tick in given] if name else [0]
+        if name in MEANS or name == "bus":
+            cut = (sum(values) // len(values)) >> shift
+            found.append(max(-32768, min(32767, cut)) & 0xFFFF)
+        elif name == "position" or not name:
+            found.append(values[-1] >> shift & 0xFFFF)
+        else:
+            bits = 0
+            for value in values:
+                bits |= value
+            found.append(bits >> shift & 0xFFFF)
+    return tuple(found)
+
+
 class StreamBench(Bench):
     """The block with ticks of any length; ``ticks`` has the words of each strobe with credit."""
 
@@ -104,29 +123,11 @@ class StreamBench(Bench):
     async def write(self, value: int) -> None:
         await self.clock(stream_write_i=1, stream_data_i=value)
 
-    def row(self, ticks: Iterable[Words]) -> tuple[int, ...]:
-        """A row's words without signs, by the page."""
-        found, given = [], list(ticks)
-        for code, shift in zip(self.codes[: self.channels], self.shifts, strict=False):
-            name, motor = CODES.get(code, ("", 0))
-            values = [tick[name, motor] for tick in given] if name else [0]
-            if name in MEANS or name == "bus":
-                cut = (sum(values) // len(values)) >> shift
-                found.append(max(-32768, min(32767, cut)) & 0xFFFF)
-            elif name == "position" or not name:
-                found.append(values[-1] >> shift & 0xFFFF)
-            else:
-                bits = 0
-                for value in values:
-                    bits |= value
-                found.append(bits >> shift & 0xFFFF)
-        return tuple(found)
-
     def rows(self) -> list[tuple[int, ...]]:
         """Of all ticks since the first credit."""
         length = 1 << self.decimation
         return [
-            self.row(self.ticks[n : n + length])
+            row(self.codes[: self.channels], self.shifts, self.ticks[n : n + length])
             for n in range(0, len(self.ticks) - length + 1, length)
         ]
 

@@ -42,6 +42,7 @@ class TickWordsBench(Bench):
         self.waits = False  # reader 1, for reader 0
         self.kept: Words | None = None
         self.missed = self.stepped = False
+        self.codes = [0, 0]  # of the clock before
         self.words = self._other_words()
         await self.start(tick_i=0, valid_i=0, want_i=0, reads_i=0, code_i=0,
                          **self._inputs(self.words))  # fmt: skip
@@ -82,10 +83,11 @@ class TickWordsBench(Bench):
         )
         assert self.word("take_o") == takes[0] + 2 * takes[1]
         if any(self.chooses):
-            wanted, mean, any_ = word_of(codes[0] if self.chooses[0] else codes[1], self.kept)
+            wanted, mean, any_ = word_of(self.codes[0 if self.chooses[0] else 1], self.kept)
             assert self.word("word_o") == wanted
             if wanted:
                 assert (self.word("mean_o"), self.word("any_o")) == (mean, any_)
+        self.codes = codes
         if free and any(takes):
             self.kept = dict(self.words)
         self.waits = bool(takes[0] and wants[1]) or (self.waits and self.chooses[0] > 0)

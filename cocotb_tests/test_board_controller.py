@@ -16,8 +16,8 @@ def test_board_controller(simulator, name, monkeypatch):
     board = load_board(name)
     write_headers(board, folder)
     monkeypatch.setenv("WH_BOARD", name)
-    # Longer than four ticks.
-    parameters = {"SETTLE_LOG2": 9 if board.brushless else 8, "ZERO_LOG2": 2}
+    four_ticks = 4 * board.words().ports.timing.tick_clocks
+    parameters = {"SETTLE_LOG2": four_ticks.bit_length(), "ZERO_LOG2": 2}
     simulate(
         simulator, "wh_board_controller", "tb_board_controller", parameters,
         name=f"tb_board_controller-{name}", includes=[folder], defines=board.defines,

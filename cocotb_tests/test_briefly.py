@@ -20,7 +20,7 @@ BENCHES = {
         "orders_at_any_time|what_does_not_fit",
     ),
     "cobs": ("wh_cobs", {}, "without_credit|goes_first|credit_that_ends"),
-    "device": ("wh_device", DEVICES["one"], "nothing_on_the_bus|live_words|enable_waits"),
+    "device": ("wh_motor_device", DEVICES["one"], "nothing_on_the_bus|live_words|enable_waits"),
     "guard": ("wh_guard", {"N": 1}, "latches|off_or_damp|any_value|a_judgement|clear|rest|heat"),
     "host_link": ("wh_host_link", {}, "never_pays|a_late_answer|reset_in_mid_stream"),
     "modulator": ("wh_modulator", {"MIN_PULSE": 0}, "random_voltages|clips|latency|reset"),

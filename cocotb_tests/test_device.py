@@ -28,4 +28,4 @@ SIZES = {
 
 @pytest.mark.parametrize("size", SIZES)
 def test_device(simulator: str, size: str) -> None:
-    simulate(simulator, "wh_device", "tb_device", SIZES[size])
+    simulate(simulator, "wh_motor_device", "tb_device", SIZES[size])

@@ -9,6 +9,8 @@ SIZES = {
     "brushless": {"LEGS": 3},
     "by_pin": {"ARM": 0},
     "unguarded": {"GUARD": 0},
+    "ports": {"N": 2},
+    "ports_by_pin": {"N": 2, "ARM": 0},
 }
 
 

@@ -61,7 +61,7 @@ module prove_wh_tick_words (
     (* hierconn *) wire [`WH_COUNT_W-1:0] \block.position_q ;
 
     wire second = \block.second_q ;
-    wire [11:0] chosen = reads[0] ? code[11:0] : code[23:12];
+    reg  [11:0] chosen;  // a clock ago, by who reads now
     wire [`WH_DATA_W-1:0] current = words[3*`WH_DATA_W +: `WH_DATA_W];
 
     // The tick's, by who listens: of the last strobe with which somebody was given words.
@@ -73,7 +73,8 @@ module prove_wh_tick_words (
     reg                   first_q; // reader 0 was given them
 
     always @(posedge clk) begin
-        begun <= 1'b1;
+        begun  <= 1'b1;
+        chosen <= (take[1] || (reads[1] && more[1])) ? code[23:12] : code[11:0];
         rst_q <= rst;
         reads <= rst ? 2'b00 : take | (reads & more);
         kept  <= !rst && (kept || (strobe && (|take)));

@@ -231,6 +231,9 @@ module wh_brushless #(
     wire                  sample;
     wire                  sample_first;
 
+    wire last_half;
+    wire unused_half = &{1'b0, last_half};
+
     wh_carrier carrier (
         .clk             (clk),
         .rst             (sense_rst || !adc_ready_o),
@@ -245,6 +248,7 @@ module wh_brushless #(
         .half_o          (half),
         .update_o        (update),
         .take_o          (take),
+        .last_half_o     (last_half),
         .tick_o          (tick_o),
         .sample_o        (sample),
         .sample_first_o  (sample_first)

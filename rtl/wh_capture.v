@@ -23,7 +23,7 @@
 // Latency: a row stands in the memory 12 clocks after its last step. A tick has to be 14 clocks or longer;
 // what ends sooner is left out. A write acts when no tick is worked off, a start also not while hold_i is high;
 // a trigger and a stop behind a start wait for it, and a start forgets those before it. read_data_o is the word
-// offset + read_i of the memory, 3 clocks after read_i.
+// offset + read_i of the memory, 3 clocks after read_i or after the write of the offset.
 // Reset: at rest, the offset 0; what is in the memory stays.
 
 `default_nettype none
@@ -150,7 +150,7 @@ module wh_capture #(
         if (rst || write_offset_i) begin
             read_offset_q <= rst ? 16'd0 : data_i;
         end
-        read_place_q <= read_offset_q + {10'd0, read_i};
+        read_place_q <= (write_offset_i ? data_i : read_offset_q) + {10'd0, read_i};
         read_q       <= memory[read_place_q[DEPTH_LOG2-1:0]];
         read_data_o  <= read_q;
     end

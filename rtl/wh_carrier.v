@@ -33,6 +33,7 @@ module wh_carrier (
     output wire                         half_o,           // parity of the half
     output wire                         update_o,         // strobe, last clock of a half
     output wire                         take_o,           // strobe, 4 clocks before tick_o
+    output wire                         last_half_o,      // of a tick
     output wire                         tick_o,           // strobe, last clock of a tick
 
     output wire                         sample_o,         // strobe, start of a conversion
@@ -58,6 +59,7 @@ module wh_carrier (
     assign half_o      = half_q;
     assign update_o    = running_q && ends_q;
     assign take_o      = take_q;
+    assign last_half_o = last_half;
     assign tick_o      = update_o && last_half;
 
     always @(posedge clk) begin

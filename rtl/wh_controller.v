@@ -255,6 +255,9 @@ module wh_controller #(
     wire                  sample;
     wire                  sample_first;
 
+    wire last_half;
+    wire unused_half = &{1'b0, last_half};
+
     wh_carrier carrier (
         .clk             (clk),
         .rst             (sense_rst || !adc_ready_o),
@@ -269,6 +272,7 @@ module wh_controller #(
         .half_o          (half),
         .update_o        (update),
         .take_o          (take),
+        .last_half_o     (last_half),
         .tick_o          (tick_o),
         .sample_o        (sample),
         .sample_first_o  (sample_first)

@@ -96,4 +96,23 @@
 `define WH_MODE_SIGN_MAGNITUDE 2
 `define WH_MODE_HALF_BRIDGE    3
 
+// Live values of a port (wh_ports).
+`define WH_LIVE_VOLTAGE    0
+`define WH_LIVE_U          1
+`define WH_LIVE_V          2
+`define WH_LIVE_CURRENT    3
+`define WH_LIVE_POSITION   4
+`define WH_LIVE_FLAGS      5  // the register `flags`, and three bits more:
+`define WH_FLAG_CLIPPED    8
+`define WH_FLAG_SHAPED     9
+`define WH_FLAG_STUCK      10
+`define WH_LIVE_ENERGY     6
+`define WH_LIVE_ENERGY_PEAK 7
+`define WH_LIVE_CORRECTION 8
+`define WH_LIVE_OFFSET     9
+`define WH_LIVE_FLUX       10
+`define WH_LIVE_LAG        11
+`define WH_LIVE_HOST_V     12
+`define WH_LIVE_HOST_SEQUENCE 13
+
 `endif

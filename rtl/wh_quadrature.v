@@ -18,7 +18,9 @@
 `default_nettype none
 `include "wh_formats.vh"
 
-module wh_quadrature (
+module wh_quadrature #(
+    parameter integer COUNT_W = `WH_COUNT_W  // 2...: who adds up itself needs no more than moves between two looks
+) (
     input  wire                         clk,
     input  wire                         rst,
 
@@ -28,7 +30,7 @@ module wh_quadrature (
     input  wire [3:0]                   filter_clocks_i,  // 1...15; 2 or 3 are usual
     input  wire                         clear_i,          // clears fault_o and faults_o
 
-    output wire signed [`WH_COUNT_W-1:0] position_o,     // s32, counts
+    output wire signed [COUNT_W-1:0]    position_o,     // s32, counts
     output reg                          moved_o,          // position_o has changed in this clock
     output reg                          direction_o,      // of the last move: 1 is +, 0 is -
     output wire                         illegal_o,        // strobe, illegal move
@@ -95,7 +97,7 @@ module wh_quadrature (
     wire       both    = change[1] && change[0];
     wire       forward = level[1] ^ before_q[0];
 
-    reg signed [`WH_COUNT_W-1:0] position_q;
+    reg signed [COUNT_W-1:0] position_q;
 
     assign position_o = position_q;
 
@@ -103,11 +105,11 @@ module wh_quadrature (
         before_q <= level;
         moved_o  <= 1'b0;
         if (rst || !settled) begin
-            position_q  <= {`WH_COUNT_W{1'b0}};
+            position_q  <= {COUNT_W{1'b0}};
             direction_o <= 1'b0;
         end else if (one) begin
-            position_q  <= forward ? position_q + {{`WH_COUNT_W-1{1'b0}}, 1'b1}
-                                   : position_q - {{`WH_COUNT_W-1{1'b0}}, 1'b1};
+            position_q  <= forward ? position_q + {{COUNT_W-1{1'b0}}, 1'b1}
+                                   : position_q - {{COUNT_W-1{1'b0}}, 1'b1};
             direction_o <= forward;
             moved_o     <= 1'b1;
         end

@@ -7,7 +7,8 @@
 // last. shift_i more bits are cut off below, rounding down. A tick is worked off from take_i on, which comes with
 // idle_o.
 //
-//   turn_o   0 nothing to do; channel k is chosen in 1 + k, shift_i is its in 3 + k, value_o in 4 + k;
+//   turn_o   0 nothing to do; channel k's word comes in 1 + k, and code_o is its address a clock before; shift_i is
+//            its in 3 + k, value_o in 4 + k;
 //            CHANNELS + 4 is the tick's last one
 //   last_o   the tick that is worked off is its row's last, for which value_o is the row's word
 //   fresh_o  the next tick, and in take_i that one, is a row's first
@@ -67,7 +68,7 @@ module wh_rows #(
 
     assign idle_o  = (turn_q == 4'd0);
     assign reads_o = (turn_q >= 4'd1) && (turn_q <= CHOSEN_LAST);
-    assign code_o  = codes_q[11:0];
+    assign code_o  = reads_o ? codes_q[23:12] : codes_q[11:0];
 
     // ---- A row is of so many ticks.
 

@@ -132,7 +132,7 @@ module wh_setting_group #(
             assign mine[n] = here && (address_i[7:0] == ADDRESS);
 
             if (FIXED[32]) begin : fixed
-                wire unused_bus = &{1'b0, mine[n], change, data_i[WIDTH-1:0]};
+                wire unused_bus = &{1'b0, mine[n], change, copy_i, data_i[WIDTH-1:0]};
 
                 assign words_o[LOW +: WIDTH] = FIXED[WIDTH-1:0];
             end

@@ -9,7 +9,7 @@
 // the next one on.
 //
 // code_i: the address of rtl/words.toml that a reader chooses, 0 lowest; word_o is the word there of who reads,
-// in the same clock, sign-extended, and one that is none of those below is 0. mean_o: of several ticks the mean is
+// in the next clock, sign-extended, and one that is none of those below is 0. mean_o: of several ticks the mean is
 // meant, as of numbers with a sign and of the bus; any_o: bits, of which those count that were there in any tick;
 // neither: the last one, as of the position.
 //
@@ -127,13 +127,17 @@ module wh_tick_words #(
 
     // ---- The word that is chosen.
 
-    wire [11:0] code = reads_i[0] ? code_i[11:0] : code_i[23:12];
+    reg  [11:0] code_q;
     reg  [32:0] word;
     reg         mean;
     reg         any;
     integer     m;
 
     assign word_o = word[31:0];
+
+    always @(posedge clk) begin
+        code_q <= (take_o[1] || reads_i[1]) ? code_i[23:12] : code_i[11:0];
+    end
     assign mean_o = mean;
     assign any_o  = any;
 
@@ -141,17 +145,17 @@ module wh_tick_words #(
         word = 33'd0;
         mean = 1'b0;
         any  = 1'b0;
-        if (code == BUS) begin
+        if (code_q == BUS) begin
             word = {{33-`WH_BUS_W{1'b0}}, bus_q};
             mean = 1'b1;
         end
-        if (code == FAULTS) begin
+        if (code_q == FAULTS) begin
             word = {{33-`WH_FAULTS{1'b0}}, faults_q};
             any  = 1'b1;
         end
         for (m = 0; m < N; m = m + 1) begin
-            if ({28'd0, code[11:8]} == m + 1) begin
-                case (code[7:0])
+            if ({28'd0, code_q[11:8]} == m + 1) begin
+                case (code_q[7:0])
                     VOLTAGE:    word = {{33-DATA_W{voltage_q[m*DATA_W + DATA_W-1]}}, voltage_q[m*DATA_W +: DATA_W]};
                     U:          word = {{33-DATA_W{u_q[m*DATA_W + DATA_W-1]}}, u_q[m*DATA_W +: DATA_W]};
                     V:          word = {{33-DATA_W{v_q[m*DATA_W + DATA_W-1]}}, v_q[m*DATA_W +: DATA_W]};
@@ -164,8 +168,8 @@ module wh_tick_words #(
                     FLAGS:      word = {25'd0, flags_q[m*8 +: 8]};
                     default:    word = 33'd0;
                 endcase
-                any  = (code[7:0] == FLAGS);
-                mean = (code[7:0] != POSITION) && !any;
+                any  = (code_q[7:0] == FLAGS);
+                mean = (code_q[7:0] != POSITION) && !any;
             end
         end
     end

@@ -2,7 +2,7 @@
 //
 // ulx3s_three: three motors on a ULX3S (ECP5): its pads.
 //
-// The clock is 60 MHz, a tenth of the VCO's 25 MHz * 24. README.md has the wiring.
+// The clock is 71.875 MHz, an eighth of the VCO's 25 MHz * 23. README.md has the wiring.
 // Reset: until the PLL has been locked for 2^16 clocks.
 
 `default_nettype none
@@ -36,8 +36,8 @@ module ulx3s_three (
 
     // The watch has 19.4 MHz.
     wh_board_ecp5 #(
-        .CLKOP_DIV  (24),
-        .CLKOS_DIV  (10),
+        .CLKOP_DIV  (23),
+        .CLKOS_DIV  (8),
         .WATCH_DIV  (16)
     ) board (
         .osc_i       (clk_25mhz),

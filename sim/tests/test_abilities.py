@@ -115,6 +115,14 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("adc.edge_hold_restarts=false",),
     ),
     "adc.drift_a_per_s": (SENSED, ("adc.drift_a_per_s=0.5",)),
+    "guard.trip_a": (
+        (*SENSED, *DRIVEN, "guard.trip_a=2.4", "guard.watch=false"),
+        ("guard.trip_a=0.2",),
+    ),
+    "guard.watch": (
+        (*SENSED, *DRIVEN, "guard.trip_a=2.4", "guard.watch=false"),
+        ("guard.watch=true",),
+    ),
     "drive.mode": (DRIVEN, ("drive.mode=sign-magnitude",)),
     "drive.bus_v": (DRIVEN, ("drive.bus_v=1",)),
     "drive.limit_v": (DRIVEN, ("drive.limit_v=0.5",)),
@@ -310,7 +318,7 @@ def test_a_board_with_a_link_has_the_host_that_its_scene_asks_for() -> None:
     path = board.root / board.folder / "board.toml"
     asking = replace(board, scene=load_scene(path, ("host.rate_hz=4e3", "host.timeout=7")))
     assert "`define WH_BOARD_HOST 1\n" in asking.headers()["wh_board_settings.vh"]
-    assert asking.words().words["host_period_log2"] == 9  # 2 MHz / 2^9
+    assert asking.words().words["host_period_log2"] == 8  # 0.83 MHz / 2^8
     assert asking.words().words["host_timeout"] == 7
     alone = load_board("hx8k")
     path = alone.root / alone.folder / "board.toml"

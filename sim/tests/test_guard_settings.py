@@ -41,11 +41,11 @@ def test_the_guards_limits_are_the_boards():
     assert found["MASK"] == mask(set(Fault) - set(left_out))
     assert found["DAMP"] == 0
     assert found["CURRENT"] == round(0.8 * 2**15)  # 2 A of 2.5
-    assert found["STUCK"] == 2000  # 1 ms at 2 MHz
-    assert found["ZERO_TICKS"] == 4000
+    assert found["STUCK"] == 2 * 833  # 1 ms at 1.2 µs, of two samples each
+    assert found["ZERO_TICKS"] == 1667
     # Maxon's 100 °C for this motor: 75 K over 17.1 K/W and the hot winding's 2.82 Ω.
     assert found["HEAT"] / 2**18 == pytest.approx(75 / (17.1 * 2.18 * 1.2925), rel=1e-4)
-    assert found["HEAT_TICKS"] == round(12 / 2**16 * 2e6)
+    assert found["HEAT_TICKS"] == round(12 / 2**16 / 1.2e-6)
     # Half of what the winding's lasting current takes, as u + v = 2 (e - R̂ i)/s; with an anchor
     # the waves' R̂ is 0.7 of the motor's.
     lasting_a = math.sqrt(75 / (17.1 * 2.18 * 1.2925))
@@ -109,7 +109,7 @@ def test_a_stuck_adc_is_counted_in_samples(samples):
     board = ulx3s()
     ports = board.words().ports
     ports = replace(ports, timing=replace(ports.timing, samples=samples))
-    assert board_limits(board.scene, ports).stuck_samples == 2000 * samples
+    assert board_limits(board.scene, ports).stuck_samples == 833 * samples
 
 
 def test_each_field_has_its_own_number():

@@ -13,6 +13,7 @@ from pymodbus.pdu.register_message import (
     ReadHoldingRegistersRequest,
     WriteMultipleRegistersRequest,
 )
+from wavehaptics.ladder.linked_motors import LinkedMotors
 from wavehaptics.ladder.linked_pins import LinkedPins
 from wavehaptics.scene import SceneError, find_scene, load_scene
 from wavehaptics.trace.columns import Column, Word
@@ -30,10 +31,14 @@ def scene_of(*settings: str):
 
 
 class Line:
-    """A device of a scene with its bridges on, asked frame by frame; ``words`` are the ticks'."""
+    """A device of a scene with its bridges on, asked frame by frame; ``words`` are the ticks'.
 
-    def __init__(self, *settings: str) -> None:
-        self.pins = LinkedPins(scene_of(*settings))
+    Of several motors there are no words.
+    """
+
+    def __init__(self, *settings: str, motors: int = 1) -> None:
+        scene = scene_of(*settings)
+        self.pins = LinkedPins(scene) if motors == 1 else LinkedMotors(scene, motors)
         self._kept: list[np.ndarray] = []
         self._first = 0
         self.elapse(64)
@@ -52,7 +57,10 @@ class Line:
 
     def elapse(self, ticks: int) -> None:
         words = np.zeros((ticks, len(Word)), dtype=np.int64)
-        self.pins.advance(np.zeros((ticks, len(Column))), words)
+        if self.pins.motors > 1:
+            self.pins.elapse(ticks)
+        else:
+            self.pins.advance(np.zeros((ticks, len(Column))), words)
         self._kept.append(words)
 
     def _ask(self, request, length: int) -> bytes:
@@ -66,10 +74,10 @@ class Line:
                 return answer
         raise AssertionError("no answer")
 
-    def read(self, first: str, count: int, later: int = 0) -> list[int]:
+    def read(self, first: str, count: int, later: int = 0, motor: int = 0) -> list[int]:
         """Words from ``first`` on; ``later`` frames to another unit go before, so that the frame
         comes at other clocks of a tick."""
-        register = modbus.word_register(WORDS[first].at())
+        register = modbus.word_register(WORDS[first].at(motor))
         other = ReadHoldingRegistersRequest(address=0, count=2, dev_id=2)
         for _ in range(later):
             self.pins.send(FramerRTU(DecodePDU(False)).buildFrame(other))
@@ -77,8 +85,8 @@ class Line:
         answer = self._ask(request, 5 + 4 * count)
         return list(struct.unpack(f">{count}i", answer[3:-2]))
 
-    def write(self, first: str, raws: list[int]) -> None:
-        register = modbus.word_register(WORDS[first].at())
+    def write(self, first: str, raws: list[int], motor: int = 0) -> None:
+        register = modbus.word_register(WORDS[first].at(motor))
         request = WriteMultipleRegistersRequest(
             address=register, registers=modbus.halves(raws), dev_id=1
         )
@@ -132,6 +140,29 @@ def test_an_answer_of_one_frame_is_taken_whole():
     line.elapse(3 * 64)
     # a = 0.99: a few ticks after a period begins the core's u is the goal, but for its last places.
     assert np.abs(line.words[-8:, Word.U] - u).max() < 0.01 * u
+
+
+def test_each_of_several_motors_has_a_host():
+    """Packets are whole, whenever they are read; who answers for one motor has that one alone."""
+    line = Line("host.rate_hz=2e3", motors=2)
+    line.pins.lead_hand(1.0)  # of motor 0; the other's goes on as the scene has it
+    found = []
+    for n in range(120):
+        if n % 20 == 0:
+            line.write("arm", [2])
+        found.append([line.read(PACKET[0], 3, n % 3, motor) for motor in range(2)])
+    for motor in range(2):
+        packets = [tuple(each[motor]) for each in found]
+        assert not any(active for _, _, active in packets)
+        changes = [n for n in range(1, len(packets)) if packets[n] != packets[n - 1]]
+        assert len(changes) > 40
+        assert all(packets[n][0] != packets[n - 1][0] for n in changes)
+    assert sum(first[1] != second[1] for first, second in found) > 40
+    line.write("arm", [2])
+    sequence, _, _ = line.read(PACKET[0], 3, motor=1)
+    line.write(ANSWER[0], [sequence, 0, 1], motor=1)
+    line.elapse(4)
+    assert [line.read(PACKET[0], 3, motor=motor)[2] for motor in range(2)] == [0, 1]
 
 
 def test_a_scene_without_a_host_has_none():

@@ -25,7 +25,7 @@ from wavehaptics.words.table import WORDS
 CC = shutil.which("cc") or shutil.which("gcc")
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
 
-SLOW = ("controller.tick_hz=500e3", "controller.extra_ticks=2")
+SLOW = ("controller.tick_hz=400e3", "controller.extra_ticks=2")
 """Ticks that are long enough for three motors."""
 
 SHAPED = ("shaper.feel=spring", "shaper.stiffness=0.45", "shaper.damping=0.2e-3",

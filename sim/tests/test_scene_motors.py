@@ -292,7 +292,7 @@ NO_BOARD = ("servo.", "drive.bus_measured", "motor.kind")
 """Keys that no board takes; a brushless motor's registers are others."""
 
 
-@pytest.mark.parametrize("key", [key for key in KEYS if not key.startswith(NO_BOARD)])
+@pytest.mark.parametrize("key", [key for key in KEYS if not key.startswith((*NO_BOARD, "guard."))])
 def test_what_a_device_has_once_is_shared(tmp_path, key):
     """A key may differ from motor to motor if and only if no register that is all motors' does."""
     path = write(tmp_path, BASE)

@@ -23,7 +23,7 @@ from wavehaptics.words.memory import settings_requests
 from wavehaptics.words.table import WORDS
 
 MOTORS = 3
-SLOW = ("controller.tick_hz=500e3", "controller.extra_ticks=2")
+SLOW = ("controller.tick_hz=400e3", "controller.extra_ticks=2")
 """Ticks that are long enough for three motors."""
 MEASURED = ("drive.bus_measured=true", "drive.bus_actual_v=11")
 SHAPE = Shape(MOTORS, 4, 0, 10)
@@ -79,7 +79,10 @@ def test_requests_of_a_further_motor():
 @pytest.mark.parametrize(
     ("sets", "message"),
     [
-        ((*BOARD, SLOW[1]), r"a tick of 48 clocks is shorter than the 72 that 3 motors need"),
+        (
+            (*BOARD, "controller.extra_ticks=4"),
+            r"a tick of 48 clocks is shorter than the 102 that 3 motors need",
+        ),
         ((*BOARD, *SLOW, "thermal.ambient_c=25"), r"thermal is simulated for one motor, and"),
         ((*BOARD, *SLOW, *MEASURED), r"drive.bus_measured is simulated for one motor, and"),
     ],
@@ -174,7 +177,6 @@ def test_a_board_that_is_a_board_has_its_motors(tmp_path):
         arming = command("arm", "--timeout", "60", env={"WH_PORT": str(link)})
         try:
             assert arming.stdout.readline() == "armed; Ctrl-C disarms\n"
-            # Its tick has a clock in which nobody reads the core's words.
             told(str(link), "set", "a=0.25", "--motor", "2")
             assert value(str(link), "running") == 1
             assert value_of(str(link), "a", 2) == 0.25
@@ -196,7 +198,7 @@ def test_a_hand_of_no_motor(tmp_path):
 # ---- The scope.
 
 
-WALL = ("controller.tick_hz=20e3", "controller.extra_ticks=2")
+WALL = ("controller.tick_hz=16e3", "controller.extra_ticks=2")
 """Of live_wall, whose W takes clocks as well."""
 
 

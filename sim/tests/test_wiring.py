@@ -405,7 +405,7 @@ def run_command(monkeypatch, table: Table | WiringError):
 def test_circuits_that_are_not_safe_are_neither_drawn_nor_told(table, monkeypatch):
     result = run_command(monkeypatch, table.changed(C1=10e-9))
     assert result.exit_code == 1
-    assert "wiring: alive stops high, tick 0.5 µs" in result.output
+    assert "wiring: alive stops high, tick 1.2 µs" in result.output
 
 
 def test_a_table_that_cannot_be_read_is_a_line(monkeypatch):

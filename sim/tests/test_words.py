@@ -331,7 +331,7 @@ def test_what_rows_are_made_of_is_at_its_address():
     }
     assert found == {name: WORDS[name].at() % (0x1000 if WORDS[name].row.per == "board" else 0x100)
                      for name in capture.WORDS}  # fmt: skip
-    rtl = (formats.RTL_DIR / "wh_device.v").read_text(encoding="utf-8")
+    rtl = (formats.RTL_DIR / "wh_motor_device.v").read_text(encoding="utf-8")
     bits = re.search(r"assign flags\[n\*8 \+: 8\] = \{([^}]*)\};", rtl)[1]
     names = [name.strip().removesuffix("[n]") for name in bits.split(",")]
     assert (*reversed(names),) == FLAGS

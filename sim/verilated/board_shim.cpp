@@ -46,6 +46,7 @@ struct Board {
     int64_t both_on = 0;     // clocks with both gates of a leg on
     int64_t idle_on = 0;     // and with a gate on while the board says that it doesn't run, but for
                              // the clock that it takes to go off
+    int64_t apart = 0;       // and in which a motor's gates aren't the first one's
     bool ran = false;        // the clock before
     uint64_t seen = 0xcbf29ce484222325;  // digest of the pins at each clock from kUnset on
     int last_alive = 0;
@@ -75,6 +76,7 @@ int64_t step(Board &board) {
     }
     board.both_on += both_on(pins & kAllGates);
     board.idle_on += (pins & kAllGates) && !top.running && !board.ran;
+    board.apart += top.apart;
     board.ran = top.running;
     return pins;
 }
@@ -167,7 +169,8 @@ int64_t wh_board_clock(int64_t model, int64_t inputs) {
 int64_t wh_board_words(int64_t, int64_t) { return 0; }
 
 // Clocks, ticks told by alive, irregular ones, clocks with both gates of a leg on, with a gate on
-// while not running, whether it runs, its fault, and the digest of all pins at all clocks.
+// while not running, in which a motor's gates aren't the first one's, whether it runs, its fault, and the
+// digest of all pins at all clocks.
 void wh_board_report(void *model, int64_t *report) {
     const auto &board = *static_cast<Board *>(model);
     report[0] = board.clocks;
@@ -175,9 +178,10 @@ void wh_board_report(void *model, int64_t *report) {
     report[2] = board.irregular;
     report[3] = board.both_on;
     report[4] = board.idle_on;
-    report[5] = board.top.running;
-    report[6] = board.top.fault;
-    report[7] = static_cast<int64_t>(board.seen);
+    report[5] = board.apart;
+    report[6] = board.top.running;
+    report[7] = board.top.fault;
+    report[8] = static_cast<int64_t>(board.seen);
 }
 
 }  // extern "C"

@@ -82,7 +82,7 @@ void wh_brushless_delete(void *model) { delete static_cast<Controller *>(model);
 
 // One clock with these inputs (set_inputs). Returns, as they stand after the edge: bits 0-2 high gates
 // of the legs a, b and c, 3-5 low gates, 6 CS_n, 7 SCLK, 8 tick, 9 core valid, 10 contact, 11 overrun,
-// 12 encoder fault.
+// 12 encoder fault, from 13 on the guard's faults.
 int64_t wh_brushless_clock(int64_t model, int64_t inputs) {
     auto *controller = reinterpret_cast<Controller *>(model);
     auto &top = controller->top;
@@ -96,7 +96,7 @@ int64_t wh_brushless_clock(int64_t model, int64_t inputs) {
     }
     return top.gate_high_o | top.gate_low_o << 3 | top.adc_cs_n_o << 6 | top.adc_sclk_o << 7 |
            top.tick_o << 8 | top.core_valid_o << 9 | top.contact_o << 10 | top.overrun_o << 11 |
-           top.encoder_fault_o << 12;
+           top.encoder_fault_o << 12 | int64_t{top.faults_o} << 13;
 }
 
 // The words of the newest step into words[0..17]: i, u_n, v_n, e of alpha, then of beta, whether the

@@ -17,7 +17,7 @@
 WH_EDGES(Vwh_device)
 
 // Signals of the module, which device_shim.vlt shows.
-#define SIGNAL(name) root->wh_device__DOT__##name
+#define SIGNAL(name) root->wh_device__DOT__of_motor__DOT__device__DOT__##name
 
 #include "device_pins.h"
 

@@ -79,7 +79,7 @@ int64_t wh_guarded_words(int64_t model, int64_t words_address) {
     return wh_pins_words(reinterpret_cast<int64_t>(controller), words_address);
 }
 
-// As wh_pins_clock.
+// As wh_pins_clock, but for the faults: wh_guarded_report has them.
 int64_t wh_guarded_clock(int64_t model, int64_t inputs) {
     auto *guarded = reinterpret_cast<Guarded *>(model);
     auto &top = guarded->controller->top;
@@ -114,7 +114,7 @@ int64_t wh_guarded_clock(int64_t model, int64_t inputs) {
     if (guarded->off < 0 && top.faults_o && !top.running_o && !(out & 15)) {
         guarded->off = guarded->clocks;
     }
-    return out;
+    return out & mask(kFaultsShift);
 }
 
 // Does something to the inputs, from the next clock on; that clock is kept as the cause's.

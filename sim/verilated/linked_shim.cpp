@@ -15,8 +15,14 @@
 
 WH_EDGES(Vwh_linked_device)
 
+#include "words.h"
+
 // Signals of the modules, which device_shim.vlt and linked_shim.vlt show.
-#define SIGNAL(name) root->wh_linked_device__DOT__device__DOT__##name
+#if WH_MOTORS > 1
+#define SIGNAL(name) root->wh_linked_device__DOT__device__DOT__of_ports__DOT__device__DOT__##name
+#else
+#define SIGNAL(name) root->wh_linked_device__DOT__device__DOT__of_motor__DOT__device__DOT__##name
+#endif
 #define BIT_CLOCKS linked->root->wh_linked_device__DOT__link__DOT__uart__DOT__bit_clocks_i
 
 #include "device_pins.h"
@@ -163,6 +169,7 @@ int64_t wh_linked_begin(void *model, const uint8_t *frame, int64_t count) {
     wh_linked_await(model, kAnswer);
     linked->host.received.clear();
     if (way < 0 || !pass(linked, [root = linked->root] { return !SIGNAL(busy); })) return false;
+#if WH_MOTORS == 1
     const auto round_ends = [root = linked->root] { return !SIGNAL(hold_round); };
     pass(linked, round_ends);
     const int64_t first = linked->clocks;
@@ -171,6 +178,7 @@ int64_t wh_linked_begin(void *model, const uint8_t *frame, int64_t count) {
     const int64_t period = linked->clocks - first;
     const int64_t last = first + ((way + period) / period + 1) * period;
     pass(linked, [=] { return linked->clocks >= last - way; });
+#endif
     if (restart(linked, frame, count) != way) return false;
     clock(linked), end_clock(linked);
     linked->top.enable_i = 1;
@@ -184,6 +192,7 @@ int64_t wh_linked_bus(int64_t model, int64_t word) {
     return 0;
 }
 
+#if WH_MOTORS == 1
 // As wh_pins_clock, or wh_brushless_clock. With the bridges off, where there are no steps, each tick tells of
 // one, and so do four ticks without: the loop around goes on with its motor, whatever the settings make of the
 // ticks.
@@ -206,6 +215,8 @@ int64_t wh_linked_clock(int64_t model, int64_t inputs) {
     return out;
 }
 
+#endif
+
 // One clock of several motors, with three inputs and four gates of each, these from bit 9 on; what they
 // share stands where the loop of one motor has it.
 int64_t wh_linked_clock_all(int64_t model, int64_t inputs) {
@@ -223,9 +234,11 @@ int64_t wh_linked_clock_all(int64_t model, int64_t inputs) {
     return out;
 }
 
-// As wh_pins_words, of the first motor, or wh_brushless_words.
+// As wh_pins_words, or wh_brushless_words; nothing of several motors.
 int64_t wh_linked_words(int64_t model, int64_t words_address) {
+#if WH_MOTORS == 1
     words_of(reinterpret_cast<Linked *>(model)->root, reinterpret_cast<int64_t *>(words_address));
+#endif
     return 0;
 }
 

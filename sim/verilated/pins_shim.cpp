@@ -35,6 +35,7 @@ int64_t signed_word(uint64_t raw) {
 constexpr uint64_t mask(int width) { return (uint64_t{1} << width) - 1; }
 
 constexpr int kMostSetupClocks = 1 << 20;
+constexpr int kFaultsShift = 11;  // of wh_pins_clock
 
 void clock(Vwh_controller &top) {
     rise(top);
@@ -119,7 +120,8 @@ int64_t wh_pins_bus(int64_t model, int64_t word) {
 void wh_pins_delete(void *model) { delete static_cast<Controller *>(model); }
 
 // One clock with these inputs (set_inputs). Returns, as they stand after the edge: bits 0-3 gates
-// AH AL BH BL, 4 CS_n, 5 SCLK, 6 tick, 7 core valid, 8 contact, 9 overrun, 10 encoder fault.
+// AH AL BH BL, 4 CS_n, 5 SCLK, 6 tick, 7 core valid, 8 contact, 9 overrun, 10 encoder fault, from 11 on
+// the guard's faults.
 int64_t wh_pins_clock(int64_t model, int64_t inputs) {
     auto *controller = reinterpret_cast<Controller *>(model);
     auto &top = controller->top;
@@ -135,7 +137,8 @@ int64_t wh_pins_clock(int64_t model, int64_t inputs) {
     controller->packets += top.host_strobe_o;
     return top.gate_ah_o | top.gate_al_o << 1 | top.gate_bh_o << 2 | top.gate_bl_o << 3 |
            top.adc_cs_n_o << 4 | top.adc_sclk_o << 5 | top.tick_o << 6 | top.core_valid_o << 7 |
-           top.contact_o << 8 | top.overrun_o << 9 | top.encoder_fault_o << 10;
+           top.contact_o << 8 | top.overrun_o << 9 | top.encoder_fault_o << 10 |
+           int64_t{top.faults_o} << kFaultsShift;
 }
 
 // The words of the newest step into words[0..10]: i, u_n, v_n, e, whether the voltage limit acted, of

@@ -103,6 +103,9 @@ BOARD_FAULTS = (
 """What a board watches: it has no host, no driver's fault pin and no measured bus, and its own
 stop."""
 
+SWITCH_FAULTS = (Fault.TRIP, Fault.ENCODER, Fault.ANCHOR, Fault.OVERRUN)
+"""What ``boards/wh_board_switch.v`` takes the gates off for without a guard."""
+
 CURRENT_OF_SCALE = 0.9
 """Current limit of a board that names none, in parts of its ADC's scale."""
 
@@ -155,30 +158,53 @@ def board_limits(scene: Scene, ports: Ports, trip_a: float | None = None) -> Lim
 
 def settings(limits: Limits, tick_s: float, sensor: Sensor, s: float) -> int:
     """The guard's word for a controller's tick, ADC and s = √(2R̂)."""
+    return pack(raw_fields(limits, tick_s, sensor, s))
+
+
+def raw_fields(limits: Limits, tick_s: float, sensor: Sensor, s: float) -> dict[str, int]:
+    """The raw fields of :func:`settings`."""
     full = 1 << (formats.SAMPLE_W - 1)
 
     def ticks(seconds: float) -> int:
         return max(1, round(seconds / tick_s))
 
-    return pack(
-        {
-            "MASK": mask(limits.watched),
-            "DAMP": mask(limits.damp),
-            "LEVELS": limits.stop_level | limits.driver_level << 1,
-            "CURRENT": min(full, round(limits.current_a / sensor.full_scale_a * full)),
-            "RANGE": sensor.range_word() - 1,
-            "STUCK": limits.stuck_samples,
-            "ZERO": round(limits.zero_a * 2**CURRENT_Q),
-            "ZERO_TICKS": ticks(limits.zero_s),
-            "LOST": round(2 * limits.lost_v / s * 2**WAVE_Q),
-            "LOST_TICKS": ticks(limits.lost_s),
-            "HOST": ticks(limits.host_s),
-            "BUS_MIN": round(limits.bus_min_v * 2**formats.BUS_Q),
-            "BUS_MAX": round(limits.bus_max_v * 2**formats.BUS_Q),
-            "HEAT_TICKS": ticks(limits.winding_s / HEAT_SQUARES),
-            "HEAT": round(limits.rms_a**2 * 2**HEAT_Q),
-            "ENERGY": min(
-                math.ceil(limits.energy / formats.ENERGY_LIMIT.step), formats.ENERGY_LIMIT.raw_max
-            ),
-        }
+    return {
+        "MASK": mask(limits.watched),
+        "DAMP": mask(limits.damp),
+        "LEVELS": limits.stop_level | limits.driver_level << 1,
+        "CURRENT": min(full, round(limits.current_a / sensor.full_scale_a * full)),
+        "RANGE": sensor.range_word() - 1,
+        "STUCK": limits.stuck_samples,
+        "ZERO": round(limits.zero_a * 2**CURRENT_Q),
+        "ZERO_TICKS": ticks(limits.zero_s),
+        "LOST": round(2 * limits.lost_v / s * 2**WAVE_Q),
+        "LOST_TICKS": ticks(limits.lost_s),
+        "HOST": ticks(limits.host_s),
+        "BUS_MIN": round(limits.bus_min_v * 2**formats.BUS_Q),
+        "BUS_MAX": round(limits.bus_max_v * 2**formats.BUS_Q),
+        "HEAT_TICKS": ticks(limits.winding_s / HEAT_SQUARES),
+        "HEAT": round(limits.rms_a**2 * 2**HEAT_Q),
+        "ENERGY": min(
+            math.ceil(limits.energy / formats.ENERGY_LIMIT.step), formats.ENERGY_LIMIT.raw_max
+        ),
+    }
+
+
+def trip_word(trip_a: float, sensor: Sensor) -> int:
+    """The word ``trip`` for a current."""
+    return round(trip_a / sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
+
+
+def scene_words(scene: Scene, ports: Ports) -> dict[str, int]:
+    """Words of the scene's ``[guard]``, with which ``wh_guard`` does what a board does.
+
+    On a board that has none, the switch takes the gates off for :data:`SWITCH_FAULTS`.
+    """
+    assert scene.guard is not None
+    limits = board_limits(scene, ports, scene.guard.trip_a)
+    watched = SWITCH_FAULTS + (limits.watched if scene.guard.watch else ())
+    fields = raw_fields(
+        limits._replace(watched=watched), ports.timing.tick_s, ports.sensor, ports.settings.s
     )
+    words = {FIELDS[name].name: raw for name, raw in fields.items()}
+    return words | {"trip": trip_word(scene.guard.trip_a, ports.sensor)}

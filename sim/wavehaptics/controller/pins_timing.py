@@ -93,6 +93,22 @@ def shortest_tick_clocks(
     return needed
 
 
+def turn_clocks(sections: int = 0) -> int:
+    """Clocks from a port's turn to the next one's in ``rtl/wh_ports.v``: ``wh_slots``."""
+    return 36 if sections == 2 else 32
+
+
+def turns_clocks(motors: int, sections: int = 0) -> int:
+    """Clocks of the shortest period in which ``motors`` ports take their turns."""
+    return turn_clocks(sections) * (motors - 1) + (42 if sections == 2 else 38)
+
+
+def turns_latency_clocks(conversion_clocks: int, motors: int, sections: int = 0) -> int:
+    """As :func:`latency_clocks`, of ``rtl/wh_ports.v``."""
+    last = turn_clocks(sections) * (motors - 1)
+    return conversion_clocks + last + 45 + motors + SECTION_CLOCKS * sections
+
+
 def shared_tick_clocks(ports: int = 1, anchored: bool = False) -> int:
     """Clocks of a tick with SHARED in which all products come in time; a shorter one may do.
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from wavehaptics.controller import bus_scale
 from wavehaptics.controller.modulator import width_bounds
-from wavehaptics.controller.pins_timing import shortest_tick_clocks
+from wavehaptics.controller.pins_timing import shortest_tick_clocks, turns_clocks
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.controller.tick_layout import (
     MOST_SAMPLES,
@@ -38,6 +38,9 @@ DEFAULT_BUS_V = 12.0
 
 FINE_COUNTS_PER_REV = 65_536
 """Encoder where the scene has none: A and B must come from somewhere."""
+
+HALF_CLOCKS = 8
+"""Clocks that half a carrier period of several motors has at least, besides one for each."""
 
 HOST_CLOCKS = 150
 """Least clocks of a period of ``rtl/wh_host_link.v``, which works so long at its end."""
@@ -153,19 +156,18 @@ def controller_ports(
 
 
 def hold_ticks(scene: Scene, ports: Ports, motors: int, *, shared: bool = False) -> int:
-    """Ticks that a voltage of ``motors`` on one core waits, so that the latency is the scene's.
+    """Ticks that a voltage waits so that the latency is the scene's; several ``motors`` take turns.
 
-    ``shared`` is the multiplier. :class:`SceneError` where the tick is too short for them, or the
-    scene's ``extra_ticks``.
+    ``shared`` is the multiplier of a single motor. :class:`SceneError` where the tick, or a half of
+    the carrier, is too short for them, or the scene's ``extra_ticks``.
     """
     if scene.motor.brushless:
         return ports.timing.hold_ticks  # of one motor, whose tick is long enough
     laid, lead = ports.timing, ports.words["sample_lead"] - ports.words["sample_late"]
-    sections = len(ports.settings.shaper.words)
+    sections, anchored = len(ports.settings.shaper.words), ports.settings.anchored
     natural = natural_ticks(
-        laid.tick_clocks, laid.samples, lead, laid.frame, motors, sections,
-        ports.settings.anchored,
-    )  # fmt: skip
+        laid.tick_clocks, laid.samples, lead, laid.frame, motors, sections, anchored
+    )
     extra = ports.settings.extra_ticks
     if extra < natural:
         raise scene.refusal(
@@ -174,12 +176,22 @@ def hold_ticks(scene: Scene, ports: Ports, motors: int, *, shared: bool = False)
             f"{natural} or more",
             "controller.extra_ticks",
         )
-    needed = shortest_tick_clocks(motors, sections, ports.settings.anchored, shared)
+    needed = (
+        turns_clocks(motors, sections)
+        if motors > 1
+        else shortest_tick_clocks(1, sections, anchored, shared)
+    )
     if needed > laid.tick_clocks:
         raise scene.refusal(
             f"a tick of {laid.tick_clocks} clocks is shorter than the "
             f"{needed} that {motors} motors need; lower controller.tick_hz",
             "controller.tick_hz",
+        )
+    if motors > 1 and laid.half_clocks < motors + HALF_CLOCKS:
+        raise scene.refusal(
+            f"half a carrier period of {laid.half_clocks} clocks is shorter than the "
+            f"{motors + HALF_CLOCKS} that {motors} motors need; lower drive.pwm_hz",
+            "drive.pwm_hz",
         )
     return extra - natural
 

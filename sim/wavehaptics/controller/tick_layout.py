@@ -18,6 +18,7 @@ from wavehaptics.controller.pins_timing import (
     latency_clocks,
     shortest_tick_clocks,
     step_end_clocks,
+    turns_latency_clocks,
 )
 from wavehaptics.parts.adcs import (
     MODULATORS,
@@ -138,11 +139,17 @@ def scene_frame(scene: Scene) -> FrameAt:
 
 
 def natural_ticks(
-    tick_clocks: int, samples: int, lead: int, frame: Frame, ports: int = 1, sections: int = 0,
+    tick_clocks: int, samples: int, lead: int, frame: Frame, motors: int = 1, sections: int = 0,
     anchored: bool = False, brushless: bool = False,
 ) -> int:  # fmt: skip
-    """Whole ticks from a tick's end until the voltage made of its samples can be driven."""
-    latency = latency_clocks(frame.conversion_clocks, ports, sections, anchored, brushless)
+    """Whole ticks from a tick's end until the voltage made of its samples can be driven.
+
+    Several ``motors`` take turns.
+    """
+    if motors > 1:
+        latency = turns_latency_clocks(frame.conversion_clocks, motors, sections)
+    else:
+        latency = latency_clocks(frame.conversion_clocks, 1, sections, anchored, brushless)
     return (_word_strobe(tick_clocks, samples, lead, frame) + latency) // tick_clocks
 
 

@@ -8,6 +8,9 @@ until the board says that it runs; or, on a board with a link, armed by a frame 
 Meanwhile the motor rests and the ADC reads no current. From the first gate on the loop is that of
 ``pins``.
 
+Several motors are all the same one: each port sees the one motor's encoder and ADC, and the first
+port's gates drive it. The others' gates have to be the first one's at every clock.
+
 Nothing inside the board is seen: the columns of the waves are NaN, contact is where the rotor
 really is in a wall, and ticks are counted by the pin ``alive``.
 """
@@ -87,8 +90,9 @@ class Report:
 
     ``irregular`` counts ticks that ``alive`` told at another clock or not at all, ``both_on``
     clocks with both gates of a leg on, ``idle_on`` those with a gate on while the board doesn't
-    say that it runs, but for the one in which they go off; ``seen`` is a digest of all the pins at
-    each clock from the 16th on: what no register begins with, reset gives it.
+    say that it runs, but for the one in which they go off, ``apart`` those in which a motor's gates
+    aren't the first one's; ``seen`` is a digest of all the pins at each clock from the 16th on:
+    what no register begins with, reset gives it.
     """
 
     clocks: int
@@ -96,6 +100,7 @@ class Report:
     irregular: int
     both_on: int
     idle_on: int
+    apart: int
     running: bool
     fault: bool
     seen: int
@@ -123,11 +128,12 @@ def board_scene(
 def bench(board: Board, ports: dict[str, str]) -> str:
     """A top with the same pins for each board; ``ports`` are the board's, with their directions.
 
-    A brushless motor's has more gates and ADCs.
+    A brushless motor's has more gates and ADCs. Several motors see the same.
     """
+    motors, gates = board.fpga.motors, GATES[board.brushless]
     roles = {"adc_sdata": "sdata", "enc_a": "a", "enc_b": "b", "stop": "stop",
              "adc_cs_n": "cs_n", "adc_sclk": "sclk", "alive": "alive",
-             **{gate: f"gates[{n}]" for n, gate in enumerate(GATES[board.brushless])},
+             **{gate: f"gates[{n}]" for n, gate in enumerate(gates)},
              "uart_rx": "rx", "uart_tx": "tx"}  # fmt: skip
     # Nobody presses the reset.
     shown = {"button_start": "start", "start": "start", "button_reset": "1'b0",
@@ -145,6 +151,11 @@ def bench(board: Board, ports: dict[str, str]) -> str:
         elif inverted:
             lines += [f"    wire {port};", f"    assign {role} = !{port};"]
             role = port
+        if motors > 1 and port in gates:
+            lines += [f"    wire [{motors - 1}:0] {port};", f"    assign {role} = {port}[0];"]
+            role = port
+        elif motors > 1 and port in ("adc_sdata", "enc_a", "enc_b"):
+            role = f"{{{motors}{{{role}}}}}"
         pins.append(f"        .{port} ({role})")
     missing = {"clk", *roles.values(), "start", "running", "fault"} - {"rx", "tx"} - found
     if missing:
@@ -154,13 +165,15 @@ def bench(board: Board, ports: dict[str, str]) -> str:
         )
     lines += [f"    assign {role} = 1'b{level};" for role, level in (("contact", 0), ("tx", 1))
               if role not in found]  # fmt: skip
-    adcs = f" [{len(board.adc_lines) - 1}:0]" if len(board.adc_lines) > 1 else ""
-    gates = len(GATES[board.brushless])
+    others = [f"{gate} != {{{motors}{{{gate}[0]}}}}" for gate in gates if motors > 1]
+    apart = " || ".join(others) or "1'b0"
+    lines += [f"    assign apart = {apart};"]
+    adcs = " [1:0]" if board.brushless else ""
     return "\n".join([
         f"module {BENCH} (",
         f"    input clk, input watch_clk, input start, input stop, input{adcs} sdata, input a,",
-        f"    input b, input rx, output tx, output [{gates - 1}:0] gates, output cs_n,",
-        "    output sclk, output alive, output running, output fault, output contact",
+        f"    input b, input rx, output tx, output [{len(gates) - 1}:0] gates, output cs_n,",
+        "    output sclk, output alive, output running, output fault, output contact, output apart",
         ");", *lines, f"    {board.name} board (", ",\n".join(pins), "    );", "endmodule", "",
     ])  # fmt: skip
 
@@ -172,8 +185,6 @@ def build(
 
     :class:`BoardError` where there is no bitstream, or one with other settings than the board's.
     """
-    if board.fpga.motors != 1:
-        raise BoardError(f"{board.name} has {board.fpga.motors} motors; only one can be simulated")
     synth = synth or synthesis.OUT / board.name
     made = synth / f"{board.name}{synthesis.PLACED_NETLIST}"
     cure = f"run `make bitstream BOARD={board.name}`"
@@ -389,10 +400,12 @@ class BoardSimulation:
 
     def report(self) -> Report:
         """What the pins have shown so far."""
-        words = (ctypes.c_int64 * 8)()
+        words = (ctypes.c_int64 * 9)()
         self._library.wh_board_report(self._model, words)
-        clocks, ticks, irregular, both_on, idle_on, running, fault, seen = words
-        return Report(clocks, ticks, irregular, both_on, idle_on, bool(running), bool(fault), seen)
+        clocks, ticks, irregular, both_on, idle_on, apart, running, fault, seen = words
+        return Report(
+            clocks, ticks, irregular, both_on, idle_on, apart, bool(running), bool(fault), seen
+        )
 
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """As ``pins`` does; what nobody sees at the pins is NaN, and there are no words."""

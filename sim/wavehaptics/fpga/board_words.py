@@ -117,7 +117,7 @@ def board_words(
         ),
     }  # fmt: skip
     if trip_a is not None:
-        words["trip"] = round(trip_a / ports.sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
+        words["trip"] = guard.trip_word(trip_a, ports.sensor)
     if scene.host is not None and not linked:
         raise scene.refusal("the board has no link to a host; leave [host] out", "host")
     delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())

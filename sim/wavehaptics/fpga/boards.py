@@ -65,8 +65,7 @@ class Sense(_Table):
     """The current's way to the ADC: shunt, amplifier with its reference at half its supply.
 
     The output ends ``swing_v`` before either rail; ``trip_a`` takes the gates off, and at 0 A the
-    ADC may read up to ``zero_a``, which is measured before the gates go on. ``known_too_fast`` says
-    why a carrier that the amplifier can't follow is built all the same; the build warns with it.
+    ADC may read up to ``zero_a``, which is measured before the gates go on.
     """
 
     amplifier: str
@@ -76,7 +75,6 @@ class Sense(_Table):
     gain: float = Field(gt=0)
     trip_a: float = Field(gt=0)
     zero_a: float = Field(gt=0)
-    known_too_fast: str | None = None
 
     @property
     def full_scale_a(self) -> float:

@@ -40,61 +40,29 @@ def dead_time(board: Board) -> DeadTime:
     return DeadTime(made_s, bridge.mismatch_s, bridge.gate_skew_s, bridge.fpga_skew_s)
 
 
-@dataclass(frozen=True)
-class Sensing:
-    """A board's carrier and the fastest that its amplifier follows, Hz; why not, where it can't."""
-
-    amplifier: str
-    carrier_hz: float
-    fastest_hz: float
-    refusal: str | None
-
-    @property
-    def told(self) -> str:
-        """The refusal with part and carrier."""
-        return (
-            f"the {self.amplifier} may not follow the carrier of {1e-3 * self.carrier_hz:.4g} kHz: "
-            f"{self.refusal}"
-        )
-
-
-def sensing(board: Board) -> Sensing:
-    """Whether a board's amplifier follows its carrier; :class:`BoardError` for one not known."""
-    parts, name = sensing_parts(), board.fpga.sense.amplifier
-    if name not in parts:
-        raise BoardError(
-            f"{board.folder}/fpga.toml: sense.amplifier {unknown_choice(name, parts)}, or enter it "
-            f"in boards/{TABLE.name} with its figures"
-        )
-    part, timing = parts[name], board.words().ports.timing
-    carrier_hz = timing.clock_hz / (2 * timing.half_clocks)
-    return Sensing(name, carrier_hz, part.carrier_hz, part.refusal(carrier_hz, timing.tick_s))
-
-
-def warning(board: Board) -> str | None:
-    """One line where a board's carrier is known to be too fast for its amplifier."""
-    found = sensing(board)
-    if found.refusal is None:
-        return None
-    return f"{board.folder}/fpga.toml: {found.told}. {board.fpga.sense.known_too_fast}"
+def carrier_hz(board: Board) -> float:
+    """A board's carrier, Hz."""
+    timing = board.words().ports.timing
+    return timing.clock_hz / (2 * timing.half_clocks)
 
 
 def _check_sensing(board: Board) -> None:
-    file, sense, found = f"{board.folder}/fpga.toml", board.fpga.sense, sensing(board)
-    if found.refusal is not None and sense.known_too_fast is None:
+    """:class:`BoardError` where the amplifier isn't known, or doesn't follow the carrier."""
+    file, parts, name = f"{board.folder}/fpga.toml", sensing_parts(), board.fpga.sense.amplifier
+    if name not in parts:
         raise BoardError(
-            f"{board.folder}/board.toml: {found.told}; "
-            + (
-                f"lower drive.pwm_hz to {1e-3 * found.fastest_hz:.4g} kHz or less, or "
-                if found.carrier_hz > found.fastest_hz
-                else ""
-            )
-            + f"name another amplifier in [sense] of {file}"
+            f"{file}: sense.amplifier {unknown_choice(name, parts)}, or enter it "
+            f"in boards/{TABLE.name} with its figures"
         )
-    if found.refusal is None and sense.known_too_fast is not None:
+    part, made_hz = parts[name], carrier_hz(board)
+    why = part.refusal(made_hz, board.words().ports.timing.tick_s)
+    if why is not None:
+        slower = made_hz > part.carrier_hz
+        lower = f"lower drive.pwm_hz to {1e-3 * part.carrier_hz:.4g} kHz or less, or "
         raise BoardError(
-            f"{file}: sense.known_too_fast is there, but the {found.amplifier} follows the carrier "
-            f"of {1e-3 * found.carrier_hz:.4g} kHz; leave it out"
+            f"{board.folder}/board.toml: the {name} may not follow the carrier of "
+            f"{1e-3 * made_hz:.4g} kHz: {why}; {lower if slower else ''}"
+            f"name another amplifier in [sense] of {file}"
         )
 
 

@@ -48,11 +48,10 @@ OPTIONS: tuple[Mapping[str, int], ...] = (
 )
 """Parameters of ``wh_controller``, a line of the table each; the first line is the defaults."""
 
-WHOLE: Mapping[str, int] = {"SENSE": 1, "GUARD": 1, "ANCHOR": 1}
-"""Parameters of ``wh_controller`` with which several motors are counted once more."""
-
-LINE: Mapping[str, int] = {**WHOLE, "ARM": 1, "CAPTURE": 12, "STREAM": 1}
-"""Those of ``wh_linked_device``."""
+LINE: Mapping[str, int] = {
+    "SENSE": 1, "GUARD": 1, "ANCHOR": 1, "ARM": 1, "CAPTURE": 12, "STREAM": 1,
+}  # fmt: skip
+"""Parameters of ``wh_linked_device`` with which one motor and several are counted."""
 
 BRUSHLESS: tuple[Mapping[str, int], ...] = ({}, {"GUARD": 1}, {"ANCHOR": 1, "GUARD": 1})
 """Parameters of ``wh_brushless``, counted for what is beside it."""
@@ -93,11 +92,9 @@ def cases(root: Path = ROOT) -> Iterator[Case]:
         yield Case("options", "wh_controller", parameters, devices=("up5k", "25k"))
     for parameters in BRUSHLESS:
         yield Case("brushless", "wh_brushless", parameters, devices=("25k",))
-    for ports in range(1, 9):
-        yield Case("ports", "wh_controller", {"N": ports}, devices=("25k",))
     for ports in (1, 2, 3, 4, 8):
-        yield Case("whole-ports", "wh_controller", {**WHOLE, "N": ports}, devices=("25k",))
-    for ports in (1, 2, 3, 4):
+        yield Case("ports", "wh_ports", {"N": ports}, devices=("25k",))
+        yield Case("shaped-ports", "wh_ports", {"SHAPER": 2, "N": ports}, devices=("25k",))
         yield Case("line-ports", "wh_linked_device", {**LINE, "N": ports}, devices=("25k",))
     for data_w, coef_w in _WIDTHS:
         yield Case("widths", "wh_wave_core", {}, {"WH_DATA_W": data_w, "WH_COEF_W": coef_w})

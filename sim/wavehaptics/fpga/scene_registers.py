@@ -92,8 +92,8 @@ class SceneRegisters:
 def scene_registers(scene: Scene, motors: int = 1, trip_a: float | None = None) -> SceneRegisters:
     """Parameters and registers for ``motors`` motors that are all the scene's.
 
-    A current of ``trip_a`` switches the gates off at once. :class:`SceneError` in one line where
-    the registers can't express what the scene asks for.
+    A current of ``trip_a``, or of the scene's ``[guard]``, switches the gates off at once.
+    :class:`SceneError` in one line where the registers can't express what the scene asks for.
     """
     for needed, keys in _NEEDED.items():
         if getattr(scene, needed) is None:
@@ -113,7 +113,10 @@ def scene_registers(scene: Scene, motors: int = 1, trip_a: float | None = None) 
         raise scene.refusal(
             "[host] is not for a wh_device with a brushless motor; leave it out", "host"
         )
-    board = board_words(scene, None, motors, guarded=True, trip_a=trip_a, linked=True, legs=legs)
+    guarded = scene.guard is None or scene.guard.watch
+    if trip_a is None and scene.guard is not None:
+        trip_a = scene.guard.trip_a
+    board = board_words(scene, None, motors, guarded=guarded, trip_a=trip_a, linked=True, legs=legs)
     return SceneRegisters(
         scene.scene.name, board.ports.timing.clock_hz, parameters(board), _registers(board)
     )

@@ -208,9 +208,6 @@ def build_board(
     ``seed`` takes the place of the board's own ones, ``out`` that of its folder, from the root.
     """
     check_board(board)
-    known = bridge_budget.warning(board)
-    if known is not None:
-        say(f"{board.name}: warning: {known}")
     out = out or OUT / board.name
     folder = board.root / out
     _clear(folder)

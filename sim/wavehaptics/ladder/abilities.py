@@ -27,7 +27,7 @@ _PINS = frozenset(
     f"drive.{key}"
     for key in ("mode", "pwm_hz", "dead_time_s", "compensate", "min_pulse_s", "bus_ripple_v",
                 "bus_ripple_hz")
-) | {"controller.clock_hz", "adc.part"}  # fmt: skip
+) | {"controller.clock_hz", "adc.part", "guard"}  # fmt: skip
 """Of clocks and gates."""
 
 _ANCHOR = frozenset(
@@ -82,7 +82,7 @@ ABILITIES: dict[str, Ability] = {
         },
     ),
     "a board": Ability(
-        _INERTIA,
+        _INERTIA | {"guard"},
         refused={
             "servo": "leave it out",
             "drive.bus_measured": "no board measures its bus yet; set it to false",

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from wavehaptics.controller import bus_scale
+from wavehaptics.controller import bus_scale, guard
 from wavehaptics.controller.anchor import FOLLOWER_TICKS, SEEN_CELLS
 from wavehaptics.controller.pins_timing import GATE_CLOCKS
 from wavehaptics.controller.ports import Ports, controller_ports
@@ -89,6 +89,8 @@ _ROOT3 = math.sqrt(3.0)
 # Bits of the pins, as sim/verilated/brushless_pins_shim.cpp packs them; gates below.
 _GATES = (1 << 6) - 1
 _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING, _COMPLAINTS = range(6, 12)
+_GUARD = _COMPLAINTS + 2
+_ANCHOR_LOST = _GUARD + int(guard.Fault.ANCHOR)
 # Places in the loop's integer parameters.
 (
     _MODEL, _CLOCK, _WORDS, _TICK_CLOCKS, _CODE_SHIFT, _DATA_BITS, _U_MAX, _SUBSTEP_CLOCKS,
@@ -96,7 +98,7 @@ _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING, _COMPLAINTS = range(6, 12)
 ) = range(12)  # fmt: skip
 # Places in the integers that the loop keeps, behind those of pins_loop, whose SHIFT and HELD are of
 # phase a.
-_SHIFT_B, _HELD_B, _DONE = range(CORRECTION + 1, CORRECTION + 4)
+_SHIFT_B, _HELD_B, _DONE, _OFF_AT = range(CORRECTION + 1, CORRECTION + 5)
 # Places in what it keeps of the tick that is running.
 _LOW, _HIGH, _X0, _HAND0, _T0 = range(5)
 # Places in the words of a step: i, u, v and e of alpha and of beta, the limit, of the anchors c, χ
@@ -346,6 +348,16 @@ def _advance(
         if kept[NOW] == kept[TICK_START]:
             _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, holds)
             _close_tick(z, kept, marks, pending, angles, floats, ints, load)
+            if pins >> _GUARD:
+                # No steps while the gates are off, so no waves: the rows show what the motor does.
+                if kept[_OFF_AT] == 0:
+                    kept[_OFF_AT] = kept[NOW]
+                if kept[EMITTED] < kept[CLOSED]:
+                    step = waves[kept[EMITTED] % PENDING]
+                    step[:_LIMITED] = 0
+                    step[_LOST] = (pins >> _ANCHOR_LOST) & 1
+                    step[_CONTACT] = (pins >> _TOUCHING) & 1
+                    kept[EMITTED] += 1
             if kept[CLOSED] - kept[EMITTED] > PENDING - 2:
                 return False
         if kept[_DONE] < min(kept[CLOSED], kept[EMITTED]):
@@ -380,7 +392,7 @@ class BrushlessPinsSimulation:
         drive = scene.drive or Drive.model_validate({})
         self._begin(scene, ports)
         self._state = plant.start
-        self._kept = np.zeros(_DONE + 1, dtype=np.int64)
+        self._kept = np.zeros(_OFF_AT + 1, dtype=np.int64)
         self._kept[COUNT] = ports.start_count
         self._kept[TICK_START] = -1
         self._kept[PINS] = 1 << _CS_N | time.frame.sclk_idle << _SCLK
@@ -433,6 +445,7 @@ class BrushlessPinsSimulation:
             "MIN_PULSE": int(bool(drive.min_pulse_s)),
             **({"SHAPER": sections} if sections else {}),
             **({"ANCHOR": 1} if self.settings.anchored else {}),
+            **({"GUARD": 1} if scene.guard else {}),
             **self._parameters(),
         }
         self._design = design = verilated.Design(self.TOP, self.SHIM, parameters, self.SHOWS)
@@ -443,6 +456,7 @@ class BrushlessPinsSimulation:
             **magnet_words(scene, self.settings, ports.start_count),
             "wall_shaped": [*shaped.tolist(), *[0] * (places - len(shaped))],
             "bus": bus_scale.bus_word(true_bus_v(scene)),
+            **(guard.scene_words(scene, ports) if scene.guard else {}),
         }  # fmt: skip
         levels = encoder_levels.py_func(ports.start_count) << 1
         self._model = self._new_model(verilated.words_of(design, values), levels)
@@ -471,9 +485,14 @@ class BrushlessPinsSimulation:
     @property
     def faults(self) -> int:
         """What was seen: bit 0 a tick too short for its work or ticks without, bit 1 an encoder's
-        illegal move.
+        illegal move, from bit 2 on the guard's faults.
         """
         return int(self._kept[FAULTS])
+
+    @property
+    def off_s(self) -> float:
+        """Time at which the guard had the gates off, to a tick; 0 if it never had."""
+        return float(self._kept[_OFF_AT]) / self.timing.clock_hz
 
     @property
     def step_words(self) -> list[int]:

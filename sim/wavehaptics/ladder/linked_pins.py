@@ -126,6 +126,11 @@ class OnALine:
             return None
         # Its answer is still under way, and nobody's who comes to the line.
         self._own = ANSWER_BYTES
+        if "guard_mask" in self._values:
+            # It has watched an ADC that nobody had set up.
+            frame = write_frame(WORDS["clear"].at(), [1])
+            self._library.wh_linked_send(model, frame, len(frame))
+            self._own += ANSWER_BYTES
         return model
 
     def _tell(self, model: int, frame: bytes) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from wavehaptics.controller import bus_scale
+from wavehaptics.controller import bus_scale, guard
 from wavehaptics.controller.ports import Ports, bus_voltage, controller_ports
 from wavehaptics.controller.settings import Settings
 from wavehaptics.controller.tick_layout import MOST_SAMPLES, bridge_mode
@@ -89,7 +89,7 @@ class PinsSimulation:
         self._begin(scene, ports, host)
         self._state = plant.start.copy()
         self._tables = self._transitions(plant)
-        self._kept = np.zeros(pins_loop.TOUCHED + 1, dtype=np.int64)
+        self._kept = np.zeros(pins_loop.OFF_AT + 1, dtype=np.int64)
         self._kept[pins_loop.COUNT] = ports.start_count
         self._kept[pins_loop.TICK_START] = -1
         self._kept[pins_loop.PINS] = 1 << pins_loop.CS_N | time.frame.sclk_idle << pins_loop.SCLK
@@ -150,6 +150,7 @@ class PinsSimulation:
                 **({"BUS": 1} if drive.bus_measured else {}),
                 **({"HOST": 1} if host else {}),
                 **({"ANCHOR": 1} if set_.anchored else {}),
+                **({"GUARD": 1} if scene.guard else {}),
                 **self._parameters(),
             },
             self.SHOWS,
@@ -160,6 +161,7 @@ class PinsSimulation:
             **ports.words, **set_.words(), **ports.wall_words(places),
             "wall_shaped": [*set_.shaped.tolist(), *[0] * (places - len(set_.shaped))],
             "bus": bus_scale.bus_word(true_bus_v(scene)),
+            **(guard.scene_words(scene, ports) if scene.guard else {}),
         }  # fmt: skip
         levels = pins_loop.encoder_levels.py_func(ports.start_count)
         self._model = self._new_model(self._port_words(design), levels)
@@ -190,9 +192,14 @@ class PinsSimulation:
     @property
     def faults(self) -> int:
         """What was seen: bit 0 a tick too short for its work or ticks without, bit 1 an encoder's
-        illegal move.
+        illegal move, from bit 2 on the guard's faults.
         """
         return int(self._kept[pins_loop.FAULTS])
+
+    @property
+    def off_s(self) -> float:
+        """Time at which the guard had the gates off, to a tick; 0 if it never had."""
+        return float(self._kept[pins_loop.OFF_AT]) / self.timing.clock_hz
 
     @property
     def clock_cycles(self) -> int:

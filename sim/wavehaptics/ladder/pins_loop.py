@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from wavehaptics.controller.anchor import FOLLOWER_TICKS, SEEN_CELLS
+from wavehaptics.controller.guard import Fault
 from wavehaptics.controller.pins_timing import GATE_CLOCKS
 from wavehaptics.motor.bridge import bridge_voltage, half_bridge_voltage
 from wavehaptics.motor.encoder_lines import FAULTY, cell_of, edge_place, line_count
@@ -61,6 +62,9 @@ _BUS_SCALE = 2.0**formats.BUS_Q
 PENDING = 8
 # Bits of the pins, as sim/verilated/pins_shim.cpp packs them.
 AH, AL, BH, BL, CS_N, SCLK, TICK, CORE_VALID, TOUCHING = range(9)
+_COMPLAINTS = TOUCHING + 1
+_GUARD = _COMPLAINTS + 2
+_ANCHOR_LOST = _GUARD + int(Fault.ANCHOR)
 # Places in the loop's integer parameters.
 (
     MODEL, CLOCK, WORDS, TICK_CLOCKS, CODE_SHIFT, DATA_BITS, U_MAX, SUBSTEP_CLOCKS,
@@ -74,8 +78,8 @@ AH, AL, BH, BL, CS_N, SCLK, TICK, CORE_VALID, TOUCHING = range(9)
 # Places in the integers that the loop keeps.
 (
     NOW, ADVANCED, PINS, SHIFT, HELD, COUNT, NEXT_LOOK, CLOSED, EMITTED, TICK_START, FAULTS,
-    CORRECTION, WAITS, TOUCHED,
-) = range(14)  # fmt: skip
+    CORRECTION, WAITS, TOUCHED, OFF_AT,
+) = range(15)  # fmt: skip
 # Places in the sums of the tick that is running.
 CHARGE, SQUARE, WORK, VOLT_SECONDS, LOW, HIGH, X0, HAND0, T0 = range(9)
 
@@ -362,13 +366,22 @@ def advance(
                 silent = 0
         if pins & 1 << TICK:
             # The strobe marks the carrier's last clock of a tick; the gates follow it later.
-            kept[FAULTS] |= pins >> 9
+            kept[FAULTS] |= pins >> _COMPLAINTS
             kept[TICK_START] = kept[NOW] + 1 + GATE_CLOCKS
         kept[NOW] += 1
         if kept[NOW] == kept[TICK_START]:
             _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
             _close_tick(state, kept, sums, pending, floats, ints)
             silent += 1
+            if pins >> _GUARD:
+                # No steps while the gates are off, so no waves: the rows show what the motor does.
+                if kept[OFF_AT] == 0:
+                    kept[OFF_AT] = kept[NOW]
+                call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
+                buffer[:5] = 0
+                buffer[8] = (pins >> _ANCHOR_LOST) & 1
+                kept[TOUCHED] = (pins >> TOUCHING) & 1
+                kept[WAITS] = 1
             if kept[WAITS]:
                 _emit(rows, words, done, kept, pending, floats, ints, buffer)
                 done += 1

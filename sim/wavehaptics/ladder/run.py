@@ -27,6 +27,7 @@ from wavehaptics.scene import Device, Scene
 from wavehaptics.trace.columns import TRACE_FILE, Column, TraceWriter, Word
 from wavehaptics.trace.metrics import Metrics
 from wavehaptics.trace.pictures import run_picture
+from wavehaptics.words.faults import FAULTS, bits_of
 
 CHUNK_TICKS = 1 << 15
 """Ticks at a time: long enough that Python costs nothing, short enough for the caches."""
@@ -185,13 +186,16 @@ def _measure(
 
 
 _FAULTS = ("a tick too short for its work", "more than one encoder edge in a clock")
-"""Bits of :attr:`wavehaptics.ladder.pins.PinsSimulation.faults`."""
+"""First bits of :attr:`wavehaptics.ladder.pins.PinsSimulation.faults`; behind them the guard's."""
 
 
 def _seen(simulation: Simulation) -> dict[str, str]:
     """What the RTL complained of, if it did: the run is then none of the scene."""
     faults = getattr(simulation, "faults", 0)
     seen = [text for bit, text in enumerate(_FAULTS) if faults >> bit & 1]
+    if guard := faults >> len(_FAULTS):
+        names = ", ".join(FAULTS[bit][0] for bit in bits_of(guard))
+        seen.append(f"switched off at {getattr(simulation, 'off_s', 0.0):.6g} s: {names}")
     return {"faults": "; ".join(seen)} if seen else {}
 
 

@@ -250,7 +250,7 @@ def _boards(numbers: dict[str, Any]) -> str:
                 f"`{board['board']}`",
                 _DEVICE_NAMES.get(board["device"], board["device"]),
                 f"{board['clock_mhz']:g} MHz",
-                f"{board['tick_mhz']:g} MHz"
+                f"{design.control_rate_hz(board) / 1e6:.4g} MHz"
                 + (f" × {board['motors']}" if board["motors"] > 1 else ""),
                 f"{board['logic_cells']} ({part:.0%})",
                 board["ff"],
@@ -354,14 +354,14 @@ def _resources(
 
 
 _OF_MOTORS = {
-    "ports": "bare",
-    "whole-ports": "with measured zero, guard and anchors",
-    "line-ports": "with settings memory, line, capture and stream as well",
+    "ports": "controller",
+    "shaped-ports": "with W of two sections",
+    "line-ports": "controller, registers, line, capture and stream",
 }
 
 
 def _motors(numbers: dict[str, Any]) -> str:
-    """What so many motors take, and each but the first on the average."""
+    """What so many motors take, and each but the first two on the average."""
     counts: dict[str, dict[int, tuple[int, int]]] = {table: {} for table in _OF_MOTORS}
     for row in numbers.get("resources", ()):
         if row["table"] in counts:
@@ -373,14 +373,15 @@ def _motors(numbers: dict[str, Any]) -> str:
         for motors in sorted({motors for of in counts.values() for motors in of})
     ]
     each = [_pair(_each(of)) for of in counts.values()]
-    return _table(head, [*lines, ("each but the first", *each)])
+    return _table(head, [*lines, ("each but the first two", *each)])
 
 
 def _each(of: dict[int, tuple[int, int]]) -> tuple[int, ...] | None:
-    if len(of) < 2:
+    """One motor alone is another device, so that the first two are not of one kind."""
+    if 2 not in of or len(of) < 3:
         return None
-    others = max(of) - 1
-    return tuple((of[max(of)][n] - of[1][n]) // others for n in range(2))
+    others = max(of) - 2
+    return tuple((of[max(of)][n] - of[2][n]) // others for n in range(2))
 
 
 def _pair(counts: tuple[int, ...] | None) -> str:

@@ -25,6 +25,7 @@ _FRAME = "one frame reads all converters"
 SHARED: dict[KeyPath, str] = {
     ("scene",): "all motors run together",
     ("host",): "one line leads to the host",
+    ("guard",): "one guard watches all motors",
     ("controller", "tick_hz"): _CARRIER,
     ("controller", "clock_hz"): _CARRIER,
     ("controller", "extra_ticks"): _CARRIER,

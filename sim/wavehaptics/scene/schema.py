@@ -21,6 +21,7 @@ from wavehaptics.scene.tables.drive import Drive
 from wavehaptics.scene.tables.encoder import Encoder
 from wavehaptics.scene.tables.friction import Friction
 from wavehaptics.scene.tables.general import SceneTable
+from wavehaptics.scene.tables.guard import Guard
 from wavehaptics.scene.tables.hand import Hand
 from wavehaptics.scene.tables.host import Host
 from wavehaptics.scene.tables.load import Load
@@ -51,6 +52,7 @@ class Scene(Table):
     encoder: Encoder | None = None
     adc: Adc | None = None
     drive: Drive | None = None
+    guard: Guard | None = None
     thermal: Thermal | None = None
     transmission: Transmission | None = None
     servo: Servo | None = None

@@ -74,7 +74,7 @@ def pump(table: Table) -> str:
         lines.append(
             _row(
                 [
-                    f"{stop.tick_s * 1e6:g} µs",
+                    f"{stop.tick_s * 1e6:.4g} µs",
                     stop.level,
                     f"{stop.least_v:.2f} to {stop.most_v:.2f} V",
                     f"{min(s.least_v for s in same):.2f} to {max(s.most_v for s in same):.2f} V",
@@ -122,8 +122,9 @@ def runs(board: str) -> str:
     assert drive.pwm_hz is not None
     motors = f" for each of {loaded.fpga.motors} motors" if loaded.fpga.motors > 1 else ""
     return (
-        f"{loaded.clock_hz / 1e6:g} MHz by its PLL, a tick of {1e6 / scene.controller.tick_hz:g} µs"
-        f"{motors}, a carrier of {drive.pwm_hz / 1e3:g} kHz, "
+        f"{loaded.clock_hz / 1e6:g} MHz by its PLL, "
+        f"a tick of {1e6 / scene.controller.tick_hz:.4g} µs{motors}, "
+        f"a carrier of {drive.pwm_hz / 1e3:.4g} kHz, "
         f"a dead time of {bridge_budget.dead_time(loaded).made_s * 1e9:.1f} ns.\n"
     )
 

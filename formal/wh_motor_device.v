@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// prove_wh_device: the bridges are on only where the pin enable says so and wh_arm does, whatever stands
+// prove_wh_motor_device: the bridges are on only where the pin enable says so and wh_arm does, whatever stands
 // on the bus and whatever the settings are: running_o is low with either, and every gate a clock later; both
 // also while words that want the bridges off are being given. With LEGS = 3 of a brushless motor's six gates.
 //
@@ -10,7 +10,7 @@
 `default_nettype none
 `include "wh_formats.vh"
 
-module prove_wh_device #(
+module prove_wh_motor_device #(
     parameter integer LEGS  = 2,
     parameter integer PARTS = LEGS - 1  // of one motor
 ) (
@@ -51,7 +51,7 @@ module prove_wh_device #(
     wire        fault;
     wire        clears;
 
-    wh_device #(
+    wh_motor_device #(
         .WALLS          (1),
         .GUARD          (1),
         .LEGS           (LEGS),

@@ -1,0 +1,823 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_ports: the wave controller of N motors, whose ports take turns.
+//
+//   wh_pins[N] - encoder, pattern, gates: all that exists once for each motor
+//       |
+//   wh_adc -> wh_sense ----------------------> wh_core -> wh_drive -> (wh_pins)
+//   wh_contact_ports -> wh_environment_ports -^   |
+//       `------------------> wh_anchor_ports <----'
+//
+// wh_guard_ports latches faults, wh_energy_ports observes contacts, wh_port_check finds settings without a meaning,
+// wh_carrier times everything, and wh_slots says whose turn it is.
+//
+// Each station is there once. wh_slots begins a port's turn, and port and bank go from station to station with
+// valid and data; a port's state is in each station's memories, as are its settings, in two banks. One
+// multiplier serves all, but W, by the schedule in wh_slots' header: nobody waits, and nobody else asks.
+// What it does for each port is what wh_controller with SENSE, GUARD and ANCHOR does, in every bit. A fault switches
+// off at once, but damps from the next round on: a round is damped for all ports or for none. wh_controller damps in
+// the midst of a step.
+//
+// Signs, enable_i and restart_i are those of wh_controller. The port's settings change with force_i, from the next
+// round on; those of all ports, the packed ones, in reset or as wh_controller has it.
+//
+// Latency: the last sample of a period reaches the gates with the next tick that ends
+//     conversion + 32 (N - 1) + 45 + N + 5 SHAPER clocks
+// after its sample strobe or later, and a period has 32 (N - 1) + 38 clocks or more. A half has N + 8 or more.
+// With SHAPER = 2, a port takes 36 clocks instead of 32, and the last one 42 instead of 38.
+// Live values: live_valid_o strobes with the port, which value it is, and the value, all of them once a period, and an
+// offset that changes in a step once more.
+// Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
+
+`default_nettype none
+`include "wh_formats.vh"
+`include "wh_faults.vh"
+
+module wh_ports #(
+    parameter integer N          = 1,  // motors, 1...8
+    parameter integer WALLS      = 4,  // walls of each, 1...7
+    parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
+    parameter integer ADC        = 0,  // reader: 0 wh_adc_serial, 1 wh_adc_max11125, 2 wh_sinc3
+    parameter integer OSR        = 32, // ADC = 2: bits a word, 4...256
+    parameter integer ZERO_LOG2  = 10, // ticks of a zero, 2^ZERO_LOG2; 2...16
+    parameter integer SHAPER     = 0,  // sections of W (wh_shaper_ports), 0...2; 0: W = 1
+    parameter integer HOST       = 0,  // 1: a computer can have the environment (wh_host_link)
+    parameter integer MODES      = 0,  // 1: mode chooses the bridges' pattern; 0: unipolar
+    parameter integer MIN_PULSE  = 0,  // 1: min_pulse counts; 0: pulses may be of one clock
+    parameter integer PORT_W     = (N > 1) ? $clog2(N) : 1  // derived, leave it
+) (
+    input  wire                         clk,
+    input  wire                         rst,
+    input  wire                         enable_i,
+
+    // Pins.
+    output wire                         adc_cs_n_o,
+    output wire                         adc_sclk_o,
+    output wire                         adc_din_o,        // ADC = 1: commands
+    input  wire [N-1:0]                 adc_sdata_i,      // ADC = 1: bit 0, from one part
+    input  wire [N-1:0]                 enc_a_i,          // asynchronous
+    input  wire [N-1:0]                 enc_b_i,          // asynchronous
+    output wire [N-1:0]                 gate_ah_o,
+    output wire [N-1:0]                 gate_al_o,
+    output wire [N-1:0]                 gate_bh_o,
+    output wire [N-1:0]                 gate_bl_o,
+    input  wire                         stop_i,           // asynchronous
+    input  wire [N-1:0]                 driver_fault_i,   // asynchronous
+    input  wire [`WH_BUS_W-1:0]         bus_i,            // u16q9 V
+
+    // Settings of all ports, in the order of the register map, the first one lowest.
+    input  wire [65:0]                  carrier_i,        // wh_carrier
+    input  wire [56:0]                  frame_i,          // wh_adc_serial
+    input  wire [70:0]                  sense_i,          // trip, range, stuck_words, zero_limit
+    input  wire [3:0]                   filter_clocks_i,  // wh_quadrature
+    input  wire [2*DELAY_LOG2-1:0]      delay_i,          // extra_ticks, hold_ticks
+    input  wire [27:0]                  bridge_i,         // mode, min_pulse, dead_clocks, compensate, settle_ticks,
+                                                          // second_order
+    input  wire [`WH_GUARD_W-1:0]       guard_i,          // wh_faults.vh
+    input  wire [11:0]                  host_i,           // host_period_log2, host_timeout
+
+    // Settings of each port (wh_port_settings).
+    input  wire                         force_i,          // the bank in force
+    input  wire                         write_i,          // strobe
+    input  wire                         write_bank_i,
+    input  wire [11:0]                  address_i,
+    input  wire [31:0]                  data_i,
+
+    // Commands, strobes.
+    input  wire                         clear_i,          // forget faults that are over
+    input  wire                         host_alive_i,
+    input  wire                         zero_start_i,     // nothing while the bridges are on
+    input  wire                         restart_i,        // nothing while the bridges are on
+
+    // A computer's environment, HOST = 1 (wh_host_link). What its packets have are live values.
+    input  wire [N-1:0]                 host_strobe_i,    // an answer for that port
+    input  wire [7:0]                   host_sequence_i,  // of the packet that it answers
+    input  wire [`WH_DATA_W-1:0]        host_u_i,         // s31q23 √W
+    output wire [N-1:0]                 host_strobe_o,    // a packet
+
+    // What it sees and does.
+    output wire                         live_valid_o,     // strobe
+    output wire [PORT_W-1:0]            live_port_o,
+    output wire [3:0]                   live_word_o,      // WH_LIVE_...
+    output wire [31:0]                  live_data_o,      // words with a sign are sign-extended
+    output wire                         tick_o,           // strobe, last clock of a tick
+    output wire                         adc_ready_o,      // the ADC is set up: ticks go on
+    output wire                         running_o,        // the bridges are on
+    output wire                         zero_busy_o,      // zeros are measured
+    output wire [N-1:0]                 zero_faults_o,    // no permitted zero was found
+    output wire [`WH_FAULTS-1:0]        faults_o          // latched
+);
+
+    localparam integer DATA_W = `WH_DATA_W;
+    localparam integer COEF_W = `WH_COEF_W;
+    localparam integer LAST   = N - 1;
+    localparam [COEF_W-1:0] ONE_STEP = 1;
+
+    generate
+        if (N < 1 || N > 8) begin : illegal
+            wh_illegal_parameter_ports_n_must_be_1_to_8 stop ();
+        end
+        if (WALLS < 1 || WALLS > 7) begin : illegal_walls
+            wh_illegal_parameter_ports_walls_must_be_1_to_7 stop ();
+        end
+        if (MODES != 0 && MODES != 1) begin : illegal_modes
+            wh_illegal_parameter_ports_modes_must_be_0_or_1 stop ();
+        end
+    endgenerate
+
+    // ---- Settings of all ports.
+    wire        [`WH_TICK_W-1:0] half_clocks, tick_halves, sample_clocks;
+    wire        [8:0]            samples;
+    wire signed [7:0]            sample_lead;
+    wire                         sample_late;
+    wire        [7:0]            sclk_half_clocks, quiet_clocks, setup_clocks, hold_clocks;
+    wire        [5:0]            frame_bits, lead_bits, calibrate_bits;
+    wire        [4:0]            data_bits;
+    wire                         sclk_idle, read_trailing;
+    wire        [15:0]           trip, range, stuck_words;
+    wire        [`WH_SUM_W-2:0]  zero_limit;
+    wire        [DELAY_LOG2-1:0] extra_ticks, hold_ticks;
+    wire        [`WH_MODE_W-1:0] mode;
+    wire        [7:0]            min_pulse, dead_clocks, settle_ticks;
+    wire                         compensate, second_order;
+
+    assign {sample_late, sample_lead, samples, sample_clocks, tick_halves, half_clocks} = carrier_i;
+    assign {read_trailing, sclk_idle, calibrate_bits, hold_clocks, setup_clocks, quiet_clocks, data_bits, lead_bits,
+            frame_bits, sclk_half_clocks} = frame_i;
+    assign {zero_limit, stuck_words, range, trip} = sense_i;
+    assign {hold_ticks, extra_ticks} = delay_i;
+    assign {second_order, settle_ticks, compensate, dead_clocks, min_pulse, mode} = bridge_i;
+
+    // Widths that keep every leg where it is for min_pulse, as wh_controller has them.
+    wire       half_bridge = MODES != 0 && mode == `WH_MODE_HALF_BRIDGE;
+    wire       whole       = MODES != 0 && mode != `WH_MODE_UNIPOLAR;  // one width for both halves of a period
+    wire [7:0] spare       = (MIN_PULSE != 0) ? (min_pulse >> 1) + {7'd0, min_pulse[0]} : 8'd0;
+    wire [7:0] least       = (MIN_PULSE == 0)                  ? 8'd0
+                           : !whole                          ? min_pulse
+                           : (mode == `WH_MODE_SIGN_MAGNITUDE) ? spare : 8'd0;
+
+    // ---- On and off.
+    wire faulty;      // the guard wants the bridges off,
+    wire damp_wanted; // or a damper,
+    wire damp;        // from a round's beginning on
+    reg  off_q;
+    wire run           = enable_i && !(faulty || off_q);
+    wire drive_rst     = rst || !run;
+    wire zero_begins   = zero_start_i && !run;
+    wire sense_restart = restart_i && !(enable_i && !off_q);
+    wire sense_rst     = rst || sense_restart;
+    wire slots_run;
+    wire core_rst      = rst || !slots_run;  // from a round's beginning on
+    wire calm_rst      = core_rst || damp;
+
+    always @(posedge clk) begin
+        off_q <= faulty && !rst;
+    end
+
+    assign running_o = run;
+
+    // ---- Carrier and ADC. The ticks begin when the ADC is ready.
+    wire [`WH_TICK_W-1:0]     phase, remaining;
+    wire                      half, update, take, last_half, sample, sample_first;
+    wire                      word_valid, word_first, adc_overrun;
+    wire [N*`WH_SAMPLE_W-1:0] word;
+    wire [N-1:0]              trips;
+    wire                      unused_take = &{1'b0, take};
+
+    wh_carrier carrier (
+        .clk             (clk),
+        .rst             (sense_rst || !adc_ready_o),
+        .half_clocks_i   (half_clocks),
+        .tick_halves_i   (tick_halves),
+        .sample_clocks_i (sample_clocks),
+        .samples_i       (samples),
+        .sample_lead_i   (sample_lead),
+        .sample_late_i   (sample_late),
+        .phase_o         (phase),
+        .remaining_o     (remaining),
+        .half_o          (half),
+        .update_o        (update),
+        .take_o          (take),
+        .last_half_o     (last_half),
+        .tick_o          (tick_o),
+        .sample_o        (sample),
+        .sample_first_o  (sample_first)
+    );
+
+    wh_adc #(
+        .LINES              (N),
+        .ADC                (ADC),
+        .OSR                (OSR)
+    ) adc (
+        .clk                (clk),
+        .rst                (rst),
+        .restart_i          (sense_restart),
+        .adc_cs_n_o         (adc_cs_n_o),
+        .adc_sclk_o         (adc_sclk_o),
+        .adc_din_o          (adc_din_o),
+        .adc_sdata_i        (adc_sdata_i),
+        .sclk_half_clocks_i (sclk_half_clocks),
+        .frame_bits_i       (frame_bits),
+        .lead_bits_i        (lead_bits),
+        .data_bits_i        (data_bits),
+        .quiet_clocks_i     (quiet_clocks),
+        .setup_clocks_i     (setup_clocks),
+        .hold_clocks_i      (hold_clocks),
+        .calibrate_bits_i   (calibrate_bits),
+        .sclk_idle_i        (sclk_idle),
+        .read_trailing_i    (read_trailing),
+        .trip_i             (trip),
+        .start_i            (sample),
+        .first_i            (sample_first),
+        .ready_o            (adc_ready_o),
+        .valid_o            (word_valid),
+        .first_o            (word_first),
+        .sample_o           (word),
+        .trip_o             (trips),
+        .overrun_o          (adc_overrun)
+    );
+
+    // ---- Slots.
+    wire              summed, slot_valid, slot_bank, slots_overrun;
+    wire [PORT_W-1:0] slot_port;
+
+    wh_slots #(
+        .N         (N),
+        .SHAPER    (SHAPER)
+    ) slots (
+        .clk       (clk),
+        .rst       (sense_rst),
+        .summed_i  (summed),
+        .force_i   (force_i),
+        .run_i     (run),
+        .damp_i    (damp_wanted),
+        .valid_o   (slot_valid),
+        .port_o    (slot_port),
+        .bank_o    (slot_bank),
+        .run_o     (slots_run),
+        .damp_o    (damp),
+        .overrun_o (slots_overrun)
+    );
+
+    // ---- The multiplier. Requests never meet, so it takes what is asked for.
+    wire                            sense_request, core_request, anchor_request, drive_request, guard_request,
+                                    energy_request;
+    wire signed [DATA_W-1:0]        sense_factor, core_factor, anchor_factor, drive_factor, guard_factor,
+                                    energy_factor;
+    wire signed [COEF_W-1:0]        sense_coefficient, core_coefficient, anchor_coefficient, drive_coefficient,
+                                    guard_coefficient, energy_coefficient;
+    wire signed [DATA_W+COEF_W-1:0] product;
+    reg                             asked_q;
+
+    always @(posedge clk) begin
+        asked_q <= sense_request || core_request || anchor_request || drive_request || guard_request
+                   || energy_request;
+    end
+
+    wh_multiply multiply (
+        .clk       (clk),
+        .take_i    (asked_q),
+        .data_i    (anchor_request  ? anchor_factor
+                    : core_request  ? core_factor
+                    : sense_request ? sense_factor
+                    : guard_request ? guard_factor
+                    : energy_request ? energy_factor : drive_factor),
+        .coef_i    (anchor_request  ? anchor_coefficient
+                    : core_request  ? core_coefficient
+                    : sense_request ? sense_coefficient
+                    : guard_request ? guard_coefficient
+                    : energy_request ? energy_coefficient : drive_coefficient),
+        .product_o (product)
+    );
+
+    // ---- Words that one station has for another.
+    wire                     room_valid, offset_valid, flux_valid, lag_valid, correction_valid;
+    wire [PORT_W-1:0]        anchor_port;
+    wire signed [DATA_W-1:0] anchor_data;
+    wire [N-1:0]             anchor_faults;
+
+    // ---- Sense: currents.
+    wire                     current_valid, current_bank;
+    wire [PORT_W-1:0]        current_port;
+    wire signed [DATA_W-1:0] current, current_offset;
+    wire [1:0]               current_ends;
+    wire [N-1:0]             ranges, stucks, guard_currents, guard_ranges, guard_stucks;
+
+    wh_sense #(
+        .N               (N),
+        .ZERO_LOG2       (ZERO_LOG2)
+    ) sense (
+        .clk             (clk),
+        .rst             (rst),
+        .sense_rst_i     (sense_rst),
+        .word_valid_i    (word_valid),
+        .word_first_i    (word_first),
+        .word_i          (word),
+        .samples_i       (samples),
+        .summed_o        (summed),
+        .range_i         (range),
+        .stuck_words_i   (stuck_words),
+        .guard_current_i (guard_i[`WH_GUARD_CURRENT]),
+        .guard_range_i   (guard_i[`WH_GUARD_RANGE]),
+        .guard_stuck_i   (guard_i[`WH_GUARD_STUCK]),
+        .range_o         (ranges),
+        .stuck_o         (stucks),
+        .guard_current_o (guard_currents),
+        .guard_range_o   (guard_ranges),
+        .guard_stuck_o   (guard_stucks),
+        .zero_start_i    (zero_begins),
+        .bridge_off_i    (!run),
+        .zero_limit_i    (zero_limit),
+        .zero_busy_o     (zero_busy_o),
+        .zero_fault_o    (zero_faults_o),
+        .valid_i         (slot_valid),
+        .port_i          (slot_port),
+        .bank_i          (slot_bank),
+        .valid_o         (current_valid),
+        .port_o          (current_port),
+        .bank_o          (current_bank),
+        .current_o       (current),
+        .ends_o          (current_ends),
+        .offset_valid_i  (offset_valid),
+        .offset_port_i   (anchor_port),
+        .offset_i        (anchor_data),
+        .offset_rst_i    (calm_rst),
+        .offset_o        (current_offset),
+        .force_i         (force_i),
+        .write_i         (write_i),
+        .write_bank_i    (write_bank_i),
+        .address_i       (address_i),
+        .data_i          (data_i),
+        .request_o       (sense_request),
+        .factor_o        (sense_factor),
+        .coefficient_o   (sense_coefficient),
+        .product_i       (product)
+    );
+
+    // ---- Contact: positions, walls.
+    wire [N*`WH_MOVE_W-1:0]       counts;
+    wire signed [`WH_COUNT_W-1:0] position;
+    wire        [`WH_MOVE_W-1:0]  position_end = position[`WH_MOVE_W-1:0];
+    wire                          contact, shaped;
+    wire signed [COEF_W-1:0]      contact_eta;
+
+    wh_contact_ports #(
+        .N            (N),
+        .WALLS        (WALLS)
+    ) contacts (
+        .clk          (clk),
+        .rst          (rst),
+        .valid_i      (slot_valid),
+        .port_i       (slot_port),
+        .bank_i       (slot_bank),
+        .count_i      (counts),
+        .write_i      (write_i),
+        .write_bank_i (write_bank_i),
+        .address_i    (address_i),
+        .data_i       (data_i),
+        .position_o   (position),
+        .contact_o    (contact),
+        .shaped_o     (shaped),
+        .eta_o        (contact_eta)
+    );
+
+    // ---- Environment. An anchor that has lost the rotor leaves a port that only damps.
+    wire [COEF_W-1:0]        eta;
+    wire [DATA_W-1:0]        outside;
+    wire [1:0]               shape_mode;
+    wire                     host_active;
+    wire [7:0]               host_sequence;
+    wire [DATA_W-1:0]        host_v;
+    wire                     core_valid;
+    wire [PORT_W-1:0]        core_port;
+    wire signed [DATA_W-1:0] u, v;
+
+    wh_environment_ports #(
+        .N                  (N),
+        .HOST               (HOST)
+    ) environment (
+        .clk                (clk),
+        .rst                (calm_rst),
+        .port_i             (core_port),
+        .damps_i            (damp || anchor_faults[core_port]),
+        .contact_i          (contact),
+        .shaped_i           (shaped),
+        .eta_i              (contact_eta),
+        .step_valid_i       (core_valid),
+        .v_i                (v),
+        .host_period_log2_i (host_i[3:0]),
+        .host_timeout_i     (host_i[11:4]),
+        .host_strobe_i      (host_strobe_i),
+        .host_sequence_i    (host_sequence_i),
+        .host_u_i           (host_u_i),
+        .host_strobe_o      (host_strobe_o),
+        .host_sequence_o    (host_sequence),
+        .host_v_o           (host_v),
+        .host_active_o      (host_active),
+        .eta_o              (eta),
+        .wave_o             (outside),
+        .mode_o             (shape_mode)
+    );
+
+    // ---- Core: waves, e_id.
+    wire                     core_bank, waves_valid, clipped, saturated, saturated_before;
+    wire signed [DATA_W-1:0] wave_voltage, voltage_before, withheld_before;
+
+    wh_core #(
+        .N                  (N),
+        .DELAY_LOG2         (DELAY_LOG2),
+        .OUTSIDE            (HOST),
+        .SHAPER             (SHAPER)
+    ) core (
+        .clk                (clk),
+        .rst                (core_rst),
+        .valid_i            (current_valid),
+        .port_i             (current_port),
+        .bank_i             (current_bank),
+        .current_i          (current),
+        .ends_i             (current_ends),
+        .eta_i              (eta),
+        .outside_i          (outside),
+        .shape_mode_i       (shape_mode),
+        .extra_ticks_i      (extra_ticks),
+        .hold_ticks_i       (hold_ticks),
+        .room_rst_i         (calm_rst),
+        .room_valid_i       (room_valid),
+        .room_port_i        (anchor_port),
+        .room_i             (anchor_data),
+        .write_i            (write_i),
+        .write_bank_i       (write_bank_i),
+        .address_i          (address_i),
+        .data_i             (data_i),
+        .request_o          (core_request),
+        .factor_o           (core_factor),
+        .coefficient_o      (core_coefficient),
+        .product_i          (product),
+        .valid_o            (core_valid),
+        .waves_valid_o      (waves_valid),
+        .port_o             (core_port),
+        .bank_o             (core_bank),
+        .voltage_o          (wave_voltage),
+        .u_o                (u),
+        .v_o                (v),
+        .clipped_o          (clipped),
+        .saturated_o        (saturated),
+        .voltage_before_o   (voltage_before),
+        .withheld_before_o  (withheld_before),
+        .saturated_before_o (saturated_before)
+    );
+
+    // ---- Anchor: c.
+    wh_anchor_ports #(
+        .N                  (N)
+    ) anchors (
+        .clk                (clk),
+        .rst                (calm_rst),
+        .valid_i            (waves_valid),
+        .port_i             (core_port),
+        .bank_i             (core_bank),
+        .position_i         (position),
+        .contact_i          (contact || host_active),  // its current may be what a host likes
+        .blind_i            (clipped),
+        .current_i          (current),
+        .u_i                (u),
+        .v_i                (v),
+        .withheld_i         (withheld_before),
+        .voltage_i          (voltage_before),
+        .saturated_i        (saturated_before),
+        .write_i            (write_i),
+        .write_bank_i       (write_bank_i),
+        .address_i          (address_i),
+        .data_i             (data_i),
+        .request_o          (anchor_request),
+        .factor_o           (anchor_factor),
+        .coefficient_o      (anchor_coefficient),
+        .product_i          (product),
+        .room_valid_o       (room_valid),
+        .offset_valid_o     (offset_valid),
+        .flux_valid_o       (flux_valid),
+        .lag_valid_o        (lag_valid),
+        .correction_valid_o (correction_valid),
+        .port_o             (anchor_port),
+        .data_o             (anchor_data),
+        .faults_o           (anchor_faults)
+    );
+
+    // ---- Energy: what contacts deliver.
+    wire                           energy_valid, peak_valid;
+    wire signed [`WH_ENERGY_W-1:0] energy, energy_peak;
+    wire [N-1:0]                   energy_over;
+
+    wh_energy_ports #(
+        .N              (N)
+    ) energies (
+        .clk            (clk),
+        .rst            (rst),
+        .run_i          (run),
+        .valid_i        (waves_valid),
+        .port_i         (core_port),
+        .contact_i      (contact && !host_active),
+        .position_i     (position_end),
+        .current_i      (current),
+        .limit_i        (guard_i[`WH_GUARD_ENERGY]),
+        .request_o      (energy_request),
+        .factor_o       (energy_factor),
+        .coefficient_o  (energy_coefficient),
+        .product_i      (product),
+        .energy_valid_o (energy_valid),
+        .peak_valid_o   (peak_valid),
+        .energy_o       (energy),
+        .peak_o         (energy_peak),
+        .over_o         (energy_over)
+    );
+
+    // ---- Drive: widths, of all ports in time for the end of each half, or of each period.
+    wire                         walk = !(sense_rst || !adc_ready_o) && remaining == LAST[`WH_TICK_W-1:0] + 16'd6
+                                                 && (half || !whole);
+    wire signed [DATA_W-1:0]     voltage, correction;
+    wire                         width_valid;
+    wire [PORT_W-1:0]            width_port;
+    wire signed [`WH_TICK_W-1:0] width;
+
+    wh_drive #(
+        .N                  (N),
+        .MIN_PULSE          (MIN_PULSE)
+    ) drive (
+        .clk                (clk),
+        .rst                (drive_rst),
+        .current_valid_i    (current_valid),
+        .current_port_i     (current_port),
+        .current_bank_i     (current_bank),
+        .current_i          (current),
+        .voltage_valid_i    (core_valid),
+        .voltage_port_i     (core_port),
+        .voltage_bank_i     (core_bank),
+        .voltage_i          (wave_voltage),
+        .voltage_o          (voltage),
+        .correction_o       (correction),
+        .correction_rst_i   (calm_rst),
+        .correction_valid_i (correction_valid),
+        .correction_port_i  (anchor_port),
+        .correction_i       (anchor_data),
+        .half_clocks_i      (half_clocks),
+        .compensate_i       (compensate),
+        .dead_clocks_i      (dead_clocks),
+        .settle_ticks_i     (settle_ticks),
+        .second_order_i     (second_order),
+        .least_i            (least),
+        .spare_i            (spare),
+        .write_i            (write_i),
+        .write_bank_i       (write_bank_i),
+        .address_i          (address_i),
+        .data_i             (data_i),
+        .request_o          (drive_request),
+        .factor_o           (drive_factor),
+        .coefficient_o      (drive_coefficient),
+        .product_i          (product),
+        .walk_i             (walk),
+        .take_i             (last_half),
+        .width_valid_o      (width_valid),
+        .width_port_o       (width_port),
+        .width_o            (width)
+    );
+
+    // ---- Settings without a meaning: those of all ports, beside a port's that are legal, and those of each port.
+    wire illegal_setting, illegal_port;
+
+    wh_setting_check setting_check (
+        .clk               (clk),
+        .rst               (rst),
+        .half_clocks_i     (half_clocks),
+        .tick_halves_i     (tick_halves),
+        .sample_clocks_i   (sample_clocks),
+        .samples_i         (samples),
+        .sample_lead_i     (sample_lead),
+        .sample_late_i     (sample_late),
+        .whole_i           (whole),
+        .least_i           (least),
+        .spare_i           (spare),
+        .dead_clocks_i     (dead_clocks),
+        .compensate_i      (compensate),
+        .compensable_i     (!whole),
+        .root_i            (ONE_STEP),
+        .a_i               (ONE_STEP),
+        .eta_contact_i     (ONE_STEP),
+        .eta_free_i        (ONE_STEP),
+        .gain_i            (ONE_STEP),
+        .clocks_per_volt_i (ONE_STEP),
+        .u_max_i           ({DATA_W{1'b0}}),
+        .illegal_o         (illegal_setting)
+    );
+
+    wh_port_check #(
+        .N            (N)
+    ) port_check (
+        .clk          (clk),
+        .rst          (rst),
+        .force_i      (force_i),
+        .write_i      (write_i),
+        .write_bank_i (write_bank_i),
+        .address_i    (address_i),
+        .data_i       (data_i),
+        .illegal_o    (illegal_port)
+    );
+
+    // ---- Guard: faults.
+    wire         missing;
+    wire [N-1:0] moved, illegal_moves, encoder_faults;
+    wire         round = current_valid && current_port == LAST[PORT_W-1:0];
+
+    wh_step_watch step_watch (
+        .clk       (clk),
+        .rst       (sense_rst),
+        .start_i   (round),
+        .tick_i    (tick_o),
+        .overrun_o (missing)
+    );
+
+    wh_guard_ports #(
+        .N               (N)
+    ) guard (
+        .clk             (clk),
+        .rst             (rst),
+        .settings_i      (guard_i),
+        .clear_i         (clear_i),
+        .running_i       (run),
+        .stop_i          (stop_i),
+        .driver_i        (driver_fault_i),
+        .host_alive_i    (host_alive_i),
+        .bus_i           (bus_i),
+        .current_cause_i (guard_currents),
+        .range_cause_i   (guard_ranges),
+        .stuck_cause_i   (guard_stucks),
+        .range_i         (ranges),
+        .stuck_i         (stucks),
+        .zero_i          (zero_faults_o),
+        .zero_start_i    (zero_begins),
+        .zero_busy_i     (zero_busy_o),
+        .trip_i          (trips),
+        .encoder_i       (illegal_moves),
+        .moved_i         (moved),
+        .anchor_i        (anchor_faults),
+        .energy_i        (energy_over),
+        .setting_i       (illegal_setting || illegal_port),
+        .overrun_i       (adc_overrun || slots_overrun || missing),
+        .tick_i          (tick_o),
+        .valid_i         (current_valid),
+        .port_i          (current_port),
+        .current_i       (current),
+        .waves_valid_i   (waves_valid),
+        .u_i             (u),
+        .v_i             (v),
+        .request_o       (guard_request),
+        .factor_o        (guard_factor),
+        .coefficient_o   (guard_coefficient),
+        .product_i       (product),
+        .faults_o        (faults_o),
+        .off_o           (faulty),
+        .damp_o          (damp_wanted)
+    );
+
+    // ---- Pins.
+    genvar n;
+    generate
+        for (n = 0; n < N; n = n + 1) begin : motor
+            wh_pins #(
+                .MODES           (MODES)
+            ) pins (
+                .clk             (clk),
+                .rst             (rst),
+                .run_i           (run),
+                .enc_a_i         (enc_a_i[n]),
+                .enc_b_i         (enc_b_i[n]),
+                .gate_ah_o       (gate_ah_o[n]),
+                .gate_al_o       (gate_al_o[n]),
+                .gate_bh_o       (gate_bh_o[n]),
+                .gate_bl_o       (gate_bl_o[n]),
+                .filter_clocks_i (filter_clocks_i),
+                .clear_i         (clear_i),
+                .count_o         (counts[n*`WH_MOVE_W +: `WH_MOVE_W]),
+                .moved_o         (moved[n]),
+                .illegal_move_o  (illegal_moves[n]),
+                .encoder_fault_o (encoder_faults[n]),
+                .phase_i         (phase),
+                .remaining_i     (remaining),
+                .half_i          (half),
+                .update_i        (update),
+                .width_valid_i   (width_valid && {{(32 - PORT_W){1'b0}}, width_port} == n),
+                .width_i         (width),
+                .half_clocks_i   (half_clocks),
+                .mode_i          (mode),
+                .half_bridge_i   (half_bridge),
+                .dead_clocks_i   (dead_clocks)
+            );
+        end
+    endgenerate
+
+    // ---- Live values, each in a clock of the slot that no other has: 8 current, 9 position, 10, 11 a host's packet,
+    // 13 u, 14 v, 15 flags, 19, 20 energy of the contact and its most, 32, 33 e and c of it, with W later; 27 offset,
+    // 29 χ, 36 ω̂. They are all held until then. 16 the offset
+    // as it was, 17, 18 χ and ω̂ where they are damped: 0.
+    reg [12:1] since_q;  // the current was there so many clocks ago
+    reg [2:1] drove_q;  // the voltage, of this port
+    reg [PORT_W-1:0] drove_port_q;
+    reg signed [DATA_W-1:0] voltage_q;
+    reg signed [DATA_W-1:0] correction_q;
+
+    always @(posedge clk) begin
+        since_q      <= sense_rst ? 12'd0 : {since_q[11:1], current_valid};
+        drove_q      <= core_rst ? 2'd0 : {drove_q[1], core_valid};
+        if (core_valid) begin
+            drove_port_q <= core_port;
+            voltage_q    <= voltage;
+            correction_q <= correction;
+        end
+    end
+
+    wire [31:0] flags = {21'd0, stucks[current_port], shaped, clipped, host_active, anchor_faults[current_port], encoder_faults[current_port],
+                         ranges[current_port], trips[current_port], run, saturated_before, contact};
+    wire        waves_1 = since_q[7] && !core_rst;
+    wire        waves_2 = since_q[8] && !core_rst;
+    wire        waves_3 = since_q[10] && !core_rst;
+    wire        damped  = (|since_q[12:11]) && damp && !core_rst;
+
+    reg  [3:0]               word_now;
+    reg  [31:0]              data_now;
+    reg  signed [DATA_W-1:0] value_now;
+    wire                     anchored = offset_valid || flux_valid || lag_valid;
+
+    always @* begin
+        value_now = current;
+        word_now  = `WH_LIVE_CURRENT;
+        if (anchored) begin
+            value_now = anchor_data;
+            word_now  = offset_valid ? `WH_LIVE_OFFSET : flux_valid ? `WH_LIVE_FLUX : `WH_LIVE_LAG;
+        end else if (drove_q[1]) begin
+            value_now = voltage_q;
+            word_now  = `WH_LIVE_VOLTAGE;
+        end else if (drove_q[2]) begin
+            value_now = correction_q;
+            word_now  = `WH_LIVE_CORRECTION;
+        end else if (since_q[7]) begin
+            value_now = u;
+            word_now  = `WH_LIVE_U;
+        end else if (since_q[8]) begin
+            value_now = v;
+            word_now  = `WH_LIVE_V;
+        end else if (since_q[3]) begin
+            word_now  = `WH_LIVE_POSITION;
+        end else if (since_q[4]) begin
+            value_now = $signed(host_v);
+            word_now  = `WH_LIVE_HOST_V;
+        end else if (since_q[5]) begin
+            word_now  = `WH_LIVE_HOST_SEQUENCE;
+        end else if (since_q[9]) begin
+            word_now  = `WH_LIVE_FLAGS;
+        end else if (since_q[10]) begin
+            value_now = current_offset;
+            word_now  = `WH_LIVE_OFFSET;
+        end else if (damped) begin
+            value_now = {DATA_W{1'b0}};
+            word_now  = since_q[11] ? `WH_LIVE_FLUX : `WH_LIVE_LAG;
+        end
+        data_now = {{(32 - DATA_W){value_now[DATA_W-1]}}, value_now};
+        if (energy_valid) begin
+            word_now = `WH_LIVE_ENERGY;
+            data_now = {{(32 - `WH_ENERGY_W){energy[`WH_ENERGY_W-1]}}, energy};
+        end else if (peak_valid) begin
+            word_now = `WH_LIVE_ENERGY_PEAK;
+            data_now = {{(32 - `WH_ENERGY_W){1'b0}}, energy_peak};
+        end else if (word_now == `WH_LIVE_POSITION) begin
+            data_now = position;
+        end else if (word_now == `WH_LIVE_HOST_SEQUENCE) begin
+            data_now = {24'd0, host_sequence};
+        end else if (word_now == `WH_LIVE_FLAGS) begin
+            data_now = flags;
+        end
+    end
+
+    reg              live_valid_q;
+    reg [PORT_W-1:0] live_port_q;
+    reg [3:0]        live_word_q;
+    reg [31:0]       live_data_q;
+
+    always @(posedge clk) begin
+        live_valid_q <= (|since_q[3:2]) || (HOST == 1 && (|since_q[5:4])) || since_q[9] || waves_1 || waves_2 || waves_3
+                        || (|drove_q) || energy_valid || peak_valid || anchored || damped;
+        live_port_q  <= anchored                       ? anchor_port
+                        : (|drove_q)                   ? drove_port_q
+                        : (energy_valid || peak_valid) ? core_port : current_port;
+        live_word_q  <= word_now;
+        live_data_q  <= data_now;
+    end
+
+    assign live_valid_o = live_valid_q;
+    assign live_port_o  = live_port_q;
+    assign live_word_o  = live_word_q;
+    assign live_data_o  = live_data_q;
+
+    wire unused = &{1'b0, saturated};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// wh_slots: whose turn it is. A round of slots, one for each port, begins as soon as a period's sums are there.
+//
+// A slot begins every PITCH clocks, with valid_o, port_o and the bank of its settings; the stations hand these on
+// with their data. The bank is that in force as the round begins: all ports of a round have settings of one commit. The slot of a port, in clocks since its valid_o; what it asks the multiplier for in
+// brackets. A slot's tail runs beside the next one's beginning:
+//
+//    0  wh_sense, wh_contact_ports begin     [1] sum * gain
+//    6  the current is there, wh_core begins [7] s i_n   [12] η v   [18] a (η v - f)   [26] s u
+//   12  wh_anchor_ports begins, with v at 13 [14 15 16 19 20 34 35 38]
+//   31  e is there, wh_drive                 [32] e * clocks_per_volt
+//    6  wh_guard_ports                       [21] i_n^2
+//   12  wh_energy_ports                      [13] way i_n
+//
+// With W, wh_core asks for η W{v} and what follows 5 clocks later for each section, and wh_drive with it.
+// Modulo 32, and 36 with two sections, these clocks are all different, so the ports of a round never ask at once. The
+// next round may begin at any clock from TAIL after the last slot's begin on, 38, and 42 with two sections: then what
+// the last slot still asks for is not what the new one asks for. A round that is due earlier waits; one that is due
+// while another waits is lost, and overrun_o tells of it.
+//
+// run_o is run_i, but goes on with a round only, so that all ports make their first step in the same period.
+// damp_o is damp_i as of the round's beginning: a fault that is found in a port's turn damps all ports from the
+// next round on.
+// Latency: none from summed_i. Reset: no round, run_o = 0, damp_o = 0.
+
+`default_nettype none
+
+module wh_slots #(
+    parameter integer N      = 1,                        // ports, 1...8
+    parameter integer SHAPER = 0,                        // sections of W, 0...2
+    parameter integer PORT_W = (N > 1) ? $clog2(N) : 1   // derived, leave it
+) (
+    input  wire              clk,
+    input  wire              rst,
+
+    input  wire              summed_i,   // strobe, a round is due
+    input  wire              force_i,    // the bank in force
+    input  wire              run_i,      // the bridges are on
+    input  wire              damp_i,     // the guard wants a damper
+
+    output wire              valid_o,    // strobe, a slot
+    output wire [PORT_W-1:0] port_o,
+    output wire              bank_o,
+    output wire              run_o,
+    output reg               damp_o,
+    output reg               overrun_o   // until rst
+);
+
+    localparam [5:0]   PITCH = (SHAPER == 2) ? 6'd36 : 6'd32;
+    localparam [5:0]   TAIL  = (SHAPER == 2) ? 6'd42 : 6'd38;  // to the next round
+    localparam integer LAST  = N - 1;
+
+    generate
+        if (N < 1 || N > 8) begin : illegal
+            wh_illegal_parameter_slots_n_must_be_1_to_8 stop ();
+        end
+        if (SHAPER < 0 || SHAPER > 2) begin : illegal_shaper
+            wh_illegal_parameter_slots_shaper_must_be_0_to_2 stop ();
+        end
+    endgenerate
+
+    reg [5:0]        clock_q;  // of the slot, stops at TAIL
+    reg [PORT_W-1:0] slot_q;
+    reg              due_q;    // a round waits
+    reg              run_q;
+    reg              bank_q;   // the round's
+
+    wire last   = (slot_q == LAST[PORT_W-1:0]);
+    wire begins = (summed_i || due_q) && last && clock_q == TAIL;
+    wire next   = !last && clock_q == PITCH;
+
+    assign valid_o = !rst && (begins || next);
+    assign port_o  = begins ? {PORT_W{1'b0}} : slot_q + 1'b1;
+    assign bank_o  = begins ? force_i : bank_q;
+    assign run_o   = run_q && run_i;
+
+    always @(posedge clk) begin
+        if (rst) begin
+            clock_q   <= TAIL;
+            slot_q    <= LAST[PORT_W-1:0];
+            due_q     <= 1'b0;
+            overrun_o <= 1'b0;
+            damp_o    <= 1'b0;
+        end else begin
+            if (begins) begin
+                damp_o <= damp_i;
+                bank_q <= force_i;
+            end
+            if (valid_o) begin
+                clock_q <= 6'd1;
+                slot_q  <= port_o;
+            end else if (clock_q != TAIL) begin
+                clock_q <= clock_q + 6'd1;
+            end
+            due_q <= (summed_i || due_q) && !begins;
+            if (summed_i && due_q) begin
+                overrun_o <= 1'b1;
+            end
+        end
+        if (rst || !run_i) begin
+            run_q <= 1'b0;
+        end else if (begins) begin
+            run_q <= 1'b1;
+        end
+    end
+
+endmodule
+
+`default_nettype wire
