@@ -174,6 +174,7 @@ LONG = (
     "sim/tests/test_abilities.py::test_a_key_has_an_effect_or_is_said_to_have_none[pins]",
     "sim/tests/test_board_netlist.py::test_what_is_flashed_for_a_brushless_motor",
     "sim/tests/test_board_netlist.py::test_what_is_flashed[ulx3s]",
+    "sim/tests/test_board_netlist.py::test_what_is_flashed[ulx3s_three]",
     "sim/tests/test_board_netlist.py::test_what_is_flashed[icebreaker]",
     "sim/tests/test_board_netlist.py::test_what_is_flashed[hx8k]",
     "sim/tests/test_boards.py::test_the_guard_lets_the_boards_own_scene_be[ulx3s]",

@@ -519,7 +519,8 @@ def test_controllers_of_one_port_refuse_two(make_scene):
     with pytest.raises(SceneError, match="two ports and this takes one"):
         SampledSimulation(scene, rtl=False)
     board = load_board("ulx3s")
-    asking = board.scene.model_copy(update={"motor": scene.motor})
+    adc = board.scene.adc.model_copy(update={"bandwidth_hz": None})
+    asking = board.scene.model_copy(update={"motor": scene.motor, "adc": adc})
     with pytest.raises(SceneError, match=r'kind = "pmsm" needs 3 half bridges, and .* has 2 \('):
         replace(board, scene=asking).words()
     brushless = load_board("ulx3s_brushless")

@@ -9,7 +9,8 @@ Meanwhile the motor rests and the ADC reads no current. From the first gate on t
 ``pins``.
 
 Several motors are all the same one: each port sees the one motor's encoder and ADC, and the first
-port's gates drive it. The others' gates have to be the first one's at every clock.
+port's gates drive it. The others' gates are the first one's, but for a period after an edge of the
+encoder that comes between two ports' turns.
 
 Nothing inside the board is seen: the columns of the waves are NaN, contact is where the rotor
 really is in a wall, and ticks are counted by the pin ``alive``.
