@@ -96,7 +96,7 @@
 `define WH_MODE_SIGN_MAGNITUDE 2
 `define WH_MODE_HALF_BRIDGE    3
 
-// Live values of a port (wh_ports).
+// Live values of a port that takes turns with others.
 `define WH_LIVE_VOLTAGE    0
 `define WH_LIVE_U          1
 `define WH_LIVE_V          2
