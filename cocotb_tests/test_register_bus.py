@@ -6,5 +6,5 @@ from simulators import simulate
 
 
 @pytest.mark.parametrize(("ports", "shaper"), [(1, 0), (3, 0), (8, 0), (3, 2)])
-def test_registers(simulator: str, ports: int, shaper: int) -> None:
+def test_register_bus(simulator: str, ports: int, shaper: int) -> None:
     simulate(simulator, "bench_registers", "tb_registers", {"N": ports, "SHAPER": shaper})
