@@ -101,8 +101,8 @@ module wh_linked_device #(
     localparam [31:0] CAPTURE_32 = CAPTURE;
     localparam [31:0] OPTIONS = {
         CAPTURE_32[3:0], ARM != 0, 1'b0, DEAD_TIME != 0 || N > 1, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0,
-        SENSE != 0 || N > 1, GUARD != 0 || N > 1, ANCHOR != 0 || N > 1, 1'b0, ADC_32[1:0], DELAY_32[3:0], SHAPER_32[1:0],
-        WALLS_32[4:0], N_32[3:0]
+        SENSE != 0 || N > 1, GUARD != 0 || N > 1, ANCHOR != 0 || N > 1, 1'b0, ADC_32[1:0], DELAY_32[3:0],
+        SHAPER_32[1:0], WALLS_32[4:0], N_32[3:0]
     };
 
     wire        bus_valid;

@@ -734,8 +734,8 @@ module wh_ports #(
         end
     end
 
-    wire [31:0] flags = {21'd0, stucks[current_port], shaped, clipped, host_active, anchor_faults[current_port], encoder_faults[current_port],
-                         ranges[current_port], trips[current_port], run, saturated_before, contact};
+    wire [31:0] flags = {21'd0, stucks[current_port], shaped, clipped, host_active, anchor_faults[current_port],
+                         encoder_faults[current_port], ranges[current_port], trips[current_port], run, saturated_before, contact};
     wire        waves_1 = since_q[7] && !core_rst;
     wire        waves_2 = since_q[8] && !core_rst;
     wire        waves_3 = since_q[10] && !core_rst;

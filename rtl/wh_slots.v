@@ -2,9 +2,10 @@
 //
 // wh_slots: whose turn it is. A round of slots, one for each port, begins as soon as a period's sums are there.
 //
-// A slot begins every PITCH clocks, with valid_o, port_o and the bank of its settings; the stations hand these on
-// with their data. The bank is that in force as the round begins: all ports of a round have settings of one commit. The slot of a port, in clocks since its valid_o; what it asks the multiplier for in
-// brackets. A slot's tail runs beside the next one's beginning:
+// A slot begins every PITCH clocks, with valid_o, port_o and the bank of its settings; the stations hand these on with
+// their data. The bank is that in force as the round begins: all ports of a round have settings of one commit. The slot
+// of a port, in clocks since its valid_o; what it asks the multiplier for in brackets. A slot's tail runs beside the
+// next one's beginning:
 //
 //    0  wh_sense, wh_contact_ports begin     [1] sum * gain
 //    6  the current is there, wh_core begins [7] s i_n   [12] η v   [18] a (η v - f)   [26] s u
