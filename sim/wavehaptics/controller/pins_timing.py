@@ -103,6 +103,11 @@ def turns_clocks(motors: int, sections: int = 0) -> int:
     return turn_clocks(sections) * (motors - 1) + (42 if sections == 2 else 38)
 
 
+def least_half_clocks(motors: int) -> int:
+    """Clocks of the shortest half of a carrier period, where several ``motors`` share a walk."""
+    return motors + 8 if motors > 1 else 0
+
+
 def turns_latency_clocks(conversion_clocks: int, motors: int, sections: int = 0) -> int:
     """As :func:`latency_clocks`, of ``rtl/wh_ports.v``."""
     last = turn_clocks(sections) * (motors - 1)

@@ -8,7 +8,11 @@ from dataclasses import dataclass
 
 from wavehaptics.controller import bus_scale
 from wavehaptics.controller.modulator import width_bounds
-from wavehaptics.controller.pins_timing import shortest_tick_clocks, turns_clocks
+from wavehaptics.controller.pins_timing import (
+    least_half_clocks,
+    shortest_tick_clocks,
+    turns_clocks,
+)
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.controller.tick_layout import (
     MOST_SAMPLES,
@@ -38,9 +42,6 @@ DEFAULT_BUS_V = 12.0
 
 FINE_COUNTS_PER_REV = 65_536
 """Encoder where the scene has none: A and B must come from somewhere."""
-
-HALF_CLOCKS = 8
-"""Clocks that half a carrier period of several motors has at least, besides one for each."""
 
 HOST_CLOCKS = 150
 """Least clocks of a period of ``rtl/wh_host_link.v``, which works so long at its end."""
@@ -78,11 +79,13 @@ class Ports:
 
 
 def controller_ports(
-    scene: Scene, frame_at: FrameAt | None = None, most_samples: int = MOST_SAMPLES
-) -> Ports:
+    scene: Scene, frame_at: FrameAt | None = None, most_samples: int = MOST_SAMPLES,
+    motors: int = 1, most_sections: int = 0,
+) -> Ports:  # fmt: skip
     """Settings of the whole RTL for a scene; :class:`SceneError` where it can't do it.
 
-    ``frame_at`` takes the place of the scene's ADC, for a board that has its own.
+    ``frame_at`` takes the place of the scene's ADC, for a board that has its own. The scene's is
+    one of several ``motors`` that take turns, whose W have ``most_sections``.
     """
     walls = len(scene.controller.walls)
     if walls > table.MOST["wall"]:
@@ -95,7 +98,7 @@ def controller_ports(
     if sensor.ideal:
         sensor = _fine_sensor(scene)
     cell_rad = None if scene.encoder else 2 * math.pi / FINE_COUNTS_PER_REV
-    time = timing(scene, frame_at or scene_frame(scene), most_samples)
+    time = timing(scene, frame_at or scene_frame(scene), most_samples, motors, most_sections)
     bus_v = bus_voltage(scene)
     if scene.motor.brushless and time.frame.kind != BRUSHLESS_KIND:
         raise scene.refusal(
@@ -187,10 +190,10 @@ def hold_ticks(scene: Scene, ports: Ports, motors: int, *, shared: bool = False)
             f"{needed} that {motors} motors need; lower controller.tick_hz",
             "controller.tick_hz",
         )
-    if motors > 1 and laid.half_clocks < motors + HALF_CLOCKS:
+    if laid.half_clocks < least_half_clocks(motors):
         raise scene.refusal(
             f"half a carrier period of {laid.half_clocks} clocks is shorter than the "
-            f"{motors + HALF_CLOCKS} that {motors} motors need; lower drive.pwm_hz",
+            f"{least_half_clocks(motors)} that {motors} motors need; lower drive.pwm_hz",
             "drive.pwm_hz",
         )
     return extra - natural

@@ -16,8 +16,10 @@ from wavehaptics.controller.pins_timing import (
     SECTION_CLOCKS,
     WAVES_CLOCKS,
     latency_clocks,
+    least_half_clocks,
     shortest_tick_clocks,
     step_end_clocks,
+    turns_clocks,
     turns_latency_clocks,
 )
 from wavehaptics.parts.adcs import (
@@ -146,11 +148,16 @@ def natural_ticks(
 
     Several ``motors`` take turns.
     """
-    if motors > 1:
-        latency = turns_latency_clocks(frame.conversion_clocks, motors, sections)
-    else:
-        latency = latency_clocks(frame.conversion_clocks, 1, sections, anchored, brushless)
+    latency = _latency_clocks(frame, motors, sections, anchored, brushless)
     return (_word_strobe(tick_clocks, samples, lead, frame) + latency) // tick_clocks
+
+
+def _latency_clocks(
+    frame: Frame, motors: int, sections: int, anchored: bool, brushless: bool
+) -> int:
+    if motors > 1:
+        return turns_latency_clocks(frame.conversion_clocks, motors, sections)
+    return latency_clocks(frame.conversion_clocks, 1, sections, anchored, brushless)
 
 
 def _word_strobe(tick_clocks: int, samples: int, lead: int, frame: Frame) -> int:
@@ -191,20 +198,23 @@ def sample_lead(made: Frame, pulse_delay: int) -> int:
 
 
 def _soonest(
-    tick_clocks: int, made: Frame, lead: int, sections: int, anchored: bool, brushless: bool
-) -> int:
+    tick_clocks: int, made: Frame, lead: int, motors: int, sections: int, anchored: bool,
+    brushless: bool,
+) -> int:  # fmt: skip
     """Fewest ticks of latency that the ADC allows."""
     samples = tick_clocks // made.cycle_clocks if made.osr else 1
-    return natural_ticks(tick_clocks, samples, lead, made, 1, sections, anchored, brushless)
+    return natural_ticks(tick_clocks, samples, lead, made, motors, sections, anchored, brushless)
 
 
-def _tick_clocks(scene: Scene, tick_hz: float, halves: int, frame_at: FrameAt) -> tuple[int, Frame]:
-    """Clocks of a tick, and the ADC's frame on that clock."""
+def _tick_clocks(
+    scene: Scene, tick_hz: float, halves: int, frame_at: FrameAt, least: int
+) -> tuple[int, Frame]:
+    """Clocks of a tick, ``least`` or more of a clock that is free, and the ADC's frame on it."""
     named = scene.controller.clock_hz
     if named is not None:
         clocks = round(named / tick_hz)
         return clocks, frame_at(clocks * tick_hz, clocks)
-    usual = min(max(_min_tick_clocks(scene), round(CLOCK_HZ / tick_hz)), MOST_TICK_CLOCKS)
+    usual = min(max(least, round(CLOCK_HZ / tick_hz)), MOST_TICK_CLOCKS)
     found = None
     clocks = usual
     while clocks == usual or clocks * tick_hz <= FASTEST_CLOCK_HZ:
@@ -224,8 +234,13 @@ def _tick_clocks(scene: Scene, tick_hz: float, halves: int, frame_at: FrameAt) -
     return found or (usual, frame_at(usual * tick_hz, usual))
 
 
-def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) -> Timing:
+def timing(
+    scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES, motors: int = 1,
+    most_sections: int = 0,
+) -> Timing:  # fmt: skip
     """Lay the scene's tick and carrier on a clock, for an ADC with the frame ``frame_at(clock)``.
+
+    Several ``motors`` take turns, of ``most_sections`` of W each.
 
     A carrier slower than half the tick rate sets the pace: the tick is then its half period, and
     the current is the mean of the samples that fit in. :class:`SceneError` where the carrier can't
@@ -240,8 +255,12 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
         tick_hz = pulse_hz
     pulses = 1 if pulse_hz is None else max(1, round(pulse_hz / tick_hz))
     halves = pulses * pulse_halves
+    sections = max(most_sections, _sections(scene))
+    turns = turns_clocks(motors, sections) if motors > 1 else 0
     try:
-        tick_clocks, made = _tick_clocks(scene, tick_hz, halves, frame_at)
+        tick_clocks, made = _tick_clocks(
+            scene, tick_hz, halves, frame_at, max(_min_tick_clocks(scene), turns + -turns % 4)
+        )
     except PartError as error:
         raise scene.refusal(
             f"adc.part: {error}; take another clock_hz", "adc.part", "controller.clock_hz"
@@ -284,10 +303,11 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             "controller.clock_hz",
             "controller.tick_hz",
         )
-    if half_clocks < MIN_HALF_CLOCKS:
+    least_half = max(MIN_HALF_CLOCKS, least_half_clocks(motors))
+    if half_clocks < least_half:
         raise scene.refusal(
             f"a carrier half of {half_clocks} clocks of {clock_hz:g} Hz is "
-            f"shorter than the {MIN_HALF_CLOCKS} that `pins` needs; lower drive.pwm_hz or "
+            f"shorter than the {least_half} that `pins` needs; lower drive.pwm_hz or "
             "controller.tick_hz, or take a faster clock_hz",
             "drive.pwm_hz",
             "controller.tick_hz",
@@ -306,10 +326,10 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
         )
     anchored = control.anchored
     brushless = scene.motor.brushless
-    sections = _sections(scene)
     least = _axes_clocks(scene) if brushless else shortest_tick_clocks(1, sections, anchored)
+    least = max(least, turns)
     if tick_clocks < least:
-        ports = "two ports" if brushless else "a port"
+        ports = "two ports" if brushless else "a port" if motors == 1 else f"{motors} motors"
         shaper = " with W" if sections else ""
         anchors = f" and {'their anchors' if brushless else 'its anchor'}" if anchored else ""
         raise scene.refusal(
@@ -323,7 +343,7 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
     lead = sample_lead(made, (pulse_delay(scene, clock_hz, half_clocks) + 1) // 2)
     extra = control.extra_ticks
     if "extra_ticks" not in control.model_fields_set:
-        extra = max(extra, _soonest(tick_clocks, made, lead, sections, anchored, brushless))
+        extra = max(extra, _soonest(tick_clocks, made, lead, motors, sections, anchored, brushless))
     # As many samples as the ADC can make and the latency allows, but each in the middle of
     # as many whole pulses as any other, or several within the only one. A modulator has its own
     # number, of words that follow each other.
@@ -337,15 +357,15 @@ def timing(scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES) ->
             and (
                 parts % n == 0
                 and tick_clocks // n >= made.cycle_clocks
-                and natural_ticks(tick_clocks, n, lead, made, 1, sections, anchored, brushless)
+                and natural_ticks(tick_clocks, n, lead, made, motors, sections, anchored, brushless)
                 <= extra
             )
         )
     )
     if made.osr:
         samples = tick_clocks // made.cycle_clocks
-    natural = natural_ticks(tick_clocks, samples, lead, made, 1, sections, anchored, brushless)
-    latency = latency_clocks(made.conversion_clocks, 1, sections, anchored, brushless)
+    natural = natural_ticks(tick_clocks, samples, lead, made, motors, sections, anchored, brushless)
+    latency = _latency_clocks(made, motors, sections, anchored, brushless)
     if extra < natural:
         late = " and a sample" if made.pipeline else ""
         raise scene.refusal(

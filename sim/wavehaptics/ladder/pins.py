@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from wavehaptics.controller.settings import Settings
 from wavehaptics.controller.tick_layout import MOST_SAMPLES, bridge_mode
 from wavehaptics.ladder import pins_loop, verilated
 from wavehaptics.motor import sigma_delta
-from wavehaptics.motor.imperfections import real_parts, warm_real
+from wavehaptics.motor.imperfections import Real, real_parts, warm_real
 from wavehaptics.motor.plant import C, P, Plant, X, load_words
 from wavehaptics.motor.sensor import NOISE_SEED
 from wavehaptics.motor.thermal import Winding
@@ -27,7 +28,7 @@ from wavehaptics.scene import Scene, encoder_end
 from wavehaptics.scene.tables.drive import Drive
 from wavehaptics.trace.columns import Column
 from wavehaptics.words.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
-from wavehaptics.words.table import LEGS
+from wavehaptics.words.table import LEGS, Values
 
 DELAY_LOG2 = 10
 MIN_WALLS = 4
@@ -36,11 +37,29 @@ STEPS = 128
 """Clocks of the longest step that has a table."""
 
 
-def _bridge_parameters(words: dict[str, int]) -> dict[str, int]:
-    """Both in one build of the RTL, which takes longer than the run."""
-    if words["mode"] == MODE_WORDS[UNIPOLAR] and not words["min_pulse"]:
-        return {}
-    return {"MODES": 1, "MIN_PULSE": 1}
+def soldered(ports: Ports) -> dict[str, int]:
+    """Parameters of the RTL that converter and bridge make.
+
+    Those of the bridge are in one build, which takes longer than the run.
+    """
+    frame, words = ports.timing.frame, ports.words
+    usual = words["mode"] == MODE_WORDS[UNIPOLAR] and not words["min_pulse"]
+    return {
+        "ADC": KINDS.index(frame.kind),
+        **({"OSR": frame.osr} if frame.osr else {}),
+        **({} if usual else {"MODES": 1, "MIN_PULSE": 1}),
+    }
+
+
+def scene_values(scene: Scene, ports: Ports, walls: int) -> Values:
+    """Words of the RTL for a scene, with places for so many ``walls``."""
+    shaped = ports.settings.shaped.tolist()
+    return {
+        **ports.words, **ports.settings.words(), **ports.wall_words(walls),
+        "wall_shaped": [*shaped, *[0] * (walls - len(shaped))],
+        "bus": bus_scale.bus_word(true_bus_v(scene)),
+        **(guard.scene_words(scene, ports) if scene.guard else {}),
+    }  # fmt: skip
 
 
 def wire(part: Part | None, frame: Frame) -> tuple[int, int]:
@@ -55,6 +74,17 @@ def true_bus_v(scene: Scene) -> float:
     """The bus of the scene's bridge as it is, V."""
     known_v = scene.drive.true_bus_v if scene.drive is not None else None
     return known_v or bus_voltage(scene)
+
+
+def pass_ticks(
+    rows: Sequence[np.ndarray], words: Sequence[np.ndarray], kept: np.ndarray,
+    motors: Sequence[PinsSimulation],
+) -> None:  # fmt: skip
+    """Fill the ``rows`` and ``words`` of each motor, all of them at one controller."""
+    done = np.zeros(len(motors), dtype=np.int64)
+    parts = tuple(motor.parts for motor in motors)
+    if not pins_loop.advance(tuple(rows), tuple(words), 0, done, kept, parts):
+        raise RuntimeError("the controller's RTL stopped answering")
 
 
 class PinsSimulation:
@@ -116,11 +146,10 @@ class PinsSimulation:
              2 * math.pi * (drive.bus_ripple_hz or 0.0)]
         )  # fmt: skip
         self._load = load_words(plant)
-        steps_s = [n * dt for n in range(STEPS + 1)]
-        self._real = real_parts(scene, plant, set_.cell_rad, steps_s, switching=True)
+        self._real = self._imperfections(scene)
         self._sensor = sensor.constants()
         self._rng = np.random.default_rng(NOISE_SEED)
-        self._buffer = np.zeros(11, dtype=np.int64)
+        self._buffer = np.zeros(pins_loop.WORDS_OF, dtype=np.int64)
         self._bits = sigma_delta.new_state()
 
     def _ports_of(self, scene: Scene, most_samples: int) -> Ports:
@@ -133,7 +162,6 @@ class PinsSimulation:
 
     def _begin(self, scene: Scene, ports: Ports, host: bool) -> None:
         """Build the RTL, and bring it to where its first tick begins."""
-        set_, time = self.settings, ports.timing
         drive = scene.drive or Drive.model_validate({})
         places = max(MIN_WALLS, len(ports.walls))
         design = verilated.Design(
@@ -143,13 +171,11 @@ class PinsSimulation:
                 "N": 1,
                 "WALLS": places,
                 "DELAY_LOG2": DELAY_LOG2,
-                "ADC": KINDS.index(time.frame.kind),
-                "SHAPER": len(set_.shaper.words),
-                **_bridge_parameters(ports.words),
-                **({"OSR": time.frame.osr} if time.frame.osr else {}),
+                "SHAPER": len(self.settings.shaper.words),
+                **soldered(ports),
                 **({"BUS": 1} if drive.bus_measured else {}),
                 **({"HOST": 1} if host else {}),
-                **({"ANCHOR": 1} if set_.anchored else {}),
+                **({"ANCHOR": 1} if self.settings.anchored else {}),
                 **({"GUARD": 1} if scene.guard else {}),
                 **self._parameters(),
             },
@@ -157,12 +183,7 @@ class PinsSimulation:
         )
         self._library = verilated.load(design)
         verilated.declare_destructor(self._function("delete"))
-        self._values = {
-            **ports.words, **set_.words(), **ports.wall_words(places),
-            "wall_shaped": [*set_.shaped.tolist(), *[0] * (places - len(set_.shaped))],
-            "bus": bus_scale.bus_word(true_bus_v(scene)),
-            **(guard.scene_words(scene, ports) if scene.guard else {}),
-        }  # fmt: skip
+        self._values = {**scene_values(scene, ports, places), **self.settings.words()}
         levels = pins_loop.encoder_levels.py_func(ports.start_count)
         self._model = self._new_model(self._port_words(design), levels)
         if not self._model:
@@ -206,6 +227,12 @@ class PinsSimulation:
         """Clocks of the RTL so far."""
         return int(self._kept[pins_loop.NOW])
 
+    def _imperfections(self, scene: Scene, *, needed: bool = False) -> Real | None:
+        """What the loop takes of a real motor; ``needed`` of one that is ideal as well."""
+        steps_s = [n * self._dt for n in range(STEPS + 1)]
+        plant, cell_rad = self.winding.plant, self.settings.cell_rad
+        return real_parts(scene, plant, cell_rad, steps_s, switching=True, needed=needed)
+
     def _transitions(self, plant: Plant) -> np.ndarray:
         return np.stack([plant.transition(n * self._dt) for n in range(STEPS + 1)])
 
@@ -221,22 +248,25 @@ class PinsSimulation:
 
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
-        self.winding.advance(rows, lambda part: self._advance(rows[part], words[part]), self._warm)
+        self.winding.advance(rows, lambda part: self._advance(rows[part], words[part]), self.warm)
 
-    def _warm(self, plant: Plant) -> None:
+    def warm(self, plant: Plant) -> None:
+        """Go on with a motor of other R and k_T."""
         self._tables = self._transitions(plant)
         self._load = load_words(plant)
         self._floats[[pins_loop.RESISTANCE, pins_loop.K_T]] = plant.resistance, plant.k_t
         warm_real(self._real, plant)
 
     def _advance(self, rows: np.ndarray, words: np.ndarray) -> None:
-        done = pins_loop.advance(
-            rows, words, self._state, self._kept, self._sums, self._pending, self._tables,
-            self._ints, self._floats, self._load, self._sensor, self._rng, self._buffer,
-            self._bits, self._real,
+        pass_ticks([rows], [words], self._kept[np.newaxis], [self])
+
+    @property
+    def parts(self) -> tuple:
+        """The motor as :func:`pins_loop.advance` takes it."""
+        return (
+            self._state, self._kept, self._sums, self._pending, self._tables, self._ints,
+            self._floats, self._load, self._sensor, self._rng, self._buffer, self._bits, self._real,
         )  # fmt: skip
-        if not done:
-            raise RuntimeError("the controller's RTL stopped answering")
 
     def __del__(self) -> None:
         if getattr(self, "_model", None):

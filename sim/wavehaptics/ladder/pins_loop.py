@@ -65,6 +65,17 @@ AH, AL, BH, BL, CS_N, SCLK, TICK, CORE_VALID, TOUCHING = range(9)
 _COMPLAINTS = TOUCHING + 1
 _GUARD = _COMPLAINTS + 2
 _ANCHOR_LOST = _GUARD + int(Fault.ANCHOR)
+_PORT = 28
+"""Of several motors: whose step is done, 3 bits."""
+_OTHERS = 32
+"""And the second motor's gates, 4 bits each."""
+_WIRES = (1 << TICK) - 1 | (1 << 28) - 1 << _OTHERS
+_SEEN = (1 << _PORT) - 1
+MOTOR_INPUTS = 3
+"""Inputs of a motor, as :func:`advance` gives them."""
+WORDS_OF, PORT_WORD = 12, 11
+"""Words of a step in a buffer, the last of which asks for those of a motor and becomes its contact
+(``sim/verilated/ports_shim.cpp``)."""
 # Places in the loop's integer parameters.
 (
     MODEL, CLOCK, WORDS, TICK_CLOCKS, CODE_SHIFT, DATA_BITS, U_MAX, SUBSTEP_CLOCKS,
@@ -80,6 +91,8 @@ _ANCHOR_LOST = _GUARD + int(Fault.ANCHOR)
     NOW, ADVANCED, PINS, SHIFT, HELD, COUNT, NEXT_LOOK, CLOSED, EMITTED, TICK_START, FAULTS,
     CORRECTION, WAITS, TOUCHED, OFF_AT,
 ) = range(15)  # fmt: skip
+# Places in what the loop has of a motor.
+STATE, KEPT, SUMS, TICKS, TABLES, INTS, FLOATS, PLANT, ADC, DRAWS, STEP, MODULATOR, REAL = range(13)
 # Places in the sums of the tick that is running.
 CHARGE, SQUARE, WORK, VOLT_SECONDS, LOW, HIGH, X0, HAND0, T0 = range(9)
 
@@ -336,102 +349,161 @@ def _follow(
             kept[SHIFT] <<= 1
 
 
-@compiled_drawing
-def advance(
-    rows, words, state, kept, sums, pending, tables, ints, floats, load, sensor, rng, buffer, bits,
-    real,
-):  # fmt: skip
-    """Clock the RTL until ``rows`` are filled; False if its core falls silent."""
-    done = 0
-    dt, cell, end_s = floats[DT], floats[CELL], floats[ENCODER_END]
-    silent = 0
-    while done < rows.shape[0]:
-        if kept[NOW] >= kept[NEXT_LOOK]:
-            next_edge(state, kept, cell, dt, end_s, real)
-        inputs = ((kept[SHIFT] >> 63) & 1) | encoder_levels(kept[COUNT])
-        pins = call2(ints[CLOCK], ints[MODEL], inputs)
-        old = kept[PINS]
-        changed = old ^ pins
-        _follow(
-            changed, pins, state, kept, sums, tables, ints, floats, load, sensor, rng, bits, real
-        )
-        if pins & 1 << CORE_VALID:
-            call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
-            kept[WAITS] = 1
-            kept[TOUCHED] = (pins >> TOUCHING) & 1
-            # In a slow tick its last step is done before it ends, and waits for its row.
-            if kept[EMITTED] < kept[CLOSED]:
-                _emit(rows, words, done, kept, pending, floats, ints, buffer)
-                done += 1
-                silent = 0
-        if pins & 1 << TICK:
-            # The strobe marks the carrier's last clock of a tick; the gates follow it later.
-            kept[FAULTS] |= pins >> _COMPLAINTS
-            kept[TICK_START] = kept[NOW] + 1 + GATE_CLOCKS
-        kept[NOW] += 1
-        if kept[NOW] == kept[TICK_START]:
-            _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
+@compiled(inline="always")
+def _of_motor(pins, n):
+    """Pins as a single motor has them: what all share, and the gates of motor ``n``."""
+    if n == 0:
+        return pins & _SEEN
+    return pins & _SEEN & ~15 | (pins >> (_OTHERS - 4 + 4 * n)) & 15
+
+
+@compiled(inline="always")
+def _inputs(kept):
+    """Inputs of all motors."""
+    found = 0
+    for n in range(kept.shape[0]):
+        own = ((kept[n, SHIFT] >> 63) & 1) | encoder_levels(kept[n, COUNT])
+        found |= own << MOTOR_INPUTS * n
+    return found
+
+
+@compiled(inline="always")
+def _next_look(kept):
+    """Clock at which the first of the encoders has to be looked at again."""
+    found = kept[0, NEXT_LOOK]
+    for n in range(1, kept.shape[0]):
+        found = min(found, kept[n, NEXT_LOOK])
+    return found
+
+
+@compiled()
+def _wires(told, changed, motors):
+    """What the motors and their ADCs make of pins that have changed."""
+    for n in range(len(motors)):
+        own = _of_motor(changed, n) & _WIRES
+        if own:
+            state, kept, sums, _, tables, ints, floats, load, sensor, rng, _, bits, real = motors[n]
+            _follow(
+                own, _of_motor(told, n), state, kept, sums, tables, ints, floats, load, sensor, rng,
+                bits, real,
+            )  # fmt: skip
+
+
+@compiled()
+def _edges(now, motors):
+    """Look at the encoders whose time it is."""
+    for n in range(len(motors)):
+        state, kept, _, _, _, _, floats, _, _, _, _, _, real = motors[n]
+        if now >= kept[NEXT_LOOK]:
+            next_edge(state, kept, floats[CELL], floats[DT], floats[ENCODER_END], real)
+
+
+@compiled()
+def _step_done(told, rows, words, done, motors):
+    """A step's words are there; whether the row that waited for them is made."""
+    n = (told >> _PORT) & 7
+    _, kept, _, pending, _, ints, floats, _, _, _, buffer, _, _ = motors[n]
+    buffer[PORT_WORD] = n
+    call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
+    kept[WAITS] = 1
+    kept[TOUCHED] = (told >> TOUCHING) & 1
+    # In a slow tick its last step is done before it ends, and waits for its row.
+    if kept[EMITTED] < kept[CLOSED] and done[n] < rows[n].shape[0]:
+        _emit(rows[n], words[n], done[n], kept, pending, floats, ints, buffer)
+        done[n] += 1
+        return True
+    return False
+
+
+@compiled()
+def _end_tick(told, rows, words, done, motors):
+    """A tick of all motors ends; how many rows are made. Without rows the motors move on alone."""
+    made = 0
+    for n in range(len(motors)):
+        state, kept, sums, pending, tables, ints, floats, load, sensor, _, buffer, _, real = motors[n]
+        _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
+        if rows[n].shape[0]:
             _close_tick(state, kept, sums, pending, floats, ints)
-            silent += 1
-            if pins >> _GUARD:
+            if (told & _SEEN) >> _GUARD:
                 # No steps while the gates are off, so no waves: the rows show what the motor does.
                 if kept[OFF_AT] == 0:
                     kept[OFF_AT] = kept[NOW]
+                buffer[PORT_WORD] = n
                 call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
                 buffer[:5] = 0
-                buffer[8] = (pins >> _ANCHOR_LOST) & 1
-                kept[TOUCHED] = (pins >> TOUCHING) & 1
+                kept[TOUCHED] = buffer[PORT_WORD]
+                if len(motors) == 1:
+                    buffer[8] = (told >> _ANCHOR_LOST) & 1
+                    kept[TOUCHED] = (told >> TOUCHING) & 1
                 kept[WAITS] = 1
-            if kept[WAITS]:
-                _emit(rows, words, done, kept, pending, floats, ints, buffer)
-                done += 1
-                silent = 0
-            _end_load(real, ints[TICK_CLOCKS] * dt)
-            if ints[SET_BUS]:
-                word = int(np.round(_true_bus(state[TIME], floats, real) * _BUS_SCALE))
-                call2(ints[SET_BUS], ints[MODEL], word)
-            if silent > PENDING - 2:
-                return False
-    return True
-
-
-MOTOR_INPUTS = 3
-"""Inputs of a motor, as :func:`advance` gives them."""
-MOTOR_GATES = 4
-GATES = 9
-"""Place of the first motor's gates where there are several, behind the pins that they share."""
+            if kept[WAITS] and done[n] < rows[n].shape[0]:
+                _emit(rows[n], words[n], done[n], kept, pending, floats, ints, buffer)
+                done[n] += 1
+                made += 1
+        _end_load(real, ints[TICK_CLOCKS] * floats[DT])
+        if ints[SET_BUS]:
+            word = int(np.round(_true_bus(state[TIME], floats, real) * _BUS_SCALE))
+            call2(ints[SET_BUS], ints[MODEL], word)
+    return made
 
 
 @compiled_drawing
-def pass_clocks(count, motors, tables, ints, floats, sensor, rng):
-    """Clock the RTL of several motors; ``motors`` are their (state, kept, sums, load, bits, real).
+def advance(rows, words, clocks, done, kept, motors):
+    """Clock the RTL until ``rows`` and ``words`` are filled; False if a core falls silent.
 
-    No rows are made of it. Each motor has a bus of its own, as ``floats`` and its ``real`` say.
+    They are of each motor; without ticks ``clocks`` pass. ``motors`` are tuples in the order of
+    STATE...REAL, ``kept`` the arrays at KEPT as the rows of one, and ``done`` how many ticks each
+    motor has, 0 at first.
     """
-    dt, cell, end_s = floats[DT], floats[CELL], floats[ENCODER_END]
-    shared = 0
-    for _ in range(count):
-        inputs = 0
-        for n in range(len(motors)):
-            state, kept, _, _, _, real = motors[n]
-            if kept[NOW] >= kept[NEXT_LOOK]:
-                next_edge(state, kept, cell, dt, end_s, real)
-            own = ((kept[SHIFT] >> 63) & 1) | encoder_levels(kept[COUNT])
-            inputs |= own << MOTOR_INPUTS * n
-        told = call2(ints[CLOCK], ints[MODEL], inputs)
-        shared = told & ((1 << GATES) - 1) & ~15
-        for n in range(len(motors)):
-            state, kept, sums, load, bits, real = motors[n]
-            pins = shared | (told >> (GATES + MOTOR_GATES * n)) & 15
-            changed = kept[PINS] ^ pins
-            if changed:
-                _follow(
-                    changed, pins, state, kept, sums, tables, ints, floats, load, sensor, rng,
-                    bits, real,
-                )  # fmt: skip
-            if pins & 1 << TICK:
-                kept[TICK_START] = kept[NOW] + 1 + GATE_CLOCKS
-            kept[NOW] += 1
-            if kept[NOW] == kept[TICK_START]:
-                _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
-                _end_load(real, ints[TICK_CLOCKS] * dt)
+    count = len(motors)
+    ints = motors[0][INTS]
+    function, model, launch = ints[CLOCK], ints[MODEL], ints[LAUNCH_LEVEL]
+    shifts = ints[OSR] == 0
+    now = kept[0, NOW]
+    end = now + clocks
+    missing = count * rows[0].shape[0]
+    tick_start = kept[0, TICK_START]
+    silent = 0
+    before = kept[0, PINS]
+    for n in range(1, count):
+        before |= (kept[n, PINS] & 15) << (_OTHERS - 4 + 4 * n)
+    look = _next_look(kept)
+    inputs = _inputs(kept)
+    while missing > 0 or now < end:
+        if now >= look:
+            _edges(now, motors)
+            look = _next_look(kept)
+            inputs = _inputs(kept)
+        told = call2(function, model, inputs)
+        changed = (told ^ before) & _WIRES
+        before = told
+        if changed:
+            if changed == 1 << SCLK and shifts:
+                launches = (told >> SCLK) & 1 == launch
+                for n in range(count):
+                    kept[n, PINS] ^= 1 << SCLK
+                    if launches:
+                        kept[n, SHIFT] <<= 1
+            else:
+                _wires(told, changed, motors)
+                look = _next_look(kept)
+            inputs = _inputs(kept)
+        if told & 1 << CORE_VALID and _step_done(told, rows, words, done, motors):
+            missing -= 1
+            silent = 0
+        if told & 1 << TICK:
+            # The strobe marks the carrier's last clock of a tick; the gates follow it later.
+            tick_start = now + 1 + GATE_CLOCKS
+            for n in range(count):
+                kept[n, FAULTS] |= (told & _SEEN) >> _COMPLAINTS
+                kept[n, TICK_START] = tick_start
+        now += 1
+        for n in range(count):
+            kept[n, NOW] = now
+        if now == tick_start:
+            made = _end_tick(told, rows, words, done, motors)
+            missing -= made
+            silent = 0 if made else silent + 1
+            if silent > PENDING - 2 and rows[0].shape[0]:
+                return False
+    return True

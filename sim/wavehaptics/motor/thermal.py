@@ -13,7 +13,7 @@ solution is exact; the winding is slow enough (seconds) for an update every PIEC
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -98,15 +98,16 @@ class Winding:
         ``simulate`` fills a part of the rows, and ``warm`` takes the plant that holds from there
         on, where it has changed.
         """
-        for part in self._pieces(len(rows)):
+        for part in self.pieces(len(rows)):
             simulate(part)
             if self.heat(rows[part]):
                 warm(self.plant)
 
-    def _pieces(self, ticks: int) -> Iterator[slice]:
+    def pieces(self, ticks: int) -> list[slice]:
+        """Parts of ``ticks`` in which R and k_T are taken as constant, one at least."""
         longest = max(1, ticks) if self._thermal is None else self._piece_ticks
-        for first in range(0, max(1, ticks), longest):
-            yield slice(first, min(first + longest, ticks))
+        firsts = range(0, max(1, ticks), longest)
+        return [slice(first, min(first + longest, ticks)) for first in firsts]
 
     def heat(self, rows: np.ndarray) -> bool:
         """Let ticks pass: ``rows`` of :class:`~wavehaptics.trace.columns.Column`, in order.

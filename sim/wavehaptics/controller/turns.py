@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Settings of ``rtl/wh_ports.v``, in which several motors with brushes take turns.
+
+The settings of each motor are those of :mod:`.ports` for its scene, on a period that is long enough
+for all of them. What the motors share has to be the same in all scenes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wavehaptics.controller.ports import Ports, controller_ports
+from wavehaptics.scene import Scene
+from wavehaptics.words import table
+from wavehaptics.words.memory import settings_requests
+from wavehaptics.words.table import WORDS, Sizes, Values
+
+MOST_MOTORS = 8
+MOST_WALLS = 7
+"""Of each motor."""
+
+_CONTROLLER = ("carrier", "frame", "trip", "sense", "zero", "encoder", "delay", "bridge", "guard",
+               "host")  # fmt: skip
+"""Groups of ``rtl/words.toml`` whose settings ``wh_ports`` has once, in the order of its ports."""
+
+_PACKED = (("carrier",), ("frame",), ("trip", "sense", "zero"), ("encoder",), ("delay",),
+           ("bridge",), ("guard",), ("host",))  # fmt: skip
+
+
+def take_turns(scenes: Sequence[Scene]) -> bool:
+    """Whether the motors of these scenes are ports of one controller."""
+    return len(scenes) > 1 and not any(scene.motor.brushless for scene in scenes)
+
+
+def sections(scenes: Sequence[Scene]) -> int:
+    """Sections of W that each motor has, which is as many as any of them needs."""
+    return max(scene.shaper.sections if scene.shaper else 0 for scene in scenes)
+
+
+def turns_ports(scenes: Sequence[Scene]) -> list[Ports]:
+    """Settings for each motor; :class:`SceneError` where one controller can't do what they ask for.
+
+    Their timing is the same.
+    """
+    motors = len(scenes)
+    if motors > MOST_MOTORS:
+        raise scenes[MOST_MOTORS].refusal(
+            f"the scene has {motors} motors, and one controller has {MOST_MOTORS}; leave some "
+            "out or take `golden`",
+            "motor",
+        )
+    for scene in scenes:
+        _check(scene)
+    found = [
+        controller_ports(scene, motors=motors, most_sections=sections(scenes)) for scene in scenes
+    ]
+    return found
+
+
+def _check(scene: Scene) -> None:
+    """:class:`SceneError` where the scene asks for what a single motor has."""
+    walls = len(scene.controller.walls)
+    if walls > MOST_WALLS:
+        raise scene.refusal(
+            f"controller.walls has {walls} walls, and each of several motors takes {MOST_WALLS}; "
+            "leave some out or take `golden`",
+            "controller.walls",
+        )
+    if scene.drive is not None and scene.drive.bus_measured:
+        raise scene.refusal(
+            "drive.bus_measured is for a single motor; set it to false, or run each with --motor",
+            "drive.bus_measured",
+        )
+
+
+def check_shared(scenes: Sequence[Scene], values: Sequence[Values]) -> None:
+    """:class:`SceneError` where motors ask for different words of what they share."""
+    for name, word in WORDS.items():
+        if word.group not in _CONTROLLER or word.row.kind != "setting":
+            continue
+        raws = [one.get(name, word.default) for one in values]
+        for scene, raw in zip(scenes, raws, strict=True):
+            if raw != raws[0]:
+                cure, *keys = _SAME[word.group if word.group in _SAME else "frame"]
+                raise scene.refusal(
+                    f"{name} is {raw} for this motor and {raws[0]} for the first, and the "
+                    f"controller has it once; {cure}, or run each with --motor",
+                    *keys,
+                )
+
+
+_SAME = {
+    "guard": ("give all motors the same adc.full_scale_a, R and walls, or leave [guard] out",
+              "guard"),
+    "trip": ("give all motors the same adc.full_scale_a, or leave [guard] out", "guard"),
+    "frame": ("give all motors an [adc] and a [drive], or none of them", "adc", "drive", "motor"),
+}  # fmt: skip
+"""By a word's group: how it becomes the same, and the keys that it hangs on."""
+
+
+def shared_words(values: Values, sizes: Sizes) -> list[int]:
+    """What ``wh_ports`` has once: each packed port in parts of 32 bits, the lowest first."""
+    found: list[int] = []
+    for groups in _PACKED:
+        words = [w for w in WORDS.values() if w.group in groups and w.row.kind == "setting"]
+        fields = [(int(values.get(w.name, w.default)), w.width(sizes)) for w in words]  # type: ignore[arg-type]
+        raw, width = table.side_by_side(fields), sum(bits for _, bits in fields)
+        found += [raw >> place & 0xFFFFFFFF for place in range(0, width, 32)]
+    return found
+
+
+def port_requests(values: Values, sizes: Sizes, motor: int) -> list[tuple[int, int]]:
+    """(address, raw word) of every setting of one port, which has no defaults of its own."""
+    found: dict[int, int] = {}
+    for word in WORDS.values():
+        if word.row.kind == "setting" and word.row.per != "board" and word.row.brushless != "only":
+            copies = word.row.count * {"wall": sizes.walls, "section": sizes.sections}.get(
+                word.row.per, 1
+            )
+            found |= {word.at(motor, n): word.default & 0xFFFFFFFF for n in range(copies)}
+    own = settings_requests(values, motor=motor)
+    return list((found | {at: raw for at, raw in own if at in found}).items())
