@@ -106,7 +106,7 @@ def turns_clocks(motors: int, sections: int = 0) -> int:
 def turns_latency_clocks(conversion_clocks: int, motors: int, sections: int = 0) -> int:
     """As :func:`latency_clocks`, of ``rtl/wh_ports.v``."""
     last = turn_clocks(sections) * (motors - 1)
-    return conversion_clocks + last + 45 + motors + SECTION_CLOCKS * sections
+    return conversion_clocks + last + 43 + motors + SECTION_CLOCKS * sections
 
 
 def shared_tick_clocks(ports: int = 1, anchored: bool = False) -> int:
