@@ -198,6 +198,7 @@ LONG = (
     "sim/tests/test_identify_brushless.py::test_identified_over_the_line",
     "sim/tests/test_several_motors.py::test_a_board_that_is_a_board_has_its_motors",
     "cocotb_tests/test_board_link.py::test_board_link[ulx3s_three]",
+    "cocotb_tests/test_board_link.py::test_board_link[icesugar_pro_eight]",
     "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[held-every]",
     "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[free-every]",
     "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[limited-every]",

@@ -6,25 +6,27 @@
 // the converter takes what the data sheets say. CS_n and SCLK come out a clock late and SDATA comes
 // in through another one; at an SCLK of half the clock that is one pulse, and the reader is told
 // of one more zero in front of the data (pad_registers, sim/wavehaptics/parts/adcs.py).
+// CS_n and SCLK have CLOCKS pads each, all alike, where one would drive too many converters.
 // The registers begin at CS_n and SCLK high.
 
 `default_nettype none
 
 module wh_board_adc_pads_ecp5 #(
-    parameter integer LINES = 1  // converters, 1...
+    parameter integer LINES  = 1, // converters, 1...
+    parameter integer CLOCKS = 1  // pads of CS_n, and of SCLK, 1...
 ) (
-    input  wire             clk,
+    input  wire              clk,
 
-    input  wire             cs_n_i,
-    input  wire             sclk_i,
-    output wire [LINES-1:0] sdata_o,
+    input  wire              cs_n_i,
+    input  wire              sclk_i,
+    output wire [LINES-1:0]  sdata_o,
 
-    output wire             adc_cs_n_o,   // to the pads
-    output wire             adc_sclk_o,
-    input  wire [LINES-1:0] adc_sdata_i
+    output wire [CLOCKS-1:0] adc_cs_n_o,   // to the pads
+    output wire [CLOCKS-1:0] adc_sclk_o,
+    input  wire [LINES-1:0]  adc_sdata_i
 );
 
-    OFS1P3BX cs_n_pad (
+    OFS1P3BX cs_n_pads [CLOCKS-1:0] (
         .SCLK (clk),
         .SP   (1'b1),
         .PD   (1'b0),
@@ -32,7 +34,7 @@ module wh_board_adc_pads_ecp5 #(
         .Q    (adc_cs_n_o)
     );
 
-    OFS1P3BX sclk_pad (
+    OFS1P3BX sclk_pads [CLOCKS-1:0] (
         .SCLK (clk),
         .SP   (1'b1),
         .PD   (1'b0),

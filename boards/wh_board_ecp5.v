@@ -18,7 +18,8 @@ module wh_board_ecp5 #(
     parameter integer CLKFB_DIV = 1,
     parameter integer CLKOP_DIV = 18,
     parameter integer CLKOS_DIV = 5,
-    parameter integer WATCH_DIV = 16  // 2...128
+    parameter integer WATCH_DIV = 16, // 2...128
+    parameter integer SCLK_PINS = 1   // pads of SCLK, and as many of CS_n, 1...
 ) (
     input  wire                   osc_i,        // the board's oscillator
     input  wire                   reset_n_i,    // asynchronous
@@ -29,8 +30,8 @@ module wh_board_ecp5 #(
     input  wire                   uart_rx_i,    // asynchronous
     output wire                   uart_tx_o,
 
-    output wire                   adc_cs_n_o,
-    output wire                   adc_sclk_o,
+    output wire [SCLK_PINS-1:0]   adc_cs_n_o,
+    output wire [SCLK_PINS-1:0]   adc_sclk_o,
     input  wire [`WH_BOARD_PARTS-1:0] adc_sdata_i,
     input  wire [`WH_BOARD_N-1:0] enc_a_i,      // asynchronous
     input  wire [`WH_BOARD_N-1:0] enc_b_i,      // asynchronous
@@ -98,7 +99,8 @@ module wh_board_ecp5 #(
     wire [PARTS-1:0] adc_sdata;
 
     wh_board_adc_pads_ecp5 #(
-        .LINES       (PARTS)
+        .LINES       (PARTS),
+        .CLOCKS      (SCLK_PINS)
     ) adc_pads (
         .clk         (clk),
         .cs_n_i      (adc_cs_n),

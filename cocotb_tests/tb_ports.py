@@ -21,6 +21,7 @@ from cocotb.triggers import FallingEdge, RisingEdge, with_timeout
 from simulators import parameters
 from tb_core import packed_section, section
 from wavehaptics.controller import anchor
+from wavehaptics.controller.pins_timing import turns_latency_clocks
 from wavehaptics.words import formats
 
 N = parameters()["N"]
@@ -35,7 +36,11 @@ CONVERSION = 33
 LAST_SLOT = (36 if SHAPER == 2 else 32) * (N - 1)
 EDGES = LAST_SLOT + 50
 """Clocks from a round's begin until positions have been looked at, and no step is under way."""
+FRAME_CLOCKS = 29
+"""Clocks from a sample's strobe to its word."""
 BUS_V = 24.0
+FEEDBACK_CLOCKS = 4
+"""By how much widths of one voltage may differ, at most."""
 RESULTS = (
     "u",
     "v",
@@ -472,3 +477,58 @@ async def equals_the_controller(dut: object) -> None:
             "fault", "commit",
         }  # fmt: skip
         assert bench.known_energies > bench.periods // 3
+
+
+async def ticks_until_the_gates_tell(bench: PortsBench, tick_clocks: int, lead: int) -> int:
+    """Ticks from the end of the one with a sample until the last port's gates have its voltage."""
+    dut, last = bench.dut, N - 1
+    bench.drive(rst=1, enable_i=1)
+    await bench.step()
+    await bench.board()
+    ports = [random_port(random.Random(1), tick_clocks, 1) for _ in range(N)]
+    for port in ports:
+        port.anchor[anchor.ENABLE] = 0
+        port.zero, port.walls, port.a = 0, [(0, 0, False, False)] * WALLS, formats.A.to_raw(1.0)
+        port.gain, port.root = formats.GAIN.to_raw(1.0 / (8 * MID)), formats.ROOT.to_raw(2.0)
+        port.u_max = formats.WAVE.to_raw(0.45 * BUS_V)
+        port.scale = formats.DUTY.to_raw(tick_clocks / 8)
+        port.etas = (0, formats.ETA.to_raw(0.5))
+        port.__post_init__()
+    bench.drive(
+        carrier_i=joined((tick_clocks, 16), (1, 16), (tick_clocks, 16), (1, 9), (lead, 8), (0, 1)),
+        sense_i=joined((0xFFFF, 16), (0xFFFF, 16), (0, 16), (0x7FFFFF, 23)),
+        delay_i=0, bridge_i=0, guard_i=0, host_alive_i=1, code_i=pack([MID] * N, 12), noise_i=0,
+    )  # fmt: skip
+    await bench.write(ports, bench.bank ^ 1)
+    bench.commit(ports)
+    await bench.step(2, rst=0)
+
+    async def widths(ticks: int) -> list[int]:
+        """The last port's width of each tick, as it is when the tick before ends."""
+        found, width = [], 0
+        while len(found) < ticks:
+            await bench.step()
+            if int(dut.ports.width_valid.value) and int(dut.ports.width_port.value) == last:
+                width = dut.ports.width.value.to_signed()
+            if bench.word("tick_o"):
+                found.append(width)
+        return found
+
+    await bench.tick()
+    before = (await widths(8))[-1]
+    assert bench.word("running_o") == 3 and before
+    bench.drive(code_i=pack([MID + (MID >> 1)] * N, 12))
+    return [abs(width - before) > FEEDBACK_CLOCKS for width in await widths(6)].index(True)
+
+
+@cocotb.test(timeout_time=10, timeout_unit="sec")
+async def latency_is_what_it_says(dut: object) -> None:
+    """The tick that ends so many clocks after a sample's strobe drives its voltage, none before."""
+    bench = PortsBench(dut, random_source("latency"))
+    await bench.power_up()
+    latency = turns_latency_clocks(FRAME_CLOCKS, N, SHAPER)
+    tick_clocks = 2 * max(LAST_SLOT // 2 + 30, latency // 3 + 10)
+    for late, ticks in ((-1, 1), (0, 1), (1, 2), (2, 2)):
+        # The strobe comes half a tick and -lead after the tick's begin, the tick's in its last clock.
+        lead = latency + 1 - 3 * tick_clocks // 2 - late
+        assert await ticks_until_the_gates_tell(bench, tick_clocks, lead) == ticks, late

@@ -22,7 +22,7 @@
 // round on; those of all ports, the packed ones, in reset or as wh_controller has it.
 //
 // Latency: the last sample of a period reaches the gates with the next tick that ends
-//     conversion + 32 (N - 1) + 45 + N + 5 SHAPER clocks
+//     conversion + 32 (N - 1) + 43 + N + 5 SHAPER clocks
 // after its sample strobe or later, and a period has 32 (N - 1) + 38 clocks or more. A half has N + 8 or more.
 // With SHAPER = 2, a port takes 36 clocks instead of 32, and the last one 42 instead of 38.
 // Live values: live_valid_o strobes with the port, which value it is, and the value, all of them once a period, and an

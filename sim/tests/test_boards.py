@@ -481,6 +481,17 @@ def test_a_board_says_how_many_walls():
     assert many.walls == len(three.scene.controller.walls) == 1
 
 
+def test_pins_of_sclk_are_shared_evenly(tmp_path):
+    assert load_board("ulx3s_three").sclk_pins == ["adc_sclk"]
+    assert load_board("icesugar_pro_eight").sclk_pins == [f"adc_sclk[{n}]" for n in range(4)]
+    for name in ("icesugar_pro", "icesugar_pro_eight"):
+        shutil.copytree(ROOT / "boards" / name, tmp_path / "boards" / name)
+    path = tmp_path / "boards" / "icesugar_pro_eight" / "fpga.toml"
+    path.write_text(path.read_text().replace("sclk_pins = 4", "sclk_pins = 3"))
+    with pytest.raises(BoardError, match=r"fpga\.toml:\d+: sclk_pins = 3 .* by 8 motors; take a"):
+        load_board("icesugar_pro_eight", root=tmp_path)
+
+
 def test_header_keeps_signs_and_order():
     words = load_board("ulx3s_three").words()
     words.words["sample_lead"] = -2
@@ -611,6 +622,10 @@ PROGRAMMERS = {
         "openFPGALoader", "--cable", "cmsisdap", "--vid", "0x1d50", "--pid", "0x602b",
         "build/synth/icesugar_pro/icesugar_pro.bit",
     ],
+    "icesugar_pro_eight": [
+        "openFPGALoader", "--cable", "cmsisdap", "--vid", "0x1d50", "--pid", "0x602b",
+        "build/synth/icesugar_pro_eight/icesugar_pro_eight.bit",
+    ],
     "orangecrab": [
         "dfu-util", "--device", "1209:5af0", "--alt", "0", "--download",
         "build/synth/orangecrab/orangecrab.bit",
@@ -632,10 +647,10 @@ FLASHERS = {
     # It writes the flash and reads it back unless it is told not to.
     "hx8k": PROGRAMMERS["hx8k"],
     "icebreaker": PROGRAMMERS["icebreaker"],
-    "icesugar_pro": [
-        *PROGRAMMERS["icesugar_pro"][:-1], "--write-flash", "--verify",
-        PROGRAMMERS["icesugar_pro"][-1],
-    ],
+    **{
+        name: [*PROGRAMMERS[name][:-1], "--write-flash", "--verify", PROGRAMMERS[name][-1]]
+        for name in ("icesugar_pro", "icesugar_pro_eight")
+    },
     # Its bootloader knows nothing but the flash.
     "orangecrab": PROGRAMMERS["orangecrab"],
     **{
@@ -804,7 +819,8 @@ def test_kept_numbers_keep_the_promises():
         assert board["zero"]
         assert board["anchor"]
         # The brushless board: a dead time of one clock, and little of it in a tick.
-        slower = {"ulx3s_brushless": 0.4, "ulx3s_three": 0.7}
+        # Eight take turns of 32 clocks each.
+        slower = {"ulx3s_brushless": 0.4, "ulx3s_three": 0.68, "icesugar_pro_eight": 0.25}
         assert load_board(name).scene.controller.tick_hz >= 1e6 * slower.get(name, 0.8)
     for name in board_names():
         pads = kept(name)["pads"]

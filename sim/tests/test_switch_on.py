@@ -160,6 +160,10 @@ def planted(tmp_path: Path, name: str, old: str, new: str) -> str:
         ("colorlight_i5", '"alive" SITE "B19"', '"alive" SITE "P17"', "unknown to boards/color"),
         ("orangecrab", '"gate_al" SITE "H2"', '"gate_al" SITE "R17"', "R17, which is taken: start"),
         ("icesugar_pro", '"alive" SITE "R5"', '"alive" SITE "T6"', "taken: configuration, D7"),
+        ("icesugar_pro_eight", '"gate_bl[3]" SITE "R4"', '"gate_bl[3]" SITE "R6"',
+         r"taken: configuration, D6 \(boards/icesugar_pro/fpga\.toml\)"),
+        ("icesugar_pro_eight", '"enc_b[7]" SITE "L14"', '"enc_b[7]" SITE "E14"',
+         "taken: programmer of the extension board"),
         ("ecp5_evn", '"stop" SITE "U17"', '"stop" SITE "P2"', "taken: USB serial, sends where R34"),
         ("hx8k", "-pullup yes enc_b  ", "enc_b", "floats where its wire is off; give it set_io"),
         ("icebreaker", "-pullup yes adc_sdata", "-pullup no adc_sdata", "adc_sdata is at 2 and fl"),
@@ -293,6 +297,11 @@ def test_registers_in_the_pads_leave_the_data_sheets_times():
     assert found.margin_ns == pytest.approx(2e3 / 70 - 4.1 - 1.2 - 15 - 0.85, abs=0.01)
 
 
+def test_the_slowest_of_several_pins_of_sclk_counts():
+    found = budget(ice40_delays(low_ns=4.5), "hx8k", 48e6, clocks=["adc_sclk", "gate_al"])
+    assert found.out_ns == pytest.approx(1.4 + 4.5 + 4.59, abs=0.01)
+
+
 def test_logic_before_a_pad_is_counted():
     found = budget(ecp5_delays(registered=False), "25k", 50e6)
     assert found.out_ns == pytest.approx(0.525 + 0.7 + 0.236 + 1.9 + 4.1, abs=0.01)
@@ -380,7 +389,7 @@ TOO_FAST = with_carrier("hx8k", 48)
         (with_fpga("ulx3s_three", "sense", amplifier="INA240"),
          r"the INA240 may not follow the carrier of 352\.3 kHz: it settles for 9\.6 µs"),
         (with_fpga("ulx3s_three", "sense", amplifier="low-side"),
-         r"it sees one half of each carrier period, and a tick is 1\.42 µs; name another"),
+         r"it sees one half of each carrier period, and a tick is 1\.42 µs; name another amplifier"),
         (with_fpga("ulx3s", "sense", amplifier="INA24"),
          r'sense\.amplifier "INA24" is unknown; did you mean "INA24[01]"\? known: INA241, .* with '
          r"its figures$"),

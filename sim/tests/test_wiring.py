@@ -18,6 +18,7 @@ from wavehaptics.runtime.repository import ROOT
 from wavehaptics.wiring import __main__ as command
 from wavehaptics.wiring import drawings, pages, pins, spice
 from wavehaptics.wiring.parts import FAMILIES, TABLE, Table, WiringError, load_table
+from wavehaptics.wiring.pins import Pin
 from wavehaptics.wiring.sheet import Sheet
 
 FAMILY_TICK_S = 1e-6
@@ -82,11 +83,13 @@ def test_gates_are_shut_soon_after_the_last_change(table):
     found = spice.stops(table, ticks_s, spice.corners(table))
     assert len(found) == len(ticks_s) * 2 * 24
     assert spice.stop_complaints(table, found) == []
-    # Three motors' tick is 1.4 µs, the brushless board's 2.45 µs; 1.20 V may shut.
+    # Three motors' tick is 1.4 µs, the brushless board's 2.45 µs, eight motors' 3.71 µs; 1.20 V may
+    # shut.
     for longest_s, least_v, most_v in (
         (1.3e-6, 1.80, 2.10),
         (1.5e-6, 1.75, 2.05),
         (2.5e-6, 1.45, 2.00),
+        (3.8e-6, 1.20, 1.95),
     ):
         of_ticks = [stop for stop in found if stop.tick_s < longest_s]
         assert min(stop.least_v for stop in of_ticks) > least_v
@@ -341,6 +344,9 @@ def test_bill_counts_boards_and_motors(table):
     assert pages.count(table.part("R4"), 1) == 4
     assert pages.count(table.part("R4"), 3) == 12
     assert pages.count(table.part("U3"), 3) == 1
+    assert pages.count(table.part("R8"), 3) == 2
+    assert pages.count(table.part("R8"), 8, 4) == 8
+    assert pages.sizes() == [(1, 1), (3, 1), (8, 4)]
     bill = pages.bill(table, options=False) + pages.bill(table, options=True)
     for reference in table.parts:
         assert len(re.findall(rf"^\| {reference} \|", bill, re.MULTILINE)) == 1
@@ -362,6 +368,16 @@ def test_supply_pins_of_headers_carry_no_signal():
     core = [pin for row in pins.wires("hx8k").headers["J2"] for pin in row if "1.2" in pin.place]
     assert [pin.printed for pin in core] == ["1", "3"]
     assert {pins.goes_to(pin) for pin in core} == {"**never**"}
+
+
+def test_a_pin_says_whose_it_is():
+    """Of CS and SCLK each of several is that of the motors that share it."""
+    sclk, sdata = (Pin("6", "A8", f"adc_{name}[1]") for name in ("sclk", "sdata"))
+    assert pins.goes_to(sclk, sharing=2) == "motors 2 and 3: R8, SCLK of U8"
+    assert pins.goes_to(sclk, sharing=4) == "motors 4 to 7: R8, SCLK of U8"
+    assert pins.goes_to(sclk) == "motor 1: R8, SCLK of U8"
+    assert pins.goes_to(sdata, sharing=2) == "motor 1: SDATA of U8"
+    assert pins.goes_to(sdata, brushless=True) == "phase b: SDATA of U8"
 
 
 def test_a_port_on_no_header_is_refused(tmp_path):

@@ -111,7 +111,7 @@ def least_half_clocks(motors: int) -> int:
 def turns_latency_clocks(conversion_clocks: int, motors: int, sections: int = 0) -> int:
     """As :func:`latency_clocks`, of ``rtl/wh_ports.v``."""
     last = turn_clocks(sections) * (motors - 1)
-    return conversion_clocks + last + 45 + motors + SECTION_CLOCKS * sections
+    return conversion_clocks + last + 43 + motors + SECTION_CLOCKS * sections
 
 
 def shared_tick_clocks(ports: int = 1, anchored: bool = False) -> int:

@@ -131,7 +131,7 @@ def bench(board: Board, ports: dict[str, str]) -> str:
 
     A brushless motor's has more gates and ADCs. Several motors see the same.
     """
-    motors, gates = board.fpga.motors, GATES[board.brushless]
+    motors, clocks, gates = board.fpga.motors, board.fpga.sclk_pins, GATES[board.brushless]
     roles = {"adc_sdata": "sdata", "enc_a": "a", "enc_b": "b", "stop": "stop",
              "adc_cs_n": "cs_n", "adc_sclk": "sclk", "alive": "alive",
              **{gate: f"gates[{n}]" for n, gate in enumerate(gates)},
@@ -152,8 +152,9 @@ def bench(board: Board, ports: dict[str, str]) -> str:
         elif inverted:
             lines += [f"    wire {port};", f"    assign {role} = !{port};"]
             role = port
-        if motors > 1 and port in gates:
-            lines += [f"    wire [{motors - 1}:0] {port};", f"    assign {role} = {port}[0];"]
+        wires = motors if port in gates else clocks if port in ("adc_cs_n", "adc_sclk") else 1
+        if wires > 1:
+            lines += [f"    wire [{wires - 1}:0] {port};", f"    assign {role} = {port}[0];"]
             role = port
         elif motors > 1 and port in ("adc_sdata", "enc_a", "enc_b"):
             role = f"{{{motors}{{{role}}}}}"

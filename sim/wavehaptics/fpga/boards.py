@@ -105,6 +105,7 @@ class Fpga(_Table):
     walls: int = Field(LINKED_WALLS, ge=1, le=MOST["wall"])
     shared_multiplier: bool = False
     pad_registers: bool = False
+    sclk_pins: int = Field(1, ge=1)
     wire_s: float = Field(0.6e-9, ge=0)
     seeds: list[int] = Field(min_length=1)
     program: list[str] = Field(min_length=1)
@@ -150,6 +151,12 @@ class Board:
         """Ports of the top at which the converters' bits come in."""
         lines = AXES if self.brushless else self.fpga.motors
         return ["adc_sdata"] if lines == 1 else [f"adc_sdata[{n}]" for n in range(lines)]
+
+    @property
+    def sclk_pins(self) -> list[str]:
+        """Ports of the top that are SCLK; each serves as many converters as any other."""
+        clocks = self.fpga.sclk_pins
+        return ["adc_sclk"] if clocks == 1 else [f"adc_sclk[{n}]" for n in range(clocks)]
 
     def words(self) -> BoardWords:
         """Words of the controller's settings; :class:`SceneError` where the board can't do them."""
@@ -237,6 +244,11 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
             if wrong:
                 at = places.of((key,) if key in data else ("legs",))[1]
                 raise BoardError(f"{at}: a board with legs = {fpga.legs} has {right}")
+    if fpga.motors % fpga.sclk_pins:
+        raise BoardError(
+            f"{places.of(('sclk_pins',))[1]}: sclk_pins = {fpga.sclk_pins} can't be shared "
+            f"evenly by {fpga.motors} motors; take a divisor of motors"
+        )
     if fpga.adc not in PARTS:
         raise BoardError(f"{path}: adc = {fpga.adc!r} is not known; {', '.join(PARTS)} are")
     device = device or fpga.devices[0]

@@ -182,23 +182,23 @@ class AdcBudget:
 
 def adc_budget(
     delays: Delays, device: str, family: str, part: Part, made: Frame, clock_hz: float,
-    wire_s: float, lines: Iterable[str], sclk: str = "adc_sclk",
+    wire_s: float, lines: Iterable[str], clocks: Iterable[str] = ("adc_sclk",),
 ) -> AdcBudget:  # fmt: skip
-    """The round trip of a placed board's converters at the inputs ``lines``.
+    """The round trip of a placed board's converters.
 
-    ``wire_s`` is one way's. :class:`PadTimingError` where no time is left.
+    From SCLK's outputs ``clocks`` to the inputs ``lines``; ``wire_s`` is one way's.
+    :class:`PadTimingError` where no time is left.
     """
     times = PAD_TIMES.get(device) or PAD_TIMES[family]
-    out = delays.to_pad(sclk)
-    out_ns = times.out_registered if out.registered else out.ns + times.out
+    outs = [delays.to_pad(clock) for clock in clocks]
     backs = [delays.from_pad(line) for line in lines]
-    if any(back.registered != out.registered for back in backs) or (
-        out.registered != bool(made.pad_clocks)
-    ):
+    registered = bool(made.pad_clocks)
+    if any(way.registered != registered for way in (*outs, *backs)):
         raise PadTimingError(
             "registers in the I/O cells of the ADC's pins are not what pad_registers in fpga.toml "
             "says; take wh_board_adc_pads_ecp5 in the top and set it, or neither"
         )
+    out_ns = max(times.out_registered if out.registered else out.ns + times.out for out in outs)
     back_ns = max(
         times.in_registered if back.registered else back.ns + times.back for back in backs
     )
@@ -206,7 +206,7 @@ def adc_budget(
     taken_ns = out_ns + 2e9 * wire_s + 1e9 * part.access_s + back_ns
     budget = AdcBudget(
         sclk_mhz=round(clock_hz / made.bit_clocks / 1e6, 2),
-        registered=out.registered,
+        registered=registered,
         available_ns=round(available_ns, 2),
         out_ns=round(out_ns, 2),
         wire_ns=round(2e9 * wire_s, 2),
@@ -220,7 +220,7 @@ def adc_budget(
             f"the {part.name}'s bits come {-budget.margin_ns:g} ns too late: clock to pad "
             f"{out_ns:.1f}, wires {budget.wire_ns:g}, access {budget.access_ns:g}, pad to "
             f"flip-flop {back_ns:.1f} ns of {available_ns:.1f} ns; lower controller.clock_hz"
-            + ("" if out.registered else ", or take registers at the pads (pad_registers)")
+            + ("" if registered else ", or take registers at the pads (pad_registers)")
         )
     return budget
 

@@ -279,6 +279,7 @@ def board_pads(board: Board, sdf: Path) -> dict[str, Any]:
         adc = pad_timing.adc_budget(
             delays, board.device, board.fpga.family, PARTS[board.fpga.adc],
             words.ports.timing.frame, board.clock_hz, board.fpga.wire_s, board.adc_lines,
+            board.sclk_pins,
         )  # fmt: skip
         skew_ns = pad_timing.gate_skew_ns(delays, motors, board.fpga.legs)
     except pad_timing.PadTimingError as error:

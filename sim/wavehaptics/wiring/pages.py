@@ -31,21 +31,30 @@ def _row(cells: list[str]) -> str:
     return f"| {' | '.join(cells)} |\n"
 
 
-def count(part: Part, motors: int) -> int:
-    return part.number * (motors if part.each == "motor" else 1)
+def count(part: Part, motors: int, sclk_pins: int = 1) -> int:
+    """How many a board has; ``sclk_pins`` are its pins of CS and SCLK each."""
+    return part.number * {"board": 1, "motor": motors, "sclk_pin": sclk_pins}[part.each]
+
+
+def sizes() -> list[tuple[int, int]]:
+    """Motors and ``sclk_pins`` of the boards, each pair once."""
+    boards = (load_board(name).fpga for name in board_names())
+    return sorted({(fpga.motors, fpga.sclk_pins) for fpga in boards})
 
 
 def bill(table: Table, *, options: bool) -> str:
-    """The parts for one motor and for three."""
-    head = ["", "part", "role", "1 motor", "3 motors", "has to keep", "instead"]
+    """The parts for the boards of each size."""
+    columns = [f"{motors} motor{'s' if motors > 1 else ''}" for motors, _ in sizes()]
+    head = ["", "part", "role", *columns, "has to keep", "instead"]
     lines = [_row([*head, "option"] if options else head)]
-    lines += ["|---|---|---|--:|--:|---|---|" + ("---|" if options else "") + "\n"]
+    lines += [f"|---|---|---|{'--:|' * len(columns)}---|---|" + ("---|" if options else "") + "\n"]
     for reference, part in table.parts.items():
         if (part.option is not None) != options:
             continue
         tolerance = f", {part.tolerance * 100:g} %" if part.tolerance else ""
-        cells = [reference, part.text() + tolerance, part.role, str(count(part, 1)),
-                 str(count(part, 3)), part.rating, part.substitute]  # fmt: skip
+        counts = [str(count(part, *size)) for size in sizes()]
+        cells = [reference, part.text() + tolerance, part.role, *counts, part.rating,
+                 part.substitute]  # fmt: skip
         lines.append(_row([*cells, part.option] if part.option else cells))
     return "".join(lines)
 

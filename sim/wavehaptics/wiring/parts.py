@@ -34,7 +34,7 @@ class Part(_Strict):
     """A row of the table; ``value`` is in ``unit``, one for each family where it hangs on that."""
 
     role: str
-    each: Literal["board", "motor"]
+    each: Literal["board", "motor", "sclk_pin"]
     number: int = Field(ge=1)
     rating: str
     substitute: str

@@ -42,6 +42,9 @@ _TO = {
 }
 """Where the wire of each port of a board's top goes, by the references of the schematic."""
 
+_SHARED = ("adc_cs_n", "adc_sclk")
+"""Ports that serve the converters of several motors."""
+
 
 class _Header(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -124,10 +127,11 @@ def wires(board: str, root: Path = ROOT) -> Wires:
     return Wires(found, on_board)
 
 
-def goes_to(pin: Pin, brushless: bool = False) -> str:
+def goes_to(pin: Pin, brushless: bool = False, sharing: int = 1) -> str:
     """Where a pin's wire goes; nowhere for one that is not used.
 
-    Several ports of a name are those of several motors, or of a ``brushless`` one's phases.
+    Several ports of a name are those of several motors, or of a ``brushless`` one's phases; of CS
+    and SCLK each is that of ``sharing`` motors.
     """
     if pin.port is None:
         if pin.place == "GND":
@@ -142,13 +146,19 @@ def goes_to(pin: Pin, brushless: bool = False) -> str:
         raise WiringError(f"nobody has said where the wire of {pin.port} goes; add it to pins.py")
     if not index:
         return _TO[base]
-    owner = f"phase {'abc'[int(index)]}" if brushless else f"motor {index}"
-    return f"{owner}: {_TO[base]}"
+    if brushless:
+        return f"phase {'abc'[int(index)]}: {_TO[base]}"
+    if base not in _SHARED or sharing == 1:
+        return f"motor {index}: {_TO[base]}"
+    first = int(index) * sharing
+    joined = "and" if sharing == 2 else "to"
+    return f"motors {first} {joined} {first + sharing - 1}: {_TO[base]}"
 
 
 def table(board: str, root: Path = ROOT) -> str:
     """The headers and the board's own ports as tables of Markdown."""
-    found, brushless = wires(board, root), load_board(board, root=root).brushless
+    found, loaded = wires(board, root), load_board(board, root=root)
+    sharing = loaded.fpga.motors // loaded.fpga.sclk_pins
     lines: list[str] = []
     for name, rows in found.headers.items():
         lines += [f"**{name}**, as it is printed, row by row:", ""]
@@ -160,7 +170,7 @@ def table(board: str, root: Path = ROOT) -> str:
                 for pin in row
                 for text in (
                     pin.printed, pin.place, f"`{pin.port}`" if pin.port else "–",
-                    goes_to(pin, brushless),
+                    goes_to(pin, loaded.brushless, sharing),
                 )
             ]  # fmt: skip
             lines.append(f"| {' | '.join(cells)} |")
