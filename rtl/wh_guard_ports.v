@@ -230,13 +230,13 @@ module wh_guard_ports #(
     wire                         forward  = turning > limit;
     wire                         backward = turning < -limit;
     reg  [N-1:0]                 moved_q;       // since the port's last turn
-    wire                         moved = moved_q[port_q];
+    reg                          moved_now_q;   // of the clock before, as the others below
     wire                         negative_before;
     wire [15:0]                  still_before;  // turns of turning, less those of not
-    reg                          negative_q;    // of the clock before, as the turn has begun
+    reg                          negative_q;
     reg  [15:0]                  still_q;
-    wire                         negative = !moved && negative_q;
-    wire [15:0]                  still    = moved ? 16'd0 : still_q;
+    wire                         negative = !moved_now_q && negative_q;
+    wire [15:0]                  still    = moved_now_q ? 16'd0 : still_q;
     reg                          forward_q;
     reg                          backward_q;
     wire [15:0]                  next     =
@@ -246,6 +246,7 @@ module wh_guard_ports #(
     reg signed [16+MEAN_LOG2:0] kept_q;  // of the sum, what isn't forgotten
 
     always @(posedge clk) begin
+        moved_now_q <= moved_q[port_q];
         forward_q  <= forward;
         backward_q <= backward;
         negative_q <= negative_before;
@@ -273,7 +274,7 @@ module wh_guard_ports #(
         .clk         (clk),
         .rst         (turn_rst),
         .port_i      (port_q),
-        .save_i      (at_q[2]),
+        .save_i      (at_q[3]),
         .save_port_i (port_q),
         .value_i     ({(still == 16'd0) ? backward_q : negative, next}),
         .value_o     ({negative_before, still_before})
@@ -287,7 +288,7 @@ module wh_guard_ports #(
             moved_q[port_q] <= moved_i[port_q];
         end
         lost_q  <= lost_q & ~moved_i;
-        if (at_q[3]) begin
+        if (at_q[4]) begin
             lost_q[port_q] <= still_before >= settings_i[`WH_GUARD_LOST_TICKS] && still_before != 16'd0;
         end
         if (turn_rst) begin

@@ -723,8 +723,10 @@ module wh_ports #(
     reg [PORT_W-1:0] drove_port_q;
     reg signed [DATA_W-1:0] voltage_q;
     reg signed [DATA_W-1:0] correction_q;
+    reg run_q;
 
     always @(posedge clk) begin
+        run_q        <= run;
         since_q      <= sense_rst ? 12'd0 : {since_q[11:1], current_valid};
         drove_q      <= core_rst ? 2'd0 : {drove_q[1], core_valid};
         if (core_valid) begin
@@ -735,7 +737,8 @@ module wh_ports #(
     end
 
     wire [31:0] flags = {21'd0, stucks[current_port], shaped, clipped, host_active, anchor_faults[current_port],
-                         encoder_faults[current_port], ranges[current_port], trips[current_port], run, saturated_before, contact};
+                         encoder_faults[current_port], ranges[current_port], trips[current_port], run_q, saturated_before,
+                         contact};
     wire        waves_1 = since_q[7] && !core_rst;
     wire        waves_2 = since_q[8] && !core_rst;
     wire        waves_3 = since_q[10] && !core_rst;
@@ -776,7 +779,7 @@ module wh_ports #(
         end else if (since_q[10]) begin
             value_now = current_offset;
             word_now  = `WH_LIVE_OFFSET;
-        end else if (damped) begin
+        end else if (|since_q[12:11]) begin
             value_now = {DATA_W{1'b0}};
             word_now  = since_q[11] ? `WH_LIVE_FLUX : `WH_LIVE_LAG;
         end
