@@ -12,7 +12,7 @@ from wavehaptics.runtime.repository import ROOT
 PAGES = ("README.md", "CONTRIBUTING.md", "docs/*.md", "boards/README.md", "sim/scenes/README.md")
 
 NOT_YET = {
-    "README.md", "boards/README.md", "docs/architecture.md", "docs/brushless.md",
+    "README.md", "boards/README.md", "docs/architecture.md",
     "docs/c.md", "docs/drive.md", "docs/environments.md",
     "docs/identify.md", "docs/paper.md", "docs/port_anchor.md",
     "docs/principle.md", "docs/report.md", "docs/simulation.md", "docs/words.md",
