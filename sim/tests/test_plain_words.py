@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from wavehaptics.runtime.repository import ROOT
 
-PAGES = ("README.md", "CONTRIBUTING.md", "docs/*.md", "sim/scenes/README.md")
+PAGES = ("README.md", "CONTRIBUTING.md", "docs/*.md", "boards/README.md", "sim/scenes/README.md")
 
 NOT_YET = {
     "README.md", "docs/architecture.md",
