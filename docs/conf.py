@@ -35,7 +35,7 @@ myst_heading_anchors = 4
 suppress_warnings = ["autoapi.python_import_resolution", "ref.python"]
 
 toctrees = {
-    "Start": ["docs/principle", "docs/architecture", "docs/paper"],
+    "Start": ["docs/principle", "docs/architecture", "docs/paper", "docs/glossary"],
     "Simulation": ["docs/simulation", "sim/scenes/README", "docs/report"],
     "Controller": ["docs/port_anchor", "docs/holding", "docs/environments", "docs/brushless",
                    "docs/drive", "docs/sensing", "docs/words", "docs/link", "docs/board",
