@@ -26,7 +26,7 @@ from wavehaptics.motor.thermal import Winding
 from wavehaptics.parts.adcs import KINDS, PARTS, Frame, Part
 from wavehaptics.scene import Scene, encoder_end
 from wavehaptics.scene.tables.drive import Drive
-from wavehaptics.trace.columns import Column
+from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
 from wavehaptics.words.table import LEGS, Values
 
@@ -78,13 +78,22 @@ def true_bus_v(scene: Scene) -> float:
 
 def pass_ticks(
     rows: Sequence[np.ndarray], words: Sequence[np.ndarray], kept: np.ndarray,
-    motors: Sequence[PinsSimulation],
+    motors: Sequence[PinsSimulation], clocks: int = 0,
 ) -> None:  # fmt: skip
-    """Fill the ``rows`` and ``words`` of each motor, all of them at one controller."""
+    """Fill the ``rows`` and ``words`` of each motor, all of them at one controller.
+
+    ``kept`` are the motors' own arrays of that name. Where there are no rows, ``clocks`` pass.
+    """
     done = np.zeros(len(motors), dtype=np.int64)
     parts = tuple(motor.parts for motor in motors)
-    if not pins_loop.advance(tuple(rows), tuple(words), 0, done, kept, parts):
+    if not pins_loop.advance(tuple(rows), tuple(words), clocks, done, kept, parts):
         raise RuntimeError("the controller's RTL stopped answering")
+
+
+def pass_clocks(clocks: int, kept: np.ndarray, motors: Sequence[PinsSimulation]) -> None:
+    """Let clocks pass of which no rows are made."""
+    none, no_words = np.zeros((0, len(Column))), np.zeros((0, len(Word)), dtype=np.int64)
+    pass_ticks([none] * len(motors), [no_words] * len(motors), kept, motors, clocks)
 
 
 class PinsSimulation:
