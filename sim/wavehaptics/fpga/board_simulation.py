@@ -264,7 +264,7 @@ class BoardSimulation:
     """
 
     PREFIX = "wh_board"
-    _INPUTS_SHIFT: int
+    INPUTS_SHIFT: int
     """Inputs of the shim before the encoder's."""
 
     _built: Build
@@ -332,7 +332,7 @@ class BoardSimulation:
             function.restype = ctypes.c_int64
         new.restype = ctypes.c_void_p
         at_reset = self._built.board.words().ports.start_count
-        levels = pins_loop.encoder_levels.py_func(at_reset) << self._INPUTS_SHIFT
+        levels = pins_loop.encoder_levels.py_func(at_reset) << self.INPUTS_SHIFT
         time = ports.timing
         bit_clocks = round(16 * time.clock_hz / BAUDS[0])
         watch = 2 * self._watch_hz() / time.clock_hz
@@ -424,7 +424,6 @@ class _BrushesOnBoard(BoardSimulation, PinsSimulation):
     """A board with a motor with brushes."""
 
     PREFIX = BoardSimulation.PREFIX
-    _INPUTS_SHIFT = 0
 
     def __init__(self, built: Build, scene: Scene, by_line: bool) -> None:
         self._prepare(built, by_line)
@@ -452,22 +451,22 @@ class _BrushlessOnBoard(BoardSimulation, BrushlessPinsSimulation):
     """A board with a brushless motor."""
 
     PREFIX = BoardSimulation.PREFIX
-    _INPUTS_SHIFT = 1
 
     def __init__(self, built: Build, scene: Scene, by_line: bool) -> None:
         self._prepare(built, by_line)
         BrushlessPinsSimulation.__init__(self, scene)
-        self._ints[brushless_pins.ANCHORED] = 0
+        self._ints[pins_loop.ANCHORED] = 0
         if scene.controller.find_magnet:
             self._start_with_a_swing(scene)
         else:
             self._start()
 
-    def _ports_of(self, scene: Scene) -> Ports:
+    def _ports_of(self, scene: Scene, most_samples: int) -> Ports:
+        del most_samples
         return self._board_ports(scene)
 
-    def _begin(self, scene: Scene, ports: Ports) -> None:
-        del scene
+    def _begin(self, scene: Scene, ports: Ports, host: bool) -> None:
+        del scene, host
         self._power_up(ports)
 
     def _start_with_a_swing(self, scene: Scene) -> None:

@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
+from wavehaptics.controller.tick_layout import Timing
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.turns_pins import TurnsSimulation
 from wavehaptics.scene import Scene, find_scene, load_device
@@ -24,8 +25,11 @@ ROUNDS = 5
 """Of which the fastest counts."""
 
 
-def seconds(scenes: Sequence[Scene]) -> tuple[float, float, TurnsSimulation]:
-    """(s of single runs, s of all motors at one controller), each the least of some rounds."""
+def seconds(scenes: Sequence[Scene]) -> tuple[float, float, Timing]:
+    """(s of single runs, s of all motors at one controller, how its ticks are laid).
+
+    Each is the least of some rounds.
+    """
     rows = [np.zeros((TICKS, len(Column))) for _ in scenes]
     words = [np.zeros((TICKS, len(Word)), dtype=np.int64) for _ in scenes]
     laid = TurnsSimulation(scenes).motors[0]
@@ -36,25 +40,22 @@ def seconds(scenes: Sequence[Scene]) -> tuple[float, float, TurnsSimulation]:
         for single in singles:
             single.advance(rows[0][:0], words[0][:0])
         together.advance([row[:0] for row in rows], [word[:0] for word in words])
-        found[0] = min(found[0], _timed(lambda: [single.advance(rows[0], words[0])
-                                                 for single in singles]))  # fmt: skip
-        found[1] = min(found[1], _timed(lambda: together.advance(rows, words)))
-    return found[0], found[1], together
+        began = time.process_time()
+        for single in singles:
+            single.advance(rows[0], words[0])
+        between = time.process_time()
+        together.advance(rows, words)
+        found = [min(found[0], between - began), min(found[1], time.process_time() - between)]
+    return found[0], found[1], laid.timing
 
 
 def _alone(scene: Scene, laid: PinsSimulation) -> Scene:
     """The scene with the clock and the latency that it has among others."""
-    time_ = laid.timing
+    laid_on = laid.timing
     control = scene.controller.model_copy(
-        update={"clock_hz": time_.clock_hz, "extra_ticks": time_.extra_ticks}
+        update={"clock_hz": laid_on.clock_hz, "extra_ticks": laid_on.extra_ticks}
     )
     return scene.model_copy(update={"controller": control})
-
-
-def _timed(run: Callable[[], object]) -> float:
-    began = time.process_time()
-    run()
-    return time.process_time() - began
 
 
 def main() -> None:
@@ -66,8 +67,7 @@ def main() -> None:
     chosen = options.parse_args()
     device = load_device(find_scene(chosen.scene), chosen.overrides)
     scenes = [device.scenes[n % len(device.scenes)] for n in range(chosen.motors)]
-    singles_s, together_s, together = seconds(scenes)
-    timing = together.motors[0].timing
+    singles_s, together_s, timing = seconds(scenes)
     print(
         f"{device.name}, {len(scenes)} motors, {TICKS} ticks of {timing.tick_clocks} clocks: "
         f"one after another {singles_s:.3f} s, together {together_s:.3f} s, "
