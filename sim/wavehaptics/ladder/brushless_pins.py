@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+from typing import Any
 
 import numpy as np
 
@@ -385,8 +386,8 @@ class BrushlessPinsSimulation(PinsSimulation):
     INPUTS_SHIFT = 1
     KEPT = _DONE + 1
 
-    def __init__(self, scene: Scene) -> None:
-        super().__init__(scene)
+    def __init__(self, scene: Scene, *, host: bool = False) -> None:
+        super().__init__(scene, host=host)
         self._kept[_HELD_B] = self._kept[HELD]
         self._angles = np.zeros(PENDING)
         self._buffer = np.zeros(_CONTACT + 1, dtype=np.int64)
