@@ -22,12 +22,9 @@ MOST_WALLS = 7
 CHANNELS = "command"
 """Kind of a converter that measures the currents of all motors, one after another."""
 
-_CONTROLLER = ("carrier", "frame", "trip", "sense", "zero", "encoder", "delay", "bridge", "guard",
-               "host")  # fmt: skip
-"""Groups of ``rtl/words.toml`` whose settings ``wh_ports`` has once, in the order of its ports."""
-
 _PACKED = (("carrier",), ("frame",), ("trip", "sense", "zero"), ("encoder",), ("delay",),
            ("bridge",), ("guard",), ("host",))  # fmt: skip
+"""Groups of ``rtl/words.toml`` whose settings ``wh_ports`` has once, by its ports."""
 
 
 def take_turns(scenes: Sequence[Scene]) -> bool:
@@ -61,8 +58,8 @@ def turns_ports(scenes: Sequence[Scene]) -> list[Ports]:
     if kind == CHANNELS:
         part = scenes[0].adc and scenes[0].adc.part
         raise scenes[0].refusal(
-            f"adc.part = {part} has a channel for each motor, and `pins` simulates one of one "
-            "motor; take another part, or run one with --motor",
+            f"adc.part = {part} has a channel for each motor, and `pins` simulates its first; "
+            "take another part, or run one motor with --motor",
             "adc.part",
         )
     _check_shared(scenes, found)
@@ -91,13 +88,11 @@ def _check_shared(scenes: Sequence[Scene], ports: Sequence[Ports]) -> None:
         {**one.words, **(guard.scene_words(scene, one) if scene.guard else {})}
         for scene, one in zip(scenes, ports, strict=True)
     ]
-    for name in values[0]:
-        word = WORDS[name]
-        if word.group not in _CONTROLLER:
-            continue
+    shared = {group for groups in _PACKED for group in groups}
+    for name in [name for name in values[0] if WORDS[name].group in shared]:
         for scene, own in zip(scenes, values, strict=True):
             if own.get(name) != values[0][name]:
-                cure, *keys = _SAME.get(word.group, _SAME["frame"])
+                cure, *keys = _SAME.get(WORDS[name].group, _SAME["frame"])
                 raise scene.refusal(
                     f"{name} is {own.get(name)} for this motor and {values[0][name]} for the "
                     f"first, and one controller has it once; {cure}, or run one with --motor",
