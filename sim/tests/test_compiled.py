@@ -182,8 +182,7 @@ def test_a_loop_that_draws_leaves_its_generator_as_it_was():
 def test_loops_that_clock_an_rtl_count_no_references():
     """Not once in each clock: half of the time of `pins` was spent on that."""
     loops = (
-        pins_loop.advance, pins_loop.pass_clocks, brushless_pins.rest, brushless_pins._advance,
-        board_simulation._rest,
+        pins_loop.advance, brushless_pins.rest, brushless_pins._advance, board_simulation._rest,
     )  # fmt: skip
     for entered in loops:
         (inner,) = [cell.cell_contents for cell in entered.py_func.__closure__]

@@ -356,8 +356,30 @@ def test_each_motor_runs_as_if_alone(tmp_path, controller):
     run_both(tmp_path, TEXT, ALONE, controller)
 
 
-def test_each_motor_runs_as_if_alone_on_pins(tmp_path):
-    run_both(tmp_path, TEXT, ALONE, "pins", "scene.duration_s=0.01")
+def test_motors_of_one_controller_on_pins(tmp_path):
+    """Files, metrics and arrays are those of motors alone, and motion is, but for the latency."""
+    sets = ("scene.duration_s=0.05", "controller.tick_hz=100e3")
+    device = load_device(write(tmp_path, TEXT), sets)
+    told: list[tuple[str, float]] = []
+    summary = run_device(device, "pins", tmp_path / "all", lambda *part: told.append(part))
+    assert [name for name, part in told if part == 1.0] == NAMES
+    assert json.loads((tmp_path / "all" / "metrics.json").read_text()) == summary
+    assert list(summary) == ["scene", "controller", "duration_s", "wall_clock_s", "motors"]
+    times_s = [summary["motors"][name]["wall_clock_s"] for name in NAMES]
+    assert times_s == [times_s[0]] * 2
+    assert summary["wall_clock_s"] == pytest.approx(sum(times_s))
+    for name, text in ALONE.items():
+        wanted = run_scene(load_scene(write(tmp_path, text, "alone.toml"), sets), "pins",
+                           tmp_path / name)  # fmt: skip
+        assert files(tmp_path / "all" / name) == files(tmp_path / name) == RUN_FILES
+        metrics, trace = results(tmp_path / "all" / name)
+        assert metrics.pop("motor") == name
+        assert set(metrics) == set(wanted) - {"wall_clock_s"}
+        alone = load_trace(tmp_path / name)
+        assert list(trace) == list(alone)
+        assert np.ptp(alone["x"]) > 0.005
+        np.testing.assert_allclose(trace["x"], alone["x"], atol=2 * math.pi / 10_000)
+        assert metrics["peak_torque"] == pytest.approx(wanted["peak_torque"], rel=0.02)
 
 
 @pytest.mark.parametrize("controller", ["golden", "core", "pins", "encoder"])

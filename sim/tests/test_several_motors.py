@@ -17,6 +17,7 @@ from wavehaptics.host.scope.plug import Plug
 from wavehaptics.ladder import pins_loop
 from wavehaptics.ladder.linked_motors import LinkedMotors
 from wavehaptics.ladder.linked_pins import LinkedPins
+from wavehaptics.ladder.pins import pass_clocks
 from wavehaptics.scene import SceneError, find_scene, load_scene
 from wavehaptics.trace.columns import load_trace
 from wavehaptics.words.memory import settings_requests
@@ -41,10 +42,8 @@ def test_one_of_them_is_the_board_of_one_motor(more):
     one, many = LinkedPins(scene, arm=False), LinkedMotors(scene, 1, arm=False)
     one.elapse(5_000)
     clocks = one.clock_cycles
-    pins_loop.pass_clocks(
-        clocks, many._each, many._tables, many._ints, many._floats, many._sensor, many._rng
-    )
-    state, kept, *_ = many._each[0]
+    pass_clocks(clocks, many._all, many._each)
+    state, kept, *_ = many._each[0].parts
     assert kept[pins_loop.NOW] == clocks
     for place in (pins_loop.COUNT, pins_loop.SHIFT, pins_loop.HELD, pins_loop.ADVANCED):
         assert kept[place] == one._kept[place]

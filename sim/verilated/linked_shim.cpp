@@ -49,7 +49,7 @@ constexpr int kAnswer = 8;  // bytes, to a write
 
 constexpr int kMotorInputs = 3;
 constexpr int kMotorGates = 4;
-constexpr int kGates = 9;  // place of the first motor's, where there are several
+constexpr int kOthers = 32;  // place of the second motor's gates, where there are several
 
 // A bit for each line of an ADC.
 int all_lines(const Linked *linked) { return kBrushless ? 1 : (1 << linked->motors) - 1; }
@@ -214,12 +214,10 @@ int64_t wh_linked_clock(int64_t model, int64_t inputs) {
     end_clock(linked);
     return out;
 }
-
-#endif
-
-// One clock of several motors, with three inputs and four gates of each, these from bit 9 on; what they
-// share stands where the loop of one motor has it.
-int64_t wh_linked_clock_all(int64_t model, int64_t inputs) {
+#else
+// One clock of several motors, with three inputs and four gates of each, as wh_ports_clock has them; of its steps
+// nothing is told.
+int64_t wh_linked_clock(int64_t model, int64_t inputs) {
     auto *linked = reinterpret_cast<Linked *>(model);
     auto &top = linked->top;
     set_all_inputs(linked, inputs);
@@ -228,11 +226,12 @@ int64_t wh_linked_clock_all(int64_t model, int64_t inputs) {
     for (int n = 0; n < linked->motors; ++n) {
         const int64_t gates = (top.gate_ah_o >> n & 1) | (top.gate_al_o >> n & 1) << 1 |
                               (top.gate_bh_o >> n & 1) << 2 | (top.gate_bl_o >> n & 1) << 3;
-        out |= gates << (kGates + kMotorGates * n);
+        out |= gates << (n ? kOthers - kMotorGates + kMotorGates * n : 0);
     }
     end_clock(linked);
     return out;
 }
+#endif
 
 // As wh_pins_words, or wh_brushless_words; nothing of several motors.
 int64_t wh_linked_words(int64_t model, int64_t words_address) {

@@ -89,14 +89,13 @@ bool keep(Controller *controller) {
     controller->overrun |= SIGNAL(slots_overrun) | SIGNAL(adc_overrun) | SIGNAL(missing);
     if (SIGNAL(flux_valid)) ports[SIGNAL(anchor_port)].flux = signed_word(SIGNAL(anchor_data));
     if (SIGNAL(lag_valid)) ports[SIGNAL(anchor_port)].lag = signed_word(SIGNAL(anchor_data));
-    // The anchor's own step begins: at the end of this one there is a new χ, and ω̂ is that of the one before.
-    if (SIGNAL(waves_valid)) ports[SIGNAL(core_port)].step[7] = ports[SIGNAL(core_port)].lag;
     if (const uint32_t lost = SIGNAL(anchor_faults)) {
         for (int n = 0; n < kMotors; ++n) ports[n].lost |= lost >> n & 1;
     }
     if (!SIGNAL(core_valid)) return false;
     auto &step = ports[SIGNAL(core_port)].step;
     step[6] = ports[SIGNAL(core_port)].flux;
+    step[7] = ports[SIGNAL(core_port)].lag;
     step[0] = signed_word(SIGNAL(current));
     step[1] = signed_word(SIGNAL(u));
     step[2] = signed_word(SIGNAL(v));

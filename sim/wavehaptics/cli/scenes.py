@@ -64,7 +64,8 @@ def _checked(
     told = []
     for name, loaded in device.motors.items():
         of = _of(device, name)
-        asked_hz, tick_hz = loaded.controller.tick_hz, 1.0 / check(loaded, controller)
+        tick_hz = 1.0 / check(loaded, controller, device.scenes)
+        asked_hz = loaded.controller.tick_hz
         if not math.isclose(tick_hz, asked_hz, rel_tol=1e-6):
             told.append(
                 f"{of}`{controller}` ticks at {tick_hz:.6g} Hz, with its carrier, and not at "
@@ -285,7 +286,7 @@ def check(
     for name in CONTROLLERS:
         try:
             for loaded in device.scenes:
-                check_on(loaded, name)
+                check_on(loaded, name, device.scenes)
         except SceneError as error:
             refused[name] = error
     if len(refused) == len(CONTROLLERS):

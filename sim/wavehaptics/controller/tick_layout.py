@@ -331,7 +331,8 @@ def timing(
     if tick_clocks < least:
         ports = "two ports" if brushless else "a port" if motors == 1 else f"{motors} motors"
         shaper = " with W" if sections else ""
-        anchors = f" and {'their anchors' if brushless else 'its anchor'}" if anchored else ""
+        anchors = " and their anchors" if brushless else " and its anchor" if motors == 1 else ""
+        anchors = anchors if anchored else ""
         raise scene.refusal(
             f"a tick of {tick_clocks} clocks is shorter than the "
             f"{least} that `pins` needs for {ports}{shaper}{anchors}; take "

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from wavehaptics.controller import guard
 from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.scene import Scene
 from wavehaptics.words import table
@@ -18,13 +19,12 @@ from wavehaptics.words.table import WORDS, Sizes, Values
 MOST_MOTORS = 8
 MOST_WALLS = 7
 """Of each motor."""
-
-_CONTROLLER = ("carrier", "frame", "trip", "sense", "zero", "encoder", "delay", "bridge", "guard",
-               "host")  # fmt: skip
-"""Groups of ``rtl/words.toml`` whose settings ``wh_ports`` has once, in the order of its ports."""
+CHANNELS = "command"
+"""Kind of a converter that measures the currents of all motors, one after another."""
 
 _PACKED = (("carrier",), ("frame",), ("trip", "sense", "zero"), ("encoder",), ("delay",),
            ("bridge",), ("guard",), ("host",))  # fmt: skip
+"""Groups of ``rtl/words.toml`` whose settings ``wh_ports`` has once, by its ports."""
 
 
 def take_turns(scenes: Sequence[Scene]) -> bool:
@@ -54,6 +54,15 @@ def turns_ports(scenes: Sequence[Scene]) -> list[Ports]:
     found = [
         controller_ports(scene, motors=motors, most_sections=sections(scenes)) for scene in scenes
     ]
+    kind = found[0].timing.frame.kind
+    if kind == CHANNELS:
+        part = scenes[0].adc and scenes[0].adc.part
+        raise scenes[0].refusal(
+            f"adc.part = {part} has a channel for each motor, and `pins` simulates its first; "
+            "take another part, or run one motor with --motor",
+            "adc.part",
+        )
+    _check_shared(scenes, found)
     return found
 
 
@@ -73,18 +82,20 @@ def _check(scene: Scene) -> None:
         )
 
 
-def check_shared(scenes: Sequence[Scene], values: Sequence[Values]) -> None:
-    """:class:`SceneError` where motors ask for different words of what they share."""
-    for name, word in WORDS.items():
-        if word.group not in _CONTROLLER or word.row.kind != "setting":
-            continue
-        raws = [one.get(name, word.default) for one in values]
-        for scene, raw in zip(scenes, raws, strict=True):
-            if raw != raws[0]:
-                cure, *keys = _SAME[word.group if word.group in _SAME else "frame"]
+def _check_shared(scenes: Sequence[Scene], ports: Sequence[Ports]) -> None:
+    """:class:`SceneError` where motors ask for different words of what the controller has once."""
+    values = [
+        {**one.words, **(guard.scene_words(scene, one) if scene.guard else {})}
+        for scene, one in zip(scenes, ports, strict=True)
+    ]
+    shared = {group for groups in _PACKED for group in groups}
+    for name in [name for name in values[0] if WORDS[name].group in shared]:
+        for scene, own in zip(scenes, values, strict=True):
+            if own.get(name) != values[0][name]:
+                cure, *keys = _SAME.get(WORDS[name].group, _SAME["frame"])
                 raise scene.refusal(
-                    f"{name} is {raw} for this motor and {raws[0]} for the first, and the "
-                    f"controller has it once; {cure}, or run each with --motor",
+                    f"{name} is {own.get(name)} for this motor and {values[0][name]} for the "
+                    f"first, and one controller has it once; {cure}, or run one with --motor",
                     *keys,
                 )
 

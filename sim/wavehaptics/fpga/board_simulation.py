@@ -30,7 +30,6 @@ from typing import Any
 import numpy as np
 
 from wavehaptics.controller.ports import Ports, controller_ports
-from wavehaptics.controller.settings import Settings
 from wavehaptics.fpga import placed, synthesis
 from wavehaptics.fpga.board_words import BoardWords
 from wavehaptics.fpga.boards import Board, BoardError
@@ -42,7 +41,7 @@ from wavehaptics.ladder.pins import PinsSimulation, wire
 from wavehaptics.motor.brushless import BrushlessPlant
 from wavehaptics.motor.plant import OMEGA, C, P, R, S, X
 from wavehaptics.motor.sensor import NOISE, sample_code
-from wavehaptics.parts.adcs import PARTS, Frame, Part, frame
+from wavehaptics.parts.adcs import PARTS, Frame, frame
 from wavehaptics.runtime.compiled import compiled_drawing
 from wavehaptics.runtime.files import digest_of, write_text
 from wavehaptics.runtime.native_call import call2
@@ -258,28 +257,35 @@ def _rest(kept, ints, sensor, rng, clocks):
     return clocks
 
 
-class BoardSimulation:
+class BoardSimulation(PinsSimulation):
     """What a simulated board has of its own, beside the loop of its kind of motor.
 
     :func:`on_board` makes one. At the constructor's end the board's gates have gone on.
     """
 
     PREFIX = "wh_board"
-    _INPUTS_SHIFT: int
-    """Inputs of the shim before the encoder's."""
 
-    _built: Build
-    _by_line: bool
-    _part: Part
-    _kept: np.ndarray
-    _model: int | None
-    tick_s: float
-    settings: Settings
-
-    def _prepare(self, built: Build, by_line: bool) -> None:
+    def __init__(self, built: Build, scene: Scene, by_line: bool) -> None:
         self._built = built
         self._by_line = by_line
         self._part = PARTS[built.board.fpga.adc]
+        super().__init__(scene)
+        # Of the anchor nothing is seen.
+        self._ints[pins_loop.ANCHORED] = 0
+        self._switch_on_with(scene)
+
+    def _ports_of(self, scene: Scene, most_samples: int) -> Ports:
+        del most_samples
+        return self._board_ports(scene)
+
+    def _begin(self, scene: Scene, ports: Ports, host: bool) -> None:
+        del scene, host
+        self._power_up(ports)
+
+    def _switch_on_with(self, scene: Scene) -> None:
+        """Switch the board on, with the motor of the scene."""
+        del scene
+        self._start()
 
     def _start(self) -> None:
         """Switch the board on; the last of a constructor."""
@@ -293,11 +299,11 @@ class BoardSimulation:
 
     def _loop(self, rows: np.ndarray, words: np.ndarray) -> None:
         """Simulate as ``pins`` does."""
-        raise NotImplementedError
+        super().advance(rows, words)
 
     def _rest_for(self, clocks: int) -> bool:
         """Let ``clocks`` pass with the motor at rest; False if the gates went on before."""
-        raise NotImplementedError
+        return _rest(self._kept, self._ints, self._sensor, self._rng, clocks) == clocks
 
     @property
     def clock_cycles(self) -> int:
@@ -333,7 +339,7 @@ class BoardSimulation:
             function.restype = ctypes.c_int64
         new.restype = ctypes.c_void_p
         at_reset = self._built.board.words().ports.start_count
-        levels = pins_loop.encoder_levels.py_func(at_reset) << self._INPUTS_SHIFT
+        levels = pins_loop.encoder_levels.py_func(at_reset) << self.INPUTS_SHIFT
         time = ports.timing
         bit_clocks = round(16 * time.clock_hz / BAUDS[0])
         watch = 2 * self._watch_hz() / time.clock_hz
@@ -421,55 +427,14 @@ class BoardSimulation:
         rows[:, Column.SATURATED] = 0.0
 
 
-class _BrushesOnBoard(BoardSimulation, PinsSimulation):
-    """A board with a motor with brushes."""
-
-    PREFIX = BoardSimulation.PREFIX
-    _INPUTS_SHIFT = 0
-
-    def __init__(self, built: Build, scene: Scene, by_line: bool) -> None:
-        self._prepare(built, by_line)
-        PinsSimulation.__init__(self, scene)
-        # Of the anchor nothing is seen either.
-        self._ints[pins_loop.ANCHORED] = 0
-        self._start()
-
-    def _ports_of(self, scene: Scene, most_samples: int) -> Ports:
-        del most_samples
-        return self._board_ports(scene)
-
-    def _begin(self, scene: Scene, ports: Ports, host: bool) -> None:
-        del scene, host
-        self._power_up(ports)
-
-    def _loop(self, rows: np.ndarray, words: np.ndarray) -> None:
-        PinsSimulation.advance(self, rows, words)
-
-    def _rest_for(self, clocks: int) -> bool:
-        return _rest(self._kept, self._ints, self._sensor, self._rng, clocks) == clocks
-
-
 class _BrushlessOnBoard(BoardSimulation, BrushlessPinsSimulation):
     """A board with a brushless motor."""
 
-    PREFIX = BoardSimulation.PREFIX
-    _INPUTS_SHIFT = 1
-
-    def __init__(self, built: Build, scene: Scene, by_line: bool) -> None:
-        self._prepare(built, by_line)
-        BrushlessPinsSimulation.__init__(self, scene)
-        self._ints[brushless_pins.ANCHORED] = 0
+    def _switch_on_with(self, scene: Scene) -> None:
         if scene.controller.find_magnet:
             self._start_with_a_swing(scene)
         else:
             self._start()
-
-    def _ports_of(self, scene: Scene) -> Ports:
-        return self._board_ports(scene)
-
-    def _begin(self, scene: Scene, ports: Ports) -> None:
-        del scene
-        self._power_up(ports)
 
     def _start_with_a_swing(self, scene: Scene) -> None:
         """Begin some turns of the magnets away, from where a hand brings the rotor once it runs.
@@ -499,9 +464,6 @@ class _BrushlessOnBoard(BoardSimulation, BrushlessPinsSimulation):
         self._state[[P, R, C, S]] = scenes[[P, R, C, S]]
         self.forget_the_past()
 
-    def _loop(self, rows: np.ndarray, words: np.ndarray) -> None:
-        BrushlessPinsSimulation.advance(self, rows, words)
-
     def _rest_for(self, clocks: int) -> bool:
         went = brushless_pins.rest(
             self._state, self._kept, self._ints, self._sensor, self._rng, clocks
@@ -516,7 +478,7 @@ def on_board(built: Build, scene: Scene, *, by_line: bool = False) -> BoardSimul
     the bitstream holds must be the board's own. With ``by_line`` nobody presses the button: the
     word ``arm`` is written over the board's line, and not renewed.
     """
-    kind = _BrushlessOnBoard if built.board.brushless else _BrushesOnBoard
+    kind = _BrushlessOnBoard if built.board.brushless else BoardSimulation
     return kind(built, scene, by_line)
 
 

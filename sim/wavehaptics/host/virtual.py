@@ -15,7 +15,7 @@ from pathlib import Path
 from types import TracebackType
 
 from wavehaptics.host.led_hand import LedHand
-from wavehaptics.ladder.linked_pins import OnALine
+from wavehaptics.ladder.linked_pins import LinkedPins
 from wavehaptics.runtime.terminals import open_terminal
 
 BLOCK_S = 2e-3
@@ -37,7 +37,7 @@ class VirtualBoard:
     """
 
     def __init__(
-        self, pins: OnALine, link: Path | None = None, hand: LedHand | None = None
+        self, pins: LinkedPins, link: Path | None = None, hand: LedHand | None = None
     ) -> None:
         self._pins = pins
         self._link = link

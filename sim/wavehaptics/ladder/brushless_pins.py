@@ -18,21 +18,23 @@ from typing import Any
 
 import numpy as np
 
-from wavehaptics.controller import bus_scale, guard
+from wavehaptics.controller import guard
 from wavehaptics.controller.anchor import FOLLOWER_TICKS, SEEN_CELLS
 from wavehaptics.controller.pins_timing import GATE_CLOCKS
-from wavehaptics.controller.ports import Ports, controller_ports
-from wavehaptics.controller.settings import Settings
+from wavehaptics.controller.ports import Ports
 from wavehaptics.ladder import verilated
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.brushless import clear_sums, magnet_words, put_axes
-from wavehaptics.ladder.pins import DELAY_LOG2, MIN_WALLS, STEPS, true_bus_v, wire
+from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.pins_loop import (
     ADVANCED,
+    ANCHORED,
     CELL,
+    CLOCK,
     CLOSED,
-    CORRECTION,
+    CODE_SHIFT,
     COUNT,
+    DATA_BITS,
     DT,
     EMITTED,
     ENCODER_END,
@@ -40,13 +42,27 @@ from wavehaptics.ladder.pins_loop import (
     ETA_FREE,
     FAULTS,
     GAIN,
+    HAND0,
     HELD,
+    HIGH,
+    LAUNCH_LEVEL,
+    LOW,
+    MODEL,
     NEXT_LOOK,
     NOW,
+    OFF_AT,
     PENDING,
     PINS,
+    PIPELINE,
     SHIFT,
+    START_COUNT,
+    SUBSTEP_CLOCKS,
+    T0,
+    TICK_CLOCKS,
     TICK_START,
+    U_MAX,
+    WORDS,
+    X0,
     bus_at,
     encoder_levels,
     next_edge,
@@ -66,21 +82,19 @@ from wavehaptics.motor.plant import TIME, C, I, P, X
 from wavehaptics.motor.sensor import (
     HOLD_S,
     NOISE,
-    NOISE_SEED,
     RESTARTS,
     held_output,
     hold_at_edge,
     new_holds,
     sample_code,
 )
-from wavehaptics.parts.adcs import PARTS, Frame
+from wavehaptics.parts.adcs import Frame
 from wavehaptics.runtime.compiled import compiled, compiled_drawing
 from wavehaptics.runtime.native_call import call2
-from wavehaptics.scene import Scene, encoder_end
-from wavehaptics.scene.tables.drive import Drive
+from wavehaptics.scene import Scene
 from wavehaptics.trace.columns import Column, Word, put_anchor, put_estimate, put_port
 from wavehaptics.words import formats
-from wavehaptics.words.table import THREE_PHASE_LEGS
+from wavehaptics.words.table import THREE_PHASE_LEGS, Values
 
 _WAVE = formats.WAVE.step
 _VOLT = formats.VOLTAGE.step
@@ -91,16 +105,9 @@ _GATES = (1 << 6) - 1
 _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING, _COMPLAINTS = range(6, 12)
 _GUARD = _COMPLAINTS + 2
 _ANCHOR_LOST = _GUARD + int(guard.Fault.ANCHOR)
-# Places in the loop's integer parameters.
-(
-    _MODEL, _CLOCK, _WORDS, _TICK_CLOCKS, _CODE_SHIFT, _DATA_BITS, _U_MAX, _SUBSTEP_CLOCKS,
-    _LAUNCH_LEVEL, _PIPELINE, ANCHORED, _START_COUNT,
-) = range(12)  # fmt: skip
 # Places in the integers that the loop keeps, behind those of pins_loop, whose SHIFT and HELD are of
 # phase a.
-_SHIFT_B, _HELD_B, _DONE, _OFF_AT = range(CORRECTION + 1, CORRECTION + 5)
-# Places in what it keeps of the tick that is running.
-_LOW, _HIGH, _X0, _HAND0, _T0 = range(5)
+_SHIFT_B, _HELD_B, _DONE = range(OFF_AT + 1, OFF_AT + 4)
 # Places in the words of a step: i, u, v and e of alpha and of beta, the limit, of the anchors c, χ
 # and the lag of both, their fault, the position, whether a value was at its end, and the contact.
 _ALPHA, _BETA, _LIMITED, _C, _CHI, _LAG, _LOST, _PLACE = 0, 4, 8, 9, 11, 13, 15, 16
@@ -206,7 +213,7 @@ def _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, h
     # Dead time's currents run out within a step: its length is by how fast they do.
     floating = (pins | pins >> 3) & 7 != 7
     while clocks > 0:
-        part = 1 if floating else min(clocks, ints[_SUBSTEP_CLOCKS])
+        part = 1 if floating else min(clocks, ints[SUBSTEP_CLOCKS])
         for n in range(3):
             currents[n] = _phase(z, n)
         bus = floats[GAIN] * bus_at(z[TIME] + 0.5 * part * floats[DT], floats)
@@ -217,8 +224,8 @@ def _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, h
         brushless_step(z, tables[part], tables[part], steps[part], load)
         if floating:
             _end_run_out(z, pins, currents)
-        marks[_LOW] = min(marks[_LOW], z[I])
-        marks[_HIGH] = max(marks[_HIGH], z[I])
+        marks[LOW] = min(marks[LOW], z[I])
+        marks[HIGH] = max(marks[HIGH], z[I])
         clocks -= part
     kept[ADVANCED] = kept[NOW]
 
@@ -226,16 +233,16 @@ def _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, h
 @compiled()
 def _close_tick(z, kept, marks, pending, angles, floats, ints, load):
     """Keep the row of the tick that ends now until its waves are known."""
-    tick = ints[_TICK_CLOCKS] * floats[DT]
+    tick = ints[TICK_CLOCKS] * floats[DT]
     place = kept[CLOSED] % PENDING
     angles[place] = put_axes(
-        pending[place], z, load, marks[_T0], tick, marks[_X0], marks[_HAND0], z[QF_A] / tick,
-        z[QF_B] / tick, marks[_HIGH] - marks[_LOW],
+        pending[place], z, load, marks[T0], tick, marks[X0], marks[HAND0], z[QF_A] / tick,
+        z[QF_B] / tick, marks[HIGH] - marks[LOW],
     )  # fmt: skip
     kept[CLOSED] += 1
     clear_sums(z)
-    marks[_LOW] = marks[_HIGH] = z[I]
-    marks[_X0], marks[_HAND0], marks[_T0] = z[X], z[P] + z[C], z[TIME]
+    marks[LOW] = marks[HIGH] = z[I]
+    marks[X0], marks[HAND0], marks[T0] = z[X], z[P] + z[C], z[TIME]
 
 
 @compiled()
@@ -248,7 +255,7 @@ def _emit(row, words, place, pending, angles, waves, floats, ints):
     u = along_q(step[_ALPHA + _STEP_U], step[_BETA + _STEP_U], theta) * _WAVE
     v = along_q(step[_ALPHA + _STEP_V], step[_BETA + _STEP_V], theta) * _WAVE
     largest = max(abs(step[_ALPHA + _STEP_U]), abs(step[_BETA + _STEP_U]))
-    limited = largest >= ints[_U_MAX]
+    limited = largest >= ints[U_MAX]
     if ints[ANCHORED]:
         limited = step[_LIMITED] != 0  # which isn't the same in every tick
         # The voltage of the measured tick was made in the step before.
@@ -257,8 +264,8 @@ def _emit(row, words, place, pending, angles, waves, floats, ints):
         chi = along_q(step[_CHI], step[_CHI + 1], theta) * SEEN_CELLS
         lag = along_q(step[_LAG], step[_LAG + 1], theta) * SEEN_CELLS * floats[CELL]
         put_estimate(
-            row, chi, (ints[_START_COUNT] + step[_PLACE] + 0.5 - chi) * floats[CELL],
-            lag / (FOLLOWER_TICKS * ints[_TICK_CLOCKS] * floats[DT]),
+            row, chi, (ints[START_COUNT] + step[_PLACE] + 0.5 - chi) * floats[CELL],
+            lag / (FOLLOWER_TICKS * ints[TICK_CLOCKS] * floats[DT]),
         )  # fmt: skip
         if step[_LOST]:
             eta = 0.0
@@ -274,18 +281,18 @@ def _wires(z, kept, pins, changed, ints, sensor, rng, holds):
     """What both ADCs do at this change of the pins: they hold their inputs, or put out a bit."""
     if changed & 1 << _CS_N:
         if not pins & 1 << _CS_N:
-            middle = 1 << (ints[_DATA_BITS] - 1)
+            middle = 1 << (ints[DATA_BITS] - 1)
             noisy = sensor[NOISE] > 0.0
             noise = rng.standard_normal() if noisy else 0.0
             code = sample_code(_sensed(z, kept, 0, holds), sensor, noise) + middle
             noise = rng.standard_normal() if noisy else 0.0
             code_b = sample_code(_sensed(z, kept, 1, holds), sensor, noise) + middle
             # Bit 63 is on the wire; a late part puts out the code that it held before.
-            late = ints[_PIPELINE]
-            kept[SHIFT] = (kept[HELD] if late else code) << ints[_CODE_SHIFT]
-            kept[_SHIFT_B] = (kept[_HELD_B] if late else code_b) << ints[_CODE_SHIFT]
+            late = ints[PIPELINE]
+            kept[SHIFT] = (kept[HELD] if late else code) << ints[CODE_SHIFT]
+            kept[_SHIFT_B] = (kept[_HELD_B] if late else code_b) << ints[CODE_SHIFT]
             kept[HELD], kept[_HELD_B] = code, code_b
-    elif changed & 1 << _SCLK and (pins >> _SCLK) & 1 == ints[_LAUNCH_LEVEL]:
+    elif changed & 1 << _SCLK and (pins >> _SCLK) & 1 == ints[LAUNCH_LEVEL]:
         kept[SHIFT] <<= 1
         kept[_SHIFT_B] <<= 1
 
@@ -304,7 +311,7 @@ def _inputs(kept):
 def rest(z, kept, ints, sensor, rng, clocks):
     """Clock a board with the motor at rest; the clocks until a gate went on, else ``clocks``."""
     for n in range(clocks):
-        pins = call2(ints[_CLOCK], ints[_MODEL], _inputs(kept))
+        pins = call2(ints[CLOCK], ints[MODEL], _inputs(kept))
         changed = kept[PINS] ^ pins
         kept[PINS] = pins
         _wires(z, kept, pins, changed, ints, sensor, rng, None)
@@ -324,7 +331,7 @@ def _advance(
     while done < rows.shape[0]:
         if kept[NOW] >= kept[NEXT_LOOK]:
             next_edge(z, kept, cell, dt, end_s, None)
-        pins = call2(ints[_CLOCK], ints[_MODEL], _inputs(kept))
+        pins = call2(ints[CLOCK], ints[MODEL], _inputs(kept))
         changed = kept[PINS] ^ pins
         if changed & _GATES:
             _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, holds)
@@ -334,7 +341,7 @@ def _advance(
             _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, holds)
         _wires(z, kept, pins, changed, ints, sensor, rng, holds)
         if pins & 1 << _CORE_VALID:
-            call2(ints[_WORDS], ints[_MODEL], buffer.ctypes.data)
+            call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
             step = waves[kept[EMITTED] % PENDING]
             for n in range(_CONTACT):
                 step[n] = buffer[n]
@@ -350,8 +357,8 @@ def _advance(
             _close_tick(z, kept, marks, pending, angles, floats, ints, load)
             if pins >> _GUARD:
                 # No steps while the gates are off, so no waves: the rows show what the motor does.
-                if kept[_OFF_AT] == 0:
-                    kept[_OFF_AT] = kept[NOW]
+                if kept[OFF_AT] == 0:
+                    kept[OFF_AT] = kept[NOW]
                 if kept[EMITTED] < kept[CLOSED]:
                     step = waves[kept[EMITTED] % PENDING]
                     step[:_LIMITED] = 0
@@ -369,130 +376,63 @@ def _advance(
     return True
 
 
-class BrushlessPinsSimulation:
+class BrushlessPinsSimulation(PinsSimulation):
     """A scene's brushless motor on the whole of its RTL, with a switching bridge of three legs."""
 
     TOP = BRUSHLESS_TOP
     SHIM = "brushless_pins_shim.cpp"
-    SHOWS: tuple[str, ...] = ()
     PREFIX = "wh_brushless"
-    """What the shim's functions begin with."""
     LEGS = THREE_PHASE_LEGS
+    INPUTS_SHIFT = 1
+    KEPT = _DONE + 1
 
-    def __init__(self, scene: Scene) -> None:
-        self._model: int | None = None
-        ports = self._ports_of(scene)
-        set_, time, sensor = ports.settings, ports.timing, ports.sensor
-        self.settings: Settings = set_
-        self.timing = time
-        self.sensor = sensor
-        self.tick_s = time.tick_s
-        dt = 1.0 / time.clock_hz
-        plant = BrushlessPlant.of_scene(scene)
-        drive = scene.drive or Drive.model_validate({})
-        self._begin(scene, ports)
-        self._state = plant.start
-        self._kept = np.zeros(_OFF_AT + 1, dtype=np.int64)
-        self._kept[COUNT] = ports.start_count
-        self._kept[TICK_START] = -1
-        self._kept[PINS] = 1 << _CS_N | time.frame.sclk_idle << _SCLK
-        self._kept[HELD] = self._kept[_HELD_B] = 1 << (sensor.bits - 1)
-        self._marks = np.zeros(5)
-        self._marks[_X0] = self._state[X]
-        self._marks[_HAND0] = self._state[P] + self._state[C]
-        self._pending = np.zeros((PENDING, len(Column)))
+    def __init__(self, scene: Scene, *, host: bool = False) -> None:
+        super().__init__(scene, host=host)
+        self._kept[_HELD_B] = self._kept[HELD]
         self._angles = np.zeros(PENDING)
         self._buffer = np.zeros(_CONTACT + 1, dtype=np.int64)
         self._waves = np.zeros((PENDING, len(self._buffer)), dtype=np.int64)
-        code_shift, launch_level = self._wire(scene, time.frame)
-        longest = min(STEPS, max(1, math.floor(time.clock_hz * plant.longest_step_s)))
-        self._ints = np.array(
-            [self._model, verilated.address(self._function("clock")),
-             verilated.address(self._function("words")), time.tick_clocks, code_shift,
-             sensor.bits, set_.u_max, longest, launch_level, time.frame.pipeline, set_.anchored,
-             ports.start_count],
-            dtype=np.int64,
-        )  # fmt: skip
-        self._floats = np.array(
-            [dt, set_.cell_rad, true_bus_v(scene), 1.0 + drive.gain_error, 0.0, 0.0,
-             scene.controller.eta_contact, scene.controller.eta_free, encoder_end(scene),
-             drive.bus_ripple_v, 2 * math.pi * (drive.bus_ripple_hz or 0.0)]
-        )  # fmt: skip
-        self._load = plant.words()
-        self._tables = np.stack([plant.axis_table(n * dt) for n in range(longest + 1)])
-        self._steps = np.stack([plant.step_words(n * dt) for n in range(longest + 1)])
         self._room = np.zeros((2, 3))
-        self._sensor = sensor.constants()
-        self._holds = new_holds(2) if sensor.edge_hold_s else None
-        self._rng = np.random.default_rng(NOISE_SEED)
+        self._holds = new_holds(2) if self.sensor.edge_hold_s else None
 
-    def _ports_of(self, scene: Scene) -> Ports:
+    def _ports_of(self, scene: Scene, most_samples: int) -> Ports:
         refuse(scene, "pins", device=self.TOP != BRUSHLESS_TOP)
-        return controller_ports(scene)
+        return super()._ports_of(scene, most_samples)
 
-    def _wire(self, scene: Scene, frame: Frame) -> tuple[int, int]:
-        """Place of the code on the ADCs' wires, and the level of SCLK that launches a bit."""
-        return wire(PARTS.get(scene.adc.part or "") if scene.adc is not None else None, frame)
+    def _plant_of(self, scene: Scene) -> BrushlessPlant:
+        return BrushlessPlant.of_scene(scene)
 
-    def _begin(self, scene: Scene, ports: Ports) -> None:
-        """Build the RTL, and bring it to where its first tick begins."""
-        drive = scene.drive or Drive.model_validate({})
-        places = max(MIN_WALLS, len(ports.walls))
-        shaped, sections = self.settings.shaped, len(self.settings.shaper.words)
-        parameters = {
-            "WALLS": places,
-            "DELAY_LOG2": DELAY_LOG2,
-            "MIN_PULSE": int(bool(drive.min_pulse_s)),
-            **({"SHAPER": sections} if sections else {}),
-            **({"ANCHOR": 1} if self.settings.anchored else {}),
-            **({"GUARD": 1} if scene.guard else {}),
-            **self._parameters(),
-        }
-        self._design = design = verilated.Design(self.TOP, self.SHIM, parameters, self.SHOWS)
-        self._library = verilated.load(design)
-        verilated.declare_destructor(self._function("delete"))
-        self._values = values = {
-            **ports.words, **self.settings.words(), **ports.wall_words(places),
-            **magnet_words(scene, self.settings, ports.start_count),
-            "wall_shaped": [*shaped.tolist(), *[0] * (places - len(shaped))],
-            "bus": bus_scale.bus_word(true_bus_v(scene)),
-            **(guard.scene_words(scene, ports) if scene.guard else {}),
-        }  # fmt: skip
-        levels = encoder_levels.py_func(ports.start_count) << 1
-        self._model = self._new_model(verilated.words_of(design, values), levels)
-        if not self._model:
-            raise RuntimeError("the controller's RTL never got its ADC ready")
+    def _idle_pins(self, frame: Frame) -> int:
+        return 1 << _CS_N | frame.sclk_idle << _SCLK
 
-    def _parameters(self) -> dict[str, int]:
-        """Parameters of the RTL besides the scene's."""
-        return {}
+    def _imperfections(self, scene: Scene, *, needed: bool = False) -> None:
+        """It has none yet."""
+
+    def _hardware(self, scene: Scene, ports: Ports, host: bool) -> dict[str, int]:
+        sections = len(self.settings.shaper.words)
+        pulse = scene.drive is not None and bool(scene.drive.min_pulse_s)
+        return {"MIN_PULSE": int(pulse), **({"SHAPER": sections} if sections else {})}
+
+    def _magnet(self, scene: Scene, ports: Ports) -> Values:
+        return magnet_words(scene, self.settings, ports.start_count)
 
     def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
         shape = verilated.shaper_words(self._design.sizes, self._values)
         return verilated.new_model(self._function("new"), words, inputs, ctypes.addressof(shape))
 
-    def _function(self, name: str) -> Any:
-        return getattr(self._library, f"{self.PREFIX}_{name}")
+    def warm(self, plant: Any) -> None:
+        steps_s = [n * self._dt for n in range(self._longest + 1)]
+        self._load = plant.words()
+        self._tables = np.stack([plant.axis_table(step_s) for step_s in steps_s])
+        self._steps = np.stack([plant.step_words(step_s) for step_s in steps_s])
 
     def forget_the_past(self) -> None:
         """Let time begin with the tick that runs."""
-        before = self._marks[_T0]
+        before = self._sums[T0]
         self._state[TIME] -= before
-        self._marks[_T0] = 0.0
-        self._marks[_X0], self._marks[_HAND0] = self._state[X], self._state[P] + self._state[C]
+        self._sums[T0] = 0.0
+        self._sums[X0], self._sums[HAND0] = self._state[X], self._state[P] + self._state[C]
         self._pending[:, Column.T] -= before
-
-    @property
-    def faults(self) -> int:
-        """What was seen: bit 0 a tick too short for its work or ticks without, bit 1 an encoder's
-        illegal move, from bit 2 on the guard's faults.
-        """
-        return int(self._kept[FAULTS])
-
-    @property
-    def off_s(self) -> float:
-        """Time at which the guard had the gates off, to a tick; 0 if it never had."""
-        return float(self._kept[_OFF_AT]) / self.timing.clock_hz
 
     @property
     def step_words(self) -> list[int]:
@@ -500,21 +440,12 @@ class BrushlessPinsSimulation:
         step = self._waves[(int(self._kept[_DONE]) - 1) % PENDING]
         return [*step[: 2 * _BETA].tolist(), int(step[_CONTACT])]
 
-    @property
-    def clock_cycles(self) -> int:
-        """Clocks of the RTL so far."""
-        return int(self._kept[NOW])
-
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
         done = _advance(
-            rows, words, self._state, self._kept, self._marks, self._room, self._pending,
+            rows, words, self._state, self._kept, self._sums, self._room, self._pending,
             self._angles, self._waves, self._tables, self._steps, self._ints, self._floats,
             self._load, self._sensor, self._rng, self._buffer, self._holds,
         )  # fmt: skip
         if not done:
             raise RuntimeError("the controller's RTL stopped answering")
-
-    def __del__(self) -> None:
-        if getattr(self, "_model", None):
-            self._function("delete")(self._model)

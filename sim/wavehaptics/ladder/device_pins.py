@@ -7,7 +7,7 @@ No command runs it: by it tests hold ``wh_device`` to `pins` row by row, without
 from __future__ import annotations
 
 import ctypes
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.pins import PinsSimulation
@@ -26,19 +26,13 @@ class Answer(NamedTuple):
     error: int
 
 
-class _OnTheBus:
-    """``rtl/wh_device.v`` in place of the controller of a simulation at its pins."""
+class DevicePins(PinsSimulation):
+    """`pins` as ``rtl/wh_device.v``."""
 
     TOP = "wh_device"
     SHIM = "device_shim.cpp"
-    SHOWS: tuple[str, ...] = ("device_shim.vlt",)
+    SHOWS = ("device_shim.vlt",)
     PREFIX = "wh_device"
-    LEGS: int
-    """Half bridges of the motor."""
-
-    _library: Any
-    _model: int | None
-    _values: dict[str, Any]
 
     def _parameters(self) -> dict[str, int]:
         return {"LEGS": self.LEGS} if self.LEGS == THREE_PHASE_LEGS else {}
@@ -84,9 +78,5 @@ class _OnTheBus:
         return [Answer(*words[3 * n : 3 * n + 3]) for n in range(count)]
 
 
-class DevicePins(_OnTheBus, PinsSimulation):
-    """`pins` as ``rtl/wh_device.v``."""
-
-
-class BrushlessDevicePins(_OnTheBus, BrushlessPinsSimulation):
+class BrushlessDevicePins(DevicePins, BrushlessPinsSimulation):
     """`pins` of a brushless motor as ``rtl/wh_device.v`` with three legs."""

@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
-from typing import Any
+
+import numpy as np
 
 from wavehaptics.controller.ports import Ports, hold_ticks
 from wavehaptics.ladder import pins_loop
 from wavehaptics.ladder.linked_pins import LinkedPins
-from wavehaptics.ladder.pins import STEPS
-from wavehaptics.motor.imperfections import real_parts
+from wavehaptics.ladder.pins import pass_clocks
 from wavehaptics.motor.plant import X
 from wavehaptics.scene import Scene
 
@@ -34,9 +35,15 @@ class LinkedMotors(LinkedPins):
             )
         self.motors = motors
         super().__init__(scene, arm=arm)
-        self._each = tuple(self._another(scene) for _ in range(motors))
+        self._each = [copy(self) for _ in range(motors)]
+        self._all = np.stack([self._kept] * motors)
+        for motor, kept in zip(self._each, self._all, strict=True):
+            motor._model, motor._kept = None, kept  # the controller is not its own
+            motor._state, motor._sums = self._state.copy(), self._sums.copy()
+            motor._load, motor._bits = self._load.copy(), self._bits.copy()
+            motor._real = self._imperfections(scene)
         # Places of the hand are those of the motor that is led.
-        self._state, _, _, self._load, *_ = self._each[led]
+        self._state, self._load = self._each[led]._state, self._each[led]._load
 
     def _ports_of(self, scene: Scene, most_samples: int) -> Ports:
         ports = super()._ports_of(scene, most_samples)
@@ -46,28 +53,13 @@ class LinkedMotors(LinkedPins):
     def _parameters(self) -> dict[str, int]:
         return {**super()._parameters(), "N": self.motors}
 
-    def _another(self, scene: Scene) -> tuple:
-        """What the loop keeps of a motor, as it is at the beginning."""
-        steps_s = [n * self._dt for n in range(STEPS + 1)]
-        plant, cell_rad = self.winding.plant, self.settings.cell_rad
-        return (
-            self._state.copy(), self._kept.copy(), self._sums.copy(), self._load.copy(),
-            self._bits.copy(), real_parts(scene, plant, cell_rad, steps_s, switching=True),
-        )  # fmt: skip
-
-    def _function(self, name: str) -> Any:
-        return super()._function("clock_all" if name == "clock" else name)
-
     @property
     def clock_cycles(self) -> int:
-        return int(self._each[0][1][pins_loop.NOW])
+        return int(self._all[0, pins_loop.NOW])
 
     def place_rad(self, motor: int) -> float:
         """Where a motor's rotor is, rad."""
-        return float(self._each[motor][0][X])
+        return float(self._each[motor]._state[X])
 
     def elapse(self, ticks: int) -> None:
-        pins_loop.pass_clocks(
-            ticks * self.timing.tick_clocks, self._each, self._tables, self._ints, self._floats,
-            self._sensor, self._rng,
-        )  # fmt: skip
+        pass_clocks(ticks * self.timing.tick_clocks, self._all, self._each)

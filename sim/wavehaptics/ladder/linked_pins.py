@@ -4,19 +4,16 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pymodbus.framer import FramerRTU
 from pymodbus.pdu import DecodePDU
 from pymodbus.pdu.register_message import WriteMultipleRegistersRequest
 
-from wavehaptics.controller.tick_layout import Timing
 from wavehaptics.ladder import pins_loop, verilated
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.motor.plant import RAMP_END, C, P, R, S
-from wavehaptics.motor.sensor import Sensor
 from wavehaptics.scene import Scene
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
@@ -52,43 +49,24 @@ def _write(register: int, registers: list[int]) -> bytes:
     return FramerRTU(DecodePDU(False)).buildFrame(request)
 
 
-class OnALine:
-    """``rtl/wh_linked_device.v`` in place of the controller of a simulation at its pins.
+class LinkedPins(PinsSimulation):
+    """``rtl/wh_linked_device.v`` with a scene's settings, motor and hand.
 
-    With ``arm`` the bridges stay off until the line arms them, as the board has it; without, they
-    are on, as those of :class:`~wavehaptics.ladder.device_pins.DevicePins`. enable_i is high.
+    A scene with a ``[host]`` has HOST = 1. With ``arm`` the bridges stay off until the line arms
+    them, as the board has it; without, they are on, as those of
+    :class:`~wavehaptics.ladder.device_pins.DevicePins`. enable_i is high.
     """
 
     TOP = "wh_linked_device"
     SHIM = "linked_shim.cpp"
-    SHOWS: tuple[str, ...] = ("device_shim.vlt", "linked_shim.vlt")
+    SHOWS = ("device_shim.vlt", "linked_shim.vlt")
     PREFIX = "wh_linked"
-    LEGS: int
-    """Half bridges of the motor."""
     motors = 1
 
-    _arm: bool
-    _library: Any
-    _model: int | None
-    _values: dict[str, Any]
-    _state: np.ndarray
-    _load: np.ndarray
-    _kept: np.ndarray
-    timing: Timing
-    sensor: Sensor
-    tick_s: float
-
-    if TYPE_CHECKING:  # what the simulation has
-
-        @property
-        def clock_cycles(self) -> int: ...
-
-        def advance(self, rows: np.ndarray, words: np.ndarray) -> None: ...
-
-    def _prepare(self, arm: bool) -> None:
-        """What a constructor begins with."""
+    def __init__(self, scene: Scene, *, arm: bool = True) -> None:
         self._arm = arm
         self._own = 0
+        super().__init__(scene, host=scene.host is not None)
 
     def _parameters(self) -> dict[str, int]:
         clock_hz = round(self.timing.clock_hz)
@@ -212,28 +190,16 @@ class OnALine:
             self._kept[pins_loop.EMITTED] = self._kept[pins_loop.CLOSED]
 
 
-class LinkedPins(OnALine, PinsSimulation):
-    """``wh_linked_device`` with a scene's settings, motor and hand.
-
-    A scene with a ``[host]`` has HOST = 1.
-    """
-
-    def __init__(self, scene: Scene, *, arm: bool = True) -> None:
-        self._prepare(arm)
-        PinsSimulation.__init__(self, scene, host=scene.host is not None)
-
-
-class LinkedBrushlessPins(OnALine, BrushlessPinsSimulation):
+class LinkedBrushlessPins(LinkedPins, BrushlessPinsSimulation):
     """``wh_linked_device`` with three legs, and a scene's brushless motor. It knows no host."""
 
     def __init__(self, scene: Scene, *, arm: bool = True) -> None:
         if scene.host is not None:
             raise scene.refusal("[host] is not for a brushless motor yet; leave it out", "host")
-        self._prepare(arm)
-        BrushlessPinsSimulation.__init__(self, scene)
+        super().__init__(scene, arm=arm)
 
 
-def linked_pins(scene: Scene, *, arm: bool = True) -> LinkedPins | LinkedBrushlessPins:
+def linked_pins(scene: Scene, *, arm: bool = True) -> LinkedPins:
     """The device with the scene's motor, of either kind."""
     kind = LinkedBrushlessPins if scene.motor.brushless else LinkedPins
     return kind(scene, arm=arm)

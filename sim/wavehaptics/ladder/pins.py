@@ -20,13 +20,13 @@ from wavehaptics.controller.tick_layout import MOST_SAMPLES, bridge_mode
 from wavehaptics.ladder import pins_loop, verilated
 from wavehaptics.motor import sigma_delta
 from wavehaptics.motor.imperfections import Real, real_parts, warm_real
-from wavehaptics.motor.plant import C, P, Plant, X, load_words
+from wavehaptics.motor.plant import C, P, X, load_words
 from wavehaptics.motor.sensor import NOISE_SEED
 from wavehaptics.motor.thermal import Winding
 from wavehaptics.parts.adcs import KINDS, PARTS, Frame, Part
 from wavehaptics.scene import Scene, encoder_end
 from wavehaptics.scene.tables.drive import Drive
-from wavehaptics.trace.columns import Column
+from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
 from wavehaptics.words.table import LEGS, Values
 
@@ -78,13 +78,22 @@ def true_bus_v(scene: Scene) -> float:
 
 def pass_ticks(
     rows: Sequence[np.ndarray], words: Sequence[np.ndarray], kept: np.ndarray,
-    motors: Sequence[PinsSimulation],
+    motors: Sequence[PinsSimulation], clocks: int = 0,
 ) -> None:  # fmt: skip
-    """Fill the ``rows`` and ``words`` of each motor, all of them at one controller."""
+    """Fill the ``rows`` and ``words`` of each motor, all of them at one controller.
+
+    ``kept`` are the motors' own arrays of that name. Where there are no rows, ``clocks`` pass.
+    """
     done = np.zeros(len(motors), dtype=np.int64)
     parts = tuple(motor.parts for motor in motors)
-    if not pins_loop.advance(tuple(rows), tuple(words), 0, done, kept, parts):
+    if not pins_loop.advance(tuple(rows), tuple(words), clocks, done, kept, parts):
         raise RuntimeError("the controller's RTL stopped answering")
+
+
+def pass_clocks(clocks: int, kept: np.ndarray, motors: Sequence[PinsSimulation]) -> None:
+    """Let clocks pass of which no rows are made."""
+    none, no_words = np.zeros((0, len(Column))), np.zeros((0, len(Word)), dtype=np.int64)
+    pass_ticks([none] * len(motors), [no_words] * len(motors), kept, motors, clocks)
 
 
 class PinsSimulation:
@@ -100,60 +109,70 @@ class PinsSimulation:
     """What the shim's functions begin with."""
     LEGS = LEGS
 
+    INPUTS_SHIFT = 0
+    """Converters of a motor besides the first, before its encoder in the inputs."""
+    KEPT = pins_loop.OFF_AT + 1
+    """Integers that the loop keeps."""
+
+    winding: Winding
+
     def __init__(
         self, scene: Scene, *, host: bool = False, most_samples: int = MOST_SAMPLES
     ) -> None:
         ports = self._ports_of(scene, most_samples)
-        self.timing = ports.timing
-        set_, time, sensor = ports.settings, ports.timing, ports.sensor
-        if host:
-            set_ = set_.for_a_host()
-        self.settings: Settings = set_
-        self.sensor = sensor
+        self.timing = time = ports.timing
+        self.settings: Settings = ports.settings.for_a_host() if host else ports.settings
+        self.sensor = sensor = ports.sensor
         self.tick_s = time.tick_s
-        self.winding = Winding(scene, self.tick_s)
-        plant = self.winding.plant
-        self._dt = dt = 1.0 / time.clock_hz
-        drive = scene.drive or Drive.model_validate({})
+        self._dt = 1.0 / time.clock_hz
+        plant = self._plant_of(scene)
+        self._longest = min(STEPS, max(1, math.floor(time.clock_hz * plant.longest_step_s)))
         self._model: int | None = None
         self._begin(scene, ports, host)
         self._state = plant.start.copy()
-        self._tables = self._transitions(plant)
-        self._kept = np.zeros(pins_loop.OFF_AT + 1, dtype=np.int64)
+        self._kept = np.zeros(self.KEPT, dtype=np.int64)
         self._kept[pins_loop.COUNT] = ports.start_count
         self._kept[pins_loop.TICK_START] = -1
-        self._kept[pins_loop.PINS] = 1 << pins_loop.CS_N | time.frame.sclk_idle << pins_loop.SCLK
+        self._kept[pins_loop.PINS] = self._idle_pins(time.frame)
         self._kept[pins_loop.HELD] = 1 << (sensor.bits - 1)
         self._sums = np.zeros(pins_loop.T0 + 1)
         self._sums[pins_loop.X0] = self._state[X]
         self._sums[pins_loop.HAND0] = self._state[P] + self._state[C]
         self._pending = np.zeros((pins_loop.PENDING, len(Column)))
         code_shift, launch_level = self._wire(scene, time.frame)
-        longest = min(STEPS, max(1, math.floor(time.clock_hz * plant.longest_step_s)))
+        drive = scene.drive or Drive.model_validate({})
         self._ints = np.array(
             [self._model, verilated.address(self._function("clock")),
              verilated.address(self._function("words")), time.tick_clocks,
-             code_shift, sensor.bits, set_.u_max, longest, launch_level, time.frame.pipeline,
-             time.frame.osr, bridge_mode(scene) == HALF_BRIDGE,
+             code_shift, sensor.bits, self.settings.u_max, self._longest, launch_level,
+             time.frame.pipeline, time.frame.osr, bridge_mode(scene) == HALF_BRIDGE,
              verilated.address(self._function("bus")) if drive.bus_measured else 0,
-             set_.anchored, ports.start_count],
+             self.settings.anchored, ports.start_count],
             dtype=np.int64,
         )  # fmt: skip
         self._floats = np.array(
-            [dt, set_.cell_rad, true_bus_v(scene), 1.0 + drive.gain_error, plant.k_t,
-             plant.resistance, scene.controller.eta_contact, scene.controller.eta_free,
-             encoder_end(scene), drive.bus_ripple_v,
-             2 * math.pi * (drive.bus_ripple_hz or 0.0)]
+            [self._dt, self.settings.cell_rad, true_bus_v(scene), 1.0 + drive.gain_error, 0.0, 0.0,
+             scene.controller.eta_contact, scene.controller.eta_free, encoder_end(scene),
+             drive.bus_ripple_v, 2 * math.pi * (drive.bus_ripple_hz or 0.0)]
         )  # fmt: skip
-        self._load = load_words(plant)
-        self._real = self._imperfections(scene)
         self._sensor = sensor.constants()
         self._rng = np.random.default_rng(NOISE_SEED)
         self._buffer = np.zeros(pins_loop.WORDS_OF, dtype=np.int64)
         self._bits = sigma_delta.new_state()
+        self._real = self._imperfections(scene)
+        self.warm(plant)
 
     def _ports_of(self, scene: Scene, most_samples: int) -> Ports:
         return controller_ports(scene, most_samples=most_samples)
+
+    def _plant_of(self, scene: Scene) -> Any:
+        """The motor as it is at first."""
+        self.winding = Winding(scene, self.tick_s)
+        return self.winding.plant
+
+    def _idle_pins(self, frame: Frame) -> int:
+        """The pins before the first frame of the ADC."""
+        return 1 << pins_loop.CS_N | frame.sclk_idle << pins_loop.SCLK
 
     def _wire(self, scene: Scene, frame: Frame) -> tuple[int, int]:
         """Place of the code on the ADC's wire, and the level of SCLK that launches a bit."""
@@ -162,19 +181,14 @@ class PinsSimulation:
 
     def _begin(self, scene: Scene, ports: Ports, host: bool) -> None:
         """Build the RTL, and bring it to where its first tick begins."""
-        drive = scene.drive or Drive.model_validate({})
         places = max(MIN_WALLS, len(ports.walls))
-        design = verilated.Design(
+        self._design = design = verilated.Design(
             self.TOP,
             self.SHIM,
             {
-                "N": 1,
                 "WALLS": places,
                 "DELAY_LOG2": DELAY_LOG2,
-                "SHAPER": len(self.settings.shaper.words),
-                **soldered(ports),
-                **({"BUS": 1} if drive.bus_measured else {}),
-                **({"HOST": 1} if host else {}),
+                **self._hardware(scene, ports, host),
                 **({"ANCHOR": 1} if self.settings.anchored else {}),
                 **({"GUARD": 1} if scene.guard else {}),
                 **self._parameters(),
@@ -183,11 +197,30 @@ class PinsSimulation:
         )
         self._library = verilated.load(design)
         verilated.declare_destructor(self._function("delete"))
-        self._values = {**scene_values(scene, ports, places), **self.settings.words()}
-        levels = pins_loop.encoder_levels.py_func(ports.start_count)
+        self._values = {
+            **scene_values(scene, ports, places), **self.settings.words(),
+            **self._magnet(scene, ports),
+        }  # fmt: skip
+        levels = pins_loop.encoder_levels.py_func(ports.start_count) << self.INPUTS_SHIFT
         self._model = self._new_model(self._port_words(design), levels)
         if not self._model:
             raise RuntimeError("the controller's RTL never got its ADC ready")
+
+    def _hardware(self, scene: Scene, ports: Ports, host: bool) -> dict[str, int]:
+        """Parameters of the RTL for what the scene has, anchor and guard aside."""
+        measured = scene.drive is not None and scene.drive.bus_measured
+        return {
+            "N": 1,
+            "SHAPER": len(self.settings.shaper.words),
+            **soldered(ports),
+            **({"BUS": 1} if measured else {}),
+            **({"HOST": 1} if host else {}),
+        }
+
+    def _magnet(self, scene: Scene, ports: Ports) -> Values:
+        """Words of the magnets' angle, which a motor with brushes hasn't."""
+        del scene, ports
+        return {}
 
     def _port_words(self, design: verilated.Design) -> ctypes.Array:
         """The settings as ports of the RTL take them."""
@@ -233,9 +266,6 @@ class PinsSimulation:
         plant, cell_rad = self.winding.plant, self.settings.cell_rad
         return real_parts(scene, plant, cell_rad, steps_s, switching=True, needed=needed)
 
-    def _transitions(self, plant: Plant) -> np.ndarray:
-        return np.stack([plant.transition(n * self._dt) for n in range(STEPS + 1)])
-
     def _function(self, name: str) -> Any:
         return getattr(self._library, f"{self.PREFIX}_{name}")
 
@@ -250,9 +280,9 @@ class PinsSimulation:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
         self.winding.advance(rows, lambda part: self._advance(rows[part], words[part]), self.warm)
 
-    def warm(self, plant: Plant) -> None:
-        """Go on with a motor of other R and k_T."""
-        self._tables = self._transitions(plant)
+    def warm(self, plant: Any) -> None:
+        """Go on with the motor as it is now, of other R and k_T perhaps."""
+        self._tables = np.stack([plant.transition(n * self._dt) for n in range(STEPS + 1)])
         self._load = load_words(plant)
         self._floats[[pins_loop.RESISTANCE, pins_loop.K_T]] = plant.resistance, plant.k_t
         warm_real(self._real, plant)

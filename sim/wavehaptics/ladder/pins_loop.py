@@ -420,7 +420,8 @@ def _end_tick(told, rows, words, done, motors):
     """A tick of all motors ends; how many rows are made. Without rows the motors move on alone."""
     made = 0
     for n in range(len(motors)):
-        state, kept, sums, pending, tables, ints, floats, load, sensor, _, buffer, _, real = motors[n]
+        one = motors[n]
+        state, kept, sums, pending, tables, ints, floats, load, sensor, _, buffer, _, real = one
         _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
         if rows[n].shape[0]:
             _close_tick(state, kept, sums, pending, floats, ints)
@@ -478,11 +479,11 @@ def advance(rows, words, clocks, done, kept, motors):
         changed = (told ^ before) & _WIRES
         before = told
         if changed:
-            if changed == 1 << SCLK and shifts:
-                launches = (told >> SCLK) & 1 == launch
+            high = (told >> SCLK) & 1
+            if changed == 1 << SCLK and (shifts or not high):  # a modulator's bits come as it rises
                 for n in range(count):
                     kept[n, PINS] ^= 1 << SCLK
-                    if launches:
+                    if shifts and high == launch:
                         kept[n, SHIFT] <<= 1
             else:
                 _wires(told, changed, motors)

@@ -5,24 +5,28 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 
 from wavehaptics.controller.ports import controller_ports
 from wavehaptics.controller.settings import settings
+from wavehaptics.controller.turns import take_turns, turns_ports
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.encoder import check_rates
 from wavehaptics.scene import Scene
 from wavehaptics.trace.columns import ROW_BYTES, thinning
 
 
-def check(scene: Scene, controller: str) -> float:
-    """The tick that it would run at, s.
+def check(scene: Scene, controller: str, others: Sequence[Scene] = ()) -> float:
+    """The tick that it would run at, s, as one of the motors ``others``, which has it in it.
 
     :class:`SceneError`, one line, where ``controller`` can't do what the scene asks for, a word
     can't hold a value, or the rows of its trace can't be held.
     """
     refuse(scene, controller)
     tick_s = 1.0 / scene.controller.tick_hz
-    if controller == "pins":
+    if controller == "pins" and take_turns(others):
+        tick_s = turns_ports(others)[0].timing.tick_s
+    elif controller == "pins":
         tick_s = controller_ports(scene).timing.tick_s
     else:
         settings(scene)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from wavehaptics.controller.settings import Settings
+from wavehaptics.controller.turns import take_turns
 from wavehaptics.ladder.abilities import WITHOUT_WORDS, refuse
 from wavehaptics.ladder.analog import AnalogSimulation
 from wavehaptics.ladder.brushless import BrushlessAnalogSimulation, BrushlessSimulation
@@ -22,6 +23,7 @@ from wavehaptics.ladder.field_oriented import FieldOrientedSimulation
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.r_hat_error import Estimate
 from wavehaptics.ladder.sampled import SampledSimulation
+from wavehaptics.ladder.turns_pins import TurnsSimulation
 from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import Device, Scene
 from wavehaptics.trace.columns import TRACE_FILE, Column, TraceWriter, Word
@@ -133,56 +135,88 @@ def measure(
     """
     refuse(scene, controller)
     simulation = simulation or CONTROLLERS[controller](scene)
-    return _measure(scene, controller, simulation, trace, progress, compare)
+    one = _Measurement(scene, controller, simulation, trace, compare)
+    return _measured([one], _alone(simulation), progress)[0]
 
 
-def _measure(
-    scene: Scene,
-    controller: str,
-    simulation: Simulation,
-    trace: Recorder | None,
-    progress: Callable[[float], None] | None,
-    compare: bool = True,
-) -> dict[str, Any]:
-    set_, tick_s = simulation.settings, simulation.tick_s
-    ticks = _ticks(scene, tick_s)
-    reference = None
-    # The analog circuit has no W: it would be another environment.
-    if compare and controller != "analog" and scene.shaper is None:
-        reference = analog(scene, tick_s, set_.cell_rad)
-    edges = zip(set_.wall_min * set_.cell_rad, set_.wall_max * set_.cell_rad, strict=True)
-    metrics = Metrics(
-        scene, tick_s, controller=controller, walls=list(edges),
-        stiffness_predicted=stiffness_predicted(scene, simulation),
-        springs=[stiffness_predicted(scene, simulation, shaped) for shaped in set_.shaped.tolist()],
-        root=set_.s if _anchored(controller, simulation) else None,
-        shape_power=_shape_power(simulation),
-        reference_spring=_reference_spring(scene, controller, simulation, reference),
-    )  # fmt: skip
-    rows = np.zeros((min(ticks, CHUNK_TICKS), len(Column)))
-    reference_rows = np.zeros_like(rows)
-    words = np.zeros((len(rows), len(Word)), dtype=np.int64)
+Advance = Callable[[Sequence[np.ndarray], Sequence[np.ndarray]], None]
+"""Simulates ticks into the rows and the words of each motor."""
+
+
+def _alone(simulation: Simulation) -> Advance:
+    return lambda rows, words: simulation.advance(rows[0], words[0])
+
+
+class _Measurement:
+    """What is made of the ticks of one motor."""
+
+    def __init__(
+        self, scene: Scene, controller: str, simulation: Simulation, trace: Recorder | None,
+        compare: bool = True,
+    ) -> None:  # fmt: skip
+        set_, tick_s = simulation.settings, simulation.tick_s
+        self._scene, self._controller, self._simulation = scene, controller, simulation
+        self._trace, self._compare = trace, compare
+        self.ticks = ticks = _ticks(scene, tick_s)
+        self._reference = None
+        # The analog circuit has no W: it would be another environment.
+        if compare and controller != "analog" and scene.shaper is None:
+            self._reference = analog(scene, tick_s, set_.cell_rad)
+        edges = zip(set_.wall_min * set_.cell_rad, set_.wall_max * set_.cell_rad, strict=True)
+        self._metrics = Metrics(
+            scene, tick_s, controller=controller, walls=list(edges),
+            stiffness_predicted=stiffness_predicted(scene, simulation),
+            springs=[
+                stiffness_predicted(scene, simulation, shaped) for shaped in set_.shaped.tolist()
+            ],
+            root=set_.s if _anchored(controller, simulation) else None,
+            shape_power=_shape_power(simulation),
+            reference_spring=_reference_spring(scene, controller, simulation, self._reference),
+        )  # fmt: skip
+        self.rows = np.zeros((min(ticks, CHUNK_TICKS), len(Column)))
+        self.words = np.zeros((len(self.rows), len(Word)), dtype=np.int64)
+        self._reference_rows = np.zeros_like(self.rows)
+        self._estimate = Estimate(scene, ticks)
+
+    def take(self, part: slice, done: int) -> None:
+        """Take what is in ``part`` of the rows and words, with which ``done`` ticks are done."""
+        rows, reference_rows = self.rows[part], self._reference_rows[part]
+        if self._reference is not None:
+            self._reference.advance(reference_rows)
+        self._metrics.update(rows, None if self._reference is None else reference_rows)
+        self._estimate.update(self._simulation, done)
+        if self._trace is not None:
+            without = self._controller in WITHOUT_WORDS
+            self._trace.write(rows, None if without else self.words[part])
+
+    def result(self, wall_clock_s: float) -> dict[str, Any]:
+        simulation = self._simulation
+        result = self._metrics.result(
+            wall_clock_s=wall_clock_s, clock_cycles=simulation.clock_cycles
+        )
+        if self._compare and self._controller != "analog" and self._scene.shaper is not None:
+            result["reasons"]["torque_nrmse_vs_analog"] = "the analog circuit has no W"
+        return result | self._estimate.result() | _seen(simulation)
+
+
+def _measured(
+    motors: Sequence[_Measurement], advance: Advance, progress: Callable[[float], None] | None
+) -> list[dict[str, Any]]:
+    """Metrics of each motor. Several that ``advance`` together share the time that it takes."""
+    ticks = motors[0].ticks
     # The first call compiles, or loads what an earlier run compiled: no ticks, but all the types.
-    simulation.advance(rows[:0], words[:0])
+    advance([one.rows[:0] for one in motors], [one.words[:0] for one in motors])
     wall_clock_s = 0.0
-    estimate = Estimate(scene, ticks)
     for first in range(0, ticks, CHUNK_TICKS):
         part = slice(0, min(CHUNK_TICKS, ticks - first))
         began = time.perf_counter()
-        simulation.advance(rows[part], words[part])
+        advance([one.rows[part] for one in motors], [one.words[part] for one in motors])
         wall_clock_s += time.perf_counter() - began
-        if reference is not None:
-            reference.advance(reference_rows[part])
-        metrics.update(rows[part], None if reference is None else reference_rows[part])
-        estimate.update(simulation, first + part.stop)
-        if trace is not None:
-            trace.write(rows[part], None if controller in WITHOUT_WORDS else words[part])
+        for one in motors:
+            one.take(part, first + part.stop)
         if progress is not None:
             progress((first + part.stop) / ticks)
-    result = metrics.result(wall_clock_s=wall_clock_s, clock_cycles=simulation.clock_cycles)
-    if compare and controller != "analog" and scene.shaper is not None:
-        result["reasons"]["torque_nrmse_vs_analog"] = "the analog circuit has no W"
-    return result | estimate.result() | _seen(simulation)
+    return [one.result(wall_clock_s / len(motors)) for one in motors]
 
 
 _FAULTS = ("a tick too short for its work", "more than one encoder edge in a clock")
@@ -241,18 +275,32 @@ def run_scene(
     """
     refuse(scene, controller)
     simulation = CONTROLLERS[controller](scene)
-    tick_s = simulation.tick_s
-    trace = TraceWriter(
-        out / TRACE_FILE, tick_s, scene.scene.trace_hz, ticks=_ticks(scene, tick_s),
-        anchored=_anchored(controller, simulation),
-    )  # fmt: skip
-    result = _measure(scene, controller, simulation, trace, progress)
-    if motor is not None:
-        result = {"motor": motor, **result}
-    trace.save()
-    write_json(out / "metrics.json", result)
-    run_picture(trace.arrays(), result, out / "run.png", scene.controller.walls)
-    return result
+    run = _Run(scene, controller, simulation, out)
+    (result,) = _measured([run.measurement], _alone(simulation), progress)
+    return run.write(result, motor)
+
+
+class _Run:
+    """A motor's run, and its files."""
+
+    def __init__(self, scene: Scene, controller: str, simulation: Simulation, out: Path) -> None:
+        self._scene, self._out = scene, out
+        tick_s = simulation.tick_s
+        self._trace = TraceWriter(
+            out / TRACE_FILE, tick_s, scene.scene.trace_hz, ticks=_ticks(scene, tick_s),
+            anchored=_anchored(controller, simulation),
+        )  # fmt: skip
+        self.measurement = _Measurement(scene, controller, simulation, self._trace)
+
+    def write(self, result: dict[str, Any], motor: str | None) -> dict[str, Any]:
+        """Write the files of a run with this result, which is returned with the motor's name."""
+        if motor is not None:
+            result = {"motor": motor, **result}
+        self._trace.save()
+        write_json(self._out / "metrics.json", result)
+        walls = self._scene.controller.walls
+        run_picture(self._trace.arrays(), result, self._out / "run.png", walls)
+        return result
 
 
 def run_device(
@@ -263,16 +311,20 @@ def run_device(
 ) -> dict[str, Any]:
     """Run each motor as :func:`run_scene`, into a folder of its name in ``out``.
 
-    The motors have nothing between them, so they run one after another. ``out`` gets a
-    ``metrics.json`` of all: what they have in common, and in ``motors`` the metrics of each.
+    On ``pins`` motors with brushes are ports of one controller and run together, and the time that
+    takes is shared among them. Others have nothing between them, and run one after another. ``out``
+    gets a ``metrics.json`` of all: what they have in common, and in ``motors`` the metrics of each.
     ``progress`` is called with the motor's name and the part of its run that is done.
     """
     for scene in device.scenes:
         refuse(scene, controller)
-    motors = {
-        name: run_scene(scene, controller, out / name, partial(progress, name), name)
-        for name, scene in device.motors.items()
-    }
+    if controller == "pins" and take_turns(device.scenes):
+        motors = _run_together(device, out, progress)
+    else:
+        motors = {
+            name: run_scene(scene, controller, out / name, partial(progress, name), name)
+            for name, scene in device.motors.items()
+        }
     result = {
         "scene": device.name,
         "controller": controller,
@@ -282,3 +334,25 @@ def run_device(
     }
     write_json(out / "metrics.json", result)
     return result
+
+
+def _run_together(
+    device: Device, out: Path, progress: Callable[[str, float], None]
+) -> dict[str, dict[str, Any]]:
+    """Metrics of the motors of one controller, whose files are written."""
+    simulation = TurnsSimulation(device.scenes)
+    runs = {
+        name: _Run(scene, "pins", motor, out / name)
+        for (name, scene), motor in zip(device.motors.items(), simulation.motors, strict=True)
+    }
+
+    def show(part: float) -> None:
+        for name in runs:
+            progress(name, part)
+
+    measurements = [run.measurement for run in runs.values()]
+    results = _measured(measurements, simulation.advance, show)
+    return {
+        name: run.write(result, name)
+        for (name, run), result in zip(runs.items(), results, strict=True)
+    }
