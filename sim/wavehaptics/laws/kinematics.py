@@ -16,10 +16,10 @@ that θ₃ is counted from the vertical whatever θ₂ is,
 
 as in Çavuşoğlu, Feygin and Tendick, *A Critical Study of the Mechanical and Electrical Properties
 of the PHANToM Haptic Interface and Improvements for High-Performance Control*, Presence 11(6),
-2002. The PHANTOM 1.0 has two links of 0.14 m and ratios of about 8:1 (Niemeyer, Diolaiti and Tanner,
-*Wave Haptics*, section II: 8:1 and 14 cm). A course's figures for a Premium 1.0 are 140 mm each, and
-drums of 115, 70 and 70 mm on capstans of 15, 10 and 10 mm: 7.67:1, 7:1 and 7:1 (K. J. Kuchenbecker,
-MEAM 520, University of Pennsylvania, homework 8).
+2002. The PHANTOM 1.0 has two links of 0.14 m and ratios of about 8:1 (Niemeyer, Diolaiti and
+Tanner, *Wave Haptics*, section II: 8:1 and 14 cm). A course's figures for a Premium 1.0 are 140 mm
+each, and drums of 115, 70 and 70 mm on capstans of 15, 10 and 10 mm, which is 7.67:1, 7:1 and 7:1
+(K. J. Kuchenbecker, MEAM 520, University of Pennsylvania, homework 8).
 
 ``matrix``: a constant Jacobian, ``tip = J q``.
 """
