@@ -75,12 +75,14 @@ _PAIRS = list(combinations(range(MOST_SURFACES), 2))
 _TRIPLES = list(combinations(range(MOST_SURFACES), 3))
 VECTORS = MOST_SURFACES + len(_PAIRS) + len(_TRIPLES)
 
-_PAIR_ROW = np.zeros((MOST_SURFACES, MOST_SURFACES), dtype=np.int64)
+PAIR_ROW = np.zeros((MOST_SURFACES, MOST_SURFACES), dtype=np.int64)
+"""Row of the vector of the second of two surfaces in ascending order."""
 for _row, (_i, _j) in enumerate(_PAIRS, MOST_SURFACES):
-    _PAIR_ROW[_i, _j] = _row
-_TRIPLE_ROW = np.zeros((MOST_SURFACES, MOST_SURFACES, MOST_SURFACES), dtype=np.int64)
+    PAIR_ROW[_i, _j] = _row
+TRIPLE_ROW = np.zeros((MOST_SURFACES, MOST_SURFACES, MOST_SURFACES), dtype=np.int64)
+"""Row of the vector of the third of three."""
 for _row, (_i, _j, _k) in enumerate(_TRIPLES, MOST_SURFACES + len(_PAIRS)):
-    _TRIPLE_ROW[_i, _j, _k] = _row
+    TRIPLE_ROW[_i, _j, _k] = _row
 
 ACCOUNT_MAX = 1 << 61
 """Largest account and budget: what is beyond is lost."""
@@ -119,12 +121,12 @@ def new_state() -> np.ndarray:
 
 def pair_row(first: int, second: int) -> int:
     """Row of the vector of ``second`` beside ``first``, two surfaces in ascending order."""
-    return int(_PAIR_ROW[first, second])
+    return int(PAIR_ROW[first, second])
 
 
 def triple_row(first: int, second: int, third: int) -> int:
     """Row of the vector of ``third`` beside two others, three surfaces in ascending order."""
-    return int(_TRIPLE_ROW[first, second, third])
+    return int(TRIPLE_ROW[first, second, third])
 
 
 @compiled()
@@ -252,7 +254,7 @@ def _row(order: int, first: int, second: int, third: int) -> int:
     """Row of the vector of the surface that is ``order`` in contact."""
     if order == 0:
         return first
-    return _PAIR_ROW[first, second] if order == 1 else _TRIPLE_ROW[first, second, third]
+    return PAIR_ROW[first, second] if order == 1 else TRIPLE_ROW[first, second, third]
 
 
 @compiled()

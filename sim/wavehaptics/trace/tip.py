@@ -60,15 +60,20 @@ def put_tip_row(row, begin, tick, before, after, hand, force, active):
     row[Tip.ACTIVE] = active
 
 
-def deepest(space: Space, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Depth (n,) in m and inward normal (n, 3) at ``places`` (n, 3) of the nearest surface."""
+def deepest(space: Space, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Depth (n,) in m, inward normal (n, 3) and number (n,) of the surface that is deepest.
+
+    ``places`` (n, 3) in m.
+    """
     depth, normal = np.full(len(places), -np.inf), np.zeros((len(places), 3))
-    for shape in space.shapes:
+    number = np.zeros(len(places), dtype=np.int64)
+    for n, shape in enumerate(space.shapes):
         other, other_normal = shape.depth(places)
         nearer = other > depth
         depth = np.where(nearer, other, depth)
         normal = np.where(nearer[:, None], other_normal, normal)
-    return depth, normal
+        number[nearer] = n
+    return depth, normal, number
 
 
 class TipMetrics:
@@ -86,13 +91,12 @@ class TipMetrics:
         controller: str,
         tick_s: float,
         joint_stiffness: np.ndarray,
-        extra_compliance: float,
         predicted: float | None,
         count_m: float,
     ) -> None:
         self._space, self._tick_s = space, tick_s
         self._compliance = 1.0 / joint_stiffness
-        self._extra = extra_compliance
+        self._wished = np.array([1.0 / (one.stiffness or math.inf) for one in space.surface])
         self._arm = space.arm
         path = None if space.hand is None else space.hand.path
         self._metrics = Metrics(
@@ -104,7 +108,6 @@ class TipMetrics:
         self._sums = np.zeros(4)  # across², along², ε, ticks of ε
         self._contact_ticks = 0
         self._error_max = 0.0
-        self._left_out = 0
 
     def update(self, tips: np.ndarray, rows: np.ndarray) -> None:
         """Take the next ticks: ``tips`` (n, len(Tip)), ``rows`` (motors, n, len(Column))."""
@@ -112,8 +115,8 @@ class TipMetrics:
             return
         places = tips[:, Tip.X : Tip.Z + 1]
         force = tips[:, Tip.FORCE_X : Tip.FORCE_Z + 1]
-        depth, normal = deepest(self._space, places)
-        hand, _ = deepest(self._space, tips[:, Tip.HAND_X : Tip.HAND_Z + 1])
+        depth, normal, number = deepest(self._space, places)
+        hand, _, _ = deepest(self._space, tips[:, Tip.HAND_X : Tip.HAND_Z + 1])
         along = np.einsum("ij,ij->i", force, normal)
         before = depth[0] if math.isnan(self._last) else self._last
         seen = np.zeros((len(tips), len(Column)))
@@ -128,11 +131,11 @@ class TipMetrics:
         seen[:, Column.ENERGY_OUT] = rows[:, :, Column.ENERGY_OUT].sum(axis=0)
         self._last = float(depth[-1])
         self._metrics.update(seen)
-        self._judge(tips, rows, normal, depth, along, force)
+        self._judge(tips, rows, normal, depth, along, force, number)
 
     def _judge(
         self, tips: np.ndarray, rows: np.ndarray, normal: np.ndarray, depth: np.ndarray,
-        along: np.ndarray, force: np.ndarray,
+        along: np.ndarray, force: np.ndarray, number: np.ndarray,
     ) -> None:  # fmt: skip
         contact = tips[:, Tip.ACTIVE] > 0
         if not contact.any():
@@ -151,7 +154,8 @@ class TipMetrics:
             self._arm.geometry, angles, normals, self._compliance,
             np.zeros((3, angles.shape[1])), compliance,
         )  # fmt: skip
-        error = depth[judged] + along[judged] * (compliance + self._extra)
+        compliance = np.maximum(compliance, self._wished[number[judged]])
+        error = depth[judged] + along[judged] * compliance
         self._sums[2] += error.sum()
         self._sums[3] += len(error)
         self._error_max = max(self._error_max, float(np.abs(error).max()))
