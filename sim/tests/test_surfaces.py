@@ -39,6 +39,7 @@ ETA_ONE = 1 << formats.ETA.fraction
 A_ONE = 1 << formats.A.fraction
 MIX_ONE = 1 << formats.MIX.fraction
 WAVE_MAX = formats.WAVE.raw_max
+BEND = formats.CELLS.step * formats.CURRENT.step
 
 
 @compiled_counting()
@@ -206,42 +207,42 @@ def test_words_that_could_give_out_energy_are_not_accepted(change) -> None:
     assert not accepts(planes, vectors)
 
 
-def in_numbers(planes, vectors, limits, positions, currents, free, waves, filters):
-    """The law in real numbers, from its formulas alone; ``filters`` is updated."""
+def in_numbers(planes, vectors, limits, positions, currents, free, waves, filters, rests):
+    """The law in real numbers, from its formulas alone; ``filters`` and ``rests`` are updated."""
     touching = []
     for n, plane in enumerate(planes):
-        if plane[PRESENT] and plane[G : G + PORTS] @ positions / ONE >= plane[D] / 256:
+        deep = plane[PRESENT] and plane[G : G + PORTS] @ positions / ONE >= plane[D] / 256
+        if deep and len(touching) < MOST_ACTIVE:
             touching.append(n)
         else:
-            filters[n] = 0.0
-    touching = touching[:MOST_ACTIVE]
+            filters[n], rests[n] = 0.0, None
+    bends = {n: planes[n, C : C + PORTS] @ currents * BEND for n in touching}
+    most = limits[0] * formats.WAVE.step
     velocity = {}
     for n in touching:
         plane = planes[n]
-        error = plane[G : G + PORTS] @ positions / ONE - plane[D] / 256
-        error += plane[C : C + PORTS] @ currents * formats.CELLS.step * formats.CURRENT.step
+        rests[n] = bends[n] if rests[n] is None else rests[n]
+        if len(touching) == 1:
+            rests[n] = 0.0
+        error = plane[G : G + PORTS] @ positions / ONE - plane[D] / 256 + bends[n] - rests[n]
         beyond = np.sign(error) * max(abs(error) - 0.5, 0.0)
-        most = limits[0] * formats.WAVE.step
         velocity[n] = np.clip(-beyond * plane[GAIN] / ONE, -most, most)
-    v = waves * formats.WAVE.step
-    if len(touching) == 1:
-        g = vectors[touching[0], :PORTS] / ONE
-        v = v * min(free, planes[touching[0], ACROSS]) / ETA_ONE + g * (g @ v) * (
-            1.0 - min(free, planes[touching[0], ACROSS]) / ETA_ONE
-        )
-    elif touching:
-        v = v * free / ETA_ONE
     rows = [lambda i, *_: i, lambda i, j, *_: pair_row(i, j), triple_row]
-    for order, n in enumerate(touching):
-        vector = vectors[rows[order](*touching)]
+    chosen = [vectors[rows[order](*touching)] for order in range(len(touching))]
+    v = waves * formats.WAVE.step
+    if touching:
+        across = planes[touching[0], ACROSS] if len(touching) == 1 else ETA_ONE
+        eta = min(free, across) / ETA_ONE
+        along_all = sum(row[:PORTS] / ONE * (row[:PORTS] / ONE @ v) for row in chosen)
+        v = eta * v + (1.0 - eta) * along_all
+    for order, (n, vector) in enumerate(zip(touching, chosen, strict=True)):
         g, shares = vector[:PORTS] / ONE, vector[MIX : MIX + 3] / MIX_ONE
         p = g @ v
-        a = planes[n, A] / A_ONE
-        filters[n] += a * (planes[n, ETA] / ETA_ONE * p - filters[n])
+        filters[n] += planes[n, A] / A_ONE * (planes[n, ETA] / ETA_ONE * p - filters[n])
         xi = sum(
             share * velocity[m] for share, m in zip(shares, touching[: order + 1], strict=False)
         )
-        v = v + g * (filters[n] + np.clip(xi, -limits[0] / 2**23, limits[0] / 2**23) - p)
+        v = v + g * (filters[n] + np.clip(xi, -most, most) - p)
     return v, len(touching)
 
 
@@ -271,6 +272,7 @@ def test_the_integers_are_the_law() -> None:
         assert accepts(planes, vectors)
         state, left = surfaces.new_state(), np.array([1 << 60])
         limits, filters = np.array([1 << 19, 1 << 60]), np.zeros(MOST_SURFACES)
+        rests: list[float | None] = [None] * MOST_SURFACES
         active = np.zeros(MOST_ACTIVE, np.int64)
         positions = rng.integers(-40, 40, PORTS)
         for _ in range(30):
@@ -279,7 +281,7 @@ def test_the_integers_are_the_law() -> None:
             waves = rng.integers(-(1 << 24), 1 << 24, PORTS)
             free = int(rng.choice([ETA_ONE, int(0.99 * ETA_ONE)]))
             wanted, touching = in_numbers(
-                planes, vectors, limits, positions, currents, free, waves, filters
+                planes, vectors, limits, positions, currents, free, waves, filters, rests
             )
             found = surfaces_step(
                 state, left, active, planes, vectors, limits, positions, currents, free, waves

@@ -26,12 +26,14 @@ began. When g turns, only the force is remembered. The true place of the wall sh
     ε = G·x − d + Σ c_n i_n,   c_n = G_n·L_eff,n/k_T,n in counts/A,
 
 which is 0 for a wall that is where it should be (the second part is the springs' deflection). What
-of ε is beyond half a count gives ``ξ = −gain·beyond``, within a limit. A set's directions are
-mixtures of its surfaces' vectors, and so are their velocities.
+of ε is beyond half a count gives ``ξ = −gain·beyond``, within a limit. A surface that is touched
+while another is in contact finds currents already, which are no deflection of its own: as long as
+several are in contact, ε is without those that it began with. A set's directions are mixtures of
+its surfaces' vectors, and so are their velocities.
 
-**Loss across.** Of a single surface in contact the waves across g are multiplied by η_a: by the
-surface's own, or by the η of free space where that is less. With several in contact all waves are
-multiplied by that of free space before.
+**Loss across.** What of the waves is across all surfaces in contact is multiplied by η_a: by the
+surface's own where it is alone, and by the η of free space where that is less. Three surfaces leave
+nothing across.
 """
 
 from __future__ import annotations
@@ -66,10 +68,11 @@ LIMITS = 2
 """Places in a group's limits: the largest ξ (``formats.WAVE``), and the largest budget in squares
 of a wave's last place."""
 
-TOUCHING, FILTER, ACCOUNT = range(3)
-SURFACE_STATES = 3
+TOUCHING, FILTER, ACCOUNT, REST = range(4)
+SURFACE_STATES = 4
 """Places in a surface's state, int64 (MOST_SURFACES, SURFACE_STATES): in contact; f of its filter,
-with ``STATE_GUARD`` bits below a wave's; its account, squares of a wave's last place."""
+with ``STATE_GUARD`` bits below a wave's; its account, squares of a wave's last place; what of ε the
+currents were when its contact began, of ``formats.SEEN``."""
 
 _PAIRS = list(combinations(range(MOST_SURFACES), 2))
 _TRIPLES = list(combinations(range(MOST_SURFACES), 3))
@@ -234,12 +237,18 @@ def depth(plane: np.ndarray, positions: np.ndarray) -> int:
 
 
 @compiled(inline="always")
-def wall_velocity(plane: np.ndarray, place: int, currents: np.ndarray, most: int) -> int:
-    """ξ of a surface that the rotors are ``place`` beyond, raw √W."""
-    error = place >> _PLACE_SHIFT
+def bend(plane: np.ndarray, currents: np.ndarray) -> int:
+    """``Σ c_n i_n`` of a surface, counts of ``formats.SEEN``."""
+    total = 0
     for port in range(PORTS):
-        error += (plane[C + port] * currents[port]) >> _BEND_SHIFT
-    error = saturate(error)
+        total += (plane[C + port] * currents[port]) >> _BEND_SHIFT
+    return saturate(total)
+
+
+@compiled(inline="always")
+def wall_velocity(plane: np.ndarray, place: int, bent: int, most: int) -> int:
+    """ξ of a surface that the rotors are ``place`` beyond and the springs ``bent``, raw √W."""
+    error = saturate((place >> _PLACE_SHIFT) + bent)
     beyond = 0
     if error > _HALF_COUNT:
         beyond = error - _HALF_COUNT
@@ -247,6 +256,29 @@ def wall_velocity(plane: np.ndarray, place: int, currents: np.ndarray, most: int
         beyond = error + _HALF_COUNT
     velocity = -truncate(plane[GAIN] * beyond, _XI_SHIFT)
     return min(max(velocity, -most), most)
+
+
+@compiled(inline="always")
+def lose_across_two(
+    first: np.ndarray, second: np.ndarray, waves: np.ndarray, eta: int, q: int, eta_q: int
+) -> None:
+    """:func:`lose_across` of two vectors that should be orthogonal; nothing if it were a gain."""
+    p, _ = along(first, waves, q)
+    before, after = 0, 0
+    left_0 = waves[0] - truncate(first[0] * p, q)
+    left_1 = waves[1] - truncate(first[1] * p, q)
+    left_2 = waves[2] - truncate(first[2] * p, q)
+    p = truncate(second[0] * left_0 + second[1] * left_1 + second[2] * left_2, q)
+    lost = (1 << eta_q) - eta
+    left_0 = waves[0] - truncate(lost * (left_0 - truncate(second[0] * p, q)), eta_q)
+    left_1 = waves[1] - truncate(lost * (left_1 - truncate(second[1] * p, q)), eta_q)
+    left_2 = waves[2] - truncate(lost * (left_2 - truncate(second[2] * p, q)), eta_q)
+    left_0, left_1, left_2 = saturate(left_0), saturate(left_1), saturate(left_2)
+    for port in range(PORTS):
+        before += waves[port] * waves[port]
+    after = left_0 * left_0 + left_1 * left_1 + left_2 * left_2
+    if after <= before:
+        waves[0], waves[1], waves[2] = left_0, left_1, left_2
 
 
 @compiled(inline="always")
@@ -279,36 +311,42 @@ def surfaces_step(
     of the ports' free space. Where no surface acts the waves stay as they are.
     """
     touching = 0
-    velocities_0, velocities_1, velocities_2 = 0, 0, 0
     for surface in range(MOST_SURFACES):
         plane = planes[surface]
         place = depth(plane, positions)
         if plane[PRESENT] == 0 or place < 0 or touching == MOST_ACTIVE:
             if state[surface, TOUCHING] != 0:
                 left[0] = min(left[0] + state[surface, ACCOUNT], limits[BUDGET])
-                state[surface, TOUCHING] = state[surface, FILTER] = state[surface, ACCOUNT] = 0
+                state[surface] = 0
             continue
-        state[surface, TOUCHING] = 1
-        velocity = wall_velocity(plane, place, currents, limits[VELOCITY_MAX])
-        if touching == 0:
-            velocities_0 = velocity
-        elif touching == 1:
-            velocities_1 = velocity
-        else:
-            velocities_2 = velocity
+        if state[surface, TOUCHING] == 0:
+            state[surface, TOUCHING] = 1
+            state[surface, REST] = bend(plane, currents)
         active[touching] = surface
         touching += 1
     if touching == 0:
         return 0
-    eta = free
     if touching == 1:
-        eta = min(eta, planes[active[0], ACROSS])
-    if eta < _ETA_ONE:
-        if touching == 1:
-            lose_across(vectors[active[0]], waves, max(eta, 0), _Q, _ETA_Q)
+        state[active[0], REST] = 0
+    velocities_0, velocities_1, velocities_2 = 0, 0, 0
+    for order in range(touching):
+        plane, rest = planes[active[order]], state[active[order], REST]
+        bent = bend(plane, currents) - rest
+        velocity = wall_velocity(plane, depth(plane, positions), bent, limits[VELOCITY_MAX])
+        if order == 0:
+            velocities_0 = velocity
+        elif order == 1:
+            velocities_1 = velocity
         else:
-            for port in range(PORTS):
-                waves[port] = truncate(max(eta, 0) * waves[port], _ETA_Q)
+            velocities_2 = velocity
+    eta = min(free, planes[active[0], ACROSS]) if touching == 1 else free
+    if eta < _ETA_ONE and touching < MOST_ACTIVE:
+        vector = vectors[active[0]]
+        if touching == 1:
+            lose_across(vector, waves, max(eta, 0), _Q, _ETA_Q)
+        else:
+            beside = vectors[PAIR_ROW[active[0], active[1]]]
+            lose_across_two(vector, beside, waves, max(eta, 0), _Q, _ETA_Q)
     for order in range(touching):
         surface = active[order]
         vector = vectors[_row(order, active[0], active[1], active[2])]

@@ -88,6 +88,8 @@ _SUMS = 13
 # current, wall velocities, v before it is reflected, η of a wall of the port's own.
 _PLACE, _CURRENT, _VELOCITY, _RAW, _WALL = range(5)
 _LAW = 5
+# What a surface keeps: in contact, its filter's f, what of ε the currents were at the beginning.
+_TOUCHED, _FILTERED, _REST = range(3)
 # Rows of the room for places and forces, (_ROOM, 3): the first three are put_hand_torque's.
 _BEFORE, _AFTER, _FORCE = 3, 4, 5
 _ROOM = 6
@@ -264,30 +266,44 @@ def _advance_golden(
         )  # fmt: skip
 
 
+@compiled(inline="always")
+def _along(words, first, ports):
+    total = 0.0
+    for port in range(_PORTS):
+        total += words[first + port] * ports[port]
+    return total
+
+
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
-def _reflect(touching, filters, planes, vectors, most, law, free, waves):
+def _reflect(touching, memory, planes, vectors, most, law, free, waves):
     """The law of :mod:`wavehaptics.controller.surfaces` in real numbers; how many surfaces act.
 
-    ``touching`` int64 (MOST_ACTIVE,) are their numbers, ``law`` float64 (_LAW, PORTS) what the
-    ports have.
+    ``touching`` int64 (MOST_ACTIVE,) are their numbers, ``memory`` (MOST_SURFACES, 3) what each
+    keeps and ``law`` float64 (_LAW, PORTS) what the ports have.
     """
     acting = 0
     for surface in range(planes.shape[0]):
         plane = planes[surface]
-        place = -plane[surfaces.D]
-        for port in range(_PORTS):
-            place += plane[surfaces.G + port] * law[_PLACE, port]
-        if plane[surfaces.PRESENT] == 0.0 or place < 0.0 or acting == surfaces.MOST_ACTIVE:
-            filters[surface] = 0.0
+        if plane[surfaces.PRESENT] == 0.0 or acting == surfaces.MOST_ACTIVE or (
+            _along(plane, surfaces.G, law[_PLACE]) < plane[surfaces.D]
+        ):  # fmt: skip
+            memory[surface, _FILTERED] = memory[surface, _TOUCHED] = 0.0
             continue
-        for port in range(_PORTS):
-            place += plane[surfaces.C + port] * law[_CURRENT, port]
-        beyond = max(place - 0.5, 0.0) + min(place + 0.5, 0.0)
-        law[_VELOCITY, acting] = min(max(-plane[surfaces.GAIN] * beyond, -most), most)
+        if memory[surface, _TOUCHED] == 0.0:
+            memory[surface, _TOUCHED] = 1.0
+            memory[surface, _REST] = _along(plane, surfaces.C, law[_CURRENT])
         touching[acting] = surface
         acting += 1
     if acting == 0:
         return 0
+    if acting == 1:
+        memory[touching[0], _REST] = 0.0
+    for order in range(acting):
+        plane = planes[touching[order]]
+        error = _along(plane, surfaces.G, law[_PLACE]) - plane[surfaces.D]
+        error += _along(plane, surfaces.C, law[_CURRENT]) - memory[touching[order], _REST]
+        beyond = max(error - 0.5, 0.0) + min(error + 0.5, 0.0)
+        law[_VELOCITY, order] = min(max(-plane[surfaces.GAIN] * beyond, -most), most)
     eta = min(free, planes[touching[0], surfaces.ACROSS]) if acting == 1 else free
     for port in range(_PORTS):
         law[_RAW, port] = waves[port]
@@ -298,16 +314,13 @@ def _reflect(touching, filters, planes, vectors, most, law, free, waves):
             row = surfaces.PAIR_ROW[touching[0], surface]
         elif order == 2:
             row = surfaces.TRIPLE_ROW[touching[0], touching[1], surface]
-        vector, plane = vectors[row], planes[surface]
-        p, taken, velocity = 0.0, 0.0, 0.0
-        for port in range(_PORTS):
-            taken += vector[port] * waves[port]
-            p += vector[port] * (law[_RAW, port] if acting == 1 else waves[port])
+        vector, plane, velocity = vectors[row], planes[surface], 0.0
+        taken, p = _along(vector, 0, waves), _along(vector, 0, law[_RAW])
         for share in range(order + 1):
             velocity += vector[surfaces.MIX + share] * law[_VELOCITY, share]
         goal = plane[surfaces.ETA] * p
-        filters[surface] += plane[surfaces.A] * (goal - filters[surface])
-        y = filters[surface] + min(max(velocity, -most), most)
+        memory[surface, _FILTERED] += plane[surfaces.A] * (goal - memory[surface, _FILTERED])
+        y = memory[surface, _FILTERED] + min(max(velocity, -most), most)
         for port in range(_PORTS):
             waves[port] += vector[port] * (y - taken)
     return acting
@@ -319,7 +332,7 @@ def _advance_analog(
     jacobian, room, torque,
 ):  # fmt: skip
     """Fill the rows and the tip's rows."""
-    touching, filters, planes, vectors, most, law, waves = group
+    touching, memory, planes, vectors, most, law, waves = group
     wall_min, wall_max = walls
     reals, count_ = motors[2], states.shape[0]
     tick = dt * substeps
@@ -346,7 +359,7 @@ def _advance_analog(
                 if inside(x, wall_min[motor], wall_max[motor]):
                     law[_WALL, motor] = floats[motor, _CONTACT]
                 waves[motor] = law[_WALL, motor] * (kept[motor] - floats[motor, _S] * mean)
-            acting = _reflect(touching, filters, planes, vectors, most[0], law, free, waves)
+            acting = _reflect(touching, memory, planes, vectors, most[0], law, free, waves)
             for motor in range(count_):
                 goal = waves[motor]
                 if acting == 0 and law[_WALL, motor] == 1.0:
@@ -483,7 +496,8 @@ class JointSimulation:
         if not self.golden:
             self._volts = np.zeros(motors)
             self._law = (
-                np.zeros(surfaces.MOST_ACTIVE, dtype=np.int64), np.zeros(surfaces.MOST_SURFACES),
+                np.zeros(surfaces.MOST_ACTIVE, dtype=np.int64),
+                np.zeros((surfaces.MOST_SURFACES, 3)),
                 np.zeros((surfaces.MOST_SURFACES, surfaces.PLANE_WORDS)),
                 np.zeros((surfaces.VECTORS, surfaces.VECTOR_WORDS)), np.zeros(1),
                 np.zeros((_LAW, _PORTS)), np.zeros(_PORTS),
