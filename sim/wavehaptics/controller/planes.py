@@ -55,7 +55,7 @@ class Planes(NamedTuple):
     planes: np.ndarray
     vectors: np.ndarray
     velocity_max: float
-    singular: int
+    singular: list[int]
     """Surfaces that no motor moves the tip into."""
 
 
@@ -91,13 +91,14 @@ class Host:
         lever = float(np.linalg.norm(jacobian))
         planes = np.zeros((surfaces.MOST_SURFACES, surfaces.PLANE_WORDS))
         vectors = np.zeros((surfaces.VECTORS, surfaces.VECTOR_WORDS))
-        motors, singular, velocity_max = len(self._ports), 0, math.inf
-        present = []
+        motors, velocity_max = len(self._ports), math.inf
+        present: list[int] = []
+        singular: list[int] = []
         for n, shape in enumerate(self._shapes):
             depth, normal = shape.depth(place)
             along = jacobian.T @ normal[0]
             if np.linalg.norm(along) < LEAST_LEVER * lever:
-                singular += 1
+                singular.append(n)
                 continue
             present.append(n)
             scale = float(np.linalg.norm(along * self._cell))

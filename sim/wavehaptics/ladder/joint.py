@@ -549,7 +549,7 @@ class JointSimulation:
         return self.host.look(self._states[:, X] / self._floats[:, _CELL], middle=0.0)
 
     def _commit(self, update: Planes) -> None:
-        self._singular += update.singular
+        self._singular += len(update.singular)
         if self.golden:
             planes, vectors, most = as_words(update)
             if surfaces.accepts(planes, vectors):

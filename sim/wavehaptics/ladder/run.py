@@ -19,6 +19,7 @@ from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.design_spring import rendered_stiffness
 from wavehaptics.ladder.encoder import EncoderSimulation
 from wavehaptics.ladder.field_oriented import FieldOrientedSimulation
+from wavehaptics.ladder.joint_run import run_joint
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.r_hat_error import Estimate
 from wavehaptics.ladder.sampled import SampledSimulation
@@ -263,10 +264,13 @@ def run_device(
 ) -> dict[str, Any]:
     """Run each motor as :func:`run_scene`, into a folder of its name in ``out``.
 
-    The motors have nothing between them, so they run one after another. ``out`` gets a
+    Those of a ``[device]`` run together, :func:`wavehaptics.ladder.joint_run.run_joint`. The others
+    have nothing between them, so they run one after another. ``out`` gets a
     ``metrics.json`` of all: what they have in common, and in ``motors`` the metrics of each.
     ``progress`` is called with the motor's name and the part of its run that is done.
     """
+    if device.space is not None:
+        return run_joint(device, controller, out, partial(progress, device.name))
     for scene in device.scenes:
         refuse(scene, controller)
     motors = {

@@ -52,6 +52,13 @@ class Space(Placed):
                     f"hand.center_m is {away:.3g} m from the tip, no further than amplitude_m; "
                     "take a circle that is larger", ("hand", "center_m"), ("hand", "amplitude_m"),
                 )  # fmt: skip
+            inward = np.array(self.hand.center_m) - np.array(self.home_m)
+            across = np.array(unit(self.hand.across or (0.0, 0.0, 0.0)))
+            if np.linalg.norm(np.cross(inward, across)) < 1e-3 * away:
+                broken_rule(
+                    "hand.across leads to center_m, so there is no circle; give a direction "
+                    "beside it", ("hand", "across"), ("hand", "center_m"),
+                )  # fmt: skip
         return self
 
     @property
