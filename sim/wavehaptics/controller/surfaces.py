@@ -282,7 +282,7 @@ def lose_across_two(
 
 
 @compiled(inline="always")
-def _row(order: int, first: int, second: int, third: int) -> int:
+def _row_of(order: int, first: int, second: int, third: int) -> int:
     """Row of the vector of the surface that is ``order`` in contact."""
     if order == 0:
         return first
@@ -349,7 +349,7 @@ def surfaces_step(
             lose_across_two(vector, beside, waves, max(eta, 0), _Q, _ETA_Q)
     for order in range(touching):
         surface = active[order]
-        vector = vectors[_row(order, active[0], active[1], active[2])]
+        vector = vectors[_row_of(order, active[0], active[1], active[2])]
         velocity = vector[MIX] * velocities_0
         if order > 0:
             velocity += vector[MIX + 1] * velocities_1

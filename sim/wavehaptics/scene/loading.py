@@ -50,10 +50,10 @@ def _apply(motors: list[MotorData], space: SpaceData | None, override: str) -> N
         raise SceneError(f"{where}: is not UTF-8; it must be table.key=value")
     if not equals:
         raise SceneError(f"{where}: no value; it must be table.key=value")
-    of_space = space is not None and path[0] in SPACE_TABLES
+    of_space = space if path[0] in SPACE_TABLES else None
     surface = None
-    if of_space and path[0] == "surface":
-        surface, path = _surface(space, path, where), (path[0], *path[2:])
+    if of_space is not None and path[0] == "surface":
+        surface, path = _surface(of_space, path, where), (path[0], *path[2:])
     elif path[0] == MOTORS:
         motors, path = _of_one(motors, path, where)
     elif len(path) == 1:
@@ -71,16 +71,17 @@ def _apply(motors: list[MotorData], space: SpaceData | None, override: str) -> N
                 'write a number, "a string", or [[x_min, x_max]]'
             ) from None
         value = text
-    if surface is not None:
+    if surface is not None and of_space is not None:
         number, surface_table = surface
         surface_table[path[1]] = value
-        _mark(space, (path[0], number, path[1]), override)
+        _mark(of_space, (path[0], number, path[1]), override)
         return
-    for motor in [space] if of_space else motors:
-        table = motor.data.setdefault(path[0], {})
+    written: list[MotorData | SpaceData] = [*motors] if of_space is None else [of_space]
+    for home in written:
+        table = home.data.setdefault(path[0], {})
         if isinstance(table, dict):
             table[path[1]] = value
-        _mark(motor, path, override)
+        _mark(home, path, override)
 
 
 def _mark(data: MotorData | SpaceData, path: KeyPath, override: str) -> None:
@@ -91,13 +92,13 @@ def _mark(data: MotorData | SpaceData, path: KeyPath, override: str) -> None:
 
 def _surface(space: SpaceData, path: tuple[str, ...], where: str) -> tuple[int, dict[str, Any]]:
     """Number and table of the surface that ``surface.NUMBER.key`` is of."""
-    tables = space.data.get("surface")
-    known = len(tables) if isinstance(tables, list) else 0
-    number = int(path[1]) if len(path) == 3 and path[1].isdecimal() else known
-    if number >= known or not isinstance(tables[number], dict):
+    found = space.data.get("surface")
+    tables: list[Any] = found if isinstance(found, list) else []
+    number = int(path[1]) if len(path) == 3 and path[1].isdecimal() else len(tables)
+    if number >= len(tables) or not isinstance(tables[number], dict):
         raise SceneError(
-            f"{where}: it must be surface.NUMBER.key=value; the scene has {known} [[surface]], "
-            "which count from 0"
+            f"{where}: it must be surface.NUMBER.key=value; the scene has {len(tables)} "
+            "[[surface]], which count from 0"
         )
     return number, tables[number]
 

@@ -89,6 +89,9 @@ def tip_picture(
     axes["force"].legend(loc="upper right", fontsize=8, frameon=False)
     if np.isfinite(depth).all():
         axes["place"].plot(*envelope(t, 1e3 * depth), color=_BLUE, lw=1.2)
+        deep = 1e3 * float(depth.max())
+        if deep > 0.0:  # the way there is longer by far
+            axes["place"].set_ylim(-0.5 * deep, 1.1 * deep)
     axes["place"].set_ylabel("Depth of the tip, mm")
     axes["place"].set_xlabel("time, s")
     for name in ("force", "place"):
