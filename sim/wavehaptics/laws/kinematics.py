@@ -37,9 +37,6 @@ from wavehaptics.runtime.compiled import compiled
 PLANAR, PHANTOM, MATRIX = range(3)
 """Kinds of arm, the first place of a geometry."""
 
-MOST_MOTORS = 3
-"""Motors of a device at most: as many as the tip has directions."""
-
 _KIND, _L1, _L2, _RATIO, _HOME = 0, 1, 2, 3, 6
 _MATRIX = 1
 _SIZE = 10

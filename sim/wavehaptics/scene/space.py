@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import BeforeValidator, model_validator
 
-from wavehaptics.laws.kinematics import PHANTOM, PLANAR, Arm, linked_arm, matrix_arm
 from wavehaptics.laws.shapes import Shape
 from wavehaptics.scene.keys import Table, broken_rule
 from wavehaptics.scene.placed import Placed
@@ -17,9 +16,10 @@ from wavehaptics.scene.tables.device import HOME, LINKS_M, RATIO, DeviceTable
 from wavehaptics.scene.tables.surface import Surface, unit
 from wavehaptics.scene.tables.tip_hand import TipHand
 
-MOST_SURFACES = 8
+if TYPE_CHECKING:
+    from wavehaptics.laws.kinematics import Arm
 
-_KINDS = {"planar": PLANAR, "phantom": PHANTOM}
+MOST_SURFACES = 8
 
 
 def _list(value: Any) -> Any:
@@ -63,14 +63,17 @@ class Space(Placed):
 
     @property
     def arm(self) -> Arm:
-        """The arm's kinematics."""
+        """The arm's kinematics, which are compiled: a scene that is refused does without."""
+        from wavehaptics.laws.kinematics import PHANTOM, PLANAR, linked_arm, matrix_arm
+
         device = self.device
         if device.jacobian is not None:
             return matrix_arm(device.jacobian)
         kind = device.kinematics
         motors = device.motors
         return linked_arm(
-            _KINDS[kind], device.links_m or LINKS_M, device.ratio or (RATIO,) * motors,
+            PLANAR if kind == "planar" else PHANTOM, device.links_m or LINKS_M,
+            device.ratio or (RATIO,) * motors,
             HOME[kind] if device.home_rad is None else device.home_rad,
         )  # fmt: skip
 

@@ -7,7 +7,6 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from wavehaptics.laws.kinematics import MOST_MOTORS
 from wavehaptics.scene.keys import Table, as_tuples, broken_rule, scene_key
 
 Kinematics = Literal["planar", "phantom", "matrix"]
@@ -15,6 +14,8 @@ ARM_MOTORS: dict[str, int] = {"planar": 2, "phantom": 3}
 """Motors of an arm with links."""
 
 HOME: dict[str, tuple[float, ...]] = {"planar": (0.7853981634, 1.5707963268), "phantom": (0, 0, 0)}
+MOST_MOTORS = 3
+"""Motors of a device at most: as many as the tip has directions."""
 LINKS_M = (0.14, 0.14)
 RATIO = 8.0
 
