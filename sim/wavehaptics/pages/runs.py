@@ -176,6 +176,18 @@ def _brushless_held(numbers: dict[str, Any], table: Table) -> str:
     )  # fmt: skip
 
 
+def _surfaces(numbers: dict[str, Any], table: Table) -> str:
+    head = ("", "mean error, counts", "largest, counts", "drag", "contact")
+    return table(
+        head,
+        (
+            (row["what"], number(row["mean"], 2), number(row["largest"], 2),
+             percent(row["drag"], 2), percent(row["contact"], 3))
+            for row in numbers.get("tables", {}).get("surfaces", ())
+        ),
+    )  # fmt: skip
+
+
 TABLES = {
     "brushless-angles": _brushless,
     "brushless-held": _brushless_held,
@@ -186,5 +198,6 @@ TABLES = {
     "carriers": _carriers,
     "impedances": _impedance,
     "prototype": _prototype,
+    "surfaces": _surfaces,
 }
 """Tables of Markdown by marker, made with the given function of head and rows."""
