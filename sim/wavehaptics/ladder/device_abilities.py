@@ -12,7 +12,7 @@ from wavehaptics.ladder.abilities import asked
 from wavehaptics.ladder.joint import JointSimulation
 from wavehaptics.scene import Device
 
-DEVICE_CONTROLLERS = ("analog", "golden")
+DEVICE_CONTROLLERS = ("analog", "golden", "encoder")
 """Controllers that move the motors of a device together."""
 
 MOTOR_REFUSES = {
@@ -23,8 +23,21 @@ MOTOR_REFUSES = {
 }
 """Tables of a motor that a device does without, with the cure."""
 
-LEFT_OUT = {"analog": ("device.wall_energy_j",), "golden": ()}
-"""Keys of a device without effect: the circuit counts no energy."""
+LEFT_OUT: dict[str, tuple[str, ...]] = {
+    "analog": ("device.wall_energy_j",),
+    "golden": (),
+    "encoder": (
+        "device.update_hz", "device.delay_s", "device.jitter_s", "device.wall_speed_m_per_s",
+        "device.wall_energy_j", "surface.friction_loss",
+    ),
+}  # fmt: skip
+"""Keys of a device without effect: the circuit counts no energy, and a servo needs no planes."""
+
+SERVO_REFUSES = {
+    "servo.stiffness": "give surface.stiffness, in N/m at the tip",
+    "servo.damping": "leave it out",
+}
+"""Keys of a servo that a device does without, with the cure."""
 
 ROOM = 1.001
 """A wished stiffness may exceed the largest by this factor, for what words round."""
@@ -37,7 +50,8 @@ def refuse_device(device: Device, controller: str) -> None:
         return
     if controller not in DEVICE_CONTROLLERS:
         raise space.refusal(
-            f"[device] is not for `{controller}` yet; take `analog` or `golden`", "device"
+            f"[device] is not for `{controller}` yet; take `analog`, `golden` or `encoder`",
+            "device",
         )
     for scene in device.scenes:
         if scene.motor.brushless:
@@ -49,6 +63,14 @@ def refuse_device(device: Device, controller: str) -> None:
             raise scene.refusal(
                 f"[{table}] of a motor is not for a [device]: {MOTOR_REFUSES[table]}", table
             )
+        for key, why in SERVO_REFUSES.items():
+            if controller == "encoder" and key in asked(scene):
+                raise scene.refusal(f"{key} is not for a [device]; {why}", key)
+        if controller == "encoder" and scene.servo != device.scenes[0].servo:
+            raise scene.refusal(
+                "[servo] is the same for all motors of a [device]; move it out of [[motors]]",
+                "servo",
+            )
     simulation = JointSimulation(device, controller)
     start = np.zeros(len(device.scenes))
     for missing in simulation.host.look(start).singular:
@@ -57,6 +79,8 @@ def refuse_device(device: Device, controller: str) -> None:
             "its normal; take another device.home_rad or another normal",
             ("surface", missing), "device.home_rad", "device.jacobian",
         )  # fmt: skip
+    if controller == "encoder":
+        return
     for n, one in enumerate(space.surface):
         stiffest = simulation.host.stiffest(n, start)
         if one.stiffness is not None and one.stiffness > ROOM * stiffest:
@@ -72,4 +96,5 @@ def left_out_of_device(device: Device, controller: str) -> list[str]:
     if device.space is None:
         return []
     given = {f"device.{key}" for key in device.space.device.model_fields_set}
+    given |= {f"surface.{key}" for one in device.space.surface for key in one.model_fields_set}
     return sorted(given & set(LEFT_OUT[controller]))

@@ -10,14 +10,18 @@ true angles and currents. A discrete port that takes the mean current has the de
 neither encoder nor ADC nor port anchor, and no budget of energy.
 
 Both get their planes from the same host, as late as the scene says.
+
+``encoder``: the usual way, a Cartesian spring at the rate of ``[servo]``. It reads the encoders,
+makes a force of the depth in each surface, brings it to the motors by Jᵀ, and the current
+amplifiers of :mod:`wavehaptics.ladder.encoder` make it.
 """
 
 from __future__ import annotations
 
-import heapq
 import math
+from collections import deque
 from collections.abc import Callable, Sequence
-from itertools import count
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -26,6 +30,7 @@ from wavehaptics.controller.planes import Host, Planes, PortEstimate, as_words
 from wavehaptics.controller.settings import IDEAL_ANCHOR_CELL_RAD, Settings, settings
 from wavehaptics.ladder.analog import inside
 from wavehaptics.ladder.design_spring import rendered_stiffness
+from wavehaptics.ladder.encoder import amplifier_step, check_rates
 from wavehaptics.laws import closed_forms
 from wavehaptics.laws.kinematics import put_tip, put_tip_force
 from wavehaptics.motor.imperfections import (
@@ -53,6 +58,7 @@ from wavehaptics.motor.step import motor_step
 from wavehaptics.motor.tip_hand import hand_substeps, hand_words, put_hand_torque
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.scene import Device, Scene, Space, drive_gain, encoder_end, without_anchor
+from wavehaptics.scene.tables.servo import Servo
 from wavehaptics.trace.columns import Word, put_anchor, put_estimate, put_motion, put_port
 from wavehaptics.trace.tip import put_tip_row
 from wavehaptics.words import formats
@@ -383,8 +389,41 @@ def _advance_analog(
         )  # fmt: skip
 
 
+@compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
+def _advance_encoder(
+    rows, tips, states, kept, commands, acting, amplifiers, floats, dt, substeps, arm, motors, sums,
+    q, omega, jacobian, room, torque,
+):  # fmt: skip
+    """Fill the rows and the tip's rows; ``kept`` float64 (2, motors) are voltages and integrals,
+    ``commands`` (motors,) in A."""
+    count_ = states.shape[0]
+    tick = dt * substeps
+    for n in range(tips.shape[0]):
+        begin = states[0, TIME]
+        _begin(states, sums, motors)
+        for motor in range(count_):
+            e_a = kept[0, motor] * floats[motor, _GAIN]
+            sums[_VOLTS, motor], sums[_SAG, motor] = supplied(e_a, begin, motors[2][motor])
+        for _ in range(substeps):
+            _move(states, dt, arm, motors, sums, q, omega, jacobian, room, torque)
+        for motor in range(count_):
+            voltage, asked, kept[1, motor] = amplifier_step(
+                commands[motor] - states[motor, I], kept[1, motor], amplifiers[motor, 0],
+                amplifiers[motor, 1], amplifiers[motor, 2], tick,
+            )  # fmt: skip
+            kept[0, motor] = voltage
+            put_port(rows[motor, n], 0.0, 0.0, 0.0, acting > 0, voltage != asked)
+        _put_motors(
+            rows, n, tips[n], begin, tick, states, floats, sums, arm, q, jacobian, room, torque,
+            acting,
+        )  # fmt: skip
+
+
 class JointSimulation:
-    """The motors of ``device`` with a hand at their tip on ``analog`` or ``golden``."""
+    """The motors of ``device`` with a hand at their tip on ``analog``, ``golden`` or ``encoder``.
+
+    :class:`~wavehaptics.scene.SceneError` where a servo's rate doesn't fit the tick.
+    """
 
     clock_cycles: int | None = None
 
@@ -392,6 +431,7 @@ class JointSimulation:
         assert device.space is not None
         self.space: Space = device.space
         self.golden = controller == "golden"
+        self._servo = controller == "encoder"
         scenes = device.scenes if self.golden else [without_anchor(one) for one in device.scenes]
         self.settings: list[Settings] = [
             settings(scene, cell_rad=None if scene.encoder else IDEAL_ANCHOR_CELL_RAD)
@@ -409,13 +449,22 @@ class JointSimulation:
         ])  # fmt: skip
         self._substeps = max(plant.substeps(self.tick_s) for plant in plants)
         self._substeps *= hand_substeps(plants, self.space, self.tick_s / self._substeps)
-        if not self.golden:
+        if not self.golden and not self._servo:
             fastest = max(scene.controller.lambda_ for scene in scenes)
             self._substeps *= math.ceil(self.tick_s / self._substeps * fastest / OF_LAMBDA - 1e-9)
         self._dt = self.tick_s / self._substeps
         self.host = self._host(scenes)
         self._prepare(scenes, plants)
-        self._events = _Events(self.space, self.tick_s)
+        self._events: _Events[Planes | Command]
+        if self._servo:
+            servo = scenes[0].servo or Servo()
+            every, _ = check_rates(scenes[0])
+            self._events = _Events(every, servo.delay_s / self.tick_s, 0.0)
+        else:
+            table = self.space.device
+            every = max(1, round(1.0 / (table.update_hz * self.tick_s)))
+            late = table.delay_s / self.tick_s, table.jitter_s / self.tick_s
+            self._events = _Events(every, *late)
         self._commit(self._look())  # the host knows where the arm is before the run
 
     @property
@@ -437,7 +486,24 @@ class JointSimulation:
         along = arm.jacobian(places).T @ normal
         stiffest = 1.0 / float(along**2 @ (1.0 / self.joint_stiffness))
         wished = self.space.surface[0].stiffness
+        if self._servo and wished is not None:
+            return wished
         return stiffest if wished is None else min(stiffest, wished)
+
+    def wished_compliance(self) -> np.ndarray:
+        """1/K of each surface where that is what it wishes, m/N; 0 where it is the motors'."""
+        if self._servo:
+            return 1.0 / np.array(self._springs)
+        return np.array([1.0 / (one.stiffness or math.inf) for one in self.space.surface])
+
+    @property
+    def _springs(self) -> list[float]:
+        """The servo's K of each surface: as wished, or as the wave wall's at the start, N/m."""
+        places = np.zeros(len(self.settings))
+        return [
+            one.stiffness or self.host.stiffest(n, places)
+            for n, one in enumerate(self.space.surface)
+        ]
 
     def _host(self, scenes: Sequence[Scene]) -> Host:
         ports = [
@@ -493,6 +559,17 @@ class JointSimulation:
             np.zeros((_ROOM, 3)), np.zeros(motors),
         )  # fmt: skip
         self._singular = 0
+        if self._servo:
+            omegas = [2.0 * math.pi * (scene.servo or Servo()).analog_hz for scene in scenes]
+            self._amplifiers = np.array([
+                [omega * (scene.controller.l_hat or 0.0), omega * (scene.controller.r_hat or 0.0),
+                 set_.limit_v]
+                for omega, scene, set_ in zip(omegas, scenes, self.settings, strict=True)
+            ])  # fmt: skip
+            self._servo_kept = np.zeros((2, motors))
+            self._commands, self._acting = np.zeros(motors), 0
+            self._k_t_hat = np.array([scene.controller.k_t_hat for scene in scenes])
+            return
         if not self.golden:
             self._volts = np.zeros(motors)
             self._law = (
@@ -543,12 +620,30 @@ class JointSimulation:
             while (update := self._events.due(self._look)) is not None:
                 self._commit(update)
 
-    def _look(self) -> Planes:
+    def _look(self) -> Planes | Command:
+        if self._servo:
+            return self._serve()
         if self.golden:
             return self.host.look(self._kept[:, _POSITION])
         return self.host.look(self._states[:, X] / self._floats[:, _CELL], middle=0.0)
 
-    def _commit(self, update: Planes) -> None:
+    def _serve(self) -> Command:
+        """What the servo makes of the encoders' counts: currents, and surfaces that are touched."""
+        cell = self._floats[:, _CELL]
+        q = (np.floor(self._states[:, X] / cell) + 0.5) * cell
+        place, torque, acting = self.space.arm.tip(q)[None, :], np.zeros(len(q)), 0
+        jacobian = self.space.arm.jacobian(q)
+        for shape, spring in zip(self.space.shapes, self._springs, strict=True):
+            depth, normal = shape.depth(place)
+            if depth[0] > 0.0:
+                torque -= spring * depth[0] * (jacobian.T @ normal[0])
+                acting += 1
+        return Command(torque / self._k_t_hat, acting)
+
+    def _commit(self, update: Planes | Command) -> None:
+        if isinstance(update, Command):
+            self._commands[:], self._acting = update
+            return
         self._singular += len(update.singular)
         if self.golden:
             planes, vectors, most = as_words(update)
@@ -559,6 +654,13 @@ class JointSimulation:
         self._law[2][:], self._law[3][:], self._law[4][0] = update[:3]
 
     def _run(self, rows: np.ndarray, words: np.ndarray, tips: np.ndarray) -> None:
+        if self._servo:
+            _advance_encoder(
+                rows, tips, self._states, self._servo_kept, self._commands, self._acting,
+                self._amplifiers, self._floats, self._dt, self._substeps, self._arm, self._motors,
+                *self._room,
+            )  # fmt: skip
+            return
         if not self.golden:
             _advance_analog(
                 rows, tips, self._states, self._volts, self._walls, self._law, self._floats,
@@ -581,17 +683,26 @@ class JointSimulation:
         return self._singular
 
 
-class _Events:
-    """When the host looks, and when what it saw is committed, in ticks."""
+class Command(NamedTuple):
+    """What a servo asks for: currents (motors,) in A, and how many surfaces it is in."""
 
-    def __init__(self, space: Space, tick_s: float) -> None:
-        device = space.device
-        self._every = max(1, round(1.0 / (device.update_hz * tick_s)))
-        self._delay, self._jitter = device.delay_s / tick_s, device.jitter_s / tick_s
+    currents: np.ndarray
+    acting: int
+
+
+_Update = TypeVar("_Update")
+
+
+class _Events(Generic[_Update]):
+    """When a host looks, ``every`` so many ticks, and when what it made of that is committed:
+    ``delay`` ticks later and up to ``jitter`` more, but never before what it saw earlier.
+    """
+
+    def __init__(self, every: int, delay: float, jitter: float) -> None:
+        self._every, self._delay, self._jitter = every, delay, jitter
         self._rng = np.random.default_rng(JITTER_SEED)
-        self._now, self._next_look, self._last = 0, self._every, 0
-        self._number = count()
-        self._coming: list[tuple[int, int, Planes]] = []
+        self._now, self._next_look, self._last = 0, every, 0
+        self._coming: deque[tuple[int, _Update]] = deque()
 
     def ticks_left(self) -> int:
         """Ticks until the next event."""
@@ -601,13 +712,13 @@ class _Events:
     def pass_(self, ticks: int) -> None:
         self._now += ticks
 
-    def due(self, look: Callable[[], Planes]) -> Planes | None:
+    def due(self, look: Callable[[], _Update]) -> _Update | None:
         """What is committed now, after ``look`` was called where it is time to."""
         if self._now == self._next_look:
             self._next_look += self._every
             late = self._delay + self._jitter * self._rng.random()
             self._last = max(self._last, self._now + round(late))
-            heapq.heappush(self._coming, (self._last, next(self._number), look()))
+            self._coming.append((self._last, look()))
         if self._coming and self._coming[0][0] == self._now:
-            return heapq.heappop(self._coming)[2]
+            return self._coming.popleft()[1]
         return None

@@ -48,7 +48,7 @@ class _Gathered:
         ]
         self.tip = TipMetrics(
             simulation.space, device.scenes, controller, tick_s, simulation.joint_stiffness,
-            simulation.predicted(), simulation.count_m,
+            simulation.wished_compliance(), simulation.predicted(), simulation.count_m,
         )  # fmt: skip
 
     def update(self, rows: np.ndarray, tips: np.ndarray) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 from wavehaptics.ladder.joint import JointSimulation
 from wavehaptics.ladder.joint_run import TIP_PICTURE, measure_device, run_joint
 from wavehaptics.scene import Device, find_scene, load_device
+from wavehaptics.trace.tip import Tip, deepest
 
 PLANE, DISC = "phantom_plane", "planar_disc"
 PICTURE = f"{DISC}.png"
@@ -30,6 +31,13 @@ REST_S = 0.1
 RATES = ((1000.0, 1e-3), (100.0, 10e-3))
 """How often planes come, Hz, and how late, s."""
 TURNS_HZ = (0.1, 0.3, 1.0, 2.3)
+HANDS = (5.0, 1.0, 0.5)
+"""Damping of the hand at the tip with which an encoder's servo is tried, N·s/m."""
+STILL_COUNTS = 2.0
+"""A press that swings by more isn't stable: the report's limit of a single motor."""
+SOFT, STIFF, STEPS = 100.0, 1e4, 8
+"""Stiffnesses between which the largest stable one is looked for, N/m, and in how many steps."""
+IDEAL = ("brushes.drop_v=0", "controller.r_hat=7.6", "adc.offset_a=0")
 LONGEST_S = 3.0
 """Most of a way around the disc that is run, s."""
 
@@ -67,6 +75,49 @@ def _row(what: str, runs: list[tuple[Device, dict[str, Any]]]) -> dict[str, Any]
         "energy": max(metrics["contact_energy_ratio"] for metrics in found),
         "contact": min(metrics["contact_fraction"] for metrics in found),
     }
+
+
+def _held(controller: str, damping: float, stiffness: float | None) -> tuple[float, float]:
+    """A press on the oblique plane by ideal motors, in its last tenth: swing in counts, and the
+    force over the depth, N/m."""
+    wish = () if stiffness is None else (f"surface.0.stiffness={stiffness:.6g}",)
+    still = (f"scene.duration_s={4 * REST_S}", "hand.slide_m=0")
+    sets = (*IDEAL, *still, f"hand.damping_n_s_per_m={damping}", *wish)
+    device = load_device(find_scene(PLANE), sets)
+    space = device.space
+    assert space is not None
+    kept: list[np.ndarray] = []
+
+    def keep(rows: np.ndarray, words: np.ndarray, tips: np.ndarray) -> None:
+        depth, normal, _ = deepest(space, tips[:, Tip.X : Tip.Z + 1])
+        force = tips[:, Tip.FORCE_X : Tip.FORCE_Z + 1]
+        kept.append(np.array([depth, -np.einsum("ij,ij->i", force, normal)]))
+
+    measure_device(device, controller, keep=keep)
+    depth, push = np.concatenate(kept, axis=1)
+    rest = slice(-len(depth) // 10, None)
+    count = JointSimulation(device, controller).count_m
+    swing = math.sqrt(2.0) * float(depth[rest].std()) / count
+    return swing, float(push[rest].mean() / depth[rest].mean())
+
+
+def beside(progress: Callable[[str, float], None]) -> list[dict[str, Any]]:
+    """The stiffest plane that a servo at 1 kHz holds still, and the wave's, for each hand."""
+    rows = []
+    for n, damping in enumerate(HANDS):
+        progress("an encoder's servo at the same tip", n / len(HANDS))
+        low, high = SOFT, STIFF
+        for _ in range(STEPS):
+            middle = math.sqrt(low * high)
+            if _held("encoder", damping, middle)[0] <= STILL_COUNTS:
+                low = middle
+            else:
+                high = middle
+        swing, stiffness = _held("golden", damping, None)
+        rows.append({
+            "damping": damping, "encoder": low, "wave": stiffness, "wave_swing": swing,
+        })  # fmt: skip
+    return rows
 
 
 def collect(out: Path, progress: Callable[[str, float], None]) -> list[dict[str, Any]]:

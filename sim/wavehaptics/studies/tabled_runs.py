@@ -171,5 +171,6 @@ def collect(out: Path, progress: Callable[[str, float], None]) -> Path:
             "brushless": brushless_angles(progress),
             "brushless_held": brushless_held(progress),
             "surfaces": surfaces.collect(out, progress),
+            "surfaces_beside": surfaces.beside(progress),
         },
     )

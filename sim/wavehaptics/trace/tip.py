@@ -80,8 +80,9 @@ class TipMetrics:
     """Gathers the metrics of a device's tip, chunk by chunk.
 
     ``motors`` are the scenes of its motors, ``joint_stiffness`` (motors,) the K_n of each that the
-    controller's settings make, N·m/rad, and ``predicted`` what the first surface has at the start,
-    N/m, None where there is no surface.
+    controller's settings make, N·m/rad, ``wished_compliance`` (surfaces,) what is softer by a wish,
+    m/N, and ``predicted`` what the first surface has at the start, N/m, None where there is none.
+    ``count_m`` is what a count is at the tip, m.
     """
 
     def __init__(
@@ -91,12 +92,13 @@ class TipMetrics:
         controller: str,
         tick_s: float,
         joint_stiffness: np.ndarray,
+        wished_compliance: np.ndarray,
         predicted: float | None,
         count_m: float,
     ) -> None:
         self._space, self._tick_s = space, tick_s
         self._compliance = 1.0 / joint_stiffness
-        self._wished = np.array([1.0 / (one.stiffness or math.inf) for one in space.surface])
+        self._wished = wished_compliance
         self._arm = space.arm
         path = None if space.hand is None else space.hand.path
         self._metrics = Metrics(
@@ -172,6 +174,8 @@ class TipMetrics:
             "tip_offset_part": found["hold_error"],
             "tip_force_n": found["hold_torque"],
             "tip_ripple_n": found["hold_ripple_rms"],
+            "swing_m": found["swing_rad"],
+            "swing_hz": found["swing_hz"],
             "peak_force_n": found["peak_torque"],
             "tangential_force": math.sqrt(across / contact) if contact else None,
             "tangential_part": math.sqrt(across / along) if along else None,
