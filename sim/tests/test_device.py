@@ -256,6 +256,20 @@ def test_a_turning_surface_stays_where_it_is_by_its_wall_velocity() -> None:
     assert lost["surface_error_max_m"] > 2 * held["surface_error_max_m"]
 
 
+def test_a_commit_causes_no_jump_of_the_force() -> None:
+    """Within 12 µs of a commit the force along a turning disc changes as it does elsewhere."""
+    _, tips, simulation = run(load_device(find_scene("planar_disc")), "golden", 0.5)
+    force = tips[:, Tip.FORCE_X : Tip.FORCE_Z + 1]
+    every = round(1e-3 / simulation.tick_s)
+    commits = np.arange(200 * every, 490 * every, every)  # at 1 kHz, a period late
+    at, between = (
+        np.linalg.norm(force[first + 12] - force[first - 1], axis=1)
+        for first in (commits, commits + every // 2)
+    )
+    assert at.max() < 0.2
+    assert at.mean() < 1.5 * between.mean()
+
+
 def test_the_phantoms_plane_is_held_with_the_errors_of_real_motors(tmp_path: Path) -> None:
     device = load_device(find_scene("phantom_plane"))
     found = run_device(device, "golden", tmp_path)
