@@ -199,21 +199,36 @@ def test_one_motor_of_a_device_is_the_motor_alone(tmp_path: Path) -> None:
     assert rows[0, rest, Column.X] == pytest.approx(other[rest, Column.X], rel=1e-3)
 
 
-def test_a_joint_wall_of_a_device_is_bit_for_bit_that_of_the_motor(tmp_path: Path) -> None:
+@pytest.mark.parametrize("more", [
+    (),
+    ("brushes.drop_v=0.2", "brushes.segments=11", "brushes.step=0.04"),
+    ("brushes.flicker_noise=0.02", "brushes.contact_noise=0.02"),
+    ("adc.bandwidth_hz=200e3", "adc.common_mode_a=5e-3", "adc.drift_a_per_s=0.02"),
+    ("drive.bus_actual_v=20", "drive.sag_ohm=1", "drive.gain_error=0.03", "drive.limit_v=18"),
+    ("drive.step_v=-6", "drive.step_s=0.02", "drive.bus_measured=true"),
+    ("encoder.uneven=0.2", "encoder.skips_per_rev=10"),
+    ("encoder.stops_at_s=0.03", "controller.edge_hysteresis=true", "controller.extra_ticks=2"),
+    ("winding.saturation_a=1", "winding.eddy_ohm=5", "winding.eddy_part=0.3"),
+    ("cogging.torque_nm=1e-4", "cogging.per_rev=11", "load.inertia_kgm2=1e-6"),
+    ("friction.coulomb_nm=1e-5", "controller.eta_contact=-0.9", "controller.eta_free=0.95"),
+])  # fmt: skip
+def test_a_joint_wall_of_a_device_is_bit_for_bit_that_of_the_motor(
+    tmp_path: Path, more: tuple[str, ...]
+) -> None:
     """No surface, no hand: each port of the joint loop is the port of a scene of one motor."""
     walls = "walls = [[0.01, 1.0]]\nanchor_auto = true\n"
     friction = "[friction]\nviscous = 1e-6\n"
     device = load(tmp_path, (
         f'{HEAD}[device]\nkinematics = "matrix"\njacobian = [[0.02, 0], [0, 0.02], [0, 0]]\n'
         f"{MOTOR}{MOTOR}{REAL}{friction}{CONTROL}{walls}"
-    ), "adc.offset_a=-0.02", "scene.duration_s=0.05")  # fmt: skip
+    ), "adc.offset_a=-0.02", "scene.duration_s=0.05", *more)  # fmt: skip
     simulation = JointSimulation(device, "golden")
     rows = np.zeros((2, 50_000, len(Column)))
     words = np.zeros((2, 50_000, len(Word)), dtype=np.int64)
     simulation.advance(rows, words, np.zeros((50_000, len(Tip))))
     path = tmp_path / "alone.toml"
     path.write_text(f'{HEAD}[motor]\npreset = "re25-phantom"\n{REAL}{friction}{CONTROL}{walls}')
-    scene = load_scene(path, ["adc.offset_a=-0.02"])
+    scene = load_scene(path, ["adc.offset_a=-0.02", *more])
     alone = CONTROLLERS["golden"](scene)
     other, its_words = np.zeros((50_000, len(Column))), np.zeros((50_000, len(Word)), np.int64)
     alone.advance(other, its_words)
@@ -366,10 +381,19 @@ def test_what_is_refused_is_told_in_one_line(tmp_path: Path, sets, fragments) ->
         assert fragment in message
 
 
+@pytest.mark.parametrize("key", ["encoder.stops_at_s=0.05", "servo.rate_hz=2e3",
+                                 "servo.delay_s=1e-3", "servo.amplifier_hz=500"])  # fmt: skip
+def test_what_a_servo_of_a_device_knows_has_an_effect(key: str) -> None:
+    path = find_scene("planar_disc")
+    rows = [run(load_device(path, sets), "encoder", 0.1)[0] for sets in ((), (key,))]
+    assert not np.array_equal(rows[0][:, :, 1:], rows[1][:, :, 1:])
+
+
 def test_what_a_servo_of_a_device_does_without(tmp_path: Path) -> None:
     content = text([0, 0, 1])
     for sets, words in (
         (("servo.stiffness=1",), "surface.stiffness"),
+        (("controller.walls=[[1, 2]]",), "controller.walls"),
         (("servo.damping=1e-3",), "servo.damping"),
         (("motors.1.servo.rate_hz=500",), "[servo] is the same for all motors"),
         (("servo.rate_hz=3e3",), "does not divide"),

@@ -34,10 +34,11 @@ LEFT_OUT: dict[str, tuple[str, ...]] = {
 """Keys of a device without effect: the circuit counts no energy, and a servo needs no planes."""
 
 SERVO_REFUSES = {
-    "servo.stiffness": "give surface.stiffness, in N/m at the tip",
-    "servo.damping": "leave it out",
+    "controller.walls": "its servo knows surfaces alone; leave it out",
+    "servo.stiffness": "a surface has its own; write surface.stiffness, in N/m",
+    "servo.damping": "a surface has none yet; leave it out",
 }
-"""Keys of a servo that a device does without, with the cure."""
+"""Keys that a device does without on `encoder`, with the cure."""
 
 ROOM = 1.001
 """A wished stiffness may exceed the largest by this factor, for what words round."""
@@ -65,7 +66,7 @@ def refuse_device(device: Device, controller: str) -> None:
             )
         for key, why in SERVO_REFUSES.items():
             if controller == "encoder" and key in asked(scene):
-                raise scene.refusal(f"{key} is not for a [device]; {why}", key)
+                raise scene.refusal(f"{key} is not for `encoder` with a [device]: {why}", key)
         if controller == "encoder" and scene.servo != device.scenes[0].servo:
             raise scene.refusal(
                 "[servo] is the same for all motors of a [device]; move it out of [[motors]]",

@@ -568,6 +568,7 @@ class JointSimulation:
             ])  # fmt: skip
             self._servo_kept = np.zeros((2, motors))
             self._commands, self._acting = np.zeros(motors), 0
+            self._counts = np.floor(self._states[:, X] / self._floats[:, _CELL]).astype(np.int64)
             self._k_t_hat = np.array([scene.controller.k_t_hat for scene in scenes])
             return
         if not self.golden:
@@ -630,7 +631,11 @@ class JointSimulation:
     def _serve(self) -> Command:
         """What the servo makes of the encoders' counts: currents, and surfaces that are touched."""
         cell = self._floats[:, _CELL]
-        q = (np.floor(self._states[:, X] / cell) + 0.5) * cell
+        for n, (state, real) in enumerate(zip(self._states, self._motors[2], strict=True)):
+            self._counts[n] = counted(
+                self._counts[n], state[X], state[TIME], cell[n], self._floats[n, _ENCODER_END], real
+            )
+        q = (self._counts + 0.5) * cell
         place, torque, acting = self.space.arm.tip(q)[None, :], np.zeros(len(q)), 0
         jacobian = self.space.arm.jacobian(q)
         for shape, spring in zip(self.space.shapes, self._springs, strict=True):
