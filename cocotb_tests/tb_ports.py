@@ -516,7 +516,8 @@ async def ticks_until_the_gates_tell(bench: PortsBench, tick_clocks: int, lead: 
 
     await bench.tick()
     before = (await widths(8))[-1]
-    assert bench.word("running_o") == 3 and before
+    assert bench.word("running_o") == 3
+    assert before
     bench.drive(code_i=pack([MID + (MID >> 1)] * N, 12))
     return [abs(width - before) > FEEDBACK_CLOCKS for width in await widths(6)].index(True)
 
@@ -529,6 +530,6 @@ async def latency_is_what_it_says(dut: object) -> None:
     latency = turns_latency_clocks(FRAME_CLOCKS, N, SHAPER)
     tick_clocks = 2 * max(LAST_SLOT // 2 + 30, latency // 3 + 10)
     for late, ticks in ((-1, 1), (0, 1), (1, 2), (2, 2)):
-        # The strobe comes half a tick and -lead after the tick's begin, the tick's in its last clock.
+        # The strobe comes half a tick and -lead after the tick's begin, tick_o in its last clock.
         lead = latency + 1 - 3 * tick_clocks // 2 - late
         assert await ticks_until_the_gates_tell(bench, tick_clocks, lead) == ticks, late

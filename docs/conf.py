@@ -37,8 +37,8 @@ suppress_warnings = ["autoapi.python_import_resolution", "ref.python"]
 toctrees = {
     "Start": ["docs/principle", "docs/architecture", "docs/paper", "docs/glossary"],
     "Simulation": ["docs/simulation", "sim/scenes/README", "docs/report"],
-    "Controller": ["docs/port_anchor", "docs/holding", "docs/environments", "docs/brushless",
-                   "docs/drive", "docs/sensing", "docs/words", "docs/link", "docs/board",
+    "Controller": ["docs/port_anchor", "docs/holding", "docs/environments", "docs/surfaces",
+                   "docs/brushless", "docs/drive", "docs/sensing", "docs/words", "docs/link", "docs/board",
                    "docs/c", "docs/use_in_your_design", "docs/identify"],
     "Hardware": ["boards/README", "docs/wiring/README", "docs/wiring/switching_on",
                  "boards/icebreaker/README", "boards/hx8k/README",

@@ -66,6 +66,12 @@
 `define WH_SINE_Q      15                 // of a cell's parts in the two axes of a brushless motor
 `define WH_ANCHOR_W (8 * `WH_COEF_W + 3 * `WH_DATA_W + `WH_FOLLOW_W + `WH_REST_W + 1)  // settings
 
+// Surfaces across the motors of a group (sim/wavehaptics/controller/surfaces.py).
+`define WH_SURFACE_Q  (`WH_COEF_W - 2)  // g of waves, G of counts, full scale +-2, used in [-1, 1]
+`define WH_MIX_Q      (`WH_COEF_W - 5)  // wall velocities of a set, full scale +-16
+`define WH_DISTANCE_W 40
+`define WH_DISTANCE_Q 8                 // counts, where a plane lies
+
 // Current sensing.
 `define WH_SAMPLE_W 16  // ADC word, signed, left-justified: full scale is +-2^15 at any resolution
 `define WH_SUM_W    24  // sum of a tick's samples, up to 256 of them

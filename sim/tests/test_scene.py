@@ -16,6 +16,7 @@ from wavehaptics.parts.motors import PRESETS
 from wavehaptics.runtime.toml_source import parse
 from wavehaptics.scene import (
     SCENES_DIR,
+    SPACE_TABLES,
     TABLES,
     Scene,
     SceneError,
@@ -500,6 +501,8 @@ def test_shipped_scenes():
         "mass",
         "paper_taps",
         "phantom",
+        "phantom_plane",
+        "planar_disc",
         "press_hold",
         "resonance",
         "soft_layer",
@@ -532,8 +535,8 @@ def _described() -> dict[str, list[tuple[str, ...]]]:
     described: dict[str, list[tuple[str, ...]]] = {}
     rows: list[tuple[str, ...]] | None = None
     for line in (SCENES_DIR / "README.md").read_text(encoding="utf-8").splitlines():
-        if heading := re.fullmatch(r"### \[(\w+)\]", line):
-            rows = described.setdefault(heading[1], [])
+        if heading := re.fullmatch(r"### \[+(\w+)\]+( at the tip)?", line):
+            rows = described.setdefault(heading[1] + (heading[2] or ""), [])
             in_keys = False
         elif rows is not None and line.startswith("|"):
             cells = tuple(cell.strip() for cell in line.strip("|").split("|"))
@@ -562,8 +565,11 @@ def test_a_key_that_is_gone_names_what_took_its_place(tmp_path, path):
 
 def test_description_has_every_key_with_its_unit_default_range_and_meaning():
     described = _described()
-    assert list(described) == list(TABLES) == list(Scene.model_fields)
-    for name, table in TABLES.items():
+    tables = {**TABLES, **SPACE_TABLES, "hand at the tip": SPACE_TABLES["hand"]}
+    tables["hand"] = TABLES["hand"]
+    assert list(described) == [*TABLES, "device", "surface", "hand at the tip"]
+    assert list(TABLES) == list(Scene.model_fields)
+    for name, table in tables.items():
         assert described[name] == [tuple(field_texts(table, key)) for key in table.model_fields]
 
 
@@ -576,11 +582,16 @@ def test_description_has_the_presets():
 
 def test_examples_of_the_description_are_scenes(tmp_path):
     page = (SCENES_DIR / "README.md").read_text(encoding="utf-8")
-    example, motors = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    example, motors, arm = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     assert load_text(tmp_path, example).scene.name == "my_taps"
     path = tmp_path / "motors.toml"
     path.write_text(motors + re.sub(r"\[motor\]\n.*\n", "", BASE))
     assert list(load_device(path).motors) == ["shoulder", "elbow"]
+    motor = f"[[motors]]\n{PRESET}\n"
+    path.write_text(arm + motor * 3 + re.sub(r"\[motor\]\n.*\n", "", BASE))
+    space = load_device(path).space
+    assert space is not None
+    assert len(space.surface) == 1
 
 
 def _loads_or_refuses(folder: Path, content: bytes, *overrides: str) -> None:
@@ -648,7 +659,9 @@ _values = st.recursive(
     max_leaves=6,
 )
 _tables = st.dictionaries(
-    st.sampled_from([*TABLES, "zzz"]), st.dictionaries(_names, _values, max_size=5), max_size=6
+    st.sampled_from([*TABLES, "device", "zzz"]),
+    st.dictionaries(_names, _values, max_size=5),
+    max_size=6,
 )
 _motors = st.lists(
     st.dictionaries(_names | st.sampled_from(["name", *TABLES]), _values, max_size=3), max_size=2

@@ -97,9 +97,11 @@ def test_each_motor_is_the_scene_of_that_motor_alone(tmp_path):
 
 
 def test_a_scene_with_motor_is_a_device_of_one():
-    """Every shipped scene but one is as it was; the one has two."""
+    """Every shipped scene but those of several motors is as it was."""
     for name, path in shipped_scenes().items():
         device = load_device(path)
+        if device.space is not None:
+            continue
         several = ["shoulder", "elbow"] if name == "two_motors" else ["motor_0"]
         assert list(device.motors) == several
         if name != "two_motors":

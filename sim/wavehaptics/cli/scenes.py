@@ -59,9 +59,13 @@ def _checked(
         device = device.only(motor)
 
     from wavehaptics.ladder.abilities import left_out
+    from wavehaptics.ladder.device_abilities import left_out_of_device, refuse_device
     from wavehaptics.ladder.refusals import check
 
+    refuse_device(device, controller)
     told = []
+    if missing := left_out_of_device(device, controller):
+        told.append(f"`{controller}` leaves out {', '.join(missing)}")
     for name, loaded in device.motors.items():
         of = _of(device, name)
         tick_hz = 1.0 / check(loaded, controller, device.scenes)
@@ -109,7 +113,8 @@ def run(
     """Simulate SCENE and write trace.npz, metrics.json and pictures, of each motor of several."""
     device, told = _checked(find_scene(scene), controller, overrides, motor)
     folder = _folder(f"{device.name}-{controller}", motor) if out is None else out
-    for below in [folder] if len(device.motors) == 1 else [folder / name for name in device.motors]:
+    several = len(device.motors) > 1 or device.space is not None
+    for below in [folder / name for name in device.motors] if several else [folder]:
         make_folder(below)
 
     from wavehaptics.ladder.ranges import CURRENT, exceeded
@@ -140,7 +145,17 @@ def _folder(name: str, motor: str | None) -> Path:
 def _run(
     device: Device, controller: str, folder: Path, *, named: bool
 ) -> dict[str, dict[str, Any]]:
-    """Metrics of each motor, whose files are written; ``named``: one alone says its name."""
+    """Metrics of each motor, whose files are written; ``named``: one alone says its name.
+
+    Of a device those of the tip.
+    """
+    if device.space is not None:
+        from wavehaptics.ladder.joint_run import run_joint
+
+        with shown_progress(f"{device.name} on {controller}") as progress:
+            found = run_joint(device, controller, folder, progress)
+        return {device.name: {key: value for key, value in found.items() if key != "motors"}}
+
     if len(device.motors) == 1:
         from wavehaptics.ladder.run import run_scene
 
@@ -280,11 +295,13 @@ def check(
         return
     device = load_device(path, overrides or ())
 
+    from wavehaptics.ladder.device_abilities import refuse_device
     from wavehaptics.ladder.refusals import check as check_on
 
     refused = {}
     for name in CONTROLLERS:
         try:
+            refuse_device(device, name)
             for loaded in device.scenes:
                 check_on(loaded, name, device.scenes)
         except SceneError as error:

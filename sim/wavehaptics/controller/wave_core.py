@@ -166,7 +166,7 @@ def shaper_step(words: np.ndarray, states: np.ndarray, mode: int, v: int) -> int
 
 
 @compiled(inline="always")
-def _incoming(state, line, current, root, extra_ticks, ends):
+def incoming(state, line, current, root, extra_ticks, ends):
     """The waves of the measured tick: u_n, and v_n = u_n − s·i_n.
 
     Of a current at the high end of its range the true one may be larger by any amount, and so v
@@ -185,8 +185,11 @@ def _incoming(state, line, current, root, extra_ticks, ends):
 
 
 @compiled(inline="always")
-def _outgoing(state, line, shaped, eta, outside, root, a, u_max, hold_ticks):
-    """The λ filter from W{v_n} on: e to be applied."""
+def outgoing(state, line, shaped, eta, outside, root, a, u_max, hold_ticks):
+    """The λ filter from W{v_n} on: e to be applied.
+
+    Where surfaces across motors make the goal, that is ``outside`` and η is 0.
+    """
     goal = saturate(truncate(eta * shaped, _ETA_Q))
     f = state[STATE_F]
     error = saturate(truncate(((goal + outside) << _GUARD) - f, _GUARD))
@@ -234,9 +237,9 @@ def shaped_core_step(
     range. All are raw words of :mod:`wavehaptics.words.formats`. Returns the words (e, u_n, v_n):
     the voltage to apply, and the waves of the measured tick.
     """
-    u_n, v_n = _incoming(state, line, current, root, extra_ticks, ends)
+    u_n, v_n = incoming(state, line, current, root, extra_ticks, ends)
     shaped = shaper_step(shaper, shaper_states, mode, v_n)
-    return _outgoing(state, line, shaped, eta, outside, root, a, u_max, hold_ticks), u_n, v_n
+    return outgoing(state, line, shaped, eta, outside, root, a, u_max, hold_ticks), u_n, v_n
 
 
 @compiled()
@@ -254,8 +257,8 @@ def wave_core_step(
     ends: int = 0,
 ) -> tuple[int, int, int]:
     """:func:`shaped_core_step` of a core without a shaper, W = 1."""
-    u_n, v_n = _incoming(state, line, current, root, extra_ticks, ends)
-    return _outgoing(state, line, v_n, eta, outside, root, a, u_max, hold_ticks), u_n, v_n
+    u_n, v_n = incoming(state, line, current, root, extra_ticks, ends)
+    return outgoing(state, line, v_n, eta, outside, root, a, u_max, hold_ticks), u_n, v_n
 
 
 @compiled()

@@ -61,6 +61,19 @@ def servo_torque(position, last, depth, touching, floats):
     return -floats[_STIFFNESS] * depth * floats[CELL] - floats[_DAMPING] * omega
 
 
+@compiled(inline="always")
+def amplifier_step(error, integral, kp, ki, limit, tick):
+    """A tick of the PI amplifier for a current that is ``error`` A too small.
+
+    Returns the voltage within ±``limit`` V, the one that it asks for, and its integral, V.
+    """
+    asked = kp * error + integral
+    voltage = min(max(asked, -limit), limit)
+    if voltage == asked or error * asked < 0.0:  # a saturated integral would wind up
+        integral += ki * error * tick
+    return voltage, asked, integral
+
+
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance(
     rows, state, kept, line, contact, wall_min, wall_max, ints, floats, load, matrix, real
@@ -102,11 +115,9 @@ def _advance(
         line[ticks % line.shape[0]] = kept[_COMMAND]
         wanted = line[(ticks - ints[_DELAY_TICKS]) % line.shape[0]]
         kept[_TICKS] = ticks + 1
-        error = wanted - state[I]
-        asked = floats[_KP] * error + kept[_INTEGRAL]
-        voltage = min(max(asked, -floats[_LIMIT]), floats[_LIMIT])
-        if voltage == asked or error * asked < 0.0:  # a saturated integral would wind up
-            kept[_INTEGRAL] += floats[_KI] * error * tick
+        voltage, asked, kept[_INTEGRAL] = amplifier_step(
+            wanted - state[I], kept[_INTEGRAL], floats[_KP], floats[_KI], floats[_LIMIT], tick
+        )
         row = rows[n]
         mean = charge / tick
         put_motion(

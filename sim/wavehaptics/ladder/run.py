@@ -20,6 +20,7 @@ from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.design_spring import rendered_stiffness
 from wavehaptics.ladder.encoder import EncoderSimulation
 from wavehaptics.ladder.field_oriented import FieldOrientedSimulation
+from wavehaptics.ladder.joint_run import run_joint
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.r_hat_error import Estimate
 from wavehaptics.ladder.sampled import SampledSimulation
@@ -311,11 +312,14 @@ def run_device(
 ) -> dict[str, Any]:
     """Run each motor as :func:`run_scene`, into a folder of its name in ``out``.
 
-    On ``pins`` motors with brushes are ports of one controller and run together, and the time that
-    takes is shared among them. Others have nothing between them, and run one after another. ``out``
+    Those of a ``[device]`` run together, :func:`wavehaptics.ladder.joint_run.run_joint`. Others have
+    nothing between them. On ``pins`` those with brushes are ports of one controller and run
+    together, and the time that takes is shared among them; all others run one after another. ``out``
     gets a ``metrics.json`` of all: what they have in common, and in ``motors`` the metrics of each.
     ``progress`` is called with the motor's name and the part of its run that is done.
     """
+    if device.space is not None:
+        return run_joint(device, controller, out, partial(progress, device.name))
     for scene in device.scenes:
         refuse(scene, controller)
     if controller == "pins" and take_turns(device.scenes):

@@ -267,14 +267,15 @@ def linear_step(state, m, e, tau):
 
 
 @compiled(inline="always")
-def plant_step(state, m, step_s, e, load):
+def plant_step(state, m, step_s, e, load, besides=0.0):
     """One step of ``step_s`` (the step of ``m``) at the voltage ``e``; updates ``state``.
 
-    ``load`` is :func:`load_words` of the plant. Returns (∫i dt in A·s, ∫i² dt in A²·s).
+    ``load`` is :func:`load_words` of the plant, and ``besides`` what else acts against the rotor,
+    N·m. Returns (∫i dt in A·s, ∫i² dt in A²·s).
     """
     i, omega, x = state[I], state[OMEGA], state[X]
-    tau = friction_torque(state, load)
-    charge = linear_step(state, m, e, tau)
+    tau = friction_torque(state, load, besides)
+    charge = linear_step(state, m, e, tau + besides)
     settle_friction(state, omega, x, tau, load)
     state[P] += state[R] * step_s
     state[TIME] += step_s

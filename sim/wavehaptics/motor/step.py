@@ -168,10 +168,10 @@ def warming_square(square, charge, drop, ohm, parts):
 
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
-def real_step(state, m, step_s, e, load, parts):
+def real_step(state, m, step_s, e, load, parts, besides=0.0):
     """:func:`motor_step` of a motor that isn't linear."""
     i, omega, x = state[I], state[OMEGA], state[X]
-    torque = load_torque(state, step_s, parts)
+    torque = load_torque(state, step_s, parts) + besides
     ohm = series_ohm(x + 0.5 * step_s * omega, state[TIME] + 0.5 * step_s, parts)
     tau = friction_torque(state, load, torque)
     charge = linear_step(state, m, e, tau + torque)
@@ -192,13 +192,15 @@ def real_step(state, m, step_s, e, load, parts):
 
 
 @compiled(inline="always")
-def motor_step(state, m, step_s, e, load, parts):
+def motor_step(state, m, step_s, e, load, parts, besides=0.0):
     """One step as :func:`wavehaptics.motor.plant.plant_step`, of a motor with ``parts``.
+
+    ``besides`` acts against the rotor, N·m, as a hand does that holds more than this motor.
 
     Returns (∫i dt in A·s, ∫i² dt in A²·s). The second counts what brushes and supply turn into heat
     as if R had done it, so that ``e ∫i dt − R ∫i² dt`` is what comes out behind them: into the
     winding's field and to the rotor.
     """
     if parts[MEMORY].shape[0] == 0:
-        return plant_step(state, m, step_s, e, load)
-    return real_step(state, m, step_s, e, load, parts)
+        return plant_step(state, m, step_s, e, load, besides)
+    return real_step(state, m, step_s, e, load, parts, besides)

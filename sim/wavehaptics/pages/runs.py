@@ -8,7 +8,7 @@ from typing import Any
 
 from wavehaptics.laws import closed_forms
 from wavehaptics.scene import find_scene, first_comment, load_scene
-from wavehaptics.studies import sensing
+from wavehaptics.studies import sensing, surfaces
 from wavehaptics.studies.report.blocks import number, percent
 from wavehaptics.trace import pictures
 
@@ -176,6 +176,37 @@ def _brushless_held(numbers: dict[str, Any], table: Table) -> str:
     )  # fmt: skip
 
 
+def _surfaces(numbers: dict[str, Any], table: Table) -> str:
+    head = ("", "mean error, counts", "largest, counts", "drag", "contact")
+    return table(
+        head,
+        (
+            (row["what"], number(row["mean"], 2), number(row["largest"], 2),
+             percent(row["drag"], 2), percent(row["contact"], 3))
+            for row in numbers.get("tables", {}).get("surfaces", ())
+        ),
+    )  # fmt: skip
+
+
+def _largest(stiffness: float) -> str:
+    """A largest stable stiffness, N/m; more where the search for it ended."""
+    ends = stiffness > 0.95 * surfaces.STIFF
+    return f"> {number(surfaces.STIFF, 2)}" if ends else number(stiffness, 2)
+
+
+def _surfaces_beside(numbers: dict[str, Any], table: Table) -> str:
+    head = ("damping of the hand, N·s/m", "servo at 1 kHz, largest stable K, N/m", "wave, K, N/m",
+            "its swing, counts")  # fmt: skip
+    return table(
+        head,
+        (
+            (f"{row['damping']:g}", _largest(row["encoder"]), number(row["wave"], 3),
+             number(row["wave_swing"], 2))
+            for row in numbers.get("tables", {}).get("surfaces_beside", ())
+        ),
+    )  # fmt: skip
+
+
 TABLES = {
     "brushless-angles": _brushless,
     "brushless-held": _brushless_held,
@@ -186,5 +217,7 @@ TABLES = {
     "carriers": _carriers,
     "impedances": _impedance,
     "prototype": _prototype,
+    "surfaces": _surfaces,
+    "surfaces-beside": _surfaces_beside,
 }
 """Tables of Markdown by marker, made with the given function of head and rows."""

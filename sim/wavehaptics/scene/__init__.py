@@ -17,13 +17,16 @@ from wavehaptics.scene.loading import (
 )
 from wavehaptics.scene.places import SceneError
 from wavehaptics.scene.schema import TABLES, Scene, drive_gain, encoder_end, without_anchor
+from wavehaptics.scene.space import SPACE_TABLES, Space
 
 __all__ = [
     "SCENES_DIR",
+    "SPACE_TABLES",
     "TABLES",
     "Device",
     "Scene",
     "SceneError",
+    "Space",
     "drive_gain",
     "encoder_end",
     "find_scene",

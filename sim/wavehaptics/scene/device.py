@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """``[[motors]]``: a scene of several motors, each of which is a scene of its own.
 
+With ``[device]`` they move one tip together, and ``[hand]`` holds that
+(:mod:`wavehaptics.scene.space`).
+
 A motor's scene has the tables of the file, and over them, key by key, those that stand inside its
 ``[[motors]]``. What the motors of one controller share stands outside only.
 """
@@ -15,6 +18,7 @@ from wavehaptics.runtime.toml_source import KeyPath, dotted
 from wavehaptics.scene.keys import as_written, nearest
 from wavehaptics.scene.places import SceneError
 from wavehaptics.scene.schema import TABLES, Scene
+from wavehaptics.scene.space import SPACE_TABLES, Space
 
 MOTORS = "motors"
 NAME_RANGE = "1 to 30 letters, digits, _ and -, the first a letter"
@@ -49,6 +53,8 @@ class Device:
     motors: dict[str, Scene]
     place: str
     """Where the scene says how many they are, for messages."""
+    space: Space | None = None
+    """What they move together; without it nothing connects them."""
 
     @property
     def scenes(self) -> tuple[Scene, ...]:
@@ -61,6 +67,7 @@ class Device:
 
     def only(self, motor: str) -> Device:
         """The device of the motor of that name or number alone; :class:`SceneError` without it."""
+        self._apart("leave --motor out")
         for number, (name, scene) in enumerate(self.motors.items()):
             if motor in (name, str(number)):
                 return Device({name: scene}, self.place)
@@ -73,12 +80,18 @@ class Device:
 
     def one(self, cure: str) -> Scene:
         """The scene of the only motor; :class:`SceneError` ending in ``cure`` where it isn't."""
+        self._apart("take `run`, or a scene without [device]")
         if len(self.motors) > 1:
             known = ", ".join(self.motors)
             raise SceneError(
                 f"{self.place}: the scene has {len(self.motors)} motors, {known}; {cure}"
             )
         return self.scenes[0]
+
+    def _apart(self, cure: str) -> None:
+        """:class:`SceneError` ending in ``cure`` where the motors move one tip."""
+        if self.space is not None:
+            raise self.space.refusal(f"[device] moves all motors together; {cure}", "device")
 
 
 @dataclass
@@ -90,6 +103,15 @@ class MotorData:
     lines: dict[KeyPath, int]
     several: bool = True
     """Whether it stands in a ``[[motors]]``, even if that is the only one."""
+    overridden: dict[KeyPath, str] = field(default_factory=dict)
+
+
+@dataclass
+class SpaceData:
+    """What a scene says of the device that its motors move, before it is checked."""
+
+    data: dict[str, Any]
+    lines: dict[KeyPath, int]
     overridden: dict[KeyPath, str] = field(default_factory=dict)
 
 
@@ -108,6 +130,18 @@ def shared(path: KeyPath) -> str | None:
         if path[: len(at)] == at:
             return f"{dotted(path)} is the same for every motor: {why}"
     return None
+
+
+def split_space(
+    data: dict[str, Any], lines: dict[KeyPath, int]
+) -> tuple[SpaceData | None, dict[str, Any]]:
+    """The device's tables of a document, None where it has none, and the other tables."""
+    if "device" not in data and "surface" not in data:
+        return None, data
+    space = {name: value for name, value in data.items() if name in SPACE_TABLES}
+    others = {name: value for name, value in data.items() if name not in SPACE_TABLES}
+    of_space = {at: line for at, line in lines.items() if at[0] in SPACE_TABLES}
+    return SpaceData(space, of_space), others
 
 
 def split(data: dict[str, Any], lines: dict[KeyPath, int]) -> list[MotorData]:

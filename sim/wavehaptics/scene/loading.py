@@ -6,15 +6,25 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from wavehaptics.runtime.repository import SCENES_DIR
-from wavehaptics.runtime.toml_source import TomlError, parse, parse_value
-from wavehaptics.scene.device import MOTORS, Device, MotorData, MotorsError, shared, split
+from wavehaptics.runtime.toml_source import KeyPath, TomlError, parse, parse_value
+from wavehaptics.scene.device import (
+    MOTORS,
+    Device,
+    MotorData,
+    MotorsError,
+    SpaceData,
+    shared,
+    split,
+    split_space,
+)
 from wavehaptics.scene.keys import as_written, nearest
-from wavehaptics.scene.messages import Refusal, keys_of, refused
+from wavehaptics.scene.messages import Refusal, keys_of, refused, refused_space
 from wavehaptics.scene.places import Places, SceneError
 from wavehaptics.scene.schema import TABLES, Scene
+from wavehaptics.scene.space import SPACE_TABLES, Space
 
 LARGEST_FILE = 1 << 20
 """Bytes in a scene; whatever is larger is no scene."""
@@ -26,9 +36,11 @@ def first_comment(path: Path) -> str:
     return next((line.lstrip("# ") for line in comments if "SPDX" not in line), "")
 
 
-def _apply(motors: list[MotorData], override: str) -> None:
+def _apply(motors: list[MotorData], space: SpaceData | None, override: str) -> None:
     """Put one ``table.key=value`` into the scenes of ``motors``, or ``motors.NAME.key=value`` and
     ``motors.NAME.table.key=value`` into that of one; ``SceneError`` if it has another form.
+
+    A device's ``space`` takes those of its tables, ``surface.NUMBER.key=value`` among them.
     """
     where = f"--set {override}"
     key, equals, text = override.partition("=")
@@ -38,7 +50,11 @@ def _apply(motors: list[MotorData], override: str) -> None:
         raise SceneError(f"{where}: is not UTF-8; it must be table.key=value")
     if not equals:
         raise SceneError(f"{where}: no value; it must be table.key=value")
-    if path[0] == MOTORS:
+    of_space = space if path[0] in SPACE_TABLES else None
+    surface = None
+    if of_space is not None and path[0] == "surface":
+        surface, path = _surface(of_space, path, where), (path[0], *path[2:])
+    elif path[0] == MOTORS:
         motors, path = _of_one(motors, path, where)
     elif len(path) == 1:
         homes = [f"{name}.{key.strip()}" for name, t in TABLES.items() if path[0] in keys_of(t)]
@@ -55,12 +71,36 @@ def _apply(motors: list[MotorData], override: str) -> None:
                 'write a number, "a string", or [[x_min, x_max]]'
             ) from None
         value = text
-    for motor in motors:
-        table = motor.data.setdefault(path[0], {})
+    if surface is not None and of_space is not None:
+        number, surface_table = surface
+        surface_table[path[1]] = value
+        _mark(of_space, (path[0], number, path[1]), override)
+        return
+    written: list[MotorData | SpaceData] = [*motors] if of_space is None else [of_space]
+    for home in written:
+        table = home.data.setdefault(path[0], {})
         if isinstance(table, dict):
             table[path[1]] = value
-        motor.overridden[path] = override
-        motor.lines = {at: line for at, line in motor.lines.items() if at[:2] != path}
+        _mark(home, path, override)
+
+
+def _mark(data: MotorData | SpaceData, path: KeyPath, override: str) -> None:
+    """Remember that a key's value is from the command line."""
+    data.overridden[path] = override
+    data.lines = {at: line for at, line in data.lines.items() if at[: len(path)] != path}
+
+
+def _surface(space: SpaceData, path: tuple[str, ...], where: str) -> tuple[int, dict[str, Any]]:
+    """Number and table of the surface that ``surface.NUMBER.key`` is of."""
+    found = space.data.get("surface")
+    tables: list[Any] = found if isinstance(found, list) else []
+    number = int(path[1]) if len(path) == 3 and path[1].isdecimal() else len(tables)
+    if number >= len(tables) or not isinstance(tables[number], dict):
+        raise SceneError(
+            f"{where}: it must be surface.NUMBER.key=value; the scene has {len(tables)} "
+            "[[surface]], which count from 0"
+        )
+    return number, tables[number]
 
 
 def _of_one(
@@ -113,13 +153,14 @@ def load_device(path: str | Path, overrides: Sequence[str] = ()) -> Device:
         data, lines = parse(_read(path))
     except TomlError as error:
         raise SceneError(f"{path}:{error.line}: {error.problem}") from None
+    space, data = split_space(data, lines)
     try:
         motors = split(data, lines)
     except MotorsError as error:
         label = Places(str(path), lines, {}).of(error.at)[1]
         raise SceneError(f"{label}: {error.problem}") from None
     for override in overrides:
-        _apply(motors, override)
+        _apply(motors, space, override)
 
     scenes: dict[str, Scene] = {}
     wrong: list[list[_Told]] = []
@@ -130,13 +171,25 @@ def load_device(path: str | Path, overrides: Sequence[str] = ()) -> Device:
         if scene is not None:
             scenes[motor.name] = scene.placed(places)
         wrong.append([_told(refusal, places) for refusal in found])
+    whole: Space | None = None
+    if space is not None:
+        places = Places(str(path), space.lines, space.overridden)
+        made, found = refused_space(space.data)
+        if made is not None:
+            whole = made.placed(places)
+        wrong.append([_told(refusal, places) for refusal in found])
     if any(wrong):
         first = min((told for each in wrong for told in each), key=lambda told: told[:2])
-        names = [motor.name for motor, each in zip(motors, wrong, strict=True) if first in each]
+        names = [motor.name for motor, each in zip(motors, wrong, strict=False) if first in each]
         # What is wrong with every motor, at one place, is no matter of one.
-        of_motor = "" if len(names) == len(motors) else f"{MOTORS}.{names[0]}: "
+        of_motor = "" if len(names) in (0, len(motors)) else f"{MOTORS}.{names[0]}: "
         raise SceneError(f"{first.label}: {of_motor}{first.problem}")
-    return Device(scenes, Places(str(path), lines, {}).of((MOTORS,))[1])
+    if whole is not None and whole.device.motors != len(scenes):
+        raise whole.refusal(
+            f"the scene has {len(scenes)} motors, and the device takes {whole.device.motors}; "
+            "write as many [[motors]]", "device.jacobian", "device.kinematics",
+        )  # fmt: skip
+    return Device(scenes, Places(str(path), lines, {}).of((MOTORS,))[1], whole)
 
 
 class _Told(NamedTuple):

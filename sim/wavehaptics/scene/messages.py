@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from typing import Any, Literal, NamedTuple, get_args, get_origin
+from collections.abc import Iterator, Mapping
+from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 
 from pydantic import ValidationError
 
@@ -19,7 +19,9 @@ from wavehaptics.scene.keys import (
     nearest,
     unknown_choice,
 )
+from wavehaptics.scene.placed import Placed
 from wavehaptics.scene.schema import TABLES, Scene
+from wavehaptics.scene.space import SPACE_TABLES, Space
 from wavehaptics.scene.tables.motor import DC_KEYS
 
 GONE: dict[KeyPath, str] = {
@@ -85,20 +87,31 @@ def _plain_number(text: str, unit: str) -> str | None:
     return f"{sign}{digits}e{power}" if power else f"{sign}{digits}"
 
 
-def _field(path: KeyPath) -> FieldTexts | None:
+Tables = Mapping[str, type[Table]]
+"""Model of each table that stands in a file together with others."""
+
+
+def _below(path: KeyPath) -> KeyPath:
+    """A path without the number of one of several tables of a name."""
+    return (path[0], *path[2:]) if len(path) > 1 and isinstance(path[1], int) else path
+
+
+def _field(path: KeyPath, tables: Tables) -> FieldTexts | None:
     """Description of the key at or above ``path``; ``None`` where the schema has none."""
-    if len(path) < 2 or path[0] not in TABLES:
+    path = _below(path)
+    if len(path) < 2 or path[0] not in tables:
         return None
-    table = TABLES[str(path[0])]
+    table = tables[str(path[0])]
     for name, info in table.model_fields.items():
         if (info.alias or name) == path[1]:
             return field_texts(table, name)
     return None
 
 
-def _choices(path: KeyPath) -> tuple[str, ...]:
+def _choices(path: KeyPath, tables: Tables) -> tuple[str, ...]:
     """Values of a key that takes one of a few."""
-    kind = TABLES[str(path[0])].model_fields[str(path[1])].annotation
+    path = _below(path)
+    kind = tables[str(path[0])].model_fields[str(path[1])].annotation
     return next(get_args(part) for part in (kind, *get_args(kind)) if get_origin(part) is Literal)
 
 
@@ -106,23 +119,26 @@ def keys_of(table: type[Table]) -> list[str]:
     return [info.alias or name for name, info in table.model_fields.items()]
 
 
-def _unknown(path: KeyPath, value: Any) -> str:
+def _unknown(path: KeyPath, value: Any, tables: Tables) -> str:
     """Message for a table or key that the format does not have."""
     if path in GONE:
         return f"{dotted(path)} is gone: {GONE[path]}"
     name = str(path[-1])
-    homes = [f"[{table}]" for table, model in TABLES.items() if name in keys_of(model)]
+    homes = [f"[{table}]" for table, model in tables.items() if name in keys_of(model)]
     if len(path) == 1:
-        tables = ", ".join(f"[{table}]" for table in TABLES)
+        names = ", ".join(f"[{table}]" for table in TABLES)
         if homes and not isinstance(value, dict):
             return f"key {dotted(path)} stands in no table; it belongs in {' or '.join(homes)}"
-        near = nearest(name, (*TABLES, MOTORS))
-        shown = f"[[{MOTORS}]]" if near == MOTORS else f"[{near}]"
+        near = nearest(name, (*TABLES, MOTORS, *SPACE_TABLES))
+        shown = f"[[{near}]]" if near in (MOTORS, "surface") else f"[{near}]"
         meant = f"did you mean {shown}? " if near else ""
         kind = "table [{}]" if isinstance(value, dict | list) else "key {} outside the tables"
-        return f"unknown {kind.format(dotted(path))}; {meant}the tables are {tables}, [[motors]]"
+        return (
+            f"unknown {kind.format(dotted(path))}; {meant}the tables are {names}, [[motors]], "
+            "[device], [[surface]]"
+        )
     table = str(path[0])
-    known = keys_of(TABLES[table])
+    known = keys_of(tables[table])
     near = nearest(name, known)
     if near:
         meant = f"did you mean {near}? "
@@ -133,13 +149,15 @@ def _unknown(path: KeyPath, value: Any) -> str:
     return f"unknown key {dotted(path)}; {meant}[{table}] takes {', '.join(known)}"
 
 
-def _missing(path: KeyPath) -> str:
+def _missing(path: KeyPath, tables: Tables) -> str:
+    if path == ("device",):
+        return "[device] is missing, [[surface]] needs it; give it with its kinematics"
     if len(path) == 1:
         needed = "[scene], [motor] or [[motors]], and [controller]"
         return f"table [{path[0]}] is missing; a scene needs {needed}"
     if path[0] == "motor":
         return f"{dotted(path)} is missing; give preset, or all of {', '.join(DC_KEYS)}"
-    texts = _field(path)
+    texts = _field(path, tables)
     assert texts is not None
     return f"{dotted(path)} is missing; give {_wanted(texts)}"
 
@@ -150,16 +168,16 @@ def _wanted(texts: FieldTexts) -> str:
     return f"{texts.range} {texts.unit}" if plain else texts.range
 
 
-def _wrong_value(kind: str, path: KeyPath, value: Any) -> str:
+def _wrong_value(kind: str, path: KeyPath, value: Any, tables: Tables) -> str:
     """Message for one value that is wrong by itself; ``kind`` is pydantic's type of the error."""
-    name, texts = dotted(path), _field(path)
+    name, texts = dotted(path), _field(path, tables)
     assert texts is not None
     shown, wanted = as_written(value), _wanted(texts)
     unit = "" if texts.unit == "–" else f" in {texts.unit}"
     if path[:2] == ("controller", "walls") and len(path) <= 3:
         return f"{name} must hold pairs of numbers{unit}; write walls = [[x_min, x_max]]"
     if kind == "literal_error" and isinstance(value, str):
-        return f"{name} {unknown_choice(value, _choices(path))}"
+        return f"{name} {unknown_choice(value, _choices(path, tables))}"
     if kind in ("string_type", "literal_error"):
         return f"{name} must be a string in quotes, not {shown}; use {texts.range}"
     if kind == "finite_number":
@@ -186,29 +204,52 @@ class Refusal(NamedTuple):
 
 def refused(data: dict[str, Any]) -> tuple[Scene | None, list[Refusal]]:
     """The scene, or everything that is found wrong with it."""
+    return _validated(Scene, data, TABLES)
+
+
+def refused_space(data: dict[str, Any]) -> tuple[Space | None, list[Refusal]]:
+    """The device with its surfaces and hand, or everything that is found wrong with it."""
+    return _validated(Space, data, SPACE_TABLES)
+
+
+_Model = TypeVar("_Model", bound=Placed)
+
+
+def _validated(
+    model: type[_Model], data: dict[str, Any], tables: Tables
+) -> tuple[_Model | None, list[Refusal]]:
     try:
-        return Scene.model_validate(data), []
+        return model.model_validate(data), []
     except ValidationError as error:
-        return None, list(_explain(error))
+        return None, list(_explain(error, tables))
 
 
-def _explain(error: ValidationError) -> Iterator[Refusal]:
+def _explain(error: ValidationError, tables: Tables) -> Iterator[Refusal]:
     for detail in error.errors(include_url=False):
         path, kind, value = detail["loc"], detail["type"], detail["input"]
         if kind == "rule":
             rule = detail["ctx"]
-            yield Refusal(rule["problem"], [(*path, *below) for below in rule["paths"]])
+            of_which = f"{dotted(path)}." if _below(path) != path else ""
+            yield Refusal(of_which + rule["problem"], [(*path, *below) for below in rule["paths"]])
         elif kind == "extra_forbidden":
-            yield Refusal(_unknown(path, value), [path])
-        elif kind == "missing" and len(path) <= 2:
-            yield Refusal(_missing(path), [path], missing=True)
-        elif kind == "missing":  # one edge of a wall
-            yield Refusal(_wrong_value(kind, path[:-1], value), [path[:-1]])
+            yield Refusal(_unknown(_below(path), value, tables), [path])
+        elif kind == "missing" and len(_below(path)) <= 2:
+            blamed = path if path != ("device",) else ("surface",)
+            yield Refusal(_missing(path, tables), [blamed], missing=True)
+        elif kind == "missing":  # one edge of a wall, one of three numbers
+            yield Refusal(_wrong_value(kind, path[:-1], value, tables), [path[:-1]])
+        elif kind == "tuple_type" and path == ("surface",):
+            yield Refusal(
+                f"surface must be tables, not {as_written(value)}; write [[surface]] above the "
+                "keys of each", [path],
+            )  # fmt: skip
         elif kind == "model_type":
             name = dotted(path)
-            wanted = f"write [{name}] above its keys"
+            wanted = f"write [[{path[0]}]] above its keys"
+            if len(path) == 1:
+                wanted = f"write [{name}] above its keys"
             if path == ("motor",) and isinstance(value, list):
                 wanted = "write [[motors]] above the keys of each of several"
             yield Refusal(f"{name} must be a table, not {as_written(value)}; {wanted}", [path])
         else:
-            yield Refusal(_wrong_value(kind, path, value), [path])
+            yield Refusal(_wrong_value(kind, path, value, tables), [path])

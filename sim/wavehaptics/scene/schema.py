@@ -6,13 +6,13 @@ from __future__ import annotations
 import math
 from typing import Any, get_args
 
-from pydantic import PrivateAttr, model_validator
+from pydantic import model_validator
 from pydantic.functional_validators import ModelWrapValidatorHandler
 
 from wavehaptics.laws.anchor_choice import choose_eta_free
 from wavehaptics.laws.closed_forms import matched_a
 from wavehaptics.scene.keys import Table, as_number, broken_rule
-from wavehaptics.scene.places import Places, SceneError
+from wavehaptics.scene.placed import Placed
 from wavehaptics.scene.tables.adc import Adc
 from wavehaptics.scene.tables.brushes import Brushes
 from wavehaptics.scene.tables.cogging import Cogging
@@ -33,7 +33,7 @@ from wavehaptics.scene.tables.transmission import Transmission
 from wavehaptics.scene.tables.winding import Winding
 
 
-class Scene(Table):
+class Scene(Placed):
     """A whole scene; a table that the file does not have is ``None`` and is not simulated.
 
     ``controller.r_hat``, ``l_hat``, ``k_t_hat``, ``j_hat``, ``eta_free`` and ``adc.full_scale_a``
@@ -60,26 +60,9 @@ class Scene(Table):
     controller: Controller
     shaper: Shaper | None = None
 
-    _places: Places | None = PrivateAttr(default=None)
-
-    def placed(self, places: Places) -> Scene:
-        """The scene as it stands in a file."""
-        scene = self.model_copy()
-        scene._places = places
-        return scene
-
-    def refusal(self, problem: str, *keys: str) -> SceneError:
-        """To be raised where what runs the scene can't do it: one line, and where the cause stands.
-
-        ``keys`` are those involved, ``table`` or ``table.key``, the one to blame first; what is
-        there by default is to blame only where all are.
-        """
-        if self._places is None:
-            return SceneError(f"{self.scene.name}: {problem}")
-        paths = [tuple(key.split(".")) for key in keys]
-        written = [path for path in paths if self._places.written(path)]
-        place = self._places.blamed(written or paths)[1]
-        return SceneError(f"{place}: {self._places.of_motor}{problem}")
+    @property
+    def called(self) -> str:
+        return self.scene.name
 
     @model_validator(mode="wrap")
     @classmethod

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs whose numbers the pages of drive, environments and brushless motors show, a row each.
+"""Runs whose numbers the pages of drive, environments, brushless motors and surfaces show.
 
 ``make tables`` runs them all and keeps the metrics that are shown.
 """
@@ -15,7 +15,7 @@ from typing import Any
 from wavehaptics.ladder.run import measure
 from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import find_scene, load_scene
-from wavehaptics.studies import impedance
+from wavehaptics.studies import impedance, surfaces
 
 KEPT_METRICS = (
     "torque_nrmse_vs_analog",
@@ -170,5 +170,7 @@ def collect(out: Path, progress: Callable[[str, float], None]) -> Path:
             "impedance": swept,
             "brushless": brushless_angles(progress),
             "brushless_held": brushless_held(progress),
+            "surfaces": surfaces.collect(out, progress),
+            "surfaces_beside": surfaces.beside(progress),
         },
     )

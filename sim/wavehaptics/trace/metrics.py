@@ -600,7 +600,8 @@ class Metrics:
     the design spring has the power ``shape_power``: 1 where
     the controller's position makes the current, 2 where the winding's own flux does.
     ``reference_spring`` is the K of the reference's wall, N·m/rad, where it may lose that and the
-    run doesn't.
+    run doesn't. ``path`` is that of a hand that isn't the scene's, and ``count`` what takes the
+    place of its encoder's: those of a device's tip (:mod:`wavehaptics.trace.tip`).
     """
 
     def __init__(
@@ -615,6 +616,8 @@ class Metrics:
         root: float | None = None,
         shape_power: int = 1,
         reference_spring: float | None = None,
+        path: str | None = None,
+        count: float | None = None,
     ) -> None:
         self._scene = scene
         self._tick_s = tick_s
@@ -633,7 +636,8 @@ class Metrics:
         self._bin_sums = np.zeros(_BINS)
         self._nothing = np.zeros((0, len(Column)))
 
-        path = None if scene.hand is None else scene.hand.path
+        if scene.hand is not None:
+            path = scene.hand.path
         ticks = round(scene.scene.duration_s / tick_s)
         run = self._runs[0]
         run["fit"] = run["shallow"] = _NONE
@@ -644,6 +648,8 @@ class Metrics:
         if scene.encoder is not None:
             run["cell"] = 2.0 * math.pi / scene.encoder.counts_per_rev
             run["least"] = LEAST_COUNTS * run["cell"]
+        if count is not None:
+            run["cell"], run["least"] = count, LEAST_COUNTS * count
         run["compliance"] = 1.0 / stiffness_predicted if stiffness_predicted else 0.0
         motor = scene.motor
         if motor.brushless:
@@ -769,7 +775,7 @@ class Metrics:
         """A depth in rad, in counts where there is an encoder."""
         if self._scene.encoder is None:
             return f"{depth:.2g} rad"
-        return f"{depth * self._scene.encoder.counts_per_rev / (2.0 * math.pi):.2g} counts"
+        return f"{depth / self._runs[0]['cell']:.2g} counts"
 
     def _ripple_median(self) -> float | None:
         total = int(self._bin_counts.sum())

@@ -160,6 +160,14 @@ PULL = Fixed(COEF_W, HEADER_VALUES["PULL_Q"])
 """Correction of the port anchor, V per cell."""
 LEARN = Fixed(COEF_W, HEADER_VALUES["LEARN_Q"])
 """What the port anchor learns in a period, V per count and count."""
+SEEN = Fixed(DATA_W, HEADER_VALUES["SEEN_Q"])
+"""What is shown of a long word: cells."""
+SURFACE = Fixed(COEF_W, HEADER_VALUES["SURFACE_Q"])
+"""A surface's direction in the waves of a group, or in its counts, no unit."""
+MIX = Fixed(COEF_W, HEADER_VALUES["MIX_Q"])
+"""Share of a surface's wall velocity in a direction of a set, no unit."""
+DISTANCE = Fixed(HEADER_VALUES["DISTANCE_W"], HEADER_VALUES["DISTANCE_Q"])
+"""Where a surface's plane lies, counts."""
 REST_W = HEADER_VALUES["REST_W"]
 FOLLOW_W = HEADER_VALUES["FOLLOW_W"]
 MOVE_W = HEADER_VALUES["MOVE_W"]

@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The host of a device: planes of its surfaces about the place where the encoders are.
+
+At the tip a surface is ``φ(p) ≥ 0`` with the inward normal n. About the counts X of its look the
+host makes of it ``G·x ≥ d`` with ``G = S⁻¹ Jᵀn`` per count and S such that ``|G| = 1``; in the
+waves ``g_n ∝ (Jᵀn)_n/√B_n``, ``B_n = k̂_T²/R̂``. A softer surface has a filter along g of the delay
+
+    τ_s = 2 (1/K − Σ G_n² L_eff,n/k̂_T²) / Σ G_n² R̂_n/k̂_T².
+
+It knows a motor by its estimates alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from wavehaptics.controller import surfaces
+from wavehaptics.laws.kinematics import Arm
+from wavehaptics.laws.shapes import Shape
+from wavehaptics.words import formats
+
+WALL_S = 2e-3
+"""Time constant with which a surface that isn't where it should be goes there, s."""
+
+LEAST_LEVER = 0.05
+"""A normal along which the tip's lever is less than this part of the arm's is one in which no motor
+moves it: there is no surface then."""
+
+LEAST_ANGLE = 0.1
+"""Sine of the angle, in wave space, below which two surfaces are one."""
+
+_SHORT = 1.0 - 2.0**-24
+"""Length of a vector that is written, so that no rounding makes it longer than 1."""
+
+
+class PortEstimate(NamedTuple):
+    """What the host knows of a motor and its port, SI units."""
+
+    k_t_hat: float
+    r_hat: float
+    l_eff: float
+    """L̂ with what the port's delay adds, H."""
+    cell_rad: float
+
+
+class Planes(NamedTuple):
+    """What one update has, real numbers in the places of :mod:`~wavehaptics.controller.surfaces`;
+    ``d`` in counts and waves in √W."""
+
+    planes: np.ndarray
+    vectors: np.ndarray
+    velocity_max: float
+    singular: list[int]
+    """Surfaces that no motor moves the tip into."""
+
+
+class Host:
+    """Linearises ``shapes`` for ``ports`` of period ``tick_s``.
+
+    ``stiffness`` in N/m, or None for the largest, and ``loss`` are of each shape;
+    ``speed`` in m/s is the most with which a surface moves.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        shapes: Sequence[Shape],
+        ports: Sequence[PortEstimate],
+        tick_s: float,
+        stiffness: Sequence[float | None],
+        loss: Sequence[float],
+        speed: float,
+    ) -> None:
+        self._arm, self._shapes, self._ports, self._tick_s = arm, shapes, ports, tick_s
+        self._stiffness, self._loss, self._speed = stiffness, loss, speed
+        self._cell = np.array([port.cell_rad for port in ports])
+        k_t = np.array([port.k_t_hat for port in ports])
+        self._damping_inverse = np.array([port.r_hat for port in ports]) / k_t**2
+        self._compliance = np.array([port.l_eff for port in ports]) / k_t**2
+        self._k_t = k_t
+
+    def look(self, counts: np.ndarray, middle: float = 0.5) -> Planes:
+        """Planes about ``counts`` (motors,), of which ``middle`` is added for the angle."""
+        q = (np.asarray(counts) + middle) * self._cell
+        place, jacobian = self._arm.tip(q)[None, :], self._arm.jacobian(q)
+        lever = float(np.linalg.norm(jacobian))
+        planes = np.zeros((surfaces.MOST_SURFACES, surfaces.PLANE_WORDS))
+        vectors = np.zeros((surfaces.VECTORS, surfaces.VECTOR_WORDS))
+        motors, velocity_max = len(self._ports), math.inf
+        present: list[int] = []
+        singular: list[int] = []
+        for n, shape in enumerate(self._shapes):
+            depth, normal = shape.depth(place)
+            along = jacobian.T @ normal[0]
+            if np.linalg.norm(along) < LEAST_LEVER * lever:
+                singular.append(n)
+                continue
+            present.append(n)
+            scale = float(np.linalg.norm(along * self._cell))
+            drag = float(along**2 @ self._damping_inverse)
+            tau = self._delay(n, along, drag)
+            plane = planes[n]
+            plane[surfaces.PRESENT] = 1.0
+            plane[surfaces.G : surfaces.G + motors] = along * self._cell / scale
+            plane[surfaces.D] = plane[surfaces.G : surfaces.G + motors] @ counts - depth[0] / scale
+            bend = self._compliance + 0.5 * tau * self._damping_inverse
+            plane[surfaces.C : surfaces.C + motors] = along * bend * self._k_t / scale
+            plane[surfaces.GAIN] = 2.0 * scale / (WALL_S * math.sqrt(2.0 * drag))
+            plane[surfaces.A] = self._tick_s / (self._tick_s + tau)
+            plane[surfaces.ETA] = -1.0
+            plane[surfaces.ACROSS] = 1.0 - self._loss[n]
+            waves = along * np.sqrt(self._damping_inverse)
+            vectors[n, :motors] = waves / np.linalg.norm(waves)
+            vectors[n, surfaces.MIX] = 1.0
+            velocity_max = min(velocity_max, 2.0 * self._speed / math.sqrt(2.0 * drag))
+        for first, second in combinations(present, 2):
+            vectors[surfaces.pair_row(first, second)] = beside(vectors[[first]], vectors[second])
+        for first, second, third in combinations(present, 3):
+            pair = vectors[[first, surfaces.pair_row(first, second)]]
+            vectors[surfaces.triple_row(first, second, third)] = beside(pair, vectors[third])
+        return Planes(planes, vectors, velocity_max if present else 0.0, singular)
+
+    def stiffest(self, number: int, counts: np.ndarray) -> float:
+        """The largest K along a shape's normal at ``counts`` (motors,), N/m."""
+        q = np.asarray(counts) * self._cell
+        normal = self._shapes[number].depth(self._arm.tip(q)[None, :])[1][0]
+        return 1.0 / float((self._arm.jacobian(q).T @ normal) ** 2 @ self._compliance)
+
+    def _delay(self, number: int, along: np.ndarray, drag: float) -> float:
+        """τ_s of a surface in s; 0 where nothing stiffer can be had."""
+        wanted = self._stiffness[number]
+        if wanted is None:
+            return 0.0
+        return max(2.0 * (1.0 / wanted - float(along**2 @ self._compliance)) / drag, 0.0)
+
+
+def beside(before: np.ndarray, row: np.ndarray) -> np.ndarray:
+    """Row of a surface's vector, orthogonal to the rows ``before``, with its shares of velocity.
+
+    ``before`` float64 (rows, VECTOR_WORDS), of which each is orthogonal to the others; ``row``
+    (VECTOR_WORDS,). All zero where there is no further direction: the surface is one of those.
+    """
+    place, count = slice(surfaces.PORTS), len(before)
+    result = np.zeros(surfaces.VECTOR_WORDS)
+    result[place] = row[place]
+    result[surfaces.MIX + count] = 1.0
+    for other in before:
+        common = float(row[place] @ other[place])
+        result -= common * other
+    length = float(np.linalg.norm(result[place]))
+    return result / length if length >= LEAST_ANGLE else np.zeros_like(result)
+
+
+def as_words(update: Planes) -> tuple[np.ndarray, np.ndarray, int]:
+    """The words of an update: planes, vectors and the largest ξ.
+
+    A value beyond its word is the word's end.
+    """
+    planes = surfaces.new_planes()
+    ports = surfaces.PORTS
+    for places, format_ in (
+        (slice(surfaces.G, surfaces.G + ports), formats.SURFACE),
+        (surfaces.D, formats.DISTANCE),
+        (slice(surfaces.C, surfaces.C + ports), formats.CELLS),
+        (surfaces.GAIN, formats.SURFACE),
+        (surfaces.A, formats.A),
+        (surfaces.ETA, formats.ETA),
+        (surfaces.ACROSS, formats.ETA),
+    ):
+        planes[:, places] = _raw(update.planes[:, places], format_)
+    planes[:, surfaces.PRESENT] = update.planes[:, surfaces.PRESENT] != 0.0
+    vectors = surfaces.new_vectors()
+    vectors[:, :ports] = np.trunc(update.vectors[:, :ports] * (_SHORT / formats.SURFACE.step))
+    vectors[:, surfaces.MIX :] = _raw(update.vectors[:, surfaces.MIX :], formats.MIX)
+    most = min(round(update.velocity_max / formats.WAVE.step), formats.WAVE.raw_max)
+    return planes, vectors, most
+
+
+def _raw(values: np.ndarray, format_: formats.Fixed) -> np.ndarray:
+    return np.clip(np.round(values / format_.step), format_.raw_min, format_.raw_max)
