@@ -389,7 +389,8 @@ TOO_FAST = with_carrier("hx8k", 48)
         (with_fpga("ulx3s_three", "sense", amplifier="INA240"),
          r"the INA240 may not follow the carrier of 352\.3 kHz: it settles for 9\.6 µs"),
         (with_fpga("ulx3s_three", "sense", amplifier="low-side"),
-         r"it sees one half of each carrier period, and a tick is 1\.42 µs; name another amplifier"),
+         r"it sees one half of each carrier period, and a tick is 1\.42 µs; name another "
+         r"amplifier"),
         (with_fpga("ulx3s", "sense", amplifier="INA24"),
          r'sense\.amplifier "INA24" is unknown; did you mean "INA24[01]"\? known: INA241, .* with '
          r"its figures$"),

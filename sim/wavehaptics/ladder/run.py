@@ -312,10 +312,11 @@ def run_device(
 ) -> dict[str, Any]:
     """Run each motor as :func:`run_scene`, into a folder of its name in ``out``.
 
-    Those of a ``[device]`` run together, :func:`wavehaptics.ladder.joint_run.run_joint`. Others have
-    nothing between them. On ``pins`` those with brushes are ports of one controller and run
-    together, and the time that takes is shared among them; all others run one after another. ``out``
-    gets a ``metrics.json`` of all: what they have in common, and in ``motors`` the metrics of each.
+    Those of a ``[device]`` run together, :func:`wavehaptics.ladder.joint_run.run_joint`. Others
+    have nothing between them. On ``pins`` those with brushes are ports of one controller and run
+    together, and the time that takes is shared among them; all others run one after another.
+    ``out`` gets a ``metrics.json`` of all: what they have in common, and in ``motors`` the metrics
+    of each.
     ``progress`` is called with the motor's name and the part of its run that is done.
     """
     if device.space is not None:
