@@ -39,7 +39,7 @@ toctrees = {
     "Simulation": ["docs/simulation", "sim/scenes/README", "docs/report"],
     "Controller": ["docs/port_anchor", "docs/holding", "docs/environments", "docs/surfaces",
                    "docs/brushless", "docs/drive", "docs/sensing", "docs/words", "docs/link",
-                 "docs/board",
+                   "docs/board",
                    "docs/c", "docs/use_in_your_design", "docs/identify"],
     "Hardware": ["boards/README", "docs/wiring/README", "docs/wiring/switching_on",
                  "boards/icebreaker/README", "boards/hx8k/README",
