@@ -139,6 +139,9 @@ module bench_registers #(
         .other_i           (other_i)
     );
 
+    wire slots_phase, slots_third;  // of brushless motors
+    wire unused_axes = &{1'b0, slots_phase, slots_third};
+
     wh_slots #(
         .N         (N),
         .SHAPER    (SHAPER)
@@ -152,6 +155,8 @@ module bench_registers #(
         .valid_o   (valid),
         .port_o    (port),
         .bank_o    (bank),
+        .phase_o   (slots_phase),
+        .third_o   (slots_third),
         .run_o     (slots_run),
         .damp_o    (slots_damp),
         .overrun_o (slots_overrun)

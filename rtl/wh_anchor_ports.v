@@ -355,9 +355,10 @@ module wh_anchor_ports #(
     wire chi_above, chi_below, tracked, presses, full_before, void_before, clipped, overloaded;
 
     localparam integer LIMITS_W = 8 + ((AXES != 0) ? 1 : 0);
-    reg                 released_q;  // in this turn
+    wire                met;         // so it has in this turn
     wire [LIMITS_W-1:0] limits;
-    wire [8:0]          limits_next = {released_q, chi_above_q, chi_below_q, tracked_q, presses_q, full_q, void_q,
+    wire                unused_met  = &{1'b0, limits_next[8]};
+    wire [8:0]          limits_next = {met, chi_above_q, chi_below_q, tracked_q, presses_q, full_q, void_q,
                                        clipped_q, overloaded_q};
 
     wh_port_state #(
@@ -399,8 +400,8 @@ module wh_anchor_ports #(
             localparam integer FLUX_W = PLACE_W + SINE_Q;
             localparam integer HALF_W = LONG_W - LONG_Q + SINE_Q + 1;  // χ in fractions of half a count's last place
 
-            reg  signed [FLUX_W-1:0] places [0:(1<<PORT_W)-1];
-            wire signed [FLUX_W-1:0] place_q = places[port_q];
+            reg  signed [FLUX_W-1:0] words [0:(1<<PORT_W)-1];
+            wire signed [FLUX_W-1:0] place_q = words[port_q];
             reg  signed [FLUX_W-1:0] moved_flux_q;
             reg  signed [SINE_Q+1:0] cell_q;
 
@@ -410,10 +411,11 @@ module wh_anchor_ports #(
                     cell_q       <= cell_i;
                 end
                 if (edges) begin
-                    places[port_q] <= place_i;
+                    words[port_q] <= place_i;
                 end
             end
 
+            reg                      released_q;
             wire signed [SINE_Q+1:0] size = cell_q[SINE_Q+1] ? -cell_q : cell_q;
             wire signed [SINE_Q+1:0] way  = !edged ? {SINE_Q+2{1'b0}} : back_q ? -cell_q : cell_q;
             wire signed [HALF_W-1:0] half = $signed({{(HALF_W - SINE_Q - 2){1'b0}}, size});
@@ -428,6 +430,7 @@ module wh_anchor_ports #(
                                 : same_q ? $signed({1'b0, half, {(LONG_Q - SINE_Q - 2){1'b0}}})
                                          : $signed({{(LONG_W - LONG_Q + BEHIND_SHIFT - 2){1'b0}}, 1'b1,
                                                     {(LONG_Q - BEHIND_SHIFT + 1){1'b0}}});
+            assign met        = released_q;
             assign sinks      = axis ? moved_flux_q[FLUX_W-1] : back;
             assign out        = !axis ? motor_out : back_sum ? (chi < -half) : (chi >= half);
 
@@ -441,7 +444,7 @@ module wh_anchor_ports #(
                 end
             end
         end else begin : of_motors
-            wire unused_axis = &{1'b0, place_i, cell_i, axis};
+            wire unused_axis = &{1'b0, place_i, cell_i, found_i};
 
             assign place      = motor_place;
             assign moved_flux = motor_moved;
@@ -450,10 +453,7 @@ module wh_anchor_ports #(
             assign ahead_flux = motor_ahead;
             assign sinks      = back;
             assign out        = motor_out;
-
-            always @* begin
-                released_q = 1'b0;
-            end
+            assign met        = 1'b0;
         end
     endgenerate
 

@@ -59,7 +59,7 @@ module wh_drive #(
     input  wire [LEG_W-1:0]              duty_leg_i,
 
     // What the port anchor adds (wh_anchor_ports).
-    input  wire                          correction_rst_i,   // all are 0
+    input  wire [N-1:0]                  correction_rst_i,   // of these ports it is 0
     input  wire                          correction_valid_i, // strobe
     input  wire [PORT_W-1:0]             correction_port_i,
     input  wire signed [`WH_DATA_W-1:0]  correction_i,       // s31q23 V
@@ -221,6 +221,7 @@ module wh_drive #(
 
     wh_port_state #(
         .N           (N),
+        .RESETS      (N),
         .W           (DATA_W)
     ) correction_state (
         .clk         (clk),

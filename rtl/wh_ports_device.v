@@ -256,6 +256,10 @@ module wh_ports_device #(
     // ---- The controller.
     wire [N-1:0] unused_strobe;  // packets: live values
 
+    wire [N-1:0]    unused_found;  // of brushed motors there is nothing to find
+    wire [32*N-1:0] unused_angles;
+    wire            unused_magnets = &{1'b0, unused_found, unused_angles};
+
     wh_ports #(
         .N               (N),
         .WALLS           (WALLS),
@@ -292,6 +296,7 @@ module wh_ports_device #(
         .bridge_i        (bridge),
         .guard_i         (guard),
         .host_i          (host),
+        .magnets_i       ({65*N{1'b0}}),
         .force_i         (in_force),
         .write_i         (write),
         .write_bank_i    (write_bank),
@@ -301,6 +306,7 @@ module wh_ports_device #(
         .host_alive_i    (host_alive),
         .zero_start_i    (set_zero_start || zero_start_i || arm_zero_start || clear_zero),
         .restart_i       (set_restart),
+        .magnet_start_i  (1'b0),
         .host_strobe_i   (answers_q),
         .host_sequence_i (answer_sequence_q),
         .host_u_i        (answer_u_q),
@@ -314,6 +320,8 @@ module wh_ports_device #(
         .running_o       (running_o),
         .zero_busy_o     (zero_busy_o),
         .zero_faults_o   (zero_fault_o),
+        .magnets_found_o (unused_found),
+        .magnet_angles_o (unused_angles),
         .faults_o        (faults)
     );
 

@@ -81,7 +81,7 @@ module wh_sense #(
     input  wire                          offset_valid_i, // strobe
     input  wire [PORT_W-1:0]             offset_port_i,
     input  wire signed [`WH_DATA_W-1:0]  offset_i,       // s31q24 A
-    input  wire                          offset_rst_i,   // all are 0
+    input  wire [N-1:0]                  offset_rst_i,   // of these ports it is 0
     output wire signed [`WH_DATA_W-1:0]  offset_o,       // of the turn's port, until the next turn
 
     // The register bus (wh_port_settings), and the bank in force.
@@ -420,10 +420,11 @@ module wh_sense #(
 
     wh_port_state #(
         .N           (N),
+        .RESETS      (N),
         .W           (DATA_W)
     ) offset_state (
         .clk         (clk),
-        .rst         (rst || offset_rst_i),
+        .rst         ({N{rst}} | offset_rst_i),
         .port_i      (port_q),
         .save_i      (offset_valid_i),
         .save_port_i (offset_port_i),
@@ -507,7 +508,7 @@ module wh_sense #(
             wire signed [DATA_W-1:0] phase;
             reg                      valid_q;
             reg  signed [DATA_W-1:0] phase_q;
-            reg  [1:0]               ends_q;
+            reg  [1:0]               phase_ends_q;
             wire                     beyond = (rounded_q[ROUND_W-1:DATA_W-1]
                                                != {(ROUND_W - DATA_W + 1){rounded_q[ROUND_W-1]}});
 
@@ -526,21 +527,21 @@ module wh_sense #(
 
             always @(posedge clk) begin
                 if (rst || sense_rst_i) begin
-                    valid_q <= 1'b0;
-                    phase_q <= {DATA_W{1'b0}};
-                    ends_q  <= 2'b00;
+                    valid_q      <= 1'b0;
+                    phase_q      <= {DATA_W{1'b0}};
+                    phase_ends_q <= 2'b00;
                 end else begin
-                    valid_q <= at_q[5] && kind != BETA;
+                    valid_q      <= at_q[5] && kind != BETA;
                     if (at_q[5] && kind != BETA) begin
-                        phase_q <= (kind == BRUSHED) ? saturated : phase;
-                        ends_q  <= done_ends | found_ends;
+                        phase_q      <= (kind == BRUSHED) ? saturated : phase;
+                        phase_ends_q <= done_ends | found_ends;
                     end
                 end
             end
 
             assign phase_valid_o = valid_q;
             assign phase_o       = phase_q;
-            assign phase_ends_o  = ends_q;
+            assign phase_ends_o  = phase_ends_q;
         end else begin : brushed
             wire unused_axes = &{1'b0, kind_q, beta_i, beta_ends_i};
 
