@@ -188,7 +188,7 @@ module bench_ports_axes #(
         .gate_bh_o       (ports_bh),
         .gate_bl_o       (ports_bl),
         .stop_i          (stop_i),
-        .driver_fault_i  (driver_fault_i | ((driver_fault_i & alphas) << 1)),
+        .driver_fault_i  ((driver_fault_i & ~(alphas << 1)) | ((driver_fault_i & alphas) << 1)),
         .bus_i           (bus_i),
         .carrier_i       (carrier_i),
         .frame_i         (frame_i),

@@ -157,7 +157,7 @@ async def equals_wh_brushless(dut: object) -> None:
     bench = AxesBench(dut, rng)
     await bench.power_up()
     short = "Icarus" in cocotb.SIM_NAME
-    number, periods = (2, 60) if short else (60, 150)
+    number, periods = (2, 60) if short else (40 if MIXED else 100, 150)
     await runs(bench, rng, number, periods)
     cocotb.log.info(
         "%d periods, %d on, faults %06x, %s",
