@@ -716,8 +716,10 @@ module bench_ports_axes #(
 
     // ---- Pins.
     reg  [3:0] on_q;  // clocks that all had their bridges on
-    wire       legs_differ = {high, low} != {ports_ah[A+1], ports_bh[A], ports_ah[A],
-                                             ports_al[A+1], ports_bl[A], ports_al[A]};
+    wire [5:0] legs        = {high, low};
+    wire [5:0] ports_legs  = {ports_ah[A+1], ports_bh[A], ports_ah[A], ports_al[A+1], ports_bl[A], ports_al[A]};
+    wire       legs_differ = legs != ports_legs;
+    wire       core_start  = brushless.core_start;
 
     always @(posedge clk) begin
         if (rst) begin

@@ -15,14 +15,16 @@ from bench import random_source
 from simulators import parameters
 from tb_ports import (
     AXES,
+    CONVERSION,
     ENERGY,
     FOUND_IN_A_TURN,
+    LAST_SLOT,
     OVERRUN,
     RESULTS,
     N,
     Port,
     PortsBench,
-    random_port,
+    joined,
 )
 from wavehaptics.controller import anchor
 from wavehaptics.words import formats
@@ -199,3 +201,91 @@ async def the_magnets_are_found(dut: object) -> None:
         bench.apart = False
     cocotb.log.info("found in %d runs, %d periods", found, bench.periods)
     assert found
+
+
+TAIL = (42, 58, 63)[SHAPER]
+"""Clocks from the last slot's begin to the next round: ``wh_slots``."""
+LIVE = {0: "voltage", 1: "u", 2: "v", 3: "current", 10: "flux", 11: "lag"}
+
+
+class ShortBench(AxesBench):
+    """The shortest period, in which the two are done at different times: all values in turn."""
+
+    def random_guard(self) -> int:
+        return super().random_guard() & ~0xFFFFFF | OVERRUN
+
+    async def board(self) -> None:
+        await super().board()
+        tick = LAST_SLOT + TAIL
+        self.tick_clocks = tick = tick + tick % 2
+        self.half_clocks, self.samples = tick // 2, 1
+        lead = CONVERSION - self.rng.randint(4, 9) - tick // 2
+        self.drive(
+            carrier_i=joined(
+                (tick // 2, 16), (2, 16), (tick, 16), (1, 9), (lead, 8), (0, 1)
+            ),
+            # A dead time is compensated by currents, which the one has sooner.
+            bridge_i=joined((0, 2), (0, 8), (2, 8), (0, 1), (0, 8), (1, 1)),
+        )  # fmt: skip
+        self.parked, self.quiet = True, False
+
+    async def collect(self, clocks: int) -> None:
+        """What both show, and their gates, in each clock."""
+        self.shown: dict[tuple[int, str], list[int]] = {}
+        self.wanted: dict[tuple[int, str], list[int]] = {}
+        self.gates: list[tuple[int, int]] = []
+        for clock in range(clocks):
+            if clock % self.tick_clocks == 0:
+                self.move()
+            if self.word("live_valid") and (name := LIVE.get(self.word("live_word"))):
+                word = self.word("live_data") & (1 << formats.DATA_W) - 1
+                self.shown.setdefault((self.word("live_port"), name), []).append(word)
+            strobes = {
+                "core_valid": ("voltage", "u", "v"),
+                "core_start": ("current", "flux", "lag"),
+            }
+            for strobe, names in strobes.items():
+                if self.word(strobe):
+                    for name in names:
+                        word = self.word(name)
+                        for axis in range(2):
+                            one = word >> axis * formats.DATA_W & (1 << formats.DATA_W) - 1
+                            self.wanted.setdefault((ALPHA + axis, name), []).append(one)
+            self.gates.append((self.word("legs"), self.word("ports_legs")))
+            await self.step()
+
+    def legs_equal(self, later: int) -> bool:
+        """Whether the legs of ``wh_ports`` are the other ones' so many clocks later."""
+        half = len(self.gates) // 2
+        wanted = [gates for gates, _ in self.gates[half - later : len(self.gates) - later]]
+        return wanted == [gates for _, gates in self.gates[half:]]
+
+
+@cocotb.test(timeout_time=10, timeout_unit="sec", skip=MIXED)
+async def the_shortest_period(dut: object) -> None:
+    """No step is lost, no two ask for a product at once, and gates come a tick later at most."""
+    rng = random_source("shortest")
+    bench = ShortBench(dut, rng)
+    await bench.power_up()
+    found = shifted = 0
+    for _ in range(2 if "Icarus" in cocotb.SIM_NAME else 12):
+        await bench.begin()
+        await bench.tick()
+        bench.drive(enable_i=1)
+        await bench.collect(60 * bench.tick_clocks)
+        assert not bench.word("met_o")
+        assert not bench.word("faults_o") & OVERRUN
+        if bench.word("controller_faults_o") & OVERRUN:
+            continue  # wh_brushless isn't so fast
+        for place, wanted in bench.wanted.items():
+            shown = bench.shown[place]
+            # What the one shows before its first step, the other doesn't.
+            starts = [n for n in range(3) if wanted[n : n + 50] == shown[:50]]
+            starts += [n for n in range(3) if shown[n : n + 50] == wanted[:50]]
+            assert starts, (place, wanted[:5], shown[:5])
+            found += len(set(shown)) > 10
+        later = [tick for tick in (0, 1) if bench.legs_equal(tick * bench.tick_clocks)]
+        assert later
+        shifted += later[0]
+    cocotb.log.info("%d series of values, %d gates a tick later", found, shifted)
+    assert found > 5

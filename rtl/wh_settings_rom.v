@@ -17,7 +17,8 @@ module wh_settings_rom #(
     parameter integer WALLS      = 4,  // as wh_controller has them
     parameter integer SHAPER     = 0,
     parameter integer DELAY_LOG2 = 2,
-    parameter integer LEGS       = 2   // as wh_device has it
+    parameter integer LEGS       = 2,  // as wh_device has it
+    parameter integer BOTH       = 0   // 1: words of brushless motors, too; with LEGS = 2
 ) (
     input  wire        clk,
 
@@ -45,7 +46,7 @@ module wh_settings_rom #(
 
 `define WH_SETTINGS_WORD(FIRST, COPIES, WHO, INFO, DEFAULT) \
         for (i = FIRST; i < FIRST + (COPIES); i = i + 1) begin \
-            if (((WHO >> OF) & 3'd1) != 3'd0) begin \
+            if (((WHO >> OF) & 3'd1) != 3'd0 || (BOTH == 1 && ((WHO >> 1) & 3'd1) != 3'd0)) begin \
                 info[i] = INFO; \
             end \
             if (LEGS == 3 && ((WHO >> SECOND) & 3'd1) != 3'd0) begin \
