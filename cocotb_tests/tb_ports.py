@@ -200,7 +200,7 @@ class PortsBench(Bench):
         """Other settings of all ports, in reset."""
         rng = self.rng
         # One sample of a long period can't be so late that its word comes after the tick's end.
-        self.samples = rng.choice((1, 1, 2) if N < 6 else (2, 2, 4))
+        self.samples = rng.choice((1, 1, 2) if EDGES < 200 else (2, 2, 4))
         mode = rng.randrange(4) if MODES else 0
         self.halves = 2 if mode or AXES else rng.choice((1, 1, 2))
         unit = self.samples * self.halves * 2
