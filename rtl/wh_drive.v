@@ -31,7 +31,7 @@ module wh_drive #(
     parameter integer N         = 1,                     // ports, 1...8
     parameter integer MIN_PULSE = 0,                     // 1: least_i and spare_i count; 0: both are 0
     parameter integer LEGS      = N,                     // N, and one more for each brushless motor; ...12
-    parameter integer PHASES    = 0,                     // bit n: leg n is one of a brushless motor's three
+    parameter integer PHASES    = 0,                     // 0...: bit n: leg n is one of a brushless motor's three
     parameter integer PORT_W    = (N > 1) ? $clog2(N) : 1, // these two are derived, leave them
     parameter integer LEG_W     = (LEGS > 1) ? $clog2(LEGS) : 1
 ) (

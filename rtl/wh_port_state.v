@@ -16,7 +16,7 @@
 module wh_port_state #(
     parameter integer N      = 1,                        // ports, 1...
     parameter integer W      = 8,                        // bits of a word, 1...
-    parameter integer RESETS = 1,                        // bits of rst, 1 or N
+    parameter integer RESETS = 1,                        // 1...: bits of rst, 1 or N
     parameter integer PORT_W = (N > 1) ? $clog2(N) : 1   // derived, leave it
 ) (
     input  wire              clk,

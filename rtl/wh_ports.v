@@ -51,7 +51,7 @@ module wh_ports #(
     parameter integer HOST       = 0,  // 1: a computer can have the environment (wh_host_link)
     parameter integer MODES      = 0,  // 1: mode chooses the bridges' pattern; 0: unipolar
     parameter integer MIN_PULSE  = 0,  // 1: min_pulse counts; 0: pulses may be of one clock
-    parameter integer AXES       = 0,  // bit n: ports n, n + 1 are a brushless motor's axes
+    parameter integer AXES       = 0,  // 0...: bit n: ports n, n + 1 are a brushless motor's axes
     parameter integer PORT_W     = (N > 1) ? $clog2(N) : 1  // derived, leave it
 ) (
     input  wire                         clk,
@@ -352,7 +352,7 @@ module wh_ports #(
 
     wh_sense #(
         .N               (LEGS),
-        .AXES            ((AXES != 0) ? 1 : 0),
+        .KINDS           ((AXES != 0) ? 1 : 0),
         .ZERO_LOG2       (ZERO_LOG2)
     ) sense (
         .clk             (clk),

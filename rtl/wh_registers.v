@@ -52,7 +52,7 @@ module wh_registers #(
     parameter integer WALLS      = 4,
     parameter integer DELAY_LOG2 = 2,
     parameter integer SHAPER     = 0,
-    parameter integer AXES       = 0,
+    parameter integer AXES       = 0,  // 0...: bit n: ports n, n + 1 are a brushless motor's axes
     parameter integer PORT_W     = (N > 1) ? $clog2(N) : 1  // derived, leave it
 ) (
     input  wire                     clk,

@@ -12,7 +12,7 @@
 // its turn, as the next words may come before that; summed_o is the clock before the first port's is there.
 // The turn, in clocks since valid_i: 1, the product of the sum is asked for, and nobody else may ask;
 // 6, current_o and ends_o are there, with valid_o. They hold until the next turn's.
-// AXES = 1: a turn has a kind. That of a motor's alpha has the current of its phase a, and that of phase b, with no
+// KINDS = 1: a turn has a kind. That of a motor's alpha has the current of its phase a, and that of phase b, with no
 // offset, is a turn of beta's port that goes to phase_o alone. Beta's own turn makes no current of words, it takes
 // beta_i in its clocks 4 and 5. phase_o is what flows in a phase, and of a brushed motor current_o.
 // The next word_valid_i may come N + 2 clocks after this one, the next valid_i 6 clocks; word_i holds for N clocks.
@@ -27,7 +27,7 @@
 
 module wh_sense #(
     parameter integer N         = 1,   // ports and third phases, whose words come last, 1...12
-    parameter integer AXES      = 0,   // 1: kind_i counts
+    parameter integer KINDS     = 0,   // 1: kind_i counts
     parameter integer ZERO_LOG2 = 10,  // ticks of a zero, 2^ZERO_LOG2; 2...16
     parameter integer PORT_W    = (N > 1) ? $clog2(N) : 1  // derived, leave it
 ) (
@@ -113,6 +113,9 @@ module wh_sense #(
     generate
         if (N < 1 || N > 12) begin : illegal
             wh_illegal_parameter_sense_n_must_be_1_to_12 stop ();
+        end
+        if (KINDS != 0 && KINDS != 1) begin : illegal_kinds
+            wh_illegal_parameter_sense_kinds_must_be_0_or_1 stop ();
         end
         if (ZERO_LOG2 < 2 || ZERO_LOG2 > 16) begin : illegal_zero
             wh_illegal_parameter_sense_zero_log2_must_be_2_to_16 stop ();
@@ -380,7 +383,7 @@ module wh_sense #(
     reg [1:0]        kind_q;
 
     localparam [1:0] BRUSHED = 2'd0, PHASE_B = 2'd2, BETA = 2'd3;
-    wire [1:0] kind = (AXES != 0) ? kind_q : BRUSHED;
+    wire [1:0] kind = (KINDS != 0) ? kind_q : BRUSHED;
 
     wire signed [DIFFERENCE_W-1:0] done_sum;
     wire [1:0]                     done_ends;
@@ -504,7 +507,7 @@ module wh_sense #(
 
     // ---- Phases: the offset comes off behind the transform, and doesn't bring back what is beyond a current's range.
     generate
-        if (AXES != 0) begin : phases
+        if (KINDS != 0) begin : phases
             wire signed [DATA_W-1:0] phase;
             reg                      valid_q;
             reg  signed [DATA_W-1:0] phase_q;

@@ -39,6 +39,12 @@ module wh_settings_rom #(
     localparam integer OF      = (LEGS == 3) ? 1 : 0;  // bit of who has a word
     localparam integer SECOND  = (LEGS == 3) ? 2 : 0;
 
+    generate
+        if (BOTH != 0 && BOTH != 1) begin : illegal_both
+            wh_illegal_parameter_settings_rom_both_must_be_0_or_1 stop ();
+        end
+    endgenerate
+
     (* rom_style = "block" *) reg [7:0]  info [0:(1<<PLACE_W)-1];
     (* rom_style = "block" *) reg [31:0] bounds [0:63];
 
