@@ -32,6 +32,9 @@
 //     conversion + 32 (N - 1) + 45 + N + 5 SHAPER clocks
 // after its sample strobe or later, and a period has 32 (N - 1) + 38 clocks or more. A half has N + 8 or more.
 // With SHAPER = 2, a port takes 36 clocks instead of 32, and the last one 42 instead of 38.
+// Where the last port is beta's, its motor's legs want 56, 72 or 77 instead of 45 + 5 SHAPER, by SHAPER, and a period
+// ends with 42, 58 or 63. A third leg for each brushless motor is one more of N in the former, and of a half's N + 8,
+// which has three clocks more then.
 // Live values: live_valid_o strobes with the port, which value it is, and the value, all of them once a period, and an
 // offset that changes in a step once more.
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
@@ -595,12 +598,13 @@ module wh_ports #(
     );
 
     // ---- Drive: widths, of all ports in time for the end of each half, or of each period.
-    wire                         walk = !(sense_rst || !adc_ready_o) && remaining == LAST_LEG[`WH_TICK_W-1:0] + 16'd6
-                                                 && (half || !whole);
+    localparam integer           AHEAD = ((AXES != 0) ? 8 : 5) + LEGS;  // clocks of a half's end
+    wire                         walk_due = !(sense_rst || !adc_ready_o) && remaining == AHEAD[`WH_TICK_W-1:0]
+                                            && (half || !whole);
+    wire                         walk;
     wire signed [DATA_W-1:0]     voltage, correction;
     wire                         width_valid;
     wire [LEG_W-1:0]             width_leg;
-    localparam integer           LAST_LEG = LEGS - 1;
     wire                         leg_valid;       // what flows out of a leg
     wire [LEG_W-1:0]             leg;
     wire signed [DATA_W-1:0]     leg_current;     // with leg_valid,
@@ -1025,6 +1029,15 @@ module wh_ports #(
                 .duty_leg_o    (duty_leg)
             );
 
+            // What is driven is of one step for all three legs: the walk waits for those that come one after the other.
+            reg  walk_waits_q;
+
+            always @(posedge clk) begin
+                walk_waits_q <= !sense_rst && (walk_due || walk_waits_q) && duty_valid;
+            end
+
+            assign walk = (walk_due || walk_waits_q) && !duty_valid;
+
             wire [31:0] core_leg    = {{(32 - PORT_W){1'b0}}, core_port};
             wire        unused_core = &{1'b0, core_leg[31:LEG_W]};
 
@@ -1101,6 +1114,7 @@ module wh_ports #(
             wire unused_axes = &{1'b0, phase_ends, third_turn, look, turned, turn_ends, turn_contact, turn_flux,
                                  turn_rest, turn_port, alphas, betas, axes};
 
+            assign walk              = walk_due;
             assign leg_valid         = phase_valid;
             assign leg               = sense_port;
             assign leg_current       = phase_current;
