@@ -305,6 +305,8 @@ LINT_CASES := \
     wh_ports,-GN=5,-GAXES=5,-GSHAPER=2,-GHOST=1,-GMODES=1 \
     wh_ports,-GN=8,-GAXES=85 \
     wh_ports_device,-GN=3,-GAXES=2,-GARM=1 \
+    wh_device,-GLEGS=3,-GTURNS=1,-GSHAPER=1,-GHOST=1 \
+    wh_linked_device,-GLEGS=3,-GTURNS=1,-GCAPTURE=12,-GSTREAM=1 \
     wh_ports,-GN=3,-GSHAPER=1 \
     wh_ports,-GN=3,-GSHAPER=2 \
     wh_ports,-GN=3,-GSHAPER=1,-GHOST=1 \

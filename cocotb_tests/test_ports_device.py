@@ -23,3 +23,8 @@ def test_ports_device_briefly(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_brushless_motor(simulator: str, ports: int, axes: int) -> None:
     size = {**SIZE, "N": ports, "SHAPER": 0, "AXES": axes}
     simulate(simulator, "wh_ports_device", "tb_ports_device_axes", size)
+
+
+def test_a_brushless_motor_alone(simulator: str) -> None:
+    size = {"WALLS": 1, "LEGS": 3, "TURNS": 1, "ZERO_LOG2": 3}
+    simulate(simulator, "wh_device", "tb_device_turns", size)
