@@ -274,9 +274,11 @@ LINT_CASES := \
     wh_linked_device,-GN=3,-GCAPTURE=9,-GSTREAM=1 \
     wh_arm,-GSENSE=1,-GCREDIT=2 \
     wh_port_state,-GN=3 \
+    wh_port_state,-GN=3,-GRESETS=3 \
     wh_port_settings,-GN=3 \
     wh_port_settings,-GN=3,-GWORDS_LOG2=0 \
     wh_anchor_ports,-GN=3 \
+    wh_anchor_ports,-GN=3,-GAXES=2 \
     wh_core,-GN=3,-GOUTSIDE=1 \
     wh_core,-GN=3,-DWH_DATA_W=24,-DWH_COEF_W=18 \
     wh_core,-GN=3,-GSHAPER=1,-GOUTSIDE=1 \
@@ -284,15 +286,27 @@ LINT_CASES := \
     wh_shaper_ports,-GN=3 \
     wh_shaper_ports,-GSECTIONS=2 \
     wh_sense,-GN=3 \
+    wh_sense,-GN=3,-GKINDS=1 \
     wh_contact_ports,-GN=3,-GWALLS=1 \
     wh_drive,-GN=3 \
+    wh_drive,-GN=3,-GLEGS=4,-GPHASES=11 \
     wh_guard_ports,-GN=3 \
     wh_energy_ports,-GN=3 \
     wh_port_check,-GN=3 \
     wh_slots,-GN=3 \
+    wh_slots,-GN=3,-GAXES=1,-GSHAPER=1 \
+    wh_legs,-GSHAPER=1 \
+    wh_registers,-GN=4,-GAXES=5 \
     wh_registers,-GN=3,-GSHAPER=2 \
     wh_registers,-GN=8,-GWALLS=7,-GDELAY_LOG2=10 \
     wh_ports,-GN=3 \
+    wh_ports,-GN=2,-GAXES=1 \
+    wh_ports,-GN=3,-GAXES=2,-GSHAPER=1,-GMIN_PULSE=1 \
+    wh_ports,-GN=5,-GAXES=5,-GSHAPER=2,-GHOST=1,-GMODES=1 \
+    wh_ports,-GN=8,-GAXES=85 \
+    wh_ports_device,-GN=3,-GAXES=2,-GARM=1 \
+    wh_device,-GLEGS=3,-GTURNS=1,-GSHAPER=1,-GHOST=1 \
+    wh_linked_device,-GLEGS=3,-GTURNS=1,-GCAPTURE=12,-GSTREAM=1 \
     wh_ports,-GN=3,-GSHAPER=1 \
     wh_ports,-GN=3,-GSHAPER=2 \
     wh_ports,-GN=3,-GSHAPER=1,-GHOST=1 \

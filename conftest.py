@@ -96,6 +96,9 @@ BLOCKS = {
     "wh_wave_core": "test_briefly.py::test_briefly[wave_core]",
     "wh_wishbone": "test_briefly.py::test_briefly[wishbone]",
     "wh_zero": "test_zero.py::test_zero[icarus]",
+    "wh_legs": "test_ports_axes.py::test_ports_axes[icarus-2-1-0-0]",
+    "wh_phase_pins": "test_ports_axes.py::test_ports_axes[icarus-2-1-0-0]",
+    "wh_rotor": "test_ports_axes.py::test_ports_axes[icarus-2-1-0-0]",
 }
 """A quick test of each block, in ``cocotb_tests``."""
 

@@ -12,6 +12,7 @@
 module bench_anchor_ports #(
     parameter integer N      = 1,
     parameter integer PITCH  = 32,
+    parameter integer AXES   = 0,
     parameter integer PORT_W = (N > 1) ? $clog2(N) : 1
 ) (
     input  wire                       clk,
@@ -21,6 +22,9 @@ module bench_anchor_ports #(
     output wire                       done_o,        // strobe
 
     input  wire [N*`WH_COUNT_W-1:0]   position_i,
+    input  wire [N*(`WH_PLACE_W+`WH_SINE_Q)-1:0] place_i,  // of axes, as is cell_i
+    input  wire [N*(`WH_SINE_Q+2)-1:0] cell_i,
+    input  wire [N-1:0]               forget_i,
     input  wire [N-1:0]               contact_i,
     input  wire [N-1:0]               blind_i,
     input  wire [N*`WH_DATA_W-1:0]    current_i,
@@ -47,6 +51,9 @@ module bench_anchor_ports #(
 );
 
     localparam [7:0]   TURN   = PITCH[7:0];
+    localparam integer OF     = AXES | AXES << 1;
+    localparam integer FLUX_W = `WH_PLACE_W + `WH_SINE_Q;
+    localparam integer CELL_W = `WH_SINE_Q + 2;
     localparam integer DATA_W = `WH_DATA_W;
     localparam integer COEF_W = `WH_COEF_W;
 
@@ -89,7 +96,8 @@ module bench_anchor_ports #(
     wire signed [DATA_W-1:0]        data;
 
     wh_anchor_ports #(
-        .N                  (N)
+        .N                  (N),
+        .AXES               (AXES)
     ) anchor_ports (
         .clk                (clk),
         .rst                (rst),
@@ -97,6 +105,10 @@ module bench_anchor_ports #(
         .port_i             (port),
         .bank_i             (bank_i),
         .position_i         ($signed(position_i[now*`WH_COUNT_W +: `WH_COUNT_W])),
+        .place_i            ($signed(place_i[now*FLUX_W +: FLUX_W] ^ {FLUX_W{!holds}})),
+        .cell_i             ($signed(cell_i[now*CELL_W +: CELL_W] ^ {CELL_W{!holds}})),
+        .found_i            ({N{1'b1}}),
+        .forget_i           (forget_i),
         .contact_i          (contact_i[now] ^ !holds),
         .blind_i            (blind_i[now] ^ !holds),
         .current_i          ($signed(current_i[now*DATA_W +: DATA_W] ^ noise)),
@@ -141,6 +153,8 @@ module bench_anchor_ports #(
 
     assign product = asked_q[2] ? made : ~made;
 
+    integer k;
+
     always @(posedge clk) begin
         if (rst) begin
             correction_o <= {N*DATA_W{1'b0}};
@@ -154,6 +168,15 @@ module bench_anchor_ports #(
             if (offset_valid)     offset_o[whose*DATA_W +: DATA_W]     <= data;
             if (flux_valid)       flux_o[whose*DATA_W +: DATA_W]       <= data;
             if (lag_valid)        lag_o[whose*DATA_W +: DATA_W]        <= data;
+            for (k = 0; k < N; k = k + 1) begin
+                if (forget_i[k]) begin
+                    correction_o[k*DATA_W +: DATA_W] <= {DATA_W{1'b0}};
+                    room_o[k*DATA_W +: DATA_W]       <= {DATA_W{1'b0}};
+                    offset_o[k*DATA_W +: DATA_W]     <= {DATA_W{1'b0}};
+                    flux_o[k*DATA_W +: DATA_W]       <= {DATA_W{1'b0}};
+                    lag_o[k*DATA_W +: DATA_W]        <= {DATA_W{1'b0}};
+                end
+            end
         end
     end
 
@@ -183,13 +206,15 @@ module bench_anchor_ports #(
                 .product_o (one_product)
             );
 
-            wh_anchor anchor (
+            wh_anchor #(
+                .AXIS          ((OF >> n) & 1)
+            ) anchor (
                 .clk           (clk),
-                .rst           (rst),
+                .rst           (rst || forget_i[n]),
                 .waves_i       (go_i),
                 .position_i    ($signed(position_i[n*`WH_COUNT_W +: `WH_COUNT_W])),
-                .place_i       ({(`WH_PLACE_W+`WH_SINE_Q){1'b0}}),
-                .cell_i        ({(`WH_SINE_Q+2){1'b0}}),
+                .place_i       ($signed(place_i[n*FLUX_W +: FLUX_W])),
+                .cell_i        ($signed(cell_i[n*CELL_W +: CELL_W])),
                 .contact_i     (contact_i[n]),
                 .blind_i       (blind_i[n]),
                 .current_i     ($signed(current_i[n*DATA_W +: DATA_W])),

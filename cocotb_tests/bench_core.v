@@ -115,7 +115,7 @@ module bench_core #(
         .shape_mode_i       (shape_mode_i[2*turn_q +: 2] ^ {2{at < 8'd9 || at > MODE_ENDS}}),
         .extra_ticks_i      (extra_ticks_i),
         .hold_ticks_i       (hold_ticks_i),
-        .room_rst_i         (1'b0),
+        .room_rst_i         ({N{1'b0}}),
         .room_valid_i       (room_valid_i),
         .room_port_i        (room_port_i),
         .room_i             ($signed(room_i)),

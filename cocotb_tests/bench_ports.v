@@ -150,7 +150,10 @@ module bench_ports #(
     wire [N-1:0]      ports_packet;
     wire              ports_zero_busy;
     wire [N-1:0]      ports_zero_faults;
-    wire              unused_zero = &{1'b0, ports_zero_busy, ports_zero_faults};  // faults_o has them
+    wire [N-1:0]      ports_found;
+    wire [32*N-1:0]   ports_angles;
+    wire              unused_zero = &{1'b0, ports_zero_busy, ports_zero_faults,  // faults_o has them
+                                      ports_found, ports_angles};
 
     wh_ports #(
         .N               (N),
@@ -194,6 +197,8 @@ module bench_ports #(
         .host_alive_i    (host_alive_i),
         .zero_start_i    (zero_start_i),
         .restart_i       (restart_i),
+        .magnet_start_i  (1'b0),
+        .magnets_i       ({65*N{1'b0}}),
         .host_i          (host_i),
         .host_strobe_i   (host_strobe_i),
         .host_sequence_i (host_sequence_i),
@@ -208,6 +213,8 @@ module bench_ports #(
         .running_o       (running_o[0]),
         .zero_busy_o     (ports_zero_busy),
         .zero_faults_o   (ports_zero_faults),
+        .magnets_found_o (ports_found),
+        .magnet_angles_o (ports_angles),
         .faults_o        (faults_o)
     );
 

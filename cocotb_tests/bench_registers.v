@@ -20,8 +20,9 @@ module bench_registers #(
     parameter integer WALLS      = 4,
     parameter integer DELAY_LOG2 = 2,
     parameter integer SHAPER     = 0,
+    parameter integer AXES       = 0,
     parameter integer PORT_W     = (N > 1) ? $clog2(N) : 1,
-    parameter integer ALL_W      = 238 + 2 * DELAY_LOG2 + `WH_GUARD_W
+    parameter integer ALL_W      = 238 + 2 * DELAY_LOG2 + `WH_GUARD_W + ((AXES != 0) ? 65 : 0)
 ) (
     input  wire                   clk,
     input  wire                   rst,
@@ -37,7 +38,8 @@ module bench_registers #(
     output wire                   bus_signed_o,
 
     output wire [ALL_W-1:0]       all_o,             // settings of all ports, carrier lowest
-    output wire [4:0]             commands_o,        // command, restart, zero_start, host_alive, clear
+    output wire [5:0]             commands_o,        // magnet_start, command, restart, zero_start, host_alive,
+                                                     // clear
     output wire [11:0]            command_address_o,
     output wire [31:0]            command_data_o,
     output reg  [15:0]            strobes_o,         // of command_o, since rst
@@ -86,13 +88,24 @@ module bench_registers #(
     wire                 running = enable_i && !loading_o;
     wire                 slots_run, slots_damp, slots_overrun;
 
+    wire [64:0]          magnets;
+
     assign running_o = running;
+
+    generate
+        if (AXES != 0) begin : brushless
+            assign all_o[ALL_W-1 -: 65] = magnets;
+        end else begin : brushed
+            wire unused_magnets = &{1'b0, magnets};
+        end
+    endgenerate
 
     wh_registers #(
         .N                 (N),
         .WALLS             (WALLS),
         .DELAY_LOG2        (DELAY_LOG2),
-        .SHAPER            (SHAPER)
+        .SHAPER            (SHAPER),
+        .AXES              (AXES)
     ) registers (
         .clk               (clk),
         .rst               (rst),
@@ -113,6 +126,7 @@ module bench_registers #(
         .bridge_o          (all_o[198 + 2*DELAY_LOG2 +: 28]),
         .guard_o           (all_o[226 + 2*DELAY_LOG2 +: `WH_GUARD_W]),
         .host_o            (all_o[226 + 2*DELAY_LOG2 + `WH_GUARD_W +: 12]),
+        .magnets_o         (magnets),
         .force_o           (force_now),
         .write_o           (write),
         .write_bank_o      (write_bank),
@@ -121,6 +135,7 @@ module bench_registers #(
         .clear_o           (commands_o[0]),
         .host_alive_o      (commands_o[1]),
         .zero_start_o      (commands_o[2]),
+        .magnet_start_o    (commands_o[5]),
         .restart_o         (commands_o[3]),
         .command_o         (commands_o[4]),
         .command_address_o (command_address_o),
@@ -139,6 +154,9 @@ module bench_registers #(
         .other_i           (other_i)
     );
 
+    wire slots_phase, slots_third;  // of brushless motors
+    wire unused_axes = &{1'b0, slots_phase, slots_third};
+
     wh_slots #(
         .N         (N),
         .SHAPER    (SHAPER)
@@ -152,6 +170,8 @@ module bench_registers #(
         .valid_o   (valid),
         .port_o    (port),
         .bank_o    (bank),
+        .phase_o   (slots_phase),
+        .third_o   (slots_third),
         .run_o     (slots_run),
         .damp_o    (slots_damp),
         .overrun_o (slots_overrun)

@@ -10,15 +10,18 @@ import cocotb
 import numpy as np
 from bench import Bench, pack, random_source, unpack
 from cocotb.triggers import RisingEdge
-from tb_anchor import EVERYTHING, AnchorBench, Tick, random_settings, random_ticks
+from tb_anchor import EVERYTHING, PLACE, AnchorBench, Tick, random_settings, random_ticks
 
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # compiling would take longer than it saves
 
 from simulators import parameters
-from wavehaptics.controller import anchor
+from wavehaptics.controller import anchor, rotor_flux
 from wavehaptics.words import formats
 
 N = parameters()["N"]
+AXES = parameters().get("AXES", 0)
+OF_MOTORS = AXES | AXES << 1
+"""Ports that are axes of brushless motors."""
 FIRST = 0x120
 """Address of the first setting of port 0, as ``rtl/words.toml`` has it."""
 NAMES = ("correction", "room", "offset", "flux", "lag")
@@ -41,7 +44,7 @@ class PortsBench(Bench):
         await self.start(
             go_i=0, position_i=0, contact_i=0, blind_i=0, current_i=0, u_i=0, v_i=0, withheld_i=0,
             voltage_i=0, saturated_i=0, words_i=0, bank_i=0, write_i=0, write_bank_i=0,
-            address_i=0, data_i=0,
+            address_i=0, data_i=0, place_i=0, cell_i=0, forget_i=0,
         )  # fmt: skip
 
     async def commit(self, settings: list[np.ndarray]) -> None:
@@ -62,6 +65,15 @@ class PortsBench(Bench):
         self.drive(rst=0)
         self.states = [anchor.new_state() for _ in range(N)]
 
+    async def forget(self) -> None:
+        """Some axes, between two periods."""
+        some = self.rng.getrandbits(N) & OF_MOTORS
+        await self.step(forget_i=some)
+        self.drive(forget_i=0)
+        for port in range(N):
+            if some >> port & 1:
+                self.states[port] = anchor.new_state()
+
     def give(self, ticks: list[Tick]) -> None:
         def words(name: str, width: int = formats.DATA_W) -> int:
             return pack([int(getattr(tick, name)) for tick in ticks], width)
@@ -70,7 +82,8 @@ class PortsBench(Bench):
             go_i=1, position_i=words("position", formats.COUNT_W), contact_i=words("contact", 1),
             blind_i=words("blind", 1), current_i=words("current"), u_i=words("u"), v_i=words("v"),
             withheld_i=words("withheld"), voltage_i=words("voltage"),
-            saturated_i=words("saturated", 1),
+            saturated_i=words("saturated", 1), place_i=words("place", PLACE.width),
+            cell_i=words("cell", rotor_flux.SINE_Q + 2),
         )  # fmt: skip
 
     async def period(self, ticks: list[Tick]) -> None:
@@ -89,13 +102,20 @@ class PortsBench(Bench):
         found = {name: unpack(self.word(f"{name}_o"), formats.DATA_W, N) for name in NAMES}
         for port, (tick, state) in enumerate(zip(ticks, self.states, strict=True)):
             judge = AnchorBench.__new__(AnchorBench)
-            judge.axis, judge.seen, judge.state = False, self.seen, state
+            judge.axis, judge.seen, judge.state = bool(OF_MOTORS >> port & 1), self.seen, state
             judge.settings = self.settings[port]
             before = state.copy()
-            anchor.anchor_step(
-                state, self.settings[port], tick.position, bool(tick.contact), tick.current,
-                tick.u, tick.v, tick.withheld, tick.voltage, bool(tick.saturated), bool(tick.blind),
+            words = (
+                bool(tick.contact), tick.current, tick.u, tick.v, tick.withheld, tick.voltage,
+                bool(tick.saturated), bool(tick.blind),
             )  # fmt: skip
+            if judge.axis:
+                place, cell = tick.place << rotor_flux.SHIFT, tick.cell << rotor_flux.SHIFT
+                anchor.anchor_axis_step(
+                    state, self.settings[port], tick.position, place, cell, *words
+                )
+            else:
+                anchor.anchor_step(state, self.settings[port], tick.position, *words)
             judge._note(tick, before)
             wanted = {
                 "correction": state[anchor.CORRECTION],
@@ -134,6 +154,8 @@ async def any_words(dut: object) -> None:
         for ticks in zip(*walks, strict=True):
             if rng.random() < 0.05:
                 await bench.commit([changed_settings(rng, words) for words in bench.settings])
+            if AXES and rng.random() < 0.03:
+                await bench.forget()
             await bench.period(list(ticks))
     assert bench.periods == runs * periods
     assert runs < 30 or bench.seen == EVERYTHING, EVERYTHING - bench.seen

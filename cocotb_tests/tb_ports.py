@@ -29,12 +29,14 @@ WALLS = parameters().get("WALLS", 4)
 SHAPER = parameters().get("SHAPER", 0)
 HOST = parameters().get("HOST", 0)
 MODES = parameters().get("MODES", 0)
+AXES = parameters().get("AXES", 0)
+"""Ports of brushless motors, of :mod:`tb_ports_axes`."""
 SHAPE_BITS = 9 * formats.SHAPE.width + 3 * formats.SHAPE_LOSS_W
 SUM_W = formats.SUM_W
 CONVERSION = 33
 """Clocks from a sample's strobe to its word, of the frame below."""
 LAST_SLOT = (36 if SHAPER == 2 else 32) * (N - 1)
-EDGES = LAST_SLOT + 50
+EDGES = LAST_SLOT + (90 if AXES else 50)
 """Clocks from a round's begin until positions have been looked at, and no step is under way."""
 FRAME_CLOCKS = 29
 """Clocks from a sample's strobe to its word."""
@@ -203,15 +205,15 @@ class PortsBench(Bench):
         """Other settings of all ports, in reset."""
         rng = self.rng
         # One sample of a long period can't be so late that its word comes after the tick's end.
-        self.samples = rng.choice((1, 1, 2) if N < 6 else (2, 2, 4))
+        self.samples = rng.choice((1, 1, 2) if EDGES < 200 else (2, 2, 4))
         mode = rng.randrange(4) if MODES else 0
-        self.halves = 2 if mode else rng.choice((1, 1, 2))
+        self.halves = 2 if mode or AXES else rng.choice((1, 1, 2))
         unit = self.samples * self.halves * 2
         # What a host answers has its square made, and is halved, before the next period ends.
         least = max(
             EDGES + 30 + 90 * HOST,
             self.halves * (LAST_SLOT + 30),
-            self.samples * (CONVERSION + 4 + N),
+            self.samples * (CONVERSION + 4 + N + (N // 2 if AXES else 0)),
         )
         self.tick_clocks = -(-(least + rng.randrange(40)) // unit) * unit
         sample_clocks = self.tick_clocks // self.samples

@@ -17,15 +17,26 @@ from settings_bus import BUSY, COMMIT, DISCARD, DONE, NOT_NOW, RANGE, STAGED, UN
 from simulators import parameters
 from wavehaptics.words import formats
 from wavehaptics.words.places import Place, places
-from wavehaptics.words.table import WORDS, Sizes
+from wavehaptics.words.table import THREE_PHASE_LEGS, WORDS, Sizes
 
-_P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, **parameters()}
-N = _P["N"]
+_P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "AXES": 0, **parameters()}
+N, AXES = _P["N"], _P["AXES"]
 SIZES = Sizes(N, _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"])
-SETTINGS = list(places(SIZES, "setting"))
+
+
+def all_places(kind: str) -> list[Place]:
+    """Every copy of the words of a kind; with a brushless motor those that it alone has, too."""
+    found = list(places(SIZES, kind))
+    if AXES:
+        of_one = Sizes(1, _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"], THREE_PHASE_LEGS)
+        found += [place for place in places(of_one, kind) if place.word.row.brushless == "only"]
+    return found
+
+
+SETTINGS = all_places("setting")
 AT = {place.address: place for place in SETTINGS}
-LIVE = {place.address for place in places(SIZES, "live")}
-COMMANDS = {place.address: place for place in places(SIZES, "command")}
+LIVE = {place.address for place in all_places("live")}
+COMMANDS = {place.address: place for place in all_places("command")}
 MASK = 0xFFFFFFFF
 
 FIRST_CLOCKS = 3000
@@ -49,10 +60,10 @@ WINDOW = 32
 GROUPS = (
     ("half_clocks", 6), ("sclk_half_clocks", 10), ("trip", 1), ("range", 3), ("filter_clocks", 1),
     ("extra_ticks", 2), ("mode", 6), ("guard_mask", 16),
-    ("host_period_log2", 2),
+    ("host_period_log2", 2), *((("count_angle", 3),) if AXES else ()),
 )  # fmt: skip
 """Settings of all ports as they are packed: the first of each group, and how many it has."""
-STROBES = {"clear": 1, "host_alive": 2, "zero_start": 4, "restart": 8}
+STROBES = {"clear": 1, "host_alive": 2, "zero_start": 4, "restart": 8, "magnet_start": 32}
 STEPPED = ("voltage", "u", "v", "correction", "offset", "flux", "lag")
 HELD = ("current", "position", "contact_energy", "contact_energy_peak", "host_packet_sequence",
         "host_v")  # fmt: skip
@@ -80,6 +91,16 @@ def port_sum(settings: Settings, port: int) -> int:
             word = settings.get((port + 1) << 8 | first + place, 0) & (1 << bits) - 1
             total += WINDOW // words * word * FACTOR * (first + place + 1)
     return total & SUM_MASK
+
+
+def in_common(settings: Settings) -> Settings:
+    """As they are committed: what both axes have in common is alpha's."""
+    found = dict(settings)
+    for place in SETTINGS:
+        part, own = place.address >> 8, place.address & 0xFF
+        if part > 1 and AXES >> part - 2 & 1 and own > WORDS["gain"].at() & 0xFF:
+            found[place.address] = settings[place.address - 0x100]
+    return found
 
 
 def packed(settings: Settings) -> int:
@@ -237,7 +258,7 @@ class RegistersBench(BusBench):
         begins = takes and address in (COMMIT, DISCARD) and data & 1
         if begins:
             if address == COMMIT:
-                self.commits.append(dict(self.written))
+                self.commits.append(in_common(self.written))
             else:
                 self.commits.append(dict(self.commits[-1]))
                 self.written = dict(self.commits[-1])
@@ -255,12 +276,13 @@ class RegistersBench(BusBench):
 
     def expect_strobe(self, strobe: int, address: int, data: int) -> None:
         found = self.word("commands_o")
-        assert found >> 4 == strobe
+        assert found >> 4 & 1 == strobe
         if strobe:
             assert self.word("command_address_o") == address
             assert self.word("command_data_o") == data
         for name, bit in STROBES.items():
             own = strobe and address == WORDS[name].at() and data & 1
+            own = own and (AXES or name != "magnet_start")
             held = name == "restart" and self.word("loading_o")
             assert bool(found & bit) == bool(own or held), name
 

@@ -11,7 +11,8 @@ module wh_settings_rom #(
     parameter integer WALLS      = 4,
     parameter integer SHAPER     = 0,
     parameter integer DELAY_LOG2 = 2,
-    parameter integer LEGS       = 2
+    parameter integer LEGS       = 2,
+    parameter integer BOTH       = 0
 ) (
     input  wire        clk,
     input  wire [8:0]  address_i,

@@ -22,6 +22,10 @@
 // change (33 bits and the bound's), two counters of periods, what the limits did (8 bits), y_b, θ and c.
 // Settings: 14 words in two banks in one block RAM (wh_port_settings), each read in the clock before its use.
 //
+// AXES: ports n and n + 1 are the axes of a brushless motor where bit n is 1, and are each what wh_anchor is with
+// AXIS = 1. place_i and cell_i hold as all inputs do. Without found_i the magnets aren't known, and the anchor has no
+// say. forget_i resets a port, while nobody's turn or another's goes on.
+//
 // Latency: above. Reset: of wh_anchor, for all ports; of any length, at any clock. A turn under way ends.
 
 `default_nettype none
@@ -29,6 +33,7 @@
 
 module wh_anchor_ports #(
     parameter integer N      = 1,                        // ports, 1...8
+    parameter integer AXES   = 0,                        // bit n: ports n, n + 1 are a brushless motor's axes
     parameter integer PORT_W = (N > 1) ? $clog2(N) : 1   // derived, leave it
 ) (
     input  wire                               clk,
@@ -41,6 +46,10 @@ module wh_anchor_ports #(
 
     // What the period brought.
     input  wire signed [`WH_COUNT_W-1:0]      position_i,    // s32, counts
+    input  wire signed [`WH_PLACE_W+`WH_SINE_Q-1:0] place_i, // s30q15 cells: of an axis (wh_rotor_flux)
+    input  wire signed [`WH_SINE_Q+1:0]       cell_i,        // s17q15 cells
+    input  wire [N-1:0]                       found_i,       // the magnets' angle is known
+    input  wire [N-1:0]                       forget_i,      // strobes
     input  wire                               contact_i,
     input  wire                               blind_i,       // i_n or v_n is at its end
     input  wire signed [`WH_DATA_W-1:0]       current_i,     // s31q24 A: i_n
@@ -81,6 +90,7 @@ module wh_anchor_ports #(
     localparam integer CUT       = `WH_LONG_GUARD;
     localparam integer PLACE_W   = `WH_PLACE_W;      // of the counts that x̂'s copy holds
     localparam integer MOVE_W    = `WH_MOVE_W;
+    localparam integer SINE_Q    = `WH_SINE_Q;
     localparam integer REST_W    = `WH_REST_W;
     localparam integer FOLLOW_W  = `WH_FOLLOW_W;
 
@@ -88,10 +98,11 @@ module wh_anchor_ports #(
     localparam integer FAR_SHIFT  = `WH_WAVE_Q + `WH_FLUX_Q - LONG_Q;
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
-    localparam integer INNER_SHIFT = 7;  // of z within the zone, of both means
+    localparam integer INNER_SHIFT = 7;  // of z within the zone, of both means; one more of an axis
+    localparam integer BETAS       = AXES << 1;
     localparam [4:0]   HURRY_IN    = 7;  // turns more in which y' moves after a count that the rotor travels,
     localparam [4:0]   HURRY_OUT   = 31; // and on its way out
-    localparam integer BEHIND_SHIFT = 5;  // of the count by which z is behind χ after a turn
+    localparam integer BEHIND_SHIFT = 5;  // of the count by which z is behind χ after a turn; one less of an axis
     localparam integer FEW_SHIFT   = INNER_SHIFT + 1 + CUT;  // by half of a step of y' shrinks y_b
     localparam integer THETA_CUT   = `WH_LEARN_Q + LONG_Q - CUT - FAR_SHIFT - `WH_PULL_Q;  // of θ below a coefficient
     localparam integer THETA_W     = LONG_W - THETA_CUT;
@@ -124,6 +135,10 @@ module wh_anchor_ports #(
     reg              go_q;       // which adds
     reg [PORT_W-1:0] port_q;
     reg              bank_q;
+
+    wire [(1<<PORT_W)-1:0] axes = AXES[(1<<PORT_W)-1:0] | BETAS[(1<<PORT_W)-1:0];
+    wire                   axis = axes[port_q];        // of a brushless motor
+    wire [N-1:0]           resets = {N{rst}} | forget_i;
 
     wire busy = (step_q != IDLE);
     wire ends = go_q && adds_q == CHOOSE;
@@ -225,6 +240,7 @@ module wh_anchor_ports #(
     wire                     back     = moved_q[MOVE_W-1];
     wire                     one      = back ? (&moved_q) : (moved_q[MOVE_W-1:1] == 0);
     wire                     same_way = moves && (back == back_q || !one);
+    wire                     sinks;       // this turn's edge lessens the flux
     wire                     edged    = (fresh_q != 2'd0);
     wire                     steps    = moves && !begins_q;
     wire                     trades   = steps && one;
@@ -248,16 +264,18 @@ module wh_anchor_ports #(
     assign {chi_at_q, up_at_q, down_at_q} = places ^ PLACES;
 
     wire [1:0] fresh_next = moves ? FRESH_TICKS : edged ? fresh_q - 2'd1 : 2'd0;
-    wire [1:0] chi_next   = !trades ? chi_at_q : back ? down_at_q : up_at_q;
-    wire [1:0] up_next    = (trades && !back) ? chi_at_q : up_at_q;
-    wire [1:0] down_next  = (trades && back) ? chi_at_q : down_at_q;
+    wire [1:0] chi_next   = !trades ? chi_at_q : sinks ? down_at_q : up_at_q;
+    wire [1:0] up_next    = (trades && !sinks) ? chi_at_q : up_at_q;
+    wire [1:0] down_next  = (trades && sinks) ? chi_at_q : down_at_q;
+    wire       released;  // an axis' bound has been met since the edge
 
     wh_port_state #(
         .N       (N),
+        .RESETS  (N),
         .W       (EDGES_W)
     ) edges_state (
         .clk     (clk),
-        .rst     (rst),
+        .rst     (resets),
         .port_i  (port_q),
         .save_i  (edges),
         .save_port_i (port_q),
@@ -266,15 +284,15 @@ module wh_anchor_ports #(
                    !(begins_q || (moves ? same_way : !turned_q)),
                    (begins_q || same_way) ? (moves ? back : back_q) : counted_q,
                    begins_q || (same_way ? back == counted_q : travels_q),
-                   moves ? back : sinks_q,
+                   moves ? sinks : sinks_q,
                    fresh_next,
                    {chi_next, up_next, down_next} ^ PLACES,
-                   !begins_q && (steps ? one && (back ? knows_up_q : !chi_below_q) : knows_up_q),
-                   !begins_q && (steps ? one && (back ? !chi_above_q : knows_down_q) : knows_down_q),
-                   (steps && !back) ? chi_above_q : up_all_q,
-                   (steps && back) ? chi_below_q : down_all_q,
-                   (begins_q || moves) ? !begins_q : bound_q,
-                   started_q && !copies_q}),
+                   !begins_q && (steps ? one && (sinks ? knows_up_q : !chi_below_q) : knows_up_q),
+                   !begins_q && (steps ? one && (sinks ? !chi_above_q : knows_down_q) : knows_down_q),
+                   (steps && !sinks) ? chi_above_q : up_all_q,
+                   (steps && sinks) ? chi_below_q : down_all_q,
+                   (begins_q || moves) ? !begins_q : bound_q && !released,
+                   started_q && !copies_q && !axis}),
         .value_o ({position_q, started_q, contact_q, back_q, turned_q, counted_q, travels_q, sinks_q, fresh_q,
                    places, knows_up_q, knows_down_q, up_all_q, down_all_q, bound_q, copies_q})
     );
@@ -290,13 +308,15 @@ module wh_anchor_ports #(
     wire slow    = (quiet_q == {REST_W{1'b0}});
     wire follows = (phase_q[FOLLOW_W-1:1] == {(FOLLOW_W - 1){1'b0}});
     wire hurries = (hurries_q != 5'd0);
+    wire counts  = same_way_q && !axis;  // a count moves y' besides
 
     wh_port_state #(
         .N       (N),
+        .RESETS  (N),
         .W       (REST_W)
     ) quiet_state (
         .clk     (clk),
-        .rst     (rst),
+        .rst     (resets),
         .port_i  (port_q),
         .save_i  (step_q == 5'd5),
         .save_port_i (port_q),
@@ -306,21 +326,22 @@ module wh_anchor_ports #(
 
     wh_port_state #(
         .N       (N),
+        .RESETS  (N),
         .W       (5 + FOLLOW_W)
     ) phase_state (
         .clk     (clk),
-        .rst     (rst),
+        .rst     (resets),
         .port_i  (port_q),
         .save_i  (step_q == 5'd6),
         .save_port_i (port_q),
-        .value_i ({same_way_q ? (back_q == presses_q ? HURRY_OUT : HURRY_IN) : hurries_q - {4'd0, hurries},
+        .value_i ({counts ? (back_q == presses_q ? HURRY_OUT : HURRY_IN) : hurries_q - {4'd0, hurries},
                    follows ? setting[FOLLOW_W-1:0] : phase_q - 1'b1}),
         .value_o ({hurries_q, phase_q})
     );
 
     always @(posedge clk) begin
         if (step_q == 5'd6) begin
-            follows_q <= follows || hurries || same_way_q;
+            follows_q <= follows || hurries || counts;
         end
     end
 
@@ -333,33 +354,108 @@ module wh_anchor_ports #(
     reg  overloaded_q;    // nothing was learned once, and c has been at its limit since
     wire chi_above, chi_below, tracked, presses, full_before, void_before, clipped, overloaded;
 
+    localparam integer LIMITS_W = 8 + ((AXES != 0) ? 1 : 0);
+    wire                met;         // so it has in this turn
+    wire [LIMITS_W-1:0] limits;
+    wire                unused_met  = &{1'b0, limits_next[8]};
+    wire [8:0]          limits_next = {met, chi_above_q, chi_below_q, tracked_q, presses_q, full_q, void_q,
+                                       clipped_q, overloaded_q};
+
     wh_port_state #(
         .N       (N),
-        .W       (8)
+        .RESETS  (N),
+        .W       (LIMITS_W)
     ) limits_state (
         .clk     (clk),
-        .rst     (rst),
+        .rst     (resets),
         .port_i  (port_q),
         .save_i  (ends),
         .save_port_i (port_q),
-        .value_i ({chi_above_q, chi_below_q, tracked_q, presses_q, full_q, void_q, clipped_q, overloaded_q}),
-        .value_o ({chi_above, chi_below, tracked, presses, full_before, void_before, clipped, overloaded})
+        .value_i (limits_next[LIMITS_W-1:0]),
+        .value_o (limits)
     );
+
+    assign {chi_above, chi_below, tracked, presses, full_before, void_before, clipped, overloaded} = limits[7:0];
+    assign released = limits[LIMITS_W-1] && AXES != 0;
 
     // ---- What the encoder tells of the flux: all of it, what the period changed, what a contact begins with, half
     // of what a count changes, how far z is from χ, and whether χ or z, sum_q of the steps AHEAD and BOUND,
     // is beyond that half.
-    wire signed [LONG_W-1:0] place      = $signed({position_q, {LONG_Q{1'b0}}});
-    wire signed [LONG_W-1:0] moved_flux = $signed({{(LONG_W - LONG_Q - MOVE_W){moved_q[MOVE_W-1]}}, moved_q,
-                                                   {LONG_Q{1'b0}}});
-    wire signed [LONG_W-1:0] start_flux = $signed({{(LONG_W - LONG_Q + 1){edged && back_q}}, edged,
-                                                   {(LONG_Q - 2){1'b0}}});
-    wire signed [LONG_W-1:0] half_flux  = $signed({{(LONG_W - LONG_Q){1'b0}}, 1'b1, {(LONG_Q - 1){1'b0}}});
-    wire signed [LONG_W-1:0] ahead_flux = $signed({{(LONG_W - LONG_Q + 1){1'b0}}, same_q,
-                                                   {(BEHIND_SHIFT - 3){1'b0}}, !same_q,
-                                                   {(LONG_Q - BEHIND_SHIFT){1'b0}}});
-    wire                     out        = back_sum ? !(&sum_q[LONG_W-2:LONG_Q-1])
-                                                   : (|sum_q[LONG_W-2:LONG_Q-1]);
+    wire signed [LONG_W-1:0] place, moved_flux, start_flux, half_flux, ahead_flux;
+    wire                     out;
+    wire signed [LONG_W-1:0] motor_place = $signed({position_q, {LONG_Q{1'b0}}});
+    wire signed [LONG_W-1:0] motor_moved = $signed({{(LONG_W - LONG_Q - MOVE_W){moved_q[MOVE_W-1]}}, moved_q,
+                                                    {LONG_Q{1'b0}}});
+    wire signed [LONG_W-1:0] motor_start = $signed({{(LONG_W - LONG_Q + 1){edged && back_q}}, edged,
+                                                    {(LONG_Q - 2){1'b0}}});
+    wire signed [LONG_W-1:0] motor_half  = $signed({{(LONG_W - LONG_Q){1'b0}}, 1'b1, {(LONG_Q - 1){1'b0}}});
+    wire signed [LONG_W-1:0] motor_ahead = $signed({{(LONG_W - LONG_Q + 1){1'b0}}, same_q,
+                                                    {(BEHIND_SHIFT - 3){1'b0}}, !same_q,
+                                                    {(LONG_Q - BEHIND_SHIFT){1'b0}}});
+    wire                     motor_out   = back_sum ? !(&sum_q[LONG_W-2:LONG_Q-1])
+                                                    : (|sum_q[LONG_W-2:LONG_Q-1]);
+
+    generate
+        if (AXES != 0) begin : of_axes
+            localparam integer FLUX_W = PLACE_W + SINE_Q;
+            localparam integer HALF_W = LONG_W - LONG_Q + SINE_Q + 1;  // χ in fractions of half a count's last place
+
+            reg  signed [FLUX_W-1:0] words [0:(1<<PORT_W)-1];
+            wire signed [FLUX_W-1:0] place_q = words[port_q];
+            reg  signed [FLUX_W-1:0] moved_flux_q;
+            reg  signed [SINE_Q+1:0] cell_q;
+
+            always @(posedge clk) begin
+                if (step_q == 5'd1) begin
+                    moved_flux_q <= started_q ? place_i - place_q : {FLUX_W{1'b0}};
+                    cell_q       <= cell_i;
+                end
+                if (edges) begin
+                    words[port_q] <= place_i;
+                end
+            end
+
+            reg                      released_q;
+            wire signed [SINE_Q+1:0] size = cell_q[SINE_Q+1] ? -cell_q : cell_q;
+            wire signed [SINE_Q+1:0] way  = !edged ? {SINE_Q+2{1'b0}} : back_q ? -cell_q : cell_q;
+            wire signed [HALF_W-1:0] half = $signed({{(HALF_W - SINE_Q - 2){1'b0}}, size});
+            wire signed [HALF_W-1:0] chi  = $signed(sum_q[LONG_W-1:LONG_Q-SINE_Q-1]);
+
+            assign place      = axis ? $signed({place_q, {(LONG_Q - SINE_Q){1'b0}}}) : motor_place;
+            assign moved_flux = axis ? $signed({moved_flux_q, {(LONG_Q - SINE_Q){1'b0}}}) : motor_moved;
+            assign start_flux = axis ? $signed({{(HALF_W - SINE_Q - 2){way[SINE_Q+1]}}, way,
+                                                {(LONG_Q - SINE_Q - 1){1'b0}}}) : motor_start;
+            assign half_flux  = axis ? $signed({half, {(LONG_Q - SINE_Q - 1){1'b0}}}) : motor_half;
+            assign ahead_flux = !axis   ? motor_ahead
+                                : same_q ? $signed({1'b0, half, {(LONG_Q - SINE_Q - 2){1'b0}}})
+                                         : $signed({{(LONG_W - LONG_Q + BEHIND_SHIFT - 2){1'b0}}, 1'b1,
+                                                    {(LONG_Q - BEHIND_SHIFT + 1){1'b0}}});
+            assign met        = released_q;
+            assign sinks      = axis ? moved_flux_q[FLUX_W-1] : back;
+            assign out        = !axis ? motor_out : back_sum ? (chi < -half) : (chi >= half);
+
+            always @(posedge clk) begin
+                if (step_q == 5'd1) begin
+                    released_q <= released;
+                end else if (edges && (begins_q || moves)) begin
+                    released_q <= 1'b0;
+                end else if (go_q && adds_q == BACK) begin
+                    released_q <= released_q || (axis && contact_q && !beside);
+                end
+            end
+        end else begin : of_motors
+            wire unused_axis = &{1'b0, place_i, cell_i, found_i};
+
+            assign place      = motor_place;
+            assign moved_flux = motor_moved;
+            assign start_flux = motor_start;
+            assign half_flux  = motor_half;
+            assign ahead_flux = motor_ahead;
+            assign sinks      = back;
+            assign out        = motor_out;
+            assign met        = 1'b0;
+        end
+    endgenerate
 
     // The memory's words; χ and its two bounds take turns in the last three.
     localparam [3:0] M_FLUX = 0, M_THETA = 1, M_MEAN = 2, M_ZERO = 3, M_FOLLOWER = 4,
@@ -645,7 +741,7 @@ module wh_anchor_ports #(
     // first link gives a product, 1 or 0. The lowest places have products only, the middle ones nothing of the
     // encoder, the highest no setting.
     localparam integer LOW_W   = VOLT_SHIFT - 1;
-    localparam integer COUNT_Q = LONG_Q - BEHIND_SHIFT;
+    localparam integer COUNT_Q = (AXES != 0) ? LONG_Q - SINE_Q - 2 : LONG_Q - BEHIND_SHIFT;
     localparam integer THETA_Q = THETA_CUT - 2;  // of a quarter of the largest θ
     localparam integer TOP_Q   = (VOLT_SHIFT + DATA_W > THETA_Q + COEF_W) ? VOLT_SHIFT + DATA_W - 1
                                                                           : THETA_Q + COEF_W - 1;
@@ -715,7 +811,8 @@ module wh_anchor_ports #(
     // ---- The adder. Its sum goes to sum_q alone, and from there on, so that sum and register are one
     // cell of an FPGA. What a step writes, the two after it can't read.
     wire                     takes_off = to_zero_q ? !back_sum : minus_q;
-    wire signed [LONG_W-1:0] part = sum_q >>> INNER_SHIFT;
+    wire signed [LONG_W-1:0] inner_sum = sum_q >>> INNER_SHIFT;
+    wire signed [LONG_W-1:0] part      = axis ? inner_sum >>> 1 : inner_sum;
     wire signed [LONG_W-1:0] a    = ({LONG_W{sum_too_q}} & sum_q) | ({LONG_W{inner_q}} & part);
     wire signed [LONG_W-1:0] b    =
         (b_q | ({LONG_W{memory_too_q}} & read_q)) ^ {LONG_W{takes_off}};
@@ -812,7 +909,7 @@ module wh_anchor_ports #(
                 clipped_q    <= clipped;
                 overloaded_q <= overloaded;
             end
-            5'd10:   enable_q <= setting[0];
+            5'd10:   enable_q <= setting[0] && (!axis || found_i[port_q]);
             default: ;
         endcase
         if (go_q) begin
@@ -879,7 +976,8 @@ module wh_anchor_ports #(
         caps_q    <= (step_q == CORRECT);
     end
 
-    wire [DATA_W-1:0] side_b = {{(DATA_W - LONG_W + FEW_SHIFT){back_sum}}, sum_q[LONG_W-1:FEW_SHIFT]};
+    wire [DATA_W-1:0] few    = {{(DATA_W - LONG_W + FEW_SHIFT){back_sum}}, sum_q[LONG_W-1:FEW_SHIFT]};
+    wire [DATA_W-1:0] side_b = axis ? {back_sum, few[DATA_W-1:1]} : few;
     wire [DATA_W-1:0] side;
     wire              carry;
     assign {carry, side} = {1'b0, brush_q ^ {DATA_W{turns_q}}} + {1'b0, side_b} + {{DATA_W{1'b0}}, back_sum};
@@ -907,15 +1005,19 @@ module wh_anchor_ports #(
     reg  chosen_q;  // c is in sum_q, and
     reg  none_q;    // it is not wanted
     wire fault = faults_o[port_q];
+    integer n;
     wire lost  = enable_q && (fault || far_q || (clipped_q && strange_q && !saturated_q && !overloaded_q));
 
     always @(posedge clk) begin
         chosen_q <= ends && !rst;
         none_q   <= !enable_q || lost || blind_q;
-        if (rst) begin
-            faults_o <= {N{1'b0}};
-        end else if (ends) begin
+        if (ends) begin
             faults_o[port_q] <= lost;
+        end
+        for (n = 0; n < N; n = n + 1) begin
+            if (resets[n]) begin
+                faults_o[n] <= 1'b0;
+            end
         end
     end
 
@@ -937,10 +1039,11 @@ module wh_anchor_ports #(
 
     wh_port_state #(
         .N       (N),
+        .RESETS  (N),
         .W       (DATA_W)
     ) next_state (
         .clk     (clk),
-        .rst     (rst),
+        .rst     (resets),
         .port_i  (port_q),
         .save_i  (chosen_q),
         .save_port_i (port_q),
@@ -964,10 +1067,11 @@ module wh_anchor_ports #(
 
     wh_port_state #(
         .N       (N),
+        .RESETS  (N),
         .W       (DATA_W)
     ) brush_state (
         .clk     (clk),
-        .rst     (rst),
+        .rst     (resets),
         .port_i  (port_q),
         .save_i  (brush_none_q || follow || (go_q && shrinks_q && begins_q)),
         .save_port_i (port_q),
@@ -978,10 +1082,11 @@ module wh_anchor_ports #(
 
     wh_port_state #(
         .N       (N),
+        .RESETS  (N),
         .W       (COEF_W)
     ) theta_state (
         .clk     (clk),
-        .rst     (rst),
+        .rst     (resets),
         .port_i  (port_q),
         .save_i  (learned || theta_caps_q),
         .save_port_i (port_q),

@@ -56,7 +56,7 @@ module wh_core #(
     input  wire        [DELAY_LOG2-1:0]     hold_ticks_i,
 
     // What the port anchor takes of u_max (wh_anchor_ports).
-    input  wire                             room_rst_i,      // nothing, of all ports
+    input  wire        [N-1:0]              room_rst_i,      // nothing, of these ports
     input  wire                             room_valid_i,    // strobe
     input  wire        [PORT_W-1:0]         room_port_i,
     input  wire signed [`WH_DATA_W-1:0]     room_i,          // s31q23 √W, 0...
@@ -193,10 +193,11 @@ module wh_core #(
 
     wh_port_state #(
         .N           (N),
+        .RESETS      (N),
         .W           (DATA_W)
     ) room_state (
         .clk         (clk),
-        .rst         (rst || room_rst_i),
+        .rst         ({N{rst}} | room_rst_i),
         .port_i      (port_q),
         .save_i      (room_valid_i),
         .save_port_i (room_port_i),

@@ -5,8 +5,9 @@
 //
 //   one motor        wh_motor_device: wh_controller, or wh_brushless with LEGS = 3
 //   several motors   wh_ports_device: wh_ports, where they take turns
+//   TURNS = 1        wh_ports_device with one brushless motor, LEGS = 3, whose two axes take turns
 //
-// Several motors always have ANCHOR, GUARD, SENSE and DEAD_TIME, and neither BUS, SHARED nor CAPTURE_RISE.
+// wh_ports_device always has ANCHOR, GUARD, SENSE and DEAD_TIME, and neither BUS, SHARED nor CAPTURE_RISE.
 // Nothing is at their outputs anchor_fault_o, encoder_fault_o and overcurrent_o, which the register `faults` tells.
 //
 // Latency and reset: those of the module.
@@ -38,6 +39,7 @@ module wh_device #(
     parameter integer CAPTURE      = 0,  // words that a capture takes, 2^this, 4...15; 0: there is none
     parameter integer STREAM       = 0,  // 1: with a stream
     parameter integer LEGS         = 2,  // half bridges of a motor: 2, wh_controller; 3, wh_brushless
+    parameter integer TURNS        = 0,  // 1: with LEGS = 3 as above
     parameter integer PARTS        = (LEGS == 3) ? 2 : N  // derived, leave it: motors, or axes of one
 ) (
     input  wire                 clk,
@@ -97,7 +99,33 @@ module wh_device #(
 );
 
     generate
-        if (N > 1 && LEGS == 2) begin : of_ports
+        if (TURNS != 0 && (TURNS != 1 || LEGS != 3 || N != 1)) begin : illegal_turns
+            wh_illegal_parameter_device_turns_must_be_0_or_1_with_one_motor_of_three_legs stop ();
+        end
+        if ((N > 1 && LEGS == 2) || TURNS == 1) begin : of_ports
+            wire [PARTS-1:0] enc_a, enc_b, ah, al, bh, bl, drivers;
+
+            // A brushless motor's leg c is leg A of its second port.
+            if (TURNS == 1) begin : brushless
+                wire unused_legs = &{1'b0, bh[1], bl[1]};
+
+                assign enc_a     = {1'b0, enc_a_i};
+                assign enc_b     = {1'b0, enc_b_i};
+                assign drivers   = {2{driver_fault_i}};
+                assign gate_ah_o = ah[0];
+                assign gate_al_o = al[0];
+                assign gate_bh_o = {ah[1], bh[0]};
+                assign gate_bl_o = {al[1], bl[0]};
+            end else begin : brushed
+                assign enc_a     = enc_a_i;
+                assign enc_b     = enc_b_i;
+                assign drivers   = driver_fault_i;
+                assign gate_ah_o = ah;
+                assign gate_al_o = al;
+                assign gate_bh_o = bh;
+                assign gate_bl_o = bl;
+            end
+
             wire zero_busy;
             wire unused_anchor = &{1'b0, anchor_fault_i};
 
@@ -112,7 +140,8 @@ module wh_device #(
             end
 
             wh_ports_device #(
-                .N          (N),
+                .N          (PARTS),
+                .AXES       (TURNS),
                 .WALLS      (WALLS),
                 .DELAY_LOG2 (DELAY_LOG2),
                 .ADC        (ADC),
@@ -143,15 +172,15 @@ module wh_device #(
                 .adc_sclk_o      (adc_sclk_o),
                 .adc_din_o       (adc_din_o),
                 .adc_sdata_i     (adc_sdata_i),
-                .enc_a_i         (enc_a_i),
-                .enc_b_i         (enc_b_i),
-                .gate_ah_o       (gate_ah_o),
-                .gate_al_o       (gate_al_o),
-                .gate_bh_o       (gate_bh_o),
-                .gate_bl_o       (gate_bl_o),
+                .enc_a_i         (enc_a),
+                .enc_b_i         (enc_b),
+                .gate_ah_o       (ah),
+                .gate_al_o       (al),
+                .gate_bh_o       (bh),
+                .gate_bl_o       (bl),
                 .bus_i           (bus_i),
                 .stop_i          (stop_i),
-                .driver_fault_i  (driver_fault_i),
+                .driver_fault_i  (drivers),
                 .clear_i         (clear_i),
                 .zero_start_i    (zero_start_i),
                 .press_i         (press_i),

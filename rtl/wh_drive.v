@@ -15,6 +15,11 @@
 // comes with width_o for width_port_o. With take_i, in the same clock as walk_i, the duties that wait are taken
 // before it. The last width is there N + 5 clocks after walk_i.
 //
+// Legs: a brushed motor's bridge is one, of its port's number. A brushless motor has three, as PHASES says by their
+// bits, of which the third has a number behind those of all ports. Each has a side, and a width once a period, with
+// half_i; least_i isn't theirs. With voltage_axis_i a voltage is an axis': its product isn't asked for, and wh_legs
+// asks for those of the legs, by the scale that was read for it, and gives the leg with its product.
+//
 // State, by port, in LUT RAM (wh_port_state): c (31 bits), the side (10), two duties (36 each), of which one is in
 // force, and what is owed (35). Settings: clocks_per_volt, side_current (wh_port_settings).
 // Latency: above. Reset: duties, rests and widths 0, as wh_modulator; c by its own.
@@ -25,14 +30,18 @@
 module wh_drive #(
     parameter integer N         = 1,                     // ports, 1...8
     parameter integer MIN_PULSE = 0,                     // 1: least_i and spare_i count; 0: both are 0
-    parameter integer PORT_W    = (N > 1) ? $clog2(N) : 1 // derived, leave it
+    parameter integer LEGS      = N,                     // N, and one more for each brushless motor; ...12
+    parameter integer PHASES    = 0,                     // 0...: bit n: leg n is one of a brushless motor's three
+    parameter integer PORT_W    = (N > 1) ? $clog2(N) : 1, // these two are derived, leave them
+    parameter integer LEG_W     = (LEGS > 1) ? $clog2(LEGS) : 1
 ) (
     input  wire                          clk,
     input  wire                          rst,
 
     // A turn's current.
     input  wire                          current_valid_i, // strobe
-    input  wire [PORT_W-1:0]             current_port_i,
+    input  wire [PORT_W-1:0]             current_port_i,  // of its settings
+    input  wire [LEG_W-1:0]              current_leg_i,
     input  wire                          current_bank_i,
     input  wire signed [`WH_DATA_W-1:0]  current_i,       // s31q24 A, in the clock after
 
@@ -40,12 +49,17 @@ module wh_drive #(
     input  wire                          voltage_valid_i, // strobe
     input  wire [PORT_W-1:0]             voltage_port_i,
     input  wire                          voltage_bank_i,
+    input  wire                          voltage_axis_i,  // nothing is driven by it
     input  wire signed [`WH_DATA_W-1:0]  voltage_i,       // s31q23 V: e_id
     output wire signed [`WH_DATA_W-1:0]  voltage_o,       // s31q23 V: e
     output wire signed [`WH_DATA_W-1:0]  correction_o,    // s31q23 V: c of it
 
+    // A product that is there, of a phase's voltage (wh_legs).
+    input  wire                          duty_valid_i,    // strobe
+    input  wire [LEG_W-1:0]              duty_leg_i,
+
     // What the port anchor adds (wh_anchor_ports).
-    input  wire                          correction_rst_i,   // all are 0
+    input  wire [N-1:0]                  correction_rst_i,   // of these ports it is 0
     input  wire                          correction_valid_i, // strobe
     input  wire [PORT_W-1:0]             correction_port_i,
     input  wire signed [`WH_DATA_W-1:0]  correction_i,       // s31q23 V
@@ -73,9 +87,10 @@ module wh_drive #(
 
     // Widths.
     input  wire                          walk_i,          // strobe
+    input  wire                          half_i,          // with it: phases too
     input  wire                          take_i,          // with it
     output reg                           width_valid_o,   // strobe
-    output reg  [PORT_W-1:0]             width_port_o,
+    output reg  [LEG_W-1:0]              width_leg_o,
     output reg  signed [`WH_TICK_W-1:0]  width_o          // s16, clocks
 );
 
@@ -88,11 +103,15 @@ module wh_drive #(
                                    + ((MIN_PULSE != 0) ? 2 : 1);              // s26q16
     localparam integer TOTAL_W   = DUTY_W + 1;                  // s36q16
     localparam integer ROUND_W   = TOTAL_W - FRACTION + 1;      // s21
-    localparam integer LAST      = N - 1;
+    localparam integer LAST      = LEGS - 1;
+    localparam integer PLACES    = 1 << LEG_W;
 
     generate
         if (N < 1 || N > 8) begin : illegal
             wh_illegal_parameter_drive_n_must_be_1_to_8 stop ();
+        end
+        if (LEGS < N || LEGS > 12) begin : illegal_legs
+            wh_illegal_parameter_drive_legs_must_be_n_to_12 stop ();
         end
         if (ROUND_W < `WH_TICK_W + 1) begin : illegal_format
             wh_illegal_WH_DATA_W_or_WH_COEF_W_too_small_for_a_pulse_width stop ();
@@ -102,11 +121,13 @@ module wh_drive #(
         end
     endgenerate
 
+    wire [PLACES-1:0] phases = PHASES[PLACES-1:0];
+
     // ---- The side of the dead time. -current is taken as one place less, which only inverters cost.
     reg               side_at_q;    // the clock after current_valid_i,
     reg               side_next_q;  // and the one after that
-    reg  [PORT_W-1:0] side_port_q;
-    wire [PORT_W-1:0] walk_port;
+    reg  [LEG_W-1:0]  side_leg_q;
+    wire [LEG_W-1:0]  walk_leg;
     wire [DATA_W-1:0] threshold;
     wire              negative_before, start_before;
     wire [7:0]        settle_before;
@@ -119,7 +140,7 @@ module wh_drive #(
 
     always @(posedge clk) begin
         if (current_valid_i) begin
-            side_port_q <= current_port_i;
+            side_leg_q  <= current_leg_i;
         end
         below_q     <= beyond[DATA_W];
         side_at_q   <= current_valid_i && !rst;
@@ -152,27 +173,27 @@ module wh_drive #(
     wire       negative, start;
 
     wh_port_state #(
-        .N           (N),
+        .N           (LEGS),
         .W           (10)
     ) side_state (
         .clk         (clk),
         .rst         (rst || !compensate_i),
-        .port_i      (side_port_q),
+        .port_i      (side_leg_q),
         .save_i      (side_save),
-        .save_port_i (side_port_q),
+        .save_port_i (side_leg_q),
         .value_i     (side_next),
         .value_o     ({negative_before, start_before, settle_before})
     );
 
     wh_port_state #(
-        .N           (N),
+        .N           (LEGS),
         .W           (2)
     ) sign_state (
         .clk         (clk),
         .rst         (rst || !compensate_i),
-        .port_i      (walk_port),
+        .port_i      (walk_leg),
         .save_i      (side_save),
-        .save_port_i (side_port_q),
+        .save_port_i (side_leg_q),
         .value_i     (side_next[9:8]),
         .value_o     ({negative, start})
     );
@@ -192,12 +213,15 @@ module wh_drive #(
     // ---- The voltage.
     reg                      ask_q;
     reg signed [DATA_W-1:0]  driven_q;
-    reg        [PORT_W-1:0]  driven_port_q;
+    reg        [LEG_W-1:0]   driven_leg_q;
     reg        [3:1]         asked_q;  // the product was asked for so many clocks ago
     wire signed [DATA_W-1:0] correction;
+    wire [31:0]              voltage_leg = {{(32 - PORT_W){1'b0}}, voltage_port_i};
+    wire                     unused_leg  = &{1'b0, voltage_leg[31:LEG_W]};
 
     wh_port_state #(
         .N           (N),
+        .RESETS      (N),
         .W           (DATA_W)
     ) correction_state (
         .clk         (clk),
@@ -222,9 +246,9 @@ module wh_drive #(
     always @(posedge clk) begin
         if (voltage_valid_i) begin
             driven_q      <= voltage_o;
-            driven_port_q <= voltage_port_i;
+            driven_leg_q  <= voltage_leg[LEG_W-1:0];
         end
-        ask_q   <= voltage_valid_i && !rst;
+        ask_q   <= voltage_valid_i && !voltage_axis_i && !rst;
         asked_q <= rst ? 3'd0 : {asked_q[2:1], ask_q};
     end
 
@@ -254,8 +278,10 @@ module wh_drive #(
     // one goes to the place that isn't in force, and is in force once it is taken.
     wire signed [DUTY_W-1:0] duty_floor;
     wire                     duty_up;
-    reg  [N-1:0]             page_q;  // the place in force
-    reg  [N-1:0]             new_q;   // the other one waits to be taken
+    reg  [LEGS-1:0]          page_q;  // the place in force
+    reg  [LEGS-1:0]          new_q;   // the other one waits to be taken
+    wire                     made     = asked_q[3] || duty_valid_i;  // a duty
+    wire [LEG_W-1:0]         made_leg = duty_valid_i ? duty_leg_i : driven_leg_q;
     wire signed [DUTY_W-1:0] duty_0, duty_1;
     wire                     up_0, up_1;
 
@@ -269,64 +295,66 @@ module wh_drive #(
     );
 
     wh_port_state #(
-        .N           (N),
+        .N           (LEGS),
         .W           (DUTY_W + 1)
     ) duty_state_0 (
         .clk         (clk),
         .rst         (rst),
-        .port_i      (walk_port),
-        .save_i      (asked_q[3] && page_q[driven_port_q]),
-        .save_port_i (driven_port_q),
+        .port_i      (walk_leg),
+        .save_i      (made && page_q[made_leg]),
+        .save_port_i (made_leg),
         .value_i     ({duty_floor, duty_up}),
         .value_o     ({duty_0, up_0})
     );
 
     wh_port_state #(
-        .N           (N),
+        .N           (LEGS),
         .W           (DUTY_W + 1)
     ) duty_state_1 (
         .clk         (clk),
         .rst         (rst),
-        .port_i      (walk_port),
-        .save_i      (asked_q[3] && !page_q[driven_port_q]),
-        .save_port_i (driven_port_q),
+        .port_i      (walk_leg),
+        .save_i      (made && !page_q[made_leg]),
+        .save_port_i (made_leg),
         .value_i     ({duty_floor, duty_up}),
         .value_o     ({duty_1, up_1})
     );
 
     always @(posedge clk) begin
         if (rst) begin
-            page_q <= {N{1'b0}};
-            new_q  <= {N{1'b0}};
+            page_q <= {LEGS{1'b0}};
+            new_q  <= {LEGS{1'b0}};
         end else begin
             if (walk_i && take_i) begin
                 page_q <= page_q ^ new_q;
-                new_q  <= {N{1'b0}};
+                new_q  <= {LEGS{1'b0}};
             end
-            if (asked_q[3]) begin
-                new_q[driven_port_q] <= 1'b1;
+            if (made) begin
+                new_q[made_leg] <= 1'b1;
             end
         end
     end
 
     // ---- The walk. walk_q[n]: the port of walk_port_q[n] is at its n-th clock.
     reg  [5:1]             walk_q;
-    reg  [PORT_W-1:0]      port_1_q, port_2_q, port_3_q, port_4_q, port_5_q;
+    reg  [LEG_W-1:0]       port_1_q, port_2_q, port_3_q, port_4_q, port_5_q;
+    reg                    half_q;
     wire signed [REST_W:0]   rests;    // s18q16
     wire signed [REST_W-1:0] older;    // s17q16, rest of the half before
     reg  signed [REST_W-1:0] older_2_q, older_3_q, older_4_q;
     reg  signed [REST_W-1:0] rest_5_q;
     reg  signed [REST_W:0]   rests_5_q;
 
-    assign walk_port = port_1_q;
+    assign walk_leg = port_1_q;
 
     always @(posedge clk) begin
         if (rst) begin
             walk_q <= 5'd0;
         end else begin
-            walk_q <= {walk_q[4:1], walk_i || (walk_q[1] && port_1_q != LAST[PORT_W-1:0])};
+            walk_q <= {walk_q[4:1], walk_i || (walk_q[1] && port_1_q != LAST[LEG_W-1:0])};
         end
-        port_1_q <= walk_i ? {PORT_W{1'b0}} : port_1_q + 1'b1;
+        port_1_q <= walk_i ? {LEG_W{1'b0}} : port_1_q + 1'b1;
+        half_q   <= walk_i ? half_i : half_q;
         port_2_q <= port_1_q;
         port_3_q <= port_2_q;
         port_4_q <= port_3_q;
@@ -334,13 +362,13 @@ module wh_drive #(
     end
 
     wh_port_state #(
-        .N           (N),
+        .N           (LEGS),
         .W           (2 * REST_W + 1)
     ) rests_state (
         .clk         (clk),
         .rst         (rst),
-        .port_i      (walk_port),
-        .save_i      (walk_q[5]),
+        .port_i      (walk_leg),
+        .save_i      (walk_q[5] && (half_q || !phases[port_5_q])),
         .save_port_i (port_5_q),
         .value_i     ({rests_5_q, rest_5_q}),
         .value_o     ({rests, older})
@@ -414,7 +442,7 @@ module wh_drive #(
             end
 
             wire signed [ROUND_W:0]      twice   = $signed({rounded_q, 1'b0});
-            wire                         short   = rounded_q < least && rounded_q > minus_least;
+            wire                         short   = !phases[port_4_q] && rounded_q < least && rounded_q > minus_least;
             wire                         up      = twice >= $signed({1'b0, least});
             wire                         down    = twice <= $signed({minus_least[ROUND_W-1], minus_least});
             wire signed [`WH_TICK_W-1:0] instead = up ? size_q : down ? minus_size_q : {`WH_TICK_W{1'b0}};
@@ -452,8 +480,8 @@ module wh_drive #(
         older_4_q     <= older_3_q;
         rest_5_q      <= rest;
         rests_5_q     <= second_order_i ? (rest_long <<< 1) - older_long : rest_long;
-        width_valid_o <= walk_q[4] && !rst;
-        width_port_o  <= port_4_q;
+        width_valid_o <= walk_q[4] && (half_q || !phases[port_4_q]) && !rst;
+        width_leg_o   <= port_4_q;
         width_o       <= chosen;
     end
 

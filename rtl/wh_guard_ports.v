@@ -23,7 +23,7 @@
 `include "wh_faults.vh"
 
 module wh_guard_ports #(
-    parameter integer N      = 1,                        // ports, 1...8
+    parameter integer N      = 1,                        // ports, and third phases of brushless motors, 1...12
     parameter integer PORT_W = (N > 1) ? $clog2(N) : 1   // derived, leave it
 ) (
     input  wire                       clk,
@@ -80,8 +80,8 @@ module wh_guard_ports #(
     localparam integer MEAN_LOG2 = 8;  // of u + v
 
     generate
-        if (N < 1 || N > 8) begin : illegal
-            wh_illegal_parameter_guard_ports_n_must_be_1_to_8 stop ();
+        if (N < 1 || N > 12) begin : illegal
+            wh_illegal_parameter_guard_ports_n_must_be_1_to_12 stop ();
         end
     endgenerate
 

@@ -12,7 +12,7 @@
 //   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME
 //   27 ARM   31:28 CAPTURE
 //
-// SHAPER is 3 there with LEGS = 3, which has none. Several motors have ANCHOR, GUARD, SENSE and DEAD_TIME, whatever
+// SHAPER is 3 there with LEGS = 3, which has none without TURNS. Several motors have ANCHOR, GUARD, SENSE and DEAD_TIME, whatever
 // these are here, and neither BUS nor SHARED.
 // Bits 17 and 26 are 0. Whether there is a STREAM, the word stream_state says, which is 0 without.
 //
@@ -44,6 +44,7 @@ module wh_linked_device #(
     parameter integer CAPTURE      = 0,
     parameter integer STREAM       = 0,
     parameter integer LEGS         = 2,
+    parameter integer TURNS        = 0,
     parameter integer CLOCK_HZ     = 24000000,
     parameter integer UNIT         = 1,  // 1...247, of the link
     parameter [31:0]  BUILD        = 32'd0,
@@ -95,7 +96,7 @@ module wh_linked_device #(
 
     localparam [31:0] N_32      = N;
     localparam [31:0] WALLS_32  = WALLS;
-    localparam [31:0] SHAPER_32 = (LEGS == 3) ? 3 : SHAPER;
+    localparam [31:0] SHAPER_32 = (LEGS == 3 && TURNS == 0) ? 3 : SHAPER;
     localparam [31:0] DELAY_32  = DELAY_LOG2;
     localparam [31:0] ADC_32    = ADC;
     localparam [31:0] CAPTURE_32 = CAPTURE;
@@ -188,7 +189,8 @@ module wh_linked_device #(
         .ARM_CLOCKS     (CREDIT),
         .CAPTURE        (CAPTURE),
         .STREAM         (STREAM),
-        .LEGS           (LEGS)
+        .LEGS           (LEGS),
+        .TURNS          (TURNS)
     ) device (
         .clk             (clk),
         .rst             (rst),

@@ -13,7 +13,7 @@
 `default_nettype none
 
 module wh_port_settings #(
-    parameter integer N          = 1,                       // ports, 1...8
+    parameter integer N          = 1,                       // ports, 1...12
     parameter integer WORDS_LOG2 = 4,                       // words of a port, 2^this: 0...6
     parameter integer W          = 31,                      // bits of a word, 1...32
     parameter integer FIRST      = 0,                       // place of the first, a multiple of the words: 0...255
@@ -41,7 +41,7 @@ module wh_port_settings #(
     localparam [7:0]   FIRST_PLACE = FIRST[7:0];
 
     generate
-        if (N < 1 || N > 8 || W < 1 || W > 32 || WORDS_LOG2 < 0 || WORDS_LOG2 > 6 || FIRST < 0 || FIRST > 255
+        if (N < 1 || N > 12 || W < 1 || W > 32 || WORDS_LOG2 < 0 || WORDS_LOG2 > 6 || FIRST < 0 || FIRST > 255
             || FIRST % (1 << WORDS_LOG2) != 0) begin : illegal
             wh_illegal_parameter_port_settings_n_w_words_log2_or_first stop ();
         end

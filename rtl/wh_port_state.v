@@ -9,17 +9,18 @@
 // has not been written since, and reads as 0. State whose reset value isn't 0 is stored with these bits
 // inverted.
 // Formats: any. Latency: none from port_i; a word that is written can be read in the next clock.
-// Reset: every port's word is 0.
+// Reset: every port's word is 0; with RESETS = N, one bit of rst for each, that port's alone.
 
 `default_nettype none
 
 module wh_port_state #(
     parameter integer N      = 1,                        // ports, 1...
     parameter integer W      = 8,                        // bits of a word, 1...
+    parameter integer RESETS = 1,                        // 1...: bits of rst, 1 or N
     parameter integer PORT_W = (N > 1) ? $clog2(N) : 1   // derived, leave it
 ) (
     input  wire              clk,
-    input  wire              rst,
+    input  wire [RESETS-1:0] rst,
 
     input  wire [PORT_W-1:0] port_i,   // 0...N - 1
     input  wire              save_i,
@@ -29,7 +30,7 @@ module wh_port_state #(
 );
 
     generate
-        if (N < 1 || W < 1 || PORT_W != ((N > 1) ? $clog2(N) : 1)) begin : illegal
+        if (N < 1 || W < 1 || (RESETS != 1 && RESETS != N) || PORT_W != ((N > 1) ? $clog2(N) : 1)) begin : illegal
             wh_illegal_parameter_port_state_n_or_w stop ();
         end
     endgenerate
@@ -52,15 +53,19 @@ module wh_port_state #(
         end else begin : several
             reg [W-1:0]         words [0:(1<<PORT_W)-1];
             reg [(1<<PORT_W)-1:0] written_q;
+            integer             n;
 
             always @(posedge clk) begin
                 if (save_i) begin
                     words[save_port_i] <= value_i;
                 end
-                if (rst) begin
-                    written_q <= {(1<<PORT_W){1'b0}};
-                end else if (save_i) begin
+                if (save_i) begin
                     written_q[save_port_i] <= 1'b1;
+                end
+                for (n = 0; n < (1<<PORT_W); n = n + 1) begin
+                    if (rst[(n < RESETS) ? n : 0]) begin
+                        written_q[n] <= 1'b0;
+                    end
                 end
             end
 

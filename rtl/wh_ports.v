@@ -4,7 +4,7 @@
 //
 //   wh_pins[N] - encoder, pattern, gates: all that exists once for each motor
 //       |
-//   wh_adc -> wh_sense ----------------------> wh_core -> wh_drive -> (wh_pins)
+//   wh_adc -> wh_sense -(wh_clarke)----------> wh_core -(wh_legs)-> wh_drive -> (wh_pins, wh_phase_pins)
 //   wh_contact_ports -> wh_environment_ports -^   |
 //       `------------------> wh_anchor_ports <----'
 //
@@ -18,6 +18,13 @@
 // off at once, but damps from the next round on: a round is damped for all ports or for none. wh_controller damps in
 // the midst of a step.
 //
+// AXES: where bit n is 1, ports n and n + 1 are the axes alpha and beta of a brushless motor, with two slots one after
+// the other, and what they do is what wh_brushless with SENSE, GUARD and ANCHOR does, in every bit; the slots are in
+// wh_slots' header. Both axes have the same settings, but zero and gain, which are those of the phases a and b. Its
+// encoder is port n's, and so are its walls. Its legs a and b are port n's, c is leg A of port n + 1; driver_fault_i
+// is that of both. Widths are made once a carrier's period, so a tick has whole ones. What is lost by the one axis is
+// lost by both, from the next round on. The magnets' angle: wh_rotor.
+//
 // Signs, enable_i and restart_i are those of wh_controller. The port's settings change with force_i, from the next
 // round on; those of all ports, the packed ones, in reset or as wh_controller has it.
 //
@@ -25,6 +32,9 @@
 //     conversion + 32 (N - 1) + 43 + N + 5 SHAPER clocks
 // after its sample strobe or later, and a period has 32 (N - 1) + 38 clocks or more. A half has N + 8 or more.
 // With SHAPER = 2, a port takes 36 clocks instead of 32, and the last one 42 instead of 38.
+// Where the last port is beta's, its motor's legs want 56, 72 or 77 instead of 43 + 5 SHAPER, by SHAPER, and a period
+// ends with 42, 58 or 63. A third leg for each brushless motor is one more of N in the former, and of a half's N + 8,
+// which has three clocks more then.
 // Live values: live_valid_o strobes with the port, which value it is, and the value, all of them once a period, and an
 // offset that changes in a step once more.
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
@@ -44,6 +54,7 @@ module wh_ports #(
     parameter integer HOST       = 0,  // 1: a computer can have the environment (wh_host_link)
     parameter integer MODES      = 0,  // 1: mode chooses the bridges' pattern; 0: unipolar
     parameter integer MIN_PULSE  = 0,  // 1: min_pulse counts; 0: pulses may be of one clock
+    parameter integer AXES       = 0,  // 0...: bit n: ports n, n + 1 are a brushless motor's axes
     parameter integer PORT_W     = (N > 1) ? $clog2(N) : 1  // derived, leave it
 ) (
     input  wire                         clk,
@@ -75,6 +86,8 @@ module wh_ports #(
                                                           // second_order
     input  wire [`WH_GUARD_W-1:0]       guard_i,          // wh_faults.vh
     input  wire [11:0]                  host_i,           // host_period_log2, host_timeout
+    input  wire [65*N-1:0]              magnets_i,        // of each brushless motor, its alpha: find, zero_angle,
+                                                          // count_angle (wh_rotor)
 
     // Settings of each port (wh_port_settings).
     input  wire                         force_i,          // the bank in force
@@ -88,6 +101,7 @@ module wh_ports #(
     input  wire                         host_alive_i,
     input  wire                         zero_start_i,     // nothing while the bridges are on
     input  wire                         restart_i,        // nothing while the bridges are on
+    input  wire                         magnet_start_i,   // nothing while the bridges are on: the magnets anew
 
     // A computer's environment, HOST = 1 (wh_host_link). What its packets have are live values.
     input  wire [N-1:0]                 host_strobe_i,    // an answer for that port
@@ -105,6 +119,8 @@ module wh_ports #(
     output wire                         running_o,        // the bridges are on
     output wire                         zero_busy_o,      // zeros are measured
     output wire [N-1:0]                 zero_faults_o,    // no permitted zero was found
+    output wire [N-1:0]                 magnets_found_o,  // of a brushed motor: 1
+    output wire [32*N-1:0]              magnet_angles_o,  // turns of 2^32; of a brushed motor: 0
     output wire [`WH_FAULTS-1:0]        faults_o          // latched
 );
 
@@ -112,6 +128,20 @@ module wh_ports #(
     localparam integer COEF_W = `WH_COEF_W;
     localparam integer LAST   = N - 1;
     localparam [COEF_W-1:0] ONE_STEP = 1;
+
+    // Brushless motors: their axes, and a third leg for each, of a number behind the ports'.
+    localparam integer BETAS  = AXES << 1;
+    localparam integer THIRDS = (AXES & 1) + ((AXES >> 1) & 1) + ((AXES >> 2) & 1) + ((AXES >> 3) & 1)
+                                + ((AXES >> 4) & 1) + ((AXES >> 5) & 1) + ((AXES >> 6) & 1);
+    localparam integer LEGS   = N + THIRDS;
+    localparam integer LEG_W  = (LEGS > 1) ? $clog2(LEGS) : 1;
+    localparam integer PHASES = AXES | BETAS | (((1 << THIRDS) - 1) << N);
+    localparam integer FLUX_W = `WH_PLACE_W + `WH_SINE_Q;
+    localparam integer CELL_W = `WH_SINE_Q + 2;
+
+    wire [(1<<PORT_W)-1:0] alphas = AXES[(1<<PORT_W)-1:0];
+    wire [(1<<PORT_W)-1:0] betas  = BETAS[(1<<PORT_W)-1:0];
+    wire [(1<<PORT_W)-1:0] axes   = alphas | betas;
 
     generate
         if (N < 1 || N > 8) begin : illegal
@@ -182,6 +212,7 @@ module wh_ports #(
     wire                      word_valid, word_first, adc_overrun;
     wire [N*`WH_SAMPLE_W-1:0] word;
     wire [N-1:0]              trips;
+    wire [LEGS*`WH_SAMPLE_W-1:0] words;  // with those of third phases
     wire                      unused_take = &{1'b0, take};
 
     wh_carrier carrier (
@@ -238,12 +269,13 @@ module wh_ports #(
     );
 
     // ---- Slots.
-    wire              summed, slot_valid, slot_bank, slots_overrun;
+    wire              summed, slot_valid, slot_bank, slots_overrun, phase_turn, third_turn;
     wire [PORT_W-1:0] slot_port;
 
     wh_slots #(
         .N         (N),
-        .SHAPER    (SHAPER)
+        .SHAPER    (SHAPER),
+        .AXES      (AXES)
     ) slots (
         .clk       (clk),
         .rst       (sense_rst),
@@ -254,6 +286,8 @@ module wh_ports #(
         .valid_o   (slot_valid),
         .port_o    (slot_port),
         .bank_o    (slot_bank),
+        .phase_o   (phase_turn),
+        .third_o   (third_turn),
         .run_o     (slots_run),
         .damp_o    (damp),
         .overrun_o (slots_overrun)
@@ -261,17 +295,17 @@ module wh_ports #(
 
     // ---- The multiplier. Requests never meet, so it takes what is asked for.
     wire                            sense_request, core_request, anchor_request, drive_request, guard_request,
-                                    energy_request;
+                                    energy_request, axis_request;
     wire signed [DATA_W-1:0]        sense_factor, core_factor, anchor_factor, drive_factor, guard_factor,
-                                    energy_factor;
+                                    energy_factor, axis_factor;
     wire signed [COEF_W-1:0]        sense_coefficient, core_coefficient, anchor_coefficient, drive_coefficient,
-                                    guard_coefficient, energy_coefficient;
+                                    guard_coefficient, energy_coefficient, axis_coefficient;
     wire signed [DATA_W+COEF_W-1:0] product;
     reg                             asked_q;
 
     always @(posedge clk) begin
         asked_q <= sense_request || core_request || anchor_request || drive_request || guard_request
-                   || energy_request;
+                   || energy_request || axis_request;
     end
 
     wh_multiply multiply (
@@ -281,11 +315,13 @@ module wh_ports #(
                     : core_request  ? core_factor
                     : sense_request ? sense_factor
                     : guard_request ? guard_factor
+                    : axis_request ? axis_factor
                     : energy_request ? energy_factor : drive_factor),
         .coef_i    (anchor_request  ? anchor_coefficient
                     : core_request  ? core_coefficient
                     : sense_request ? sense_coefficient
                     : guard_request ? guard_coefficient
+                    : axis_request ? axis_coefficient
                     : energy_request ? energy_coefficient : drive_coefficient),
         .product_o (product)
     );
@@ -298,13 +334,28 @@ module wh_ports #(
 
     // ---- Sense: currents.
     wire                     current_valid, current_bank;
-    wire [PORT_W-1:0]        current_port;
+    wire [LEG_W-1:0]         sense_port;
+    wire [PORT_W-1:0]        current_port = sense_port[PORT_W-1:0];
     wire signed [DATA_W-1:0] current, current_offset;
     wire [1:0]               current_ends;
-    wire [N-1:0]             ranges, stucks, guard_currents, guard_ranges, guard_stucks;
+    wire [LEGS-1:0]          ranges, stucks, guard_currents, guard_ranges, guard_stucks, zero_faults;
+    wire                     phase_valid;    // what flows in a phase, or in a brushed motor
+    wire signed [DATA_W-1:0] phase_current;
+    wire [1:0]               phase_ends;
+    wire signed [DATA_W-1:0] beta_current;
+    wire [1:0]               beta_ends;
+    wire [31:0]              slot_leg     = {{(32 - PORT_W){1'b0}}, slot_port};
+    wire [31:0]              offset_leg   = {{(32 - PORT_W){1'b0}}, anchor_port};
+    wire [1:0]               kind         = phase_turn ? 2'd2 : {betas[slot_port], axes[slot_port]};
+    wire [LEGS-1:0]          offset_rst;
+    wire [N-1:0]             forget;         // an axis begins anew
+    wire                     unused_legs  = &{1'b0, slot_leg[31:LEG_W], offset_leg[31:LEG_W]};
+
+    assign zero_faults_o = zero_faults[N-1:0];
 
     wh_sense #(
-        .N               (N),
+        .N               (LEGS),
+        .KINDS           ((AXES != 0) ? 1 : 0),
         .ZERO_LOG2       (ZERO_LOG2)
     ) sense (
         .clk             (clk),
@@ -312,7 +363,7 @@ module wh_ports #(
         .sense_rst_i     (sense_rst),
         .word_valid_i    (word_valid),
         .word_first_i    (word_first),
-        .word_i          (word),
+        .word_i          (words),
         .samples_i       (samples),
         .summed_o        (summed),
         .range_i         (range),
@@ -329,19 +380,25 @@ module wh_ports #(
         .bridge_off_i    (!run),
         .zero_limit_i    (zero_limit),
         .zero_busy_o     (zero_busy_o),
-        .zero_fault_o    (zero_faults_o),
-        .valid_i         (slot_valid),
-        .port_i          (slot_port),
+        .zero_fault_o    (zero_faults),
+        .valid_i         (slot_valid || phase_turn),
+        .port_i          (slot_leg[LEG_W-1:0]),
         .bank_i          (slot_bank),
+        .kind_i          (kind),
+        .beta_i          (beta_current),
+        .beta_ends_i     (beta_ends),
         .valid_o         (current_valid),
-        .port_o          (current_port),
+        .phase_valid_o   (phase_valid),
+        .phase_o         (phase_current),
+        .phase_ends_o    (phase_ends),
+        .port_o          (sense_port),
         .bank_o          (current_bank),
         .current_o       (current),
         .ends_o          (current_ends),
         .offset_valid_i  (offset_valid),
-        .offset_port_i   (anchor_port),
+        .offset_port_i   (offset_leg[LEG_W-1:0]),
         .offset_i        (anchor_data),
-        .offset_rst_i    (calm_rst),
+        .offset_rst_i    (offset_rst),
         .offset_o        (current_offset),
         .force_i         (force_i),
         .write_i         (write_i),
@@ -367,7 +424,7 @@ module wh_ports #(
     ) contacts (
         .clk          (clk),
         .rst          (rst),
-        .valid_i      (slot_valid),
+        .valid_i      (slot_valid && !betas[slot_port]),  // of both axes
         .port_i       (slot_port),
         .bank_i       (slot_bank),
         .count_i      (counts),
@@ -390,6 +447,7 @@ module wh_ports #(
     wire [DATA_W-1:0]        host_v;
     wire                     core_valid;
     wire [PORT_W-1:0]        core_port;
+    wire                     lost;
     wire signed [DATA_W-1:0] u, v;
 
     wh_environment_ports #(
@@ -399,7 +457,7 @@ module wh_ports #(
         .clk                (clk),
         .rst                (calm_rst),
         .port_i             (core_port),
-        .damps_i            (damp || anchor_faults[core_port]),
+        .damps_i            (damp || lost),
         .contact_i          (contact),
         .shaped_i           (shaped),
         .eta_i              (contact_eta),
@@ -441,7 +499,7 @@ module wh_ports #(
         .shape_mode_i       (shape_mode),
         .extra_ticks_i      (extra_ticks),
         .hold_ticks_i       (hold_ticks),
-        .room_rst_i         (calm_rst),
+        .room_rst_i         ({N{calm_rst}} | forget),
         .room_valid_i       (room_valid),
         .room_port_i        (anchor_port),
         .room_i             (anchor_data),
@@ -468,8 +526,12 @@ module wh_ports #(
     );
 
     // ---- Anchor: c.
+    wire [N*FLUX_W-1:0]      places;  // of axes
+    wire [N*CELL_W-1:0]      cells;
+
     wh_anchor_ports #(
-        .N                  (N)
+        .N                  (N),
+        .AXES               (AXES)
     ) anchors (
         .clk                (clk),
         .rst                (calm_rst),
@@ -477,6 +539,10 @@ module wh_ports #(
         .port_i             (core_port),
         .bank_i             (core_bank),
         .position_i         (position),
+        .place_i            (places[core_port*FLUX_W +: FLUX_W]),
+        .cell_i             (cells[core_port*CELL_W +: CELL_W]),
+        .found_i            (magnets_found_o),
+        .forget_i           (forget),
         .contact_i          (contact || host_active),  // its current may be what a host likes
         .blind_i            (clipped),
         .current_i          (current),
@@ -514,7 +580,7 @@ module wh_ports #(
         .clk            (clk),
         .rst            (rst),
         .run_i          (run),
-        .valid_i        (waves_valid),
+        .valid_i        (waves_valid && !axes[core_port]),
         .port_i         (core_port),
         .contact_i      (contact && !host_active),
         .position_i     (position_end),
@@ -532,37 +598,52 @@ module wh_ports #(
     );
 
     // ---- Drive: widths, of all ports in time for the end of each half, or of each period.
-    wire                         walk = !(sense_rst || !adc_ready_o) && remaining == LAST[`WH_TICK_W-1:0] + 16'd6
-                                                 && (half || !whole);
+    localparam integer           AHEAD = ((AXES != 0) ? 8 : 5) + LEGS;  // clocks of a half's end
+    wire                         walk_due = !(sense_rst || !adc_ready_o) && remaining == AHEAD[`WH_TICK_W-1:0]
+                                            && (half || !whole);
+    wire                         walk;
     wire signed [DATA_W-1:0]     voltage, correction;
     wire                         width_valid;
-    wire [PORT_W-1:0]            width_port;
+    wire [LEG_W-1:0]             width_leg;
+    wire                         leg_valid;       // what flows out of a leg
+    wire [LEG_W-1:0]             leg;
+    wire signed [DATA_W-1:0]     leg_current;     // with leg_valid,
+    wire signed [DATA_W-1:0]     leg_current_after;  // and a clock later
+    wire [7:0]                   leg_settle;
+    wire                         duty_valid;
+    wire [LEG_W-1:0]             duty_leg;
     wire signed [`WH_TICK_W-1:0] width;
 
     wh_drive #(
         .N                  (N),
-        .MIN_PULSE          (MIN_PULSE)
+        .MIN_PULSE          (MIN_PULSE),
+        .LEGS               (LEGS),
+        .PHASES             (PHASES)
     ) drive (
         .clk                (clk),
         .rst                (drive_rst),
-        .current_valid_i    (current_valid),
+        .current_valid_i    (leg_valid),
         .current_port_i     (current_port),
+        .current_leg_i      (leg),
         .current_bank_i     (current_bank),
-        .current_i          (current),
+        .current_i          (leg_current_after),
         .voltage_valid_i    (core_valid),
         .voltage_port_i     (core_port),
         .voltage_bank_i     (core_bank),
+        .voltage_axis_i     (axes[core_port]),
         .voltage_i          (wave_voltage),
         .voltage_o          (voltage),
         .correction_o       (correction),
-        .correction_rst_i   (calm_rst),
+        .duty_valid_i       (duty_valid),
+        .duty_leg_i         (duty_leg),
+        .correction_rst_i   ({N{calm_rst}} | forget),
         .correction_valid_i (correction_valid),
         .correction_port_i  (anchor_port),
         .correction_i       (anchor_data),
         .half_clocks_i      (half_clocks),
         .compensate_i       (compensate),
         .dead_clocks_i      (dead_clocks),
-        .settle_ticks_i     (settle_ticks),
+        .settle_ticks_i     (leg_settle),
         .second_order_i     (second_order),
         .least_i            (least),
         .spare_i            (spare),
@@ -575,13 +656,15 @@ module wh_ports #(
         .coefficient_o      (drive_coefficient),
         .product_i          (product),
         .walk_i             (walk),
+        .half_i             (half),
         .take_i             (last_half),
         .width_valid_o      (width_valid),
-        .width_port_o       (width_port),
+        .width_leg_o        (width_leg),
         .width_o            (width)
     );
 
     // ---- Settings without a meaning: those of all ports, beside a port's that are legal, and those of each port.
+    localparam ALL_AXES = (AXES | BETAS) == (1 << N) - 1;
     wire illegal_setting, illegal_port;
 
     wh_setting_check setting_check (
@@ -593,12 +676,12 @@ module wh_ports #(
         .samples_i         (samples),
         .sample_lead_i     (sample_lead),
         .sample_late_i     (sample_late),
-        .whole_i           (whole),
-        .least_i           (least),
+        .whole_i           (whole || AXES != 0),
+        .least_i           (ALL_AXES ? 8'd0 : least),
         .spare_i           (spare),
         .dead_clocks_i     (dead_clocks),
         .compensate_i      (compensate),
-        .compensable_i     (!whole),
+        .compensable_i     (!whole || ALL_AXES),
         .root_i            (ONE_STEP),
         .a_i               (ONE_STEP),
         .eta_contact_i     (ONE_STEP),
@@ -625,6 +708,8 @@ module wh_ports #(
     // ---- Guard: faults.
     wire         missing;
     wire [N-1:0] moved, illegal_moves, encoder_faults;
+    localparam [LEGS-1:0] OF_PORTS = (1 << N) - 1;
+    wire [LEGS-1:0] leg_drivers, leg_trips, leg_illegal_moves, leg_moved, leg_anchor_faults, leg_energies;
     wire         round = current_valid && current_port == LAST[PORT_W-1:0];
 
     wh_step_watch step_watch (
@@ -636,7 +721,7 @@ module wh_ports #(
     );
 
     wh_guard_ports #(
-        .N               (N)
+        .N               (LEGS)
     ) guard (
         .clk             (clk),
         .rst             (rst),
@@ -644,28 +729,28 @@ module wh_ports #(
         .clear_i         (clear_i),
         .running_i       (run),
         .stop_i          (stop_i),
-        .driver_i        (driver_fault_i),
+        .driver_i        (leg_drivers),
         .host_alive_i    (host_alive_i),
         .bus_i           (bus_i),
         .current_cause_i (guard_currents),
         .range_cause_i   (guard_ranges),
         .stuck_cause_i   (guard_stucks),
-        .range_i         (ranges),
-        .stuck_i         (stucks),
-        .zero_i          (zero_faults_o),
+        .range_i         (ranges & OF_PORTS),
+        .stuck_i         (stucks & OF_PORTS),
+        .zero_i          (zero_faults & OF_PORTS),
         .zero_start_i    (zero_begins),
         .zero_busy_i     (zero_busy_o),
-        .trip_i          (trips),
-        .encoder_i       (illegal_moves),
-        .moved_i         (moved),
-        .anchor_i        (anchor_faults),
-        .energy_i        (energy_over),
+        .trip_i          (leg_trips),
+        .encoder_i       (leg_illegal_moves),
+        .moved_i         (leg_moved),
+        .anchor_i        (leg_anchor_faults),
+        .energy_i        (leg_energies),
         .setting_i       (illegal_setting || illegal_port),
         .overrun_i       (adc_overrun || slots_overrun || missing),
         .tick_i          (tick_o),
-        .valid_i         (current_valid),
-        .port_i          (current_port),
-        .current_i       (current),
+        .valid_i         (leg_valid),
+        .port_i          (leg),
+        .current_i       (leg_current),
         .waves_valid_i   (waves_valid),
         .u_i             (u),
         .v_i             (v),
@@ -678,41 +763,389 @@ module wh_ports #(
         .damp_o          (damp_wanted)
     );
 
-    // ---- Pins.
+    // ---- Pins, and what each brushless motor has of its own.
+    wire        look;           // alpha's turn begins
+    wire [PORT_W-1:0] turn_port;  // beta's
+    wire        turned;         // both anchors are done with the rotor,
+    wire        turn_ends;      // and with all else
+    wire        turn_contact;
+    wire [2*DATA_W-1:0]   turn_flux;
+    wire [`WH_REST_W-1:0] turn_rest;
+    wire                  unused_magnets = &{1'b0, magnets_i, magnet_start_i, half_bridge};
+
     genvar n;
     generate
         for (n = 0; n < N; n = n + 1) begin : motor
-            wh_pins #(
-                .MODES           (MODES)
-            ) pins (
-                .clk             (clk),
-                .rst             (rst),
-                .run_i           (run),
-                .enc_a_i         (enc_a_i[n]),
-                .enc_b_i         (enc_b_i[n]),
-                .gate_ah_o       (gate_ah_o[n]),
-                .gate_al_o       (gate_al_o[n]),
-                .gate_bh_o       (gate_bh_o[n]),
-                .gate_bl_o       (gate_bl_o[n]),
-                .filter_clocks_i (filter_clocks_i),
-                .clear_i         (clear_i),
-                .count_o         (counts[n*`WH_MOVE_W +: `WH_MOVE_W]),
-                .moved_o         (moved[n]),
-                .illegal_move_o  (illegal_moves[n]),
-                .encoder_fault_o (encoder_faults[n]),
-                .phase_i         (phase),
-                .remaining_i     (remaining),
-                .half_i          (half),
-                .update_i        (update),
-                .width_valid_i   (width_valid && {{(32 - PORT_W){1'b0}}, width_port} == n),
-                .width_i         (width),
-                .half_clocks_i   (half_clocks),
-                .mode_i          (mode),
-                .half_bridge_i   (half_bridge),
-                .dead_clocks_i   (dead_clocks)
-            );
+            if (((BETAS >> n) & 1) != 0) begin : beta
+                wire unused = &{1'b0, enc_a_i[n], enc_b_i[n]};
+
+                assign gate_bh_o[n]                          = 1'b0;
+                assign gate_bl_o[n]                          = 1'b0;
+                assign counts[n*`WH_MOVE_W +: `WH_MOVE_W]    = {`WH_MOVE_W{1'b0}};
+                assign illegal_moves[n]                      = 1'b0;
+            end else if (((AXES >> n) & 1) != 0) begin : brushless
+                localparam integer THIRD = N + (n > 0 ? (AXES & 1) : 0) + (n > 1 ? (AXES >> 1) & 1 : 0)
+                                           + (n > 2 ? (AXES >> 2) & 1 : 0) + (n > 3 ? (AXES >> 3) & 1 : 0)
+                                           + (n > 4 ? (AXES >> 4) & 1 : 0) + (n > 5 ? (AXES >> 5) & 1 : 0);
+                wire signed [`WH_COUNT_W-1:0] encoder_position;
+                wire [31:0]                   width_of = {{(32 - LEG_W){1'b0}}, width_leg};
+                wire                          moves, fault, found, begins;
+                wire [31:0]                   angle;
+
+                assign moved[n+1:n]                  = {2{moves}};
+                assign encoder_faults[n+1:n]         = {2{fault}};
+                assign magnets_found_o[n+1:n]        = {2{found}};
+                assign magnet_angles_o[32*n +: 64]   = {2{angle}};
+                assign forget[n+1:n]                 = {2{begins}};
+                assign leg_moved[THIRD]              = moves;
+
+                wh_phase_pins phase_pins (
+                    .clk             (clk),
+                    .rst             (rst),
+                    .run_i           (run),
+                    .enc_a_i         (enc_a_i[n]),
+                    .enc_b_i         (enc_b_i[n]),
+                    .gate_high_o     ({gate_ah_o[n+1], gate_bh_o[n], gate_ah_o[n]}),
+                    .gate_low_o      ({gate_al_o[n+1], gate_bl_o[n], gate_al_o[n]}),
+                    .filter_clocks_i (filter_clocks_i),
+                    .clear_i         (clear_i),
+                    .position_o      (encoder_position),
+                    .moved_o         (moves),
+                    .illegal_move_o  (illegal_moves[n]),
+                    .encoder_fault_o (fault),
+                    .phase_i         (phase),
+                    .remaining_i     (remaining),
+                    .half_i          (half),
+                    .update_i        (update),
+                    .width_valid_i   ({3{width_valid}} & {width_of == THIRD, width_of == n + 1, width_of == n}),
+                    .width_i         (width),
+                    .half_clocks_i   (half_clocks),
+                    .dead_clocks_i   (dead_clocks)
+                );
+
+                wh_rotor rotor (
+                    .clk             (clk),
+                    .rst             (rst),
+                    .position_i      (encoder_position),
+                    .magnets_i       (magnets_i[65*n +: 65]),
+                    .start_i         (magnet_start_i && !(enable_i && !off_q)),
+                    .look_i          (look && {{(32 - PORT_W){1'b0}}, slot_port} == n),
+                    .done_i          (turned && {{(32 - PORT_W){1'b0}}, turn_port} == n + 1),
+                    .forget_i        (turn_ends && {{(32 - PORT_W){1'b0}}, turn_port} == n + 1),
+                    .contact_i       (turn_contact),
+                    .rest_ticks_i    (turn_rest),
+                    .flux_i          (turn_flux),
+                    .count_o         (counts[n*`WH_MOVE_W +: `WH_MOVE_W]),
+                    .place_o         (places[n*FLUX_W +: 2*FLUX_W]),
+                    .cell_o          (cells[n*CELL_W +: 2*CELL_W]),
+                    .found_o         (found),
+                    .forget_o        (begins),
+                    .angle_o         (angle)
+                );
+            end else begin : brushed
+                assign magnets_found_o[n]          = 1'b1;
+                assign magnet_angles_o[32*n +: 32] = 32'd0;
+                assign forget[n]                   = 1'b0;
+                assign places[n*FLUX_W +: FLUX_W]  = {FLUX_W{1'b0}};
+                assign cells[n*CELL_W +: CELL_W]   = {CELL_W{1'b0}};
+
+                wh_pins #(
+                    .MODES           (MODES)
+                ) pins (
+                    .clk             (clk),
+                    .rst             (rst),
+                    .run_i           (run),
+                    .enc_a_i         (enc_a_i[n]),
+                    .enc_b_i         (enc_b_i[n]),
+                    .gate_ah_o       (gate_ah_o[n]),
+                    .gate_al_o       (gate_al_o[n]),
+                    .gate_bh_o       (gate_bh_o[n]),
+                    .gate_bl_o       (gate_bl_o[n]),
+                    .filter_clocks_i (filter_clocks_i),
+                    .clear_i         (clear_i),
+                    .count_o         (counts[n*`WH_MOVE_W +: `WH_MOVE_W]),
+                    .moved_o         (moved[n]),
+                    .illegal_move_o  (illegal_moves[n]),
+                    .encoder_fault_o (encoder_faults[n]),
+                    .phase_i         (phase),
+                    .remaining_i     (remaining),
+                    .half_i          (half),
+                    .update_i        (update),
+                    .width_valid_i   (width_valid && {{(32 - LEG_W){1'b0}}, width_leg} == n),
+                    .width_i         (width),
+                    .half_clocks_i   (half_clocks),
+                    .mode_i          (mode),
+                    .half_bridge_i   (half_bridge),
+                    .dead_clocks_i   (dead_clocks)
+                );
+            end
         end
     endgenerate
+
+    // ---- Brushless motors: between phases and axes, and the turn of a rotor.
+    assign look = slot_valid && alphas[slot_port];
+
+    generate
+        if (AXES != 0) begin : with_axes
+            localparam integer PACE    = 3;   // ticks of leg b's side more than of leg a's, as wh_three_phase has it
+            localparam [7:0]   MOST    = 8'd255 - 2 * PACE[7:0];
+            localparam integer TURNED  = 18;  // clocks since beta's waves, its χ is there
+            localparam integer ENDS    = 33;
+
+            // Third phases: words, currents.
+            reg  signed [DATA_W-1:0] phase_a_q;
+            reg  [1:0]               ends_a_q;
+            reg  signed [DATA_W-1:0] third_q;
+            reg                      third_turn_q;
+            wire signed [DATA_W-1:0] third;
+            wire signed [DATA_W+1:0] wide_third = -$signed({{2{phase_a_q[DATA_W-1]}}, phase_a_q})
+                                                  - $signed({{2{phase_current[DATA_W-1]}}, phase_current});
+            reg  [LEG_W-1:0]         third_leg;
+            reg  [7:0]               settle_q;
+            wire [7:0]               settle = (settle_ticks > MOST) ? MOST : settle_ticks;
+            reg  [LEG_W-1:0]         third_of;  // of the port whose voltage is there
+            integer                  k, place;
+
+            wh_saturate #(
+                .IN_W    (DATA_W + 2),
+                .OUT_W   (DATA_W)
+            ) saturate_third (
+                .value_i (wide_third),
+                .value_o (third)
+            );
+
+            always @* begin
+                third_leg = {LEG_W{1'b0}};
+                third_of  = {LEG_W{1'b0}};
+                place     = N;
+                for (k = 1; k < N; k = k + 1) begin
+                    if (((BETAS >> k) & 1) != 0) begin
+                        third_leg = third_leg | (({{(32 - PORT_W){1'b0}}, current_port} == k) ? place[LEG_W-1:0]
+                                                                                           : {LEG_W{1'b0}});
+                        third_of  = third_of | (({{(32 - PORT_W){1'b0}}, core_port} == k) ? place[LEG_W-1:0]
+                                                                                          : {LEG_W{1'b0}});
+                        place     = place + 1;
+                    end
+                end
+            end
+
+            always @(posedge clk) begin
+                third_q      <= third;
+                third_turn_q <= third_turn;
+                if (phase_valid && alphas[current_port]) begin
+                    phase_a_q <= phase_current;
+                    ends_a_q  <= phase_ends;
+                end
+                if (leg_valid) begin
+                    settle_q <= third_turn            ? settle + 2 * PACE[7:0]
+                                : betas[current_port] ? settle + PACE[7:0]
+                                : alphas[current_port] ? settle : settle_ticks;
+                end
+            end
+
+            assign leg_valid         = phase_valid || third_turn;
+            assign leg               = third_turn ? third_leg : sense_port;
+            assign leg_current       = third_turn ? third_q : phase_current;
+            assign leg_current_after = third_turn_q ? third_q : phase_current;
+            assign leg_settle        = settle_q;
+
+            for (n = 0; n < N - 1; n = n + 1) begin : phases
+                if (((AXES >> n) & 1) != 0) begin : of_motor
+                    localparam integer THIRD = N + (n > 0 ? (AXES & 1) : 0) + (n > 1 ? (AXES >> 1) & 1 : 0)
+                                               + (n > 2 ? (AXES >> 2) & 1 : 0) + (n > 3 ? (AXES >> 3) & 1 : 0)
+                                               + (n > 4 ? (AXES >> 4) & 1 : 0) + (n > 5 ? (AXES >> 5) & 1 : 0);
+                    wire signed [`WH_SAMPLE_W-1:0] word_a = $signed(word[n*`WH_SAMPLE_W +: `WH_SAMPLE_W]);
+                    wire signed [`WH_SAMPLE_W-1:0] word_b = $signed(word[(n+1)*`WH_SAMPLE_W +: `WH_SAMPLE_W]);
+                    wire signed [`WH_SAMPLE_W+1:0] wide   = -$signed({{2{word_a[`WH_SAMPLE_W-1]}}, word_a})
+                                                            - $signed({{2{word_b[`WH_SAMPLE_W-1]}}, word_b});
+
+                    wh_saturate #(
+                        .IN_W    (`WH_SAMPLE_W + 2),
+                        .OUT_W   (`WH_SAMPLE_W)
+                    ) saturate_word (
+                        .value_i (wide),
+                        .value_o (words[THIRD*`WH_SAMPLE_W +: `WH_SAMPLE_W])
+                    );
+
+                    assign leg_drivers[THIRD] = driver_fault_i[n];
+                end
+            end
+
+            assign leg_trips[LEGS-1:N]         = {THIRDS{1'b0}};
+            assign leg_illegal_moves[LEGS-1:N] = {THIRDS{1'b0}};
+            assign leg_anchor_faults[LEGS-1:N] = {THIRDS{1'b0}};
+            assign leg_energies[LEGS-1:N]      = {THIRDS{1'b0}};
+            assign offset_rst[LEGS-1:N]        = {THIRDS{1'b0}};
+
+            // Transforms.
+            wire                     clarke_request, legs_request, clarke_valid;
+            wire signed [DATA_W-1:0] clarke_factor, legs_factor, clarke_alpha;
+            wire signed [COEF_W-1:0] clarke_coefficient, legs_coefficient;
+            wire [1:0]               clarke_ends;
+            reg  [3:1]               clarke_asked_q;  // so many clocks ago
+            wire                     unused_clarke = &{1'b0, clarke_valid, clarke_alpha};
+
+            always @(posedge clk) begin
+                clarke_asked_q <= sense_rst ? 3'd0 : {clarke_asked_q[2:1], clarke_request};
+            end
+
+            wh_clarke clarke (
+                .clk           (clk),
+                .rst           (sense_rst),
+                .valid_i       (phase_valid && betas[current_port]),
+                .a_i           (phase_a_q),
+                .b_i           (phase_current),
+                .request_o     (clarke_request),
+                .grant_i       (1'b1),
+                .factor_o      (clarke_factor),
+                .coefficient_o (clarke_coefficient),
+                .done_i        (clarke_asked_q[3]),
+                .product_i     (product),
+                .valid_o       (clarke_valid),
+                .alpha_o       (clarke_alpha),
+                .beta_o        (beta_current),
+                .beta_ends_o   (clarke_ends)
+            );
+
+            assign beta_ends = clarke_ends | ends_a_q | phase_ends;
+
+            wh_legs #(
+                .SHAPER        (SHAPER),
+                .LEG_W         (LEG_W)
+            ) of_legs (
+                .clk           (clk),
+                .rst           (drive_rst),
+                .valid_i       (core_valid && axes[core_port]),
+                .beta_i        (betas[core_port]),
+                .port_i        (core_leg[LEG_W-1:0]),
+                .third_i       (third_of),
+                .voltage_i     (voltage),
+                .request_o     (legs_request),
+                .factor_o      (legs_factor),
+                .coefficient_o (legs_coefficient),
+                .scale_i       (drive_coefficient),
+                .product_i     (product),
+                .duty_valid_o  (duty_valid),
+                .duty_leg_o    (duty_leg)
+            );
+
+            // What is driven is of one step for all three legs: the walk waits for those that come one after the other.
+            reg  walk_waits_q;
+
+            always @(posedge clk) begin
+                walk_waits_q <= !sense_rst && (walk_due || walk_waits_q) && duty_valid;
+            end
+
+            assign walk = (walk_due || walk_waits_q) && !duty_valid;
+
+            wire [31:0] core_leg    = {{(32 - PORT_W){1'b0}}, core_port};
+            wire        unused_core = &{1'b0, core_leg[31:LEG_W]};
+
+            assign axis_request     = clarke_request || legs_request;
+            assign axis_factor      = clarke_request ? clarke_factor : legs_factor;
+            assign axis_coefficient = clarke_request ? clarke_coefficient : legs_coefficient;
+
+            // An axis that is lost takes the other one with it, in the same step.
+            wire [N-1:0] either = anchor_faults | (anchor_faults >> 1);
+            reg          lost_q;
+
+            always @(posedge clk) begin
+                if (current_valid && alphas[current_port]) begin
+                    lost_q <= either[current_port];
+                end
+            end
+
+            assign lost = axes[core_port] ? lost_q : anchor_faults[core_port];
+
+            // The rotor's turn, as seen by both anchors.
+            reg  [PORT_W-1:0]        turn_port_q;
+            reg  [5:0]               after_q;    // clocks since beta's waves
+            reg                      contact_q;
+            reg  signed [DATA_W-1:0] flux_a_q;
+            reg  signed [DATA_W-1:0] flux_b_q;
+
+            always @(posedge clk) begin
+                if (core_rst) begin
+                    after_q <= 6'd0;
+                end else if (waves_valid && betas[core_port]) begin
+                    after_q <= 6'd1;
+                end else if (after_q != 6'd0) begin
+                    after_q <= (after_q == ENDS[5:0]) ? 6'd0 : after_q + 6'd1;
+                end
+                if (waves_valid && betas[core_port]) begin
+                    turn_port_q <= core_port;
+                    contact_q   <= contact || host_active;
+                end
+                if (calm_rst) begin
+                    flux_a_q <= {DATA_W{1'b0}};
+                    flux_b_q <= {DATA_W{1'b0}};
+                end else if (flux_valid && alphas[anchor_port]) begin
+                    flux_a_q <= anchor_data;
+                end else if (flux_valid && betas[anchor_port]) begin
+                    flux_b_q <= anchor_data;
+                end
+            end
+
+            assign turn_port    = turn_port_q;
+            assign turned       = after_q == TURNED[5:0];
+            assign turn_ends    = after_q == ENDS[5:0];
+            assign turn_contact = contact_q;
+            assign turn_flux    = {flux_b_q, flux_a_q};
+
+            wh_port_settings #(
+                .N            (N),
+                .WORDS_LOG2   (0),
+                .W            (`WH_REST_W),
+                .FIRST        (45),  // the anchor's slow_ticks
+                .BLOCK        (0)
+            ) rests (
+                .clk          (clk),
+                .write_i      (write_i),
+                .write_bank_i (write_bank_i),
+                .address_i    (address_i),
+                .data_i       (data_i),
+                .read_i       (waves_valid && betas[core_port]),
+                .bank_i       (core_bank),
+                .port_i       (core_port),
+                .word_i       (1'b0),
+                .word_o       (turn_rest)
+            );
+        end else begin : without_axes
+            wire unused_axes = &{1'b0, phase_ends, third_turn, look, turned, turn_ends, turn_contact, turn_flux,
+                                 turn_rest, turn_port, alphas, betas, axes};
+
+            assign walk              = walk_due;
+            assign leg_valid         = phase_valid;
+            assign leg               = sense_port;
+            assign leg_current       = phase_current;
+            assign leg_current_after = phase_current;
+            assign leg_settle        = settle_ticks;
+            assign axis_request      = 1'b0;
+            assign axis_factor       = {DATA_W{1'b0}};
+            assign axis_coefficient  = {COEF_W{1'b0}};
+            assign beta_current      = {DATA_W{1'b0}};
+            assign beta_ends         = 2'b00;
+            assign duty_valid        = 1'b0;
+            assign duty_leg          = {LEG_W{1'b0}};
+            assign lost              = anchor_faults[core_port];
+            assign turned            = 1'b0;
+            assign turn_ends         = 1'b0;
+            assign turn_contact      = 1'b0;
+            assign turn_flux         = {2*DATA_W{1'b0}};
+            assign turn_rest         = {`WH_REST_W{1'b0}};
+
+            assign turn_port         = {PORT_W{1'b0}};
+        end
+    endgenerate
+
+    assign words[N*`WH_SAMPLE_W-1:0] = word;
+    assign offset_rst[N-1:0]         = {N{calm_rst}} | forget;
+    assign leg_drivers[N-1:0]        = driver_fault_i;
+    assign leg_trips[N-1:0]          = trips;
+    assign leg_illegal_moves[N-1:0]  = illegal_moves;
+    assign leg_moved[N-1:0]          = moved;
+    assign leg_anchor_faults[N-1:0]  = anchor_faults;
+    assign leg_energies[N-1:0]       = energy_over;
 
     // ---- Live values, each in a clock of the slot that no other has: 8 current, 9 position, 10, 11 a host's packet,
     // 13 u, 14 v, 15 flags, 19, 20 energy of the contact and its most, 32, 33 e and c of it, with W later; 27 offset,
@@ -736,9 +1169,9 @@ module wh_ports #(
         end
     end
 
-    wire [31:0] flags = {21'd0, stucks[current_port], shaped, clipped, host_active, anchor_faults[current_port],
-                         encoder_faults[current_port], ranges[current_port], trips[current_port], run_q, saturated_before,
-                         contact};
+    wire [31:0] flags = {21'd0, stucks[sense_port], shaped, clipped, host_active, anchor_faults[current_port],
+                         encoder_faults[current_port], ranges[sense_port], trips[current_port], run_q,
+                         saturated_before, contact};
     wire        waves_1 = since_q[7] && !core_rst;
     wire        waves_2 = since_q[8] && !core_rst;
     wire        waves_3 = since_q[10] && !core_rst;

@@ -12,6 +12,8 @@
 // Every register of rtl/words.toml is on the bus, as wh_registers has it. A port's settings change between two rounds,
 // those of all ports with the bridges off. Of what wh_ports hasn't got, the registers can be written and nothing
 // reads them; those that tell of it are 0. The live value core_valid, a strobe, and words_hold are 0.
+// Brushless motors (AXES): wh_registers says where their settings are. magnet_found is 1 once those of all are found,
+// and magnet_angle is the first one's.
 // A clear that begins with the bridges off measures the zeros anew, as arming does.
 //
 // Latency: of the bus as wh_registers has it, of all else as wh_ports has it.
@@ -33,6 +35,7 @@ module wh_ports_device #(
     parameter integer MODES      = 0,
     parameter integer MIN_PULSE  = 0,
     parameter integer HOST       = 0,
+    parameter integer AXES       = 0,
     parameter integer ARM        = 0,  // 1: the bridges are on by command, while it is renewed, or by press_i
     parameter integer ARM_CLOCKS = 4800000, // clocks that a command of either lasts, 2...2^30
     parameter integer CAPTURE    = 0,  // values that a capture takes, 2^this, 4...15; 0: there is none
@@ -91,6 +94,9 @@ module wh_ports_device #(
 );
 
     localparam integer PORT_W = (N > 1) ? $clog2(N) : 1;
+    // Alpha of the first brushless motor; without one, a port whose angle is 0.
+    localparam integer FIRST  = ((AXES & 1) != 0 || AXES == 0) ? 0 : ((AXES & 2) != 0) ? 1 : ((AXES & 4) != 0) ? 2
+                                : ((AXES & 8) != 0) ? 3 : ((AXES & 16) != 0) ? 4 : ((AXES & 32) != 0) ? 5 : 6;
     localparam [`WH_FAULTS-1:0] ZERO = {{`WH_FAULTS-1{1'b0}}, 1'b1} << `WH_FAULT_ZERO;
 
     // Registers that are here.
@@ -120,6 +126,8 @@ module wh_ports_device #(
     wire [27:0]             bridge;
     wire [`WH_GUARD_W-1:0]  guard;
     wire [11:0]             host;
+    wire [64:0]             magnets;
+    wire                    magnet_start;
     wire                    in_force, write, write_bank;
     wire [11:0]             address;
     wire [31:0]             data;
@@ -140,7 +148,8 @@ module wh_ports_device #(
         .N                 (N),
         .WALLS             (WALLS),
         .DELAY_LOG2        (DELAY_LOG2),
-        .SHAPER            (SHAPER)
+        .SHAPER            (SHAPER),
+        .AXES              (AXES)
     ) registers (
         .clk               (clk),
         .rst               (rst),
@@ -161,6 +170,7 @@ module wh_ports_device #(
         .bridge_o          (bridge),
         .guard_o           (guard),
         .host_o            (host),
+        .magnets_o         (magnets),
         .force_o           (in_force),
         .write_o           (write),
         .write_bank_o      (write_bank),
@@ -169,6 +179,7 @@ module wh_ports_device #(
         .clear_o           (set_clear),
         .host_alive_o      (host_alive),
         .zero_start_o      (set_zero_start),
+        .magnet_start_o    (magnet_start),
         .restart_o         (set_restart),
         .command_o         (command),
         .command_address_o (command_address),
@@ -256,6 +267,10 @@ module wh_ports_device #(
     // ---- The controller.
     wire [N-1:0] unused_strobe;  // packets: live values
 
+    wire [N-1:0]    found;
+    wire [32*N-1:0] angles;
+    wire            unused_angles = &{1'b0, angles};
+
     wh_ports #(
         .N               (N),
         .WALLS           (WALLS),
@@ -266,7 +281,8 @@ module wh_ports_device #(
         .SHAPER          (SHAPER),
         .MODES           (MODES),
         .MIN_PULSE       (MIN_PULSE),
-        .HOST            (HOST)
+        .HOST            (HOST),
+        .AXES            (AXES)
     ) ports (
         .clk             (clk),
         .rst             (rst || !ready_o),
@@ -292,6 +308,7 @@ module wh_ports_device #(
         .bridge_i        (bridge),
         .guard_i         (guard),
         .host_i          (host),
+        .magnets_i       ({N{magnets}}),
         .force_i         (in_force),
         .write_i         (write),
         .write_bank_i    (write_bank),
@@ -301,6 +318,7 @@ module wh_ports_device #(
         .host_alive_i    (host_alive),
         .zero_start_i    (set_zero_start || zero_start_i || arm_zero_start || clear_zero),
         .restart_i       (set_restart),
+        .magnet_start_i  (magnet_start),
         .host_strobe_i   (answers_q),
         .host_sequence_i (answer_sequence_q),
         .host_u_i        (answer_u_q),
@@ -314,6 +332,8 @@ module wh_ports_device #(
         .running_o       (running_o),
         .zero_busy_o     (zero_busy_o),
         .zero_faults_o   (zero_fault_o),
+        .magnets_found_o (found),
+        .magnet_angles_o (angles),
         .faults_o        (faults)
     );
 
@@ -534,6 +554,8 @@ module wh_ports_device #(
         end else begin
             casez (bus_address_i[7:0])
                 8'h39:        other_q[`WH_BUS_W-1:0] <= bus_i;
+                8'h66:        other_q[0]    <= AXES != 0 && (&found);
+                8'h67:        other_q       <= angles[32*FIRST +: 32];
                 8'h69:        other_q[0]    <= tick_o;
                 8'h79:        other_q[0]    <= armed;
                 8'h7a:        other_q[4:0]  <= arm_refused;

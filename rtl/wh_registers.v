@@ -28,6 +28,10 @@
 // Settings of all ports need the bridges off. From a commit of such a one until its end loading_o is high: then the
 // bridges have to stay off, and restart_o makes carrier and ADC begin anew.
 //
+// A brushless motor (AXES) has its settings in alpha's part, but the zeros and gains of its phases, which are in the
+// parts of both: beta's other settings are those of alpha, whatever is written. Those of the magnets are of all
+// brushless motors.
+//
 // Commands and reads never wait. Live values: those of a step read 0 while the bridges are off. A packet's number and
 // its v are of one packet where they are read less than 64 clocks apart.
 //
@@ -48,6 +52,7 @@ module wh_registers #(
     parameter integer WALLS      = 4,
     parameter integer DELAY_LOG2 = 2,
     parameter integer SHAPER     = 0,
+    parameter integer AXES       = 0,  // 0...: bit n: ports n, n + 1 are a brushless motor's axes
     parameter integer PORT_W     = (N > 1) ? $clog2(N) : 1  // derived, leave it
 ) (
     input  wire                     clk,
@@ -73,6 +78,7 @@ module wh_registers #(
     output wire [27:0]              bridge_o,
     output wire [`WH_GUARD_W-1:0]   guard_o,
     output wire [11:0]              host_o,
+    output wire [64:0]              magnets_o,      // AXES
 
     // Settings of each port.
     output wire                     force_o,
@@ -85,6 +91,7 @@ module wh_registers #(
     output wire                     clear_o,        // strobes
     output wire                     host_alive_o,
     output wire                     zero_start_o,
+    output wire                     magnet_start_o,
     output wire                     restart_o,      // and while loading_o
     output wire                     command_o,      // strobe, of any command
     output wire [11:0]              command_address_o,
@@ -110,6 +117,7 @@ module wh_registers #(
     localparam integer   PART_W  = (N > 1) ? PORT_W : 0;
     localparam integer   PLACE_W = PART_W + 8;
     localparam integer   LAST    = N - 1;
+    localparam integer   BETAS   = AXES << 1;
     localparam [7:0]     BOARD   = 8'ha0;  // where the first port's part of a memory has the settings of all ports
     localparam [7:0]     LAST_SLOT = (SHAPER > 0) ? 8'h97 : 8'h7f;  // of a port's settings
     localparam integer   ROUND   = 27 + 36 * N;  // clocks until a round that has begun reads no setting any more
@@ -125,6 +133,7 @@ module wh_registers #(
     localparam [11:0] ZERO_START = 12'h01d;
     localparam [11:0] CLEAR      = 12'h060;
     localparam [11:0] HOST_ALIVE = 12'h061;
+    localparam [11:0] MAGNETS    = 12'h065;
     localparam [11:0] RESTART    = 12'h06d;
     localparam [11:0] COMMIT     = 12'h070;
     localparam [11:0] DISCARD    = 12'h071;
@@ -166,7 +175,8 @@ module wh_registers #(
     wh_settings_rom #(
         .WALLS      (WALLS),
         .SHAPER     (SHAPER),
-        .DELAY_LOG2 (DELAY_LOG2)
+        .DELAY_LOG2 (DELAY_LOG2),
+        .BOTH       ((AXES != 0) ? 1 : 0)
     ) rom (
         .clk        (clk),
         .address_i  ({!of_board, bus_address_i[7:0]}),
@@ -232,6 +242,7 @@ module wh_registers #(
     assign clear_o           = command_q && command_address_q == CLEAR && command_data_q[0];
     assign host_alive_o      = command_q && command_address_q == HOST_ALIVE && command_data_q[0];
     assign zero_start_o      = command_q && command_address_q == ZERO_START && command_data_q[0];
+    assign magnet_start_o    = AXES != 0 && command_q && command_address_q == MAGNETS && command_data_q[0];
     assign restart_o         = loading_q || (command_q && command_address_q == RESTART && command_data_q[0]);
     assign command_o         = command_q;
     assign command_address_o = command_address_q;
@@ -255,7 +266,9 @@ module wh_registers #(
     wire        flips     = write_q && last_q;
     wire [3:0]  bus_part  = bus_address_i[11:8] - 4'd1;
     wire [10:0] bus_place = of_board ? {3'd0, BOARD + bus_address_i[7:0]} : {bus_part[2:0], bus_address_i[7:0]};
-    wire [10:0] from      = bus_reads ? bus_place : {part_q, slot_q};
+    wire [7:0]  betas     = BETAS[7:0];
+    wire        of_alpha  = betas[part_q] && slot_q > 8'h01;  // what both axes have in common
+    wire [10:0] from      = bus_reads ? bus_place : {part_q - {2'd0, of_alpha}, slot_q};
     wire [10:0] to        = write_q ? place_q : bus_place;
     wire [31:0] written;
     wire [31:0] in_force;
@@ -331,12 +344,14 @@ module wh_registers #(
     assign data_o       = word_q;
 
     // The groups of their settings: first address, number, and bits of each, the first one lowest.
-    localparam integer GROUPS  = 8;
-    localparam integer ALL     = 48;
+    localparam integer GROUPS  = 9;
+    localparam integer ALL     = 51;
+    localparam [23:0]  MAGNET_WIDTHS = (AXES != 0) ? {8'd1, 8'd32, 8'd32} : 24'd0;
     localparam [7:0]   DELAY_W = DELAY_LOG2[7:0];
-    localparam [GROUPS*16-1:0] ADDRESSES = {8'h24, 8'd2, 8'h40, 8'd16, 8'h30, 8'd6, 8'h28, 8'd2, 8'h20, 8'd1, 8'h18, 8'd5,
+    localparam [GROUPS*16-1:0] ADDRESSES = {8'h21, 8'd3, 8'h24, 8'd2, 8'h40, 8'd16, 8'h30, 8'd6, 8'h28, 8'd2, 8'h20, 8'd1, 8'h18, 8'd5,
                                             8'h08, 8'd10, 8'h00, 8'd6};
     localparam [ALL*8-1:0] WIDTHS = {
+        MAGNET_WIDTHS,
         8'd8, 8'd4,                                              // host
         8'd16, 8'd32, 8'd16, 8'd16, 8'd16, 8'd24, 8'd16, 8'd16,  // guard
         8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd2, 8'd24, 8'd24,
@@ -347,7 +362,8 @@ module wh_registers #(
         8'd1, 8'd1, 8'd6, 8'd8, 8'd8, 8'd8, 8'd5, 8'd6, 8'd6, 8'd8,  // frame
         8'd1, 8'd8, 8'd9, 8'd16, 8'd16, 8'd16                    // carrier
     };
-    localparam integer ALL_W = 66 + 57 + 71 + 4 + 2 * DELAY_LOG2 + 28 + `WH_GUARD_W + 12;
+    localparam integer MOST_W = 66 + 57 + 71 + 4 + 2 * DELAY_LOG2 + 28 + `WH_GUARD_W + 12;
+    localparam integer ALL_W  = MOST_W + ((AXES != 0) ? 65 : 0);
 
     // Bits below setting `count`, and its address.
     function integer below;
@@ -379,12 +395,17 @@ module wh_registers #(
 
     wire [ALL_W-1:0] all;
 
-    assign {host_o, guard_o, bridge_o, delay_o, filter_clocks_o, sense_o, frame_o, carrier_o} = all;
+    assign {host_o, guard_o, bridge_o, delay_o, filter_clocks_o, sense_o, frame_o, carrier_o} = all[MOST_W-1:0];
 
     genvar n;
     generate
         if (below(ALL) != ALL_W) begin : illegal_table
             wh_illegal_parameter_registers_widths_must_be_those_of_wh_ports stop ();
+        end
+        if (AXES != 0) begin : of_magnets
+            assign magnets_o = all[ALL_W-1:MOST_W];
+        end else begin : of_no_magnets
+            assign magnets_o = 65'd0;
         end
         for (n = 0; n < ALL; n = n + 1) begin : shared
             localparam integer WIDTH = {24'd0, WIDTHS[n*8 +: 8]};

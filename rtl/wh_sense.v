@@ -12,6 +12,9 @@
 // its turn, as the next words may come before that; summed_o is the clock before the first port's is there.
 // The turn, in clocks since valid_i: 1, the product of the sum is asked for, and nobody else may ask;
 // 6, current_o and ends_o are there, with valid_o. They hold until the next turn's.
+// KINDS = 1: a turn has a kind. That of a motor's alpha has the current of its phase a, and that of phase b, with no
+// offset, is a turn of beta's port that goes to phase_o alone. Beta's own turn makes no current of words, it takes
+// beta_i in its clocks 4 and 5. phase_o is what flows in a phase, and of a brushed motor current_o.
 // The next word_valid_i may come N + 2 clocks after this one, the next valid_i 6 clocks; word_i holds for N clocks.
 //
 // State, by port, in LUT RAM (wh_port_state): the sum and its ends (27 bits), the same for its turn, the last word
@@ -23,7 +26,8 @@
 `include "wh_formats.vh"
 
 module wh_sense #(
-    parameter integer N         = 1,   // ports, 1...8
+    parameter integer N         = 1,   // ports and third phases, whose words come last, 1...12
+    parameter integer KINDS     = 0,   // 1: kind_i counts
     parameter integer ZERO_LOG2 = 10,  // ticks of a zero, 2^ZERO_LOG2; 2...16
     parameter integer PORT_W    = (N > 1) ? $clog2(N) : 1  // derived, leave it
 ) (
@@ -61,7 +65,13 @@ module wh_sense #(
     input  wire                          valid_i,        // strobe
     input  wire [PORT_W-1:0]             port_i,
     input  wire                          bank_i,
+    input  wire [1:0]                    kind_i,         // 0 a brushed motor's, 1 alpha's, 2 phase b's, 3 beta's
+    input  wire signed [`WH_DATA_W-1:0]  beta_i,         // s31q24 A, beta's current
+    input  wire [1:0]                    beta_ends_i,
     output reg                           valid_o,        // strobe
+    output wire                          phase_valid_o,  // strobe
+    output wire signed [`WH_DATA_W-1:0]  phase_o,        // s31q24 A, until the next
+    output wire [1:0]                    phase_ends_o,
     output wire [PORT_W-1:0]             port_o,
     output wire                          bank_o,
     output reg  signed [`WH_DATA_W-1:0]  current_o,      // s31q24 A, +-64 A
@@ -71,7 +81,7 @@ module wh_sense #(
     input  wire                          offset_valid_i, // strobe
     input  wire [PORT_W-1:0]             offset_port_i,
     input  wire signed [`WH_DATA_W-1:0]  offset_i,       // s31q24 A
-    input  wire                          offset_rst_i,   // all are 0
+    input  wire [N-1:0]                  offset_rst_i,   // of these ports it is 0
     output wire signed [`WH_DATA_W-1:0]  offset_o,       // of the turn's port, until the next turn
 
     // The register bus (wh_port_settings), and the bank in force.
@@ -101,8 +111,11 @@ module wh_sense #(
     localparam integer LAST         = N - 1;
 
     generate
-        if (N < 1 || N > 8) begin : illegal
-            wh_illegal_parameter_sense_n_must_be_1_to_8 stop ();
+        if (N < 1 || N > 12) begin : illegal
+            wh_illegal_parameter_sense_n_must_be_1_to_12 stop ();
+        end
+        if (KINDS != 0 && KINDS != 1) begin : illegal_kinds
+            wh_illegal_parameter_sense_kinds_must_be_0_or_1 stop ();
         end
         if (ZERO_LOG2 < 2 || ZERO_LOG2 > 16) begin : illegal_zero
             wh_illegal_parameter_sense_zero_log2_must_be_2_to_16 stop ();
@@ -367,6 +380,10 @@ module wh_sense #(
     reg [PORT_W-1:0] port_q;
     reg              bank_q;
     reg [5:1]        at_q;   // at_q[n]: this is clock n of it
+    reg [1:0]        kind_q;
+
+    localparam [1:0] BRUSHED = 2'd0, PHASE_B = 2'd2, BETA = 2'd3;
+    wire [1:0] kind = (KINDS != 0) ? kind_q : BRUSHED;
 
     wire signed [DIFFERENCE_W-1:0] done_sum;
     wire [1:0]                     done_ends;
@@ -380,13 +397,14 @@ module wh_sense #(
         if (valid_i) begin
             port_q <= port_i;
             bank_q <= bank_i;
+            kind_q <= kind_i;
         end
         if (rst || sense_rst_i) begin
             at_q    <= 5'd0;
             valid_o <= 1'b0;
         end else begin
             at_q    <= {at_q[4:1], valid_i};
-            valid_o <= at_q[5];
+            valid_o <= at_q[5] && kind != PHASE_B;
         end
     end
 
@@ -405,10 +423,11 @@ module wh_sense #(
 
     wh_port_state #(
         .N           (N),
+        .RESETS      (N),
         .W           (DATA_W)
     ) offset_state (
         .clk         (clk),
-        .rst         (rst || offset_rst_i),
+        .rst         ({N{rst}} | offset_rst_i),
         .port_i      (port_q),
         .save_i      (offset_valid_i),
         .save_port_i (offset_port_i),
@@ -435,7 +454,7 @@ module wh_sense #(
         .word_o       (coefficient_o)
     );
 
-    assign request_o = at_q[1];
+    assign request_o = at_q[1] && kind != BETA;
     assign factor_o  = {{DATA_W-DIFFERENCE_W{done_sum[DIFFERENCE_W-1]}}, done_sum};
 
     // 25 x 27 bits: above the product there is nothing but its sign.
@@ -446,7 +465,9 @@ module wh_sense #(
     wire signed [ROUND_W-1:0] rounded;
     reg  signed [ROUND_W-1:0] rounded_q;
     wire signed [DATA_W-1:0]  saturated;
-    wire signed [WIDE_W-1:0]  wide = {{(WIDE_W - ROUND_W + 1){rounded_q[ROUND_W-1]}}, rounded_q[ROUND_W-2:0]};
+    wire signed [ROUND_W-1:0] word;        // rounded_q, within its range where it is a phase's
+    wire [1:0]                found_ends;  // of this turn, beside those of its words
+    wire signed [WIDE_W-1:0]  wide = {{(WIDE_W - ROUND_W + 1){word[ROUND_W-1]}}, word[ROUND_W-2:0]};
     wire                      back = wide[WIDE_W-1];
     wire                      far  = (wide[WIDE_W-1:NEAR_W-1] != {(WIDE_W - NEAR_W + 1){back}});
     wire signed [NEAR_W:0]    near = $signed({wide[NEAR_W-1], wide[NEAR_W-1:0]})
@@ -473,16 +494,67 @@ module wh_sense #(
 
     always @(posedge clk) begin
         if (at_q[4]) begin
-            rounded_q <= rounded;
+            rounded_q <= (kind == BETA) ? $signed({{(ROUND_W - DATA_W){beta_i[DATA_W-1]}}, beta_i}) : rounded;
         end
         if (rst || sense_rst_i) begin
             current_o <= {DATA_W{1'b0}};
             ends_o    <= 2'b00;
-        end else if (at_q[5]) begin
+        end else if (at_q[5] && kind != PHASE_B) begin
             current_o <= saturated;
-            ends_o    <= done_ends | {low, high};
+            ends_o    <= (kind == BETA) ? beta_ends_i : done_ends | found_ends;
         end
     end
+
+    // ---- Phases: the offset comes off behind the transform, and doesn't bring back what is beyond a current's range.
+    generate
+        if (KINDS != 0) begin : phases
+            wire signed [DATA_W-1:0] phase;
+            reg                      valid_q;
+            reg  signed [DATA_W-1:0] phase_q;
+            reg  [1:0]               phase_ends_q;
+            wire                     beyond = (rounded_q[ROUND_W-1:DATA_W-1]
+                                               != {(ROUND_W - DATA_W + 1){rounded_q[ROUND_W-1]}});
+
+            wh_saturate #(
+                .IN_W    (ROUND_W),
+                .OUT_W   (DATA_W)
+            ) saturate_phase (
+                .value_i (rounded_q),
+                .value_o (phase)
+            );
+
+            assign word       = (kind == BRUSHED) ? rounded_q
+                                                  : $signed({{(ROUND_W - DATA_W){phase[DATA_W-1]}}, phase});
+            assign found_ends = (kind == BRUSHED) ? {low, high}
+                                                  : {2{beyond}} & {rounded_q[ROUND_W-1], !rounded_q[ROUND_W-1]};
+
+            always @(posedge clk) begin
+                if (rst || sense_rst_i) begin
+                    valid_q      <= 1'b0;
+                    phase_q      <= {DATA_W{1'b0}};
+                    phase_ends_q <= 2'b00;
+                end else begin
+                    valid_q      <= at_q[5] && kind != BETA;
+                    if (at_q[5] && kind != BETA) begin
+                        phase_q      <= (kind == BRUSHED) ? saturated : phase;
+                        phase_ends_q <= done_ends | found_ends;
+                    end
+                end
+            end
+
+            assign phase_valid_o = valid_q;
+            assign phase_o       = phase_q;
+            assign phase_ends_o  = phase_ends_q;
+        end else begin : brushed
+            wire unused_axes = &{1'b0, kind_q, beta_i, beta_ends_i};
+
+            assign word          = rounded_q;
+            assign found_ends    = {low, high};
+            assign phase_valid_o = valid_o;
+            assign phase_o       = current_o;
+            assign phase_ends_o  = ends_o;
+        end
+    endgenerate
 
 endmodule
 

@@ -17,7 +17,8 @@ module wh_settings_rom #(
     parameter integer WALLS      = 4,  // as wh_controller has them
     parameter integer SHAPER     = 0,
     parameter integer DELAY_LOG2 = 2,
-    parameter integer LEGS       = 2   // as wh_device has it
+    parameter integer LEGS       = 2,  // as wh_device has it
+    parameter integer BOTH       = 0   // 1: words of brushless motors, too; with LEGS = 2
 ) (
     input  wire        clk,
 
@@ -38,6 +39,12 @@ module wh_settings_rom #(
     localparam integer OF      = (LEGS == 3) ? 1 : 0;  // bit of who has a word
     localparam integer SECOND  = (LEGS == 3) ? 2 : 0;
 
+    generate
+        if (BOTH != 0 && BOTH != 1) begin : illegal_both
+            wh_illegal_parameter_settings_rom_both_must_be_0_or_1 stop ();
+        end
+    endgenerate
+
     (* rom_style = "block" *) reg [7:0]  info [0:(1<<PLACE_W)-1];
     (* rom_style = "block" *) reg [31:0] bounds [0:63];
 
@@ -45,7 +52,7 @@ module wh_settings_rom #(
 
 `define WH_SETTINGS_WORD(FIRST, COPIES, WHO, INFO, DEFAULT) \
         for (i = FIRST; i < FIRST + (COPIES); i = i + 1) begin \
-            if (((WHO >> OF) & 3'd1) != 3'd0) begin \
+            if (((WHO >> OF) & 3'd1) != 3'd0 || (BOTH == 1 && ((WHO >> 1) & 3'd1) != 3'd0)) begin \
                 info[i] = INFO; \
             end \
             if (LEGS == 3 && ((WHO >> SECOND) & 3'd1) != 3'd0) begin \

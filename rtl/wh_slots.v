@@ -15,6 +15,16 @@
 //   12  wh_energy_ports                      [13] way i_n
 //
 // With W, wh_core asks for η W{v} and what follows 5 clocks later for each section, and wh_drive with it.
+// A brushless motor has two slots, alpha's and beta's (AXES). Beside what a slot does, these two do:
+//
+//   alpha 21  wh_sense makes the current of phase b           [22], and wh_clarke beta's of both    [29]
+//         42  wh_guard_ports: b's i_n^2, begun at 27; beta's own doesn't begin
+//   beta   5  wh_sense takes beta's current; nothing of it is asked for
+//         15  the third phase's current: its dead time, and wh_guard_ports                          [30]
+//         31  e of both is there, wh_legs                     [32] e of beta * √3/2   [40 41 42] legs
+//
+// With W, in clocks of the same slots: [56 57 58] legs with one section, and [24 31 29 61 62 63] with two, where b
+// comes at 23 and the third phase at 14. Where beta's is the last slot, a round may begin once the legs are asked for.
 // Modulo 32, and 36 with two sections, these clocks are all different, so the ports of a round never ask at once. The
 // next round may begin at any clock from TAIL after the last slot's begin on, 38, and 42 with two sections: then what
 // the last slot still asks for is not what the new one asks for. A round that is due earlier waits; one that is due
@@ -30,6 +40,7 @@
 module wh_slots #(
     parameter integer N      = 1,                        // ports, 1...8
     parameter integer SHAPER = 0,                        // sections of W, 0...2
+    parameter integer AXES   = 0,                        // bit n: ports n, n + 1 are a brushless motor's axes
     parameter integer PORT_W = (N > 1) ? $clog2(N) : 1   // derived, leave it
 ) (
     input  wire              clk,
@@ -43,14 +54,21 @@ module wh_slots #(
     output wire              valid_o,    // strobe, a slot
     output wire [PORT_W-1:0] port_o,
     output wire              bank_o,
+    output wire              phase_o,    // strobe, the current of phase b, for port_o, which is beta's
+    output wire              third_o,    // strobe, that of phase c
     output wire              run_o,
     output reg               damp_o,
     output reg               overrun_o   // until rst
 );
 
     localparam [5:0]   PITCH = (SHAPER == 2) ? 6'd36 : 6'd32;
-    localparam [5:0]   TAIL  = (SHAPER == 2) ? 6'd42 : 6'd38;  // to the next round
     localparam integer LAST  = N - 1;
+    localparam integer BETAS = AXES << 1;
+    localparam integer ENDS  = (BETAS >> LAST) & 1;  // with a brushless motor's slots
+    localparam [5:0]   TAIL  = (ENDS == 0) ? ((SHAPER == 2) ? 6'd42 : 6'd38)  // to the next round
+                                           : ((SHAPER == 2) ? 6'd63 : (SHAPER == 1) ? 6'd58 : 6'd42);
+    localparam [5:0]   PHASE = (SHAPER == 2) ? 6'd23 : 6'd21;
+    localparam [5:0]   THIRD = (SHAPER == 2) ? 6'd14 : 6'd15;
 
     generate
         if (N < 1 || N > 8) begin : illegal
@@ -58,6 +76,9 @@ module wh_slots #(
         end
         if (SHAPER < 0 || SHAPER > 2) begin : illegal_shaper
             wh_illegal_parameter_slots_shaper_must_be_0_to_2 stop ();
+        end
+        if (AXES < 0 || AXES >> LAST != 0 || (AXES & BETAS) != 0) begin : illegal_axes
+            wh_illegal_parameter_slots_axes_must_be_pairs_of_ports stop ();
         end
     endgenerate
 
@@ -67,6 +88,9 @@ module wh_slots #(
     reg              run_q;
     reg              bank_q;   // the round's
 
+    wire [(1<<PORT_W)-1:0] alphas = AXES[(1<<PORT_W)-1:0];
+    wire [(1<<PORT_W)-1:0] betas  = BETAS[(1<<PORT_W)-1:0];
+
     wire last   = (slot_q == LAST[PORT_W-1:0]);
     wire begins = (summed_i || due_q) && last && clock_q == TAIL;
     wire next   = !last && clock_q == PITCH;
@@ -75,6 +99,8 @@ module wh_slots #(
     assign port_o  = begins ? {PORT_W{1'b0}} : slot_q + 1'b1;
     assign bank_o  = begins ? force_i : bank_q;
     assign run_o   = run_q && run_i;
+    assign phase_o = !rst && alphas[slot_q] && clock_q == PHASE;
+    assign third_o = !rst && betas[slot_q] && clock_q == THIRD;
 
     always @(posedge clk) begin
         if (rst) begin
