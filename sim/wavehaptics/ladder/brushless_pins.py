@@ -405,7 +405,7 @@ class BrushlessPinsSimulation(PinsSimulation):
     def _idle_pins(self, frame: Frame) -> int:
         return 1 << _CS_N | frame.sclk_idle << _SCLK
 
-    def _imperfections(self, scene: Scene, *, needed: bool = False) -> None:
+    def _imperfections(self, scene: Scene, *, always: bool = False) -> None:
         """It has none yet."""
 
     def _hardware(self, scene: Scene, ports: Ports, host: bool) -> dict[str, int]:

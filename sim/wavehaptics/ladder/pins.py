@@ -260,11 +260,11 @@ class PinsSimulation:
         """Clocks of the RTL so far."""
         return int(self._kept[pins_loop.NOW])
 
-    def _imperfections(self, scene: Scene, *, needed: bool = False) -> Real | None:
-        """What the loop takes of a real motor; ``needed`` of one that is ideal as well."""
+    def _imperfections(self, scene: Scene, *, always: bool = False) -> Real | None:
+        """What the loop takes of a real motor; ``always`` of one that is ideal as well."""
         steps_s = [n * self._dt for n in range(STEPS + 1)]
         plant, cell_rad = self.winding.plant, self.settings.cell_rad
-        return real_parts(scene, plant, cell_rad, steps_s, switching=True, needed=needed)
+        return real_parts(scene, plant, cell_rad, steps_s, switching=True, always=always)
 
     def _function(self, name: str) -> Any:
         return getattr(self._library, f"{self.PREFIX}_{name}")

@@ -53,7 +53,7 @@ class TurnsSimulation:
         if any(motor._real is not None for motor in self.motors):
             # The loop has one kind of motor.
             for motor, scene in zip(self.motors, scenes, strict=True):
-                motor._real = motor._imperfections(scene, needed=True)
+                motor._real = motor._imperfections(scene, always=True)
         self._kept = np.stack([motor._kept for motor in self.motors])
         for motor, kept in zip(self.motors, self._kept, strict=True):
             motor._kept = kept

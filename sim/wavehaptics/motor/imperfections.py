@@ -43,24 +43,28 @@ A's level, ±½ and 0 before the first, and what is left of its edges at the amp
 
 
 def real_parts(
-    scene: Scene, plant: Plant, cell_rad: float, steps_s: Sequence[float], switching: bool = False,
-    needed: bool = False,
-) -> Real | None:  # fmt: skip
+    scene: Scene,
+    plant: Plant,
+    cell_rad: float,
+    steps_s: Sequence[float],
+    switching: bool = False,
+    always: bool = False,
+) -> Real | None:
     """What the loops take, for steps of the lengths ``steps_s``; None for an ideal scene.
 
-    ``switching`` is whether there is a bridge that draws from the bus itself. What is ``needed`` is
-    made of an ideal scene as well.
+    ``switching`` is whether there is a bridge that draws from the bus itself; ``always`` gives an
+    ideal scene its parts as well, for a loop of several motors.
     """
     supply, lines = supply_words(scene, not switching), line_words(scene)
     sensor = Sensor.of_scene(scene)
     words = sensor.constants()
     if not (
-        plant.real
+        always
+        or plant.real
         or supply[STEP_PART] != 1.0
         or lines[FAULTY]
         or np.any(words[[LAG_RATE, COMMON_MODE, DRIFT]])
         or (switching and words[HOLD_S])
-        or needed
     ):
         return None
     memory = new_lines(plant.start[X], cell_rad, lines)
