@@ -510,7 +510,7 @@ async def ticks_until_the_gates_tell(bench: PortsBench, tick_clocks: int, lead: 
         found, width = [], 0
         while len(found) < ticks:
             await bench.step()
-            if int(dut.ports.width_valid.value) and int(dut.ports.width_port.value) == last:
+            if int(dut.ports.width_valid.value) and int(dut.ports.width_leg.value) == last:
                 width = dut.ports.width.value.to_signed()
             if bench.word("tick_o"):
                 found.append(width)

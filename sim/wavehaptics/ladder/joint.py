@@ -524,7 +524,7 @@ class JointSimulation:
         motors = len(plants)
         self._states = np.array([plant.start for plant in plants])
         reals = tuple(
-            real_parts(scene, plant, set_.cell_rad, [self._dt], needed=True)
+            real_parts(scene, plant, set_.cell_rad, [self._dt], always=True)
             for scene, plant, set_ in zip(scenes, plants, self.settings, strict=True)
         )
         sensors = np.array([
