@@ -12,8 +12,8 @@
 //   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME
 //   27 ARM   31:28 CAPTURE
 //
-// SHAPER is 3 there with LEGS = 3, which has none without TURNS. Several motors have ANCHOR, GUARD, SENSE and DEAD_TIME, whatever
-// these are here, and neither BUS nor SHARED.
+// SHAPER is 3 there with LEGS = 3, which has none without TURNS. Several motors, and TURNS, have ANCHOR, GUARD, SENSE
+// and DEAD_TIME, whatever these are here, and neither BUS nor SHARED.
 // Bits 17 and 26 are 0. Whether there is a STREAM, the word stream_state says, which is 0 without.
 //
 // Latency and reset: those of wh_modbus and of wh_device.

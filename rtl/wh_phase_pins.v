@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_phase_pins: what each brushless motor has of its own at its pins: the count of its encoder, and three half bridges.
+// wh_phase_pins: what each brushless motor has of its own at its pins: its encoder's count, and three half bridges.
 //
 //   A, B   -> wh_quadrature -> position
 //   widths -> wh_pwm, a half bridge's pattern each -> wh_half_bridge -> gates
