@@ -103,7 +103,7 @@ _D_SHIFT = _Q - formats.DISTANCE.fraction
 _SEEN = formats.SEEN.fraction
 _PLACE_SHIFT = _Q - _SEEN
 _BEND_SHIFT = formats.CELLS.fraction + formats.CURRENT.fraction - _SEEN
-_HALF_COUNT = 1 << (_SEEN - 1)
+_HALF_COUNT = (1 << max(_SEEN, 0)) >> 1  # 0 where short words don't show it
 _XI_SHIFT = _Q + _SEEN - formats.WAVE.fraction
 
 

@@ -171,7 +171,7 @@ def incoming(state, line, current, root, extra_ticks, ends):
 
     Of a current at the high end of its range the true one may be larger by any amount, and so v
     smaller; at the low end the other way round. v_n is then the smallest magnitude that the true
-    one can have: so a port of |η| ≤ 1 stays passive, whatever the true current is.
+    one can have: so a port of ``|η| ≤ 1`` stays passive, whatever the true current is.
     """
     u_n = line_read(line, state, extra_ticks)
     wide = u_n - truncate(root * current, _SI_SHIFT)
