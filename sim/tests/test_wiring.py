@@ -83,20 +83,20 @@ def test_gates_are_shut_soon_after_the_last_change(table):
     found = spice.stops(table, ticks_s, spice.corners(table))
     assert len(found) == len(ticks_s) * 2 * 24
     assert spice.stop_complaints(table, found) == []
-    # Three motors' tick is 1.4 µs, the brushless board's 2.45 µs, eight motors' 3.71 µs; 1.20 V may
+    # Three motors' tick is 1.4 µs, the brushless board's 2.45 µs, eight motors' 3.96 µs; 1.20 V may
     # shut.
     for longest_s, least_v, most_v in (
         (1.3e-6, 1.80, 2.10),
         (1.5e-6, 1.75, 2.05),
         (2.5e-6, 1.45, 2.00),
-        (3.8e-6, 1.20, 1.95),
+        (4.0e-6, 1.20, 1.95),
     ):
         of_ticks = [stop for stop in found if stop.tick_s < longest_s]
         assert min(stop.least_v for stop in of_ticks) > least_v
         assert min(stop.most_v for stop in of_ticks) > most_v
     assert max(stop.most_v for stop in found) < 2.80
     assert 30e-6 < max(stop.shut_s for stop in found) < table.stop.longest_s
-    assert max(stop.shut_s for stop in found if stop.level == "low") < 12e-6
+    assert max(stop.shut_s for stop in found if stop.level == "low") < 13e-6
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 """Surfaces across the motors of a group, as integers: the model that the RTL has to equal.
 
 A surface is a plane ``G·x ≥ d`` in the counts x of a group's ports, and a unit vector g in their
-waves. While the rotors are beyond the plane the waves along g are reflected, and all others pass:
+waves. While the rotors are beyond the plane the waves along g are reflected, and all others pass::
 
     p = g·v,   y = η·H{p} + ξ,   u = v + g·(y − p).
 
@@ -11,7 +11,7 @@ of a group act at a time, the first three in contact, one after another: the sec
 with vectors that are orthogonal to those before (:func:`pair_row`, :func:`triple_row`).
 
 **Passive whatever is written.** A vector is accepted only with ``|g|² ≤ 1``, exactly, in integers
-(:func:`accepts`). Then u has no more energy than v and what y brought: with p rounded toward zero,
+(:func:`accepts`). Then u has no more energy than v and what y brought: with p rounded toward zero::
 
     |u|² ≤ |v|² + y² − p².
 
