@@ -182,7 +182,6 @@ LONG = (
     "sim/tests/test_several_motors.py::test_a_session_of_three",
     "sim/tests/test_several_motors.py::test_a_stream_of_two_motors",
     "sim/tests/test_several_motors.py::test_a_wall_of_one_motor_alone",
-    "sim/tests/test_several_motors.py::test_the_scope_shows_the_motor_that_was_asked_for",
     "sim/tests/test_abilities.py::test_a_key_has_an_effect_or_is_said_to_have_none[pins]",
     "sim/tests/test_board_netlist.py::test_what_is_flashed_for_a_brushless_motor",
     "sim/tests/test_board_netlist.py::test_what_is_flashed[ulx3s]",

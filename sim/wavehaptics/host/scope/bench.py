@@ -180,8 +180,11 @@ class Bench:
         return {p.word.name: raw for p, raw in zip(self._status, raws, strict=True)}
 
     def _live(self, found: list[Place]) -> dict[str, float]:
+        """Values by name; those of a brushless motor's second axis with ``@1`` behind it."""
         raws = self.client.read(found)
-        names = (f"{p.word.name}@{p.motor}" if p.motor else p.word.name for p in found)
+        names = (
+            p.word.name if p.motor == self.motor else f"{p.word.name}@{p.motor}" for p in found
+        )
         return {name: p.value(raw) for name, p, raw in zip(names, found, raws, strict=True)}
 
     def _find_magnet(self) -> None:
