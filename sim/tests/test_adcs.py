@@ -122,3 +122,12 @@ def test_kept_numbers_keep_the_promises():
     slowest = kept["energies"][-1]
     assert slowest["mean_j"] <= 0 < slowest["point_j"]
     assert slowest["several_j"] < 0.01 * slowest["one_j"]
+
+
+def test_a_tick_whose_bits_no_word_divides_is_refused():
+    """A prime number of them, beyond what a word of the filter has."""
+    part = MODULATORS["AD7403"]
+    period = 2 * modulator_frame(part, 60e6, 1200).sclk_half_clocks
+    with pytest.raises(PartError, match=r"has 257 bits, which no word of 4 to 256 bits divides"):
+        modulator_frame(part, 60e6, 257 * period)
+    assert 258 % modulator_frame(part, 60e6, 258 * period).osr == 0

@@ -333,7 +333,12 @@ def modulator_frame(part: Modulator, clock_hz: float, tick_clocks: int) -> Frame
     )
     osr = bits // words
     if osr > 256:
-        osr = max(n for n in range(4, 257) if bits % n == 0)
+        osr = max((n for n in range(4, 257) if bits % n == 0), default=0)
+    if not osr:
+        raise PartError(
+            f"{part.name} at a clock of {clock_hz:g} Hz: a tick of {tick_clocks} clocks has {bits} "
+            "bits, which no word of 4 to 256 bits divides"
+        )
     return Frame(
         sclk_half_clocks=half, frame_bits=part.bits, lead_bits=0, data_bits=part.bits,
         sclk_idle=0, kind="sigma_delta", pipeline=SINC_PIPELINE, osr=osr,
