@@ -71,10 +71,12 @@ class Ports:
     def wall_words(self, places: int, motors: int = 1) -> dict[str, list[int]]:
         """The walls' words, the same for each motor; the ``places`` beyond them are empty."""
         walls = [*self.walls, *[(0, 0)] * (places - len(self.walls))] * motors
+        shaped = self.settings.shaped.tolist()
         return {
             "wall_min": [low for low, _ in walls],
             "wall_max": [high for _, high in walls],
             "wall_enable": [int(low < high) for low, high in walls],
+            "wall_shaped": [*shaped, *[0] * (places - len(shaped))] * motors,
         }
 
 

@@ -109,11 +109,11 @@ def _axes_clocks(scene: Scene) -> int:
     # Each section of W makes every turn of the core longer, of which the last anchor waits for one.
     anchored = scene.controller.anchored
     least, turns = (MIN_AXES_CLOCKS, 1) if anchored else (MIN_BRUSHLESS_CLOCKS, AXES)
-    least += SECTION_CLOCKS * _sections(scene) * turns
+    least += SECTION_CLOCKS * sections_of(scene) * turns
     return least + -least % 4
 
 
-def _sections(scene: Scene) -> int:
+def sections_of(scene: Scene) -> int:
     """Sections of the scene's W."""
     return scene.shaper.sections if scene.shaper else 0
 
@@ -255,7 +255,7 @@ def timing(
         tick_hz = pulse_hz
     pulses = 1 if pulse_hz is None else max(1, round(pulse_hz / tick_hz))
     halves = pulses * pulse_halves
-    sections = max(most_sections, _sections(scene))
+    sections = max(most_sections, sections_of(scene))
     turns = turns_clocks(motors, sections) if motors > 1 else 0
     try:
         tick_clocks, made = _tick_clocks(

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from wavehaptics.controller import guard
 from wavehaptics.controller.ports import Ports, controller_ports
+from wavehaptics.controller.tick_layout import sections_of
 from wavehaptics.scene import Scene
 from wavehaptics.words import table
 from wavehaptics.words.memory import settings_requests
@@ -34,7 +35,7 @@ def take_turns(scenes: Sequence[Scene]) -> bool:
 
 def sections(scenes: Sequence[Scene]) -> int:
     """Sections of W that each motor has, which is as many as any of them needs."""
-    return max(scene.shaper.sections if scene.shaper else 0 for scene in scenes)
+    return max(map(sections_of, scenes))
 
 
 def turns_ports(scenes: Sequence[Scene]) -> list[Ports]:
@@ -51,9 +52,8 @@ def turns_ports(scenes: Sequence[Scene]) -> list[Ports]:
         )
     for scene in scenes:
         _check(scene)
-    found = [
-        controller_ports(scene, motors=motors, most_sections=sections(scenes)) for scene in scenes
-    ]
+    most = sections(scenes)
+    found = [controller_ports(scene, motors=motors, most_sections=most) for scene in scenes]
     kind = found[0].timing.frame.kind
     if kind == CHANNELS:
         part = scenes[0].adc and scenes[0].adc.part

@@ -171,7 +171,6 @@ def _guard(scene: Scene, ports: Ports, trip_a: float | None) -> int:
 
 def first_values(board: BoardWords, motors: int) -> Values:
     """What each word of ``motors`` of the board's motors is."""
-    shaped = board.ports.settings.shaped.tolist()
     each = board.ports.settings.words()
     return {
         **board.words,
@@ -179,7 +178,6 @@ def first_values(board: BoardWords, motors: int) -> Values:
                        for name, word in each.items() if not isinstance(word, int)}, motors),
         "guard": board.guard or 0,
         **board.ports.wall_words(board.walls, motors),
-        "wall_shaped": [*shaped, *[0] * (board.walls - len(shaped))] * motors,
     }  # fmt: skip
 
 

@@ -53,10 +53,8 @@ def soldered(ports: Ports) -> dict[str, int]:
 
 def scene_values(scene: Scene, ports: Ports, walls: int) -> Values:
     """Words of the RTL for a scene, with places for so many ``walls``."""
-    shaped = ports.settings.shaped.tolist()
     return {
         **ports.words, **ports.settings.words(), **ports.wall_words(walls),
-        "wall_shaped": [*shaped, *[0] * (walls - len(shaped))],
         "bus": bus_scale.bus_word(true_bus_v(scene)),
         **(guard.scene_words(scene, ports) if scene.guard else {}),
     }  # fmt: skip

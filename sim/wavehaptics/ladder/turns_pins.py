@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from wavehaptics.controller.ports import Ports
-from wavehaptics.controller.turns import port_requests, shared_words, turns_ports
+from wavehaptics.controller.turns import port_requests, sections, shared_words, turns_ports
 from wavehaptics.ladder import pins_loop, verilated
 from wavehaptics.ladder.pins import (
     DELAY_LOG2,
@@ -33,12 +33,12 @@ class TurnsSimulation:
         ports = turns_ports(scenes)
         walls = max(MIN_WALLS, *(len(one.walls) for one in ports))
         values = [scene_values(scene, one, walls) for scene, one in zip(scenes, ports, strict=True)]
-        sections = max(len(one.settings.shaper.words) for one in ports)
         self._design = verilated.Design(
             "wh_ports",
             "ports_shim.cpp",
             {
-                "N": len(scenes), "WALLS": walls, "DELAY_LOG2": DELAY_LOG2, "SHAPER": sections,
+                "N": len(scenes), "WALLS": walls, "DELAY_LOG2": DELAY_LOG2,
+                "SHAPER": sections(scenes),
                 **soldered(ports[0]),
             },
             ("ports_shim.vlt",),

@@ -299,10 +299,10 @@ def _status(numbers: dict[str, Any], table: Table) -> str:
     rows.append(("Modbus on a serial line: `wh_linked_device`", "yes", built, "no"))
     captures = [name for name in boards if load_board(name).fpga.capture]
     built = ", ".join(f"`{name}`" for name in captures) or "**none**"
-    rows.append(("live words captured around a trigger: `wh_capture`", "yes", built, "no"))
+    rows.append(("live values captured around a trigger: `wh_capture`", "yes", built, "no"))
     streams = [name for name in boards if load_board(name).fpga.stream]
     built = ", ".join(f"`{name}`" for name in streams) or "**none**"
-    rows.append(("live words sent while they are asked for: `wh_stream`", "yes", built, "no"))
+    rows.append(("live values sent while they are asked for: `wh_stream`", "yes", built, "no"))
     built = ", ".join(f"`{name}`" for name in brushless) or "**none**"
     rows.append(("a brushless motor: `wh_brushless`", "yes", built, "no"))
     return _words(("", "simulated", "in a bitstream", "tried on a motor"), rows)
