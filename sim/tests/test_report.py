@@ -23,6 +23,7 @@ from wavehaptics.studies.report import (
     energies,
     field_oriented,
     hard_cases,
+    in_space,
     integrators,
     ladder,
     latency,
@@ -112,6 +113,18 @@ def test_rates(tmp_path):
     assert max(p["prediction_error"] for p in data["points"]) < 0.02
     assert slow["stiffness_error"] > 0.1 > 1e-3 > fast["stiffness_error"]
     assert rates.show(data, tmp_path)
+
+
+def test_a_disc_is_stiff_and_quiet_under_a_light_hand(tmp_path):
+    data = collect(in_space, lambda t: True)
+    wave, soft, stiff = data["walls"]
+    assert wave["lost_s"] == soft["lost_s"] == 0.0
+    assert wave["error"] < 0.05
+    assert wave["stiffness"] > 10 * soft["stiffness"]
+    assert wave["deepest_m"] < 0.6e-3 < soft["depth_m"]
+    assert stiff["lost_s"] > 0.1  # it chatters
+    assert stiff["deepest_m"] > 2e-3
+    assert in_space.show(data, tmp_path)
 
 
 def test_latency_softens_and_does_no_more(tmp_path):

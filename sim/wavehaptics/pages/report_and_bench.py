@@ -7,10 +7,10 @@ from collections.abc import Callable
 from typing import Any
 
 from wavehaptics.studies.bench.measure import gain
-from wavehaptics.studies.report import field_oriented
+from wavehaptics.studies.report import field_oriented, in_space
 from wavehaptics.studies.report.blocks import number, percent
 
-PICTURES = ("old_way_limits.png", "old_way_hand.png", field_oriented.PICTURE)
+PICTURES = ("old_way_limits.png", "old_way_hand.png", field_oriented.PICTURE, in_space.PICTURE)
 """Pictures of the report that the pages show, below ``sim/docs``."""
 
 

@@ -19,6 +19,7 @@ from wavehaptics.studies.report import (
     energies,
     field_oriented,
     hard_cases,
+    in_space,
     integrators,
     ladder,
     latency,
@@ -36,6 +37,7 @@ from wavehaptics.studies.sweeps import sweep
 SECTIONS: tuple[ModuleType, ...] = (
     paper,
     old_way,
+    in_space,
     field_oriented,
     hard_cases,
     rates,
