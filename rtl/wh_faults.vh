@@ -31,22 +31,22 @@
 // Fields of the settings, as high:low, of words.toml; `make numbers` writes them.
 // <!-- begin guard-fields -->
 `define WH_GUARD_W           282
-`define WH_GUARD_MASK        23:0     // u24, the faults that count
-`define WH_GUARD_DAMP        47:24    // u24, of these, those that damp instead of switching off
-`define WH_GUARD_LEVELS      49:48    // u2, level of a stop (low bit) and of a driver's fault
-`define WH_GUARD_CURRENT     65:50    // u16, magnitude of a sample, of 2^15
-`define WH_GUARD_RANGE       81:66    // u16, magnitude of a sample at the end of the scale, of 2^15
-`define WH_GUARD_STUCK       97:82    // u16 samples, that are never all the same; 0: no check
-`define WH_GUARD_ZERO        113:98   // u16q9 A, with the bridge off
-`define WH_GUARD_ZERO_TICKS  129:114  // u16 ticks, after the bridge went off
-`define WH_GUARD_LOST        145:130  // u16q8 √W, of u + v
-`define WH_GUARD_LOST_TICKS  161:146  // u16 ticks, with so much of it and no edge
-`define WH_GUARD_HOST        185:162  // u24 ticks, without a sign of the host
-`define WH_GUARD_BUS_MIN     201:186  // u16q9 V, lowest bus
-`define WH_GUARD_BUS_MAX     217:202  // u16q9 V, highest bus
-`define WH_GUARD_HEAT_TICKS  233:218  // u16 ticks, from one square to the next
-`define WH_GUARD_HEAT        265:234  // u32q18 A², mean square that the winding bears
-`define WH_GUARD_ENERGY      281:266  // u16q3 A·counts, most that a contact may deliver to the shaft; 0: no check. Without effect for a brushless motor
+`define WH_GUARD_MASK        23:0     // u24, faults that have an effect, a bit each
+`define WH_GUARD_DAMP        47:24    // u24, those of them that damp and don't switch off
+`define WH_GUARD_LEVELS      49:48    // u2, active level of the stop pin (bit 0) and of the drivers' fault pins (bit 1)
+`define WH_GUARD_CURRENT     65:50    // u16, limit of a sample's magnitude, full scale is 2^15
+`define WH_GUARD_RANGE       81:66    // u16, magnitude of a sample at the end of the ADC's range, full scale is 2^15
+`define WH_GUARD_STUCK       97:82    // u16 samples, identical consecutive samples that raise ADC_STUCK; 0: no check
+`define WH_GUARD_ZERO        113:98   // u16q9 A, largest current with the bridge off
+`define WH_GUARD_ZERO_TICKS  129:114  // u16 ticks, time with the bridge off before that is judged
+`define WH_GUARD_LOST        145:130  // u16q8 √W, limit of the mean of u + v, for LOST
+`define WH_GUARD_LOST_TICKS  161:146  // u16 ticks, time beyond that limit, without a count, that raises LOST
+`define WH_GUARD_HOST        185:162  // u24 ticks, longest time without host_alive
+`define WH_GUARD_BUS_MIN     201:186  // u16q9 V, lowest permitted bus voltage
+`define WH_GUARD_BUS_MAX     217:202  // u16q9 V, highest permitted bus voltage
+`define WH_GUARD_HEAT_TICKS  233:218  // u16 ticks, interval at which the current is squared for HEAT
+`define WH_GUARD_HEAT        265:234  // u32q18 A², largest mean square of the current
+`define WH_GUARD_ENERGY      281:266  // u16q3 A·counts, most energy that a contact may deliver; 0: no check; no effect with brushless motors
 // <!-- end guard-fields -->
 
 `define WH_GUARD_CURRENT_Q   9        // of currents; the bus has WH_BUS_Q

@@ -11,9 +11,6 @@ from wavehaptics.runtime.repository import ROOT
 
 PAGES = ("README.md", "CONTRIBUTING.md", "docs/*.md", "boards/README.md", "sim/scenes/README.md")
 
-NOT_YET = {"docs/words.md", "sim/scenes/README.md"}
-"""Pages that still have some of these words. One that has none left fails until it is removed."""
-
 INSTEAD = {
     r"hang(s|ing)? on": "depends on; is connected to",
     r"(comes?|came|coming) to (no|an) end": "never finishes; ends",
@@ -115,14 +112,7 @@ def test_page_uses_plain_words(page):
         f"{page}:{line}: '{words}'; say: {instead}"
         for line, words, instead in not_plain(path.read_text(encoding="utf-8"), kept)
     ]
-    if page.as_posix() in NOT_YET:
-        assert found, f"{page} is plain: remove it from NOT_YET"
-    else:
-        assert not found, "\n" + "\n".join(found)
-
-
-def test_pages_not_yet_plain_exist():
-    assert {page.as_posix() for page in pages()} >= NOT_YET
+    assert not found, "\n" + "\n".join(found)
 
 
 def test_each_pattern_finds_its_example():

@@ -227,7 +227,7 @@ def test_a_new_row_at_the_end_of_its_group_moves_nothing(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "changes"),
     [
-        ("measured bus, by the board", "something else", False),
+        ("measured bus voltage, an input of the board", "something else", False),
         ('uREST_W", unit = "periods"', 'u12", unit = "periods"', True),
         ('uREST_W", unit = "periods"', 'uREST_W", unit = "s"', True),
         ("address = 0x1d0", "address = 0x1d8", True),

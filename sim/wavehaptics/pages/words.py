@@ -17,7 +17,7 @@ def _words(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     rows = [PAGE_HEAD, ["---"] * len(PAGE_HEAD), *page_rows()]
     lines = [f"| {' | '.join(cell.replace('|', '&#124;') for cell in row)} |" for row in rows]
     return (
-        "\n".join([*lines, "", f"{len(page_rows())} words; CRC-32 of the table: `{crc():08x}`."])
+        "\n".join([*lines, "", f"{len(page_rows())} registers; CRC-32 of the map: `{crc():08x}`."])
         + "\n"
     )
 

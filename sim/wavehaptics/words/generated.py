@@ -256,6 +256,6 @@ def page_rows() -> list[tuple[str, ...]]:
 
 
 PAGE_HEAD = (
-    "Address", "Word", "Block", "Group", "Per", "Access", "Change", "Format", "Unit", "Range",
+    "Address", "Register", "Block", "Group", "Per", "Access", "Change", "Format", "Unit", "Range",
     "Default", "Brushless", "Meaning",
 )  # fmt: skip

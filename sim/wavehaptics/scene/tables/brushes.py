@@ -16,12 +16,19 @@ class Brushes(Table):
     )
     knee_a: float = scene_key("A", "Current at which the drop bends", 5e-3, ge=1e-4, le=100)
     contact_noise: float = scene_key(
-        "–", "Noise of the sliding contact over the angle, none at rest: RMS, part of R", 0.0,
+        "–",
+        "Noise of the sliding contact over the angle, none at rest: RMS, as a "
+        "fraction of R",
+        0.0,
         ge=0, le=0.5,
     )  # fmt: skip
     noise_rad: float = scene_key("rad", "Correlation angle of that noise", 5e-3, ge=1e-4, le=10)
     flicker_noise: float = scene_key(
-        "–", "Noise of the contact over time, at rest as well: RMS, part of R", 0.0, ge=0, le=0.5
+        "–",
+        "Noise of the contact over time, also at rest: RMS, as a fraction of R",
+        0.0,
+        ge=0,
+        le=0.5,
     )
     flicker_s: float = scene_key("s", "Correlation time of that noise", 1e-3, ge=1e-5, le=10)
     segments: int = scene_key(
@@ -29,15 +36,15 @@ class Brushes(Table):
         default_text="none", ge=1, le=1000,
     )  # fmt: skip
     ripple: float = scene_key(
-        "–", "Part of R by which it swings with the angle: ripple·cos(segments·x)", 0.0,
+        "–", "Variation of R over the angle, as a fraction of R: ripple·cos(segments·x)", 0.0,
         ge=-0.5, le=0.5,
     )  # fmt: skip
     step: float = scene_key(
-        "–", "Part of R by which every other bar has more, with sharp edges", 0.0,
+        "–", "What every other bar adds to R, as a fraction of R, with sharp edges", 0.0,
         ge=-0.5, le=0.5,
     )  # fmt: skip
     step_at_rad: float = scene_key(
-        "rad", "An edge of the bars: above it R has the `step`, up to the next", 0.0,
+        "rad", "An edge of the bars: above it, up to the next, R has the `step`", 0.0,
         ge=-1000, le=1000,
     )  # fmt: skip
 

@@ -27,7 +27,7 @@ class Controller(Table):
     tick_hz: float = scene_key("Hz", "Control rate 1/T", ge=10, le=4e6)
     extra_ticks: int = scene_key(
         "ticks",
-        "Whole ticks of latency k beyond the soonest possible",
+        "Whole control periods of latency beyond the first, k",
         1,
         default_text="1; on `pins` as many as it needs",
         ge=0,
@@ -35,7 +35,7 @@ class Controller(Table):
     )
     lambda_: float = scene_key(
         "rad/s",
-        "λ of the virtual environment, matched in spite of the latency",
+        "λ of the virtual environment; the latency is allowed for",
         alias="lambda",
         ge=1,
         le=1e9,
@@ -45,20 +45,20 @@ class Controller(Table):
         "–",
         "η in free space",
         None,
-        default_text="1; with a port anchor what the winding's own swing asks for, 0.99 or so",
+        default_text="1; with a port anchor about 0.99, which damps the winding's own oscillation",
         ge=-1,
         le=1,
     )
     walls: Annotated[tuple[tuple[_Edge, _Edge], ...], BeforeValidator(as_tuples)] = scene_key(
         "rad",
-        "Solid intervals `[x_min, x_max]`, none over another",
+        "Solid intervals `[x_min, x_max]`, without overlap",
         (),
         default_text="no wall",
         range_text="pairs with x_min < x_max, each -1000 to 1000",
     )
     edge_hysteresis: bool = scene_key(
         "–",
-        "A wall is left one encoder cell late, so that a resting finger does not chatter",
+        "A wall is left one count late, so that a resting finger does not chatter",
         False,
         default_text="false",
         range_text="`true` or `false`",
@@ -97,8 +97,8 @@ class Controller(Table):
     )
     magnet_hat_rad: float = scene_key(
         "rad",
-        "Where the controller takes x to be when the magnets of a brushless motor lie along phase "
-        "a, for the port anchor of its two axes and for `encoder`",
+        "The controller's estimate of `magnet_rad`, for the port anchors of a "
+        "brushless motor's axes and for `encoder`",
         None,
         default_text="`magnet_rad` of the motor",
         ge=-1000,
@@ -106,8 +106,8 @@ class Controller(Table):
     )
     find_magnet: bool = scene_key(
         "–",
-        "The controller doesn't know where the magnets are: the first movement of the hand finds "
-        "them, and the port anchor begins then",
+        "The electrical angle is unknown at first: the hand's first movement "
+        "finds it, and the port anchor begins then",
         False,
         default_text="false",
         range_text="`true` or `false`",
@@ -122,15 +122,15 @@ class Controller(Table):
     )
     anchor_auto: bool = scene_key(
         "–",
-        "The port anchor, which holds walls by the encoder, with what suits the motor's data",
+        "The port anchor, which holds walls where the encoder sees them, with "
+        "values for the motor's data",
         False,
         default_text="`false`",
         range_text="`true`, `false`",
     )
     anchor_ohm: float | None = scene_key(
         "Ω",
-        "Resistance ρ with which the port anchor pulls waves and encoder together; given, there is "
-        "an anchor",
+        "Resistance ρ of the port anchor's pull; a value switches the anchor on",
         None,
         default_text="8 `r_hat`, less at a slow tick",
         ge=1e-3,
@@ -138,7 +138,7 @@ class Controller(Table):
     )
     anchor_ohm_per_s: float | None = scene_key(
         "Ω/s",
-        "How fast the port anchor learns what `r_hat` lacks, γ",
+        "Rate γ at which the port anchor learns the resistance that `r_hat` lacks",
         None,
         default_text="16 ρ",
         ge=0,
@@ -146,8 +146,8 @@ class Controller(Table):
     )
     anchor_limit_v: float | None = scene_key(
         "V",
-        "Largest correction of the port anchor besides what it has learned, where the waves ask "
-        "for no voltage; it grows by half of theirs",
+        "Largest correction of the port anchor without its learned part, at a "
+        "wave voltage of 0; half of that voltage adds to it",
         None,
         default_text="1.2, or a third of the drive's limit",
         ge=0,
@@ -155,7 +155,7 @@ class Controller(Table):
     )
     r_hat_part: float = scene_key(
         "–",
-        "Part of `r_hat` that the waves of a port with an anchor are made for",
+        "Fraction of `r_hat` for which the waves of a port with an anchor are computed",
         0.7,
         default_text="0.7",
         ge=0.1,

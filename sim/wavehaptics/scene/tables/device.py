@@ -41,7 +41,7 @@ class DeviceTable(Table):
         range_text="one a motor, each 0.001 to 10000",
     )  # fmt: skip
     home_rad: Annotated[tuple[_Angle, ...] | None, BeforeValidator(as_tuples)] = scene_key(
-        "rad", "Angle of each axis where its motor is at 0, where the run begins", None,
+        "rad", "Angle of each axis at the start, where its motor is at 0", None,
         default_text="[π/4, π/2]; of a phantom [0, 0, 0]",
         range_text="one a motor, each -1000 to 1000",
     )  # fmt: skip
@@ -51,16 +51,24 @@ class DeviceTable(Table):
             range_text="three rows, each value -100 to 100",
         )
     )  # fmt: skip
-    update_hz: float = scene_key("Hz", "How often the host sends planes", 1000.0, ge=1, le=1e5)
+    update_hz: float = scene_key("Hz", "Rate at which the host sends planes", 1000.0, ge=1, le=1e5)
     delay_s: float = scene_key(
-        "s", "From the host's look at the encoders to its planes' commit", 1e-3, ge=0, le=1
+        "s",
+        "Time from the host's reading of the encoders to the commit of its planes",
+        1e-3,
+        ge=0,
+        le=1,
     )
-    jitter_s: float = scene_key("s", "Most that a commit is later than that", 0.0, ge=0, le=1)
+    jitter_s: float = scene_key("s", "Largest further delay of a commit", 0.0, ge=0, le=1)
     wall_speed_m_per_s: float = scene_key(
-        "m/s", "Most with which a surface may move; 0 lets none move", 0.1, ge=0, le=10
+        "m/s", "Largest speed of a surface; 0: none moves", 0.1, ge=0, le=10
     )
     wall_energy_j: float = scene_key(
-        "J", "Most energy that moving surfaces may give out beyond what they took", 1e-3, ge=0, le=1
+        "J",
+        "Largest energy that moving surfaces may give out beyond what they took",
+        1e-3,
+        ge=0,
+        le=1,
     )
 
     @model_validator(mode="after")

@@ -63,20 +63,20 @@ class Drive(Table):
     )
     compensate: bool = scene_key(
         "–",
-        "Whether `pins` makes good what the dead time takes",
+        "Whether `pins` compensates the dead time",
         True,
         default_text="true",
         range_text="true, false",
     )
     min_pulse_s: float = scene_key(
-        "s", "Time that a gate of `pins` stays on at least; 0: any", 0.0, ge=0, le=1e-3
+        "s", "Shortest time that a gate of `pins` stays on; 0: any", 0.0, ge=0, le=1e-3
     )
     gain_error: float = scene_key(
         "–", "The motor gets (1 + this) times the voltage asked for", 0.0, ge=-0.9, le=1
     )
     bus_actual_v: float | None = scene_key(
         "V",
-        "What the bus really is; the controller takes it for `bus_v` unless it measures it",
+        "True bus voltage; the controller assumes `bus_v` unless it measures the bus",
         None,
         default_text="`bus_v`",
         ge=0.1,
@@ -86,7 +86,7 @@ class Drive(Table):
         "V", "Amplitude of a sine on the bus of `pins`", 0.0, ge=0, le=VOLTAGE_MAX_V
     )
     bus_ripple_hz: float | None = scene_key(
-        "Hz", "Its frequency, which it needs", None, default_text="none", ge=1e-3, le=1e5
+        "Hz", "Frequency of that sine, required with it", None, default_text="none", ge=1e-3, le=1e5
     )
     bus_measured: bool = scene_key(
         "–",
@@ -98,16 +98,20 @@ class Drive(Table):
 
     step_v: float = scene_key(
         "V",
-        "What the bus changes by at `step_s`",
+        "Change of the bus at `step_s`",
         0.0,
         ge=-VOLTAGE_MAX_V,
         le=VOLTAGE_MAX_V,
     )
     step_s: float | None = scene_key(
-        "s", "Time of that step, which it needs", None, default_text="none", ge=0, le=1e6
+        "s", "Time of that step, required with it", None, default_text="none", ge=0, le=1e6
     )
     sag_ohm: float = scene_key(
-        "Ω", "What the bus falls by for an ampere that the bridge draws", 0.0, ge=0, le=100
+        "Ω",
+        "Resistance of the source: how far the bus falls per ampere that the bridge draws",
+        0.0,
+        ge=0,
+        le=100,
     )
 
     @property

@@ -21,7 +21,7 @@ class Encoder(Table):
     )
     stops_at_s: float | None = scene_key(
         "s",
-        "Time from which A and B stand still, as if the cable had come off",
+        "Time from which A and B stay constant, as if the cable had come off",
         None,
         default_text="never",
         ge=0,
@@ -29,7 +29,7 @@ class Encoder(Table):
     )
     uneven: float = scene_key(
         "–",
-        "Part of a cell by which an edge is displaced at most, the same in each revolution",
+        "Largest displacement of an edge, as a fraction of a count, the same in each revolution",
         0.0,
         ge=0,
         le=0.45,

@@ -21,7 +21,7 @@ class SceneTable(Table):
     duration_s: float = scene_key("s", "Simulated time, at least one tick", ge=1e-6, le=1e6)
     trace_hz: float | None = scene_key(
         "Hz",
-        "At most so many rows of the trace a second; metrics see every tick all the same",
+        "Most rows of the trace a second; metrics use every control period all the same",
         None,
         default_text="every tick",
         ge=1e-3,

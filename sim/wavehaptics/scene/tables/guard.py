@@ -11,7 +11,7 @@ class Guard(Table):
 
     trip_a: float = scene_key(
         "A",
-        "A sample of so much, either way, takes the bridge off",
+        "A sample of this magnitude switches the bridge off",
         ge=1e-3,
         le=CURRENT_MAX_A,
     )

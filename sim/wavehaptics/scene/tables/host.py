@@ -11,14 +11,14 @@ class Host(Table):
 
     rate_hz: float = scene_key(
         "Hz",
-        "Packets a second; a period is the nearest power of two of ticks",
+        "Packets a second; a packet covers the nearest power of two of control periods",
         1e3,
         ge=1,
         le=1e5,
     )
     timeout: int = scene_key(
         "periods",
-        "Without an answer for so long the port has its own environment again",
+        "Time without an answer after which the port has its own environment again",
         100,
         ge=1,
         le=255,

@@ -11,7 +11,7 @@ class Load(Table):
 
     inertia_kgm2: float = scene_key(
         "kg·m²",
-        "Its inertia, which adds to `J_kgm2`; a controller knows of it only what `j_hat` says",
+        "Inertia, added to `J_kgm2`; a controller sees it only through `j_hat`",
         ge=0,
         le=1,
     )

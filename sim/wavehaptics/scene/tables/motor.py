@@ -94,15 +94,19 @@ class Motor(Table):
         le=1,
     )
     l_d_part: float = scene_key(
-        "–", "L along the magnets' axis d, in parts of `L_h`", 1.0, ge=0.2, le=5
+        "–", "L along the magnets' axis d, as a fraction of `L_h`", 1.0, ge=0.2, le=5
     )
     harmonic_5: float = scene_key(
-        "–", "Fifth harmonic of a phase's back-EMF, in parts of the first", 0.0, ge=-0.3, le=0.3
+        "–",
+        "Fifth harmonic of a phase's back-EMF, as a fraction of the first",
+        0.0,
+        ge=-0.3,
+        le=0.3,
     )
-    harmonic_7: float = scene_key("–", "Seventh harmonic of it", 0.0, ge=-0.3, le=0.3)
+    harmonic_7: float = scene_key("–", "Seventh harmonic, likewise", 0.0, ge=-0.3, le=0.3)
     magnet_rad: float = scene_key(
         "rad",
-        "Where x is when the magnets lie along phase a; no controller knows it",
+        "Position x at which the magnets lie along phase a; no controller reads it",
         0.0,
         ge=-1000,
         le=1000,

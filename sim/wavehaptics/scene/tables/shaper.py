@@ -30,7 +30,7 @@ class Shaper(Table):
 
     feel: Feel | None = scene_key(
         "–",
-        "What is wished, see below",
+        "Impedance type, see below",
         None,
         default_text="none",
         range_text=", ".join(f"`{name}`" for name in _NEEDS),
@@ -53,10 +53,10 @@ class Shaper(Table):
     )
     walls: Annotated[tuple[Index, ...] | None, BeforeValidator(as_tuples)] = scene_key(
         "–",
-        "Walls that feel so, by their place in `controller.walls` from 0; others are rigid",
+        "Walls with this feel, by their index in `controller.walls`, from 0; others are rigid",
         None,
         default_text="all",
-        range_text="places in `controller.walls`",
+        range_text="indices in `controller.walls`",
     )
 
     @property

@@ -31,7 +31,7 @@ class Surface(Table):
     """A plane, a sphere or a box in the space of the tip, solid on one side."""
 
     shape: Literal["plane", "sphere", "box", "edge"] = scene_key(
-        "–", "What it is; an inner edge is two planes", range_text="`plane`, `sphere`, `box`"
+        "–", "Kind of solid; an inner edge is two planes", range_text="`plane`, `sphere`, `box`"
     )
     point_m: Point = scene_key(
         "m", "A point of the plane, or the middle of sphere or box, as x, y, z", (0.0, 0.0, 0.0),
@@ -50,11 +50,11 @@ class Surface(Table):
         default_text="none", range_text="three, each 1e-6 to 10",
     )  # fmt: skip
     stiffness: float | None = scene_key(
-        "N/m", "What the tip feels along the normal", None,
-        default_text="the largest that motors and `lambda` make there", ge=1e-3, le=1e7,
+        "N/m", "Stiffness at the tip along the normal", None,
+        default_text="the largest that motors and `lambda` allow there", ge=1e-3, le=1e7,
     )  # fmt: skip
     damping: float = scene_key(
-        "N·s/m", "Damper beside that spring; none is had yet", 0.0, ge=0, le=1e4
+        "N·s/m", "Damper in parallel with that spring; not available yet", 0.0, ge=0, le=1e4
     )
     friction_loss: float = scene_key(
         "–", "Part of the waves along the surface that is lost in contact", 0.0, ge=0, le=1

@@ -20,7 +20,12 @@ class Winding(Table):
         le=1e5,
     )
     eddy_part: float | None = scene_key(
-        "–", "That part of L, which `eddy_ohm` needs", None, default_text="none", ge=1e-3, le=0.95
+        "–",
+        "Fraction of L that has `eddy_ohm` in parallel, required with it",
+        None,
+        default_text="none",
+        ge=1e-3,
+        le=0.95,
     )
     saturation_a: float | None = scene_key(
         "A",
