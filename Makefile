@@ -45,7 +45,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$$PWD/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo scope wall adcs sensing holding tables docs report bench soak soak-link coverage check test lint lint-rtl lint-python clean distclean
+.PHONY: help setup setup-synth system lock demo scope wall adcs sensing holding tables docs dist release report bench soak soak-link coverage check test lint lint-rtl lint-python clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -146,6 +146,23 @@ docs: $(READY_DOCS) ## build the pages and the Python's reference: build/docs/in
 	@rm -rf build/docs
 	@.venv-docs/bin/python -m sphinx -q -E -W --keep-going -b html -c docs -d build/doctrees . build/docs
 	@echo "pages: build/docs/index.html"
+
+# The names of the versioned files come from pyproject.toml.
+dist: $(READY) ## build the source distribution and, from it, the wheel: build/dist
+	@rm -rf build/dist && mkdir -p build/dist
+	@.venv/bin/python -c "from setuptools.build_meta import build_sdist; build_sdist('build/dist')" >build/dist.log 2>&1 \
+	    || { cat build/dist.log; exit 1; }
+	@.venv/bin/python -m pip --disable-pip-version-check --no-input wheel --quiet --no-index --no-deps \
+	    --no-build-isolation --wheel-dir build/dist build/dist/*.tar.gz
+	@ls build/dist
+
+release: dist synth docs ## everything that a release has, with SHA-256 sums: build/release
+	@rm -rf build/release && mkdir -p build/release
+	@cp build/dist/* build/release
+	@for file in build/synth/*/*.bit build/synth/*/*.bin; do \
+	    board=$$(basename "$$(dirname "$$file")"); cp "$$file" "build/release/$$board.$${file##*.}"; done
+	@tar -C build -czf build/release/docs.tar.gz docs
+	@cd build/release && sha256sum * >SHA256SUMS && cat SHA256SUMS
 
 # Idle workers take tests from busy ones: a few take minutes, most take milliseconds.
 IN_PARTS := -m pytest -n $(JOBS) --dist worksteal
