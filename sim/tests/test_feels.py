@@ -131,6 +131,30 @@ def test_detents_climb_at_their_period_and_let_go():
         assert energy == pytest.approx(0.5 * 2.261 * width**2, rel=0.2)
 
 
+def test_a_button_gives_way_before_its_stop():
+    """The click's height is K times its width, then free space, then the stop; no energy out."""
+    rows = rows_of(SampledSimulation(load("click"), rtl=False), 0.25)
+    x, torque = rows[:, Column.X], -rows[:, Column.TORQUE]
+    down = slice(x.argmin(), x.argmax())
+    ranges = ((0.02, 0.0241), (0.028, 0.0395), (0.0405, 0.07))
+    thin, free, stop = ((x[down] > low) & (x[down] < high) for low, high in ranges)
+    assert torque[down][thin].max() == pytest.approx(2.26 * 4e-3, rel=0.08)
+    assert np.abs(torque[down][free]).max() < 3e-4
+    assert torque[down][stop].max() > 5e-3
+    assert np.cumsum(rows[:, Column.ENERGY_OUT]).max() <= 0.0
+
+
+def test_a_joystick_is_centred_from_both_sides():
+    """One straight line through the middle, and rigid behind 80 mrad."""
+    rows = rows_of(SampledSimulation(load("centring"), rtl=False), 1.0)
+    x, torque = rows[:, Column.X], rows[:, Column.TORQUE]
+    soft = (np.abs(x) < 0.07) & (rows[:, Column.T] > 0.1)
+    assert np.polyfit(x[soft], torque[soft], 1) == pytest.approx((-0.1, 0.0), abs=2e-3)
+    assert np.abs(torque[soft] + 0.1 * x[soft]).max() < 3e-4
+    assert np.abs(torque).max() > 14e-3
+    assert np.cumsum(rows[:, Column.ENERGY_OUT]).max() <= 0.0
+
+
 def test_a_wall_that_lets_go_rings_in_lossless_free_space():
     """Why the detents' scene has η = 0.95 outside: with 1 the released current goes to and fro."""
     peaks = {}

@@ -32,7 +32,7 @@ from wavehaptics.pages import port_anchor as holding_tables
 from wavehaptics.runtime import markers
 from wavehaptics.runtime.files import replacing, write_json, write_text
 from wavehaptics.runtime.repository import ROOT
-from wavehaptics.studies import fault_table, surfaces
+from wavehaptics.studies import fault_table, gallery, surfaces
 from wavehaptics.studies.anchored import pictures as holding_pictures
 from wavehaptics.studies.demo import RUNS as DEMO_RUNS
 
@@ -110,7 +110,7 @@ def keep(root: Path = ROOT) -> list[Path]:
     for found, names in (
         (_REPORT, report_and_bench.PICTURES),
         (_HOLDING, holding_pictures.PICTURES),
-        (_TABLED, (surfaces.PICTURE,)),
+        (_TABLED, (surfaces.PICTURE, gallery.PICTURE)),
     ):
         for name in names:
             picture = root / found.with_name(name)

@@ -15,7 +15,7 @@ from typing import Any
 from wavehaptics.ladder.run import measure
 from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import find_scene, load_scene
-from wavehaptics.studies import impedance, surfaces
+from wavehaptics.studies import gallery, impedance, surfaces
 
 KEPT_METRICS = (
     "torque_nrmse_vs_analog",
@@ -162,6 +162,7 @@ def collect(out: Path, progress: Callable[[str, float], None]) -> Path:
         told = f"impedance: {name}"
         heard = impedance.measure(load_scene(find_scene(name)), progress=partial(progress, told))
         swept.append({"scene": name, "error_max": float(heard.errors.max())})
+    gallery.draw(out, progress)
     return write_json(
         out / "tables.json",
         {
