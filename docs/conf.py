@@ -34,23 +34,24 @@ myst_heading_anchors = 4
 # Names that a tuple or loop makes; `range`, a type that is also a field's name.
 suppress_warnings = ["autoapi.python_import_resolution", "ref.python"]
 
+# Grouped by what a reader wants: to do something, to look something up, or to understand it.
 toctrees = {
-    "Start": ["docs/principle", "docs/architecture", "docs/paper", "docs/glossary"],
-    "Simulation": ["docs/simulation", "sim/scenes/README", "docs/report"],
-    "Controller": ["docs/port_anchor", "docs/holding", "docs/environments", "docs/gallery", "docs/surfaces",
-                   "docs/brushless", "docs/drive", "docs/sensing", "docs/words", "docs/link",
-                   "docs/board",
-                   "docs/c", "docs/use_in_your_design", "docs/identify"],
-    "Hardware": ["boards/README", "docs/wiring/README", "docs/wiring/switching_on",
-                 "boards/icebreaker/README", "boards/hx8k/README",
-                 "boards/ulx3s/README", "boards/ulx3s_three/README",
-                 "boards/ulx3s_brushless/README",
-                 "boards/colorlight_i5/README", "boards/orangecrab/README",
-                 "boards/ecp5_evn/README", "boards/icesugar_pro/README",
-                 "boards/icesugar_pro_eight/README", "rtl/faults"],
-    "Reliability": ["docs/reliability", "formal/README", "formal/MUTATE"],
-    "Development": ["docs/development", "CONTRIBUTING", "CHANGELOG",
-                    "Python reference <build/api/wavehaptics/index>"],
+    "How-to guides": ["docs/board", "docs/identify", "docs/use_in_your_design", "docs/c",
+                      "boards/README", "docs/wiring/README", "docs/wiring/switching_on",
+                      "docs/development", "CONTRIBUTING"],
+    "Explanation": ["docs/principle", "docs/paper", "docs/architecture", "docs/simulation",
+                    "docs/port_anchor", "docs/environments", "docs/gallery", "docs/surfaces",
+                    "docs/brushless", "docs/drive", "docs/sensing"],
+    "Results": ["docs/report", "docs/holding", "docs/reliability"],
+    "Reference": ["sim/scenes/README", "docs/words", "docs/link", "rtl/faults", "docs/glossary",
+                  "formal/README", "formal/MUTATE",
+                  "Python reference <build/api/wavehaptics/index>", "CHANGELOG"],
+    "Boards": ["boards/icebreaker/README", "boards/hx8k/README",
+               "boards/ulx3s/README", "boards/ulx3s_three/README",
+               "boards/ulx3s_brushless/README",
+               "boards/colorlight_i5/README", "boards/orangecrab/README",
+               "boards/ecp5_evn/README", "boards/icesugar_pro/README",
+               "boards/icesugar_pro_eight/README"],
 }  # fmt: skip
 
 # Read and not imported: nothing is compiled, and no simulator is needed.

@@ -2,31 +2,28 @@
 //
 // wh_anchor_ports: the port anchor of N ports, which take turns.
 //
-// It does for each port what wh_anchor does for one, in every bit; the equations and formats are in that header.
-// valid_i begins the turn of port_i, with its settings of the bank bank_i.
+// For each port it equals wh_anchor bit for bit; that header has the equations and formats.
 //
-// The turn, in clocks since valid_i (step_q):
-//
+// valid_i begins the turn of port_i, with the settings of bank bank_i. In clocks since valid_i (step_q):
 //   0           port and bank are taken
-//   1, 2        how far the rotor has moved; what is counted in edges
-//   3...30      the steps, one a clock: an adder takes the sum of the step before, a word of the memory, and a
-//               product or a word from outside. A step's sum is in sum_q two clocks later
-//   2 3 4 7 8   products of v, u, withheld, c and i_n are asked for; at 22, 23, 26 those of p, p and what θ
-//               acts on. Each comes three clocks later, when its step takes it, so nobody else may ask then
+//   1, 2        the rotor's movement, and the counters of edges
+//   3...30      the steps, one a clock: an adder takes the sum of the step before, a value from the memory, and a
+//               product or an input. A step's sum is in sum_q two clocks later
+//   2 3 4 7 8   the products of v, u, the residue, c and i_n are requested; at 22, 23, 26 those of p, p and the
+//               value that θ multiplies. Each is used three clocks later. No other station may request then
 //   12...32     results: data_o with the strobe of one of them, for port_o
+// The next valid_i may come 32 clocks after this one, for any port. port_i and bank_i are taken with valid_i. All
+// other inputs hold from then to clock 9; no copy is kept.
 //
-// The next valid_i may come 32 clocks after this one, for this port or another. port_i and bank_i are taken with
-// valid_i, all other inputs hold from then to clock 9, and nothing of them is copied.
+// State, by port. Block RAM: 16 values of 48 bits, as in wh_anchor. LUT RAM (wh_port_state): the values that edges
+// change (33 bits and the bound's), two counters of periods, the limits' flags (8 bits), y_b, θ and c.
+// Settings: 14 values in two banks in one block RAM (wh_port_settings), each read in the clock before its use.
 //
-// State, by port. Block RAM: 16 words of 48 bits, as many as wh_anchor has. LUT RAM (wh_port_state): what edges
-// change (33 bits and the bound's), two counters of periods, what the limits did (8 bits), y_b, θ and c.
-// Settings: 14 words in two banks in one block RAM (wh_port_settings), each read in the clock before its use.
+// AXES: if bit n is 1, ports n and n + 1 are the axes of a brushless motor, and each equals wh_anchor with AXIS = 1.
+// place_i and cell_i hold as all inputs do. Until found_i the electrical angle is unknown, and the anchor adds nothing.
+// forget_i resets a port while no turn, or only another port's, is under way.
 //
-// AXES: ports n and n + 1 are the axes of a brushless motor where bit n is 1, and are each what wh_anchor is with
-// AXIS = 1. place_i and cell_i hold as all inputs do. Without found_i the magnets aren't known, and the anchor has no
-// say. forget_i resets a port, while nobody's turn or another's goes on.
-//
-// Latency: above. Reset: of wh_anchor, for all ports; of any length, at any clock. A turn under way ends.
+// Latency: above. Reset: that of wh_anchor, for all ports; of any length, at any clock. It ends a turn under way.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -42,16 +39,16 @@ module wh_anchor_ports #(
     // A turn.
     input  wire                               valid_i,       // strobe
     input  wire [PORT_W-1:0]                  port_i,
-    input  wire                               bank_i,        // of its settings
+    input  wire                               bank_i,        // bank of its settings
 
-    // What the period brought.
+    // The period's measurements.
     input  wire signed [`WH_COUNT_W-1:0]      position_i,    // s32, counts
     input  wire signed [`WH_PLACE_W+`WH_SINE_Q-1:0] place_i, // s30q15 cells: of an axis (wh_rotor_flux)
     input  wire signed [`WH_SINE_Q+1:0]       cell_i,        // s17q15 cells
-    input  wire [N-1:0]                       found_i,       // the magnets' angle is known
+    input  wire [N-1:0]                       found_i,       // the electrical angle is known
     input  wire [N-1:0]                       forget_i,      // strobes
     input  wire                               contact_i,
-    input  wire                               blind_i,       // i_n or v_n is at its end
+    input  wire                               blind_i,       // i_n or v_n is at the end of its range
     input  wire signed [`WH_DATA_W-1:0]       current_i,     // s31q24 A: i_n
     input  wire signed [`WH_DATA_W-1:0]       u_i,           // s31q23 √W: u_n
     input  wire signed [`WH_DATA_W-1:0]       v_i,           // s31q23 √W: v_n
@@ -88,7 +85,7 @@ module wh_anchor_ports #(
     localparam integer LONG_W    = `WH_LONG_W;
     localparam integer LONG_Q    = `WH_LONG_Q;
     localparam integer CUT       = `WH_LONG_GUARD;
-    localparam integer PLACE_W   = `WH_PLACE_W;      // of the counts that x̂'s copy holds
+    localparam integer PLACE_W   = `WH_PLACE_W;      // of the counts in x̂'s copy
     localparam integer MOVE_W    = `WH_MOVE_W;
     localparam integer SINE_Q    = `WH_SINE_Q;
     localparam integer REST_W    = `WH_REST_W;
@@ -98,15 +95,15 @@ module wh_anchor_ports #(
     localparam integer FAR_SHIFT  = `WH_WAVE_Q + `WH_FLUX_Q - LONG_Q;
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
-    localparam integer INNER_SHIFT = 7;  // of z within the zone, of both means; one more of an axis
+    localparam integer INNER_SHIFT = 7;  // of z within the dead zone, of both means; one more for an axis
     localparam integer BETAS       = AXES << 1;
-    localparam [4:0]   HURRY_IN    = 7;  // turns more in which y' moves after a count that the rotor travels,
+    localparam [4:0]   HURRY_IN    = 7;  // further turns in which y' moves after a full count,
     localparam [4:0]   HURRY_OUT   = 31; // and on its way out
-    localparam integer BEHIND_SHIFT = 5;  // of the count by which z is behind χ after a turn; one less of an axis
+    localparam integer BEHIND_SHIFT = 5;  // of the count by which z is behind χ after a reversal; one less for an axis
     localparam integer FEW_SHIFT   = INNER_SHIFT + 1 + CUT;  // by half of a step of y' shrinks y_b
     localparam integer THETA_CUT   = `WH_LEARN_Q + LONG_Q - CUT - FAR_SHIFT - `WH_PULL_Q;  // of θ below a coefficient
     localparam integer THETA_W     = LONG_W - THETA_CUT;
-    localparam [1:0]   FRESH_TICKS = 3;  // a contact is told in its edge's tick or in the next two
+    localparam [1:0]   FRESH_TICKS = 3;  // a contact is reported in the period of its edge or in the next two
 
     generate
         if (N < 1 || N > 8) begin : illegal
@@ -118,8 +115,8 @@ module wh_anchor_ports #(
         end
     endgenerate
 
-    // ---- The turn. A step's words are fetched in one clock (step_q) and added in the next (adds_q). What would
-    // have to be found out from step_q, and then go to every bit of a word, is known a clock before.
+    // ---- The turn. A step's operands are fetched in one clock (step_q) and added in the next (adds_q). Selections
+    // that depend on step_q and drive every bit of an operand are computed a clock before.
     localparam [4:0] IDLE = 0, EDGES = 2,
                      BASE = 3, EDGE = 4, ADD_V = 5, ADD_U = 6, ADD_OWED = 7,
                      HALF = 8, LIMIT = 9,
@@ -159,7 +156,7 @@ module wh_anchor_ports #(
         adds_q  <= step_q;
     end
 
-    // ---- Settings, by their places in the register map. Of each it is said in which clock it is there.
+    // ---- Settings, by their addresses in the register map; the comments give the clock in which each is valid.
     localparam [3:0] S_ENABLE = 0, S_FLUX = 1, S_OWED = 2, S_CELLS = 3, S_PULL = 4, S_LEARN = 5, S_LEARN_MAX = 6,
                      S_ZERO = 7, S_ROOM = 8, S_REACH = 9, S_STRANGE = 10, S_BRUSH = 11, S_FOLLOW = 12, S_SLOW = 13;
 
@@ -169,8 +166,8 @@ module wh_anchor_ports #(
     always @* begin
         case (step_q)
             5'd1:    setting_word = S_FLUX;                          // 2: product of v
-            5'd2:    setting_word = begins_q ? S_OWED : S_FLUX;      // 3: of u; where a contact begins, u is owed
-            5'd3:    setting_word = saturated_i ? S_OWED : S_FLUX;   // 4: of what is withheld
+            5'd2:    setting_word = begins_q ? S_OWED : S_FLUX;      // 3: of u; as a contact begins, u counts as flux
+            5'd3:    setting_word = saturated_i ? S_OWED : S_FLUX;   // 4: of the residue
             5'd4:    setting_word = S_SLOW;
             5'd5:    setting_word = S_FOLLOW;
             5'd6:    setting_word = contact_q ? S_ROOM : S_ZERO;     // 7: of c
@@ -206,20 +203,20 @@ module wh_anchor_ports #(
     wire [COEF_W-1:0] gain      = setting[COEF_W-1:0];
     wire [COEF_W-1:0] learn_max = setting[COEF_W-1:0];
 
-    // ---- What edges change, at clock 2.
+    // ---- State that edges change, at clock 2.
     wire       [PLACE_W-1:0] position_q;
     wire                     started_q;   // there was a turn before
     wire                     contact_q;
     wire                     back_q;      // direction of the last edge
-    wire                     turned_q;    // it was not that of the edge before it
-    wire                     counted_q;   // direction of the last edge of which it was
-    wire                     travels_q;   // and the one before it had the same direction
-    wire                     sinks_q;     // the last edge lessened the flux
-    wire [1:0]               fresh_q;     // turns for which that edge is one that a contact can begin with
+    wire                     turned_q;    // it differs from that of the edge before
+    wire                     counted_q;   // direction of the last full count
+    wire                     travels_q;   // the full count before had the same direction
+    wire                     sinks_q;     // the last edge reduced the flux
+    wire [1:0]               fresh_q;     // turns for which that edge can begin a contact
     wire [1:0]               chi_at_q;    // where in the memory χ is, 1 to 3,
     wire [1:0]               up_at_q;     // χ before the last edge that raised the flux,
-    wire [1:0]               down_at_q;   // and that before the last one that lessened it
-    wire                     knows_up_q;  // these are of this contact, the rotor moved by single counts since, and
+    wire [1:0]               down_at_q;   // and that before the last one that reduced it
+    wire                     knows_up_q;  // these are of this contact, with single counts since, and
     wire                     knows_down_q;  // they aren't beyond the end of the zone that they would replace
     wire                     up_all_q;    // they are beyond its other end
     wire                     down_all_q;
@@ -228,7 +225,7 @@ module wh_anchor_ports #(
 
     reg  signed [MOVE_W-1:0] moved_q;
     reg                      begins_q;    // the contact
-    reg                      first_q;     // there was no turn before: the memory's state reads as 0
+    reg                      first_q;     // the first turn: the memory's state reads as 0
     reg                      same_way_q;
     reg                      chi_above_q; // χ of the turn before is above the zone,
     reg                      chi_below_q; // or below it
@@ -240,7 +237,7 @@ module wh_anchor_ports #(
     wire                     back     = moved_q[MOVE_W-1];
     wire                     one      = back ? (&moved_q) : (moved_q[MOVE_W-1:1] == 0);
     wire                     same_way = moves && (back == back_q || !one);
-    wire                     sinks;       // this turn's edge lessens the flux
+    wire                     sinks;       // this turn's edge reduces the flux
     wire                     edged    = (fresh_q != 2'd0);
     wire                     steps    = moves && !begins_q;
     wire                     trades   = steps && one;
@@ -258,7 +255,7 @@ module wh_anchor_ports #(
 
     localparam integer EDGES_W = PLACE_W + 21;
 
-    // Where χ and its bounds are before the first edge: bits of theirs that are stored inverted.
+    // Where χ and its bounds are before the first edge: bits that are stored inverted.
     localparam [5:0] PLACES = {2'd1, 2'd2, 2'd3};
     wire [5:0] places;
     assign {chi_at_q, up_at_q, down_at_q} = places ^ PLACES;
@@ -267,7 +264,7 @@ module wh_anchor_ports #(
     wire [1:0] chi_next   = !trades ? chi_at_q : sinks ? down_at_q : up_at_q;
     wire [1:0] up_next    = (trades && !sinks) ? chi_at_q : up_at_q;
     wire [1:0] down_next  = (trades && sinks) ? chi_at_q : down_at_q;
-    wire       released;  // an axis' bound has been met since the edge
+    wire       released;  // z has been at an axis' bound since the edge
 
     wh_port_state #(
         .N       (N),
@@ -299,16 +296,16 @@ module wh_anchor_ports #(
 
     wire same_q = !turned_q;
 
-    // ---- What periods change, as their settings are there.
-    wire   [REST_W-1:0] quiet_q;    // periods left until a rotor without two edges the same way is slow
-    wire [FOLLOW_W-1:0] phase_q;    // y' moves in the turn that finds 1 or 0
-    wire          [4:0] hurries_q;  // turns left in which it does as well
-    reg                 follows_q;  // it does in this turn
+    // ---- State that periods change, as their settings become valid.
+    wire   [REST_W-1:0] quiet_q;    // periods until a rotor without a full count is slow
+    wire [FOLLOW_W-1:0] phase_q;    // y' moves in the turn where this is 1 or 0
+    wire          [4:0] hurries_q;  // turns in which y' moves as well
+    reg                 follows_q;  // y' moves in this turn
 
     wire slow    = (quiet_q == {REST_W{1'b0}});
     wire follows = (phase_q[FOLLOW_W-1:1] == {(FOLLOW_W - 1){1'b0}});
     wire hurries = (hurries_q != 5'd0);
-    wire counts  = same_way_q && !axis;  // a count moves y' besides
+    wire counts  = same_way_q && !axis;  // a count also moves y'
 
     wh_port_state #(
         .N       (N),
@@ -345,17 +342,17 @@ module wh_anchor_ports #(
         end
     end
 
-    // ---- What the limits did, from turn to turn.
-    reg  tracked_q;       // the offset's word is in the memory, else it is 0
+    // ---- Flags of the limits, from turn to turn.
+    reg  tracked_q;       // the offset is in the memory, else it is 0
     reg  presses_q;       // y' is below 0
     reg  full_q;          // θ is the largest
-    reg  void_q;          // it is below 0
+    reg  void_q;          // θ is below 0
     reg  clipped_q;       // c is at its limit
-    reg  overloaded_q;    // nothing was learned once, and c has been at its limit since
+    reg  overloaded_q;    // once nothing was learned, and c has been at its limit since
     wire chi_above, chi_below, tracked, presses, full_before, void_before, clipped, overloaded;
 
     localparam integer LIMITS_W = 8 + ((AXES != 0) ? 1 : 0);
-    wire                met;         // so it has in this turn
+    wire                met;         // overloaded_q of this turn
     wire [LIMITS_W-1:0] limits;
     wire                unused_met  = &{1'b0, limits_next[8]};
     wire [8:0]          limits_next = {met, chi_above_q, chi_below_q, tracked_q, presses_q, full_q, void_q,
@@ -378,8 +375,8 @@ module wh_anchor_ports #(
     assign {chi_above, chi_below, tracked, presses, full_before, void_before, clipped, overloaded} = limits[7:0];
     assign released = limits[LIMITS_W-1] && AXES != 0;
 
-    // ---- What the encoder tells of the flux: all of it, what the period changed, what a contact begins with, half
-    // of what a count changes, how far z is from χ, and whether χ or z, sum_q of the steps AHEAD and BOUND,
+    // ---- The flux by the encoder: all of it, its change in the period, its value as a contact begins, half of its
+    // change by a count, the distance of z from χ, and whether χ or z, sum_q of the steps AHEAD and BOUND,
     // is beyond that half.
     wire signed [LONG_W-1:0] place, moved_flux, start_flux, half_flux, ahead_flux;
     wire                     out;
@@ -398,7 +395,7 @@ module wh_anchor_ports #(
     generate
         if (AXES != 0) begin : of_axes
             localparam integer FLUX_W = PLACE_W + SINE_Q;
-            localparam integer HALF_W = LONG_W - LONG_Q + SINE_Q + 1;  // χ in fractions of half a count's last place
+            localparam integer HALF_W = LONG_W - LONG_Q + SINE_Q + 1;  // χ in fractions of the LSB of half a count
 
             reg  signed [FLUX_W-1:0] words [0:(1<<PORT_W)-1];
             wire signed [FLUX_W-1:0] place_q = words[port_q];
@@ -460,24 +457,24 @@ module wh_anchor_ports #(
     // The memory's words; χ and its two bounds take turns in the last three.
     localparam [3:0] M_FLUX = 0, M_THETA = 1, M_MEAN = 2, M_ZERO = 3, M_FOLLOWER = 4,
                      M_LIMIT = 9, M_CURRENT = 10, M_WANTED = 12,
-                     M_LOSS = 12;  // what the offset loses, until c is there
+                     M_LOSS = 12;  // the decrease of the offset, until c is valid
     wire [3:0] m_chi   = {2'b11, chi_at_q};
     wire [3:0] m_bound = {2'b11, sinks_q ? up_at_q : down_at_q};
     localparam integer MEMORY_W = ((N > 1) ? PORT_W : 0) + 4;
 
-    // ---- The words of a step.
+    // ---- The operands of a step.
     localparam [3:0] B_NEAR = 0, B_FAR = 1,        // products
                      B_VOLTAGE = 2, B_THETA = 3,   // the latter a quarter of the largest
                      B_REACH = 4, B_FREE = 5,      // a setting, or half of it
                      B_HALF = 6, B_MOVED = 7, B_PLACE = 8, B_START = 9, B_AHEAD = 10;
 
-    // No word is read for a sum in the clock in which it is written, so that it doesn't matter what a
-    // block RAM would give then: else Yosys adds logic that knows.
+    // No value is read in the clock in which it is written, so the block RAM's behaviour then doesn't matter;
+    // else Yosys would add logic for it.
     (* ram_style = "block", no_rw_check *)
     reg signed [LONG_W-1:0] memory [0:(1<<(MEMORY_W))-1];
     reg signed [LONG_W-1:0] read_q;
     reg signed [LONG_W-1:0] sum_q;
-    reg                     turns_q;                 // the second adder takes y_b off
+    reg                     turns_q;                 // the second adder subtracts y_b
     reg                     swings_q;
     reg signed [LONG_W-1:0] b_q;
     reg                     saturated_q;
@@ -491,10 +488,10 @@ module wh_anchor_ports #(
     reg                     writes_q, writes;
     reg        [3:0]        store_to_q;
     reg                     stores_q;                // sum_q is to be written
-    reg                     sum_too_q, sum_too;      // a: the sum, or
+    reg                     sum_too_q, sum_too;      // a is the sum, or
     reg                     inner_q, inner;          // its 128th, or 0
-    reg                     memory_too_q, memory_too;  // b: what was read, or b_q
-    reg                     fresh;                   // what is read is 0 in the first turn
+    reg                     memory_too_q, memory_too;  // b is the value read, or b_q
+    reg                     fresh;                   // the value read counts as 0 in the first turn
     reg        [3:0]        b_from;
     reg        [1:0]        low_q, mid_q, high_q, top_q;  // how b_q's chains begin, and
     reg        [4:0]        high_by_q;                    // which of their links chooses
@@ -508,11 +505,11 @@ module wh_anchor_ports #(
     wire signed [DATA_W-1:0] brush_q;                // s31q16 counts, 0...: y_b
     reg signed [DATA_W-1:0] told_q;                  // s31q16 counts: y' + sgn y' y_b - 2 (y - y')
     wire signed [COEF_W-1:0] theta_q;                // s27q20 V a count: θ, 0...learn_max
-    reg                     strange_q;               // c wants to be beyond its limit by strange
-    reg                     negative_q;              // the correction that is wanted, g_ρ p,
-    reg                     wild_q;                  // and it is more than a word
-    reg                     huge_q;                  // so is θ (y' + sgn y' y_b), which is
-    reg                     sign_q;                  // below 0
+    reg                     strange_q;               // c exceeds its limit by strange
+    reg                     negative_q;              // the requested correction g_ρ p is below 0;
+    reg                     wild_q;                  // it doesn't fit its format
+    reg                     huge_q;                  // θ (y' + sgn y' y_b) doesn't fit its format,
+    reg                     sign_q;                  // and is below 0
     wire                    loses;                   // sum_q is not to be written
     reg                     sinks_p_q;               // p is below 0
     wire signed [DATA_W-1:0] next_q;                 // s31q23 V: c of the turn before
@@ -524,10 +521,10 @@ module wh_anchor_ports #(
     wire grows  = (sinks_p_q != presses_q);
     wire learns = contact_q && out_q && !saturated_q && !blind_q && !(grows ? full_q || clipped_q : void_q);
 
-    // Whether z is beyond the last edge's bound: of z less the bound, sum_q of the step BACK. What is known of the
-    // bound stands since the turn's first clocks.
-    reg  known_q;  // it is in force,
-    reg  all_q;    // and beyond the zone's other end
+    // Whether z is beyond the last edge's bound: of z less the bound, sum_q of the step BACK. The bound's flags are
+    // valid since the turn's first clocks.
+    reg  known_q;  // the bound is in force,
+    reg  all_q;    // and is beyond the dead zone's other end
     wire beside = known_q && (all_q || back_sum == sinks_q) && !(out_q && above_q == sinks_q);
 
     always @(posedge clk) begin
@@ -683,7 +680,7 @@ module wh_anchor_ports #(
         endcase
     end
 
-    // Of the step after this one: where b_q is from.
+    // The source of b_q in the next step.
     always @* begin
         bare   = 1'b0;
         b_from = B_VOLTAGE;
@@ -736,10 +733,9 @@ module wh_anchor_ports #(
         endcase
     end
 
-    // What comes from outside is chosen by chains, of which each link is a LUT for two words: it gives the
-    // second of them where the one before gives 1, the first where that gives 0, or what that gives. A chain's
-    // first link gives a product, 1 or 0. The lowest places have products only, the middle ones nothing of the
-    // encoder, the highest no setting.
+    // Inputs are selected by chains. Each link is a LUT for two operands: either it passes on the link before, or it
+    // gives the second operand where that is 1, and the first where it is 0. A chain's first link gives a product,
+    // 1 or 0. The lowest bits have products only, the middle ones no flux, the highest no setting.
     localparam integer LOW_W   = VOLT_SHIFT - 1;
     localparam integer COUNT_Q = (AXES != 0) ? LONG_Q - SINE_Q - 2 : LONG_Q - BEHIND_SHIFT;
     localparam integer THETA_Q = THETA_CUT - 2;  // of a quarter of the largest θ
@@ -808,15 +804,15 @@ module wh_anchor_ports #(
         write_to_q   <= write_to;
     end
 
-    // ---- The adder. Its sum goes to sum_q alone, and from there on, so that sum and register are one
-    // cell of an FPGA. What a step writes, the two after it can't read.
+    // ---- The adder. Its sum goes only to sum_q, so that sum and register share an FPGA's cells. The two steps after
+    // a write can't read it.
     wire                     takes_off = to_zero_q ? !back_sum : minus_q;
     wire signed [LONG_W-1:0] inner_sum = sum_q >>> INNER_SHIFT;
     wire signed [LONG_W-1:0] part      = axis ? inner_sum >>> 1 : inner_sum;
     wire signed [LONG_W-1:0] a    = ({LONG_W{sum_too_q}} & sum_q) | ({LONG_W{inner_q}} & part);
     wire signed [LONG_W-1:0] b    =
         (b_q | ({LONG_W{memory_too_q}} & read_q)) ^ {LONG_W{takes_off}};
-    // The sign once more, for where it goes to every bit of a word again; of the step SWING its opposite.
+    // The sign once more, for where it drives every bit of an operand; in the step SWING its opposite.
     wire                     turns;
     wire signed [LONG_W-1:0] sum;
     assign {turns, sum} = {a[LONG_W-1], a} + {b[LONG_W-1] ^ swings_q, b} + {{LONG_W{1'b0}}, takes_off};
@@ -858,7 +854,7 @@ module wh_anchor_ports #(
         end
     end
 
-    // ---- How the next step's b_q is chosen.
+    // ---- Selection of the next step's b_q.
     always @(posedge clk) begin
         bare_q    <= bare;
         near_q    <= (b_from == B_NEAR);
@@ -874,7 +870,7 @@ module wh_anchor_ports #(
         top_by_q  <= {b_from == B_START || b_from == B_PLACE, b_from == B_VOLTAGE || b_from == B_MOVED};
     end
 
-    // ---- The products. Their factors are chosen a clock before; p = s31q16 counts is there just in time.
+    // ---- The products. Their factors are selected a clock before; p = s31q16 counts is just in time.
     reg signed [DATA_W-1:0] factor_q;
 
     always @(posedge clk) begin
@@ -894,7 +890,7 @@ module wh_anchor_ports #(
                            || step_q == 5'd22 || step_q == 5'd23 || step_q == 5'd26;
     assign factor_o      = factor_q;
     assign coefficient_o = (step_q == 5'd26) ? theta_q : $signed(gain);
-    // ---- What has a meaning within a turn, and what the next turn starts from.
+    // ---- Flags within a turn, and those that the next turn starts from.
     always @(posedge clk) begin
         case (step_q)
             5'd1: begin
@@ -954,22 +950,22 @@ module wh_anchor_ports #(
         end
     end
 
-    // The offset stays where it would leave its word; it is the sum of the step MEAN.
+    // The offset, the sum of the step MEAN, keeps its value if it would leave its range.
     wire                     ranged = (&sum_q[LONG_W-1:AMP_SHIFT+DATA_W-1])
                                       || !(|sum_q[LONG_W-1:AMP_SHIFT+DATA_W-1]);
     assign loses = adds_q == FLUX && !contact_q && !ranged;
 
-    // A sum as a voltage or √W, within its word.
+    // A sum as a voltage or √W, within its range.
     wire                     low     = huge_q ? sign_q : back_sum;
     wire                     beyond  = huge_q || (!(&sum_q[LONG_W-1:VOLT_SHIFT+DATA_W-1])
                                                   && (|sum_q[LONG_W-1:VOLT_SHIFT+DATA_W-1]));
     wire signed [DATA_W-1:0] limited = beyond ? $signed({low, {(DATA_W - 1){!low}}})
                                               : $signed(sum_q[VOLT_SHIFT +: DATA_W]);
 
-    // A second adder: of the sum of the step SWING y_b less what it shrinks by, taken off as -(-y_b + ...) where
-    // that is above 0. Its carry says whether the sum is 0 or more. LEARN's θ is compared with the largest one
-    // beside it: a setting comes late in its clock. What follows from either for a whole word waits for a clock.
-    reg shrinks_q, caps_q;  // which of them, known before
+    // A second adder: y_b less its decrease, from the sum of the step SWING, computed as -(-y_b + ...) if that is above
+    // 0. Its carry shows whether the sum is 0 or more. Beside it LEARN's θ is compared with the largest one, as a
+    // setting comes late in its clock. Results that drive a whole operand wait for a clock.
+    reg shrinks_q, caps_q;  // which of the two, a clock before
 
     always @(posedge clk) begin
         shrinks_q <= (step_q == MEAN);
@@ -983,8 +979,8 @@ module wh_anchor_ports #(
     assign {carry, side} = {1'b0, brush_q ^ {DATA_W{turns_q}}} + {1'b0, side_b} + {{DATA_W{1'b0}}, back_sum};
     wire              full   = !back_sum && sum_q[LONG_W-2:THETA_CUT] >= {{(THETA_W - 1 - COEF_W){1'b0}}, learn_max};
 
-    // What θ acts on is added up from the sum of the step SWING, of a rotor that doesn't travel, that of MEAN and
-    // y_b, which by then has shrunk.
+    // The value that θ multiplies: the sum of the step SWING if the rotor doesn't travel, plus that of MEAN, plus y_b,
+    // which by then has shrunk.
     reg                       adds_brush_q;
     wire                      damps = !travels_q && !begins_q && !blind_q && !far_q;
     wire                      takes = shrinks_q || (adds_brush_q && presses_q);
@@ -1002,8 +998,8 @@ module wh_anchor_ports #(
     end
 
     // ---- Results.
-    reg  chosen_q;  // c is in sum_q, and
-    reg  none_q;    // it is not wanted
+    reg  chosen_q;  // c is in sum_q,
+    reg  none_q;    // but the result is 0
     wire fault = faults_o[port_q];
     integer n;
     wire lost  = enable_q && (fault || far_q || (clipped_q && strange_q && !saturated_q && !overloaded_q));
@@ -1051,13 +1047,13 @@ module wh_anchor_ports #(
         .value_o (next_q)
     );
 
-    // y_b and θ. Words that are 0 or limited wait for what the second adder's carry says.
+    // y_b and θ. Values that become 0 or their limit wait for the second adder's carry.
     wire follow  = go_q && shrinks_q && moves_mean && back_sum != presses_q;
     wire learned = go_q && caps_q;
 
-    reg  brush_none_q;  // y_b has shrunk to less than nothing
-    reg  theta_all_q;   // θ was learned and is the largest, which is read again:
-    reg  theta_caps_q;  // now it is there
+    reg  brush_none_q;  // y_b has shrunk below 0
+    reg  theta_all_q;   // θ was learned and is at its largest, which is read again:
+    reg  theta_caps_q;  // now it is valid
 
     always @(posedge clk) begin
         brush_none_q <= follow && carry == turns_q && !rst;

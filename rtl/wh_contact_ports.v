@@ -2,15 +2,15 @@
 //
 // wh_contact_ports: position and contact of N ports, which take turns.
 //
-//   position += what the count of its encoder has changed since its last turn
+//   position += change of its encoder's count since its last turn
 //   in wall n:  wall_min[n] <= position < wall_max[n], enabled; the first such wall wins
 //
-// It finds for each port what wh_contact does for one, of which there is more in that header: the side by which the
-// rotor came in, and hysteresis. It looks at the walls once a turn, all of them at one position.
+// For each port it computes what wh_contact does; that header has the side of entry and the hysteresis. In a turn all
+// walls are compared with one position.
 //
-// The turn, in clocks since valid_i: 1, the position is there; 2 ... WALLS + 1, the walls are read, one a clock;
-// WALLS + 4, contact_o and shaped_o are there, and a clock later eta_o. They hold until the next turn's.
-// The next valid_i may come WALLS + 5 clocks after this one. count_i is looked at with valid_i.
+// The turn, in clocks since valid_i: 1, the position is valid; 2 ... WALLS + 1, the walls are read, one a clock;
+// WALLS + 4, contact_o and shaped_o are valid, and a clock later eta_o. They hold until the next turn's.
+// The next valid_i may come WALLS + 5 clocks after this one. count_i is taken with valid_i.
 //
 // State, by port, in LUT RAM (wh_port_state): position, contact, wall and side. Settings: edges and flags of the
 // walls, hysteresis, two η (wh_port_settings).
@@ -61,8 +61,8 @@ module wh_contact_ports #(
     endgenerate
 
     // ---- The turn: at_q[n] is clock n of it.
-    localparam integer READ  = 1;              // the first wall is asked for
-    localparam integer JUDGE = READ + 2;       // its distances are there
+    localparam integer READ  = 1;              // the first wall is read
+    localparam integer JUDGE = READ + 2;       // its distances are valid
     localparam integer ENDS  = JUDGE + WALLS;  // all walls are judged
 
     reg [ENDS+1:1]    at_q;
@@ -98,7 +98,7 @@ module wh_contact_ports #(
 
     assign position_o = position;
 
-    // ---- The walls' settings. One is read while the one before is subtracted.
+    // ---- The walls' settings. Each is read while the one before is subtracted.
     reg  [WALL_W-1:0]         read_wall_q;
     reg  [WALL_W-1:0]         edges_wall_q;
     reg  [WALL_W-1:0]         wall_q;
@@ -208,7 +208,7 @@ module wh_contact_ports #(
         .word_o       (hysteresis)
     );
 
-    // ---- Distances from the edges, positive inside. One bit more than a count: no wrap.
+    // ---- Distances from the edges, positive inside. One bit more than a position: no wrap.
     reg signed [DISTANCE_W-1:0] from_min_q;
     reg signed [DISTANCE_W-1:0] from_max_q;
     reg                         enable_q;
@@ -221,16 +221,16 @@ module wh_contact_ports #(
         shaped_q   <= shaped;
     end
 
-    // ---- The first wall that holds the position, else one that has been entered and is left by a count.
+    // ---- The first wall that contains the position, else the wall in contact if it was left by a count at most.
     wire              contact_before;
-    wire              side_before;      // 1: came in through wall_max
+    wire              side_before;      // 1: the rotor came in through wall_max
     wire [WALL_W-1:0] wall_before;
     reg               found_q;
     reg               linger_q;
     reg  [WALL_W-1:0] found_wall_q;
     reg               found_side_q;
-    reg               found_shaped_q;   // of the wall that holds it,
-    reg               linger_shaped_q;  // or that is left
+    reg               found_shaped_q;   // of the wall that contains the position,
+    reg               linger_shaped_q;  // or that is being left
 
     wire judges  = |at_q[JUDGE+WALLS-1:JUDGE];
     wire holds   = enable_q && !from_min_q[DISTANCE_W-1] && !from_max_q[DISTANCE_W-1]

@@ -2,33 +2,31 @@
 //
 // wh_core: the wave controller's step, for N ports in turn.
 //
-//   v  = u_n - s i_n            u_n: what was applied in the measured period, from the delay line
-//   f += a (η W{v} + x - f)     D(s) = η λ/(s + λ), in contact or in free space by η; x is a wave from outside
-//   f  = clamp(f, ±u_max)       u_max: the setting less room, what the port anchor takes of it, 0 or more
-//   e  = s u                    u: f, or one of its predecessors out of the delay line
+//   v  = u_n - s i_n            u_n: the wave applied in the measured period, from the delay line
+//   f += a (η W{v} + x - f)     D(s) = η λ/(s + λ); η is that of contact or free space, x a wave from outside
+//   f  = clamp(f, ±u_max)       u_max: the setting less room, the port anchor's share of it; 0 or more
+//   e  = s u                    u: f, or an earlier one from the delay line
 //
-// It does for each port what wh_wave_core does, in every bit; rounding, clipping and formats are in that header.
+// For each port it equals wh_wave_core bit for bit; that header has rounding, clipping and formats.
 //
 // The turn, in clocks since valid_i:
-//
 //   0               port and bank are taken
-//   1 6 12 20       products of s i_n, η v, a (η v + x - f) and s u are asked for. Each is
-//                   there three clocks later, and nobody else may ask in these clocks
-//   2, 7            u_o, then v_o and clipped_o are there
-//   5               u_max is made
-//   19              f, and what was withheld from u
+//   1 6 12 20       the products s i_n, η v, a (η v + x - f) and s u are requested. Each is valid three clocks
+//                   later. No other station may request a product in these clocks
+//   2, 7            u_o is valid, then v_o and clipped_o
+//   5               u_max is computed
+//   19              f is computed, and the residue of u
 //   25              voltage_o, with valid_o
+// The next valid_i may come 25 clocks after this one. current_i is taken in clock 1, ends_i from 1 to 5, eta_i in 6,
+// outside_i from 8 to 10. Outputs hold until the next turn changes them. Those named `before` are of the port's
+// previous step, and hold to clock 17.
+// With SHAPER, each section delays all of this by 5 clocks, except for clocks 1, 2, 5 and 7. W (wh_shaper_ports) has
+// its own multiplier. shape_mode_i is taken from clock 9 to 21, with two sections to 32.
 //
-// The next valid_i may come 25 clocks after this one. current_i counts in clock 1 and ends_i from then to 5,
-// eta_i in 6, outside_i from 8 to 10. Outputs hold until the next turn changes them; what is
-// called before is of the port's step before; it holds to clock 17.
-// With SHAPER, all of this is 5 clocks later for each section, but for 1, 2, 5 and 7. W (wh_shaper_ports) has a
-// multiplier of its own; shape_mode_i counts from clock 9 to 21, or to 32 with two sections.
-// All ports make a step in a period, the last one's last: the place in the delay line is one for all.
-//
-// State, by port, in LUT RAM (wh_port_state), beside that of W: f (40 bits), withheld (31), rounded off (9), e (31),
-// room (31), saturated; the delay line is a RAM. Settings: s, a, u_max (wh_port_settings).
-// Latency: above. Reset: as wh_wave_core, for all ports; a turn under way is dropped.
+// All ports make one step in a period, in order, so they share one position in the delay line.
+// State, by port, in LUT RAM (wh_port_state), besides that of W: f (40 bits), residue of the limit (31) and of rounding
+// (9), e (31), room (31), saturated. The delay line is a RAM. Settings: s, a, u_max (wh_port_settings).
+// Latency: above. Reset: as wh_wave_core, for all ports; a turn that has begun is dropped.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -36,7 +34,7 @@
 module wh_core #(
     parameter integer N          = 1,  // ports, 1...8
     parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
-    parameter integer OUTSIDE    = 0,  // 1: outside_i is added to the goal, 0: it is not looked at
+    parameter integer OUTSIDE    = 0,  // 1: outside_i is added to the goal, 0: it is ignored
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper_ports), 0...2; 0: W = 1
     parameter integer PORT_W     = (N > 1) ? $clog2(N) : 1  // derived, leave it
 ) (
@@ -46,17 +44,17 @@ module wh_core #(
     // A turn.
     input  wire                             valid_i,         // strobe
     input  wire        [PORT_W-1:0]         port_i,
-    input  wire                             bank_i,          // of its settings
+    input  wire                             bank_i,          // bank of its settings
     input  wire signed [`WH_DATA_W-1:0]     current_i,       // s31q24 A, ±64 A: the period's mean i_n
     input  wire        [1:0]                ends_i,          // i_n is at the high (bit 0), low end of its range
     input  wire signed [`WH_COEF_W-1:0]     eta_i,           // s27q25 η, used in [-1, 1]
     input  wire signed [`WH_DATA_W-1:0]     outside_i,       // s31q23 √W, ±128 √W: x
-    input  wire        [1:0]                shape_mode_i,    // of W, as wh_shaper has it
-    input  wire        [DELAY_LOG2-1:0]     extra_ticks_i,   // as wh_wave_core has them; they hold all the time
+    input  wire        [1:0]                shape_mode_i,    // of W, as in wh_shaper
+    input  wire        [DELAY_LOG2-1:0]     extra_ticks_i,   // as in wh_wave_core; constant
     input  wire        [DELAY_LOG2-1:0]     hold_ticks_i,
 
-    // What the port anchor takes of u_max (wh_anchor_ports).
-    input  wire        [N-1:0]              room_rst_i,      // nothing, of these ports
+    // The port anchor's share of u_max (wh_anchor_ports).
+    input  wire        [N-1:0]              room_rst_i,      // it is 0 for these ports
     input  wire                             room_valid_i,    // strobe
     input  wire        [PORT_W-1:0]         room_port_i,
     input  wire signed [`WH_DATA_W-1:0]     room_i,          // s31q23 √W, 0...
@@ -75,20 +73,20 @@ module wh_core #(
 
     // The step.
     output reg                              valid_o,         // strobe
-    output wire                             waves_valid_o,   // strobe, the clock before v_o is there
-    output wire        [PORT_W-1:0]         port_o,          // whose turn it is,
-    output wire                             bank_o,          // and with which settings
+    output wire                             waves_valid_o,   // strobe, the clock before v_o is valid
+    output wire        [PORT_W-1:0]         port_o,          // the port of the turn,
+    output wire                             bank_o,          // and the bank of its settings
     output reg  signed [`WH_DATA_W-1:0]     voltage_o,       // s31q23 V, ±128 V: e to be applied
     output reg  signed [`WH_DATA_W-1:0]     u_o,             // s31q23 √W, ±128 √W: u_n, measured period
     output reg  signed [`WH_DATA_W-1:0]     v_o,             // s31q23 √W, ±128 √W: v_n, measured period
     output reg                              clipped_o,       // i_n or v_n is at the end of its range
     output reg                              saturated_o,     // f was outside ±u_max, with valid_o
     output wire signed [`WH_DATA_W-1:0]     voltage_before_o,
-    output wire signed [`WH_DATA_W-1:0]     withheld_before_o, // s31q23 √W: what u lacks of f
+    output wire signed [`WH_DATA_W-1:0]     withheld_before_o, // s31q23 √W: residue of u
     output wire                             saturated_before_o
 );
 
-    // ---- Word lengths. A product keeps all its bits; each is then brought to its sum's place.
+    // ---- Word lengths. A product keeps all its bits; each is then aligned to its sum.
     localparam integer DATA_W    = `WH_DATA_W;
     localparam integer COEF_W    = `WH_COEF_W;
     localparam integer GUARD     = `WH_STATE_GUARD;
@@ -122,11 +120,10 @@ module wh_core #(
         end
     endgenerate
 
-    // ---- The turn. A product comes PRODUCT clocks after its factors were given, and is cut and registered for
-    // the clock after. What stands between two steps is a pipeline that runs all the time: only these clocks
-    // matter.
+    // ---- The turn. A product comes PRODUCT clocks after its factors, and is cut and registered for the clock
+    // after. The pipeline between two steps runs all the time: only these clocks matter.
     localparam integer PRODUCT    = 3;
-    localparam integer GIVE_SI    = 1;                         // s and i_n; u_n is looked up
+    localparam integer GIVE_SI    = 1;                         // s and i_n; u_n is read
     localparam integer TAKE_U_N   = GIVE_SI + 1;               // u_n comes out of the delay line
     localparam integer TAKE_MAX   = GIVE_SI + 4;               // u_max
     localparam integer TAKE_V     = GIVE_SI + PRODUCT + 2;     // v = u_n - s i_n
@@ -162,7 +159,7 @@ module wh_core #(
         end
     end
 
-    // ---- Settings, by their places in the register map, each asked for in the clock before its use.
+    // ---- Settings, by their addresses in the register map, each read in the clock before its use.
     localparam [1:0] S_ROOT = 0, S_A = 1, S_U_MAX = 2;
 
     wire [DATA_W-1:0] setting;
@@ -185,11 +182,11 @@ module wh_core #(
         .word_o       (setting)
     );
 
-    // ---- State of the port whose turn it is.
+    // ---- State of the turn's port.
     wire signed [STATE_W-1:0] f;
     wire signed [DATA_W-1:0]  room;
     reg         [DATA_W-1:0]  u_max_q;
-    wire signed [DATA_W-1:0]  left = $signed(setting) - room;  // c may want more than there is
+    wire signed [DATA_W-1:0]  left = $signed(setting) - room;  // c may need more than u_max has
 
     wh_port_state #(
         .N           (N),
@@ -211,7 +208,7 @@ module wh_core #(
         end
     end
 
-    // ---- The multiplier, given what is due.
+    // ---- The multiplier's operands.
     wire signed [DATA_W-1:0]    error;
     reg  signed [DATA_W-1:0]    u_held_q;
     wire signed [DATA_W-1:0]    shaped;  // W{v}
@@ -220,8 +217,8 @@ module wh_core #(
     assign factor_o      = at_q[GIVE_ETA_V] ? shaped : at_q[GIVE_A] ? error : at_q[GIVE_SU] ? u_held_q : current_i;
     assign coefficient_o = at_q[GIVE_ETA_V] ? eta_i : $signed(setting[COEF_W-1:0]);
 
-    // ---- wh_truncate's up goes in as a sum's carry, from a place below the last that is dropped
-    // again: floor(((2 x + 1) + (2 y + up)) / 2) = x + y + up,
+    // ---- wh_truncate's up enters as a sum's carry, one bit below the LSB; that bit is dropped again:
+    // floor(((2 x + 1) + (2 y + up)) / 2) = x + y + up,
     // floor((2 x - (2 y + up)) / 2) = x - y - up.
 
     // ---- v = u_n - s i_n
@@ -254,7 +251,7 @@ module wh_core #(
         .value_o (v_near)
     );
 
-    // At which end i_n is, known some clocks before v.
+    // The end of the range at which i_n is, some clocks before v.
     wire [1:0] most   = {current_i[DATA_W-1] && !(|current_i[DATA_W-2:0]),
                          !current_i[DATA_W-1] && (&current_i[DATA_W-2:0])};
     reg  [1:0] ends_q;
@@ -297,8 +294,8 @@ module wh_core #(
         end
     endgenerate
 
-    // ---- The goal η W{v} + x, and how far f is from it. The goal is limited before up is added, while
-    // the sign is at hand: up belongs to a negative value only, and can't bring it out of the word.
+    // ---- The goal η W{v} + x, and its distance from f. The goal is limited before up is added, while the
+    // sign is available: only a negative value has up, which can't make it overflow.
     wire signed [ETA_V_W-1:0]       eta_v_floor;
     wire                            eta_v_up;
     wire signed [DATA_W:0]          goal_limited;
@@ -329,7 +326,7 @@ module wh_core #(
 
     assign goal = goal_floor_q + $signed({{(DATA_W - 1){1'b0}}, goal_up_q});
 
-    // f - x, which stands long before the goal does.
+    // f - x, valid long before the goal.
     wire signed [ERROR_W-1:0] base;
 
     generate
@@ -401,7 +398,7 @@ module wh_core #(
     wire signed [F_SUM_W-1:0] limit_wide =
         $signed({{(F_SUM_W - STATE_W){limit[STATE_W-1]}}, limit});
 
-    // f_sum < -limit is asked without the cost of a negation.
+    // f_sum < -limit, without a negation.
     wire signed [F_SUM_W-1:0] above_low = f_sum_q + limit_wide;
     reg                       over_q;
     reg                       under_q;
@@ -425,7 +422,7 @@ module wh_core #(
         .up_o    (u_up)
     );
 
-    // What wh_truncate finds of f, found a clock before: its OR and the sum are too long for one.
+    // wh_truncate's up of f, a clock earlier: its OR and the sum are too long for one clock.
     reg  u_up_q;
     wire unused_up = &{1'b0, u_up};
 
@@ -477,10 +474,10 @@ module wh_core #(
     wire unused = &{1'b0, v_sum[0], f_sum[0], above_low[F_SUM_W-2:0]};
 
     // ---- The delay line of u: one memory for all ports, a write and a read port. It is read at GIVE_SI for u_n,
-    // and after that for the u that this step will put out.
+    // and then for the u that this step puts out.
     reg  signed [DATA_W-1:0]     line [0:N*LENGTH-1];
     reg  signed [DATA_W-1:0]     line_q;
-    reg         [DELAY_LOG2-1:0] head_q;    // place of the newest u of all ports
+    reg         [DELAY_LOG2-1:0] head_q;    // position of the newest u of all ports
     reg         [DELAY_LOG2:0]   filled_q;  // steps since reset, up to LENGTH
 
     wire [DELAY_LOG2-1:0] new_head  = head_q + 1'b1;
@@ -523,8 +520,8 @@ module wh_core #(
         end
     end
 
-    // ---- What u lacks: what the limit takes from f, (f_sum - f)/2^GUARD rounded down, or what rounding
-    // f to u has taken so far, as soon as that is a whole place.
+    // ---- The residue of u: what the limit cut off from f, (f_sum - f)/2^GUARD rounded down, or what rounding f
+    // to u has cut off so far, once that is a whole LSB.
     localparam integer WITHHELD_W = F_SUM_W - GUARD;
 
     reg  signed [F_SUM_W-1:0]    past_low_q;

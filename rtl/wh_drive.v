@@ -1,36 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_drive: from the voltages of N ports, which come in turn, to the pulse widths of their bridges.
+// wh_drive: from the voltages of N ports, which arrive in turn, to the pulse widths of their bridges.
 //
-//   driven = e_id + c,  c: the port anchor's of the step before
-//   width  = round(driven * clocks_per_volt + extra + owed), once a carrier half
+//   driven = e_id + c,  c: from the port anchor's previous step
+//   width  = round(driven * clocks_per_volt + extra + rests), once in each carrier half
 //
-// It does for each port what wh_port, wh_dead_time and wh_modulator do for one, in every bit; equations and formats
-// are in their headers.
+// For each port it equals wh_port, wh_dead_time and wh_modulator bit for bit; their headers have equations and formats.
 //
-// Turns, in clocks: current_valid_i, 2 later the side of the dead time is there. voltage_valid_i, which has the sum
-// in its own clock (voltage_o); 1 later its product is asked for, and nobody else may ask then; 5 later the
-// duty waits to be taken.
-// The walk: walk_i, and a clock later the widths of all ports are made, one a clock, five clocks each; width_valid_o
-// comes with width_o for width_port_o. With take_i, in the same clock as walk_i, the duties that wait are taken
-// before it. The last width is there N + 5 clocks after walk_i.
+// The turn: 2 clocks after current_valid_i the sign of the dead time's compensation (its side) is known.
+// voltage_o is valid in the clock of voltage_valid_i. Its product is requested 1 clock later; no other station may
+// request then. 5 clocks after voltage_valid_i the new duty waits to be taken.
 //
-// Legs: a brushed motor's bridge is one, of its port's number. A brushless motor has three, as PHASES says by their
-// bits, of which the third has a number behind those of all ports. Each has a side, and a width once a period, with
-// half_i; least_i isn't theirs. With voltage_axis_i a voltage is an axis': its product isn't asked for, and wh_legs
-// asks for those of the legs, by the scale that was read for it, and gives the leg with its product.
+// The walk: from the clock after walk_i the widths of all ports are computed, one a clock, five clocks each.
+// width_valid_o comes with width_o for width_port_o, the last one N + 5 clocks after walk_i. take_i, in the clock of
+// walk_i, first puts the waiting duties in force.
+//
+// Legs: a brushed motor's bridge counts as one leg, with its port's number. A brushless motor has three, marked in
+// PHASES; the number of the third is behind those of all ports. Each leg has its own side, and a width once a period,
+// with half_i; least_i doesn't apply to it. A voltage with voltage_axis_i is an axis': its own product isn't requested.
+// wh_legs requests those of the legs, with the scale that was read for the axis, and returns the leg with its product.
 //
 // State, by port, in LUT RAM (wh_port_state): c (31 bits), the side (10), two duties (36 each), of which one is in
-// force, and what is owed (35). Settings: clocks_per_volt, side_current (wh_port_settings).
-// Latency: above. Reset: duties, rests and widths 0, as wh_modulator; c by its own.
+// force, and the rests (35). Settings: clocks_per_volt, side_current (wh_port_settings).
+// Latency: above. Reset: duties, rests and widths 0, as wh_modulator; c by correction_rst_i.
 
 `default_nettype none
 `include "wh_formats.vh"
 
 module wh_drive #(
     parameter integer N         = 1,                     // ports, 1...8
-    parameter integer MIN_PULSE = 0,                     // 1: least_i and spare_i count; 0: both are 0
-    parameter integer LEGS      = N,                     // N, and one more for each brushless motor; ...12
+    parameter integer MIN_PULSE = 0,                     // 1: least_i and spare_i are used; 0: both are 0
+    parameter integer LEGS      = N,                     // N, and one more for each brushless motor; up to 12
     parameter integer PHASES    = 0,                     // 0...: bit n: leg n is one of a brushless motor's three
     parameter integer PORT_W    = (N > 1) ? $clog2(N) : 1, // these two are derived, leave them
     parameter integer LEG_W     = (LEGS > 1) ? $clog2(LEGS) : 1
@@ -49,17 +49,17 @@ module wh_drive #(
     input  wire                          voltage_valid_i, // strobe
     input  wire [PORT_W-1:0]             voltage_port_i,
     input  wire                          voltage_bank_i,
-    input  wire                          voltage_axis_i,  // nothing is driven by it
+    input  wire                          voltage_axis_i,  // it drives no leg
     input  wire signed [`WH_DATA_W-1:0]  voltage_i,       // s31q23 V: e_id
     output wire signed [`WH_DATA_W-1:0]  voltage_o,       // s31q23 V: e
     output wire signed [`WH_DATA_W-1:0]  correction_o,    // s31q23 V: c of it
 
-    // A product that is there, of a phase's voltage (wh_legs).
+    // A valid product, of a phase's voltage (wh_legs).
     input  wire                          duty_valid_i,    // strobe
     input  wire [LEG_W-1:0]              duty_leg_i,
 
-    // What the port anchor adds (wh_anchor_ports).
-    input  wire [N-1:0]                  correction_rst_i,   // of these ports it is 0
+    // The port anchor's correction (wh_anchor_ports).
+    input  wire [N-1:0]                  correction_rst_i,   // it is 0 for these ports
     input  wire                          correction_valid_i, // strobe
     input  wire [PORT_W-1:0]             correction_port_i,
     input  wire signed [`WH_DATA_W-1:0]  correction_i,       // s31q23 V
@@ -70,7 +70,7 @@ module wh_drive #(
     input  wire [7:0]                    dead_clocks_i,   // clocks
     input  wire [7:0]                    settle_ticks_i,  // ticks between its changes of side
     input  wire                          second_order_i,  // error feedback of order 2
-    input  wire [7:0]                    least_i,         // clocks, width that isn't 0
+    input  wire [7:0]                    least_i,         // clocks, least width that isn't 0
     input  wire [7:0]                    spare_i,         // clocks
 
     // The register bus (wh_port_settings).
@@ -87,7 +87,7 @@ module wh_drive #(
 
     // Widths.
     input  wire                          walk_i,          // strobe
-    input  wire                          half_i,          // with it: phases too
+    input  wire                          half_i,          // with walk_i: also the phases
     input  wire                          take_i,          // with it
     output reg                           width_valid_o,   // strobe
     output reg  [LEG_W-1:0]              width_leg_o,
@@ -123,7 +123,7 @@ module wh_drive #(
 
     wire [PLACES-1:0] phases = PHASES[PLACES-1:0];
 
-    // ---- The side of the dead time. -current is taken as one place less, which only inverters cost.
+    // ---- The side of the dead time. -current is taken as ~current, one LSB less, which costs only inverters.
     reg               side_at_q;    // the clock after current_valid_i,
     reg               side_next_q;  // and the one after that
     reg  [LEG_W-1:0]  side_leg_q;
@@ -166,7 +166,7 @@ module wh_drive #(
         .word_o       (threshold)
     );
 
-    // Its turn changes it, the walk reads what it makes of the width.
+    // The turn changes it; the walk reads its effect on the width.
     wire       side_save = side_next_q && compensate_i;
     wire [9:0] side_next = {negative_before ^ turns, below_q,
                             turns ? settle_ticks_i : settled ? 8'd0 : settle_before - 8'd1};
@@ -199,7 +199,7 @@ module wh_drive #(
     );
 
     reg signed [`WH_EXTRA_W-1:0] most_q;  // s17q8 clocks
-    reg signed [`WH_EXTRA_W-1:0] more_q;  // of a side that was taken lately
+    reg signed [`WH_EXTRA_W-1:0] more_q;  // of a side that changed lately
 
     wire signed [`WH_EXTRA_W-1:0] most  = $signed({2'b00, dead_clocks_i, {`WH_EXTRA_Q-1{1'b0}}});
     wire signed [`WH_EXTRA_W-1:0] size  = start ? more_q : most_q;
@@ -214,7 +214,7 @@ module wh_drive #(
     reg                      ask_q;
     reg signed [DATA_W-1:0]  driven_q;
     reg        [LEG_W-1:0]   driven_leg_q;
-    reg        [3:1]         asked_q;  // the product was asked for so many clocks ago
+    reg        [3:1]         asked_q;  // clocks since the product was requested
     wire signed [DATA_W-1:0] correction;
     wire [31:0]              voltage_leg = {{(32 - PORT_W){1'b0}}, voltage_port_i};
     wire                     unused_leg  = &{1'b0, voltage_leg[31:LEG_W]};
@@ -274,11 +274,11 @@ module wh_drive #(
     assign request_o = ask_q;
     assign factor_o  = driven_q;
 
-    // ---- Duties: a floor and what wh_truncate leaves to be added, which the total takes as its carry. A new
-    // one goes to the place that isn't in force, and is in force once it is taken.
+    // ---- Duties: a floor and wh_truncate's up, which the total takes as its carry. A new duty goes to the page
+    // that isn't in force, and is in force once it is taken.
     wire signed [DUTY_W-1:0] duty_floor;
     wire                     duty_up;
-    reg  [LEGS-1:0]          page_q;  // the place in force
+    reg  [LEGS-1:0]          page_q;  // the page in force
     reg  [LEGS-1:0]          new_q;   // the other one waits to be taken
     wire                     made     = asked_q[3] || duty_valid_i;  // a duty
     wire [LEG_W-1:0]         made_leg = duty_valid_i ? duty_leg_i : driven_leg_q;
@@ -374,7 +374,7 @@ module wh_drive #(
         .value_o     ({rests, older})
     );
 
-    // Clock 1: what is owed. 2: the total. 3: the rounded one. 4: limits. 5: width and rests.
+    // Clock 1: the rests. 2: the total. 3: the rounded one. 4: limits. 5: width and rests.
     localparam integer EXTRA_SIGN_W = OWED_W - `WH_EXTRA_W - FRACTION + `WH_EXTRA_Q;
 
     reg  signed [OWED_W-1:0]  owed_q;      // s26q16
@@ -399,7 +399,7 @@ module wh_drive #(
         .value_o (rounded)
     );
 
-    // Half of an odd half_clocks_i is rounded down. Legs that have to stay for longer than that have no pulse.
+    // Half of an odd half_clocks_i is rounded down. Legs that must stay longer than that have no pulse.
     reg  signed [`WH_TICK_W-1:0] limit_q;
     reg  signed [`WH_TICK_W-1:0] minus_limit_q;
     wire        [7:0]            spare      = (MIN_PULSE != 0) ? spare_i : 8'd0;
@@ -419,7 +419,7 @@ module wh_drive #(
     wire                         clipped;
     wire signed [REST_W-1:0]     left;    // total - chosen
 
-    // What is too short becomes 0 or least_i, as wh_modulator has it.
+    // A width that is too short becomes 0 or least_i, as in wh_modulator.
     generate
         if (MIN_PULSE != 0) begin : minimum
             localparam integer CLOCKS_W = REST_W - FRACTION;

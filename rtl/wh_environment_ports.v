@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_environment_ports: what the waves of N ports, which take turns, come back from, as three words for wh_core.
+// wh_environment_ports: the environment of N ports, which take turns, as three values for wh_core.
 //
 //   w = eta_o v + wave_o, shaped as mode_o says
 //
-// It does for each port what wh_environment does for one, in every bit; what is chosen when is in that header. With
-// HOST = 1 each port has a wh_host_link of its own: only what a host gives needs it, and answers come at any time.
+// For each port it equals wh_environment bit for bit; that header has the conditions. With HOST = 1 each port has its
+// own wh_host_link: only the host's values need it, and answers may come at any time.
 //
-// The turn: port_i is the port's as long as contact and eta are. step_valid_i ends its step, with v_i; what the host's
-// period makes of it is there in the next clock. host_sequence_o, host_v_o and host_active_o are port_i's as well.
+// The turn: port_i selects the port while contact and eta are valid. step_valid_i ends its step, with v_i; in the next
+// clock the host link's values are valid. host_sequence_o, host_v_o and host_active_o are those of port_i as well.
 // Formats: eta s27q25 in [-1, 1]; waves s31q23 √W.
-// Latency: none but that of wh_host_link. Reset: that of wh_host_link, for all ports.
+// Latency: none besides wh_host_link's. Reset: that of wh_host_link, for all ports.
 
 `default_nettype none
 `include "wh_formats.vh"
 
 module wh_environment_ports #(
     parameter integer N      = 1,                        // ports, 1...8
-    parameter integer HOST   = 0,                        // 1: a computer can have them
+    parameter integer HOST   = 0,                        // 1: a computer can be the environment
     parameter integer PORT_W = (N > 1) ? $clog2(N) : 1   // derived, leave it
 ) (
     input  wire                         clk,
@@ -45,7 +45,7 @@ module wh_environment_ports #(
 
     output wire [`WH_COEF_W-1:0]        eta_o,           // s27q25
     output wire [`WH_DATA_W-1:0]        wave_o,          // s31q23 √W
-    output wire [1:0]                   mode_o           // of W, as wh_shaper has it
+    output wire [1:0]                   mode_o           // of W, as in wh_shaper
 );
 
     localparam integer DATA_W = `WH_DATA_W;
@@ -103,7 +103,7 @@ module wh_environment_ports #(
         end
     endgenerate
 
-    // While a host has it v is the host's, and W may not keep a part of it.
+    // While a host is the environment, v goes to the host, and W must not store a part of it.
     assign mode_o = (!contact_i || host_active_o) ? 2'd0 : shaped_i ? 2'd2 : 2'd1;
     assign wave_o = (host_active_o && !damps_i) ? goal : {DATA_W{1'b0}};
     assign eta_o  = (host_active_o || damps_i) ? {COEF_W{1'b0}} : eta_i;

@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_guard_ports: latches every fault of N ports, which take turns, and stops the bridges until it is cleared.
+// wh_guard_ports: wh_guard for N ports, which take turns.
 //
 //   faults = (faults, unless clear_i) or (causes and mask)
-//   off    = any fault that is not to damp;  damp = faults, but none for off
+//   off    = any fault that doesn't damp;  damp = any fault, if none switches off
 //
-// It does what wh_guard does, whose header has the causes, what ends them, and what a clear needs. What is found
-// of a word, wh_sense finds; ZERO, LOST and HEAT are judged in the port's turn.
+// It behaves like wh_guard; that header has the causes, what ends them, and what a clear needs. wh_sense judges the
+// samples. ZERO, LOST and HEAT are judged in the port's turn.
 //
-// The turn, in clocks since valid_i, which comes with current_i: 1, its magnitude; 2, u + v of the turn before and
-// whether a count came since are judged; 15, the product of i_n^2 is asked for, if there is a square in this period,
-// and nobody else may ask then. waves_valid_i, in between, is the clock before u_i and v_i of this turn are there.
+// The turn, in clocks since valid_i, which comes with current_i: 1, its magnitude; 2, the previous turn's u + v is
+// judged, and whether a count came since; 15, the product i_n^2 is requested, if this period has a square; no other
+// station may request then. waves_valid_i, in between, comes one clock before this turn's u_i and v_i are valid.
 // The next valid_i may come 20 clocks after this one.
 //
 // State, by port: u + v (17 bits), its mean (25), the periods of turning (17), the heat (48) in LUT RAM
-// (wh_port_state); a bit for each of the judgements.
-// Formats, latency: of wh_guard, but for HEAT, 19 clocks after its current. Reset: no fault, all counts and the
-// heat 0.
+// (wh_port_state); one bit for each judgement.
+// Formats, latency: as wh_guard, but HEAT comes 19 clocks after its current. Reset: no fault, counts and heat 0.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -39,20 +38,20 @@ module wh_guard_ports #(
     input  wire [`WH_BUS_W-1:0]       bus_i,           // u16q9 V
 
     // Found outside.
-    input  wire [N-1:0]               current_cause_i, // these three of the last words (wh_sense)
+    input  wire [N-1:0]               current_cause_i, // these three: of the last samples (wh_sense)
     input  wire [N-1:0]               range_cause_i,
     input  wire [N-1:0]               stuck_cause_i,
-    input  wire [N-1:0]               range_i,         // as are these, by limits that aren't the guard's
+    input  wire [N-1:0]               range_i,         // also these, with limits of wh_sense
     input  wire [N-1:0]               stuck_i,
     input  wire [N-1:0]               zero_i,          // no permitted zero was found
     input  wire                       zero_start_i,    // strobe: a zero is measured
-    input  wire                       zero_busy_i,     // from the next clock on, until it is
+    input  wire                       zero_busy_i,     // from the next clock to the end of that
     input  wire [N-1:0]               trip_i,
     input  wire [N-1:0]               encoder_i,       // strobe, illegal move
     input  wire [N-1:0]               moved_i,         // strobe, a count
     input  wire [N-1:0]               anchor_i,        // waves and counts don't agree
     input  wire [N-1:0]               energy_i,        // more than a contact's limit
-    input  wire                       setting_i,       // illegal word
+    input  wire                       setting_i,       // illegal setting
     input  wire                       overrun_i,
 
     input  wire                       tick_i,          // strobe
@@ -61,7 +60,7 @@ module wh_guard_ports #(
     input  wire                       valid_i,         // strobe
     input  wire [PORT_W-1:0]          port_i,
     input  wire signed [`WH_DATA_W-1:0] current_i,     // s31q24 A
-    input  wire                       waves_valid_i,   // strobe, a clock before
+    input  wire                       waves_valid_i,   // strobe, a clock before u_i and v_i
     input  wire signed [`WH_DATA_W-1:0] u_i,           // s31q23 √W
     input  wire signed [`WH_DATA_W-1:0] v_i,           // s31q23 √W
 
@@ -130,7 +129,7 @@ module wh_guard_ports #(
         end
     end
 
-    // ---- Periods, as a round begins: until currents are made with the zero that was measured.
+    // ---- Periods, as a round begins, until the currents use the measured zero.
 
     localparam [1:0] OLD_TICKS = 2'd2;
 
@@ -147,7 +146,7 @@ module wh_guard_ports #(
         end
     end
 
-    // ---- And from one square to the next.
+    // ---- Periods from one square to the next.
 
     reg  [15:0] pace_q;
     wire        square = (pace_q == 16'd0);
@@ -179,8 +178,8 @@ module wh_guard_ports #(
         at_q   <= rst ? {HEAT{1'b0}} : {at_q[HEAT-1:1], valid_i};
     end
 
-    // ---- Current with the bridge off, in its 16 highest bits: u16q9 A. A judgement ends with the next, as the
-    // bridge goes on, or with a new zero.
+    // ---- Current with the bridge off, in its 16 highest bits: u16q9 A. A judgement ends with the next one,
+    // when the bridge goes on, or with a new zero.
     wire signed [15:0] current = $signed(current_i[DATA_W-1 -: 16]);
     wire               unused_current = &{1'b0, current_i[DATA_W-17:0]};
     reg         [15:0] size_q;
@@ -199,7 +198,7 @@ module wh_guard_ports #(
 
     wire zero_cause = stands && !running_i && (|zero_q);
 
-    // ---- u + v against the counts: of the turn before, as the anchor's fault is.
+    // ---- u + v against the counts, of the previous turn, as the anchor's fault.
     wire signed [15:0] u_high = $signed(u_i[DATA_W-1 -: 16]);
     wire signed [15:0] v_high = $signed(v_i[DATA_W-1 -: 16]);
     wire               unused_waves = &{1'b0, u_i[DATA_W-17:0], v_i[DATA_W-17:0]};
@@ -230,9 +229,9 @@ module wh_guard_ports #(
     wire                         forward  = turning > limit;
     wire                         backward = turning < -limit;
     reg  [N-1:0]                 moved_q;       // since the port's last turn
-    reg                          moved_now_q;   // of the clock before, as the others below
+    reg                          moved_now_q;   // of the previous clock, as the others below
     wire                         negative_before;
-    wire [15:0]                  still_before;  // turns of turning, less those of not
+    wire [15:0]                  still_before;  // turns with a turning rotor, less those without
     reg                          negative_q;
     reg  [15:0]                  still_q;
     wire                         negative = !moved_now_q && negative_q;
@@ -243,7 +242,7 @@ module wh_guard_ports #(
         (negative ? backward_q : forward_q) ? ((still == 16'hffff) ? still : still + 16'd1)
                                             : ((still == 16'd0) ? still : still - 16'd1);
 
-    reg signed [16+MEAN_LOG2:0] kept_q;  // of the sum, what isn't forgotten
+    reg signed [16+MEAN_LOG2:0] kept_q;  // the part of the sum that is kept
 
     always @(posedge clk) begin
         moved_now_q <= moved_q[port_q];
@@ -302,7 +301,7 @@ module wh_guard_ports #(
     wire [31:0]                     mean = heat[31+`WH_GUARD_HEAT_LOG2:`WH_GUARD_HEAT_LOG2];
     wire                            unused_product = &{1'b0, product_i[DATA_W+`WH_COEF_W-1:32]};
     reg  [N-1:0]                    heat_q;
-    // The turn's heat is known long before, and judged two clocks after it was saved.
+    // The turn's heat is judged two clocks after it was saved.
     reg  [31+`WH_GUARD_HEAT_LOG2:0] cooled_q;
     reg  [31:0]                     mean_q;
     reg  [1:0]                      judge_q;
@@ -361,7 +360,7 @@ module wh_guard_ports #(
     assign causes[`WH_FAULT_ENERGY]    = |energy_i && |settings_i[`WH_GUARD_ENERGY];
     assign causes[`WH_FAULTS-1:`WH_FAULT_ENERGY+1] = {`WH_FAULTS-1-`WH_FAULT_ENERGY{1'b0}};
 
-    // off_o is made beside the faults and not of them: all that it stops hangs on it in the same clock.
+    // off_o is computed beside the faults, not from them, as everything that it stops depends on it in the same clock.
     wire [`WH_FAULTS-1:0] zero   = zero_start_i ? ({{`WH_FAULTS-1{1'b0}}, 1'b1} << `WH_FAULT_ZERO)
                                                 : {`WH_FAULTS{1'b0}};
     wire [`WH_FAULTS-1:0] faults = (clear_i ? {`WH_FAULTS{1'b0}} : faults_o & ~zero)

@@ -1,26 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_sense: the currents of N ports, from their ADC words.
+// wh_sense: the currents of N ports, from their ADC samples.
 //
-//   current = round((sum of samples_i words - zero) * gain) - offset
+//   current = round((sum of samples_i samples - zero) * gain) - offset
 //
-// It does for each port what wh_current, wh_sense_check and wh_zero do for one, in every bit, and what wh_guard
-// finds of a word; equations and formats are in their headers. The zero of all ports is measured at once.
+// For each port it equals wh_current, wh_sense_check and wh_zero bit for bit, and judges samples as wh_guard does;
+// their headers have equations and formats. The zeros of all ports are measured at once.
 //
-// All words of a sample come together, word_valid_i. They are looked at one a clock, the first one in the
-// next clock: this is the walk, three clocks a word. After a period's last word the port's sum is put down for
-// its turn, as the next words may come before that; summed_o is the clock before the first port's is there.
-// The turn, in clocks since valid_i: 1, the product of the sum is asked for, and nobody else may ask;
-// 6, current_o and ends_o are there, with valid_o. They hold until the next turn's.
-// KINDS = 1: a turn has a kind. That of a motor's alpha has the current of its phase a, and that of phase b, with no
-// offset, is a turn of beta's port that goes to phase_o alone. Beta's own turn makes no current of words, it takes
-// beta_i in its clocks 4 and 5. phase_o is what flows in a phase, and of a brushed motor current_o.
-// The next word_valid_i may come N + 2 clocks after this one, the next valid_i 6 clocks; word_i holds for N clocks.
+// The walk: the samples of all ports arrive together, with word_valid_i. From the next clock on they are processed,
+// one a clock, three clocks each. After a period's last sample each port's sum is stored for its turn, as the next
+// samples may come before that. summed_o comes one clock before the first port's sum is valid.
 //
-// State, by port, in LUT RAM (wh_port_state): the sum and its ends (27 bits), the same for its turn, the last word
-// and how often it came (32), the zero that is being measured and the one that is in force, the offset (31).
-// Settings: zero and gain (wh_port_settings). A sum's zero is of the bank with its first word.
-// Latency: above. Reset: rst everything; sense_rst_i that no sum is under way.
+// The turn, in clocks since valid_i: 1, the product of the sum is requested; no other station may request then;
+// 6, current_o and ends_o are valid, with valid_o. They hold until the next turn's.
+//
+// KINDS = 1: a turn has a kind. Alpha's has the current of phase a. That of phase b, without an offset, is a turn of
+// beta's port, and appears at phase_o only. Beta's own turn processes no samples: it takes beta_i in clocks 4 and 5.
+// phase_o is the current of a phase, and with a brushed motor current_o.
+//
+// The next word_valid_i may come N + 2 clocks after this one, the next valid_i 6 clocks. word_i holds for N clocks.
+// State, by port, in LUT RAM (wh_port_state): the sum and its ends (27 bits), the same for its turn, the last sample
+// and its number of repetitions (32), the zero being measured and the one in force, the offset (31).
+// Settings: zero and gain (wh_port_settings). A sum uses the zero of the bank in force at its first sample.
+// Latency: above. Reset: rst resets everything; sense_rst_i drops a sum that has begun.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -42,10 +44,10 @@ module wh_sense #(
     input  wire [8:0]                    samples_i,      // words in a sum, 1...256
     output wire                          summed_o,       // strobe
 
-    // What is found of them, a level for each port until its next word.
-    input  wire [15:0]                   range_i,        // of 2^15, end of the ADC's range
-    input  wire [15:0]                   stuck_words_i,  // words that are never all the same; 0, 1: off
-    input  wire [15:0]                   guard_current_i, // these three are wh_guard's
+    // Checks of the samples, a level for each port until its next sample.
+    input  wire [15:0]                   range_i,        // full scale is 2^15: end of the ADC's range
+    input  wire [15:0]                   stuck_words_i,  // identical samples that are a fault; 0, 1: off
+    input  wire [15:0]                   guard_current_i, // these three as in wh_guard
     input  wire [15:0]                   guard_range_i,
     input  wire [15:0]                   guard_stuck_i,
     output reg  [N-1:0]                  range_o,
@@ -57,7 +59,7 @@ module wh_sense #(
     // The zero.
     input  wire                          zero_start_i,   // strobe
     input  wire                          bridge_off_i,
-    input  wire [`WH_SUM_W-2:0]          zero_limit_i,   // largest permitted |zero| that is measured
+    input  wire [`WH_SUM_W-2:0]          zero_limit_i,   // largest |zero| that is accepted
     output reg                           zero_busy_o,
     output reg  [N-1:0]                  zero_fault_o,
 
@@ -75,13 +77,13 @@ module wh_sense #(
     output wire [PORT_W-1:0]             port_o,
     output wire                          bank_o,
     output reg  signed [`WH_DATA_W-1:0]  current_o,      // s31q24 A, +-64 A
-    output reg  [1:0]                    ends_o,         // it is at the high, at the low end of its range
+    output reg  [1:0]                    ends_o,         // at the high end of its range (bit 0), at the low end
 
-    // What the port anchor takes off (wh_anchor_ports).
+    // The offset that the port anchor subtracts (wh_anchor_ports).
     input  wire                          offset_valid_i, // strobe
     input  wire [PORT_W-1:0]             offset_port_i,
     input  wire signed [`WH_DATA_W-1:0]  offset_i,       // s31q24 A
-    input  wire [N-1:0]                  offset_rst_i,   // of these ports it is 0
+    input  wire [N-1:0]                  offset_rst_i,   // it is 0 for these ports
     output wire signed [`WH_DATA_W-1:0]  offset_o,       // of the turn's port, until the next turn
 
     // The register bus (wh_port_settings), and the bank in force.
@@ -102,7 +104,7 @@ module wh_sense #(
     localparam integer SAMPLE_W     = `WH_SAMPLE_W;
     localparam integer SUM_W        = `WH_SUM_W;
     localparam integer DIFFERENCE_W = SUM_W + 1;
-    localparam integer PRODUCT_W    = DIFFERENCE_W + `WH_COEF_W;  // as far as product_i is used
+    localparam integer PRODUCT_W    = DIFFERENCE_W + `WH_COEF_W;  // the bits of product_i in use
     localparam integer SHIFT        = `WH_GAIN_Q - `WH_CURRENT_Q;
     localparam integer ROUND_W      = PRODUCT_W - SHIFT + 1;
     localparam integer NEAR_W       = DATA_W + 1;
@@ -125,15 +127,15 @@ module wh_sense #(
         end
     endgenerate
 
-    // ---- The walk: ask_q looks a word up, look_q has it, and add_q adds it.
+    // ---- The walk: ask_q reads a sample, look_q has it, and add_q adds it.
     reg              ask_q;
     reg [PORT_W-1:0] ask_port_q;
     reg              look_q;
     reg [PORT_W-1:0] look_port_q;
     reg              add_q;
     reg [PORT_W-1:0] add_port_q;
-    reg              first_q;  // of the sample that is looked at, as is the next one
-    reg              last_q;   // it ends a period's sum
+    reg              first_q;  // the sample in look_q is a period's first,
+    reg              last_q;   // or its last
     reg [8:0]        count_q;  // words in a sum
     reg              zero_bank_q;
 
@@ -222,7 +224,7 @@ module wh_sense #(
         end
     end
 
-    // ---- The zero: what is set and what was measured, both signed, and one more bit holds their sum.
+    // ---- The zero: the setting plus the measured one, both signed, in one bit more.
     wire signed [SUM_W-1:0] zero_setting;
     wire signed [SUM_W-1:0] measured;
     wire signed [SUM_W-1:0] zero;
@@ -255,7 +257,7 @@ module wh_sense #(
         .value_o (zero)
     );
 
-    // ---- The sum begins at -zero, which is ~zero + 1, so that the difference is there with the last word.
+    // ---- The sum begins at -zero, which is ~zero + 1, so the difference is valid with the last sample.
     reg  signed [SAMPLE_W-1:0]     sample_q;  // word_q, a clock later
     reg                            at_end_q;  // of the range
     wire signed [DIFFERENCE_W-1:0] sum;
@@ -288,13 +290,13 @@ module wh_sense #(
         .value_o     ({sum, sum_ends})
     );
 
-    // ---- The zero's measurement, of all ports: begins with a period's first word, and ends with that of the
-    // period after the last one, of which no word is added.
-    reg                  running_q;  // a period of it has begun
-    reg                  begins_q;   // with the sample that is looked at it begins,
+    // ---- Measurement of the zeros of all ports: it begins with a period's first sample, and ends with the first
+    // one of the period after its last, which isn't added.
+    reg                  running_q;  // its first period has begun
+    reg                  begins_q;   // with the sample in look_q it begins,
     reg                  ends_q;     // or ends,
-    reg                  adds_q;     // or has the sample's words
-    reg  [ZERO_LOG2-1:0] ticks_q;    // whole periods of it
+    reg                  adds_q;     // or adds the sample
+    reg  [ZERO_LOG2-1:0] ticks_q;    // whole periods so far
     wire                 ends = word_first_i && running_q && (&ticks_q);
 
     wire signed [TOTAL_W-1:0] total;
@@ -457,16 +459,16 @@ module wh_sense #(
     assign request_o = at_q[1] && kind != BETA;
     assign factor_o  = {{DATA_W-DIFFERENCE_W{done_sum[DIFFERENCE_W-1]}}, done_sum};
 
-    // 25 x 27 bits: above the product there is nothing but its sign.
+    // 25 x 27 bits: the bits above the product repeat its sign.
     wire unused = &{1'b0, product_i[DATA_W+`WH_COEF_W-1:PRODUCT_W]};
 
-    // Rounded in one clock, in the next less the offset and saturated. What doesn't fit NEAR_W bits is saturated
-    // whatever the offset, so that no more are subtracted.
+    // Rounded in one clock; offset subtracted and saturated in the next. What doesn't fit NEAR_W bits saturates with
+    // any offset, so the subtraction needs no more bits.
     wire signed [ROUND_W-1:0] rounded;
     reg  signed [ROUND_W-1:0] rounded_q;
     wire signed [DATA_W-1:0]  saturated;
-    wire signed [ROUND_W-1:0] word;        // rounded_q, within its range where it is a phase's
-    wire [1:0]                found_ends;  // of this turn, beside those of its words
+    wire signed [ROUND_W-1:0] word;        // rounded_q; of a phase, limited to its range
+    wire [1:0]                found_ends;  // of this turn, besides those of its samples
     wire signed [WIDE_W-1:0]  wide = {{(WIDE_W - ROUND_W + 1){word[ROUND_W-1]}}, word[ROUND_W-2:0]};
     wire                      back = wide[WIDE_W-1];
     wire                      far  = (wide[WIDE_W-1:NEAR_W-1] != {(WIDE_W - NEAR_W + 1){back}});
@@ -505,7 +507,7 @@ module wh_sense #(
         end
     end
 
-    // ---- Phases: the offset comes off behind the transform, and doesn't bring back what is beyond a current's range.
+    // ---- Phases: the offset is subtracted after the transform; a current beyond its range stays there.
     generate
         if (KINDS != 0) begin : phases
             wire signed [DATA_W-1:0] phase;

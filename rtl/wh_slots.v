@@ -1,38 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_slots: whose turn it is. A round of slots, one for each port, begins as soon as a period's sums are there.
+// wh_slots: the schedule of the ports. A round has a slot for each port, and begins when a period's sums are ready.
 //
-// A slot begins every PITCH clocks, with valid_o, port_o and the bank of its settings; the stations hand these on with
-// their data. The bank is that in force as the round begins: all ports of a round have settings of one commit. The slot
-// of a port, in clocks since its valid_o; what it asks the multiplier for in brackets. A slot's tail runs beside the
-// next one's beginning:
-//
+// A slot begins every PITCH clocks, with valid_o, port_o and the bank of its settings. Each station passes these on
+// with its data. The bank is the one in force as the round begins, so all ports of a round have the settings of one
+// commit. A port's slot, in clocks since its valid_o, with the multiplier's requests in brackets; the end of a slot
+// overlaps the beginning of the next:
 //    0  wh_sense, wh_contact_ports begin     [1] sum * gain
-//    6  the current is there, wh_core begins [7] s i_n   [12] η v   [18] a (η v - f)   [26] s u
+//    6  the current is valid, wh_core begins [7] s i_n   [12] η v   [18] a (η v - f)   [26] s u
 //   12  wh_anchor_ports begins, with v at 13 [14 15 16 19 20 34 35 38]
-//   31  e is there, wh_drive                 [32] e * clocks_per_volt
-//    6  wh_guard_ports                       [21] i_n^2
-//   12  wh_energy_ports                      [13] way i_n
+//   31  e is valid, wh_drive begins          [32] e * clocks_per_volt
+//    6  wh_guard_ports begins                [21] i_n^2
+//   12  wh_energy_ports begins               [13] way i_n
+// Each section of W delays the requests of wh_core from η W{v} on by 5 clocks, and wh_drive with them.
 //
-// With W, wh_core asks for η W{v} and what follows 5 clocks later for each section, and wh_drive with it.
-// A brushless motor has two slots, alpha's and beta's (AXES). Beside what a slot does, these two do:
-//
-//   alpha 21  wh_sense makes the current of phase b           [22], and wh_clarke beta's of both    [29]
-//         42  wh_guard_ports: b's i_n^2, begun at 27; beta's own doesn't begin
-//   beta   5  wh_sense takes beta's current; nothing of it is asked for
-//         15  the third phase's current: its dead time, and wh_guard_ports                          [30]
-//         31  e of both is there, wh_legs                     [32] e of beta * √3/2   [40 41 42] legs
-//
+// A brushless motor has two slots, alpha's and beta's (AXES). Besides the above, these do:
+//   alpha 21  wh_sense computes the current of phase b        [22], and wh_clarke beta's of both    [29]
+//         42  wh_guard_ports: the i_n^2 of b, begun at 27; beta's own doesn't begin
+//   beta   5  wh_sense takes beta's current, without a request
+//         15  the current of the third phase: its dead time, and wh_guard_ports                     [30]
+//         31  e of both axes is valid, wh_legs begins         [32] e of beta * √3/2   [40 41 42] legs
 // With W, in clocks of the same slots: [56 57 58] legs with one section, and [24 31 29 61 62 63] with two, where b
-// comes at 23 and the third phase at 14. Where beta's is the last slot, a round may begin once the legs are asked for.
-// Modulo 32, and 36 with two sections, these clocks are all different, so the ports of a round never ask at once. The
-// next round may begin at any clock from TAIL after the last slot's begin on, 38, and 42 with two sections: then what
-// the last slot still asks for is not what the new one asks for. A round that is due earlier waits; one that is due
-// while another waits is lost, and overrun_o tells of it.
+// comes at 23 and the third phase at 14. If beta's slot is the last, a round may begin once the legs have requested.
 //
-// run_o is run_i, but goes on with a round only, so that all ports make their first step in the same period.
-// damp_o is damp_i as of the round's beginning: a fault that is found in a port's turn damps all ports from the
-// next round on.
+// Modulo 32, and modulo 36 with two sections, all these clocks differ. So the ports of a round never request at once.
+// The next round may begin at any clock from TAIL after the last slot's begin on: 38, and 42 with two sections. Then
+// the remaining requests of the last slot don't meet those of the new one. A round that is due earlier waits. A round
+// that is due while another one waits is lost, and sets overrun_o.
+//
+// run_o follows run_i, but rises only as a round begins, so all ports make their first step in the same period.
+// damp_o is damp_i as of the round's beginning: a fault found in a port's turn damps all ports from the next round on.
+//
 // Latency: none from summed_i. Reset: no round, run_o = 0, damp_o = 0.
 
 `default_nettype none
@@ -49,7 +47,7 @@ module wh_slots #(
     input  wire              summed_i,   // strobe, a round is due
     input  wire              force_i,    // the bank in force
     input  wire              run_i,      // the bridges are on
-    input  wire              damp_i,     // the guard wants a damper
+    input  wire              damp_i,     // the guard requests damping
 
     output wire              valid_o,    // strobe, a slot
     output wire [PORT_W-1:0] port_o,
@@ -64,7 +62,7 @@ module wh_slots #(
     localparam [5:0]   PITCH = (SHAPER == 2) ? 6'd36 : 6'd32;
     localparam integer LAST  = N - 1;
     localparam integer BETAS = AXES << 1;
-    localparam integer ENDS  = (BETAS >> LAST) & 1;  // with a brushless motor's slots
+    localparam integer ENDS  = (BETAS >> LAST) & 1;  // the last slots are a brushless motor's
     localparam [5:0]   TAIL  = (ENDS == 0) ? ((SHAPER == 2) ? 6'd42 : 6'd38)  // to the next round
                                            : ((SHAPER == 2) ? 6'd63 : (SHAPER == 1) ? 6'd58 : 6'd42);
     localparam [5:0]   PHASE = (SHAPER == 2) ? 6'd23 : 6'd21;

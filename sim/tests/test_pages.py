@@ -218,7 +218,7 @@ def test_version_is_one():
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     assert f"\nversion: {version}\n" in citation
-    (newest, *_) = re.findall(r"^## (\S+?),? ", changelog, re.MULTILINE)
+    (newest, *_) = re.findall(r"^## \[(\S+)\] - ", changelog, re.MULTILINE)
     assert newest == version
     answers = (ROOT / "rtl" / "wh_modbus.v").read_text(encoding="utf-8")
     ((length, told),) = re.findall(r"REVISION = \{8'd2, 8'd(\d+), \"(\S+)\"\}", answers)

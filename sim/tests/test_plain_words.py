@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 from wavehaptics.runtime.repository import ROOT
 
-PAGES = ("README.md", "CONTRIBUTING.md", "docs/*.md", "boards/README.md", "sim/scenes/README.md")
+PAGES = (
+    "*.md", "docs/**/*.md", "boards/**/*.md", "formal/*.md", "rtl/*.md", "sim/scenes/README.md",
+)  # fmt: skip
 
 INSTEAD = {
     r"hang(s|ing)? on": "depends on; is connected to",

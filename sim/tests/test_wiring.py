@@ -312,7 +312,7 @@ def test_simulated_numbers_of_the_page(table):
 def test_a_boards_page_warns(name):
     text = " ".join((ROOT / "boards" / name / "README.md").read_text().split())
     assert "Not yet tried on a motor" in text
-    assert "No pin here bears 5 V." in text
+    assert "No pin here tolerates 5 V." in text
     assert f"stay off until this image is in flash**: `make flash BOARD={name}`" in text
     assert "../../docs/wiring/switching_on.md" in text
     family = load_board(name).fpga.family
