@@ -178,12 +178,12 @@ coverage: $(READY) ## lines, branches and toggles that the tests come through: b
 	@.venv/bin/python -m wavehaptics.checks.covered $(if $(QUICK),--quick)
 	@$(if $(QUICK),,$(NUMBERS))
 
-check: lint ## lint, a quick test of each block, the loop on each simulator: some minutes
+check: lint ## lint, a quick test of each block, the loop on each simulator: 3 minutes
 	@$(PYTEST) -m quick --junit-xml build/tests/quick.xml
-	@if [ -d formal ]; then $(MAKE) formal QUICK=1; fi
 
 test test-all: $(READY_DOCS)
-test: check ## check, then every other test that isn't marked long: 20 minutes of two cores, as CI runs it
+test: check ## check, a proof of each block, and every test that isn't long: 20 minutes of two cores, as in CI
+	@if [ -d formal ]; then $(MAKE) formal QUICK=1; fi
 	@$(PYTEST) -m "not quick and not long" --durations 25 --junit-xml build/tests/test.xml
 
 test-all: check ## check, then every other test and every proof: every size, netlists, for a release
