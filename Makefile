@@ -20,7 +20,7 @@ export TOOLCHAIN
 SIMULATES := $(if $(filter-out bitstream synth seeds prog resources numbers formal,$(MAKECMDGOALS)),yes,no)
 
 # Only the tests need a browser.
-BROWSES := $(if $(filter setup test coverage,$(MAKECMDGOALS)),yes,no)
+BROWSES := $(if $(filter setup test test-all coverage,$(MAKECMDGOALS)),yes,no)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -45,7 +45,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$$PWD/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo scope wall adcs sensing holding tables docs dist release report bench soak soak-link coverage check test lint lint-rtl lint-python clean distclean
+.PHONY: help setup setup-synth system lock demo scope wall adcs sensing holding tables docs dist release report bench soak soak-link coverage check test test-all lint lint-rtl lint-python clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -170,19 +170,15 @@ PYTEST = $(WITH_TOOLS) .venv/bin/python $(IN_PARTS)
 
 # coverage.py doesn't see into what numba has compiled: the benches and the tests of the integer models
 # run without its compiler. The other benches run without coverage.py, which would take most of their
-# time. Of the RTL benches count: whole runs with counters in them would take hours and reach what a
-# block's bench reaches. Only Verilator counts, and netlists are no RTL.
-OF_MODELS := $(patsubst %,cocotb_tests/test_%.py, \
-    anchor clarke closed_loop contact current dead_time host_link inverse_clarke modulator wave_core)
-COVERED_PLAIN := sim/tests/test_golden.py sim/tests/test_shaper.py $(OF_MODELS)
-COVERED_RTL := cocotb_tests $(patsubst %,--ignore %,cocotb_tests/test_netlist.py $(OF_MODELS))
+# time. Of the RTL benches count, at every size: whole runs with counters in them would take hours and
+# reach what a block's bench reaches. Only Verilator counts, and netlists are no RTL.
+COVERED_PLAIN := model
+COVERED_RTL := not model
 COVERED := sim/tests
 ifdef QUICK
-COVERED_PLAIN := cocotb_tests/test_closed_loop.py
-COVERED_RTL := cocotb_tests/test_quadrature.py
+COVERED_PLAIN := model and quick
+COVERED_RTL := quick and not model
 COVERED += -m quick
-else
-COVERED += -m "not long"
 endif
 COVERAGE = .venv/bin/python -m coverage
 COUNTED = $(WITH_TOOLS) WH_COVERAGE="$$PWD/build/coverage/rtl"
@@ -190,8 +186,8 @@ COUNTED = $(WITH_TOOLS) WH_COVERAGE="$$PWD/build/coverage/rtl"
 coverage: $(READY) ## lines, branches and toggles that the tests come through: build/coverage (QUICK=1: of a few tests)
 	@mkdir -p build/coverage/rtl build/coverage/python
 	@rm -f build/coverage/python/*; find build/coverage/rtl -name '*.dat' -delete
-	@$(COUNTED) .venv/bin/python $(IN_PARTS) $(COVERED_RTL) -k "not icarus" -m "not long"
-	@export NUMBA_DISABLE_JIT=1; $(COUNTED) $(COVERAGE) run $(IN_PARTS) $(COVERED_PLAIN) -k "not icarus" -m "not long"
+	@$(COUNTED) .venv/bin/python $(IN_PARTS) cocotb_tests --ignore cocotb_tests/test_netlist.py -k "not icarus" -m "$(COVERED_RTL)"
+	@export NUMBA_DISABLE_JIT=1; $(COUNTED) $(COVERAGE) run $(IN_PARTS) -k "not icarus" -m "$(COVERED_PLAIN)"
 	@$(WITH_TOOLS) $(COVERAGE) run $(IN_PARTS) $(COVERED)
 	@$(COVERAGE) combine --quiet
 	@$(COVERAGE) json --quiet -o build/coverage/python.json
@@ -199,13 +195,17 @@ coverage: $(READY) ## lines, branches and toggles that the tests come through: b
 	@.venv/bin/python -m wavehaptics.checks.covered $(if $(QUICK),--quick)
 	@$(if $(QUICK),,$(NUMBERS))
 
-check: lint ## lint, a quick test of each block, the loop on each simulator: some minutes
+check: lint ## lint, a quick test of each block, the loop on each simulator: 3 minutes
 	@$(PYTEST) -m quick --junit-xml build/tests/quick.xml
-	@if [ -d formal ]; then $(MAKE) formal QUICK=1; fi
 
-test: $(READY_DOCS)
-test: check ## check, then every other test of the model, the RTL and the loop (CI=true: but for the long)
-	@$(PYTEST) -m "not quick$(if $(CI), and not long)" --durations 25 --junit-xml build/tests/rest.xml
+test test-all: $(READY_DOCS)
+test: check ## check, a proof of each block, and every test that isn't long: 20 minutes of two cores, as in CI
+	@if [ -d formal ]; then $(MAKE) formal QUICK=1; fi
+	@$(PYTEST) -m "not quick and not long" --durations 25 --junit-xml build/tests/test.xml
+
+test-all: check ## check, then every other test and every proof: every size, netlists, for a release
+	@$(PYTEST) -m "not quick" --durations 25 --junit-xml build/tests/rest.xml
+	@if [ -d formal ]; then $(MAKE) formal; fi
 
 # Every module at its defaults, and the tops at other sizes and word lengths: TOP,ARGUMENT,...
 LINT_CASES := \

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which tests are quick: one of each block of the RTL, and the model's own that take no time.
+"""Which tests are quick, and which are long.
 
-And which ones are long: further sizes and devices of what others of their file show as well, some
-half an hour of two cores. `make test` runs them, unless in CI, which names them at its end.
+`make check` runs the quick ones: one of each block of the RTL, and the model's own that take no
+time. `make test` leaves out the long ones, and `make test-all` runs every test. A test is long by
+its mark, or because it is a bench at a further size (:func:`_is_further`).
 """
 
 from __future__ import annotations
 
 import os
 import signal
+from collections import Counter
 from collections.abc import Generator
 from pathlib import Path
 
@@ -20,87 +22,87 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 BLOCKS = {
     "wh_adc": "test_closed_loop.py::test_closed_loop[icarus]",
-    "wh_adc_max11125": "test_adc_max11125.py::test_adc_max11125[icarus-1-3]",
-    "wh_adc_serial": "test_adc_serial.py::test_adc_serial[icarus-1]",
-    "wh_anchor": "test_briefly.py::test_briefly[anchor]",
-    "wh_anchor_ports": "test_anchor_ports.py::test_anchor_ports[icarus-2]",
-    "wh_arm": "test_arm.py::test_arm[icarus-0]",
+    "wh_adc_max11125": "icarus-adc_max11125-LINES=1-FIRST_CHANNEL=3",
+    "wh_adc_serial": "icarus-adc_serial-LINES=1",
+    "wh_anchor": "icarus-anchor-briefly",
+    "wh_anchor_ports": "icarus-anchor_ports-N=2",
+    "wh_arm": "icarus-arm-SENSE=0",
     "wh_axes": "test_axes.py::test_axes[icarus-1]",
     "wh_brushless": "test_brushless_controller.py::test_brushless_controller[icarus-0]",
-    "wh_bus_scale": "test_bus_scale.py::test_bus_scale[icarus-1]",
-    "wh_capture": "test_briefly.py::test_briefly[capture]",
-    "wh_carrier": "test_carrier.py::test_carrier[icarus]",
-    "wh_cobs": "test_briefly.py::test_briefly[cobs]",
-    "wh_clarke": "test_clarke.py::test_clarke[icarus-full]",
-    "wh_contact": "test_contact.py::test_contact[icarus-1]",
+    "wh_bus_scale": "icarus-bus_scale-N=1",
+    "wh_capture": "icarus-capture-N=1-DEPTH_LOG2=6-briefly",
+    "wh_carrier": "icarus-carrier",
+    "wh_cobs": "icarus-cobs-briefly",
+    "wh_clarke": "icarus-clarke",
+    "wh_contact": "icarus-contact-WALLS=1",
     "wh_contact_ports": "test_ports.py::test_ports[icarus-2-0-0-0]",
     "wh_controller": "test_closed_loop.py::test_closed_loop[icarus]",
-    "wh_core": "test_core.py::test_core[icarus-2-0-0]",
-    "wh_current": "test_current.py::test_current[icarus]",
-    "wh_dead_time": "test_dead_time.py::test_dead_time[icarus]",
-    "wh_device": "test_wishbone.py::test_wishbone[icarus]",
+    "wh_core": "icarus-core-N=2",
+    "wh_current": "icarus-current",
+    "wh_dead_time": "icarus-dead_time",
+    "wh_device": "icarus-wishbone-briefly",
     "wh_drive": "test_ports.py::test_ports[icarus-2-0-0-0]",
-    "wh_energy": "test_energy.py::test_energy[icarus]",
-    "wh_energy_ports": "test_energy_ports.py::test_energy_ports[icarus-3]",
-    "wh_environment": "test_environment.py::test_environment[icarus-0]",
+    "wh_energy": "icarus-energy",
+    "wh_energy_ports": "icarus-energy_ports-N=3",
+    "wh_environment": "icarus-environment-HOST=0",
     "wh_environment_ports": "test_ports.py::test_ports[icarus-2-0-0-0]",
-    "wh_guard": "test_briefly.py::test_briefly[guard]",
+    "wh_guard": "icarus-guard-N=1-briefly",
     "wh_guard_ports": "test_ports.py::test_ports[icarus-2-0-0-0]",
-    "wh_half_bridge": "test_half_bridge.py::test_half_bridge[icarus]",
-    "wh_host_link": "test_briefly.py::test_briefly[host_link]",
-    "wh_inverse_clarke": "test_inverse_clarke.py::test_inverse_clarke[icarus-full]",
+    "wh_half_bridge": "icarus-half_bridge",
+    "wh_host_link": "icarus-host_link-briefly",
+    "wh_inverse_clarke": "icarus-inverse_clarke",
     "wh_link": "test_link.py::test_link_briefly",
     "wh_linked_device": "test_link.py::test_link_briefly",
-    "wh_magnet_angle": "test_magnet_angle.py::test_magnet_angle[icarus]",
-    "wh_modbus": "test_modbus.py::test_modbus_briefly",
-    "wh_modulator": "test_briefly.py::test_briefly[modulator]",
-    "wh_motor_device": "test_briefly.py::test_briefly[device]",
+    "wh_magnet_angle": "icarus-magnet_angle",
+    "wh_modbus": "icarus-modbus-briefly",
+    "wh_modulator": "icarus-modulator-MIN_PULSE=0-briefly",
+    "wh_motor_device": "icarus-device-briefly",
     "wh_motor": "test_closed_loop.py::test_closed_loop[icarus]",
-    "wh_multiply": "test_arithmetic.py::test_every_small_word[icarus]",
-    "wh_multiply_shared": "test_multiply_shared.py::test_multiply_shared[icarus]",
+    "wh_multiply": "icarus-arithmetic-W=7-LIMB_W=3",
+    "wh_multiply_shared": "icarus-multiply_shared",
     "wh_pins": "test_ports.py::test_ports[icarus-2-0-0-0]",
     "wh_port": "test_closed_loop.py::test_closed_loop[icarus]",
     "wh_port_check": "test_ports.py::test_ports[icarus-2-0-0-0]",
-    "wh_port_settings": "test_core.py::test_core[icarus-2-0-0]",
-    "wh_port_state": "test_core.py::test_core[icarus-2-0-0]",
+    "wh_port_settings": "icarus-core-N=2",
+    "wh_port_state": "icarus-core-N=2",
     "wh_ports": "test_ports.py::test_ports[icarus-2-0-0-0]",
     "wh_ports_device": "test_ports_device.py::test_ports_device_briefly",
-    "wh_pwm": "test_pwm.py::test_pwm[icarus-0]",
-    "wh_quadrature": "test_quadrature.py::test_quadrature[icarus]",
-    "wh_register_ram": "test_register_bus.py::test_register_bus[icarus-1-0]",
-    "wh_registers": "test_register_bus.py::test_register_bus[icarus-1-0]",
-    "wh_rotor_flux": "test_rotor_flux.py::test_rotor_flux[icarus]",
-    "wh_round": "test_round.py::test_round[icarus-3-2]",
-    "wh_round_words": "test_round_words.py::test_round_words[icarus-2]",
-    "wh_rows": "test_briefly.py::test_briefly[capture]",
-    "wh_saturate": "test_arithmetic.py::test_every_small_word[icarus]",
+    "wh_pwm": "icarus-pwm-MODES=0",
+    "wh_quadrature": "icarus-quadrature",
+    "wh_register_ram": "icarus-registers-N=1-SHAPER=0-briefly",
+    "wh_registers": "icarus-registers-N=1-SHAPER=0-briefly",
+    "wh_rotor_flux": "icarus-rotor_flux",
+    "wh_round": "icarus-round-IN_W=3-SHIFT=2",
+    "wh_round_words": "icarus-round_words-N=2",
+    "wh_rows": "icarus-capture-N=1-DEPTH_LOG2=6-briefly",
+    "wh_saturate": "icarus-arithmetic-W=7-LIMB_W=3",
     "wh_sense": "test_ports.py::test_ports[icarus-2-0-0-0]",
-    "wh_sense_check": "test_sense_check.py::test_sense_check[icarus]",
-    "wh_setting_check": "test_setting_check.py::test_setting_check[icarus]",
-    "wh_setting_group": "test_setting_group.py::test_setting_group[icarus-1]",
-    "wh_settings": "test_briefly.py::test_briefly[settings]",
-    "wh_settings_ram": "test_briefly.py::test_briefly[settings]",
-    "wh_settings_rom": "test_briefly.py::test_briefly[settings]",
-    "wh_shaper": "test_briefly.py::test_briefly[shaper]",
-    "wh_shaper_ports": "test_core.py::test_core[icarus-1-0-1]",
-    "wh_sinc3": "test_sinc3.py::test_sinc3[icarus-4-0-2-1]",
+    "wh_sense_check": "icarus-sense_check",
+    "wh_setting_check": "icarus-setting_check",
+    "wh_setting_group": "icarus-setting_group-STAGED=1",
+    "wh_settings": "icarus-settings-N=1-WALLS=1-briefly",
+    "wh_settings_ram": "icarus-settings-N=1-WALLS=1-briefly",
+    "wh_settings_rom": "icarus-settings-N=1-WALLS=1-briefly",
+    "wh_shaper": "icarus-wave_core-SHAPER=2-WITHHELD=1-TICKS=2000-briefly",
+    "wh_shaper_ports": "icarus-core-N=1-SHAPER=1",
+    "wh_sinc3": "icarus-sinc3-OSR=4-CAPTURE_RISE=0-TRIP_OSR=2-LINES=1",
     "wh_slots": "test_ports.py::test_ports[icarus-2-0-0-0]",
-    "wh_step_watch": "test_step_watch.py::test_step_watch[icarus]",
-    "wh_tick_words": "test_tick_words.py::test_tick_words[icarus-1]",
-    "wh_stream": "test_briefly.py::test_briefly[stream]",
-    "wh_synchroniser": "test_synchroniser.py::test_synchroniser[icarus]",
-    "wh_three_phase": "test_briefly.py::test_briefly[three_phase]",
-    "wh_trip": "test_trip.py::test_trip[icarus]",
-    "wh_truncate": "test_arithmetic.py::test_every_small_word[icarus]",
-    "wh_uart": "test_briefly.py::test_briefly[uart]",
-    "wh_wave_core": "test_briefly.py::test_briefly[wave_core]",
-    "wh_wishbone": "test_briefly.py::test_briefly[wishbone]",
-    "wh_zero": "test_zero.py::test_zero[icarus]",
-    "wh_legs": "test_ports_axes.py::test_ports_axes[icarus-2-1-0-0]",
-    "wh_phase_pins": "test_ports_axes.py::test_ports_axes[icarus-2-1-0-0]",
-    "wh_rotor": "test_ports_axes.py::test_ports_axes[icarus-2-1-0-0]",
+    "wh_step_watch": "icarus-step_watch",
+    "wh_tick_words": "icarus-tick_words-N=1",
+    "wh_stream": "icarus-stream-N=1-briefly",
+    "wh_synchroniser": "icarus-synchroniser",
+    "wh_three_phase": "icarus-three_phase-briefly",
+    "wh_trip": "icarus-trip",
+    "wh_truncate": "icarus-arithmetic-W=7-LIMB_W=3",
+    "wh_uart": "icarus-uart-briefly",
+    "wh_wave_core": "icarus-wave_core-OUTSIDE=0-TICKS=2000-briefly",
+    "wh_wishbone": "icarus-wishbone-briefly",
+    "wh_zero": "icarus-zero",
+    "wh_legs": "icarus-ports_axes-briefly",
+    "wh_phase_pins": "icarus-ports_axes-briefly",
+    "wh_rotor": "icarus-ports_axes-briefly",
 }
-"""A quick test of each block, in ``cocotb_tests``."""
+"""A quick test of each block in ``cocotb_tests``: a run of ``benches.toml``, or of another file."""
 
 LOOPS = (
     "cocotb_tests/test_closed_loop.py::test_closed_loop[icarus]",
@@ -118,135 +120,19 @@ FILES = (
 )
 """Files of which every test is quick."""
 
-QUICK = {*(f"cocotb_tests/{test}" for test in BLOCKS.values()), *LOOPS}
-
-LONG = (
-    "cocotb_tests/test_board_clock_watch.py::test_board_clock_watch[verilator-3-5]",
-    "cocotb_tests/test_board_clock_watch.py::test_board_clock_watch[verilator-4-4]",
-    "cocotb_tests/test_board_controller.py::test_board_controller[verilator-ulx3s]",
-    "cocotb_tests/test_board_controller.py::test_board_controller[verilator-hx8k]",
-    "cocotb_tests/test_bus_scale.py::test_bus_scale[verilator-3]",
-    "cocotb_tests/test_capture.py::test_capture[verilator-3-7-4000]",
-    "cocotb_tests/test_clarke.py::test_clarke[verilator-short]",
-    "cocotb_tests/test_commit.py::test_commit[1-0]",
-    "cocotb_tests/test_commit.py::test_commit[2-0]",
-    "cocotb_tests/test_commit.py::test_commit[3-0]",
-    "cocotb_tests/test_commit.py::test_commit[3-1]",
-    "cocotb_tests/test_commit.py::test_commit[4-0]",
-    "cocotb_tests/test_commit.py::test_commit[4-1]",
-    "cocotb_tests/test_commit.py::test_commit[5-0]",
-    "cocotb_tests/test_commit.py::test_commit[5-1]",
-    "cocotb_tests/test_commit.py::test_commit[6-0]",
-    "cocotb_tests/test_commit.py::test_commit[6-1]",
-    "cocotb_tests/test_commit.py::test_commit[7-0]",
-    "cocotb_tests/test_commit.py::test_commit[7-1]",
-    "cocotb_tests/test_commit.py::test_commit[8-0]",
-    "cocotb_tests/test_commit.py::test_commit[8-1]",
-    "cocotb_tests/test_commit.py::test_commit_of[shared]",
-    "cocotb_tests/test_commit.py::test_commit_of[shaper]",
-    "cocotb_tests/test_commit.py::test_commit_of[brushless_alone]",
-    "cocotb_tests/test_commit.py::test_commit_on_icarus",
-    "cocotb_tests/test_controller.py::test_controller[verilator-1-4-2-1-0-1-0-0-0-0]",
-    "cocotb_tests/test_controller.py::test_controller[verilator-1-4-2-0-2-0-0-0-0-0]",
-    "cocotb_tests/test_controller.py::test_controller[verilator-3-1-1-0-0-0-0-1-0-0]",
-    "cocotb_tests/test_controller.py::test_controller[verilator-1-4-2-0-0-0-0-1-1-0]",
-    "cocotb_tests/test_controller.py::test_controller[verilator-3-1-1-0-0-0-0-0-1-0]",
-    "cocotb_tests/test_controller.py::test_controller[verilator-1-4-2-0-0-0-1-1-0-0]",
-    "cocotb_tests/test_controller.py::test_controller[verilator-3-1-1-0-0-1-0-0-0-0]",
-    "cocotb_tests/test_controller.py::test_controller[verilator-3-1-1-0-0-0-0-0-1-1]",
-    "cocotb_tests/test_controller_sigma_delta.py::test_controller_sigma_delta[verilator-2-16]",
-    "cocotb_tests/test_controller_ticks.py::test_controller_ticks[3-16-0]",
-    "cocotb_tests/test_controller_ticks.py::test_controller_ticks[1-10-0]",
-    "cocotb_tests/test_link.py::test_link_of_three[verilator]",
-    "cocotb_tests/test_netlist.py::test_closed_loop[up5k]",
-    "cocotb_tests/test_netlist.py::test_wave_core[hx8k]",
-    "cocotb_tests/test_netlist.py::test_closed_loop[hx8k]",
-    "cocotb_tests/test_netlist.py::test_wave_core[up5k]",
-    "cocotb_tests/test_netlist.py::test_closed_loop[25k]",
-    "cocotb_tests/test_device.py::test_device[verilator-three]",
-    "cocotb_tests/test_ports.py::test_ports[verilator-3-2-0-0]",
-    "cocotb_tests/test_ports.py::test_ports[verilator-8-0-0-0]",
-    "cocotb_tests/test_ports_axes.py::test_ports_axes[verilator-2-1-0-0]",
-    "cocotb_tests/test_ports_axes.py::test_ports_axes[verilator-2-1-2-0]",
-    "cocotb_tests/test_ports_axes.py::test_ports_axes[verilator-3-2-0-0]",
-    "cocotb_tests/test_ports_axes.py::test_ports_axes[verilator-5-5-0-0]",
-    "cocotb_tests/test_ports_device.py::test_a_brushless_motor[verilator-3-2]",
-    "cocotb_tests/test_settings.py::test_settings[verilator-large]",
-    "cocotb_tests/test_sinc3.py::test_sinc3[verilator-256-1-32-1]",
-    "cocotb_tests/test_sinc3.py::test_sinc3[verilator-20-0-8-2]",
-    "cocotb_tests/test_sinc3.py::test_sinc3[verilator-40-1-16-1]",
-    "cocotb_tests/test_wave_core.py::test_wave_core_ports[verilator-1-10]",
-    "cocotb_tests/test_wave_core.py::test_wave_core_with_a_shaper[verilator-2-1]",
-    "cocotb_tests/test_wave_core.py::test_wave_core_ports[verilator-3-1]",
-    "cocotb_tests/test_wave_core.py::test_wave_core_with_a_shaper[verilator-2-3]",
-    "sim/tests/test_several_motors.py::test_a_session_of_three",
-    "sim/tests/test_several_motors.py::test_a_stream_of_two_motors",
-    "sim/tests/test_several_motors.py::test_a_wall_of_one_motor_alone",
-    "sim/tests/test_abilities.py::test_a_key_has_an_effect_or_is_said_to_have_none[pins]",
-    "sim/tests/test_board_netlist.py::test_what_is_flashed_for_a_brushless_motor",
-    "sim/tests/test_board_netlist.py::test_what_is_flashed[ulx3s]",
-    "sim/tests/test_board_netlist.py::test_what_is_flashed[ulx3s_three]",
-    "sim/tests/test_board_netlist.py::test_what_is_flashed[icebreaker]",
-    "sim/tests/test_board_netlist.py::test_what_is_flashed[hx8k]",
-    "sim/tests/test_boards.py::test_the_guard_lets_the_boards_own_scene_be[ulx3s]",
-    "sim/tests/test_boards.py::test_fresh_synthesis_is_what_the_pages_say[ulx3s]",
-    "sim/tests/test_boards.py::test_fresh_synthesis_is_what_the_pages_say[icebreaker]",
-    "sim/tests/test_boards.py::test_the_guard_lets_the_boards_own_scene_be[orangecrab]",
-    "sim/tests/test_boards.py::test_the_guard_lets_the_boards_own_scene_be[ulx3s_three]",
-    "sim/tests/test_brushless_pins.py::test_stiffness_at_eight_angles[180-degrees]",
-    "sim/tests/test_brushless_pins.py::test_stiffness_at_eight_angles[315-degrees]",
-    "sim/tests/test_brushless_pins.py::test_stiffness_at_eight_angles[270-degrees]",
-    "sim/tests/test_brushless_pins.py::test_stiffness_at_eight_angles[225-degrees]",
-    "sim/tests/test_brushless_pins.py::test_stiffness_at_eight_angles[90-degrees]",
-    "sim/tests/test_brushless_pins.py::test_stiffness_at_eight_angles[45-degrees]",
-    "sim/tests/test_bus.py::test_every_mode_is_scaled[locked-anti-phase]",
-    "sim/tests/test_c_library.py::test_a_host_that_steals_gets_what_went_in",
-    "sim/tests/test_c_library.py::test_a_bad_line_and_a_killed_host[1]",
-    "sim/tests/test_c_library.py::test_a_bad_line_and_a_killed_host[2]",
-    "sim/tests/test_c_library.py::test_the_wall_of_a_computer",
-    "sim/tests/test_device_words.py::test_a_device_that_is_left_alone_is_the_controller[more1]",
-    "sim/tests/test_identify.py::test_identified_over_the_line",
-    "sim/tests/test_identify_brushless.py::test_identified_over_the_line",
-    "sim/tests/test_several_motors.py::test_a_board_that_is_a_board_has_its_motors",
-    "cocotb_tests/test_board_link.py::test_board_link[ulx3s_three]",
-    "cocotb_tests/test_board_link.py::test_board_link[icesugar_pro_eight]",
-    "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[held-every]",
-    "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[free-every]",
-    "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[limited-every]",
-    "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[worked-every]",
-    "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[soft-every]",
-    "sim/tests/test_pins_anchor.py::test_pins_hold_what_golden_holds[settings0-0.014]",
-    "sim/tests/test_pins_anchor.py::test_pins_hold_what_golden_holds[settings1-0.014]",
-    "sim/tests/test_pins_anchor.py::test_pins_hold_what_golden_holds[settings2-0.012]",
-    "sim/tests/test_run.py::test_core_and_golden_are_the_same_integers[warm_winding]",
-    "sim/tests/test_run.py::test_pins_with_each_kind_of_adc[AD7403]",
-    "sim/tests/test_run.py::test_core_and_golden_are_the_same_integers[mass]",
-    "sim/tests/test_run.py::test_core_and_golden_are_the_same_integers[bounce]",
-    "sim/tests/test_run.py::test_pins_with_each_kind_of_adc[AD7276]",
-    "sim/tests/test_run.py::test_pins_with_each_kind_of_adc[ADS7042]",
-    "sim/tests/test_run.py::test_core_and_golden_are_the_same_integers[live_wall]",
-    "sim/tests/test_run.py::test_pins_with_each_kind_of_adc[MAX11125]",
-)
-"""Tests that CI leaves out, beside those of :func:`_again`."""
-
-ELABORATED = (
-    "cocotb_tests/test_arithmetic.py",
-    "cocotb_tests/test_illegal_parameters.py",
-    "cocotb_tests/test_simulators.py",
-)
-"""Files whose tests are of the simulators themselves, and short."""
+QUICK = {
+    *(
+        f"cocotb_tests/{run if '::' in run else f'test_benches.py::test_bench[{run}]'}"
+        for run in BLOCKS.values()
+    ),
+    *LOOPS,
+}
 
 SLOWEST = (
     "sim/tests/test_board_netlist.py",
     "cocotb_tests/test_netlist.py",
-    "cocotb_tests/test_modbus.py",
     "cocotb_tests/test_link.py",
-    "cocotb_tests/test_controller.py",
-    "cocotb_tests/test_board_clock_watch.py",
-    "cocotb_tests/test_anchor.py",
-    "cocotb_tests/test_wave_core.py",
-    "cocotb_tests/test_sinc3.py",
-    "cocotb_tests/test_board_controller.py",
+    "cocotb_tests/test_benches.py",
     "sim/tests/test_boards.py",
     "sim/tests/test_docs.py",
 )
@@ -302,38 +188,54 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     return None if name in files or collection_path.name == "conftest.py" else True
 
 
-def _again(nodeid: str, all_of_them: set[str]) -> bool:
-    """Whether it is a bench once more on Icarus, several times as slow as on Verilator.
+def _is_further(item: pytest.Item, seen: Counter[tuple[str, str]]) -> bool:
+    """Whether it is a bench at a further size, or once more on Icarus, or isn't ``kept``.
 
-    Of each block one is quick, and so is in CI on both simulators.
+    `make test` runs each bench at its first size on Verilator. On Icarus, several times as slow, it
+    runs the quick one of each block. ``kept`` makes an exception of a test, or says which of a
+    test's parameters stay: by their names, or the first so many.
     """
-    return (
-        nodeid.startswith("cocotb_tests/")
-        and not nodeid.startswith(ELABORATED)
-        and nodeid not in QUICK
-        and "[icarus" in nodeid
-        and nodeid.replace("[icarus", "[verilator") in all_of_them
-    )
+    parameters = item.callspec.params if hasattr(item, "callspec") else {}
+    simulator = parameters.get("simulator")
+    bench = item.nodeid.partition("[")[0], parameters.get("bench", "")
+    if kept := item.get_closest_marker("kept"):
+        seen[bench] += 1
+        first = sum(n for n in kept.args if isinstance(n, int))
+        return bool(kept.args) and seen[bench] > first and item.callspec.id not in kept.args
+    if simulator is None:
+        return False
+    seen[bench] += simulator != "icarus"
+    return simulator == "icarus" or seen[bench] > 1
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark them. A quick test that isn't there any more is an error of the list."""
-    all_of_them = {item.nodeid for item in items}
+    """Mark them. A quick or kept test that isn't there any more is an error of the list."""
+    seen: Counter[tuple[str, str]] = Counter()
     for item in items:
         if item.nodeid in QUICK or item.nodeid.startswith(tuple(f"{file}::" for file in FILES)):
             item.add_marker("quick")
-        if item.nodeid in LONG or _again(item.nodeid, all_of_them):
+        elif _is_further(item, seen):
             item.add_marker("long")
-    if config.option.markexpr == "quick" and config.args == config.getini("testpaths"):
-        found = {item.nodeid for item in items}
-        files = {nodeid.partition("::")[0] for nodeid in found}
-        if missing := sorted(QUICK - found) + sorted(set(FILES) - files):
-            raise pytest.UsageError(f"conftest.py calls tests quick that aren't there: {missing}")
-    if "not quick" in config.option.markexpr and config.args == config.getini("testpaths"):
-        found = {item.nodeid for item in items}
-        if missing := sorted(set(LONG) - found):
-            raise pytest.UsageError(f"conftest.py calls tests long that aren't there: {missing}")
+    if config.args == config.getini("testpaths"):
+        _check_names(items, config.option.markexpr == "quick")
     items.sort(key=lambda item: not item.nodeid.startswith(SLOWEST))
+
+
+def _check_names(items: list[pytest.Item], quick: bool) -> None:
+    """Refuse names of quick and kept tests that aren't there, of all tests or of the quick."""
+    found = {item.nodeid for item in items}
+    if quick:
+        files = {nodeid.partition("::")[0] for nodeid in found}
+        missing = [*QUICK - found, *set(FILES) - files]
+    else:
+        missing = [*QUICK - found]
+        for item in items:
+            if kept := item.get_closest_marker("kept"):
+                test = item.nodeid.partition("[")[0]
+                names = {f"{test}[{name}]" for name in kept.args if isinstance(name, str)}
+                missing += names - found
+    if missing:
+        raise pytest.UsageError(f"called quick or kept, but not there: {sorted(set(missing))}")
 
 
 def pytest_terminal_summary(
@@ -341,9 +243,4 @@ def pytest_terminal_summary(
 ) -> None:
     """Say what was left out."""
     if "not long" in config.option.markexpr:
-        terminalreporter.section("left to `make test` outside of CI")
-        for test in LONG:
-            terminalreporter.write_line(test)
-        terminalreporter.write_line(
-            "cocotb_tests: [icarus...] where it isn't the quick one of its block"
-        )
+        terminalreporter.section("left to `make test-all`: tests marked long")

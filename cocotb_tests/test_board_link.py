@@ -20,6 +20,7 @@ LINKED = sorted(
 """One board of each kind of hardware; what differs in words, test_boards.py compares for all."""
 
 
+@pytest.mark.kept(1)
 @pytest.mark.parametrize("name", LINKED)
 def test_board_link(name, monkeypatch):
     board = load_board(name)

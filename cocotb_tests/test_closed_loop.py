@@ -3,6 +3,7 @@
 
 from pathlib import Path
 
+import pytest
 from simulators import BUILD_DIR, simulate
 from wavehaptics.words.generated import connections
 from wavehaptics.words.table import Sizes
@@ -16,5 +17,6 @@ def bench_words(name: str) -> Path:
     return folder
 
 
+@pytest.mark.model
 def test_closed_loop(simulator):
     simulate(simulator, "bench_closed_loop", "tb_closed_loop", includes=[bench_words(simulator)])

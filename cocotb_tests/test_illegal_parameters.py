@@ -12,10 +12,22 @@ from simulators import SimulationError, simulate
 from wavehaptics.ladder.verilated import verilator_environment
 from wavehaptics.runtime.repository import ROOT, RTL_DIR
 
+pytestmark = pytest.mark.kept
+
 
 @pytest.mark.parametrize(
     ("toplevel", "parameters", "defines", "message"),
     [
+        ("wh_truncate", {"IN_W": 8, "SHIFT": 0}, {}, "parameter_truncate"),
+        ("wh_truncate", {"IN_W": 8, "SHIFT": 8}, {}, "parameter_truncate"),
+        ("wh_saturate", {"IN_W": 8, "OUT_W": 8}, {}, "parameter_saturate"),
+        ("wh_saturate", {"IN_W": 8, "OUT_W": 1}, {}, "parameter_saturate"),
+        ("wh_multiply", {"DATA_W": 32}, {}, "parameter_multiply"),
+        ("wh_multiply", {"COEF_W": 1}, {}, "parameter_multiply"),
+        ("wh_wave_core", {"N": 0}, {}, "parameter_wave_core"),
+        ("wh_wave_core", {"DELAY_LOG2": 0}, {}, "parameter_wave_core"),
+        ("wh_wave_core", {"SHARED": 2}, {}, "parameter_wave_core"),
+        ("wh_wave_core", {"SHARED": 1, "SHAPER": 1}, {}, "parameter_wave_core"),
         ("wh_controller", {"N": 9}, {}, "controller_n_must_be_1_to_8"),
         ("wh_controller", {"BUS": 2}, {}, "controller_bus_must_be_0_or_1"),
         ("wh_controller", {"SHARED": 2}, {}, "controller_shared_must_be_0_or_1"),

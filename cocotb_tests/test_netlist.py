@@ -36,6 +36,7 @@ def simulate_netlist(
     )  # fmt: skip
 
 
+@pytest.mark.kept("25k")
 @pytest.mark.parametrize("device", DEVICES)
 def test_wave_core(device: str) -> None:
     """Word for word the integer model, over corners, resets and overruns."""
@@ -44,6 +45,7 @@ def test_wave_core(device: str) -> None:
     simulate_netlist("wh_wave_core", parameters, device, "bench_wave_core", "tb_wave_core", bench)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("device", DEVICES)
 def test_closed_loop(device: str) -> None:
     """The whole design taps the stiffest wall once, at its pins."""

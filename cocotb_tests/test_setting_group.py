@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs :mod:`tb_setting_group` on each simulator."""
+"""A group of settings on a board that has some of them as constants."""
 
 import pytest
 from simulators import BUILD_DIR, simulate
+
+pytestmark = pytest.mark.kept
 
 HEADER = """
 `WH_SETTINGS_WORD('h140, 1, 3'b111, 8'h41, 32'd1)
@@ -12,11 +14,6 @@ HEADER = """
 `WH_SETTINGS_BOUNDS(1, 0, DELAY_LOG2)
 """
 """Of a board that has the group's second word as fixed, at what it takes of a word of 5 bits."""
-
-
-@pytest.mark.parametrize("staged", [1, 0])
-def test_setting_group(simulator: str, staged: int) -> None:
-    simulate(simulator, "bench_setting_group", "tb_setting_group", {"STAGED": staged})
 
 
 @pytest.mark.parametrize("staged", [1, 0])

@@ -10,6 +10,8 @@ import pytest
 import simulators
 from simulators import BUILD_DIR, RTL_DIR, SimulationError, simulate
 
+pytestmark = pytest.mark.kept
+
 BLOCK = "wh_synchroniser"
 SECOND = "second_q <= first_q;"
 

@@ -1,25 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs :mod:`tb_sinc3` on each simulator; how the block takes its pins."""
+"""How wh_sinc3 takes its pins; its bench is in ``benches.toml``."""
 
 import json
 import os
 from pathlib import Path
 
 import pytest
-from simulators import simulate
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
-
-
-@pytest.mark.parametrize(
-    ("osr", "capture_rise", "trip_osr", "lines"),
-    [(4, 0, 2, 1), (20, 0, 8, 2), (40, 1, 16, 1), (256, 1, 32, 1)],
-)
-def test_sinc3(simulator: str, osr: int, capture_rise: int, trip_osr: int, lines: int) -> None:
-    parameters = {
-        "OSR": osr, "CAPTURE_RISE": capture_rise, "TRIP_OSR": trip_osr, "LINES": lines,
-    }  # fmt: skip
-    simulate(simulator, "wh_sinc3", "tb_sinc3", parameters)
 
 
 @pytest.mark.parametrize("capture_rise", [0, 1])

@@ -247,6 +247,7 @@ def table_of(field):
     return next(option for option in options if option is not type(None))
 
 
+@pytest.mark.kept("analog", "golden", "core", "encoder", "hosted")
 @pytest.mark.parametrize("controller", [*CONTROLLERS, "hosted"])
 def test_a_key_has_an_effect_or_is_said_to_have_none(base: Path, controller: str) -> None:
     if controller == "core":

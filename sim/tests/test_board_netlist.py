@@ -194,6 +194,7 @@ def as_its_sources(name: str, tools: Toolchain) -> Build:
     return netlist
 
 
+@pytest.mark.long
 def test_what_is_flashed_for_a_brushless_motor(tools):
     """Once its magnets are found: the wall's stiffness, and the wall held where it is.
 
@@ -220,6 +221,7 @@ def test_what_is_flashed_for_a_brushless_motor(tools):
     assert_quiet(held["pins"])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["icebreaker", "ulx3s", "ulx3s_three", "hx8k"])
 def test_what_is_flashed(name, tools):
     """The placed netlist is its sources at each clock of all pins, and does what they promise."""

@@ -415,6 +415,7 @@ def scene_of(name: str) -> str:
     return re.sub(r"#.*|^name = .*", "", text, flags=re.MULTILINE)
 
 
+@pytest.mark.kept(2)
 @pytest.mark.parametrize("name", sorted({scene_of(name): name for name in board_names()}.values()))
 def test_the_guard_lets_the_boards_own_scene_be(name):
     """Free space and the way into the wall: no trip, and no fault that the board's guard finds."""
@@ -833,6 +834,7 @@ def test_kept_numbers_keep_the_promises():
         assert kept(name)["logic_cells"] <= 0.9 * kept(name)["logic_cells_available"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["icebreaker", "ulx3s"])
 def test_fresh_synthesis_is_what_the_pages_say(name, tools):
     """Exactly in multipliers and memories, nearly in logic; the clock is met or the build fails."""

@@ -32,6 +32,7 @@ SENSED = ("encoder.counts_per_rev=10000", "adc.bits=12", "adc.full_scale_a=1", "
           "drive.bus_v=12")  # fmt: skip
 
 
+@pytest.mark.kept("0-degrees", "135-degrees")
 @pytest.mark.parametrize("theta", ANGLES, ids=[f"{45 * n}-degrees" for n in range(8)])
 def test_stiffness_at_eight_angles(make_scene, theta):
     """K = 1.5 (pψ)²/(L + Rτ/2) within 1 %, wherever the magnets stand, with 12 bits and noise."""

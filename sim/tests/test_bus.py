@@ -93,6 +93,7 @@ def test_a_limit_that_is_not_shrunk_is_seen(tmp_path, monkeypatch):
     assert np.abs(np.convolve(owed, np.full(16, 1 / 16), "valid")).max() > 0.3
 
 
+@pytest.mark.kept("sign-magnitude")
 @pytest.mark.parametrize("mode", [mode for mode in MODE_WORDS if mode != UNIPOLAR])
 def test_every_mode_is_scaled(mode):
     scene = load(

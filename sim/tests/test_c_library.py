@@ -633,6 +633,7 @@ def missed(words: np.ndarray, scene, settings) -> np.ndarray:
     return np.abs(u[late:] - predicted)
 
 
+@pytest.mark.long
 def test_the_wall_of_a_computer(wall):
     """Taps on a spring of 0.5 N·m/rad: passive, and as stiff as its delays let it.
 
@@ -669,6 +670,7 @@ def test_the_wall_of_a_computer(wall):
     assert np.sqrt(np.mean(free[-3000:, Column.TORQUE] ** 2)) < 1e-3
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_bad_line_and_a_killed_host(wall, seed):
     """Pieces late, lost and broken: passive. Killed: its own η again, and then no torque at all."""
@@ -714,6 +716,7 @@ def in_force(bench: Bench) -> bool:
     return bool(missed(last, bench.scene, bench.pins.settings)[-1] > 1e-4)
 
 
+@pytest.mark.long
 def test_a_host_that_steals_gets_what_went_in(built):
     """The largest wave each time, with the sign that helps the motion."""
     with Bench("hand.path=sine") as bench:

@@ -154,7 +154,7 @@ def test_a_bench_counts_the_block_that_it_runs():
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST", "COVERAGE"))}
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider",
-         "cocotb_tests/test_synchroniser.py", "-k", "verilator"],
+         "cocotb_tests/test_benches.py::test_bench[verilator-synchroniser]"],
         cwd=ROOT, env=environment | {"WH_COVERAGE": str(folder)}, capture_output=True, text=True,
         check=False,
     )  # fmt: skip

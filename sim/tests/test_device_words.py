@@ -22,6 +22,7 @@ from wavehaptics.words.memory import requests
 from wavehaptics.words.table import AXES, THREE_PHASE_LEGS, WORDS
 
 
+@pytest.mark.kept("more0")
 @pytest.mark.parametrize("more", [(), ANCHOR])
 def test_a_device_that_is_left_alone_is_the_controller(more):
     """Bit for bit, with all its words from the bus."""

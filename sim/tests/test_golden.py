@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 from wavehaptics.controller import wave_core
 from wavehaptics.words import formats
 
+pytestmark = pytest.mark.model
+
 GUARD = formats.STATE_GUARD
 ETA_ONE = 1 << formats.ETA.fraction
 A_ONE = 1 << formats.A.fraction

@@ -388,6 +388,7 @@ def test_jammed_over_the_line(tmp_path: Path):
     assert second.startswith("zero: ")
 
 
+@pytest.mark.long
 def test_identified_over_the_line(tmp_path: Path):
     """The whole RTL behind its serial line: the table, and the files."""
     scene, file = tmp_path / "scene.toml", tmp_path / "found.toml"

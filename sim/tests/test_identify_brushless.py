@@ -156,6 +156,7 @@ anchor_auto = true
 """
 
 
+@pytest.mark.long
 def test_identified_over_the_line(tmp_path: Path):
     """The whole RTL at its line; the device knows its angle then, and a wall made so holds."""
     scene, file = tmp_path / "scene.toml", tmp_path / "found.toml"

@@ -407,6 +407,7 @@ def given_out(device: Run, words: Values) -> np.ndarray:
     return np.array(found)
 
 
+@pytest.mark.kept("held-some", "free-some", "limited-some", "worked-some", "soft-some")
 @pytest.mark.parametrize("every", [False, True], ids=["some", "every"])
 @pytest.mark.parametrize("state", STATES)
 def test_no_energy_is_made_of_a_change(state, every):

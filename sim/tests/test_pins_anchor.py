@@ -70,6 +70,7 @@ def test_a_contact_begins_with_its_edge_whenever_that_comes(name: str, begun: fl
         assert found["pins"] == pytest.approx(found["golden"], abs=0.4 * begun)
 
 
+@pytest.mark.kept("settings3-0.0")
 @pytest.mark.parametrize(
     ("settings", "pressed_nm"),
     [

@@ -162,7 +162,7 @@ def test_it_builds_and_runs_there(tmp_path, home, odd_tree):
     for command in (
         ["make", "lint-rtl", "LINT_CASES=wh_quadrature", "TOOLCHAIN=wheel"],
         [".venv/bin/python", "-m", "pytest", "-q", "-p", "no:cacheprovider",
-         "cocotb_tests/test_quadrature.py"],
+         "cocotb_tests/test_benches.py", "-k", "quadrature"],
     ):  # fmt: skip
         done = subprocess.run(
             command, cwd=odd_tree, env=environment, capture_output=True, text=True,

@@ -11,7 +11,10 @@ from wavehaptics.checks import proofs, soak
 from wavehaptics.checks.proofs import Outcome
 from wavehaptics.pages import filler, reliability
 
-TESTS = '<testsuites><testsuite tests="{}" failures="{}" errors="0" skipped="1"/></testsuites>'
+TESTS = (
+    '<testsuites><testsuite tests="{}" failures="{}" errors="0" skipped="1" '
+    'timestamp="2026-11-28T01:02:03+00:00"/></testsuites>'
+)
 NONE = {"sections": {"old_way": {"ratios": []}, "parts": {"scenes": {}}}, "seconds": 1.0}
 NONE["sections"]["hard_cases"] = {"cases": []}
 NONE["sections"]["field_oriented"] = {"curves": {"wall": []}}
@@ -87,7 +90,7 @@ def test_rows_say_what_the_commands_found(tmp_path):
     python = found["coverage of the Python"]
     assert "75.0 % of 200 lines, 25.0 % of 40 branches; 30 of the others" in python
     assert "99.0 % of 1,000 lines, 75.0 % of 4 toggles | nothing |" in found["coverage of the RTL"]
-    assert "2,095 passed, 2 skipped | 3 failed |" in found["tests"]
+    assert "2,095 passed, 2 skipped, 2026-11-28 | 3 failed |" in found["tests"]
 
 
 def test_half_the_tests_are_not_taken_for_all(tmp_path):

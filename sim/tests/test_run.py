@@ -39,6 +39,9 @@ OF_ONE_PORT = [
 """Shipped scenes that `core` runs."""
 
 
+@pytest.mark.kept(
+    "detents", "held_wall", "hosted_wall", "live_brushless", "paper_taps", "resonance", "two_motors"
+)
 @pytest.mark.parametrize("name", OF_ONE_PORT)
 def test_core_and_golden_are_the_same_integers(name, tmp_path):
     """Every word of every tick of every shipped scene; of holds that last, of their first part."""
@@ -167,6 +170,7 @@ def test_slow_ticks_of_pins_have_rows_of_their_own():
     assert found["stiffness"] == pytest.approx(found["stiffness_predicted"], rel=0.01)
 
 
+@pytest.mark.kept("AD7476A", "MAX11125", "AD7403")
 @pytest.mark.parametrize("part", ["AD7476A", "AD7276", "ADS7042", "ADS7056", "MAX11125", "AD7403"])
 def test_pins_with_each_kind_of_adc(part, tmp_path: Path):
     """One line of the scene changes the converter, and with it the clock and the frame."""

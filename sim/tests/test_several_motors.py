@@ -122,6 +122,7 @@ def value_of(port: str, name: str, motor: int) -> float:
     return float(told(port, "get", name, "--motor", str(motor)).split()[1])
 
 
+@pytest.mark.long
 def test_a_session_of_three(port, tmp_path):
     """Motor 2's word goes through the file, and only that differs."""
     file = tmp_path / "all.toml"
@@ -133,6 +134,7 @@ def test_a_session_of_three(port, tmp_path):
     assert value_of(port, "a", 2) == before
 
 
+@pytest.mark.long
 def test_a_wall_of_one_motor_alone(port, tmp_path):
     """While all are armed, motor 2 has its wall where the others have none: capture, stream."""
     for motor in range(MOTORS):
@@ -154,6 +156,7 @@ def test_a_wall_of_one_motor_alone(port, tmp_path):
     assert not alone.any()
 
 
+@pytest.mark.long
 def test_a_stream_of_two_motors(port, tmp_path):
     """Words of both side by side, of a motor by --motor and of another by its name."""
     told(port, "stream", "position", "position@0", "--motor", "2", "--seconds", "0.002",
@@ -164,6 +167,7 @@ def test_a_stream_of_two_motors(port, tmp_path):
     assert np.isfinite(found["x"]).all()
 
 
+@pytest.mark.long
 def test_a_board_that_is_a_board_has_its_motors(tmp_path):
     """The scene of a board with three motors is that board; --motors makes it another."""
     link = tmp_path / "board"

@@ -27,6 +27,8 @@ from wavehaptics.laws.reflection import Wish, WishError, front_stiffness, reflec
 from wavehaptics.scene import SceneError
 from wavehaptics.words import formats
 
+pytestmark = pytest.mark.model
+
 SEED = 20
 TICK_S = 1e-6
 K_T, L, R = 23.4e-3, 0.24e-3, 2.18

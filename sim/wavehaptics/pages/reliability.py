@@ -12,7 +12,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 TEST_RESULTS = (Path("build", "tests", "quick.xml"), Path("build", "tests", "rest.xml"))
-"""Where the two halves of ``make test`` leave their results, from the root."""
+"""Where the two halves of ``make test-all`` leave their results, from the root."""
 
 _COVERED = ("lines", "branches", "toggles")
 
@@ -54,14 +54,14 @@ def of_coverage(summary: dict[str, Any]) -> dict[str, Any]:
     return {part: summary[part]["total"] for part in ("python", "rtl")}
 
 
-def of_tests(files: Iterable[Path]) -> dict[str, int]:
-    """Sums of pytest's files of results."""
-    found = dict.fromkeys(("tests", "failures", "errors", "skipped"), 0)
-    for path in files:
-        for suite in ElementTree.parse(path).iter("testsuite"):
-            for key in found:
-                found[key] += int(suite.get(key, 0))
-    return found
+def of_tests(files: Iterable[Path]) -> dict[str, Any]:
+    """Sums of pytest's files of results, and the day of the last."""
+    suites = [suite for path in files for suite in ElementTree.parse(path).iter("testsuite")]
+    found: dict[str, Any] = {
+        key: sum(int(suite.get(key, 0)) for suite in suites)
+        for key in ("tests", "failures", "errors", "skipped")
+    }
+    return found | {"day": max(suite.get("timestamp", "")[:10] for suite in suites)}
 
 
 # ---- The table.
@@ -119,11 +119,11 @@ def _tests(found: dict[str, Any]) -> tuple[str, str]:
     failed = found["failures"] + found["errors"]
     passed = found["tests"] - failed - found["skipped"]
     skipped = f", {found['skipped']:,} skipped" if found["skipped"] else ""
-    return f"{passed:,} passed{skipped}", f"{failed:,} failed" if failed else ""
+    return f"{passed:,} passed{skipped}, {found['day']}", f"{failed:,} failed" if failed else ""
 
 
 _ROWS = (
-    ("tests", "tests", "make test", _tests),
+    ("tests", "tests", "make test-all", _tests),
     ("coverage of the Python", "coverage", "make coverage", _coverage("python", _COVERED)),
     ("coverage of the RTL", "coverage", "make coverage", _coverage("rtl", _COVERED)),
     ("planted changes of RTL and models", "mutation", "make mutate", _mutation),
