@@ -36,7 +36,7 @@ suppress_warnings = ["autoapi.python_import_resolution", "ref.python"]
 
 toctrees = {
     "Start": ["docs/principle", "docs/architecture", "docs/paper", "docs/glossary"],
-    "Simulation": ["docs/simulation", "sim/scenes/README", "docs/report"],
+    "Simulation": ["docs/simulation", "docs/python", "sim/scenes/README", "docs/report"],
     "Controller": ["docs/port_anchor", "docs/holding", "docs/environments", "docs/surfaces",
                    "docs/brushless", "docs/drive", "docs/sensing", "docs/words", "docs/link",
                    "docs/board",
