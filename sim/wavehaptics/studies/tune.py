@@ -147,13 +147,11 @@ def _part(scene: Scene, name: str | None) -> SensingPart:
             raise SceneError(f"--sensor {unknown_choice(name, parts)}")
         return parts[name]
     adc = scene.adc
-    return SensingPart(
-        what="[adc]",
-        sources=["the scene"],
-        hold_s=adc.edge_hold_s if adc else 0.0,
-        hold_restarts=adc.edge_hold_restarts if adc else True,
-        settle_s=adc.edge_settle_s or 0.0 if adc else 0.0,
-    )
+    edges = {
+        "hold_s": adc.edge_hold_s, "hold_restarts": adc.edge_hold_restarts,
+        "settle_s": adc.edge_settle_s or 0.0,
+    } if adc else {}  # fmt: skip
+    return SensingPart.model_validate({"what": "[adc]", "sources": ["the scene"], **edges})
 
 
 def _carriers(scene: Scene) -> list[float]:
