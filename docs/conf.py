@@ -36,9 +36,9 @@ suppress_warnings = ["autoapi.python_import_resolution", "ref.python"]
 
 # Grouped by what a reader wants: to do something, to look something up, or to understand it.
 toctrees = {
-    "How-to guides": ["docs/board", "docs/identify", "docs/use_in_your_design", "docs/c",
-                      "boards/README", "docs/wiring/README", "docs/wiring/switching_on",
-                      "docs/development", "CONTRIBUTING"],
+    "How-to guides": ["docs/board", "docs/identify", "docs/use_in_your_design", "docs/python",
+                      "docs/c", "boards/README", "docs/wiring/README",
+                      "docs/wiring/switching_on", "docs/development", "CONTRIBUTING"],
     "Explanation": ["docs/principle", "docs/paper", "docs/architecture", "docs/simulation",
                     "docs/port_anchor", "docs/environments", "docs/gallery", "docs/surfaces",
                     "docs/brushless", "docs/drive", "docs/sensing"],

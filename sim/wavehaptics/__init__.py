@@ -1,11 +1,55 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The wave controller and its motor, simulated."""
+"""The wave controller and its motor, simulated: ``import wavehaptics as wh``.
+
+``docs/python.md`` shows the use. A name's module is imported when the name is first used, so that
+the import itself is fast.
+"""
 
 from __future__ import annotations
 
 import os
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from wavehaptics.runtime.repository import BUILD
+
+if TYPE_CHECKING:
+    from wavehaptics.api.boards import Board
+    from wavehaptics.api.runs import Run, Trace, run
+    from wavehaptics.api.scenes import Scene, load_scene
+    from wavehaptics.api.sweeping import sweep
+    from wavehaptics.host.names import HostError
+    from wavehaptics.runtime.toolchain import ToolError
+    from wavehaptics.scene import SceneError
+
+__all__ = [
+    "Board", "HostError", "Run", "Scene", "SceneError", "ToolError", "Trace", "load_scene", "run",
+    "sweep",
+]  # fmt: skip
+
+_HOMES = {
+    "Board": "api.boards",
+    "HostError": "host.names",
+    "Run": "api.runs",
+    "Scene": "api.scenes",
+    "SceneError": "scene",
+    "ToolError": "runtime.toolchain",
+    "Trace": "api.runs",
+    "load_scene": "api.scenes",
+    "run": "api.runs",
+    "sweep": "api.sweeping",
+}
+"""Module of each public name."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'wavehaptics' has no attribute {name!r}")
+    return getattr(import_module(f"wavehaptics.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
 
 
 def _cache_in_the_tree() -> None:

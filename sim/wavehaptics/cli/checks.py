@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands that try to break it: the soak and the planted faults."""
+"""Commands that look for what is wrong: on this machine, by soak, by planted faults."""
 
 from __future__ import annotations
 
@@ -18,6 +18,18 @@ if TYPE_CHECKING:
     from wavehaptics.studies.sweeps import Task
 
 app = typer.Typer()
+
+
+@app.command()
+def doctor() -> None:
+    """Look what this machine lacks: versions, tools, ports, each with its cure.
+
+    Ends with 1 if something is missing that simulations need, or a port can't be opened.
+    """
+    from wavehaptics.checks.doctor import main
+
+    if status := main():
+        raise typer.Exit(status)
 
 
 @app.command()

@@ -39,14 +39,13 @@ app = typer.Typer()
 
 
 ControllerOption = Annotated[
-    str, typer.Option("--controller", metavar="NAME", help=f"One of {', '.join(CONTROLLERS)}.")
+    str,
+    typer.Option("--controller", "-c", metavar="NAME", help=f"One of {', '.join(CONTROLLERS)}."),
 ]
 
 
-def _checked(
-    path: Path, controller: str, overrides: Sequence[str] | None, motor: str | None
-) -> tuple[Device, list[str]]:
-    """Motors that ``controller`` can run, and what a person should know of how it does."""
+def checked_controller(controller: str) -> None:
+    """:class:`CommandError` with the cure where there is no such controller."""
     if controller not in CONTROLLERS:
         near = difflib.get_close_matches(controller, CONTROLLERS, n=1)
         meant = f"did you mean {near[0]}? " if near else ""
@@ -54,30 +53,20 @@ def _checked(
         raise CommandError(
             f"--controller {controller}: unknown; {meant}the controllers are {known}"
         )
+
+
+def _checked(
+    path: Path, controller: str, overrides: Sequence[str] | None, motor: str | None
+) -> tuple[Device, list[str]]:
+    """Motors that ``controller`` can run, and what a person should know of how it does."""
+    checked_controller(controller)
     device = load_device(path, overrides or ())
     if motor is not None:
         device = device.only(motor)
 
-    from wavehaptics.ladder.abilities import left_out
-    from wavehaptics.ladder.device_abilities import left_out_of_device, refuse_device
-    from wavehaptics.ladder.refusals import check
+    from wavehaptics.ladder.refusals import check_device
 
-    refuse_device(device, controller)
-    told = []
-    if missing := left_out_of_device(device, controller):
-        told.append(f"`{controller}` leaves out {', '.join(missing)}")
-    for name, loaded in device.motors.items():
-        of = _of(device, name)
-        tick_hz = 1.0 / check(loaded, controller, device.scenes)
-        asked_hz = loaded.controller.tick_hz
-        if not math.isclose(tick_hz, asked_hz, rel_tol=1e-6):
-            told.append(
-                f"{of}`{controller}` ticks at {tick_hz:.6g} Hz, with its carrier, and not at "
-                f"controller.tick_hz = {asked_hz:g} Hz"
-            )
-        if missing := left_out(loaded, controller):
-            told.append(f"{of}`{controller}` leaves out {', '.join(missing)}")
-    return device, told
+    return device, check_device(device, controller)
 
 
 def _of(device: Device, motor: str) -> str:

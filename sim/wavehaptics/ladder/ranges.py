@@ -133,12 +133,12 @@ def _push(scene: Scene, set_: Settings) -> _Push:
 # ---- The ranges.
 
 
-def _range_a(sensor: Sensor) -> float:
+def range_a(sensor: Sensor) -> float:
     return formats.CURRENT.largest if sensor.ideal else sensor.linear * sensor.full_scale_a
 
 
 def _current(scene: Scene, sensor: Sensor, push: _Push) -> Exceeded | None:
-    current, limit = push.torque / scene.motor.k_t, _range_a(sensor)
+    current, limit = push.torque / scene.motor.k_t, range_a(sensor)
     if current <= limit:
         return None
     if scene.adc is None:
@@ -202,7 +202,7 @@ def _flux(scene: Scene, set_: Settings, sensor: Sensor, push: _Push) -> Exceeded
 
     That of a brushless motor's axis is no more than twice the magnets' flux.
     """
-    most = scene.motor.k_t * min(_range_a(sensor), set_.limit_v / set_.r_hat)
+    most = scene.motor.k_t * min(range_a(sensor), set_.limit_v / set_.r_hat)
     if push.torque <= most:
         return None
     beyond = (push.depth - most * push.compliance) / set_.cell_rad

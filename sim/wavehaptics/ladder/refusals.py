@@ -10,9 +10,10 @@ from collections.abc import Sequence
 from wavehaptics.controller.ports import controller_ports
 from wavehaptics.controller.settings import settings
 from wavehaptics.controller.turns import take_turns, turns_ports
-from wavehaptics.ladder.abilities import refuse
+from wavehaptics.ladder.abilities import left_out, refuse
+from wavehaptics.ladder.device_abilities import left_out_of_device, refuse_device
 from wavehaptics.ladder.encoder import check_rates
-from wavehaptics.scene import Scene
+from wavehaptics.scene import Device, Scene
 from wavehaptics.trace.columns import ROW_BYTES, thinning
 
 
@@ -34,6 +35,26 @@ def check(scene: Scene, controller: str, others: Sequence[Scene] = ()) -> float:
         check_rates(scene)
     _check_memory(scene, tick_s)
     return tick_s
+
+
+def check_device(device: Device, controller: str) -> list[str]:
+    """As :func:`check` of each motor: what a person should know of how it runs, a line each."""
+    refuse_device(device, controller)
+    told = []
+    if missing := left_out_of_device(device, controller):
+        told.append(f"`{controller}` leaves out {', '.join(missing)}")
+    for name, scene in device.motors.items():
+        of = f"{name}: " if len(device.motors) > 1 else ""
+        tick_hz = 1.0 / check(scene, controller, device.scenes)
+        asked_hz = scene.controller.tick_hz
+        if not math.isclose(tick_hz, asked_hz, rel_tol=1e-6):
+            told.append(
+                f"{of}`{controller}` ticks at {tick_hz:.6g} Hz, with its carrier, and not at "
+                f"controller.tick_hz = {asked_hz:g} Hz"
+            )
+        if missing := left_out(scene, controller):
+            told.append(f"{of}`{controller}` leaves out {', '.join(missing)}")
+    return told
 
 
 def _check_memory(scene: Scene, tick_s: float) -> None:

@@ -274,11 +274,27 @@ def run_scene(
     The files go into ``out``. ``motor`` is its name where the scene is of one of several. Returns
     the metrics.
     """
+    run, result = _ran(scene, controller, out, progress)
+    return run.write(result, motor)
+
+
+def trace_scene(
+    scene: Scene, controller: str, progress: Callable[[float], None] | None = None
+) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Metrics and arrays of a run as :func:`run_scene` has them, without its files."""
+    run, result = _ran(scene, controller, Path(), progress)
+    return result, run.arrays()
+
+
+def _ran(
+    scene: Scene, controller: str, out: Path, progress: Callable[[float], None] | None
+) -> tuple[_Run, dict[str, Any]]:
+    """A run that is over, and its metrics."""
     refuse(scene, controller)
     simulation = CONTROLLERS[controller](scene)
     run = _Run(scene, controller, simulation, out)
     (result,) = _measured([run.measurement], _alone(simulation), progress)
-    return run.write(result, motor)
+    return run, result
 
 
 class _Run:
@@ -292,6 +308,10 @@ class _Run:
             anchored=_anchored(controller, simulation),
         )  # fmt: skip
         self.measurement = _Measurement(scene, controller, simulation, self._trace)
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """What is in ``trace.npz``."""
+        return self._trace.arrays()
 
     def write(self, result: dict[str, Any], motor: str | None) -> dict[str, Any]:
         """Write the files of a run with this result, which is returned with the motor's name."""

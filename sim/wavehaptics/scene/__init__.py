@@ -9,10 +9,12 @@ A further table is a module in ``tables`` and a field of ``schema``'s Scene.
 from wavehaptics.scene.device import Device
 from wavehaptics.scene.loading import (
     SCENES_DIR,
+    device_of,
     find_scene,
     first_comment,
     load_device,
     load_scene,
+    read_scene,
     shipped_scenes,
 )
 from wavehaptics.scene.places import SceneError
@@ -27,12 +29,14 @@ __all__ = [
     "Scene",
     "SceneError",
     "Space",
+    "device_of",
     "drive_gain",
     "encoder_end",
     "find_scene",
     "first_comment",
     "load_device",
     "load_scene",
+    "read_scene",
     "shipped_scenes",
     "without_anchor",
 ]

@@ -36,13 +36,14 @@ def first_comment(path: Path) -> str:
     return next((line.lstrip("# ") for line in comments if "SPDX" not in line), "")
 
 
-def _apply(motors: list[MotorData], space: SpaceData | None, override: str) -> None:
+def _apply(motors: list[MotorData], space: SpaceData | None, override: str, said: str) -> None:
     """Put one ``table.key=value`` into the scenes of ``motors``, or ``motors.NAME.key=value`` and
     ``motors.NAME.table.key=value`` into that of one; ``SceneError`` if it has another form.
 
     A device's ``space`` takes those of its tables, ``surface.NUMBER.key=value`` among them.
+    Messages have ``said`` before it.
     """
-    where = f"--set {override}"
+    where = said + override
     key, equals, text = override.partition("=")
     path = tuple(part.strip() for part in key.split("."))
     text = text.strip()
@@ -74,19 +75,19 @@ def _apply(motors: list[MotorData], space: SpaceData | None, override: str) -> N
     if surface is not None and of_space is not None:
         number, surface_table = surface
         surface_table[path[1]] = value
-        _mark(of_space, (path[0], number, path[1]), override)
+        _mark(of_space, (path[0], number, path[1]), where)
         return
     written: list[MotorData | SpaceData] = [*motors] if of_space is None else [of_space]
     for home in written:
         table = home.data.setdefault(path[0], {})
         if isinstance(table, dict):
             table[path[1]] = value
-        _mark(home, path, override)
+        _mark(home, path, where)
 
 
-def _mark(data: MotorData | SpaceData, path: KeyPath, override: str) -> None:
-    """Remember that a key's value is from the command line."""
-    data.overridden[path] = override
+def _mark(data: MotorData | SpaceData, path: KeyPath, where: str) -> None:
+    """Remember that a key's value is from an override."""
+    data.overridden[path] = where
     data.lines = {at: line for at, line in data.lines.items() if at[: len(path)] != path}
 
 
@@ -123,7 +124,7 @@ def _of_one(
     return found, at
 
 
-def _read(path: Path) -> bytes:
+def read_scene(path: Path) -> bytes:
     """Bytes of a scene; ``SceneError`` where there is no such file or it can't be read."""
     try:
         with path.open("rb") as file:
@@ -149,8 +150,18 @@ def load_device(path: str | Path, overrides: Sequence[str] = ()) -> Device:
     overrides before the file and missing keys last.
     """
     path = Path(path)
+    return device_of(read_scene(path), path, overrides)
+
+
+def device_of(
+    content: bytes, path: Path, overrides: Sequence[str] = (), said: str = "--set "
+) -> Device:
+    """As :func:`load_device`, of the file's ``content``.
+
+    A refused override is named with ``said`` before it.
+    """
     try:
-        data, lines = parse(_read(path))
+        data, lines = parse(content)
     except TomlError as error:
         raise SceneError(f"{path}:{error.line}: {error.problem}") from None
     space, data = split_space(data, lines)
@@ -160,7 +171,7 @@ def load_device(path: str | Path, overrides: Sequence[str] = ()) -> Device:
         label = Places(str(path), lines, {}).of(error.at)[1]
         raise SceneError(f"{label}: {error.problem}") from None
     for override in overrides:
-        _apply(motors, space, override)
+        _apply(motors, space, override, said)
 
     scenes: dict[str, Scene] = {}
     wrong: list[list[_Told]] = []

@@ -18,7 +18,7 @@ class SceneError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Lines of a scene's keys in its file, and the overrides of the command line by their keys.
+    """Lines of a scene's keys in its file, and by its key where an override is from.
 
     Two scenes are the same wherever they stand, so any two of these are equal.
     """
@@ -38,12 +38,12 @@ class Places:
         """Line (0 for an override) and its label, of ``at`` or of what holds it."""
         for length in range(len(at), 0, -1):
             if at[:length] in self.overridden:
-                return 0, f"--set {self.overridden[at[:length]]}"
+                return 0, self.overridden[at[:length]]
             if at[:length] in self.lines:
                 line = self.lines[at[:length]]
                 return line, f"{self.path}:{line}"
         made_by = [text for key, text in self.overridden.items() if key[0] == at[0]]
-        return (0, f"--set {made_by[0]}") if made_by else (1, f"{self.path}:1")
+        return (0, made_by[0]) if made_by else (1, f"{self.path}:1")
 
     def blamed(self, paths: Sequence[KeyPath]) -> tuple[int, str]:
         """The same of those of ``paths`` that go together badly, the one to blame first.

@@ -10,12 +10,12 @@ costs no more than the task that it was at, and nothing outlives a change of the
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from wavehaptics.runtime import files
 from wavehaptics.runtime.repository import PACKAGE, ROOT
@@ -94,26 +94,31 @@ def sweep(
     done, total = len(set(kept)) - len(missing), len(set(kept))
     progress(done, total)
     if missing:
-        with _client(cluster, min(workers, len(missing))) as client:
-            for file, result in _finished(client, missing, sources):
-                files.write_json(file, {"result": result})
-                done += 1
-                progress(done, total)
+        for file, result in finished(missing, cluster, workers):
+            files.write_json(file, {"result": result})
+            done += 1
+            progress(done, total)
     return [json.loads(file.read_bytes())["result"] for file in kept]
 
 
-def _finished(
-    client: Client, missing: dict[Path, Task], sources: str
-) -> Iterator[tuple[Path, Any]]:
+_Name = TypeVar("_Name")
+
+
+def finished(
+    tasks: Mapping[_Name, Task], cluster: str | None, workers: int = 2
+) -> Iterator[tuple[_Name, Any]]:
+    """Each task's name and result, as soon as there is one; by whom, says :func:`sweep`."""
     from distributed import as_completed
 
-    futures = {
-        client.submit(_call, task, sources, key=file.stem, pure=False): file
-        for file, task in missing.items()
-    }
-    for future in as_completed(list(futures)):
-        yield futures[future], future.result()
-        future.release()
+    sources = sources_digest()
+    with _client(cluster, min(workers, len(tasks))) as client:
+        futures = {
+            client.submit(_call, task, sources, key=task.key(sources), pure=False): name
+            for name, task in tasks.items()
+        }
+        for future in as_completed(list(futures)):
+            yield futures[future], future.result()
+            future.release()
 
 
 def _call(task: Task, sources: str) -> Any:

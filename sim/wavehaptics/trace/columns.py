@@ -114,6 +114,19 @@ FLOAT_COLUMNS = (
 ANCHOR_COLUMNS = (Column.X_HAT, Column.OMEGA_HAT, Column.CORRECTION, Column.FLUX)
 """Columns kept besides where there is a port anchor."""
 
+NAMES = {
+    "t": ("time", "s"), "x": ("position", "rad"), "omega": ("speed", "rad/s"),
+    "i": ("current", "A"), "e_a": ("voltage", "V"), "torque": ("torque", "N·m"),
+    "eta": ("eta", "–"), "u": ("u", "√W"), "v": ("v", "√W"), "x_hand": ("hand_position", "rad"),
+    "energy_out": ("energy_out", "J"), "contact": ("contact", "–"),
+    "saturated": ("saturated", "–"), "clipped": ("clipped", "–"),
+    "x_hat": ("position_estimate", "rad"), "omega_hat": ("speed_estimate", "rad/s"),
+    "correction": ("correction", "V"), "flux": ("flux", "counts"), "fault": ("fault", "–"),
+    "i_word": ("i_word", "LSB"), "u_word": ("u_word", "LSB"), "v_word": ("v_word", "LSB"),
+    "e_word": ("e_word", "LSB"),
+}  # fmt: skip
+"""A spelt-out name and the unit of each array of ``trace.npz``; – stands for none."""
+
 _N_FLOAT = len(FLOAT_COLUMNS)
 assert tuple(FLOAT_COLUMNS) == tuple(range(_N_FLOAT)), "_keep copies the first columns of a row"
 _CONTACT = int(Column.CONTACT)

@@ -33,6 +33,13 @@ WALL_M = 1e3
 """Thickness of the wall that stands for a surface in the metrics of a motor, m."""
 
 
+NAMES = {
+    "t": ("time", "s"), "tip": ("position", "m"), "hand": ("hand_position", "m"),
+    "force": ("force", "N"), "active": ("active", "–"),
+}  # fmt: skip
+"""A spelt-out name and the unit of each array of ``tip.npz``; – stands for none."""
+
+
 class Tip(IntEnum):
     """Columns of a chunk of a device's rows, float64 of shape (ticks, ``len(Tip)``), SI units."""
 

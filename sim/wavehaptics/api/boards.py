@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A board on a serial port, or a simulated one, by the names of the register map."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from types import TracebackType
+from typing import Any
+
+from wavehaptics.api.scenes import Scene, load_scene
+from wavehaptics.host.client import RENEWAL_S, ZERO_S, Client
+from wavehaptics.host.names import HostError, Place, places, readable, settable
+from wavehaptics.host.scope.plug import VirtualPlug
+from wavehaptics.runtime.ends import ending
+from wavehaptics.words.faults import arm_refusal
+from wavehaptics.words.table import WORDS
+
+ARM, RENEW, DISARM = 1, 2, 0
+"""Values of the register ``arm``."""
+
+START_S = 900.0
+"""Longest start of a virtual board, s: the first time its RTL is compiled."""
+
+VIRTUAL_TIMEOUT_S = 60.0
+"""For an answer of a virtual board: on a busy machine it is slow."""
+
+
+class Board:
+    """A device on the serial port ``port``; at the end of its ``with`` block it is disarmed.
+
+    ``unit`` is the device's address on the line, ``motor`` the one whose registers are meant,
+    ``timeout_s`` that of an answer. Every error is a :class:`HostError`, one line with the cure.
+    """
+
+    def __init__(self, port: str, *, unit: int = 1, motor: int = 0, timeout_s: float = 5.0) -> None:
+        self._client = Client(port, unit, timeout_s)
+        self._motor = motor
+        self._plug: VirtualPlug | None = None
+
+    @classmethod
+    def virtual(
+        cls, scene: Scene | str, *, motor: int = 0, timeout_s: float = VIRTUAL_TIMEOUT_S
+    ) -> Board:
+        """A simulated board with the motor and the hand of a scene, no faster than real time.
+
+        It runs in a process of its own until :meth:`close`, or the end of the ``with`` block. Its
+        scene is read from the scene's file. The first time the RTL is compiled, for minutes.
+        """
+        if not isinstance(scene, Scene):
+            scene = load_scene(scene)
+        plug = VirtualPlug(str(scene.path), scene.changes)
+        try:
+            until = time.monotonic() + START_S
+            while problem := plug.problem:
+                if not plug.plugged or time.monotonic() > until:
+                    raise HostError(problem)
+                time.sleep(0.05)
+            board = cls(plug.port, motor=motor, timeout_s=timeout_s)
+        except BaseException:
+            plug.close()
+            raise
+        board._plug = plug
+        return board
+
+    @property
+    def client(self) -> Client:
+        """The client of the line, for what isn't here."""
+        return self._client
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each register that this device has, by its name; – stands for none."""
+        shape = self._client.shape
+        return {
+            name: word.row.unit or "–"
+            for name, word in WORDS.items() if shape.has(word) and shape.copies(word)
+        }  # fmt: skip
+
+    def __getitem__(self, name: str) -> Any:
+        """Value of a register in its unit; a list where it has several, as ``wall_min`` has.
+
+        ``wall_min[2]`` is one of them.
+        """
+        found = self._places(name)
+        values = [
+            place.value(raw)
+            for place, raw in zip(found, self._client.read(map(readable, found)), strict=True)
+        ]
+        return values[0] if len(values) == 1 and found[0].text == name else values
+
+    def _places(self, name: str) -> list[Place]:
+        return places(name, self._client.shape, self._motor)
+
+    def set(self, values: Mapping[str, float] | None = None, /, **named: float) -> None:
+        """Write registers in their units; those of one group are applied together.
+
+        ``set(eta_contact=-0.9)``, or ``set({"wall_min[0]": 100})`` for one of several. Nothing is
+        written where one of them is refused.
+        """
+        words = []
+        for name, value in {**(values or {}), **named}.items():
+            found = [settable(place) for place in self._places(name)]
+            if len(found) > 1:
+                raise HostError(f"{name}: which one? Take {found[0].text}...{found[-1].text}")
+            words.append((found[0], found[0].raw(value)))
+        self._client.write(words)
+
+    @contextmanager
+    def armed(self) -> Iterator[Board]:
+        """Within the block the bridges are on; at its end, however that comes, they are off.
+
+        A thread renews the arming. :class:`HostError` where the board can't be armed, and at the
+        end of the block where it didn't stay so.
+        """
+        over = threading.Event()
+        lost: list[HostError] = []
+
+        def renew() -> None:
+            while not over.wait(RENEWAL_S):
+                try:
+                    self.set(arm=RENEW)
+                except HostError as error:
+                    lost.append(error)
+                    return
+
+        def end() -> None:
+            over.set()
+            renewing.join()
+            on = not lost and self["armed"]
+            self.disarm()
+            if not on:
+                raise lost[0] if lost else HostError(f"disarmed: {self._why_off()}")
+
+        self._arm()
+        renewing = threading.Thread(target=renew, name="arming", daemon=True)
+        with ending(end):
+            renewing.start()
+            yield self
+
+    def _arm(self) -> None:
+        self.set(arm=ARM)
+        until = time.monotonic() + ZERO_S
+        while not self["armed"]:
+            if self["arm_refused"] or time.monotonic() > until:
+                why = self._why_off()
+                self.disarm()
+                raise HostError(f"not armed: {why}")
+            time.sleep(RENEWAL_S)
+            self.set(arm=RENEW)
+
+    def _why_off(self) -> str:
+        refused = int(self["arm_refused"])
+        return arm_refusal(refused) or "the line was silent, or somebody has disarmed it"
+
+    def disarm(self) -> None:
+        """The bridges off, where they can be armed over the line."""
+        if self._client.identification.options["arm"]:
+            self.set(arm=DISARM)
+
+    def close(self) -> None:
+        """Disarm; the process of a virtual board ends."""
+        plug, self._plug = self._plug, None
+        with ending(plug.close if plug is not None else lambda: None):
+            self.disarm()
+
+    def __enter__(self) -> Board:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
