@@ -474,6 +474,46 @@ def test_a_run_ends_its_bridge_where_the_board_trips(name, seconds, settings):
     assert np.all(np.diff(rows[:, Column.T]) > 0)
 
 
+def hit_of(folder: Path, name: str, speed_rad_s: float, seconds: float, *settings: str) -> Board:
+    """A board whose bare rotor hits the wall 20 mrad away, by its text without [hand]."""
+    board = load_board(name)
+    text = (ROOT / board.folder / "board.toml").read_text()
+    hand = f'[hand]\npath = "impact"\namplitude_rad = 0.02\nspeed_rad_s = {speed_rad_s}\n\n'
+    before, rest = text.split("[hand]")
+    path = folder / "board.toml"
+    path.write_text(before + hand + rest[rest.index("[encoder]") :])
+    sets = [f"scene.duration_s={seconds}", *settings]
+    return Board(board.name, board.root, board.fpga, board.device, load_scene(path, sets))
+
+
+@pytest.mark.parametrize(
+    ("name", "gentle", "brisk", "seconds", "cause"),
+    [
+        ("icebreaker", 30.0, 40.0, 8e-3, Fault.TRIP),
+        ("ulx3s", 30.0, 40.0, 8e-3, Fault.TRIP),
+        ("ulx3s_brushless", 10.0, 40.0, 12e-3, Fault.ANCHOR),
+    ],
+)
+def test_what_a_brisk_hand_does(tmp_path, name, gentle, brisk, seconds, cause):
+    """A gentle hit comes back; a brisk one switches off, as the board's page says, and from there
+    on no row has waves, a limit at work or a current.
+    """
+    known = ("controller.find_magnet=false",) if name == "ulx3s_brushless" else ()
+    pins, rows = run_of(hit_of(tmp_path, name, gentle, seconds, *known), seconds)
+    assert pins.faults == 0
+    assert rows[:, Column.CONTACT].any()
+    assert rows[-1, Column.OMEGA] < -0.5 * gentle
+    pins, rows = run_of(hit_of(tmp_path, name, brisk, seconds, *known), seconds)
+    assert pins.faults >> 2 & 1 << cause
+    off = round(pins.off_s / pins.tick_s)
+    after = rows[off + 200 :]
+    assert len(after) > 1000
+    assert not after[:, [Column.U, Column.V, Column.SATURATED]].any()
+    assert np.abs(after[500:, Column.I]).max() < 1e-3
+    page = ROOT / "boards" / (name if known else "") / "README.md"
+    assert f"`{cause.name}`" in page.read_text()
+
+
 def test_what_switched_a_run_off_is_told():
     found = measure(
         with_scene("icebreaker", "hand.amplitude_rad=0.9", "scene.duration_s=0.2").scene,

@@ -360,8 +360,11 @@ def _advance(
                 if kept[OFF_AT] == 0:
                     kept[OFF_AT] = kept[NOW]
                 if kept[EMITTED] < kept[CLOSED]:
+                    call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
                     step = waves[kept[EMITTED] % PENDING]
-                    step[:_LIMITED] = 0
+                    for n in range(_CONTACT):
+                        step[n] = buffer[n]
+                    step[: _LIMITED + 1] = 0
                     step[_LOST] = (pins >> _ANCHOR_LOST) & 1
                     step[_CONTACT] = (pins >> _TOUCHING) & 1
                     kept[EMITTED] += 1
