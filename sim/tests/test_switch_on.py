@@ -21,11 +21,13 @@ from wavehaptics.fpga.synthesis import SynthesisError
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.run import measure
+from wavehaptics.parts import clamps
 from wavehaptics.parts.adcs import MODULATORS, PARTS, PartError, frame
 from wavehaptics.parts.sensing import sensing_parts
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import load_scene
 from wavehaptics.trace.columns import Column, Word
+from wavehaptics.wiring.parts import load_table
 from wavehaptics.words.table import Sizes, inputs
 
 
@@ -49,6 +51,57 @@ def refusal(check: Any, *arguments: Any) -> str:
         check(*arguments)
     assert "\n" not in str(failure.value)
     return str(failure.value)
+
+
+# ---- What hangs on the bus, in the motor's lead and at `alive`.
+
+CLAMP_OF_12_V = with_fpga("ulx3s_brushless", "bridge", clamp="SMCJ15A")
+NOT_SOLDERED = (
+    # What the 6 V board had: D2 conducted at 16.7 V.
+    (CLAMP_OF_12_V,
+     r"boards/ulx3s_brushless/fpga\.toml: D2, SMCJ15A, conducts from 16\.7 V on, and the bus is "
+     r"6 V: below that a bus that rises drives the motor with up to 2\.8 times .*; solder and name "
+     r"SMCJ6\.5A$"),
+    # The brushless board's image for another bus.
+    (with_scene("ulx3s_brushless", "drive.bus_v=12"),
+     r"D2, SMCJ6\.5A, stands off 6\.5 V, and the bus is 12 V: it would burn; solder and name "
+     r"SMCJ13A or SMCJ15A$"),
+    (with_fpga("ulx3s", "bridge", bus_max_v=20.0),
+     r"D2, SMCJ15A, lets the bus rise to 24\.4 V, and its parts bear 20 V; lower drive\.bus_v$"),
+    (with_fpga("ulx3s", "bridge", clamp="SMCJ51A"),
+     r'fpga\.toml: bridge\.clamp "SMCJ51A" is unknown; .* or enter it in boards/clamps\.toml'),
+    (with_fpga("ulx3s", "sense", shunt_ohm=0.066, gain=10.0),
+     r"boards/ulx3s/fpga\.toml: sense\.shunt_ohm is 66 mΩ, but R6 of boards/wiring\.toml:\d+ has "
+     r"33 mΩ; make both what is soldered$"),
+    (with_scene("ulx3s", "controller.tick_hz=208333.33333333334"),
+     r"boards/ulx3s/board\.toml: alive changes once a tick, 4\.8 µs, and the pump behind it lets "
+     r"go of the gates with more than 4 µs \(boards/wiring\.toml\); raise controller\.tick_hz$"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("board", "message"), NOT_SOLDERED)
+def test_what_is_not_soldered_so_ends_the_build_with_one_line_and_2(monkeypatch, board, message):
+    assert re.search(message, refusal(bridge_budget.check, board))
+    monkeypatch.setattr(board_commands, "load_board", lambda *_: board)
+    ended = CliRunner().invoke(board_commands.app, ["bitstream", board.name])
+    assert ended.exit_code == 2
+    assert ended.output.count("\n") == 1
+
+
+@pytest.mark.parametrize("name", board_names())
+def test_a_boards_clamp_is_for_its_bus(name):
+    """It stands off the bus, conducts within half above it, and every part bears what is left."""
+    board = load_board(name)
+    clamp = clamps.clamps()[board.fpga.bridge.clamp]
+    bus_v = board.scene.drive.bus_v
+    assert bus_v < clamp.standoff_v < clamp.conducts_v[0] < clamp.conducts_v[1] < clamp.clamp_v
+    assert clamp.conducts_v[0] < 1.5 * bus_v
+    assert clamp.clamp_v < board.fpga.bridge.bus_max_v
+    # 1.5 kW, as the series is called.
+    assert clamp.clamp_v * clamp.clamp_a == pytest.approx(1500, rel=0.01)
+    parts = load_table().parts
+    assert board.fpga.bridge.clamp in f"{parts['D2'].type} {parts['D2'].rating}"
+    assert re.search(r"(\d+) V$", parts["C8"].rating)[1] == f"{board.fpga.bridge.bus_max_v:g}"
 
 
 # ---- Dead time, shortest pulse, sensor.
