@@ -268,9 +268,11 @@ def test_the_tables_of_pins_contradict_nothing(name):
 @pytest.mark.parametrize("name", ["ulx3s", "ulx3s_brushless", "ulx3s_three"])
 def test_the_esp32_is_held_in_reset(name):
     top = (ROOT / "boards" / name / f"{name}.v").read_text()
-    assert "assign wifi_en = 1'b0;" in top
     pins = board_pins.read_pins((ROOT / "constraints" / f"{name}.lpf").read_text(), "ecp5")
-    assert [pin.site for pin in pins if pin.port == "wifi_en"] == ["F1"]
+    # Of v3.1 F1 is its GPIO 0, and its reset J5, where older boards have nothing.
+    for port, site in (("wifi_en", "F1"), ("wifi_en_v31", "J5")):
+        assert re.search(rf"assign {port} += 1'b0;", top)
+        assert [pin.site for pin in pins if pin.port == port] == [site]
 
 
 # ---- Pads.
