@@ -222,6 +222,12 @@ def planted(tmp_path: Path, name: str, old: str, new: str) -> str:
         ("icebreaker", "-pullup yes adc_sdata", "-pullup no adc_sdata", "adc_sdata is at 2 and fl"),
         ("ulx3s", '"adc_sdata" IO_TYPE=LVCMOS33 PULLMODE=UP', '"adc_sdata" IO_TYPE=LVCMOS33',
          "adc_sdata is at A10 and floats where its wire is off; give it PULLMODE=UP"),
+        # 3.3 V in a bank on 2.5 V, and the contrary.
+        ("ecp5_evn", '"led_fault_n" IO_TYPE=LVCMOS25', '"led_fault_n" IO_TYPE=LVCMOS33',
+         r"led_fault_n is at B17, of a bank on 2\.5 V \(boards/ecp5_evn/fpga\.toml\), and LVCMOS33 "
+         r"is of 3\.3 V; give it an IO_TYPE of 2\.5 V, or take another pin$"),
+        ("ulx3s_three", '"alive" IO_TYPE=LVCMOS33', '"alive" IO_TYPE=LVCMOS25',
+         r"of a bank on 3\.3 V \(boards/ulx3s/fpga\.toml\), and LVCMOS25 is of 2\.5 V"),
         # With its wire off a stop that reads closed, a start pressed, a line that may arm.
         ("ulx3s", '"stop" IO_TYPE=LVCMOS33 PULLMODE=UP', '"stop" IO_TYPE=LVCMOS33 PULLMODE=DOWN',
          "stop is at B9 and is pulled DOWN where its wire is off; give it PULLMODE=UP"),

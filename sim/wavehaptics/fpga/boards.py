@@ -117,6 +117,7 @@ class Fpga(_Table):
     sense: Sense
     free: list[str] = Field(default_factory=list)
     taken: dict[str, str] = Field(default_factory=dict)
+    bank_v: dict[str, float] = Field(default_factory=dict)
     pins_of: str | None = None
 
 
@@ -236,7 +237,8 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
             )
     if fpga.pins_of is not None:
         others = load_board(fpga.pins_of, root=root).fpga
-        fpga = fpga.model_copy(update={"free": others.free, "taken": others.taken})
+        pins = {key: getattr(others, key) for key in ("free", "taken", "bank_v")}
+        fpga = fpga.model_copy(update=pins)
     if fpga.legs == THREE_PHASE_LEGS:
         for key, wrong, right in (
             ("link", not fpga.link, "its settings over a link; set link = true"),
