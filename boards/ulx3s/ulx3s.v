@@ -28,11 +28,13 @@ module ulx3s (
     output wire led_running,
     output wire led_contact,
     output wire led_fault,
-    output wire wifi_en          // low: the ESP32 is in reset
+    output wire wifi_en,         // low: the ESP32 is in reset, to v3.0
+    output wire wifi_en_v31      // the same from v3.1 on
 );
 
     // It shares header pins with the FPGA, and may have firmware of its own.
-    assign wifi_en = 1'b0;
+    assign wifi_en     = 1'b0;
+    assign wifi_en_v31 = 1'b0;
 
     // The watch has 19.4 MHz.
     wh_board_ecp5 #(

@@ -38,6 +38,7 @@ walls = [[0.0123, 1.0]]
 ENCODER = ("encoder.counts_per_rev=4000",)
 SENSED = ("adc.bits=10", "adc.full_scale_a=2.5")
 DRIVEN = ("drive.bus_v=12",)
+RISING = ("drive.supply_sinks=false", "drive.bus_farad=10e-6")
 ANCHORED = (*ENCODER, *DRIVEN, *SENSED, "controller.anchor_auto=true")
 HOT = ("thermal.start_c=80", "scene.duration_s=0.2", "controller.tick_hz=50e3")
 BRUSHLESS = ("motor.preset=gbm2804-100t",)
@@ -141,6 +142,8 @@ KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "drive.step_v": (DRIVEN, ("drive.step_v=3", "drive.step_s=0.005")),
     "drive.step_s": ((*DRIVEN, "drive.step_v=3", "drive.step_s=0.005"), ("drive.step_s=0.01",)),
     "drive.sag_ohm": (DRIVEN, ("drive.sag_ohm=2",)),
+    "drive.supply_sinks": (DRIVEN, RISING),
+    "drive.bus_farad": ((*DRIVEN, *RISING), ("drive.bus_farad=2e-6",)),
     "thermal.rth_winding": ((*HOT, "thermal.rth_winding=3.1"), ("thermal.rth_winding=0.01",)),
     "thermal.rth_housing": ((*HOT, "thermal.tau_housing_s=0.5"), ("thermal.rth_housing=0.01",)),
     "thermal.tau_winding_s": (HOT, ("thermal.tau_winding_s=0.5",)),

@@ -21,11 +21,13 @@ from wavehaptics.fpga.synthesis import SynthesisError
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.run import measure
+from wavehaptics.parts import clamps
 from wavehaptics.parts.adcs import MODULATORS, PARTS, PartError, frame
 from wavehaptics.parts.sensing import sensing_parts
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import load_scene
 from wavehaptics.trace.columns import Column, Word
+from wavehaptics.wiring.parts import load_table
 from wavehaptics.words.table import Sizes, inputs
 
 
@@ -49,6 +51,57 @@ def refusal(check: Any, *arguments: Any) -> str:
         check(*arguments)
     assert "\n" not in str(failure.value)
     return str(failure.value)
+
+
+# ---- What hangs on the bus, in the motor's lead and at `alive`.
+
+CLAMP_OF_12_V = with_fpga("ulx3s_brushless", "bridge", clamp="SMCJ15A")
+NOT_SOLDERED = (
+    # What the 6 V board had: D2 conducted at 16.7 V.
+    (CLAMP_OF_12_V,
+     r"boards/ulx3s_brushless/fpga\.toml: D2, SMCJ15A, conducts from 16\.7 V on, and the bus is "
+     r"6 V: below that a bus that rises drives the motor with up to 2\.8 times .*; solder and name "
+     r"SMCJ6\.5A$"),
+    # The brushless board's image for another bus.
+    (with_scene("ulx3s_brushless", "drive.bus_v=12"),
+     r"D2, SMCJ6\.5A, stands off 6\.5 V, and the bus is 12 V: it would burn; solder and name "
+     r"SMCJ13A or SMCJ15A$"),
+    (with_fpga("ulx3s", "bridge", bus_max_v=20.0),
+     r"D2, SMCJ15A, lets the bus rise to 24\.4 V, and its parts bear 20 V; lower drive\.bus_v$"),
+    (with_fpga("ulx3s", "bridge", clamp="SMCJ51A"),
+     r'fpga\.toml: bridge\.clamp "SMCJ51A" is unknown; .* or enter it in boards/clamps\.toml'),
+    (with_fpga("ulx3s", "sense", shunt_ohm=0.066, gain=10.0),
+     r"boards/ulx3s/fpga\.toml: sense\.shunt_ohm is 66 mΩ, but R6 of boards/wiring\.toml:\d+ has "
+     r"33 mΩ; make both what is soldered$"),
+    (with_scene("ulx3s", "controller.tick_hz=208333.33333333334"),
+     r"boards/ulx3s/board\.toml: alive changes once a tick, 4\.8 µs, and the pump behind it lets "
+     r"go of the gates with more than 4 µs \(boards/wiring\.toml\); raise controller\.tick_hz$"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("board", "message"), NOT_SOLDERED)
+def test_what_is_not_soldered_so_ends_the_build_with_one_line_and_2(monkeypatch, board, message):
+    assert re.search(message, refusal(bridge_budget.check, board))
+    monkeypatch.setattr(board_commands, "load_board", lambda *_: board)
+    ended = CliRunner().invoke(board_commands.app, ["bitstream", board.name])
+    assert ended.exit_code == 2
+    assert ended.output.count("\n") == 1
+
+
+@pytest.mark.parametrize("name", board_names())
+def test_a_boards_clamp_is_for_its_bus(name):
+    """It stands off the bus, conducts within half above it, and every part bears what is left."""
+    board = load_board(name)
+    clamp = clamps.clamps()[board.fpga.bridge.clamp]
+    bus_v = board.scene.drive.bus_v
+    assert bus_v < clamp.standoff_v < clamp.conducts_v[0] < clamp.conducts_v[1] < clamp.clamp_v
+    assert clamp.conducts_v[0] < 1.5 * bus_v
+    assert clamp.clamp_v < board.fpga.bridge.bus_max_v
+    # 1.5 kW, as the series is called.
+    assert clamp.clamp_v * clamp.clamp_a == pytest.approx(1500, rel=0.01)
+    parts = load_table().parts
+    assert board.fpga.bridge.clamp in f"{parts['D2'].type} {parts['D2'].rating}"
+    assert re.search(r"(\d+) V$", parts["C8"].rating)[1] == f"{board.fpga.bridge.bus_max_v:g}"
 
 
 # ---- Dead time, shortest pulse, sensor.
@@ -169,6 +222,12 @@ def planted(tmp_path: Path, name: str, old: str, new: str) -> str:
         ("icebreaker", "-pullup yes adc_sdata", "-pullup no adc_sdata", "adc_sdata is at 2 and fl"),
         ("ulx3s", '"adc_sdata" IO_TYPE=LVCMOS33 PULLMODE=UP', '"adc_sdata" IO_TYPE=LVCMOS33',
          "adc_sdata is at A10 and floats where its wire is off; give it PULLMODE=UP"),
+        # 3.3 V in a bank on 2.5 V, and the contrary.
+        ("ecp5_evn", '"led_fault_n" IO_TYPE=LVCMOS25', '"led_fault_n" IO_TYPE=LVCMOS33',
+         r"led_fault_n is at B17, of a bank on 2\.5 V \(boards/ecp5_evn/fpga\.toml\), and LVCMOS33 "
+         r"is of 3\.3 V; give it an IO_TYPE of 2\.5 V, or take another pin$"),
+        ("ulx3s_three", '"alive" IO_TYPE=LVCMOS33', '"alive" IO_TYPE=LVCMOS25',
+         r"of a bank on 3\.3 V \(boards/ulx3s/fpga\.toml\), and LVCMOS25 is of 2\.5 V"),
         # With its wire off a stop that reads closed, a start pressed, a line that may arm.
         ("ulx3s", '"stop" IO_TYPE=LVCMOS33 PULLMODE=UP', '"stop" IO_TYPE=LVCMOS33 PULLMODE=DOWN',
          "stop is at B9 and is pulled DOWN where its wire is off; give it PULLMODE=UP"),
@@ -215,9 +274,11 @@ def test_the_tables_of_pins_contradict_nothing(name):
 @pytest.mark.parametrize("name", ["ulx3s", "ulx3s_brushless", "ulx3s_three"])
 def test_the_esp32_is_held_in_reset(name):
     top = (ROOT / "boards" / name / f"{name}.v").read_text()
-    assert "assign wifi_en = 1'b0;" in top
     pins = board_pins.read_pins((ROOT / "constraints" / f"{name}.lpf").read_text(), "ecp5")
-    assert [pin.site for pin in pins if pin.port == "wifi_en"] == ["F1"]
+    # Of v3.1 F1 is its GPIO 0, and its reset J5, where older boards have nothing.
+    for port, site in (("wifi_en", "F1"), ("wifi_en_v31", "J5")):
+        assert re.search(rf"assign {port} += 1'b0;", top)
+        assert [pin.site for pin in pins if pin.port == port] == [site]
 
 
 # ---- Pads.
@@ -472,6 +533,46 @@ def test_a_run_ends_its_bridge_where_the_board_trips(name, seconds, settings):
     assert np.all(after[:, [Column.U, Column.V]] == 0)
     assert np.ptp(after[:, Column.X]) > 1e-3
     assert np.all(np.diff(rows[:, Column.T]) > 0)
+
+
+def hit_of(folder: Path, name: str, speed_rad_s: float, seconds: float, *settings: str) -> Board:
+    """A board whose bare rotor hits the wall 20 mrad away, by its text without [hand]."""
+    board = load_board(name)
+    text = (ROOT / board.folder / "board.toml").read_text()
+    hand = f'[hand]\npath = "impact"\namplitude_rad = 0.02\nspeed_rad_s = {speed_rad_s}\n\n'
+    before, rest = text.split("[hand]")
+    path = folder / "board.toml"
+    path.write_text(before + hand + rest[rest.index("[encoder]") :])
+    sets = [f"scene.duration_s={seconds}", *settings]
+    return Board(board.name, board.root, board.fpga, board.device, load_scene(path, sets))
+
+
+@pytest.mark.parametrize(
+    ("name", "gentle", "brisk", "seconds", "cause"),
+    [
+        ("icebreaker", 30.0, 40.0, 8e-3, Fault.TRIP),
+        ("ulx3s", 30.0, 40.0, 8e-3, Fault.TRIP),
+        ("ulx3s_brushless", 10.0, 40.0, 12e-3, Fault.ANCHOR),
+    ],
+)
+def test_what_a_brisk_hand_does(tmp_path, name, gentle, brisk, seconds, cause):
+    """A gentle hit comes back; a brisk one switches off, as the board's page says, and from there
+    on no row has waves, a limit at work or a current.
+    """
+    known = ("controller.find_magnet=false",) if name == "ulx3s_brushless" else ()
+    pins, rows = run_of(hit_of(tmp_path, name, gentle, seconds, *known), seconds)
+    assert pins.faults == 0
+    assert rows[:, Column.CONTACT].any()
+    assert rows[-1, Column.OMEGA] < -0.5 * gentle
+    pins, rows = run_of(hit_of(tmp_path, name, brisk, seconds, *known), seconds)
+    assert pins.faults >> 2 & 1 << cause
+    off = round(pins.off_s / pins.tick_s)
+    after = rows[off + 200 :]
+    assert len(after) > 1000
+    assert not after[:, [Column.U, Column.V, Column.SATURATED]].any()
+    assert np.abs(after[500:, Column.I]).max() < 1e-3
+    page = ROOT / "boards" / (name if known else "") / "README.md"
+    assert f"`{cause.name}`" in page.read_text()
 
 
 def test_what_switched_a_run_off_is_told():

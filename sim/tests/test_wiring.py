@@ -99,6 +99,15 @@ def test_gates_are_shut_soon_after_the_last_change(table):
     assert max(stop.shut_s for stop in found if stop.level == "low") < 13e-6
 
 
+def test_the_longest_tick_is_one_that_the_pump_bears(table):
+    """A tenth more, and a Schmitt buffer may shut; the build refuses what is longer."""
+    longest_s = table.stop.longest_tick_s
+    assert spice.stop_complaints(table, spice.stops(table, [longest_s], spice.corners(table))) == []
+    longer = spice.stops(table, [1.1 * longest_s], spice.corners(table))
+    found = spice.stop_complaints(table, longer)
+    assert any(re.search(r"pass sinks to .* V, and .* V may shut", line) for line in found)
+
+
 @pytest.mark.parametrize(
     ("values", "said"),
     [

@@ -50,6 +50,7 @@ METRIC_UNITS = {
     "surface_error_max_m": "m",
     "peak_torque": "N·m",
     "peak_current_a": "A",
+    "bus_highest_v": "V",
     "current_ripple_a": "A",
     "free_space_torque_rms": "N·m",
     "energy_out_max_j": "J",

@@ -44,14 +44,28 @@ _CURES = {
 }
 
 
+_USUAL_BANK_V = 3.3
+"""Supply of a bank, where ``fpga.toml`` says no other."""
+
+
 @dataclass(frozen=True)
 class Pin:
-    """A line of a constraint file; ``pull`` is ``UP``, ``DOWN`` or empty for none."""
+    """A line of a constraint file.
+
+    ``pull`` is ``UP``, ``DOWN`` or empty for none; ``io_type`` is empty of an iCE40.
+    """
 
     port: str
     site: str
     line: int
     pull: str
+    io_type: str = ""
+
+    @property
+    def volts(self) -> float | None:
+        """The bank's supply that its standard is for, V; None without one."""
+        found = re.search(r"(\d)(\d+)", self.io_type)
+        return float(f"{found[1]}.{found[2]}") if found else None
 
 
 def read_pins(text: str, family: str) -> list[Pin]:
@@ -64,13 +78,17 @@ def read_pins(text: str, family: str) -> list[Pin]:
         else:
             mode = re.search(r"PULLMODE=(UP|DOWN)\b", buffers.get(found["port"], ""))
             pull = mode[1] if mode else ""
+        io_type = re.search(r"IO_TYPE=(\w+)", buffers.get(found["port"], ""))
         line = text.count("\n", 0, found.start()) + 1
-        pins.append(Pin(found["port"], found["site"], line, pull))
+        pins.append(Pin(found["port"], found["site"], line, pull, io_type[1] if io_type else ""))
     return pins
 
 
 def check(board: Board, constraints: Path | None = None) -> None:
-    """:class:`BoardError` at the first pin that isn't the board's to use, or is pulled wrongly."""
+    """:class:`BoardError` at the first pin that is wrong.
+
+    It isn't the board's to use, is pulled wrongly, or is for another supply than its bank's.
+    """
     path = constraints or board.root / board.constraints
     name = board.constraints if constraints is None else constraints
     table = f"{Path('boards') / (board.fpga.pins_of or board.name)}/fpga.toml"
@@ -86,6 +104,12 @@ def check(board: Board, constraints: Path | None = None) -> None:
             raise BoardError(f"{place}, which is taken: {owner} ({table}); take a free pin")
         if owner is None and pin.site not in free:
             raise BoardError(f"{place}, unknown to {table}; enter it there as free or taken")
+        bank_v = board.fpga.bank_v.get(pin.site, _USUAL_BANK_V)
+        if pin.volts not in (None, bank_v):
+            raise BoardError(
+                f"{place}, of a bank on {bank_v:g} V ({table}), and {pin.io_type} is of "
+                f"{pin.volts:g} V; give it an IO_TYPE of {bank_v:g} V, or take another pin"
+            )
         wanted = next((pull for pull, of in _PULLS.items() if of.fullmatch(pin.port)), pin.pull)
         if pin.pull != wanted:
             found = f"is pulled {pin.pull}" if pin.pull else "floats"

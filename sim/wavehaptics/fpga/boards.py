@@ -48,10 +48,11 @@ class _Table(BaseModel):
 
 
 class Bridge(_Table):
-    """What the half bridges and the way to them need of the gates' timing, s.
+    """What the half bridges and the way to them need of the gates' timing, s, and of the bus.
 
     ``mismatch_s`` is by how much the driver delays HI and LI differently, ``gate_skew_s`` the AND
     gates before it, ``fpga_skew_s`` what is granted to the FPGA from its flip-flops to its pads.
+    ``clamp`` is D2, which ends the rise of a bus whose parts bear ``bus_max_v``.
     """
 
     driver: str
@@ -59,6 +60,8 @@ class Bridge(_Table):
     gate_skew_s: float = Field(ge=0)
     fpga_skew_s: float = Field(ge=0)
     min_pulse_s: float = Field(ge=0)
+    clamp: str
+    bus_max_v: float = Field(gt=0)
 
 
 class Sense(_Table):
@@ -114,6 +117,7 @@ class Fpga(_Table):
     sense: Sense
     free: list[str] = Field(default_factory=list)
     taken: dict[str, str] = Field(default_factory=dict)
+    bank_v: dict[str, float] = Field(default_factory=dict)
     pins_of: str | None = None
 
 
@@ -233,7 +237,8 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
             )
     if fpga.pins_of is not None:
         others = load_board(fpga.pins_of, root=root).fpga
-        fpga = fpga.model_copy(update={"free": others.free, "taken": others.taken})
+        pins = {key: getattr(others, key) for key in ("free", "taken", "bank_v")}
+        fpga = fpga.model_copy(update=pins)
     if fpga.legs == THREE_PHASE_LEGS:
         for key, wrong, right in (
             ("link", not fpga.link, "its settings over a link; set link = true"),

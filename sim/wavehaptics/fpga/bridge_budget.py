@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a board's bridge and current sensor ask of its scene: dead time, pulse, carrier, scale.
+"""What a board's bridge and sensor ask of its scene: dead time, pulse, carrier, scale, bus, tick.
 
 The figures are those of ``fpga.toml`` and ``boards/sensing.toml``, where their sources stand.
 """
@@ -9,11 +9,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from wavehaptics.fpga.boards import Board, BoardError
+from wavehaptics.parts import clamps
 from wavehaptics.parts.sensing import TABLE, sensing_parts
+from wavehaptics.runtime.toml_source import parse
 from wavehaptics.scene.keys import unknown_choice
 
 LEAST_DEAD_S = 20e-9
 """Shortest dead time at HI and LI: what the maker's forum advises to begin with for an LMG5200."""
+
+WIRING = "boards/wiring.toml"
+"""What is soldered, from the root."""
 
 _ROUNDING_S = 1e-12
 
@@ -66,6 +71,48 @@ def _check_sensing(board: Board) -> None:
         )
 
 
+def _check_clamp(board: Board) -> None:
+    """:class:`BoardError` where D2 isn't for the bus of the scene."""
+    file, bridge = f"{board.folder}/fpga.toml", board.fpga.bridge
+    known = clamps.clamps()
+    if bridge.clamp not in known:
+        raise BoardError(
+            f"{file}: bridge.clamp {unknown_choice(bridge.clamp, known)}, or enter it "
+            f"in boards/{clamps.TABLE.name} with its figures"
+        )
+    drive = board.scene.drive
+    assert drive is not None
+    assert drive.bus_v is not None
+    why = known[bridge.clamp].refusal(drive.bus_v, bridge.bus_max_v)
+    if why is not None:
+        fits = [
+            name for name, one in known.items()
+            if one.refusal(drive.bus_v, bridge.bus_max_v) is None
+        ]  # fmt: skip
+        cure = f"solder and name {' or '.join(fits)}" if fits else "lower drive.bus_v"
+        raise BoardError(f"{file}: D2, {bridge.clamp}, {why}; {cure}")
+
+
+def _check_wiring(board: Board) -> None:
+    """:class:`BoardError` where the table of what is soldered says otherwise than the board."""
+    data, lines = parse((board.root / WIRING).read_bytes())
+    soldered_ohm = data["parts"]["R6"]["value"]
+    shunt_ohm = board.fpga.sense.shunt_ohm
+    if abs(soldered_ohm / shunt_ohm - 1) > 1e-6:
+        raise BoardError(
+            f"{board.folder}/fpga.toml: sense.shunt_ohm is {1e3 * shunt_ohm:g} mΩ, but R6 of "
+            f"{WIRING}:{lines['parts', 'R6', 'value']} has {1e3 * soldered_ohm:g} mΩ; make both "
+            "what is soldered"
+        )
+    tick_s, longest_s = board.words().ports.timing.tick_s, data["stop"]["longest_tick_s"]
+    if tick_s > longest_s * (1.0 + 1e-9):
+        raise BoardError(
+            f"{board.folder}/board.toml: alive changes once a tick, {1e6 * tick_s:.3g} µs, and the "
+            f"pump behind it lets go of the gates with more than {1e6 * longest_s:g} µs "
+            f"({WIRING}); raise controller.tick_hz"
+        )
+
+
 def check(board: Board) -> None:
     """:class:`BoardError` where the scene asks of bridge or sensor what they can't do."""
     scene_file, file = f"{board.folder}/board.toml", f"{board.folder}/fpga.toml"
@@ -99,3 +146,5 @@ def check(board: Board) -> None:
             f"{sense.clip_a:.3g} A, so that it would never trip; lower it"
         )
     _check_sensing(board)
+    _check_clamp(board)
+    _check_wiring(board)

@@ -26,7 +26,7 @@ class Ability(NamedTuple):
 _PINS = frozenset(
     f"drive.{key}"
     for key in ("mode", "pwm_hz", "dead_time_s", "compensate", "min_pulse_s", "bus_ripple_v",
-                "bus_ripple_hz")
+                "bus_ripple_hz", "supply_sinks", "bus_farad")
 ) | {"controller.clock_hz", "adc.part", "guard"}  # fmt: skip
 """Of clocks and gates."""
 

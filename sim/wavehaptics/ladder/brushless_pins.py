@@ -64,7 +64,9 @@ from wavehaptics.ladder.pins_loop import (
     WORDS,
     X0,
     bus_at,
+    draw_charge,
     encoder_levels,
+    held_bus,
     next_edge,
 )
 from wavehaptics.motor.brushless import (
@@ -72,6 +74,8 @@ from wavehaptics.motor.brushless import (
     F_B,
     I_A,
     I_B,
+    Q_A,
+    Q_B,
     QF_A,
     QF_B,
     BrushlessPlant,
@@ -148,6 +152,13 @@ def _bridge(pins, currents, bus, volts):
             volts[n] = total / held if held else 0.0
 
 
+@compiled(inline="always")
+def _of_phases(volts, a, b):
+    """Sum over the legs of voltage by what flows out, which is ``a`` and ``b`` in α, β."""
+    side = 0.5 * _ROOT3 * b
+    return volts[0] * a + volts[1] * (side - 0.5 * a) - volts[2] * (side + 0.5 * a)
+
+
 @compiled()
 def _end_run_out(z, pins, before):
     """Hold at zero the phases whose leg floats, or whose current ran out in the step.
@@ -216,12 +227,15 @@ def _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, h
         part = 1 if floating else min(clocks, ints[SUBSTEP_CLOCKS])
         for n in range(3):
             currents[n] = _phase(z, n)
-        bus = floats[GAIN] * bus_at(z[TIME] + 0.5 * part * floats[DT], floats)
-        _bridge(pins, currents, bus, volts)
+        bus = held_bus(bus_at(z[TIME] + 0.5 * part * floats[DT], floats), floats, marks)
+        _bridge(pins, currents, floats[GAIN] * bus, volts)
         leads_move(pins, currents, kept[NOW] - clocks, floats[DT], sensor, holds)
         z[F_A] = (2.0 * volts[0] - volts[1] - volts[2]) / 3.0
         z[F_B] = (volts[1] - volts[2]) / _ROOT3
+        charge_a, charge_b = z[Q_A], z[Q_B]
         brushless_step(z, tables[part], tables[part], steps[part], load)
+        drawn = _of_phases(volts, z[Q_A] - charge_a, z[Q_B] - charge_b)
+        draw_charge(bus, drawn / (floats[GAIN] * bus), floats, marks)
         if floating:
             _end_run_out(z, pins, currents)
         marks[LOW] = min(marks[LOW], z[I])
@@ -360,8 +374,11 @@ def _advance(
                 if kept[OFF_AT] == 0:
                     kept[OFF_AT] = kept[NOW]
                 if kept[EMITTED] < kept[CLOSED]:
+                    call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
                     step = waves[kept[EMITTED] % PENDING]
-                    step[:_LIMITED] = 0
+                    for n in range(_CONTACT):
+                        step[n] = buffer[n]
+                    step[: _LIMITED + 1] = 0
                     step[_LOST] = (pins >> _ANCHOR_LOST) & 1
                     step[_CONTACT] = (pins >> _TOUCHING) & 1
                     kept[EMITTED] += 1

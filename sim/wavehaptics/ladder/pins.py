@@ -133,7 +133,7 @@ class PinsSimulation:
         self._kept[pins_loop.TICK_START] = -1
         self._kept[pins_loop.PINS] = self._idle_pins(time.frame)
         self._kept[pins_loop.HELD] = 1 << (sensor.bits - 1)
-        self._sums = np.zeros(pins_loop.T0 + 1)
+        self._sums = np.zeros(pins_loop.HIGHEST_V + 1)
         self._sums[pins_loop.X0] = self._state[X]
         self._sums[pins_loop.HAND0] = self._state[P] + self._state[C]
         self._pending = np.zeros((pins_loop.PENDING, len(Column)))
@@ -151,7 +151,7 @@ class PinsSimulation:
         self._floats = np.array(
             [self._dt, self.settings.cell_rad, true_bus_v(scene), 1.0 + drive.gain_error, 0.0, 0.0,
              scene.controller.eta_contact, scene.controller.eta_free, encoder_end(scene),
-             drive.bus_ripple_v, 2 * math.pi * (drive.bus_ripple_hz or 0.0)]
+             drive.bus_ripple_v, 2 * math.pi * (drive.bus_ripple_hz or 0.0), drive.bus_farad or 0.0]
         )  # fmt: skip
         self._sensor = sensor.constants()
         self._rng = np.random.default_rng(NOISE_SEED)
@@ -252,6 +252,12 @@ class PinsSimulation:
     def off_s(self) -> float:
         """Time at which the guard had the gates off, to a tick; 0 if it never had."""
         return float(self._kept[pins_loop.OFF_AT]) / self.timing.clock_hz
+
+    @property
+    def bus_highest_v(self) -> float | None:
+        """Highest bus so far, V; None where the supply takes back what the bridge returns."""
+        highest_v = float(self._sums[pins_loop.HIGHEST_V])
+        return highest_v if self._floats[pins_loop.FARAD] else None
 
     @property
     def clock_cycles(self) -> int:

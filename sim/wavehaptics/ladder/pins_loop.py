@@ -84,8 +84,8 @@ WORDS_OF, PORT_WORD = 12, 11
 # Places in the loop's float parameters.
 (
     DT, CELL, BUS, GAIN, K_T, RESISTANCE, ETA_CONTACT, ETA_FREE, ENCODER_END, RIPPLE,
-    RIPPLE_RAD_S,
-) = range(11)  # fmt: skip
+    RIPPLE_RAD_S, FARAD,
+) = range(12)  # fmt: skip
 # Places in the integers that the loop keeps.
 (
     NOW, ADVANCED, PINS, SHIFT, HELD, COUNT, NEXT_LOOK, CLOSED, EMITTED, TICK_START, FAULTS,
@@ -93,8 +93,9 @@ WORDS_OF, PORT_WORD = 12, 11
 ) = range(15)  # fmt: skip
 # Places in what the loop has of a motor.
 STATE, KEPT, SUMS, TICKS, TABLES, INTS, FLOATS, PLANT, ADC, DRAWS, STEP, MODULATOR, REAL = range(13)
-# Places in the sums of the tick that is running.
-CHARGE, SQUARE, WORK, VOLT_SECONDS, LOW, HIGH, X0, HAND0, T0 = range(9)
+# Places in the sums of the tick that is running. Behind them, where the supply takes nothing back
+# (FARAD): what the bus' capacitors hold, and the highest bus so far, V.
+CHARGE, SQUARE, WORK, VOLT_SECONDS, LOW, HIGH, X0, HAND0, T0, HELD_V, HIGHEST_V = range(11)
 
 
 @compiled(inline="always")
@@ -105,8 +106,22 @@ def bus_at(time, floats):
     return floats[BUS] + floats[RIPPLE] * np.sin(floats[RIPPLE_RAD_S] * time)
 
 
+@compiled(inline="always")
+def held_bus(bus, floats, sums):
+    """The bus where the supply has ``bus`` V: one that takes nothing back lets it be higher."""
+    return max(bus, sums[HELD_V]) if floats[FARAD] != 0.0 else bus
+
+
+@compiled(inline="always")
+def draw_charge(bus, charge, floats, sums):
+    """The bridge has drawn ``charge`` from ``bus`` V, or returned it: less than 0."""
+    if floats[FARAD] != 0.0:
+        sums[HELD_V] = bus - charge / floats[FARAD]
+        sums[HIGHEST_V] = max(sums[HIGHEST_V], bus, sums[HELD_V])
+
+
 @compiled()
-def _true_bus(time, floats, real):
+def _true_bus(time, floats, real, sums):
     """The bus, V. It sags by the last tick's load: between two ticks its capacitors hold it."""
     bus = bus_at(time, floats)
     if real is not None:
@@ -114,7 +129,7 @@ def _true_bus(time, floats, real):
         if time >= supply[STEP_S]:
             bus += (supply[STEP_PART] - 1.0) * supply[BUS_V]
         bus = max(0.0, bus - supply[SAG_OHM] * real[LAG][LOAD])
-    return bus
+    return held_bus(bus, floats, sums)
 
 
 @compiled()
@@ -185,18 +200,19 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
         step_s = part * floats[DT]
         half_bridge = ints[HALF_BRIDGE]
         floating = kept[PINS] & 3 == 0 or (kept[PINS] & 12 == 0 and not half_bridge)
-        legs = 0.0
+        legs, bus = 0.0, 0.0
         if floating and before == 0.0:
             # The diodes of the open leg block: no current, and the voltage is the back-EMF.
             e = floats[K_T] * state[OMEGA]
         else:
-            bus = _true_bus(state[TIME] + 0.5 * step_s, floats, real)
+            bus = _true_bus(state[TIME] + 0.5 * step_s, floats, real, sums)
             if half_bridge:
                 e = floats[GAIN] * half_bridge_voltage(kept[PINS], before, bus)
             else:
                 e = floats[GAIN] * bridge_voltage(kept[PINS], before, bus)
-            if real is not None and bus > 0.0:
+            if bus > 0.0:
                 legs = e / (floats[GAIN] * bus)
+            if real is not None and bus > 0.0:
                 lead = half_bridge_voltage(kept[PINS], before, 1.0)
                 if sensor[HOLD_S] != 0.0:
                     hold_at_edge(
@@ -210,6 +226,8 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
             if before != 0.0:
                 charge = 0.5 * before * step_s * before / (before - state[I])
             state[I] = 0.0
+        if bus > 0.0:
+            draw_charge(bus, legs * charge, floats, sums)
         sums[CHARGE] += charge
         sums[SQUARE] += square
         sums[WORK] += e * charge
@@ -443,7 +461,7 @@ def _end_tick(told, rows, words, done, motors):
                 made += 1
         _end_load(real, ints[TICK_CLOCKS] * floats[DT])
         if ints[SET_BUS]:
-            word = int(np.round(_true_bus(state[TIME], floats, real) * _BUS_SCALE))
+            word = int(np.round(_true_bus(state[TIME], floats, real, sums) * _BUS_SCALE))
             call2(ints[SET_BUS], ints[MODEL], word)
     return made
 

@@ -224,14 +224,18 @@ _FAULTS = ("a tick too short for its work", "more than one encoder edge in a clo
 """First bits of :attr:`wavehaptics.ladder.pins.PinsSimulation.faults`; behind them the guard's."""
 
 
-def _seen(simulation: Simulation) -> dict[str, str]:
-    """What the RTL complained of, if it did: the run is then none of the scene."""
+def _seen(simulation: Simulation) -> dict[str, Any]:
+    """What a bus did that nobody drains, and what the RTL complained of, if it did: the run is then
+    none of the scene.
+    """
+    highest_v = getattr(simulation, "bus_highest_v", None)
+    bus = {} if highest_v is None else {"bus_highest_v": highest_v}
     faults = getattr(simulation, "faults", 0)
     seen = [text for bit, text in enumerate(_FAULTS) if faults >> bit & 1]
     if guard := faults >> len(_FAULTS):
         names = ", ".join(FAULTS[bit][0] for bit in bits_of(guard))
         seen.append(f"switched off at {getattr(simulation, 'off_s', 0.0):.6g} s: {names}")
-    return {"faults": "; ".join(seen)} if seen else {}
+    return bus | ({"faults": "; ".join(seen)} if seen else {})
 
 
 def _anchored(controller: str, simulation: Simulation) -> bool:

@@ -124,6 +124,7 @@ class Current(_Strict):
 
 class Stop(_Strict):
     longest_s: float
+    longest_tick_s: float
 
 
 class Table(_Strict):

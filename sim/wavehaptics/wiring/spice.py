@@ -373,7 +373,7 @@ def anew_complaints(table: Table, family: Family, found: Iterable[Anew]) -> list
 
 def complaints(table: Table) -> list[str]:
     """A line for each thing that is not safe; the whole takes a few seconds."""
-    ticks_s = sorted(set(board_ticks().values()))
+    ticks_s = sorted({*board_ticks().values(), table.stop.longest_tick_s})
     lines = stop_complaints(table, stops(table, ticks_s, corners(table)))
     for family in FAMILIES:
         lines += anew_complaints(table, family, configured_anew(table, family, ticks_s[-1]))

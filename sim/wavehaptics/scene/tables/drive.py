@@ -114,6 +114,22 @@ class Drive(Table):
         le=100,
     )
 
+    supply_sinks: bool = scene_key(
+        "–",
+        "On `pins`: whether the supply takes back what the bridge returns; if not, the bus rises",
+        True,
+        default_text="true",
+        range_text="true, false",
+    )
+    bus_farad: float | None = scene_key(
+        "F",
+        "Capacitance of the bus, which a supply that doesn't sink needs",
+        None,
+        default_text="none",
+        ge=1e-7,
+        le=1,
+    )
+
     @property
     def true_bus_v(self) -> float | None:
         """The bus as it is, without ripple, V; None where the scene has none."""
@@ -193,13 +209,36 @@ class Drive(Table):
                 "pwm_hz",
             )
         drive._check_bus(bus_v)
+        drive._check_supply()
         return drive.model_copy(update={"bus_v": bus_v, "limit_v": limit_v})
+
+    def _check_supply(self) -> None:
+        """Refuse a supply that takes nothing back without a bus to keep it, and the contrary."""
+        if not self.supply_sinks and self.bus_farad is None:
+            broken_rule(
+                "drive.supply_sinks = false leaves on the bus what the bridge returns; give "
+                "bus_farad",
+                "supply_sinks",
+            )
+        if self.supply_sinks and self.bus_farad is not None:
+            broken_rule(
+                "drive.bus_farad does nothing where the supply sinks; add supply_sinks = false",
+                "bus_farad",
+            )
+        if not self.supply_sinks and self.sag_ohm:
+            broken_rule(
+                "drive.sag_ohm also lets the bus rise by what returns, which supply_sinks = false "
+                "does by bus_farad; leave one out",
+                "sag_ohm",
+                "supply_sinks",
+            )
 
     def _check_bus(self, bus_v: float | None) -> None:
         """Refuse a true bus that can't be, for the resolved ``bus_v``."""
         if bus_v is None:
             for key in (
-                "bus_actual_v", "bus_ripple_v", "bus_ripple_hz", "bus_measured", "step_v", "sag_ohm"
+                "bus_actual_v", "bus_ripple_v", "bus_ripple_hz", "bus_measured", "step_v",
+                "sag_ohm", "bus_farad",
             ):  # fmt: skip
                 if getattr(self, key):
                     broken_rule(f"drive.{key} needs to know the bus; give bus_v", key)
