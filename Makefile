@@ -270,8 +270,8 @@ LINT_CASES := \
     wh_device,-GN=3,-GSHAPER=2,-GCAPTURE=8,-GSTREAM=1,-GARM=1 \
     wh_device,-GN=2,-GHOST=1 \
     wh_motor_device,-GN=3,-GANCHOR=1,-GSHAPER=2,-GWALLS=16 \
-    wh_device,-GANCHOR=1,-GGUARD=1,-GBUS=1 \
-    wh_device,-GWALLS=1,-GHOST=1,-GSENSE=1,-GDELAY_LOG2=10 \
+    wh_device,-GWALLS=7,-GSHAPER=1,-GARM=1 \
+    wh_device,-GWALLS=1,-GHOST=1,-GDELAY_LOG2=10 \
     wh_motor_device,-GN=3,-GHOST=1 \
     wh_motor_device,-GN=3,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_device,-GLEGS=3,-GWALLS=1,-GMIN_PULSE=1,-GDEAD_TIME=0 \
@@ -279,10 +279,9 @@ LINT_CASES := \
     wh_settings_rom,-GLEGS=3 \
     wh_link,-GCLOCK_HZ=700000 \
     wh_link,-GCLOCK_HZ=125000000,-GUNIT=247,-GFALLBACK=511 \
-    wh_linked_device,-GN=3,-GANCHOR=1,-GGUARD=1,-GSENSE=1 \
+    wh_linked_device,-GN=3,-GSHAPER=2 \
     wh_linked_device,-GARM=0 \
-    wh_linked_device,-GSHARED=1,-GANCHOR=1 \
-    wh_linked_device,-GN=3,-GANCHOR=1,-GCAPTURE=12 \
+    wh_linked_device,-GCAPTURE=12,-GSTREAM=1 \
     wh_linked_device,-GLEGS=3,-GANCHOR=1,-GGUARD=1,-GSENSE=1,-GCAPTURE=12,-GSTREAM=1 \
     wh_capture,-GN=2,-GDEPTH_LOG2=15 \
     wh_capture,-GDEPTH_LOG2=4 \
@@ -333,7 +332,7 @@ LINT_CASES := \
     wh_ports,-GN=8,-GADC=2 \
     wh_ports,-GN=3,-GADC=1,-GWALLS=7 \
     wh_ports_device,-GN=3,-GARM=1,-GCAPTURE=10,-GSTREAM=1 \
-    wh_linked_device,-GN=3,-GSENSE=1,-GGUARD=1,-GANCHOR=1,-GSTREAM=1 \
+    wh_linked_device,-GN=3,-GSTREAM=1 \
     wh_round_words,-GN=3 \
     wh_board_switch \
     wh_board_switch,-GN=3 \

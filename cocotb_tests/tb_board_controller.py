@@ -48,8 +48,8 @@ ADCS = (1 << len(BOARD.adc_lines)) - 1
 LINKED = BOARD.fpga.link
 PARTS = len(BOARD.adc_lines)
 PLACES = 2 ** (PARTS.bit_length() + 7)
-"""Words of the settings' memory."""
-SET_CLOCKS = 8 * PLACES // 3 + 16 if LINKED else 0
+"""Words of the settings' memory of a brushless motor."""
+SET_CLOCKS = 0 if not LINKED else 8 * PLACES // 3 + 16 if BRUSHLESS else 96 + 128 * PARTS + 70
 """After reset, until SCLK knows where it rests; after three times that all settings are copied."""
 SYNCHRONISER = 3  # clocks until an input is seen, and one to act on it
 
@@ -94,7 +94,13 @@ class Board(Bench):
 
     def inner(self, name: str) -> list[int]:
         """Signed words that the controller tells, and the board doesn't."""
-        inside = self.dut.linked.device.device.of_motor.device if LINKED else self.dut.alone
+        if not LINKED:
+            inside = self.dut.alone
+        elif BRUSHLESS:
+            inside = self.dut.linked.device.device.of_motor.device
+        else:
+            inside = self.dut.linked.device.device.of_ports.device.ports
+            name = {"voltage": "voltage_q"}.get(name, name)  # which holds it
         return unpack(int(getattr(inside, name).value), formats.DATA_W, PARTS)
 
     async def begin(self, **inputs: int) -> None:

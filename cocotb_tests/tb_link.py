@@ -13,7 +13,7 @@ from wavehaptics.words import table
 from wavehaptics.words.places import places
 from wavehaptics.words.table import WORDS
 
-_P = {"N": 1, "WALLS": 4, "ANCHOR": 0, "GUARD": 0, "SENSE": 0, **parameters()}
+_P = {"N": 1, "WALLS": 4, **parameters()}
 HZ = _P["CLOCK_HZ"]
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 ROOT = WORDS["root"].at()
@@ -33,9 +33,7 @@ class LinkBench(LineBench):
         await self.step(6_000)
 
     def last_root(self) -> int:
-        """s of the last motor as the controller has it, of several motors as it is in force."""
-        if _P["N"] == 1:
-            return int(self.dut.device.of_motor.device.of_motors.controller.root_i.value)
+        """s of the last motor as it is in force."""
         in_force = self.dut.device.of_ports.device.registers.in_force_ram.memory
         return int(in_force[ROOT - 0x100 + 0x100 * (_P["N"] - 1)].value)
 
@@ -49,8 +47,8 @@ async def the_device_answers(dut: object) -> None:
     bench = LinkBench(dut)
     await bench.begin()
     found = whole((await bench.ask(read(0, 16))).registers)
-    options = _P["N"] | _P["WALLS"] << 4 | 2 << 11 | _P["ANCHOR"] << 18
-    options |= _P["GUARD"] << 19 | _P["SENSE"] << 20 | 1 << 25 | 1 << 27
+    options = _P["N"] | _P["WALLS"] << 4 | 2 << 11 | 1 << 18
+    options |= 1 << 19 | 1 << 20 | 1 << 25 | 1 << 27
     assert found == [table.crc(), 0, options, HZ, _P["N"], 0, 1, 4]
     assert (await bench.ask(identify())).information[0] == b"wave haptics"
     if _P["N"] == 1:  # whose work a tick of the table's defaults is long enough for

@@ -18,5 +18,5 @@ def test_link_briefly(monkeypatch) -> None:
 
 
 def test_link_of_three(simulator: str) -> None:
-    size = {**SIZE, "N": 3, "WALLS": 2, "ANCHOR": 1, "GUARD": 1, "SENSE": 1, "CLOCK_HZ": 50_000_000}
+    size = {**SIZE, "N": 3, "WALLS": 2, "CLOCK_HZ": 50_000_000}
     simulate(simulator, "wh_linked_device", "tb_link", size)

@@ -3,12 +3,12 @@
 // wh_device: the controller with its registers: pins, the bus, and little else. What it is made of says which motors
 // it has:
 //
-//   one motor        wh_motor_device: wh_controller, or wh_brushless with LEGS = 3
-//   several motors   wh_ports_device: wh_ports, where they take turns
-//   TURNS = 1        wh_ports_device with one brushless motor, LEGS = 3, whose two axes take turns
+//   motors with brushes   wh_ports_device: wh_ports, where N of them take turns
+//   LEGS = 3, TURNS = 1   wh_ports_device with one brushless motor, whose two axes take turns
+//   LEGS = 3              wh_motor_device: wh_brushless
 //
 // wh_ports_device always has ANCHOR, GUARD, SENSE and DEAD_TIME, and neither BUS, SHARED nor CAPTURE_RISE.
-// Nothing is at their outputs anchor_fault_o, encoder_fault_o and overcurrent_o, which the register `faults` tells.
+// Nothing is at its outputs anchor_fault_o, encoder_fault_o and overcurrent_o, which the register `faults` tells.
 //
 // Latency and reset: those of the module.
 
@@ -102,7 +102,7 @@ module wh_device #(
         if (TURNS != 0 && (TURNS != 1 || LEGS != 3 || N != 1)) begin : illegal_turns
             wh_illegal_parameter_device_turns_must_be_0_or_1_with_one_motor_of_three_legs stop ();
         end
-        if ((N > 1 && LEGS == 2) || TURNS == 1) begin : of_ports
+        if (LEGS == 2 || TURNS == 1) begin : of_ports
             wire [PARTS-1:0] enc_a, enc_b, ah, al, bh, bl, drivers;
 
             // A brushless motor's leg c is leg A of its second port.
@@ -136,7 +136,7 @@ module wh_device #(
             assign overcurrent_o   = {PARTS{1'b0}};
 
             if (BUS != 0 || SHARED != 0 || CAPTURE_RISE != 0) begin : illegal
-                wh_illegal_parameter_device_of_several_has_no_bus_no_shared_no_capture_rise stop ();
+                wh_illegal_parameter_device_of_ports_has_no_bus_no_shared_no_capture_rise stop ();
             end
 
             wh_ports_device #(

@@ -12,8 +12,8 @@
 //   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME
 //   27 ARM   31:28 CAPTURE
 //
-// SHAPER is 3 there with LEGS = 3, which has none without TURNS. Several motors, and TURNS, have ANCHOR, GUARD, SENSE
-// and DEAD_TIME, whatever these are here, and neither BUS nor SHARED.
+// SHAPER is 3 there with LEGS = 3, which has none without TURNS. Motors with brushes, and TURNS, have ANCHOR, GUARD,
+// SENSE and DEAD_TIME, whatever these are here, and neither BUS nor SHARED.
 // Bits 17 and 26 are 0. Whether there is a STREAM, the word stream_state says, which is 0 without.
 //
 // Latency and reset: those of wh_modbus and of wh_device.
@@ -94,6 +94,7 @@ module wh_linked_device #(
     output wire [PARTS-1:0]     overcurrent_o
 );
 
+    localparam        PORTS     = LEGS == 2 || TURNS == 1;  // wh_ports_device
     localparam [31:0] N_32      = N;
     localparam [31:0] WALLS_32  = WALLS;
     localparam [31:0] SHAPER_32 = (LEGS == 3 && TURNS == 0) ? 3 : SHAPER;
@@ -101,8 +102,8 @@ module wh_linked_device #(
     localparam [31:0] ADC_32    = ADC;
     localparam [31:0] CAPTURE_32 = CAPTURE;
     localparam [31:0] OPTIONS = {
-        CAPTURE_32[3:0], ARM != 0, 1'b0, DEAD_TIME != 0 || N > 1, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0,
-        SENSE != 0 || N > 1, GUARD != 0 || N > 1, ANCHOR != 0 || N > 1, 1'b0, ADC_32[1:0], DELAY_32[3:0],
+        CAPTURE_32[3:0], ARM != 0, 1'b0, DEAD_TIME != 0 || PORTS, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0,
+        SENSE != 0 || PORTS, GUARD != 0 || PORTS, ANCHOR != 0 || PORTS, 1'b0, ADC_32[1:0], DELAY_32[3:0],
         SHAPER_32[1:0], WALLS_32[4:0], N_32[3:0]
     };
 

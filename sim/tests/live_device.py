@@ -24,6 +24,14 @@ OTHER_FEEL = (
 )
 
 
+def copied_clocks(sections: int = 0) -> int:
+    """Clocks in which a commit copies the settings of one motor, from whose end on they count.
+
+    A request in that time is a clock more: ``rtl/wh_registers.v``.
+    """
+    return 96 + (152 if sections else 128)
+
+
 def load(*settings: str) -> Scene:
     """The scene that presses and holds, at a board's bus, ADC and encoder."""
     return load_scene(find_scene("press_hold"), [*BOARD, *settings])

@@ -371,7 +371,7 @@ def test_words(name):
     board = load_board(name)
     words, part = board.words(), PARTS[board.fpga.adc]
     time, ports = words.ports.timing, words.ports
-    own = {"hold_ticks": 0, "trip": 0, "zero_limit": 0}
+    own = {"trip": 0, "zero_limit": 0}
     one_motors = ports.words | ports.settings.words()
     if board.brushless:
         one_motors |= magnet_words(board.scene, ports.settings, ports.start_count)
@@ -379,7 +379,8 @@ def test_words(name):
     assert time.frame == frame(part, time.clock_hz, board.fpga.pad_registers)
     assert time.frame.cycle_clocks <= time.sample_clocks
     assert time.clock_hz / time.tick_clocks == board.scene.controller.tick_hz
-    least = turns_clocks(words.motors) if words.motors > 1 else CORE_CLOCKS
+    turns = board.fpga.link and not board.brushless
+    least = turns_clocks(words.motors) if turns else CORE_CLOCKS
     assert least <= time.tick_clocks
     # The voltage takes the scene's latency, in whole ticks.
     ready = (
@@ -388,7 +389,7 @@ def test_words(name):
         - words.words["sample_lead"]
         + (
             turns_latency_clocks(time.frame.conversion_clocks, words.motors)
-            if words.motors > 1
+            if turns
             else latency_clocks(
                 time.frame.conversion_clocks,
                 anchored=words.ports.settings.anchored,
@@ -524,7 +525,7 @@ def test_refused_scenes(overrides, message):
 
 def test_too_many_motors_for_a_tick():
     scene = load_scene(ROOT / "boards" / "ulx3s" / "board.toml", ["controller.extra_ticks=3"])
-    with pytest.raises(SceneError, match=r"shorter than the \d+ that 4 motors need"):
+    with pytest.raises(SceneError, match=r"shorter than the \d+ that `pins` needs for 4 motors"):
         board_words(scene, PARTS["AD7276"], motors=4)
 
 
@@ -544,7 +545,7 @@ def test_shared_multiplier_is_refused_where_it_has_no_time():
         "controller.extra_ticks=3",
     )  # fmt: skip
     with pytest.raises(
-        SceneError, match="a tick of 38 clocks is shorter than the 39 that 1 motors"
+        SceneError, match="a tick of 38 clocks is shorter than the 39 that the shared multiplier"
     ):
         replace(board, scene=load_scene(path, short)).words()
     alone = replace(board, fpga=board.fpga.model_copy(update={"shared_multiplier": False}))

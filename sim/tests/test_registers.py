@@ -232,8 +232,9 @@ REFUSED = {
     "W of a brushless motor": ("brushless_soft", (), 1, "[shaper]"),
     "host of a brushless motor": ("brushless_hold", ("host.rate_hz=1e3",), 1, "[host]"),
     "two brushless motors": ("brushless_hold", (), 2, "--motors"),
-    "a tick too short for three": ("press_hold", (), 3, "controller.extra_ticks"),
-    "17 walls": ("press_hold", (f"controller.walls={[[n, n + 0.5] for n in range(17)]}",), 1,
+    "a tick too short for three": ("press_hold", ("controller.clock_hz=48e6",), 3,
+                                  "a tick of 48 clocks is shorter than the 102"),
+    "8 walls": ("press_hold", (f"controller.walls={[[n, n + 0.5] for n in range(8)]}",), 1,
                  "controller.walls"),
     "a measured bus": ("press_hold", ("drive.bus_measured=true",), 1, "drive.bus_measured"),
 }  # fmt: skip

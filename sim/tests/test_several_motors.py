@@ -79,11 +79,11 @@ def test_requests_of_a_further_motor():
     ("sets", "message"),
     [
         (
-            (*BOARD, "controller.extra_ticks=4"),
-            r"a tick of 48 clocks is shorter than the 102 that 3 motors need",
+            (*BOARD, "controller.extra_ticks=4", "controller.clock_hz=48e6"),
+            r"a tick of 48 clocks is shorter than the 102 that `pins` needs for 3 motors",
         ),
         ((*BOARD, *SLOW, "thermal.ambient_c=25"), r"thermal is simulated for one motor, and"),
-        ((*BOARD, *SLOW, *MEASURED), r"drive.bus_measured is simulated for one motor, and"),
+        ((*BOARD, *SLOW, *MEASURED), r"drive.bus_measured is for a single motor on `pins`; set"),
     ],
 )
 def test_scenes_that_several_motors_refuse(sets, message):

@@ -168,8 +168,8 @@ def test_left_alone_it_is_the_device(scene, kinds):
 def test_what_it_is(port):
     shown = told(port, "info")
     assert f"table of words  {table.crc():08x}\n" in shown
-    assert "walls 4, delay_log2 10, guard 1, sense 1, dead_time 1, arm 1, capture 12" in shown
-    assert "48 MHz" in shown
+    assert "delay_log2 10, anchor 1, guard 1, sense 1, dead_time 1, arm 1, capture 12" in shown
+    assert "52 MHz" in shown
 
 
 def test_set_and_get(port):

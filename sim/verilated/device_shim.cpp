@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// C interface to the Verilated wh_device, of one motor: pins_shim.cpp or brushless_pins_shim.cpp, with its
+// C interface to the Verilated wh_device, of one motor: ports_shim.cpp or brushless_pins_shim.cpp, with its
 // settings over the bus.
 
 #include <algorithm>
@@ -16,10 +16,17 @@
 
 WH_EDGES(Vwh_device)
 
-// Signals of the module, which device_shim.vlt shows.
-#define SIGNAL(name) root->wh_device__DOT__of_motor__DOT__device__DOT__##name
+#include "words.h"
 
-#include "device_pins.h"
+// Signals that device_shim.vlt and ports_steps.vlt show.
+#if WH_LEGS == 3
+#define SIGNAL(name) root->wh_device__DOT__of_motor__DOT__device__DOT__##name
+#include "brushless_steps.h"
+#else
+#define SIGNAL(name) root->wh_device__DOT__of_ports__DOT__device__DOT__##name
+#define PORTS(name) SIGNAL(ports__DOT__##name)
+#include "ports_steps.h"
+#endif
 
 namespace {
 
@@ -44,6 +51,7 @@ struct Device {
     int64_t clocks = 0;
     std::deque<Request> requests;
     std::vector<Answer> answers;
+    Steps steps;
 
     ~Device() { ends(context); }
 };
@@ -118,18 +126,21 @@ void *wh_device_new(const uint32_t *pairs, int64_t count, int64_t restart, int64
     good = good && pass(device, [device] { return device->requests.empty(); });
     for (const Answer &answer : device->answers) good = good && answer.error == 0;
     good = good && pass(device, [root] { return !SIGNAL(busy); });
-    if (kBrushless) {
-        device->requests.push_back({0, true, static_cast<uint32_t>(magnet_start), 1});
-        pass(device, [device] { return device->requests.empty(); });
-    }
+#if WH_LEGS == 3
+    device->requests.push_back({0, true, static_cast<uint32_t>(magnet_start), 1});
+    pass(device, [device] { return device->requests.empty(); });
     // Carrier and ADC begin anew, with the bridges, in a clock in which the walls' rounds do: as after
-    // the reset of wh_controller, so that both run alike.
+    // the reset of wh_brushless, so that both run alike.
     const auto round_ends = [root] { return !SIGNAL(hold_round); };
     pass(device, round_ends);
     const int64_t first = device->clocks;
     clock(device), end_clock(device);
     pass(device, round_ends);
     const int64_t last = device->clocks + 3 * (device->clocks - first);
+#else
+    // Carrier and ADC begin anew, with the bridges.
+    const int64_t last = device->clocks + kCommandClocks;
+#endif
     device->requests.push_back(
         {last - kCommandClocks, true, static_cast<uint32_t>(restart), 1, false});
     pass(device, [device, last] { return device->clocks > last; });
@@ -173,20 +184,21 @@ int64_t wh_device_bus(int64_t model, int64_t word) {
     return 0;
 }
 
-// As wh_pins_clock, or wh_brushless_clock.
+// As wh_ports_clock without the guard's faults, or wh_brushless_clock.
 int64_t wh_device_clock(int64_t model, int64_t inputs) {
     auto *device = reinterpret_cast<Device *>(model);
-    const auto *root = device->root;
     set_inputs(device->top, inputs);
     clock(device);
-    const int64_t out = pins_of(device->top, root, SIGNAL(core_valid));
+    const bool step = keep(device->steps, device->root);
+    const int64_t out = pins_of(device->top, device->root, device->steps, step);
     end_clock(device);
     return out;
 }
 
-// As wh_pins_words, or wh_brushless_words.
+// As wh_ports_words, or wh_brushless_words.
 int64_t wh_device_words(int64_t model, int64_t words_address) {
-    words_of(reinterpret_cast<Device *>(model)->root, reinterpret_cast<int64_t *>(words_address));
+    const auto *device = reinterpret_cast<Device *>(model);
+    words_of(device->top, device->steps, reinterpret_cast<int64_t *>(words_address));
     return 0;
 }
 

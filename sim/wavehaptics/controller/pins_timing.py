@@ -32,6 +32,9 @@ ANCHOR_CLOCKS = 29
 CURRENT_CLOCKS = 6
 """Clocks from a tick's last word to its mean current, ``wh_current``."""
 
+SUM_CLOCKS = 3
+"""Clocks from a tick's last word to the first port's turn in ``rtl/wh_ports.v``: ``wh_sense``."""
+
 CORRECTION_CLOCKS = 1
 """Clocks that it takes to add the anchor's voltage."""
 
@@ -99,13 +102,21 @@ def turn_clocks(sections: int = 0) -> int:
 
 
 def turns_clocks(motors: int, sections: int = 0) -> int:
-    """Clocks of the shortest period in which ``motors`` ports take their turns."""
+    """Clocks of the shortest period in which ``motors`` ports take their turns, one or more."""
     return turn_clocks(sections) * (motors - 1) + (42 if sections == 2 else 38)
 
 
 def least_half_clocks(motors: int) -> int:
-    """Clocks of the shortest half of a carrier period, where several ``motors`` share a walk."""
-    return motors + 8 if motors > 1 else 0
+    """Clocks of the shortest half of a carrier period, of ``motors`` that share a walk."""
+    return motors + 8
+
+
+def turn_begin_clocks(conversion_clocks: int, motor: int = 0, sections: int = 0) -> int:
+    """Clocks to the turn of a motor's port, whose position is that of then.
+
+    They count from the sample strobe that :func:`latency_clocks` means.
+    """
+    return conversion_clocks + SUM_CLOCKS + turn_clocks(sections) * motor
 
 
 def turns_latency_clocks(conversion_clocks: int, motors: int, sections: int = 0) -> int:

@@ -8,11 +8,6 @@ from dataclasses import dataclass
 
 from wavehaptics.controller import bus_scale
 from wavehaptics.controller.modulator import width_bounds
-from wavehaptics.controller.pins_timing import (
-    least_half_clocks,
-    shortest_tick_clocks,
-    turns_clocks,
-)
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.controller.tick_layout import (
     MOST_SAMPLES,
@@ -20,7 +15,6 @@ from wavehaptics.controller.tick_layout import (
     Timing,
     bridge_mode,
     dead_clocks,
-    natural_ticks,
     pulse_delay,
     sample_lead,
     scene_frame,
@@ -45,6 +39,9 @@ FINE_COUNTS_PER_REV = 65_536
 
 HOST_CLOCKS = 150
 """Least clocks of a period of ``rtl/wh_host_link.v``, which works so long at its end."""
+
+MOST_WALLS = 7
+"""Of a motor in ``rtl/wh_ports.v``."""
 
 SIDE_NOISE = 4.0
 """Standard deviations of a sample that a leg's side must not hang on."""
@@ -82,25 +79,35 @@ class Ports:
 
 def controller_ports(
     scene: Scene, frame_at: FrameAt | None = None, most_samples: int = MOST_SAMPLES,
-    motors: int = 1, most_sections: int = 0,
+    turns: int = 0, most_sections: int = 0,
 ) -> Ports:  # fmt: skip
     """Settings of the whole RTL for a scene; :class:`SceneError` where it can't do it.
 
     ``frame_at`` takes the place of the scene's ADC, for a board that has its own. The scene's is
-    one of several ``motors`` that take turns, whose W have ``most_sections``.
+    one of so many motors that take ``turns`` (:func:`wavehaptics.controller.tick_layout.timing`),
+    whose W have ``most_sections``.
     """
     walls = len(scene.controller.walls)
-    if walls > table.MOST["wall"]:
+    most, where = table.MOST["wall"], "the whole RTL"
+    if turns:
+        most, where = MOST_WALLS, "each of several motors" if turns > 1 else "a motor on a device"
+    if walls > most:
         raise scene.refusal(
-            f"controller.walls has {walls} walls, and the whole RTL takes {table.MOST['wall']}; "
+            f"controller.walls has {walls} walls, and {where} takes {most}; "
             "leave some out or take `golden`",
             "controller.walls",
+        )
+    if turns and scene.drive is not None and scene.drive.bus_measured:
+        cure = "run each with --motor" if turns > 1 else "`run` the scene"
+        raise scene.refusal(
+            f"drive.bus_measured is for a single motor on `pins`; set it to false, or {cure}",
+            "drive.bus_measured",
         )
     sensor = Sensor.of_scene(scene)
     if sensor.ideal:
         sensor = _fine_sensor(scene)
     cell_rad = None if scene.encoder else 2 * math.pi / FINE_COUNTS_PER_REV
-    time = timing(scene, frame_at or scene_frame(scene), most_samples, motors, most_sections)
+    time = timing(scene, frame_at or scene_frame(scene), most_samples, turns, most_sections)
     bus_v = bus_voltage(scene)
     if scene.motor.brushless and time.frame.kind != BRUSHLESS_KIND:
         raise scene.refusal(
@@ -158,47 +165,6 @@ def controller_ports(
         **_host_words(scene, time),
     }
     return Ports(time, set_, sensor, start_count, words, _port_walls(set_, start_count))
-
-
-def hold_ticks(scene: Scene, ports: Ports, motors: int, *, shared: bool = False) -> int:
-    """Ticks that a voltage waits so that the latency is the scene's; several ``motors`` take turns.
-
-    ``shared`` is the multiplier of a single motor. :class:`SceneError` where the tick, or a half of
-    the carrier, is too short for them, or the scene's ``extra_ticks``.
-    """
-    if scene.motor.brushless:
-        return ports.timing.hold_ticks  # of one motor, whose tick is long enough
-    laid, lead = ports.timing, ports.words["sample_lead"] - ports.words["sample_late"]
-    sections, anchored = len(ports.settings.shaper.words), ports.settings.anchored
-    natural = natural_ticks(
-        laid.tick_clocks, laid.samples, lead, laid.frame, motors, sections, anchored
-    )
-    extra = ports.settings.extra_ticks
-    if extra < natural:
-        raise scene.refusal(
-            f"controller.extra_ticks = {extra} is less than the board needs: a voltage "
-            f"is ready {natural} ticks of {laid.tick_clocks} clocks late; set extra_ticks = "
-            f"{natural} or more",
-            "controller.extra_ticks",
-        )
-    needed = (
-        turns_clocks(motors, sections)
-        if motors > 1
-        else shortest_tick_clocks(1, sections, anchored, shared)
-    )
-    if needed > laid.tick_clocks:
-        raise scene.refusal(
-            f"a tick of {laid.tick_clocks} clocks is shorter than the "
-            f"{needed} that {motors} motors need; lower controller.tick_hz",
-            "controller.tick_hz",
-        )
-    if laid.half_clocks < least_half_clocks(motors):
-        raise scene.refusal(
-            f"half a carrier period of {laid.half_clocks} clocks is shorter than the "
-            f"{least_half_clocks(motors)} that {motors} motors need; lower drive.pwm_hz",
-            "drive.pwm_hz",
-        )
-    return extra - natural
 
 
 def _min_pulse(scene: Scene, time: Timing) -> int:

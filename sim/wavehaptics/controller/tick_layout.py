@@ -19,6 +19,7 @@ from wavehaptics.controller.pins_timing import (
     least_half_clocks,
     shortest_tick_clocks,
     step_end_clocks,
+    turn_begin_clocks,
     turns_clocks,
     turns_latency_clocks,
 )
@@ -141,22 +142,22 @@ def scene_frame(scene: Scene) -> FrameAt:
 
 
 def natural_ticks(
-    tick_clocks: int, samples: int, lead: int, frame: Frame, motors: int = 1, sections: int = 0,
+    tick_clocks: int, samples: int, lead: int, frame: Frame, turns: int = 0, sections: int = 0,
     anchored: bool = False, brushless: bool = False,
 ) -> int:  # fmt: skip
     """Whole ticks from a tick's end until the voltage made of its samples can be driven.
 
-    Several ``motors`` take turns.
+    So many motors take ``turns`` (:func:`timing`).
     """
-    latency = _latency_clocks(frame, motors, sections, anchored, brushless)
+    latency = _latency_clocks(frame, turns, sections, anchored, brushless)
     return (_word_strobe(tick_clocks, samples, lead, frame) + latency) // tick_clocks
 
 
 def _latency_clocks(
-    frame: Frame, motors: int, sections: int, anchored: bool, brushless: bool
+    frame: Frame, turns: int, sections: int, anchored: bool, brushless: bool
 ) -> int:
-    if motors > 1:
-        return turns_latency_clocks(frame.conversion_clocks, motors, sections)
+    if turns:
+        return turns_latency_clocks(frame.conversion_clocks, turns, sections)
     return latency_clocks(frame.conversion_clocks, 1, sections, anchored, brushless)
 
 
@@ -168,19 +169,22 @@ def _word_strobe(tick_clocks: int, samples: int, lead: int, frame: Frame) -> int
 
 
 def position_late_clocks(
-    tick_clocks: int, samples: int, lead: int, frame: Frame, filter_clocks: int, ports: int = 1,
+    tick_clocks: int, samples: int, lead: int, frame: Frame, filter_clocks: int, motor: int = 0,
     sections: int = 0, brushless: bool = False,
 ) -> int:  # fmt: skip
     """By how much a tick's ``position`` is younger than the end of what its ``current`` is of.
 
-    The words of a tick are kept as the step ends that its samples make. The current is the mean of
-    the tick as the gates had it, in whose middle it was sampled, and the position is the pins' of
-    some clocks before. Less than 0 where the step ends within the tick.
+    The position of a motor with brushes is looked at as its turn begins, that of a brushless one as
+    its step ends. The current is the mean of the tick as the gates had it, in whose middle it was
+    sampled, and the position is the pins' of some clocks before. Less than 0 where it is looked at
+    within the tick.
     """
-    step_end = _word_strobe(tick_clocks, samples, lead, frame) + step_end_clocks(
-        frame.conversion_clocks, ports, sections, brushless
+    looked = _word_strobe(tick_clocks, samples, lead, frame) + (
+        step_end_clocks(frame.conversion_clocks, sections=sections, brushless=True)
+        if brushless
+        else turn_begin_clocks(frame.conversion_clocks, motor, sections)
     )
-    return step_end - (ENCODER_CLOCKS + filter_clocks) - (tick_clocks + GATE_CLOCKS)
+    return looked - (ENCODER_CLOCKS + filter_clocks) - (tick_clocks + GATE_CLOCKS)
 
 
 def sample_lead(made: Frame, pulse_delay: int) -> int:
@@ -198,17 +202,31 @@ def sample_lead(made: Frame, pulse_delay: int) -> int:
 
 
 def _soonest(
-    tick_clocks: int, made: Frame, lead: int, motors: int, sections: int, anchored: bool,
+    tick_clocks: int, made: Frame, lead: int, turns: int, sections: int, anchored: bool,
     brushless: bool,
 ) -> int:  # fmt: skip
     """Fewest ticks of latency that the ADC allows."""
     samples = tick_clocks // made.cycle_clocks if made.osr else 1
-    return natural_ticks(tick_clocks, samples, lead, made, motors, sections, anchored, brushless)
+    return natural_ticks(tick_clocks, samples, lead, made, turns, sections, anchored, brushless)
+
+
+def _in_time(scene: Scene, clocks: int, made: Frame, turns: int, sections: int) -> bool:
+    """Whether motors that take ``turns`` have the latency that the scene names, if it does.
+
+    In a tick of a clock that is free; it is a multiple of four, for a carrier half and its middle.
+    """
+    control = scene.controller
+    if not turns or "extra_ticks" not in control.model_fields_set:
+        return True
+    lead = sample_lead(made, 0)
+    soonest = _soonest(clocks, made, lead, turns, sections, control.anchored, False)
+    return soonest <= control.extra_ticks and clocks % 4 == 0
 
 
 def _tick_clocks(
-    scene: Scene, tick_hz: float, halves: int, frame_at: FrameAt, least: int
-) -> tuple[int, Frame]:
+    scene: Scene, tick_hz: float, halves: int, frame_at: FrameAt, least: int, turns: int,
+    sections: int,
+) -> tuple[int, Frame]:  # fmt: skip
     """Clocks of a tick, ``least`` or more of a clock that is free, and the ADC's frame on it."""
     named = scene.controller.clock_hz
     if named is not None:
@@ -224,9 +242,11 @@ def _tick_clocks(
             made = None
         if made is not None and made.cycle_clocks <= clocks and clocks % halves == 0:
             if not made.osr:
-                return clocks, made
+                if _in_time(scene, clocks, made, turns, sections):
+                    return clocks, made
+                found = found or (clocks, made)
             # A modulator: the more bits a tick, the better.
-            if found is None or clocks // made.bit_clocks > found[0] // found[1].bit_clocks:
+            elif found is None or clocks // made.bit_clocks > found[0] // found[1].bit_clocks:
                 found = clocks, made
         if clocks - usual > MOST_TICK_CLOCKS // 40:
             break
@@ -235,12 +255,13 @@ def _tick_clocks(
 
 
 def timing(
-    scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES, motors: int = 1,
+    scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES, turns: int = 0,
     most_sections: int = 0,
 ) -> Timing:  # fmt: skip
     """Lay the scene's tick and carrier on a clock, for an ADC with the frame ``frame_at(clock)``.
 
-    Several ``motors`` take turns, of ``most_sections`` of W each.
+    So many motors take ``turns`` in ``rtl/wh_ports.v``, of ``most_sections`` of W each; 0: a single
+    one is at a controller of its own, ``wh_controller`` or ``wh_brushless``.
 
     A carrier slower than half the tick rate sets the pace: the tick is then its half period, and
     the current is the mean of the samples that fit in. :class:`SceneError` where the carrier can't
@@ -256,11 +277,12 @@ def timing(
     pulses = 1 if pulse_hz is None else max(1, round(pulse_hz / tick_hz))
     halves = pulses * pulse_halves
     sections = max(most_sections, sections_of(scene))
-    turns = turns_clocks(motors, sections) if motors > 1 else 0
+    turning = turns_clocks(turns, sections) if turns else 0
     try:
         tick_clocks, made = _tick_clocks(
-            scene, tick_hz, halves, frame_at, max(_min_tick_clocks(scene), turns + -turns % 4)
-        )
+            scene, tick_hz, halves, frame_at, max(_min_tick_clocks(scene), turning + -turning % 4),
+            turns, sections,
+        )  # fmt: skip
     except PartError as error:
         raise scene.refusal(
             f"adc.part: {error}; take another clock_hz", "adc.part", "controller.clock_hz"
@@ -303,7 +325,7 @@ def timing(
             "controller.clock_hz",
             "controller.tick_hz",
         )
-    least_half = max(MIN_HALF_CLOCKS, least_half_clocks(motors))
+    least_half = max(MIN_HALF_CLOCKS, least_half_clocks(turns) if turns else 0)
     if half_clocks < least_half:
         raise scene.refusal(
             f"a carrier half of {half_clocks} clocks of {clock_hz:g} Hz is "
@@ -327,11 +349,12 @@ def timing(
     anchored = control.anchored
     brushless = scene.motor.brushless
     least = _axes_clocks(scene) if brushless else shortest_tick_clocks(1, sections, anchored)
-    least = max(least, turns)
+    least = turning or least
     if tick_clocks < least:
-        ports = "two ports" if brushless else "a port" if motors == 1 else f"{motors} motors"
+        ports = "two ports" if brushless else "a port" if not turns else f"{turns} motors"
+        ports = ports if turns != 1 else "a motor"
         shaper = " with W" if sections else ""
-        anchors = " and their anchors" if brushless else " and its anchor" if motors == 1 else ""
+        anchors = " and their anchors" if brushless else "" if turns else " and its anchor"
         anchors = anchors if anchored else ""
         raise scene.refusal(
             f"a tick of {tick_clocks} clocks is shorter than the "
@@ -344,7 +367,7 @@ def timing(
     lead = sample_lead(made, (pulse_delay(scene, clock_hz, half_clocks) + 1) // 2)
     extra = control.extra_ticks
     if "extra_ticks" not in control.model_fields_set:
-        extra = max(extra, _soonest(tick_clocks, made, lead, motors, sections, anchored, brushless))
+        extra = max(extra, _soonest(tick_clocks, made, lead, turns, sections, anchored, brushless))
     # As many samples as the ADC can make and the latency allows, but each in the middle of
     # as many whole pulses as any other, or several within the only one. A modulator has its own
     # number, of words that follow each other.
@@ -358,15 +381,15 @@ def timing(
             and (
                 parts % n == 0
                 and tick_clocks // n >= made.cycle_clocks
-                and natural_ticks(tick_clocks, n, lead, made, motors, sections, anchored, brushless)
+                and natural_ticks(tick_clocks, n, lead, made, turns, sections, anchored, brushless)
                 <= extra
             )
         )
     )
     if made.osr:
         samples = tick_clocks // made.cycle_clocks
-    natural = natural_ticks(tick_clocks, samples, lead, made, motors, sections, anchored, brushless)
-    latency = _latency_clocks(made, motors, sections, anchored, brushless)
+    natural = natural_ticks(tick_clocks, samples, lead, made, turns, sections, anchored, brushless)
+    latency = _latency_clocks(made, turns, sections, anchored, brushless)
     if extra < natural:
         late = " and a sample" if made.pipeline else ""
         raise scene.refusal(

@@ -18,8 +18,6 @@ from wavehaptics.words.memory import settings_requests
 from wavehaptics.words.table import WORDS, Sizes, Values
 
 MOST_MOTORS = 8
-MOST_WALLS = 7
-"""Of each motor."""
 CHANNELS = "command"
 """Kind of a converter that measures the currents of all motors, one after another."""
 
@@ -50,12 +48,10 @@ def turns_ports(scenes: Sequence[Scene]) -> list[Ports]:
             "out or take `golden`",
             "motor",
         )
-    for scene in scenes:
-        _check(scene)
     most = sections(scenes)
-    found = [controller_ports(scene, motors=motors, most_sections=most) for scene in scenes]
+    found = [controller_ports(scene, turns=motors, most_sections=most) for scene in scenes]
     kind = found[0].timing.frame.kind
-    if kind == CHANNELS:
+    if kind == CHANNELS and motors > 1:
         part = scenes[0].adc and scenes[0].adc.part
         raise scenes[0].refusal(
             f"adc.part = {part} has a channel for each motor, and `pins` simulates its first; "
@@ -64,22 +60,6 @@ def turns_ports(scenes: Sequence[Scene]) -> list[Ports]:
         )
     _check_shared(scenes, found)
     return found
-
-
-def _check(scene: Scene) -> None:
-    """:class:`SceneError` where the scene asks for what a single motor has."""
-    walls = len(scene.controller.walls)
-    if walls > MOST_WALLS:
-        raise scene.refusal(
-            f"controller.walls has {walls} walls, and each of several motors takes {MOST_WALLS}; "
-            "leave some out or take `golden`",
-            "controller.walls",
-        )
-    if scene.drive is not None and scene.drive.bus_measured:
-        raise scene.refusal(
-            "drive.bus_measured is for a single motor; set it to false, or run each with --motor",
-            "drive.bus_measured",
-        )
 
 
 def _check_shared(scenes: Sequence[Scene], ports: Sequence[Ports]) -> None:

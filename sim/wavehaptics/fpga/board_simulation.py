@@ -31,7 +31,7 @@ import numpy as np
 
 from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.fpga import placed, synthesis
-from wavehaptics.fpga.board_words import BoardWords
+from wavehaptics.fpga.board_words import BoardWords, turns_of
 from wavehaptics.fpga.boards import Board, BoardError
 from wavehaptics.ladder import brushless_pins, pins_loop, verilated
 from wavehaptics.ladder.brushless import magnet_words
@@ -312,8 +312,11 @@ class BoardSimulation(PinsSimulation):
 
     def _board_ports(self, scene: Scene) -> Ports:
         board = self._built.board
-        registers = board.fpga.pad_registers
-        ports = controller_ports(scene, lambda clock_hz, _: frame(self._part, clock_hz, registers))
+        fpga, part = board.fpga, self._part
+        ports = controller_ports(
+            scene, lambda clock_hz, _: frame(part, clock_hz, fpga.pad_registers),
+            turns=turns_of(fpga.motors, fpga.legs, linked=fpga.link),
+        )  # fmt: skip
         _same_settings(board.words(), scene, ports)
         return ports
 

@@ -15,7 +15,8 @@ from importlib.metadata import version
 from typing import Any
 
 from wavehaptics.controller import guard
-from wavehaptics.controller.ports import Ports, controller_ports, hold_ticks
+from wavehaptics.controller.pins_timing import shared_tick_clocks
+from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.controller.tick_layout import FrameAt
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.brushless import magnet_words
@@ -75,6 +76,11 @@ class BoardWords:
         return max(self.linked_walls if self.linked else 1, len(self.ports.walls))
 
 
+def turns_of(motors: int, legs: int, *, linked: bool) -> int:
+    """Motors of a board that take turns: those with brushes, in ``rtl/wh_device.v``; 0: none."""
+    return motors if legs == LEGS and (linked or motors > 1) else 0
+
+
 def board_words(
     scene: Scene, part: Part | None, motors: int = 1, *, guarded: bool = False,
     pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
@@ -106,11 +112,13 @@ def board_words(
     frame_at: FrameAt | None = None
     if part is not None:
         frame_at = partial(_part_frame, part, pad_registers)
-    ports = controller_ports(scene, frame_at)
+    turns = turns_of(motors, legs, linked=linked)
+    ports = controller_ports(scene, frame_at, turns=turns)
+    if shared:
+        _check_shared(scene, ports)
     words = {
         **ports.words, **_each_motor(ports.settings.words(), motors),
         **(magnet_words(scene, ports.settings, ports.start_count) if scene.motor.brushless else {}),
-        "hold_ticks": hold_ticks(scene, ports, motors, shared=shared),
         "zero_limit": min(
             round(zero_a / formats.GAIN.to_value(ports.words["gain"])),
             WORDS["zero_limit"].fixed.raw_max,
@@ -139,6 +147,17 @@ def _check_part(scene: Scene, part: Part) -> None:
         raise scene.refusal(f"the board's ADC has {part.bits} bits; set adc.bits so", "adc.bits")
     if scene.adc.part not in (None, part.name):
         raise scene.refusal(f"the board's ADC is an {part.name}; set adc.part so", "adc.part")
+
+
+def _check_shared(scene: Scene, ports: Ports) -> None:
+    """:class:`SceneError` where a tick is too short for one multiplier that makes all products."""
+    needed, clocks = shared_tick_clocks(1, ports.settings.anchored), ports.timing.tick_clocks
+    if needed > clocks:
+        raise scene.refusal(
+            f"a tick of {clocks} clocks is shorter than the {needed} that the shared multiplier "
+            "needs; lower controller.tick_hz",
+            "controller.tick_hz",
+        )
 
 
 def _check_legs(scene: Scene, legs: int) -> None:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """`pins` with the settings memory in the RTL: its words go over the bus, also while it runs.
 
-No command runs it: by it tests hold ``wh_device`` to `pins` row by row, without a line between.
+No command runs it: by it tests hold ``wh_device`` row by row to the controller that is in it,
+without a line between.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import NamedTuple
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.words.memory import requests, settings_requests
-from wavehaptics.words.table import THREE_PHASE_LEGS, WORDS, Values
+from wavehaptics.words.table import WORDS, Values
 
 COMMIT = WORDS["commit"].at()
 DISCARD = WORDS["discard"].at()
@@ -31,11 +32,9 @@ class DevicePins(PinsSimulation):
 
     TOP = "wh_device"
     SHIM = "device_shim.cpp"
-    SHOWS = ("device_shim.vlt",)
+    SHOWS: tuple[str, ...] = ("device_shim.vlt", "ports_steps.vlt")
     PREFIX = "wh_device"
-
-    def _parameters(self) -> dict[str, int]:
-        return {"LEGS": self.LEGS} if self.LEGS == THREE_PHASE_LEGS else {}
+    turns = 1
 
     def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
         library = self._library
@@ -80,3 +79,9 @@ class DevicePins(PinsSimulation):
 
 class BrushlessDevicePins(DevicePins, BrushlessPinsSimulation):
     """`pins` of a brushless motor as ``rtl/wh_device.v`` with three legs."""
+
+    SHOWS = ("device_shim.vlt",)
+    turns = 0
+
+    def _parameters(self) -> dict[str, int]:
+        return {"LEGS": self.LEGS}

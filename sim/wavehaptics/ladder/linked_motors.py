@@ -4,11 +4,9 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import replace
 
 import numpy as np
 
-from wavehaptics.controller.ports import Ports, hold_ticks
 from wavehaptics.ladder import pins_loop
 from wavehaptics.ladder.linked_pins import LinkedPins
 from wavehaptics.ladder.pins import pass_clocks
@@ -25,15 +23,12 @@ class LinkedMotors(LinkedPins):
     """
 
     def __init__(self, scene: Scene, motors: int, *, led: int = 0, arm: bool = True) -> None:
-        alone = {
-            "thermal": scene.thermal is not None,
-            "drive.bus_measured": scene.drive is not None and scene.drive.bus_measured,
-        }
-        for key in (key for key, there in alone.items() if there):
+        if scene.thermal is not None:
             raise scene.refusal(
-                f"{key} is simulated for one motor, and these are {motors}; leave it out", key
+                f"thermal is simulated for one motor, and these are {motors}; leave it out",
+                "thermal",
             )
-        self.motors = motors
+        self.motors = self.turns = motors
         super().__init__(scene, arm=arm)
         self._each = [copy(self) for _ in range(motors)]
         self._all = np.stack([self._kept] * motors)
@@ -44,14 +39,6 @@ class LinkedMotors(LinkedPins):
             motor._real = self._imperfections(scene)
         # Places of the hand are those of the motor that is led.
         self._state, self._load = self._each[led]._state, self._each[led]._load
-
-    def _ports_of(self, scene: Scene, most_samples: int) -> Ports:
-        ports = super()._ports_of(scene, most_samples)
-        held = hold_ticks(scene, ports, self.motors)
-        return replace(ports, words={**ports.words, "hold_ticks": held})
-
-    def _parameters(self) -> dict[str, int]:
-        return {**super()._parameters(), "N": self.motors}
 
     @property
     def clock_cycles(self) -> int:

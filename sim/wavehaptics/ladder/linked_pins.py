@@ -19,7 +19,7 @@ from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
 from wavehaptics.words.memory import settings_requests
 from wavehaptics.words.modbus import IDENTIFICATION, MOST_WRITTEN, halves, runs, word_register
-from wavehaptics.words.table import THREE_PHASE_LEGS, WORDS
+from wavehaptics.words.table import WORDS
 
 UNIT = 1
 ANSWER_BYTES = 8
@@ -59,9 +59,9 @@ class LinkedPins(PinsSimulation):
 
     TOP = "wh_linked_device"
     SHIM = "linked_shim.cpp"
-    SHOWS = ("device_shim.vlt", "linked_shim.vlt")
+    SHOWS: tuple[str, ...] = ("device_shim.vlt", "linked_shim.vlt", "ports_steps.vlt")
     PREFIX = "wh_linked"
-    motors = 1
+    motors = turns = 1
 
     def __init__(self, scene: Scene, *, arm: bool = True) -> None:
         self._arm = arm
@@ -71,9 +71,7 @@ class LinkedPins(PinsSimulation):
     def _parameters(self) -> dict[str, int]:
         clock_hz = round(self.timing.clock_hz)
         return {
-            "GUARD": 1, "SENSE": 1, "ARM": int(self._arm), "CLOCK_HZ": clock_hz,
-            "CAPTURE": CAPTURE, "STREAM": 1,
-            **({"LEGS": self.LEGS} if self.LEGS == THREE_PHASE_LEGS else {}),
+            "ARM": int(self._arm), "CLOCK_HZ": clock_hz, "CAPTURE": CAPTURE, "STREAM": 1,
         }  # fmt: skip
 
     def _port_words(self, design: verilated.Design) -> ctypes.Array:
@@ -82,7 +80,7 @@ class LinkedPins(PinsSimulation):
     def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
         self._declare()
         inputs = sum(inputs << pins_loop.MOTOR_INPUTS * n for n in range(self.motors))
-        model = self._library.wh_linked_new(inputs, self.timing.tick_clocks, self.motors)
+        model = self._library.wh_linked_new(inputs, self.timing.tick_clocks)
         gain = self._values["gain"]
         assert isinstance(gain, int)
         largest = WORDS["zero_limit"].fixed.raw_max
@@ -96,7 +94,7 @@ class LinkedPins(PinsSimulation):
             for first, raws in runs(settings_requests(values, self.LEGS, motor), MOST_WRITTEN):
                 self._tell(model, write_frame(first, raws))
         self._tell(model, _rate_frame(0))
-        if self.LEGS == THREE_PHASE_LEGS:
+        if not self.turns:
             self._tell(model, write_frame(WORDS["magnet_start"].at(), [1]))
         self._library.wh_linked_bus(model, self._values["bus"])
         frame = write_frame(WORDS["restart"].at(), [1])
@@ -124,7 +122,7 @@ class LinkedPins(PinsSimulation):
         library, model, count = self._library, ctypes.c_void_p, ctypes.c_int64
         text = ctypes.c_char_p
         for name, arguments in (
-            ("new", [count, count, count]),
+            ("new", [count, count]),
             ("send", [model, text, count]),
             ("waiting", [model]),
             ("received", [model, text, count]),
@@ -193,10 +191,16 @@ class LinkedPins(PinsSimulation):
 class LinkedBrushlessPins(LinkedPins, BrushlessPinsSimulation):
     """``wh_linked_device`` with three legs, and a scene's brushless motor. It knows no host."""
 
+    SHOWS = ("device_shim.vlt", "linked_shim.vlt")
+    turns = 0
+
     def __init__(self, scene: Scene, *, arm: bool = True) -> None:
         if scene.host is not None:
             raise scene.refusal("[host] is not for a brushless motor yet; leave it out", "host")
         super().__init__(scene, arm=arm)
+
+    def _parameters(self) -> dict[str, int]:
+        return {**super()._parameters(), "LEGS": self.LEGS, "GUARD": 1, "SENSE": 1}
 
 
 def linked_pins(scene: Scene, *, arm: bool = True) -> LinkedPins:

@@ -112,6 +112,9 @@ class PinsSimulation:
     KEPT = pins_loop.OFF_AT + 1
     """Integers that the loop keeps."""
 
+    turns = 0
+    """Motors that take turns at its controller; 0: it has one of its own."""
+
     winding: Winding
 
     def __init__(
@@ -161,7 +164,7 @@ class PinsSimulation:
         self.warm(plant)
 
     def _ports_of(self, scene: Scene, most_samples: int) -> Ports:
-        return controller_ports(scene, most_samples=most_samples)
+        return controller_ports(scene, most_samples=most_samples, turns=self.turns)
 
     def _plant_of(self, scene: Scene) -> Any:
         """The motor as it is at first."""
@@ -187,8 +190,7 @@ class PinsSimulation:
                 "WALLS": places,
                 "DELAY_LOG2": DELAY_LOG2,
                 **self._hardware(scene, ports, host),
-                **({"ANCHOR": 1} if self.settings.anchored else {}),
-                **({"GUARD": 1} if scene.guard else {}),
+                **({} if self.turns else self._stations(scene)),
                 **self._parameters(),
             },
             self.SHOWS,
@@ -208,11 +210,18 @@ class PinsSimulation:
         """Parameters of the RTL for what the scene has, anchor and guard aside."""
         measured = scene.drive is not None and scene.drive.bus_measured
         return {
-            "N": 1,
+            "N": max(1, self.turns),
             "SHAPER": len(self.settings.shaper.words),
             **soldered(ports),
             **({"BUS": 1} if measured else {}),
             **({"HOST": 1} if host else {}),
+        }
+
+    def _stations(self, scene: Scene) -> dict[str, int]:
+        """Parameters of the RTL for what motors that take turns have always."""
+        return {
+            **({"ANCHOR": 1} if self.settings.anchored else {}),
+            **({"GUARD": 1} if scene.guard else {}),
         }
 
     def _magnet(self, scene: Scene, ports: Ports) -> Values:

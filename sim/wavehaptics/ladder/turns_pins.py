@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`pins` of several motors with brushes: ``rtl/wh_ports.v``, in which they take turns, in one loop.
+"""`pins` of motors with brushes: ``rtl/wh_ports.v``, in which they take turns, in one loop.
 
 Each motor has its own bridge, bus, encoder, converter and hand, as a single one has.
 """
@@ -27,7 +27,7 @@ from wavehaptics.words.table import Values
 
 
 class TurnsSimulation:
-    """The motors of ``scenes``, of which there are two or more, at one controller."""
+    """The motors of ``scenes``, one or more, at one controller."""
 
     def __init__(self, scenes: Sequence[Scene]) -> None:
         ports = turns_ports(scenes)
@@ -41,7 +41,7 @@ class TurnsSimulation:
                 "SHAPER": sections(scenes),
                 **soldered(ports[0]),
             },
-            ("ports_shim.vlt",),
+            ("ports_steps.vlt",),
         )  # fmt: skip
         self._library = verilated.load(self._design)
         verilated.declare_destructor(self._library.wh_ports_delete)

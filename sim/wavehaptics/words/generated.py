@@ -203,7 +203,7 @@ def shim_header(sizes: Sizes) -> str:
         place += -(-table.port_width(words, sizes) // 32)
     return (
         LICENCE + "// Made from rtl/words.toml, to be included after give.h.\n\n#pragma once\n\n"
-        f"#define WH_MOTORS {sizes.motors}\nconstexpr int kLegs = {sizes.legs};\n\n"
+        f"#define WH_MOTORS {sizes.motors}\n#define WH_LEGS {sizes.legs}\n\n"
         "template <class Top>\nvoid give_words(Top &top, const uint32_t *words) {\n"
         + "\n".join(lines)
         + "\n}\n"

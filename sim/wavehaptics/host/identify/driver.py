@@ -158,7 +158,7 @@ class Driver:
             round(lead),
             frame_of_words(words, kind, words["sample_clocks"]),
             words["filter_clocks"],
-            identification.words["motors"],
+            self._motor,
             identification.options["shaper"],
             self.brushless,
         )
