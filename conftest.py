@@ -179,6 +179,7 @@ LONG = (
     "cocotb_tests/test_wave_core.py::test_wave_core_with_a_shaper[verilator-2-1]",
     "cocotb_tests/test_wave_core.py::test_wave_core_ports[verilator-3-1]",
     "cocotb_tests/test_wave_core.py::test_wave_core_with_a_shaper[verilator-2-3]",
+    "sim/tests/test_wheel.py::test_the_demo_without_the_repository",
     "sim/tests/test_several_motors.py::test_a_session_of_three",
     "sim/tests/test_several_motors.py::test_a_stream_of_two_motors",
     "sim/tests/test_several_motors.py::test_a_wall_of_one_motor_alone",

@@ -49,7 +49,7 @@ toctrees = {
                  "boards/ecp5_evn/README", "boards/icesugar_pro/README",
                  "boards/icesugar_pro_eight/README", "rtl/faults"],
     "Reliability": ["docs/reliability", "formal/README", "formal/MUTATE"],
-    "Development": ["docs/development", "CONTRIBUTING", "CHANGELOG",
+    "Development": ["docs/development", "CONTRIBUTING", "SECURITY", "CHANGELOG",
                     "Python reference <build/api/wavehaptics/index>"],
 }  # fmt: skip
 
