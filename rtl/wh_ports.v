@@ -103,7 +103,7 @@ module wh_ports #(
     input  wire                         host_alive_i,
     input  wire                         zero_start_i,     // nothing while the bridges are on
     input  wire                         restart_i,        // nothing while the bridges are on
-    input  wire                         magnet_start_i,   // nothing while the bridges are on: set or search the angle again
+    input  wire                         magnet_start_i,   // nothing while the bridges are on: set or search the angle
 
     // A computer's environment, HOST = 1 (wh_host_link). Its packets' contents are live values.
     input  wire [N-1:0]                 host_strobe_i,    // an answer for that port
@@ -889,7 +889,7 @@ module wh_ports #(
 
     generate
         if (AXES != 0) begin : with_axes
-            localparam integer PACE    = 3;   // ticks by which leg b's side lasts longer than leg a's, as in wh_three_phase
+            localparam integer PACE    = 3;   // ticks that leg b's side lasts longer than leg a's (wh_three_phase)
             localparam [7:0]   MOST    = 8'd255 - 2 * PACE[7:0];
             localparam integer TURNED  = 18;  // clocks from beta's waves to its χ
             localparam integer ENDS    = 33;
