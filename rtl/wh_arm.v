@@ -33,7 +33,7 @@ module wh_arm #(
     input  wire       enable_i,      // the board lets it
     input  wire       fault_i,       // the guard's, or a tick's
     input  wire       zero_i,        // a fault as well: the guard's of the zero
-    input  wire       loading_i,     // settings are being given
+    input  wire       loading_i,     // settings are being committed
 
     input  wire       write_i,       // strobe
     input  wire [1:0] value_i,       // with write_i
