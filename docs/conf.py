@@ -22,13 +22,16 @@ version = release = tomllib.loads((ROOT / "pyproject.toml").read_text())["projec
 author = "the wavehaptics developers"
 html_show_copyright = False
 
-extensions = ["myst_parser", "autoapi.extension", "source_pages"]
+extensions = ["myst_parser", "autoapi.extension", "source_pages",
+              "sphinx.ext.mathjax", "sphinx-mathjax-offline"]  # fmt: skip
 root_doc = "README"
 include_patterns = ["*.md", "docs/**.md", "boards/**.md", "formal/*.md", "rtl/*.md",
                     "sim/scenes/*.md", "build/api/**.rst"]  # fmt: skip
 
 # Pictures with a width, two beside each other where there is room, are there what they are here.
 myst_enable_extensions = ["html_image"]
+# A block of an equation, as the repository's site has it. Its script comes with the pages.
+myst_fence_as_directive = ["math"]
 # What the repository's site does with headings: the places in links are the same.
 myst_heading_anchors = 4
 # Names that a tuple or loop makes; `range`, a type that is also a field's name.

@@ -1,47 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_anchor: the port anchor, which holds what a port feels like to where the encoder sees the rotor.
+// wh_anchor: the port anchor, which holds what a port renders where the encoder sees the rotor.
 //
 //   χ  = L̂ i + k̂_T x - Σ (s T/2)(u + v)       flux of the port, in counts of k̂_T Δ; 0 if all is ideal
-//   z  = χ and a quarter of a count in the direction of an edge that is the second the same way, else -1/32 (-1/16
-//        with AXIS = 1)
-//   p  = z beyond ±1/2, z/128 (AXIS = 1: z/256) within; the last edge's bound χ_b replaces an end of ±1/2
-//   θ -= g_θ p sgn y'                          in contact, where z is beyond ±1/2; 0...learn_max, at first a quarter
+//   z  = χ + σ/4 after a full count, χ - σ/32 after a reversal (σ/16 with AXIS = 1); σ: direction of the last edge
+//   p  = z beyond ±1/2, z/128 (AXIS = 1: z/256) within; the last edge's bound χ_b replaces one end of ±1/2
+//   θ -= g_θ p sgn y'                          in contact, if z is beyond ±1/2; 0...learn_max, at first a quarter
 //   c  = θ (y' + sgn y' y_b - d) - g_ρ p       the first term in contact only
 //   d  = 2 (y - y')                            y = L̂ i; 0 while the rotor travels
 //   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
-// An edge with the direction of the edge before is a full count. The rotor travels while its last two full counts
-// had the same direction. Only then y' follows y: in one tick of follow_ticks, and in 8 ticks after each full count,
-// on its way out in 32 (not with AXIS = 1). y_b stands for the brushes and shrinks by half of what y' falls.
+// An edge with the direction of the edge before is a full count. The rotor travels while its last two full counts had
+// the same direction. Only then y' follows y: in one tick of follow_ticks, and in the 8 ticks after each full count, 32
+// on the rotor's way out (not with AXIS = 1). y_b stands for the brushes, and decreases by half of what y' falls.
+//
 // The bound χ_b: after an edge upwards z stays below the χ from before the last edge downwards, and the other way
-// round. So a rotor that crosses back over an edge meets no more force on its way out, and no less on its way in,
-// than it met there before. Where χ_b is beyond the zone's other end, that end is the bound. It is in force until
-// the next edge; with AXIS = 1, until z has been there once.
-// c is a voltage in series with the port, limited to its word: it is added to e_id = s u behind the wave core,
-// which does not see it, and what it takes of the drive's limit, room_o, is no longer the wave's. A contact's
-// first edge, in the period that reports the contact or one of the two before, sets χ to a quarter of a count
-// and what is in the λ filter then, which its u shows; in contact, what the voltage limit or rounding withholds
-// from the waves counts as flux. In free space, when the rotor is slow, c shows the sensor's offset, which is
-// summed up as far as its word goes. A g_ρ p beyond its limit by strange, with the waves below theirs, shows
-// that waves and encoder don't follow the same motor: fault_o, and c = 0. So does a χ or an L̂ i in the outer
-// half of its range.
-// In a period whose current or v is at the end of its range, blind_i, nothing is learned, and the next c is
-// 0; χ counts on. While c is at its limit since, that is no fault.
+// round. So a rotor that crosses back over an edge meets no more force on its way out, and no less on its way in, than
+// it met there before. If χ_b is beyond the zone's other end, that end is the bound. It is in force until the next
+// edge; with AXIS = 1, until z has been there once.
 //
-// AXIS = 1: the port is one of a brushless motor's two axes, whose flux a count changes by a fraction of a count
-// (wh_rotor_flux): its place comes from there, the zone is half of that fraction, and so is what a contact
-// begins with.
+// c is a voltage in series with the port, limited to its format. It is added to e_id = s u after the wave core, which
+// doesn't see it. Its share of the drive's limit, room_o, is no longer the wave's. A contact's first edge, in the
+// period that reports the contact or one of the two before, sets χ to a quarter of a count plus the present content of
+// the λ filter, which its u shows. In contact, the residue of voltage limit and rounding counts as flux. In free
+// space, while the rotor is slow, c shows the sensor's offset, which is integrated within its format.
 //
-// sim/wavehaptics/controller/anchor.py says the same with integers, and this module equals it bit for bit.
-// One adder works through the steps below, one in a clock, with its state in a memory; the products
-// come from a multiplier that others use as well (wh_multiply_shared), eight in a period.
-// Formats: long words s48q33, counts, V or A, and θ s48q37 V a count; factors are their upper bits, s31q16.
-// reach, strange, learn_max and brush are 0 or more.
-// Latency: 28 clocks from waves_i, and those that the multiplier makes it wait. c of one period is next_o a
-// clock later, and correction_o from the next waves_i on, three clocks later. The next waves_i may come in the
-// last of the 28. One before is ignored and shows as overrun_o. reads_o is 0 in at least two clocks of every
-// step, the last two before the next waves_i at the latest.
+// fault_o, and c = 0: a g_ρ p that exceeds its limit by strange, while the waves are below theirs, shows that waves
+// and encoder don't follow the same motor. So does a χ or an L̂ i in the outer half of its range.
+// In a period whose current or v is at the end of its range, blind_i, nothing is learned, and the next c is 0; χ
+// continues. While c has been at its limit since then, that is no fault.
+//
+// AXIS = 1: the port is one of a brushless motor's two axes. A count changes its flux by a fraction of a count, and its
+// position comes from wh_rotor_flux. The zone is ± half of that fraction, and a contact begins with half of it.
+//
+// sim/wavehaptics/controller/anchor.py is the same with integers, and this module equals it bit for bit. One adder
+// works through the steps below, one in a clock, with its state in a memory. The products come from a multiplier that
+// other blocks share (wh_multiply_shared), eight in a period.
+// Formats: long values s48q33, counts, V or A, and θ s48q37 V a count; factors are their upper bits, s31q16. reach,
+// strange, learn_max and brush are 0 or more.
+// Latency: 28 clocks from waves_i, plus the time that the multiplier makes it wait. c of one period is next_o a clock
+// later, and correction_o from the next waves_i on, three clocks later. The next waves_i may come in the last of the
+// 28. An earlier one is ignored, and sets overrun_o. reads_o is 0 in at least two clocks of every step, at the latest
+// in the last two before the next waves_i.
 // Reset: χ, θ, mean, offset, room and c are 0, slow, no contact, no fault; of any length, at any clock.
 
 `default_nettype none

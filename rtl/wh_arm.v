@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_arm: lets the bridges on by command, and only as long as the command is renewed, or by a button.
+// wh_arm: lets the bridges on by a command that has to be renewed, or by a button.
 //
-//   write 1   arm: for CREDIT clocks; where armed, renew
-//   write 2   renew, where armed; else nothing
+//   write 1   arm for CREDIT clocks; if armed, renew
+//   write 2   if armed, renew; else nothing
 //   write 0   disarm
-//   press     arm, as a 1 does, and without an end to the credit; where armed, that credit has no end either
+//   press     arm without an end to the credit; if armed, the present credit no longer ends
 //
-// Armed it lasts until 0 is written, or until there is a reason against it, which refused_o then says,
-// a bit each, until it is armed anew:
+// It stays armed until 0 is written, or until a reason against it appears. refused_o then holds the reason, a bit each,
+// until it is armed again:
 //
-//   0 enable_i is low   1 a fault   2 settings are being given   3 no permitted zero was found   4 the credit ran out
+//   0 enable_i is low   1 a fault   2 settings are being applied   3 no accepted zero   4 the credit ran out
 //
-// While there is one of the first three, a 1 or a press is refused with it. Nothing but one of these after
-// the reason has gone arms again: a renewing 2 doesn't. Of a press and a 0 in one clock the 0 counts.
-// With SENSE = 1 the zero of the currents is measured first, as wh_zero does it with the bridges off:
-// it is armed where that ends with a permitted zero. The credit runs meanwhile. So a zero that was none
-// before, zero_i, is no reason against measuring it, which forgets it.
+// During one of the first three, a 1 or a press is refused with that reason. After a reason has gone, only a new 1 or
+// press arms; a 2 doesn't. If a press and a 0 come in one clock, the 0 counts.
+// With SENSE = 1 the zero of the currents is measured first, as wh_zero does with the bridges off, and it is armed if
+// that ends with an accepted zero. The credit runs meanwhile. An earlier failed zero, zero_i, doesn't prevent this: the
+// new measurement clears it.
 //
-// Latency: armed_o and refused_o change a clock after what they follow from.
+// Latency: armed_o and refused_o change one clock after their cause.
 // Reset: not armed, no reason.
 
 `default_nettype none
@@ -33,7 +33,7 @@ module wh_arm #(
     input  wire       enable_i,      // the board lets it
     input  wire       fault_i,       // the guard's, or a tick's
     input  wire       zero_i,        // a fault as well: the guard's of the zero
-    input  wire       loading_i,     // settings are being given
+    input  wire       loading_i,     // settings are being committed
 
     input  wire       write_i,       // strobe
     input  wire [1:0] value_i,       // with write_i

@@ -1,24 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_bus_scale: what a volt is worth on the bus as it is measured, and what the bus leaves of u_max.
+// wh_bus_scale: pulse width per volt on the measured bus, and the u_max that the bus allows.
 //
 //   clocks_per_volt = floor(half_clocks / (2 reach bus)),   reach = 1/2 in a half bridge, else 1
 //   share = min(1, floor(bus bus_share)),                   bus_share = reach / limit
 //   u_max = floor(u_max share)
 //
-// limit being the voltage that u_max stands for, and what the pulse keeps for dead time and shortest
-// pulses: the largest of all ports' where they differ. So what the core takes for applied was applied,
-// on any bus; a bus that is measured too low acts as an R̂ that is too high. A quotient beyond its word
-// is the largest word. Everything runs on by itself, a bit a clock: the division and the share for the
-// whole design, then a product for each port. All words of one bus are given in one clock, the first
-// without hold_i: a step of the core has to be made with one u_max from its first clock to its last.
-// sim/wavehaptics/controller/bus_scale.py says the same with integers, and this module equals it bit for bit.
+// limit is the voltage of u_max plus the pulse's reserve for dead time and shortest pulses; the largest of all ports.
+// So the voltage that the core assumes is the applied one on any bus. A bus that is measured too low acts like an R̂
+// that is too high. A quotient beyond its format saturates. The block runs continuously, one bit a clock: the division
+// and the share for the whole design, then a product for each port. All results of one bus change together, in the
+// first clock without hold_i, as a step of the core needs one u_max from its first clock to its last.
+// sim/wavehaptics/controller/bus_scale.py is the same with integers, and this module equals it bit for bit.
 //
-// Formats: at the ports; share has WH_BUS_SHARE_Q + WH_BUS_Q - WH_BUS_W fraction bits, 17 as things
-// stand.
-// Latency: 60 clocks a bus, WH_COEF_W of 27 given: a change of bus_i counts after at most 119, and as
-// many more as the last of them has to wait for a clock without hold_i.
-// A change of u_max_i counts at once while share is 1, else after as long as one of bus_i.
+// Formats: at the ports; share has WH_BUS_SHARE_Q + WH_BUS_Q - WH_BUS_W fraction bits, 17 at present.
+// Latency: 60 clocks a bus for WH_COEF_W = 27: a change of bus_i acts after at most 119, plus the wait for a clock
+// without hold_i. A change of u_max_i acts at once while share is 1, else like one of bus_i.
 // Reset: clocks_per_volt_o = clocks_per_volt_i, share = 1; both hold until the first quotient.
 
 `default_nettype none

@@ -1,30 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_capture: rows of live words in block RAM, from some time before a trigger to some time after it.
-// It listens only: nothing of it goes to what it listens to.
+// wh_capture: rows of live values in block RAM, from before a trigger to after it. It only listens: nothing of it
+// reaches what it listens to.
 //
-// A row has up to eight words, `channels_i` of the addresses in `channel_i`, of 2^decimation_i ticks, as wh_rows
-// has them.
+// A row has up to eight values, `channels_i` of the addresses in `channel_i`, for 2^decimation_i ticks (wh_rows).
 //
-//   write 1   start: forget what was written, take the settings over, and fill: pre_i rows
-//   write 2   trigger, as soon as those rows are there
-//   write 0   stop, after the row's tick that is under way
+//   write 1   start: drop the old rows, take the settings, and record pre_i rows
+//   write 2   trigger, once those rows are recorded
+//   write 0   stop, after the row's present tick
 //
-// The first row behind the first pre_i ones in which what trigger_i says is the case is the trigger's:
-// 0 write 2 only, 1 the first channel's word is level_i or more, 2 less, 3 that it has become more, 4 less,
-// 5 other than in the row before, 6 a contact begins, 7 a fault is there; write 2 does it with any. Then rows go on
-// until there are rows_i of them, pre_i before the trigger's and the rest from it on. Rows lie in a ring of rows_i;
-// the oldest is row first_o of it. With settings that don't fit, 0 or more than 8 channels, rows_i times these more
-// than there are words, or pre_i not below rows_i, a start leaves it at rest.
+// After the first pre_i rows, the first row that meets the condition trigger_i is the trigger's:
+// 0 write 2 only; the first channel's value 1 is level_i or more, 2 is less, 3 rises to it, 4 falls below it, 5 differs
+// from the row before; 6 a contact begins, 7 there is a fault. Write 2 triggers with any of them. Recording continues
+// until there are rows_i rows: pre_i before the trigger's, the others from it on. Rows are in a ring of rows_i; the
+// oldest is row first_o of it. A start with invalid settings stays idle: 0 or more than 8 channels, rows_i times the
+// channels beyond the memory, or pre_i not below rows_i.
 //
-// state_o: 0 at rest, 1 the rows before the trigger fill, 2 it waits for the trigger, 3 triggered, 4 done or stopped.
-// count_o: rows that are there; left_o: rows that are to come from the trigger on, that row included.
+// state_o: 0 idle, 1 recording the rows before the trigger, 2 waiting for it, 3 triggered, 4 done or stopped.
+// count_o: rows recorded; left_o: rows still to record from the trigger's on.
 //
-// Latency: a row stands in the memory 12 clocks after its last step. A tick has to be 14 clocks or longer;
-// what ends sooner is left out. A write acts when no tick is worked off, a start also not while hold_i is high;
-// a trigger and a stop behind a start wait for it, and a start forgets those before it. read_data_o is the word
-// offset + read_i of the memory, 3 clocks after read_i or after the write of the offset.
-// Reset: at rest, the offset 0; what is in the memory stays.
+// Latency: a row is in the memory 12 clocks after its last step. A tick needs 14 clocks or more; shorter ones are left
+// out. A write acts when no tick is being processed; a start also waits while hold_i is high. A trigger or a stop right
+// behind a start waits for it; a start drops those before it. read_data_o is the value at offset + read_i in the
+// memory, 3 clocks after read_i or after the write of the offset.
+// Reset: idle, the offset 0; the memory keeps its contents.
 
 `default_nettype none
 

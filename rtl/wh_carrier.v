@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_carrier: the clock of everything: carrier halves, ticks and the instants of the samples.
+// wh_carrier: carrier halves, ticks and sampling instants for all blocks.
 //
 //   half  = half_clocks_i clocks,  phase 0 ... half_clocks_i - 1
 //   tick  = tick_halves_i halves, samples_i * sample_clocks_i clocks or longer
 //   sample n of a tick: sample_clocks_i / 2 - sample_lead_i + n * sample_clocks_i after its start
 //
-// half_o is the half's parity, which picks the zero vector of wh_pwm; it goes on through the ticks.
-// The lead is negative where the samples have to wait, say for the gates' registers, for dead time
-// or for the bridge. With sample_late_i the samples of every odd tick come a clock later: half a
-// clock in the mean. The settings may change only in reset.
+// half_o is the half's parity, which selects the zero vector of wh_pwm; it continues from tick to tick. The lead is
+// negative if the samples have to wait, for instance for the gates' registers, dead time or the bridge. With
+// sample_late_i the samples of every odd tick come a clock later: half a clock on average. Settings may change only in
+// reset.
 // Outputs are decoded from registers. Latency: phase 0 of a tick is the first clock after reset.
-// Reset: before that clock; no strobes.
+// Reset: the state before that clock; no strobes.
 
 `default_nettype none
 `include "wh_formats.vh"

@@ -1,37 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_controller: the wave controller from its pins to its pins, for N motors.
+// wh_controller: the wave controller from ADC pins to gate pins, for N motors.
 //
 //   ADC bits -> wh_adc -> wh_motor -> current  -> wh_port, wh_wave_core -> voltage -> wh_motor -> gates
 //   encoder ------------> wh_motor -> position -> wh_port                wh_carrier times everything
 //
-// A positive current runs into the motor from bridge leg A and out to leg B; a positive voltage has
-// leg A high while leg B is low; a positive position is where a positive current turns the rotor.
+// A positive current flows into the motor from bridge leg A and out to leg B. A positive voltage has leg A high while
+// leg B is low. A positive current turns the rotor towards positive positions.
 //
-// enable_i = 0 keeps the gates off and the wave core and the pulse width in reset; the ADC, the
-// currents and the positions run on, so that zero_i can be measured. enable_i is synchronous to
-// clk.
-// A setting may change (a) in reset, (b) while enable_i = 0 and restart_i = 1, or (c), the table of words says
-// which, on a clock edge where its hold is 0:
+// enable_i = 0 keeps the gates off, and the wave core and the pulse width in reset. ADC, currents and positions run on,
+// so that zero_i can be measured. enable_i is synchronous to clk.
+//
+// A setting may change (a) in reset, (b) while enable_i = 0 and restart_i = 1, or (c) on a clock edge where its hold is
+// 0; the register map says which hold (column Change):
 //   words_hold_o[0]  the core reads its settings
-//   scale_hold_o     a voltage is still to be scaled by the settings of its step
+//   scale_hold_o     a voltage has yet to be scaled by the settings of its step
 //   anchor_hold_o    the anchor of that motor reads its settings
-//   words_hold_o[2]  a sum is under way
-//   words_hold_o[3]  a round of the walls is under way
-// words_hold_o[1] is the OR of anchor_hold_o. In every tick that is long enough for the core's and the anchors'
-// steps each of them is 0 at least once. Settings of the core change first: what scales voltages and the
-// anchors still need those of the step that ends. From the clock after that in which the bridges went off
-// only words_hold_o[3] ever is 1.
+//   words_hold_o[2]  a sum has begun
+//   words_hold_o[3]  a round of the walls has begun
+// words_hold_o[1] is the OR of anchor_hold_o. In every tick that is long enough for the steps of core and anchors each
+// hold is 0 at least once. Settings of the core change first, as scaling and anchors still need those of the step that
+// ends. From the clock after the bridges went off only words_hold_o[3] can be 1.
 //
-// Latency: the gates show the carrier's phase after 2 clocks, dead time aside, and CS_n falls 1
-// clock after the sample's phase: sample_lead_i = -1 samples in the pulse's middle, and half the
-// dead time less samples in the middle of what dead time makes of the pulse. The last sample
-// of a tick reaches the gates with the next tick that ends
+// Latency: the gates show the carrier's phase after 2 clocks plus dead time, and CS_n falls 1 clock after the sample's
+// phase. So sample_lead_i = -1 samples in the pulse's middle, and half the dead time less in the middle of the pulse
+// that dead time leaves. The last sample of a tick reaches the gates with the next tick that ends at least
 //     conversion + 14 + (24 + 5 SHAPER) N + 2 (N - 1) + ANCHOR clocks
-// after its sample strobe or later, conversion being the reader's own latency (latency_clocks in
+// after its sample strobe; conversion is the reader's latency (latency_clocks in
 // sim/wavehaptics/controller/pins_timing.py).
-// SHARED = 1 is half the multipliers, and changes no word. The core's products come first: in a tick
-// of fewer clocks than shared_tick_clocks some others would be late.
+// SHARED = 1 halves the multipliers and changes no value. The core's products come first: in a tick of fewer clocks
+// than shared_tick_clocks other products would be late.
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
 
 `default_nettype none
@@ -49,14 +47,14 @@ module wh_controller #(
     parameter integer SENSE      = 0,  // 1: sense checks and a measured zero (wh_sense_check, wh_zero)
     parameter integer ZERO_LOG2  = 10, // SENSE = 1: ticks of a zero, 2^ZERO_LOG2; 2...16
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
-    parameter integer DEAD_TIME  = 1,  // 1: dead time can be compensated
-    parameter integer MODES      = 0,  // 1: mode_i chooses the bridge's pattern; 0: unipolar
-    parameter integer MIN_PULSE  = 0,  // 1: min_pulse_i counts; 0: pulses may be of one clock
+    parameter integer DEAD_TIME  = 1,  // 1: dead-time compensation exists
+    parameter integer MODES      = 0,  // 1: mode_i selects the bridge's pattern; 0: unipolar
+    parameter integer MIN_PULSE  = 0,  // 1: min_pulse_i is in force; 0: pulses may last one clock
     parameter integer BUS        = 0,  // 1: bus_i scales the drive; 0: clocks_per_volt_i does
-    parameter integer HOST       = 0,  // 1: a computer can have the environment (wh_host_link)
-    parameter integer ANCHOR     = 0,  // 1: the port anchor holds what a port feels like (wh_anchor)
-    parameter integer SHARED     = 0,  // 1: one multiplier, the core's as well; SHAPER is 0
-    parameter integer GUARD      = 0,  // 1: wh_guard watches; 0: its inputs mean nothing
+    parameter integer HOST       = 0,  // 1: a computer can be the environment (wh_host_link)
+    parameter integer ANCHOR     = 0,  // 1: port anchors (wh_anchor)
+    parameter integer SHARED     = 0,  // 1: one multiplier serves all, the core too; SHAPER is 0
+    parameter integer GUARD      = 0,  // 1: wh_guard watches; 0: its inputs have no effect
     parameter integer SHAPE_BITS = N * ((SHAPER > 0) ? SHAPER : 1)  // derived, leave it
                                    * (9 * `WH_SHAPE_W + 3 * `WH_SHAPE_LOSS_W)
 ) (
@@ -81,8 +79,8 @@ module wh_controller #(
     input  wire [`WH_TICK_W-1:0]        tick_halves_i,       // halves in a tick
     input  wire [`WH_TICK_W-1:0]        sample_clocks_i,     // clocks from sample to sample
     input  wire [8:0]                   samples_i,           // samples in a tick, 1...256
-    input  wire signed [7:0]            sample_lead_i,       // clocks that samples come early
-    input  wire                         sample_late_i,       // a clock later in odd ticks
+    input  wire signed [7:0]            sample_lead_i,       // clocks by which samples come early
+    input  wire                         sample_late_i,       // 1: a clock later in odd ticks
 
     // ADC frame (wh_adc_serial; sim/wavehaptics/parts/adcs.py has the parts' words).
     input  wire [7:0]                   sclk_half_clocks_i,  // half a period of SCLK, clocks
@@ -97,19 +95,19 @@ module wh_controller #(
     input  wire                         read_trailing_i,     // read at the end of a pulse
 
     // Fast path of the current: the last word, or with ADC = 2 a filter of its own.
-    input  wire [15:0]                  trip_i,              // of 2^15, full scale; more: never
+    input  wire [15:0]                  trip_i,              // full scale is 2^15; more: never
 
     // Current (wh_current).
     input  wire [N*`WH_SUM_W-1:0]       zero_i,              // s24, a tick's sum at 0 A
-    input  wire [15:0]                  range_i,             // of 2^15, end of the ADC's range
+    input  wire [15:0]                  range_i,             // full scale is 2^15: end of the ADC's range
     // With SENSE = 1: the checks, and a zero measured on command, to which zero_i is added.
-    input  wire [15:0]                  stuck_words_i,       // words that are never all the same
-    input  wire                         zero_start_i,        // strobe; nothing while the bridges are on
+    input  wire [15:0]                  stuck_words_i,       // identical samples that are a fault
+    input  wire                         zero_start_i,        // strobe; no effect while the bridges are on
     input  wire [`WH_SUM_W-2:0]         zero_limit_i,        // largest permitted |zero|
     input  wire [N*`WH_COEF_W-1:0]      gain_i,              // s27q35 A per unit of the sum
 
     // Position and contact (wh_quadrature, wh_contact).
-    input  wire [3:0]                   filter_clocks_i,     // samples that a level must hold
+    input  wire [3:0]                   filter_clocks_i,     // clocks that a level must hold
     input  wire [N*WALLS*`WH_COUNT_W-1:0] wall_min_i,        // s32, counts
     input  wire [N*WALLS*`WH_COUNT_W-1:0] wall_max_i,        // s32, counts
     input  wire [N*WALLS-1:0]           wall_enable_i,
@@ -117,7 +115,7 @@ module wh_controller #(
     input  wire [N*`WH_COEF_W-1:0]      eta_contact_i,       // s27q25, in [-1, 1]
     input  wire [N*`WH_COEF_W-1:0]      eta_free_i,          // s27q25, in [-1, 1]
 
-    // W (wh_shaper): its words, port 0 lowest, and the walls that feel so; in others it stands still.
+    // W (wh_shaper): its settings, port 0 lowest, and the walls that it shapes; in others it keeps its state.
     input  wire [SHAPE_BITS-1:0]        shape_words_i,
     input  wire [N*WALLS-1:0]           wall_shaped_i,
 
@@ -143,12 +141,12 @@ module wh_controller #(
     // Drive (wh_modulator, wh_dead_time, wh_pwm, wh_half_bridge).
     input  wire [`WH_MODE_W-1:0]        mode_i,              // WH_MODE_...; but for unipolar,
                                                              // tick_halves_i is even
-    input  wire [7:0]                   min_pulse_i,         // clocks that a leg stays, or more
+    input  wire [7:0]                   min_pulse_i,         // clocks that a leg stays at least
     input  wire [N*`WH_COEF_W-1:0]      clocks_per_volt_i,   // s27q16 clocks/V; BUS = 1: at first
     input  wire [`WH_COEF_W-1:0]        bus_share_i,         // s27q24 1/V, BUS = 1 (wh_bus_scale)
     input  wire [7:0]                   dead_clocks_i,       // clocks
     input  wire                         compensate_i,        // the dead time
-    input  wire [N*`WH_DATA_W-1:0]      side_current_i,      // s31q24 A, 0...: where it has a side
+    input  wire [N*`WH_DATA_W-1:0]      side_current_i,      // s31q24 A, 0...: from which on it has a side
     input  wire [7:0]                   settle_ticks_i,      // ticks between its changes of side
     input  wire                         second_order_i,      // error feedback of order 2
 
@@ -156,39 +154,39 @@ module wh_controller #(
 
     // Guard (wh_guard; wh_faults.vh has the fields and the faults).
     input  wire [`WH_GUARD_W-1:0]       guard_i,             // its settings
-    input  wire                         clear_i,             // strobe: forget what is over
+    input  wire                         clear_i,             // strobe: clear faults whose cause is over
     input  wire                         stop_i,              // pin, asynchronous
     input  wire [N-1:0]                 driver_fault_i,      // pins, asynchronous
     input  wire                         host_alive_i,        // strobe
-    input  wire [N-1:0]                 anchor_fault_i,      // as what the port anchor finds itself
+    input  wire [N-1:0]                 anchor_fault_i,      // like the port anchor's own fault
     output wire [`WH_FAULTS-1:0]        faults_o,            // latched
     output wire                         running_o,           // the bridges are on
 
-    // What it sees and does.
-    output wire                         adc_ready_o,         // the ADC is set up: ticks go on
+    // State and live values.
+    output wire                         adc_ready_o,         // the ADC is set up, and ticks follow each other
     output wire                         tick_o,              // strobe, last clock of a tick
     output wire                         core_valid_o,        // strobe, the words below are new
     output wire [N*`WH_DATA_W-1:0]      voltage_o,           // s31q23 V, +-128 V: e to be applied
-    output wire [N*`WH_DATA_W-1:0]      correction_o,        // s31q23 V: the anchor's part of it
-    output wire [N*`WH_DATA_W-1:0]      offset_o,            // s31q24 A: what it takes off the current
+    output wire [N*`WH_DATA_W-1:0]      correction_o,        // s31q23 V: the anchor's share of it
+    output wire [N*`WH_DATA_W-1:0]      offset_o,            // s31q24 A: the offset that the anchor subtracts
     output wire [N*`WH_DATA_W-1:0]      flux_o,              // s31q16 cells: x̂ = x + 1/2 - this
     output wire [N*`WH_DATA_W-1:0]      lag_o,               // s31q16 cells: ω̂ over 256 ticks
     output wire [N-1:0]                 anchor_fault_o,      // waves and encoder don't agree; until rst
                                                              // or enable_i = 0
-    output wire [N*`WH_ENERGY_W-1:0]    contact_energy_o,    // s24q10 A·counts: of a contact to the shaft
-    output wire [N*`WH_ENERGY_W-1:0]    contact_energy_peak_o, // s24q10 A·counts: its most
+    output wire [N*`WH_ENERGY_W-1:0]    contact_energy_o,    // s24q10 A·counts: energy of a contact to the shaft
+    output wire [N*`WH_ENERGY_W-1:0]    contact_energy_peak_o, // s24q10 A·counts: its maximum
     output wire [N*`WH_DATA_W-1:0]      u_o,                 // s31q23 √W: u_n, measured tick
     output wire [N*`WH_DATA_W-1:0]      v_o,                 // s31q23 √W: v_n, measured tick
     output wire [N*`WH_DATA_W-1:0]      current_o,           // s31q24 A, +-64 A: i_n
     output wire [N*`WH_COUNT_W-1:0]     position_o,          // s32, counts
     output wire [N-1:0]                 contact_o,
-    output wire [N-1:0]                 saturated_o,         // the voltage limit was at work
+    output wire [N-1:0]                 saturated_o,         // the voltage limit acts
     output wire [N-1:0]                 clipped_o,           // a sample, i_n or v_n at the end of its range
-    output wire [N-1:0]                 adc_range_o,         // last word at the end of the scale
-    output wire [N-1:0]                 adc_stuck_o,         // last stuck_words_i words the same
-    output wire [N-1:0]                 zero_fault_o,        // no permitted zero was found
+    output wire [N-1:0]                 adc_range_o,         // last sample at the end of the scale
+    output wire [N-1:0]                 adc_stuck_o,         // last stuck_words_i samples identical
+    output wire [N-1:0]                 zero_fault_o,        // no accepted zero was found
     output wire [N-1:0]                 zero_busy_o,         // a zero is being measured
-    output wire [N-1:0]                 overcurrent_o,       // trip_i is reached, as long as it is
+    output wire [N-1:0]                 overcurrent_o,       // while trip_i is reached
     output wire [N-1:0]                 encoder_fault_o,     // illegal move seen; until clear_i
     input  wire                         restart_i,           // carrier and ADC begin anew, while the
                                                              // bridges are off; what was sampled before
@@ -227,12 +225,12 @@ module wh_controller #(
         end
     endgenerate
 
-    wire faulty;  // the guard wants the bridges off
+    wire faulty;  // the guard requires the bridges off
     reg  off_q;
     wire damp;
     wire off       = faulty || off_q;
     wire run       = enable_i && !off;
-    // What holds words knows of a fault a clock later; the bridges come on again a clock later too.
+    // The holds follow a fault a clock later; the bridges come on again a clock later too.
     wire reading   = enable_i && !off_q;
     wire drive_rst = rst || !run;
     wire zero_begins = zero_start_i && !run && SENSE != 0;
@@ -323,8 +321,8 @@ module wh_controller #(
     wire [N-1:0] current_valid;
 
     // ---- One multiplier for the currents (users 0...N-1), the voltages (N...2N-1) and the anchors
-    // (2N...3N-1), which have the most time. A user's reset drops its products, or one of before
-    // would be taken for one of after. With SHARED = 1 the core comes first, which can't wait.
+    // (2N...3N-1), which have the most time. A user's reset drops its products, else an old one
+    // would be taken for a new one. With SHARED = 1 the core comes first, as it can't wait.
 
     wire                            anchor_rst = drive_rst || damp;
     wire        [USERS-1:0]         multiply_drop;
@@ -419,10 +417,10 @@ module wh_controller #(
     wire [N*DATA_W-1:0] withheld;
     wire [N-1:0]        waves;
     wire [N-1:0]        anchor_overrun;
-    wire [N*COEF_W-1:0] eta;          // of contact, or 0 while a host has the environment
+    wire [N*COEF_W-1:0] eta;          // of contact, or 0 while a host is the environment
     wire [N*DATA_W-1:0] outside;      // a host's goal
-    wire [N*DATA_W-1:0] u_max;        // what the bus leaves of u_max_i
-    wire [N*DATA_W-1:0] step_max;     // and the port anchors of that, for the step that has begun
+    wire [N*DATA_W-1:0] u_max;        // u_max_i, or less by the bus
+    wire [N*DATA_W-1:0] step_max;     // the same less the port anchors' share, for the present step
     wire [N*COEF_W-1:0] clocks_per_volt;
     wire [2*N-1:0]      shape_mode;
 
@@ -465,7 +463,7 @@ module wh_controller #(
         .product_i     (product)
     );
 
-    // Currents are made, and steps asked for, while the drive is off as well.
+    // Currents are computed, and steps requested, also while the drive is off.
     wire missing;
 
     wh_step_watch step_watch (
@@ -478,14 +476,14 @@ module wh_controller #(
 
     assign overrun_o = adc_overrun || core_overrun || (|anchor_overrun) || missing;
 
-    // ---- Who reads settings.
+    // ---- Which blocks read settings.
 
     wire         core_reads;
     wire         scale_reads;
     wire [N-1:0] anchor_reads;
     wire [N-1:0] in_round;
     wire         summed    = |current_request;
-    reg          sum_q;  // words of a sum have come, and its products have not all begun
+    reg          sum_q;  // a sum has begun, and not all its products have
 
     always @(posedge clk) begin
         sum_q <= run && (adc_valid || (sum_q && !summed));
@@ -511,7 +509,7 @@ module wh_controller #(
         end
     endgenerate
 
-    // ---- What the measured bus changes.
+    // ---- Effect of the measured bus.
 
     generate
         if (BUS == 1) begin : measured_bus
@@ -644,7 +642,7 @@ module wh_controller #(
         end
     endgenerate
 
-    // ---- What each motor, and each port, has of its own.
+    // ---- The parts that each motor and each port has.
 
     wire [N-1:0]        shaped;
     wire [N*COEF_W-1:0] contact_eta;

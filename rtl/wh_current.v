@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_current: the mean current of a tick from the sum of its ADC words.
+// wh_current: the mean current of a tick from the sum of its ADC samples.
 //
-//   current = round((sum of samples_i words - zero) * gain) - offset
+//   current = round((sum of samples_i samples - zero) * gain) - offset
 //
-// zero is the sum that stands for 0 A, measured with the bridge off; gain holds the amperes of an
-// ADC step and the division by the number of samples. Rounding is to the nearest word, halves away
-// from zero, and the result saturates. offset is what the port anchor finds besides zero.
-// ends_o says that the current is not known: a word of its sum had range_i or more, either way, or the
-// result was saturated. At the high end (bit 0) the true current may be larger, at the low end (bit 1)
-// smaller.
-// The product is made by a multiplier shared with other blocks (wh_multiply_shared): request_o
-// stays until grant_i, factor_o and gain_i are the operands, done_i says that product_i is the
-// product.
-// Formats: below. Latency: 6 clocks from the last valid_i to valid_o, and one more for each clock
-// without grant. first_i begins a new sum whatever came before. Reset: no sum is under way.
+// zero is the sum that stands for 0 A, measured with the bridge off. gain is the amperes of an ADC step over the number
+// of samples. Rounding is to the nearest, halves away from zero; the result saturates. offset is what the port anchor
+// finds besides zero.
+// ends_o: the current is only bounded. A sample of its sum was at range_i or beyond, or the result saturated. At the
+// high end (bit 0) the true current may be larger, at the low end (bit 1) smaller.
+// The product comes from a multiplier shared with other blocks (wh_multiply_shared): request_o stays until grant_i,
+// factor_o and gain_i are the operands, and done_i indicates that product_i is valid.
+// Formats: below. Latency: 6 clocks from the last valid_i to valid_o, and one more for each clock without grant.
+// first_i begins a new sum at any time. Reset: no sum has begun.
 
 `default_nettype none
 `include "wh_formats.vh"

@@ -1,30 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_dead_time: what the half pulse must be longer by, so that the bridge's dead time costs nothing.
+// wh_dead_time: the extra half pulse width that compensates the bridge's dead time.
 //
-//   extra = side * (dead_clocks / 2)                   side: +1 or -1, where the current flows
-//   extra = side * (dead_clocks / 2) * 5/4             on the way there, see below
-//   side changes when  side * current < threshold,  settle_ticks after its last change or later
+//   extra = side * (dead_clocks / 2)                   side: +1 or -1, the sign of the current
+//   extra = side * (dead_clocks / 2) * 5/4             after a change of the side, see below
+//   side changes when  side * current < threshold,  at least settle_ticks after its last change
 //                      (-current as ~current)
 //
-// In a dead time the diodes hold a leg where the current drives it. Of the edges of wh_pwm's pulse
-// one is late by the dead time, and always the one that takes from the voltage along the current:
-// dead_clocks in each half, half of it from each end of the pulse, at any voltage. So extra needs
-// no gain and no bus voltage, and is exact. A current that reaches zero stays there: a leg floats in
-// its dead time, and a pulse shorter than that does nothing. Dead time is friction, and like
-// friction it holds what rests: near 0 A the side can't be read from a current that isn't there.
-// So this block tries both. After a change of the side, and while the current is still below the
-// threshold, the pulse is a quarter of the dead time longer than what it costs, which starts a
-// current on that side. Once there, the circuit is without friction, and whatever drives it makes
-// the current grow, or brings it down to the threshold: then the other side is tried. Where nothing
-// drives it, the current dwells just above the threshold on one side and the other in turn.
+// In a dead time the diodes hold a leg where the current drives it. Of the edges of wh_pwm's pulse one is late by the
+// dead time, always the one that takes from the voltage along the current: dead_clocks in each half, half of it from
+// each end of the pulse, at any voltage. So extra needs no gain and no bus voltage, and is exact.
 //
-// The threshold has to be more than the error of the current (offset and half a step of the ADC),
-// and so has what half a dead time's step of current, bus * dead time / (2 L), leaves of it.
-// settle_ticks covers the ticks from a pulse to the current that shows it.
+// A current that reaches zero stays there: a leg floats in its dead time, and a shorter pulse has no effect. Dead time
+// is friction, and like friction it holds what is at rest: near 0 A there is no current to read the side from. So this
+// block tries both sides. After a change of the side, while the current is still below the threshold, the pulse is
+// longer by a quarter more of the dead time, which starts a current on that side. Then the circuit has no friction, and
+// what drives it makes the current grow, or brings it down to the threshold: then the other side is tried. If nothing
+// drives it, the current stays just above the threshold on one side and the other in turn.
 //
-// Formats: below. Latency: 3 clocks from valid_i to extra_o. Reset, or compensate_i = 0: side +1 and
-// extra 0.
+// The threshold has to exceed the error of the current (offset and half a step of the ADC), even after half a dead
+// time's step of current, bus * dead time / (2 L), is subtracted from it. settle_ticks covers the ticks from a pulse to
+// the current that shows it.
+//
+// Formats: below. Latency: 3 clocks from valid_i to extra_o. Reset, or compensate_i = 0: side +1 and extra 0.
 
 `default_nettype none
 `include "wh_formats.vh"

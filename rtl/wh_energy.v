@@ -2,24 +2,23 @@
 //
 // wh_energy: observes the energy that a contact delivers to the shaft, count by count.
 //
-//   E     = sum of +-i_n   over the counts of a contact, each with the current of its period; times k_T Δ it
-//           is joules
+//   E     = sum of +-i_n   over the counts of a contact, each with the current of its period; times k_T Δ this is in
+//           joules
 //   peak  = the largest E of the contact, 0 or more
-//   over  = in contact, and peak > limit, in the limit's places
+//   over  = in contact, and peak > limit, in the limit's format
 //
-// Position and mean current i_n of a period n are as the port takes them. Force along the motion makes E larger: a
-// spring that is pressed has E < 0, and E > 0 is energy that nobody put in. A count in the direction of the one
-// before has crossed the whole of what lies between two edges, and is added. A count after a turn has not: the
-// rotor goes back through the edge that it came in by, and no way has been made. So a rotor that chatters at an
-// edge adds nothing.
-// A contact's first period sets E and peak to 0. A period counts if the period before was in contact: the contact's
-// last count is in E, and the count that began it is not. Out of contact, and while run_i = 0, both stay as the
-// last contact left them; the next period in contact begins a new contact.
-// Each count takes a clock, so that a leap of several needs no multiplier. A period may have as many counts as it
-// has clocks, less two, and less than 2^(WH_MOVE_W-1). An encoder has at most two in filter_clocks_i + 1 clocks.
-// Formats: E and peak s24q10 A·counts, of a current that is cut to as many places downwards: what that takes on
-// the way in it gives on the way out. A count that would take E beyond its word is left out, and the contact is not
-// judged any more: of more than 8191 A·counts in a contact the observer knows nothing.
+// Position and mean current i_n of a period n are those that the port uses. Force along the motion increases E: a
+// pressed spring has E < 0, and E > 0 is energy that was never put in. A count in the direction of the one before has
+// crossed a whole interval between two edges, and is added. A count after a reversal has not: the rotor goes back
+// through the same edge. So a rotor that chatters at an edge adds nothing.
+// A contact's first period sets E and peak to 0. A period is counted if the period before was in contact: so the
+// contact's last count is in E, and the count that began it is not. Out of contact, and while run_i = 0, both keep
+// their values; the next period in contact begins a new contact.
+// Each count takes a clock, so a jump of several needs no multiplier. A period may have as many counts as it has
+// clocks, less two, and less than 2^(WH_MOVE_W-1). An encoder has at most two in filter_clocks_i + 1 clocks.
+// Formats: E and peak s24q10 A·counts. The current is rounded down to as many fraction bits; what this takes on the
+// way in it returns on the way out. A count that would overflow E is left out, and the contact isn't judged any more:
+// beyond 8191 A·counts in a contact there is no observation.
 // Latency: the first count is in E three clocks after start_i, in peak and over_o a clock later.
 // Reset: E, peak and position 0, no contact.
 

@@ -9,20 +9,20 @@
 `define WH_FAULTS            24  // bits of the word; those without a name are 0
 `define WH_FAULT_CURRENT     0   // a sample beyond the limit
 `define WH_FAULT_TRIP        1   // the trip of the current's fast path
-`define WH_FAULT_ADC_STUCK   2   // the ADC says the same all the time
+`define WH_FAULT_ADC_STUCK   2   // the ADC repeats one value
 `define WH_FAULT_ADC_RANGE   3   // a sample at the end of the ADC's range
 `define WH_FAULT_ZERO        4   // current with the bridge off
 `define WH_FAULT_ENCODER     5   // an illegal move
-`define WH_FAULT_LOST        6   // voltage and current say motion, the encoder doesn't
+`define WH_FAULT_LOST        6   // voltage and current show motion, the encoder doesn't
 `define WH_FAULT_HOST        7   // no sign of the host
 `define WH_FAULT_DRIVER      8   // the driver's fault pin
 `define WH_FAULT_STOP        9   // emergency stop
 `define WH_FAULT_BUS_LOW     10
 `define WH_FAULT_BUS_HIGH    11
-`define WH_FAULT_HEAT        12  // the winding's losses over its time constant
-`define WH_FAULT_SETTING     13  // a parameter that means nothing
-`define WH_FAULT_OVERRUN     14  // a tick too short for its work, or ticks without
-`define WH_FAULT_ANCHOR      15  // waves and counts don't agree on where the rotor is
+`define WH_FAULT_HEAT        12  // the winding's losses, averaged over its time constant
+`define WH_FAULT_SETTING     13  // a setting that a block can't use
+`define WH_FAULT_OVERRUN     14  // a tick too short for its work, or ticks without a step
+`define WH_FAULT_ANCHOR      15  // waves and encoder disagree on the rotor's position
 `define WH_FAULT_ENERGY      16  // a contact delivered more energy than its limit
 
 // Faults after which the current can still be trusted: these alone may end in damping.

@@ -1,46 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_guard: latches every fault, and stops the bridges until it is cleared by command.
+// wh_guard: latches every fault, and stops the bridges until a command clears it.
 //
 //   faults = (faults, unless clear_i) or (causes and mask)
-//   off    = any fault that is not to damp;  damp = faults, but none for off
+//   off    = any fault that doesn't damp;  damp = any fault, if none switches off
 //
-// A cause is a level: the last judgement of a sample or a current stands until the next. So clear_i
-// leaves what is still the case, and what comes in its very clock. A fault damps if its bit of DAMP
-// says so and the current can be trusted all the same (WH_FAULTS_DAMPABLE in wh_faults.vh, which names
-// the bits and the settings' fields). off_o takes the gates off one clock after the fault is latched; damp_o makes
-// η = 0 everywhere: a damper k_T² / R, with nothing stored once f has died away.
+// A cause is a level: the last judgement of a sample or a current stays valid until the next one. So clear_i keeps a
+// fault whose cause lasts, and one that arises in its own clock. A fault damps if its bit of DAMP is 1 and the current
+// can still be trusted (WH_FAULTS_DAMPABLE in wh_faults.vh, which names the bits and the settings' fields). off_o
+// switches the gates off one clock after the fault is latched. damp_o makes η = 0 everywhere: a damper k_T² / R, with
+// nothing stored once f has decayed.
 //
 // Causes, each for any motor:
 //   CURRENT, ADC_RANGE   |sample| > limit, each sample by itself
-//   ADC_STUCK            so many samples in a row are one word; real ones have noise
-//   ZERO                 |current| > limit while the bridge has been off for so many ticks
-//   LOST                 |u + v| = 2 |e - R̂ i| / s > limit, as a mean of about 256 ticks, with one
-//                        sign, in so many more ticks than not, and no count: the back-EMF turns,
-//                        the encoder doesn't
-//   HOST                 so many ticks without host_alive_i
+//   ADC_STUCK            a number of consecutive samples are identical; real ones have noise
+//   ZERO                 |current| > limit after the bridge has been off for a number of ticks
+//   LOST                 |u + v| = 2 |e - R̂ i| / s > limit, as a mean of about 256 ticks, with one sign, in a number
+//                        of ticks more than without, and no count: the back-EMF shows motion, the encoder doesn't
+//   HOST                 a number of ticks without host_alive_i
 //   BUS_LOW, BUS_HIGH    bus_i outside its limits
-//   HEAT                 h > limit, h += (i² - h) / 2^16 every so many ticks, 0 as 1: a winding of the
-//                        time constant 2^16 squares
-//   SETTING              an illegal word, found outside (setting_i)
+//   HEAT                 h > limit, h += (i² - h) / 2^16 every so many ticks (0 counts as 1): a winding with a time
+//                        constant of 2^16 squares
+//   SETTING              an illegal setting, found outside (setting_i)
 //   ENERGY               a contact delivered more than its limit (wh_energy); a limit of 0: no check
-//   OVERRUN              a tick too short for its work, or ticks without (overrun_i)
+//   OVERRUN              a tick too short for its work, or ticks without a step (overrun_i)
 //   ENCODER              an illegal move, a strobe from outside
-//   the rest             inputs; stop_i and driver_i pass synchronisers here
+//   the others           inputs; stop_i and driver_i pass synchronisers here
 //
-// ZERO is forgotten as well where a zero begins to be measured, zero_start_i: what is measured then says it
-// anew. A current with the bridge off is judged by a zero that stands: not while one is measured, and in the
-// ticks that had begun by then.
+// The start of a zero measurement, zero_start_i, also clears ZERO; the measurement's result decides anew. With the
+// bridge off, the current isn't judged while a zero is measured, nor in the ticks that had begun by then.
 //
-// What a clear needs before it: LOST, ANCHOR, ENERGY and a core's OVERRUN are seen in a bridge that is on, so
-// they are over once it is off or damped, and found anew; OVERRUN of an ADC's reader or of ticks without a step
-// lasts until rst. All others end with what they say.
+// LOST, ANCHOR, ENERGY and a core's OVERRUN need a bridge that is on. So their causes are over once it is off or
+// damped, and return if they last. OVERRUN of an ADC's reader, or of ticks without a step, lasts until rst. All others
+// end with their cause.
 //
-// Formats: in wh_faults.vh and below. Latency: a cause that is a level is latched in the next clock
-// (pins: 2 clocks later), and one clock after it off_o has switched the gates off (wh_half_bridge).
-// What is measured is judged in the clock after its word: a sample, a tick's current, or, for HEAT,
-// 18 clocks after it.
-// Reset: no fault, all counts and the heat 0.
+// Formats: in wh_faults.vh and below. Latency: a level is latched in the next clock (pins: 2 clocks later), and one
+// clock after that off_o has switched the gates off (wh_half_bridge). A measured value is judged in the clock after it:
+// a sample, a tick's current, or, for HEAT, 18 clocks after it.
+// Reset: no fault, counts and heat 0.
 
 `default_nettype none
 `include "wh_formats.vh"

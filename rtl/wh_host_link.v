@@ -1,23 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_host_link: one port's link to an environment that runs on a computer, at the level of words.
+// wh_host_link: one port's link to an environment that runs on a computer.
 //
 //   v_mean = mean of v over a period of 2^period_log2_i ticks, toward zero, with a number
-//   u      = what the host answered, for a whole period, as far as the budget covers it:
-//            budget += v_mean^2, budget -= u^2, and a u that is not covered is halved until it is
+//   u      = the host's answer, for a whole period, as far as the budget covers it:
+//            budget += v_mean^2, budget -= u^2; a u that is not covered is halved until it is
 //
-// With the wave core's eta = 0 and u_o as its wave from outside while active_o is high, the port
-// can't give out energy, whatever the host answers, late, twice or never: the mean is at most what
-// came in, and the budget pays for every period of u.
+// While active_o is high, the wave core has eta = 0 and u_o as its wave from outside. Then the port can't give out
+// energy, whether the host answers late, twice, never or anything: the mean has at most the energy that came in, and
+// the budget pays for every period of u.
 //
-// An answer counts if its number is newer than any that counted, and less than 128 periods old. The
-// newest of a period is taken at its end, if it came 80 clocks before; without one u is held. After
-// timeout_i such periods in a row active_o falls, and the budget is empty.
-// sim/wavehaptics/controller/host_link.py says the same with integers, and this module equals it bit for bit.
-// Formats: waves s31q23 √W; the budget in squares of a wave's last place, limited at 2^62 - 1.
-// Latency: u_o and active_o change 1 clock after the valid_i that ends a period, strobe_o comes
-// 3 + period_log2_i clocks after it, and v_mean^2 is in the budget 33 clocks later. A period is
-// longer than all that, 150 clocks.
+// An answer counts if its number is newer than any that counted, and less than 128 periods old. The newest one of a
+// period is taken at its end, if it came at least 80 clocks before; without one u is held. After timeout_i such periods
+// in a row active_o falls, and the budget is emptied.
+// sim/wavehaptics/controller/host_link.py is the same with integers, and this module equals it bit for bit.
+// Formats: waves s31q23 √W; the budget in squares of a wave's LSB, limited at 2^62 - 1.
+// Latency: u_o and active_o change 1 clock after the valid_i that ends a period, strobe_o comes 3 + period_log2_i
+// clocks after it, and v_mean^2 is in the budget 33 clocks later. A period is longer than all that, 150 clocks.
 // Reset: not active, u 0, the next packet is number 1.
 
 `default_nettype none

@@ -8,35 +8,37 @@
 //   wh_contact_ports -> wh_environment_ports -^   |
 //       `------------------> wh_anchor_ports <----'
 //
-// wh_guard_ports latches faults, wh_energy_ports observes contacts, wh_port_check finds settings without a meaning,
-// wh_carrier times everything, and wh_slots says whose turn it is.
+// wh_guard_ports latches faults, wh_energy_ports observes contacts, wh_port_check finds illegal settings, wh_carrier
+// times everything, and wh_slots has the schedule.
 //
-// Each station is there once. wh_slots begins a port's turn, and port and bank go from station to station with
-// valid and data; a port's state is in each station's memories, as are its settings, in two banks. One
-// multiplier serves all, but W, by the schedule in wh_slots' header: nobody waits, and nobody else asks.
-// What it does for each port is what wh_controller with SENSE, GUARD and ANCHOR does, in every bit. A fault switches
-// off at once, but damps from the next round on: a round is damped for all ports or for none. wh_controller damps in
-// the midst of a step.
+// Each station exists once. wh_slots begins a port's turn; port and bank go from station to station with valid and
+// data. Each station keeps the ports' states, and their settings in two banks, in its own memories. One multiplier
+// serves all stations but W, by the schedule in wh_slots' header: requests never meet, so no station waits.
 //
-// AXES: where bit n is 1, ports n and n + 1 are the axes alpha and beta of a brushless motor, with two slots one after
-// the other, and what they do is what wh_brushless with SENSE, GUARD and ANCHOR does, in every bit; the slots are in
-// wh_slots' header. Both axes have the same settings, but zero and gain, which are those of the phases a and b. Its
-// encoder is port n's, and so are its walls. Its legs a and b are port n's, c is leg A of port n + 1; driver_fault_i
-// is that of both. Widths are made once a carrier's period, so a tick has whole ones. What is lost by the one axis is
-// lost by both, from the next round on. The magnets' angle: wh_rotor.
+// For each port it equals wh_controller with SENSE, GUARD and ANCHOR bit for bit, with one exception: a fault switches
+// off at once, but damps only from the next round on, so a round is damped for all ports or for none. wh_controller
+// damps within a step.
 //
-// Signs, enable_i and restart_i are those of wh_controller. The port's settings change with force_i, from the next
-// round on; those of all ports, the packed ones, in reset or as wh_controller has it.
+// AXES: if bit n is 1, ports n and n + 1 are the axes alpha and beta of a brushless motor. They have consecutive slots
+// (wh_slots' header) and equal wh_brushless with SENSE, GUARD and ANCHOR bit for bit. Both axes have the same settings,
+// but for zero and gain, which are those of phases a and b. Encoder and walls are port n's. Legs a and b are port n's,
+// c is leg A of port n + 1; driver_fault_i is that of both. Widths are computed once a carrier period, so a tick is a
+// whole number of these. If one axis' anchor loses the rotor, both are damped, from the next round on. The electrical
+// angle: wh_rotor.
 //
-// Latency: the last sample of a period reaches the gates with the next tick that ends
+// Signs, enable_i and restart_i are those of wh_controller. Settings of each port change with force_i, from the next
+// round on. The packed settings of all ports may change in reset, or as wh_controller's.
+//
+// Latency: the last sample of a period reaches the gates with the next tick that ends at least
 //     conversion + 32 (N - 1) + 43 + N + 5 SHAPER clocks
-// after its sample strobe or later, and a period has 32 (N - 1) + 38 clocks or more. A half has N + 8 or more.
+// after its sample strobe. A period has at least 32 (N - 1) + 38 clocks, a carrier half at least N + 8.
 // With SHAPER = 2, a port takes 36 clocks instead of 32, and the last one 42 instead of 38.
-// Where the last port is beta's, its motor's legs want 56, 72 or 77 instead of 43 + 5 SHAPER, by SHAPER, and a period
-// ends with 42, 58 or 63. A third leg for each brushless motor is one more of N in the former, and of a half's N + 8,
-// which has three clocks more then.
-// Live values: live_valid_o strobes with the port, which value it is, and the value, all of them once a period, and an
-// offset that changes in a step once more.
+// If the last port is beta's, its motor's legs need 56, 72 or 77 instead of 43 + 5 SHAPER, for SHAPER = 0, 1 or 2, and
+// a period ends with 42, 58 or 63 instead of 38. Each brushless motor's third leg adds one to N in the latency and in
+// a half's N + 8, which then has three clocks more.
+//
+// Live values: live_valid_o strobes with the port, the index of the value, and the value, each once a period; an
+// offset that changes in a step comes twice.
 // Reset: gates off at the next clock edge, CS_n high, f = 0, no contact, position 0.
 
 `default_nettype none
@@ -51,9 +53,9 @@ module wh_ports #(
     parameter integer OSR        = 32, // ADC = 2: bits a word, 4...256
     parameter integer ZERO_LOG2  = 10, // ticks of a zero, 2^ZERO_LOG2; 2...16
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper_ports), 0...2; 0: W = 1
-    parameter integer HOST       = 0,  // 1: a computer can have the environment (wh_host_link)
-    parameter integer MODES      = 0,  // 1: mode chooses the bridges' pattern; 0: unipolar
-    parameter integer MIN_PULSE  = 0,  // 1: min_pulse counts; 0: pulses may be of one clock
+    parameter integer HOST       = 0,  // 1: a computer can be the environment (wh_host_link)
+    parameter integer MODES      = 0,  // 1: mode selects the bridges' pattern; 0: unipolar
+    parameter integer MIN_PULSE  = 0,  // 1: min_pulse is in force; 0: pulses may last one clock
     parameter integer AXES       = 0,  // 0...: bit n: ports n, n + 1 are a brushless motor's axes
     parameter integer PORT_W     = (N > 1) ? $clog2(N) : 1  // derived, leave it
 ) (
@@ -101,21 +103,21 @@ module wh_ports #(
     input  wire                         host_alive_i,
     input  wire                         zero_start_i,     // nothing while the bridges are on
     input  wire                         restart_i,        // nothing while the bridges are on
-    input  wire                         magnet_start_i,   // nothing while the bridges are on: the magnets anew
+    input  wire                         magnet_start_i,   // nothing while the bridges are on: set or search the angle
 
-    // A computer's environment, HOST = 1 (wh_host_link). What its packets have are live values.
+    // A computer's environment, HOST = 1 (wh_host_link). Its packets' contents are live values.
     input  wire [N-1:0]                 host_strobe_i,    // an answer for that port
     input  wire [7:0]                   host_sequence_i,  // of the packet that it answers
     input  wire [`WH_DATA_W-1:0]        host_u_i,         // s31q23 √W
     output wire [N-1:0]                 host_strobe_o,    // a packet
 
-    // What it sees and does.
+    // State.
     output wire                         live_valid_o,     // strobe
     output wire [PORT_W-1:0]            live_port_o,
     output wire [3:0]                   live_word_o,      // WH_LIVE_...
-    output wire [31:0]                  live_data_o,      // words with a sign are sign-extended
+    output wire [31:0]                  live_data_o,      // signed values are sign-extended
     output wire                         tick_o,           // strobe, last clock of a tick
-    output wire                         adc_ready_o,      // the ADC is set up: ticks go on
+    output wire                         adc_ready_o,      // the ADC is set up, and ticks follow each other
     output wire                         running_o,        // the bridges are on
     output wire                         zero_busy_o,      // zeros are measured
     output wire [N-1:0]                 zero_faults_o,    // no permitted zero was found
@@ -129,7 +131,7 @@ module wh_ports #(
     localparam integer LAST   = N - 1;
     localparam [COEF_W-1:0] ONE_STEP = 1;
 
-    // Brushless motors: their axes, and a third leg for each, of a number behind the ports'.
+    // Brushless motors: their axes, and a third leg for each, numbered behind the ports.
     localparam integer BETAS  = AXES << 1;
     localparam integer THIRDS = (AXES & 1) + ((AXES >> 1) & 1) + ((AXES >> 2) & 1) + ((AXES >> 3) & 1)
                                 + ((AXES >> 4) & 1) + ((AXES >> 5) & 1) + ((AXES >> 6) & 1);
@@ -178,7 +180,7 @@ module wh_ports #(
     assign {hold_ticks, extra_ticks} = delay_i;
     assign {second_order, settle_ticks, compensate, dead_clocks, min_pulse, mode} = bridge_i;
 
-    // Widths that keep every leg where it is for min_pulse, as wh_controller has them.
+    // Widths that keep every leg's level for min_pulse, as in wh_controller.
     wire       half_bridge = MODES != 0 && mode == `WH_MODE_HALF_BRIDGE;
     wire       whole       = MODES != 0 && mode != `WH_MODE_UNIPOLAR;  // one width for both halves of a period
     wire [7:0] spare       = (MIN_PULSE != 0) ? (min_pulse >> 1) + {7'd0, min_pulse[0]} : 8'd0;
@@ -187,8 +189,8 @@ module wh_ports #(
                            : (mode == `WH_MODE_SIGN_MAGNITUDE) ? spare : 8'd0;
 
     // ---- On and off.
-    wire faulty;      // the guard wants the bridges off,
-    wire damp_wanted; // or a damper,
+    wire faulty;      // the guard requires the bridges off,
+    wire damp_wanted; // or damping,
     wire damp;        // from a round's beginning on
     reg  off_q;
     wire run           = enable_i && !(faulty || off_q);
@@ -293,7 +295,7 @@ module wh_ports #(
         .overrun_o (slots_overrun)
     );
 
-    // ---- The multiplier. Requests never meet, so it takes what is asked for.
+    // ---- The multiplier. Requests never meet, so it needs no arbiter.
     wire                            sense_request, core_request, anchor_request, drive_request, guard_request,
                                     energy_request, axis_request;
     wire signed [DATA_W-1:0]        sense_factor, core_factor, anchor_factor, drive_factor, guard_factor,
@@ -326,7 +328,7 @@ module wh_ports #(
         .product_o (product)
     );
 
-    // ---- Words that one station has for another.
+    // ---- Signals between stations.
     wire                     room_valid, offset_valid, flux_valid, lag_valid, correction_valid;
     wire [PORT_W-1:0]        anchor_port;
     wire signed [DATA_W-1:0] anchor_data;
@@ -339,7 +341,7 @@ module wh_ports #(
     wire signed [DATA_W-1:0] current, current_offset;
     wire [1:0]               current_ends;
     wire [LEGS-1:0]          ranges, stucks, guard_currents, guard_ranges, guard_stucks, zero_faults;
-    wire                     phase_valid;    // what flows in a phase, or in a brushed motor
+    wire                     phase_valid;    // the current of a phase, or of a brushed motor
     wire signed [DATA_W-1:0] phase_current;
     wire [1:0]               phase_ends;
     wire signed [DATA_W-1:0] beta_current;
@@ -348,7 +350,7 @@ module wh_ports #(
     wire [31:0]              offset_leg   = {{(32 - PORT_W){1'b0}}, anchor_port};
     wire [1:0]               kind         = phase_turn ? 2'd2 : {betas[slot_port], axes[slot_port]};
     wire [LEGS-1:0]          offset_rst;
-    wire [N-1:0]             forget;         // an axis begins anew
+    wire [N-1:0]             forget;         // reset of an axis
     wire                     unused_legs  = &{1'b0, slot_leg[31:LEG_W], offset_leg[31:LEG_W]};
 
     assign zero_faults_o = zero_faults[N-1:0];
@@ -543,7 +545,7 @@ module wh_ports #(
         .cell_i             (cells[core_port*CELL_W +: CELL_W]),
         .found_i            (magnets_found_o),
         .forget_i           (forget),
-        .contact_i          (contact || host_active),  // its current may be what a host likes
+        .contact_i          (contact || host_active),  // a host may set any current
         .blind_i            (clipped),
         .current_i          (current),
         .u_i                (u),
@@ -605,7 +607,7 @@ module wh_ports #(
     wire signed [DATA_W-1:0]     voltage, correction;
     wire                         width_valid;
     wire [LEG_W-1:0]             width_leg;
-    wire                         leg_valid;       // what flows out of a leg
+    wire                         leg_valid;       // the current out of a leg
     wire [LEG_W-1:0]             leg;
     wire signed [DATA_W-1:0]     leg_current;     // with leg_valid,
     wire signed [DATA_W-1:0]     leg_current_after;  // and a clock later
@@ -663,7 +665,7 @@ module wh_ports #(
         .width_o            (width)
     );
 
-    // ---- Settings without a meaning: those of all ports, beside a port's that are legal, and those of each port.
+    // ---- Illegal settings: those of all ports, checked with legal ones of a port, and those of each port.
     localparam ALL_AXES = (AXES | BETAS) == (1 << N) - 1;
     wire illegal_setting, illegal_port;
 
@@ -763,11 +765,11 @@ module wh_ports #(
         .damp_o          (damp_wanted)
     );
 
-    // ---- Pins, and what each brushless motor has of its own.
+    // ---- Pins, and the parts that each brushless motor has.
     wire        look;           // alpha's turn begins
     wire [PORT_W-1:0] turn_port;  // beta's
-    wire        turned;         // both anchors are done with the rotor,
-    wire        turn_ends;      // and with all else
+    wire        turned;         // both anchors have taken the rotor's flux,
+    wire        turn_ends;      // and everything else
     wire        turn_contact;
     wire [2*DATA_W-1:0]   turn_flux;
     wire [`WH_REST_W-1:0] turn_rest;
@@ -887,9 +889,9 @@ module wh_ports #(
 
     generate
         if (AXES != 0) begin : with_axes
-            localparam integer PACE    = 3;   // ticks of leg b's side more than of leg a's, as wh_three_phase has it
+            localparam integer PACE    = 3;   // ticks that leg b's side lasts longer than leg a's (wh_three_phase)
             localparam [7:0]   MOST    = 8'd255 - 2 * PACE[7:0];
-            localparam integer TURNED  = 18;  // clocks since beta's waves, its χ is there
+            localparam integer TURNED  = 18;  // clocks from beta's waves to its χ
             localparam integer ENDS    = 33;
 
             // Third phases: words, currents.
@@ -982,7 +984,7 @@ module wh_ports #(
             wire signed [DATA_W-1:0] clarke_factor, legs_factor, clarke_alpha;
             wire signed [COEF_W-1:0] clarke_coefficient, legs_coefficient;
             wire [1:0]               clarke_ends;
-            reg  [3:1]               clarke_asked_q;  // so many clocks ago
+            reg  [3:1]               clarke_asked_q;  // clocks since the request
             wire                     unused_clarke = &{1'b0, clarke_valid, clarke_alpha};
 
             always @(posedge clk) begin
@@ -1029,7 +1031,7 @@ module wh_ports #(
                 .duty_leg_o    (duty_leg)
             );
 
-            // What is driven is of one step for all three legs: the walk waits for those that come one after the other.
+            // All three legs are driven by one step: the walk waits until all three duties are there.
             reg  walk_waits_q;
 
             always @(posedge clk) begin
@@ -1045,7 +1047,7 @@ module wh_ports #(
             assign axis_factor      = clarke_request ? clarke_factor : legs_factor;
             assign axis_coefficient = clarke_request ? clarke_coefficient : legs_coefficient;
 
-            // An axis that is lost takes the other one with it, in the same step.
+            // If one axis' anchor loses the rotor, the other axis is damped too, in the same step.
             wire [N-1:0] either = anchor_faults | (anchor_faults >> 1);
             reg          lost_q;
 
@@ -1147,11 +1149,11 @@ module wh_ports #(
     assign leg_anchor_faults[N-1:0]  = anchor_faults;
     assign leg_energies[N-1:0]       = energy_over;
 
-    // ---- Live values, each in a clock of the slot that no other has: 8 current, 9 position, 10, 11 a host's packet,
+    // ---- Live values, each in its own clock of the slot: 8 current, 9 position, 10, 11 a host's packet,
     // 13 u, 14 v, 15 flags, 19, 20 energy of the contact and its most, 32, 33 e and c of it, with W later; 27 offset,
     // 29 χ, 36 ω̂. They are all held until then. 16 the offset
     // as it was, 17, 18 χ and ω̂ where they are damped: 0.
-    reg [12:1] since_q;  // the current was there so many clocks ago
+    reg [12:1] since_q;  // clocks since the current was valid
     reg [2:1] drove_q;  // the voltage, of this port
     reg [PORT_W-1:0] drove_port_q;
     reg signed [DATA_W-1:0] voltage_q;

@@ -4,16 +4,15 @@
 //
 //   position' = position + 1 if A leads B, - 1 if B leads A, at each edge of A and of B
 //
-// A level of A or B is believed once it has held for filter_clocks_i samples in a row; anything
-// shorter is a glitch. Each line has its own filter, so the lines may change as soon as one after
-// the other, and each again after filter_clocks_i + 1 clocks: two counts in that time.
-// If A and B change in the same clock, the direction is not known: the move is not counted but
-// told (illegal_o), latched (fault_o) and tallied (faults_o), also in the clock of a clear_i.
-// Formats: position s32, counts, wraps at +-2^31. Latency: 2 clocks of synchroniser,
-// filter_clocks_i of filter and 1 of counting from a pin to position_o; illegal_o comes 1 clock before
-// fault_o.
-// Reset: position 0, no fault. For SETTLE_CLOCKS after it the lines are followed without counting,
-// so the levels that the encoder rests at are no move.
+// A level of A or B counts once it has held for filter_clocks_i consecutive samples; anything shorter is a glitch. Each
+// line has its own filter, so the lines may change right after each other, and each again after filter_clocks_i + 1
+// clocks: two counts in that time.
+// If A and B change in the same clock, the direction is unknown. Such a move isn't counted: illegal_o strobes, fault_o
+// latches it, and faults_o counts it, also in the clock of a clear_i.
+// Formats: position s32, counts, wraps at +-2^31. Latency: 2 clocks of synchroniser, filter_clocks_i of filter and 1 of
+// counting from a pin to position_o; illegal_o comes 1 clock before fault_o.
+// Reset: position 0, no fault. For SETTLE_CLOCKS after it the lines are followed without counting, so the encoder's
+// levels at rest aren't a move.
 
 `default_nettype none
 `include "wh_formats.vh"

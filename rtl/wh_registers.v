@@ -4,7 +4,7 @@
 // and keeps the last live value of each port.
 //
 // A request holds bus_valid_i until bus_ready_o. Addresses, kinds and ranges are those of rtl/words.toml
-// (wh_settings_rom). A register with a sign is sign-extended to 32 bits; bus_signed_o says that it has one.
+// (wh_settings_rom). A register with a sign is sign-extended to 32 bits; bus_signed_o is then 1.
 // bus_error_o, with bus_ready_o:
 //   0 done
 //   1 no such register, or it can't be written or read; it reads 0
@@ -19,36 +19,36 @@
 //   defaults  a ROM; all ports have the same
 // A pass reads one of these from its first setting to its last, one a clock, and writes each into the others, into
 // the stations' bank that isn't in force (wh_port_settings), and into the shadow registers of the settings of all
-// ports. With the last one, force_o changes over to that bank, and the settings of all ports change in the same
-// clock: wh_slots takes force_i as a round begins, so each round has the settings of one commit. A pass writes every
-// setting, so it doesn't matter what the other bank had. `commit` starts a pass from what is written, `discard` one
-// from what is in force, a reset one from the defaults.
+// ports. With the last one, force_o selects that bank, and the settings of all ports change in the same
+// clock. wh_slots takes force_i as a round begins, so each round has the settings of one commit. A pass writes every
+// setting, so the other bank's old contents don't matter. `commit` starts a pass from the written settings, `discard`
+// one from those in force, a reset one from the defaults.
 //
 // After a pass, a round that began before still uses the old bank: the next pass waits SETTLE clocks.
-// Settings of all ports need the bridges off. From a commit of such a one until its end loading_o is high: then the
-// bridges have to stay off, and restart_o makes carrier and ADC begin anew.
+// Settings of all ports need the bridges off. During a commit of such a setting loading_o is high: then the bridges
+// have to stay off, and restart_o restarts carrier and ADC.
 //
-// A brushless motor (AXES) has its settings in alpha's part, but the zeros and gains of its phases, which are in the
-// parts of both: beta's other settings are those of alpha, whatever is written. Those of the magnets are of all
-// brushless motors.
+// A brushless motor (AXES) has its settings in alpha's part. Only the zeros and gains of its phases are in the parts of
+// both axes; beta's other settings are those of alpha, whatever is written. The settings of the magnets are common to
+// all brushless motors.
 //
 // Commands and reads never wait. Live values: those of a step read 0 while the bridges are off. A packet's number and
-// its v are of one packet where they are read less than 64 clocks apart.
+// its v belong together if both are read within 64 clocks.
 //
 // Latency: 5 clocks from bus_valid_i to bus_ready_o, always; a command's strobe comes a clock later. busy_o is high
 // from the clock after the answer to `commit` on, for
 //     COPIED + 2 + SETTLE ... COPIED + COPIED / 5 + 3 + SETTLE clocks,
 // COPIED = 96 + 128 N, or 96 + 152 N with a shaper, SETTLE = 27 + 36 N; force_o changes SETTLE clocks before the end. A
-// request takes a clock of the pass; nothing else that bus or ports do delays it.
-// Reset: a pass from the defaults; ready_o says that it has ended. Until then no request ends, and the ports have to
-// be in reset.
+// request takes a clock of the pass; nothing else on bus or ports delays it.
+// Reset: a pass from the defaults; ready_o rises at its end. Until then no request ends, and the ports have to be in
+// reset.
 
 `default_nettype none
 `include "wh_formats.vh"
 `include "wh_faults.vh"
 
 module wh_registers #(
-    parameter integer N          = 1,  // as wh_ports has them
+    parameter integer N          = 1,  // as in wh_ports
     parameter integer WALLS      = 4,
     parameter integer DELAY_LOG2 = 2,
     parameter integer SHAPER     = 0,
@@ -69,7 +69,7 @@ module wh_registers #(
     output wire [1:0]               bus_error_o,
     output wire                     bus_signed_o,
 
-    // Settings of all ports, packed as wh_ports has them.
+    // Settings of all ports, packed as in wh_ports.
     output wire [65:0]              carrier_o,
     output wire [56:0]              frame_o,
     output wire [70:0]              sense_o,
@@ -98,7 +98,7 @@ module wh_registers #(
     output wire [31:0]              command_data_o,
 
     // State.
-    output wire                     ready_o,        // since reset all settings were written
+    output wire                     ready_o,        // all settings were written since reset
     output wire                     loading_o,      // the bridges have to stay off
     output wire                     busy_o,         // a commit is under way
     input  wire                     running_i,      // the bridges are on
@@ -118,9 +118,9 @@ module wh_registers #(
     localparam integer   PLACE_W = PART_W + 8;
     localparam integer   LAST    = N - 1;
     localparam integer   BETAS   = AXES << 1;
-    localparam [7:0]     BOARD   = 8'ha0;  // where the first port's part of a memory has the settings of all ports
+    localparam [7:0]     BOARD   = 8'ha0;  // the settings of all ports, in the first port's part of a memory
     localparam [7:0]     LAST_SLOT = (SHAPER > 0) ? 8'h97 : 8'h7f;  // of a port's settings
-    localparam integer   ROUND   = 27 + 36 * N;  // clocks until a round that has begun reads no setting any more
+    localparam integer   ROUND   = 27 + 36 * N;  // clocks until a round that has begun has read all its settings
     localparam [8:0]     SETTLE  = ROUND[8:0];
 
     generate
@@ -143,8 +143,8 @@ module wh_registers #(
     localparam [1:0] LIVE    = 2'd3;
 
     localparam [2:0] IDLE  = 3'd0;
-    localparam [2:0] LEAST = 3'd1;  // the least value of the range is asked for
-    localparam [2:0] MOST  = 3'd2;  // the greatest one, and what is written
+    localparam [2:0] LEAST = 3'd1;  // the least value of the range is read
+    localparam [2:0] MOST  = 3'd2;  // the greatest one, and the written setting
     localparam [2:0] LOW   = 3'd3;  // the least one is compared
     localparam [2:0] JUDGE = 3'd4;  // the greatest one
     localparam [2:0] DONE  = 3'd5;
@@ -155,16 +155,16 @@ module wh_registers #(
 
     reg [2:0] state_q;
     reg       ready_q;
-    reg       pass_q;     // from its begin until it has settled
-    reg       copies_q;   // settings are still to be read
+    reg       pass_q;     // from the pass' begin until SETTLE clocks after its end
+    reg       copies_q;   // settings remain to be read
     reg [1:0] source_q;
-    reg [8:0] settle_q;   // clocks until it has settled
+    reg [8:0] settle_q;   // clocks of SETTLE that remain
     reg       force_q;
     reg       loading_q;
     reg       staged_q;   // something was written since the last pass
-    reg       off_q;      // of that, something that needs the bridges off
+    reg       off_q;      // of these, one that needs the bridges off
 
-    // ---- What the register map says of the address.
+    // ---- The register map's entry of the address.
     wire [1:0]  kind;
     wire        off;
     wire        has_sign;
@@ -188,7 +188,7 @@ module wh_registers #(
         .bound_o    (bound)
     );
 
-    // One subtraction for both ends: the carry of bound - data says bound >= data, and that of bound - data - 1
+    // One subtraction for both ends: the carry of bound - data shows bound >= data, that of bound - data - 1
     // bound > data.
     reg         enough_q;  // not below the least value
     wire [31:0] value      = {bus_data_i[31] ^ has_sign, bus_data_i[30:0]};
@@ -211,7 +211,7 @@ module wh_registers #(
                        : not_now                  ? 2'd3 : 2'd0;
     wire       accepts = (state_q == JUDGE) && bus_write_i && !bus_check_i && (verdict == 2'd0);
 
-    // What is accepted is done in the next clock, with bus_ready_o; a command is handed on a clock later.
+    // An accepted request acts in the next clock, with bus_ready_o; a command's strobe comes a clock later.
     reg        written_q;
     reg        written_off_q;
     reg        commits_q;
@@ -248,13 +248,13 @@ module wh_registers #(
     assign command_address_o = command_address_q;
     assign command_data_o    = command_data_q;
 
-    // ---- The memories. A port's part has its settings at their addresses; the first port's those of all ports, too.
-    reg  [2:0]  part_q;   // what the pass reads
+    // ---- The memories. A port's part has its settings at their addresses; the first one also has those of all ports.
+    reg  [2:0]  part_q;   // the part that the pass reads
     reg  [7:0]  slot_q;
-    reg         read_q;   // these are there: of the clock before,
+    reg         read_q;   // they are valid: of the previous clock,
     reg  [10:0] read_place_q;
     reg         read_last_q;
-    reg         write_q;  // and of the one before that
+    reg         write_q;  // and of the one before it
     reg  [10:0] place_q;
     reg         last_q;
     reg  [31:0] word_q;
@@ -267,7 +267,7 @@ module wh_registers #(
     wire [3:0]  bus_part  = bus_address_i[11:8] - 4'd1;
     wire [10:0] bus_place = of_board ? {3'd0, BOARD + bus_address_i[7:0]} : {bus_part[2:0], bus_address_i[7:0]};
     wire [7:0]  betas     = BETAS[7:0];
-    wire        of_alpha  = betas[part_q] && slot_q > 8'h01;  // what both axes have in common
+    wire        of_alpha  = betas[part_q] && slot_q > 8'h01;  // common to both axes
     wire [10:0] from      = bus_reads ? bus_place : {part_q - {2'd0, of_alpha}, slot_q};
     wire [10:0] to        = write_q ? place_q : bus_place;
     wire [31:0] written;
@@ -331,7 +331,7 @@ module wh_registers #(
         place_q      <= read_place_q;
         last_q       <= read_last_q;
         word_q       <= (source_q == DEFAULTS) ? default_q : (source_q == IN_FORCE) ? in_force : written;
-        read_data_q  <= (pass_q && source_q == IN_FORCE) ? in_force : written;  // what is discarded isn't read
+        read_data_q  <= (pass_q && source_q == IN_FORCE) ? in_force : written;  // a discarded setting isn't read
     end
 
     // ---- To the stations, and to the settings of all ports.
@@ -435,7 +435,7 @@ module wh_registers #(
         end
     endgenerate
 
-    // ---- Live values. Flags of a port are one word of it. A reset makes them all 0.
+    // ---- Live values. A port's flags are one of its values. A reset makes all 0.
     wire [7:0] address = bus_address_i[7:0];
     reg  [3:0] live_word;
 
@@ -456,13 +456,13 @@ module wh_registers #(
     wire [6:0]  live_from = {bus_part[2:0], live_word};
     wire [31:0] live_data;
     reg  [31:0] live_q;
-    reg  [7:0]  stepped_q;  // by port: since the bridges are on there was a step
+    reg  [7:0]  stepped_q;  // by port: there was a step since the bridges went on
     reg  [31:0] ticks_q;
     reg  [31:0] answer_q;
     reg  [31:0] answer;
     wire        unused_live = &{1'b0, live_to, live_from};
 
-    // A packet to a host is its number and its v, one clock after the other. While a host reads one, it stays.
+    // A packet to a host is its number and its v, in two consecutive clocks. It doesn't change while a host reads it.
     wire        of_v      = (live_word_i == `WH_LIVE_HOST_V);
     wire        of_packet = of_v || (live_word_i == `WH_LIVE_HOST_SEQUENCE);
     wire        reads_one = bus_valid_i && !bus_write_i && !of_board && (address[7:2] == 6'h29);

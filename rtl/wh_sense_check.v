@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_sense_check: whether a current sensor's words can be believed.
+// wh_sense_check: plausibility checks of a current sensor's samples.
 //
-//   range_o = |sample| >= range_i of the last word: it stands at the end of the scale, or beyond
-//   stuck_o = the last stuck_words_i words were all the same
+//   range_o = |sample| >= range_i for the last sample: it is at or beyond the end of the scale
+//   stuck_o = the last stuck_words_i samples were identical
 //
-// An amplifier and an ADC with any noise never give the same word for long; one that does is broken,
-// held in reset or not connected.
-// Formats: sample s16, range_i in the same unit. stuck_words_i = 0 or 1 switches the check off. Both
-// outputs are levels that follow the words; who acts on them latches. Latency: 1 clock from valid_i.
-// Reset: no word has been seen.
+// An amplifier and an ADC with any noise don't repeat a sample for long. If they do, they are broken, held in reset or
+// not connected.
+// Formats: sample s16, range_i in the same unit. stuck_words_i = 0 or 1 switches the check off. Both outputs are levels
+// that follow the samples; the guard latches them. Latency: 1 clock from valid_i. Reset: no sample yet.
 
 `default_nettype none
 `include "wh_formats.vh"

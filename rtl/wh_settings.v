@@ -1,38 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_settings: the settings memory and its bus. Words are written while the controller runs, and
-// change over together.
+// wh_settings: the register file and its bus. Settings are written while the controller runs, and applied together.
 //
-// A request stands on the bus until bus_ready_o ends it: write bus_data_i to bus_address_i, or read
-// bus_data_o from it, which is valid with bus_ready_o. Addresses, kinds and ranges are those of
-// rtl/words.toml (wh_settings_rom). A word with a sign is sign-extended to 32 bits.
-// bus_error_o: 0 done; 1 there is no such word, or it can't be written or read; 2 the value is outside
-// of its range; 3 not now: the word changes, or the command acts, with the bridges off only, or, with busy_o,
-// words are being given and no setting can be written. What ends in an error changes nothing.
-// With bus_check_i a word to be written is judged only: the answer is the same, and nothing changes.
-// bus_signed_o, with bus_ready_o, says that the word has a sign.
+// A request holds bus_valid_i until bus_ready_o: it writes bus_data_i to bus_address_i, or reads bus_data_o from it,
+// which is valid with bus_ready_o. Addresses, kinds and ranges are those of rtl/words.toml (wh_settings_rom). A signed
+// value is sign-extended to 32 bits; bus_signed_o is then 1, with bus_ready_o.
+// bus_error_o: 0 done; 1 no such register, or it can't be written or read; 2 the value is outside its range; 3 not now:
+// the setting or the command needs the bridges off, or a setting is written during a commit (busy_o). A request with
+// an error changes nothing. With bus_check_i a write is judged only: the answer is the same, and nothing changes.
 //
-// Of two banks one is in force and is read; what is written goes into the other one, and to the
-// groups (wh_setting_group) by write_o. A write of 1 to `commit` gives it: from a clock after a tick on,
-// or at once with the bridges off (running_i = 0), change_o is 1, and every group that was written takes
-// its new words over as soon as nobody reads the old ones. Once all have (changing_i), the banks change
-// places, and the new resting bank is brought up to date by a copy of all words, which go by the groups
-// with copy_o as well. A write of 1 to `discard` (discard_o) copies them so without a change-over.
-// After PATIENCE further ticks no group waits any more (now_o), so that every commit ends whatever the
-// settings are; readers that keep up with their ticks have let all words change long before.
-// Words that change with the bridges off only are given as they are copied; meanwhile loading_o says
-// that the bridges have to stay off, and that what reads such words has to begin anew. With such words
-// written and the bridges on, `commit` is refused with error 3.
+// There are two banks. One is in force and is read. Writes go to the other one, and to the groups (wh_setting_group) by
+// write_o. Writing 1 to `commit` applies them: from the clock after a tick on, or at once with the bridges off
+// (running_i = 0), change_o is 1, and every written group takes its new settings as soon as no block reads the old
+// ones. Once all have (changing_i), the banks swap. Then all settings are copied to the other bank, and pass by the
+// groups with copy_o as well. Writing 1 to `discard` (discard_o) starts such a copy without a swap.
+// After PATIENCE further ticks no group waits any more (now_o), so every commit ends with any settings. Blocks that
+// keep up with their ticks have released all settings long before.
+// Settings that need the bridges off are applied as they are copied. Meanwhile loading_o requires the bridges off, and
+// the blocks that read them have to restart. If such settings were written and the bridges are on, `commit` is refused
+// with error 3.
 //
-// Commands of other blocks are handed on by command_o. Live words come from live_i, 4 clocks after
-// their address stood on the bus, or later.
+// Commands of other blocks are passed on by command_o. Live values come from live_i, at least 4 clocks after their
+// address was on the bus.
 //
-// Latency: 5 clocks from bus_valid_i to bus_ready_o, 1 to 3 more while words are copied: what comes from
-// block RAM, late in its clock, is compared and handed on in the next one. A copy takes 4 clocks a word of
-// the memory, (N + 1) 2^SLOT_W of them or the next power of two, and 5 more for each request meanwhile. A
-// change-over takes no clock with no group held.
-// Reset: the defaults are given, as with a change-over; until then no request ends. ready_o says that
-// they are: before, the groups' words mean nothing.
+// Latency: 5 clocks from bus_valid_i to bus_ready_o, 1 to 3 more during a copy: values from block RAM are late in their
+// clock, so they are compared and passed on in the next one. A copy takes 4 clocks for each address of the memory,
+// (N + 1) 2^SLOT_W or the next power of two, and 5 more for each request meanwhile. The swap takes no clock if no group
+// is held.
+// Reset: the defaults are applied like a commit; until then no request ends. ready_o rises then; before, the groups'
+// values are invalid.
 
 `default_nettype none
 `include "wh_formats.vh"

@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_stream: rows of live words, one packet after another, for as long as a host gives credit. It listens
-// only: nothing of it goes to what it listens to.
+// wh_stream: rows of live values, one packet after another, while a host gives credit. It only listens: nothing of it
+// reaches what it listens to.
 //
-// A row has last_i + 1 words of 16 bits, of the addresses in channel_i, of 2^decimation_i ticks, as wh_rows
-// has them. Of a word shift_i bits are cut off below, rounding down; a mean that is too large then is the
-// largest word that there is, of others the lowest 16 bits stay.
+// A row has last_i + 1 values of 16 bits, from the addresses in channel_i, for 2^decimation_i ticks (wh_rows). shift_i
+// is the number of low bits that a value drops, rounding down. A mean that is still too large becomes the largest
+// value; of other values the lowest 16 bits stay.
 //
-//   write 1   credit of CREDIT clocks; where there is some, renew
-//   write 2   renew, where there is some; else nothing
-//   write 0   no more
+//   write 1   credit for CREDIT clocks; if there is some, renew
+//   write 2   if there is credit, renew; else nothing
+//   write 0   end it
 //
-// With the first credit the settings are taken over, and rows begin. 60 words make a packet of 125 bytes:
+// With the first credit the settings are taken, and rows begin. 60 values make a packet of 125 bytes:
 //
-//   248 + last_i   number (2 bytes)   60 words (2 bytes each)   CRC-16 (2 bytes)
+//   248 + last_i   number (2 bytes)   60 values (2 bytes each)   CRC-16 (2 bytes)
 //
-// the high byte first, of the CRC, Modbus' own over all before it, the low one. Rows follow each other without
-// a gap, and packets are numbered from 0 on modulo 2^16: also those that are left out, because there was no
-// room_i in a packet's first row, or a row came before the one before was written. lost_o counts these.
+// High byte first, except for the CRC, which is that of Modbus over all bytes before it. Rows follow each other without
+// a gap. Packets are numbered from 0 modulo 2^16, including those that are dropped: because there was no room_i in a
+// packet's first row, or because a row came before the previous one was written. lost_o counts these.
 //
-// state_o: 1 at rest, 2 rows are made.
+// state_o: 1 idle, 2 sending.
 //
-// Latency: a row is written within 9 clocks for each of its bytes, and five more in a packet, from the 9th
-// clock after its tick was taken on, which may be 9 after its step (wh_tick_words). A tick has to be 10 clocks or
-// longer, 14 with another reader; what ends sooner is left out. Credit begins and ends as armed_o of wh_arm does.
+// Latency: a row is written within 9 clocks for each of its bytes, and five more in a packet, from the 9th clock after
+// its tick was taken on, which may be 9 after its step (wh_tick_words). A tick needs 10 clocks or more, 14 with another
+// reader; shorter ones are left out. Credit begins and ends as armed_o of wh_arm does.
 // Reset: no credit.
 
 `default_nettype none

@@ -2,34 +2,30 @@
 //
 // wh_wave_core: one step of the wave controller for each of N ports, one port after the other.
 //
-//   v  = u_n - s i_n            u_n: what was applied in the measured tick, from the delay line
-//   f += a (η W{v} + x - f)     D(s) = η λ/(s + λ) W(s), in contact or in free space by η; x is a
-//                               wave from outside (OUTSIDE = 1): a host's goal
+//   v  = u_n - s i_n            u_n: the wave applied in the measured tick, from the delay line
+//   f += a (η W{v} + x - f)     D(s) = η λ/(s + λ) W(s); η is that of contact or free space. x is a wave from
+//                               outside (OUTSIDE = 1): a host's goal
 //   f  = clamp(f, ±u_max)       u_max: the drive's limit over s
-//   e  = s u                    u: f, or one of its predecessors out of the delay line
+//   e  = s u                    u: f, or an earlier one from the delay line
 //
-// sim/wavehaptics/controller/wave_core.py says the same with integers, and this module equals it bit for bit.
-// Rounding is toward zero everywhere, sums saturate. f has WH_STATE_GUARD bits below a wave's last.
+// sim/wavehaptics/controller/wave_core.py is the same with integers, and this module equals it bit for bit.
+// Rounding is always toward zero; sums saturate. f has WH_STATE_GUARD more fraction bits than a wave.
 //
-// Of an i_n at an end of its range (ends_i, or the largest or least word) only one bound of v is known.
-// v is then the smallest value within it: 0, unless its sign is against that of the current. So |v| is
-// never more than the true one, and a port with |η| <= 1 is passive, whatever the true current is.
-// clipped_o tells of it, and of a v that was saturated.
+// If i_n is at an end of its range (ends_i, or the largest or least value), it bounds v on one side only. v is then the
+// smallest value within that bound: 0, unless its sign is opposite to the current's. So |v| never exceeds the true one,
+// and a port with |η| <= 1 is passive, whatever the true current is. clipped_o indicates this, and a saturated v.
 //
-// extra_ticks_i is the age, in steps, of the u that was applied in the measured tick, seen from the
-// newest u that is in the line when the step starts. hold_ticks_i is the age of the u that this
-// step puts out, seen from the one that it computes: 0 puts that one out at once.
+// extra_ticks_i is the age, in steps, of the u that was applied in the measured tick, relative to the newest u in the
+// delay line as the step starts. hold_ticks_i is the age of the u that this step puts out, relative to the one that it
+// computes: with 0 that one is put out at once.
 //
-// Latency: 24 clocks a port, and 5 for each section of W; valid_o comes so many times N after
-// start_i. The next start_i may come together with valid_o. A start_i while busy is ignored, and
-// overrun_o tells of it until reset.
-// All other inputs are held from start_i until valid_o; a port's are read during its own turn, and
-// eta_i, outside_i, shape_mode_i and u_max_i not in the clock of start_i, in which busy_o is still 0:
-// these may change whenever it is. root_i, a_i and shape_words_i, and these, may also change on a clock
-// edge where reads_o is 0, as it is in the last 4 clocks of every step. The outputs hold from valid_o to
-// the next start_i.
-// Reset: f = 0, the delay line reads as 0 until it has been filled, outputs 0, a step in progress
-// is dropped.
+// Latency: 24 clocks a port, and 5 for each section of W; valid_o comes N times that after start_i. The next start_i
+// may come together with valid_o. A start_i while busy is ignored, and sets overrun_o until reset.
+// All inputs hold from start_i until valid_o, with these exceptions. A port's are read only during its own turn. eta_i,
+// outside_i, shape_mode_i and u_max_i are not read in the clock of start_i, so they may change whenever busy_o is 0.
+// These, root_i, a_i and shape_words_i may also change on a clock edge where reads_o is 0, as it is in the last 4
+// clocks of every step. Outputs hold from valid_o to the next start_i.
+// Reset: f = 0, the delay line reads as 0 until it has been filled, outputs 0; a step that has begun is dropped.
 
 `default_nettype none
 `include "wh_formats.vh"

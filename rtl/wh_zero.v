@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_zero: measures the sum of a tick's words that stands for 0 A, with the bridge off.
+// wh_zero: measures the sum of a tick's samples that stands for 0 A, with the bridge off.
 //
-//   zero = round(sum of all words of 2^LOG2_TICKS ticks / 2^LOG2_TICKS)
+//   zero = round(sum of all samples of 2^LOG2_TICKS ticks / 2^LOG2_TICKS)
 //
-// start_i begins with the next tick's first word, and forgets the fault of before. If bridge_off_i falls
-// before the last word has come, nothing is measured, and fault_o rises; so it does where |zero| is above
-// limit_i, which is a sensor that has drifted or a bridge that isn't off. zero_o is the last zero that was
-// permitted, and measured_o tells that there is one.
+// start_i begins with the next tick's first sample, and clears the previous fault. If bridge_off_i falls before the
+// last sample, nothing is measured, and fault_o rises. It also rises if |zero| is above limit_i: the sensor has
+// drifted, or the bridge isn't off. zero_o is the last accepted zero; measured_o is 1 once there is one.
 //
-// Formats: words s16, zero s24 as wh_current takes it, rounded to the nearest, halves away from
-// zero. Latency: done_o comes 3 clocks after the first word of the tick that follows.
+// Formats: samples s16, zero s24 as wh_current takes it, rounded to the nearest, halves away from zero. Latency: done_o
+// comes 3 clocks after the first sample of the tick that follows.
 // Reset: no zero, no fault.
 
 `default_nettype none

@@ -218,37 +218,37 @@
 #define WH_FAULTS(X) \
     X(0, CURRENT, "a sample beyond the limit") \
     X(1, TRIP, "the trip of the current's fast path") \
-    X(2, ADC_STUCK, "the ADC says the same all the time") \
+    X(2, ADC_STUCK, "the ADC repeats one value") \
     X(3, ADC_RANGE, "a sample at the end of the ADC's range") \
     X(4, ZERO, "current with the bridge off") \
     X(5, ENCODER, "an illegal move") \
-    X(6, LOST, "voltage and current say motion, the encoder doesn't") \
+    X(6, LOST, "voltage and current show motion, the encoder doesn't") \
     X(7, HOST, "no sign of the host") \
     X(8, DRIVER, "the driver's fault pin") \
     X(9, STOP, "emergency stop") \
     X(10, BUS_LOW, "") \
     X(11, BUS_HIGH, "") \
-    X(12, HEAT, "the winding's losses over its time constant") \
-    X(13, SETTING, "a parameter that means nothing") \
-    X(14, OVERRUN, "a tick too short for its work, or ticks without") \
-    X(15, ANCHOR, "waves and counts don't agree on where the rotor is") \
+    X(12, HEAT, "the winding's losses, averaged over its time constant") \
+    X(13, SETTING, "a setting that a block can't use") \
+    X(14, OVERRUN, "a tick too short for its work, or ticks without a step") \
+    X(15, ANCHOR, "waves and encoder disagree on the rotor's position") \
     X(16, ENERGY, "a contact delivered more energy than its limit")
 
 // Bits of the word `arm_refused`.
 #define WH_ARM_REFUSALS(X) \
     X(0, "the board's switch is off (enable_i)") \
     X(1, "there is a fault") \
-    X(2, "settings were being given") \
+    X(2, "settings were being committed") \
     X(3, "no permitted zero of the currents was found") \
     X(4, "it wasn't renewed in time")
 
 // Exceptions of Modbus.
 #define WH_EXCEPTIONS(X) \
-    X(1, "the device doesn't know the function") \
-    X(2, "no such word, or it can't be read or written") \
-    X(3, "a value is out of its word's range") \
-    X(4, "the device's memory doesn't answer") \
-    X(6, "not now: with the bridges on such a word can't change, or others are still being given")
+    X(1, "the device doesn't have this function") \
+    X(2, "no such register, or it can't be read or written") \
+    X(3, "a value is out of its register's range") \
+    X(4, "the device's registers don't answer") \
+    X(6, "not now: it needs the bridges off, or a commit is under way")
 // <!-- end c-words -->
 
 #endif

@@ -359,7 +359,7 @@ def test_refused_after_the_base(tmp_path, lines, offset, fragments):
         ('name = "bench"', 'name = " "', 2, "can't name a folder"),
         ('name = "bench"', 'name = """a\nb"""', 2, "can't name a folder"),
         ("[motor]\npreset", "[motor]\n[friction]\npreset", 6, "unknown key friction.preset"),
-        ("[scene]\n", "tick_hz = 1\n[scene]\n", 1, "in no table; it belongs in [controller]"),
+        ("[scene]\n", "tick_hz = 1\n[scene]\n", 1, "tables; it belongs in [controller]"),
         ("[scene]\n", "zzz = 1\n[scene]\n", 1, "unknown key zzz outside the tables"),
         ("[scene]\n", "drive = 3\n[scene]\n", 1, "drive must be a table, not 3; write [drive]"),
         ("[scene]\n", "# c\nadc = {bits = 12, full_scale_a = 0}\n[scene]\n", 2, "full_scale_a = 0"),

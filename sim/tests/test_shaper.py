@@ -366,7 +366,7 @@ def test_a_scenes_spring_is_felt_as_wished(make_scene):
 @pytest.mark.parametrize(
     ("wishes", "fragments"),
     [
-        ((*SPRING, "shaper.stiffness=2.5"), ("2.5 is stiffer", "K_L,eff = 2.26", "wish for less")),
+        ((*SPRING, "shaper.stiffness=2.5"), ("2.5 is stiffer", "K_L,eff = 2.26", "choose less")),
         ((*SPRING,), ("shaper.stiffness is missing",)),
         ((*SPRING, "shaper.stiffness=1", "shaper.mass_kgm2=1e-6"), ("shaper.mass_kgm2 makes no",)),
         ((*SPRING, "shaper.sos=[[1,0,0,1,0,0]]"), ("makes no sense beside sos",)),

@@ -5,51 +5,51 @@ The waves and the encoder both know where the rotor is. On an ideal motor the fl
 
 ``χ = L̂·i + k̂_T·x − ∫ (e_id − R̂·i) dt``,  ``e_id − R̂·i = s(u + v)/2``,
 
-stays constant whatever the environment does (docs/port_anchor.md). What moves it is everything
-that differs on the real motor, as a voltage. χ is counted in encoder counts, ``k̂_T·Δ`` each, so
-that the position needs no gain. A voltage c in series with the port, which the waves don't see,
-holds χ:
+stays constant whatever the environment does (docs/port_anchor.md). Only the errors of the real
+motor, as a voltage, move it. χ is in encoder counts, ``k̂_T·Δ`` each, so the position needs no gain.
+A voltage c in series with the port, which the waves don't see, holds χ:
 
 - **Zone.** ``z = χ + σ/4`` if the last edge had the direction σ of the one before it, else ``z =
   χ − σ/32`` (an axis: σ/16). ``q`` is the part of z beyond ± half a count: within it the inductor
-  knows better than the encoder.
-- **Nothing given twice.** A rotor that crosses back over an edge meets no more force on its way
+  is better than the encoder.
+- **The bound.** A rotor that crosses back over an edge meets no more force on its way
   out, and no less on its way in, than it met there before. ``UP`` and ``DOWN`` are χ just before
   the last edge of each direction. After an edge upwards DOWN replaces the zone's upper end, after
-  one downwards UP its lower end, where they lie within the zone; where they lie beyond its other
-  end, that end does. This lasts until the next edge; of a brushless motor's axis, which an edge
-  hardly moves at some angles, until z has been there once.
+  one downwards UP its lower end, if they are within the zone. If they are beyond its other end,
+  that end does. This lasts until the next edge; on a brushless motor's axis, which an edge hardly
+  moves at some angles, until z has been there once.
 - ``p`` is q, or z/128 within the zone (an axis: z/256), and ``c = θ·(y' + sgn(y')·y_b) − g_ρ·p``.
   y = L̂·i, y' is its mean of some milliseconds. It follows only while the rotor travels: while
-  its last two full counts had the same direction. With each such count it takes a sixteenth of its
-  distance besides, a quarter on the way out, so that it keeps up with a fast hit (not an axis).
-- θ is a resistance. It is learned from p where z is out of the zone, ``θ −= g_θ·p·sgn(y')``, from a
-  quarter of the largest on, and kept from contact to contact.
-- While the rotor doesn't travel, twice θ resists what swings about y': ``c = θ·(y' + sgn(y')·y_b −
+  its last two full counts had the same direction. With each such count it also takes a sixteenth
+  of its distance, a quarter on the way out, to keep up with a fast hit (not an axis).
+- θ is a resistance. It is learned from p if z is out of the zone, ``θ −= g_θ·p·sgn(y')``. It starts
+  at a quarter of the largest, and is kept from contact to contact.
+- While the rotor doesn't travel, twice θ damps oscillations about y': ``c = θ·(y' + sgn(y')·y_b −
   2·(y − y')) − g_ρ·p``.
-- y_b stands for the brushes' voltage. It shrinks by half of what y' falls, so that c falls at
-  least as fast as what it compensates: a press never gets back more than it gave.
+- y_b stands for the brushes' voltage. It decreases by half of what y' falls, so c falls at least as
+  fast as the voltage that it compensates: a press never gets back more than it gave.
 - ``g_ρ·p`` is limited to ``c_0 + |e_id|/2``, out of contact with a half of c_0, and θ by a
-  largest. In contact what c takes of the drive's limit is no longer the wave's: ``|u| ≤ u_max −
+  largest. In contact c reduces the wave's share of the drive's limit: ``|u| ≤ u_max −
   |c|/s``. An error of the flux that c can't hold while the wave is below its limit means that
   waves and encoder don't follow the same motor.
 
 The edge with which a contact begins gives x exactly, and sets χ without L̂·i to a quarter of a
-count: at the surface a wall has no current, so what flows there is pulled away. At the pins a
-contact is reported up to two periods after its edge. What the λ filter holds then counts as flux,
-``g_w·u``, else a wall stands deeper by ω·T/2a.
+count: at its surface a wall has no current, so any current there is pulled away. At the pins a
+contact is reported up to two periods after its edge. The λ filter's content then counts as flux,
+``g_w·u``, else a wall would be deeper by ω·T/2a.
 
-What a limit withholds from the waves in contact, w, is added to the flux, ``χ −= g_w·w``: so the
-wall stands where it was when the limit has done its work. So is what truncation takes from u:
-half an LSB a period would move a held wall by some counts an hour. In free space the current is
-zero but for the sensor's offset, which c then shows: ``offset −= g_z·c`` while the rotor is slow.
+The residue w that a limit cuts off from the waves in contact is added to the flux,
+``χ −= g_w·w``, so the wall is in its old place after the limit has acted. So is the residue of
+truncating u: half an LSB a period would move a held wall by some counts an hour. In free space the
+current is zero except for the sensor's offset, which c then shows: ``offset −= g_z·c`` while the
+rotor is slow.
 
-Values found in a period act in the next.
+Values computed in a period act in the next.
 
 A brushless motor has an anchor for each axis of the stationary frame, whose flux a count changes
 by a fraction of a count, along q (:mod:`wavehaptics.controller.rotor_flux`): that fraction is
-``cell`` below, and within half of it the inductor knows better. There χ begins at half of it, as
-with a quarter a held wall stood 0.7 counts off at four angles of eight.
+``cell`` below, and the zone is ± half of it. χ begins at half of it: with a quarter a held wall was
+0.7 counts off at four angles of eight.
 """
 
 from __future__ import annotations
@@ -193,19 +193,19 @@ def reset(state: np.ndarray) -> None:
 
 @compiled(inline="always")
 def long_word(value):
-    """``value`` as a long word holds it."""
+    """``value`` wrapped to a long word."""
     return ((value + _LONG_TOP) & _LONG_MASK) - _LONG_TOP
 
 
 @compiled(inline="always")
 def _data(value):
-    """``value`` as a data word holds it."""
+    """``value`` wrapped to a data word."""
     return ((value + _DATA_TOP) & _DATA_MASK) - _DATA_TOP
 
 
 @compiled(inline="always")
 def left(u_max, state):
-    """What c leaves the waves of their limit ``u_max``, raw √W: nothing where c takes all of it."""
+    """The waves' limit, raw √W: ``u_max`` less the share of c, at least 0."""
     return max(u_max - state[ROOM], 0)
 
 
@@ -223,7 +223,7 @@ def anchor_step(
     saturated: bool,
     blind: bool = False,
 ) -> None:
-    """One tick of the anchor beside one port; ``state`` int64 (STATES,) is updated.
+    """One tick of a port's anchor; ``state`` int64 (STATES,) is updated.
 
     ``words`` int64 (SETTINGS,); ``position`` in counts and ``contact`` are the tick's; ``current``,
     ``u`` and ``v`` those of its core step (i_n without the offset, u_n, v_n); ``withheld`` (√W),
@@ -269,7 +269,7 @@ def anchor_axis_step(
 
 @compiled(inline="always")
 def _moved(state, position):
-    """Counts since the tick before; none in the first."""
+    """Counts since the previous tick; 0 in the first."""
     moved = 0
     if state[STARTED] != 0:
         moved = ((position - state[POSITION] + _MOVE) & (2 * _MOVE - 1)) - _MOVE

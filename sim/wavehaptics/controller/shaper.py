@@ -52,7 +52,7 @@ def design(scene: Scene, tick_s: float, tau_s: float, r_hat: float) -> Shaper:
         if mass <= 0.0:
             raise WishError(
                 f"shaper.mass_kgm2 = {asked:.6g} is less than the delay adds by itself, "
-                f"{asked - mass:.3g} kg·m²; wish for more"
+                f"{asked - mass:.3g} kg·m²; choose more"
             )
     wish = Wish(asked, damping, spring, front)
     behind = Wish(mass, damping, spring, front)

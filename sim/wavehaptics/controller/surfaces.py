@@ -1,39 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Surfaces across the motors of a group, as integers: the model that the RTL has to equal.
+"""Surfaces across the motors of a group, as integers: the reference model of the RTL.
 
 A surface is a plane ``G·x ≥ d`` in the counts x of a group's ports, and a unit vector g in their
-waves. While the rotors are beyond the plane the waves along g are reflected, and all others pass::
+waves. While the rotors are beyond the plane, waves along g are reflected and all others pass::
 
     p = g·v,   y = η·H{p} + ξ,   u = v + g·(y − p).
 
-H is a λ filter of the surface's own, beside that of each port, which follows. Up to three surfaces
-of a group act at a time, the first three in contact, one after another: the second and the third
-with vectors that are orthogonal to those before (:func:`pair_row`, :func:`triple_row`).
+H is the surface's own λ filter; that of each port follows. Up to three surfaces of a group act at a
+time, the first three in contact, one after another. The vectors of the second and the third are
+orthogonal to those before (:func:`pair_row`, :func:`triple_row`).
 
-**Passive whatever is written.** A vector is accepted only with ``|g|² ≤ 1``, exactly, in integers
-(:func:`accepts`). Then u has no more energy than v and what y brought: with p rounded toward zero::
+**Passive with any settings.** A vector is accepted only with ``|g|² ≤ 1``, exactly, in integers
+(:func:`accepts`). Then u has at most the energy of v and y. With p rounded toward zero::
 
     |u|² ≤ |v|² + y² − p².
 
-Each surface has an account, to which p² is added and from which y² is taken; a y that it doesn't
-cover is 0. So neither a filter whose coefficient changes nor a wrong η gives out energy. What a
-moving wall gives beyond is taken from the group's budget, and without that the wall doesn't move.
-Over any time ``Σ|u|² ≤ Σ|v|² + budget``: ``sim/tests/test_surfaces.py`` holds it to that.
+Each surface has an account: p² is added, y² is subtracted, and a y that it doesn't cover becomes 0.
+So neither a filter whose coefficient changes nor a wrong η gives out energy. The further energy of
+a moving wall comes from the group's budget; without budget the wall doesn't move. Over any time
+``Σ|u|² ≤ Σ|v|² + budget``, which ``sim/tests/test_surfaces.py`` checks.
 
-**The wall velocity ξ.** For a constant g the sum of ``u_g + v_g`` fixes the wall where the contact
-began. When g turns, only the force is remembered. The true place of the wall shows in
+**The wall velocity ξ.** With a constant g the sum of ``u_g + v_g`` keeps the wall where the contact
+began. When g turns, only the force is kept. The error of the wall's position is
 
     ε = G·x − d + Σ c_n i_n,   c_n = G_n·L_eff,n/k_T,n in counts/A,
 
-which is 0 for a wall that is where it should be (the second part is the springs' deflection). What
-of ε is beyond half a count gives ``ξ = −gain·beyond``, within a limit. A surface that is touched
-while another is in contact finds currents already, which are no deflection of its own: as long as
-several are in contact, ε is without those that it began with. A set's directions are mixtures of
-its surfaces' vectors, and so are their velocities.
+where the second term is the springs' deflection. The part of ε beyond half a count gives
+``ξ = −gain·beyond``, within a limit. When a surface is touched while another is in contact, the
+present currents aren't its own deflection. So while several are in contact, ε excludes the currents
+with which this contact began. The directions of a set are combinations of its surfaces' vectors,
+and so are their velocities.
 
-**Loss across.** What of the waves is across all surfaces in contact is multiplied by η_a: by the
-surface's own where it is alone, and by the η of free space where that is less. Three surfaces leave
-nothing across.
+**Loss across.** The part of the waves across all surfaces in contact is multiplied by η_a: the
+surface's own if it is alone, or the η of free space if that is less. With three surfaces nothing
+is across.
 """
 
 from __future__ import annotations
@@ -49,37 +49,37 @@ from wavehaptics.words import formats
 MOST_SURFACES = 8
 MOST_ACTIVE = 3
 PORTS = 3
-"""Ports of a group, of which those that it hasn't have zeros in every vector."""
+"""Ports of a group; unused ones have zeros in every vector."""
 
 PRESENT, G, D, C, GAIN, A, ETA, ACROSS = 0, 1, 4, 5, 8, 9, 10, 11
 PLANE_WORDS = 12
-"""Places in a surface's words, int64 (MOST_SURFACES, PLANE_WORDS): whether there is one; G of each
+"""Indices of a surface's settings, int64 (MOST_SURFACES, PLANE_WORDS): whether it exists; G of each
 port (``formats.SURFACE``), d less half a count of each port (``formats.DISTANCE``), c of each port
 (``formats.CELLS``), the gain of ξ (√W per count, ``formats.SURFACE``), the filter's a
 (``formats.A``), η in contact and η_a across (``formats.ETA``)."""
 
 VECTOR, MIX = 0, 3
 VECTOR_WORDS = 6
-"""Places in a row of vectors, int64 (VECTORS, VECTOR_WORDS): g of each port (``formats.SURFACE``)
+"""Indices of a row of vectors, int64 (VECTORS, VECTOR_WORDS): g of each port (``formats.SURFACE``)
 and the shares of the set's wall velocities (``formats.MIX``)."""
 
 VELOCITY_MAX, BUDGET = range(2)
 LIMITS = 2
-"""Places in a group's limits: the largest ξ (``formats.WAVE``), and the largest budget in squares
-of a wave's last place."""
+"""Indices of a group's limits: the largest ξ (``formats.WAVE``), and the largest budget in squares
+of a wave's LSB."""
 
 TOUCHING, FILTER, ACCOUNT, REST = range(4)
 SURFACE_STATES = 4
-"""Places in a surface's state, int64 (MOST_SURFACES, SURFACE_STATES): in contact; f of its filter,
-with ``STATE_GUARD`` bits below a wave's; its account, squares of a wave's last place; what of ε the
-currents were when its contact began, of ``formats.SEEN``."""
+"""Indices of a surface's state, int64 (MOST_SURFACES, SURFACE_STATES): in contact; f of its filter,
+with ``STATE_GUARD`` bits below a wave's; its account, in squares of a wave's LSB; the currents'
+part of ε when its contact began, of ``formats.SEEN``."""
 
 _PAIRS = list(combinations(range(MOST_SURFACES), 2))
 _TRIPLES = list(combinations(range(MOST_SURFACES), 3))
 VECTORS = MOST_SURFACES + len(_PAIRS) + len(_TRIPLES)
 
 PAIR_ROW = np.zeros((MOST_SURFACES, MOST_SURFACES), dtype=np.int64)
-"""Row of the vector of the second of two surfaces in ascending order."""
+"""Row of the vector of the second of two surfaces, in ascending order."""
 for _row, (_i, _j) in enumerate(_PAIRS, MOST_SURFACES):
     PAIR_ROW[_i, _j] = _row
 TRIPLE_ROW = np.zeros((MOST_SURFACES, MOST_SURFACES, MOST_SURFACES), dtype=np.int64)
@@ -88,7 +88,7 @@ for _row, (_i, _j, _k) in enumerate(_TRIPLES, MOST_SURFACES + len(_PAIRS)):
     TRIPLE_ROW[_i, _j, _k] = _row
 
 ACCOUNT_MAX = 1 << 61
-"""Largest account and budget: what is beyond is lost."""
+"""Largest account and budget; anything beyond is dropped."""
 
 _Q = formats.SURFACE.fraction
 _ONE = 1 << _Q
@@ -108,7 +108,7 @@ _XI_SHIFT = _Q + _SEEN - formats.WAVE.fraction
 
 
 def new_planes() -> np.ndarray:
-    """Words of a group without surfaces: int64 (MOST_SURFACES, PLANE_WORDS)."""
+    """Settings of a group without surfaces: int64 (MOST_SURFACES, PLANE_WORDS)."""
     return np.zeros((MOST_SURFACES, PLANE_WORDS), dtype=np.int64)
 
 
@@ -134,7 +134,7 @@ def triple_row(first: int, second: int, third: int) -> int:
 
 @compiled()
 def accepts(planes: np.ndarray, vectors: np.ndarray) -> bool:
-    """Whether words may be committed: every ``|g|² ≤ 1``, every η in [−1, 1] and a in [0, 1]."""
+    """Whether settings may be committed: every ``|g|² ≤ 1``, every η in [−1, 1] and a in [0, 1]."""
     for row in range(vectors.shape[0]):
         left = 1 << (2 * _Q)
         for port in range(PORTS):
@@ -155,8 +155,8 @@ def accepts(planes: np.ndarray, vectors: np.ndarray) -> bool:
 
 @compiled(inline="always")
 def along(vector: np.ndarray, waves: np.ndarray, q: int) -> tuple[int, int]:
-    """``g·v`` of a vector with ``q`` fraction bits: rounded toward zero, and −1, 0 or 1 as the
-    exact value is beyond that, downwards or upwards. A wave beyond a data word is its end.
+    """``g·v`` of a vector with ``q`` fraction bits: rounded toward zero, and the sign of the rest
+    that rounding cut off: −1, 0 or 1. A value beyond a data word saturates; the sign is then ±2.
     """
     exact = 0
     for port in range(PORTS):
@@ -172,8 +172,8 @@ def along(vector: np.ndarray, waves: np.ndarray, q: int) -> tuple[int, int]:
 def replace_along(vector: np.ndarray, waves: np.ndarray, p: int, side: int, y: int, q: int) -> None:
     """``v += g·(y − p)``, with p and ``side`` of :func:`along`: ``|v|²`` grows by y² − p² at most.
 
-    Where y goes further than p the other way, the exact p counts, which is up to one more: y is
-    then one less. Of a p that was cut off the rest isn't known, and v stays.
+    If y − p has the sign of ``side``, the exact p counts, which is up to one LSB larger: the change
+    is then one LSB less. If p saturated, its rest isn't known, and v stays.
     """
     change = y - p
     if side * change > 0:
@@ -185,7 +185,7 @@ def replace_along(vector: np.ndarray, waves: np.ndarray, p: int, side: int, y: i
 
 @compiled(inline="always")
 def lose_across(vector: np.ndarray, waves: np.ndarray, eta: int, q: int, eta_q: int) -> None:
-    """Multiply what of the waves is across g by ``eta``, a word of ``eta_q`` fraction bits."""
+    """Multiply the part of the waves across g by ``eta``, which has ``eta_q`` fraction bits."""
     p, _ = along(vector, waves, q)
     kept = truncate(((1 << eta_q) - eta) * p, eta_q)
     for port in range(PORTS):
@@ -195,7 +195,7 @@ def lose_across(vector: np.ndarray, waves: np.ndarray, eta: int, q: int, eta_q: 
 
 @compiled(inline="always")
 def answer(state: np.ndarray, left: np.ndarray, p: int, eta: int, a: int, velocity: int) -> int:
-    """y of one surface for its wave p: ``η·H{p} + ξ``, as far as account and budget go.
+    """y of one surface for its wave p: ``η·H{p} + ξ``, within account and budget.
 
     ``state`` int64 (SURFACE_STATES,) and the budget ``left`` int64 (1,) are updated; ``velocity``
     is ξ. All are raw words.
@@ -247,7 +247,7 @@ def bend(plane: np.ndarray, currents: np.ndarray) -> int:
 
 @compiled(inline="always")
 def wall_velocity(plane: np.ndarray, place: int, bent: int, most: int) -> int:
-    """ξ of a surface that the rotors are ``place`` beyond and the springs ``bent``, raw √W."""
+    """ξ of a surface, raw √W: the rotors are ``place`` beyond it, the springs ``bent``."""
     error = saturate((place >> _PLACE_SHIFT) + bent)
     beyond = 0
     if error > _HALF_COUNT:
@@ -283,7 +283,7 @@ def lose_across_two(
 
 @compiled(inline="always")
 def _row_of(order: int, first: int, second: int, third: int) -> int:
-    """Row of the vector of the surface that is ``order`` in contact."""
+    """Row of the vector of the surface with index ``order`` among those in contact."""
     if order == 0:
         return first
     return PAIR_ROW[first, second] if order == 1 else TRIPLE_ROW[first, second, third]
@@ -302,7 +302,7 @@ def surfaces_step(
     free: int,
     waves: np.ndarray,
 ) -> int:
-    """One period of a group; returns how many surfaces act, and ``waves`` are then their goal u.
+    """One period of a group. Returns how many surfaces act; ``waves`` become their goal u.
 
     ``planes``, ``vectors`` and ``limits`` are words that :func:`accepts` took; ``state``, the
     budget ``left`` int64 (1,) and ``active`` int64 (MOST_ACTIVE,), the numbers of those in contact,

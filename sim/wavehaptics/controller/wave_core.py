@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The wave core as integers: bit for bit what ``rtl/wh_wave_core.v`` computes.
+"""The wave core as integers, bit for bit equal to ``rtl/wh_wave_core.v``.
 
 Every function works on plain integers (64 bits hold every intermediate result) and is compiled by
-numba; ``.py_func`` of each runs as ordinary Python.
+numba; its ``.py_func`` runs as ordinary Python.
 """
 
 from __future__ import annotations
@@ -30,21 +30,22 @@ _SU_SHIFT = formats.ROOT.fraction + formats.WAVE.fraction - formats.VOLTAGE.frac
 (
     STATE_F, STATE_HEAD, STATE_FILLED, STATE_SATURATED, STATE_WITHHELD, STATE_LOST, STATE_CLIPPED,
 ) = range(7)  # fmt: skip
-"""Places in a core's state: the λ filter's f, the newest place of the delay line, its fill, whether
-f was beyond ±u_max in the newest step, and what u lacks, s31q23 √W: by how much f was beyond,
-rounded down, or else −1, 0 or 1, whose sum is what all truncations of f to u have taken; of that
-sum the part of a place; whether i_n or v_n of the newest step was at the end of its range."""
+"""Indices of a core's state: the λ filter's f; the newest position of the delay line; its fill;
+whether f was beyond ±u_max in the newest step; the residue of u, s31q23 √W: by how much f was
+beyond, rounded down, or else −1, 0 or 1, which add up to what truncation of f to u has cut off;
+the fraction of an LSB of that sum; whether i_n or v_n of the newest step was at the end of its
+range."""
 
 CLEAR, HOLD, SHAPE = range(3)
-"""What the shaper does with a wave: nothing and its states are 0; nothing and they stay; W."""
+"""Modes of the shaper: W = 1 and its states become 0; W = 1 and they stay; W."""
 
 E11, E12, E21, E22, B1, B2, C1, C2, D, LOSS1, LOSS2, LOSS_Y = range(12)
-"""Places in the words of a shaper's section: its matrix, less 1 on the diagonal of the states, and
-how far its three roundings go (:mod:`wavehaptics.controller.normalised`)."""
+"""Indices of the coefficients of a shaper's section: its matrix, less 1 on the diagonal of the
+states, and the losses of its three roundings (:mod:`wavehaptics.controller.normalised`)."""
 SECTION_WORDS = 12
 
 NO_SHAPER = np.zeros((0, SECTION_WORDS), dtype=np.int64)
-"""Words of a shaper without a section: W = 1."""
+"""Coefficients of a shaper without a section: W = 1."""
 
 
 def new_state() -> np.ndarray:
@@ -80,7 +81,7 @@ def line_read(line: np.ndarray, state: np.ndarray, age: int) -> int:
 def new_shaper_state(sections: int) -> np.ndarray:
     """States of a port's shaper after reset: int64, shape (sections + 1, 2).
 
-    The last row is its budget in squares of a wave's last place: words above and below
+    The last row is its budget in squares of a wave's LSB: the parts above and below
     2^``formats.DATA_W``.
     """
     return np.zeros((sections + 1, 2), dtype=np.int64)
@@ -88,7 +89,7 @@ def new_shaper_state(sections: int) -> np.ndarray:
 
 @compiled(inline="always")
 def toward_zero(value: int, loss: int) -> int:
-    """A floor brought nearer to zero by ``loss``, past which the exact value may lie; never past 0.
+    """A floor brought nearer to zero by ``loss``, the error that it may have; never past 0.
 
     With ``loss`` 0 it is :func:`truncate`: a floor below zero goes up by one.
     """
@@ -132,9 +133,9 @@ def _pay(budget: np.ndarray, square: int) -> None:
 
 @compiled(inline="always")
 def shaper_mode(wall: int, shaped: np.ndarray) -> int:
-    """SHAPE in a wall of those ``shaped``, bool (walls,); HOLD in another; CLEAR outside (-1).
+    """SHAPE in a wall that is ``shaped``, bool (walls,); HOLD in others; CLEAR outside (-1).
 
-    So a soft layer stays as it was pressed while the rotor is in the rigid wall below.
+    So a soft layer keeps its compression while the rotor is in the rigid wall behind it.
     """
     if wall < 0:
         return CLEAR
@@ -145,9 +146,9 @@ def shaper_mode(wall: int, shaped: np.ndarray) -> int:
 def shaper_step(words: np.ndarray, states: np.ndarray, mode: int, v: int) -> int:
     """W{v} through every section; ``words`` int64 (sections, SECTION_WORDS).
 
-    ``states`` of :func:`new_shaper_state` is updated; ``mode`` is CLEAR, HOLD or SHAPE. W pays for
-    what it gives: while the budget, the sum of v² − y², is below zero, y is 0. So words that
-    aren't contractive give out no more than came in but for one tick's y²; of those that are, the
+    ``states`` of :func:`new_shaper_state` is updated; ``mode`` is CLEAR, HOLD or SHAPE. W has a
+    budget, the sum of v² − y²; while it is below zero, y is 0. So coefficients that aren't
+    contractive give out at most what came in, plus one tick's y²; of those that are, the
     budget is never below ``|x|²``.
     """
     sections = words.shape[0]
@@ -169,9 +170,9 @@ def shaper_step(words: np.ndarray, states: np.ndarray, mode: int, v: int) -> int
 def incoming(state, line, current, root, extra_ticks, ends):
     """The waves of the measured tick: u_n, and v_n = u_n − s·i_n.
 
-    Of a current at the high end of its range the true one may be larger by any amount, and so v
-    smaller; at the low end the other way round. v_n is then the smallest magnitude that the true
-    one can have: so a port of ``|η| ≤ 1`` stays passive, whatever the true current is.
+    If the current is at the high end of its range, the true one may be larger by any amount, and so
+    v smaller; at the low end the other way round. v_n is then the smallest magnitude that the true
+    one can have. So a port with ``|η| ≤ 1`` stays passive, whatever the true current is.
     """
     u_n = line_read(line, state, extra_ticks)
     wide = u_n - truncate(root * current, _SI_SHIFT)
@@ -188,7 +189,7 @@ def incoming(state, line, current, root, extra_ticks, ends):
 def outgoing(state, line, shaped, eta, outside, root, a, u_max, hold_ticks):
     """The λ filter from W{v_n} on: e to be applied.
 
-    Where surfaces across motors make the goal, that is ``outside`` and η is 0.
+    With surfaces across motors ``outside`` is the goal, and η is 0.
     """
     goal = saturate(truncate(eta * shaped, _ETA_Q))
     f = state[STATE_F]

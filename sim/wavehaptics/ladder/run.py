@@ -33,11 +33,11 @@ from wavehaptics.trace.pictures import run_picture
 from wavehaptics.words.faults import FAULTS, bits_of
 
 CHUNK_TICKS = 1 << 15
-"""Ticks at a time: long enough that Python costs nothing, short enough for the caches."""
+"""Ticks simulated at a time: enough to hide Python's overhead, few enough for the caches."""
 
 
 class Recorder(Protocol):
-    """What the ticks of a run are handed to, such as a :class:`TraceWriter`."""
+    """Receives the ticks of a run, such as a :class:`TraceWriter`."""
 
     def write(self, rows: np.ndarray, words: np.ndarray | None = None) -> None:
         """Take the next ticks: ``rows`` (Column) and ``words`` (Word)."""
@@ -51,7 +51,7 @@ class Simulation(Protocol):
 
     @property
     def clock_cycles(self) -> int | None:
-        """Clocks of the RTL so far, where there is one."""
+        """Clocks of the RTL so far; None without RTL."""
 
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
@@ -60,25 +60,25 @@ class Simulation(Protocol):
 def analog(
     scene: Scene, tick_s: float | None = None, cell_rad: float | None = None
 ) -> AnalogSimulation | BrushlessAnalogSimulation:
-    """The analog circuit, or two of them for a brushless motor, on the ticks of ``tick_s``."""
+    """The analog circuit, or two for a brushless motor, in steps of ``tick_s``."""
     kind = BrushlessAnalogSimulation if scene.motor.brushless else AnalogSimulation
     return kind(scene, tick_s, cell_rad)
 
 
 def _sampled(scene: Scene, rtl: bool) -> Simulation:
-    """The wave core, of one port or of a brushless motor's two, as integers or as RTL."""
+    """The wave core with one port, or two for a brushless motor, as integers or as RTL."""
     kind = BrushlessSimulation if scene.motor.brushless else SampledSimulation
     return kind(scene, rtl=rtl)
 
 
 def _pins(scene: Scene) -> Simulation:
-    """The whole RTL at its pins, of a motor with brushes or of one without."""
+    """The whole RTL at its pins, for a motor with or without brushes."""
     kind = BrushlessPinsSimulation if scene.motor.brushless else PinsSimulation
     return kind(scene)
 
 
 def _encoder(scene: Scene) -> Simulation:
-    """The usual way: an encoder's servo on a current amplifier, or on field-oriented control."""
+    """The baseline: sampled impedance control on a current amplifier or field-oriented control."""
     kind = FieldOrientedSimulation if scene.motor.brushless else EncoderSimulation
     return kind(scene)
 
@@ -90,20 +90,20 @@ CONTROLLERS: dict[str, Callable[[Scene], Simulation]] = {
     "pins": _pins,
     "encoder": _encoder,
 }
-"""The fidelity ladder by name."""
+"""The simulation of each controller level, by its name."""
 
 
 def stiffness_predicted(scene: Scene, simulation: Simulation, shaped: bool | None = None) -> float:
     """K of the design spring for contact (:func:`closed_forms.stiffness`), N·m/rad.
 
-    Of a wall that is ``shaped`` by W or isn't; by default of any that is, where there is one.
+    ``shaped`` chooses walls with or without W; by default those with W, if there are any.
 
-    The lag of the controller acts on R̂, its own estimate; the analog circuit has τ = 1/λ. A port
-    anchor renders the spring that the controller believes in, ``k_T k̂_T/L̂_eff``, as its flux is of
-    L̂ and k̂_T and its current the motor's. Without one inductor and torque are the motor's own: what
-    W makes of a wish for a motor of k̂_T is ``(k_T/k̂_T)²`` of it, behind the motor's spring. The
-    encoder's servo should render the spring that it computes, with a current made for k̂_T. A
-    brushless motor's two ports feel as one of k_T = √1.5·pψ.
+    The controller's delay acts on R̂; the analog circuit has τ = 1/λ. With a port anchor the spring
+    is ``k_T k̂_T/L̂_eff``: the anchor's flux uses L̂ and k̂_T, and the current is the motor's.
+    Without one, inductance and torque are the motor's own. W is designed for k̂_T, so it renders
+    ``(k_T/k̂_T)²`` of its target impedance, in series with the motor's spring. The encoder's servo
+    renders the spring that it computes, with a current for k̂_T. A brushless motor's two ports feel
+    like one with k_T = √1.5·pψ.
     """
     if isinstance(simulation, EncoderSimulation | FieldOrientedSimulation):
         return simulation.stiffness * (scene.motor.felt_k_t / scene.controller.k_t_hat)
@@ -126,13 +126,13 @@ def measure(
     simulation: Simulation | None = None,
     compare: bool = True,
 ) -> dict[str, Any]:
-    """Metrics of a scene on a controller; nothing is written but into ``trace``, if there is one.
+    """Metrics of a scene on a controller. It writes only into ``trace``, if that is given.
 
-    ``simulation`` is the controller's, where it isn't the one that the scene makes by itself.
+    ``simulation`` replaces the controller's simulation of the scene.
 
-    The analog circuit runs beside it, on the same ticks, as the reference, unless ``compare`` is
-    false. ``progress`` is called with the part done, 0 to 1. ``wall_clock_s`` is the time that the
-    controller and its motor took, without compiling, the reference and the files.
+    The analog circuit runs in parallel on the same ticks as the reference, unless ``compare`` is
+    false. ``progress`` is called with the fraction done, 0 to 1. ``wall_clock_s`` is the time for
+    controller and motor, without compilation, reference and files.
     """
     refuse(scene, controller)
     simulation = simulation or CONTROLLERS[controller](scene)
@@ -149,7 +149,7 @@ def _alone(simulation: Simulation) -> Advance:
 
 
 class _Measurement:
-    """What is made of the ticks of one motor."""
+    """Metrics, trace and reference of one motor, from its ticks."""
 
     def __init__(
         self, scene: Scene, controller: str, simulation: Simulation, trace: Recorder | None,
@@ -180,7 +180,7 @@ class _Measurement:
         self._estimate = Estimate(scene, ticks)
 
     def take(self, part: slice, done: int) -> None:
-        """Take what is in ``part`` of the rows and words, with which ``done`` ticks are done."""
+        """Take ``part`` of the rows and words; ``done`` is the number of ticks so far."""
         rows, reference_rows = self.rows[part], self._reference_rows[part]
         if self._reference is not None:
             self._reference.advance(reference_rows)
@@ -203,7 +203,7 @@ class _Measurement:
 def _measured(
     motors: Sequence[_Measurement], advance: Advance, progress: Callable[[float], None] | None
 ) -> list[dict[str, Any]]:
-    """Metrics of each motor. Several that ``advance`` together share the time that it takes."""
+    """Metrics of each motor. Motors that ``advance`` simulates together share its time equally."""
     ticks = motors[0].ticks
     # The first call compiles, or loads what an earlier run compiled: no ticks, but all the types.
     advance([one.rows[:0] for one in motors], [one.words[:0] for one in motors])
@@ -225,8 +225,9 @@ _FAULTS = ("a tick too short for its work", "more than one encoder edge in a clo
 
 
 def _seen(simulation: Simulation) -> dict[str, Any]:
-    """What a bus did that nobody drains, and what the RTL complained of, if it did: the run is then
-    none of the scene.
+    """The highest voltage of a bus that isn't drained, and faults that the RTL reported.
+
+    With a fault the run is not a valid run of the scene.
     """
     highest_v = getattr(simulation, "bus_highest_v", None)
     bus = {} if highest_v is None else {"bus_highest_v": highest_v}
@@ -239,7 +240,7 @@ def _seen(simulation: Simulation) -> dict[str, Any]:
 
 
 def _anchored(controller: str, simulation: Simulation) -> bool:
-    """Whether the rows have what a port anchor adds."""
+    """Whether the rows contain a port anchor's values."""
     return simulation.settings.anchored and controller not in WITHOUT_WORDS
 
 
@@ -249,14 +250,14 @@ def _reference_spring(
     simulation: Simulation,
     reference: AnalogSimulation | BrushlessAnalogSimulation | None,
 ) -> float | None:
-    """K of the reference's wall, beside a controller that holds its own by the encoder."""
+    """K of the reference's wall, if the controller holds its wall by the encoder; else None."""
     if reference is None or not (controller == "encoder" or _anchored(controller, simulation)):
         return None
     return stiffness_predicted(scene, reference)
 
 
 def _shape_power(simulation: Simulation) -> int:
-    """By which power of the motor's own k_T a wall's spring goes: see :class:`Metrics`."""
+    """Power of the motor's own k_T in a wall's stiffness: see :class:`Metrics`."""
     own = isinstance(simulation, AnalogSimulation | BrushlessAnalogSimulation)
     servo = isinstance(simulation, EncoderSimulation | FieldOrientedSimulation)
     return 1 if servo or (simulation.settings.anchored and not own) else 2
@@ -275,8 +276,8 @@ def run_scene(
 ) -> dict[str, Any]:
     """Run a scene as :func:`measure`, and write ``trace.npz``, ``metrics.json`` and ``run.png``.
 
-    The files go into ``out``. ``motor`` is its name where the scene is of one of several. Returns
-    the metrics.
+    The files go into ``out``. ``motor`` is the motor's name in a scene of several. Returns the
+    metrics.
     """
     run, result = _ran(scene, controller, out, progress)
     return run.write(result, motor)
@@ -336,12 +337,11 @@ def run_device(
 ) -> dict[str, Any]:
     """Run each motor as :func:`run_scene`, into a folder of its name in ``out``.
 
-    Those of a ``[device]`` run together, :func:`wavehaptics.ladder.joint_run.run_joint`. Others
-    have nothing between them. On ``pins`` those with brushes are ports of one controller and run
-    together, and the time that takes is shared among them; all others run one after another.
-    ``out`` gets a ``metrics.json`` of all: what they have in common, and in ``motors`` the metrics
-    of each.
-    ``progress`` is called with the motor's name and the part of its run that is done.
+    Motors of a ``[device]`` run together, :func:`wavehaptics.ladder.joint_run.run_joint`. Others
+    aren't coupled. On ``pins``, motors with brushes are ports of one controller: they run together
+    and share its time. All others run one after another. ``out`` gets a ``metrics.json`` with what
+    the motors have in common, and the metrics of each in ``motors``.
+    ``progress`` is called with the motor's name and the fraction of its run that is done.
     """
     if device.space is not None:
         return run_joint(device, controller, out, partial(progress, device.name))
@@ -368,7 +368,7 @@ def run_device(
 def _run_together(
     device: Device, out: Path, progress: Callable[[str, float], None]
 ) -> dict[str, dict[str, Any]]:
-    """Metrics of the motors of one controller, whose files are written."""
+    """Write the files of the motors of one controller, and return the metrics of each."""
     simulation = TurnsSimulation(device.scenes)
     runs = {
         name: _Run(scene, "pins", motor, out / name)

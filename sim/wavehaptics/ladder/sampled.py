@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The controllers ``golden`` and ``core``: the wave core with the motor, a step a tick.
+"""The controllers ``golden`` and ``core``: the wave core with the motor, one step in each tick.
 
-The drive is averaged: it holds e_n for a tick. One loop serves both, and only the step differs:
-the integer model, or the Verilated RTL behind its C interface.
+The drive is averaged: it holds e_n for a tick. One loop serves both. Only the step differs: the
+integer model, or the Verilated RTL behind its C interface.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ _ROOT_WATT = formats.WAVE.step
 _ETA = formats.ETA.step
 _LONG_GUARD = formats.LONG_GUARD
 
-# Places in the loop's integer parameters.
+# Indices of the loop's integer parameters.
 (
     _A,
     _EXTRA,
@@ -67,9 +67,9 @@ _LONG_GUARD = formats.LONG_GUARD
     _ROOT,
     _U_MAX,
 ) = range(11)
-# Places in the loop's float parameters.
+# Indices of the loop's float parameters.
 _DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE, _ENCODER_END = range(6)
-# Places in the integers that the loop keeps.
+# Indices of the loop's integer state.
 _VOLTAGE_WORD, _CLOCKS, _POSITION, _WAVE_VOLTAGE, _CORRECTION = range(5)
 
 
@@ -78,11 +78,11 @@ def _advance(
     rows, words, state, kept, core, line, contact, wall_min, wall_max, shaper, anchored, ints,
     floats, load, matrix, real, sensor, noise, buffer,
 ):  # fmt: skip
-    """Fill ``rows`` and ``words``; False when the RTL never answered.
+    """Fill ``rows`` and ``words``; False if the RTL didn't answer.
 
-    ``shaper`` holds the words of W, its states and which walls it is for, ``anchored`` the words
-    and the state of a port anchor or None, and ``real`` what
-    :mod:`wavehaptics.motor.imperfections` says.
+    ``shaper`` holds W's coefficients, its states and which walls it shapes, ``anchored`` the
+    settings and state of a port anchor or None, ``real`` the errors of
+    :mod:`wavehaptics.motor.imperfections` or None.
     """
     shaper_words, shaper_states, shaped = shaper
     dt, cell, k_t = floats[_DT], floats[_CELL], floats[_K_T]
@@ -190,7 +190,7 @@ def _advance(
             e_a * charge - floats[_RESISTANCE] * square, high - low,
         )  # fmt: skip
         limited = abs(u_n) >= u_max
-        if anchored is not None:  # whose limit is not the same in every tick
+        if anchored is not None:  # whose limit varies from tick to tick
             limited = (core[wave_core.STATE_SATURATED] if ints[_MODEL] == 0 else buffer[8]) != 0
         clipped = (core[wave_core.STATE_CLIPPED] if ints[_MODEL] == 0 else buffer[9]) != 0
         put_port(row, eta * _ETA, u_n * _ROOT_WATT, v_n * _ROOT_WATT, touching, limited, clipped)

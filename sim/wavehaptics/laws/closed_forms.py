@@ -32,7 +32,7 @@ def k_l(k_t: float, inductance: float) -> float:
 def b_r(k_t: float, resistance: float) -> float:
     """Damper of the winding seen through the motor, ``B_R = k_T²/R``, N·m·s/rad (paper, sec. II).
 
-    It stands in series with the spring K_L. ``k_t`` in N·m/A, ``resistance`` in Ω.
+    It is in series with the spring K_L. ``k_t`` in N·m/A, ``resistance`` in Ω.
     """
     return k_t**2 / resistance
 
@@ -91,7 +91,7 @@ def stiffness(
 ) -> float:
     """Stiffness of a wall, ``K = k_T²/L_eff``, N·m/rad, with :func:`l_eff` for η = −g.
 
-    With g < 1 this spring stands in series with the damper ``k_T²`` over :func:`series_resistance`.
+    With g < 1 this spring is in series with the damper ``k_T²`` over :func:`series_resistance`.
     """
     return k_t**2 / l_eff(inductance, resistance, tau_s, g)
 
@@ -104,8 +104,8 @@ def free_space_inertia(k_t: float, resistance: float, tau_s: float) -> float:
 def matched_a(tick_s: float, lambda_: float, extra_ticks: int) -> float:
     """Filter coefficient that gives the whole delay of the analog filter, ``a = T/(1/λ − k T)``.
 
-    With it τ = 1/λ in spite of ``extra_ticks`` = k ticks of latency. Where the latency leaves no
-    more, the result is :data:`MOST_A`, the stiffest wall.
+    With it τ = 1/λ despite k = ``extra_ticks`` ticks of latency. If the latency is too long for
+    that, the result is :data:`MOST_A`, the stiffest wall.
     ``tick_s`` in s, ``lambda_`` in rad/s.
     """
     left = 1.0 / lambda_ - extra_ticks * tick_s
@@ -115,7 +115,7 @@ def matched_a(tick_s: float, lambda_: float, extra_ticks: int) -> float:
 def filter_stiffness(k_t: float, resistance: float, lambda_: float) -> float:
     """Stiffness that the λ filter alone would have, ``2 k_T² λ/R``, N·m/rad.
 
-    It stands in series with K_L: ``1/K = 1/K_L + 1/filter_stiffness``. The paper's equation (14)
+    It is in series with K_L: ``1/K = 1/K_L + 1/filter_stiffness``. The paper's equation (14)
     prints half of this, ``k_T² λ/R``; the filter's delay 1/λ adds ``R/(2λ)`` to the inductance
     (:func:`l_extra`), so the factor 2 belongs there.
     """
@@ -144,7 +144,7 @@ def brushless_k_l(pole_pairs: int, psi_vs: float, inductance: float) -> float:
 
 
 def brushless_k_t(pole_pairs: int, psi_vs: float) -> float:
-    """k_T of the motor with brushes that feels as one with magnets does, ``√1.5 · pψ``, N·m/A."""
+    """k_T of a motor with brushes that feels like the brushless one, ``√1.5 · pψ``, N·m/A."""
     return math.sqrt(1.5) * pole_pairs * psi_vs
 
 
@@ -163,8 +163,8 @@ def brushless_wall_torque(
 ) -> float:
     """Torque of a rigid contact at ``depth`` rad, ``−1.5 pψ²/L_eff · sin(p·depth)``, N·m.
 
-    Other than a motor with brushes this one gives way: beyond a quarter of an electrical turn the
-    torque falls, and beyond a half the rotor falls into the next pole.
+    Unlike a wall on a motor with brushes this one gives way: beyond a quarter of an electrical turn
+    the torque falls, and beyond a half the rotor falls into the next pole.
     """
     spring = brushless_k_t(pole_pairs, psi_vs) ** 2 / l_eff(inductance, resistance, tau_s)
     return -spring * math.sin(pole_pairs * depth) / pole_pairs

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a person wants to feel, as the reflection W(s) that makes it.
+"""A target impedance as the reflection W(s) that renders it.
 
 An environment of mechanical impedance Z(s), torque over speed in N·m·s/rad, answers a wave with
-``D = (B − Z)/(B + Z)``, ``B = k_T²/R̂`` (:func:`wavehaptics.laws.closed_forms.b_r`): +1 where
-nothing is, −1 where nothing moves. In contact η is −1, so ``W = (Z − B)/(Z + B)``. The motor's
-inductance stands in series as the spring K_L, and the delay τ adds ``R̂ τ/2`` to it, so a spring of
-K₁ as felt takes ``1/K = 1/K₁ − 1/K_L,eff`` behind them, and nothing stiffer than K_L,eff can be
-felt.
+``D = (B − Z)/(B + Z)``, ``B = k_T²/R̂`` (:func:`wavehaptics.laws.closed_forms.b_r`): +1 is
+free space, −1 a rigid wall. In contact η is −1, so ``W = (Z − B)/(Z + B)``. The motor's
+inductance is in series as the spring K_L, and the delay τ adds ``R̂ τ/2`` to the inductance. So a
+felt spring K₁ needs ``1/K = 1/K₁ − 1/K_L,eff`` behind them. Nothing stiffer than K_L,eff is
+possible.
 
-All wishes are a mass m, a damper b and a spring K that carry the load side by side,
-``Z = m s + b + K/s``. Polynomials are of s, the highest power first.
+All target impedances are a mass m, a damper b and a spring K in parallel, ``Z = m s + b + K/s``.
+Polynomials are of s, the highest power first.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ from wavehaptics.laws import closed_forms
 
 
 class WishError(ValueError):
-    """A wish that can't be rendered; one line with the cure."""
+    """A target impedance that can't be rendered; one line with the cure."""
 
 
 @dataclass(frozen=True)
 class Wish:
-    """A mass, a damper and a spring side by side, SI units, with what lies in front of them."""
+    """A mass, a damper and a spring in parallel, SI units, and the spring in series with them."""
 
     mass: float
     damping: float
     spring: float
-    """K of the environment itself, N·m/rad; with K_L,eff in series it is what is felt."""
+    """K of the environment itself, N·m/rad; the user feels it in series with K_L,eff."""
     front: float
     """K_L,eff, the motor's and the delay's spring, N·m/rad."""
 
@@ -48,16 +48,16 @@ class Wish:
 
 
 def front_stiffness(k_t: float, inductance: float, r_hat: float, tau_s: float) -> float:
-    """K_L,eff, the stiffest that can be felt, N·m/rad: :func:`closed_forms.stiffness`."""
+    """K_L,eff, the largest possible stiffness, N·m/rad: :func:`closed_forms.stiffness`."""
     return closed_forms.stiffness(k_t, inductance, r_hat, tau_s)
 
 
 def spring_behind(felt: float, front: float) -> float:
-    """K behind ``front`` so that ``felt`` is felt, N·m/rad. :class:`WishError` if that is none."""
+    """K that is ``felt`` in series with ``front``, N·m/rad; :class:`WishError` if there is none."""
     if not felt < front:
         raise WishError(
             f"shaper.stiffness = {felt:.6g} is stiffer than the motor and its delay allow, "
-            f"K_L,eff = {front:.6g} N·m/rad; wish for less, or leave [shaper] out for all of it"
+            f"K_L,eff = {front:.6g} N·m/rad; choose less, or omit [shaper] for the stiffest wall"
         )
     return 1.0 / (1.0 / felt - 1.0 / front)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a refused scene is told: what is wrong, and what would be right."""
+"""Messages for refused scenes: the problem, and the cure."""
 
 from __future__ import annotations
 
@@ -26,28 +26,28 @@ from wavehaptics.scene.tables.motor import DC_KEYS
 
 GONE: dict[KeyPath, str] = {
     ("brushes", "noise_s"): (
-        "contact_noise is over the angle; use noise_rad, or flicker_noise for noise over time"
+        "contact_noise depends on the angle; use noise_rad, or flicker_noise for noise over time"
     ),
     ("controller", "release_ohm"): (
         "the port anchor needs no rule for the way out; use anchor_auto = true"
     ),
     ("controller", "surface_ohm"): (
-        "the port anchor needs no rule for a wall's first cells; use anchor_auto = true"
+        "the port anchor needs no rule for a wall's first counts; use anchor_auto = true"
     ),
     ("controller", "track_gain"): "the port anchor needs no tracking; use anchor_auto = true",
     ("controller", "track_limit"): (
-        "the port anchor needs no tracking, so no limit of it; use anchor_auto = true"
+        "the port anchor needs no tracking and no limit of it; use anchor_auto = true"
     ),
     ("controller", "lost_limit"): (
         "the port anchor checks the encoder by itself; use anchor_auto = true"
     ),
     ("controller", "dead_zone_cells"): (
-        "the port anchor's dead zone is always half a cell; use anchor_auto = true"
+        "the port anchor's dead zone is always half a count; use anchor_auto = true"
     ),
     (
         "controller",
         "swing_ohm",
-    ): "the port anchor needs no resistance for swings; use anchor_auto = true",
+    ): "the port anchor damps oscillations by itself; use anchor_auto = true",
     ("controller", "rebound_loss"): "a rebound needs no rule of its own; use anchor_auto = true",
     ("controller", "push_only"): "a wall of the port anchor only pushes; use anchor_auto = true",
     ("controller", "r_hat_free"): "one R̂ serves contact and free space; use r_hat",
@@ -56,9 +56,9 @@ GONE: dict[KeyPath, str] = {
         "out for what they need"
     ),
 }
-"""Keys that the format had once, and what has taken their place."""
+"""Removed keys, and what replaces each."""
 
-# Ways to write a unit in plain letters, all brought to one form before units are compared.
+# Spellings of units; all become one form before units are compared.
 _UNIT_SPELLINGS = ((r"[·*.\s_^]", ""), ("²", "2"), (r"[Oo]hms?", "Ω"), ("\u2126", "Ω"))
 _PREFIXES = {"p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "k": 3, "M": 6, "G": 9}
 _OTHER_UNITS = {("gcm2", "kgm2"): -7, ("%", "–"): -2}
@@ -88,16 +88,16 @@ def _plain_number(text: str, unit: str) -> str | None:
 
 
 Tables = Mapping[str, type[Table]]
-"""Model of each table that stands in a file together with others."""
+"""Model of each table of a file, by its name."""
 
 
 def _below(path: KeyPath) -> KeyPath:
-    """A path without the number of one of several tables of a name."""
+    """A path without the index into an array of tables."""
     return (path[0], *path[2:]) if len(path) > 1 and isinstance(path[1], int) else path
 
 
 def _field(path: KeyPath, tables: Tables) -> FieldTexts | None:
-    """Description of the key at or above ``path``; ``None`` where the schema has none."""
+    """Description of the key at or above ``path``; ``None`` if the schema has none."""
     path = _below(path)
     if len(path) < 2 or path[0] not in tables:
         return None
@@ -120,7 +120,7 @@ def keys_of(table: type[Table]) -> list[str]:
 
 
 def _unknown(path: KeyPath, value: Any, tables: Tables) -> str:
-    """Message for a table or key that the format does not have."""
+    """Message for a table or key that doesn't exist."""
     if path in GONE:
         return f"{dotted(path)} is gone: {GONE[path]}"
     name = str(path[-1])
@@ -128,7 +128,7 @@ def _unknown(path: KeyPath, value: Any, tables: Tables) -> str:
     if len(path) == 1:
         names = ", ".join(f"[{table}]" for table in TABLES)
         if homes and not isinstance(value, dict):
-            return f"key {dotted(path)} stands in no table; it belongs in {' or '.join(homes)}"
+            return f"key {dotted(path)} is outside the tables; it belongs in {' or '.join(homes)}"
         near = nearest(name, (*TABLES, MOTORS, *SPACE_TABLES))
         shown = f"[[{near}]]" if near in (MOTORS, "surface") else f"[{near}]"
         meant = f"did you mean {shown}? " if near else ""
@@ -169,7 +169,7 @@ def _wanted(texts: FieldTexts) -> str:
 
 
 def _wrong_value(kind: str, path: KeyPath, value: Any, tables: Tables) -> str:
-    """Message for one value that is wrong by itself; ``kind`` is pydantic's type of the error."""
+    """Message for one invalid value; ``kind`` is pydantic's type of the error."""
     name, texts = dotted(path), _field(path, tables)
     assert texts is not None
     shown, wanted = as_written(value), _wanted(texts)
@@ -195,7 +195,7 @@ def _wrong_value(kind: str, path: KeyPath, value: Any, tables: Tables) -> str:
 
 
 class Refusal(NamedTuple):
-    """One thing wrong: what, and the keys that have to do with it, the one to blame first."""
+    """One problem, and the keys that it concerns, the most likely cause first."""
 
     problem: str
     paths: list[KeyPath]
@@ -203,12 +203,12 @@ class Refusal(NamedTuple):
 
 
 def refused(data: dict[str, Any]) -> tuple[Scene | None, list[Refusal]]:
-    """The scene, or everything that is found wrong with it."""
+    """The scene, or all its problems."""
     return _validated(Scene, data, TABLES)
 
 
 def refused_space(data: dict[str, Any]) -> tuple[Space | None, list[Refusal]]:
-    """The device with its surfaces and hand, or everything that is found wrong with it."""
+    """The device with its surfaces and hand, or all their problems."""
     return _validated(Space, data, SPACE_TABLES)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the bits of words with a reason in each mean."""
+"""Meanings of the bits of registers that give reasons."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FAULTS = {
 ARM_REFUSALS = (
     "the board's switch is off (enable_i)",
     "there is a fault",
-    "settings were being given",
+    "settings were being committed",
     "no permitted zero of the currents was found",
     "it wasn't renewed in time",
 )

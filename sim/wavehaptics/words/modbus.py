@@ -35,13 +35,13 @@ IDENTIFICATION = (
 """The words from register 0 on."""
 
 EXCEPTIONS = {
-    1: "the device doesn't know the function",
-    2: "no such word, or it can't be read or written",
-    3: "a value is out of its word's range",
-    4: "the device's memory doesn't answer",
-    6: "not now: with the bridges on such a word can't change, or others are still being given",
+    1: "the device doesn't have this function",
+    2: "no such register, or it can't be read or written",
+    3: "a value is out of its register's range",
+    4: "the device's registers don't answer",
+    6: "not now: it needs the bridges off, or a commit is under way",
 }
-"""What the device means by an exception."""
+"""Meaning of the device's exceptions."""
 
 
 def word_register(address: int) -> int:
