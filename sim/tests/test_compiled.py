@@ -116,7 +116,7 @@ def dispatchers() -> dict[str, Dispatcher]:
     """Every compiled function of the package by its full name."""
     found = {}
     for info in pkgutil.walk_packages(wavehaptics.__path__, "wavehaptics."):
-        if not info.name.endswith(("__main__", "bench.once")):
+        if not info.name.endswith("__main__"):
             module = importlib.import_module(info.name)
             for name, value in vars(module).items():
                 if isinstance(value, Dispatcher) and value.py_func.__module__ == info.name:

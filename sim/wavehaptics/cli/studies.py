@@ -143,28 +143,6 @@ def holding(
 
 
 @app.command()
-def bench(
-    quick: Annotated[bool, typer.Option("--quick", help="Only what is shipped.")] = False,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
-        "build/bench"
-    ),
-) -> None:
-    """Measure how fast the simulation is, what was tried to speed it up, and others beside it."""
-    make_folder(out)
-
-    from rich.console import Console
-
-    from wavehaptics.studies.bench.measure import bench as measure_all
-    from wavehaptics.studies.bench.measure import tables
-
-    with shown_stages() as progress:
-        summary = measure_all(out, quick, progress)
-    for table in tables(summary):
-        Console().print(table)
-    print(f"summary: {out / 'summary.json'}")
-
-
-@app.command()
 def tables(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for tables.json.")] = Path(
         "build/tables"

@@ -210,15 +210,6 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
                 "make adcs",
             )
         )
-    if "bench" in numbers:
-        rows.append(
-            (
-                "simulation with motor, bridge and sensors in the loop, one thread",
-                f"{number(numbers['bench']['controllers']['pins']['cycles_per_s'], 3)} clocks "
-                "a second of the RTL",
-                "make bench",
-            )
-        )
     return _words(("", "found", "by"), ((what, found, f"`{by}`") for what, found, by in rows))
 
 

@@ -2,7 +2,7 @@
 """The numbers in the pages, between markers that a command fills.
 
 ``boards/summary.json`` keeps what the last synthesis came to, ``sim/docs/measured.json`` what the
-last demo, report, bench, study of holding and runs for tables found, and all that makes it
+last demo, report, study of holding and runs for tables found, and all that makes it
 reliable, and ``sim/docs/faults.json`` how soon each fault switches off; of a quick run nothing is
 kept. The text between ``<!-- begin NAME -->`` and ``<!-- end NAME -->`` of a page is made from it;
 a test fails where the two differ, and another where a fresh synthesis comes to something else.
@@ -23,8 +23,8 @@ from wavehaptics.pages import (
     design,
     faults,
     front_picture,
+    of_the_report,
     reliability,
-    report_and_bench,
     runs,
     words,
 )
@@ -65,7 +65,6 @@ _SUMMARY = Path("build", "synth", "summary.json")
 _RESOURCES = Path("build", "synth", "resources.json")
 _ADCS = Path("build", "adcs", "adcs.json")
 _REPORT = Path("build", "report", "report.json")
-_BENCH = Path("build", "bench", "summary.json")
 _HOLDING = Path("build", "holding", "holding.json")
 _TABLED = Path("build", "tables", "tables.json")
 _SENSING = Path("build", "sensing", "sensing.json")
@@ -108,7 +107,7 @@ def keep(root: Path = ROOT) -> list[Path]:
         if numbers:
             write_json(root / path, _shortened(numbers), indent=1)
     for found, names in (
-        (_REPORT, report_and_bench.PICTURES),
+        (_REPORT, of_the_report.PICTURES),
         (_HOLDING, holding_pictures.PICTURES),
         (_TABLED, (surfaces.PICTURE, gallery.PICTURE)),
     ):
@@ -125,8 +124,7 @@ def keep(root: Path = ROOT) -> list[Path]:
 
 
 _STUDIES: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
-    _REPORT: ("report", report_and_bench.of_report),
-    _BENCH: ("bench", report_and_bench.of_bench),
+    _REPORT: ("report", of_the_report.of_report),
     _HOLDING: ("holding", holding_tables.of_holding),
     _TABLED: ("tables", runs.of_tables),
     _SENSING: ("sensing", runs.of_sensing),
@@ -452,7 +450,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
 } | {
     name: partial(render, table=_table)
     for name, render in (
-        report_and_bench.TABLES
+        of_the_report.TABLES
         | holding_tables.TABLES
         | reliability.TABLES
         | runs.TABLES

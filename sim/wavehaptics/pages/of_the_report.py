@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the pages show of report and bench: a few numbers, pictures and tables."""
+"""What the pages show of the report, and of speeds that were measured once."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
-from wavehaptics.studies.bench.measure import gain
 from wavehaptics.studies.report import field_oriented, in_space
 from wavehaptics.studies.report.blocks import number, percent
 
@@ -37,12 +36,6 @@ def of_report(report: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def of_bench(summary: dict[str, Any]) -> dict[str, Any]:
-    """The bench's numbers that the pages quote."""
-    kept = ("machine", "compiler", "verilator", "controllers", "rtl_alone", "tried", "others")
-    return {key: summary[key] for key in kept}
-
-
 def _usual_way(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     head = ("", "wave, N·m/rad", "encoder, N·m/rad", "wave over encoder")
     rows = [
@@ -68,6 +61,13 @@ def _needs(numbers: dict[str, Any], table: Callable[..., str]) -> str:
         times = scene["pins_cost"] / best["cost_s_per_s"]
         rows.append((f"`{name}`", best["model"], percent(best["error"]), number(times)))
     return table(head, rows)
+
+
+def gain(row: dict[str, Any]) -> str:
+    """How many times as fast something was, with the least and the most of the rounds."""
+    if row["failed"]:
+        return row["failed"]
+    return f"{row['gain']:.2f} ({row['gain_least']:.2f}–{row['gain_most']:.2f})"
 
 
 def _speed(numbers: dict[str, Any], table: Callable[..., str]) -> str:
