@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import ctypes
+import fcntl
 import functools
 import os
 import shutil
@@ -169,21 +170,36 @@ def verilate(
     """Build ``target``, a shared library of a top level and its shim, unless it is there already.
 
     ``arguments`` are Verilator's for the sources, ``header`` the text of the shim's ``words.h``;
-    what isn't ``covered`` counts nothing for WH_COVERAGE.
+    what isn't ``covered`` counts nothing for WH_COVERAGE. Of processes that want the same library
+    at a time, one builds it.
     """
     if target.exists():
         return target
     program, environment = verilator_environment()
     flags = [flag for flag in VERILATOR_FLAGS if covered or flag not in COVERAGE_FLAGS]
     try:
-        work = Path(tempfile.mkdtemp(prefix=f"{top}-", dir=workplace(BUILD_DIR)))
-        (work / "obj").mkdir()
+        folder = workplace(BUILD_DIR)
+        turn = (folder / f"{target.stem}.lock").open("w")
     except OSError as error:
         raise BuildError(f"no place to build {top} in: {error}; set XDG_CACHE_HOME") from None
+    with turn:
+        fcntl.flock(turn, fcntl.LOCK_EX)
+        if not target.exists():
+            _verilate(top, arguments, target, header, folder, [program, *flags], environment)
+    return target
+
+
+def _verilate(
+    top: str, arguments: Sequence[str], target: Path, header: str | None, folder: Path,
+    program: Sequence[str], environment: dict[str, str],
+) -> None:  # fmt: skip
+    """Build the library in a folder of its own below ``folder``."""
+    work = Path(tempfile.mkdtemp(prefix=f"{top}-", dir=folder))
+    (work / "obj").mkdir()
     if header is not None:
         (work / "obj" / "words.h").write_text(header, encoding="utf-8")
     command = [
-        *WITH_STACK, program, "--cc", "--exe", "--build", *flags, "-CFLAGS", " ".join(CXX_FLAGS),
+        *WITH_STACK, *program, "--cc", "--exe", "--build", "-CFLAGS", " ".join(CXX_FLAGS),
         "-LDFLAGS", "-shared -Wl,-Bsymbolic", "--top-module", top,
         "--Mdir", str(work / "obj"), "-o", str(work / "model.so"), *arguments,
     ]  # fmt: skip
@@ -197,7 +213,6 @@ def verilate(
             shutil.move(work / "model.so", part)
     finally:
         shutil.rmtree(work)
-    return target
 
 
 def load(design: Design) -> ctypes.CDLL:
