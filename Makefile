@@ -31,7 +31,6 @@ BROWSES := $(if $(filter setup test test-all coverage,$(MAKECMDGOALS)),yes,no)
 READY := .venv/.ready
 READY_SYNTH := .venv/.ready-synth
 READY_MUTATE := .venv/.ready-mutate
-READY_BENCH := .venv-bench/.ready
 READY_DOCS := .venv-docs/.ready
 ifneq ($(shell cat $(READY) 2>/dev/null),$(CURDIR))
 .PHONY: $(READY)
@@ -62,32 +61,24 @@ system:
 	@$(if $(problem),$(error $(problem)))
 	@SIMULATES=$(SIMULATES) BROWSES=$(BROWSES) sh sim/setup/system.sh install $(PYTHON)
 
-$(READY): requirements.lock pyproject.toml $(wildcard sim/setup/*.sh) | system
-	@sh sim/setup/environment.sh $(PYTHON) requirements.lock
+$(READY): requirements/package.lock pyproject.toml $(wildcard sim/setup/*.sh) | system
+	@sh sim/setup/environment.sh $(PYTHON) requirements/package.lock
 
-$(READY_SYNTH): requirements-synth.lock $(READY)
-	@sh sim/setup/environment.sh $(PYTHON) requirements.lock requirements-synth.lock
+$(READY_SYNTH): requirements/synth.lock $(READY)
+	@sh sim/setup/environment.sh $(PYTHON) requirements/package.lock requirements/synth.lock
 	@touch $@
 
 # The tool for mutants of Python stands beside Yosys, whose mutants are the RTL's.
-$(READY_MUTATE): requirements-mutate.lock $(READY_SYNTH)
-	@sh sim/setup/environment.sh $(PYTHON) requirements.lock requirements-synth.lock requirements-mutate.lock
+$(READY_MUTATE): requirements/mutate.lock $(READY_SYNTH)
+	@sh sim/setup/environment.sh $(PYTHON) requirements/package.lock requirements/synth.lock requirements/mutate.lock
 	@touch $(READY_SYNTH) $@
 
-# Other motor simulators, in an environment of their own: they pull in a lot.
-$(READY_BENCH): requirements-bench.lock $(READY)
-	@rm -rf .venv-bench
-	@.venv/bin/python -m venv .venv-bench
-	@.venv-bench/bin/python -m pip --disable-pip-version-check --no-input install --quiet --retries 5 \
-	    --require-hashes --no-deps --only-binary :all: -r requirements-bench.lock </dev/null
-	@touch $@
-
 # The generator of the pages' site: it reads the package, and needs nothing of it installed.
-$(READY_DOCS): requirements-docs.lock | system
+$(READY_DOCS): requirements/docs.lock | system
 	@rm -rf .venv-docs
 	@"$$(sh sim/setup/python.sh $(PYTHON))" -m venv .venv-docs
 	@.venv-docs/bin/python -m pip --disable-pip-version-check --no-input install --quiet --retries 5 \
-	    --require-hashes --no-deps --only-binary :all: -r requirements-docs.lock </dev/null
+	    --require-hashes --no-deps --only-binary :all: -r requirements/docs.lock </dev/null
 	@touch $@
 
 lock: $(READY) ## pin the package lists of pyproject.toml again (UPGRADE=1: at newer versions)
@@ -131,7 +122,7 @@ tables: $(READY) ## run what the pages show of drive and environments, and write
 	@$(WITH_TOOLS) .venv/bin/wavehaptics tables --out build/tables
 	@$(NUMBERS)
 
-bench: $(READY) $(READY_BENCH) ## measure speeds and what was tried for them into build/bench (QUICK=1)
+bench: $(READY) ## measure how fast the simulation is, into build/bench (QUICK=1: in fewer rounds)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics bench $(if $(QUICK),--quick) --out build/bench
 
 soak: $(READY) ## 10^8 ticks of the core, everything switched at random (half an hour; QUICK=1: 10^6)
@@ -376,4 +367,4 @@ clean: ## remove what was built
 	rm -rf build
 
 distclean: clean ## remove .venv as well
-	rm -rf .venv .venv-bench .venv-docs
+	rm -rf .venv .venv-docs

@@ -47,14 +47,13 @@ _BUILD_ARGS = {
     "verilator": ["-y", str(RTL_DIR), "-y", str(BOARDS_DIR), "--timing", "-O3"],
 }
 
-# For files that a tool made: not written for lint, and a test that could see each of their many
-# wires takes minutes to compile.
+# For files that a tool made: not written for lint.
 _MADE_ARGS = {
     "icarus": [],
-    "verilator": [
-        "-Wno-lint", "-Wno-style", "-Wno-SPECIFYIGN", "-Wno-fatal", "--no-public-flat-rw",
-    ],
-}  # fmt: skip
+    "verilator": ["-Wno-lint", "-Wno-style", "-Wno-SPECIFYIGN", "-Wno-fatal"],
+}
+# A test that can see each wire of a design is compiled for twice as long, and runs more slowly.
+_TOP_ONLY = "--no-public-flat-rw"
 _SHOW_TOP = '`verilator_config\npublic_flat_rw -module "{toplevel}" -var "*"\n'
 
 
@@ -155,6 +154,7 @@ def simulate(
     sources: Sequence[Path] = (),
     includes: Sequence[Path] = (),
     plusargs: Sequence[str] = (),
+    inner: bool = True,
 ) -> None:
     """Build ``toplevel`` on ``simulator`` and run every cocotb test of ``test_module`` on it.
 
@@ -162,11 +162,11 @@ def simulate(
     ``{"WH_DATA_W": 18}``). ``name`` is the folder in ``build/cocotb``, by default made of all the
     arguments: calls that may run at the same time must differ in it. The folder holds ``build.log``
     and ``test.log``. Modules of the files ``sources`` take the place of those of ``rtl`` with the
-    same name; these files aren't linted, and the test then sees the top level's own signals only.
-    ``includes`` are folders of headers besides ``rtl``, ``plusargs`` what the design asks for with
-    ``$value$plusargs``. What was built from the same sources, by
-    the same tools and with the same options is used again. Raises :class:`SimulationError` unless
-    tests ran and all of them passed.
+    same name; these files aren't linted. The test then sees the top level's own signals only, as it
+    does without ``inner``, where the build takes half the time. ``includes`` are folders of headers
+    besides ``rtl``, ``plusargs`` what the design asks for with ``$value$plusargs``. What was built
+    from the same sources, by the same tools and with the same options is used again. Raises
+    :class:`SimulationError` unless tests ran and all of them passed.
     """
     __tracebackhide__ = True  # the message says all there is to say
     name = name or _build_name(toplevel, test_module, parameters, defines)
@@ -187,10 +187,11 @@ def simulate(
         files.insert(0, _source(toplevel))
     if sources:
         arguments += _MADE_ARGS[simulator]
-        if simulator == "verilator":
-            shown = work / "show_top.vlt"
-            shown.write_text(_SHOW_TOP.format(toplevel=toplevel))
-            files.insert(0, shown)
+    if simulator == "verilator" and (sources or not inner):
+        arguments.append(_TOP_ONLY)
+        shown = work / "show_top.vlt"
+        shown.write_text(_SHOW_TOP.format(toplevel=toplevel))
+        files.insert(0, shown)
     with _toolchain() as verilator:
         os.environ.update(environment)
         if simulator == "verilator" and COVERAGE_DIR:

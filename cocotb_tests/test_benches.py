@@ -15,7 +15,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-WORDS = {"on", "only", "sources", "model", "kept"}
+WORDS = {"on", "only", "inner", "sources", "model", "kept"}
 """What a row says beside its parameters."""
 
 
@@ -40,8 +40,9 @@ def _runs() -> Iterator[Any]:
                 "test_module": row.get("test", f"tb_{bench}"),
                 "parameters": {key: n for key, n in given.items() if not key.startswith("WH_")},
                 "defines": {key: n for key, n in given.items() if key.startswith("WH_")},
-                "sources": [TESTS_DIR / source for source in row.get("sources", ())],
                 "name": name.replace("=", "") if "only" in row else None,
+                "sources": [TESTS_DIR / source for source in row.get("sources", ())],
+                "inner": bool(row.get("inner")),
             }
             for simulator in [row["on"]] if "on" in row else SIMULATORS:
                 marks = [pytest.mark.model] if row.get("model") else []

@@ -6,13 +6,14 @@ from simulators import BUILD_DIR, simulate
 from wavehaptics.fpga.boards import load_board, write_headers
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("beat", "patience"), [(4, 4), (3, 5)])
 def test_board_clock_watch(simulator, beat, patience):
     if simulator == "icarus" and beat == 3:
         pytest.skip("one size is enough to see what a slow simulator sees otherwise")
     simulate(
         simulator, "wh_board_clock_watch", "tb_board_clock_watch",
-        {"GATES": 12, "BEAT_LOG2": beat, "PATIENCE_LOG2": patience},
+        {"GATES": 12, "BEAT_LOG2": beat, "PATIENCE_LOG2": patience}, inner=False,
     )  # fmt: skip
 
 
@@ -24,5 +25,5 @@ def test_lost_clock(simulator, monkeypatch):
     monkeypatch.setenv("WH_BOARD", "ulx3s")
     simulate(
         simulator, "bench_lost_clock", "tb_lost_clock", {"SETTLE_LOG2": 6, "ZERO_LOG2": 2},
-        name="tb_lost_clock", includes=[folder], defines=board.defines,
+        name="tb_lost_clock", includes=[folder], defines=board.defines, inner=False,
     )  # fmt: skip

@@ -9,6 +9,7 @@ from simulators import BUILD_DIR, simulate
 from wavehaptics.fpga.boards import load_board, write_headers
 
 
+@pytest.mark.kept("verilator-ulx3s_brushless")
 @pytest.mark.parametrize("name", ["ulx3s", "hx8k", "ulx3s_brushless"])
 def test_board_controller(simulator, name, monkeypatch):
     folder = BUILD_DIR / f"board_settings-{name}-{simulator}"

@@ -19,4 +19,10 @@ def bench_words(name: str) -> Path:
 
 @pytest.mark.model
 def test_closed_loop(simulator):
-    simulate(simulator, "bench_closed_loop", "tb_closed_loop", includes=[bench_words(simulator)])
+    simulate(
+        simulator,
+        "bench_closed_loop",
+        "tb_closed_loop",
+        includes=[bench_words(simulator)],
+        inner=False,
+    )

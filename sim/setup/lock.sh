@@ -15,7 +15,6 @@ fi
 compile() { # compile LOCK ARGUMENT... : the package list on stdin or among the arguments
     lock=$1
     shift
-    mkdir -p build
     if [ -e "$lock" ]; then cp "$lock" "build/$lock"; fi
     "$uv" pip compile --quiet --universal --generate-hashes --python-version 3.10 --no-annotate \
         --no-emit-index-url --no-emit-find-links --custom-compile-command 'make lock' \
@@ -30,14 +29,14 @@ compile() { # compile LOCK ARGUMENT... : the package list on stdin or among the 
 }
 
 # Cosmic Ray's pages of HTML, which nobody asks for, want a package that has no wheel.
-mkdir -p build
+mkdir -p build/requirements
 echo "yattag ; python_version < '3'" >build/overrides.in
 
-compile requirements.lock pyproject.toml --extra test --extra report "$@"
+compile requirements/package.lock pyproject.toml --extra test --extra report "$@"
 
-# The synthesis tools, that for mutants, the other simulators and the pages' generator, each alone, at
-# versions that agree with the lock above.
-for group in synth mutate bench docs; do
+# The synthesis tools, that for mutants and the pages' generator, each alone, at versions that agree
+# with the lock above.
+for group in synth mutate docs; do
     .venv/bin/python - "$group" <<'EOF' >"build/$group.in"
 import sys
 try:
@@ -48,7 +47,7 @@ with open("pyproject.toml", "rb") as file:
     print(*tomllib.load(file)["project"]["optional-dependencies"][sys.argv[1]], sep="\n")
 EOF
     # The pages' generator shares no environment with the package.
-    case $group in docs) constraints= ;; *) constraints='--constraints requirements.lock' ;; esac
+    case $group in docs) constraints= ;; *) constraints='--constraints requirements/package.lock' ;; esac
     # shellcheck disable=SC2086 # two words or none
-    compile "requirements-$group.lock" "build/$group.in" $constraints "$@"
+    compile "requirements/$group.lock" "build/$group.in" $constraints "$@"
 done

@@ -203,8 +203,8 @@ def test_runs_that_end_early(capsys, monkeypatch, runs, name, status, fragment):
         (("check", "paper_tap"), "did you mean paper_taps?"),
         (("check", "bench.toml", "--set", "motor.L_h=0.24 mH"), "write 0.24e-3"),
         (
-            ("check", "bench.toml", "--set", "controller.track_gain=1"),
-            "track_gain is gone: the port",
+            ("check", "bench.toml", "--set", "controller.swing_ohm=1"),
+            "swing_ohm is gone: the port",
         ),
         (("check", "bench.toml", "--set", "motor.\udcff=1"), "is not UTF-8"),
         (("board", "--virtual", "impact", "--hand", "hand"), "impact has no hand that can be led"),

@@ -47,6 +47,7 @@ def held(controller: str, *settings: str) -> tuple[float, float, float, float]:
     )  # fmt: skip
 
 
+@pytest.mark.kept("brushes")
 @pytest.mark.parametrize(
     ("name", "begun"),
     [("held_wall", 0.25), ("brushless_hold", 0.5)],

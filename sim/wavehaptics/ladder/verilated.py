@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import ctypes
+import fcntl
 import functools
 import os
 import shutil
@@ -30,7 +31,7 @@ COVERAGE_DIR = os.environ.get("WH_COVERAGE", "")
 # Toggles of all signals: the settings of many walls are wider than the 256 bits that are usual.
 COVERAGE_FLAGS = ("--coverage-line", "--coverage-toggle", "--coverage-max-width", "4096")
 
-DEFAULT_CXX_FLAGS = (
+CXX_FLAGS: tuple[str, ...] = (
     "-O3",
     "-march=native",
     "-std=c++20",
@@ -43,13 +44,15 @@ DEFAULT_CXX_FLAGS = (
     # static thread-local storage it is not used up by several libraries in one process.
     *(("-mtls-dialect=gnu2",) if os.uname().machine == "x86_64" else ()),
 )
-DEFAULT_VERILATOR_FLAGS = ("-O3", "--x-assign", "fast", "--x-initial", "fast", "--noassert")
+VERILATOR_FLAGS: tuple[str, ...] = (
+    "-O3",
+    "--x-assign",
+    "fast",
+    "--x-initial",
+    "fast",
+    "--noassert",
+)
 
-# Other flags for a process that is to be measured with them.
-CXX_FLAGS = tuple(os.environ.get("WH_CXX_FLAGS", "").split()) or DEFAULT_CXX_FLAGS
-VERILATOR_FLAGS = tuple(os.environ.get("WH_VERILATOR_FLAGS", "").split()) or DEFAULT_VERILATOR_FLAGS
-BUILD_WORK = os.environ.get("WH_BUILD_WORK", "")
-"""Folder to build in, for a profile, whose files are named after it; "" for one of its own."""
 if COVERAGE_DIR:
     VERILATOR_FLAGS += COVERAGE_FLAGS
     CXX_FLAGS += ("-O1",)  # the last counts: counters make builds long, and few ticks are run
@@ -125,11 +128,6 @@ def verilator_environment() -> tuple[str, dict[str, str]]:
     return str(root / "bin" / "verilator_bin"), environment
 
 
-def _link_flags() -> list[str]:
-    """What the linker needs of the compiler's flags: a profile is written by the program itself."""
-    return [flag for flag in CXX_FLAGS if flag.startswith(("-fprofile", "-flto"))]
-
-
 @functools.cache
 def _version(program: str) -> str:
     done = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
@@ -162,19 +160,18 @@ def build(design: Design) -> Path:
         *(str(SHIMS / name) for name in design.shows),
         str(SHIMS / design.shim), str(_source(design.top)),
     ]  # fmt: skip
-    work = Path(BUILD_WORK) if BUILD_WORK else None
-    return verilate(design.top, arguments, target, shim_header(design.sizes), work=work)
+    return verilate(design.top, arguments, target, shim_header(design.sizes))
 
 
 def verilate(
     top: str, arguments: Sequence[str], target: Path, header: str | None = None, *,
-    covered: bool = True, work: Path | None = None,
+    covered: bool = True,
 ) -> Path:  # fmt: skip
     """Build ``target``, a shared library of a top level and its shim, unless it is there already.
 
     ``arguments`` are Verilator's for the sources, ``header`` the text of the shim's ``words.h``;
-    what isn't ``covered`` counts nothing for WH_COVERAGE. ``work`` is a folder to build in, which
-    must not be there yet; it is gone afterwards, as one of its own is.
+    what isn't ``covered`` counts nothing for WH_COVERAGE. Of processes that want the same library
+    at a time, one builds it.
     """
     if target.exists():
         return target
@@ -182,18 +179,28 @@ def verilate(
     flags = [flag for flag in VERILATOR_FLAGS if covered or flag not in COVERAGE_FLAGS]
     try:
         folder = workplace(BUILD_DIR)
-        if work is None:
-            work = Path(tempfile.mkdtemp(prefix=f"{top}-", dir=folder))
-        else:
-            work.mkdir(parents=True)
-        (work / "obj").mkdir()
+        turn = (folder / f"{target.stem}.lock").open("w")
     except OSError as error:
         raise BuildError(f"no place to build {top} in: {error}; set XDG_CACHE_HOME") from None
+    with turn:
+        fcntl.flock(turn, fcntl.LOCK_EX)
+        if not target.exists():
+            _verilate(top, arguments, target, header, folder, [program, *flags], environment)
+    return target
+
+
+def _verilate(
+    top: str, arguments: Sequence[str], target: Path, header: str | None, folder: Path,
+    program: Sequence[str], environment: dict[str, str],
+) -> None:  # fmt: skip
+    """Build the library in a folder of its own below ``folder``."""
+    work = Path(tempfile.mkdtemp(prefix=f"{top}-", dir=folder))
+    (work / "obj").mkdir()
     if header is not None:
         (work / "obj" / "words.h").write_text(header, encoding="utf-8")
     command = [
-        *WITH_STACK, program, "--cc", "--exe", "--build", *flags, "-CFLAGS", " ".join(CXX_FLAGS),
-        "-LDFLAGS", " ".join(["-shared -Wl,-Bsymbolic", *_link_flags()]), "--top-module", top,
+        *WITH_STACK, *program, "--cc", "--exe", "--build", "-CFLAGS", " ".join(CXX_FLAGS),
+        "-LDFLAGS", "-shared -Wl,-Bsymbolic", "--top-module", top,
         "--Mdir", str(work / "obj"), "-o", str(work / "model.so"), *arguments,
     ]  # fmt: skip
     log = target.with_suffix(".log")
@@ -206,7 +213,6 @@ def verilate(
             shutil.move(work / "model.so", part)
     finally:
         shutil.rmtree(work)
-    return target
 
 
 def load(design: Design) -> ctypes.CDLL:

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from wavehaptics.studies.bench.measure import gain
 from wavehaptics.studies.report import field_oriented, in_space
 from wavehaptics.studies.report.blocks import number, percent
 
@@ -39,7 +38,7 @@ def of_report(report: dict[str, Any]) -> dict[str, Any]:
 
 def of_bench(summary: dict[str, Any]) -> dict[str, Any]:
     """The bench's numbers that the pages quote."""
-    kept = ("machine", "compiler", "verilator", "controllers", "rtl_alone", "tried", "others")
+    kept = ("machine", "compiler", "verilator", "controllers", "rtl_alone")
     return {key: summary[key] for key in kept}
 
 
@@ -70,6 +69,13 @@ def _needs(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     return table(head, rows)
 
 
+def gain(row: dict[str, Any]) -> str:
+    """How many times as fast something was, with the least and the most of the rounds."""
+    if row["failed"]:
+        return row["failed"]
+    return f"{row['gain']:.2f} ({row['gain_least']:.2f}–{row['gain_most']:.2f})"
+
+
 def _speed(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     head = ("controller", "simulated s per s", "ticks per s", "clock cycles per s", "torque error")
     rows = [
@@ -85,7 +91,7 @@ def _others(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     rows = [
         (f"{row['name']} {row['version']}: {row['what']}", number(row["steps_per_s"]),
          number(row["simulated_s_per_s"]), number(row["current_error"]))
-        for row in numbers["bench"]["others"]
+        for row in numbers["measured_once"]["others"]
     ]  # fmt: skip
     return table(head, rows)
 
@@ -93,7 +99,8 @@ def _others(numbers: dict[str, Any], table: Callable[..., str]) -> str:
 def _tried(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     head = ("tried with `pins`", "clock cycles per s", "times as fast")
     rows = [
-        (row["what"], number(row["cycles_per_s"]), gain(row)) for row in numbers["bench"]["tried"]
+        (row["what"], number(row["cycles_per_s"]), gain(row))
+        for row in numbers["measured_once"]["tried"]
     ]
     return table(head, rows)
 

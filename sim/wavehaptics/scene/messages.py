@@ -28,29 +28,11 @@ GONE: dict[KeyPath, str] = {
     ("brushes", "noise_s"): (
         "contact_noise depends on the angle; use noise_rad, or flicker_noise for noise over time"
     ),
-    ("controller", "release_ohm"): (
-        "the port anchor needs no rule for the way out; use anchor_auto = true"
-    ),
-    ("controller", "surface_ohm"): (
-        "the port anchor needs no rule for a wall's first counts; use anchor_auto = true"
-    ),
-    ("controller", "track_gain"): "the port anchor needs no tracking; use anchor_auto = true",
-    ("controller", "track_limit"): (
-        "the port anchor needs no tracking and no limit of it; use anchor_auto = true"
-    ),
-    ("controller", "lost_limit"): (
-        "the port anchor checks the encoder by itself; use anchor_auto = true"
-    ),
-    ("controller", "dead_zone_cells"): (
-        "the port anchor's dead zone is always half a count; use anchor_auto = true"
-    ),
     (
         "controller",
         "swing_ohm",
     ): "the port anchor damps oscillations by itself; use anchor_auto = true",
     ("controller", "rebound_loss"): "a rebound needs no rule of its own; use anchor_auto = true",
-    ("controller", "push_only"): "a wall of the port anchor only pushes; use anchor_auto = true",
-    ("controller", "r_hat_free"): "one R̂ serves contact and free space; use r_hat",
     ("controller", "early_duty"): (
         "the pins compute each duty from the finished step; use extra_ticks = 1, or leave it "
         "out for what they need"

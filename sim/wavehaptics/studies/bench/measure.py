@@ -18,21 +18,16 @@ import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from functools import partial
 from pathlib import Path
 from statistics import median
-from typing import Any, NamedTuple
+from typing import Any
 
 from rich.table import Table
 
 from wavehaptics.ladder import verilated
 from wavehaptics.runtime.files import write_json
-from wavehaptics.runtime.plain_paths import workplace
-from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies.report.blocks import number, percent
 
-OTHERS_PYTHON = ROOT / ".venv-bench" / "bin" / "python"
-OTHERS = (("gym_electric_motor_steps.py", 20_000), ("motulator_steps.py", 4_000))
 CONTROLLERS = ("analog", "golden", "core", "pins", "encoder")
 ROUNDS, QUICK_ROUNDS = 7, 3
 TIMEOUT_S = 900
@@ -42,52 +37,15 @@ class MeasurementError(RuntimeError):
     """A process that could not measure; the message is its last line."""
 
 
-class Tried(NamedTuple):
-    """Something that was tried to make the Verilated model faster."""
-
-    name: str
-    cxx: tuple[str, ...] = verilated.DEFAULT_CXX_FLAGS
-    verilator: tuple[str, ...] = verilated.DEFAULT_VERILATOR_FLAGS
-    seconds: str = "cpu_s"
-    """Of which clock: with several threads the processor's tells nothing."""
-
-
-def _without(*flags: str) -> tuple[str, ...]:
-    return tuple(flag for flag in verilated.DEFAULT_CXX_FLAGS if flag not in flags)
-
-
-SHIPPED = Tried("as shipped")
-TRIED = (
-    SHIPPED,
-    Tried("compiler at -O2", ("-O2", *_without("-O3"))),
-    Tried("compiler at -Os, Verilator's own default", ("-Os", *_without("-O3"))),
-    Tried("without -march=native", _without("-march=native")),
-    Tried("thread-local variables by a call", _without("-mtls-dialect=gnu2")),
-    Tried("thread-local variables, static",
-          ("-ftls-model=initial-exec", *_without("-mtls-dialect=gnu2"))),
-    Tried("unknown values as Verilator has them by default", verilator=("-O3", "--noassert")),
-    Tried("link-time optimisation", (*verilated.DEFAULT_CXX_FLAGS, "-flto")),
-    Tried("two threads", verilator=(*verilated.DEFAULT_VERILATOR_FLAGS, "--threads", "2"),
-          seconds="wall_s"),
-)  # fmt: skip
-HIERARCHICAL = '`verilator_config\nhier_block -module "wh_wave_core"\n'
-
-
 class Runner:
     """A process that gets ready once and then measures each time that it is asked."""
 
-    def __init__(self, what: str, tried: Tried, work: Path | None, errors: Any) -> None:
-        environment = os.environ | {
-            "WH_CXX_FLAGS": " ".join(tried.cxx),
-            "WH_VERILATOR_FLAGS": " ".join(tried.verilator),
-            "WH_BUILD_WORK": str(work or ""),
-        }
+    def __init__(self, what: str, errors: Any) -> None:
         command = [sys.executable, "-m", "wavehaptics.studies.bench.once", what]
         self._errors = errors
         self.process = subprocess.Popen(
-            command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-            stderr=errors, text=True,
-        )  # fmt: skip
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, text=True
+        )
         self.known = self._answer()
 
     def once(self) -> dict[str, Any]:
@@ -109,9 +67,9 @@ class Runner:
 
 
 @contextmanager
-def _runner(what: str, tried: Tried = SHIPPED, work: Path | None = None) -> Iterator[Runner]:
+def _runner(what: str) -> Iterator[Runner]:
     with tempfile.TemporaryFile("w+") as errors:
-        runner = Runner(what, tried, work, errors)
+        runner = Runner(what, errors)
         try:
             yield runner
         finally:
@@ -172,89 +130,10 @@ def _alone(rounds: int) -> dict[str, Any]:
     }
 
 
-def _trained(base: Runner, rounds: int, folder: Path) -> dict[str, Any]:
-    """Gain of a build that follows the profile of a first run."""
-    flags = verilated.DEFAULT_CXX_FLAGS
-    work = folder / "work"
-    first = Tried("training", (*flags, f"-fprofile-generate={folder}/profile"))
-    with _runner("short", first, work):
-        pass
-    use = (*flags, f"-fprofile-use={folder}/profile", "-fprofile-partial-training",
-           "-Wno-missing-profile")  # fmt: skip
-    return _gain(base, Tried("trained", use), rounds, work)
-
-
-def _hierarchical(base: Runner, rounds: int, folder: Path) -> dict[str, Any]:
-    """Gain of the wave core as a Verilated block of its own."""
-    config = folder / "hier.vlt"
-    config.write_text(HIERARCHICAL, encoding="utf-8")
-    flags = (*verilated.DEFAULT_VERILATOR_FLAGS, "--hierarchical", str(config))
-    return _gain(base, Tried("hierarchical", verilator=flags), rounds)
-
-
-def _gain(
-    base: Runner, tried: Tried, rounds: int, work: Path | None = None
-) -> dict[str, float | None]:
-    """Clocks a second of what is tried, and how many times as fast as ``base`` it is: the median
-    of the rounds, the least and the most."""
-    with _runner("short", tried, work) as runner:
-        pairs = zip(*_by_turns([base, runner], rounds), strict=True)
-    seconds = [(one[tried.seconds], other[tried.seconds]) for one, other in pairs]
-    gains = [one / other for one, other in seconds]
-    return {
-        "cycles_per_s": runner.known["clock_cycles"] / median(other for _, other in seconds),
-        "gain": median(gains),
-        "gain_least": min(gains),
-        "gain_most": max(gains),
-    }
-
-
-def _tried(
-    quick: bool, rounds: int, progress: Callable[[str, float], None]
-) -> list[dict[str, Any]]:
-    """Everything that was tried with `pins`, against what is shipped, which is tried as well."""
-    rows = []
-    with (
-        tempfile.TemporaryDirectory(dir=workplace(verilated.BUILD_DIR)) as name,
-        _runner("short") as base,
-    ):
-        folder = Path(name)
-        cases: list[tuple[str, Callable[[], dict[str, float | None]]]] = [
-            (t.name, partial(_gain, base, t, rounds)) for t in TRIED
-        ]
-        cases.append(("build guided by a profile", lambda: _trained(base, rounds, folder)))
-        cases.append(
-            ("wave core as a block of its own", lambda: _hierarchical(base, rounds, folder))
-        )
-        for n, (what, run) in enumerate(cases[:1] if quick else cases):
-            progress("tried", n / len(cases))
-            row = dict.fromkeys(("cycles_per_s", "gain", "gain_least", "gain_most", "failed"))
-            try:
-                row |= run()
-            except MeasurementError as error:
-                row["failed"] = str(error)
-            rows.append({"what": what, **row})
-    progress("tried", 1.0)
-    return rows
-
-
-def _others(progress: Callable[[str, float], None]) -> list[dict[str, Any]]:
-    rows = []
-    for n, (script, steps) in enumerate(OTHERS):
-        progress("others", n / len(OTHERS))
-        done = subprocess.run(
-            [str(OTHERS_PYTHON), str(ROOT / "sim" / "others" / script), str(steps)],
-            capture_output=True, text=True, timeout=TIMEOUT_S, stdin=subprocess.DEVNULL, check=True,
-        )  # fmt: skip
-        rows.append(json.loads(done.stdout.splitlines()[-1]))
-    progress("others", 1.0)
-    return rows
-
-
 def bench(
     out: Path, quick: bool = False, progress: Callable[[str, float], None] = lambda s, p: None
 ) -> dict[str, Any]:
-    """Measure everything and write ``summary.json`` into ``out``; ``quick`` tries nothing new."""
+    """Measure everything and write ``summary.json`` into ``out``; ``quick``: in fewer rounds."""
     rounds = QUICK_ROUNDS if quick else ROUNDS
     controllers = _controllers(rounds, progress)
     summary = {
@@ -266,14 +145,12 @@ def bench(
         },
         "compiler": _first_line([shutil.which("c++") or "g++", "--version"]),
         "verilator": _first_line([verilated.verilator_environment()[0], "--version"]),
-        "cxx_flags": list(verilated.DEFAULT_CXX_FLAGS),
-        "verilator_flags": list(verilated.DEFAULT_VERILATOR_FLAGS),
+        "cxx_flags": list(verilated.CXX_FLAGS),
+        "verilator_flags": list(verilated.VERILATOR_FLAGS),
         "threads": 1,
         "controllers": controllers,
         "rtl_alone": _alone(rounds),
-        "tried": _tried(quick, rounds, progress),
         "quick": quick,
-        "others": _others(progress) if OTHERS_PYTHON.exists() else [],
     }
     write_json(out / "summary.json", summary)
     return summary
@@ -294,14 +171,7 @@ def _processor() -> str:
     return names[0] if names else platform.machine()
 
 
-def gain(row: dict[str, Any]) -> str:
-    """How many times as fast something was, with the least and the most of the rounds."""
-    if row["failed"]:
-        return row["failed"]
-    return f"{row['gain']:.2f} ({row['gain_least']:.2f}–{row['gain_most']:.2f})"
-
-
-def tables(summary: dict[str, Any]) -> list[Table]:
+def table(summary: dict[str, Any]) -> Table:
     """The summary for people."""
     speeds = Table(title="paper_taps, its motor in the loop, one thread, seconds of the processor")
     head = ("controller", "simulated s per s", "ticks per s", "clocks per s", "times pins", "error")
@@ -311,15 +181,4 @@ def tables(summary: dict[str, Any]) -> list[Table]:
         speeds.add_row(name, number(row["simulated_s_per_s"]), number(row["ticks_per_s"]),
                        number(row["cycles_per_s"]), number(row["times_pins"]),
                        percent(row["torque_error"]))  # fmt: skip
-    tried = Table(title="what was tried with pins")
-    for heading in ("what", "clocks per s", "times as fast"):
-        tried.add_column(heading, justify="left" if heading == "what" else "right")
-    for row in summary["tried"]:
-        tried.add_row(row["what"], number(row["cycles_per_s"]), gain(row))
-    others = Table(title="other motor simulators, at their own settings")
-    for heading in ("package", "what", "steps per s", "simulated s per s", "error of the current"):
-        others.add_column(heading, justify="left" if heading in ("package", "what") else "right")
-    for row in summary["others"]:
-        others.add_row(f"{row['name']} {row['version']}", row["what"], number(row["steps_per_s"]),
-                       number(row["simulated_s_per_s"]), number(row["current_error"]))  # fmt: skip
-    return [speeds, tried, others]
+    return speeds

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One thing to measure, in a process of its own, as the flags of the environment say.
+"""One thing to measure, in a process of its own.
 
 ``python -m wavehaptics.studies.bench.once WHAT`` builds and compiles what WHAT needs and
 prints a line of JSON; then it measures once for each line that it reads, and prints what it found.
-WHAT is a controller, ``short`` for a short run of ``pins``, or ``alone`` for the Verilated RTL
-without its motor.
+WHAT is a controller, or ``alone`` for the Verilated RTL without its motor.
 
 Seconds are the processor's (``cpu_s``) and the clock's (``wall_s``).
 """
 
 from __future__ import annotations
 
+import ctypes
 import json
 import sys
 import time
@@ -30,7 +30,6 @@ from wavehaptics.trace.columns import Column, Word
 SCENE = "paper_taps"
 DURATIONS_S = {"analog": 0.5, "golden": 2.0, "core": 0.2, "pins": 0.2, "encoder": 2.0}
 """Long enough to press into the wall, or the error would be that of no torque."""
-SHORT_S = 0.05
 CLOCKS = 2_000_000
 
 Measurement = Callable[[], dict[str, Any]]
@@ -68,8 +67,8 @@ def alone() -> tuple[dict[str, Any], Measurement]:
     simulation = BenchPins(load_scene(find_scene(SCENE)))
     library, model = simulation._library, simulation._model
     for name in ("wh_bench_clocks", "wh_bench_quiet"):
-        getattr(library, name).argtypes = [verilated.ctypes.c_int64] * 3
-        getattr(library, name).restype = verilated.ctypes.c_int64
+        getattr(library, name).argtypes = [ctypes.c_int64] * 3
+        getattr(library, name).restype = ctypes.c_int64
     each = verilated.address(library.wh_pins_clock)
     _each(each, model, 1)
     changes = library.wh_bench_quiet(model, 0, CLOCKS)
@@ -113,12 +112,7 @@ def whole(controller: str, duration_s: float) -> tuple[dict[str, Any], Measureme
 
 def main(what: str) -> None:
     """Get ready, and measure as often as is asked for."""
-    if what == "alone":
-        known, once = alone()
-    elif what == "short":
-        known, once = whole("pins", SHORT_S)
-    else:
-        known, once = whole(what, DURATIONS_S[what])
+    known, once = alone() if what == "alone" else whole(what, DURATIONS_S[what])
     print(json.dumps(known), flush=True)
     for _ in sys.stdin:
         print(json.dumps(once()), flush=True)
