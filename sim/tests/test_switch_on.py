@@ -20,7 +20,7 @@ from wavehaptics.fpga.pad_timing import Delays, PadTimingError, adc_budget, gate
 from wavehaptics.fpga.synthesis import SynthesisError
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.pins import PinsSimulation
-from wavehaptics.ladder.run import measure
+from wavehaptics.ladder.run import CONTROLLERS, measure
 from wavehaptics.parts import clamps
 from wavehaptics.parts.adcs import MODULATORS, PARTS, PartError, frame
 from wavehaptics.parts.sensing import sensing_parts
@@ -573,6 +573,20 @@ def test_what_a_brisk_hand_does(tmp_path, name, gentle, brisk, seconds, cause):
     assert np.abs(after[500:, Column.I]).max() < 1e-3
     page = ROOT / "boards" / (name if known else "") / "README.md"
     assert f"`{cause.name}`" in page.read_text()
+
+
+@pytest.mark.parametrize("find", ["true", "false"], ids=["to-be-found", "known"])
+@pytest.mark.parametrize("speed", [90.0, 100.0, 110.0])
+def test_no_hit_leaves_the_brushless_wall_at_its_voltage_limit(tmp_path, speed, find):
+    """Without the guard, too: the limit acts for some milliseconds, and is left within 50 ms."""
+    settings = ("adc.edge_hold_s=0", f"controller.find_magnet={find}")
+    scene = hit_of(tmp_path, "ulx3s_brushless", speed, 0.1, *settings).scene
+    golden = CONTROLLERS["golden"](scene)
+    rows = np.zeros((round(0.1 / golden.tick_s), len(Column)))
+    golden.advance(rows, np.zeros((len(rows), len(Word)), dtype=np.int64))
+    late = rows[:, Column.T] > 0.05
+    assert rows[~late, Column.SATURATED].any()
+    assert not rows[late, Column.SATURATED].any()
 
 
 def test_what_switched_a_run_off_is_told():
