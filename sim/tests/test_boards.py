@@ -457,6 +457,25 @@ def test_what_a_brushless_board_has(tmp_path, old, new, told):
         load_board("ulx3s_brushless", root=tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("key", "told"),
+    [
+        ("walls = 8", "7 walls for a motor; take walls = 7 or fewer"),
+        ("shared_multiplier = true", "one multiplier for all products always; leave .* out"),
+    ],
+)
+def test_what_a_linked_board_with_brushes_has(tmp_path, key, told):
+    """In one line."""
+    folder = tmp_path / "boards" / "ulx3s"
+    folder.mkdir(parents=True)
+    for file in ("fpga.toml", "board.toml"):
+        text = (ROOT / "boards" / "ulx3s" / file).read_text()
+        text = text.replace("link = true\n", f"link = true\n{key}\n")
+        (folder / file).write_text(text)
+    with pytest.raises(BoardError, match=rf"fpga\.toml:\d+: a board with link = true has {told}$"):
+        load_board("ulx3s", root=tmp_path)
+
+
 def test_a_brushless_boards_own_words():
     """What a count turns, and that the magnets are to be found; nothing of a full bridge."""
     board = load_board("ulx3s_brushless")

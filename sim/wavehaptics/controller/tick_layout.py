@@ -213,14 +213,14 @@ def _soonest(
 def _in_time(scene: Scene, clocks: int, made: Frame, turns: int, sections: int) -> bool:
     """Whether motors that take ``turns`` have the latency that the scene names, if it does.
 
-    In a tick of a clock that is free; it is a multiple of four, for a carrier half and its middle.
+    In a tick of a clock that is free.
     """
     control = scene.controller
     if not turns or "extra_ticks" not in control.model_fields_set:
         return True
     lead = sample_lead(made, 0)
     soonest = _soonest(clocks, made, lead, turns, sections, control.anchored, False)
-    return soonest <= control.extra_ticks and clocks % 4 == 0
+    return soonest <= control.extra_ticks
 
 
 def _tick_clocks(
@@ -242,7 +242,9 @@ def _tick_clocks(
             made = None
         if made is not None and made.cycle_clocks <= clocks and clocks % halves == 0:
             if not made.osr:
-                if _in_time(scene, clocks, made, turns, sections):
+                # Of four, so that a carrier half is whole, and half of it.
+                suits = clocks == usual or not turns or clocks % 4 == 0
+                if suits and _in_time(scene, clocks, made, turns, sections):
                     return clocks, made
                 found = found or (clocks, made)
             # A modulator: the more bits a tick, the better.

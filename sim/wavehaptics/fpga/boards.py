@@ -15,6 +15,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
 
+from wavehaptics.controller.ports import MOST_WALLS
 from wavehaptics.fpga.board_words import (
     LINKED_WALLS,
     BoardWords,
@@ -249,6 +250,15 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
             if wrong:
                 at = places.of((key,) if key in data else ("legs",))[1]
                 raise BoardError(f"{at}: a board with legs = {fpga.legs} has {right}")
+    elif fpga.link:
+        for key, wrong, right in (
+            ("shared_multiplier", fpga.shared_multiplier,
+             "one multiplier for all products always; leave shared_multiplier out"),
+            ("walls", fpga.walls > MOST_WALLS,
+             f"{MOST_WALLS} walls for a motor; take walls = {MOST_WALLS} or fewer"),
+        ):  # fmt: skip
+            if wrong:
+                raise BoardError(f"{places.of((key,))[1]}: a board with link = true has {right}")
     if fpga.motors % fpga.sclk_pins:
         raise BoardError(
             f"{places.of(('sclk_pins',))[1]}: sclk_pins = {fpga.sclk_pins} can't be shared "
