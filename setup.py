@@ -8,6 +8,7 @@ They are at the repository's own paths below ``wavehaptics/_repository``, where
 from glob import glob
 from os.path import isfile
 from pathlib import Path
+from shutil import rmtree
 
 from setuptools import setup
 from setuptools.command.build_py import build_py
@@ -26,6 +27,9 @@ class BuildWithCopies(build_py):
         return {path: str(target / path) for path in found if isfile(path)}
 
     def run(self) -> None:
+        if not self.editable_mode:
+            # What an earlier build left would be in the wheel as well.
+            rmtree(Path(self.build_lib, "wavehaptics"), ignore_errors=True)
         super().run()
         if not self.editable_mode:
             for path, copy in self.copies().items():

@@ -38,7 +38,8 @@ suppress_warnings = ["autoapi.python_import_resolution", "ref.python"]
 toctrees = {
     "How-to guides": ["docs/board", "docs/identify", "docs/use_in_your_design", "docs/python",
                       "docs/c", "boards/README", "docs/wiring/README",
-                      "docs/wiring/switching_on", "docs/development", "CONTRIBUTING"],
+                      "docs/wiring/switching_on", "docs/development", "CONTRIBUTING",
+                      "SECURITY"],
     "Explanation": ["docs/principle", "docs/paper", "docs/architecture", "docs/simulation",
                     "docs/port_anchor", "docs/environments", "docs/gallery", "docs/surfaces",
                     "docs/brushless", "docs/drive", "docs/sensing"],

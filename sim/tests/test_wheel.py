@@ -8,12 +8,14 @@ import os
 import subprocess
 import sys
 import sysconfig
+import tarfile
 import venv
 import zipfile
 from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+import wavehaptics as wh
 from wavehaptics.ladder.run import measure
 from wavehaptics.runtime.repository import BUILD, PACKAGE, ROOT
 from wavehaptics.scene import find_scene, load_scene, shipped_scenes
@@ -78,9 +80,11 @@ def elsewhere(made, tmp_path_factory) -> Path:
     """
     folder = tmp_path_factory.mktemp("elsewhere") / "a place (ü)"
     venv.create(folder / "env", with_pip=True)
-    ran(folder / "env" / "bin" / "python", *PIP, "install", *OFFLINE, made, cwd=folder)
+    # With a PYTHONPATH to the sources pip takes the package for installed, and installs nothing.
+    pip = (folder / "env" / "bin" / "python", *PIP, "install", *OFFLINE, made)
+    ran(*pip, cwd=folder, PYTHONPATH="")
     (site,) = (folder / "env" / "lib").glob("python*/site-packages")
-    (site / "others.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    (site / "others.pth").write_text(f"{Path(sysconfig.get_path('purelib')).resolve()}\n")
     watch = WATCH.format(root=f"{ROOT.resolve()}/", venv=f"{Path(sys.prefix).resolve()}/")
     (site / "sitecustomize.py").write_text(watch)
     return folder
@@ -136,13 +140,93 @@ def test_a_shipped_scene_runs_as_here(elsewhere, controller):
             assert found[name] == value, name
 
 
-def test_what_needs_the_repository_says_so(elsewhere):
-    command = [elsewhere / "env" / "bin" / "wavehaptics", "mutate"]
+def test_every_public_name_and_a_run_from_python(elsewhere):
+    code = (
+        "import wavehaptics as wh\n"
+        "print(sum(callable(getattr(wh, name)) for name in wh.__all__))\n"
+        "scene = wh.load_scene('paper_taps').with_(scene__duration_s=0.02)\n"
+        "print(wh.run(scene).trace.units['position'])\n"
+    )
+    assert run(elsewhere, "-c", code, program="python").split() == [str(len(wh.__all__)), "rad"]
+
+
+def test_commands_without_the_repository(elsewhere):
+    """From a data sheet to a sweep, in a folder of the user's own."""
+    found = run(elsewhere, "doctor")
+    assert f"{elsewhere / 'env'}" in found
+    assert found.endswith("\nnothing is missing\n")
+    run(elsewhere, "new-scene", "mine.toml", "--r-ohm", "2.45", "--l-h", "0.513e-3", "--k-t",
+        "53.8e-3", "--j-kgm2", "34.7e-7")  # fmt: skip
+    assert "ok on golden" in run(elsewhere, "check", "mine.toml", "--controller", "golden")
+    assert "K_L = 5.642" in run(elsewhere, "tune", "mine.toml", "--sensor", "INA241")
+    assert "#define" in run(elsewhere, "registers", "mine.toml", "--format", "c")
+    run(elsewhere, "sweep", "paper_taps", "controller.lambda=1e4,2e4", "--workers", "2",
+        "--set", "scene.duration_s=0.05", "--out", "swept")  # fmt: skip
+    lines = (elsewhere / "swept" / "sweep.csv").read_text("utf-8").splitlines()
+    assert len(lines) == 3
+    assert (elsewhere / "swept" / "sweep.png").is_file()
+
+
+@pytest.mark.long
+def test_the_demo_without_the_repository(elsewhere):
+    told = run(elsewhere, "demo")
+    assert "K measured over K_L" in told
+    assert (elsewhere / "build" / "demo" / "fig10.png").is_file()
+    metrics = json.loads((elsewhere / "build" / "demo" / "metrics.json").read_bytes())
+    assert metrics["controller"] == "pins"
+    kept = json.loads((ROOT / "sim" / "docs" / "measured.json").read_bytes())["demo"]
+    assert f"{metrics['stiffness']:.4f}" in json.dumps(kept, ensure_ascii=False)
+
+
+def test_what_an_earlier_build_left_is_not_in_a_wheel(made, tmp_path):
+    """A module and a file of the RTL that are gone from the sources."""
+    (sdist,) = made.parent.glob("*.tar.gz")
+    with tarfile.open(sdist) as archive:
+        archive.extractall(tmp_path, filter="data")
+    (tree,) = tmp_path.iterdir()
+    for name in ("gone.py", "_repository/rtl/wh_gone.v"):
+        stale = tree / "build" / "lib" / "wavehaptics" / name
+        stale.parent.mkdir(parents=True, exist_ok=True)
+        stale.write_text("")
+    command = (*PIP, "wheel", tree, *OFFLINE, "--no-build-isolation", "-w", tmp_path)
+    ran(sys.executable, *command, cwd=tmp_path)
+    (wheel,) = tmp_path.glob("*.whl")
+    names = set(zipfile.ZipFile(wheel).namelist())
+    assert [name for name in names if "gone" in name] == []
+    assert names == set(zipfile.ZipFile(made).namelist())
+
+
+PYTHONS = sorted(Path.home().glob(".pyenv/versions/3.1[0-9].*/bin/python"))
+
+
+@pytest.mark.skipif(not PYTHONS, reason="pyenv has no other Pythons here")
+@pytest.mark.parametrize("python", PYTHONS, ids=lambda path: path.parents[1].name)
+def test_another_python_reads_every_module(python, tmp_path):
+    """Its packages aren't there: ``doctor`` says so, and every module is valid in its language."""
+    environment = {"PYTHONPATH": str(PACKAGE.parent), "PYTHONPYCACHEPREFIX": str(tmp_path)}
+    ran(python, "-m", "compileall", "-q", PACKAGE, cwd=tmp_path, **environment)
+    done = subprocess.run(
+        [python, "-S", "-m", "wavehaptics.checks.doctor"], cwd=tmp_path, capture_output=True,
+        env=os.environ | environment, text=True, timeout=TIMEOUT_S, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (1, "")
+    assert done.stdout.startswith("ok        Python 3.1")
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("mutate", "changes the repository's RTL"),
+        ("bench", "measures the repository's other simulators"),
+    ],
+)
+def test_what_needs_the_repository_says_so(elsewhere, name, why):
+    command = [elsewhere / "env" / "bin" / "wavehaptics", name]
     done = subprocess.run(
         command, cwd=elsewhere, env=os.environ | caches(elsewhere), capture_output=True, text=True,
         timeout=TIMEOUT_S, check=False,
     )  # fmt: skip
-    told = "wavehaptics: mutate changes the repository's RTL; run it in a checkout\n"
+    told = f"wavehaptics: {name} {why}; run it in a checkout\n"
     assert (done.returncode, done.stdout, done.stderr) == (2, "", told)
 
 

