@@ -139,6 +139,13 @@ SLOWEST = (
 """Begun first, so that none of them ends alone."""
 
 
+MINUTES = (
+    "cocotb_tests/test_link.py::test_link_of_three",
+    "cocotb_tests/test_ports_axes.py::test_ports_axes",
+)
+"""Benches that take a minute at any size; the quick tests of their blocks are others."""
+
+
 def pytest_configure(config: pytest.Config) -> None:
     blocks = {path.stem for path in (config.rootpath / "rtl").glob("wh_*.v")}
     if blocks != set(BLOCKS):
@@ -204,6 +211,8 @@ def _is_further(item: pytest.Item, seen: Counter[tuple[str, str]]) -> bool:
         return bool(kept.args) and seen[bench] > first and item.callspec.id not in kept.args
     if simulator is None:
         return False
+    if bench[0] in MINUTES:
+        return True
     seen[bench] += simulator != "icarus"
     return simulator == "icarus" or seen[bench] > 1
 

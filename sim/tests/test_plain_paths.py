@@ -154,6 +154,7 @@ def odd_tree(tmp_path) -> Path:
     return tree
 
 
+@pytest.mark.long
 def test_it_builds_and_runs_there(tmp_path, home, odd_tree):
     """make with Verilator's front end, and a bench on both simulators."""
     shared = os.environ.get("CCACHE_DIR", str(BUILD / "ccache"))

@@ -136,6 +136,7 @@ def test_latency_softens_and_does_no_more(tmp_path):
     assert latency.show(data, tmp_path)
 
 
+@pytest.mark.long
 def test_longer_words_are_better(tmp_path):
     data = collect(widths, lambda t: (t.arguments["name"], t.arguments["bits"]) in
                    {("DATA_W", 16), ("DATA_W", 24), ("STATE_GUARD", 1)})  # fmt: skip

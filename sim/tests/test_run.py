@@ -39,9 +39,7 @@ OF_ONE_PORT = [
 """Shipped scenes that `core` runs."""
 
 
-@pytest.mark.kept(
-    "detents", "held_wall", "hosted_wall", "live_brushless", "paper_taps", "resonance", "two_motors"
-)
+@pytest.mark.kept("held_wall", "live_brushless", "paper_taps", "resonance", "two_motors")
 @pytest.mark.parametrize("name", OF_ONE_PORT)
 def test_core_and_golden_are_the_same_integers(name, tmp_path):
     """Every word of every tick of every shipped scene; of holds that last, of their first part."""
