@@ -9,7 +9,6 @@ from typing import Annotated
 import typer
 
 from wavehaptics.cli.shared import CommandError, SetOption, make_folder, shown_stages
-from wavehaptics.runtime.repository import INSTALLED
 from wavehaptics.scene import find_scene, load_scene
 
 app = typer.Typer()
