@@ -219,7 +219,7 @@ def test_what_needs_the_repository_says_so(elsewhere):
         command, cwd=elsewhere, env=os.environ | caches(elsewhere), capture_output=True, text=True,
         timeout=TIMEOUT_S, check=False,
     )  # fmt: skip
-    told = f"wavehaptics: {name} {why}; run it in a checkout\n"
+    told = "wavehaptics: mutate changes the repository's RTL; run it in a checkout\n"
     assert (done.returncode, done.stdout, done.stderr) == (2, "", told)
 
 
