@@ -266,14 +266,12 @@ LINT_CASES := \
     wh_motor_device,-GN=3,-GHOST=1 \
     wh_motor_device,-GN=3,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_device,-GLEGS=3,-GWALLS=1,-GMIN_PULSE=1,-GDEAD_TIME=0 \
-    wh_device,-GLEGS=3,-GDELAY_LOG2=10,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_settings_rom,-GLEGS=3 \
     wh_link,-GCLOCK_HZ=700000 \
     wh_link,-GCLOCK_HZ=125000000,-GUNIT=247,-GFALLBACK=511 \
     wh_linked_device,-GN=3,-GSHAPER=2 \
     wh_linked_device,-GARM=0 \
     wh_linked_device,-GCAPTURE=12,-GSTREAM=1 \
-    wh_linked_device,-GLEGS=3,-GANCHOR=1,-GGUARD=1,-GSENSE=1,-GCAPTURE=12,-GSTREAM=1 \
     wh_capture,-GN=2,-GDEPTH_LOG2=15 \
     wh_capture,-GDEPTH_LOG2=4 \
     wh_rows,-GCHANNELS=2 \
@@ -312,8 +310,8 @@ LINT_CASES := \
     wh_ports,-GN=5,-GAXES=5,-GSHAPER=2,-GHOST=1,-GMODES=1 \
     wh_ports,-GN=8,-GAXES=85 \
     wh_ports_device,-GN=3,-GAXES=2,-GARM=1 \
-    wh_device,-GLEGS=3,-GTURNS=1,-GSHAPER=1,-GHOST=1 \
-    wh_linked_device,-GLEGS=3,-GTURNS=1,-GCAPTURE=12,-GSTREAM=1 \
+    wh_device,-GLEGS=3,-GSHAPER=1,-GHOST=1 \
+    wh_linked_device,-GLEGS=3,-GCAPTURE=12,-GSTREAM=1 \
     wh_ports,-GN=3,-GSHAPER=1 \
     wh_ports,-GN=3,-GSHAPER=2 \
     wh_ports,-GN=3,-GSHAPER=1,-GHOST=1 \

@@ -26,13 +26,11 @@ from wavehaptics.controller.modulator import duty_of, new_dead_time
 from wavehaptics.controller.normalised import quantise, realise
 from wavehaptics.controller.pins_timing import (
     CENTRED_LEAD,
-    CLARKE_CLOCKS,
     CORE_CLOCKS,
     CURRENT_CLOCKS,
     GATE_CLOCKS,
     HOLD_CLOCKS,
     SECTION_CLOCKS,
-    latency_clocks,
 )
 from wavehaptics.laws.reflection import Wish, reflection
 from wavehaptics.motor.sensor import scale_sum
@@ -69,7 +67,9 @@ A = formats.A.to_raw(0.7)
 U_MAX = formats.WAVE.to_raw(4.0 / math.sqrt(2 * R_OHM))
 EXTRA_CLOCKS = 7
 """Clocks from a current to the end of a period that it counts for: wh_dead_time, wh_modulator."""
-LATENCY = latency_clocks(FRAME.conversion_clocks, sections=SHAPER, brushless=True)
+CLARKE_CLOCKS = 7
+"""Clocks from the currents of the phases to those of the axes."""
+LATENCY = FRAME.conversion_clocks + 80 + 10 * SHAPER
 STEP_CLOCKS = AXES * (CORE_CLOCKS + SECTION_CLOCKS * SHAPER)
 HALF = STEP_CLOCKS // 2 + 2
 """Clocks of a carrier half, of which a tick has two."""

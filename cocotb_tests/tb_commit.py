@@ -10,7 +10,6 @@ import cocotb
 from cocotb.triggers import Timer, ValueChange, with_timeout
 from simulators import parameters
 from wavehaptics.controller.pins_timing import shortest_tick_clocks
-from wavehaptics.controller.tick_layout import MIN_AXES_CLOCKS, MIN_BRUSHLESS_CLOCKS
 from wavehaptics.words.table import THREE_PHASE_LEGS
 
 _P = {
@@ -26,7 +25,7 @@ BRUSHLESS = _P["LEGS"] == THREE_PHASE_LEGS
 ANCHORED, BUS = bool(_P["ANCHOR"]), bool(_P["BUS"])
 HALVES = 2 if BRUSHLESS else 1
 LEAST = (
-    (MIN_AXES_CLOCKS if ANCHORED else MIN_BRUSHLESS_CLOCKS)
+    (72 if ANCHORED else 52)  # of wh_brushless
     if BRUSHLESS
     else shortest_tick_clocks(_P["N"], _P["SHAPER"], ANCHORED, bool(_P["SHARED"]))
 )

@@ -180,6 +180,9 @@ EVERY_FAULT = 0x01FFFF & ~OVERRUN
 class PortsBench(Bench):
     """Periods, each compared whole."""
 
+    zero_chance = 0.01
+    """Of a zero that is asked for, of a period."""
+
     def __init__(self, dut: object, rng: random.Random) -> None:
         super().__init__(dut)
         self.rng = rng
@@ -387,7 +390,11 @@ class PortsBench(Bench):
     async def period(self) -> None:
         """From a tick's end, at which bridges go on and off, to the next one."""
         rng, dut = self.rng, self.dut
-        strobes = {"clear_i": 0.15, "host_alive_i": self.host_alive, "zero_start_i": 0.01}
+        strobes = {
+            "clear_i": 0.15,
+            "host_alive_i": self.host_alive,
+            "zero_start_i": self.zero_chance,
+        }
         self.drive(**{name: rng.random() < chance for name, chance in strobes.items()})
         chance = rng.random()
         if chance < 0.01:

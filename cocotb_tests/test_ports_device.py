@@ -26,5 +26,5 @@ def test_a_brushless_motor(simulator: str, ports: int, axes: int) -> None:
 
 
 def test_a_brushless_motor_alone(simulator: str) -> None:
-    size = {"WALLS": 1, "LEGS": 3, "TURNS": 1, "ZERO_LOG2": 3}
+    size = {"WALLS": 1, "LEGS": 3, "ZERO_LOG2": 3}
     simulate(simulator, "wh_device", "tb_device_turns", size)

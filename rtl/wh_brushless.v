@@ -30,8 +30,7 @@
 //
 // Latency: the last sample of a tick reaches the gates with the next tick that ends
 //     conversion + 80 + 10 SHAPER clocks
-// after its sample strobe or later (latency_clocks in
-// sim/wavehaptics/controller/pins_timing.py); a tick has 52 + 10 SHAPER clocks or more, in whole
+// after its sample strobe or later; a tick has 52 + 10 SHAPER clocks or more, in whole
 // carrier periods.
 // The gates show the carrier's phase after 2 clocks, dead time aside; CS_n falls 1 clock after the
 // sample's phase.

@@ -4,8 +4,7 @@
 // it has:
 //
 //   motors with brushes   wh_ports_device: wh_ports, where N of them take turns
-//   LEGS = 3, TURNS = 1   wh_ports_device with one brushless motor, whose two axes take turns
-//   LEGS = 3              wh_motor_device: wh_brushless
+//   LEGS = 3              wh_ports_device with one brushless motor, whose two axes take turns
 //
 // wh_ports_device always has ANCHOR, GUARD, SENSE and DEAD_TIME, and neither BUS, SHARED nor CAPTURE_RISE.
 // Nothing is at its outputs anchor_fault_o, encoder_fault_o and overcurrent_o, which the register `faults` tells.
@@ -38,8 +37,7 @@ module wh_device #(
     parameter integer ARM_CLOCKS   = 4800000, // clocks that a command of either lasts, 2...2^30
     parameter integer CAPTURE      = 0,  // words that a capture takes, 2^this, 4...15; 0: there is none
     parameter integer STREAM       = 0,  // 1: with a stream
-    parameter integer LEGS         = 2,  // half bridges of a motor: 2, wh_controller; 3, wh_brushless
-    parameter integer TURNS        = 0,  // 1: with LEGS = 3 as above
+    parameter integer LEGS         = 2,  // half bridges of a motor; 3: a brushless one
     parameter integer PARTS        = (LEGS == 3) ? 2 : N  // derived, leave it: motors, or axes of one
 ) (
     input  wire                 clk,
@@ -99,14 +97,14 @@ module wh_device #(
 );
 
     generate
-        if (TURNS != 0 && (TURNS != 1 || LEGS != 3 || N != 1)) begin : illegal_turns
-            wh_illegal_parameter_device_turns_must_be_0_or_1_with_one_motor_of_three_legs stop ();
+        if (LEGS != 2 && (LEGS != 3 || N != 1)) begin : illegal_legs
+            wh_illegal_parameter_device_legs_must_be_2_or_with_one_motor_3 stop ();
         end
-        if (LEGS == 2 || TURNS == 1) begin : of_ports
+        if (LEGS == 2 || LEGS == 3) begin : of_ports
             wire [PARTS-1:0] enc_a, enc_b, ah, al, bh, bl, drivers;
 
             // A brushless motor's leg c is leg A of its second port.
-            if (TURNS == 1) begin : brushless
+            if (LEGS == 3) begin : brushless
                 wire unused_legs = &{1'b0, bh[1], bl[1]};
 
                 assign enc_a     = {1'b0, enc_a_i};
@@ -128,6 +126,8 @@ module wh_device #(
 
             wire zero_busy;
             wire unused_anchor = &{1'b0, anchor_fault_i};
+            // What they would leave out is always there.
+            wire unused_parameters = &{1'b0, TRIP_OSR == 0, SENSE == 0, DEAD_TIME == 0, ANCHOR == 0, GUARD == 0};
 
             // The register faults has what these would tell.
             assign zero_busy_o     = {PARTS{zero_busy}};
@@ -141,7 +141,7 @@ module wh_device #(
 
             wh_ports_device #(
                 .N          (PARTS),
-                .AXES       (TURNS),
+                .AXES       ((LEGS == 3) ? 1 : 0),
                 .WALLS      (WALLS),
                 .DELAY_LOG2 (DELAY_LOG2),
                 .ADC        (ADC),
@@ -193,80 +193,6 @@ module wh_device #(
                 .clear_o         (clear_o),
                 .zero_busy_o     (zero_busy),
                 .zero_fault_o    (zero_fault_o),
-                .stream_credit_o (stream_credit_o),
-                .stream_valid_o  (stream_valid_o),
-                .stream_first_o  (stream_first_o),
-                .stream_byte_o   (stream_byte_o),
-                .stream_packet_o (stream_packet_o),
-                .stream_room_i   (stream_room_i)
-            );
-        end else begin : of_motor
-            wh_motor_device #(
-                .N            (N),
-                .WALLS        (WALLS),
-                .DELAY_LOG2   (DELAY_LOG2),
-                .ADC          (ADC),
-                .OSR          (OSR),
-                .CAPTURE_RISE (CAPTURE_RISE),
-                .TRIP_OSR     (TRIP_OSR),
-                .SENSE        (SENSE),
-                .ZERO_LOG2    (ZERO_LOG2),
-                .SHAPER       (SHAPER),
-                .DEAD_TIME    (DEAD_TIME),
-                .MODES        (MODES),
-                .MIN_PULSE    (MIN_PULSE),
-                .BUS          (BUS),
-                .HOST         (HOST),
-                .ANCHOR       (ANCHOR),
-                .SHARED       (SHARED),
-                .GUARD        (GUARD),
-                .ARM          (ARM),
-                .ARM_CLOCKS   (ARM_CLOCKS),
-                .CAPTURE      (CAPTURE),
-                .STREAM       (STREAM),
-                .LEGS         (LEGS)
-            ) device (
-                .clk             (clk),
-                .rst             (rst),
-                .enable_i        (enable_i),
-                .bus_valid_i     (bus_valid_i),
-                .bus_write_i     (bus_write_i),
-                .bus_check_i     (bus_check_i),
-                .bus_address_i   (bus_address_i),
-                .bus_data_i      (bus_data_i),
-                .bus_ready_o     (bus_ready_o),
-                .bus_data_o      (bus_data_o),
-                .bus_error_o     (bus_error_o),
-                .bus_signed_o    (bus_signed_o),
-                .adc_cs_n_o      (adc_cs_n_o),
-                .adc_sclk_o      (adc_sclk_o),
-                .adc_din_o       (adc_din_o),
-                .adc_sdata_i     (adc_sdata_i),
-                .enc_a_i         (enc_a_i),
-                .enc_b_i         (enc_b_i),
-                .gate_ah_o       (gate_ah_o),
-                .gate_al_o       (gate_al_o),
-                .gate_bh_o       (gate_bh_o),
-                .gate_bl_o       (gate_bl_o),
-                .bus_i           (bus_i),
-                .stop_i          (stop_i),
-                .driver_fault_i  (driver_fault_i),
-                .anchor_fault_i  (anchor_fault_i),
-                .clear_i         (clear_i),
-                .zero_start_i    (zero_start_i),
-                .press_i         (press_i),
-                .tick_o          (tick_o),
-                .running_o       (running_o),
-                .contact_o       (contact_o),
-                .fault_o         (fault_o),
-                .fault_lasts_o   (fault_lasts_o),
-                .ready_o         (ready_o),
-                .clear_o         (clear_o),
-                .zero_busy_o     (zero_busy_o),
-                .zero_fault_o    (zero_fault_o),
-                .anchor_fault_o  (anchor_fault_o),
-                .encoder_fault_o (encoder_fault_o),
-                .overcurrent_o   (overcurrent_o),
                 .stream_credit_o (stream_credit_o),
                 .stream_valid_o  (stream_valid_o),
                 .stream_first_o  (stream_first_o),

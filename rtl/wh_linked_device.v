@@ -12,8 +12,8 @@
 //   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME
 //   27 ARM   31:28 CAPTURE
 //
-// SHAPER is 3 there with LEGS = 3, which has none without TURNS. Motors with brushes, and TURNS, have ANCHOR, GUARD,
-// SENSE and DEAD_TIME, whatever these are here, and neither BUS nor SHARED.
+// SHAPER is 3 there with LEGS = 3. ANCHOR, GUARD, SENSE and DEAD_TIME are 1, whatever these are here; there is neither BUS
+// nor SHARED.
 // Bits 17 and 26 are 0. Whether there is a STREAM, the word stream_state says, which is 0 without.
 //
 // Latency and reset: those of wh_modbus and of wh_device.
@@ -44,7 +44,6 @@ module wh_linked_device #(
     parameter integer CAPTURE      = 0,
     parameter integer STREAM       = 0,
     parameter integer LEGS         = 2,
-    parameter integer TURNS        = 0,
     parameter integer CLOCK_HZ     = 24000000,
     parameter integer UNIT         = 1,  // 1...247, of the link
     parameter [31:0]  BUILD        = 32'd0,
@@ -94,16 +93,15 @@ module wh_linked_device #(
     output wire [PARTS-1:0]     overcurrent_o
 );
 
-    localparam        PORTS     = LEGS == 2 || TURNS == 1;  // wh_ports_device
     localparam [31:0] N_32      = N;
     localparam [31:0] WALLS_32  = WALLS;
-    localparam [31:0] SHAPER_32 = (LEGS == 3 && TURNS == 0) ? 3 : SHAPER;
+    localparam [31:0] SHAPER_32 = (LEGS == 3) ? 3 : SHAPER;
     localparam [31:0] DELAY_32  = DELAY_LOG2;
     localparam [31:0] ADC_32    = ADC;
     localparam [31:0] CAPTURE_32 = CAPTURE;
     localparam [31:0] OPTIONS = {
-        CAPTURE_32[3:0], ARM != 0, 1'b0, DEAD_TIME != 0 || PORTS, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0,
-        SENSE != 0 || PORTS, GUARD != 0 || PORTS, ANCHOR != 0 || PORTS, 1'b0, ADC_32[1:0], DELAY_32[3:0],
+        CAPTURE_32[3:0], ARM != 0, 1'b0, 1'b1, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0,
+        1'b1, 1'b1, 1'b1, 1'b0, ADC_32[1:0], DELAY_32[3:0],
         SHAPER_32[1:0], WALLS_32[4:0], N_32[3:0]
     };
 
@@ -190,8 +188,7 @@ module wh_linked_device #(
         .ARM_CLOCKS     (CREDIT),
         .CAPTURE        (CAPTURE),
         .STREAM         (STREAM),
-        .LEGS           (LEGS),
-        .TURNS          (TURNS)
+        .LEGS           (LEGS)
     ) device (
         .clk             (clk),
         .rst             (rst),

@@ -20,7 +20,7 @@
 // damps within a step.
 //
 // AXES: if bit n is 1, ports n and n + 1 are the axes alpha and beta of a brushless motor. They have consecutive slots
-// (wh_slots' header) and equal wh_brushless with SENSE, GUARD and ANCHOR bit for bit. Both axes have the same settings,
+// (wh_slots' header) and equal the integers of cocotb_tests/axes_model.py bit for bit. Both axes have the same settings,
 // but for zero and gain, which are those of phases a and b. Encoder and walls are port n's. Legs a and b are port n's,
 // c is leg A of port n + 1; driver_fault_i is that of both. Widths are computed once a carrier period, so a tick is a
 // whole number of these. If one axis' anchor loses the rotor, both are damped, from the next round on. The electrical
@@ -33,7 +33,7 @@
 //     conversion + 32 (N - 1) + 43 + N + 5 SHAPER clocks
 // after its sample strobe. A period has at least 32 (N - 1) + 38 clocks, a carrier half at least N + 8.
 // With SHAPER = 2, a port takes 36 clocks instead of 32, and the last one 42 instead of 38.
-// If the last port is beta's, its motor's legs need 56, 72 or 77 instead of 43 + 5 SHAPER, for SHAPER = 0, 1 or 2, and
+// If the last port is beta's, its motor's legs need 54, 70 or 75 instead of 43 + 5 SHAPER, for SHAPER = 0, 1 or 2, and
 // a period ends with 42, 58 or 63 instead of 38. Each brushless motor's third leg adds one to N in the latency and in
 // a half's N + 8, which then has three clocks more.
 //

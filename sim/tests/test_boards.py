@@ -379,8 +379,9 @@ def test_words(name):
     assert time.frame == frame(part, time.clock_hz, board.fpga.pad_registers)
     assert time.frame.cycle_clocks <= time.sample_clocks
     assert time.clock_hz / time.tick_clocks == board.scene.controller.tick_hz
-    turns = board.fpga.link and not board.brushless
-    least = turns_clocks(words.motors) if turns else CORE_CLOCKS
+    brushless = board.brushless
+    turns = board.fpga.link
+    least = turns_clocks(words.motors, brushless=brushless) if turns else CORE_CLOCKS
     assert least <= time.tick_clocks
     # The voltage takes the scene's latency, in whole ticks.
     ready = (
@@ -388,12 +389,10 @@ def test_words(name):
         + time.sample_clocks // 2
         - words.words["sample_lead"]
         + (
-            turns_latency_clocks(time.frame.conversion_clocks, words.motors)
+            turns_latency_clocks(time.frame.conversion_clocks, words.motors, brushless=brushless)
             if turns
             else latency_clocks(
-                time.frame.conversion_clocks,
-                anchored=words.ports.settings.anchored,
-                brushless=board.brushless,
+                time.frame.conversion_clocks, anchored=words.ports.settings.anchored
             )
         )
     )

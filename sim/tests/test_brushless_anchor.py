@@ -453,8 +453,10 @@ def test_pins_hold_what_golden_holds():
     assert ripple < 60e-6
 
 
-def test_a_tick_too_short_for_two_anchors_is_refused():
-    with pytest.raises(SceneError, match=r"shorter than the 72 .* two ports and their anchors; ta"):
+def test_a_tick_too_short_for_two_ports_is_refused():
+    with pytest.raises(
+        SceneError, match=r"shorter than the 74 that `pins` needs for two ports; ta"
+    ):
         CONTROLLERS["pins"](held("controller.clock_hz=60e6"))
 
 

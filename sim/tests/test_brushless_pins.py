@@ -18,7 +18,7 @@ from test_brushless import (
     rows_of,
     turning,
 )
-from wavehaptics.controller.pins_timing import latency_clocks
+from wavehaptics.controller.pins_timing import turns_latency_clocks
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.run import measure
 from wavehaptics.laws import closed_forms
@@ -43,7 +43,7 @@ def test_stiffness_at_eight_angles(make_scene, theta):
     assert result["torque_nrmse_vs_analog"] < 5e-3
     # The hand's spring of 2 N·m/rad against the wall's, 8 mrad apart.
     assert result["peak_torque"] == pytest.approx(8e-3 * k * 2.0 / (k + 2.0), rel=0.02)
-    assert result["clock_cycles"] == pytest.approx(52 * result["ticks"], rel=1e-3)
+    assert result["clock_cycles"] == pytest.approx(76 * result["ticks"], rel=1e-3)
     assert "faults" not in result
 
 
@@ -89,7 +89,7 @@ def test_dead_time_takes_what_it_must(make_scene):
     """
     scene = make_scene(
         *turning(60.0), EVERYWHERE, "controller.eta_contact=-0.5", "drive.bus_v=12",
-        "scene.duration_s=0.06", f"drive.dead_time_s={1 / 52e6}", "drive.compensate=false",
+        "scene.duration_s=0.06", f"drive.dead_time_s={1 / 76e6}", "drive.compensate=false",
     )  # fmt: skip
     rows = rows_of(scene, "pins")
     turn = round(2 * math.pi / GIMBAL.pole_pairs / 60.0 / 1e-6)
@@ -97,15 +97,15 @@ def test_dead_time_takes_what_it_must(make_scene):
     lost = rows[:, Column.E_A] - closed_forms.root(GIMBAL.R_ohm) * rows[:, Column.U]
     against = -np.sign(rows[:, Column.I].mean())
     assert np.all(rows[:, Column.I] * against < -0.01)
-    assert lost.mean() == pytest.approx(against * 4 / math.pi * 12.0 / 52, rel=0.03)
+    assert lost.mean() == pytest.approx(against * 4 / math.pi * 12.0 / 76, rel=0.03)
 
 
 @pytest.mark.parametrize(
     ("dead_clocks", "theta", "adc"),
     [
-        (2, 5.5, ("adc.bits=16", "adc.noise_a=0.02e-3")),
-        (5, 0.8, ("adc.noise_a=0",)),
-        (10, 2.1, ("adc.noise_a=0.15e-3",)),
+        (3, 5.5, ("adc.bits=16", "adc.noise_a=0.02e-3")),
+        (7, 0.8, ("adc.noise_a=0",)),
+        (15, 2.1, ("adc.noise_a=0.15e-3",)),
     ],
 )
 def test_dead_time_is_made_good(make_scene, dead_clocks, theta, adc):
@@ -113,7 +113,7 @@ def test_dead_time_is_made_good(make_scene, dead_clocks, theta, adc):
 
     Of 12 V it takes 0.6 to 2.9 V, and the tap needs 0.6.
     """
-    dead = f"drive.dead_time_s={dead_clocks / 52e6}"
+    dead = f"drive.dead_time_s={dead_clocks / 76e6}"
     sets = (*TAP, *SENSED, *adc, dead, magnets_at(theta), "scene.duration_s=0.045")
     result = measure(make_scene(*sets), "pins")
     assert result["stiffness"] == pytest.approx(result["stiffness_predicted"], rel=0.01)
@@ -168,9 +168,9 @@ def test_chunks_do_not_matter(make_scene):
 @pytest.mark.parametrize(
     ("sets", "told"),
     [
-        (("controller.clock_hz=48e6",), r"shorter than the 52 that `pins` needs for two ports"),
+        (("controller.clock_hz=48e6",), r"shorter than the 74 that `pins` needs for two ports"),
         (("controller.extra_ticks=1",), "set extra_ticks = 2 or more"),
-        (("drive.dead_time_s=100e-9",), r"are 0\.0025 A, and half .* is 0\.0006 A, too little"),
+        (("drive.dead_time_s=100e-9",), r"are 0\.0025 A, and half .* is 0\.00066 A, too little"),
         (("adc.part=MAX11125",), r"MAX11125: .* two serial converters yet; take one of those"),
         (("adc.part=AMC1306M25", "adc.bits=16"), r"AMC1306M25: .* two serial converters yet"),
     ],
@@ -182,4 +182,4 @@ def test_refused_in_one_line(make_scene, sets, told):
 
 
 def test_latency_is_that_of_two_ports():
-    assert latency_clocks(28, brushless=True) == 28 + 80
+    assert turns_latency_clocks(28, 1, brushless=True) == 28 + 89

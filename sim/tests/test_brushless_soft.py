@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from wavehaptics.controller import wave_core
-from wavehaptics.controller.pins_timing import CORE_CLOCKS, SECTION_CLOCKS, latency_clocks
+from wavehaptics.controller.pins_timing import CORE_CLOCKS, SECTION_CLOCKS, turns_latency_clocks
 from wavehaptics.controller.rendered import fragment
 from wavehaptics.controller.settings import settings
 from wavehaptics.ladder.abilities import refuse
@@ -315,12 +315,13 @@ def test_pins_feel_as_golden(make_scene, sets):
 
 
 def test_latency_and_shortest_tick(make_scene):
-    assert latency_clocks(28, sections=2, brushless=True) == 28 + 80 + 2 * 2 * SECTION_CLOCKS
+    assert turns_latency_clocks(28, 1, 1, brushless=True) == 28 + 32 + 70 + 3
+    assert turns_latency_clocks(28, 1, 2, brushless=True) == 28 + 36 + 75 + 3
     for sets, least in (
-        (SPRING, 64),
-        ((SOS,), 72),
-        ((*SPRING, *ANCHORED), 80),
-        ((SOS, *ANCHORED), 84),
+        (SPRING, 92),
+        ((SOS,), 100),
+        ((*SPRING, *ANCHORED), 92),
+        ((SOS, *ANCHORED), 100),
     ):
         scene = make_scene(*TAP, *SENSED, *sets)
         assert BrushlessPinsSimulation(scene).timing.tick_clocks == least
@@ -329,14 +330,14 @@ def test_latency_and_shortest_tick(make_scene):
 @pytest.mark.parametrize(
     ("sets", "told"),
     [
-        ((*SPRING, "controller.clock_hz=62e6"),
-         r"shorter than the 64 that `pins` needs for two ports with W; take .* >= 6.4e\+07"),
-        ((*SPRING, *ANCHORED, "controller.clock_hz=76e6"),
-         r"than the 80 that `pins` needs for two ports with W and their anchors; take"),
-        ((*SPRING, "controller.extra_ticks=1"), r"set extra_ticks = 2 or more"),
+        ((*SPRING, "controller.clock_hz=88e6"),
+         r"shorter than the 90 that `pins` needs for two ports with W; take .* >= 9e\+07"),
+        ((SOS, *ANCHORED, "controller.clock_hz=98e6"),
+         r"than the 99 that `pins` needs for two ports with W; take"),
+        ((*SPRING, "controller.extra_ticks=0"), r"set extra_ticks = 1 or more"),
         (("shaper.feel=spring", "shaper.stiffness=1.2"), r"1.2 is stiffer"),
     ],
-    ids=["tick", "tick-with-anchors", "latency", "stiffer-than-the-motor"],
+    ids=["tick", "tick-with-two-sections", "latency", "stiffer-than-the-motor"],
 )  # fmt: skip
 def test_refused_in_one_line(make_scene, sets, told):
     with pytest.raises(SceneError, match=told) as refused:

@@ -266,7 +266,7 @@ def test_what_a_change_of_r_hat_gives_out():
 # ---- A brushless motor, whose axes have the places of two motors.
 
 BRUSHLESS = {
-    "taps": ("brushless_taps", "controller.clock_hz=60e6", "hand.frequency_hz=50"),
+    "taps": ("brushless_taps", "controller.clock_hz=80e6", "hand.frequency_hz=50"),
     "anchors": ("brushless_hold",),
     # At the wall it hasn't found them yet, and turns while it is pressed.
     "magnets": ("brushless_hold", "controller.find_magnet=true", "hand.amplitude_rad=0.6"),
@@ -290,10 +290,10 @@ def test_a_brushless_device_that_is_left_alone_is_its_controller(name):
 
 
 def test_a_brushless_motors_wall_is_moved_with_the_gates_on():
-    """A tick after the commit the rotor is in it, in a tick as short as two anchors need."""
+    """A tick after a commit's end the rotor is in it, in a tick as short as two ports need."""
     simulation = BrushlessDevicePins(brushless("anchors", "controller.walls=[[0.5, 1.0]]"))
     clocks, cell = simulation.timing.tick_clocks, simulation.settings.cell_rad
-    assert clocks == 72
+    assert clocks == 76
     run(simulation, 20_000)
     rows, _ = run(simulation, 100)
     assert not rows[:, Column.CONTACT].any()
@@ -307,21 +307,30 @@ def test_a_brushless_motors_wall_is_moved_with_the_gates_on():
     touched = int(np.argmax(rows[:, Column.CONTACT]))
     assert rows[touched:, Column.CONTACT].all()
     given = (answers[-1].clock - simulation.bus_clock) / clocks + len(rows)
-    assert 0.0 < touched + 1 - given < 2.5
+    assert 0.0 < touched + 1 - given < 2.5 + COMMIT_CLOCKS / clocks
     assert simulation.faults == 0
 
 
-@pytest.mark.parametrize("name", ["mode", "bus_share", "wall_shaped", "host_timeout"])
-def test_a_brushless_device_refuses_what_it_has_not(name):
-    """Also at the places of its second axis, what there is once."""
-    simulation = BrushlessDevicePins(brushless("taps"))
-    once = ("root", "a", "eta_free", "wall_min", "anchor_reach", "position", "edge_hysteresis")
-    asked = [WORDS[name].at(), *(WORDS[each].at(1) for each in once)]
-    both = [WORDS[each].at(1) for each in ("gain", "zero", "voltage", "flags", "current")]
-    for address in (*asked, *both):
-        simulation.ask(address)
-    run(simulation, 100)
-    assert [answer.error for answer in simulation.answers()] == [1] * len(asked) + [0] * len(both)
+COMMIT_CLOCKS = 524
+"""Of two ports' settings, at most, as ``rtl/wh_registers.v`` has it."""
+
+
+def test_a_brushless_devices_second_axis_has_the_firsts_settings():
+    """Whatever is written to its own: all that comes is bit for bit what it would have been."""
+    found = []
+    for others in (False, True):
+        simulation = BrushlessDevicePins(brushless("taps"))
+        if others:
+            for name in ("root", "a", "u_max", "eta_contact", "wall_min", "edge_hysteresis"):
+                simulation.ask(WORDS[name].at(1), 1)
+            simulation.ask(COMMIT, 1)
+        for name in ("gain", "zero", "voltage", "flags", "current"):
+            simulation.ask(WORDS[name].at(1))
+        found.append(run(simulation, 15_000))
+        assert not any(answer.error for answer in simulation.answers())
+    assert np.abs(found[0][1][:, Word.V]).max() > 1000
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 class BothAxes:
@@ -359,11 +368,11 @@ def test_a_step_of_both_axes_has_old_settings_or_new_ones():
     """
     rng = np.random.default_rng(20)
     press = {"path": "press", "amplitude_rad": 0.15, "stiffness": 0.05, "damping": 0.3e-3}
-    scene = load_scene(find_scene("brushless_taps"), ["controller.clock_hz=56e6"])
+    scene = load_scene(find_scene("brushless_taps"), ["controller.clock_hz=76e6"])
     scene = scene.model_copy(update={"hand": Hand.model_validate(press)})
     simulation = BrushlessDevicePins(scene)
     clocks, root = simulation.timing.tick_clocks, simulation.settings.root
-    assert clocks == 56
+    assert clocks == 76
     replay, present = BothAxes(simulation), dict(simulation._values)
     before = 30_000
     steps: list[list[int]] = []

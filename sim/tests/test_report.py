@@ -372,7 +372,7 @@ def test_what_others_publish_has_a_source_and_no_guess():
     head, rows = field_oriented.beside([counted, counted | {"table": "blocks"}])
     assert [len(row) for row in rows] == [len(head)] * (1 + len(foc_designs.DESIGNS))
     assert rows[0][0] == "wh_brushless with guard and anchors"
-    assert rows[0][1:5] == ("1 MHz", "80 clocks, 1.11 µs at 72 MHz", "12,345", "8")
+    assert rows[0][1:5] == ("1 MHz", "80 clocks, 1.05 µs at 76 MHz", "12,345", "8")
     for design, row in zip(foc_designs.DESIGNS, rows[1:], strict=True):
         assert f"``{design.name}``" in foc_designs.__doc__
         assert (row[3] == "–") is (design.lut is None)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// C interface to the Verilated wh_device, of one motor: ports_shim.cpp or brushless_pins_shim.cpp, with its
+// C interface to the Verilated wh_device, of one motor: ports_shim.cpp, with its
 // settings over the bus.
 
 #include <algorithm>
@@ -19,14 +19,9 @@ WH_EDGES(Vwh_device)
 #include "words.h"
 
 // Signals that device_shim.vlt and ports_steps.vlt show.
-#if WH_LEGS == 3
-#define SIGNAL(name) root->wh_device__DOT__of_motor__DOT__device__DOT__##name
-#include "brushless_steps.h"
-#else
 #define SIGNAL(name) root->wh_device__DOT__of_ports__DOT__device__DOT__##name
 #define PORTS(name) SIGNAL(ports__DOT__##name)
 #include "ports_steps.h"
-#endif
 
 namespace {
 
@@ -129,18 +124,9 @@ void *wh_device_new(const uint32_t *pairs, int64_t count, int64_t restart, int64
 #if WH_LEGS == 3
     device->requests.push_back({0, true, static_cast<uint32_t>(magnet_start), 1});
     pass(device, [device] { return device->requests.empty(); });
-    // Carrier and ADC begin anew, with the bridges, in a clock in which the walls' rounds do: as after
-    // the reset of wh_brushless, so that both run alike.
-    const auto round_ends = [root] { return !SIGNAL(hold_round); };
-    pass(device, round_ends);
-    const int64_t first = device->clocks;
-    clock(device), end_clock(device);
-    pass(device, round_ends);
-    const int64_t last = device->clocks + 3 * (device->clocks - first);
-#else
+#endif
     // Carrier and ADC begin anew, with the bridges.
     const int64_t last = device->clocks + kCommandClocks;
-#endif
     device->requests.push_back(
         {last - kCommandClocks, true, static_cast<uint32_t>(restart), 1, false});
     pass(device, [device, last] { return device->clocks > last; });
@@ -184,7 +170,7 @@ int64_t wh_device_bus(int64_t model, int64_t word) {
     return 0;
 }
 
-// As wh_ports_clock without the guard's faults, or wh_brushless_clock.
+// As wh_ports_clock without the guard's faults.
 int64_t wh_device_clock(int64_t model, int64_t inputs) {
     auto *device = reinterpret_cast<Device *>(model);
     set_inputs(device->top, inputs);
@@ -195,7 +181,7 @@ int64_t wh_device_clock(int64_t model, int64_t inputs) {
     return out;
 }
 
-// As wh_ports_words, or wh_brushless_words.
+// As wh_ports_words.
 int64_t wh_device_words(int64_t model, int64_t words_address) {
     const auto *device = reinterpret_cast<Device *>(model);
     words_of(device->top, device->steps, reinterpret_cast<int64_t *>(words_address));

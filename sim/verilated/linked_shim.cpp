@@ -18,14 +18,9 @@ WH_EDGES(Vwh_linked_device)
 #include "words.h"
 
 // Signals that linked_shim.vlt, device_shim.vlt and ports_steps.vlt show.
-#if WH_LEGS == 3
-#define SIGNAL(name) root->wh_linked_device__DOT__device__DOT__of_motor__DOT__device__DOT__##name
-#include "brushless_steps.h"
-#else
 #define SIGNAL(name) root->wh_linked_device__DOT__device__DOT__of_ports__DOT__device__DOT__##name
 #define PORTS(name) SIGNAL(ports__DOT__##name)
 #include "ports_steps.h"
-#endif
 #define BIT_CLOCKS linked->root->wh_linked_device__DOT__link__DOT__uart__DOT__bit_clocks_i
 
 namespace {
@@ -48,7 +43,7 @@ constexpr int64_t kMostSetupClocks = 1 << 24;
 constexpr int kSilentTicks = 4;
 constexpr int kAnswer = 8;  // bytes, to a write
 
-// A bit for each motor, or for the first phase's ADC.
+// A bit for each motor, or for each phase's ADC.
 constexpr int kAll = (1 << kMotors) - 1;
 
 void clock(Linked *linked) {
@@ -96,7 +91,7 @@ void *wh_linked_new(int64_t inputs, int64_t tick_clocks) {
     linked->tick_clocks = tick_clocks;
     set_inputs(top, inputs);
     top.stop_i = 1;
-    top.driver_fault_i = kAll;
+    top.driver_fault_i = (1 << WH_MOTORS) - 1;
     top.uart_rx_i = 1;
     top.rst = 1;
     top.eval();
@@ -144,24 +139,7 @@ int64_t wh_linked_begin(void *model, const uint8_t *frame, int64_t count) {
     auto *linked = static_cast<Linked *>(model);
     if (!pass(linked, [root = linked->root] { return !SIGNAL(busy); })) return false;
     const int64_t way = restart(linked, frame, count);
-#if WH_LEGS == 3
-    // As wh_device_new has it, carrier and ADC begin in a clock in which the walls' rounds do: the frame is
-    // sent twice, as its way takes the same time.
-    wh_linked_await(model, kAnswer);
-    linked->host.received.clear();
-    if (way < 0 || !pass(linked, [root = linked->root] { return !SIGNAL(busy); })) return false;
-    const auto round_ends = [root = linked->root] { return !SIGNAL(hold_round); };
-    pass(linked, round_ends);
-    const int64_t first = linked->clocks;
-    clock(linked), end_clock(linked);
-    pass(linked, round_ends);
-    const int64_t period = linked->clocks - first;
-    const int64_t last = first + ((way + period) / period + 1) * period;
-    pass(linked, [=] { return linked->clocks >= last - way; });
-    if (restart(linked, frame, count) != way) return false;
-#else
     if (way < 0) return false;
-#endif
     clock(linked), end_clock(linked);
     linked->top.enable_i = 1;
     return pass(linked, [root = linked->root] { return SIGNAL(adc_ready); });
@@ -174,7 +152,7 @@ int64_t wh_linked_bus(int64_t model, int64_t word) {
     return 0;
 }
 
-// As wh_ports_clock without the guard's faults, or wh_brushless_clock. With the bridges off, where there are no
+// As wh_ports_clock without the guard's faults. With the bridges off, where there are no
 // steps, each tick tells of one, and so do four ticks without: the loop around goes on with its motor, whatever the
 // settings make of the ticks. Of the steps of several motors nothing is told.
 int64_t wh_linked_clock(int64_t model, int64_t inputs) {
@@ -190,12 +168,12 @@ int64_t wh_linked_clock(int64_t model, int64_t inputs) {
                linked->silent_clocks >= kSilentTicks * linked->tick_clocks;
     }
     if (step) linked->silent_clocks = linked->silent_ticks = 0;
-    const int64_t out = pins_of(top, linked->root, linked->steps, step && kMotors == 1);
+    const int64_t out = pins_of(top, linked->root, linked->steps, step && WH_MOTORS == 1);
     end_clock(linked);
     return out;
 }
 
-// As wh_ports_words, or wh_brushless_words.
+// As wh_ports_words.
 int64_t wh_linked_words(int64_t model, int64_t words_address) {
     const auto *linked = reinterpret_cast<Linked *>(model);
     words_of(linked->top, linked->steps, reinterpret_cast<int64_t *>(words_address));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // C interface to the Verilated controller of several motors (rtl/wh_ports.v) at its pins, by the clock. A loop sees
-// each motor as that of pins_shim.cpp.
+// each motor as that of pins_shim.cpp, and a brushless one as ports_steps.h has it.
 
 #include <cstdint>
 
@@ -15,12 +15,13 @@
 WH_EDGES(Vwh_ports)
 
 #define PORTS(name) root->wh_ports__DOT__##name
+#define WH_PORTS_PINS
 
 #include "ports_steps.h"
 
 namespace {
 
-constexpr int kFaultsShift = 11;
+constexpr int kFaultsShift = WH_LEGS == 3 ? 13 : 11;
 constexpr int kMostSetupClocks = 1 << 20;
 
 struct Controller {
@@ -48,7 +49,7 @@ const uint32_t *give_next(Port &port, const uint32_t *words) {
 extern "C" {
 
 // A controller just before its first tick, or null if its ADC never gets ready. `shared` are wh_ports' packed settings
-// of all ports in turn, `pairs` the address and word of each setting of one port, `count` of them.
+// of all ports in turn, the magnets' last, `pairs` the address and word of each setting of one port, `count` of them.
 void *wh_ports_new(const uint32_t *shared, const uint32_t *pairs, int64_t count, int64_t bus, int64_t inputs) {
     auto *controller = new Controller;
     auto &top = controller->top;
@@ -59,7 +60,8 @@ void *wh_ports_new(const uint32_t *shared, const uint32_t *pairs, int64_t count,
     shared = give_next(top.delay_i, shared);
     shared = give_next(top.bridge_i, shared);
     shared = give_next(top.guard_i, shared);
-    give_next(top.host_i, shared);
+    shared = give_next(top.host_i, shared);
+    give_next(top.magnets_i, shared);
     top.bus_i = bus;
     set_inputs(top, inputs);
     top.rst = 1;
@@ -91,7 +93,7 @@ void *wh_ports_new(const uint32_t *shared, const uint32_t *pairs, int64_t count,
 
 void wh_ports_delete(void *model) { delete static_cast<Controller *>(model); }
 
-// One clock with these inputs (set_inputs): pins_of, with the guard's faults from bit 11 on.
+// One clock with these inputs (set_inputs): pins_of, with the guard's faults behind it.
 int64_t wh_ports_clock(int64_t model, int64_t inputs) {
     auto *controller = reinterpret_cast<Controller *>(model);
     auto &top = controller->top;

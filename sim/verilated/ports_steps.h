@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What a loop sees of wh_ports, alone or in a device: the newest step of each port, and the pins. A shim defines
-// PORTS(name) as a signal of wh_ports in `root`; ports_steps.vlt shows them.
+// PORTS(name) as a signal of wh_ports in `root`; ports_steps.vlt shows them. With WH_LEGS 3 there is one brushless motor,
+// whose axes are two ports.
 
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
 #include "words.h"
 
+#if WH_LEGS == 3
+constexpr int kMotors = 2;  // axes
+#else
 constexpr int kMotors = WH_MOTORS;
+#endif
 constexpr int kMotorInputs = 3;
 constexpr int kMotorGates = 4;
 constexpr int kPortShift = 28;   // of the port whose step is done
@@ -67,6 +73,45 @@ bool keep(Steps &steps, const Root *root) {
     return true;
 }
 
+#if WH_LEGS == 3
+// Bits 0 and 1 ADC data of the phases a and b, 2 encoder A, 3 encoder B.
+template <class Top>
+void set_inputs(Top &top, int64_t inputs) {
+    top.adc_sdata_i = inputs & 3;
+    top.enc_a_i = inputs >> 2 & 1;
+    top.enc_b_i = inputs >> 3 & 1;
+}
+
+// What the loop is told of a clock, but for the guard's faults: bits 0-2 high gates of the legs a, b and c, 3-5 low
+// gates, 6 CS_n, 7 SCLK, 8 tick, 9 a step of both axes is done, 10 contact, 11 overrun, 12 encoder fault. Leg c is leg A
+// of wh_ports' second port, and wh_device has it beside leg b.
+template <class Top, class Root>
+int64_t pins_of(const Top &top, const Root *root, const Steps &steps, bool step) {
+    const bool both = step && (!PORTS(core_valid) || PORTS(core_port) == 1);
+#ifdef WH_PORTS_PINS
+    const int c_high = top.gate_ah_o >> 1 & 1, c_low = top.gate_al_o >> 1 & 1;
+#else
+    const int c_high = top.gate_bh_o >> 1 & 1, c_low = top.gate_bl_o >> 1 & 1;
+#endif
+    const int high = (top.gate_ah_o & 1) | (top.gate_bh_o & 1) << 1 | c_high << 2;
+    const int low = (top.gate_al_o & 1) | (top.gate_bl_o & 1) << 1 | c_low << 2;
+    return high | low << 3 | top.adc_cs_n_o << 6 | top.adc_sclk_o << 7 | top.tick_o << 8 | int64_t{both} << 9 |
+           PORTS(contact) << 10 | int64_t{steps.overrun} << 11 | int64_t{PORTS(encoder_faults) != 0} << 12;
+}
+
+// The words of the newest step: i, u_n, v_n, e of alpha, then of beta, whether the voltage limit acted on either; of the
+// anchors c, χ and ω̂'s lag, of alpha and then of beta, whether they have lost the rotor, the position, and whether a
+// value of either was at its end.
+template <class Top>
+void words_of(const Top &, const Steps &steps, int64_t *words) {
+    const auto &[a, b] = steps.ports;
+    for (const auto &axis : steps.ports) words = std::copy_n(axis.step.begin(), 4, words);
+    for (const int64_t word : {a.step[4] | b.step[4], a.step[5], b.step[5], a.flux, b.flux, a.lag, b.lag,
+                               a.step[8] | b.step[8], b.step[9], a.step[10] | b.step[10]}) {
+        *words++ = word;
+    }
+}
+#else
 // ADC bit, encoder A and B of each motor, from the lowest bits on.
 template <class Top>
 void set_inputs(Top &top, int64_t inputs) {
@@ -110,3 +155,4 @@ void words_of(const Top &top, const Steps &steps, int64_t *words) {
     }
     words[kWords] = port.contact;
 }
+#endif

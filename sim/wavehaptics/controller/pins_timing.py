@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Latencies of ``rtl/wh_controller.v``, and of ``rtl/wh_brushless.v``, in clocks.
+"""Latencies of ``rtl/wh_controller.v``, and of ``rtl/wh_ports.v``, in clocks.
 
 A cocotb test measures each at the RTL.
 """
 
 from __future__ import annotations
 
-from wavehaptics.words.table import AXES, THREE_PHASE_LEGS
+from wavehaptics.words.table import AXES
 
 CORE_CLOCKS = 24
 """Clocks that one port's step takes in ``wh_wave_core``."""
@@ -44,27 +44,19 @@ DUTY_CLOCKS = 8
 ENCODER_CLOCKS = 3
 """Clocks from an encoder's pin to ``position_o``, its filter aside: ``wh_quadrature``."""
 
-CLARKE_CLOCKS = 7
-"""Clocks from the currents of the phases to those of the axes, ``wh_clarke``."""
-
-INVERSE_CLARKE_CLOCKS = 8
-"""Clocks from the voltages of the axes to those of the legs, ``wh_inverse_clarke``."""
+FLUX_CLOCKS = 6
+"""Clocks from there to the position that belongs to the rotor's flux, ``wh_rotor_flux``."""
 
 
-def step_end_clocks(
-    conversion_clocks: int, ports: int = 1, sections: int = 0, brushless: bool = False
-) -> int:
+def step_end_clocks(conversion_clocks: int, ports: int = 1, sections: int = 0) -> int:
     """Clocks from the sample strobe that :func:`latency_clocks` means to the last step's end."""
-    if brushless:
-        ports, conversion_clocks = AXES, conversion_clocks + CLARKE_CLOCKS
     step = CORE_CLOCKS + SECTION_CLOCKS * sections
     return conversion_clocks + CURRENT_CLOCKS + ports - 1 + step * ports
 
 
 def latency_clocks(
-    conversion_clocks: int, ports: int = 1, sections: int = 0, anchored: bool = False,
-    brushless: bool = False,
-) -> int:  # fmt: skip
+    conversion_clocks: int, ports: int = 1, sections: int = 0, anchored: bool = False
+) -> int:
     """Clocks from a sample strobe to the soonest tick strobe after which its voltage is driven.
 
     ``conversion_clocks`` are the ADC reader's from the strobe to the word
@@ -72,12 +64,8 @@ def latency_clocks(
     core's step for each port, and the duty; currents and duties of several ports pass one
     multiplier in turn. ``sections`` are those of W, SHAPER. The strobe meant is the carrier's that
     brings the tick's last word. ``anchored`` is ``wh_controller``'s ANCHOR.
-    ``brushless`` are the two ports of ``wh_brushless``, for which of the others ``sections`` alone
-    means a thing.
     """
-    step_end = step_end_clocks(conversion_clocks, ports, sections, brushless)
-    if brushless:
-        return step_end + INVERSE_CLARKE_CLOCKS + DUTY_CLOCKS + THREE_PHASE_LEGS - 1
+    step_end = step_end_clocks(conversion_clocks, ports, sections)
     return step_end + CORRECTION_CLOCKS * anchored + DUTY_CLOCKS + ports - 1
 
 
@@ -101,14 +89,29 @@ def turn_clocks(sections: int = 0) -> int:
     return 36 if sections == 2 else 32
 
 
-def turns_clocks(motors: int, sections: int = 0) -> int:
-    """Clocks of the shortest period in which ``motors`` ports take their turns, one or more."""
+def turns_clocks(motors: int, sections: int = 0, *, brushless: bool = False) -> int:
+    """Clocks of the shortest period in which ``motors`` ports take their turns, one or more.
+
+    A ``brushless`` motor is the only one, and two ports: its axes.
+    """
+    if brushless:
+        return turn_clocks(sections) * (AXES - 1) + BETA_CLOCKS[sections]
     return turn_clocks(sections) * (motors - 1) + (42 if sections == 2 else 38)
 
 
-def least_half_clocks(motors: int) -> int:
-    """Clocks of the shortest half of a carrier period, of ``motors`` that share a walk."""
-    return motors + 8
+BETA_CLOCKS = (42, 58, 63)
+"""Clocks from the turn of a brushless motor's second axis to the next round, by sections of W."""
+
+LEGS_CLOCKS = (54, 70, 75)
+"""Clocks that such a turn adds to the latency instead of 43 and those of W."""
+
+
+def least_half_clocks(motors: int, *, brushless: bool = False) -> int:
+    """Clocks of the shortest half of a carrier period, of ``motors`` that share a walk.
+
+    The walk is along the legs, three of a ``brushless`` motor, which has clocks more.
+    """
+    return AXES + 12 if brushless else motors + 8
 
 
 def turn_begin_clocks(conversion_clocks: int, motor: int = 0, sections: int = 0) -> int:
@@ -119,8 +122,13 @@ def turn_begin_clocks(conversion_clocks: int, motor: int = 0, sections: int = 0)
     return conversion_clocks + SUM_CLOCKS + turn_clocks(sections) * motor
 
 
-def turns_latency_clocks(conversion_clocks: int, motors: int, sections: int = 0) -> int:
+def turns_latency_clocks(
+    conversion_clocks: int, motors: int, sections: int = 0, *, brushless: bool = False
+) -> int:
     """As :func:`latency_clocks`, of ``rtl/wh_ports.v``."""
+    if brushless:
+        last = turn_clocks(sections) * (AXES - 1)
+        return conversion_clocks + last + LEGS_CLOCKS[sections] + AXES + 1
     last = turn_clocks(sections) * (motors - 1)
     return conversion_clocks + last + 43 + motors + SECTION_CLOCKS * sections
 

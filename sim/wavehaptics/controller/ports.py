@@ -29,7 +29,7 @@ from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.words.table import WORDS
 
 BRUSHLESS_KIND = "serial"
-"""Kind of the converters that ``rtl/wh_brushless.v`` has."""
+"""Kind of the converters of a brushless motor's phases."""
 
 DEFAULT_BUS_V = 12.0
 """Bus of a scene whose drive has no limit; a switching bridge has to have one."""
@@ -52,7 +52,7 @@ SETTLE_TICKS = 5
 
 @dataclass(frozen=True)
 class Ports:
-    """What the ports of ``rtl/wh_controller.v`` or ``rtl/wh_brushless.v`` are given for a scene.
+    """What the ports of ``rtl/wh_controller.v``, or of ``rtl/wh_ports.v``, are given for a scene.
 
     ``words`` are settings by their names in ``rtl/words.toml``, those that aren't its defaults;
     ``walls`` are (min, max) in counts from where the rotor starts. All are raw words.
@@ -89,7 +89,9 @@ def controller_ports(
     """
     walls = len(scene.controller.walls)
     most, where = table.MOST["wall"], "the whole RTL"
-    if turns:
+    if scene.motor.brushless:
+        most, where = MOST_WALLS, "a brushless motor"
+    elif turns:
         most, where = MOST_WALLS, "each of several motors" if turns > 1 else "a motor on a device"
     if walls > most:
         raise scene.refusal(

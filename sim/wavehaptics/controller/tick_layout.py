@@ -7,18 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from wavehaptics.controller.pins_timing import (
-    ANCHOR_CLOCKS,
-    AXES,
     CENTRED_LEAD,
-    CORE_CLOCKS,
     ENCODER_CLOCKS,
+    FLUX_CLOCKS,
     GATE_CLOCKS,
-    SECTION_CLOCKS,
-    WAVES_CLOCKS,
     latency_clocks,
     least_half_clocks,
     shortest_tick_clocks,
-    step_end_clocks,
     turn_begin_clocks,
     turns_clocks,
     turns_latency_clocks,
@@ -45,13 +40,6 @@ FASTEST_CLOCK_HZ = 100e6
 
 MIN_TICK_CLOCKS = 48
 """Clocks of the shortest tick: an ADC frame of 16 bits at half the clock and its quiet time."""
-
-MIN_BRUSHLESS_CLOCKS = CORE_CLOCKS * AXES + 4
-"""The same with two ports: a step of both, and clocks in which the contact may change; a multiple
-of four, so that a carrier half is a whole number of clocks, and half of it as well."""
-
-MIN_AXES_CLOCKS = CORE_CLOCKS + WAVES_CLOCKS + ANCHOR_CLOCKS + 13
-"""The same with port anchors, the last of which waits for others' products; 72."""
 
 MIN_HALF_CLOCKS = 6
 """Clocks of the shortest carrier half: ``rtl/wh_modulator.v`` makes a width in five."""
@@ -100,20 +88,6 @@ def bridge_mode(scene: Scene) -> str:
     return scene.drive.mode if scene.drive else UNIPOLAR
 
 
-def _min_tick_clocks(scene: Scene) -> int:
-    """Clocks of a tick of a clock that the scene doesn't name, at least."""
-    return _axes_clocks(scene) if scene.motor.brushless else MIN_TICK_CLOCKS
-
-
-def _axes_clocks(scene: Scene) -> int:
-    """Clocks of the shortest tick of a brushless motor."""
-    # Each section of W makes every turn of the core longer, of which the last anchor waits for one.
-    anchored = scene.controller.anchored
-    least, turns = (MIN_AXES_CLOCKS, 1) if anchored else (MIN_BRUSHLESS_CLOCKS, AXES)
-    least += SECTION_CLOCKS * sections_of(scene) * turns
-    return least + -least % 4
-
-
 def sections_of(scene: Scene) -> int:
     """Sections of the scene's W."""
     return scene.shaper.sections if scene.shaper else 0
@@ -156,9 +130,9 @@ def natural_ticks(
 def _latency_clocks(
     frame: Frame, turns: int, sections: int, anchored: bool, brushless: bool
 ) -> int:
-    if turns:
-        return turns_latency_clocks(frame.conversion_clocks, turns, sections)
-    return latency_clocks(frame.conversion_clocks, 1, sections, anchored, brushless)
+    if turns or brushless:
+        return turns_latency_clocks(frame.conversion_clocks, turns, sections, brushless=brushless)
+    return latency_clocks(frame.conversion_clocks, 1, sections, anchored)
 
 
 def _word_strobe(tick_clocks: int, samples: int, lead: int, frame: Frame) -> int:
@@ -174,17 +148,16 @@ def position_late_clocks(
 ) -> int:  # fmt: skip
     """By how much a tick's ``position`` is younger than the end of what its ``current`` is of.
 
-    The position of a motor with brushes is looked at as its turn begins, that of a brushless one as
-    its step ends. The current is the mean of the tick as the gates had it, in whose middle it was
-    sampled, and the position is the pins' of some clocks before. Less than 0 where it is looked at
-    within the tick.
+    The position is looked at as the motor's turn begins; a brushless one's comes by its rotor's
+    flux. The current is the mean of the tick as the gates had it, in whose middle it was sampled,
+    and the position is the pins' of some clocks before. Less than 0 where it is looked at within
+    the tick.
     """
-    looked = _word_strobe(tick_clocks, samples, lead, frame) + (
-        step_end_clocks(frame.conversion_clocks, sections=sections, brushless=True)
-        if brushless
-        else turn_begin_clocks(frame.conversion_clocks, motor, sections)
+    looked = _word_strobe(tick_clocks, samples, lead, frame) + turn_begin_clocks(
+        frame.conversion_clocks, 0 if brushless else motor, sections
     )
-    return looked - (ENCODER_CLOCKS + filter_clocks) - (tick_clocks + GATE_CLOCKS)
+    late = ENCODER_CLOCKS + (FLUX_CLOCKS if brushless else 0) + filter_clocks
+    return looked - late - (tick_clocks + GATE_CLOCKS)
 
 
 def sample_lead(made: Frame, pulse_delay: int) -> int:
@@ -279,10 +252,12 @@ def timing(
     pulses = 1 if pulse_hz is None else max(1, round(pulse_hz / tick_hz))
     halves = pulses * pulse_halves
     sections = max(most_sections, sections_of(scene))
-    turning = turns_clocks(turns, sections) if turns else 0
+    brushless = scene.motor.brushless
+    together = turns > 0 or brushless
+    turning = turns_clocks(turns, sections, brushless=brushless) if together else 0
     try:
         tick_clocks, made = _tick_clocks(
-            scene, tick_hz, halves, frame_at, max(_min_tick_clocks(scene), turning + -turning % 4),
+            scene, tick_hz, halves, frame_at, max(MIN_TICK_CLOCKS, turning + -turning % 4),
             turns, sections,
         )  # fmt: skip
     except PartError as error:
@@ -327,7 +302,8 @@ def timing(
             "controller.clock_hz",
             "controller.tick_hz",
         )
-    least_half = max(MIN_HALF_CLOCKS, least_half_clocks(turns) if turns else 0)
+    shared = least_half_clocks(turns, brushless=brushless) if together else 0
+    least_half = max(MIN_HALF_CLOCKS, shared)
     if half_clocks < least_half:
         raise scene.refusal(
             f"a carrier half of {half_clocks} clocks of {clock_hz:g} Hz is "
@@ -337,11 +313,14 @@ def timing(
             "controller.tick_hz",
             "controller.clock_hz",
         )
-    # Without an ADC in the scene it is one of as many bits as a word has, and takes as long.
-    if made.cycle_clocks > tick_clocks:
+    # Without an ADC in the scene it is one of as many bits as a word has, and takes as long. Where
+    # samples come a clock later in every other tick (sample_late), two of them are closer once.
+    delay = pulse_delay(scene, clock_hz, half_clocks)
+    cycle_clocks = made.cycle_clocks + (0 if made.osr else delay % 2)
+    if cycle_clocks > tick_clocks:
         name = (scene.adc and scene.adc.part) or "the ADC"
         raise scene.refusal(
-            f"{name} needs {made.cycle_clocks} clocks of {clock_hz:g} Hz from "
+            f"{name} needs {cycle_clocks} clocks of {clock_hz:g} Hz from "
             f"sample to sample, and controller.tick_hz leaves {tick_clocks}; lower it or take "
             "another clock_hz",
             "controller.clock_hz",
@@ -349,15 +328,12 @@ def timing(
             "controller.tick_hz",
         )
     anchored = control.anchored
-    brushless = scene.motor.brushless
-    least = _axes_clocks(scene) if brushless else shortest_tick_clocks(1, sections, anchored)
-    least = turning or least
+    least = turning or shortest_tick_clocks(1, sections, anchored)
     if tick_clocks < least:
         ports = "two ports" if brushless else "a port" if not turns else f"{turns} motors"
         ports = ports if turns != 1 else "a motor"
         shaper = " with W" if sections else ""
-        anchors = " and their anchors" if brushless else "" if turns else " and its anchor"
-        anchors = anchors if anchored else ""
+        anchors = " and its anchor" if anchored and not together else ""
         raise scene.refusal(
             f"a tick of {tick_clocks} clocks is shorter than the "
             f"{least} that `pins` needs for {ports}{shaper}{anchors}; take "
@@ -366,7 +342,7 @@ def timing(
             "controller.clock_hz",
         )
     # The scene's latency, or without one in it, as much as is needed.
-    lead = sample_lead(made, (pulse_delay(scene, clock_hz, half_clocks) + 1) // 2)
+    lead = sample_lead(made, (delay + 1) // 2)
     extra = control.extra_ticks
     if "extra_ticks" not in control.model_fields_set:
         extra = max(extra, _soonest(tick_clocks, made, lead, turns, sections, anchored, brushless))
@@ -382,7 +358,7 @@ def timing(
             not made.osr
             and (
                 parts % n == 0
-                and tick_clocks // n >= made.cycle_clocks
+                and tick_clocks // n >= cycle_clocks
                 and natural_ticks(tick_clocks, n, lead, made, turns, sections, anchored, brushless)
                 <= extra
             )

@@ -89,12 +89,15 @@ _SAME = {
 """By a word's group: how it becomes the same, and the keys that it hangs on."""
 
 
-def shared_words(values: Values, sizes: Sizes) -> list[int]:
-    """What ``wh_ports`` has once: each packed port in parts of 32 bits, the lowest first."""
+def shared_words(values: Values, sizes: Sizes, ports: int) -> list[int]:
+    """What ``wh_ports`` has once: each packed port in parts of 32 bits, the lowest first.
+
+    The magnets' words come last, for each of so many ``ports``.
+    """
     found: list[int] = []
-    for groups in _PACKED:
+    for groups, copies in (*((groups, 1) for groups in _PACKED), (("magnet",), ports)):
         words = [w for w in WORDS.values() if w.group in groups and w.row.kind == "setting"]
-        fields = [(int(values.get(w.name, w.default)), w.width(sizes)) for w in words]  # type: ignore[arg-type]
+        fields = [(int(values.get(w.name, w.default)), w.width(sizes)) for w in words] * copies  # type: ignore[arg-type]
         raw, width = table.side_by_side(fields), sum(bits for _, bits in fields)
         found += [raw >> place & 0xFFFFFFFF for place in range(0, width, 32)]
     return found

@@ -69,6 +69,7 @@ from wavehaptics.ladder.pins_loop import (
     held_bus,
     next_edge,
 )
+from wavehaptics.ladder.turns_pins import new_ports
 from wavehaptics.motor.brushless import (
     F_A,
     F_B,
@@ -98,13 +99,13 @@ from wavehaptics.runtime.native_call import call2
 from wavehaptics.scene import Scene
 from wavehaptics.trace.columns import Column, Word, put_anchor, put_estimate, put_port
 from wavehaptics.words import formats
-from wavehaptics.words.table import THREE_PHASE_LEGS, Values
+from wavehaptics.words.table import AXES, THREE_PHASE_LEGS, Values
 
 _WAVE = formats.WAVE.step
 _VOLT = formats.VOLTAGE.step
 _ROOT3 = math.sqrt(3.0)
 
-# Bits of the pins, as sim/verilated/brushless_pins_shim.cpp packs them; gates below.
+# Bits of the pins, as sim/verilated/ports_steps.h packs them; gates below.
 _GATES = (1 << 6) - 1
 _CS_N, _SCLK, _TICK, _CORE_VALID, _TOUCHING, _COMPLAINTS = range(6, 12)
 _GUARD = _COMPLAINTS + 2
@@ -118,7 +119,7 @@ _ALPHA, _BETA, _LIMITED, _C, _CHI, _LAG, _LOST, _PLACE = 0, 4, 8, 9, 11, 13, 15,
 _CLIPPED, _CONTACT = 17, 18
 _STEP_I, _STEP_U, _STEP_V, _STEP_E = range(4)
 
-BRUSHLESS_TOP = "wh_brushless"
+BRUSHLESS_TOP = "wh_ports"
 
 _RUN_OUT_A = 1e-12
 """A current that rounding leaves of none."""
@@ -397,8 +398,9 @@ class BrushlessPinsSimulation(PinsSimulation):
     """A scene's brushless motor on the whole of its RTL, with a switching bridge of three legs."""
 
     TOP = BRUSHLESS_TOP
-    SHIM = "brushless_pins_shim.cpp"
-    PREFIX = "wh_brushless"
+    SHIM = "ports_shim.cpp"
+    SHOWS: tuple[str, ...] = ("ports_steps.vlt",)
+    PREFIX = "wh_ports"
     LEGS = THREE_PHASE_LEGS
     INPUTS_SHIFT = 1
     KEPT = _DONE + 1
@@ -428,14 +430,22 @@ class BrushlessPinsSimulation(PinsSimulation):
     def _hardware(self, scene: Scene, ports: Ports, host: bool) -> dict[str, int]:
         sections = len(self.settings.shaper.words)
         pulse = scene.drive is not None and bool(scene.drive.min_pulse_s)
-        return {"MIN_PULSE": int(pulse), **({"SHAPER": sections} if sections else {})}
+        return {"MIN_PULSE": int(pulse), "SHAPER": sections}
+
+    def _stations(self, scene: Scene) -> dict[str, int]:
+        return {}
+
+    def _parameters(self) -> dict[str, int]:
+        return {"N": AXES, "AXES": 1}
 
     def _magnet(self, scene: Scene, ports: Ports) -> Values:
         return magnet_words(scene, self.settings, ports.start_count)
 
+    def _port_words(self, design: verilated.Design) -> ctypes.Array:
+        return (ctypes.c_uint32 * 0)()  # they are written
+
     def _new_model(self, words: ctypes.Array, inputs: int) -> int | None:
-        shape = verilated.shaper_words(self._design.sizes, self._values)
-        return verilated.new_model(self._function("new"), words, inputs, ctypes.addressof(shape))
+        return new_ports(self._library, self._design.sizes, [self._values] * AXES, inputs)
 
     def warm(self, plant: Any) -> None:
         steps_s = [n * self._dt for n in range(self._longest + 1)]

@@ -80,7 +80,6 @@ class DevicePins(PinsSimulation):
 class BrushlessDevicePins(DevicePins, BrushlessPinsSimulation):
     """`pins` of a brushless motor as ``rtl/wh_device.v`` with three legs."""
 
-    SHOWS = ("device_shim.vlt",)
     turns = 0
 
     def _parameters(self) -> dict[str, int]:

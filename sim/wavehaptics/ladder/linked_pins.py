@@ -191,7 +191,6 @@ class LinkedPins(PinsSimulation):
 class LinkedBrushlessPins(LinkedPins, BrushlessPinsSimulation):
     """``wh_linked_device`` with three legs, and a scene's brushless motor. It knows no host."""
 
-    SHOWS = ("device_shim.vlt", "linked_shim.vlt")
     turns = 0
 
     def __init__(self, scene: Scene, *, arm: bool = True) -> None:
@@ -200,7 +199,7 @@ class LinkedBrushlessPins(LinkedPins, BrushlessPinsSimulation):
         super().__init__(scene, arm=arm)
 
     def _parameters(self) -> dict[str, int]:
-        return {**super()._parameters(), "LEGS": self.LEGS, "GUARD": 1, "SENSE": 1}
+        return {**super()._parameters(), "LEGS": self.LEGS}
 
 
 def linked_pins(scene: Scene, *, arm: bool = True) -> LinkedPins:

@@ -23,7 +23,7 @@ from wavehaptics.ladder.pins import (
     soldered,
 )
 from wavehaptics.scene import Scene
-from wavehaptics.words.table import Values
+from wavehaptics.words.table import Sizes, Values
 
 
 class TurnsSimulation:
@@ -61,21 +61,11 @@ class TurnsSimulation:
 
     def _new_model(self, ports: Sequence[Ports], values: Sequence[Values]) -> int:
         """The RTL, where its first tick begins."""
-        sizes = self._design.sizes
-        shared = shared_words(values[0], sizes)
-        pairs = [word for n, one in enumerate(values) for pair in port_requests(one, sizes, n)
-                 for word in pair]  # fmt: skip
         inputs = sum(
             pins_loop.encoder_levels.py_func(one.start_count) << pins_loop.MOTOR_INPUTS * n
             for n, one in enumerate(ports)
         )
-        new = self._library.wh_ports_new
-        words = ctypes.POINTER(ctypes.c_uint32)
-        new.argtypes, new.restype = [words, words, *[ctypes.c_int64] * 3], ctypes.c_void_p
-        model = new(
-            (ctypes.c_uint32 * len(shared))(*shared), (ctypes.c_uint32 * len(pairs))(*pairs),
-            len(pairs) // 2, values[0]["bus"], inputs,
-        )  # fmt: skip
+        model = new_ports(self._library, self._design.sizes, values, inputs)
         if not model:
             raise RuntimeError("the controller's RTL never got its ADC ready")
         return model
@@ -93,6 +83,22 @@ class TurnsSimulation:
     def __del__(self) -> None:
         if getattr(self, "_model", None):
             self._library.wh_ports_delete(self._model)
+
+
+def new_ports(
+    library: ctypes.CDLL, sizes: Sizes, values: Sequence[Values], inputs: int
+) -> int | None:
+    """``wh_ports`` with the ``values`` of each port, where its first tick begins."""
+    shared = shared_words(values[0], sizes, len(values))
+    pairs = [word for n, one in enumerate(values) for pair in port_requests(one, sizes, n)
+             for word in pair]  # fmt: skip
+    new = library.wh_ports_new
+    words = ctypes.POINTER(ctypes.c_uint32)
+    new.argtypes, new.restype = [words, words, *[ctypes.c_int64] * 3], ctypes.c_void_p
+    return new(
+        (ctypes.c_uint32 * len(shared))(*shared), (ctypes.c_uint32 * len(pairs))(*pairs),
+        len(pairs) // 2, values[0]["bus"], inputs,
+    )  # fmt: skip
 
 
 class _Motor(PinsSimulation):

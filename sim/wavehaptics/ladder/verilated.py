@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +20,8 @@ from wavehaptics.runtime.files import digest_of, replacing
 from wavehaptics.runtime.plain_paths import plain, workplace
 from wavehaptics.runtime.repository import BUILD, RTL_DIR, SHIMS
 from wavehaptics.runtime.toolchain import ToolError
-from wavehaptics.words import formats, table
-from wavehaptics.words.generated import chunks, in_chunks, shim_header
+from wavehaptics.words import formats
+from wavehaptics.words.generated import chunks, shim_header
 from wavehaptics.words.table import LEGS, THREE_PHASE_LEGS, Sizes, Values
 
 BUILD_DIR = BUILD / "verilated"
@@ -80,10 +80,10 @@ class Design:
     def sizes(self) -> Sizes:
         """Copies and widths of the words of its ports."""
         walls, delay_log2 = self.parameters.get("WALLS", 4), self.parameters["DELAY_LOG2"]
-        brushless = self.top == "wh_brushless" or self.parameters.get("LEGS") == THREE_PHASE_LEGS
+        brushless = self.parameters.get("LEGS") == THREE_PHASE_LEGS or "AXES" in self.parameters
         return Sizes(
-            self.parameters.get("N", 1), walls, self.parameters.get("SHAPER", 0), delay_log2,
-            THREE_PHASE_LEGS if brushless else LEGS,
+            1 if brushless else self.parameters.get("N", 1), walls,
+            self.parameters.get("SHAPER", 0), delay_log2, THREE_PHASE_LEGS if brushless else LEGS,
         )  # fmt: skip
 
 
@@ -230,15 +230,6 @@ def address(function: Any) -> int:
 def words_of(design: Design, values: Values) -> ctypes.Array[ctypes.c_uint32]:
     """The table's words as the library's functions take them; defaults where not given."""
     words = chunks(values, design.sizes)
-    return (ctypes.c_uint32 * len(words))(*words)
-
-
-def shaper_words(sizes: Sizes, values: Values) -> ctypes.Array[ctypes.c_uint32]:
-    """Words of W for a top level that has no other words of motors with brushes (SHAPER_PORTS)."""
-    names = {word.name for port in table.SHAPER_PORTS for word in table.ports()[port]}
-    own = {name: value for name, value in values.items() if name in names}
-    fields = table.fields(own, replace(sizes, legs=LEGS))
-    words = [raw for port in table.SHAPER_PORTS for raw in in_chunks(fields[port])]
     return (ctypes.c_uint32 * len(words))(*words)
 
 

@@ -7,7 +7,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-from wavehaptics.controller import pins_timing
 from wavehaptics.ladder.run import measure
 from wavehaptics.laws import closed_forms
 from wavehaptics.parts.foc_designs import DESIGNS
@@ -37,6 +36,9 @@ SUMMARY = Path("boards", "summary.json")
 """Where the counts of ``make synth`` are kept, from the root."""
 OWN_SCENE = "brushless_hold"
 """At its tick and clock the latency of ``wh_brushless`` is told."""
+
+LATENCY_CLOCKS = 80
+"""Of ``wh_brushless``, from the last ADC bit on."""
 PRESSED_AT = 0.9
 """Part of the stiffest wall that is pressed for its ripple."""
 
@@ -157,9 +159,8 @@ def beside(resources: list[dict[str, Any]]) -> tuple[tuple[str, ...], Rows]:
     rows: Rows = []
     control = load(OWN_SCENE, []).controller
     assert control.clock_hz is not None
-    clocks = pins_timing.latency_clocks(0, brushless=True)
-    us = 1e6 * clocks / control.clock_hz
-    latency = f"{clocks} clocks, {us:.2f} µs at {_hz(control.clock_hz)}"
+    us = 1e6 * LATENCY_CLOCKS / control.clock_hz
+    latency = f"{LATENCY_CLOCKS} clocks, {us:.2f} µs at {_hz(control.clock_hz)}"
     for row in (row for row in resources if row["table"] == "brushless"):
         names = {"GUARD": "guard", "ANCHOR": "anchors"}
         parts = [part for key, part in names.items() if key in row["option"]]
