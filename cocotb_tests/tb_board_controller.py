@@ -43,14 +43,17 @@ ZERO_CLOCKS = (ZERO_TICKS + 6) * TICK
 """More than a zero takes, and what was before it to pass."""
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 HIGH_GATES = GATES[::2]
-OVERCURRENT = "overcurrent_seen"
 ADCS = (1 << len(BOARD.adc_lines)) - 1
 LINKED = BOARD.fpga.link
+OVERCURRENT = "fault_o" if LINKED and not BRUSHLESS else "overcurrent_seen"
+"""What tells of a current that is too large: with brushes and a line, the guard."""
 PARTS = len(BOARD.adc_lines)
 PLACES = 2 ** (PARTS.bit_length() + 7)
 """Words of the settings' memory of a brushless motor."""
 SET_CLOCKS = 0 if not LINKED else 8 * PLACES // 3 + 16 if BRUSHLESS else 96 + 128 * PARTS + 70
-"""After reset, until SCLK knows where it rests; after three times that all settings are copied."""
+"""After reset, until SCLK knows where it rests."""
+COME_CLOCKS = 3 * SET_CLOCKS if BRUSHLESS else SET_CLOCKS
+"""After reset, until all settings are copied."""
 SYNCHRONISER = 3  # clocks until an input is seen, and one to act on it
 
 
@@ -114,7 +117,7 @@ class Board(Bench):
         await self.settings_come()
 
     async def settings_come(self) -> None:
-        await self.step(3 * SET_CLOCKS)
+        await self.step(COME_CLOCKS)
 
     async def watch(self, clocks: int) -> tuple[int, int, set[int]]:
         """(changes of alive, clocks with a gate on, values of running) in some clocks."""
