@@ -34,6 +34,8 @@ module bench_surfaces #(
 );
 
     wire        take;
+    wire        round_busy;
+    wire        unused = &{1'b0, round_busy};
     wire [6:0]  row;
     wire [2:0]  word;
     wire [31:0] data;
@@ -73,6 +75,7 @@ module bench_surfaces #(
         .word_o     (word),
         .word_i     (data),
         .present_i  (present),
+        .busy_o     (round_busy),
         .valid_o    (valid_o),
         .port_o     (port_o),
         .wave_o     (wave_o),

@@ -19,7 +19,7 @@ from wavehaptics.controller import surfaces
 from wavehaptics.controller.planes import PLANE_ROW, VELOCITY_MAX, as_registers
 from wavehaptics.words import formats
 
-PORTS = parameters()["PORTS"]
+PORTS = parameters().get("PORTS") or parameters()["N"]
 SURFACES = parameters()["SURFACES"]
 ROUNDS = 20000 if "Verilator" in cocotb.SIM_NAME else 400
 ONE = 1 << formats.SURFACE.fraction

@@ -54,6 +54,7 @@ module wh_surfaces #(
     input  wire [31:0]                   word_i,      // a clock later
     input  wire [7:0]                    present_i,
 
+    output wire                          busy_o,      // a round goes on
     output wire                          valid_o,     // strobe
     output wire [1:0]                    port_o,
     output wire signed [`WH_DATA_W-1:0]  wave_o,      // s31q23 √W
@@ -916,6 +917,7 @@ module wh_surfaces #(
         end
     end
 
+    assign busy_o   = phase_q != IDLE || out_q || valid_q;
     assign valid_o  = valid_q;
     assign port_o   = valid_port_q;
     assign wave_o   = wave_q;
