@@ -297,6 +297,13 @@ LINT_CASES := \
     wh_drive,-GN=3,-GLEGS=4,-GPHASES=11 \
     wh_guard_ports,-GN=3 \
     wh_energy_ports,-GN=3 \
+    wh_ports,-GN=3,-GSURFACES=8 \
+    wh_ports,-GN=2,-GSURFACES=1 \
+    wh_core,-GN=3,-GOUTSIDE=1,-GLOOK=1 \
+    wh_slots,-GN=3,-GLOOK=1 \
+    wh_surface_words \
+    wh_surfaces \
+    wh_surfaces,-GPORTS=2,-GSURFACES=1 \
     wh_port_check,-GN=3 \
     wh_slots,-GN=3 \
     wh_slots,-GN=3,-GAXES=1,-GSHAPER=1 \

@@ -93,6 +93,9 @@ module bench_core #(
     wire                            waves_valid, bank;
     wire                            unused_turn = &{1'b0, waves_valid, bank};
     wire [PORT_W-1:0]               whose;
+    wire                            looked;  // there are none
+    wire signed [DATA_W-1:0]        goal;
+    wire                            unused_look = &{1'b0, looked, goal};
     wire signed [DATA_W-1:0]        factor, voltage, u, v, voltage_before, withheld_before;
     wire signed [COEF_W-1:0]        coefficient;
     wire signed [DATA_W+COEF_W-1:0] product, made;
@@ -108,6 +111,7 @@ module bench_core #(
         .valid_i            (valid),
         .port_i             (port),
         .bank_i             (bank_i),
+        .look_i             (1'b0),
         .current_i          ($signed(current)),
         .ends_i             (ends_i[2*turn_q +: 2] ^ {2{at < 8'd1 || at > 8'd5}}),
         .eta_i              ($signed(eta)),
@@ -128,6 +132,8 @@ module bench_core #(
         .coefficient_o      (coefficient),
         .product_i          (product),
         .valid_o            (core_valid),
+        .looked_o           (looked),
+        .goal_o             (goal),
         .waves_valid_o      (waves_valid),
         .port_o             (whose),
         .bank_o             (bank),

@@ -155,6 +155,10 @@ module bench_ports #(
     wire              unused_zero = &{1'b0, ports_zero_busy, ports_zero_faults,  // faults_o has them
                                       ports_found, ports_angles};
 
+    wire       surface_busy, surface_refused;
+    wire [1:0] surfaces_acting;
+    wire       unused_surfaces = &{1'b0, surface_busy, surface_refused, surfaces_acting};
+
     wh_ports #(
         .N               (N),
         .WALLS           (WALLS),
@@ -188,6 +192,13 @@ module bench_ports #(
         .delay_i         (delay_i),
         .bridge_i        (bridge_i),
         .guard_i         (guard_i),
+        .surface_write_i   (1'b0),
+        .surface_address_i (10'd0),
+        .surface_commit_i  (1'b0),
+        .budget_i          (62'd0),
+        .surface_busy_o    (surface_busy),
+        .surface_refused_o (surface_refused),
+        .acting_o          (surfaces_acting),
         .force_i         (force_i),
         .write_i         (write_i),
         .write_bank_i    (write_bank_i),

@@ -133,6 +133,10 @@ module bench_ports_axes #(
 
     wire [N-1:0]      alphas = AXES[N-1:0];
 
+    wire       surface_busy, surface_refused;
+    wire [1:0] surfaces_acting;
+    wire       unused_surfaces = &{1'b0, surface_busy, surface_refused, surfaces_acting};
+
     wh_ports #(
         .N               (N),
         .WALLS           (WALLS),
@@ -166,6 +170,13 @@ module bench_ports_axes #(
         .delay_i         (delay_i),
         .bridge_i        (bridge_i),
         .guard_i         (guard_i),
+        .surface_write_i   (1'b0),
+        .surface_address_i (10'd0),
+        .surface_commit_i  (1'b0),
+        .budget_i          (62'd0),
+        .surface_busy_o    (surface_busy),
+        .surface_refused_o (surface_refused),
+        .acting_o          (surfaces_acting),
         .force_i         (force_i),
         .write_i         (write_i),
         .write_bank_i    (write_bank_i),

@@ -155,7 +155,8 @@ module bench_registers #(
     );
 
     wire slots_phase, slots_third;  // of brushless motors
-    wire unused_axes = &{1'b0, slots_phase, slots_third};
+    wire slots_look;                // of surfaces
+    wire unused_axes = &{1'b0, slots_phase, slots_third, slots_look};
 
     wh_slots #(
         .N         (N),
@@ -167,9 +168,11 @@ module bench_registers #(
         .force_i   (force_now),
         .run_i     (running),
         .damp_i    (1'b0),
+        .busy_i    (1'b0),
         .valid_o   (valid),
         .port_o    (port),
         .bank_o    (bank),
+        .look_o    (slots_look),
         .phase_o   (slots_phase),
         .third_o   (slots_third),
         .run_o     (slots_run),

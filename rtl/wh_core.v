@@ -17,6 +17,7 @@
 //   5               u_max is computed
 //   19              f is computed, and the residue of u
 //   25              voltage_o, with valid_o
+// A look (LOOK, look_i with valid_i) ends with goal_o in clock 10.
 // The next valid_i may come 25 clocks after this one. current_i is taken in clock 1, ends_i from 1 to 5, eta_i in 6,
 // outside_i from 8 to 10. Outputs hold until the next turn changes them. Those named `before` are of the port's
 // previous step, and hold to clock 17.
@@ -36,6 +37,7 @@ module wh_core #(
     parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
     parameter integer OUTSIDE    = 0,  // 1: outside_i is added to the goal, 0: it is ignored
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper_ports), 0...2; 0: W = 1
+    parameter integer LOOK       = 0,  // 1: a turn may be a look, 0: look_i is ignored
     parameter integer PORT_W     = (N > 1) ? $clog2(N) : 1  // derived, leave it
 ) (
     input  wire                             clk,
@@ -45,6 +47,7 @@ module wh_core #(
     input  wire                             valid_i,         // strobe
     input  wire        [PORT_W-1:0]         port_i,
     input  wire                             bank_i,          // bank of its settings
+    input  wire                             look_i,          // it ends with η v, and no state changes
     input  wire signed [`WH_DATA_W-1:0]     current_i,       // s31q24 A, ±64 A: the period's mean i_n
     input  wire        [1:0]                ends_i,          // i_n is at the high (bit 0), low end of its range
     input  wire signed [`WH_COEF_W-1:0]     eta_i,           // s27q25 η, used in [-1, 1]
@@ -74,6 +77,8 @@ module wh_core #(
     // The step.
     output reg                              valid_o,         // strobe
     output wire                             waves_valid_o,   // strobe, the clock before v_o is valid
+    output wire                             looked_o,        // strobe of a look: goal_o is valid
+    output wire signed [`WH_DATA_W-1:0]     goal_o,          // s31q23 √W, ±128 √W: η v
     output wire        [PORT_W-1:0]         port_o,          // the port of the turn,
     output wire                             bank_o,          // and the bank of its settings
     output reg  signed [`WH_DATA_W-1:0]     voltage_o,       // s31q23 V, ±128 V: e to be applied
@@ -111,9 +116,10 @@ module wh_core #(
     localparam integer LAST   = N - 1;
 
     generate
-        if (N < 1 || N > 8 || DELAY_LOG2 < 1 || OUTSIDE < 0 || OUTSIDE > 1 || SHAPER < 0 || SHAPER > 2)
+        if (N < 1 || N > 8 || DELAY_LOG2 < 1 || OUTSIDE < 0 || OUTSIDE > 1 || SHAPER < 0 || SHAPER > 2
+            || LOOK < 0 || LOOK > 1)
         begin : illegal_parameter
-            wh_illegal_parameter_core_n_delay_log2_outside_or_shaper stop ();
+            wh_illegal_parameter_core_n_delay_log2_outside_shaper_or_look stop ();
         end
         if (GUARD < 1 || A_SHIFT < 1 || SI_SHIFT < 1 || SU_SHIFT < 1) begin : illegal_format
             wh_illegal_parameter_core_formats stop ();
@@ -139,22 +145,29 @@ module wh_core #(
     reg [PORT_W-1:0] port_q;
     reg              bank_q;
 
-    wire ends = at_q[TAKE_E] && port_q == LAST[PORT_W-1:0];
+    reg  look_q;
+    wire looks = LOOK != 0 && look_q;
+    wire ends  = at_q[TAKE_E] && port_q == LAST[PORT_W-1:0];
 
     assign port_o        = port_q;
     assign bank_o        = bank_q;
-    assign waves_valid_o = at_q[TAKE_V];
+    assign waves_valid_o = at_q[TAKE_V] && !looks;
+    assign looked_o      = at_q[GIVE_A-2] && looks;
 
     always @(posedge clk) begin
         if (valid_i) begin
             port_q <= port_i;
             bank_q <= bank_i;
+            look_q <= look_i;
         end
         if (rst) begin
             at_q    <= {TAKE_E{1'b0}};
             valid_o <= 1'b0;
         end else begin
             at_q    <= {at_q[TAKE_E-1:1], valid_i};
+            if (looks) begin
+                at_q[GIVE_A] <= 1'b0;
+            end
             valid_o <= at_q[TAKE_E];
         end
     end
@@ -324,7 +337,8 @@ module wh_core #(
         .value_o (goal_limited)
     );
 
-    assign goal = goal_floor_q + $signed({{(DATA_W - 1){1'b0}}, goal_up_q});
+    assign goal   = goal_floor_q + $signed({{(DATA_W - 1){1'b0}}, goal_up_q});
+    assign goal_o = goal;
 
     // f - x, valid long before the goal.
     wire signed [ERROR_W-1:0] base;

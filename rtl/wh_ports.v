@@ -26,6 +26,11 @@
 // whole number of these. If one axis' anchor loses the rotor, both are damped, from the next round on. The electrical
 // angle: wh_rotor.
 //
+// SURFACES: walls across all ports (wh_surfaces), besides those of each port, bit for bit as in
+// sim/wavehaptics/ladder/joint.py. A round has two passes: the first computes v, the second is as without surfaces. In
+// contact with surfaces, their waves replace every port's goal. If a port's anchor loses its rotor, all ports are damped.
+// surface_write_i takes data_i; a frame that is committed is in force from the next round on.
+//
 // Signs, enable_i and restart_i are those of wh_controller. Settings of each port change with force_i, from the next
 // round on. The packed settings of all ports may change in reset, or as wh_controller's.
 //
@@ -36,6 +41,8 @@
 // If the last port is beta's, its motor's legs need 54, 70 or 75 instead of 43 + 5 SHAPER, for SHAPER = 0, 1 or 2, and
 // a period ends with 42, 58 or 63 instead of 38. Each brushless motor's third leg adds one to N in the latency and in
 // a half's N + 8, which then has three clocks more.
+// With SURFACES, the first pass adds 32 (N - 1) + 38 clocks to a period, or 32 (N - 1) + 18 and the clocks in
+// wh_surfaces' header if these are more: a period of three ports and eight surfaces has at least 413 clocks.
 //
 // Live values: live_valid_o strobes with the port, the index of the value, and the value, each once a period; an
 // offset that changes in a step comes twice.
@@ -56,6 +63,7 @@ module wh_ports #(
     parameter integer HOST       = 0,  // 1: a computer can be the environment (wh_host_link)
     parameter integer MODES      = 0,  // 1: mode selects the bridges' pattern; 0: unipolar
     parameter integer MIN_PULSE  = 0,  // 1: min_pulse is in force; 0: pulses may last one clock
+    parameter integer SURFACES   = 0,  // across all ports (wh_surfaces), 0...8
     parameter integer AXES       = 0,  // 0...: bit n: ports n, n + 1 are a brushless motor's axes
     parameter integer PORT_W     = (N > 1) ? $clog2(N) : 1  // derived, leave it
 ) (
@@ -90,6 +98,15 @@ module wh_ports #(
     input  wire [11:0]                  host_i,           // host_period_log2, host_timeout
     input  wire [65*N-1:0]              magnets_i,        // of each brushless motor, its alpha: find, zero_angle,
                                                           // count_angle (wh_rotor)
+
+    // Surfaces across the ports (wh_surface_words), SURFACES > 0; their words are data_i's.
+    input  wire                         surface_write_i,  // strobe
+    input  wire [9:0]                   surface_address_i,
+    input  wire                         surface_commit_i, // strobe
+    output wire                         surface_busy_o,
+    output wire                         surface_refused_o,
+    input  wire [61:0]                  budget_i,         // u62q46 W: what moving surfaces may give out
+    output wire [1:0]                   acting_o,         // surfaces in contact
 
     // Settings of each port (wh_port_settings).
     input  wire                         force_i,          // the bank in force
@@ -151,6 +168,10 @@ module wh_ports #(
         end
         if (WALLS < 1 || WALLS > 7) begin : illegal_walls
             wh_illegal_parameter_ports_walls_must_be_1_to_7 stop ();
+        end
+        if (SURFACES < 0 || SURFACES > 8 || (SURFACES > 0 && (N < 2 || N > 3 || SHAPER != 0 || HOST != 0 || AXES != 0)))
+        begin : illegal_surfaces
+            wh_illegal_parameter_ports_surfaces_need_2_or_3_ports_without_shaper_host_and_axes stop ();
         end
         if (MODES != 0 && MODES != 1) begin : illegal_modes
             wh_illegal_parameter_ports_modes_must_be_0_or_1 stop ();
@@ -274,9 +295,13 @@ module wh_ports #(
     wire              summed, slot_valid, slot_bank, slots_overrun, phase_turn, third_turn;
     wire [PORT_W-1:0] slot_port;
 
+    wire              slot_look;   // a first pass, for the surfaces
+    wire              slot_waits;  // for them
+
     wh_slots #(
         .N         (N),
         .SHAPER    (SHAPER),
+        .LOOK      ((SURFACES > 0) ? 1 : 0),
         .AXES      (AXES)
     ) slots (
         .clk       (clk),
@@ -285,9 +310,11 @@ module wh_ports #(
         .force_i   (force_i),
         .run_i     (run),
         .damp_i    (damp_wanted),
+        .busy_i    (slot_waits),
         .valid_o   (slot_valid),
         .port_o    (slot_port),
         .bank_o    (slot_bank),
+        .look_o    (slot_look),
         .phase_o   (phase_turn),
         .third_o   (third_turn),
         .run_o     (slots_run),
@@ -341,6 +368,7 @@ module wh_ports #(
     wire signed [DATA_W-1:0] current, current_offset;
     wire [1:0]               current_ends;
     wire [LEGS-1:0]          ranges, stucks, guard_currents, guard_ranges, guard_stucks, zero_faults;
+    wire                     sense_valid, sense_phase_valid;  // in the first pass, too
     wire                     phase_valid;    // the current of a phase, or of a brushed motor
     wire signed [DATA_W-1:0] phase_current;
     wire [1:0]               phase_ends;
@@ -389,8 +417,8 @@ module wh_ports #(
         .kind_i          (kind),
         .beta_i          (beta_current),
         .beta_ends_i     (beta_ends),
-        .valid_o         (current_valid),
-        .phase_valid_o   (phase_valid),
+        .valid_o         (sense_valid),
+        .phase_valid_o   (sense_phase_valid),
         .phase_o         (phase_current),
         .phase_ends_o    (phase_ends),
         .port_o          (sense_port),
@@ -429,7 +457,7 @@ module wh_ports #(
         .valid_i      (slot_valid && !betas[slot_port]),  // of both axes
         .port_i       (slot_port),
         .bank_i       (slot_bank),
-        .count_i      (counts),
+        .count_i      (round_counts),
         .write_i      (write_i),
         .write_bank_i (write_bank_i),
         .address_i    (address_i),
@@ -459,7 +487,7 @@ module wh_ports #(
         .clk                (clk),
         .rst                (calm_rst),
         .port_i             (core_port),
-        .damps_i            (damp || lost),
+        .damps_i            (damp || lost || all_lost),
         .contact_i          (contact),
         .shaped_i           (shaped),
         .eta_i              (contact_eta),
@@ -486,18 +514,20 @@ module wh_ports #(
     wh_core #(
         .N                  (N),
         .DELAY_LOG2         (DELAY_LOG2),
-        .OUTSIDE            (HOST),
-        .SHAPER             (SHAPER)
+        .OUTSIDE            ((SURFACES > 0) ? 1 : HOST),
+        .SHAPER             (SHAPER),
+        .LOOK               ((SURFACES > 0) ? 1 : 0)
     ) core (
         .clk                (clk),
         .rst                (core_rst),
-        .valid_i            (current_valid),
+        .valid_i            (sense_valid),
         .port_i             (current_port),
         .bank_i             (current_bank),
+        .look_i             (looking),
         .current_i          (current),
         .ends_i             (current_ends),
-        .eta_i              (eta),
-        .outside_i          (outside),
+        .eta_i              (acts ? {COEF_W{1'b0}} : eta),
+        .outside_i          (acts ? surface_wave : outside),
         .shape_mode_i       (shape_mode),
         .extra_ticks_i      (extra_ticks),
         .hold_ticks_i       (hold_ticks),
@@ -515,6 +545,8 @@ module wh_ports #(
         .product_i          (product),
         .valid_o            (core_valid),
         .waves_valid_o      (waves_valid),
+        .looked_o           (looked),
+        .goal_o             (goal),
         .port_o             (core_port),
         .bank_o             (core_bank),
         .voltage_o          (wave_voltage),
@@ -526,6 +558,155 @@ module wh_ports #(
         .withheld_before_o  (withheld_before),
         .saturated_before_o (saturated_before)
     );
+
+    // ---- Surfaces across the ports. A round's first pass finds what comes in at each port, or what a wall of its own
+    // makes of it. In the second one the surfaces' waves are every port's goal. An anchor that has lost its rotor
+    // leaves ports that only damp, all of them.
+    wire                     looking;   // the slot is one of the first pass
+    wire                     looked;
+    wire                     acts;      // surfaces do, in this round
+    wire                     all_lost;
+    wire signed [DATA_W-1:0] goal, surface_wave;
+    wire [N*`WH_MOVE_W-1:0]  round_counts;
+
+    assign current_valid = sense_valid && !looking;
+    assign phase_valid   = sense_phase_valid && !looking;
+
+    generate
+        if (SURFACES > 0) begin : in_space
+            wire        begins = slot_valid && slot_look && slot_port == {PORT_W{1'b0}};
+            reg         looking_q, lost_q, looked_q;
+            reg  [N*`WH_MOVE_W-1:0]  counts_q;
+            reg  signed [DATA_W-1:0] wave_q;
+            reg  signed [COEF_W-1:0] free_q;
+            wire        [COEF_W-1:0] free;
+            wire                     frame_taken, answered, busy;
+            wire [6:0]               surface_row;
+            wire [2:0]               surface_place;
+            wire [31:0]              surface_word;
+            wire [7:0]               present;
+            wire [1:0]               answered_port;
+            wire signed [DATA_W-1:0] answer;
+            wire [31:0]              core_number = {{(32 - PORT_W){1'b0}}, core_port};
+            wire                     unused_port = &{1'b0, core_number[31:2], answered_port};
+
+            // Both passes of a round see the same positions, η and faults.
+            wire lost_now = (core_port == {PORT_W{1'b0}}) ? |anchor_faults : lost_q;
+
+            always @(posedge clk) begin
+                if (slot_valid) begin
+                    looking_q <= slot_look;
+                end
+                if (begins) begin
+                    counts_q <= counts;
+                end
+                looked_q <= looked && !lost_now && !calm_rst;
+                if (looked) begin
+                    lost_q <= lost_now;
+                    wave_q <= contact ? goal : v;
+                    free_q <= (core_port == {PORT_W{1'b0}} || $signed(free) < free_q) ? $signed(free) : free_q;
+                end
+                if (calm_rst) begin
+                    lost_q <= 1'b0;
+                end
+                if (sense_rst) begin
+                    looking_q <= 1'b0;
+                end
+            end
+
+            assign looking      = looking_q;
+            assign all_lost     = lost_q;
+            assign round_counts = begins ? counts : counts_q;
+            assign acts         = (|acting_o) && !lost_q && !looking_q;
+            assign slot_waits   = busy;
+
+            wh_port_settings #(
+                .N            (N),
+                .WORDS_LOG2   (0),
+                .W            (COEF_W),
+                .FIRST        (9),  // eta_free
+                .BLOCK        (0)
+            ) frees (
+                .clk          (clk),
+                .write_i      (write_i),
+                .write_bank_i (write_bank_i),
+                .address_i    (address_i),
+                .data_i       (data_i),
+                .read_i       (slot_valid),
+                .bank_i       (slot_bank),
+                .port_i       (slot_port),
+                .word_i       (1'b0),
+                .word_o       (free)
+            );
+
+            wh_surface_words surface_words (
+                .clk       (clk),
+                .rst       (rst),
+                .write_i   (surface_write_i),
+                .address_i (surface_address_i),
+                .data_i    (data_i),
+                .commit_i  (surface_commit_i),
+                .busy_o    (surface_busy_o),
+                .refused_o (surface_refused_o),
+                .take_i    (frame_taken),
+                .row_i     (surface_row),
+                .word_i    (surface_place),
+                .word_o    (surface_word),
+                .present_o (present)
+            );
+
+            wh_surfaces #(
+                .PORTS      (N),
+                .SURFACES   (SURFACES)
+            ) surfaces (
+                .clk        (clk),
+                .rst        (calm_rst),
+                .valid_i    (looked_q),
+                .port_i     (core_number[1:0]),
+                .position_i (position),
+                .current_i  (current),
+                .wave_i     (wave_q),
+                .free_i     (free_q),
+                .budget_i   (budget_i),
+                .take_o     (frame_taken),
+                .row_o      (surface_row),
+                .word_o     (surface_place),
+                .word_i     (surface_word),
+                .present_i  (present),
+                .busy_o     (busy),
+                .valid_o    (answered),
+                .port_o     (answered_port),
+                .wave_o     (answer),
+                .acting_o   (acting_o)
+            );
+
+            wh_port_state #(
+                .N           (N),
+                .W           (DATA_W)
+            ) answers (
+                .clk         (clk),
+                .rst         (calm_rst),
+                .port_i      (core_port),
+                .save_i      (answered),
+                .save_port_i (answered_port[PORT_W-1:0]),
+                .value_i     (answer),
+                .value_o     (surface_wave)
+            );
+        end else begin : without_surfaces
+            wire unused_surfaces = &{1'b0, slot_look, looked, goal, surface_write_i, surface_address_i,
+                                     surface_commit_i, budget_i};
+
+            assign looking           = 1'b0;
+            assign all_lost          = 1'b0;
+            assign round_counts      = counts;
+            assign acts              = 1'b0;
+            assign slot_waits        = 1'b0;
+            assign surface_wave      = {DATA_W{1'b0}};
+            assign surface_busy_o    = 1'b0;
+            assign surface_refused_o = 1'b0;
+            assign acting_o          = 2'd0;
+        end
+    endgenerate
 
     // ---- Anchor: c.
     wire [N*FLUX_W-1:0]      places;  // of axes
@@ -545,7 +726,7 @@ module wh_ports #(
         .cell_i             (cells[core_port*CELL_W +: CELL_W]),
         .found_i            (magnets_found_o),
         .forget_i           (forget),
-        .contact_i          (contact || host_active),  // a host may set any current
+        .contact_i          (contact || host_active || acts),  // a host may set any current
         .blind_i            (clipped),
         .current_i          (current),
         .u_i                (u),
@@ -1173,7 +1354,7 @@ module wh_ports #(
 
     wire [31:0] flags = {21'd0, stucks[sense_port], shaped, clipped, host_active, anchor_faults[current_port],
                          encoder_faults[current_port], ranges[sense_port], trips[current_port], run_q,
-                         saturated_before, contact};
+                         saturated_before, contact || acts};
     wire        waves_1 = since_q[7] && !core_rst;
     wire        waves_2 = since_q[8] && !core_rst;
     wire        waves_3 = since_q[10] && !core_rst;

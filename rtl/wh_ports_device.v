@@ -271,6 +271,10 @@ module wh_ports_device #(
     wire [32*N-1:0] angles;
     wire            unused_angles = &{1'b0, angles};
 
+    wire       surface_busy, surface_refused;
+    wire [1:0] surfaces_acting;
+    wire       unused_surfaces = &{1'b0, surface_busy, surface_refused, surfaces_acting};
+
     wh_ports #(
         .N               (N),
         .WALLS           (WALLS),
@@ -309,6 +313,13 @@ module wh_ports_device #(
         .guard_i         (guard),
         .host_i          (host),
         .magnets_i       ({N{magnets}}),
+        .surface_write_i   (1'b0),
+        .surface_address_i (10'd0),
+        .surface_commit_i  (1'b0),
+        .budget_i          (62'd0),
+        .surface_busy_o    (surface_busy),
+        .surface_refused_o (surface_refused),
+        .acting_o          (surfaces_acting),
         .force_i         (in_force),
         .write_i         (write),
         .write_bank_i    (write_bank),

@@ -28,6 +28,10 @@
 // the remaining requests of the last slot don't meet those of the new one. A round that is due earlier waits. A round
 // that is due while another one waits is lost, and sets overrun_o.
 //
+// LOOK: a round has two passes. The slots of the first one (look_o) end in clock 16, with the wave that a port gives to
+// the surfaces. The second pass begins TAIL after the last of these slots, or as soon as busy_i is 0. A period is longer
+// by the first pass.
+//
 // run_o follows run_i, but rises only as a round begins, so all ports make their first step in the same period.
 // damp_o is damp_i as of the round's beginning: a fault found in a port's turn damps all ports from the next round on.
 //
@@ -39,6 +43,7 @@ module wh_slots #(
     parameter integer N      = 1,                        // ports, 1...8
     parameter integer SHAPER = 0,                        // sections of W, 0...2
     parameter integer AXES   = 0,                        // bit n: ports n, n + 1 are a brushless motor's axes
+    parameter integer LOOK   = 0,                        // 1: a round has two passes
     parameter integer PORT_W = (N > 1) ? $clog2(N) : 1   // derived, leave it
 ) (
     input  wire              clk,
@@ -48,10 +53,12 @@ module wh_slots #(
     input  wire              force_i,    // the bank in force
     input  wire              run_i,      // the bridges are on
     input  wire              damp_i,     // the guard requests damping
+    input  wire              busy_i,     // LOOK: the second pass has to wait
 
     output wire              valid_o,    // strobe, a slot
     output wire [PORT_W-1:0] port_o,
     output wire              bank_o,
+    output wire              look_o,     // with valid_o: of the first pass
     output wire              phase_o,    // strobe, the current of phase b, for port_o, which is beta's
     output wire              third_o,    // strobe, that of phase c
     output wire              run_o,
@@ -75,6 +82,9 @@ module wh_slots #(
         if (SHAPER < 0 || SHAPER > 2) begin : illegal_shaper
             wh_illegal_parameter_slots_shaper_must_be_0_to_2 stop ();
         end
+        if (LOOK != 0 && LOOK != 1) begin : illegal_look
+            wh_illegal_parameter_slots_look_must_be_0_or_1 stop ();
+        end
         if (AXES < 0 || AXES >> LAST != 0 || (AXES & BETAS) != 0) begin : illegal_axes
             wh_illegal_parameter_slots_axes_must_be_pairs_of_ports stop ();
         end
@@ -89,12 +99,16 @@ module wh_slots #(
     wire [(1<<PORT_W)-1:0] alphas = AXES[(1<<PORT_W)-1:0];
     wire [(1<<PORT_W)-1:0] betas  = BETAS[(1<<PORT_W)-1:0];
 
+    reg  look_q;  // first pass
+
     wire last   = (slot_q == LAST[PORT_W-1:0]);
-    wire begins = (summed_i || due_q) && last && clock_q == TAIL;
+    wire begins = (summed_i || due_q) && last && clock_q == TAIL && !look_q;
+    wire again  = look_q && last && clock_q == TAIL && !busy_i;
     wire next   = !last && clock_q == PITCH;
 
-    assign valid_o = !rst && (begins || next);
-    assign port_o  = begins ? {PORT_W{1'b0}} : slot_q + 1'b1;
+    assign valid_o = !rst && (begins || again || next);
+    assign port_o  = (begins || again) ? {PORT_W{1'b0}} : slot_q + 1'b1;
+    assign look_o  = LOOK != 0 && (begins || (look_q && !again));
     assign bank_o  = begins ? force_i : bank_q;
     assign run_o   = run_q && run_i;
     assign phase_o = !rst && alphas[slot_q] && clock_q == PHASE;
@@ -107,7 +121,11 @@ module wh_slots #(
             due_q     <= 1'b0;
             overrun_o <= 1'b0;
             damp_o    <= 1'b0;
+            look_q    <= 1'b0;
         end else begin
+            if (valid_o) begin
+                look_q <= look_o;
+            end
             if (begins) begin
                 damp_o <= damp_i;
                 bank_q <= force_i;

@@ -181,5 +181,54 @@ def as_words(update: Planes) -> tuple[np.ndarray, np.ndarray, int]:
     return planes, vectors, most
 
 
+PLANE_ROW = 96
+"""First row of the surfaces in the registers of a group (``rtl/wh_surface_words.v``), two each."""
+
+VELOCITY_MAX = (112, 0)
+"""Row and word of the largest ξ."""
+
+_BEND_UP = formats.SURFACE.fraction - (
+    formats.CELLS.fraction + formats.CURRENT.fraction - formats.SEEN.fraction
+)
+_MIX_UP = formats.SURFACE.fraction - formats.MIX.fraction
+_GAIN_UP = 5
+_FRACTION = formats.DISTANCE.fraction
+
+
+def as_registers(
+    planes: np.ndarray, vectors: np.ndarray, most: int, count: int = surfaces.MOST_SURFACES
+) -> list[tuple[int, int]]:
+    """A frame of the registers: (address, word of 32 bits with a sign), in the order of writing.
+
+    ``planes``, ``vectors`` and ``most`` are those of :func:`as_words`. A frame has the words of
+    the first ``count`` surfaces that are there, and the vectors of their sets of up to three.
+    """
+    written: list[tuple[int, int]] = []
+
+    def put(row: int, first: int, words: np.ndarray | list[int]) -> None:
+        written.extend((8 * row + first + n, int(word)) for n, word in enumerate(words))
+
+    def put_vector(row: int) -> None:
+        put(row, 0, vectors[row, : surfaces.MIX])
+        put(row, surfaces.MIX, vectors[row, surfaces.MIX :] << _MIX_UP)
+
+    present = [n for n in range(count) if planes[n, surfaces.PRESENT]]
+    put(*VELOCITY_MAX, [most])
+    for n in present:
+        plane, row = planes[n], PLANE_ROW + 2 * n
+        whole, part = divmod(int(plane[surfaces.D]), 1 << _FRACTION)
+        put(row, 0, [whole, 1 << _FRACTION | part])
+        put(row, 2, plane[surfaces.G : surfaces.D])
+        put(row, 5, plane[surfaces.C : surfaces.GAIN] << _BEND_UP)
+        put(row + 1, 0, [plane[surfaces.GAIN] << _GAIN_UP])
+        put(row + 1, 1, plane[[surfaces.A, surfaces.ETA, surfaces.ACROSS]])
+        put_vector(n)
+    for pair in combinations(present, 2):
+        put_vector(surfaces.pair_row(*pair))
+    for triple in combinations(present, 3):
+        put_vector(surfaces.triple_row(*triple))
+    return written
+
+
 def _raw(values: np.ndarray, format_: formats.Fixed) -> np.ndarray:
     return np.clip(np.round(values / format_.step), format_.raw_min, format_.raw_max)

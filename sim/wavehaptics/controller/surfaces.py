@@ -74,8 +74,8 @@ SURFACE_STATES = 4
 with ``STATE_GUARD`` bits below a wave's; its account, in squares of a wave's LSB; the currents'
 part of ε when its contact began, of ``formats.SEEN``."""
 
-_PAIRS = list(combinations(range(MOST_SURFACES), 2))
-_TRIPLES = list(combinations(range(MOST_SURFACES), 3))
+_PAIRS = sorted(combinations(range(MOST_SURFACES), 2), key=lambda pair: pair[::-1])
+_TRIPLES = sorted(combinations(range(MOST_SURFACES), 3), key=lambda triple: triple[::-1])
 VECTORS = MOST_SURFACES + len(_PAIRS) + len(_TRIPLES)
 
 PAIR_ROW = np.zeros((MOST_SURFACES, MOST_SURFACES), dtype=np.int64)
