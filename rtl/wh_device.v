@@ -126,8 +126,7 @@ module wh_device #(
 
             wire zero_busy;
             wire unused_anchor = &{1'b0, anchor_fault_i};
-            // What they would leave out is always there.
-            wire unused_parameters = &{1'b0, TRIP_OSR == 0, SENSE == 0, DEAD_TIME == 0, ANCHOR == 0, GUARD == 0};
+            wire unused_trip   = &{1'b0, TRIP_OSR == 0};
 
             // The register faults has what these would tell.
             assign zero_busy_o     = {PARTS{zero_busy}};
@@ -135,6 +134,10 @@ module wh_device #(
             assign encoder_fault_o = {N{1'b0}};
             assign overcurrent_o   = {PARTS{1'b0}};
 
+            // What these would leave out is always there.
+            if (SENSE > 1 || DEAD_TIME > 1 || ANCHOR > 1 || GUARD > 1) begin : illegal_switch
+                wh_illegal_parameter_device_sense_dead_time_anchor_guard_must_be_0_or_1 stop ();
+            end
             if (BUS != 0 || SHARED != 0 || CAPTURE_RISE != 0) begin : illegal
                 wh_illegal_parameter_device_of_ports_has_no_bus_no_shared_no_capture_rise stop ();
             end
