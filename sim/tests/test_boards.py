@@ -528,7 +528,7 @@ TWO_MHZ = ("controller.tick_hz=2e6", "drive.pwm_hz=1e6")
     [
         (
             ("controller.clock_hz=100e6", *TWO_MHZ),
-            "needs 57 clocks of 1e\\+08 Hz from sample to sample",
+            "needs 58 clocks of 1e\\+08 Hz from sample to sample",
         ),
         (("adc.part=ADS7042",), "the board's ADC is an AD7276"),
         (("adc.part=AD7277",), "the board's ADC has 12 bits"),

@@ -124,7 +124,7 @@ def case(request) -> str:
 def _check(case: str, rows: dict[int, int]) -> None:
     """The raw values by address are those of the scene's settings, with nothing else but limits."""
     scene, motors = _scene(case), CASES[case][2]
-    ports = controller_ports(scene)
+    ports = controller_ports(scene, turns=0 if scene.motor.brushless else motors)
     expected = {
         WORDS[name].at(motor, index): raw
         for (name, motor, index), raw in _expected(scene, ports, motors).items()

@@ -141,7 +141,7 @@ def page(found: dict[str, Any], scene: str, sensor: str | None, motor: str | Non
         f"λ                   {best['lambda']:.6g} rad/s, a = {best['a']:.3g}",
         f"carrier             {1e-3 * best['carrier_hz']:.4g} kHz; control rate "
         f"{1e-3 * best['tick_hz']:.4g} kHz, clock {1e-6 * best['clock_hz']:.4g} MHz, "
-        f"{best['extra_ticks']} periods of latency",
+        f"latency k = {best['extra_ticks']}",
         "",
         "torque              ends at the first of",
         *(
