@@ -436,10 +436,10 @@ TOO_FAST = with_carrier("hx8k", 48)
 @pytest.mark.parametrize(
     ("board", "message"),
     [
-        (with_carrier("ulx3s", 35),
-         r"boards/ulx3s/board\.toml: the INA241 may not follow the carrier of 1000 kHz: it holds "
+        (with_carrier("ulx3s", 38),
+         r"boards/ulx3s/board\.toml: the INA241 may not follow the carrier of 921\.1 kHz: it holds "
          r"its output for 1 µs after an edge, give or take 20%, and at 0 V there is one each "
-         r"0\.5 µs; lower drive\.pwm_hz to 416\.7 kHz or less, or name another amplifier in "
+         r"0\.543 µs; lower drive\.pwm_hz to 416\.7 kHz or less, or name another amplifier in "
          r"\[sense\] of boards/ulx3s/fpga\.toml$"),
         # No tolerance is left of a hold that ends with the next edge.
         (TOO_FAST, r"of 500 kHz: .* one each 1 µs; lower drive\.pwm_hz to 416\.7 kHz"),
