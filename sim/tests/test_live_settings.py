@@ -240,7 +240,8 @@ def test_a_limit_below_what_the_anchor_takes_leaves_no_wave():
     """
     device = Run(*ANCHOR, *SHAKEN, prefix=60_000)
     taken = device.change([(10 * device.clocks, {"u_max": 0})], 200_000)[0]
-    still = slice(taken + device.late + 3, None)
+    copied = copied_clocks() // device.clocks
+    still = slice(taken + copied + device.late + 3, None)
     assert not device.words[still, Word.U].any()
     c, i = device.column(Column.CORRECTION)[still], device.column(Column.I)[still]
     words = device.simulation.settings.anchor
