@@ -53,7 +53,7 @@ DESIGN = verilated.Design(
      "UNIT": UNIT, "WALLS": 4, "DELAY_LOG2": 2},
     ("link_shim.vlt",),
 )  # fmt: skip
-OPTIONS = SIZES.motors | SIZES.walls << 4 | SIZES.delay_log2 << 11 | 5 << 25
+OPTIONS = SIZES.motors | SIZES.walls << 4 | SIZES.delay_log2 << 11 | 7 << 18 | 5 << 25
 
 BYTE_BITS = 10
 _REST = 2 * SILENCE + 400
