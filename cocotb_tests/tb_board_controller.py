@@ -45,15 +45,11 @@ GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 HIGH_GATES = GATES[::2]
 ADCS = (1 << len(BOARD.adc_lines)) - 1
 LINKED = BOARD.fpga.link
-OVERCURRENT = "fault_o" if LINKED and not BRUSHLESS else "overcurrent_seen"
-"""What tells of a current that is too large: with brushes and a line, the guard."""
+OVERCURRENT = "fault_o" if LINKED else "overcurrent_seen"
+"""What tells of a current that is too large: with a line, the guard."""
 PARTS = len(BOARD.adc_lines)
-PLACES = 2 ** (PARTS.bit_length() + 7)
-"""Words of the settings' memory of a brushless motor."""
-SET_CLOCKS = 0 if not LINKED else 8 * PLACES // 3 + 16 if BRUSHLESS else 96 + 128 * PARTS + 70
-"""After reset, until SCLK knows where it rests."""
-COME_CLOCKS = 3 * SET_CLOCKS if BRUSHLESS else SET_CLOCKS
-"""After reset, until all settings are copied."""
+SET_CLOCKS = 96 + 128 * PARTS + 70 if LINKED else 0
+"""After reset, until all settings are copied, and SCLK knows where it rests."""
 SYNCHRONISER = 3  # clocks until an input is seen, and one to act on it
 
 
@@ -99,8 +95,6 @@ class Board(Bench):
         """Signed words that the controller tells, and the board doesn't."""
         if not LINKED:
             inside = self.dut.alone
-        elif BRUSHLESS:
-            inside = self.dut.linked.device.device.of_motor.device
         else:
             inside = self.dut.linked.device.device.of_ports.device.ports
             name = {"voltage": "voltage_q"}.get(name, name)  # which holds it
@@ -117,7 +111,7 @@ class Board(Bench):
         await self.settings_come()
 
     async def settings_come(self) -> None:
-        await self.step(COME_CLOCKS)
+        await self.step(SET_CLOCKS)
 
     async def watch(self, clocks: int) -> tuple[int, int, set[int]]:
         """(changes of alive, clocks with a gate on, values of running) in some clocks."""
