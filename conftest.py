@@ -144,6 +144,7 @@ SLOWEST = (
 MINUTES = (
     "cocotb_tests/test_link.py::test_link_of_three",
     "cocotb_tests/test_ports_axes.py::test_ports_axes",
+    "cocotb_tests/test_ports_surfaces.py::test_ports_surfaces",
 )
 """Benches that take a minute at any size; the quick tests of their blocks are others."""
 
