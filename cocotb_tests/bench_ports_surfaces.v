@@ -2,7 +2,7 @@
 //
 // bench_ports_surfaces: wh_ports with surfaces across its ports, and ADC parts.
 //
-// The parts answer with 2 leading zeros and 12 bits. The newest value of each live word is in live_o, word by word, 16 of
+// The parts answer with 2 leading zeros and 12 bits. The newest of each live value is in live_o, one by one, 16 of
 // each port. steps_o counts the voltages of ports that came. pass_clocks_o are those from a round's begin to that of its
 // second pass.
 

@@ -26,7 +26,7 @@ from wavehaptics.words import formats
 SURFACES = parameters()["SURFACES"]
 ETA_ONE = 1 << formats.ETA.fraction
 VOLTAGE, U, V, CURRENT, POSITION, CORRECTION = 0, 1, 2, 3, 4, 8
-"""Places of live words."""
+"""Places of live values."""
 
 FIRST_PASS = 32 * (N - 1) + 38
 LONGEST = max(clocks_of(2, True), clocks_of(3, False)) if SURFACES > 1 else clocks_of(1, True)
@@ -51,7 +51,7 @@ class Model:
         self.acting, self.faulty = 0, False
 
     def step(self, positions: np.ndarray, currents: np.ndarray) -> list[dict[int, int]]:
-        """One period: the live words of each port."""
+        """One period: the live values of each port."""
         seen: list[dict[int, int]] = []
         walled, waves = [], np.zeros(3, dtype=np.int64)
         for n, port in enumerate(self.ports):

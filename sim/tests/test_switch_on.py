@@ -53,7 +53,7 @@ def refusal(check: Any, *arguments: Any) -> str:
     return str(failure.value)
 
 
-# ---- What hangs on the bus, in the motor's lead and at `alive`.
+# ---- Parts on the bus, in the motor's lead and at `alive`.
 
 CLAMP_OF_12_V = with_fpga("ulx3s_brushless", "bridge", clamp="SMCJ15A")
 NOT_SOLDERED = (
