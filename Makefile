@@ -256,15 +256,11 @@ LINT_CASES := \
     wh_controller,-GN=1,-GWALLS=1,-GDELAY_LOG2=1 \
     wh_controller,-GN=3,-GWALLS=16,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_controller,-GN=1,-GDELAY_LOG2=10,-DWH_DATA_W=31,-DWH_COEF_W=31 \
-    wh_settings,-GN=8,-GWALLS=16,-GSHAPER=2,-GDELAY_LOG2=10 \
     wh_setting_group,-GSTAGED=0 \
     wh_device,-GN=3,-GSHAPER=2,-GCAPTURE=8,-GSTREAM=1,-GARM=1 \
     wh_device,-GN=2,-GHOST=1 \
-    wh_motor_device,-GN=3,-GANCHOR=1,-GSHAPER=2,-GWALLS=16 \
     wh_device,-GWALLS=7,-GSHAPER=1,-GARM=1 \
     wh_device,-GWALLS=1,-GHOST=1,-GDELAY_LOG2=10 \
-    wh_motor_device,-GN=3,-GHOST=1 \
-    wh_motor_device,-GN=3,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_device,-GLEGS=3,-GWALLS=1,-GMIN_PULSE=1,-GDEAD_TIME=0 \
     wh_settings_rom,-GLEGS=3 \
     wh_link,-GCLOCK_HZ=700000 \
@@ -275,7 +271,6 @@ LINT_CASES := \
     wh_capture,-GN=2,-GDEPTH_LOG2=15 \
     wh_capture,-GDEPTH_LOG2=4 \
     wh_rows,-GCHANNELS=2 \
-    wh_tick_words,-GN=3,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_linked_device,-GN=3,-GCAPTURE=9,-GSTREAM=1 \
     wh_arm,-GSENSE=1,-GCREDIT=2 \
     wh_port_state,-GN=3 \

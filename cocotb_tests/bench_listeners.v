@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// bench_listeners: wh_capture and wh_stream behind wh_tick_words, as wh_device has them.
+// bench_listeners: wh_capture and wh_stream with the words of ticks as short as they may be. Words are given as
+// wh_round_words gives those of a round: to one reader at a time, a strobe a tick, the capture at first, the chosen one
+// a clock after its code.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -68,43 +70,81 @@ module bench_listeners #(
     output wire                     stream_packet_o
 );
 
-    wire        strobe;
-    wire [1:0]  want;
-    wire [1:0]  take;
-    wire [1:0]  reads;
-    wire [23:0] code;
-    wire [31:0] word;
-    wire        mean;
-    wire        any;
+    localparam integer DATA_W = `WH_DATA_W;
+    localparam integer MEANS  = 8;  // voltage, u, v, current, correction, offset, flux, lag
+    localparam [8*MEANS-1:0] CODES = {8'hc3, 8'hc2, 8'hc1, 8'hc0, 8'hb3, 8'hb2, 8'hb1, 8'hb0};
 
-    wh_tick_words #(
-        .N            (N)
-    ) tick_words (
-        .clk          (clk),
-        .rst          (rst),
-        .tick_i       (tick_i),
-        .valid_i      (valid_i),
-        .voltage_i    (voltage_i),
-        .u_i          (u_i),
-        .v_i          (v_i),
-        .current_i    (current_i),
-        .position_i   (position_i),
-        .correction_i (correction_i),
-        .offset_i     (offset_i),
-        .flux_i       (flux_i),
-        .lag_i        (lag_i),
-        .flags_i      (flags_i),
-        .bus_i        (bus_i),
-        .faults_i     (faults_i),
-        .want_i       (want),
-        .reads_i      (reads),
-        .code_i       (code),
-        .strobe_o     (strobe),
-        .take_o       (take),
-        .word_o       (word),
-        .mean_o       (mean),
-        .any_o        (any)
-    );
+    wire [23:0] code;
+    wire [1:0]  want, reads;
+
+    // ---- A tick's step, or without one its end.
+    reg         stepped_q, missed_q;
+    wire        strobe = valid_i || missed_q;
+
+    always @(posedge clk) begin
+        stepped_q <= !rst && !tick_i && (stepped_q || valid_i);
+        missed_q  <= !rst && tick_i && !stepped_q && !valid_i;
+    end
+
+    // ---- Whose turn it is.
+    reg         second_q;  // the stream waits for the capture
+    wire        begins = strobe && !second_q && (reads == 2'b00);
+    wire [1:0]  take   = {(begins && want == 2'b10) || (second_q && !reads[0] && want[1]), begins && want[0]};
+
+    always @(posedge clk) begin
+        second_q <= !rst && ((begins && want == 2'b11) || (second_q && reads[0]));
+    end
+
+    // ---- The words that they choose from.
+    reg  [MEANS*N*DATA_W-1:0] means_q;
+    reg  [N*`WH_COUNT_W-1:0]  position_q;
+    reg  [N*8-1:0]            flags_q;
+    reg  [`WH_BUS_W-1:0]      bus_q;
+    reg  [`WH_FAULTS-1:0]     faults_q;
+    reg  [11:0]               code_q;
+    reg  signed [31:0]        word;
+    reg                       mean, any;
+    integer                   m, k;
+
+    always @(posedge clk) begin
+        if (begins && want != 2'b00) begin
+            means_q    <= {lag_i, flux_i, offset_i, correction_i, current_i, v_i, u_i, voltage_i};
+            position_q <= position_i;
+            flags_q    <= flags_i;
+            bus_q      <= bus_i;
+            faults_q   <= faults_i;
+        end
+        code_q <= (take[1] || reads[1]) ? code[23:12] : code[11:0];
+    end
+
+    always @* begin
+        word = 32'd0;
+        any  = (code_q == 12'h062);
+        mean = (code_q == 12'h039);
+        if (any) begin
+            word = {{32-`WH_FAULTS{1'b0}}, faults_q};
+        end
+        if (mean) begin
+            word = {{32-`WH_BUS_W{1'b0}}, bus_q};
+        end
+        for (m = 0; m < N; m = m + 1) begin
+            if ({28'd0, code_q[11:8]} == m + 1) begin
+                if (code_q[7:0] == 8'hb4) begin
+                    word = position_q[m*`WH_COUNT_W +: `WH_COUNT_W];
+                end
+                if (code_q[7:0] == 8'hd6) begin
+                    word = {24'd0, flags_q[m*8 +: 8]};
+                    any  = 1'b1;
+                end
+                for (k = 0; k < MEANS; k = k + 1) begin
+                    if (code_q[7:0] == CODES[k*8 +: 8]) begin
+                        word = {{32-DATA_W{means_q[(k*N + m + 1)*DATA_W - 1]}}, means_q[(k*N + m)*DATA_W +: DATA_W]};
+                        mean = 1'b1;
+                    end
+                end
+            end
+        end
+    end
 
     wh_capture #(
         .N              (N),

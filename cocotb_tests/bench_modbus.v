@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// bench_modbus: wh_modbus with the settings memory, and counts of what the bus did.
+// bench_modbus: wh_modbus with wh_registers, and counts of what the bus did.
 
 `default_nettype none
+`include "wh_formats.vh"
+`include "wh_faults.vh"
 
 module bench_modbus #(
     parameter integer SILENCE  = 2000,
@@ -23,7 +25,7 @@ module bench_modbus #(
     input  wire        dead_i,      // the bus hears nothing
     input  wire        enable_i,
     input  wire        trap_i,      // enable rises with the second word that is written
-    input  wire        tick_i,
+    input  wire        commits_i,   // one commit of the bench follows another; the line asks while one is under way
     output wire        ready_o,
     output reg  [15:0] writes_o,    // words accepted
     output reg  [15:0] commands_o,
@@ -43,16 +45,37 @@ module bench_modbus #(
     wire        command;
     wire        loading;
     wire        busy;
-    wire        written;
-    wire        copy;
-    wire [11:0] given_address;
-    wire [31:0] given_data;
-    wire        change;
-    wire        now;
-    wire        discard;
+    wire        clears, alive, zeros, magnets_begin, restarts;
+    wire [11:0] command_address;
+    wire [31:0] command_data;
+    wire [65:0] carrier;
+    wire [56:0] frame;
+    wire [70:0] sense;
+    wire [3:0]  filter_clocks, delay;
+    wire [27:0] bridge;
+    wire [`WH_GUARD_W-1:0] guard;
+    wire [11:0] host;
+    wire [64:0] magnets;
+    wire        in_force, copies, copies_to;
+    wire [11:0] copied_address;
+    wire [31:0] copied_data;
+
+    localparam [11:0] COMMIT = 12'h070;
+    localparam [7:0]  EARLY  = 8'd100;  // clocks of a commit, in which a request begins that ends in it
+
+    reg  [7:0]  since_q;  // clocks since it began
+    reg         own_q;    // a request of the bench is under way
+    reg         asked_q;  // one of the line
+    wire        asks     = valid && !dead_i && !own_q && (!commits_i || asked_q || (busy && since_q < EARLY));
+    wire        ready;
+    wire        accepted = bus_ready && write && !check && error == 2'd0;
+
+    assign bus_ready = ready && !own_q;
 
     reg         trapped_q;
-    reg         change_q;
+    reg         accepted_q;
+    reg         own_address_q;  // `commit` or `discard`
+    reg         commit_q;
 
     wh_modbus #(
         .SILENCE       (SILENCE),
@@ -84,39 +107,68 @@ module bench_modbus #(
         .bus_signed_i  (signs)
     );
 
-    wh_settings settings (
-        .clk           (clk),
-        .rst           (rst),
-        .bus_valid_i   (valid && !dead_i),
-        .bus_write_i   (write),
-        .bus_check_i   (check),
-        .bus_address_i (address),
-        .bus_data_i    (data),
-        .bus_ready_o   (bus_ready),
-        .bus_data_o    (read),
-        .bus_error_o   (error),
-        .bus_signed_o  (signs),
-        .live_i        (32'h1234abcd),
-        .command_o     (command),
-        .running_i     ((enable_i || trapped_q) && !loading),
-        .tick_i        (tick_i),
-        .ready_o       (ready_o),
-        .loading_o     (loading),
-        .busy_o        (busy),
-        .write_o       (written),
-        .copy_o        (copy),
-        .address_o     (given_address),
-        .data_o        (given_data),
-        .change_o      (change),
-        .now_o         (now),
-        .discard_o     (discard),
-        .changing_i    (1'b0)
+    wh_registers registers (
+        .clk               (clk),
+        .rst               (rst),
+        .bus_valid_i       (own_q || asks),
+        .bus_write_i       (own_q || write),
+        .bus_check_i       (!own_q && check),
+        .bus_address_i     (own_q ? COMMIT : address),
+        .bus_data_i        (own_q ? 32'd1 : data),
+        .bus_ready_o       (ready),
+        .bus_data_o        (read),
+        .bus_error_o       (error),
+        .bus_signed_o      (signs),
+        .carrier_o         (carrier),
+        .frame_o           (frame),
+        .sense_o           (sense),
+        .filter_clocks_o   (filter_clocks),
+        .delay_o           (delay),
+        .bridge_o          (bridge),
+        .guard_o           (guard),
+        .host_o            (host),
+        .magnets_o         (magnets),
+        .force_o           (in_force),
+        .write_o           (copies),
+        .write_bank_o      (copies_to),
+        .address_o         (copied_address),
+        .data_o            (copied_data),
+        .clear_o           (clears),
+        .host_alive_o      (alive),
+        .zero_start_o      (zeros),
+        .magnet_start_o    (magnets_begin),
+        .restart_o         (restarts),
+        .command_o         (command),
+        .command_address_o (command_address),
+        .command_data_o    (command_data),
+        .ready_o           (ready_o),
+        .loading_o         (loading),
+        .busy_o            (busy),
+        .running_i         ((enable_i || trapped_q) && !loading),
+        .adc_ready_i       (1'b0),
+        .tick_i            (1'b0),
+        .faults_i          ({`WH_FAULTS{1'b0}}),
+        .live_valid_i      (1'b0),
+        .live_port_i       (1'b0),
+        .live_word_i       (4'd0),
+        .live_data_i       (32'd0),
+        .other_i           (32'h1234abcd)
     );
 
-    wire unused = &{1'b0, busy, copy, given_address, given_data, now, discard};
+    wire unused = &{1'b0, clears, alive, zeros, magnets_begin, restarts, command_address, command_data, carrier, frame,
+                    sense, filter_clocks, delay, bridge, guard, host, magnets, in_force, copies, copies_to,
+                    copied_address, copied_data};
+
+    // A command's strobe comes a clock after its answer; what has none is a setting, or the memory's own.
+    wire written = accepted_q && !command && !own_address_q;
 
     always @(posedge clk) begin
-        change_q <= change;
+        accepted_q    <= !rst && accepted;
+        own_address_q <= (address[11:1] == COMMIT[11:1]);
+        commit_q      <= accepted && (address == COMMIT);
+        asked_q       <= asks && !ready;
+        own_q         <= !rst && (own_q ? !ready : (commits_i && ready_o && !busy && !asks));
+        since_q       <= !busy ? 8'd0 : since_q + {7'd0, since_q != 8'hff};
         if (rst) begin
             writes_o   <= 16'd0;
             commands_o <= 16'd0;
@@ -126,7 +178,7 @@ module bench_modbus #(
         end else begin
             writes_o   <= writes_o + {15'd0, written};
             commands_o <= commands_o + {15'd0, command};
-            changes_o  <= changes_o + {15'd0, change && !change_q};
+            changes_o  <= changes_o + {15'd0, commit_q};
             judged_o   <= judged_o + {15'd0, bus_ready && write && check};
             trapped_q  <= trap_i && (trapped_q || written);
         end

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_capture.v`` behind ``wh_tick_words.v``: rows and triggers against a model.
+"""Bench of ``rtl/wh_capture.v`` in ``bench_listeners.v``: rows and triggers against a model.
 
 The model is made of their pages. With a credit that lasts, a stream chooses its four words as well.
 """
@@ -51,7 +51,7 @@ NO_STREAM = {
 
 
 class Turns:
-    """Who is given a tick's words (``rtl/wh_tick_words.v``), the capture at first."""
+    """Who is given a tick's words (``bench_listeners.v``), the capture at first."""
 
     def __init__(self) -> None:
         self.chooses = [0, 0]  # clocks left

@@ -11,9 +11,8 @@ import random
 
 import cocotb
 from bench import Bench, pack, random_source
-from tb_capture import CODES, NONE, N
+from tb_capture import CODES, MEANS, NONE, N
 from tb_registers import FLAG_WORD, LIVE_WORDS, STEPPED
-from tb_tick_words import word_of
 
 PITCH, TAIL = (32, 32, 36), (38, 38, 42)
 """Clocks from a slot to the next one of its round, and to that of the next round, by SHAPER."""
@@ -57,6 +56,15 @@ def words_of_a_round(live: Words) -> Words:
         for key in CODES.values()
         if key[0] not in ("bus", "faults")
     }
+
+
+def word_of(code: int, words: Words) -> tuple[int, bool, bool]:
+    """The 32 bits at an address, whether it is a mean's, and whether any tick's bits count."""
+    if code not in CODES:
+        return 0, False, False
+    name, _ = CODES[code]
+    means = name in MEANS or name == "bus"
+    return words[CODES[code]] & 0xFFFFFFFF, means, name in ("flags", "faults")
 
 
 class RoundWordsBench(Bench):

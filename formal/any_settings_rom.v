@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_settings_rom as the proofs of wh_settings have it: one address, which may be any, whose kind and
+// wh_settings_rom as the proof of wh_registers has it: one address, which may be any, whose kind and
 // range may be any; of other addresses anything is said, but that there is no setting from 0x80 on,
 // where the memory without a shaper has no place, and that `commit` and `discard` are commands. Of a
 // brushless motor's second axis it says what it says of the first.

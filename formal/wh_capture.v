@@ -178,9 +178,9 @@ module prove_wh_capture (
         if (!begun) begin
             assume (rst);
         end else begin
-            // wh_tick_words gives a tick's words to who wants them, in its strobe.
+            // wh_round_words gives a tick's words to who wants them, in its strobe.
             if (take) assume (strobe && want);
-            // wh_settings says so: nothing changes but while something is about to.
+            // wh_registers says so: nothing changes but while something is about to.
             if (!hold) assume (settings_q == {rows, channels, pre, decimation});
 
             assert (state <= DONE && turn <= 4'd12);

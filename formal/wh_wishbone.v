@@ -29,7 +29,7 @@ module prove_wh_wishbone #(
 
     reg         begun = 1'b0;
 
-    // The device, as wh_settings has it: it writes in the clock of its answer, by the check of the clock before.
+    // The device, as wh_registers has it: it writes in the clock of its answer, by the check of the clock before.
     reg         ready_q;
     reg         wrote_q;
     reg  [1:0]  error_q;

@@ -34,7 +34,7 @@ module wh_capture #(
     input  wire                         clk,
     input  wire                         rst,
 
-    // What it listens to: the words of a tick (wh_tick_words), contact and faults as they are with its strobe.
+    // What it listens to: the words of a tick (wh_round_words), contact and faults as they are with its strobe.
     input  wire                         strobe_i,         // strobe, once a tick
     output wire                         want_o,
     input  wire                         take_i,           // strobe, with strobe_i

@@ -44,7 +44,7 @@ module wh_device #(
     input  wire                 rst,
     input  wire                 enable_i,       // synchronous to clk
 
-    // The bus (wh_settings).
+    // The bus (wh_registers).
     input  wire                 bus_valid_i,    // held until bus_ready_o, as are the words below
     input  wire                 bus_write_i,
     input  wire                 bus_check_i,

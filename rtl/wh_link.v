@@ -28,7 +28,7 @@ module wh_link #(
     input  wire        uart_rx_i,     // asynchronous
     output wire        uart_tx_o,
 
-    // The bus (wh_settings).
+    // The bus (wh_registers).
     output reg         bus_valid_o,
     output reg         bus_write_o,
     output reg         bus_check_o,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_modbus: a Modbus RTU slave on the bus of the settings memory (wh_settings), by the standards
+// wh_modbus: a Modbus RTU slave on the bus of the settings memory (wh_registers), by the standards
 // "MODBUS Application Protocol 1.1b3" and "MODBUS over serial line 1.02".
 //
 //   functions 3, 4    read registers (holding and input registers are the same)

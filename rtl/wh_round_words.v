@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // wh_round_words: the live values of a round (wh_ports), kept for two readers, who choose some of them one after
-// another. It is wh_tick_words for ports that take turns: values are written as they come, and those of the last
-// whole round are read.
+// another. Values are written as they come, and those of the last whole round are read.
 //
 // A round ends with strobe_o, TAIL clocks after the last port's flags: all of its values are there then, and none of
 // the next round's. A reader that wants them (want_i) is given them by take_o: reader 0 with the strobe, reader 1 with

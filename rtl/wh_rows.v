@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wh_rows: chosen live words of a tick (wh_tick_words), one after another, and what becomes of those of several ticks.
+// wh_rows: chosen live words of a tick (wh_round_words), one after another, and what becomes of those of several ticks.
 //
 // A row has up to CHANNELS words, of the addresses in channel_i. It is made of 2^decimation_i ticks: of words
 // with mean_i it has the mean, of those with any_i the bits that were there in any tick, of others what they were

@@ -2,18 +2,18 @@
 //
 // wh_setting_group: words of the settings memory that a block needs side by side, in flip-flops.
 //
-// STAGED = 1: every word that is accepted is staged here (wh_settings gives it with write_i, and once
+// STAGED = 1: every word that is accepted is staged here (wh_registers gives it with write_i, and once
 // more with copy_i when it copies its banks). While change_i is high, all staged words become active
 // together on the first clock edge where hold_i is 0. pending_o is 1 from the first write on until then,
 // or until discard_i: a group that nobody has written is never pending, whatever hold_i is.
 // STAGED = 0, for words that change with the bridges off only: nothing is staged, and a word becomes
-// active as wh_settings copies it, if hold_i is low. That takes half the flip-flops.
+// active as wh_registers copies it, if hold_i is low. That takes half the flip-flops.
 //
 // With the macro WH_BOARD_ROM (wh_settings_rom) a word that the board's header has as fixed is a constant:
 // nothing can write it, and the logic behind it is made for the one value.
 //
 // Latency: words_o change with the clock edge behind that of change_i or copy_i.
-// Reset: pending. The words stay what they are, or unknown; wh_settings gives them all.
+// Reset: pending. The words stay what they are, or unknown; wh_registers gives them all.
 
 `default_nettype none
 

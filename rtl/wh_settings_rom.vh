@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // wh_settings_rom: what the settings memory knows of each word of words.toml, which this is made from.
-// It stands in an initial block of wh_settings_rom and of wh_settings_ram, which say what a row does.
+// It stands in an initial block of wh_settings_rom and of wh_registers, which say what a row does.
 //
 //   WH_SETTINGS_WORD(address, copies in a part, who, {kind, off, type}, word at first), of a setting
 //   WH_SETTINGS_TOLD(address, copies in a part, who, {kind, off, type}), of another word

@@ -22,7 +22,7 @@
 // state_o: 1 idle, 2 sending.
 //
 // Latency: a row is written within 9 clocks for each of its bytes, and five more in a packet, from the 9th clock after
-// its tick was taken on, which may be 9 after its step (wh_tick_words). A tick needs 10 clocks or more, 14 with another
+// its tick was taken on, which may be 9 after its step (wh_round_words). A tick needs 10 clocks or more, 14 with another
 // reader; shorter ones are left out. Credit begins and ends as armed_o of wh_arm does.
 // Reset: no credit.
 
@@ -34,7 +34,7 @@ module wh_stream #(
     input  wire                         clk,
     input  wire                         rst,
 
-    // The words of a tick (wh_tick_words).
+    // The words of a tick (wh_round_words).
     input  wire                         strobe_i,         // strobe, once a tick
     output wire                         want_o,
     input  wire                         take_i,           // strobe, with strobe_i or later

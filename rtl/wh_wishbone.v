@@ -14,8 +14,8 @@
 // and the answer is dropped. A write takes effect with the answer: only a cycle that is given up in the very
 // clock of its answer may have written. A cycle that begins meanwhile waits until the device is free.
 //
-// Latency: 1 clock, and what wh_settings takes: 6 clocks from stb_i to ack_o, 1 to 3 more while registers are
-// copied, and a partial write 1 clock. After reset the first cycle waits until the device is ready (ready_o).
+// Latency: 1 clock, and what wh_registers takes: 6 clocks from stb_i to ack_o, of a partial write
+// 2. After reset the first cycle waits until the device is ready (ready_o).
 // Reset: no cycle is open; reset the device with it.
 
 `default_nettype none

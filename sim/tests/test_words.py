@@ -314,27 +314,29 @@ def test_words_of_the_memory_are_no_ports():
     beside = {word.name for word in WORDS.values() if word.block in table.BESIDE}
     assert beside > {"arm", "armed", "arm_refused", "ticks", "flags", "capture", "capture_data"}
     assert not beside & {*table.ports(), *table.ports("o")}
-    rtl = (formats.RTL_DIR / "wh_settings.v").read_text(encoding="utf-8")
-    for name in own:
-        constant = name.removeprefix("settings_").upper()
-        assert re.search(rf"localparam \[11:0\] {constant}\s+= 12'h{WORDS[name].at():03x};", rtl)
+    rtl = (formats.RTL_DIR / "wh_registers.v").read_text(encoding="utf-8")
+    for name in ("commit", "discard"):
+        at = WORDS[name].at()
+        assert re.search(rf"localparam \[11:0\] {name.upper()}\s+= 12'h{at:03x};", rtl)
+    for name, register in (("settings_busy", "pass_q"), ("settings_staged", "staged_q")):
+        assert f"8'h{WORDS[name].at():02x}:   answer = {{31'd0, {register}}};" in rtl
 
 
 def test_what_rows_are_made_of_is_at_its_address():
     """In the RTL and in Python; and the bits of ``flags`` in both."""
-    rtl = (formats.RTL_DIR / "wh_tick_words.v").read_text(encoding="utf-8")
-    found = {
-        name.lower(): int(address, 16)
-        for name, _, address in re.findall(
-            r"localparam \[(?:7|11):0\] +(\w+) += (8|12)'h(\w+);", rtl
-        )
-    }
-    assert found == {name: WORDS[name].at() % (0x1000 if WORDS[name].row.per == "board" else 0x100)
-                     for name in capture.WORDS}  # fmt: skip
-    rtl = (formats.RTL_DIR / "wh_motor_device.v").read_text(encoding="utf-8")
-    bits = re.search(r"assign flags\[n\*8 \+: 8\] = \{([^}]*)\};", rtl)[1]
-    names = [name.strip().removesuffix("[n]") for name in bits.split(",")]
-    assert (*reversed(names),) == FLAGS
+    rtl = (formats.RTL_DIR / "wh_round_words.v").read_text(encoding="utf-8")
+    cases = rtl[rtl.index("casez (code_q") : rtl.index("default:")]
+    found = {int(place, 16) for place in re.findall(r"8'h(\w+)", cases)}
+    for place in re.findall(r"8'b([\d_?]+)", cases):
+        bits = place.replace("_", "")
+        low, free = bits.replace("?", "0"), bits.count("?")
+        found |= {int(low, 2) + n for n in range(1 << free)}
+    assert found == {WORDS[name].at() % 0x100 for name in capture.MOTOR_WORDS}
+    board = {int(place, 16) for place in re.findall(r"code_q == 12'h(\w+)", rtl)}
+    assert board == {WORDS[name].at() for name in capture.BOARD_WORDS}
+    rtl = (formats.RTL_DIR / "wh_registers.v").read_text(encoding="utf-8")
+    for place, bit in re.findall(r"8'h(\w\w): +answer = \{31'd0, live_q\[(\d)\]\};", rtl):
+        assert WORDS[FLAGS[int(bit)]].at() % 0x100 == int(place, 16)
     assert WORDS["flags"].row.meaning.endswith(f": {', '.join(FLAGS)}")
 
 

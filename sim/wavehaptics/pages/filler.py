@@ -44,7 +44,7 @@ MEASURED = Path("sim", "docs", "measured.json")
 
 PAGES = (
     "README.md", "boards/README.md", "docs/*.md", "rtl/faults.md", "rtl/wh_faults.vh",
-    "rtl/wh_settings_rom.vh", "rtl/wh_device_words.vh", "rtl/wh_words.vh", "rtl/wh_sine.vh",
+    "rtl/wh_settings_rom.vh", "rtl/wh_words.vh", "rtl/wh_sine.vh",
     "sim/c/wavehaptics_words.h",
 )  # fmt: skip
 """Pages that may hold markers, as patterns from the root."""

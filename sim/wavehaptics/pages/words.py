@@ -8,7 +8,6 @@ from typing import Any
 
 from wavehaptics.controller import rotor_flux
 from wavehaptics.words.c_header import c_words
-from wavehaptics.words.device import device_words
 from wavehaptics.words.generated import PAGE_HEAD, guard_fields, page_rows, settings_rom
 from wavehaptics.words.table import crc
 
@@ -31,10 +30,6 @@ def _settings_rom(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     return settings_rom() + "// "
 
 
-def _device_words(numbers: dict[str, Any], table: Callable[..., str]) -> str:
-    return device_words() + "\n// "
-
-
 def _sine_table(numbers: dict[str, Any], table: Callable[..., str]) -> str:
     words = enumerate(rotor_flux.sine_table().tolist())
     return "".join(f"`WH_SINE({index}, {word})\n" for index, word in words) + "// "
@@ -52,7 +47,6 @@ TABLES = {
     "words": _words,
     "guard-fields": _guard_fields,
     "settings-rom": _settings_rom,
-    "device-words": _device_words,
     "sine-table": _sine_table,
     "words-crc": _words_crc,
     "c-words": _c_words,

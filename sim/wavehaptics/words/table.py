@@ -31,7 +31,7 @@ MOST = {"board": 1, "motor": 1, "wall": 16, "section": 2}
 MOTOR_STRIDE = 0x100
 """Addresses from a motor's words to the next one's, which begin here."""
 
-MEMORY = "wh_settings"
+MEMORY = "wh_registers"
 """Block of the words that are the settings memory's own, and no port of the controller."""
 
 BESIDE = ("wh_arm", "wh_capture", "wh_device", "wh_stream")

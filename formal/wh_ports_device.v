@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// prove_wh_motor_device: the bridges are on only where the pin enable says so and wh_arm does, whatever stands
+// prove_wh_ports_device: the bridges are on only where the pin enable says so and wh_arm does, whatever stands
 // on the bus and whatever the settings are: running_o is low with either, and every gate a clock later; both
-// also while words that want the bridges off are being given. With LEGS = 3 of a brushless motor's six gates.
+// also while settings that want them off are committed. With AXES = 1 of a brushless motor's six gates.
 //
-// Everything inside is as it is, in any state, but for products (any_multiply) and the memory and
-// table of the settings (any_settings_ram, any_settings_rom). Proven by induction, smtbmc z3.
+// Everything inside is as it is, in any state, but for products (any_multiply) and the memories and table of the
+// settings (any_register_ram, any_settings_rom). Proven by induction, smtbmc z3.
 
 `default_nettype none
 `include "wh_formats.vh"
 
-module prove_wh_motor_device #(
-    parameter integer LEGS  = 2,
-    parameter integer PARTS = LEGS - 1  // of one motor
+module prove_wh_ports_device #(
+    parameter integer N    = 1,
+    parameter integer AXES = 0
 ) (
     input wire                 clk,
     input wire                 rst,
@@ -22,13 +22,12 @@ module prove_wh_motor_device #(
     input wire                 bus_check,
     input wire [11:0]          bus_address,
     input wire [31:0]          bus_data,
-    input wire [PARTS-1:0]     adc_sdata,
-    input wire                 enc_a,
-    input wire                 enc_b,
+    input wire [N-1:0]         adc_sdata,
+    input wire [N-1:0]         enc_a,
+    input wire [N-1:0]         enc_b,
     input wire [`WH_BUS_W-1:0] bus,
     input wire                 stop,
-    input wire                 driver_fault,
-    input wire                 anchor_fault,
+    input wire [N-1:0]         driver_fault,
     input wire                 clear,
     input wire                 zero_start,
     input wire                 press
@@ -41,20 +40,17 @@ module prove_wh_motor_device #(
     wire        adc_cs_n;
     wire        adc_sclk;
     wire        adc_din;
-    wire        ah;
-    wire        al;
-    wire [PARTS-1:0] bh;
-    wire [PARTS-1:0] bl;
+    wire [N-1:0] ah, al, bh, bl;
     wire        tick;
     wire        running;
     wire        contact;
     wire        fault;
     wire        clears;
 
-    wh_motor_device #(
+    wh_ports_device #(
+        .N              (N),
+        .AXES           (AXES),
         .WALLS          (1),
-        .GUARD          (1),
-        .LEGS           (LEGS),
         .ARM            (1)
     ) block (
         .clk            (clk),
@@ -68,7 +64,7 @@ module prove_wh_motor_device #(
         .bus_ready_o    (bus_ready),
         .bus_data_o     (bus_read),
         .bus_error_o    (bus_error),
-        .bus_signed_o  (bus_signed),
+        .bus_signed_o   (bus_signed),
         .adc_cs_n_o     (adc_cs_n),
         .adc_sclk_o     (adc_sclk),
         .adc_din_o      (adc_din),
@@ -82,7 +78,6 @@ module prove_wh_motor_device #(
         .bus_i          (bus),
         .stop_i         (stop),
         .driver_fault_i (driver_fault),
-        .anchor_fault_i (anchor_fault),
         .clear_i        (clear),
         .zero_start_i   (zero_start),
         .press_i        (press),
@@ -107,9 +102,9 @@ module prove_wh_motor_device #(
         loading_q <= \block.loading ;
         armed_q   <= \block.armed ;
         if (!enable || !\block.armed || \block.loading ) assert (!running);
-        if (begun && (!enable_q || !armed_q || loading_q)) assert (!ah && !al && bh == 0 && bl == 0);
+        if (begun && (!enable_q || !armed_q || loading_q)) assert ({ah, al, bh, bl} == 0);
 
-        cover (begun && running && (ah || al));
+        cover (begun && running && {ah, al} != 0);
     end
 
 endmodule
