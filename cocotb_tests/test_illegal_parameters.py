@@ -91,7 +91,6 @@ RANGE = re.compile(r"\.\.\.|derived")
 NEITHER = {
     "ADC": "a choice of three",
     "MOTORS": "motors that the device has",
-    "PART_W": "a width",
     "WORDS": "a number of words",
 }
 """Parameters with 0 or 1 as default, and neither meaning nor range in a comment."""

@@ -7,7 +7,8 @@
 // neither that bank's word nor a setting of all ports changes. A bank isn't written for 135 clocks after it was in
 // force. Every request is answered in 5 clocks, a command that is accepted is there a clock after. A read gives what
 // was written, and with `discard` under way what is in force. A setting that needs the bridges off is written, and
-// committed, while they are off: from the commit on until its end loading_o is high.
+// committed, while they are off: from the commit on until its end loading_o is high. No value outside its range is
+// ever stored, or goes to a station.
 //
 // The master holds what it asks for until the answer. The station's memory of the setting stands here. Its state
 // before the first clock is a reset, or anything of which the invariant holds. Memories and register map:
@@ -148,6 +149,7 @@ module prove_wh_registers (
     (* hierconn *) wire        \block.discards_q ;
     (* hierconn *) wire        \block.accepted_q ;
     (* hierconn *) wire [1:0]  \block.kind ;
+    (* hierconn *) wire        \block.enough_q ;
     (* hierconn *) wire [31:0] \block.read_data_q ;
     (* hierconn *) wire [9:0]  \block.written_ram.place ;
     (* hierconn *) wire [31:0] \block.written_ram.word_q ;
@@ -160,12 +162,19 @@ module prove_wh_registers (
     (* hierconn *) wire [3:0]  \block.rom.info_q ;
     (* hierconn *) wire [3:0]  \block.rom.told_q ;
     (* hierconn *) wire        \block.rom.here_q ;
+    (* hierconn *) wire [31:0] \block.rom.least ;
+    (* hierconn *) wire [31:0] \block.rom.greatest ;
+    (* hierconn *) wire [31:0] \block.rom.bound_q ;
+    (* hierconn *) wire [31:0] \block.rom.bound_o ;
 
     // ---- The setting, its address, and its place in the memories.
     (* anyconst *) wire [1:0] port;
     wire [8:0]  watched  = \block.rom.address ;
     wire        of_port  = watched[8];
     wire        off      = \block.rom.info [1];
+    wire        has_sign = \block.rom.info [0];
+    wire [31:0] least    = \block.rom.least ;
+    wire [31:0] greatest = \block.rom.greatest ;
     wire [11:0] full     = {of_port ? {2'd0, port} + 4'd1 : 4'd0, watched[7:0]};
     wire [10:0] place    = of_port ? {1'b0, port, watched[7:0]} : {3'd0, BOARD + watched[7:0]};
     wire        here     = (bus_address == full);
@@ -188,6 +197,11 @@ module prove_wh_registers (
     wire        looks    = (state != AT_IDLE);
     wire         reads_here = looks && here && !bus_write;
     wire [241+`WH_GUARD_W:0] all = {carrier, frame, sense, filter_clocks, delay, bridge, guard, host};
+
+    function fits;  // it is in the setting's range
+        input [31:0] word;
+        fits = ({word[31] ^ has_sign, word[30:0]} >= least) && ({word[31] ^ has_sign, word[30:0]} <= greatest);
+    endfunction
 
     // ---- What is kept here.
     reg         begun = 1'b0;
@@ -301,13 +315,23 @@ module prove_wh_registers (
     wire seen  = (!(reads_here && state == AT_LOW) || selected == expected)
                  && (!(reads_here && state == AT_JUDGE) || \block.read_data_q == expected)
                  && (!(reads_here && state == AT_DONE) || bus_read == expected);
-    wire invariant = walks && stage && rests && times && stall && brings && bus && offs && banks && told && seen;
+    wire range = (ready ? fits(written) && fits(forced) && fits(goal_q)
+                        : (before && !copied && !bringing) || fits(goal_q))
+                 && (state != AT_MOST || !known || \block.rom.bound_q == least)
+                 && (state != AT_LOW || !known || (\block.rom.bound_q == greatest && \block.rom.bound_o == least))
+                 && (state != AT_JUDGE || !known
+                     || (\block.rom.bound_o == greatest
+                         && \block.enough_q == ({bus_data[31] ^ has_sign, bus_data[30:0]} >= least)))
+                 && (!(writes && here) || fits(bus_data));
+    wire invariant = walks && stage && rests && times && stall && brings && bus && offs && banks && told && seen
+                     && range;
 
     always @(posedge clk) begin
         // The memories are looked at where the setting is. It is one, and has room.
         assume (\block.written_ram.place == place[9:0] && \block.in_force_ram.place == place[9:0]);
         assume (\block.rom.info [3:2] == 2'd1 && port < 2'd3);
         assume (of_port ? watched[7:0] < 8'h80 : watched[7:0] < 8'h60);
+        assume (!(reading && source == DEFAULTS) || fits(\block.default_q ));
         if (bus_address[11:8] == 4'd0 && bus_address[7:0] >= 8'h60) assume (\block.rom.info_q [3:2] != 2'd1);
 
         if (asked_q) begin
@@ -329,6 +353,10 @@ module prove_wh_registers (
             assert (banks);
             assert (told);
             assert (seen);
+            assert (range);
+
+            // Neither the memories nor a station get a value outside its range.
+            if (write && address == full) assert (fits(data));
 
             // A commit ends.
             assert (!busy || clocks_q < MOST);
