@@ -217,17 +217,9 @@ LINT_CASES := \
     wh_controller,-GN=3 \
     wh_clarke,-DWH_DATA_W=24,-DWH_COEF_W=18 \
     wh_inverse_clarke,-DWH_DATA_W=24,-DWH_COEF_W=18 \
-    wh_three_phase,-GMIN_PULSE=1,-GDEAD_TIME=0 \
-    wh_brushless,-GGUARD=1,-GMIN_PULSE=1,-GDEAD_TIME=0 \
-    wh_brushless,-GGUARD=1,-GANCHOR=1 \
-    wh_brushless,-GSENSE=1,-GGUARD=1,-GANCHOR=1 \
-    wh_brushless,-GSENSE=1,-GZERO_LOG2=2,-GMIN_PULSE=1 \
     wh_axes,-GANCHOR=1,-GDELAY_LOG2=10 \
     wh_axes,-GSHAPER=1 \
-    wh_brushless,-GSHAPER=2,-GANCHOR=1 \
-    wh_brushless,-GSHAPER=1,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_anchor,-GAXIS=1 \
-    wh_brushless,-GWALLS=1,-GDELAY_LOG2=10,-DWH_DATA_W=28,-DWH_COEF_W=24 \
     wh_sinc3,-GLINES=2,-GOSR=20,-GTRIP_OSR=2 \
     wh_sinc3,-GOSR=40,-GTRIP_OSR=32 \
     wh_sinc3,-GOSR=256,-GCAPTURE_RISE=1 \

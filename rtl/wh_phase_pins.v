@@ -5,7 +5,9 @@
 //   A, B   -> wh_quadrature -> position
 //   widths -> wh_pwm, a half bridge's pattern each -> wh_half_bridge -> gates
 //
-// All legs are centred at one instant, as wh_three_phase has it, of which there is more in that header.
+// A leg is high for half_clocks_i / 2 + width clocks of each half, around the end of a carrier's period, and low around
+// its middle. So all three are centred at one instant, and legs of equal widths switch together: at 0 V the winding
+// sees no carrier at all.
 // Formats, latency: those of the blocks. A width holds until the next.
 // Reset: gates off, position 0; the widths with run_i = 0 too.
 

@@ -1070,7 +1070,9 @@ module wh_ports #(
 
     generate
         if (AXES != 0) begin : with_axes
-            localparam integer PACE    = 3;   // ticks that leg b's side lasts longer than leg a's (wh_three_phase)
+            // Where no current has a side the legs try both, and three that try the same one drive nothing: so leg b
+            // waits for so many ticks longer between two changes than leg a, and leg c twice that.
+            localparam integer PACE    = 3;
             localparam [7:0]   MOST    = 8'd255 - 2 * PACE[7:0];
             localparam integer TURNED  = 18;  // clocks from beta's waves to its χ
             localparam integer ENDS    = 33;

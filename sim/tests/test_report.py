@@ -368,11 +368,11 @@ def test_every_wall_of_a_brushless_motor_is_shown(tmp_path):
 
 def test_what_others_publish_has_a_source_and_no_guess():
     """Each by name in the page of sources; a dash for what they don't tell."""
-    counted = {"table": "brushless", "option": "ANCHOR = 1, GUARD = 1", "lut": 12345, "dsp": 8}
+    counted = {"table": "brushless", "option": "N = 2, AXES = 1", "lut": 12345, "dsp": 8}
     head, rows = field_oriented.beside([counted, counted | {"table": "blocks"}])
     assert [len(row) for row in rows] == [len(head)] * (1 + len(foc_designs.DESIGNS))
-    assert rows[0][0] == "wh_brushless with guard and anchors"
-    assert rows[0][1:5] == ("1 MHz", "80 clocks, 1.05 µs at 76 MHz", "12,345", "8")
+    assert rows[0][0] == "wh_ports: one brushless motor, with guard and anchors"
+    assert rows[0][1:5] == ("1 MHz", "89 clocks, 1.17 µs at 76 MHz", "12,345", "8")
     for design, row in zip(foc_designs.DESIGNS, rows[1:], strict=True):
         assert f"``{design.name}``" in foc_designs.__doc__
         assert (row[3] == "–") is (design.lut is None)

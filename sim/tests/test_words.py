@@ -4,7 +4,6 @@
 import json
 import re
 import subprocess
-from dataclasses import replace
 
 import pytest
 from wavehaptics.controller import anchor, wave_core
@@ -16,7 +15,7 @@ from wavehaptics.pages import words as pages_words
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.words import formats, generated, table
 from wavehaptics.words.faults import FLAGS
-from wavehaptics.words.table import LEGS, TABLE, THREE_PHASE_LEGS, WORDS, Sizes, TableError
+from wavehaptics.words.table import TABLE, WORDS, Sizes, TableError
 
 PINS = (
     r"clk|rst|enable_i|adc_(cs_n|sclk|din)_o|adc_sdata_i|enc_[ab]_i|gate_([ab][hl]|high|low)_o"
@@ -26,17 +25,11 @@ PINS = (
 
 
 def controller_ports(tmp_path, sizes):
-    """{port: (direction, bits)} of ``wh_controller``, or of ``wh_brushless``.
-
-    As Verilator elaborates it.
-    """
+    """{port: (direction, bits)} of ``wh_controller``, as Verilator elaborates it."""
     program, environment = verilator_environment()
     parameters = {"WALLS": sizes.walls, "DELAY_LOG2": sizes.delay_log2}
-    top = "wh_brushless"
-    parameters["SHAPER"] = sizes.sections
-    if sizes.legs == LEGS:
-        top = "wh_controller"
-        parameters["N"] = sizes.motors
+    top = "wh_controller"
+    parameters |= {"SHAPER": sizes.sections, "N": sizes.motors}
     subprocess.run(
         [program, "--json-only", "-Wno-lint", "-Wno-style", f"-I{formats.RTL_DIR}",
          *(f"-G{name}={value}" for name, value in parameters.items()),
@@ -58,13 +51,7 @@ def controller_ports(tmp_path, sizes):
     }
 
 
-@pytest.mark.parametrize(
-    "sizes",
-    [
-        Sizes(), Sizes(3, 2, 2, 5), Sizes(3, 16, 1, 1), Sizes(1, 7, 0, 3, THREE_PHASE_LEGS),
-        Sizes(1, 5, 2, 2, THREE_PHASE_LEGS),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize("sizes", [Sizes(), Sizes(3, 2, 2, 5), Sizes(3, 16, 1, 1)])
 def test_the_controllers_ports(tmp_path, sizes):
     """Every port that is no pin is in the table, with that width, and nothing else is."""
     found = {
@@ -75,11 +62,8 @@ def test_the_controllers_ports(tmp_path, sizes):
     expected = {
         f"{port}_{direction}": (way, table.port_width(words, sizes))
         for direction, way in (("i", "INPUT"), ("o", "OUTPUT"))
-        for port, words in table.ports(direction, legs=sizes.legs).items()
+        for port, words in table.ports(direction).items()
     }
-    for port in table.SHAPER_PORTS:  # which no brushless device has words for
-        of_brushes = replace(sizes, legs=LEGS)
-        expected[f"{port}_i"] = "INPUT", table.port_width(table.ports()[port], of_brushes)
     assert found == expected
 
 

@@ -236,7 +236,7 @@ def timing(
     """Lay the scene's tick and carrier on a clock, for an ADC with the frame ``frame_at(clock)``.
 
     So many motors take ``turns`` in ``rtl/wh_ports.v``, of ``most_sections`` of W each; 0: a single
-    one is at a controller of its own, ``wh_controller`` or ``wh_brushless``.
+    one with brushes is at a controller of its own, ``wh_controller``.
 
     A carrier slower than half the tick rate sets the pace: the tick is then its half period, and
     the current is the mean of the samples that fit in. :class:`SceneError` where the carrier can't

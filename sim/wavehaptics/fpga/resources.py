@@ -53,8 +53,8 @@ LINE: Mapping[str, int] = {
 }  # fmt: skip
 """Parameters of ``wh_linked_device`` with which one motor and several are counted."""
 
-BRUSHLESS: tuple[Mapping[str, int], ...] = ({}, {"GUARD": 1}, {"ANCHOR": 1, "GUARD": 1})
-"""Parameters of ``wh_brushless``, counted for what is beside it."""
+BRUSHLESS: Mapping[str, int] = {"N": 2, "AXES": 1}
+"""Parameters of ``wh_ports`` for one brushless motor, counted for what is beside it."""
 
 _WIDTHS = ((18, 18), (24, 18), (27, 24), (31, 27))
 _SEED = 1
@@ -90,8 +90,7 @@ def cases(root: Path = ROOT) -> Iterator[Case]:
             yield Case("blocks", path.stem)
     for parameters in OPTIONS:
         yield Case("options", "wh_controller", parameters, devices=("up5k", "25k"))
-    for parameters in BRUSHLESS:
-        yield Case("brushless", "wh_brushless", parameters, devices=("25k",))
+    yield Case("brushless", "wh_ports", BRUSHLESS, devices=("25k",))
     for ports in (1, 2, 3, 4, 8):
         yield Case("ports", "wh_ports", {"N": ports}, devices=("25k",))
         yield Case("shaped-ports", "wh_ports", {"SHAPER": 2, "N": ports}, devices=("25k",))

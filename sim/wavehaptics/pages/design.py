@@ -244,14 +244,11 @@ STATUS = (
     ("shortest pulses kept", "MIN_PULSE"),
     ("ADCs other than AD7276 and its like", "ADC"),
 )
-"""What there is, and the parameter of ``wh_controller`` that puts it in; None: always there.
-
-``wh_brushless`` has parameters of the same names.
-"""
+"""What there is, and the parameter of ``wh_controller`` that puts it in; None: always there."""
 
 
 def options_of_boards(root: Path = ROOT) -> dict[str, dict[str, int]]:
-    """Parameters of ``wh_controller``, or of ``wh_brushless``, in each board's bitstream.
+    """Parameters of ``wh_controller`` or ``wh_device`` in each board's bitstream.
 
     One that isn't set is left out.
     """
@@ -304,7 +301,7 @@ def _status(numbers: dict[str, Any], table: Table) -> str:
     built = ", ".join(f"`{name}`" for name in streams) or "**none**"
     rows.append(("live values sent while they are asked for: `wh_stream`", "yes", built, "no"))
     built = ", ".join(f"`{name}`" for name in brushless) or "**none**"
-    rows.append(("a brushless motor: `wh_brushless`", "yes", built, "no"))
+    rows.append(("a brushless motor: `wh_device`, `LEGS = 3`", "yes", built, "no"))
     return _words(("", "simulated", "in a bitstream", "tried on a motor"), rows)
 
 

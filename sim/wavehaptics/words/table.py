@@ -47,10 +47,6 @@ AXES = 2
 """Axes of a brushless motor, and phases whose current is measured; words of each have the places of
 motors 0 and 1."""
 
-SHAPER_PORTS = ("shape_words", "wall_shaped")
-"""Inputs of W, without ``_i``. ``rtl/wh_brushless.v`` has them as well, but no device gives them to
-it, so that of a brushless motor they are no words."""
-
 ACCESS = {"setting": "read, write", "command": "write", "live": "read"}
 
 _FORMAT = re.compile(r"([us])(\d+|[A-Z][A-Z0-9_]*)(?:q(\d+|[A-Z][A-Z0-9_]*))?")
@@ -260,7 +256,7 @@ def ports(
 ) -> dict[str, list[Word]]:  # fmt: skip
     """The table's inputs or outputs of the controller, without ``_i`` or ``_o``: their words.
 
-    With three ``legs`` it is ``rtl/wh_brushless.v``; None: what either of them has. ``beside``:
+    With three ``legs`` those of a brushless motor; None: what any motor has. ``beside``:
     those of the blocks beside it instead.
     """
     found: dict[str, list[Word]] = {}

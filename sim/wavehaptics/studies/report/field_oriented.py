@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from wavehaptics.controller.pins_timing import turns_latency_clocks
 from wavehaptics.ladder.run import measure
 from wavehaptics.laws import closed_forms
 from wavehaptics.parts.foc_designs import DESIGNS
@@ -35,10 +36,10 @@ WAVE_TICK_HZ = 1e6
 SUMMARY = Path("boards", "summary.json")
 """Where the counts of ``make synth`` are kept, from the root."""
 OWN_SCENE = "brushless_hold"
-"""At its tick and clock the latency of ``wh_brushless`` is told."""
+"""At its tick and clock the latency of ``wh_ports`` with a brushless motor is told."""
 
-LATENCY_CLOCKS = 80
-"""Of ``wh_brushless``, from the last ADC bit on."""
+LATENCY_CLOCKS = turns_latency_clocks(0, 1, brushless=True)
+"""Of ``wh_ports`` with one brushless motor, from the last ADC bit on."""
 PRESSED_AT = 0.9
 """Part of the stiffest wall that is pressed for its ripple."""
 
@@ -115,7 +116,7 @@ def gather(tasks: list[Task], results: list[Any]) -> dict[str, Any]:
 
 
 def _counted() -> list[dict[str, Any]]:
-    """Counts of ``wh_brushless``, of the last synthesis."""
+    """Counts of ``wh_ports`` with one brushless motor, of the last synthesis."""
     path = ROOT / SUMMARY
     kept = json.loads(path.read_bytes()) if path.exists() else {}
     return [row for row in kept.get("resources", ()) if row["table"] == "brushless"]
@@ -162,9 +163,7 @@ def beside(resources: list[dict[str, Any]]) -> tuple[tuple[str, ...], Rows]:
     us = 1e6 * LATENCY_CLOCKS / control.clock_hz
     latency = f"{LATENCY_CLOCKS} clocks, {us:.2f} µs at {_hz(control.clock_hz)}"
     for row in (row for row in resources if row["table"] == "brushless"):
-        names = {"GUARD": "guard", "ANCHOR": "anchors"}
-        parts = [part for key, part in names.items() if key in row["option"]]
-        name = "wh_brushless" + (f" with {' and '.join(parts)}" if parts else "")
+        name = "wh_ports: one brushless motor, with guard and anchors"
         counts = (f"{row['lut']:,}", str(row["dsp"]))
         rows.append((name, _hz(control.tick_hz), latency, *counts, "ECP5, LUTs of four inputs"))
     for design in DESIGNS:
