@@ -2,7 +2,7 @@
 //
 // orangecrab: the wave controller on an OrangeCrab r0.2 (ECP5): its pads.
 //
-// The clock is 72 MHz, a tenth of the VCO's 48 MHz / 2 * 30. README.md has the wiring.
+// The clock is 64 MHz, a twelfth of the VCO's 48 MHz * 16. README.md has the wiring.
 // Reset: until the PLL has been locked, and the board's button up, for 2^16 clocks.
 
 `default_nettype none
@@ -37,9 +37,9 @@ module orangecrab (
 
     // The watch has 19.4 MHz.
     wh_board_ecp5 #(
-        .CLKI_DIV   (2),
-        .CLKOP_DIV  (30),
-        .CLKOS_DIV  (10),
+        .CLKI_DIV   (1),
+        .CLKOP_DIV  (16),
+        .CLKOS_DIV  (12),
         .WATCH_DIV  (16)
     ) board (
         .osc_i       (clk_48mhz),
