@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from wavehaptics.controller.planes import Planes, as_words
 from wavehaptics.controller.settings import IDEAL_ANCHOR_CELL_RAD, settings
 from wavehaptics.ladder.analog import inside
 from wavehaptics.ladder.encoder import amplifier_step, check_rates
-from wavehaptics.ladder.joint_host import Events, JointHost
+from wavehaptics.ladder.joint_host import Events, JointLoop
 from wavehaptics.laws.kinematics import put_tip, put_tip_force
 from wavehaptics.motor.imperfections import (
     AMPLIFIED,
@@ -414,7 +414,7 @@ def _advance_encoder(
         )  # fmt: skip
 
 
-class JointSimulation(JointHost):
+class JointSimulation(JointLoop):
     """The motors of ``device`` with a hand at their tip on ``analog``, ``golden`` or ``encoder``.
 
     :class:`~wavehaptics.scene.SceneError` where a servo's rate doesn't fit the tick.
@@ -442,7 +442,6 @@ class JointSimulation(JointHost):
             space, scenes, settings_, None if self.golden else self._dt, servo=self._servo
         )
         self._prepare(scenes, plants)
-        self._events: Events[Any]
         if self._servo:
             servo = scenes[0].servo or Servo()
             every, _ = check_rates(scenes[0])
@@ -530,21 +529,6 @@ class JointSimulation(JointHost):
             np.zeros(_PORTS, dtype=np.int64), np.zeros(_PORTS, dtype=np.int64),
             np.zeros(_PORTS, dtype=np.int64),
         )  # fmt: skip
-
-    def advance(self, rows: np.ndarray, words: np.ndarray, tips: np.ndarray) -> None:
-        """Simulate ``len(tips)`` ticks into ``rows`` (motors, ticks, Column), ``words`` of the same
-        shape (Word) and ``tips`` (ticks, Tip).
-        """
-        at = 0
-        while at < len(tips) or not len(tips):
-            more = min(self._events.ticks_left(), len(tips) - at)
-            self._run(rows[:, at : at + more], words[:, at : at + more], tips[at : at + more])
-            at += more
-            self._events.pass_(more)
-            if not len(tips):
-                return
-            while (update := self._events.due(self._look)) is not None:
-                self._commit(update)
 
     def _look(self) -> Planes | Command:
         if self._servo:

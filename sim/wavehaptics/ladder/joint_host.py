@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Sequence
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -31,12 +31,6 @@ class JointHost:
     The law has real numbers and steps of ``step_s``, a delay of 1/λ and no anchor; without
     ``step_s`` it has the words of ``settings``. A ``servo`` makes springs of its own.
     """
-
-    clock_cycles: int | None = None
-    """Clocks of the RTL so far; None without RTL."""
-
-    singular_updates = 0
-    """Planes that the host didn't send, as no motor moves the tip along their normal."""
 
     def __init__(
         self, space: Space, scenes: Sequence[Scene], settings: list[Settings],
@@ -149,3 +143,45 @@ class Events(Generic[_Update]):
         if self._coming and self._coming[0][0] == self._now:
             return self._coming.popleft()[1]
         return None
+
+
+class JointLoop(JointHost):
+    """The motors of a device in one loop, of which the host looks and commits between ticks."""
+
+    singular_updates = 0
+    """Planes that the host didn't send, as no motor moves the tip along their normal."""
+
+    _events: Events[Any]
+
+    @property
+    def clock_cycles(self) -> int | None:
+        """Clocks of the RTL so far; None without RTL."""
+        return None
+
+    def advance(self, rows: np.ndarray, words: np.ndarray, tips: np.ndarray) -> None:
+        """Simulate ``len(tips)`` ticks into ``rows`` (motors, ticks, Column), ``words`` of the same
+        shape (Word) and ``tips`` (ticks, Tip).
+        """
+        at = 0
+        while at < len(tips) or not len(tips):
+            more = min(self._events.ticks_left(), len(tips) - at)
+            part = slice(at, at + more)
+            self._run(rows[:, part], words[:, part], tips[part])
+            at += more
+            self._events.pass_(more)
+            if not len(tips):
+                return
+            while (update := self._events.due(self._look)) is not None:
+                self._commit(update)
+
+    def _run(self, rows: np.ndarray, words: np.ndarray, tips: np.ndarray) -> None:
+        """Simulate as many ticks, between which nothing is committed."""
+        raise NotImplementedError
+
+    def _look(self) -> Any:
+        """What the host makes of the encoders."""
+        raise NotImplementedError
+
+    def _commit(self, update: Any) -> None:
+        """Put in force what :meth:`_look` made."""
+        raise NotImplementedError

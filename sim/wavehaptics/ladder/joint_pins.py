@@ -15,7 +15,7 @@ from wavehaptics.controller import surfaces
 from wavehaptics.controller.planes import Planes, as_registers, as_words
 from wavehaptics.controller.turns import turns_ports
 from wavehaptics.ladder import pins_loop
-from wavehaptics.ladder.joint_host import JointHost
+from wavehaptics.ladder.joint_host import JointHost, JointLoop
 from wavehaptics.ladder.pins import PinsSimulation, pass_ticks
 from wavehaptics.ladder.turns_pins import TurnsSimulation
 from wavehaptics.laws.kinematics import put_jacobian, put_tip, put_tip_force
@@ -53,7 +53,7 @@ def host_of_pins(device: Device) -> JointHost:
     return JointHost(space, device.scenes, [one.settings for one in ports])
 
 
-class JointPins(JointHost):
+class JointPins(JointLoop):
     """The motors of ``device`` at one controller, with a hand at their tip."""
 
     def __init__(self, device: Device) -> None:
@@ -77,24 +77,8 @@ class JointPins(JointHost):
         self._commit(self._look())  # the host knows where the arm is before the run
 
     @property
-    def clock_cycles(self) -> int:  # type: ignore[override]
+    def clock_cycles(self) -> int:
         return self.motors[0].clock_cycles
-
-    def advance(self, rows: np.ndarray, words: np.ndarray, tips: np.ndarray) -> None:
-        """Simulate ``len(tips)`` ticks into ``rows`` (motors, ticks, Column), ``words`` of the same
-        shape (Word) and ``tips`` (ticks, Tip).
-        """
-        at = 0
-        while at < len(tips) or not len(tips):
-            more = min(self._events.ticks_left(), len(tips) - at)
-            part = slice(at, at + more)
-            self._run(rows[:, part], words[:, part], tips[part])
-            at += more
-            self._events.pass_(more)
-            if not len(tips):
-                return
-            while (update := self._events.due(self._look)) is not None:
-                self._commit(update)
 
     def _run(self, rows: np.ndarray, words: np.ndarray, tips: np.ndarray) -> None:
         active = np.zeros(len(tips), dtype=np.int64)

@@ -13,6 +13,7 @@ import numpy as np
 from wavehaptics.ladder.abilities import WITHOUT_WORDS, refuse
 from wavehaptics.ladder.device_abilities import refuse_device
 from wavehaptics.ladder.joint import JointSimulation
+from wavehaptics.ladder.joint_host import JointLoop
 from wavehaptics.ladder.joint_pins import JointPins
 from wavehaptics.ladder.seen import seen
 from wavehaptics.runtime.files import write_json
@@ -37,16 +38,14 @@ OF_A_MOTOR = (
 """Metrics that a motor of a device has for itself; what a wall feels like is the tip's."""
 
 
-def _simulation(device: Device, controller: str) -> JointSimulation | JointPins:
+def _simulation(device: Device, controller: str) -> JointLoop:
     return JointPins(device) if controller == "pins" else JointSimulation(device, controller)
 
 
 class _Gathered:
     """Traces and metrics of a device's run."""
 
-    def __init__(
-        self, device: Device, controller: str, simulation: JointSimulation | JointPins
-    ) -> None:
+    def __init__(self, device: Device, controller: str, simulation: JointLoop) -> None:
         self._simulation, tick_s = simulation, simulation.tick_s
         self._words = controller not in WITHOUT_WORDS
         anchored = [set_.anchored and self._words for set_ in simulation.settings]
