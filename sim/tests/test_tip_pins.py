@@ -82,6 +82,27 @@ def test_a_plane_is_as_stiff_as_on_golden(tmp_path: Path) -> None:
     assert found["contact_fraction"] > 0.999
 
 
+@pytest.mark.parametrize("motors", [2, 1])
+def test_a_hand_at_the_tip_presses_walls_of_the_motors_own(tmp_path: Path, motors: int) -> None:
+    """Without surfaces: where the hand leaves the rotors, and what it feels of each."""
+    rows_of = ["[0.02, 0], [0, 0.02], [0, 0]", "[0.02], [0], [0]"][motors == 1]
+    direction = [1.0, 0.5 * (motors > 1), 0.0]
+    content = (
+        f'{HEAD}[device]\nkinematics = "matrix"\njacobian = [{rows_of}]\n'
+        f"{PRESS.format(direction=direction)}{MOTOR * motors}{REAL}{CONTROL}{HELD}"
+        "walls = [[0.02, 1.0]]\n"
+    )
+    device = load(tmp_path, content, *SLOW, "scene.duration_s=0.09")
+    rest = []
+    for controller, more in (("pins", ()), ("golden", (latency(device),))):
+        sets = (*SLOW, "scene.duration_s=0.09", *more)
+        rows, tips = kept_rows(load(tmp_path, content, *sets), controller)
+        assert rows[:, -1, Column.CONTACT].all()
+        assert not tips[:, Tip.ACTIVE].any()
+        rest.append(rows[:, -500:, [Column.X, Column.TORQUE]].mean(axis=1))
+    assert rest[0] == pytest.approx(rest[1], rel=0.01)
+
+
 def test_an_unplugged_encoder_under_a_pressing_hand_ends_the_contact(tmp_path: Path) -> None:
     """As on golden: the plane turns away from what the encoders tell, and nothing is given out."""
     sets = ("scene.duration_s=0.08", "motors.0.encoder.stops_at_s=0.02")
