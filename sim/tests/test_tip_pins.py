@@ -82,6 +82,25 @@ def test_a_plane_is_as_stiff_as_on_golden(tmp_path: Path) -> None:
     assert found["contact_fraction"] > 0.999
 
 
+def test_a_softer_surface_is_as_soft_as_wished_on_pins(tmp_path: Path) -> None:
+    found = measured(pressed(tmp_path, "scene.duration_s=0.11", "surface.0.stiffness=1500"))
+    assert found["tip_stiffness"] == pytest.approx(1500, rel=0.02)
+    assert found["tip_force_n"] == pytest.approx(-0.004 / (1 / 500 + 1 / 1500), rel=0.01)
+
+
+def test_keys_of_host_and_surface_have_an_effect_on_pins(tmp_path: Path) -> None:
+    sets = ("scene.duration_s=0.03", "device.update_hz=500", "hand.direction=[-0.6, 0.5, 0]")
+    usual, _ = kept_rows(pressed(tmp_path, *sets), "pins")
+    for key in (
+        "device.update_hz=250", "device.delay_s=9e-3", "device.jitter_s=9e-3",
+        "device.wall_speed_m_per_s=0", "surface.0.friction_loss=0.5",
+    ):  # fmt: skip
+        rows, _ = kept_rows(pressed(tmp_path, *sets, key), "pins")
+        assert not np.array_equal(rows[:, :, 1:], usual[:, :, 1:]), key
+    again, _ = kept_rows(pressed(tmp_path, *sets), "pins")
+    np.testing.assert_array_equal(again, usual)
+
+
 @pytest.mark.parametrize("motors", [2, 1])
 def test_a_hand_at_the_tip_presses_walls_of_the_motors_own(tmp_path: Path, motors: int) -> None:
     """Without surfaces: where the hand leaves the rotors, and what it feels of each."""
