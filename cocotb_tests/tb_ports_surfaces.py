@@ -15,6 +15,7 @@ import cocotb
 import numpy as np
 import tb_ports
 from bench import random_source, unpack
+from cocotb.task import Task
 from cocotb.triggers import FallingEdge, RisingEdge, with_timeout
 from simulators import parameters
 from tb_ports import LAST_SLOT, N, Port, PortsBench, joined
@@ -116,6 +117,7 @@ class SurfacesBench(PortsBench):
     def __init__(self, dut: object, rng: random.Random) -> None:
         super().__init__(dut, rng)
         self.frame: Words | None = None
+        self.writer: Task[None] | None = None
         self.is_written = False
         self.acted = dict.fromkeys(range(4), 0)
         self.walled = self.lost = self.corrected = self.frames = 0
@@ -164,6 +166,13 @@ class SurfacesBench(PortsBench):
                 await falling
         self.is_written = True
 
+    def forget_frame(self) -> None:
+        """Stop writing: with an anchor that is lost no frame is taken, and the next one waits."""
+        if self.writer is not None:
+            self.writer.cancel()
+        self.drive(surface_write_i=0)
+        self.writer = self.frame = self.model_words = None
+
     def live(self, port: int, word: int) -> int:
         return self.words_now[16 * port + word]
 
@@ -202,7 +211,7 @@ class SurfacesBench(PortsBench):
         await self.step(tb_ports.EDGES)
         self.move()
         if self.frame is None and self.rng.random() < 0.1:
-            cocotb.start_soon(self.write_frame())
+            self.writer = cocotb.start_soon(self.write_frame())
         elif self.frame is not None and self.is_written:
             await self.step(surface_commit_i=1)
             self.drive(surface_commit_i=0)
@@ -228,9 +237,7 @@ async def equals_the_models(dut: object) -> None:
     runs, periods = (2, 60) if "Icarus" in cocotb.SIM_NAME else (6, 50)
     total = 0
     for _ in range(runs):
-        while bench.frame is not None and not bench.is_written:
-            await bench.step()
-        bench.frame, bench.model_words = None, None
+        bench.forget_frame()
         bench.steps = bench.periods = 0
         await bench.begin()
         bench.drive(enable_i=1)

@@ -16,6 +16,7 @@ import numpy as np
 from bench import Bench, random_source
 from simulators import parameters
 from wavehaptics.controller import surfaces
+from wavehaptics.controller.pins_timing import surface_clocks
 from wavehaptics.controller.planes import PLANE_ROW, VELOCITY_MAX, as_registers
 from wavehaptics.words import formats
 
@@ -36,14 +37,7 @@ SQUARES = 32
 
 def clocks_of(acting: int, lossy: bool) -> int:
     """Clocks of a round from the last port's words to the last port's answer."""
-    clocks = 9 + PORTS + (2 + PORTS) * SURFACES
-    if acting:
-        clocks += 17 + (37 + 3 * PORTS) * acting
-    if lossy and acting == 1:
-        clocks += 16 + 3 * PORTS
-    if lossy and acting == 2:
-        clocks += 35 + 11 * PORTS
-    return clocks
+    return surface_clocks(PORTS, SURFACES, acting, lossy)
 
 
 def squares(waves: np.ndarray) -> int:

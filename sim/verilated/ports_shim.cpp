@@ -4,6 +4,7 @@
 // each motor as that of pins_shim.cpp, and a brushless one as ports_steps.h has it.
 
 #include <cstdint>
+#include <vector>
 
 #include "Vwh_ports.h"
 #include "Vwh_ports___024root.h"
@@ -23,12 +24,21 @@ namespace {
 
 constexpr int kFaultsShift = WH_LEGS == 3 ? 13 : 11;
 constexpr int kMostSetupClocks = 1 << 20;
+constexpr int kContactShift = 8;
+constexpr int kActingShift = 60;  // surfaces that act
+
+// A frame of wh_surface_words: addresses and words in turn.
+using Frame = std::vector<uint32_t>;
 
 struct Controller {
     VerilatedContext context;
     Vwh_ports top{&context};
     int64_t inputs = -1;  // at the last clock; -1: none
     Steps steps;
+    Frame frame, next;      // what is being written, and what comes then
+    size_t place = 0;       // in `frame`
+    bool writes = false;    // a frame is under way
+    bool waits = false;     // there is a next one
 
     ~Controller() { ends(context); }
 };
@@ -36,6 +46,36 @@ struct Controller {
 void clock(Vwh_ports &top) {
     rise(top);
     fall(top);
+}
+
+// The coming clock's word of a frame, or its commit, when the one before is stored.
+void write_frame(Controller &controller) {
+    auto &top = controller.top;
+    if (!controller.writes) {
+        controller.frame.swap(controller.next);
+        controller.place = 0;
+        controller.writes = true;
+        controller.waits = false;
+    }
+    top.surface_write_i = top.surface_commit_i = 0;
+    if (top.surface_busy_o) return;
+    if (controller.place < controller.frame.size()) {
+        top.surface_address_i = controller.frame[controller.place];
+        top.data_i = controller.frame[controller.place + 1];
+        top.surface_write_i = 1;
+        controller.place += 2;
+    } else {
+        top.surface_commit_i = 1;
+        controller.writes = false;
+    }
+}
+
+// How many surfaces act on the ports' goals: none where an anchor has lost its rotor.
+int64_t acting(const Controller &controller) {
+    for (const Port &port : controller.steps.ports) {
+        if (port.step[8]) return 0;
+    }
+    return controller.top.acting_o;
 }
 
 template <class Port>
@@ -50,7 +90,8 @@ extern "C" {
 
 // A controller just before its first tick, or null if its ADC never gets ready. `shared` are wh_ports' packed settings
 // of all ports in turn, the magnets' last, `pairs` the address and word of each setting of one port, `count` of them.
-void *wh_ports_new(const uint32_t *shared, const uint32_t *pairs, int64_t count, int64_t bus, int64_t inputs) {
+void *wh_ports_new(const uint32_t *shared, const uint32_t *pairs, int64_t count, int64_t bus, int64_t budget,
+                   int64_t inputs) {
     auto *controller = new Controller;
     auto &top = controller->top;
     shared = give_next(top.carrier_i, shared);
@@ -63,6 +104,7 @@ void *wh_ports_new(const uint32_t *shared, const uint32_t *pairs, int64_t count,
     shared = give_next(top.host_i, shared);
     give_next(top.magnets_i, shared);
     top.bus_i = bus;
+    top.budget_i = budget;
     set_inputs(top, inputs);
     top.rst = 1;
     top.enable_i = 0;
@@ -93,20 +135,39 @@ void *wh_ports_new(const uint32_t *shared, const uint32_t *pairs, int64_t count,
 
 void wh_ports_delete(void *model) { delete static_cast<Controller *>(model); }
 
-// One clock with these inputs (set_inputs): pins_of, with the guard's faults behind it.
+// Write and commit a frame from the coming clock on: `count` addresses and words. One that waits is forgotten.
+void wh_ports_frame(void *model, const uint32_t *pairs, int64_t count) {
+    auto *controller = static_cast<Controller *>(model);
+    controller->next.assign(pairs, pairs + 2 * count);
+    controller->waits = true;
+}
+
+// Whether the last frame that was committed was refused.
+int64_t wh_ports_refused(void *model) { return static_cast<Controller *>(model)->top.surface_refused_o; }
+
+// One clock with these inputs (set_inputs): pins_of, with the guard's faults behind it. From bit 60 on how many surfaces
+// act in the step that is done; the contact then is theirs, too.
 int64_t wh_ports_clock(int64_t model, int64_t inputs) {
     auto *controller = reinterpret_cast<Controller *>(model);
     auto &top = controller->top;
+    const bool writes = controller->writes || controller->waits;
+    if (writes) {
+        write_frame(*controller);
+        controller->inputs = -1;
+    }
     if (inputs == controller->inputs) {
         again(top);
     } else {
+        if (!writes) top.surface_write_i = top.surface_commit_i = 0;
         set_inputs(top, inputs);
         rise(top);
         fall(top);
-        controller->inputs = inputs;
+        controller->inputs = writes ? -1 : inputs;
     }
     const bool step = keep(controller->steps, top.rootp);
-    return pins_of(top, top.rootp, controller->steps, step) | int64_t{top.faults_o} << kFaultsShift;
+    const int64_t surfaces = step ? acting(*controller) : 0;
+    return pins_of(top, top.rootp, controller->steps, step) | int64_t{top.faults_o} << kFaultsShift |
+           int64_t{surfaces != 0} << kContactShift | surfaces << kActingShift;
 }
 
 // words_of.

@@ -6,6 +6,7 @@ A cocotb test measures each at the RTL.
 
 from __future__ import annotations
 
+from wavehaptics.controller.surfaces import MOST_ACTIVE
 from wavehaptics.words.table import AXES
 
 CORE_CLOCKS = 24
@@ -89,14 +90,48 @@ def turn_clocks(sections: int = 0) -> int:
     return 36 if sections == 2 else 32
 
 
-def turns_clocks(motors: int, sections: int = 0, *, brushless: bool = False) -> int:
+def turns_clocks(
+    motors: int, sections: int = 0, *, brushless: bool = False, surfaces: int = 0
+) -> int:
     """Clocks of the shortest period in which ``motors`` ports take their turns, one or more.
 
-    A ``brushless`` motor is the only one, and two ports: its axes.
+    A ``brushless`` motor is the only one, and two ports: its axes. ``surfaces`` may be across them.
     """
     if brushless:
         return turn_clocks(sections) * (AXES - 1) + BETA_CLOCKS[sections]
-    return turn_clocks(sections) * (motors - 1) + (42 if sections == 2 else 38)
+    turns = turn_clocks(sections) * (motors - 1) + (42 if sections == 2 else 38)
+    return turns + max(look_clocks(motors, surfaces))
+
+
+def surface_clocks(motors: int, surfaces: int, acting: int, lossy: bool) -> int:
+    """Clocks of ``rtl/wh_surfaces.v`` from the last port's v to the last port's goal.
+
+    ``acting`` of its ``surfaces`` do, and ``lossy`` means that there is a loss across them.
+    """
+    clocks = 9 + motors + (2 + motors) * surfaces
+    if acting:
+        clocks += 17 + (37 + 3 * motors) * acting
+    if lossy and acting == 1:
+        clocks += 16 + 3 * motors
+    if lossy and acting == 2:
+        clocks += 35 + 11 * motors
+    return clocks
+
+
+def look_clocks(motors: int, surfaces: int) -> tuple[int, int]:
+    """Clocks that a round's first pass in ``rtl/wh_ports.v`` takes, the fewest and the most.
+
+    They depend on how many ``surfaces`` act; without any there is no first pass.
+    """
+    if not surfaces:
+        return 0, 0
+    law = [
+        surface_clocks(motors, surfaces, acting, lossy)
+        for acting in range(min(surfaces, MOST_ACTIVE) + 1)
+        for lossy in (False, True)
+    ]
+    fewest, most = (turn_clocks() * (motors - 1) + max(38, 18 + one(law)) for one in (min, max))
+    return fewest, most
 
 
 BETA_CLOCKS = (42, 58, 63)

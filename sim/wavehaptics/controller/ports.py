@@ -79,13 +79,13 @@ class Ports:
 
 def controller_ports(
     scene: Scene, frame_at: FrameAt | None = None, most_samples: int = MOST_SAMPLES,
-    turns: int = 0, most_sections: int = 0,
+    turns: int = 0, most_sections: int = 0, surfaces: int = 0,
 ) -> Ports:  # fmt: skip
     """Settings of the whole RTL for a scene; :class:`SceneError` where it can't do it.
 
     ``frame_at`` takes the place of the scene's ADC, for a board that has its own. The scene's is
     one of so many motors that take ``turns`` (:func:`wavehaptics.controller.tick_layout.timing`),
-    whose W have ``most_sections``.
+    whose W have ``most_sections``, and across which there are so many ``surfaces``.
     """
     walls = len(scene.controller.walls)
     most, where = table.MOST["wall"], "the whole RTL"
@@ -109,7 +109,9 @@ def controller_ports(
     if sensor.ideal:
         sensor = _fine_sensor(scene)
     cell_rad = None if scene.encoder else 2 * math.pi / FINE_COUNTS_PER_REV
-    time = timing(scene, frame_at or scene_frame(scene), most_samples, turns, most_sections)
+    time = timing(
+        scene, frame_at or scene_frame(scene), most_samples, turns, most_sections, surfaces
+    )
     bus_v = bus_voltage(scene)
     if scene.motor.brushless and time.frame.kind != BRUSHLESS_KIND:
         raise scene.refusal(

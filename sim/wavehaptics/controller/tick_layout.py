@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from wavehaptics.controller.pins_timing import (
     CENTRED_LEAD,
@@ -13,6 +14,7 @@ from wavehaptics.controller.pins_timing import (
     GATE_CLOCKS,
     latency_clocks,
     least_half_clocks,
+    look_clocks,
     shortest_tick_clocks,
     turn_begin_clocks,
     turns_clocks,
@@ -115,21 +117,36 @@ def scene_frame(scene: Scene) -> FrameAt:
     return lambda clock_hz, _: frame(PARTS[part], clock_hz)
 
 
-def natural_ticks(
-    tick_clocks: int, samples: int, lead: int, frame: Frame, turns: int = 0, sections: int = 0,
-    anchored: bool = False, brushless: bool = False,
-) -> int:  # fmt: skip
-    """Whole ticks from a tick's end until the voltage made of its samples can be driven.
+class Work(NamedTuple):
+    """What a controller does in a tick."""
 
-    So many motors take ``turns`` (:func:`timing`).
-    """
-    latency = _latency_clocks(frame, turns, sections, anchored, brushless)
-    return (_word_strobe(tick_clocks, samples, lead, frame) + latency) // tick_clocks
+    turns: int = 0
+    """Motors that take turns (:func:`timing`)."""
+    sections: int = 0
+    """Sections of W."""
+    anchored: bool = False
+    brushless: bool = False
+    surfaces: int = 0
+    """Across all motors that take turns."""
 
 
-def _latency_clocks(
-    frame: Frame, turns: int, sections: int, anchored: bool, brushless: bool
-) -> int:
+def natural_ticks(tick_clocks: int, samples: int, lead: int, frame: Frame, work: Work) -> int:
+    """Whole ticks from a tick's end until the voltage made of its samples can be driven."""
+    return _ticks_of_latency(tick_clocks, samples, lead, frame, work)[1]
+
+
+def _ticks_of_latency(
+    tick_clocks: int, samples: int, lead: int, frame: Frame, work: Work
+) -> tuple[int, int]:
+    """:func:`natural_ticks` where the fewest of the surfaces act, and where the most do."""
+    strobe = _word_strobe(tick_clocks, samples, lead, frame) + _latency_clocks(frame, work)
+    fewest, most = look_clocks(work.turns, work.surfaces)
+    return (strobe + fewest) // tick_clocks, (strobe + most) // tick_clocks
+
+
+def _latency_clocks(frame: Frame, work: Work) -> int:
+    """Without surfaces."""
+    turns, sections, anchored, brushless, _ = work
     if turns or brushless:
         return turns_latency_clocks(frame.conversion_clocks, turns, sections, brushless=brushless)
     return latency_clocks(frame.conversion_clocks, 1, sections, anchored)
@@ -174,32 +191,32 @@ def sample_lead(made: Frame, pulse_delay: int) -> int:
     return made.cycle_clocks // 2 - periods * made.bit_clocks
 
 
-def _soonest(
-    tick_clocks: int, made: Frame, lead: int, turns: int, sections: int, anchored: bool,
-    brushless: bool,
-) -> int:  # fmt: skip
+def _is_steady(ticks: tuple[int, int], most: int) -> bool:
+    """Whether the latency is the same with and without surfaces, and at most ``most``."""
+    fewest, natural = ticks
+    return fewest == natural <= most
+
+
+def _soonest(tick_clocks: int, made: Frame, lead: int, work: Work) -> int:
     """Fewest ticks of latency that the ADC allows."""
     samples = tick_clocks // made.cycle_clocks if made.osr else 1
-    return natural_ticks(tick_clocks, samples, lead, made, turns, sections, anchored, brushless)
+    return natural_ticks(tick_clocks, samples, lead, made, work)
 
 
-def _in_time(scene: Scene, clocks: int, made: Frame, turns: int, sections: int) -> bool:
-    """Whether motors that take ``turns`` have the latency that the scene names, if it does.
+def _in_time(scene: Scene, clocks: int, made: Frame, work: Work) -> bool:
+    """Whether motors that take turns have the latency that the scene names, if it does.
 
     In a tick of a clock that is free.
     """
     control = scene.controller
-    if not turns or "extra_ticks" not in control.model_fields_set:
+    if not work.turns or "extra_ticks" not in control.model_fields_set:
         return True
-    lead = sample_lead(made, 0)
-    soonest = _soonest(clocks, made, lead, turns, sections, control.anchored, False)
-    return soonest <= control.extra_ticks
+    return _soonest(clocks, made, sample_lead(made, 0), work) <= control.extra_ticks
 
 
 def _tick_clocks(
-    scene: Scene, tick_hz: float, halves: int, frame_at: FrameAt, least: int, turns: int,
-    sections: int,
-) -> tuple[int, Frame]:  # fmt: skip
+    scene: Scene, tick_hz: float, halves: int, frame_at: FrameAt, least: int, work: Work
+) -> tuple[int, Frame]:
     """Clocks of a tick, ``least`` or more of a clock that is free, and the ADC's frame on it."""
     named = scene.controller.clock_hz
     if named is not None:
@@ -216,8 +233,8 @@ def _tick_clocks(
         if made is not None and made.cycle_clocks <= clocks and clocks % halves == 0:
             if not made.osr:
                 # Of four, so that a carrier half is whole, and half of it.
-                suits = clocks == usual or not turns or clocks % 4 == 0
-                if suits and _in_time(scene, clocks, made, turns, sections):
+                suits = clocks == usual or not work.turns or clocks % 4 == 0
+                if suits and _in_time(scene, clocks, made, work):
                     return clocks, made
                 found = found or (clocks, made)
             # A modulator: the more bits a tick, the better.
@@ -231,12 +248,13 @@ def _tick_clocks(
 
 def timing(
     scene: Scene, frame_at: FrameAt, most_samples: int = MOST_SAMPLES, turns: int = 0,
-    most_sections: int = 0,
+    most_sections: int = 0, surfaces: int = 0,
 ) -> Timing:  # fmt: skip
     """Lay the scene's tick and carrier on a clock, for an ADC with the frame ``frame_at(clock)``.
 
-    So many motors take ``turns`` in ``rtl/wh_ports.v``, of ``most_sections`` of W each; 0: a single
-    one with brushes is at a controller of its own, ``wh_controller``.
+    So many motors take ``turns`` in ``rtl/wh_ports.v``, of ``most_sections`` of W each and with so
+    many ``surfaces`` across them; 0: a single one with brushes is at a controller of its own,
+    ``wh_controller``.
 
     A carrier slower than half the tick rate sets the pace: the tick is then its half period, and
     the current is the mean of the samples that fit in. :class:`SceneError` where the carrier can't
@@ -253,13 +271,16 @@ def timing(
     halves = pulses * pulse_halves
     sections = max(most_sections, sections_of(scene))
     brushless = scene.motor.brushless
+    anchored = control.anchored
+    work = Work(turns, sections, anchored, brushless, surfaces)
     together = turns > 0 or brushless
-    turning = turns_clocks(turns, sections, brushless=brushless) if together else 0
+    turning = 0
+    if together:
+        turning = turns_clocks(turns, sections, brushless=brushless, surfaces=surfaces)
     try:
         tick_clocks, made = _tick_clocks(
-            scene, tick_hz, halves, frame_at, max(MIN_TICK_CLOCKS, turning + -turning % 4),
-            turns, sections,
-        )  # fmt: skip
+            scene, tick_hz, halves, frame_at, max(MIN_TICK_CLOCKS, turning + -turning % 4), work
+        )
     except PartError as error:
         raise scene.refusal(
             f"adc.part: {error}; take another clock_hz", "adc.part", "controller.clock_hz"
@@ -327,12 +348,13 @@ def timing(
             "adc.part",
             "controller.tick_hz",
         )
-    anchored = control.anchored
     least = turning or shortest_tick_clocks(1, sections, anchored)
     if tick_clocks < least:
         ports = "two ports" if brushless else "a port" if not turns else f"{turns} motors"
         ports = ports if turns != 1 else "a motor"
         shaper = " with W" if sections else ""
+        if surfaces:
+            shaper = f" with {surfaces} surface{'s' * (surfaces > 1)}"
         anchors = " and its anchor" if anchored and not together else ""
         raise scene.refusal(
             f"a tick of {tick_clocks} clocks is shorter than the "
@@ -345,7 +367,7 @@ def timing(
     lead = sample_lead(made, (delay + 1) // 2)
     extra = control.extra_ticks
     if "extra_ticks" not in control.model_fields_set:
-        extra = max(extra, _soonest(tick_clocks, made, lead, turns, sections, anchored, brushless))
+        extra = max(extra, _soonest(tick_clocks, made, lead, work))
     # As many samples as the ADC can make and the latency allows, but each in the middle of
     # as many whole pulses as any other, or several within the only one. A modulator has its own
     # number, of words that follow each other.
@@ -359,15 +381,14 @@ def timing(
             and (
                 parts % n == 0
                 and tick_clocks // n >= cycle_clocks
-                and natural_ticks(tick_clocks, n, lead, made, turns, sections, anchored, brushless)
-                <= extra
+                and _is_steady(_ticks_of_latency(tick_clocks, n, lead, made, work), extra)
             )
         )
     )
     if made.osr:
         samples = tick_clocks // made.cycle_clocks
-    natural = natural_ticks(tick_clocks, samples, lead, made, turns, sections, anchored, brushless)
-    latency = _latency_clocks(made, turns, sections, anchored, brushless)
+    soonest, natural = _ticks_of_latency(tick_clocks, samples, lead, made, work)
+    latency = _latency_clocks(made, work) + look_clocks(turns, surfaces)[1]
     if extra < natural:
         late = " and a sample" if made.pipeline else ""
         raise scene.refusal(
@@ -375,6 +396,13 @@ def timing(
             f"`pins` needs: {latency} clocks{late} from sample to duty are {natural} ticks of "
             f"{tick_clocks} clocks; set extra_ticks = {natural} or more",
             "controller.extra_ticks",
+        )
+    if soonest != natural:
+        raise scene.refusal(
+            f"in contact with surfaces the voltage would come a tick of {tick_clocks} clocks later "
+            "than in free space; take another controller.tick_hz or clock_hz",
+            "controller.tick_hz",
+            "controller.clock_hz",
         )
     return Timing(
         clock_hz, half_clocks, tick_clocks // half_clocks, tick_clocks // samples, samples,

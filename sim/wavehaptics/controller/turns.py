@@ -36,10 +36,10 @@ def sections(scenes: Sequence[Scene]) -> int:
     return max(map(sections_of, scenes))
 
 
-def turns_ports(scenes: Sequence[Scene]) -> list[Ports]:
+def turns_ports(scenes: Sequence[Scene], surfaces: int = 0) -> list[Ports]:
     """Settings for each motor; :class:`SceneError` where one controller can't do what they ask for.
 
-    Their timing is the same.
+    Their timing is the same, and has time for so many ``surfaces`` across them.
     """
     motors = len(scenes)
     if motors > MOST_MOTORS:
@@ -49,7 +49,10 @@ def turns_ports(scenes: Sequence[Scene]) -> list[Ports]:
             "motor",
         )
     most = sections(scenes)
-    found = [controller_ports(scene, turns=motors, most_sections=most) for scene in scenes]
+    found = [
+        controller_ports(scene, turns=motors, most_sections=most, surfaces=surfaces)
+        for scene in scenes
+    ]
     kind = found[0].timing.frame.kind
     if kind == CHANNELS and motors > 1:
         part = scenes[0].adc and scenes[0].adc.part

@@ -10,9 +10,10 @@ import numpy as np
 
 from wavehaptics.ladder.abilities import asked
 from wavehaptics.ladder.joint import JointSimulation
+from wavehaptics.ladder.joint_pins import host_of_pins
 from wavehaptics.scene import Device
 
-DEVICE_CONTROLLERS = ("analog", "golden", "encoder")
+DEVICE_CONTROLLERS = ("analog", "golden", "pins", "encoder")
 """Controllers that move the motors of a device together."""
 
 MOTOR_REFUSES = {
@@ -26,6 +27,7 @@ MOTOR_REFUSES = {
 LEFT_OUT: dict[str, tuple[str, ...]] = {
     "analog": ("device.wall_energy_j",),
     "golden": (),
+    "pins": (),
     "encoder": (
         "device.update_hz", "device.delay_s", "device.jitter_s", "device.wall_speed_m_per_s",
         "device.wall_energy_j", "surface.friction_loss",
@@ -51,9 +53,16 @@ def refuse_device(device: Device, controller: str) -> None:
         return
     if controller not in DEVICE_CONTROLLERS:
         raise space.refusal(
-            f"[device] is not for `{controller}` yet; take `analog`, `golden` or `encoder`",
+            f"[device] is not for `{controller}`, whose RTL is the wave core of one motor; take "
+            "`pins`, `analog`, `golden` or `encoder`",
             "device",
         )
+    if controller == "pins" and space.surface and len(device.scenes) == 1:
+        raise space.refusal(
+            "[[surface]] of a single motor is not for `pins`, whose surfaces lie across two or "
+            "three; write controller.walls, or take `golden`",
+            "surface", "device",
+        )  # fmt: skip
     for scene in device.scenes:
         if scene.motor.brushless:
             raise scene.refusal(
@@ -72,7 +81,9 @@ def refuse_device(device: Device, controller: str) -> None:
                 "[servo] is the same for all motors of a [device]; move it out of [[motors]]",
                 "servo",
             )
-    simulation = JointSimulation(device, controller)
+    simulation = (
+        host_of_pins(device) if controller == "pins" else JointSimulation(device, controller)
+    )
     start = np.zeros(len(device.scenes))
     for missing in simulation.host.look(start).singular:
         raise space.refusal(

@@ -19,19 +19,17 @@ amplifiers of :mod:`wavehaptics.ladder.encoder` make it.
 from __future__ import annotations
 
 import math
-from collections import deque
-from collections.abc import Callable, Sequence
-from typing import Generic, NamedTuple, TypeVar
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from wavehaptics.controller import anchor, surfaces, wave_core
-from wavehaptics.controller.planes import Host, Planes, PortEstimate, as_words
-from wavehaptics.controller.settings import IDEAL_ANCHOR_CELL_RAD, Settings, settings
+from wavehaptics.controller.planes import Planes, as_words
+from wavehaptics.controller.settings import IDEAL_ANCHOR_CELL_RAD, settings
 from wavehaptics.ladder.analog import inside
-from wavehaptics.ladder.design_spring import rendered_stiffness
 from wavehaptics.ladder.encoder import amplifier_step, check_rates
-from wavehaptics.laws import closed_forms
+from wavehaptics.ladder.joint_host import Events, JointLoop
 from wavehaptics.laws.kinematics import put_tip, put_tip_force
 from wavehaptics.motor.imperfections import (
     AMPLIFIED,
@@ -57,7 +55,7 @@ from wavehaptics.motor.sensor import (
 from wavehaptics.motor.step import motor_step
 from wavehaptics.motor.tip_hand import hand_substeps, hand_words, put_hand_torque
 from wavehaptics.runtime.compiled import compiled
-from wavehaptics.scene import Device, Scene, Space, drive_gain, encoder_end, without_anchor
+from wavehaptics.scene import Device, Scene, drive_gain, encoder_end, without_anchor
 from wavehaptics.scene.tables.servo import Servo
 from wavehaptics.trace.columns import Word, put_anchor, put_estimate, put_motion, put_port
 from wavehaptics.trace.tip import put_tip_row
@@ -73,9 +71,6 @@ _PORTS = surfaces.PORTS
 
 OF_LAMBDA = 0.1
 """Longest step of ``analog`` in parts of 1/λ."""
-
-JITTER_SEED = 20_260_102
-"""Seed of the host's jitter."""
 
 # Columns of what each port has in integers, and in floats.
 _A, _EXTRA, _ETA_CONTACT, _ETA_FREE, _HYSTERESIS, _ROOT, _U_MAX, _ANCHORED = range(8)
@@ -419,106 +414,41 @@ def _advance_encoder(
         )  # fmt: skip
 
 
-class JointSimulation:
+class JointSimulation(JointLoop):
     """The motors of ``device`` with a hand at their tip on ``analog``, ``golden`` or ``encoder``.
 
     :class:`~wavehaptics.scene.SceneError` where a servo's rate doesn't fit the tick.
     """
 
-    clock_cycles: int | None = None
-
     def __init__(self, device: Device, controller: str) -> None:
         assert device.space is not None
-        self.space: Space = device.space
+        space = device.space
         self.golden = controller == "golden"
         self._servo = controller == "encoder"
         scenes = device.scenes if self.golden else [without_anchor(one) for one in device.scenes]
-        self.settings: list[Settings] = [
+        settings_ = [
             settings(scene, cell_rad=None if scene.encoder else IDEAL_ANCHOR_CELL_RAD)
             for scene in scenes
         ]
-        self.tick_s = self.settings[0].tick_s
+        tick_s = settings_[0].tick_s
         plants = [Plant.of_scene(scene) for scene in scenes]
-        self._delays = [
-            set_.tau if self.golden else 1.0 / scene.controller.lambda_
-            for scene, set_ in zip(scenes, self.settings, strict=True)
-        ]
-        self.joint_stiffness = np.array([
-            rendered_stiffness(scene, set_.r_hat, tau, -1.0, set_.anchored and self.golden, None)
-            for scene, set_, tau in zip(scenes, self.settings, self._delays, strict=True)
-        ])  # fmt: skip
-        self._substeps = max(plant.substeps(self.tick_s) for plant in plants)
-        self._substeps *= hand_substeps(plants, self.space, self.tick_s / self._substeps)
+        self._substeps = max(plant.substeps(tick_s) for plant in plants)
+        self._substeps *= hand_substeps(plants, space, tick_s / self._substeps)
         if not self.golden and not self._servo:
             fastest = max(scene.controller.lambda_ for scene in scenes)
-            self._substeps *= math.ceil(self.tick_s / self._substeps * fastest / OF_LAMBDA - 1e-9)
-        self._dt = self.tick_s / self._substeps
-        self.host = self._host(scenes)
+            self._substeps *= math.ceil(tick_s / self._substeps * fastest / OF_LAMBDA - 1e-9)
+        self._dt = tick_s / self._substeps
+        super().__init__(
+            space, scenes, settings_, None if self.golden else self._dt, servo=self._servo
+        )
         self._prepare(scenes, plants)
-        self._events: _Events[Planes | Command]
         if self._servo:
             servo = scenes[0].servo or Servo()
             every, _ = check_rates(scenes[0])
-            self._events = _Events(every, servo.delay_s / self.tick_s, 0.0)
+            self._events = Events(every, servo.delay_s / self.tick_s, 0.0)
         else:
-            table = self.space.device
-            every = max(1, round(1.0 / (table.update_hz * self.tick_s)))
-            late = table.delay_s / self.tick_s, table.jitter_s / self.tick_s
-            self._events = _Events(every, *late)
+            self._events = self.updates()
         self._commit(self._look())  # the host knows where the arm is before the run
-
-    @property
-    def count_m(self) -> float:
-        """The finest way along the first surface's normal that the encoders tell, m; least 1 nm."""
-        places = np.zeros(len(self.settings))
-        arm, cell = self.space.arm, np.array([set_.cell_rad for set_ in self.settings])
-        normal = np.array([1.0, 0.0, 0.0])
-        if self.space.shapes:
-            normal = self.space.shapes[0].depth(arm.tip(places)[None, :])[1][0]
-        return max(float(np.linalg.norm((arm.jacobian(places).T @ normal) * cell)), 1e-9)
-
-    def predicted(self) -> float | None:
-        """K of the first surface where the run begins, ``1/Σ G_n²/K_n``, N/m; or what it wishes."""
-        if not self.space.shapes:
-            return None
-        arm, places = self.space.arm, np.zeros(len(self.settings))
-        normal = self.space.shapes[0].depth(arm.tip(places)[None, :])[1][0]
-        along = arm.jacobian(places).T @ normal
-        stiffest = 1.0 / float(along**2 @ (1.0 / self.joint_stiffness))
-        wished = self.space.surface[0].stiffness
-        if self._servo and wished is not None:
-            return wished
-        return stiffest if wished is None else min(stiffest, wished)
-
-    def wished_compliance(self) -> np.ndarray:
-        """1/K of each surface where that is what it wishes, m/N; 0 where it is the motors'."""
-        if self._servo:
-            return 1.0 / np.array(self._springs)
-        return np.array([1.0 / (one.stiffness or math.inf) for one in self.space.surface])
-
-    @property
-    def _springs(self) -> list[float]:
-        """The servo's K of each surface: as wished, or as the wave wall's at the start, N/m."""
-        places = np.zeros(len(self.settings))
-        return [
-            one.stiffness or self.host.stiffest(n, places)
-            for n, one in enumerate(self.space.surface)
-        ]
-
-    def _host(self, scenes: Sequence[Scene]) -> Host:
-        ports = [
-            PortEstimate(
-                scene.controller.k_t_hat or 0.0, set_.r_hat,
-                closed_forms.l_eff(scene.controller.l_hat or 0.0, set_.r_hat, tau), set_.cell_rad,
-            )
-            for scene, set_, tau in zip(scenes, self.settings, self._delays, strict=True)
-        ]  # fmt: skip
-        surface, device = self.space.surface, self.space.device
-        return Host(
-            self.space.arm, self.space.shapes, ports, self.tick_s if self.golden else self._dt,
-            [one.stiffness for one in surface], [one.friction_loss for one in surface],
-            device.wall_speed_m_per_s,
-        )  # fmt: skip
 
     def _prepare(self, scenes: Sequence[Scene], plants: Sequence[Plant]) -> None:
         motors = len(plants)
@@ -558,7 +488,6 @@ class JointSimulation:
             np.zeros((_SUMS, motors)), np.zeros(motors), np.zeros(motors), np.zeros((3, motors)),
             np.zeros((_ROOM, 3)), np.zeros(motors),
         )  # fmt: skip
-        self._singular = 0
         if self._servo:
             omegas = [2.0 * math.pi * (scene.servo or Servo()).analog_hz for scene in scenes]
             self._amplifiers = np.array([
@@ -592,7 +521,7 @@ class JointSimulation:
             np.array([set_.anchor for set_ in self.settings]),
             np.array([anchor.new_state() for _ in range(motors)]),
         )
-        budget = self._budget()
+        budget = self.budget
         self._group = (
             surfaces.new_state(), np.array([budget], dtype=np.int64),
             np.zeros(surfaces.MOST_ACTIVE, dtype=np.int64), surfaces.new_planes(),
@@ -600,26 +529,6 @@ class JointSimulation:
             np.zeros(_PORTS, dtype=np.int64), np.zeros(_PORTS, dtype=np.int64),
             np.zeros(_PORTS, dtype=np.int64),
         )  # fmt: skip
-
-    def _budget(self) -> int:
-        """The budget's word: E = ½T·Σu²."""
-        square_j = 0.5 * self.tick_s * _ROOT_WATT**2
-        return min(round(self.space.device.wall_energy_j / square_j), surfaces.ACCOUNT_MAX)
-
-    def advance(self, rows: np.ndarray, words: np.ndarray, tips: np.ndarray) -> None:
-        """Simulate ``len(tips)`` ticks into ``rows`` (motors, ticks, Column), ``words`` of the same
-        shape (Word) and ``tips`` (ticks, Tip).
-        """
-        at = 0
-        while at < len(tips) or not len(tips):
-            more = min(self._events.ticks_left(), len(tips) - at)
-            self._run(rows[:, at : at + more], words[:, at : at + more], tips[at : at + more])
-            at += more
-            self._events.pass_(more)
-            if not len(tips):
-                return
-            while (update := self._events.due(self._look)) is not None:
-                self._commit(update)
 
     def _look(self) -> Planes | Command:
         if self._servo:
@@ -638,7 +547,7 @@ class JointSimulation:
         q = (self._counts + 0.5) * cell
         place, torque, acting = self.space.arm.tip(q)[None, :], np.zeros(len(q)), 0
         jacobian = self.space.arm.jacobian(q)
-        for shape, spring in zip(self.space.shapes, self._springs, strict=True):
+        for shape, spring in zip(self.space.shapes, self.springs, strict=True):
             depth, normal = shape.depth(place)
             if depth[0] > 0.0:
                 torque -= spring * depth[0] * (jacobian.T @ normal[0])
@@ -649,7 +558,7 @@ class JointSimulation:
         if isinstance(update, Command):
             self._commands[:], self._acting = update
             return
-        self._singular += len(update.singular)
+        self.singular_updates += len(update.singular)
         if self.golden:
             planes, vectors, most = as_words(update)
             if surfaces.accepts(planes, vectors):
@@ -682,48 +591,9 @@ class JointSimulation:
             self._substeps, self._arm, self._motors, noises, *self._room,
         )  # fmt: skip
 
-    @property
-    def singular_updates(self) -> int:
-        """Planes that the host didn't send, as no motor moves the tip along their normal."""
-        return self._singular
-
 
 class Command(NamedTuple):
     """What a servo asks for: currents (motors,) in A, and how many surfaces it is in."""
 
     currents: np.ndarray
     acting: int
-
-
-_Update = TypeVar("_Update")
-
-
-class _Events(Generic[_Update]):
-    """When a host looks, ``every`` so many ticks, and when what it made of that is committed:
-    ``delay`` ticks later and up to ``jitter`` more, but never before what it saw earlier.
-    """
-
-    def __init__(self, every: int, delay: float, jitter: float) -> None:
-        self._every, self._delay, self._jitter = every, delay, jitter
-        self._rng = np.random.default_rng(JITTER_SEED)
-        self._now, self._next_look, self._last = 0, every, 0
-        self._coming: deque[tuple[int, _Update]] = deque()
-
-    def ticks_left(self) -> int:
-        """Ticks until the next event."""
-        commit = self._coming[0][0] if self._coming else self._next_look
-        return min(commit, self._next_look) - self._now
-
-    def pass_(self, ticks: int) -> None:
-        self._now += ticks
-
-    def due(self, look: Callable[[], _Update]) -> _Update | None:
-        """What is committed now, after ``look`` was called where it is time to."""
-        if self._now == self._next_look:
-            self._next_look += self._every
-            late = self._delay + self._jitter * self._rng.random()
-            self._last = max(self._last, self._now + round(late))
-            self._coming.append((self._last, look()))
-        if self._coming and self._coming[0][0] == self._now:
-            return self._coming.popleft()[1]
-        return None

@@ -13,6 +13,9 @@ import numpy as np
 from wavehaptics.ladder.abilities import WITHOUT_WORDS, refuse
 from wavehaptics.ladder.device_abilities import refuse_device
 from wavehaptics.ladder.joint import JointSimulation
+from wavehaptics.ladder.joint_host import JointLoop
+from wavehaptics.ladder.joint_pins import JointPins
+from wavehaptics.ladder.seen import seen
 from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import Device
 from wavehaptics.trace.columns import TRACE_FILE, Column, TraceWriter, Word
@@ -35,10 +38,14 @@ OF_A_MOTOR = (
 """Metrics that a motor of a device has for itself; what a wall feels like is the tip's."""
 
 
+def _simulation(device: Device, controller: str) -> JointLoop:
+    return JointPins(device) if controller == "pins" else JointSimulation(device, controller)
+
+
 class _Gathered:
     """Traces and metrics of a device's run."""
 
-    def __init__(self, device: Device, controller: str, simulation: JointSimulation) -> None:
+    def __init__(self, device: Device, controller: str, simulation: JointLoop) -> None:
         self._simulation, tick_s = simulation, simulation.tick_s
         self._words = controller not in WITHOUT_WORDS
         anchored = [set_.anchored and self._words for set_ in simulation.settings]
@@ -61,9 +68,14 @@ class _Gathered:
     def result(self, wall_clock_s: float) -> tuple[dict[str, Any], list[dict[str, Any]]]:
         """Metrics of the tip and of each motor."""
         of_motors = []
-        for metrics in self.metrics:
-            found = metrics.result(wall_clock_s=wall_clock_s)
-            of_motors.append({key: found[key] for key in OF_A_MOTOR})
+        for n, metrics in enumerate(self.metrics):
+            found = metrics.result(
+                wall_clock_s=wall_clock_s, clock_cycles=self._simulation.clock_cycles
+            )
+            own = {key: found[key] for key in OF_A_MOTOR}
+            if isinstance(self._simulation, JointPins):
+                own |= seen(self._simulation.motors[n])
+            of_motors.append(own)
         tip = self.tip.result(wall_clock_s)
         return {**tip, "singular_updates": self._simulation.singular_updates}, of_motors
 
@@ -84,7 +96,7 @@ def measure_device(
     for scene in device.scenes:
         refuse(scene, controller)
     refuse_device(device, controller)
-    simulation = JointSimulation(device, controller)
+    simulation = _simulation(device, controller)
     gathered = _Gathered(device, controller, simulation)
     ticks = max(1, round(device.scenes[0].scene.duration_s / simulation.tick_s))
     motors, room = len(device.scenes), min(ticks, CHUNK_TICKS)

@@ -76,15 +76,16 @@ def true_bus_v(scene: Scene) -> float:
 
 def pass_ticks(
     rows: Sequence[np.ndarray], words: Sequence[np.ndarray], kept: np.ndarray,
-    motors: Sequence[PinsSimulation], clocks: int = 0,
+    motors: Sequence[PinsSimulation], clocks: int = 0, tip: tuple | None = None,
 ) -> None:  # fmt: skip
     """Fill the ``rows`` and ``words`` of each motor, all of them at one controller.
 
     ``kept`` are the motors' own arrays of that name. Where there are no rows, ``clocks`` pass.
+    ``tip`` is what :func:`pins_loop.advance` has of a hand at the motors' tip.
     """
     done = np.zeros(len(motors), dtype=np.int64)
     parts = tuple(motor.parts for motor in motors)
-    if not pins_loop.advance(tuple(rows), tuple(words), clocks, done, kept, parts):
+    if not pins_loop.advance(tuple(rows), tuple(words), clocks, done, kept, parts, tip):
         raise RuntimeError("the controller's RTL stopped answering")
 
 
@@ -136,7 +137,7 @@ class PinsSimulation:
         self._kept[pins_loop.TICK_START] = -1
         self._kept[pins_loop.PINS] = self._idle_pins(time.frame)
         self._kept[pins_loop.HELD] = 1 << (sensor.bits - 1)
-        self._sums = np.zeros(pins_loop.HIGHEST_V + 1)
+        self._sums = np.zeros(pins_loop.HAND_NM + 1)
         self._sums[pins_loop.X0] = self._state[X]
         self._sums[pins_loop.HAND0] = self._state[P] + self._state[C]
         self._pending = np.zeros((pins_loop.PENDING, len(Column)))

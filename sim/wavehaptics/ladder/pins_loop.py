@@ -48,6 +48,7 @@ from wavehaptics.motor.sensor import (
 from wavehaptics.motor.sigma_delta import next_bit
 from wavehaptics.motor.step import motor_step
 from wavehaptics.motor.supply import BUS_V, SAG_OHM, STEP_PART, STEP_S
+from wavehaptics.motor.tip_hand import put_hand_torque
 from wavehaptics.runtime.compiled import compiled, compiled_drawing
 from wavehaptics.runtime.native_call import call2
 from wavehaptics.trace.columns import Word, put_anchor, put_estimate, put_motion, put_port
@@ -69,13 +70,16 @@ _PORT = 28
 """Of several motors: whose step is done, 3 bits."""
 _OTHERS = 32
 """And the second motor's gates, 4 bits each."""
+_SURFACES = 60
+"""And how many surfaces act in a step, 2 bits."""
 _WIRES = (1 << TICK) - 1 | (1 << 28) - 1 << _OTHERS
 _SEEN = (1 << _PORT) - 1
 MOTOR_INPUTS = 3
 """Inputs of a motor, as :func:`advance` gives them."""
-WORDS_OF, PORT_WORD = 12, 11
-"""Words of a step in a buffer, the last of which asks for those of a motor and becomes its contact
-(``sim/verilated/ports_shim.cpp``)."""
+WORDS_OF, PORT_WORD, ACTING = 13, 11, 12
+"""Words of a step in a buffer. PORT_WORD asks for those of a motor and becomes its contact
+(``sim/verilated/ports_shim.cpp``); ACTING is how many surfaces act."""
+POSITION_WORD = 9
 # Places in the loop's integer parameters.
 (
     MODEL, CLOCK, WORDS, TICK_CLOCKS, CODE_SHIFT, DATA_BITS, U_MAX, SUBSTEP_CLOCKS,
@@ -94,8 +98,13 @@ WORDS_OF, PORT_WORD = 12, 11
 # Places in what the loop has of a motor.
 STATE, KEPT, SUMS, TICKS, TABLES, INTS, FLOATS, PLANT, ADC, DRAWS, STEP, MODULATOR, REAL = range(13)
 # Places in the sums of the tick that is running. Behind them, where the supply takes nothing back
-# (FARAD): what the bus' capacitors hold, and the highest bus so far, V.
-CHARGE, SQUARE, WORK, VOLT_SECONDS, LOW, HIGH, X0, HAND0, T0, HELD_V, HIGHEST_V = range(11)
+# (FARAD): what the bus' capacitors hold, and the highest bus so far, V. At last the torque that a
+# hand at the tip of several motors has against this rotor, N·m.
+CHARGE, SQUARE, WORK, VOLT_SECONDS, LOW, HIGH, X0, HAND0, T0, HELD_V, HIGHEST_V, HAND_NM = range(12)
+# Places in what the loop has of a hand at the tip: the arm, the hand's words, [the clock at which
+# its torque is computed again, clocks between two of these], how many surfaces act in each tick;
+# and room: angles, speeds, J, places, torques.
+ARM, HAND, HAND_CLOCKS, ACTIVE, Q, OMEGAS, JACOBIAN, PLACES, TORQUES = range(9)
 
 
 @compiled(inline="always")
@@ -161,13 +170,16 @@ def _sensed(state, clock, sensor, real):
 
 
 @compiled()
-def _step(state, table, step_s, clocks, e, legs, load, sensor, real):
-    """One step at ``e`` V, which is ``legs`` times the bus; ∫i dt and ∫i² dt."""
+def _step(state, table, step_s, clocks, e, legs, load, besides, sensor, real):
+    """One step at ``e`` V, which is ``legs`` times the bus; ∫i dt and ∫i² dt.
+
+    ``besides`` acts against the rotor, N·m.
+    """
     if real is None:
-        return plant_step(state, table, step_s, e, load)
+        return plant_step(state, table, step_s, e, load, besides)
     else:
         first = state[I]
-        charge, square = motor_step(state, table, step_s, e, load, real[MOTOR])
+        charge, square = motor_step(state, table, step_s, e, load, real[MOTOR], besides)
         memory = real[LAG]
         memory[DRAWN] += legs * charge
         if legs != 0.0:
@@ -220,7 +232,9 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
                         sensor[HOLD_S] / floats[DT], sensor[RESTARTS],
                     )  # fmt: skip
                 _lead_moves(lead, sensor, real[LAG])
-        charge, square = _step(state, tables[part], step_s, part, e, legs, load, sensor, real)
+        charge, square = _step(
+            state, tables[part], step_s, part, e, legs, load, sums[HAND_NM], sensor, real
+        )
         if floating and before * state[I] <= 0.0:
             # The current ran out within the step and stays at zero: a triangle is left of it.
             if before != 0.0:
@@ -301,6 +315,8 @@ def _emit(rows, words, done, kept, pending, floats, ints, buffer):
     touching = kept[TOUCHED]
     row = pending[kept[EMITTED] % PENDING]
     eta = floats[ETA_CONTACT] if touching else floats[ETA_FREE]
+    if buffer[ACTING]:
+        eta = -1.0
     limited = abs(buffer[1]) >= ints[U_MAX]
     if ints[SET_BUS] or ints[ANCHORED]:  # the limit is not the same in every tick
         limited = buffer[4] != 0
@@ -417,7 +433,32 @@ def _edges(now, motors):
 
 
 @compiled()
-def _step_done(told, rows, words, done, motors):
+def _pull(now, motors, tip):
+    """The hand at the tip pulls by what it is in the middle of its coming step."""
+    half_s = 0.5 * tip[HAND_CLOCKS][1] * motors[0][FLOATS][DT]
+    for n in range(len(motors)):
+        state, kept, sums, _, tables, ints, floats, load, sensor, _, _, _, real = motors[n]
+        _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real)
+        tip[Q][n] = state[X] + half_s * state[OMEGA]
+        tip[OMEGAS][n] = state[OMEGA]
+    put_hand_torque(
+        tip[ARM], tip[HAND], motors[0][STATE][TIME] + half_s, tip[Q], tip[OMEGAS], tip[JACOBIAN],
+        tip[PLACES], tip[TORQUES],
+    )  # fmt: skip
+    for n in range(len(motors)):
+        motors[n][SUMS][HAND_NM] = -tip[TORQUES][n]
+    tip[HAND_CLOCKS][0] = now + tip[HAND_CLOCKS][1]
+
+
+@compiled(inline="always")
+def _put_acting(n, at, buffer, tip):
+    """How many surfaces act in a tick, which all motors have in common."""
+    if tip is not None and n == 0:
+        tip[ACTIVE][at] = buffer[ACTING]
+
+
+@compiled()
+def _step_done(told, rows, words, done, motors, tip):
     """A step's words are there; whether the row that waited for them is made."""
     n = (told >> _PORT) & 7
     _, kept, _, pending, _, ints, floats, _, _, _, buffer, _, _ = motors[n]
@@ -425,16 +466,18 @@ def _step_done(told, rows, words, done, motors):
     call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
     kept[WAITS] = 1
     kept[TOUCHED] = (told >> TOUCHING) & 1
+    buffer[ACTING] = (told >> _SURFACES) & 3
     # In a slow tick its last step is done before it ends, and waits for its row.
     if kept[EMITTED] < kept[CLOSED] and done[n] < rows[n].shape[0]:
         _emit(rows[n], words[n], done[n], kept, pending, floats, ints, buffer)
+        _put_acting(n, done[n], buffer, tip)
         done[n] += 1
         return True
     return False
 
 
 @compiled()
-def _end_tick(told, rows, words, done, motors):
+def _end_tick(told, rows, words, done, motors, tip):
     """A tick of all motors ends; how many rows are made. Without rows the motors move on alone."""
     made = 0
     for n in range(len(motors)):
@@ -450,6 +493,7 @@ def _end_tick(told, rows, words, done, motors):
                 buffer[PORT_WORD] = n
                 call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
                 buffer[:5] = 0
+                buffer[ACTING] = 0
                 kept[TOUCHED] = buffer[PORT_WORD]
                 if len(motors) == 1:
                     buffer[8] = (told >> _ANCHOR_LOST) & 1
@@ -457,6 +501,7 @@ def _end_tick(told, rows, words, done, motors):
                 kept[WAITS] = 1
             if kept[WAITS] and done[n] < rows[n].shape[0]:
                 _emit(rows[n], words[n], done[n], kept, pending, floats, ints, buffer)
+                _put_acting(n, done[n], buffer, tip)
                 done[n] += 1
                 made += 1
         _end_load(real, ints[TICK_CLOCKS] * floats[DT])
@@ -467,12 +512,13 @@ def _end_tick(told, rows, words, done, motors):
 
 
 @compiled_drawing
-def advance(rows, words, clocks, done, kept, motors):
+def advance(rows, words, clocks, done, kept, motors, tip):
     """Clock the RTL until ``rows`` and ``words`` are filled; False if a core falls silent.
 
     They are of each motor; without ticks ``clocks`` pass. ``motors`` are tuples in the order of
     STATE...REAL, ``kept`` the arrays at KEPT as the rows of one, and ``done`` how many ticks each
-    motor has, 0 at first.
+    motor has, 0 at first. ``tip`` is a tuple in the order of ARM...TORQUES where a hand holds the
+    tip of all motors, and None where each has its own.
     """
     count = len(motors)
     ints = motors[0][INTS]
@@ -489,6 +535,8 @@ def advance(rows, words, clocks, done, kept, motors):
     look = _next_look(kept)
     inputs = _inputs(kept)
     while missing > 0 or now < end:
+        if tip is not None and now >= tip[HAND_CLOCKS][0]:
+            _pull(now, motors, tip)
         if now >= look:
             _edges(now, motors)
             look = _next_look(kept)
@@ -507,7 +555,7 @@ def advance(rows, words, clocks, done, kept, motors):
                 _wires(told, changed, motors)
                 look = _next_look(kept)
             inputs = _inputs(kept)
-        if told & 1 << CORE_VALID and _step_done(told, rows, words, done, motors):
+        if told & 1 << CORE_VALID and _step_done(told, rows, words, done, motors, tip):
             missing -= 1
             silent = 0
         if told & 1 << TICK:
@@ -520,7 +568,7 @@ def advance(rows, words, clocks, done, kept, motors):
         for n in range(count):
             kept[n, NOW] = now
         if now == tick_start:
-            made = _end_tick(told, rows, words, done, motors)
+            made = _end_tick(told, rows, words, done, motors, tip)
             missing -= made
             silent = 0 if made else silent + 1
             if silent > PENDING - 2 and rows[0].shape[0]:

@@ -7,26 +7,32 @@ import math
 import os
 from collections.abc import Sequence
 
+from wavehaptics.controller.pins_timing import turns_clocks
 from wavehaptics.controller.ports import controller_ports
 from wavehaptics.controller.settings import settings
+from wavehaptics.controller.tick_layout import CLOCK_HZ, FASTEST_CLOCK_HZ
 from wavehaptics.controller.turns import take_turns, turns_ports
 from wavehaptics.ladder.abilities import left_out, refuse
 from wavehaptics.ladder.device_abilities import left_out_of_device, refuse_device
 from wavehaptics.ladder.encoder import check_rates
-from wavehaptics.scene import Device, Scene
+from wavehaptics.scene import Device, Scene, Space
 from wavehaptics.trace.columns import ROW_BYTES, thinning
 
 
-def check(scene: Scene, controller: str, others: Sequence[Scene] = ()) -> float:
+def check(
+    scene: Scene, controller: str, others: Sequence[Scene] = (), space: Space | None = None
+) -> float:
     """The tick that it would run at, s, as one of the motors ``others``, which has it in it.
+
+    They move one tip in ``space``.
 
     :class:`SceneError`, one line, where ``controller`` can't do what the scene asks for, a word
     can't hold a value, or the rows of its trace can't be held.
     """
     refuse(scene, controller)
     tick_s = 1.0 / scene.controller.tick_hz
-    if controller == "pins" and take_turns(others):
-        tick_s = turns_ports(others)[0].timing.tick_s
+    if controller == "pins" and (space is not None or take_turns(others)):
+        tick_s = turns_ports(others, len(space.surface) if space else 0)[0].timing.tick_s
     elif controller == "pins":
         tick_s = controller_ports(scene).timing.tick_s
     else:
@@ -43,9 +49,11 @@ def check_device(device: Device, controller: str) -> list[str]:
     told = []
     if missing := left_out_of_device(device, controller):
         told.append(f"`{controller}` leaves out {', '.join(missing)}")
+    if controller == "pins" and device.space is not None:
+        told += _of_clock(device.scenes, len(device.space.surface))
     for name, scene in device.motors.items():
         of = f"{name}: " if len(device.motors) > 1 else ""
-        tick_hz = 1.0 / check(scene, controller, device.scenes)
+        tick_hz = 1.0 / check(scene, controller, device.scenes, device.space)
         asked_hz = scene.controller.tick_hz
         if not math.isclose(tick_hz, asked_hz, rel_tol=1e-6):
             told.append(
@@ -55,6 +63,18 @@ def check_device(device: Device, controller: str) -> list[str]:
         if missing := left_out(scene, controller):
             told.append(f"{of}`{controller}` leaves out {', '.join(missing)}")
     return told
+
+
+def _of_clock(scenes: Sequence[Scene], surfaces: int) -> list[str]:
+    """A line where motors with surfaces take a clock that is faster than a board's."""
+    time = turns_ports(scenes, surfaces)[0].timing
+    if scenes[0].controller.clock_hz is not None or time.clock_hz <= FASTEST_CLOCK_HZ:
+        return []
+    least = turns_clocks(len(scenes), surfaces=surfaces)
+    return [
+        f"`pins` has a clock of {time.clock_hz / 1e6:.0f} MHz for this tick; a board's "
+        f"{CLOCK_HZ / 1e6:.0f} MHz has time for controller.tick_hz = {CLOCK_HZ / least:.3g} Hz"
+    ]
 
 
 def _check_memory(scene: Scene, tick_s: float) -> None:

@@ -24,13 +24,13 @@ from wavehaptics.ladder.joint_run import run_joint
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.r_hat_error import Estimate
 from wavehaptics.ladder.sampled import SampledSimulation
+from wavehaptics.ladder.seen import seen
 from wavehaptics.ladder.turns_pins import TurnsSimulation
 from wavehaptics.runtime.files import write_json
 from wavehaptics.scene import Device, Scene
 from wavehaptics.trace.columns import TRACE_FILE, Column, TraceWriter, Word
 from wavehaptics.trace.metrics import Metrics
 from wavehaptics.trace.pictures import run_picture
-from wavehaptics.words.faults import FAULTS, bits_of
 
 CHUNK_TICKS = 1 << 15
 """Ticks simulated at a time: enough to hide Python's overhead, few enough for the caches."""
@@ -197,7 +197,7 @@ class _Measurement:
         )
         if self._compare and self._controller != "analog" and self._scene.shaper is not None:
             result["reasons"]["torque_nrmse_vs_analog"] = "the analog circuit has no W"
-        return result | self._estimate.result() | _seen(simulation)
+        return result | self._estimate.result() | seen(simulation)
 
 
 def _measured(
@@ -218,25 +218,6 @@ def _measured(
         if progress is not None:
             progress((first + part.stop) / ticks)
     return [one.result(wall_clock_s / len(motors)) for one in motors]
-
-
-_FAULTS = ("a tick too short for its work", "more than one encoder edge in a clock")
-"""First bits of :attr:`wavehaptics.ladder.pins.PinsSimulation.faults`; behind them the guard's."""
-
-
-def _seen(simulation: Simulation) -> dict[str, Any]:
-    """The highest voltage of a bus that isn't drained, and faults that the RTL reported.
-
-    With a fault the run is not a valid run of the scene.
-    """
-    highest_v = getattr(simulation, "bus_highest_v", None)
-    bus = {} if highest_v is None else {"bus_highest_v": highest_v}
-    faults = getattr(simulation, "faults", 0)
-    seen = [text for bit, text in enumerate(_FAULTS) if faults >> bit & 1]
-    if guard := faults >> len(_FAULTS):
-        names = ", ".join(FAULTS[bit][0] for bit in bits_of(guard))
-        seen.append(f"switched off at {getattr(simulation, 'off_s', 0.0):.6g} s: {names}")
-    return bus | ({"faults": "; ".join(seen)} if seen else {})
 
 
 def _anchored(controller: str, simulation: Simulation) -> bool:

@@ -27,10 +27,13 @@ from wavehaptics.words.table import Sizes, Values
 
 
 class TurnsSimulation:
-    """The motors of ``scenes``, one or more, at one controller."""
+    """The motors of ``scenes``, one or more, at one controller.
 
-    def __init__(self, scenes: Sequence[Scene]) -> None:
-        ports = turns_ports(scenes)
+    There are so many ``surfaces`` across them, with a ``budget`` in squares of a wave's LSB.
+    """
+
+    def __init__(self, scenes: Sequence[Scene], surfaces: int = 0, budget: int = 0) -> None:
+        ports = turns_ports(scenes, surfaces)
         walls = max(MIN_WALLS, *(len(one.walls) for one in ports))
         values = [scene_values(scene, one, walls) for scene, one in zip(scenes, ports, strict=True)]
         self._design = verilated.Design(
@@ -39,13 +42,14 @@ class TurnsSimulation:
             {
                 "N": len(scenes), "WALLS": walls, "DELAY_LOG2": DELAY_LOG2,
                 "SHAPER": sections(scenes),
+                **({"SURFACES": surfaces} if surfaces else {}),
                 **soldered(ports[0]),
             },
             ("ports_steps.vlt",),
         )  # fmt: skip
         self._library = verilated.load(self._design)
         verilated.declare_destructor(self._library.wh_ports_delete)
-        self._model = self._new_model(ports, values)
+        self._model = self._new_model(ports, values, budget)
         self.motors = [
             _Motor(scene, one, self._library, self._model)
             for scene, one in zip(scenes, ports, strict=True)
@@ -59,13 +63,13 @@ class TurnsSimulation:
             motor._kept = kept
         self.tick_s = self.motors[0].tick_s
 
-    def _new_model(self, ports: Sequence[Ports], values: Sequence[Values]) -> int:
+    def _new_model(self, ports: Sequence[Ports], values: Sequence[Values], budget: int) -> int:
         """The RTL, where its first tick begins."""
         inputs = sum(
             pins_loop.encoder_levels.py_func(one.start_count) << pins_loop.MOTOR_INPUTS * n
             for n, one in enumerate(ports)
         )
-        model = new_ports(self._library, self._design.sizes, values, inputs)
+        model = new_ports(self._library, self._design.sizes, values, inputs, budget)
         if not model:
             raise RuntimeError("the controller's RTL never got its ADC ready")
         return model
@@ -86,7 +90,7 @@ class TurnsSimulation:
 
 
 def new_ports(
-    library: ctypes.CDLL, sizes: Sizes, values: Sequence[Values], inputs: int
+    library: ctypes.CDLL, sizes: Sizes, values: Sequence[Values], inputs: int, budget: int = 0
 ) -> int | None:
     """``wh_ports`` with the ``values`` of each port, where its first tick begins."""
     shared = shared_words(values[0], sizes, len(values))
@@ -94,10 +98,10 @@ def new_ports(
              for word in pair]  # fmt: skip
     new = library.wh_ports_new
     words = ctypes.POINTER(ctypes.c_uint32)
-    new.argtypes, new.restype = [words, words, *[ctypes.c_int64] * 3], ctypes.c_void_p
+    new.argtypes, new.restype = [words, words, *[ctypes.c_int64] * 4], ctypes.c_void_p
     return new(
         (ctypes.c_uint32 * len(shared))(*shared), (ctypes.c_uint32 * len(pairs))(*pairs),
-        len(pairs) // 2, values[0]["bus"], inputs,
+        len(pairs) // 2, values[0]["bus"], budget, inputs,
     )  # fmt: skip
 
 
