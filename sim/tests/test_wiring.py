@@ -332,9 +332,11 @@ def test_a_bad_table_of_a_power_board_is_refused(tmp_path, old, new, said):
 
 
 def test_its_pump_bears_its_ticks_and_no_longer_one(bought):
-    """A period of 25 kHz; a tenth more, and a Schmitt buffer may shut."""
+    """A period of 25 kHz, or of 100 or 200; a tenth more, and a Schmitt buffer may shut."""
     assert set(spice.board_ticks(bought).values()) == {40e-6}
     assert spice.complaints(bought) == []
+    shorter = spice.stops(bought, [5e-6, 10e-6, 20e-6], spice.corners(bought))
+    assert spice.stop_complaints(bought, shorter) == []
     longest_s = bought.stop.longest_tick_s
     longer = spice.stops(bought, [1.1 * longest_s], spice.corners(bought))
     lines = spice.stop_complaints(bought, longer)
