@@ -363,11 +363,11 @@ def test_its_sheet(table, bought):
 def test_its_gates_are_enabled_by_the_pump_through_the_emergency_stop(bought):
     sheet = drawings.POWER_BOARDS["boostxl"](bought)
     assert sheet.net_of("U3.out") == {"U3.out", "S1b.1"}
-    assert sheet.net_of("nEn_uC") == {"nEn_uC", "S1b.2", "A1.13 nEn_uC"}
+    assert sheet.net_of("nEn_uC") == {"nEn_uC", "S1b.2", "PB.13 nEn_uC"}
     assert sheet.net_of("PS1.+") == {"PS1.+", "S1a.1"}
-    assert sheet.net_of("VBUS") == {"VBUS", "F1#1.2", "D2#1.2", "A1.J4 +"}
+    assert sheet.net_of("VBUS") == {"VBUS", "F1#1.2", "D2#1.2", "PB.J4 +"}
     for pin, port in (("40 PWM_AH", "gate_ah"), ("35 PWM_CL", "gate_cl")):
-        assert sheet.net_of(port) == {port, f"A1.{pin}"}
+        assert sheet.net_of(port) == {port, f"PB.{pin}"}
     for number, (pin, name) in enumerate((("A0", "IA"), ("A1", "IB")), 1):
         assert f"U8.{pin}" in sheet.net_of(name)
         assert f"R23#{number}.1" in sheet.net_of(name)

@@ -433,14 +433,14 @@ def boostxl(table: Table) -> Sheet:
             "37 PWM_BL": "gate_bl", "36 PWM_CH": "gate_ch", "35 PWM_CL": "gate_cl",
             "13 nEn_uC": "nEn_uC", "27 IA": "IA", "28 IB": "IB"}  # fmt: skip
     board = s.box(
-        "A1", (3.4, 6.4), (6.4, 9.8),
+        "PB", (3.4, 6.4), (6.4, 9.8),
         {
             "left": {pin: 9.2 - 0.9 * row for row, pin in enumerate(ways)} | {"20, 22 GND": 0.6},
             "right": {"VA": 7.0, "VB": 6.0, "VC": 5.0},
             "top": {"J4 +": 2.0, "J4 −": 4.4},
         },
     )  # fmt: skip
-    s.text((7.0, 8.9), s.value("A1"), align="top", small=True)
+    s.text((7.0, 8.9), s.value("PB"), align="top", small=True)
     inside = [s.value(name, one_line=True) for name in ("U4", "R4", "R5", "R6", "U7", "C8")]
     s.text((6.0, 12.3), "on it:\n" + "\n".join(inside), align="left", small=True, grey=True)
     for pin, name in ways.items():
@@ -520,7 +520,7 @@ def boostxl(table: Table) -> Sheet:
     s.frame((-1.6, 5.2), (26.0, -1.9), beside)
     five = s.value("PS2", one_line=True)
     s.text((16.6, -0.7), f"Encoder (its 5 V from {five}) and stop (S1c):\n"
-           "sheet of the inputs. A1 has 3.3 V of its own: join grounds alone.",
+           "sheet of the inputs. PB has 3.3 V of its own: join grounds alone.",
            align="left", small=True)  # fmt: skip
     return s
 
