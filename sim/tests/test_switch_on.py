@@ -75,7 +75,12 @@ NOT_SOLDERED = (
      r"33 mΩ; make both what is soldered$"),
     (with_scene("ulx3s", "controller.tick_hz=208333.33333333334"),
      r"boards/ulx3s/board\.toml: alive changes once a tick, 4\.8 µs, and the pump behind it lets "
-     r"go of the gates with more than 4 µs \(boards/wiring\.toml\); raise controller\.tick_hz$"),
+     r"go of the gates with more than 4 µs \(boards/wiring\.toml:\d+\); raise controller\.tick_h"),
+    # A power board has its own shunt and its own pump.
+    (with_fpga("ulx3s_gan", "sense", shunt_ohm=0.01, gain=10.0),
+     r"sense\.shunt_ohm is 10 mΩ, but R6 of boards/wiring_boostxl\.toml:\d+ has 5 mΩ; make both"),
+    (with_scene("ulx3s_gan", "controller.tick_hz=20e3", "drive.pwm_hz=20e3"),
+     r"once a tick, 50 µs, .* more than 40 µs \(boards/wiring_boostxl\.toml:\d+\); raise "),
 )  # fmt: skip
 
 
@@ -99,7 +104,7 @@ def test_a_boards_clamp_is_for_its_bus(name):
     assert clamp.clamp_v < board.fpga.bridge.bus_max_v
     # 1.5 kW, as the series is called.
     assert clamp.clamp_v * clamp.clamp_a == pytest.approx(1500, rel=0.01)
-    parts = load_table().parts
+    parts = load_table(name=board.fpga.wiring).parts
     assert board.fpga.bridge.clamp in f"{parts['D2'].type} {parts['D2'].rating}"
     assert re.search(r"(\d+) V$", parts["C8"].rating)[1] == f"{board.fpga.bridge.bus_max_v:g}"
 
@@ -122,7 +127,8 @@ def test_the_boards_keep_to_their_budgets(name):
         shortest_s *= words["min_pulse"] - words["dead_clocks"]
     assert shortest_s >= board.fpga.bridge.min_pulse_s
     assert words["min_pulse"] or shortest_s >= 2 * board.fpga.bridge.min_pulse_s
-    assert board.words().words["trip"] == round(2.0 / 2.5 * 2**15)
+    sense = board.fpga.sense
+    assert board.words().words["trip"] == round(sense.trip_a / board.scene.adc.full_scale_a * 2**15)
 
 
 @pytest.mark.parametrize(
@@ -492,9 +498,10 @@ def test_a_boards_scene_simulates_the_parts_that_it_names(name):
     assert scene.adc.full_scale_a == pytest.approx(sense.full_scale_a, rel=0.01)
     assert scene.adc.edge_hold_s == part.hold_s
     assert scene.adc.edge_hold_restarts == (part.hold_restarts if part.hold_s else True)
-    assert scene.adc.edge_settle_s == (part.settle_s or None)
-    edge_a = part.edge_part * scene.drive.bus_v / sense.shunt_ohm
-    assert scene.adc.common_mode_a == pytest.approx(edge_a)
+    # A brushless motor's model has no lag and no edges that settle.
+    settle_s, edge_a = part.settle_s, part.edge_part * scene.drive.bus_v / sense.shunt_ohm
+    assert scene.adc.edge_settle_s == (None if board.brushless else settle_s or None)
+    assert scene.adc.common_mode_a == pytest.approx(0.0 if board.brushless else edge_a)
     assert scene.adc.bandwidth_hz == (None if board.brushless else part.lag_hz)
     half_step_a = scene.adc.full_scale_a / 2**scene.adc.bits
     assert scene.adc.noise_a >= max(0.98 * half_step_a, part.noise_a)

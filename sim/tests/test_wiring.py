@@ -79,7 +79,7 @@ def test_diodes_are_those_of_the_data_sheet(table, which):
 
 def test_gates_are_shut_soon_after_the_last_change(table):
     """At each board's tick, stopped high and low, in every corner of parts, supply and warmth."""
-    ticks_s = sorted(set(spice.board_ticks().values()))
+    ticks_s = sorted(set(spice.board_ticks(table).values()))
     found = spice.stops(table, ticks_s, spice.corners(table))
     assert len(found) == len(ticks_s) * 2 * 24
     assert spice.stop_complaints(table, found) == []
@@ -296,6 +296,83 @@ def test_a_wire_that_ends_at_another_without_a_dot_is_found(table):
     assert {"b", "R1#1.1"} <= sheet.net_of("a")
 
 
+# ---- A power board that is bought.
+
+
+@pytest.fixture(scope="module")
+def bought() -> Table:
+    return load_table(name="boostxl")
+
+
+def test_its_table_is_the_other_but_for_what_it_says(table, bought):
+    assert bought.name == "boostxl"
+    assert bought.part("R2") == table.part("R2")
+    assert bought.part("C1").value == pytest.approx(10 * table.part("C1").value)
+    assert (bought.levels, bought.schmitt) == (table.levels, table.schmitt)
+    assert bought.stop.longest_tick_s == pytest.approx(10 * table.stop.longest_tick_s)
+    assert "U5" in table.parts
+    assert "U5" not in bought.parts
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('"C4", "R21"', '"C4", "R99"', r"_boostxl.toml: without: there is no part R99; leave"),
+        ("value = 22e-9", 'value = "22n"', r"_boostxl.toml:\d+: parts.C1.value.float: .* num"),
+    ],
+)  # fmt: skip
+def test_a_bad_table_of_a_power_board_is_refused(tmp_path, old, new, said):
+    (tmp_path / "boards").mkdir()
+    for name in ("wiring.toml", "wiring_boostxl.toml"):
+        text = (ROOT / "boards" / name).read_text()
+        (tmp_path / "boards" / name).write_text(text.replace(old, new, 1))
+    with pytest.raises(WiringError, match=said) as refusal:
+        load_table(tmp_path, "boostxl")
+    assert "\n" not in str(refusal.value)
+
+
+def test_its_pump_bears_its_ticks_and_no_longer_one(bought):
+    """A period of 25 kHz, or of 100 or 200; a tenth more, and a Schmitt buffer may shut."""
+    assert set(spice.board_ticks(bought).values()) == {40e-6}
+    assert spice.complaints(bought) == []
+    shorter = spice.stops(bought, [5e-6, 10e-6, 20e-6], spice.corners(bought))
+    assert spice.stop_complaints(bought, shorter) == []
+    longest_s = bought.stop.longest_tick_s
+    longer = spice.stops(bought, [1.1 * longest_s], spice.corners(bought))
+    lines = spice.stop_complaints(bought, longer)
+    assert any(re.search(r"pass sinks to .* V, and .* V may shut", line) for line in lines)
+
+
+def test_the_others_pump_is_none_for_it(table, bought):
+    wrong = bought.changed(C1=table.part("C1").value, C2=table.part("C2").value)
+    found = spice.stops(wrong, [40e-6], [spice.nominal(wrong)])
+    assert any("may shut" in line for line in spice.stop_complaints(wrong, found))
+
+
+def test_its_sheet(table, bought):
+    """Every wire ends at something, the picture is kept, and no part that it has is missing."""
+    sheet = drawings.POWER_BOARDS["boostxl"](bought)
+    kept = (ROOT / drawings.FOLDER / "boostxl.svg").read_text()
+    assert drawings.texts(kept) == drawings.texts(sheet.svg())
+    assert drawings.lines(kept) == drawings.lines(sheet.svg())
+    assert sheet.loose() == []
+    elsewhere = drawings.inputs(table).shown
+    assert sheet.shown <= set(bought.parts) <= sheet.shown | elsewhere
+
+
+def test_its_gates_are_enabled_by_the_pump_through_the_emergency_stop(bought):
+    sheet = drawings.POWER_BOARDS["boostxl"](bought)
+    assert sheet.net_of("U3.out") == {"U3.out", "S1b.1"}
+    assert sheet.net_of("nEn_uC") == {"nEn_uC", "S1b.2", "PB.13 nEn_uC"}
+    assert sheet.net_of("PS1.+") == {"PS1.+", "S1a.1"}
+    assert sheet.net_of("VBUS") == {"VBUS", "F1#1.2", "D2#1.2", "PB.J4 +"}
+    for pin, port in (("40 PWM_AH", "gate_ah"), ("35 PWM_CL", "gate_cl")):
+        assert sheet.net_of(port) == {port, f"PB.{pin}"}
+    for number, (pin, name) in enumerate((("A0", "IA"), ("A1", "IB")), 1):
+        assert f"U8.{pin}" in sheet.net_of(name)
+        assert f"R23#{number}.1" in sheet.net_of(name)
+
+
 # ---- The pages.
 
 
@@ -324,21 +401,27 @@ def test_a_boards_page_warns(name):
     assert "No pin here tolerates 5 V." in text
     assert f"stay off until this image is in flash**: `make flash BOARD={name}`" in text
     assert "../../docs/wiring/switching_on.md" in text
-    family = load_board(name).fpga.family
-    assert f"R3 and R4, {load_table().text('R4', family)} each" in text
+    fpga = load_board(name).fpga
+    if fpga.wiring is None:
+        assert f"R3 and R4, {load_table().text('R4', fpga.family)} each" in text
+    else:
+        assert f"../../docs/wiring/{fpga.wiring}.svg" in text
 
 
 @pytest.mark.parametrize("name", board_names())
-def test_scale_of_the_current_is_that_of_shunt_and_gain(table, name):
+def test_scale_of_the_current_is_that_of_shunt_and_gain(name):
     """And of the parts that the build of a board is told of."""
     board = load_board(name)
+    table = load_table(name=board.fpga.wiring)
     assert board.scene.adc.full_scale_a == pytest.approx(pages.full_scale_a(table), rel=0.01)
     sense = board.fpga.sense
     assert sense.shunt_ohm == table.part("R6").of(board.fpga.family)
     assert (sense.gain, sense.swing_v) == (table.current.gain, table.current.swing_v)
     assert sense.supply_v == table.supply.logic_v
     assert table.text("U7").startswith(sense.amplifier)
-    assert (board.fpga.adc, board.fpga.bridge.driver) == (table.text("U8"), table.text("U5"))
+    driver, adc = (table.text("U5"), "U8") if table.name is None else ("LMG5200", "U8")
+    assert board.fpga.bridge.driver == driver
+    assert board.fpga.adc in f"{table.text(adc)}, {table.part(adc).role}"
 
 
 def test_overcurrent_is_below_what_the_amplifier_can_tell(table):

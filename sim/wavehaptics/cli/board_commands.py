@@ -59,12 +59,13 @@ def bitstream(board: BoardArgument, device: DeviceOption = None, seed: SeedOptio
 def synth(
     jobs: Annotated[int, typer.Option(min=1, help="Boards that are made at a time.")] = 1,
 ) -> None:
-    """Make the bitstreams of all boards, and build/synth/summary.json."""
+    """Make the bitstreams of all boards but those on demand, and build/synth/summary.json."""
     results = []
     try:
-        boards, tools = [load_board(name) for name in board_names()], Toolchain.of_environment()
+        boards, tools = list(map(load_board, board_names())), Toolchain.of_environment()
         for board in boards:
             synthesis.check_board(board)
+        boards = [board for board in boards if not board.fpga.on_demand]
         # The work is the tools', which are processes of their own.
         with ThreadPoolExecutor(jobs) as pool:
             made = [pool.submit(synthesis.build_board, board, tools) for board in boards]

@@ -68,6 +68,12 @@ def pack(fields: Mapping[str, int]) -> int:
     return table.inputs(values, table.Sizes())["guard_i"]
 
 
+ZERO_A = 0.02
+ZERO_OF_SCALE = 0.008
+"""Current with the gates off, and in parts of the ADC's scale: 20 mA of 2.5 A. The rails of
+amplifier and ADC move it by the more, the wider the scale is."""
+
+
 class Limits(NamedTuple):
     """What the guard allows, SI; ``watched`` are the faults that count."""
 
@@ -75,7 +81,7 @@ class Limits(NamedTuple):
     damp: tuple[Fault, ...] = ()
     current_a: float = 5.0
     stuck_samples: int = 1000
-    zero_a: float = 0.02
+    zero_a: float = ZERO_A
     zero_s: float = 2e-3
     """How long the bridge has to be off before the current counts as an offset."""
     lost_v: float = 0.1
@@ -148,6 +154,7 @@ def board_limits(scene: Scene, ports: Ports, trip_a: float | None = None) -> Lim
     return Limits(
         watched=BOARD_FAULTS,
         current_a=current_a,
+        zero_a=max(ZERO_A, ZERO_OF_SCALE * ports.sensor.full_scale_a),
         energy=_energy_limit(scene, ports, current_a),
         stuck_samples=round(STUCK_S / ports.timing.tick_s) * ports.timing.samples,
         lost_v=LOST_OF_R * scene.controller.r_hat * rms_a,

@@ -27,8 +27,11 @@ from wavehaptics.trace.columns import Column, TraceWriter
 from wavehaptics.trace.pictures import run_picture
 
 TAP = ("hand.path=taps", "hand.amplitude_rad=0.05", "hand.frequency_hz=10", "hand.stiffness=0.4",
-       "scene.duration_s=0.055", "scene.trace_hz=100e3", "adc.noise_a=1e-3")  # fmt: skip
-"""Into the wall and to the deepest point; words without any noise are a stuck ADC to the guard."""
+       "scene.duration_s=0.055", "scene.trace_hz=100e3")  # fmt: skip
+"""Into the wall and to the deepest point."""
+
+NOISE_A = 1e-3
+"""Noise of the current at least; words without any are a stuck ADC to the guard."""
 
 PRESS_NM = {False: 0.014, True: 0.007}
 """Torque of the hold, N·m, by whether the motor is brushless."""
@@ -62,7 +65,12 @@ SHOWN = ("stiffness", "stiffness_predicted", "peak_torque", "held_nm", "moved_ce
 
 def tap(board: Board) -> Scene:
     """A tap with a motor that is what the board takes it for, on the board's wall."""
-    return board_scene(board, TAP)
+    return board_scene(board, (*TAP, _noise(board)))
+
+
+def _noise(board: Board) -> str:
+    assert board.scene.adc is not None
+    return f"adc.noise_a={max(NOISE_A, board.scene.adc.noise_a)!r}"
 
 
 def hold(board: Board, sign: int = 1) -> Scene:
@@ -86,7 +94,7 @@ def hold(board: Board, sign: int = 1) -> Scene:
         f"brushes.drop_v={BRUSH_V}", "brushes.knee_a=5e-3", "brushes.segments=22",
         f"brushes.ripple={0.04 * sign}", "brushes.contact_noise=0.03",
         f"drive.step_v={0.05 * sign * bus_v!r}", f"drive.step_s={RAMP_S + 0.5 * HOLD_S}",
-        f"drive.gain_error={0.05 * sign}", f"adc.offset_a={4e-3 * sign}", "adc.noise_a=1e-3",
+        f"drive.gain_error={0.05 * sign}", f"adc.offset_a={4e-3 * sign}", _noise(board),
         f"adc.bandwidth_hz={1 / (2 * math.pi * LAG_S):.6g}",
     ), PRESS[False])  # fmt: skip
 
@@ -102,14 +110,15 @@ def _brushless_hold(board: Board, sign: int) -> Scene:
         f"controller.r_hat={controller.r_hat!r}", f"motor.R_ohm={motor.R_ohm / (1 + 0.1 * sign)!r}",
         f"controller.magnet_hat_rad={controller.magnet_hat_rad!r}",
         f"motor.magnet_rad={MAGNET_RAD}", "motor.harmonic_5=0.03",
-        f"drive.gain_error={0.05 * sign}", f"adc.offset_a={2e-3 * sign}", "adc.noise_a=1e-3",
+        f"drive.gain_error={0.05 * sign}", f"adc.offset_a={2e-3 * sign}", _noise(board),
     ), PRESS[True])  # fmt: skip
 
 
 def without_edges(scene: Scene) -> Scene:
-    """The scene for `golden`, whose bridge has no edges after which an amplifier holds."""
+    """The scene for `golden`, whose bridge has no edges for an amplifier."""
     assert scene.adc is not None
-    return scene.model_copy(update={"adc": scene.adc.model_copy(update={"edge_hold_s": 0.0})})
+    none = {"edge_hold_s": 0.0, "edge_settle_s": None, "common_mode_a": 0.0}
+    return scene.model_copy(update={"adc": scene.adc.model_copy(update=none)})
 
 
 class _Deepest:

@@ -92,7 +92,11 @@ class Sense(_Table):
 
 
 class Fpga(_Table):
-    """What ``fpga.toml`` holds."""
+    """What ``fpga.toml`` holds.
+
+    ``wiring`` names a power board that has a table of parts of its own. ``make synth``, and so a
+    release, leaves out a board that is made ``on_demand``.
+    """
 
     family: Literal["ice40", "ecp5"]
     devices: list[str] = Field(min_length=1)
@@ -111,6 +115,8 @@ class Fpga(_Table):
     pad_registers: bool = False
     sclk_pins: int = Field(1, ge=1)
     wire_s: float = Field(0.6e-9, ge=0)
+    wiring: str | None = None
+    on_demand: bool = False
     seeds: list[int] = Field(min_length=1)
     program: list[str] = Field(min_length=1)
     flash: list[str] = Field(min_length=1)
@@ -141,6 +147,12 @@ class Board:
     def constraints(self) -> Path:
         """The board's pins, from the root."""
         return Path("constraints", self.name + CONSTRAINT_SUFFIX[self.fpga.family])
+
+    @property
+    def wiring(self) -> list[Path]:
+        """Tables of what is soldered, from the root: the board's own, then what it changes."""
+        own = self.fpga.wiring
+        return [*([own_wiring(own)] if own else []), Path("boards", "wiring.toml")]
 
     @property
     def clock_hz(self) -> float:
@@ -192,6 +204,11 @@ def write_headers(board: Board, folder: Path) -> None:
     """Write :meth:`Board.headers` into ``folder``, from the working directory."""
     for name, text in board.headers().items():
         write_text(folder / name, text)
+
+
+def own_wiring(name: str) -> Path:
+    """The table of a power board: what it changes in ``boards/wiring.toml``, from the root."""
+    return Path("boards", f"wiring_{name}.toml")
 
 
 def board_names(root: Path = ROOT) -> list[str]:
@@ -263,6 +280,11 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
         raise BoardError(
             f"{places.of(('sclk_pins',))[1]}: sclk_pins = {fpga.sclk_pins} can't be shared "
             f"evenly by {fpga.motors} motors; take a divisor of motors"
+        )
+    if fpga.wiring is not None and not (root / own_wiring(fpga.wiring)).is_file():
+        raise BoardError(
+            f"{places.of(('wiring',))[1]}: there is no {own_wiring(fpga.wiring)}; "
+            "add it, or leave wiring out"
         )
     if fpga.adc not in PARTS:
         raise BoardError(f"{path}: adc = {fpga.adc!r} is not known; {', '.join(PARTS)} are")

@@ -7,6 +7,7 @@ The figures are those of ``fpga.toml`` and ``boards/sensing.toml``, where their 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from wavehaptics.fpga.boards import Board, BoardError
 from wavehaptics.parts import clamps
@@ -16,9 +17,6 @@ from wavehaptics.scene.keys import unknown_choice
 
 LEAST_DEAD_S = 20e-9
 """Shortest dead time at HI and LI: what the maker's forum advises to begin with for an LMG5200."""
-
-WIRING = "boards/wiring.toml"
-"""What is soldered, from the root."""
 
 _ROUNDING_S = 1e-12
 
@@ -93,23 +91,33 @@ def _check_clamp(board: Board) -> None:
         raise BoardError(f"{file}: D2, {bridge.clamp}, {why}; {cure}")
 
 
+def _soldered(board: Board, *key: str) -> tuple[Any, str]:
+    """A value of the tables of what is soldered, and where it stands."""
+    for path in board.wiring:
+        data, lines = parse((board.root / path).read_bytes())
+        if key in lines:
+            for step in key:
+                data = data[step]
+            return data, f"{path}:{lines[key]}"
+    raise BoardError(f"{board.wiring[-1]}: {'.'.join(key)} is missing; add it")
+
+
 def _check_wiring(board: Board) -> None:
     """:class:`BoardError` where the table of what is soldered says otherwise than the board."""
-    data, lines = parse((board.root / WIRING).read_bytes())
-    soldered_ohm = data["parts"]["R6"]["value"]
+    soldered_ohm, place = _soldered(board, "parts", "R6", "value")
     shunt_ohm = board.fpga.sense.shunt_ohm
     if abs(soldered_ohm / shunt_ohm - 1) > 1e-6:
         raise BoardError(
             f"{board.folder}/fpga.toml: sense.shunt_ohm is {1e3 * shunt_ohm:g} mΩ, but R6 of "
-            f"{WIRING}:{lines['parts', 'R6', 'value']} has {1e3 * soldered_ohm:g} mΩ; make both "
-            "what is soldered"
+            f"{place} has {1e3 * soldered_ohm:g} mΩ; make both what is soldered"
         )
-    tick_s, longest_s = board.words().ports.timing.tick_s, data["stop"]["longest_tick_s"]
+    longest_s, place = _soldered(board, "stop", "longest_tick_s")
+    tick_s = board.words().ports.timing.tick_s
     if tick_s > longest_s * (1.0 + 1e-9):
         raise BoardError(
             f"{board.folder}/board.toml: alive changes once a tick, {1e6 * tick_s:.3g} µs, and the "
             f"pump behind it lets go of the gates with more than {1e6 * longest_s:g} µs "
-            f"({WIRING}); raise controller.tick_hz"
+            f"({place}); raise controller.tick_hz"
         )
 
 

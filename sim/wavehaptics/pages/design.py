@@ -250,11 +250,13 @@ STATUS = (
 def options_of_boards(root: Path = ROOT) -> dict[str, dict[str, int]]:
     """Parameters of ``wh_controller`` or ``wh_device`` in each board's bitstream.
 
-    One that isn't set is left out.
+    One that isn't set is left out, and so are boards that are made on demand.
     """
     found = {}
     for name in board_names(root):
         board = load_board(name, root=root)
+        if board.fpga.on_demand:
+            continue
         top = (root / "boards" / "wh_board_controller.v").read_text(encoding="utf-8")
         (given,) = re.findall(_GIVEN, top, re.DOTALL)
         macros = dict(

@@ -11,14 +11,14 @@ import typer
 from wavehaptics.fpga.boards import BoardError
 from wavehaptics.scene import SceneError
 from wavehaptics.wiring import drawings, pages, spice
-from wavehaptics.wiring.parts import WiringError, load_table
+from wavehaptics.wiring.parts import WiringError, load_table, power_boards
 
 
 def main() -> None:
     """Exit status 1 for circuits that are not safe, 2 for a table that can't be read."""
     try:
         table = load_table()
-        unsafe = spice.complaints(table)
+        unsafe = [line for each in (table, *power_boards()) for line in spice.complaints(each)]
         for line in unsafe:
             typer.echo(f"wiring: {line}", err=True)
         if unsafe:

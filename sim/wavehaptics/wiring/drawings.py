@@ -12,11 +12,50 @@ from schemdraw import elements as elm
 
 from wavehaptics.runtime.files import write_text
 from wavehaptics.runtime.repository import ROOT
-from wavehaptics.wiring.parts import FAMILY_NAMES, Family, Table
-from wavehaptics.wiring.sheet import Sheet, Side
+from wavehaptics.wiring.parts import FAMILY_NAMES, Family, Table, load_table
+from wavehaptics.wiring.sheet import Point, Sheet, Side
 
 FOLDER = Path("docs", "wiring")
 """Where the pictures are kept, from the root."""
+
+
+def _enable(s: Sheet, table: Table, third: str, *, inverted: bool = False) -> Point:
+    """The charge pump of ``alive``, Schmitt buffer, supervisor and U3; the place of its output.
+
+    ``third`` is what U3's third input gets. U3 is a NAND gate where it is ``inverted``.
+    """
+    y = 3.2
+    s.tag((0.4, y), "alive", "left")
+    s.pull_down("R3", (1.2, y))
+    s.resistor("R1", (1.9, y), (3.4, y), "top")
+    s.wire((0.4, y), (1.9, y))
+    s.capacitor("C1", (3.4, y), (4.9, y), "top")
+    s.diode("D1", (4.9, y - 1.3), (4.9, y), "right", f"D1\n{table.text('D1')}\n(half)")
+    s.ground((4.9, y - 1.3))
+    s.dot((4.9, y))
+    s.diode("D1", (4.9, y), (7.2, y), "top", "D1 (other half)")
+    s.to_ground("C2", (7.6, y))
+    s.wire((7.2, y), (10.6, y))
+    s.pull_down("R2", (9.3, y))
+    s.text((8.5, y + 0.2), "pass", align="bottom", small=True)
+    clean = s.buffer("U1", (10.6, y))
+    (top, middle, bottom), out = s.gate("U3", (17.0, y - 0.5), inputs=3, inverted=inverted)
+    s.wire(clean, (clean[0], top[1]), top)
+    s.text((16.3, y + 0.25), s.value("U3"), align="bottom", small=True)
+    # The supervisor and the overcurrent.
+    supervisor = s.box(
+        "U2", (10.3, -0.9), (2.4, 1.1),
+        {"right": {"RESET": 0.55}, "left": {"VCC": 0.75, "GND": 0.25}},
+    )  # fmt: skip
+    s.text((11.5, -1.05), s.value("U2", one_line=True), align="top", small=True)
+    s.wire(supervisor["RESET"], (14.1, -0.35), (14.1, middle[1]), middle)
+    s.wire(supervisor["VCC"], (9.3, -0.15), (9.3, 0.1))
+    s.rail((9.3, 0.1), "3.3 V")
+    s.wire(supervisor["GND"], (9.3, -0.65), (9.3, -0.8))
+    s.ground((9.3, -0.8))
+    s.wire(bottom, (14.7, bottom[1]), (14.7, 1.0), (15.2, 1.0))
+    s.tag((15.2, 1.0), third, "right")
+    return out
 
 
 def gates(table: Table, family: Family) -> Sheet:
@@ -46,38 +85,7 @@ def gates(table: Table, family: Family) -> Sheet:
     s.ground((5.2, 6.25))
     s.frame((-1.6, 17.4), (8.2, 5.5), "FPGA's side: U4 beside the FPGA board, R4 and R21 at it")
     s.frame((8.9, 17.4), (14.5, 5.5), "bridge's side: at the half bridges")
-    # The pump.
-    y = 3.2
-    s.tag((0.4, y), "alive", "left")
-    s.pull_down("R3", (1.2, y))
-    s.resistor("R1", (1.9, y), (3.4, y), "top")
-    s.wire((0.4, y), (1.9, y))
-    s.capacitor("C1", (3.4, y), (4.9, y), "top")
-    s.diode("D1", (4.9, y - 1.3), (4.9, y), "right", f"D1\n{table.text('D1')}\n(half)")
-    s.ground((4.9, y - 1.3))
-    s.dot((4.9, y))
-    s.diode("D1", (4.9, y), (7.2, y), "top", "D1 (other half)")
-    s.to_ground("C2", (7.6, y))
-    s.wire((7.2, y), (10.6, y))
-    s.pull_down("R2", (9.3, y))
-    s.text((8.5, y + 0.2), "pass", align="bottom", small=True)
-    clean = s.buffer("U1", (10.6, y))
-    (top, middle, bottom), out = s.gate("U3", (17.0, y - 0.5), inputs=3)
-    s.wire(clean, (clean[0], top[1]), top)
-    s.text((16.3, y + 0.25), s.value("U3"), align="bottom", small=True)
-    # The supervisor and the overcurrent.
-    supervisor = s.box(
-        "U2", (10.3, -0.9), (2.4, 1.1),
-        {"right": {"RESET": 0.55}, "left": {"VCC": 0.75, "GND": 0.25}},
-    )  # fmt: skip
-    s.text((11.5, -1.05), s.value("U2", one_line=True), align="top", small=True)
-    s.wire(supervisor["RESET"], (14.1, -0.35), (14.1, middle[1]), middle)
-    s.wire(supervisor["VCC"], (9.3, -0.15), (9.3, 0.1))
-    s.rail((9.3, 0.1), "3.3 V")
-    s.wire(supervisor["GND"], (9.3, -0.65), (9.3, -0.8))
-    s.ground((9.3, -0.8))
-    s.wire(bottom, (14.7, bottom[1]), (14.7, 1.0), (15.2, 1.0))
-    s.tag((15.2, 1.0), "overcurrent_n, or 3.3 V without it", "right")
+    out = _enable(s, table, "overcurrent_n, or 3.3 V without it")
     s.wire(out, (17.5, out[1]), (17.5, 5.2), (bus_x, 5.2), (bus_x, 7.6))
     # Decoupling.
     for x, reference, where in (
@@ -417,6 +425,106 @@ def inputs(table: Table) -> Sheet:
     return s
 
 
+def boostxl(table: Table) -> Sheet:
+    """The wires between an FPGA board, a BOOSTXL-3PHGANINV and a PmodAD1."""
+    s = Sheet("Three boards: FPGA, BOOSTXL-3PHGANINV and PmodAD1", table, "ecp5")
+    s.text((-1.4, 18.3), s.title)
+    ways = {"40 PWM_AH": "gate_ah", "39 PWM_AL": "gate_al", "38 PWM_BH": "gate_bh",
+            "37 PWM_BL": "gate_bl", "36 PWM_CH": "gate_ch", "35 PWM_CL": "gate_cl",
+            "13 nEn_uC": "nEn_uC", "27 IA": "IA", "28 IB": "IB"}  # fmt: skip
+    board = s.box(
+        "PB", (3.4, 6.4), (6.4, 9.8),
+        {
+            "left": {pin: 9.2 - 0.9 * row for row, pin in enumerate(ways)} | {"20, 22 GND": 0.6},
+            "right": {"VA": 7.0, "VB": 6.0, "VC": 5.0},
+            "top": {"J4 +": 2.0, "J4 −": 4.4},
+        },
+    )  # fmt: skip
+    s.text((7.0, 8.9), s.value("PB"), align="top", small=True)
+    inside = [s.value(name, one_line=True) for name in ("U4", "R4", "R5", "R6", "U7", "C8")]
+    s.text((6.0, 12.3), "on it:\n" + "\n".join(inside), align="left", small=True, grey=True)
+    for pin, name in ways.items():
+        s.tag(board[pin], name, "left")
+    s.wire(board["20, 22 GND"], (2.4, board["20, 22 GND"][1]))
+    s.ground((2.4, board["20, 22 GND"][1]))
+    for lead in "ABC":
+        s.tag(board[f"V{lead}"], f"lead {lead.lower()} of the motor", "right")
+    s.wire(board["J4 −"], (board["J4 −"][0], 17.0), (9.2, 17.0))
+    s.ground((9.2, 17.0))
+    s.tag(board["J4 +"], "VBUS", "left")
+    # The bus.
+    y = 16.4
+    source = s.box("PS1", (14.2, 14.6), (2.1, 2.2), {"right": {"+": 1.8, "−": 0.4}}, label="PS1")
+    s.text((15.25, 15.6), "12 V with\na limit", align="top", small=True)
+    s.wire(source["+"], (17.6, y))
+    s.switch("S1", (17.6, y), (19.6, y), "S1a", "break contact")
+    s.two_ended(elm.FuseIEC, "F1", (20.2, y), (22.2, y), "top", "F1 4 A")
+    s.wire((19.6, y), (20.2, y))
+    s.resistor("R9", (20.2, y - 1.2), (22.2, y - 1.2), "bottom")
+    s.terminal((20.2, y - 1.2), (22.2, y - 1.2))
+    s.text((21.2, y - 0.35), "in F1's place at first", align="top", small=True, grey=True)
+    s.wire((22.2, y), (26.2, y))
+    s.dot((24.2, y))
+    s.two_ended(elm.Zener, "D2", (24.2, y - 1.5), (24.2, y), "left")
+    s.ground((24.2, y - 1.5))
+    s.tag((26.2, y), "VBUS", "right")
+    s.wire(source["−"], (17.2, 15.0))
+    s.ground((17.2, 15.0))
+    # The converters.
+    adc = s.box(
+        "U8", (20.2, 6.6), (3.8, 4.6),
+        {
+            "left": {"1 CS": 3.9, "2 D0": 2.9, "3 D1": 1.9, "4 SCLK": 0.9},
+            "right": {"A0": 3.4, "A1": 1.9}, "top": {"6 VCC": 1.0}, "bottom": {"5 GND": 1.9},
+        },
+    )  # fmt: skip
+    s.text((22.1, 9.4), s.value("U8"), align="top", small=True)
+    s.ground(adc["5 GND"])
+    s.wire(adc["6 VCC"], (21.2, 13.2))
+    s.rail((21.2, 13.2), "3.3 V")
+    s.wire((21.2, 12.9), (16.2, 12.9))
+    s.dot((21.2, 12.9), (18.0, 12.9))
+    sclk, chosen = adc["4 SCLK"][1], adc["1 CS"][1]
+    for x, y_pin in ((18.0, chosen), (16.2, sclk)):
+        s.wire((x, 12.9), (x, 12.6))
+        s.resistor("R19", (x, 12.6), (x, 11.3), "left")
+        s.wire((x, 11.3), (x, y_pin))
+        s.dot((x, y_pin))
+    sides: tuple[tuple[str, str, float, Side], ...] = (
+        ("1 CS", "adc_cs_n", 17.6, "bottom"),
+        ("4 SCLK", "adc_sclk", 15.8, "bottom"),
+    )
+    for pin, name, x, side in sides:
+        y_pin = adc[pin][1]
+        s.wire(adc[pin], (x, y_pin))
+        s.resistor("R8", (x - 1.6, y_pin), (x, y_pin), side)
+        s.tag((x - 1.6, y_pin), name, "left")
+    for pin, name in (("2 D0", "adc_sdata[0]"), ("3 D1", "adc_sdata[1]")):
+        s.tag(adc[pin], name, "left")
+    for pin, name in (("A0", "IA"), ("A1", "IB")):
+        y_pin = adc[pin][1]
+        s.wire(adc[pin], (27.4, y_pin))
+        s.pull_down("R23", (25.4 if name == "IA" else 26.6, y_pin))
+        s.tag((27.4, y_pin), name, "right")
+    # What enables the gates.
+    out = _enable(s, table, "3.3 V", inverted=True)
+    s.wire(out, (17.6, out[1]))
+    s.switch("S1", (17.6, out[1]), (19.6, out[1]), "S1b", "break contact")
+    s.tag((19.6, out[1]), "nEn_uC", "right")
+    s.wire((23.4, 3.6), (23.4, 3.3))
+    s.rail((23.4, 3.6), "3.3 V")
+    s.capacitor("C3", (23.4, 3.3), (23.4, 2.0), "right")
+    s.ground((23.4, 2.0))
+    s.text((22.6, 1.2), "at each of U1, U2, U3", align="left", small=True)
+    beside = "beside the FPGA board, on its 3.3 V: what pulls nEn_uC low while alive changes"
+    s.frame((-1.6, 5.2), (26.0, -1.9), beside)
+    five = s.value("PS2", one_line=True)
+    s.text((16.6, -0.7), f"Encoder (its 5 V from {five}) and stop (S1c):\n"
+           "sheet of the inputs. PB has 3.3 V of its own: join grounds alone.",
+           align="left", small=True)  # fmt: skip
+    return s
+
+
 SHEETS: dict[str, Callable[[Table], Sheet]] = {
     "gates_ice40": lambda table: gates(table, "ice40"),
     "gates_ecp5": lambda table: gates(table, "ecp5"),
@@ -426,6 +534,9 @@ SHEETS: dict[str, Callable[[Table], Sheet]] = {
     "inputs": inputs,
 }
 """Sheets by the names of their files."""
+
+POWER_BOARDS: dict[str, Callable[[Table], Sheet]] = {"boostxl": boostxl}
+"""The sheet of each power board that has a table of its own, by its name."""
 
 
 def texts(svg: str) -> list[str]:
@@ -446,9 +557,11 @@ def lines(svg: str) -> list[tuple[float, ...]]:
 
 def write(table: Table, root: Path = ROOT) -> list[Path]:
     """Draw every sheet into ``docs/wiring``."""
+    drawn = {name: draw(table) for name, draw in SHEETS.items()}
+    drawn |= {name: draw(load_table(root, name)) for name, draw in POWER_BOARDS.items()}
     paths = []
-    for name, draw in SHEETS.items():
+    for name, sheet in drawn.items():
         path = root / FOLDER / f"{name}.svg"
-        write_text(path, draw(table).svg() + "\n")
+        write_text(path, sheet.svg() + "\n")
         paths.append(path.relative_to(root))
     return paths

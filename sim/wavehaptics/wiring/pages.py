@@ -16,7 +16,7 @@ from wavehaptics.runtime import markers
 from wavehaptics.runtime.files import write_text
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.wiring import pins, spice
-from wavehaptics.wiring.parts import Part, Table, WiringError
+from wavehaptics.wiring.parts import Part, Table, WiringError, load_table
 
 WIRING = Path("docs", "wiring", "README.md")
 """The page of the circuits, from the root."""
@@ -43,8 +43,9 @@ def sizes() -> list[tuple[int, int]]:
 
 
 def bill(table: Table, *, options: bool) -> str:
-    """The parts for the boards of each size."""
-    columns = [f"{motors} motor{'s' if motors > 1 else ''}" for motors, _ in sizes()]
+    """The parts for the boards of each size; of a power board's table, for one motor."""
+    counted = sizes() if table.name is None else [(1, 1)]
+    columns = [f"{motors} motor{'s' if motors > 1 else ''}" for motors, _ in counted]
     head = ["", "part", "role", *columns, "has to keep", "instead"]
     lines = [_row([*head, "option"] if options else head)]
     lines += [f"|---|---|---|{'--:|' * len(columns)}---|---|" + ("---|" if options else "") + "\n"]
@@ -52,7 +53,7 @@ def bill(table: Table, *, options: bool) -> str:
         if (part.option is not None) != options:
             continue
         tolerance = f", {part.tolerance * 100:g} %" if part.tolerance else ""
-        counts = [str(count(part, *size)) for size in sizes()]
+        counts = [str(count(part, *size)) for size in counted]
         cells = [reference, part.text() + tolerance, part.role, *counts, part.rating,
                  part.substitute]  # fmt: skip
         lines.append(_row([*cells, part.option] if part.option else cells))
@@ -66,14 +67,14 @@ def current_a(time_s: float, limit_a: float = BUS_V / RESISTANCE_OHM) -> float:
 
 def pump(table: Table) -> str:
     """What the simulation makes of the charge pump: nominal, and the worst of all corners."""
-    ticks_s = sorted(set(spice.board_ticks().values()))
+    ticks_s = sorted(set(spice.board_ticks(table).values()))
     nominal = spice.stops(table, ticks_s, [spice.nominal(table)])
     everywhere = spice.stops(table, ticks_s, spice.corners(table))
-    lines = [
-        "| tick | stops | `pass` before, nominal | in all corners | shut after, nominal | at worst "
-        "| 12 V on 0.24 mH make by then |\n",
-        "|--:|---|--:|--:|--:|--:|--:|\n",
-    ]
+    head = ["tick", "stops", "`pass` before, nominal", "in all corners", "shut after, nominal",
+            "at worst"]  # fmt: skip
+    # The current is that of the motor which all boards of our own bridge have.
+    head += ["12 V on 0.24 mH make by then"] * (table.name is None)
+    lines = [_row(head), "|--:|---" + "|--:" * (len(head) - 2) + "|\n"]
     for stop in nominal:
         same = [s for s in everywhere if (s.tick_s, s.level) == (stop.tick_s, stop.level)]
         times_s = [s.shut_s for s in same]
@@ -90,7 +91,7 @@ def pump(table: Table) -> str:
                     f"{stop.shut_s * 1e6:.0f} µs",
                     f"{worst_s * 1e6:.0f} µs",
                     f"{current_a(worst_s):.1f} A",
-                ]
+                ][: len(head)]
             )
         )
     return "".join(lines)
@@ -108,7 +109,7 @@ def currents(table: Table) -> str:
         ("0 A", f"{half_v:.2f} V, mid-scale"),
         ("end of the ADC's scale, `full_scale_a`", f"± {half_v / per_a:.2f} A"),
         ("end of what U7 gives truly", f"± {(half_v - table.current.swing_v) / per_a:.2f} A"),
-        ("a sample takes the gates off, `[sense] trip_a`", _trips()),
+        ("a sample takes the gates off, `[sense] trip_a`", _trips(table)),
         ("option overcurrent, by R14 and R15", f"± {trips_a:.2f} A"),
         ("stall of the RE 25 at 12 V", f"{stall_a:.1f} A, off the scale"),
         ("heat in R6 at stall", f"{stall_a**2 * table.part('R6').of('ice40'):.1f} W"),
@@ -116,9 +117,9 @@ def currents(table: Table) -> str:
     return _row(["what", "value"]) + "|---|--:|\n" + "".join(_row(list(row)) for row in rows)
 
 
-def _trips() -> str:
+def _trips(table: Table) -> str:
     """The current at which the boards' own trip takes the gates off."""
-    found = sorted({load_board(name).fpga.sense.trip_a for name in board_names()})
+    found = sorted({board.fpga.sense.trip_a for board in spice.wired_so(table)})
     return "± " + ", ".join(f"{trip_a:.2f}" for trip_a in found) + " A"
 
 
@@ -154,10 +155,14 @@ def makers(table: Table) -> dict[Path, dict[str, Callable[[], str]]]:
         }
     }
     for board in board_names():
-        found[Path("boards", board, "README.md")] = {
+        made = found[Path("boards", board, "README.md")] = {
             "runs": partial(runs, board),
             "pins": partial(pins.table, board),
         }
+        wiring = load_board(board).fpga.wiring
+        if wiring is not None:
+            own = load_table(name=wiring)
+            made |= {"parts": partial(bill, own, options=False), "pump": partial(pump, own)}
     return found
 
 

@@ -9,6 +9,7 @@ from typing import Literal
 from matplotlib.ticker import EngFormatter
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from wavehaptics.fpga.boards import board_names, load_board, own_wiring
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import TomlError, parse
 
@@ -128,8 +129,14 @@ class Stop(_Strict):
 
 
 class Table(_Strict):
-    """The whole of ``boards/wiring.toml``."""
+    """The whole of ``boards/wiring.toml``, or of what a power board makes of it.
 
+    ``name`` is the power board's, and ``to`` where the wires of the FPGA's ports go there, as far
+    as that differs.
+    """
+
+    name: str | None = None
+    to: dict[str, str] = Field(default_factory=dict)
     supply: Supply
     levels: Levels
     schmitt: Schmitt
@@ -158,11 +165,32 @@ class Table(_Strict):
         return self.model_copy(update={"parts": parts})
 
 
-def load_table(root: Path = ROOT) -> Table:
-    """Read the table; :class:`WiringError` in one line."""
+def power_boards() -> list[Table]:
+    """The tables of the power boards that a board of ``boards/`` has."""
+    names = {load_board(name).fpga.wiring for name in board_names()}
+    return [load_table(name=name) for name in sorted(name for name in names if name)]
+
+
+def load_table(root: Path = ROOT, name: str | None = None) -> Table:
+    """Read the table, or that of the power board ``name``; :class:`WiringError` in one line.
+
+    A power board's table has parts in place of others, the list ``without`` of those that it
+    leaves out, and other values of any table.
+    """
     path = root / TABLE
     try:
         data, lines = parse(path.read_bytes())
+        if name is not None:
+            path = root / own_wiring(name)
+            own, lines = parse(path.read_bytes())
+            left_out = own.pop("without", [])
+            unknown = sorted(set(left_out) - set(data["parts"]))
+            if unknown:
+                raise WiringError(f"{path}: without: there is no part {unknown[0]}; leave it out")
+            own["parts"] = {**data["parts"], **own.get("parts", {})}
+            own["parts"] = {key: own["parts"][key] for key in own["parts"] if key not in left_out}
+            data = {key: {**data.get(key, {}), **own.get(key, {})} for key in {*data, *own}}
+            data["name"], data["parts"] = name, own["parts"]
         return Table.model_validate(data)
     except OSError as error:
         raise WiringError(f"{path}: {error.strerror}") from None

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 import textwrap
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from wavehaptics.fpga.boards import load_board
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import TomlError, parse
-from wavehaptics.wiring.parts import WiringError
+from wavehaptics.wiring.parts import WiringError, load_table
 
 HEADERS = Path("boards", "headers.toml")
 """The headers as their makers print them, from the root."""
@@ -127,11 +128,13 @@ def wires(board: str, root: Path = ROOT) -> Wires:
     return Wires(found, on_board)
 
 
-def goes_to(pin: Pin, brushless: bool = False, sharing: int = 1) -> str:
+def goes_to(
+    pin: Pin, brushless: bool = False, sharing: int = 1, own: Mapping[str, str] = _TO
+) -> str:
     """Where a pin's wire goes; nowhere for one that is not used.
 
     Several ports of a name are those of several motors, or of a ``brushless`` one's phases; of CS
-    and SCLK each is that of ``sharing`` motors.
+    and SCLK each is that of ``sharing`` motors. ``own`` is where a power board's wires go.
     """
     if pin.port is None:
         if pin.place == "GND":
@@ -142,6 +145,8 @@ def goes_to(pin: Pin, brushless: bool = False, sharing: int = 1) -> str:
             return "measure first"
         return "3.3 V of the sheets" if "3.3 V" in pin.place else "–"
     base, _, index = pin.port.rstrip("]").partition("[")
+    if pin.port in own:
+        return own[pin.port]
     if base not in _TO:
         raise WiringError(f"nobody has said where the wire of {pin.port} goes; add it to pins.py")
     if not index:
@@ -158,6 +163,7 @@ def goes_to(pin: Pin, brushless: bool = False, sharing: int = 1) -> str:
 def table(board: str, root: Path = ROOT) -> str:
     """The headers and the board's own ports as tables of Markdown."""
     found, loaded = wires(board, root), load_board(board, root=root)
+    own = _TO if loaded.fpga.wiring is None else {**_TO, **load_table(root, loaded.fpga.wiring).to}
     sharing = loaded.fpga.motors // loaded.fpga.sclk_pins
     lines: list[str] = []
     for name, rows in found.headers.items():
@@ -170,7 +176,7 @@ def table(board: str, root: Path = ROOT) -> str:
                 for pin in row
                 for text in (
                     pin.printed, pin.place, f"`{pin.port}`" if pin.port else "–",
-                    goes_to(pin, loaded.brushless, sharing),
+                    goes_to(pin, loaded.brushless, sharing, own),
                 )
             ]  # fmt: skip
             lines.append(f"| {' | '.join(cells)} |")

@@ -286,12 +286,15 @@ class Sheet:
 
     def gate(
         self, reference: str, at: Point, *, unit: str = "", inputs: int = 2,
-        pins: Sequence[str] = (),
+        pins: Sequence[str] = (), inverted: bool = False,
     ) -> tuple[list[Point], Point]:  # fmt: skip
-        """An AND gate whose output is at ``at``; the places of its inputs, the upper first, and of
-        the output. ``unit`` is its letter, ``pins`` are the numbers at inputs and output."""
+        """An AND gate, or an ``inverted`` one, whose output is at ``at``.
+
+        Returned are the places of its inputs, the upper first, and of the output. ``unit`` is its
+        letter, ``pins`` are the numbers at inputs and output.
+        """
         self.shown.add(reference)
-        gate = logic.And(inputs=inputs).right().anchor("out").at(at)
+        gate = (logic.Nand if inverted else logic.And)(inputs=inputs).right().anchor("out").at(at)
         self.drawing += gate
         anchors = [gate.absanchors[f"in{n + 1}"] for n in range(inputs)]
         places = [(float(x), float(y)) for x, y in anchors]

@@ -21,7 +21,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal
 
-from wavehaptics.fpga.boards import board_names, load_board
+from wavehaptics.fpga.boards import Board, board_names, load_board
 from wavehaptics.wiring.parts import FAMILIES, FAMILY_NAMES, Family, Table, WiringError
 
 Level = Literal["high", "low"]
@@ -30,9 +30,6 @@ LEVELS: tuple[Level, ...] = ("high", "low")
 DIODES: tuple[Diode, ...] = ("typical", "most")
 
 _EDGE_S = 10e-9
-_CHARGED_S = 50e-6
-"""Of ``alive`` before anything happens; C2 begins near where it will be."""
-_WATCHED_S = 130e-6
 _MEASURED = re.compile(r"^(\w+)\s*=\s*([-+.\de]+)", re.MULTILINE)
 
 _SETTLED_S = 1e-6
@@ -63,6 +60,16 @@ def run(netlist: str) -> Mapping[str, float | None]:
 
 
 # ---- Pieces of netlists.
+
+
+def _charged_s(table: Table) -> float:
+    """Of ``alive`` before anything happens; C2 begins near where it will be."""
+    return 1.25 * table.stop.longest_s
+
+
+def _watched_s(table: Table) -> float:
+    """After ``alive`` has stopped."""
+    return 3.25 * table.stop.longest_s
 
 
 @dataclass(frozen=True)
@@ -165,7 +172,7 @@ def stops(
         lines += _models(table, table.supply.logic_v)
         last_s = 0.0
         for index, (corner, tick_s, level) in enumerate(runs):
-            points, stopped_s = _square(tick_s, _CHARGED_S, level)
+            points, stopped_s = _square(tick_s, _charged_s(table), level)
             last_s = max(last_s, stopped_s)
             shut_v = table.schmitt.at("falling_min_v", corner.supply_v)
             out = f"v(p{index})"
@@ -179,10 +186,11 @@ def stops(
                 f".meas tran most{index} MAX {out} {before}",
                 f".meas tran shut{index} WHEN {out}={shut_v} FALL=LAST",
             ]
-        lines += [f".tran 100n {last_s + _WATCHED_S} 0 500n", ".end", ""]
+        step_s = table.stop.longest_s / 400
+        lines += [f".tran {step_s} {last_s + _watched_s(table)} 0 {5 * step_s}", ".end", ""]
         measured = run("\n".join(lines))
         for index, (corner, tick_s, level) in enumerate(runs):
-            _, stopped_s = _square(tick_s, _CHARGED_S, level)
+            _, stopped_s = _square(tick_s, _charged_s(table), level)
             shut_s = measured[f"shut{index}"]
             least_v, most_v = measured[f"least{index}"], measured[f"most{index}"]
             if least_v is None or most_v is None:
@@ -246,9 +254,10 @@ def configured_anew(
     bridge_ohm = table.part("R5").of(family)
     pull_a = table.fpga[family].pull_a
     for level in ("high", "low"):
-        points, stopped_s = _square(tick_s, _CHARGED_S, level)
+        points, stopped_s = _square(tick_s, _charged_s(table), level)
         loose_s = stopped_s + 5e-9
         settled_s = loose_s + _SETTLED_S
+        end_s = settled_s + 2.5 * table.stop.longest_s
         lines = [
             "* an FPGA is configured anew while its gates run",
             *_models(table, supply_v),
@@ -268,10 +277,10 @@ def configured_anew(
             "BPIN pin 0 V=max(v(ah),v(al))",
             "BGATE gate 0 V=max(v(hi),v(li))",
             f".meas tran before MAX v(hi) from={stopped_s - 4 * tick_s} to={stopped_s}",
-            f".meas tran pin MAX v(pin) from={settled_s} to={settled_s + 100e-6}",
-            f".meas tran gate MAX v(gate) from={settled_s} to={settled_s + 100e-6}",
-            f".meas tran both MAX v(both) from={stopped_s} to={settled_s + 100e-6}",
-            f".tran 50n {settled_s + 110e-6} 0 200n",
+            f".meas tran pin MAX v(pin) from={settled_s} to={end_s}",
+            f".meas tran gate MAX v(gate) from={settled_s} to={end_s}",
+            f".meas tran both MAX v(both) from={stopped_s} to={end_s}",
+            f".tran 50n {end_s + 10e-6} 0 {table.stop.longest_s / 200}",
             ".end",
             "",
         ]
@@ -288,7 +297,7 @@ def configured_anew(
 def brown_out(table: Table, tick_s: float, *, supervised: bool = True) -> float:
     """The supply falls in 0.5 ms, and the FPGA, out of its mind, holds all gates on with ``alive``
     running: the most that HI and LI stand at once the supply is below the supervisor's."""
-    full_v, fall_s, start_s = table.supply.logic_v, 0.5e-3, _CHARGED_S
+    full_v, fall_s, start_s = table.supply.logic_v, 0.5e-3, _charged_s(table)
     trip_v = table.supervisor_levels.trip_v[0]
     shut_s = start_s + (1 - trip_v / full_v) * fall_s + 3 * table.supervisor_levels.delay_s
     points, _ = _square(tick_s, start_s + fall_s, "low")
@@ -326,9 +335,14 @@ def brown_out(table: Table, tick_s: float, *, supervised: bool = True) -> float:
 # ---- What of it is not good enough.
 
 
-def board_ticks() -> Mapping[str, float]:
-    """The tick of each board's scene, in seconds."""
-    return {name: 1.0 / load_board(name).scene.controller.tick_hz for name in board_names()}
+def wired_so(table: Table) -> list[Board]:
+    """The boards that have this table's circuits."""
+    return [board for board in map(load_board, board_names()) if board.fpga.wiring == table.name]
+
+
+def board_ticks(table: Table) -> Mapping[str, float]:
+    """The tick of each such board's scene, in seconds."""
+    return {board.name: 1.0 / board.scene.controller.tick_hz for board in wired_so(table)}
 
 
 def stop_complaints(table: Table, found: Iterable[Stop]) -> list[str]:
@@ -341,7 +355,7 @@ def stop_complaints(table: Table, found: Iterable[Stop]) -> list[str]:
         )
         if stop.shut_s is None or stop.shut_s > table.stop.longest_s:
             took = (
-                f"not within {_WATCHED_S * 1e6:g} µs"
+                f"not within {_watched_s(table) * 1e6:g} µs"
                 if stop.shut_s is None
                 else f"after {stop.shut_s * 1e6:.0f} µs"
             )
@@ -373,9 +387,11 @@ def anew_complaints(table: Table, family: Family, found: Iterable[Anew]) -> list
 
 def complaints(table: Table) -> list[str]:
     """A line for each thing that is not safe; the whole takes a few seconds."""
-    ticks_s = sorted({*board_ticks().values(), table.stop.longest_tick_s})
+    ticks_s = sorted({*board_ticks(table).values(), table.stop.longest_tick_s})
     lines = stop_complaints(table, stops(table, ticks_s, corners(table)))
     for family in FAMILIES:
+        if family not in {board.fpga.family for board in wired_so(table)}:
+            continue
         lines += anew_complaints(table, family, configured_anew(table, family, ticks_s[-1]))
     left_v = brown_out(table, ticks_s[-1])
     if left_v > table.levels.v_il:
