@@ -6,6 +6,8 @@
 BOARD ?= icebreaker
 # The FPGA that is fitted, where a board comes with several: DEVICE=85k
 DEVICE ?=
+# A scene in place of the board's own: SCENE=my.toml
+SCENE ?=
 # How many seeds `make seeds` tries.
 SEEDS ?= 8
 
@@ -16,8 +18,8 @@ BITSTREAMS = $(WITH_TOOLS) .venv/bin/python -m wavehaptics.cli.board_commands
 
 .PHONY: bitstream synth seeds prog flash simulate resources numbers
 
-bitstream: $(SYNTH_TOOLS) ## make the bitstream of BOARD=icebreaker, hx8k, ulx3s, ...
-	@$(BITSTREAMS) bitstream "$(BOARD)" --device "$(DEVICE)"
+bitstream: $(SYNTH_TOOLS) ## make the bitstream of BOARD=icebreaker, hx8k, ulx3s, ... (SCENE=my.toml: with your settings)
+	@$(BITSTREAMS) bitstream "$(BOARD)" --device "$(DEVICE)" --scene "$(SCENE)"
 
 synth: $(SYNTH_TOOLS) ## make all bitstreams and build/synth/summary.json
 	@$(BITSTREAMS) synth --jobs $(JOBS)
@@ -26,10 +28,10 @@ seeds: $(SYNTH_TOOLS) ## try SEEDS= seeds of the placer for BOARD=, and say whic
 	@$(BITSTREAMS) seeds "$(BOARD)" --device "$(DEVICE)" --count "$(SEEDS)"
 
 prog: $(READY) ## load the bitstream of BOARD= with the board's own programmer
-	@$(BITSTREAMS) prog "$(BOARD)" --device "$(DEVICE)"
+	@$(BITSTREAMS) prog "$(BOARD)" --device "$(DEVICE)" --scene "$(SCENE)"
 
 flash: $(READY) ## write the bitstream of BOARD= into the board's flash, and verify it
-	@$(BITSTREAMS) flash "$(BOARD)" --device "$(DEVICE)"
+	@$(BITSTREAMS) flash "$(BOARD)" --device "$(DEVICE)" --scene "$(SCENE)"
 
 simulate: $(SYNTH_TOOLS) ## tap and hold the wall of BOARD='s bitstream, placed netlist and motor in a loop
 	@$(BITSTREAMS) simulate "$(BOARD)" --device "$(DEVICE)"

@@ -16,12 +16,12 @@ from typing import Annotated, NoReturn
 import typer
 
 from wavehaptics.fpga import resources, synthesis
-from wavehaptics.fpga.boards import BoardError, board_names, load_board
+from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.fpga.synthesis import SynthesisError
 from wavehaptics.pages import filler
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain, ToolError
-from wavehaptics.scene import SceneError
+from wavehaptics.scene import SceneError, find_scene
 
 app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, help=__doc__)
 
@@ -34,6 +34,10 @@ SeedOption = Annotated[
     int | None, typer.Option(help="Seed of the placer, in place of the board's own ones.")
 ]
 
+SceneOption = Annotated[
+    str, typer.Option("--scene", help="A scene in place of the board's own: a path, or a name.")
+]
+
 _ERRORS = (BoardError, SceneError, SynthesisError, ToolError, filler.NumbersError)
 
 
@@ -44,10 +48,13 @@ def _fail(error: Exception) -> NoReturn:
 
 
 @app.command()
-def bitstream(board: BoardArgument, device: DeviceOption = None, seed: SeedOption = None) -> None:
+def bitstream(
+    board: BoardArgument, device: DeviceOption = None, seed: SeedOption = None,
+    scene: SceneOption = "",
+) -> None:  # fmt: skip
     """Make the bitstream of a board."""
     try:
-        chosen = load_board(board, device or None)
+        chosen = _chosen(board, device, scene)
         result = synthesis.build_board(chosen, Toolchain.of_environment(), seed)
     except _ERRORS as error:
         _fail(error)
@@ -98,18 +105,26 @@ def seeds(
     typer.echo(f"for {chosen.folder}/fpga.toml, the best first: seeds = {good}")
 
 
-def _programmer(board: str, device: str | None, flash: bool) -> NoReturn:
+def _chosen(board: str, device: str | None, scene: str) -> Board:
+    """A board with its own scene, or with another one."""
+    if not scene:
+        return load_board(board, device or None)
+    return load_board(board, device or None, scene_path=find_scene(scene))
+
+
+def _programmer(board: str, device: str | None, flash: bool, scene: str = "") -> NoReturn:
     """Call a board's programmer with its bitstream, and hand its exit status on."""
+    again = f"make bitstream BOARD={board}" + (f" SCENE={scene}" if scene else "")
     try:
-        chosen = load_board(board, device or None)
+        chosen = _chosen(board, device, scene)
     except _ERRORS as error:
         _fail(error)
     path = synthesis.bitstream_path(chosen)
     if not (ROOT / path).is_file():
-        _fail(BoardError(f"{path} is not there; run `make bitstream BOARD={board}`"))
+        _fail(BoardError(f"{path} is not there; run `{again}`"))
     newest = max(synthesis.board_sources(chosen), key=lambda of: (chosen.root / of).stat().st_mtime)
     if (chosen.root / newest).stat().st_mtime > (ROOT / path).stat().st_mtime:
-        _fail(BoardError(f"{path} is older than {newest}; run `make bitstream BOARD={board}`"))
+        _fail(BoardError(f"{path} is older than {newest}; run `{again}`"))
     words = chosen.fpga.flash if flash else chosen.fpga.program
     command = [word.replace("{bitstream}", str(path)) for word in words]
     if shutil.which(command[0]) is None:
@@ -119,15 +134,15 @@ def _programmer(board: str, device: str | None, flash: bool) -> NoReturn:
 
 
 @app.command()
-def prog(board: BoardArgument, device: DeviceOption = None) -> None:
+def prog(board: BoardArgument, device: DeviceOption = None, scene: SceneOption = "") -> None:
     """Load a board's bitstream with the board's own programmer."""
-    _programmer(board, device, flash=False)
+    _programmer(board, device, flash=False, scene=scene)
 
 
 @app.command()
-def flash(board: BoardArgument, device: DeviceOption = None) -> None:
+def flash(board: BoardArgument, device: DeviceOption = None, scene: SceneOption = "") -> None:
     """Write a board's bitstream into its flash and read it back: what runs at every power-up."""
-    _programmer(board, device, flash=True)
+    _programmer(board, device, flash=True, scene=scene)
 
 
 @app.command()

@@ -209,6 +209,14 @@ def left(u_max, state):
     return max(u_max - state[ROOM], 0)
 
 
+@compiled(inline="always")
+def share(room_gain, correction):
+    """What c, raw V, takes of the limit of u in contact, raw √W."""
+    room = (room_gain * correction) >> _FAR_SHIFT
+    room = long_word(-room if correction < 0 else room) >> _VOLT_SHIFT
+    return min(max(room, 0), _DATA_TOP - 1)
+
+
 @compiled()
 def anchor_step(
     state: np.ndarray,
@@ -320,9 +328,7 @@ def _turn(
     limit = (reach << _VOLT_SHIFT) + (e << (_VOLT_SHIFT - 1))
     state[ROOM] = 0
     if contact:
-        room = (words[ROOM_GAIN] * state[CORRECTION]) >> _FAR_SHIFT
-        room = long_word(-room if state[CORRECTION] < 0 else room) >> _VOLT_SHIFT
-        state[ROOM] = min(max(room, 0), _DATA_TOP - 1)
+        state[ROOM] = share(words[ROOM_GAIN], state[CORRECTION])
 
     flux = long_word(state[FLUX] - ((words[FLUX_GAIN] * u) >> _FAR_SHIFT))
     flux = long_word(flux - ((words[FLUX_GAIN] * v) >> _FAR_SHIFT))

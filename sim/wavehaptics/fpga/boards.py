@@ -128,6 +128,10 @@ class Fpga(_Table):
     pins_of: str | None = None
 
 
+TICK_PART = 0.01
+"""How far the control rate may be from that of a user's scene, in parts."""
+
+
 @dataclass(frozen=True)
 class Board:
     """A board as it is to be built: ``device`` is the one of ``fpga.devices`` that is fitted."""
@@ -137,6 +141,19 @@ class Board:
     fpga: Fpga
     device: str
     scene: Scene
+    scene_path: Path | None = None
+    """File of a scene that isn't the board's own ``board.toml``."""
+
+    @property
+    def scene_file(self) -> str:
+        """Where the scene is, as it is told to people."""
+        path = self.scene_path or self.folder / "board.toml"
+        return str(path.relative_to(self.root) if path.is_relative_to(self.root) else path)
+
+    @property
+    def made(self) -> str:
+        """Folder of ``build/synth`` with its bitstream: that of another scene is one of its own."""
+        return self.name if self.scene_path is None else f"{self.name}-{self.scene_path.stem}"
 
     @property
     def folder(self) -> Path:
@@ -188,7 +205,7 @@ class Board:
 
     def headers(self) -> dict[str, str]:
         """Texts of the headers that the board's design includes, by their files' names."""
-        words, source = self.words(), f"{self.folder}/board.toml"
+        words, source = self.words(), self.scene_file
         found = {"wh_board_settings.vh": verilog_header(words, source)}
         if words.linked:
             found["wh_board_settings_rom.vh"] = memory_header(words, source)
@@ -233,8 +250,13 @@ def _problem(detail: ErrorDetails) -> str:
     return f"{name} = {as_written(detail['input'])}: it must be {right}"
 
 
-def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board:
-    """Read the board ``name``; :class:`BoardError` or :class:`SceneError` in one line."""
+def load_board(
+    name: str, device: str | None = None, root: Path = ROOT, scene_path: Path | None = None
+) -> Board:
+    """Read the board ``name``; :class:`BoardError` or :class:`SceneError` in one line.
+
+    ``scene_path`` is a scene in place of the board's own, whose settings it then begins with.
+    """
     names = board_names(root)
     if name not in names:
         raise BoardError(f"there is no board {name!r}; take one of {', '.join(names)}")
@@ -291,4 +313,38 @@ def load_board(name: str, device: str | None = None, root: Path = ROOT) -> Board
     device = device or fpga.devices[0]
     if device not in fpga.devices:
         raise BoardError(f"{name} has no device {device!r}; take one of {', '.join(fpga.devices)}")
-    return Board(name, root, fpga, device, load_scene(path.with_name("board.toml")))
+    if scene_path is None:
+        return Board(name, root, fpga, device, load_scene(path.with_name("board.toml")))
+    scene = _own_scene(scene_path, fpga)
+    board = Board(name, root, fpga, device, scene, scene_path.resolve())
+    made_hz = 1.0 / board.words().ports.timing.tick_s
+    if abs(scene.controller.tick_hz / made_hz - 1.0) > TICK_PART:
+        raise scene.refusal(
+            f"controller.tick_hz = {scene.controller.tick_hz:.7g}, and this board's clock and the "
+            f"scene's carrier make {made_hz:.7g} of it; set it so, or change drive.pwm_hz",
+            "controller.tick_hz",
+        )
+    return board
+
+
+def _own_scene(path: Path, fpga: Fpga) -> Scene:
+    """A user's scene for a board; ``SceneError`` for what :func:`board_words` can't refuse."""
+    scene = load_scene(path)
+    for table in ("adc", "drive", "encoder"):
+        if getattr(scene, table) is None:
+            raise scene.refusal(
+                f"the scene has no [{table}], which a board has; take that of the board's own "
+                "board.toml",
+                table,
+            )
+    if scene.drive is not None and scene.drive.bus_v is None:
+        raise scene.refusal("a board's bus has a voltage; set drive.bus_v", "drive.bus_v")
+    walls = len(scene.controller.walls)
+    most = MOST_WALLS if fpga.link or fpga.motors > 1 else MOST["wall"]
+    if walls > most:
+        raise scene.refusal(
+            f"the scene has {walls} walls, and a motor of this board at most {most}; leave some "
+            "out",
+            "controller.walls",
+        )
+    return scene

@@ -63,7 +63,7 @@ def _check_sensing(board: Board) -> None:
         slower = made_hz > part.carrier_hz
         lower = f"lower drive.pwm_hz to {1e-3 * part.carrier_hz:.4g} kHz or less, or "
         raise BoardError(
-            f"{board.folder}/board.toml: the {name} may not follow the carrier of "
+            f"{board.scene_file}: the {name} may not follow the carrier of "
             f"{1e-3 * made_hz:.4g} kHz: {why}; {lower if slower else ''}"
             f"name another amplifier in [sense] of {file}"
         )
@@ -115,7 +115,7 @@ def _check_wiring(board: Board) -> None:
     tick_s = board.words().ports.timing.tick_s
     if tick_s > longest_s * (1.0 + 1e-9):
         raise BoardError(
-            f"{board.folder}/board.toml: alive changes once a tick, {1e6 * tick_s:.3g} µs, and the "
+            f"{board.scene_file}: alive changes once a tick, {1e6 * tick_s:.3g} µs, and the "
             f"pump behind it lets go of the gates with more than {1e6 * longest_s:g} µs "
             f"({place}); raise controller.tick_hz"
         )
@@ -123,7 +123,7 @@ def _check_wiring(board: Board) -> None:
 
 def check(board: Board) -> None:
     """:class:`BoardError` where the scene asks of bridge or sensor what they can't do."""
-    scene_file, file = f"{board.folder}/board.toml", f"{board.folder}/fpga.toml"
+    scene_file, file = board.scene_file, f"{board.folder}/fpga.toml"
     bridge, sense, scene = board.fpga.bridge, board.fpga.sense, board.scene
     time = dead_time(board)
     if time.made_s < time.needed_s - _ROUNDING_S:

@@ -164,12 +164,13 @@ def board_sources(board: Board) -> list[Path]:
         for path in sorted(board.root.glob(pattern))
     ]
     files = [path.relative_to(board.root) for path in found]
-    return [*files, board.folder / "board.toml", board.folder / "fpga.toml", board.constraints]
+    scene = board.scene_path or board.folder / "board.toml"
+    return [*files, scene, board.folder / "fpga.toml", board.constraints]
 
 
 def bitstream_path(board: Board) -> Path:
     """Where a board's bitstream goes, from the root."""
-    return OUT / board.name / f"{board.name}{BITSTREAM_SUFFIX[board.fpga.family]}"
+    return OUT / board.made / f"{board.name}{BITSTREAM_SUFFIX[board.fpga.family]}"
 
 
 def check_board(board: Board) -> None:
@@ -179,7 +180,7 @@ def check_board(board: Board) -> None:
     """
     bridge_budget.check(board)
     board_pins.check(board)
-    check_sources(board_design(board, OUT / board.name))
+    check_sources(board_design(board, OUT / board.made))
 
 
 def check_sources(design: Design) -> None:
@@ -208,7 +209,7 @@ def build_board(
     ``seed`` takes the place of the board's own ones, ``out`` that of its folder, from the root.
     """
     check_board(board)
-    out = out or OUT / board.name
+    out = out or OUT / board.made
     folder = board.root / out
     _clear(folder)
     write_headers(board, folder)

@@ -77,6 +77,7 @@ def capture(
 ) -> None:
     """Capture live words at the tick's rate around a trigger; Ctrl-C takes what is there."""
     from wavehaptics.host import capture as captures
+    from wavehaptics.host import recording
     from wavehaptics.host.captured_trace import device_of
 
     constant = torque_constant(preset, k_t)
@@ -89,12 +90,15 @@ def capture(
         )  # fmt: skip
         device = device_of(client, motor, counts_per_rev, constant)
         came: list[Captured] = []
+        before = recording.settings_now(client)
+        after: list[int] | None = None
 
         def written() -> None:
             for found in came:
                 if not len(found.t):
                     raise CommandError("stopped before the first row: nothing was captured")
-                keep(plan, found, device, out, "capture.png")
+                raw = recording.recorded(client, found, before, after)
+                keep(plan, found, device, out, "capture.png", raw)
                 print(*_capture_lines(plan, found), sep="\n")
 
         with ending(written), shown_stages() as show, asked_to_end() as asked:
@@ -110,6 +114,7 @@ def capture(
             except captures.CutOffError as error:
                 came.append(error.found)
                 raise
+            after = recording.settings_now(client)
 
 
 def _capture_lines(plan: Plan, found: Captured) -> Iterator[str]:

@@ -13,6 +13,8 @@ from wavehaptics.cli.board.common import finite
 from wavehaptics.cli.shared import CommandError
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from wavehaptics.host.capture import Captured, Plan
     from wavehaptics.host.captured_trace import Device
     from wavehaptics.host.names import Place
@@ -43,12 +45,18 @@ def torque_constant(preset: str | None, k_t: float | None) -> float | None:
     return PRESETS[preset].k_t
 
 
-def keep(plan: Plan, found: Captured, device: Device, out: Path, picture: str) -> None:
-    """Write trace and picture into the folder ``out``, and tell where they are."""
+def keep(
+    plan: Plan, found: Captured, device: Device, out: Path, picture: str,
+    more: dict[str, np.ndarray] | None = None,
+) -> None:  # fmt: skip
+    """Write trace and picture into the folder ``out``, and tell where they are.
+
+    ``more`` arrays go into the trace's file.
+    """
     from wavehaptics.host.captured_trace import save, trace_arrays
 
     arrays = trace_arrays(found, device)
-    print(save(arrays, out))
+    print(save(arrays | (more or {}), out))
     print(_picture(plan, found, arrays, out / picture))
 
 
