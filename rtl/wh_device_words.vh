@@ -77,6 +77,7 @@ wire [47:0] set_stream_channel;
 wire [1:0] set_stream_last;
 wire [3:0] set_stream_decimation;
 wire [15:0] set_stream_shift;
+wire [31:0] set_surface_budget;
 
 // Widths that a tool or the hardware sets.
 
@@ -122,6 +123,12 @@ wire [PARTS*`WH_DATA_W-1:0] lag;
 wire [PARTS-1:0] anchor_fault;
 wire [PARTS*24-1:0] contact_energy;
 wire [PARTS*24-1:0] contact_energy_peak;
+wire [3:0] surfaces = 4'd0;
+wire [1:0] surfaces_acting = 2'd0;
+wire [0:0] surfaces_pending = 1'd0;
+wire [7:0] surfaces_refused = 8'd0;
+wire [15:0] surfaces_stamp = 16'd0;
+wire unused_others = &{1'b0, set_surface_budget};
 
 // The groups.
 
@@ -751,7 +758,27 @@ generate
     end
 endgenerate
 
-assign changing = (|pending_carrier) || (|pending_frame) || (|pending_trip) || (|pending_sense) || (|pending_zero) || (|pending_encoder) || (|pending_magnet) || (|pending_host) || (|pending_delay) || (|pending_eta) || (|pending_wave) || (|pending_bridge) || (|pending_bus) || (|pending_guard) || (|pending_capture) || (|pending_stream) || (|pending_cut) || (|pending_current) || (|pending_scale) || (|pending_side) || (|pending_anchor) || (|pending_edges) || (|pending_walls) || (|pending_shape) || (|pending_shape_1);
+wire pending_budget;
+wire [31:0] budget_words;
+
+wh_setting_group #(
+    .STAGED    (0),
+    .PART      (4'd0),
+    .FIRST     (8'h5e),
+    .STRIDE    (8'd1),
+    .WORDS     (1),
+    .WIDTHS    ({8'd32}),
+    .TOTAL_W   (32)
+) budget (
+    `WH_DEVICE_BUS
+    .hold_i    (hold_any),
+    .pending_o (pending_budget),
+    .words_o   (budget_words)
+);
+
+assign set_surface_budget[0 +: 32] = budget_words[0 +: 32];
+
+assign changing = (|pending_carrier) || (|pending_frame) || (|pending_trip) || (|pending_sense) || (|pending_zero) || (|pending_encoder) || (|pending_magnet) || (|pending_host) || (|pending_delay) || (|pending_eta) || (|pending_wave) || (|pending_bridge) || (|pending_bus) || (|pending_guard) || (|pending_capture) || (|pending_stream) || (|pending_cut) || (|pending_current) || (|pending_scale) || (|pending_side) || (|pending_anchor) || (|pending_edges) || (|pending_walls) || (|pending_shape) || (|pending_shape_1) || (|pending_budget);
 
 // Commands.
 
@@ -826,6 +853,11 @@ always @* begin
         12'h0c3: live = {{17{1'b0}}, capture_left[0 +: 16]};
         12'h0c4: live = {{31{1'b0}}, stream_state[0 +: 2]};
         12'h0c5: live = {{17{1'b0}}, stream_lost[0 +: 16]};
+        12'h0c6: live = {{29{1'b0}}, surfaces[0 +: 4]};
+        12'h0c7: live = {{31{1'b0}}, surfaces_acting[0 +: 2]};
+        12'h0c8: live = {32'd0, surfaces_pending};
+        12'h0c9: live = {{25{1'b0}}, surfaces_refused[0 +: 8]};
+        12'h0ca: live = {{17{1'b0}}, surfaces_stamp[0 +: 16]};
         default: live = 33'd0;
     endcase
     if (bus_address_i[11:6] == 6'h2) live = {{1{1'b0}}, capture_data[0 +: 32]};

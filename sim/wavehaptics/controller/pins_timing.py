@@ -99,6 +99,22 @@ def turns_clocks(motors: int, sections: int = 0, *, brushless: bool = False) -> 
     return turn_clocks(sections) * (motors - 1) + (42 if sections == 2 else 38)
 
 
+def surfaces_clocks(motors: int, surfaces: int) -> tuple[int, int]:
+    """Fewest and most clocks that surfaces add to a period and to its latency: the first pass.
+
+    Fewest where none is touched, most with three, or a loss across two (``rtl/wh_surfaces.v``).
+    """
+    turns, none = turn_clocks() * (motors - 1), 9 + motors + (2 + motors) * surfaces
+    most = 17 + none
+    acting = min(surfaces, 3)
+    one, two = 16 + 3 * motors, 35 + 11 * motors  # more with a loss across so many
+    longest = max(
+        n * (37 + 3 * motors) + (one if n == 1 else two if n == 2 else 0)
+        for n in range(1, acting + 1)
+    )
+    return turns + max(38, 18 + none), turns + max(38, 18 + most + longest)
+
+
 BETA_CLOCKS = (42, 58, 63)
 """Clocks from the turn of a brushless motor's second axis to the next round, by sections of W."""
 

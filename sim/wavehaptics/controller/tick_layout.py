@@ -71,6 +71,8 @@ class Timing:
     hold_ticks: int
     latency_clocks: int
     frame: Frame
+    strobe_clocks: int = 0
+    """From a tick's start to the strobe that its latency counts from."""
 
     @property
     def tick_clocks(self) -> int:
@@ -378,7 +380,7 @@ def timing(
         )
     return Timing(
         clock_hz, half_clocks, tick_clocks // half_clocks, tick_clocks // samples, samples,
-        extra, extra - natural, latency, made,
+        extra, extra - natural, latency, made, _word_strobe(tick_clocks, samples, lead, made),
     )  # fmt: skip
 
 

@@ -8,8 +8,10 @@ for all of them. What the motors share has to be the same in all scenes.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from wavehaptics.controller import guard
+from wavehaptics.controller.pins_timing import surfaces_clocks, turns_clocks
 from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.controller.tick_layout import sections_of
 from wavehaptics.scene import Scene
@@ -60,6 +62,45 @@ def turns_ports(scenes: Sequence[Scene]) -> list[Ports]:
         )
     _check_shared(scenes, found)
     return found
+
+
+def with_surfaces(scene: Scene, ports: Ports, motors: int, surfaces: int) -> Ports:
+    """``ports`` with the delay of a controller of ``motors`` that has ``surfaces`` across them.
+
+    :class:`SceneError` where a period is too short for them, where its voltages come later than the
+    scene says, or later with surfaces in contact than without.
+    """
+    time = ports.timing
+    fewest, most = surfaces_clocks(motors, surfaces)
+    least = turns_clocks(motors) + most
+    if scene.shaper is not None:
+        raise scene.refusal("[shaper] is not for surfaces across motors; leave it out", "shaper")
+    if time.tick_clocks < least:
+        raise scene.refusal(
+            f"a tick of {time.tick_clocks} clocks is shorter than the {least} that {motors} motors "
+            f"with {surfaces} surfaces need; take "
+            f"controller.tick_hz <= {time.clock_hz / least:.6g}",
+            "controller.tick_hz",
+        )
+    soon, late = (
+        (time.strobe_clocks + time.latency_clocks + clocks) // time.tick_clocks
+        for clocks in (fewest, most)
+    )
+    if soon != late:
+        raise scene.refusal(
+            f"voltages come {soon} ticks late without a surface in contact, and {late} with; lower "
+            "controller.tick_hz, or take another drive.pwm_hz",
+            "controller.tick_hz",
+        )
+    if late > time.extra_ticks:
+        raise scene.refusal(
+            f"controller.extra_ticks = {time.extra_ticks} is less than {motors} motors with "
+            f"{surfaces} surfaces need; set extra_ticks = {late} or more",
+            "controller.extra_ticks",
+        )
+    hold = time.extra_ticks - late
+    time = replace(time, hold_ticks=hold, latency_clocks=time.latency_clocks + most)
+    return replace(ports, timing=time, words={**ports.words, "hold_ticks": hold})
 
 
 def _check_shared(scenes: Sequence[Scene], ports: Sequence[Ports]) -> None:

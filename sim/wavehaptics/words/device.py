@@ -38,6 +38,10 @@ _SEEN = {"host_sequence": "seen_host_sequence", "host_v": "seen_host_v"}
 """Outputs of the controller that the module keeps while a frame reads them."""
 
 
+_OTHERS = ("wh_surface_frame",)
+"""Blocks that the module hasn't got: settings that nobody reads, and live words that are 0."""
+
+
 _STAGED = {"off": "0", "any": "0"}
 """By the kind of change: words that nobody reads meanwhile wait for no reader."""
 
@@ -234,6 +238,14 @@ def device_words() -> str:
     ]
     lines += ["", "// What the controller tells.", ""]
     lines += [_wire(port, words) for port, words in outputs.items()]
+    others = [word for word in table.WORDS.values() if word.block in _OTHERS]
+    nobody = ", ".join(f"set_{w.port[:-2]}" for w in others if w.row.kind == "setting")
+    lines += [
+        f"wire [{_last(_bits(word))}:0] {word.port[:-2]} = {_bits(word)}'d0;"
+        for word in others
+        if word.row.kind == "live"
+    ]
+    lines += [f"wire unused_others = &{{1'b0, {nobody}}};"]
     lines += ["", "// The groups.", ""]
     pendings: list[str] = []
     for words in _groups().values():
@@ -244,7 +256,7 @@ def device_words() -> str:
     lines += ["", "// Commands.", ""]
     words = [word for word in table.WORDS.values() if word.block != MEMORY]
     for word in words:
-        if word.row.kind == "command":
+        if word.row.kind == "command" and word.block not in _OTHERS:
             lines += _command(word)
     lines += ["", "// Live words.", "", "always @* begin", "    live = 33'd0;"]
     lines += ["    case (bus_address_i)"]
