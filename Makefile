@@ -289,6 +289,8 @@ LINT_CASES := \
     wh_core,-GN=3,-GOUTSIDE=1,-GLOOK=1 \
     wh_slots,-GN=3,-GLOOK=1 \
     wh_surface_words \
+    wh_ports_device,-GN=3,-GSURFACES=8,-GARM=1 \
+    wh_linked_device,-GN=2,-GSURFACES=1 \
     wh_surfaces \
     wh_surfaces,-GPORTS=2,-GSURFACES=1 \
     wh_port_check,-GN=3 \

@@ -85,6 +85,7 @@ BLOCKS = {
     "wh_slots": "test_ports.py::test_ports[icarus-2-0-0-0]",
     "wh_step_watch": "icarus-step_watch",
     "wh_stream": "icarus-stream-N=1-briefly",
+    "wh_surface_frame": "test_device_surfaces.py::test_surfaces_briefly",
     "wh_surface_words": "test_surface_station.py::test_surface_station[icarus-2-3]",
     "wh_surfaces": "test_surface_station.py::test_surface_station[icarus-2-3]",
     "wh_synchroniser": "icarus-synchroniser",

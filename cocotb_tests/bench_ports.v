@@ -156,8 +156,9 @@ module bench_ports #(
                                       ports_found, ports_angles};
 
     wire       surface_busy, surface_refused;
+    wire [6:0] surface_row;
     wire [1:0] surfaces_acting;
-    wire       unused_surfaces = &{1'b0, surface_busy, surface_refused, surfaces_acting};
+    wire       unused_surfaces = &{1'b0, surface_busy, surface_refused, surface_row, surfaces_acting};
 
     wh_ports #(
         .N               (N),
@@ -198,6 +199,7 @@ module bench_ports #(
         .budget_i          (62'd0),
         .surface_busy_o    (surface_busy),
         .surface_refused_o (surface_refused),
+        .surface_refused_row_o (surface_row),
         .acting_o          (surfaces_acting),
         .force_i         (force_i),
         .write_i         (write_i),

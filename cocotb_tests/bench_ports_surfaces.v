@@ -45,6 +45,7 @@ module bench_ports_surfaces #(
     input  wire [61:0]                  budget_i,
     output wire                         surface_busy_o,
     output wire                         surface_refused_o,
+    output wire [6:0]                   surface_refused_row_o,
     output wire [1:0]                   acting_o,
 
     input  wire                         force_i,
@@ -154,6 +155,7 @@ module bench_ports_surfaces #(
         .budget_i          (budget_i),
         .surface_busy_o    (surface_busy_o),
         .surface_refused_o (surface_refused_o),
+        .surface_refused_row_o (surface_refused_row_o),
         .acting_o          (acting_o),
         .force_i         (force_i),
         .write_i         (write_i),

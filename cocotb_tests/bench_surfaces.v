@@ -19,6 +19,7 @@ module bench_surfaces #(
     input  wire                          commit_i,
     output wire                          busy_o,
     output wire                          refused_o,
+    output wire [6:0]                    refused_row_o,
 
     input  wire                          valid_i,
     input  wire [1:0]                    port_i,
@@ -50,6 +51,7 @@ module bench_surfaces #(
         .commit_i  (commit_i),
         .busy_o    (busy_o),
         .refused_o (refused_o),
+        .refused_row_o (refused_row_o),
         .take_i    (take),
         .row_i     (row),
         .word_i    (word),

@@ -153,8 +153,8 @@ class SurfacesBench(PortsBench):
     async def write_frame(self) -> None:
         words = Words.random(self.rng)
         for plane in words.planes[:SURFACES]:
-            plane[surfaces.D] = self.rng.randint(-700, 700)
-            plane[surfaces.PRESENT] = self.rng.random() < 0.7
+            plane[surfaces.D] = self.rng.randint(-700, 500)
+            plane[surfaces.PRESENT] = self.rng.random() < 0.85
         words.planes[4:, surfaces.PRESENT] = 0
         self.frame, self.is_written = words, False
         falling = FallingEdge(self.dut.clk)
@@ -234,7 +234,7 @@ async def equals_the_models(dut: object) -> None:
     rng = random_source("ports in space")
     bench = SurfacesBench(dut, rng)
     await bench.power_up()
-    runs, periods = (2, 60) if "Icarus" in cocotb.SIM_NAME else (6, 50)
+    runs, periods = (5, 40) if "Icarus" in cocotb.SIM_NAME else (12, 50)
     total = 0
     for _ in range(runs):
         bench.forget_frame()

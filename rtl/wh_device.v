@@ -33,6 +33,7 @@ module wh_device #(
     parameter integer ANCHOR       = 0,
     parameter integer SHARED       = 0,
     parameter integer GUARD        = 0,
+    parameter integer SURFACES     = 0,  // across all motors (wh_surfaces), 0...8
     parameter integer ARM          = 0,  // 1: the bridges are on by command, while it is renewed, or by press_i
     parameter integer ARM_CLOCKS   = 4800000, // clocks that a command of either lasts, 2...2^30
     parameter integer CAPTURE      = 0,  // words that a capture takes, 2^this, 4...15; 0: there is none
@@ -154,6 +155,7 @@ module wh_device #(
                 .MODES      (MODES),
                 .MIN_PULSE  (MIN_PULSE),
                 .HOST       (HOST),
+                .SURFACES   (SURFACES),
                 .ARM        (ARM),
                 .ARM_CLOCKS (ARM_CLOCKS),
                 .CAPTURE    (CAPTURE),

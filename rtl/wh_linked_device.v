@@ -14,7 +14,8 @@
 //
 // SHAPER is 3 there with LEGS = 3. ANCHOR, GUARD, SENSE and DEAD_TIME are 1, whatever these are here; there is neither BUS
 // nor SHARED.
-// Bits 17 and 26 are 0. Whether there is a STREAM, the word stream_state says, which is 0 without.
+// Bits 17 and 26 are 0. Whether there is a STREAM, the word stream_state says, which is 0 without. How many SURFACES
+// there are, the register `surfaces` says.
 //
 // Latency and reset: those of wh_modbus and of wh_device.
 
@@ -40,6 +41,7 @@ module wh_linked_device #(
     parameter integer ANCHOR       = 0,
     parameter integer SHARED       = 0,
     parameter integer GUARD        = 0,
+    parameter integer SURFACES     = 0,
     parameter integer ARM          = 1,
     parameter integer CAPTURE      = 0,
     parameter integer STREAM       = 0,
@@ -184,6 +186,7 @@ module wh_linked_device #(
         .ANCHOR         (ANCHOR),
         .SHARED         (SHARED),
         .GUARD          (GUARD),
+        .SURFACES       (SURFACES),
         .ARM            (ARM),
         .ARM_CLOCKS     (CREDIT),
         .CAPTURE        (CAPTURE),

@@ -29,7 +29,8 @@
 // SURFACES: walls across all ports (wh_surfaces), besides those of each port, bit for bit as in
 // sim/wavehaptics/ladder/joint.py. A round has two passes: the first computes v, the second is as without surfaces. In
 // contact with surfaces, their waves replace every port's goal. If a port's anchor loses its rotor, all ports are damped.
-// surface_write_i takes data_i; a frame that is committed is in force from the next round on.
+// surface_write_i takes data_i; a frame that is committed is in force from the next round on, and at once while no
+// surface acts because the bridges are off or the ports only damp.
 //
 // Signs, enable_i and restart_i are those of wh_controller. Settings of each port change with force_i, from the next
 // round on. The packed settings of all ports may change in reset, or as wh_controller's.
@@ -105,6 +106,7 @@ module wh_ports #(
     input  wire                         surface_commit_i, // strobe
     output wire                         surface_busy_o,
     output wire                         surface_refused_o,
+    output wire [6:0]                   surface_refused_row_o,
     input  wire [61:0]                  budget_i,         // u62q46 W: what moving surfaces may give out
     output wire [1:0]                   acting_o,         // surfaces in contact
 
@@ -648,7 +650,8 @@ module wh_ports #(
                 .commit_i  (surface_commit_i),
                 .busy_o    (surface_busy_o),
                 .refused_o (surface_refused_o),
-                .take_i    (frame_taken),
+                .refused_row_o (surface_refused_row_o),
+                .take_i    (frame_taken || calm_rst || lost_q),
                 .row_i     (surface_row),
                 .word_i    (surface_place),
                 .word_o    (surface_word),
@@ -704,6 +707,7 @@ module wh_ports #(
             assign surface_wave      = {DATA_W{1'b0}};
             assign surface_busy_o    = 1'b0;
             assign surface_refused_o = 1'b0;
+            assign surface_refused_row_o = 7'd0;
             assign acting_o          = 2'd0;
         end
     endgenerate

@@ -14,9 +14,11 @@
 // reads them; those that tell of it are 0. The live value core_valid, a strobe, and words_hold are 0.
 // Brushless motors (AXES): wh_registers says where their settings are. magnet_found is 1 once those of all are found,
 // and magnet_angle is the first one's.
+// Surfaces across the ports (SURFACES): wh_surface_frame says how a frame of them comes over the bus. An accepted frame
+// is a sign of life of the host, as host_alive is: the guard's fault HOST then damps, switches off, or isn't there.
 // A clear that begins with the bridges off measures the zeros anew, as arming does.
 //
-// Latency: of the bus as wh_registers has it, of all else as wh_ports has it.
+// Latency: of the bus as wh_registers has it, and more after a word of a surface; of all else as wh_ports has it.
 // Reset: that of wh_ports, which lasts until the settings are what the table says, COPIED + 70 clocks
 // (wh_registers).
 
@@ -35,6 +37,7 @@ module wh_ports_device #(
     parameter integer MODES      = 0,
     parameter integer MIN_PULSE  = 0,
     parameter integer HOST       = 0,
+    parameter integer SURFACES   = 0,
     parameter integer AXES       = 0,
     parameter integer ARM        = 0,  // 1: the bridges are on by command, while it is renewed, or by press_i
     parameter integer ARM_CLOCKS = 4800000, // clocks that a command of either lasts, 2...2^30
@@ -104,6 +107,8 @@ module wh_ports_device #(
     localparam [11:0] CAPTURE_OFFSET = 12'h075;
     localparam [11:0] STREAM_GO      = 12'h076;
     localparam [11:0] ARM_GO         = 12'h078;
+    localparam [11:0] SURFACE_WORD   = 12'h0cb;  // the first one
+    localparam [11:0] SURFACE_COMMIT = 12'h0ff;
     localparam [7:0]  ANSWER_SEQUENCE = 8'ha1;  // of a port
     localparam [7:0]  ANSWER_U       = 8'ha2;
     localparam [7:0]  ANSWER         = 8'ha3;
@@ -143,6 +148,8 @@ module wh_ports_device #(
     wire [3:0]              live_word;
     wire [31:0]             live_data;
     reg  [31:0]             other_q;
+    wire                    surface_hold;
+    wire [31:0]             surface_live;
 
     wh_registers #(
         .N                 (N),
@@ -153,7 +160,7 @@ module wh_ports_device #(
     ) registers (
         .clk               (clk),
         .rst               (rst),
-        .bus_valid_i       (bus_valid_i),
+        .bus_valid_i       (bus_valid_i && !surface_hold),
         .bus_write_i       (bus_write_i),
         .bus_check_i       (bus_check_i),
         .bus_address_i     (bus_address_i),
@@ -195,7 +202,7 @@ module wh_ports_device #(
         .live_port_i       (live_port),
         .live_word_i       (live_word),
         .live_data_i       (live_data),
-        .other_i           (other_q)
+        .other_i           (other_q | surface_live)
     );
 
     // ---- On and off.
@@ -271,9 +278,83 @@ module wh_ports_device #(
     wire [32*N-1:0] angles;
     wire            unused_angles = &{1'b0, angles};
 
-    wire       surface_busy, surface_refused;
-    wire [1:0] surfaces_acting;
-    wire       unused_surfaces = &{1'b0, surface_busy, surface_refused, surfaces_acting};
+    // ---- Surfaces across the ports.
+    wire        surface_write, surface_commit, surface_busy, surface_refused, surface_alive;
+    wire [9:0]  surface_address;
+    wire [31:0] surface_data, surface_budget;
+    wire [6:0]  surface_row;
+    wire [1:0]  surfaces_acting;
+
+    generate
+        if (SURFACES > 0) begin : in_space
+            localparam [31:0] SURFACES_32 = SURFACES;
+            wire [15:0] stamp;
+            wire        pending;
+            wire        unused_pending = &{1'b0, pending};
+            reg  [31:0] live_q;  // as other_q
+
+            assign surface_live = live_q;
+
+            always @(posedge clk) begin
+                live_q <= 32'd0;
+                case (bus_address_i)
+                    12'h0c6: live_q[3:0]  <= SURFACES_32[3:0];
+                    12'h0c7: live_q[1:0]  <= surfaces_acting;
+                    12'h0c8: live_q[0]    <= surface_busy;
+                    12'h0c9: live_q[7:0]  <= surface_refused ? {1'b1, surface_row} : 8'd0;
+                    12'h0ca: live_q[15:0] <= stamp;
+                    default: live_q       <= 32'd0;
+                endcase
+            end
+
+            wh_setting_group #(
+                .STAGED       (0),
+                .FIRST        (8'h5e),
+                .WIDTHS       (8'd32),
+                .TOTAL_W      (32)
+            ) budget (
+                .clk          (clk),
+                .rst          (rst),
+                .write_i      (1'b0),
+                .copy_i       (write),
+                .address_i    (address),
+                .data_i       (data),
+                .change_i     (1'b0),
+                .discard_i    (1'b0),
+                .hold_i       (1'b0),
+                .pending_o    (pending),
+                .words_o      (surface_budget)
+            );
+
+            wh_surface_frame surface_frame (
+                .clk       (clk),
+                .rst       (rst || !ready_o),
+                .word_i    (command && command_address >= SURFACE_WORD && command_address < SURFACE_COMMIT),
+                .commit_i  (command && command_address == SURFACE_COMMIT),
+                .data_i    (command_data),
+                .hold_o    (surface_hold),
+                .stamp_o   (stamp),
+                .alive_o   (surface_alive),
+                .free_i    (!write),
+                .write_o   (surface_write),
+                .address_o (surface_address),
+                .data_o    (surface_data),
+                .commit_o  (surface_commit),
+                .refused_i (surface_refused)
+            );
+        end else begin : without_surfaces
+            wire unused_surfaces = &{1'b0, surface_busy, surface_refused, surface_row, surfaces_acting};
+
+            assign surface_live    = 32'd0;
+            assign surface_hold    = 1'b0;
+            assign surface_write   = 1'b0;
+            assign surface_address = 10'd0;
+            assign surface_data    = 32'd0;
+            assign surface_commit  = 1'b0;
+            assign surface_budget  = 32'd0;
+            assign surface_alive   = 1'b0;
+        end
+    endgenerate
 
     wh_ports #(
         .N               (N),
@@ -286,6 +367,7 @@ module wh_ports_device #(
         .MODES           (MODES),
         .MIN_PULSE       (MIN_PULSE),
         .HOST            (HOST),
+        .SURFACES        (SURFACES),
         .AXES            (AXES)
     ) ports (
         .clk             (clk),
@@ -313,20 +395,21 @@ module wh_ports_device #(
         .guard_i         (guard),
         .host_i          (host),
         .magnets_i       ({N{magnets}}),
-        .surface_write_i   (1'b0),
-        .surface_address_i (10'd0),
-        .surface_commit_i  (1'b0),
-        .budget_i          (62'd0),
+        .surface_write_i   (surface_write),
+        .surface_address_i (surface_address),
+        .surface_commit_i  (surface_commit),
+        .budget_i          ({surface_budget, 30'd0}),
         .surface_busy_o    (surface_busy),
         .surface_refused_o (surface_refused),
+        .surface_refused_row_o (surface_row),
         .acting_o          (surfaces_acting),
         .force_i         (in_force),
         .write_i         (write),
         .write_bank_i    (write_bank),
         .address_i       (address),
-        .data_i          (data),
+        .data_i          (surface_write ? surface_data : data),
         .clear_i         (clears),
-        .host_alive_i    (host_alive),
+        .host_alive_i    (host_alive || surface_alive),
         .zero_start_i    (set_zero_start || zero_start_i || arm_zero_start || clear_zero),
         .restart_i       (set_restart),
         .magnet_start_i  (magnet_start),

@@ -164,6 +164,14 @@
 `WH_SETTINGS_WORD('h192, 3 * SHAPER, 3'b001, 8'h50, 32'd0)  // shape_loss
 `WH_SETTINGS_TOLD('h1b8, 1, 3'b001, 8'hdb)  // contact_energy
 `WH_SETTINGS_TOLD('h1b9, 1, 3'b001, 8'hdb)  // contact_energy_peak
+`WH_SETTINGS_WORD('h05e, 1, 3'b001, 8'h4b, 32'd0)  // surface_budget
+`WH_SETTINGS_TOLD('h0c6, 1, 3'b001, 8'hca)  // surfaces
+`WH_SETTINGS_TOLD('h0c7, 1, 3'b001, 8'hcd)  // surfaces_acting
+`WH_SETTINGS_TOLD('h0c8, 1, 3'b001, 8'hc2)  // surfaces_pending
+`WH_SETTINGS_TOLD('h0c9, 1, 3'b001, 8'hc7)  // surfaces_refused
+`WH_SETTINGS_TOLD('h0ca, 1, 3'b001, 8'hc8)  // surfaces_stamp
+`WH_SETTINGS_TOLD('h0cb, 52, 3'b001, 8'h8b)  // surface_word
+`WH_SETTINGS_TOLD('h0ff, 1, 3'b001, 8'h88)  // surface_commit
 `WH_SETTINGS_BOUNDS(0, 32'd1, (32'hffffffff >> (32 - 16)))
 `WH_SETTINGS_BOUNDS(1, 32'd1, 32'd256)
 `WH_SETTINGS_BOUNDS(20, (32'h80000000 + (32'd0 - (32'd1 << (8 - 1)))), (32'h80000000 + ((32'd1 << (8 - 1)) - 32'd1)))

@@ -6,7 +6,7 @@
 //
 // A frame: words are written into the other bank, then commit_i. With the next take_i that bank is in force, as a
 // whole. A frame names its surfaces: whichever PRESENT it doesn't write isn't there. Of those that are there it has
-// to write every word.
+// to write every word. A write of BEGIN, which may come first, drops what was written since the last commit.
 //
 // No word that could give out energy gets into the memory. A vector is written as words 0, 1, 2 of its row, one after
 // the other, and stored with the third, where
@@ -14,7 +14,8 @@
 //   g_0^2 + g_1^2 + g_2^2 <= 1,   exactly
 //
 // and A in [0, 1], ETA in [-1, 1], ACROSS in [0, 1], VELOCITY_MAX >= 0. What is beyond that, or elsewhere, or
-// written while busy_o, isn't stored, and the frame is refused with its commit: refused_o is 1 until one is accepted.
+// written while busy_o, isn't stored, and the frame is refused with its commit: refused_o is 1 until one is accepted,
+// and refused_row_o is the row of the first word that was refused. A commit while busy_o is refused with row 127.
 //
 // Rows, with s, t, r = surfaces in ascending order:
 //
@@ -25,6 +26,7 @@
 //                 5...7: C, s32q17 counts/A
 //   97 + 2 s      0: GAIN, s32q30 √W/count; 1: A; 2: ETA; 3: ACROSS, s27q25
 //   112           0: VELOCITY_MAX, s31q23 √W
+//   126           0: BEGIN, any word
 //
 // A word shorter than 32 bits is sign-extended. The binary points are for WH_COEF_W = 27.
 // busy_o is 1 while a square is made, WH_COEF_W clocks after each component and 3 more after the third, and from a
@@ -45,6 +47,7 @@ module wh_surface_words (
     input  wire        commit_i,   // strobe, while not busy_o
     output wire        busy_o,
     output wire        refused_o,
+    output wire [6:0]  refused_row_o,
 
     // wh_surfaces.
     input  wire        take_i,     // strobe: a round begins
@@ -66,6 +69,7 @@ module wh_surface_words (
     wire       g_word = vector && word < 3'd3;
     wire [3:0] place  = {row[0], word};      // of a plane's word
     wire       most   = row == 7'd112 && word == 3'd0;
+    wire       begins = row == 7'd126 && word == 3'd0;
 
     wire              negative = data_i[31];
     wire [31:0]       size     = negative ? -data_i : data_i;
@@ -86,7 +90,7 @@ module wh_surface_words (
                 default:          legal = place < 4'd9;
             endcase
         end else begin
-            legal = most && !(|data_i[31:`WH_DATA_W-1]);
+            legal = begins || (most && !(|data_i[31:`WH_DATA_W-1]));
         end
     end
 
@@ -108,18 +112,24 @@ module wh_surface_words (
     reg       pending_q;
     reg       bad_q;
     reg       refused_q;
+    reg [6:0] bad_row_q;
+    reg [6:0] refused_row_q;
     reg [7:0] present_q;
     reg [7:0] coming_q;   // of the other bank
 
     assign busy_o    = squares_q || ends_q || (|stores_q) || pending_q;
-    assign refused_o = refused_q;
     assign present_o = present_q;
+
+    assign refused_o     = refused_q;
+    assign refused_row_o = refused_row_q;
 
     localparam [SUM_W-1:0] ONE = {{(SUM_W - 1){1'b0}}, 1'b1} << (2 * Q);
 
     wire              takes  = write_i && !busy_o;
     wire              starts = takes && g_word && legal && (word == 3'd0 || (word[1:0] == next_q && row == row_q));
     wire signed [SUM_W-1:0] rest = sum_q - $signed({1'b0, square_q});
+    wire              too_long = ends_q && next_q == 2'd3 && rest[SUM_W-1];
+    wire              wrong    = (write_i && (busy_o || !legal || (g_word && !starts))) || too_long;
 
     always @(posedge clk) begin
         ends_q <= 1'b0;
@@ -157,21 +167,33 @@ module wh_surface_words (
         stores_q <= (ends_q && next_q == 2'd3 && !rest[SUM_W-1]) ? 2'd3
                     : (stores_q != 2'd0)                         ? stores_q - 2'd1 : 2'd0;
 
-        if ((write_i && (busy_o || !legal || (g_word && !starts))) || (commit_i && busy_o)
-            || (ends_q && next_q == 2'd3 && rest[SUM_W-1])) begin
+        if (wrong || (commit_i && busy_o)) begin
             bad_q <= 1'b1;
+        end
+        if (wrong && !bad_q) begin
+            bad_row_q <= too_long ? row_q : row;
+        end
+        if (takes && begins) begin
+            bad_q    <= 1'b0;
+            coming_q <= 8'd0;
+            next_q   <= 2'd3;
         end
         if (takes && legal && plane && place == 4'd1) begin
             coming_q[row[3:1]] <= data_i[8];
         end
         if (commit_i && !busy_o) begin
-            pending_q <= !bad_q;
-            refused_q <= bad_q;
-            bad_q     <= 1'b0;
-            next_q    <= 2'd3;
+            pending_q     <= !bad_q;
+            refused_q     <= bad_q;
+            refused_row_q <= bad_row_q;
+            bad_q         <= 1'b0;
+            next_q        <= 2'd3;
             if (bad_q) begin
                 coming_q <= 8'd0;
             end
+        end
+        if (commit_i && busy_o) begin
+            refused_q     <= 1'b1;
+            refused_row_q <= 7'd127;
         end
         if (take_i && pending_q) begin
             bank_q    <= !bank_q;

@@ -7,7 +7,7 @@
 
 // CRC-32 of all that two sides have to agree on: everything but default, port and meaning.
 // <!-- begin words-crc -->
-`define WH_WORDS_CRC 32'h3b6ee501
+`define WH_WORDS_CRC 32'h4aa30786
 // <!-- end words-crc -->
 
 `endif

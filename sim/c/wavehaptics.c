@@ -29,8 +29,8 @@ enum {
     WRITE = 16,
     REFUSES = 0x80,
     ANSWER_MOST = 5 + 4 * WH_MOST_READ,
-    QUESTIONS_MOST = 128,
-    WRITE_MOST = 3,  // words
+    QUESTIONS_MOST = 256,
+    WRITE_MOST = 53,  // words
     TRIES = 4,       // of questions, where the line can be settled in between
     SETTLES = 3,     // in a row, until it is taken for silent
     NONE_LEFT = 1
@@ -768,6 +768,57 @@ int wh_port_open(struct wh_port *port, struct wh_board *board, unsigned motor,
     if (board->identity.host) port->period_s = port->tick_s * (double)(1u << (unsigned)log2);
     port->timeout = (unsigned)timeout;
     return WH_OK;
+}
+
+// ---- Surfaces.
+
+enum { SURFACES, ACTING, PENDING, REFUSED_ROW, STAMP, SURFACES_WORDS };
+
+int wh_read_surfaces(struct wh_board *board, struct wh_surfaces *state) {
+    uint32_t found[SURFACES_WORDS];
+    const int result = read_words(board, rows[WH_WORD_SURFACES].address, SURFACES_WORDS, found, "surfaces");
+    if (result) return result;
+    state->surfaces = (unsigned)found[SURFACES];
+    state->acting = (unsigned)found[ACTING];
+    state->pending = found[PENDING] != 0;
+    state->refused = (unsigned)found[REFUSED_ROW];
+    state->stamp = (unsigned)found[STAMP];
+    return WH_OK;
+}
+
+int wh_set_planes(struct wh_board *board, const struct wh_surface_word *words, size_t count, unsigned stamp,
+                  struct wh_surfaces *state) {
+    enum { NOT_WHOLE = 255 };
+    const size_t room = rows[WH_WORD_SURFACE_WORD].count;
+    const unsigned commit = rows[WH_WORD_SURFACE_COMMIT].address;
+    if (stamp > 0xffff) return fail(board, WH_VALUE, "stamp = %u: it has 16 bits; give 0...65535", stamp);
+    uint32_t head = 1u << 31;  // the frame begins
+    size_t n = 0;
+    do {
+        struct question asked = {.function = WRITE, .what = "planes"};
+        size_t filled = 0;
+        while (n < count && filled + 2 <= room) {
+            size_t run = 1;
+            while (n + run < count && filled + 1 + run < room && words[n + run].address == words[n].address + run) ++run;
+            asked.words[filled++] = head | (uint32_t)run << 10 | (words[n].address & 0x3ffu);
+            for (size_t k = 0; k < run; ++k) asked.words[filled++] = (uint32_t)words[n + k].word;
+            n += run;
+            head = 0;
+        }
+        if (!count) asked.words[filled++] = head;
+        asked.at = word_register(commit - (unsigned)filled);
+        if (n == count) asked.words[filled++] = stamp;
+        asked.count = (unsigned)filled;
+        const int result = ask(board, &asked, 1);
+        if (result) return result;
+    } while (n < count);
+    if (!state) return WH_OK;
+    const int result = wh_read_surfaces(board, state);
+    if (result) return result;
+    // The end of a frame that was accepted may have come once more, as its answer was lost.
+    if (state->stamp == stamp && (state->refused == 0 || state->refused == NOT_WHOLE)) return WH_OK;
+    return fail(board, WH_REFUSED, "planes: the device refuses row %u; what it had before is in force",
+                state->refused & 127u);
 }
 
 double wh_speed(const struct wh_port *port, double v, double torque) {

@@ -100,6 +100,28 @@ void wh_stop(const struct wh_board *board);
 int wh_faults(struct wh_board *board, uint32_t *faults);
 const char *wh_fault_text(uint32_t faults, char *text, size_t room);
 
+// ---- Surfaces across the motors (docs/surfaces.md).
+
+struct wh_surface_word {
+    uint16_t address;  // row and word of rtl/wh_surface_words.v, 8 row + word
+    int32_t word;
+};
+
+struct wh_surfaces {
+    unsigned surfaces;  // that the device can have; 0: none
+    unsigned acting;    // in contact
+    bool pending;       // a frame is accepted, and applies with the next control period
+    unsigned refused;   // 0: the last frame was accepted; else 128 and the row that was not
+    unsigned stamp;     // of the last accepted frame
+};
+
+int wh_read_surfaces(struct wh_board *board, struct wh_surfaces *state);
+// Write a frame of surfaces, all words of those that are there from now on: the device applies them together,
+// or none. The components of a vector follow each other. `stamp`, 0...65535, should differ from that of the
+// frame before. With `state`, which may be NULL, the device is asked: WH_REFUSED where it doesn't take the frame.
+int wh_set_planes(struct wh_board *board, const struct wh_surface_word *words, size_t count, unsigned stamp,
+                  struct wh_surfaces *state);
+
 // ---- A motor's port.
 
 struct wh_motor {

@@ -7,7 +7,7 @@
 #define WAVEHAPTICS_WORDS_H
 
 // <!-- begin c-words -->
-#define WH_WORDS_CRC 0x3b6ee501u
+#define WH_WORDS_CRC 0x4aa30786u
 
 #define WH_MAP_VERSION 1u
 #define WH_TABLE_REGISTER 0x2000u
@@ -123,6 +123,7 @@
     X(CAPTURE_DECIMATION, "capture_decimation", 0x05b, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 15.0, "") \
     X(CAPTURE_TRIGGER, "capture_trigger", 0x05c, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 7.0, "") \
     X(CAPTURE_LEVEL, "capture_level", 0x05d, WH_SETTING, WH_OF_BOARD, 1, 0, 1, -2147483648.0, 2147483647.0, "") \
+    X(SURFACE_BUDGET, "surface_budget", 0x05e, WH_SETTING, WH_OF_BOARD, 1, 16, 0, 0.0, 65535.99998474121, "W") \
     X(CLEAR, "clear", 0x060, WH_COMMAND, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
     X(HOST_ALIVE, "host_alive", 0x061, WH_COMMAND, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
     X(FAULTS, "faults", 0x062, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 16777215.0, "") \
@@ -154,6 +155,13 @@
     X(CAPTURE_LEFT, "capture_left", 0x0c3, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
     X(STREAM_STATE, "stream_state", 0x0c4, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 3.0, "") \
     X(STREAM_LOST, "stream_lost", 0x0c5, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
+    X(SURFACES, "surfaces", 0x0c6, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 15.0, "") \
+    X(SURFACES_ACTING, "surfaces_acting", 0x0c7, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 3.0, "") \
+    X(SURFACES_PENDING, "surfaces_pending", 0x0c8, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 1.0, "") \
+    X(SURFACES_REFUSED, "surfaces_refused", 0x0c9, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 255.0, "") \
+    X(SURFACES_STAMP, "surfaces_stamp", 0x0ca, WH_LIVE, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
+    X(SURFACE_WORD, "surface_word", 0x0cb, WH_COMMAND, WH_OF_BOARD, 52, 0, 0, 0.0, 4294967295.0, "") \
+    X(SURFACE_COMMIT, "surface_commit", 0x0ff, WH_COMMAND, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "") \
     X(ZERO, "zero", 0x100, WH_SETTING, WH_OF_MOTOR, 1, 0, 1, -8388608.0, 8388607.0, "") \
     X(GAIN, "gain", 0x101, WH_SETTING, WH_OF_MOTOR, 1, 35, 1, 0.0, 0.0019531249708961695, "A") \
     X(ETA_CONTACT, "eta_contact", 0x108, WH_SETTING, WH_OF_MOTOR, 1, 25, 1, -1.0, 1.0, "") \

@@ -26,7 +26,7 @@ int main(void) {
     static struct wh_board board;
     static struct wh_port port;
     struct wh_packet packet = {0};
-    char line[512];
+    char line[16384];
     while (fgets(line, sizeof line, stdin)) {
         char name[16] = "", word[200] = "", told[400] = "";
         unsigned a = 0, b = 0;
@@ -77,6 +77,20 @@ int main(void) {
             (void)sscanf(line, "%*s %u", &a);
             result = wh_next(&port, &packet);
             for (unsigned n = 0; n < a && !result; ++n) result = wh_exchange(&port, packet.v >= 0.0 ? 127.0 : -127.0, &packet);
+        } else if (strcmp(name, "planes") == 0) {  // stamp, and address=word of each word
+            static struct wh_surface_word words[700];
+            struct wh_surfaces state = {0};
+            size_t count = 0;
+            (void)sscanf(line, "%*s %u", &a);
+            for (const char *at = line; count < 700 && (at = strchr(at, '=')); ++at) {
+                const char *first = at;
+                while (first[-1] != ' ') --first;
+                words[count].address = (uint16_t)strtoul(first, NULL, 10);
+                words[count++].word = (int32_t)strtol(at + 1, NULL, 10);
+            }
+            result = wh_set_planes(&board, words, count, a, &state);
+            (void)snprintf(told, sizeof told, "%u %u %d %u %u", state.surfaces, state.acting, state.pending, state.refused,
+                           state.stamp);
         } else if (strcmp(name, "close") == 0) {
             wh_close(&board);
         } else {

@@ -11,6 +11,7 @@ import random
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import threading
@@ -23,6 +24,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from test_client import Board, sealed
+from test_host_planes import frame as surface_frame
+from wavehaptics.controller.planes import as_writes
 from wavehaptics.host.virtual import VirtualBoard
 from wavehaptics.ladder.linked_pins import LinkedPins
 from wavehaptics.laws import closed_forms
@@ -128,6 +131,32 @@ def opened(session: Session, board: Board, baud: int = 115200) -> None:
 
 def put(board: Board, name: str, *raws: int) -> None:
     board.put(modbus.word_register(WORDS[name].at()), [raw & 0xFFFFFFFF for raw in raws])
+
+
+# ---- Surfaces.
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 4, 8])
+def test_planes_go_as_pythons_do(session, board, count):
+    """The same frames on the line as the package's own; a refusal says which row."""
+    opened(session, board)
+    registers = surface_frame(np.random.default_rng(count), count)
+    words = " ".join(f"{address}={word}" for address, word in registers)
+    put(board, "surfaces", 8, 1, 0, 0, 777)
+    board.asked.clear()
+    assert session.get("planes", 777, words) == "8 1 0 0 777"
+    wanted = as_writes(registers, 777)
+    found = [frame for frame in board.asked if frame[1] == 16]
+    assert len(found) == len(wanted)
+    for frame, (first, raws) in zip(found, wanted, strict=True):
+        register, number = struct.unpack(">HH", frame[2:6])
+        assert register == modbus.word_register(first)
+        assert list(struct.unpack(f">{number}H", frame[7:-2])) == modbus.halves(raws)
+    put(board, "surfaces", 8, 1, 0, 128 + 3, 776)
+    told = "planes: the device refuses row 3; what it had before is in force"
+    assert session.call("planes", 777, words) == (-4, told)
+    told = "stamp = 65536: it has 16 bits; give 0...65535"
+    assert session.call("planes", 65536, words) == (-5, told)
 
 
 # ---- Words.

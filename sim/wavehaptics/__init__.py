@@ -19,20 +19,26 @@ if TYPE_CHECKING:
     from wavehaptics.api.scenes import Scene, load_scene
     from wavehaptics.api.sweeping import sweep
     from wavehaptics.host.names import HostError
+    from wavehaptics.host.planes import JointPlane, MotorData, Planes
+    from wavehaptics.laws.shapes import Shape
     from wavehaptics.runtime.toolchain import ToolError
     from wavehaptics.scene import SceneError
 
 __all__ = [
-    "Board", "HostError", "Run", "Scene", "SceneError", "ToolError", "Trace", "load_scene", "run",
-    "sweep",
+    "Board", "HostError", "JointPlane", "MotorData", "Planes", "Run", "Scene", "SceneError",
+    "Shape", "ToolError", "Trace", "load_scene", "run", "sweep",
 ]  # fmt: skip
 
 _HOMES = {
     "Board": "api.boards",
     "HostError": "host.names",
+    "JointPlane": "host.planes",
+    "MotorData": "host.planes",
+    "Planes": "host.planes",
     "Run": "api.runs",
     "Scene": "api.scenes",
     "SceneError": "scene",
+    "Shape": "laws.shapes",
     "ToolError": "runtime.toolchain",
     "Trace": "api.runs",
     "load_scene": "api.scenes",

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import TracebackType
 from typing import Any
@@ -13,8 +13,10 @@ from typing import Any
 from wavehaptics.api.scenes import Scene, load_scene
 from wavehaptics.host.client import RENEWAL_S, ZERO_S, Client
 from wavehaptics.host.names import HostError, Place, places, readable, settable
+from wavehaptics.host.planes import JointPlane, MotorData, Planes
 from wavehaptics.host.scope.plug import VirtualPlug
 from wavehaptics.runtime.ends import ending
+from wavehaptics.scene import Scene as SceneTables
 from wavehaptics.words.faults import arm_refusal
 from wavehaptics.words.table import WORDS
 
@@ -26,6 +28,14 @@ START_S = 900.0
 
 VIRTUAL_TIMEOUT_S = 60.0
 """For an answer of a virtual board: on a busy machine it is slow."""
+
+
+def _data(scene: SceneTables, name: str) -> MotorData:
+    """What a scene says of a motor, by the controller's estimates."""
+    control, encoder = scene.controller, scene.encoder
+    if encoder is None or control.k_t_hat is None or control.l_hat is None:
+        raise HostError(f"{name}: the scene has no [encoder] for this motor; give it one")
+    return MotorData(control.k_t_hat, control.l_hat, encoder.counts_per_rev)
 
 
 class Board:
@@ -42,17 +52,22 @@ class Board:
 
     @classmethod
     def virtual(
-        cls, scene: Scene | str, *, motor: int = 0, timeout_s: float = VIRTUAL_TIMEOUT_S
-    ) -> Board:
+        cls, scene: Scene | str, *, motor: int = 0, motors: int | None = None, surfaces: int = 0,
+        timeout_s: float = VIRTUAL_TIMEOUT_S,
+    ) -> Board:  # fmt: skip
         """A simulated board with the motor and the hand of a scene, no faster than real time.
 
-        The scene needs a ``[hand]`` that isn't an impact, and is read from its file again. The
+        It has so many ``motors``, each as the scene has it, by default as many as the board whose
+        ``board.toml`` it is, else one; and so many ``surfaces`` across two or three of them. The
+        scene needs a ``[hand]`` that isn't an impact, and is read from its file again. The
         board is a process that ends with :meth:`close` or the ``with`` block. The first time the
         RTL is compiled, for minutes.
         """
         if not isinstance(scene, Scene):
             scene = load_scene(scene)
-        plug = VirtualPlug(str(scene.path), scene.changes)
+        more = ["--motors", str(motors)] if motors is not None else []
+        more += ["--surfaces", str(surfaces)] if surfaces else []
+        plug = VirtualPlug(str(scene.path), scene.changes, more=more)
         try:
             until = time.monotonic() + START_S
             while problem := plug.problem:
@@ -108,6 +123,40 @@ class Board:
                 raise HostError(f"{name}: which one? Take {found[0].text}...{found[-1].text}")
             words.append((found[0], found[0].raw(value)))
         self._client.write(words)
+
+    def set_planes(
+        self, planes: Sequence[JointPlane], motors: Sequence[MotorData], *, speed: float = 0.1,
+        stamp: int | None = None,
+    ) -> int:  # fmt: skip
+        """Give the device planes across its motors, all that there are from now on, together.
+
+        Each is ``normal·q >= offset`` in the motors' angles. :meth:`planes` is for programs that
+        give new ones again and again, and for an arm with a tip. Returns the stamp.
+        """
+        made = Planes(self._client, motors, speed=speed)
+        return made.set_joint(planes) if stamp is None else made.set_joint(planes, stamp=stamp)
+
+    def planes(
+        self, scene: Scene | str | None = None, motors: Sequence[MotorData] | None = None,
+        *, speed: float | None = None,
+    ) -> Planes:  # fmt: skip
+        """Planes of this device, for the arm and the motors of a scene with a ``[device]``.
+
+        The arm is where the scene begins while the encoders count 0. Without a scene there are
+        planes in joint space alone, of ``motors``.
+        """
+        if scene is None:
+            if motors is None:
+                raise HostError("planes of which motors? Give motors, or a scene with a [device]")
+            return Planes(self._client, motors, speed=0.1 if speed is None else speed)
+        found = scene if isinstance(scene, Scene) else load_scene(scene)
+        space = found.device.space
+        if space is None:
+            raise HostError(f"{found.path}: the scene has no [device]; take one that has an arm")
+        if motors is None:
+            motors = [_data(one, name) for name, one in found.device.motors.items()]
+        most = space.device.wall_speed_m_per_s if speed is None else speed
+        return Planes(self._client, motors, space.arm, speed=most)
 
     @contextmanager
     def armed(self) -> Iterator[Board]:

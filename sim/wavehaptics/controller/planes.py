@@ -23,6 +23,7 @@ from wavehaptics.controller import surfaces
 from wavehaptics.laws.kinematics import Arm
 from wavehaptics.laws.shapes import Shape
 from wavehaptics.words import formats
+from wavehaptics.words.table import WORDS
 
 WALL_S = 2e-3
 """Time constant with which a surface that isn't where it should be goes there, s."""
@@ -228,6 +229,69 @@ def as_registers(
     for triple in combinations(present, 3):
         put_vector(surfaces.triple_row(*triple))
     return written
+
+
+def as_writes(registers: Sequence[tuple[int, int]], stamp: int) -> list[tuple[int, list[int]]]:
+    """Writes of a frame over a device's bus: (address of the first register, raw words) of each.
+
+    ``registers`` are those of :func:`as_registers`. The words go in runs of successive addresses,
+    with a head each, and the last write ends with the commit of ``stamp``
+    (``rtl/wh_surface_frame.v``). A write is one frame of Modbus.
+    """
+    runs: list[tuple[int, list[int]]] = []
+    for address, word in registers:
+        if runs and address == runs[-1][0] + len(runs[-1][1]):
+            runs[-1][1].append(word)
+        else:
+            runs.append((address, [word]))
+    window, commit = WORDS["surface_word"].row.count, WORDS["surface_commit"].at()
+    writes: list[list[int]] = [[]]
+    begins = _BEGINS
+    for first, words in runs:
+        while words:
+            if len(writes[-1]) + 2 > window:
+                writes.append([])
+            some = words[: window - 1 - len(writes[-1])]
+            writes[-1] += [begins | len(some) << _RUN | first, *some]
+            first, words, begins = first + len(some), words[len(some) :], 0
+    made = [(commit - len(words), [raw & 0xFFFFFFFF for raw in words]) for words in writes]
+    made[-1][1].append(stamp)
+    return made
+
+
+def refused_place(refused: int) -> str:
+    """What of a frame a device has refused, by its register ``surfaces_refused``; "": nothing."""
+    row = refused & 0x7F
+    if not refused:
+        return ""
+    if row < surfaces.VECTORS:
+        numbers = next(
+            numbers
+            for count in (1, 2, 3)
+            for numbers in combinations(range(surfaces.MOST_SURFACES), count)
+            if _vector_row(numbers) == row
+        )
+        *others, last = map(str, numbers)
+        beside = f" beside {' and '.join(others)}" if others else ""
+        return f"the vector of surface {last}{beside}: it is longer than 1, or not whole"
+    if row < VELOCITY_MAX[0]:
+        return f"the plane of surface {(row - PLANE_ROW) // 2}: a value is out of its range"
+    if row == VELOCITY_MAX[0]:
+        return "the largest velocity: it is below 0"
+    return NOT_WHOLE
+
+
+def _vector_row(numbers: Sequence[int]) -> int:
+    if len(numbers) == 1:
+        return numbers[0]
+    return surfaces.pair_row(*numbers) if len(numbers) == 2 else surfaces.triple_row(*numbers)
+
+
+NOT_WHOLE = "the frame: it did not begin, or not all of it came"
+
+_BEGINS = 1 << 31
+_RUN = 10
+"""Of a run's head: that a frame begins, and the lowest bit of its length."""
 
 
 def _raw(values: np.ndarray, format_: formats.Fixed) -> np.ndarray:

@@ -359,7 +359,8 @@ def timing(
         raise scene.refusal(
             f"a tick of {tick_clocks} clocks is shorter than the "
             f"{least} that `pins` needs for {ports}{shaper}{anchors}; take "
-            f"controller.clock_hz >= {least * tick_hz:g}",
+            f"controller.clock_hz >= {least * tick_hz:g} or controller.tick_hz <= "
+            f"{clock_hz / least:g}",
             "controller.tick_hz",
             "controller.clock_hz",
         )

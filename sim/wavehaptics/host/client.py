@@ -203,6 +203,13 @@ class Client:
             frames += 1
         return frames
 
+    def write_raw(self, address: int, raws: Sequence[int], what: str) -> None:
+        """Write raw words from an address of the register map on, in one frame, as they are.
+
+        ``what`` they are is named where the device refuses them.
+        """
+        self._write(modbus.word_register(address), modbus.halves(raws), what)
+
     def _between(self, places: Iterable[Place]) -> list[Place]:
         """Settings of the same groups that lie between those that are given."""
         ordered = sorted(places, key=lambda place: place.address)

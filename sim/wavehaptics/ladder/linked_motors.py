@@ -7,6 +7,7 @@ from copy import copy
 
 import numpy as np
 
+from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.ladder import pins_loop
 from wavehaptics.ladder.linked_pins import LinkedPins
 from wavehaptics.ladder.pins import pass_clocks
@@ -18,17 +19,21 @@ class LinkedMotors(LinkedPins):
     """A scene's motor ``motors`` times, and :class:`LinkedPins` in all else; nothing has a trace.
 
     ``led`` is the motor whose hand :meth:`lead_hand` leads; the others' follow the scene. Each has
-    a supply of its own. ``SceneError`` for what is simulated for one motor alone, and where the
-    tick is too short for so many.
+    a supply of its own. With ``surfaces`` the device can have so many across its motors, and no
+    arm connects these. ``SceneError`` for what is simulated for one motor alone, and where the tick
+    is too short for so many.
     """
 
-    def __init__(self, scene: Scene, motors: int, *, led: int = 0, arm: bool = True) -> None:
+    def __init__(
+        self, scene: Scene, motors: int, *, led: int = 0, arm: bool = True, surfaces: int = 0
+    ) -> None:
         if scene.thermal is not None:
             raise scene.refusal(
                 f"thermal is simulated for one motor, and these are {motors}; leave it out",
                 "thermal",
             )
         self.motors = self.turns = motors
+        self._surfaces = surfaces
         super().__init__(scene, arm=arm)
         self._each = [copy(self) for _ in range(motors)]
         self._all = np.stack([self._kept] * motors)
@@ -39,6 +44,19 @@ class LinkedMotors(LinkedPins):
             motor._real = self._imperfections(scene)
         # Places of the hand are those of the motor that is led.
         self._state, self._load = self._each[led]._state, self._each[led]._load
+
+    def _parameters(self) -> dict[str, int]:
+        more = {"SURFACES": self._surfaces} if self._surfaces else {}
+        return {**super()._parameters(), **more}
+
+    def _ports_of(self, scene: Scene, most_samples: int) -> Ports:
+        if self._surfaces and scene.shaper is not None:
+            raise scene.refusal(
+                "[shaper] is not for surfaces across motors; leave it out", "shaper"
+            )
+        return controller_ports(
+            scene, most_samples=most_samples, turns=self.motors, surfaces=self._surfaces
+        )
 
     @property
     def clock_cycles(self) -> int:

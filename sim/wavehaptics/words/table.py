@@ -34,7 +34,7 @@ MOTOR_STRIDE = 0x100
 MEMORY = "wh_registers"
 """Block of the words that are the settings memory's own, and no port of the controller."""
 
-BESIDE = ("wh_arm", "wh_capture", "wh_device", "wh_stream")
+BESIDE = ("wh_arm", "wh_capture", "wh_device", "wh_stream", "wh_surface_frame")
 """Blocks beside the controller, whose words are no ports of it either."""
 
 CHANGES = ("off", "core", "scale", "anchor", "sum", "round", "any")

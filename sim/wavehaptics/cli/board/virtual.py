@@ -59,6 +59,14 @@ def be_virtual(
             "the board whose board.toml it is, else one.",
         ),
     ] = None,
+    surfaces: Annotated[
+        int,
+        typer.Option(
+            min=0,
+            max=8,
+            help="With --virtual: so many surfaces across 2 or 3 motors, which a computer writes.",
+        ),
+    ] = 0,
     hand_of: Annotated[
         int, typer.Option(min=0, max=7, help="With --hand: the motor whose hand is led.")
     ] = 0,
@@ -87,6 +95,10 @@ def be_virtual(
     path = find_scene(virtual)
     loaded = load_scene(path, overrides or ())
     count = _motors_of(path) if motors is None else motors
+    if surfaces and count not in (2, 3):
+        raise CommandError(
+            f"--surfaces {surfaces}: they are across 2 or 3 motors, and here is {count}"
+        )
     if hand_of >= count:
         raise CommandError(f"--hand-of {hand_of}: there is no such motor; take 0...{count - 1}")
     if link is not None:
@@ -109,7 +121,10 @@ def be_virtual(
         # The first line of the output is the port's path, which others read.
         print(f"the board leaves out {', '.join(missing)}", file=sys.stderr)
     with told_waiting("building the simulated board, which takes minutes the first time"):
-        pins = linked_pins(loaded) if count == 1 else LinkedMotors(loaded, count, led=hand_of)
+        pins = (
+            linked_pins(loaded) if count == 1
+            else LinkedMotors(loaded, count, led=hand_of, surfaces=surfaces)
+        )  # fmt: skip
         pins.elapse(1)  # compiles the loop
     with asked_to_end() as asked, ExitStack() as kept:
         led = kept.enter_context(LedHand(hand, pins.hand_rad)) if hand is not None else None

@@ -14,6 +14,7 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -128,12 +129,15 @@ class Plug:
 class VirtualPlug(Plug):
     """A virtual board with a scene, in a process that ends with this one, however that is.
 
-    The hand is that of ``motor``. :class:`ToolError` where there can't be such a board.
+    The hand is that of ``motor``, and ``more`` are options of ``wavehaptics board``.
+    :class:`ToolError` where there can't be such a board.
     """
 
     virtual = True
 
-    def __init__(self, scene: str, overrides: tuple[str, ...], motor: int = 0) -> None:
+    def __init__(
+        self, scene: str, overrides: tuple[str, ...], motor: int = 0, more: Sequence[str] = ()
+    ) -> None:
         check_terminals()
         self._folder = tempfile.TemporaryDirectory(
             prefix="wavehaptics-", ignore_cleanup_errors=True
@@ -144,7 +148,7 @@ class VirtualPlug(Plug):
         self._command = [
             sys.executable, "-m", "wavehaptics", "board", "--virtual", scene, *sets, "--paced",
             "--tied", "--link", self.port, "--hand", str(folder / "hand"),
-            "--hand-of", str(motor),
+            "--hand-of", str(motor), *more,
         ]  # fmt: skip
         self._process: subprocess.Popen[str] | None = None
         self._wanted = True
