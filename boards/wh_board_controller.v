@@ -82,6 +82,7 @@ module wh_board_controller #(
 
     wh_board_switch #(
         .N               (PARTS),
+        .AGAIN           (`WH_BOARD_AGAIN),
         .SETTLE_LOG2     (SETTLE_LOG2)
     ) board_switch (
         .clk             (clk),
@@ -153,6 +154,7 @@ module wh_board_controller #(
                 .ARM             (1),
                 .CAPTURE         (`WH_BOARD_CAPTURE),
                 .STREAM          (`WH_BOARD_STREAM),
+                .SURFACES        (`WH_BOARD_SURFACES),
                 .CLOCK_HZ        (`WH_BOARD_CLOCK_HZ),
                 .BUILD           (`WH_BOARD_BUILD)
             ) device (

@@ -14,8 +14,8 @@
 // guard say before that, as long as an ADC wakes up, is forgotten (forget_o), and nothing is permitted.
 //
 // clock_lost_i is what wh_board_clock_watch found, which takes the gates off the pads; 0 where the board
-// has none. alive_o changes at each tick while the gates are on, and is low otherwise; it stands still
-// without a clock, and a charge pump behind it lets go of the bridge.
+// has none. alive_o changes at each tick while the gates are on, with AGAIN so many clocks after it once more, and is
+// low otherwise; it stands still without a clock, and a charge pump behind it lets go of the bridge.
 // Latency: permit_o is low 3 clocks after stop_i or clock_lost_i, 2 after a fault, and the gates a clock later.
 // Reset: nothing permitted, alive_o low.
 
@@ -23,6 +23,7 @@
 
 module wh_board_switch #(
     parameter integer N           = 1,
+    parameter integer AGAIN       = 0,  // 0...65535; 0: alive_o changes once a tick
     parameter integer SETTLE_LOG2 = 16  // start_i must be still for 2^SETTLE_LOG2 clocks
 ) (
     input  wire         clk,
@@ -128,10 +129,25 @@ module wh_board_switch #(
     assign permit_o     = permit_q;
     assign fault_o      = fault_q || clock_lost_q || (|zero_fault_i) || (guard_fault_i && awake);
 
-    reg alive_q;
+    reg  alive_q;
+    wire again;
+
+    generate
+        if (AGAIN > 0) begin : twice
+            reg [15:0] since_q;  // the tick; 0: it is longer ago
+
+            assign again = since_q == AGAIN[15:0];
+
+            always @(posedge clk) begin
+                since_q <= rst ? 16'd0 : tick_i ? 16'd1 : (again || since_q == 16'd0) ? 16'd0 : since_q + 16'd1;
+            end
+        end else begin : once
+            assign again = 1'b0;
+        end
+    endgenerate
 
     always @(posedge clk) begin
-        alive_q <= !rst && running_i && (alive_q ^ tick_i);
+        alive_q <= !rst && running_i && (alive_q ^ (tick_i || again));
     end
 
     assign alive_o = alive_q;

@@ -52,6 +52,7 @@ toctrees = {
                   "Python reference <build/api/wavehaptics/index>", "CHANGELOG"],
     "Boards": ["boards/icebreaker/README", "boards/hx8k/README",
                "boards/ulx3s/README", "boards/ulx3s_three/README",
+               "boards/ulx3s_space/README",
                "boards/ulx3s_brushless/README", "boards/ulx3s_gan/README",
                "boards/ulx3s_gan_brushed/README",
                "boards/colorlight_i5/README", "boards/orangecrab/README",

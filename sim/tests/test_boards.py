@@ -654,6 +654,7 @@ PROGRAMMERS = {
     "ulx3s_brushless": ["fujprog", "build/synth/ulx3s_brushless/ulx3s_brushless.bit"],
     "ulx3s_gan": ["fujprog", "build/synth/ulx3s_gan/ulx3s_gan.bit"],
     "ulx3s_gan_brushed": ["fujprog", "build/synth/ulx3s_gan_brushed/ulx3s_gan_brushed.bit"],
+    "ulx3s_space": ["fujprog", "build/synth/ulx3s_space/ulx3s_space.bit"],
     "ulx3s_three": ["fujprog", "build/synth/ulx3s_three/ulx3s_three.bit"],
 }  # fmt: skip
 
@@ -819,7 +820,7 @@ def test_boards_on_demand_have_no_numbers():
     """`make synth` leaves them out, and the pages have no row of them."""
     boards = json.loads((ROOT / filler.KEPT).read_bytes())["boards"]
     assert [board["board"] for board in boards] == MADE
-    assert set(board_names()) - set(MADE) == {"ulx3s_gan", "ulx3s_gan_brushed"}
+    assert set(board_names()) - set(MADE) == {"ulx3s_gan", "ulx3s_gan_brushed", "ulx3s_space"}
 
 
 @pytest.mark.parametrize("name", board_names())

@@ -38,6 +38,7 @@ CHANGEABLE = (
     "wh_current.current", "wh_wave_core.eta", "wh_wave_core.wave", "wh_anchor.anchor",
     "wh_contact.edges", "wh_contact.walls", "wh_shaper.shape", "wh_capture.capture",
     "wh_stream.stream", "wh_stream.cut", "wh_host_link.host", "wh_rotor_flux.magnet",
+    "wh_surface_frame.budget",
 )  # fmt: skip
 """Groups of words that can be changed on a board: none of the hardware, and none of its limits."""
 
@@ -69,6 +70,13 @@ class BoardWords:
     """Half bridges of a motor."""
     shared: bool = False
     """Whether one multiplier makes the wave core's products as well as all others."""
+    surfaces: int = 0
+    """Surfaces across all motors, which a computer writes."""
+
+    @property
+    def alive_again(self) -> int:
+        """Clocks after a tick at which ``alive`` changes once more; 0: it changes once a tick."""
+        return self.ports.timing.tick_clocks // 2 if self.surfaces else 0
 
     @property
     def walls(self) -> int:
@@ -86,7 +94,7 @@ def board_words(
     pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
     delay_log2: int = 1, linked: bool = False, capture: int = 0,
     stream: bool = False, legs: int = LEGS, shared: bool = False,
-    linked_walls: int = LINKED_WALLS,
+    linked_walls: int = LINKED_WALLS, surfaces: int = 0,
 ) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
 
@@ -96,7 +104,8 @@ def board_words(
 
     ``pad_registers`` are those of :func:`wavehaptics.parts.adcs.frame`; a current of ``trip_a``
     takes the gates off, and an offset of more than ``zero_a`` is a fault. :class:`SceneError` where
-    the scene's ADC isn't the part, or its clock or tick doesn't suit it. The delay line has
+    the scene's ADC isn't the part, or its clock or tick doesn't suit it, or so many ``surfaces``
+    across the motors. The delay line has
     2^``delay_log2`` steps or more. ``shared`` is the multiplier, which W has no room in.
     """
     refuse(scene, "a board")
@@ -113,7 +122,7 @@ def board_words(
     if part is not None:
         frame_at = partial(_part_frame, part, pad_registers)
     turns = turns_of(motors, legs, linked=linked)
-    ports = controller_ports(scene, frame_at, turns=turns)
+    ports = controller_ports(scene, frame_at, turns=turns, surfaces=surfaces)
     if shared:
         _check_shared(scene, ports)
     words = {
@@ -132,7 +141,7 @@ def board_words(
     word = _guard(scene, ports, trip_a) if guarded else None
     return BoardWords(
         ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked_walls,
-        linked and stream, scene.host is not None, legs, shared,
+        linked and stream, scene.host is not None, legs, shared, surfaces,
     )  # fmt: skip
 
 
@@ -260,6 +269,8 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "LINKED": int(board.linked),
         "CAPTURE": board.capture,
         "STREAM": int(board.stream),
+        "SURFACES": board.surfaces,
+        "AGAIN": board.alive_again,
         "HOST": made["HOST"],
         "CLOCK_HZ": round(board.ports.timing.clock_hz),
         "BUILD": build_number(),

@@ -30,7 +30,7 @@ from wavehaptics.runtime.toml_source import TomlError, dotted, parse
 from wavehaptics.scene import Scene, load_scene
 from wavehaptics.scene.keys import as_written, nearest
 from wavehaptics.scene.places import Places
-from wavehaptics.words.table import AXES, MOST, THREE_PHASE_LEGS
+from wavehaptics.words.table import AXES, LEGS, MOST, THREE_PHASE_LEGS
 
 CONSTRAINT_SUFFIX = {"ice40": ".pcf", "ecp5": ".lpf"}
 
@@ -110,6 +110,7 @@ class Fpga(_Table):
     link: bool = False
     capture: Literal[0, 9, 10, 11, 12, 13, 14, 15] = 0
     stream: bool = False
+    surfaces: int = Field(0, ge=0, le=8)
     walls: int = Field(LINKED_WALLS, ge=1, le=MOST["wall"])
     shared_multiplier: bool = False
     pad_registers: bool = False
@@ -199,7 +200,7 @@ class Board:
             pad_registers=self.fpga.pad_registers, trip_a=self.fpga.sense.trip_a,
             zero_a=self.fpga.sense.zero_a, delay_log2=_DELAY_LOG2[self.fpga.family],
             linked=self.fpga.link, capture=self.fpga.capture, stream=self.fpga.stream,
-            linked_walls=self.fpga.walls,
+            surfaces=self.fpga.surfaces, linked_walls=self.fpga.walls,
             legs=self.fpga.legs, shared=self.fpga.shared_multiplier,
         )  # fmt: skip
 
@@ -270,11 +271,16 @@ def load_board(
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         raise BoardError(f"{places.of(first['loc'])[1]}: {_problem(first)}") from None
-    for key in ("capture", "stream", "walls"):
+    for key in ("capture", "stream", "surfaces", "walls"):
         if key in fpga.model_fields_set and getattr(fpga, key) and not fpga.link:
             raise BoardError(
                 f"{places.of((key,))[1]}: {key} goes with a link; set link = true or leave it out"
             )
+    if fpga.surfaces and (fpga.legs != LEGS or fpga.motors not in (2, 3)):
+        raise BoardError(
+            f"{places.of(('surfaces',))[1]}: surfaces are across 2 or 3 motors with brushes; "
+            "set motors so or leave surfaces out"
+        )
     if fpga.pins_of is not None:
         others = load_board(fpga.pins_of, root=root).fpga
         pins = {key: getattr(others, key) for key in ("free", "taken", "bank_v")}

@@ -341,8 +341,11 @@ def wired_so(table: Table) -> list[Board]:
 
 
 def board_ticks(table: Table) -> Mapping[str, float]:
-    """The tick of each such board's scene, in seconds."""
-    return {board.name: 1.0 / board.scene.controller.tick_hz for board in wired_so(table)}
+    """Time from one change of ``alive`` to the next on each such board, in s: a tick, or half."""
+    return {
+        board.name: (0.5 if board.fpga.surfaces else 1.0) / board.scene.controller.tick_hz
+        for board in wired_so(table)
+    }
 
 
 def stop_complaints(table: Table, found: Iterable[Stop]) -> list[str]:
