@@ -253,7 +253,9 @@ async def commands_act_once(dut: object) -> None:
         assert bench.done() == (before[0], before[1] + 1, before[2]), place.word.name
         assert not (await bench.ask(write_one(TABLE + 2 * place.address + 1, 1))).isError()
         assert bench.done() == (before[0], before[1] + 2, before[2]), place.word.name
-        await bench.refused(words(place.address, [place.outside[-1] & MASK]), VALUE)
+        if place.outside:  # some take any 32 bits
+            await bench.refused(words(place.address, [place.outside[-1] & MASK]), VALUE)
+    assert any(place.outside for place in COMMANDS)
     zero = WORDS["zero_start"].at()
     before = bench.done()
     assert not (await bench.ask(words(zero - 1, [5, 1]))).isError()
