@@ -36,11 +36,11 @@ module ulx3s_space (
     assign wifi_en     = 1'b0;
     assign wifi_en_v31 = 1'b0;
 
-    // The watch has 19.4 MHz.
+    // The watch has 17.2 MHz.
     wh_board_ecp5 #(
         .CLKOP_DIV  (22),
         .CLKOS_DIV  (10),
-        .WATCH_DIV  (16)
+        .WATCH_DIV  (18)
     ) board (
         .osc_i       (clk_25mhz),
         .reset_n_i   (1'b1),

@@ -85,7 +85,7 @@ ULX3S, ECP5 = "boards/ulx3s/ulx3s.v", "boards/wh_board_ecp5.v"
         ("ulx3s", ULX3S, ".WATCH_DIV ", ".WATCH_DIVIDER ", SynthesisError,
          "boards/ulx3s/ulx3s.v:40: wh_board_ecp5 has no parameter WATCH_DIVIDER; it has CLKI_DIV"),
         ("ulx3s", "boards/wh_board_controller.v", ".SETTLE_LOG2 ", ".SETTLE ", SynthesisError,
-         "wh_board_switch has no parameter SETTLE; it has N, SETTLE_LOG2"),
+         "wh_board_switch has no parameter SETTLE; it has N, AGAIN, SETTLE_LOG2"),
         ("ulx3s", "boards/ulx3s/fpga.toml", "guard = true", "gard = true", BoardError,
          "did you mean guard?"),
         ("ulx3s", "boards/ulx3s/board.toml", "dead_time_s", "dead_times", SceneError,
