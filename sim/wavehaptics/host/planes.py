@@ -23,6 +23,7 @@ from wavehaptics.controller.planes import (
     as_writes,
     refused_place,
 )
+from wavehaptics.host.capture import tick_s
 from wavehaptics.host.client import Client
 from wavehaptics.host.names import HostError, places, readable
 from wavehaptics.laws import closed_forms
@@ -88,7 +89,8 @@ class Planes:
     ) -> None:  # fmt: skip
         self._client, self._arm = client, arm
         count = client.shape.motors
-        self._most = surfaces_state(client).surfaces
+        found = surfaces_state(client)
+        self._most, self._stamp = found.surfaces, found.stamp
         if not self._most:
             raise HostError(
                 f"{client.port}: the device has no surfaces; take a bitstream with SURFACES, or a "
@@ -107,21 +109,19 @@ class Planes:
                 )
         self._cell = np.array([2.0 * math.pi / motor.counts_per_rev for motor in motors])
         self._k_t = np.array([motor.k_t for motor in motors])
-        carrier = [self._value(name) for name in ("half_clocks", "tick_halves", "extra_ticks")]
-        clock_hz = client.identification.words["clock_hz"]
-        self._tick_s = carrier[0] * carrier[1] / clock_hz
+        self._tick_s, extra_ticks = tick_s(client), int(self._value("extra_ticks"))
         ports = []
         for n, motor in enumerate(motors):
             root, a = self._value("root", n), self._value("a", n)
             if root <= 0 or a <= 0:
                 raise HostError(f"motor {n}: root or a is 0; set the motor's registers first")
             r_hat = 0.5 * root**2
-            tau = closed_forms.tau(self._tick_s, a, int(carrier[2]))
+            tau = closed_forms.tau(self._tick_s, a, extra_ticks)
             ports.append(PortEstimate(
                 motor.k_t, r_hat, closed_forms.l_eff(motor.inductance, r_hat, tau),
                 float(self._cell[n]),
             ))  # fmt: skip
-        self._ports, self._speed, self._stamp = ports, speed, 0
+        self._ports, self._speed = ports, speed
 
     def _value(self, name: str, motor: int = 0) -> float:
         (place,) = places(name, self._client.shape, motor)

@@ -63,21 +63,22 @@ class JointHost:
     @property
     def count_m(self) -> float:
         """The finest way along the first surface's normal that the encoders tell, m; least 1 nm."""
-        places = np.zeros(len(self.settings))
-        arm, cell = self.space.arm, np.array([set_.cell_rad for set_ in self.settings])
+        cell = np.array([set_.cell_rad for set_ in self.settings])
+        return max(float(np.linalg.norm(self._along() * cell)), 1e-9)
+
+    def _along(self) -> np.ndarray:
+        """``Jᵀn`` where the run begins, of the first surface's normal; of x without surfaces."""
+        arm, places = self.space.arm, np.zeros(len(self.settings))
         normal = np.array([1.0, 0.0, 0.0])
         if self.space.shapes:
             normal = self.space.shapes[0].depth(arm.tip(places)[None, :])[1][0]
-        return max(float(np.linalg.norm((arm.jacobian(places).T @ normal) * cell)), 1e-9)
+        return arm.jacobian(places).T @ normal
 
     def predicted(self) -> float | None:
         """K of the first surface where the run begins, ``1/Σ G_n²/K_n``, N/m; or what it wishes."""
         if not self.space.shapes:
             return None
-        arm, places = self.space.arm, np.zeros(len(self.settings))
-        normal = self.space.shapes[0].depth(arm.tip(places)[None, :])[1][0]
-        along = arm.jacobian(places).T @ normal
-        stiffest = 1.0 / float(along**2 @ (1.0 / self.joint_stiffness))
+        stiffest = 1.0 / float(self._along() ** 2 @ (1.0 / self.joint_stiffness))
         wished = self.space.surface[0].stiffness
         if self._is_servo and wished is not None:
             return wished
