@@ -55,6 +55,12 @@ def taken(client: Client, folder: Path, names: list[str], trigger: str, before: 
     return save(trace_arrays(found, device_of(client)) | more, folder)
 
 
+def disarm(client: Client) -> None:
+    """The bridges off, which else go off in their own time."""
+    client.write([("arm", 0)])
+    assert client.read(["running"]) == [0]
+
+
 @pytest.fixture(scope="module")
 def files(tmp_path_factory) -> Iterator[dict[str, Path]]:
     """One from before the bridges go on, with other words too, and one of their being on."""
@@ -63,9 +69,9 @@ def files(tmp_path_factory) -> Iterator[dict[str, Path]]:
         client = Client(port, timeout_s=END_S)
         found = {"start": taken(client, folder / "start", NAMES, "flags rises 4", 10)}
         found["midway"] = taken(client, folder / "midway", NAMES, "now", 0)
-        client.write([("arm", 0)])
-        assert client.read(["running"]) == [0]
+        disarm(client)
         found["others"] = taken(client, folder / "others", OTHERS, "flags rises 4", 3)
+        disarm(client)
         written = folder / "command"
         words = ("position", "current", "flags", "--seconds", "1e-4", "--out", str(written))
         status, _, problem = told(port, "capture", *words, "--timeout", "60")
