@@ -136,12 +136,58 @@ SLOWEST = (
 """Begun first, so that none of them ends alone."""
 
 
-MINUTES = (
+LONG = (
+    "cocotb_tests/test_axes.py::test_axes_and_their_anchors",
+    "cocotb_tests/test_benches.py::test_bench[verilator-anchor-AXIS=1]",
+    "cocotb_tests/test_benches.py::test_bench[verilator-controller-SENSE=1-ANCHOR=1-SHARED=1]",
+    "cocotb_tests/test_benches.py::test_bench[verilator-stream_over_the_line]",
+    "cocotb_tests/test_board_link.py::test_board_link[icesugar_pro_eight]",
+    "cocotb_tests/test_device_surfaces.py::test_surfaces_over_the_line",
+    "cocotb_tests/test_device_zero.py::test_device_zero",
+    "cocotb_tests/test_link.py::test_link",
     "cocotb_tests/test_link.py::test_link_of_three",
+    "cocotb_tests/test_ports.py::test_ports",
     "cocotb_tests/test_ports_axes.py::test_ports_axes",
+    "cocotb_tests/test_ports_device.py::test_a_brushless_motor",
+    "cocotb_tests/test_ports_device.py::test_ports_device",
     "cocotb_tests/test_ports_surfaces.py::test_ports_surfaces",
+    "cocotb_tests/test_surface_station.py::test_surface_station",
+    "sim/tests/test_boards.py::test_the_guard_lets_the_boards_own_scene_be[ecp5_evn]",
+    "sim/tests/test_brushless_anchor.py::test_pins_find_the_magnets",
+    "sim/tests/test_brushless_soft.py::test_core_is_golden[layer-with-anchors]",
+    "sim/tests/test_brushless_soft.py::test_core_is_golden[two-sections]",
+    "sim/tests/test_brushless_soft.py::test_pins_have_goldens_stiffness[0]",
+    "sim/tests/test_brushless_soft.py::test_pins_render_the_spring",
+    "sim/tests/test_c_library.py::test_random_bytes_never_crash_it_and_are_never_believed",
+    "sim/tests/test_captured.py::test_a_capture_is_what_the_simulation_had[0]",
+    "sim/tests/test_compiled.py::test_only_what_is_changed_is_compiled_anew",
+    "sim/tests/test_device_words.py::test_a_brushless_device_that_is_left_alone_is_its_controller",
+    "sim/tests/test_device_words.py::test_a_step_is_made_with_old_settings_or_with_new_ones[feels1]",
+    "sim/tests/test_host_planes.py::test_planes_about_the_tip_of_a_virtual_board",
+    "sim/tests/test_identify.py::test_spreads_over_the_line",
+    "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[free-some]",
+    "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[limited-some]",
+    "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[soft-some]",
+    "sim/tests/test_live_settings.py::test_no_energy_is_made_of_a_change[worked-some]",
+    "sim/tests/test_pins_anchor.py::test_a_host_feels_the_motor_that_the_anchor_makes",
+    "sim/tests/test_report.py::test_field_oriented_control_beside_the_wave_wall",
+    "sim/tests/test_scene_motors.py::test_motors_of_one_controller_on_pins",
+    "sim/tests/test_several_motors.py::test_one_of_them_is_the_board_of_one_motor",
+    "sim/tests/test_several_motors.py::test_the_scope_shows_the_motor_that_was_asked_for",
+    "sim/tests/test_several_motors.py::test_words_of_each_motor",
+    "sim/tests/test_switch_on.py::test_a_run_ends_its_bridge_where_the_board_trips[ulx3s_brushless",
+    "sim/tests/test_turns.py::test_each_port_is_a_controller_of_one_motor[shaped]",
+    "sim/tests/test_turns.py::test_eight_motors",
+    "sim/tests/test_virtual_board.py::test_a_brushless_board_over_the_line",
+    "sim/tests/test_virtual_board.py::test_a_wall_that_is_moved",
+    "sim/tests/test_virtual_board.py::test_left_alone_it_is_the_device",
+    "sim/tests/test_virtual_board.py::test_rows_of_a_brushless_board",
+    "sim/tests/test_virtual_board.py::test_the_scope_shows_a_brushless_motors_wall",
 )
-"""Benches that take a minute at any size; the quick tests of their blocks are others."""
+"""Of 15 s or more each, while a shorter test of the same subject stays in `make test`.
+
+A file's test, or the one of its parameters that begins so.
+"""
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -194,29 +240,30 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 
 def _is_further(item: pytest.Item, seen: Counter[tuple[str, str]]) -> bool:
-    """Whether it is a bench at a further size, or once more on Icarus, or isn't ``kept``.
+    """Whether it is a ``LONG`` one, a bench at a further size, on Icarus, or isn't ``kept``.
 
     `make test` runs each bench at its first size on Verilator. On Icarus, several times as slow, it
     runs the quick one of each block. ``kept`` makes an exception of a test, or says which of a
     test's parameters stay: by their names, or the first so many.
     """
+    test = item.nodeid.partition("[")[0]
+    if test in LONG or item.nodeid.startswith(tuple(name for name in LONG if "[" in name)):
+        return True
     parameters = item.callspec.params if hasattr(item, "callspec") else {}
     simulator = parameters.get("simulator")
-    bench = item.nodeid.partition("[")[0], parameters.get("bench", "")
+    bench = test, parameters.get("bench", "")
     if kept := item.get_closest_marker("kept"):
         seen[bench] += 1
         first = sum(n for n in kept.args if isinstance(n, int))
         return bool(kept.args) and seen[bench] > first and item.callspec.id not in kept.args
     if simulator is None:
         return False
-    if bench[0] in MINUTES:
-        return True
     seen[bench] += simulator != "icarus"
     return simulator == "icarus" or seen[bench] > 1
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark them. A quick or kept test that isn't there any more is an error of the list."""
+    """Mark them. A name of the lists that isn't there any more is an error."""
     seen: Counter[tuple[str, str]] = Counter()
     for item in items:
         if item.nodeid in QUICK or item.nodeid.startswith(tuple(f"{file}::" for file in FILES)):
@@ -229,7 +276,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def _check_names(items: list[pytest.Item], quick: bool) -> None:
-    """Refuse names of quick and kept tests that aren't there, of all tests or of the quick."""
+    """Refuse names of quick, kept and long tests that aren't there, of all tests or of the quick."""
     found = {item.nodeid for item in items}
     if quick:
         files = {nodeid.partition("::")[0] for nodeid in found}
@@ -241,8 +288,9 @@ def _check_names(items: list[pytest.Item], quick: bool) -> None:
                 test = item.nodeid.partition("[")[0]
                 names = {f"{test}[{name}]" for name in kept.args if isinstance(name, str)}
                 missing += names - found
+        missing += [name for name in LONG if not any(there.startswith(name) for there in found)]
     if missing:
-        raise pytest.UsageError(f"called quick or kept, but not there: {sorted(set(missing))}")
+        raise pytest.UsageError(f"called quick, kept or long, but not there: {sorted(set(missing))}")
 
 
 def pytest_terminal_summary(

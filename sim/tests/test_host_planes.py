@@ -32,10 +32,13 @@ CELL_RAD = 2 * math.pi / 10_000
 WINDOW, COMMIT = WORDS["surface_word"].at(), WORDS["surface_commit"].at()
 TIMEOUT_S = 1.0
 SLOWER = {
-    "controller.tick_hz": 71.875e6 / 416, "drive.pwm_hz": 71.875e6 / 208,
+    "controller.clock_hz": 20e6, "controller.tick_hz": 20e6 / 416, "drive.pwm_hz": 20e6 / 208,
     "controller.extra_ticks": 1,
 }  # fmt: skip
-"""With which the three motors of a board have time for eight surfaces, which need 413 clocks."""
+"""With which the three motors of a board have time for eight surfaces, which need 413 clocks.
+
+A slow clock, as a simulated board takes as long for one as for another.
+"""
 
 
 def frame(rng: np.random.Generator, count: int) -> list[tuple[int, int]]:

@@ -49,7 +49,11 @@ COUNTS = 10_000
 AMPLITUDE_RAD = 0.15
 TOP = round(AMPLITUDE_RAD * COUNTS / (2 * np.pi))
 """Counts at which the hand turns round."""
-SWINGS = (*BOARD, "hand.path=sine", f"hand.amplitude_rad={AMPLITUDE_RAD}", "hand.frequency_hz=50")
+SLOW = ("controller.tick_hz=250e3", "controller.clock_hz=16e6")
+"""A slow board: a simulated one takes a third of the time for it."""
+SWINGS = (
+    *BOARD, *SLOW, "hand.path=sine", f"hand.amplitude_rad={AMPLITUDE_RAD}", "hand.frequency_hz=50",
+)  # fmt: skip
 SHAPE = Shape(1, 4, 0, 10)
 TABLE = f'table = "{table.crc():08x}"\n'
 """The first line of a file of settings."""
@@ -169,7 +173,7 @@ def test_what_it_is(port):
     shown = told(port, "info")
     assert f"table of words  {table.crc():08x}\n" in shown
     assert "delay_log2 10, anchor 1, guard 1, sense 1, dead_time 1, arm 1, capture 12" in shown
-    assert "52 MHz" in shown
+    assert "16 MHz" in shown
 
 
 def test_set_and_get(port):
@@ -431,7 +435,7 @@ def test_a_capture_of_the_swing(port, tmp_path):
 def test_a_capture_lets_the_arming_be_renewed(port, armed, tmp_path):
     """Which another program does, while this one reads at a fast rate."""
     shown = told(port, "capture", "--seconds", "0.001", "--out", str(tmp_path)).splitlines()
-    assert shown[2] == "500 rows of 2 µs; the trigger's is row 0"
+    assert shown[2] == "250 rows of 4 µs; the trigger's is row 0"
     assert "running" in shown[-1]
     assert armed.poll() is None, armed.stderr.read()
     assert value(port, "armed") == 1
@@ -444,7 +448,7 @@ def test_captures_that_are_refused(port, tmp_path):
         (("--decimate", "3"), "decimation 3: take 1, 2, 4"),
         (("--preset", "none"), "--preset none: there is none; take re25-118743"),
         (("--preset", "re25-118743", "--k-t", "1"), "--preset and --k-t: give one of them"),
-        (("--seconds", "0.001", "--pre", "0.001"), "500 rows before the trigger's: take 0...499"),
+        (("--seconds", "0.001", "--pre", "0.001"), "250 rows before the trigger's: take 0...249"),
     ):
         problem = refused(port, "capture", *words, "--out", str(tmp_path), "--timeout", "60")
         assert problem.startswith(message)
@@ -466,7 +470,10 @@ def test_garbage_on_the_line(port):
         os.write(line, bytes(noise.randrange(256) for _ in range(700)))
     finally:
         os.close(line)
-    assert value(port, "root") == value(port, "root")
+    # Without a gap behind it, the noise may take the first question with it; it is asked again.
+    status, out, err = run(port, "get", "root", "--timeout", "5")
+    assert (status, err) == (0, "")
+    assert float(out.split()[1]) == value(port, "root")
     assert errors() > before
 
 
