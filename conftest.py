@@ -276,7 +276,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def _check_names(items: list[pytest.Item], quick: bool) -> None:
-    """Refuse names of quick, kept and long tests that aren't there, of all tests or of the quick."""
+    """Refuse names that aren't there, of all tests or, with ``quick``, of the quick ones."""
     found = {item.nodeid for item in items}
     if quick:
         files = {nodeid.partition("::")[0] for nodeid in found}
@@ -290,7 +290,7 @@ def _check_names(items: list[pytest.Item], quick: bool) -> None:
                 missing += names - found
         missing += [name for name in LONG if not any(there.startswith(name) for there in found)]
     if missing:
-        raise pytest.UsageError(f"called quick, kept or long, but not there: {sorted(set(missing))}")
+        raise pytest.UsageError(f"named, but not there: {sorted(set(missing))}")
 
 
 def pytest_terminal_summary(
