@@ -104,33 +104,33 @@ build/c/wall: $(wildcard sim/c/*)
 report: $(READY) ## measure everything and write build/report/index.html (QUICK=1: coarser, 3 minutes)
 	@$(WITH_TOOLS) .venv/bin/wavehaptics report $(if $(QUICK),--quick) --out build/report
 
-NUMBERS = $(WITH_TOOLS) .venv/bin/python -m wavehaptics.cli.board_commands numbers
+NUMBERS = $(WITH_TOOLS) .venv/bin/python -m wavetools.cli.board_commands numbers
 
 adcs: $(READY) ## run the paper's taps with every ADC, and write their numbers into the pages
-	@$(WITH_TOOLS) .venv/bin/wavehaptics adcs --out build/adcs
+	@$(WITH_TOOLS) .venv/bin/python -m wavetools adcs --out build/adcs
 	@$(NUMBERS)
 
 sensing: $(READY) ## press a wall with every part that senses the current, and write the pages' table (2 minutes)
-	@$(WITH_TOOLS) .venv/bin/wavehaptics sensing --out build/sensing
+	@$(WITH_TOOLS) .venv/bin/python -m wavetools sensing --out build/sensing
 	@$(NUMBERS)
 
 holding: $(READY) ## hold, tap and bounce with everything wrong, with the pages' numbers (20 minutes; QUICK=1)
-	@$(WITH_TOOLS) .venv/bin/wavehaptics holding $(if $(QUICK),--quick) --out build/holding
+	@$(WITH_TOOLS) .venv/bin/python -m wavetools holding $(if $(QUICK),--quick) --out build/holding
 	@$(NUMBERS)
 
 tables: $(READY) ## run what the pages show of drive and environments, and write it into them (10 minutes)
-	@$(WITH_TOOLS) .venv/bin/wavehaptics tables --out build/tables
+	@$(WITH_TOOLS) .venv/bin/python -m wavetools tables --out build/tables
 	@$(NUMBERS)
 
 bench: $(READY) ## measure how fast the simulation is, into build/bench (QUICK=1: in fewer rounds)
-	@$(WITH_TOOLS) .venv/bin/wavehaptics bench $(if $(QUICK),--quick) --out build/bench
+	@$(WITH_TOOLS) .venv/bin/python -m wavetools bench $(if $(QUICK),--quick) --out build/bench
 
 soak: $(READY) ## 10^8 ticks of the core, everything switched at random (half an hour; QUICK=1: 10^6)
-	@$(WITH_TOOLS) .venv/bin/wavehaptics soak $(if $(QUICK),--ticks 1e6) --out build/soak
+	@$(WITH_TOOLS) .venv/bin/python -m wavetools soak $(if $(QUICK),--ticks 1e6) --out build/soak
 	@$(if $(QUICK),,$(NUMBERS))
 
 soak-link: $(READY) ## 10^8 bytes of broken frames and noise into the link (two hours of a core; QUICK=1: 10^6)
-	@$(WITH_TOOLS) .venv/bin/wavehaptics soak-link $(if $(QUICK),--bytes 1e6) --out build/soak-link
+	@$(WITH_TOOLS) .venv/bin/python -m wavetools soak-link $(if $(QUICK),--bytes 1e6) --out build/soak-link
 
 # A warning is an error: a link that leads nowhere, a docstring that doesn't parse.
 docs: $(READY_DOCS) ## build the pages and the Python's reference: build/docs/index.html
@@ -183,7 +183,7 @@ coverage: $(READY) ## lines, branches and toggles that the tests come through: b
 	@$(COVERAGE) combine --quiet
 	@$(COVERAGE) json --quiet -o build/coverage/python.json
 	@$(COVERAGE) html --quiet -d build/coverage/html
-	@.venv/bin/python -m wavehaptics.checks.covered $(if $(QUICK),--quick)
+	@.venv/bin/python -m wavetools.checks.covered $(if $(QUICK),--quick)
 	@$(if $(QUICK),,$(NUMBERS))
 
 check: lint ## lint, a quick test of each block, the loop on each simulator: 3 minutes
@@ -350,12 +350,12 @@ BLOCK ?=
 
 .PHONY: formal
 formal: $(SYNTH_TOOLS) ## prove the RTL into build/formal (BLOCK=quadrature; QUICK=1: one proof of each block)
-	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.checks.proofs $(if $(BLOCK),--block "$(BLOCK)") $(if $(QUICK),--quick) --jobs $(JOBS)
+	@$(WITH_TOOLS) .venv/bin/python -m wavetools.checks.proofs $(if $(BLOCK),--block "$(BLOCK)") $(if $(QUICK),--quick) --jobs $(JOBS)
 	@$(if $(QUICK)$(BLOCK),,$(NUMBERS))
 
 .PHONY: mutate
 mutate: $(READY_MUTATE) ## plant faults into RTL and models and count those that tests find (BLOCK=quadrature; QUICK=1)
-	@$(WITH_TOOLS) .venv/bin/wavehaptics mutate $(if $(BLOCK),--block "$(BLOCK)") $(if $(QUICK),--quick) --jobs $(JOBS)
+	@$(WITH_TOOLS) .venv/bin/python -m wavetools mutate $(if $(BLOCK),--block "$(BLOCK)") $(if $(QUICK),--quick) --jobs $(JOBS)
 
 clean: ## remove what was built
 	rm -rf build

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# Bitstreams: every recipe is one call of sim/wavehaptics/cli/board_commands.py.
+# Bitstreams: every recipe is one call of tools/wavetools/cli/board_commands.py.
 
 # A folder of boards/.
 BOARD ?= icebreaker
@@ -14,7 +14,7 @@ SEEDS ?= 8
 # The user's own tools need no packages of synthesis tools.
 SYNTH_TOOLS = $(if $(filter wheel,$(TOOLCHAIN)),$(READY_SYNTH),$(READY))
 
-BITSTREAMS = $(WITH_TOOLS) .venv/bin/python -m wavehaptics.cli.board_commands
+BITSTREAMS = $(WITH_TOOLS) .venv/bin/python -m wavetools.cli.board_commands
 
 .PHONY: bitstream synth seeds prog flash simulate resources numbers
 

@@ -5,4 +5,4 @@
 .PHONY: drawings
 
 drawings: $(READY) ## simulate and draw the circuits of boards/wiring.toml, with the tables of their pages
-	@$(WITH_TOOLS) .venv/bin/python -m wavehaptics.wiring
+	@$(WITH_TOOLS) .venv/bin/python -m wavetools.wiring

@@ -54,7 +54,7 @@ COUNTERS = 16
 SIGNED, NARROW, ROOT, U_MAX = (WORDS[n].at() for n in ("zero", "trip", "root", "u_max"))
 ZERO_START = WORDS["zero_start"].at()
 RANDOM_BYTES = 3000
-"""Here, where a simulated clock takes long; :mod:`wavehaptics.checks.link_soak` sends millions."""
+"""Here, where a simulated clock takes long; :mod:`wavetools.checks.link_soak` sends millions."""
 
 
 class ModbusBench(Bench):

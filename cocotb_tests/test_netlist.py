@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 from simulators import simulate
 from test_closed_loop import bench_words
-from wavehaptics.fpga.netlists import DEVICES, netlist
 from wavehaptics.runtime.toolchain import Toolchain
+from wavetools.fpga.netlists import DEVICES, netlist
 
 TICKS = 3_000
 

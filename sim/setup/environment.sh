@@ -50,7 +50,7 @@ pip_install --no-index --no-deps --no-build-isolation -e .
 
 # In the C locale, Python reads no path with an umlaut from there. One from the file's folder has none.
 for path in .venv/lib/python*/site-packages/__editable__.wavehaptics-*.pth; do
-    echo ../../../../sim >"$path"
+    printf '%s\n' ../../../../sim ../../../../tools >"$path"
 done
 
 sh sim/setup/verilator.sh

@@ -8,11 +8,11 @@ import json
 import pytest
 from wavehaptics.controller import tick_layout
 from wavehaptics.motor import sigma_delta
-from wavehaptics.pages import filler
 from wavehaptics.parts.adcs import ALL_BITS, MODULATORS, PARTS, PartError, frame, modulator_frame
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import find_scene, load_scene
-from wavehaptics.studies import adcs
+from wavetools.pages import filler
+from wavetools.studies import adcs
 
 
 def test_fastest_frames():

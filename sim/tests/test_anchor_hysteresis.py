@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from wavehaptics.ladder.run import CONTROLLERS
 from wavehaptics.scene import Scene
-from wavehaptics.studies.anchored import cases, runs
 from wavehaptics.trace.columns import Column, Word
+from wavetools.studies.anchored import cases, runs
 
 SIDES = {"up": "controller.walls=[[0, 1]]", "down": "controller.walls=[[-1, 0]]"}
 """By the direction in which the rotor comes in."""

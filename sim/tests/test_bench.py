@@ -8,7 +8,7 @@ import json
 
 import pytest
 from rich.console import Console
-from wavehaptics.studies.bench import measure, once
+from wavetools.studies.bench import measure, once
 
 
 @pytest.mark.parametrize("controller", ["golden", "encoder"])

@@ -12,18 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from wavehaptics.fpga import board_runs, placed, synthesis
-from wavehaptics.fpga.board_simulation import (
-    BoardSimulation,
-    Build,
-    Report,
-    bench,
-    board_scene,
-    build,
-    on_board,
-)
 from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
-from wavehaptics.fpga.synthesis import SynthesisError
 from wavehaptics.ladder import sampled
 from wavehaptics.ladder.linked_pins import write_frame
 from wavehaptics.ladder.run import measure
@@ -35,6 +24,17 @@ from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
 from wavehaptics.words.modbus import BAUDS
 from wavehaptics.words.table import WORDS
+from wavetools.fpga import board_runs, placed, synthesis
+from wavetools.fpga.board_simulation import (
+    BoardSimulation,
+    Build,
+    Report,
+    bench,
+    board_scene,
+    build,
+    on_board,
+)
+from wavetools.fpga.synthesis import SynthesisError
 
 PRESS_S = 0.012
 HARD = ("hand.path=taps", "hand.frequency_hz=40", "hand.amplitude_rad=0.05", "hand.stiffness=0.4",

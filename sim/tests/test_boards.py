@@ -16,25 +16,25 @@ from typing import Any
 import numpy as np
 import pytest
 from typer.testing import CliRunner
-from wavehaptics.cli import board_commands
 from wavehaptics.controller.pins_timing import (
     CORE_CLOCKS,
     latency_clocks,
     turns_clocks,
     turns_latency_clocks,
 )
-from wavehaptics.fpga import multipliers, pll, synthesis
-from wavehaptics.fpga.board_pins import read_pins
 from wavehaptics.fpga.board_words import board_words, verilog_header
 from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
-from wavehaptics.fpga.synthesis import Design, SynthesisError, build
 from wavehaptics.ladder.brushless import magnet_words
 from wavehaptics.ladder.run import measure
-from wavehaptics.pages import filler
 from wavehaptics.parts.adcs import PARTS, frame
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain, ToolError
 from wavehaptics.scene import SceneError, load_scene
+from wavetools.cli import board_commands
+from wavetools.fpga import multipliers, pll, synthesis
+from wavetools.fpga.board_pins import read_pins
+from wavetools.fpga.synthesis import Design, SynthesisError, build
+from wavetools.pages import filler
 
 LUT_TOLERANCE = 0.03
 

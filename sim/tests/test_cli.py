@@ -237,39 +237,10 @@ def test_check(capsys, monkeypatch):
     assert all(line.startswith("not on `encoder`: bench.toml:7: servo") for line in others)
 
 
-@pytest.fixture
-def adcs_run(monkeypatch):
-    """Scenes and settings that a stand-in for the comparison of ADCs was called with."""
-    calls = []
-
-    def compare(path, settings, out, progress):
-        calls.append((path.stem, list(settings), out))
-        return {}
-
-    module = ModuleType("wavehaptics.studies.adcs")
-    module.compare, module.adc_table = compare, lambda found: ""
-    monkeypatch.setitem(sys.modules, "wavehaptics.studies.adcs", module)
-    return calls
-
-
-@pytest.mark.parametrize(
-    ("arguments", "name"),
-    [
-        ((), "paper_taps"),
-        (("--scene", "stiffest"), "stiffest"),
-        (("--scene", "bench.toml"), "bench"),
-    ],
-)
-def test_adcs_runs_the_scene_that_is_named(capsys, monkeypatch, adcs_run, arguments, name):
-    more = ("--out", "found", "--set", "drive.limit_v=3.0")
-    status, _, err = call(capsys, monkeypatch, "adcs", *arguments, *more)
-    assert (status, err) == (0, "")
-    assert adcs_run == [(name, ["drive.limit_v=3.0"], Path("found/adcs.json"))]
-
-
-def test_adcs_refuses_a_scene_that_is_not_there(capsys, monkeypatch, adcs_run):
-    assert_refused(*call(capsys, monkeypatch, "adcs", "--scene", "stiff"), "no such")
-    assert adcs_run == []
+@pytest.mark.parametrize("name", main.OF_A_CHECKOUT)
+def test_a_command_of_the_repository_says_where_it_is(capsys, monkeypatch, name):
+    ended = call(capsys, monkeypatch, name, "--out", "x")
+    assert_refused(*ended, f"run `python -m wavetools {name}` in a checkout")
 
 
 def test_report_refuses_workers_of_a_cluster(capsys, monkeypatch):

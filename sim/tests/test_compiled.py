@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 import wavehaptics
 from numba.core.dispatcher import Dispatcher
-from wavehaptics.fpga import board_simulation
 from wavehaptics.ladder import brushless_pins, pins_loop
 from wavehaptics.runtime import compiled
+from wavetools.fpga import board_simulation
 
 TIMEOUT_S = 120
 

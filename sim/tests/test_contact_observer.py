@@ -11,11 +11,11 @@ from wavehaptics.host.names import HostError, Shape, places
 from wavehaptics.ladder.guarded_pins import GuardedPins, Injection
 from wavehaptics.scene import Scene
 from wavehaptics.scene.tables.hand import Hand
-from wavehaptics.studies.anchored.cases import NOTHING, all_wrong
 from wavehaptics.studies.report.runs import load
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
 from wavehaptics.words.table import LEGS, THREE_PHASE_LEGS
+from wavetools.studies.anchored.cases import NOTHING, all_wrong
 
 CHUNK = 500
 """Ticks from one look at the guard to the next."""

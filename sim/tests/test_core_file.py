@@ -13,11 +13,11 @@ from typing import Any
 
 import pytest
 import yaml
-from wavehaptics.fpga import synthesis
 from wavehaptics.fpga.boards import load_board
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import parse
 from wavehaptics.scene import load_scene
+from wavetools.fpga import synthesis
 
 CORE = ROOT / "wavehaptics.core"
 BOARD = "icebreaker"

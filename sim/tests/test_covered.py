@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
-from wavehaptics.checks import covered
 from wavehaptics.runtime.repository import ROOT
+from wavetools.checks import covered
 
 HEADER = "# SystemC::Coverage-3\n"
 

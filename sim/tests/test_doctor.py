@@ -11,8 +11,8 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
-from wavehaptics.checks import doctor
-from wavehaptics.checks.doctor import MISSING, OK, OPTIONAL, Finding
+from wavehaptics.runtime import doctor
+from wavehaptics.runtime.doctor import MISSING, OK, OPTIONAL, Finding
 from wavehaptics.runtime.repository import ROOT
 
 TIMEOUT_S = 300
@@ -220,7 +220,7 @@ def test_it_runs_where_no_package_is():
     """With the standard library alone, so that it can say what is missing."""
     package = Path(doctor.__file__).parents[2]
     done = subprocess.run(
-        [sys.executable, "-S", "-m", "wavehaptics.checks.doctor"], capture_output=True, text=True,
+        [sys.executable, "-S", "-m", "wavehaptics.runtime.doctor"], capture_output=True, text=True,
         env={**os.environ, "PYTHONPATH": str(package)}, timeout=TIMEOUT_S, check=False,
     )  # fmt: skip
     assert done.returncode == 1

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import pytest
-from wavehaptics.studies.duty_spectrum import duty_noise
+from wavetools.studies.duty_spectrum import duty_noise
 
 TWELVE_BITS_DB = 74.0
 

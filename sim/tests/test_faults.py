@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from wavehaptics.controller.guard import DAMPABLE, Fault, Limits, mask
 from wavehaptics.ladder.guarded_pins import GuardedPins, Injection
-from wavehaptics.pages import faults, filler
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.studies.fault_table import (  # fmt: skip
     CASES,
@@ -22,6 +21,7 @@ from wavehaptics.studies.fault_table import (  # fmt: skip
 )
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
+from wavetools.pages import faults, filler
 
 KEPT_ROWS = {row["fault"]: row for row in json.loads((ROOT / KEPT).read_text("utf-8"))}
 

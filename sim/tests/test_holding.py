@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from wavehaptics.ladder.run import measure
 from wavehaptics.laws.anchor_choice import choose_eta_free
-from wavehaptics.pages import port_anchor
 from wavehaptics.parts.motors import PRESETS
 from wavehaptics.scene import SCENES_DIR, load_scene
-from wavehaptics.studies.anchored import cases, hand, lost, motors, pictures, runs
 from wavehaptics.trace.columns import Column
+from wavetools.pages import port_anchor
+from wavetools.studies.anchored import cases, hand, lost, motors, pictures, runs
 
 HOLD_S = "scene.duration_s=1"
 HELD = ("nothing", "brush 0.5 V, knee 5 mA", "brush 0.5 V, knee 50 mA", "R(θ) −4 %, 22 bars",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``wavehaptics holding``: what the pages show of it is what it should come to."""
+"""``make holding``: what the pages show of it is what it should come to."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import json
 from pathlib import Path
 
 import pytest
-from wavehaptics.pages import filler, port_anchor
 from wavehaptics.runtime.repository import ROOT
-from wavehaptics.studies import anchored
-from wavehaptics.studies.anchored import cases
+from wavetools.pages import filler, port_anchor
+from wavetools.studies import anchored
+from wavetools.studies.anchored import cases
 
 
 @pytest.fixture(scope="module")

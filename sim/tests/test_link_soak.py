@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 import pytest
-from wavehaptics.checks import link_soak
-from wavehaptics.checks.link_model import Slave, Undecided
-from wavehaptics.checks.link_soak import Burst, Failure, Line, framed, read, write
+from wavetools.checks import link_soak
+from wavetools.checks.link_model import Slave, Undecided
+from wavetools.checks.link_soak import Burst, Failure, Line, framed, read, write
 
 KINDS, COUNT = 4, 100_000
 

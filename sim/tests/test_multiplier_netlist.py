@@ -9,9 +9,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from wavehaptics.fpga.synthesis import synthesis_command
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
+from wavetools.fpga.synthesis import synthesis_command
 
 TOP = """
 `include "wh_formats.vh"

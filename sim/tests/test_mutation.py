@@ -11,13 +11,12 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from typer.testing import CliRunner
-from wavehaptics.checks.mutation import results, rtl, run
-from wavehaptics.checks.mutation.results import EQUIVALENT, KILLED, SURVIVED, Mutant, Store, summary
-from wavehaptics.checks.mutation.table import Block, MutationError, load_table
-from wavehaptics.cli.main import app
-from wavehaptics.runtime import processes
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
+from wavetools.checks.mutation import processes, results, rtl, run
+from wavetools.checks.mutation.results import EQUIVALENT, KILLED, SURVIVED, Mutant, Store, summary
+from wavetools.checks.mutation.table import Block, MutationError, load_table
+from wavetools.cli.main import app
 
 TABLE = load_table()
 SMALL = Block("wh_half_bridge", 6, "tb_half_bridge", "wh_half_bridge", "test_mutation")
@@ -216,7 +215,7 @@ def second(x):
 
 def test_changes_of_a_model_are_where_its_code_runs():
     pytest.importorskip("cosmic_ray", reason="comes with make mutate")
-    from wavehaptics.checks.mutation.models import changes
+    from wavetools.checks.mutation.models import changes
 
     found = changes(SOURCE, ["first"], 12, 20)
     assert len(found) == len({change.text for change in found}) == 12

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
-from wavehaptics.cli import board_commands
-from wavehaptics.fpga import synthesis
 from wavehaptics.fpga.boards import load_board
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.words import formats
 from wavehaptics.words.table import WORDS
+from wavetools.cli import board_commands
+from wavetools.fpga import synthesis
 
 
 def scene(folder: Path, *changes: tuple[str, str]) -> Path:

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from wavehaptics.fpga.boards import board_names, load_board
-from wavehaptics.pages import design, filler, front_picture
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import parse
+from wavetools.pages import design, filler, front_picture
 
 LONGEST_README = 200
 WIDEST_PROSE = 120
@@ -139,14 +139,15 @@ TEXTS = [
 ]  # fmt: skip
 """All that is written for people."""
 
-COMMAND = re.compile(r"python -m (wavehaptics[\w.]*)")
+COMMAND = re.compile(r"python -m ((wavehaptics|wavetools)[\w.]*)")
+FOLDERS = {"wavehaptics": ROOT / "sim", "wavetools": ROOT / "tools"}
 
 
 @pytest.mark.parametrize("page", TEXTS, ids=str)
 def test_modules_that_pages_call_do_something(page):
     """One without a main would be imported, and end well with nothing done."""
-    for module in COMMAND.findall((ROOT / page).read_text(encoding="utf-8")):
-        path = ROOT / "sim" / Path(*module.split("."))
+    for module, package in COMMAND.findall((ROOT / page).read_text(encoding="utf-8")):
+        path = FOLDERS[package] / Path(*module.split("."))
         path = path / "__main__.py" if path.is_dir() else path.with_suffix(".py")
         assert path.exists(), module
         named = path.name == "__main__.py"
@@ -197,15 +198,26 @@ def test_architecture_names_every_block():
     assert set(re.findall(r"rtl/(wh_\w+)\.v", text)) == blocks
 
 
-def test_architecture_has_the_layers_of_the_package():
+@pytest.mark.parametrize(
+    ("package", "head"), [("wavehaptics", "| layer |"), ("wavetools", "| layer of the tools |")]
+)
+def test_architecture_has_the_layers_of_a_package(package, head):
     """Each folder once, and none above what it may import, which pyproject.toml says."""
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| (`.*?) \|", text.partition("| layer |")[2], re.MULTILINE)
-    told = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
-    folders = {path.parent.name for path in (ROOT / "sim" / "wavehaptics").glob("*/__init__.py")}
+    shown = text.partition(head)[2].partition("\n\n")[0]
+    told = [
+        name
+        for row in re.findall(r"^\| (`.*?) \|", shown, re.MULTILINE)
+        for name in re.findall(r"`(\w+)`", row)
+    ]
+    folders = {path.parent.name for path in (FOLDERS[package] / package).glob("*/__init__.py")}
     assert sorted(told) == sorted(folders)
     project, _ = parse((ROOT / "pyproject.toml").read_bytes())
-    (layers, *_) = project["tool"]["importlinter"]["contracts"]
+    (layers,) = (
+        contract
+        for contract in project["tool"]["importlinter"]["contracts"]
+        if contract["type"] == "layers" and contract["containers"] == [package]
+    )
     height = {
         name: -place for place, names in enumerate(layers["layers"]) for name in names.split(" | ")
     }

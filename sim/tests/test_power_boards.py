@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from wavehaptics.fpga import board_runs
 from wavehaptics.fpga.boards import Board, load_board
 from wavehaptics.ladder.run import measure
 from wavehaptics.scene import Scene, load_scene
 from wavehaptics.trace.columns import Column
+from wavetools.fpga import board_runs
 
 BRUSHLESS, BRUSHED = "ulx3s_gan", "ulx3s_gan_brushed"
 PRESS_TIMES = {BRUSHLESS: 6.0, BRUSHED: 1.0}

@@ -11,8 +11,10 @@ from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
-from wavehaptics.checks import proofs
-from wavehaptics.checks.proofs import (
+from wavehaptics.runtime.repository import ROOT
+from wavehaptics.runtime.toolchain import Toolchain
+from wavetools.checks import proofs
+from wavetools.checks.proofs import (
     Proof,
     ProofError,
     Twin,
@@ -21,8 +23,6 @@ from wavehaptics.checks.proofs import (
     sby_file,
     sources,
 )
-from wavehaptics.runtime.repository import ROOT
-from wavehaptics.runtime.toolchain import Toolchain
 
 ENTRIES, UNPROVEN = load_table()
 JOBS = [job for proof in ENTRIES for job in jobs_of(proof)]

@@ -7,9 +7,9 @@ import json
 from pathlib import Path
 
 import pytest
-from wavehaptics.checks import proofs, soak
-from wavehaptics.checks.proofs import Outcome
-from wavehaptics.pages import filler, reliability
+from wavetools.checks import proofs, soak
+from wavetools.checks.proofs import Outcome
+from wavetools.pages import filler, reliability
 
 TESTS = (
     '<testsuites><testsuite tests="{}" failures="{}" errors="0" skipped="1" '

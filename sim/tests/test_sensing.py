@@ -7,10 +7,10 @@ import json
 import math
 
 import pytest
-from wavehaptics.pages import filler
 from wavehaptics.parts.sensing import SensingPart, sensing_parts
 from wavehaptics.runtime.repository import ROOT
-from wavehaptics.studies import sensing
+from wavetools.pages import filler
+from wavetools.studies import sensing
 
 RAN = {
     "part": "P", "carrier_hz": 5e5, "refusal": None, "clock_hz": 48e6, "stiffness": 1.7,

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from wavehaptics.checks import soak
 from wavehaptics.controller import wave_core
 from wavehaptics.words import formats
+from wavetools.checks import soak
 
 TICKS = 60_000
 

@@ -20,7 +20,7 @@ from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.studies import grid, grid_picture
 from wavehaptics.studies.sweeps import SweepError
-from wavehaptics.studies.tabled_runs import R_HAT_PARTS
+from wavetools.studies.tabled_runs import R_HAT_PARTS
 
 TIMEOUT_S = 600
 SHORT = ("--set", "scene.duration_s=0.1")

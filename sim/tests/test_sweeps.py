@@ -16,6 +16,7 @@ from wavehaptics.runtime.repository import PACKAGE, ROOT
 from wavehaptics.studies import sweeps
 from wavehaptics.studies.sweeps import SweepError, Task, sweep
 from wavehaptics.words import formats
+from wavetools.studies.anchored import motors
 
 TIMEOUT_S = 60
 
@@ -157,6 +158,22 @@ def test_every_source_counts(tmp_path):
     assert sweeps.sources_digest() != digest_of_copy()  # which has more.vh
     (tmp_path / "sim" / "verilated" / "more.vh").unlink()
     assert sweeps.sources_digest() == digest_of_copy()
+
+
+def test_sources_of_a_task_in_another_package_count(tmp_path):
+    """A study of ``wavetools``: what is kept of it ends with a change of either package."""
+    task = Task(motors.draw, {})
+    assert sweeps.sources_of(task) == sweeps.sources_digest("wavetools")
+    assert sweeps.sources_of(task) != sweeps.sources_of(Task(square, {}))
+    one, other = tmp_path / "one", tmp_path / "other"
+    for folder in (one, other):
+        folder.mkdir()
+        (folder / "a.py").write_text("a = 1\n")
+    first = sweeps.digest_of(ROOT, one, other)
+    (other / "a.py").write_text("a = 2\n")
+    second = sweeps.digest_of(ROOT, one, other)
+    (one / "a.py").write_text("a = 2\n")
+    assert len({first, second, sweeps.digest_of(ROOT, one, other)}) == 3
 
 
 def test_other_word_lengths_count(monkeypatch):

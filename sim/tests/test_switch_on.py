@@ -11,24 +11,23 @@ from typing import Any
 import numpy as np
 import pytest
 from typer.testing import CliRunner
-from wavehaptics.cli import board_commands
 from wavehaptics.controller import guard
 from wavehaptics.controller.guard import Fault
-from wavehaptics.fpga import board_pins, bridge_budget, pad_timing, synthesis
 from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
-from wavehaptics.fpga.pad_timing import Delays, PadTimingError, adc_budget, gate_skew_ns
-from wavehaptics.fpga.synthesis import SynthesisError
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
 from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.run import CONTROLLERS, measure
-from wavehaptics.parts import clamps
 from wavehaptics.parts.adcs import MODULATORS, PARTS, PartError, frame
 from wavehaptics.parts.sensing import sensing_parts
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import load_scene
 from wavehaptics.trace.columns import Column, Word
-from wavehaptics.wiring.parts import load_table
 from wavehaptics.words.table import Sizes, inputs
+from wavetools.cli import board_commands
+from wavetools.fpga import board_pins, bridge_budget, clamps, pad_timing, synthesis
+from wavetools.fpga.pad_timing import Delays, PadTimingError, adc_budget, gate_skew_ns
+from wavetools.fpga.synthesis import SynthesisError
+from wavetools.wiring.parts import load_table
 
 
 def with_scene(name: str, *overrides: str) -> Board:

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
-from wavehaptics.cli import board_commands
-from wavehaptics.fpga import pll, synthesis, tops
-from wavehaptics.fpga.board_pins import read_pins
 from wavehaptics.fpga.boards import BoardError, board_names, load_board
-from wavehaptics.fpga.synthesis import SynthesisError
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
 from wavehaptics.scene import SceneError
+from wavetools.cli import board_commands
+from wavetools.fpga import pll, synthesis, tops
+from wavetools.fpga.board_pins import read_pins
+from wavetools.fpga.synthesis import SynthesisError
 
 
 def told(name: str) -> dict:

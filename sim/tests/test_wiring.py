@@ -13,13 +13,13 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 from typer.testing import CliRunner
 from wavehaptics.fpga.boards import board_names, load_board
-from wavehaptics.runtime.markers import tables_of
 from wavehaptics.runtime.repository import ROOT
-from wavehaptics.wiring import __main__ as command
-from wavehaptics.wiring import drawings, pages, pins, spice
-from wavehaptics.wiring.parts import FAMILIES, TABLE, Table, WiringError, load_table
-from wavehaptics.wiring.pins import Pin
-from wavehaptics.wiring.sheet import Sheet
+from wavetools.markers import tables_of
+from wavetools.wiring import __main__ as command
+from wavetools.wiring import drawings, pages, pins, spice
+from wavetools.wiring.parts import FAMILIES, TABLE, Table, WiringError, load_table
+from wavetools.wiring.pins import Pin
+from wavetools.wiring.sheet import Sheet
 
 FAMILY_TICK_S = 1e-6
 

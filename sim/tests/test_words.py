@@ -10,12 +10,12 @@ from wavehaptics.controller import anchor, wave_core
 from wavehaptics.fpga.boards import board_names, load_board
 from wavehaptics.host import capture
 from wavehaptics.ladder.verilated import verilator_environment
-from wavehaptics.pages import filler
-from wavehaptics.pages import words as pages_words
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.words import formats, generated, table
 from wavehaptics.words.faults import FLAGS
 from wavehaptics.words.table import TABLE, WORDS, Sizes, TableError
+from wavetools.pages import filler
+from wavetools.pages import words as pages_words
 
 PINS = (
     r"clk|rst|enable_i|adc_(cs_n|sclk|din)_o|adc_sdata_i|enc_[ab]_i|gate_([ab][hl]|high|low)_o"

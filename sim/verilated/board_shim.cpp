@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // C interface to a whole board at its pins, by the clock: its sources, or its placed netlist. The top
-// is the bench that sim/wavehaptics/fpga/board_simulation.py writes around the board's own. WH_BOARD_LEGS
+// is the bench that tools/wavetools/fpga/board_simulation.py writes around the board's own. WH_BOARD_LEGS
 // is how many half bridges it has; with three, for a brushless motor, it has two ADCs.
 
 #include <algorithm>

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a board and the RTL to a bitstream and its numbers."""
+"""A board or a scene as the values that its RTL is built with."""

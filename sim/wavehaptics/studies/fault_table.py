@@ -3,7 +3,7 @@
 
 A bare rotor is on a wall of the stiffest setting (or turns freely, where the fault needs it), the
 whole RTL at its pins holds it, and then something breaks. Measured is the time from there to the
-gates' being off. ``python -m wavehaptics.cli.fault_table`` measures them and keeps the numbers
+gates' being off. ``python -m wavetools.cli.fault_table`` measures them and keeps the numbers
 with which ``rtl/faults.md`` is filled; a test measures them again.
 """
 

@@ -10,6 +10,7 @@ costs no more than the task that it was at, and nothing outlives a change of the
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -56,15 +57,24 @@ class Task:
         return files.digest_of(text)[:24]
 
 
+def sources_of(task: Task) -> str:
+    """:func:`sources_digest` of the package that a task's function is in."""
+    return sources_digest(task.function.__module__.partition(".")[0])
+
+
 @cache
-def sources_digest() -> str:
-    """:func:`digest_of` the repository as it is when this process asks first."""
-    return digest_of(ROOT, PACKAGE)
+def sources_digest(package: str = "wavehaptics") -> str:
+    """:func:`digest_of` this package and another, as they are when this process asks first."""
+    folders = getattr(sys.modules[package], "__path__", ())
+    return digest_of(ROOT, *dict.fromkeys([PACKAGE, *(Path(each).resolve() for each in folders)]))
 
 
-def digest_of(root: Path, package: Path) -> str:
-    """Digest of all that a result may depend on: package, shims, RTL, scenes and word lengths."""
-    code = files.digest_of(formats.HEADER_VALUES, sorted(package.rglob("*.py")), package)
+def digest_of(root: Path, *packages: Path) -> str:
+    """Digest of all that a result may depend on: packages, shims, RTL, scenes and word lengths."""
+    code = [
+        files.digest_of(formats.HEADER_VALUES, sorted(package.rglob("*.py")), package)
+        for package in packages
+    ]
     sources = (
         path
         for folder, pattern in _SOURCES
@@ -88,8 +98,7 @@ def sweep(
     done and all tasks. What a task raises ends the sweep; what was finished before stays.
     """
     store.mkdir(parents=True, exist_ok=True)
-    sources = sources_digest()
-    kept = [store / f"{task.key(sources)}.json" for task in tasks]
+    kept = [store / f"{task.key(sources_of(task))}.json" for task in tasks]
     missing = {file: task for file, task in zip(kept, tasks, strict=True) if not file.exists()}
     done, total = len(set(kept)) - len(missing), len(set(kept))
     progress(done, total)
@@ -110,11 +119,11 @@ def finished(
     """Each task's name and result, as soon as there is one; by whom, says :func:`sweep`."""
     from distributed import as_completed
 
-    sources = sources_digest()
     with _client(cluster, min(workers, len(tasks))) as client:
         futures = {
             client.submit(_call, task, sources, key=task.key(sources), pure=False): name
             for name, task in tasks.items()
+            for sources in [sources_of(task)]
         }
         for future in as_completed(list(futures)):
             yield futures[future], future.result()
@@ -123,7 +132,7 @@ def finished(
 
 def _call(task: Task, sources: str) -> Any:
     """What a worker does."""
-    if sources_digest() != sources:
+    if sources_of(task) != sources:
         raise SweepError(
             "a worker has other sources than the sweep began with; update it and start again"
         )

@@ -23,10 +23,12 @@ from wavehaptics.parts.sensing import SensingPart, sensing_parts
 from wavehaptics.scene import Scene, SceneError, device_of
 from wavehaptics.scene.keys import unknown_choice
 from wavehaptics.scene.tables.hand import Hand
-from wavehaptics.studies.sensing import CARRIERS_HZ
 from wavehaptics.studies.stability import largest_stiffness, with_stiffness
 from wavehaptics.trace.metrics import LEAST_COUNTS
 from wavehaptics.words import formats
+
+CARRIERS_HZ = (1e6, 500e3, 400e3, 250e3, 100e3)
+"""Carriers that are compared."""
 
 HAND_STIFFNESS, HAND_DAMPING = 0.1, 0.5e-3
 """A light finger's, where the scene has no hand with a spring, N·m/rad and N·m·s/rad."""

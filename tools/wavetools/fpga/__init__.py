@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a board and the RTL to a bitstream, its numbers and its netlist in a loop."""
