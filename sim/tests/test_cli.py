@@ -239,8 +239,18 @@ def test_check(capsys, monkeypatch):
 
 @pytest.mark.parametrize("name", main.OF_A_CHECKOUT)
 def test_a_command_of_the_repository_says_where_it_is(capsys, monkeypatch, name):
+    monkeypatch.setattr(main, "find_spec", lambda name: None)
     ended = call(capsys, monkeypatch, name, "--out", "x")
     assert_refused(*ended, f"run `python -m wavetools {name}` in a checkout")
+
+
+def test_a_command_of_the_repository_runs_in_a_checkout():
+    """As it always did, with a note of its new name."""
+    words = ["-m", "wavehaptics", "soak", "--help"]
+    done = subprocess.run([sys.executable, *words], capture_output=True, text=True)
+    assert done.returncode == 0
+    assert "--ticks" in done.stdout
+    assert done.stderr == "wavehaptics: soak is now `python -m wavetools soak`\n"
 
 
 def test_report_refuses_workers_of_a_cluster(capsys, monkeypatch):

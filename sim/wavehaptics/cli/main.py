@@ -8,7 +8,10 @@ known to be right.
 
 from __future__ import annotations
 
+import os
+import sys
 from importlib.metadata import version
+from importlib.util import find_spec
 from typing import Annotated, Any
 
 import typer
@@ -21,16 +24,19 @@ from wavehaptics.cli.shared import CommandError
 OF_A_CHECKOUT = (
     "adcs", "bench", "holding", "mutate", "sensing", "soak", "soak-link", "tables",
 )  # fmt: skip
-"""Commands that once were here. They measure the repository itself."""
+"""Commands that once were here. They measure the repository, and its tools have them."""
 
 
 class _Commands(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         if args[0] in OF_A_CHECKOUT:
-            raise CommandError(
-                f"{args[0]} measures the repository; run `python -m wavetools {args[0]}` in a "
-                "checkout"
-            )
+            where = f"python -m wavetools {args[0]}"
+            if find_spec("wavetools") is None:
+                raise CommandError(
+                    f"{args[0]} measures the repository; run `{where}` in a checkout"
+                )
+            print(f"wavehaptics: {args[0]} is now `{where}`", file=sys.stderr, flush=True)
+            os.execv(sys.executable, [sys.executable, "-m", "wavetools", *args])
         return super().resolve_command(ctx, args)
 
 
