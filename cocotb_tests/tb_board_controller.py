@@ -97,7 +97,7 @@ class Board(Bench):
         if not LINKED:
             inside = self.dut.alone
         else:
-            inside = self.dut.linked.device.device.of_ports.device.ports
+            inside = self.dut.linked.device.device.device.ports
             name = {"voltage": "voltage_q"}.get(name, name)  # which holds it
         return unpack(int(getattr(inside, name).value), formats.DATA_W, PARTS)
 
@@ -105,7 +105,7 @@ class Board(Bench):
         """Whether a current is too large: with a line, of the guard's faults only that one."""
         if not LINKED:
             return bool(self.word("overcurrent_seen"))
-        faults = int(self.dut.linked.device.device.of_ports.device.faults.value)
+        faults = int(self.dut.linked.device.device.device.faults.value)
         return bool(faults >> Fault.CURRENT & 1)
 
     async def begin(self, **inputs: int) -> None:
