@@ -253,8 +253,8 @@ LINT_CASES := \
     wh_device,-GN=2,-GHOST=1 \
     wh_device,-GWALLS=7,-GSHAPER=1,-GARM=1 \
     wh_device,-GWALLS=1,-GHOST=1,-GDELAY_LOG2=10 \
-    wh_device,-GLEGS=3,-GWALLS=1,-GMIN_PULSE=1,-GDEAD_TIME=0 \
-    wh_settings_rom,-GLEGS=3 \
+    wh_device,-GLEGS=3,-GWALLS=1,-GMIN_PULSE=1 \
+    wh_settings_rom,-GBOTH=1 \
     wh_link,-GCLOCK_HZ=700000 \
     wh_link,-GCLOCK_HZ=125000000,-GUNIT=247,-GFALLBACK=511 \
     wh_linked_device,-GN=3,-GSHAPER=2 \

@@ -72,8 +72,8 @@ module wh_board_controller #(
     wire         guard_lasts;
     wire [PARTS-1:0] zero_busy_seen;
     wire [PARTS-1:0] zero_fault_seen;
-    wire [N-1:0] anchor_fault_seen;
-    wire [N-1:0] encoder_fault_seen;
+    wire [PARTS-1:0] anchor_fault_seen;
+    wire [PARTS-1:0] encoder_fault_seen;
     wire [PARTS-1:0] overcurrent_seen;
     wire         adc_din;  // of an ADC that no board has
     wire         unused = &{1'b0, adc_din};
@@ -95,8 +95,8 @@ module wh_board_controller #(
         .overrun_i       (overrun_seen),
         .zero_busy_i     (zero_busy_seen),
         .zero_fault_i    (zero_fault_seen),
-        .anchor_fault_i  ({PARTS/N{anchor_fault_seen}}),
-        .encoder_fault_i ({PARTS/N{encoder_fault_seen}}),
+        .anchor_fault_i  (anchor_fault_seen),
+        .encoder_fault_i (encoder_fault_seen),
         .overcurrent_i   (overcurrent_seen),
         .guard_fault_i   (guard_seen),
         .guard_lasts_i   (guard_lasts),
@@ -109,7 +109,7 @@ module wh_board_controller #(
         .fault_o         (fault_o)
     );
 
-    // A board's parameters of wh_controller, which wh_linked_device has as well.
+    // What both have, wh_controller and wh_linked_device.
 `define WH_SAME_PARAMETERS \
         .N               (N), \
         .WALLS           (`WH_BOARD_WALLS), \
@@ -117,13 +117,8 @@ module wh_board_controller #(
         .MODES           (`WH_BOARD_MODES), \
         .MIN_PULSE       (`WH_BOARD_SHORTEST), \
         .SHAPER          (`WH_BOARD_SHAPER), \
-        .ANCHOR          (`WH_BOARD_ANCHOR), \
-        .SHARED          (`WH_BOARD_SHARED), \
-        .SENSE           (1), \
-        .DEAD_TIME       (`WH_BOARD_DEAD_TIME), \
         .ZERO_LOG2       (ZERO_LOG2), \
-        .HOST            (`WH_BOARD_HOST), \
-        .GUARD           (`WH_BOARD_GUARDED)
+        .HOST            (`WH_BOARD_HOST)
 
 `define WH_SAME_PINS \
         .clk             (clk), \
@@ -140,13 +135,15 @@ module wh_board_controller #(
         .gate_bl_o       (gate_bl_o), \
         .stop_i          (1'b0), \
         .driver_fault_i  ({N{1'b0}}), \
-        .anchor_fault_i  ({N{1'b0}}), \
         .clear_i         (forget)
 
     generate
         if (`WH_BOARD_LINKED != 0) begin : linked
-            // What the device tells has an overrun in it.
-            assign overrun_seen = 1'b0;
+            // The device's fault_o has these in it.
+            assign overrun_seen       = 1'b0;
+            assign anchor_fault_seen  = {PARTS{1'b0}};
+            assign encoder_fault_seen = {PARTS{1'b0}};
+            assign overcurrent_seen   = {PARTS{1'b0}};
 
             wh_linked_device #(
                 `WH_SAME_PARAMETERS,
@@ -173,10 +170,7 @@ module wh_board_controller #(
                 .ready_o         (ready),
                 .clear_o         (forgets_too),
                 .zero_busy_o     (zero_busy_seen),
-                .zero_fault_o    (zero_fault_seen),
-                .anchor_fault_o  (anchor_fault_seen),
-                .encoder_fault_o (encoder_fault_seen),
-                .overcurrent_o   (overcurrent_seen)
+                .zero_fault_o    (zero_fault_seen)
             );
         end else begin : alone
             `WH_BOARD_WIRES
@@ -223,9 +217,14 @@ module wh_board_controller #(
             assign overcurrent_seen   = overcurrent;
 
             wh_controller #(
-                `WH_SAME_PARAMETERS
+                `WH_SAME_PARAMETERS,
+                .ANCHOR          (`WH_BOARD_ANCHOR),
+                .SHARED          (`WH_BOARD_SHARED),
+                .SENSE           (1),
+                .GUARD           (`WH_BOARD_GUARDED)
             ) controller (
                 `WH_BOARD_PORTS
+                .anchor_fault_i  ({N{1'b0}}),
                 .scale_hold_o    (),
                 .anchor_hold_o   (),
                 .enable_i        (permit && armed),

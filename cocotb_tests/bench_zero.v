@@ -9,7 +9,6 @@ module bench_zero #(
     parameter integer N         = 1,
     parameter integer LEGS      = 2,
     parameter integer ARM       = 1,
-    parameter integer GUARD     = 1,
     parameter integer ZERO_LOG2 = 3,
     parameter integer LINES     = (LEGS == 3) ? 2 : N  // derived, leave it
 ) (
@@ -41,20 +40,18 @@ module bench_zero #(
     wire             sclk;
     wire             din;
     wire [LINES-1:0] sdata;
-    wire [N-1:0]     ah, al, anchor_fault, encoder_fault;
-    wire [LINES-1:0] bh, bl, overcurrent;
+    wire [N-1:0]     ah, al;
+    wire [LINES-1:0] bh, bl;
     wire             contact, ready, clears;
     wire             credit, byte_valid, byte_first, packet;
     wire [7:0]       one_byte;
-    wire             unused = &{1'b0, din, ah, al, bh, bl, overcurrent, contact, ready, clears, anchor_fault,
-                                encoder_fault, credit, byte_valid, byte_first, packet, one_byte};
+    wire             unused = &{1'b0, din, ah, al, bh, bl, contact, ready, clears, credit, byte_valid, byte_first,
+                                packet, one_byte};
 
     wh_device #(
         .N               (N),
         .LEGS            (LEGS),
-        .SENSE           (1),
         .ZERO_LOG2       (ZERO_LOG2),
-        .GUARD           (GUARD),
         .ARM             (ARM),
         .ARM_CLOCKS      (100000000)
     ) dut (
@@ -83,7 +80,6 @@ module bench_zero #(
         .bus_i           (16'd6144),
         .stop_i          (1'b0),
         .driver_fault_i  ({N{1'b0}}),
-        .anchor_fault_i  ({N{1'b0}}),
         .clear_i         (clear_i),
         .zero_start_i    (zero_start_i),
         .press_i         (press_i),
@@ -96,9 +92,6 @@ module bench_zero #(
         .clear_o         (clears),
         .zero_busy_o     (zero_busy_o),
         .zero_fault_o    (zero_fault_o),
-        .anchor_fault_o  (anchor_fault),
-        .encoder_fault_o (encoder_fault),
-        .overcurrent_o   (overcurrent),
         .stream_credit_o (credit),
         .stream_valid_o  (byte_valid),
         .stream_first_o  (byte_first),

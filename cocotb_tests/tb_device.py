@@ -48,10 +48,9 @@ class DeviceBench(BusBench):
     """The device, with an ADC that says 0."""
 
     async def begin(self, enable: int = 0) -> None:
-        more = {"anchor_fault_i": 0} if hasattr(self.dut, "anchor_fault_i") else {}
         await super().begin(
             enable_i=0, adc_sdata_i=0, enc_a_i=0, enc_b_i=0, bus_i=0x1234, stop_i=1,
-            driver_fault_i=(1 << SIZES.motors) - 1, press_i=0, **more,
+            driver_fault_i=(1 << SIZES.motors) - 1, press_i=0,
         )  # fmt: skip
         assert await self.write(BUSY, 1, 20_000) == UNKNOWN
         await self.rests()

@@ -84,7 +84,7 @@ class SurfacesDevice:
 
     @property
     def memory(self) -> object:
-        ports = self.dut.device.of_ports.device if LINKED else self.dut
+        ports = self.dut.device.device if LINKED else self.dut
         return ports.ports.in_space.surface_words
 
     def kept(self, frame: Frame) -> bool:
@@ -159,7 +159,7 @@ class LineDevice(SurfacesDevice, LineBench):
         self.line = Line(self.dut.uart_rx_i, self.dut.uart_tx_o, self.bit_ns(0))
         await self.start(
             enable_i=1, adc_sdata_i=0, enc_a_i=0, enc_b_i=0, bus_i=0, stop_i=0, driver_fault_i=0,
-            anchor_fault_i=0, press_i=0, clear_i=0, zero_start_i=0,
+            press_i=0, clear_i=0, zero_start_i=0,
         )  # fmt: skip
         await self.step(6_000)
         assert not (await self.ask(write_one(11, 3))).isError()

@@ -28,13 +28,13 @@ class LinkBench(LineBench):
         self.line = Line(self.dut.uart_rx_i, self.dut.uart_tx_o, self.bit_ns(0))
         await self.start(
             enable_i=0, adc_sdata_i=0, enc_a_i=0, enc_b_i=0, bus_i=0, stop_i=1,
-            driver_fault_i=(1 << _P["N"]) - 1, anchor_fault_i=0, press_i=0,
+            driver_fault_i=(1 << _P["N"]) - 1, press_i=0,
         )  # fmt: skip
         await self.step(6_000)
 
     def last_root(self) -> int:
         """s of the last motor as it is in force."""
-        in_force = self.dut.device.of_ports.device.registers.in_force_ram.memory
+        in_force = self.dut.device.device.registers.in_force_ram.memory
         return int(in_force[ROOT - 0x100 + 0x100 * (_P["N"] - 1)].value)
 
     async def values(self, address: int, count: int = 1) -> list[int]:

@@ -71,7 +71,7 @@ async def the_devices_settings_are_the_scenes(dut: object) -> None:
     bench = Template(dut)
     await bench.begin()
     await bench.starts_up()
-    memory = dut.device.of_ports.device.registers.in_force_ram.memory
+    memory = dut.device.device.registers.in_force_ram.memory
     for one in MADE.registers:
         assert int(memory[register_place(one.address)].value) == one.raw, one.name
     assert len({one.name for one in MADE.registers}) > 40

@@ -8,7 +8,6 @@ SIZES = {
     "one": {},
     "brushless": {"LEGS": 3},
     "by_pin": {"ARM": 0},
-    "unguarded": {"GUARD": 0},
     "ports": {"N": 2},
     "ports_by_pin": {"N": 2, "ARM": 0},
 }

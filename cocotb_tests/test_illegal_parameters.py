@@ -32,7 +32,6 @@ pytestmark = pytest.mark.kept
         ("wh_controller", {"BUS": 2}, {}, "controller_bus_must_be_0_or_1"),
         ("wh_controller", {"SHARED": 2}, {}, "controller_shared_must_be_0_or_1"),
         ("wh_controller", {"SHARED": 1, "SHAPER": 1}, {}, "shared_must_be_0_or_1_and_0_with"),
-        ("wh_device", {"BUS": 1}, {}, "device_of_ports_has_no_bus"),
         ("wh_device", {"LEGS": 4}, {}, "device_legs_must_be_2_or_with_one_motor_3"),
         ("wh_device", {"LEGS": 3, "N": 2}, {}, "device_legs_must_be_2_or_with_one_motor_3"),
         ("wh_ports_device", {"N": 9}, {}, "n_must_be_1_to_8"),

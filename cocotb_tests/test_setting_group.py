@@ -7,13 +7,14 @@ from simulators import BUILD_DIR, simulate
 pytestmark = pytest.mark.kept
 
 HEADER = """
-`WH_SETTINGS_WORD('h140, 1, 3'b111, 8'h41, 32'd1)
-`WH_SETTINGS_WORD('h144, 1, 3'b111, 8'he1, 32'hffffffed)
-`WH_SETTINGS_WORD('h044, 1, 3'b111, 8'he1, 32'd3)
-`WH_SETTINGS_TOLD('h148, 2 * WALLS, 3'b111, 8'hc1)
+`WH_SETTINGS_WORD('h04e, 1, 2'b11, 8'h41, 32'd1)
+`WH_SETTINGS_WORD('h04f, 1, 2'b11, 8'he1, 32'hffffffed)
+`WH_SETTINGS_WORD('h150, 1, 2'b11, 8'he1, 32'd3)
+`WH_SETTINGS_TOLD('h051, 2 * WALLS, 2'b11, 8'hc1)
 `WH_SETTINGS_BOUNDS(1, 0, DELAY_LOG2)
 """
-"""Of a board that has the group's second word as fixed, at what it takes of a word of 5 bits."""
+"""Of a board that has the group's second word as fixed, at what it takes of a word of 5 bits; a
+port's word at the address of the third one is another."""
 
 
 @pytest.mark.parametrize("staged", [1, 0])

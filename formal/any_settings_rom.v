@@ -2,8 +2,7 @@
 //
 // wh_settings_rom as the proof of wh_registers has it: one address, which may be any, whose kind and
 // range may be any; of other addresses anything is said, but that there is no setting from 0x80 on,
-// where the memory without a shaper has no place, and that `commit` and `discard` are commands. Of a
-// brushless motor's second axis it says what it says of the first.
+// where the memory without a shaper has no place, and that `commit` and `discard` are commands.
 
 `default_nettype none
 
@@ -11,12 +10,10 @@ module wh_settings_rom #(
     parameter integer WALLS      = 4,
     parameter integer SHAPER     = 0,
     parameter integer DELAY_LOG2 = 2,
-    parameter integer LEGS       = 2,
     parameter integer BOTH       = 0
 ) (
     input  wire        clk,
     input  wire [8:0]  address_i,
-    input  wire        second_i,
     output wire [1:0]  kind_o,
     output wire        off_o,
     output wire        signed_o,

@@ -12,10 +12,9 @@
 //   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME
 //   27 ARM   31:28 CAPTURE
 //
-// SHAPER is 3 there with LEGS = 3. ANCHOR, GUARD, SENSE and DEAD_TIME are 1, whatever these are here; there is neither BUS
-// nor SHARED.
-// Bits 17 and 26 are 0. Whether there is a STREAM, the word stream_state says, which is 0 without. How many SURFACES
-// there are, the register `surfaces` says.
+// SHAPER is 3 there with LEGS = 3. ANCHOR, GUARD, SENSE and DEAD_TIME are always 1; BUS and the bits 17 and 26 are 0.
+// Whether there is a STREAM, the word stream_state says, which is 0 without. How many SURFACES there are, the register
+// `surfaces` says.
 //
 // Latency and reset: those of wh_modbus and of wh_device.
 
@@ -28,19 +27,11 @@ module wh_linked_device #(
     parameter integer DELAY_LOG2   = 2,
     parameter integer ADC          = 0,
     parameter integer OSR          = 32,
-    parameter integer CAPTURE_RISE = 0,
-    parameter integer TRIP_OSR     = 8,
-    parameter integer SENSE        = 0,
     parameter integer ZERO_LOG2    = 10,
     parameter integer SHAPER       = 0,
-    parameter integer DEAD_TIME    = 1,
     parameter integer MODES        = 0,
     parameter integer MIN_PULSE    = 0,
-    parameter integer BUS          = 0,
     parameter integer HOST         = 0,
-    parameter integer ANCHOR       = 0,
-    parameter integer SHARED       = 0,
-    parameter integer GUARD        = 0,
     parameter integer SURFACES     = 0,
     parameter integer ARM          = 1,
     parameter integer CAPTURE      = 0,
@@ -76,7 +67,6 @@ module wh_linked_device #(
     input  wire [`WH_BUS_W-1:0] bus_i,          // u16q9 V, the measured bus
     input  wire                 stop_i,         // asynchronous
     input  wire [N-1:0]         driver_fault_i, // asynchronous
-    input  wire [N-1:0]         anchor_fault_i,
     input  wire                 clear_i,        // these two do what their words do
     input  wire                 zero_start_i,
     input  wire                 press_i,
@@ -88,11 +78,8 @@ module wh_linked_device #(
     output wire                 fault_lasts_o,  // the same but for a zero, which arming measures anew
     output wire                 ready_o,        // since reset all settings were given
     output wire                 clear_o,        // strobe: the line wants faults forgotten
-    output wire [PARTS-1:0]     zero_busy_o,    // these are wh_controller's
-    output wire [PARTS-1:0]     zero_fault_o,
-    output wire [N-1:0]         anchor_fault_o,
-    output wire [N-1:0]         encoder_fault_o,
-    output wire [PARTS-1:0]     overcurrent_o
+    output wire [PARTS-1:0]     zero_busy_o,    // these are wh_device's
+    output wire [PARTS-1:0]     zero_fault_o
 );
 
     localparam [31:0] N_32      = N;
@@ -102,7 +89,7 @@ module wh_linked_device #(
     localparam [31:0] ADC_32    = ADC;
     localparam [31:0] CAPTURE_32 = CAPTURE;
     localparam [31:0] OPTIONS = {
-        CAPTURE_32[3:0], ARM != 0, 1'b0, 1'b1, MIN_PULSE != 0, MODES != 0, BUS != 0, HOST != 0,
+        CAPTURE_32[3:0], ARM != 0, 1'b0, 1'b1, MIN_PULSE != 0, MODES != 0, 1'b0, HOST != 0,
         1'b1, 1'b1, 1'b1, 1'b0, ADC_32[1:0], DELAY_32[3:0],
         SHAPER_32[1:0], WALLS_32[4:0], N_32[3:0]
     };
@@ -173,19 +160,11 @@ module wh_linked_device #(
         .DELAY_LOG2     (DELAY_LOG2),
         .ADC            (ADC),
         .OSR            (OSR),
-        .CAPTURE_RISE   (CAPTURE_RISE),
-        .TRIP_OSR       (TRIP_OSR),
-        .SENSE          (SENSE),
         .ZERO_LOG2      (ZERO_LOG2),
         .SHAPER         (SHAPER),
-        .DEAD_TIME      (DEAD_TIME),
         .MODES          (MODES),
         .MIN_PULSE      (MIN_PULSE),
-        .BUS            (BUS),
         .HOST           (HOST),
-        .ANCHOR         (ANCHOR),
-        .SHARED         (SHARED),
-        .GUARD          (GUARD),
         .SURFACES       (SURFACES),
         .ARM            (ARM),
         .ARM_CLOCKS     (CREDIT),
@@ -218,7 +197,6 @@ module wh_linked_device #(
         .bus_i           (bus_i),
         .stop_i          (stop_i),
         .driver_fault_i  (driver_fault_i),
-        .anchor_fault_i  (anchor_fault_i),
         .tick_o          (tick_o),
         .running_o       (running_o),
         .contact_o       (contact_o),
@@ -231,9 +209,6 @@ module wh_linked_device #(
         .clear_o         (clear_o),
         .zero_busy_o     (zero_busy_o),
         .zero_fault_o    (zero_fault_o),
-        .anchor_fault_o  (anchor_fault_o),
-        .encoder_fault_o (encoder_fault_o),
-        .overcurrent_o   (overcurrent_o),
         .stream_credit_o (stream_credit),
         .stream_valid_o  (stream_valid),
         .stream_first_o  (stream_first),

@@ -289,8 +289,6 @@ module wh_ports_device #(
         if (SURFACES > 0) begin : in_space
             localparam [31:0] SURFACES_32 = SURFACES;
             wire [15:0] stamp;
-            wire        pending;
-            wire        unused_pending = &{1'b0, pending};
             reg  [31:0] live_q;  // as other_q
 
             assign surface_live = live_q;
@@ -314,15 +312,10 @@ module wh_ports_device #(
                 .TOTAL_W      (32)
             ) budget (
                 .clk          (clk),
-                .rst          (rst),
-                .write_i      (1'b0),
                 .copy_i       (write),
                 .address_i    (address),
                 .data_i       (data),
                 .change_i     (1'b0),
-                .discard_i    (1'b0),
-                .hold_i       (1'b0),
-                .pending_o    (pending),
                 .words_o      (surface_budget)
             );
 
@@ -469,8 +462,6 @@ module wh_ports_device #(
         if (CAPTURE != 0) begin : captures
             // channel (8), channels, rows, pre, decimation, trigger, level
             wire [170:0] settings;
-            wire         pending;
-            wire         unused_pending = &{1'b0, pending};
 
             wh_setting_group #(
                 .STAGED         (0),
@@ -480,15 +471,10 @@ module wh_ports_device #(
                 .TOTAL_W        (171)
             ) group (
                 .clk            (clk),
-                .rst            (rst),
-                .write_i        (1'b0),
                 .copy_i         (write),
                 .address_i      (address),
                 .data_i         (data),
                 .change_i       (1'b0),
-                .discard_i      (1'b0),
-                .hold_i         (1'b0),
-                .pending_o      (pending),
                 .words_o        (settings)
             );
 
@@ -545,8 +531,6 @@ module wh_ports_device #(
         if (STREAM != 0) begin : streams
             wire [53:0] settings;  // channel (4), last, decimation
             wire [15:0] shifts;
-            wire [1:0]  pending;
-            wire        unused_pending = &{1'b0, pending};
 
             wh_setting_group #(
                 .STAGED       (0),
@@ -556,15 +540,10 @@ module wh_ports_device #(
                 .TOTAL_W      (54)
             ) group (
                 .clk          (clk),
-                .rst          (rst),
-                .write_i      (1'b0),
                 .copy_i       (write),
                 .address_i    (address),
                 .data_i       (data),
                 .change_i     (1'b0),
-                .discard_i    (1'b0),
-                .hold_i       (1'b0),
-                .pending_o    (pending[0]),
                 .words_o      (settings)
             );
 
@@ -576,15 +555,10 @@ module wh_ports_device #(
                 .TOTAL_W      (16)
             ) cut (
                 .clk          (clk),
-                .rst          (rst),
-                .write_i      (1'b0),
                 .copy_i       (write),
                 .address_i    (address),
                 .data_i       (data),
                 .change_i     (1'b0),
-                .discard_i    (1'b0),
-                .hold_i       (1'b0),
-                .pending_o    (pending[1]),
                 .words_o      (shifts)
             );
 

@@ -180,7 +180,6 @@ module wh_registers #(
     ) rom (
         .clk        (clk),
         .address_i  ({!of_board, bus_address_i[7:0]}),
-        .second_i   (1'b0),
         .kind_o     (kind),
         .off_o      (off),
         .signed_o   (has_sign),
@@ -411,24 +410,16 @@ module wh_registers #(
             localparam integer WIDTH = {24'd0, WIDTHS[n*8 +: 8]};
 
             if (WIDTH > 0) begin : setting
-                wire pending;
-                wire unused_pending = &{1'b0, pending};
-
                 wh_setting_group #(
                     .FIRST     (address_of(n)),
                     .WIDTHS    (WIDTHS[n*8 +: 8]),
                     .TOTAL_W   (WIDTH)
                 ) group (
                     .clk       (clk),
-                    .rst       (rst),
-                    .write_i   (1'b0),
                     .copy_i    (write_q),
                     .address_i (address_o),
                     .data_i    (word_q),
                     .change_i  (flips),
-                    .discard_i (1'b0),
-                    .hold_i    (1'b0),
-                    .pending_o (pending),
                     .words_o   (all[below(n) +: WIDTH])
                 );
             end

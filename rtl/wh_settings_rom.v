@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // wh_settings_rom: what the table of words says of an address: its kind, its range, and when it may
-// change. All motors share what is said of motor 0; of a brushless one's two axes the second has some of the
-// first one's words, and neither has all that motors with brushes have. With the macro WH_BOARD_ROM a header
-// wh_board_settings_rom.vh says it, in place of wh_settings_rom.vh: another first word, another kind.
+// change. All ports share what is said of the first one; with BOTH = 1 that is the words of motors with brushes and
+// those of brushless ones. With the macro WH_BOARD_ROM a header wh_board_settings_rom.vh says it, in place of
+// wh_settings_rom.vh: another first word, another kind.
 //
 // Formats: least_o and greatest_o take turns in bound_o; of a word with a sign (signed_o) they are
 // 2^31 more than the word, so that both are compared without a sign.
@@ -17,13 +17,11 @@ module wh_settings_rom #(
     parameter integer WALLS      = 4,  // as wh_controller has them
     parameter integer SHAPER     = 0,
     parameter integer DELAY_LOG2 = 2,
-    parameter integer LEGS       = 2,  // as wh_device has it
-    parameter integer BOTH       = 0   // 1: words of brushless motors, too; with LEGS = 2
+    parameter integer BOTH       = 0   // 1: words of brushless motors, too
 ) (
     input  wire        clk,
 
     input  wire [8:0]  address_i,   // 0x000...0x0ff the board's, 0x100...0x1ff a motor's
-    input  wire        second_i,    // the address is of the second axis, LEGS = 3
     output wire [1:0]  kind_o,      // 0 no word, 1 setting, 2 command, 3 live
     output wire        off_o,       // with the bridges off only; with kind 3: a setting that is fixed
     output wire        signed_o,
@@ -35,9 +33,7 @@ module wh_settings_rom #(
     // Words with a sign have the types from here on.
     localparam [4:0] SIGNED = 5'd20;
 
-    localparam integer PLACE_W = (LEGS == 3) ? 10 : 9;
-    localparam integer OF      = (LEGS == 3) ? 1 : 0;  // bit of who has a word
-    localparam integer SECOND  = (LEGS == 3) ? 2 : 0;
+    localparam [1:0] MOTORS = (BOTH == 1) ? 2'b11 : 2'b01;  // whose words these are
 
     generate
         if (BOTH != 0 && BOTH != 1) begin : illegal_both
@@ -45,18 +41,15 @@ module wh_settings_rom #(
         end
     endgenerate
 
-    (* rom_style = "block" *) reg [7:0]  info [0:(1<<PLACE_W)-1];
+    (* rom_style = "block" *) reg [7:0]  info [0:511];
     (* rom_style = "block" *) reg [31:0] bounds [0:63];
 
     integer i;
 
 `define WH_SETTINGS_WORD(FIRST, COPIES, WHO, INFO, DEFAULT) \
         for (i = FIRST; i < FIRST + (COPIES); i = i + 1) begin \
-            if (((WHO >> OF) & 3'd1) != 3'd0 || (BOTH == 1 && ((WHO >> 1) & 3'd1) != 3'd0)) begin \
+            if (((WHO) & MOTORS) != 2'd0) begin \
                 info[i] = INFO; \
-            end \
-            if (LEGS == 3 && ((WHO >> SECOND) & 3'd1) != 3'd0) begin \
-                info[i + (1 << (PLACE_W - 1))] = INFO; \
             end \
         end
 `define WH_SETTINGS_TOLD(FIRST, COPIES, WHO, INFO) `WH_SETTINGS_WORD(FIRST, COPIES, WHO, INFO, 0)
@@ -65,7 +58,7 @@ module wh_settings_rom #(
         bounds[2*TYPE + 1] = GREATEST;
 
     initial begin
-        for (i = 0; i < (1 << PLACE_W); i = i + 1) begin
+        for (i = 0; i < 512; i = i + 1) begin
             info[i] = 8'd0;
         end
         for (i = 0; i < 64; i = i + 1) begin
@@ -82,9 +75,6 @@ module wh_settings_rom #(
 `undef WH_SETTINGS_TOLD
 `undef WH_SETTINGS_BOUNDS
 
-    wire [9:0] place  = {second_i, address_i};
-    wire       unused = &{1'b0, place[9]};
-
     // What a block RAM puts out comes late in its clock.
     reg [7:0]  info_q;
     reg [31:0] bound_q;
@@ -97,7 +87,7 @@ module wh_settings_rom #(
     assign signed_o = signed_q;
 
     always @(posedge clk) begin
-        info_q   <= info[place[PLACE_W-1:0]];
+        info_q   <= info[address_i];
         kind_q   <= info_q[7:6];
         off_q    <= info_q[5];
         signed_q <= (info_q[4:0] >= SIGNED);

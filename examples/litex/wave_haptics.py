@@ -34,7 +34,7 @@ class WaveHaptics(LiteXModule):
                 f"sys_clk_freq is {sys_clk_freq / 1e6:g} MHz, and the registers are for "
                 f"{made.clock_hz / 1e6:g} MHz; change the clock or the scene's controller.clock_hz"
             )
-        parameters = {"SENSE": 1, "ARM": 1, **made.parameters, **more}
+        parameters = {"ARM": 1, **made.parameters, **more}
         motors = parameters["N"]
         parts = 2 if parameters["LEGS"] == 3 else motors
 
@@ -83,7 +83,7 @@ class WaveHaptics(LiteXModule):
             o_gate_bh_o=self.gate_bh, o_gate_bl_o=self.gate_bl,
             o_running_o=self.running, o_contact_o=self.contact, o_fault_o=self.fault,
             i_bus_i=Constant(0, formats.BUS_W), i_stop_i=0, i_zero_start_i=0, i_stream_room_i=0,
-            i_driver_fault_i=Constant(0, motors), i_anchor_fault_i=Constant(0, motors),
+            i_driver_fault_i=Constant(0, motors),
         )  # fmt: skip
         for path in sorted(Path(RTL_DIR).glob("*.v")):
             platform.add_source(str(path))

@@ -107,17 +107,13 @@ module use_in_a_design #(
     wire             clear_seen;
     wire [PARTS-1:0] zero_busy;
     wire [PARTS-1:0] zero_fault;
-    wire [N-1:0]     anchor_fault;
-    wire [N-1:0]     encoder_fault;
-    wire [PARTS-1:0] overcurrent;
     wire             stream_credit;
     wire             stream_valid;
     wire             stream_first;
     wire [7:0]       stream_byte;
     wire             stream_packet;
     wire             unused = &{1'b0, bus_signed, adc_din, tick, fault_lasts, ready, clear_seen, zero_busy, zero_fault,
-                                anchor_fault, encoder_fault, overcurrent, stream_credit, stream_valid, stream_first,
-                                stream_byte, stream_packet};
+                                stream_credit, stream_valid, stream_first, stream_byte, stream_packet};
 
     wh_device #(
         .N               (N),
@@ -126,13 +122,9 @@ module use_in_a_design #(
         .DELAY_LOG2      (`WH_SCENE_DELAY_LOG2),
         .ADC             (`WH_SCENE_ADC),
         .SHAPER          (`WH_SCENE_SHAPER),
-        .ANCHOR          (`WH_SCENE_ANCHOR),
         .HOST            (`WH_SCENE_HOST),
         .MODES           (`WH_SCENE_MODES),
         .MIN_PULSE       (`WH_SCENE_MIN_PULSE),
-        .DEAD_TIME       (`WH_SCENE_DEAD_TIME),
-        .GUARD           (`WH_SCENE_GUARD),
-        .SENSE           (1),
         .ARM             (1)
     ) device (
         .clk             (clk),
@@ -160,7 +152,6 @@ module use_in_a_design #(
         .bus_i           ({`WH_BUS_W{1'b0}}),
         .stop_i          (1'b0),  // a scene's guard_mask leaves it out: stop by enable_i
         .driver_fault_i  ({N{1'b0}}),
-        .anchor_fault_i  ({N{1'b0}}),
         .clear_i         (clear_i),
         .zero_start_i    (1'b0),
         .press_i         (press_i),
@@ -173,9 +164,6 @@ module use_in_a_design #(
         .clear_o         (clear_seen),
         .zero_busy_o     (zero_busy),
         .zero_fault_o    (zero_fault),
-        .anchor_fault_o  (anchor_fault),
-        .encoder_fault_o (encoder_fault),
-        .overcurrent_o   (overcurrent),
         .stream_credit_o (stream_credit),
         .stream_valid_o  (stream_valid),
         .stream_first_o  (stream_first),

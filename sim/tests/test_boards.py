@@ -488,7 +488,7 @@ def test_a_brushless_boards_own_words():
     assert first["gain"] == board.words().words["gain"]
     text = headers["wh_board_settings.vh"]
     made = dict(re.findall(r"`define WH_BOARD_(\w+) (\d+)", text))
-    told = {"LEGS": "3", "N": "1", "PARTS": "2", "LINKED": "1", "MODES": "0", "DEAD_TIME": "0"}
+    told = {"LEGS": "3", "N": "1", "PARTS": "2", "LINKED": "1", "MODES": "0"}
     assert {name: made[name] for name in told} == told
 
 

@@ -123,7 +123,7 @@ def test_each_field_has_its_own_number():
         "MASK": 1 << Fault.CURRENT | 1 << Fault.BUS_LOW,
         "DAMP": 1 << Fault.BUS_LOW,
         "LEVELS": 0b10,
-        "CURRENT": 0x6000,  # 3/4 of 2^15
+        "CURRENT": 0x5FFF,  # below 3/4 of 2^15
         "RANGE": 0x8000 - 16 - 1,  # below the highest of 4,096 codes
         "STUCK": 123,
         "ZERO": 128,  # of 512 an ampere
@@ -137,6 +137,16 @@ def test_each_field_has_its_own_number():
         "HEAT": 9 << 16,  # 2.25 A² of 2^18
         "ENERGY": 561,  # eighths, the next above
     }
+
+
+@pytest.mark.parametrize(("full_scale_a", "trip_a"), [(2.5, 1.25), (1.2, 0.3), (2.5, 2.0), (5, 3)])
+def test_a_sample_of_the_limits_magnitude_is_beyond_it(full_scale_a, trip_a):
+    """wh_guard finds samples above CURRENT, none of which is below the limit."""
+    sensor = Sensor(ideal=False, bits=12, full_scale_a=full_scale_a)
+    word = settings(Limits((), current_a=trip_a), 1e-6, sensor, s=2.0)
+    code_a = full_scale_a / 2**11
+    code = math.ceil(round(trip_a / code_a, 6))  # the first that is no less
+    assert (code - 1) << 4 <= fields_of(word)["CURRENT"] < code << 4
 
 
 def test_the_ends_of_the_words():

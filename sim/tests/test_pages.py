@@ -70,9 +70,8 @@ def test_status_knows_what_the_boards_have():
     rows = {parameter for _, parameter in design.STATUS if parameter}
     assert rows <= set(known)
     given = {name for of_board in options.values() for name in of_board}
-    # Sizes, and what changes no word; and the dead time's row is that of boards with brushes, which
-    # all make it good.
-    assert given - {"WALLS", "DELAY_LOG2", "SHARED", "DEAD_TIME"} <= rows
+    # Sizes, and what changes no word.
+    assert given - {"WALLS", "DELAY_LOG2", "SHARED"} <= rows
     assert options["ulx3s_brushless"]["SENSE"] == options["ulx3s_brushless"]["ANCHOR"] == 1
 
 

@@ -217,7 +217,7 @@ def test_a_boards_scene_gives_the_boards_parameters(name):
     board = load_board(name)
     header = board.headers()["wh_board_settings.vh"]
     made = scene_registers(board.scene, board.fpga.motors, board.fpga.sense.trip_a)
-    renamed = {"MIN_PULSE": "SHORTEST", "GUARD": "GUARDED"}
+    renamed = {"MIN_PULSE": "SHORTEST"}
     for key, value in made.parameters.items():
         if key not in ("ADC", "WALLS"):
             assert f"`define WH_BOARD_{renamed.get(key, key)} {value}\n" in header, key

@@ -288,7 +288,7 @@ OF_NO_MOTOR = (
     "wh_bus_scale", "wh_rotor_flux",
 )  # fmt: skip
 """Blocks whose registers a device has once, though they follow from a motor."""
-SOLDERED = ("ADC", "OSR", "MODES", "DEAD_TIME", "MIN_PULSE", "HOST")
+SOLDERED = ("ADC", "OSR", "MODES", "MIN_PULSE", "HOST")
 """Parameters of ``wh_device`` that are no station which some motors use and others don't."""
 NO_BOARD = ("servo.", "drive.bus_measured", "motor.kind")
 """Keys that no board takes; a brushless motor's registers are others."""

@@ -62,8 +62,7 @@ def test_litex_connects_every_input(module):
 
 
 def test_parameters_are_the_devices():
-    """Those of the scene and those of one's choice; SHARED and sizes of the ADC's paths have use
-    elsewhere."""
+    """Those of the scene and those of one's choice."""
     text = (ROOT / "rtl" / "wh_device.v").read_text(encoding="utf-8")
     known = set(re.findall(r"parameter integer (\w+)", text))
     part = PAGE[PAGE.index("## Parameters") : PAGE.index("## Ports")]

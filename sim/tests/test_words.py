@@ -327,12 +327,12 @@ def test_what_rows_are_made_of_is_at_its_address():
 def test_the_rom_of_a_board_with_some_groups():
     """Its own words at first; words of other groups are fixed: kind 3, and read from the memory."""
     text = generated.settings_rom({"trip": 0x1234}, {"wh_contact.walls"})
-    rows = dict(re.findall(r"\('h(\w{3}), [^,]+, 3'b\d+, (8'h\w\w), .*// \w+\n", text))
+    rows = dict(re.findall(r"\('h(\w{3}), [^,]+, 2'b\d+, (8'h\w\w), .*// \w+\n", text))
     assert rows[f"{WORDS['trip'].at():03x}"][3:] >= "e0"
     assert rows[f"{WORDS['wall_min'].at():03x}"][3] in "45"
     assert re.search(r"32'h00001234\)  // trip\n", text)
     text = generated.settings_rom({"wall_min": [1, -2]})
-    walls = re.findall(r"\('h(14\w), (\w+), 3'b\d+, 8'h\w\w, (\S+)\)", text)
+    walls = re.findall(r"\('h(14\w), (\w+), 2'b\d+, 8'h\w\w, (\S+)\)", text)
     assert walls == [
         ("140", "WALLS", "0"),
         ("140", "1", "32'h00000001"),

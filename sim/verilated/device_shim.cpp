@@ -19,7 +19,7 @@ WH_EDGES(Vwh_device)
 #include "words.h"
 
 // Signals that device_shim.vlt and ports_steps.vlt show.
-#define SIGNAL(name) root->wh_device__DOT__of_ports__DOT__device__DOT__##name
+#define SIGNAL(name) root->wh_device__DOT__device__DOT__##name
 #define PORTS(name) SIGNAL(ports__DOT__##name)
 #include "ports_steps.h"
 

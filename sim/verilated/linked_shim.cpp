@@ -18,7 +18,7 @@ WH_EDGES(Vwh_linked_device)
 #include "words.h"
 
 // Signals that linked_shim.vlt, device_shim.vlt and ports_steps.vlt show.
-#define SIGNAL(name) root->wh_linked_device__DOT__device__DOT__of_ports__DOT__device__DOT__##name
+#define SIGNAL(name) root->wh_linked_device__DOT__device__DOT__device__DOT__##name
 #define PORTS(name) SIGNAL(ports__DOT__##name)
 #include "ports_steps.h"
 #define BIT_CLOCKS linked->root->wh_linked_device__DOT__link__DOT__uart__DOT__bit_clocks_i

@@ -179,7 +179,7 @@ def raw_fields(limits: Limits, tick_s: float, sensor: Sensor, s: float) -> dict[
         "MASK": mask(limits.watched),
         "DAMP": mask(limits.damp),
         "LEVELS": limits.stop_level | limits.driver_level << 1,
-        "CURRENT": min(full, round(limits.current_a / sensor.full_scale_a * full)),
+        "CURRENT": min(full, _below(limits.current_a / sensor.full_scale_a * full)),
         "RANGE": sensor.range_word() - 1,
         "STUCK": limits.stuck_samples,
         "ZERO": round(limits.zero_a * 2**CURRENT_Q),
@@ -195,6 +195,11 @@ def raw_fields(limits: Limits, tick_s: float, sensor: Sensor, s: float) -> dict[
             math.ceil(limits.energy / formats.ENERGY_LIMIT.step), formats.ENERGY_LIMIT.raw_max
         ),
     }
+
+
+def _below(sample: float) -> int:
+    """Largest sample below this one, so that a sample of a limit's magnitude is beyond it."""
+    return math.ceil(round(sample, 6)) - 1
 
 
 def trip_word(trip_a: float, sensor: Sensor) -> int:

@@ -238,12 +238,9 @@ def parameters(board: BoardWords) -> dict[str, int]:
         "ADC": KINDS.index(time_frame.kind),
         **({"OSR": time_frame.osr} if time_frame.osr else {}),
         "SHAPER": len(board.ports.settings.shaper.words),
-        "ANCHOR": int(board.ports.settings.anchored),
         "HOST": int(board.host),
         "MODES": int(words["mode"] != MODE_WORDS[UNIPOLAR] and not brushless),
         "MIN_PULSE": int(words["min_pulse"] > 0),
-        "DEAD_TIME": words["compensate"] if brushless else 1,
-        "GUARD": int(board.guard is not None),
     }
 
 
@@ -260,12 +257,11 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "WALLS": made["WALLS"],
         "MODES": made["MODES"],
         "SHORTEST": made["MIN_PULSE"],
-        "DEAD_TIME": made["DEAD_TIME"],
         "DELAY_LOG2": made["DELAY_LOG2"],
         "SHAPER": made["SHAPER"],
-        "ANCHOR": made["ANCHOR"],
+        "ANCHOR": int(board.ports.settings.anchored),
         "SHARED": int(board.shared),
-        "GUARDED": made["GUARD"],
+        "GUARDED": int(board.guard is not None),
         "LINKED": int(board.linked),
         "CAPTURE": board.capture,
         "STREAM": int(board.stream),

@@ -62,9 +62,8 @@ def connections(
 # ---- The settings memory.
 
 _KINDS = {"setting": 1, "command": 2, "live": 3}
-_OF_MOTORS = {"none": "3'b001", "one": "3'b011", "two": "3'b111", "only": "3'b010"}
-"""By the row: whether motors with brushes have it (low bit), and a brushless one's first and second
-axis."""
+_OF_MOTORS = {"none": "2'b01", "one": "2'b11", "two": "2'b11", "only": "2'b10"}
+"""By the row: whether motors with brushes have it (low bit), and brushless ones."""
 _SIGNED_TYPES = 20
 _TYPES = 32
 """As ``rtl/wh_settings_rom.v`` has them: ranges of words with a sign come last."""

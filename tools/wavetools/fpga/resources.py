@@ -49,9 +49,7 @@ OPTIONS: tuple[Mapping[str, int], ...] = (
 )
 """Parameters of ``wh_controller``, a line of the table each; the first line is the defaults."""
 
-LINE: Mapping[str, int] = {
-    "SENSE": 1, "GUARD": 1, "ANCHOR": 1, "ARM": 1, "CAPTURE": 12, "STREAM": 1,
-}  # fmt: skip
+LINE: Mapping[str, int] = {"ARM": 1, "CAPTURE": 12, "STREAM": 1}
 """Parameters of ``wh_linked_device`` with which one motor and several are counted."""
 
 BRUSHLESS: Mapping[str, int] = {"N": 2, "AXES": 1}

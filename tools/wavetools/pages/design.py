@@ -223,6 +223,9 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
 
 
 _GIVEN = r"define WH_SAME_PARAMETERS(.*?)\n\n"
+_GIVEN_ALONE = r"wh_controller #\((.*?)\) controller"
+_ALWAYS = {"SENSE": 1, "GUARD": 1, "ANCHOR": 1}
+"""What ``wh_device`` has whatever its parameters are."""
 _OPTION = re.compile(r"\.([A-Z][A-Z0-9_]*)\s*\(([^()]*)\)")
 
 _ONE_PORTS = "PWM of a full bridge with dead time made good"
@@ -259,6 +262,8 @@ def options_of_boards(root: Path = ROOT) -> dict[str, dict[str, int]]:
             continue
         top = (root / "boards" / "wh_board_controller.v").read_text(encoding="utf-8")
         (given,) = re.findall(_GIVEN, top, re.DOTALL)
+        if not board.fpga.link:
+            given += "".join(re.findall(_GIVEN_ALONE, top, re.DOTALL))
         macros = dict(
             re.findall(
                 r"^`define (WH_BOARD_\w+) (\d+)$", board.headers()["wh_board_settings.vh"],
@@ -266,7 +271,8 @@ def options_of_boards(root: Path = ROOT) -> dict[str, dict[str, int]]:
             )
         )  # fmt: skip
         macros["N"] = str(board.fpga.motors)
-        found[name] = {
+        found[name] = dict(_ALWAYS) if board.fpga.link else {}
+        found[name] |= {
             parameter: int(macros.get(value.strip(" `"), value))
             for parameter, value in _OPTION.findall(given)
             if parameter == "N" or parameter != value  # what the top passes on is of simulations
