@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from device_pins import BrushlessDevicePins
 from scipy.integrate import solve_ivp
 from wavehaptics.controller import wave_core
 from wavehaptics.controller.pins_timing import CORE_CLOCKS, SECTION_CLOCKS, turns_latency_clocks
@@ -19,7 +20,6 @@ from wavehaptics.controller.settings import settings
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.brushless import BrushlessSimulation
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
-from wavehaptics.ladder.device_pins import BrushlessDevicePins
 from wavehaptics.ladder.linked_pins import linked_pins
 from wavehaptics.ladder.run import CONTROLLERS, measure
 from wavehaptics.scene import SCENES_DIR, Scene, SceneError, load_scene

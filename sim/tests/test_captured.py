@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from device_pins import DevicePins
 from pymodbus.framer import FramerRTU
 from pymodbus.pdu import DecodePDU
 from pymodbus.pdu.register_message import ReadHoldingRegistersRequest
@@ -16,7 +17,6 @@ from wavehaptics.host.capture import DONE, REST, Captured, Plan, Trigger
 from wavehaptics.host.captured_trace import Device, save, trace_arrays
 from wavehaptics.host.client import Client, Identification
 from wavehaptics.host.names import HostError, places
-from wavehaptics.ladder.device_pins import DevicePins
 from wavehaptics.ladder.linked_pins import CAPTURE, LinkedPins, write_frame
 from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.trace.columns import FLOAT_COLUMNS, Column, Word, load_trace

@@ -202,10 +202,6 @@ def test_runs_that_end_early(capsys, monkeypatch, runs, name, status, fragment):
         (("check", "."), "is a directory"),
         (("check", "paper_tap"), "did you mean paper_taps?"),
         (("check", "bench.toml", "--set", "motor.L_h=0.24 mH"), "write 0.24e-3"),
-        (
-            ("check", "bench.toml", "--set", "controller.swing_ohm=1"),
-            "swing_ohm is gone: the port",
-        ),
         (("check", "bench.toml", "--set", "motor.\udcff=1"), "is not UTF-8"),
         (("board", "--virtual", "impact", "--hand", "hand"), "impact has no hand that can be led"),
         (("board", "--virtual", "press_hold", "--hand", "bench.toml"), "is there and no socket"),

@@ -8,11 +8,11 @@ import sys
 
 import numpy as np
 import pytest
+from device_pins import COMMIT, BrushlessDevicePins, DevicePins
 from live_device import ANCHOR, BOARD, FEEL, OTHER_FEEL, copied_clocks, load, run
 from wavehaptics.controller import wave_core
 from wavehaptics.controller.settings import settings
 from wavehaptics.ladder.brushless_pins import BrushlessPinsSimulation
-from wavehaptics.ladder.device_pins import COMMIT, BrushlessDevicePins, DevicePins
 from wavehaptics.ladder.turns_pins import TurnsSimulation
 from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.scene.tables.hand import Hand

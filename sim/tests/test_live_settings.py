@@ -17,10 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from device_pins import COMMIT, DevicePins
 from live_device import ANCHOR, BOARD, FEEL, OTHER_FEEL, copied_clocks, load, run
 from wavehaptics.controller import anchor, wave_core
 from wavehaptics.controller.settings import settings
-from wavehaptics.ladder.device_pins import COMMIT, DevicePins
 from wavehaptics.laws import closed_forms
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats

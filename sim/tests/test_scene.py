@@ -26,7 +26,6 @@ from wavehaptics.scene import (
     shipped_scenes,
 )
 from wavehaptics.scene.keys import field_texts
-from wavehaptics.scene.messages import GONE
 
 BASE = """\
 [scene]
@@ -550,20 +549,6 @@ def _described() -> dict[str, list[tuple[str, ...]]]:
         else:
             in_keys = False
     return described
-
-
-@pytest.mark.parametrize("path", GONE, ids=".".join)
-def test_a_key_that_is_gone_names_what_took_its_place(tmp_path, path):
-    table, key = path
-    told = f"{table}.{key} is gone: {GONE[path]}"
-    lines = f"[{table}]\n" if f"[{table}]" not in BASE else ""
-    line = AFTER_BASE + lines.count("\n")
-    assert refusal(tmp_path, f"{BASE}{lines}{key} = 0.5\n") == f"bench.toml:{line}: {told}"
-    override = f"{table}.{key}=true"
-    assert refusal(tmp_path, BASE, override) == f"--set {override}: {told}"
-    (instead,) = re.findall(r"; use (\w+)", GONE[path])
-    assert key not in TABLES[table].model_fields
-    assert instead in TABLES[table].model_fields
 
 
 def test_description_has_every_key_with_its_unit_default_range_and_meaning():

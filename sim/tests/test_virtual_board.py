@@ -23,6 +23,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import typer
+from device_pins import BrushlessDevicePins, DevicePins
 from wavehaptics.cli import board, shared
 from wavehaptics.cli.shared import CommandError
 from wavehaptics.host import session
@@ -32,7 +33,6 @@ from wavehaptics.host.scope.bench import Known
 from wavehaptics.host.scope.feed import Feed
 from wavehaptics.host.scope.plug import VirtualPlug
 from wavehaptics.host.virtual import VirtualBoard
-from wavehaptics.ladder.device_pins import BrushlessDevicePins, DevicePins
 from wavehaptics.ladder.linked_pins import LinkedBrushlessPins, LinkedPins
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.terminals import check_terminals

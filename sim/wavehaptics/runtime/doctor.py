@@ -41,7 +41,7 @@ SYSTEM_TOOLS = (
 """Program, its package of Debian, what it is for, and whether simulations need it."""
 
 EXTRAS = (
-    ("distributed", "report, holding, soak, and sweep --cluster"),
+    ("distributed", "report, sweep --cluster, and a checkout's holding and soak"),
     ("jinja2", "report"),
     ("pandas", "Trace.to_pandas"),
 )

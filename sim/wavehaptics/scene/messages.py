@@ -24,22 +24,6 @@ from wavehaptics.scene.schema import TABLES, Scene
 from wavehaptics.scene.space import SPACE_TABLES, Space
 from wavehaptics.scene.tables.motor import DC_KEYS
 
-GONE: dict[KeyPath, str] = {
-    ("brushes", "noise_s"): (
-        "contact_noise depends on the angle; use noise_rad, or flicker_noise for noise over time"
-    ),
-    (
-        "controller",
-        "swing_ohm",
-    ): "the port anchor damps oscillations by itself; use anchor_auto = true",
-    ("controller", "rebound_loss"): "a rebound needs no rule of its own; use anchor_auto = true",
-    ("controller", "early_duty"): (
-        "the pins compute each duty from the finished step; use extra_ticks = 1, or leave it "
-        "out for what they need"
-    ),
-}
-"""Removed keys, and what replaces each."""
-
 # Spellings of units; all become one form before units are compared.
 _UNIT_SPELLINGS = ((r"[·*.\s_^]", ""), ("²", "2"), (r"[Oo]hms?", "Ω"), ("\u2126", "Ω"))
 _PREFIXES = {"p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "k": 3, "M": 6, "G": 9}
@@ -103,8 +87,6 @@ def keys_of(table: type[Table]) -> list[str]:
 
 def _unknown(path: KeyPath, value: Any, tables: Tables) -> str:
     """Message for a table or key that doesn't exist."""
-    if path in GONE:
-        return f"{dotted(path)} is gone: {GONE[path]}"
     name = str(path[-1])
     homes = [f"[{table}]" for table, model in tables.items() if name in keys_of(model)]
     if len(path) == 1:

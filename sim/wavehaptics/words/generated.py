@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is made of the table of words: Verilog connections, the C++ of the shims, rows of a page."""
+"""What is made of the table of words: Verilog connections and the C++ of the shims."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import re
 from collections.abc import Collection, Iterable
 
 from wavehaptics.words import formats, table
-from wavehaptics.words.table import ACCESS, MOST, Sizes, Values, Word
+from wavehaptics.words.table import Sizes, Values, Word
 
 LICENCE = "// SPDX-License-Identifier: Apache-2.0\n"
 
@@ -207,54 +207,3 @@ def shim_header(sizes: Sizes) -> str:
         + "\n".join(lines)
         + "\n}\n"
     )
-
-
-# ---- For people.
-
-
-def guard_fields() -> str:
-    """Lines of ``rtl/wh_faults.vh`` that say where in its settings the guard finds a field."""
-    lines, low = [], 0
-    for word in table.ports()["guard"]:
-        high = low + word.fixed.width - 1
-        macro = f"`define WH_{word.name.upper()}".ljust(28)
-        what = f"{_format(word)} {word.row.unit}".strip()
-        lines.append(f"{macro} {f'{high}:{low}':<8} // {what}, {word.row.meaning}\n")
-        low = high + 1
-    return "".join([f"{'`define WH_GUARD_W':<28} {low}\n", *lines])
-
-
-def _format(word: Word) -> str:
-    fraction = f"q{word.fixed.fraction}" if word.fixed.fraction else ""
-    return f"{'s' if word.fixed.signed else 'u'}{word.fixed.width}{fraction}"
-
-
-def _span(word: Word) -> str:
-    """Addresses of a word's copies in one motor."""
-    last = MOST[word.row.per] * word.row.count - 1
-    return f"`{word.at():03x}`" + (f"…`{word.at(index=last):03x}`" if last else "")
-
-
-def page_rows() -> list[tuple[str, ...]]:
-    """A row of the page for each word, in the order of their addresses."""
-    rows: list[tuple[str, ...]] = []
-    for word in sorted(table.WORDS.values(), key=Word.at):
-        digits = 6 if word.fixed.fraction else 10
-        low, high = (f"{bound:.{digits}g}" for bound in word.range)
-        width = _format(word) if word.row.format != "uDELAY_LOG2" else "u`DELAY_LOG2`"
-        rows.append(
-            (
-                _span(word), f"`{word.name}`", f"`{word.block}`", word.group, word.row.per,
-                ACCESS[word.row.kind] + (", strobe" if word.row.kind == "command" else ""),
-                word.change if word.row.kind == "setting" else "off" if word.row.off else "",
-                width, word.row.unit, f"{low}…{high}", f"{word.row.default:g}",
-                word.row.brushless, word.row.meaning,
-            )
-        )  # fmt: skip
-    return rows
-
-
-PAGE_HEAD = (
-    "Address", "Register", "Block", "Group", "Per", "Access", "Change", "Format", "Unit", "Range",
-    "Default", "Brushless", "Meaning",
-)  # fmt: skip
