@@ -490,7 +490,7 @@ def test_a_run_of_a_motor_with_a_device_compares_with_nothing() -> None:
         if load_device(path).space is not None:
             with pytest.raises(SceneError):
                 measure(load_scene(path), "golden")
-            assert name in ("phantom_plane", "planar_disc")
+            assert name in ("phantom_plane", "planar_disc", "teleoperation")
 
 
 PORT = PortEstimate(43.8e-3, 7.6, 0.84e-3, 2 * math.pi / 10_000)
@@ -535,4 +535,4 @@ def test_two_surfaces_that_are_nearly_one_have_one_vector() -> None:
 
 
 def test_the_tables_of_a_device_are_known() -> None:
-    assert list(SPACE_TABLES) == ["device", "surface", "hand"]
+    assert list(SPACE_TABLES) == ["device", "surface", "coupling", "hand"]
