@@ -509,6 +509,7 @@ def test_shipped_scenes():
         "soft_layer",
         "spring_damper",
         "stiffest",
+        "teleoperation",
         "texture",
         "two_motors",
         "two_walls",
@@ -555,7 +556,7 @@ def test_description_has_every_key_with_its_unit_default_range_and_meaning():
     described = _described()
     tables = {**TABLES, **SPACE_TABLES, "hand at the tip": SPACE_TABLES["hand"]}
     tables["hand"] = TABLES["hand"]
-    assert list(described) == [*TABLES, "device", "surface", "hand at the tip"]
+    assert list(described) == [*TABLES, "device", "surface", "coupling", "hand at the tip"]
     assert list(TABLES) == list(Scene.model_fields)
     for name, table in tables.items():
         assert described[name] == [tuple(field_texts(table, key)) for key in table.model_fields]

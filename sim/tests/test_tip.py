@@ -237,9 +237,55 @@ def test_a_joint_wall_of_a_device_is_bit_for_bit_that_of_the_motor(
     assert rows[0, :, Column.X] == pytest.approx(other[:, Column.X], rel=1e-12)
 
 
+def elbow(q: np.ndarray) -> np.ndarray:
+    """The tip of a planar arm of 0.14 m links, 8:1, that begins at (0.14, 0.14) m."""
+    first = q[0] / 8
+    both = first + math.pi / 2 + q[1] / 8
+    return 0.14 * np.array([math.cos(first) + math.cos(both), math.sin(first) + math.sin(both)])
+
+
+def judge_a_corner(
+    normals: list[list[float]], moved: np.ndarray, goal: np.ndarray, spring: float, count: float
+) -> None:
+    """Springs of the motors alone, from 0 where all planes are: no word of the law is in it.
+
+    ``moved`` (2,) is where the tip of :func:`elbow` rests and ``goal`` where the hand of 500 N/m
+    pulls it, in m from the corner; ``spring`` in N·m/rad and ``count`` in rad are each motor's.
+    """
+    start, step, out = elbow(np.zeros(2)), 1e-6, np.array(normals)[:, :2]
+
+    def levers(q: np.ndarray) -> np.ndarray:
+        return np.array([(elbow(q + d) - elbow(q - d)) / (2 * step) for d in step * np.eye(2)]).T
+
+    # Where springs hold the tip if both planes hold them, by Newton's steps.
+    held, q = np.zeros(2), np.zeros(2)
+    for _ in range(20):
+        left = levers(held).T @ (500 * (goal - elbow(held) + start)) - spring * held
+        held += np.linalg.solve(500 * levers(held).T @ levers(held) + spring * np.eye(2), left)
+        q += np.linalg.solve(levers(q), moved + start - elbow(q))
+    hand = 500 * (goal - moved)
+    # Where the springs of the tip that rests begin, in counts beyond each plane.
+    begin = q - levers(q).T @ hand / spring
+    across = out @ levers(np.zeros(2))
+    beyond = -across @ begin / (np.linalg.norm(across, axis=1) * count)
+    depth = -out @ moved
+    assert (np.linalg.solve(out.T, -hand) > 0).all()  # each plane pushes
+    if (-out @ (elbow(held) - start) > 0).all():
+        # Half a count of each plane, and half a count of each encoder across both.
+        assert np.abs(beyond).max() < 0.5 + 0.5 * math.sqrt(2)
+        assert np.linalg.norm(moved - elbow(held) + start) < 1.2 * count * 0.14 / 8
+        return
+    # The springs would hold the tip out of one plane. It lets go, and is touched again further in.
+    loose = int(np.argmin(-out @ (elbow(held) - start)))
+    assert abs(beyond[1 - loose]) < 0.5 + 0.5 * math.sqrt(2)
+    assert beyond[loose] > 1
+    assert depth[loose] > -0.5 * count * 0.14 / 8
+    assert depth[1 - loose] > 0
+
+
 @pytest.mark.parametrize("angle", [60, 90, 120, 150, 170])
 def test_a_corner_holds(tmp_path: Path, angle: float) -> None:
-    """Two planes with anchors: the tip rests where both springs have it, without swinging."""
+    """Two planes with anchors: the tip rests where the motors' springs have it, not swinging."""
     half = math.radians(angle / 2)
     normals = [[math.cos(half), math.sin(half), 0.0], [-math.cos(half), math.sin(half), 0.0]]
     planes = "".join(PLANE.format(normal=normal) for normal in normals)
@@ -252,10 +298,12 @@ def test_a_corner_holds(tmp_path: Path, angle: float) -> None:
     rest = tips[-50_000:]
     moved = rest[:, Tip.X : Tip.Z + 1].mean(axis=0) - np.array(simulation.space.home_m)
     force = rest[:, Tip.FORCE_X : Tip.FORCE_Z + 1]
-    hand = 500 * (0.004 * np.array([0.1, -1.0, 0.0]) / math.hypot(0.1, 1.0) - moved)
-    assert np.abs(force.mean(axis=0) + hand).max() < 0.01
-    assert np.linalg.norm(moved) < 0.55e-3  # 2 N on 7500 N/m are 0.27 mm, in 60° twice that
+    goal = 0.004 * np.array([0.1, -1.0, 0.0]) / math.hypot(0.1, 1.0)
+    assert np.abs(force.mean(axis=0) + 500 * (goal - moved)).max() < 0.01
     assert force.std(axis=0).max() < 0.01 * np.linalg.norm(force.mean(axis=0))
+    # R̂ is 0.7 of 7.6 Ω, a 0.99 and the latency a period.
+    spring = 43.8e-3**2 / (0.83e-3 + 0.7 * 7.6 * (1 / 0.99 + 1) * 1e-6 / 2)
+    judge_a_corner(normals, moved[:2], goal[:2], spring, 2 * math.pi / 10_000)
 
 
 def test_a_turning_surface_stays_where_it_is_by_its_wall_velocity() -> None:
@@ -288,7 +336,7 @@ def test_a_commit_causes_no_jump_of_the_force() -> None:
 def test_the_phantoms_plane_is_held_with_the_errors_of_real_motors(tmp_path: Path) -> None:
     device = load_device(find_scene("phantom_plane"))
     found = run_device(device, "golden", tmp_path)
-    assert found["tip_stiffness"] == pytest.approx(7500, rel=0.05)
+    assert found["tip_stiffness"] == pytest.approx(7500, rel=0.02)
     assert found["surface_error_max_m"] < 2.5e-5
     assert found["tangential_part"] < 0.02
     assert found["motors"].keys() == {"turn", "lift", "reach"}
@@ -302,6 +350,20 @@ def test_the_phantoms_plane_is_held_with_the_errors_of_real_motors(tmp_path: Pat
     for name in ("turn", "lift", "reach"):
         assert load_trace(tmp_path / name)["i_word"].shape == (12_000,)
         assert (tmp_path / name / "run.png").exists()
+
+
+@pytest.mark.parametrize("tick_hz", [1e6, 160e3])
+def test_with_anchors_the_rate_alone_takes_stiffness(tick_hz: float) -> None:
+    """Each axis has 8:1 and 0.14 m; R̂ is 0.7 of what the scene says, and the latency a period."""
+    sets = (f"controller.tick_hz={tick_hz:g}", "scene.duration_s=0.06")
+    found = measure_device(load_device(find_scene("phantom_plane"), sets), "golden")
+    late = (1 / 0.99 + 1) / tick_hz
+    motors = [43.8e-3**2 / (0.83e-3 + 0.7 * r * late / 2) for r in (8.0, 7.2, 7.6)]
+    normal = np.array([0.3, 0.5, 1.0]) / math.sqrt(1.34)
+    spring = (8 / 0.14) ** 2 / float(normal**2 @ (1 / np.array(motors)))
+    assert found["tip_stiffness_predicted"] == pytest.approx(spring, rel=1e-3)
+    # Half a count in 25, where the force is largest.
+    assert found["tip_stiffness"] == pytest.approx(spring, rel=0.02)
 
 
 def test_a_budget_of_nothing_lets_no_surface_move_on_credit(tmp_path: Path) -> None:
@@ -428,7 +490,7 @@ def test_a_run_of_a_motor_with_a_device_compares_with_nothing() -> None:
         if load_device(path).space is not None:
             with pytest.raises(SceneError):
                 measure(load_scene(path), "golden")
-            assert name in ("phantom_plane", "planar_disc")
+            assert name in ("phantom_plane", "planar_disc", "teleoperation")
 
 
 PORT = PortEstimate(43.8e-3, 7.6, 0.84e-3, 2 * math.pi / 10_000)
@@ -473,4 +535,4 @@ def test_two_surfaces_that_are_nearly_one_have_one_vector() -> None:
 
 
 def test_the_tables_of_a_device_are_known() -> None:
-    assert list(SPACE_TABLES) == ["device", "surface", "hand"]
+    assert list(SPACE_TABLES) == ["device", "surface", "coupling", "hand"]

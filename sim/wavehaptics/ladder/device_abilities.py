@@ -46,6 +46,13 @@ ROOM = 1.001
 """A wished stiffness may exceed the largest by this factor, for what words round."""
 
 
+PLANES_ONLY = (
+    "device.update_hz", "device.delay_s", "device.jitter_s", "device.wall_speed_m_per_s",
+    "device.wall_energy_j",
+)  # fmt: skip
+"""Keys that a virtual shaft does without: no host sends planes."""
+
+
 def refuse_device(device: Device, controller: str) -> None:
     """:class:`SceneError` where ``controller`` can't do what the device's tables ask for."""
     space = device.space
@@ -56,6 +63,12 @@ def refuse_device(device: Device, controller: str) -> None:
             f"[device] is not for `{controller}`, whose RTL is the wave core of one motor; take "
             "`pins`, `analog`, `golden` or `encoder`",
             "device",
+        )
+    if space.coupling is not None and controller != "golden":
+        raise space.refusal(
+            f"[coupling] is not for `{controller}`; take `golden`, or two opposite planes as "
+            "[[surface]], which couple without a delay",
+            "coupling",
         )
     if controller == "pins" and space.surface and len(device.scenes) == 1:
         raise space.refusal(
@@ -84,6 +97,17 @@ def refuse_device(device: Device, controller: str) -> None:
     simulation = (
         host_of_pins(device) if controller == "pins" else JointSimulation(device, controller)
     )
+    if space.coupling is not None:
+        alike = {
+            (scene.controller.k_t_hat, set_.root, set_.cell_rad)
+            for scene, set_ in zip(device.scenes, simulation.settings, strict=True)
+        }
+        if len(alike) > 1:
+            raise space.refusal(
+                "[coupling] needs one k_t_hat, r_hat and counts_per_rev for both motors, else a "
+                "turn of one isn't that of the other; move them out of [[motors]]",
+                "coupling",
+            )
     start = np.zeros(len(device.scenes))
     for missing in simulation.host.look(start).singular:
         raise space.refusal(
@@ -109,4 +133,7 @@ def left_out_of_device(device: Device, controller: str) -> list[str]:
         return []
     given = {f"device.{key}" for key in device.space.device.model_fields_set}
     given |= {f"surface.{key}" for one in device.space.surface for key in one.model_fields_set}
-    return sorted(given & set(LEFT_OUT[controller]))
+    unused = set(LEFT_OUT[controller])
+    if device.space.coupling is not None:
+        unused |= set(PLANES_ONLY)
+    return sorted(given & unused)

@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wavehaptics.controller import anchor, surfaces, wave_core
+from wavehaptics.controller import anchor, coupling, surfaces, wave_core
 from wavehaptics.controller.planes import Planes, as_words
 from wavehaptics.controller.settings import IDEAL_ANCHOR_CELL_RAD, settings
 from wavehaptics.ladder.analog import inside
@@ -158,10 +158,12 @@ def _put_motors(rows, n, tip_row, begin, tick, states, floats, sums, arm, q, jac
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance_golden(
-    rows, words, tips, states, kept, cores, lines, contacts, walls, anchors, group, ints, floats,
-    dt, substeps, arm, motors, noises, sums, q, omega, jacobian, room, torque,
+    rows, words, tips, states, kept, cores, lines, contacts, walls, anchors, group, between, ints,
+    floats, dt, substeps, arm, motors, noises, sums, q, omega, jacobian, room, torque,
 ):  # fmt: skip
-    """Fill the rows, the words and the tip's rows; ``group`` is what the surfaces have."""
+    """Fill the rows, the words and the tip's rows; ``group`` is what the surfaces have, ``between``
+    the line of a virtual shaft and its next row, −1 without one."""
+    line, line_at = between
     surface_states, left, active, planes, vectors, limits, positions, currents, waves = group
     wall_min, wall_max = walls
     anchor_words, anchor_states = anchors
@@ -210,7 +212,10 @@ def _advance_golden(
             row = words[motor, n]
             row[Word.I], row[Word.U], row[Word.V] = current, u_n, v_n
         acting = 0
-        if not faulty:
+        if not faulty and line_at[0] >= 0:
+            coupling.cross(line, line_at, waves)
+            acting = 1
+        elif not faulty:
             acting = surfaces.surfaces_step(
                 surface_states, left, active, planes, vectors, limits, positions, currents, free,
                 waves,
@@ -521,6 +526,9 @@ class JointSimulation(JointLoop):
             np.array([set_.anchor for set_ in self.settings]),
             np.array([anchor.new_state() for _ in range(motors)]),
         )
+        self._between = (
+            coupling.new_line(max(self.line_ticks, 0)), np.array([min(self.line_ticks, 0)]),
+        )  # fmt: skip
         budget = self.budget
         self._group = (
             surfaces.new_state(), np.array([budget], dtype=np.int64),
@@ -587,8 +595,8 @@ class JointSimulation(JointLoop):
                 noises[n] = drawn
         _advance_golden(
             rows, words, tips, self._states, self._kept, self._cores, self._lines, self._contacts,
-            self._walls, self._anchors, self._group, self._ints, self._floats, self._dt,
-            self._substeps, self._arm, self._motors, noises, *self._room,
+            self._walls, self._anchors, self._group, self._between, self._ints, self._floats,
+            self._dt, self._substeps, self._arm, self._motors, noises, *self._room,
         )  # fmt: skip
 
 

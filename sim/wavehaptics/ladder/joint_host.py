@@ -43,6 +43,11 @@ class JointHost:
             set_.tau if has_words else 1.0 / scene.controller.lambda_
             for scene, set_ in zip(scenes, settings, strict=True)
         ]
+        self.line_ticks = -1
+        """Ticks that the waves of a virtual shaft take from motor to motor; −1 without one."""
+        if space.coupling is not None:
+            self.line_ticks = round(space.coupling.delay_s / self.tick_s)
+            delays = [delay + self.line_ticks * self.tick_s for delay in delays]
         self.joint_stiffness = np.array([
             rendered_stiffness(scene, set_.r_hat, tau, -1.0, set_.anchored and has_words, None)
             for scene, set_, tau in zip(scenes, settings, delays, strict=True)
@@ -83,6 +88,10 @@ class JointHost:
         if self._is_servo and wished is not None:
             return wished
         return stiffest if wished is None else min(stiffest, wished)
+
+    def shaft_predicted(self) -> float:
+        """K of the virtual shaft between two motors, ``1/(1/K_0 + 1/K_1)``, N·m/rad."""
+        return 1.0 / float(np.sum(1.0 / self.joint_stiffness))
 
     def wished_compliance(self) -> np.ndarray:
         """1/K of each surface where that is what it wishes, m/N; 0 where it is the motors'."""

@@ -21,6 +21,7 @@ from wavehaptics.scene import Device
 from wavehaptics.trace.columns import TRACE_FILE, Column, TraceWriter, Word
 from wavehaptics.trace.metrics import Metrics
 from wavehaptics.trace.pictures import run_picture
+from wavehaptics.trace.shaft import ShaftMetrics
 from wavehaptics.trace.tip import Tip, TipMetrics, TipTrace
 from wavehaptics.trace.tip_picture import tip_picture
 
@@ -45,7 +46,9 @@ def _simulation(device: Device, controller: str) -> JointLoop:
 class _Gathered:
     """Traces and metrics of a device's run."""
 
-    def __init__(self, device: Device, controller: str, simulation: JointLoop) -> None:
+    def __init__(
+        self, device: Device, controller: str, simulation: JointLoop, ticks: int
+    ) -> None:  # fmt: skip
         self._simulation, tick_s = simulation, simulation.tick_s
         self._words = controller not in WITHOUT_WORDS
         anchored = [set_.anchored and self._words for set_ in simulation.settings]
@@ -57,9 +60,16 @@ class _Gathered:
             simulation.space, device.scenes, controller, tick_s, simulation.joint_stiffness,
             simulation.wished_compliance(), simulation.predicted(), simulation.count_m,
         )  # fmt: skip
+        self.shaft = None
+        if simulation.line_ticks >= 0:
+            self.shaft = ShaftMetrics(
+                ticks, tick_s, simulation.shaft_predicted(), simulation.settings[0].cell_rad
+            )
 
     def update(self, rows: np.ndarray, tips: np.ndarray) -> None:
         self.tip.update(tips, rows)
+        if self.shaft is not None:
+            self.shaft.update(rows)
         for metrics, of_motor in zip(self.metrics, rows, strict=True):
             alone = of_motor.copy()
             alone[:, Column.CONTACT] = 0.0  # the wall is no motor's
@@ -77,6 +87,8 @@ class _Gathered:
                 own |= seen(self._simulation.motors[n])
             of_motors.append(own)
         tip = self.tip.result(wall_clock_s)
+        if self.shaft is not None:
+            tip = {**tip, **self.shaft.result()}
         return {**tip, "singular_updates": self._simulation.singular_updates}, of_motors
 
 
@@ -97,8 +109,8 @@ def measure_device(
         refuse(scene, controller)
     refuse_device(device, controller)
     simulation = _simulation(device, controller)
-    gathered = _Gathered(device, controller, simulation)
     ticks = max(1, round(device.scenes[0].scene.duration_s / simulation.tick_s))
+    gathered = _Gathered(device, controller, simulation, ticks)
     motors, room = len(device.scenes), min(ticks, CHUNK_TICKS)
     rows = np.zeros((motors, room, len(Column)))
     words = np.zeros((motors, room, len(Word)), dtype=np.int64)

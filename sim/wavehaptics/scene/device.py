@@ -136,7 +136,7 @@ def split_space(
     data: dict[str, Any], lines: dict[KeyPath, int]
 ) -> tuple[SpaceData | None, dict[str, Any]]:
     """The device's tables of a document, None where it has none, and the other tables."""
-    if "device" not in data and "surface" not in data:
+    if not {"device", "surface", "coupling"} & set(data):
         return None, data
     space = {name: value for name, value in data.items() if name in SPACE_TABLES}
     others = {name: value for name, value in data.items() if name not in SPACE_TABLES}

@@ -99,7 +99,7 @@ def _unknown(path: KeyPath, value: Any, tables: Tables) -> str:
         kind = "table [{}]" if isinstance(value, dict | list) else "key {} outside the tables"
         return (
             f"unknown {kind.format(dotted(path))}; {meant}the tables are {names}, [[motors]], "
-            "[device], [[surface]]"
+            "[device], [[surface]], [coupling]"
         )
     table = str(path[0])
     known = keys_of(tables[table])
@@ -115,7 +115,9 @@ def _unknown(path: KeyPath, value: Any, tables: Tables) -> str:
 
 def _missing(path: KeyPath, tables: Tables) -> str:
     if path == ("device",):
-        return "[device] is missing, [[surface]] needs it; give it with its kinematics"
+        return (
+            "[device] is missing, [[surface]] and [coupling] need it; give it with its kinematics"
+        )
     if len(path) == 1:
         needed = "[scene], [motor] or [[motors]], and [controller]"
         return f"table [{path[0]}] is missing; a scene needs {needed}"

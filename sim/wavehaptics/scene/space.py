@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, model_validator
 from wavehaptics.laws.shapes import Shape
 from wavehaptics.scene.keys import Table, broken_rule
 from wavehaptics.scene.placed import Placed
+from wavehaptics.scene.tables.coupling import Coupling
 from wavehaptics.scene.tables.device import HOME, LINKS_M, RATIO, DeviceTable
 from wavehaptics.scene.tables.surface import Surface, unit
 from wavehaptics.scene.tables.tip_hand import TipHand
@@ -31,6 +32,7 @@ class Space(Placed):
 
     device: DeviceTable
     surface: Annotated[tuple[Surface, ...], BeforeValidator(_list)] = ()
+    coupling: Coupling | None = None
     hand: TipHand | None = None
 
     @property
@@ -45,6 +47,16 @@ class Space(Placed):
                 f"{MOST_SURFACES}; leave some out",
                 ("surface", MOST_SURFACES),
             )
+        if self.coupling is not None and self.device.motors != 2:
+            broken_rule(
+                f"[coupling] joins two motors, and the device has {self.device.motors}; take a "
+                "device of two", ("coupling",), ("device", "kinematics"),
+            )  # fmt: skip
+        if self.coupling is not None and self.surface:
+            broken_rule(
+                "[coupling] and [[surface]] take the same waves; leave one of them out",
+                ("coupling",), ("surface",),
+            )  # fmt: skip
         if self.hand is not None and self.hand.center_m is not None:
             away = math.dist(self.home_m, self.hand.center_m)
             if away <= self.hand.amplitude_m:
@@ -99,5 +111,7 @@ class Space(Placed):
         )
 
 
-SPACE_TABLES: dict[str, type[Table]] = {"device": DeviceTable, "surface": Surface, "hand": TipHand}
+SPACE_TABLES: dict[str, type[Table]] = {
+    "device": DeviceTable, "surface": Surface, "coupling": Coupling, "hand": TipHand,
+}  # fmt: skip
 """Model of each table of a device, in the order of the format's description."""

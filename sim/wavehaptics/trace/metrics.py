@@ -601,7 +601,8 @@ class Metrics:
     the controller's position makes the current, 2 where the winding's own flux does.
     ``reference_spring`` is the K of the reference's wall, N·m/rad, where it may lose that and the
     run doesn't. ``path`` is that of a hand that isn't the scene's, and ``count`` what takes the
-    place of its encoder's: those of a device's tip (:mod:`wavehaptics.trace.tip`).
+    place of its encoder's: those of a device's tip (:mod:`wavehaptics.trace.tip`). With
+    ``through_edge`` the line of the stiffness is that through the wall's edge.
     """
 
     def __init__(
@@ -618,8 +619,10 @@ class Metrics:
         reference_spring: float | None = None,
         path: str | None = None,
         count: float | None = None,
+        through_edge: bool = False,
     ) -> None:
         self._scene = scene
+        self._through_edge = through_edge
         self._tick_s = tick_s
         self._controller = controller
         self._predicted = stiffness_predicted
@@ -736,6 +739,8 @@ class Metrics:
             return None, None, (
                 f"the force is no line over the depth{self._only(slot)}: r² is {explained:.2g}"
             )  # fmt: skip
+        if self._through_edge:
+            return xf / xx, float(fit["edge"]), self._passed_over(slot)
         slope = common / variance
         return slope, fit["edge"] + fit["side"] * (x - f / slope) / n, self._passed_over(slot)
 

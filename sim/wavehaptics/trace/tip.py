@@ -3,7 +3,9 @@
 
 A run's metrics are those of one motor (:mod:`wavehaptics.trace.metrics`), of a motion along the
 normal of the surface that the tip is deepest in: the depth in m takes the place of x and the force
-along the inward normal that of the torque. What only a device has is added:
+along the inward normal that of the torque. ``tip_stiffness`` is the slope of the line through the
+surface itself. A port anchor may move the force by half a count along the press, and a line that
+need not begin at the surface leans by up to twice as much of that. What only a device has is added:
 
 - ``tangential_force``: RMS of the force across the normal in contact, N, and
   ``tangential_part`` that over the RMS along it,
@@ -111,6 +113,7 @@ class TipMetrics:
         self._metrics = Metrics(
             motors[0], tick_s, controller=controller, stiffness_predicted=predicted,
             walls=[(0.0, WALL_M)] if space.surface else [], path=path, count=count_m,
+            through_edge=True,
         )  # fmt: skip
         self._last = math.nan
         self._first_s = math.inf
