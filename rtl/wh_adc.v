@@ -13,11 +13,9 @@
 `include "wh_formats.vh"
 
 module wh_adc #(
-    parameter integer LINES        = 1,  // currents
-    parameter integer ADC          = 0,
-    parameter integer OSR          = 32, // these are wh_sinc3's
-    parameter integer CAPTURE_RISE = 0,
-    parameter integer TRIP_OSR     = 8
+    parameter integer LINES = 1,  // currents
+    parameter integer ADC   = 0,
+    parameter integer OSR   = 32  // of wh_sinc3
 ) (
     input  wire                             clk,
     input  wire                             rst,
@@ -57,9 +55,6 @@ module wh_adc #(
     generate
         if (ADC < 0 || ADC > 2) begin : illegal
             wh_illegal_parameter_adc_adc_must_be_0_to_2 stop ();
-        end
-        if (CAPTURE_RISE != 0 && CAPTURE_RISE != 1) begin : illegal_capture_rise
-            wh_illegal_parameter_adc_capture_rise_must_be_0_or_1 stop ();
         end
 
         if (ADC == 0) begin : serial
@@ -138,9 +133,7 @@ module wh_adc #(
 
             wh_sinc3 #(
                 .LINES              (LINES),
-                .OSR                (OSR),
-                .CAPTURE_RISE       (CAPTURE_RISE),
-                .TRIP_OSR           (TRIP_OSR)
+                .OSR                (OSR)
             ) reader (
                 .clk                (clk),
                 .rst                (reader_rst),

@@ -42,8 +42,6 @@ module wh_controller #(
     parameter integer DELAY_LOG2 = 2,  // the delay line keeps 2^DELAY_LOG2 steps, 1...
     parameter integer ADC        = 0,  // reader: 0 wh_adc_serial, 1 wh_adc_max11125, 2 wh_sinc3
     parameter integer OSR        = 32, // ADC = 2: bits a word, 4...256
-    parameter integer CAPTURE_RISE = 0, // ADC = 2: take bits as the clock rises, not as it falls
-    parameter integer TRIP_OSR   = 8,  // ADC = 2: half the bits of the fast path, 2, 4, 8, 16, 32
     parameter integer SENSE      = 0,  // 1: sense checks and a measured zero (wh_sense_check, wh_zero)
     parameter integer ZERO_LOG2  = 10, // SENSE = 1: ticks of a zero, 2^ZERO_LOG2; 2...16
     parameter integer SHAPER     = 0,  // sections of W (wh_shaper), 0...2; 0: W = 1
@@ -286,9 +284,7 @@ module wh_controller #(
     wh_adc #(
         .LINES              (N),
         .ADC                (ADC),
-        .OSR                (OSR),
-        .CAPTURE_RISE       (CAPTURE_RISE),
-        .TRIP_OSR           (TRIP_OSR)
+        .OSR                (OSR)
     ) adc (
         .clk                (clk),
         .rst                (rst),

@@ -7,16 +7,14 @@
 // Ticks' ends are counted against starts, so that a lost step stays lost. Two ends may pass from one
 // start to the next: starts wander by the clocks that samples and shared multiplications do, and
 // where one is at the very end of a tick the next may be just behind the next end. So a single lost
-// step may pass, and the second is told. Before the first start FIRST_TICKS ends may pass, for a
+// step may pass, and the second is told. Before the first start eight ends may pass, for a
 // reader that has to settle.
 //
 // Latency: overrun_o 1 clock after the tick_i that is too many. Reset: no start yet.
 
 `default_nettype none
 
-module wh_step_watch #(
-    parameter integer FIRST_TICKS = 8  // 3...15
-) (
+module wh_step_watch (
     input  wire clk,
     input  wire rst,
 
@@ -26,13 +24,8 @@ module wh_step_watch #(
     output reg  overrun_o  // until rst
 );
 
+    localparam [3:0] FIRST = 4'd8;
     localparam [3:0] LATER = 4'd2;
-
-    generate
-        if (FIRST_TICKS < 3 || FIRST_TICKS > 15) begin : illegal
-            wh_illegal_parameter_step_watch_first_ticks_must_be_3_to_15 stop ();
-        end
-    endgenerate
 
     reg       started_q;
     reg [3:0] left_q;  // ends that may still pass
@@ -40,7 +33,7 @@ module wh_step_watch #(
     always @(posedge clk) begin
         if (rst) begin
             started_q <= 1'b0;
-            left_q    <= FIRST_TICKS[3:0];
+            left_q    <= FIRST;
             overrun_o <= 1'b0;
         end else if (start_i && !started_q) begin
             started_q <= 1'b1;
