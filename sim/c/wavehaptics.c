@@ -821,6 +821,226 @@ int wh_set_planes(struct wh_board *board, const struct wh_surface_word *words, s
                 state->refused & 127u);
 }
 
+// What follows is that of controller/planes.py, in its order.
+
+// Square root by Newton's steps, so that no library of mathematics is needed.
+static double root_of(double x) {
+    double root = x > 1.0 ? x : 1.0;
+    if (!(x > 0.0)) return 0.0;
+    for (double next = 0.5 * (root + x / root); next < root; next = 0.5 * (root + x / root)) root = next;
+    return root;
+}
+
+static int64_t fixed(double value, unsigned fraction, unsigned width) {
+    const double most = (double)((int64_t)1 << (width - 1));
+    const double raw = value * (double)((int64_t)1 << fraction);
+    if (raw >= most - 1.0) return ((int64_t)1 << (width - 1)) - 1;
+    if (raw <= -most) return -((int64_t)1 << (width - 1));
+    return (int64_t)(raw < 0.0 ? raw - 0.5 : raw + 0.5);
+}
+
+enum {
+    SURFACE_Q = 25, DISTANCE_Q = 8, CELLS_Q = 12, BEND_UP = 32, GAIN_UP = 32, MIX_Q = 22, MIX_UP = 8, WORD = 27,
+    DISTANCE_WORD = 40, WAVE_Q = 23, WAVE_WORD = 31, PLANE_ROW = 96, VELOCITY_ROW = 112, VECTOR = 6,
+    MOST = WH_SPACE_PLANES
+};
+static const double wall_s = 2e-3, least_lever = 0.05, least_angle = 0.1;
+
+int wh_space_open(struct wh_space *space, struct wh_board *board, const struct wh_space_motor *motors,
+                  unsigned count, double speed) {
+    const double pi = 3.14159265358979323846;
+    double clocks = 0.0, halves = 0.0, extra = 0.0;
+    struct wh_surfaces state = {0};
+    memset(space, 0, sizeof *space);
+    space->board = board;
+    if (count < 2 || count > WH_SPACE_MOTORS) return fail(board, WH_VALUE, "%u motors: planes lie across 2 or 3", count);
+    if (!(speed >= 0.0)) return fail(board, WH_VALUE, "the largest speed of a surface has to be 0 or more, in m/s");
+    int result = wh_read_surfaces(board, &state);
+    if (result) return result;
+    if (!state.surfaces) return fail(board, WH_DEVICE, "the device has no surfaces; take a bitstream with SURFACES");
+    result = wh_get(board, WH_WORD_HALF_CLOCKS, 0, 0, &clocks);
+    if (!result) result = wh_get(board, WH_WORD_TICK_HALVES, 0, 0, &halves);
+    if (!result) result = wh_get(board, WH_WORD_EXTRA_TICKS, 0, 0, &extra);
+    if (result) return result;
+    space->motors = count;
+    space->speed = speed;
+    space->planes = state.surfaces < MOST ? state.surfaces : MOST;
+    space->tick_s = clocks * halves / (double)board->identity.words[ID_CLOCK_HZ];
+    for (unsigned n = 0; n < count; ++n) {
+        const double k_t = motors[n].k_t;
+        double root = 0.0, a = 0.0;
+        if (!(k_t > 0.0 && motors[n].inductance >= 0.0 && motors[n].counts_per_rev >= 1.0)) {
+            return fail(board, WH_VALUE,
+                        "motor %u needs k_t above 0, inductance of 0 or more, counts_per_rev of 1 or more", n);
+        }
+        result = wh_get(board, WH_WORD_ROOT, n, 0, &root);
+        if (!result) result = wh_get(board, WH_WORD_A, n, 0, &a);
+        if (result) return result;
+        if (!(root > 0.0 && a > 0.0)) {
+            return fail(board, WH_DEVICE, "root or a of motor %u is 0; set the motor's registers first", n);
+        }
+        const double r_hat = 0.5 * root * root, tau = space->tick_s / a + extra * space->tick_s;
+        space->k_t[n] = k_t;
+        space->count_rad[n] = 2.0 * pi / motors[n].counts_per_rev;
+        space->damping[n] = r_hat / (k_t * k_t);
+        space->compliance[n] = (motors[n].inductance + 0.5 * r_hat * tau) / (k_t * k_t);
+    }
+    return wh_space_read(space);
+}
+
+int wh_space_read(struct wh_space *space) {
+    for (unsigned n = 0; n < space->motors; ++n) {
+        const int result = wh_get(space->board, WH_WORD_POSITION, n, 0, &space->counts[n]);
+        if (result) return result;
+        space->angles[n] = (space->counts[n] + 0.5) * space->count_rad[n];
+    }
+    return WH_OK;
+}
+
+struct frame {
+    struct wh_surface_word words[700];
+    size_t count;
+};
+
+static void put_word(struct frame *frame, unsigned row, unsigned at, int64_t word) {
+    frame->words[frame->count].address = (uint16_t)(8 * row + at);
+    frame->words[frame->count++].word = (int32_t)word;
+}
+
+static void put_vector(struct frame *frame, unsigned row, const double vector[VECTOR]) {
+    const double longest = (1.0 - 1.0 / 16777216.0) * 33554432.0;  // below 1, rounded to 0: none is longer than 1
+    for (unsigned n = 0; n < 3; ++n) put_word(frame, row, n, (int64_t)(vector[n] * longest));
+    for (unsigned n = 3; n < VECTOR; ++n) put_word(frame, row, n, fixed(vector[n], MIX_Q, WORD) * MIX_UP);
+}
+
+// The vector of a surface, orthogonal to those of `before`, or zeros where there is no further direction.
+static void beside(double before[][VECTOR], unsigned count, const double row[VECTOR], double found[VECTOR]) {
+    double square = 0.0;
+    for (unsigned n = 0; n < VECTOR; ++n) found[n] = n < 3 ? row[n] : n == 3 + count ? 1.0 : 0.0;
+    for (unsigned k = 0; k < count; ++k) {
+        const double common = row[0] * before[k][0] + row[1] * before[k][1] + row[2] * before[k][2];
+        for (unsigned n = 0; n < VECTOR; ++n) found[n] -= common * before[k][n];
+    }
+    for (unsigned n = 0; n < 3; ++n) square += found[n] * found[n];
+    const double length = root_of(square);
+    for (unsigned n = 0; n < VECTOR; ++n) found[n] = length >= least_angle ? found[n] / length : 0.0;
+}
+
+int wh_space_planes(struct wh_space *space, double jacobian[3][WH_SPACE_MOTORS], const struct wh_plane *planes,
+                    size_t count, unsigned stamp, struct wh_surfaces *state) {
+    static const unsigned pairs[MOST] = {0, 0, 1, 3, 6, 10, 15, 21}, triples[MOST] = {0, 0, 0, 1, 4, 10, 20, 35};
+    struct wh_board *const board = space->board;
+    double vectors[MOST][VECTOR] = {{0.0}}, velocity = 0.0, lever = 0.0;
+    struct frame frame = {.count = 0};
+    if (count > space->planes) {
+        return fail(board, WH_VALUE, "%u planes, and the device has %u; give the nearest", (unsigned)count,
+                    space->planes);
+    }
+    for (unsigned row = 0; row < 3; ++row) {
+        for (unsigned n = 0; n < space->motors; ++n) lever += jacobian[row][n] * jacobian[row][n];
+    }
+    put_word(&frame, VELOCITY_ROW, 0, 0);
+    for (unsigned k = 0; k < (unsigned)count; ++k) {
+        const struct wh_plane *const plane = &planes[k];
+        const double *const out = plane->normal;
+        const double length = root_of(out[0] * out[0] + out[1] * out[1] + out[2] * out[2]);
+        double along[3] = {0.0}, scale = 0.0, drag = 0.0, soft = 0.0, reach = 0.0, place = 0.0, tau = 0.0;
+        if (!(length > 0.0 && plane->stiffness >= 0.0 && plane->loss >= 0.0 && plane->loss <= 1.0) ||
+            plane->distance != plane->distance) {
+            return fail(board, WH_VALUE,
+                        "plane %u needs a normal, a distance, a stiffness of 0 or more, a loss of 0...1", k);
+        }
+        for (unsigned n = 0; n < space->motors; ++n) {
+            for (unsigned row = 0; row < 3; ++row) along[n] -= jacobian[row][n] * out[row] / length;
+            scale += along[n] * along[n] * space->count_rad[n] * space->count_rad[n];
+            drag += along[n] * along[n] * space->damping[n];
+            soft += along[n] * along[n] * space->compliance[n];
+            reach += along[n] * along[n];
+        }
+        if (!(reach >= least_lever * least_lever * lever && reach > 0.0)) {
+            return fail(board, WH_VALUE,
+                        "plane %u: no motor moves the tip along its normal; leave it out or move the arm", k);
+        }
+        scale = root_of(scale);
+        const double root = root_of(2.0 * drag), fastest = 2.0 * space->speed / root, wave = root_of(drag);
+        if (plane->stiffness > 0.0) tau = 2.0 * (1.0 / plane->stiffness - soft) / drag;
+        if (tau < 0.0) tau = 0.0;
+        velocity = k == 0 || fastest < velocity ? fastest : velocity;
+        for (unsigned n = 0; n < space->motors; ++n) {
+            place += along[n] * space->count_rad[n] / scale * space->counts[n];
+            vectors[k][n] = along[n] * root_of(space->damping[n]) / wave;
+        }
+        vectors[k][3] = 1.0;
+        const unsigned row = PLANE_ROW + 2 * k;
+        const int64_t d = fixed(place + plane->distance / scale, DISTANCE_Q, DISTANCE_WORD);
+        const int64_t whole = (d - (d & 255)) / 256;
+        put_word(&frame, row, 0, whole);
+        put_word(&frame, row, 1, 256 | (d & 255));
+        for (unsigned n = 0; n < 3; ++n) {
+            put_word(&frame, row, 2 + n, fixed(along[n] * space->count_rad[n] / scale, SURFACE_Q, WORD));
+        }
+        for (unsigned n = 0; n < 3; ++n) {
+            const double bend = space->compliance[n] + 0.5 * tau * space->damping[n];
+            put_word(&frame, row, 5 + n, fixed(along[n] * bend * space->k_t[n] / scale, CELLS_Q, WORD) * BEND_UP);
+        }
+        put_word(&frame, row + 1, 0, fixed(2.0 * scale / (wall_s * root), SURFACE_Q, WORD) * GAIN_UP);
+        put_word(&frame, row + 1, 1, fixed(space->tick_s / (space->tick_s + tau), SURFACE_Q, WORD));
+        put_word(&frame, row + 1, 2, fixed(-1.0, SURFACE_Q, WORD));
+        put_word(&frame, row + 1, 3, fixed(1.0 - plane->loss, SURFACE_Q, WORD));
+        put_vector(&frame, k, vectors[k]);
+    }
+    frame.words[0].word = (int32_t)fixed(velocity, WAVE_Q, WAVE_WORD);
+    double set[3][VECTOR];
+    for (unsigned i = 0; i < count; ++i) {
+        for (unsigned j = i + 1; j < count; ++j) {
+            beside(&vectors[i], 1, vectors[j], set[1]);
+            put_vector(&frame, MOST + pairs[j] + i, set[1]);
+        }
+    }
+    for (unsigned i = 0; i < count; ++i) {
+        for (unsigned j = i + 1; j < count; ++j) {
+            memcpy(set[0], vectors[i], sizeof set[0]);
+            beside(&vectors[i], 1, vectors[j], set[1]);
+            for (unsigned k = j + 1; k < count; ++k) {
+                beside(set, 2, vectors[k], set[2]);
+                put_vector(&frame, MOST + 28 + triples[k] + pairs[j] + i, set[2]);
+            }
+        }
+    }
+    return wh_set_planes(board, frame.words, frame.count, stamp, state);
+}
+
+int wh_space_force(struct wh_space *space, double jacobian[3][WH_SPACE_MOTORS], double force[3]) {
+    double m[3][3] = {{0.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, torque[3] = {0.0}, by[3];
+    for (unsigned n = 0; n < space->motors; ++n) {
+        double current = 0.0;
+        const int result = wh_get(space->board, WH_WORD_CURRENT, n, 0, &current);
+        if (result) return result;
+        torque[n] = space->k_t[n] * current;
+        for (unsigned k = 0; k < space->motors; ++k) {
+            m[n][k] = 0.0;
+            for (unsigned row = 0; row < 3; ++row) m[n][k] += jacobian[row][n] * jacobian[row][k];
+        }
+    }
+    const double whole = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+                         m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+                         m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    force[0] = force[1] = force[2] = 0.0;
+    if (!(whole > 1e-12 * m[0][0] * m[1][1] * m[2][2])) return WH_OK;
+    for (unsigned n = 0; n < 3; ++n) {  // the cofactors of a symmetric matrix
+        const unsigned a = (n + 1) % 3, b = (n + 2) % 3;
+        by[n] = 0.0;
+        for (unsigned k = 0; k < 3; ++k) {
+            const unsigned c = (k + 1) % 3, d = (k + 2) % 3;
+            by[n] += (m[a][c] * m[b][d] - m[a][d] * m[b][c]) * torque[k] / whole;
+        }
+    }
+    for (unsigned row = 0; row < 3; ++row) {
+        for (unsigned n = 0; n < space->motors; ++n) force[row] += jacobian[row][n] * by[n];
+    }
+    return WH_OK;
+}
+
 double wh_speed(const struct wh_port *port, double v, double torque) {
     return port->s * v / port->k_t + torque / port->b;
 }

@@ -122,6 +122,49 @@ int wh_read_surfaces(struct wh_board *board, struct wh_surfaces *state);
 int wh_set_planes(struct wh_board *board, const struct wh_surface_word *words, size_t count, unsigned stamp,
                   struct wh_surfaces *state);
 
+// Planes in metres about the tip of an arm, whose kinematics are the caller's.
+
+enum { WH_SPACE_MOTORS = 3, WH_SPACE_PLANES = 8 };
+
+struct wh_space_motor {
+    double k_t;             // N·m/A, or V·s/rad
+    double inductance;      // H
+    double counts_per_rev;  // of the encoder, four a line
+};
+
+struct wh_space {
+    struct wh_board *board;
+    unsigned motors;    // 2 or 3
+    double speed;       // m/s, the most with which a surface moves
+    double angles[WH_SPACE_MOTORS];  // rad, in the middle of the count, as last read; 0 where encoders count 0
+
+    // The library's own.
+    double counts[WH_SPACE_MOTORS], count_rad[WH_SPACE_MOTORS], k_t[WH_SPACE_MOTORS];
+    double damping[WH_SPACE_MOTORS];     // R̂/k_T²
+    double compliance[WH_SPACE_MOTORS];  // L_eff/k_T²
+    double tick_s;
+    unsigned planes;
+};
+
+struct wh_plane {
+    double normal[3];   // out of the solid; its length is taken as 1
+    double distance;    // m from the plane to the tip, above 0 outside of the solid
+    double stiffness;   // N/m; 0: the largest that the motors have
+    double loss;        // 0...1, part of the waves along the plane that is lost in a period
+};
+
+int wh_space_open(struct wh_space *space, struct wh_board *board, const struct wh_space_motor *motors,
+                  unsigned count, double speed);
+// Read the encoders into `angles`.
+int wh_space_read(struct wh_space *space);
+// Write planes about the tip, all there are from now on. `jacobian` in m/rad has a row for x, y and z and a
+// column for a motor, at the `angles`. `stamp` and `state` are those of wh_set_planes.
+int wh_space_planes(struct wh_space *space, double jacobian[3][WH_SPACE_MOTORS], const struct wh_plane *planes,
+                    size_t count, unsigned stamp, struct wh_surfaces *state);
+// Force of the motors on the hand at the tip, N, of their last currents: the least that is their torques, 0 at
+// a singularity.
+int wh_space_force(struct wh_space *space, double jacobian[3][WH_SPACE_MOTORS], double force[3]);
+
 // ---- A motor's port.
 
 struct wh_motor {

@@ -25,6 +25,7 @@ static unsigned word_of(const char *name) {
 int main(void) {
     static struct wh_board board;
     static struct wh_port port;
+    static struct wh_space space;
     struct wh_packet packet = {0};
     char line[16384];
     while (fgets(line, sizeof line, stdin)) {
@@ -91,6 +92,30 @@ int main(void) {
             result = wh_set_planes(&board, words, count, a, &state);
             (void)snprintf(told, sizeof told, "%u %u %d %u %u", state.surfaces, state.acting, state.pending, state.refused,
                            state.stamp);
+        } else if (strcmp(name, "space") == 0) {  // motors, speed, k_t, inductance and counts_per_rev of all
+            static struct wh_space_motor motors[3];
+            (void)sscanf(line, "%*s %u %lf %lf %lf %lf", &a, &value, &motors[0].k_t, &motors[0].inductance,
+                         &motors[0].counts_per_rev);
+            motors[1] = motors[2] = motors[0];
+            result = wh_space_open(&space, &board, motors, a, value);
+            (void)snprintf(told, sizeof told, "%.12g %.12g %.12g", space.angles[0], space.angles[1], space.angles[2]);
+        } else if (strcmp(name, "solid") == 0) {  // stamp, nine of the Jacobian, and six of each plane
+            static struct wh_plane planes[9];
+            double jacobian[3][3], of[9 * 6] = {0}, force[3] = {0};
+            char *at = line + 5;
+            size_t count = 0;
+            a = (unsigned)strtoul(at, &at, 10);
+            for (unsigned n = 0; n < 9; ++n) jacobian[n / 3][n % 3] = strtod(at, &at);
+            for (char *next = at; count < 54 && (of[count] = strtod(at, &next), next != at); at = next) ++count;
+            for (size_t n = 0; n < count / 6; ++n) {
+                memcpy(planes[n].normal, of + 6 * n, sizeof planes[n].normal);
+                planes[n].distance = of[6 * n + 3];
+                planes[n].stiffness = of[6 * n + 4];
+                planes[n].loss = of[6 * n + 5];
+            }
+            result = wh_space_planes(&space, jacobian, planes, count / 6, a, NULL);
+            if (!result) result = wh_space_force(&space, jacobian, force);
+            (void)snprintf(told, sizeof told, "%.12g %.12g %.12g", force[0], force[1], force[2]);
         } else if (strcmp(name, "close") == 0) {
             wh_close(&board);
         } else {

@@ -24,11 +24,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from test_client import Board, sealed
+from test_host_planes import CELL_RAD, MOTOR
+from test_host_planes import Device as SurfaceDevice
 from test_host_planes import frame as surface_frame
 from wavehaptics.controller.planes import as_writes
+from wavehaptics.host.client import Client
+from wavehaptics.host.planes import Planes
 from wavehaptics.host.virtual import VirtualBoard
 from wavehaptics.ladder.linked_pins import LinkedPins
 from wavehaptics.laws import closed_forms
+from wavehaptics.laws.kinematics import PHANTOM, linked_arm
+from wavehaptics.laws.shapes import Shape
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.trace.columns import Column, Word
@@ -157,6 +163,50 @@ def test_planes_go_as_pythons_do(session, board, count):
     assert session.call("planes", 777, words) == (-4, told)
     told = "stamp = 65536: it has 16 bits; give 0...65535"
     assert session.call("planes", 65536, words) == (-5, told)
+
+
+@pytest.mark.parametrize("count", [0, 1, 3, 8])
+def test_planes_in_metres_are_pythons(session, count):
+    """The frame of the package's own host, to the last place of each word, and its force."""
+    device, rng = SurfaceDevice(), np.random.default_rng(count)
+    arm = linked_arm(PHANTOM, (0.14, 0.14), (8.0,) * 3, (0.1, 0.2, -0.1))
+    device.start()
+    try:
+        client = Client(device.path, timeout_s=1.0)
+        made = Planes(client, [MOTOR] * 3, arm)
+        tip, angles, force = made.tip(), made.angles(), made.tip_force()
+        jacobian = arm.jacobian(angles)
+        normals = rng.normal(size=(count, 3))
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        distances = rng.uniform(-0.01, 0.01, count)
+        hard, lost = rng.uniform(100, 20_000, count), rng.uniform(0, 1, count)
+        hard[:1] = 0.0
+        shapes = [Shape("plane", tip - d * n, n) for d, n in zip(distances, normals, strict=True)]
+        made.set_shapes(shapes, [one or None for one in hard], lost.tolist())
+        session.get("open", device.path, 1, 115200, 1.0)
+        motor = (MOTOR.k_t, MOTOR.inductance, MOTOR.counts_per_rev)
+        turned = session.get("space", 3, 0.1, *motor)
+        assert np.array(turned.split(), float) == pytest.approx(angles, rel=1e-9)
+        assert angles[0] == pytest.approx(1000.5 * CELL_RAD)
+        planes = np.column_stack([3.0 * normals, distances, hard, lost])
+        numbers = [repr(float(one)) for one in (*jacobian.ravel(), *planes.ravel())]
+        found = session.get("solid", 9, *numbers)
+        assert np.array(found.split(), float) == pytest.approx(force, rel=1e-6)
+        (pythons, _), (cs, stamp) = device.frames
+        assert stamp == 9
+        assert list(cs) == list(pythons)
+        for address, raw in cs.items():
+            place = 1 << (5 if address >= 768 and address % 16 in (5, 6, 7, 8) else 0)
+            place = 1 << 3 if address < 768 and address % 8 > 2 else place
+            assert abs(raw - pythons[address]) <= place, address
+        if count == 3:
+            flat = [repr(float(one)) for one in (*(0.0 * jacobian).ravel(), *planes[:1].ravel())]
+            told = "plane 0: no motor moves the tip along its normal; leave it out or move the arm"
+            assert session.call("solid", 10, *flat) == (-5, told)
+            told = "4 motors: planes lie across 2 or 3"
+            assert session.call("space", 4, 0.1, *motor) == (-5, told)
+    finally:
+        device.close()
 
 
 # ---- Words.
