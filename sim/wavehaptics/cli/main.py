@@ -18,7 +18,7 @@ from typing import Annotated, Any
 
 import typer
 
-from wavehaptics.cli import board, checks, replaying, scenes, studies, sweeping, tuning
+from wavehaptics.cli import board, checks, patching, replaying, scenes, studies, sweeping, tuning
 from wavehaptics.cli.options import home
 from wavehaptics.cli.shared import CommandError
 from wavehaptics.runtime.toolchain import ToolError
@@ -35,7 +35,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for group in (scenes, sweeping, tuning, studies, checks, board, replaying):
+for group in (scenes, sweeping, tuning, studies, checks, board, replaying, patching):
     app.add_typer(group.app)
 
 
