@@ -25,7 +25,7 @@ from wavehaptics.scene import Scene
 from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 from wavehaptics.words.generated import LICENCE, connections, settings_rom
-from wavehaptics.words.memory import apart
+from wavehaptics.words.memory import apart, first_words
 from wavehaptics.words.table import AXES, LEGS, THREE_PHASE_LEGS, WORDS, Sizes, Values
 
 ZERO_A = 0.1
@@ -226,6 +226,12 @@ def memory_header(board: BoardWords, source: str) -> str:
     )
 
 
+def memory_words(board: BoardWords) -> list[int]:
+    """The words of :func:`memory_header` as ``rtl/wh_registers.v`` has them in its ROM."""
+    sections = len(board.ports.settings.shaper.words)
+    return first_words(apart(first_values(board, 1)), board.walls, sections)
+
+
 def parameters(board: BoardWords) -> dict[str, int]:
     """Parameters of ``rtl/wh_device.v`` that follow from the scene, by their names."""
     words, time_frame = board.words, board.ports.timing.frame
@@ -244,13 +250,10 @@ def parameters(board: BoardWords) -> dict[str, int]:
     }
 
 
-def verilog_header(board: BoardWords, source: str) -> str:
-    """Text of ``wh_board_settings.vh``; ``source`` is named in it as where the numbers are from."""
+def hardware(board: BoardWords) -> dict[str, int]:
+    """What a board is synthesised with besides its first words, by the macros' names."""
     made = parameters(board)
-    # With three legs there is a link, and of wh_controller nothing but its ports' names.
-    sizes = Sizes(board.motors, board.walls, made["SHAPER"], board.delay_log2)
-    values = first_values(board, board.motors)
-    hardware = {
+    return {
         "N": made["N"],
         "LEGS": made["LEGS"],
         "PARTS": AXES if board.legs == THREE_PHASE_LEGS else board.motors,
@@ -271,12 +274,21 @@ def verilog_header(board: BoardWords, source: str) -> str:
         "CLOCK_HZ": round(board.ports.timing.clock_hz),
         "BUILD": build_number(),
     }
+
+
+def verilog_header(board: BoardWords, source: str) -> str:
+    """Text of ``wh_board_settings.vh``; ``source`` is named in it as where the numbers are from."""
+    # With three legs there is a link, and of wh_controller nothing but its ports' names.
+    sizes = Sizes(
+        board.motors, board.walls, len(board.ports.settings.shaper.words), board.delay_log2
+    )
+    values = first_values(board, board.motors)
     told = connections("WH_BOARD", sizes, values, ("clear", "zero_start"))
     return "\n".join(
         [
             f"{LICENCE}// Settings of wh_controller, made from {source}.",
             "",
-            *(f"`define WH_BOARD_{name} {value}" for name, value in hardware.items()),
+            *(f"`define WH_BOARD_{name} {value}" for name, value in hardware(board).items()),
             "",
             told,
         ]

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from wavehaptics.words import table
-from wavehaptics.words.table import LEGS, WORDS, Values
+from wavehaptics.words.table import LEGS, MOST, WORDS, Values, Word
 
 
 def requests(values: Values, legs: int = LEGS, motor: int = 0) -> list[tuple[int, int]]:
@@ -53,3 +53,37 @@ def apart(values: Values) -> dict[str, int | list[int]]:
 def settings_requests(values: Values, legs: int = LEGS, motor: int = 0) -> list[tuple[int, int]]:
     """As :func:`requests`, of words and of ports with several of them."""
     return requests(apart(values), legs, motor)
+
+
+ROM_WORDS = 256
+"""Words of the ROM ``defaults`` of ``rtl/wh_registers.v``."""
+
+_BOARDS, _MOTORS = 160, 256
+"""Where that ROM has the board's first word, and the address of a motor's first, which leads it."""
+
+
+def rom_slots() -> list[tuple[Word, list[int]]]:
+    """Each setting, and where that ROM has its words: as many as it may have at most."""
+    found = []
+    for word in WORDS.values():
+        if word.row.kind == "setting":
+            first = word.at() - _MOTORS if word.at() >= _MOTORS else word.at() + _BOARDS
+            most = MOST[word.row.per] if word.row.per in ("wall", "section") else 1
+            found.append((word, [first + n for n in range(most * word.row.count)]))
+    return found
+
+
+def first_words(values: Values, walls: int, sections: int) -> list[int]:
+    """The ROM ``defaults`` of ``rtl/wh_registers.v``: each register's first word, as 32 bits.
+
+    ``values`` are by their words' names, as :func:`apart` returns them; what isn't among them has
+    the table's default.
+    """
+    rom = [0] * ROM_WORDS
+    for word, slots in rom_slots():
+        given = values.get(word.name, word.default)
+        copies = word.row.count * {"wall": walls, "section": sections}.get(word.row.per, 1)
+        raws = [given] * copies if isinstance(given, int) else given
+        for slot, raw in zip(slots, raws, strict=False):
+            rom[slot] = int(raw) & 0xFFFFFFFF
+    return rom

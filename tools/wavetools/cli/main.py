@@ -9,14 +9,14 @@ from __future__ import annotations
 import typer
 from wavehaptics.cli.ending import run_and_exit
 
-from wavetools.cli import checks, measures
+from wavetools.cli import checks, measures, patching
 
 app = typer.Typer(
     help="Measure and check the repository of wavehaptics, in a checkout of it.",
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for group in (measures, checks):
+for group in (measures, checks, patching):
     app.add_typer(group.app)
 
 

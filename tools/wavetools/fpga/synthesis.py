@@ -39,6 +39,7 @@ OSCILLATOR_TOLERANCE = 0.30
 
 PLACERS = {"ice40": "nextpnr-ice40", "ecp5": "nextpnr-ecp5"}
 PACKERS = {"ice40": "icepack", "ecp5": "ecppack"}
+PACK_OPTIONS: dict[str, list[str]] = {"ice40": [], "ecp5": ["--compress"]}
 BITSTREAM_SUFFIX = {"ice40": ".bin", "ecp5": ".bit"}
 PLACED_NETLIST = "-placed.json"
 """End of the name of the netlist as it was placed, which :mod:`wavetools.fpga.placed` reads."""
@@ -249,12 +250,11 @@ def _build(design: Design, out: Path, tools: Toolchain, say: Callable[[str], Non
     pads = None if design.board is None else board_pads(design.board, folder / _DELAYS)
 
     bitstream = out / f"{design.name}{BITSTREAM_SUFFIX[design.family]}"
-    arguments = [str(_placed_path(design, out)), str(bitstream)]
-    if design.family == "ecp5":
-        arguments[:0] = ["--compress"]
+    placed_path = _placed_path(design, out)
+    arguments = [*PACK_OPTIONS[design.family], str(placed_path), str(bitstream)]
     log = folder / f"{packer}.log"
     if tools.run(packer, arguments, design.root, log):
-        raise SynthesisError(f"{design.name}: {packer} failed: {_last_line(log)}")
+        raise SynthesisError(f"{design.name}: {packer} failed: {last_line(log)}")
     size = (design.root / bitstream).stat().st_size
     if size == 0:
         raise SynthesisError(f"{design.name}: {packer} wrote an empty bitstream")
@@ -500,7 +500,7 @@ def synthesise(design: Design, netlist: Path, tools: Toolchain, log: Path) -> No
             if fault:
                 raise SynthesisError(f"{design.name}: {text.format(fault[1].replace('_', ' '))}")
     if errors or status:
-        raise SynthesisError(f"{design.name}: yosys: {(errors or [_last_line(log)])[0]}")
+        raise SynthesisError(f"{design.name}: yosys: {(errors or [last_line(log)])[0]}")
     if warnings:
         raise SynthesisError(f"{design.name}: yosys warns: {warnings[0]}")
 
@@ -587,7 +587,7 @@ def _check_part(design: Design, tools: Toolchain, folder: Path) -> None:
     log = folder / "nextpnr.log"
     if tools.run(PLACERS[design.family], _part(design), design.root, log):
         said = re.search(r"^(?:ERROR: )?(unrecognised option .*|Unsupported .*)$", _text(log), re.M)
-        problem = said[1].rstrip(".") if said else _last_line(log)
+        problem = said[1].rstrip(".") if said else last_line(log)
         raise SynthesisError(
             f"{design.name}: nextpnr: {problem}; fpga.toml has devices, package and speed"
         )
@@ -659,7 +659,7 @@ def place(
         if clock:
             raise _missed(design, float(clock[2]) * 1e6)
     if errors or status:
-        raise SynthesisError(f"{design.name}: nextpnr: {(errors or [_last_line(log)])[0]}")
+        raise SynthesisError(f"{design.name}: nextpnr: {(errors or [last_line(log)])[0]}")
     if problems:
         raise SynthesisError(f"{design.name}: nextpnr warns: {problems[0][1]}")
 
@@ -805,7 +805,8 @@ def _clear(folder: Path) -> None:
     folder.mkdir(parents=True)
 
 
-def _last_line(log: Path) -> str:
+def last_line(log: Path) -> str:
+    """The last line of a tool's log that says anything."""
     lines = list(_lines(log))
     return lines[-1] if lines else f"see {log}"
 
