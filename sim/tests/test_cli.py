@@ -246,7 +246,7 @@ def test_a_command_of_the_repository_runs_in_a_checkout():
     done = subprocess.run([sys.executable, *words], capture_output=True, text=True)
     assert done.returncode == 0
     assert "--ticks" in done.stdout
-    assert done.stderr == "wavehaptics: soak is now `python -m wavetools soak`\n"
+    assert done.stderr == "wavehaptics: soak is `python -m wavetools soak`\n"
 
 
 def test_report_refuses_workers_of_a_cluster(capsys, monkeypatch):

@@ -22,9 +22,9 @@ from wavehaptics.cli.ending import run_and_exit
 from wavehaptics.cli.shared import CommandError
 
 OF_A_CHECKOUT = (
-    "adcs", "bench", "holding", "mutate", "sensing", "soak", "soak-link", "tables",
+    "adcs", "bench", "holding", "mutate", "patch", "sensing", "soak", "soak-link", "tables",
 )  # fmt: skip
-"""Commands that once were here. They measure the repository, and its tools have them."""
+"""Commands of the repository, which its tools have; most of them once were here."""
 
 
 class _Commands(TyperGroup):
@@ -33,9 +33,9 @@ class _Commands(TyperGroup):
             where = f"python -m wavetools {args[0]}"
             if find_spec("wavetools") is None:
                 raise CommandError(
-                    f"{args[0]} measures the repository; run `{where}` in a checkout"
+                    f"{args[0]} is of the repository; run `{where}` in a checkout"
                 )
-            print(f"wavehaptics: {args[0]} is now `{where}`", file=sys.stderr, flush=True)
+            print(f"wavehaptics: {args[0]} is `{where}`", file=sys.stderr, flush=True)
             os.execv(sys.executable, [sys.executable, "-m", "wavetools", *args])
         return super().resolve_command(ctx, args)
 

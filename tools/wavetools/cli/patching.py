@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-
 from wavehaptics.cli.shared import CommandError
 from wavehaptics.scene import find_scene
 
@@ -40,10 +39,11 @@ def patch(
 ) -> None:
     """Put the settings of SCENE into a built bitstream, in seconds."""
     from wavehaptics.fpga.boards import BoardError, board_names, load_board
+    from wavehaptics.runtime.toolchain import Toolchain
+
     from wavetools.fpga.patching import PatchError
     from wavetools.fpga.patching import patch as patched
     from wavetools.fpga.synthesis import SynthesisError
-    from wavehaptics.runtime.toolchain import Toolchain
 
     name = board or bitstream.stem
     if name not in board_names():

@@ -21,6 +21,7 @@ from wavehaptics.fpga.boards import Board
 from wavehaptics.runtime.files import replacing
 from wavehaptics.runtime.toolchain import Toolchain
 from wavehaptics.words.memory import rom_slots
+
 from wavetools.fpga import synthesis
 
 FAMILY = "ecp5"
