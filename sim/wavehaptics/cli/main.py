@@ -32,9 +32,7 @@ class _Commands(TyperGroup):
         if args[0] in OF_A_CHECKOUT:
             where = f"python -m wavetools {args[0]}"
             if find_spec("wavetools") is None:
-                raise CommandError(
-                    f"{args[0]} is of the repository; run `{where}` in a checkout"
-                )
+                raise CommandError(f"{args[0]} is of the repository; run `{where}` in a checkout")
             print(f"wavehaptics: {args[0]} is `{where}`", file=sys.stderr, flush=True)
             os.execv(sys.executable, [sys.executable, "-m", "wavetools", *args])
         return super().resolve_command(ctx, args)
