@@ -449,7 +449,7 @@ def test_warnings_name_the_motor(tmp_path, capsys, monkeypatch):
     "arguments",
     [
         ("speed", "two_motors"), ("impedance", "two_motors"), ("shaper", "two_motors"),
-        ("registers", "two_motors", "--format", "c"), ("adcs", "--scene", "two_motors"),
+        ("registers", "two_motors", "--format", "c"),
         ("board", "--virtual", "two_motors"), ("board", "scope", "--virtual", "two_motors"),
         ("board", "scope", "--port", "p", "--scene", "two_motors"),
     ],

@@ -73,8 +73,9 @@ def test_adcs_runs_the_scene_that_is_named(capsys, monkeypatch, adcs_run, argume
     assert adcs_run == [(name, ["drive.limit_v=3.0"], Path("found/adcs.json"))]
 
 
-def test_adcs_refuses_a_scene_that_is_not_there(capsys, monkeypatch, adcs_run):
-    status, out, err = call(capsys, monkeypatch, "adcs", "--scene", "stiff")
-    assert (status, out) == (2, "")
-    assert re.fullmatch(r"wavetools: [^\n]*no such[^\n]*\n", err)
+def test_adcs_refuses_a_scene_that_is_not_there_or_of_two_motors(capsys, monkeypatch, adcs_run):
+    for name, problem in (("stiff", "no such"), ("two_motors", "the scene has 2 motors")):
+        status, out, err = call(capsys, monkeypatch, "adcs", "--scene", name)
+        assert (status, out) == (2, "")
+        assert re.fullmatch(rf"wavetools: [^\n]*{problem}[^\n]*\n", err)
     assert adcs_run == []

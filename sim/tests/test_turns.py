@@ -146,7 +146,7 @@ def test_a_guard_takes_the_gates_of_all_motors():
         (("drive.pwm_hz=4e6",), "a carrier half of 9 clocks of 7.2e+07 Hz is shorter than the 10",
          "lower drive.pwm_hz"),
         (("adc.part=MAX11125",), "adc.part = MAX11125 has a channel for each motor", "another"),
-        (("guard.trip_a=0.5",), "guard_current is 6554 for this motor and 3277 for the first",
+        (("guard.trip_a=0.5",), "guard_current is 6553 for this motor and 3276 for the first",
          "leave [guard] out"),
         (("controller.walls=[[0.0,0.1],[0.2,0.3],[0.4,0.5],[0.6,0.7],[0.8,0.9],[1.0,1.1],"
           "[1.2,1.3],[1.4,1.5]]",), "controller.walls has 8 walls, and each of several", "leave"),

@@ -8,8 +8,8 @@ known to be right.
 
 from __future__ import annotations
 
-import os
 import sys
+from importlib import import_module
 from importlib.metadata import version
 from importlib.util import find_spec
 from typing import Annotated, Any
@@ -34,7 +34,8 @@ class _Commands(TyperGroup):
             if find_spec("wavetools") is None:
                 raise CommandError(f"{args[0]} is of the repository; run `{where}` in a checkout")
             print(f"wavehaptics: {args[0]} is `{where}`", file=sys.stderr, flush=True)
-            os.execv(sys.executable, [sys.executable, "-m", "wavetools", *args])
+            there = import_module("wavetools.cli.main").app
+            raise typer.Exit(there(args, prog_name="wavetools", standalone_mode=False) or 0)
         return super().resolve_command(ctx, args)
 
 
