@@ -190,7 +190,7 @@ check: lint ## lint, a quick test of each block, the loop on each simulator: 3 m
 	@$(PYTEST) -m quick --junit-xml build/tests/quick.xml
 
 test test-all: $(READY_DOCS)
-test: check ## check, a proof of each block, and every test that isn't long: 20 minutes of two cores, as in CI
+test: check ## check, a proof of each block, and every test that isn't long: 25 minutes of two cores, as in CI
 	@if [ -d formal ]; then $(MAKE) formal QUICK=1; fi
 	@$(PYTEST) -m "not quick and not long" --durations 25 --junit-xml build/tests/test.xml
 
