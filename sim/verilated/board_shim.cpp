@@ -41,6 +41,7 @@ struct Board {
     int64_t ticks = 0;
     int64_t strobe = -1;     // clock of the newest tick's strobe
     bool told = false;       // alive has changed for it
+    bool began = false;      // the bridges were on as it began
     bool marked = false;     // a tick was handed on
     int64_t irregular = 0;   // ticks that alive told at another clock, or not
     int64_t both_on = 0;     // clocks with both gates of a leg on
@@ -147,8 +148,10 @@ int64_t wh_board_clock(int64_t model, int64_t inputs) {
     const int64_t since = board.clocks - board.strobe;
     if (board.strobe >= 0 && since == board.tick_clocks) {
         pins |= 1 << kTick;
-        board.irregular += !board.told && top.running;
+        // The bridges go on at any clock: alive has to tell a tick that began with them on.
+        board.irregular += !board.told && board.began && top.running;
         board.told = false;
+        board.began = top.running;
         board.marked = true;
         board.strobe = board.clocks;
     }
