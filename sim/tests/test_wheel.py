@@ -226,8 +226,7 @@ def test_what_needs_the_repository_says_so(elsewhere):
         timeout=TIMEOUT_S, check=False,
     )  # fmt: skip
     told = (
-        "wavehaptics: mutate is of the repository; run `python -m wavetools mutate` in a "
-        "checkout\n"
+        "wavehaptics: mutate is of the repository; run `python -m wavetools mutate` in a checkout\n"
     )
     assert (done.returncode, done.stdout, done.stderr) == (2, "", told)
 
