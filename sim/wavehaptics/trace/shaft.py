@@ -19,9 +19,8 @@ from typing import Any
 import numpy as np
 
 from wavehaptics.trace.columns import Column
+from wavehaptics.trace.metrics import LEAST_COUNTS
 
-LEAST_COUNTS = 4.0
-"""A smaller twist tells no stiffness."""
 LAST = 0.1
 """Part of the run that is judged as its rest."""
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is made of the table of words: Verilog connections and the C++ of the shims."""
+"""What is made of the register map: Verilog connections and the C++ of the shims."""
 
 from __future__ import annotations
 

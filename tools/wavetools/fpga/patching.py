@@ -30,7 +30,6 @@ KEYS = {
     "WALLS": "controller.walls",
     "MODES": "drive.mode",
     "SHORTEST": "drive.min_pulse_s",
-    "DEAD_TIME": "drive.dead_time_s",
     "DELAY_LOG2": "controller.extra_ticks",
     "SHAPER": "shaper",
     "ANCHOR": "controller.anchor_auto",
@@ -49,8 +48,8 @@ class PatchError(RuntimeError):
     """A bitstream that can't be patched. The message is one line."""
 
 
-def check(built: Board, wanted: Board) -> None:
-    """The scene of ``wanted`` needs the hardware of ``built``, of the same board.
+def check(built: Board, wanted: Board) -> tuple[list[int], list[int]]:
+    """The ROM's words of ``built`` and of ``wanted``, whose scene needs the same board's hardware.
 
     Raises what a build of the scene raises; ``SceneError`` where hardware differs, and
     :class:`PatchError` where the board's settings are no block RAM, or a limit is in its logic.
@@ -62,7 +61,8 @@ def check(built: Board, wanted: Board) -> None:
             f"the settings of {built.name} are constants in its logic, not in a block RAM of an "
             f"ECP5; run `{again}`"
         )
-    has, needs = hardware(built.words()), hardware(wanted.words())
+    before, after = built.words(), wanted.words()
+    has, needs = hardware(before), hardware(after)
     for name, value in needs.items():
         if value != has[name]:
             key = KEYS[name]
@@ -71,7 +71,7 @@ def check(built: Board, wanted: Board) -> None:
                 f"and {has[name]} there; set it as in {built.scene_file}, or run `{again}`",
                 key,
             )
-    old, new = memory_words(built.words()), memory_words(wanted.words())
+    old, new = memory_words(before), memory_words(after)
     for word, slots in rom_slots():
         if f"{word.block}.{word.group}" in CHANGEABLE:
             continue
@@ -81,6 +81,7 @@ def check(built: Board, wanted: Board) -> None:
                     f"{wanted.scene_file}: the scene makes {word.name} = {new[slot]:#x}, "
                     f"and {old[slot]:#x} is a constant in the bitstream's logic; run `{again}`"
                 )
+    return old, new
 
 
 def build_command(board: Board) -> str:
@@ -127,8 +128,7 @@ def patch(bitstream: Path, built: Board, wanted: Board, out: Path, tools: Toolch
     Raises as :func:`check` does; :class:`PatchError` where the file isn't of ``built``, or where
     anything else than the settings would change.
     """
-    check(built, wanted)
-    old, new = memory_words(built.words()), memory_words(wanted.words())
+    old, new = check(built, wanted)
     with tempfile.TemporaryDirectory(prefix="wavehaptics-patch-") as name:
         folder = Path(name)
         (folder / "old.bit").write_bytes(bitstream.read_bytes())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is written of the table of words: its page, and headers of the RTL; and its sine."""
+"""What is written of the register map: its page, and headers of the RTL; and its sine."""
 
 from __future__ import annotations
 
