@@ -106,17 +106,17 @@ STEP_PARTS = (-0.04, -0.08, 0.04)
 HANDS = {"hand": 0.5e-3, "light hand": 0.1e-3}
 
 
-def bar(part: float, place: float, damping: float) -> dict[str, Any]:
+def bar_settings(part: float, place: float, damping: float) -> list[str]:
     """A hold where R changes by ``part`` in a step, ``place`` cells from where the rotor rests."""
     settings = [*NOTHING, f"hand.damping={damping}", "scene.duration_s=1"]
     rest = runs.hold("held_wall", "golden", settings)
-    rest_rad = rest["depth_cells"] * rest["cell_rad"]
-    at = rest_rad + place * rest["cell_rad"]
-    found = runs.hold(
-        "held_wall",
-        "golden",
-        [*settings, "brushes.segments=22", f"brushes.step={part}", f"brushes.step_at_rad={at}"],
-    )
+    at = (rest["depth_cells"] + place) * rest["cell_rad"]
+    return [*settings, "brushes.segments=22", f"brushes.step={part}", f"brushes.step_at_rad={at}"]
+
+
+def bar(part: float, place: float, damping: float) -> dict[str, Any]:
+    """The hold of :func:`bar_settings`."""
+    found = runs.hold("held_wall", "golden", bar_settings(part, place, damping))
     return {"part": part, "place": place, "damping": damping} | found
 
 

@@ -17,10 +17,11 @@ from wavetools.studies.anchored import cases
 from wavetools.studies.anchored.hand import FREQUENCIES
 from wavetools.studies.anchored.runs import PLAIN, cell_of, run
 
-HELD, LOOP, ENERGY, MOTORS, OVERLOAD = (
+HELD, LOOP, ENERGY, MOTORS, OVERLOAD, MISSED = (
     "held_wall.png", "press_loop.png", "press_energy.png", "random_motors.png", "overload.png",
+    "missed_holds.png",
 )  # fmt: skip
-PICTURES = (HELD, LOOP, ENERGY, MOTORS, OVERLOAD)
+PICTURES = (HELD, LOOP, ENERGY, MOTORS, OVERLOAD, MISSED)
 """Pictures that the pages show, below ``sim/docs``."""
 
 _WRONG = cases.all_wrong(cases.SIGNS[0])
@@ -35,12 +36,31 @@ COURSES: dict[str, tuple[float, tuple[str, ...]]] = {
     "pressed": (1e-3, ("hand.path=taps", *cases.PRESSED["2.1 V"], "scene.duration_s=2")),
 }  # fmt: skip
 """Means over so long, and settings, by name."""
+LEVERS = ("a lever, no error", "a lever, all errors")
+COURSES |= {
+    name: (500e-6, (*wrong, *cases.loaded(50.0), "hand.damping=0.5e-3", "scene.duration_s=1"))
+    for name, wrong in zip(LEVERS, ((), _WRONG), strict=True)
+}
+BARS = ("a bar of −8 %", "a bar of +4 %")
+"""Of the commutator, where a rotor in a hand of 0.5 mN·m·s/rad rests."""
+
+
+def bar_course(name: str, part: float) -> dict[str, Any]:
+    """As :func:`course`, of the bar that makes most ripple of all places."""
+    damping = cases.HANDS["hand"]
+    bars = [cases.bar(part, place, damping) for place in cases.STEP_PLACES]
+    worst = max(bars, key=lambda bar: bar["hold_ripple_rms"])
+    return _course(name, 200e-6, cases.bar_settings(part, worst["place"], damping))
 
 
 def course(name: str) -> dict[str, Any]:
     """Time, torque, x, depth that the torque stands for and how far the wall has moved, cells."""
     part_s, settings = COURSES[name]
-    scene = load("held_wall", [*cases.NOTHING, *settings])
+    return _course(name, part_s, [*cases.NOTHING, *settings])
+
+
+def _course(name: str, part_s: float, settings: list[str]) -> dict[str, Any]:
+    scene = load("held_wall", settings)
     _, rows = run(scene, part_s=part_s)
     k, cell = stiffness_predicted(scene, CONTROLLERS["golden"](scene)), cell_of(scene)
     moved = (rows[:, Column.TORQUE] / k + rows[:, Column.X]) / cell
@@ -57,7 +77,10 @@ def course(name: str) -> dict[str, Any]:
 
 def tasks() -> list[Task]:
     """Tasks of the courses."""
-    return [Task(course, {"name": name}) for name in COURSES]
+    return [Task(course, {"name": name}) for name in COURSES] + [
+        Task(bar_course, {"name": name, "part": part})
+        for name, part in zip(BARS, (-0.08, 0.04), strict=True)
+    ]
 
 
 def draw(found: dict[str, Any], out: Path) -> None:
@@ -68,6 +91,7 @@ def draw(found: dict[str, Any], out: Path) -> None:
     _draw_energy(found["presses"], out / ENERGY)
     _draw_motors(found["motors"], out / MOTORS)
     _draw_overload(courses["pressed"], out / OVERLOAD)
+    _draw_missed(courses, out / MISSED)
 
 
 def _draw_held(courses: dict[str, Any], path: Path) -> None:
@@ -211,4 +235,20 @@ def _draw_overload(run: dict[str, Any], path: Path) -> None:
     ax.set_ylim(-5, top if math.isfinite(top) else 100)
     figures.label(ax, "Time, ms", "Encoder cells", "Pressed beyond a limit of 2.1 V and let go")
     figures.legend(ax)
+    figures.save(figure, path)
+
+
+def _draw_missed(courses: dict[str, Any], path: Path) -> None:
+    """The holds that miss their target furthest, each beside one that meets it."""
+    figure, (left, right) = figures.panels(2, 3.6)
+    for ax, names, from_s, to_s in ((left, BARS, 0.9, 0.93), (right, LEVERS, 0.0, 1.0)):
+        for n, name in enumerate(names):
+            run = courses[name]
+            at = [k for k, t in enumerate(run["t"]) if from_s <= t <= to_s]
+            ax.plot([1e3 * run["t"][k] for k in at], [-1e3 * run["torque"][k] for k in at], lw=1.2,
+                    color=figures.COLOURS[1 - n], label=name, zorder=3 - n)  # fmt: skip
+        figures.legend(ax)
+    left.set_ylim(0, 20)
+    figures.label(left, "Time, ms", "Torque of the wall −F, mN·m", "R steps where the rotor rests")
+    figures.label(right, "Time, ms", "", "Fifty times the rotor's inertia")
     figures.save(figure, path)
