@@ -6,13 +6,16 @@
 //   z  = χ + σ/4 after a full count, χ - σ/32 after a reversal (σ/16 with AXIS = 1); σ: direction of the last edge
 //   p  = z beyond ±1/2, z/128 (AXIS = 1: z/256) within; the last edge's bound χ_b replaces one end of ±1/2
 //   θ -= g_θ p sgn y'                          in contact, if z is beyond ±1/2; 0...learn_max, at first a quarter
+//   θ -= θ/128                                 instead, in each of the 32 ticks after a turn outwards
 //   c  = θ (y' + sgn y' y_b - d) - g_ρ p       the first term in contact only
 //   d  = 2 (y - y')                            y = L̂ i; 0 while the rotor travels
 //   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
 // An edge with the direction of the edge before is a full count. The rotor travels while its last two full counts had
 // the same direction. Only then y' follows y: in one tick of follow_ticks, and in the 8 ticks after each full count, 32
-// on the rotor's way out (not with AXIS = 1). y_b stands for the brushes, and decreases by half of what y' falls.
+// on the rotor's way out (not with AXIS = 1). y_b stands for the brushes, and decreases by half of what y' falls. A turn
+// outwards is a rotor's first full count outwards after it travelled inwards. θ then fades by a fifth, as a θ that has
+// learned a brush's voltage would feed the swing of a lever; not while c is at its limit, and not with AXIS = 1.
 //
 // The bound χ_b: after an edge upwards z stays below the χ from before the last edge downwards, and the other way
 // round. So a rotor that crosses back over an edge meets no more force on its way out, and no less on its way in, than
@@ -158,10 +161,13 @@ module wh_anchor #(
     reg                      travels_q;   // and the one before it had the same direction
     reg                      sinks_q;     // the last edge lessened the flux
     reg                      presses_q;   // y' is below 0
+    reg                      clipped_q;   // c was at its limit
     reg [1:0]                fresh_q;     // ticks for which that edge is one that a contact can begin with
     reg [REST_W-1:0]         quiet_q;     // ticks left until a rotor without two edges the same way is slow
     reg [FOLLOW_W-1:0]       phase_q;     // y' moves in the tick that finds 1 or 0
     reg [4:0]                hurries_q;   // ticks left in which it does as well
+    reg                      fades_q;     // and θ fades
+    reg                      fading_q;    // θ fades in this tick
     reg                      follows_q;   // it does in this tick
     reg                      copies_q;    // x̂'s slow copy moves in the tick that finds 0
     reg [1:0]                chi_at_q;    // where in the memory χ is, 1 to 3,
@@ -186,6 +192,8 @@ module wh_anchor #(
     wire                     follows  = (phase_q[FOLLOW_W-1:1] == {(FOLLOW_W - 1){1'b0}});
     wire                     hurries  = (hurries_q != 5'd0);
     wire                     counts   = same_way && AXIS == 0;  // a count moves y' besides
+    wire                     outward  = (back == presses_q);
+    wire                     fades    = counts ? outward && travels_q && back != counted_q : fades_q;
     wire                     sinks;       // this tick's edge lessens the flux
     wire                     steps    = start_q && moves && !begins_q;
 
@@ -204,6 +212,8 @@ module wh_anchor #(
             quiet_q      <= {REST_W{1'b0}};
             phase_q      <= {FOLLOW_W{1'b0}};
             hurries_q    <= 5'd0;
+            fades_q      <= 1'b0;
+            fading_q     <= 1'b0;
             follows_q    <= 1'b0;
             copies_q     <= 1'b0;
             chi_at_q     <= 2'd1;
@@ -221,8 +231,9 @@ module wh_anchor #(
             end
             if (start_q) begin
                 follows_q <= follows || counts || hurries;
-                hurries_q <= counts ? (back == presses_q ? HURRY_OUT : HURRY_IN)
-                             : hurries_q - {4'd0, hurries};
+                hurries_q <= counts ? (outward ? HURRY_OUT : HURRY_IN) : hurries_q - {4'd0, hurries};
+                fades_q   <= fades && !begins_q;
+                fading_q  <= fades && !begins_q && contact_q && !clipped_q && (counts || hurries);
                 phase_q   <= follows ? follow_ticks : phase_q - 1'b1;
                 back_q    <= moves ? back : back_q;
                 sinks_q   <= moves ? sinks : sinks_q;
@@ -400,7 +411,6 @@ module wh_anchor #(
     reg                     full_q;                  // it is the largest
     reg                     void_q;                  // it is below 0
     reg                     bound_q;                 // the last edge's bound is in force
-    reg                     clipped_q;               // c is at its limit
     reg                     strange_q;               // and wants to be beyond it by strange
     reg                     negative_q;              // the correction that is wanted, g_ρ p,
     reg                     wild_q;                  // and it is more than a word
@@ -542,13 +552,17 @@ module wh_anchor #(
             TAKE_THETA: begin
                 memory_too = 1'b1;
                 fresh      = 1'b1;
+                minus      = fading_q;
                 read_from  = M_THETA;
             end
             LEARN: begin
-                sum_too  = 1'b1;
-                minus    = !presses_q;
-                writes   = 1'b1;
-                write_to = M_THETA;
+                sum_too    = !fading_q;
+                inner      = fading_q;
+                memory_too = fading_q;
+                read_from  = M_THETA;
+                minus      = !presses_q && !fading_q;
+                writes     = 1'b1;
+                write_to   = M_THETA;
             end
             CORRECT: begin
                 minus    = 1'b1;
@@ -622,7 +636,7 @@ module wh_anchor #(
             PLACE:   b_from = B_PLACE;
             LEARN: begin
                 waits  = 1'b1;
-                bare   = !learns;
+                bare   = !learns || fading_q;
                 b_from = B_FAR;
             end
             HELD: begin
@@ -1046,9 +1060,9 @@ module wh_anchor #(
                         if (contact_q) begin
                             presses_q <= back_sum;
                         end else begin
-                            tracked_q <= 1'b1;
                             if (ranged) begin
-                                offset_o <= $signed(sum_q[AMP_SHIFT +: DATA_W]);
+                                tracked_q <= 1'b1;
+                                offset_o  <= $signed(sum_q[AMP_SHIFT +: DATA_W]);
                             end
                         end
                     end

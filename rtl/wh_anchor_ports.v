@@ -227,6 +227,7 @@ module wh_anchor_ports #(
     reg                      begins_q;    // the contact
     reg                      first_q;     // the first turn: the memory's state reads as 0
     reg                      same_way_q;
+    reg                      turns_back_q;  // a rotor that travelled
     reg                      chi_above_q; // χ of the turn before is above the zone,
     reg                      chi_below_q; // or below it
 
@@ -249,7 +250,8 @@ module wh_anchor_ports #(
             first_q  <= !started_q;
         end
         if (edges) begin
-            same_way_q <= same_way;
+            same_way_q   <= same_way;
+            turns_back_q <= travels_q && back != counted_q && !begins_q;
         end
     end
 
@@ -300,12 +302,17 @@ module wh_anchor_ports #(
     wire   [REST_W-1:0] quiet_q;    // periods until a rotor without a full count is slow
     wire [FOLLOW_W-1:0] phase_q;    // y' moves in the turn where this is 1 or 0
     wire          [4:0] hurries_q;  // turns in which y' moves as well
+    wire                fades_q;    // and θ fades
     reg                 follows_q;  // y' moves in this turn
+    reg                 fading_q;   // θ fades in this turn
+    reg                 clipped_q;  // c was at its limit
 
     wire slow    = (quiet_q == {REST_W{1'b0}});
     wire follows = (phase_q[FOLLOW_W-1:1] == {(FOLLOW_W - 1){1'b0}});
     wire hurries = (hurries_q != 5'd0);
     wire counts  = same_way_q && !axis;  // a count also moves y'
+    wire outward = (back_q == presses_q);
+    wire fades   = counts ? outward && turns_back_q : fades_q && !begins_q;
 
     wh_port_state #(
         .N       (N),
@@ -324,21 +331,22 @@ module wh_anchor_ports #(
     wh_port_state #(
         .N       (N),
         .RESETS  (N),
-        .W       (5 + FOLLOW_W)
+        .W       (6 + FOLLOW_W)
     ) phase_state (
         .clk     (clk),
         .rst     (resets),
         .port_i  (port_q),
         .save_i  (step_q == 5'd6),
         .save_port_i (port_q),
-        .value_i ({counts ? (back_q == presses_q ? HURRY_OUT : HURRY_IN) : hurries_q - {4'd0, hurries},
+        .value_i ({fades, counts ? (outward ? HURRY_OUT : HURRY_IN) : hurries_q - {4'd0, hurries},
                    follows ? setting[FOLLOW_W-1:0] : phase_q - 1'b1}),
-        .value_o ({hurries_q, phase_q})
+        .value_o ({fades_q, hurries_q, phase_q})
     );
 
     always @(posedge clk) begin
         if (step_q == 5'd6) begin
             follows_q <= follows || hurries || counts;
+            fading_q  <= fades && contact_q && !clipped_q && (hurries || counts);
         end
     end
 
@@ -347,7 +355,6 @@ module wh_anchor_ports #(
     reg  presses_q;       // y' is below 0
     reg  full_q;          // θ is the largest
     reg  void_q;          // θ is below 0
-    reg  clipped_q;       // c is at its limit
     reg  overloaded_q;    // once nothing was learned, and c has been at its limit since
     wire chi_above, chi_below, tracked, presses, full_before, void_before, clipped, overloaded;
 
@@ -648,13 +655,17 @@ module wh_anchor_ports #(
             TAKE_THETA: begin
                 memory_too = 1'b1;
                 fresh      = 1'b1;
+                minus      = fading_q;
                 read_from  = M_THETA;
             end
             LEARN: begin
-                sum_too  = 1'b1;
-                minus    = !presses_q;
-                writes   = 1'b1;
-                write_to = M_THETA;
+                sum_too    = !fading_q;
+                inner      = fading_q;
+                memory_too = fading_q;
+                read_from  = M_THETA;
+                minus      = !presses_q && !fading_q;
+                writes     = 1'b1;
+                write_to   = M_THETA;
             end
             CORRECT: begin
                 minus    = 1'b1;
@@ -721,7 +732,7 @@ module wh_anchor_ports #(
             BEYOND:  b_from = B_HALF;
             PLACE:   b_from = B_PLACE;
             LEARN: begin
-                bare   = !learns;
+                bare   = !learns || fading_q;
                 b_from = B_FAR;
             end
             HELD: begin
@@ -915,7 +926,7 @@ module wh_anchor_ports #(
                 FLUX: begin
                     if (contact_q) begin
                         presses_q <= back_sum;
-                    end else begin
+                    end else if (!loses) begin
                         tracked_q <= 1'b1;
                     end
                 end

@@ -24,6 +24,10 @@ A voltage c in series with the port, which the waves don't see, holds χ:
   of its distance, a quarter on the way out, to keep up with a fast hit (not an axis).
 - θ is a resistance. It is learned from p if z is out of the zone, ``θ −= g_θ·p·sgn(y')``. It starts
   at a quarter of the largest, and is kept from contact to contact.
+- θ fades by 2^-7 of itself in each period in which y' moves after a turn outwards: the first full
+  count outwards of a rotor that travelled inwards. That is a fifth for each turn. Without it a θ
+  that has learned a brush's voltage is more than R lacks, and feeds the swing of a lever. While
+  c is at its limit θ doesn't fade.
 - While the rotor doesn't travel, twice θ damps oscillations about y': ``c = θ·(y' + sgn(y')·y_b −
   2·(y − y')) − g_ρ·p``.
 - y_b stands for the brushes' voltage. It decreases by half of what y' falls, so c falls at least as
@@ -112,10 +116,11 @@ assert len(_WORDS) == SETTINGS
     OVERLOADED,  # the current was at the end of its range, and c has been at its limit since
     TOLD,  # s31q16 counts: what θ acts on, of the last period in contact
     HURRIES,  # periods left in each of which y' moves
+    FADES,  # and θ fades
     COPIES,  # periods left until x̂'s slow copy moves
-) = range(41)
+) = range(42)
 """Indices of an anchor's state."""
-STATES = 41
+STATES = 42
 
 FRESH_TICKS = 3
 """An edge begins a contact that is reported in its own period or in the next two."""
@@ -297,6 +302,7 @@ def _turn(
 
     one = moved == 1 or moved == -1
     same_way = False
+    travelled = state[TRAVELS] != 0
     if moved != 0:
         back = 1 if moved < 0 else 0
         same_way = back == state[NEGATIVE] or not one
@@ -314,14 +320,19 @@ def _turn(
     if begins:
         state[SAME], state[TRAVELS] = 1, 1
         state[COUNTED] = state[NEGATIVE]
+        state[FADES] = 0
     follows = state[PHASE] == 0
     state[PHASE] = max(words[FOLLOW_TICKS] - 1, 0) if follows else state[PHASE] - 1
     if same_way and not axis:
         outward = (state[NEGATIVE] != 0) == (state[MEAN] < 0)
         state[HURRIES] = HURRY_OUT if outward else HURRY_IN
+        turned = travelled and state[TRAVELS] == 0
+        state[FADES] = 1 if outward and turned and not begins else 0
+    fades = False
     if state[HURRIES] > 0:
         state[HURRIES] -= 1
         follows = True
+        fades = contact and state[FADES] != 0 and state[CLIPPED] == 0
 
     e = -voltage if voltage < 0 else voltage
     reach = words[REACH] if contact else words[REACH] >> FREE_SHIFT
@@ -434,7 +445,9 @@ def _turn(
     grows = (p < 0) != presses_down
     stops = state[FULL] != 0 or state[CLIPPED] != 0 if grows else state[THETA] < 0
     learns = contact and (over or under) and not saturated and not blind
-    if learns and not stops:
+    if fades:
+        state[THETA] = long_word(state[THETA] + ((-state[THETA]) >> inner))
+    elif learns and not stops:
         step = (words[LEARN_GAIN] * p) >> _FAR_SHIFT
         state[THETA] = long_word(state[THETA] + (step if presses_down else -step))
     theta = state[THETA] >> _THETA_CUT
