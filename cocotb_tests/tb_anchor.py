@@ -294,8 +294,8 @@ EVERYTHING = frozenset(
         "outside above", "outside below", "inside", "clipped above", "clipped below",
         "not clipped", "clipped with the waves", "room", "fault", "mean", "offset", "learned",
         "θ above all", "θ below 0", "held", "brushes shrink", "brushes gone", "travels", "turns",
-        "θ fades", "slow", "bound below", "bound above", "bound at the other end", "withheld", "blind",
-        "overloaded", "far",
+        "θ fades", "slow", "bound below", "bound above", "bound at the other end", "withheld",
+        "blind", "overloaded", "far",
     )
 )  # fmt: skip
 
