@@ -38,7 +38,7 @@ COURSES: dict[str, tuple[float, tuple[str, ...]]] = {
 """Means over so long, and settings, by name."""
 LEVERS = ("a lever, no error", "a lever, all errors")
 COURSES |= {
-    name: (500e-6, (*wrong, *cases.loaded(50.0), "hand.damping=0.5e-3", "scene.duration_s=1"))
+    name: (500e-6, (*wrong, *cases.loaded(50.0), "hand.damping=0.1e-3", "scene.duration_s=1.5"))
     for name, wrong in zip(LEVERS, ((), _WRONG), strict=True)
 }
 BARS = ("a bar of −8 %", "a bar of +4 %")
@@ -241,7 +241,7 @@ def _draw_overload(run: dict[str, Any], path: Path) -> None:
 def _draw_missed(courses: dict[str, Any], path: Path) -> None:
     """The holds that miss their target furthest, each beside one that meets it."""
     figure, (left, right) = figures.panels(2, 3.6)
-    for ax, names, from_s, to_s in ((left, BARS, 0.9, 0.93), (right, LEVERS, 0.0, 1.0)):
+    for ax, names, from_s, to_s in ((left, BARS, 0.9, 0.93), (right, LEVERS, 0.0, 1.5)):
         for n, name in enumerate(names):
             run = courses[name]
             at = [k for k, t in enumerate(run["t"]) if from_s <= t <= to_s]
