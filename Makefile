@@ -308,6 +308,8 @@ LINT_CASES := \
     wh_ports_device,-GN=3,-GAXES=2,-GARM=1 \
     wh_device,-GLEGS=3,-GSHAPER=1,-GHOST=1 \
     wh_linked_device,-GLEGS=3,-GCAPTURE=12,-GSTREAM=1 \
+    wh_rotor,-GMOTORS=3 \
+    wh_rotor,-GMOTORS=4 \
     wh_ports,-GN=3,-GSHAPER=1 \
     wh_ports,-GN=3,-GSHAPER=2 \
     wh_ports,-GN=3,-GSHAPER=1,-GHOST=1 \

@@ -5,8 +5,8 @@
 // frames_o are the last four codes of each line as a round begins, the newest one
 // lowest; steps_o counts the steps since, broken_o says that the bridges weren't on all the time, and damp_o that the
 // round damps. live_o are the values that came last, 16 of each port. trace_o are gates of the clocks before, the newest
-// one lowest: AH, AL, BH, BL of each port. hold_flux_i lets the first brushless motor's flux stand still, whatever the
-// rotor does, so that magnets are found.
+// one lowest: AH, AL, BH, BL of each port. hold_flux_i lets the brushless motors' flux stand still, whatever the rotors
+// do, so that magnets are found.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -78,8 +78,6 @@ module bench_ports_axes #(
 );
 
     localparam integer DATA_W = `WH_DATA_W;
-    // Alpha of the first brushless motor.
-    localparam integer A = ((AXES & 1) != 0) ? 0 : ((AXES & 2) != 0) ? 1 : ((AXES & 4) != 0) ? 2 : 3;
 
     // ---- ADC parts.
     wire         cs_n, sclk;
@@ -214,9 +212,9 @@ module bench_ports_axes #(
     // A flux that stands still.
     always @(hold_flux_i) begin
         if (hold_flux_i) begin
-            force ports.motor[A].brushless.rotor.place = {2*(`WH_PLACE_W+`WH_SINE_Q){1'b0}};
+            force ports.with_axes.rotor.place = {2*(`WH_PLACE_W+`WH_SINE_Q){1'b0}};
         end else begin
-            release ports.motor[A].brushless.rotor.place;
+            release ports.with_axes.rotor.place;
         end
     end
 

@@ -173,8 +173,7 @@ class AxesBench(PortsBench):
             set_ = self.settings_of(n)
             words = [self.words_of(line) for line in (n, n + 1)]
             if whole:
-                still = self.hold and n == ALPHAS[0]
-                step = motor.step(set_, words, self.position_of(n), damp=damp, still=still)
+                step = motor.step(set_, words, self.position_of(n), damp=damp, still=self.hold)
                 self._equal(n, step)
                 steps[n] = step
                 self.note_step(step)

@@ -42,6 +42,7 @@ pytestmark = pytest.mark.kept
         ("wh_ports", {"N": 4, "SURFACES": 1}, {}, "ports_surfaces_need_2_or_3_ports"),
         ("wh_ports", {"N": 2, "SURFACES": 1, "HOST": 1}, {}, "ports_surfaces_need_2_or_3_ports"),
         ("wh_drive", {"N": 2, "LEGS": 1}, {}, "drive_legs_must_be_n_to_12"),
+        ("wh_rotor_flux", {"MOTORS": 5}, {}, "rotor_flux_motors_must_be_1_to_4"),
         ("wh_ports_device", {"CAPTURE": 3}, {}, "capture_depth_log2_must_be_4_to_15"),
         ("wh_axes", {"SHAPER": 3}, {}, "wave_core_n_delay_log2_outside_shaper"),
         ("wh_bus_scale", {"N": 0}, {}, "bus_scale_n_must_be_1_to_8"),

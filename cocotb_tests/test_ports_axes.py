@@ -7,7 +7,15 @@ from simulators import simulate
 
 @pytest.mark.parametrize(
     ("ports", "axes", "shaper", "min_pulse"),
-    [(2, 1, 0, 0), (2, 1, 1, 1), (2, 1, 2, 0), (3, 1, 0, 1), (3, 2, 0, 0), (5, 5, 0, 0)],
+    [
+        (2, 1, 0, 0),
+        (2, 1, 1, 1),
+        (2, 1, 2, 0),
+        (3, 1, 0, 1),
+        (3, 2, 0, 0),
+        (5, 5, 0, 0),
+        (8, 85, 0, 0),
+    ],
 )
 def test_ports_axes(simulator: str, ports: int, axes: int, shaper: int, min_pulse: int) -> None:
     """One brushless motor, and beside it a brushed one, or more."""

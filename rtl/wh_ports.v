@@ -713,8 +713,8 @@ module wh_ports #(
     endgenerate
 
     // ---- Anchor: c.
-    wire [N*FLUX_W-1:0]      places;  // of axes
-    wire [N*CELL_W-1:0]      cells;
+    wire [2*FLUX_W-1:0]      places;  // of both axes of the brushless motor whose turn it is
+    wire [2*CELL_W-1:0]      cells;
 
     wh_anchor_ports #(
         .N                  (N),
@@ -726,8 +726,8 @@ module wh_ports #(
         .port_i             (core_port),
         .bank_i             (core_bank),
         .position_i         (position),
-        .place_i            (places[core_port*FLUX_W +: FLUX_W]),
-        .cell_i             (cells[core_port*CELL_W +: CELL_W]),
+        .place_i            (betas[core_port] ? places[2*FLUX_W-1:FLUX_W] : places[FLUX_W-1:0]),
+        .cell_i             (betas[core_port] ? cells[2*CELL_W-1:CELL_W] : cells[CELL_W-1:0]),
         .found_i            (magnets_found_o),
         .forget_i           (forget),
         .contact_i          (contact || host_active || acts),  // a host may set any current
@@ -950,15 +950,14 @@ module wh_ports #(
         .damp_o          (damp_wanted)
     );
 
-    // ---- Pins, and the parts that each brushless motor has.
-    wire        look;           // alpha's turn begins
-    wire [PORT_W-1:0] turn_port;  // beta's
-    wire        turned;         // both anchors have taken the rotor's flux,
-    wire        turn_ends;      // and everything else
-    wire        turn_contact;
-    wire [2*DATA_W-1:0]   turn_flux;
-    wire [`WH_REST_W-1:0] turn_rest;
-    wire                  unused_magnets = &{1'b0, magnets_i, magnet_start_i, half_bridge};
+    // ---- Pins. Brushless motors are numbered as their third legs are.
+    localparam integer                MOTORS  = (THIRDS > 0) ? THIRDS : 1;
+    wire [MOTORS*`WH_COUNT_W-1:0]     rotor_positions;
+    wire [65*MOTORS-1:0]              rotor_magnets;
+    wire [`WH_MOVE_W-1:0]             rotor_count;  // of the port whose slot begins
+    wire [MOTORS-1:0]                 rotors_found, rotors_forget;
+    wire [32*MOTORS-1:0]              rotor_angles;
+    wire                              unused_magnets = &{1'b0, magnets_i, magnet_start_i, half_bridge};
 
     genvar n;
     generate
@@ -976,15 +975,17 @@ module wh_ports #(
                                            + (n > 4 ? (AXES >> 4) & 1 : 0) + (n > 5 ? (AXES >> 5) & 1 : 0);
                 wire signed [`WH_COUNT_W-1:0] encoder_position;
                 wire [31:0]                   width_of = {{(32 - LEG_W){1'b0}}, width_leg};
-                wire                          moves, fault, found, begins;
-                wire [31:0]                   angle;
+                wire                          moves, fault;
 
                 assign moved[n+1:n]                  = {2{moves}};
                 assign encoder_faults[n+1:n]         = {2{fault}};
-                assign magnets_found_o[n+1:n]        = {2{found}};
-                assign magnet_angles_o[32*n +: 64]   = {2{angle}};
-                assign forget[n+1:n]                 = {2{begins}};
+                assign magnets_found_o[n+1:n]        = {2{rotors_found[THIRD-N]}};
+                assign magnet_angles_o[32*n +: 64]   = {2{rotor_angles[32*(THIRD-N) +: 32]}};
+                assign forget[n+1:n]                 = {2{rotors_forget[THIRD-N]}};
                 assign leg_moved[THIRD]              = moves;
+                assign counts[n*`WH_MOVE_W +: `WH_MOVE_W]             = rotor_count;
+                assign rotor_magnets[65*(THIRD-N) +: 65]              = magnets_i[65*n +: 65];
+                assign rotor_positions[`WH_COUNT_W*(THIRD-N) +: `WH_COUNT_W] = encoder_position;
 
                 wh_phase_pins phase_pins (
                     .clk             (clk),
@@ -1009,32 +1010,10 @@ module wh_ports #(
                     .half_clocks_i   (half_clocks),
                     .dead_clocks_i   (dead_clocks)
                 );
-
-                wh_rotor rotor (
-                    .clk             (clk),
-                    .rst             (rst),
-                    .position_i      (encoder_position),
-                    .magnets_i       (magnets_i[65*n +: 65]),
-                    .start_i         (magnet_start_i && !(enable_i && !off_q)),
-                    .look_i          (look && {{(32 - PORT_W){1'b0}}, slot_port} == n),
-                    .done_i          (turned && {{(32 - PORT_W){1'b0}}, turn_port} == n + 1),
-                    .forget_i        (turn_ends && {{(32 - PORT_W){1'b0}}, turn_port} == n + 1),
-                    .contact_i       (turn_contact),
-                    .rest_ticks_i    (turn_rest),
-                    .flux_i          (turn_flux),
-                    .count_o         (counts[n*`WH_MOVE_W +: `WH_MOVE_W]),
-                    .place_o         (places[n*FLUX_W +: 2*FLUX_W]),
-                    .cell_o          (cells[n*CELL_W +: 2*CELL_W]),
-                    .found_o         (found),
-                    .forget_o        (begins),
-                    .angle_o         (angle)
-                );
             end else begin : brushed
                 assign magnets_found_o[n]          = 1'b1;
                 assign magnet_angles_o[32*n +: 32] = 32'd0;
                 assign forget[n]                   = 1'b0;
-                assign places[n*FLUX_W +: FLUX_W]  = {FLUX_W{1'b0}};
-                assign cells[n*CELL_W +: CELL_W]   = {CELL_W{1'b0}};
 
                 wh_pins #(
                     .MODES           (MODES)
@@ -1070,8 +1049,6 @@ module wh_ports #(
     endgenerate
 
     // ---- Brushless motors: between phases and axes, and the turn of a rotor.
-    assign look = slot_valid && alphas[slot_port];
-
     generate
         if (AXES != 0) begin : with_axes
             // Where no current has a side the legs try both, and three that try the same one drive nothing: so leg b
@@ -1080,6 +1057,7 @@ module wh_ports #(
             localparam [7:0]   MOST    = 8'd255 - 2 * PACE[7:0];
             localparam integer TURNED  = 18;  // clocks from beta's waves to its χ
             localparam integer ENDS    = 33;
+            localparam integer MOTOR_W = (MOTORS > 1) ? $clog2(MOTORS) : 1;
 
             // Third phases: words, currents.
             reg  signed [DATA_W-1:0] phase_a_q;
@@ -1093,6 +1071,8 @@ module wh_ports #(
             reg  [7:0]               settle_q;
             wire [7:0]               settle = (settle_ticks > MOST) ? MOST : settle_ticks;
             reg  [LEG_W-1:0]         third_of;  // of the port whose voltage is there
+            reg  [31:0]              look_motor, turn_motor;  // number of the motor whose slot begins, whose turn ends
+            reg  [PORT_W-1:0]        turn_port_q;             // its beta's
             integer                  k, place;
 
             wh_saturate #(
@@ -1106,6 +1086,8 @@ module wh_ports #(
             always @* begin
                 third_leg = {LEG_W{1'b0}};
                 third_of  = {LEG_W{1'b0}};
+                look_motor = 32'd0;
+                turn_motor = 32'd0;
                 place     = N;
                 for (k = 1; k < N; k = k + 1) begin
                     if (((BETAS >> k) & 1) != 0) begin
@@ -1113,6 +1095,10 @@ module wh_ports #(
                                                                                            : {LEG_W{1'b0}});
                         third_of  = third_of | (({{(32 - PORT_W){1'b0}}, core_port} == k) ? place[LEG_W-1:0]
                                                                                           : {LEG_W{1'b0}});
+                        look_motor = look_motor
+                                     | (({{(32 - PORT_W){1'b0}}, slot_port} == k - 1) ? place - N : 32'd0);
+                        turn_motor = turn_motor
+                                     | (({{(32 - PORT_W){1'b0}}, turn_port_q} == k) ? place - N : 32'd0);
                         place     = place + 1;
                     end
                 end
@@ -1247,7 +1233,6 @@ module wh_ports #(
             assign lost = axes[core_port] ? lost_q : anchor_faults[core_port];
 
             // The rotor's turn, as seen by both anchors.
-            reg  [PORT_W-1:0]        turn_port_q;
             reg  [5:0]               after_q;    // clocks since beta's waves
             reg                      contact_q;
             reg  signed [DATA_W-1:0] flux_a_q;
@@ -1275,11 +1260,32 @@ module wh_ports #(
                 end
             end
 
-            assign turn_port    = turn_port_q;
-            assign turned       = after_q == TURNED[5:0];
-            assign turn_ends    = after_q == ENDS[5:0];
-            assign turn_contact = contact_q;
-            assign turn_flux    = {flux_b_q, flux_a_q};
+            wire [`WH_REST_W-1:0] turn_rest;
+            wire                  unused_motor = &{1'b0, look_motor[31:MOTOR_W], turn_motor[31:MOTOR_W]};
+
+            wh_rotor #(
+                .MOTORS       (MOTORS)
+            ) rotor (
+                .clk          (clk),
+                .rst          (rst),
+                .position_i   (rotor_positions),
+                .magnets_i    (rotor_magnets),
+                .start_i      (magnet_start_i && !(enable_i && !off_q)),
+                .look_i       (slot_valid && alphas[slot_port]),
+                .motor_i      (look_motor[MOTOR_W-1:0]),
+                .done_i       (after_q == TURNED[5:0]),  // both anchors have taken the rotor's flux,
+                .forget_i     (after_q == ENDS[5:0]),    // and everything else
+                .turn_motor_i (turn_motor[MOTOR_W-1:0]),
+                .contact_i    (contact_q),
+                .rest_ticks_i (turn_rest),
+                .flux_i       ({flux_b_q, flux_a_q}),
+                .count_o      (rotor_count),
+                .place_o      (places),
+                .cell_o       (cells),
+                .found_o      (rotors_found),
+                .forget_o     (rotors_forget),
+                .angle_o      (rotor_angles)
+            );
 
             wh_port_settings #(
                 .N            (N),
@@ -1300,8 +1306,8 @@ module wh_ports #(
                 .word_o       (turn_rest)
             );
         end else begin : without_axes
-            wire unused_axes = &{1'b0, phase_ends, third_turn, look, turned, turn_ends, turn_contact, turn_flux,
-                                 turn_rest, turn_port, alphas, betas, axes};
+            wire unused_axes = &{1'b0, phase_ends, third_turn, alphas, betas, axes, rotors_found, rotors_forget,
+                                 rotor_angles, rotor_count, rotor_magnets, rotor_positions};
 
             assign walk              = walk_due;
             assign leg_valid         = phase_valid;
@@ -1317,13 +1323,14 @@ module wh_ports #(
             assign duty_valid        = 1'b0;
             assign duty_leg          = {LEG_W{1'b0}};
             assign lost              = anchor_faults[core_port];
-            assign turned            = 1'b0;
-            assign turn_ends         = 1'b0;
-            assign turn_contact      = 1'b0;
-            assign turn_flux         = {2*DATA_W{1'b0}};
-            assign turn_rest         = {`WH_REST_W{1'b0}};
-
-            assign turn_port         = {PORT_W{1'b0}};
+            assign places            = {2*FLUX_W{1'b0}};
+            assign cells             = {2*CELL_W{1'b0}};
+            assign rotor_positions   = {MOTORS*`WH_COUNT_W{1'b0}};
+            assign rotor_magnets     = {65*MOTORS{1'b0}};
+            assign rotor_count       = {`WH_MOVE_W{1'b0}};
+            assign rotors_found      = {MOTORS{1'b0}};
+            assign rotors_forget     = {MOTORS{1'b0}};
+            assign rotor_angles      = {32*MOTORS{1'b0}};
         end
     endgenerate
 

@@ -467,7 +467,9 @@ def _turn(
     strange = past + strange if negative else past - strange
     lost = clipped and (strange < 0) == negative and not saturated and state[OVERLOADED] == 0
     lost = lost or far or chi >= _FAR or chi < -_FAR
-    if words[ENABLE] != 0 and lost:
+    if words[ENABLE] == 0:
+        state[FAULT] = 0
+    elif lost:
         state[FAULT] = 1
     active = words[ENABLE] != 0 and state[FAULT] == 0 and not blind
     voltage = min(max((c + held) >> _VOLT_SHIFT, -_DATA_TOP), _DATA_TOP - 1)

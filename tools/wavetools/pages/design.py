@@ -20,6 +20,7 @@ from wavehaptics.studies.demo import demo_table
 from wavehaptics.studies.report.blocks import number, percent
 from wavehaptics.words import formats
 
+from wavetools.fpga.synthesis import SPARE
 from wavetools.pages import front_picture
 
 Table = Callable[[Iterable[str], Iterable[Iterable[object]]], str]
@@ -112,6 +113,39 @@ def _latency(numbers: dict[str, Any], table: Table) -> str:
         for what, block, clocks in steps
     ]
     return table(("step", "file", "clocks", "at 80 MHz"), rows)
+
+
+_RATES = ("ulx3s", "ulx3s_three", "icesugar_pro_eight", "ulx3s_brushless")
+"""Boards of speed grade 6 whose rates are told, by the number of their ports."""
+
+
+def _rates(numbers: dict[str, Any], table: Table) -> str:
+    """What the logic alone could do, with a tenth of the clock that was reached to spare."""
+    placed = {board["board"]: board for board in numbers["boards"]}
+    rows = []
+    for name in _RATES:
+        board = placed[name]
+        motors, brushless = board["motors"], load_board(name).brushless
+        clocks = pins_timing.turns_clocks(motors, brushless=brushless)
+        clock_hz = 1e6 * board["reached_mhz"] / (1.0 + SPARE)
+        rows.append(
+            (
+                f"`{name}`", f"{motors} brushless" if brushless else motors, clocks,
+                f"{board['reached_mhz']:.1f} MHz", f"{clock_hz / clocks / 1e6:.2f} MHz",
+                f"{control_rate_hz(board) / 1e6:.2f} MHz",
+            )
+        )  # fmt: skip
+    return table(
+        (
+            "board",
+            "motors",
+            "clocks a period",
+            "clock reached",
+            "rate of the logic",
+            "board's rate",
+        ),
+        rows,
+    )
 
 
 def _results(numbers: dict[str, Any], table: Table) -> str:
@@ -333,6 +367,7 @@ TABLES = {
     "demo": _once(_demo, "demo"),
     "formats": _formats,
     "latency": _latency,
+    "rates": _once(_rates, "boards"),
     "results": _results,
     "status": _status,
 }
