@@ -365,3 +365,46 @@ async def a_round_that_ends_early(dut: object) -> None:
         assert bench.word("acting_o") == 0
         await bench.round(positions, currents, waves, free)
         assert bench.seen[0] == 1, "no surface is there after a reset"
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def a_commit_in_every_clock(dut: object) -> None:
+    """A frame that is committed in whatever clock of a round is in force with the next one.
+
+    So a round has words of one frame alone. Only before its first clock, the last port's strobe,
+    is there a commit that counts for it.
+    """
+    bench = SurfacesBench(dut)
+    rng = random_source("commits")
+    await bench.begin(1 << 40)
+    zeros = np.zeros(surfaces.PORTS, dtype=np.int64)
+    longest = TURN * (PORTS - 1) + clocks_of(min(SURFACES, 3), True)
+    acted: Counter[int] = Counter()
+    for clock in range(1, longest + 1, 1 if SURFACES < 4 else 17):
+        words = Words.random(rng)
+        words.planes[:, surfaces.D] = -1000
+        words.planes[:2, surfaces.PRESENT] = 1
+        words.planes[3:, surfaces.PRESENT] = 0
+        await bench.frame(words)
+        _, currents, waves, _ = random_round(rng, "full", zeros)
+        is_early = clock < TURN * (PORTS - 1)
+        if is_early:
+            bench.coming = words
+
+        async def commit(clock: int = clock) -> None:
+            await Bench(dut).step(clock)
+            bench.drive(commit_i=1)
+            await Bench(dut).step(1)
+            bench.drive(commit_i=0)
+
+        committed = cocotb.start_soon(commit())
+        before = bench.clocks
+        await bench.round(zeros, currents, waves, ONE)
+        acted[int(bench.word("acting_o"))] += 1
+        await committed
+        assert bench.clocks - before <= longest
+        assert not bench.word("refused_o"), clock
+        bench.coming = None if is_early else words
+        # The bank that has just come into force, or the one that waits, is whole.
+        await bench.round(zeros, currents, -waves, ONE)
+    assert acted[min(SURFACES, 2)] + acted[3] > longest // 40

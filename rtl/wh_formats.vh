@@ -51,7 +51,9 @@
 
 // The port anchor: long words for what it sums up, cells, V or A; a factor is a long word's upper
 // DATA_W bits.
+`ifndef WH_LONG_GUARD
 `define WH_LONG_GUARD 17
+`endif
 `define WH_LONG_W      (`WH_DATA_W + `WH_LONG_GUARD)
 `define WH_LONG_Q      (`WH_DATA_W + 2)   // cells, V or A, full scale +-2^14
 `define WH_SEEN_Q      (`WH_LONG_Q - `WH_LONG_GUARD)  // cells, χ and x̂ less its slow copy as shown

@@ -25,7 +25,8 @@
 //
 // State of a surface, in LUT RAM: the filter's f s40q32, its account u62q46, and what of ε the currents were s31q16;
 // in registers that it is touched, without which the others mean 0.
-// Formats: WH_SURFACE_..., products of 65 bits, sums of 64: nothing is lost before its rounding.
+// Formats: WH_SURFACE_..., products of 65 bits, sums of 64: nothing is lost before its rounding. With other data words
+// all widths follow them; accounts have twice their bits.
 // Latency: above. Reset: nothing is touched, the budget is budget_i, and a round under way ends.
 
 `default_nettype none
@@ -45,7 +46,7 @@ module wh_surfaces #(
     input  wire signed [`WH_DATA_W-1:0]  current_i,   // s31q24 A
     input  wire signed [`WH_DATA_W-1:0]  wave_i,      // s31q23 √W
     input  wire signed [`WH_COEF_W-1:0]  free_i,      // s27q25: the least η of the ports' free space
-    input  wire [61:0]                   budget_i,    // u62q46 W, <= 2^61: what moving walls may give out
+    input  wire [2*`WH_DATA_W-1:0]       budget_i,    // u62q46 W, <= 2^61: what moving walls may give out
 
     // Words.
     output wire                          take_o,      // strobe
@@ -69,7 +70,9 @@ module wh_surfaces #(
     localparam integer Q       = `WH_SURFACE_Q;
     localparam integer PLACE_Q = Q - `WH_SEEN_Q;
     localparam integer A_CUT   = `WH_A_Q - GUARD;
-    localparam integer SUM_W   = 64;
+    localparam integer WORD_W  = DATA_W + 1;      // of a word that is read
+    localparam integer SUM_W   = 2 * DATA_W + 2;
+    localparam integer ACCOUNT_W = 2 * DATA_W;
     localparam integer VALUE_W = SUM_W - Q;       // of a sum without its fraction
     localparam integer XI_UP   = 2;               // of the 7 places that ξ's product lacks its word has 5
     localparam integer LAST    = PORTS - 1;
@@ -517,22 +520,22 @@ module wh_surfaces #(
                                     : (by_q == PART) ? -$signed({{(WIDE_W - 1){1'b0}}, 1'b1} << (Q - `WH_DISTANCE_Q))
                                                      : read;
     reg  [Q:0]               loss_q;   // 1 - η across, and η at last
-    reg  signed [31:0]       coefficient;
+    reg  signed [WORD_W-1:0] coefficient;
 
     always @* begin
         case (by_q)
-            BY_ONE:    coefficient = 32'sd1 <<< Q;
-            BY_ITSELF: coefficient = $signed(read[31:0]);
-            BY_LOSS:   coefficient = $signed({{(31 - Q){1'b0}}, loss_q});
-            default:   coefficient = $signed(word_i);
+            BY_ONE:    coefficient = $signed({{(WORD_W - 1){1'b0}}, 1'b1} << Q);
+            BY_ITSELF: coefficient = $signed(read[WORD_W-1:0]);
+            BY_LOSS:   coefficient = $signed({{(WORD_W - 1 - Q){1'b0}}, loss_q});
+            default:   coefficient = $signed(word_i[WORD_W-1:0]);
         endcase
     end
 
-    wire signed [WIDE_W+31:0] product;
+    wire signed [WIDE_W+WORD_W-1:0] product;
 
     wh_multiply #(
         .DATA_W    (WIDE_W),
-        .COEF_W    (32),
+        .COEF_W    (WORD_W),
         .LIMB_W    (16)
     ) multiply (
         .clk       (clk),
@@ -549,7 +552,7 @@ module wh_surfaces #(
     wire                    carry = lesses_q[4] && !(cuts_q[4] && up);
     wire [Q-1:0]            low   = cuts_q[4] ? {Q{carry}} : product[Q-1:0] ^ {Q{lesses_q[4]}};
     wire [SUM_W-1:0]        added = {product[SUM_W-1:Q] ^ {(SUM_W - Q){lesses_q[4]}}, low};
-    wire                    unused_product = &{1'b0, product[WIDE_W+31:SUM_W]};
+    wire                    unused_product = &{1'b0, product[WIDE_W+WORD_W-1:SUM_W]};
 
     always @(posedge clk) begin
         if (asked_q[4]) begin
@@ -779,9 +782,9 @@ module wh_surfaces #(
     end
 
     // ---- What y may be: accounts.
-    reg  [61:0]             accounts [0:7];
+    reg  [ACCOUNT_W-1:0]    accounts [0:7];
     reg  signed [SUM_W-1:0] account_q;
-    reg  [61:0]             budget_q;   // what is left of it
+    reg  [ACCOUNT_W-1:0]    budget_q;   // what is left of it
     reg  [SUM_W-2:0]        funds_q;
     reg  [2:1]              paid_q;
     reg                     asked_y_q;  // y is covered,
@@ -818,12 +821,12 @@ module wh_surfaces #(
             asked_r_q <= covered;
         end
         if (left_behind_q[2]) begin
-            budget_q <= covered ? budget_i : funds_q[61:0];
+            budget_q <= covered ? budget_i : funds_q[ACCOUNT_W-1:0];
         end else if (settles_q[1] && account_q[SUM_W-1]) begin
-            budget_q <= funds[61:0];
+            budget_q <= funds[ACCOUNT_W-1:0];
         end
         if (settles_q[2]) begin
-            accounts[active] <= account_q[61:0];
+            accounts[active] <= account_q[ACCOUNT_W-1:0];
             filters[active]  <= f_q;
         end
         if (rst) begin
