@@ -498,7 +498,7 @@ def test_a_run_of_a_motor_with_a_device_compares_with_nothing() -> None:
         if load_device(path).space is not None:
             with pytest.raises(SceneError):
                 measure(load_scene(path), "golden")
-            assert name in ("phantom_plane", "planar_disc", "teleoperation")
+            assert name in ("phantom_plane", "planar_disc", "teleoperation", "live_arm")
 
 
 PORT = PortEstimate(43.8e-3, 7.6, 0.84e-3, 2 * math.pi / 10_000)

@@ -75,6 +75,10 @@ class SurfacesState:
     """Of the last accepted frame."""
 
 
+class SingularError(HostError):
+    """No motor moves the tip along a surface's normal where the arm is."""
+
+
 class Planes:
     """Planes of the device behind ``client``, whose motors are those of ``motors`` in order.
 
@@ -234,7 +238,7 @@ class Planes:
         host = Host(arm, shapes, self._ports, self._tick_s, stiffness, loss, self._speed, damping)
         update = host.look(counts, _MIDDLE)
         if update.singular:
-            raise HostError(
+            raise SingularError(
                 f"surface {update.singular[0]}: no motor moves the tip along its normal there; "
                 "leave it out, or move the arm"
             )
