@@ -10,11 +10,13 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+import wavehaptics as wh
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
@@ -141,6 +143,21 @@ def test_what_a_virtual_board_of_an_arm_refuses(options: list[str], told: str) -
     assert ended.returncode == 2
     (line,) = ended.stderr.splitlines()
     assert told in line
+
+
+@pytest.mark.long
+def test_python_has_the_arm_too() -> None:
+    """A hand that nobody leads stays, and so does the tip; the arm is the scene's."""
+    with wh.Board.virtual(SCENE) as board:
+        planes = board.planes(SCENE)
+        home = np.array([0.14, 0.14, 0.0])
+        until = time.monotonic() + END_S
+        while np.abs(planes.tip() - home).max() > 1e-5:  # it was led away in its first tick
+            assert time.monotonic() < until
+        up = np.array([0.0, 1.0, 0.0])
+        stamp = planes.set_shapes([wh.Shape("plane", home - 1e-3 * up, up)])
+        state = planes.state
+        assert (state.stamp, state.refused, state.acting) == (stamp, "", 0)
 
 
 @pytest.mark.long
