@@ -15,11 +15,18 @@ import wavehaptics as wh
 from virtual_boards import told as command
 from wavehaptics.controller import surfaces
 from wavehaptics.controller.pins_timing import look_clocks, turns_clocks
-from wavehaptics.controller.planes import NOT_WHOLE, as_registers, as_writes, refused_place
+from wavehaptics.controller.planes import (
+    NOT_WHOLE,
+    PLANE_ROW,
+    as_registers,
+    as_writes,
+    refused_place,
+)
 from wavehaptics.controller.ports import controller_ports
 from wavehaptics.host.client import Client
 from wavehaptics.host.planes import Planes, set_planes, surfaces_state
-from wavehaptics.laws.kinematics import put_tip_force
+from wavehaptics.laws.kinematics import matrix_arm, put_tip_force
+from wavehaptics.laws.shapes import Shape
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.terminals import check_terminals
 from wavehaptics.runtime.toolchain import ToolError
@@ -198,6 +205,25 @@ def test_bad_planes_are_one_error(device, client, planes, told):
     with pytest.raises(wh.HostError, match=told) as error:
         made.set_joint(planes)
     assert "\n" not in str(error.value)
+    assert not device.frames
+
+
+def test_a_damper_is_the_eta_of_a_surface(device, client):
+    """(B - b)/(B + b), with B of three equal motors that move the tip by 0.1 m/rad each."""
+    made = Planes(client, [MOTOR] * 3, matrix_arm((0.1 * np.eye(3)).tolist()))
+    solid = [Shape("plane", np.zeros(3), np.array([0.0, 0.0, 1.0]))]
+    own = MOTOR.k_t**2 / 2.0 / 0.1**2
+    made.set_shapes(solid, [0.1 / 0.1**2], damping=[3.0 * own])
+    words, _ = device.frames.pop()
+    raws = [words[8 * (PLANE_ROW + 1) + n] for n in (2, 1)]
+    eta, a = (formats.ETA.to_value(raw - (raw >> 31 << 32)) for raw in raws)
+    assert (eta, a) == (pytest.approx(-0.5, abs=1e-6), 1.0)
+    for damping, told in (([1.0, 2.0], "of each of the 1"), ([-1.0], "surface 0: damping = -1"),
+                          ([math.nan], "damping = nan")):  # fmt: skip
+        with pytest.raises(wh.HostError, match=told):
+            made.set_shapes(solid, [10.0], damping=damping)
+    with pytest.raises(wh.HostError, match=r"damping = 1; .* with a stiffness"):
+        made.set_shapes(solid, damping=[1.0])
     assert not device.frames
 
 

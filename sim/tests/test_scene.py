@@ -497,6 +497,7 @@ def test_shipped_scenes():
         "held_wall",
         "hosted_wall",
         "impact",
+        "live_arm",
         "live_brushless",
         "live_wall",
         "mass",

@@ -689,7 +689,7 @@ def test_a_guide_of_the_hand(tmp_path):
             guide.close()
         stopped.set()
         thread.join()
-        assert hand.speed(9.0, 1e-3) == pytest.approx(0.0, abs=0.1)
+        assert hand.speed(9.0, 1e-3) == pytest.approx([0.0], abs=0.1)
     assert not path.exists()
     with pytest.raises(HostError, match="no hand to lead"):
         HandLine(path)

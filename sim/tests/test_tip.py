@@ -412,8 +412,16 @@ def test_a_controller_that_cannot_do_it_says_so(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("sets", "fragments"), [
     (("surface.0.stiffness=9000",), ("surface.0.stiffness=9000", "7479", "less")),
-    (("surface.0.shape=edge",), ('shape = "edge"', 'shape = "plane" for each side')),
-    (("surface.0.damping=1",), ("surface[0].damping", "smaller stiffness")),
+    (("surface.0.shape=edge",), ("surface[0].second_normal is missing", "give it")),
+    (("surface.0.shape=edge", "surface.0.second_normal=[0,0,-2]"),
+     ("surface[0].second_normal is along normal", "another direction")),
+    (("surface.0.shape=edge", "surface.0.second_normal=[0,0,0]"),
+     ("surface[0].second_normal has no direction",)),
+    (("surface.0.second_normal=[0,1,0]",),
+     ("surface[0].second_normal makes no sense", "takes normal")),
+    (("surface.0.damping=1",), ("surface[0].damping needs a stiffness", "give one")),
+    (("surface.0.damping=0.01", "surface.0.stiffness=6000"),
+     ("surface.0.damping=0.01", "less than the 0.0", "smaller stiffness")),
     (("surface.0.radius_m=1",), ("surface[0].radius_m makes no sense", "takes normal")),
     (("surface.0.shape=sphere",), ("surface[0].normal makes no sense", "takes radius_m")),
     (("surface.0.normal=[0,0,0]",), ("surface[0].normal has no direction",)),
@@ -455,7 +463,7 @@ def test_what_a_servo_of_a_device_does_without(tmp_path: Path) -> None:
     for sets, words in (
         (("servo.stiffness=1",), "surface.stiffness"),
         (("controller.walls=[[1, 2]]",), "controller.walls"),
-        (("servo.damping=1e-3",), "servo.damping"),
+        (("servo.damping=1e-3",), "surface.damping"),
         (("motors.1.servo.rate_hz=500",), "[servo] is the same for all motors"),
         (("servo.rate_hz=3e3",), "does not divide"),
     ):
@@ -490,7 +498,7 @@ def test_a_run_of_a_motor_with_a_device_compares_with_nothing() -> None:
         if load_device(path).space is not None:
             with pytest.raises(SceneError):
                 measure(load_scene(path), "golden")
-            assert name in ("phantom_plane", "planar_disc", "teleoperation")
+            assert name in ("phantom_plane", "planar_disc", "teleoperation", "live_arm")
 
 
 PORT = PortEstimate(43.8e-3, 7.6, 0.84e-3, 2 * math.pi / 10_000)

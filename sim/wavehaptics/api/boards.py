@@ -58,16 +58,17 @@ class Board:
         """A simulated board with the motor and the hand of a scene, no faster than real time.
 
         It has so many ``motors``, each as the scene has it, by default as many as the board whose
-        ``board.toml`` it is, else one; and so many ``surfaces`` across two or three of them. The
-        scene needs a ``[hand]`` that isn't an impact, and is read from its file again. The
-        board is a process that ends with :meth:`close` or the ``with`` block. The first time the
-        RTL is compiled, for minutes.
+        ``board.toml`` it is, else one; and so many ``surfaces`` across two or three of them. With
+        a planar arm both are the scene's. The scene needs a ``[hand]`` that isn't an impact, and is
+        read from its file again. The board is a process that ends with :meth:`close` or the
+        ``with`` block. The first time the RTL is compiled, for minutes.
         """
         if not isinstance(scene, Scene):
             scene = load_scene(scene)
         more = ["--motors", str(motors)] if motors is not None else []
         more += ["--surfaces", str(surfaces)] if surfaces else []
-        plug = VirtualPlug(str(scene.path), scene.changes, more=more)
+        led = None if scene.device.space is not None else 0
+        plug = VirtualPlug(str(scene.path), scene.changes, led, more)
         try:
             until = time.monotonic() + START_S
             while problem := plug.problem:

@@ -7,6 +7,15 @@ waves ``g_n ∝ (Jᵀn)_n/√B_n``, ``B_n = k̂_T²/R̂``. A softer surface has 
 
     τ_s = 2 (1/K − Σ G_n² L_eff,n/k̂_T²) / Σ G_n² R̂_n/k̂_T².
 
+That spring has the damper ``B = 1/Σ G_n² R̂_n/k̂_T²`` beside it. With another damper b the surface
+has no filter, but an η of its own, and its wall velocity is its spring. By the waves along g a
+surface that gives way by ε under the push F has
+
+    F = ((1 − η) dε/dt + 2 ε/τ_w) B/(1 + η),
+
+so that ``η = (B − b)/(B + b)`` and ``τ_w = (1 + b/B) B/K'``, with K' beside b and the motors'
+springs before both.
+
 It knows a motor by its estimates alone.
 """
 
@@ -47,6 +56,8 @@ class PortEstimate(NamedTuple):
     l_eff: float
     """L̂ with what the port's delay adds, H."""
     cell_rad: float
+    delay_s: float = 0.0
+    """The port's delay τ, s."""
 
 
 class Planes(NamedTuple):
@@ -63,8 +74,9 @@ class Planes(NamedTuple):
 class Host:
     """Linearises ``shapes`` for ``ports`` of period ``tick_s``.
 
-    ``stiffness`` in N/m, or None for the largest, and ``loss`` are of each shape;
-    ``speed`` in m/s is the most with which a surface moves.
+    ``stiffness`` in N/m, or None for the largest, ``loss`` and ``damping`` in N·s/m, 0 for that of
+    the filter, are of each shape; ``speed`` in m/s is the most with which a surface moves. A
+    surface with damping moves as fast as its spring has to.
     """
 
     def __init__(
@@ -76,7 +88,9 @@ class Host:
         stiffness: Sequence[float | None],
         loss: Sequence[float],
         speed: float,
+        damping: Sequence[float] = (),
     ) -> None:
+        self._damping = damping or (0.0,) * len(shapes)
         self._arm, self._shapes, self._ports, self._tick_s = arm, shapes, ports, tick_s
         self._stiffness, self._loss, self._speed = stiffness, loss, speed
         self._cell = np.array([port.cell_rad for port in ports])
@@ -104,27 +118,35 @@ class Host:
             present.append(n)
             scale = float(np.linalg.norm(along * self._cell))
             drag = float(along**2 @ self._damping_inverse)
-            tau = self._delay(n, along, drag)
+            tau, eta, wall_s = self._filter(n, along, drag)
             plane = planes[n]
             plane[surfaces.PRESENT] = 1.0
             plane[surfaces.G : surfaces.G + motors] = along * self._cell / scale
             plane[surfaces.D] = plane[surfaces.G : surfaces.G + motors] @ counts - depth[0] / scale
             bend = self._compliance + 0.5 * tau * self._damping_inverse
             plane[surfaces.C : surfaces.C + motors] = along * bend * self._k_t / scale
-            plane[surfaces.GAIN] = 2.0 * scale / (WALL_S * math.sqrt(2.0 * drag))
+            plane[surfaces.GAIN] = 2.0 * scale / (wall_s * math.sqrt(2.0 * drag))
             plane[surfaces.A] = self._tick_s / (self._tick_s + tau)
-            plane[surfaces.ETA] = -1.0
+            plane[surfaces.ETA] = eta
             plane[surfaces.ACROSS] = 1.0 - self._loss[n]
             waves = along * np.sqrt(self._damping_inverse)
             vectors[n, :motors] = waves / np.linalg.norm(waves)
             vectors[n, surfaces.MIX] = 1.0
             velocity_max = min(velocity_max, 2.0 * self._speed / math.sqrt(2.0 * drag))
+        if any(self._damping[n] for n in present):
+            velocity_max = formats.WAVE.largest
         for first, second in combinations(present, 2):
             vectors[surfaces.pair_row(first, second)] = beside(vectors[[first]], vectors[second])
         for first, second, third in combinations(present, 3):
             pair = vectors[[first, surfaces.pair_row(first, second)]]
             vectors[surfaces.triple_row(first, second, third)] = beside(pair, vectors[third])
+        self._part_velocities(present, vectors)
         return Planes(planes, vectors, velocity_max if present else 0.0, singular)
+
+    @property
+    def delay_s(self) -> float:
+        """The least ``b/K'`` of a surface with damping, s: the ports' delay takes K'·τ/2 of b."""
+        return max(self._tick_s, *(port.delay_s for port in self._ports))
 
     def stiffest(self, number: int, counts: np.ndarray) -> float:
         """The largest K along a shape's normal at ``counts`` (motors,), N/m."""
@@ -132,12 +154,26 @@ class Host:
         normal = self._shapes[number].depth(self._arm.tip(q)[None, :])[1][0]
         return 1.0 / float((self._arm.jacobian(q).T @ normal) ** 2 @ self._compliance)
 
-    def _delay(self, number: int, along: np.ndarray, drag: float) -> float:
-        """τ_s of a surface in s; 0 where nothing stiffer can be had."""
-        wanted = self._stiffness[number]
+    def _filter(self, number: int, along: np.ndarray, drag: float) -> tuple[float, float, float]:
+        """τ_s of a surface in s, 0 where nothing stiffer can be had, its η, and τ_w in s."""
+        wanted, damping = self._stiffness[number], self._damping[number]
         if wanted is None:
-            return 0.0
-        return max(2.0 * (1.0 / wanted - float(along**2 @ self._compliance)) / drag, 0.0)
+            return 0.0, -1.0, WALL_S
+        softer = max(1.0 / wanted - float(along**2 @ self._compliance), 0.0)
+        if not damping:
+            return 2.0 * softer / drag, -1.0, WALL_S
+        if damping * softer < self.delay_s:
+            return 0.0, -1.0, WALL_S
+        part = damping * drag
+        return 0.0, (1.0 - part) / (1.0 + part), (1.0 + part) * softer / drag
+
+    def _part_velocities(self, present: Sequence[int], vectors: np.ndarray) -> None:
+        """One that rests deep in its own spring doesn't move a surface that has none."""
+        for count in (2, 3):
+            for numbers in combinations(present, count):
+                for share, n in enumerate(numbers[:-1]):
+                    if self._damping[n] and not self._damping[numbers[-1]]:
+                        vectors[_vector_row(numbers), surfaces.MIX + share] = 0.0
 
 
 def beside(before: np.ndarray, row: np.ndarray) -> np.ndarray:

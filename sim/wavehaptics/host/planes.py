@@ -75,6 +75,10 @@ class SurfacesState:
     """Of the last accepted frame."""
 
 
+class SingularError(HostError):
+    """No motor moves the tip along a surface's normal where the arm is."""
+
+
 class Planes:
     """Planes of the device behind ``client``, whose motors are those of ``motors`` in order.
 
@@ -119,7 +123,7 @@ class Planes:
             tau = closed_forms.tau(self._tick_s, a, extra_ticks)
             ports.append(PortEstimate(
                 motor.k_t, r_hat, closed_forms.l_eff(motor.inductance, r_hat, tau),
-                float(self._cell[n]),
+                float(self._cell[n]), tau,
             ))  # fmt: skip
         self._ports, self._speed = ports, speed
 
@@ -184,28 +188,30 @@ class Planes:
             shapes.append(Shape("plane", plane.offset / length**2 * normal, -normal / length))
         hard, lost = [plane.stiffness for plane in planes], [plane.loss for plane in planes]
         arm = matrix_arm(np.eye(3)[:, :motors].tolist())
-        return self._give(arm, shapes, hard, lost, None, **how)
+        return self._give(arm, shapes, hard, lost, None, (), **how)
 
     def set_shapes(
         self, shapes: Sequence[Shape], stiffness: Sequence[float | None] | None = None,
-        loss: Sequence[float] | None = None, counts: np.ndarray | None = None, **how: int | bool,
+        loss: Sequence[float] | None = None, damping: Sequence[float] | None = None,
+        counts: np.ndarray | None = None, **how: int | bool,
     ) -> int:  # fmt: skip
         """Give the planes of solids about the tip, all there are from now on. Returns the stamp.
 
         The planes are those where the encoders are, at ``counts`` (motors,) or as they are read
-        now. ``stiffness`` in N/m of each, None for the largest; ``loss`` from 0 to 1. The device
-        applies them together. With ``check``, the default, :class:`HostError` where it refuses
-        them, and says which. ``stamp`` of 16 bits can be read back; by default it counts.
+        now. ``stiffness`` in N/m of each, None for the largest; ``loss`` from 0 to 1; ``damping``
+        in N·s/m beside a stiffness, 0 for that of the motors. The device applies them together.
+        With ``check``, the default, :class:`HostError` where it refuses them, and says which.
+        ``stamp`` of 16 bits can be read back; by default it counts.
         """
         return self._give(
             self._needs_arm(), shapes, stiffness or [None] * len(shapes),
-            loss or [0.0] * len(shapes), counts, **how,
+            loss or [0.0] * len(shapes), counts, damping or (), **how,
         )  # fmt: skip
 
     def _give(
         self, arm: Arm, shapes: Sequence[Shape], stiffness: Sequence[float | None],
-        loss: Sequence[float], counts: np.ndarray | None, stamp: int | bool | None = None,
-        check: int | bool = True,
+        loss: Sequence[float], counts: np.ndarray | None, damping: Sequence[float],
+        stamp: int | bool | None = None, check: int | bool = True,
     ) -> int:  # fmt: skip
         if len(shapes) > self._most:
             raise HostError(
@@ -219,12 +225,20 @@ class Planes:
                     f"surface {n}: stiffness = {hard}, loss = {lost:g}; the one has to be above 0, "
                     "the other from 0 to 1"
                 )
+        if damping and len(damping) != len(shapes):
+            raise HostError(f"damping has to be of each of the {len(shapes)} surfaces")
+        for n, damper in enumerate(damping):
+            if not damper >= 0.0 or (damper and stiffness[n] is None):
+                raise HostError(
+                    f"surface {n}: damping = {damper:g}; it has to be 0, or above that with a "
+                    "stiffness"
+                )
         if counts is None:
             counts = self.counts()
-        host = Host(arm, shapes, self._ports, self._tick_s, stiffness, loss, self._speed)
+        host = Host(arm, shapes, self._ports, self._tick_s, stiffness, loss, self._speed, damping)
         update = host.look(counts, _MIDDLE)
         if update.singular:
-            raise HostError(
+            raise SingularError(
                 f"surface {update.singular[0]}: no motor moves the tip along its normal there; "
                 "leave it out, or move the arm"
             )

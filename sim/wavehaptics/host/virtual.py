@@ -92,7 +92,7 @@ class VirtualBoard:
             self._take()
             if self._hand is not None:
                 step_s = self._ticks * self._pins.tick_s
-                self._pins.lead_hand(self._hand.speed(self._pins.time_s, step_s))
+                self._pins.lead_hand(*self._hand.speed(self._pins.time_s, step_s))
             self._pins.elapse(self._ticks)
             self._give()
             passed = time.monotonic() - before

@@ -38,7 +38,7 @@ LEFT_OUT: dict[str, tuple[str, ...]] = {
 SERVO_REFUSES = {
     "controller.walls": "its servo knows surfaces alone; leave it out",
     "servo.stiffness": "a surface has its own; write surface.stiffness, in N/m",
-    "servo.damping": "a surface has none yet; leave it out",
+    "servo.damping": "a surface has its own; write surface.damping, in N·s/m",
 }
 """Keys that a device does without on `encoder`, with the cure."""
 
@@ -109,7 +109,8 @@ def refuse_device(device: Device, controller: str) -> None:
                 "coupling",
             )
     start = np.zeros(len(device.scenes))
-    for missing in simulation.host.look(start).singular:
+    for solid in simulation.host.look(start).singular:
+        missing = space.number(solid)
         raise space.refusal(
             f"surface[{missing}] can't be felt where the run begins: no motor moves the tip along "
             "its normal; take another device.home_rad or another normal",
@@ -117,13 +118,24 @@ def refuse_device(device: Device, controller: str) -> None:
         )  # fmt: skip
     if controller == "encoder":
         return
-    for n, one in enumerate(space.surface):
-        stiffest = simulation.host.stiffest(n, start)
+    for solid, one in enumerate(space.solids):
+        n, stiffest = space.number(solid), simulation.host.stiffest(solid, start)
         if one.stiffness is not None and one.stiffness > ROOM * stiffest:
             raise space.refusal(
                 f"surface[{n}].stiffness = {one.stiffness:g} N/m is more than the {stiffest:.4g} "
                 "that the motors make there; take that or less, or leave it out",
                 ("surface", n, "stiffness"),
+            )
+        if one.stiffness is None or not one.damping:
+            continue
+        softer = 1.0 / one.stiffness - 1.0 / stiffest
+        least = simulation.host.delay_s / max(softer, 1e-9)
+        if one.damping < least:
+            raise space.refusal(
+                f"surface[{n}].damping = {one.damping:g} N·s/m is less than the {least:.2g} that "
+                f"the controller's delay leaves beside {one.stiffness:g} N/m; take a smaller "
+                "stiffness, or leave damping out",
+                ("surface", n, "damping"),
             )
 
 

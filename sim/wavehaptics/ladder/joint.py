@@ -450,6 +450,9 @@ class JointSimulation(JointLoop):
         if self._servo:
             servo = scenes[0].servo or Servo()
             every, _ = check_rates(scenes[0])
+            self._servo_s = every * self.tick_s
+            start = space.arm.tip(0.5 * self._floats[:, _CELL])[None, :]
+            self._depths = np.array([shape.depth(start)[0][0] for shape in space.shapes])
             self._events = Events(every, servo.delay_s / self.tick_s, 0.0)
         else:
             self._events = self.updates()
@@ -555,11 +558,16 @@ class JointSimulation(JointLoop):
         q = (self._counts + 0.5) * cell
         place, torque, acting = self.space.arm.tip(q)[None, :], np.zeros(len(q)), 0
         jacobian = self.space.arm.jacobian(q)
-        for shape, spring in zip(self.space.shapes, self.springs, strict=True):
+        depths = np.zeros(len(self.springs))
+        for n, (shape, spring) in enumerate(zip(self.space.shapes, self.springs, strict=True)):
             depth, normal = shape.depth(place)
+            depths[n] = depth[0]
             if depth[0] > 0.0:
-                torque -= spring * depth[0] * (jacobian.T @ normal[0])
+                speed = (depth[0] - self._depths[n]) / self._servo_s
+                push = spring * depth[0] + self.space.solids[n].damping * speed
+                torque -= push * (jacobian.T @ normal[0])
                 acting += 1
+        self._depths = depths
         return Command(torque / self._k_t_hat, acting)
 
     def _commit(self, update: Planes | Command) -> None:

@@ -56,13 +56,14 @@ class JointHost:
             PortEstimate(
                 scene.controller.k_t_hat or 0.0, set_.r_hat,
                 closed_forms.l_eff(scene.controller.l_hat or 0.0, set_.r_hat, tau), set_.cell_rad,
+                tau,
             )
             for scene, set_, tau in zip(scenes, settings, delays, strict=True)
         ]  # fmt: skip
         self.host = Host(
             space.arm, space.shapes, ports, step_s or self.tick_s,
-            [one.stiffness for one in space.surface],
-            [one.friction_loss for one in space.surface], space.device.wall_speed_m_per_s,
+            [one.stiffness for one in space.solids], [one.friction_loss for one in space.solids],
+            space.device.wall_speed_m_per_s, [one.damping for one in space.solids],
         )  # fmt: skip
 
     @property
@@ -84,7 +85,7 @@ class JointHost:
         if not self.space.shapes:
             return None
         stiffest = 1.0 / float(self._along() ** 2 @ (1.0 / self.joint_stiffness))
-        wished = self.space.surface[0].stiffness
+        wished = self.space.solids[0].stiffness
         if self._is_servo and wished is not None:
             return wished
         return stiffest if wished is None else min(stiffest, wished)
@@ -97,7 +98,7 @@ class JointHost:
         """1/K of each surface where that is what it wishes, m/N; 0 where it is the motors'."""
         if self._is_servo:
             return 1.0 / np.array(self.springs)
-        return np.array([1.0 / (one.stiffness or math.inf) for one in self.space.surface])
+        return np.array([1.0 / (one.stiffness or math.inf) for one in self.space.solids])
 
     @property
     def springs(self) -> list[float]:
@@ -105,7 +106,7 @@ class JointHost:
         places = np.zeros(len(self.settings))
         return [
             one.stiffness or self.host.stiffest(n, places)
-            for n, one in enumerate(self.space.surface)
+            for n, one in enumerate(self.space.solids)
         ]
 
     @property

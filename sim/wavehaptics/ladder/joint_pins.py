@@ -49,7 +49,7 @@ def host_of_pins(device: Device) -> JointHost:
     """The host of a device whose motors are ports of the whole RTL; no RTL is built."""
     space = device.space
     assert space is not None
-    ports = turns_ports(device.scenes, len(space.surface))
+    ports = turns_ports(device.scenes, len(space.solids))
     return JointHost(space, device.scenes, [one.settings for one in ports])
 
 
@@ -60,7 +60,7 @@ class JointPins(JointLoop):
         space, motors = device.space, len(device.scenes)
         assert space is not None
         laid = host_of_pins(device)
-        self._turns = TurnsSimulation(device.scenes, len(space.surface), laid.budget)
+        self._turns = TurnsSimulation(device.scenes, len(space.solids), laid.budget)
         self.motors: list[PinsSimulation] = [*self._turns.motors]
         super().__init__(space, device.scenes, [motor.settings for motor in self.motors])
         plants = [Plant.of_scene(scene) for scene in device.scenes]
@@ -109,6 +109,6 @@ class JointPins(JointLoop):
         planes, vectors, most = as_words(update)
         if not self.space.surface or not surfaces.accepts(planes, vectors):
             return
-        frame = as_registers(planes, vectors, most, len(self.space.surface))
+        frame = as_registers(planes, vectors, most, len(self.space.solids))
         flat = [word & 0xFFFFFFFF for pair in frame for word in pair]
         self._frame(self._turns._model, (ctypes.c_uint32 * len(flat))(*flat), len(frame))

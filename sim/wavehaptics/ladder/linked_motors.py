@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Several equal motors at one ``rtl/wh_linked_device.v``, each with a hand of its own."""
+"""Several equal motors at one ``rtl/wh_linked_device.v``: each with its own hand, or an arm."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from wavehaptics.controller.ports import Ports, controller_ports
 from wavehaptics.ladder import pins_loop
 from wavehaptics.ladder.linked_pins import LinkedPins
 from wavehaptics.ladder.pins import pass_clocks
-from wavehaptics.motor.plant import X
-from wavehaptics.scene import Scene
+from wavehaptics.motor.plant import TIME, Plant, X
+from wavehaptics.motor.tip_hand import hand_substeps, hand_words, lead
+from wavehaptics.scene import Device, Scene
 
 
 class LinkedMotors(LinkedPins):
@@ -68,3 +69,46 @@ class LinkedMotors(LinkedPins):
 
     def elapse(self, ticks: int) -> None:
         pass_clocks(ticks * self.timing.tick_clocks, self._all, self._each)
+
+
+class LinkedArm(LinkedMotors):
+    """The motors of ``device`` behind one line, with its arm, a hand at its tip and its surfaces.
+
+    ``SceneError`` where the motors are not alike, or the arm isn't planar.
+    """
+
+    def __init__(self, device: Device, *, arm: bool = True) -> None:
+        space, (first, *others) = device.space, device.scenes
+        assert space is not None
+        if space.device.kinematics != "planar":
+            raise space.refusal(
+                'a virtual board has kinematics = "planar" alone; `run` has all arms',
+                "device.kinematics",
+            )
+        if not space.surface or space.hand is None:
+            raise space.refusal(
+                "a virtual board of a [device] has surfaces and a hand; write a [[surface]] and "
+                "[hand]", "device",
+            )  # fmt: skip
+        if any(one.model_dump() != first.model_dump() for one in others):
+            raise space.refusal(
+                "the motors of a virtual board are alike; leave what differs out of [[motors]]",
+                "device",
+            )
+        super().__init__(first, len(device.scenes), arm=arm, surfaces=len(space.solids))
+        parts = hand_substeps([Plant.of_scene(one) for one in device.scenes], space, self.tick_s)
+        motors = len(device.scenes)
+        self._hand = hand_words(space)
+        self._tip = (
+            space.arm.geometry, self._hand,
+            np.array([0, max(1, self.timing.tick_clocks // parts)]), np.zeros(0, dtype=np.int64),
+            np.zeros(motors), np.zeros(motors), np.zeros((3, motors)), np.zeros((4, 3)),
+            np.zeros(motors),
+        )  # fmt: skip
+
+    def lead_hand(self, *speed: float) -> None:
+        """From now on the hand goes at this speed, x and y in m/s, and its path is forgotten."""
+        lead(self._hand, float(self._each[0]._state[TIME]), np.array([*speed, 0.0]))
+
+    def elapse(self, ticks: int) -> None:
+        pass_clocks(ticks * self.timing.tick_clocks, self._all, self._each, self._tip)

@@ -171,9 +171,9 @@ class LinkedPins(PinsSimulation):
         """Where the hand is, rad."""
         return float(self._state[P] + self._state[C])
 
-    def lead_hand(self, speed_rad_s: float) -> None:
-        """From now on the hand goes at this speed, and its path is forgotten."""
-        state = self._state
+    def lead_hand(self, *speed: float) -> None:
+        """From now on the hand goes at this speed in rad/s, and its path is forgotten."""
+        state, (speed_rad_s,) = self._state, speed
         state[P] += state[C]
         state[C] = state[S] = 0.0
         state[R] = speed_rad_s

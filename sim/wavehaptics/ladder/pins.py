@@ -89,10 +89,12 @@ def pass_ticks(
         raise RuntimeError("the controller's RTL stopped answering")
 
 
-def pass_clocks(clocks: int, kept: np.ndarray, motors: Sequence[PinsSimulation]) -> None:
+def pass_clocks(
+    clocks: int, kept: np.ndarray, motors: Sequence[PinsSimulation], tip: tuple | None = None
+) -> None:
     """Let clocks pass of which no rows are made."""
     none, no_words = np.zeros((0, len(Column))), np.zeros((0, len(Word)), dtype=np.int64)
-    pass_ticks([none] * len(motors), [no_words] * len(motors), kept, motors, clocks)
+    pass_ticks([none] * len(motors), [no_words] * len(motors), kept, motors, clocks, tip)
 
 
 class PinsSimulation:

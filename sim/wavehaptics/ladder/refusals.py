@@ -32,7 +32,7 @@ def check(
     refuse(scene, controller)
     tick_s = 1.0 / scene.controller.tick_hz
     if controller == "pins" and (space is not None or take_turns(others)):
-        tick_s = turns_ports(others, len(space.surface) if space else 0)[0].timing.tick_s
+        tick_s = turns_ports(others, len(space.solids) if space else 0)[0].timing.tick_s
     elif controller == "pins":
         tick_s = controller_ports(scene).timing.tick_s
     else:
@@ -50,7 +50,7 @@ def check_device(device: Device, controller: str) -> list[str]:
     if missing := left_out_of_device(device, controller):
         told.append(f"`{controller}` leaves out {', '.join(missing)}")
     if controller == "pins" and device.space is not None:
-        told += _of_clock(device.scenes, len(device.space.surface))
+        told += _of_clock(device.scenes, len(device.space.solids))
     for name, scene in device.motors.items():
         of = f"{name}: " if len(device.motors) > 1 else ""
         tick_hz = 1.0 / check(scene, controller, device.scenes, device.space)

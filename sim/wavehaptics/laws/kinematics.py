@@ -55,6 +55,11 @@ class Arm:
         put_tip(self.geometry, np.asarray(q, dtype=float), out)
         return out
 
+    def elbow(self, q: Sequence[float] | np.ndarray) -> np.ndarray:
+        """End of the first link of a PLANAR arm at ``q``: float64 (2,), m."""
+        angle = self.geometry[_HOME] + q[0] / self.geometry[_RATIO]
+        return self.geometry[_L1] * np.array([math.cos(angle), math.sin(angle)])
+
     def jacobian(self, q: Sequence[float] | np.ndarray) -> np.ndarray:
         """J of ``dp = J dq`` at ``q`` (motors,): float64 (3, motors), m/rad of the motors."""
         out = np.zeros((3, self.motors))

@@ -22,12 +22,13 @@ from wavehaptics.runtime.compiled import compiled
 from wavehaptics.scene import Space
 from wavehaptics.scene.tables.surface import unit
 
-NONE, PRESS, TAPS, SLIDE, CIRCLE = range(5)
+NONE, PRESS, TAPS, SLIDE, CIRCLE, LED = range(6)
 _PATHS = {"press": PRESS, "taps": TAPS, "slide": SLIDE, "circle": CIRCLE}
 
 PATH, K, B, AMPLITUDE, OMEGA, SPAN, HOME, ALONG, ACROSS = 0, 1, 2, 3, 4, 5, 6, 9, 12
 """Places in a hand's words: path, N/m, N·s/m, m, rad/s, how far it slides or the circle's radius in
-m, the tip's place at the start, and two directions."""
+m, the tip's place at the start, and two directions. A hand that is LED was at
+HOME at the time SPAN, and its speed is ALONG."""
 _SIZE = 15
 
 SLIDE_START_S = 2.0 * PRESS_RAMP_S
@@ -63,6 +64,15 @@ def hand_words(space: Space) -> np.ndarray:
     return words
 
 
+def lead(words: np.ndarray, time_s: float, speed: np.ndarray) -> None:
+    """From ``time_s`` on the hand of ``words`` goes with ``speed`` (3,) in m/s, and its path is
+    forgotten: it begins at the tip's home, or where it was led to."""
+    home, along = slice(HOME, HOME + 3), slice(ALONG, ALONG + 3)
+    if words[PATH] == LED:
+        words[home] += words[along] * (time_s - words[SPAN])
+    words[PATH], words[SPAN], words[along] = LED, time_s, speed
+
+
 def hand_substeps(plants: Sequence[Plant], space: Space, step_s: float) -> int:
     """Into how many equal parts a step of ``step_s`` is cut for the hand's spring and damper."""
     if space.hand is None:
@@ -83,6 +93,11 @@ def hand_substeps(plants: Sequence[Plant], space: Space, step_s: float) -> int:
 @compiled()
 def put_hand(words, time, place, speed):
     """Where the hand is at ``time`` s and how fast, into float64 (3,) and (3,), m and m/s."""
+    if words[PATH] == LED:
+        for row in range(3):
+            speed[row] = words[ALONG + row]
+            place[row] = words[HOME + row] + speed[row] * (time - words[SPAN])
+        return
     path, amplitude, omega, span = words[PATH], words[AMPLITUDE], words[OMEGA], words[SPAN]
     part = min(time / PRESS_RAMP_S, 1.0)
     along, along_speed = amplitude * part, amplitude / PRESS_RAMP_S if part < 1.0 else 0.0

@@ -41,12 +41,12 @@ class Space(Placed):
 
     @model_validator(mode="after")
     def _check(self) -> Space:
-        if len(self.surface) > MOST_SURFACES:
+        if len(self.solids) > MOST_SURFACES:
             broken_rule(
-                f"[[surface]]: {len(self.surface)} surfaces, and a group of ports has "
-                f"{MOST_SURFACES}; leave some out",
-                ("surface", MOST_SURFACES),
-            )
+                f"[[surface]]: {len(self.solids)} surfaces, two for each edge, and a group of "
+                f"ports has {MOST_SURFACES}; leave some out",
+                ("surface", self.number(MOST_SURFACES)),
+            )  # fmt: skip
         if self.coupling is not None and self.device.motors != 2:
             broken_rule(
                 f"[coupling] joins two motors, and the device has {self.device.motors}; take a "
@@ -97,8 +97,17 @@ class Space(Placed):
         return x, y, z
 
     @property
+    def solids(self) -> tuple[Surface, ...]:
+        """The surfaces, with two planes in place of an edge."""
+        return tuple(part for one in self.surface for part in one.parts)
+
+    def number(self, solid: int) -> int:
+        """Which ``[[surface]]`` one of :attr:`solids` is of."""
+        return [n for n, one in enumerate(self.surface) for _ in one.parts][solid]
+
+    @property
     def shapes(self) -> tuple[Shape, ...]:
-        """The surfaces as solids."""
+        """:attr:`solids` as what a tip touches."""
         return tuple(
             Shape(
                 one.shape,
@@ -107,7 +116,7 @@ class Space(Placed):
                 one.radius_m or 0.0,
                 None if one.size_m is None else np.array(one.size_m),
             )
-            for one in self.surface
+            for one in self.solids
         )
 
 

@@ -208,6 +208,24 @@ def _surfaces_beside(numbers: dict[str, Any], table: Table) -> str:
     )  # fmt: skip
 
 
+def _surfaces_map(numbers: dict[str, Any], table: Table) -> str:
+    found = numbers.get("tables", {}).get("surfaces_map", ())
+    turns = sorted({row["turn"] for row in found})
+    head = ("lift, reach", *(f"turn {turn:g}: {what}" for turn in turns
+                             for what in ("formula", "measured")))  # fmt: skip
+    places = dict.fromkeys((row["lift"], row["reach"]) for row in found)
+    of = {(row["turn"], row["lift"], row["reach"]): row for row in found}
+    return table(
+        head,
+        (
+            (f"{lift:g}, {reach:g}",
+             *(f"{of[turn, lift, reach][what]:.0f}" for turn in turns
+               for what in ("formula", "measured")))
+            for lift, reach in places
+        ),
+    )  # fmt: skip
+
+
 TABLES = {
     "brushless-angles": _brushless,
     "brushless-held": _brushless_held,
@@ -220,5 +238,6 @@ TABLES = {
     "prototype": _prototype,
     "surfaces": _surfaces,
     "surfaces-beside": _surfaces_beside,
+    "surfaces-map": _surfaces_map,
 }
 """Tables of Markdown by marker, made with the given function of head and rows."""

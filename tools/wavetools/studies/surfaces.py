@@ -37,6 +37,11 @@ STILL_COUNTS = 2.0
 SOFT, STIFF, STEPS = 100.0, 1e4, 8
 """Stiffnesses between which the largest stable one is looked for, N/m, and in how many steps."""
 IDEAL = ("brushes.drop_v=0", "controller.r_hat=7.6", "adc.offset_a=0")
+TURNS = (0.0, 0.6)
+LIFTS_AND_REACHES = ((-0.3, -0.3), (-0.3, 0.4), (0.2, -0.3), (0.2, 0.4), (0.7, -0.3), (0.7, 0.4))
+"""Angles of a PHANTOM's axes, rad, at which its tip is pressed on the plane."""
+GAP_M, DEEP_M = 1e-3, 5e-3
+"""How far the plane is from the tip, and how far beyond that place the hand is, m."""
 LONGEST_S = 3.0
 """Most of a way around the disc that is run, s."""
 
@@ -82,7 +87,11 @@ def _held(controller: str, damping: float, stiffness: float | None) -> tuple[flo
     wish = () if stiffness is None else (f"surface.0.stiffness={stiffness:.6g}",)
     still = (f"scene.duration_s={4 * REST_S}", "hand.slide_m=0")
     sets = (*IDEAL, *still, f"hand.damping_n_s_per_m={damping}", *wish)
-    device = load_device(find_scene(PLANE), sets)
+    return _rest(load_device(find_scene(PLANE), sets), controller)
+
+
+def _rest(device: Device, controller: str) -> tuple[float, float]:
+    """Swing in counts, and the force over the depth, N/m, in the last tenth of a press."""
     space = device.space
     assert space is not None
     kept: list[np.ndarray] = []
@@ -115,6 +124,33 @@ def beside(progress: Callable[[str, float], None]) -> list[dict[str, Any]]:
         swing, stiffness = _held("golden", damping, None)
         rows.append({
             "damping": damping, "encoder": low, "wave": stiffness, "wave_swing": swing,
+        })  # fmt: skip
+    return rows
+
+
+def stiffness_map(progress: Callable[[str, float], None]) -> list[dict[str, Any]]:
+    """K of the oblique plane at a dozen poses of the arm, N/m: by ``1/Σ G_n²/K_n`` and measured.
+
+    Measured is the push over the depth in the last tenth of a press by ideal motors.
+    """
+    poses = [(turn, *others) for turn in TURNS for others in LIFTS_AND_REACHES]
+    rows = []
+    for n, pose in enumerate(poses):
+        progress("stiffness over the workspace", n / len(poses))
+        home = f"device.home_rad={list(pose)}"
+        space = load_device(find_scene(PLANE), (home,)).space
+        assert space is not None
+        inward = -np.array(space.shapes[0].normal)
+        point = (np.array(space.home_m) + GAP_M * inward).tolist()
+        sets = (
+            *IDEAL, home, f"surface.0.point_m={point}", f"scene.duration_s={3 * REST_S}",
+            "hand.slide_m=0", f"hand.amplitude_m={DEEP_M}",
+        )  # fmt: skip
+        device = load_device(find_scene(PLANE), sets)
+        rows.append({
+            "turn": pose[0], "lift": pose[1], "reach": pose[2],
+            "formula": JointSimulation(device, "golden").predicted(),
+            "measured": _rest(device, "golden")[1],
         })  # fmt: skip
     return rows
 

@@ -175,5 +175,6 @@ def collect(out: Path, progress: Callable[[str, float], None]) -> Path:
             "brushless_held": brushless_held(progress),
             "surfaces": surfaces.collect(out, progress),
             "surfaces_beside": surfaces.beside(progress),
+            "surfaces_map": surfaces.stiffness_map(progress),
         },
     )

@@ -18,7 +18,7 @@ from wavehaptics.cli.board.common import (
     refusals,
 )
 from wavehaptics.cli.shared import CommandError, SetOption
-from wavehaptics.scene import find_scene, load_scene
+from wavehaptics.scene import find_scene, load_device
 
 SCOPE_SCENE = "live_wall"
 """What the scope's virtual board has behind it unless another scene is named."""
@@ -76,7 +76,7 @@ def scope(
     name = scene if port else virtual or SCOPE_SCENE
     path = find_scene(name) if name is not None else None
     if path is not None:
-        load_scene(path, overrides or ())
+        load_device(path, overrides or ())
 
     from wavehaptics.host.scope import command
     from wavehaptics.host.scope.bench import Known
@@ -87,7 +87,8 @@ def scope(
         known = Known.of_scene(path, sets, starts=not port or hand is not None)
     known = known.but(k_t, counts)
     with refusals():
-        plug = Plug(port, hand) if port else VirtualPlug(str(path), sets, motor)
+        led = None if known.device else motor
+        plug = Plug(port, hand) if port else VirtualPlug(str(path), sets, led)
         command.run(
             plug, known, http_port=http_port, browser=not no_browser, unit=unit, motor=motor,
             timeout_s=timeout,

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,7 +19,10 @@ from wavehaptics.cli.shared import CommandError, SetOption, told_waiting
 from wavehaptics.runtime.files import try_file
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.terminals import check_terminals
-from wavehaptics.scene import find_scene, load_scene
+from wavehaptics.scene import Device, Scene, find_scene, load_device
+
+if TYPE_CHECKING:
+    from wavehaptics.ladder.linked_pins import LinkedPins
 
 _LONGEST_SOCKET = 107
 """Bytes of a socket's path, ``sun_path`` of unix(7) without its end."""
@@ -93,8 +96,14 @@ def be_virtual(
             "board: give a command, or --virtual SCENE; wavehaptics board --help lists them"
         )
     path = find_scene(virtual)
-    loaded = load_scene(path, overrides or ())
-    count = _motors_of(path) if motors is None else motors
+    device = load_device(path, overrides or ())
+    if device.space is not None:
+        for option in sorted({"--motors", "--surfaces", "--hand-of"} & set(_given(context))):
+            raise CommandError(f"{option}: the scene's [device] says that; leave it out")
+        loaded, count = device.scenes[0], len(device.scenes)
+    else:
+        loaded = device.one("one is taken here; leave one of them in the file")
+        count = _motors_of(path) if motors is None else motors
     if surfaces and count not in (2, 3):
         raise CommandError(
             f"--surfaces {surfaces}: they are across 2 or 3 motors, and here is {count}"
@@ -107,31 +116,48 @@ def be_virtual(
         _check_place("--hand", hand, "socket", Path.is_socket)
         if len(os.fsencode(hand)) > _LONGEST_SOCKET:
             raise CommandError(f"--hand {hand}: is too long for a socket; name a shorter path")
-    if hand is not None and (loaded.hand is None or loaded.hand.path == "impact"):
+    lacks_hand = loaded.hand is None or loaded.hand.path == "impact"
+    if hand is not None and device.space is None and lacks_hand:
         raise CommandError(f"--hand {hand}: {loaded.scene.name} has no hand that can be led")
     check_terminals()
 
-    from wavehaptics.host.led_hand import LedHand
+    from wavehaptics.host.led_hand import MOST_M_S, LedHand
     from wavehaptics.host.virtual import VirtualBoard
     from wavehaptics.ladder.abilities import left_out
-    from wavehaptics.ladder.linked_motors import LinkedMotors
-    from wavehaptics.ladder.linked_pins import linked_pins
+    from wavehaptics.ladder.refusals import check_device
 
     if missing := left_out(loaded, "pins", linked=True):
         # The first line of the output is the port's path, which others read.
         print(f"the board leaves out {', '.join(missing)}", file=sys.stderr)
+    if device.space is not None:
+        check_device(device, "pins")
     with told_waiting("building the simulated board, which takes minutes the first time"):
-        pins = (
-            linked_pins(loaded) if count == 1
-            else LinkedMotors(loaded, count, led=hand_of, surfaces=surfaces)
-        )  # fmt: skip
+        pins = _pins(device, loaded, count, hand_of, surfaces)
         pins.elapse(1)  # compiles the loop
     with asked_to_end() as asked, ExitStack() as kept:
-        led = kept.enter_context(LedHand(hand, pins.hand_rad)) if hand is not None else None
+        led = None
+        if hand is not None and device.space is not None:
+            led = LedHand(hand, *device.space.home_m[:2], most=MOST_M_S)
+        elif hand is not None:
+            led = LedHand(hand, pins.hand_rad)
+        if led is not None:
+            kept.enter_context(led)
         running = kept.enter_context(VirtualBoard(pins, link, led))
         print(running.path, flush=True)
         fastest = 1.0 if paced else math.inf
         running.run(lambda: asked() or (tied and _input_ended()), seconds, fastest=fastest)
+
+
+def _pins(device: Device, scene: Scene, count: int, hand_of: int, surfaces: int) -> LinkedPins:
+    """The simulated device, with one motor, several or an arm."""
+    from wavehaptics.ladder.linked_motors import LinkedArm, LinkedMotors
+    from wavehaptics.ladder.linked_pins import linked_pins
+
+    if device.space is not None:
+        return LinkedArm(device)
+    if count == 1:
+        return linked_pins(scene)
+    return LinkedMotors(scene, count, led=hand_of, surfaces=surfaces)
 
 
 def _given(context: typer.Context) -> list[str]:

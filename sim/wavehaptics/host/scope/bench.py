@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from wavehaptics.controller import wave_core
 from wavehaptics.controller.ports import controller_ports
@@ -21,8 +21,11 @@ from wavehaptics.ladder.design_spring import rendered_stiffness
 from wavehaptics.laws import closed_forms
 from wavehaptics.laws.reflection import WishError
 from wavehaptics.parts.adcs import KINDS
-from wavehaptics.scene import Scene, SceneError, load_scene
+from wavehaptics.scene import Device, Scene, SceneError, load_device
 from wavehaptics.words import formats
+
+if TYPE_CHECKING:
+    from wavehaptics.host.scope.arm import ArmBench
 
 LAMBDA_SPAN = 300.0
 """Largest λ of the slider over the least."""
@@ -75,21 +78,33 @@ class Known:
     """Where the device's count is 0, in cells of the scene's angle."""
     starts: bool = False
     """Whether that is known."""
+    device: Device | None = None
+    """The motors of an arm, of which ``scene`` is one."""
 
     @classmethod
     def of_scene(cls, path: Path, overrides: tuple[str, ...], *, starts: bool) -> Known:
         """All that a scene tells. ``starts``: the device began to count where the scene does."""
-        scene = load_scene(path, overrides)
+        device = load_device(path, overrides)
+        scene = first_scene(device)
         ports = controller_ports(scene)
         return cls(
             scene, path, overrides, scene.motor.k_t, ports.settings.cell_rad,
             ports.start_count if starts else 0, starts,
+            device if device.space is not None else None,
         )  # fmt: skip
 
     def but(self, k_t: float | None, counts: int | None) -> Known:
         """The same with another torque constant, N·m/A, or encoder, counts a turn, if given."""
         cell_rad = None if counts is None else 2 * math.pi / counts
         return replace(self, k_t=k_t or self.k_t, cell_rad=cell_rad or self.cell_rad)
+
+
+def first_scene(device: Device) -> Scene:
+    """The scene of a motor of an arm, or of the only one; :class:`SceneError` where there are
+    several without an arm."""
+    if device.space is not None:
+        return device.scenes[0]
+    return device.one("one is taken here; leave one of them in the file")
 
 
 @dataclass
@@ -129,6 +144,11 @@ class Bench:
         self._clock_hz = client.identification.words["clock_hz"]
         self._sections = options["shaper"]
         self._wish: _Wish | None = None
+        self.arm_bench: ArmBench | None = None
+        if known.device is not None:
+            from wavehaptics.host.scope.arm import ArmBench  # compiles
+
+            self.arm_bench = ArmBench(client, known.device)
         self._names = (
             "half_clocks", "tick_halves", "extra_ticks", "samples", "gain", "root", "a", "u_max",
             "eta_contact", "eta_free",
@@ -324,7 +344,7 @@ class Bench:
     def _scene(self, *more: str) -> Scene:
         """The scene with further keys; :class:`SceneError` where it can't have them."""
         assert self.known.path is not None
-        return load_scene(self.known.path, [*self.known.overrides, *more])
+        return first_scene(load_device(self.known.path, [*self.known.overrides, *more]))
 
     def _shape_words(self, wish: _Wish) -> dict[Place, float]:
         words = wish.shaper.words
@@ -445,6 +465,7 @@ class Bench:
             sliders["damping"] = {"value": self._wish.damping, "min": 0.0, "max": damper}
         return {
             "sliders": sliders,
+            "arm": self.arm_bench.shown() if self.arm_bench is not None else None,
             "a": self._value("a"),
             "eta_free": self._value("eta_free"),
             "tau_s": self.tau_s if self._moves else None,

@@ -38,6 +38,8 @@ STOPPED = "stopped while it was being armed; arm it again if that is still wante
 
 _STATUS_S = 0.1
 _SEEN_EVERY = 2
+_PLANES_EVERY = 4
+"""Turns of an arm's planes for one of the motor's own row."""
 _SEEN_S = 0.04
 """From one poll of the anchor to the next beside a stream."""
 _TURN_S = 0.01
@@ -174,11 +176,11 @@ class Feed(threading.Thread):
         if owner is self._owner or owner is self._asker:
             self.stop()
 
-    def lead(self, place_rad: float) -> None:
+    def lead(self, *place: float) -> None:
         """Lead the hand of a virtual board."""
         hand = self._plug.hand
         if hand is not None:
-            hand.lead(place_rad)
+            hand.lead(*place)
 
     def end(self) -> None:
         """Switch off, and end the thread; :class:`HostError` where the board didn't hear that."""
@@ -233,7 +235,7 @@ class Feed(threading.Thread):
         client.before_each = lambda: self._watch(bench)
         self._plug.connect_hand()
         self._shown = bench.shown()
-        self._streams = not bench.brushless and fast.is_worth(client)
+        self._streams = not (bench.brushless or bench.arm_bench) and fast.is_worth(client)
         if self._streams:
             # Where the way there can't bear the fast rate, that takes a second: now, nothing is on.
             with client.hurry():
@@ -246,18 +248,21 @@ class Feed(threading.Thread):
         self._shared_until = time.monotonic() + SHARED_S
 
     def _serve(self, bench: Bench) -> None:
-        turn, seen = 0, {}
+        turn, seen, row = 0, {}, {}
         while not self._ended.is_set():
             if self._streams and time.monotonic() >= self._shared_until:
                 self._stream(bench)
                 continue
             self._attend(bench)
+            tip = bench.arm_bench.renew() if bench.arm_bench is not None else {}
             if self._streams and bench.client.awaited:
                 self._share()
-            if turn % _SEEN_EVERY == 0:
-                seen = bench.seen()
+            if not tip or turn % _PLANES_EVERY == 0:
+                if turn % _SEEN_EVERY == 0:
+                    seen = bench.seen()
+                row = bench.row(bench.step(), seen)
             turn += 1
-            row = bench.row(bench.step(), seen)
+            row = {**row, **tip}
             moment = self._time_s()
             if moment is not None:
                 self._keep(row, moment)
@@ -389,7 +394,8 @@ class Feed(threading.Thread):
     def _keep(self, row: dict[str, float], time_s: float) -> None:
         hand = self._plug.hand
         if hand is not None and hand.told is not None:
-            row["x_hand"] = hand.told.hand_rad
+            names = ("x_hand",) if len(hand.told.hand) == 1 else ("hand_x", "hand_y")
+            row |= dict(zip(names, hand.told.hand, strict=True))
         # A board that was plugged in anew begins at 0 again; time goes on.
         row["t"] = self._last_t = self._onward(time_s)
         self.kept.add(row)

@@ -21,10 +21,11 @@ NAMES = (
     *FLAGS,
     LOST,
     *(column.name.lower() for column in ANCHOR_COLUMNS),
-    "i_alpha",
-    "i_beta",
-)
-"""Arrays of a trace that a device could tell, and both currents of a brushless motor."""
+    "i_alpha", "i_beta",
+    "tip_x", "tip_y", "hand_x", "hand_y", "force_x", "force_y",
+)  # fmt: skip
+"""Arrays of a trace that a device could tell, both currents of a brushless motor, and of an arm
+its tip, the hand there and the motors' force, m and N."""
 
 MOST_ROWS = 2_000_000
 """Some ten hours; then the oldest half is forgotten."""

@@ -33,9 +33,14 @@ class Told:
     heard: float
     """``time.monotonic()`` then."""
     time_s: float
-    hand_rad: float
+    hand: tuple[float, ...]
+    """Where it is: rad, or x and y in m at the tip of an arm."""
     speed: float
     """Simulated time over real time."""
+
+    @property
+    def hand_rad(self) -> float:
+        return self.hand[0]
 
 
 class HandLine:
@@ -53,10 +58,10 @@ class HandLine:
         self.told: Told | None = None
         threading.Thread(target=self._listen, name="hand", daemon=True).start()
 
-    def lead(self, place_rad: float) -> None:
+    def lead(self, *place: float) -> None:
         """Say where the hand is to go."""
         with contextlib.suppress(OSError):
-            self._socket.send(f"{place_rad:.9g}\n".encode())
+            self._socket.send((" ".join(f"{one:.9g}" for one in place) + "\n").encode())
 
     def close(self) -> None:
         """End it."""
@@ -69,14 +74,14 @@ class HandLine:
         speed = 0.0
         with contextlib.suppress(OSError, ValueError), self._socket.makefile("r") as lines:
             for line in lines:
-                moment, place = map(float, line.split())
+                moment, *place = map(float, line.split())
                 now = time.monotonic()
                 if first is None:
                     first = now, moment
                 elif now - first[0] >= 0.5:
                     speed = (moment - first[1]) / (now - first[0])
                     first = now, moment
-                self.told = Told(now, moment, place, speed)
+                self.told = Told(now, moment, tuple(place), speed)
 
     def time_s(self) -> float | None:
         """Simulated time now, s: the last that was told, and what has passed since."""
@@ -129,14 +134,18 @@ class Plug:
 class VirtualPlug(Plug):
     """A virtual board with a scene, in a process that ends with this one, however that is.
 
-    The hand is that of ``motor``, and ``more`` are options of ``wavehaptics board``.
+    The hand is that of ``motor``, None with an arm; ``more`` are options of ``wavehaptics board``.
     :class:`ToolError` where there can't be such a board.
     """
 
     virtual = True
 
     def __init__(
-        self, scene: str, overrides: tuple[str, ...], motor: int = 0, more: Sequence[str] = ()
+        self,
+        scene: str,
+        overrides: tuple[str, ...],
+        motor: int | None = 0,
+        more: Sequence[str] = (),
     ) -> None:
         check_terminals()
         self._folder = tempfile.TemporaryDirectory(
@@ -148,7 +157,7 @@ class VirtualPlug(Plug):
         self._command = [
             sys.executable, "-m", "wavehaptics", "board", "--virtual", scene, *sets, "--paced",
             "--tied", "--link", self.port, "--hand", str(folder / "hand"),
-            "--hand-of", str(motor), *more,
+            *(() if motor is None else ("--hand-of", str(motor))), *more,
         ]  # fmt: skip
         self._process: subprocess.Popen[str] | None = None
         self._wanted = True

@@ -162,7 +162,8 @@ class Scope:
             case "beat":
                 feed.beat(page)
             case "hand":
-                feed.lead(float(asked["place"]))
+                place = asked["place"]
+                feed.lead(*map(float, place if isinstance(place, list) else [place]))
             case "stop":
                 feed.stop()
             case "record":

@@ -12,6 +12,8 @@ const AXIS = 58;
 // [name, unit, scale, series as [column, label, colour, dash]]
 const PLOTS = {
   place: ["Place", "mrad", 1e3, [["x", "rotor", "wave"], ["x_hand", "hand", "hand", [5, 4]]]],
+  tip: ["Tip", "mm", 1e3, [["tip_x", "x", "wave"], ["tip_y", "y", "second"], ["hand_x", "hand's x", "wave", [5, 4]], ["hand_y", "hand's y", "second", [5, 4]]]],
+  force: ["Force at the tip", "N", 1, [["force_x", "x", "wave"], ["force_y", "y", "second"]]],
   torque: ["Torque", "mN·m", 1e3, [["torque", "of the motor", "second"]]],
   axes: ["Currents of both axes", "A", 1, [["i_alpha", "α", "wave"], ["i_beta", "β", "second"]]],
   voltage: ["Voltage", "V", 1, [["e_a", "asked for", "wave"]]],
@@ -28,8 +30,8 @@ export class Plots {
   }
 
   // Choose what is there: without a motor's data amperes and counts.
-  shape({ torque, rad, hand, flux, axes }) {
-    const key = JSON.stringify([torque, rad, hand, flux, axes]);
+  shape({ torque, rad, hand, flux, axes, arm }) {
+    const key = JSON.stringify([torque, rad, hand, flux, axes, arm]);
     if (key === this.key) return;
     this.key = key;
     this.chosen = structuredClone(PLOTS);
@@ -38,6 +40,7 @@ export class Plots {
     if (!hand) this.chosen.place[3].length = 1;
     if (!flux) delete this.chosen.flux;
     if (!axes) delete this.chosen.axes;
+    for (const name of arm ? ["place"] : ["tip", "force"]) delete this.chosen[name];
     this.#anew();
   }
 

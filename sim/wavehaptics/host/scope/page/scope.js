@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: what it hears goes into its parts, and once a frame they are drawn.
 
+import { Arm } from "./arm.js";
 import { figures, result } from "./canvas.js";
 import { Data } from "./data.js";
 import { Link, token } from "./link.js";
@@ -21,6 +22,7 @@ let state = null, told = "", toldAt = -Infinity, there = false;
 
 const link = new Link({ hello, rows, state: take, told: answer }, away);
 const stage = new Stage(by("stage"), (place) => link.say("hand", { place }));
+const arm = new Arm(by("arm-stage"), (place) => link.say("hand", { place }));
 const phase = new Phase(by("phase"));
 const plots = new Plots(by("plots"));
 const sliders = new Sliders(by("sliders"), (name, value) => link.say("slide", { name, value }));
@@ -112,12 +114,20 @@ function shape(live) {
   stage.led = state.hand !== null;
   stage.hand = state.hand;
   stage.canvas.classList.toggle("still", !stage.led);
+  if (state.arm) {
+    arm.led = stage.led;
+    arm.view = state.arm.view;
+    arm.canvas.classList.toggle("still", !arm.led);
+  }
+  by("stage").hidden = by("phase-card").hidden = by("sliders").hidden = !!state.arm;
+  by("arm-stage").hidden = !state.arm;
+  by("stage-title").textContent = state.arm ? "The arm" : "The wall";
   const { min, max } = state.sliders.wall, room = 0.375 * (max - min);
   stage.view = [min - room, max + room];
   stage.canvas.setAttribute("aria-valuemin", stage.view[0]);
   stage.canvas.setAttribute("aria-valuemax", stage.view[1]);
   const lost = live && state.running && state.magnet === false;
-  by("hint").textContent = lost ? "turn the rotor briskly in free space: its magnets' angle isn't known yet" : !stage.led ? "turn the motor by hand" : live && !state.running ? "arm it, then drag the ring into the wall" : "drag the ring, or use ← →";
+  by("hint").textContent = lost ? "turn the rotor briskly in free space: its magnets' angle isn't known yet" : !stage.led ? `${state.arm ? "move the tip" : "turn the motor"} by hand` : live && !state.running ? `arm it, then drag the ring into ${state.arm ? "a surface" : "the wall"}` : "drag the ring, or use the arrow keys";
   by("time-unit").textContent = [
     live && (state.row_hz ? `${state.row_hz.toFixed(0)} rows a second by stream` : "polled"),
     state.lost && `${state.lost} packets lost`,
@@ -127,8 +137,8 @@ function shape(live) {
   by("k-l").textContent = result(state.k_l);
   for (const unit of document.getElementsByClassName("k-unit")) unit.textContent = torque ? (rad ? "N·m/rad" : "N·m/count") : rad ? "A/rad" : "A/count";
   by("k-l-is").innerHTML = state.brushless ? "K<sub>L</sub> = 1.5 (pψ)²/L" : "K<sub>L</sub> = k<sub>T</sub>²/L";
-  plots.shape({ torque, rad, hand: stage.led, flux: "flux" in last, axes: state.brushless });
-  if (live) sliders.show(state.sliders, rad, state);
+  plots.shape({ torque, rad, hand: stage.led && !state.arm, arm: !!state.arm, flux: "flux" in last, axes: state.brushless });
+  if (live && !state.arm) sliders.show(state.sliders, rad, state);
 }
 
 let drawn = 0;
@@ -139,6 +149,15 @@ function draw(now) {
   const last = data.last ?? {};
   document.body.dataset.time = last.t ?? "";
   by("k-fit").textContent = data.fit ? result(data.fit.k) : "–";
+  if (state.arm) {
+    let most = 0.5;
+    for (let n = data.rows.length - 1; n >= 0 && data.rows[n].t > last.t - FORCE_S; n--) most = Math.max(most, Math.hypot(data.rows[n].force_x ?? 0, data.rows[n].force_y ?? 0));
+    arm.draw({ row: last, most, shapes: state.arm.shapes, alive: there && state.live });
+    [document.body.dataset.view, document.body.dataset.tip] = [state.arm.view.join(" "), JSON.stringify(last)];
+    by("force").textContent = last.force_x === undefined ? "" : `${result(Math.hypot(last.force_x, last.force_y))} N`;
+    plots.draw(data.rows);
+    return;
+  }
   let most = 0.02;
   for (let n = data.rows.length - 1; n >= 0 && data.rows[n].t > last.t - FORCE_S; n--) most = Math.max(most, Math.abs(data.rows[n].f ?? 0));
   stage.draw({ x: last.x, f: last.f, fMost: most, wall: state.wall, there: state.wall_there, alive: there && state.live, counts: !state.rad });
