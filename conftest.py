@@ -83,6 +83,7 @@ BLOCKS = {
     "wh_shaper_ports": "icarus-core-N=1-SHAPER=1",
     "wh_sinc3": "icarus-sinc3-OSR=4-CAPTURE_RISE=0-TRIP_OSR=2-LINES=1",
     "wh_slots": "test_ports.py::test_ports[icarus-2-0-0-0]",
+    "wh_spi": "icarus-spi-briefly",
     "wh_step_watch": "icarus-step_watch",
     "wh_stream": "icarus-stream-N=1-briefly",
     "wh_surface_frame": "test_device_surfaces.py::test_surfaces_briefly",
