@@ -160,6 +160,8 @@ LONG = (
     "sim/tests/test_brushless_soft.py::test_pins_have_goldens_stiffness[0]",
     "sim/tests/test_brushless_soft.py::test_pins_render_the_spring",
     "sim/tests/test_c_library.py::test_random_bytes_never_crash_it_and_are_never_believed",
+    "sim/tests/test_c_spi.py::test_a_loop_of_a_host_mcu",
+    "sim/tests/test_c_spi.py::test_the_ball_over_a_serial_line",
     "sim/tests/test_captured.py::test_a_capture_is_what_the_simulation_had[0]",
     "sim/tests/test_compiled.py::test_only_what_is_changed_is_compiled_anew",
     "sim/tests/test_device_words.py::test_a_brushless_device_that_is_left_alone_is_its_controller",

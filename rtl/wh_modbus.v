@@ -101,7 +101,7 @@ module wh_modbus #(
         {`WH_WORDS_CRC, BUILD, OPTIONS, CLOCK_32, MOTORS_32, 32'd0, VERSION, RATES_32};
     localparam [8*14-1:0] VENDOR   = {8'd0, 8'd12, "wave haptics"};
     localparam [8*12-1:0] PRODUCT  = {8'd1, 8'd10, "controller"};
-    localparam [8*8-1:0]  REVISION = {8'd2, 8'd6, "v0.1.0"};
+    localparam [8*8-1:0]  REVISION = {8'd2, 8'd6, "v0.2.0"};
     localparam [8*38-1:0] OBJECTS_0 = {32'h01000003, VENDOR, PRODUCT, REVISION};
     localparam [8*24-1:0] OBJECTS_1 = {32'h01000002, PRODUCT, REVISION};
     localparam [8*12-1:0] OBJECTS_2 = {32'h01000001, REVISION};
