@@ -257,9 +257,11 @@ LINT_CASES := \
     wh_settings_rom,-GBOTH=1 \
     wh_link,-GCLOCK_HZ=700000 \
     wh_link,-GCLOCK_HZ=125000000,-GUNIT=247,-GFALLBACK=511 \
+    wh_link,-GSPI=1 \
     wh_linked_device,-GN=3,-GSHAPER=2 \
     wh_linked_device,-GARM=0 \
     wh_linked_device,-GCAPTURE=12,-GSTREAM=1 \
+    wh_linked_device,-GN=3,-GSURFACES=8,-GSTREAM=1,-GSPI=1 \
     wh_capture,-GN=2,-GDEPTH_LOG2=15 \
     wh_capture,-GDEPTH_LOG2=4 \
     wh_rows,-GCHANNELS=2 \

@@ -62,8 +62,8 @@ class ModbusBench(Bench):
 
     async def begin(self, **inputs: int) -> None:
         await self.start(
-            rx_valid_i=0, rx_error_i=0, rx_data_i=0, tx_ready_i=1, dead_i=0, enable_i=0, trap_i=0,
-            commits_i=0, **inputs,
+            rx_valid_i=0, rx_error_i=0, rx_data_i=0, framed_i=0, ends_i=0, tx_ready_i=1, dead_i=0,
+            enable_i=0, trap_i=0, commits_i=0, **inputs,
         )  # fmt: skip
         self.sent = bytearray()  # with it what was on its way as the reset came
         if not hasattr(self, "_listener"):

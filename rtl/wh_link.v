@@ -4,6 +4,14 @@
 // (wh_modbus), whose header says what it does. With STREAM = 1 packets of a stream share the transmitter, and
 // answers are framed, as long as there is credit (wh_cobs).
 //
+// With SPI = 1 a master on SPI (wh_spi) can have the slave in place of the UART, with the same frames:
+//
+//   CS falls: the UART isn't heard any more, and once the frame under way is over the master on SPI is;
+//   no valid frame for a second: the UART has the slave again, and waiting answers are dropped
+//
+// Only one of the two is heard at a time, so the bus and the registers that wait for a commit have one master.
+// Packets of a stream go out on the UART in either case.
+//
 //   rate_o of wh_modbus   0 115,200   1 1,000,000   2 1,500,000   3 3,000,000 bits a second
 //
 // Rates with fewer than six clocks a bit are refused. A request reaches the bus a clock late, out of
@@ -20,13 +28,19 @@ module wh_link #(
     parameter [31:0]  BUILD    = 32'd0,
     parameter [31:0]  OPTIONS  = 32'd0,
     parameter integer MOTORS   = 1,
-    parameter integer STREAM   = 0
+    parameter integer STREAM   = 0,
+    parameter integer SPI      = 0          // 1: an SPI slave beside the UART
 ) (
     input  wire        clk,
     input  wire        rst,
 
     input  wire        uart_rx_i,     // asynchronous
     output wire        uart_tx_o,
+    input  wire        spi_cs_n_i,    // asynchronous; these do nothing with SPI = 0
+    input  wire        spi_sclk_i,    // asynchronous
+    input  wire        spi_mosi_i,    // asynchronous
+    output wire        spi_miso_o,
+    output wire        spi_drives_o,  // CS is low
 
     // The bus (wh_registers).
     output reg         bus_valid_o,
@@ -55,6 +69,9 @@ module wh_link #(
         if (STREAM != 0 && STREAM != 1) begin : illegal_stream
             wh_illegal_parameter_link_stream_must_be_0_or_1 stop ();
         end
+        if (SPI != 0 && SPI != 1) begin : illegal_spi
+            wh_illegal_parameter_link_spi_must_be_0_or_1 stop ();
+        end
     endgenerate
 
     localparam integer RATES = (CLOCK_HZ >= 18000000) ? 4 : (CLOCK_HZ >= 9000000) ? 3
@@ -69,6 +86,15 @@ module wh_link #(
     wire        rx_valid;
     wire        rx_error;
     wire [7:0]  rx_data;
+    wire        heard_valid;    // of the UART or of SPI, whichever has the slave
+    wire        heard_error;
+    wire [7:0]  heard_data;
+    wire        heard_end;
+    wire        by_spi;         // SPI has it
+    wire        spi_ready;
+    wire        idle;
+    wire        lost;
+    wire        line_ready;     // the UART's
     wire        tx_valid;
     wire [7:0]  tx_data;
     wire        tx_ready;
@@ -120,15 +146,19 @@ module wh_link #(
     ) modbus (
         .clk           (clk),
         .rst           (rst),
-        .rx_valid_i    (rx_valid),
-        .rx_error_i    (rx_error),
-        .rx_data_i     (rx_data),
+        .rx_valid_i    (heard_valid),
+        .rx_error_i    (heard_error),
+        .rx_data_i     (heard_data),
+        .framed_i      (by_spi),
+        .ends_i        (heard_end),
         .tx_valid_o    (answer_valid),
         .tx_data_o     (answer),
         .tx_ready_i    (answer_ready),
         .answers_o     (answers),
         .rests_o       (rests),
         .rate_o        (rate),
+        .idle_o        (idle),
+        .lost_o        (lost),
         .bus_valid_o   (asks),
         .bus_write_o   (writes),
         .bus_check_o   (checks),
@@ -140,17 +170,78 @@ module wh_link #(
         .bus_signed_i  (bus_signed_i)
     );
 
+    assign answer_ready = by_spi ? spi_ready : line_ready;
+
     generate
+        if (SPI != 0) begin : spi
+            reg        wants_q;  // CS has fallen
+            reg        has_q;    // SPI has the slave
+            reg        gives_q;  // not any more, once the slave is idle
+            wire       takes = has_q && !gives_q;
+            wire       begins;
+            wire       spi_valid;
+            wire       spi_error;
+            wire [7:0] spi_data;
+
+            wh_spi bytes (
+                .clk        (clk),
+                .rst        (rst),
+                .cs_n_i     (spi_cs_n_i),
+                .sclk_i     (spi_sclk_i),
+                .mosi_i     (spi_mosi_i),
+                .miso_o     (spi_miso_o),
+                .drives_o   (spi_drives_o),
+                .takes_i    (takes),
+                .begins_o   (begins),
+                .ends_o     (heard_end),
+                .rx_valid_o (spi_valid),
+                .rx_error_o (spi_error),
+                .rx_data_o  (spi_data),
+                .tx_valid_i (answer_valid && takes),
+                .tx_data_i  (answer),
+                .tx_ready_o (spi_ready)
+            );
+
+            always @(posedge clk) begin
+                if (rst) begin
+                    wants_q <= 1'b0;
+                    has_q   <= 1'b0;
+                    gives_q <= 1'b0;
+                end else begin
+                    wants_q <= begins || (wants_q && !idle);
+                    gives_q <= has_q && (lost || (gives_q && !idle));
+                    if (idle) begin
+                        has_q <= wants_q || takes;
+                    end
+                end
+            end
+
+            assign by_spi      = has_q;
+            assign heard_valid = has_q ? spi_valid : (rx_valid && !wants_q);
+            assign heard_error = has_q ? spi_error : rx_error;
+            assign heard_data  = has_q ? spi_data : rx_data;
+        end else begin : uart_only
+            wire unused_spi = &{1'b0, spi_cs_n_i, spi_sclk_i, spi_mosi_i, idle, lost};
+
+            assign by_spi       = 1'b0;
+            assign heard_valid  = rx_valid;
+            assign heard_error  = rx_error;
+            assign heard_data   = rx_data;
+            assign heard_end    = 1'b0;
+            assign spi_ready    = 1'b0;
+            assign spi_miso_o   = 1'b0;
+            assign spi_drives_o = 1'b0;
+        end
         if (STREAM != 0) begin : streams
             wh_cobs frames (
                 .clk            (clk),
                 .rst            (rst),
                 .credit_i       (stream_credit_i),
-                .answers_i      (answers),
-                .rests_i        (rests),
-                .answer_valid_i (answer_valid),
+                .answers_i      (answers && !by_spi),
+                .rests_i        (rests && !by_spi),
+                .answer_valid_i (answer_valid && !by_spi),
                 .answer_i       (answer),
-                .answer_ready_o (answer_ready),
+                .answer_ready_o (line_ready),
                 .byte_valid_i   (stream_valid_i),
                 .byte_first_i   (stream_first_i),
                 .byte_i         (stream_byte_i),
@@ -164,9 +255,9 @@ module wh_link #(
             wire unused = &{1'b0, answers, rests, stream_credit_i, stream_valid_i, stream_first_i,
                             stream_byte_i, stream_packet_i};
 
-            assign tx_valid      = answer_valid;
+            assign tx_valid      = answer_valid && !by_spi;
             assign tx_data       = answer;
-            assign answer_ready  = tx_ready;
+            assign line_ready    = tx_ready;
             assign stream_room_o = 1'b0;
         end
     endgenerate

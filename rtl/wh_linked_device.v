@@ -4,6 +4,8 @@
 //
 //   uart_rx_i -> wh_link -> wh_device -> pins
 //
+// With SPI = 1 a master on SPI can have the line's place (wh_link).
+//
 // What stands on the line, and what of it does nothing, is said by wh_modbus. enable_i is a pin that
 // allows: with it, and ARM = 1, the word `arm` lets the bridges on for 200 ms, and press_i until something is
 // against it (wh_arm); with ARM = 0 the pin alone does. Word 2 of the identification, its options, is made here:
@@ -36,6 +38,7 @@ module wh_linked_device #(
     parameter integer ARM          = 1,
     parameter integer CAPTURE      = 0,
     parameter integer STREAM       = 0,
+    parameter integer SPI          = 0,  // of the link
     parameter integer LEGS         = 2,
     parameter integer CLOCK_HZ     = 24000000,
     parameter integer UNIT         = 1,  // 1...247, of the link
@@ -52,6 +55,11 @@ module wh_linked_device #(
     // The line.
     input  wire                 uart_rx_i,      // asynchronous
     output wire                 uart_tx_o,
+    input  wire                 spi_cs_n_i,     // asynchronous; these do nothing with SPI = 0
+    input  wire                 spi_sclk_i,     // asynchronous
+    input  wire                 spi_mosi_i,     // asynchronous
+    output wire                 spi_miso_o,
+    output wire                 spi_drives_o,   // CS is low
 
     // Pins, and what a board wires.
     output wire                 adc_cs_n_o,
@@ -131,12 +139,18 @@ module wh_linked_device #(
         .BUILD         (BUILD),
         .OPTIONS       (OPTIONS),
         .MOTORS        (N),
-        .STREAM        (STREAM)
+        .STREAM        (STREAM),
+        .SPI           (SPI)
     ) link (
         .clk           (clk),
         .rst           (rst),
         .uart_rx_i     (uart_rx_i),
         .uart_tx_o     (uart_tx_o),
+        .spi_cs_n_i    (spi_cs_n_i),
+        .spi_sclk_i    (spi_sclk_i),
+        .spi_mosi_i    (spi_mosi_i),
+        .spi_miso_o    (spi_miso_o),
+        .spi_drives_o  (spi_drives_o),
         .bus_valid_o   (bus_valid),
         .bus_write_o   (bus_write),
         .bus_check_o   (bus_check),

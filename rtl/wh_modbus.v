@@ -26,7 +26,11 @@
 // to others nothing is done. Counters go on through a reset, and can't be written.
 //
 // rate_o, 0 at first, is written by word 5; it changes after the answer, and back to 0 after FALLBACK
-// times SILENCE clocks without a whole frame whose CRC was right.
+// times SILENCE clocks without a whole frame whose CRC was right; lost_o is high in the last clock of these.
+//
+// With framed_i bytes come in transfers (wh_spi): the end of one takes the place of silence, so frames may follow each
+// other in one, but none goes on in the next. A byte of 248 to 255 in place of a unit is no frame, and nor is the rest
+// of its transfer: a master sends it to read. idle_o: no frame has begun and no answer waits; framed_i may change.
 //
 // Latency: of a frame of w words 3w times 18 clocks and the bus's own, then the answer. Reset: idle,
 // at rate 0; what was received is forgotten.
@@ -51,12 +55,16 @@ module wh_modbus #(
     input  wire        rx_valid_i,  // strobe
     input  wire        rx_error_i,  // with the strobe: the byte was none
     input  wire [7:0]  rx_data_i,
+    input  wire        framed_i,
+    input  wire        ends_i,      // strobe: a transfer has ended
     output wire        tx_valid_o,
     output wire [7:0]  tx_data_o,
     input  wire        tx_ready_i,  // high where nothing is on its way any more
     output wire        answers_o,   // an answer's bytes come, from before the first one to the last
     output wire        rests_o,     // then, and without an answer as well: tx_ready_i is waited for
     output wire [1:0]  rate_o,
+    output wire        idle_o,
+    output wire        lost_o,      // strobe
 
     // The bus.
     output wire        bus_valid_o,
@@ -93,7 +101,7 @@ module wh_modbus #(
         {`WH_WORDS_CRC, BUILD, OPTIONS, CLOCK_32, MOTORS_32, 32'd0, VERSION, RATES_32};
     localparam [8*14-1:0] VENDOR   = {8'd0, 8'd12, "wave haptics"};
     localparam [8*12-1:0] PRODUCT  = {8'd1, 8'd10, "controller"};
-    localparam [8*8-1:0]  REVISION = {8'd2, 8'd6, "v0.1.0"};
+    localparam [8*8-1:0]  REVISION = {8'd2, 8'd6, "v0.2.0"};
     localparam [8*38-1:0] OBJECTS_0 = {32'h01000003, VENDOR, PRODUCT, REVISION};
     localparam [8*24-1:0] OBJECTS_1 = {32'h01000002, PRODUCT, REVISION};
     localparam [8*12-1:0] OBJECTS_2 = {32'h01000001, REVISION};
@@ -134,6 +142,7 @@ module wh_modbus #(
     reg  [8:0]           unheard_q;  // since the last good frame
     wire                 period = (period_q == PERIOD_END[SILENCE_W-1:0]);
     wire                 quiet  = quiet_q[1];
+    wire                 unheard = (unheard_q == LAST_PERIOD[8:0]);
 
     always @(posedge clk) begin
         if (rst) begin
@@ -143,6 +152,8 @@ module wh_modbus #(
             period_q <= period ? {SILENCE_W{1'b0}} : period_q + 1'b1;
             if (rx_valid_i) begin
                 quiet_q <= 2'd0;
+            end else if (framed_i) begin
+                quiet_q <= ends_i ? 2'd2 : quiet_q;
             end else if (period && !quiet) begin
                 quiet_q <= quiet_q + 2'd1;
             end
@@ -273,7 +284,9 @@ module wh_modbus #(
     wire       good     = (crc_q == 16'd0);
     wire       closes   = open_q && good && (place_q[7:2] != 6'd0);  // an open frame's CRC is right
     wire       breaks   = gap && begun;
-    wire       stores   = (state_q == TAKE) && !breaks && !broken && !skip_q;
+    wire       filler   = framed_i && (place_q == 8'd0) && (&byte_in[7:3]);
+    wire       passes   = skip_q || filler;
+    wire       stores   = (state_q == TAKE) && !breaks && !broken && !passes;
     wire       hangs    = (&late_q) && !bus_ready_i;
     wire       waits    = (state_q == ASK) && bus_ready_i && (bus_error_i == 2'd3) && (pass_q == 2'd1) && !waited_q;
     wire       reads_out = (state_q == SEND) && (step_q[2:1] != 2'd0);
@@ -325,7 +338,7 @@ module wh_modbus #(
         case (state_q)
             GET:    state_d = there ? HEAR : owns_up ? COUNT : (quiet && begun) ? END : GET;
             HEAR:   state_d = TAKE;
-            TAKE:   state_d = breaks ? END : broken ? COUNT : skip_q ? GET : SHIFT;
+            TAKE:   state_d = breaks ? END : broken ? COUNT : passes ? GET : SHIFT;
             SHIFT:  state_d = (step_q != 3'd7) ? SHIFT : sends_q ? SENT : NEXT;
             NEXT:   state_d = whole_q ? ((good && !mine_q) ? GET : COUNT)
                             : (&place_q) ? COUNT : GET;
@@ -449,7 +462,7 @@ module wh_modbus #(
             end
             if (period) begin
                 unheard_q <= unheard_q + 9'd1;
-                if (unheard_q == LAST_PERIOD[8:0]) begin
+                if (unheard) begin
                     unheard_q  <= 9'd0;
                     rate_q     <= 2'd0;
                     new_rate_q <= 2'd0;
@@ -477,6 +490,8 @@ module wh_modbus #(
                         skip_q    <= 1'b1;
                         counter_q <= taken_q[9] ? OVERRUNS : FRAMINGS;
                         place_q   <= {4'b0010, taken_q[9] ? OVERRUNS : FRAMINGS, 2'd0};
+                    end else if (!breaks && filler) begin
+                        skip_q    <= 1'b1;
                     end
                     if (stores) begin
                         whole_q <= at_end && !open_q && !(writes_q && !one_q && place_q == 8'd6);
@@ -671,6 +686,8 @@ module wh_modbus #(
     assign bus_data_o    = data_q;
 
     assign rate_o = rate_q;
+    assign idle_o = (state_q == GET) && !there && !begun && !lost_q;
+    assign lost_o = period && unheard;
 
 endmodule
 

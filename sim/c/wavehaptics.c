@@ -6,23 +6,27 @@
 // answered in their order. An answer tells neither which question it is to nor, of a read, which words it has:
 // so once one is late, broken or doesn't fit, nothing more is believed until the line is settled. That is
 // done by a question whose answer is like no other, the identification at another length than the last time;
-// what comes before it is thrown away.
+// what comes before it is thrown away. On SPI the device has no turn of its own: what is to be read is clocked with
+// FILLER, which begins no question, and zeros come where no answer waits.
 
 #define _DEFAULT_SOURCE  // flock, and rates beyond POSIX's
 #define _DARWIN_C_SOURCE
 
 #include "wavehaptics.h"
 
-#include <errno.h>
-#include <fcntl.h>
-#include <poll.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+
+#ifndef WH_NO_SERIAL
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
 #include <sys/file.h>
 #include <termios.h>
 #include <time.h>
 #include <unistd.h>
+#endif
 
 enum {
     READ = 3,
@@ -33,7 +37,9 @@ enum {
     WRITE_MOST = 53,  // words
     TRIES = 4,       // of questions, where the line can be settled in between
     SETTLES = 3,     // in a row, until it is taken for silent
-    NONE_LEFT = 1
+    NONE_LEFT = 1,
+    FILLER = 0xff,
+    FILLERS = 64     // in a transfer, at most
 };
 
 enum kind { WH_SETTING, WH_COMMAND, WH_LIVE, WH_MEMORY };
@@ -78,6 +84,7 @@ typedef char identity_is_whole[(int)ID_COUNT == (int)WH_IDENTITY_COUNT ? 1 : -1]
 
 static const double fallback_s = 1.2;   // a device without a good frame is at its first rate again
 static const double silence_s = 0.05;   // nothing is under way, also through a bridge that waits 16 ms
+static const double spi_silence_s = 2e-3;
 static const double renewal_s = 0.05;
 static const double arming_s = 10.0;    // for a simulated board's zero as well
 static const double babble_s = 1.0;     // after which a line that is never silent is asked all the same
@@ -98,6 +105,12 @@ static int fail(struct wh_board *board, enum wh_result result, const char *forma
 const char *wh_message(const struct wh_board *board) { return board->message; }
 
 static int silent(struct wh_board *board) {
+    if (board->spi.transfer) {
+        return fail(board, WH_SILENT,
+                    "SPI: no answer with a right CRC within %g s; are all four wires right, SCLK at most a sixth of "
+                    "the device's clock, its unit %u, and its parameter SPI 1?",
+                    board->timeout_s, board->unit);
+    }
     if (board->came) {
         return fail(board, WH_SILENT,
                     "%s: %zu bytes came, but no answer with a right CRC; is it unit %u, at %u bits a "
@@ -110,11 +123,6 @@ static int silent(struct wh_board *board) {
                 board->path, board->timeout_s, board->unit);
 }
 
-static int gone(struct wh_board *board) {
-    const char *reason = errno ? strerror(errno) : "the line has ended";
-    return fail(board, WH_PORT, "%s: %s; was it unplugged?", board->path, reason);
-}
-
 // Append to a text that is cut where the room ends.
 static void append(char *text, size_t room, const char *before, const char *more) {
     const size_t length = strlen(text);
@@ -123,22 +131,81 @@ static void append(char *text, size_t room, const char *before, const char *more
 
 // ---- The line.
 
-static double now_s(void) {
+static bool on_spi(const struct wh_board *board) { return board->spi.transfer != NULL; }
+
+static int exchange(struct wh_board *board, const uint8_t *out, uint8_t *in, size_t count) {
+    if (board->spi.transfer(board->spi.context, out, in, count) == 0) return WH_OK;
+    return fail(board, WH_PORT, "%s: a transfer has failed; is the bus set up, and not in use?", board->path);
+}
+
+static int send_on_spi(struct wh_board *board, const uint8_t *bytes, size_t count) {
+    if (board->kept_count + count > sizeof board->kept) board->kept_count = 0;  // of earlier questions
+    const int result = exchange(board, bytes, board->kept + board->kept_count, count);
+    if (!result) board->kept_count += count;
+    return result;
+}
+
+// What waits, `room` bytes at most, or 0 where nothing has come until the time is over. It begins without zeros
+// where it is to begin an answer.
+static int receive_on_spi(struct wh_board *board, uint8_t *bytes, size_t room, bool begins, double until) {
+    uint8_t filler[FILLERS];
+    memset(filler, FILLER, sizeof filler);
+    for (;;) {
+        size_t count = board->kept_count < room ? board->kept_count : room, zeros = 0;
+        if (count) {
+            memcpy(bytes, board->kept, count);
+            memmove(board->kept, board->kept + count, board->kept_count - count);
+            board->kept_count -= count;
+        } else {
+            if (board->spi.now_s(board->spi.context) >= until) return 0;
+            count = room < FILLERS ? room : FILLERS;
+            const int result = exchange(board, filler, bytes, count);
+            if (result) return result;
+        }
+        while (begins && zeros < count && bytes[zeros] == 0) ++zeros;
+        if (zeros == count) continue;
+        memmove(bytes, bytes + zeros, count - zeros);
+        return (int)(count - zeros);
+    }
+}
+
+#ifdef WH_NO_SERIAL
+
+static double now_s(const struct wh_board *board) { return board->spi.now_s(board->spi.context); }
+
+static int send_bytes(struct wh_board *board, const uint8_t *bytes, size_t count) {
+    return send_on_spi(board, bytes, count);
+}
+
+static int receive(struct wh_board *board, uint8_t *bytes, size_t room, bool begins, double until) {
+    return receive_on_spi(board, bytes, room, begins, until);
+}
+
+#else
+
+static int gone(struct wh_board *board) {
+    const char *reason = errno ? strerror(errno) : "the line has ended";
+    return fail(board, WH_PORT, "%s: %s; was it unplugged?", board->path, reason);
+}
+
+static double now_s(const struct wh_board *board) {
     struct timespec now;
+    if (on_spi(board)) return board->spi.now_s(board->spi.context);
     (void)clock_gettime(CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 // Wait until the port has bytes, or room for some; 0 where the time is over.
-static int await(int file, short events, double until) {
-    const double left = until - now_s();
-    struct pollfd port = {.fd = file, .events = events};
+static int await(const struct wh_board *board, short events, double until) {
+    const double left = until - now_s(board);
+    struct pollfd port = {.fd = board->file, .events = events};
     const int found = poll(&port, 1, left <= 0.0 ? 0 : left > 1e3 ? 1000000 : (int)(1e3 * left) + 1);
     return found < 0 && errno == EINTR ? 1 : found;
 }
 
 static int send_bytes(struct wh_board *board, const uint8_t *bytes, size_t count) {
-    const double until = now_s() + board->timeout_s;
+    if (on_spi(board)) return send_on_spi(board, bytes, count);
+    const double until = now_s(board) + board->timeout_s;
     while (count) {
         const ssize_t sent = write(board->file, bytes, count);
         if (sent > 0) {
@@ -146,7 +213,7 @@ static int send_bytes(struct wh_board *board, const uint8_t *bytes, size_t count
             count -= (size_t)sent;
         } else if (sent < 0 && errno != EAGAIN && errno != EINTR) {
             return gone(board);
-        } else if (await(board->file, POLLOUT, until) == 0) {
+        } else if (await(board, POLLOUT, until) == 0) {
             return fail(board, WH_SILENT, "%s: takes no bytes within %g s", board->path,
                         board->timeout_s);
         }
@@ -155,17 +222,20 @@ static int send_bytes(struct wh_board *board, const uint8_t *bytes, size_t count
 }
 
 // Bytes that come, `room` at most: their number, 0 where the time is over, or an enum wh_result.
-static int receive(struct wh_board *board, uint8_t *bytes, size_t room, double until) {
+static int receive(struct wh_board *board, uint8_t *bytes, size_t room, bool begins, double until) {
+    if (on_spi(board)) return receive_on_spi(board, bytes, room, begins, until);
     for (;;) {
-        const int there = await(board->file, POLLIN, until);
+        const int there = await(board, POLLIN, until);
         if (there == 0) return 0;
         errno = 0;
         const ssize_t count = there < 0 ? -1 : read(board->file, bytes, room);
         if (count > 0) return (int)count;
         if (count == 0 || (errno != EAGAIN && errno != EINTR)) return gone(board);
-        if (now_s() >= until) return 0;
+        if (now_s(board) >= until) return 0;
     }
 }
+
+#endif
 
 static uint16_t crc_of(const uint8_t *bytes, size_t count) {
     unsigned crc = 0xffff;
@@ -241,9 +311,10 @@ static size_t length_of(const uint8_t *bytes, size_t count, unsigned unit,
 // Throw away what comes until the line is silent, or has babbled for long.
 static int drain(struct wh_board *board) {
     uint8_t bytes[ANSWER_MOST];
-    const double end = now_s() + babble_s;
-    for (int count = 1; count != 0 && now_s() < end;) {
-        count = receive(board, bytes, sizeof bytes, now_s() + silence_s);
+    const double end = now_s(board) + babble_s;
+    for (int count = 1; count != 0 && now_s(board) < end;) {
+        const double until = now_s(board) + (on_spi(board) ? spi_silence_s : silence_s);
+        count = receive(board, bytes, sizeof bytes, true, until);
         if (count < 0) return count;
     }
     return WH_OK;
@@ -258,14 +329,15 @@ static int settle_once(struct wh_board *board) {
     result = send_bytes(board, bytes, frame_of(bytes, board->unit, &asked));
     if (result) return result;
     const size_t length = 5 + 4 * board->probes;
-    const double until = now_s() + board->timeout_s;
+    const double until = now_s(board) + board->timeout_s;
     for (size_t count = 0;;) {
         // The newest bytes are kept: the answer is the last that comes.
         if (count > ANSWER_MOST) {
             memmove(bytes, bytes + (count - length), length);
             count = length;
         }
-        const int came = receive(board, bytes + count, sizeof bytes - count, until);
+        const size_t room = on_spi(board) ? length : sizeof bytes - count;
+        const int came = receive(board, bytes + count, room, count == 0, until);
         if (came < 0) return came;
         if (came == 0) return silent(board);
         count += (size_t)came;
@@ -277,7 +349,7 @@ static int settle_once(struct wh_board *board) {
             if (length_of(frame, length, board->unit, &asked) == length && sealed(frame, length) &&
                 (!board->known || memcmp(frame + 3, crc, sizeof crc) == 0)) {
                 board->astray = false;
-                board->heard_s = now_s();
+                board->heard_s = now_s(board);
                 return WH_OK;
             }
         }
@@ -287,13 +359,19 @@ static int settle_once(struct wh_board *board) {
 static int speak(struct wh_board *board, unsigned rate);
 static int set_rate(struct wh_board *board, unsigned rate);
 
-static void wait_s(double seconds) {
-    if (seconds > 0.0) (void)poll(NULL, 0, (int)(1e3 * seconds) + 1);
+static void wait_s(const struct wh_board *board, double seconds) {
+#ifndef WH_NO_SERIAL
+    if (!on_spi(board)) {
+        if (seconds > 0.0) (void)poll(NULL, 0, (int)(1e3 * seconds) + 1);
+        return;
+    }
+#endif
+    for (const double end = now_s(board) + seconds; now_s(board) < end;) continue;
 }
 
 // To the first rate, once a device that hasn't heard a good frame is there as well.
 static int go_back(struct wh_board *board) {
-    wait_s(fallback_s - (now_s() - board->heard_s));
+    wait_s(board, fallback_s - (now_s(board) - board->heard_s));
     return speak(board, 0);
 }
 
@@ -321,17 +399,19 @@ static int ask_once(struct wh_board *board, struct question *asked, size_t quest
     const char *what = "";
     count = 0;
     for (size_t n = 0; n < questions; ++n) {
-        const double until = now_s() + board->timeout_s;
+        const double until = now_s(board) + board->timeout_s;
         size_t length;
         while ((length = length_of(bytes, count, board->unit, asked + n)) > count) {
-            const int came = receive(board, bytes + count, sizeof bytes - count, until);
+            // Of SPI no more is clocked than has to come.
+            const size_t room = on_spi(board) ? length - count : sizeof bytes - count;
+            const int came = receive(board, bytes + count, room, count == 0, until);
             if (came < 0) return came;
             if (came == 0) return NONE_LEFT;
             count += (size_t)came;
             board->came += (size_t)came;
         }
         if (length == 0 || !sealed(bytes, length)) return NONE_LEFT;
-        board->heard_s = now_s();
+        board->heard_s = now_s(board);
         if (bytes[1] & REFUSES) {
             if (!code) {
                 code = bytes[2];
@@ -393,6 +473,15 @@ static struct question writes(unsigned address, uint32_t word, const char *what)
 
 // ---- Opening.
 
+#ifdef WH_NO_SERIAL
+
+static int speak(struct wh_board *board, unsigned rate) {
+    board->rate = rate;
+    return WH_OK;
+}
+
+#else
+
 static bool speed_of(unsigned baud, speed_t *speed) {
     switch (baud) {
         case 115200: *speed = B115200; return true;
@@ -412,6 +501,10 @@ static bool speed_of(unsigned baud, speed_t *speed) {
 static int speak(struct wh_board *board, unsigned rate) {
     struct termios line;
     speed_t speed;
+    if (on_spi(board)) {
+        board->rate = rate;
+        return WH_OK;
+    }
     if (tcgetattr(board->file, &line) != 0) return gone(board);
     line.c_iflag = 0;
     line.c_oflag = 0;
@@ -427,6 +520,8 @@ static int speak(struct wh_board *board, unsigned rate) {
     }
     return WH_OK;
 }
+
+#endif
 
 static int identify(struct wh_board *board) {
     struct question asked = {.function = READ, .at = 0, .count = WH_IDENTITY_COUNT,
@@ -470,6 +565,8 @@ static int set_rate(struct wh_board *board, unsigned rate) {
     return result;
 }
 
+#ifndef WH_NO_SERIAL
+
 static int raise_rate(struct wh_board *board, unsigned baud) {
     const uint32_t has = board->identity.words[ID_RATES];
     unsigned most = has < RATES ? (unsigned)has : RATES;
@@ -490,6 +587,52 @@ static int raise_rate(struct wh_board *board, unsigned baud) {
     }
     return rate ? set_rate(board, rate) : WH_OK;
 }
+
+#endif
+
+static int open_board(struct wh_board *board, const char *path, const struct wh_options *options) {
+    const struct wh_options usual = {0};
+    if (!options) options = &usual;
+    memset(board, 0, sizeof *board);
+    board->file = -1;
+    board->unit = options->unit ? options->unit : 1;
+    board->timeout_s = options->timeout_s > 0.0 ? options->timeout_s : 0.1;
+    (void)snprintf(board->path, sizeof board->path, "%s", path);
+    if (board->unit > 247) {
+        return fail(board, WH_VALUE, "unit %u: there are units 1...247", board->unit);
+    }
+    struct question off = writes(rows[WH_WORD_ARM].address, 0, "arm");
+    (void)frame_of(board->stop, board->unit, &off);
+    return WH_OK;
+}
+
+// Into step with a device whose line is open.
+static int meet(struct wh_board *board) {
+    board->heard_s = now_s(board);
+    board->astray = true;  // a host before may have left questions
+    int result = settle(board);
+    if (result == WH_SILENT) {
+        // One that was left at another rate goes back by itself.
+        (void)go_back(board);
+        result = settle(board);
+    }
+    return result ? result : identify(board);
+}
+
+int wh_open_spi(struct wh_board *board, const struct wh_spi *spi, const struct wh_options *options) {
+    int result = open_board(board, "SPI", options);
+    if (result) return result;
+    if (!spi->transfer || !spi->now_s) {
+        return fail(board, WH_VALUE, "SPI: needs both a transfer and a clock, now_s");
+    }
+    board->spi = *spi;
+    board->file = 0;
+    result = meet(board);
+    if (result) wh_close(board);
+    return result;
+}
+
+#ifndef WH_NO_SERIAL
 
 static int open_line(struct wh_board *board, const char *path) {
     board->file = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
@@ -512,44 +655,31 @@ static int open_line(struct wh_board *board, const char *path) {
 }
 
 int wh_open(struct wh_board *board, const char *path, const struct wh_options *options) {
-    const struct wh_options usual = {0};
-    if (!options) options = &usual;
-    memset(board, 0, sizeof *board);
-    board->file = -1;
-    board->unit = options->unit ? options->unit : 1;
-    board->timeout_s = options->timeout_s > 0.0 ? options->timeout_s : 0.1;
-    (void)snprintf(board->path, sizeof board->path, "%s", path);
-    if (board->unit > 247) {
-        return fail(board, WH_VALUE, "unit %u: there are units 1...247", board->unit);
-    }
-    struct question off = writes(rows[WH_WORD_ARM].address, 0, "arm");
-    (void)frame_of(board->stop, board->unit, &off);
-    int result = open_line(board, path);
-    board->heard_s = now_s();
-    board->astray = true;  // a host before may have left questions
-    if (!result) result = settle(board);
-    if (result == WH_SILENT) {
-        // One that was left at another rate goes back by itself.
-        (void)go_back(board);
-        result = settle(board);
-    }
-    if (!result) result = identify(board);
-    if (!result) result = raise_rate(board, options->baud);
+    int result = open_board(board, path, options);
+    if (!result) result = open_line(board, path);
+    if (!result) result = meet(board);
+    if (!result) result = raise_rate(board, options ? options->baud : 0);
     if (result) wh_close(board);
     return result;
 }
 
+#endif
+
 void wh_close(struct wh_board *board) {
     if (board->file < 0) return;
-    if (board->rate != 0 && board->known) {
-        // The next host begins at the first rate. Without an answer the device goes back by itself.
-        struct question asked = {.function = WRITE, .at = 2 * ID_RATE, .count = 1, .what = "rate"};
-        char why[WH_MESSAGE];
-        memcpy(why, board->message, sizeof why);
-        if (!board->astray) (void)ask_once(board, &asked, 1);
-        memcpy(board->message, why, sizeof why);
+#ifndef WH_NO_SERIAL
+    if (!on_spi(board)) {
+        if (board->rate != 0 && board->known) {
+            // The next host begins at the first rate. Without an answer the device goes back by itself.
+            struct question asked = {.function = WRITE, .at = 2 * ID_RATE, .count = 1, .what = "rate"};
+            char why[WH_MESSAGE];
+            memcpy(why, board->message, sizeof why);
+            if (!board->astray) (void)ask_once(board, &asked, 1);
+            memcpy(board->message, why, sizeof why);
+        }
+        (void)close(board->file);
     }
-    (void)close(board->file);
+#endif
     board->file = -1;
 }
 
@@ -689,14 +819,15 @@ int wh_arm(struct wh_board *board) {
     struct question asked = writes(rows[WH_WORD_ARM].address, 1, "arm");
     uint32_t found[ARM_WORDS];
     int result = ask(board, &asked, 1);
-    for (const double until = now_s() + arming_s; !result;) {
+    const double most = board->timeout_s > arming_s ? board->timeout_s : arming_s;
+    for (const double until = now_s(board) + most; !result;) {
         result = read_arming(board, found);
         if (result) break;
         if (found[ARMED]) {
-            board->renewed_s = now_s();
+            board->renewed_s = now_s(board);
             return WH_OK;
         }
-        if (found[ARM_REFUSED] || now_s() > until) return why_off(board, found[ARM_REFUSED], "can't be armed");
+        if (found[ARM_REFUSED] || now_s(board) > until) return why_off(board, found[ARM_REFUSED], "can't be armed");
     }
     return result;
 }
@@ -710,7 +841,7 @@ int wh_renew(struct wh_board *board) {
     struct question asked[2];
     renewal(asked);
     const int result = ask(board, asked, 2);
-    if (!result) board->renewed_s = now_s();
+    if (!result) board->renewed_s = now_s(board);
     return result;
 }
 
@@ -729,6 +860,12 @@ int wh_disarm(struct wh_board *board) {
 
 void wh_stop(const struct wh_board *board) {
     if (board->file < 0) return;
+    if (on_spi(board)) {
+        uint8_t in[sizeof board->stop];
+        (void)board->spi.transfer(board->spi.context, board->stop, in, sizeof in);
+        return;
+    }
+#ifndef WH_NO_SERIAL
     const int kept = errno;
     // What it may run into is the library's own frame: after a silence the second one is whole.
     for (int n = 0; n < 2; ++n) {
@@ -736,6 +873,7 @@ void wh_stop(const struct wh_board *board) {
         (void)poll(NULL, 0, 10);
     }
     errno = kept;
+#endif
 }
 
 // ---- A motor's port.
@@ -888,13 +1026,26 @@ int wh_space_open(struct wh_space *space, struct wh_board *board, const struct w
     return wh_space_read(space);
 }
 
-int wh_space_read(struct wh_space *space) {
+// A value of each motor, asked for in one piece.
+static int of_motors(const struct wh_space *space, enum wh_word word, double *values) {
+    struct question asked[WH_SPACE_MOTORS];
+    uint32_t raw[WH_SPACE_MOTORS];
     for (unsigned n = 0; n < space->motors; ++n) {
-        const int result = wh_get(space->board, WH_WORD_POSITION, n, 0, &space->counts[n]);
-        if (result) return result;
+        asked[n] = (struct question){
+            .function = READ, .at = word_register(rows[word].address + n * WH_MOTOR_STRIDE), .count = 1,
+            .found = &raw[n], .what = rows[word].name};
+    }
+    const int result = ask(space->board, asked, space->motors);
+    for (unsigned n = 0; !result && n < space->motors; ++n) values[n] = value_of(word, raw[n]);
+    return result;
+}
+
+int wh_space_read(struct wh_space *space) {
+    const int result = of_motors(space, WH_WORD_POSITION, space->counts);
+    for (unsigned n = 0; !result && n < space->motors; ++n) {
         space->angles[n] = (space->counts[n] + 0.5) * space->count_rad[n];
     }
-    return WH_OK;
+    return result;
 }
 
 struct frame {
@@ -1012,11 +1163,10 @@ int wh_space_planes(struct wh_space *space, double jacobian[3][WH_SPACE_MOTORS],
 
 int wh_space_force(struct wh_space *space, double jacobian[3][WH_SPACE_MOTORS], double force[3]) {
     double m[3][3] = {{0.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, torque[3] = {0.0}, by[3];
+    const int result = of_motors(space, WH_WORD_CURRENT, torque);
+    if (result) return result;
     for (unsigned n = 0; n < space->motors; ++n) {
-        double current = 0.0;
-        const int result = wh_get(space->board, WH_WORD_CURRENT, n, 0, &current);
-        if (result) return result;
-        torque[n] = space->k_t[n] * current;
+        torque[n] *= space->k_t[n];
         for (unsigned k = 0; k < space->motors; ++k) {
             m[n][k] = 0.0;
             for (unsigned row = 0; row < 3; ++row) m[n][k] += jacobian[row][n] * jacobian[row][k];
@@ -1097,7 +1247,7 @@ static int newer(struct wh_port *port, struct question *asked, size_t before, st
         .at = word_register(rows[WH_WORD_HOST_PACKET_SEQUENCE].address + port->motor * WH_MOTOR_STRIDE),
         .count = PACKET_WORDS, .found = found, .what = "host_packet_sequence"};
     int result = ask(board, asked, before + 1);
-    for (const double until = now_s() + board->timeout_s + 4.0 * port->period_s;;) {
+    for (const double until = now_s(board) + board->timeout_s + 4.0 * port->period_s;;) {
         if (result) return result;
         const int sequence = (int)(found[SEQUENCE] & 0xff);
         const bool begins = port->sequence < 0;
@@ -1112,7 +1262,7 @@ static int newer(struct wh_port *port, struct question *asked, size_t before, st
             return WH_OK;
         }
         if (begins) port->sequence = sequence;
-        if (now_s() > until) break;
+        if (now_s(board) > until) break;
         result = ask(board, &asked[before], 1);
     }
     uint32_t arming[ARM_WORDS];
@@ -1144,7 +1294,7 @@ int wh_exchange(struct wh_port *port, double u, struct wh_packet *packet) {
     int result = needs_host(port);
     if (result) return result;
     if (port->sequence < 0) return fail(board, WH_VALUE, "there is no packet to be answered; take wh_next first");
-    if (now_s() - board->renewed_s > renewal_s) {
+    if (now_s(board) - board->renewed_s > renewal_s) {
         renewal(asked);
         count = 2;
     }
@@ -1157,6 +1307,6 @@ int wh_exchange(struct wh_port *port, double u, struct wh_packet *packet) {
     if (result) return result;
     asked[count].words[2] = 1;
     result = newer(port, asked, count + 1, packet);
-    if (!result && count) board->renewed_s = now_s();
+    if (!result && count) board->renewed_s = now_s(board);
     return result;
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// wavehaptics.h: a wave haptics controller on a serial line: its words in their units, its arming, and an
-// environment that a computer has. C99 and POSIX, and nothing else. docs/c.md tells how it is used.
+// wavehaptics.h: a wave haptics controller on a serial line or on SPI: its words in their units, its arming, and an
+// environment that a computer has. C99 and POSIX, and nothing else. docs/c.md tells how it is used. With
+// WH_NO_SERIAL defined it needs C99's own library only: for a host MCU, whose program does the transfers.
 //
 // Every function that returns an int returns 0, or a negative enum wh_result; wh_message() then says in one
 // line what is wrong and what would be right. A struct is the caller's own, and used by one thread at a time.
@@ -46,6 +47,14 @@ struct wh_options {
     double timeout_s;  // of an answer; 0 is 0.1 s. A simulated board needs more
 };
 
+// A device on SPI (docs/link.md), whose transfers the caller does: mode 0, most significant bit first.
+struct wh_spi {
+    // One transfer: CS low, `count` bytes each way at once, CS high. 0, or anything else where that failed.
+    int (*transfer)(void *context, const uint8_t *out, uint8_t *in, size_t count);
+    double (*now_s)(void *context);  // seconds of any clock that goes on
+    void *context;
+};
+
 // What the device says of itself, `options` taken apart.
 struct wh_identity {
     uint32_t words[12];
@@ -54,7 +63,7 @@ struct wh_identity {
 #undef WH_FIELD
 };
 
-enum { WH_IDENTITY_COUNT = 12, WH_MESSAGE = 256, WH_PATH = 128 };
+enum { WH_IDENTITY_COUNT = 12, WH_MESSAGE = 256, WH_PATH = 128, WH_KEPT = 256 };
 
 struct wh_board {
     struct wh_identity identity;
@@ -73,11 +82,17 @@ struct wh_board {
     unsigned probes;
     size_t came;       // bytes that came to no answer
     uint8_t stop[13];  // the frame that disarms, for wh_stop
+    struct wh_spi spi; // without a transfer: a serial line
+    uint8_t kept[WH_KEPT];  // what came as questions went out
+    size_t kept_count;
 };
 
 // Open the device at `path`, also a virtual board's, and hold it: a device with another table of words than
 // wavehaptics_words.h is refused. `options` may be NULL. What is refused needs no wh_close.
+// Not there with WH_NO_SERIAL.
 int wh_open(struct wh_board *board, const char *path, const struct wh_options *options);
+// The same of a device on SPI: `options` have no rate.
+int wh_open_spi(struct wh_board *board, const struct wh_spi *spi, const struct wh_options *options);
 // Give the port back. The bridges go off by themselves, 200 ms after the last renewal; wh_disarm is sooner.
 void wh_close(struct wh_board *board);
 
@@ -93,7 +108,8 @@ int wh_arm(struct wh_board *board);
 int wh_renew(struct wh_board *board);
 // Off, once the device has said so.
 int wh_disarm(struct wh_board *board);
-// Off as far as a frame can, without waiting for an answer: may be called from a signal handler.
+// Off as far as a frame can, without waiting for an answer: may be called from a signal handler, or on SPI wherever
+// a transfer may begin.
 void wh_stop(const struct wh_board *board);
 
 // What the guard latched, bits of enum wh_fault, and their meanings in words.

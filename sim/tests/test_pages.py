@@ -229,8 +229,10 @@ def test_version_is_one():
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     assert f"\nversion: {version}\n" in citation
-    (newest, *_) = re.findall(r"^## \[(\S+)\] - ", changelog, re.MULTILINE)
+    (newest, *_) = re.findall(r"^## \[(\S+)\] - \d{4}-\d\d-\d\d$", changelog, re.MULTILINE)
     assert newest == version
+    core = (ROOT / "wavehaptics.core").read_text(encoding="utf-8")
+    assert f"\nname: ::wavehaptics:{version}\n" in core
     answers = (ROOT / "rtl" / "wh_modbus.v").read_text(encoding="utf-8")
     ((length, told),) = re.findall(r"REVISION = \{8'd2, 8'd(\d+), \"(\S+)\"\}", answers)
     assert (int(length), told) == (len(told), f"v{version}")

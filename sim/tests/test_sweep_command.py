@@ -19,6 +19,7 @@ from wavehaptics.cli.sweeping import axis
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.studies import grid, grid_picture
+from wavehaptics.studies.report import latency
 from wavehaptics.studies.sweeps import SweepError
 from wavetools.studies.tabled_runs import R_HAT_PARTS
 
@@ -206,3 +207,16 @@ def test_the_picture_takes_what_there_is(tmp_path):
     bare = [{"adc.part": "A", "error": "refused"}]
     assert grid_picture.draw(bare, ["adc.part"], (), tmp_path / "c.png") == []
     assert all((tmp_path / f"{name}.png").stat().st_size > 2000 for name in "abc")
+
+
+def test_the_csv_is_a_table_of_the_report(tmp_path):
+    """Stiffness over latency, as the report has it, to the last digit."""
+    own = [word for text in ("controller.lambda=1e9", latency.LIMIT, latency.DURATION)
+           for word in ("--set", text)]  # fmt: skip
+    swept("stiffest", "controller.extra_ticks=1,100", *own, "--workers", 1, "--out", tmp_path)
+    rows = rows_of(tmp_path)
+    assert len(rows) == 2
+    for row in rows:
+        told = latency.at_latency(int(row["controller.extra_ticks"]))
+        for name in ("stiffness", "k_l", "energy_out_max_j"):
+            assert float(row[name]) == told[name]
