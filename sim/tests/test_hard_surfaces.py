@@ -23,6 +23,8 @@ from wavehaptics.trace.tip import Tip
 
 FAST = ("controller.tick_hz=250e3", "controller.lambda=1.25e5")
 DURATION_S = 0.1
+STIFFNESS = 7500.0
+"""Of the plane, about, N/m."""
 
 
 def pressed(folder: Path, *sets: str) -> Device:
@@ -98,7 +100,8 @@ def at_rest(tips: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("kind", ["lost", "out of turn", "late"])
 def test_planes_that_dont_come_as_they_should_hold_as_well(tmp_path: Path, kind: str) -> None:
     """A pressed plane hardly turns: where seven of ten frames are lost, old ones come, or all are
-    50 ms late, the hand rests where it rests else, within half a count, and no more is given out.
+    50 ms late, the hand rests where it rests else, within half a count. What is given out differs
+    by less than 5 % of what the plane's spring holds.
     """
     sets = ("device.delay_s=50e-3",) if kind == "late" else ()
     rows, tips = run_line(pressed(tmp_path, *sets), kind)
@@ -108,7 +111,8 @@ def test_planes_that_dont_come_as_they_should_hold_as_well(tmp_path: Path, kind:
     assert np.abs(place - usual_place).max() < 5.5e-6
     assert force == pytest.approx(usual_force, abs=0.01 * np.linalg.norm(usual_force))
     assert not np.array_equal(rows, usual)
-    assert given_out(rows) < 1.1 * given_out(usual)
+    stored = 0.5 * float(np.dot(usual_force, usual_force)) / STIFFNESS
+    assert abs(given_out(rows) - given_out(usual)) < 0.05 * stored
 
 
 def test_a_frame_that_comes_twice_is_the_frame(tmp_path: Path) -> None:

@@ -78,7 +78,10 @@ module wh_core_axes #(
     wire                                       turned;
     wire                                       found;
     wire [31:0]                                angle;
-    wire                                       unused = &{1'b0, overrun, current, correction, found, angle, reads};
+    wire                                       load, load_motor;
+    wire signed [`WH_COUNT_W-1:0]              load_position;
+    wire                                       unused = &{1'b0, overrun, current, correction, found, angle, reads,
+                                                          load, load_motor, load_position};
 
     wh_rotor_flux rotor_flux (
         .clk           (clk),
@@ -87,9 +90,14 @@ module wh_core_axes #(
         .count_angle_i (count_angle_i),
         .zero_angle_i  (zero_angle_i),
         .turn_i        (turn),
+        .turn_motor_i  (1'b0),
         .by_i          (by),
         .turned_o      (turned),
         .angle_o       (angle),
+        .load_o        (load),
+        .load_motor_o  (load_motor),
+        .load_position_o (load_position),
+        .motor_i       (1'b0),
         .position_o    (position),
         .place_o       (place),
         .cell_o        (last_cell)
