@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -214,7 +215,10 @@ def test_an_adc_too_slow_for_the_tick_is_refused(tmp_path: Path):
     ("amplitude_rad", "hertz"), [(0.15, 2.0), (0.02, 20.0), (0.002, 20.0)]
 )  # fmt: skip
 def test_stiffness_of_a_sine_is_the_walls_or_none(tmp_path, amplitude_rad, hertz, anchored):
-    """A slow hand chatters at the edge first, and a small one never comes a count deep."""
+    """A slow hand chatters at the edge first, and a small one never comes a count deep.
+
+    With an anchor a contact of few counts, which the run remarks, may be off by a count of them.
+    """
     scene = load_scene(
         find_scene("press_hold"),
         ("hand.path=sine", f"hand.amplitude_rad={amplitude_rad}", f"hand.frequency_hz={hertz}",
@@ -222,9 +226,12 @@ def test_stiffness_of_a_sine_is_the_walls_or_none(tmp_path, amplitude_rad, hertz
     )  # fmt: skip
     run_scene(scene, "golden", tmp_path)
     metrics = json.loads((tmp_path / "metrics.json").read_text())
+    reasons = metrics.get("reasons", {})
     if metrics["stiffness"] is None:
         assert amplitude_rad < 0.1
         assert metrics["reasons"]["stiffness"].startswith(("the force is no line", "no contact "))
     else:
         assert amplitude_rad > 0.01
-        assert metrics["stiffness"] == pytest.approx(metrics["stiffness_predicted"], rel=0.15)
+        remark = re.fullmatch(r"of a contact of only ([\d.]+) counts", reasons.get("stiffness", ""))
+        part = 1.2 / float(remark[1]) if remark and anchored == "true" else 0.15
+        assert metrics["stiffness"] == pytest.approx(metrics["stiffness_predicted"], rel=part)
