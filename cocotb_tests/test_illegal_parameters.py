@@ -87,7 +87,6 @@ SWITCH = re.compile(r"\s*[01]: ")
 RANGE = re.compile(r"\.\.\.|derived")
 NEITHER = {
     "ADC": "a choice of three",
-    "MOTORS": "motors that the device has",
     "WORDS": "a number of words",
 }
 """Parameters with 0 or 1 as default, and neither meaning nor range in a comment."""

@@ -214,7 +214,8 @@ def test_a_wall_so_identified_holds(make_scene: Maker):
     held = measure(press, "golden", compare=False)
     cell = 2 * np.pi / COUNTS
     depth = held["peak_torque"] / held["stiffness_predicted"]
-    assert abs(held["hold_offset_rad"]) < cell + 0.01 * depth
+    # The anchor's zone leads by a quarter of a count.
+    assert abs(held["hold_offset_rad"]) < 1.25 * cell + 0.01 * depth
     assert held["hold_ripple_rms"] < 0.005 * held["peak_torque"]
 
 

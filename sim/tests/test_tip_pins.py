@@ -78,7 +78,8 @@ def test_a_plane_is_as_stiff_as_on_golden(tmp_path: Path) -> None:
     assert found["tip_force_n"] == pytest.approx(-0.004 / (1 / 500 + 1 / spring), rel=0.01)
     assert found["tangential_part"] < 0.02
     assert abs(found["surface_error_mean_m"] or 0.0) < 1.1e-5  # a count
-    assert found["energy_out_max_j"] == pytest.approx(golden["energy_out_max_j"], rel=0.2)
+    stored = 0.5 * found["tip_force_n"] ** 2 / spring
+    assert found["energy_out_max_j"] == pytest.approx(golden["energy_out_max_j"], abs=0.01 * stored)
     assert found["contact_fraction"] > 0.999
 
 
@@ -136,7 +137,7 @@ def test_an_unplugged_encoder_under_a_pressing_hand_ends_the_contact(tmp_path: P
 
 def test_an_anchor_that_gives_up_leaves_ports_that_damp(tmp_path: Path) -> None:
     """One encoder counts the wrong way; from its anchor's fault on no motor holds the surface."""
-    sets = ("scene.duration_s=0.085", "motors.0.encoder.reverses_at_s=0.06")
+    sets = ("scene.duration_s=0.09", "motors.0.encoder.reverses_at_s=0.065")
     device = pressed(tmp_path, *sets)
     golden = measure_device(pressed(tmp_path, *sets, latency(device)), "golden")
     lost_s = golden["motors"]["motor_0"]["anchor_fault_s"]
