@@ -15,7 +15,8 @@
 // the same direction. Only then y' follows y: in one tick of follow_ticks, and in the 8 ticks after each full count, 32
 // on the rotor's way out (not with AXIS = 1). y_b stands for the brushes, and decreases by half of what y' falls. A turn
 // outwards is a rotor's first full count outwards after it travelled inwards. θ then fades by a fifth, as a θ that has
-// learned a brush's voltage would feed the swing of a lever; not while c is at its limit, and not with AXIS = 1.
+// learned a brush's voltage would feed the swing of a lever; not while c is at its limit, where follow_ticks is below
+// 4, and with AXIS = 1.
 //
 // The bound χ_b: after an edge upwards z stays below the χ from before the last edge downwards, and the other way
 // round. So a rotor that crosses back over an edge meets no more force on its way out, and no less on its way in, than
@@ -233,7 +234,8 @@ module wh_anchor #(
                 follows_q <= follows || counts || hurries;
                 hurries_q <= counts ? (outward ? HURRY_OUT : HURRY_IN) : hurries_q - {4'd0, hurries};
                 fades_q   <= fades && !begins_q;
-                fading_q  <= fades && !begins_q && contact_q && !clipped_q && (counts || hurries);
+                fading_q  <= fades && !begins_q && contact_q && !clipped_q && (counts || hurries)
+                             && (|follow_ticks[FOLLOW_W-1:2]);
                 phase_q   <= follows ? follow_ticks : phase_q - 1'b1;
                 back_q    <= moves ? back : back_q;
                 sinks_q   <= moves ? sinks : sinks_q;

@@ -346,7 +346,7 @@ module wh_anchor_ports #(
     always @(posedge clk) begin
         if (step_q == 5'd6) begin
             follows_q <= follows || hurries || counts;
-            fading_q  <= fades && contact_q && !clipped_q && (hurries || counts);
+            fading_q  <= fades && contact_q && !clipped_q && (hurries || counts) && (|setting[FOLLOW_W-1:2]);
         end
     end
 

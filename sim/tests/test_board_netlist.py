@@ -150,9 +150,6 @@ def golden_hold(board: Board, scene: Scene) -> dict[str, Any]:
     return held | board_runs.moved(board, held, np.zeros(len(Column)))
 
 
-RESTS_LATE = {"ulx3s_gan_brushed": 4.0}
-"""Holds, s, of boards of 25 kHz: before that the rotor hops with 1 to 2 % of the force."""
-
 HOP_PART = 0.01
 """Ripple of a hold with a hop, of the press at most; a hand feels 7 %."""
 
@@ -258,13 +255,9 @@ def test_a_wall_is_held_with_all_that_may_be_wrong(name, sign):
     """The press of what is flashed on the integers: at rest where the spring says.
 
     In one hold of five the rotor still hops by a count where it is judged: in no two of a board.
-    RESTS_LATE has the boards on which it takes longer.
     """
     board = load_board(name)
     scene = board_runs.hold(board, sign)
-    if name in RESTS_LATE:
-        timing = scene.scene.model_copy(update={"duration_s": RESTS_LATE[name]})
-        scene = scene.model_copy(update={"scene": timing})
     held = golden_hold(board, scene)
     if held["hold_ripple_rms"] > board_runs.QUIET_NM:
         assert held["hold_ripple_rms"] <= HOP_PART * board_runs.PRESS_NM[False]

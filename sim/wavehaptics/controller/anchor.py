@@ -139,6 +139,9 @@ HURRY_IN = 8
 """y' moves in one period of FOLLOW_TICKS, and in as many after a count of a rotor that travels,"""
 HURRY_OUT = 32
 """in as many on its way out."""
+FADING_TICKS = 4
+"""θ fades only where y' moves in one period of as many or more, at about 64 kHz and above: it takes
+32 periods, and at a slow rate the rotor would be several counts on its way out by then."""
 FIRST_SHIFT = 2
 """θ begins with a quarter of the largest."""
 SHRINK_SHIFT = 1
@@ -333,6 +336,7 @@ def _turn(
         state[HURRIES] -= 1
         follows = True
         fades = contact and state[FADES] != 0 and state[CLIPPED] == 0
+        fades = fades and words[FOLLOW_TICKS] >= FADING_TICKS
 
     e = -voltage if voltage < 0 else voltage
     reach = words[REACH] if contact else words[REACH] >> FREE_SHIFT
