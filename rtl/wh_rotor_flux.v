@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // wh_rotor_flux: what the encoders' counts do to the flux that the magnets of brushless motors have in the axes alpha
-// and beta, in cells of the encoder. It stands between wh_quadrature and all that looks at the position, which comes
+// and beta, in counts of the encoder. It stands between wh_quadrature and all that looks at the position, which comes
 // out of it with the flux that belongs to it.
 //
 //   a count up passes an edge at the electrical angle θ, and changes the flux by q = (-sin θ, cos θ);

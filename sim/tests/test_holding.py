@@ -104,7 +104,7 @@ def test_a_bar_of_less_resistance_swings_by_less_than_half_a_cell():
     ("inertia", "tick_hz"), [(1.07e-6, 1e6), (1.07e-6, 2e6), (3e-6, 1e6), (10e-6, 1e6)]
 )
 def test_a_light_hand_does_not_swing(inertia, tick_hz):
-    """With ρ/2 for swings it did, but for the first of these: 0.14 to 0.6 mN·m, 1 to 3 cells.
+    """With ρ/2 for swings it did, but for the first of these: 0.14 to 0.6 mN·m, 1 to 3 counts.
 
     A hop over an edge moves it by half a count."""
     damping = 1e-4 * np.sqrt(inertia / 1.07e-6)
