@@ -44,7 +44,7 @@ else
 WITH_TOOLS = PATH="$$PATH:$$PWD/.venv/bin"; unset MAKEFLAGS MFLAGS MAKELEVEL;
 endif
 
-.PHONY: help setup setup-synth system lock demo scope wall adcs sensing holding tables docs dist release report bench soak soak-link coverage check test test-all lint lint-rtl lint-python clean distclean
+.PHONY: help setup setup-synth system lock demo scope wall adcs sensing encoders holding tables docs dist release report bench soak soak-link coverage check test test-all lint lint-rtl lint-python clean distclean
 
 help: ## print this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -112,6 +112,10 @@ adcs: $(READY) ## run the paper's taps with every ADC, and write their numbers i
 
 sensing: $(READY) ## press a wall with every part that senses the current, and write the pages' table (2 minutes)
 	@$(WITH_TOOLS) .venv/bin/python -m wavetools sensing --out build/sensing
+	@$(NUMBERS)
+
+encoders: $(READY) ## hold and hit walls with absolute encoders, and write the pages' table (3 minutes)
+	@$(WITH_TOOLS) .venv/bin/python -m wavetools encoders --out build/encoders
 	@$(NUMBERS)
 
 holding: $(READY) ## hold, tap and bounce with everything wrong, with the pages' numbers (20 minutes; QUICK=1)
@@ -253,7 +257,8 @@ LINT_CASES := \
     wh_device,-GN=2,-GHOST=1 \
     wh_device,-GWALLS=7,-GSHAPER=1,-GARM=1 \
     wh_device,-GWALLS=1,-GHOST=1,-GDELAY_LOG2=10 \
-    wh_device,-GLEGS=3,-GWALLS=1,-GMIN_PULSE=1 \
+    wh_device,-GN=2,-GAXES=1,-GWALLS=1,-GMIN_PULSE=1 \
+    wh_device,-GN=8,-GAXES=85,-GARM=1,-GCAPTURE=12,-GSTREAM=1 \
     wh_settings_rom,-GBOTH=1 \
     wh_link,-GCLOCK_HZ=700000 \
     wh_link,-GCLOCK_HZ=125000000,-GUNIT=247,-GFALLBACK=511 \
@@ -291,7 +296,7 @@ LINT_CASES := \
     wh_core,-GN=3,-GOUTSIDE=1,-GLOOK=1 \
     wh_slots,-GN=3,-GLOOK=1 \
     wh_surface_words \
-    wh_ports_device,-GN=3,-GSURFACES=8,-GARM=1 \
+    wh_device,-GN=3,-GSURFACES=8,-GARM=1 \
     wh_linked_device,-GN=2,-GSURFACES=1 \
     wh_surfaces \
     wh_surfaces,-GPORTS=2,-GSURFACES=1 \
@@ -307,9 +312,9 @@ LINT_CASES := \
     wh_ports,-GN=3,-GAXES=2,-GSHAPER=1,-GMIN_PULSE=1 \
     wh_ports,-GN=5,-GAXES=5,-GSHAPER=2,-GHOST=1,-GMODES=1 \
     wh_ports,-GN=8,-GAXES=85 \
-    wh_ports_device,-GN=3,-GAXES=2,-GARM=1 \
-    wh_device,-GLEGS=3,-GSHAPER=1,-GHOST=1 \
-    wh_linked_device,-GLEGS=3,-GCAPTURE=12,-GSTREAM=1 \
+    wh_device,-GN=3,-GAXES=2,-GARM=1 \
+    wh_device,-GN=2,-GAXES=1,-GSHAPER=1,-GHOST=1 \
+    wh_linked_device,-GN=2,-GAXES=1,-GCAPTURE=12,-GSTREAM=1 \
     wh_rotor,-GMOTORS=3 \
     wh_rotor,-GMOTORS=4 \
     wh_ports,-GN=3,-GSHAPER=1 \
@@ -320,7 +325,7 @@ LINT_CASES := \
     wh_environment_ports,-GN=3,-GHOST=1 \
     wh_ports,-GN=8,-GADC=2 \
     wh_ports,-GN=3,-GADC=1,-GWALLS=7 \
-    wh_ports_device,-GN=3,-GARM=1,-GCAPTURE=10,-GSTREAM=1 \
+    wh_device,-GN=3,-GARM=1,-GCAPTURE=10,-GSTREAM=1 \
     wh_linked_device,-GN=3,-GSTREAM=1 \
     wh_round_words,-GN=3 \
     wh_board_switch \

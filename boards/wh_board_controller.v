@@ -9,7 +9,11 @@
 // which then stand in wh_board_settings_rom.vh, and those of some groups can be changed. Its line arms
 // and disarms, beside the button, and forgets faults that are over, and only where the switch permits
 // it. Without a link the button alone lets the gates on, faults last until reset, and uart_tx_o is high.
-// A brushless motor (WH_BOARD_LEGS 3) has a link, two ADC lines, and two gates each at gate_bh_o and gate_bl_o.
+// WH_BOARD_N are ports. Brushless motors (WH_BOARD_AXES) have a link, and two ports each, with wh_device's pins.
+//
+// WH_BOARD_MORE_PORTS are pins that only some boards have: of SPI, with which a host MCU can have the line's
+// place (wh_link), and overcurrent_n_i, low once comparators beside the FPGA have shut the gates. On the other
+// boards they rest, by WH_BOARD_MORE_WIRES.
 //
 // start_i, stop_i, clock_lost_i, alive_o and fault_o are the switch's; running_o: the gates are on.
 // Latency: those of the switch, of wh_arm, of wh_controller and of wh_linked_device.
@@ -33,16 +37,17 @@ module wh_board_controller #(
 
     input  wire                  uart_rx_i,    // asynchronous
     output wire                  uart_tx_o,
+    `WH_BOARD_MORE_PORTS
 
     output wire                  adc_cs_n_o,
     output wire                  adc_sclk_o,
-    input  wire [`WH_BOARD_PARTS-1:0] adc_sdata_i, // of a motor, or of phase a, lowest
+    input  wire [`WH_BOARD_N-1:0] adc_sdata_i,
     input  wire [`WH_BOARD_N-1:0] enc_a_i,     // asynchronous
     input  wire [`WH_BOARD_N-1:0] enc_b_i,     // asynchronous
     output wire [`WH_BOARD_N-1:0] gate_ah_o,
     output wire [`WH_BOARD_N-1:0] gate_al_o,
-    output wire [`WH_BOARD_PARTS-1:0] gate_bh_o, // leg b; of three legs b, lowest, and c
-    output wire [`WH_BOARD_PARTS-1:0] gate_bl_o,
+    output wire [`WH_BOARD_N-1:0] gate_bh_o,
+    output wire [`WH_BOARD_N-1:0] gate_bl_o,
 
     output wire                  alive_o,
     output wire                  running_o,
@@ -51,11 +56,12 @@ module wh_board_controller #(
 );
 
     localparam integer N     = `WH_BOARD_N;
-    localparam integer PARTS = `WH_BOARD_PARTS;  // motors, or axes of a brushless one
+
+    `WH_BOARD_MORE_WIRES
 
     generate
-        if (`WH_BOARD_LEGS == 3 && `WH_BOARD_LINKED == 0) begin : illegal
-            wh_illegal_parameter_board_controller_with_three_legs_is_linked stop ();
+        if (`WH_BOARD_AXES != 0 && `WH_BOARD_LINKED == 0) begin : illegal
+            wh_illegal_parameter_board_controller_with_axes_is_linked stop ();
         end
     endgenerate
 
@@ -70,18 +76,18 @@ module wh_board_controller #(
     wire         overrun_seen;
     wire         guard_seen;
     wire         guard_lasts;
-    wire [PARTS-1:0] zero_busy_seen;
-    wire [PARTS-1:0] zero_fault_seen;
-    wire [PARTS-1:0] anchor_fault_seen;
-    wire [PARTS-1:0] encoder_fault_seen;
-    wire [PARTS-1:0] overcurrent_seen;
+    wire         zero_busy_seen;
+    wire [N-1:0] zero_fault_seen;
+    wire [N-1:0] anchor_fault_seen;
+    wire [N-1:0] encoder_fault_seen;
+    wire [N-1:0] overcurrent_seen;
     wire         adc_din;  // of an ADC that no board has
     wire         unused = &{1'b0, adc_din};
 
     assign running_o = running_seen;
 
     wh_board_switch #(
-        .N               (PARTS),
+        .N               (N),
         .AGAIN           (`WH_BOARD_AGAIN),
         .SETTLE_LOG2     (SETTLE_LOG2)
     ) board_switch (
@@ -134,23 +140,24 @@ module wh_board_controller #(
         .gate_bh_o       (gate_bh_o), \
         .gate_bl_o       (gate_bl_o), \
         .stop_i          (1'b0), \
-        .driver_fault_i  ({N{1'b0}}), \
+        .driver_fault_i  ({N{overcurrent_n_i}}), \
         .clear_i         (forget)
 
     generate
         if (`WH_BOARD_LINKED != 0) begin : linked
             // The device's fault_o has these in it.
             assign overrun_seen       = 1'b0;
-            assign anchor_fault_seen  = {PARTS{1'b0}};
-            assign encoder_fault_seen = {PARTS{1'b0}};
-            assign overcurrent_seen   = {PARTS{1'b0}};
+            assign anchor_fault_seen  = {N{1'b0}};
+            assign encoder_fault_seen = {N{1'b0}};
+            assign overcurrent_seen   = {N{1'b0}};
 
             wh_linked_device #(
                 `WH_SAME_PARAMETERS,
-                .LEGS            (`WH_BOARD_LEGS),
+                .AXES            (`WH_BOARD_AXES),
                 .ARM             (1),
                 .CAPTURE         (`WH_BOARD_CAPTURE),
                 .STREAM          (`WH_BOARD_STREAM),
+                .SPI             (`WH_BOARD_SPI),
                 .SURFACES        (`WH_BOARD_SURFACES),
                 .CLOCK_HZ        (`WH_BOARD_CLOCK_HZ),
                 .BUILD           (`WH_BOARD_BUILD)
@@ -161,11 +168,11 @@ module wh_board_controller #(
                 .zero_start_i    (first_zero),
                 .uart_rx_i       (uart_rx_i),
                 .uart_tx_o       (uart_tx_o),
-                .spi_cs_n_i      (1'b1),
-                .spi_sclk_i      (1'b0),
-                .spi_mosi_i      (1'b0),
-                .spi_miso_o      (),
-                .spi_drives_o    (),
+                .spi_cs_n_i      (spi_cs_n_i),
+                .spi_sclk_i      (spi_sclk_i),
+                .spi_mosi_i      (spi_mosi_i),
+                .spi_miso_o      (spi_miso_o),
+                .spi_drives_o    (spi_drives_o),
                 .bus_i           ({`WH_BUS_W{1'b0}}),
                 .tick_o          (tick_seen),
                 .running_o       (running_seen),
@@ -183,7 +190,7 @@ module wh_board_controller #(
             wire arm_zero;
             localparam [`WH_FAULTS-1:0] ZERO = {{`WH_FAULTS-1{1'b0}}, 1'b1} << `WH_FAULT_ZERO;
             wire [4:0] refused;
-            wire unused_too = &{1'b0, uart_rx_i, refused};
+            wire unused_too = &{1'b0, uart_rx_i, spi_cs_n_i, spi_sclk_i, spi_mosi_i, refused};
 
             // The button is all that arms, and no command comes that would have to be renewed.
             wh_arm #(
@@ -210,12 +217,14 @@ module wh_board_controller #(
             assign running_seen       = running;
             assign ready              = 1'b1;
             assign uart_tx_o          = 1'b1;
+            assign spi_miso_o         = 1'b0;
+            assign spi_drives_o       = 1'b0;
             assign contact_o          = |contact;
             assign tick_seen          = tick;
             assign overrun_seen       = overrun;
             assign guard_seen         = |faults;
             assign guard_lasts        = |(faults & ~ZERO);
-            assign zero_busy_seen     = zero_busy;
+            assign zero_busy_seen     = |zero_busy;
             assign zero_fault_seen    = zero_fault;
             assign anchor_fault_seen  = anchor_fault;
             assign encoder_fault_seen = encoder_fault;

@@ -6,7 +6,8 @@
 //   clk      = osc_i * CLKFB_DIV * CLKOP_DIV / (CLKI_DIV * CLKOS_DIV)  (wh_board_pll_ecp5 has the bounds)
 //   watch    = 310 MHz / WATCH_DIV within 30 %                         (wh_board_clock_watch has them)
 //
-// All ports but osc_i and reset_n_i are what wh_board_controller has by these names.
+// All ports but osc_i and reset_n_i are what wh_board_controller has by these names, those of
+// WH_BOARD_MORE_PORTS as well.
 // Latency: that of wh_board_controller, and a clock more each way at a converter's pads.
 // Reset: until the PLL has been locked, and reset_n_i high, for 2^16 clocks.
 
@@ -29,16 +30,17 @@ module wh_board_ecp5 #(
 
     input  wire                   uart_rx_i,    // asynchronous
     output wire                   uart_tx_o,
+    `WH_BOARD_MORE_PORTS
 
     output wire [SCLK_PINS-1:0]   adc_cs_n_o,
     output wire [SCLK_PINS-1:0]   adc_sclk_o,
-    input  wire [`WH_BOARD_PARTS-1:0] adc_sdata_i,
+    input  wire [`WH_BOARD_N-1:0] adc_sdata_i,
     input  wire [`WH_BOARD_N-1:0] enc_a_i,      // asynchronous
     input  wire [`WH_BOARD_N-1:0] enc_b_i,      // asynchronous
     output wire [`WH_BOARD_N-1:0] gate_ah_o,
     output wire [`WH_BOARD_N-1:0] gate_al_o,
-    output wire [`WH_BOARD_PARTS-1:0] gate_bh_o,
-    output wire [`WH_BOARD_PARTS-1:0] gate_bl_o,
+    output wire [`WH_BOARD_N-1:0] gate_bh_o,
+    output wire [`WH_BOARD_N-1:0] gate_bl_o,
 
     output wire                   alive_o,
     output wire                   running_o,
@@ -46,8 +48,7 @@ module wh_board_ecp5 #(
     output wire                   fault_o
 );
 
-    localparam integer N     = `WH_BOARD_N;
-    localparam integer PARTS = `WH_BOARD_PARTS;
+    localparam integer N = `WH_BOARD_N;
 
     wire clk;
     wire locked;
@@ -80,11 +81,11 @@ module wh_board_ecp5 #(
 
     wire [N-1:0]     gate_ah;
     wire [N-1:0]     gate_al;
-    wire [PARTS-1:0] gate_bh;
-    wire [PARTS-1:0] gate_bl;
+    wire [N-1:0] gate_bh;
+    wire [N-1:0] gate_bl;
 
     wh_board_clock_watch #(
-        .GATES     (2 * N + 2 * PARTS)
+        .GATES     (4 * N)
     ) clock_watch (
         .clk       (clk),
         .rst       (rst),
@@ -96,10 +97,10 @@ module wh_board_ecp5 #(
 
     wire             adc_cs_n;
     wire             adc_sclk;
-    wire [PARTS-1:0] adc_sdata;
+    wire [N-1:0] adc_sdata;
 
     wh_board_adc_pads_ecp5 #(
-        .LINES       (PARTS),
+        .LINES       (N),
         .CLOCKS      (SCLK_PINS)
     ) adc_pads (
         .clk         (clk),
@@ -119,6 +120,7 @@ module wh_board_ecp5 #(
         .clock_lost_i (clock_lost),
         .uart_rx_i    (uart_rx_i),
         .uart_tx_o    (uart_tx_o),
+        `WH_BOARD_MORE_PINS
         .adc_cs_n_o   (adc_cs_n),
         .adc_sclk_o   (adc_sclk),
         .adc_sdata_i  (adc_sdata),

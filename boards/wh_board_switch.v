@@ -37,7 +37,7 @@ module wh_board_switch #(
     input  wire         tick_i,
     input  wire         running_i,      // the gates are on
     input  wire         overrun_i,
-    input  wire [N-1:0] zero_busy_i,
+    input  wire         zero_busy_i,
     input  wire [N-1:0] zero_fault_i,
     input  wire [N-1:0] anchor_fault_i,
     input  wire [N-1:0] encoder_fault_i,
@@ -111,7 +111,7 @@ module wh_board_switch #(
             press_q      <= settled && start && !pressed_q;
             zero_start_q <= settled && !zero_asked_q;
             zero_asked_q <= zero_asked_q || settled;
-            zeroed_q     <= zeroed_q || (zero_asked_q && !zero_start_q && !(|zero_busy_i));
+            zeroed_q     <= zeroed_q || (zero_asked_q && !zero_start_q && !zero_busy_i);
             if (tick_i) begin
                 zero_ticks_q <= {zero_ticks_q[1:0], zeroed_q};
             end

@@ -7,10 +7,9 @@
 
 module bench_zero #(
     parameter integer N         = 1,
-    parameter integer LEGS      = 2,
+    parameter integer AXES      = 0,
     parameter integer ARM       = 1,
-    parameter integer ZERO_LOG2 = 3,
-    parameter integer LINES     = (LEGS == 3) ? 2 : N  // derived, leave it
+    parameter integer ZERO_LOG2 = 3
 ) (
     input  wire                clk,
     input  wire                rst,
@@ -24,7 +23,7 @@ module bench_zero #(
     output wire [31:0]         bus_data_o,
     output wire [1:0]          bus_error_o,
     output wire                bus_signed_o,
-    input  wire [12*LINES-1:0] code_i,       // straight binary, line 0 lowest
+    input  wire [12*N-1:0]     code_i,       // straight binary, line 0 lowest
     input  wire                clear_i,
     input  wire                zero_start_i,
     input  wire                press_i,
@@ -32,16 +31,15 @@ module bench_zero #(
     output wire                running_o,
     output wire                fault_o,
     output wire                fault_lasts_o,
-    output wire [LINES-1:0]    zero_busy_o,
-    output wire [LINES-1:0]    zero_fault_o
+    output wire                zero_busy_o,
+    output wire [N-1:0]        zero_fault_o
 );
 
     wire             cs_n;
     wire             sclk;
     wire             din;
-    wire [LINES-1:0] sdata;
-    wire [N-1:0]     ah, al;
-    wire [LINES-1:0] bh, bl;
+    wire [N-1:0]     sdata;
+    wire [N-1:0]     ah, al, bh, bl;
     wire             contact, ready, clears;
     wire             credit, byte_valid, byte_first, packet;
     wire [7:0]       one_byte;
@@ -50,7 +48,7 @@ module bench_zero #(
 
     wh_device #(
         .N               (N),
-        .LEGS            (LEGS),
+        .AXES            (AXES),
         .ZERO_LOG2       (ZERO_LOG2),
         .ARM             (ARM),
         .ARM_CLOCKS      (100000000)
@@ -113,7 +111,7 @@ module bench_zero #(
 
     genvar n;
     generate
-        for (n = 0; n < LINES; n = n + 1) begin : line
+        for (n = 0; n < N; n = n + 1) begin : line
             wire [15:0] frame = {2'b00, code_i[12*n +: 12], 2'b00};
 
             assign sdata[n] = frame[4'd15 - place[3:0]];

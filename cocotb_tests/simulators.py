@@ -154,7 +154,7 @@ def simulate(
     sources: Sequence[Path] = (),
     includes: Sequence[Path] = (),
     plusargs: Sequence[str] = (),
-    inner: bool = True,
+    inner: bool = False,
 ) -> None:
     """Build ``toplevel`` on ``simulator`` and run every cocotb test of ``test_module`` on it.
 
@@ -162,10 +162,11 @@ def simulate(
     ``{"WH_DATA_W": 18}``). ``name`` is the folder in ``build/cocotb``, by default made of all the
     arguments: calls that may run at the same time must differ in it. The folder holds ``build.log``
     and ``test.log``. Modules of the files ``sources`` take the place of those of ``rtl`` with the
-    same name; these files aren't linted. The test then sees the top level's own signals only, as it
-    does without ``inner``, where the build takes half the time. ``includes`` are folders of headers
-    besides ``rtl``, ``plusargs`` what the design asks for with ``$value$plusargs``. What was built
-    from the same sources, by the same tools and with the same options is used again. Raises
+    same name; these files aren't linted. The test sees the top level's own signals only. With
+    ``inner`` it sees those below it, too, and the build takes twice as long. ``includes`` are
+    folders of headers besides ``rtl``, ``plusargs`` what the design asks for with
+    ``$value$plusargs``. What was built from the same sources, by the same tools and with the same
+    options is used again. Raises
     :class:`SimulationError` unless tests ran and all of them passed.
     """
     __tracebackhide__ = True  # the message says all there is to say

@@ -281,7 +281,7 @@ class AnchorBench(Bench):
                 and state[anchor.UP_ALL if sinks else anchor.DOWN_ALL],
                 "withheld": tick.withheld and tick.contact,
                 "blind": tick.blind and state[anchor.CLIPPED] and words[anchor.ENABLE],
-                "overloaded": not tick.blind and state[anchor.OVERLOADED],
+                "excused": not tick.blind and state[anchor.EXCUSES],
                 "far": gone[anchor.FAULT] and not state[anchor.CLIPPED],
             }.items()
             if happened
@@ -295,7 +295,7 @@ EVERYTHING = frozenset(
         "not clipped", "clipped with the waves", "room", "fault", "mean", "offset", "learned",
         "θ above all", "θ below 0", "held", "brushes shrink", "brushes gone", "travels", "turns",
         "θ fades", "slow", "bound below", "bound above", "bound at the other end", "withheld",
-        "blind", "overloaded", "far",
+        "blind", "excused", "far",
     )
 )  # fmt: skip
 
@@ -470,6 +470,26 @@ async def edges_about_the_zone(dut: object) -> None:
             up = state[anchor.SINKS]  # which of the two bounds is asked for
             (kept if state[anchor.KNOWS_UP if up else anchor.KNOWS_DOWN] else ahead).add(int(up))
     assert kept == ahead == {0, 1}
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_contacts_beginning_is_excused(dut: object) -> None:
+    """An anchor that asks for too much from a contact's first steps on is lost 2 ms later."""
+    rng = random_source("excused")
+    bench = AnchorBench(dut, rng)
+    await bench.power_up()
+    for follow in (1, 2, 5):
+        words = motor_settings()
+        words[anchor.FOLLOW_TICKS] = follow
+        words[anchor.REACH], words[anchor.STRANGE] = 1 << anchor.FREE_SHIFT, 0
+        await bench.begin(words)
+        await bench.tick(Tick())
+        lasted = 0
+        while not bench.word("fault_o"):
+            assert lasted < 40 * follow
+            await bench.tick(Tick(3 if lasted else 0, contact=1))
+            lasted += 1
+        assert abs(lasted - anchor.EXCUSED * follow) <= follow
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from math import ceil
+from pathlib import Path
 
 import cocotb
 import pytest
@@ -15,13 +16,15 @@ from adc_part import AdcPart
 from bench import Bench, unpack
 from simulators import parameters
 from wavehaptics.controller.guard import STUCK_S, Fault
+from wavehaptics.fpga.board_words import OPTIONAL_PINS
 from wavehaptics.fpga.boards import load_board
 from wavehaptics.parts.adcs import PARTS
 from wavehaptics.words import formats
 
 SETTLE = 1 << parameters()["SETTLE_LOG2"]
 ZERO_TICKS = 1 << parameters()["ZERO_LOG2"]
-BOARD = load_board(os.environ["WH_BOARD"])
+SCENE = os.environ.get("WH_BOARD_SCENE")
+BOARD = load_board(os.environ["WH_BOARD"], scene_path=Path(SCENE) if SCENE else None)
 GUARDED = BOARD.fpga.guard
 BRUSHLESS = BOARD.brushless
 # Anchors have no say before the magnets are found.
@@ -51,6 +54,12 @@ LINKED = BOARD.fpga.link
 PARTS = len(BOARD.adc_lines)
 SET_CLOCKS = 96 + 128 * PARTS + 70 if LINKED else 0
 """After reset, until all settings are copied, and SCLK knows where it rests."""
+OPTIONAL = {
+    name: int(level.endswith("1"))
+    for key, pins in OPTIONAL_PINS.items() if getattr(BOARD.fpga, key)
+    for name, level in pins.items() if level
+}  # fmt: skip
+"""Inputs that only some boards have, at rest."""
 SYNCHRONISER = 3  # clocks until an input is seen, and one to act on it
 
 
@@ -97,7 +106,7 @@ class Board(Bench):
         if not LINKED:
             inside = self.dut.alone
         else:
-            inside = self.dut.linked.device.device.device.ports
+            inside = self.dut.linked.device.device.ports
             name = {"voltage": "voltage_q"}.get(name, name)  # which holds it
         return unpack(int(getattr(inside, name).value), formats.DATA_W, PARTS)
 
@@ -105,12 +114,12 @@ class Board(Bench):
         """Whether a current is too large: with a line, of the guard's faults only that one."""
         if not LINKED:
             return bool(self.word("overcurrent_seen"))
-        faults = int(self.dut.linked.device.device.device.faults.value)
+        faults = int(self.dut.linked.device.device.faults.value)
         return bool(faults >> Fault.CURRENT & 1)
 
     async def begin(self, **inputs: int) -> None:
         quiet = {"start_i": 0, "stop_i": 0, "clock_lost_i": 0, "enc_a_i": 0, "enc_b_i": 0,
-                 "uart_rx_i": 1}  # fmt: skip
+                 "uart_rx_i": 1, **OPTIONAL}  # fmt: skip
         await self.start(**{**quiet, **inputs})
         await self.settings_come()
 
@@ -153,6 +162,15 @@ class Board(Bench):
         assert await self.watch(5 * TICK) == (0, 0, {0})
 
 
+async def running(dut: object) -> Board:
+    """A board that has been started."""
+    board = Board(dut)
+    await board.begin()
+    await board.press()
+    await board.expect_running()
+    return board
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def off_until_start_is_pressed(dut):
     board = Board(dut)
@@ -185,10 +203,7 @@ async def a_press_that_goes_on_through_reset_is_none(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def stop_is_at_once_and_lasts(dut):
-    board = Board(dut)
-    await board.begin()
-    await board.press()
-    await board.expect_running()
+    board = await running(dut)
     await board.step(1, stop_i=1)
     await board.expect_off()
     board.drive(stop_i=0)
@@ -204,20 +219,11 @@ async def stop_is_at_once_and_lasts(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_fault_lasts_until_reset(dut):
-    board = Board(dut)
-    await board.begin()
-    await board.press()
-    await board.expect_running()
+    board = await running(dut)
     await board.step(40, enc_a_i=1, enc_b_i=1)  # both at once
     assert board.word("fault_o")
     await board.expect_off()
-    await board.press()
-    await board.expect_off()
-    await board.step(3, rst=1)
-    await board.leave_reset()
-    assert not board.word("fault_o")
-    await board.press()
-    await board.expect_running()
+    await expect_off_until_reset(board)
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
@@ -236,19 +242,7 @@ async def a_lost_clock_is_a_fault_until_reset(dut):
         await board.expect_off()
 
 
-async def expect_fault_until_reset(board: Board, clocks: int) -> None:
-    """What has been done to the board is seen within some clocks, and that lasts."""
-    waited = 0
-    while not board.word("fault_o"):
-        await board.step()
-        waited += 1
-        assert waited <= clocks
-    # fault_o shows the guard's fault in the clock in which it is latched. The gates are off one
-    # clock later, and by the board's own fault, of the trip, two.
-    await board.step(1 if GUARDED and clocks > 2 * TICK + 8 else 2)
-    assert not any(board.word(gate) for gate in GATES)
-    await board.expect_off()
-    board.code, board.noise = MIDDLE, 1
+async def expect_off_until_reset(board: Board) -> None:
     await board.press()
     await board.expect_off()
     await board.step(3, rst=1)
@@ -256,6 +250,26 @@ async def expect_fault_until_reset(board: Board, clocks: int) -> None:
     assert not board.word("fault_o")
     await board.press()
     await board.expect_running()
+
+
+async def wait_for_fault(board: Board, clocks: int) -> None:
+    waited = 0
+    while not board.word("fault_o"):
+        await board.step()
+        waited += 1
+        assert waited <= clocks
+
+
+async def expect_fault_until_reset(board: Board, clocks: int) -> None:
+    """What has been done to the board is seen within some clocks, and that lasts."""
+    await wait_for_fault(board, clocks)
+    # fault_o shows the guard's fault in the clock in which it is latched. The gates are off one
+    # clock later, and by the board's own fault, of the trip, two.
+    await board.step(1 if GUARDED and clocks > 2 * TICK + 8 else 2)
+    assert not any(board.word(gate) for gate in GATES)
+    await board.expect_off()
+    board.code, board.noise = MIDDLE, 1
+    await expect_off_until_reset(board)
     assert not board.word("fault_o")
 
 
@@ -263,10 +277,7 @@ async def expect_fault_until_reset(board: Board, clocks: int) -> None:
 async def too_large_a_current_takes_the_gates_off(dut):
     """Within the ADC's scale, and at either end of it, on every board."""
     for code in (MIDDLE + BELOW + 1, MIDDLE - BELOW - 2, 0, TOP):
-        board = Board(dut)
-        await board.begin()
-        await board.press()
-        await board.expect_running()
+        board = await running(dut)
         board.code = code
         for _ in range(2 * TICK + 8):
             await board.step()
@@ -282,10 +293,7 @@ async def a_large_current_below_the_limit_does_not(dut):
     # A brushless motor's third phase has what flows in both others.
     most = BELOW // 2 if BRUSHLESS else BELOW
     for code in (MIDDLE + most - 1, MIDDLE - most):  # and one more of noise
-        board = Board(dut)
-        await board.begin()
-        await board.press()
-        await board.expect_running()
+        board = await running(dut)
         board.code = code
         for _ in range(4 * TICK):
             await board.step()
@@ -294,10 +302,7 @@ async def a_large_current_below_the_limit_does_not(dut):
 
 @cocotb.test(timeout_time=10, timeout_unit="ms", skip=not GUARDED)
 async def an_adc_that_stands_still_takes_the_gates_off(dut):
-    board = Board(dut)
-    await board.begin()
-    await board.press()
-    await board.expect_running()
+    board = await running(dut)
     board.noise = 0
     samples = round(STUCK_S * BOARD.clock_hz / TICK)
     await board.step((samples - 4) * TICK)
@@ -339,16 +344,9 @@ async def an_adc_without_its_wires_takes_the_gates_off(dut):
     """SDATA off: its pull says that the current is at the end of the scale. So does an ADC that is
     not selected or has no supply; one without SCLK holds the zero in front, the other end."""
     for level in (1, 0):
-        board = Board(dut)
-        await board.begin()
-        await board.press()
-        await board.expect_running()
+        board = await running(dut)
         board.sdata = level
-        waited = 0
-        while not board.word("fault_o"):
-            await board.step()
-            waited += 1
-            assert waited <= 2 * TICK + 8
+        await wait_for_fault(board, 2 * TICK + 8)
         await board.expect_off()
 
 
@@ -369,10 +367,7 @@ async def a_board_without_its_wires_does_not_start(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def reset_is_at_once(dut):
-    board = Board(dut)
-    await board.begin()
-    await board.press()
-    await board.expect_running()
+    board = await running(dut)
     await board.step(2, rst=1)
     assert not board.word("alive_o")
     assert await board.watch(3 * TICK) == (0, 0, {0})
@@ -385,8 +380,9 @@ async def high_gates_on(board: Board, ticks: int) -> list[int]:
     on = [0] * BOARD.fpga.legs
     for _ in range(ticks * TICK):
         await board.step()
-        # Those of the legs b and c of a brushless motor stand side by side.
-        gates = board.word(HIGH_GATES[0]) | board.word(HIGH_GATES[1]) << 1
+        # Leg c of a brushless motor is leg a of the second port.
+        first, second = board.word(HIGH_GATES[0]), board.word(HIGH_GATES[1])
+        gates = first & 1 | (second & 1) << 1 | (first & 2) << 1
         for leg in range(len(on)):
             on[leg] += gates >> leg & 1
     return on
@@ -453,10 +449,7 @@ async def stop_while_the_zero_is_measured_is_no_start(dut):
 @cocotb.test(timeout_time=10, timeout_unit="ms", skip=not ANCHORED)
 async def an_encoder_that_the_current_does_not_follow_takes_the_gates_off(dut):
     """Counts as of a rotor at 150 rad/s, and no back-EMF."""
-    board = Board(dut)
-    await board.begin()
-    await board.press()
-    await board.expect_running()
+    board = await running(dut)
     clocks = round(2e-3 / BOARD.scene.encoder.counts_per_rev * BOARD.clock_hz * 3.1416 / 150e-3)
     for count in range(200):
         a, b = ((0, 0), (1, 0), (1, 1), (0, 1))[count % 4]

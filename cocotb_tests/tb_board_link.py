@@ -3,21 +3,19 @@
 
 from __future__ import annotations
 
-import os
-
 import cocotb
 from line_bench import LineBench
 from modbus_frames import ADDRESS, TABLE, decode, read, whole, words, write_one
-from tb_board_controller import SETTLE, TICK, TOP, ZERO_CLOCKS, Board
+from spi_master import SpiMaster
+from tb_board_controller import BOARD, OPTIONAL, SETTLE, TICK, TOP, ZERO_CLOCKS, Board
 from uart_line import Line
+from wavehaptics.controller.guard import Fault
 from wavehaptics.fpga.board_words import CHANGEABLE, first_values
-from wavehaptics.fpga.boards import load_board
 from wavehaptics.words import table
 from wavehaptics.words.memory import settings_requests
 from wavehaptics.words.modbus import MOST_READ, runs
 from wavehaptics.words.table import WORDS
 
-BOARD = load_board(os.environ["WH_BOARD"])
 HZ = BOARD.clock_hz
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 
@@ -30,8 +28,9 @@ class Linked(LineBench):
     async def begin(self) -> None:
         self.line = Line(self.dut.uart_rx_i, self.dut.uart_tx_o, self.bit_ns(0))
         await self.start(
-            start_i=0, stop_i=0, clock_lost_i=0, enc_a_i=0, enc_b_i=0, adc_sdata_i=0, uart_rx_i=1
-        )
+            start_i=0, stop_i=0, clock_lost_i=0, enc_a_i=0, enc_b_i=0, adc_sdata_i=0, uart_rx_i=1,
+            **OPTIONAL,
+        )  # fmt: skip
         await self.step(3_000)
         assert not (await self.ask(write_one(11, 3))).isError()
         self.line.bit_ns = self.bit_ns(3)
@@ -161,3 +160,46 @@ async def the_line_forgets_a_fault_that_is_over(dut: object) -> None:
     await board.give("clear", 1)
     assert board.word("fault_o"), "the current is still there"
     await board.expect_off()
+
+
+@cocotb.test(timeout_time=500, timeout_unit="ms", skip=not BOARD.fpga.spi)
+async def a_host_mcu_has_the_board_over_spi(dut: object) -> None:
+    """It reads and moves a wall, and the serial line isn't heard meanwhile."""
+    bench = Linked(dut)
+    await bench.begin()
+    spi = SpiMaster(dut.spi_cs_n_i, dut.spi_sclk_i, dut.spi_mosi_i, dut.spi_miso_o)
+    spi.clocks = 6  # as fast as it may be
+
+    async def ask(frame: bytes):
+        await spi.transfer(frame)
+        await bench.step(4_000)
+        return decode((await spi.transfer(b"\xff" * 80)).strip(b"\0"))
+
+    at = WORDS["wall_min"].at()
+    found = whole((await ask(read(0, 16))).registers)
+    assert (found[0], found[3]) == (table.crc(), round(HZ))
+    assert not (await ask(words(at, [123]))).isError()
+    assert whole((await ask(read(TABLE + 2 * at, 2))).registers) == [123]
+    await bench.line.send(read(0, 16))
+    await bench.step(4_000)
+    assert not bench.line.heard
+    assert not bench.word("spi_drives_o"), "MISO is left alone while CS is high"
+
+
+@cocotb.test(timeout_time=500, timeout_unit="ms", skip=not BOARD.fpga.overcurrent)
+async def comparators_that_shut_the_gates_are_a_fault(dut: object) -> None:
+    """It lasts as long as they do, and is told over the line."""
+    board = Armed(dut)
+    await board.begin()
+    await board.arm()
+    assert await board.told("faults") == 0
+    await board.step(8, overcurrent_n_i=0)
+    assert board.word("fault_o")
+    await board.expect_off()
+    assert await board.told("faults") == 1 << Fault.DRIVER
+    await board.give("clear", 1)
+    assert board.word("fault_o"), "they still do"
+    await board.step(8, overcurrent_n_i=1)
+    await board.give("clear", 1)
+    assert not board.word("fault_o")
+    await board.arm()

@@ -7,14 +7,7 @@ import math
 
 import cocotb
 import numpy as np
-from cocotb.triggers import (
-    FallingEdge,
-    ReadOnly,
-    RisingEdge,
-    Timer,
-    ValueChange,
-    with_timeout,
-)
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer, ValueChange, with_timeout
 from simulators import TESTS_DIR
 from wavehaptics.controller import wave_core
 from wavehaptics.controller.pins_timing import GATE_CLOCKS

@@ -18,23 +18,12 @@ import cocotb
 import numpy as np
 from adc_part import AdcPart
 from bench import Bench, pack, random_source, unpack
+from random_anchor import random_anchor
 from simulators import parameters
 from tb_modulator import Model as Modulator
 from tb_quadrature import levels
-from wavehaptics.controller import anchor, bus_scale, wave_core
+from wavehaptics.controller import anchor, bus_scale, pins_timing, wave_core
 from wavehaptics.controller.modulator import duty_of, width_bounds
-from wavehaptics.controller.pins_timing import (
-    ANCHOR_CLOCKS,
-    CENTRED_LEAD,
-    CORE_CLOCKS,
-    GATE_CLOCKS,
-    HOLD_CLOCKS,
-    SECTION_CLOCKS,
-    WAVES_CLOCKS,
-    latency_clocks,
-    shared_tick_clocks,
-    shortest_tick_clocks,
-)
 from wavehaptics.motor.sensor import scale_sum
 from wavehaptics.parts.adcs import KINDS, PARTS, Frame, Part, frame
 from wavehaptics.words import formats, table
@@ -73,7 +62,7 @@ _GUARD = formats.STATE_GUARD
 _A_SHIFT = formats.A.fraction - _GUARD
 
 _GUARDED = formats.LONG_GUARD
-_STEP_CLOCKS = CORE_CLOCKS + SECTION_CLOCKS * SHAPER
+_STEP_CLOCKS = pins_timing.CORE_CLOCKS + pins_timing.SECTION_CLOCKS * SHAPER
 ANCHOR_WORDS = ("position_o", "offset_o", "flux_o", "lag_o", "anchor_fault_o")
 
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
@@ -81,7 +70,11 @@ GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
 # A tick long enough for the steps of N ports, and for the encoder to settle between two of them.
 TICK_CLOCKS = 48 if N == 1 and KIND == "serial" else 96
 if ANCHOR and N > 1:
-    TICK_CLOCKS = CORE_CLOCKS * N + 12
+    TICK_CLOCKS = pins_timing.CORE_CLOCKS * N + 12
+
+
+def no_anchor() -> np.ndarray:
+    return np.zeros(anchor.SETTINGS, dtype=np.int64)
 
 
 @dataclass
@@ -96,9 +89,7 @@ class PortSettings:
     zero: int = 0
     gain_a: float = FULL_SCALE_A
     walls: tuple[tuple[int, int], ...] = ((1000, 2000),) * WALLS
-    anchor: np.ndarray = field(
-        default_factory=lambda: np.zeros(anchor.SETTINGS, dtype=np.int64), compare=False
-    )
+    anchor: np.ndarray = field(default_factory=no_anchor, compare=False)
 
 
 @dataclass
@@ -108,7 +99,7 @@ class Settings:
     half_clocks: int = TICK_CLOCKS
     tick_halves: int = 1
     samples: int = 1
-    lead: int = CENTRED_LEAD
+    lead: int = pins_timing.CENTRED_LEAD
     extra_ticks: int = 1
     hold_ticks: int = 0
     mode: str = UNIPOLAR
@@ -136,7 +127,7 @@ class Settings:
 
     @property
     def latency(self) -> int:
-        return latency_clocks(self.frame.conversion_clocks, N, SHAPER, bool(ANCHOR))
+        return pins_timing.latency_clocks(self.frame.conversion_clocks, N, SHAPER, bool(ANCHOR))
 
     def gain(self, port: int) -> int:
         return formats.GAIN.to_raw(self.ports[port].gain_a / ((1 << 15) * self.samples))
@@ -353,7 +344,7 @@ class ControllerBench(Bench):
     def _before(self, n: int) -> tuple[int, int, int, int, int]:
         """``Step.before`` of one port."""
         position = unpack(self.recent[0][0], formats.COUNT_W, N)[n]
-        words = self.recent[_STEP_CLOCKS * n + WAVES_CLOCKS]
+        words = self.recent[_STEP_CLOCKS * n + pins_timing.WAVES_CLOCKS]
         offset, flux, lag = (unpack(word, formats.DATA_W, N)[n] for word in words[1:4])
         return position, offset, flux, lag, words[4] >> n & 1
 
@@ -363,7 +354,7 @@ class ControllerBench(Bench):
         for part in self.parts:
             part.pins(now, cs_n, sclk, din)
         if self._cs_n and not cs_n:
-            strobe = len(self.bridge) - HOLD_CLOCKS
+            strobe = len(self.bridge) - pins_timing.HOLD_CLOCKS
             self.conversions.append((strobe, [part.held for part in self.parts]))
         self._cs_n = cs_n
 
@@ -432,16 +423,22 @@ class ControllerBench(Bench):
             for strobe, sums in self.sums()
         ]
 
-    def made(self, n: int) -> list[Made]:
-        """Each step of one port as the integer models have it, from the ADC's codes and contact."""
+    def made(self, n: int, late_fault: bool = False) -> list[Made]:
+        """Each step of one port as the integer models have it, from the ADC's codes and contact.
+
+        ``late_fault``: in the shortest ticks η is read before the anchor's fault is known, so a
+        fault damps a step later.
+        """
         settings, port = self.settings, self.settings.ports[n]
         state, line = wave_core.new_state(), wave_core.new_line(settings.extra_ticks)
         held, e, result = anchor.new_state(), 0, []
+        fault_before = 0
         for step, (_, words), ends in zip(self.steps, self.currents(), self.ends(), strict=False):
             offset, correction = int(held[anchor.OFFSET]), int(held[anchor.CORRECTION])
             left = int(anchor.left.py_func(step.u_max[n], held))
             seen = [int(held[place]) >> _GUARDED for place in (anchor.CHI, anchor.LAG)]
-            fault = int(held[anchor.FAULT])
+            known = int(held[anchor.FAULT])
+            fault, fault_before = (fault_before if late_fault else known), known
             current = wave_core.saturate.py_func(words[n] - offset)
             eta = 0 if fault else port.eta_contact if step.contact[n] else port.eta_free
             withheld, saturated = (
@@ -470,7 +467,7 @@ class ControllerBench(Bench):
             )  # fmt: skip
         return result
 
-    def check_steps(self, one_bus: bool = True) -> None:
+    def check_steps(self, one_bus: bool = True, late_fault: bool = False) -> None:
         """Every step's words equal the integer models, fed with the ADC's codes and contact.
 
         Without ``one_bus`` the bus changes from step to step.
@@ -484,7 +481,7 @@ class ControllerBench(Bench):
                     assert step.clocks_per_volt[n] == self.settings.clocks_per_volt(n)
         assert len(self.steps) >= expected - 2 - self.settings.frame.pipeline
         for n in range(N):
-            for step, made in zip(self.steps, self.made(n), strict=False):
+            for step, made in zip(self.steps, self.made(n, late_fault), strict=False):
                 assert step.current[n] == made.current
                 shown = (step.voltage[n], step.u[n], step.v[n])
                 assert shown == (made.voltage, made.u, made.v)
@@ -504,7 +501,7 @@ class ControllerBench(Bench):
         unipolar = settings.mode == UNIPOLAR
         centred = settings.mode in (LOCKED, HALF_BRIDGE)
         pulse_clocks = settings.half_clocks * (1 if unipolar else 2)
-        starts = range(0, len(self.bridge) - pulse_clocks - GATE_CLOCKS, pulse_clocks)
+        starts = range(0, len(self.bridge) - pulse_clocks - pins_timing.GATE_CLOCKS, pulse_clocks)
         pulses = 0
         for n in range(N):
             # The formula is for the last port; the ports before it are served before it.
@@ -520,7 +517,7 @@ class ControllerBench(Bench):
                     due = [duty for ready, duty in duties if ready <= start - 1]
                     duty = due[-1] if due else 0
                 width = modulator.width(duty) if start else 0
-                first = start + GATE_CLOCKS
+                first = start + pins_timing.GATE_CLOCKS
                 shown = [row[n] for row in self.bridge[first : first + pulse_clocks]]
                 assert sum(shown) == (2 if unipolar else 4) * width, (n, start, width)
                 if centred and settings.half_clocks % 2:
@@ -547,30 +544,8 @@ def random_port(rng: random.Random) -> PortSettings:
         zero=rng.randint(-3000, 3000),
         gain_a=rng.uniform(0.5, 15.0),
         walls=tuple(walls),
-        anchor=random_anchor(rng, ohm),
+        anchor=random_anchor(rng, ohm, (0.5, 5.0, 100.0)) if ANCHOR else no_anchor(),
     )
-
-
-def random_anchor(rng: random.Random, ohm: float) -> np.ndarray:
-    """Words with which some dozen ticks show an anchor's every side; zeros without one."""
-    words = np.zeros(anchor.SETTINGS, dtype=np.int64)
-    if not ANCHOR:
-        return words
-    words[anchor.ENABLE] = rng.random() < 0.9
-    words[anchor.FLUX_GAIN] = formats.FLUX.to_raw(10.0 ** rng.uniform(-4.0, -1.0))
-    words[anchor.OWED_GAIN] = rng.choice((0, words[anchor.FLUX_GAIN]))
-    words[anchor.CELLS_GAIN] = formats.CELLS.to_raw(rng.uniform(0.02, 2.0))
-    words[anchor.PULL_GAIN] = formats.PULL.to_raw(rng.uniform(0.1, 3.0))
-    words[anchor.LEARN_GAIN] = formats.LEARN.to_raw(10.0 ** rng.uniform(-5.0, -2.2))
-    words[anchor.LEARN_MAX] = formats.PULL.to_raw(rng.uniform(0.0, 1.0))
-    words[anchor.BRUSH] = round(rng.uniform(0.0, 1.0) / anchor.SEEN_CELLS)
-    words[anchor.ZERO_GAIN] = formats.FLUX.to_raw(10.0 ** rng.uniform(-3.0, -1.0) / ohm)
-    words[anchor.ROOM_GAIN] = formats.FLUX.to_raw(1.0 / math.sqrt(2 * ohm))
-    words[anchor.REACH] = formats.VOLTAGE.to_raw(rng.uniform(0.1, 2.0))
-    words[anchor.STRANGE] = formats.VOLTAGE.to_raw(rng.choice((5.0, 100.0)))
-    words[anchor.FOLLOW_TICKS] = rng.randint(1, 4)
-    words[anchor.SLOW_TICKS] = rng.randint(0, 9)
-    return words
 
 
 def random_settings(rng: random.Random) -> Settings:
@@ -657,7 +632,7 @@ async def a_shared_multiplier_is_in_time_in_the_shortest_tick(dut: object) -> No
     """Currents, steps and voltages come as they would with two multipliers, anchors soon enough."""
     bench = ControllerBench(dut)
     rng = random_source("shared")
-    shortest = max(shared_tick_clocks(N, bool(ANCHOR)), PART_FRAME.cycle_clocks)
+    shortest = max(pins_timing.shared_tick_clocks(N, bool(ANCHOR)), PART_FRAME.cycle_clocks)
     pulses = 0
     for _ in range(8):
         settings = Settings(
@@ -689,7 +664,7 @@ async def the_measured_bus_scales_the_pulse_and_the_limit(dut: object) -> None:
         settings.bus = bus_scale.bus_word(bus_v)
         bench.drive(bus_i=settings.bus)
         await bench.run(BUS_CLOCKS + settings.tick_clocks)
-        for _ in range(60):
+        for _ in range(80):
             bench.codes = [random_code(rng) for _ in range(N)]
             shown = [await bench.clock() for _ in range(settings.tick_clocks)]
             saturated += sum(sum(step.saturated) for step in shown if step)
@@ -755,7 +730,7 @@ async def contact_at_any_time(dut: object) -> None:
         settings = random_settings(rng)
         if run == 3:
             # A step's currents come as the one before ends; the anchors are still at that one.
-            shortest = shortest_tick_clocks(N, SHAPER, bool(ANCHOR), bool(SHARED))
+            shortest = pins_timing.shortest_tick_clocks(N, SHAPER, bool(ANCHOR), bool(SHARED))
             settings.half_clocks = max(PART_FRAME.cycle_clocks, _STEP_CLOCKS * N + N, shortest)
             settings.tick_halves = settings.samples = 1
             settings.mode, settings.hold_ticks = UNIPOLAR, 0
@@ -769,7 +744,7 @@ async def contact_at_any_time(dut: object) -> None:
                 next_move = rng.randint(3, 20)
                 bench.position = [at + rng.choice((-1, 1)) for at in bench.position]
                 bench.codes = [random_code(rng) for _ in range(N)]
-        bench.check_steps()
+        bench.check_steps(late_fault=run == 3)
         for before, after in pairwise(bench.steps):
             changes += before.contact != after.contact
     assert changes > 10
@@ -808,7 +783,7 @@ async def latency_is_the_formula(dut: object) -> None:
             await bench.run(5 * tick_clocks)
             strobe = bench.conversions[before][0] + made.pipeline * tick_clocks
             first = next(n for n, row in enumerate(bench.bridge) if all(row))
-            driven_tick = (first - GATE_CLOCKS) // tick_clocks
+            driven_tick = (first - pins_timing.GATE_CLOCKS) // tick_clocks
             assert driven_tick - strobe // tick_clocks - 1 == expected, (part.name, lead)
             bench.check_pulses()
             assert {part.pulses for part in bench.parts} == {made.frame_bits}
@@ -1063,7 +1038,7 @@ async def words_of_an_anchor_hold_while_it_reads_them(dut: object) -> None:
     bench = ControllerBench(dut)
     await bench.begin(Settings())
     # Three more steps of the last port's anchor, and the clock in which it ends, read none.
-    behind = WAVES_CLOCKS + ANCHOR_CLOCKS - 1 - _STEP_CLOCKS - 4
+    behind = pins_timing.WAVES_CLOCKS + pins_timing.ANCHOR_CLOCKS - 1 - _STEP_CLOCKS - 4
     free = [0] * N
     for _ in range(4):
         before = list(free)

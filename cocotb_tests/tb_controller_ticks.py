@@ -11,8 +11,9 @@ from dataclasses import replace
 
 import cocotb
 from bench import Bench, pack, random_source
-from tb_controller import CORE_CLOCKS, PART_FRAME, SECTION_CLOCKS, SHAPER, WALLS, N, Settings
+from tb_controller import PART_FRAME, SHAPER, WALLS, N, Settings
 from tb_quadrature import levels
+from wavehaptics.controller.pins_timing import CORE_CLOCKS, SECTION_CLOCKS
 from wavehaptics.words import formats
 
 FRAME = replace(PART_FRAME, frame_bits=8, lead_bits=0, data_bits=8, quiet_clocks=1)

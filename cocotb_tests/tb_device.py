@@ -7,16 +7,7 @@ import random
 
 import cocotb
 from bench import random_source
-from settings_bus import (
-    BUSY,
-    COMMIT,
-    DISCARD,
-    DONE,
-    NOT_NOW,
-    RANGE,
-    UNKNOWN,
-    BusBench,
-)  # fmt: skip
+from settings_bus import BUSY, COMMIT, DISCARD, DONE, NOT_NOW, RANGE, UNKNOWN, BusBench  # fmt: skip
 from simulators import parameters
 from wavehaptics.controller.guard import Fault
 from wavehaptics.controller.modulator import width_bounds
@@ -27,11 +18,14 @@ from wavehaptics.words.bridge_modes import UNIPOLAR as UNIPOLAR_NAME
 from wavehaptics.words.places import places
 from wavehaptics.words.table import AXES, LEGS, THREE_PHASE_LEGS, WORDS, Sizes
 
-_P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "MIN_PULSE": 0, "LEGS": LEGS,
+_P = {"N": 1, "WALLS": 4, "SHAPER": 0, "DELAY_LOG2": 2, "MIN_PULSE": 0, "AXES": 0,
       **parameters()}  # fmt: skip
-SIZES = Sizes(_P["N"], _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"], _P["LEGS"])
-BRUSHLESS = _P["LEGS"] == THREE_PHASE_LEGS
-LINES = AXES if BRUSHLESS else SIZES.motors
+BRUSHLESS = _P["AXES"] != 0
+LINES = _P["N"]
+SIZES = Sizes(
+    LINES // AXES if BRUSHLESS else LINES, _P["WALLS"], _P["SHAPER"], _P["DELAY_LOG2"],
+    THREE_PHASE_LEGS if BRUSHLESS else LEGS,
+)  # fmt: skip
 """Of ADCs."""
 HALVES = 2 if BRUSHLESS else 1
 """Carrier halves in a tick, at least."""
@@ -50,14 +44,14 @@ class DeviceBench(BusBench):
     async def begin(self, enable: int = 0) -> None:
         await super().begin(
             enable_i=0, adc_sdata_i=0, enc_a_i=0, enc_b_i=0, bus_i=0x1234, stop_i=1,
-            driver_fault_i=(1 << SIZES.motors) - 1, press_i=0,
+            driver_fault_i=(1 << LINES) - 1, press_i=0,
         )  # fmt: skip
         assert await self.write(BUSY, 1, 20_000) == UNKNOWN
         await self.rests()
         if enable:
             names = ("a", "gain", "root", "u_max", "clocks_per_volt")
             for motor in range(LINES):
-                there = [name for name in names if motor < WORDS[name].parts(*OF)]
+                there = [name for name in names if motor in WORDS[name].port_numbers(*OF)]
                 await self.set(dict.fromkeys(there, 1 << 20), motor)
             await self.set(SAFE)
             self.drive(enable_i=1)
@@ -191,7 +185,9 @@ async def no_voltage_where_none_is_asked_for(dut: object) -> None:
     bench = DeviceBench(dut)
     await bench.begin(enable=1)
     for motor in range(LINES):  # all that the waves ask for is less than a microvolt
-        there = [name for name in ("root", "gain", "u_max") if motor < WORDS[name].parts(*OF)]
+        there = [
+            name for name in ("root", "gain", "u_max") if motor in WORDS[name].port_numbers(*OF)
+        ]
         bench.drive(enable_i=0)
         await bench.set(dict.fromkeys(there, 1), motor)
     found = {True: 0, False: 0}
@@ -210,8 +206,8 @@ async def no_voltage_where_none_is_asked_for(dut: object) -> None:
             for _ in range(20 * 2 * HALF_CLOCKS):
                 await bench.step()
                 high, low = (
-                    bench.word(f"gate_b{side}_o") << 1 | bench.word(f"gate_a{side}_o")
-                    for side in "hl"
+                    bench.word(f"gate_b{side}_o") << 1 | a & 1 | a << 1 & 4
+                    for side, a in ((side, bench.word(f"gate_a{side}_o")) for side in "hl")
                 )
                 legs = [leg + (high >> n & 1) - (low >> n & 1) for n, leg in enumerate(legs)]
             fits = drives(mode, words)

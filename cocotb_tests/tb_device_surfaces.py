@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of surfaces on ``rtl/wh_ports_device.v``, over its bus, and on ``wh_linked_device.v``.
+"""Bench of surfaces on ``rtl/wh_device.v``, over its bus, and on ``wh_linked_device.v``.
 
 A frame is written as a host writes it. What it is made of stands in the memory afterwards, and a
 surface that the rotors are beyond acts.
@@ -84,7 +84,7 @@ class SurfacesDevice:
 
     @property
     def memory(self) -> object:
-        ports = self.dut.device.device if LINKED else self.dut
+        ports = self.dut.device if LINKED else self.dut
         return ports.ports.in_space.surface_words
 
     def kept(self, frame: Frame) -> bool:

@@ -40,6 +40,8 @@ LEVEL_CAUSES = {
     Fault.OVERRUN: ("overrun_i", 1, 1),
     Fault.ANCHOR: ("anchor_i", 1 << LAST, 1),
     Fault.ENERGY: ("energy_i", 1 << LAST, 1),
+    Fault.OVERSPEED: ("overspeed_i", 1, 1),
+    Fault.WINDOW: ("outside_i", 1, 1),
 }
 
 
@@ -54,8 +56,8 @@ class GuardBench(Bench):
             settings_i=settings(fields), clear_i=0, running_i=running_i, stop_i=0, driver_i=0,
             host_alive_i=0, bus_i=100, sample_valid_i=0, sample_i=0, trip_i=0, encoder_i=0,
             range_i=0, stuck_i=0, zero_i=0, zero_start_i=0, zero_busy_i=0,
-            moved_i=0, anchor_i=0, energy_i=0, setting_i=0, overrun_i=0, tick_i=0, valid_i=0,
-            current_i=0, u_i=0, v_i=0,
+            moved_i=0, direction_i=0, anchor_i=0, energy_i=0, saturated_i=0, overspeed_i=0,
+            outside_i=0, setting_i=0, overrun_i=0, tick_i=0, valid_i=0, current_i=0, u_i=0, v_i=0,
         )  # fmt: skip
         await self.step(3)
         assert self.faults() == (0, 0, 0)
@@ -75,14 +77,17 @@ class GuardBench(Bench):
         await self.step(1)
         return self.word("faults_o")
 
-    async def tick(self, current: int = 0, u: int = 0, v: int = 0, moved: int = 0) -> int:
+    async def tick(
+        self, current: int = 0, u: int = 0, v: int = 0, moved: int = 0, saturated: int = 0
+    ) -> int:
         """A tick of 24 clocks with words of 16 bits, the highest of the data words; the faults."""
         shift = formats.DATA_W - 16
         words = {
             name: pack([0] * LAST + [word << shift], formats.DATA_W)
             for name, word in (("current_i", current), ("u_i", u), ("v_i", v))
         }
-        await self.step(tick_i=1, valid_i=1, moved_i=moved << LAST, **words)
+        bits = {"moved_i": moved << LAST, "saturated_i": saturated << LAST}
+        await self.step(tick_i=1, valid_i=1, **bits, **words)
         await self.step(23, tick_i=0, valid_i=0, moved_i=0)
         return self.word("faults_o")
 
@@ -387,6 +392,67 @@ async def heat(dut: object) -> None:
     await bench.begin(HEAT_TICKS=3, HEAT=0)
     shown = [await bench.tick(300 if n % 3 else 0) for n in range(30)]
     assert not any(shown), "one square in three ticks, all of them of 0 A"
+
+
+class Swings:
+    """The law of SATURATED in integers: turns back at the limit, in a row."""
+
+    def __init__(self, most: int) -> None:
+        self.most = most
+        self.newest = self.way = self.row = self.since = 0
+
+    def tick(self, moved: int, direction: int, saturated: int, running: int) -> bool:
+        turned = moved and direction == self.newest and direction != self.way
+        if moved:
+            self.way = direction if direction == self.newest else self.way
+            self.newest = direction
+        if not running:
+            self.row = self.since = 0
+        elif turned:
+            self.row = min(16, self.row + 1) if saturated else 0
+            self.since = 0
+        elif self.since >= self.most:
+            self.row = 0
+        else:
+            self.since += 1
+        return self.most > 0 and self.row == 16
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def a_rotor_that_swings_at_the_limit(dut: object) -> None:
+    """Random swings, of one count too, with gaps, misses of the limit and stops: as integers."""
+    bench = GuardBench(dut)
+    rng = random_source("saturated")
+    found = {False: 0, True: 0}
+    for trial in range(24):
+        most = rng.choice((0, 3, 6, 9, TOP))
+        misses, stops = rng.choice((0.0, 0.03)), rng.choice((0.0, 0.01))
+        longest = rng.choice((2, 2, 4))
+        await bench.begin(SATURATED=most)
+        law, told = Swings(most), False
+        ticks: list[int] = []  # of the present swing: whether a count comes
+        direction = trial % 2
+        for _ in range(150):
+            if not ticks:
+                direction ^= 1
+                ticks = [1] * rng.choice((1, 2, 2, 2, 2, 2, 3)) + [0] * rng.randint(0, longest)
+            moved, saturated = ticks.pop(0), int(rng.random() >= misses)
+            running = int(rng.random() >= stops)
+            bench.drive(running_i=running, direction_i=direction << LAST)
+            faults = await bench.tick(moved=moved, saturated=saturated)
+            told |= law.tick(moved, direction, saturated, running)
+            assert faults == told << Fault.SATURATED, (most, law.row, law.since)
+        found[told] += 1
+    assert min(found.values()) >= 5, found
+    # The time is exact, whichever of its bits it has: one tick more, and the row begins anew.
+    for bit in range(7):
+        await bench.begin(SATURATED=1 << bit)
+        for ticks, fault in (((1 << bit) + 2, 0), ((1 << bit) + 1, 1 << Fault.SATURATED)):
+            for swing in range(17):
+                bench.drive(direction_i=(swing % 2) << LAST)
+                for moved in [1, 1, *[0] * (ticks - 2)]:
+                    await bench.tick(moved=moved, saturated=1)
+            assert bench.word("faults_o") == fault, (bit, ticks)
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")

@@ -34,7 +34,7 @@ class LinkBench(LineBench):
 
     def last_root(self) -> int:
         """s of the last motor as it is in force."""
-        in_force = self.dut.device.device.registers.in_force_ram.memory
+        in_force = self.dut.device.registers.in_force_ram.memory
         return int(in_force[ROOT - 0x100 + 0x100 * (_P["N"] - 1)].value)
 
     async def values(self, address: int, count: int = 1) -> list[int]:

@@ -6,16 +6,7 @@ from __future__ import annotations
 import cocotb
 from bench import random_source
 from line_bench import LineBench
-from modbus_frames import (
-    TABLE,
-    VALUE,
-    decode,
-    identify,
-    read,
-    whole,
-    words,
-    write_one,
-)  # fmt: skip
+from modbus_frames import TABLE, VALUE, decode, identify, read, whole, words, write_one  # fmt: skip
 from simulators import parameters
 from spi_master import SpiMaster
 from uart_line import Line

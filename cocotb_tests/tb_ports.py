@@ -18,9 +18,10 @@ import cocotb
 import numpy as np
 from bench import Bench, pack, random_source
 from cocotb.triggers import FallingEdge, RisingEdge, with_timeout
+from random_anchor import random_anchor
 from simulators import parameters
 from tb_core import packed_section, section
-from wavehaptics.controller import anchor
+from wavehaptics.controller import anchor, guard
 from wavehaptics.controller.pins_timing import turns_latency_clocks
 from wavehaptics.words import formats
 
@@ -44,26 +45,18 @@ BUS_V = 24.0
 FEEDBACK_CLOCKS = 4
 """By how much widths of one voltage may differ, at most."""
 RESULTS = (
-    "u",
-    "v",
-    "i",
-    "position",
-    "flags",
-    "e",
-    "c",
-    "offset",
-    "χ",
-    "ω̂",
-    "energy",
-    "most energy",
+    "u", "v", "i", "position", "flags", "e", "c", "offset", "χ", "ω̂", "energy", "most energy",
     "host",
-)
+)  # fmt: skip
 MID = 1 << 11
 DAMPABLE = 0x0080E0
 """Faults that may damp."""
 ENERGY = 1 << 16
-FOUND_IN_A_TURN = 0x019040
-"""Faults that are found in a port's turn: LOST, HEAT, ANCHOR, ENERGY."""
+SATURATED = 1 << 17
+MOTION = 0x0C0000
+"""OVERSPEED, WINDOW."""
+FOUND_IN_A_TURN = 0x039040 | MOTION
+"""Faults that are found in a port's turn: LOST, HEAT, ANCHOR, ENERGY, SATURATED, and of motion."""
 OVERRUN = 1 << 14
 
 
@@ -92,6 +85,8 @@ class Port:
     hysteresis: int
     walls: list[tuple[int, int, int, int]]
     shapes: list[list[int]]
+    motion: tuple[int, int, int]
+    """Limits of speed and position."""
     words: dict[int, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -100,6 +95,7 @@ class Port:
             0x10: self.root, 0x11: self.a, 0x12: self.u_max, 0x18: self.scale, 0x1A: self.side,
             0x30: self.hysteresis,
         }  # fmt: skip
+        self.words |= {0x31 + place: word for place, word in enumerate(self.motion)}
         self.words |= {0x20 + place: int(word) for place, word in enumerate(self.anchor)}
         for number, words in enumerate(self.shapes):
             first, loss = 0x80 + 9 * number, 0x92 + 3 * number
@@ -112,26 +108,6 @@ class Port:
                 0x60 + place: enable,
                 0x70 + place: shaped,
             }
-
-
-def random_anchor(rng: random.Random, ohm: float) -> np.ndarray:
-    """Words with which some dozen periods show an anchor's every side."""
-    words = np.zeros(anchor.SETTINGS, dtype=np.int64)
-    words[anchor.ENABLE] = rng.random() < 0.9
-    words[anchor.FLUX_GAIN] = formats.FLUX.to_raw(10.0 ** rng.uniform(-4.0, -1.0))
-    words[anchor.OWED_GAIN] = rng.choice((0, words[anchor.FLUX_GAIN]))
-    words[anchor.CELLS_GAIN] = formats.CELLS.to_raw(rng.uniform(0.02, 2.0))
-    words[anchor.PULL_GAIN] = formats.PULL.to_raw(rng.uniform(0.1, 3.0))
-    words[anchor.LEARN_GAIN] = formats.LEARN.to_raw(10.0 ** rng.uniform(-5.0, -2.2))
-    words[anchor.LEARN_MAX] = formats.PULL.to_raw(rng.uniform(0.0, 1.0))
-    words[anchor.BRUSH] = round(rng.uniform(0.0, 1.0) / anchor.SEEN_CELLS)
-    words[anchor.ZERO_GAIN] = formats.FLUX.to_raw(10.0 ** rng.uniform(-3.0, -1.0) / ohm)
-    words[anchor.ROOM_GAIN] = formats.FLUX.to_raw(1.0 / math.sqrt(2 * ohm))
-    words[anchor.REACH] = formats.VOLTAGE.to_raw(rng.uniform(0.1, 2.0))
-    words[anchor.STRANGE] = formats.VOLTAGE.to_raw(rng.choice((5.0, 100.0)))
-    words[anchor.FOLLOW_TICKS] = rng.randint(1, 4)
-    words[anchor.SLOW_TICKS] = rng.randint(0, 9)
-    return words
 
 
 def random_port(rng: random.Random, half_clocks: int, samples: int) -> Port:
@@ -152,10 +128,16 @@ def random_port(rng: random.Random, half_clocks: int, samples: int) -> Port:
         u_max=formats.WAVE.to_raw(rng.uniform(0.3, 1.1) * BUS_V / math.sqrt(2 * ohm)),
         scale=formats.DUTY.to_raw(half_clocks / (2 * BUS_V)),
         side=formats.CURRENT.to_raw(rng.uniform(0.0, 1.0)),
-        anchor=random_anchor(rng, ohm),
+        anchor=random_anchor(rng, ohm, (5.0, 100.0)),
         hysteresis=rng.randrange(2),
         walls=walls,
         shapes=[section(rng) for _ in range(max(1, SHAPER))],
+        motion=rng.choice(
+            (
+                (0, -(1 << 31), (1 << 31) - 1),
+                (rng.randint(1, 9), -rng.randint(0, 9), rng.randint(0, 9)),
+            )
+        ),
     )
     if rng.random() < ILLEGAL:
         name, value = rng.choice(NO_MEANING)
@@ -173,8 +155,8 @@ def joined(*fields: tuple[int, int]) -> int:
     return packed
 
 
-EVERY_FAULT = 0x01FFFF & ~OVERRUN
-"""No period is too short."""
+EVERY_FAULT = 0x01FFFF & ~OVERRUN | MOTION
+"""No period is too short, and no motor swings."""
 
 
 class PortsBench(Bench):
@@ -266,6 +248,7 @@ class PortsBench(Bench):
             (rng.choice((90, 0xFFFFFF)), 24),
             (0x1000, 16), (0x4000, 16), (rng.choice((0, 3)), 16),
             (rng.choice((1 << 12, 0xFFFFFFFF)), 32), (rng.choice((0, 1, 5)), 16),
+            (0, 16),
         )  # fmt: skip
 
     def random_ports(self) -> list[Port]:
@@ -300,6 +283,9 @@ class PortsBench(Bench):
             wall_shaped_i=pack([wall[3] for wall in each_wall], 1),
             shape_words_i=pack([packed_section(words) for words in each_section], SHAPE_BITS),
             edge_hysteresis_i=pack([port.hysteresis for port in ports], 1),
+            overspeed_i=pack([port.motion[0] for port in ports], 16),
+            window_low_i=pack([port.motion[1] for port in ports], formats.COUNT_W),
+            window_high_i=pack([port.motion[2] for port in ports], formats.COUNT_W),
             eta_contact_i=pack([port.etas[0] for port in ports], coef),
             eta_free_i=pack([port.etas[1] for port in ports], coef),
             root_i=pack([port.root for port in ports], coef),
@@ -340,7 +326,7 @@ class PortsBench(Bench):
         for n in range(N):
             if not still and not self.parked:
                 illegal = rng.random() < 0.005
-                self.places[n] += 2 if illegal else rng.choice((0, 0, 0, 1, 1, -1, -1))
+                self.places[n] += 2 if illegal else self.count(n)
             phase = self.places[n] & 3
             a |= (phase in (1, 2)) << n
             b |= (phase in (2, 3)) << n
@@ -352,6 +338,9 @@ class PortsBench(Bench):
             codes.append(min(4095, max(0, code)))
             noise.append(0 if self.quiet else 7)
         self.drive(code_i=pack(codes, 12), noise_i=pack(noise, 12), enc_a_i=a, enc_b_i=b)
+
+    def count(self, port: int) -> int:
+        return self.rng.choice((0, 0, 0, 1, 1, -1, -1))
 
     # ---- Periods.
 
@@ -426,6 +415,14 @@ class PortsBench(Bench):
         await self.tick()
         self.compare()
 
+    async def compared(self, periods: int) -> None:
+        """So many periods, or until both may differ, and a part of one more."""
+        for _ in range(periods):
+            await self.period()
+            if self.apart:
+                break
+        await self.step(self.rng.randrange(self.tick_clocks))
+
     async def answer(self) -> None:
         """A host's answer for some ports, to a packet of them or an older one."""
         rng = self.rng
@@ -464,21 +461,13 @@ async def equals_the_controller(dut: object) -> None:
     for _ in range(runs):
         await bench.begin()
         await bench.tick()
-        for _ in range(periods):
-            await bench.period()
-            if bench.apart:
-                break
-        await bench.step(rng.randrange(bench.tick_clocks))
+        await bench.compared(periods)
     assert bench.periods > 0.95 * runs * periods
     assert bench.on_periods > bench.periods // 4
     cocotb.log.info(
         "%d periods, %d on, %d with energies, faults %06x, %s",
-        bench.periods,
-        bench.on_periods,
-        bench.known_energies,
-        bench.faults,
-        bench.seen,
-    )
+        bench.periods, bench.on_periods, bench.known_energies, bench.faults, bench.seen,
+    )  # fmt: skip
     if runs > 10:
         assert bench.faults == EVERY_FAULT
         assert bench.seen == ({"host_active"} if HOST else set()) | {
@@ -486,6 +475,55 @@ async def equals_the_controller(dut: object) -> None:
             "fault", "commit",
         }  # fmt: skip
         assert bench.known_energies > bench.periods // 3
+
+
+class SwingingBench(PortsBench):
+    """Rotors that swing in walls, with a limit of 0 V, which acts at once."""
+
+    def __init__(self, dut: object, rng: random.Random) -> None:
+        super().__init__(dut, rng)
+        self.swings: list[list[int]] = [[] for _ in range(N)]
+        self.way = [1] * N
+
+    def random_guard(self) -> int:
+        rng = self.rng
+        fields = {"MASK": SATURATED, "LEVELS": 0b11, "HOST": 0xFFFFFF, "BUS_MAX": 0xFFFF}
+        return guard.pack({**fields, "SATURATED": rng.choice((0, 2, 3, 5, 0xFFFF))})
+
+    def random_ports(self) -> list[Port]:
+        ports = super().random_ports()
+        for port in ports:
+            port.u_max = 0
+            port.walls = [(-1000, 1000, True, False)] * WALLS
+            port.__post_init__()
+        return ports
+
+    def count(self, port: int) -> int:
+        if not self.swings[port]:
+            rng = self.rng
+            self.way[port] *= -1
+            counts = rng.choice((1, *[2] * 40, 3))
+            self.swings[port] = [self.way[port]] * counts + [0] * rng.choice((*[0] * 12, 1, 3))
+        return self.swings[port].pop(0)
+
+
+@cocotb.test(timeout_time=10, timeout_unit="sec")
+async def swings_as_the_controller_does(dut: object) -> None:
+    """Rotors that swing at the limit, in every port: the fault comes in the same period."""
+    rng = random_source("swings")
+    bench = SwingingBench(dut, rng)
+    await bench.power_up()
+    runs, periods, found = (2, 70, 0) if "Icarus" in cocotb.SIM_NAME else (30, 100, 0)
+    for _ in range(runs):
+        await bench.begin()
+        bench.parked = False
+        await bench.tick()
+        bench.faults = 0
+        await bench.compared(periods)
+        found += bench.faults == SATURATED
+    cocotb.log.info("%d of %d runs with a fault, %d periods on", found, runs, bench.on_periods)
+    if runs > 10:
+        assert runs // 4 < found < runs
 
 
 async def ticks_until_the_gates_tell(bench: PortsBench, tick_clocks: int, lead: int) -> int:

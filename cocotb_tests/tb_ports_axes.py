@@ -8,7 +8,6 @@ the magnets goes on where the bridges go off; a period in which they do has no v
 from __future__ import annotations
 
 import os
-import random
 
 import cocotb
 import numpy as np
@@ -275,18 +274,14 @@ class AxesBench(PortsBench):
                 self.seen.add(name)
 
 
-async def runs(bench: AxesBench, rng: random.Random, number: int, periods: int) -> None:
+async def runs(bench: AxesBench, number: int, periods: int) -> None:
     """Random boards, each for some periods."""
     for _ in range(number):
         await bench.begin()
         await bench.tick()
         bench.first_tick()
-        for _ in range(periods):
-            await bench.period()
-            if bench.apart:
-                break
+        await bench.compared(periods)
         bench.apart = False
-        await bench.step(rng.randrange(bench.tick_clocks))
 
 
 @cocotb.test(timeout_time=10, timeout_unit="sec")
@@ -297,7 +292,7 @@ async def equals_the_integers(dut: object) -> None:
     await bench.power_up()
     short = "Icarus" in cocotb.SIM_NAME
     number, periods = (3, 50) if short else (40, 150)
-    await runs(bench, rng, number, periods)
+    await runs(bench, number, periods)
     cocotb.log.info(
         "%d periods, %d on, faults %06x, %s",
         bench.periods, bench.on_periods, bench.faults, bench.seen,

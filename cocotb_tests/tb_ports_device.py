@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_ports_device.v``: what the bus says is what ``wh_ports`` did, in each round.
+"""Bench of ``rtl/wh_device.v``: what the bus says is what ``wh_ports`` did, in each round.
 
 Beside the bus the bench listens to the live values of ``wh_ports``, in each clock, and answers as
 ADCs and encoders do.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bench of ``rtl/wh_ports_device.v`` with a brushless motor: its registers, and its three legs."""
+"""Bench of ``rtl/wh_device.v`` with a brushless motor: its registers, and its three legs."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ WINDOW = 32
 GROUPS = (
     ("half_clocks", 6), ("sclk_half_clocks", 10), ("trip", 1), ("range", 3), ("filter_clocks", 1),
     ("extra_ticks", 2), ("mode", 6), ("guard_mask", 16),
-    ("host_period_log2", 2), *((("count_angle", 3),) if AXES else ()),
+    ("guard_saturated", 1), ("host_period_log2", 2), *((("count_angle", 3),) if AXES else ()),
 )  # fmt: skip
 """Settings of all ports as they are packed: the first of each group, and how many it has."""
 STROBES = {"clear": 1, "host_alive": 2, "zero_start": 4, "restart": 8, "magnet_start": 32}

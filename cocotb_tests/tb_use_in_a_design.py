@@ -11,12 +11,14 @@ from adc_part import AD7276, AdcPart
 from bench import Bench
 from wavehaptics.fpga.scene_registers import SceneRegisters, scene_registers
 from wavehaptics.scene import load_scene
-from wavehaptics.words.table import Sizes
+from wavehaptics.words.table import LEGS, THREE_PHASE_LEGS, Sizes
 
 SCENE, OVERRIDES, MOTORS = json.loads(os.environ["WH_SCENE"])
 MADE: SceneRegisters = scene_registers(load_scene(SCENE, OVERRIDES), MOTORS)
 P = MADE.parameters
-SIZES = Sizes(P["N"], P["WALLS"], P["SHAPER"], P["DELAY_LOG2"], P["LEGS"])
+SIZES = Sizes(
+    MOTORS, P["WALLS"], P["SHAPER"], P["DELAY_LOG2"], THREE_PHASE_LEGS if P["AXES"] else LEGS
+)
 PERIOD_NS = 1e9 / MADE.clock_hz
 MIDDLE = 1 << AD7276.bits - 1
 GATES = ("gate_ah_o", "gate_al_o", "gate_bh_o", "gate_bl_o")
@@ -71,7 +73,7 @@ async def the_devices_settings_are_the_scenes(dut: object) -> None:
     bench = Template(dut)
     await bench.begin()
     await bench.starts_up()
-    memory = dut.device.device.registers.in_force_ram.memory
+    memory = dut.device.registers.in_force_ram.memory
     for one in MADE.registers:
         assert int(memory[register_place(one.address)].value) == one.raw, one.name
     assert len({one.name for one in MADE.registers}) > 40

@@ -13,7 +13,7 @@ def test_board_clock_watch(simulator, beat, patience):
         pytest.skip("one size is enough to see what a slow simulator sees otherwise")
     simulate(
         simulator, "wh_board_clock_watch", "tb_board_clock_watch",
-        {"GATES": 12, "BEAT_LOG2": beat, "PATIENCE_LOG2": patience}, inner=False,
+        {"GATES": 12, "BEAT_LOG2": beat, "PATIENCE_LOG2": patience},
     )  # fmt: skip
 
 
@@ -25,5 +25,5 @@ def test_lost_clock(simulator, monkeypatch):
     monkeypatch.setenv("WH_BOARD", "ulx3s")
     simulate(
         simulator, "bench_lost_clock", "tb_lost_clock", {"SETTLE_LOG2": 6, "ZERO_LOG2": 2},
-        name="tb_lost_clock", includes=[folder], defines=board.defines, inner=False,
+        name="tb_lost_clock", includes=[folder], defines=board.defines,
     )  # fmt: skip

@@ -21,5 +21,5 @@ def test_board_controller(simulator, name, monkeypatch):
     parameters = {"SETTLE_LOG2": four_ticks.bit_length(), "ZERO_LOG2": 2}
     simulate(
         simulator, "wh_board_controller", "tb_board_controller", parameters,
-        name=f"tb_board_controller-{name}", includes=[folder], defines=board.defines,
+        name=f"tb_board_controller-{name}", includes=[folder], defines=board.defines, inner=True,
     )  # fmt: skip

@@ -24,5 +24,4 @@ def test_closed_loop(simulator):
         "bench_closed_loop",
         "tb_closed_loop",
         includes=[bench_words(simulator)],
-        inner=False,
     )

@@ -7,7 +7,7 @@ from simulators import simulate
 SIZES = {
     "one": {"WALLS": 1, "HOST": 1, "CAPTURE": 5, "MODES": 1, "MIN_PULSE": 1},
     "three": {"N": 3, "WALLS": 2, "SHAPER": 2, "DELAY_LOG2": 3, "HOST": 1, "CAPTURE": 5},
-    "brushless": {"LEGS": 3, "CAPTURE": 5, "MIN_PULSE": 1},
+    "brushless": {"N": 2, "AXES": 1, "CAPTURE": 5, "MIN_PULSE": 1},
 }
 
 

@@ -6,7 +6,7 @@ from simulators import simulate
 
 SIZES = {
     "one": {},
-    "brushless": {"LEGS": 3},
+    "brushless": {"N": 2, "AXES": 1},
     "by_pin": {"ARM": 0},
     "ports": {"N": 2},
     "ports_by_pin": {"N": 2, "ARM": 0},

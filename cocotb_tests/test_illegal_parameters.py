@@ -32,9 +32,8 @@ pytestmark = pytest.mark.kept
         ("wh_controller", {"BUS": 2}, {}, "controller_bus_must_be_0_or_1"),
         ("wh_controller", {"SHARED": 2}, {}, "controller_shared_must_be_0_or_1"),
         ("wh_controller", {"SHARED": 1, "SHAPER": 1}, {}, "shared_must_be_0_or_1_and_0_with"),
-        ("wh_device", {"LEGS": 4}, {}, "device_legs_must_be_2_or_with_one_motor_3"),
-        ("wh_device", {"LEGS": 3, "N": 2}, {}, "device_legs_must_be_2_or_with_one_motor_3"),
-        ("wh_ports_device", {"N": 9}, {}, "n_must_be_1_to_8"),
+        ("wh_device", {"N": 9}, {}, "n_must_be_1_to_8"),
+        ("wh_device", {"N": 2, "AXES": 2}, {}, "slots_axes_must_be_pairs_of_ports"),
         ("wh_slots", {"N": 3, "AXES": 3}, {}, "slots_axes_must_be_pairs_of_ports"),
         ("wh_slots", {"N": 2, "AXES": 2}, {}, "slots_axes_must_be_pairs_of_ports"),
         ("wh_surfaces", {"PORTS": 4}, {}, "surfaces_ports_must_be_2_or_3"),
@@ -43,7 +42,7 @@ pytestmark = pytest.mark.kept
         ("wh_ports", {"N": 2, "SURFACES": 1, "HOST": 1}, {}, "ports_surfaces_need_2_or_3_ports"),
         ("wh_drive", {"N": 2, "LEGS": 1}, {}, "drive_legs_must_be_n_to_12"),
         ("wh_rotor_flux", {"MOTORS": 5}, {}, "rotor_flux_motors_must_be_1_to_4"),
-        ("wh_ports_device", {"CAPTURE": 3}, {}, "capture_depth_log2_must_be_4_to_15"),
+        ("wh_device", {"CAPTURE": 3}, {}, "capture_depth_log2_must_be_4_to_15"),
         ("wh_axes", {"SHAPER": 3}, {}, "wave_core_n_delay_log2_outside_shaper"),
         ("wh_bus_scale", {"N": 0}, {}, "bus_scale_n_must_be_1_to_8"),
         ("wh_bus_scale", {}, {"WH_COEF_W": 18}, "WH_COEF_W_too_small_for_a_bus"),
@@ -71,11 +70,7 @@ pytestmark = pytest.mark.kept
     ],
 )
 def test_build_stops(
-    simulator: str,
-    toplevel: str,
-    parameters: dict[str, int],
-    defines: dict[str, int],
-    message: str,
+    simulator: str, toplevel: str, parameters: dict[str, int], defines: dict[str, int], message: str
 ) -> None:
     with pytest.raises(SimulationError, match=f"wh_illegal_[^ ]*{message}"):
         simulate(simulator, toplevel, "tb_none", parameters, defines)
@@ -85,10 +80,7 @@ PARAMETER = re.compile(r"parameter integer +(\w+) *= *([^,/]*?)[ ,]*(?://(.*))?"
 SWITCH = re.compile(r"\s*[01]: ")
 """How a comment begins that says what 0 or 1 means."""
 RANGE = re.compile(r"\.\.\.|derived")
-NEITHER = {
-    "ADC": "a choice of three",
-    "WORDS": "a number of words",
-}
+NEITHER = {"ADC": "a choice of three", "WORDS": "a number of words"}
 """Parameters with 0 or 1 as default, and neither meaning nor range in a comment."""
 
 

@@ -7,7 +7,7 @@ SIZE = {"CLOCK_HZ": 18_000_000, "SILENCE": 6_000, "FALLBACK": 12}
 
 
 def test_link(simulator: str) -> None:
-    simulate(simulator, "wh_linked_device", "tb_link", SIZE)
+    simulate(simulator, "wh_linked_device", "tb_link", SIZE, inner=True)
 
 
 def test_link_briefly(monkeypatch) -> None:
@@ -19,4 +19,4 @@ def test_link_briefly(monkeypatch) -> None:
 
 def test_link_of_three(simulator: str) -> None:
     size = {**SIZE, "N": 3, "WALLS": 2, "CLOCK_HZ": 50_000_000}
-    simulate(simulator, "wh_linked_device", "tb_link", size)
+    simulate(simulator, "wh_linked_device", "tb_link", size, inner=True)

@@ -15,4 +15,4 @@ from simulators import simulate
 def test_ports(simulator: str, ports: int, shaper: int, host: int, modes: int) -> None:
     """``modes``: patterns of the bridge, and shortest pulses."""
     sizes = {"N": ports, "SHAPER": shaper, "HOST": host, "MODES": modes, "MIN_PULSE": modes}
-    simulate(simulator, "bench_ports", "tb_ports", sizes)
+    simulate(simulator, "bench_ports", "tb_ports", sizes, inner=True)

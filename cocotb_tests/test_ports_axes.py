@@ -20,4 +20,4 @@ from simulators import simulate
 def test_ports_axes(simulator: str, ports: int, axes: int, shaper: int, min_pulse: int) -> None:
     """One brushless motor, and beside it a brushed one, or more."""
     sizes = {"N": ports, "AXES": axes, "SHAPER": shaper, "MIN_PULSE": min_pulse}
-    simulate(simulator, "bench_ports_axes", "tb_ports_axes", sizes)
+    simulate(simulator, "bench_ports_axes", "tb_ports_axes", sizes, inner=True)

@@ -7,6 +7,5 @@ from simulators import simulate
 
 @pytest.mark.parametrize(("ports", "surfaces"), [(3, 8), (2, 3), (3, 1)])
 def test_surface_station(simulator: str, ports: int, surfaces: int) -> None:
-    simulate(
-        simulator, "bench_surfaces", "tb_surface_station", {"PORTS": ports, "SURFACES": surfaces}
-    )  # fmt: skip
+    sizes = {"PORTS": ports, "SURFACES": surfaces}
+    simulate(simulator, "bench_surfaces", "tb_surface_station", sizes, inner=True)

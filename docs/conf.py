@@ -45,7 +45,8 @@ toctrees = {
                       "SECURITY"],
     "Explanation": ["docs/principle", "docs/paper", "docs/architecture", "docs/simulation",
                     "docs/port_anchor", "docs/environments", "docs/gallery", "docs/surfaces",
-                    "docs/brushless", "docs/drive", "docs/sensing"],
+                    "docs/brushless", "docs/drive", "docs/sensing",
+                    "docs/encoders"],
     "Results": ["docs/report", "docs/holding", "docs/reliability"],
     "Reference": ["sim/scenes/README", "docs/words", "docs/link", "rtl/faults", "docs/glossary",
                   "formal/README", "formal/MUTATE",
@@ -57,7 +58,7 @@ toctrees = {
                "boards/ulx3s_gan_brushed/README",
                "boards/colorlight_i5/README", "boards/orangecrab/README",
                "boards/ecp5_evn/README", "boards/icesugar_pro/README",
-               "boards/icesugar_pro_eight/README"],
+               "boards/icesugar_pro_eight/README", "boards/icesugar_pro_brushless/README"],
 }  # fmt: skip
 
 # Read and not imported: nothing is compiled, and no simulator is needed.

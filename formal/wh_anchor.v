@@ -108,6 +108,8 @@ module prove_wh_anchor #(
     (* hierconn *) wire       \block.void_q ;
     (* hierconn *) wire       \block.blind_q ;
     (* hierconn *) wire       \block.saturated_q ;
+    (* hierconn *) wire       \block.fading_q ;
+    (* hierconn *) wire       \block.start_q ;  // the clock after a turn was accepted
     (* hierconn *) wire signed [DATA_W-1:0]      \block.brush_q ;
     (* hierconn *) wire signed [COEF_W-1:0]      \block.theta_q ;
     (* hierconn *) wire signed [`WH_LONG_W-1:0]  \block.memory[1] ;
@@ -118,6 +120,8 @@ module prove_wh_anchor #(
     localparam integer VOLT_SHIFT = `WH_LONG_Q - `WH_VOLTAGE_Q;
     localparam integer NEAR_SHIFT = `WH_CURRENT_Q + `WH_CELLS_Q - `WH_LONG_Q;
     localparam integer WIDE_W     = DATA_W + COEF_W + 2;
+    localparam integer FAR_SHIFT  = `WH_WAVE_Q + `WH_FLUX_Q - `WH_LONG_Q;
+    localparam signed [`WH_LONG_W-1:0] THETA_LEAST = -(48'sd1 <<< (DATA_W + COEF_W - 1 - FAR_SHIFT));
 
     // The setting, of the eight gains the sixth.
     wire signed [COEF_W-1:0] learn_max = gains[5*COEF_W +: COEF_W];
@@ -127,7 +131,7 @@ module prove_wh_anchor #(
     reg reads_q = 1'b1;
 
     // What is learned, before the steps.
-    reg                          first_before, tracked_before, clipped_before;
+    reg                          first_before, tracked_before, clipped_before, fades;
     reg signed [DATA_W-1:0]      brush_before;
     reg signed [`WH_LONG_W-1:0]  theta_before, mean_before, zero_before;
 
@@ -171,7 +175,8 @@ module prove_wh_anchor #(
         end
         if (at == 6'd0) begin
             if (PART == 3)  // the step before TAKE_THETA is added up meanwhile, and may write x̂'s slow copy
-                assume (\block.step_q == 5'd21 && \block.ahead_q == 5'd22 && \block.go_q && \block.adds_q == 5'd20
+                assume (!\block.start_q && \block.step_q == 5'd21 && \block.ahead_q == 5'd22 && \block.go_q
+                        && \block.adds_q == 5'd20
                         && \block.write_to_q == 4'd4 && busy
                         && !\block.waits_q && \block.bare_q == !\block.first_q && !\block.near_q
                         && \block.low_q == 0 && \block.mid_q == 3 && \block.high_q == 3 && \block.top_q == 0
@@ -188,12 +193,15 @@ module prove_wh_anchor #(
             if (PART == 2) assume (\block.enable_q == enable);
             // void_q is θ's sign, as the last clock below shows, but before the first period.
             if (PART == 3) assume (\block.first_q || \block.void_q == \block.memory[1] [`WH_LONG_W-1]);
+            // A step of θ is smaller than THETA_LEAST, and θ below 0 gets none downwards.
+            if (PART == 3) assume (\block.first_q || $signed(\block.memory[1] ) >= THETA_LEAST);
             fault_before <= fault;
         end
         if (at == 6'd1) begin
             first_before   <= \block.first_q ;
             tracked_before <= \block.tracked_q ;
             clipped_before <= \block.clipped_q ;
+            fades          <= \block.fading_q ;
             brush_before   <= \block.brush_q ;
             theta_before   <= \block.memory[1] ;
             mean_before    <= \block.memory[2] ;
@@ -214,9 +222,16 @@ module prove_wh_anchor #(
             assert (\block.step_q == 5'd27);
             assert (\block.void_q == \block.memory[1] [`WH_LONG_W-1]);
             assert (!\block.theta_q [COEF_W-1] && \block.theta_q <= learn_max);
-            if (!first_before && (\block.blind_q || \block.saturated_q || !\block.contact_q ))
+            if (!first_before && !fades && (\block.blind_q || \block.saturated_q || !\block.contact_q ))
                 assert (\block.memory[1] == theta_before);
-            if (!first_before && clipped_before) assert ($signed(\block.memory[1] ) <= theta_before);
+            if (!first_before && !fades && clipped_before) assert ($signed(\block.memory[1] ) <= theta_before);
+            if (!first_before && theta_before < -THETA_LEAST)
+                assert ($signed(\block.memory[1] ) >= THETA_LEAST);
+            // θ that fades moves toward 0, and not past it.
+            if (!first_before && fades && theta_before >= 0)
+                assert ($signed(\block.memory[1] ) >= 0 && $signed(\block.memory[1] ) <= theta_before);
+            if (!first_before && fades && theta_before < 0)
+                assert ($signed(\block.memory[1] ) <= 0 && $signed(\block.memory[1] ) >= theta_before);
         end
         if (PART == 4 && at == 6'd17) begin
             assert (\block.step_q == 5'd17);

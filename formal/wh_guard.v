@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // prove_wh_guard: a fault that counts is latched in the clock after its cause and stays while the
-// cause lasts, whatever clear_i does; a judgement lasts until the next sample or current; and with
-// wh_half_bridge behind it both gates are off two clocks after the cause, and stay so.
+// cause lasts, whatever clear_i does; a judgement lasts until the next sample or current; SATURATED needs
+// a count for each turn back since the bridge went on, and begins anew with a turn back where the limit
+// doesn't act; and with wh_half_bridge behind it both gates are off two clocks after the cause, and stay so.
 // Settings are any constants, all inputs do what they like. Mode prove, depth 4, z3; cover 12.
 
 `default_nettype none
@@ -21,7 +22,9 @@ module prove_wh_guard (
     input wire                           sampled,
     input wire signed [`WH_SAMPLE_W-1:0] sample,
     input wire                           energy,
-    input wire [7:0]                     inputs,   // faults found outside, as below
+    input wire                           saturated,
+    input wire                           direction,
+    input wire [9:0]                     inputs,   // faults found outside, as below
     input wire                           zero_start,
     input wire                           zero_busy,
     input wire                           moved,
@@ -62,8 +65,12 @@ module prove_wh_guard (
         .trip_i         (inputs[3]),
         .encoder_i      (inputs[4]),
         .moved_i        (moved),
+        .direction_i    (direction),
         .anchor_i       (inputs[5]),
         .energy_i       (energy),
+        .saturated_i    (saturated),
+        .overspeed_i    (inputs[8]),
+        .outside_i      (inputs[9]),
         .setting_i      (inputs[6]),
         .overrun_i      (inputs[7]),
         .tick_i         (tick),
@@ -89,6 +96,10 @@ module prove_wh_guard (
     (* hierconn *) wire [`WH_FAULTS-1:0] \block.causes ;
     (* hierconn *) wire                  \block.motor[0].measured_q ;
     (* hierconn *) wire [`WH_SAMPLE_W-1:0] \block.motor[0].sample_size_q ;
+    (* hierconn *) wire [4:0]             \block.motor[0].swings_q ;
+    (* hierconn *) wire                   \block.motor[0].turned_q ;
+    (* hierconn *) wire                   \block.way_q ;
+    (* hierconn *) wire                   \block.newest_q ;
 
     wire [`WH_FAULTS-1:0] causes   = \block.causes ;
     wire [`WH_FAULTS-1:0] mask     = settings[`WH_GUARD_MASK];
@@ -100,6 +111,7 @@ module prove_wh_guard (
                                  | (inputs[2] && !zero_start) << `WH_FAULT_ZERO
                                  | inputs[4] << `WH_FAULT_ENCODER | inputs[5] << `WH_FAULT_ANCHOR
                                  | (energy && settings[`WH_GUARD_ENERGY] != 0) << `WH_FAULT_ENERGY
+                                 | inputs[8] << `WH_FAULT_OVERSPEED | inputs[9] << `WH_FAULT_WINDOW
                                  | inputs[6] << `WH_FAULT_SETTING | inputs[7] << `WH_FAULT_OVERRUN;
 
     // What the last sample says, found apart from the block.
@@ -113,6 +125,14 @@ module prove_wh_guard (
     reg                  begun = 1'b0;
     reg                  rst_q, clear_q, zero_start_q, sampled_q, run_q, stops_q;
     reg [`WH_FAULTS-1:0] faults_q, causes_q, direct_q, said_q, said_q2;
+
+    // Counts since the bridge went on, up to 63, and whether the last two went the same way.
+    reg  [5:0]  counts_q;
+    reg         judged_q, turn_q, acts_q;
+
+    wire [5:0]  swings = {1'b0, \block.motor[0].swings_q };
+    wire        turned = \block.motor[0].turned_q ;
+    wire        owes   = \block.newest_q != \block.way_q ;  // a count so far
 
     localparam [`WH_FAULTS-1:0] SAMPLES = 1 << `WH_FAULT_CURRENT;
 
@@ -129,6 +149,14 @@ module prove_wh_guard (
         said_q    <= rst ? 0 : sampled ? says : said_q;
         said_q2   <= rst ? 0 : said_q;
         stops_q   <= !rst && |(causes & mask & switches);
+        judged_q  <= valid && !rst;
+        turn_q    <= judged_q && turned && !rst && run;
+        acts_q    <= saturated;
+        if (rst || !run) begin
+            counts_q <= 0;
+        end else if (moved && counts_q != 63) begin
+            counts_q <= counts_q + 1;
+        end
 
         if (!begun) begin
             assume (rst);
@@ -145,6 +173,11 @@ module prove_wh_guard (
                 assert (said_q == judged(\block.motor[0].sample_size_q ));
                 if (stops_q) assert (off);
             end
+            assert (\block.motor[0].measured_q == judged_q);
+            if (run_q && counts_q < 15) assert (!causes[`WH_FAULT_SATURATED]);
+            if (run_q && counts_q != 63) assert (swings + turned <= counts_q);
+            if (turn_q && !acts_q) assert (swings == 0);
+            if (settings[`WH_GUARD_SATURATED] == 0) assert (!causes[`WH_FAULT_SATURATED]);
             // Levels: no cause of a sample or a current ends before the next.
             if (!rst_q && !sampled_q) begin
                 if (causes_q[`WH_FAULT_CURRENT]) assert (causes[`WH_FAULT_CURRENT]);

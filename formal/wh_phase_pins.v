@@ -43,6 +43,7 @@ module prove_wh_phase_pins #(
         .clear_i         (clear),
         .position_o      (),
         .moved_o         (),
+        .direction_o     (),
         .illegal_move_o  (),
         .encoder_fault_o (),
         .phase_i         (phase),

@@ -118,6 +118,7 @@ module wh_anchor #(
     localparam integer THETA_CUT   = `WH_LEARN_Q + LONG_Q - CUT - FAR_SHIFT - `WH_PULL_Q;  // of θ below a coefficient
     localparam integer THETA_W     = LONG_W - THETA_CUT;
     localparam [1:0]   FRESH_TICKS = 3;  // a contact is told in its edge's tick or in the next two
+    localparam integer EXCUSES_W   = 5;  // c may be far beyond its limit for 2^EXCUSES_W - 1 steps of y'
 
     generate
         if (NEAR_SHIFT < 1 || NEAR_SHIFT != `WH_PULL_Q - CUT || THETA_CUT < VOLT_SHIFT + 1 || THETA_W < COEF_W
@@ -170,6 +171,7 @@ module wh_anchor #(
     reg                      fades_q;     // and θ fades
     reg                      fading_q;    // θ fades in this tick
     reg                      follows_q;   // it does in this tick
+    reg                      strobe_q;    // as in one tick of follow_ticks
     reg                      copies_q;    // x̂'s slow copy moves in the tick that finds 0
     reg [1:0]                chi_at_q;    // where in the memory χ is, 1 to 3,
     reg [1:0]                up_at_q;     // χ before the last edge that raised the flux,
@@ -216,6 +218,7 @@ module wh_anchor #(
             fades_q      <= 1'b0;
             fading_q     <= 1'b0;
             follows_q    <= 1'b0;
+            strobe_q     <= 1'b0;
             copies_q     <= 1'b0;
             chi_at_q     <= 2'd1;
             up_at_q      <= 2'd2;
@@ -232,6 +235,7 @@ module wh_anchor #(
             end
             if (start_q) begin
                 follows_q <= follows || counts || hurries;
+                strobe_q  <= follows;
                 hurries_q <= counts ? (outward ? HURRY_OUT : HURRY_IN) : hurries_q - {4'd0, hurries};
                 fades_q   <= fades && !begins_q;
                 fading_q  <= fades && !begins_q && contact_q && !clipped_q && (counts || hurries)
@@ -382,7 +386,7 @@ module wh_anchor #(
     reg signed [LONG_W-1:0] b_q;
     reg                     saturated_q;
     reg                     blind_q;                 // nothing is learned, and c is 0
-    reg                     overloaded_q;            // it was so, and c has been at its limit since
+    reg     [EXCUSES_W-1:0] excuses_q;               // steps of y' in which c may yet be far beyond its limit
     reg                     far_q;                   // χ or L̂ i is in the outer half of its range
     reg                     over_q;                  // the product in b_q was, and
     reg                     below_q;                 // below 0
@@ -940,7 +944,7 @@ module wh_anchor #(
     // ---- Steps and results.
     reg  chosen_q;  // c is still in sum_q, and
     reg  none_q;    // it is not wanted
-    wire lost = enable_q && (fault_o || far_q || (clipped_q && strange_q && !saturated_q && !overloaded_q));
+    wire lost = enable_q && (fault_o || far_q || (clipped_q && strange_q && excuses_q == {EXCUSES_W{1'b0}}));
 
     // Words that are 0 or limited: 0 is a flip-flop's own reset.
     wire rooms   = go_q && adds_q == CURRENT;
@@ -1000,7 +1004,7 @@ module wh_anchor #(
             pulls_q      <= 2'b00;
             overrun_o    <= 1'b0;
             clipped_q    <= 1'b0;
-            overloaded_q <= 1'b0;
+            excuses_q    <= {EXCUSES_W{1'b0}};
             fault_o      <= 1'b0;
             chosen_q     <= 1'b0;
             none_q       <= 1'b0;
@@ -1077,7 +1081,9 @@ module wh_anchor #(
                     end
                     STRANGE: begin
                         clipped_q    <= past;
-                        overloaded_q <= blind_q || (past && overloaded_q);
+                        excuses_q <= (blind_q || begins_q || saturated_q) ? {EXCUSES_W{1'b1}}
+                                   : !past                                ? {EXCUSES_W{1'b0}}
+                                   : excuses_q - {{(EXCUSES_W - 1){1'b0}}, strobe_q && (|excuses_q)};
                     end
                     CHOOSE: begin
                         fault_o <= lost;

@@ -104,6 +104,7 @@ module wh_anchor_ports #(
     localparam integer THETA_CUT   = `WH_LEARN_Q + LONG_Q - CUT - FAR_SHIFT - `WH_PULL_Q;  // of θ below a coefficient
     localparam integer THETA_W     = LONG_W - THETA_CUT;
     localparam [1:0]   FRESH_TICKS = 3;  // a contact is reported in the period of its edge or in the next two
+    localparam integer EXCUSES_W   = 5;  // c may be far beyond its limit for 2^EXCUSES_W - 1 steps of y'
 
     generate
         if (N < 1 || N > 8) begin : illegal
@@ -304,6 +305,7 @@ module wh_anchor_ports #(
     wire          [4:0] hurries_q;  // turns in which y' moves as well
     wire                fades_q;    // and θ fades
     reg                 follows_q;  // y' moves in this turn
+    reg                 strobe_q;   // as in one of follow_ticks
     reg                 fading_q;   // θ fades in this turn
     reg                 clipped_q;  // c was at its limit
 
@@ -346,6 +348,7 @@ module wh_anchor_ports #(
     always @(posedge clk) begin
         if (step_q == 5'd6) begin
             follows_q <= follows || hurries || counts;
+            strobe_q  <= follows;
             fading_q  <= fades && contact_q && !clipped_q && (hurries || counts) && (|setting[FOLLOW_W-1:2]);
         end
     end
@@ -355,15 +358,17 @@ module wh_anchor_ports #(
     reg  presses_q;       // y' is below 0
     reg  full_q;          // θ is the largest
     reg  void_q;          // θ is below 0
-    reg  overloaded_q;    // once nothing was learned, and c has been at its limit since
-    wire chi_above, chi_below, tracked, presses, full_before, void_before, clipped, overloaded;
+    reg  [EXCUSES_W-1:0] excuses_q;  // steps of y' in which c may yet be far beyond its limit
+    wire [EXCUSES_W-1:0] excuses;
+    wire chi_above, chi_below, tracked, presses, full_before, void_before, clipped;
 
-    localparam integer LIMITS_W = 8 + ((AXES != 0) ? 1 : 0);
-    wire                met;         // overloaded_q of this turn
+    localparam integer FLAGS_W  = 7 + EXCUSES_W;
+    localparam integer LIMITS_W = FLAGS_W + ((AXES != 0) ? 1 : 0);
+    wire                met;         // the bound of an axis is released
     wire [LIMITS_W-1:0] limits;
-    wire                unused_met  = &{1'b0, limits_next[8]};
-    wire [8:0]          limits_next = {met, chi_above_q, chi_below_q, tracked_q, presses_q, full_q, void_q,
-                                       clipped_q, overloaded_q};
+    wire                unused_met  = &{1'b0, limits_next[FLAGS_W]};
+    wire [FLAGS_W:0]    limits_next = {met, chi_above_q, chi_below_q, tracked_q, presses_q, full_q, void_q,
+                                       clipped_q, excuses_q};
 
     wh_port_state #(
         .N       (N),
@@ -379,7 +384,7 @@ module wh_anchor_ports #(
         .value_o (limits)
     );
 
-    assign {chi_above, chi_below, tracked, presses, full_before, void_before, clipped, overloaded} = limits[7:0];
+    assign {chi_above, chi_below, tracked, presses, full_before, void_before, clipped, excuses} = limits[FLAGS_W-1:0];
     assign released = limits[LIMITS_W-1] && AXES != 0;
 
     // ---- The flux by the encoder: all of it, its change in the period, its value as a contact begins, half of its
@@ -914,7 +919,7 @@ module wh_anchor_ports #(
                 full_q       <= full_before;
                 void_q       <= void_before;
                 clipped_q    <= clipped;
-                overloaded_q <= overloaded;
+                excuses_q    <= excuses;
             end
             5'd10:   enable_q <= setting[0] && (!axis || found_i[port_q]);
             default: ;
@@ -949,7 +954,9 @@ module wh_anchor_ports #(
                 CLIP:    negative_q <= wild_q ? negative_q : back_sum;
                 STRANGE: begin
                     clipped_q    <= past;
-                    overloaded_q <= blind_q || (past && overloaded_q);
+                    excuses_q    <= (blind_q || begins_q || saturated_q) ? {EXCUSES_W{1'b1}}
+                                  : !past                                ? {EXCUSES_W{1'b0}}
+                                  : excuses_q - {{(EXCUSES_W - 1){1'b0}}, strobe_q && (|excuses_q)};
                 end
                 HELD: begin
                     huge_q    <= over_q;
@@ -1013,7 +1020,7 @@ module wh_anchor_ports #(
     reg  none_q;    // but the result is 0
     wire fault = faults_o[port_q];
     integer n;
-    wire lost  = enable_q && (fault || far_q || (clipped_q && strange_q && !saturated_q && !overloaded_q));
+    wire lost  = enable_q && (fault || far_q || (clipped_q && strange_q && excuses_q == {EXCUSES_W{1'b0}}));
 
     always @(posedge clk) begin
         chosen_q <= ends && !rst;

@@ -113,6 +113,11 @@ module wh_controller #(
     input  wire [N*`WH_COEF_W-1:0]      eta_contact_i,       // s27q25, in [-1, 1]
     input  wire [N*`WH_COEF_W-1:0]      eta_free_i,          // s27q25, in [-1, 1]
 
+    // Speed and position that are a fault (wh_motion), GUARD = 1.
+    input  wire [N*16-1:0]              overspeed_i,         // counts in 2^WH_SPAN_LOG2 ticks; 0: no check
+    input  wire [N*`WH_COUNT_W-1:0]     window_low_i,        // s32, counts
+    input  wire [N*`WH_COUNT_W-1:0]     window_high_i,       // s32, counts
+
     // W (wh_shaper): its settings, port 0 lowest, and the walls that it shapes; in others it keeps its state.
     input  wire [SHAPE_BITS-1:0]        shape_words_i,
     input  wire [N*WALLS-1:0]           wall_shaped_i,
@@ -559,9 +564,11 @@ module wh_controller #(
     // ---- Guard.
 
     wire [N-1:0] moved;
+    wire [N-1:0] direction;
     wire [N-1:0] illegal_move;
     wire         illegal_setting;
     wire [N-1:0] energy_over;
+    wire [N-1:0] limited;
 
     wh_setting_check #(
         .N                 (N)
@@ -590,8 +597,29 @@ module wh_controller #(
         .illegal_o         (illegal_setting)
     );
 
+    genvar g;
     generate
         if (GUARD != 0) begin : guarded
+            wire [N-1:0] overspeeds, strays;
+
+            for (g = 0; g < N; g = g + 1) begin : motor
+                wh_motion #(
+                    .N           (1)
+                ) motion (
+                    .clk         (clk),
+                    .rst         (rst),
+                    .restart_i   (sense_rst),
+                    .valid_i     (current_valid[N-1]),
+                    .port_i      (1'b0),
+                    .position_i  (position_o[g*`WH_COUNT_W +: `WH_COUNT_W]),
+                    .overspeed_i (overspeed_i[g*16 +: 16]),
+                    .low_i       (window_low_i[g*`WH_COUNT_W +: `WH_COUNT_W]),
+                    .high_i      (window_high_i[g*`WH_COUNT_W +: `WH_COUNT_W]),
+                    .overspeed_o (overspeeds[g]),
+                    .outside_o   (strays[g])
+                );
+            end
+
             wh_guard #(
                 .N              (N)
             ) guard (
@@ -614,8 +642,12 @@ module wh_controller #(
                 .trip_i         (overcurrent_o),
                 .encoder_i      (illegal_move),
                 .moved_i        (moved),
+                .direction_i    (direction),
                 .anchor_i       (anchor_fault_i | anchor_fault_o),
                 .energy_i       (energy_over),
+                .saturated_i    (limited),
+                .overspeed_i    (|overspeeds),
+                .outside_i      (|strays),
                 .setting_i      (illegal_setting),
                 .overrun_i      (overrun_o),
                 .tick_i         (tick_o),
@@ -629,8 +661,8 @@ module wh_controller #(
             );
         end else begin : unguarded
             wire unused_guard = &{1'b0, guard_i, stop_i, driver_fault_i, host_alive_i, bus_i,
-                                  anchor_fault_i, illegal_setting, moved, illegal_move,
-                                  energy_over};
+                                  anchor_fault_i, illegal_setting, moved, direction, illegal_move,
+                                  energy_over, limited, overspeed_i, window_low_i, window_high_i};
 
             assign faults_o = {`WH_FAULTS{1'b0}};
             assign faulty   = 1'b0;
@@ -701,6 +733,7 @@ module wh_controller #(
                 .eta_free_i          (eta_free_i[n*COEF_W +: COEF_W]),
                 .position_o          (position_o[n*`WH_COUNT_W +: `WH_COUNT_W]),
                 .moved_o             (moved[n]),
+                .direction_o         (direction[n]),
                 .illegal_move_o      (illegal_move[n]),
                 .encoder_fault_o     (encoder_fault_o[n]),
                 .round_o             (in_round[n]),
@@ -774,6 +807,7 @@ module wh_controller #(
                 .energy_o           (contact_energy_o[n*`WH_ENERGY_W +: `WH_ENERGY_W]),
                 .energy_peak_o      (contact_energy_peak_o[n*`WH_ENERGY_W +: `WH_ENERGY_W]),
                 .energy_over_o      (energy_over[n]),
+                .limited_o          (limited[n]),
                 .driven_valid_o     (driven_valid[n]),
                 .driven_o           (driven[n*DATA_W +: DATA_W]),
                 .voltage_o          (voltage_o[n*DATA_W +: DATA_W]),

@@ -24,13 +24,16 @@
 `define WH_FAULT_OVERRUN     14  // a tick too short for its work, or ticks without a step
 `define WH_FAULT_ANCHOR      15  // waves and encoder disagree on the rotor's position
 `define WH_FAULT_ENERGY      16  // a contact delivered more energy than its limit
+`define WH_FAULT_SATURATED   17  // in contact at the voltage limit the rotor swings to and fro
+`define WH_FAULT_OVERSPEED   18  // a rotor is too fast
+`define WH_FAULT_WINDOW      19  // a position outside its interval
 
 // Faults after which the current can still be trusted: these alone may end in damping.
 `define WH_FAULTS_DAMPABLE   24'h0080e0
 
 // Fields of the settings, as high:low, of words.toml; `make numbers` writes them.
 // <!-- begin guard-fields -->
-`define WH_GUARD_W           282
+`define WH_GUARD_W           298
 `define WH_GUARD_MASK        23:0     // u24, faults that have an effect, a bit each
 `define WH_GUARD_DAMP        47:24    // u24, those of them that damp and don't switch off
 `define WH_GUARD_LEVELS      49:48    // u2, active level of the stop pin (bit 0) and of the drivers' fault pins (bit 1)
@@ -47,10 +50,12 @@
 `define WH_GUARD_HEAT_TICKS  233:218  // u16 ticks, interval at which the current is squared for HEAT
 `define WH_GUARD_HEAT        265:234  // u32q18 A², largest mean square of the current
 `define WH_GUARD_ENERGY      281:266  // u16q3 A·counts, most energy that a contact may deliver; 0: no check; no effect with brushless motors
+`define WH_GUARD_SATURATED   297:282  // u16 ticks, longest time between two turns back in contact at the voltage limit, of which 16 in a row raise SATURATED; 0: no check
 // <!-- end guard-fields -->
 
 `define WH_GUARD_CURRENT_Q   9        // of currents; the bus has WH_BUS_Q
 `define WH_GUARD_WAVE_Q      8
 `define WH_GUARD_HEAT_LOG2   16       // time constant: 2^this squares
+`define WH_SPAN_LOG2         8        // a speed is counts in 2^this control periods
 
 `endif

@@ -23,6 +23,10 @@
 //                        constant of 2^16 squares
 //   SETTING              an illegal setting, found outside (setting_i)
 //   ENERGY               a contact delivered more than its limit (wh_energy); a limit of 0: no check
+//   SATURATED            the rotor turned back 16 times in a row, each time in contact at the voltage limit
+//                        (saturated_i), and within a number of ticks of the last time; 0: no check. A turn back is two
+//                        counts in a row against the way so far
+//   OVERSPEED, WINDOW    a rotor too fast, or outside its interval (overspeed_i, outside_i)
 //   OVERRUN              a tick too short for its work, or ticks without a step (overrun_i)
 //   ENCODER              an illegal move, a strobe from outside
 //   the others           inputs; stop_i and driver_i pass synchronisers here
@@ -30,9 +34,9 @@
 // The start of a zero measurement, zero_start_i, also clears ZERO; the measurement's result decides anew. With the
 // bridge off, the current isn't judged while a zero is measured, nor in the ticks that had begun by then.
 //
-// LOST, ANCHOR, ENERGY and a core's OVERRUN need a bridge that is on. So their causes are over once it is off or
-// damped, and return if they last. OVERRUN of an ADC's reader, or of ticks without a step, lasts until rst. All others
-// end with their cause.
+// LOST, ANCHOR, ENERGY, SATURATED and a core's OVERRUN need a bridge that is on. So their causes are over once it is
+// off or damped, and return if they last. OVERRUN of an ADC's reader, or of ticks without a step, lasts until rst. All
+// others end with their cause.
 //
 // Formats: in wh_faults.vh and below. Latency: a level is latched in the next clock (pins: 2 clocks later), and one
 // clock after that off_o has switched the gates off (wh_half_bridge). A measured value is judged in the clock after it:
@@ -67,9 +71,13 @@ module wh_guard #(
     input  wire                       zero_busy_i,     // from the next clock on, until it is
     input  wire [N-1:0]               trip_i,
     input  wire [N-1:0]               encoder_i,       // strobe, illegal move
-    input  wire [N-1:0]               moved_i,         // a count
+    input  wire [N-1:0]               moved_i,         // a count,
+    input  wire [N-1:0]               direction_i,     // and its direction
     input  wire [N-1:0]               anchor_i,        // waves and counts don't agree
     input  wire [N-1:0]               energy_i,        // more than a contact's limit
+    input  wire [N-1:0]               saturated_i,     // of a tick's step: the voltage limit acts in contact
+    input  wire                       overspeed_i,     // these two of any motor (wh_motion)
+    input  wire                       outside_i,
     input  wire                       setting_i,       // illegal word
     input  wire                       overrun_i,
 
@@ -164,6 +172,23 @@ module wh_guard #(
         end
     end
 
+    // ---- Rotors that turn back: two counts in a row against the way so far.
+
+    reg  [N-1:0] newest_q;  // direction of the last count
+    reg  [N-1:0] way_q;     // and of the last two that had the same
+    wire [N-1:0] again = moved_i & ~(direction_i ^ newest_q);
+    wire [N-1:0] turns = again & (direction_i ^ way_q);
+
+    always @(posedge clk) begin
+        if (rst) begin
+            newest_q <= {N{1'b0}};
+            way_q    <= {N{1'b0}};
+        end else begin
+            newest_q <= (moved_i & direction_i) | (~moved_i & newest_q);
+            way_q    <= (again & direction_i) | (~again & way_q);
+        end
+    end
+
     // ---- Each motor's.
 
     wire [N-1:0] current_cause;
@@ -172,6 +197,7 @@ module wh_guard #(
     wire [N-1:0] zero_cause;
     wire [N-1:0] lost_cause;
     wire [N-1:0] heat_cause;
+    wire [N-1:0] saturated_cause;
 
     genvar n;
     generate
@@ -269,6 +295,29 @@ module wh_guard #(
             assign lost_cause[n] = still_q >= settings_i[`WH_GUARD_LOST_TICKS]
                                    && still_q != 16'd0;
 
+            // Turns back at the voltage limit, in a row, and ticks since the last one.
+            reg        turned_q;  // since the last tick
+            reg [4:0]  swings_q;
+            reg [15:0] since_q;
+            wire       late = since_q >= settings_i[`WH_GUARD_SATURATED];
+
+            always @(posedge clk) begin
+                if (rst || !running_i) begin
+                    turned_q <= 1'b0;
+                    swings_q <= 5'd0;
+                    since_q  <= 16'd0;
+                end else begin
+                    turned_q <= turns[n] || (turned_q && !measured_q);
+                    if (measured_q) begin
+                        since_q  <= turned_q ? 16'd0 : late ? since_q : since_q + 16'd1;
+                        swings_q <= turned_q ? (!saturated_i[n] ? 5'd0 : swings_q[4] ? swings_q : swings_q + 5'd1)
+                                             : late ? 5'd0 : swings_q;
+                    end
+                end
+            end
+
+            assign saturated_cause[n] = swings_q[4] && |settings_i[`WH_GUARD_SATURATED];
+
             // i², a bit a clock, and the winding's heat.
             reg  [31:0] square_q;
             reg  [31:0] addend_q;
@@ -327,7 +376,10 @@ module wh_guard #(
     assign causes[`WH_FAULT_OVERRUN]   = overrun_i;
     assign causes[`WH_FAULT_ANCHOR]    = |anchor_i;
     assign causes[`WH_FAULT_ENERGY]    = |energy_i && |settings_i[`WH_GUARD_ENERGY];
-    assign causes[`WH_FAULTS-1:`WH_FAULT_ENERGY+1] = {`WH_FAULTS-1-`WH_FAULT_ENERGY{1'b0}};
+    assign causes[`WH_FAULT_SATURATED] = |saturated_cause;
+    assign causes[`WH_FAULT_OVERSPEED] = overspeed_i;
+    assign causes[`WH_FAULT_WINDOW]    = outside_i;
+    assign causes[`WH_FAULTS-1:`WH_FAULT_WINDOW+1] = {`WH_FAULTS-1-`WH_FAULT_WINDOW{1'b0}};
 
     // off_o is made beside the faults and not of them: all that it stops hangs on it in the same clock.
     wire [`WH_FAULTS-1:0] zero   = zero_start_i ? ({{`WH_FAULTS-1{1'b0}}, 1'b1} << `WH_FAULT_ZERO)

@@ -6,15 +6,15 @@
 //   off    = any fault that doesn't damp;  damp = any fault, if none switches off
 //
 // It behaves like wh_guard; that header has the causes, what ends them, and what a clear needs. wh_sense judges the
-// samples. ZERO, LOST and HEAT are judged in the port's turn.
+// samples. ZERO, LOST, SATURATED and HEAT are judged in the port's turn.
 //
-// The turn, in clocks since valid_i, which comes with current_i: 1, its magnitude; 2, the previous turn's u + v is
-// judged, and whether a count came since; 15, the product i_n^2 is requested, if this period has a square; no other
-// station may request then. waves_valid_i, in between, comes one clock before this turn's u_i and v_i are valid.
-// The next valid_i may come 20 clocks after this one.
+// The turn, in clocks since valid_i, which comes with current_i: 1, its magnitude; 2, the previous turn's u + v
+// and limit are judged, and which counts came since; 15, the product i_n^2 is requested, if this period has a square;
+// no other station may request then. waves_valid_i, in between, comes one clock before this turn's u_i and v_i are
+// valid. The next valid_i may come 20 clocks after this one.
 //
-// State, by port: u + v (17 bits), its mean (25), the periods of turning (17), the heat (48) in LUT RAM
-// (wh_port_state); one bit for each judgement.
+// State, by port: u + v and whether the limit acts (18 bits), the mean of u + v (25), the periods of turning (17), the
+// turns back and the time since (21), the heat (48) in LUT RAM (wh_port_state); one bit for each judgement.
 // Formats, latency: as wh_guard, but HEAT comes 19 clocks after its current. Reset: no fault, counts and heat 0.
 
 `default_nettype none
@@ -48,9 +48,12 @@ module wh_guard_ports #(
     input  wire                       zero_busy_i,     // from the next clock to the end of that
     input  wire [N-1:0]               trip_i,
     input  wire [N-1:0]               encoder_i,       // strobe, illegal move
-    input  wire [N-1:0]               moved_i,         // strobe, a count
+    input  wire [N-1:0]               moved_i,         // strobe, a count,
+    input  wire [N-1:0]               direction_i,     // and its direction
     input  wire [N-1:0]               anchor_i,        // waves and counts don't agree
     input  wire [N-1:0]               energy_i,        // more than a contact's limit
+    input  wire                       overspeed_i,     // these two of any port (wh_motion)
+    input  wire                       outside_i,
     input  wire                       setting_i,       // illegal setting
     input  wire                       overrun_i,
 
@@ -63,6 +66,7 @@ module wh_guard_ports #(
     input  wire                       waves_valid_i,   // strobe, a clock before u_i and v_i
     input  wire signed [`WH_DATA_W-1:0] u_i,           // s31q23 √W
     input  wire signed [`WH_DATA_W-1:0] v_i,           // s31q23 √W
+    input  wire                       saturated_i,     // with waves_valid_i: the voltage limit acts in contact
 
     // The multiplier.
     output wire                       request_o,
@@ -204,23 +208,27 @@ module wh_guard_ports #(
     wire               unused_waves = &{1'b0, u_i[DATA_W-17:0], v_i[DATA_W-17:0]};
     wire signed [16:0] both;
     reg                waves_q;
+    reg                saturated_q;
+    wire               limits;   // it acted
+    wire signed [16:0] sum_now  = $signed({u_high[15], u_high}) + $signed({v_high[15], v_high});
     wire               turn_rst = rst || !running_i;
 
     always @(posedge clk) begin
-        waves_q <= waves_valid_i && !turn_rst;
+        waves_q     <= waves_valid_i && !turn_rst;
+        saturated_q <= saturated_i;
     end
 
     wh_port_state #(
         .N           (N),
-        .W           (17)
+        .W           (18)
     ) waves_state (
         .clk         (clk),
         .rst         (turn_rst),
         .port_i      (port_q),
         .save_i      (waves_q),
         .save_port_i (port_q),
-        .value_i     ($signed({u_high[15], u_high}) + $signed({v_high[15], v_high})),
-        .value_o     (both)
+        .value_i     ({saturated_q, sum_now}),
+        .value_o     ({limits, both})
     );
 
     wire signed [16+MEAN_LOG2:0] sum;       // it forgets 2^-MEAN_LOG2 a turn
@@ -242,6 +250,21 @@ module wh_guard_ports #(
         (negative ? backward_q : forward_q) ? ((still == 16'hffff) ? still : still + 16'd1)
                                             : ((still == 16'd0) ? still : still - 16'd1);
 
+    // Rotors that turn back, as in wh_guard; the turns back at the limit, in a row, and periods since the last one.
+    reg  [N-1:0] newest_q;
+    reg  [N-1:0] way_q;
+    wire [N-1:0] again = moved_i & ~(direction_i ^ newest_q);
+    wire [N-1:0] turns = again & (direction_i ^ way_q);
+    reg  [N-1:0] turned_q;      // since the port's last turn
+    reg          turned_now_q;  // of the previous clock, as these
+    reg          limits_q;
+    reg          late_q;
+    reg  [4:0]   swings_q;
+    reg  [15:0]  since_q;
+    wire [4:0]   swings;
+    wire [15:0]  since;
+    wire [4:0]   more_swings  = !limits_q ? 5'd0 : swings_q[4] ? swings_q : swings_q + 5'd1;
+
     reg signed [16+MEAN_LOG2:0] kept_q;  // the part of the sum that is kept
 
     always @(posedge clk) begin
@@ -250,6 +273,11 @@ module wh_guard_ports #(
         backward_q <= backward;
         negative_q <= negative_before;
         still_q    <= still_before;
+        turned_now_q <= turned_q[port_q];
+        limits_q   <= limits;
+        late_q     <= since >= settings_i[`WH_GUARD_SATURATED];
+        swings_q   <= swings;
+        since_q    <= since;
         kept_q     <= sum - $signed({{MEAN_LOG2{turning[16]}}, turning});
     end
 
@@ -279,7 +307,32 @@ module wh_guard_ports #(
         .value_o     ({negative_before, still_before})
     );
 
+    wh_port_state #(
+        .N           (N),
+        .W           (21)
+    ) swings_state (
+        .clk         (clk),
+        .rst         (turn_rst),
+        .port_i      (port_q),
+        .save_i      (at_q[3]),
+        .save_port_i (port_q),
+        .value_i     ({turned_now_q ? more_swings : late_q ? 5'd0 : swings_q,
+                       turned_now_q ? 16'd0 : late_q ? since_q : since_q + 16'd1}),
+        .value_o     ({swings, since})
+    );
+
     reg [N-1:0] lost_q;
+    reg [N-1:0] swinging_q;
+
+    always @(posedge clk) begin
+        if (rst) begin
+            newest_q <= {N{1'b0}};
+            way_q    <= {N{1'b0}};
+        end else begin
+            newest_q <= (moved_i & direction_i) | (~moved_i & newest_q);
+            way_q    <= (again & direction_i) | (~again & way_q);
+        end
+    end
 
     always @(posedge clk) begin
         moved_q <= moved_q | moved_i;
@@ -287,12 +340,19 @@ module wh_guard_ports #(
             moved_q[port_q] <= moved_i[port_q];
         end
         lost_q  <= lost_q & ~moved_i;
+        turned_q <= turned_q | turns;
+        if (at_q[2]) begin
+            turned_q[port_q] <= turns[port_q];
+        end
         if (at_q[4]) begin
             lost_q[port_q] <= still_before >= settings_i[`WH_GUARD_LOST_TICKS] && still_before != 16'd0;
+            swinging_q[port_q] <= swings[4] && |settings_i[`WH_GUARD_SATURATED];
         end
         if (turn_rst) begin
             moved_q <= {N{1'b0}};
             lost_q  <= {N{1'b0}};
+            turned_q   <= {N{1'b0}};
+            swinging_q <= {N{1'b0}};
         end
     end
 
@@ -358,7 +418,10 @@ module wh_guard_ports #(
     assign causes[`WH_FAULT_OVERRUN]   = overrun_i;
     assign causes[`WH_FAULT_ANCHOR]    = |anchor_i;
     assign causes[`WH_FAULT_ENERGY]    = |energy_i && |settings_i[`WH_GUARD_ENERGY];
-    assign causes[`WH_FAULTS-1:`WH_FAULT_ENERGY+1] = {`WH_FAULTS-1-`WH_FAULT_ENERGY{1'b0}};
+    assign causes[`WH_FAULT_SATURATED] = |swinging_q;
+    assign causes[`WH_FAULT_OVERSPEED] = overspeed_i;
+    assign causes[`WH_FAULT_WINDOW]    = outside_i;
+    assign causes[`WH_FAULTS-1:`WH_FAULT_WINDOW+1] = {`WH_FAULTS-1-`WH_FAULT_WINDOW{1'b0}};
 
     // off_o is computed beside the faults, not from them, as everything that it stops depends on it in the same clock.
     wire [`WH_FAULTS-1:0] zero   = zero_start_i ? ({{`WH_FAULTS-1{1'b0}}, 1'b1} << `WH_FAULT_ZERO)

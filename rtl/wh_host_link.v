@@ -17,7 +17,7 @@
 // Formats: waves s31q23 √W; the budget in squares of a wave's LSB, limited at 2^62 - 1.
 // Latency: u_o and active_o change 1 clock after the valid_i that ends a period, strobe_o comes 3 + period_log2_i
 // clocks after it, and v_mean^2 is in the budget 33 clocks later. A period is longer than all that, 150 clocks.
-// Reset: not active, u 0, the next packet is number 1.
+// Reset: not active, u and v_mean 0, the next packet is number 1.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -98,6 +98,7 @@ module wh_host_link (
             shifting_q <= 1'b0;
             mean_q     <= 1'b0;
             strobe_o   <= 1'b0;
+            v_mean_o   <= {DATA_W{1'b0}};
         end else begin
             negate_q   <= ends;
             shifting_q <= !ends && (negate_q || (shifting_q && places_q != 4'd0));

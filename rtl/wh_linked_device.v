@@ -10,13 +10,13 @@
 // allows: with it, and ARM = 1, the word `arm` lets the bridges on for 200 ms, and press_i until something is
 // against it (wh_arm); with ARM = 0 the pin alone does. Word 2 of the identification, its options, is made here:
 //
-//   3:0 N   8:4 WALLS   10:9 SHAPER   14:11 DELAY_LOG2   16:15 ADC   18 ANCHOR   19 GUARD
+//   3:0 MOTORS   8:4 WALLS   10:9 SHAPER   14:11 DELAY_LOG2   16:15 ADC   18 ANCHOR   19 GUARD
 //   20 SENSE   21 HOST   22 BUS   23 MODES   24 MIN_PULSE   25 DEAD_TIME
 //   27 ARM   31:28 CAPTURE
 //
-// SHAPER is 3 there with LEGS = 3. ANCHOR, GUARD, SENSE and DEAD_TIME are always 1; BUS and the bits 17 and 26 are 0.
-// Whether there is a STREAM, the word stream_state says, which is 0 without. How many SURFACES there are, the register
-// `surfaces` says.
+// SHAPER is 3 there with AXES; all motors are then brushless ones. ANCHOR, GUARD, SENSE and DEAD_TIME are always 1;
+// BUS and the bits 17 and 26 are 0. Whether there is a STREAM, the word stream_state says, which is 0 without. How many
+// SURFACES there are, the register `surfaces` says.
 //
 // Latency and reset: those of wh_modbus and of wh_device.
 
@@ -35,18 +35,17 @@ module wh_linked_device #(
     parameter integer MIN_PULSE    = 0,
     parameter integer HOST         = 0,
     parameter integer SURFACES     = 0,
+    parameter integer AXES         = 0,
     parameter integer ARM          = 1,
     parameter integer CAPTURE      = 0,
     parameter integer STREAM       = 0,
     parameter integer SPI          = 0,  // of the link
-    parameter integer LEGS         = 2,
     parameter integer CLOCK_HZ     = 24000000,
     parameter integer UNIT         = 1,  // 1...247, of the link
     parameter [31:0]  BUILD        = 32'd0,
     parameter integer SILENCE      = CLOCK_HZ / 500,  // these two are wh_modbus's
     parameter integer FALLBACK     = 500,
-    parameter integer CREDIT       = CLOCK_HZ / 5,    // clocks that the words `arm` and `stream` last
-    parameter integer PARTS        = (LEGS == 3) ? 2 : N  // derived, leave it
+    parameter integer CREDIT       = CLOCK_HZ / 5     // clocks that the words `arm` and `stream` last
 ) (
     input  wire                 clk,
     input  wire                 rst,
@@ -65,13 +64,13 @@ module wh_linked_device #(
     output wire                 adc_cs_n_o,
     output wire                 adc_sclk_o,
     output wire                 adc_din_o,
-    input  wire [PARTS-1:0]     adc_sdata_i,    // of a motor, or of phase a, lowest
+    input  wire [N-1:0]         adc_sdata_i,    // of a brushless motor: of its phases a and b
     input  wire [N-1:0]         enc_a_i,        // asynchronous
     input  wire [N-1:0]         enc_b_i,        // asynchronous
     output wire [N-1:0]         gate_ah_o,
     output wire [N-1:0]         gate_al_o,
-    output wire [PARTS-1:0]     gate_bh_o,      // leg b; with LEGS = 3 those of b, lowest, and c
-    output wire [PARTS-1:0]     gate_bl_o,
+    output wire [N-1:0]         gate_bh_o,      // leg b; see AXES of wh_device
+    output wire [N-1:0]         gate_bl_o,
     input  wire [`WH_BUS_W-1:0] bus_i,          // u16q9 V, the measured bus
     input  wire                 stop_i,         // asynchronous
     input  wire [N-1:0]         driver_fault_i, // asynchronous
@@ -86,20 +85,22 @@ module wh_linked_device #(
     output wire                 fault_lasts_o,  // the same but for a zero, which arming measures anew
     output wire                 ready_o,        // since reset all settings were given
     output wire                 clear_o,        // strobe: the line wants faults forgotten
-    output wire [PARTS-1:0]     zero_busy_o,    // these are wh_device's
-    output wire [PARTS-1:0]     zero_fault_o
+    output wire                 zero_busy_o,    // these are wh_device's
+    output wire [N-1:0]         zero_fault_o
 );
 
-    localparam [31:0] N_32      = N;
+    localparam integer MOTORS   = N - (AXES & 1) - ((AXES >> 1) & 1) - ((AXES >> 2) & 1) - ((AXES >> 3) & 1)
+                                  - ((AXES >> 4) & 1) - ((AXES >> 5) & 1) - ((AXES >> 6) & 1);
+    localparam [31:0] MOTORS_32 = MOTORS;
     localparam [31:0] WALLS_32  = WALLS;
-    localparam [31:0] SHAPER_32 = (LEGS == 3) ? 3 : SHAPER;
+    localparam [31:0] SHAPER_32 = (AXES != 0) ? 3 : SHAPER;
     localparam [31:0] DELAY_32  = DELAY_LOG2;
     localparam [31:0] ADC_32    = ADC;
     localparam [31:0] CAPTURE_32 = CAPTURE;
     localparam [31:0] OPTIONS = {
         CAPTURE_32[3:0], ARM != 0, 1'b0, 1'b1, MIN_PULSE != 0, MODES != 0, 1'b0, HOST != 0,
         1'b1, 1'b1, 1'b1, 1'b0, ADC_32[1:0], DELAY_32[3:0],
-        SHAPER_32[1:0], WALLS_32[4:0], N_32[3:0]
+        SHAPER_32[1:0], WALLS_32[4:0], MOTORS_32[3:0]
     };
 
     wire        bus_valid;
@@ -138,7 +139,7 @@ module wh_linked_device #(
         .FALLBACK      (FALLBACK),
         .BUILD         (BUILD),
         .OPTIONS       (OPTIONS),
-        .MOTORS        (N),
+        .MOTORS        (MOTORS),
         .STREAM        (STREAM),
         .SPI           (SPI)
     ) link (
@@ -180,11 +181,11 @@ module wh_linked_device #(
         .MIN_PULSE      (MIN_PULSE),
         .HOST           (HOST),
         .SURFACES       (SURFACES),
+        .AXES           (AXES),
         .ARM            (ARM),
         .ARM_CLOCKS     (CREDIT),
         .CAPTURE        (CAPTURE),
-        .STREAM         (STREAM),
-        .LEGS           (LEGS)
+        .STREAM         (STREAM)
     ) device (
         .clk             (clk),
         .rst             (rst),

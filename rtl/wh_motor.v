@@ -75,6 +75,7 @@ module wh_motor #(
     input  wire signed [`WH_COEF_W-1:0]      eta_free_i,
     output wire signed [`WH_COUNT_W-1:0]     position_o,
     output wire                              moved_o,
+    output wire                              direction_o,
     output wire                              illegal_move_o,
     output wire                              encoder_fault_o,
     output wire                              round_o,
@@ -206,11 +207,10 @@ module wh_motor #(
 
     // ---- Position and contact.
 
-    wire                          direction;
     wire [7:0]                    faults;
     wire [WALL_W-1:0]             wall;
     wire signed [`WH_COUNT_W-1:0] depth;
-    wire                          unused_of_contact = &{1'b0, direction, faults, wall, depth};
+    wire                          unused_of_contact = &{1'b0, faults, wall, depth};
 
     wh_quadrature quadrature (
         .clk             (clk),
@@ -221,7 +221,7 @@ module wh_motor #(
         .clear_i         (clear_i),
         .position_o      (position_o),
         .moved_o         (moved_o),
-        .direction_o     (direction),
+        .direction_o     (direction_o),
         .illegal_o       (illegal_move_o),
         .fault_o         (encoder_fault_o),
         .faults_o        (faults)

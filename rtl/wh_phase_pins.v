@@ -29,7 +29,8 @@ module wh_phase_pins (
     input  wire [3:0]                   filter_clocks_i,
     input  wire                         clear_i,
     output wire signed [`WH_COUNT_W-1:0] position_o,      // s32, counts
-    output wire                         moved_o,          // strobe
+    output wire                         moved_o,          // strobe,
+    output wire                         direction_o,      // of the last move: 1 is +, 0 is -
     output wire                         illegal_move_o,   // strobe
     output wire                         encoder_fault_o,  // until clear_i
 
@@ -48,9 +49,8 @@ module wh_phase_pins (
 
     localparam [`WH_MODE_W-1:0] HALF_BRIDGE = `WH_MODE_HALF_BRIDGE;
 
-    wire       direction;
     wire [7:0] faults;
-    wire       unused = &{1'b0, direction, faults};
+    wire       unused = &{1'b0, faults};
     wire       off    = rst || !run_i;
 
     wh_quadrature quadrature (
@@ -62,7 +62,7 @@ module wh_phase_pins (
         .clear_i         (clear_i),
         .position_o      (position_o),
         .moved_o         (moved_o),
-        .direction_o     (direction),
+        .direction_o     (direction_o),
         .illegal_o       (illegal_move_o),
         .fault_o         (encoder_fault_o),
         .faults_o        (faults)

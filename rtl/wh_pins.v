@@ -30,7 +30,8 @@ module wh_pins #(
     input  wire [3:0]                   filter_clocks_i,
     input  wire                         clear_i,
     output wire [`WH_MOVE_W-1:0]        count_o,          // counts, modulo 2^12
-    output wire                         moved_o,          // strobe
+    output wire                         moved_o,          // strobe,
+    output wire                         direction_o,      // of the last move: 1 is +, 0 is -
     output wire                         illegal_move_o,   // strobe
     output wire                         encoder_fault_o,  // until clear_i
 
@@ -49,9 +50,8 @@ module wh_pins #(
     input  wire [7:0]                   dead_clocks_i
 );
 
-    wire       direction;
     wire [7:0] faults;
-    wire       unused = &{1'b0, direction, faults};
+    wire       unused = &{1'b0, faults};
     wire       leg_a;
     wire       leg_b;
     wire       off    = rst || !run_i;
@@ -67,7 +67,7 @@ module wh_pins #(
         .clear_i         (clear_i),
         .position_o      (count_o),
         .moved_o         (moved_o),
-        .direction_o     (direction),
+        .direction_o     (direction_o),
         .illegal_o       (illegal_move_o),
         .fault_o         (encoder_fault_o),
         .faults_o        (faults)

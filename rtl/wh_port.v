@@ -63,6 +63,7 @@ module wh_port #(
     output wire signed [`WH_ENERGY_W-1:0]    energy_o,
     output wire signed [`WH_ENERGY_W-1:0]    energy_peak_o,
     output wire                              energy_over_o,
+    output reg                               limited_o,          // the limit acts in contact with its walls
 
     // The voltage, and what an anchor makes of it.
     input  wire [`WH_ANCHOR_W-1:0]           anchor_words_i,
@@ -152,6 +153,14 @@ module wh_port #(
         .over_o     (energy_over_o)
     );
 
+    always @(posedge clk) begin
+        if (drive_rst) begin
+            limited_o <= 1'b0;
+        end else if (waves_i) begin
+            limited_o <= saturated_i && contact_i && !host_active_o;
+        end
+    end
+
     // ---- Port anchor.
 
     generate
@@ -233,7 +242,7 @@ module wh_port #(
             );
         end else begin : by_its_waves_alone
             wire unused_anchor = &{1'b0, position_q[`WH_COUNT_W-1:`WH_MOVE_W], u_i, withheld_i,
-                                   saturated_i, clipped_i, anchor_words_i, grant_i, done_i, product_i};
+                                   clipped_i, anchor_words_i, grant_i, done_i, product_i};
 
             assign driven_valid_o   = core_valid_i;
             assign driven_o         = wave_voltage_i;

@@ -8,8 +8,8 @@
 //   wh_contact_ports -> wh_environment_ports -^   |
 //       `------------------> wh_anchor_ports <----'
 //
-// wh_guard_ports latches faults, wh_energy_ports observes contacts, wh_port_check finds illegal settings, wh_carrier
-// times everything, and wh_slots has the schedule.
+// wh_guard_ports latches faults, wh_energy_ports observes contacts, wh_motion speeds and positions, wh_port_check finds
+// illegal settings, wh_carrier times everything, and wh_slots has the schedule.
 //
 // Each station exists once. wh_slots begins a port's turn; port and bank go from station to station with valid and
 // data. Each station keeps the ports' states, and their settings in two banks, in its own memories. One multiplier
@@ -894,9 +894,10 @@ module wh_ports #(
 
     // ---- Guard: faults.
     wire         missing;
-    wire [N-1:0] moved, illegal_moves, encoder_faults;
+    wire [N-1:0] moved, directions, illegal_moves, encoder_faults;
     localparam [LEGS-1:0] OF_PORTS = (1 << N) - 1;
-    wire [LEGS-1:0] leg_drivers, leg_trips, leg_illegal_moves, leg_moved, leg_anchor_faults, leg_energies;
+    wire [LEGS-1:0] leg_drivers, leg_trips, leg_illegal_moves, leg_moved, leg_directions, leg_anchor_faults;
+    wire [LEGS-1:0] leg_energies;
     wire         round = current_valid && current_port == LAST[PORT_W-1:0];
 
     wh_step_watch step_watch (
@@ -905,6 +906,85 @@ module wh_ports #(
         .start_i   (round),
         .tick_i    (tick_o),
         .overrun_o (missing)
+    );
+
+    // Speeds and positions: of brushless motors once, at alpha's turn.
+    wire                          moves_turn = slot_valid && !slot_look && !betas[slot_port];
+    wire [15:0]                   overspeed_limit;
+    wire signed [`WH_COUNT_W-1:0] window_low, window_high;
+    wire                          overspeed, strays;
+
+    wh_port_settings #(
+        .N            (N),
+        .WORDS_LOG2   (0),
+        .W            (16),
+        .FIRST        (49),
+        .BLOCK        (0)
+    ) overspeeds (
+        .clk          (clk),
+        .write_i      (write_i),
+        .write_bank_i (write_bank_i),
+        .address_i    (address_i),
+        .data_i       (data_i),
+        .read_i       (moves_turn),
+        .bank_i       (slot_bank),
+        .port_i       (slot_port),
+        .word_i       (1'b0),
+        .word_o       (overspeed_limit)
+    );
+
+    wh_port_settings #(
+        .N            (N),
+        .WORDS_LOG2   (0),
+        .W            (`WH_COUNT_W),
+        .FIRST        (50),
+        .BLOCK        (0)
+    ) lows (
+        .clk          (clk),
+        .write_i      (write_i),
+        .write_bank_i (write_bank_i),
+        .address_i    (address_i),
+        .data_i       (data_i),
+        .read_i       (moves_turn),
+        .bank_i       (slot_bank),
+        .port_i       (slot_port),
+        .word_i       (1'b0),
+        .word_o       (window_low)
+    );
+
+    wh_port_settings #(
+        .N            (N),
+        .WORDS_LOG2   (0),
+        .W            (`WH_COUNT_W),
+        .FIRST        (51),
+        .BLOCK        (0)
+    ) highs (
+        .clk          (clk),
+        .write_i      (write_i),
+        .write_bank_i (write_bank_i),
+        .address_i    (address_i),
+        .data_i       (data_i),
+        .read_i       (moves_turn),
+        .bank_i       (slot_bank),
+        .port_i       (slot_port),
+        .word_i       (1'b0),
+        .word_o       (window_high)
+    );
+
+    wh_motion #(
+        .N            (N)
+    ) motion (
+        .clk          (clk),
+        .rst          (rst),
+        .restart_i    (sense_rst),
+        .valid_i      (moves_turn),
+        .port_i       (slot_port),
+        .position_i   (position),
+        .overspeed_i  (overspeed_limit),
+        .low_i        (window_low),
+        .high_i       (window_high),
+        .overspeed_o  (overspeed),
+        .outside_o    (strays)
     );
 
     wh_guard_ports #(
@@ -930,8 +1010,11 @@ module wh_ports #(
         .trip_i          (leg_trips),
         .encoder_i       (leg_illegal_moves),
         .moved_i         (leg_moved),
+        .direction_i     (leg_directions),
         .anchor_i        (leg_anchor_faults),
         .energy_i        (leg_energies),
+        .overspeed_i     (overspeed),
+        .outside_i       (strays),
         .setting_i       (illegal_setting || illegal_port),
         .overrun_i       (adc_overrun || slots_overrun || missing),
         .tick_i          (tick_o),
@@ -941,6 +1024,7 @@ module wh_ports #(
         .waves_valid_i   (waves_valid),
         .u_i             (u),
         .v_i             (v),
+        .saturated_i     (saturated_before && contact && !host_active),
         .request_o       (guard_request),
         .factor_o        (guard_factor),
         .coefficient_o   (guard_coefficient),
@@ -975,14 +1059,16 @@ module wh_ports #(
                                            + (n > 4 ? (AXES >> 4) & 1 : 0) + (n > 5 ? (AXES >> 5) & 1 : 0);
                 wire signed [`WH_COUNT_W-1:0] encoder_position;
                 wire [31:0]                   width_of = {{(32 - LEG_W){1'b0}}, width_leg};
-                wire                          moves, fault;
+                wire                          moves, direction, fault;
 
                 assign moved[n+1:n]                  = {2{moves}};
+                assign directions[n+1:n]             = {2{direction}};
                 assign encoder_faults[n+1:n]         = {2{fault}};
                 assign magnets_found_o[n+1:n]        = {2{rotors_found[THIRD-N]}};
                 assign magnet_angles_o[32*n +: 64]   = {2{rotor_angles[32*(THIRD-N) +: 32]}};
                 assign forget[n+1:n]                 = {2{rotors_forget[THIRD-N]}};
                 assign leg_moved[THIRD]              = moves;
+                assign leg_directions[THIRD]         = direction;
                 assign counts[n*`WH_MOVE_W +: `WH_MOVE_W]             = rotor_count;
                 assign rotor_magnets[65*(THIRD-N) +: 65]              = magnets_i[65*n +: 65];
                 assign rotor_positions[`WH_COUNT_W*(THIRD-N) +: `WH_COUNT_W] = encoder_position;
@@ -999,6 +1085,7 @@ module wh_ports #(
                     .clear_i         (clear_i),
                     .position_o      (encoder_position),
                     .moved_o         (moves),
+                    .direction_o     (direction),
                     .illegal_move_o  (illegal_moves[n]),
                     .encoder_fault_o (fault),
                     .phase_i         (phase),
@@ -1031,6 +1118,7 @@ module wh_ports #(
                     .clear_i         (clear_i),
                     .count_o         (counts[n*`WH_MOVE_W +: `WH_MOVE_W]),
                     .moved_o         (moved[n]),
+                    .direction_o     (directions[n]),
                     .illegal_move_o  (illegal_moves[n]),
                     .encoder_fault_o (encoder_faults[n]),
                     .phase_i         (phase),
@@ -1340,6 +1428,7 @@ module wh_ports #(
     assign leg_trips[N-1:0]          = trips;
     assign leg_illegal_moves[N-1:0]  = illegal_moves;
     assign leg_moved[N-1:0]          = moved;
+    assign leg_directions[N-1:0]     = directions;
     assign leg_anchor_faults[N-1:0]  = anchor_faults;
     assign leg_energies[N-1:0]       = energy_over;
 

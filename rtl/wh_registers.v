@@ -343,15 +343,16 @@ module wh_registers #(
     assign data_o       = word_q;
 
     // The groups of their settings: first address, number, and bits of each, the first one lowest.
-    localparam integer GROUPS  = 9;
-    localparam integer ALL     = 51;
+    localparam integer GROUPS  = 10;
+    localparam integer ALL     = 52;
     localparam [23:0]  MAGNET_WIDTHS = (AXES != 0) ? {8'd1, 8'd32, 8'd32} : 24'd0;
     localparam [7:0]   DELAY_W = DELAY_LOG2[7:0];
-    localparam [GROUPS*16-1:0] ADDRESSES = {8'h21, 8'd3, 8'h24, 8'd2, 8'h40, 8'd16, 8'h30, 8'd6, 8'h28, 8'd2,
-                                            8'h20, 8'd1, 8'h18, 8'd5, 8'h08, 8'd10, 8'h00, 8'd6};
+    localparam [GROUPS*16-1:0] ADDRESSES = {8'h21, 8'd3, 8'h24, 8'd2, 8'h3e, 8'd1, 8'h40, 8'd16, 8'h30, 8'd6,
+                                            8'h28, 8'd2, 8'h20, 8'd1, 8'h18, 8'd5, 8'h08, 8'd10, 8'h00, 8'd6};
     localparam [ALL*8-1:0] WIDTHS = {
         MAGNET_WIDTHS,
         8'd8, 8'd4,                                              // host
+        8'd16,                                                   // guard_saturated
         8'd16, 8'd32, 8'd16, 8'd16, 8'd16, 8'd24, 8'd16, 8'd16,  // guard
         8'd16, 8'd16, 8'd16, 8'd16, 8'd16, 8'd2, 8'd24, 8'd24,
         8'd1, 8'd8, 8'd1, 8'd8, 8'd8, 8'd2,                      // bridge

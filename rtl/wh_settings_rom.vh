@@ -92,6 +92,7 @@
 `WH_SETTINGS_WORD('h04d, 1, 2'b11, 8'h68, 32'd0)  // guard_heat_ticks
 `WH_SETTINGS_WORD('h04e, 1, 2'b11, 8'h6b, 32'd0)  // guard_heat
 `WH_SETTINGS_WORD('h04f, 1, 2'b11, 8'h68, 32'd0)  // guard_energy
+`WH_SETTINGS_WORD('h03e, 1, 2'b11, 8'h68, 32'd0)  // guard_saturated
 `WH_SETTINGS_TOLD('h060, 1, 2'b11, 8'h82)  // clear
 `WH_SETTINGS_TOLD('h061, 1, 2'b11, 8'h82)  // host_alive
 `WH_SETTINGS_TOLD('h062, 1, 2'b11, 8'hce)  // faults
@@ -160,6 +161,9 @@
 `WH_SETTINGS_WORD('h150, WALLS, 2'b11, 8'h5e, 32'd0)  // wall_max
 `WH_SETTINGS_WORD('h160, WALLS, 2'b11, 8'h42, 32'd0)  // wall_enable
 `WH_SETTINGS_WORD('h170, WALLS, 2'b01, 8'h42, 32'd0)  // wall_shaped
+`WH_SETTINGS_WORD('h131, 1, 2'b11, 8'h68, 32'd0)  // overspeed
+`WH_SETTINGS_WORD('h132, 1, 2'b11, 8'h7e, -32'd2147483648)  // window_low
+`WH_SETTINGS_WORD('h133, 1, 2'b11, 8'h7e, 32'd2147483647)  // window_high
 `WH_SETTINGS_WORD('h180, 9 * SHAPER, 2'b01, 8'h5f, 32'd0)  // shape_coefficient
 `WH_SETTINGS_WORD('h192, 3 * SHAPER, 2'b01, 8'h50, 32'd0)  // shape_loss
 `WH_SETTINGS_TOLD('h1b8, 1, 2'b01, 8'hdb)  // contact_energy

@@ -7,7 +7,7 @@
 
 // CRC-32 of all that two sides have to agree on: everything but default, port and meaning.
 // <!-- begin words-crc -->
-`define WH_WORDS_CRC 32'h4aa30786
+`define WH_WORDS_CRC 32'h69734c31
 // <!-- end words-crc -->
 
 `endif

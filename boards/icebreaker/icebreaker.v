@@ -2,7 +2,7 @@
 //
 // icebreaker: the wave controller on an iCEBreaker (iCE40 UP5K): pads, PLL and reset.
 //
-// The clock is 30 MHz, 12 MHz * 80 / 2^5. README.md has the wiring.
+// The clock is 27 MHz, 12 MHz * 72 / 2^5. README.md has the wiring.
 // Reset: until the PLL has been locked for 2^16 clocks.
 
 `default_nettype none
@@ -34,7 +34,7 @@ module icebreaker (
     SB_PLL40_PAD #(
         .FEEDBACK_PATH ("SIMPLE"),
         .DIVR          (4'd0),
-        .DIVF          (7'd79),
+        .DIVF          (7'd71),
         .DIVQ          (3'd5),
         .FILTER_RANGE  (3'd1)
     ) pll (

@@ -38,6 +38,11 @@ module ulx3s_brushless (
     assign wifi_en     = 1'b0;
     assign wifi_en_v31 = 1'b0;
 
+    // Two ports: leg c is leg A of the second one, whose leg B is none.
+    wire no_bh;
+    wire no_bl;
+    wire unused = &{1'b0, no_bh, no_bl};
+
     // The watch has 11.1 MHz: a beat of the slower clock lasts longer.
     wh_board_ecp5 #(
         .CLKOP_DIV  (24),
@@ -53,12 +58,12 @@ module ulx3s_brushless (
         .adc_cs_n_o  (adc_cs_n),
         .adc_sclk_o  (adc_sclk),
         .adc_sdata_i (adc_sdata),
-        .enc_a_i     (enc_a),
-        .enc_b_i     (enc_b),
-        .gate_ah_o   (gate_ah),
-        .gate_al_o   (gate_al),
-        .gate_bh_o   ({gate_ch, gate_bh}),
-        .gate_bl_o   ({gate_cl, gate_bl}),
+        .enc_a_i     ({1'b0, enc_a}),
+        .enc_b_i     ({1'b0, enc_b}),
+        .gate_ah_o   ({gate_ch, gate_ah}),
+        .gate_al_o   ({gate_cl, gate_al}),
+        .gate_bh_o   ({no_bh, gate_bh}),
+        .gate_bl_o   ({no_bl, gate_bl}),
         .alive_o     (alive),
         .running_o   (led_running),
         .contact_o   (led_contact),

@@ -35,8 +35,7 @@ class WaveHaptics(LiteXModule):
                 f"{made.clock_hz / 1e6:g} MHz; change the clock or the scene's controller.clock_hz"
             )
         parameters = {"ARM": 1, **made.parameters, **more}
-        motors = parameters["N"]
-        parts = 2 if parameters["LEGS"] == 3 else motors
+        ports = parameters["N"]
 
         self.bus = wishbone.Interface(data_width=32, adr_width=30, addressing="word")
 
@@ -46,13 +45,13 @@ class WaveHaptics(LiteXModule):
         self.clear = Signal()
         self.adc_cs_n = Signal()
         self.adc_sclk = Signal()
-        self.adc_sdata = Signal(parts)
-        self.enc_a = Signal(motors)
-        self.enc_b = Signal(motors)
-        self.gate_ah = Signal(motors)
-        self.gate_al = Signal(motors)
-        self.gate_bh = Signal(parts)
-        self.gate_bl = Signal(parts)
+        self.adc_sdata = Signal(ports)
+        self.enc_a = Signal(ports)
+        self.enc_b = Signal(ports)
+        self.gate_ah = Signal(ports)
+        self.gate_al = Signal(ports)
+        self.gate_bh = Signal(ports)
+        self.gate_bl = Signal(ports)
         self.running = Signal()
         self.contact = Signal()
         self.fault = Signal()
@@ -83,7 +82,7 @@ class WaveHaptics(LiteXModule):
             o_gate_bh_o=self.gate_bh, o_gate_bl_o=self.gate_bl,
             o_running_o=self.running, o_contact_o=self.contact, o_fault_o=self.fault,
             i_bus_i=Constant(0, formats.BUS_W), i_stop_i=0, i_zero_start_i=0, i_stream_room_i=0,
-            i_driver_fault_i=Constant(0, motors),
+            i_driver_fault_i=Constant(0, ports),
         )  # fmt: skip
         for path in sorted(Path(RTL_DIR).glob("*.v")):
             platform.add_source(str(path))

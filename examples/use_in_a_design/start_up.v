@@ -36,7 +36,7 @@ module start_up (
     localparam [11:0] COMMIT = COUNT + 12'd1;
     localparam [11:0] APPLY  = COUNT + 12'd2;
     localparam [11:0] MAGNET = COUNT + 12'd3;
-    localparam [11:0] LAST   = (`WH_SCENE_LEGS == 3) ? MAGNET : APPLY;
+    localparam [11:0] LAST   = (`WH_SCENE_AXES != 0) ? MAGNET : APPLY;
 
     reg [43:0] rows [0:`WH_SCENE_COUNT-1];        // address, value
 

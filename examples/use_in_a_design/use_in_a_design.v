@@ -15,8 +15,7 @@
 `include "wh_scene.vh"
 
 module use_in_a_design #(
-    parameter integer N     = `WH_SCENE_N,
-    parameter integer PARTS = (`WH_SCENE_LEGS == 3) ? 2 : N  // derived, leave it
+    parameter integer N = `WH_SCENE_N  // ports
 ) (
     input  wire             clk,             // WH_SCENE_CLOCK_HZ
     input  wire             rst,
@@ -27,13 +26,13 @@ module use_in_a_design #(
 
     output wire             adc_cs_n_o,
     output wire             adc_sclk_o,
-    input  wire [PARTS-1:0] adc_sdata_i,     // of a motor, or of phase a, lowest
+    input  wire [N-1:0]     adc_sdata_i,
     input  wire [N-1:0]     enc_a_i,         // asynchronous
     input  wire [N-1:0]     enc_b_i,         // asynchronous
     output wire [N-1:0]     gate_ah_o,
     output wire [N-1:0]     gate_al_o,
-    output wire [PARTS-1:0] gate_bh_o,       // leg b; of three legs b, lowest, and c
-    output wire [PARTS-1:0] gate_bl_o,
+    output wire [N-1:0]     gate_bh_o,
+    output wire [N-1:0]     gate_bl_o,
 
     output wire             started_o,       // the scene's settings are in force
     output wire             failed_o,        // the device refused one
@@ -105,8 +104,8 @@ module use_in_a_design #(
     wire             fault_lasts;
     wire             ready;
     wire             clear_seen;
-    wire [PARTS-1:0] zero_busy;
-    wire [PARTS-1:0] zero_fault;
+    wire             zero_busy;
+    wire [N-1:0]     zero_fault;
     wire             stream_credit;
     wire             stream_valid;
     wire             stream_first;
@@ -117,7 +116,7 @@ module use_in_a_design #(
 
     wh_device #(
         .N               (N),
-        .LEGS            (`WH_SCENE_LEGS),
+        .AXES            (`WH_SCENE_AXES),
         .WALLS           (`WH_SCENE_WALLS),
         .DELAY_LOG2      (`WH_SCENE_DELAY_LOG2),
         .ADC             (`WH_SCENE_ADC),

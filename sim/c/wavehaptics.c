@@ -692,10 +692,10 @@ static int place_of(struct wh_board *board, enum wh_word word, unsigned motor, u
     }
     const struct row *row = *found = &rows[word];
     const struct wh_identity *device = &board->identity;
-    // A brushless motor has no W, and words of its second axis where others have motor 1.
+    // Brushless motors have no W, and two ports each. The first one has the words of both.
     const int brushless = device->shaper == WH_BRUSHLESS_SHAPER;
     const unsigned sections = brushless ? 0 : device->shaper;
-    const unsigned motors = brushless ? WH_AXES : device->words[ID_MOTORS];
+    const unsigned motors = (brushless ? WH_AXES : 1) * device->words[ID_MOTORS];
     const unsigned each = row->of == WH_OF_WALL ? device->walls : row->of == WH_OF_SECTION ? sections : 1;
     const unsigned copies = each * row->count;
     if (row->of != WH_OF_BOARD && motor >= motors) {

@@ -7,7 +7,7 @@
 #define WAVEHAPTICS_WORDS_H
 
 // <!-- begin c-words -->
-#define WH_WORDS_CRC 0x4aa30786u
+#define WH_WORDS_CRC 0x69734c31u
 
 #define WH_MAP_VERSION 1u
 #define WH_TABLE_REGISTER 0x2000u
@@ -100,6 +100,7 @@
     X(BUS_SHARE, "bus_share", 0x038, WH_SETTING, WH_OF_BOARD, 1, 24, 1, 0.0, 3.9999999403953552, "1/V") \
     X(BUS, "bus", 0x039, WH_LIVE, WH_OF_BOARD, 1, 9, 0, 0.0, 127.998046875, "V") \
     X(STREAM_SHIFT, "stream_shift", 0x03a, WH_SETTING, WH_OF_BOARD, 4, 0, 0, 0.0, 15.0, "") \
+    X(GUARD_SATURATED, "guard_saturated", 0x03e, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 65535.0, "ticks") \
     X(GUARD_MASK, "guard_mask", 0x040, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 16777215.0, "") \
     X(GUARD_DAMP, "guard_damp", 0x041, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 16777215.0, "") \
     X(GUARD_LEVELS, "guard_levels", 0x042, WH_SETTING, WH_OF_BOARD, 1, 0, 0, 0.0, 3.0, "") \
@@ -186,6 +187,9 @@
     X(ANCHOR_FOLLOW_TICKS, "anchor_follow_ticks", 0x12c, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 4095.0, "periods") \
     X(ANCHOR_SLOW_TICKS, "anchor_slow_ticks", 0x12d, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 1048575.0, "periods") \
     X(EDGE_HYSTERESIS, "edge_hysteresis", 0x130, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 1.0, "") \
+    X(OVERSPEED, "overspeed", 0x131, WH_SETTING, WH_OF_MOTOR, 1, 0, 0, 0.0, 65535.0, "counts") \
+    X(WINDOW_LOW, "window_low", 0x132, WH_SETTING, WH_OF_MOTOR, 1, 0, 1, -2147483648.0, 2147483647.0, "counts") \
+    X(WINDOW_HIGH, "window_high", 0x133, WH_SETTING, WH_OF_MOTOR, 1, 0, 1, -2147483648.0, 2147483647.0, "counts") \
     X(WALL_MIN, "wall_min", 0x140, WH_SETTING, WH_OF_WALL, 1, 0, 1, -2147483648.0, 2147483647.0, "counts") \
     X(WALL_MAX, "wall_max", 0x150, WH_SETTING, WH_OF_WALL, 1, 0, 1, -2147483648.0, 2147483647.0, "counts") \
     X(WALL_ENABLE, "wall_enable", 0x160, WH_SETTING, WH_OF_WALL, 1, 0, 0, 0.0, 1.0, "") \
@@ -240,7 +244,10 @@
     X(13, SETTING, "a setting that a block can't use") \
     X(14, OVERRUN, "a tick too short for its work, or ticks without a step") \
     X(15, ANCHOR, "waves and encoder disagree on the rotor's position") \
-    X(16, ENERGY, "a contact delivered more energy than its limit")
+    X(16, ENERGY, "a contact delivered more energy than its limit") \
+    X(17, SATURATED, "in contact at the voltage limit the rotor swings to and fro") \
+    X(18, OVERSPEED, "a rotor is too fast") \
+    X(19, WINDOW, "a position outside its interval")
 
 // Bits of the word `arm_refused`.
 #define WH_ARM_REFUSALS(X) \

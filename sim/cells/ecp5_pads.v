@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// OFS1P3BX and IFS1P3DX: registers in the ECP5's I/O cells, as the boards' sources name them.
+// OFS1P3BX, IFS1P3DX and OBZ: the ECP5's I/O cells, registers and a pad that can be off, as the boards' sources name
+// them.
 
 `timescale 1ns / 1ps
 
@@ -41,5 +42,14 @@ module IFS1P3DX (
         .M   (1'b0),
         .Q   (Q)
     );
+
+endmodule
+
+module OBZ (
+    input  I, T,
+    output O
+);
+
+    assign O = T ? 1'bz : I;
 
 endmodule

@@ -50,3 +50,13 @@ module placed_output (
     assign PIN = OUT;
 
 endmodule
+
+module placed_tristate (
+    output PIN,
+    input  OUT,
+    input  OFF
+);
+
+    assign PIN = OFF ? 1'bz : OUT;
+
+endmodule

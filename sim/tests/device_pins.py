@@ -78,9 +78,6 @@ class DevicePins(PinsSimulation):
 
 
 class BrushlessDevicePins(DevicePins, BrushlessPinsSimulation):
-    """`pins` of a brushless motor as ``rtl/wh_device.v`` with three legs."""
+    """`pins` of a brushless motor as ``rtl/wh_device.v`` with two axes."""
 
     turns = 0
-
-    def _parameters(self) -> dict[str, int]:
-        return {"LEGS": self.LEGS}

@@ -63,11 +63,14 @@ def test_a_sum_with_the_pull_ends_with_the_word(side: int) -> None:
 def test_a_pull_beyond_a_long_word_keeps_its_sign(side: int) -> None:
     """64 V a count times 400 counts, of which 64 V are left.
 
-    It is a fault, but while the wave is at its limit.
+    It is a fault, but while the wave is at its limit and a while after that.
     """
     state = held_state(side, 0.0, flux=side * 400.0)
     c = step(state, settings(PULL_GAIN=MOST_GAIN), saturated=True)
     assert c == -side * (1 << (formats.DATA_W - 2))
+    for _ in range(anchor.EXCUSED - 1):
+        step(state, settings(PULL_GAIN=MOST_GAIN))
+    assert state[anchor.FAULT] == 0
     step(state, settings(PULL_GAIN=MOST_GAIN))
     assert state[anchor.FAULT] == 1
 

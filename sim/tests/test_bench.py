@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import json
 
 import pytest
@@ -33,22 +32,6 @@ def test_a_process_measures_each_time_that_it_is_asked():
     assert runner.known["ticks"] == round(1e6 * once.DURATIONS_S["encoder"])
     assert first["cpu_s"] > 0 < second["cpu_s"]
     assert runner.process.returncode == 0
-
-
-def test_many_clocks_in_a_call_are_as_many_calls():
-    """Two controllers side by side: pins and words after every hundred clocks are the same."""
-    scene = once.load_scene(once.find_scene(once.SCENE))
-    one, many = once.BenchPins(scene), once.BenchPins(scene)
-    clock, clocks = one._library.wh_pins_clock, many._library.wh_bench_clocks
-    for function, integers in ((clock, 2), (clocks, 3)):
-        function.argtypes = [ctypes.c_int64] * integers
-        function.restype = ctypes.c_int64
-    seen = set()
-    for _ in range(50):
-        pins = [clock(one._model, 1) for _ in range(100)][-1]
-        assert clocks(many._model, 1, 100) == pins
-        seen.add(pins)
-    assert len(seen) > 3
 
 
 def test_what_fails_is_told():

@@ -22,7 +22,7 @@ from wavehaptics.controller.pins_timing import (
     turns_clocks,
     turns_latency_clocks,
 )
-from wavehaptics.fpga.board_words import board_words, verilog_header
+from wavehaptics.fpga.board_words import board_words, hardware, verilog_header
 from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.ladder.brushless import magnet_words
 from wavehaptics.ladder.run import measure
@@ -30,8 +30,9 @@ from wavehaptics.parts.adcs import PARTS, frame
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain, ToolError
 from wavehaptics.scene import SceneError, load_scene
+from wavehaptics.words.bridge_modes import LOCKED, MODE_WORDS, SIGN_MAGNITUDE, UNIPOLAR
 from wavetools.cli import board_commands
-from wavetools.fpga import multipliers, pll, synthesis
+from wavetools.fpga import bridge_budget, multipliers, pll, synthesis
 from wavetools.fpga.board_pins import read_pins
 from wavetools.fpga.synthesis import Design, SynthesisError, build
 from wavetools.pages import filler
@@ -191,13 +192,13 @@ def test_clock_that_is_not_the_scenes(tmp_path, tools):
     cell = ice40_pll(divf=63, divq=4)
     assert pll.of_cell(cell, 12e6).clock_hz == 48e6
     with pytest.raises(
-        SynthesisError, match=r"clock is 48 MHz, but controller\.clock_hz .* 30 MHz"
+        SynthesisError, match=r"clock is 48 MHz, but controller\.clock_hz .* 27 MHz"
     ):
         synthesis._check_pll(design, {"cells": {"pll": cell}})
 
 
-def ice40_pll(divr: int = 0, divf: int = 79, divq: int = 5, filter_range: int = 1) -> dict:
-    """An iCE40's PLL as Yosys writes it; from 12 MHz the iCEBreaker's 30 MHz."""
+def ice40_pll(divr: int = 0, divf: int = 71, divq: int = 5, filter_range: int = 1) -> dict:
+    """An iCE40's PLL as Yosys writes it; from 12 MHz the iCEBreaker's 27 MHz."""
     numbers = {"DIVR": divr, "DIVF": divf, "DIVQ": divq, "FILTER_RANGE": filter_range}
     return {
         "type": "SB_PLL40_PAD",
@@ -429,7 +430,8 @@ def test_the_guard_lets_the_boards_own_scene_be(name):
 @pytest.mark.parametrize("name", board_names())
 def test_header_has_every_setting(name):
     text = load_board(name).headers()["wh_board_settings.vh"]
-    top = (ROOT / "boards" / "wh_board_controller.v").read_text()
+    tops = ("wh_board_controller.v", "wh_board_ecp5.v")
+    top = "".join((ROOT / "boards" / file).read_text() for file in tops)
     defined = set(re.findall(r"`define (WH_BOARD_\w+)", text))
     assert set(re.findall(r"`(WH_BOARD_\w+)", top)) == defined
 
@@ -438,7 +440,7 @@ def test_header_has_every_setting(name):
     ("old", "new", "told"),
     [
         ("link = true\ncapture = 12\nstream = true\n", "", "its settings over a link; .* = true"),
-        ("legs = 3\n", "legs = 3\nmotors = 2\n", "one brushless motor; leave motors out"),
+        ("legs = 3\n", "legs = 3\nmotors = 5\n", "at most 4 motors, which have two .*; take fewer"),
         ("legs = 3\n", "legs = 3\nshared_multiplier = true\n", "a multiplier for its core; .*"),
     ],
 )  # fmt: skip
@@ -488,8 +490,85 @@ def test_a_brushless_boards_own_words():
     assert first["gain"] == board.words().words["gain"]
     text = headers["wh_board_settings.vh"]
     made = dict(re.findall(r"`define WH_BOARD_(\w+) (\d+)", text))
-    told = {"LEGS": "3", "N": "1", "PARTS": "2", "LINKED": "1", "MODES": "0"}
+    told = {"AXES": "1", "N": "2", "LINKED": "1", "MODES": "0"}
     assert {name: made[name] for name in told} == told
+
+
+def test_four_brushless_motors_are_eight_ports():
+    """Each has two ADC lines and one of all else; ``alive`` changes twice in their long period."""
+    board = load_board("icesugar_pro_brushless")
+    made = hardware(board.words())
+    assert (made["N"], made["AXES"], made["AGAIN"]) == (8, 0b1010101, 134)
+    assert board.adc_lines == [f"adc_sdata[{n}]" for n in range(8)]
+    assert board.sclk_pins == [f"adc_sclk[{n}]" for n in range(4)]
+    assert turns_clocks(4, brushless=True) == 7 * 32 + 42
+    alone = load_board("ulx3s_brushless").words()
+    assert hardware(alone)["AGAIN"] == 0
+
+
+def patterns(root: Path = ROOT) -> Board:
+    scene = root / "boards" / "ulx3s" / "patterns.toml"
+    return load_board("ulx3s", root=root, scene_path=scene)
+
+
+def test_the_line_chooses_between_patterns_that_differ_in_their_word_alone():
+    """Not a unipolar bridge, and not without a line; the build looks at both."""
+    board = patterns()
+    synthesis.check_board(board)
+    first, second = bridge_budget.in_patterns(board)
+    assert first.words().words == {**second.words().words, "mode": MODE_WORDS[LOCKED]}
+    assert hardware(board.words())["MODES"] == 1
+    rom = board.headers()["wh_board_settings_rom.vh"]
+    kinds = {name: int(info, 16) for info, name in re.findall(r"8'h(\w\w),.*// (\w+)", rom)}
+    assert (kinds["mode"] >> 5, kinds["dead_clocks"] >> 5) == (3, 7), "with the gates off; never"
+    kind = kinds["mode"] & 31
+    assert f"BOUNDS({kind}, 32'd{MODE_WORDS[LOCKED]}, 32'd{MODE_WORDS[SIGN_MAGNITUDE]})" in rom
+    for other in (load_board("ulx3s").words(), replace(board.words(), linked=False)):
+        assert other.patterns == ()
+
+
+@pytest.mark.parametrize(
+    ("file", "was", "now", "problem"),
+    [
+        (
+            "patterns.toml",
+            "dead_time_s = 28.6e-9",
+            "dead_time_s = 14.3e-9",
+            "the dead time is 14.3",
+        ),
+        ("fpga.toml", '"INA241"', '"INA240"', "the INA240 may not follow the carrier of 416.7 kHz"),
+        ("patterns.toml", "compensate = false", "compensate = true", "drive.compensate: what dead"),
+    ],
+)
+def test_what_a_pattern_cant_have_is_refused(tmp_path, file, was, now, problem):
+    for name in ("boards", "constraints", "rtl"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    path = tmp_path / "boards" / "ulx3s" / file
+    text = path.read_text()
+    assert was in text
+    path.write_text(text.replace(was, now))
+    with pytest.raises((BoardError, SceneError), match=re.escape(problem)):
+        synthesis.check_board(patterns(tmp_path))
+
+
+def test_patterns_with_other_settings_are_refused(monkeypatch):
+    """Such as a pulse of at least so much, where a leg has to be on as long in one of them only."""
+    monkeypatch.setattr("wavehaptics.fpga.board_words.PATTERNS", (LOCKED, UNIPOLAR))
+    with pytest.raises(
+        BoardError, match=r"drive.mode = unipolar, .* sample_clocks would be another"
+    ):
+        bridge_budget.check(patterns())
+
+
+@pytest.mark.parametrize("mode", [LOCKED, SIGN_MAGNITUDE])
+def test_the_amplifier_follows_in_every_pattern(mode):
+    """It holds its output after each edge, and a wall is as stiff as it should be."""
+    overrides = ["scene.duration_s=0.15", f"drive.mode={mode}"]
+    scene = load_scene(ROOT / "boards" / "ulx3s" / "patterns.toml", overrides)
+    found = measure(scene, "pins", compare=False)
+    assert "faults" not in found
+    assert found["anchor_fault_s"] is None
+    assert found["stiffness"] > 0.9 * found["stiffness_predicted"]
 
 
 def test_a_board_says_how_many_walls():
@@ -573,7 +652,7 @@ def test_shared_multiplier_is_refused_where_it_has_no_time():
 def test_slow_adc():
     slow = ["adc.part=AD7476A", "controller.tick_hz=1e6", "drive.pwm_hz=500e3"]
     scene = load_scene(ROOT / "boards" / "icebreaker" / "board.toml", slow)
-    with pytest.raises(SceneError, match=r"needs \d+ clocks of 3e\+07 Hz from sample to sample"):
+    with pytest.raises(SceneError, match=r"needs \d+ clocks of 2.7e\+07 Hz from sample to sample"):
         board_words(scene, PARTS["AD7476A"])
 
 
@@ -597,6 +676,11 @@ LINK = "link = true\ncapture = 12\nstream = true"
         ("capture = 12", "capture = 16", "capture = 16: it must be 0, 9, 10, "),
         ("link = true", "link = false", "capture goes with a link; set link = true or leave it"),
         (LINK, "walls = 2", "walls goes with a link; set link = true or leave it out"),
+        (
+            "guard = true",
+            "guard = false",
+            "overcurrent goes with a guard; set guard = true or l",
+        ),
         ("link = true", "link = true\nwalls = 0", "walls = 0: it must be greater than or equal"),
         ("motors", "motor", "motor is no key of a board; did you mean motors?"),
     ],
@@ -642,6 +726,10 @@ PROGRAMMERS = {
         "openFPGALoader", "--cable", "cmsisdap", "--vid", "0x1d50", "--pid", "0x602b",
         "build/synth/icesugar_pro/icesugar_pro.bit",
     ],
+    "icesugar_pro_brushless": [
+        "openFPGALoader", "--cable", "cmsisdap", "--vid", "0x1d50", "--pid", "0x602b",
+        "build/synth/icesugar_pro_brushless/icesugar_pro_brushless.bit",
+    ],
     "icesugar_pro_eight": [
         "openFPGALoader", "--cable", "cmsisdap", "--vid", "0x1d50", "--pid", "0x602b",
         "build/synth/icesugar_pro_eight/icesugar_pro_eight.bit",
@@ -672,7 +760,7 @@ FLASHERS = {
     "icebreaker": PROGRAMMERS["icebreaker"],
     **{
         name: [*PROGRAMMERS[name][:-1], "--write-flash", "--verify", PROGRAMMERS[name][-1]]
-        for name in ("icesugar_pro", "icesugar_pro_eight")
+        for name in ("icesugar_pro", "icesugar_pro_brushless", "icesugar_pro_eight")
     },
     # Its bootloader knows nothing but the flash.
     "orangecrab": PROGRAMMERS["orangecrab"],
@@ -820,7 +908,9 @@ def test_boards_on_demand_have_no_numbers():
     """`make synth` leaves them out, and the pages have no row of them."""
     boards = json.loads((ROOT / filler.KEPT).read_bytes())["boards"]
     assert [board["board"] for board in boards] == MADE
-    assert set(board_names()) - set(MADE) == {"ulx3s_gan", "ulx3s_gan_brushed", "ulx3s_space"}
+    assert set(board_names()) - set(MADE) == {
+        "icesugar_pro_brushless", "ulx3s_gan", "ulx3s_gan_brushed", "ulx3s_space",
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("name", board_names())

@@ -209,8 +209,9 @@ def test_the_anchor_learns_nothing_of_a_clipped_current(contact):
 
 
 def test_an_overload_is_no_lost_rotor():
-    """While c corrects what an overload has left, its limit is no fault; after that, it is."""
+    """While c corrects what an overload has left, its limit is no fault; later on, it is."""
     words, state = blind_words(), anchor.new_state()
+    words[anchor.FOLLOW_TICKS] = 4
     wave = formats.WAVE.to_raw(100.0)
 
     def tick(u: int, blind: bool = False) -> None:
@@ -219,10 +220,15 @@ def test_an_overload_is_no_lost_rotor():
     tick(0)
     tick(wave, blind=True)
     assert state[anchor.CHI] < -40 << formats.LONG.fraction
-    for _ in range(50):
+    left = state.copy()
+    for _ in range(4 * (anchor.EXCUSED - 1)):
         tick(0)
         assert state[anchor.CLIPPED] == 1
     assert state[anchor.FAULT] == 0
+    for _ in range(4):
+        tick(0)
+    assert state[anchor.FAULT] == 1
+    state[:] = left
     tick(-wave)
     tick(0)
     assert state[anchor.CLIPPED] == 0

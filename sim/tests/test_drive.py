@@ -12,12 +12,7 @@ from wavehaptics.words import formats
 from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
 
 # 50 ns at 500 kHz and 12 V: 0.6 V against every current, of the 2.1 V that the paper's taps have.
-DEAD = (
-    "drive.bus_v=12",
-    "drive.pwm_hz=500e3",
-    "drive.dead_time_s=50e-9",
-    "scene.duration_s=0.5",
-)
+DEAD = ("drive.bus_v=12", "drive.pwm_hz=500e3", "drive.dead_time_s=50e-9", "scene.duration_s=0.5")
 
 
 PAPER_TAPS = SCENES_DIR / "paper_taps.toml"

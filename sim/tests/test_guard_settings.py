@@ -37,8 +37,11 @@ def ulx3s(*overrides: str) -> Board:
 def test_the_guards_limits_are_the_boards():
     """Its word has the scene's sensor, tick and motor; what the board can't know is left out."""
     found = fields_of(ulx3s().words().guard)
-    left_out = (Fault.TRIP, Fault.HOST, Fault.DRIVER, Fault.STOP, Fault.BUS_LOW, Fault.BUS_HIGH)
+    left_out = (Fault.TRIP, Fault.HOST, Fault.STOP, Fault.BUS_LOW, Fault.BUS_HIGH)
     assert found["MASK"] == mask(set(Fault) - set(left_out))
+    # The comparators' latch has no wire to this one.
+    other = fields_of(load_board("colorlight_i5").words().guard)
+    assert other["MASK"] == found["MASK"] & ~mask([Fault.DRIVER])
     assert found["DAMP"] == 0
     assert found["CURRENT"] == round(0.8 * 2**15)  # 2 A of 2.5
     assert found["STUCK"] == 2 * 833  # 1 ms at 1.2 µs, of two samples each
@@ -95,8 +98,9 @@ def test_the_energy_of_a_contact_has_what_its_spring_holds_as_limit():
 
 
 def test_no_limit_is_more_than_its_word():
-    word = settings(Limits((), energy=1e6), 1e-6, Sensor(ideal=False), s=2.0)
-    assert fields_of(word)["ENERGY"] == 0xFFFF
+    limits = Limits((), energy=1e6, saturated_s=1.0)
+    found = fields_of(settings(limits, 1e-6, Sensor(ideal=False), s=2.0))
+    assert (found["ENERGY"], found["SATURATED"]) == (0xFFFF, 0xFFFF)
 
 
 def test_surroundings_as_hot_as_the_winding_may_be_are_refused():
@@ -117,6 +121,7 @@ def test_each_field_has_its_own_number():
         (Fault.CURRENT, Fault.BUS_LOW), damp=(Fault.BUS_LOW,), current_a=3.0, stuck_samples=123,
         zero_a=0.25, zero_s=3e-3, lost_v=0.75, lost_s=4e-3, host_s=5e-3, bus_min_v=9.5,
         bus_max_v=15.25, rms_a=1.5, winding_s=65.536, stop_level=0, driver_level=1, energy=70.01,
+        saturated_s=7e-3,
     )  # fmt: skip
     word = settings(limits, 1e-6, Sensor(ideal=False, bits=12, full_scale_a=4.0), s=2.0)
     assert fields_of(word) == {
@@ -136,6 +141,7 @@ def test_each_field_has_its_own_number():
         "HEAT_TICKS": 1000,
         "HEAT": 9 << 16,  # 2.25 A² of 2^18
         "ENERGY": 561,  # eighths, the next above
+        "SATURATED": 7000,
     }
 
 

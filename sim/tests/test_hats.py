@@ -182,9 +182,7 @@ def test_a_released_rotor_has_no_hand_to_have_a_mass(make_scene) -> None:
 
 LAWS = ("laws", "controller")
 """Layers of the control laws; what runs them beside a motor, the ladder, has both."""
-READ = {
-    ("guard.py", "thermal"): "what a winding bears, for its protection",
-}
+READ = {("guard.py", "thermal"): "what a winding bears, for its protection"}
 """Tables of the plant that a module of LAWS does read, and why."""
 OF_THE_MOTOR = {"brushless"}
 """Of ``[motor]``: which controller it is."""

@@ -50,6 +50,24 @@ def test_a_wall_holds_whatever_is_wrong(name):
     assert row["correction_out_max_j"] <= row["correction_bound_j"]
 
 
+@pytest.mark.parametrize(
+    ("load", "speed", "limit"),
+    [(1, 100, "limit_v=12"), (1, 40, "limit_v=4.4"), (10, 30, "limit_v=12"),
+     (10, 20, "current_limit_a=1.5"), (10, 60, "current_limit_a=1.5")],
+)  # fmt: skip
+def test_a_hit_that_reaches_the_voltage_limit_keeps_its_wall(load, speed, limit):
+    """With the paper's λ, whose filter meets the limit in some periods only."""
+    hit = (
+        "controller.lambda=1e4", "drive.bus_v=12", f"drive.{limit}", "adc.bits=12",
+        "adc.full_scale_a=8", "adc.noise_a=1e-3", f"hand.speed_rad_s={speed}",
+        "scene.duration_s=0.12", *cases.loaded(load),
+    )  # fmt: skip
+    row = runs.bounce("bounce", [f"controller.r_hat={cases.MOTOR.R_ohm}", *hit])
+    assert row["saturated_fraction"] > 0
+    assert row["anchor_fault_s"] is None
+    assert 0.6 < row["restitution"] < 1.0
+
+
 @pytest.mark.parametrize(("motor", "begun"), [("re25-118743", 0.25), ("gbm2804-100t", 0.5)])
 def test_the_speed_of_a_rotor_does_not_move_its_wall(motor, begun, tmp_path):
     """Where a contact begins the λ filter holds a way of ω·τ/2, more than half a cell here.
@@ -194,6 +212,23 @@ def test_an_unknown_load_comes_to_rest(load, damping, wrong):
     assert abs(row["moved_cells"]) <= 1.0 + 0.01 * row["depth_cells"]
 
 
+@pytest.mark.parametrize("wrong", ["nothing", "everything, ++++", "everything, −−−−"])
+def test_a_lever_comes_to_rest_at_250_khz(wrong):
+    row = hand.held_rate(250e3, 10.0, wrong)
+    assert row["anchor_fault_s"] is None
+    assert row["swing_rad"] <= 0.1 * row["cell_rad"]
+    assert row["contact_energy_ratio"] <= 0.1
+
+
+@pytest.mark.parametrize("wrong", cases.BOUNCED)
+@pytest.mark.parametrize("load", cases.HIT_LOADS)
+@pytest.mark.parametrize("limit", ["12 V", "12 V, 1.3 A"])
+def test_a_hit_at_the_boards_lambda_and_limits_throws_nobody(limit, load, wrong):
+    row = cases.limited_hit(limit, load, wrong)
+    assert max(row["restitution"]) < 1.0
+    assert not any(row["fault"][:-1])  # at 80 rad/s two errors are too much for the current limit
+
+
 @pytest.mark.parametrize("wrong", ["nothing", *hand.EVERYTHING])
 @pytest.mark.parametrize("celsius", [-20.0, 125.0])
 def test_a_cold_or_hot_winding_holds_the_rated_torque(celsius, wrong):
@@ -207,8 +242,7 @@ def test_the_energy_of_a_press_is_that_of_its_hysteresis():
     """The judge itself: a spring that is pressed at its stiffness and left at less, and a press
     that is too shallow to be judged."""
     scene = runs.load(
-        "held_wall",
-        [*cases.NOTHING, "hand.path=taps", "hand.frequency_hz=1", "scene.duration_s=3"],
+        "held_wall", [*cases.NOTHING, "hand.path=taps", "hand.frequency_hz=1", "scene.duration_s=3"]
     )
     k = runs.stiffness_predicted(scene, runs.CONTROLLERS["golden"](scene))
     part_s = 1e-4
@@ -372,8 +406,7 @@ def test_eta_of_free_space_is_what_lag_and_lambda_ask_for():
 
 @pytest.mark.parametrize("extra_ticks", [1, 2, 3, 4])
 @pytest.mark.parametrize(
-    ("scene", "tick_hz"),
-    [("held_wall", 20e3), ("held_wall", 100e3), ("brushless_hold", 100e3)],
+    ("scene", "tick_hz"), [("held_wall", 20e3), ("held_wall", 100e3), ("brushless_hold", 100e3)]
 )
 def test_a_slow_tick_with_latency_does_not_swing(scene: str, tick_hz: float, extra_ticks: int):
     """The later the correction acts, the less of it there may be."""

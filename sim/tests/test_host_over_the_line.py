@@ -9,10 +9,7 @@ import numpy as np
 import pytest
 from pymodbus.framer import FramerRTU
 from pymodbus.pdu import DecodePDU
-from pymodbus.pdu.register_message import (
-    ReadHoldingRegistersRequest,
-    WriteMultipleRegistersRequest,
-)
+from pymodbus.pdu.register_message import ReadHoldingRegistersRequest, WriteMultipleRegistersRequest
 from wavehaptics.ladder.linked_motors import LinkedMotors
 from wavehaptics.ladder.linked_pins import LinkedPins
 from wavehaptics.scene import SceneError, find_scene, load_scene

@@ -283,9 +283,6 @@ HOLDS = ("lambda", "R up", "R down", "limit down", "limit up", "gain up", "gain 
          "volts down", "hysteresis", "wall moved over the rotor")  # fmt: skip
 """What leaves a wall as hard as it was, or nearly, and where it was."""
 
-LEFT_OUT = {("worked", "limit down"), ("worked", "no limit")}
-"""What the anchor takes for a lost encoder (test_a_limit_that_is_raised…)."""
-
 
 def changes(device: Run, scene: tuple[str, ...]) -> dict[str, Values]:
     """Words to be given and taken back, raw, by what they change."""
@@ -438,7 +435,7 @@ def test_no_energy_is_made_of_a_change(state, every):
     """
     scene = (*QUIET, *STATES[state])
     for name in changes(Run(*scene, prefix=1000), scene):
-        if (not every and name not in SOME) or (state, name) in LEFT_OUT:
+        if not every and name not in SOME:
             continue
         device = Run(*scene, prefix=60_000)
         found = given_out(device, changes(device, scene)[name])
@@ -503,14 +500,12 @@ def test_a_slower_lambda_gives_out_what_the_softer_spring_holds():
     assert np.cumsum(same.column(Column.ENERGY_OUT)).max() < 0.01 * more
 
 
-@pytest.mark.parametrize(("factor", "wait", "held"), [(2.0, 20_000, False), (1.25, 20_000, True)])
-def test_a_limit_that_is_raised_while_it_is_at_work(factor, wait, held):
-    """In steps of a quarter the wall comes back to where it was; doubled at once it is lost.
+@pytest.mark.parametrize("factor", [4.5, 2.0, 1.25])
+def test_a_limit_that_is_raised_while_it_is_at_work(factor):
+    """The wall comes back to where it was.
 
-    Pressed beyond a limit of 2.1 V the wall owes the way that it gave, χ of a hundred cells. As
-    long as the waves are at their limit that is no fault; with twice the limit they are below it at
-    once, and a χ like that is what a lost encoder looks like: the port only damps until it is
-    reset. Each step waits until the rotor has followed.
+    Pressed beyond a limit of 2.1 V the wall owes the way that it gave, χ of a hundred cells. A
+    lost encoder looks like that, but the limit excuses it until the rotor has followed.
     """
     device = Run(*ANCHOR, *QUIET, "drive.limit_v=2.1", "hand.stiffness=0.3", prefix=60_000)
     assert device.rows[-1, Column.SATURATED] == 1.0
@@ -519,16 +514,9 @@ def test_a_limit_that_is_raised_while_it_is_at_work(factor, wait, held):
     while limit_v * times < 9.0:
         times *= factor
         u_max = int(int(device.base["u_max"]) * times)
-        device.change([(ASKED * device.clocks, {"u_max": u_max})], wait)
-    lost = device.column(Column.FAULT) != 0.0
-    assert lost.any() != held
+        device.change([(ASKED * device.clocks, {"u_max": u_max})], 20_000)
+    assert not device.column(Column.FAULT).any()
     torque, x = device.rows[-1, Column.TORQUE], device.rows[-1, Column.X]
-    if held:
-        plant, made = device.simulation.winding.plant, device.simulation.settings
-        k = closed_forms.stiffness(plant.k_t, L_H, R_OHM, made.tau)
-        assert -torque / k == pytest.approx(x, abs=2 * made.cell_rad)
-    else:
-        assert abs(torque) < 1e-3
-        assert np.flatnonzero(lost)[0] < 60_010 + copied_clocks() // device.clocks
-        wound = 0.5 * L_H * device.rows[60_000, Column.I] ** 2
-        assert np.cumsum(device.column(Column.ENERGY_OUT)[60_000:]).max() < 0.05 * wound
+    plant, made = device.simulation.winding.plant, device.simulation.settings
+    k = closed_forms.stiffness(plant.k_t, L_H, R_OHM, made.tau)
+    assert -torque / k == pytest.approx(x, abs=2 * made.cell_rad)

@@ -72,6 +72,8 @@ def test_status_knows_what_the_boards_have():
     given = {name for of_board in options.values() for name in of_board}
     # Sizes, and what changes no word.
     assert given - {"WALLS", "DELAY_LOG2", "SHARED"} <= rows
+    scenes = design.options_of_boards(scenes=True)
+    assert scenes["boards/ulx3s/patterns.toml"]["MODES"] == 1 > options["ulx3s"]["MODES"]
     assert options["ulx3s_brushless"]["SENSE"] == options["ulx3s_brushless"]["ANCHOR"] == 1
 
 

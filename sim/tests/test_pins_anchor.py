@@ -49,9 +49,7 @@ def held(controller: str, *settings: str) -> tuple[float, float, float, float]:
 
 @pytest.mark.kept("brushes")
 @pytest.mark.parametrize(
-    ("name", "begun"),
-    [("held_wall", 0.25), ("brushless_hold", 0.5)],
-    ids=["brushes", "brushless"],
+    ("name", "begun"), [("held_wall", 0.25), ("brushless_hold", 0.5)], ids=["brushes", "brushless"]
 )
 def test_a_contact_begins_with_its_edge_whenever_that_comes(name: str, begun: float):
     """Walls are looked at in turn, so that a contact may be told a tick after its edge.

@@ -14,15 +14,7 @@ from typer.testing import CliRunner
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toolchain import Toolchain
 from wavetools.checks import proofs
-from wavetools.checks.proofs import (
-    Proof,
-    ProofError,
-    Twin,
-    jobs_of,
-    load_table,
-    sby_file,
-    sources,
-)
+from wavetools.checks.proofs import Proof, ProofError, Twin, jobs_of, load_table, sby_file, sources
 
 ENTRIES, UNPROVEN = load_table()
 JOBS = [job for proof in ENTRIES for job in jobs_of(proof)]

@@ -327,8 +327,7 @@ def test_a_reversed_encoder_counts_back(make_scene):
 
 
 @pytest.mark.parametrize(
-    "fault",
-    ["encoder.uneven=0.4", "encoder.skips_per_rev=500", "encoder.reverses_at_s=0.002"],
+    "fault", ["encoder.uneven=0.4", "encoder.skips_per_rev=500", "encoder.reverses_at_s=0.002"]
 )
 def test_pins_shows_the_lines_on_a_and_b(make_scene, fault):
     """The bare rotor runs through 130 cells: the pins' count is that of the lines' model."""

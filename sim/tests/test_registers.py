@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from test_cli import call
 from wavehaptics.controller.ports import Ports, controller_ports
-from wavehaptics.fpga.board_words import LINKED_WALLS
+from wavehaptics.fpga.board_words import LINKED_WALLS, turns_of
 from wavehaptics.fpga.boards import load_board
 from wavehaptics.fpga.scene_registers import COMMANDS, scene_registers
 from wavehaptics.ladder.brushless import magnet_words
@@ -28,6 +28,9 @@ STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
 SLOW = ("controller.tick_hz=400e3", "controller.extra_ticks=2")
 """Ticks that are long enough for three motors."""
 
+FOUR = ("controller.clock_hz=76.8e6", "controller.tick_hz=150e3", "drive.pwm_hz=150e3")
+"""Ticks that are long enough for four brushless motors."""
+
 SHAPED = ("shaper.feel=spring", "shaper.stiffness=0.45", "shaper.damping=0.2e-3",
           "shaper.walls=[0]")  # fmt: skip
 
@@ -39,6 +42,7 @@ CASES: dict[str, tuple[str, tuple[str, ...], int]] = {
     "shaped": ("press_hold", (*SHAPED, "controller.extra_ticks=2"), 1),
     "three": ("press_hold", SLOW, 3),
     "brushless": ("brushless_hold", (), 1),
+    "four brushless": ("brushless_hold", FOUR, 4),
     "sigma-delta": (
         "press_hold",
         ("adc.part=AD7403", "adc.bits=16", "controller.extra_ticks=4"),
@@ -99,7 +103,7 @@ def _expected(scene: Scene, ports: Ports, motors: int) -> dict[tuple[str, int, i
     found = {}
     for name, raws in values.items():
         word, legs = WORDS[name], 3 if scene.motor.brushless else 2
-        for motor in range(word.parts(motors, legs)):
+        for motor in word.port_numbers(motors, legs):
             for index, raw in enumerate([raws] if isinstance(raws, int) else raws):
                 found[name, motor, index] = int(raw) & 0xFFFFFFFF
     return found
@@ -124,7 +128,8 @@ def case(request) -> str:
 def _check(case: str, rows: dict[int, int]) -> None:
     """The raw values by address are those of the scene's settings, with nothing else but limits."""
     scene, motors = _scene(case), CASES[case][2]
-    ports = controller_ports(scene, turns=0 if scene.motor.brushless else motors)
+    turns = turns_of(motors, 3 if scene.motor.brushless else 2, linked=True)
+    ports = controller_ports(scene, turns=turns)
     expected = {
         WORDS[name].at(motor, index): raw
         for (name, motor, index), raw in _expected(scene, ports, motors).items()
@@ -231,7 +236,7 @@ REFUSED = {
     "servo": ("brushless_wall", (), 1, "[servo]"),
     "W of a brushless motor": ("brushless_soft", (), 1, "[shaper]"),
     "host of a brushless motor": ("brushless_hold", ("host.rate_hz=1e3",), 1, "[host]"),
-    "two brushless motors": ("brushless_hold", (), 2, "--motors"),
+    "a tick too short for two brushless ones": ("brushless_hold", (), 2, "is shorter than the 138"),
     "a tick too short for three": ("press_hold", ("controller.clock_hz=48e6",), 3,
                                   "a tick of 48 clocks is shorter than the 102"),
     "8 walls": ("press_hold", (f"controller.walls={[[n, n + 0.5] for n in range(8)]}",), 1,

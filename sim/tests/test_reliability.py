@@ -19,10 +19,23 @@ NONE = {"sections": {"old_way": {"ratios": []}, "parts": {"scenes": {}}}, "secon
 NONE["sections"]["hard_cases"] = {"cases": []}
 NONE["sections"]["field_oriented"] = {"curves": {"wall": []}}
 HOLDING = {
-    **{name: [] for name in ("holds", "plain", "bars", "feels", "overloads", "free", "bounces")},
-    "lost": [],
+    **{
+        name: []
+        for name in (
+            "holds",
+            "plain",
+            "bars",
+            "feels",
+            "overloads",
+            "hits",
+            "rates",
+            "free",
+            "bounces",
+            "lost",
+        )
+    },
 }
-BENCH = dict.fromkeys(("machine", "compiler", "verilator", "controllers", "rtl_alone"))
+BENCH = dict.fromkeys(("machine", "compiler", "verilator", "controllers"))
 LINK_SOAK = {
     "bytes": 100_000_000, "bursts": 200_000, "frames": 250_000, "clocks": 9_900_000_000,
     "wrong": [],

@@ -23,7 +23,7 @@ from wavehaptics.trace.columns import load_trace
 
 NAMES = ["flags", "position", "current", "u", "v", "voltage", "correction", "flux"]
 OTHERS = ["flags", "position", "current", "u", "offset", "lag"]
-BOARD = ("controller.anchor_auto=true", "encoder.counts_per_rev=10000")
+BOARD = ("controller.anchor_auto=true", "controller.tick_hz=100e3", "controller.clock_hz=8e6")
 END_S = 180.0
 """Of the wall clock, on a busy machine."""
 ROWS = 160

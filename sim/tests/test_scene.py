@@ -317,7 +317,7 @@ def test_refused_in_motor(tmp_path, lines, line, fragments):
         ("[thermal]\nrth = 14", 1, ["unknown key thermal.rth", "rth_"]),
         ("[thermal]\ntau_winding_s = 0", 1, ["thermal.tau_winding_s = 0", "0.5 to 1e6 s"]),
         # anchor
-        ("anchor_auto = 0", 0, ["controller.anchor_auto = 0", "`true`, `false`"]),
+        ("anchor_auto = 0", 0, ["controller.anchor_auto = 0", "true, false"]),
         ("anchor_ohm = 0", 0, ["controller.anchor_ohm = 0", "0.001 to 1000"]),
         ("r_hat_part = 0.8", 0, ["r_hat_part belongs to a port anchor; add anchor_auto = true"]),
         ('shaper = "notch"', 0, ["controller.shaper", "[controller] takes"]),

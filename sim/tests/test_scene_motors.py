@@ -290,7 +290,11 @@ OF_NO_MOTOR = (
 """Blocks whose registers a device has once, though they follow from a motor."""
 SOLDERED = ("ADC", "OSR", "MODES", "MIN_PULSE", "HOST")
 """Parameters of ``wh_device`` that are no station which some motors use and others don't."""
-NO_BOARD = ("servo.", "drive.bus_measured", "motor.kind")
+NO_BOARD = (
+    "servo.", "drive.bus_measured", "motor.kind", "encoder.kind", "encoder.part", "encoder.bits",
+    "encoder.read_hz", "encoder.latency_s", "encoder.noise_counts", "encoder.bandwidth_hz",
+    "encoder.hysteresis_counts",
+)  # fmt: skip
 """Keys that no board takes; a brushless motor's registers are others."""
 
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import re
-import signal
 import subprocess
 import sys
 import time
@@ -17,13 +15,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import wavehaptics as wh
-from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from test_client import TIMEOUT_S
 from test_host_planes import Device as PlanesDevice
-from test_scope_browser import BROWSER, DRIVER, FLAGS, Page
+from test_scope_browser import BROWSER, DRIVER, Page, opened
 from wavehaptics.controller.planes import PLANE_ROW
 from wavehaptics.host.client import Client
 from wavehaptics.host.names import HostError
@@ -167,28 +163,8 @@ def test_the_tip_is_dragged_onto_the_disc(tmp_path: Path) -> None:
 
     Where the virtual board has them, real forces: the hand's spring, along the disc's normal.
     """
-    command = subprocess.Popen(
-        [sys.executable, "-m", "wavehaptics", "board", "scope", "--virtual", SCENE, "--no-browser",
-         "--http-port", "0"],
-        text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        env={name: value for name, value in os.environ.items() if name != "WH_PORT"},
-    )  # fmt: skip
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
-    for flag in (*FLAGS, f"--user-data-dir={tmp_path / 'browser'}"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    try:
-        address = command.stdout.readline().strip()
-        browser = webdriver.Chrome(options, Service(DRIVER))
-        try:
-            _drag_along(Page(command, address, browser))
-        finally:
-            browser.quit()
-    finally:
-        command.send_signal(signal.SIGTERM)
-        _, error = command.communicate(timeout=END_S)
-    assert (command.returncode, error) == (0, "")
+    with opened(tmp_path, "--virtual", SCENE) as page:
+        _drag_along(page)
 
 
 def _drag_along(page: Page) -> None:

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -156,17 +157,19 @@ def children(pid: int) -> list[int]:
     ]
 
 
-@pytest.fixture
-def page(tmp_path) -> Iterator[Page]:
+@contextmanager
+def opened(folder: Path, *words: str) -> Iterator[Page]:
+    """The page of ``board scope`` in a browser whose profile is in ``folder``."""
     check_terminals()
     command = subprocess.Popen(
-        [sys.executable, "-m", "wavehaptics", "board", "scope", "--no-browser", "--http-port", "0"],
+        [sys.executable, "-m", "wavehaptics", "board", "scope", *words, "--no-browser",
+         "--http-port", "0"],
         text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         env={name: value for name, value in os.environ.items() if name != "WH_PORT"},
     )  # fmt: skip
     options = webdriver.ChromeOptions()
     options.binary_location = BROWSER
-    for flag in (*FLAGS, f"--user-data-dir={tmp_path / 'browser'}"):
+    for flag in (*FLAGS, f"--user-data-dir={folder / 'browser'}"):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     try:
@@ -184,6 +187,12 @@ def page(tmp_path) -> Iterator[Page]:
         finally:
             command.kill()
     assert (command.returncode, error) == (0, "")
+
+
+@pytest.fixture
+def page(tmp_path) -> Iterator[Page]:
+    with opened(tmp_path) as found:
+        yield found
 
 
 def test_as_a_newcomer_has_it(page):

@@ -198,6 +198,12 @@ def test_a_hand_of_no_motor(tmp_path):
     assert err == "wavehaptics: --hand-of 1: there is no such motor; take 0...0\n"
 
 
+def test_a_virtual_board_has_one_brushless_motor():
+    status, out, err = run("", "--virtual", "live_brushless", "--motors", "2")
+    assert (status, out) == (2, "")
+    assert err == "wavehaptics: --motors 2: a virtual board has one brushless motor; take 1\n"
+
+
 # ---- The scope.
 
 

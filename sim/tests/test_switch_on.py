@@ -172,12 +172,20 @@ def wall(*overrides: str) -> dict[str, Any]:
 def test_an_image_for_12_volts_never_pushes_at_5():
     """What the page of switching on says of its stage 6, and why no image for 5 V is asked for."""
     page = (ROOT / "docs" / "wiring" / "switching_on.md").read_text()
-    held = wall("drive.bus_actual_v=5")
+    light = "hand.stiffness=0.05"
+    held = wall("drive.bus_actual_v=5", light)
     assert held["anchor_fault_s"] is None
-    # 3.1 % less; a hand feels a stiffness that is 8 % less.
-    assert held["stiffness"] == pytest.approx(wall()["stiffness"], rel=0.04)
+    # A hand feels a stiffness that is 8 % less.
+    assert held["stiffness"] == pytest.approx(wall(light)["stiffness"], rel=0.04)
     assert f"presses of {1e3 * held['peak_torque']:.0f} mN·m" in page
-    assert max(held["energy_out_max_j"], held["contact_energy_j"]) < 1e-6
+    pressed = wall("drive.bus_actual_v=5")
+    assert pressed["anchor_fault_s"] is None
+    assert f"with {1e3 * pressed['peak_torque']:.0f} mN·m at most" in page
+    assert max(pressed["energy_out_max_j"], pressed["contact_energy_j"]) < 1e-6
+    # The port has yet to learn 58 % of a supply: presses from 7 to 13 mN·m gave -0.10 to 0.11.
+    assert held["energy_out_max_j"] < 1e-6
+    assert 0.10 < held["contact_energy_ratio"] < 0.12
+    assert "a light press can return a ninth of what its spring held" in " ".join(page.split())
     bare = wall("drive.bus_actual_v=5", "controller.anchor_auto=false")
     whole = wall("controller.anchor_auto=false")
     assert bare["energy_out_max_j"] < 1e-6
@@ -188,7 +196,7 @@ def test_an_image_for_12_volts_never_pushes_at_5():
         "drive.bus_v=5", "drive.limit_v=5", "drive.bus_actual_v=12", "controller.anchor_auto=false"
     )
     assert left["energy_out_max_j"] > 0.01
-    assert left["peak_torque"] > 0.1
+    assert left["peak_torque"] > 0.06  # 2.4 times the limit of the current
 
 
 # ---- Pins.
@@ -448,7 +456,7 @@ TOO_FAST = with_carrier("hx8k", 48)
          r"\[sense\] of boards/ulx3s/fpga\.toml$"),
         # No tolerance is left of a hold that ends with the next edge.
         (TOO_FAST, r"of 500 kHz: .* one each 1 µs; lower drive\.pwm_hz to 416\.7 kHz"),
-        (with_carrier("icebreaker", 35), r"of 428\.6 kHz: .* one each 1\.17 µs;"),
+        (with_carrier("icebreaker", 32), r"of 421\.9 kHz: .* one each 1\.19 µs;"),
         (with_fpga("ulx3s", "sense", amplifier="INA240"),
          r"the INA240 .* it settles for 9\.6 µs after an edge, and the sample comes 0\.6 µs "
          r"after it; lower drive\.pwm_hz to 26\.04 kHz or less"),
@@ -472,7 +480,7 @@ def test_carriers_that_it_follows(name, amplifier):
     bridge_budget.check(with_fpga(name, "sense", amplifier=amplifier))
 
 
-@pytest.mark.parametrize(("name", "clocks"), [("icebreaker", 36), ("ulx3s", 84), ("hx8k", 58)])
+@pytest.mark.parametrize(("name", "clocks"), [("icebreaker", 33), ("ulx3s", 84), ("hx8k", 58)])
 def test_a_board_has_the_fastest_carrier_that_its_amplifier_follows(name, clocks):
     board = load_board(name)
     assert board.words().ports.timing.half_clocks == clocks
@@ -520,8 +528,8 @@ def run_of(board: Board, seconds: float) -> tuple[PinsSimulation, np.ndarray]:
 @pytest.mark.parametrize(
     ("name", "seconds", "settings"),
     [
-        ("icebreaker", 0.3, ("hand.amplitude_rad=0.9",)),
-        ("ulx3s", 0.18, ("hand.amplitude_rad=0.9",)),
+        ("icebreaker", 0.3, ("hand.amplitude_rad=0.9", "guard.trip_a=1")),
+        ("ulx3s", 0.18, ("hand.amplitude_rad=0.9", "guard.trip_a=1")),
         ("ulx3s_brushless", 0.2, ("guard.trip_a=0.3", "hand.stiffness=0.05")),
     ],
 )
@@ -554,50 +562,73 @@ def hit_of(folder: Path, name: str, speed_rad_s: float, seconds: float, *setting
 
 
 @pytest.mark.parametrize(
-    ("name", "gentle", "brisk", "seconds", "cause"),
+    ("name", "load", "brisk", "back", "seconds"),
     [
-        ("icebreaker", 30.0, 40.0, 8e-3, Fault.TRIP),
-        ("ulx3s", 30.0, 40.0, 8e-3, Fault.TRIP),
-        ("ulx3s_brushless", 10.0, 40.0, 12e-3, Fault.ANCHOR),
+        ("icebreaker", 1.0, 80.0, 56.0, 10e-3), ("ulx3s", 1.0, 80.0, 56.0, 10e-3),
+        ("ulx3s", 10.0, 60.0, 45.0, 50e-3), ("ulx3s_brushless", 1.0, 40.0, 33.0, 20e-3),
     ],
-)
-def test_what_a_brisk_hand_does(tmp_path, name, gentle, brisk, seconds, cause):
-    """A gentle hit comes back; a brisk one switches off, as the board's page says, and from there
-    on no row has waves, a limit at work or a current.
-    """
+)  # fmt: skip
+def test_what_a_brisk_hand_does(tmp_path, name, load, brisk, back, seconds):
+    """The limit acts, and the rotor comes back with less, as the board's page says."""
     known = ("controller.find_magnet=false",) if name == "ulx3s_brushless" else ()
-    pins, rows = run_of(hit_of(tmp_path, name, gentle, seconds, *known), seconds)
+    inertia = (load - 1.0) * load_board(name).scene.motor.J_kgm2
+    board = hit_of(
+        tmp_path, name, brisk, seconds, f"load.inertia_kgm2={inertia:.9g}", *known
+    )  # fmt: skip
+    pins, rows = run_of(board, seconds)
     assert pins.faults == 0
     assert rows[:, Column.CONTACT].any()
-    assert rows[-1, Column.OMEGA] < -0.5 * gentle
-    pins, rows = run_of(hit_of(tmp_path, name, brisk, seconds, *known), seconds)
-    assert pins.faults >> 2 & 1 << cause
+    assert rows[:, Column.SATURATED].any()
+    assert rows[-1, Column.CONTACT] == 0.0
+    assert rows[-1, Column.OMEGA] == pytest.approx(-back, rel=0.02)
+    if known:  # no limit of the current: at rest the bus can't reach the trip
+        return
+    # A rotor at rest gets the limit, one that turns k_T·ω/R more.
+    motor, least_a = board.scene.motor, board.scene.drive.current_limit_a
+    most_a = least_a + motor.k_t * brisk / motor.R_ohm
+    assert least_a < np.abs(rows[:, Column.I]).max() < most_a
+
+
+@pytest.mark.parametrize(("name", "speed"), [("icebreaker", 120.0), ("ulx3s", 120.0)])
+def test_a_hit_beyond_the_trip_ends_without_a_current(tmp_path, name, speed):
+    """From there on no row has waves, a limit at work or a current."""
+    pins, rows = run_of(hit_of(tmp_path, name, speed, 8e-3), 8e-3)
+    assert pins.faults >> 2 & 1 << Fault.TRIP
     off = round(pins.off_s / pins.tick_s)
     after = rows[off + 200 :]
     assert len(after) > 1000
     assert not after[:, [Column.U, Column.V, Column.SATURATED]].any()
     assert np.abs(after[500:, Column.I]).max() < 1e-3
-    page = ROOT / "boards" / (name if known else "") / "README.md"
-    assert f"`{cause.name}`" in page.read_text()
 
 
 @pytest.mark.parametrize("find", ["true", "false"], ids=["to-be-found", "known"])
 @pytest.mark.parametrize("speed", [90.0, 100.0, 110.0])
-def test_no_hit_leaves_the_brushless_wall_at_its_voltage_limit(tmp_path, speed, find):
-    """Without the guard, too: the limit acts for some milliseconds, and is left within 50 ms."""
+def test_no_hit_of_the_brushless_wall_swings_for_ever(tmp_path, speed, find):
+    """Without the guard: the rotor leaves the wall, or it rests within 0.35 s.
+
+    Where a hit turns known magnets by more than half an electrical turn, the wall is lost: the
+    anchor sees it, or the rotor rests between two poles.
+    """
     settings = ("adc.edge_hold_s=0", f"controller.find_magnet={find}")
-    scene = hit_of(tmp_path, "ulx3s_brushless", speed, 0.1, *settings).scene
+    scene = hit_of(tmp_path, "ulx3s_brushless", speed, 0.4, *settings).scene
     golden = CONTROLLERS["golden"](scene)
-    rows = np.zeros((round(0.1 / golden.tick_s), len(Column)))
+    rows = np.zeros((round(0.4 / golden.tick_s), len(Column)))
     golden.advance(rows, np.zeros((len(rows), len(Word)), dtype=np.int64))
-    late = rows[:, Column.T] > 0.05
+    late = rows[:, Column.T] > 0.35
     assert rows[~late, Column.SATURATED].any()
-    assert not rows[late, Column.SATURATED].any()
+    left, seen = not rows[late, Column.CONTACT].any(), rows[-1, Column.FAULT] != 0.0
+    assert left or seen or np.abs(rows[late, Column.OMEGA]).max() < 1.0
+    farthest = rows[:, Column.X].max() * scene.motor.pole_pairs
+    assert seen == (find == "false" and speed > 100.0)
+    assert left == (find == "false" and farthest < math.pi)
+    assert left == (find == "false" and speed < 100.0)
 
 
 def test_what_switched_a_run_off_is_told():
     found = measure(
-        with_scene("icebreaker", "hand.amplitude_rad=0.9", "scene.duration_s=0.2").scene,
+        with_scene(
+            "icebreaker", "hand.amplitude_rad=0.9", "scene.duration_s=0.2", "guard.trip_a=1"
+        ).scene,
         "pins", compare=False,
     )  # fmt: skip
     assert re.fullmatch(r"switched off at 0\.1\d+ s: TRIP", found["faults"])
@@ -612,7 +643,9 @@ def test_a_scenes_guard_is_the_boards(name):
     switch = guard.mask(guard.SWITCH_FAULTS)
     if board.fpga.guard:
         assert found["guard_mask"] == switch | guard.mask(guard.BOARD_FAULTS)
-        found["guard_mask"] = guard.mask(guard.BOARD_FAULTS)
+        # A scene has no pin of the comparators.
+        latch = (guard.Fault.DRIVER,) if board.fpga.overcurrent else ()
+        found["guard_mask"] = guard.mask((*guard.BOARD_FAULTS, *latch))
         assert inputs(found, Sizes())["guard_i"] == board.words().guard
     else:
         assert found["guard_mask"] == switch

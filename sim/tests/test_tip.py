@@ -315,8 +315,7 @@ def test_a_turning_surface_stays_where_it_is_by_its_wall_velocity() -> None:
     assert held["surface_error_max_m"] < 5e-5
     assert held["tangential_part"] < 0.03
     lost = measure_device(load_device(path, ["device.wall_speed_m_per_s=0"]), "golden")
-    assert lost["contact_fraction"] < 0.5
-    assert lost["surface_error_max_m"] > 2 * held["surface_error_max_m"]
+    assert lost["surface_error_max_m"] > 10 * held["surface_error_max_m"]
 
 
 def test_a_commit_causes_no_jump_of_the_force() -> None:
@@ -464,6 +463,10 @@ def test_what_a_servo_of_a_device_does_without(tmp_path: Path) -> None:
         (("servo.stiffness=1",), "surface.stiffness"),
         (("controller.walls=[[1, 2]]",), "controller.walls"),
         (("servo.damping=1e-3",), "surface.damping"),
+        (
+            ("encoder.kind=absolute", "encoder.counts_per_rev=4096", "encoder.read_hz=1e5"),
+            "A and B",
+        ),
         (("motors.1.servo.rate_hz=500",), "[servo] is the same for all motors"),
         (("servo.rate_hz=3e3",), "does not divide"),
     ):

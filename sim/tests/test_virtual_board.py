@@ -548,7 +548,7 @@ def test_a_fault_that_is_over_is_told_as_such(capsys, monkeypatch, refused, ther
     device = SimpleNamespace(
         shape=SHAPE, read=lambda found: [now.get(place.word.name, 0) for place in found]
     )
-    monkeypatch.setattr(board.faults, "connected", lambda *_: device)
+    monkeypatch.setattr(board.common, "connected", lambda *_: device)
     board.app(["board", "faults", "--port", "x"], standalone_mode=False)
     shown = capsys.readouterr().out.splitlines()
     assert shown[-1] == "the bridges are off"
@@ -558,7 +558,7 @@ def test_a_fault_that_is_over_is_told_as_such(capsys, monkeypatch, refused, ther
 
 def test_a_table_that_is_piped_ends_with_its_line(capsys, monkeypatch):
     device = SimpleNamespace(shape=SHAPE, read=lambda found: [0 for _ in found])
-    monkeypatch.setattr(board.words, "connected", lambda *_: device)
+    monkeypatch.setattr(board.common, "connected", lambda *_: device)
     told = ["board", "watch", "-n", "2", "--every", "0", "root", "--port", "x"]
     board.app(told, standalone_mode=False)
     out = capsys.readouterr().out
@@ -818,14 +818,14 @@ def test_bits_that_the_rtl_has():
     """Faults and refusals by the files that make them; the options' places by their list."""
     assert FAULTS[10][0] == "BUS_LOW"
     assert FAULTS[16][0] == "ENERGY"
-    assert sorted(FAULTS) == list(range(17))
+    assert sorted(FAULTS) == list(range(20))
     rtl = (RTL_DIR / "wh_arm.v").read_text(encoding="utf-8")
     width = re.search(r"output wire \[(\d+):0\] refused_o", rtl)[1]
     assert int(width) + 1 == len(ARM_REFUSALS)
     rtl = (RTL_DIR / "wh_linked_device.v").read_text(encoding="utf-8")
     listed = dict(re.findall(r"(?:\d+:)?(\d+) ([A-Z][A-Z_0-9]*)(?=   |\n)", rtl))
     for name, (low, _) in modbus.OPTIONS.items():
-        assert listed[str(low)] == {"motors": "N"}.get(name, name.upper()), name
+        assert listed[str(low)] == name.upper(), name
 
 
 @pytest.mark.parametrize("text", ["nan", "inf"])
@@ -865,7 +865,7 @@ def brushless_port() -> Iterator[str]:
         (("get", "root", "--motor", "1"), "root: a brushless motor has one, for both axes; leave "
          "--motor 1 out"),
         (("get", "gain", "--motor", "2"), "gain: the device has no motor 2; take --motor 0...1"),
-        (("identify", "--counts", "40000", "--motor", "1"), "root: a brushless motor has one, .*"),
+        (("identify", "--counts", "40000", "--motor", "1"), "eta_contact: a brushless motor .*"),
         (("set", "host_timeout=1"), "host_timeout: this device has none; .*"),
     ],
 )  # fmt: skip

@@ -470,6 +470,9 @@ def test_a_pin_says_whose_it_is():
     assert pins.goes_to(sclk) == "motor 1: R8, SCLK of U8"
     assert pins.goes_to(sdata, sharing=2) == "motor 1: SDATA of U8"
     assert pins.goes_to(sdata, brushless=True) == "phase b: SDATA of U8"
+    assert pins.goes_to(sdata, brushless=True, motors=4) == "motor 0, phase b: SDATA of U8"
+    gate = Pin("6", "A8", "gate_ch[3]")
+    assert pins.goes_to(gate, brushless=True, motors=4) == "motor 3: R4, second U4 pin 1"
 
 
 def test_a_port_on_no_header_is_refused(tmp_path):

@@ -19,7 +19,7 @@ WH_EDGES(Vwh_device)
 #include "words.h"
 
 // Signals that device_shim.vlt and ports_steps.vlt show.
-#define SIGNAL(name) root->wh_device__DOT__device__DOT__##name
+#define SIGNAL(name) root->wh_device__DOT__##name
 #define PORTS(name) SIGNAL(ports__DOT__##name)
 #include "ports_steps.h"
 
@@ -109,7 +109,7 @@ void *wh_device_new(const uint32_t *pairs, int64_t count, int64_t restart, int64
     auto &top = device->top;
     set_inputs(top, inputs);
     top.stop_i = 1;
-    top.driver_fault_i = 1;
+    top.driver_fault_i = (1 << kMotors) - 1;
     top.rst = 1;
     top.eval();
     for (int n = 0; n < 4; ++n) clock(device), end_clock(device);

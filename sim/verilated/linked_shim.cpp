@@ -18,7 +18,7 @@ WH_EDGES(Vwh_linked_device)
 #include "words.h"
 
 // Signals that linked_shim.vlt, device_shim.vlt and ports_steps.vlt show.
-#define SIGNAL(name) root->wh_linked_device__DOT__device__DOT__device__DOT__##name
+#define SIGNAL(name) root->wh_linked_device__DOT__device__DOT__##name
 #define PORTS(name) SIGNAL(ports__DOT__##name)
 #include "ports_steps.h"
 #define BIT_CLOCKS linked->root->wh_linked_device__DOT__link__DOT__uart__DOT__bit_clocks_i
@@ -91,7 +91,7 @@ void *wh_linked_new(int64_t inputs, int64_t tick_clocks) {
     linked->tick_clocks = tick_clocks;
     set_inputs(top, inputs);
     top.stop_i = 1;
-    top.driver_fault_i = (1 << WH_MOTORS) - 1;
+    top.driver_fault_i = kAll;
     top.uart_rx_i = 1;
     top.rst = 1;
     top.eval();

@@ -16,7 +16,6 @@
 WH_EDGES(Vwh_ports)
 
 #define PORTS(name) root->wh_ports__DOT__##name
-#define WH_PORTS_PINS
 
 #include "ports_steps.h"
 
@@ -25,7 +24,7 @@ namespace {
 constexpr int kFaultsShift = WH_LEGS == 3 ? 13 : 11;
 constexpr int kMostSetupClocks = 1 << 20;
 constexpr int kContactShift = 8;
-constexpr int kActingShift = 60;  // surfaces that act
+constexpr int kActingShift = 62;  // surfaces that act
 
 // A frame of wh_surface_words: addresses and words in turn.
 using Frame = std::vector<uint32_t>;
@@ -145,7 +144,7 @@ void wh_ports_frame(void *model, const uint32_t *pairs, int64_t count) {
 // Whether the last frame that was committed was refused.
 int64_t wh_ports_refused(void *model) { return static_cast<Controller *>(model)->top.surface_refused_o; }
 
-// One clock with these inputs (set_inputs): pins_of, with the guard's faults behind it. From bit 60 on how many surfaces
+// One clock with these inputs (set_inputs): pins_of, with the guard's faults behind it. From bit 62 on how many surfaces
 // act in the step that is done; the contact then is theirs, too.
 int64_t wh_ports_clock(int64_t model, int64_t inputs) {
     auto *controller = reinterpret_cast<Controller *>(model);
@@ -165,9 +164,9 @@ int64_t wh_ports_clock(int64_t model, int64_t inputs) {
         controller->inputs = writes ? -1 : inputs;
     }
     const bool step = keep(controller->steps, top.rootp);
-    const int64_t surfaces = step ? acting(*controller) : 0;
+    const uint64_t surfaces = step ? acting(*controller) : 0;
     return pins_of(top, top.rootp, controller->steps, step) | int64_t{top.faults_o} << kFaultsShift |
-           int64_t{surfaces != 0} << kContactShift | surfaces << kActingShift;
+           int64_t{surfaces != 0} << kContactShift | static_cast<int64_t>(surfaces << kActingShift);
 }
 
 // words_of.

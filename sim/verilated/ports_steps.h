@@ -19,8 +19,8 @@ constexpr int kMotors = WH_MOTORS;
 #endif
 constexpr int kMotorInputs = 3;
 constexpr int kMotorGates = 4;
-constexpr int kPortShift = 28;   // of the port whose step is done
-constexpr int kGatesShift = 32;  // of the second motor's gates
+constexpr int kPortShift = 31;   // of the port whose step is done
+constexpr int kGatesShift = 34;  // of the second motor's gates
 
 // Of the newest step of a port, in the order of wh_pins_words; what follows them is the contact.
 constexpr int kWords = 11;
@@ -84,15 +84,11 @@ void set_inputs(Top &top, int64_t inputs) {
 
 // What the loop is told of a clock, but for the guard's faults: bits 0-2 high gates of the legs a, b and c, 3-5 low
 // gates, 6 CS_n, 7 SCLK, 8 tick, 9 a step of both axes is done, 10 contact, 11 overrun, 12 encoder fault. Leg c is leg A
-// of wh_ports' second port, and wh_device has it beside leg b.
+// of the second port.
 template <class Top, class Root>
 int64_t pins_of(const Top &top, const Root *root, const Steps &steps, bool step) {
     const bool both = step && (!PORTS(core_valid) || PORTS(core_port) == 1);
-#ifdef WH_PORTS_PINS
     const int c_high = top.gate_ah_o >> 1 & 1, c_low = top.gate_al_o >> 1 & 1;
-#else
-    const int c_high = top.gate_bh_o >> 1 & 1, c_low = top.gate_bl_o >> 1 & 1;
-#endif
     const int high = (top.gate_ah_o & 1) | (top.gate_bh_o & 1) << 1 | c_high << 2;
     const int low = (top.gate_al_o & 1) | (top.gate_bl_o & 1) << 1 | c_low << 2;
     return high | low << 3 | top.adc_cs_n_o << 6 | top.adc_sclk_o << 7 | top.tick_o << 8 | int64_t{both} << 9 |
@@ -127,7 +123,7 @@ void set_inputs(Top &top, int64_t inputs) {
 }
 
 // What the loop is told of a clock, as wh_pins_clock has it but for the guard's faults: the gates of the first motor,
-// what all share, and `step` and contact of the port that bits 28-30 name; from bit 32 on the others' gates. The
+// what all share, and `step` and contact of the port that bits 31-33 name; from bit 34 on the others' gates. The
 // contact of a single motor stands there in any clock.
 template <class Top, class Root>
 int64_t pins_of(const Top &top, const Root *root, const Steps &steps, bool step) {

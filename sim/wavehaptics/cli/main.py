@@ -22,7 +22,8 @@ from wavehaptics.cli.ending import run_and_exit
 from wavehaptics.cli.shared import CommandError
 
 OF_A_CHECKOUT = (
-    "adcs", "bench", "holding", "mutate", "patch", "sensing", "soak", "soak-link", "tables",
+    "adcs", "bench", "encoders", "holding", "mutate", "patch", "sensing", "soak", "soak-link",
+    "tables",
 )  # fmt: skip
 """Commands of the repository, which its tools have; most of them once were here."""
 

@@ -167,9 +167,7 @@ def _run(
 
 @app.command()
 def speed(
-    scene: SceneArgument = "paper_taps",
-    overrides: SetOption = None,
-    motor: SceneMotorOption = None,
+    scene: SceneArgument = "paper_taps", overrides: SetOption = None, motor: SceneMotorOption = None
 ) -> None:
     """Run SCENE on every controller, and tell how fast and how exact each is."""
     loaded = scene_of_one(scene, overrides, motor)
@@ -270,9 +268,7 @@ def registers(
 
 @app.command()
 def check(
-    scene: SceneArgument,
-    controller: ControllerOption = "",
-    overrides: SetOption = None,
+    scene: SceneArgument, controller: ControllerOption = "", overrides: SetOption = None
 ) -> None:
     """Check SCENE without running it: on a controller, or what of it each can't do."""
     path = find_scene(scene)

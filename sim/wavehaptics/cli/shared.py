@@ -31,41 +31,24 @@ RUNS_DIR = Path("build/runs")
 """Where results go without ``--out``, below the current directory."""
 
 METRIC_UNITS = {
-    "duration_s": "s",
-    "wall_clock_s": "s",
-    "tick_hz": "Hz",
-    "k_l": "N·m/rad",
-    "stiffness": "N·m/rad",
-    "stiffness_predicted": "N·m/rad",
-    "stiffness_zero_rad": "rad",
-    "contact_edge_rad": "rad",
-    "tip_stiffness": "N/m",
-    "tip_stiffness_predicted": "N/m",
-    "tip_offset_m": "m",
-    "shaft_stiffness": "N·m/rad",
-    "shaft_stiffness_predicted": "N·m/rad",
-    "shaft_twist_rad": "rad",
-    "shaft_torque": "N·m",
-    "shaft_ripple": "N·m",
-    "shaft_energy_out_j": "J",
-    "tip_force_n": "N",
-    "tip_ripple_n": "N",
-    "peak_force_n": "N",
-    "tangential_force": "N",
-    "surface_error_mean_m": "m",
-    "surface_error_max_m": "m",
-    "peak_torque": "N·m",
-    "peak_current_a": "A",
-    "bus_highest_v": "V",
-    "current_ripple_a": "A",
-    "free_space_torque_rms": "N·m",
-    "energy_out_max_j": "J",
-    "contact_energy_j": "J",
-    "hold_offset_rad": "rad",
-    "hold_torque": "N·m",
-    "hold_ripple_rms": "N·m",
-    "swing_rad": "rad",
-    "swing_hz": "Hz",
+    name: unit
+    for unit, names in {
+        "s": "duration_s wall_clock_s",
+        "Hz": "tick_hz swing_hz",
+        "N·m/rad": "k_l stiffness stiffness_predicted shaft_stiffness shaft_stiffness_predicted",
+        "rad": "stiffness_zero_rad contact_edge_rad shaft_twist_rad hold_offset_rad swing_rad",
+        "N/m": "tip_stiffness tip_stiffness_predicted",
+        "m": "tip_offset_m surface_error_mean_m surface_error_max_m",
+        "N·m": (
+            "shaft_torque shaft_ripple peak_torque free_space_torque_rms hold_torque "
+            "hold_ripple_rms"
+        ),
+        "J": "shaft_energy_out_j energy_out_max_j contact_energy_j",
+        "N": "tip_force_n tip_ripple_n peak_force_n tangential_force",
+        "A": "peak_current_a current_ripple_a",
+        "V": "bus_highest_v",
+    }.items()
+    for name in names.split()
 }
 """Units of the metrics that have one."""
 
@@ -80,6 +63,10 @@ SceneArgument = Annotated[
 SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Replace or add a key; repeatable."),
+]
+OutOption = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the results.")]
+WorkersOption = Annotated[
+    int | None, typer.Option(metavar="N", min=1, help="Local processes; one a core by default.")
 ]
 SceneMotorOption = Annotated[
     str | None,

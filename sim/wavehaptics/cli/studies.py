@@ -8,16 +8,14 @@ from typing import Annotated
 
 import typer
 
-from wavehaptics.cli.shared import CommandError, make_folder, shown_stages
+from wavehaptics.cli.shared import CommandError, OutOption, WorkersOption, make_folder, shown_stages
 
 app = typer.Typer()
 
 
 @app.command()
 def demo(
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
-        "build/demo"
-    ),
+    out: OutOption = Path("build/demo"),
 ) -> None:
     """Run the paper's experiment with the whole RTL, and draw its figures."""
     make_folder(out)
@@ -40,12 +38,8 @@ def report(
         str | None,
         typer.Option(metavar="ADDRESS", help="A dask scheduler; local processes without one."),
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Local processes; one a core by default.")
-    ] = None,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
-        "build/report"
-    ),
+    workers: WorkersOption = None,
+    out: OutOption = Path("build/report"),
 ) -> None:
     """Measure speed against error, hard cases and the usual way, and write a page about it.
 

@@ -17,6 +17,7 @@ from wavehaptics.cli.shared import (
     CommandError,
     SceneArgument,
     SetOption,
+    WorkersOption,
     make_folder,
     shown_stages,
 )
@@ -84,9 +85,7 @@ def sweep(
         list[str] | None,
         typer.Option(metavar="METRIC", help="Draw this one; repeatable. By default a few."),
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Processes; one a core by default.")
-    ] = None,
+    workers: WorkersOption = None,
     cluster: Annotated[
         str | None,
         typer.Option(metavar="ADDRESS", help="A dask scheduler; local processes without one."),

@@ -113,7 +113,7 @@ assert len(_WORDS) == SETTINGS
     PLACE,  # s48q33 counts, of an axis: its flux by the encoder in the period before
     FRESH,  # periods for which the last edge is still one that a contact can begin with
     LOADED,  # θ is there: at first a quarter of the largest
-    OVERLOADED,  # the current was at the end of its range, and c has been at its limit since
+    EXCUSES,  # steps of y' in which c may yet be far beyond its limit
     TOLD,  # s31q16 counts: what θ acts on, of the last period in contact
     HURRIES,  # periods left in each of which y' moves
     FADES,  # and θ fades
@@ -142,6 +142,10 @@ HURRY_OUT = 32
 FADING_TICKS = 4
 """θ fades only where y' moves in one period of as many or more, at about 64 kHz and above: it takes
 32 periods, and at a slow rate the rotor would be several counts on its way out by then."""
+EXCUSED = 31
+"""Steps of y' in which c may be far beyond its limit without a fault, after the voltage or the
+current was limited or a contact began: 2 ms. Without them a hit that reaches the voltage limit is
+taken for a lost encoder."""
 FIRST_SHIFT = 2
 """θ begins with a quarter of the largest."""
 SHRINK_SHIFT = 1
@@ -227,18 +231,9 @@ def share(room_gain, correction):
 
 @compiled()
 def anchor_step(
-    state: np.ndarray,
-    words: np.ndarray,
-    position: int,
-    contact: bool,
-    current: int,
-    u: int,
-    v: int,
-    withheld: int,
-    voltage: int,
-    saturated: bool,
-    blind: bool = False,
-) -> None:
+    state: np.ndarray, words: np.ndarray, position: int, contact: bool, current: int, u: int,
+    v: int, withheld: int, voltage: int, saturated: bool, blind: bool = False,
+) -> None:  # fmt: skip
     """One tick of a port's anchor; ``state`` int64 (STATES,) is updated.
 
     ``words`` int64 (SETTINGS,); ``position`` in counts and ``contact`` are the tick's; ``current``,
@@ -256,20 +251,9 @@ def anchor_step(
 
 @compiled()
 def anchor_axis_step(
-    state: np.ndarray,
-    words: np.ndarray,
-    position: int,
-    place: int,
-    cell: int,
-    contact: bool,
-    current: int,
-    u: int,
-    v: int,
-    withheld: int,
-    voltage: int,
-    saturated: bool,
-    blind: bool = False,
-) -> None:
+    state: np.ndarray, words: np.ndarray, position: int, place: int, cell: int, contact: bool,
+    current: int, u: int, v: int, withheld: int, voltage: int, saturated: bool, blind: bool = False,
+) -> None:  # fmt: skip
     """One tick of the anchor of a brushless motor's axis, as :func:`anchor_step`.
 
     At ``position`` the axis' flux is ``place`` by the encoder, which its last count changed by
@@ -325,6 +309,7 @@ def _turn(
         state[COUNTED] = state[NEGATIVE]
         state[FADES] = 0
     follows = state[PHASE] == 0
+    strobe = follows
     state[PHASE] = max(words[FOLLOW_TICKS] - 1, 0) if follows else state[PHASE] - 1
     if same_way and not axis:
         outward = (state[NEGATIVE] != 0) == (state[MEAN] < 0)
@@ -466,10 +451,15 @@ def _turn(
     if clipped:
         c = -limit if negative else limit
     state[CLIPPED] = 1 if clipped else 0
-    state[OVERLOADED] = 1 if blind or (clipped and state[OVERLOADED] != 0) else 0
+    if blind or begins or saturated:
+        state[EXCUSES] = EXCUSED
+    elif not clipped:
+        state[EXCUSES] = 0
+    elif strobe and state[EXCUSES] > 0:
+        state[EXCUSES] -= 1
     strange = words[STRANGE] << _VOLT_SHIFT
     strange = past + strange if negative else past - strange
-    lost = clipped and (strange < 0) == negative and not saturated and state[OVERLOADED] == 0
+    lost = clipped and (strange < 0) == negative and state[EXCUSES] == 0
     lost = lost or far or chi >= _FAR or chi < -_FAR
     if words[ENABLE] == 0:
         state[FAULT] = 0

@@ -17,6 +17,7 @@ from wavehaptics.runtime.repository import RTL_DIR
 from wavehaptics.scene import Scene
 from wavehaptics.scene.tables.thermal import REFERENCE_C, Thermal
 from wavehaptics.words import formats, table
+from wavehaptics.words.table import WORDS
 
 _HEADER = (RTL_DIR / "wh_faults.vh").read_text(encoding="utf-8")
 
@@ -55,6 +56,8 @@ WAVE_Q = _integer("GUARD_WAVE_Q")
 HEAT_Q = 2 * CURRENT_Q
 HEAT_SQUARES = 1 << _integer("GUARD_HEAT_LOG2")
 """Squares of the current in the winding's time constant."""
+SPAN = 1 << _integer("SPAN_LOG2")
+"""Control periods of a span, in which a speed is counted."""
 
 
 def mask(faults: Iterable[Fault]) -> int:
@@ -95,6 +98,8 @@ class Limits(NamedTuple):
     """Current that the winding carries for ever."""
     energy: float = 0.0
     """Most that a contact may deliver to the shaft, A·counts; 0: no check."""
+    saturated_s: float = 0.0
+    """Longest time between two turns back at the voltage limit in contact; 0: no check."""
     winding_s: float = 12.0
     """Time constant of the winding."""
     stop_level: int = 0
@@ -105,9 +110,9 @@ class Limits(NamedTuple):
 BOARD_FAULTS = (
     Fault.CURRENT, Fault.ADC_STUCK, Fault.ADC_RANGE, Fault.ZERO, Fault.ENCODER, Fault.LOST,
     Fault.HEAT, Fault.SETTING, Fault.OVERRUN, Fault.ANCHOR, Fault.ENERGY,
+    Fault.SATURATED, Fault.OVERSPEED, Fault.WINDOW,
 )  # fmt: skip
-"""What a board watches: it has no host, no driver's fault pin and no measured bus, and its own
-stop."""
+"""What any board watches: it has no host and no measured bus, and its own stop."""
 
 SWITCH_FAULTS = (Fault.TRIP, Fault.ENCODER, Fault.ANCHOR, Fault.OVERRUN)
 """What ``boards/wh_board_switch.v`` takes the gates off for without a guard."""
@@ -117,6 +122,9 @@ CURRENT_OF_SCALE = 0.9
 
 STUCK_S = 1e-3
 """Time in which a board's ADC says something else."""
+
+SATURATED_S = 20e-3
+"""A hand turns back at most some ten times a second."""
 
 LOST_OF_R = 0.5
 """A winding that is so much warmer, or R̂ so much off, isn't taken for a rotor that turns."""
@@ -140,10 +148,13 @@ def _energy_limit(scene: Scene, ports: Ports, most_a: float) -> float:
     return 0.5 * henry * most_a**2 / (control.k_t_hat * set_.cell_rad)
 
 
-def board_limits(scene: Scene, ports: Ports, trip_a: float | None = None) -> Limits:
+def board_limits(
+    scene: Scene, ports: Ports, trip_a: float | None = None, *, driver: bool = False
+) -> Limits:
     """What the guard of a board allows, from its scene and the controller's settings for it.
 
-    The current is ``trip_a``, or a part of the ADC's scale. The winding is one of R̂ that bears what
+    The current is ``trip_a``, or a part of the ADC's scale; ``driver`` is a pin that is low at a
+    fault. The winding is one of R̂ that bears what
     ``[thermal]`` says, or its defaults: of a motor's data sheet, which protection has to know.
     """
     thermal = scene.thermal or Thermal()
@@ -151,11 +162,13 @@ def board_limits(scene: Scene, ports: Ports, trip_a: float | None = None) -> Lim
     hot_ohm = scene.controller.r_hat * (1.0 + thermal.alpha_per_k * (WINDING_MOST_C - REFERENCE_C))
     rms_a = math.sqrt(rise_c / (hot_ohm * (thermal.rth_winding + thermal.rth_housing)))
     current_a = trip_a or CURRENT_OF_SCALE * ports.sensor.full_scale_a
+    saturated_s = scene.guard.saturated_s if scene.guard else SATURATED_S
     return Limits(
-        watched=BOARD_FAULTS,
+        watched=(*BOARD_FAULTS, Fault.DRIVER) if driver else BOARD_FAULTS,
         current_a=current_a,
         zero_a=max(ZERO_A, ZERO_OF_SCALE * ports.sensor.full_scale_a),
         energy=_energy_limit(scene, ports, current_a),
+        saturated_s=saturated_s,
         stuck_samples=round(STUCK_S / ports.timing.tick_s) * ports.timing.samples,
         lost_v=LOST_OF_R * scene.controller.r_hat * rms_a,
         rms_a=rms_a,
@@ -194,6 +207,10 @@ def raw_fields(limits: Limits, tick_s: float, sensor: Sensor, s: float) -> dict[
         "ENERGY": min(
             math.ceil(limits.energy / formats.ENERGY_LIMIT.step), formats.ENERGY_LIMIT.raw_max
         ),
+        "SATURATED": min(
+            ticks(limits.saturated_s) if limits.saturated_s else 0,
+            FIELDS["SATURATED"].fixed.raw_max,
+        ),
     }
 
 
@@ -205,6 +222,46 @@ def _below(sample: float) -> int:
 def trip_word(trip_a: float, sensor: Sensor) -> int:
     """The word ``trip`` for a current."""
     return round(trip_a / sensor.full_scale_a * (1 << (formats.SAMPLE_W - 1)))
+
+
+def motion_words(scene: Scene, ports: Ports) -> dict[str, int]:
+    """Words of the scene's limits of speed and position; those without a limit are left out.
+
+    :class:`SceneError` where counts can't tell the speed, or the rotor starts outside.
+    """
+    words: dict[str, int] = {}
+    if scene.guard is None:
+        return words
+    cell_rad, start = ports.settings.cell_rad, ports.start_count
+    if scene.guard.overspeed_rad_s:
+        step_rad_s = cell_rad / (SPAN * ports.timing.tick_s)
+        limit = scene.guard.overspeed_rad_s / step_rad_s
+        most = WORDS["overspeed"].fixed.raw_max
+        if not 1.0 <= limit <= most:
+            raise scene.refusal(
+                f"guard.overspeed_rad_s = {scene.guard.overspeed_rad_s:g}: a speed is counted in "
+                f"{SPAN} control periods, of which a count is {step_rad_s:.4g} rad/s; give "
+                f"{step_rad_s:.4g} to {most * step_rad_s:.4g}, or 0 for no check",
+                "guard.overspeed_rad_s",
+            )
+        # The next count above, so that no lower speed is a fault; a part in 1e9 is the floats'.
+        words["overspeed"] = math.ceil(limit - 1e-9)
+    if scene.guard.window_rad is not None:
+        low, high = (round(edge / cell_rad) for edge in scene.guard.window_rad)
+        if not low <= start < high:
+            raise scene.refusal(
+                f"guard.window_rad: the rotor starts at {start * cell_rad:.4g} rad, outside of it; "
+                "make it wider",
+                "guard.window_rad",
+            )
+        words |= {"window_low": low - start, "window_high": high - 1 - start}
+        for name, word in words.items():
+            if not WORDS[name].fixed.holds(word):
+                raise scene.refusal(
+                    f"guard.window_rad is more than {name} has counts for; make it narrower",
+                    "guard.window_rad",
+                )
+    return words
 
 
 def scene_words(scene: Scene, ports: Ports) -> dict[str, int]:
@@ -219,4 +276,5 @@ def scene_words(scene: Scene, ports: Ports) -> dict[str, int]:
         limits._replace(watched=watched), ports.timing.tick_s, ports.sensor, ports.settings.s
     )
     words = {FIELDS[name].name: raw for name, raw in fields.items()}
+    words |= motion_words(scene, ports)
     return words | {"trip": trip_word(scene.guard.trip_a, ports.sensor)}

@@ -43,14 +43,9 @@ def duty_of(voltage: int, clocks_per_volt: int) -> int:
 
 @compiled()
 def half_width(
-    state,
-    duty: int,
-    extra: int,
-    half_clocks: int,
-    second_order: bool,
-    least: int = 0,
+    state, duty: int, extra: int, half_clocks: int, second_order: bool, least: int = 0,
     spare: int = 0,
-) -> int:
+) -> int:  # fmt: skip
     """Half width in clocks of the coming half, for a ``duty`` in 2⁻¹⁶ and ``extra`` in 2⁻⁸ clocks.
 
     What the whole clocks leave over is owed to the next halves; what a clipped half can't give is

@@ -107,11 +107,7 @@ def is_contractive(words: np.ndarray) -> bool:
     """Whether ``|M| ≤ 1`` for the words of a section, exactly: 1 − MᵀM has no negative minor."""
     one = 1 << formats.SHAPE.fraction
     w = [int(word) for word in words]
-    rows = [
-        [one + w[E11], w[E12], w[B1]],
-        [w[E21], one + w[E22], w[B2]],
-        [w[C1], w[C2], w[D]],
-    ]
+    rows = [[one + w[E11], w[E12], w[B1]], [w[E21], one + w[E22], w[B2]], [w[C1], w[C2], w[D]]]
     rest = [
         [(one * one if i == j else 0) - sum(row[i] * row[j] for row in rows) for j in range(3)]
         for i in range(3)

@@ -7,7 +7,7 @@ A cocotb test measures each at the RTL.
 from __future__ import annotations
 
 from wavehaptics.controller.surfaces import MOST_ACTIVE
-from wavehaptics.words.table import AXES
+from wavehaptics.words.table import AXES, THREE_PHASE_LEGS
 
 CORE_CLOCKS = 24
 """Clocks that one port's step takes in ``wh_wave_core``."""
@@ -95,10 +95,10 @@ def turns_clocks(
 ) -> int:
     """Clocks of the shortest period in which ``motors`` ports take their turns, one or more.
 
-    A ``brushless`` motor is the only one, and two ports: its axes. ``surfaces`` may be across them.
+    ``brushless`` motors have two ports each: their axes. ``surfaces`` may be across the others.
     """
     if brushless:
-        return turn_clocks(sections) * (AXES - 1) + BETA_CLOCKS[sections]
+        return turn_clocks(sections) * (AXES * motors - 1) + BETA_CLOCKS[sections]
     turns = turn_clocks(sections) * (motors - 1) + (42 if sections == 2 else 38)
     return turns + max(look_clocks(motors, surfaces))
 
@@ -146,7 +146,7 @@ def least_half_clocks(motors: int, *, brushless: bool = False) -> int:
 
     The walk is along the legs, three of a ``brushless`` motor, which has clocks more.
     """
-    return AXES + 12 if brushless else motors + 8
+    return THREE_PHASE_LEGS * motors + 11 if brushless else motors + 8
 
 
 def turn_begin_clocks(conversion_clocks: int, motor: int = 0, sections: int = 0) -> int:
@@ -162,8 +162,8 @@ def turns_latency_clocks(
 ) -> int:
     """As :func:`latency_clocks`, of ``rtl/wh_ports.v``."""
     if brushless:
-        last = turn_clocks(sections) * (AXES - 1)
-        return conversion_clocks + last + LEGS_CLOCKS[sections] + AXES + 1
+        last = turn_clocks(sections) * (AXES * motors - 1)
+        return conversion_clocks + last + LEGS_CLOCKS[sections] + THREE_PHASE_LEGS * motors
     last = turn_clocks(sections) * (motors - 1)
     return conversion_clocks + last + 43 + motors + SECTION_CLOCKS * sections
 

@@ -80,16 +80,10 @@ class Host:
     """
 
     def __init__(
-        self,
-        arm: Arm,
-        shapes: Sequence[Shape],
-        ports: Sequence[PortEstimate],
-        tick_s: float,
-        stiffness: Sequence[float | None],
-        loss: Sequence[float],
-        speed: float,
+        self, arm: Arm, shapes: Sequence[Shape], ports: Sequence[PortEstimate], tick_s: float,
+        stiffness: Sequence[float | None], loss: Sequence[float], speed: float,
         damping: Sequence[float] = (),
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._damping = damping or (0.0,) * len(shapes)
         self._arm, self._shapes, self._ports, self._tick_s = arm, shapes, ports, tick_s
         self._stiffness, self._loss, self._speed = stiffness, loss, speed

@@ -145,8 +145,12 @@ def settings(
     if limit_v is None:
         limit_v = reached_v(scene)
     limit_v = min(limit_v, formats.VOLTAGE.largest)
-    if scene.drive is not None and scene.drive.limit_v is not None:
-        limit_v = min(limit_v, scene.drive.limit_v)
+    # The anchor's own limits are parts of what the drive makes, whatever limits the current.
+    drive_v = limit_v
+    if scene.drive is not None:
+        if scene.drive.limit_v is not None:
+            drive_v = min(limit_v, scene.drive.limit_v)
+        limit_v = min(limit_v, scene.drive.limit(control.r_hat))
     u_max = _wave_limit(limit_v, r_hat)
     wall_min, wall_max = walls_in_cells(scene, cell_rad)
     for n in np.flatnonzero(wall_min == wall_max).tolist():
@@ -182,7 +186,7 @@ def settings(
         shaper=shaper,
         edge_hysteresis=control.edge_hysteresis,
         shaped=shaped,
-        anchor=_anchor_words(scene, tick_s, cell_rad, r_hat, a_word, limit_v, shaper),
+        anchor=_anchor_words(scene, tick_s, cell_rad, r_hat, a_word, drive_v, shaper),
     )
 
 
@@ -202,14 +206,9 @@ def holds_position(control: Controller, shaper: Shaper) -> bool:
 
 
 def _anchor_words(
-    scene: Scene,
-    tick_s: float,
-    cell_rad: float,
-    r_hat: float,
-    a_word: int,
-    limit_v: float,
+    scene: Scene, tick_s: float, cell_rad: float, r_hat: float, a_word: int, limit_v: float,
     shaper: Shaper,
-) -> np.ndarray:
+) -> np.ndarray:  # fmt: skip
     """Settings of :mod:`wavehaptics.controller.anchor`; all zero without one.
 
     ``r_hat`` is the port's.

@@ -291,17 +291,10 @@ def _row_of(order: int, first: int, second: int, third: int) -> int:
 
 @compiled()
 def surfaces_step(
-    state: np.ndarray,
-    left: np.ndarray,
-    active: np.ndarray,
-    planes: np.ndarray,
-    vectors: np.ndarray,
-    limits: np.ndarray,
-    positions: np.ndarray,
-    currents: np.ndarray,
-    free: int,
+    state: np.ndarray, left: np.ndarray, active: np.ndarray, planes: np.ndarray,
+    vectors: np.ndarray, limits: np.ndarray, positions: np.ndarray, currents: np.ndarray, free: int,
     waves: np.ndarray,
-) -> int:
+) -> int:  # fmt: skip
     """One period of a group. Returns how many surfaces act; ``waves`` become their goal u.
 
     ``planes``, ``vectors`` and ``limits`` are words that :func:`accepts` took; ``state``, the

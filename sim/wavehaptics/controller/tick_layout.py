@@ -148,7 +148,9 @@ def _latency_clocks(frame: Frame, work: Work) -> int:
     """Without surfaces."""
     turns, sections, anchored, brushless, _ = work
     if turns or brushless:
-        return turns_latency_clocks(frame.conversion_clocks, turns, sections, brushless=brushless)
+        return turns_latency_clocks(
+            frame.conversion_clocks, max(1, turns), sections, brushless=brushless
+        )
     return latency_clocks(frame.conversion_clocks, 1, sections, anchored)
 
 
@@ -253,7 +255,7 @@ def timing(
     """Lay the scene's tick and carrier on a clock, for an ADC with the frame ``frame_at(clock)``.
 
     So many motors take ``turns`` in ``rtl/wh_ports.v``, of ``most_sections`` of W each and with so
-    many ``surfaces`` across them; 0: a single one with brushes is at a controller of its own,
+    many ``surfaces`` across them; 0: a single one, with brushes at a controller of its own,
     ``wh_controller``.
 
     A carrier slower than half the tick rate sets the pace: the tick is then its half period, and
@@ -276,7 +278,7 @@ def timing(
     together = turns > 0 or brushless
     turning = 0
     if together:
-        turning = turns_clocks(turns, sections, brushless=brushless, surfaces=surfaces)
+        turning = turns_clocks(max(1, turns), sections, brushless=brushless, surfaces=surfaces)
     try:
         tick_clocks, made = _tick_clocks(
             scene, tick_hz, halves, frame_at, max(MIN_TICK_CLOCKS, turning + -turning % 4), work
@@ -323,7 +325,7 @@ def timing(
             "controller.clock_hz",
             "controller.tick_hz",
         )
-    shared = least_half_clocks(turns, brushless=brushless) if together else 0
+    shared = least_half_clocks(max(1, turns), brushless=brushless) if together else 0
     least_half = max(MIN_HALF_CLOCKS, shared)
     if half_clocks < least_half:
         raise scene.refusal(
@@ -350,8 +352,8 @@ def timing(
         )
     least = turning or shortest_tick_clocks(1, sections, anchored)
     if tick_clocks < least:
-        ports = "two ports" if brushless else "a port" if not turns else f"{turns} motors"
-        ports = ports if turns != 1 else "a motor"
+        ports = f"{turns} motors" if turns > 1 else "a motor" if turns else "a port"
+        ports = "two ports" if brushless and not turns else ports
         shaper = " with W" if sections else ""
         if surfaces:
             shaper = f" with {surfaces} surface{'s' * (surfaces > 1)}"

@@ -22,7 +22,7 @@ CHANNELS = "command"
 """Kind of a converter that measures the currents of all motors, one after another."""
 
 _PACKED = (("carrier",), ("frame",), ("trip", "sense", "zero"), ("encoder",), ("delay",),
-           ("bridge",), ("guard",), ("host",))  # fmt: skip
+           ("bridge",), ("guard", "saturated"), ("host",))  # fmt: skip
 """Groups of ``rtl/words.toml`` whose settings ``wh_ports`` has once, by its ports."""
 
 
@@ -86,6 +86,7 @@ def _check_shared(scenes: Sequence[Scene], ports: Sequence[Ports]) -> None:
 _SAME = {
     "guard": ("give all motors the same adc.full_scale_a, R and walls, or leave [guard] out",
               "guard"),
+    "saturated": ("give all motors the same guard.saturated_s", "guard"),
     "trip": ("give all motors the same adc.full_scale_a, or leave [guard] out", "guard"),
     "frame": ("give all motors an [adc] and a [drive], or none of them", "adc", "drive", "motor"),
 }  # fmt: skip

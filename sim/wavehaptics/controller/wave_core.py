@@ -212,21 +212,10 @@ def outgoing(state, line, shaped, eta, outside, root, a, u_max, hold_ticks):
 
 @compiled()
 def shaped_core_step(
-    state: np.ndarray,
-    line: np.ndarray,
-    shaper: np.ndarray,
-    shaper_states: np.ndarray,
-    mode: int,
-    current: int,
-    eta: int,
-    outside: int,
-    root: int,
-    a: int,
-    u_max: int,
-    extra_ticks: int,
-    hold_ticks: int,
-    ends: int = 0,
-) -> tuple[int, int, int]:
+    state: np.ndarray, line: np.ndarray, shaper: np.ndarray, shaper_states: np.ndarray, mode: int,
+    current: int, eta: int, outside: int, root: int, a: int, u_max: int, extra_ticks: int,
+    hold_ticks: int, ends: int = 0,
+) -> tuple[int, int, int]:  # fmt: skip
     """One tick of one port: the paper's wave transform and D(s), discrete.
 
     ``shaper``, ``shaper_states`` and ``mode`` are those of :func:`shaper_step`,
@@ -245,31 +234,33 @@ def shaped_core_step(
 
 @compiled()
 def wave_core_step(
-    state: np.ndarray,
-    line: np.ndarray,
-    current: int,
-    eta: int,
-    outside: int,
-    root: int,
-    a: int,
-    u_max: int,
-    extra_ticks: int,
-    hold_ticks: int,
-    ends: int = 0,
-) -> tuple[int, int, int]:
+    state: np.ndarray, line: np.ndarray, current: int, eta: int, outside: int, root: int, a: int,
+    u_max: int, extra_ticks: int, hold_ticks: int, ends: int = 0,
+) -> tuple[int, int, int]:  # fmt: skip
     """:func:`shaped_core_step` of a core without a shaper, W = 1."""
     u_n, v_n = incoming(state, line, current, root, extra_ticks, ends)
     return outgoing(state, line, v_n, eta, outside, root, a, u_max, hold_ticks), u_n, v_n
 
 
+@compiled(inline="always")
+def core_step(state, line, shaper, shaper_states, mode, current, eta, outside, root, a, u_max,
+              ticks, ends):  # fmt: skip
+    """:func:`shaped_core_step` where there are sections; what is applied is ``ticks`` old."""
+    if shaper.shape[0] == 0:
+        return wave_core_step(
+            state, line, current, eta, outside, root, a, u_max, ticks, ticks, ends
+        )
+    return shaped_core_step(
+        state, line, shaper, shaper_states, mode, current, eta, outside, root, a, u_max, ticks,
+        ticks, ends,
+    )  # fmt: skip
+
+
 @compiled()
 def contact_step(
-    state: np.ndarray,
-    position: int,
-    wall_min: np.ndarray,
-    wall_max: np.ndarray,
+    state: np.ndarray, position: int, wall_min: np.ndarray, wall_max: np.ndarray,
     hysteresis: bool = False,
-) -> tuple[bool, int]:
+) -> tuple[bool, int]:  # fmt: skip
     """Contact with solid intervals ``wall_min <= position < wall_max``, all in encoder counts.
 
     ``state`` is int64 (2,): number of the wall in contact or -1, and the count edge x_w through

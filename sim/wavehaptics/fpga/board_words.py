@@ -23,13 +23,16 @@ from wavehaptics.ladder.brushless import magnet_words
 from wavehaptics.parts.adcs import KINDS, Frame, Part, frame
 from wavehaptics.scene import Scene
 from wavehaptics.words import formats
-from wavehaptics.words.bridge_modes import MODE_WORDS, UNIPOLAR
-from wavehaptics.words.generated import LICENCE, connections, settings_rom
+from wavehaptics.words.bridge_modes import LOCKED, MODE_WORDS, SIGN_MAGNITUDE, UNIPOLAR
+from wavehaptics.words.generated import LICENCE, connections, macro, settings_rom
 from wavehaptics.words.memory import apart, first_words
 from wavehaptics.words.table import AXES, LEGS, THREE_PHASE_LEGS, WORDS, Sizes, Values
 
 ZERO_A = 0.1
 """Offset of the current beyond which a board's sensor isn't what the scene says."""
+
+ALIVE_S = 4e-6
+"""Period of several motors in which ``alive`` changes twice when it is longer: the pump's."""
 
 LINKED_WALLS = 4
 """Walls of a motor, at least, where they can be changed, unless a board says another number."""
@@ -41,6 +44,21 @@ CHANGEABLE = (
     "wh_surface_frame.budget",
 )  # fmt: skip
 """Groups of words that can be changed on a board: none of the hardware, and none of its limits."""
+
+
+PATTERNS = (LOCKED, SIGN_MAGNITUDE)
+"""Patterns of a full bridge in one another's place: all that differs is the word `mode`. A unipolar
+bridge is sampled elsewhere, and the lead B of a half bridge is wired to something else."""
+
+OPTIONAL_PINS = {
+    "spi": {
+        "spi_cs_n_i": "1'b1", "spi_sclk_i": "1'b0", "spi_mosi_i": "1'b0", "spi_miso_o": "",
+        "spi_drives_o": "",
+    },
+    "overcurrent": {"overcurrent_n_i": "1'b1"},
+}  # fmt: skip
+"""Ports of ``boards/wh_board_ecp5.v`` that only some boards have, by the key of ``fpga.toml``: and
+the level that an input has on the others."""
 
 
 @dataclass(frozen=True)
@@ -72,11 +90,28 @@ class BoardWords:
     """Whether one multiplier makes the wave core's products as well as all others."""
     surfaces: int = 0
     """Surfaces across all motors, which a computer writes."""
+    spi: bool = False
+    """Whether a host MCU can have the line's place."""
+    overcurrent: bool = False
+    """Whether the comparators tell the guard that they have shut the gates."""
 
     @property
     def alive_again(self) -> int:
         """Clocks after a tick at which ``alive`` changes once more; 0: it changes once a tick."""
-        return self.ports.timing.tick_clocks // 2 if self.surfaces else 0
+        time = self.ports.timing
+        return time.tick_clocks // 2 if self.motors > 1 and time.tick_s > ALIVE_S else 0
+
+    @property
+    def patterns(self) -> tuple[str, ...]:
+        """Patterns of the bridge between which the line chooses, with the bridge off."""
+        one = self.words["mode"] in [MODE_WORDS[name] for name in PATTERNS]
+        return PATTERNS if one and self.linked and self.legs == LEGS else ()
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Words that can be changed on this board, beside the groups in :data:`CHANGEABLE`."""
+        modes = [MODE_WORDS[name] for name in self.patterns]
+        return {"mode": (min(modes), max(modes))} if modes else {}
 
     @property
     def walls(self) -> int:
@@ -85,8 +120,11 @@ class BoardWords:
 
 
 def turns_of(motors: int, legs: int, *, linked: bool) -> int:
-    """Motors of a board that take turns: those with brushes, in ``rtl/wh_device.v``; 0: none."""
-    return motors if legs == LEGS and (linked or motors > 1) else 0
+    """Motors of a board that take turns in ``rtl/wh_device.v``; 0: a single one that has none.
+
+    That is a brushless one, whose two axes do, or one with brushes at ``wh_controller``.
+    """
+    return motors if motors > 1 or (linked and legs == LEGS) else 0
 
 
 def board_words(
@@ -94,7 +132,8 @@ def board_words(
     pad_registers: bool = False, trip_a: float | None = None, zero_a: float = ZERO_A,
     delay_log2: int = 1, linked: bool = False, capture: int = 0,
     stream: bool = False, legs: int = LEGS, shared: bool = False,
-    linked_walls: int = LINKED_WALLS, surfaces: int = 0,
+    linked_walls: int = LINKED_WALLS, surfaces: int = 0, spi: bool = False,
+    overcurrent: bool = False,
 ) -> BoardWords:  # fmt: skip
     """Words of a board with ``motors`` equal motors and the converter ``part`` for each.
 
@@ -138,10 +177,17 @@ def board_words(
     if scene.host is not None and not linked:
         raise scene.refusal("the board has no link to a host; leave [host] out", "host")
     delay_log2 = max(delay_log2, words["extra_ticks"].bit_length())
-    word = _guard(scene, ports, trip_a) if guarded else None
+    motion = guard.motion_words(scene, ports)
+    if motion and not guarded:
+        raise scene.refusal(
+            "the board has no guard; leave guard.overspeed_rad_s and guard.window_rad out",
+            "guard.overspeed_rad_s", "guard.window_rad",
+        )  # fmt: skip
+    words |= motion
+    word = _guard(scene, ports, trip_a, overcurrent) if guarded else None
     return BoardWords(
         ports, words, motors, delay_log2, word, linked, capture if linked else 0, linked_walls,
-        linked and stream, scene.host is not None, legs, shared, surfaces,
+        linked and stream, scene.host is not None, legs, shared, surfaces, spi, overcurrent,
     )  # fmt: skip
 
 
@@ -186,14 +232,14 @@ def _each_motor(words: Values, motors: int) -> dict[str, Any]:
             for name, word in words.items()}  # fmt: skip
 
 
-def _guard(scene: Scene, ports: Ports, trip_a: float | None) -> int:
+def _guard(scene: Scene, ports: Ports, trip_a: float | None, overcurrent: bool) -> int:
     if scene.thermal is not None and scene.thermal.ambient_c >= guard.WINDING_MOST_C:
         raise scene.refusal(
             f"thermal.ambient_c = {scene.thermal.ambient_c:g} °C leaves a winding "
             f"nothing that bears {guard.WINDING_MOST_C:g} °C; lower it",
             "thermal.ambient_c",
         )
-    limits = guard.board_limits(scene, ports, trip_a)
+    limits = guard.board_limits(scene, ports, trip_a, driver=overcurrent)
     return guard.settings(limits, ports.timing.tick_s, ports.sensor, ports.settings.s)
 
 
@@ -218,11 +264,12 @@ def build_number() -> int:
 def memory_header(board: BoardWords, source: str) -> str:
     """Text of ``wh_board_settings_rom.vh``: the words that a linked board begins with.
 
-    Of the groups in :data:`CHANGEABLE` they can be changed; what is the hardware's is read only.
+    Those of :data:`CHANGEABLE` and of the board's ``ranges`` can be changed; what is the hardware's
+    is read only.
     """
     return (
         f"{LICENCE}// Settings that wh_linked_device begins with, made from {source}.\n\n"
-        + settings_rom(apart(first_values(board, 1)), CHANGEABLE)
+        + settings_rom(apart(first_values(board, 1)), CHANGEABLE, board.ranges)
     )
 
 
@@ -237,8 +284,8 @@ def parameters(board: BoardWords) -> dict[str, int]:
     words, time_frame = board.words, board.ports.timing.frame
     brushless = board.legs == THREE_PHASE_LEGS
     return {
-        "N": board.motors,
-        "LEGS": board.legs,
+        "N": board.motors * (AXES if brushless else 1),
+        "AXES": sum(1 << AXES * n for n in range(board.motors)) if brushless else 0,
         "WALLS": board.walls,
         "DELAY_LOG2": board.delay_log2,
         "ADC": KINDS.index(time_frame.kind),
@@ -255,8 +302,7 @@ def hardware(board: BoardWords) -> dict[str, int]:
     made = parameters(board)
     return {
         "N": made["N"],
-        "LEGS": made["LEGS"],
-        "PARTS": AXES if board.legs == THREE_PHASE_LEGS else board.motors,
+        "AXES": made["AXES"],
         "WALLS": made["WALLS"],
         "MODES": made["MODES"],
         "SHORTEST": made["MIN_PULSE"],
@@ -269,11 +315,33 @@ def hardware(board: BoardWords) -> dict[str, int]:
         "CAPTURE": board.capture,
         "STREAM": int(board.stream),
         "SURFACES": board.surfaces,
+        "SPI": int(board.spi),
         "AGAIN": board.alive_again,
         "HOST": made["HOST"],
         "CLOCK_HZ": round(board.ports.timing.clock_hz),
         "BUILD": build_number(),
     }
+
+
+def optional_pins(board: BoardWords) -> str:
+    """Verilog macros of :data:`OPTIONAL_PINS`, for the modules that a board's top is made of.
+
+    ``WH_BOARD_MORE_PORTS`` declares those that the board has, ``WH_BOARD_MORE_PINS`` connects them
+    from one module to the next, and ``WH_BOARD_MORE_WIRES`` is in the place of the others.
+    """
+    has: list[tuple[str, str]] = []
+    others: list[tuple[str, str]] = []
+    for key, pins in OPTIONAL_PINS.items():
+        (has if getattr(board, key) else others).extend(pins.items())
+    ends = [name for name, level in others if not level]
+    wires = [f"wire {name} = {level};" if level else f"wire {name};" for name, level in others]
+    wires += [f"wire unused_pins = &{{1'b0, {', '.join(ends)}}};"] if ends else []
+    ports = [f"{'input ' if level else 'output'} wire {name}," for name, level in has]
+    return "\n".join([
+        macro("WH_BOARD_MORE_PORTS", ports),
+        macro("WH_BOARD_MORE_PINS", (f".{name} ({name})," for name, _ in has)),
+        macro("WH_BOARD_MORE_WIRES", wires),
+    ])  # fmt: skip
 
 
 def verilog_header(board: BoardWords, source: str) -> str:
@@ -290,6 +358,7 @@ def verilog_header(board: BoardWords, source: str) -> str:
             "",
             *(f"`define WH_BOARD_{name} {value}" for name, value in hardware(board).items()),
             "",
+            optional_pins(board),
             told,
         ]
     )

@@ -40,6 +40,10 @@ _DELAY_LOG2 = {"ice40": 6, "ecp5": 1}
 it, where flip-flops are scarce."""
 
 
+MOST_PORTS = 8
+"""Ports of ``rtl/wh_ports.v``."""
+
+
 class BoardError(ValueError):
     """A board that can't be read. The message is one line: where, what is wrong."""
 
@@ -104,13 +108,15 @@ class Fpga(_Table):
     speed: int | None = None
     input_hz: float = Field(gt=0)
     adc: str
-    motors: int = Field(1, ge=1, le=8)
+    motors: int = Field(1, ge=1, le=MOST_PORTS)
     legs: Literal[2, 3] = 2
     guard: bool = False
     link: bool = False
     capture: Literal[0, 9, 10, 11, 12, 13, 14, 15] = 0
     stream: bool = False
     surfaces: int = Field(0, ge=0, le=8)
+    spi: bool = False
+    overcurrent: bool = False
     walls: int = Field(LINKED_WALLS, ge=1, le=MOST["wall"])
     shared_multiplier: bool = False
     pad_registers: bool = False
@@ -178,13 +184,13 @@ class Board:
 
     @property
     def brushless(self) -> bool:
-        """Whether its motor is a brushless one."""
+        """Whether its motors are brushless ones."""
         return self.fpga.legs == THREE_PHASE_LEGS
 
     @property
     def adc_lines(self) -> list[str]:
         """Ports of the top at which the converters' bits come in."""
-        lines = AXES if self.brushless else self.fpga.motors
+        lines = self.fpga.motors * (AXES if self.brushless else 1)
         return ["adc_sdata"] if lines == 1 else [f"adc_sdata[{n}]" for n in range(lines)]
 
     @property
@@ -202,6 +208,7 @@ class Board:
             linked=self.fpga.link, capture=self.fpga.capture, stream=self.fpga.stream,
             surfaces=self.fpga.surfaces, linked_walls=self.fpga.walls,
             legs=self.fpga.legs, shared=self.fpga.shared_multiplier,
+            spi=self.fpga.spi, overcurrent=self.fpga.overcurrent,
         )  # fmt: skip
 
     def headers(self) -> dict[str, str]:
@@ -271,11 +278,16 @@ def load_board(
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         raise BoardError(f"{places.of(first['loc'])[1]}: {_problem(first)}") from None
-    for key in ("capture", "stream", "surfaces", "walls"):
+    for key in ("capture", "stream", "surfaces", "walls", "spi"):
         if key in fpga.model_fields_set and getattr(fpga, key) and not fpga.link:
             raise BoardError(
                 f"{places.of((key,))[1]}: {key} goes with a link; set link = true or leave it out"
             )
+    if fpga.overcurrent and not fpga.guard:
+        raise BoardError(
+            f"{places.of(('overcurrent',))[1]}: overcurrent goes with a guard; set guard = true or "
+            "leave it out"
+        )
     if fpga.surfaces and (fpga.legs != LEGS or fpga.motors not in (2, 3)):
         raise BoardError(
             f"{places.of(('surfaces',))[1]}: surfaces are across 2 or 3 motors with brushes; "
@@ -288,7 +300,8 @@ def load_board(
     if fpga.legs == THREE_PHASE_LEGS:
         for key, wrong, right in (
             ("link", not fpga.link, "its settings over a link; set link = true"),
-            ("motors", fpga.motors > 1, "one brushless motor; leave motors out"),
+            ("motors", AXES * fpga.motors > MOST_PORTS,
+             f"at most {MOST_PORTS // AXES} motors, which have two ports each; take fewer"),
             ("shared_multiplier", fpga.shared_multiplier,
              "a multiplier for its core; leave shared_multiplier out"),
         ):  # fmt: skip

@@ -39,7 +39,7 @@ _NEEDED = {"adc": "adc.bits and adc.full_scale_a", "encoder": "encoder.counts_pe
 class Register:
     """One register and what a scene writes to it.
 
-    ``motor`` counts the motors, or the axes of a brushless one; ``index`` counts the motor's walls,
+    ``motor`` counts the motors, or the axes of brushless ones; ``index`` counts the motor's walls,
     or the rows of its sections.
     """
 
@@ -102,13 +102,6 @@ def scene_registers(scene: Scene, motors: int = 1, trip_a: float | None = None) 
                 needed,
             )
     legs = THREE_PHASE_LEGS if scene.motor.brushless else LEGS
-    if scene.motor.brushless and motors > 1:
-        raise scene.refusal(
-            f"{motors} motors: a wh_device has one brushless motor; leave --motors out, and take "
-            "a wh_device for each",
-            "motor.kind",
-            "motor.preset",
-        )
     if scene.motor.brushless and scene.host is not None:
         raise scene.refusal(
             "[host] is not for a wh_device with a brushless motor; leave it out", "host"

@@ -14,6 +14,7 @@ from wavehaptics.host.client import Client
 from wavehaptics.host.names import places
 from wavehaptics.host.stream import Streamed
 from wavehaptics.trace.columns import FLOAT_COLUMNS, TRACE_FILE, write_npz
+from wavehaptics.words.table import AXES
 
 FOLLOWER_TICKS = 256
 """Ticks over which the word ``lag`` is the rotor's way."""
@@ -42,7 +43,8 @@ def device_of(
     """The motor's side of a device, by its words and by what a person knows of it."""
     names = ("eta_contact", "eta_free", "extra_ticks")
     brushless = client.shape.brushless
-    found = [places(name, client.shape, 0 if brushless else motor)[0] for name in names]
+    motor -= motor % AXES if brushless else 0
+    found = [places(name, client.shape, motor)[0] for name in names]
     contact, free, extra = (
         place.value(raw) for place, raw in zip(found, client.read(found), strict=True)
     )

@@ -28,10 +28,7 @@ from pymodbus.client import ModbusSerialClient
 from pymodbus.exceptions import ConnectionException, ModbusException
 from pymodbus.framer import FramerRTU
 from pymodbus.pdu import DecodePDU, ModbusPDU
-from pymodbus.pdu.register_message import (
-    ReadHoldingRegistersRequest,
-    WriteMultipleRegistersRequest,
-)
+from pymodbus.pdu.register_message import ReadHoldingRegistersRequest, WriteMultipleRegistersRequest
 
 from wavehaptics.host.framed_line import FramedLine
 from wavehaptics.host.names import HostError, Place, Shape, listed, places, readable, settable
@@ -90,7 +87,7 @@ class Identification:
 
     @property
     def brushless(self) -> bool:
-        """Whether its motor is a brushless one."""
+        """Whether its motors are brushless ones."""
         return self._options["shaper"] == modbus.BRUSHLESS_SHAPER
 
     @property
@@ -221,7 +218,7 @@ class Client:
                 for word in table.WORDS.values()
                 if (word.block, word.group) == (low.word.block, low.word.group)
                 and word.row.kind == "setting"
-                and low.motor < self.shape.has(word)
+                and low.motor in self.shape.has(word)
                 for index in range(self.shape.copies(word))
                 for mate in [Place(word, low.motor, index, self.shape)]
             }

@@ -6,7 +6,7 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,17 +35,17 @@ class Shape:
 
     @property
     def brushless(self) -> bool:
-        """Whether its motor is a brushless one, whose axes have the places of two."""
+        """Whether its motors are brushless ones, whose axes have the places of two each."""
         return self.legs == THREE_PHASE_LEGS
 
     @property
     def parts(self) -> int:
-        """Motors, or axes of a brushless one."""
-        return AXES if self.brushless else self.motors
+        """Motors, or axes of brushless ones."""
+        return self.motors * (AXES if self.brushless else 1)
 
-    def has(self, word: Word) -> int:
-        """Parts that have a word, the first ones; 1 of the board, and 0 where there is none."""
-        return word.parts(self.motors, self.legs)
+    def has(self, word: Word) -> Sequence[int]:
+        """Parts that have a word; one of the board, and none where there is no such word."""
+        return word.port_numbers(self.motors, self.legs)
 
     def copies(self, word: Word) -> int:
         """Words of a row in one motor, or of the board."""
@@ -147,12 +147,13 @@ def places(text: str, shape: Shape, motor: int = 0) -> list[Place]:
         meant = f"did you mean {near[0]}?" if near else "docs/words.md lists the words"
         raise HostError(f"{text}: there is no such word; {meant}")
     copies = shape.copies(word) if shape.has(word) else 0
-    if copies and word.row.per != "board" and not 0 <= motor < shape.has(word):
-        last = shape.has(word) - 1
+    if copies and word.row.per != "board" and motor not in shape.has(word):
+        alpha = motor - motor % AXES
+        cure = f"take --motor {alpha}" if alpha else f"leave --motor {motor} out"
         raise HostError(
-            f"{text}: a brushless motor has one, for both axes; leave --motor {motor} out"
-            if shape.brushless and 0 <= motor < AXES
-            else f"{text}: the device has no motor {motor}; take --motor 0...{last}"
+            f"{text}: a brushless motor has one, for both axes; {cure}"
+            if shape.brushless and 0 <= motor < shape.parts
+            else f"{text}: the device has no motor {motor}; take --motor 0...{shape.parts - 1}"
         )
     motor = 0 if word.row.per == "board" else motor
     if not copies:
@@ -191,6 +192,6 @@ def settings(shape: Shape) -> list[Place]:
     found = []
     for motor in range(shape.parts):
         for word in WORDS.values():
-            if word.row.kind == "setting" and motor < shape.has(word):
+            if word.row.kind == "setting" and motor in shape.has(word):
                 found += [Place(word, motor, n, shape) for n in range(shape.copies(word))]
     return found

@@ -16,7 +16,7 @@ import re
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from types import TracebackType
+from typing import Any
 
 import numpy as np
 
@@ -194,13 +194,8 @@ class Stream:
             self._kept = kept.pop_all()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._kept.__exit__(kind, error, trace)
+    def __exit__(self, *raised: Any) -> None:
+        self._kept.__exit__(*raised)
 
     def _count_left_out(self) -> None:
         if not self._line.lapsed and self._line.error is None:

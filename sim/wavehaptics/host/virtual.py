@@ -12,7 +12,6 @@ import tty
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 
 from wavehaptics.host.led_hand import LedHand
 from wavehaptics.ladder.linked_pins import LinkedPins
@@ -55,12 +54,7 @@ class VirtualBoard:
             self._link.symlink_to(self.path)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         if self._link is not None:
             # Another board may have taken the link over, or removed it.
             with suppress(OSError):
@@ -70,11 +64,7 @@ class VirtualBoard:
         os.close(self._master)
 
     def run(
-        self,
-        ended: Callable[[], bool],
-        seconds: float | None = None,
-        *,
-        fastest: float = math.inf,
+        self, ended: Callable[[], bool], seconds: float | None = None, *, fastest: float = math.inf
     ) -> None:
         """Simulate until ``ended`` says so, or for ``seconds`` of simulated time.
 

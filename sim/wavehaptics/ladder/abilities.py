@@ -31,12 +31,7 @@ _PINS = frozenset(
 """Of clocks and gates."""
 
 _ANCHOR = frozenset(
-    f"controller.{key}"
-    for key in (
-        "anchor_ohm",
-        "anchor_ohm_per_s",
-        "anchor_limit_v",
-    )
+    f"controller.{key}" for key in ("anchor_ohm", "anchor_ohm_per_s", "anchor_limit_v")
 )
 
 _INERTIA = frozenset({"controller.j_hat"})
@@ -49,6 +44,13 @@ _DIGITAL = frozenset(("controller.extra_ticks", "controller.edge_hysteresis"))
 _BESIDE = frozenset({"servo", "host"})
 """Of the encoder's servo, and of what has a line: a port whose host is silent has its own walls."""
 
+_READINGS = frozenset(
+    f"encoder.{key}"
+    for key in ("kind", "part", "bits", "read_hz", "latency_s", "noise_counts", "bandwidth_hz",
+                "hysteresis_counts")
+)  # fmt: skip
+"""Of an absolute encoder."""
+
 _NO_W = {"shaper": "leave it out or take `golden`"}
 _NO_EDGES = dict.fromkeys(
     ("adc.edge_settle_s", "adc.edge_hold_s"),
@@ -57,7 +59,7 @@ _NO_EDGES = dict.fromkeys(
 
 ABILITIES: dict[str, Ability] = {
     "analog": Ability(
-        _PINS | _ANCHOR | _INERTIA | _MAGNET | _DIGITAL | _BESIDE
+        _PINS | _ANCHOR | _INERTIA | _MAGNET | _DIGITAL | _BESIDE | _READINGS
         | {"encoder.stops_at_s", "encoder.reverses_at_s", "encoder.uneven",
            "encoder.skips_per_rev", "adc", "controller.l_hat", "controller.k_t_hat",
            "controller.anchor_auto", "controller.r_hat_part"},
@@ -82,9 +84,10 @@ ABILITIES: dict[str, Ability] = {
         },
     ),
     "a board": Ability(
-        _INERTIA | {"guard"},
+        _INERTIA | {"guard.trip_a", "guard.watch"},
         refused={
             "servo": "leave it out",
+            "encoder.kind": "it reads A and B; leave it out, and set counts_per_rev to theirs",
             "drive.bus_measured": "no board measures its bus yet; set it to false",
         },
     ),
@@ -101,7 +104,11 @@ BRUSHLESS_RUNGS = ("analog", "golden", "core", "pins", "encoder")
 BRUSHLESS_USES = {"encoder": frozenset({"adc"})}
 """What is left out with brushes alone: the usual way of a brushless motor samples its currents."""
 
-BRUSHLESS_REFUSES = {"encoder": _NO_EDGES}
+_NO_READINGS = {
+    "encoder.kind": "with a brushless motor only `golden` and `core` have it; leave it out"
+}
+
+BRUSHLESS_REFUSES = {"encoder": _NO_EDGES | _NO_READINGS, "pins": _NO_READINGS}
 """What is refused with a brushless motor alone."""
 
 _LEAVE_OUT = "a brushless motor does without it yet; leave it out"
@@ -120,7 +127,7 @@ BRUSHLESS: dict[str, str] = {
 """What is refused besides where the motor is a ``pmsm``, with the cure."""
 
 BRUSHLESS_DEVICE: dict[str, str] = {
-    "shaper": "with a brushless motor it does without it yet; leave it out, or `run` the scene",
+    "shaper": "with a brushless motor it does without it yet; leave it out, or `run` the scene"
 }
 """And what besides that where its controller is in ``rtl/wh_device.v``: on a board, real or
 virtual."""

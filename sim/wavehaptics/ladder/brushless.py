@@ -24,8 +24,9 @@ from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.ladder import verilated
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.analog import CONTACT, FREE, HALVINGS, LIMITED, MODE_CHANGES, inside
-from wavehaptics.ladder.sampled import CORE_DELAY_LOG2
+from wavehaptics.ladder.sampled import core_design
 from wavehaptics.laws import closed_forms
+from wavehaptics.motor.absolute import PERIOD_S, absolute_count, new_readings, reading_words
 from wavehaptics.motor.brushless import (
     ENERGY,
     F_A,
@@ -105,7 +106,7 @@ def _seen(word):
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance_sampled(
     rows, words, z, kept, ports, lines, contact, wall_min, wall_max, shaper, anchored, ints, floats,
-    load, table, step, sensor, noise, buffer,
+    load, table, step, sensor, noise, buffer, reader,
 ):  # fmt: skip
     """Fill ``rows`` and ``words``; False when the RTL never answered.
 
@@ -135,7 +136,10 @@ def _advance_sampled(
         alpha, beta = clarke.currents(phase_a, phase_b)
         ends_a = range_ends(phase_a, sensor)
         ends_b = ends_a | range_ends(phase_b, sensor) | clarke.ends(beta)
-        position = int(np.floor(z[X] / floats[_CELL]))
+        if reader is None:
+            position = int(np.floor(z[X] / floats[_CELL]))
+        else:
+            position = absolute_count(z[X], z[TIME], floats[_CELL], reader[0], reader[1])
         touching, _ = wave_core.contact_step(
             contact, position, wall_min, wall_max, ints[_HYSTERESIS] != 0
         )
@@ -156,42 +160,14 @@ def _advance_sampled(
             withheld_b = ports[1, wave_core.STATE_WITHHELD]
             saturated_a = ports[0, wave_core.STATE_SATURATED] != 0
             saturated_b = ports[1, wave_core.STATE_SATURATED] != 0
-            if shaper_words.shape[0] == 0:
-                next_a, u_a, v_a = wave_core.wave_core_step(
-                    ports[0],
-                    lines[0],
-                    alpha,
-                    eta,
-                    0,
-                    root,
-                    ints[_A],
-                    left_a,
-                    extra,
-                    extra,
-                    ends_a,
-                )
-                next_b, u_b, v_b = wave_core.wave_core_step(
-                    ports[1],
-                    lines[1],
-                    beta,
-                    eta,
-                    0,
-                    root,
-                    ints[_A],
-                    left_b,
-                    extra,
-                    extra,
-                    ends_b,
-                )
-            else:
-                next_a, u_a, v_a = wave_core.shaped_core_step(
-                    ports[0], lines[0], shaper_words, shaper_states[0], mode, alpha, eta, 0,
-                    root, ints[_A], left_a, extra, extra, ends_a,
-                )  # fmt: skip
-                next_b, u_b, v_b = wave_core.shaped_core_step(
-                    ports[1], lines[1], shaper_words, shaper_states[1], mode, beta, eta, 0,
-                    root, ints[_A], left_b, extra, extra, ends_b,
-                )  # fmt: skip
+            next_a, u_a, v_a = wave_core.core_step(
+                ports[0], lines[0], shaper_words, shaper_states[0], mode, alpha, eta, 0, root,
+                ints[_A], left_a, extra, ends_a,
+            )  # fmt: skip
+            next_b, u_b, v_b = wave_core.core_step(
+                ports[1], lines[1], shaper_words, shaper_states[1], mode, beta, eta, 0, root,
+                ints[_A], left_b, extra, ends_b,
+            )  # fmt: skip
             if anchored is not None:
                 gains, _, turn, sines, rotor, blind, magnet = anchored
                 finds = magnet[magnet_angle.KNOWN] == 0
@@ -236,29 +212,22 @@ def _advance_sampled(
                 c_a, c_b = held_a[anchor.CORRECTION], held_b[anchor.CORRECTION]
                 for axis in range(2):
                     held = anchored[1][axis]
-                    held[anchor.CORRECTION], held[anchor.OFFSET] = (
-                        buffer[6 + axis],
-                        buffer[8 + axis],
-                    )
+                    held[anchor.CORRECTION] = buffer[6 + axis]
+                    held[anchor.OFFSET] = buffer[8 + axis]
                     held[anchor.CHI] = buffer[10 + axis] << formats.LONG_GUARD
                     held[anchor.LAG] = buffer[12 + axis] << formats.LONG_GUARD
                     held[anchor.FAULT] = buffer[14]
         theta = put_axes(rows[n], z, load, z[TIME] - tick, tick, before, hand, e_a, e_b, high - low)
         u = along_q(u_a, u_b, theta) * _ROOT_WATT
         v = along_q(v_a, v_b, theta) * _ROOT_WATT
+        bounded, clipped = buffer[15] != 0, buffer[16] != 0
+        if ints[_MODEL] == 0:
+            one, other = ports[0], ports[1]
+            bounded = (one[wave_core.STATE_SATURATED] | other[wave_core.STATE_SATURATED]) != 0
+            clipped = (one[wave_core.STATE_CLIPPED] | other[wave_core.STATE_CLIPPED]) != 0
         limited = abs(u_a) >= u_max or abs(u_b) >= u_max
         if anchored is not None:  # whose limit is not the same in every tick
-            limited = buffer[15] != 0
-            if ints[_MODEL] == 0:
-                limited = (
-                    ports[0, wave_core.STATE_SATURATED] != 0
-                    or ports[1, wave_core.STATE_SATURATED] != 0
-                )
-        clipped = buffer[16] != 0
-        if ints[_MODEL] == 0:
-            clipped = (
-                ports[0, wave_core.STATE_CLIPPED] != 0 or ports[1, wave_core.STATE_CLIPPED] != 0
-            )
+            limited = bounded
         put_port(rows[n], eta * _ETA, u, v, touching, limited, clipped)
         if anchored is not None:
             fault = held_a[anchor.FAULT] != 0 or held_b[anchor.FAULT] != 0
@@ -315,6 +284,9 @@ class BrushlessSimulation:
         )  # fmt: skip
         self._floats = np.array([set_.cell_rad, drive_gain(scene)])
         self._load = plant.words()
+        reading = reading_words(scene)
+        readings = new_readings(plant.plant.start[X], set_.cell_rad, reading)
+        self._reader = (reading, readings) if reading[PERIOD_S] else None
         self._table, self._step = plant.axis_table(dt), plant.step_words(dt)
         self._sensor = Sensor.of_scene(scene).constants()
         self._rng = np.random.default_rng(NOISE_SEED)
@@ -330,7 +302,7 @@ class BrushlessSimulation:
             rows, words, self._z, self._kept, self._ports, self._lines, self._contact,
             self.settings.wall_min, self.settings.wall_max, self._shaper, self._anchored,
             self._ints, self._floats, self._load, self._table, self._step, self._sensor,
-            draw_noise(self._rng, self._sensor, 2 * len(rows)), self._buffer,
+            draw_noise(self._rng, self._sensor, 2 * len(rows)), self._buffer, self._reader,
         )  # fmt: skip
         if not done:
             raise RuntimeError("the wave core's RTL never raised valid_o")
@@ -381,15 +353,8 @@ def _load_axes(set_: Settings, *angles: int):
 
     ``angles`` are position, θ there, a count's angle, and whether θ is to be found.
     """
-    design = verilated.Design(
-        "wh_core_axes",
-        "brushless_core_shim.cpp",
-        {
-            "DELAY_LOG2": CORE_DELAY_LOG2,
-            "SHAPER": len(set_.shaper.words),
-            "ANCHOR": int(set_.anchored),
-        },
-    )
+    sizes = core_design(set_).parameters
+    design = verilated.Design("wh_core_axes", "brushless_core_shim.cpp", sizes)
     library = verilated.load(design)
     verilated.declare_destructor(library.wh_axes_delete)
     words = verilated.words_of(design, {**set_.words(), "hold_ticks": set_.extra_ticks})

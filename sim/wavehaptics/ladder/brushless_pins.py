@@ -22,53 +22,11 @@ from wavehaptics.controller import guard
 from wavehaptics.controller.anchor import FOLLOWER_TICKS, SEEN_CELLS
 from wavehaptics.controller.pins_timing import GATE_CLOCKS
 from wavehaptics.controller.ports import Ports
+from wavehaptics.ladder import pins_loop as loop
 from wavehaptics.ladder import verilated
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.ladder.brushless import clear_sums, magnet_words, put_axes
 from wavehaptics.ladder.pins import PinsSimulation
-from wavehaptics.ladder.pins_loop import (
-    ADVANCED,
-    ANCHORED,
-    CELL,
-    CLOCK,
-    CLOSED,
-    CODE_SHIFT,
-    COUNT,
-    DATA_BITS,
-    DT,
-    EMITTED,
-    ENCODER_END,
-    ETA_CONTACT,
-    ETA_FREE,
-    FAULTS,
-    GAIN,
-    HAND0,
-    HELD,
-    HIGH,
-    LAUNCH_LEVEL,
-    LOW,
-    MODEL,
-    NEXT_LOOK,
-    NOW,
-    OFF_AT,
-    PENDING,
-    PINS,
-    PIPELINE,
-    SHIFT,
-    START_COUNT,
-    SUBSTEP_CLOCKS,
-    T0,
-    TICK_CLOCKS,
-    TICK_START,
-    U_MAX,
-    WORDS,
-    X0,
-    bus_at,
-    draw_charge,
-    encoder_levels,
-    held_bus,
-    next_edge,
-)
 from wavehaptics.ladder.turns_pins import new_ports
 from wavehaptics.motor.brushless import (
     F_A,
@@ -112,7 +70,7 @@ _GUARD = _COMPLAINTS + 2
 _ANCHOR_LOST = _GUARD + int(guard.Fault.ANCHOR)
 # Places in the integers that the loop keeps, behind those of pins_loop, whose SHIFT and HELD are of
 # phase a.
-_SHIFT_B, _HELD_B, _DONE = range(OFF_AT + 1, OFF_AT + 4)
+_SHIFT_B, _HELD_B, _DONE = range(loop.OFF_AT + 1, loop.OFF_AT + 4)
 # Places in the words of a step: i, u, v and e of alpha and of beta, the limit, of the anchors c, χ
 # and the lag of both, their fault, the position, whether a value was at its end, and the contact.
 _ALPHA, _BETA, _LIMITED, _C, _CHI, _LAG, _LOST, _PLACE = 0, 4, 8, 9, 11, 13, 15, 16
@@ -190,7 +148,7 @@ def _sensed(z, kept, n, holds):
     if holds is None:
         return _phase(z, n)
     else:
-        return held_output(holds, n, kept[NOW], _phase(z, n))
+        return held_output(holds, n, kept[loop.NOW], _phase(z, n))
 
 
 @compiled()
@@ -219,45 +177,47 @@ def _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, h
 
     ``holds`` is the memory of amplifiers that hold, None without.
     """
-    clocks = kept[NOW] - kept[ADVANCED]
-    pins = kept[PINS]
+    clocks = kept[loop.NOW] - kept[loop.ADVANCED]
+    pins = kept[loop.PINS]
     currents, volts = room[0], room[1]
     # Dead time's currents run out within a step: its length is by how fast they do.
     floating = (pins | pins >> 3) & 7 != 7
     while clocks > 0:
-        part = 1 if floating else min(clocks, ints[SUBSTEP_CLOCKS])
+        part = 1 if floating else min(clocks, ints[loop.SUBSTEP_CLOCKS])
         for n in range(3):
             currents[n] = _phase(z, n)
-        bus = held_bus(bus_at(z[TIME] + 0.5 * part * floats[DT], floats), floats, marks)
-        _bridge(pins, currents, floats[GAIN] * bus, volts)
-        leads_move(pins, currents, kept[NOW] - clocks, floats[DT], sensor, holds)
+        bus = loop.held_bus(
+            loop.bus_at(z[TIME] + 0.5 * part * floats[loop.DT], floats), floats, marks
+        )
+        _bridge(pins, currents, floats[loop.GAIN] * bus, volts)
+        leads_move(pins, currents, kept[loop.NOW] - clocks, floats[loop.DT], sensor, holds)
         z[F_A] = (2.0 * volts[0] - volts[1] - volts[2]) / 3.0
         z[F_B] = (volts[1] - volts[2]) / _ROOT3
         charge_a, charge_b = z[Q_A], z[Q_B]
         brushless_step(z, tables[part], tables[part], steps[part], load)
         drawn = _of_phases(volts, z[Q_A] - charge_a, z[Q_B] - charge_b)
-        draw_charge(bus, drawn / (floats[GAIN] * bus), floats, marks)
+        loop.draw_charge(bus, drawn / (floats[loop.GAIN] * bus), floats, marks)
         if floating:
             _end_run_out(z, pins, currents)
-        marks[LOW] = min(marks[LOW], z[I])
-        marks[HIGH] = max(marks[HIGH], z[I])
+        marks[loop.LOW] = min(marks[loop.LOW], z[I])
+        marks[loop.HIGH] = max(marks[loop.HIGH], z[I])
         clocks -= part
-    kept[ADVANCED] = kept[NOW]
+    kept[loop.ADVANCED] = kept[loop.NOW]
 
 
 @compiled()
 def _close_tick(z, kept, marks, pending, angles, floats, ints, load):
     """Keep the row of the tick that ends now until its waves are known."""
-    tick = ints[TICK_CLOCKS] * floats[DT]
-    place = kept[CLOSED] % PENDING
+    tick = ints[loop.TICK_CLOCKS] * floats[loop.DT]
+    place = kept[loop.CLOSED] % loop.PENDING
     angles[place] = put_axes(
-        pending[place], z, load, marks[T0], tick, marks[X0], marks[HAND0], z[QF_A] / tick,
-        z[QF_B] / tick, marks[HIGH] - marks[LOW],
+        pending[place], z, load, marks[loop.T0], tick, marks[loop.X0], marks[loop.HAND0],
+        z[QF_A] / tick, z[QF_B] / tick, marks[loop.HIGH] - marks[loop.LOW],
     )  # fmt: skip
-    kept[CLOSED] += 1
+    kept[loop.CLOSED] += 1
     clear_sums(z)
-    marks[LOW] = marks[HIGH] = z[I]
-    marks[X0], marks[HAND0], marks[T0] = z[X], z[P] + z[C], z[TIME]
+    marks[loop.LOW] = marks[loop.HIGH] = z[I]
+    marks[loop.X0], marks[loop.HAND0], marks[loop.T0] = z[X], z[P] + z[C], z[TIME]
 
 
 @compiled()
@@ -266,21 +226,21 @@ def _emit(row, words, place, pending, angles, waves, floats, ints):
     for n in range(row.shape[0]):
         row[n] = pending[place, n]
     step, theta = waves[place], angles[place]
-    eta = floats[ETA_CONTACT] if step[_CONTACT] else floats[ETA_FREE]
+    eta = floats[loop.ETA_CONTACT] if step[_CONTACT] else floats[loop.ETA_FREE]
     u = along_q(step[_ALPHA + _STEP_U], step[_BETA + _STEP_U], theta) * _WAVE
     v = along_q(step[_ALPHA + _STEP_V], step[_BETA + _STEP_V], theta) * _WAVE
     largest = max(abs(step[_ALPHA + _STEP_U]), abs(step[_BETA + _STEP_U]))
-    limited = largest >= ints[U_MAX]
-    if ints[ANCHORED]:
+    limited = largest >= ints[loop.U_MAX]
+    if ints[loop.ANCHORED]:
         limited = step[_LIMITED] != 0  # which isn't the same in every tick
         # The voltage of the measured tick was made in the step before.
-        made = waves[(place - 1) % PENDING]
+        made = waves[(place - 1) % loop.PENDING]
         put_anchor(row, along_q(made[_C], made[_C + 1], theta) * _VOLT, step[_LOST])
         chi = along_q(step[_CHI], step[_CHI + 1], theta) * SEEN_CELLS
-        lag = along_q(step[_LAG], step[_LAG + 1], theta) * SEEN_CELLS * floats[CELL]
+        lag = along_q(step[_LAG], step[_LAG + 1], theta) * SEEN_CELLS * floats[loop.CELL]
         put_estimate(
-            row, chi, (ints[START_COUNT] + step[_PLACE] + 0.5 - chi) * floats[CELL],
-            lag / (FOLLOWER_TICKS * ints[TICK_CLOCKS] * floats[DT]),
+            row, chi, (ints[loop.START_COUNT] + step[_PLACE] + 0.5 - chi) * floats[loop.CELL],
+            lag / (FOLLOWER_TICKS * ints[loop.TICK_CLOCKS] * floats[loop.DT]),
         )  # fmt: skip
         if step[_LOST]:
             eta = 0.0
@@ -296,19 +256,19 @@ def _wires(z, kept, pins, changed, ints, sensor, rng, holds):
     """What both ADCs do at this change of the pins: they hold their inputs, or put out a bit."""
     if changed & 1 << _CS_N:
         if not pins & 1 << _CS_N:
-            middle = 1 << (ints[DATA_BITS] - 1)
+            middle = 1 << (ints[loop.DATA_BITS] - 1)
             noisy = sensor[NOISE] > 0.0
             noise = rng.standard_normal() if noisy else 0.0
             code = sample_code(_sensed(z, kept, 0, holds), sensor, noise) + middle
             noise = rng.standard_normal() if noisy else 0.0
             code_b = sample_code(_sensed(z, kept, 1, holds), sensor, noise) + middle
             # Bit 63 is on the wire; a late part puts out the code that it held before.
-            late = ints[PIPELINE]
-            kept[SHIFT] = (kept[HELD] if late else code) << ints[CODE_SHIFT]
-            kept[_SHIFT_B] = (kept[_HELD_B] if late else code_b) << ints[CODE_SHIFT]
-            kept[HELD], kept[_HELD_B] = code, code_b
-    elif changed & 1 << _SCLK and (pins >> _SCLK) & 1 == ints[LAUNCH_LEVEL]:
-        kept[SHIFT] <<= 1
+            late = ints[loop.PIPELINE]
+            kept[loop.SHIFT] = (kept[loop.HELD] if late else code) << ints[loop.CODE_SHIFT]
+            kept[_SHIFT_B] = (kept[_HELD_B] if late else code_b) << ints[loop.CODE_SHIFT]
+            kept[loop.HELD], kept[_HELD_B] = code, code_b
+    elif changed & 1 << _SCLK and (pins >> _SCLK) & 1 == ints[loop.LAUNCH_LEVEL]:
+        kept[loop.SHIFT] <<= 1
         kept[_SHIFT_B] <<= 1
 
 
@@ -316,9 +276,9 @@ def _wires(z, kept, pins, changed, ints, sensor, rng, holds):
 def _inputs(kept):
     """Levels of the ADCs' wires and of the encoder."""
     return (
-        ((kept[SHIFT] >> 63) & 1)
+        ((kept[loop.SHIFT] >> 63) & 1)
         | ((kept[_SHIFT_B] >> 63) & 1) << 1
-        | encoder_levels(kept[COUNT]) << 1
+        | loop.encoder_levels(kept[loop.COUNT]) << 1
     )
 
 
@@ -326,9 +286,9 @@ def _inputs(kept):
 def rest(z, kept, ints, sensor, rng, clocks):
     """Clock a board with the motor at rest; the clocks until a gate went on, else ``clocks``."""
     for n in range(clocks):
-        pins = call2(ints[CLOCK], ints[MODEL], _inputs(kept))
-        changed = kept[PINS] ^ pins
-        kept[PINS] = pins
+        pins = call2(ints[loop.CLOCK], ints[loop.MODEL], _inputs(kept))
+        changed = kept[loop.PINS] ^ pins
+        kept[loop.PINS] = pins
         _wires(z, kept, pins, changed, ints, sensor, rng, None)
         if pins & _GATES:
             return n
@@ -342,52 +302,59 @@ def _advance(
 ):  # fmt: skip
     """Clock the RTL until ``rows`` are filled; False if its core falls silent."""
     done = 0
-    dt, cell, end_s = floats[DT], floats[CELL], floats[ENCODER_END]
+    dt, cell, end_s = floats[loop.DT], floats[loop.CELL], floats[loop.ENCODER_END]
     while done < rows.shape[0]:
-        if kept[NOW] >= kept[NEXT_LOOK]:
-            next_edge(z, kept, cell, dt, end_s, None)
-        pins = call2(ints[CLOCK], ints[MODEL], _inputs(kept))
-        changed = kept[PINS] ^ pins
+        if kept[loop.NOW] >= kept[loop.NEXT_LOOK]:
+            loop.next_edge(z, kept, cell, dt, end_s, None)
+        pins = call2(ints[loop.CLOCK], ints[loop.MODEL], _inputs(kept))
+        changed = kept[loop.PINS] ^ pins
         if changed & _GATES:
             _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, holds)
-            next_edge(z, kept, cell, dt, end_s, None)
-        kept[PINS] = pins
+            loop.next_edge(z, kept, cell, dt, end_s, None)
+        kept[loop.PINS] = pins
         if changed & ~pins & 1 << _CS_N:
             _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, holds)
         _wires(z, kept, pins, changed, ints, sensor, rng, holds)
         if pins & 1 << _CORE_VALID:
-            call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
-            step = waves[kept[EMITTED] % PENDING]
+            call2(ints[loop.WORDS], ints[loop.MODEL], buffer.ctypes.data)
+            step = waves[kept[loop.EMITTED] % loop.PENDING]
             for n in range(_CONTACT):
                 step[n] = buffer[n]
             step[_CONTACT] = (pins >> _TOUCHING) & 1
-            kept[EMITTED] += 1
+            kept[loop.EMITTED] += 1
         if pins & 1 << _TICK:
             # The strobe marks the carrier's last clock of a tick; the gates follow it later.
-            kept[FAULTS] |= pins >> _COMPLAINTS
-            kept[TICK_START] = kept[NOW] + 1 + GATE_CLOCKS
-        kept[NOW] += 1
-        if kept[NOW] == kept[TICK_START]:
+            kept[loop.FAULTS] |= pins >> _COMPLAINTS
+            kept[loop.TICK_START] = kept[loop.NOW] + 1 + GATE_CLOCKS
+        kept[loop.NOW] += 1
+        if kept[loop.NOW] == kept[loop.TICK_START]:
             _catch_up(z, kept, marks, room, tables, steps, floats, ints, load, sensor, holds)
             _close_tick(z, kept, marks, pending, angles, floats, ints, load)
             if pins >> _GUARD:
                 # No steps while the gates are off, so no waves: the rows show what the motor does.
-                if kept[OFF_AT] == 0:
-                    kept[OFF_AT] = kept[NOW]
-                if kept[EMITTED] < kept[CLOSED]:
-                    call2(ints[WORDS], ints[MODEL], buffer.ctypes.data)
-                    step = waves[kept[EMITTED] % PENDING]
+                if kept[loop.OFF_AT] == 0:
+                    kept[loop.OFF_AT] = kept[loop.NOW]
+                if kept[loop.EMITTED] < kept[loop.CLOSED]:
+                    call2(ints[loop.WORDS], ints[loop.MODEL], buffer.ctypes.data)
+                    step = waves[kept[loop.EMITTED] % loop.PENDING]
                     for n in range(_CONTACT):
                         step[n] = buffer[n]
                     step[: _LIMITED + 1] = 0
                     step[_LOST] = (pins >> _ANCHOR_LOST) & 1
                     step[_CONTACT] = (pins >> _TOUCHING) & 1
-                    kept[EMITTED] += 1
-            if kept[CLOSED] - kept[EMITTED] > PENDING - 2:
+                    kept[loop.EMITTED] += 1
+            if kept[loop.CLOSED] - kept[loop.EMITTED] > loop.PENDING - 2:
                 return False
-        if kept[_DONE] < min(kept[CLOSED], kept[EMITTED]):
+        if kept[_DONE] < min(kept[loop.CLOSED], kept[loop.EMITTED]):
             _emit(
-                rows[done], words[done], kept[_DONE] % PENDING, pending, angles, waves, floats, ints
+                rows[done],
+                words[done],
+                kept[_DONE] % loop.PENDING,
+                pending,
+                angles,
+                waves,
+                floats,
+                ints,
             )
             kept[_DONE] += 1
             done += 1
@@ -407,10 +374,10 @@ class BrushlessPinsSimulation(PinsSimulation):
 
     def __init__(self, scene: Scene, *, host: bool = False) -> None:
         super().__init__(scene, host=host)
-        self._kept[_HELD_B] = self._kept[HELD]
-        self._angles = np.zeros(PENDING)
+        self._kept[_HELD_B] = self._kept[loop.HELD]
+        self._angles = np.zeros(loop.PENDING)
         self._buffer = np.zeros(_CONTACT + 1, dtype=np.int64)
-        self._waves = np.zeros((PENDING, len(self._buffer)), dtype=np.int64)
+        self._waves = np.zeros((loop.PENDING, len(self._buffer)), dtype=np.int64)
         self._room = np.zeros((2, 3))
         self._holds = new_holds(2) if self.sensor.edge_hold_s else None
 
@@ -455,16 +422,19 @@ class BrushlessPinsSimulation(PinsSimulation):
 
     def forget_the_past(self) -> None:
         """Let time begin with the tick that runs."""
-        before = self._sums[T0]
+        before = self._sums[loop.T0]
         self._state[TIME] -= before
-        self._sums[T0] = 0.0
-        self._sums[X0], self._sums[HAND0] = self._state[X], self._state[P] + self._state[C]
+        self._sums[loop.T0] = 0.0
+        self._sums[loop.X0], self._sums[loop.HAND0] = (
+            self._state[X],
+            self._state[P] + self._state[C],
+        )
         self._pending[:, Column.T] -= before
 
     @property
     def step_words(self) -> list[int]:
         """i, u, v and e of α, then of β, and the contact, of the step that made the newest row."""
-        step = self._waves[(int(self._kept[_DONE]) - 1) % PENDING]
+        step = self._waves[(int(self._kept[_DONE]) - 1) % loop.PENDING]
         return [*step[: 2 * _BETA].tolist(), int(step[_CONTACT])]
 
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:

@@ -39,6 +39,7 @@ SERVO_REFUSES = {
     "controller.walls": "its servo knows surfaces alone; leave it out",
     "servo.stiffness": "a surface has its own; write surface.stiffness, in N/m",
     "servo.damping": "a surface has its own; write surface.damping, in N·s/m",
+    "encoder.kind": "its servo reads A and B; leave it out",
 }
 """Keys that a device does without on `encoder`, with the cure."""
 

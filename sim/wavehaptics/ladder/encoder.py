@@ -20,7 +20,7 @@ from wavehaptics.controller import wave_core
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.ladder.abilities import refuse
 from wavehaptics.laws import closed_forms
-from wavehaptics.motor.imperfections import MOTOR, counted, real_parts, supplied, warm_real
+from wavehaptics.motor.imperfections import MOTOR, counted, look, real_parts, supplied, warm_real
 from wavehaptics.motor.plant import TIME, C, I, P, Plant, X, load_words, plant_step
 from wavehaptics.motor.step import motor_step
 from wavehaptics.motor.thermal import Winding
@@ -98,6 +98,8 @@ def _advance(
             square += part_square
             low, high = min(low, state[I]), max(high, state[I])
         ticks = int(kept[_TICKS])
+        if real is not None:
+            look(state[X], state[TIME], floats[CELL], real)
         if ticks % ints[_SERVO_TICKS] == 0:
             position = int(kept[_COUNT])
             if real is not None:

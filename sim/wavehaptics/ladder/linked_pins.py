@@ -189,7 +189,7 @@ class LinkedPins(PinsSimulation):
 
 
 class LinkedBrushlessPins(LinkedPins, BrushlessPinsSimulation):
-    """``wh_linked_device`` with three legs, and a scene's brushless motor. It knows no host."""
+    """``wh_linked_device`` with two axes, and a scene's brushless motor. It knows no host."""
 
     turns = 0
 
@@ -199,7 +199,7 @@ class LinkedBrushlessPins(LinkedPins, BrushlessPinsSimulation):
         super().__init__(scene, arm=arm)
 
     def _parameters(self) -> dict[str, int]:
-        return {**super()._parameters(), "LEGS": self.LEGS}
+        return {**super()._parameters(), **BrushlessPinsSimulation._parameters(self)}
 
 
 def linked_pins(scene: Scene, *, arm: bool = True) -> LinkedPins:

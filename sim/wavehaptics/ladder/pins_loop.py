@@ -12,6 +12,7 @@ import numpy as np
 from wavehaptics.controller.anchor import FOLLOWER_TICKS, SEEN_CELLS
 from wavehaptics.controller.guard import Fault
 from wavehaptics.controller.pins_timing import GATE_CLOCKS
+from wavehaptics.motor.absolute import PERIOD_S, absolute_count
 from wavehaptics.motor.bridge import bridge_voltage, half_bridge_voltage
 from wavehaptics.motor.encoder_lines import FAULTY, cell_of, edge_place, line_count
 from wavehaptics.motor.imperfections import (
@@ -26,6 +27,8 @@ from wavehaptics.motor.imperfections import (
     LINES,
     LOAD,
     MOTOR,
+    READING,
+    READINGS,
     SUPPLY,
     VOLTS,
 )
@@ -66,12 +69,13 @@ AH, AL, BH, BL, CS_N, SCLK, TICK, CORE_VALID, TOUCHING = range(9)
 _COMPLAINTS = TOUCHING + 1
 _GUARD = _COMPLAINTS + 2
 _ANCHOR_LOST = _GUARD + int(Fault.ANCHOR)
-_PORT = 28
+_PORT = 31
 """Of several motors: whose step is done, 3 bits."""
-_OTHERS = 32
+_OTHERS = 34
 """And the second motor's gates, 4 bits each."""
-_SURFACES = 60
+_SURFACES = 62
 """And how many surfaces act in a step, 2 bits."""
+assert _GUARD + len(Fault) <= _PORT
 _WIRES = (1 << TICK) - 1 | (1 << 28) - 1 << _OTHERS
 _SEEN = (1 << _PORT) - 1
 MOTOR_INPUTS = 3
@@ -252,18 +256,30 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
     kept[ADVANCED] = kept[NOW]
 
 
+STEP_CLOCKS = 8
+"""More than the filter of A and B needs by default."""
+
+
 @compiled()
 def next_edge(state, kept, cell, dt, end_s, real):
     """Set the count, until ``end_s``, and the clock at which it is to be looked at again.
 
     The rotor is taken to keep its speed until then, for at most 32 clocks; it can't change by more
-    than 1e-8 rad in that time.
+    than 1e-8 rad in that time. An absolute encoder's A and B follow its count in steps of one,
+    STEP_CLOCKS apart.
     """
     if kept[NOW] * dt >= end_s:
         kept[NEXT_LOOK] = 1 << 62
         return
     ahead = (kept[NOW] - kept[ADVANCED]) * dt
     x = state[X] + state[OMEGA] * ahead
+    if real is not None and real[READING][PERIOD_S] != 0.0:
+        count = absolute_count(x, kept[NOW] * dt, cell, real[READING], real[READINGS])
+        moved = count != kept[COUNT]
+        if moved:
+            kept[COUNT] += 1 if count > kept[COUNT] else -1
+        kept[NEXT_LOOK] = kept[NOW] + (STEP_CLOCKS if moved else 32)
+        return
     below = int(np.floor(x / cell))
     kept[COUNT] = below
     if real is not None and real[LINES][FAULTY] != 0.0:

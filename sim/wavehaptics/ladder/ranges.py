@@ -156,7 +156,7 @@ def _asked_v(scene: Scene) -> float:
     """The voltage limit that the scene asks for, V; infinite where it has none."""
     drive = scene.drive
     asked = reached_v(scene)
-    return asked if drive is None or drive.limit_v is None else min(asked, drive.limit_v)
+    return asked if drive is None else min(asked, drive.limit(scene.controller.r_hat))
 
 
 def _voltage(scene: Scene, set_: Settings, push: _Push) -> Exceeded | None:

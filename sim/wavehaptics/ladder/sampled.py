@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from wavehaptics.controller import anchor, wave_core
+from wavehaptics.controller import anchor, host_link, wave_core
 from wavehaptics.controller.settings import Settings, settings
 from wavehaptics.ladder import verilated
 from wavehaptics.motor.imperfections import (
@@ -55,39 +55,29 @@ _LONG_GUARD = formats.LONG_GUARD
 
 # Indices of the loop's integer parameters.
 (
-    _A,
-    _EXTRA,
-    _ETA_CONTACT,
-    _ETA_FREE,
-    _SUBSTEPS,
-    _POINT,
-    _MODEL,
-    _STEP,
-    _HYSTERESIS,
-    _ROOT,
+    _A, _EXTRA, _ETA_CONTACT, _ETA_FREE, _SUBSTEPS, _POINT, _MODEL, _STEP, _HYSTERESIS, _ROOT,
     _U_MAX,
-) = range(11)
+) = range(11)  # fmt: skip
 # Indices of the loop's float parameters.
 _DT, _CELL, _DRIVE_GAIN, _K_T, _RESISTANCE, _ENCODER_END = range(6)
 # Indices of the loop's integer state.
-_VOLTAGE_WORD, _CLOCKS, _POSITION, _WAVE_VOLTAGE, _CORRECTION = range(5)
+_VOLTAGE_WORD, _CLOCKS, _POSITION, _WAVE_VOLTAGE, _CORRECTION, _SEQUENCE, _MEAN_V = range(7)
 
 
 @compiled(error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _advance(
-    rows, words, state, kept, core, line, contact, wall_min, wall_max, shaper, anchored, ints,
+    rows, words, state, kept, core, line, contact, wall_min, wall_max, shaper, anchored, host, ints,
     floats, load, matrix, real, sensor, noise, buffer,
 ):  # fmt: skip
     """Fill ``rows`` and ``words``; False if the RTL didn't answer.
 
     ``shaper`` holds W's coefficients, its states and which walls it shapes, ``anchored`` the
-    settings and state of a port anchor or None, ``real`` the errors of
-    :mod:`wavehaptics.motor.imperfections` or None.
+    settings and state of a port anchor or None, ``host`` a link's state, period and timeout or
+    None, ``real`` the errors of :mod:`wavehaptics.motor.imperfections` or None.
     """
     shaper_words, shaper_states, shaped = shaper
     dt, cell, k_t = floats[_DT], floats[_CELL], floats[_K_T]
-    substeps, extra = ints[_SUBSTEPS], ints[_EXTRA]
-    root, u_max = ints[_ROOT], ints[_U_MAX]
+    substeps, root, u_max = ints[_SUBSTEPS], ints[_ROOT], ints[_U_MAX]
     tick = dt * substeps
     for n in range(rows.shape[0]):
         e_a = kept[_VOLTAGE_WORD] * _VOLT * floats[_DRIVE_GAIN]
@@ -132,31 +122,32 @@ def _advance(
             contact, position, wall_min, wall_max, ints[_HYSTERESIS] != 0
         )
         eta = ints[_ETA_CONTACT] if touching else ints[_ETA_FREE]
-        raw = current
-        if anchored is not None:
-            held = anchored[1]
-            current = wave_core.saturate(current - held[anchor.OFFSET])
-            if held[anchor.FAULT] != 0:
-                eta = 0
-        mode = wave_core.shaper_mode(contact[0], shaped)
+        raw, goal, shown = current, 0, touching
+        if host is not None:
+            shown = host[0][host_link.ACTIVE] != 0
+            touching = touching or shown
+            if shown:
+                eta, goal = 0, host[0][host_link.U]
         correction = 0
         left = u_max
         if anchored is not None:
-            left = anchor.left(u_max, anchored[1])
+            held = anchored[1]
+            current = wave_core.saturate(current - held[anchor.OFFSET])
+            left = anchor.left(u_max, held)
+            if held[anchor.FAULT] != 0:
+                eta, goal = 0, 0
+        mode = wave_core.shaper_mode(contact[0], shaped)
         if ints[_MODEL] == 0:
-            withheld, saturated = (
-                core[wave_core.STATE_WITHHELD],
-                core[wave_core.STATE_SATURATED] != 0,
-            )
-            if shaper_words.shape[0] == 0:
-                e_next, u_n, v_n = wave_core.wave_core_step(
-                    core, line, current, eta, 0, root, ints[_A], left, extra, extra, ends
-                )
-            else:
-                e_next, u_n, v_n = wave_core.shaped_core_step(
-                    core, line, shaper_words, shaper_states, mode, current, eta, 0, root,
-                    ints[_A], left, extra, extra, ends,
-                )  # fmt: skip
+            withheld = core[wave_core.STATE_WITHHELD]
+            saturated = core[wave_core.STATE_SATURATED] != 0
+            e_next, u_n, v_n = wave_core.core_step(
+                core, line, shaper_words, shaper_states, mode, current, eta, goal, root, ints[_A],
+                left, ints[_EXTRA], ends,
+            )  # fmt: skip
+            if host is not None:
+                sent, number, packet = host_link.tick(host[0], v_n, host[1], host[2])
+                if sent:
+                    kept[_SEQUENCE], kept[_MEAN_V] = number, packet
             if anchored is not None:
                 held = anchored[1]
                 correction = held[anchor.CORRECTION]
@@ -178,10 +169,8 @@ def _advance(
                 held = anchored[1]
                 correction = held[anchor.CORRECTION]
                 held[anchor.CORRECTION], held[anchor.OFFSET] = buffer[3], buffer[4]
-                held[anchor.CHI], held[anchor.LAG] = (
-                    buffer[5] << _LONG_GUARD,
-                    buffer[6] << _LONG_GUARD,
-                )
+                held[anchor.CHI] = buffer[5] << _LONG_GUARD
+                held[anchor.LAG] = buffer[6] << _LONG_GUARD
                 held[anchor.FAULT] = buffer[7]
         row = rows[n]
         put_motion(
@@ -193,7 +182,7 @@ def _advance(
         if anchored is not None:  # whose limit varies from tick to tick
             limited = (core[wave_core.STATE_SATURATED] if ints[_MODEL] == 0 else buffer[8]) != 0
         clipped = (core[wave_core.STATE_CLIPPED] if ints[_MODEL] == 0 else buffer[9]) != 0
-        put_port(row, eta * _ETA, u_n * _ROOT_WATT, v_n * _ROOT_WATT, touching, limited, clipped)
+        put_port(row, eta * _ETA, u_n * _ROOT_WATT, v_n * _ROOT_WATT, shown, limited, clipped)
         if anchored is not None:
             held = anchored[1]
             put_anchor(row, kept[_CORRECTION] * _VOLT, held[anchor.FAULT])
@@ -215,11 +204,15 @@ class SampledSimulation:
 
     ``rtl`` takes the Verilated core instead of the integer model. ``point_sampling`` gives the
     sensor the current at the tick's end instead of the mean: only to show what that breaks:
-    such a port can give out energy.
+    such a port can give out energy. ``host`` is (state, log2 of the period in ticks, timeout) of a
+    link to a host, whose answers are the integer model's goals.
     """
 
-    def __init__(self, scene: Scene, *, rtl: bool, point_sampling: bool = False) -> None:
-        self.settings: Settings = settings(scene)
+    def __init__(
+        self, scene: Scene, *, rtl: bool, point_sampling: bool = False,
+        host: tuple[np.ndarray, int, int] | None = None,
+    ) -> None:  # fmt: skip
+        self.settings: Settings = settings(scene) if host is None else settings(scene).for_a_host()
         self.tick_s = self.settings.tick_s
         self.winding = Winding(scene, self.tick_s)
         plant = self.winding.plant
@@ -233,7 +226,8 @@ class SampledSimulation:
         if rtl:
             self._library, self._model, step = load_core(set_)
         self._state = plant.start.copy()
-        self._kept = np.zeros(5, dtype=np.int64)
+        self._host = host
+        self._kept = np.zeros(7, dtype=np.int64)
         self._kept[_POSITION] = math.floor(plant.start[X] / set_.cell_rad)
         self._core = wave_core.new_state()
         self._line = wave_core.new_line(set_.extra_ticks)
@@ -263,6 +257,11 @@ class SampledSimulation:
         """Clocks of the RTL so far; None on the integer model, which has no clock."""
         return int(self._kept[_CLOCKS]) if self._model else None
 
+    @property
+    def packet(self) -> tuple[int, int]:
+        """Number and mean wave v, as a word, of the newest packet to the host."""
+        return int(self._kept[_SEQUENCE]), int(self._kept[_MEAN_V])
+
     def advance(self, rows: np.ndarray, words: np.ndarray) -> None:
         """Simulate ``len(rows)`` ticks into ``rows`` (Column) and ``words`` (Word)."""
         self.winding.advance(rows, lambda part: self._advance(rows[part], words[part]), self._warm)
@@ -277,8 +276,8 @@ class SampledSimulation:
         done = _advance(
             rows, words, self._state, self._kept, self._core, self._line, self._contact,
             self.settings.wall_min, self.settings.wall_max, self._shaper, self._anchored,
-            self._ints, self._floats, self._load, self._matrix, self._real, self._sensor,
-            draw_noise(self._rng, self._sensor, len(rows)), self._buffer,
+            self._host, self._ints, self._floats, self._load, self._matrix, self._real,
+            self._sensor, draw_noise(self._rng, self._sensor, len(rows)), self._buffer,
         )  # fmt: skip
         if not done:
             raise RuntimeError("the wave core's RTL never raised valid_o")
@@ -290,15 +289,12 @@ class SampledSimulation:
 
 def core_design(set_: Settings) -> verilated.Design:
     """The core's RTL for these settings."""
-    return verilated.Design(
-        "wh_core_port",
-        "core_shim.cpp",
-        {
-            "DELAY_LOG2": CORE_DELAY_LOG2,
-            "SHAPER": len(set_.shaper.words),
-            "ANCHOR": int(set_.anchored),
-        },
-    )
+    sizes = {
+        "DELAY_LOG2": CORE_DELAY_LOG2,
+        "SHAPER": len(set_.shaper.words),
+        "ANCHOR": int(set_.anchored),
+    }
+    return verilated.Design("wh_core_port", "core_shim.cpp", sizes)
 
 
 def core_words(set_: Settings, **others: int) -> ctypes.Array:

@@ -73,18 +73,9 @@ DURATION, COS, SIN = range(3)
 """Places in what a step is besides, :meth:`BrushlessPlant.step_words`."""
 
 (
-    INERTIA,
-    VISCOUS,
-    K_E,
-    PAIRS,
-    MAGNET,
-    HARMONIC_5,
-    HARMONIC_7,
-    L_Q,
-    DELTA_L,
-    COGGING,
+    INERTIA, VISCOUS, K_E, PAIRS, MAGNET, HARMONIC_5, HARMONIC_7, L_Q, DELTA_L, COGGING,
     COGGING_PER_REV,
-) = range(6, 17)
+) = range(6, 17)  # fmt: skip
 """Places in :meth:`BrushlessPlant.words` behind those of a plant's ``load_words``."""
 
 
@@ -143,13 +134,9 @@ class BrushlessPlant:
         return max(1, math.ceil(step_s / self.longest_step_s))
 
     def axis_table(
-        self,
-        step_s: float,
-        gain: float = 1.0,
-        lambda_: float = 0.0,
-        eta: float = 0.0,
+        self, step_s: float, gain: float = 1.0, lambda_: float = 0.0, eta: float = 0.0,
         s: float = 0.0,
-    ) -> np.ndarray:
+    ) -> np.ndarray:  # fmt: skip
         """Table of an axis for a step of ``step_s``, float64 (4, 3).
 
         It is driven by ``gain`` times f, of which ``df/dt = λ((η − 1) f − η s i)``, the analog

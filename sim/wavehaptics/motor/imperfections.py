@@ -12,6 +12,7 @@ from typing import cast
 
 import numpy as np
 
+from wavehaptics.motor.absolute import PERIOD_S, absolute_count, new_readings, reading_words
 from wavehaptics.motor.encoder_lines import FAULTY, line_count, line_words, new_lines
 from wavehaptics.motor.plant import Plant, X
 from wavehaptics.motor.sensor import (
@@ -28,12 +29,13 @@ from wavehaptics.motor.supply import SAG_OHM, STEP_PART, sag_in_series, supply_p
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.scene import Scene
 
-MOTOR, SUPPLY, LINES, LINE_MEMORY, LAG_TABLE, LAG, HOLDS = range(7)
+MOTOR, SUPPLY, LINES, LINE_MEMORY, LAG_TABLE, LAG, HOLDS, READING, READINGS = range(9)
 """Places in :func:`real_parts`."""
 
 Real = tuple[
-    tuple[np.ndarray, ...], np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray
-]
+    tuple[np.ndarray, ...], np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray,
+    np.ndarray, np.ndarray,
+]  # fmt: skip
 
 
 AMPLIFIED, VOLTS, DRAWN, LOAD, LEAD, LEAD_EDGE = range(6)
@@ -43,19 +45,16 @@ A's level, ±½ and 0 before the first, and what is left of its edges at the amp
 
 
 def real_parts(
-    scene: Scene,
-    plant: Plant,
-    cell_rad: float,
-    steps_s: Sequence[float],
-    switching: bool = False,
+    scene: Scene, plant: Plant, cell_rad: float, steps_s: Sequence[float], switching: bool = False,
     always: bool = False,
-) -> Real | None:
+) -> Real | None:  # fmt: skip
     """What the loops take, for steps of the lengths ``steps_s``; None for an ideal scene.
 
     ``switching`` is whether there is a bridge that draws from the bus itself; ``always`` gives an
     ideal scene its parts as well, for a loop of several motors.
     """
     supply, lines = supply_words(scene, not switching), line_words(scene)
+    reading = reading_words(scene)
     sensor = Sensor.of_scene(scene)
     words = sensor.constants()
     if not (
@@ -63,6 +62,7 @@ def real_parts(
         or plant.real
         or supply[STEP_PART] != 1.0
         or lines[FAULTY]
+        or reading[PERIOD_S]
         or np.any(words[[LAG_RATE, COMMON_MODE, DRIFT]])
         or (switching and words[HOLD_S])
     ):
@@ -76,6 +76,8 @@ def real_parts(
         sensor.lag_table(np.asarray(steps_s)),
         np.zeros(6),
         new_holds(1),
+        reading,
+        new_readings(plant.start[X], cell_rad, reading),
     )
 
 
@@ -109,8 +111,17 @@ def amplified(current, point, lag_before, tick_s, e, time, sensor, real):
 
 
 @compiled(inline="always")
+def look(x, time, cell, real):
+    """Let an absolute encoder be read at a tick's end, for who asks for the count more rarely."""
+    if real[READING][PERIOD_S] != 0.0:
+        absolute_count(x, time, cell, real[READING], real[READINGS])
+
+
+@compiled(inline="always")
 def counted(position, x, time, cell, end_s, real):
     """The encoder's count at a tick's end; ``position`` is the one before."""
+    if real[READING][PERIOD_S] != 0.0:
+        return absolute_count(x, time, cell, real[READING], real[READINGS])
     if real[LINES][FAULTY] != 0.0:
         return line_count(x, time, cell, real[LINES], real[LINE_MEMORY])
     return int(np.floor(x / cell)) if time < end_s else position

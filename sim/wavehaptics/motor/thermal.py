@@ -88,10 +88,7 @@ class Winding:
         return replace(self._plant, resistance=self.resistance, k_t=self.k_t)
 
     def advance(
-        self,
-        rows: np.ndarray,
-        simulate: Callable[[slice], None],
-        warm: Callable[[Plant], None],
+        self, rows: np.ndarray, simulate: Callable[[slice], None], warm: Callable[[Plant], None]
     ) -> None:
         """Let the ticks of ``rows`` pass, in parts in which R and k_T are taken as constant.
 

@@ -30,15 +30,13 @@ class Table(BaseModel):
 
 
 def scene_key(
-    unit: str,
-    meaning: str,
-    default: Any = ...,
-    *,
-    default_text: str | None = None,
-    range_text: str | None = None,
-    **options: Any,
-) -> Any:
-    """A key of a table: its unit, meaning and default, and bounds as pydantic names them."""
+    unit: str, meaning: str, default: Any = ..., *, default_text: str | None = None,
+    range_text: str | None = None, **options: Any,
+) -> Any:  # fmt: skip
+    """A key of a table: its unit, meaning and default, and bounds as pydantic names them.
+
+    The texts stand in the format's description where default and bounds don't say it.
+    """
     texts: dict[str, Any] = {"unit": unit, "default": default_text, "range": range_text}
     return Field(default, description=meaning, json_schema_extra=texts, **options)
 
@@ -74,19 +72,26 @@ def field_texts(table: type[BaseModel], name: str) -> FieldTexts:
     info = table.model_fields[name]
     texts = info.json_schema_extra
     assert isinstance(texts, dict)
-    default = texts["default"]
-    if default is None:
-        default = "required" if info.is_required() else as_number(info.default)
     return FieldTexts(
         key=info.alias or name,
         unit=str(texts["unit"]),
-        default=str(default),
+        default=str(texts["default"] or _default_text(info)),
         range=str(texts["range"] or _bounds_text(info)),
         meaning=info.description or "",
     )
 
 
+def _default_text(info: FieldInfo) -> str:
+    if info.is_required():
+        return "required"
+    if info.default is None:
+        return "none"
+    return as_written(info.default) if isinstance(info.default, bool) else as_number(info.default)
+
+
 def _bounds_text(info: FieldInfo) -> str:
+    if isinstance(info.default, bool):
+        return "true, false"
     low = next(bound.ge for bound in info.metadata if hasattr(bound, "ge"))
     high = next(bound.le for bound in info.metadata if hasattr(bound, "le"))
     return f"{as_number(low)} to {as_number(high)}"

@@ -14,15 +14,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from wavehaptics.controller.guard import Fault, Limits
+from wavehaptics.controller.guard import SPAN, Fault, Limits
 from wavehaptics.ladder.guarded_pins import GuardedPins, Injection
-from wavehaptics.motor.plant import I
+from wavehaptics.motor.plant import OMEGA, I
 from wavehaptics.motor.sensor import OFFSET
 from wavehaptics.scene import Scene
 
 KEPT = Path("sim", "docs", "faults.json")
 """Where the rows are kept, from the root."""
 
+BUS_V = 12.0
 WARM_TICKS = 700
 """Ticks before the cause: the rotor is deep in the wall."""
 SLACK_TICKS = 60
@@ -37,9 +38,12 @@ class Case(NamedTuple):
     most_clocks: int
     limits: dict[str, Any] = {}  # noqa: RUF012
     free: bool = False
+    limit_v: float = BUS_V
+    motion: dict[str, Any] = {}  # noqa: RUF012
+    """Limits of speed and position, as keys of ``[guard]``."""
 
 
-def scene(free: bool = False) -> Scene:
+def scene(free: bool = False, limit_v: float = BUS_V, **motion: Any) -> Scene:
     """The scene of every case: an impact at 10 rad/s on the stiffest wall, or none at all."""
     return Scene.model_validate(
         {
@@ -48,7 +52,8 @@ def scene(free: bool = False) -> Scene:
             "hand": {"path": "impact", "amplitude_rad": 1e-3, "speed_rad_s": 10.0},
             "encoder": {"counts_per_rev": 10_000},
             "adc": {"bits": 12, "full_scale_a": 4.0, "noise_a": 2e-3},
-            "drive": {"bus_v": 12.0, "pwm_hz": 500e3},
+            "drive": {"bus_v": BUS_V, "limit_v": limit_v, "pwm_hz": 500e3},
+            **({"guard": {"trip_a": 4.0, **motion}} if motion else {}),
             "controller": {
                 "tick_hz": 1e6, "extra_ticks": 1, "lambda": 1e6,
                 "walls": [] if free else [[0.0, 1.0]],
@@ -82,6 +87,19 @@ def _too_large_r_hat(pins: GuardedPins) -> None:
     pins.inject(Injection.ROOT_WORD, round(math.sqrt(2.0) * pins.settings.root))
 
 
+def _swung_at_the_limit(pins: GuardedPins) -> None:
+    pins.sensor_words[OFFSET] = 0.5
+    pins.inject(Injection.OUTSIDE)
+    for swing in range(20):
+        pins.motor[OMEGA] = -20.0 if swing % 2 else 25.0
+        pins.elapse(300)
+
+
+def _pushed(pins: GuardedPins) -> None:
+    pins.motor[OMEGA] = 60.0
+    pins.inject(Injection.OUTSIDE)
+
+
 # A tick is 48 clocks, and a sample is taken in each: a conversion is over 29 clocks after it.
 TICK_CLOCKS = 48
 _PINS = 4  # two of the synchroniser, the latch, the gates
@@ -113,6 +131,14 @@ CASES = (
     Case(Fault.ANCHOR, "the anchor's fault input", _inject(Injection.ANCHOR), 2),
     Case(Fault.ENERGY, "R̂ is doubled in a contact, limit 5 A·counts", _too_large_r_hat,
          500 * TICK_CLOCKS, {"energy": 5.0}),
+    Case(Fault.SATURATED,
+         "0.5 A of offset at 1 V, a rotor that turns back each 0.3 ms, limit 1 ms",
+         _swung_at_the_limit, 6000 * TICK_CLOCKS, {"saturated_s": 1e-3}, limit_v=1.0),
+    Case(Fault.OVERSPEED, "60 rad/s, limit 40 rad/s", _pushed, 2 * SPAN * TICK_CLOCKS, free=True,
+         motion={"overspeed_rad_s": 40.0}),
+    Case(Fault.WINDOW, "10 rad/s, 2 mrad before the end of the window",
+         _inject(Injection.OUTSIDE), 250 * TICK_CLOCKS, free=True,
+         motion={"window_rad": (-0.5, 8e-3)}),
 )  # fmt: skip
 """One for each fault, by its bit."""
 
@@ -120,7 +146,10 @@ CASES = (
 def guarded(case: Case) -> GuardedPins:
     """The case's simulation, run up to where things break."""
     watched = (case.fault,)
-    pins = GuardedPins(scene(case.free), Limits(watched=watched)._replace(**case.limits))
+    pins = GuardedPins(
+        scene(case.free, case.limit_v, **case.motion),
+        Limits(watched=watched)._replace(**case.limits),
+    )
     if case.fault != Fault.HEAT and not pins.run(WARM_TICKS):
         raise RuntimeError(f"{case.fault.name} before its cause: {pins.report()}")
     return pins

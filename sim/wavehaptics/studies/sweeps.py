@@ -31,12 +31,7 @@ WORKER_DEATHS = 5
 PATIENCE_S = 600
 """How long an answer from this machine's processes may take: others may keep the machine busy."""
 
-_SOURCES = (
-    ("sim/verilated", "*"),
-    ("rtl", "*.v*"),
-    ("rtl", "*.toml"),
-    ("sim/scenes", "*.toml"),
-)
+_SOURCES = (("sim/verilated", "*"), ("rtl", "*.v*"), ("rtl", "*.toml"), ("sim/scenes", "*.toml"))
 
 
 class SweepError(RuntimeError):

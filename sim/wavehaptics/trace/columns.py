@@ -140,14 +140,9 @@ _WORD_TYPE = np.int32 if formats.DATA_W <= 32 else np.int64
 
 @compiled_counting()
 def _keep(
-    rows: np.ndarray,
-    first: int,
-    step: int,
-    energy: float,
-    floats: np.ndarray,
-    flags: np.ndarray,
+    rows: np.ndarray, first: int, step: int, energy: float, floats: np.ndarray, flags: np.ndarray,
     at: int,
-) -> float:
+) -> float:  # fmt: skip
     """Copy rows ``first::step`` to the places from ``at`` on; energy after the chunk, J."""
     due = first
     for n in range(rows.shape[0]):
@@ -194,14 +189,9 @@ class TraceWriter:
     """
 
     def __init__(
-        self,
-        path: Path | str,
-        tick_s: float,
-        trace_hz: float | None = None,
-        *,
-        ticks: int = 0,
+        self, path: Path | str, tick_s: float, trace_hz: float | None = None, *, ticks: int = 0,
         anchored: bool = False,
-    ) -> None:
+    ) -> None:  # fmt: skip
         if tick_s <= 0.0 or (trace_hz is not None and trace_hz <= 0.0):
             raise ValueError("tick_s and trace_hz must be above zero")
         path = Path(path)

@@ -108,156 +108,79 @@ _BIN_SHIFT = 52 - 10
 _BIN_BASE = (1023 - 50) << 10
 _BINS = 64 << 10
 
-_X = int(Column.X)
-_OMEGA = int(Column.OMEGA)
-_I = int(Column.I)
-_TORQUE = int(Column.TORQUE)
-_CONTACT = int(Column.CONTACT)
-_SATURATED = int(Column.SATURATED)
-_CLIPPED = int(Column.CLIPPED)
-_ENERGY_OUT = int(Column.ENERGY_OUT)
-_RIPPLE = int(Column.RIPPLE)
-_U = int(Column.U)
-_V = int(Column.V)
-_T = int(Column.T)
-_X_HAT = int(Column.X_HAT)
-_OMEGA_HAT = int(Column.OMEGA_HAT)
-_FAULT = int(Column.FAULT)
+_X, _OMEGA, _I, _TORQUE, _CONTACT, _SATURATED, _CLIPPED, _ENERGY_OUT, _RIPPLE, _U, _V, _T = map(
+    int,
+    (Column.X, Column.OMEGA, Column.I, Column.TORQUE, Column.CONTACT, Column.SATURATED,
+     Column.CLIPPED, Column.ENERGY_OUT, Column.RIPPLE, Column.U, Column.V, Column.T),
+)  # fmt: skip
+_X_HAT, _OMEGA_HAT, _FAULT = map(int, (Column.X_HAT, Column.OMEGA_HAT, Column.FAULT))
 
 # Slots of fits: two by turns for contacts that began in the run, one for that of its beginning.
 _FIRST_FRESH, _INITIAL, _OTHER_FRESH, _NONE = 0, 1, 2, -1
 _PENDING, _KNOWN, _REFUSED = 0, 1, 2
 
-_RUN = np.dtype(
-    [
-        # of the scene
-        ("hold_start", "i8"),  # tick; past every run where the scene has no hold
-        ("impact", "i8"),
-        ("cell", "f8"),
-        ("least", "f8"),  # depth of a contact that counts
-        ("compliance", "f8"),  # 1/K of the design spring, of the wall that is touched
-        ("swing", "f8"),  # of the motor's own k_T, six times an electrical turn
-        ("pole_pairs", "f8"),
-        ("magnet", "f8"),
-        ("shape_power", "f8"),
-        ("warm", "i8"),  # whether k_T changes with the magnets' temperature
-        # sums over the run
-        ("ticks", "i8"),
-        ("saturated", "i8"),
-        ("clipped", "i8"),
-        ("unfit", "f8"),  # 0 while every number is finite, then NaN
-        ("torque_peak", "f8"),
-        ("current_peak", "f8"),
-        ("energy", "f8"),
-        ("energy_peak", "f8"),
-        ("free_ticks", "i8"),
-        ("free_square", "f8"),
-        ("error_square", "f8"),
-        ("reference_peak", "f8"),
-        # of the reference's contacts: where the rotor came in, and how far its force is from the
-        # spring's
-        ("reference_contact", "i8"),
-        ("reference_edge", "f8"),
-        ("reference_spring", "f8"),
-        ("reference_ticks", "i8"),
-        ("reference_lack", "f8"),
-        # the contact under way
-        ("in_contact", "i8"),
-        ("contacts", "i8"),
-        ("length", "i8"),
-        ("edge", "f8"),
-        ("side", "f8"),
-        ("omega_in", "f8"),
-        ("omega_last", "f8"),
-        # which fit it feeds, and whether the fresh one is settled
-        ("fit", "i8"),
-        ("settled", "i8"),
-        # slot of the contact under way, or of the one that counts, and of the deepest that doesn't
-        ("fresh", "i8"),
-        ("shallow", "i8"),
-        # contacts that don't count, before the one that does
-        ("passed", "i8"),
-        ("passed_depth", "f8"),
-        # bounce
-        ("bounce", "i8"),
-        ("restitution", "f8"),
-        # the last tenth of a hold
-        ("hold_ticks", "i8"),
-        ("hold_contact", "i8"),
-        ("hold_offset", "f8"),
-        ("hold_depth", "f8"),
-        ("hold_first", "f8"),
-        ("hold_sum", "f8"),
-        ("hold_square", "f8"),
-        ("hold_x", "f8"),
-        ("hold_omega", "f8"),
-        # of the rotor from a tick's middle to the next: sums of x, with the number, and squared,
-        ("swing_last", "f8"),
-        ("swing_sum", "f8"),
-        ("swing_moment", "f8"),
-        ("swing_square", "f8"),
-        # and of the change of ω, with the number, and with x
-        ("pull_sum", "f8"),
-        ("pull_moment", "f8"),
-        ("pull_product", "f8"),
-        # a port anchor: of the scene
-        ("anchored", "i8"),
-        ("half_root", "f8"),  # s/2
-        ("tick_s", "f8"),
-        ("inductance", "f8"),
-        ("k_t", "f8"),
-        # sums over the run
-        ("work", "f8"),
-        ("work_peak", "f8"),
-        ("flux", "f8"),
-        ("x_hat_square", "f8"),
-        ("omega_hat_square", "f8"),
-        ("fault_s", "f8"),
-        # the account of a contact's energy, and of those closed
-        ("account", "i8"),
-        ("account_edge", "f8"),
-        ("account_compliance", "f8"),
-        ("account_j", "f8"),
-        ("account_held_j", "f8"),  # ½F²/K of the latest tick ...
-        ("account_most_j", "f8"),  # ... and the most of any
-        ("accounts", "i8"),
-        ("contact_j", "f8"),
-        ("contact_ratio", "f8"),
-        # of the contact, or the way between, and of those before
-        ("bound", "f8"),
-        ("chi_low", "f8"),
-        ("chi_high", "f8"),
-        ("variation", "f8"),
-        ("i_first", "f8"),
-        ("i_last", "f8"),
-        ("chi_last", "f8"),
-        ("contact_last", "i8"),
-    ],
-    align=True,
+
+def _record(*groups: str) -> np.dtype:
+    """A record of groups of fields: each a type and the fields' names."""
+    split = [group.split() for group in groups]
+    return np.dtype([(name, kind) for kind, *names in split for name in names], align=True)
+
+
+_RUN = _record(
+    # Of the scene: the tick from which a hold is judged, past every run without one; whether the
+    # path is an impact, and k_T changes with the magnets' temperature.
+    "i8 hold_start impact warm",
+    # A count, the depth of a contact that counts, 1/K of the design spring of the wall that is
+    # touched; of the motor's own k_T its swing, six times an electrical turn.
+    "f8 cell least compliance swing pole_pairs magnet shape_power",
+    # Sums over the run; ``unfit`` is 0 while every number is finite, then NaN.
+    "i8 ticks saturated clipped free_ticks",
+    "f8 unfit torque_peak current_peak energy energy_peak free_square error_square reference_peak",
+    # Of the reference's contacts: where the rotor came in, and how far its force is from the
+    # spring's.
+    "i8 reference_contact reference_ticks",
+    "f8 reference_edge reference_spring reference_lack",
+    # The contact under way; which fit it feeds, and whether the fresh one is settled.
+    "i8 in_contact contacts length fit settled",
+    "f8 edge side omega_in omega_last",
+    # Slot of the contact under way, or of the one that counts, and of the deepest that doesn't;
+    # contacts that don't count, before the one that does.
+    "i8 fresh shallow passed",
+    "f8 passed_depth",
+    "i8 bounce",
+    "f8 restitution",
+    # The last tenth of a hold.
+    "i8 hold_ticks hold_contact",
+    "f8 hold_offset hold_depth hold_first hold_sum hold_square hold_x hold_omega",
+    # From a tick's middle to the next: sums of x, with the number, and squared; and of the change
+    # of ω, with the number, and with x.
+    "f8 swing_last swing_sum swing_moment swing_square pull_sum pull_moment pull_product",
+    # A port anchor: of the scene, ``half_root`` is s/2; and sums over the run.
+    "i8 anchored",
+    "f8 half_root tick_s inductance k_t",
+    "f8 work work_peak flux x_hat_square omega_hat_square fault_s",
+    # The account of a contact's energy, with ½F²/K of the latest tick and the most of any, and of
+    # those closed.
+    "i8 account accounts",
+    "f8 account_edge account_compliance account_j account_held_j account_most_j",
+    "f8 contact_j contact_ratio",
+    # Of the contact, or the way between, and of those before.
+    "f8 bound chi_low chi_high variation i_first i_last chi_last",
+    "i8 contact_last",
 )
 
-_FIT = np.dtype(
-    [
-        ("edge", "f8"),
-        ("side", "f8"),
-        ("spring", "f8"),
-        ("length", "i8"),
-        ("deepest", "f8"),
-        ("push_peak", "f8"),
-        ("peak", "f8"),  # of the compression: up to the deepest tick so far
-        ("closed", "i8"),  # voltage or current at its limit: no more ticks into the sums
-        ("level", "f8"),
-        ("levels", "i8"),
-        ("end", "i8"),  # the first level at 90 % of the peak, or the next one to come
-        ("aside", "i8"),  # which level is in the ring's last row, -1 for none
-        ("n", "i8"),
-        ("x", "f8"),  # sums over the ticks of the depth's and the torque's products
-        ("f", "f8"),
-        ("xx", "f8"),
-        ("xf", "f8"),
-        ("ff", "f8"),
-    ],
-    align=True,
+_FIT = _record(
+    "f8 edge side spring deepest push_peak",
+    # Of the compression, up to the deepest tick so far; whether voltage or current came to their
+    # limit: no more ticks into the sums.
+    "f8 peak level",
+    "i8 length closed levels",
+    # The first level at 90 % of the peak, or the next one to come; which level is in the ring's
+    # last row, -1 for none.
+    "i8 end aside",
+    # Sums over the ticks of the depth's and the torque's products.
+    "i8 n",
+    "f8 x f xx xf ff",
 )
 _LEVEL_FIELDS = 7  # level n x f xx xf ff
 
@@ -508,16 +431,10 @@ def _refer(run: Any, walls: np.ndarray, row: np.ndarray) -> None:
 
 @compiled_counting()
 def _gather(
-    runs: np.ndarray,
-    fits: np.ndarray,
-    rings: np.ndarray,
-    bin_counts: np.ndarray,
-    bin_sums: np.ndarray,
-    walls: np.ndarray,
-    rows: np.ndarray,
-    bits: np.ndarray,
+    runs: np.ndarray, fits: np.ndarray, rings: np.ndarray, bin_counts: np.ndarray,
+    bin_sums: np.ndarray, walls: np.ndarray, rows: np.ndarray, bits: np.ndarray,
     reference: np.ndarray,
-) -> None:
+) -> None:  # fmt: skip
     """Take a chunk of rows; ``bits`` are the same numbers as int64, ``reference`` may be empty."""
     run = runs[0]
     compared = reference.shape[0] == rows.shape[0]
@@ -606,21 +523,12 @@ class Metrics:
     """
 
     def __init__(
-        self,
-        scene: Scene,
-        tick_s: float,
-        *,
-        controller: str,
-        stiffness_predicted: float | None = None,
-        walls: Sequence[tuple[float, float]] = (),
-        springs: Sequence[float] | None = None,
-        root: float | None = None,
-        shape_power: int = 1,
-        reference_spring: float | None = None,
-        path: str | None = None,
-        count: float | None = None,
+        self, scene: Scene, tick_s: float, *, controller: str,
+        stiffness_predicted: float | None = None, walls: Sequence[tuple[float, float]] = (),
+        springs: Sequence[float] | None = None, root: float | None = None, shape_power: int = 1,
+        reference_spring: float | None = None, path: str | None = None, count: float | None = None,
         through_edge: bool = False,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._scene = scene
         self._through_edge = through_edge
         self._tick_s = tick_s

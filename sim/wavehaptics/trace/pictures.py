@@ -269,10 +269,7 @@ def time_plot(
 
 
 def force_plot(
-    run: Trace,
-    reference: Trace | None,
-    metrics: Mapping[str, Any],
-    path: Path | str,
+    run: Trace, reference: Trace | None, metrics: Mapping[str, Any], path: Path | str
 ) -> Path:
     """−F over x of all contacts, as the paper's Fig. 11, with the springs that it should follow.
 

@@ -95,16 +95,10 @@ class TipMetrics:
     """
 
     def __init__(
-        self,
-        space: Space,
-        motors: tuple[Scene, ...],
-        controller: str,
-        tick_s: float,
-        joint_stiffness: np.ndarray,
-        wished_compliance: np.ndarray,
-        predicted: float | None,
+        self, space: Space, motors: tuple[Scene, ...], controller: str, tick_s: float,
+        joint_stiffness: np.ndarray, wished_compliance: np.ndarray, predicted: float | None,
         count_m: float,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._space, self._tick_s = space, tick_s
         self._compliance = 1.0 / joint_stiffness
         self._wished = wished_compliance

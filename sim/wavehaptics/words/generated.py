@@ -6,7 +6,7 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 
 from wavehaptics.words import formats, table
 from wavehaptics.words.table import Sizes, Values, Word
@@ -27,7 +27,8 @@ def _range(width: int) -> str:
     return f" [{width - 1}:0]" if width > 1 else ""
 
 
-def _macro(name: str, lines: Iterable[str]) -> str:
+def macro(name: str, lines: Iterable[str]) -> str:
+    """A macro of Verilog, of no or more lines."""
     return " \\\n    ".join([f"`define {name}", *lines]) + "\n"
 
 
@@ -56,7 +57,7 @@ def connections(
         wires.append(f"wire{_range(table.port_width(words, sizes))} {port};")
         ports.append(f".{port}_o ({port}),")
     wires.append(f"wire unused_words = &{{1'b0, {', '.join(outputs)}}};")
-    return _macro(f"{prefix}_WIRES", wires) + "\n" + _macro(f"{prefix}_PORTS", ports)
+    return macro(f"{prefix}_WIRES", wires) + "\n" + macro(f"{prefix}_PORTS", ports)
 
 
 # ---- The settings memory.
@@ -99,11 +100,14 @@ def _scaled(value: float, fraction: str) -> str:
     return f"({'-' if value < 0 else ''}32'd{abs(int(value))} << {fraction})"
 
 
-def _bounds(word: Word) -> tuple[bool, str, str]:
-    """Whether a word has a sign, and its least and greatest word in Verilog, as in the ROM."""
+def _bounds(word: Word, given: tuple[float, float] | None = None) -> tuple[bool, str, str]:
+    """Whether a word has a sign, and its least and greatest word in Verilog, as in the ROM.
+
+    ``given`` is a range in place of the table's.
+    """
     _, width, fraction = table.format_parts(word.row.format)
     bits, places = verilog_number(width), verilog_number(fraction)
-    low, high = word.row.range
+    low, high = given or word.row.range
     if not word.fixed.signed:
         least = "32'd0" if math.isinf(low) else _scaled(low, places)
         most = f"(32'hffffffff >> (32 - {bits}))" if math.isinf(high) else _scaled(high, places)
@@ -121,18 +125,27 @@ def _copies(word: Word) -> str:
     return each if word.row.count == 1 else f"{word.row.count} * {each}"
 
 
-def settings_rom(values: Values | None = None, groups: Collection[str] | None = None) -> str:
+def settings_rom(
+    values: Values | None = None, groups: Collection[str] | None = None,
+    ranges: Mapping[str, tuple[float, float]] | None = None,
+) -> str:  # fmt: skip
     """``rtl/wh_settings_rom.vh``: what the settings memory knows of each word.
 
     ``values`` are the words that stand there at first, where those of the table don't: one number
     for all copies of a word, or one for each of the first copies of a motor. Of ``groups``, by
-    default all, words can be written; those of others (``block.group``) are read only.
+    default all, words can be written; those of others (``block.group``) are read only, but for
+    words that have one of ``ranges``, which is theirs.
     """
+    ranges = ranges or {}
     types: dict[tuple[bool, str, str], int] = {}
     rows = []
     for word in table.WORDS.values():
-        bounds = _bounds(word)
-        if word.row.kind != "live" and bounds not in types:
+        bounds = _bounds(word, ranges.get(word.name))
+        is_setting = word.row.kind == "setting"
+        named = word.name in ranges or f"{word.block}.{word.group}" in (groups or ())
+        fixed = is_setting and groups is not None and not named
+        # Of a word that nobody writes only the sign counts.
+        if word.row.kind != "live" and bounds not in types and (bounds[0] or not fixed):
             signed = sum(known[0] for known in types)
             kind = _SIGNED_TYPES + signed if bounds[0] else len(types) - signed
             if kind >= (_TYPES if bounds[0] else _SIGNED_TYPES):
@@ -140,8 +153,6 @@ def settings_rom(values: Values | None = None, groups: Collection[str] | None = 
                     f"{word.name}: the ROM of the settings memory has no room for its range"
                 )
             types[bounds] = kind
-        is_setting = word.row.kind == "setting"
-        fixed = is_setting and groups is not None and f"{word.block}.{word.group}" not in groups
         info = _KINDS["live" if fixed else word.row.kind] << 6 | types.get(bounds, 0)
         if fixed or (is_setting and word.change == "off") or word.row.off:
             info |= 1 << 5

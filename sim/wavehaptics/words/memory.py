@@ -6,24 +6,25 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from wavehaptics.words import table
-from wavehaptics.words.table import LEGS, MOST, WORDS, Values, Word
+from wavehaptics.words.table import AXES, LEGS, MOST, THREE_PHASE_LEGS, WORDS, Values, Word
 
 
 def requests(values: Values, legs: int = LEGS, motor: int = 0) -> list[tuple[int, int]]:
     """(address, raw word) of each word of one motor, without those that are no settings of it.
 
-    Both axes of a brushless one have the same words. Of a motor that isn't the first they are its
-    own alone, without the board's.
+    Both axes of a brushless one, whose two ports are behind those of the motors before it, have the
+    same words. Of a motor that isn't the first they are its own alone, without the board's.
     """
     found = []
+    first = motor * (AXES if legs == THREE_PHASE_LEGS else 1)
     for name, value in values.items():
         word = WORDS.get(name)
         if word is None or word.row.kind != "setting" or (motor and word.row.per == "board"):
             continue
         raws = list(value) if isinstance(value, Iterable) else [value]
         found += [
-            (word.at(motor + part, n), int(raw) & 0xFFFFFFFF)
-            for part in range(word.parts(1, legs))
+            (word.at(first + port, n), int(raw) & 0xFFFFFFFF)
+            for port in word.port_numbers(1, legs)
             for n, raw in enumerate(raws)
         ]
     return found

@@ -42,7 +42,7 @@ def places(sizes: Sizes, kind: str) -> Iterator[Place]:
         if word.row.kind != kind:
             continue
         each = {"wall": sizes.walls, "section": sizes.sections}.get(word.row.per, 1)
-        for motor in range(word.parts(sizes.motors, sizes.legs)):
+        for motor in word.port_numbers(sizes.motors, sizes.legs):
             for index in range(each * word.row.count):
                 assert index < MOST[word.row.per] * word.row.count
                 yield Place(word, word.at(motor, index), word.width(sizes))

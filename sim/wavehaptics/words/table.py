@@ -41,11 +41,10 @@ CHANGES = ("off", "core", "scale", "anchor", "sum", "round", "any")
 """When a group's settings may change: with the bridges off, between two of these, or always."""
 
 LEGS, THREE_PHASE_LEGS = 2, 3
-"""Half bridges of a motor with brushes, and of a brushless one: ``LEGS`` of ``rtl/wh_device.v``."""
+"""Half bridges of a motor with brushes, and of a brushless one."""
 
 AXES = 2
-"""Axes of a brushless motor, and phases whose current is measured; words of each have the places of
-motors 0 and 1."""
+"""Axes of a brushless motor, and phases whose current is measured: so many ports it has."""
 
 ACCESS = {"setting": "read, write", "command": "write", "live": "read"}
 
@@ -69,7 +68,7 @@ class Sizes:
     def copies(self, word: Word) -> int:
         """Copies of a word in its port, which is never empty."""
         each = {"wall": self.walls, "section": max(1, self.sections)}.get(word.row.per, 1)
-        return each * word.parts(self.motors, self.legs)
+        return each * len(word.port_numbers(self.motors, self.legs))
 
 
 class _Row(BaseModel):
@@ -117,13 +116,17 @@ class Word:
         """The word where nothing says otherwise."""
         return self.fixed.to_raw(self.row.default)
 
-    def parts(self, motors: int, legs: int = LEGS) -> int:
-        """Motors, or axes of a brushless one, that have the word; 1 of the board, 0 without it."""
-        if legs == THREE_PHASE_LEGS:
-            return {"none": 0, "two": AXES}.get(self.row.brushless, 1)
-        if self.row.brushless == "only":
-            return 0
-        return 1 if self.row.per == "board" else motors
+    def port_numbers(self, motors: int, legs: int = LEGS) -> Sequence[int]:
+        """Ports that have the word; one of the board, none without it.
+
+        A brushless motor has two ports, its axes. The first one has the words of both.
+        """
+        each = AXES if legs == THREE_PHASE_LEGS else 1
+        if self.row.brushless == ("none" if each == AXES else "only"):
+            return range(0)
+        if self.row.per == "board":
+            return range(1)
+        return range(0, each * motors, 1 if self.row.brushless == "two" else each)
 
     def width(self, sizes: Sizes) -> int:
         """Bits of one word."""
@@ -262,7 +265,7 @@ def ports(
     found: dict[str, list[Word]] = {}
     for word in words.values():
         there = word.block != MEMORY and (word.block in BESIDE) == beside
-        there = there and (legs is None or word.parts(1, legs) > 0)
+        there = there and (legs is None or bool(word.port_numbers(1, legs)))
         if there and word.port.endswith(direction):
             found.setdefault(word.port[:-2], []).append(word)
     return found

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from wavehaptics.cli.shared import CommandError, make_folder, shown_stages
+from wavehaptics.cli.shared import CommandError, OutOption, WorkersOption, make_folder, shown_stages
 
 if TYPE_CHECKING:
     from wavehaptics.studies.sweeps import Task
@@ -24,12 +24,8 @@ def soak(
         float, typer.Option(metavar="N", min=1, help="How many ticks, or some more.")
     ] = 1e8,  # soak.WHOLE_TICKS, which would have to be imported
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="The first task's.")] = 0,
-    workers: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Processes; one a core by default.")
-    ] = None,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
-        "build/soak"
-    ),
+    workers: WorkersOption = None,
+    out: OutOption = Path("build/soak"),
 ) -> None:
     """Run the core's RTL beside the integer model with everything switched at random.
 
@@ -74,12 +70,8 @@ def soak_link(
         float, typer.Option("--bytes", metavar="N", min=0, help="How many bytes, or some more.")
     ] = 1e8,  # link_soak.WHOLE_BYTES, which would have to be imported
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="The first task's.")] = 0,
-    workers: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Processes; one a core by default.")
-    ] = None,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
-        "build/soak-link"
-    ),
+    workers: WorkersOption = None,
+    out: OutOption = Path("build/soak-link"),
 ) -> None:
     """Send broken frames and noise to the link of the device's RTL, beside a model of its page.
 

@@ -3,21 +3,46 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from wavehaptics.cli.shared import CommandError, SetOption, make_folder, shown_stages
+from wavehaptics.cli.shared import (
+    CommandError,
+    OutOption,
+    SetOption,
+    WorkersOption,
+    make_folder,
+    shown_stages,
+)
 from wavehaptics.scene import find_scene, load_scene
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+Progress = Callable[[str, float], None]
 
 app = typer.Typer()
 
 
+def _study(
+    out: Path, file: str, compare: Callable[[Path, Progress], dict[str, Any]],
+    table: Callable[[dict[str, Any]], Table],
+) -> None:  # fmt: skip
+    """Run a study into ``file`` of the folder ``out``, and show what it found."""
+    from rich.console import Console
+
+    make_folder(out)
+    with shown_stages() as progress:
+        found = compare(out / file, progress)
+    Console().print(table(found))
+    print(f"numbers: {out / file}")
+
+
 @app.command()
 def adcs(
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for adcs.json.")] = Path(
-        "build/adcs"
-    ),
+    out: OutOption = Path("build/adcs"),
     scene: Annotated[
         str, typer.Option(metavar="SCENE", help="What runs with each.")
     ] = "paper_taps",
@@ -27,36 +52,28 @@ def adcs(
     settings = tuple(overrides or ())
     path = find_scene(scene)
     load_scene(path, settings)
-    make_folder(out)
-
-    from rich.console import Console
 
     from wavetools.studies.adcs import adc_table, compare
 
-    with shown_stages() as progress:
-        found = compare(path, settings, out / "adcs.json", progress)
-    Console().print(adc_table(found))
-    print(f"numbers: {out / 'adcs.json'}")
+    _study(out, "adcs.json", lambda *to: compare(path, settings, *to), adc_table)
 
 
 @app.command()
-def sensing(
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for sensing.json.")] = Path(
-        "build/sensing"
-    ),
-    overrides: SetOption = None,
-) -> None:
+def sensing(out: OutOption = Path("build/sensing"), overrides: SetOption = None) -> None:
     """Press a wall on pins with every part that senses the current, at every carrier; 2 minutes."""
-    make_folder(out)
-
-    from rich.console import Console
-
     from wavetools.studies.sensing import compare, sensing_table
 
-    with shown_stages() as progress:
-        found = compare(out / "sensing.json", tuple(overrides or ()), progress)
-    Console().print(sensing_table(found))
-    print(f"numbers: {out / 'sensing.json'}")
+    settings = tuple(overrides or ())
+    _study(out, "sensing.json", lambda to, show: compare(to, settings, show), sensing_table)
+
+
+@app.command()
+def encoders(out: OutOption = Path("build/encoders"), overrides: SetOption = None) -> None:
+    """Hold and hit walls with absolute encoders, with all errors; 3 minutes."""
+    from wavetools.studies.encoders import compare, encoder_table
+
+    settings = tuple(overrides or ())
+    _study(out, "encoders.json", lambda to, show: compare(to, settings, show), encoder_table)
 
 
 @app.command()
@@ -64,12 +81,8 @@ def holding(
     quick: Annotated[
         bool, typer.Option("--quick", help="Holds of seconds, few random motors: 5 minutes.")
     ] = False,
-    workers: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Processes; one a core by default.")
-    ] = None,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
-        "build/holding"
-    ),
+    workers: WorkersOption = None,
+    out: OutOption = Path("build/holding"),
 ) -> None:
     """Hold, tap, bounce and overload walls with everything wrong that a real motor has.
 
@@ -92,9 +105,7 @@ def holding(
 @app.command()
 def bench(
     quick: Annotated[bool, typer.Option("--quick", help="In fewer rounds.")] = False,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path(
-        "build/bench"
-    ),
+    out: OutOption = Path("build/bench"),
 ) -> None:
     """Measure how fast the simulation is, the controllers by turns."""
     make_folder(out)
@@ -112,9 +123,7 @@ def bench(
 
 @app.command()
 def tables(
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for tables.json.")] = Path(
-        "build/tables"
-    ),
+    out: OutOption = Path("build/tables"),
 ) -> None:
     """Run what the pages show of drive and environments in tables; some ten minutes."""
     make_folder(out)

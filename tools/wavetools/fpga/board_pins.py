@@ -30,8 +30,11 @@ _ECP5_BUFFER = re.compile(
     r'^[ \t]*IOBUF[ \t]+PORT[ \t]+"(?P<port>[^"]+)"(?P<rest>[^;]*);', re.MULTILINE
 )
 _PULLS = {
-    "UP": re.compile(r"(adc_sdata|enc_a|enc_b|button_start_n|start_n|stop|uart_rx)(\[\d+\])?"),
-    "DOWN": re.compile(r"button_start"),
+    "UP": re.compile(
+        r"(adc_sdata|enc_a|enc_b|button_start_n|start_n|stop|uart_rx|spi_cs_n|overcurrent_n)"
+        r"(\[\d+\])?"
+    ),
+    "DOWN": re.compile(r"button_start|spi_sclk|spi_mosi"),
 }
 """Ports that come in by a wire or a button, and where one that is off has to leave them."""
 
@@ -43,6 +46,12 @@ _CURES = {
     "ecp5": {"UP": "give it PULLMODE=UP", "DOWN": "give it PULLMODE=DOWN"},
 }
 
+
+_OF_KEYS = {
+    "spi": ("spi_cs_n", "spi_sclk", "spi_mosi", "spi_miso"),
+    "overcurrent": ("overcurrent_n",),
+}
+"""Ports that a top has where a key of ``fpga.toml`` says so, and only there."""
 
 _USUAL_BANK_V = 3.3
 """Supply of a bank, where ``fpga.toml`` says no other."""
@@ -87,7 +96,8 @@ def read_pins(text: str, family: str) -> list[Pin]:
 def check(board: Board, constraints: Path | None = None) -> None:
     """:class:`BoardError` at the first pin that is wrong.
 
-    It isn't the board's to use, is pulled wrongly, or is for another supply than its bank's.
+    It isn't the board's to use, is pulled wrongly, or is for another supply than its bank's; or it
+    isn't there, and ``fpga.toml`` says that the board has it.
     """
     path = constraints or board.root / board.constraints
     name = board.constraints if constraints is None else constraints
@@ -115,3 +125,16 @@ def check(board: Board, constraints: Path | None = None) -> None:
             found = f"is pulled {pin.pull}" if pin.pull else "floats"
             cure = _CURES[board.fpga.family][wanted]
             raise BoardError(f"{place} and {found} where its wire is off; {cure}")
+    for key, ports in _OF_KEYS.items():
+        there = [port for port in ports if port in seen.values()]
+        if getattr(board.fpga, key) and there != [*ports]:
+            missing = next(port for port in ports if port not in there)
+            raise BoardError(
+                f"{name}: {missing} is missing, and {board.folder}/fpga.toml has {key} = true; "
+                "give it a pin, or leave the key out"
+            )
+        if there and not getattr(board.fpga, key):
+            raise BoardError(
+                f"{name}: {there[0]} has a pin, and {board.folder}/fpga.toml has no {key} = true; "
+                "set it there, or delete the line"
+            )

@@ -135,8 +135,9 @@ def bench(board: Board, ports: dict[str, str]) -> str:
              "adc_cs_n": "cs_n", "adc_sclk": "sclk", "alive": "alive",
              **{gate: f"gates[{n}]" for n, gate in enumerate(gates)},
              "uart_rx": "rx", "uart_tx": "tx"}  # fmt: skip
-    # Nobody presses the reset.
+    # Nobody presses the reset, no MCU is on SPI, and no comparator shuts the gates.
     shown = {"button_start": "start", "start": "start", "button_reset": "1'b0",
+             "spi_cs": "1'b0", "spi_sclk": "1'b0", "spi_mosi": "1'b0", "overcurrent": "1'b0",
              "led_running": "running", "led_fault": "fault", "led_contact": "contact"}  # fmt: skip
     pins, lines, found = [], [], set()
     for port, direction in ports.items():
@@ -214,13 +215,11 @@ def build(
     counted = [*sources, SHIMS / "board_shim.cpp"]
     for path in includes:
         counted += sorted(path.glob("*.v*"))
-    # A netlist of thousands of small assignments takes minutes to compile with more.
-    optimised = ["-CFLAGS", "-O1"] if netlist else []
-    flags = (verilated.CXX_FLAGS, verilated.VERILATOR_FLAGS, optimised)
+    flags = (verilated.CXX_FLAGS, verilated.VERILATOR_FLAGS)
     digest = digest_of(flags, counted)[:16]
     arguments = [
         # The libraries' models widen and leave pins open as they like.
-        "-Wno-fatal", "-Wno-lint", "-Wno-style", *optimised,
+        "-Wno-fatal", "-Wno-lint", "-Wno-style",
         "-CFLAGS", f"-DWH_BOARD_LEGS={board.fpga.legs}",
         *(f"-I{path}" for path in includes),
         *(f"-D{name}={value}" for name, value in board.defines.items()),

@@ -6,13 +6,15 @@ The figures are those of ``fpga.toml`` and ``boards/sensing.toml``, where their 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+from wavehaptics.fpga.board_words import first_values
 from wavehaptics.fpga.boards import Board, BoardError
 from wavehaptics.parts.sensing import TABLE, sensing_parts
 from wavehaptics.runtime.toml_source import parse
 from wavehaptics.scene.keys import unknown_choice
+from wavehaptics.words.memory import apart
 
 from wavetools.fpga import clamps
 
@@ -124,8 +126,40 @@ def _check_wiring(board: Board) -> None:
         )
 
 
+def in_patterns(board: Board) -> list[Board]:
+    """The board with each of the patterns that its line can choose for its bridge.
+
+    :class:`BoardError` where any other setting would be another one in one of them: only the
+    pattern's word is written.
+    """
+    made, drive = board.words(), board.scene.drive
+    found = []
+    for name in made.patterns:
+        assert drive is not None
+        scene = board.scene.model_copy(update={"drive": drive.model_copy(update={"mode": name})})
+        other = replace(board, scene=scene)
+        first, then = (apart(first_values(each, 1)) for each in (made, other.words()))
+        differ = [word for word in then if then[word] != first[word] and word not in made.ranges]
+        if differ:
+            raise BoardError(
+                f"{board.scene_file}: with drive.mode = {name}, which the line can choose, "
+                f"{differ[0]} would be another one; take another drive.pwm_hz or min_pulse_s"
+            )
+        found.append(other)
+    return found
+
+
 def check(board: Board) -> None:
-    """:class:`BoardError` where the scene asks of bridge or sensor what they can't do."""
+    """:class:`BoardError` where the scene asks of bridge or sensor what they can't do.
+
+    It has to hold in every pattern of the bridge that can be chosen.
+    """
+    for each in in_patterns(board) or [board]:
+        _check(each)
+
+
+def _check(board: Board) -> None:
+    """Of the one pattern that the scene has."""
     scene_file, file = board.scene_file, f"{board.folder}/fpga.toml"
     bridge, sense, scene = board.fpga.bridge, board.fpga.sense, board.scene
     time = dead_time(board)

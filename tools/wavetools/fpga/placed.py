@@ -65,8 +65,10 @@ _PADS = {
     ("TRELLIS_IO", "INPUT"): ("input", {"B": "PIN", "O": "IN"}),
     ("TRELLIS_IO", "OUTPUT"): ("output", {"B": "PIN", "I": "OUT"}),
     ("TRELLIS_IO", "OUTPUT", "IOLDO"): ("output", {"B": "PIN", "IOLDO": "OUT"}),
+    ("TRELLIS_IO", "OUTPUT", "T"): ("output", {"B": "PIN", "I": "OUT", "T": "OFF"}),
 }
-"""Kinds of pads: direction, and pins of the models ``placed_input`` and ``placed_output``."""
+"""Kinds of pads: direction, and pins of the models ``placed_input``, ``placed_output`` and, with
+one that switches it off, ``placed_tristate``."""
 
 _PLACEHOLDERS = ("RAMW_BLOCK",)
 """Modes of logic cells that only keep a place free."""
@@ -159,7 +161,8 @@ def _pad(name: str, cell: dict[str, Any], ports: dict[str, Any]) -> dict[str, An
     kind: tuple[Any, ...] = ("SB_IO", int(parameters.get("PIN_TYPE", "0"), 2))
     if cell["type"] == "TRELLIS_IO":
         register = parameters.get("DATAMUX_OREG")
-        kind = ("TRELLIS_IO", parameters.get("DIR"), *([register] if register else []))
+        switched = "T" if cell["connections"].get("T") else None
+        kind = ("TRELLIS_IO", parameters.get("DIR"), *filter(None, (register, switched)))
     direction, pins = _PADS.get(kind, ("", {}))
     connections = {
         pins[pin]: bits for pin, bits in cell["connections"].items() if pin in pins and bits
@@ -168,11 +171,11 @@ def _pad(name: str, cell: dict[str, Any], ports: dict[str, Any]) -> dict[str, An
         port["direction"]: port_name for port_name, port in ports.items()
         if connections.get("PIN") in [[bit] for bit in port["bits"]]
     }  # fmt: skip
-    if len(connections) != 2 or list(ends) != [direction]:
+    if len(connections) != len(pins) or list(ends) != [direction]:
         raise SynthesisError(f"{name}: no model of the placed pad {kind} at {[*ends.values()]}")
-    directions = {"PIN": direction, "IN": "output", "OUT": "input"}
+    directions = {"PIN": direction, "IN": "output", "OUT": "input", "OFF": "input"}
     return {
-        "type": f"placed_{direction}",
+        "type": "placed_tristate" if "OFF" in connections else f"placed_{direction}",
         "parameters": {},
         "attributes": {},
         "port_directions": {pin: directions[pin] for pin in connections},

@@ -18,7 +18,7 @@ from typing import Any
 from wavetools.fpga import pll
 
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/|\(\*(?!\)).*?\*\)", re.DOTALL)
-_DEFINE = re.compile(r"^\s*`define\s+(\w+)\s+(\S+)", re.MULTILINE)
+_DEFINE = re.compile(r"^[ \t]*`define[ \t]+(\w+)[ \t]+(\S+)", re.MULTILINE)
 _MODULE = re.compile(r"\bmodule\s+(\w+)\s*(#\s*)?\(")
 _CONDITIONAL = re.compile(r"\bgenerate\b|`ifn?def\b")
 _PORT = re.compile(r"(?:(?:input|output|inout)\b|wire\b|reg\b|signed\b|\s)*(\[[^\]]*\])?\s*(\w+)")

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -148,35 +148,28 @@ def _rates(numbers: dict[str, Any], table: Table) -> str:
     )
 
 
-def _results(numbers: dict[str, Any], table: Table) -> str:
-    """One result of each kind."""
-    rows: list[tuple[str, str, str]] = []
+def _found(numbers: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """One result of each kind: what it is of, what was found, and by which command."""
     if "demo" in numbers:
         taps, stiff = numbers["demo"]
-        rows.append(
-            (
-                "the stiffest wall, the whole RTL at its pins",
-                f"{number(stiff['stiffness'])} N·m/rad, "
-                f"{percent(stiff['stiffness'] / stiff['k_l'], 3)} of the inductor's K_L",
-                "make demo",
-            )
+        yield (
+            "the stiffest wall, the whole RTL at its pins",
+            f"{number(stiff['stiffness'])} N·m/rad, "
+            f"{percent(stiff['stiffness'] / stiff['k_l'], 3)} of the inductor's K_L",
+            "make demo",
         )
-        rows.append(
-            (
-                "torque of the paper's taps against its analog circuit",
-                f"off by {percent(taps['torque_nrmse_vs_analog'])} of the peak",
-                "make demo",
-            )
+        yield (
+            "torque of the paper's taps against its analog circuit",
+            f"off by {percent(taps['torque_nrmse_vs_analog'])} of the peak",
+            "make demo",
         )
     if "report" in numbers:
         usual = front_picture.usual(numbers["report"]["ratios"])
-        rows.append(
-            (
-                "stiffest stable wall under a light hand, beside an encoder's servo at 1 kHz",
-                f"{number(usual['wave'])} against {number(usual['encoder'])} N·m/rad; at equal "
-                "rates an encoder's servo [can be stiffer](docs/report.md)",
-                "make report",
-            )
+        yield (
+            "stiffest stable wall under a light hand, beside an encoder's servo at 1 kHz",
+            f"{number(usual['wave'])} against {number(usual['encoder'])} N·m/rad; at equal "
+            "rates an encoder's servo [can be stiffer](docs/report.md)",
+            "make report",
         )
     if "holding" in numbers:
         held = next(
@@ -184,76 +177,66 @@ def _results(numbers: dict[str, Any], table: Table) -> str:
             for row in numbers["holding"]["holds"]
             if row["name"].startswith("everything") and row["controller"] == "core"
         )
-        rows.append(
-            (
-                f"a wall pressed for {held['duration_s']:.0f} s with everything wrong "
-                "that a real motor has",
-                f"moved by {number(abs(held['moved_cells']), 2)} of an encoder count, "
-                f"ripple {percent(held['hold_ripple_rms'] / held['force'])} of the force",
-                "make holding",
-            )
+        yield (
+            f"a wall pressed for {held['duration_s']:.0f} s with everything wrong "
+            "that a real motor has",
+            f"moved by {number(abs(held['moved_cells']), 2)} of an encoder count, "
+            f"ripple {percent(held['hold_ripple_rms'] / held['force'])} of the force",
+            "make holding",
         )
     if "in_hands" in numbers.get("holding", {}):
         motors = numbers["holding"]["in_hands"]
         first, last = motors["seeds"]
-        rows.append(
-            (
-                f"{last - first + 1} random motors in random hands, everything wrong",
-                f"{len(motors['lost']['hold'])} still bouncing after 0.6 s, "
-                f"{len(motors['missed']['hold_cells'])} beyond a count and 1 % of the depth",
-                "make holding",
-            )
+        yield (
+            f"{last - first + 1} random motors in random hands, everything wrong",
+            f"{len(motors['lost']['hold'])} still bouncing after 0.6 s, "
+            f"{len(motors['missed']['hold_cells'])} beyond a count and 1 % of the depth",
+            "make holding",
         )
     if "tables" in numbers:
         felt = next(
             row for row in numbers["tables"]["impedance"] if row["scene"] == "spring_damper"
         )
-        rows.append(
-            (
-                "a soft spring with a damper, felt from 1 to 500 Hz",
-                f"within {percent(felt['error_max'])} of the wish",
-                "make tables",
-            )
+        yield (
+            "a soft spring with a damper, felt from 1 to 500 Hz",
+            f"within {percent(felt['error_max'])} of the wish",
+            "make tables",
         )
         angles = numbers["tables"]["brushless"]
         off = max(abs(row["pins"] / row["predicted"] - 1.0) for row in angles)
-        rows.append(
-            (
-                "a brushless motor's wall on two ports without an angle, "
-                f"the whole RTL at its pins, at {len(angles)} angles",
-                f"within {percent(off)} of [the closed form](docs/brushless.md)",
-                "make tables",
-            )
+        yield (
+            "a brushless motor's wall on two ports without an angle, "
+            f"the whole RTL at its pins, at {len(angles)} angles",
+            f"within {percent(off)} of [the closed form](docs/brushless.md)",
+            "make tables",
         )
     if "boards" in numbers:
         fastest = max(numbers["boards"], key=lambda board: (control_rate_hz(board), board["spare"]))
-        rows.append(
-            (
-                f"control rate in a bitstream, as fast as its current sensor, `{fastest['board']}`",
-                f"{control_rate_hz(fastest) / 1e6:.4g} MHz, "
-                f"{percent(fastest['spare'])} of timing to spare",
-                "make synth",
-            )
+        yield (
+            f"control rate in a bitstream, as fast as its current sensor, `{fastest['board']}`",
+            f"{control_rate_hz(fastest) / 1e6:.4g} MHz, "
+            f"{percent(fastest['spare'])} of timing to spare",
+            "make synth",
         )
     if "adcs" in numbers:
         soonest = min(numbers["adcs"]["parts"], key=lambda row: row["digital_ns"])
-        rows.append(
-            (
-                "from the last ADC bit to the new duty",
-                f"{soonest['digital_ns']:.0f} ns",
-                "make adcs",
-            )
+        yield (
+            "from the last ADC bit to the new duty",
+            f"{soonest['digital_ns']:.0f} ns",
+            "make adcs",
         )
     if "bench" in numbers:
-        rows.append(
-            (
-                "simulation with motor, bridge and sensors in the loop, one thread",
-                f"{number(numbers['bench']['controllers']['pins']['cycles_per_s'], 3)} clocks "
-                "a second of the RTL",
-                "make bench",
-            )
+        yield (
+            "simulation with motor, bridge and sensors in the loop, one thread",
+            f"{number(numbers['bench']['controllers']['pins']['cycles_per_s'], 3)} clocks "
+            "a second of the RTL",
+            "make bench",
         )
-    return _words(("", "found", "by"), ((what, found, f"`{by}`") for what, found, by in rows))
+
+
+def _results(numbers: dict[str, Any], table: Table) -> str:
+    rows = ((what, found, f"`{by}`") for what, found, by in _found(numbers))
+    return _words(("", "found", "by"), rows)
 
 
 _GIVEN = r"define WH_SAME_PARAMETERS(.*?)\n\n"
@@ -270,7 +253,7 @@ STATUS = (
     ("position, walls, contact: `wh_quadrature`, `wh_contact`", None),
     (_ONE_PORTS, None),
     ("two to eight motors that take turns", "N"),
-    ("guard with seventeen latched faults", "GUARD"),
+    ("guard with twenty latched faults", "GUARD"),
     ("port anchor: a wall that holds on a real motor", "ANCHOR"),
     ("one multiplier for all products", "SHARED"),
     ("soft walls, layers, detents with W", "SHAPER"),
@@ -284,14 +267,20 @@ STATUS = (
 """What there is, and the parameter of ``wh_controller`` that puts it in; None: always there."""
 
 
-def options_of_boards(root: Path = ROOT) -> dict[str, dict[str, int]]:
+def options_of_boards(root: Path = ROOT, scenes: bool = False) -> dict[str, dict[str, int]]:
     """Parameters of ``wh_controller`` or ``wh_device`` in each board's bitstream.
 
-    One that isn't set is left out, and so are boards that are made on demand.
+    One that isn't set is left out, and so are boards that are made on demand. ``scenes``: those of
+    the bitstreams of other scenes that a board's folder has, by the names of their files.
     """
     found = {}
-    for name in board_names(root):
-        board = load_board(name, root=root)
+    boards = {name: load_board(name, root=root) for name in board_names(root)}
+    if scenes:
+        others = {path: path.parent.name for path in sorted(root.glob("boards/*/*.toml"))
+                  if path.name not in ("board.toml", "fpga.toml")}  # fmt: skip
+        boards = {path.relative_to(root).as_posix(): load_board(name, root=root, scene_path=path)
+                  for path, name in others.items()}  # fmt: skip
+    for name, board in boards.items():
         if board.fpga.on_demand:
             continue
         top = (root / "boards" / "wh_board_controller.v").read_text(encoding="utf-8")
@@ -316,7 +305,7 @@ def options_of_boards(root: Path = ROOT) -> dict[str, dict[str, int]]:
 
 def _status(numbers: dict[str, Any], table: Table) -> str:
     """Simulated, in a bitstream, on a motor: what has come how far."""
-    boards = options_of_boards()
+    boards, scenes = options_of_boards(), options_of_boards(scenes=True)
     brushless = [name for name in boards if load_board(name).brushless]
     rows = []
     for what, parameter in STATUS:
@@ -330,20 +319,28 @@ def _status(numbers: dict[str, Any], table: Table) -> str:
         but = " but " + ", ".join(f"`{n}`" for n in brushless) if what == _ONE_PORTS else ""
         everywhere = len(names) == len(boards) - (len(brushless) if but else 0)
         built = f"all boards{but}" if everywhere else ", ".join(f"`{n}`" for n in names)
+        with_scene = [name for name, options in scenes.items() if options.get(parameter or "")]
+        if not built and with_scene:
+            built = "with " + ", ".join(f"`SCENE={name}`" for name in with_scene)
         label = f"{what}, `{parameter}`" if parameter else what
         rows.append((label, "yes", built or "**none**", "no"))
-    linked = [name for name in boards if load_board(name).fpga.link]
-    built = ", ".join(f"`{name}`" for name in linked) or "**none**"
-    rows.append(("settings changed while it runs: `wh_device`", "yes", built, "no"))
-    rows.append(("Modbus on a serial line: `wh_linked_device`", "yes", built, "no"))
-    captures = [name for name in boards if load_board(name).fpga.capture]
-    built = ", ".join(f"`{name}`" for name in captures) or "**none**"
-    rows.append(("live values captured around a trigger: `wh_capture`", "yes", built, "no"))
-    streams = [name for name in boards if load_board(name).fpga.stream]
-    built = ", ".join(f"`{name}`" for name in streams) or "**none**"
-    rows.append(("live values sent while they are asked for: `wh_stream`", "yes", built, "no"))
-    built = ", ".join(f"`{name}`" for name in brushless) or "**none**"
-    rows.append(("a brushless motor: `wh_device`, `LEGS = 3`", "yes", built, "no"))
+    of_boards = {name: load_board(name).fpga for name in boards}
+
+    def having(key: str) -> list[str]:
+        return [name for name, fpga in of_boards.items() if getattr(fpga, key)]
+
+    for what, names in (
+        ("settings changed by Modbus while it runs: `wh_device`, `wh_linked_device`",
+         having("link")),
+        ("a host MCU in place of the line: `wh_spi`", having("spi")),
+        ("live values captured around a trigger: `wh_capture`", having("capture")),
+        ("live values streamed: `wh_stream`", having("stream")),
+        ("comparators beside the FPGA that tell when they shut the gates: `DRIVER`",
+         having("overcurrent")),
+        ("brushless motors: `wh_device`, `AXES`", brushless),
+    ):  # fmt: skip
+        built = ", ".join(f"`{name}`" for name in names) or "**none**"
+        rows.append((what, "yes", built, "no"))
     return _words(("", "simulated", "in a bitstream", "tried on a motor"), rows)
 
 

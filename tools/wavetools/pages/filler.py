@@ -71,6 +71,7 @@ _BENCH = Path("build", "bench", "summary.json")
 _HOLDING = Path("build", "holding", "holding.json")
 _TABLED = Path("build", "tables", "tables.json")
 _SENSING = Path("build", "sensing", "sensing.json")
+_ENCODERS = Path("build", "encoders", "encoders.json")
 _DEMO = Path("build", "demo")
 _FORMAL = Path("build", "formal", "summary.json")
 _SOAK = Path("build", "soak", "summary.json")
@@ -132,6 +133,7 @@ _STUDIES: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
     _HOLDING: ("holding", holding_tables.of_holding),
     _TABLED: ("tables", runs.of_tables),
     _SENSING: ("sensing", runs.of_sensing),
+    _ENCODERS: ("encoders", runs.of_encoders),
 }
 _CHECKS: dict[Path, tuple[str, Callable[[dict[str, Any]], Any]]] = {
     _FORMAL: ("proofs", reliability.of_formal),
@@ -396,24 +398,23 @@ def _adcs(numbers: dict[str, Any]) -> str:
     head = ("ADC", "Bits", "Clock, SCLK", "kS/s at most", "Sample to last bit", "Last bit to duty",
             "Sample to gate edge", "k", "τ, measured of set", "τ at a = 0.99",
             "Torque error", "Energy out")  # fmt: skip
-    rows = []
-    for row in numbers.get("adcs", {}).get("parts", ()):
-        rows.append(
-            (
-                row["part"],
-                row["bits"],
-                f"{row['clock_mhz']:g}, {row['sclk_mhz']:.3g} MHz",
-                f"{row['rate_hz'] / 1e3:.0f}",
-                f"{row['conversion_ns']:.0f} ns",
-                f"{row['digital_ns']:.0f} ns",
-                f"{row['gate_ns']:.0f} ns",
-                row["extra_ticks"],
-                _measured(row["tau_us"], row["tau_set_us"]),
-                _measured(row["stiff_tau_us"], row["stiff_tau_set_us"]),
-                f"{row['torque_error']:.1e}",
-                f"{row['energy_out_max_j']:.0e} J",
-            )
+    rows = (
+        (
+            row["part"],
+            row["bits"],
+            f"{row['clock_mhz']:g}, {row['sclk_mhz']:.3g} MHz",
+            f"{row['rate_hz'] / 1e3:.0f}",
+            f"{row['conversion_ns']:.0f} ns",
+            f"{row['digital_ns']:.0f} ns",
+            f"{row['gate_ns']:.0f} ns",
+            row["extra_ticks"],
+            _measured(row["tau_us"], row["tau_set_us"]),
+            _measured(row["stiff_tau_us"], row["stiff_tau_set_us"]),
+            f"{row['torque_error']:.1e}",
+            f"{row['energy_out_max_j']:.0e} J",
         )
+        for row in numbers.get("adcs", {}).get("parts", ())
+    )
     return _table(head, rows)
 
 
@@ -424,15 +425,14 @@ def _measured(found: float | None, wanted: float) -> str:
 def _energies(numbers: dict[str, Any]) -> str:
     """Most net energy that the port gave out, by how the current is taken."""
     head = ("Tick", "`golden`, mean", "`golden`, point", "`pins`, one sample", "`pins`, several")
-    rows = []
-    for row in numbers.get("adcs", {}).get("energies", ()):
-        rows.append(
-            (
-                f"{1e6 * row['tick_s']:g} µs",
-                *(f"{row[name]:.1e} J" for name in ("mean_j", "point_j", "one_j")),
-                f"{row['several_j']:.1e} J ({row['samples']})",
-            )
+    rows = (
+        (
+            f"{1e6 * row['tick_s']:g} µs",
+            *(f"{row[name]:.1e} J" for name in ("mean_j", "point_j", "one_j")),
+            f"{row['several_j']:.1e} J ({row['samples']})",
         )
+        for row in numbers.get("adcs", {}).get("energies", ())
+    )
     return _table(head, rows)
 
 

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
 import numpy as np
 from wavehaptics.studies.report.blocks import number, percent
 
+from wavetools.studies.anchored.cases import HIT_SPEEDS
 from wavetools.studies.anchored.motors import SPEEDS
 from wavetools.studies.anchored.pictures import (
     ENERGY_TARGETS,
@@ -30,8 +31,8 @@ RIPPLE_TARGET = 0.01
 
 def of_holding(found: dict[str, Any]) -> dict[str, Any]:
     """The numbers that the pages quote, of ``holding.json``."""
-    kept = {name: found[name] for name in ("free", "throws", "lost")}
-    for name in ("holds", "plain", "bars", "feels", "overloads", "presses", "loads"):
+    kept = {name: found[name] for name in ("free", "throws", "hits", "lost")}
+    for name in ("holds", "plain", "bars", "feels", "overloads", "presses", "loads", "rates"):
         kept[name] = [_wanted(row) for row in found[name]]
     kept["heat"] = [
         _wanted(row) | {"hold": _wanted(row["hold"]), "press": _wanted(row["press"])}
@@ -54,7 +55,8 @@ _WANTED = {
     *("duration_s", "cell_rad", "moved_cells", "depth_cells", "rms_cells", "hold_ripple_rms"),
     *("force", "correction_out_max_j", "correction_bound_j", "anchor_fault_s", "part", "place"),
     *("damping", "limited_s", "most_cells", "judged_s", "saturated_fraction", "frequency"),
-    *("first", "later", "contact_energy_ratio", "load", "celsius", "swing_hz"),
+    *("first", "later", "contact_energy_ratio", "load", "celsius", "swing_hz", "swing_rad"),
+    "rate_hz",
 }
 
 
@@ -250,18 +252,16 @@ def _feels(numbers: dict[str, Any], table: Table) -> str:
     return table(head, rows)
 
 
+def _back(row: dict[str, Any]) -> Iterator[str]:
+    """Restitution at each speed."""
+    for back, fault in zip(row["restitution"], row["fault"], strict=True):
+        yield ("–" if back is None else number(back, 3)) + (" (fault)" if fault else "")
+
+
 def _bounces(numbers: dict[str, Any], table: Table) -> str:
     head = ("motor", "wrong", *(f"{speed:g} rad/s" for speed in SPEEDS))
     rows = [
-        (
-            f"`{row['preset']}`",
-            row["wrong"],
-            *(
-                ("–" if back is None else number(back, 3)) + (" (fault)" if fault else "")
-                for back, fault in zip(row["restitution"], row["fault"], strict=True)
-            ),
-        )
-        for row in numbers["holding"]["bounces"]
+        (f"`{row['preset']}`", row["wrong"], *_back(row)) for row in numbers["holding"]["bounces"]
     ]
     return table(head, rows)
 
@@ -385,22 +385,52 @@ def _loads(numbers: dict[str, Any], table: Table) -> str:
     )
 
 
+def _rates(numbers: dict[str, Any], table: Table) -> str:
+    head = ("rate, kHz", "inertia, J", "swing, counts, no error", "all errors",
+            "energy given over held, no error", "all errors")  # fmt: skip
+    groups: dict[tuple[float, float], list[dict[str, Any]]] = {}
+    for row in numbers["holding"]["rates"]:
+        groups.setdefault((row["rate_hz"], row["load"]), []).append(row)
+
+    def worst(rows: list[dict[str, Any]], of: Callable[[dict[str, Any]], float]) -> str:
+        return number(max(map(of, rows)))
+
+    rows = []
+    for (rate_hz, load), found in groups.items():
+        kinds = [_of_kind(found, everything) for everything in (False, True)]
+        swings = [worst(kind, lambda row: row["swing_rad"] / row["cell_rad"]) for kind in kinds]
+        energies = [worst(kind, lambda row: row["contact_energy_ratio"]) for kind in kinds]
+        rows.append((f"{rate_hz / 1e3:g}", number(load), *swings, *energies))
+    return table(head, rows)
+
+
 def _throws(numbers: dict[str, Any], table: Table) -> str:
     head = ("inertia, J", "wrong", *(f"{speed:g} rad/s" for speed in SPEEDS))
-    return table(
-        head,
-        [
-            (
-                number(row["load"]),
-                row["wrong"],
-                *(
-                    ("–" if back is None else number(back, 3)) + (" (fault)" if fault else "")
-                    for back, fault in zip(row["restitution"], row["fault"], strict=True)
-                ),
-            )
-            for row in numbers["holding"]["throws"]
-        ],
-    )
+    rows = [
+        (number(row["load"]), row["wrong"], *_back(row)) for row in numbers["holding"]["throws"]
+    ]
+    return table(head, rows)
+
+
+def _hits(numbers: dict[str, Any], table: Table) -> str:
+    head = ("limit", "inertia, J", "wrong", *(f"{speed:g} rad/s" for speed in HIT_SPEEDS))
+    groups: dict[tuple[str, float, bool], list[dict[str, Any]]] = {}
+    for row in numbers["holding"]["hits"]:
+        groups.setdefault((row["limit"], row["load"], row["wrong"] != "nothing"), []).append(row)
+
+    def cell(backs: tuple[float | None, ...], faults: tuple[bool, ...]) -> str:
+        came = [back for back in backs if back is not None]
+        ends = dict.fromkeys(number(back, 3) for back in (min(came), max(came))) if came else "–"
+        count = sum(faults)
+        return "…".join(ends) + (f" ({count} fault{'s' * (count > 1)})" if count else "")
+
+    rows = []
+    for (limit, load, wrong), found in groups.items():
+        backs = zip(*(row["restitution"] for row in found), strict=True)
+        faults = zip(*(row["fault"] for row in found), strict=True)
+        cells = map(cell, backs, faults)
+        rows.append((limit, number(load), "all errors" if wrong else "nothing", *cells))
+    return table(head, rows)
 
 
 def _heat(numbers: dict[str, Any], table: Table) -> str:
@@ -484,10 +514,12 @@ TABLES = {
     "bounces": _once_measured("bounces", _bounces),
     "free": _once_measured("free", _free),
     "overloads": _once_measured("overloads", _overloads),
+    "hits": _once_measured("hits", _hits),
     "lost": _once_measured("lost", _lost),
     "presses": _once_measured("presses", _presses),
     "loads": _once_measured("loads", _loads),
     "throws": _once_measured("throws", _throws),
+    "slow_rates": _once_measured("rates", _rates),
     "heat": _once_measured("heat", _heat),
     "motors": _once_measured("in_hands", _random),
 }

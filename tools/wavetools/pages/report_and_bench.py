@@ -38,7 +38,7 @@ def of_report(report: dict[str, Any]) -> dict[str, Any]:
 
 def of_bench(summary: dict[str, Any]) -> dict[str, Any]:
     """The bench's numbers that the pages quote."""
-    kept = ("machine", "compiler", "verilator", "controllers", "rtl_alone")
+    kept = ("machine", "compiler", "verilator", "controllers")
     return {key: summary[key] for key in kept}
 
 

@@ -11,11 +11,16 @@ from wavehaptics.scene import find_scene, first_comment, load_scene
 from wavehaptics.studies.report.blocks import number, percent
 from wavehaptics.trace import pictures
 
-from wavetools.studies import sensing, surfaces
+from wavetools.studies import encoders, sensing, surfaces
 
 
 def of_sensing(found: dict[str, Any]) -> dict[str, Any]:
     """What is kept of ``sensing.json``: all of it."""
+    return found
+
+
+def of_encoders(found: dict[str, Any]) -> dict[str, Any]:
+    """What is kept of ``encoders.json``: all of it."""
     return found
 
 
@@ -64,6 +69,15 @@ def _dead_time(numbers: dict[str, Any], table: Table) -> str:
 
 def _sensing(numbers: dict[str, Any], table: Table) -> str:
     return table(*sensing.lines(numbers["sensing"])) if "sensing" in numbers else ""
+
+
+def _encoder_parts(numbers: dict[str, Any], table: Table) -> str:
+    del numbers
+    return table(encoders.PART_HEAD, map(encoders.part_cells, encoders.ABSOLUTE_PARTS))
+
+
+def _encoders(numbers: dict[str, Any], table: Table) -> str:
+    return table(*encoders.lines(numbers["encoders"])) if "encoders" in numbers else ""
 
 
 _SWITCHING = {
@@ -231,6 +245,8 @@ TABLES = {
     "brushless-held": _brushless_held,
     "dead-time": _dead_time,
     "sensing": _sensing,
+    "encoders": _encoders,
+    "encoder-parts": _encoder_parts,
     "modes": _modes,
     "bus": _bus,
     "carriers": _carriers,

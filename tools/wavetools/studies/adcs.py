@@ -54,11 +54,7 @@ def delays(timing: Timing) -> dict[str, float]:
         conversion = made.pipeline * timing.sample_clocks + made.conversion_clocks - HOLD_CLOCKS
     # Held in the middle of its interval, as the gates have it; the last one ends with the tick.
     to_gate = timing.sample_clocks / 2 + timing.extra_ticks * timing.tick_clocks
-    return {
-        "conversion_ns": conversion * ns,
-        "digital_ns": digital * ns,
-        "gate_ns": to_gate * ns,
-    }
+    return {"conversion_ns": conversion * ns, "digital_ns": digital * ns, "gate_ns": to_gate * ns}
 
 
 def _part(

@@ -167,10 +167,7 @@ def collect(out: Path, progress: Callable[[str, float], None]) -> list[dict[str,
         [load_device(plane, (*sets, *still)) for sets in wrong],
     ))  # fmt: skip
     cases.append(
-        (
-            "slid along it by 20 mm at 2 Hz, the same",
-            [load_device(plane, sets) for sets in wrong],
-        )
+        ("slid along it by 20 mm at 2 Hz, the same", [load_device(plane, sets) for sets in wrong])
     )
     for rate_hz, late_s in RATES:
         for turns_hz in TURNS_HZ:

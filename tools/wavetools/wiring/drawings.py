@@ -358,7 +358,8 @@ def sense(table: Table) -> Sheet:
     s.frame((-1.8, 4.5), (20.6, -3.5), "option: overcurrent shuts the gates until 3.3 V goes")
     s.text((10.9, -2.3), "several motors: the outputs of all U9 joined at one R16\n"
            f"U10 once for a board; {s.value('C14', one_line=True)} at each U9, "
-           f"{s.value('C15', one_line=True)} at U10\nU9 and U10 on 3.3 V",
+           f"{s.value('C15', one_line=True)} at U10\n"
+           "U9 and U10 on 3.3 V; a ULX3S also has a pin overcurrent_n",
            align="left", small=True)  # fmt: skip
     return s
 
@@ -422,6 +423,18 @@ def inputs(table: Table) -> Sheet:
     s.text((2.6, -3.2), "red; its shorter leg to ground", align="top", small=True)
     s.wire((4.0, -2.8), (5.4, -2.8), (5.4, -3.2))
     s.ground((5.4, -3.2))
+    s.text((7.4, -1.5), "Host MCU of 3.3 V on SPI, where the board has the pins (ULX3S)", grey=True)
+    for row, (signal, at) in enumerate((("spi_cs_n", "CS"), ("spi_sclk", "SCLK"),
+                                        ("spi_mosi", "MOSI"), ("spi_miso", "MISO"))):  # fmt: skip
+        y = -2.4 - 0.7 * row
+        s.tag((10.0, y), signal, "left")
+        if signal == "spi_miso":
+            s.wire((10.0, y), (10.6, y))
+            s.resistor("R24", (10.6, y), (12.2, y), "bottom")
+            s.wire((12.2, y), (12.8, y))
+        else:
+            s.wire((10.0, y), (12.8, y))
+        s.tag((12.8, y), f"{at} of the MCU", "right")
     return s
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from wavehaptics.fpga.boards import board_names, load_board
 from wavehaptics.runtime.files import write_text
 from wavehaptics.runtime.repository import ROOT
+from wavehaptics.words.table import LEGS
 
 from wavetools import markers
 from wavetools.fpga import bridge_budget
@@ -38,9 +39,9 @@ def count(part: Part, motors: int, sclk_pins: int = 1) -> int:
 
 
 def sizes() -> list[tuple[int, int]]:
-    """Motors and ``sclk_pins`` of the boards, each pair once."""
+    """Motors and ``sclk_pins`` of the boards for motors with brushes, each pair once."""
     boards = (load_board(name).fpga for name in board_names())
-    return sorted({(fpga.motors, fpga.sclk_pins) for fpga in boards})
+    return sorted({(fpga.motors, fpga.sclk_pins) for fpga in boards if fpga.legs == LEGS})
 
 
 def bill(table: Table, *, options: bool) -> str:

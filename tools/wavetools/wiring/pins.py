@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from wavehaptics.fpga.boards import load_board
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.toml_source import TomlError, parse
+from wavehaptics.words.table import AXES
 
 from wavetools.wiring.parts import WiringError, load_table
 
@@ -34,6 +35,11 @@ _TO = {
     "led_fault": "LED to ground, R18",
     "uart_rx": "serial adapter, its TX",
     "uart_tx": "serial adapter, its RX",
+    "spi_cs_n": "host MCU, CS",
+    "spi_sclk": "host MCU, SCLK",
+    "spi_mosi": "host MCU, MOSI",
+    "spi_miso": "R24, host MCU, MISO",
+    "overcurrent_n": "Q of U10",
     "gate_ah": "R4, U4 pin 1",
     "gate_al": "R4, U4 pin 4",
     "gate_bh": "R4, U4 pin 9",
@@ -129,12 +135,14 @@ def wires(board: str, root: Path = ROOT) -> Wires:
 
 
 def goes_to(
-    pin: Pin, brushless: bool = False, sharing: int = 1, own: Mapping[str, str] = _TO
-) -> str:
+    pin: Pin, brushless: bool = False, sharing: int = 1, own: Mapping[str, str] = _TO,
+    motors: int = 1,
+) -> str:  # fmt: skip
     """Where a pin's wire goes; nowhere for one that is not used.
 
-    Several ports of a name are those of several motors, or of a ``brushless`` one's phases; of CS
-    and SCLK each is that of ``sharing`` motors. ``own`` is where a power board's wires go.
+    Several ports of a name are those of several ``motors``, SDATA's of each phase of ``brushless``
+    ones; of CS and SCLK each is that of ``sharing`` motors. ``own`` is where a power board's wires
+    go.
     """
     if pin.port is None:
         if pin.place == "GND":
@@ -151,8 +159,9 @@ def goes_to(
         raise WiringError(f"nobody has said where the wire of {pin.port} goes; add it to pins.py")
     if not index:
         return _TO[base]
-    if brushless:
-        return f"phase {'abc'[int(index)]}: {_TO[base]}"
+    if brushless and base == "adc_sdata":
+        motor, phase = divmod(int(index), AXES)
+        return f"{f'motor {motor}, ' * (motors > 1)}phase {'ab'[phase]}: {_TO[base]}"
     if base not in _SHARED or sharing == 1:
         return f"motor {index}: {_TO[base]}"
     first = int(index) * sharing
@@ -176,7 +185,7 @@ def table(board: str, root: Path = ROOT) -> str:
                 for pin in row
                 for text in (
                     pin.printed, pin.place, f"`{pin.port}`" if pin.port else "–",
-                    goes_to(pin, loaded.brushless, sharing, own),
+                    goes_to(pin, loaded.brushless, sharing, own, loaded.fpga.motors),
                 )
             ]  # fmt: skip
             lines.append(f"| {' | '.join(cells)} |")

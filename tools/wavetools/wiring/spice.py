@@ -344,7 +344,7 @@ def wired_so(table: Table) -> list[Board]:
 def board_ticks(table: Table) -> Mapping[str, float]:
     """Time from one change of ``alive`` to the next on each such board, in s: a tick, or half."""
     return {
-        board.name: (0.5 if board.fpga.surfaces else 1.0) / board.scene.controller.tick_hz
+        board.name: (0.5 if board.words().alive_again else 1.0) / board.scene.controller.tick_hz
         for board in wired_so(table)
     }
 

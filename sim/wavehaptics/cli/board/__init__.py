@@ -8,16 +8,7 @@ that of the command's help.
 import typer
 
 # isort: off
-from wavehaptics.cli.board import (
-    virtual,
-    words,
-    arming,
-    identify,
-    faults,
-    capture,
-    stream,
-    scope,
-)
+from wavehaptics.cli.board import virtual, words, arming, identify, faults, capture, stream, scope
 
 # isort: on
 from wavehaptics.cli.board.common import board

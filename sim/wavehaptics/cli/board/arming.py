@@ -10,37 +10,29 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wavehaptics.cli.board.common import (
-    DEFAULT_TIMEOUT,
-    PortOption,
-    TimeoutOption,
-    UnitOption,
-    asked_to_end,
-    board,
-    connected,
-    finite,
-    refusals,
-)
+from wavehaptics.cli.board import common
 from wavehaptics.runtime.ends import ending
 
 if TYPE_CHECKING:
     from wavehaptics.host.client import Client
 
 
-@board.command()
+@common.board.command()
 def arm(
-    port: PortOption = "",
+    port: common.PortOption = "",
     seconds: Annotated[
         float | None,
-        typer.Option(min=0, callback=finite, help="Disarm after so much time; else at Ctrl-C."),
+        typer.Option(
+            min=0, callback=common.finite, help="Disarm after so much time; else at Ctrl-C."
+        ),
     ] = None,
-    unit: UnitOption = 1,
-    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+    unit: common.UnitOption = 1,
+    timeout: common.TimeoutOption = common.DEFAULT_TIMEOUT,
 ) -> None:
     """Let the bridges on, and renew that until Ctrl-C; then disarm."""
-    with refusals():
-        client = connected(port, unit, timeout)
-        with asked_to_end() as asked, ending(partial(write_arm, client, 0)):
+    with common.refusals():
+        client = common.connected(port, unit, timeout)
+        with common.asked_to_end() as asked, ending(partial(write_arm, client, 0)):
             stay_armed(client, asked, seconds)
     print("disarmed")
 
@@ -81,10 +73,12 @@ def stay_armed(client: Client, asked: Callable[[], bool], seconds: float | None)
         write_arm(client, 2)
 
 
-@board.command()
+@common.board.command()
 def disarm(
-    port: PortOption = "", unit: UnitOption = 1, timeout: TimeoutOption = DEFAULT_TIMEOUT
+    port: common.PortOption = "",
+    unit: common.UnitOption = 1,
+    timeout: common.TimeoutOption = common.DEFAULT_TIMEOUT,
 ) -> None:
     """Switch the bridges off."""
-    with refusals():
-        write_arm(connected(port, unit, timeout), 0)
+    with common.refusals():
+        write_arm(common.connected(port, unit, timeout), 0)

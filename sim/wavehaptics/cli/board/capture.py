@@ -9,18 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wavehaptics.cli.board.common import (
-    DEFAULT_TIMEOUT,
-    MotorOption,
-    PortOption,
-    TimeoutOption,
-    UnitOption,
-    asked_to_end,
-    board,
-    connected,
-    finite,
-    refusals,
-)
+from wavehaptics.cli.board import common
 from wavehaptics.cli.board.rows import (
     CountsOption,
     PresetOption,
@@ -36,7 +25,7 @@ if TYPE_CHECKING:
     from wavehaptics.host.capture import Captured, Plan, Progress
 
 
-@board.command()
+@common.board.command()
 def capture(
     names: Annotated[
         list[str] | None,
@@ -55,10 +44,13 @@ def capture(
     ] = "now",
     seconds: Annotated[
         float | None,
-        typer.Option(min=0, callback=finite, help="Of the device's time; else all that fits."),
+        typer.Option(
+            min=0, callback=common.finite, help="Of the device's time; else all that fits."
+        ),
     ] = None,
     pre: Annotated[
-        float, typer.Option(min=0, callback=finite, help="Seconds of these before the trigger.")
+        float,
+        typer.Option(min=0, callback=common.finite, help="Seconds of these before the trigger."),
     ] = 0.0,
     decimate: Annotated[
         int | None,
@@ -70,10 +62,10 @@ def capture(
     out: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for trace.npz and capture.png.")
     ] = RUNS_DIR / "capture",
-    port: PortOption = "",
-    motor: MotorOption = 0,
-    unit: UnitOption = 1,
-    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+    port: common.PortOption = "",
+    motor: common.MotorOption = 0,
+    unit: common.UnitOption = 1,
+    timeout: common.TimeoutOption = common.DEFAULT_TIMEOUT,
 ) -> None:
     """Capture live words at the tick's rate around a trigger; Ctrl-C takes what is there."""
     from wavehaptics.host import capture as captures
@@ -82,8 +74,8 @@ def capture(
 
     constant = torque_constant(preset, k_t)
     make_folder(out)
-    with refusals():
-        client = connected(port, unit, timeout)
+    with common.refusals():
+        client = common.connected(port, unit, timeout)
         plan = captures.plan(
             client, names or captures.PICTURED, seconds=seconds, decimation=decimate,
             trigger=trigger, before_s=pre, motor=motor,
@@ -101,7 +93,7 @@ def capture(
                 keep(plan, found, device, out, "capture.png", raw)
                 print(*_capture_lines(plan, found), sep="\n")
 
-        with ending(written), shown_stages() as show, asked_to_end() as asked:
+        with ending(written), shown_stages() as show, common.asked_to_end() as asked:
             captures.start(client, plan)
 
             def shown(progress: Progress) -> None:

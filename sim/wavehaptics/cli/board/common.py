@@ -35,8 +35,7 @@ PortOption = Annotated[
 ]
 UnitOption = Annotated[int, typer.Option(min=1, max=247, help="Unit of the device.")]
 TimeoutOption = Annotated[
-    float,
-    typer.Option(min=0.01, max=3600, callback=finite, help="Seconds to wait for an answer."),
+    float, typer.Option(min=0.01, max=3600, callback=finite, help="Seconds to wait for an answer.")
 ]
 MotorOption = Annotated[int, typer.Option(min=0, max=7, help="The motor whose words are meant.")]
 RawOption = Annotated[bool, typer.Option("--raw", help="Raw words in place of values in SI units.")]

@@ -7,30 +7,22 @@ from typing import Annotated
 
 import typer
 
-from wavehaptics.cli.board.common import (
-    DEFAULT_TIMEOUT,
-    PortOption,
-    TimeoutOption,
-    UnitOption,
-    board,
-    connected,
-    refusals,
-)
+from wavehaptics.cli.board import common
 
 
-@board.command()
+@common.board.command()
 def faults(
     clear: Annotated[bool, typer.Option("--clear", help="Forget those that are over.")] = False,
-    port: PortOption = "",
-    unit: UnitOption = 1,
-    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+    port: common.PortOption = "",
+    unit: common.UnitOption = 1,
+    timeout: common.TimeoutOption = common.DEFAULT_TIMEOUT,
 ) -> None:
     """Tell what the guard found, and what disarmed the device."""
     from wavehaptics.host.names import places
     from wavehaptics.words.faults import FAULTS, REFUSED_BY_FAULT, arm_refusal, bits_of
 
-    with refusals():
-        client = connected(port, unit, timeout)
+    with common.refusals():
+        client = common.connected(port, unit, timeout)
         if clear:
             client.write([(places("clear", client.shape)[0], 1)])
         names = ("faults", "overrun", "armed", "arm_refused", "running")

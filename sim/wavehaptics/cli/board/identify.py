@@ -12,18 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wavehaptics.cli.board.common import (
-    DEFAULT_TIMEOUT,
-    MotorOption,
-    PortOption,
-    TimeoutOption,
-    UnitOption,
-    asked_to_end,
-    board,
-    connected,
-    finite,
-    refusals,
-)
+from wavehaptics.cli.board import common
 from wavehaptics.cli.shared import CommandError, shown_stages
 from wavehaptics.runtime.ends import ending
 
@@ -37,7 +26,7 @@ TOLD_S = 10.0
 """From one line about the progress to the next, where there is no terminal."""
 
 
-@board.command()
+@common.board.command()
 def identify(
     counts: Annotated[
         int,
@@ -47,22 +36,23 @@ def identify(
         Path | None,
         typer.Option(metavar="FILE", help="A scene of it, and words for `load` beside."),
     ] = None,
-    port: PortOption = "",
-    motor: MotorOption = 0,
+    port: common.PortOption = "",
+    motor: common.MotorOption = 0,
     current: Annotated[
-        float | None, typer.Option(min=0.001, max=60, callback=finite, help="Test current, A.")
+        float | None,
+        typer.Option(min=0.001, max=60, callback=common.finite, help="Test current, A."),
     ] = None,
     travel: Annotated[
         float | None,
         typer.Option(
-            min=0.01, callback=finite, help="Room that the rotor has, rad; else it may turn."
+            min=0.01, callback=common.finite, help="Room that the rotor has, rad; else it may turn."
         ),
     ] = None,
     expect: Annotated[
         str | None, typer.Option(metavar="PRESET", help="The motor that it should be.")
     ] = None,
-    unit: UnitOption = 1,
-    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+    unit: common.UnitOption = 1,
+    timeout: common.TimeoutOption = common.DEFAULT_TIMEOUT,
 ) -> None:
     """Identify the motor: it turns, for some seconds; simulated, for minutes.
 
@@ -85,11 +75,11 @@ def identify(
     if expect is not None and expect not in presets:
         raise CommandError(f"--expect {expect}: take {', '.join(presets)}")
     wishes = Wishes(counts, current, travel, presets[expect] if expect else None)
-    with refusals():
+    with common.refusals():
         if out is not None:
             for path in (out, beside(out)):
                 session.check_writable(path)
-        client = connected(port, unit, timeout)
+        client = common.connected(port, unit, timeout)
         results: list[AnyFound] = []
 
         def written() -> None:
@@ -98,7 +88,7 @@ def identify(
                 if out is not None:
                     print(*write(found, driver, out, motor), sep="\n")
 
-        with ending(written), asked_to_end() as asked, _shown() as show:
+        with ending(written), common.asked_to_end() as asked, _shown() as show:
             driver = Driver(client, motor, ended=asked)
             print("the rotor turns: seconds on a board, minutes on a simulated one", flush=True)
             try:

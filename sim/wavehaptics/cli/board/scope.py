@@ -8,15 +8,7 @@ from typing import Annotated
 
 import typer
 
-from wavehaptics.cli.board.common import (
-    MotorOption,
-    PortOption,
-    TimeoutOption,
-    UnitOption,
-    board,
-    finite,
-    refusals,
-)
+from wavehaptics.cli.board import common
 from wavehaptics.cli.shared import CommandError, SetOption
 from wavehaptics.scene import find_scene, load_device
 
@@ -27,9 +19,9 @@ SCOPE_HTTP_PORT = 8317
 SCOPE_TIMEOUT = 2.0
 
 
-@board.command()
+@common.board.command()
 def scope(
-    port: PortOption = "",
+    port: common.PortOption = "",
     virtual: Annotated[
         str | None,
         typer.Option(
@@ -45,7 +37,7 @@ def scope(
     k_t: Annotated[
         float | None,
         typer.Option(
-            min=1e-4, max=10, callback=finite, help="With a port: k_T of its motor, N·m/A."
+            min=1e-4, max=10, callback=common.finite, help="With a port: k_T of its motor, N·m/A."
         ),
     ] = None,
     counts: Annotated[
@@ -60,9 +52,9 @@ def scope(
     no_browser: Annotated[
         bool, typer.Option("--no-browser", help="Open no browser with the page.")
     ] = False,
-    motor: MotorOption = 0,
-    unit: UnitOption = 1,
-    timeout: TimeoutOption = SCOPE_TIMEOUT,
+    motor: common.MotorOption = 0,
+    unit: common.UnitOption = 1,
+    timeout: common.TimeoutOption = SCOPE_TIMEOUT,
 ) -> None:
     """Show the board live on a page of this machine: push its wall, set it, stop it."""
     if virtual is not None and port:
@@ -86,7 +78,7 @@ def scope(
     if path is not None:
         known = Known.of_scene(path, sets, starts=not port or hand is not None)
     known = known.but(k_t, counts)
-    with refusals():
+    with common.refusals():
         led = None if known.device else motor
         plug = Plug(port, hand) if port else VirtualPlug(str(path), sets, led)
         command.run(

@@ -10,19 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from wavehaptics.cli.board import common
 from wavehaptics.cli.board.arming import stay_armed, write_arm
-from wavehaptics.cli.board.common import (
-    DEFAULT_TIMEOUT,
-    MotorOption,
-    PortOption,
-    TimeoutOption,
-    UnitOption,
-    asked_to_end,
-    board,
-    connected,
-    finite,
-    refusals,
-)
 from wavehaptics.cli.board.rows import (
     CountsOption,
     PresetOption,
@@ -44,7 +33,7 @@ STILL_S = 30.0
 """Wall-clock time without a packet after which none comes, on a slow simulated board as well."""
 
 
-@board.command()
+@common.board.command()
 def stream(
     names: Annotated[
         list[str] | None,
@@ -56,7 +45,9 @@ def stream(
     ] = None,
     seconds: Annotated[
         float | None,
-        typer.Option(min=0, callback=finite, help="Of the device's time; else until Ctrl-C."),
+        typer.Option(
+            min=0, callback=common.finite, help="Of the device's time; else until Ctrl-C."
+        ),
     ] = None,
     decimate: Annotated[
         int | None,
@@ -71,10 +62,10 @@ def stream(
     out: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for trace.npz and stream.png.")
     ] = RUNS_DIR / "stream",
-    port: PortOption = "",
-    motor: MotorOption = 0,
-    unit: UnitOption = 1,
-    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+    port: common.PortOption = "",
+    motor: common.MotorOption = 0,
+    unit: common.UnitOption = 1,
+    timeout: common.TimeoutOption = common.DEFAULT_TIMEOUT,
 ) -> None:
     """Receive live words row after row, as fast as the line is, until Ctrl-C."""
     from wavehaptics.host.captured_trace import device_of
@@ -82,8 +73,8 @@ def stream(
 
     constant = torque_constant(preset, k_t)
     make_folder(out)
-    with refusals():
-        client = connected(port, unit, timeout)
+    with common.refusals():
+        client = common.connected(port, unit, timeout)
         device = device_of(client, motor, counts_per_rev, constant)
         live = Stream(client, names or STREAMED, decimation=decimate, motor=motor)
 
@@ -94,7 +85,7 @@ def stream(
             keep(found.plan, found, device, out, "stream.png")
             print(*_stream_lines(found), sep="\n")
 
-        with ending(written), shown_stages() as show, asked_to_end() as asked, live:
+        with ending(written), shown_stages() as show, common.asked_to_end() as asked, live:
             _receive(client, live, show, asked, seconds, arms=arms)
 
 

@@ -103,7 +103,9 @@ def be_virtual(
         loaded, count = device.scenes[0], len(device.scenes)
     else:
         loaded = device.one("one is taken here; leave one of them in the file")
-        count = _motors_of(path) if motors is None else motors
+        count = _motors_of(path, loaded) if motors is None else motors
+    if count > 1 and loaded.motor.brushless:
+        raise CommandError(f"--motors {count}: a virtual board has one brushless motor; take 1")
     if surfaces and count not in (2, 3):
         raise CommandError(
             f"--surfaces {surfaces}: they are across 2 or 3 motors, and here is {count}"
@@ -185,12 +187,16 @@ def _check_place(option: str, path: Path, kind: str, fits: Callable[[Path], bool
         raise CommandError(f"{option} {path}: {reason}") from None
 
 
-def _motors_of(path: Path) -> int:
-    """Motors of the board whose scene this is; 1 where it is no board's."""
+def _motors_of(path: Path, scene: Scene) -> int:
+    """Motors of the board whose scene this is; 1 where it is no board's, or they are brushless."""
     from wavehaptics.fpga.boards import load_board
 
     folder = path.resolve().parent
-    if path.name != "board.toml" or folder.parent != (ROOT / "boards").resolve():
+    if (
+        scene.motor.brushless
+        or path.name != "board.toml"
+        or folder.parent != (ROOT / "boards").resolve()
+    ):
         return 1
     return load_board(folder.name).fpga.motors
 

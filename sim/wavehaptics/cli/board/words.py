@@ -10,30 +10,21 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wavehaptics.cli.board.common import (
-    DEFAULT_TIMEOUT,
-    MotorOption,
-    PortOption,
-    RawOption,
-    TimeoutOption,
-    UnitOption,
-    board,
-    connected,
-    finite,
-    refusals,
-)
+from wavehaptics.cli.board import common
 
 if TYPE_CHECKING:
     from wavehaptics.host.names import Place
 
 
-@board.command()
+@common.board.command()
 def info(
-    port: PortOption = "", unit: UnitOption = 1, timeout: TimeoutOption = DEFAULT_TIMEOUT
+    port: common.PortOption = "",
+    unit: common.UnitOption = 1,
+    timeout: common.TimeoutOption = common.DEFAULT_TIMEOUT,
 ) -> None:
     """Tell what the device is, and what its line has counted."""
-    with refusals():
-        found = connected(port, unit, timeout).identification
+    with common.refusals():
+        found = common.connected(port, unit, timeout).identification
     words = found.words
     shown = {
         "table of words": f"{words['table']:08x}",
@@ -57,20 +48,20 @@ def _shown(place: Place, raw: int, as_raw: bool) -> str:
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
-@board.command()
+@common.board.command()
 def get(
     names: Annotated[list[str], typer.Argument(metavar="NAME...", help="NAME or NAME[INDEX].")],
-    port: PortOption = "",
-    motor: MotorOption = 0,
-    raw: RawOption = False,
-    unit: UnitOption = 1,
-    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+    port: common.PortOption = "",
+    motor: common.MotorOption = 0,
+    raw: common.RawOption = False,
+    unit: common.UnitOption = 1,
+    timeout: common.TimeoutOption = common.DEFAULT_TIMEOUT,
 ) -> None:
     """Read words."""
     from wavehaptics.host.names import places, readable
 
-    with refusals():
-        client = connected(port, unit, timeout)
+    with common.refusals():
+        client = common.connected(port, unit, timeout)
         found = [readable(p) for name in names for p in places(name, client.shape, motor)]
         words = client.read(found)
     width = max(len(place.text) for place in found)
@@ -79,22 +70,22 @@ def get(
         print(f"{place.text:<{width}}  {_shown(place, word, raw)} {unit_text}".rstrip())
 
 
-@board.command("set")
+@common.board.command("set")
 def set_words(
     values: Annotated[
         list[str], typer.Argument(metavar="NAME=VALUE...", help="In SI units, as docs/words.md.")
     ],
-    port: PortOption = "",
-    motor: MotorOption = 0,
-    raw: RawOption = False,
-    unit: UnitOption = 1,
-    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+    port: common.PortOption = "",
+    motor: common.MotorOption = 0,
+    raw: common.RawOption = False,
+    unit: common.UnitOption = 1,
+    timeout: common.TimeoutOption = common.DEFAULT_TIMEOUT,
 ) -> None:
     """Write words; those of one group are given together."""
     from wavehaptics.host.names import HostError, number, places, settable
 
-    with refusals():
-        client = connected(port, unit, timeout)
+    with common.refusals():
+        client = common.connected(port, unit, timeout)
         words: dict[Place, int] = {}
         for text in values:
             name, _, value = text.partition("=")
@@ -113,55 +104,55 @@ def set_words(
         print(f"{frames} frames, given one after another: the words aren't of one group")
 
 
-@board.command()
+@common.board.command()
 def save(
     path: Annotated[Path, typer.Argument(metavar="FILE", help="A TOML file.")],
-    port: PortOption = "",
-    unit: UnitOption = 1,
-    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+    port: common.PortOption = "",
+    unit: common.UnitOption = 1,
+    timeout: common.TimeoutOption = common.DEFAULT_TIMEOUT,
 ) -> None:
     """Save all settings of the device."""
     from wavehaptics.host import session
 
-    with refusals():
-        count = session.save(connected(port, unit, timeout), path)
+    with common.refusals():
+        count = session.save(common.connected(port, unit, timeout), path)
     print(f"{path}: {count} words")
 
 
-@board.command()
+@common.board.command()
 def load(
     path: Annotated[Path, typer.Argument(metavar="FILE", help="A TOML file.")],
-    port: PortOption = "",
-    unit: UnitOption = 1,
-    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+    port: common.PortOption = "",
+    unit: common.UnitOption = 1,
+    timeout: common.TimeoutOption = common.DEFAULT_TIMEOUT,
 ) -> None:
     """Give the device the settings of FILE: all of them, or none."""
     from wavehaptics.host import session
 
-    with refusals():
-        changed, count = session.load(connected(port, unit, timeout), path)
+    with common.refusals():
+        changed, count = session.load(common.connected(port, unit, timeout), path)
     print(f"{path}: {count} words, of which {changed} were others")
 
 
-@board.command()
+@common.board.command()
 def watch(
     names: Annotated[list[str], typer.Argument(metavar="NAME...", help="NAME or NAME[INDEX].")],
-    port: PortOption = "",
-    motor: MotorOption = 0,
-    raw: RawOption = False,
+    port: common.PortOption = "",
+    motor: common.MotorOption = 0,
+    raw: common.RawOption = False,
     csv: Annotated[bool, typer.Option("--csv", help="Lines of CSV in place of a table.")] = False,
     count: Annotated[int | None, typer.Option("-n", min=1, help="So many times.")] = None,
     every: Annotated[
-        float, typer.Option(min=0, max=3600, callback=finite, help="Seconds between.")
+        float, typer.Option(min=0, max=3600, callback=common.finite, help="Seconds between.")
     ] = 0.2,
-    unit: UnitOption = 1,
-    timeout: TimeoutOption = DEFAULT_TIMEOUT,
+    unit: common.UnitOption = 1,
+    timeout: common.TimeoutOption = common.DEFAULT_TIMEOUT,
 ) -> None:
     """Read words again and again, until Ctrl-C."""
     from wavehaptics.host.names import places, readable
 
-    with refusals():
-        client = connected(port, unit, timeout)
+    with common.refusals():
+        client = common.connected(port, unit, timeout)
         found = [readable(p) for name in names for p in places(name, client.shape, motor)]
         start = time.monotonic()
 

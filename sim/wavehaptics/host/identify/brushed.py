@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wavehaptics.host.identify import encoder
+from wavehaptics.host.identify import encoder, steps
 from wavehaptics.host.identify import inductance as inductances
 from wavehaptics.host.identify import resistance as resistances
 from wavehaptics.host.identify.back_emf import LEAST, MOST, SAME, BackEmf, back_emf
@@ -21,33 +21,7 @@ from wavehaptics.host.identify.mechanics import Mechanics, mechanics
 from wavehaptics.host.identify.resistance import Resistance, resistance, rough
 from wavehaptics.host.identify.sampling import Sampling
 from wavehaptics.host.identify.segments import Estimate
-from wavehaptics.host.identify.steps import (
-    CAREFUL,
-    COAST_ROWS,
-    COASTS,
-    EXCHANGES_LATE,
-    FIRST_OHM,
-    K_PART,
-    LEAST_PULSE_S,
-    LEVELS,
-    MANY_CELLS,
-    MOST_COAST_S,
-    MOST_PULSE_S,
-    PART_OF_LIMIT,
-    PULSE_ROWS,
-    PULSES,
-    ROOM,
-    SIGMA,
-    STEP_PAIRS,
-    TRIALS,
-    NotPlausible,
-    Shown,
-    Steps,
-    Told,
-    Wishes,
-    shorted,
-    smooth_peak,
-)
+from wavehaptics.host.identify.steps import NotPlausible
 from wavehaptics.host.names import HostError
 from wavehaptics.parts.motors import MotorConstants
 
@@ -66,10 +40,12 @@ class Found:
     """The test current."""
 
 
-class BrushedProcedure(Steps[MotorConstants]):
+class BrushedProcedure(steps.Steps[MotorConstants]):
     """The steps of a motor with brushes."""
 
-    def __init__(self, driver: Driver, wishes: Wishes, tell: Told, show: Shown) -> None:
+    def __init__(
+        self, driver: Driver, wishes: steps.Wishes, tell: steps.Told, show: steps.Shown
+    ) -> None:
         super().__init__(driver, wishes, tell, show, MotorConstants)
 
     def _excite(self) -> None:
@@ -78,10 +54,10 @@ class BrushedProcedure(Steps[MotorConstants]):
         self._coast_all()
         volts = self._ohm * self._amps
         seconds = inductances.RISES * self._henry / self._ohm
-        self._tell(f"steps: {2 * STEP_PAIRS} of {volts:.2g} V")
+        self._tell(f"steps: {2 * steps.STEP_PAIRS} of {volts:.2g} V")
         self._rises = [
             self._step(self._sign(n) * volts, self._r_hat, seconds)
-            for n in self._staged("steps", 2 * STEP_PAIRS)
+            for n in self._staged("steps", 2 * steps.STEP_PAIRS)
         ]
 
     def estimate(self) -> Found:
@@ -97,7 +73,7 @@ class BrushedProcedure(Steps[MotorConstants]):
 
     def _rough(self) -> None:
         driver, amps = self._driver, self._amps
-        sign, volts = 1.0, FIRST_OHM * amps
+        sign, volts = 1.0, steps.FIRST_OHM * amps
         # Doubled up to the limit at most, and once more the other way.
         most = 2 + max(0, math.ceil(math.log2(max(driver.limit_v, volts) / volts)))
         nothing = self._nothing
@@ -106,14 +82,14 @@ class BrushedProcedure(Steps[MotorConstants]):
             self._show("sign", len(self._steps) / most)
             step = self._step(sign * volts, resistances.LEAST_OHM)
             self._steps.append(step)
-            peak = smooth_peak(step).real
+            peak = steps.smooth_peak(step).real
             if abs(peak) > nothing and peak * sign < 0:
                 raise NotPlausible(
                     "current reversed", f"{sign * volts:.2g} V drive {peak:.2g} A",
                     "the two wires of the shunt, or of the bridge's outputs",
                 )  # fmt: skip
             if len(self._steps) == 1 and abs(peak) > amps:
-                raise shorted(f"{volts:.2g} V drive {abs(peak):.2g} A")
+                raise steps.shorted(f"{volts:.2g} V drive {abs(peak):.2g} A")
             if abs(peak) >= 0.5 * amps and len(self._steps) > 1:
                 break
             if volts >= driver.limit_v:
@@ -133,19 +109,23 @@ class BrushedProcedure(Steps[MotorConstants]):
     def _pulse_all(self) -> None:
         driver = self._driver
         self._regulate()
-        most_v = PART_OF_LIMIT * driver.limit_v
+        most_v = steps.PART_OF_LIMIT * driver.limit_v
         self._brake_for(most_v)
         # With little room, from small ones on until the rotor moves.
-        for part, seconds in TRIALS[0 if self._wishes.travel_rad is not None else CAREFUL :]:
+        for part, seconds in steps.TRIALS[
+            0 if self._wishes.travel_rad is not None else steps.CAREFUL :
+        ]:
             for n in range(2):
                 self._pulse(self._sign(n) * part * self._amps, seconds)
-            if self._cells(self._pulses[-2:]) >= MANY_CELLS:
+            if self._cells(self._pulses[-2:]) >= steps.MANY_CELLS:
                 break
         self._check_turns()
         seconds = self._pulse_time(most_v)
-        self._tell(f"pulses: {PULSES} of {1e3 * seconds:.0f} ms")
-        for n in self._staged("pulses", PULSES):
-            self._pulse(self._sign(n) * self._amps * LEVELS[n // 2 % len(LEVELS)], seconds)
+        self._tell(f"pulses: {steps.PULSES} of {1e3 * seconds:.0f} ms")
+        for n in self._staged("pulses", steps.PULSES):
+            self._pulse(
+                self._sign(n) * self._amps * steps.LEVELS[n // 2 % len(steps.LEVELS)], seconds
+            )
 
     def _brake_for(self, emf_v: float) -> None:
         """A brake in which a back-EMF drives no more than the test current."""
@@ -157,7 +137,7 @@ class BrushedProcedure(Steps[MotorConstants]):
         if self._wishes.travel_rad is not None:
             driver.still()
         driver.release()
-        driver.record(amps, seconds, PULSE_ROWS)
+        driver.record(amps, seconds, steps.PULSE_ROWS)
         driver.brake(self._eta)
         self._pulses.append(self._fetched())
 
@@ -176,9 +156,9 @@ class BrushedProcedure(Steps[MotorConstants]):
 
     def _pulse_time(self, most_v: float) -> float:
         rate = encoder.emf_rate(self._pulses[-2:])
-        seconds = min(max(most_v / (rate * self._amps), LEAST_PULSE_S), MOST_PULSE_S)
+        seconds = min(max(most_v / (rate * self._amps), steps.LEAST_PULSE_S), steps.MOST_PULSE_S)
         # A pulse's end is some exchanges late; then the brake takes its own time.
-        late = EXCHANGES_LATE * self._driver.exchange_s
+        late = steps.EXCHANGES_LATE * self._driver.exchange_s
         travel = self._wishes.travel_rad
         if travel is None:
             self._brake_for(min(rate * self._amps * (seconds + late), self._driver.limit_v))
@@ -192,10 +172,10 @@ class BrushedProcedure(Steps[MotorConstants]):
             t = seconds + late
             return self._slow * t * (0.5 * t + max(t, self._ohm / rate))
 
-        while seconds > LEAST_PULSE_S and reach(seconds) > ROOM * travel:
+        while seconds > steps.LEAST_PULSE_S and reach(seconds) > steps.ROOM * travel:
             seconds *= 0.9
-        if reach(seconds) > ROOM * travel:
-            amps = self._amps * ROOM * travel / reach(LEAST_PULSE_S)
+        if reach(seconds) > steps.ROOM * travel:
+            amps = self._amps * steps.ROOM * travel / reach(steps.LEAST_PULSE_S)
             raise HostError(
                 f"--travel {travel:g} rad is too little for pulses of {self._amps:.2g} A; "
                 f"take --current {amps:.1g}"
@@ -209,7 +189,7 @@ class BrushedProcedure(Steps[MotorConstants]):
         turn = back_emf(self._pulses, winding)
         # As if the rotor didn't turn in the rises, of which J is to come.
         henry = max(inductance(self._rises, winding, math.inf).value, inductances.LEAST_H)
-        least = LEVELS[-1] * self._amps
+        least = steps.LEVELS[-1] * self._amps
         self._sampling = sampling = Sampling(self._driver.pulse_s, winding, henry, least)
         winding, turn = sampling.winding(), sampling.back_emf(turn)
         k_t, spread = turn.k_t.value, turn.k_t.sd
@@ -224,7 +204,7 @@ class BrushedProcedure(Steps[MotorConstants]):
                 "--counts, and that the encoder sits firmly on the shaft",
             )  # fmt: skip
         apart = abs(turn.forward.value - turn.backward.value)
-        if apart > SAME * k_t + SIGMA * math.hypot(turn.forward.sd, turn.backward.sd):
+        if apart > SAME * k_t + steps.SIGMA * math.hypot(turn.forward.sd, turn.backward.sd):
             raise NotPlausible(
                 "back-EMF", f"{1e3 * turn.forward.value:.4g} mV·s/rad one way and "
                 f"{1e3 * turn.backward.value:.4g} the other",
@@ -243,7 +223,7 @@ class BrushedProcedure(Steps[MotorConstants]):
         self._check_expected_ohm(winding.ohm.value)
         by_r = winding.ohm.value / expected.R_ohm
         by_k = turn.k_t.value / expected.k_t
-        if abs(by_k - 1.0) > K_PART:
+        if abs(by_k - 1.0) > steps.K_PART:
             counts = encoder.counts_for(turn.k_t.value, expected.k_t, self._wishes.counts)
             raise NotPlausible(
                 "wrong counts", f"k_T is {by_k:.3f} times what was expected and R {by_r:.3f} "
@@ -267,18 +247,18 @@ class BrushedProcedure(Steps[MotorConstants]):
         pulse = self._pulses[-1]
         spin_s = pulse.step_s * len(pulse.position)
         self._regulate()
-        self._tell(f"coasting: {2 * COASTS} times")
-        for n in self._staged("coasting", 2 * COASTS):
+        self._tell(f"coasting: {2 * steps.COASTS} times")
+        for n in self._staged("coasting", 2 * steps.COASTS):
             # From two speeds, or viscous friction couldn't be told from the other.
-            amps = self._sign(n) * self._amps * LEVELS[n // 2 % len(LEVELS)]
+            amps = self._sign(n) * self._amps * steps.LEVELS[n // 2 % len(steps.LEVELS)]
             driver.release()
-            driver.record(amps, spin_s, PULSE_ROWS)
-            seconds = MOST_COAST_S
+            driver.record(amps, spin_s, steps.PULSE_ROWS)
+            seconds = steps.MOST_COAST_S
             travel = self._wishes.travel_rad
             if travel is not None:
-                fast = self._slow * (spin_s + EXCHANGES_LATE * driver.exchange_s)
-                seconds = min(seconds, ROOM * travel / fast)
-            driver.record_free(seconds, COAST_ROWS, amps)
+                fast = self._slow * (spin_s + steps.EXCHANGES_LATE * driver.exchange_s)
+                seconds = min(seconds, steps.ROOM * travel / fast)
+            driver.record_free(seconds, steps.COAST_ROWS, amps)
             driver.brake(self._eta)
             self._coasts.append(self._fetched())
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wavehaptics.host.identify import encoder
+from wavehaptics.host.identify import encoder, steps
 from wavehaptics.host.identify import inductance as inductances
 from wavehaptics.host.identify import magnets as magnet
 from wavehaptics.host.identify import resistance as resistances
@@ -22,26 +22,7 @@ from wavehaptics.host.identify.mechanics import Mechanics, mechanics
 from wavehaptics.host.identify.resistance import rough
 from wavehaptics.host.identify.sampling import unseen_part
 from wavehaptics.host.identify.segments import Estimate, Segment
-from wavehaptics.host.identify.steps import (
-    CAREFUL,
-    COAST_ROWS,
-    COASTS,
-    K_PART,
-    LEVELS,
-    MANY_CELLS,
-    MOST_COAST_S,
-    MOST_PULSE_S,
-    PULSE_ROWS,
-    PULSES,
-    TRIALS,
-    NotPlausible,
-    Shown,
-    Steps,
-    Told,
-    Wishes,
-    shorted,
-    smooth_peak,
-)
+from wavehaptics.host.identify.steps import NotPlausible
 from wavehaptics.parts.motors import BrushlessConstants
 
 DIRECTIONS = tuple(cmath.rect(1.0, math.radians(degrees)) for degrees in (30, 90, 210, 270))
@@ -100,10 +81,12 @@ class FoundBrushless:
         return self.inductance_d.value != self.inductance.value
 
 
-class BrushlessProcedure(Steps[BrushlessConstants]):
+class BrushlessProcedure(steps.Steps[BrushlessConstants]):
     """The steps of a brushless motor."""
 
-    def __init__(self, driver: Driver, wishes: Wishes, tell: Told, show: Shown) -> None:
+    def __init__(
+        self, driver: Driver, wishes: steps.Wishes, tell: steps.Told, show: steps.Shown
+    ) -> None:
         super().__init__(driver, wishes, tell, show, BrushlessConstants)
         self._ways: list[complex] = []
 
@@ -146,9 +129,9 @@ class BrushlessProcedure(Steps[BrushlessConstants]):
             volts = min(volts, driver.limit_v)
             direction = left[0]
             step = self._step(volts * direction, resistances.LEAST_OHM)
-            peak = abs(smooth_peak(step))
+            peak = abs(steps.smooth_peak(step))
             if not self._steps and peak > amps:
-                raise shorted(f"{volts:.2g} V drive {peak:.2g} A")
+                raise steps.shorted(f"{volts:.2g} V drive {peak:.2g} A")
             self._steps.append(step)
             self._ways.append(direction)
             if peak >= CLEAR * amps or (volts >= driver.limit_v and peak > nothing):
@@ -184,29 +167,29 @@ class BrushlessProcedure(Steps[BrushlessConstants]):
 
     def _pulse_all(self) -> None:
         self._regulate()
-        for part, seconds in TRIALS[CAREFUL:]:
+        for part, seconds in steps.TRIALS[steps.CAREFUL :]:
             for n in range(3):
                 self._pulse(part * self._amps * DIRECTIONS[n], seconds)
-            if self._cells(self._pulses[-3:]) >= MANY_CELLS:
+            if self._cells(self._pulses[-3:]) >= steps.MANY_CELLS:
                 break
         self._check_turns()
-        self._tell(f"pulses: {PULSES} of {1e3 * MOST_PULSE_S:.0f} ms")
-        for n in self._staged("pulses", PULSES):
-            amps = self._amps * LEVELS[n // len(DIRECTIONS) % len(LEVELS)]
-            self._pulse(amps * DIRECTIONS[n % len(DIRECTIONS)], MOST_PULSE_S)
+        self._tell(f"pulses: {steps.PULSES} of {1e3 * steps.MOST_PULSE_S:.0f} ms")
+        for n in self._staged("pulses", steps.PULSES):
+            amps = self._amps * steps.LEVELS[n // len(DIRECTIONS) % len(steps.LEVELS)]
+            self._pulse(amps * DIRECTIONS[n % len(DIRECTIONS)], steps.MOST_PULSE_S)
 
     def _pulse(self, amps: complex, seconds: float) -> None:
         driver = self._driver
         driver.still()
         driver.release()
-        driver.record(amps, seconds, PULSE_ROWS)
+        driver.record(amps, seconds, steps.PULSE_ROWS)
         driver.brake(BRAKE)
         self._pulses.append(self._fetched())
 
     def _check_turns(self) -> None:
         newest = self._pulses[-3:]
         cells = self._cells(newest)
-        if cells >= MANY_CELLS:
+        if cells >= steps.MANY_CELLS:
             return
         left = [np.abs(s.voltage - self._ohm * s.current)[len(s.voltage) // 4 :] for s in newest]
         most = max(float(np.ptp(volts)) for volts in left)
@@ -248,7 +231,7 @@ class BrushlessProcedure(Steps[BrushlessConstants]):
                 "wrong counts", f"{found.pole_pairs} pole pairs in place of {expected.pole_pairs}",
                 f"--counts {self._wishes.counts}, all four edges counted, or the motor's type",
             )  # fmt: skip
-        if abs(by_psi - 1.0) > K_PART:
+        if abs(by_psi - 1.0) > steps.K_PART:
             raise NotPlausible(
                 "wrong motor", f"ψ is {by_psi:.2f} times what was expected", "the motor's type"
             )
@@ -258,17 +241,17 @@ class BrushlessProcedure(Steps[BrushlessConstants]):
     def _coast_all(self) -> None:
         driver = self._driver
         self._regulate()
-        self._tell(f"coasting: {2 * COASTS} times")
-        for n in self._staged("coasting", 2 * COASTS):
+        self._tell(f"coasting: {2 * steps.COASTS} times")
+        for n in self._staged("coasting", 2 * steps.COASTS):
             driver.still()
             driver.release()
             theta = self._magnets.pole_pairs * (driver.place() - self._magnets.place.value)
             way = 1.0 if n % 2 == 0 else -1.0
-            amps = self._amps * LEVELS[n // 2 % len(LEVELS)]
+            amps = self._amps * steps.LEVELS[n // 2 % len(steps.LEVELS)]
             wanted = cmath.rect(1.0, theta + way * 0.5 * math.pi)
             driver.push(amps * max(DIRECTIONS, key=lambda d: (d * wanted.conjugate()).real))
             driver.linger(SPIN_S)
-            driver.record_free(MOST_COAST_S, COAST_ROWS, way)
+            driver.record_free(steps.MOST_COAST_S, steps.COAST_ROWS, way)
             driver.brake(BRAKE)
             self._coasts.append(self._fetched())
 
@@ -281,11 +264,11 @@ class BrushlessProcedure(Steps[BrushlessConstants]):
     def _step_all(self) -> None:
         volts = self._ohm * self._amps
         seconds = inductances.RISES * self._henry / self._ohm
-        steps = [*DIRECTIONS] * STEP_ROUNDS
-        self._tell(f"steps: {len(steps)} of {volts:.2g} V")
+        ways = [*DIRECTIONS] * STEP_ROUNDS
+        self._tell(f"steps: {len(ways)} of {volts:.2g} V")
         self._rises = [
-            self._step(volts * steps[n], self._r_hat, seconds)
-            for n in self._staged("steps", len(steps))
+            self._step(volts * ways[n], self._r_hat, seconds)
+            for n in self._staged("steps", len(ways))
         ]
 
     def _inductances(self, found: Magnets) -> tuple[Estimate, Estimate]:

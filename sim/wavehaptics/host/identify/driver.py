@@ -118,7 +118,7 @@ class Driver:
         options = device.identification.options
         self.arms, self.anchored = bool(options["arm"]), bool(options["anchor"])
         self.brushless = device.identification.brushless
-        self._sensors = range(AXES) if self.brushless else range(motor, motor + 1)
+        self._sensors = range(motor, motor + (AXES if self.brushless else 1))
         capture.depth(self._as_client)
         self.tick_s = capture.tick_s(self._as_client)
         restored = [*_RESTORED, *(["anchor_enable"] if self.anchored else [])]
@@ -233,7 +233,7 @@ class Driver:
     def _all_places(self, name: str) -> list[Place]:
         """Those of every sensor, where a word has so many."""
         shape = self.shape
-        owners = [n for n in self._sensors if n < shape.has(WORDS[name])] or [self._motor]
+        owners = [n for n in self._sensors if n in shape.has(WORDS[name])] or [self._motor]
         return [place for n in owners for place in places(name, shape, n)]
 
     def value(self, name: str) -> float:
@@ -429,7 +429,7 @@ class Driver:
         parts = [amps.real, amps.imag]
         axis = int(abs(amps.imag) > abs(amps.real))
         level = -TRIGGER_PART * parts[axis]
-        name = f"current@{axis}" if self.brushless else "current"
+        name = f"current@{self._motor + axis}" if self.brushless else "current"
         plan = self._plan_for(
             seconds, rows, _BEFORE, f"{name}{'>' if level > 0 else '<'}{level:.6g}"
         )

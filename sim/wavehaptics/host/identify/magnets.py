@@ -138,10 +138,7 @@ def _still(s: Segment) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Columns of R, V_d, L and both V_0, of α and of β."""
     shared = [_both(values) for values in (s.sum(s.current), s.sum(legs(s.current)), s.ends)]
     nothing = np.zeros_like(s.t)
-    return (
-        [*(a for a, _ in shared), s.t, nothing],
-        [*(b for _, b in shared), nothing, s.t],
-    )
+    return ([*(a for a, _ in shared), s.t, nothing], [*(b for _, b in shared), nothing, s.t])
 
 
 def _turning(angle: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray]]:

@@ -136,8 +136,9 @@ class Bench:
             raise HostError("the device has a brushless motor, and the scene's has brushes")
         self._step, self._seen = self._all(STEP), self._all(ANCHOR) if self.anchored else []
         if self.brushless:
-            self._step += self._all(AXIS, 1)
-            self._seen += self._all((*(ANCHOR if self.anchored else ()), "saturated"), 1)
+            beta = motor + 1
+            self._step += self._all(AXIS, beta)
+            self._seen += self._all((*(ANCHOR if self.anchored else ()), "saturated"), beta)
         self._magnet: tuple[int, int] | None = None
         """A position and the electrical angle in its middle, both as raw words."""
         self._status = self._all(("faults", "running", "overrun", "armed", "arm_refused"))
@@ -203,16 +204,20 @@ class Bench:
         """Values by name; those of a brushless motor's second axis with ``@1`` behind it."""
         raws = self.client.read(found)
         names = (
-            p.word.name if p.motor == self.motor else f"{p.word.name}@{p.motor}" for p in found
+            f"{p.word.name}@{p.motor - self.motor}" if p.motor > self.motor else p.word.name
+            for p in found
         )
         return {name: p.value(raw) for name, p, raw in zip(names, found, raws, strict=True)}
 
     def _find_magnet(self) -> None:
-        """Take the magnets' angle at a position, once the device knows it and the rotor rests."""
+        """Take the magnets' angle at a position, once the device knows it and the rotor rests.
+
+        It tells that of its first motor alone.
+        """
         (found,) = self.client.read([self._place("magnet_found")])
         if not found:
             self._magnet = None
-        elif self._magnet is None:
+        elif self._magnet is None and self.motor == 0:
             position, angle = self._place("position"), self._place("magnet_angle")
             before, turned, after = (self.client.read([p])[0] for p in (position, angle, position))
             if before == after:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from types import TracebackType
+from typing import Any
 
 from wavehaptics.host.client import Client
 from wavehaptics.host.scope.bench import Bench
@@ -56,13 +56,8 @@ class Fast:
         self._stream.__enter__()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._stream.__exit__(kind, error, trace)
+    def __exit__(self, *raised: Any) -> None:
+        self._stream.__exit__(*raised)
 
     @property
     def row_hz(self) -> float:

@@ -24,65 +24,42 @@ class Adc(Table):
     """The converter of the current; without this table the sensor is ideal."""
 
     part: str | None = scene_key(
-        "–",
-        "Converter by name: its resolution everywhere, its frame at the pins",
-        None,
+        "–", "Converter by name: its resolution everywhere, its frame at the pins", None,
         default_text="none: two zeros and the bits, at half the clock",
         range_text=", ".join(f"`{name}`" for name in ALL_BITS),
-    )
+    )  # fmt: skip
     bits: int = scene_key("bits", "Resolution", default_text="of the part", ge=8, le=16)
     full_scale_a: float = scene_key(
-        "A",
-        "Largest current either way: the range is ± this",
-        None,
-        default_text="twice what the voltage limit drives through `r_hat`",
-        ge=1e-3,
+        "A", "Largest current either way: the range is ± this", None,
+        default_text="twice what the voltage limit drives through `r_hat`", ge=1e-3,
         le=CURRENT_MAX_A,
-    )
+    )  # fmt: skip
     noise_a: float = scene_key("A", "Noise of a sample, RMS", 0.0, ge=0, le=CURRENT_MAX_A)
     offset_a: float = scene_key(
-        "A",
-        "Constant error of the sensor, below the full scale",
-        0.0,
-        ge=-CURRENT_MAX_A,
+        "A", "Constant error of the sensor, below the full scale", 0.0, ge=-CURRENT_MAX_A,
         le=CURRENT_MAX_A,
-    )
+    )  # fmt: skip
     bandwidth_hz: float | None = scene_key(
-        "Hz",
-        "Bandwidth of the sense amplifier, a first-order lag",
-        None,
-        default_text="no lag",
-        ge=100,
-        le=1e9,
-    )
+        "Hz", "Bandwidth of the sense amplifier, a first-order lag", None, default_text="no lag",
+        ge=100, le=1e9,
+    )  # fmt: skip
     common_mode_a: float = scene_key(
-        "A",
-        "Error of the sensor by the sign of the motor's voltage",
-        0.0,
-        ge=-CURRENT_MAX_A,
+        "A", "Error of the sensor by the sign of the motor's voltage", 0.0, ge=-CURRENT_MAX_A,
         le=CURRENT_MAX_A,
-    )
+    )  # fmt: skip
     edge_settle_s: float | None = scene_key(
-        "s",
-        "On `pins`: `common_mode_a` is what an edge of lead A adds; 1 % is left after this",
-        None,
-        default_text="`common_mode_a` goes by the sign of the voltage",
-        ge=1e-9,
-        le=1e-3,
-    )
+        "s", "On `pins`: `common_mode_a` is what an edge of lead A adds; 1 % is left after this",
+        None, default_text="`common_mode_a` goes by the sign of the voltage", ge=1e-9, le=1e-3,
+    )  # fmt: skip
     edge_hold_s: float = scene_key(
         "s",
         "On `pins`: after an edge of its lead the amplifier holds its output for so long; 0: never",
-        0.0,
-        ge=0,
-        le=1e-3,
-    )
+        0.0, ge=0, le=1e-3,
+    )  # fmt: skip
     edge_hold_restarts: bool = scene_key(
         "–",
         "Whether an edge in a hold begins it anew, with the same output; otherwise it is ignored",
         True,
-        default_text="true",
-        range_text="true, false",
     )
     drift_a_per_s: float = scene_key(
         "A/s", "How fast the constant error grows", 0.0, ge=-CURRENT_MAX_A, le=CURRENT_MAX_A

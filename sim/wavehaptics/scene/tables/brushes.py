@@ -24,16 +24,13 @@ class Brushes(Table):
     )  # fmt: skip
     noise_rad: float = scene_key("rad", "Correlation angle of that noise", 5e-3, ge=1e-4, le=10)
     flicker_noise: float = scene_key(
-        "–",
-        "Noise of the contact over time, also at rest: RMS, as a fraction of R",
-        0.0,
-        ge=0,
+        "–", "Noise of the contact over time, also at rest: RMS, as a fraction of R", 0.0, ge=0,
         le=0.5,
-    )
+    )  # fmt: skip
     flicker_s: float = scene_key("s", "Correlation time of that noise", 1e-3, ge=1e-5, le=10)
     segments: int = scene_key(
-        "bars", "Bars of the commutator; `ripple` and `step` need it", 0,
-        default_text="none", ge=1, le=1000,
+        "bars", "Bars of the commutator; `ripple` and `step` need it", 0, default_text="none",
+        ge=1, le=1000,
     )  # fmt: skip
     ripple: float = scene_key(
         "–", "Variation of R over the angle, as a fraction of R: ripple·cos(segments·x)", 0.0,

@@ -47,29 +47,23 @@ class DeviceTable(Table):
     )  # fmt: skip
     jacobian: Annotated[tuple[tuple[_PerRad, ...], ...] | None, BeforeValidator(as_tuples)] = (
         scene_key(
-            "m/rad", "Rows x, y and z of a `matrix`, a column a motor", None, default_text="none",
+            "m/rad", "Rows x, y and z of a `matrix`, a column a motor", None,
             range_text="three rows, each value -100 to 100",
         )
     )  # fmt: skip
     update_hz: float = scene_key("Hz", "Rate at which the host sends planes", 1000.0, ge=1, le=1e5)
     delay_s: float = scene_key(
-        "s",
-        "Time from the host's reading of the encoders to the commit of its planes",
-        1e-3,
-        ge=0,
+        "s", "Time from the host's reading of the encoders to the commit of its planes", 1e-3, ge=0,
         le=1,
-    )
+    )  # fmt: skip
     jitter_s: float = scene_key("s", "Largest further delay of a commit", 0.0, ge=0, le=1)
     wall_speed_m_per_s: float = scene_key(
         "m/s", "Largest speed of a surface; 0: none moves", 0.1, ge=0, le=10
     )
     wall_energy_j: float = scene_key(
-        "J",
-        "Largest energy that moving surfaces may give out beyond what they took",
-        1e-3,
-        ge=0,
+        "J", "Largest energy that moving surfaces may give out beyond what they took", 1e-3, ge=0,
         le=1,
-    )
+    )  # fmt: skip
 
     @model_validator(mode="after")
     def _check(self) -> DeviceTable:

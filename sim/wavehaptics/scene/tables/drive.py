@@ -10,7 +10,14 @@ from typing import Any, Literal
 from pydantic import model_validator
 from pydantic.functional_validators import ModelWrapValidatorHandler
 
-from wavehaptics.scene.keys import VOLTAGE_MAX_V, Table, as_number, broken_rule, scene_key
+from wavehaptics.scene.keys import (
+    CURRENT_MAX_A,
+    VOLTAGE_MAX_V,
+    Table,
+    as_number,
+    broken_rule,
+    scene_key,
+)
 from wavehaptics.words.bridge_modes import HALF_BRIDGE, MODE_WORDS, UNIPOLAR
 
 USUAL_BUSES_V = (12.0, 24.0, 48.0)
@@ -26,48 +33,37 @@ class Drive(Table):
     """The bridge; without this table every voltage is reached, exactly."""
 
     mode: Mode = scene_key(
-        "–",
-        "How the bridge of `pins` switches, see below",
-        UNIPOLAR,
-        default_text="`unipolar`",
+        "–", "How the bridge of `pins` switches, see below", UNIPOLAR, default_text="`unipolar`",
         range_text=", ".join(f"`{name}`" for name in MODE_WORDS),
-    )
+    )  # fmt: skip
     bus_v: float | None = scene_key(
-        "V",
-        "Bus voltage of the bridge",
-        None,
+        "V", "Bus voltage of the bridge", None,
         default_text="smallest of 12, 24, 48 to reach `limit_v`; 12 on `pins` without `limit_v`",
-        ge=0.1,
-        le=VOLTAGE_MAX_V,
-    )
+        ge=0.1, le=VOLTAGE_MAX_V,
+    )  # fmt: skip
     limit_v: float | None = scene_key(
         "V",
         "Largest voltage either way, not above the bus; of a half bridge, half the bus; of a "
         "brushless motor each axis' own, at most 0.4226 of the bus",
-        None,
-        default_text="what the bus reaches where `bus_v` is given, else no limit",
-        ge=1e-3,
+        None, default_text="what the bus reaches where `bus_v` is given, else no limit", ge=1e-3,
         le=VOLTAGE_MAX_V,
-    )
+    )  # fmt: skip
+    current_limit_a: float | None = scene_key(
+        "A",
+        "Largest current at rest: the voltage is at most `r_hat` times this. A rotor that turns at "
+        "ω into the wall adds at most k_T·ω/R",
+        None, default_text="what `limit_v` leaves", ge=1e-3, le=CURRENT_MAX_A,
+    )  # fmt: skip
     pwm_hz: float | None = scene_key(
         "Hz",
         "PWM carrier of `pins`; where half its period is longer than a tick, that is the tick, and "
         "the run says so",
-        None,
-        default_text="chosen by `pins` to fit the tick",
-        ge=100,
-        le=1e7,
-    )
+        None, default_text="chosen by `pins` to fit the tick", ge=100, le=1e7,
+    )  # fmt: skip
     dead_time_s: float = scene_key(
         "s", "Dead time of a half bridge, below half a carrier period", 0.0, ge=0, le=1e-3
     )
-    compensate: bool = scene_key(
-        "–",
-        "Whether `pins` compensates the dead time",
-        True,
-        default_text="true",
-        range_text="true, false",
-    )
+    compensate: bool = scene_key("–", "Whether `pins` compensates the dead time", True)
     min_pulse_s: float = scene_key(
         "s", "Shortest time that a gate of `pins` stays on; 0: any", 0.0, ge=0, le=1e-3
     )
@@ -75,59 +71,36 @@ class Drive(Table):
         "–", "The motor gets (1 + this) times the voltage asked for", 0.0, ge=-0.9, le=1
     )
     bus_actual_v: float | None = scene_key(
-        "V",
-        "True bus voltage; the controller assumes `bus_v` unless it measures the bus",
-        None,
-        default_text="`bus_v`",
-        ge=0.1,
-        le=VOLTAGE_MAX_V,
-    )
+        "V", "True bus voltage; the controller assumes `bus_v` unless it measures the bus", None,
+        default_text="`bus_v`", ge=0.1, le=VOLTAGE_MAX_V,
+    )  # fmt: skip
     bus_ripple_v: float = scene_key(
         "V", "Amplitude of a sine on the bus of `pins`", 0.0, ge=0, le=VOLTAGE_MAX_V
     )
     bus_ripple_hz: float | None = scene_key(
-        "Hz", "Frequency of that sine, required with it", None, default_text="none", ge=1e-3, le=1e5
+        "Hz", "Frequency of that sine, required with it", None, ge=1e-3, le=1e5
     )
     bus_measured: bool = scene_key(
-        "–",
-        "Whether the controller measures the bus, and scales its pulses and its limit by it",
+        "–", "Whether the controller measures the bus, and scales its pulses and its limit by it",
         False,
-        default_text="false",
-        range_text="true, false",
-    )
+    )  # fmt: skip
 
     step_v: float = scene_key(
-        "V",
-        "Change of the bus at `step_s`",
-        0.0,
-        ge=-VOLTAGE_MAX_V,
-        le=VOLTAGE_MAX_V,
+        "V", "Change of the bus at `step_s`", 0.0, ge=-VOLTAGE_MAX_V, le=VOLTAGE_MAX_V
     )
-    step_s: float | None = scene_key(
-        "s", "Time of that step, required with it", None, default_text="none", ge=0, le=1e6
-    )
+    step_s: float | None = scene_key("s", "Time of that step, required with it", None, ge=0, le=1e6)
     sag_ohm: float = scene_key(
-        "Ω",
-        "Resistance of the source: how far the bus falls per ampere that the bridge draws",
-        0.0,
-        ge=0,
-        le=100,
-    )
+        "Ω", "Resistance of the source: how far the bus falls per ampere that the bridge draws",
+        0.0, ge=0, le=100,
+    )  # fmt: skip
 
     supply_sinks: bool = scene_key(
         "–",
         "On `pins`: whether the supply takes back what the bridge returns; if not, the bus rises",
         True,
-        default_text="true",
-        range_text="true, false",
     )
     bus_farad: float | None = scene_key(
-        "F",
-        "Capacitance of the bus, which a supply that doesn't sink needs",
-        None,
-        default_text="none",
-        ge=1e-7,
-        le=1,
+        "F", "Capacitance of the bus, which a supply that doesn't sink needs", None, ge=1e-7, le=1
     )
 
     @property
@@ -149,6 +122,12 @@ class Drive(Table):
         if not self.bus_measured or self.bus_v is None or self.true_bus_v is None:
             return math.inf
         return (self.true_bus_v + min(0.0, self.step_v)) * self.reach
+
+    def limit(self, r_hat: float) -> float:
+        """Largest voltage that a controller with R̂ = ``r_hat`` asks for, V."""
+        limit_v = math.inf if self.limit_v is None else self.limit_v
+        current_a = math.inf if self.current_limit_a is None else self.current_limit_a
+        return min(limit_v, r_hat * current_a)
 
     @property
     def reach(self) -> float:

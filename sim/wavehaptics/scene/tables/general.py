@@ -14,19 +14,14 @@ class SceneTable(Table):
     """What the run is called, how long it is and how much of it is kept."""
 
     name: str = scene_key(
-        "–",
-        "Name of the scene, also of the folder for its results",
+        "–", "Name of the scene, also of the folder for its results",
         range_text="1 to 60 printable characters without / and \\",
-    )
+    )  # fmt: skip
     duration_s: float = scene_key("s", "Simulated time, at least one tick", ge=1e-6, le=1e6)
     trace_hz: float | None = scene_key(
-        "Hz",
-        "Most rows of the trace a second; metrics use every control period all the same",
-        None,
-        default_text="every tick",
-        ge=1e-3,
-        le=4e6,
-    )
+        "Hz", "Most rows of the trace a second; metrics use every control period all the same",
+        None, default_text="every tick", ge=1e-3, le=4e6,
+    )  # fmt: skip
 
     @model_validator(mode="after")
     def _check(self) -> SceneTable:

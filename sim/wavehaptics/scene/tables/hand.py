@@ -27,21 +27,14 @@ class Hand(Table):
     """The user: a spring and damper from the rotor to a point x_h(t); without it, a free rotor."""
 
     path: HandPath = scene_key(
-        "–",
-        "Motion of the hand, see below",
-        range_text=", ".join(f"`{name}`" for name in _NEEDS),
+        "–", "Motion of the hand, see below", range_text=", ".join(f"`{name}`" for name in _NEEDS)
     )
     amplitude_rad: float = scene_key("rad", "Amplitude A of the path", ge=1e-6, le=1000)
     frequency_hz: float | None = scene_key(
-        "Hz", "Frequency f of `taps`, `free` and `sine`", None, default_text="none", ge=1e-3, le=1e4
+        "Hz", "Frequency f of `taps`, `free` and `sine`", None, ge=1e-3, le=1e4
     )
     stiffness: float | None = scene_key(
-        "N·m/rad",
-        "Spring of the hand; every path but `impact` needs it",
-        None,
-        default_text="none",
-        ge=1e-9,
-        le=1e6,
+        "N·m/rad", "Spring of the hand; every path but `impact` needs it", None, ge=1e-9, le=1e6
     )
     damping: float = scene_key(
         "N·m·s/rad", "Damper of the hand; not with `impact`", 0.0, ge=0, le=1000
@@ -50,13 +43,9 @@ class Hand(Table):
         "kg·m²", "Mass of the hand where it holds; not with `impact`", 0.0, ge=0, le=1
     )
     speed_rad_s: float | None = scene_key(
-        "rad/s",
-        "Speed of the rotor at the start of an `impact`, which alone needs it; not 0",
-        None,
-        default_text="none",
-        ge=-1e4,
-        le=1e4,
-    )
+        "rad/s", "Speed of the rotor at the start of an `impact`, which alone needs it; not 0",
+        None, ge=-1e4, le=1e4,
+    )  # fmt: skip
 
     @model_validator(mode="after")
     def _check(self) -> Hand:

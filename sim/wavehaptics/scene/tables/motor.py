@@ -40,77 +40,48 @@ class Motor(Table):
     """
 
     preset: str | None = scene_key(
-        "–",
-        "Motor by name; keys beside it replace its values",
-        None,
-        default_text="none",
+        "–", "Motor by name; keys beside it replace its values", None,
         range_text=", ".join(f"`{name}`" for name in ALL_PRESETS),
-    )
+    )  # fmt: skip
     R_ohm: float = scene_key(
-        "Ω",
-        "Resistance R of the winding, or of a phase",
-        default_text="of the preset",
-        ge=0.01,
+        "Ω", "Resistance R of the winding, or of a phase", default_text="of the preset", ge=0.01,
         le=R_HAT_MAX_OHM,
-    )
+    )  # fmt: skip
     L_h: float = scene_key(
-        "H",
-        "Inductance L of the winding, or of a phase along the torque's axis q",
-        default_text="of the preset",
-        ge=1e-6,
-        le=1,
-    )
+        "H", "Inductance L of the winding, or of a phase along the torque's axis q",
+        default_text="of the preset", ge=1e-6, le=1,
+    )  # fmt: skip
     k_t: float = scene_key(
-        "N·m/A",
-        "Torque constant k_T, of `dc` alone",
-        default_text="of the preset",
-        ge=_LEAST_K_T,
+        "N·m/A", "Torque constant k_T, of `dc` alone", default_text="of the preset", ge=_LEAST_K_T,
         le=_MOST_K_T,
-    )
+    )  # fmt: skip
     J_kgm2: float = scene_key(
         "kg·m²", "Rotor inertia J", default_text="of the preset", ge=1e-9, le=1
     )
     kind: MotorKind = scene_key(
-        "–",
-        "With brushes, or brushless: three phases in star and a rotor with magnets",
-        DC,
-        default_text="of the preset, else `dc`",
-        range_text="`dc`, `pmsm`",
-    )
+        "–", "With brushes, or brushless: three phases in star and a rotor with magnets", DC,
+        default_text="of the preset, else `dc`", range_text="`dc`, `pmsm`",
+    )  # fmt: skip
     pole_pairs: int | None = scene_key(
-        "–",
-        "Pole pairs p of a `pmsm`, which alone takes this key and those below",
-        None,
-        default_text="of the preset",
-        ge=1,
-        le=100,
-    )
+        "–", "Pole pairs p of a `pmsm`, which alone takes this key and those below", None,
+        default_text="of the preset", ge=1, le=100,
+    )  # fmt: skip
     psi_vs: float | None = scene_key(
-        "V·s",
-        "Flux ψ of the magnets through a phase, its amplitude",
-        None,
-        default_text="of the preset",
-        ge=1e-6,
-        le=1,
-    )
+        "V·s", "Flux ψ of the magnets through a phase, its amplitude", None,
+        default_text="of the preset", ge=1e-6, le=1,
+    )  # fmt: skip
     l_d_part: float = scene_key(
         "–", "L along the magnets' axis d, as a fraction of `L_h`", 1.0, ge=0.2, le=5
     )
     harmonic_5: float = scene_key(
-        "–",
-        "Fifth harmonic of a phase's back-EMF, as a fraction of the first",
-        0.0,
-        ge=-0.3,
+        "–", "Fifth harmonic of a phase's back-EMF, as a fraction of the first", 0.0, ge=-0.3,
         le=0.3,
-    )
+    )  # fmt: skip
     harmonic_7: float = scene_key("–", "Seventh harmonic, likewise", 0.0, ge=-0.3, le=0.3)
     magnet_rad: float = scene_key(
-        "rad",
-        "Position x at which the magnets lie along phase a; no controller reads it",
-        0.0,
-        ge=-1000,
-        le=1000,
-    )
+        "rad", "Position x at which the magnets lie along phase a; no controller reads it", 0.0,
+        ge=-1000, le=1000,
+    )  # fmt: skip
 
     @property
     def brushless(self) -> bool:

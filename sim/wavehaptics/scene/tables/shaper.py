@@ -23,41 +23,27 @@ _NEEDS: dict[str, tuple[str, ...]] = {
 MOST_SECTIONS = 2
 """Biquads of a shaper."""
 _Coefficient = Annotated[float, Field(ge=-1e6, le=1e6)]
+_Rows = tuple[tuple[_Coefficient, ...], ...]
 
 
 class Shaper(Table):
     """What contact feels like, as a wave-domain filter W; without this table W is 1."""
 
     feel: Feel | None = scene_key(
-        "–",
-        "Impedance type, see below",
-        None,
-        default_text="none",
+        "–", "Impedance type, see below", None,
         range_text=", ".join(f"`{name}`" for name in _NEEDS),
-    )
-    stiffness: float | None = scene_key(
-        "N·m/rad", "Spring of the feel", None, default_text="none", ge=1e-9, le=1e6
-    )
+    )  # fmt: skip
+    stiffness: float | None = scene_key("N·m/rad", "Spring of the feel", None, ge=1e-9, le=1e6)
     damping: float = scene_key("N·m·s/rad", "Damper of the feel", 0.0, ge=0, le=1000)
-    mass_kgm2: float | None = scene_key(
-        "kg·m²", "Inertia of the feel", None, default_text="none", ge=1e-12, le=1
-    )
-    sos: Annotated[tuple[tuple[_Coefficient, ...], ...] | None, BeforeValidator(as_tuples)] = (
-        scene_key(
-            "–",
-            "Biquads of your own in z, in place of a feel",
-            None,
-            default_text="none",
-            range_text="one or two rows `[b0, b1, b2, a0, a1, a2]`",
-        )
-    )
+    mass_kgm2: float | None = scene_key("kg·m²", "Inertia of the feel", None, ge=1e-12, le=1)
+    sos: Annotated[_Rows | None, BeforeValidator(as_tuples)] = scene_key(
+        "–", "Biquads of your own in z, in place of a feel", None,
+        range_text="one or two rows `[b0, b1, b2, a0, a1, a2]`",
+    )  # fmt: skip
     walls: Annotated[tuple[Index, ...] | None, BeforeValidator(as_tuples)] = scene_key(
-        "–",
-        "Walls with this feel, by their index in `controller.walls`, from 0; others are rigid",
-        None,
-        default_text="all",
-        range_text="indices in `controller.walls`",
-    )
+        "–", "Walls with this feel, by their index in `controller.walls`, from 0; others are rigid",
+        None, default_text="all", range_text="indices in `controller.walls`",
+    )  # fmt: skip
 
     @property
     def sections(self) -> int:
@@ -83,8 +69,7 @@ class Shaper(Table):
             return self
         if self.feel is None:
             broken_rule(
-                f"[shaper] has neither feel nor sos; write feel = one of {', '.join(_NEEDS)}",
-                (),
+                f"[shaper] has neither feel nor sos; write feel = one of {', '.join(_NEEDS)}", ()
             )
         needs = _NEEDS[self.feel]
         shown = f'feel = "{self.feel}"'

@@ -46,19 +46,19 @@ class Surface(Table):
     )  # fmt: skip
     normal: Direction | None = scene_key(
         "–", "Direction out of the solid of a `plane`, or of one side of an `edge`", None,
-        default_text="none", range_text=THREE,
+        range_text=THREE,
     )  # fmt: skip
     second_normal: Direction | None = scene_key(
         "–", "The same of the other side of an `edge`, which alone takes it", None,
-        default_text="none", range_text=THREE,
+        range_text=THREE,
     )  # fmt: skip
     radius_m: float | None = scene_key(
-        "m", "Radius of a `sphere`, which alone takes it", None, default_text="none",
+        "m", "Radius of a `sphere`, which alone takes it", None,
         ge=1e-6, le=10,
     )  # fmt: skip
     size_m: _Sizes | None = scene_key(
         "m", "Lengths of a `box` along x, y and z, which alone takes them", None,
-        default_text="none", range_text="three, each 1e-6 to 10",
+        range_text="three, each 1e-6 to 10",
     )  # fmt: skip
     stiffness: float | None = scene_key(
         "N/m", "Stiffness at the tip along the normal", None,

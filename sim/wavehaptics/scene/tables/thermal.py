@@ -30,16 +30,10 @@ class Thermal(Table):
         "1/K",
         "Temperature coefficient of the magnets and so of k_T; -0.002 for ferrite, -0.0011 for "
         "NdFeB",
-        0.0,
-        ge=-0.01,
-        le=0,
-    )
+        0.0, ge=-0.01, le=0,
+    )  # fmt: skip
     ambient_c: float = scene_key("°C", "Temperature around the motor", 25.0, ge=-50, le=150)
     start_c: float | None = scene_key(
-        "°C",
-        "Temperature of winding and housing at the start; `R_ohm` and `k_t` hold at 25",
-        None,
-        default_text="`ambient_c`",
-        ge=-50,
-        le=200,
-    )
+        "°C", "Temperature of winding and housing at the start; `R_ohm` and `k_t` hold at 25", None,
+        default_text="`ambient_c`", ge=-50, le=200,
+    )  # fmt: skip

@@ -30,23 +30,19 @@ class TipHand(Table):
     stiffness_n_per_m: float = scene_key("N/m", "Spring of the hand", ge=1e-3, le=1e5)
     damping_n_s_per_m: float = scene_key("N·s/m", "Damper of the hand", 0.0, ge=0, le=1e4)
     direction: Direction | None = scene_key(
-        "–", "Direction of the path as x, y, z; not of `circle`", None, default_text="none",
+        "–", "Direction of the path as x, y, z; not of `circle`", None,
         range_text=THREE,
     )  # fmt: skip
     frequency_hz: float | None = scene_key(
         "Hz", "Frequency f of `taps` and `slide`, turns a second of `circle`", None,
-        default_text="none", ge=1e-3, le=1e3,
+        ge=1e-3, le=1e3,
     )  # fmt: skip
     across: Direction | None = scene_key(
-        "–", "Where `slide` and `circle` go from there", None, default_text="none",
+        "–", "Where `slide` and `circle` go from there", None,
         range_text=THREE,
     )  # fmt: skip
-    slide_m: float | None = scene_key(
-        "m", "How far `slide` goes", None, default_text="none", ge=0, le=1
-    )
-    center_m: Point | None = scene_key(
-        "m", "Middle of a `circle`", None, default_text="none", range_text=THREE
-    )
+    slide_m: float | None = scene_key("m", "How far `slide` goes", None, ge=0, le=1)
+    center_m: Point | None = scene_key("m", "Middle of a `circle`", None, range_text=THREE)
 
     @model_validator(mode="after")
     def _check(self) -> TipHand:

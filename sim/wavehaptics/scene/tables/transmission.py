@@ -12,20 +12,16 @@ class Transmission(Table):
     """From the rotor to the hand and to the tip of an arm; the rotor's stiffness stays the same."""
 
     ratio: float | None = scene_key(
-        "–", "Turns of the rotor for one of the arm", None, default_text="none", ge=1e-3, le=1e4
+        "–", "Turns of the rotor for one of the arm", None, ge=1e-3, le=1e4
     )
     lever_m: float | None = scene_key(
-        "m", "Length of the arm, which goes with `ratio`", None, default_text="none",
+        "m", "Length of the arm, which goes with `ratio`", None,
         ge=1e-4, le=100,
     )  # fmt: skip
     cable_stiffness: float | None = scene_key(
-        "N·m/rad",
-        "Spring of the cable between rotor and hand",
-        None,
-        default_text="a rigid cable",
-        ge=1e-6,
-        le=1e6,
-    )
+        "N·m/rad", "Spring of the cable between rotor and hand", None, default_text="a rigid cable",
+        ge=1e-6, le=1e6,
+    )  # fmt: skip
     cable_damping: float = scene_key("N·m·s/rad", "Damper of the cable", 0.0, ge=0, le=1000)
     backlash_rad: float = scene_key(
         "rad", "Play of the cable from one side to the other", 0.0, ge=0, le=1000

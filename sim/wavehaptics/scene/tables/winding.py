@@ -12,29 +12,16 @@ class Winding(Table):
     """What the winding's iron does; without this table L is L at any frequency and current."""
 
     eddy_ohm: float | None = scene_key(
-        "Ω",
-        "Resistance in parallel to `eddy_part` of L: eddy currents",
-        None,
-        default_text="none",
-        ge=0.01,
-        le=1e5,
+        "Ω", "Resistance in parallel to `eddy_part` of L: eddy currents", None, ge=0.01, le=1e5
     )
     eddy_part: float | None = scene_key(
-        "–",
-        "Fraction of L that has `eddy_ohm` in parallel, required with it",
-        None,
-        default_text="none",
-        ge=1e-3,
+        "–", "Fraction of L that has `eddy_ohm` in parallel, required with it", None, ge=1e-3,
         le=0.95,
-    )
+    )  # fmt: skip
     saturation_a: float | None = scene_key(
-        "A",
-        "Current at which the incremental L is half: L/(1 + (i/this)²)",
-        None,
-        default_text="never",
-        ge=1e-2,
-        le=1000,
-    )
+        "A", "Current at which the incremental L is half: L/(1 + (i/this)²)", None,
+        default_text="never", ge=1e-2, le=1000,
+    )  # fmt: skip
 
     @model_validator(mode="after")
     def _check(self) -> Winding:

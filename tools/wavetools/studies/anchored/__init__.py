@@ -38,10 +38,7 @@ def tasks(quick: bool = False) -> dict[str, list[Task]]:
 
 
 def collect(
-    out: Path,
-    workers: int | None,
-    progress: Callable[[str, float], None],
-    quick: bool = False,
+    out: Path, workers: int | None, progress: Callable[[str, float], None], quick: bool = False
 ) -> dict[str, Any]:
     """Run everything; ``holding.json`` and the pictures into ``out``. Goes on where it stopped."""
     groups = tasks(quick)

@@ -169,33 +169,40 @@ SPEEDS = (0.3, 1.0, 3.0, 10.0, 30.0)
 BOUNCED = {"nothing": None} | {sign_text(signs): signs for signs in SIGNS[:4]}
 
 
-def bounces(preset: str, wrong: str, load: float = 1.0) -> list[dict[str, Any]]:
-    """Bounces of a preset's rotor at SPEEDS; 12 bits for twice the hit's current.
+def bounce_settings(
+    preset: str, speed: float, signs: tuple[int, ...] | None, load: float = 1.0
+) -> list[str]:
+    """Settings of a bounce at a speed in rad/s; 12 bits for twice the hit's current.
 
     On the shaft is ``load`` times the rotor's own inertia, its own included.
     """
     motor = PRESETS[preset]
     inertia = motor.J_kgm2 * load
-    signs = BOUNCED[wrong]
-    found = []
-    for speed in SPEEDS:
-        way = min(0.05, 0.01 * speed)
-        peak_a = speed * math.sqrt(inertia / motor.L_h)
-        contact_s = math.pi * math.sqrt(inertia * motor.L_h) / motor.k_t
-        limit_v = min(127.0, max(12.0, 2.0 * motor.R_ohm * peak_a))
-        settings = [
-            f"motor.preset={preset}", f"hand.speed_rad_s={speed}", f"hand.amplitude_rad={way}",
-            f"scene.duration_s={1.5 * way / speed + 3 * contact_s}", "adc.bits=12",
-            f"adc.full_scale_a={max(2.5, 2 * peak_a):.6g}", "adc.noise_a=1e-3",
-            f"drive.bus_v={limit_v}", f"drive.limit_v={limit_v}",
-            f"controller.r_hat={motor.R_ohm}",
-        ]  # fmt: skip
-        settings += loaded(load, preset)
-        if signs is not None:
-            settings += [s for s in all_wrong(signs, preset) if not s.startswith(
-                ("drive.bus_v", "drive.step"))]  # fmt: skip
-        found.append({"speed": speed} | runs.bounce("bounce", settings))
-    return found
+    way = min(0.05, 0.01 * speed)
+    peak_a = speed * math.sqrt(inertia / motor.L_h)
+    contact_s = math.pi * math.sqrt(inertia * motor.L_h) / motor.k_t
+    limit_v = min(127.0, max(12.0, 2.0 * motor.R_ohm * peak_a))
+    settings = [
+        f"motor.preset={preset}", f"hand.speed_rad_s={speed}", f"hand.amplitude_rad={way}",
+        f"scene.duration_s={1.5 * way / speed + 3 * contact_s}", "adc.bits=12",
+        f"adc.full_scale_a={max(2.5, 2 * peak_a):.6g}", "adc.noise_a=1e-3",
+        f"drive.bus_v={limit_v}", f"drive.limit_v={limit_v}",
+        f"controller.r_hat={motor.R_ohm}",
+    ]  # fmt: skip
+    settings += loaded(load, preset)
+    if signs is not None:
+        settings += [s for s in all_wrong(signs, preset) if not s.startswith(
+            ("drive.bus_v", "drive.step"))]  # fmt: skip
+    return settings
+
+
+def bounces(preset: str, wrong: str, load: float = 1.0) -> list[dict[str, Any]]:
+    """Bounces of a preset's rotor at SPEEDS, as in :func:`bounce_settings`."""
+    return [
+        {"speed": speed}
+        | runs.bounce("bounce", bounce_settings(preset, speed, BOUNCED[wrong], load))
+        for speed in SPEEDS
+    ]
 
 
 # ---- Free space.
@@ -255,6 +262,36 @@ def overload(limit: str, firmness: str, wrong: str) -> dict[str, Any]:
     return {"limit": limit, "firmness": firmness, "wrong": wrong} | runs.overload(settings)
 
 
+LIMITS: dict[str, tuple[str, ...]] = {
+    "12 V": (),
+    "12 V, 1.3 A": ("drive.current_limit_a=1.3",),
+    "3 V": ("drive.limit_v=3",),
+}
+HIT_LOADS = (1.0, 10.0, 50.0)
+HIT_SPEEDS = (5.0, 10.0, 20.0, 40.0, 80.0)
+
+
+def limited_hit(limit: str, load: float, wrong: str) -> dict[str, Any]:
+    """Hits at the boards' λ, the fast ones with more force than the limit lets the wall make."""
+    points = []
+    for speed in HIT_SPEEDS:
+        # Long enough for a wall that pushes with 20 mN·m.
+        duration_s = 0.1 + 3.0 * load * MOTOR.J_kgm2 * speed / 20e-3
+        settings = [
+            *bounce_settings("re25-118743", speed, BOUNCED[wrong], load), "controller.lambda=1e4",
+            f"scene.duration_s={duration_s:.6g}", "adc.full_scale_a=10", "drive.bus_v=12",
+            "drive.limit_v=12", *LIMITS[limit], "controller.walls=[[0.0, 100.0]]",
+        ]  # fmt: skip
+        points.append(runs.bounce("bounce", settings))
+    return {
+        "limit": limit,
+        "load": load,
+        "wrong": wrong,
+        "restitution": [point["restitution"] for point in points],
+        "fault": [point["anchor_fault_s"] is not None for point in points],
+    }
+
+
 # ---- All of them.
 
 
@@ -293,6 +330,12 @@ def tasks(quick: bool = False) -> dict[str, list[Task]]:
             for limit in PRESSED
             for firmness in FIRMNESS
             for wrong in LIMITED_WRONG
+        ],
+        "hits": [
+            Task(limited_hit, {"limit": limit, "load": load, "wrong": wrong})
+            for limit in LIMITS
+            for load in HIT_LOADS
+            for wrong in BOUNCED
         ],
     }
 

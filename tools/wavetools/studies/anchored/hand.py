@@ -72,6 +72,20 @@ def thrown_load(load: float, wrong: str) -> dict[str, Any]:
     }
 
 
+RATES = (25e3, 50e3, 100e3, 250e3, 1e6)
+"""Of control, Hz; the two lowest are those of boards with a slow current amplifier."""
+
+
+def held_rate(rate_hz: float, load: float, wrong: str) -> dict[str, Any]:
+    """A hold with a load on the shaft, at the boards' λ and a control rate."""
+    found = runs.hold(
+        "held_wall", "golden",
+        [*NOTHING, *WRONG[wrong], *cases.loaded(load), f"controller.tick_hz={rate_hz:g}",
+         "controller.lambda=1e4", f"scene.duration_s={HELD_S:g}"],
+    )  # fmt: skip
+    return {"rate_hz": rate_hz, "load": load, "wrong": wrong} | found
+
+
 # ---- Heat.
 
 TEMPERATURES = (-20.0, 25.0, 60.0, 80.0, 100.0, 125.0)
@@ -113,6 +127,10 @@ def tasks(quick: bool = False) -> dict[str, list[Task]]:
         "throws": [
             Task(thrown_load, {"load": load, "wrong": wrong})
             for load, wrong in grid(LOADS[1:], cases.BOUNCED)
+        ],
+        "rates": [
+            Task(held_rate, {"rate_hz": rate_hz, "load": load, "wrong": wrong})
+            for rate_hz, load, wrong in grid(RATES, LOADS, many)
         ],
         "heat": [
             Task(heat, {"celsius": celsius, "wrong": wrong})

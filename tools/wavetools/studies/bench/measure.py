@@ -115,20 +115,6 @@ def _controllers(rounds: int, progress: Callable[[str, float], None]) -> dict[st
     return rows
 
 
-def _alone(rounds: int) -> dict[str, Any]:
-    """Clocks a second of the RTL without a motor."""
-    with _runner("alone") as runner:
-        (found,) = _by_turns([runner], rounds)
-    each, packed = ([run[how]["cpu_s"] for run in found] for how in ("each", "packed"))
-    clocks = runner.known["clocks"]
-    return {
-        "cycles_per_s_a_call_each": clocks / median(each),
-        "cycles_per_s_many_a_call": clocks / median(packed),
-        "gain_of_many_a_call": median(a / b for a, b in zip(each, packed, strict=True)),
-        "clocks_that_change_a_pin": runner.known["clocks_that_change_a_pin"],
-    }
-
-
 def bench(
     out: Path, quick: bool = False, progress: Callable[[str, float], None] = lambda s, p: None
 ) -> dict[str, Any]:
@@ -148,7 +134,6 @@ def bench(
         "verilator_flags": list(verilated.VERILATOR_FLAGS),
         "threads": 1,
         "controllers": controllers,
-        "rtl_alone": _alone(rounds),
         "quick": quick,
     }
     write_json(out / "summary.json", summary)

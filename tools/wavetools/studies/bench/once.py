@@ -3,49 +3,29 @@
 
 ``python -m wavetools.studies.bench.once WHAT`` builds and compiles what WHAT needs and
 prints a line of JSON; then it measures once for each line that it reads, and prints what it found.
-WHAT is a controller, or ``alone`` for the Verilated RTL without its motor.
+WHAT is a controller.
 
 Seconds are the processor's (``cpu_s``) and the clock's (``wall_s``).
 """
 
 from __future__ import annotations
 
-import ctypes
 import json
 import sys
 import time
 from collections.abc import Callable
 from typing import Any
 
-import numba
 import numpy as np
-from wavehaptics.ladder import verilated
-from wavehaptics.ladder.pins import PinsSimulation
 from wavehaptics.ladder.run import CHUNK_TICKS, CONTROLLERS, measure
-from wavehaptics.runtime.native_call import call2
 from wavehaptics.scene import find_scene, load_scene
 from wavehaptics.trace.columns import Column, Word
 
 SCENE = "paper_taps"
 DURATIONS_S = {"analog": 0.5, "golden": 2.0, "core": 0.2, "pins": 0.2, "encoder": 2.0}
 """Long enough to press into the wall, or the error would be that of no torque."""
-CLOCKS = 2_000_000
 
 Measurement = Callable[[], dict[str, Any]]
-
-
-class BenchPins(PinsSimulation):
-    """The whole RTL with what is only measured."""
-
-    SHIM = "bench_shim.cpp"
-
-
-@numba.njit
-def _each(function, model, clocks):
-    out = 0
-    for _ in range(clocks):
-        out ^= call2(function, model, 0)
-    return out
 
 
 class _Watch:
@@ -59,29 +39,6 @@ class _Watch:
             "wall_s": time.perf_counter() - self._wall,
             "cpu_s": time.process_time() - self._cpu,
         }
-
-
-def alone() -> tuple[dict[str, Any], Measurement]:
-    """Seconds of many clocks of the RTL without a motor: a call for each, and all in one call."""
-    simulation = BenchPins(load_scene(find_scene(SCENE)))
-    library, model = simulation._library, simulation._model
-    for name in ("wh_bench_clocks", "wh_bench_quiet"):
-        getattr(library, name).argtypes = [ctypes.c_int64] * 3
-        getattr(library, name).restype = ctypes.c_int64
-    each = verilated.address(library.wh_pins_clock)
-    _each(each, model, 1)
-    changes = library.wh_bench_quiet(model, 0, CLOCKS)
-
-    def once() -> dict[str, Any]:
-        assert simulation  # it owns the model
-        watch = _Watch()
-        _each(each, model, CLOCKS)
-        seconds = {"each": watch.seconds()}
-        watch = _Watch()
-        library.wh_bench_clocks(model, 0, CLOCKS)
-        return {**seconds, "packed": watch.seconds()}
-
-    return {"clocks": CLOCKS, "clocks_that_change_a_pin": changes / CLOCKS}, once
 
 
 def whole(controller: str, duration_s: float) -> tuple[dict[str, Any], Measurement]:
@@ -111,7 +68,7 @@ def whole(controller: str, duration_s: float) -> tuple[dict[str, Any], Measureme
 
 def main(what: str) -> None:
     """Get ready, and measure as often as is asked for."""
-    known, once = alone() if what == "alone" else whole(what, DURATIONS_S[what])
+    known, once = whole(what, DURATIONS_S[what])
     print(json.dumps(known), flush=True)
     for _ in sys.stdin:
         print(json.dumps(once()), flush=True)

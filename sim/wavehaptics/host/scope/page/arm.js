@@ -2,6 +2,7 @@
 // A planar arm, the surfaces in its plane, and the hand that a mouse leads at its tip.
 
 import { cleared, colour } from "./canvas.js";
+import { Led } from "./led.js";
 
 const TIP = 9;
 const HAND = 13;
@@ -9,18 +10,14 @@ const FORCE = 90;
 const LEAST_FORCE = 3;
 const KEY_STEP = 0.002;
 
-export class Arm {
-  // `lead` is called with [x, y], the place in m that the hand is to go to.
+export class Arm extends Led {
   constructor(canvas, lead) {
-    this.canvas = canvas;
-    this.lead = lead;
-    this.view = [0, 0, 1, 1];
-    this.led = false; // whether there is a hand to lead
-    this.target = null;
-    canvas.addEventListener("pointerdown", (event) => this.#grab(event));
-    canvas.addEventListener("pointermove", (event) => this.held && this.#move(event));
-    for (const type of ["pointerup", "pointercancel"]) canvas.addEventListener(type, () => this.#release());
-    canvas.addEventListener("keydown", (event) => this.#key(event));
+    super(canvas, lead, [0, 0, 1, 1], KEY_STEP);
+  }
+
+  get ends() {
+    const [left, low, right, high] = this.view;
+    return [[left, right], [low, high]];
   }
 
   // The middle of the view is that of the canvas; x goes right, y up.
@@ -30,48 +27,14 @@ export class Arm {
     return { scale, x0: width / 2 - (scale * (left + right)) / 2, y0: height / 2 + (scale * (low + high)) / 2 };
   }
 
-  #place(event) {
+  place(event) {
     const box = this.canvas.getBoundingClientRect();
     const { scale, x0, y0 } = this.#scale(box.width, box.height);
     return [(event.clientX - box.left - x0) / scale, (y0 - event.clientY + box.top) / scale];
   }
 
-  #grab(event) {
-    if (!this.led) return;
-    this.canvas.setPointerCapture(event.pointerId);
-    this.held = true;
-    this.canvas.classList.add("held");
-    // Grabbed beside its middle, the hand doesn't jump.
-    const place = this.#place(event), at = this.target ?? this.hand ?? place;
-    const away = Math.hypot(place[0] - at[0], place[1] - at[1]);
-    const near = away * this.#scale(this.canvas.clientWidth, this.canvas.clientHeight).scale < 2 * HAND;
-    this.off = near ? [at[0] - place[0], at[1] - place[1]] : [0, 0];
-    this.#move(event);
-  }
-
-  #move(event) {
-    const [x, y] = this.#place(event);
-    this.#to([x + this.off[0], y + this.off[1]]);
-  }
-
-  #release() {
-    this.held = false;
-    this.canvas.classList.remove("held");
-  }
-
-  #key(event) {
-    const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] }[event.key];
-    const at = this.target ?? this.hand;
-    if (!way || !this.led || !at) return;
-    event.preventDefault();
-    const step = KEY_STEP * (event.shiftKey ? 0.2 : 1);
-    this.#to([at[0] + way[0] * step, at[1] + way[1] * step]);
-  }
-
-  #to([x, y]) {
-    const [left, low, right, high] = this.view;
-    this.target = [Math.min(right, Math.max(left, x)), Math.min(high, Math.max(low, y))];
-    this.lead(this.target);
+  near([x, y], at) {
+    return Math.hypot(x - at[0], y - at[1]) * this.#scale(this.canvas.clientWidth, this.canvas.clientHeight).scale < 2 * HAND;
   }
 
   draw({ row, most, shapes, alive }) {

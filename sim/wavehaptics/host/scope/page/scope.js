@@ -112,7 +112,7 @@ function shape(live) {
   data.edge = state.wall[0];
   data.k = torque && rad ? state.stiffness : null;
   stage.led = state.hand !== null;
-  stage.hand = state.hand;
+  stage.hand = state.hand === null ? null : [state.hand];
   stage.canvas.classList.toggle("still", !stage.led);
   if (state.arm) {
     arm.led = stage.led;

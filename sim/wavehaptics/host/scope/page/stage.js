@@ -2,67 +2,34 @@
 // The rotor's handle, the wall, and the hand that a mouse leads.
 
 import { cleared, colour, figures, ticks } from "./canvas.js";
+import { Led } from "./led.js";
 
 const MARGIN = 34;
 const KNOB = 21;
 const HAND = 15;
 const KEY_STEP = 0.01;
 
-export class Stage {
-  // `lead` is called with the place that the hand is to go to.
+export class Stage extends Led {
   constructor(canvas, lead) {
-    this.canvas = canvas;
-    this.lead = lead;
-    this.view = [-0.35, 0.35];
-    this.led = false; // whether there is a hand to lead
-    this.target = null;
-    canvas.addEventListener("pointerdown", (event) => this.#grab(event));
-    canvas.addEventListener("pointermove", (event) => this.held && this.#move(event));
-    for (const type of ["pointerup", "pointercancel"]) {
-      canvas.addEventListener(type, () => this.#release());
-    }
-    canvas.addEventListener("keydown", (event) => this.#key(event));
+    super(canvas, ([place]) => lead(place), [-0.35, 0.35], KEY_STEP);
   }
 
-  #place(event) {
+  get ends() {
+    return [this.view];
+  }
+
+  // Radians, or counts, of a pixel.
+  #scale(width) {
+    return (this.view[1] - this.view[0]) / (width - 2 * MARGIN);
+  }
+
+  place(event) {
     const box = this.canvas.getBoundingClientRect();
-    const part = (event.clientX - box.left - MARGIN) / (box.width - 2 * MARGIN);
-    const [low, high] = this.view;
-    return Math.min(high, Math.max(low, low + part * (high - low)));
+    return [this.view[0] + (event.clientX - box.left - MARGIN) * this.#scale(box.width)];
   }
 
-  #grab(event) {
-    if (!this.led) return;
-    this.canvas.setPointerCapture(event.pointerId);
-    this.held = true;
-    this.canvas.classList.add("held");
-    // Grabbed beside its middle, the hand doesn't jump.
-    const place = this.#place(event);
-    const near = ((HAND + KNOB) / (this.canvas.clientWidth - 2 * MARGIN)) * (this.view[1] - this.view[0]);
-    const at = this.target ?? this.hand ?? place;
-    this.off = Math.abs(place - at) < near ? at - place : 0;
-    this.#move(event);
-  }
-
-  #move(event) {
-    this.#to(this.#place(event) + this.off);
-  }
-
-  #release() {
-    this.held = false;
-    this.canvas.classList.remove("held");
-  }
-
-  #key(event) {
-    const way = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-    if (!way || !this.led) return;
-    event.preventDefault();
-    this.#to((this.target ?? this.hand ?? 0) + way * KEY_STEP * (event.shiftKey ? 0.2 : 1));
-  }
-
-  #to(place) {
-    this.target = Math.min(this.view[1], Math.max(this.view[0], place));
-    this.lead(this.target);
+  near([place], [at]) {
+    return Math.abs(place - at) < (HAND + KNOB) * this.#scale(this.canvas.clientWidth);
   }
 
   draw({ x, f, fMost, wall, there, alive, counts }) {
@@ -70,15 +37,15 @@ export class Stage {
     const [low, high] = this.view;
     const at = (place) => MARGIN + ((place - low) / (high - low)) * (width - 2 * MARGIN);
     const middle = height * 0.47, foot = height - 26;
-    this.canvas.setAttribute("aria-valuenow", (this.target ?? this.hand ?? 0).toFixed(3));
+    this.canvas.setAttribute("aria-valuenow", (this.target ?? this.hand ?? [0])[0].toFixed(3));
     if (there) this.#wall(c, at(wall[0]), Math.min(at(wall[1]), width), foot);
     this.#rail(c, at, low, high, middle, foot, counts);
     if (x === undefined) return;
-    const rotor = at(x), hand = this.led && this.hand !== null ? at(this.hand) : null;
+    const rotor = at(x), hand = this.led && this.hand !== null ? at(this.hand[0]) : null;
     if (hand !== null) {
       this.#spring(c, rotor, hand, middle);
       this.#hand(c, hand, middle);
-      if (this.target !== null && Math.abs(at(this.target) - hand) > 2) this.#ghost(c, at(this.target), middle);
+      if (this.target !== null && Math.abs(at(this.target[0]) - hand) > 2) this.#ghost(c, at(this.target[0]), middle);
     }
     this.#knob(c, rotor, middle, alive);
     if (f) this.#force(c, rotor, middle, f, fMost);

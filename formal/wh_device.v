@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// prove_wh_ports_device: the bridges are on only where the pin enable says so and wh_arm does, whatever stands
+// prove_wh_device: the bridges are on only where the pin enable says so and wh_arm does, whatever stands
 // on the bus and whatever the settings are: running_o is low with either, and every gate a clock later; both
 // also while settings that want them off are committed. With AXES = 1 of a brushless motor's six gates.
 //
@@ -10,7 +10,7 @@
 `default_nettype none
 `include "wh_formats.vh"
 
-module prove_wh_ports_device #(
+module prove_wh_device #(
     parameter integer N    = 1,
     parameter integer AXES = 0
 ) (
@@ -47,7 +47,7 @@ module prove_wh_ports_device #(
     wire        fault;
     wire        clears;
 
-    wh_ports_device #(
+    wh_device #(
         .N              (N),
         .AXES           (AXES),
         .WALLS          (1),
