@@ -240,6 +240,7 @@ class AnchorBench(Bench):
         half = 1 << (formats.LONG.fraction - 1)
         if self.axis:
             half = abs(tick.cell) << rotor_flux.SHIFT >> 1
+        theta = int(before[anchor.THETA])
         begins = tick.contact and not before[anchor.TOUCHING]
         sinks = state[anchor.SINKS]
         bound = tick.contact and state[anchor.KNOWS_UP if sinks else anchor.KNOWS_DOWN]
@@ -267,7 +268,7 @@ class AnchorBench(Bench):
                 "offset": gone[anchor.OFFSET],
                 "learned": gone[anchor.THETA],
                 "θ above all": state[anchor.FULL] and state[anchor.THETA] > 0,
-                "θ fades": state[anchor.FADES] and gone[anchor.HURRIES] and gone[anchor.THETA],
+                "θ halves": theta > 1 and gone[anchor.THETA] == -theta >> anchor.FADE_SHIFT,
                 "θ below 0": state[anchor.THETA] < 0,
                 "held": tick.contact and before[anchor.COEFFICIENT] and state[anchor.MEAN],
                 "brushes shrink": gone[anchor.BRUSH_LEFT] < 0 and state[anchor.BRUSH_LEFT] > 0,
@@ -294,12 +295,12 @@ EVERYTHING = frozenset(
         "outside above", "outside below", "inside", "clipped above", "clipped below",
         "not clipped", "clipped with the waves", "room", "fault", "mean", "offset", "learned",
         "θ above all", "θ below 0", "held", "brushes shrink", "brushes gone", "travels", "turns",
-        "θ fades", "slow", "bound below", "bound above", "bound at the other end", "withheld",
+        "θ halves", "slow", "bound below", "bound above", "bound at the other end", "withheld",
         "blind", "excused", "far",
     )
 )  # fmt: skip
 
-AXIS_NEVER = frozenset(("θ fades",))
+AXIS_NEVER = frozenset(("θ halves",))
 
 
 def any_word(rng: random.Random, format_: formats.Fixed) -> int:

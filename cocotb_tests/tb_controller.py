@@ -426,8 +426,8 @@ class ControllerBench(Bench):
     def made(self, n: int, late_fault: bool = False) -> list[Made]:
         """Each step of one port as the integer models have it, from the ADC's codes and contact.
 
-        ``late_fault``: in the shortest ticks η is read before the anchor's fault is known, so a
-        fault damps a step later.
+        ``late_fault``: in the shortest ticks a port's step may start before its anchor's fault of
+        the step before is known. Then the fault damps a step later.
         """
         settings, port = self.settings, self.settings.ports[n]
         state, line = wave_core.new_state(), wave_core.new_line(settings.extra_ticks)
@@ -438,7 +438,9 @@ class ControllerBench(Bench):
             left = int(anchor.left.py_func(step.u_max[n], held))
             seen = [int(held[place]) >> _GUARDED for place in (anchor.CHI, anchor.LAG)]
             known = int(held[anchor.FAULT])
-            fault, fault_before = (fault_before if late_fault else known), known
+            fault = step.before[n][-1] if late_fault else known
+            assert fault in (known, fault_before)
+            fault_before = known
             current = wave_core.saturate.py_func(words[n] - offset)
             eta = 0 if fault else port.eta_contact if step.contact[n] else port.eta_free
             withheld, saturated = (

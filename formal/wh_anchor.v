@@ -227,7 +227,7 @@ module prove_wh_anchor #(
             if (!first_before && !fades && clipped_before) assert ($signed(\block.memory[1] ) <= theta_before);
             if (!first_before && theta_before < -THETA_LEAST)
                 assert ($signed(\block.memory[1] ) >= THETA_LEAST);
-            // θ that fades moves toward 0, and not past it.
+            // A turn outwards moves θ toward 0, and not past it.
             if (!first_before && fades && theta_before >= 0)
                 assert ($signed(\block.memory[1] ) >= 0 && $signed(\block.memory[1] ) <= theta_before);
             if (!first_before && fades && theta_before < 0)

@@ -6,17 +6,16 @@
 //   z  = χ + σ/4 after a full count, χ - σ/32 after a reversal (σ/16 with AXIS = 1); σ: direction of the last edge
 //   p  = z beyond ±1/2, z/128 (AXIS = 1: z/256) within; the last edge's bound χ_b replaces one end of ±1/2
 //   θ -= g_θ p sgn y'                          in contact, if z is beyond ±1/2; 0...learn_max, at first a quarter
-//   θ -= θ/128                                 instead, in each of the 32 ticks after a turn outwards
+//   θ -= θ/2                                   instead, with a turn outwards
 //   c  = θ (y' + sgn y' y_b - d) - g_ρ p       the first term in contact only
 //   d  = 2 (y - y')                            y = L̂ i; 0 while the rotor travels
 //   |g_ρ p| <= c_0 + |e_id|/2                  c_0/2 out of contact
 //
 // An edge with the direction of the edge before is a full count. The rotor travels while its last two full counts had
-// the same direction. Only then y' follows y: in one tick of follow_ticks, and in the 8 ticks after each full count, 32
-// on the rotor's way out (not with AXIS = 1). y_b stands for the brushes, and decreases by half of what y' falls. A turn
-// outwards is a rotor's first full count outwards after it travelled inwards. θ then fades by a fifth, as a θ that has
-// learned a brush's voltage would feed the swing of a lever; not while c is at its limit, where follow_ticks is below
-// 4, and with AXIS = 1.
+// the same direction. Only then y' follows y: by 1/128 (AXIS = 1: 1/256) of the distance in one tick of follow_ticks,
+// and by a quarter with each full count (not with AXIS = 1). y_b stands for the brushes, and decreases by half of what
+// y' falls. A turn outwards is a rotor's first full count outwards after it travelled inwards. It halves θ, as a θ that
+// has learned a brush's voltage would feed the swing of a lever; not while c is at its limit, nor with AXIS = 1.
 //
 // The bound χ_b: after an edge upwards z stays below the χ from before the last edge downwards, and the other way
 // round. So a rotor that crosses back over an edge meets no more force on its way out, and no less on its way in, than
@@ -111,10 +110,11 @@ module wh_anchor #(
     localparam integer VOLT_SHIFT = LONG_Q - `WH_VOLTAGE_Q;
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
     localparam integer INNER_SHIFT = (AXIS == 1) ? 8 : 7;  // of z within the zone, of both means
-    localparam [4:0]   HURRY_IN    = 7;  // ticks more in which y' moves after a count that the rotor travels,
-    localparam [4:0]   HURRY_OUT   = 31; // and on its way out
+    localparam integer COUNT_SHIFT = 2;  // of what y' takes with a full count
+    localparam integer FADE_SHIFT  = 1;  // of what a turn outwards takes of θ
     localparam integer BEHIND_SHIFT = (AXIS == 1) ? 4 : 5;  // of the count by which z is behind χ after a turn
-    localparam integer FEW_SHIFT   = INNER_SHIFT + 1 + CUT;  // by half of a step of y' shrinks y_b
+    localparam integer FEW_SHIFT   = INNER_SHIFT + 1 + CUT;  // by half of a step of y' shrinks y_b,
+    localparam integer LESS_SHIFT  = COUNT_SHIFT + 1 + CUT;  // of one with a count
     localparam integer THETA_CUT   = `WH_LEARN_Q + LONG_Q - CUT - FAR_SHIFT - `WH_PULL_Q;  // of θ below a coefficient
     localparam integer THETA_W     = LONG_W - THETA_CUT;
     localparam [1:0]   FRESH_TICKS = 3;  // a contact is told in its edge's tick or in the next two
@@ -167,11 +167,9 @@ module wh_anchor #(
     reg [1:0]                fresh_q;     // ticks for which that edge is one that a contact can begin with
     reg [REST_W-1:0]         quiet_q;     // ticks left until a rotor without two edges the same way is slow
     reg [FOLLOW_W-1:0]       phase_q;     // y' moves in the tick that finds 1 or 0
-    reg [4:0]                hurries_q;   // ticks left in which it does as well
-    reg                      fades_q;     // and θ fades
-    reg                      fading_q;    // θ fades in this tick
-    reg                      follows_q;   // it does in this tick
-    reg                      strobe_q;    // as in one tick of follow_ticks
+    reg                      strobe_q;    // it does in this tick,
+    reg                      counts_q;    // or with a full count
+    reg                      fading_q;    // this tick halves θ
     reg                      copies_q;    // x̂'s slow copy moves in the tick that finds 0
     reg [1:0]                chi_at_q;    // where in the memory χ is, 1 to 3,
     reg [1:0]                up_at_q;     // χ before the last edge that raised the flux,
@@ -193,10 +191,8 @@ module wh_anchor #(
     wire                     edged    = (fresh_q != 2'd0);
     wire                     slow     = (quiet_q == {REST_W{1'b0}});
     wire                     follows  = (phase_q[FOLLOW_W-1:1] == {(FOLLOW_W - 1){1'b0}});
-    wire                     hurries  = (hurries_q != 5'd0);
-    wire                     counts   = same_way && AXIS == 0;  // a count moves y' besides
+    wire                     counts   = same_way && AXIS == 0;  // a count moves y'
     wire                     outward  = (back == presses_q);
-    wire                     fades    = counts ? outward && travels_q && back != counted_q : fades_q;
     wire                     sinks;       // this tick's edge lessens the flux
     wire                     steps    = start_q && moves && !begins_q;
 
@@ -214,11 +210,9 @@ module wh_anchor #(
             fresh_q      <= 2'd0;
             quiet_q      <= {REST_W{1'b0}};
             phase_q      <= {FOLLOW_W{1'b0}};
-            hurries_q    <= 5'd0;
-            fades_q      <= 1'b0;
-            fading_q     <= 1'b0;
-            follows_q    <= 1'b0;
             strobe_q     <= 1'b0;
+            counts_q     <= 1'b0;
+            fading_q     <= 1'b0;
             copies_q     <= 1'b0;
             chi_at_q     <= 2'd1;
             up_at_q      <= 2'd2;
@@ -234,12 +228,9 @@ module wh_anchor #(
                 begins_q  <= contact_i && !contact_q;
             end
             if (start_q) begin
-                follows_q <= follows || counts || hurries;
                 strobe_q  <= follows;
-                hurries_q <= counts ? (outward ? HURRY_OUT : HURRY_IN) : hurries_q - {4'd0, hurries};
-                fades_q   <= fades && !begins_q;
-                fading_q  <= fades && !begins_q && contact_q && !clipped_q && (counts || hurries)
-                             && (|follow_ticks[FOLLOW_W-1:2]);
+                counts_q  <= counts;
+                fading_q  <= counts && outward && travels_q && back != counted_q && !begins_q && contact_q && !clipped_q;
                 phase_q   <= follows ? follow_ticks : phase_q - 1'b1;
                 back_q    <= moves ? back : back_q;
                 sinks_q   <= moves ? sinks : sinks_q;
@@ -397,7 +388,8 @@ module wh_anchor #(
     reg        [3:0]        store_to_q;
     reg                     stores_q;                // sum_q is to be written
     reg                     sum_too_q, sum_too;      // a: the sum, or
-    reg                     inner_q, inner;          // its 256th, or 0
+    reg                     inner_q, inner;          // its 256th,
+    reg                     quarter_q, half_q;       // a quarter or half of it, or 0
     reg                     memory_too_q, memory_too;  // b: what was read, or b_q
     reg                     fresh;                   // what is read is 0 in the first step
     reg        [3:0]        b_from;
@@ -426,7 +418,7 @@ module wh_anchor #(
     reg                     sinks_p_q;               // p is below 0
 
     wire back_sum = sum_q[LONG_W-1];
-    wire moves_mean = follows_q && contact_q && travels_q && !blind_q && !far_q && !begins_q;
+    wire moves_mean = (strobe_q || counts_q) && contact_q && travels_q && !blind_q && !far_q && !begins_q;
 
     wire grows  = (sinks_p_q != presses_q);
     wire learns = contact_q && out_q && !saturated_q && !blind_q && !(grows ? full_q || clipped_q : void_q);
@@ -724,7 +716,9 @@ module wh_anchor #(
         read_q       <= memory[read_from];
         adds_q       <= step_q;
         sum_too_q    <= sum_too;
-        inner_q      <= inner;
+        inner_q      <= inner && !(step_q == MEAN && counts_q) && !(step_q == LEARN);
+        quarter_q    <= inner && step_q == MEAN && counts_q;
+        half_q       <= inner && step_q == LEARN;
         memory_too_q <= memory_too && !(fresh && first_q);
         minus_q      <= minus;
         to_zero_q    <= (step_q == CLIP);
@@ -737,7 +731,10 @@ module wh_anchor #(
     // cell of an FPGA. What a step writes, the two after it can't read.
     wire                     takes_off = to_zero_q ? !back_sum : minus_q;
     wire signed [LONG_W-1:0] part = sum_q >>> INNER_SHIFT;
-    wire signed [LONG_W-1:0] a    = ({LONG_W{sum_too_q}} & sum_q) | ({LONG_W{inner_q}} & part);
+    wire signed [LONG_W-1:0] quarter = sum_q >>> COUNT_SHIFT;
+    wire signed [LONG_W-1:0] halved  = sum_q >>> FADE_SHIFT;
+    wire signed [LONG_W-1:0] a    = ({LONG_W{sum_too_q}} & sum_q) | ({LONG_W{inner_q}} & part)
+                                    | ({LONG_W{quarter_q}} & quarter) | ({LONG_W{half_q}} & halved);
     wire signed [LONG_W-1:0] b    =
         (b_q | ({LONG_W{memory_too_q}} & read_q)) ^ {LONG_W{takes_off}};
     // The sign once more, for where it goes to every bit of a word again; of the step SWING its opposite.
@@ -916,7 +913,8 @@ module wh_anchor #(
     wire [SIDE_W-1:0] side_a = caps_q ? ~{{(SIDE_W - COEF_W){1'b0}}, learn_max}
                              : {{(SIDE_W - DATA_W){1'b0}}, brush_q} ^ {SIDE_W{turns_q}};
     wire [SIDE_W-1:0] side_b =
-        shrinks_q ? {{(SIDE_W - LONG_W + FEW_SHIFT){back_sum}}, sum_q[LONG_W-1:FEW_SHIFT]}
+        shrinks_q ? (counts_q ? {{(SIDE_W - LONG_W + LESS_SHIFT){back_sum}}, sum_q[LONG_W-1:LESS_SHIFT]}
+                              : {{(SIDE_W - LONG_W + FEW_SHIFT){back_sum}}, sum_q[LONG_W-1:FEW_SHIFT]})
                   : {{(SIDE_W - THETA_W + 1){back_sum}}, sum_q[LONG_W-2:THETA_CUT]};
     wire [SIDE_W-1:0] side;
     wire              carry;

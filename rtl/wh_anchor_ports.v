@@ -97,10 +97,11 @@ module wh_anchor_ports #(
     localparam integer AMP_SHIFT  = LONG_Q - `WH_CURRENT_Q;
     localparam integer INNER_SHIFT = 7;  // of z within the dead zone, of both means; one more for an axis
     localparam integer BETAS       = AXES << 1;
-    localparam [4:0]   HURRY_IN    = 7;  // further turns in which y' moves after a full count,
-    localparam [4:0]   HURRY_OUT   = 31; // and on its way out
+    localparam integer COUNT_SHIFT = 2;  // of what y' takes with a full count
+    localparam integer FADE_SHIFT  = 1;  // of what a turn outwards takes of θ
     localparam integer BEHIND_SHIFT = 5;  // of the count by which z is behind χ after a reversal; one less for an axis
-    localparam integer FEW_SHIFT   = INNER_SHIFT + 1 + CUT;  // by half of a step of y' shrinks y_b
+    localparam integer FEW_SHIFT   = INNER_SHIFT + 1 + CUT;  // by half of a step of y' shrinks y_b,
+    localparam integer LESS_SHIFT  = COUNT_SHIFT + 1 + CUT;  // of one with a count
     localparam integer THETA_CUT   = `WH_LEARN_Q + LONG_Q - CUT - FAR_SHIFT - `WH_PULL_Q;  // of θ below a coefficient
     localparam integer THETA_W     = LONG_W - THETA_CUT;
     localparam [1:0]   FRESH_TICKS = 3;  // a contact is reported in the period of its edge or in the next two
@@ -302,19 +303,15 @@ module wh_anchor_ports #(
     // ---- State that periods change, as their settings become valid.
     wire   [REST_W-1:0] quiet_q;    // periods until a rotor without a full count is slow
     wire [FOLLOW_W-1:0] phase_q;    // y' moves in the turn where this is 1 or 0
-    wire          [4:0] hurries_q;  // turns in which y' moves as well
-    wire                fades_q;    // and θ fades
-    reg                 follows_q;  // y' moves in this turn
-    reg                 strobe_q;   // as in one of follow_ticks
-    reg                 fading_q;   // θ fades in this turn
+    reg                 strobe_q;   // y' moves in this turn, as in one of follow_ticks,
+    reg                 counts_q;   // or with a full count
+    reg                 fading_q;   // this turn halves θ
     reg                 clipped_q;  // c was at its limit
 
     wire slow    = (quiet_q == {REST_W{1'b0}});
     wire follows = (phase_q[FOLLOW_W-1:1] == {(FOLLOW_W - 1){1'b0}});
-    wire hurries = (hurries_q != 5'd0);
-    wire counts  = same_way_q && !axis;  // a count also moves y'
+    wire counts  = same_way_q && !axis;  // a count moves y'
     wire outward = (back_q == presses_q);
-    wire fades   = counts ? outward && turns_back_q : fades_q && !begins_q;
 
     wh_port_state #(
         .N       (N),
@@ -333,23 +330,22 @@ module wh_anchor_ports #(
     wh_port_state #(
         .N       (N),
         .RESETS  (N),
-        .W       (6 + FOLLOW_W)
+        .W       (FOLLOW_W)
     ) phase_state (
         .clk     (clk),
         .rst     (resets),
         .port_i  (port_q),
         .save_i  (step_q == 5'd6),
         .save_port_i (port_q),
-        .value_i ({fades, counts ? (outward ? HURRY_OUT : HURRY_IN) : hurries_q - {4'd0, hurries},
-                   follows ? setting[FOLLOW_W-1:0] : phase_q - 1'b1}),
-        .value_o ({fades_q, hurries_q, phase_q})
+        .value_i (follows ? setting[FOLLOW_W-1:0] : phase_q - 1'b1),
+        .value_o (phase_q)
     );
 
     always @(posedge clk) begin
         if (step_q == 5'd6) begin
-            follows_q <= follows || hurries || counts;
-            strobe_q  <= follows;
-            fading_q  <= fades && contact_q && !clipped_q && (hurries || counts) && (|setting[FOLLOW_W-1:2]);
+            strobe_q <= follows;
+            counts_q <= counts;
+            fading_q <= counts && outward && turns_back_q && contact_q && !clipped_q;
         end
     end
 
@@ -501,7 +497,8 @@ module wh_anchor_ports #(
     reg        [3:0]        store_to_q;
     reg                     stores_q;                // sum_q is to be written
     reg                     sum_too_q, sum_too;      // a is the sum, or
-    reg                     inner_q, inner;          // its 128th, or 0
+    reg                     inner_q, inner;          // its 128th,
+    reg                     quarter_q, half_q;       // a quarter or half of it, or 0
     reg                     memory_too_q, memory_too;  // b is the value read, or b_q
     reg                     fresh;                   // the value read counts as 0 in the first turn
     reg        [3:0]        b_from;
@@ -528,7 +525,7 @@ module wh_anchor_ports #(
     reg                     enable_q;
 
     wire back_sum = sum_q[LONG_W-1];
-    wire moves_mean = follows_q && contact_q && travels_q && !blind_q && !far_q && !begins_q;
+    wire moves_mean = (strobe_q || counts_q) && contact_q && travels_q && !blind_q && !far_q && !begins_q;
 
     wire grows  = (sinks_p_q != presses_q);
     wire learns = contact_q && out_q && !saturated_q && !blind_q && !(grows ? full_q || clipped_q : void_q);
@@ -811,7 +808,9 @@ module wh_anchor_ports #(
         over_q       <= !bare_q && near_q && outer;
         below_q      <= product_i[DATA_W+COEF_W-1];
         sum_too_q    <= sum_too;
-        inner_q      <= inner;
+        inner_q      <= inner && !(step_q == MEAN && counts_q) && !(step_q == LEARN);
+        quarter_q    <= inner && step_q == MEAN && counts_q;
+        half_q       <= inner && step_q == LEARN;
         memory_too_q <= memory_too && !(fresh && first_q);
         minus_q      <= minus;
         to_zero_q    <= (step_q == CLIP);
@@ -825,7 +824,10 @@ module wh_anchor_ports #(
     wire                     takes_off = to_zero_q ? !back_sum : minus_q;
     wire signed [LONG_W-1:0] inner_sum = sum_q >>> INNER_SHIFT;
     wire signed [LONG_W-1:0] part      = axis ? inner_sum >>> 1 : inner_sum;
-    wire signed [LONG_W-1:0] a    = ({LONG_W{sum_too_q}} & sum_q) | ({LONG_W{inner_q}} & part);
+    wire signed [LONG_W-1:0] quarter   = sum_q >>> COUNT_SHIFT;
+    wire signed [LONG_W-1:0] halved    = sum_q >>> FADE_SHIFT;
+    wire signed [LONG_W-1:0] a    = ({LONG_W{sum_too_q}} & sum_q) | ({LONG_W{inner_q}} & part)
+                                    | ({LONG_W{quarter_q}} & quarter) | ({LONG_W{half_q}} & halved);
     wire signed [LONG_W-1:0] b    =
         (b_q | ({LONG_W{memory_too_q}} & read_q)) ^ {LONG_W{takes_off}};
     // The sign once more, for where it drives every bit of an operand; in the step SWING its opposite.
@@ -991,7 +993,8 @@ module wh_anchor_ports #(
     end
 
     wire [DATA_W-1:0] few    = {{(DATA_W - LONG_W + FEW_SHIFT){back_sum}}, sum_q[LONG_W-1:FEW_SHIFT]};
-    wire [DATA_W-1:0] side_b = axis ? {back_sum, few[DATA_W-1:1]} : few;
+    wire [DATA_W-1:0] less   = {{(DATA_W - LONG_W + LESS_SHIFT){back_sum}}, sum_q[LONG_W-1:LESS_SHIFT]};
+    wire [DATA_W-1:0] side_b = counts_q ? less : axis ? {back_sum, few[DATA_W-1:1]} : few;
     wire [DATA_W-1:0] side;
     wire              carry;
     assign {carry, side} = {1'b0, brush_q ^ {DATA_W{turns_q}}} + {1'b0, side_b} + {{DATA_W{1'b0}}, back_sum};

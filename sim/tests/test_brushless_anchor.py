@@ -75,7 +75,7 @@ def test_a_leap_is_its_counts_one_after_the_other():
 
 
 OF_THE_MEANS = [
-    anchor.MEAN, anchor.HURRIES, anchor.FADES, anchor.BRUSH_LEFT, anchor.TOLD, anchor.THETA,
+    anchor.MEAN, anchor.BRUSH_LEFT, anchor.TOLD, anchor.THETA,
     anchor.COEFFICIENT, anchor.FULL, anchor.CORRECTION, anchor.CLIPPED, anchor.EXCUSES,
     anchor.FAULT, anchor.ROOM,
     anchor.ZERO, anchor.OFFSET, anchor.FOLLOWER, anchor.LAG, anchor.COPIES, anchor.PHASE,

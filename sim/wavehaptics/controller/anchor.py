@@ -20,14 +20,13 @@ A voltage c in series with the port, which the waves don't see, holds χ:
   moves at some angles, until z has been there once.
 - ``p`` is q, or z/128 within the zone (an axis: z/256), and ``c = θ·(y' + sgn(y')·y_b) − g_ρ·p``.
   y = L̂·i, y' is its mean of some milliseconds. It follows only while the rotor travels: while
-  its last two full counts had the same direction. With each such count it also takes a sixteenth
-  of its distance, a quarter on the way out, to keep up with a fast hit (not an axis).
+  its last two full counts had the same direction. With each such count it takes a quarter of its
+  distance, to keep up with a fast hit at any rate (not an axis).
 - θ is a resistance. It is learned from p if z is out of the zone, ``θ −= g_θ·p·sgn(y')``. It starts
   at a quarter of the largest, and is kept from contact to contact.
-- θ fades by 2^-7 of itself in each period in which y' moves after a turn outwards: the first full
-  count outwards of a rotor that travelled inwards. That is a fifth for each turn. Without it a θ
-  that has learned a brush's voltage is more than R lacks, and feeds the swing of a lever. While
-  c is at its limit θ doesn't fade.
+- A turn outwards halves θ: the first full count outwards of a rotor that travelled inwards (not an
+  axis). Without it a θ that has learned a brush's voltage is more than R lacks, and feeds the swing
+  of a lever. While c is at its limit θ isn't halved.
 - While the rotor doesn't travel, twice θ damps oscillations about y': ``c = θ·(y' + sgn(y')·y_b −
   2·(y − y')) − g_ρ·p``.
 - y_b stands for the brushes' voltage. It decreases by half of what y' falls, so c falls at least as
@@ -115,12 +114,10 @@ assert len(_WORDS) == SETTINGS
     LOADED,  # θ is there: at first a quarter of the largest
     EXCUSES,  # steps of y' in which c may yet be far beyond its limit
     TOLD,  # s31q16 counts: what θ acts on, of the last period in contact
-    HURRIES,  # periods left in each of which y' moves
-    FADES,  # and θ fades
     COPIES,  # periods left until x̂'s slow copy moves
-) = range(42)
+) = range(40)
 """Indices of an anchor's state."""
-STATES = 42
+STATES = 40
 
 FRESH_TICKS = 3
 """An edge begins a contact that is reported in its own period or in the next two."""
@@ -135,13 +132,10 @@ BEHIND_SHIFT = 5
 """That of a rotor that has turned is 1/32 of a count behind: so much a bound gives way at each
 edge, as a rotor that neither gained nor lost by an edge would bounce on it for ever. An axis, on
 which such a bounce is stronger, is 1/16 of a count behind."""
-HURRY_IN = 8
-"""y' moves in one period of FOLLOW_TICKS, and in as many after a count of a rotor that travels,"""
-HURRY_OUT = 32
-"""in as many on its way out."""
-FADING_TICKS = 4
-"""θ fades only where y' moves in one period of as many or more, at about 64 kHz and above: it takes
-32 periods, and at a slow rate the rotor would be several counts on its way out by then."""
+COUNT_SHIFT = 2
+"""With each full count y' takes 2^-2 of its distance,"""
+FADE_SHIFT = 1
+"""and a turn outwards takes 2^-1 of θ."""
 EXCUSED = 31
 """Steps of y' in which c may be far beyond its limit without a fault, after the voltage or the
 current was limited or a contact began: 2 ms. Without them a hit that reaches the voltage limit is
@@ -307,21 +301,12 @@ def _turn(
     if begins:
         state[SAME], state[TRAVELS] = 1, 1
         state[COUNTED] = state[NEGATIVE]
-        state[FADES] = 0
-    follows = state[PHASE] == 0
-    strobe = follows
-    state[PHASE] = max(words[FOLLOW_TICKS] - 1, 0) if follows else state[PHASE] - 1
-    if same_way and not axis:
-        outward = (state[NEGATIVE] != 0) == (state[MEAN] < 0)
-        state[HURRIES] = HURRY_OUT if outward else HURRY_IN
-        turned = travelled and state[TRAVELS] == 0
-        state[FADES] = 1 if outward and turned and not begins else 0
-    fades = False
-    if state[HURRIES] > 0:
-        state[HURRIES] -= 1
-        follows = True
-        fades = contact and state[FADES] != 0 and state[CLIPPED] == 0
-        fades = fades and words[FOLLOW_TICKS] >= FADING_TICKS
+    strobe = state[PHASE] == 0
+    state[PHASE] = max(words[FOLLOW_TICKS] - 1, 0) if strobe else state[PHASE] - 1
+    counts = same_way and not axis
+    outward = (state[NEGATIVE] != 0) == (state[MEAN] < 0)
+    turned = travelled and state[TRAVELS] == 0
+    fades = counts and outward and turned and contact and state[CLIPPED] == 0
 
     e = -voltage if voltage < 0 else voltage
     reach = words[REACH] if contact else words[REACH] >> FREE_SHIFT
@@ -413,12 +398,13 @@ def _turn(
         if state[FRESH] > 0:
             state[MEAN] = start if state[NEGATIVE] != 0 else -start
         state[BRUSH_LEFT] = words[BRUSH]
-    elif contact and follows and state[TRAVELS] != 0 and not blind and not far:
+    elif contact and (strobe or counts) and state[TRAVELS] != 0 and not blind and not far:
         swing = long_word(y - state[MEAN])
+        taken = COUNT_SHIFT if counts else inner
         if (swing < 0) != (state[MEAN] < 0):
-            shrinks = (~swing if swing < 0 else swing) >> (_GUARD + inner + SHRINK_SHIFT)
+            shrinks = (~swing if swing < 0 else swing) >> (_GUARD + taken + SHRINK_SHIFT)
             state[BRUSH_LEFT] = max(state[BRUSH_LEFT] - shrinks, 0)
-        state[MEAN] = long_word(state[MEAN] + (swing >> inner))
+        state[MEAN] = long_word(state[MEAN] + (swing >> taken))
     presses_down = state[MEAN] < 0
 
     held = 0
@@ -435,7 +421,7 @@ def _turn(
     stops = state[FULL] != 0 or state[CLIPPED] != 0 if grows else state[THETA] < 0
     learns = contact and (over or under) and not saturated and not blind
     if fades:
-        state[THETA] = long_word(state[THETA] + ((-state[THETA]) >> inner))
+        state[THETA] = long_word(state[THETA] + ((-state[THETA]) >> FADE_SHIFT))
     elif learns and not stops:
         step = (words[LEARN_GAIN] * p) >> _FAR_SHIFT
         state[THETA] = long_word(state[THETA] + (step if presses_down else -step))
