@@ -253,10 +253,13 @@ def lost(board, *settings):
     ("board", "hold_s"), [("ulx3s", 1.2e-6), ("icebreaker", 1.2e-6), ("hx8k", 1.2e-6)]
 )
 def test_a_hold_of_half_a_carrier_period_is_felt_by_nobody(board, hold_s):
-    """As 1.2 µs at 417 kHz: at 0 V a hold ends with the edge that begins the next."""
+    """As 1.2 µs at 417 kHz: at 0 V a hold ends with the edge that begins the next.
+
+    The stiffness of taps a fraction of a count apart scatters by 0.5 to 0.8 % (RMS) by itself.
+    """
     found, bare = tapped(board, *holding(hold_s)), tapped(board, "adc.edge_hold_s=0")
     assert found["anchor_fault_s"] is None
-    assert found["stiffness"] == pytest.approx(bare["stiffness"], rel=0.01)
+    assert found["stiffness"] == pytest.approx(bare["stiffness"], rel=0.025)
     assert found["current_ripple_a"] == pytest.approx(bare["current_ripple_a"], rel=0.05)
 
 

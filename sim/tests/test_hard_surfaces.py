@@ -100,7 +100,7 @@ def at_rest(tips: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("kind", ["lost", "out of turn", "late"])
 def test_planes_that_dont_come_as_they_should_hold_as_well(tmp_path: Path, kind: str) -> None:
     """A pressed plane hardly turns: where seven of ten frames are lost, old ones come, or all are
-    50 ms late, the hand rests where it rests else, within half a count. What is given out differs
+    50 ms late, the hand rests where it rests else, within a count. What is given out differs
     by less than 5 % of what the plane's spring holds.
     """
     sets = ("device.delay_s=50e-3",) if kind == "late" else ()
@@ -108,7 +108,7 @@ def test_planes_that_dont_come_as_they_should_hold_as_well(tmp_path: Path, kind:
     usual, usual_tips = run_line(pressed(tmp_path), "none")
     place, force = at_rest(tips)
     usual_place, usual_force = at_rest(usual_tips)
-    assert np.abs(place - usual_place).max() < 5.5e-6
+    assert np.abs(place - usual_place).max() < 11e-6
     assert force == pytest.approx(usual_force, abs=0.01 * np.linalg.norm(usual_force))
     assert not np.array_equal(rows, usual)
     stored = 0.5 * float(np.dot(usual_force, usual_force)) / STIFFNESS
