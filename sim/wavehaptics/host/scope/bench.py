@@ -17,6 +17,7 @@ from wavehaptics.controller.ports import controller_ports
 from wavehaptics.controller.shaper import Shaper, design
 from wavehaptics.host.client import Client
 from wavehaptics.host.names import HostError, Place, number, places, readable, settable
+from wavehaptics.host.scope.feels import FEELS, Feel, placed
 from wavehaptics.ladder.design_spring import rendered_stiffness
 from wavehaptics.laws import closed_forms
 from wavehaptics.laws.reflection import WishError
@@ -161,6 +162,8 @@ class Bench:
         self.refresh()
         self._owes = self.anchored and bool(self._value("anchor_owed_gain"))
         self._wall_at = self._value("wall_min")
+        self._free_at, self._most_free = self._value("eta_free"), 1.0
+        self._feel = ""
         table = known.scene.shaper if known.scene else None
         spring = table is not None and self._sections and table.feel == "spring"
         # Without a port W's sliders aren't there, until the scope begins anew.
@@ -176,12 +179,14 @@ class Bench:
 
     def refresh(self) -> None:
         """Read the settings that the page shows."""
-        found = self._all(self._names)
+        found = [p for name in self._names for p in places(name, self.client.shape, self.motor)]
         raws = self.client.read(found)
-        self._values = {p.word.name: p.value(raw) for p, raw in zip(found, raws, strict=True)}
+        self._values = {
+            (p.word.name, p.index): p.value(raw) for p, raw in zip(found, raws, strict=True)
+        }
 
-    def _value(self, name: str) -> float:
-        return self._values[name]
+    def _value(self, name: str, index: int = 0) -> float:
+        return self._values[name, index]
 
     # ---- What is read again and again.
 
@@ -266,6 +271,7 @@ class Bench:
         if len(found) > 1:
             raise HostError(f"{text}: which one? Take {found[0].text}...{found[-1].text}")
         self.client.write([(found[0], found[0].raw(given))])
+        self._feel = ""
         self.refresh()
 
     def slide(self, name: str, value: float) -> None:
@@ -280,20 +286,84 @@ class Bench:
         if name in ("stiffness", "damping", "soft") and self._wish is None:
             raise HostError(f"{name}: W of this device isn't known; it takes a scene's [shaper]")
         words, wish = found(value)
-        self.client.write((place, place.raw(word)) for place, word in words.items())
-        self._values |= {p.word.name: word for p, word in words.items() if not p.index}
-        self._wish = wish
+        self._write(words)
+        self._wish, self._feel = wish, ""
+
+    def _write(self, words: Mapping[Place, float]) -> None:
+        self.client.write([(place, place.raw(word)) for place, word in words.items()])
+        self._values |= {(p.word.name, p.index): word for p, word in words.items()}
+
+    def feel(self, name: str) -> None:
+        """Set a feel of :data:`FEELS`: its walls, η and W, in free space until all of it is there.
+
+        Each frame of the line is a commit of its own. So the old walls end with the first one, and
+        the new ones begin together with the last.
+        """
+        feel = FEELS.get(name)
+        if feel is None:
+            raise HostError(f"{name}: there is no such feel; take one of {', '.join(FEELS)}")
+        walls = self._feel_walls(feel)
+        place = self._place("position")
+        at, face = place.value(self.client.read([place])[0]), self._edge(self._wall_at)
+        low, high = (face + self._span * end for end in feel.start)
+        if not low <= self._edge(at) < high:
+            where = f"{low:.4g} to {high:.4g}" if math.isfinite(low) else f"below {high:.4g}"
+            raise HostError(
+                f"{feel.title}: the rotor would be inside its wall; move it first, to {where} "
+                + ("counts" if self.known.cell_rad is None else "rad")
+            )
+        words, wish = self._filter_words(self._value("a"), feel.eta_contact, feel.eta_free)
+        free = self._place("eta_free")
+        words[free] = min(words.get(free, self._free_at), feel.eta_free)
+        if feel.soft:
+            scene, tau_s = self.known.scene, self.tau_s
+            assert scene is not None
+            damper = closed_forms.b_r(scene.controller.k_t_hat, self._r_hat)
+            wish = self._wished(feel.stiffness * self._front(tau_s), feel.damping * damper, tau_s)
+            words |= self._shape_words(wish)
+        words |= zip(self._each("wall_min"), (low for low, _ in walls), strict=False)
+        words |= zip(self._each("wall_max"), (high for _, high in walls), strict=False)
+        if self._sections:
+            words |= {p: int(n < feel.soft) for n, p in enumerate(self._each("wall_shaped"))}
+        off = dict.fromkeys(self._each("wall_enable"), 0)
+        there = {p: int(n < len(walls)) for n, p in enumerate(off)}
+        for place, word in words.items():
+            place.raw(word)  # all is in range before anything is written
+        for part in (off, words, there):
+            self._write(part)
+        self._wish, self._feel, self._most_free = wish, name, feel.eta_free
+
+    def _each(self, name: str) -> list[Place]:
+        return places(name, self.client.shape, self.motor)
+
+    def _feel_walls(self, feel: Feel) -> list[tuple[float, float]]:
+        """Both edges of each wall, counts of the device; :class:`HostError` where it can't be."""
+        if self.brushless or self.arm_bench is not None or self.client.shape.motors != 1:
+            raise HostError(f"{feel.title}: feels are for a board with one motor with brushes")
+        if feel.soft and self._wish is None:
+            raise HostError(
+                f"{feel.title}: W of this device isn't known; it takes a scene's [shaper]"
+            )
+        found = placed(feel, len(self._each("wall_min")), self._span / (self.known.cell_rad or 1.0))
+        return [(self._wall_at + low, self._wall_at + high) for low, high in found]
+
+    def _has(self, feel: Feel) -> bool:
+        try:
+            self._feel_walls(feel)
+        except HostError:
+            return False
+        return self._moves
 
     def _lambda_words(self, lambda_: float) -> _Change:
         if lambda_ <= 0.0:
             raise HostError(f"lambda = {lambda_:g} rad/s is out of range; it is above 0")
         matched = closed_forms.matched_a(self.tick_s, lambda_, self._extra_ticks)
-        return self._filter_words(matched, self._value("eta_contact"))
+        return self._filter_words(matched, self._value("eta_contact"), self._most_free)
 
     def _eta_words(self, eta: float) -> _Change:
-        return self._filter_words(self._value("a"), eta)
+        return self._filter_words(self._value("a"), eta, self._most_free)
 
-    def _filter_words(self, a: float, eta: float) -> _Change:
+    def _filter_words(self, a: float, eta: float, most_free: float) -> _Change:
         """Of a and η, with what depends on them: free space, W, and what the anchor is owed."""
         a = formats.A.to_value(formats.A.to_raw(a))
         if not a:
@@ -310,7 +380,7 @@ class Bench:
                 control = self._scene(f"controller.lambda={1.0 / tau_s!r}").controller
             except SceneError as error:
                 raise HostError(" ".join(str(error).split())) from None
-            words[self._place("eta_free")] = control.eta_free
+            words[self._place("eta_free")] = min(control.eta_free, most_free)
         if self._wish is None:
             return words, None
         wish = self._wished(self._wish.stiffness, self._wish.damping, tau_s)
@@ -442,12 +512,15 @@ class Bench:
         cell = self.known.cell_rad
         return count if cell is None else (count + self.known.start_count) * cell
 
+    @property
+    def _span(self) -> float:
+        """How far the wall's slider goes to each side, rad or counts."""
+        return WALL_SPAN_COUNTS if self.known.cell_rad is None else WALL_SPAN_RAD
+
     def shown(self) -> dict[str, Any]:
         """Settings and what follows from them, for the page."""
         scene = self.known.scene
-        wall, span = self._edge(self._wall_at), WALL_SPAN_RAD
-        if self.known.cell_rad is None:
-            span = WALL_SPAN_COUNTS
+        wall, span = self._edge(self._wall_at), self._span
         sliders: dict[str, dict[str, float]] = {
             "eta": {"value": self._value("eta_contact"), "min": -1.0, "max": 1.0},
             "wall": {
@@ -481,7 +554,17 @@ class Bench:
             "pairs": scene.motor.pole_pairs if scene and self.brushless else None,
             "magnet": self._magnet is not None if self.brushless and self.anchored else None,
             "wall": [self._edge(self._value(name)) for name in ("wall_min", "wall_max")],
-            "wall_there": bool(self._value("wall_enable")),
+            "walls": [
+                {
+                    "from": self._edge(self._value("wall_min", n)),
+                    "to": self._edge(self._value("wall_max", n)),
+                    "soft": bool(self._sections and self._value("wall_shaped", n)),
+                }
+                for n in range(len(self._each("wall_enable")))
+                if self._value("wall_enable", n)
+            ],
+            "feels": [name for name, feel in FEELS.items() if self._has(feel)],
+            "feel": self._feel,
             "torque": self.known.k_t is not None,
             "rad": self.known.cell_rad is not None,
             "cell": self.known.cell_rad or 1.0,

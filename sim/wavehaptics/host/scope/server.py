@@ -21,6 +21,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from wavehaptics.host.names import HostError
 from wavehaptics.host.scope.feed import Feed
+from wavehaptics.host.scope.feels import FEELS
 from wavehaptics.host.scope.plug import Plug
 from wavehaptics.runtime.repository import PACKAGE
 from wavehaptics.words.faults import FAULTS
@@ -123,7 +124,13 @@ class Scope:
         page = web.WebSocketResponse(max_msg_size=_MOST_MESSAGE, heartbeat=5.0)
         await page.prepare(request)
         faults = [{"name": name, "meaning": meaning} for name, meaning in FAULTS.values()]
-        hello = {"type": "hello", "faults": faults, "virtual": self._plug.virtual}
+        feels = [
+            {"name": name, "title": feel.title, "meaning": feel.meaning}
+            for name, feel in FEELS.items()
+        ]
+        hello = {
+            "type": "hello", "faults": faults, "feels": feels, "virtual": self._plug.virtual
+        }  # fmt: skip
         await page.send_str(_text(hello))
         self._pages.add(page)
         answers: set[asyncio.Task[None]] = set()
@@ -177,6 +184,9 @@ class Scope:
             case "slide":
                 name, value = str(asked["name"]), float(asked["value"])
                 return feed.ask(lambda bench: bench.slide(name, value))
+            case "feel":
+                feel = str(asked["name"])
+                return feed.ask(lambda bench: bench.feel(feel))
             case "word":
                 word = str(asked["text"])
                 return feed.ask(lambda bench: bench.set_word(word))

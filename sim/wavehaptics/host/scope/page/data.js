@@ -13,6 +13,7 @@ export class Data {
     this.rows = []; // {n, t, x, f, ...}: f is what the wall pushes back with; of a lost row t alone
     this.last = null; // the newest that wasn't lost
     this.count = 0;
+    this.since = 0; // number of the first row with the feel that was set last
     this.contact = []; // rows of the newest contact since the last change of a setting
     this.most = 0; // force of it
     this.fit = null; // {k, x0, from, to}
@@ -52,6 +53,12 @@ export class Data {
   through() {
     const [first] = this.contact;
     return this.bent && first ? [first.x, first.f] : [this.edge ?? 0, 0];
+  }
+
+  // Whether that contact is one with the first wall, whose design spring is known.
+  get inFirst() {
+    const [first] = this.contact;
+    return !first || this.bent || first.x > this.edge - this.cell;
   }
 
   #anew() {

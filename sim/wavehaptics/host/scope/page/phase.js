@@ -11,30 +11,35 @@ const MOST_POINTS = 1500; // of a stream there are many more than a picture has 
 export class Phase {
   constructor(canvas) {
     this.canvas = canvas;
-    this.reach = null; // half the view: depth and force, eased
+    this.reach = null; // ends of the view beyond, before, up and down, eased
   }
 
-  draw({ rows, fit, edge, through, k, pairs, leastDepth, leastForce, unit, forceUnit }) {
+  draw({ rows, since, fit, walls, edge, through, k, pairs, leastDepth, leastForce, unit, forceUnit }) {
     const { context: c, width, height } = cleared(this.canvas);
     const last = rows.at(-1)?.t ?? 0;
-    const shown = rows.filter((row) => row.t >= last - TRAIL_S && row.f !== null);
-    let depth = leastDepth, force = leastForce;
+    const shown = rows.filter((row) => row.n >= since && row.t >= last - TRAIL_S && row.f !== null);
+    let depth = leastDepth, force = leastForce, before = 0, pull = 0;
     for (const row of shown) {
       if (!row.contact) continue;
       depth = Math.max(depth, row.x - edge);
       force = Math.max(force, row.f);
+      before = Math.max(before, edge - row.x);
+      pull = Math.max(pull, -row.f);
     }
-    const wanted = [1.12 * depth, 1.12 * force];
+    const wanted = [depth, Math.max(before, 0.3 * depth), force, Math.max(pull, 0.14 * force)].map((end) => 1.12 * end);
     this.reach = this.reach ? this.reach.map((old, n) => old + EASE * (wanted[n] - old)) : wanted;
-    const [far, most] = this.reach;
-    const x0 = edge - 0.3 * far, x1 = edge + far, f0 = -0.14 * most, f1 = most;
+    const [far, near, most, least] = this.reach;
+    const x0 = edge - near, x1 = edge + far, f0 = -least, f1 = most;
     const at = (x) => LEFT + ((x - x0) / (x1 - x0)) * (width - LEFT - RIGHT);
     const up = (f) => height - FOOT - ((f - f0) / (f1 - f0)) * (height - FOOT - TOP);
     const box = [LEFT, TOP, width - LEFT - RIGHT, height - TOP - FOOT];
 
     c.fillStyle = colour("wall");
     c.globalAlpha = 0.12;
-    c.fillRect(at(edge), TOP, width - RIGHT - at(edge), box[3]);
+    for (const wall of walls) {
+      const [from, to] = [wall.from, wall.to].map((face) => Math.max(LEFT, Math.min(at(face), width - RIGHT)));
+      if (to > from) c.fillRect(from, TOP, to - from, box[3]);
+    }
     c.globalAlpha = 1;
     this.#axes(c, { x0, x1, f0, f1, at, up, width, height, edge, unit, forceUnit });
 

@@ -39,8 +39,17 @@ by("word").onsubmit = (event) => {
 addEventListener("keydown", (event) => event.key === "Escape" && link.say("stop"));
 for (const kind of ["npz", "csv"]) by(kind).href = `/trace.${kind}?token=${encodeURIComponent(token)}`;
 
-function hello({ faults }) {
+function hello({ faults, feels }) {
   there = true;
+  by("feels").replaceChildren(
+    ...feels.map(({ name, title, meaning }) => {
+      const button = document.createElement("button");
+      [button.id, button.value, button.className] = [`feel-${name}`, name, "quiet small"];
+      [button.textContent, button.title, button.hidden] = [title, meaning, true];
+      button.onclick = () => link.say("feel", { name });
+      return button;
+    }),
+  );
   by("faults").replaceChildren(
     ...faults.map(({ name, meaning }) => {
       const lamp = document.createElement("li");
@@ -71,9 +80,10 @@ function take(message) {
   const before = state;
   state = message;
   if (state.sliders) {
-    const spring = JSON.stringify([state.stiffness, state.wall, state.tau_s, state.sliders.eta]);
+    const spring = JSON.stringify([state.stiffness, state.walls, state.tau_s, state.sliders.eta]);
     if (spring !== data.spring) data.changed();
     data.spring = spring;
+    if (state.feel && state.feel !== before?.feel) data.since = data.count;
   }
   if (before?.live && !state.live) sliders.away();
   show();
@@ -137,6 +147,11 @@ function shape(live) {
   by("k-l").textContent = result(state.k_l);
   for (const unit of document.getElementsByClassName("k-unit")) unit.textContent = torque ? (rad ? "N·m/rad" : "N·m/count") : rad ? "A/rad" : "A/count";
   by("k-l-is").innerHTML = state.brushless ? "K<sub>L</sub> = 1.5 (pψ)²/L" : "K<sub>L</sub> = k<sub>T</sub>²/L";
+  for (const button of by("feels").children) {
+    button.hidden = !state.feels.includes(button.value);
+    button.disabled = !live;
+    button.ariaPressed = button.value === state.feel;
+  }
   plots.shape({ torque, rad, hand: stage.led && !state.arm, arm: !!state.arm, flux: "flux" in last, axes: state.brushless });
   if (live && !state.arm) sliders.show(state.sliders, rad, state);
 }
@@ -160,9 +175,9 @@ function draw(now) {
   }
   let most = 0.02;
   for (let n = data.rows.length - 1; n >= 0 && data.rows[n].t > last.t - FORCE_S; n--) most = Math.max(most, Math.abs(data.rows[n].f ?? 0));
-  stage.draw({ x: last.x, f: last.f, fMost: most, wall: state.wall, there: state.wall_there, alive: there && state.live, counts: !state.rad });
+  stage.draw({ x: last.x, f: last.f, fMost: most, walls: state.walls, alive: there && state.live, counts: !state.rad });
   phase.draw({
-    rows: data.rows, fit: data.fit, edge: state.wall[0], through: data.through(), k: data.k, pairs: state.rad ? state.pairs : null,
+    rows: data.rows, since: data.since, fit: data.fit, walls: state.walls, edge: state.wall[0], through: data.through(), k: data.inFirst ? data.k : null, pairs: state.rad ? state.pairs : null,
     leastDepth: state.rad ? 4e-3 : 10, leastForce: state.torque ? 0.02 : 0.2,
     unit: state.rad ? RAD : COUNTS, forceUnit: state.torque ? TORQUE : CURRENT,
   });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rotor's handle, the wall, and the hand that a mouse leads.
+// The rotor's handle, the walls, and the hand that a mouse leads.
 
 import { cleared, colour, figures, ticks } from "./canvas.js";
 import { Led } from "./led.js";
@@ -32,13 +32,14 @@ export class Stage extends Led {
     return Math.abs(place - at) < (HAND + KNOB) * this.#scale(this.canvas.clientWidth);
   }
 
-  draw({ x, f, fMost, wall, there, alive, counts }) {
+  draw({ x, f, fMost, walls, alive, counts }) {
     const { context: c, width, height } = cleared(this.canvas);
     const [low, high] = this.view;
     const at = (place) => MARGIN + ((place - low) / (high - low)) * (width - 2 * MARGIN);
     const middle = height * 0.47, foot = height - 26;
     this.canvas.setAttribute("aria-valuenow", (this.target ?? this.hand ?? [0])[0].toFixed(3));
-    if (there) this.#wall(c, at(wall[0]), Math.min(at(wall[1]), width), foot);
+    const inside = (place) => Math.max(-4, Math.min(at(place), width + 4)); // a face beyond isn't seen
+    for (const wall of walls) this.#wall(c, inside(wall.from), inside(wall.to), foot, wall.soft);
     this.#rail(c, at, low, high, middle, foot, counts);
     if (x === undefined) return;
     const rotor = at(x), hand = this.led && this.hand !== null ? at(this.hand[0]) : null;
@@ -51,7 +52,8 @@ export class Stage extends Led {
     if (f) this.#force(c, rotor, middle, f, fMost);
   }
 
-  #wall(c, from, to, foot) {
+  // A rigid wall is hatched, a soft one isn't.
+  #wall(c, from, to, foot, soft) {
     if (to <= from) return;
     c.save();
     c.beginPath();
@@ -64,14 +66,14 @@ export class Stage extends Led {
     c.strokeStyle = colour("wall");
     c.lineWidth = 1.5;
     c.beginPath();
-    for (let x = from - foot; x < to; x += 13) {
+    for (let x = from - foot; x < to && !soft; x += 13) {
       c.moveTo(x, foot);
       c.lineTo(x + foot, 0);
     }
     c.stroke();
     c.restore();
     c.fillStyle = colour("wall-face");
-    c.fillRect(from - 1.5, 6, 3, foot - 6);
+    for (const face of [from, to]) c.fillRect(face - 1.5, 6, 3, foot - 6);
   }
 
   #rail(c, at, low, high, middle, foot, counts) {
