@@ -20,7 +20,7 @@ HELD = ("nothing", "brush 0.5 V, knee 5 mA", "brush 0.5 V, knee 50 mA", "R(θ) �
         "supply steps by −5 %", "L̂ −10 %", "R̂ +10 %", "R̂ −10 %", "gain −5 %", "offset +4 mA",
         "everything, ++++", "everything, −−−−")  # fmt: skip
 
-FIRST, LATER = 0.35, 0.15
+FIRST, LATER = 0.2, 0.12
 """Of the energy that the wall held: what a press gives at most, before anything is learned, and
 after that. The targets, 0.02 without errors and 0.1 with all of them, are missed by the first."""
 
@@ -35,17 +35,17 @@ def hold(name: str, *settings: str) -> dict:
     return cases.named_hold(name, "golden", [*cases.NOTHING, *wrong, HOLD_S, *settings])
 
 
-HOPS = {"supply steps by −5 %": 100e-6}
-"""Holds whose rotor hops over an edge by a quarter of a count, and their ripple, N·m. It is below
-1 % of the force."""
+HOP = 100e-6
+"""Ripple of a hold whose rotor hops over an edge by a quarter of a count, N·m: below 1 % of the
+force."""
 
 
 @pytest.mark.parametrize("name", HELD)
 def test_a_wall_holds_whatever_is_wrong(name):
-    """A count and 1 % of the depth, 60 µN·m (HOPS miss it), no fault."""
+    """A count and 1 % of the depth, a hop's ripple, no fault."""
     row = hold(name)
     assert abs(row["moved_cells"]) <= 1.0 + 0.01 * row["depth_cells"]
-    assert row["hold_ripple_rms"] <= HOPS.get(name, 60e-6) < 0.01 * row["force"]
+    assert row["hold_ripple_rms"] <= HOP < 0.01 * row["force"]
     assert row["anchor_fault_s"] is None
     assert row["correction_out_max_j"] <= row["correction_bound_j"]
 
