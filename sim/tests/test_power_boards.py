@@ -83,6 +83,13 @@ def test_a_brushless_motor_is_held(sign, eighth, monkeypatch):
     at_rest(board, held(board, board_runs.without_edges(scene), "golden"))
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_motor_with_brushes_is_held(sign, monkeypatch):
+    board = load_board(BRUSHED)
+    scene = hold(board, sign, 0, monkeypatch)
+    at_rest(board, held(board, board_runs.without_edges(scene), "golden"))
+
+
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "sign", "eighth"),
