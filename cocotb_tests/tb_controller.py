@@ -746,7 +746,7 @@ async def contact_at_any_time(dut: object) -> None:
                 next_move = rng.randint(3, 20)
                 bench.position = [at + rng.choice((-1, 1)) for at in bench.position]
                 bench.codes = [random_code(rng) for _ in range(N)]
-        bench.check_steps(late_fault=run == 3)
+        bench.check_steps(late_fault=bool(ANCHOR) and run == 3)
         for before, after in pairwise(bench.steps):
             changes += before.contact != after.contact
     assert changes > 10
