@@ -222,12 +222,13 @@ def test_as_a_newcomer_has_it(page):
     def measured() -> tuple[float, float]:
         return float(page["k-fit"]), float(page["k-design"])
 
-    # A cell is 0.16 of 10 mrad, a row's words are read within 2 ms, and the anchor learns what is
-    # wrong within some tens of ms: 5 % are above these together, and far below what λ changes.
+    # A count is 0.16 of 10 mrad, a row's values are read within 2 ms, and the anchor learns what is
+    # wrong within some tens of ms. A turn outwards softens the next press by up to a count. 10 % are
+    # above these together, and far below what λ changes.
     most = 1 / (scene.controller.extra_ticks + 1 / closed_forms.MOST_A) * scene.controller.tick_hz
     found, designed = measured()
     assert designed == pytest.approx(predicted(most), rel=0.005)  # three digits of 10.03
-    assert found == pytest.approx(designed, rel=0.05)
+    assert found == pytest.approx(designed, rel=0.1)
 
     # Another λ: the closed form says another spring, and the wall is it.
     page.drag([LEAST, -0.05], 0.1)
@@ -239,7 +240,7 @@ def test_as_a_newcomer_has_it(page):
     PICTURE.parent.mkdir(parents=True, exist_ok=True)
     browser.save_screenshot(str(PICTURE))
     assert designed == pytest.approx(predicted(softer), rel=0.005)
-    assert found == pytest.approx(designed, rel=0.05)
+    assert found == pytest.approx(designed, rel=0.1)
     page.release()
 
     # A feel is one click: the sliders show it, and its second wall holds the rotor.
