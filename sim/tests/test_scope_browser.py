@@ -243,21 +243,6 @@ def test_as_a_newcomer_has_it(page):
     assert found == pytest.approx(designed, rel=0.1)
     page.release()
 
-    # A feel is one click: the sliders show it, and its second wall holds the rotor.
-    page.click("feel-stops")
-    page.until(lambda: browser.find_element(By.ID, "feel-stops").get_attribute("aria-pressed")
-               == "true")  # fmt: skip
-    face = (
-        "return document.querySelector('#slider-wall').parentElement.querySelector('output').value"
-    )
-    assert browser.execute_script(face) == "0.14 rad"
-    page.arm()
-    page.drag([-0.05, -0.2, -0.25], 0.15)
-    page.until(lambda: page.plotted()["Torque"][0] > 1e3 * scene.hand.stiffness * 0.09)
-    assert page.plotted()["Place"][0] == pytest.approx(-140, abs=20)
-    page.drag([-0.05], 0.15)
-    page.release()
-
     # A value that the device doesn't have is told in one line.
     browser.find_element(By.ID, "word-text").send_keys("root=99\n")
     page.until(lambda: "out of range" in page["line"])
