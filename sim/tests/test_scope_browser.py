@@ -223,8 +223,8 @@ def test_as_a_newcomer_has_it(page):
         return float(page["k-fit"]), float(page["k-design"])
 
     # A count is 0.16 of 10 mrad, a row's values are read within 2 ms, and the anchor learns what is
-    # wrong within some tens of ms. A turn outwards softens the next press by up to a count. 10 % are
-    # above these together, and far below what λ changes.
+    # wrong within some tens of ms. A turn outwards softens the next press by up to a count. 10 %
+    # are above these together, and far below what λ changes.
     most = 1 / (scene.controller.extra_ticks + 1 / closed_forms.MOST_A) * scene.controller.tick_hz
     found, designed = measured()
     assert designed == pytest.approx(predicted(most), rel=0.005)  # three digits of 10.03
