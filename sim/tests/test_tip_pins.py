@@ -137,7 +137,7 @@ def test_an_unplugged_encoder_under_a_pressing_hand_ends_the_contact(tmp_path: P
 
 def test_an_anchor_that_gives_up_leaves_ports_that_damp(tmp_path: Path) -> None:
     """One encoder counts the wrong way; from its anchor's fault on no motor holds the surface."""
-    sets = ("scene.duration_s=0.09", "motors.0.encoder.reverses_at_s=0.065")
+    sets = ("scene.duration_s=0.09", "motors.0.encoder.reverses_at_s=0.06")
     device = pressed(tmp_path, *sets)
     golden = measure_device(pressed(tmp_path, *sets, latency(device)), "golden")
     lost_s = golden["motors"]["motor_0"]["anchor_fault_s"]
