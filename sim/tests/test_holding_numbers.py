@@ -23,7 +23,7 @@ BARS_MISSED = {(-0.08, 0.5e-3): 0.85e-3}
 
 
 def test_kept_holds_are_held_and_lost_without_the_anchor(kept):
-    """No fault, no lost wall, `core` as `golden`; a hop's ripple but for a loose contact's noise."""
+    """No fault, no lost wall, `core` as `golden`; but for a loose contact's noise a hop."""
     twins: dict[tuple[str, float], list[dict]] = {}
     for row in kept["holds"]:
         assert row["anchor_fault_s"] is None
