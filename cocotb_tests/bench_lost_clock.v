@@ -6,6 +6,7 @@
 // gate_*_o are the pads; bridge_on_o is 1 while a gate is on before them.
 
 `default_nettype none
+`include "wh_board_settings.vh"
 
 module bench_lost_clock #(
     parameter integer SETTLE_LOG2 = 6,
@@ -17,6 +18,7 @@ module bench_lost_clock #(
 
     input  wire start_i,
     input  wire stop_i,
+    `WH_BOARD_MORE_PORTS
     output wire adc_cs_n_o,
     output wire adc_sclk_o,
     input  wire adc_sdata_i,
@@ -63,6 +65,7 @@ module bench_lost_clock #(
         .clock_lost_i (clock_lost),
         .uart_rx_i    (1'b1),
         .uart_tx_o    (uart_tx),
+        `WH_BOARD_MORE_PINS
         .adc_cs_n_o   (adc_cs_n_o),
         .adc_sclk_o   (adc_sclk_o),
         .adc_sdata_i  (adc_sdata_i),

@@ -8,7 +8,7 @@ from bench import random_source
 from cocotb.triggers import First, Timer, ValueChange
 from cocotb.utils import get_sim_time
 from stopping_clock import StoppingClock
-from tb_board_controller import GATES, PERIOD_NS, SETTLE, TICK, Board
+from tb_board_controller import GATES, OPTIONAL, PERIOD_NS, SETTLE, TICK, Board
 
 AT_MOST = 19
 """Clocks of the watch, 2^4 + 3 with its parameters as they stand."""
@@ -29,7 +29,7 @@ class Watched(Board):
     async def begin(self) -> None:
         self.clock.go()
         self.watch_clock.go()
-        quiet = {"start_i": 0, "stop_i": 0, "enc_a_i": 0, "enc_b_i": 0}
+        quiet = {"start_i": 0, "stop_i": 0, "enc_a_i": 0, "enc_b_i": 0, **OPTIONAL}
         await self.step(RESET_CLOCKS, rst=1, **quiet)
         self.drive(rst=0)
         await self.settings_come()
@@ -78,7 +78,7 @@ async def a_board_whose_oscillator_is_dead_never_starts(dut: object) -> None:
     board = Watched(dut)
     board.watch_clock.stop()
     board.clock.go()
-    await board.step(RESET_CLOCKS, rst=1, start_i=0, stop_i=0, enc_a_i=0, enc_b_i=0)
+    await board.step(RESET_CLOCKS, rst=1, start_i=0, stop_i=0, enc_a_i=0, enc_b_i=0, **OPTIONAL)
     await board.leave_reset()
     await board.press()
     await board.expect_off()
