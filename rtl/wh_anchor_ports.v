@@ -16,7 +16,7 @@
 // other inputs hold from then to clock 9; no copy is kept.
 //
 // State, by port. Block RAM: 16 values of 48 bits, as in wh_anchor. LUT RAM (wh_port_state): the values that edges
-// change (33 bits and the bound's), two counters of periods, the limits' flags (8 bits), y_b, θ and c.
+// change (33 bits and the bound's), two counters of periods, the limits' flags (12 bits), y_b, θ and c.
 // Settings: 14 values in two banks in one block RAM (wh_port_settings), each read in the clock before its use.
 //
 // AXES: if bit n is 1, ports n and n + 1 are the axes of a brushless motor, and each equals wh_anchor with AXIS = 1.
