@@ -25,7 +25,15 @@ SOFT = {"soft", "layer", "joystick"}
 def board(*overrides: str, walls: int = 4) -> tuple[Device, Bench]:
     device = Device(*overrides)
     device.shape = Shape(1, walls, 1, 10)
-    return device, Bench(device, Known.of_scene(find_scene(SCENE), overrides, starts=True))
+    bench = Bench(device, Known.of_scene(find_scene(SCENE), overrides, starts=True))
+    turn(device, bench, -1e-3)  # beside the wall, in a joystick's play
+    return device, bench
+
+
+def turn(device: Device, bench: Bench, angle: float) -> None:
+    """The rotor to an angle, rad, where the scene begins at -0.12 rad."""
+    place = places("position", device.shape)[0]
+    device.words[place.address] = round((angle + 0.12) / bench.known.cell_rad) % 2**32
 
 
 def value(device: Device, name: str, index: int = 0) -> float:
@@ -79,7 +87,7 @@ def test_walls_of_each_feel(name, walls, counts):
         ("stops", ["controller.walls=[[0.14, 1.0], [-1.0, -0.14]]"]),
         ("button", ["controller.walls=[[0.02, 0.024], [0.06, 1.0]]", "controller.eta_free=0.95"]),
         ("honey", ["controller.walls=[[-0.2, 0.2]]", "controller.eta_contact=-0.75"]),
-        ("joystick", ["controller.walls=[[0.0, 0.14], [-0.14, 0.0], [0.14, 1.0], [-1.0, -0.14]]",
+        ("joystick", ["controller.walls=[[0.006, 0.14], [-0.14, -0.006], [0.14, 1.0], [-1.0, -0.14]]",
                       "shaper.walls=[0, 1]"]),
     ],
 )  # fmt: skip
@@ -170,18 +178,17 @@ def test_feels_that_are_refused(name, walls, counts, message):
     ("name", "angle", "wanted"),
     [
         ("wall", 0.03, "below 0 rad"), ("layer", 0.03, "below 0 rad"),
-        ("stops", -0.2, "-0.14 to 0.14 rad"), ("joystick", 0.2, "-0.14 to 0.14 rad"),
+        ("stops", -0.2, "-0.14 to 0.14 rad"), ("joystick", -0.05, "-0.006 to 0.006 rad"),
         ("button", 0.021, "below 0.02 rad"), ("detents", 0.05, ""), ("honey", 0.1, ""),
     ],
 )  # fmt: skip
 def test_no_wall_begins_around_the_rotor(name, angle, wanted):
     """It would hold the rotor at depth 0; thin walls and honey let it go."""
     device, bench = board()
-    position = places("position", device.shape)[0].address
-    device.words[position] = round((angle + 0.12) / (2 * math.pi / 40_000)) % 2**32
+    turn(device, bench, angle)
     if wanted:
         refused(bench, name, f"the rotor would be inside its wall; move it first, to {wanted}$")
-        device.words[position] = 0  # -0.12 rad
+        turn(device, bench, -1e-3)
     bench.feel(name)
     assert bench.shown()["feel"] == name
 

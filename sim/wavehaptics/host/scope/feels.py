@@ -21,6 +21,10 @@ FAR = 5.0
 LEAST_COUNTS = 2
 """Least width of a wall and least gap between two walls, counts."""
 
+PLAY = 0.03
+"""Free space to each side of a joystick's middle, spans. A spring begins where the rotor enters its
+wall; with play both springs begin anew, at their faces, each time the rotor comes through."""
+
 QUIET = 0.95
 """Largest η in free space behind a thin wall: less than 1 takes what rings after it let go."""
 
@@ -55,8 +59,8 @@ FEELS = {
     "layer": Feel("Soft layer", "a soft wall in front of a rigid one", ((0.0, 0.25), (0.25, FAR)),
                   1, start=_LEFT, stiffness=0.1, damping=0.5),
     "joystick": Feel("Joystick", "a spring towards the middle, between two stops",
-                     ((0.0, 0.7), (-0.7, 0.0), (0.7, FAR), (-FAR, -0.7)), 2,
-                     start=(-0.7, 0.7), stiffness=0.05, damping=0.5),
+                     ((PLAY, 0.7), (-0.7, -PLAY), (0.7, FAR), (-FAR, -0.7)), 2,
+                     start=(-PLAY, PLAY), stiffness=0.05, damping=0.5),
     "detents": Feel("Detents", "thin walls: the torque climbs, then lets go",
                     ridges=(0.5, 0.01), eta_free=QUIET),
     "button": Feel("Push button", "a thin wall that gives way, and a rigid one behind it",

@@ -18,7 +18,7 @@ const PLOTS = {
   axes: ["Currents of both axes", "A", 1, [["i_alpha", "α", "wave"], ["i_beta", "β", "second"]]],
   voltage: ["Voltage", "V", 1, [["e_a", "asked for", "wave"]]],
   waves: ["Waves", "√W", 1, [["u", "u, out", "wave"], ["v", "v, back", "second"]]],
-  flux: ["χ, waves against encoder", "cells", 1, [["flux", "χ", "wave"]]],
+  flux: ["χ, waves against encoder", "counts", 1, [["flux", "χ", "wave"]]],
 };
 
 export class Plots {

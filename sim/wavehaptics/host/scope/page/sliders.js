@@ -11,7 +11,7 @@ const KINDS = {
   lambda: ["λ, how soon contact answers", "rad/s", true],
   eta: ["η in contact: −1 rigid, 0 damped", "", false],
   wall: ["Wall's face", "rad", false],
-  soft: ["Soft: the wall feels as W has it", "", false],
+  soft: ["Soft: the wall is W", "", false],
   stiffness: ["W: stiffness", "N·m/rad", false],
   damping: ["W: damping", "N·m·s/rad", false],
 };
