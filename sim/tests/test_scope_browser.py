@@ -23,6 +23,7 @@ from selenium.webdriver.chrome.webdriver import WebDriver
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from wavehaptics.cli.board.scope import SCOPE_SCENE
+from wavehaptics.host.scope.feels import FEELS, PLAY
 from wavehaptics.laws import closed_forms
 from wavehaptics.runtime.repository import ROOT
 from wavehaptics.runtime.terminals import check_terminals
@@ -193,6 +194,49 @@ def opened(folder: Path, *words: str) -> Iterator[Page]:
 def page(tmp_path) -> Iterator[Page]:
     with opened(tmp_path) as found:
         yield found
+
+
+def test_a_feel_by_one_click(page):
+    """A joystick: the finger's spring against the motor's, on the page and in the board."""
+    scene = load_scene(find_scene(SCOPE_SCENE))
+    page.browser.get(page.address)
+    page.until(lambda: "arm it" in page["hint"], START_S)
+    page.click("feel-joystick")
+    page.until(lambda: "move it first" in page["line"])  # its spring would begin at the rotor
+    page.drag([0.0], 0.06)
+    page.release()
+    page.click("feel-joystick")
+    pressed = "return [...document.querySelectorAll('#feels [aria-pressed=true]')].map((b) => b.id)"
+    page.until(lambda: page.browser.execute_script(pressed) == ["feel-joystick"])
+    for _ in range(TRIES):
+        page.arm()
+        page.drag([LEAST, 2 * LEAST], 0.06)
+        page.until(lambda: page["link"] != "on" or page.plotted()["Place"][1] > 1999 * LEAST)
+        page.elapse(0.1)
+        if page["link"] == "on":
+            break
+    rotor, hand = page.plotted()["Place"]
+    (torque,) = page.plotted()["Torque"]
+
+    control, motor = scene.controller, scene.motor
+    most = 1 / (control.extra_ticks + 1 / closed_forms.MOST_A) * control.tick_hz
+    port_ohm = control.r_hat_part * motor.R_ohm
+    rigid = closed_forms.stiffness(motor.k_t, motor.L_h, port_ohm, 1 / most)
+    spring, finger = FEELS["joystick"].stiffness * rigid, scene.hand.stiffness
+    assert float(page["k-design"]) == pytest.approx(spring, rel=0.005)  # its three digits
+    assert hand == pytest.approx(2e3 * LEAST, abs=3)
+    face = 200 * PLAY  # mrad
+    place = (finger * hand + spring * face) / (finger + spring)
+    assert rotor == pytest.approx(place, rel=0.03)
+    assert torque == pytest.approx(-spring * (rotor - face), rel=0.03)
+
+    # The board's own rows say the same.
+    address = page.browser.find_element(By.ID, "csv").get_attribute("href")
+    last = list(csv.DictReader(io.StringIO(page.fetched(address))))[-1]
+    assert 1e3 * float(last["x"]) == pytest.approx(rotor, rel=0.03)
+    assert 1e3 * motor.k_t * float(last["i"]) == pytest.approx(torque, rel=0.05)
+    page.release()
+    assert [line["message"] for line in page.browser.get_log("browser")] == []
 
 
 def test_as_a_newcomer_has_it(page):

@@ -87,8 +87,8 @@ def test_walls_of_each_feel(name, walls, counts):
         ("stops", ["controller.walls=[[0.14, 1.0], [-1.0, -0.14]]"]),
         ("button", ["controller.walls=[[0.02, 0.024], [0.06, 1.0]]", "controller.eta_free=0.95"]),
         ("honey", ["controller.walls=[[-0.2, 0.2]]", "controller.eta_contact=-0.75"]),
-        ("joystick", ["controller.walls=[[0.006, 0.14], [-0.14, -0.006], [0.14, 1.0], [-1.0, -0.14]]",
-                      "shaper.walls=[0, 1]"]),
+        ("joystick", ["shaper.walls=[0, 1]", "controller.walls=[[0.006, 0.14], "
+                      "[-0.14, -0.006], [0.14, 1.0], [-1.0, -0.14]]"]),
     ],
 )  # fmt: skip
 def test_a_feel_is_what_a_scene_would_be(name, overrides):
