@@ -322,6 +322,8 @@ def random_settings(rng: random.Random) -> np.ndarray:
             words[place] >>= 8
     for place, most in MOST.items():
         words[place] = most if calm and place in LIMITS else min(abs(any_word(rng, DATA)), most)
+    if rng.random() < 0.5:
+        words[anchor.STRANGE] = 1 << rng.randrange(DATA.width - 1)
     for place, width in (
         (anchor.FOLLOW_TICKS, formats.FOLLOW_W), (anchor.SLOW_TICKS, formats.REST_W)
     ):  # fmt: skip
