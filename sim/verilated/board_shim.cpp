@@ -2,7 +2,8 @@
 //
 // C interface to a whole board at its pins, by the clock: its sources, or its placed netlist. The top
 // is the bench that tools/wavetools/fpga/board_simulation.py writes around the board's own. WH_BOARD_LEGS
-// is how many half bridges it has; with three, for a brushless motor, it has two ADCs.
+// is how many half bridges a motor has; with three, for a brushless motor, it has two ADCs. WH_BOARD_MOTORS is how many
+// motors there are.
 
 #include <algorithm>
 #include <cstdint>
@@ -19,6 +20,9 @@ constexpr int64_t kUnset = 16;
 constexpr int kAdcs = WH_BOARD_LEGS - 1;
 constexpr int kGates = 2 * WH_BOARD_LEGS;
 constexpr int64_t kAllGates = (1 << kGates) - 1;
+constexpr int kMotors = WH_BOARD_MOTORS;
+// As ports_steps.h has them: inputs of a motor, and where the second motor's gates are.
+constexpr int kMotorInputs = 3, kPortShift = 31, kGatesShift = 34;
 // Places of the pins behind the gates.
 constexpr int kCsN = kGates, kSclk = kGates + 1, kTick = kGates + 2, kRow = kGates + 3, kFault = kGates + 5;
 
@@ -33,6 +37,7 @@ struct Board {
     VerilatedContext context;
     Vwh_board_bench top{&context};
     int64_t tick_clocks = 0;
+    int64_t again = 0;       // clocks after a tick at which alive changes once more; 0: it changes once
     UartHost host;
     int bit_clocks = 0;      // clocks / 16 of a bit of the line
     double watch_step = 0;   // half periods of the FPGA's own oscillator in a clock
@@ -49,6 +54,7 @@ struct Board {
                              // the clock that it takes to go off
     int64_t apart = 0;       // and in which a motor's gates aren't the first one's
     bool ran = false;        // the clock before
+    bool parted = false;     // each port has a motor of its own
     uint64_t seen = 0xcbf29ce484222325;  // digest of the pins at each clock from kUnset on
     int last_alive = 0;
 };
@@ -60,7 +66,8 @@ int64_t step(Board &board) {
     top.clk = 1;
     top.eval();
     board.host.clock(top.tx, board.bit_clocks);
-    const int64_t pins = top.gates | top.cs_n << kCsN | top.sclk << kSclk;
+    const int64_t gates = top.gates;
+    const int64_t pins = (gates & kAllGates) | top.cs_n << kCsN | top.sclk << kSclk;
     const int64_t shown = pins | (top.alive | top.running << 1 | top.fault << 2 | top.contact << 3 |
                                   top.tx << 4) << kTick;
     top.clk = 0;
@@ -75,15 +82,31 @@ int64_t step(Board &board) {
     if (board.clocks >= kUnset) {
         board.seen = (board.seen ^ static_cast<uint64_t>(shown)) * 0x100000001b3;
     }
-    board.both_on += both_on(pins & kAllGates);
-    board.idle_on += (pins & kAllGates) && !top.running && !board.ran;
+    bool shorted = false;
+    for (int n = 0; n < kMotors; ++n) shorted |= both_on(gates >> kGates * n & kAllGates);
+    board.both_on += shorted;
+    board.idle_on += gates && !top.running && !board.ran;
     board.apart += top.apart;
     board.ran = top.running;
-    return pins;
+    return board.parted ? pins | gates >> kGates << kGatesShift : pins;
 }
 
-// Bits of the ADCs, then encoder A and B.
-void set_inputs(Vwh_board_bench &top, int64_t inputs) {
+// Bits of the ADCs, then encoder A and B, of all motors or, where they are parted, of each in turn.
+void set_inputs(Board &board, int64_t inputs) {
+    auto &top = board.top;
+    if constexpr (kMotors > 1) {
+        int sdata = 0, a = 0, b = 0;
+        for (int n = 0; n < kMotors; ++n) {
+            const int64_t own = board.parted ? inputs >> kMotorInputs * n : inputs;
+            sdata |= (own & 1) << n;
+            a |= (own >> 1 & 1) << n;
+            b |= (own >> 2 & 1) << n;
+        }
+        top.sdata = sdata;
+        top.a = a;
+        top.b = b;
+        return;
+    }
     top.sdata = inputs & ((1 << kAdcs) - 1);
     top.a = (inputs >> kAdcs) & 1;
     top.b = (inputs >> (kAdcs + 1)) & 1;
@@ -95,12 +118,13 @@ extern "C" {
 
 // A board just after power-up, nobody at its buttons; inputs as for wh_board_clock. Null where a
 // model of a cell can't do what the netlist asks for.
-void *wh_board_new(int64_t inputs, int64_t tick_clocks, int64_t bit_clocks, double watch_step) {
+void *wh_board_new(int64_t inputs, int64_t tick_clocks, int64_t bit_clocks, double watch_step, int64_t again) {
     auto *board = new Board;
     board->tick_clocks = tick_clocks;
     board->bit_clocks = bit_clocks;
     board->watch_step = watch_step;
-    set_inputs(board->top, inputs);
+    board->again = again;
+    set_inputs(*board, inputs);
     board->top.eval();
     // What the pins show before is no conversion.
     while (board->clocks < kUnset) {
@@ -121,6 +145,9 @@ void wh_board_press(void *model, int64_t start, int64_t stop) {
     top.stop = stop;
 }
 
+// Each port has a motor of its own from the next clock on.
+void wh_board_part(void *model) { static_cast<Board *>(model)->parted = true; }
+
 // Bytes that are put before the line, how many stand there; and those that came from it, how many.
 int64_t wh_board_send(void *model, const uint8_t *bytes, int64_t count) {
     auto &queue = static_cast<Board *>(model)->host.to_send;
@@ -138,12 +165,13 @@ int64_t wh_board_received(void *model, uint8_t *bytes, int64_t room) {
 
 // One clock with these inputs (set_inputs). Returns the gates, AH AL BH BL or of three legs AH BH CH AL BL
 // CL, from bit 0, and behind them CS_n, SCLK, tick, whether a row is due, and with one free the fault's
-// LED. Inside the board nothing is seen: ticks are counted from alive, which changes a clock after each,
-// and a row is due when half of the tick after it is over.
+// LED; where motors are parted, those of them that wh_ports_clock has, too. Inside the board nothing is seen:
+// ticks are counted from alive, which changes a clock after each, and a row is due when half of the tick
+// after it is over.
 int64_t wh_board_clock(int64_t model, int64_t inputs) {
     auto &board = *reinterpret_cast<Board *>(model);
     auto &top = board.top;
-    set_inputs(top, inputs);
+    set_inputs(board, inputs);
     int64_t pins = step(board);
     const int64_t since = board.clocks - board.strobe;
     if (board.strobe >= 0 && since == board.tick_clocks) {
@@ -155,8 +183,10 @@ int64_t wh_board_clock(int64_t model, int64_t inputs) {
         board.marked = true;
         board.strobe = board.clocks;
     }
-    if (board.marked && since == board.tick_clocks / 2) pins |= 1 << kRow;
-    if (top.alive != board.last_alive && top.running) {
+    const int64_t port = since - board.tick_clocks / 2;
+    if (board.marked && port >= 0 && port < (board.parted ? kMotors : 1)) pins |= 1 << kRow | port << kPortShift;
+    const bool once_more = board.again && board.told && since - 1 == board.again;
+    if (top.alive != board.last_alive && top.running && !once_more) {
         board.irregular += board.strobe >= 0 && board.strobe != board.clocks - 1;
         board.strobe = board.clocks - 1;
         board.told = true;

@@ -8,9 +8,10 @@ until the board says that it runs; or, on a board with a link, armed by a frame 
 Meanwhile the motor rests and the ADC reads no current. From the first gate on the loop is that of
 ``pins``.
 
-Several motors are all the same one: each port sees the one motor's encoder and ADC, and the first
-port's gates drive it. The others' gates are the first one's, but for a period after an edge of the
-encoder that comes between two ports' turns.
+At first several motors are all the same one: each port sees the one motor's encoder and ADC, and
+the first port's gates drive it. The others' gates are the first one's, but for a period after an
+edge of the encoder that comes between two ports' turns. :meth:`BoardSimulation.part` gives each
+port a motor of its own.
 
 Nothing inside the board is seen: the columns of the waves are NaN, contact is where the rotor
 really is in a wall, and ticks are counted by the pin ``alive``.
@@ -128,7 +129,7 @@ def board_scene(
 def bench(board: Board, ports: dict[str, str]) -> str:
     """A top with the same pins for each board; ``ports`` are the board's, with their directions.
 
-    A brushless motor's has more gates and ADCs. Several motors see the same.
+    A brushless motor's has more gates and ADCs.
     """
     motors, clocks, gates = board.fpga.motors, board.fpga.sclk_pins, GATES[board.brushless]
     roles = {"adc_sdata": "sdata", "enc_a": "a", "enc_b": "b", "stop": "stop",
@@ -156,8 +157,10 @@ def bench(board: Board, ports: dict[str, str]) -> str:
         if wires > 1:
             lines += [f"    wire [{wires - 1}:0] {port};", f"    assign {role} = {port}[0];"]
             role = port
-        elif motors > 1 and port in ("adc_sdata", "enc_a", "enc_b"):
-            role = f"{{{motors}{{{role}}}}}"
+        if motors > 1 and port in gates:
+            place = gates.index(port)
+            lines += [f"    assign gates[{n * len(gates) + place}] = {port}[{n}];"
+                      for n in range(1, motors)]  # fmt: skip
         pins.append(f"        .{port} ({role})")
     missing = {"clk", *roles.values(), "start", "running", "fault"} - {"rx", "tx"} - found
     if missing:
@@ -170,11 +173,13 @@ def bench(board: Board, ports: dict[str, str]) -> str:
     others = [f"{gate} != {{{motors}{{{gate}[0]}}}}" for gate in gates if motors > 1]
     apart = " || ".join(others) or "1'b0"
     lines += [f"    assign apart = {apart};"]
-    adcs = " [1:0]" if board.brushless else ""
+    each = f" [{motors - 1}:0]" if motors > 1 else ""
+    adcs = " [1:0]" if board.brushless else each
     return "\n".join([
         f"module {BENCH} (",
-        f"    input clk, input watch_clk, input start, input stop, input{adcs} sdata, input a,",
-        f"    input b, input rx, output tx, output [{len(gates) - 1}:0] gates, output cs_n,",
+        f"    input clk, input watch_clk, input start, input stop, input{adcs} sdata,",
+        f"    input{each} a, input{each} b, input rx, output tx,",
+        f"    output [{motors * len(gates) - 1}:0] gates, output cs_n,",
         "    output sclk, output alive, output running, output fault, output contact, output apart",
         ");", *lines, f"    {board.name} board (", ",\n".join(pins), "    );", "endmodule", "",
     ])  # fmt: skip
@@ -220,7 +225,7 @@ def build(
     arguments = [
         # The libraries' models widen and leave pins open as they like.
         "-Wno-fatal", "-Wno-lint", "-Wno-style",
-        "-CFLAGS", f"-DWH_BOARD_LEGS={board.fpga.legs}",
+        "-CFLAGS", f"-DWH_BOARD_LEGS={board.fpga.legs} -DWH_BOARD_MOTORS={board.fpga.motors}",
         *(f"-I{path}" for path in includes),
         *(f"-D{name}={value}" for name, value in board.defines.items()),
         str(SHIMS / "board_shim.cpp"), *map(str, sources),
@@ -334,7 +339,7 @@ class BoardSimulation(PinsSimulation):
         self._library.wh_board_press.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]
         self._library.wh_board_report.argtypes = [ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64)]
         new = self._library.wh_board_new
-        new.argtypes = [*[ctypes.c_int64] * 3, ctypes.c_double]
+        new.argtypes = [*[ctypes.c_int64] * 3, ctypes.c_double, ctypes.c_int64]
         for name in ("send", "received"):
             function = self._function(name)
             function.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int64]
@@ -345,7 +350,8 @@ class BoardSimulation(PinsSimulation):
         time = ports.timing
         bit_clocks = round(16 * time.clock_hz / BAUDS[0])
         watch = 2 * self._watch_hz() / time.clock_hz
-        self._model = new(levels, time.tick_clocks, bit_clocks, watch)
+        again = self._built.board.words().alive_again
+        self._model = new(levels, time.tick_clocks, bit_clocks, watch, again)
         if not self._model:
             raise RuntimeError("a model of the FPGA's cells can't do what the netlist asks for")
 
