@@ -8,6 +8,7 @@ import math
 import re
 import subprocess
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,12 +20,13 @@ from wavehaptics.ladder.run import measure
 from wavehaptics.laws import closed_forms
 from wavehaptics.runtime.repository import CELLS, ROOT
 from wavehaptics.runtime.toolchain import Toolchain
-from wavehaptics.scene import Scene
+from wavehaptics.scene import Scene, load_device
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
 from wavehaptics.words.modbus import BAUDS
 from wavehaptics.words.table import WORDS
 from wavetools.fpga import board_runs, placed, synthesis
+from wavetools.fpga.board_arm import ArmOnBoard
 from wavetools.fpga.board_simulation import (
     BoardSimulation,
     Build,
@@ -247,6 +249,68 @@ def test_what_is_flashed(name, tools):
         obeys_the_line(netlist)
     holds(netlist, 1)
     holds(netlist, -1)
+
+
+COUNT_M = 0.02 * 2 * math.pi / 10_000
+"""A count at the tip of the levers below, m."""
+
+ARM = """
+[scene]
+name = "oblique"
+duration_s = 1.0
+[device]
+kinematics = "matrix"
+jacobian = [[0.02, 0, 0], [0, 0.02, 0], [0, 0, 0.02]]
+[[surface]]
+shape = "plane"
+point_m = [-0.866025e-3, -0.353553e-3, -0.353553e-3]
+normal = [0.866025, 0.353553, 0.353553]
+[hand]
+path = "slide"
+direction = [-0.866025, -0.353553, -0.353553]
+amplitude_m = 0.0029
+across = [-0.5, 0.612372, 0.612372]
+slide_m = 0.004
+frequency_hz = 5
+stiffness_n_per_m = 500
+damping_n_s_per_m = 3
+"""
+"""A plane whose normal is 30° from the first axis, 1 mm from the tip, and a hand along it."""
+
+
+@pytest.mark.long
+def test_what_is_flashed_slides_along_an_oblique_plane(tmp_path, tools):
+    """Three motors at the placed netlist: 1/Σ G_n²/K_n along the normal, and nothing across it."""
+    board = load_board("ulx3s_space")
+    out = synthesis.OUT / f"{board.name}-simulated"
+    synthesis.build_board(board, tools, out=out)
+    slides(build(board, tools, synth=out), tmp_path)
+
+
+def slides(built: Build, folder: Path) -> None:
+    """4 mm along the plane and back under a press of 0.8 N."""
+    path = folder / "oblique.toml"
+    path.write_text(ARM + '[[motors]]\npreset = "re25-phantom"\n' * 3 + "[controller]\n")
+    space = load_device(path).space
+    scene = board_scene(built.board, ("hand.stiffness=1e-6", "hand.damping=0", "adc.noise_a=1e-3"))
+    board = ArmOnBoard(built, scene, space)
+    assert all(answer[:2] == b"\x01\x10" for answer in board.write_surfaces(1))
+    rows = board.advance(0.3)
+    time, x = rows[0, :, Column.T], rows[:, :, Column.X]
+    normal, along = (np.array(space.hand.direction), np.array(space.hand.across))
+    tip, force = 0.02 * x, rows[:, :, Column.TORQUE] / 0.02
+    slid = time > 0.1
+    depth, push = normal @ tip - 1e-3, -(normal @ force)
+    # Half a count of the press is what the anchors leave.
+    port = board.port
+    wanted = 1.0 / (0.02**2 * port.l_eff / port.k_t_hat**2)
+    found = push[slid].mean() / depth[slid].mean()
+    assert found == pytest.approx(wanted, rel=0.5 * COUNT_M / depth[slid].mean())
+    assert np.abs(depth - push / wanted)[slid].max() < 2 * COUNT_M
+    assert np.ptp((along @ tip)[slid]) == pytest.approx(0.004, rel=0.03)
+    across = force + np.outer(normal, push)
+    assert np.sqrt((across[:, slid] ** 2).sum(axis=0).mean()) < 0.06 * push[slid].mean()
+    assert_quiet(asdict(board.report()) | {"apart": 0})
 
 
 # --- Without a bitstream.

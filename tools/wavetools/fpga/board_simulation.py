@@ -336,6 +336,7 @@ class BoardSimulation(PinsSimulation):
     def _power_up(self, ports: Ports) -> None:
         self._library = ctypes.CDLL(str(self._built.library))
         verilated.declare_destructor(self._function("delete"))
+        self._library.wh_board_part.argtypes = [ctypes.c_void_p]
         self._library.wh_board_press.argtypes = [ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]
         self._library.wh_board_report.argtypes = [ctypes.c_void_p, ctypes.POINTER(ctypes.c_int64)]
         new = self._library.wh_board_new
@@ -399,6 +400,10 @@ class BoardSimulation(PinsSimulation):
     def stop(self) -> None:
         """Open the wire of the emergency stop."""
         self._press(False, True)
+
+    def part(self) -> None:
+        """From now on each port has a motor of its own, in a loop of all."""
+        self._library.wh_board_part(self._model)
 
     # ---- The line, at the rate with which it begins.
 

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A whole board with a motor at each port, and an arm with a hand between them.
+
+It is begun with one motor for all ports (:mod:`wavetools.fpga.board_simulation`), over its line.
+Then a computer writes surfaces, and renews the arming.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from copy import copy
+
+import numpy as np
+from wavehaptics.controller.planes import Host, PortEstimate, as_registers, as_words, as_writes
+from wavehaptics.ladder import pins_loop
+from wavehaptics.ladder.linked_pins import ANSWER_BYTES, write_frame
+from wavehaptics.ladder.pins import pass_ticks
+from wavehaptics.laws import closed_forms
+from wavehaptics.motor.tip_hand import HOME, hand_words
+from wavehaptics.scene import Scene, Space
+from wavehaptics.trace.columns import Column, Word
+from wavehaptics.words.modbus import BAUDS
+from wavehaptics.words.table import WORDS
+
+from wavetools.fpga.board_simulation import Build, Report, on_board
+
+ARMED_S = 0.1
+"""How often the arming is renewed, s; the board ends it after 200 ms."""
+
+HAND_PARTS = 2
+"""Parts of a tick, in each of which the hand's torque is constant."""
+
+ROOM = 4
+"""Rows of the room for places: :func:`wavehaptics.motor.tip_hand.put_hand_torque`."""
+
+
+class ArmOnBoard:
+    """The motors of ``space``, whose Jacobian is constant, each that of ``scene``, with its hand.
+
+    Angles are 0 where the rotors are at reset, as are the board's counts.
+    """
+
+    def __init__(self, built: Build, scene: Scene, space: Space) -> None:
+        self._board = first = on_board(built, scene, by_line=True)
+        self._space, motors = space, space.arm.motors
+        self.tick_s = first.tick_s
+        self._count_at_reset = built.board.words().ports.start_count
+        self._kept = np.stack([first._kept] * motors)
+        self._each = [copy(first) for _ in range(motors)]
+        for motor, kept in zip(self._each, self._kept, strict=True):
+            motor._model, motor._kept = None, kept  # the board is not its own
+            motor._state, motor._sums = first._state.copy(), first._sums.copy()
+            motor._pending, motor._buffer = first._pending.copy(), first._buffer.copy()
+            motor._bits, motor._real = first._bits.copy(), first._imperfections(scene)
+        first.part()
+        hand = hand_words(space)
+        hand[HOME : HOME + 3] += space.arm.tip(np.full(motors, self.at_reset_rad))
+        self._hand = (
+            space.arm.geometry, hand,
+            np.array([self._kept[0, pins_loop.NOW], first.timing.tick_clocks // HAND_PARTS]),
+        )  # fmt: skip
+        set_, control = first.settings, scene.controller
+        l_eff = closed_forms.l_eff(control.l_hat or 0.0, set_.r_hat, set_.tau)
+        self.port = PortEstimate(control.k_t_hat or 0.0, set_.r_hat, l_eff, set_.cell_rad, set_.tau)
+        """What the host knows of each motor."""
+
+    @property
+    def at_reset_rad(self) -> float:
+        """Where the rotors were at reset, in the angles of the board's scene."""
+        return self._count_at_reset * self._board.settings.cell_rad
+
+    def write_surfaces(self, stamp: int) -> list[bytes]:
+        """Write the planes of the space's surfaces where the encoders are; the board's answers."""
+        space, motors = self._space, self._space.arm.motors
+        host = Host(
+            space.arm, space.shapes, [self.port] * motors, self.tick_s,
+            [one.stiffness for one in space.solids], [one.friction_loss for one in space.solids],
+            space.device.wall_speed_m_per_s, [one.damping for one in space.solids],
+        )  # fmt: skip
+        words = as_words(host.look(self._kept[:, pins_loop.COUNT] - self._count_at_reset))
+        registers = as_registers(*words, count=len(space.solids))
+        return [self.write(first, raws) for first, raws in as_writes(registers, stamp)]
+
+    def advance(self, seconds: float) -> np.ndarray:
+        """Rows (motors, ticks, Column) of the next ``seconds``; the arming is renewed."""
+        rows = [self._advance(min(ARMED_S, seconds - n * ARMED_S))
+                for n in range(math.ceil(seconds / ARMED_S - 1e-9))]  # fmt: skip
+        return np.concatenate(rows, axis=1)
+
+    def _advance(self, seconds: float) -> np.ndarray:
+        self._board.send(write_frame(WORDS["arm"].at(), [1]))
+        return self._pass(round(seconds / self.tick_s))
+
+    def _pass(self, ticks: int) -> np.ndarray:
+        rows = np.zeros((len(self._each), ticks, len(Column)))
+        words = np.zeros((len(self._each), ticks, len(Word)), dtype=np.int64)
+        motors = len(self._each)
+        tip = (
+            *self._hand, np.zeros(ticks, dtype=np.int64), np.zeros(motors), np.zeros(motors),
+            np.zeros((3, motors)), np.zeros((ROOM, 3)), np.zeros(motors),
+        )  # fmt: skip
+        pass_ticks(list(rows), list(words), self._kept, self._each, tip=tip)
+        rows[:, :, Column.X] -= self.at_reset_rad
+        return rows
+
+    def write(self, first: int, raws: Sequence[int]) -> bytes:
+        """The board's answer to a write over its line; the motors go on meanwhile."""
+        question = write_frame(first, list(raws))
+        self._board.received()
+        self._board.send(question)
+        self._pass(math.ceil((len(question) + ANSWER_BYTES + 4) * 10 / BAUDS[0] / self.tick_s))
+        return self._board.received()
+
+    def report(self) -> Report:
+        """What the pins have shown so far."""
+        return self._board.report()
