@@ -982,7 +982,8 @@ enum {
     DISTANCE_WORD = 40, WAVE_Q = 23, WAVE_WORD = 31, PLANE_ROW = 96, VELOCITY_ROW = 112, VECTOR = 6,
     MOST = WH_SPACE_PLANES
 };
-static const double wall_s = 2e-3, least_lever = 0.05, least_angle = 0.1;
+static const double wall_time_s = 2e-3, least_lever = 0.05, least_angle = 0.1, budget_j = 1e-3;
+static const double fastest_wave = 1e9;  // more than its word has
 
 int wh_space_open(struct wh_space *space, struct wh_board *board, const struct wh_space_motor *motors,
                   unsigned count, double speed) {
@@ -1004,6 +1005,7 @@ int wh_space_open(struct wh_space *space, struct wh_board *board, const struct w
     space->speed = speed;
     space->planes = state.surfaces < MOST ? state.surfaces : MOST;
     space->tick_s = clocks * halves / (double)board->identity.words[ID_CLOCK_HZ];
+    space->delay_s = space->tick_s;
     for (unsigned n = 0; n < count; ++n) {
         const double k_t = motors[n].k_t;
         double root = 0.0, a = 0.0;
@@ -1019,11 +1021,13 @@ int wh_space_open(struct wh_space *space, struct wh_board *board, const struct w
         }
         const double r_hat = 0.5 * root * root, tau = space->tick_s / a + extra * space->tick_s;
         space->k_t[n] = k_t;
+        if (tau > space->delay_s) space->delay_s = tau;
         space->count_rad[n] = 2.0 * pi / motors[n].counts_per_rev;
         space->damping[n] = r_hat / (k_t * k_t);
         space->compliance[n] = (motors[n].inductance + 0.5 * r_hat * tau) / (k_t * k_t);
     }
-    return wh_space_read(space);
+    result = wh_set(board, WH_WORD_SURFACE_BUDGET, 0, 0, budget_j / space->tick_s);
+    return result ? result : wh_space_read(space);
 }
 
 // A value of each motor, asked for in one piece.
@@ -1064,6 +1068,17 @@ static void put_vector(struct frame *frame, unsigned row, const double vector[VE
     for (unsigned n = 3; n < VECTOR; ++n) put_word(frame, row, n, fixed(vector[n], MIX_Q, WORD) * MIX_UP);
 }
 
+// That of the last of a set: one that rests deep in its own spring doesn't move a surface that has none.
+static void put_set(struct frame *frame, unsigned row, const double vector[VECTOR], const struct wh_plane *const set[],
+                    unsigned before) {
+    double parted[VECTOR];
+    memcpy(parted, vector, sizeof parted);
+    for (unsigned n = 0; n < before; ++n) {
+        if (set[n]->damping > 0.0 && set[before]->damping == 0.0) parted[3 + n] = 0.0;
+    }
+    put_vector(frame, row, parted);
+}
+
 // The vector of a surface, orthogonal to those of `before`, or zeros where there is no further direction.
 static void beside(double before[][VECTOR], unsigned count, const double row[VECTOR], double found[VECTOR]) {
     double square = 0.0;
@@ -1083,6 +1098,7 @@ int wh_space_planes(struct wh_space *space, double jacobian[3][WH_SPACE_MOTORS],
     struct wh_board *const board = space->board;
     double vectors[MOST][VECTOR] = {{0.0}}, velocity = 0.0, lever = 0.0;
     struct frame frame = {.count = 0};
+    bool damped = false;
     if (count > space->planes) {
         return fail(board, WH_VALUE, "%u planes, and the device has %u; give the nearest", (unsigned)count,
                     space->planes);
@@ -1096,10 +1112,14 @@ int wh_space_planes(struct wh_space *space, double jacobian[3][WH_SPACE_MOTORS],
         const double *const out = plane->normal;
         const double length = root_of(out[0] * out[0] + out[1] * out[1] + out[2] * out[2]);
         double along[3] = {0.0}, scale = 0.0, drag = 0.0, soft = 0.0, reach = 0.0, place = 0.0, tau = 0.0;
+        double eta = -1.0, wall_s = wall_time_s;
         if (!(length > 0.0 && plane->stiffness >= 0.0 && plane->loss >= 0.0 && plane->loss <= 1.0) ||
             plane->distance != plane->distance) {
             return fail(board, WH_VALUE,
                         "plane %u needs a normal, a distance, a stiffness of 0 or more, a loss of 0...1", k);
+        }
+        if (!(plane->damping == 0.0 || (plane->damping > 0.0 && plane->stiffness > 0.0))) {
+            return fail(board, WH_VALUE, "plane %u: damping has to be 0, or above that with a stiffness", k);
         }
         for (unsigned n = 0; n < space->motors; ++n) {
             for (unsigned row = 0; row < 3; ++row) along[n] -= jacobian[row][n] * out[row] / length;
@@ -1114,9 +1134,16 @@ int wh_space_planes(struct wh_space *space, double jacobian[3][WH_SPACE_MOTORS],
         }
         scale = root_of(scale);
         const double root = root_of(2.0 * drag), fastest = 2.0 * space->speed / root, wave = root_of(drag);
-        if (plane->stiffness > 0.0) tau = 2.0 * (1.0 / plane->stiffness - soft) / drag;
-        if (tau < 0.0) tau = 0.0;
+        const double softer = plane->stiffness * soft < 1.0 ? 1.0 / plane->stiffness - soft : 0.0;
+        if (plane->stiffness > 0.0 && plane->damping == 0.0) {
+            tau = 2.0 * softer / drag;
+        } else if (plane->damping > 0.0 && plane->damping * softer >= space->delay_s) {
+            const double part = plane->damping * drag;
+            eta = (1.0 - part) / (1.0 + part);
+            wall_s = (1.0 + part) * softer / drag;
+        }
         velocity = k == 0 || fastest < velocity ? fastest : velocity;
+        damped = damped || plane->damping > 0.0;
         for (unsigned n = 0; n < space->motors; ++n) {
             place += along[n] * space->count_rad[n] / scale * space->counts[n];
             vectors[k][n] = along[n] * root_of(space->damping[n]) / wave;
@@ -1136,16 +1163,17 @@ int wh_space_planes(struct wh_space *space, double jacobian[3][WH_SPACE_MOTORS],
         }
         put_word(&frame, row + 1, 0, fixed(2.0 * scale / (wall_s * root), SURFACE_Q, WORD) * GAIN_UP);
         put_word(&frame, row + 1, 1, fixed(space->tick_s / (space->tick_s + tau), SURFACE_Q, WORD));
-        put_word(&frame, row + 1, 2, fixed(-1.0, SURFACE_Q, WORD));
+        put_word(&frame, row + 1, 2, fixed(eta, SURFACE_Q, WORD));
         put_word(&frame, row + 1, 3, fixed(1.0 - plane->loss, SURFACE_Q, WORD));
         put_vector(&frame, k, vectors[k]);
     }
-    frame.words[0].word = (int32_t)fixed(velocity, WAVE_Q, WAVE_WORD);
+    // A surface with damping moves as fast as its spring has to.
+    frame.words[0].word = (int32_t)fixed(damped ? fastest_wave : velocity, WAVE_Q, WAVE_WORD);
     double set[3][VECTOR];
     for (unsigned i = 0; i < count; ++i) {
         for (unsigned j = i + 1; j < count; ++j) {
             beside(&vectors[i], 1, vectors[j], set[1]);
-            put_vector(&frame, MOST + pairs[j] + i, set[1]);
+            put_set(&frame, MOST + pairs[j] + i, set[1], (const struct wh_plane *[]){&planes[i], &planes[j]}, 1);
         }
     }
     for (unsigned i = 0; i < count; ++i) {
@@ -1154,7 +1182,8 @@ int wh_space_planes(struct wh_space *space, double jacobian[3][WH_SPACE_MOTORS],
             beside(&vectors[i], 1, vectors[j], set[1]);
             for (unsigned k = j + 1; k < count; ++k) {
                 beside(set, 2, vectors[k], set[2]);
-                put_vector(&frame, MOST + 28 + triples[k] + pairs[j] + i, set[2]);
+                put_set(&frame, MOST + 28 + triples[k] + pairs[j] + i, set[2],
+                        (const struct wh_plane *[]){&planes[i], &planes[j], &planes[k]}, 2);
             }
         }
     }

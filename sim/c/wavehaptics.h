@@ -159,6 +159,7 @@ struct wh_space {
     double damping[WH_SPACE_MOTORS];     // R̂/k_T²
     double compliance[WH_SPACE_MOTORS];  // L_eff/k_T²
     double tick_s;
+    double delay_s;     // the longest from a wave v to its u
     unsigned planes;
 };
 
@@ -167,8 +168,10 @@ struct wh_plane {
     double distance;    // m from the plane to the tip, above 0 outside of the solid
     double stiffness;   // N/m; 0: the largest that the motors have
     double loss;        // 0...1, part of the waves along the plane that is lost in a period
+    double damping;     // N·s/m beside a stiffness; 0: that of the motors
 };
 
+// It sets `surface_budget`: moving surfaces give out 1 mJ beyond what they took, at most.
 int wh_space_open(struct wh_space *space, struct wh_board *board, const struct wh_space_motor *motors,
                   unsigned count, double speed);
 // Read the encoders into `angles`.

@@ -99,21 +99,22 @@ int main(void) {
             motors[1] = motors[2] = motors[0];
             result = wh_space_open(&space, &board, motors, a, value);
             (void)snprintf(told, sizeof told, "%.12g %.12g %.12g", space.angles[0], space.angles[1], space.angles[2]);
-        } else if (strcmp(name, "solid") == 0) {  // stamp, nine of the Jacobian, and six of each plane
+        } else if (strcmp(name, "solid") == 0) {  // stamp, nine of the Jacobian, and seven of each plane
             static struct wh_plane planes[9];
-            double jacobian[3][3], of[9 * 6] = {0}, force[3] = {0};
+            double jacobian[3][3], of[9 * 7] = {0}, force[3] = {0};
             char *at = line + 5;
             size_t count = 0;
             a = (unsigned)strtoul(at, &at, 10);
             for (unsigned n = 0; n < 9; ++n) jacobian[n / 3][n % 3] = strtod(at, &at);
-            for (char *next = at; count < 54 && (of[count] = strtod(at, &next), next != at); at = next) ++count;
-            for (size_t n = 0; n < count / 6; ++n) {
-                memcpy(planes[n].normal, of + 6 * n, sizeof planes[n].normal);
-                planes[n].distance = of[6 * n + 3];
-                planes[n].stiffness = of[6 * n + 4];
-                planes[n].loss = of[6 * n + 5];
+            for (char *next = at; count < 63 && (of[count] = strtod(at, &next), next != at); at = next) ++count;
+            for (size_t n = 0; n < count / 7; ++n) {
+                memcpy(planes[n].normal, of + 7 * n, sizeof planes[n].normal);
+                planes[n].distance = of[7 * n + 3];
+                planes[n].stiffness = of[7 * n + 4];
+                planes[n].loss = of[7 * n + 5];
+                planes[n].damping = of[7 * n + 6];
             }
-            result = wh_space_planes(&space, jacobian, planes, count / 6, a, NULL);
+            result = wh_space_planes(&space, jacobian, planes, count / 7, a, NULL);
             if (!result) result = wh_space_force(&space, jacobian, force);
             (void)snprintf(told, sizeof told, "%.12g %.12g %.12g", force[0], force[1], force[2]);
         } else if (strcmp(name, "close") == 0) {

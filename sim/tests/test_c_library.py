@@ -165,8 +165,8 @@ def test_planes_go_as_pythons_do(session, board, count):
     assert session.call("planes", 65536, words) == (-5, told)
 
 
-@pytest.mark.parametrize("count", [0, 1, 3, 8])
-def test_planes_in_metres_are_pythons(session, count):
+@pytest.mark.parametrize(("count", "damped"), [(0, 0), (1, 0), (1, 1), (3, 0), (3, 2), (8, 5)])
+def test_planes_in_metres_are_pythons(session, count, damped):
     """The frame of the package's own host, to the last place of each word, and its force."""
     device, rng = SurfaceDevice(), np.random.default_rng(count)
     arm = linked_arm(PHANTOM, (0.14, 0.14), (8.0,) * 3, (0.1, 0.2, -0.1))
@@ -180,15 +180,18 @@ def test_planes_in_metres_are_pythons(session, count):
         normals /= np.linalg.norm(normals, axis=1)[:, None]
         distances = rng.uniform(-0.01, 0.01, count)
         hard, lost = rng.uniform(100, 20_000, count), rng.uniform(0, 1, count)
-        hard[:1] = 0.0
+        # Of a damped one by 0.1 N·s/m the ports' delay would take more than there is.
+        damping = np.where(np.arange(count) < damped, np.resize([30.0, 0.1], count), 0.0)
+        hard[damped : damped + 1] = 0.0
         shapes = [Shape("plane", tip - d * n, n) for d, n in zip(distances, normals, strict=True)]
-        made.set_shapes(shapes, [one or None for one in hard], lost.tolist())
+        made.set_shapes(shapes, [one or None for one in hard], lost.tolist(), damping.tolist())
+        client.write([("surface_budget", 0)])
         session.get("open", device.path, 1, 115200, 1.0)
         motor = (MOTOR.k_t, MOTOR.inductance, MOTOR.counts_per_rev)
         turned = session.get("space", 3, 0.1, *motor)
         assert np.array(turned.split(), float) == pytest.approx(angles, rel=1e-9)
         assert angles[0] == pytest.approx(1000.5 * CELL_RAD)
-        planes = np.column_stack([3.0 * normals, distances, hard, lost])
+        planes = np.column_stack([3.0 * normals, distances, hard, lost, damping])
         numbers = [repr(float(one)) for one in (*jacobian.ravel(), *planes.ravel())]
         found = session.get("solid", 9, *numbers)
         assert np.array(found.split(), float) == pytest.approx(force, rel=1e-6)
@@ -199,9 +202,15 @@ def test_planes_in_metres_are_pythons(session, count):
             place = 1 << (5 if address >= 768 and address % 16 in (5, 6, 7, 8) else 0)
             place = 1 << 3 if address < 768 and address % 8 > 2 else place
             assert abs(raw - pythons[address]) <= place, address
+        words = modbus.word_register(WORDS["surface_budget"].at())
+        budget = [device.registers[words + n] for n in (0, 1)]
+        assert modbus.whole(budget) == [round(1e-3 / (416 / 48e6) * 2**16)]
         if count == 3:
             flat = [repr(float(one)) for one in (*(0.0 * jacobian).ravel(), *planes[:1].ravel())]
             told = "plane 0: no motor moves the tip along its normal; leave it out or move the arm"
+            assert session.call("solid", 10, *flat) == (-5, told)
+            flat = [*flat[:-3], "0", "0", "5"]  # stiffness, loss, damping
+            told = "plane 0: damping has to be 0, or above that with a stiffness"
             assert session.call("solid", 10, *flat) == (-5, told)
             told = "4 motors: planes lie across 2 or 3"
             assert session.call("space", 4, 0.1, *motor) == (-5, told)

@@ -208,6 +208,13 @@ def test_bad_planes_are_one_error(device, client, planes, told):
     assert not device.frames
 
 
+def test_planes_set_what_moving_surfaces_may_give_out(device, client):
+    """1 mJ in a control period, unless the caller says otherwise."""
+    for energy, wanted in (({}, 1e-3), ({"energy": 0.0}, 0.0), ({"energy": 2e-4}, 2e-4)):
+        Planes(client, [MOTOR] * 3, **energy)
+        assert client.read(["surface_budget"]) == [round(wanted / (416 / 48e6) * 2**16)]
+
+
 def test_a_damper_is_the_eta_of_a_surface(device, client):
     """(B - b)/(B + b), with B of three equal motors that move the tip by 0.1 m/rad each."""
     made = Planes(client, [MOTOR] * 3, matrix_arm((0.1 * np.eye(3)).tolist()))

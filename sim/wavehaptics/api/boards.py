@@ -156,7 +156,8 @@ class Board:
         if motors is None:
             motors = [_data(one, name) for name, one in found.device.motors.items()]
         most = space.device.wall_speed_m_per_s if speed is None else speed
-        return Planes(self._client, motors, space.arm, speed=most)
+        energy = space.device.wall_energy_j
+        return Planes(self._client, motors, space.arm, speed=most, energy=energy)
 
     @contextmanager
     def armed(self) -> Iterator[Board]:

@@ -25,7 +25,7 @@ from wavehaptics.controller.planes import (
 )
 from wavehaptics.host.capture import tick_s
 from wavehaptics.host.client import Client
-from wavehaptics.host.names import HostError, places, readable
+from wavehaptics.host.names import HostError, places, readable, settable
 from wavehaptics.laws import closed_forms
 from wavehaptics.laws.kinematics import Arm, matrix_arm, put_tip_force
 from wavehaptics.laws.shapes import Shape
@@ -84,12 +84,14 @@ class Planes:
 
     ``arm`` is what they move, with its angles 0 where the encoders count 0; without it there are
     planes in joint space alone. ``speed`` is the most with which a surface moves, in m/s, in joint
-    space in rad/s. :class:`HostError` where the device has no surfaces or other motors.
+    space in rad/s, and ``energy`` the most in J that moving surfaces give out beyond what they
+    took: the device's setting ``surface_budget``. :class:`HostError` where the device has no
+    surfaces or other motors.
     """
 
     def __init__(
         self, client: Client, motors: Sequence[MotorData], arm: Arm | None = None,
-        *, speed: float = 0.1,
+        *, speed: float = 0.1, energy: float = 1e-3,
     ) -> None:  # fmt: skip
         self._client, self._arm = client, arm
         count = client.shape.motors
@@ -126,6 +128,8 @@ class Planes:
                 float(self._cell[n]), tau,
             ))  # fmt: skip
         self._ports, self._speed = ports, speed
+        budget = settable(places("surface_budget", client.shape)[0])
+        client.write([(budget, budget.raw(energy / self._tick_s))])
 
     def _value(self, name: str, motor: int = 0) -> float:
         (place,) = places(name, self._client.shape, motor)

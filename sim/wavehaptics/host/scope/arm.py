@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from wavehaptics.host.client import Client
-from wavehaptics.host.names import HostError, places, readable, settable
+from wavehaptics.host.names import HostError, places, readable
 from wavehaptics.host.planes import MotorData, Planes, SingularError
 from wavehaptics.laws.kinematics import put_tip_force
 from wavehaptics.scene import Device
@@ -41,15 +41,15 @@ class ArmBench:
                 )
             )
         self._space, self._client = space, client
-        self._planes = Planes(client, data, space.arm, speed=space.device.wall_speed_m_per_s)
+        self._planes = Planes(
+            client, data, space.arm, speed=space.device.wall_speed_m_per_s,
+            energy=space.device.wall_energy_j,
+        )  # fmt: skip
         self._k_t = np.array([motor.k_t for motor in data])
         self._cell = 2.0 * np.pi / np.array([motor.counts_per_rev for motor in data])
         names = ("position", "current")
         found = [places(name, client.shape, n)[0] for name in names for n in range(len(data))]
         self._places = [*map(readable, found), readable(places("surfaces_acting", client.shape)[0])]
-        tick_s = 1.0 / device.scenes[0].controller.tick_hz
-        budget = settable(places("surface_budget", client.shape)[0])
-        client.write([(budget, budget.raw(space.device.wall_energy_j / tick_s))])
 
     def shown(self) -> dict[str, Any]:
         """What the page draws, in m: base, surfaces and the part of the plane around them."""
