@@ -557,6 +557,21 @@ def test_a_board_that_falls_silent(running):
     assert len(running.device.armings) == told
 
 
+def test_a_feel_is_shown_when_the_line_comes_back(running):
+    """K is that of the feel, as W of the device is, and not that of the scene."""
+    place = places("position", SHAPE)[0]
+    running.device.words[place.address] = round(-1e-3 / running._known.cell_rad) % 2**32
+    scenes = running.state()["stiffness"]
+    running.ask(lambda bench: bench.feel("soft")).result(END_S)
+    soft = running.state()["stiffness"]
+    assert soft < 0.5 * scenes
+    running.device.silent = True
+    wait(lambda: not running.state()["live"])
+    running.device.silent = False
+    wait(lambda: running.state()["live"])
+    assert (running.state()["feel"], running.state()["stiffness"]) == ("soft", soft)
+
+
 def test_a_board_with_its_own_switch(running):
     """It can't be armed, and a stop says so instead of nothing."""
     running.device.identification.options["arm"] = 0

@@ -142,6 +142,33 @@ def test_free_space_stays_quiet_behind_thin_walls():
     assert bench.shown()["feel"] == ""
 
 
+@pytest.mark.parametrize("name", FEELS)
+def test_a_feel_survives_a_line_that_was_lost(name):
+    """The page shows what it showed, and the next feel is what it would have been."""
+    device, bench = board()
+    bench.feel(name)
+    again = Bench(device, bench.known, before=bench)
+    assert again.shown() == bench.shown()
+    for one in (bench, again):
+        turn(device, one, -1e-3)
+        one.feel("wall")
+    assert device.written[-3:] == device.written[-6:-3]
+
+
+def test_what_others_set_while_the_line_was_lost_is_no_feel():
+    """η of another program ends the feel; its W is there still, until the device is reset."""
+    device, bench = board()
+    own = bench.shown()
+    bench.feel("soft")
+    soft = bench.shown()
+    assert soft["stiffness"] < 0.5 * own["stiffness"]
+    device.words[places("eta_contact", device.shape)[0].address] = -3 << 23 & 0xFFFFFFFF
+    found = Bench(device, bench.known, before=bench).shown()
+    assert (found["feel"], found["sliders"]["stiffness"]) == ("", soft["sliders"]["stiffness"])
+    device.words |= scene_words()
+    assert Bench(device, bench.known, before=bench).shown() == own
+
+
 def test_without_a_scene():
     """Counts in place of angles, no W, and the board's own η in free space."""
     device = Device()

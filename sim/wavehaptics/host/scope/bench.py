@@ -55,6 +55,9 @@ ANCHOR = ("correction", "offset", "flux", "lag")
 AXIS = ("voltage", "u", "v", "current")
 """Live words of a brushless motor's second axis, of one frame; they come as ``voltage@1``, ..."""
 
+_SHAPE = ("shape_coefficient", "shape_loss")
+"""Words of W."""
+
 _INSTEAD = {
     "arm": "Arm and Stop on this page do that",
     "clear": "Forget what is over on this page does that",
@@ -124,10 +127,13 @@ _Change = tuple[dict[Place, float], _Wish | None]
 class Bench:
     """One motor of a device, with what is known of it. ``motor`` is its place on the device.
 
-    All that talks to the device raises :class:`HostError`.
+    ``before`` is the bench before the line was lost: what it set is known still, where the device
+    has it still. All that talks to the device raises :class:`HostError`.
     """
 
-    def __init__(self, client: Client, known: Known, motor: int = 0) -> None:
+    def __init__(
+        self, client: Client, known: Known, motor: int = 0, before: Bench | None = None
+    ) -> None:
         self.client, self.known, self.motor = client, known, motor
         options = client.identification.options
         self.anchored = bool(options["anchor"])
@@ -155,7 +161,7 @@ class Bench:
             "half_clocks", "tick_halves", "extra_ticks", "samples", "gain", "root", "a", "u_max",
             "eta_contact", "eta_free",
             "wall_min", "wall_max", "wall_enable",
-            *(("wall_shaped",) if self._sections else ()),
+            *(("wall_shaped", *_SHAPE) if self._sections else ()),
             *(_ANCHOR if self.anchored else ()),
             *(("count_angle",) if self.brushless else ()),
         )  # fmt: skip
@@ -169,6 +175,23 @@ class Bench:
         # Without a port W's sliders aren't there, until the scope begins anew.
         if table is not None and spring and self._moves:
             self._wish = self._wished(table.stiffness or 0.0, table.damping, self.tau_s)
+        if before is not None and before.client.identification.options == options:
+            self._go_on(before)
+
+    def _go_on(self, before: Bench) -> None:
+        """Know what the bench before knew, as far as the device wasn't reset or set by others."""
+        self._wall_at, self._owes = before._wall_at, before._owes
+
+        def has(*names: str) -> bool:
+            return all(self._values[at] == was for at, was in before._values.items()
+                       if not names or at[0] in names)  # fmt: skip
+
+        if has(*_SHAPE):
+            self._wish = before._wish
+        if has("eta_free"):
+            self._free_at, self._most_free = before._free_at, before._most_free
+        if has():
+            self._feel = before._feel
 
     def _all(self, names: Iterable[str], motor: int | None = None) -> list[Place]:
         return [self._place(name, motor) for name in names]
@@ -290,8 +313,11 @@ class Bench:
         self._wish, self._feel = wish, ""
 
     def _write(self, words: Mapping[Place, float]) -> None:
-        self.client.write([(place, place.raw(word)) for place, word in words.items()])
-        self._values |= {(p.word.name, p.index): word for p, word in words.items()}
+        raws = {place: place.raw(word) for place, word in words.items()}
+        self.client.write(raws.items())
+        self._values |= {
+            (p.word.name, p.index): p.value(raw & 0xFFFFFFFF) for p, raw in raws.items()
+        }
 
     def feel(self, name: str) -> None:
         """Set a feel of :data:`FEELS`: its walls, η and W, in free space until all of it is there.
@@ -424,10 +450,8 @@ class Bench:
     def _shape_words(self, wish: _Wish) -> dict[Place, float]:
         words = wish.shaper.words
         found: dict[Place, float] = {}
-        for name, raws in (
-            ("shape_coefficient", words[:, : wave_core.LOSS1].ravel()),
-            ("shape_loss", words[:, wave_core.LOSS1 :].ravel()),
-        ):
+        parts = words[:, : wave_core.LOSS1].ravel(), words[:, wave_core.LOSS1 :].ravel()
+        for name, raws in zip(_SHAPE, parts, strict=True):
             there = places(name, self.client.shape, self.motor)
             found |= {
                 p: p.value(int(raw) & 0xFFFFFFFF) for p, raw in zip(there, raws, strict=False)

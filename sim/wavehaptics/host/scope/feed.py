@@ -87,6 +87,7 @@ class Feed(threading.Thread):
         self._offset = 0.0
         self._streams = False
         self._shared_until = 0.0
+        self._bench: Bench | None = None
         self._fast: Fast | None = None
         self._lost = 0
 
@@ -230,7 +231,7 @@ class Feed(threading.Thread):
         if problem:
             raise HostError(problem)
         client = Client(self._plug.port, self._unit, self._timeout_s)
-        bench = Bench(client, self._known, self._motor)
+        bench = self._bench = Bench(client, self._known, self._motor, self._bench)
         # What a page asks for may be many exchanges, of 16 ms each through some USB bridges.
         client.before_each = lambda: self._watch(bench)
         self._plug.connect_hand()
