@@ -4,9 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import pytest
 import wavehaptics as wh
+from wavehaptics.api import boards
+from wavehaptics.host.names import Place, Shape
 from wavehaptics.runtime.terminals import check_terminals
 from wavehaptics.runtime.toolchain import ToolError
 from wavehaptics.words.table import WORDS
@@ -75,6 +78,31 @@ def test_a_board_that_was_disarmed_meanwhile_says_so(board):
 
     with pytest.raises(wh.HostError, match=r"^disarmed: "):
         disarmed_inside()
+
+
+@pytest.mark.parametrize(("armed", "told"), [(None, []), (1, [1, 0]), (2, [2, 0]), (0, [0])])
+def test_what_another_program_armed_stays_on(monkeypatch, armed, told):
+    """The end of a block disarms what this object armed, or kept armed, and nothing else."""
+    line = Line()
+    monkeypatch.setattr(boards, "Client", lambda *_: line)
+    with wh.Board("/dev/ttyUSB0") as there:
+        there.set(eta_contact=-0.5)
+        if armed is not None:
+            there.set(arm=armed)
+    assert [raw for name, raw in line.written if name == "arm"] == told
+
+
+class Line:
+    """A client that notes what is written."""
+
+    shape = Shape(1, 4, 1, 10)
+    identification = SimpleNamespace(options={"arm": 1})
+
+    def __init__(self) -> None:
+        self.written: list[tuple[str, int]] = []
+
+    def write(self, words: list[tuple[Place, int]]) -> None:
+        self.written += [(place.text, raw) for place, raw in words]
 
 
 def test_where_there_is_none(tmp_path):

@@ -40,6 +40,7 @@ def _data(scene: SceneTables, name: str) -> MotorData:
 class Board:
     """A device on the serial port ``port``; at the end of its ``with`` block it is disarmed.
 
+    That is so if this object has armed it. What another program has armed stays on.
     ``unit`` is the device's address on the line, ``motor`` the one whose registers are meant,
     ``timeout_s`` that of an answer. Every error is a :class:`HostError`, one line with the cure.
     """
@@ -48,6 +49,7 @@ class Board:
         self._client = Client(port, unit, timeout_s)
         self._motor = motor
         self._plug: VirtualPlug | None = None
+        self._has_armed = False
 
     @classmethod
     def virtual(
@@ -122,6 +124,8 @@ class Board:
             if len(found) > 1:
                 raise HostError(f"{name}: which one? Take {found[0].text}...{found[-1].text}")
             words.append((found[0], found[0].raw(value)))
+        # Noted before it is written: an arming without an answer may have been heard.
+        self._has_armed |= any(place.word.name == "arm" and raw for place, raw in words)
         self._client.write(words)
 
     def set_planes(
@@ -212,10 +216,11 @@ class Board:
             self.set(arm=DISARM)
 
     def close(self) -> None:
-        """Disarm; the process of a virtual board ends."""
+        """Disarm what this object has armed; the process of a virtual board ends."""
         plug, self._plug = self._plug, None
         with ending(plug.close if plug is not None else lambda: None):
-            self.disarm()
+            if self._has_armed:
+                self.disarm()
 
     def __enter__(self) -> Board:
         return self

@@ -37,6 +37,8 @@ SYSTEM_TOOLS = (
     ("ccache", "ccache", "makes that faster the second time", False),
     ("iverilog", "iverilog", "Icarus, for the RTL's tests", False),
     ("ngspice", "ngspice", "for the drawings of the wiring", False),
+    ("chromium", "chromium", "for the tests of the scope's page", False),
+    ("chromedriver", "chromium-driver", "for the tests of the scope's page", False),
 )
 """Program, its package of Debian, what it is for, and whether simulations need it."""
 
