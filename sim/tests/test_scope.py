@@ -560,16 +560,16 @@ def test_a_board_that_falls_silent(running):
 def test_a_feel_is_shown_when_the_line_comes_back(running):
     """K is that of the feel, as W of the device is, and not that of the scene."""
     place = places("position", SHAPE)[0]
-    running.device.words[place.address] = round(-1e-3 / running._known.cell_rad) % 2**32
+    running.device.words[place.address] = round(0.119 / running._known.cell_rad)
     scenes = running.state()["stiffness"]
-    running.ask(lambda bench: bench.feel("soft")).result(END_S)
-    soft = running.state()["stiffness"]
-    assert soft < 0.5 * scenes
+    running.ask(lambda bench: bench.feel("joystick")).result(END_S)
+    feels = running.state()["stiffness"]
+    assert feels == pytest.approx(0.05 * scenes, rel=1e-6)
     running.device.silent = True
     wait(lambda: not running.state()["live"])
     running.device.silent = False
     wait(lambda: running.state()["live"])
-    assert (running.state()["feel"], running.state()["stiffness"]) == ("soft", soft)
+    assert (running.state()["feel"], running.state()["stiffness"]) == ("joystick", feels)
 
 
 def test_a_board_with_its_own_switch(running):
