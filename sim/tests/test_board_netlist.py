@@ -265,6 +265,9 @@ jacobian = [[0.02, 0, 0], [0, 0.02, 0], [0, 0, 0.02]]
 shape = "plane"
 point_m = [-0.866025e-3, -0.353553e-3, -0.353553e-3]
 normal = [0.866025, 0.353553, 0.353553]
+[controller]
+tick_hz = 132e3
+lambda = 1e4
 [hand]
 path = "slide"
 direction = [-0.866025, -0.353553, -0.353553]
@@ -274,6 +277,12 @@ slide_m = 0.004
 frequency_hz = 5
 stiffness_n_per_m = 500
 damping_n_s_per_m = 3
+[[motors]]
+preset = "re25-118743"
+[[motors]]
+preset = "re25-118743"
+[[motors]]
+preset = "re25-118743"
 """
 """A plane whose normal is 30° from the first axis, 1 mm from the tip, and a hand along it."""
 
@@ -290,7 +299,7 @@ def test_what_is_flashed_slides_along_an_oblique_plane(tmp_path, tools):
 def slides(built: Build, folder: Path) -> None:
     """4 mm along the plane and back under a press of 0.8 N."""
     path = folder / "oblique.toml"
-    path.write_text(ARM + '[[motors]]\npreset = "re25-phantom"\n' * 3 + "[controller]\n")
+    path.write_text(ARM)
     space = load_device(path).space
     scene = board_scene(built.board, ("hand.stiffness=1e-6", "hand.damping=0", "adc.noise_a=1e-3"))
     board = ArmOnBoard(built, scene, space)

@@ -74,6 +74,9 @@ COUNT_CLOCKS = 400
 LONGEST_START = 2_000_000
 """Clocks from pressing the button until the gates go on, at most."""
 
+ZERO_TICKS = 1 << 11
+"""More ticks than the zero's measurement takes."""
+
 SWING_TURNS = 6.0
 """Turns of a brushless motor's magnets in which a board that doesn't know their angle finds it."""
 
@@ -377,6 +380,8 @@ class BoardSimulation(PinsSimulation):
             self._kept[pins_loop.COUNT] += 1 if start > at_reset else -1
             still = still and self._rest_for(COUNT_CLOCKS)
         if self._by_line:
+            # Before there is a zero the arming is refused.
+            still = still and self._rest_for(ZERO_TICKS * self.timing.tick_clocks)
             self.send(write_frame(WORDS["arm"].at(), [1]))
         else:
             for n, clocks in enumerate(PRESS_CLOCKS):
