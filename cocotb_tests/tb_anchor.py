@@ -307,7 +307,7 @@ def any_word(rng: random.Random, format_: formats.Fixed) -> int:
     """A corner, a single bit, or any word; all magnitudes alike."""
     if rng.random() < 0.25:
         bit = 1 << rng.randrange(format_.width - 1)
-        return rng.choice((format_.raw_min, format_.raw_max, 0, bit, -bit))
+        return rng.choice((format_.raw_min, format_.raw_max, 0, 1, -1, bit, -bit))
     return rng.getrandbits(rng.randint(1, format_.width - 1)) * rng.choice((-1, 1))
 
 

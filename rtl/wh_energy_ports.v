@@ -92,8 +92,8 @@ module wh_energy_ports #(
     wire                     contact_before;
     wire        [MOVE_W-1:0] way   = position_i - position_before;
     wire                     back  = way[MOVE_W-1];
-    wire                 moves = (position_i != position_before);  // beside the difference, not after it
-    wire                 turns = moves && (back != back_before);
+    wire                     moves = (position_i != position_before);  // beside the difference, not after it
+    wire                     turns = moves && (back != back_before);
     wire signed [MOVE_W-1:0] nearer = $signed(way) + $signed({{MOVE_W-1{!back}}, 1'b1});  // by a count to 0
     wire signed [MOVE_W-1:0] counts = turns ? nearer : $signed(way);
     reg  signed [MOVE_W-1:0] counts_q;

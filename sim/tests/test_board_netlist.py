@@ -311,8 +311,7 @@ def slides(built: Build, folder: Path) -> None:
     slid = time > 0.1
     depth, push = normal @ tip - 1e-3, -(normal @ force)
     # Half a count of the press is what the anchors leave.
-    port = board.port
-    wanted = 1.0 / (0.02**2 * port.l_eff / port.k_t_hat**2)
+    wanted = board.host.stiffest(0, np.zeros(3))
     found = push[slid].mean() / depth[slid].mean()
     assert found == pytest.approx(wanted, rel=0.5 * COUNT_M / depth[slid].mean())
     assert np.abs(depth - push / wanted)[slid].max() < 2 * COUNT_M

@@ -127,56 +127,60 @@ def test_two_opposite_planes_are_a_shaft_or_a_gear(tmp_path: Path, normal) -> No
     assert given.max() < 0.05 * 0.5 * np.abs(along).max() ** 2 / k_n
 
 
-@pytest.mark.long
-def test_two_opposite_planes_are_a_shaft_on_pins(tmp_path: Path) -> None:
-    """At a rate for which a board's clock has time, pushed to and fro at 10 Hz."""
+def shaft_on_pins(folder: Path, hand: str, wanted: float, *settings: str) -> np.ndarray:
+    """Twist and torque through two opposite planes on ``pins``, which give out nothing: (2, ticks).
+
+    It is at a rate for which a board's clock has time.
+    """
     planes = "".join(PLANE.format(normal=[sign, -sign, 0]) for sign in (1, -1))
-    taps = HAND.replace('"press"', '"taps"') + "frequency_hz = 10\n"
-    content = levers(planes).replace(HAND, taps)
     device = load(
-        tmp_path, content, "controller.tick_hz=100e3", "controller.clock_hz=32e6",
-        "hand.amplitude_m=0.002", "scene.duration_s=0.11",
+        folder, levers(planes).replace(HAND, hand), "controller.tick_hz=100e3",
+        "controller.clock_hz=32e6", *settings,
     )  # fmt: skip
     kept = []
     measure_device(device, "pins", keep=lambda rows, words, tips: kept.append(rows.copy()))
     rows = np.concatenate(kept, axis=1)
     x, torque = rows[:, :, Column.X], rows[:, :, Column.TORQUE]
     twist, through = x[0] - x[1], 0.5 * (torque[1] - torque[0])
-    late = (1 / 0.99 + 1) * 1e-5
-    wanted = 43.8e-3**2 / (2 * 0.83e-3 + 0.7 * 7.6 * late)
-    assert (twist @ through) / (twist @ twist) == pytest.approx(wanted, rel=0.02)
     given = np.cumsum((torque * rows[:, :, Column.OMEGA]).sum(axis=0)) * 1e-5
     assert given.max() < 0.02 * 0.5 * np.abs(through).max() ** 2 / wanted
     assert not rows[:, :, Column.FAULT].any()
+    return np.array([twist, through])
+
+
+def shaft_with_a_lag(lag_s: float) -> float:
+    """K of a shaft on ``pins``, N·m/rad, with a lag beside the loop's own delay."""
+    late = (1 / 0.99 + 1) * 1e-5 + lag_s
+    return 43.8e-3**2 / (2 * 0.83e-3 + 0.7 * 7.6 * late)
+
+
+@pytest.mark.long
+def test_two_opposite_planes_are_a_shaft_on_pins(tmp_path: Path) -> None:
+    """Pushed to and fro at 10 Hz."""
+    taps = HAND.replace('"press"', '"taps"') + "frequency_hz = 10\n"
+    wanted = shaft_with_a_lag(0.0)
+    twist, through = shaft_on_pins(
+        tmp_path, taps, wanted, "hand.amplitude_m=0.002", "scene.duration_s=0.11"
+    )
+    assert (twist @ through) / (twist @ twist) == pytest.approx(wanted, rel=0.02)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("lag_s", [0.0, 1e-3, 1e-2])
 def test_a_lag_softens_a_shaft_on_pins(tmp_path: Path, lag_s: float) -> None:
     """The planes' filters in the RTL as the lag of the line: pressed, at rest, and the formula."""
-    planes = "".join(PLANE.format(normal=[sign, -sign, 0]) for sign in (1, -1))
-    late = (1 / 0.99 + 1) * 1e-5 + lag_s
-    wanted = 43.8e-3**2 / (2 * 0.83e-3 + 0.7 * 7.6 * late)
+    wanted = shaft_with_a_lag(lag_s)
     # 1/Σ G_n²/K_n of two levers of 0.02 m, along (1, −1)/√2.
     hard = [f"surface.{n}.stiffness={2 * wanted / 0.02**2!r}" for n in (0, 1) if lag_s]
-    device = load(
-        tmp_path, levers(planes), "controller.tick_hz=100e3", "controller.clock_hz=32e6",
-        "hand.amplitude_m=0.004", "scene.duration_s=0.25", *hard,
-    )  # fmt: skip
-    kept = []
-    measure_device(device, "pins", keep=lambda rows, words, tips: kept.append(rows.copy()))
-    rows = np.concatenate(kept, axis=1)
-    x, torque = rows[:, :, Column.X], rows[:, :, Column.TORQUE]
-    twist, through = x[0] - x[1], 0.5 * (torque[1] - torque[0])
+    twist, through = shaft_on_pins(
+        tmp_path, HAND, wanted, "hand.amplitude_m=0.004", "scene.duration_s=0.25", *hard
+    )
     rest = slice(20_000, None)
     # Half a count of each motor.
     unsure = 2 * math.pi / 10_000 / twist[rest].mean()
     assert through[rest].mean() / twist[rest].mean() == pytest.approx(wanted, rel=unsure)
     assert through[rest].std() < 0.01 * through[rest].mean()
     assert np.ptp(twist[rest]) < 2 * math.pi / 10_000
-    given = np.cumsum((torque * rows[:, :, Column.OMEGA]).sum(axis=0)) * 1e-5
-    assert given.max() < 0.02 * 0.5 * np.abs(through).max() ** 2 / wanted
-    assert not rows[:, :, Column.FAULT].any()
 
 
 def test_the_shipped_scene_writes_its_files(tmp_path: Path) -> None:

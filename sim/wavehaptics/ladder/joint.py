@@ -53,7 +53,7 @@ from wavehaptics.motor.sensor import (
     range_ends,
 )
 from wavehaptics.motor.step import motor_step
-from wavehaptics.motor.tip_hand import hand_substeps, hand_words, put_hand_torque
+from wavehaptics.motor.tip_hand import hand_room, hand_substeps, hand_words, put_hand_torque
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.scene import Device, Scene, drive_gain, encoder_end, without_anchor
 from wavehaptics.scene.tables.servo import Servo
@@ -492,10 +492,7 @@ class JointSimulation(JointLoop):
             walls[1, n, : len(set_.wall_max)] = set_.wall_max
         cells = self._floats[None, :, None, _CELL]
         self._walls = (walls[0], walls[1]) if self.golden else tuple(walls * cells)
-        self._room = (
-            np.zeros((_SUMS, motors)), np.zeros(motors), np.zeros(motors), np.zeros((3, motors)),
-            np.zeros((_ROOM, 3)), np.zeros(motors),
-        )  # fmt: skip
+        self._room = np.zeros((_SUMS, motors)), *hand_room(motors, _ROOM)
         if self._servo:
             omegas = [2.0 * math.pi * (scene.servo or Servo()).analog_hz for scene in scenes]
             self._amplifiers = np.array([

@@ -20,14 +20,11 @@ from wavehaptics.ladder.pins import PinsSimulation, pass_ticks
 from wavehaptics.ladder.turns_pins import TurnsSimulation
 from wavehaptics.laws.kinematics import put_jacobian, put_tip, put_tip_force
 from wavehaptics.motor.plant import Plant
-from wavehaptics.motor.tip_hand import hand_substeps, hand_words, put_hand
+from wavehaptics.motor.tip_hand import hand_room, hand_substeps, hand_words, put_hand
 from wavehaptics.runtime.compiled import compiled
 from wavehaptics.scene import Device
 from wavehaptics.trace.columns import Column
 from wavehaptics.trace.tip import put_tip_row
-
-_ROOM = 4
-"""Rows of the room for places: :func:`wavehaptics.motor.tip_hand.put_hand_torque`."""
 
 
 @compiled()
@@ -67,10 +64,7 @@ class JointPins(JointLoop):
         self._tick_clocks = self.motors[0].timing.tick_clocks
         parts = hand_substeps(plants, space, self.tick_s)
         self._hand_clocks = np.array([0, max(1, self._tick_clocks // parts)])
-        self._room = (
-            np.zeros(motors), np.zeros(motors), np.zeros((3, motors)), np.zeros((_ROOM, 3)),
-            np.zeros(motors),
-        )  # fmt: skip
+        self._room = hand_room(motors)
         self._arm = space.arm.geometry, hand_words(space)
         self._events = self.updates()
         self._declare()

@@ -12,7 +12,7 @@ from wavehaptics.ladder import pins_loop
 from wavehaptics.ladder.linked_pins import LinkedPins
 from wavehaptics.ladder.pins import pass_clocks
 from wavehaptics.motor.plant import TIME, Plant, X
-from wavehaptics.motor.tip_hand import hand_substeps, hand_words, lead
+from wavehaptics.motor.tip_hand import hand_room, hand_substeps, hand_words, lead
 from wavehaptics.scene import Device, Scene
 
 
@@ -97,13 +97,11 @@ class LinkedArm(LinkedMotors):
             )
         super().__init__(first, len(device.scenes), arm=arm, surfaces=len(space.solids))
         parts = hand_substeps([Plant.of_scene(one) for one in device.scenes], space, self.tick_s)
-        motors = len(device.scenes)
         self._hand = hand_words(space)
         self._tip = (
             space.arm.geometry, self._hand,
             np.array([0, max(1, self.timing.tick_clocks // parts)]), np.zeros(0, dtype=np.int64),
-            np.zeros(motors), np.zeros(motors), np.zeros((3, motors)), np.zeros((4, 3)),
-            np.zeros(motors),
+            *hand_room(len(device.scenes)),
         )  # fmt: skip
 
     def lead_hand(self, *speed: float) -> None:

@@ -122,6 +122,17 @@ def put_hand(words, time, place, speed):
         speed[row] = words[ALONG + row] * along_speed + words[ACROSS + row] * across_speed
 
 
+def hand_room(motors: int, places: int = 4) -> tuple[np.ndarray, ...]:
+    """What :func:`put_hand_torque` works in: q and omega, jacobian, room, and torque, all zeros.
+
+    A caller may have more rows of ``room`` than it needs: ``places``.
+    """
+    return (
+        np.zeros(motors), np.zeros(motors), np.zeros((3, motors)), np.zeros((places, 3)),
+        np.zeros(motors),
+    )  # fmt: skip
+
+
 @compiled()
 def put_hand_torque(geometry, words, time, q, omega, jacobian, room, torque):
     """The hand's torques on the rotors at ``q`` rad and ``omega`` rad/s into ``torque`` (motors,).

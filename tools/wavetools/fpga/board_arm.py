@@ -12,12 +12,12 @@ from collections.abc import Sequence
 from copy import copy
 
 import numpy as np
-from wavehaptics.controller.planes import Host, PortEstimate, as_registers, as_words, as_writes
+from wavehaptics.controller.planes import as_registers, as_words, as_writes
 from wavehaptics.ladder import pins_loop
+from wavehaptics.ladder.joint_host import JointHost
 from wavehaptics.ladder.linked_pins import ANSWER_BYTES, write_frame
 from wavehaptics.ladder.pins import pass_ticks
-from wavehaptics.laws import closed_forms
-from wavehaptics.motor.tip_hand import HOME, hand_words
+from wavehaptics.motor.tip_hand import HOME, hand_room, hand_words
 from wavehaptics.scene import Scene, Space
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words.modbus import BAUDS
@@ -30,9 +30,6 @@ ARMED_S = 0.1
 
 HAND_PARTS = 2
 """Parts of a tick, in each of which the hand's torque is constant."""
-
-ROOM = 4
-"""Rows of the room for places: :func:`wavehaptics.motor.tip_hand.put_hand_torque`."""
 
 
 class ArmOnBoard:
@@ -60,10 +57,8 @@ class ArmOnBoard:
             space.arm.geometry, hand,
             np.array([self._kept[0, pins_loop.NOW], first.timing.tick_clocks // HAND_PARTS]),
         )  # fmt: skip
-        set_, control = first.settings, scene.controller
-        l_eff = closed_forms.l_eff(control.l_hat or 0.0, set_.r_hat, set_.tau)
-        self.port = PortEstimate(control.k_t_hat or 0.0, set_.r_hat, l_eff, set_.cell_rad, set_.tau)
-        """What the host knows of each motor."""
+        self.host = JointHost(space, [scene] * motors, [first.settings] * motors).host
+        """It knows of each motor what the scene does."""
 
     @property
     def at_reset_rad(self) -> float:
@@ -72,14 +67,8 @@ class ArmOnBoard:
 
     def write_surfaces(self, stamp: int) -> list[bytes]:
         """Write the planes of the space's surfaces where the encoders are; the board's answers."""
-        space, motors = self._space, self._space.arm.motors
-        host = Host(
-            space.arm, space.shapes, [self.port] * motors, self.tick_s,
-            [one.stiffness for one in space.solids], [one.friction_loss for one in space.solids],
-            space.device.wall_speed_m_per_s, [one.damping for one in space.solids],
-        )  # fmt: skip
-        words = as_words(host.look(self._kept[:, pins_loop.COUNT] - self._count_at_reset))
-        registers = as_registers(*words, count=len(space.solids))
+        words = as_words(self.host.look(self._kept[:, pins_loop.COUNT] - self._count_at_reset))
+        registers = as_registers(*words, count=len(self._space.solids))
         return [self.write(first, raws) for first, raws in as_writes(registers, stamp)]
 
     def advance(self, seconds: float) -> np.ndarray:
@@ -95,11 +84,7 @@ class ArmOnBoard:
     def _pass(self, ticks: int) -> np.ndarray:
         rows = np.zeros((len(self._each), ticks, len(Column)))
         words = np.zeros((len(self._each), ticks, len(Word)), dtype=np.int64)
-        motors = len(self._each)
-        tip = (
-            *self._hand, np.zeros(ticks, dtype=np.int64), np.zeros(motors), np.zeros(motors),
-            np.zeros((3, motors)), np.zeros((ROOM, 3)), np.zeros(motors),
-        )  # fmt: skip
+        tip = *self._hand, np.zeros(ticks, dtype=np.int64), *hand_room(len(self._each))
         pass_ticks(list(rows), list(words), self._kept, self._each, tip=tip)
         rows[:, :, Column.X] -= self.at_reset_rad
         return rows
