@@ -304,10 +304,9 @@ AXIS_NEVER = frozenset(("θ halves",))
 
 
 def any_word(rng: random.Random, format_: formats.Fixed) -> int:
-    """A corner, a single bit, or any word; all magnitudes alike."""
+    """A corner, or any word; all magnitudes alike."""
     if rng.random() < 0.25:
-        bit = 1 << rng.randrange(format_.width - 1)
-        return rng.choice((format_.raw_min, format_.raw_max, 0, 1, -1, bit, -bit))
+        return rng.choice((format_.raw_min, format_.raw_max, 0, 1, -1))
     return rng.getrandbits(rng.randint(1, format_.width - 1)) * rng.choice((-1, 1))
 
 
@@ -322,12 +321,8 @@ def random_settings(rng: random.Random) -> np.ndarray:
             words[place] >>= 8
     for place, most in MOST.items():
         words[place] = most if calm and place in LIMITS else min(abs(any_word(rng, DATA)), most)
-    if rng.random() < 0.5:
-        words[anchor.STRANGE] = 1 << rng.randrange(DATA.width - 1)
-    for place, width in (
-        (anchor.FOLLOW_TICKS, formats.FOLLOW_W), (anchor.SLOW_TICKS, formats.REST_W)
-    ):  # fmt: skip
-        words[place] = rng.choice((0, 1, 2, 5, 1 << rng.randrange(width), (1 << width) - 1))
+    words[anchor.FOLLOW_TICKS] = rng.choice((0, 1, 2, 5, (1 << formats.FOLLOW_W) - 1))
+    words[anchor.SLOW_TICKS] = rng.choice((0, 1, 2, 5, (1 << formats.REST_W) - 1))
     return words
 
 
