@@ -493,6 +493,67 @@ async def a_contacts_beginning_is_excused(dut: object) -> None:
         assert abs(lasted - anchor.EXCUSED * follow) <= follow
 
 
+def slow_ticks_of(place: int) -> tuple[np.ndarray, list[Tick]]:
+    """Two edges the same way in free space, after which a rotor isn't slow for 2^place periods.
+
+    Until then its current isn't taken for the offset.
+    """
+    words = motor_settings()
+    words[anchor.SLOW_TICKS] = 1 << place
+    current = formats.CURRENT.to_raw(0.1)
+    return words, [Tick(position, current=current) for position in (0, 1, 2, 2, 2, 2)]
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def each_place_of_slow_ticks(dut: object) -> None:
+    bench = AnchorBench(dut, random_source("slow"))
+    await bench.power_up()
+    learned = []
+    for place in range(formats.REST_W):
+        words, ticks = slow_ticks_of(place)
+        await bench.begin(words)
+        await bench.ticks(ticks[:3])
+        before = bench.state[anchor.ZERO]
+        await bench.ticks(ticks[3:])
+        learned.append(bench.state[anchor.ZERO] != before)
+    assert learned == [place < 2 for place in range(formats.REST_W)]
+
+
+@cocotb.test(timeout_time=200, timeout_unit="ms")
+async def each_place_of_strange(dut: object) -> None:
+    """A c that wants to be a quarter of it beyond its limit is fine, five quarters are a fault."""
+    bench = AnchorBench(dut, random_source("strange"))
+    await bench.power_up()
+    limit, most = 1 << anchor.FREE_SHIFT, COEF.raw_max
+    words = motor_settings()
+    for place in (*GAINS, *MOST):
+        if place not in (anchor.FLUX_GAIN, anchor.OWED_GAIN, anchor.CELLS_GAIN):
+            words[place] = 0
+    words[anchor.FOLLOW_TICKS] = 1
+
+    async def touch(gain: int, reach: int, strange: int) -> None:
+        words[anchor.PULL_GAIN], words[anchor.REACH], words[anchor.STRANGE] = gain, reach, strange
+        await bench.begin(words)
+        await bench.ticks([Tick(), Tick(contact=1), *[Tick(3, contact=1)] * (anchor.EXCUSED + 5)])
+
+    gain = 1 << 20
+    await touch(gain, MOST[anchor.REACH], 0)
+    unlimited = abs(bench.correction)
+    assert unlimited > 1 << 16
+    assert not bench.word("fault_o")
+    tried = 0
+    for place in range(0, formats.DATA_W - 1, 4 if "Icarus" in cocotb.SIM_NAME else 1):
+        for quarters in (1, 5):
+            beyond = (quarters << place) // 4
+            wanted = round(gain * (limit + beyond) / unlimited)
+            if 16 * unlimited > beyond * gain or not 0 < wanted <= most:
+                continue  # the gain's steps are too coarse, or it ends
+            await touch(wanted, limit, 1 << place)
+            assert bool(bench.word("fault_o")) == (quarters == 5)
+            tried += 1
+    assert tried > 8
+
+
 @cocotb.test(timeout_time=50, timeout_unit="ms")
 async def a_reset_at_any_clock(dut: object) -> None:
     """After a reset of any length it is as after power-up, also if its products still come."""

@@ -18,6 +18,7 @@ from tb_anchor import (
     Tick,
     random_settings,
     random_ticks,
+    slow_ticks_of,
 )
 
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # compiling would take longer than it saves
@@ -161,3 +162,15 @@ async def any_words(dut: object) -> None:
     assert bench.periods == runs * periods
     wanted = EVERYTHING - AXIS_NEVER if OF_MOTORS == (1 << N) - 1 else EVERYTHING
     assert runs < 30 or bench.seen == wanted, wanted ^ bench.seen
+
+
+@cocotb.test(timeout_time=100, timeout_unit="ms")
+async def each_place_of_slow_ticks(dut: object) -> None:
+    bench = PortsBench(dut, random_source("slow"))
+    await bench.power_up()
+    for place in range(formats.REST_W):
+        words, ticks = slow_ticks_of(place)
+        await bench.commit([words] * N)
+        await bench.restart()
+        for tick in ticks:
+            await bench.period([tick] * N)

@@ -45,7 +45,7 @@ class Model:
         self.contacts = np.array([[-1, 0]] * N, dtype=np.int64)
         self.anchors = [anchor.new_state() for _ in ports]
         self.before = [0] * N
-        self.state, self.left = surfaces.new_state(), np.array([budget], dtype=np.int64)
+        self.state, self.spent = surfaces.new_state(), np.zeros(1, dtype=np.int64)
         self.active = np.zeros(surfaces.MOST_ACTIVE, dtype=np.int64)
         self.limits = np.array([0, budget], dtype=np.int64)
         self.words = Words()
@@ -79,7 +79,7 @@ class Model:
         if not self.faulty:
             free = min(port.etas[1] for port in self.ports)
             self.acting = surfaces.surfaces_step(
-                self.state, self.left, self.active, self.words.planes, self.words.vectors,
+                self.state, self.spent, self.active, self.words.planes, self.words.vectors,
                 self.limits, positions, currents, free, waves,
             )  # fmt: skip
             if self.acting == 1:

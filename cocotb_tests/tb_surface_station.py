@@ -109,13 +109,19 @@ class SurfacesBench(Bench):
             write_i=0, address_i=0, data_i=0, commit_i=0, valid_i=0, port_i=0, position_i=0,
             current_i=0, wave_i=0, free_i=ONE, budget_i=budget,
         )  # fmt: skip
-        self.state, self.left = surfaces.new_state(), np.array([budget], dtype=np.int64)
+        self.state, self.spent = surfaces.new_state(), np.zeros(1, dtype=np.int64)
         self.active = np.zeros(surfaces.MOST_ACTIVE, dtype=np.int64)
         self.limits = np.array([0, budget], dtype=np.int64)
         self.words, self.coming = Words(), None
         self.taken = self.given = 0
-        self.budget = budget
+        self.most_budget = budget
         self.seen: Counter[object] = Counter()
+
+    def set_budget(self, budget: int) -> None:
+        """It may change between any two rounds."""
+        self.drive(budget_i=budget)
+        self.limits[surfaces.BUDGET] = budget
+        self.most_budget = max(self.most_budget, budget)
 
     async def write(self, address: int, word: int) -> None:
         await self.step(write_i=1, address_i=address, data_i=word)
@@ -151,10 +157,10 @@ class SurfacesBench(Bench):
             )  # fmt: skip
             if port < PORTS - 1:
                 await self.step(TURN - 1, valid_i=0)
-        wanted, before = waves.copy(), self.left[0]
+        wanted, before = waves.copy(), self.spent[0]
         touched = self.state[:, surfaces.TOUCHING].copy()
         acting = surfaces.surfaces_step(
-            self.state, self.left, self.active, self.words.planes, self.words.vectors, self.limits,
+            self.state, self.spent, self.active, self.words.planes, self.words.vectors, self.limits,
             positions, currents, free, wanted,
         )  # fmt: skip
         eta = min(free, self.words.planes[self.active[0], surfaces.ACROSS]) if acting == 1 else free
@@ -171,18 +177,18 @@ class SurfacesBench(Bench):
         assert self.word("acting_o") == acting
         self.taken += squares(waves)
         self.given += squares(wanted)
-        assert self.given <= self.taken + self.budget
+        assert self.given <= self.taken + self.most_budget
         self.seen["leaves"] += int((touched > self.state[:, surfaces.TOUCHING]).sum())
         if self.looks:
             self.check_states()
         self.seen[acting] += 1
         self.seen["lossy", acting] += eta < ONE
-        self.seen["paid"] += before > self.left[0]
+        self.seen["paid"] += before < self.spent[0]
         return wanted
 
     def check_states(self) -> None:
         inside = self.dut.surfaces
-        assert int(inside.budget_q.value) == self.left[0]
+        assert int(inside.spent_q.value) == self.spent[0]
         touching = int(inside.touching_q.value)
         for n, (touches, f, account, rest) in enumerate(self.state):
             assert touching >> n & 1 == touches
@@ -226,6 +232,10 @@ def random_round(rng: random.Random, kind: str, before: np.ndarray) -> tuple[np.
     return positions, currents, waves, free
 
 
+def random_budget(rng: random.Random) -> int:
+    return rng.choice((0, 1 << 50, rng.getrandbits(40), surfaces.ACCOUNT_MAX))
+
+
 async def run_rounds(
     bench: SurfacesBench, rng: random.Random, rounds: int, of_a_frame: int
 ) -> Counter[object]:
@@ -236,7 +246,7 @@ async def run_rounds(
         if frames % 6 == 0:
             if frames:
                 acting += bench.seen
-            await bench.begin(rng.choice((0, 1 << 50, rng.getrandbits(40), surfaces.ACCOUNT_MAX)))
+            await bench.begin(random_budget(rng))
         words = Words.random(rng)
         await bench.frame(words)
         await bench.commit(words)
@@ -246,6 +256,8 @@ async def run_rounds(
         for _ in range(of_a_frame):
             if rng.random() < 0.2:
                 kind = rng.choice(("ends", "echo", "echo", "small", "full"))
+            if rng.random() < 0.02:
+                bench.set_budget(random_budget(rng))
             positions, currents, waves, free = random_round(rng, kind, echo)
             echo = await bench.round(positions, currents, waves, free)
     acting += bench.seen
@@ -383,7 +395,7 @@ async def a_commit_in_every_clock(dut: object) -> None:
     for clock in range(1, longest + 1, 1 if SURFACES < 4 else 17):
         words = Words.random(rng)
         words.planes[:, surfaces.D] = -1000
-        words.planes[:2, surfaces.PRESENT] = 1
+        words.planes[: min(2, SURFACES), surfaces.PRESENT] = 1
         words.planes[3:, surfaces.PRESENT] = 0
         await bench.frame(words)
         _, currents, waves, _ = random_round(rng, "full", zeros)

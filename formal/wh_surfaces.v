@@ -133,6 +133,7 @@ module prove_wh_surfaces #(
     (* hierconn *) wire signed [DATA_W-1:0]  \block.y_q ;
     (* hierconn *) wire signed [DATA_W-1:0]  \block.resting_q ;
     (* hierconn *) wire signed [DATA_W:0]    \block.change ;
+    (* hierconn *) wire [ACCOUNT_W-1:0]      \block.spent_q ;
     (* hierconn *) wire [ACCOUNT_W-1:0]      \block.budget_q ;
     (* hierconn *) wire [ACCOUNT_W-1:0]      \block.accounts[0] ;
     (* hierconn *) wire signed [SUM_W-1:0]   \block.account_q ;
@@ -189,7 +190,8 @@ module prove_wh_surfaces #(
 
     wire                     turned = is_5 == VALUE && at > FIRST;
     wire [W-1:0]             given  = \block.asked_y_q ? wanted : \block.asked_r_q ? refused : {SUM_W{1'b0}};
-    wire [W-1:0]             holds  = {6'd0, \block.accounts[0] } + \block.budget_q ;
+    wire [ACCOUNT_W-1:0]     unspent = budget - \block.spent_q ;
+    wire [W-1:0]             holds  = {6'd0, \block.accounts[0] } + unspent;
     wire [W-1:0]             live   = {{(W - SUM_W){\block.account_q [SUM_W-1]}}, \block.account_q };
     wire [DATA_W+2:0]        p_is   = {\block.p_q , \block.p_exact_q , \block.p_beyond_q , \block.p_sign_q };
     wire                     same   = v0 == w0 && v1 == w1 && p_was == p_is;
@@ -225,9 +227,9 @@ module prove_wh_surfaces #(
             // What a surface has.
             p_was <= p_is;
             assume (\block.active_q == 9'd0 && \block.order_q < \block.acting_q && \block.most_q >= 0);
-            assume (\block.accounts[0] <= MOST && \block.budget_q <= budget);
+            assume (\block.accounts[0] <= MOST && \block.spent_q <= budget && \block.budget_q == unspent);
             assume (fits(v0) && fits(v1));
-            held <= ((PART != 4 && \block.begins ) ? 0 : {6'd0, \block.accounts[0] }) + \block.budget_q ;
+            held <= ((PART != 4 && \block.begins ) ? 0 : {6'd0, \block.accounts[0] }) + unspent;
             {w0, w1} <= {v0[DATA_W-1:0], v1[DATA_W-1:0]};
             e <= some;
         end
@@ -246,8 +248,8 @@ module prove_wh_surfaces #(
                     paid <= sum;
                 end
                 if (at == 6'd27) begin
-                    assert (live + \block.budget_q <= held + paid);
-                    assert (live <= MOST && \block.budget_q <= budget);
+                    assert (live + unspent <= held + paid);
+                    assert (live <= MOST && \block.spent_q <= budget && \block.budget_q == unspent);
                     assert (\block.funds_q == live + \block.budget_q );
                     assert (same && quiet && \block.filtered_q == 3'b100 && \block.is_q == 24'd0);
                     assert (\block.registers[15] == \block.resting_q );
@@ -259,7 +261,7 @@ module prove_wh_surfaces #(
                     assume (\block.is_q == 24'd0 && quiet && \block.filtered_q == 3'b100 && live <= MOST);
                     assume (\block.funds_q == live + \block.budget_q );
                     assume (\block.registers[15] == \block.resting_q );
-                    held <= live + \block.budget_q ;
+                    held <= live + unspent;
                 end
                 if (at == 6'd32) begin
                     assert (is_5 == ASK && data_5 == \block.y_q && coef_5 == \block.y_q && sum == made_5);
@@ -273,7 +275,8 @@ module prove_wh_surfaces #(
                 end
                 if (at == 6'd36) begin
                     assert (given + holds <= held);
-                    assert (\block.accounts[0] <= MOST && \block.budget_q <= budget && same);
+                    assert (\block.accounts[0] <= MOST && \block.spent_q <= budget && same);
+                    assert (\block.budget_q == unspent);
                 end
                 cover (at == 6'd36 && \block.asked_y_q && wanted > \block.account_q );
                 cover (at == 6'd36 && !\block.asked_y_q && \block.asked_r_q );
@@ -327,11 +330,11 @@ module prove_wh_surfaces #(
                     left <= \block.touching_q [0] && !\block.touches ;
                 end
                 if (at == FIRST + 6'd4) begin
-                    assert (\block.budget_q <= (left ? held : held - \block.accounts[0] ));
-                    assert (\block.budget_q <= budget);
+                    assert (unspent <= (left ? held : held - \block.accounts[0] ));
+                    assert (\block.spent_q <= budget && \block.budget_q == unspent);
                     assert (!left || !\block.touching_q [0]);
                 end
-                cover (at == FIRST + 6'd4 && left && \block.budget_q == held && \block.accounts[0] != 0);
+                cover (at == FIRST + 6'd4 && left && unspent == held && \block.accounts[0] != 0);
             end
         endcase
     end

@@ -24,10 +24,10 @@
 //          and 35 + 11 P if A = 2
 //
 // State of a surface, in LUT RAM: the filter's f s40q32, its account u62q46, and what of ε the currents were s31q16;
-// in registers that it is touched, without which the others mean 0.
+// in registers that it is touched, without which the others mean 0. Of the group: what of the budget is spent.
 // Formats: WH_SURFACE_..., products of 65 bits, sums of 64: nothing is lost before its rounding. With other data words
 // all widths follow them; accounts have twice their bits.
-// Latency: above. Reset: nothing is touched, the budget is budget_i, and a round under way ends.
+// Latency: above. Reset: nothing is touched or spent, and a round under way ends.
 
 `default_nettype none
 `include "wh_formats.vh"
@@ -46,7 +46,7 @@ module wh_surfaces #(
     input  wire signed [`WH_DATA_W-1:0]  current_i,   // s31q24 A
     input  wire signed [`WH_DATA_W-1:0]  wave_i,      // s31q23 √W
     input  wire signed [`WH_COEF_W-1:0]  free_i,      // s27q25: the least η of the ports' free space
-    input  wire [2*`WH_DATA_W-1:0]       budget_i,    // u62q46 W, <= 2^61: what moving walls may give out
+    input  wire [2*`WH_DATA_W-1:0]       budget_i,    // u62q46 W, <= 2^61: what moving walls may give out; it may change
 
     // Words.
     output wire                          take_o,      // strobe
@@ -784,6 +784,7 @@ module wh_surfaces #(
     // ---- What y may be: accounts.
     reg  [ACCOUNT_W-1:0]    accounts [0:7];
     reg  signed [SUM_W-1:0] account_q;
+    reg  [ACCOUNT_W-1:0]    spent_q;    // of the budget
     reg  [ACCOUNT_W-1:0]    budget_q;   // what is left of it
     reg  [SUM_W-2:0]        funds_q;
     reg  [2:1]              paid_q;
@@ -795,7 +796,10 @@ module wh_surfaces #(
                                       + $signed({{(SUM_W - 1){1'b0}}, !pays});
     wire signed [SUM_W-1:0] funds   = $signed({2'b00, budget_q}) + account_q;
     wire                    unused_funds = &{1'b0, funds[SUM_W-1]};
-    wire                    covered = {1'b0, funds_q} >= (left_behind_q[2] ? {2'b00, budget_i} : sum_q);
+    wire                    covered = {1'b0, funds_q} >= sum_q;
+    wire signed [SUM_W-1:0] spent   = $signed({2'b00, spent_q}) - account_q;
+    wire        [ACCOUNT_W:0] room  = {1'b0, budget_i} - {1'b0, spent_q};
+    wire                    unused_spent = &{1'b0, spent[SUM_W-2]};
     wire                    asks_y  = is_5 == ASK;
     wire                    asks_r  = is_5 == REFUSE && !asked_y_q;
 
@@ -811,7 +815,7 @@ module wh_surfaces #(
         end else if (settles_q[1] && account_q[SUM_W-1]) begin
             account_q <= {SUM_W{1'b0}};
         end
-        if (left_behind_q[1] || paid_q[2]) begin
+        if (paid_q[2]) begin
             funds_q <= funds[SUM_W-2:0];
         end
         if (asks_y) begin
@@ -820,17 +824,18 @@ module wh_surfaces #(
         if (is_5 == REFUSE) begin
             asked_r_q <= covered;
         end
-        if (left_behind_q[2]) begin
-            budget_q <= covered ? budget_i : funds_q[ACCOUNT_W-1:0];
-        end else if (settles_q[1] && account_q[SUM_W-1]) begin
-            budget_q <= funds[ACCOUNT_W-1:0];
+        // A surface that is left pays back what its account has; one whose y was more than its account owes the rest.
+        if (left_behind_q[1] || (settles_q[1] && account_q[SUM_W-1])) begin
+            spent_q <= spent[SUM_W-1] ? {ACCOUNT_W{1'b0}} : spent[ACCOUNT_W-1:0];
         end
+        // The budget may change at any time.
+        budget_q <= room[ACCOUNT_W] ? {ACCOUNT_W{1'b0}} : room[ACCOUNT_W-1:0];
         if (settles_q[2]) begin
             accounts[active] <= account_q[ACCOUNT_W-1:0];
             filters[active]  <= f_q;
         end
         if (rst) begin
-            budget_q <= budget_i;
+            spent_q <= {ACCOUNT_W{1'b0}};
         end
     end
 

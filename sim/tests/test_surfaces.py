@@ -127,21 +127,25 @@ def squares(waves: np.ndarray) -> int:
     return sum(int(wave) ** 2 for wave in waves)
 
 
-@pytest.mark.parametrize("budget", [0, 1 << 50])
+@pytest.mark.parametrize("budgets", [(0,), (1 << 50,), (0, 1 << 50, 1 << 45)])
 @pytest.mark.parametrize("kind", ["full", "small", "echo"])
-def test_a_group_gives_out_no_more_than_it_took(kind: str, budget: int) -> None:
-    """Random words and commits, waves of any size, and waves that are what came out before."""
+def test_a_group_gives_out_no_more_than_it_took(kind: str, budgets: tuple[int, ...]) -> None:
+    """Random words and commits, waves of any size, and waves that are what came out before.
+
+    Of several budgets one after another is set, and the largest is the bound.
+    """
     rng = np.random.default_rng(7)
     seen: set[int] = set()
     for _ in range(40):
-        state, left = surfaces.new_state(), np.array([budget])
-        active, limits = np.zeros(MOST_ACTIVE, np.int64), np.array([1 << 25, budget])
+        state, spent = surfaces.new_state(), np.zeros(1, np.int64)
+        active, limits = np.zeros(MOST_ACTIVE, np.int64), np.array([1 << 25, 0])
         taken, given = 0, 0
         waves = np.zeros(PORTS, np.int64)
         for period in range(400):
             if period % 50 == 0:
                 planes, vectors = random_words(rng)
                 assert accepts(planes, vectors)
+                limits[surfaces.BUDGET] = budgets[period // 50 % len(budgets)]
             if kind == "full":
                 waves[:] = rng.choice([-WAVE_MAX - 1, WAVE_MAX, 0, 1, -1, 12345678], PORTS)
             elif kind == "small":
@@ -155,11 +159,11 @@ def test_a_group_gives_out_no_more_than_it_took(kind: str, budget: int) -> None:
             currents = rng.integers(-(1 << 30), 1 << 30, PORTS)
             free = int(rng.choice([ETA_ONE, ETA_ONE - 3, 0]))
             seen.add(surfaces_step(
-                state, left, active, planes, vectors, limits, positions, currents, free, waves
+                state, spent, active, planes, vectors, limits, positions, currents, free, waves
             ))  # fmt: skip
             given += squares(waves)
-            assert given <= taken + budget
-            assert 0 <= left[0] <= budget
+            assert given <= taken + max(budgets)
+            assert 0 <= spent[0] <= max(budgets)
             assert (state[:, surfaces.ACCOUNT] >= 0).all()
     assert seen == {0, 1, 2, 3}
 
@@ -169,7 +173,7 @@ def test_a_changing_filter_gives_nothing() -> None:
     planes, vectors = surfaces.new_planes(), surfaces.new_vectors()
     planes[0, PRESENT], planes[0, ETA], planes[0, ACROSS] = 1, -ETA_ONE, ETA_ONE
     vectors[0, 0] = ONE
-    state, left = surfaces.new_state(), np.zeros(1, np.int64)
+    state, spent = surfaces.new_state(), np.zeros(1, np.int64)
     active, nothing = np.zeros(3, np.int64), np.zeros(3, np.int64)
     taken, given = 0, 0
     for period in range(5000):
@@ -177,7 +181,7 @@ def test_a_changing_filter_gives_nothing() -> None:
         waves = np.array([1 << 20 if period < 20 else 0, 0, 0])
         taken += squares(waves)
         surfaces_step(
-            state, left, active, planes, vectors, np.zeros(2, np.int64), nothing, nothing,
+            state, spent, active, planes, vectors, np.zeros(2, np.int64), nothing, nothing,
             ETA_ONE, waves,
         )  # fmt: skip
         given += squares(waves)
@@ -270,7 +274,7 @@ def test_the_integers_are_the_law() -> None:
             vectors[row, :PORTS] = np.trunc(basis[axis] * ONE * (1.0 - 2.0**-24))
             vectors[row, MIX : MIX + 3] = rng.integers(-MIX_ONE, MIX_ONE, 3)
         assert accepts(planes, vectors)
-        state, left = surfaces.new_state(), np.array([1 << 60])
+        state, spent = surfaces.new_state(), np.zeros(1, np.int64)
         limits, filters = np.array([1 << 19, 1 << 60]), np.zeros(MOST_SURFACES)
         rests: list[float | None] = [None] * MOST_SURFACES
         active = np.zeros(MOST_ACTIVE, np.int64)
@@ -284,7 +288,7 @@ def test_the_integers_are_the_law() -> None:
                 planes, vectors, limits, positions, currents, free, waves, filters, rests
             )
             found = surfaces_step(
-                state, left, active, planes, vectors, limits, positions, currents, free, waves
+                state, spent, active, planes, vectors, limits, positions, currents, free, waves
             )
             assert found == touching
             counted[found] += 1

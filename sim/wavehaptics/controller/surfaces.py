@@ -17,8 +17,9 @@ orthogonal to those before (:func:`pair_row`, :func:`triple_row`).
 
 Each surface has an account: p² is added, y² is subtracted, and a y that it doesn't cover becomes 0.
 So neither a filter whose coefficient changes nor a wrong η gives out energy. The further energy of
-a moving wall comes from the group's budget; without budget the wall doesn't move. Over any time
-``Σ|u|² ≤ Σ|v|² + budget``, which ``sim/tests/test_surfaces.py`` checks.
+a moving wall comes from the group's budget, and what a surface still has when it is left pays that
+back. Without budget the wall doesn't move. Over any time ``Σ|u|² ≤ Σ|v|² + budget``, the largest
+that was set, which ``sim/tests/test_surfaces.py`` checks.
 
 **The wall velocity ξ.** With a constant g the sum of ``u_g + v_g`` keeps the wall where the contact
 began. When g turns, only the force is kept. The error of the wall's position is
@@ -194,11 +195,13 @@ def lose_across(vector: np.ndarray, waves: np.ndarray, eta: int, q: int, eta_q: 
 
 
 @compiled(inline="always")
-def answer(state: np.ndarray, left: np.ndarray, p: int, eta: int, a: int, velocity: int) -> int:
+def answer(
+    state: np.ndarray, spent: np.ndarray, p: int, eta: int, a: int, velocity: int, budget: int
+) -> int:
     """y of one surface for its wave p: ``η·H{p} + ξ``, within account and budget.
 
-    ``state`` int64 (SURFACE_STATES,) and the budget ``left`` int64 (1,) are updated; ``velocity``
-    is ξ. All are raw words.
+    ``state`` int64 (SURFACE_STATES,) and what is ``spent`` of the budget, int64 (1,), are updated;
+    ``velocity`` is ξ. All are raw words.
     """
     state[ACCOUNT] = min(state[ACCOUNT] + p * p, ACCOUNT_MAX)
     goal = truncate(eta * p, _ETA_Q) << _GUARD
@@ -214,13 +217,14 @@ def answer(state: np.ndarray, left: np.ndarray, p: int, eta: int, a: int, veloci
     state[FILTER] = f
     resting = truncate(f, _GUARD)
     y = saturate(resting + velocity)
-    if y * y > state[ACCOUNT] + left[0]:
+    funds = state[ACCOUNT] + max(budget - spent[0], 0)
+    if y * y > funds:
         y = resting
-    if y * y > state[ACCOUNT] + left[0]:
+    if y * y > funds:
         y = 0
     given = y * y
     if given > state[ACCOUNT]:
-        left[0] -= given - state[ACCOUNT]
+        spent[0] += given - state[ACCOUNT]
         state[ACCOUNT] = 0
     else:
         state[ACCOUNT] -= given
@@ -291,17 +295,17 @@ def _row_of(order: int, first: int, second: int, third: int) -> int:
 
 @compiled()
 def surfaces_step(
-    state: np.ndarray, left: np.ndarray, active: np.ndarray, planes: np.ndarray,
+    state: np.ndarray, spent: np.ndarray, active: np.ndarray, planes: np.ndarray,
     vectors: np.ndarray, limits: np.ndarray, positions: np.ndarray, currents: np.ndarray, free: int,
     waves: np.ndarray,
 ) -> int:  # fmt: skip
     """One period of a group. Returns how many surfaces act; ``waves`` become their goal u.
 
-    ``planes``, ``vectors`` and ``limits`` are words that :func:`accepts` took; ``state``, the
-    budget ``left`` int64 (1,) and ``active`` int64 (MOST_ACTIVE,), the numbers of those in contact,
-    are updated. ``positions`` in counts, ``currents`` and ``waves`` int64 (PORTS,) are the
-    period's; ``waves`` are v, or what a wall of a port's own makes of it. ``free`` is the least η
-    of the ports' free space. Where no surface acts the waves stay as they are.
+    ``planes``, ``vectors`` and ``limits`` are words that :func:`accepts` took; ``state``, what is
+    ``spent`` of the budget, int64 (1,), and ``active`` int64 (MOST_ACTIVE,), the numbers of those
+    in contact, are updated. ``positions`` in counts, ``currents`` and ``waves`` int64 (PORTS,) are
+    the period's; ``waves`` are v, or what a wall of a port's own makes of it. ``free`` is the least
+    η of the ports' free space. Where no surface acts the waves stay as they are.
     """
     touching = 0
     for surface in range(MOST_SURFACES):
@@ -309,7 +313,7 @@ def surfaces_step(
         place = depth(plane, positions)
         if plane[PRESENT] == 0 or place < 0 or touching == MOST_ACTIVE:
             if state[surface, TOUCHING] != 0:
-                left[0] = min(left[0] + state[surface, ACCOUNT], limits[BUDGET])
+                spent[0] = max(spent[0] - state[surface, ACCOUNT], 0)
                 state[surface] = 0
             continue
         if state[surface, TOUCHING] == 0:
@@ -352,6 +356,6 @@ def surfaces_step(
         velocity = min(max(velocity, -limits[VELOCITY_MAX]), limits[VELOCITY_MAX])
         p, side = along(vector, waves, _Q)
         plane = planes[surface]
-        y = answer(state[surface], left, p, plane[ETA], plane[A], velocity)
+        y = answer(state[surface], spent, p, plane[ETA], plane[A], velocity, limits[BUDGET])
         replace_along(vector, waves, p, side, y, _Q)
     return touching

@@ -164,7 +164,7 @@ def _advance_golden(
     """Fill the rows, the words and the tip's rows; ``group`` is what the surfaces have, ``between``
     the line of a virtual shaft and its next row, −1 without one."""
     line, line_at = between
-    surface_states, left, active, planes, vectors, limits, positions, currents, waves = group
+    surface_states, spent, active, planes, vectors, limits, positions, currents, waves = group
     wall_min, wall_max = walls
     anchor_words, anchor_states = anchors
     reals, sensors = motors[2], motors[3]
@@ -217,7 +217,7 @@ def _advance_golden(
             acting = 1
         elif not faulty:
             acting = surfaces.surfaces_step(
-                surface_states, left, active, planes, vectors, limits, positions, currents, free,
+                surface_states, spent, active, planes, vectors, limits, positions, currents, free,
                 waves,
             )  # fmt: skip
         for motor in range(count_):
@@ -529,11 +529,10 @@ class JointSimulation(JointLoop):
         self._between = (
             coupling.new_line(max(self.line_ticks, 0)), np.array([min(self.line_ticks, 0)]),
         )  # fmt: skip
-        budget = self.budget
         self._group = (
-            surfaces.new_state(), np.array([budget], dtype=np.int64),
+            surfaces.new_state(), np.zeros(1, dtype=np.int64),
             np.zeros(surfaces.MOST_ACTIVE, dtype=np.int64), surfaces.new_planes(),
-            surfaces.new_vectors(), np.array([0, budget], dtype=np.int64),
+            surfaces.new_vectors(), np.array([0, self.budget], dtype=np.int64),
             np.zeros(_PORTS, dtype=np.int64), np.zeros(_PORTS, dtype=np.int64),
             np.zeros(_PORTS, dtype=np.int64),
         )  # fmt: skip

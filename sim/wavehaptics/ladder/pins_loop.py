@@ -259,6 +259,10 @@ def _catch_up(state, kept, sums, tables, floats, ints, load, sensor, real):
 STEP_CLOCKS = 8
 """More than the filter of A and B needs by default."""
 
+FIRST_LOOK = 32
+"""Clock until which an encoder shows the count at which its rotor starts. After a reset
+``rtl/wh_quadrature.v`` follows A and B for 15 clocks without counting: an edge would be lost."""
+
 
 @compiled()
 def next_edge(state, kept, cell, dt, end_s, real):
@@ -266,8 +270,11 @@ def next_edge(state, kept, cell, dt, end_s, real):
 
     The rotor is taken to keep its speed until then, for at most 32 clocks; it can't change by more
     than 1e-8 rad in that time. An absolute encoder's A and B follow its count in steps of one,
-    STEP_CLOCKS apart.
+    STEP_CLOCKS apart. Until FIRST_LOOK the count stays that at which the rotor starts.
     """
+    if kept[NOW] < FIRST_LOOK:
+        kept[NEXT_LOOK] = FIRST_LOOK
+        return
     if kept[NOW] * dt >= end_s:
         kept[NEXT_LOOK] = 1 << 62
         return

@@ -66,10 +66,14 @@ class ArmOnBoard:
         return self._count_at_reset * self._board.settings.cell_rad
 
     def write_surfaces(self, stamp: int) -> list[bytes]:
-        """Write the planes of the space's surfaces where the encoders are; the board's answers."""
+        """Write what moving surfaces may give out, and the planes of the space's surfaces where the
+        encoders are; the board's answers."""
+        budget = WORDS["surface_budget"]
+        energy = budget.fixed.to_raw(self._space.device.wall_energy_j / self.tick_s)
         words = as_words(self.host.look(self._kept[:, pins_loop.COUNT] - self._count_at_reset))
         registers = as_registers(*words, count=len(self._space.solids))
-        return [self.write(first, raws) for first, raws in as_writes(registers, stamp)]
+        writes = [(budget.at(), [energy]), *as_writes(registers, stamp)]
+        return [self.write(first, raws) for first, raws in writes]
 
     def advance(self, seconds: float) -> np.ndarray:
         """Rows (motors, ticks, Column) of the next ``seconds``; the arming is renewed."""
