@@ -114,7 +114,7 @@ module prove_wh_surfaces #(
     (* hierconn *) wire [9:7]                \block.filtered_q ;
     (* hierconn *) wire [2:1]                \block.paid_q ;
     (* hierconn *) wire [2:1]                \block.settles_q ;
-    (* hierconn *) wire [2:1]                \block.left_behind_q ;
+    (* hierconn *) wire                      \block.left_behind_q ;
     (* hierconn *) wire [2:1]                \block.came_q ;
     (* hierconn *) wire                      \block.out_q ;
     (* hierconn *) wire signed [DATA_W-1:0]  \block.most_q ;
@@ -205,7 +205,7 @@ module prove_wh_surfaces #(
     endfunction
 
     wire quiet = !\block.limited_q && !\block.mixed_q && \block.bent_q == 3'd0 && \block.paid_q == 2'd0
-                 && \block.settles_q == 2'd0 && \block.left_behind_q == 2'd0 && \block.came_q == 2'd0
+                 && \block.settles_q == 2'd0 && !\block.left_behind_q  && \block.came_q == 2'd0
                  && !\block.out_q ;
     wire rests = quiet && \block.filtered_q == 3'd0;
 

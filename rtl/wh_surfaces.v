@@ -609,11 +609,11 @@ module wh_surfaces #(
     wire                      tests    = is_6 == PLACE;
     wire                      touches  = present_i[tested] && !place_q[PLACE_W-1] && acting_q != 2'd3;
     wire                      leaves   = tests && !touches && touching_q[tested];
-    reg  [2:1]                left_behind_q;  // clocks since
+    reg                       left_behind_q;  // the clock after it
 
     always @(posedge clk) begin
         place_q       <= place;
-        left_behind_q <= rst ? 2'd0 : {left_behind_q[1], leaves};
+        left_behind_q <= leaves && !rst;
         if (starts) begin
             acting_q <= 2'd0;
         end else if (tests && touches) begin
@@ -825,7 +825,7 @@ module wh_surfaces #(
             asked_r_q <= covered;
         end
         // A surface that is left pays back what its account has; one whose y was more than its account owes the rest.
-        if (left_behind_q[1] || (settles_q[1] && account_q[SUM_W-1])) begin
+        if (left_behind_q || (settles_q[1] && account_q[SUM_W-1])) begin
             spent_q <= spent[SUM_W-1] ? {ACCOUNT_W{1'b0}} : spent[ACCOUNT_W-1:0];
         end
         // The budget may change at any time.

@@ -117,7 +117,9 @@ def obeys_the_line(built: Build) -> None:
     assert simulation.report().running
     (face, _), *_ = built.board.words().ports.walls
     cells = 40
-    answered(simulation, write_frame(WORDS["wall_min"].at(), [face + cells]), 8)
+    # Several motors are one: each port's wall goes.
+    for motor in range(built.board.fpga.motors):
+        answered(simulation, write_frame(WORDS["wall_min"].at(motor), [face + cells]), 8)
     rows = advanced(simulation, PRESS_S)
     pushed = rows[np.abs(rows[:, Column.TORQUE]) > 2e-3, Column.X]
     assert pushed.min() > (cells - 1) * simulation.settings.cell_rad
