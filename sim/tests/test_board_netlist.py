@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from wavehaptics.fpga.boards import Board, BoardError, board_names, load_board
 from wavehaptics.ladder import sampled
-from wavehaptics.ladder.linked_pins import write_frame
+from wavehaptics.ladder.linked_pins import ANSWER_BYTES
 from wavehaptics.ladder.run import measure
 from wavehaptics.laws import closed_forms
 from wavehaptics.runtime.repository import CELLS, ROOT
@@ -23,10 +23,9 @@ from wavehaptics.runtime.toolchain import Toolchain
 from wavehaptics.scene import Scene, load_device
 from wavehaptics.trace.columns import Column, Word
 from wavehaptics.words import formats
-from wavehaptics.words.modbus import BAUDS
 from wavehaptics.words.table import WORDS
 from wavetools.fpga import board_runs, placed, synthesis
-from wavetools.fpga.board_arm import ArmOnBoard
+from wavetools.fpga.board_arm import ArmOnBoard, MotorsOnBoard
 from wavetools.fpga.board_simulation import (
     BoardSimulation,
     Build,
@@ -100,38 +99,29 @@ def taps(built: Build) -> None:
     assert_quiet(found["pins"])
 
 
-def answered(simulation: BoardSimulation, frame: bytes, length: int) -> bytes:
-    """The answer to a question on the line of a board that goes on meanwhile."""
-    simulation.send(frame)
-    advanced(simulation, (len(frame) + length + 4) * 10 / BAUDS[0])
-    answer = simulation.received()
-    assert len(answer) == length
-    return answer
-
-
 def obeys_the_line(built: Build) -> None:
-    """Armed over it; a wall that it moves is felt there; a 0 ends it, and so does silence."""
-    simulation = on_board(built, board_scene(built.board, HARD), by_line=True)
-    assert simulation.received()[:2] == b"\x01\x10"
-    advanced(simulation, 1e-4)
-    assert simulation.report().running
+    """Armed over it; walls that it moves are felt there; a 0 ends it, and so does silence."""
+    motors = built.board.fpga.motors
+    board = MotorsOnBoard(built, board_scene(built.board, HARD), motors)
+    board.advance(1e-4)
+    assert board.report().running
     (face, _), *_ = built.board.words().ports.walls
     cells = 40
-    # Several motors are one: each port's wall goes.
-    for motor in range(built.board.fpga.motors):
-        answered(simulation, write_frame(WORDS["wall_min"].at(motor), [face + cells]), 8)
-    rows = advanced(simulation, PRESS_S)
-    pushed = rows[np.abs(rows[:, Column.TORQUE]) > 2e-3, Column.X]
-    assert pushed.min() > (cells - 1) * simulation.settings.cell_rad
-    assert simulation.report().running
-    answered(simulation, write_frame(WORDS["arm"].at(), [0]), 8)
-    assert not simulation.report().running
-    answered(simulation, write_frame(WORDS["arm"].at(), [1]), 8)
-    advanced(simulation, 2e-3)
-    assert simulation.report().running
-    advanced(simulation, 0.2)
-    assert not simulation.report().running
-    assert_quiet(asdict(simulation.report()) | {"running": True})
+    for motor in range(motors):
+        assert len(board.write(WORDS["wall_min"].at(motor), [face + cells])) == ANSWER_BYTES
+    rows = board.advance(PRESS_S)
+    for found in rows:
+        pushed = found[np.abs(found[:, Column.TORQUE]) > 2e-3, Column.X]
+        assert pushed.min() > (cells - 1) * board.settings.cell_rad
+    assert board.report().running
+    assert len(board.write(WORDS["arm"].at(), [0])) == ANSWER_BYTES
+    assert not board.report().running
+    assert len(board.write(WORDS["arm"].at(), [1])) == ANSWER_BYTES
+    board.advance(2e-3)
+    assert board.report().running
+    board.advance(0.2)
+    assert not board.report().running
+    assert_quiet(asdict(board.report()) | {"running": True, "apart": 0})
 
 
 BEYOND_CELLS = 0.25

@@ -2,7 +2,7 @@
 """A whole board with a motor at each port, and an arm with a hand between them.
 
 It is begun with one motor for all ports (:mod:`wavetools.fpga.board_simulation`), over its line.
-Then a computer writes surfaces, and renews the arming.
+To an arm a computer writes surfaces, and renews the arming.
 """
 
 from __future__ import annotations
@@ -26,23 +26,21 @@ from wavehaptics.words.table import WORDS
 from wavetools.fpga.board_simulation import Build, Report, on_board
 
 ARMED_S = 0.1
-"""How often the arming is renewed, s; the board ends it after 200 ms."""
+"""How often an arm's arming is renewed, s; the board ends it after 200 ms."""
 
 HAND_PARTS = 2
 """Parts of a tick, in each of which the hand's torque is constant."""
 
 
-class ArmOnBoard:
-    """The motors of ``space``, whose Jacobian is constant, each that of ``scene``, with its hand.
+class MotorsOnBoard:
+    """The board of ``built``, armed over its line, with a motor and hand of ``scene`` at each port.
 
-    Angles are 0 where the rotors are at reset, as are the board's counts.
+    Angles are those of the scene.
     """
 
-    def __init__(self, built: Build, scene: Scene, space: Space) -> None:
+    def __init__(self, built: Build, scene: Scene, motors: int) -> None:
         self._board = first = on_board(built, scene, by_line=True)
-        self._space, motors = space, space.arm.motors
-        self.tick_s = first.tick_s
-        self._count_at_reset = built.board.words().ports.start_count
+        self.tick_s, self.settings = first.tick_s, first.settings
         self._kept = np.stack([first._kept] * motors)
         self._each = [copy(first) for _ in range(motors)]
         for motor, kept in zip(self._each, self._kept, strict=True):
@@ -51,19 +49,57 @@ class ArmOnBoard:
             motor._pending, motor._buffer = first._pending.copy(), first._buffer.copy()
             motor._bits, motor._real = first._bits.copy(), first._imperfections(scene)
         first.part()
+
+    def advance(self, seconds: float) -> np.ndarray:
+        """Rows (motors, ticks, Column) of the next ``seconds``."""
+        ticks = round(seconds / self.tick_s)
+        rows = np.zeros((len(self._each), ticks, len(Column)))
+        words = np.zeros((len(self._each), ticks, len(Word)), dtype=np.int64)
+        pass_ticks(list(rows), list(words), self._kept, self._each, tip=self._tip(ticks))
+        return rows
+
+    def _tip(self, ticks: int) -> tuple | None:
+        """What :func:`pass_ticks` has of a hand at the motors' tip for so many ticks."""
+        del ticks
+        return None
+
+    def write(self, first: int, raws: Sequence[int]) -> bytes:
+        """The board's answer to a write over its line; the motors go on meanwhile."""
+        question = write_frame(first, list(raws))
+        self._board.received()
+        self._board.send(question)
+        MotorsOnBoard.advance(self, (len(question) + ANSWER_BYTES + 4) * 10 / BAUDS[0])
+        return self._board.received()
+
+    def report(self) -> Report:
+        """What the pins have shown so far."""
+        return self._board.report()
+
+
+class ArmOnBoard(MotorsOnBoard):
+    """The motors of ``space``, whose Jacobian is constant, each that of ``scene``, with its hand.
+
+    Angles are 0 where the rotors are at reset, as are the board's counts. The arming is renewed.
+    """
+
+    def __init__(self, built: Build, scene: Scene, space: Space) -> None:
+        motors = space.arm.motors
+        super().__init__(built, scene, motors)
+        self._space = space
+        self._count_at_reset = built.board.words().ports.start_count
         hand = hand_words(space)
         hand[HOME : HOME + 3] += space.arm.tip(np.full(motors, self.at_reset_rad))
         self._hand = (
             space.arm.geometry, hand,
-            np.array([self._kept[0, pins_loop.NOW], first.timing.tick_clocks // HAND_PARTS]),
+            np.array([self._kept[0, pins_loop.NOW], self._board.timing.tick_clocks // HAND_PARTS]),
         )  # fmt: skip
-        self.host = JointHost(space, [scene] * motors, [first.settings] * motors).host
+        self.host = JointHost(space, [scene] * motors, [self.settings] * motors).host
         """It knows of each motor what the scene does."""
 
     @property
     def at_reset_rad(self) -> float:
         """Where the rotors were at reset, in the angles of the board's scene."""
-        return self._count_at_reset * self._board.settings.cell_rad
+        return self._count_at_reset * self.settings.cell_rad
 
     def write_surfaces(self, stamp: int) -> list[bytes]:
         """Write what moving surfaces may give out, and the planes of the space's surfaces where the
@@ -76,31 +112,13 @@ class ArmOnBoard:
         return [self.write(first, raws) for first, raws in writes]
 
     def advance(self, seconds: float) -> np.ndarray:
-        """Rows (motors, ticks, Column) of the next ``seconds``; the arming is renewed."""
-        rows = [self._advance(min(ARMED_S, seconds - n * ARMED_S))
-                for n in range(math.ceil(seconds / ARMED_S - 1e-9))]  # fmt: skip
-        return np.concatenate(rows, axis=1)
+        rows = []
+        for n in range(math.ceil(seconds / ARMED_S - 1e-9)):
+            self._board.send(write_frame(WORDS["arm"].at(), [1]))
+            rows.append(super().advance(min(ARMED_S, seconds - n * ARMED_S)))
+        found = np.concatenate(rows, axis=1)
+        found[:, :, Column.X] -= self.at_reset_rad
+        return found
 
-    def _advance(self, seconds: float) -> np.ndarray:
-        self._board.send(write_frame(WORDS["arm"].at(), [1]))
-        return self._pass(round(seconds / self.tick_s))
-
-    def _pass(self, ticks: int) -> np.ndarray:
-        rows = np.zeros((len(self._each), ticks, len(Column)))
-        words = np.zeros((len(self._each), ticks, len(Word)), dtype=np.int64)
-        tip = *self._hand, np.zeros(ticks, dtype=np.int64), *hand_room(len(self._each))
-        pass_ticks(list(rows), list(words), self._kept, self._each, tip=tip)
-        rows[:, :, Column.X] -= self.at_reset_rad
-        return rows
-
-    def write(self, first: int, raws: Sequence[int]) -> bytes:
-        """The board's answer to a write over its line; the motors go on meanwhile."""
-        question = write_frame(first, list(raws))
-        self._board.received()
-        self._board.send(question)
-        self._pass(math.ceil((len(question) + ANSWER_BYTES + 4) * 10 / BAUDS[0] / self.tick_s))
-        return self._board.received()
-
-    def report(self) -> Report:
-        """What the pins have shown so far."""
-        return self._board.report()
+    def _tip(self, ticks: int) -> tuple:
+        return *self._hand, np.zeros(ticks, dtype=np.int64), *hand_room(len(self._each))
