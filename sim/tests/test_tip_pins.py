@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from functools import partial
+from math import floor
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,14 @@ from test_tip import CONTROL, HEAD, MOTOR, PLANE, PRESS, REAL, load, told
 from wavehaptics.controller.pins_timing import look_clocks, turns_clocks
 from wavehaptics.controller.tick_layout import scene_frame, timing
 from wavehaptics.controller.turns import turns_ports
+from wavehaptics.ladder import pins_loop
+from wavehaptics.ladder.joint_pins import JointPins
 from wavehaptics.ladder.joint_run import TIP_PICTURE, TIP_TRACE, measure_device
 from wavehaptics.ladder.refusals import check_device
 from wavehaptics.ladder.run import run_device
+from wavehaptics.motor.plant import X
 from wavehaptics.scene import Device, SceneError, find_scene, load_device
-from wavehaptics.trace.columns import Column, load_trace
+from wavehaptics.trace.columns import Column, Word, load_trace
 from wavehaptics.trace.tip import Tip
 
 NORMAL = [0.6, -0.8, 0.0]
@@ -100,6 +104,19 @@ def test_keys_of_host_and_surface_have_an_effect_on_pins(tmp_path: Path) -> None
         assert not np.array_equal(rows[:, :, 1:], usual[:, :, 1:]), key
     again, _ = kept_rows(pressed(tmp_path, *sets), "pins")
     np.testing.assert_array_equal(again, usual)
+
+
+def test_rotors_that_start_at_the_end_of_a_count(tmp_path: Path) -> None:
+    """They leave it within the first clocks, and the RTL has each where it is."""
+    pins = JointPins(pressed(tmp_path, "drive.dead_time_s=8e-8", normal=(-0.6, 0.8, 0.0)))
+    ticks = 3
+    pins.advance(
+        np.zeros((2, ticks, len(Column))), np.zeros((2, ticks, len(Word)), dtype=np.int64),
+        np.zeros((ticks, len(Tip))),
+    )  # fmt: skip
+    counts = [floor(motor._state[X] / motor.settings.cell_rad) for motor in pins.motors]
+    assert counts == [-1, -1]
+    assert [motor._buffer[pins_loop.POSITION_WORD] for motor in pins.motors] == counts
 
 
 @pytest.mark.parametrize("motors", [2, 1])
