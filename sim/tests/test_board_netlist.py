@@ -103,6 +103,7 @@ def obeys_the_line(built: Build) -> None:
     """Armed over it; walls that it moves are felt there; a 0 ends it, and so does silence."""
     motors = built.board.fpga.motors
     board = MotorsOnBoard(built, board_scene(built.board, HARD), motors)
+    assert board.received()[:2] == b"\x01\x10"
     board.advance(1e-4)
     assert board.report().running
     (face, _), *_ = built.board.words().ports.walls

@@ -52,6 +52,9 @@ class MotorsOnBoard:
 
     def advance(self, seconds: float) -> np.ndarray:
         """Rows (motors, ticks, Column) of the next ``seconds``."""
+        return self._pass(seconds)
+
+    def _pass(self, seconds: float) -> np.ndarray:
         ticks = round(seconds / self.tick_s)
         rows = np.zeros((len(self._each), ticks, len(Column)))
         words = np.zeros((len(self._each), ticks, len(Word)), dtype=np.int64)
@@ -66,9 +69,13 @@ class MotorsOnBoard:
     def write(self, first: int, raws: Sequence[int]) -> bytes:
         """The board's answer to a write over its line; the motors go on meanwhile."""
         question = write_frame(first, list(raws))
-        self._board.received()
+        self.received()
         self._board.send(question)
-        MotorsOnBoard.advance(self, (len(question) + ANSWER_BYTES + 4) * 10 / BAUDS[0])
+        self._pass((len(question) + ANSWER_BYTES + 4) * 10 / BAUDS[0])
+        return self.received()
+
+    def received(self) -> bytes:
+        """Bytes that came over the line since the last time."""
         return self._board.received()
 
     def report(self) -> Report:
@@ -115,7 +122,7 @@ class ArmOnBoard(MotorsOnBoard):
         rows = []
         for n in range(math.ceil(seconds / ARMED_S - 1e-9)):
             self._board.send(write_frame(WORDS["arm"].at(), [1]))
-            rows.append(super().advance(min(ARMED_S, seconds - n * ARMED_S)))
+            rows.append(self._pass(min(ARMED_S, seconds - n * ARMED_S)))
         found = np.concatenate(rows, axis=1)
         found[:, :, Column.X] -= self.at_reset_rad
         return found
